@@ -1,0 +1,495 @@
+//! What a kernel needs beyond arithmetic: tables, links and loops.
+//!
+//! A kernel is a function over a [`Machine`]. Everything that a plain program
+//! would do with arrays, `for` and `if` goes through it, in one form that every
+//! reading understands:
+//!
+//! ```text
+//! for b in k.range(0, bodies) {          // a loop; stays a loop when traced
+//!     let parent = k.link(t.parent, b, 0);        // an index read from a table
+//!     for _ in k.when(k.equals(kind, REVOLUTE)) { // a branch that is the same in all worlds
+//!         ...
+//!     }
+//!     for _ in k.if_any(mask) {           // work that is skipped when no lane needs it
+//!         k.store_where(mask, table, b, FIELD, x);
+//!     }
+//!     if k.finished(done) { break; }      // leave when every lane is done
+//! }
+//! ```
+//!
+//! On the CPU these are a range, a branch and `any()`; the tracer hands out a
+//! symbolic index once and closes the block when the iterator is asked again.
+//! Two rules follow. A value that changes from one round to the next lives in a
+//! table or a [`Cell`], not in a `let mut`. And inside `if_any`, writes are
+//! masked, since the lanes that did not ask run along.
+
+use crate::{LanesMask, Mat3, Pose, Quat, Real, SymMat3, Vec3};
+use core::fmt::Debug;
+use core::marker::PhantomData;
+use core::ops::Range;
+
+/// The memories a kernel reads and writes.
+pub mod space {
+    /// Which memory a table lies in.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+    #[allow(missing_docs)]
+    pub enum Kind {
+        State,
+        Input,
+        Output,
+        Scratch,
+        Parameter,
+    }
+    /// A memory of numbers.
+    pub trait Space: Copy {
+        /// Which one.
+        const KIND: Kind;
+    }
+    /// A memory that kernels may write.
+    pub trait Writable: Space {}
+
+    macro_rules! space {
+        ($(#[$doc:meta])* $name:ident) => {
+            $(#[$doc])*
+            #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+            pub struct $name;
+            impl Space for $name {
+                const KIND: Kind = Kind::$name;
+            }
+        };
+    }
+    space!(
+        /// What a world carries from step to step.
+        State
+    );
+    space!(
+        /// What a controller writes and a kernel reads, per world.
+        Input
+    );
+    space!(
+        /// What a kernel reports, per world.
+        Output
+    );
+    space!(
+        /// Intermediate results, per thread; contents do not outlive a block.
+        Scratch
+    );
+    space!(
+        /// Constants of the model, shared by all worlds or held per world.
+        Parameter
+    );
+    impl Writable for State {}
+    impl Writable for Output {}
+    impl Writable for Scratch {}
+}
+
+use space::{Kind, Space, Writable};
+
+/// Rows of `width` numbers, starting at `base`, in the memory `S`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Table<S> {
+    /// Offset of the first number.
+    pub base: usize,
+    /// Numbers in a row.
+    pub width: usize,
+    memory: PhantomData<S>,
+}
+
+impl<S> Table<S> {
+    /// `rows` rows of `width`, placed at `*end`, which moves past them.
+    pub fn place(end: &mut usize, rows: usize, width: usize) -> Self {
+        let base = *end;
+        *end += rows * width;
+        Self { base, width, memory: PhantomData }
+    }
+    /// Offset of a field of a row.
+    #[inline(always)]
+    pub fn at(&self, row: usize, field: usize) -> usize {
+        self.base + row * self.width + field
+    }
+}
+
+/// Rows of `width` whole numbers (kinds, parents, ranges), the same in all worlds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Links {
+    /// Offset of the first number.
+    pub base: usize,
+    /// Numbers in a row.
+    pub width: usize,
+}
+
+impl Links {
+    /// `rows` rows of `width`, placed at `*end`, which moves past them.
+    pub fn place(end: &mut usize, rows: usize, width: usize) -> Self {
+        let base = *end;
+        *end += rows * width;
+        Self { base, width }
+    }
+    /// Offset of a field of a row.
+    #[inline(always)]
+    pub fn at(&self, row: usize, field: usize) -> usize {
+        self.base + row * self.width + field
+    }
+}
+
+/// A whole number that is the same in all lanes: a row, a count, a kind.
+pub trait Index: Copy + Debug {
+    /// Sum.
+    fn plus(self, other: Self) -> Self;
+    /// Sum with a literal.
+    fn offset(self, n: usize) -> Self;
+}
+
+/// A number that changes from one round of a loop to the next.
+pub trait Cell<R> {
+    /// The present value.
+    fn get(&self) -> R;
+    /// Replaces it.
+    fn set(&mut self, x: R);
+}
+
+/// What runs, or records, a kernel.
+pub trait Machine {
+    /// The numbers.
+    type R: Real;
+    /// The indices.
+    type I: Index;
+    /// A condition that is the same in all lanes.
+    type Flag: Copy;
+    /// A loop-carried number.
+    type Cell: Cell<Self::R>;
+    /// Rounds of a loop.
+    type Rounds: Iterator<Item = Self::I>;
+    /// One round or none.
+    type Once: Iterator<Item = ()>;
+
+    /// A literal index.
+    fn index(&self, i: usize) -> Self::I;
+    /// Reads a number. Panics where the row lies outside the memory.
+    fn load<S: Space>(&self, table: Table<S>, row: Self::I, field: usize) -> Self::R;
+    /// Writes a number in all lanes. Panics where the row lies outside the memory.
+    fn store<S: Writable>(&mut self, table: Table<S>, row: Self::I, field: usize, x: Self::R);
+    /// Reads a whole number.
+    fn link(&self, links: Links, row: Self::I, field: usize) -> Self::I;
+    /// `from, from + 1, … to − 1`.
+    fn range(&self, from: Self::I, to: Self::I) -> Self::Rounds;
+    /// `n − 1, … 1, 0`.
+    fn range_down(&self, n: Self::I) -> Self::Rounds;
+    /// Once if the flag holds.
+    fn when(&self, flag: Self::Flag) -> Self::Once;
+    /// Once if the mask holds in any lane.
+    fn if_any(&self, mask: <Self::R as Real>::Mask) -> Self::Once;
+    /// True when the mask holds in every lane: `if k.finished(m) { break; }`.
+    fn finished(&self, mask: <Self::R as Real>::Mask) -> bool;
+    /// `a == b`.
+    fn equals(&self, a: Self::I, b: usize) -> Self::Flag;
+    /// `a < b`.
+    fn less(&self, a: Self::I, b: Self::I) -> Self::Flag;
+    /// A cell that holds `x`.
+    fn cell(&self, x: Self::R) -> Self::Cell;
+
+    /// `0, 1, … n − 1` for a literal `n`.
+    #[inline(always)]
+    fn count(&self, n: usize) -> Self::Rounds {
+        self.range(self.index(0), self.index(n))
+    }
+    /// Writes where the mask holds.
+    #[inline(always)]
+    fn store_where<S: Writable>(
+        &mut self,
+        mask: <Self::R as Real>::Mask,
+        table: Table<S>,
+        row: Self::I,
+        field: usize,
+        x: Self::R,
+    ) {
+        let old = self.load(table, row, field);
+        self.store(table, row, field, Self::R::select(mask, x, old));
+    }
+    /// Adds to a number.
+    #[inline(always)]
+    fn add<S: Writable>(&mut self, table: Table<S>, row: Self::I, field: usize, x: Self::R) {
+        let sum = self.load(table, row, field) + x;
+        self.store(table, row, field, sum);
+    }
+    /// Reads three fields.
+    #[inline(always)]
+    fn vec3<S: Space>(&self, table: Table<S>, row: Self::I, field: usize) -> Vec3<Self::R> {
+        Vec3::new(
+            self.load(table, row, field),
+            self.load(table, row, field + 1),
+            self.load(table, row, field + 2),
+        )
+    }
+    /// Writes three fields.
+    #[inline(always)]
+    fn store_vec3<S: Writable>(
+        &mut self,
+        table: Table<S>,
+        row: Self::I,
+        field: usize,
+        v: Vec3<Self::R>,
+    ) {
+        self.store(table, row, field, v.x);
+        self.store(table, row, field + 1, v.y);
+        self.store(table, row, field + 2, v.z);
+    }
+    /// Adds to three fields.
+    #[inline(always)]
+    fn add_vec3<S: Writable>(
+        &mut self,
+        table: Table<S>,
+        row: Self::I,
+        field: usize,
+        v: Vec3<Self::R>,
+    ) {
+        let sum = self.vec3(table, row, field) + v;
+        self.store_vec3(table, row, field, sum);
+    }
+    /// Reads four fields x, y, z, w.
+    #[inline(always)]
+    fn quat<S: Space>(&self, table: Table<S>, row: Self::I, field: usize) -> Quat<Self::R> {
+        Quat::from_parts(
+            self.vec3(table, row, field),
+            self.load(table, row, field + 3),
+        )
+    }
+    /// Writes four fields x, y, z, w.
+    #[inline(always)]
+    fn store_quat<S: Writable>(
+        &mut self,
+        table: Table<S>,
+        row: Self::I,
+        field: usize,
+        q: Quat<Self::R>,
+    ) {
+        self.store_vec3(table, row, field, q.vector());
+        self.store(table, row, field + 3, q.w);
+    }
+    /// Reads seven fields: position, orientation.
+    #[inline(always)]
+    fn pose<S: Space>(&self, table: Table<S>, row: Self::I, field: usize) -> Pose<Self::R> {
+        Pose::new(self.vec3(table, row, field), self.quat(table, row, field + 3))
+    }
+    /// Writes seven fields: position, orientation.
+    #[inline(always)]
+    fn store_pose<S: Writable>(
+        &mut self,
+        table: Table<S>,
+        row: Self::I,
+        field: usize,
+        pose: Pose<Self::R>,
+    ) {
+        self.store_vec3(table, row, field, pose.p);
+        self.store_quat(table, row, field + 3, pose.q);
+    }
+    /// Reads nine fields, column by column.
+    #[inline(always)]
+    fn mat3<S: Space>(&self, table: Table<S>, row: Self::I, field: usize) -> Mat3<Self::R> {
+        Mat3::from_columns(
+            self.vec3(table, row, field),
+            self.vec3(table, row, field + 3),
+            self.vec3(table, row, field + 6),
+        )
+    }
+    /// Reads six fields: xx, yy, zz, xy, xz, yz.
+    #[inline(always)]
+    fn sym<S: Space>(&self, table: Table<S>, row: Self::I, field: usize) -> SymMat3<Self::R> {
+        SymMat3::new(self.vec3(table, row, field), self.vec3(table, row, field + 3))
+    }
+    /// Writes six fields: xx, yy, zz, xy, xz, yz.
+    #[inline(always)]
+    fn store_sym<S: Writable>(
+        &mut self,
+        table: Table<S>,
+        row: Self::I,
+        field: usize,
+        m: SymMat3<Self::R>,
+    ) {
+        self.store_vec3(table, row, field, Vec3::new(m.xx, m.yy, m.zz));
+        self.store_vec3(table, row, field + 3, Vec3::new(m.xy, m.xz, m.yz));
+    }
+}
+
+impl Index for usize {
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        self + other
+    }
+    #[inline(always)]
+    fn offset(self, n: usize) -> Self {
+        self + n
+    }
+}
+
+/// Where a CPU kernel finds the constants of the model.
+pub trait Parameters<R: Real>: Copy {
+    /// The number at an offset, for all lanes.
+    fn at(&self, offset: usize) -> R;
+}
+
+/// One number for all worlds, broadcast on use.
+#[derive(Clone, Copy, Debug)]
+pub struct Shared<'a, R: Real>(pub &'a [R::Scalar]);
+
+/// A number for each world.
+#[derive(Clone, Copy, Debug)]
+pub struct PerWorld<'a, R>(pub &'a [R]);
+
+impl<R: Real> Parameters<R> for Shared<'_, R> {
+    #[inline(always)]
+    fn at(&self, offset: usize) -> R {
+        R::splat(self.0[offset])
+    }
+}
+
+impl<R: Real> Parameters<R> for PerWorld<'_, R> {
+    #[inline(always)]
+    fn at(&self, offset: usize) -> R {
+        self.0[offset]
+    }
+}
+
+/// The machine that runs a kernel on the CPU, over one block of worlds.
+#[derive(Debug)]
+pub struct Cpu<'a, R, P> {
+    /// What a world carries from step to step.
+    pub state: &'a mut [R],
+    /// What a controller wrote.
+    pub input: &'a [R],
+    /// What the kernel reports.
+    pub output: &'a mut [R],
+    /// Intermediate results.
+    pub scratch: &'a mut [R],
+    /// Constants of the model.
+    pub parameters: P,
+    /// Whole numbers: kinds, parents, ranges.
+    pub links: &'a [u32],
+}
+
+/// A loop-carried number on the CPU: a plain variable.
+#[derive(Clone, Copy, Debug)]
+pub struct Register<R>(R);
+
+impl<R: Copy> Cell<R> for Register<R> {
+    #[inline(always)]
+    fn get(&self) -> R {
+        self.0
+    }
+    #[inline(always)]
+    fn set(&mut self, x: R) {
+        self.0 = x;
+    }
+}
+
+/// Counts up or down.
+#[derive(Clone, Debug)]
+pub struct Rounds {
+    left: Range<usize>,
+    down: bool,
+}
+
+impl Iterator for Rounds {
+    type Item = usize;
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        if self.left.start >= self.left.end {
+            return None;
+        }
+        if self.down {
+            self.left.end -= 1;
+            Some(self.left.end)
+        } else {
+            self.left.start += 1;
+            Some(self.left.start - 1)
+        }
+    }
+}
+
+/// One round or none.
+#[derive(Clone, Copy, Debug)]
+pub struct Once(bool);
+
+impl Iterator for Once {
+    type Item = ();
+    #[inline(always)]
+    fn next(&mut self) -> Option<()> {
+        core::mem::replace(&mut self.0, false).then_some(())
+    }
+}
+
+impl<R, P> Machine for Cpu<'_, R, P>
+where
+    R: Real,
+    R::Mask: LanesMask,
+    P: Parameters<R>,
+{
+    type R = R;
+    type I = usize;
+    type Flag = bool;
+    type Cell = Register<R>;
+    type Rounds = Rounds;
+    type Once = Once;
+
+    #[inline(always)]
+    fn index(&self, i: usize) -> usize {
+        i
+    }
+    #[inline(always)]
+    fn load<S: Space>(&self, table: Table<S>, row: usize, field: usize) -> R {
+        let offset = table.at(row, field);
+        match S::KIND {
+            Kind::State => self.state[offset],
+            Kind::Input => self.input[offset],
+            Kind::Output => self.output[offset],
+            Kind::Scratch => self.scratch[offset],
+            Kind::Parameter => self.parameters.at(offset),
+        }
+    }
+    #[inline(always)]
+    fn store<S: Writable>(&mut self, table: Table<S>, row: usize, field: usize, x: R) {
+        let offset = table.at(row, field);
+        match S::KIND {
+            Kind::State => self.state[offset] = x,
+            Kind::Output => self.output[offset] = x,
+            Kind::Scratch => self.scratch[offset] = x,
+            Kind::Input | Kind::Parameter => unreachable!("not writable"),
+        }
+    }
+    #[inline(always)]
+    fn link(&self, links: Links, row: usize, field: usize) -> usize {
+        self.links[links.at(row, field)] as usize
+    }
+    #[inline(always)]
+    fn range(&self, from: usize, to: usize) -> Rounds {
+        Rounds { left: from..to, down: false }
+    }
+    #[inline(always)]
+    fn range_down(&self, n: usize) -> Rounds {
+        Rounds { left: 0..n, down: true }
+    }
+    #[inline(always)]
+    fn when(&self, flag: bool) -> Once {
+        Once(flag)
+    }
+    #[inline(always)]
+    fn if_any(&self, mask: R::Mask) -> Once {
+        Once(mask.any())
+    }
+    #[inline(always)]
+    fn finished(&self, mask: R::Mask) -> bool {
+        mask.all()
+    }
+    #[inline(always)]
+    fn equals(&self, a: usize, b: usize) -> bool {
+        a == b
+    }
+    #[inline(always)]
+    fn less(&self, a: usize, b: usize) -> bool {
+        a < b
+    }
+    #[inline(always)]
+    fn cell(&self, x: R) -> Register<R> {
+        Register(x)
+    }
+}

@@ -1,0 +1,214 @@
+//! Matrices of three by three: general, and symmetric.
+
+use crate::{Real, Vec3};
+use core::ops::{Add, Mul, Sub};
+
+/// A matrix by columns.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[allow(missing_docs)]
+pub struct Mat3<R> {
+    pub x: Vec3<R>,
+    pub y: Vec3<R>,
+    pub z: Vec3<R>,
+}
+
+impl<R: Real> Mat3<R> {
+    /// From columns.
+    #[inline(always)]
+    pub fn from_columns(x: Vec3<R>, y: Vec3<R>, z: Vec3<R>) -> Self {
+        Self { x, y, z }
+    }
+    /// The unit matrix.
+    #[inline(always)]
+    pub fn identity() -> Self {
+        let (o, i) = (R::zero(), R::one());
+        Self::from_columns(Vec3::new(i, o, o), Vec3::new(o, i, o), Vec3::new(o, o, i))
+    }
+    /// The matrix of `v ×`.
+    #[inline(always)]
+    pub fn skew(v: Vec3<R>) -> Self {
+        let o = R::zero();
+        Self::from_columns(
+            Vec3::new(o, v.z, -v.y),
+            Vec3::new(-v.z, o, v.x),
+            Vec3::new(v.y, -v.x, o),
+        )
+    }
+    /// The transpose.
+    #[inline(always)]
+    pub fn transpose(self) -> Self {
+        Self::from_columns(
+            Vec3::new(self.x.x, self.y.x, self.z.x),
+            Vec3::new(self.x.y, self.y.y, self.z.y),
+            Vec3::new(self.x.z, self.y.z, self.z.z),
+        )
+    }
+    /// Transpose times vector.
+    #[inline(always)]
+    pub fn transpose_mul(self, v: Vec3<R>) -> Vec3<R> {
+        Vec3::new(self.x.dot(v), self.y.dot(v), self.z.dot(v))
+    }
+}
+
+impl<R: Real> Mul<Vec3<R>> for Mat3<R> {
+    type Output = Vec3<R>;
+    #[inline(always)]
+    fn mul(self, v: Vec3<R>) -> Vec3<R> {
+        self.x.fma(v.x, self.y.fma(v.y, self.z * v.z))
+    }
+}
+
+impl<R: Real> Mul for Mat3<R> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, b: Self) -> Self {
+        Self::from_columns(self * b.x, self * b.y, self * b.z)
+    }
+}
+
+/// A symmetric matrix: six numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[allow(missing_docs)]
+pub struct SymMat3<R> {
+    pub xx: R,
+    pub yy: R,
+    pub zz: R,
+    pub xy: R,
+    pub xz: R,
+    pub yz: R,
+}
+
+impl<R: Real> SymMat3<R> {
+    /// From the diagonal (xx, yy, zz) and the off-diagonal (xy, xz, yz).
+    #[inline(always)]
+    pub fn new(diagonal: Vec3<R>, off: Vec3<R>) -> Self {
+        Self {
+            xx: diagonal.x,
+            yy: diagonal.y,
+            zz: diagonal.z,
+            xy: off.x,
+            xz: off.y,
+            yz: off.z,
+        }
+    }
+    /// The null matrix.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Self::new(Vec3::zero(), Vec3::zero())
+    }
+    /// `s` on the diagonal.
+    #[inline(always)]
+    pub fn diagonal(s: R) -> Self {
+        Self::new(Vec3::splat(s), Vec3::zero())
+    }
+    /// `v vᵀ · s`.
+    #[inline(always)]
+    pub fn outer(v: Vec3<R>, s: R) -> Self {
+        let t = v * s;
+        Self {
+            xx: v.x * t.x,
+            yy: v.y * t.y,
+            zz: v.z * t.z,
+            xy: v.x * t.y,
+            xz: v.x * t.z,
+            yz: v.y * t.z,
+        }
+    }
+    /// R D Rᵀ for a diagonal D: a matrix with eigenvalues `d` along the columns of `r`.
+    #[inline(always)]
+    pub fn rotated_diagonal(r: Mat3<R>, d: Vec3<R>) -> Self {
+        Self::outer(r.x, d.x) + Self::outer(r.y, d.y) + Self::outer(r.z, d.z)
+    }
+    /// R S Rᵀ.
+    #[inline(always)]
+    pub fn rotated(self, r: Mat3<R>) -> Self {
+        // B = R S; then the six entries of B Rᵀ.
+        let (sx, sy, sz) = self.columns();
+        let (bx, by, bz) = (r * sx, r * sy, r * sz);
+        let b = [
+            Vec3::new(bx.x, by.x, bz.x),
+            Vec3::new(bx.y, by.y, bz.y),
+            Vec3::new(bx.z, by.z, bz.z),
+        ];
+        let rt = r.transpose();
+        Self {
+            xx: b[0].dot(rt.x),
+            yy: b[1].dot(rt.y),
+            zz: b[2].dot(rt.z),
+            xy: b[0].dot(rt.y),
+            xz: b[0].dot(rt.z),
+            yz: b[1].dot(rt.z),
+        }
+    }
+    /// The columns.
+    #[inline(always)]
+    pub fn columns(self) -> (Vec3<R>, Vec3<R>, Vec3<R>) {
+        (
+            Vec3::new(self.xx, self.xy, self.xz),
+            Vec3::new(self.xy, self.yy, self.yz),
+            Vec3::new(self.xz, self.yz, self.zz),
+        )
+    }
+    /// As a general matrix.
+    #[inline(always)]
+    pub fn to_mat3(self) -> Mat3<R> {
+        let (x, y, z) = self.columns();
+        Mat3::from_columns(x, y, z)
+    }
+    /// Solves S x = b for a positive definite S by Cholesky's L D Lᵀ; pivots below `tiny` count as `tiny`.
+    #[inline(always)]
+    pub fn solve(self, b: Vec3<R>, tiny: R) -> Vec3<R> {
+        let d0 = self.xx.max(tiny).recip();
+        let l1 = self.xy * d0;
+        let l2 = self.xz * d0;
+        let d1 = l1.fnma(self.xy, self.yy).max(tiny).recip();
+        let t = l1.fnma(self.xz, self.yz);
+        let l3 = t * d1;
+        let d2 = l3.fnma(t, l2.fnma(self.xz, self.zz)).max(tiny).recip();
+        let y1 = l1.fnma(b.x, b.y);
+        let y2 = l3.fnma(y1, l2.fnma(b.x, b.z));
+        let z = y2 * d2;
+        let y = l3.fnma(z, y1 * d1);
+        let x = l1.fnma(y, l2.fnma(z, b.x * d0));
+        Vec3::new(x, y, z)
+    }
+}
+
+impl<R: Real> Mul<Vec3<R>> for SymMat3<R> {
+    type Output = Vec3<R>;
+    #[inline(always)]
+    fn mul(self, v: Vec3<R>) -> Vec3<R> {
+        let (x, y, z) = self.columns();
+        x.fma(v.x, y.fma(v.y, z * v.z))
+    }
+}
+
+impl<R: Real> Add for SymMat3<R> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, b: Self) -> Self {
+        Self {
+            xx: self.xx + b.xx,
+            yy: self.yy + b.yy,
+            zz: self.zz + b.zz,
+            xy: self.xy + b.xy,
+            xz: self.xz + b.xz,
+            yz: self.yz + b.yz,
+        }
+    }
+}
+
+impl<R: Real> Sub for SymMat3<R> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, b: Self) -> Self {
+        Self {
+            xx: self.xx - b.xx,
+            yy: self.yy - b.yy,
+            zz: self.zz - b.zz,
+            xy: self.xy - b.xy,
+            xz: self.xz - b.xz,
+            yz: self.yz - b.yz,
+        }
+    }
+}

@@ -1,0 +1,88 @@
+//! Numbers of many worlds, in blocks: `[block][offset][lane]`.
+
+use crate::{Float, Lanes};
+use bytemuck::{Pod, Zeroable};
+
+/// One cache line, so that every lane register loads aligned.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, align(64))]
+struct Line([u8; 64]);
+
+/// `worlds` worlds of `length` numbers each, in blocks of `width` worlds.
+///
+/// A world's number at `offset` lies at `(block · length + offset) · width + lane`
+/// with `block = world / width` and `lane = world % width`. The lanes of the last
+/// block that belong to no world are kept, and written by [`fill`](Memory::fill).
+#[derive(Clone, Debug)]
+pub struct Memory<T> {
+    lines: Vec<Line>,
+    worlds: usize,
+    length: usize,
+    width: usize,
+    scalar: core::marker::PhantomData<T>,
+}
+
+impl<T: Float> Memory<T> {
+    /// Zeros for `worlds` worlds of `length` numbers, `width` worlds a block.
+    pub fn new(worlds: usize, length: usize, width: usize) -> Self {
+        let bytes = worlds.div_ceil(width) * length * width * size_of::<T>();
+        Self {
+            lines: vec![Line([0; 64]); bytes.div_ceil(64)],
+            worlds,
+            length,
+            width,
+            scalar: core::marker::PhantomData,
+        }
+    }
+    /// Numbers per world.
+    pub fn length(&self) -> usize {
+        self.length
+    }
+    /// Worlds per block.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+    /// Number of worlds.
+    pub fn worlds(&self) -> usize {
+        self.worlds
+    }
+    /// Number of blocks.
+    pub fn blocks(&self) -> usize {
+        self.worlds.div_ceil(self.width)
+    }
+    /// All numbers, block after block.
+    pub fn scalars(&self) -> &[T] {
+        &bytemuck::cast_slice(&self.lines)[..self.blocks() * self.length * self.width]
+    }
+    /// All numbers, block after block.
+    pub fn scalars_mut(&mut self) -> &mut [T] {
+        let n = self.blocks() * self.length * self.width;
+        &mut bytemuck::cast_slice_mut(&mut self.lines)[..n]
+    }
+    /// Where a world's number lies in [`scalars`](Memory::scalars).
+    pub fn position(&self, world: usize, offset: usize) -> usize {
+        debug_assert!(offset < self.length);
+        (world / self.width * self.length + offset) * self.width + world % self.width
+    }
+    /// A world's number.
+    pub fn get(&self, world: usize, offset: usize) -> T {
+        self.scalars()[self.position(world, offset)]
+    }
+    /// Sets a world's number.
+    pub fn set(&mut self, world: usize, offset: usize, x: T) {
+        let i = self.position(world, offset);
+        self.scalars_mut()[i] = x;
+    }
+    /// Sets the number at `offset` of every world, and of the spare lanes.
+    pub fn fill(&mut self, offset: usize, x: T) {
+        for world in 0..self.blocks() * self.width {
+            self.set(world, offset, x);
+        }
+    }
+    /// The blocks, each as `length` registers of `R`.
+    pub fn blocks_mut<R: Lanes<Scalar = T>>(&mut self) -> impl Iterator<Item = &mut [R]> {
+        assert_eq!(R::WIDTH, self.width, "lanes of the register and of the block");
+        let length = self.length;
+        bytemuck::cast_slice_mut(self.scalars_mut()).chunks_exact_mut(length)
+    }
+}

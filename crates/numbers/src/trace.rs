@@ -1,0 +1,1 @@
+//! A kernel recorded instead of run.
