@@ -23,6 +23,7 @@
 //! table or a [`Cell`], not in a `let mut`. And inside `if_any`, writes are
 //! masked, since the lanes that did not ask run along.
 
+use crate::spatial::{Inertia, Spatial};
 use crate::{LanesMask, Mat3, Pose, Quat, Real, SymMat3, Vec3};
 use core::fmt::Debug;
 use core::marker::PhantomData;
@@ -310,6 +311,63 @@ pub trait Machine {
         self.store_vec3(table, row, field + 3, Vec3::new(m.xy, m.xz, m.yz));
     }
 }
+
+/// A composite number that can be held in [`Cell`]s from one round to the next.
+pub trait Hold<M: Machine> {
+    /// The same composite, of cells.
+    type Held;
+    /// Cells that hold `self`.
+    fn hold(self, k: &M) -> Self::Held;
+    /// The present value.
+    fn held(cells: &Self::Held) -> Self;
+    /// Replaces it.
+    fn keep(self, cells: &mut Self::Held);
+}
+
+macro_rules! hold {
+    ($name:ident { $($field:ident),* }) => {
+        impl<M: Machine> Hold<M> for $name<M::R> {
+            type Held = $name<M::Cell>;
+            #[inline(always)]
+            fn hold(self, k: &M) -> Self::Held {
+                $name { $($field: k.cell(self.$field)),* }
+            }
+            #[inline(always)]
+            fn held(cells: &Self::Held) -> Self {
+                $name { $($field: cells.$field.get()),* }
+            }
+            #[inline(always)]
+            fn keep(self, cells: &mut Self::Held) {
+                $(cells.$field.set(self.$field);)*
+            }
+        }
+    };
+    ($name:ident of $($field:ident : $part:ident),*) => {
+        impl<M: Machine> Hold<M> for $name<M::R> {
+            type Held = $name<M::Cell>;
+            #[inline(always)]
+            fn hold(self, k: &M) -> Self::Held {
+                $name { $($field: self.$field.hold(k)),* }
+            }
+            #[inline(always)]
+            fn held(cells: &Self::Held) -> Self {
+                $name { $($field: <$part<M::R> as Hold<M>>::held(&cells.$field)),* }
+            }
+            #[inline(always)]
+            fn keep(self, cells: &mut Self::Held) {
+                $(<$part<M::R> as Hold<M>>::keep(self.$field, &mut cells.$field);)*
+            }
+        }
+    };
+}
+
+hold!(Vec3 { x, y, z });
+hold!(Quat { x, y, z, w });
+hold!(SymMat3 { xx, yy, zz, xy, xz, yz });
+hold!(Mat3 of x: Vec3, y: Vec3, z: Vec3);
+hold!(Pose of p: Vec3, q: Quat);
+hold!(Spatial of angular: Vec3, linear: Vec3);
+hold!(Inertia of i: SymMat3, h: Mat3, m: SymMat3);
 
 impl Index for usize {
     #[inline(always)]
