@@ -154,14 +154,30 @@ def single_speed(model: mujoco.MjModel) -> float:
     return RESTART_STEPS * repetitions_per_second(run_once)
 
 
+def load_seconds(path: str) -> float:
+    """From the file to the end of the first step [s]."""
+    begin = time.perf_counter()
+    model = mujoco.MjModel.from_xml_path(path)
+    mujoco.mj_step(model, mujoco.MjData(model))
+    return time.perf_counter() - begin
+
+
+def world_bytes(path: str) -> int:
+    """Size of one world's data [byte], its arena for contacts left out."""
+    return mujoco.MjData(mujoco.MjModel.from_xml_path(path)).nbuffer
+
+
 def measure(folder: Path) -> Iterator[dict]:
     """Runs every case once."""
     for case in json.loads((folder / "cases.json").read_text()):
+        name = case["case"]
+        yield {"kind": "load", "case": name, "seconds": load_seconds(case["path"])}
+        yield {"kind": "memory", "case": name, "bytes": world_bytes(case["path"])}
         for method in case["methods"]:
             model = load(case["path"], method, case["timestep"])
             tip = case["tip"]
             error = tip and float(np.linalg.norm(tip_position(model, tip) - tip["reference"]))
-            shared = {"case": case["case"], "method": method, "tip_error": error}
+            shared = {"kind": "speed", "case": name, "method": method, "tip_error": error}
             yield shared | {"worlds": WORLDS, "threads": THREADS, "steps_per_second": batch_speed(model)}
             yield shared | {"worlds": 1, "threads": 1, "steps_per_second": single_speed(model)}
 

@@ -1,0 +1,276 @@
+//! `cargo xtask bench`: Kinetarium and MuJoCo, turn about in one run, into the tables of BENCHMARKS.md.
+//!
+//! Each side reads `target/bench/cases.json`, runs every case once, and prints one [`Record`] a line.
+
+use std::fmt::Write;
+
+use anyhow::{Context, Result, bail, ensure};
+use serde::Deserialize;
+use xshell::cmd;
+
+use crate::workshop::Workshop;
+
+pub const DEFAULT_REPETITIONS: usize = 5;
+const REPORT: &str = "BENCHMARKS.md";
+const TABLES_BEGIN: &str = "<!-- written by `cargo xtask bench` from here -->";
+const TABLES_END: &str = "<!-- to here -->";
+
+/// What one engine measured in one case, once.
+#[derive(Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+enum Record {
+    /// World-steps per second, and the distance of a chain's tip from its reference after one second [m].
+    Speed {
+        case: String,
+        method: String,
+        worlds: u32,
+        steps_per_second: f64,
+        tip_error: Option<f64>,
+    },
+    /// From the file to the end of the first step [s].
+    Load { case: String, seconds: f64 },
+    /// State of one world [byte].
+    Memory { case: String, bytes: f64 },
+}
+
+/// Two measurements that belong side by side, and the ratio aimed at.
+struct Comparison {
+    case: &'static str,
+    worlds: u32,
+    ours: &'static str,
+    theirs: &'static str,
+    goal: Option<f64>,
+}
+
+const BATCH: u32 = 4096;
+
+#[rustfmt::skip]
+const COMPARISONS: [Comparison; 11] = [
+    Comparison { case: "chain_10", worlds: BATCH, ours: "euler",  theirs: "euler", goal: Some(24.0) },
+    Comparison { case: "chain_10", worlds: BATCH, ours: "rk4",    theirs: "rk4",   goal: None },
+    Comparison { case: "chain_10", worlds: BATCH, ours: "xpbd_4", theirs: "euler", goal: None },
+    Comparison { case: "chain_10", worlds: 1,     ours: "euler",  theirs: "euler", goal: Some(1.5) },
+    Comparison { case: "chain_30", worlds: BATCH, ours: "euler",  theirs: "euler", goal: Some(18.0) },
+    Comparison { case: "chain_30", worlds: BATCH, ours: "rk4",    theirs: "rk4",   goal: None },
+    Comparison { case: "chain_30", worlds: BATCH, ours: "xpbd_4", theirs: "euler", goal: Some(4.5) },
+    Comparison { case: "chain_30", worlds: 1,     ours: "euler",  theirs: "euler", goal: Some(1.5) },
+    Comparison { case: "humanoid", worlds: BATCH, ours: "euler",  theirs: "euler", goal: Some(40.0) },
+    Comparison { case: "humanoid", worlds: BATCH, ours: "xpbd_4", theirs: "euler", goal: None },
+    Comparison { case: "humanoid", worlds: 1,     ours: "euler",  theirs: "euler", goal: Some(4.0) },
+];
+
+pub fn run(workshop: &Workshop, repetitions: usize) -> Result<()> {
+    ensure!(repetitions > 0, "at least one repetition is needed");
+    let sh = &workshop.sh;
+    let python = workshop.peers_python()?;
+    let folder = workshop.root.join("target/bench");
+    cmd!(
+        sh,
+        "{python} benches/peers/mujoco_bench.py prepare {folder}"
+    )
+    .run()?;
+
+    let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+    for repetition in 1..=repetitions {
+        println!("repetition {repetition} of {repetitions}");
+        ours.extend(records(
+            &cmd!(
+                sh,
+                "cargo bench --quiet --package kinetarium --bench articulated -- {folder}"
+            )
+            .read()?,
+        )?);
+        theirs.extend(records(
+            &cmd!(
+                sh,
+                "{python} benches/peers/mujoco_bench.py measure {folder}"
+            )
+            .read()?,
+        )?);
+    }
+    let tables = format!(
+        "{}\n{}\n{}",
+        machine(workshop)?,
+        speeds(&ours, &theirs)?,
+        sizes(&ours, &theirs)?
+    );
+    println!("\n{tables}");
+    rewrite_report(workshop, &tables)
+}
+
+fn records(lines: &str) -> Result<Vec<Record>> {
+    lines
+        .lines()
+        .map(|line| {
+            serde_json::from_str(line).with_context(|| format!("not a benchmark record: {line}"))
+        })
+        .collect()
+}
+
+/// The machine and the versions that the numbers belong to.
+fn machine(workshop: &Workshop) -> Result<String> {
+    let sh = &workshop.sh;
+    let rustc = cmd!(sh, "rustc --version").quiet().read()?;
+    let python = workshop.peers_python()?;
+    let mujoco = cmd!(sh, "{python} -c 'import mujoco; print(mujoco.__version__)'")
+        .quiet()
+        .read()?;
+    let cpuinfo = sh.read_file("/proc/cpuinfo").unwrap_or_default();
+    let value = |key: &str| {
+        let line = cpuinfo.lines().find(|line| line.starts_with(key));
+        line.and_then(|line| line.split_once(": "))
+            .map_or("", |(_, value)| value)
+    };
+    let lanes =
+        ["avx512f", "avx2", "fma"].map(|flag| value("flags").contains(flag).then_some(flag));
+    let lanes: Vec<&str> = lanes.into_iter().flatten().collect();
+    let cores = std::thread::available_parallelism()?;
+    Ok(format!(
+        "Machine: {} ({cores} cores; {}). {rustc}. MuJoCo {mujoco}.\n",
+        value("model name"),
+        lanes.join(", ")
+    ))
+}
+
+fn speeds(ours: &[Record], theirs: &[Record]) -> Result<String> {
+    let mut table = String::from(
+        "| case | worlds | Kinetarium | steps/s | tip error | MuJoCo | steps/s | tip error | ratio | goal |\n\
+         |---|--:|---|--:|--:|---|--:|--:|--:|--:|\n",
+    );
+    for Comparison {
+        case,
+        worlds,
+        ours: our_method,
+        theirs: their_method,
+        goal,
+    } in COMPARISONS
+    {
+        let (our_speed, our_error) = speed(ours, case, our_method, worlds)?;
+        let (their_speed, their_error) = speed(theirs, case, their_method, worlds)?;
+        let ratio = our_speed / their_speed;
+        let goal = goal.map_or(String::new(), |goal| {
+            format!("{goal}{}", if ratio < goal { " (missed)" } else { "" })
+        });
+        writeln!(
+            table,
+            "| {case} | {worlds} | {our_method} | {} | {} | {their_method} | {} | {} | {ratio:.1} | {goal} |",
+            rate(our_speed),
+            metres(our_error),
+            rate(their_speed),
+            metres(their_error),
+        )?;
+    }
+    Ok(table)
+}
+
+fn sizes(ours: &[Record], theirs: &[Record]) -> Result<String> {
+    let load = |records| {
+        median(records, |record| match record {
+            Record::Load { case, seconds } if case == "humanoid" => Some(1e3 * seconds),
+            _ => None,
+        })
+    };
+    let memory = |records| {
+        median(records, |record| match record {
+            Record::Memory { case, bytes } if case == "humanoid" => Some(1e-3 * bytes),
+            _ => None,
+        })
+    };
+    let mut table = String::from("| humanoid | Kinetarium | MuJoCo | goal |\n|---|--:|--:|--:|\n");
+    writeln!(
+        table,
+        "| file to first step, ms | {:.1} | {:.1} | 50 |",
+        load(ours)?,
+        load(theirs)?
+    )?;
+    writeln!(
+        table,
+        "| state of a world, kB | {:.1} | {:.1} | 20 |",
+        memory(ours)?,
+        memory(theirs)?
+    )?;
+    Ok(table)
+}
+
+/// Median world-steps per second, and the tip's error [m] where the case has a tip.
+fn speed(records: &[Record], case: &str, method: &str, worlds: u32) -> Result<(f64, Option<f64>)> {
+    let wanted = |record: &Record| match record {
+        Record::Speed {
+            case: c,
+            method: m,
+            worlds: w,
+            steps_per_second,
+            tip_error,
+        } => (c == case && m == method && *w == worlds).then_some((*steps_per_second, *tip_error)),
+        _ => None,
+    };
+    let speed = median(records, |record| wanted(record).map(|(speed, _)| speed))
+        .with_context(|| format!("case {case}, method {method}, {worlds} worlds"))?;
+    let tip_error = records.iter().find_map(wanted).and_then(|(_, error)| error);
+    Ok((speed, tip_error))
+}
+
+fn median(records: &[Record], value: impl Fn(&Record) -> Option<f64>) -> Result<f64> {
+    let mut values: Vec<f64> = records.iter().filter_map(value).collect();
+    ensure!(!values.is_empty(), "nothing was measured");
+    values.sort_by(f64::total_cmp);
+    let middle = values.len() / 2;
+    Ok(if values.len() % 2 == 1 {
+        values[middle]
+    } else {
+        (values[middle - 1] + values[middle]) / 2.0
+    })
+}
+
+fn rate(per_second: f64) -> String {
+    if per_second >= 1e6 {
+        format!("{:.2} M", 1e-6 * per_second)
+    } else {
+        format!("{:.0} k", 1e-3 * per_second)
+    }
+}
+
+fn metres(error: Option<f64>) -> String {
+    error.map_or(String::new(), |error| format!("{error:.1e} m"))
+}
+
+/// Puts the tables between the report's two markers.
+fn rewrite_report(workshop: &Workshop, tables: &str) -> Result<()> {
+    let report = workshop.sh.read_file(REPORT)?;
+    let parts = report
+        .split_once(TABLES_BEGIN)
+        .and_then(|(before, rest)| Some((before, rest.split_once(TABLES_END)?.1)));
+    let Some((before, after)) = parts else {
+        bail!("{REPORT} has lost its markers `{TABLES_BEGIN}` and `{TABLES_END}`");
+    };
+    workshop.sh.write_file(
+        REPORT,
+        format!("{before}{TABLES_BEGIN}\n{tables}{TABLES_END}{after}"),
+    )?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LINES: &str = r#"{"kind": "speed", "case": "chain_10", "method": "euler", "worlds": 1, "steps_per_second": 3.0, "tip_error": 0.5}
+{"kind": "speed", "case": "chain_10", "method": "euler", "worlds": 1, "steps_per_second": 1.0, "tip_error": 0.5}
+{"kind": "speed", "case": "chain_10", "method": "euler", "worlds": 1, "steps_per_second": 7.0, "tip_error": 0.5}
+{"kind": "speed", "case": "chain_10", "method": "rk4", "worlds": 1, "steps_per_second": 100.0, "tip_error": null}
+{"kind": "load", "case": "humanoid", "seconds": 0.01}"#;
+
+    #[test]
+    fn the_median_is_taken_over_the_case_asked_for() {
+        let records = records(LINES).unwrap();
+        assert_eq!(
+            speed(&records, "chain_10", "euler", 1).unwrap(),
+            (3.0, Some(0.5))
+        );
+        assert_eq!(
+            speed(&records, "chain_10", "rk4", 1).unwrap(),
+            (100.0, None)
+        );
+        assert!(speed(&records, "chain_30", "euler", 1).is_err());
+    }
+}

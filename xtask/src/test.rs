@@ -1,0 +1,232 @@
+//! `cargo xtask test`: everything that must hold, in order of cost.
+
+use anyhow::{Context, Result, ensure};
+use serde::Deserialize;
+use xshell::cmd;
+
+use crate::asm;
+use crate::stages::{self, Stage};
+use crate::workshop::Workshop;
+
+const NEON: &str = "aarch64-unknown-linux-musl";
+const WASM: &str = "wasm32-wasip1";
+
+const STAGES: &[Stage] = &[
+    Stage {
+        name: "tools",
+        purpose: "install what is missing",
+        run: tools,
+    },
+    Stage {
+        name: "format",
+        purpose: "rustfmt on Rust, ruff on Python",
+        run: format,
+    },
+    Stage {
+        name: "clippy",
+        purpose: "no warning in any target",
+        run: clippy,
+    },
+    Stage {
+        name: "peers",
+        purpose: "write MuJoCo's reference dynamics",
+        run: Workshop::write_peers,
+    },
+    Stage {
+        name: "test",
+        purpose: "unit, integration and peer tests; fuzz corpora",
+        run: test,
+    },
+    Stage {
+        name: "doc",
+        purpose: "documentation builds without warnings, its examples run",
+        run: doc,
+    },
+    Stage {
+        name: "neon",
+        purpose: "numbers on aarch64 under qemu",
+        run: neon,
+    },
+    Stage {
+        name: "wasm",
+        purpose: "numbers on wasm32 with simd128 under Node",
+        run: wasm,
+    },
+    Stage {
+        name: "asm",
+        purpose: "no stray call in the SIMD entries",
+        run: asm::check,
+    },
+    Stage {
+        name: "program",
+        purpose: "the built-in example, and a file it has not seen",
+        run: program,
+    },
+    Stage {
+        name: "examples",
+        purpose: "every example runs",
+        run: examples,
+    },
+];
+
+pub fn list() {
+    for stage in STAGES {
+        println!("{:<10} {}", stage.name, stage.purpose);
+    }
+}
+
+pub fn run(workshop: &Workshop, names: &[&str]) -> Result<()> {
+    stages::run(STAGES, names, workshop)
+}
+
+fn tools(workshop: &Workshop) -> Result<()> {
+    workshop.need_program("qemu-aarch64", "qemu-user")?;
+    workshop.need_program("node", "nodejs")?;
+    workshop.need_program("objdump", "binutils")?;
+    workshop.need_rust_target(NEON)?;
+    workshop.need_rust_target(WASM)?;
+    workshop.peers_python()?;
+    Ok(())
+}
+
+fn format(workshop: &Workshop) -> Result<()> {
+    let sh = &workshop.sh;
+    let python = workshop.peers_python()?;
+    cmd!(sh, "cargo fmt --all --check").run()?;
+    cmd!(sh, "{python} -m ruff check .").run()?;
+    Ok(cmd!(sh, "{python} -m ruff format --check .").run()?)
+}
+
+fn clippy(workshop: &Workshop) -> Result<()> {
+    Ok(cmd!(
+        workshop.sh,
+        "cargo clippy --quiet --workspace --all-targets -- --deny warnings"
+    )
+    .run()?)
+}
+
+fn test(workshop: &Workshop) -> Result<()> {
+    Ok(cmd!(
+        workshop.sh,
+        "cargo test --quiet --workspace --lib --bins --tests"
+    )
+    .run()?)
+}
+
+fn doc(workshop: &Workshop) -> Result<()> {
+    let sh = &workshop.sh;
+    cmd!(sh, "cargo doc --quiet --workspace --no-deps")
+        .env("RUSTDOCFLAGS", "--deny warnings")
+        .run()?;
+    Ok(cmd!(sh, "cargo test --quiet --workspace --doc").run()?)
+}
+
+/// The musl target links with Rust's own linker and libraries, so no cross compiler is needed.
+fn neon(workshop: &Workshop) -> Result<()> {
+    let sh = &workshop.sh;
+    Ok(cmd!(
+        sh,
+        "cargo test --quiet --package kinetarium-numbers --lib --tests --target {NEON}"
+    )
+    .env("CARGO_TARGET_AARCH64_UNKNOWN_LINUX_MUSL_LINKER", "rust-lld")
+    .env(
+        "CARGO_TARGET_AARCH64_UNKNOWN_LINUX_MUSL_RUNNER",
+        "qemu-aarch64",
+    )
+    .run()?)
+}
+
+fn wasm(workshop: &Workshop) -> Result<()> {
+    let runner = format!(
+        "node --no-warnings {}",
+        workshop.root.join("xtask/wasi.mjs").display()
+    );
+    Ok(cmd!(
+        workshop.sh,
+        "cargo test --quiet --package kinetarium-numbers --lib --tests --target {WASM}"
+    )
+    .env("CARGO_TARGET_WASM32_WASIP1_RUNNER", runner)
+    .env(
+        "CARGO_TARGET_WASM32_WASIP1_RUSTFLAGS",
+        "-Ctarget-feature=+simd128",
+    )
+    .run()?)
+}
+
+/// Runs the program as a newcomer would, in an empty folder, and expects its files and exit codes.
+fn program(workshop: &Workshop) -> Result<()> {
+    let sh = &workshop.sh;
+    cmd!(sh, "cargo build --quiet --release").run()?;
+    let kinetarium = workshop.target().join("release/kinetarium");
+    let python = workshop.peers_python()?;
+    let humanoid = cmd!(sh, "{python} -c")
+        .arg("import gymnasium, pathlib; print(pathlib.Path(gymnasium.__file__).parent / 'envs/mujoco/assets/humanoid.xml')")
+        .read()?;
+
+    let folder = sh.create_dir(workshop.root.join("target/program"))?;
+    sh.remove_path(&folder)?;
+    let folder = sh.create_dir(folder)?;
+    let _inside = sh.push_dir(&folder);
+    cmd!(sh, "{kinetarium}").run()?;
+    cmd!(
+        sh,
+        "{kinetarium} run {humanoid} --worlds 64 --seconds 1 --solver featherstone --threads 2"
+    )
+    .run()?;
+    ensure!(
+        !sh.read_dir(&folder)?.is_empty(),
+        "the program wrote no trajectory into {}",
+        folder.display()
+    );
+    let wrong = cmd!(sh, "{kinetarium} run missing.xml")
+        .ignore_status()
+        .ignore_stderr()
+        .output()?;
+    ensure!(
+        wrong.status.code() == Some(2),
+        "a missing file ended with {}, not with exit code 2",
+        wrong.status
+    );
+    Ok(())
+}
+
+#[derive(Deserialize)]
+struct Metadata {
+    packages: Vec<Package>,
+}
+
+#[derive(Deserialize)]
+struct Package {
+    name: String,
+    targets: Vec<Target>,
+}
+
+#[derive(Deserialize)]
+struct Target {
+    name: String,
+    kind: Vec<String>,
+}
+
+fn examples(workshop: &Workshop) -> Result<()> {
+    let sh = &workshop.sh;
+    let metadata = cmd!(sh, "cargo metadata --format-version 1 --no-deps")
+        .quiet()
+        .read()?;
+    let metadata: Metadata =
+        serde_json::from_str(&metadata).context("cargo metadata is not what it was")?;
+    for package in &metadata.packages {
+        for example in package
+            .targets
+            .iter()
+            .filter(|target| target.kind.iter().any(|kind| kind == "example"))
+        {
+            let (package, example) = (&package.name, &example.name);
+            cmd!(
+                sh,
+                "cargo run --quiet --release --package {package} --example {example}"
+            )
+            .run()?;
+        }
+    }
+    Ok(())
+}

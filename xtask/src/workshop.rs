@@ -1,0 +1,133 @@
+//! The repository as a workplace: its root, the shell, and the tools that are installed on demand.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use xshell::{Shell, cmd};
+
+/// A shell at the repository's root.
+pub struct Workshop {
+    pub sh: Shell,
+    pub root: PathBuf,
+}
+
+impl Workshop {
+    pub fn open() -> Result<Self> {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .parent()
+            .context("xtask lies in the repository's root")?;
+        let sh = Shell::new()?;
+        sh.change_dir(root);
+        Ok(Self {
+            sh,
+            root: root.to_path_buf(),
+        })
+    }
+
+    /// The folder cargo builds into.
+    pub fn target(&self) -> PathBuf {
+        std::env::var_os("CARGO_TARGET_DIR")
+            .map_or_else(|| self.root.join("target"), |dir| self.root.join(dir))
+    }
+
+    /// Makes sure that `program` can be run, by installing Debian's `package` where that is allowed.
+    pub fn need_program(&self, program: &str, package: &str) -> Result<()> {
+        if self.has(program) {
+            return Ok(());
+        }
+        self.install(package).with_context(|| {
+            format!("`{program}` is missing: install the Debian package `{package}`")
+        })
+    }
+
+    /// Makes sure that the Rust standard library for `target` is there.
+    pub fn need_rust_target(&self, target: &str) -> Result<()> {
+        let libraries = cmd!(self.sh, "rustc --print target-libdir --target {target}")
+            .quiet()
+            .read()?;
+        if Path::new(&libraries).is_dir() {
+            return Ok(());
+        }
+        cmd!(self.sh, "rustup target add {target}").run().with_context(|| {
+            format!("the Rust standard library for {target} is missing and rustup could not fetch it")
+        })
+    }
+
+    /// The Python of a virtual environment with the pinned peers in it, made when missing or outdated.
+    pub fn peers_python(&self) -> Result<PathBuf> {
+        let venv = self.root.join("target/venv");
+        let python = venv.join("bin/python");
+        let pinned = self.sh.read_file("tests/peers/requirements.txt")?;
+        let stamp = venv.join("requirements.txt");
+        if self
+            .sh
+            .read_file(&stamp)
+            .is_ok_and(|installed| installed == pinned)
+        {
+            return Ok(python);
+        }
+        self.need_program("python3", "python3")?;
+        if cmd!(self.sh, "python3 -c 'import ensurepip'")
+            .quiet()
+            .ignore_stderr()
+            .run()
+            .is_err()
+        {
+            self.install("python3-venv")?;
+        }
+        cmd!(self.sh, "python3 -m venv --clear {venv}").run()?;
+        cmd!(self.sh, "{python} -m pip install --quiet --disable-pip-version-check -r tests/peers/requirements.txt")
+            .run()
+            .context("the Python peers could not be installed; is the package index reachable?")?;
+        self.sh.write_file(&stamp, pinned)?;
+        Ok(python)
+    }
+
+    /// Writes MuJoCo's reference dynamics, one JSON file a model, to `target/peers`.
+    pub fn write_peers(&self) -> Result<()> {
+        let python = self.peers_python()?;
+        Ok(cmd!(
+            self.sh,
+            "{python} tests/peers/reference_dynamics.py --out target/peers"
+        )
+        .run()?)
+    }
+
+    fn has(&self, program: &str) -> bool {
+        cmd!(self.sh, "which {program}")
+            .quiet()
+            .ignore_stdout()
+            .ignore_stderr()
+            .run()
+            .is_ok()
+    }
+
+    fn install(&self, package: &str) -> Result<()> {
+        if !self.has("apt-get") {
+            bail!("there is no apt-get here");
+        }
+        let administrator = &self.as_administrator()?;
+        let apt = [
+            "env",
+            "DEBIAN_FRONTEND=noninteractive",
+            "apt-get",
+            "--quiet",
+        ];
+        cmd!(self.sh, "env {administrator...} {apt...} update").run()?;
+        let options = ["install", "--yes", "--no-install-recommends"];
+        Ok(cmd!(
+            self.sh,
+            "env {administrator...} {apt...} {options...} {package}"
+        )
+        .run()?)
+    }
+
+    /// What to put before a command so that it runs with an administrator's rights.
+    fn as_administrator(&self) -> Result<Vec<&'static str>> {
+        match cmd!(self.sh, "id -u").quiet().read()?.as_str() {
+            "0" => Ok(vec![]),
+            _ if self.has("sudo") => Ok(vec!["sudo", "--non-interactive"]),
+            _ => bail!("neither root nor sudo here"),
+        }
+    }
+}
