@@ -142,11 +142,13 @@ pub trait Index: Copy + Debug {
 }
 
 /// A number that changes from one round of a loop to the next.
-pub trait Cell<R> {
+pub trait Cell {
+    /// The number.
+    type R: Real;
     /// The present value.
-    fn get(&self) -> R;
+    fn read(&self) -> Self::R;
     /// Replaces it.
-    fn set(&mut self, x: R);
+    fn write(&mut self, x: Self::R);
 }
 
 /// What runs, or records, a kernel.
@@ -158,7 +160,7 @@ pub trait Machine {
     /// A condition that is the same in all lanes.
     type Flag: Copy;
     /// A loop-carried number.
-    type Cell: Cell<Self::R>;
+    type Cell: Cell<R = Self::R>;
     /// Rounds of a loop.
     type Rounds: Iterator<Item = Self::I>;
     /// One round or none.
@@ -267,6 +269,47 @@ pub trait Machine {
         self.store_vec3(table, row, field, q.vector());
         self.store(table, row, field + 3, q.w);
     }
+    /// Reads six fields: angular, linear.
+    #[inline(always)]
+    fn spatial<S: Space>(&self, table: Table<S>, row: Self::I, field: usize) -> Spatial<Self::R> {
+        Spatial::new(self.vec3(table, row, field), self.vec3(table, row, field + 3))
+    }
+    /// Writes six fields: angular, linear.
+    #[inline(always)]
+    fn store_spatial<S: Writable>(
+        &mut self,
+        table: Table<S>,
+        row: Self::I,
+        field: usize,
+        v: Spatial<Self::R>,
+    ) {
+        self.store_vec3(table, row, field, v.angular);
+        self.store_vec3(table, row, field + 3, v.linear);
+    }
+    /// Reads 21 fields: I, H, M.
+    #[inline(always)]
+    fn inertia<S: Space>(&self, table: Table<S>, row: Self::I, field: usize) -> Inertia<Self::R> {
+        Inertia {
+            i: self.sym(table, row, field),
+            h: self.mat3(table, row, field + 6),
+            m: self.sym(table, row, field + 15),
+        }
+    }
+    /// Writes 21 fields: I, H, M.
+    #[inline(always)]
+    fn store_inertia<S: Writable>(
+        &mut self,
+        table: Table<S>,
+        row: Self::I,
+        field: usize,
+        m: Inertia<Self::R>,
+    ) {
+        self.store_sym(table, row, field, m.i);
+        self.store_vec3(table, row, field + 6, m.h.x);
+        self.store_vec3(table, row, field + 9, m.h.y);
+        self.store_vec3(table, row, field + 12, m.h.z);
+        self.store_sym(table, row, field + 15, m.m);
+    }
     /// Reads seven fields: position, orientation.
     #[inline(always)]
     fn pose<S: Space>(&self, table: Table<S>, row: Self::I, field: usize) -> Pose<Self::R> {
@@ -312,50 +355,62 @@ pub trait Machine {
     }
 }
 
-/// A composite number that can be held in [`Cell`]s from one round to the next.
-pub trait Hold<M: Machine> {
+/// A composite of [`Cell`]s: what changes from one round of a loop to the next.
+pub trait Held {
+    /// The composite number.
+    type Value;
+    /// The present value.
+    fn get(&self) -> Self::Value;
+    /// Replaces it.
+    fn set(&mut self, x: Self::Value);
+}
+
+/// A composite number that can be [`Held`]: `let mut v = v.hold(k);`.
+pub trait Hold<M: Machine>: Sized {
     /// The same composite, of cells.
-    type Held;
+    type Held: Held<Value = Self>;
     /// Cells that hold `self`.
     fn hold(self, k: &M) -> Self::Held;
-    /// The present value.
-    fn held(cells: &Self::Held) -> Self;
-    /// Replaces it.
-    fn keep(self, cells: &mut Self::Held);
 }
 
 macro_rules! hold {
     ($name:ident { $($field:ident),* }) => {
+        impl<C: Cell> Held for $name<C> {
+            type Value = $name<C::R>;
+            #[inline(always)]
+            fn get(&self) -> Self::Value {
+                $name { $($field: self.$field.read()),* }
+            }
+            #[inline(always)]
+            fn set(&mut self, x: Self::Value) {
+                $(self.$field.write(x.$field);)*
+            }
+        }
         impl<M: Machine> Hold<M> for $name<M::R> {
             type Held = $name<M::Cell>;
             #[inline(always)]
             fn hold(self, k: &M) -> Self::Held {
                 $name { $($field: k.cell(self.$field)),* }
             }
-            #[inline(always)]
-            fn held(cells: &Self::Held) -> Self {
-                $name { $($field: cells.$field.get()),* }
-            }
-            #[inline(always)]
-            fn keep(self, cells: &mut Self::Held) {
-                $(cells.$field.set(self.$field);)*
-            }
         }
     };
-    ($name:ident of $($field:ident : $part:ident),*) => {
+    ($name:ident of $($field:ident),*) => {
+        impl<C: Cell> Held for $name<C> {
+            type Value = $name<C::R>;
+            #[inline(always)]
+            fn get(&self) -> Self::Value {
+                $name { $($field: self.$field.get()),* }
+            }
+            #[inline(always)]
+            fn set(&mut self, x: Self::Value) {
+                $(self.$field.set(x.$field);)*
+            }
+        }
         impl<M: Machine> Hold<M> for $name<M::R> {
             type Held = $name<M::Cell>;
             #[inline(always)]
             fn hold(self, k: &M) -> Self::Held {
                 $name { $($field: self.$field.hold(k)),* }
-            }
-            #[inline(always)]
-            fn held(cells: &Self::Held) -> Self {
-                $name { $($field: <$part<M::R> as Hold<M>>::held(&cells.$field)),* }
-            }
-            #[inline(always)]
-            fn keep(self, cells: &mut Self::Held) {
-                $(<$part<M::R> as Hold<M>>::keep(self.$field, &mut cells.$field);)*
             }
         }
     };
@@ -364,10 +419,10 @@ macro_rules! hold {
 hold!(Vec3 { x, y, z });
 hold!(Quat { x, y, z, w });
 hold!(SymMat3 { xx, yy, zz, xy, xz, yz });
-hold!(Mat3 of x: Vec3, y: Vec3, z: Vec3);
-hold!(Pose of p: Vec3, q: Quat);
-hold!(Spatial of angular: Vec3, linear: Vec3);
-hold!(Inertia of i: SymMat3, h: Mat3, m: SymMat3);
+hold!(Mat3 of x, y, z);
+hold!(Pose of p, q);
+hold!(Spatial of angular, linear);
+hold!(Inertia of i, h, m);
 
 impl Index for usize {
     #[inline(always)]
@@ -429,13 +484,14 @@ pub struct Cpu<'a, R, P> {
 #[derive(Clone, Copy, Debug)]
 pub struct Register<R>(R);
 
-impl<R: Copy> Cell<R> for Register<R> {
+impl<R: Real> Cell for Register<R> {
+    type R = R;
     #[inline(always)]
-    fn get(&self) -> R {
+    fn read(&self) -> R {
         self.0
     }
     #[inline(always)]
-    fn set(&mut self, x: R) {
+    fn write(&mut self, x: R) {
         self.0 = x;
     }
 }
