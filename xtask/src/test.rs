@@ -136,6 +136,7 @@ fn neon(workshop: &Workshop) -> Result<()> {
     .run()?)
 }
 
+/// A failing assertion aborts there, and captured output would be lost with it.
 fn wasm(workshop: &Workshop) -> Result<()> {
     let runner = format!(
         "node --no-warnings {}",
@@ -143,7 +144,7 @@ fn wasm(workshop: &Workshop) -> Result<()> {
     );
     Ok(cmd!(
         workshop.sh,
-        "cargo test --quiet --package kinetarium-numbers --lib --tests --target {WASM}"
+        "cargo test --quiet --package kinetarium-numbers --lib --tests --target {WASM} -- --nocapture"
     )
     .env("CARGO_TARGET_WASM32_WASIP1_RUNNER", runner)
     .env(
