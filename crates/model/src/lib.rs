@@ -1,0 +1,33 @@
+//! What exists in a simulated world, with no algorithm in it.
+//!
+//! A [`Model`] is a set of flat tables, checked once when it is made, and then
+//! immutable and shared by all worlds. It is written by hand,
+//! or read from a file by the `formats` crate.
+//!
+//! SI units; right-handed; quaternions x, y, z, w; sizes of shapes are half sizes.
+
+#![forbid(unsafe_code)]
+
+mod actuator;
+mod body;
+mod error;
+mod filter;
+mod joint;
+mod keyframe;
+mod mass;
+mod material;
+mod model;
+mod pose;
+mod shape;
+
+pub use actuator::Actuator;
+pub use body::{Body, BodyId, BodyKind};
+pub use error::ModelError;
+pub use filter::CollisionFilter;
+pub use joint::{Axis, AxisKind, Coupling, Dof, Drive, Joint, JointId, JointKind, Limit};
+pub use keyframe::Keyframe;
+pub use mass::MassProperties;
+pub use material::Material;
+pub use model::{Model, Parts, UpAxis};
+pub use pose::Pose;
+pub use shape::{Geometry, Shape, ShapeId};

@@ -1,0 +1,195 @@
+//! The flat tables of a model, checked.
+
+mod check;
+mod joints;
+mod lookup;
+mod tree;
+mod validate;
+
+use crate::{
+    Actuator, Body, BodyId, BodyKind, Coupling, Joint, JointId, JointKind, Keyframe, ModelError,
+    Shape,
+};
+use glam::DVec3;
+
+/// Which axis points up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum UpAxis {
+    /// As in USD and glTF.
+    #[default]
+    Y,
+    /// As in MJCF and URDF.
+    Z,
+}
+
+impl UpAxis {
+    /// Unit vector upwards.
+    pub fn direction(self) -> DVec3 {
+        match self {
+            Self::Y => DVec3::Y,
+            Self::Z => DVec3::Z,
+        }
+    }
+}
+
+/// Everything a [`Model`] is made of, not yet checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parts {
+    /// Name of the model.
+    pub name: String,
+    /// Which axis points up.
+    pub up_axis: UpAxis,
+    /// Acceleration of gravity [m/s²].
+    pub gravity: DVec3,
+    /// Time step [s] the author recommends.
+    pub time_step: f64,
+    /// Bodies.
+    pub bodies: Vec<Body>,
+    /// Shapes.
+    pub shapes: Vec<Shape>,
+    /// Joints. The first that names a body as its child carries it; later ones
+    /// must be marked as closing a loop.
+    pub joints: Vec<Joint>,
+    /// Relations of coordinates.
+    pub couplings: Vec<Coupling>,
+    /// Control inputs.
+    pub actuators: Vec<Actuator>,
+    /// Named states.
+    pub keyframes: Vec<Keyframe>,
+    /// Number of worlds the author asks for.
+    pub worlds: usize,
+}
+
+impl Default for Parts {
+    /// An empty model with gravity 9.81 m/s² downwards (Y up) and a step of 2 ms.
+    fn default() -> Self {
+        Self {
+            name: "model".into(),
+            up_axis: UpAxis::Y,
+            gravity: DVec3::new(0.0, -9.81, 0.0),
+            time_step: 0.002,
+            bodies: Vec::new(),
+            shapes: Vec::new(),
+            joints: Vec::new(),
+            couplings: Vec::new(),
+            actuators: Vec::new(),
+            keyframes: Vec::new(),
+            worlds: 1,
+        }
+    }
+}
+
+/// A checked, immutable model of one world, shared by all worlds of a simulation.
+///
+/// Reads as its [`Parts`]. In addition it knows where each joint's coordinates
+/// and velocities lie, and which joint carries which body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    parts: Parts,
+    coordinate_start: Vec<usize>,
+    dof_start: Vec<usize>,
+    carrier: Vec<Option<JointId>>,
+    order: Vec<BodyId>,
+}
+
+impl std::ops::Deref for Model {
+    type Target = Parts;
+    fn deref(&self) -> &Parts {
+        &self.parts
+    }
+}
+
+impl Model {
+    /// Checks the parts and completes them.
+    ///
+    /// Every dynamic body that no joint carries gets a `free` joint from the world, named
+    /// `<body>_free`, after the joints given. Bodies that hang on joints are placed by the
+    /// joints' initial coordinates.
+    ///
+    /// # Errors
+    /// The first fault found, with its remedy; see [`ModelError`].
+    pub fn new(mut parts: Parts) -> Result<Self, ModelError> {
+        validate::parts(&parts)?;
+        let mut carrier = tree::carriers(&parts)?;
+        tree::free_the_rest(&mut parts, &mut carrier);
+        let order = tree::order(&parts, &carrier)?;
+        let coordinate_start = tree::starts(parts.joints.iter().map(Joint::coordinates));
+        let dof_start = tree::starts(parts.joints.iter().map(Joint::degrees_of_freedom));
+        let dofs = dof_start[parts.joints.len()];
+        for keyframe in &parts.keyframes {
+            validate::keyframe(keyframe, &parts, &coordinate_start, dofs)?;
+        }
+        tree::place(&mut parts, &carrier, &order);
+        Ok(Self {
+            parts,
+            coordinate_start,
+            dof_start,
+            carrier,
+            order,
+        })
+    }
+
+    /// The tables, to change them and make another model.
+    pub fn into_parts(self) -> Parts {
+        self.parts
+    }
+
+    /// Number of coordinates of a state.
+    pub fn coordinates(&self) -> usize {
+        self.coordinate_start[self.joints.len()]
+    }
+    /// Number of velocities of a state.
+    pub fn degrees_of_freedom(&self) -> usize {
+        self.dof_start[self.joints.len()]
+    }
+    /// Where a joint's coordinates lie in a state.
+    pub fn coordinate_range(&self, joint: JointId) -> std::ops::Range<usize> {
+        self.coordinate_start[joint.0]..self.coordinate_start[joint.0 + 1]
+    }
+    /// Where a joint's velocities lie in a state.
+    pub fn dof_range(&self, joint: JointId) -> std::ops::Range<usize> {
+        self.dof_start[joint.0]..self.dof_start[joint.0 + 1]
+    }
+    /// The joint that carries a body: the one in the tree. A dynamic body that no
+    /// joint carries got a `free` joint when the model was made; a static body has none.
+    /// Distance joints and joints that close a loop never carry.
+    pub fn carrier(&self, body: BodyId) -> Option<JointId> {
+        self.carrier[body.0]
+    }
+    /// The bodies, every parent before its children.
+    pub fn order(&self) -> &[BodyId] {
+        &self.order
+    }
+
+    /// Initial coordinates of all joints, [`coordinates`](Self::coordinates) of them.
+    pub fn initial_position(&self) -> Vec<f64> {
+        let in_state = self.joints.iter().filter(|j| !j.closes_loop);
+        in_state.flat_map(|j| j.initial.iter().copied()).collect()
+    }
+    /// Mass of all dynamic bodies [kg].
+    pub fn total_mass(&self) -> f64 {
+        self.bodies
+            .iter()
+            .filter(|b| b.kind == BodyKind::Dynamic)
+            .map(|b| b.mass)
+            .sum()
+    }
+    /// Whether the joints form a tree, so that their coordinates are independent.
+    pub fn is_tree(&self) -> bool {
+        self.loops().is_empty()
+    }
+    /// What ties coordinates together so that the model is no tree, as in `distance joint "rope"`:
+    /// joints that close a loop, distance joints and couplings.
+    pub fn loops(&self) -> Vec<String> {
+        let joints = self.joints.iter().filter_map(|j| match j.kind {
+            JointKind::Distance => Some(format!("distance joint \"{}\"", j.name)),
+            _ if j.closes_loop => Some(format!("joint \"{}\" closing a loop", j.name)),
+            _ => None,
+        });
+        let couplings = self
+            .couplings
+            .iter()
+            .map(|c| format!("coupling \"{}\"", c.name));
+        joints.chain(couplings).collect()
+    }
+}

@@ -1,0 +1,290 @@
+//! What the tables of a model must fulfil one by one, before joints are followed from body to body.
+
+use super::check::{Subject, names};
+use super::joints;
+use crate::mass::principal_moments;
+use crate::{
+    Actuator, Body, BodyKind, Coupling, Geometry, Keyframe, Material, ModelError, Parts, Shape,
+};
+use glam::DMat3;
+
+/// Most rows of a table: enough for any scene, few enough to stop a slip of the keyboard.
+const MOST_ROWS: usize = 1_000_000;
+/// Most worlds of a model.
+const MOST_WORLDS: usize = 10_000_000;
+/// Relative slack for inertia matrices, which files give with few digits.
+const INERTIA_TOLERANCE: f64 = 1e-6;
+/// A principal moment below this share of the largest counts as zero.
+const LEAST_MOMENT: f64 = 1e-12;
+
+/// Checks everything but keyframes, whose length depends on joints still to be added.
+pub(super) fn parts(parts: &Parts) -> Result<(), ModelError> {
+    counts(parts)?;
+    settings(parts)?;
+    all_names(parts)?;
+    parts.bodies.iter().try_for_each(body)?;
+    parts
+        .shapes
+        .iter()
+        .try_for_each(|s| shape(s, parts.bodies.len()))?;
+    parts
+        .joints
+        .iter()
+        .try_for_each(|j| joints::joint(j, &parts.bodies))?;
+    parts
+        .couplings
+        .iter()
+        .try_for_each(|c| coupling(c, parts))?;
+    parts.actuators.iter().try_for_each(|a| actuator(a, parts))
+}
+
+fn counts(parts: &Parts) -> Result<(), ModelError> {
+    let tables = [
+        ("bodies", parts.bodies.len(), MOST_ROWS),
+        ("shapes", parts.shapes.len(), MOST_ROWS),
+        ("joints", parts.joints.len(), MOST_ROWS),
+        ("couplings", parts.couplings.len(), MOST_ROWS),
+        ("actuators", parts.actuators.len(), MOST_ROWS),
+        ("keyframes", parts.keyframes.len(), MOST_ROWS),
+        ("worlds", parts.worlds, MOST_WORLDS),
+    ];
+    match tables.into_iter().find(|&(_, count, most)| count > most) {
+        Some((what, count, most)) => Err(ModelError::TooMany { what, count, most }),
+        None => Ok(()),
+    }
+}
+
+fn settings(parts: &Parts) -> Result<(), ModelError> {
+    let subject = Subject {
+        kind: "model",
+        name: &parts.name,
+    };
+    subject.positive("time step [s]", parts.time_step)?;
+    subject.all_finite("gravity [m/s²]", &parts.gravity.to_array())?;
+    if parts.worlds == 0 {
+        return Err(ModelError::NoWorlds);
+    }
+    Ok(())
+}
+
+fn all_names(parts: &Parts) -> Result<(), ModelError> {
+    names("body", parts.bodies.iter().map(|b| b.name.as_str()))?;
+    names("joint", parts.joints.iter().map(|j| j.name.as_str()))?;
+    let dofs = parts.joints.iter().flat_map(|j| &j.dofs);
+    names("degree of freedom", dofs.map(|d| d.name.as_str()))?;
+    names("coupling", parts.couplings.iter().map(|c| c.name.as_str()))?;
+    names("actuator", parts.actuators.iter().map(|a| a.name.as_str()))?;
+    names("keyframe", parts.keyframes.iter().map(|k| k.name.as_str()))
+}
+
+fn body(body: &Body) -> Result<(), ModelError> {
+    let subject = Subject {
+        kind: "body",
+        name: &body.name,
+    };
+    subject.pose("pose", &body.pose)?;
+    if body.world < -1 {
+        let (quantity, upper) = ("world", f64::from(i32::MAX));
+        return subject.within(quantity, f64::from(body.world), -1.0, upper);
+    }
+    if body.kind == BodyKind::Static {
+        return Ok(());
+    }
+    subject.positive("mass [kg]", body.mass)?;
+    subject.all_finite("centre of mass [m]", &body.center.to_array())?;
+    subject.all_finite("inertia [kg·m²]", &body.inertia.to_cols_array())?;
+    inertia(&body.name, body.inertia)
+}
+
+/// A solid's inertia matrix is symmetric and positive definite, and its principal moments are
+/// ∫(y²+z²)dm, ∫(z²+x²)dm, ∫(x²+y²)dm, so that none exceeds the sum of the others.
+fn inertia(name: &str, inertia: DMat3) -> Result<(), ModelError> {
+    let body = || name.to_owned();
+    let size = inertia
+        .to_cols_array()
+        .iter()
+        .fold(0.0, |m: f64, x| m.max(x.abs()));
+    let skew = inertia - inertia.transpose();
+    let difference = skew
+        .to_cols_array()
+        .iter()
+        .fold(0.0, |m: f64, x| m.max(x.abs()));
+    if difference > INERTIA_TOLERANCE * size {
+        return Err(ModelError::InertiaNotSymmetric {
+            body: body(),
+            difference,
+        });
+    }
+    let mut moments = principal_moments(inertia).to_array();
+    moments.sort_by(f64::total_cmp);
+    let [a, b, c] = moments;
+    if a <= LEAST_MOMENT * size {
+        return Err(ModelError::InertiaNotPositive {
+            body: body(),
+            smallest: a,
+        });
+    }
+    if c > (a + b) * (1.0 + INERTIA_TOLERANCE) {
+        return Err(ModelError::InertiaTriangle {
+            body: body(),
+            moments,
+        });
+    }
+    Ok(())
+}
+
+fn shape(shape: &Shape, bodies: usize) -> Result<(), ModelError> {
+    let subject = Subject {
+        kind: "shape",
+        name: &shape.name,
+    };
+    if let Some(body) = shape.body {
+        subject.row("body", body.0, bodies)?;
+    }
+    subject.pose("pose", &shape.pose)?;
+    subject.not_negative("density [kg/m³]", shape.density)?;
+    geometry(&subject, &shape.geometry)?;
+    material(&subject, &shape.material)
+}
+
+fn geometry(subject: &Subject, geometry: &Geometry) -> Result<(), ModelError> {
+    match *geometry {
+        Geometry::Plane { half_x, half_z } => {
+            subject.not_negative("half size along x [m]", half_x)?;
+            subject.not_negative("half size along z [m]", half_z)
+        }
+        Geometry::Sphere { radius } => subject.positive("radius [m]", radius),
+        Geometry::Cylinder {
+            radius,
+            half_height,
+        }
+        | Geometry::Cone {
+            radius,
+            half_height,
+        } => {
+            subject.positive("radius [m]", radius)?;
+            subject.positive("half height [m]", half_height)
+        }
+        Geometry::Capsule {
+            radius,
+            half_height,
+        } => {
+            subject.positive("radius [m]", radius)?;
+            subject.positive("half height [m]", half_height)?;
+            // A factor that rounds down lets 1.01 · radius itself through.
+            if half_height < 1.01 * (1.0 - 1e-12) * radius {
+                let what = subject.what();
+                return Err(ModelError::CapsuleTooShort {
+                    what,
+                    half_height,
+                    radius,
+                });
+            }
+            Ok(())
+        }
+        Geometry::Box { half } => subject.all_positive("half extent [m]", half),
+        Geometry::Ellipsoid { half } => subject.all_positive("half axis [m]", half),
+        Geometry::Mesh { ref file, scale } => {
+            if file.is_empty() {
+                return Err(ModelError::MeshWithoutFile {
+                    what: subject.what(),
+                });
+            }
+            // Negative scales mirror, which is how files make a left hand of a right one.
+            subject.all_finite("scale", &scale.to_array())?;
+            subject.all_positive("scale without its sign", scale.abs())
+        }
+    }
+}
+
+fn material(subject: &Subject, material: &Material) -> Result<(), ModelError> {
+    subject.not_negative("friction", material.friction)?;
+    subject.not_negative("torsional friction [m]", material.torsional_friction)?;
+    subject.not_negative("rolling friction [m]", material.rolling_friction)?;
+    subject.within("restitution", material.restitution, 0.0, 1.0)?;
+    material
+        .color
+        .iter()
+        .try_for_each(|&c| subject.within("colour", f64::from(c), 0.0, 1.0))
+}
+
+fn coupling(coupling: &Coupling, parts: &Parts) -> Result<(), ModelError> {
+    let subject = Subject {
+        kind: "coupling",
+        name: &coupling.name,
+    };
+    subject.finite("ratio", coupling.ratio)?;
+    subject.finite("offset", coupling.offset)?;
+    for id in [coupling.joint, coupling.other] {
+        subject.row("joint", id.0, parts.joints.len())?;
+        let joint = &parts.joints[id.0];
+        if joint.axes.len() != 1 {
+            return Err(ModelError::CouplingAxes {
+                coupling: coupling.name.clone(),
+                joint: joint.name.clone(),
+                axes: joint.axes.len(),
+            });
+        }
+    }
+    if coupling.joint == coupling.other {
+        return Err(ModelError::CouplingToItself {
+            coupling: coupling.name.clone(),
+            joint: parts.joints[coupling.joint.0].name.clone(),
+        });
+    }
+    Ok(())
+}
+
+fn actuator(actuator: &Actuator, parts: &Parts) -> Result<(), ModelError> {
+    let subject = Subject {
+        kind: "actuator",
+        name: &actuator.name,
+    };
+    subject.row("joint", actuator.joint.0, parts.joints.len())?;
+    let joint = &parts.joints[actuator.joint.0];
+    let count = joint.degrees_of_freedom();
+    if actuator.dof >= count {
+        return Err(ModelError::ActuatorDof {
+            actuator: actuator.name.clone(),
+            joint: joint.name.clone(),
+            dof: actuator.dof,
+            count,
+            closes_loop: joint.closes_loop,
+        });
+    }
+    subject.finite("gear", actuator.gear)?;
+    subject.finite("gain", actuator.gain)?;
+    subject.all_finite("bias", &actuator.bias)?;
+    actuator
+        .control_range
+        .map_or(Ok(()), |r| subject.range("control range", r))?;
+    actuator
+        .force_range
+        .map_or(Ok(()), |r| subject.range("force range", r))
+}
+
+/// Checks a keyframe against the finished joints: numbers of entries, and quaternions.
+pub(super) fn keyframe(
+    keyframe: &Keyframe,
+    parts: &Parts,
+    coordinate_start: &[usize],
+    dofs: usize,
+) -> Result<(), ModelError> {
+    let subject = Subject {
+        kind: "keyframe",
+        name: &keyframe.name,
+    };
+    let coordinates = coordinate_start[parts.joints.len()];
+    let why = " (bodies without a joint get a free one, last in the order)";
+    let position = &keyframe.joint_position;
+    subject.length("joint position", position.len(), coordinates, why)?;
+    subject.length("joint velocity", keyframe.joint_velocity.len(), dofs, why)?;
+    subject.length("control", keyframe.control.len(), parts.actuators.len(), "")?;
+    subject.all_finite("joint position", position)?;
+    subject.all_finite("joint velocity", &keyframe.joint_velocity)?;
+    subject.all_finite("control", &keyframe.control)?;
+    for (joint, range) in parts.joints.iter().zip(coordinate_start.windows(2)) {
+        joints::quaternion(&subject, joint, &position[range[0]..range[1]])?;
+    }
+    Ok(())
+}

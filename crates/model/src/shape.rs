@@ -1,0 +1,83 @@
+//! Shapes: what a body looks and collides like.
+
+use crate::{BodyId, Material, Pose};
+use glam::DVec3;
+
+/// Row of a shape in [`Model::shapes`](crate::Model::shapes).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct ShapeId(pub usize);
+
+/// A solid, centred at the origin of its own frame. Sizes are half sizes [m].
+#[derive(Clone, Debug, PartialEq)]
+pub enum Geometry {
+    /// The half space below y = 0 of the shape's frame; drawn as a rectangle,
+    /// endless where `half_x` and `half_z` are zero.
+    Plane {
+        /// Half size along x; 0 is endless.
+        half_x: f64,
+        /// Half size along z; 0 is endless.
+        half_z: f64,
+    },
+    /// A ball.
+    Sphere {
+        /// Radius.
+        radius: f64,
+    },
+    /// A cylinder with round caps, along y.
+    Capsule {
+        /// Radius.
+        radius: f64,
+        /// Half of the whole height, caps included; at least 1.01 radii.
+        half_height: f64,
+    },
+    /// A cylinder along y.
+    Cylinder {
+        /// Radius.
+        radius: f64,
+        /// Half height.
+        half_height: f64,
+    },
+    /// A cone along y, its base at −half_height, its apex at +half_height.
+    Cone {
+        /// Radius of the base.
+        radius: f64,
+        /// Half height.
+        half_height: f64,
+    },
+    /// A cuboid.
+    Box {
+        /// Half extents.
+        half: DVec3,
+    },
+    /// An ellipsoid.
+    Ellipsoid {
+        /// Half axes.
+        half: DVec3,
+    },
+    /// A triangle mesh, named by its file; read by those who draw or collide it.
+    Mesh {
+        /// Path as the model file gives it, resolved against that file's folder.
+        file: String,
+        /// Scale along each axis.
+        scale: DVec3,
+    },
+}
+
+/// A solid fixed to a body (or to the world), with its material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shape {
+    /// Name; may be empty.
+    pub name: String,
+    /// Owner; `None` is the world.
+    pub body: Option<BodyId>,
+    /// Form.
+    pub geometry: Geometry,
+    /// Placement in the body's frame.
+    pub pose: Pose,
+    /// Density [kg/m³], for those who derive a body's mass from its shapes.
+    pub density: f64,
+    /// Surface.
+    pub material: Material,
+    /// True: takes part in contacts. False: only seen.
+    pub collides: bool,
+}
