@@ -3,6 +3,7 @@
 use super::operation::Operation;
 use super::program::{Action, Instruction, Operand, Program};
 use core::cell::RefCell;
+use core::marker::PhantomData;
 use core::panic::Location;
 use std::collections::HashMap;
 
@@ -36,9 +37,6 @@ pub enum TraceError {
          compute the mask in the branch, keep it in a cell, and ask after the branch"
     )]
     NoLoop(Site),
-    /// A value of another record was used.
-    #[error("a value of another record is used: load it again in this one")]
-    Foreign,
 }
 
 /// A word that is known now, or the result of a recorded instruction.
@@ -49,11 +47,15 @@ pub(super) enum Handle<'g> {
 }
 
 /// The result of an instruction, valid while its block is open.
+///
+/// The brand keeps the lifetimes of two records apart, so that a value of one
+/// cannot be used in the other.
 #[derive(Clone, Copy)]
 pub(super) struct Node<'g> {
     graph: &'g Graph,
     pub id: u32,
     block: usize,
+    brand: PhantomData<fn(&'g ()) -> &'g ()>,
 }
 
 /// The result of a pure operation: a literal where all operands are.
@@ -119,7 +121,7 @@ impl Graph {
         let mut recording = self.0.borrow_mut();
         let mut resolved = [Operand::Literal(0); 3];
         for (to, from) in resolved.iter_mut().zip(operands) {
-            *to = recording.resolve(self, from);
+            *to = recording.resolve(from);
         }
         let (id, block) = recording.add(Instruction {
             action,
@@ -129,11 +131,12 @@ impl Graph {
             graph: self,
             id,
             block,
+            brand: PhantomData,
         }
     }
 
     /// Records the exit from a loop.
-    pub fn leave(&self, condition: Handle<'_>, site: Site) {
+    pub fn leave<'g>(&'g self, condition: Handle<'g>, site: Site) {
         if self.0.borrow().innermost().is_loop {
             self.emit(Action::Break, &[condition]);
         } else {
@@ -172,6 +175,7 @@ impl<'g> Body<'g> {
             graph: self.graph,
             id: self.head,
             block: self.block,
+            brand: PhantomData,
         })
     }
 
@@ -194,6 +198,9 @@ impl<'g> Body<'g> {
     pub fn close(self) {
         let mut recording = self.graph.0.borrow_mut();
         recording.close(self.block);
+        if recording.fault.is_some() {
+            return;
+        }
         if let Some(end) = self.once {
             recording.unify(self.head as usize + 1, end, self.block);
         }
@@ -256,18 +263,16 @@ impl Recording {
     }
 
     /// The operand that a handle stands for, where it may be used.
-    fn resolve(&mut self, graph: &Graph, handle: &Handle<'_>) -> Operand {
+    fn resolve(&mut self, handle: &Handle<'_>) -> Operand {
         match handle {
-            Handle::Literal(word) => return Operand::Literal(*word),
-            Handle::Node(node) if !core::ptr::eq(node.graph, graph) => {
-                self.fail(TraceError::Foreign);
+            Handle::Literal(word) => Operand::Literal(*word),
+            Handle::Node(node) => {
+                if !self.is_open(node.block) {
+                    self.fail(TraceError::Escaped(self.sites[node.block]));
+                }
+                Operand::Node(node.id)
             }
-            Handle::Node(node) if !self.is_open(node.block) => {
-                self.fail(TraceError::Escaped(self.sites[node.block]));
-            }
-            Handle::Node(node) => return Operand::Node(node.id),
         }
-        Operand::Literal(0)
     }
 
     /// The number and the block of an instruction, new or known.

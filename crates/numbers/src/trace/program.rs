@@ -86,10 +86,9 @@ impl Instruction {
     /// results at `start` and later belong to that body.
     pub fn moved_up(mut self, start: u32, by: u32) -> Self {
         for operand in &mut self.operands {
-            if let Operand::Node(id) = operand {
-                if *id >= start {
-                    *id -= by;
-                }
+            match operand {
+                Operand::Node(id) if *id >= start => *id -= by,
+                _ => {}
             }
         }
         self
