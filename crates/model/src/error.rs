@@ -330,6 +330,56 @@ pub enum ModelError {
         /// Whether the joint closes a loop.
         closes_loop: bool,
     },
+    /// A handle is not of the builder that it is used with.
+    #[error(
+        "{what}: no {role} of this builder has this handle; use handles that this builder gave"
+    )]
+    ForeignHandle {
+        /// Where the handle was used.
+        what: String,
+        /// Such as "parent body".
+        role: &'static str,
+    },
+    /// A joint or actuator reaches into another object.
+    #[error(
+        "{what}: its {role} belongs to object \"{other}\", not to \"{object}\"; make it in object \"{other}\""
+    )]
+    OtherObject {
+        /// The joint, coupling or actuator.
+        what: String,
+        /// Such as "child body".
+        role: &'static str,
+        /// The object it was made in.
+        object: String,
+        /// The object it belongs to.
+        other: String,
+    },
+    /// An object has fewer replicas.
+    #[error(
+        "object \"{object}\" has {count} replicas, numbered from 0, so not number {replica}; call replicate first, or use a number below {count}"
+    )]
+    NoSuchReplica {
+        /// The object.
+        object: String,
+        /// Replica asked for.
+        replica: usize,
+        /// Replicas there are.
+        count: usize,
+    },
+    /// A joint ties objects whose replicas do not match.
+    #[error(
+        "joint \"{joint}\": its object has {count} replicas, but the parent's object \"{parent}\" has {parent_count}; replicate both alike, or the parent's not at all"
+    )]
+    ReplicasDiffer {
+        /// The joint.
+        joint: String,
+        /// Replicas of the joint's object.
+        count: usize,
+        /// The parent's object.
+        parent: String,
+        /// Replicas of the parent's object.
+        parent_count: usize,
+    },
     /// A model is for no world.
     #[error("the model asks for 0 worlds; ask for at least 1")]
     NoWorlds,

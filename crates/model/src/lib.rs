@@ -1,7 +1,7 @@
 //! What exists in a simulated world, with no algorithm in it.
 //!
 //! A [`Model`] is a set of flat tables, checked once when it is made, and then
-//! immutable and shared by all worlds. It is written by hand,
+//! immutable and shared by all worlds. It is written by hand with a [`Builder`],
 //! or read from a file by the `formats` crate.
 //!
 //! SI units; right-handed; quaternions x, y, z, w; sizes of shapes are half sizes.
@@ -10,7 +10,9 @@
 
 mod actuator;
 mod body;
+mod builder;
 mod error;
+pub mod examples;
 mod filter;
 mod joint;
 mod keyframe;
@@ -22,6 +24,10 @@ mod shape;
 
 pub use actuator::Actuator;
 pub use body::{Body, BodyId, BodyKind};
+pub use builder::{
+    ActuatorDraft, BodyDraft, BodyHandle, Builder, JointDraft, JointHandle, Object, ObjectId,
+    Placement,
+};
 pub use error::ModelError;
 pub use filter::CollisionFilter;
 pub use joint::{Axis, AxisKind, Coupling, Dof, Drive, Joint, JointId, JointKind, Limit};

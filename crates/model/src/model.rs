@@ -12,6 +12,9 @@ use crate::{
 };
 use glam::DVec3;
 
+pub(crate) use check::Subject;
+pub(crate) use validate::MOST_ROWS;
+
 /// Which axis points up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum UpAxis {

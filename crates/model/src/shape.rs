@@ -81,3 +81,50 @@ pub struct Shape {
     /// True: takes part in contacts. False: only seen.
     pub collides: bool,
 }
+
+impl Shape {
+    /// A colliding solid of 1000 kg/m³ with the default material, at its body's origin.
+    pub fn new(geometry: Geometry) -> Self {
+        Self {
+            name: String::new(),
+            body: None,
+            geometry,
+            pose: Pose::IDENTITY,
+            density: 1000.0,
+            material: Material::default(),
+            collides: true,
+        }
+    }
+    /// The same, with a name.
+    pub fn named(self, name: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            ..self
+        }
+    }
+    /// The same, elsewhere in its body's frame.
+    pub fn at(self, pose: Pose) -> Self {
+        Self { pose, ..self }
+    }
+    /// The same, of another density [kg/m³].
+    pub fn with_density(self, density: f64) -> Self {
+        Self { density, ..self }
+    }
+    /// The same, of another material.
+    pub fn with_material(self, material: Material) -> Self {
+        Self { material, ..self }
+    }
+    /// The same, only seen.
+    pub fn without_contact(self) -> Self {
+        Self {
+            collides: false,
+            ..self
+        }
+    }
+}
+
+impl From<Geometry> for Shape {
+    fn from(geometry: Geometry) -> Self {
+        Self::new(geometry)
+    }
+}

@@ -9,7 +9,7 @@ const UNIT_TOLERANCE: f64 = 1e-6;
 
 /// The thing that is being checked: its kind and name.
 #[derive(Clone, Copy)]
-pub(super) struct Subject<'a> {
+pub(crate) struct Subject<'a> {
     pub kind: &'static str,
     pub name: &'a str,
 }
@@ -174,7 +174,7 @@ impl Subject<'_> {
 }
 
 /// Every name is there, and there once.
-pub(super) fn names<'a>(
+pub(crate) fn names<'a>(
     kind: &'static str,
     names: impl Iterator<Item = &'a str>,
 ) -> Result<(), ModelError> {

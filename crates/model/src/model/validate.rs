@@ -9,7 +9,7 @@ use crate::{
 use glam::DMat3;
 
 /// Most rows of a table: enough for any scene, few enough to stop a slip of the keyboard.
-const MOST_ROWS: usize = 1_000_000;
+pub(crate) const MOST_ROWS: usize = 1_000_000;
 /// Most worlds of a model.
 const MOST_WORLDS: usize = 10_000_000;
 /// Relative slack for inertia matrices, which files give with few digits.

@@ -1,0 +1,162 @@
+//! Makes models by hand: a tree of World → Object → Body and Joint, compiled to flat tables.
+
+mod actuator;
+mod body;
+mod compile;
+mod joint;
+mod object;
+mod placement;
+
+pub use actuator::ActuatorDraft;
+pub use body::{BodyDraft, BodyHandle};
+pub use joint::{JointDraft, JointHandle};
+pub use object::{Object, ObjectId};
+pub use placement::Placement;
+
+use crate::{BodyId, JointId, Keyframe, Model, ModelError, Parts, UpAxis};
+use compile::Layout;
+use glam::DVec3;
+
+/// Makes a [`Model`] by hand.
+///
+/// A world consists of objects; an object of bodies, joints and actuators that belong together. An
+/// object can be replicated within the world, and each replica be placed by itself. Handles stay
+/// valid throughout; [`body_replica`](Self::body_replica) and [`joint_replica`](Self::joint_replica)
+/// tell the rows that they become.
+///
+/// ```
+/// use glam::DVec3;
+/// use kinetarium_model::{Builder, Geometry, Pose};
+///
+/// let mut world = Builder::new("pendula");
+/// let arm = world.object("arm");
+/// let rod = Geometry::Capsule { radius: 0.02, half_height: 0.5 };
+/// let link = arm.body("link").at(Pose::at(DVec3::new(0.0, -0.5, 0.0))).shape(rod).mass(1.0).handle();
+/// let hinge = arm.revolute("hinge", link, DVec3::Z).initial(&[0.3]).handle();
+/// arm.motor("motor", hinge).control_range(-2.0, 2.0);
+/// arm.replicate(3);
+/// arm.replica(2)?.translate_by(DVec3::new(0.0, 0.0, 1.0));
+///
+/// let model = world.build()?;
+/// assert_eq!(model.bodies[world.body_replica(link, 2)?.0].name, "link_2");
+/// # Ok::<(), kinetarium_model::ModelError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Builder {
+    /// Everything but bodies, shapes, joints, couplings and actuators, which the objects hold.
+    settings: Parts,
+    objects: Vec<Object>,
+}
+
+impl Builder {
+    /// An empty world, as [`Parts::default`].
+    pub fn new(name: impl Into<String>) -> Self {
+        let settings = Parts {
+            name: name.into(),
+            ..Parts::default()
+        };
+        Self {
+            settings,
+            objects: Vec::new(),
+        }
+    }
+    /// Sets the direction that is up, and turns gravity to point down.
+    pub fn up_axis(&mut self, up: UpAxis) -> &mut Self {
+        self.settings.up_axis = up;
+        self.settings.gravity = -self.settings.gravity.length() * up.direction();
+        self
+    }
+    /// Sets gravity [m/s²].
+    pub fn gravity(&mut self, gravity: DVec3) -> &mut Self {
+        self.settings.gravity = gravity;
+        self
+    }
+    /// Sets the recommended time step [s].
+    pub fn time_step(&mut self, seconds: f64) -> &mut Self {
+        self.settings.time_step = seconds;
+        self
+    }
+    /// Asks for this many worlds, each with all objects.
+    pub fn replicate(&mut self, worlds: usize) -> &mut Self {
+        self.settings.worlds = worlds;
+        self
+    }
+    /// Adds a named state of the finished model.
+    pub fn keyframe(&mut self, keyframe: Keyframe) -> &mut Self {
+        self.settings.keyframes.push(keyframe);
+        self
+    }
+
+    /// Adds an empty object.
+    pub fn object(&mut self, name: impl Into<String>) -> &mut Object {
+        let id = ObjectId(self.objects.len());
+        self.objects.push(Object::new(name.into(), id));
+        &mut self.objects[id.0]
+    }
+    /// An object made before.
+    ///
+    /// # Errors
+    /// If the handle is not of this builder.
+    pub fn object_mut(&mut self, id: ObjectId) -> Result<&mut Object, ModelError> {
+        self.objects
+            .get_mut(id.0)
+            .ok_or_else(|| foreign("world", "object"))
+    }
+    /// A body made before.
+    ///
+    /// # Errors
+    /// If the handle is not of this builder.
+    pub fn body_mut(&mut self, handle: BodyHandle) -> Result<&mut BodyDraft, ModelError> {
+        let object = self.object_mut(handle.object)?;
+        object
+            .bodies
+            .get_mut(handle.index)
+            .ok_or_else(|| foreign("world", "body"))
+    }
+    /// A joint made before.
+    ///
+    /// # Errors
+    /// If the handle is not of this builder.
+    pub fn joint_mut(&mut self, handle: JointHandle) -> Result<&mut JointDraft, ModelError> {
+        let object = self.object_mut(handle.object)?;
+        object
+            .joints
+            .get_mut(handle.index)
+            .ok_or_else(|| foreign("world", "joint"))
+    }
+
+    /// Row of a body's k-th replica in the model that [`build`](Self::build) makes.
+    ///
+    /// # Errors
+    /// If the handle is not of this builder, or the object has no k-th replica.
+    pub fn body_replica(&self, body: BodyHandle, k: usize) -> Result<BodyId, ModelError> {
+        Layout::of(&self.objects).body("world", body, k)
+    }
+    /// Row of a joint's k-th replica in the model that [`build`](Self::build) makes.
+    ///
+    /// # Errors
+    /// If the handle is not of this builder, or the object has no k-th replica.
+    pub fn joint_replica(&self, joint: JointHandle, k: usize) -> Result<JointId, ModelError> {
+        Layout::of(&self.objects).joint("world", joint, k)
+    }
+
+    /// Compiles the world to flat tables, and checks them. The builder can go on being used.
+    ///
+    /// Rows come object by object, replica by replica, in the order of making. Where an object
+    /// has several replicas, the names in the k-th end in `_k`, from 0.
+    ///
+    /// # Errors
+    /// The first fault found, with its remedy.
+    pub fn build(&self) -> Result<Model, ModelError> {
+        let mut parts = self.settings.clone();
+        compile::compile(&self.objects, &mut parts)?;
+        Model::new(parts)
+    }
+}
+
+fn foreign(what: &str, role: &'static str) -> ModelError {
+    ModelError::ForeignHandle {
+        what: what.into(),
+        role,
+    }
+}

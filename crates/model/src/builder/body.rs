@@ -1,0 +1,110 @@
+//! A body in the making.
+
+use super::ObjectId;
+use crate::filter::STATIC_GROUP;
+use crate::{Body, BodyKind, MassProperties, ModelError, Pose, Shape};
+use glam::{DMat3, DVec3};
+
+/// A body of an object; of every replica of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct BodyHandle {
+    pub(super) object: ObjectId,
+    pub(super) index: usize,
+}
+
+/// A body in the making. Dynamic, at the object's origin, its mass from its shapes' densities,
+/// unless said otherwise.
+#[derive(Clone, Debug)]
+pub struct BodyDraft {
+    pub(super) body: Body,
+    pub(super) shapes: Vec<Shape>,
+    handle: BodyHandle,
+    mass: MassSource,
+}
+
+/// Where a body's mass, centre and inertia come from.
+#[derive(Clone, Copy, Debug)]
+enum MassSource {
+    /// Shapes and their densities.
+    Densities,
+    /// This mass, spread as the shapes and their densities would.
+    Total(f64),
+    /// All three as given.
+    Given,
+}
+
+impl BodyDraft {
+    pub(super) fn new(name: String, handle: BodyHandle) -> Self {
+        Self {
+            body: Body::new(name),
+            shapes: Vec::new(),
+            handle,
+            mass: MassSource::Densities,
+        }
+    }
+    /// What joints and queries call the body by.
+    pub fn handle(&self) -> BodyHandle {
+        self.handle
+    }
+    /// Places the body in the object's frame. A joint's coordinates may move it from there.
+    pub fn at(&mut self, pose: Pose) -> &mut Self {
+        self.body.pose = pose;
+        self
+    }
+    /// Makes the body static and puts it in group −1.
+    pub fn immovable(&mut self) -> &mut Self {
+        self.body.kind = BodyKind::Static;
+        self.body.group = STATIC_GROUP;
+        self
+    }
+    /// Adds a shape, or a geometry with the default density and material.
+    pub fn shape(&mut self, shape: impl Into<Shape>) -> &mut Self {
+        self.shapes.push(shape.into());
+        self
+    }
+    /// Sets the mass [kg]; centre and inertia follow from the shapes, whose densities then only
+    /// matter in relation to each other.
+    pub fn mass(&mut self, mass: f64) -> &mut Self {
+        self.mass = MassSource::Total(mass);
+        self
+    }
+    /// Sets the mass [kg], the centre of mass [m] in the body's frame, and the inertia [kg·m²]
+    /// about that centre along the body's axes.
+    pub fn inertia(&mut self, mass: f64, center: DVec3, inertia: DMat3) -> &mut Self {
+        (self.body.mass, self.body.center, self.body.inertia) = (mass, center, inertia);
+        self.mass = MassSource::Given;
+        self
+    }
+    /// Sets the collision group; see [`CollisionFilter`](crate::CollisionFilter).
+    pub fn group(&mut self, group: i32) -> &mut Self {
+        self.body.group = group;
+        self
+    }
+    /// Sets the world that the body stands in; −1 is shared by all.
+    pub fn world(&mut self, world: i32) -> &mut Self {
+        self.body.world = world;
+        self
+    }
+
+    /// The body with its mass worked out.
+    pub(super) fn finished(&self) -> Result<Body, ModelError> {
+        let mut body = self.body.clone();
+        if body.kind == BodyKind::Static {
+            return Ok(body);
+        }
+        let solid = MassProperties::of_shapes(&self.shapes);
+        let unknown = |missing| ModelError::MassUnknown {
+            body: body.name.clone(),
+            missing,
+        };
+        let whole = match self.mass {
+            MassSource::Given => return Ok(body),
+            MassSource::Densities => solid.ok_or_else(|| unknown("has no mass"))?,
+            MassSource::Total(mass) => solid
+                .ok_or_else(|| unknown("nothing tells its inertia"))?
+                .with_mass(mass),
+        };
+        (body.mass, body.center, body.inertia) = (whole.mass, whole.center, whole.inertia);
+        Ok(body)
+    }
+}

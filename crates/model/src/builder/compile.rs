@@ -1,0 +1,279 @@
+//! From the tree of objects to flat tables.
+
+use super::joint::Frames;
+use super::{BodyHandle, JointDraft, JointHandle, Object, ObjectId, foreign};
+use crate::model::{MOST_ROWS, Subject};
+use crate::{BodyId, Coupling, Joint, JointId, ModelError, Parts, Pose, Shape};
+
+/// Appends the rows of all replicas of all objects to the parts.
+pub(super) fn compile(objects: &[Object], parts: &mut Parts) -> Result<(), ModelError> {
+    must_be_few(objects)?;
+    let layout = Layout::of(objects);
+    for object in objects {
+        let subject = Subject {
+            kind: "object",
+            name: &object.name,
+        };
+        for (k, placement) in object.placements.iter().enumerate() {
+            subject.pose("placement", placement)?;
+            let replica = Replica {
+                layout: &layout,
+                object,
+                k,
+            };
+            replica.bodies(parts)?;
+            replica.joints(parts)?;
+            replica.couplings(parts)?;
+            replica.actuators(parts)?;
+        }
+    }
+    Ok(())
+}
+
+/// Stops before tables are filled that no model may have.
+fn must_be_few(objects: &[Object]) -> Result<(), ModelError> {
+    let rows = |of: fn(&Object) -> usize| {
+        objects
+            .iter()
+            .map(|o| o.placements.len().saturating_mul(of(o)))
+            .sum()
+    };
+    let most = MOST_ROWS;
+    let tables = [
+        ("replicas", rows(|_| 1)),
+        ("bodies", rows(|o| o.bodies.len())),
+        (
+            "shapes",
+            rows(|o| o.scenery.len() + o.bodies.iter().map(|b| b.shapes.len()).sum::<usize>()),
+        ),
+        ("joints", rows(|o| o.joints.len())),
+        ("couplings", rows(|o| o.couplings.len())),
+        ("actuators", rows(|o| o.actuators.len())),
+    ];
+    match tables.into_iter().find(|&(_, count)| count > most) {
+        Some((what, count)) => Err(ModelError::TooMany { what, count, most }),
+        None => Ok(()),
+    }
+}
+
+/// Knows the row of every body and joint: rows come object by object, replica by replica.
+pub(super) struct Layout<'a> {
+    objects: &'a [Object],
+    body_start: Vec<usize>,
+    joint_start: Vec<usize>,
+}
+
+impl<'a> Layout<'a> {
+    pub fn of(objects: &'a [Object]) -> Self {
+        let starts = |rows: fn(&Object) -> usize| {
+            let ends = objects.iter().scan(0, move |end, o| {
+                let start = *end;
+                *end += o.placements.len() * rows(o);
+                Some(start)
+            });
+            ends.collect()
+        };
+        let body_start = starts(|o| o.bodies.len());
+        let joint_start = starts(|o| o.joints.len());
+        Self {
+            objects,
+            body_start,
+            joint_start,
+        }
+    }
+
+    /// Row of a body's k-th replica.
+    pub fn body(&self, what: &str, body: BodyHandle, k: usize) -> Result<BodyId, ModelError> {
+        let object = self.replicated(what, body.object, k)?;
+        let (start, rows) = (self.body_start[body.object.0], object.bodies.len());
+        let known = body.index < rows;
+        known
+            .then(|| BodyId(start + k * rows + body.index))
+            .ok_or_else(|| foreign(what, "body"))
+    }
+    /// Row of a joint's k-th replica.
+    pub fn joint(&self, what: &str, joint: JointHandle, k: usize) -> Result<JointId, ModelError> {
+        let object = self.replicated(what, joint.object, k)?;
+        let (start, rows) = (self.joint_start[joint.object.0], object.joints.len());
+        let known = joint.index < rows;
+        known
+            .then(|| JointId(start + k * rows + joint.index))
+            .ok_or_else(|| foreign(what, "joint"))
+    }
+    fn replicated(&self, what: &str, id: ObjectId, k: usize) -> Result<&'a Object, ModelError> {
+        let object = self
+            .objects
+            .get(id.0)
+            .ok_or_else(|| foreign(what, "object"))?;
+        let count = object.placements.len();
+        if k < count {
+            return Ok(object);
+        }
+        Err(ModelError::NoSuchReplica {
+            object: object.name.clone(),
+            replica: k,
+            count,
+        })
+    }
+    /// Where a body's k-th replica was placed in the world.
+    fn pose(&self, body: BodyHandle, k: usize) -> Pose {
+        let object = &self.objects[body.object.0];
+        object.placements[k] * object.bodies[body.index].body.pose
+    }
+}
+
+/// The k-th replica of an object.
+struct Replica<'a> {
+    layout: &'a Layout<'a>,
+    object: &'a Object,
+    k: usize,
+}
+
+impl Replica<'_> {
+    fn bodies(&self, parts: &mut Parts) -> Result<(), ModelError> {
+        for draft in &self.object.bodies {
+            let mut body = draft.finished()?;
+            body.name = self.name(&body.name);
+            body.pose = self.placement() * body.pose;
+            let id = BodyId(parts.bodies.len());
+            parts.bodies.push(body);
+            parts
+                .shapes
+                .extend(draft.shapes.iter().map(|s| self.shape(s, Some(id), s.pose)));
+        }
+        let scenery = self.object.scenery.iter();
+        parts
+            .shapes
+            .extend(scenery.map(|s| self.shape(s, None, self.placement() * s.pose)));
+        Ok(())
+    }
+
+    fn joints(&self, parts: &mut Parts) -> Result<(), ModelError> {
+        for draft in &self.object.joints {
+            parts.joints.push(self.joint(draft)?);
+        }
+        Ok(())
+    }
+
+    fn couplings(&self, parts: &mut Parts) -> Result<(), ModelError> {
+        for draft in &self.object.couplings {
+            let what = format!("coupling \"{}\"", draft.coupling.name);
+            parts.couplings.push(Coupling {
+                name: self.name(&draft.coupling.name),
+                joint: self.own_joint(&what, draft.joint)?,
+                other: self.own_joint(&what, draft.other)?,
+                ..draft.coupling
+            });
+        }
+        Ok(())
+    }
+
+    fn actuators(&self, parts: &mut Parts) -> Result<(), ModelError> {
+        for draft in &self.object.actuators {
+            let what = format!("actuator \"{}\"", draft.actuator.name);
+            let mut actuator = draft.actuator.clone();
+            actuator.name = self.name(&actuator.name);
+            actuator.joint = self.own_joint(&what, draft.joint)?;
+            parts.actuators.push(actuator);
+        }
+        Ok(())
+    }
+
+    fn joint(&self, draft: &JointDraft) -> Result<Joint, ModelError> {
+        let what = format!("joint \"{}\"", draft.joint.name);
+        self.must_own(&what, "child body", draft.child.object)?;
+        let mut joint = draft.joint.clone();
+        joint.child = self.layout.body(&what, draft.child, self.k)?;
+        let mut parent_pose = Pose::IDENTITY;
+        if let Some(parent) = draft.parent {
+            let k = self.parent_replica(draft, parent.object)?;
+            joint.parent = Some(self.layout.body(&what, parent, k)?);
+            parent_pose = self.layout.pose(parent, k);
+        }
+        match draft.frames {
+            Frames::InObject(pose) => {
+                let frame = self.placement() * pose;
+                joint.parent_frame = parent_pose.inverse() * frame;
+                joint.child_frame = self.layout.pose(draft.child, self.k).inverse() * frame;
+            }
+            Frames::InBodies if draft.parent.is_none() => {
+                joint.parent_frame = self.placement() * joint.parent_frame;
+            }
+            Frames::InBodies => {}
+        }
+        joint.name = self.name(&joint.name);
+        joint
+            .dofs
+            .iter_mut()
+            .for_each(|dof| dof.name = self.name(&dof.name));
+        Ok(joint)
+    }
+
+    /// Which replica of the parent's object a joint's parent is of: the same, or the only one.
+    fn parent_replica(&self, draft: &JointDraft, parent: ObjectId) -> Result<usize, ModelError> {
+        let what = || format!("joint \"{}\"", draft.joint.name);
+        let objects = self.layout.objects;
+        let parent = objects
+            .get(parent.0)
+            .ok_or_else(|| foreign(&what(), "parent body"))?;
+        let (count, parent_count) = (self.object.placements.len(), parent.placements.len());
+        match parent_count {
+            1 => Ok(0),
+            n if n == count => Ok(self.k),
+            _ => Err(ModelError::ReplicasDiffer {
+                joint: draft.joint.name.clone(),
+                count,
+                parent: parent.name.clone(),
+                parent_count,
+            }),
+        }
+    }
+
+    fn own_joint(&self, what: &str, joint: JointHandle) -> Result<JointId, ModelError> {
+        self.must_own(what, "joint", joint.object)?;
+        self.layout.joint(what, joint, self.k)
+    }
+
+    fn must_own(&self, what: &str, role: &'static str, owner: ObjectId) -> Result<(), ModelError> {
+        let Some(other) = self.layout.objects.get(owner.0) else {
+            return Err(foreign(what, role));
+        };
+        if owner == self.object.id() {
+            return Ok(());
+        }
+        let (object, other) = (self.object.name.clone(), other.name.clone());
+        Err(ModelError::OtherObject {
+            what: what.into(),
+            role,
+            object,
+            other,
+        })
+    }
+
+    fn shape(&self, shape: &Shape, body: Option<BodyId>, pose: Pose) -> Shape {
+        let name = if shape.name.is_empty() {
+            String::new()
+        } else {
+            self.name(&shape.name)
+        };
+        Shape {
+            name,
+            body,
+            pose,
+            ..shape.clone()
+        }
+    }
+
+    fn name(&self, name: &str) -> String {
+        let alone = self.object.placements.len() == 1;
+        if alone || name.is_empty() {
+            name.into()
+        } else {
+            format!("{name}_{}", self.k)
+        }
+    }
+
+    fn placement(&self) -> Pose {
+        self.object.placements[self.k]
+    }
+}
