@@ -1,1 +1,247 @@
 //! One entry per instruction set around a whole block of work, chosen at run time.
+//!
+//! A [`Job`] is generic over its numbers. [`run_block`] runs it with a register
+//! full of worlds, [`run_single`] with one world. The entry function carries the
+//! `target_feature`; all below it is inlined into it, so that a job pays for the
+//! choice once, and one binary serves all machines. Hence loops belong inside a
+//! job, not around it.
+
+#![allow(unsafe_code)] // calls of the entries, after detection
+
+use crate::{Float, Lanes};
+use core::fmt;
+use core::str::FromStr;
+
+/// Work that is written for any number of worlds side by side.
+///
+/// `run` and all it calls must be `#[inline(always)]`: what is not inlined into
+/// the entry is compiled without its instructions, and is many times slower.
+pub trait Job {
+    /// The precision.
+    type Scalar: Float;
+    /// What it answers.
+    type Output;
+    /// Does the work, reading numbers as `R`.
+    fn run<R: Lanes<Scalar = Self::Scalar>>(self) -> Self::Output;
+}
+
+/// An instruction set which this machine has.
+///
+/// The variants cannot be constructed outside this crate, so that a value is
+/// proof of detection; see [`Isa::detect`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Isa {
+    /// AVX-512 F, BW, CD, DQ and VL.
+    #[cfg(target_arch = "x86_64")]
+    #[non_exhaustive]
+    Avx512,
+    /// AVX2 and FMA.
+    #[cfg(target_arch = "x86_64")]
+    #[non_exhaustive]
+    Avx2,
+    /// NEON.
+    #[cfg(target_arch = "aarch64")]
+    #[non_exhaustive]
+    Neon,
+    /// WebAssembly's 128-bit vectors.
+    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+    #[non_exhaustive]
+    Simd128,
+    /// Arrays; no fused multiply-add.
+    #[non_exhaustive]
+    Portable,
+}
+
+/// An instruction set that cannot be had.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum IsaError {
+    /// The name means nothing.
+    #[error("unknown instruction set `{0}`; known are {known}", known = NAMES.join(", "))]
+    Unknown(String),
+    /// The name is known, but this machine or build has no such instructions.
+    #[error(
+        "instruction set `{0}` is not available on this machine; available are {available}",
+        available = available_names()
+    )]
+    Unavailable(String),
+}
+
+/// All names, whatever the machine.
+const NAMES: [&str; 5] = ["avx512", "avx2", "neon", "simd128", "portable"];
+
+/// Variable that overrides [`Isa::detect`] in [`Isa::from_env`].
+pub const VARIABLE: &str = "KINETARIUM_ISA";
+
+fn available_names() -> String {
+    let names: Vec<_> = Isa::available().iter().map(Isa::to_string).collect();
+    names.join(", ")
+}
+
+impl Isa {
+    /// All that this machine has, the fastest first.
+    pub fn available() -> Vec<Self> {
+        let mut found = Vec::new();
+        #[cfg(target_arch = "x86_64")]
+        {
+            let avx2 = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
+            let avx512 = is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512bw")
+                && is_x86_feature_detected!("avx512cd")
+                && is_x86_feature_detected!("avx512dq")
+                && is_x86_feature_detected!("avx512vl");
+            if avx2 && avx512 {
+                found.push(Self::Avx512);
+            }
+            if avx2 {
+                found.push(Self::Avx2);
+            }
+        }
+        #[cfg(target_arch = "aarch64")]
+        found.push(Self::Neon);
+        #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+        found.push(Self::Simd128);
+        found.push(Self::Portable);
+        found
+    }
+
+    /// The fastest that this machine has.
+    pub fn detect() -> Self {
+        Self::available()[0]
+    }
+
+    /// The one that the variable `KINETARIUM_ISA` names, else the fastest.
+    ///
+    /// # Errors
+    /// The variable holds a name that is unknown, or not available here.
+    pub fn from_env() -> Result<Self, IsaError> {
+        match std::env::var_os(VARIABLE) {
+            Some(name) => name.to_string_lossy().parse(),
+            None => Ok(Self::detect()),
+        }
+    }
+
+    /// Whether its multiply-add rounds once.
+    pub fn fused(self) -> bool {
+        match self {
+            Self::Portable => false,
+            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+            Self::Simd128 => false,
+            #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+            _ => true,
+        }
+    }
+
+    /// The name, as [`FromStr`] reads it.
+    pub fn name(self) -> &'static str {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => "avx512",
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => "avx2",
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon => "neon",
+            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+            Self::Simd128 => "simd128",
+            Self::Portable => "portable",
+        }
+    }
+}
+
+impl fmt::Display for Isa {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Isa {
+    type Err = IsaError;
+    fn from_str(name: &str) -> Result<Self, IsaError> {
+        if let Some(isa) = Self::available().into_iter().find(|isa| isa.name() == name) {
+            Ok(isa)
+        } else if NAMES.contains(&name) {
+            Err(IsaError::Unavailable(name.to_owned()))
+        } else {
+            Err(IsaError::Unknown(name.to_owned()))
+        }
+    }
+}
+
+/// Runs a job with [`Float::BLOCK`] worlds side by side.
+pub fn run_block<J: Job>(isa: Isa, job: J) -> J::Output {
+    match isa {
+        // SAFETY: an `Isa` exists only where its instructions were detected.
+        #[cfg(target_arch = "x86_64")]
+        Isa::Avx512 => unsafe { entry_avx512(job) },
+        // SAFETY: an `Isa` exists only where its instructions were detected.
+        #[cfg(target_arch = "x86_64")]
+        Isa::Avx2 => unsafe { entry_avx2(job) },
+        #[cfg(target_arch = "aarch64")]
+        Isa::Neon => entry_neon(job),
+        #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+        Isa::Simd128 => entry_simd128(job),
+        Isa::Portable => entry_portable(job),
+    }
+}
+
+/// Runs a job with one world, with the same bits as [`run_block`] on the same `isa`.
+pub fn run_single<J: Job>(isa: Isa, job: J) -> J::Output {
+    match isa {
+        // SAFETY: an `Isa` exists only where its instructions were detected; both have FMA.
+        #[cfg(target_arch = "x86_64")]
+        Isa::Avx512 | Isa::Avx2 => unsafe { entry_fma(job) },
+        #[cfg(target_arch = "aarch64")]
+        Isa::Neon => entry_scalar(job),
+        #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+        Isa::Simd128 => entry_unfused(job),
+        Isa::Portable => entry_unfused(job),
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx2,fma")]
+#[inline(never)]
+unsafe fn entry_avx512<J: Job>(job: J) -> J::Output {
+    job.run::<<J::Scalar as Float>::Avx512>()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+#[inline(never)]
+unsafe fn entry_avx2<J: Job>(job: J) -> J::Output {
+    job.run::<<J::Scalar as Float>::Avx2>()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+#[inline(never)]
+unsafe fn entry_fma<J: Job>(job: J) -> J::Output {
+    job.run::<J::Scalar>()
+}
+
+#[cfg(target_arch = "aarch64")]
+#[inline(never)]
+fn entry_neon<J: Job>(job: J) -> J::Output {
+    job.run::<<J::Scalar as Float>::Neon>()
+}
+
+#[cfg(target_arch = "aarch64")]
+#[inline(never)]
+fn entry_scalar<J: Job>(job: J) -> J::Output {
+    job.run::<J::Scalar>()
+}
+
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+#[inline(never)]
+fn entry_simd128<J: Job>(job: J) -> J::Output {
+    job.run::<<J::Scalar as Float>::Simd128>()
+}
+
+#[inline(never)]
+fn entry_portable<J: Job>(job: J) -> J::Output {
+    job.run::<<J::Scalar as Float>::Portable>()
+}
+
+#[inline(never)]
+fn entry_unfused<J: Job>(job: J) -> J::Output {
+    job.run::<<J::Scalar as Float>::Unfused>()
+}

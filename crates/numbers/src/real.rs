@@ -122,6 +122,22 @@ pub trait Float: Real<Scalar = Self, Mask = bool> + Lanes + PartialOrd + Default
     const DOUBLE: bool;
     /// How many worlds stand side by side in one block: 16 for `f32`, 8 for `f64`.
     const BLOCK: usize;
+    /// Lanes for AVX-512.
+    #[cfg(target_arch = "x86_64")]
+    type Avx512: Lanes<Scalar = Self>;
+    /// Lanes for AVX2 with FMA.
+    #[cfg(target_arch = "x86_64")]
+    type Avx2: Lanes<Scalar = Self>;
+    /// Lanes for NEON.
+    #[cfg(target_arch = "aarch64")]
+    type Neon: Lanes<Scalar = Self>;
+    /// Lanes for WebAssembly's 128-bit vectors.
+    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+    type Simd128: Lanes<Scalar = Self>;
+    /// Lanes for any machine, without a fused multiply-add.
+    type Portable: Lanes<Scalar = Self>;
+    /// One lane without a fused multiply-add.
+    type Unfused: Lanes<Scalar = Self>;
     /// As `f64`, exactly.
     fn to_f64(self) -> f64;
     /// From `f64`, rounded to nearest.

@@ -1,5 +1,6 @@
 //! `f32` and `f64` as numbers of one lane.
 
+use crate::lanes;
 use crate::real::{Float, Lanes, LanesMask, Mask, Real};
 
 impl Mask for bool {
@@ -21,7 +22,7 @@ impl LanesMask for bool {
 }
 
 macro_rules! scalar {
-    ($t:ident, $bits:ident, $double:expr, $block:expr, $mantissa:expr, $bias:expr, $max:expr) => {
+    ($t:ident, $bits:ident, $lanes:ident, $double:expr, $mantissa:expr, $bias:expr, $max:expr) => {
         impl Real for $t {
             type Scalar = $t;
             type Mask = bool;
@@ -107,7 +108,17 @@ macro_rules! scalar {
 
         impl Float for $t {
             const DOUBLE: bool = $double;
-            const BLOCK: usize = $block;
+            const BLOCK: usize = <Self::Portable as Lanes>::WIDTH;
+            #[cfg(target_arch = "x86_64")]
+            type Avx512 = lanes::avx512::$lanes;
+            #[cfg(target_arch = "x86_64")]
+            type Avx2 = lanes::avx2::$lanes;
+            #[cfg(target_arch = "aarch64")]
+            type Neon = lanes::neon::$lanes;
+            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+            type Simd128 = lanes::simd128::$lanes;
+            type Portable = lanes::array::$lanes;
+            type Unfused = lanes::Wide<$t>;
             #[inline(always)]
             fn to_f64(self) -> f64 {
                 self as f64
@@ -124,5 +135,5 @@ macro_rules! scalar {
     };
 }
 
-scalar!(f32, u32, false, 16, 23, 127, 126.0);
-scalar!(f64, u64, true, 8, 52, 1023, 1022.0);
+scalar!(f32, u32, F32x16, false, 23, 127, 126.0);
+scalar!(f64, u64, F64x8, true, 52, 1023, 1022.0);
