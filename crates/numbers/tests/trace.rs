@@ -5,7 +5,7 @@ use kinetarium_numbers::machine::{Cell, Held, Hold, Index, Links};
 use kinetarium_numbers::trace::{
     self, InterpretError, Operations, Program, TraceError, Tracer, WgslError, WgslOptions,
 };
-use kinetarium_numbers::{functions, Cpu, Machine, Mask, Real, Shared, Table, Vec3};
+use kinetarium_numbers::{Cpu, Machine, Mask, Real, Shared, Table, Vec3, functions};
 use proptest::prelude::*;
 
 /// The memories of one world.

@@ -9,7 +9,9 @@ use core::ops::Range;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum InterpretError {
     /// A number was read or written beyond the end of a memory.
-    #[error("offset {offset} lies outside of the {kind:?} memory: check the row and make the memory as long as its tables need")]
+    #[error(
+        "offset {offset} lies outside of the {kind:?} memory: check the row and make the memory as long as its tables need"
+    )]
     OutOfBounds {
         /// The memory.
         kind: Kind,
@@ -17,7 +19,9 @@ pub enum InterpretError {
         offset: u64,
     },
     /// A link was read beyond the end of the links.
-    #[error("offset {offset} lies outside of the links: check the row and make them as long as their tables need")]
+    #[error(
+        "offset {offset} lies outside of the links: check the row and make them as long as their tables need"
+    )]
     NoLink {
         /// The offset of the link.
         offset: u64,
@@ -35,10 +39,10 @@ impl Program {
         world: &mut Cpu<'m, f32, Shared<'m, f32>>,
     ) -> Result<(), InterpretError> {
         let instructions = &self.instructions[..];
-        let mut words = vec![0; instructions.len()];
+        let words = vec![0; instructions.len()];
         Interpreter {
             instructions,
-            words: &mut words,
+            words,
             world,
         }
         .run(0..instructions.len())
@@ -46,11 +50,11 @@ impl Program {
     }
 }
 
-struct Interpreter<'a, 'w, 'm> {
+struct Interpreter<'a, 'm> {
     instructions: &'a [Instruction],
     /// The latest result of each instruction.
-    words: &'a mut [u32],
-    world: &'w mut Cpu<'m, f32, Shared<'m, f32>>,
+    words: Vec<u32>,
+    world: &'a mut Cpu<'m, f32, Shared<'m, f32>>,
 }
 
 /// Whether a body ran to its end or left its loop.
@@ -60,7 +64,7 @@ enum Exit {
     Break,
 }
 
-impl Interpreter<'_, '_, '_> {
+impl Interpreter<'_, '_> {
     fn run(&mut self, mut body: Range<usize>) -> Result<Exit, InterpretError> {
         while let Some(id) = body.next() {
             let Instruction { action, operands } = self.instructions[id];

@@ -1,6 +1,6 @@
 //! The machine that records.
 
-use super::graph::{apply, Body, Graph, Handle, TraceError};
+use super::graph::{Body, Graph, Handle, TraceError, apply};
 use super::number::{Trace, TraceIndex, TraceMask};
 use super::operation::Operation;
 use super::program::{Action, Place, Program};

@@ -1,6 +1,6 @@
 //! The handles that a recorded kernel computes with.
 
-use super::graph::{apply, Handle};
+use super::graph::{Handle, apply};
 use super::operation::Operation;
 use super::program::narrow;
 use crate::machine::Index;

@@ -47,7 +47,8 @@ impl Program {
     /// `offset · worlds + world`.
     ///
     /// A GPU rounds division, `sqrt` and `fma` as WGSL allows, so results agree
-    /// with the CPU to a tolerance, not to the bit.
+    /// with the CPU to a tolerance, not to the bit; and it may take for granted
+    /// that no infinity and no NaN comes up.
     pub fn to_wgsl(&self, options: &WgslOptions) -> Result<String, WgslError> {
         let instructions = &self.instructions[..];
         let text = format!(
