@@ -1,0 +1,99 @@
+//! Forward dynamics of trees by the articulated-body algorithm.
+//!
+//! Featherstone, *Rigid Body Dynamics Algorithms* (2008), §7.3 and table 7.1, in
+//! world axes about one point, so that the transforms drop out and a degree of
+//! freedom is a rank-1 update. Inwards, for each node and its axes last to first:
+//!
+//! ```text
+//! p ← pᴬ + Iᴬ c
+//! U = Iᴬ S      D = Sᵀ U + armature + implicit      u = τ − Sᵀ p
+//! Iᴬ ← Iᴬ − U Uᵀ / D      p ← p + U u / D
+//! parent: Iᴬ += Iᴬ,  pᴬ += p
+//! ```
+//!
+//! and outwards, with the world accelerating at −g:
+//!
+//! ```text
+//! a = a_parent      q̈ = (u − Uᵀ a) / D,  a ← a + S q̈      a ← a + c
+//! ```
+//!
+//! Departure from the source: a joint of several degrees of freedom is eliminated
+//! axis by axis, which is its block Cholesky factorisation written out, and c is
+//! added once per node.
+
+use super::force::sum;
+use super::kinematics::rigid_inertias;
+use super::tables::{Tables, dof, node_link};
+use numbers::machine::{Held, Hold, Index};
+use numbers::spatial::Spatial;
+use numbers::{Machine, Real, Vec3};
+
+/// Smallest D, so that a massless node does not divide by zero.
+const TINY: f64 = 1e-20;
+
+/// Accelerations of all degrees of freedom into `dof::ACCELERATION`, and of all nodes.
+///
+/// Needs [`kinematics`](super::kinematics::kinematics) and [`forces`](super::force::forces).
+#[inline(always)]
+pub(crate) fn articulated_body<M: Machine>(k: &mut M, t: &Tables) {
+    rigid_inertias(k, t);
+    inwards(k, t);
+    outwards(k, t);
+}
+
+#[inline(always)]
+fn inwards<M: Machine>(k: &mut M, t: &Tables) {
+    for i in k.range_down(k.index(t.nodes)) {
+        let n = i.offset(t.trees);
+        let inertia = k.inertia(t.inertia, n, 0);
+        let p = k.spatial(t.force, n, 0) + inertia.apply(k.spatial(t.bias, n, 0));
+        let mut inertia = inertia.hold(k);
+        let mut p = p.hold(k);
+        let first = k.link(t.node_links, n, node_link::DOF_BEGIN);
+        for j in k.range_down(k.link(t.node_links, n, node_link::DOF_COUNT)) {
+            let v = first.plus(j);
+            let s = k.spatial(t.dof, v, dof::AXIS);
+            let a = inertia.get();
+            let u_vector = a.apply(s);
+            let d = s.dot(u_vector) + k.load(t.forces.sum, v, sum::IMPLICIT);
+            let inverse = d.max(M::R::lit(TINY)).recip();
+            let u = k.load(t.forces.sum, v, sum::FORCE) - s.dot(p.get());
+            inertia.set(a.minus_outer(u_vector, inverse));
+            let moved = u_vector.fma(u * inverse, p.get());
+            p.set(moved);
+            k.store_spatial(t.dof, v, dof::U, u_vector);
+            k.store(t.dof, v, dof::INVERSE, inverse);
+            k.store(t.dof, v, dof::FORCE, u);
+        }
+        let parent = k.link(t.node_links, n, node_link::PARENT);
+        for _ in k.when(k.less(k.index(t.trees - 1), parent)) {
+            let sum = k.inertia(t.inertia, parent, 0) + inertia.get();
+            k.store_inertia(t.inertia, parent, 0, sum);
+            let sum = k.spatial(t.force, parent, 0) + p.get();
+            k.store_spatial(t.force, parent, 0, sum);
+        }
+    }
+}
+
+#[inline(always)]
+fn outwards<M: Machine>(k: &mut M, t: &Tables) {
+    let up = Spatial::new(Vec3::zero(), -k.vec3(t.world, k.index(0), 0));
+    for tree in k.count(t.trees) {
+        k.store_spatial(t.acceleration, tree, 0, up);
+    }
+    for n in k.range(k.index(t.trees), k.index(t.trees + t.nodes)) {
+        let parent = k.link(t.node_links, n, node_link::PARENT);
+        let mut a = k.spatial(t.acceleration, parent, 0).hold(k);
+        let first = k.link(t.node_links, n, node_link::DOF_BEGIN);
+        let count = k.link(t.node_links, n, node_link::DOF_COUNT);
+        for v in k.range(first, first.plus(count)) {
+            let u = k.load(t.dof, v, dof::FORCE) - k.spatial(t.dof, v, dof::U).dot(a.get());
+            let acceleration = u * k.load(t.dof, v, dof::INVERSE);
+            k.store(t.dof, v, dof::ACCELERATION, acceleration);
+            let moved = k.spatial(t.dof, v, dof::AXIS).fma(acceleration, a.get());
+            a.set(moved);
+        }
+        let a = a.get() + k.spatial(t.bias, n, 0);
+        k.store_spatial(t.acceleration, n, 0, a);
+    }
+}

@@ -1,0 +1,464 @@
+//! Forces along degrees of freedom, linearised in the step.
+//!
+//! Each is a spring and damper with target: τ = −k (q − q₀) − d (q̇ − w₀). At the
+//! end of a step of length h, with q̇' = q̇ + h q̈ and q' = q + h q̇', it is
+//!
+//! ```text
+//! τ' = −k (q + h q̇ − q₀) − d (q̇ − w₀) − (h² k + h d) q̈
+//! ```
+//!
+//! The first two terms go into τ, the factor of q̈ into the joint's diagonal D
+//! of the articulated-body algorithm, where it keeps any stiffness stable. With
+//! h = 0 the law is explicit. (Baraff & Witkin 1998, eq. 6, along one coordinate.)
+//! Source of the diagonal form: Featherstone 2008, §7.3, with D + h d + h² k for D.
+//!
+//! Only what a model uses has a row, so that a passive chain pays for nothing.
+
+use super::tables::Tables;
+use crate::tables::Filler;
+use model::{JointKind, Model};
+use numbers::machine::space::{Parameter, Scratch, State};
+use numbers::machine::{Index, Links};
+use numbers::{Cell, Machine, Quat, Real, Table, Vec3};
+
+/// Speed [m/s or rad/s] below which dry friction turns into viscous creep.
+pub const FRICTION_SPEED: f64 = 1e-3;
+
+/// How many rows each kind of force needs.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct ForceRows {
+    springs: usize,
+    drives: usize,
+    balls: usize,
+    limits: usize,
+    frictions: usize,
+    actuators: usize,
+}
+
+/// Layout of the force laws. Links name a degree of freedom and a coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ForceTables {
+    dofs: usize,
+    springs: usize,
+    drives: usize,
+    balls: usize,
+    limits: usize,
+    frictions: usize,
+    actuators: usize,
+    /// Damping, stiffness, rest.
+    spring: Table<Parameter>,
+    spring_links: Links,
+    /// Stiffness, damping, effort limit, control time.
+    drive: Table<Parameter>,
+    drive_links: Links,
+    /// The target as smoothed so far.
+    drive_target: Table<State>,
+    /// As `drive`, of a ball joint.
+    ball: Table<Parameter>,
+    ball_links: Links,
+    ball_target: Table<State>,
+    /// Lower, upper, stiffness, damping.
+    limit: Table<Parameter>,
+    limit_links: Links,
+    /// Dry friction.
+    friction: Table<Parameter>,
+    friction_links: Links,
+    /// Gear, gain, bias 3, control range 2, force range 2.
+    actuator: Table<Parameter>,
+    actuator_links: Links,
+    armature: Table<Parameter>,
+    /// Force τ and implicit factor of q̈.
+    pub(crate) sum: Table<Scratch>,
+}
+
+/// Fields of [`ForceTables::sum`].
+pub(crate) mod sum {
+    pub const FORCE: usize = 0;
+    pub const IMPLICIT: usize = 1;
+    pub const WIDTH: usize = 2;
+}
+
+/// A model's degrees of freedom that have a coordinate each, with that coordinate.
+fn axes(model: &Model) -> impl Iterator<Item = (usize, usize, &model::Dof, bool)> {
+    model.joints.iter().enumerate().filter(|(_, j)| !j.axes.is_empty()).flat_map(|(i, joint)| {
+        let id = model::JointId(i);
+        let (q, v) = (model.coordinate_range(id), model.dof_range(id));
+        let wraps = joint.axes.iter().map(|a| a.kind == model::AxisKind::Angular);
+        let rows = q.zip(v).zip(&joint.dofs).zip(wraps);
+        rows.map(|(((q, v), dof), angular)| {
+            (q, v, dof, angular && dof.limit.is_none() && dof.stiffness == 0.0)
+        })
+    })
+}
+
+/// Coordinates that turn without end, and so are kept within (−π, π].
+pub(crate) fn wrapping(model: &Model) -> Vec<usize> {
+    axes(model).filter(|a| a.3).map(|a| a.0).collect()
+}
+
+/// Degrees of freedom of ball and free rotations: (quaternion coordinate, first dof, dofs).
+fn balls(model: &Model) -> impl Iterator<Item = (usize, usize, &[model::Dof])> {
+    model.joints.iter().enumerate().filter(|(_, j)| j.kind == JointKind::Ball).map(|(i, joint)| {
+        let id = model::JointId(i);
+        (model.coordinate_range(id).start, model.dof_range(id).start, &joint.dofs[..])
+    })
+}
+
+fn driven(dof: &model::Dof) -> bool {
+    dof.drive.stiffness > 0.0 || dof.drive.damping > 0.0
+}
+
+impl ForceRows {
+    pub(crate) fn count(model: &Model) -> Self {
+        let all = || model.joints.iter().filter(|j| !j.closes_loop).flat_map(|j| &j.dofs);
+        Self {
+            springs: all().filter(|d| d.damping > 0.0 || d.stiffness > 0.0).count(),
+            drives: axes(model).filter(|a| driven(a.2)).count(),
+            balls: balls(model).filter(|b| b.2.iter().any(driven)).count(),
+            limits: axes(model).filter(|a| a.2.limit.is_some()).count(),
+            frictions: all().filter(|d| d.friction_loss > 0.0).count(),
+            actuators: model.actuators.len(),
+        }
+    }
+}
+
+impl ForceTables {
+    /// Lays the rows out at the ends of the four memories.
+    pub(crate) fn place(
+        rows: &ForceRows,
+        dofs: usize,
+        state: &mut usize,
+        parameters: &mut usize,
+        links: &mut usize,
+        scratch: &mut usize,
+    ) -> Self {
+        Self {
+            dofs,
+            springs: rows.springs,
+            drives: rows.drives,
+            balls: rows.balls,
+            limits: rows.limits,
+            frictions: rows.frictions,
+            actuators: rows.actuators,
+            spring: Table::place(parameters, rows.springs, 3),
+            spring_links: Links::place(links, rows.springs, 2),
+            drive: Table::place(parameters, rows.drives, 4),
+            drive_links: Links::place(links, rows.drives, 3),
+            drive_target: Table::place(state, rows.drives, 1),
+            ball: Table::place(parameters, rows.balls, 4),
+            ball_links: Links::place(links, rows.balls, 2),
+            ball_target: Table::place(state, rows.balls, 4),
+            limit: Table::place(parameters, rows.limits, 4),
+            limit_links: Links::place(links, rows.limits, 2),
+            friction: Table::place(parameters, rows.frictions, 1),
+            friction_links: Links::place(links, rows.frictions, 1),
+            actuator: Table::place(parameters, rows.actuators, 9),
+            actuator_links: Links::place(links, rows.actuators, 2),
+            armature: Table::place(parameters, dofs, 1),
+            sum: Table::place(scratch, dofs, sum::WIDTH),
+        }
+    }
+
+    /// Writes a model's force laws.
+    pub(crate) fn fill(&self, model: &Model, f: &mut Filler) {
+        self.fill_dofs(model, f);
+        self.fill_axes(model, f);
+        for (row, (q, v, dofs)) in balls(model).filter(|b| b.2.iter().any(driven)).enumerate() {
+            f.link(self.ball_links, row, 0, q);
+            f.link(self.ball_links, row, 1, v);
+            let d = &dofs[0].drive;
+            let x = [d.stiffness, d.damping, d.effort_limit, d.control_time];
+            f.numbers(self.ball, row, 0, &x);
+        }
+        for (row, a) in model.actuators.iter().enumerate() {
+            let (q, v) = (model.coordinate_range(a.joint), model.dof_range(a.joint));
+            // A free or ball joint's motor has no position term, so any coordinate will do.
+            f.link(self.actuator_links, row, 0, (q.start + a.dof).min(q.end - 1));
+            f.link(self.actuator_links, row, 1, v.start + a.dof);
+            let (c, r) = (a.control_range, a.force_range);
+            let (c, r) = (c.unwrap_or(UNBOUNDED), r.unwrap_or(UNBOUNDED));
+            let [b0, b1, b2] = a.bias;
+            f.numbers(self.actuator, row, 0, &[a.gear, a.gain, b0, b1, b2, c.0, c.1, r.0, r.1]);
+        }
+    }
+
+    fn fill_dofs(&self, model: &Model, f: &mut Filler) {
+        let (mut spring, mut friction) = (0, 0);
+        for (i, joint) in model.joints.iter().enumerate().filter(|(_, j)| !j.closes_loop) {
+            let id = model::JointId(i);
+            let q = model.coordinate_range(id);
+            for (k, (v, dof)) in model.dof_range(id).zip(&joint.dofs).enumerate() {
+                f.number(self.armature, v, 0, dof.armature);
+                if dof.damping > 0.0 || dof.stiffness > 0.0 {
+                    f.link(self.spring_links, spring, 0, (q.start + k).min(q.end - 1));
+                    f.link(self.spring_links, spring, 1, v);
+                    f.numbers(self.spring, spring, 0, &[dof.damping, dof.stiffness, dof.rest]);
+                    spring += 1;
+                }
+                if dof.friction_loss > 0.0 {
+                    f.link(self.friction_links, friction, 0, v);
+                    f.number(self.friction, friction, 0, dof.friction_loss);
+                    friction += 1;
+                }
+            }
+        }
+    }
+
+    fn fill_axes(&self, model: &Model, f: &mut Filler) {
+        let (mut drive, mut limit) = (0, 0);
+        for (q, v, dof, wraps) in axes(model) {
+            if driven(dof) {
+                f.link(self.drive_links, drive, 0, q);
+                f.link(self.drive_links, drive, 1, v);
+                f.link(self.drive_links, drive, 2, usize::from(wraps));
+                let d = &dof.drive;
+                let x = [d.stiffness, d.damping, bounded(d.effort_limit), d.control_time];
+                f.numbers(self.drive, drive, 0, &x);
+                drive += 1;
+            }
+            if let Some(l) = dof.limit {
+                f.link(self.limit_links, limit, 0, q);
+                f.link(self.limit_links, limit, 1, v);
+                f.numbers(self.limit, limit, 0, &[l.lower, l.upper, l.stiffness, l.damping]);
+                limit += 1;
+            }
+        }
+    }
+
+    /// The targets of the drives as a world starts: at the model's, already smoothed.
+    pub(crate) fn initial(&self, model: &Model, state: &mut [f64]) {
+        for (row, (_, _, dof, _)) in axes(model).filter(|a| driven(a.2)).enumerate() {
+            state[self.drive_target.at(row, 0)] = dof.drive.target_position;
+        }
+        for (row, (_, _, dofs)) in balls(model).filter(|b| b.2.iter().any(driven)).enumerate() {
+            let r = glam::DVec3::from_array([0, 1, 2].map(|i| dofs[i].drive.target_position));
+            let q = glam::DQuat::from_scaled_axis(r).to_array();
+            state[self.ball_target.at(row, 0)..][..4].copy_from_slice(&q);
+        }
+    }
+}
+
+impl ForceTables {
+    /// Armature of a degree of freedom.
+    #[inline(always)]
+    pub(crate) fn armature<M: Machine>(&self, k: &M, v: M::I) -> M::R {
+        k.load(self.armature, v, 0)
+    }
+
+    /// Adds ½ k (q − rest)² of all passive springs.
+    #[inline(always)]
+    pub(crate) fn spring_energy<M: Machine>(&self, k: &M, t: &Tables, sum: &mut M::Cell) {
+        for i in k.count(self.springs) {
+            let q = k.load(t.position, k.link(self.spring_links, i, 0), 0);
+            let stretch = q - k.load(self.spring, i, 2);
+            let energy = M::R::lit(0.5) * k.load(self.spring, i, 1) * stretch.squared();
+            sum.write(sum.read() + energy);
+        }
+    }
+}
+
+/// No bound, but a finite number: infinities have no place in a shader.
+const UNBOUNDED: (f64, f64) = (-1e30, 1e30);
+
+fn bounded(x: f64) -> f64 {
+    x.min(UNBOUNDED.1)
+}
+
+/// `x` less whole turns, in [−π, π].
+#[inline(always)]
+pub(crate) fn wrap<R: Real>(x: R) -> R {
+    let turns = (x * R::lit(0.5 / core::f64::consts::PI)).round();
+    turns.fnma(R::lit(core::f64::consts::TAU), x)
+}
+
+/// Sums all forces along the degrees of freedom into [`ForceTables::sum`], linearised over `h` [s].
+#[inline(always)]
+pub(crate) fn forces<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    let f = &t.forces;
+    for v in k.count(f.dofs) {
+        let (tau, armature) = (k.load(t.input.force, v, 0), k.load(f.armature, v, 0));
+        k.store(f.sum, v, sum::FORCE, tau);
+        k.store(f.sum, v, sum::IMPLICIT, armature);
+    }
+    springs(k, t, h);
+    drives(k, t, h);
+    ball_drives(k, t, h);
+    limits(k, t, h);
+    frictions(k, t, h);
+    actuators(k, t, h);
+}
+
+/// Adds a force and the factor by which it opposes q̈.
+#[inline(always)]
+fn add<M: Machine>(k: &mut M, t: &Tables, dof: M::I, tau: M::R, implicit: M::R) {
+    k.add(t.forces.sum, dof, sum::FORCE, tau);
+    k.add(t.forces.sum, dof, sum::IMPLICIT, implicit);
+}
+
+#[inline(always)]
+fn springs<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    let f = &t.forces;
+    for i in k.count(f.springs) {
+        let (q, v) = (k.link(f.spring_links, i, 0), k.link(f.spring_links, i, 1));
+        let (d, s) = (k.load(f.spring, i, 0), k.load(f.spring, i, 1));
+        let (q, speed) = (k.load(t.position, q, 0), k.load(t.velocity, v, 0));
+        let stretch = h.fma(speed, q) - k.load(f.spring, i, 2);
+        add(k, t, v, -(s * stretch) - d * speed, h * h.fma(s, d));
+    }
+}
+
+/// The drive's force clamped to its effort limit; where it bites, nothing is implicit.
+#[inline(always)]
+fn limited<R: Real>(tau: R, implicit: R, effort: R) -> (R, R) {
+    let free = tau.abs().le(effort);
+    (tau.clamp(-effort, effort), R::select(free, implicit, R::zero()))
+}
+
+#[inline(always)]
+fn drives<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    let f = &t.forces;
+    for i in k.count(f.drives) {
+        let (q, v) = (k.link(f.drive_links, i, 0), k.link(f.drive_links, i, 1));
+        let turns = k.equals(k.link(f.drive_links, i, 2), 1);
+        let (s, d) = (k.load(f.drive, i, 0), k.load(f.drive, i, 1));
+        let (q, speed) = (k.load(t.position, q, 0), k.load(t.velocity, v, 0));
+        let mut error = k.cell(k.load(f.drive_target, i, 0) - q);
+        for _ in k.when(turns) {
+            error.write(wrap(error.read()));
+        }
+        let error = h.fnma(speed, error.read());
+        let tau = s * error + d * (k.load(t.input.target_velocity, v, 0) - speed);
+        let (tau, implicit) = limited(tau, h * h.fma(s, d), k.load(f.drive, i, 2));
+        add(k, t, v, tau, implicit);
+    }
+}
+
+/// Follows a jump of the targets: first-order lag with the drive's control time T,
+/// discretised implicitly: s' = s + (target − s) h / (T + h).
+#[inline(always)]
+pub(crate) fn smooth_targets<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    let f = &t.forces;
+    for i in k.count(f.drives) {
+        let v = k.link(f.drive_links, i, 1);
+        let share = h / (k.load(f.drive, i, 3) + h);
+        let (now, target) = (k.load(f.drive_target, i, 0), k.load(t.input.target_position, v, 0));
+        let mut way = k.cell(target - now);
+        for _ in k.when(k.equals(k.link(f.drive_links, i, 2), 1)) {
+            way.write(wrap(way.read()));
+        }
+        let next = share.fma(way.read(), now);
+        k.store(f.drive_target, i, 0, next);
+    }
+    for i in k.count(f.balls) {
+        let v = k.link(f.ball_links, i, 1);
+        let share = h / (k.load(f.ball, i, 3) + h);
+        let now = k.quat(f.ball_target, i, 0);
+        let target = Quat::exp(target_vector(k, t, v));
+        let next = now * Quat::exp((now.conjugate() * target).log() * share);
+        k.store_quat(f.ball_target, i, 0, next.normalized());
+    }
+}
+
+/// Rotation-vector target of a ball drive.
+#[inline(always)]
+fn target_vector<M: Machine>(k: &M, t: &Tables, v: M::I) -> Vec3<M::R> {
+    Vec3::new(
+        k.load(t.input.target_position, v, 0),
+        k.load(t.input.target_position, v.offset(1), 0),
+        k.load(t.input.target_position, v.offset(2), 0),
+    )
+}
+
+/// τ = k log(q⁻¹ target) + d (w − ω) in the child's axes, the shorter way round,
+/// shortened as a whole to the effort limit.
+#[inline(always)]
+fn ball_drives<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    let f = &t.forces;
+    for i in k.count(f.balls) {
+        let (q, v) = (k.link(f.ball_links, i, 0), k.link(f.ball_links, i, 1));
+        let (s, d) = (k.load(f.ball, i, 0), k.load(f.ball, i, 1));
+        let now = coordinate_quat(k, t, q);
+        let speed = dof_vector(k, t.velocity, v);
+        let error = (now.conjugate() * k.quat(f.ball_target, i, 0)).log();
+        let error = error - speed * h;
+        let tau = error * s + (dof_vector(k, t.input.target_velocity, v) - speed) * d;
+        let effort = k.load(f.ball, i, 2);
+        let size = tau.length();
+        let free = size.le(effort);
+        let tau = tau * M::R::select(free, M::R::one(), effort / size.max(M::R::lit(1e-12)));
+        let implicit = M::R::select(free, h * h.fma(s, d), M::R::zero());
+        add(k, t, v, tau.x, implicit);
+        add(k, t, v.offset(1), tau.y, implicit);
+        add(k, t, v.offset(2), tau.z, implicit);
+    }
+}
+
+#[inline(always)]
+fn limits<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    let f = &t.forces;
+    let zero = M::R::zero();
+    for i in k.count(f.limits) {
+        let (q, v) = (k.link(f.limit_links, i, 0), k.link(f.limit_links, i, 1));
+        let (q, speed) = (k.load(t.position, q, 0), k.load(t.velocity, v, 0));
+        let above = (q - k.load(f.limit, i, 1)).max(zero);
+        let below = (q - k.load(f.limit, i, 0)).min(zero);
+        let beyond = above + below;
+        let touches = M::R::select(beyond.same(zero), zero, M::R::one());
+        let (s, d) = (k.load(f.limit, i, 2) * touches, k.load(f.limit, i, 3) * touches);
+        let tau = -(s * h.fma(speed, beyond)) - d * speed;
+        add(k, t, v, tau, h * h.fma(s, d));
+    }
+}
+
+/// Dry friction f as a damper f / |q̇|, taken implicitly: it stops, and never reverses, a motion.
+#[inline(always)]
+fn frictions<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    let f = &t.forces;
+    for i in k.count(f.frictions) {
+        let v = k.link(f.friction_links, i, 0);
+        let speed = k.load(t.velocity, v, 0);
+        let d = k.load(f.friction, i, 0) / speed.abs().max(M::R::lit(FRICTION_SPEED));
+        add(k, t, v, -(d * speed), h * d);
+    }
+}
+
+#[inline(always)]
+fn actuators<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    let f = &t.forces;
+    for i in k.count(f.actuators) {
+        let (q, v) = (k.link(f.actuator_links, i, 0), k.link(f.actuator_links, i, 1));
+        let (q, speed) = (k.load(t.position, q, 0), k.load(t.velocity, v, 0));
+        let gear = k.load(f.actuator, i, 0);
+        let control = k
+            .load(t.input.control, i, 0)
+            .clamp(k.load(f.actuator, i, 5), k.load(f.actuator, i, 6));
+        let (s, d) = (-k.load(f.actuator, i, 3), -k.load(f.actuator, i, 4));
+        let constant = k.load(f.actuator, i, 1).fma(control, k.load(f.actuator, i, 2));
+        let force = constant - gear * (s * h.fma(speed, q) + d * speed);
+        let (low, high) = (k.load(f.actuator, i, 7), k.load(f.actuator, i, 8));
+        let free = force.ge(low) & force.le(high);
+        let implicit = M::R::select(free, gear * gear * (h * h.fma(s, d)), M::R::zero());
+        add(k, t, v, gear * force.clamp(low, high), implicit);
+    }
+}
+
+/// The quaternion that starts at a coordinate.
+#[inline(always)]
+pub(crate) fn coordinate_quat<M: Machine>(k: &M, t: &Tables, q: M::I) -> Quat<M::R> {
+    Quat::new(
+        k.load(t.position, q, 0),
+        k.load(t.position, q.offset(1), 0),
+        k.load(t.position, q.offset(2), 0),
+        k.load(t.position, q.offset(3), 0),
+    )
+}
+
+/// The three numbers that start at a degree of freedom.
+#[inline(always)]
+pub(crate) fn dof_vector<M: Machine, S: numbers::machine::space::Space>(
+    k: &M,
+    table: Table<S>,
+    v: M::I,
+) -> Vec3<M::R> {
+    Vec3::new(k.load(table, v, 0), k.load(table, v.offset(1), 0), k.load(table, v.offset(2), 0))
+}

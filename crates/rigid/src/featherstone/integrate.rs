@@ -1,0 +1,207 @@
+//! From accelerations to the next state.
+//!
+//! ```text
+//! semi-implicit Euler   q̇' = q̇ + h q̈(q, q̇),  q' = q ⊕ h q̇'                     order 1
+//! explicit Euler        q' = q ⊕ h q̇,  q̇' = q̇ + h q̈(q, q̇)                      order 1
+//! Verlet                q̇½ = q̇ + h/2 q̈(q, q̇),  q' = q ⊕ h q̇½,
+//!                       q̇' = q̇½ + h/2 q̈(q', q̇½)                               order 2 where q̈ = q̈(q)
+//! Runge–Kutta 4         the classical tableau (Kutta 1901)                        order 4
+//! ```
+//!
+//! ⊕ adds, and turns a quaternion by a rotation vector in the child's axes:
+//! q ⊕ u = q exp(u). Along q₀ exp(u) a ball's body velocity ω gives
+//! u̇ = ω + ½ u × ω + 1/12 u × (u × ω) + O(u⁴), which keeps Runge–Kutta at order 4
+//! (Munthe-Kaas 1998, dexp⁻¹ truncated).
+
+use super::articulated_body::articulated_body;
+use super::force::{coordinate_quat, dof_vector, forces, smooth_targets, wrap};
+use super::kinematics::kinematics;
+use super::tables::{Tables, dof};
+use super::{Featherstone, Integrator};
+use numbers::machine::Index;
+use numbers::machine::space::{Scratch, State};
+use numbers::{Cell, Machine, Quat, Real, Table, Vec3};
+
+/// Coordinates beyond this are taken for diverged [m or rad].
+const FAR: f64 = 1e9;
+
+/// One step of every lane; lanes that diverged stay where they were.
+#[inline(always)]
+pub(crate) fn step<M: Machine>(k: &mut M, solver: &Featherstone) {
+    let t = &solver.tables;
+    let h = k.load(t.step, k.index(0), 0);
+    save(k, t);
+    smooth_targets(k, t, h);
+    match solver.integrator {
+        Integrator::SemiImplicitEuler => {
+            accelerate(k, t, h);
+            kick(k, t, h);
+            drift(k, t, h);
+        }
+        Integrator::ExplicitEuler => {
+            accelerate(k, t, M::R::zero());
+            drift(k, t, h);
+            kick(k, t, h);
+        }
+        Integrator::Verlet => {
+            let half = h * M::R::lit(0.5);
+            for stage in k.count(2) {
+                accelerate(k, t, M::R::zero());
+                kick(k, t, half);
+                for _ in k.when(k.equals(stage, 0)) {
+                    drift(k, t, h);
+                }
+            }
+        }
+        Integrator::RungeKutta4 => runge_kutta(k, t, h),
+    }
+    guard(k, t);
+}
+
+/// q̈ of the present state, forces linearised over `h`.
+#[inline(always)]
+pub(crate) fn accelerate<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    kinematics(k, t);
+    forces(k, t, h);
+    articulated_body(k, t);
+}
+
+/// q̇ ← q̇ + h q̈.
+#[inline(always)]
+fn kick<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    for v in k.count(t.dofs) {
+        let moved = k.load(t.dof, v, dof::ACCELERATION).fma(h, k.load(t.velocity, v, 0));
+        k.store(t.velocity, v, 0, moved);
+    }
+}
+
+/// q ← q ⊕ h q̇.
+#[inline(always)]
+fn drift<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    for i in k.count(t.axes) {
+        let (q, v) = (k.link(t.axis_links, i, 0), k.link(t.axis_links, i, 1));
+        let moved = k.load(t.velocity, v, 0).fma(h, k.load(t.position, q, 0));
+        k.store(t.position, q, 0, moved);
+    }
+    for i in k.count(t.balls) {
+        let (q, v) = (k.link(t.ball_links, i, 0), k.link(t.ball_links, i, 1));
+        let turn = Quat::exp(dof_vector(k, t.velocity, v) * h);
+        let moved = (coordinate_quat(k, t, q) * turn).normalized();
+        store_quat(k, t.position, q, moved);
+    }
+}
+
+#[inline(always)]
+fn runge_kutta<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    let zero = M::R::zero();
+    for v in k.count(t.dofs) {
+        k.store(t.sum_velocity, v, 0, zero);
+        k.store(t.sum_acceleration, v, 0, zero);
+        k.store(t.increment, v, 0, zero);
+    }
+    for stage in k.count(4) {
+        accelerate(k, t, zero);
+        let weight = k.load(t.tableau, stage, 0);
+        let (next, last) = (k.load(t.tableau, stage, 1), k.load(t.tableau, stage, 2));
+        for i in k.count(t.axes) {
+            let (q, v) = (k.link(t.axis_links, i, 0), k.link(t.axis_links, i, 1));
+            let rate = k.load(t.velocity, v, 0);
+            let sum = weight.fma(rate, k.load(t.sum_velocity, v, 0));
+            k.store(t.sum_velocity, v, 0, sum);
+            let way = next.fma(rate, last * sum);
+            let moved = h.fma(way, k.load(t.saved_position, q, 0));
+            k.store(t.position, q, 0, moved);
+        }
+        for i in k.count(t.balls) {
+            let (q, v) = (k.link(t.ball_links, i, 0), k.link(t.ball_links, i, 1));
+            let (u, w) = (dof_vector(k, t.increment, v), dof_vector(k, t.velocity, v));
+            let (uw, half, twelfth) = (u.cross(w), M::R::lit(0.5), M::R::lit(1.0 / 12.0));
+            let rate = u.cross(uw).fma(twelfth, uw.fma(half, w));
+            let sum = rate.fma(weight, dof_vector(k, t.sum_velocity, v));
+            store_dof_vector(k, t.sum_velocity, v, sum);
+            let way = (rate * next + sum * last) * h;
+            store_dof_vector(k, t.increment, v, way);
+            let moved = saved_quat(k, t, q) * Quat::exp(way);
+            store_quat(k, t.position, q, moved.normalized());
+        }
+        for v in k.count(t.dofs) {
+            let rate = k.load(t.dof, v, dof::ACCELERATION);
+            let sum = weight.fma(rate, k.load(t.sum_acceleration, v, 0));
+            k.store(t.sum_acceleration, v, 0, sum);
+            let way = next.fma(rate, last * sum);
+            let moved = h.fma(way, k.load(t.saved_velocity, v, 0));
+            k.store(t.velocity, v, 0, moved);
+        }
+    }
+}
+
+#[inline(always)]
+fn save<M: Machine>(k: &mut M, t: &Tables) {
+    for q in k.count(t.coordinates) {
+        let x = k.load(t.position, q, 0);
+        k.store(t.saved_position, q, 0, x);
+    }
+    for v in k.count(t.dofs) {
+        let x = k.load(t.velocity, v, 0);
+        k.store(t.saved_velocity, v, 0, x);
+    }
+}
+
+/// Wraps free turns; a lane that has diverged, now or before, keeps its last finite state.
+#[inline(always)]
+fn guard<M: Machine>(k: &mut M, t: &Tables) {
+    for i in k.count(t.wraps) {
+        let q = k.link(t.wrap_links, i, 0);
+        let wrapped = wrap(k.load(t.position, q, 0));
+        k.store(t.position, q, 0, wrapped);
+    }
+    let world = k.index(0);
+    let limit = k.load(t.step, world, 1);
+    let mut fine = k.cell(k.load(t.alive, world, 0));
+    for v in k.count(t.dofs) {
+        let ok = k.load(t.velocity, v, 0).abs().le(limit);
+        let kept = M::R::select(ok, fine.read(), M::R::zero());
+        fine.write(kept);
+    }
+    for q in k.count(t.coordinates) {
+        let ok = k.load(t.position, q, 0).abs().le(M::R::lit(FAR));
+        let kept = M::R::select(ok, fine.read(), M::R::zero());
+        fine.write(kept);
+    }
+    let fine = fine.read();
+    k.store(t.alive, world, 0, fine);
+    let lost = fine.same(M::R::zero());
+    for _ in k.if_any(lost) {
+        for q in k.count(t.coordinates) {
+            let x = k.load(t.saved_position, q, 0);
+            k.store_where(lost, t.position, q, 0, x);
+        }
+        for v in k.count(t.dofs) {
+            let x = k.load(t.saved_velocity, v, 0);
+            k.store_where(lost, t.velocity, v, 0, x);
+        }
+    }
+}
+
+#[inline(always)]
+fn saved_quat<M: Machine>(k: &M, t: &Tables, q: M::I) -> Quat<M::R> {
+    Quat::from_parts(
+        dof_vector(k, t.saved_position, q),
+        k.load(t.saved_position, q.offset(3), 0),
+    )
+}
+
+#[inline(always)]
+fn store_quat<M: Machine>(k: &mut M, table: Table<State>, q: M::I, x: Quat<M::R>) {
+    k.store(table, q, 0, x.x);
+    k.store(table, q.offset(1), 0, x.y);
+    k.store(table, q.offset(2), 0, x.z);
+    k.store(table, q.offset(3), 0, x.w);
+}
+
+#[inline(always)]
+fn store_dof_vector<M: Machine>(k: &mut M, table: Table<Scratch>, v: M::I, x: Vec3<M::R>) {
+    k.store(table, v, 0, x.x);
+    k.store(table, v.offset(1), 0, x.y);
+    k.store(table, v.offset(2), 0, x.z);
+}

@@ -1,0 +1,174 @@
+//! Placements, velocities and inertias of the nodes, from the coordinates.
+//!
+//! All spatial vectors are in world axes about O, a point of the world near the
+//! tree's root, so that no transform is needed between bodies, and a robot far
+//! from the world's origin keeps its precision. A motion about the axis a
+//! through x has S = (a, x × a); along a it has S = (0, a). Motions act in turn:
+//!
+//! ```text
+//! v  ← v + S q̇
+//! c  ← c + v × S q̇     velocity-product acceleration (Featherstone 2008, eq. 3.41)
+//! ```
+//!
+//! and a node's rigid inertia and bias force start the articulated ones:
+//! Iᴬ = I, pᴬ = v ×* I v.
+
+use super::force::{coordinate_quat, dof_vector};
+use super::tables::{Tables, dof, motion, motion_link, node, node_link};
+use numbers::machine::{Held, Hold, Index};
+use numbers::spatial::{Inertia, Spatial};
+use numbers::{Machine, Pose, Quat, Real, Vec3, functions};
+
+/// Origins O of the trees, and the world as each tree sees it.
+#[inline(always)]
+pub(crate) fn origins<M: Machine>(k: &mut M, t: &Tables) {
+    for tree in k.count(t.trees) {
+        let mut point = k.vec3(t.tree, tree, 0).hold(k);
+        for i in k.range(k.link(t.tree_links, tree, 0), k.link(t.tree_links, tree, 1)) {
+            let q = k.load(t.position, k.link(t.origin_links, i, 0), 0);
+            let moved = k.vec3(t.origin, i, 0).fma(q, point.get());
+            point.set(moved);
+        }
+        let point = point.get();
+        k.store_vec3(t.point, tree, 0, point);
+        k.store_pose(t.place, tree, 0, Pose::new(-point, Quat::identity()));
+        k.store_spatial(t.twist, tree, 0, Spatial::zero());
+        k.store_spatial(t.bias, tree, 0, Spatial::zero());
+    }
+}
+
+/// Fills `place`, `twist`, `bias` and the axes of all nodes.
+#[inline(always)]
+pub(crate) fn kinematics<M: Machine>(k: &mut M, t: &Tables) {
+    origins(k, t);
+    for n in k.range(k.index(t.trees), k.index(t.trees + t.nodes)) {
+        let parent = k.link(t.node_links, n, node_link::PARENT);
+        let start = k.pose(t.place, parent, 0) * k.pose(t.node, n, node::PLACE);
+        let mut place = start.hold(k);
+        let mut twist = k.spatial(t.twist, parent, 0).hold(k);
+        let mut bias = Spatial::zero().hold(k);
+        let begin = k.link(t.node_links, n, node_link::MOTION_BEGIN);
+        let end = k.link(t.node_links, n, node_link::MOTION_END);
+        for m in k.range(begin, end) {
+            let kind = k.link(t.motion_links, m, motion_link::KIND);
+            let q = k.link(t.motion_links, m, motion_link::COORDINATE);
+            let v = k.link(t.motion_links, m, motion_link::DOF);
+            for _ in k.when(k.equals(kind, motion::REVOLUTE)) {
+                let (moved, axis) = revolute(k, t, m, q, place.get());
+                place.set(moved);
+                let rate = turn(k, t, v, axis);
+                advance(&mut twist, &mut bias, rate);
+            }
+            for _ in k.when(k.equals(kind, motion::PRISMATIC)) {
+                let (moved, axis) = prismatic(k, t, m, q, place.get());
+                place.set(moved);
+                let rate = turn(k, t, v, axis);
+                advance(&mut twist, &mut bias, rate);
+            }
+            for _ in k.when(k.equals(kind, motion::BALL)) {
+                let at = place.get();
+                let moved = Pose::new(at.p, (at.q * coordinate_quat(k, t, q)).normalized());
+                place.set(moved);
+                let rate = ball(k, t, v, moved);
+                advance(&mut twist, &mut bias, rate);
+            }
+        }
+        k.store_pose(t.place, n, 0, place.get());
+        k.store_spatial(t.twist, n, 0, twist.get());
+        k.store_spatial(t.bias, n, 0, bias.get());
+    }
+}
+
+/// Turns a placement about a motion's axis; returns the axis S.
+#[inline(always)]
+fn revolute<M: Machine>(
+    k: &M,
+    t: &Tables,
+    m: M::I,
+    q: M::I,
+    at: Pose<M::R>,
+) -> (Pose<M::R>, Spatial<M::R>) {
+    let axis = k.vec3(t.motion, m, 0);
+    let angle = k.load(t.position, q, 0) - k.load(t.motion, m, 3);
+    let (sin, cos) = functions::sin_cos(angle * M::R::lit(0.5));
+    let turned = Pose::new(at.p, at.q * Quat::from_parts(axis * sin, cos));
+    let a = at.q.rotate(axis);
+    (turned, Spatial::new(a, at.p.cross(a)))
+}
+
+/// Shifts a placement along a motion's axis; returns the axis S.
+#[inline(always)]
+fn prismatic<M: Machine>(
+    k: &M,
+    t: &Tables,
+    m: M::I,
+    q: M::I,
+    at: Pose<M::R>,
+) -> (Pose<M::R>, Spatial<M::R>) {
+    let way = k.load(t.position, q, 0) - k.load(t.motion, m, 3);
+    let a = at.q.rotate(k.vec3(t.motion, m, 0));
+    (Pose::new(a.fma(way, at.p), at.q), Spatial::new(Vec3::zero(), a))
+}
+
+/// Stores an axis; returns its share S q̇ of the velocity.
+#[inline(always)]
+fn turn<M: Machine>(k: &mut M, t: &Tables, v: M::I, axis: Spatial<M::R>) -> Spatial<M::R> {
+    k.store_spatial(t.dof, v, dof::AXIS, axis);
+    axis * k.load(t.velocity, v, 0)
+}
+
+/// Stores the three axes of a ball, which turn with the child; returns their share of the velocity.
+#[inline(always)]
+fn ball<M: Machine>(k: &mut M, t: &Tables, v: M::I, at: Pose<M::R>) -> Spatial<M::R> {
+    let r = at.q.to_mat3();
+    k.store_spatial(t.dof, v, dof::AXIS, Spatial::new(r.x, at.p.cross(r.x)));
+    k.store_spatial(t.dof, v.offset(1), dof::AXIS, Spatial::new(r.y, at.p.cross(r.y)));
+    k.store_spatial(t.dof, v.offset(2), dof::AXIS, Spatial::new(r.z, at.p.cross(r.z)));
+    let w = r * dof_vector(k, t.velocity, v);
+    Spatial::new(w, at.p.cross(w))
+}
+
+/// c ← c + v × s, v ← v + s.
+#[inline(always)]
+fn advance<R: Real, H: Held<Value = Spatial<R>>>(twist: &mut H, bias: &mut H, s: Spatial<R>) {
+    let v = twist.get();
+    bias.set(bias.get() + v.cross_motion(s));
+    twist.set(v + s);
+}
+
+/// Mass, centre from O and inertia about the centre in world axes, from fields MASS, CENTER, INERTIA.
+#[inline(always)]
+pub(crate) fn world_inertia<M: Machine>(
+    k: &M,
+    table: numbers::Table<numbers::machine::space::Parameter>,
+    row: M::I,
+    at: Pose<M::R>,
+) -> (M::R, Vec3<M::R>, numbers::SymMat3<M::R>) {
+    let r = at.q.to_mat3();
+    let m = k.load(table, row, node::MASS);
+    let c = r * k.vec3(table, row, node::CENTER) + at.p;
+    (m, c, k.sym(table, row, node::INERTIA).rotated(r))
+}
+
+/// Momentum I v of a rigid body: (I_c ω + c × f, f) with f = m (v + ω × c).
+#[inline(always)]
+pub(crate) fn momentum<R: Real>(
+    m: R,
+    c: Vec3<R>,
+    i: numbers::SymMat3<R>,
+    v: Spatial<R>,
+) -> Spatial<R> {
+    let f = (v.linear + v.angular.cross(c)) * m;
+    Spatial::new(i * v.angular + c.cross(f), f)
+}
+
+/// Starts the articulated inertia and bias force of every node with the rigid ones.
+#[inline(always)]
+pub(crate) fn rigid_inertias<M: Machine>(k: &mut M, t: &Tables) {
+    for n in k.range(k.index(t.trees), k.index(t.trees + t.nodes)) {
+        let (m, c, i) = world_inertia(k, t.node, n, k.pose(t.place, n, 0));
+        let v = k.spatial(t.twist, n, 0);
+        k.store_inertia(t.inertia, n, 0, Inertia::rigid(m, c, i));
+        k.store_spatial(t.force, n, 0, v.cross_force(momentum(m, c, i, v)));
+    }
+}

@@ -1,0 +1,100 @@
+//! Trees of bodies in reduced coordinates: Featherstone's articulated-body algorithm.
+//!
+//! The step, in order: [`kinematics`] (placements, velocities), [`force`] (what
+//! acts along each degree of freedom), [`articulated_body`] (accelerations),
+//! [`integrate`] (the next state).
+//!
+//! Limitations: no closed loops (use `xpbd`); joint limits are springs; a motor
+//! torque larger than its drive's effort limit is cut, not refused.
+
+mod articulated_body;
+mod force;
+mod integrate;
+mod kinematics;
+mod report;
+mod tables;
+
+use crate::{Kernels, Lengths, Settings, SolverError};
+use model::Model;
+use numbers::Machine;
+pub use force::FRICTION_SPEED;
+pub use tables::Tables;
+
+/// How a step advances the state; see [`integrate`](self).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Integrator {
+    /// First order, symplectic, with springs, dampers, drives and limits taken implicitly.
+    #[default]
+    SemiImplicitEuler,
+    /// First order; gains energy. A teaching baseline.
+    ExplicitEuler,
+    /// Second order where forces do not depend on velocity. A teaching baseline.
+    Verlet,
+    /// Fourth order; all forces explicit.
+    RungeKutta4,
+}
+
+/// The solver, compiled for a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Featherstone {
+    pub(crate) tables: Tables,
+    pub(crate) integrator: Integrator,
+    parameters: Vec<f64>,
+    links: Vec<u32>,
+}
+
+impl Featherstone {
+    /// Compiles a model.
+    ///
+    /// # Errors
+    /// A closed loop, a distance joint, a coupling or a disabled joint.
+    pub fn new(model: &Model, settings: &Settings) -> Result<Self, SolverError> {
+        let (tables, mut filler) = Tables::new(model)?;
+        filler.numbers(tables.step, 0, 0, &[settings.substep(), settings.speed_limit]);
+        Ok(Self {
+            tables,
+            integrator: settings.integrator,
+            parameters: filler.parameters,
+            links: filler.links,
+        })
+    }
+}
+
+impl Kernels for Featherstone {
+    fn name(&self) -> &'static str {
+        "featherstone"
+    }
+    fn lengths(&self) -> Lengths {
+        Lengths {
+            state: self.tables.state_length,
+            input: self.tables.input.length,
+            output: self.tables.output.length,
+            scratch: self.tables.scratch_length,
+        }
+    }
+    fn parameters(&self) -> &[f64] {
+        &self.parameters
+    }
+    fn links(&self) -> &[u32] {
+        &self.links
+    }
+    fn alive(&self) -> usize {
+        self.tables.alive.at(0, 0)
+    }
+    fn initial(&self, model: &Model, position: &[f64], velocity: &[f64]) -> Vec<f64> {
+        let mut state = vec![0.0; self.tables.state_length];
+        state[self.tables.position.base..][..position.len()].copy_from_slice(position);
+        state[self.tables.velocity.base..][..velocity.len()].copy_from_slice(velocity);
+        state[self.alive()] = 1.0;
+        self.tables.forces.initial(model, &mut state);
+        state
+    }
+    #[inline(always)]
+    fn step<M: Machine>(&self, k: &mut M) {
+        integrate::step(k, self);
+    }
+    #[inline(always)]
+    fn report<M: Machine>(&self, k: &mut M) {
+        report::report(k, &self.tables);
+    }
+}

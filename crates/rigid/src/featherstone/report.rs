@@ -1,0 +1,123 @@
+//! What a world looks like from outside: placements, velocities, reactions, sums.
+//!
+//! The wrench w that a joint passes to its child carries the child's own
+//! d'Alembert force and the wrenches of the joints that the child carries:
+//! w = I a + v ×* I v + Σ w_child, with a less gravity (Featherstone 2008, §5.3).
+
+use super::integrate::accelerate;
+use super::kinematics::{momentum, world_inertia};
+use super::force::wrap;
+use super::tables::{Tables, body_field, body_link, dof, node};
+use crate::output::{body, reaction, total};
+use numbers::machine::{Held, Hold, Index};
+use numbers::spatial::Spatial;
+use numbers::{Cell, Machine, Pose, Real};
+
+/// Fills the output of every lane from its state. Changes no state.
+#[inline(always)]
+pub(crate) fn report<M: Machine>(k: &mut M, t: &Tables) {
+    accelerate(k, t, M::R::zero());
+    coordinates(k, t);
+    bodies(k, t);
+    reactions(k, t);
+    energies(k, t);
+}
+
+#[inline(always)]
+fn coordinates<M: Machine>(k: &mut M, t: &Tables) {
+    for q in k.count(t.coordinates) {
+        let x = k.load(t.position, q, 0);
+        k.store(t.output.position, q, 0, x);
+    }
+    for i in k.count(t.wraps) {
+        let q = k.link(t.wrap_links, i, 0);
+        let x = wrap(k.load(t.position, q, 0));
+        k.store(t.output.position, q, 0, x);
+    }
+    for v in k.count(t.dofs) {
+        let x = k.load(t.velocity, v, 0);
+        k.store(t.output.velocity, v, 0, x);
+        let x = k.load(t.dof, v, dof::ACCELERATION);
+        k.store(t.output.acceleration, v, 0, x);
+    }
+}
+
+/// Placement of a body from its tree's origin O.
+#[inline(always)]
+fn placement<M: Machine>(k: &M, t: &Tables, row: M::I) -> Pose<M::R> {
+    let n = k.link(t.body_links, row, body_link::NODE);
+    k.pose(t.place, n, 0) * k.pose(t.body, row, body_field::PLACE)
+}
+
+#[inline(always)]
+fn bodies<M: Machine>(k: &mut M, t: &Tables) {
+    for row in k.count(t.bodies) {
+        let id = k.link(t.body_links, row, body_link::BODY);
+        let n = k.link(t.body_links, row, body_link::NODE);
+        let origin = k.vec3(t.point, k.link(t.body_links, row, body_link::TREE), 0);
+        let at = placement(k, t, row);
+        let (v, a) = (k.spatial(t.twist, n, 0), k.spatial(t.acceleration, n, 0));
+        k.store_vec3(t.output.body, id, body::POSITION, at.p + origin);
+        k.store_quat(t.output.body, id, body::ORIENTATION, at.q);
+        k.store_vec3(t.output.body, id, body::VELOCITY, v.linear + v.angular.cross(at.p));
+        k.store_vec3(t.output.body, id, body::ANGULAR_VELOCITY, v.angular);
+        let (m, c, i) = world_inertia(k, t.body, row, at);
+        let w = momentum(m, c, i, a) + v.cross_force(momentum(m, c, i, v));
+        let moment = w.angular + origin.cross(w.linear);
+        k.store_spatial(t.wrench, row, 0, Spatial::new(moment, w.linear));
+    }
+}
+
+#[inline(always)]
+fn reactions<M: Machine>(k: &mut M, t: &Tables) {
+    for row in k.range_down(k.index(t.bodies)) {
+        let w = k.spatial(t.wrench, row, 0);
+        let carrier = k.link(t.body_links, row, body_link::CARRIER);
+        for _ in k.when(k.less(carrier, row)) {
+            let sum = k.spatial(t.wrench, carrier, 0) + w;
+            k.store_spatial(t.wrench, carrier, 0, sum);
+        }
+        let joint = k.link(t.body_links, row, body_link::JOINT);
+        let origin = k.vec3(t.point, k.link(t.body_links, row, body_link::TREE), 0);
+        let x = placement(k, t, row).point(k.vec3(t.body, row, body_field::JOINT)) + origin;
+        k.store_vec3(t.output.reaction, joint, reaction::FORCE, w.linear);
+        k.store_vec3(t.output.reaction, joint, reaction::TORQUE, w.angular - x.cross(w.linear));
+    }
+}
+
+/// Energies and momenta of the bodies; armatures turn with ½ a q̇².
+#[inline(always)]
+fn energies<M: Machine>(k: &mut M, t: &Tables) {
+    let (one, half) = (k.index(0), M::R::lit(0.5));
+    let gravity = k.vec3(t.world, one, 0);
+    let mut kinetic = k.cell(M::R::zero());
+    let mut potential = k.cell(M::R::zero());
+    let mut sum = Spatial::zero().hold(k);
+    for row in k.count(t.bodies) {
+        let n = k.link(t.body_links, row, body_link::NODE);
+        let origin = k.vec3(t.point, k.link(t.body_links, row, body_link::TREE), 0);
+        let (m, c, i) = world_inertia(k, t.body, row, placement(k, t, row));
+        let v = k.spatial(t.twist, n, 0);
+        let p = momentum(m, c, i, v);
+        gather(&mut kinetic, half * v.dot(p));
+        gather(&mut potential, -(m * gravity.dot(c + origin)));
+        let moved = sum.get() + Spatial::new(p.angular + origin.cross(p.linear), p.linear);
+        sum.set(moved);
+    }
+    for v in k.count(t.dofs) {
+        let speed = k.load(t.velocity, v, 0);
+        gather(&mut kinetic, half * t.forces.armature(k, v) * speed.squared());
+    }
+    t.forces.spring_energy(k, t, &mut potential);
+    let sum = sum.get();
+    k.store(t.output.total, one, total::KINETIC, kinetic.read());
+    k.store(t.output.total, one, total::POTENTIAL, potential.read());
+    k.store_vec3(t.output.total, one, total::MOMENTUM, sum.linear);
+    k.store_vec3(t.output.total, one, total::ANGULAR_MOMENTUM, sum.angular);
+}
+
+/// Adds to a loop-carried sum.
+#[inline(always)]
+pub(crate) fn gather<C: Cell>(sum: &mut C, x: C::R) {
+    sum.write(sum.read() + x);
+}

@@ -1,0 +1,553 @@
+//! A model as the articulated-body algorithm reads it.
+//!
+//! Bodies that no axis separates are one *node*; fixed bodies are placed on
+//! their node when reported. A node's frame is the child's joint frame, so that
+//! its axes pass through its origin. Each tree has a row of its own for the
+//! world, so that a root is no special case; tree 0 is the world alone, and
+//! carries what never moves. Every joint is a sequence of
+//! *motions*: revolute, prismatic or ball; a free joint is three prismatic
+//! motions and a ball, a `d6` its axes in turn.
+
+use super::force::{ForceRows, ForceTables, wrapping};
+use crate::output::OutputTables;
+use crate::tables::Filler;
+use crate::{InputTables, SolverError};
+use glam::{DMat3, DQuat, DVec3};
+use model::{Axis, AxisKind, Body, BodyId, Joint, JointId, JointKind, Model, Pose};
+use numbers::Table;
+use numbers::machine::Links;
+use numbers::machine::space::{Parameter, Scratch, State};
+
+/// Kinds of motion.
+pub(crate) mod motion {
+    pub const REVOLUTE: usize = 0;
+    pub const PRISMATIC: usize = 1;
+    pub const BALL: usize = 2;
+}
+
+/// Fields of [`Tables::node`].
+pub(crate) mod node {
+    /// Placement in the parent node's frame where all coordinates are at their reference.
+    pub const PLACE: usize = 0;
+    pub const MASS: usize = 7;
+    pub const CENTER: usize = 8;
+    /// About the centre, node axes.
+    pub const INERTIA: usize = 11;
+    pub const WIDTH: usize = 17;
+}
+
+/// Fields of [`Tables::node_links`].
+pub(crate) mod node_link {
+    pub const PARENT: usize = 0;
+    pub const MOTION_BEGIN: usize = 1;
+    pub const MOTION_END: usize = 2;
+    pub const DOF_BEGIN: usize = 3;
+    pub const DOF_COUNT: usize = 4;
+    pub const WIDTH: usize = 5;
+}
+
+/// Fields of [`Tables::motion_links`].
+pub(crate) mod motion_link {
+    pub const KIND: usize = 0;
+    pub const COORDINATE: usize = 1;
+    pub const DOF: usize = 2;
+    pub const WIDTH: usize = 3;
+}
+
+/// Fields of [`Tables::body`].
+pub(crate) mod body_field {
+    /// Placement in the node's frame.
+    pub const PLACE: usize = 0;
+    pub const MASS: usize = 7;
+    pub const CENTER: usize = 8;
+    pub const INERTIA: usize = 11;
+    /// Origin of the joint's frame on the child, in the body's frame.
+    pub const JOINT: usize = 17;
+    pub const WIDTH: usize = 20;
+}
+
+/// Fields of [`Tables::body_links`].
+pub(crate) mod body_link {
+    pub const NODE: usize = 0;
+    /// Tree the node belongs to.
+    pub const TREE: usize = 1;
+    /// The body, in the model.
+    pub const BODY: usize = 2;
+    /// Row of the body that carries this one; its own where the world does.
+    pub const CARRIER: usize = 3;
+    /// Joint that carries the body; one past the last for a static body.
+    pub const JOINT: usize = 4;
+    pub const WIDTH: usize = 5;
+}
+
+/// Layout of everything the kernels touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tables {
+    pub(crate) trees: usize,
+    pub(crate) nodes: usize,
+    pub(crate) dofs: usize,
+    pub(crate) coordinates: usize,
+    pub(crate) motions: usize,
+    pub(crate) bodies: usize,
+
+    pub(crate) position: Table<State>,
+    pub(crate) velocity: Table<State>,
+    /// 1 while the world runs, 0 once it diverged.
+    pub(crate) alive: Table<State>,
+    pub(crate) forces: ForceTables,
+    pub(crate) state_length: usize,
+
+    pub(crate) input: InputTables,
+    pub(crate) output: OutputTables,
+
+    /// Gravity, 3.
+    pub(crate) world: Table<Parameter>,
+    /// Step h; largest speed of a coordinate.
+    pub(crate) step: Table<Parameter>,
+    /// Runge–Kutta stages: weight, next offset, 1 for the last.
+    pub(crate) tableau: Table<Parameter>,
+    pub(crate) tree: Table<Parameter>,
+    pub(crate) origin: Table<Parameter>,
+    pub(crate) node: Table<Parameter>,
+    pub(crate) motion: Table<Parameter>,
+    pub(crate) body: Table<Parameter>,
+    pub(crate) parameter_length: usize,
+
+    pub(crate) tree_links: Links,
+    pub(crate) origin_links: Links,
+    pub(crate) node_links: Links,
+    pub(crate) motion_links: Links,
+    pub(crate) ball_links: Links,
+    pub(crate) axis_links: Links,
+    /// Coordinates that turn without end.
+    pub(crate) wrap_links: Links,
+    pub(crate) body_links: Links,
+    pub(crate) balls: usize,
+    pub(crate) axes: usize,
+    pub(crate) wraps: usize,
+    pub(crate) link_length: usize,
+
+    /// Origin O of each tree.
+    pub(crate) point: Table<Scratch>,
+    /// Per node: orientation (4), position from O (3).
+    pub(crate) place: Table<Scratch>,
+    /// Per node: spatial velocity about O.
+    pub(crate) twist: Table<Scratch>,
+    /// Per node: velocity-product acceleration.
+    pub(crate) bias: Table<Scratch>,
+    /// Per node: articulated inertia.
+    pub(crate) inertia: Table<Scratch>,
+    /// Per node: articulated bias force.
+    pub(crate) force: Table<Scratch>,
+    /// Per node: spatial acceleration about O, less gravity.
+    pub(crate) acceleration: Table<Scratch>,
+    /// Per degree of freedom: see [`dof`].
+    pub(crate) dof: Table<Scratch>,
+    /// Saved coordinates and velocities.
+    pub(crate) saved_position: Table<Scratch>,
+    pub(crate) saved_velocity: Table<Scratch>,
+    /// Runge–Kutta sums and the stage's increment.
+    pub(crate) sum_velocity: Table<Scratch>,
+    pub(crate) sum_acceleration: Table<Scratch>,
+    pub(crate) increment: Table<Scratch>,
+    /// Per body, reporting: wrench about the world's origin.
+    pub(crate) wrench: Table<Scratch>,
+    pub(crate) scratch_length: usize,
+}
+
+/// Fields of [`Tables::dof`].
+pub(crate) mod dof {
+    /// Axis S.
+    pub const AXIS: usize = 0;
+    /// U = Iᴬ S.
+    pub const U: usize = 6;
+    /// 1 / D.
+    pub const INVERSE: usize = 12;
+    /// u = τ − S·p.
+    pub const FORCE: usize = 13;
+    /// Acceleration q̈.
+    pub const ACCELERATION: usize = 14;
+    pub const WIDTH: usize = 15;
+}
+
+/// The classical Runge–Kutta method (Kutta 1901): weight of the stage, offset of
+/// the next in steps, and 1 where the next is the sum.
+const RUNGE_KUTTA_4: [[f64; 3]; 4] = [
+    [1.0 / 6.0, 0.5, 0.0],
+    [1.0 / 3.0, 0.5, 0.0],
+    [1.0 / 3.0, 1.0, 0.0],
+    [1.0 / 6.0, 0.0, 1.0],
+];
+
+/// One of the bodies that a model's joints separate.
+#[derive(Clone, Debug)]
+struct Node {
+    parent: Option<usize>,
+    tree: usize,
+    place: Pose,
+    motions: Vec<Motion>,
+    dof: usize,
+    mass: f64,
+    center: DVec3,
+    inertia: DMat3,
+}
+
+/// One elementary motion.
+#[derive(Clone, Copy, Debug)]
+struct Motion {
+    kind: usize,
+    axis: DVec3,
+    reference: f64,
+    coordinate: usize,
+    dof: usize,
+}
+
+impl Node {
+    fn dofs(&self) -> usize {
+        self.motions.iter().map(|m| if m.kind == motion::BALL { 3 } else { 1 }).sum()
+    }
+    /// Adds a body placed at `place` in the node: masses add, inertias by Steiner's theorem.
+    fn weld(&mut self, body: &Body, place: Pose) {
+        let (m, c) = (body.mass, place.point(body.center));
+        let r = DMat3::from_quat(place.orientation);
+        let i = r * body.inertia * r.transpose();
+        let total = self.mass + m;
+        let center = (self.center * self.mass + c * m) / total;
+        self.inertia = self.inertia
+            + steiner(self.mass, self.center - center)
+            + i
+            + steiner(m, c - center);
+        self.center = center;
+        self.mass = total;
+    }
+}
+
+/// m (d·d 1 − d dᵀ).
+fn steiner(m: f64, d: DVec3) -> DMat3 {
+    let outer = DMat3::from_cols(d * d.x, d * d.y, d * d.z);
+    (DMat3::from_diagonal(DVec3::splat(d.length_squared())) - outer) * m
+}
+
+/// Where a body sits: on a node or in the world.
+#[derive(Clone, Copy, Debug)]
+struct Seat {
+    node: Option<usize>,
+    place: Pose,
+}
+
+/// The bodies of a model sorted into nodes.
+struct Forest {
+    nodes: Vec<Node>,
+    bases: Vec<Pose>,
+    seats: Vec<Seat>,
+}
+
+impl Forest {
+    fn new(model: &Model) -> Result<Self, SolverError> {
+        let world = Seat { node: None, place: Pose::IDENTITY };
+        let mut forest =
+            Self {
+                nodes: Vec::new(),
+                bases: vec![Pose::IDENTITY],
+                seats: vec![world; model.bodies.len()],
+            };
+        for &id in model.order() {
+            forest.seats[id.0] = forest.seat(model, id);
+            let Seat { node, place } = forest.seats[id.0];
+            if let Some(n) = node {
+                forest.nodes[n].weld(&model.bodies[id.0], place);
+            }
+        }
+        Ok(forest)
+    }
+
+    fn seat(&mut self, model: &Model, id: BodyId) -> Seat {
+        let body = &model.bodies[id.0];
+        let Some(joint_id) = model.carrier(id) else {
+            return Seat { node: None, place: body.pose };
+        };
+        let joint = &model.joints[joint_id.0];
+        let parent = match joint.parent {
+            Some(p) => self.seats[p.0],
+            None => Seat { node: None, place: Pose::IDENTITY },
+        };
+        let place = parent.place * joint.parent_frame;
+        if joint.kind == JointKind::Fixed {
+            return Seat { node: parent.node, place: place * joint.child_frame.inverse() };
+        }
+        let (node, shift) = self.grow(model, joint_id, joint, parent.node, place);
+        Seat { node: Some(node), place: Pose::at(-shift) * joint.child_frame.inverse() }
+    }
+
+    /// Adds the nodes of a joint: one for each run of axes that meet in a point.
+    /// Returns the last, and where its origin lies in the joint's frame.
+    fn grow(
+        &mut self,
+        model: &Model,
+        id: JointId,
+        joint: &Joint,
+        mut parent: Option<usize>,
+        mut place: Pose,
+    ) -> (usize, DVec3) {
+        let mut shift = DVec3::ZERO;
+        let mut motions: Vec<Motion> = Vec::new();
+        for (motion, anchor) in joint_motions(model, id, joint) {
+            let anchor = anchor.unwrap_or(shift);
+            if anchor != shift && motions.is_empty() {
+                place = place * Pose::at(anchor - shift);
+                shift = anchor;
+            } else if anchor != shift {
+                parent = Some(self.push(parent, place, std::mem::take(&mut motions)));
+                place = Pose::at(anchor - shift);
+                shift = anchor;
+            }
+            motions.push(motion);
+        }
+        (self.push(parent, place, motions), shift)
+    }
+
+    fn push(&mut self, parent: Option<usize>, place: Pose, motions: Vec<Motion>) -> usize {
+        let tree = match parent {
+            Some(p) => self.nodes[p].tree,
+            None => {
+                self.bases.push(place);
+                self.bases.len() - 1
+            }
+        };
+        let dof = motions[0].dof;
+        self.nodes.push(Node {
+            parent,
+            tree,
+            place,
+            motions,
+            dof,
+            mass: 0.0,
+            center: DVec3::ZERO,
+            inertia: DMat3::ZERO,
+        });
+        self.nodes.len() - 1
+    }
+}
+
+/// The motions of a joint, each with the point its axis passes through, if it matters.
+fn joint_motions(model: &Model, id: JointId, joint: &Joint) -> Vec<(Motion, Option<DVec3>)> {
+    let (q, v) = (model.coordinate_range(id).start, model.dof_range(id).start);
+    let axis = |i: usize, a: &Axis| {
+        let kind = match a.kind {
+            AxisKind::Angular => motion::REVOLUTE,
+            AxisKind::Linear => motion::PRISMATIC,
+        };
+        let anchor = (a.kind == AxisKind::Angular).then_some(a.anchor);
+        let motion = Motion {
+            kind,
+            axis: a.direction,
+            reference: a.reference,
+            coordinate: q + i,
+            dof: v + i,
+        };
+        (motion, anchor)
+    };
+    let ball = |coordinate, dof| {
+        let axis = DVec3::ZERO;
+        (Motion { kind: motion::BALL, axis, reference: 0.0, coordinate, dof }, None)
+    };
+    match joint.kind {
+        JointKind::Ball => vec![ball(q, v)],
+        JointKind::Free => {
+            let translations = [DVec3::X, DVec3::Y, DVec3::Z].map(Axis::linear);
+            let mut motions: Vec<_> =
+                translations.iter().enumerate().map(|(i, a)| axis(i, a)).collect();
+            motions.push(ball(q + 3, v + 3));
+            motions
+        }
+        _ => joint.axes.iter().enumerate().map(|(i, a)| axis(i, a)).collect(),
+    }
+}
+
+/// Refuses what reduced coordinates cannot express.
+fn check(model: &Model) -> Result<(), SolverError> {
+    for joint in &model.joints {
+        if joint.closes_loop || joint.kind == JointKind::Distance {
+            return Err(SolverError::ClosedLoop { joint: joint.name.clone() });
+        }
+        if !joint.enabled {
+            return Err(SolverError::DisabledJoint { joint: joint.name.clone() });
+        }
+    }
+    if let Some(coupling) = model.couplings.first() {
+        return Err(SolverError::ClosedLoop { joint: coupling.name.clone() });
+    }
+    Ok(())
+}
+
+impl Tables {
+    /// Lays out a model and fills its parameters and links.
+    pub(crate) fn new(model: &Model) -> Result<(Self, Filler), SolverError> {
+        check(model)?;
+        let forest = Forest::new(model)?;
+        let tables = Self::layout(model, &forest);
+        let mut filler = Filler::new(tables.parameter_length, tables.link_length);
+        tables.fill_forest(&forest, &mut filler);
+        tables.fill_bodies(model, &forest, &mut filler);
+        tables.forces.fill(model, &mut filler);
+        for (row, coordinate) in wrapping(model).into_iter().enumerate() {
+            filler.link(tables.wrap_links, row, 0, coordinate);
+        }
+        filler.vec3(tables.world, 0, 0, model.gravity);
+        for (stage, row) in RUNGE_KUTTA_4.iter().enumerate() {
+            filler.numbers(tables.tableau, stage, 0, row);
+        }
+        Ok((tables, filler))
+    }
+
+    fn layout(model: &Model, forest: &Forest) -> Self {
+        let trees = forest.bases.len();
+        let nodes = forest.nodes.len();
+        let rows = trees + nodes;
+        let dofs = model.degrees_of_freedom();
+        let coordinates = model.coordinates();
+        let all = || forest.nodes.iter().flat_map(|n| &n.motions);
+        let motions = all().count();
+        let balls = all().filter(|m| m.kind == motion::BALL).count();
+        let bodies = model.bodies.len();
+        let wraps = wrapping(model).len();
+
+        let (mut s, mut p, mut l, mut t) = (0, 0, 0, 0);
+        let position = Table::place(&mut s, coordinates, 1);
+        let velocity = Table::place(&mut s, dofs, 1);
+        let alive = Table::place(&mut s, 1, 1);
+        let forces = ForceTables::place(
+            &ForceRows::count(model),
+            dofs,
+            &mut s,
+            &mut p,
+            &mut l,
+            &mut t,
+        );
+        Self {
+            trees,
+            nodes,
+            dofs,
+            coordinates,
+            motions,
+            bodies,
+            position,
+            velocity,
+            alive,
+            forces,
+            state_length: s,
+            input: InputTables::new(model),
+            output: OutputTables::new(model),
+            world: Table::place(&mut p, 1, 3),
+            step: Table::place(&mut p, 1, 2),
+            tableau: Table::place(&mut p, 4, 3),
+            tree: Table::place(&mut p, trees, 3),
+            origin: Table::place(&mut p, coordinates, 3),
+            node: Table::place(&mut p, rows, node::WIDTH),
+            motion: Table::place(&mut p, motions, 4),
+            body: Table::place(&mut p, bodies, body_field::WIDTH),
+            parameter_length: p,
+            tree_links: Links::place(&mut l, trees, 2),
+            origin_links: Links::place(&mut l, coordinates, 1),
+            node_links: Links::place(&mut l, rows, node_link::WIDTH),
+            motion_links: Links::place(&mut l, motions, motion_link::WIDTH),
+            ball_links: Links::place(&mut l, balls, 2),
+            axis_links: Links::place(&mut l, motions - balls, 2),
+            wrap_links: Links::place(&mut l, wraps, 1),
+            body_links: Links::place(&mut l, bodies, body_link::WIDTH),
+            balls,
+            axes: motions - balls,
+            wraps,
+            link_length: l,
+            point: Table::place(&mut t, trees, 3),
+            place: Table::place(&mut t, rows, 7),
+            twist: Table::place(&mut t, rows, 6),
+            bias: Table::place(&mut t, rows, 6),
+            inertia: Table::place(&mut t, rows, 21),
+            force: Table::place(&mut t, rows, 6),
+            acceleration: Table::place(&mut t, rows, 6),
+            dof: Table::place(&mut t, dofs, dof::WIDTH),
+            saved_position: Table::place(&mut t, coordinates, 1),
+            saved_velocity: Table::place(&mut t, dofs, 1),
+            sum_velocity: Table::place(&mut t, dofs, 1),
+            sum_acceleration: Table::place(&mut t, dofs, 1),
+            increment: Table::place(&mut t, dofs, 1),
+            wrench: Table::place(&mut t, bodies, 6),
+            scratch_length: t,
+        }
+    }
+
+    fn fill_forest(&self, forest: &Forest, f: &mut Filler) {
+        let (mut m, mut ball, mut axis, mut origin) = (0, 0, 0, 0);
+        for (i, n) in forest.nodes.iter().enumerate() {
+            let row = self.trees + i;
+            let parent = n.parent.map_or(n.tree, |p| self.trees + p);
+            f.link(self.node_links, row, node_link::PARENT, parent);
+            f.link(self.node_links, row, node_link::MOTION_BEGIN, m);
+            f.link(self.node_links, row, node_link::MOTION_END, m + n.motions.len());
+            f.link(self.node_links, row, node_link::DOF_BEGIN, n.dof);
+            f.link(self.node_links, row, node_link::DOF_COUNT, n.dofs());
+            f.pose(self.node, row, node::PLACE, n.place);
+            f.number(self.node, row, node::MASS, n.mass);
+            f.vec3(self.node, row, node::CENTER, n.center);
+            f.sym(self.node, row, node::INERTIA, n.inertia);
+            for motion in &n.motions {
+                f.link(self.motion_links, m, motion_link::KIND, motion.kind);
+                f.link(self.motion_links, m, motion_link::COORDINATE, motion.coordinate);
+                f.link(self.motion_links, m, motion_link::DOF, motion.dof);
+                f.vec3(self.motion, m, 0, motion.axis);
+                f.number(self.motion, m, 3, motion.reference);
+                if motion.kind == motion::BALL {
+                    f.link(self.ball_links, ball, 0, motion.coordinate);
+                    f.link(self.ball_links, ball, 1, motion.dof);
+                    ball += 1;
+                } else {
+                    f.link(self.axis_links, axis, 0, motion.coordinate);
+                    f.link(self.axis_links, axis, 1, motion.dof);
+                    axis += 1;
+                }
+                m += 1;
+            }
+        }
+        for (tree, base) in forest.bases.iter().enumerate() {
+            let root = forest.nodes.iter().find(|n| n.tree == tree && n.parent.is_none());
+            let slides = root
+                .into_iter()
+                .flat_map(|n| &n.motions)
+                .filter(|m| m.kind == motion::PRISMATIC);
+            let mut point = base.position;
+            f.link(self.tree_links, tree, 0, origin);
+            for slide in slides {
+                let direction = base.direction(slide.axis);
+                point -= direction * slide.reference;
+                f.link(self.origin_links, origin, 0, slide.coordinate);
+                f.vec3(self.origin, origin, 0, direction);
+                origin += 1;
+            }
+            f.link(self.tree_links, tree, 1, origin);
+            f.vec3(self.tree, tree, 0, point);
+        }
+    }
+
+    fn fill_bodies(&self, model: &Model, forest: &Forest, f: &mut Filler) {
+        let mut row_of = vec![0; model.bodies.len()];
+        for (row, &id) in model.order().iter().enumerate() {
+            row_of[id.0] = row;
+            let (body, seat) = (&model.bodies[id.0], forest.seats[id.0]);
+            let carrier = model.carrier(id);
+            let parent = carrier.and_then(|j| model.joints[j.0].parent);
+            f.link(self.body_links, row, body_link::NODE, seat.node.map_or(0, |n| self.trees + n));
+            f.link(self.body_links, row, body_link::TREE, seat.node.map_or(0, |n| forest.nodes[n].tree));
+            f.link(self.body_links, row, body_link::BODY, id.0);
+            f.link(self.body_links, row, body_link::CARRIER, parent.map_or(row, |p| row_of[p.0]));
+            f.link(self.body_links, row, body_link::JOINT, carrier.map_or(model.joints.len(), |j| j.0));
+            f.pose(self.body, row, body_field::PLACE, seat.place);
+            if let Some(joint) = carrier {
+                f.number(self.body, row, body_field::MASS, body.mass);
+                f.vec3(self.body, row, body_field::CENTER, body.center);
+                f.sym(self.body, row, body_field::INERTIA, body.inertia);
+                f.vec3(self.body, row, body_field::JOINT, model.joints[joint.0].child_frame.position);
+            }
+        }
+    }
+}

@@ -1,0 +1,18 @@
+//! Solvers for articulated rigid bodies.
+//!
+//! A solver is [`Kernels`]: a model compiled to flat tables, and two functions
+//! over a [`Machine`](numbers::Machine) that step a world and report it. The same
+//! functions run in lanes, in one world, differentiated, or traced.
+
+#![forbid(unsafe_code)]
+
+pub mod featherstone;
+mod input;
+mod output;
+mod solver;
+mod tables;
+
+pub use featherstone::{Featherstone, Integrator};
+pub use input::InputTables;
+pub use output::{OutputTables, body, reaction, total};
+pub use solver::{Kernels, Lengths, Settings, SolverError};

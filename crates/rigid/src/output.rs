@@ -1,0 +1,75 @@
+//! What every solver reports of a world, in one layout.
+
+use numbers::Table;
+use numbers::machine::space::Output;
+
+/// Fields of a row of [`OutputTables::body`].
+pub mod body {
+    /// Position of the body's frame [m], 3.
+    pub const POSITION: usize = 0;
+    /// Orientation x, y, z, w, 4.
+    pub const ORIENTATION: usize = 3;
+    /// Velocity of the body frame's origin [m/s], 3.
+    pub const VELOCITY: usize = 7;
+    /// Angular velocity [rad/s], world axes, 3.
+    pub const ANGULAR_VELOCITY: usize = 10;
+    /// Numbers in a row.
+    pub const WIDTH: usize = 13;
+}
+
+/// Fields of a row of [`OutputTables::reaction`].
+pub mod reaction {
+    /// Force [N] of the joint on its child, world axes, 3.
+    pub const FORCE: usize = 0;
+    /// Torque [N·m] of the joint on its child about the child's joint frame, world axes, 3.
+    pub const TORQUE: usize = 3;
+    /// Numbers in a row.
+    pub const WIDTH: usize = 6;
+}
+
+/// Fields of the row of [`OutputTables::total`].
+pub mod total {
+    /// Kinetic energy [J], with that of armatures.
+    pub const KINETIC: usize = 0;
+    /// Potential energy [J] of weight and passive springs; zero at the world's origin.
+    pub const POTENTIAL: usize = 1;
+    /// Linear momentum [kg·m/s], 3.
+    pub const MOMENTUM: usize = 2;
+    /// Angular momentum [kg·m²/s] about the world's origin, 3.
+    pub const ANGULAR_MOMENTUM: usize = 5;
+    /// Numbers in the row.
+    pub const WIDTH: usize = 8;
+}
+
+/// Where the reported numbers lie.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutputTables {
+    /// One row per body of the model: see [`body`].
+    pub body: Table<Output>,
+    /// One row per joint of the model: see [`reaction`]. A last row is of no joint.
+    pub reaction: Table<Output>,
+    /// Joint coordinates, the model's order; axes that turn freely are wrapped to (−π, π].
+    pub position: Table<Output>,
+    /// Joint velocities, the model's order.
+    pub velocity: Table<Output>,
+    /// Joint accelerations, the model's order; of the last substep where the solver has no closed form.
+    pub acceleration: Table<Output>,
+    /// One row: see [`total`].
+    pub total: Table<Output>,
+    /// Numbers per world.
+    pub length: usize,
+}
+
+impl OutputTables {
+    /// The layout for a model.
+    pub fn new(model: &model::Model) -> Self {
+        let mut end = 0;
+        let body = Table::place(&mut end, model.bodies.len(), body::WIDTH);
+        let reaction = Table::place(&mut end, model.joints.len() + 1, reaction::WIDTH);
+        let position = Table::place(&mut end, model.coordinates(), 1);
+        let velocity = Table::place(&mut end, model.degrees_of_freedom(), 1);
+        let acceleration = Table::place(&mut end, model.degrees_of_freedom(), 1);
+        let total = Table::place(&mut end, 1, total::WIDTH);
+        Self { body, reaction, position, velocity, acceleration, total, length: end }
+    }
+}

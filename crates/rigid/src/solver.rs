@@ -1,0 +1,117 @@
+//! What every solver is.
+
+use crate::Integrator;
+use model::Model;
+use numbers::Machine;
+
+/// Numbers per world in each memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub struct Lengths {
+    pub state: usize,
+    pub input: usize,
+    pub output: usize,
+    pub scratch: usize,
+}
+
+/// How to step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Time step [s].
+    pub time_step: f64,
+    /// Substeps per step; a solver's own step is `time_step / substeps`.
+    pub substeps: usize,
+    /// Passes over all constraints per substep; `xpbd` only.
+    pub iterations: usize,
+    /// How a `featherstone` step advances the state.
+    pub integrator: Integrator,
+    /// A world in which a speed exceeds this [m/s or rad/s] has diverged.
+    pub speed_limit: f64,
+    /// Factor on every position correction; `xpbd` only. 1 is the plain method.
+    pub relaxation: f64,
+    /// Rate at which bodies lose angular velocity [1/s]; `xpbd` only.
+    pub angular_damping: f64,
+    /// Largest correction of a joint per pass [m]; `xpbd` only. Reported when it bites.
+    pub displacement_cap: f64,
+    /// Largest force of a joint [N]; `xpbd` only. Reported when it bites.
+    pub force_cap: f64,
+}
+
+impl Settings {
+    /// A time step [s], one substep, one iteration, semi-implicit Euler, no caps.
+    pub fn new(time_step: f64) -> Self {
+        Self {
+            time_step,
+            substeps: 1,
+            iterations: 1,
+            integrator: Integrator::SemiImplicitEuler,
+            speed_limit: 1e5,
+            relaxation: 1.0,
+            angular_damping: 0.0,
+            displacement_cap: f64::INFINITY,
+            force_cap: f64::INFINITY,
+        }
+    }
+    /// Length of a solver's own step [s].
+    pub fn substep(&self) -> f64 {
+        self.time_step / self.substeps as f64
+    }
+}
+
+/// Why a solver cannot take a model or a setting.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SolverError {
+    /// Reduced coordinates cannot close a loop.
+    #[error(
+        "joint `{joint}` closes a loop, which reduced coordinates cannot: use the solver `xpbd`"
+    )]
+    ClosedLoop {
+        /// Name of the joint or coupling.
+        joint: String,
+    },
+    /// Reduced coordinates cannot let a joint go.
+    #[error(
+        "joint `{joint}` is disabled, which `featherstone` cannot simulate: use the solver `xpbd`"
+    )]
+    DisabledJoint {
+        /// Name of the joint.
+        joint: String,
+    },
+    /// The solver lacks something the model uses.
+    #[error("{solver} does not support {what} of `{name}`: {remedy}")]
+    Unsupported {
+        /// Name of the solver.
+        solver: &'static str,
+        /// What is not supported.
+        what: &'static str,
+        /// Joint, body or actuator that uses it.
+        name: String,
+        /// What to do instead.
+        remedy: &'static str,
+    },
+}
+
+/// A solver compiled for a model: tables, and kernels over any machine.
+///
+/// The numbers of a world lie in the layout that the solver chose; positions
+/// and velocities of joints go in through [`initial`](Kernels::initial) and come
+/// out through [`report`](Kernels::report) in the layout of
+/// [`OutputTables`](crate::OutputTables), the same for all solvers.
+pub trait Kernels: Clone + Send + Sync + 'static {
+    /// The solver's name.
+    fn name(&self) -> &'static str;
+    /// Numbers per world in each memory.
+    fn lengths(&self) -> Lengths;
+    /// The constants of the model it was compiled for.
+    fn parameters(&self) -> &[f64];
+    /// The whole numbers of the model: the same for all models of one topology.
+    fn links(&self) -> &[u32];
+    /// Offset in the state of the number that is 1 while a world runs and 0 once it diverged.
+    fn alive(&self) -> usize;
+    /// The state of a world whose joints have the given coordinates and velocities.
+    fn initial(&self, model: &Model, position: &[f64], velocity: &[f64]) -> Vec<f64>;
+    /// Advances every lane by one substep.
+    fn step<M: Machine>(&self, k: &mut M);
+    /// Fills the output from the state.
+    fn report<M: Machine>(&self, k: &mut M);
+}

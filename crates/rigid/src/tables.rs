@@ -1,0 +1,45 @@
+//! Filling the tables that a solver's kernels read.
+
+use glam::{DMat3, DQuat, DVec3};
+use model::Pose;
+use numbers::Table;
+use numbers::machine::Links;
+use numbers::machine::space::Parameter;
+
+/// Parameters and links of a solver, written field by field.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Filler {
+    pub parameters: Vec<f64>,
+    pub links: Vec<u32>,
+}
+
+impl Filler {
+    pub fn new(parameters: usize, links: usize) -> Self {
+        Self { parameters: vec![0.0; parameters], links: vec![0; links] }
+    }
+    pub fn number(&mut self, table: Table<Parameter>, row: usize, field: usize, x: f64) {
+        self.parameters[table.at(row, field)] = x;
+    }
+    pub fn numbers(&mut self, table: Table<Parameter>, row: usize, field: usize, x: &[f64]) {
+        self.parameters[table.at(row, field)..][..x.len()].copy_from_slice(x);
+    }
+    pub fn vec3(&mut self, table: Table<Parameter>, row: usize, field: usize, v: DVec3) {
+        self.numbers(table, row, field, &v.to_array());
+    }
+    pub fn quat(&mut self, table: Table<Parameter>, row: usize, field: usize, q: DQuat) {
+        self.numbers(table, row, field, &q.to_array());
+    }
+    /// Seven fields: position, orientation.
+    pub fn pose(&mut self, table: Table<Parameter>, row: usize, field: usize, p: Pose) {
+        self.vec3(table, row, field, p.position);
+        self.quat(table, row, field + 3, p.orientation);
+    }
+    /// Six fields: xx, yy, zz, xy, xz, yz.
+    pub fn sym(&mut self, table: Table<Parameter>, row: usize, field: usize, m: DMat3) {
+        let x = [m.x_axis.x, m.y_axis.y, m.z_axis.z, m.y_axis.x, m.z_axis.x, m.z_axis.y];
+        self.numbers(table, row, field, &x);
+    }
+    pub fn link(&mut self, links: Links, row: usize, field: usize, x: usize) {
+        self.links[links.at(row, field)] = x as u32;
+    }
+}
