@@ -1,6 +1,6 @@
 //! Numbers of many worlds, in blocks: `[block][offset][lane]`.
 
-use crate::{Float, Lanes};
+use crate::Float;
 use bytemuck::{Pod, Zeroable};
 
 /// One cache line, so that every lane register loads aligned.
@@ -59,6 +59,14 @@ impl<T: Float> Memory<T> {
         let n = self.blocks() * self.length * self.width;
         &mut bytemuck::cast_slice_mut(&mut self.lines)[..n]
     }
+    /// Scalars in one block.
+    pub fn block_size(&self) -> usize {
+        self.length * self.width
+    }
+    /// The scalars of one block.
+    pub fn block(&self, block: usize) -> &[T] {
+        &self.scalars()[block * self.block_size()..][..self.block_size()]
+    }
     /// Where a world's number lies in [`scalars`](Memory::scalars).
     pub fn position(&self, world: usize, offset: usize) -> usize {
         debug_assert!(offset < self.length);
@@ -78,11 +86,5 @@ impl<T: Float> Memory<T> {
         for world in 0..self.blocks() * self.width {
             self.set(world, offset, x);
         }
-    }
-    /// The blocks, each as `length` registers of `R`.
-    pub fn blocks_mut<R: Lanes<Scalar = T>>(&mut self) -> impl Iterator<Item = &mut [R]> {
-        assert_eq!(R::WIDTH, self.width, "lanes of the register and of the block");
-        let length = self.length;
-        bytemuck::cast_slice_mut(self.scalars_mut()).chunks_exact_mut(length)
     }
 }
