@@ -269,7 +269,8 @@ pub fn log<R: Real>(x: R) -> R {
     let y = e.fma(high, f - (h - rest));
 
     let y = R::select(x.gt(by_precision(f64::from(f32::MAX), f64::MAX)), x, y);
-    let pole = R::select(x.same(R::zero()), -R::one(), R::zero()) / (x - x);
+    // −1/0 at 0, else 0/0.
+    let pole = R::select(x.same(R::zero()), -R::one(), R::zero()) / R::zero();
     R::select(x.gt(R::zero()), y, pole)
 }
 
