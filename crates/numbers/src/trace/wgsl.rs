@@ -180,10 +180,15 @@ impl Printer<'_> {
     }
 
     fn offset(&self, place: Place, row: Operand) -> Result<String, WgslError> {
-        let Place { offset, width } = place;
-        Ok(match row {
-            Operand::Literal(row) => format!("{}u", place.at(row)),
-            row => format!("{offset}u + {} * {width}u", self.operand(row, Type::Index)?),
+        if let Operand::Literal(row) = row {
+            return Ok(format!("{}u", place.at(row)));
+        }
+        let row = self.operand(row, Type::Index)?;
+        Ok(match (place.offset, place.width) {
+            (0, 1) => row,
+            (0, width) => format!("{row} * {width}u"),
+            (offset, 1) => format!("{offset}u + {row}"),
+            (offset, width) => format!("{offset}u + {row} * {width}u"),
         })
     }
 
