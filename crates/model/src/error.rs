@@ -111,7 +111,7 @@ pub enum ModelError {
         /// The culprit.
         what: String,
         /// Which vector or quaternion.
-        quantity: &'static str,
+        quantity: String,
         /// Its length.
         length: f64,
     },
@@ -121,12 +121,12 @@ pub enum ModelError {
         /// The culprit.
         what: String,
         /// Which vector or quaternion.
-        quantity: &'static str,
+        quantity: String,
         /// What to do.
         remedy: &'static str,
     },
     /// A list has the wrong number of entries.
-    #[error("{what}: {quantity} has {count} entries; it needs {needed}{why}")]
+    #[error("{what}: its {quantity} has {count} entries; it needs {needed}{why}")]
     WrongLength {
         /// The culprit.
         what: String,

@@ -12,6 +12,13 @@ pub struct BodyHandle {
     pub(super) index: usize,
 }
 
+impl BodyHandle {
+    /// The object it is of.
+    pub fn object(&self) -> ObjectId {
+        self.object
+    }
+}
+
 /// A body in the making. Dynamic, at the object's origin, its mass from its shapes' densities,
 /// unless said otherwise.
 #[derive(Clone, Debug)]

@@ -10,6 +10,13 @@ pub struct JointHandle {
     pub(super) index: usize,
 }
 
+impl JointHandle {
+    /// The object it is of.
+    pub fn object(&self) -> ObjectId {
+        self.object
+    }
+}
+
 /// A joint in the making: from the world, at the object's origin, free to move along its axes,
 /// unless said otherwise.
 ///

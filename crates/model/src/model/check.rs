@@ -100,38 +100,51 @@ impl Subject<'_> {
         })
     }
 
-    pub fn unit(&self, quantity: &'static str, vector: &[f64]) -> Result<(), ModelError> {
-        self.all_finite(quantity, vector)?;
-        let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+    pub fn unit(&self, quantity: &'static str, vector: DVec3) -> Result<(), ModelError> {
+        self.all_finite(quantity, &vector.to_array())?;
+        self.unit_length(
+            vector.length(),
+            || quantity.into(),
+            "give one, such as (0, 1, 0)",
+        )
+    }
+
+    /// A quaternion x, y, z, w.
+    pub fn rotation(&self, quantity: &'static str, q: &[f64]) -> Result<(), ModelError> {
+        self.all_finite(quantity, q)?;
+        let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let remedy = "give one; no rotation is (0, 0, 0, 1)";
+        self.unit_length(length, || format!("quaternion of its {quantity}"), remedy)
+    }
+
+    fn unit_length(
+        &self,
+        length: f64,
+        quantity: impl Fn() -> String,
+        remedy: &'static str,
+    ) -> Result<(), ModelError> {
         if (length - 1.0).abs() <= UNIT_TOLERANCE {
             return Ok(());
         }
-        let (what, remedy) = (
-            self.what(),
-            "give one; no rotation is the quaternion (0, 0, 0, 1)",
-        );
-        Err(match (length == 0.0, vector.len()) {
-            (false, _) => ModelError::NotUnit {
+        let (what, quantity) = (self.what(), quantity());
+        Err(if length > 0.0 {
+            ModelError::NotUnit {
                 what,
                 quantity,
                 length,
-            },
-            (true, 4) => ModelError::ZeroLength {
+            }
+        } else {
+            ModelError::ZeroLength {
                 what,
                 quantity,
                 remedy,
-            },
-            (true, _) => ModelError::ZeroLength {
-                what,
-                quantity,
-                remedy: "give one, such as (0, 1, 0)",
-            },
+            }
         })
     }
 
     pub fn pose(&self, quantity: &'static str, pose: &Pose) -> Result<(), ModelError> {
         self.all_finite(quantity, &pose.position.to_array())?;
-        self.unit(quantity, &pose.orientation.to_array())
+        self.rotation(quantity, &pose.orientation.to_array())
     }
 
     pub fn all_positive(&self, quantity: &'static str, sizes: DVec3) -> Result<(), ModelError> {

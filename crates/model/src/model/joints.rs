@@ -18,7 +18,7 @@ pub(super) fn joint(joint: &Joint, bodies: &[Body]) -> Result<(), ModelError> {
     axes(joint)?;
     joint.axes.iter().try_for_each(|a| axis(&subject, a))?;
     subject.length(
-        "its table of degrees of freedom",
+        "table of degrees of freedom",
         joint.dofs.len(),
         dofs(joint),
         "",
@@ -104,7 +104,7 @@ fn axes(joint: &Joint) -> Result<(), ModelError> {
 }
 
 fn axis(subject: &Subject, axis: &Axis) -> Result<(), ModelError> {
-    subject.unit("axis direction", &axis.direction.to_array())?;
+    subject.unit("axis direction", axis.direction)?;
     subject.all_finite("axis anchor [m]", &axis.anchor.to_array())?;
     subject.finite("axis reference", axis.reference)
 }
@@ -166,7 +166,12 @@ fn initial(subject: &Subject, joint: &Joint) -> Result<(), ModelError> {
     // A joint that closes a loop has no coordinates; initial ones do no harm there.
     if !joint.closes_loop {
         let needed = joint.coordinates();
-        subject.length("its initial coordinates", joint.initial.len(), needed, "")?;
+        subject.length(
+            "list of initial coordinates",
+            joint.initial.len(),
+            needed,
+            "",
+        )?;
     }
     subject.all_finite("initial coordinate", &joint.initial)?;
     quaternion(subject, joint, &joint.initial)
@@ -176,16 +181,8 @@ fn initial(subject: &Subject, joint: &Joint) -> Result<(), ModelError> {
 pub(super) fn quaternion(subject: &Subject, joint: &Joint, q: &[f64]) -> Result<(), ModelError> {
     match (joint.kind, q) {
         (JointKind::Ball, q @ [_, _, _, _]) | (JointKind::Free, [_, _, _, q @ ..]) => {
-            subject.unit(quaternion_name(subject), q)
+            subject.rotation("coordinates", q)
         }
         _ => Ok(()),
-    }
-}
-
-fn quaternion_name(subject: &Subject) -> &'static str {
-    if subject.kind == "joint" {
-        "initial quaternion"
-    } else {
-        "a joint's quaternion"
     }
 }

@@ -110,6 +110,6 @@ fn hint(name: &str, names: &[&str]) -> String {
         None => "there are none".into(),
         Some(best) if alike(&best) > ALIKE => format!("did you mean \"{best}\"?"),
         Some(_) if names.len() <= MOST_LISTED => format!("there are {}", names.join(", ")),
-        Some(_) => format!("there are {} others", names.len()),
+        Some(_) => format!("there are {} with other names", names.len()),
     }
 }

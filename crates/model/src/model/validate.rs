@@ -277,9 +277,19 @@ pub(super) fn keyframe(
     let coordinates = coordinate_start[parts.joints.len()];
     let why = " (bodies without a joint get a free one, last in the order)";
     let position = &keyframe.joint_position;
-    subject.length("joint position", position.len(), coordinates, why)?;
-    subject.length("joint velocity", keyframe.joint_velocity.len(), dofs, why)?;
-    subject.length("control", keyframe.control.len(), parts.actuators.len(), "")?;
+    subject.length("list of joint positions", position.len(), coordinates, why)?;
+    subject.length(
+        "list of joint velocities",
+        keyframe.joint_velocity.len(),
+        dofs,
+        why,
+    )?;
+    subject.length(
+        "list of controls",
+        keyframe.control.len(),
+        parts.actuators.len(),
+        "",
+    )?;
     subject.all_finite("joint position", position)?;
     subject.all_finite("joint velocity", &keyframe.joint_velocity)?;
     subject.all_finite("control", &keyframe.control)?;
