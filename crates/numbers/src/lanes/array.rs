@@ -1,8 +1,12 @@
 //! Scalars as registers of one lane, and arrays of them: for any machine.
 //!
-//! There may be no fused multiply-add here, so `fma` rounds twice.
+//! There may be no fused multiply-add here, so `fma` rounds twice; nor an
+//! instruction that rounds to a whole number, so sums do it. Operations on arrays
+//! are functions of their own, each a loop that the compiler turns into what
+//! vectors the machine has; inlined into a kernel, such loops would be scalar code
+//! of many times the size.
 
-use super::{Register, Wide};
+use super::{Layout, Register, Wide};
 use crate::{LanesMask, Mask, Real};
 use core::ops::{BitAnd, BitOr, Not};
 
@@ -14,7 +18,7 @@ pub type F32x16 = Array<f32, 16>;
 pub type F64x8 = Array<f64, 8>;
 
 macro_rules! scalar {
-    ($t:ident, $mantissa:literal; unary $($unary:ident)+; binary $($binary:ident)+; compare $($lane:ident $scalar:ident)+) => {
+    ($t:ident, $mantissa:literal) => {
         impl Register for $t {
             type Scalar = $t;
             type Mask = bool;
@@ -44,21 +48,45 @@ macro_rules! scalar {
             fn fma(a: Self, b: Self, c: Self) -> Self {
                 a * b + c
             }
-            $(#[inline(always)]
-            fn $unary(a: Self) -> Self {
-                Real::$unary(a)
-            })+
-            $(#[inline(always)]
-            fn $binary(a: Self, b: Self) -> Self {
-                Real::$binary(a, b)
-            })+
-            $(#[inline(always)]
-            fn $lane(a: Self, b: Self) -> bool {
-                Real::$scalar(a, b)
-            })+
+            #[inline(always)]
+            fn sqrt(a: Self) -> Self {
+                Real::sqrt(a)
+            }
+            #[inline(always)]
+            fn min(a: Self, b: Self) -> Self {
+                Real::min(a, b)
+            }
+            #[inline(always)]
+            fn max(a: Self, b: Self) -> Self {
+                Real::max(a, b)
+            }
+            #[inline(always)]
+            fn lt(a: Self, b: Self) -> bool {
+                a < b
+            }
+            #[inline(always)]
+            fn le(a: Self, b: Self) -> bool {
+                a <= b
+            }
+            #[inline(always)]
+            fn eq(a: Self, b: Self) -> bool {
+                a == b
+            }
             #[inline(always)]
             fn select(mask: bool, yes: Self, no: Self) -> Self {
                 Real::select(mask, yes, no)
+            }
+            #[inline(always)]
+            fn round(a: Self) -> Self {
+                // Beside `whole` there is no room for a fraction; larger numbers have none.
+                let (size, whole) = (Real::abs(a), $t::WHOLE);
+                let rounded = Real::copysign((size + whole) - whole, a);
+                Real::select(size < whole, rounded, a)
+            }
+            #[inline(always)]
+            fn floor(a: Self) -> Self {
+                let rounded = <Self as Register>::round(a);
+                Real::select(rounded > a, rounded - 1.0, rounded)
             }
             #[inline(always)]
             fn and(a: Self, b: Self) -> Self {
@@ -84,13 +112,13 @@ macro_rules! scalar {
     };
 }
 
-scalar!(f32, 23; unary sqrt floor round; binary min max; compare lt lt le le eq same);
-scalar!(f64, 52; unary sqrt floor round; binary min max; compare lt lt le le eq same);
+scalar!(f32, 23);
+scalar!(f64, 52);
 
 /// Instructions on each element.
 macro_rules! each {
     ($($name:ident($first:ident $(, $arg:ident)*);)+) => {$(
-        #[inline(always)]
+        #[inline(never)]
         fn $name($first: Self $(, $arg: Self)*) -> Self {
             let mut out = $first;
             for i in 0..N {
@@ -104,7 +132,7 @@ macro_rules! each {
 /// Comparisons of each element.
 macro_rules! comparisons {
     ($($name:ident)+) => {$(
-        #[inline(always)]
+        #[inline(never)]
         fn $name(a: Self, b: Self) -> Self::Mask {
             let mut out = Each::splat(false);
             for i in 0..N {
@@ -120,11 +148,11 @@ impl<V: Register, const N: usize> Register for [V; N] {
     type Mask = Each<V::Mask, N>;
     const WIDTH: usize = N * V::WIDTH;
 
-    #[inline(always)]
+    #[inline(never)]
     fn splat(x: V::Scalar) -> Self {
         [V::splat(x); N]
     }
-    #[inline(always)]
+    #[inline(never)]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
         let mut out = no;
         for i in 0..N {
@@ -158,7 +186,7 @@ pub struct Each<M, const N: usize>([M; N]);
 
 impl<M: Mask, const N: usize> BitAnd for Each<M, N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline(never)]
     fn bitand(mut self, other: Self) -> Self {
         for i in 0..N {
             self.0[i] = self.0[i] & other.0[i];
@@ -169,7 +197,7 @@ impl<M: Mask, const N: usize> BitAnd for Each<M, N> {
 
 impl<M: Mask, const N: usize> BitOr for Each<M, N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline(never)]
     fn bitor(mut self, other: Self) -> Self {
         for i in 0..N {
             self.0[i] = self.0[i] | other.0[i];
@@ -180,7 +208,7 @@ impl<M: Mask, const N: usize> BitOr for Each<M, N> {
 
 impl<M: Mask, const N: usize> Not for Each<M, N> {
     type Output = Self;
-    #[inline(always)]
+    #[inline(never)]
     fn not(mut self) -> Self {
         for i in 0..N {
             self.0[i] = !self.0[i];
@@ -190,14 +218,14 @@ impl<M: Mask, const N: usize> Not for Each<M, N> {
 }
 
 impl<M: Mask, const N: usize> Mask for Each<M, N> {
-    #[inline(always)]
+    #[inline(never)]
     fn splat(value: bool) -> Self {
         Self([M::splat(value); N])
     }
 }
 
 impl<M: LanesMask, const N: usize> LanesMask for Each<M, N> {
-    #[inline(always)]
+    #[inline(never)]
     fn any(self) -> bool {
         let mut any = false;
         for i in 0..N {
@@ -205,7 +233,7 @@ impl<M: LanesMask, const N: usize> LanesMask for Each<M, N> {
         }
         any
     }
-    #[inline(always)]
+    #[inline(never)]
     fn all(self) -> bool {
         let mut all = true;
         for i in 0..N {
