@@ -117,7 +117,9 @@ pub trait Real:
 }
 
 /// The scalar types lanes are made of: `f32` and `f64`.
-pub trait Float: Real<Scalar = Self, Mask = bool> + Lanes + PartialOrd + Default + 'static {
+pub trait Float:
+    Real<Scalar = Self, Mask = bool> + Lanes + PartialOrd + Default + Send + Sync + 'static
+{
     /// True for `f64`: functions choose the longer polynomial.
     const DOUBLE: bool;
     /// How many worlds stand side by side in one block: 16 for `f32`, 8 for `f64`.
