@@ -3,7 +3,7 @@
 use crate::Pose;
 use glam::{DMat3, DVec3};
 
-/// Row of a body in [`Model::bodies`](crate::Model::bodies).
+/// Row of a body in [`Parts::bodies`](crate::Parts::bodies).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct BodyId(pub usize);
 

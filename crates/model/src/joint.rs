@@ -13,7 +13,7 @@
 use crate::{BodyId, Pose};
 use glam::{DQuat, DVec3};
 
-/// Row of a joint in [`Model::joints`](crate::Model::joints).
+/// Row of a joint in [`Parts::joints`](crate::Parts::joints).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct JointId(pub usize);
 

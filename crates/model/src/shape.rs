@@ -3,7 +3,7 @@
 use crate::{BodyId, Material, Pose};
 use glam::DVec3;
 
-/// Row of a shape in [`Model::shapes`](crate::Model::shapes).
+/// Row of a shape in [`Parts::shapes`](crate::Parts::shapes).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ShapeId(pub usize);
 

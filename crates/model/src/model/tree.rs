@@ -62,8 +62,11 @@ fn free_joint(body: &Body, id: BodyId, taken: &HashSet<String>) -> Joint {
 
 /// A placement as the coordinates of a free joint.
 fn coordinates_of(pose: &Pose) -> Vec<f64> {
-    let q = pose.orientation.normalize();
-    [pose.position.to_array().as_slice(), &q.to_array()].concat()
+    [
+        pose.position.to_array().as_slice(),
+        &pose.orientation.to_array(),
+    ]
+    .concat()
 }
 
 /// The bodies, every parent before its children, otherwise as they were given.
