@@ -3,8 +3,8 @@
 //! Each reduces its argument to a short interval, evaluates a polynomial there,
 //! and undoes the reduction by selection. The polynomial is short for `f32` and
 //! long for `f64`. Coefficients: S. Moshier, *Cephes* (1989), files `sinf.c`,
-//! `atanf.c`, `expf.c` for `f32`; Sun Microsystems, *fdlibm* (1993), files
-//! `k_sin.c`, `k_cos.c`, `s_atan.c`, `e_log.c`, and FreeBSD's `e_logf.c`. The
+//! `expf.c` for `f32`; Sun Microsystems, *fdlibm* (1993), files `k_sin.c`, `k_cos.c`,
+//! `s_atan.c`, `e_log.c`, and FreeBSD's `s_atanf.c`, `e_logf.c`. The
 //! reductions are those of J.-M. Muller, *Elementary Functions* (3rd ed. 2016),
 //! chapter 11.
 //!
@@ -129,10 +129,11 @@ pub fn atan2<R: Real>(y: R, x: R) -> R {
         polynomial(z, p)
     } else {
         let p = [
-            8.053_744_495_38e-2,
-            -1.387_768_560_32e-1,
-            1.997_771_064_78e-1,
-            -3.333_294_915_39e-1,
+            -6.168_760_731_8e-2,
+            1.064_801_737_7e-1,
+            -1.425_363_570_5e-1,
+            1.999_915_838_2e-1,
+            -3.333_332_836_6e-1,
         ];
         polynomial(z, p)
     };
@@ -187,6 +188,12 @@ fn ln2<R: Real>() -> (R, R) {
         by_precision(6.931_381_225_6e-1, 6.931_471_803_691_238e-1),
         by_precision(9.058_000_614_5e-6, 1.908_214_929_270_587_7e-10),
     )
+}
+
+/// The largest finite number.
+#[inline(always)]
+fn largest<R: Real>() -> R {
+    by_precision(f64::from(f32::MAX), f64::MAX)
 }
 
 /// eˣ. Error below 2 ulp; 0 and ∞ beyond the range of the number.
@@ -268,7 +275,7 @@ pub fn log<R: Real>(x: R) -> R {
     let rest = s.fma(z.fma(p, h), e * low);
     let y = e.fma(high, f - (h - rest));
 
-    let y = R::select(x.gt(by_precision(f64::from(f32::MAX), f64::MAX)), x, y);
+    let y = R::select(x.gt(largest()), x, y);
     // −1/0 at 0, else 0/0.
     let pole = R::select(x.same(R::zero()), -R::one(), R::zero()) / R::zero();
     R::select(x.gt(R::zero()), y, pole)
@@ -279,5 +286,8 @@ pub fn log<R: Real>(x: R) -> R {
 /// x⁰ = 1 for every x; 0ʸ is 0 for y > 0 and ∞ for y < 0. NaN for negative x.
 #[inline(always)]
 pub fn pow<R: Real>(x: R, y: R) -> R {
-    R::select(y.same(R::zero()), R::one(), exp(y * log(x)))
+    // Where x⁰ is not exp(0 ln x), the base is 1.
+    let ordinary = x.gt(R::zero()) & x.le(largest());
+    let base = R::select(y.same(R::zero()) & !ordinary, R::one(), x);
+    exp(y * log(base))
 }
