@@ -1,0 +1,156 @@
+//! Massless bodies: fused with what they are fixed to.
+//!
+//! Files use bodies without mass as mere frames: URDF's `base_footprint`, the mounts of sensors. A
+//! model's bodies all have mass. A massless body that a `fixed` joint ties to its parent becomes part
+//! of the parent; a massless body that moves takes up the bodies that are fixed to it. The motion
+//! stays the same.
+
+use crate::error::FormatError;
+use crate::xml::Element;
+use model::{Body, BodyId, BodyKind, JointId, JointKind, MassProperties, Parts, Pose};
+
+/// For each body of a model, whether it was fused, and with which. Bodies stand after their parents.
+pub(crate) struct Fusion {
+    /// The body that takes a body up; itself where nothing does.
+    into: Vec<usize>,
+}
+
+impl Fusion {
+    /// Decides; `elements` are the bodies' elements in the file.
+    ///
+    /// # Errors
+    /// A body moves, and neither it nor anything that is fixed to it has mass.
+    pub fn plan(parts: &Parts, elements: &[Element]) -> Result<Self, FormatError> {
+        let mut into: Vec<usize> = (0..parts.bodies.len()).collect();
+        let mut mass: Vec<f64> = parts.bodies.iter().map(|body| body.mass).collect();
+        // Leaves first: a massless body takes up its fixed children, massless or not.
+        for (parent, child) in fixed(parts).rev() {
+            if mass[child] == 0.0 || mass[parent] == 0.0 {
+                into[child] = parent;
+                mass[parent] += mass[child];
+            }
+        }
+        for (i, body) in parts.bodies.iter().enumerate() {
+            if body.kind == BodyKind::Dynamic && into[i] == i && mass[i] <= 0.0 {
+                return Err(elements[i].invalid(
+                    "the body moves but has no mass",
+                    "give it an inertial element or solid shapes with density, or fix it to a \
+                     body with mass",
+                ));
+            }
+        }
+        // A body taken up by one that was itself taken up ends in the last of them.
+        for i in 0..into.len() {
+            into[i] = into[into[i]];
+        }
+        Ok(Self { into })
+    }
+
+    /// Carries the plan out.
+    pub fn apply(&self, parts: &mut Parts) {
+        if self.into.iter().enumerate().all(|(i, into)| i == *into) {
+            return;
+        }
+        let placed: Vec<Pose> = (0..self.into.len()).map(|i| self.relative_pose(parts, i)).collect();
+        for i in 0..self.into.len() {
+            if self.into[i] != i {
+                let taken_up = mass_properties(&parts.bodies[i]).placed(&placed[i]);
+                take_up(&mut parts.bodies[self.into[i]], &taken_up);
+            }
+        }
+        self.move_references(parts, &placed);
+        self.remove(parts);
+    }
+
+    /// A body's pose in the body that takes it up.
+    fn relative_pose(&self, parts: &Parts, i: usize) -> Pose {
+        match self.into[i] {
+            into if into == i => Pose::IDENTITY,
+            into => parts.bodies[into].pose.inverse() * parts.bodies[i].pose,
+        }
+    }
+
+    fn move_references(&self, parts: &mut Parts, placed: &[Pose]) {
+        for shape in &mut parts.shapes {
+            if let Some(body) = &mut shape.body {
+                shape.pose = placed[body.0] * shape.pose;
+                body.0 = self.into[body.0];
+            }
+        }
+        for joint in &mut parts.joints {
+            if let Some(parent) = &mut joint.parent {
+                joint.parent_frame = placed[parent.0] * joint.parent_frame;
+                parent.0 = self.into[parent.0];
+            }
+            joint.child_frame = placed[joint.child.0] * joint.child_frame;
+            joint.child.0 = self.into[joint.child.0];
+        }
+    }
+
+    /// Removes the bodies that were taken up and the joints that tied them, and renumbers the rest.
+    fn remove(&self, parts: &mut Parts) {
+        let stays = |i: usize| self.into[i] == i;
+        let body_row = renumber((0..self.into.len()).map(stays));
+        let joint_stays: Vec<bool> = parts
+            .joints
+            .iter()
+            .map(|joint| joint.parent != Some(joint.child))
+            .collect();
+        let joint_row = renumber(joint_stays.iter().copied());
+        let to_body = |id: BodyId| BodyId(body_row[id.0]);
+        let to_joint = |id: JointId| JointId(joint_row[id.0]);
+
+        let mut i = 0..;
+        parts.bodies.retain(|_| i.next().is_some_and(stays));
+        let mut stays = joint_stays.iter();
+        parts.joints.retain(|_| stays.next().is_some_and(|stays| *stays));
+        for shape in &mut parts.shapes {
+            shape.body = shape.body.map(to_body);
+        }
+        for joint in &mut parts.joints {
+            joint.parent = joint.parent.map(to_body);
+            joint.child = to_body(joint.child);
+        }
+        for coupling in &mut parts.couplings {
+            coupling.joint = to_joint(coupling.joint);
+            coupling.other = to_joint(coupling.other);
+        }
+        for actuator in &mut parts.actuators {
+            actuator.joint = to_joint(actuator.joint);
+        }
+    }
+}
+
+/// Parent and child of every fixed joint of the tree that ties two moving bodies.
+fn fixed(parts: &Parts) -> impl DoubleEndedIterator<Item = (usize, usize)> + '_ {
+    parts.joints.iter().filter_map(|joint| {
+        let parent = joint.parent?.0;
+        let ties = joint.kind == JointKind::Fixed && !joint.closes_loop;
+        (ties && parts.bodies[parent].kind == BodyKind::Dynamic).then_some((parent, joint.child.0))
+    })
+}
+
+fn mass_properties(body: &Body) -> MassProperties {
+    MassProperties { mass: body.mass, center: body.center, inertia: body.inertia }
+}
+
+fn take_up(body: &mut Body, other: &MassProperties) {
+    let own = mass_properties(body);
+    let both = match (own.mass > 0.0, other.mass > 0.0) {
+        (true, true) => own.and(other),
+        (false, true) => *other,
+        _ => own,
+    };
+    (body.mass, body.center, body.inertia) = (both.mass, both.center, both.inertia);
+}
+
+/// New row of each row that stays.
+fn renumber(stays: impl Iterator<Item = bool>) -> Vec<usize> {
+    stays
+        .scan(0, |next, stays| {
+            let row = *next;
+            *next += usize::from(stays);
+            Some(row)
+        })
+        .collect()
+}

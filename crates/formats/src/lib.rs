@@ -1,0 +1,88 @@
+//! Readers of robot files: MuJoCo's MJCF and ROS's URDF, each into a checked [`Model`].
+//!
+//! ```no_run
+//! let loaded = formats::load("robot.xml".as_ref(), &formats::Options::default())?;
+//! println!("{} bodies", loaded.model.bodies.len());
+//! for warning in &loaded.warnings {
+//!     println!("{warning}");
+//! }
+//! # Ok::<(), formats::FormatError>(())
+//! ```
+//!
+//! What a file uses and this crate does not support is never dropped in silence:
+//! where leaving it out would change the motion it is an error (a warning with
+//! [`Options::lenient`]), otherwise a [`Warning`], listed once per kind.
+//!
+//! Files keep their axes: both formats are Z up, and so are the models.
+
+#![forbid(unsafe_code)]
+
+mod error;
+mod files;
+mod fuse;
+mod inertia;
+mod joint_space;
+mod limit;
+mod mesh_paths;
+pub mod mjcf;
+mod names;
+mod report;
+pub mod urdf;
+mod xml;
+
+pub use error::{FormatError, Place};
+pub use files::{Files, Folder, InMemory};
+pub use report::Warning;
+
+use model::Model;
+use std::path::Path;
+
+/// How a file is read.
+#[derive(Clone, Debug, PartialEq, Eq, Default)]
+pub struct Options {
+    /// Turns "this is not supported and would change the physics" from an error into a warning.
+    pub lenient: bool,
+    /// URDF only: the root link floats freely. By default it is fixed to the world.
+    pub floating_base: bool,
+}
+
+/// A model, and what of its file was left out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Loaded {
+    /// The model.
+    pub model: Model,
+    /// What was ignored, once per kind of thing, in the order of the file.
+    pub warnings: Vec<Warning>,
+}
+
+/// Reads a file. Its root element decides the format: `<mujoco>` or `<robot>`.
+///
+/// # Errors
+/// The file (or one it includes) cannot be read, is malformed, uses what is not
+/// supported and would change the physics, or describes an impossible model.
+pub fn load(path: &Path, options: &Options) -> Result<Loaded, FormatError> {
+    let (folder, file) = Folder::around(path);
+    let text = files::read(&folder, &file)?;
+    parse(&text, &file, &folder, options)
+}
+
+/// Reads a text as [`load`] does; `file` names it in messages, `files` finds what it includes.
+///
+/// # Errors
+/// As [`load`].
+pub fn parse(
+    text: &str,
+    file: &str,
+    files: &dyn Files,
+    options: &Options,
+) -> Result<Loaded, FormatError> {
+    let root = xml::parse(text, file)?;
+    match root.name.as_str() {
+        "mujoco" | "mujocoinclude" => mjcf::read(root, files, options),
+        "robot" => urdf::read(&root, files, options),
+        _ => Err(root.invalid(
+            "the root element names no known format",
+            "MJCF files start with <mujoco>, URDF files with <robot>",
+        )),
+    }
+}

@@ -1,0 +1,229 @@
+//! `<actuator>` (XML reference, "actuator"): motors and servos that act on joints.
+
+use super::Context;
+use super::body::{Tree, TreeJoint};
+use super::defaults::inherit;
+use super::joint::{Kind, linear};
+use super::servo::Servo;
+use crate::error::FormatError;
+use crate::report::Report;
+use crate::xml::Element;
+use model::Actuator;
+use std::collections::HashSet;
+
+/// Elements that set one another's defaults.
+const KINDS: &[&str] = &["general", "motor", "position", "velocity"];
+/// Elements that are not supported.
+const OTHERS: &[&str] = &[
+    "intvelocity", "damper", "cylinder", "muscle", "adhesion", "plugin", "pid", "orientation",
+    "dcmotor",
+];
+const KNOWN: &[&str] = &[
+    "name", "class", "group", "ctrlrange", "user", "ctrllimited", "forcelimited", "forcerange",
+    "lengthrange", "gear", "damping", "armature", "cranklength", "joint", "jointinparent", "tendon",
+    "slidersite", "cranksite", "site", "refsite", "nsample", "interp", "delay",
+];
+const GENERAL: &[&str] = &[
+    "dyntype", "gaintype", "biastype", "dynprm", "gainprm", "biasprm", "body", "actdim", "actearly",
+    "actlimited", "actrange", "inheritrange", "input", "velrange", "ffrange",
+];
+const POSITION: &[&str] = &["kp", "kv", "dampratio", "timeconst", "inheritrange"];
+const VELOCITY: &[&str] = &["kv"];
+
+/// What is known of the actuators besides the model's table.
+#[derive(Default)]
+pub(super) struct Motors {
+    /// For each actuator of the file, whether it is in the model.
+    pub kept: Vec<bool>,
+    /// Rows of position servos that are damped by a ratio of the critical damping.
+    pub damping_ratios: Vec<(usize, f64)>,
+}
+
+/// Reads all actuators into the tree's table.
+pub(super) fn read(
+    root: &Element,
+    tree: &mut Tree,
+    context: &Context,
+    report: &mut Report,
+) -> Result<Motors, FormatError> {
+    let mut motors = Motors::default();
+    let mut names = HashSet::new();
+    for element in root.children_named("actuator").flat_map(|section| &section.children) {
+        let row = tree.parts.actuators.len();
+        let read = read_one(element, tree, context, report)?;
+        motors.kept.push(read.is_some());
+        let Some((actuator, damping_ratio)) = read else { continue };
+        if !actuator.name.is_empty() && !names.insert(actuator.name.clone()) {
+            let problem = format!("is `{}`, the name of another actuator", actuator.name);
+            return Err(element.invalid_attribute("name", &problem, "rename one of them"));
+        }
+        motors.damping_ratios.extend(damping_ratio.map(|ratio| (row, ratio)));
+        tree.parts.actuators.push(actuator);
+    }
+    limit_joint_forces(tree, report)?;
+    Ok(motors)
+}
+
+/// Reads an actuator, and its damping ratio; `None` where it was noted and left out.
+fn read_one(
+    element: &Element,
+    tree: &mut Tree,
+    context: &Context,
+    report: &mut Report,
+) -> Result<Option<(Actuator, Option<f64>)>, FormatError> {
+    if !is_supported(element, report)? {
+        return Ok(None);
+    }
+    if !context.physics.on("actuation") {
+        report.note(element, "actuator", "left out, for the flag `actuation` is off");
+        return Ok(None);
+    }
+    let settings = context.defaults.settings(element, None, KINDS)?;
+    let levels = settings.iter().copied().chain([element]);
+    let servo = levels.into_iter().try_fold(Servo::default(), Servo::with)?;
+    let servo = servo.checked(element, report)?;
+    let merged = inherit(element, &settings);
+    let Some((target, gear)) = target(&merged, tree, &servo, report)? else { return Ok(None) };
+    let control_range = control_range(&merged, target, &servo, context)?;
+    let actuator = Actuator {
+        name: element.get("name").unwrap_or_default().to_owned(),
+        joint: target.joint,
+        dof: target.dof + gear.0,
+        gear: gear.1,
+        gain: servo.gain,
+        bias: servo.bias,
+        control_range: control_range.filter(|_| context.physics.on("clampctrl")),
+        force_range: context.compiler.range(&merged, "forcelimited", "forcerange")?,
+    };
+    add_reflected(&merged, &actuator, tree, context, report)?;
+    Ok(Some((actuator, servo.damping_ratio)))
+}
+
+fn is_supported(element: &Element, report: &mut Report) -> Result<bool, FormatError> {
+    let own = match element.name.as_str() {
+        "general" => GENERAL,
+        "motor" => &[],
+        "position" => POSITION,
+        "velocity" => VELOCITY,
+        name if OTHERS.contains(&name) => {
+            let remedy = "use motor, position, velocity or general";
+            report.refuse(element, &format!("an actuator of kind {name}"), remedy)?;
+            return Ok(false);
+        }
+        _ => return Err(element.invalid("this is no actuator", "correct its spelling")),
+    };
+    report.check_attributes(element, &[KNOWN, own].concat(), &[])?;
+    if element.number("delay")?.unwrap_or(0.0) > 0.0 {
+        report.refuse(element, "delay of the control", "set delay to 0")?;
+    }
+    Ok(true)
+}
+
+/// The joint that the actuator acts on, and the degree of freedom there with its gear.
+fn target<'a>(
+    element: &Element,
+    tree: &'a Tree,
+    servo: &Servo,
+    report: &mut Report,
+) -> Result<Option<(&'a TreeJoint, (usize, f64))>, FormatError> {
+    for other in ["tendon", "site", "body", "cranksite", "slidersite"] {
+        if element.has(other) {
+            let feature = format!("transmission by `{other}`");
+            report.refuse(element, &feature, "let the actuator act on a joint")?;
+            return Ok(None);
+        }
+    }
+    let attribute = if element.has("jointinparent") { "jointinparent" } else { "joint" };
+    let joint = tree.joint(element, attribute)?;
+    let gear = element.list("gear", 1, 6)?.unwrap_or(vec![1.0]);
+    let scalar = matches!(joint.file.kind, Kind::Hinge | Kind::Slide);
+    if scalar {
+        return Ok(Some((joint, (0, gear[0]))));
+    }
+    let n = joint.file.kind.degrees_of_freedom();
+    let acting: Vec<usize> = (0..n).filter(|i| gear.get(*i).is_some_and(|g| *g != 0.0)).collect();
+    match acting[..] {
+        [i] if attribute == "joint" && servo.bias == [0.0; 3] => Ok(Some((joint, (i, gear[i])))),
+        _ => {
+            let feature = "a servo, or more than one axis, at a ball or free joint";
+            report.refuse(element, feature, "use one motor for each axis")?;
+            Ok(None)
+        }
+    }
+}
+
+/// The range of the control, given or taken from the joint's range.
+fn control_range(
+    element: &Element,
+    target: &TreeJoint,
+    servo: &Servo,
+    context: &Context,
+) -> Result<Option<(f64, f64)>, FormatError> {
+    let inherit = element.non_negative("inheritrange")?.unwrap_or(0.0);
+    if inherit == 0.0 {
+        return context.compiler.range(element, "ctrllimited", "ctrlrange");
+    }
+    let problem = |problem: &str| {
+        let remedy = "write ctrlrange instead";
+        Err(element.invalid_attribute("inheritrange", problem, remedy))
+    };
+    if element.has("ctrlrange") {
+        return problem("stands beside `ctrlrange`");
+    }
+    if servo.gain != -servo.bias[1] {
+        return problem("is for position servos");
+    }
+    let Some((lower, upper)) = target.file.limits else {
+        return problem("asks for the range of a joint that has none");
+    };
+    let (middle, half) = ((lower + upper) / 2.0, (upper - lower) / 2.0 * inherit);
+    Ok(Some((middle - half, middle + half)))
+}
+
+/// Adds what the actuator's rotor adds to its joint: inertia and damping times gear².
+fn add_reflected(
+    element: &Element,
+    actuator: &Actuator,
+    tree: &mut Tree,
+    context: &Context,
+    report: &mut Report,
+) -> Result<(), FormatError> {
+    let dof = &mut tree.parts.joints[actuator.joint.0].dofs[actuator.dof];
+    let gear2 = actuator.gear * actuator.gear;
+    dof.armature += gear2 * element.non_negative("armature")?.unwrap_or(0.0);
+    let damping = linear(element, "damping", report)?;
+    if context.physics.on("damper") {
+        dof.damping += gear2 * damping;
+    }
+    Ok(())
+}
+
+/// `actuatorfrcrange`: the range of all actuators' force on a joint, given to the one that there is.
+fn limit_joint_forces(tree: &mut Tree, report: &mut Report) -> Result<(), FormatError> {
+    for joint in &tree.joints {
+        let Some((lower, upper)) = joint.file.force_range else { continue };
+        if !matches!(joint.file.kind, Kind::Hinge | Kind::Slide) {
+            continue;
+        }
+        let on_it = |a: &&mut Actuator| (a.joint, a.dof) == (joint.joint, joint.dof);
+        let mut acting: Vec<&mut Actuator> = tree.parts.actuators.iter_mut().filter(on_it).collect();
+        match &mut acting[..] {
+            [] => {}
+            [one] => narrow_force_range(one, lower, upper),
+            _ => {
+                let feature = "`actuatorfrcrange` at a joint with several actuators";
+                report.refuse(&joint.file.element, feature, "give each a forcerange instead")?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn narrow_force_range(actuator: &mut Actuator, lower: f64, upper: f64) {
+    if actuator.gear == 0.0 {
+        return;
+    }
+    let (a, b) = (lower / actuator.gear, upper / actuator.gear);
+    let (own_lower, own_upper) = actuator.force_range.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+    actuator.force_range = Some((own_lower.max(a.min(b)), own_upper.min(a.max(b))));
+}

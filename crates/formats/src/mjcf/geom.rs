@@ -1,0 +1,291 @@
+//! `<geom>`: what a body looks and collides like, and often weighs (XML reference, "body/geom").
+
+use super::Context;
+use super::assets::color;
+use super::orientation::{least_rotation_from_z, pose};
+use super::shell;
+use crate::error::FormatError;
+use crate::report::Report;
+use crate::xml::Element;
+use glam::{DQuat, DVec3};
+use model::{Geometry, MassProperties, Material, Pose, Shape};
+use std::f64::consts::FRAC_1_SQRT_2;
+
+const KNOWN: &[&str] = &[
+    "name", "type", "contype", "conaffinity", "group", "size", "material", "friction", "mass",
+    "density", "shellinertia", "fromto", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler",
+    "hfield", "mesh", "fitscale", "rgba", "castshadow", "user", "condim", "surfacevel", "adhesion",
+    "fluidshape", "fluidcoef",
+];
+/// How MuJoCo's solver treats a contact; the material's friction coefficients are kept.
+const UNUSED: &[(&str, &str)] = &[
+    ("priority", "contacts mix the materials of both shapes"),
+    ("solmix", "contacts mix the materials of both shapes"),
+    ("solref", "softness of contacts as MuJoCo's solver has it"),
+    ("solimp", "softness of contacts as MuJoCo's solver has it"),
+    ("margin", "contacts begin where the surfaces touch"),
+    ("gap", "contacts begin where the surfaces touch"),
+];
+
+const TYPES: &[&str] = &[
+    "plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf",
+];
+
+/// MuJoCo's solids and planes stand along z, the model's along y: a rotation about x from y to z.
+const Y_TO_Z: DQuat = DQuat::from_xyzw(FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2);
+
+/// A geom of a body, in the body's frame.
+pub(super) struct Geom {
+    pub shape: Shape,
+    /// What it adds to the body's mass; `None` where it has none.
+    pub solid: Option<MassProperties>,
+    /// contype and conaffinity.
+    pub masks: (i64, i64),
+}
+
+/// What its body asks of a geom.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Weight {
+    /// Nothing: the body has its mass from elsewhere.
+    Unused,
+    /// Mass, where that is easily had: the body never moves.
+    Wanted,
+    /// Mass.
+    Needed,
+}
+
+/// Reads a geom with its inherited attributes; `None` where it was noted and left out. `frame` is
+/// the frame that it stands in.
+pub(super) fn read(
+    element: &Element,
+    frame: Pose,
+    weight: Weight,
+    context: &Context,
+    report: &mut Report,
+) -> Result<Option<Geom>, FormatError> {
+    report.check_attributes(element, KNOWN, UNUSED)?;
+    refuse_contact_physics(element, report)?;
+    let Some(placed) = placed_geometry(element, context, report)? else { return Ok(None) };
+    let (geometry, local) = placed;
+    let masks = (
+        element.integer("contype")?.unwrap_or(1),
+        element.integer("conaffinity")?.unwrap_or(1),
+    );
+    let mut shape = Shape {
+        name: element.get("name").unwrap_or_default().to_owned(),
+        body: None,
+        geometry,
+        pose: frame * local,
+        density: 0.0,
+        material: material(element, context, report)?,
+        collides: masks != (0, 0) && context.physics.on("contact"),
+    };
+    let group = element.integer("group")?.unwrap_or(0);
+    let (first, last) = context.compiler.inertia_groups;
+    let solid = match weight {
+        Weight::Unused => None,
+        _ if !(first..=last).contains(&group) => None,
+        weight => solid(element, &shape, weight, report)?,
+    };
+    shape.density = density(element, &shape, solid)?;
+    lengthen_short_capsule(element, &mut shape.geometry, report);
+    Ok(Some(Geom { shape, solid, masks }))
+}
+
+fn refuse_contact_physics(element: &Element, report: &mut Report) -> Result<(), FormatError> {
+    let nonzero = |name| Ok(element.list(name, 1, 6)?.is_some_and(|v| v.iter().any(|x| *x != 0.0)));
+    if nonzero("surfacevel")? {
+        report.refuse(element, "a surface that moves (`surfacevel`)", "set it to 0")?;
+    }
+    if nonzero("adhesion")? {
+        report.refuse(element, "adhesion of contacts", "set it to 0")?;
+    }
+    Ok(())
+}
+
+/// The solid and its pose in the geom's frame of reference.
+fn placed_geometry(
+    element: &Element,
+    context: &Context,
+    report: &mut Report,
+) -> Result<Option<(Geometry, Pose)>, FormatError> {
+    let kind = element.word("type", TYPES)?.unwrap_or("sphere");
+    match kind {
+        "mesh" => return mesh(element, context, report),
+        "hfield" | "sdf" => {
+            report.refuse(element, &format!("a shape of type {kind}"), "use boxes or a mesh")?;
+            return Ok(None);
+        }
+        _ if element.has("mesh") => {
+            let feature = &format!("fitting a {kind} to a mesh");
+            report.refuse(element, feature, "give the geom's size and remove `mesh`")?;
+            return Ok(None);
+        }
+        _ => {}
+    }
+    let (mut sizes, mut local) = (element.list("size", 1, 3)?.unwrap_or_default(), None);
+    if let Some([a, b, c, d, e, f]) = element.numbers::<6>("fromto")? {
+        let (from, to) = (DVec3::new(a, b, c), DVec3::new(d, e, f));
+        local = Some(between(element, kind, from, to)?);
+        let half = (to - from).length() / 2.0;
+        let radius = sizes.first().copied().unwrap_or(0.0);
+        sizes = match kind {
+            "box" | "ellipsoid" => vec![radius, radius, half],
+            _ => vec![radius, half],
+        };
+    }
+    let local = match local {
+        Some(local) => local,
+        None => pose(element, &context.compiler)?,
+    };
+    let geometry = geometry(element, kind, &sizes)?;
+    let turned = match geometry {
+        Geometry::Box { .. } | Geometry::Ellipsoid { .. } | Geometry::Sphere { .. } => local,
+        _ => local * Pose::new(DVec3::ZERO, Y_TO_Z),
+    };
+    Ok(Some((geometry, turned)))
+}
+
+/// The frame of a solid between two points: its origin half way, its z from the first to the second.
+fn between(element: &Element, kind: &str, from: DVec3, to: DVec3) -> Result<Pose, FormatError> {
+    if !["capsule", "cylinder", "box", "ellipsoid"].contains(&kind) {
+        return Err(element.invalid_attribute(
+            "fromto",
+            &format!("is given for a {kind}"),
+            "use it with capsule, cylinder, box or ellipsoid; otherwise give pos and size",
+        ));
+    }
+    let way = to - from;
+    if way.length() < 1e-14 {
+        let remedy = "give two different points";
+        return Err(element.invalid_attribute("fromto", "joins a point to itself", remedy));
+    }
+    Ok(Pose::new((from + to) / 2.0, least_rotation_from_z(way.normalize())))
+}
+
+fn geometry(element: &Element, kind: &str, sizes: &[f64]) -> Result<Geometry, FormatError> {
+    let needed = match kind {
+        "plane" | "sphere" => 1,
+        "capsule" | "cylinder" => 2,
+        _ => 3,
+    };
+    let wrong = |problem: &str| {
+        let remedy = format!("a {kind} needs {needed} positive half sizes");
+        element.invalid_attribute("size", problem, &remedy)
+    };
+    if kind == "plane" {
+        let size = |i: usize| sizes.get(i).copied().unwrap_or(0.0).max(0.0);
+        return Ok(Geometry::Plane { half_x: size(0), half_z: size(1) });
+    }
+    if sizes.len() < needed {
+        return Err(wrong(&format!("holds {} numbers", sizes.len())));
+    }
+    if let Some(size) = sizes[..needed].iter().find(|size| **size <= 0.0) {
+        return Err(wrong(&format!("holds {size}")));
+    }
+    Ok(match kind {
+        "sphere" => Geometry::Sphere { radius: sizes[0] },
+        "capsule" => Geometry::Capsule { radius: sizes[0], half_height: sizes[0] + sizes[1] },
+        "cylinder" => Geometry::Cylinder { radius: sizes[0], half_height: sizes[1] },
+        "ellipsoid" => Geometry::Ellipsoid { half: DVec3::from_slice(sizes) },
+        _ => Geometry::Box { half: DVec3::from_slice(sizes) },
+    })
+}
+
+fn mesh(
+    element: &Element,
+    context: &Context,
+    report: &mut Report,
+) -> Result<Option<(Geometry, Pose)>, FormatError> {
+    let name = element.require("mesh")?;
+    match context.assets.meshes.get(name) {
+        Some(Some(mesh)) => {
+            let local = pose(element, &context.compiler)?;
+            Ok(Some((mesh.geometry.clone(), local * mesh.origin)))
+        }
+        Some(None) => {
+            let feature = "a mesh that is written in the file or built in";
+            report.refuse(element, feature, "store the mesh in a file of its own")?;
+            Ok(None)
+        }
+        None => Err(element.invalid_attribute(
+            "mesh",
+            &format!("names `{name}`, which is no mesh asset"),
+            "define it in <asset>, or correct the name",
+        )),
+    }
+}
+
+fn material(
+    element: &Element,
+    context: &Context,
+    report: &mut Report,
+) -> Result<Material, FormatError> {
+    let friction = element.list("friction", 1, 3)?.unwrap_or_default();
+    let coefficient = |i: usize, default| friction.get(i).copied().unwrap_or(default);
+    let condim = element.integer("condim")?.unwrap_or(3);
+    if condim == 1 {
+        report.note(element, "condim 1", "contacts keep the friction coefficient");
+    }
+    let of_material = element.get("material").and_then(|name| context.assets.colors.get(name));
+    let color = color(element)?.or(of_material.copied()).unwrap_or([0.5, 0.5, 0.5, 1.0]);
+    Ok(Material {
+        friction: coefficient(0, 1.0),
+        torsional_friction: if condim >= 4 { coefficient(1, 0.005) } else { 0.0 },
+        rolling_friction: if condim >= 6 { coefficient(2, 0.0001) } else { 0.0 },
+        restitution: 0.0,
+        color,
+    })
+}
+
+/// Mass properties in the body's frame; `mass` decides, or else `density`, per volume or per area.
+fn solid(
+    element: &Element,
+    shape: &Shape,
+    weight: Weight,
+    report: &mut Report,
+) -> Result<Option<MassProperties>, FormatError> {
+    let mass = element.non_negative("mass")?;
+    let density = element.non_negative("density")?.unwrap_or(1000.0);
+    if mass.unwrap_or(density) == 0.0 {
+        return Ok(None);
+    }
+    if let Geometry::Mesh { .. } = shape.geometry {
+        if weight == Weight::Needed {
+            let remedy = "give the body an <inertial> element, or this geom mass=\"0\"";
+            report.refuse(element, "mass from the volume of a mesh", remedy)?;
+        }
+        return Ok(None);
+    }
+    let unit = if element.truth("shellinertia")? == Some(true) {
+        shell::of(&shape.geometry)
+    } else {
+        MassProperties::of(&shape.geometry, 1.0)
+    };
+    let placed = unit.map(|unit| unit.placed(&shape.pose));
+    Ok(placed.map(|unit| unit.with_mass(mass.unwrap_or(density * unit.mass))))
+}
+
+/// Density of the solid: the file's, or what its mass implies.
+fn density(
+    element: &Element,
+    shape: &Shape,
+    solid: Option<MassProperties>,
+) -> Result<f64, FormatError> {
+    let volume = MassProperties::of(&shape.geometry, 1.0).map(|unit| unit.mass);
+    Ok(match (solid, volume) {
+        (Some(solid), Some(volume)) if volume > 0.0 => solid.mass / volume,
+        _ => element.non_negative("density")?.unwrap_or(1000.0),
+    })
+}
+
+/// The model's capsules have a cylinder of at least 0.01 radii; the mass is already taken.
+fn lengthen_short_capsule(element: &Element, geometry: &mut Geometry, report: &mut Report) {
+    if let Geometry::Capsule { radius, half_height } = geometry {
+        let least = 1.01 * *radius;
+        if *half_height < least {
+            *half_height = least;
+            report.note(element, "short capsule", "drawn and collided 1.01 radii long");
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! MJCF, the files of MuJoCo.
+//!
+//! Written from MuJoCo's XML reference and modeling guide (version 4.0); the names of their sections
+//! are cited where they are followed. Everything that MuJoCo's compiler derives (masses and inertias
+//! of geoms, frames, defaults) comes out the same; see the tests against MuJoCo.
+//!
+//! How the file maps to a model:
+//!
+//! - A body without joints is welded to its parent by a `fixed` joint; it is static where nothing
+//!   above it moves. Geoms of the world belong to no body.
+//! - One joint of a body is a `revolute`, `prismatic`, `ball` or `free` joint; several are one `d6`
+//!   joint that carries the body's name, with each joint's name at its degree of freedom. So the
+//!   coordinates are MuJoCo's qpos, except that quaternions are x, y, z, w.
+//! - Joint ranges become soft limits of force: see the approximation in the `limit` module's text.
+//! - Massless bodies that are welded to others are fused with them.
+//! - Equality constraints `connect` and `weld` become joints that close a loop, `joint` a coupling.
+
+mod actuator;
+mod assets;
+mod body;
+mod compiler;
+mod contact;
+mod defaults;
+mod equality;
+mod geom;
+mod include;
+mod inertial;
+mod joint;
+mod keyframe;
+mod option;
+mod orientation;
+mod sections;
+mod servo;
+mod shell;
+mod softening;
+mod tendon;
+
+use crate::error::FormatError;
+use crate::files::Files;
+use crate::fuse::Fusion;
+use crate::report::Report;
+use crate::xml::{self, Element};
+use crate::{Loaded, Options, names};
+use body::Tree;
+use model::{Model, Parts, UpAxis};
+
+/// What the whole file is read by.
+struct Context {
+    compiler: compiler::Compiler,
+    physics: option::Physics,
+    defaults: defaults::Defaults,
+    assets: assets::Assets,
+}
+
+/// Reads a text; `file` names it in messages, `files` finds what it includes.
+///
+/// # Errors
+/// The text is malformed, uses what is not supported and would change the physics, or describes an
+/// impossible model.
+pub fn parse(
+    text: &str,
+    file: &str,
+    files: &dyn Files,
+    options: &Options,
+) -> Result<Loaded, FormatError> {
+    let root = xml::parse(text, file)?;
+    if root.name != "mujoco" {
+        return Err(root.invalid("the root element is not <mujoco>", "give an MJCF file"));
+    }
+    read(root, files, options)
+}
+
+pub(crate) fn read(
+    root: Element,
+    files: &dyn Files,
+    options: &Options,
+) -> Result<Loaded, FormatError> {
+    let root = include::assemble(root, files)?;
+    let mut report = Report::new(options.lenient);
+    sections::check(&root, &mut report)?;
+    let compiler = compiler::Compiler::read(&root, &mut report)?;
+    let defaults = defaults::Defaults::read(&root)?;
+    let context = Context {
+        assets: assets::Assets::read(&root, &compiler, &defaults, &mut report)?,
+        physics: option::Physics::read(&root, &mut report)?,
+        compiler,
+        defaults,
+    };
+    let mut tree = Tree::read(&root, &context, &mut report)?;
+    let fusion = Fusion::plan(&tree.parts, &tree.elements)?;
+    scale_total_mass(&mut tree.parts, context.compiler.total_mass);
+    tendon::check(&root, &context, &mut report)?;
+    contact::check(&root, &tree, &mut report);
+    let motors = actuator::read(&root, &mut tree, &context, &mut report)?;
+    softening::apply(&mut tree, &motors, &context);
+    keyframe::read(&root, &mut tree, &motors, &mut report)?;
+    equality::read(&root, &mut tree, &context, &mut report)?;
+
+    let mut parts = tree.parts;
+    let stem = root.place.file.rsplit(['/', '\\']).next().unwrap_or_default();
+    let stem = stem.rsplit_once('.').map_or(stem, |(stem, _)| stem);
+    parts.name = root.get("model").unwrap_or(stem).to_owned();
+    parts.up_axis = UpAxis::Z;
+    parts.gravity = context.physics.gravity;
+    parts.time_step = context.physics.time_step;
+    crate::mesh_paths::resolve(&mut parts, files);
+    names::complete(&mut parts);
+    fusion.apply(&mut parts);
+    let file = root.place.file.to_string();
+    let model = Model::new(parts).map_err(|source| FormatError::Model { file, source })?;
+    Ok(Loaded { model, warnings: report.into_warnings() })
+}
+
+/// `settotalmass`: scales the masses and inertias of all bodies.
+fn scale_total_mass(parts: &mut Parts, total: Option<f64>) {
+    let mass: f64 = parts.bodies.iter().map(|body| body.mass).sum();
+    let Some(total) = total.filter(|_| mass > 0.0) else { return };
+    for body in &mut parts.bodies {
+        body.mass *= total / mass;
+        body.inertia *= total / mass;
+    }
+}

@@ -1,0 +1,118 @@
+//! `<option>` and its `<flag>`: gravity, time step, and what is switched off (XML reference, "option").
+
+use super::sections::merged;
+use crate::error::FormatError;
+use crate::report::Report;
+use crate::xml::{Attribute, Element};
+use glam::DVec3;
+
+/// Settings of MuJoCo's own solver, renderer and state; they do not change what is simulated.
+const SILENT: &[&str] = &[
+    "impratio", "tolerance", "ls_tolerance", "noslip_tolerance", "ccd_tolerance",
+    "sleep_tolerance", "magnetic", "cone", "jacobian", "solver", "iterations", "ls_iterations",
+    "noslip_iterations", "ccd_iterations", "sdf_iterations", "sdf_initpoints", "mpr_iterations",
+    "mpr_tolerance", "apirate",
+];
+const READ: &[&str] =
+    &["timestep", "gravity", "wind", "density", "viscosity", "actuatorgroupdisable"];
+const UNUSED: &[(&str, &str)] = &[
+    ("integrator", "the integrator is chosen when the simulation is made"),
+    ("o_margin", "used by MuJoCo's contact override only"),
+    ("o_solref", "used by MuJoCo's contact override only"),
+    ("o_solimp", "used by MuJoCo's contact override only"),
+    ("o_friction", "used by MuJoCo's contact override only"),
+];
+
+/// Flags that act while the model is built.
+const FLAGS: &[&str] = &[
+    "constraint", "equality", "frictionloss", "limit", "contact", "passive", "spring", "damper",
+    "gravity", "clampctrl", "actuation",
+];
+/// Flags of MuJoCo's own workings.
+const SILENT_FLAGS: &[&str] = &[
+    "warmstart", "filterparent", "refsafe", "sensor", "midphase", "eulerdamp", "autoreset",
+    "nativeccd", "island", "multiccd", "energy", "fwdinv", "invdiscrete", "sleep", "diagexact",
+    "ipc", "speculative",
+];
+
+#[derive(Clone, Debug)]
+pub(super) struct Physics {
+    pub time_step: f64,
+    pub gravity: DVec3,
+    flags: Vec<Attribute>,
+}
+
+impl Physics {
+    pub fn read(root: &Element, report: &mut Report) -> Result<Self, FormatError> {
+        let section = merged(root, "option");
+        let known = [READ, SILENT].concat();
+        report.check_attributes(&section, &known, UNUSED)?;
+        refuse_fluid(&section, report)?;
+        if section.get("actuatorgroupdisable").is_some_and(|groups| !groups.trim().is_empty()) {
+            let remedy = "remove the actuators of these groups";
+            report.refuse(&section, "switching off groups of actuators", remedy)?;
+        }
+        let flags = flags(&section, report)?;
+        let mut physics = Self {
+            time_step: time_step(&section)?,
+            gravity: section.vector("gravity")?.unwrap_or(DVec3::new(0.0, 0.0, -9.81)),
+            flags,
+        };
+        if !physics.on("gravity") {
+            physics.gravity = DVec3::ZERO;
+        }
+        Ok(physics)
+    }
+
+    /// Whether a flag is on. "constraint" switches all constraints, "passive" springs and dampers.
+    pub fn on(&self, flag: &str) -> bool {
+        let group = match flag {
+            "equality" | "frictionloss" | "limit" | "contact" => "constraint",
+            "spring" | "damper" => "passive",
+            _ => flag,
+        };
+        !self.flags.iter().any(|f| (f.name == flag || f.name == group) && f.value == "disable")
+    }
+}
+
+fn time_step(section: &Element) -> Result<f64, FormatError> {
+    match section.number("timestep")? {
+        Some(step) if step <= 0.0 => Err(section.invalid_attribute(
+            "timestep",
+            &format!("is {step}"),
+            "write a positive number of seconds such as 0.002",
+        )),
+        step => Ok(step.unwrap_or(0.002)),
+    }
+}
+
+/// Drag by a fluid; wind acts through the fluid's density and viscosity only.
+fn refuse_fluid(section: &Element, report: &mut Report) -> Result<(), FormatError> {
+    for name in ["density", "viscosity"] {
+        if section.non_negative(name)?.unwrap_or(0.0) > 0.0 {
+            let remedy = "set density and viscosity to 0 for a simulation in vacuum";
+            report.refuse(section, &format!("drag by a fluid (`{name}`)"), remedy)?;
+        }
+    }
+    section.vector("wind").map(|_| ())
+}
+
+fn flags(section: &Element, report: &mut Report) -> Result<Vec<Attribute>, FormatError> {
+    let mut flags = Vec::new();
+    for element in &section.children {
+        if element.name != "flag" {
+            return Err(element.invalid("option holds no such element", "remove it"));
+        }
+        let known = [FLAGS, SILENT_FLAGS, &["override"]].concat();
+        report.check_attributes(element, &known, &[])?;
+        for attribute in &element.attributes {
+            element.word(&attribute.name, &["enable", "disable"])?;
+        }
+        if element.get("override") == Some("enable") {
+            let remedy = "set the contact parameters at the geoms";
+            report.note(element, "flag `override`", remedy);
+        }
+        flags.extend(element.attributes.iter().cloned());
+    }
+    Ok(flags)
+}

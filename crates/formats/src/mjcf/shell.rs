@@ -1,0 +1,73 @@
+//! Mass properties of hollow solids (attribute `shellinertia`).
+
+use glam::{DMat3, DVec3};
+use model::{Geometry, MassProperties};
+
+/// Of a thin shell of unit density per area, in the solid's frame; `None` where there is no volume.
+///
+/// A shell is the rate at which the solid grows: with I(ε) the inertia of the solid whose sizes are
+/// all larger by ε, the shell has I'(0), and likewise the mass (for an ellipsoid this is MuJoCo's
+/// definition; its shell is a little thicker at the tips). Derivatives are by central differences
+/// over four points, exact for polynomials up to degree 4; the error of degree 5 is below 1e-11.
+pub(super) fn of(geometry: &Geometry) -> Option<MassProperties> {
+    let step = 1e-3 * least_size(geometry)?;
+    let solid = |k: f64| MassProperties::of(&grown(geometry, k * step), 1.0);
+    let (a, b, c, d) = (solid(-2.0)?, solid(-1.0)?, solid(1.0)?, solid(2.0)?);
+    let mass = (a.mass - 8.0 * b.mass + 8.0 * c.mass - d.mass) / (12.0 * step);
+    let inertia: DMat3 =
+        (a.inertia - b.inertia * 8.0 + c.inertia * 8.0 - d.inertia) * (1.0 / (12.0 * step));
+    Some(MassProperties { mass, center: a.center, inertia })
+}
+
+fn least_size(geometry: &Geometry) -> Option<f64> {
+    match *geometry {
+        Geometry::Sphere { radius } => Some(radius),
+        Geometry::Capsule { radius, half_height } | Geometry::Cylinder { radius, half_height } => {
+            Some(radius.min(half_height))
+        }
+        Geometry::Box { half } | Geometry::Ellipsoid { half } => Some(half.min_element()),
+        Geometry::Plane { .. } | Geometry::Cone { .. } | Geometry::Mesh { .. } => None,
+    }
+}
+
+fn grown(geometry: &Geometry, by: f64) -> Geometry {
+    let mut grown = geometry.clone();
+    match &mut grown {
+        Geometry::Sphere { radius } => *radius += by,
+        Geometry::Capsule { radius, half_height } | Geometry::Cylinder { radius, half_height } => {
+            *radius += by;
+            *half_height += by;
+        }
+        Geometry::Box { half } | Geometry::Ellipsoid { half } => *half += DVec3::splat(by),
+        Geometry::Plane { .. } | Geometry::Cone { .. } | Geometry::Mesh { .. } => {}
+    }
+    grown
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn hollow_ball() {
+        let r = 0.3;
+        let shell = of(&Geometry::Sphere { radius: r }).unwrap();
+        let mass = 4.0 * PI * r * r;
+        assert!((shell.mass / mass - 1.0).abs() < 1e-10);
+        let moment = 2.0 / 3.0 * mass * r * r;
+        assert!((shell.inertia.x_axis.x / moment - 1.0).abs() < 1e-10);
+    }
+
+    /// A cube's faces: I = 10/3 · (area of one face) · h² about its centre, with h half the edge… in
+    /// total m (10/9) h² = 5/18 m a² with a the edge.
+    #[test]
+    fn hollow_cube() {
+        let half = 0.2;
+        let shell = of(&Geometry::Box { half: DVec3::splat(half) }).unwrap();
+        let mass = 24.0 * half * half;
+        assert!((shell.mass / mass - 1.0).abs() < 1e-10);
+        let moment = 5.0 / 18.0 * mass * (2.0 * half).powi(2);
+        assert!((shell.inertia.y_axis.y / moment - 1.0).abs() < 1e-10);
+    }
+}

@@ -1,0 +1,44 @@
+//! What depends on the inertia that a degree of freedom shows: limits, `springdamper`, `dampratio`.
+
+use super::Context;
+use super::actuator::Motors;
+use super::body::{Tree, TreeJoint};
+use crate::joint_space::JointSpace;
+use model::Joint;
+
+/// Fills in limits, springs and dampers of the joints, and the damping of position servos.
+pub(super) fn apply(tree: &mut Tree, motors: &Motors, context: &Context) {
+    let wanted = |j: &TreeJoint| j.file.range.is_some() || j.file.spring_damper.is_some();
+    if !tree.joints.iter().any(wanted) && motors.damping_ratios.is_empty() {
+        return;
+    }
+    let space = JointSpace::new(&tree.parts);
+    for joint in &tree.joints {
+        let of_model = &mut tree.parts.joints[joint.joint.0];
+        soften(joint, of_model, &space, context.physics.time_step);
+    }
+    for (actuator, ratio) in &motors.damping_ratios {
+        // Critical damping of stiffness k and mass m is 2 √(k m); m as the actuator sees it.
+        let actuator = &mut tree.parts.actuators[*actuator];
+        if actuator.gear != 0.0 {
+            let m = space.effective_inertia(actuator.joint.0, actuator.dof) / actuator.gear.powi(2);
+            actuator.bias[2] = -ratio * 2.0 * (actuator.gain * m).max(0.0).sqrt();
+        }
+    }
+}
+
+fn soften(joint: &TreeJoint, of_model: &mut Joint, space: &JointSpace, time_step: f64) {
+    let n = joint.file.kind.degrees_of_freedom();
+    let dofs = joint.dof..joint.dof + n;
+    let inertias = dofs.clone().map(|dof| space.effective_inertia(joint.joint.0, dof));
+    let inertia = inertias.sum::<f64>() / n as f64;
+    for dof in &mut of_model.dofs[dofs] {
+        if let Some(range) = joint.file.range {
+            dof.limit = Some(joint.file.softness.limit(range, inertia, time_step));
+        }
+        if let Some([tc, ratio]) = joint.file.spring_damper {
+            dof.damping = 2.0 * inertia / tc;
+            dof.stiffness = inertia / (tc * tc * ratio * ratio);
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! What a file uses and the reader does not: listed once per kind, refused where it matters.
+
+use crate::error::FormatError;
+use crate::xml::Element;
+use std::collections::HashSet;
+use std::fmt;
+
+/// Something in a file that was left out.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Warning {
+    /// File it is in.
+    pub file: String,
+    /// Line of its first occurrence, from 1.
+    pub line: u32,
+    /// Name of the element.
+    pub element: String,
+    /// What was left out, and what that means.
+    pub message: String,
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}: <{}>: {}", self.file, self.line, self.element, self.message)
+    }
+}
+
+/// Collects warnings, and turns what would change the physics into errors unless lenient.
+pub(crate) struct Report {
+    lenient: bool,
+    warnings: Vec<Warning>,
+    seen: HashSet<(String, String)>,
+}
+
+impl Report {
+    pub fn new(lenient: bool) -> Self {
+        Self { lenient, warnings: Vec::new(), seen: HashSet::new() }
+    }
+
+    /// Notes that `what` of an element is left out, the first time that this kind of thing is met.
+    pub fn note(&mut self, element: &Element, what: &str, meaning: &str) {
+        if self.seen.insert((element.name.clone(), what.to_owned())) {
+            self.warnings.push(Warning {
+                file: element.place.file.to_string(),
+                line: element.place.line,
+                element: element.name.clone(),
+                message: format!("{what}: {meaning}"),
+            });
+        }
+    }
+
+    /// Refuses a feature that the motion depends on; lenient, it is noted and left out.
+    pub fn refuse(
+        &mut self,
+        element: &Element,
+        feature: &str,
+        remedy: &str,
+    ) -> Result<(), FormatError> {
+        if self.lenient {
+            self.note(element, feature, "left out although it changes the physics");
+            return Ok(());
+        }
+        Err(FormatError::Unsupported {
+            place: element.place.clone(),
+            element: element.name.clone(),
+            feature: feature.to_owned(),
+            remedy: remedy.to_owned(),
+        })
+    }
+
+    /// Checks that every attribute is one of `known`; notes those of `unused`, with the reason given there.
+    pub fn check_attributes(
+        &mut self,
+        element: &Element,
+        known: &[&str],
+        unused: &[(&str, &str)],
+    ) -> Result<(), FormatError> {
+        for attribute in &element.attributes {
+            let name = attribute.name.as_str();
+            if let Some((_, meaning)) = unused.iter().find(|(n, _)| *n == name) {
+                self.note(element, &format!("attribute `{name}`"), meaning);
+            } else if !known.contains(&name) {
+                self.refuse(
+                    element,
+                    &format!("attribute `{name}`"),
+                    "correct its spelling if it is misspelt, remove it if it is not needed",
+                )?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The warnings, in the order in which they were met.
+    pub fn into_warnings(self) -> Vec<Warning> {
+        self.warnings
+    }
+}
