@@ -86,50 +86,46 @@ pub mod space {
 
 use space::{Kind, Space, Writable};
 
-/// Rows of `width` numbers, starting at `base`, in the memory `S`.
+/// Rows of `W` numbers, starting at `base`, in the memory `S`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Table<S> {
+pub struct Table<S, const W: usize = 1> {
     /// Offset of the first number.
     pub base: usize,
-    /// Numbers in a row.
-    pub width: usize,
     memory: PhantomData<S>,
 }
 
-impl<S> Table<S> {
-    /// `rows` rows of `width`, placed at `*end`, which moves past them.
-    pub fn place(end: &mut usize, rows: usize, width: usize) -> Self {
+impl<S, const W: usize> Table<S, W> {
+    /// `rows` rows, placed at `*end`, which moves past them.
+    pub fn place(end: &mut usize, rows: usize) -> Self {
         let base = *end;
-        *end += rows * width;
-        Self { base, width, memory: PhantomData }
+        *end += rows * W;
+        Self { base, memory: PhantomData }
     }
     /// Offset of a field of a row.
     #[inline(always)]
     pub fn at(&self, row: usize, field: usize) -> usize {
-        self.base + row * self.width + field
+        self.base + row * W + field
     }
 }
 
-/// Rows of `width` whole numbers (kinds, parents, ranges), the same in all worlds.
+/// Rows of `W` whole numbers (kinds, parents, ranges), the same in all worlds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Links {
+pub struct Links<const W: usize = 1> {
     /// Offset of the first number.
     pub base: usize,
-    /// Numbers in a row.
-    pub width: usize,
 }
 
-impl Links {
-    /// `rows` rows of `width`, placed at `*end`, which moves past them.
-    pub fn place(end: &mut usize, rows: usize, width: usize) -> Self {
+impl<const W: usize> Links<W> {
+    /// `rows` rows, placed at `*end`, which moves past them.
+    pub fn place(end: &mut usize, rows: usize) -> Self {
         let base = *end;
-        *end += rows * width;
-        Self { base, width }
+        *end += rows * W;
+        Self { base }
     }
     /// Offset of a field of a row.
     #[inline(always)]
     pub fn at(&self, row: usize, field: usize) -> usize {
-        self.base + row * self.width + field
+        self.base + row * W + field
     }
 }
 
@@ -168,12 +164,23 @@ pub trait Machine {
 
     /// A literal index.
     fn index(&self, i: usize) -> Self::I;
-    /// Reads a number. Panics where the row lies outside the memory.
-    fn load<S: Space>(&self, table: Table<S>, row: Self::I, field: usize) -> Self::R;
-    /// Writes a number in all lanes. Panics where the row lies outside the memory.
-    fn store<S: Writable>(&mut self, table: Table<S>, row: Self::I, field: usize, x: Self::R);
+    /// Reads `N` neighbouring fields. Panics where they lie outside the memory.
+    fn read<S: Space, const W: usize, const N: usize>(
+        &self,
+        table: Table<S, W>,
+        row: Self::I,
+        field: usize,
+    ) -> [Self::R; N];
+    /// Writes neighbouring fields in all lanes. Panics where they lie outside the memory.
+    fn write<S: Writable, const W: usize, const N: usize>(
+        &mut self,
+        table: Table<S, W>,
+        row: Self::I,
+        field: usize,
+        x: [Self::R; N],
+    );
     /// Reads a whole number.
-    fn link(&self, links: Links, row: Self::I, field: usize) -> Self::I;
+    fn link<const W: usize>(&self, links: Links<W>, row: Self::I, field: usize) -> Self::I;
     /// `from, from + 1, … to − 1`.
     fn range(&self, from: Self::I, to: Self::I) -> Self::Rounds;
     /// `n − 1, … 1, 0`.
@@ -196,12 +203,34 @@ pub trait Machine {
     fn count(&self, n: usize) -> Self::Rounds {
         self.range(self.index(0), self.index(n))
     }
+    /// Reads a number.
+    #[inline(always)]
+    fn load<S: Space, const W: usize>(
+        &self,
+        table: Table<S, W>,
+        row: Self::I,
+        field: usize,
+    ) -> Self::R {
+        let [x] = self.read(table, row, field);
+        x
+    }
+    /// Writes a number.
+    #[inline(always)]
+    fn store<S: Writable, const W: usize>(
+        &mut self,
+        table: Table<S, W>,
+        row: Self::I,
+        field: usize,
+        x: Self::R,
+    ) {
+        self.write(table, row, field, [x]);
+    }
     /// Writes where the mask holds.
     #[inline(always)]
-    fn store_where<S: Writable>(
+    fn store_where<S: Writable, const W: usize>(
         &mut self,
         mask: <Self::R as Real>::Mask,
-        table: Table<S>,
+        table: Table<S, W>,
         row: Self::I,
         field: usize,
         x: Self::R,
@@ -211,37 +240,42 @@ pub trait Machine {
     }
     /// Adds to a number.
     #[inline(always)]
-    fn add<S: Writable>(&mut self, table: Table<S>, row: Self::I, field: usize, x: Self::R) {
+    fn add<S: Writable, const W: usize>(
+        &mut self,
+        table: Table<S, W>,
+        row: Self::I,
+        field: usize,
+        x: Self::R,
+    ) {
         let sum = self.load(table, row, field) + x;
         self.store(table, row, field, sum);
     }
     /// Reads three fields.
     #[inline(always)]
-    fn vec3<S: Space>(&self, table: Table<S>, row: Self::I, field: usize) -> Vec3<Self::R> {
-        Vec3::new(
-            self.load(table, row, field),
-            self.load(table, row, field + 1),
-            self.load(table, row, field + 2),
-        )
+    fn vec3<S: Space, const W: usize>(
+        &self,
+        table: Table<S, W>,
+        row: Self::I,
+        field: usize,
+    ) -> Vec3<Self::R> {
+        Vec3::from_array(self.read(table, row, field))
     }
     /// Writes three fields.
     #[inline(always)]
-    fn store_vec3<S: Writable>(
+    fn store_vec3<S: Writable, const W: usize>(
         &mut self,
-        table: Table<S>,
+        table: Table<S, W>,
         row: Self::I,
         field: usize,
         v: Vec3<Self::R>,
     ) {
-        self.store(table, row, field, v.x);
-        self.store(table, row, field + 1, v.y);
-        self.store(table, row, field + 2, v.z);
+        self.write(table, row, field, v.to_array());
     }
     /// Adds to three fields.
     #[inline(always)]
-    fn add_vec3<S: Writable>(
+    fn add_vec3<S: Writable, const W: usize>(
         &mut self,
-        table: Table<S>,
+        table: Table<S, W>,
         row: Self::I,
         field: usize,
         v: Vec3<Self::R>,
@@ -251,107 +285,113 @@ pub trait Machine {
     }
     /// Reads four fields x, y, z, w.
     #[inline(always)]
-    fn quat<S: Space>(&self, table: Table<S>, row: Self::I, field: usize) -> Quat<Self::R> {
-        Quat::from_parts(
-            self.vec3(table, row, field),
-            self.load(table, row, field + 3),
-        )
+    fn quat<S: Space, const W: usize>(
+        &self,
+        table: Table<S, W>,
+        row: Self::I,
+        field: usize,
+    ) -> Quat<Self::R> {
+        let [x, y, z, w] = self.read(table, row, field);
+        Quat::new(x, y, z, w)
     }
     /// Writes four fields x, y, z, w.
     #[inline(always)]
-    fn store_quat<S: Writable>(
+    fn store_quat<S: Writable, const W: usize>(
         &mut self,
-        table: Table<S>,
+        table: Table<S, W>,
         row: Self::I,
         field: usize,
         q: Quat<Self::R>,
     ) {
-        self.store_vec3(table, row, field, q.vector());
-        self.store(table, row, field + 3, q.w);
-    }
-    /// Reads six fields: angular, linear.
-    #[inline(always)]
-    fn spatial<S: Space>(&self, table: Table<S>, row: Self::I, field: usize) -> Spatial<Self::R> {
-        Spatial::new(self.vec3(table, row, field), self.vec3(table, row, field + 3))
-    }
-    /// Writes six fields: angular, linear.
-    #[inline(always)]
-    fn store_spatial<S: Writable>(
-        &mut self,
-        table: Table<S>,
-        row: Self::I,
-        field: usize,
-        v: Spatial<Self::R>,
-    ) {
-        self.store_vec3(table, row, field, v.angular);
-        self.store_vec3(table, row, field + 3, v.linear);
-    }
-    /// Reads 21 fields: I, H, M.
-    #[inline(always)]
-    fn inertia<S: Space>(&self, table: Table<S>, row: Self::I, field: usize) -> Inertia<Self::R> {
-        Inertia {
-            i: self.sym(table, row, field),
-            h: self.mat3(table, row, field + 6),
-            m: self.sym(table, row, field + 15),
-        }
-    }
-    /// Writes 21 fields: I, H, M.
-    #[inline(always)]
-    fn store_inertia<S: Writable>(
-        &mut self,
-        table: Table<S>,
-        row: Self::I,
-        field: usize,
-        m: Inertia<Self::R>,
-    ) {
-        self.store_sym(table, row, field, m.i);
-        self.store_vec3(table, row, field + 6, m.h.x);
-        self.store_vec3(table, row, field + 9, m.h.y);
-        self.store_vec3(table, row, field + 12, m.h.z);
-        self.store_sym(table, row, field + 15, m.m);
+        self.write(table, row, field, [q.x, q.y, q.z, q.w]);
     }
     /// Reads seven fields: position, orientation.
     #[inline(always)]
-    fn pose<S: Space>(&self, table: Table<S>, row: Self::I, field: usize) -> Pose<Self::R> {
-        Pose::new(self.vec3(table, row, field), self.quat(table, row, field + 3))
+    fn pose<S: Space, const W: usize>(
+        &self,
+        table: Table<S, W>,
+        row: Self::I,
+        field: usize,
+    ) -> Pose<Self::R> {
+        let [px, py, pz, x, y, z, w] = self.read(table, row, field);
+        Pose::new(Vec3::new(px, py, pz), Quat::new(x, y, z, w))
     }
     /// Writes seven fields: position, orientation.
     #[inline(always)]
-    fn store_pose<S: Writable>(
+    fn store_pose<S: Writable, const W: usize>(
         &mut self,
-        table: Table<S>,
+        table: Table<S, W>,
         row: Self::I,
         field: usize,
         pose: Pose<Self::R>,
     ) {
-        self.store_vec3(table, row, field, pose.p);
-        self.store_quat(table, row, field + 3, pose.q);
-    }
-    /// Reads nine fields, column by column.
-    #[inline(always)]
-    fn mat3<S: Space>(&self, table: Table<S>, row: Self::I, field: usize) -> Mat3<Self::R> {
-        Mat3::from_columns(
-            self.vec3(table, row, field),
-            self.vec3(table, row, field + 3),
-            self.vec3(table, row, field + 6),
-        )
+        let Pose { p, q } = pose;
+        self.write(table, row, field, [p.x, p.y, p.z, q.x, q.y, q.z, q.w]);
     }
     /// Reads six fields: xx, yy, zz, xy, xz, yz.
     #[inline(always)]
-    fn sym<S: Space>(&self, table: Table<S>, row: Self::I, field: usize) -> SymMat3<Self::R> {
-        SymMat3::new(self.vec3(table, row, field), self.vec3(table, row, field + 3))
+    fn sym<S: Space, const W: usize>(
+        &self,
+        table: Table<S, W>,
+        row: Self::I,
+        field: usize,
+    ) -> SymMat3<Self::R> {
+        SymMat3::from_array(self.read(table, row, field))
     }
     /// Writes six fields: xx, yy, zz, xy, xz, yz.
     #[inline(always)]
-    fn store_sym<S: Writable>(
+    fn store_sym<S: Writable, const W: usize>(
         &mut self,
-        table: Table<S>,
+        table: Table<S, W>,
         row: Self::I,
         field: usize,
         m: SymMat3<Self::R>,
     ) {
-        self.store_vec3(table, row, field, Vec3::new(m.xx, m.yy, m.zz));
-        self.store_vec3(table, row, field + 3, Vec3::new(m.xy, m.xz, m.yz));
+        self.write(table, row, field, m.to_array());
+    }
+    /// Reads six fields: angular, linear.
+    #[inline(always)]
+    fn spatial<S: Space, const W: usize>(
+        &self,
+        table: Table<S, W>,
+        row: Self::I,
+        field: usize,
+    ) -> Spatial<Self::R> {
+        let [a, b, c, x, y, z] = self.read(table, row, field);
+        Spatial::new(Vec3::new(a, b, c), Vec3::new(x, y, z))
+    }
+    /// Writes six fields: angular, linear.
+    #[inline(always)]
+    fn store_spatial<S: Writable, const W: usize>(
+        &mut self,
+        table: Table<S, W>,
+        row: Self::I,
+        field: usize,
+        v: Spatial<Self::R>,
+    ) {
+        let (a, l) = (v.angular, v.linear);
+        self.write(table, row, field, [a.x, a.y, a.z, l.x, l.y, l.z]);
+    }
+    /// Reads 21 fields: I, H by columns, M.
+    #[inline(always)]
+    fn inertia<S: Space, const W: usize>(
+        &self,
+        table: Table<S, W>,
+        row: Self::I,
+        field: usize,
+    ) -> Inertia<Self::R> {
+        Inertia::from_array(self.read(table, row, field))
+    }
+    /// Writes 21 fields: I, H by columns, M.
+    #[inline(always)]
+    fn store_inertia<S: Writable, const W: usize>(
+        &mut self,
+        table: Table<S, W>,
+        row: Self::I,
+        field: usize,
+        m: Inertia<Self::R>,
+    ) {
+        self.write(table, row, field, m.to_array());
     }
 }
 
@@ -435,10 +475,18 @@ impl Index for usize {
     }
 }
 
+/// `N` neighbouring numbers, with one check of the bounds.
+#[inline(always)]
+fn neighbours<R: Copy, const N: usize>(memory: &[R], offset: usize) -> [R; N] {
+    *memory[offset..]
+        .first_chunk()
+        .expect("the table lies within its memory")
+}
+
 /// Where a CPU kernel finds the constants of the model.
 pub trait Parameters<R: Real>: Copy {
-    /// The number at an offset, for all lanes.
-    fn at(&self, offset: usize) -> R;
+    /// Neighbouring numbers, for all lanes.
+    fn read<const N: usize>(&self, offset: usize) -> [R; N];
 }
 
 /// One number for all worlds, broadcast on use.
@@ -451,15 +499,20 @@ pub struct PerWorld<'a, R>(pub &'a [R]);
 
 impl<R: Real> Parameters<R> for Shared<'_, R> {
     #[inline(always)]
-    fn at(&self, offset: usize) -> R {
-        R::splat(self.0[offset])
+    fn read<const N: usize>(&self, offset: usize) -> [R; N] {
+        let numbers: [R::Scalar; N] = neighbours(self.0, offset);
+        let mut x = [R::zero(); N];
+        for i in 0..N {
+            x[i] = R::splat(numbers[i]);
+        }
+        x
     }
 }
 
 impl<R: Real> Parameters<R> for PerWorld<'_, R> {
     #[inline(always)]
-    fn at(&self, offset: usize) -> R {
-        self.0[offset]
+    fn read<const N: usize>(&self, offset: usize) -> [R; N] {
+        neighbours(self.0, offset)
     }
 }
 
@@ -550,28 +603,42 @@ where
         i
     }
     #[inline(always)]
-    fn load<S: Space>(&self, table: Table<S>, row: usize, field: usize) -> R {
+    fn read<S: Space, const W: usize, const N: usize>(
+        &self,
+        table: Table<S, W>,
+        row: usize,
+        field: usize,
+    ) -> [R; N] {
         let offset = table.at(row, field);
         match S::KIND {
-            Kind::State => self.state[offset],
-            Kind::Input => self.input[offset],
-            Kind::Output => self.output[offset],
-            Kind::Scratch => self.scratch[offset],
-            Kind::Parameter => self.parameters.at(offset),
+            Kind::State => neighbours(self.state, offset),
+            Kind::Input => neighbours(self.input, offset),
+            Kind::Output => neighbours(self.output, offset),
+            Kind::Scratch => neighbours(self.scratch, offset),
+            Kind::Parameter => self.parameters.read(offset),
         }
     }
     #[inline(always)]
-    fn store<S: Writable>(&mut self, table: Table<S>, row: usize, field: usize, x: R) {
+    fn write<S: Writable, const W: usize, const N: usize>(
+        &mut self,
+        table: Table<S, W>,
+        row: usize,
+        field: usize,
+        x: [R; N],
+    ) {
         let offset = table.at(row, field);
-        match S::KIND {
-            Kind::State => self.state[offset] = x,
-            Kind::Output => self.output[offset] = x,
-            Kind::Scratch => self.scratch[offset] = x,
+        let memory = match S::KIND {
+            Kind::State => &mut *self.state,
+            Kind::Output => &mut *self.output,
+            Kind::Scratch => &mut *self.scratch,
             Kind::Input | Kind::Parameter => unreachable!("not writable"),
-        }
+        };
+        let place: &mut [R; N] =
+            memory[offset..].first_chunk_mut().expect("the table lies within its memory");
+        *place = x;
     }
     #[inline(always)]
-    fn link(&self, links: Links, row: usize, field: usize) -> usize {
+    fn link<const W: usize>(&self, links: Links<W>, row: usize, field: usize) -> usize {
         self.links[links.at(row, field)] as usize
     }
     #[inline(always)]

@@ -91,6 +91,16 @@ impl<R: Real> SymMat3<R> {
             yz: off.z,
         }
     }
+    /// From xx, yy, zz, xy, xz, yz.
+    #[inline(always)]
+    pub fn from_array([xx, yy, zz, xy, xz, yz]: [R; 6]) -> Self {
+        Self { xx, yy, zz, xy, xz, yz }
+    }
+    /// xx, yy, zz, xy, xz, yz.
+    #[inline(always)]
+    pub fn to_array(self) -> [R; 6] {
+        [self.xx, self.yy, self.zz, self.xy, self.xz, self.yz]
+    }
     /// The null matrix.
     #[inline(always)]
     pub fn zero() -> Self {
@@ -112,6 +122,19 @@ impl<R: Real> SymMat3<R> {
             xy: v.x * t.y,
             xz: v.x * t.z,
             yz: v.y * t.z,
+        }
+    }
+    /// `self − v vᵀ · s`.
+    #[inline(always)]
+    pub fn minus_outer(self, v: Vec3<R>, s: R) -> Self {
+        let t = v * s;
+        Self {
+            xx: v.x.fnma(t.x, self.xx),
+            yy: v.y.fnma(t.y, self.yy),
+            zz: v.z.fnma(t.z, self.zz),
+            xy: v.x.fnma(t.y, self.xy),
+            xz: v.x.fnma(t.z, self.xz),
+            yz: v.y.fnma(t.z, self.yz),
         }
     }
     /// R D Rᵀ for a diagonal D: a matrix with eigenvalues `d` along the columns of `r`.

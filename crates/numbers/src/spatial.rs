@@ -112,6 +112,28 @@ impl<R: Real> Inertia<R> {
         let steiner = SymMat3::diagonal(mc.dot(c)) - SymMat3::outer(c, m);
         Self { i: i + steiner, h: Mat3::skew(mc), m: SymMat3::diagonal(m) }
     }
+    /// From I, the columns of H, and M.
+    #[inline(always)]
+    pub fn from_array(x: [R; 21]) -> Self {
+        let [a, b, c, d, e, f, h0, h1, h2, h3, h4, h5, h6, h7, h8, u, v, w, p, q, r] = x;
+        Self {
+            i: SymMat3::from_array([a, b, c, d, e, f]),
+            h: Mat3::from_columns(
+                Vec3::new(h0, h1, h2),
+                Vec3::new(h3, h4, h5),
+                Vec3::new(h6, h7, h8),
+            ),
+            m: SymMat3::from_array([u, v, w, p, q, r]),
+        }
+    }
+    /// I, the columns of H, and M.
+    #[inline(always)]
+    pub fn to_array(self) -> [R; 21] {
+        let [a, b, c, d, e, f] = self.i.to_array();
+        let [u, v, w, p, q, r] = self.m.to_array();
+        let (x, y, z) = (self.h.x, self.h.y, self.h.z);
+        [a, b, c, d, e, f, x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z, u, v, w, p, q, r]
+    }
     /// Inertia times motion: a force.
     #[inline(always)]
     pub fn apply(self, v: Spatial<R>) -> Spatial<R> {
@@ -126,13 +148,13 @@ impl<R: Real> Inertia<R> {
         let (n, f) = (u.angular, u.linear);
         let t = -(f * s);
         Self {
-            i: self.i - SymMat3::outer(n, s),
+            i: self.i.minus_outer(n, s),
             h: Mat3::from_columns(
                 n.fma(t.x, self.h.x),
                 n.fma(t.y, self.h.y),
                 n.fma(t.z, self.h.z),
             ),
-            m: self.m - SymMat3::outer(f, s),
+            m: self.m.minus_outer(f, s),
         }
     }
 }

@@ -23,10 +23,10 @@ impl InputTables {
     pub fn new(model: &model::Model) -> Self {
         let n = model.degrees_of_freedom();
         let mut end = 0;
-        let force = Table::place(&mut end, n, 1);
-        let target_position = Table::place(&mut end, n, 1);
-        let target_velocity = Table::place(&mut end, n, 1);
-        let control = Table::place(&mut end, model.actuators.len(), 1);
+        let force = Table::place(&mut end, n);
+        let target_position = Table::place(&mut end, n);
+        let target_velocity = Table::place(&mut end, n);
+        let control = Table::place(&mut end, model.actuators.len());
         Self { force, target_position, target_velocity, control, length: end }
     }
     /// The model's own targets, and no force or control.

@@ -45,9 +45,9 @@ pub mod total {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutputTables {
     /// One row per body of the model: see [`body`].
-    pub body: Table<Output>,
+    pub body: Table<Output, { body::WIDTH }>,
     /// One row per joint of the model: see [`reaction`]. A last row is of no joint.
-    pub reaction: Table<Output>,
+    pub reaction: Table<Output, { reaction::WIDTH }>,
     /// Joint coordinates, the model's order; axes that turn freely are wrapped to (−π, π].
     pub position: Table<Output>,
     /// Joint velocities, the model's order.
@@ -55,7 +55,7 @@ pub struct OutputTables {
     /// Joint accelerations, the model's order; of the last substep where the solver has no closed form.
     pub acceleration: Table<Output>,
     /// One row: see [`total`].
-    pub total: Table<Output>,
+    pub total: Table<Output, { total::WIDTH }>,
     /// Numbers per world.
     pub length: usize,
 }
@@ -64,12 +64,12 @@ impl OutputTables {
     /// The layout for a model.
     pub fn new(model: &model::Model) -> Self {
         let mut end = 0;
-        let body = Table::place(&mut end, model.bodies.len(), body::WIDTH);
-        let reaction = Table::place(&mut end, model.joints.len() + 1, reaction::WIDTH);
-        let position = Table::place(&mut end, model.coordinates(), 1);
-        let velocity = Table::place(&mut end, model.degrees_of_freedom(), 1);
-        let acceleration = Table::place(&mut end, model.degrees_of_freedom(), 1);
-        let total = Table::place(&mut end, 1, total::WIDTH);
+        let body = Table::place(&mut end, model.bodies.len());
+        let reaction = Table::place(&mut end, model.joints.len() + 1);
+        let position = Table::place(&mut end, model.coordinates());
+        let velocity = Table::place(&mut end, model.degrees_of_freedom());
+        let acceleration = Table::place(&mut end, model.degrees_of_freedom());
+        let total = Table::place(&mut end, 1);
         Self { body, reaction, position, velocity, acceleration, total, length: end }
     }
 }

@@ -37,25 +37,39 @@ impl<'g> Machine for Tracer<'g> {
     fn index(&self, i: usize) -> TraceIndex<'g> {
         TraceIndex::literal(i)
     }
-    fn load<S: Space>(&self, table: Table<S>, row: TraceIndex<'g>, field: usize) -> Trace<'g> {
-        let place = Place::new(table.base, field, table.width);
-        Trace(Handle::Node(
-            self.graph.emit(Action::Load(S::KIND, place), &[row.0]),
-        ))
-    }
-    fn store<S: Writable>(
-        &mut self,
-        table: Table<S>,
+    fn read<S: Space, const W: usize, const N: usize>(
+        &self,
+        table: Table<S, W>,
         row: TraceIndex<'g>,
         field: usize,
-        x: Trace<'g>,
-    ) {
-        let place = Place::new(table.base, field, table.width);
-        self.graph
-            .emit(Action::Store(S::KIND, place), &[row.0, x.0]);
+    ) -> [Trace<'g>; N] {
+        std::array::from_fn(|i| {
+            let place = Place::new(table.base, field + i, W);
+            Trace(Handle::Node(
+                self.graph.emit(Action::Load(S::KIND, place), &[row.0]),
+            ))
+        })
     }
-    fn link(&self, links: Links, row: TraceIndex<'g>, field: usize) -> TraceIndex<'g> {
-        let place = Place::new(links.base, field, links.width);
+    fn write<S: Writable, const W: usize, const N: usize>(
+        &mut self,
+        table: Table<S, W>,
+        row: TraceIndex<'g>,
+        field: usize,
+        x: [Trace<'g>; N],
+    ) {
+        for (i, x) in x.into_iter().enumerate() {
+            let place = Place::new(table.base, field + i, W);
+            self.graph
+                .emit(Action::Store(S::KIND, place), &[row.0, x.0]);
+        }
+    }
+    fn link<const W: usize>(
+        &self,
+        links: Links<W>,
+        row: TraceIndex<'g>,
+        field: usize,
+    ) -> TraceIndex<'g> {
+        let place = Place::new(links.base, field, W);
         TraceIndex(Handle::Node(self.graph.emit(Action::Link(place), &[row.0])))
     }
     #[track_caller]

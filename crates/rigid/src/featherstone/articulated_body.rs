@@ -5,10 +5,9 @@
 //! freedom is a rank-1 update. Inwards, for each node and its axes last to first:
 //!
 //! ```text
-//! p ← pᴬ + Iᴬ c
+//! Iᴬ = I + Σ Iᴬ_child      p = v ×* I v + Σ p_child + Iᴬ c
 //! U = Iᴬ S      D = Sᵀ U + armature + implicit      u = τ − Sᵀ p
 //! Iᴬ ← Iᴬ − U Uᵀ / D      p ← p + U u / D
-//! parent: Iᴬ += Iᴬ,  pᴬ += p
 //! ```
 //!
 //! and outwards, with the world accelerating at −g:
@@ -22,10 +21,10 @@
 //! added once per node.
 
 use super::force::sum;
-use super::kinematics::rigid_inertias;
-use super::tables::{Tables, dof, node_link};
+use super::kinematics::{momentum, world_inertia};
+use super::tables::{Tables, arrival, dof, node_link};
 use numbers::machine::{Held, Hold, Index};
-use numbers::spatial::Spatial;
+use numbers::spatial::{Inertia, Spatial};
 use numbers::{Machine, Real, Vec3};
 
 /// Smallest D, so that a massless node does not divide by zero.
@@ -36,7 +35,6 @@ const TINY: f64 = 1e-20;
 /// Needs [`kinematics`](super::kinematics::kinematics) and [`forces`](super::force::forces).
 #[inline(always)]
 pub(crate) fn articulated_body<M: Machine>(k: &mut M, t: &Tables) {
-    rigid_inertias(k, t);
     inwards(k, t);
     outwards(k, t);
 }
@@ -45,10 +43,15 @@ pub(crate) fn articulated_body<M: Machine>(k: &mut M, t: &Tables) {
 fn inwards<M: Machine>(k: &mut M, t: &Tables) {
     for i in k.range_down(k.index(t.nodes)) {
         let n = i.offset(t.trees);
-        let inertia = k.inertia(t.inertia, n, 0);
-        let p = k.spatial(t.force, n, 0) + inertia.apply(k.spatial(t.bias, n, 0));
-        let mut inertia = inertia.hold(k);
-        let mut p = p.hold(k);
+        let (m, c, i) = world_inertia(k, t.node, n, k.pose(t.place, n, 0));
+        let twist = k.spatial(t.twist, n, 0);
+        let mut inertia = Inertia::rigid(m, c, i).hold(k);
+        let mut p = twist.cross_force(momentum(m, c, i, twist)).hold(k);
+        for _ in k.when(k.equals(k.link(t.node_links, n, node_link::CARRIES), 1)) {
+            inertia.set(inertia.get() + k.inertia(t.inertia, n, 0));
+            p.set(p.get() + k.spatial(t.force, n, 0));
+        }
+        p.set(p.get() + inertia.get().apply(k.spatial(t.bias, n, 0)));
         let first = k.link(t.node_links, n, node_link::DOF_BEGIN);
         for j in k.range_down(k.link(t.node_links, n, node_link::DOF_COUNT)) {
             let v = first.plus(j);
@@ -65,13 +68,24 @@ fn inwards<M: Machine>(k: &mut M, t: &Tables) {
             k.store(t.dof, v, dof::INVERSE, inverse);
             k.store(t.dof, v, dof::FORCE, u);
         }
-        let parent = k.link(t.node_links, n, node_link::PARENT);
-        for _ in k.when(k.less(k.index(t.trees - 1), parent)) {
-            let sum = k.inertia(t.inertia, parent, 0) + inertia.get();
-            k.store_inertia(t.inertia, parent, 0, sum);
-            let sum = k.spatial(t.force, parent, 0) + p.get();
-            k.store_spatial(t.force, parent, 0, sum);
-        }
+        pass_on(k, t, n, inertia.get(), p.get());
+    }
+}
+
+/// Adds to the parent's sums; the first child to arrive starts them.
+#[inline(always)]
+fn pass_on<M: Machine>(k: &mut M, t: &Tables, n: M::I, i: Inertia<M::R>, p: Spatial<M::R>) {
+    let parent = k.link(t.node_links, n, node_link::PARENT);
+    let arrival = k.link(t.node_links, n, node_link::ARRIVAL);
+    for _ in k.when(k.equals(arrival, arrival::FIRST)) {
+        k.store_inertia(t.inertia, parent, 0, i);
+        k.store_spatial(t.force, parent, 0, p);
+    }
+    for _ in k.when(k.equals(arrival, arrival::LATER)) {
+        let sum = k.inertia(t.inertia, parent, 0) + i;
+        k.store_inertia(t.inertia, parent, 0, sum);
+        let sum = k.spatial(t.force, parent, 0) + p;
+        k.store_spatial(t.force, parent, 0, sum);
     }
 }
 

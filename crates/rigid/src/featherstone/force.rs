@@ -46,29 +46,29 @@ pub(crate) struct ForceTables {
     frictions: usize,
     actuators: usize,
     /// Damping, stiffness, rest.
-    spring: Table<Parameter>,
-    spring_links: Links,
+    spring: Table<Parameter, 3>,
+    spring_links: Links<2>,
     /// Stiffness, damping, effort limit, control time.
-    drive: Table<Parameter>,
-    drive_links: Links,
+    drive: Table<Parameter, 4>,
+    drive_links: Links<3>,
     /// The target as smoothed so far.
     drive_target: Table<State>,
     /// As `drive`, of a ball joint.
-    ball: Table<Parameter>,
-    ball_links: Links,
-    ball_target: Table<State>,
+    ball: Table<Parameter, 4>,
+    ball_links: Links<2>,
+    ball_target: Table<State, 4>,
     /// Lower, upper, stiffness, damping.
-    limit: Table<Parameter>,
-    limit_links: Links,
+    limit: Table<Parameter, 4>,
+    limit_links: Links<2>,
     /// Dry friction.
     friction: Table<Parameter>,
     friction_links: Links,
     /// Gear, gain, bias 3, control range 2, force range 2.
-    actuator: Table<Parameter>,
-    actuator_links: Links,
+    actuator: Table<Parameter, 9>,
+    actuator_links: Links<2>,
     armature: Table<Parameter>,
     /// Force τ and implicit factor of q̈.
-    pub(crate) sum: Table<Scratch>,
+    pub(crate) sum: Table<Scratch, { sum::WIDTH }>,
 }
 
 /// Fields of [`ForceTables::sum`].
@@ -140,22 +140,22 @@ impl ForceTables {
             limits: rows.limits,
             frictions: rows.frictions,
             actuators: rows.actuators,
-            spring: Table::place(parameters, rows.springs, 3),
-            spring_links: Links::place(links, rows.springs, 2),
-            drive: Table::place(parameters, rows.drives, 4),
-            drive_links: Links::place(links, rows.drives, 3),
-            drive_target: Table::place(state, rows.drives, 1),
-            ball: Table::place(parameters, rows.balls, 4),
-            ball_links: Links::place(links, rows.balls, 2),
-            ball_target: Table::place(state, rows.balls, 4),
-            limit: Table::place(parameters, rows.limits, 4),
-            limit_links: Links::place(links, rows.limits, 2),
-            friction: Table::place(parameters, rows.frictions, 1),
-            friction_links: Links::place(links, rows.frictions, 1),
-            actuator: Table::place(parameters, rows.actuators, 9),
-            actuator_links: Links::place(links, rows.actuators, 2),
-            armature: Table::place(parameters, dofs, 1),
-            sum: Table::place(scratch, dofs, sum::WIDTH),
+            spring: Table::place(parameters, rows.springs),
+            spring_links: Links::place(links, rows.springs),
+            drive: Table::place(parameters, rows.drives),
+            drive_links: Links::place(links, rows.drives),
+            drive_target: Table::place(state, rows.drives),
+            ball: Table::place(parameters, rows.balls),
+            ball_links: Links::place(links, rows.balls),
+            ball_target: Table::place(state, rows.balls),
+            limit: Table::place(parameters, rows.limits),
+            limit_links: Links::place(links, rows.limits),
+            friction: Table::place(parameters, rows.frictions),
+            friction_links: Links::place(links, rows.frictions),
+            actuator: Table::place(parameters, rows.actuators),
+            actuator_links: Links::place(links, rows.actuators),
+            armature: Table::place(parameters, dofs),
+            sum: Table::place(scratch, dofs),
         }
     }
 

@@ -17,7 +17,7 @@ use super::articulated_body::articulated_body;
 use super::force::{coordinate_quat, dof_vector, forces, smooth_targets, wrap};
 use super::kinematics::kinematics;
 use super::tables::{Tables, dof};
-use super::{Featherstone, Integrator};
+use super::Integrator;
 use numbers::machine::Index;
 use numbers::machine::space::{Scratch, State};
 use numbers::{Cell, Machine, Quat, Real, Table, Vec3};
@@ -27,33 +27,36 @@ const FAR: f64 = 1e9;
 
 /// One step of every lane; lanes that diverged stay where they were.
 #[inline(always)]
-pub(crate) fn step<M: Machine>(k: &mut M, solver: &Featherstone) {
-    let t = &solver.tables;
+pub(crate) fn step<M: Machine>(k: &mut M, t: &Tables, integrator: Integrator) {
     let h = k.load(t.step, k.index(0), 0);
     save(k, t);
     smooth_targets(k, t, h);
-    match solver.integrator {
-        Integrator::SemiImplicitEuler => {
-            accelerate(k, t, h);
-            kick(k, t, h);
-            drift(k, t, h);
-        }
-        Integrator::ExplicitEuler => {
-            accelerate(k, t, M::R::zero());
-            drift(k, t, h);
-            kick(k, t, h);
-        }
-        Integrator::Verlet => {
-            let half = h * M::R::lit(0.5);
-            for stage in k.count(2) {
-                accelerate(k, t, M::R::zero());
-                kick(k, t, half);
+    let implicit = match integrator {
+        Integrator::SemiImplicitEuler => h,
+        _ => M::R::zero(),
+    };
+    if integrator == Integrator::RungeKutta4 {
+        clear_sums(k, t);
+    }
+    for stage in k.count(integrator.stages()) {
+        accelerate(k, t, implicit);
+        match integrator {
+            Integrator::SemiImplicitEuler => {
+                kick(k, t, h);
+                drift(k, t, h);
+            }
+            Integrator::ExplicitEuler => {
+                drift(k, t, h);
+                kick(k, t, h);
+            }
+            Integrator::Verlet => {
+                kick(k, t, h * M::R::lit(0.5));
                 for _ in k.when(k.equals(stage, 0)) {
                     drift(k, t, h);
                 }
             }
+            Integrator::RungeKutta4 => runge_kutta_stage(k, t, h, stage),
         }
-        Integrator::RungeKutta4 => runge_kutta(k, t, h),
     }
     guard(k, t);
 }
@@ -92,46 +95,45 @@ fn drift<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
 }
 
 #[inline(always)]
-fn runge_kutta<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
-    let zero = M::R::zero();
+fn clear_sums<M: Machine>(k: &mut M, t: &Tables) {
     for v in k.count(t.dofs) {
-        k.store(t.sum_velocity, v, 0, zero);
-        k.store(t.sum_acceleration, v, 0, zero);
-        k.store(t.increment, v, 0, zero);
+        k.store(t.sum_velocity, v, 0, M::R::zero());
+        k.store(t.sum_acceleration, v, 0, M::R::zero());
+        k.store(t.increment, v, 0, M::R::zero());
     }
-    for stage in k.count(4) {
-        accelerate(k, t, zero);
-        let weight = k.load(t.tableau, stage, 0);
-        let (next, last) = (k.load(t.tableau, stage, 1), k.load(t.tableau, stage, 2));
-        for i in k.count(t.axes) {
-            let (q, v) = (k.link(t.axis_links, i, 0), k.link(t.axis_links, i, 1));
-            let rate = k.load(t.velocity, v, 0);
-            let sum = weight.fma(rate, k.load(t.sum_velocity, v, 0));
-            k.store(t.sum_velocity, v, 0, sum);
-            let way = next.fma(rate, last * sum);
-            let moved = h.fma(way, k.load(t.saved_position, q, 0));
-            k.store(t.position, q, 0, moved);
-        }
-        for i in k.count(t.balls) {
-            let (q, v) = (k.link(t.ball_links, i, 0), k.link(t.ball_links, i, 1));
-            let (u, w) = (dof_vector(k, t.increment, v), dof_vector(k, t.velocity, v));
-            let (uw, half, twelfth) = (u.cross(w), M::R::lit(0.5), M::R::lit(1.0 / 12.0));
-            let rate = u.cross(uw).fma(twelfth, uw.fma(half, w));
-            let sum = rate.fma(weight, dof_vector(k, t.sum_velocity, v));
-            store_dof_vector(k, t.sum_velocity, v, sum);
-            let way = (rate * next + sum * last) * h;
-            store_dof_vector(k, t.increment, v, way);
-            let moved = saved_quat(k, t, q) * Quat::exp(way);
-            store_quat(k, t.position, q, moved.normalized());
-        }
-        for v in k.count(t.dofs) {
-            let rate = k.load(t.dof, v, dof::ACCELERATION);
-            let sum = weight.fma(rate, k.load(t.sum_acceleration, v, 0));
-            k.store(t.sum_acceleration, v, 0, sum);
-            let way = next.fma(rate, last * sum);
-            let moved = h.fma(way, k.load(t.saved_velocity, v, 0));
-            k.store(t.velocity, v, 0, moved);
-        }
+}
+
+/// Adds a stage to the sums, and moves from the saved state to the next stage, or to the end.
+#[inline(always)]
+fn runge_kutta_stage<M: Machine>(k: &mut M, t: &Tables, h: M::R, stage: M::I) {
+    let weight = k.load(t.tableau, stage, 0);
+    let (next, last) = (k.load(t.tableau, stage, 1), k.load(t.tableau, stage, 2));
+    for i in k.count(t.axes) {
+        let (q, v) = (k.link(t.axis_links, i, 0), k.link(t.axis_links, i, 1));
+        let rate = k.load(t.velocity, v, 0);
+        let sum = weight.fma(rate, k.load(t.sum_velocity, v, 0));
+        k.store(t.sum_velocity, v, 0, sum);
+        let moved = h.fma(next.fma(rate, last * sum), k.load(t.saved_position, q, 0));
+        k.store(t.position, q, 0, moved);
+    }
+    for i in k.count(t.balls) {
+        let (q, v) = (k.link(t.ball_links, i, 0), k.link(t.ball_links, i, 1));
+        let (u, w) = (dof_vector(k, t.increment, v), dof_vector(k, t.velocity, v));
+        let (uw, half, twelfth) = (u.cross(w), M::R::lit(0.5), M::R::lit(1.0 / 12.0));
+        let rate = u.cross(uw).fma(twelfth, uw.fma(half, w));
+        let sum = rate.fma(weight, dof_vector(k, t.sum_velocity, v));
+        store_dof_vector(k, t.sum_velocity, v, sum);
+        let way = (rate * next + sum * last) * h;
+        store_dof_vector(k, t.increment, v, way);
+        let moved = saved_quat(k, t, q) * Quat::exp(way);
+        store_quat(k, t.position, q, moved.normalized());
+    }
+    for v in k.count(t.dofs) {
+        let rate = k.load(t.dof, v, dof::ACCELERATION);
+        let sum = weight.fma(rate, k.load(t.sum_acceleration, v, 0));
+        k.store(t.sum_acceleration, v, 0, sum);
+        let moved = h.fma(next.fma(rate, last * sum), k.load(t.saved_velocity, v, 0));
+        k.store(t.velocity, v, 0, moved);
     }
 }
 

@@ -6,18 +6,16 @@
 //! through x has S = (a, x × a); along a it has S = (0, a). Motions act in turn:
 //!
 //! ```text
-//! v  ← v + S q̇
 //! c  ← c + v × S q̇     velocity-product acceleration (Featherstone 2008, eq. 3.41)
+//! v  ← v + S q̇
 //! ```
-//!
-//! and a node's rigid inertia and bias force start the articulated ones:
-//! Iᴬ = I, pᴬ = v ×* I v.
 
 use super::force::{coordinate_quat, dof_vector};
 use super::tables::{Tables, dof, motion, motion_link, node, node_link};
+use numbers::machine::space::Parameter;
 use numbers::machine::{Held, Hold, Index};
-use numbers::spatial::{Inertia, Spatial};
-use numbers::{Machine, Pose, Quat, Real, Vec3, functions};
+use numbers::spatial::Spatial;
+use numbers::{Machine, Pose, Quat, Real, SymMat3, Table, Vec3, functions};
 
 /// Origins O of the trees, and the world as each tree sees it.
 #[inline(always)]
@@ -138,12 +136,12 @@ fn advance<R: Real, H: Held<Value = Spatial<R>>>(twist: &mut H, bias: &mut H, s:
 
 /// Mass, centre from O and inertia about the centre in world axes, from fields MASS, CENTER, INERTIA.
 #[inline(always)]
-pub(crate) fn world_inertia<M: Machine>(
+pub(crate) fn world_inertia<M: Machine, const W: usize>(
     k: &M,
-    table: numbers::Table<numbers::machine::space::Parameter>,
+    table: Table<Parameter, W>,
     row: M::I,
     at: Pose<M::R>,
-) -> (M::R, Vec3<M::R>, numbers::SymMat3<M::R>) {
+) -> (M::R, Vec3<M::R>, SymMat3<M::R>) {
     let r = at.q.to_mat3();
     let m = k.load(table, row, node::MASS);
     let c = r * k.vec3(table, row, node::CENTER) + at.p;
@@ -155,20 +153,9 @@ pub(crate) fn world_inertia<M: Machine>(
 pub(crate) fn momentum<R: Real>(
     m: R,
     c: Vec3<R>,
-    i: numbers::SymMat3<R>,
+    i: SymMat3<R>,
     v: Spatial<R>,
 ) -> Spatial<R> {
     let f = (v.linear + v.angular.cross(c)) * m;
     Spatial::new(i * v.angular + c.cross(f), f)
-}
-
-/// Starts the articulated inertia and bias force of every node with the rigid ones.
-#[inline(always)]
-pub(crate) fn rigid_inertias<M: Machine>(k: &mut M, t: &Tables) {
-    for n in k.range(k.index(t.trees), k.index(t.trees + t.nodes)) {
-        let (m, c, i) = world_inertia(k, t.node, n, k.pose(t.place, n, 0));
-        let v = k.spatial(t.twist, n, 0);
-        k.store_inertia(t.inertia, n, 0, Inertia::rigid(m, c, i));
-        k.store_spatial(t.force, n, 0, v.cross_force(momentum(m, c, i, v)));
-    }
 }

@@ -34,6 +34,17 @@ pub enum Integrator {
     RungeKutta4,
 }
 
+impl Integrator {
+    /// Evaluations of the accelerations per step.
+    pub fn stages(self) -> usize {
+        match self {
+            Self::SemiImplicitEuler | Self::ExplicitEuler => 1,
+            Self::Verlet => 2,
+            Self::RungeKutta4 => 4,
+        }
+    }
+}
+
 /// The solver, compiled for a model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Featherstone {
@@ -91,10 +102,13 @@ impl Kernels for Featherstone {
     }
     #[inline(always)]
     fn step<M: Machine>(&self, k: &mut M) {
-        integrate::step(k, self);
+        let tables = self.tables;
+        integrate::step(k, &tables, self.integrator);
     }
     #[inline(always)]
     fn report<M: Machine>(&self, k: &mut M) {
-        report::report(k, &self.tables);
+        // A copy on the stack: offsets stay in registers, whatever is written meanwhile.
+        let tables = self.tables;
+        report::report(k, &tables);
     }
 }

@@ -7,9 +7,9 @@
 use super::integrate::accelerate;
 use super::kinematics::{momentum, world_inertia};
 use super::force::wrap;
-use super::tables::{Tables, body_field, body_link, dof, node};
+use super::tables::{Tables, body_field, body_link, dof};
 use crate::output::{body, reaction, total};
-use numbers::machine::{Held, Hold, Index};
+use numbers::machine::{Held, Hold};
 use numbers::spatial::Spatial;
 use numbers::{Cell, Machine, Pose, Real};
 

@@ -12,7 +12,7 @@ use super::force::{ForceRows, ForceTables, wrapping};
 use crate::output::OutputTables;
 use crate::tables::Filler;
 use crate::{InputTables, SolverError};
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DMat3, DVec3};
 use model::{Axis, AxisKind, Body, BodyId, Joint, JointId, JointKind, Model, Pose};
 use numbers::Table;
 use numbers::machine::Links;
@@ -43,7 +43,21 @@ pub(crate) mod node_link {
     pub const MOTION_END: usize = 2;
     pub const DOF_BEGIN: usize = 3;
     pub const DOF_COUNT: usize = 4;
-    pub const WIDTH: usize = 5;
+    /// 1 if the node carries others.
+    pub const CARRIES: usize = 5;
+    /// When the node's inertia arrives at its parent: see [`arrival`](super::arrival).
+    pub const ARRIVAL: usize = 6;
+    pub const WIDTH: usize = 7;
+}
+
+/// Values of [`node_link::ARRIVAL`].
+pub(crate) mod arrival {
+    /// The parent is the world.
+    pub const NONE: usize = 0;
+    /// Before its siblings.
+    pub const FIRST: usize = 1;
+    /// After a sibling.
+    pub const LATER: usize = 2;
 }
 
 /// Fields of [`Tables::motion_links`].
@@ -101,48 +115,48 @@ pub struct Tables {
     pub(crate) output: OutputTables,
 
     /// Gravity, 3.
-    pub(crate) world: Table<Parameter>,
+    pub(crate) world: Table<Parameter, 3>,
     /// Step h; largest speed of a coordinate.
-    pub(crate) step: Table<Parameter>,
+    pub(crate) step: Table<Parameter, 2>,
     /// Runge–Kutta stages: weight, next offset, 1 for the last.
-    pub(crate) tableau: Table<Parameter>,
-    pub(crate) tree: Table<Parameter>,
-    pub(crate) origin: Table<Parameter>,
-    pub(crate) node: Table<Parameter>,
-    pub(crate) motion: Table<Parameter>,
-    pub(crate) body: Table<Parameter>,
+    pub(crate) tableau: Table<Parameter, 3>,
+    pub(crate) tree: Table<Parameter, 3>,
+    pub(crate) origin: Table<Parameter, 3>,
+    pub(crate) node: Table<Parameter, { node::WIDTH }>,
+    pub(crate) motion: Table<Parameter, 4>,
+    pub(crate) body: Table<Parameter, { body_field::WIDTH }>,
     pub(crate) parameter_length: usize,
 
-    pub(crate) tree_links: Links,
+    pub(crate) tree_links: Links<2>,
     pub(crate) origin_links: Links,
-    pub(crate) node_links: Links,
-    pub(crate) motion_links: Links,
-    pub(crate) ball_links: Links,
-    pub(crate) axis_links: Links,
+    pub(crate) node_links: Links<{ node_link::WIDTH }>,
+    pub(crate) motion_links: Links<{ motion_link::WIDTH }>,
+    pub(crate) ball_links: Links<2>,
+    pub(crate) axis_links: Links<2>,
     /// Coordinates that turn without end.
     pub(crate) wrap_links: Links,
-    pub(crate) body_links: Links,
+    pub(crate) body_links: Links<{ body_link::WIDTH }>,
     pub(crate) balls: usize,
     pub(crate) axes: usize,
     pub(crate) wraps: usize,
     pub(crate) link_length: usize,
 
     /// Origin O of each tree.
-    pub(crate) point: Table<Scratch>,
+    pub(crate) point: Table<Scratch, 3>,
     /// Per node: orientation (4), position from O (3).
-    pub(crate) place: Table<Scratch>,
+    pub(crate) place: Table<Scratch, 7>,
     /// Per node: spatial velocity about O.
-    pub(crate) twist: Table<Scratch>,
+    pub(crate) twist: Table<Scratch, 6>,
     /// Per node: velocity-product acceleration.
-    pub(crate) bias: Table<Scratch>,
+    pub(crate) bias: Table<Scratch, 6>,
     /// Per node: articulated inertia.
-    pub(crate) inertia: Table<Scratch>,
+    pub(crate) inertia: Table<Scratch, 21>,
     /// Per node: articulated bias force.
-    pub(crate) force: Table<Scratch>,
+    pub(crate) force: Table<Scratch, 6>,
     /// Per node: spatial acceleration about O, less gravity.
-    pub(crate) acceleration: Table<Scratch>,
+    pub(crate) acceleration: Table<Scratch, 6>,
     /// Per degree of freedom: see [`dof`].
-    pub(crate) dof: Table<Scratch>,
+    pub(crate) dof: Table<Scratch, { dof::WIDTH }>,
     /// Saved coordinates and velocities.
     pub(crate) saved_position: Table<Scratch>,
     pub(crate) saved_velocity: Table<Scratch>,
@@ -151,7 +165,7 @@ pub struct Tables {
     pub(crate) sum_acceleration: Table<Scratch>,
     pub(crate) increment: Table<Scratch>,
     /// Per body, reporting: wrench about the world's origin.
-    pub(crate) wrench: Table<Scratch>,
+    pub(crate) wrench: Table<Scratch, 6>,
     pub(crate) scratch_length: usize,
 }
 
@@ -413,9 +427,9 @@ impl Tables {
         let wraps = wrapping(model).len();
 
         let (mut s, mut p, mut l, mut t) = (0, 0, 0, 0);
-        let position = Table::place(&mut s, coordinates, 1);
-        let velocity = Table::place(&mut s, dofs, 1);
-        let alive = Table::place(&mut s, 1, 1);
+        let position = Table::place(&mut s, coordinates);
+        let velocity = Table::place(&mut s, dofs);
+        let alive = Table::place(&mut s, 1);
         let forces = ForceTables::place(
             &ForceRows::count(model),
             dofs,
@@ -438,46 +452,64 @@ impl Tables {
             state_length: s,
             input: InputTables::new(model),
             output: OutputTables::new(model),
-            world: Table::place(&mut p, 1, 3),
-            step: Table::place(&mut p, 1, 2),
-            tableau: Table::place(&mut p, 4, 3),
-            tree: Table::place(&mut p, trees, 3),
-            origin: Table::place(&mut p, coordinates, 3),
-            node: Table::place(&mut p, rows, node::WIDTH),
-            motion: Table::place(&mut p, motions, 4),
-            body: Table::place(&mut p, bodies, body_field::WIDTH),
+            world: Table::place(&mut p, 1),
+            step: Table::place(&mut p, 1),
+            tableau: Table::place(&mut p, 4),
+            tree: Table::place(&mut p, trees),
+            origin: Table::place(&mut p, coordinates),
+            node: Table::place(&mut p, rows),
+            motion: Table::place(&mut p, motions),
+            body: Table::place(&mut p, bodies),
             parameter_length: p,
-            tree_links: Links::place(&mut l, trees, 2),
-            origin_links: Links::place(&mut l, coordinates, 1),
-            node_links: Links::place(&mut l, rows, node_link::WIDTH),
-            motion_links: Links::place(&mut l, motions, motion_link::WIDTH),
-            ball_links: Links::place(&mut l, balls, 2),
-            axis_links: Links::place(&mut l, motions - balls, 2),
-            wrap_links: Links::place(&mut l, wraps, 1),
-            body_links: Links::place(&mut l, bodies, body_link::WIDTH),
+            tree_links: Links::place(&mut l, trees),
+            origin_links: Links::place(&mut l, coordinates),
+            node_links: Links::place(&mut l, rows),
+            motion_links: Links::place(&mut l, motions),
+            ball_links: Links::place(&mut l, balls),
+            axis_links: Links::place(&mut l, motions - balls),
+            wrap_links: Links::place(&mut l, wraps),
+            body_links: Links::place(&mut l, bodies),
             balls,
             axes: motions - balls,
             wraps,
             link_length: l,
-            point: Table::place(&mut t, trees, 3),
-            place: Table::place(&mut t, rows, 7),
-            twist: Table::place(&mut t, rows, 6),
-            bias: Table::place(&mut t, rows, 6),
-            inertia: Table::place(&mut t, rows, 21),
-            force: Table::place(&mut t, rows, 6),
-            acceleration: Table::place(&mut t, rows, 6),
-            dof: Table::place(&mut t, dofs, dof::WIDTH),
-            saved_position: Table::place(&mut t, coordinates, 1),
-            saved_velocity: Table::place(&mut t, dofs, 1),
-            sum_velocity: Table::place(&mut t, dofs, 1),
-            sum_acceleration: Table::place(&mut t, dofs, 1),
-            increment: Table::place(&mut t, dofs, 1),
-            wrench: Table::place(&mut t, bodies, 6),
+            point: Table::place(&mut t, trees),
+            place: Table::place(&mut t, rows),
+            twist: Table::place(&mut t, rows),
+            bias: Table::place(&mut t, rows),
+            inertia: Table::place(&mut t, rows),
+            force: Table::place(&mut t, rows),
+            acceleration: Table::place(&mut t, rows),
+            dof: Table::place(&mut t, dofs),
+            saved_position: Table::place(&mut t, coordinates),
+            saved_velocity: Table::place(&mut t, dofs),
+            sum_velocity: Table::place(&mut t, dofs),
+            sum_acceleration: Table::place(&mut t, dofs),
+            increment: Table::place(&mut t, dofs),
+            wrench: Table::place(&mut t, bodies),
             scratch_length: t,
         }
     }
 
+    /// Who carries whom, for the pass inwards, which visits the nodes last to first.
+    fn fill_arrivals(&self, forest: &Forest, f: &mut Filler) {
+        for (i, n) in forest.nodes.iter().enumerate() {
+            let row = self.trees + i;
+            let later_sibling = |other: &Node| other.parent == n.parent;
+            let arrival = match n.parent {
+                None => arrival::NONE,
+                Some(_) if forest.nodes[i + 1..].iter().any(later_sibling) => arrival::LATER,
+                Some(_) => arrival::FIRST,
+            };
+            f.link(self.node_links, row, node_link::ARRIVAL, arrival);
+            if let Some(parent) = n.parent {
+                f.link(self.node_links, self.trees + parent, node_link::CARRIES, 1);
+            }
+        }
+    }
+
     fn fill_forest(&self, forest: &Forest, f: &mut Filler) {
+        self.fill_arrivals(forest, f);
         let (mut m, mut ball, mut axis, mut origin) = (0, 0, 0, 0);
         for (i, n) in forest.nodes.iter().enumerate() {
             let row = self.trees + i;

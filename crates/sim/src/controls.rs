@@ -1,0 +1,110 @@
+//! What a controller may set, per world.
+
+use crate::error::{SimulationError, finite, index, length};
+use numbers::machine::space::Input;
+use numbers::{Float, Memory, Table};
+use rigid::InputTables;
+
+/// The controls of all worlds. Values hold until they are set again.
+///
+/// Every setter refuses an index out of range, an array of the wrong length,
+/// and numbers that are not finite.
+#[derive(Debug)]
+pub struct Controls<'a, T> {
+    pub(crate) memory: &'a mut Memory<T>,
+    pub(crate) tables: &'a InputTables,
+}
+
+impl<T: Float> Controls<'_, T> {
+    /// Number of worlds.
+    pub fn worlds(&self) -> usize {
+        self.memory.worlds()
+    }
+    /// Generalised forces of a world's degrees of freedom [N or N·m].
+    pub fn set_force(&mut self, world: usize, force: &[f64]) -> Result<(), SimulationError> {
+        self.set_row("force", self.tables.force, self.dofs(), world, force)
+    }
+    /// Generalised force of one degree of freedom [N or N·m].
+    pub fn set_dof_force(&mut self, world: usize, dof: usize, x: f64) -> Result<(), SimulationError> {
+        index("degree of freedom", dof, self.dofs())?;
+        self.set("force", self.tables.force, world, dof, x)
+    }
+    /// Position target of one degree of freedom's drive [m or rad].
+    pub fn set_target(&mut self, world: usize, dof: usize, x: f64) -> Result<(), SimulationError> {
+        index("degree of freedom", dof, self.dofs())?;
+        self.set("target position", self.tables.target_position, world, dof, x)
+    }
+    /// Position target of one angular degree of freedom's drive, in degrees.
+    pub fn set_target_degrees(
+        &mut self,
+        world: usize,
+        dof: usize,
+        degrees: f64,
+    ) -> Result<(), SimulationError> {
+        self.set_target(world, dof, degrees.to_radians())
+    }
+    /// Velocity target of one degree of freedom's drive [m/s or rad/s].
+    pub fn set_target_velocity(
+        &mut self,
+        world: usize,
+        dof: usize,
+        x: f64,
+    ) -> Result<(), SimulationError> {
+        index("degree of freedom", dof, self.dofs())?;
+        self.set("target velocity", self.tables.target_velocity, world, dof, x)
+    }
+    /// Controls of a world's actuators, in the model's order.
+    pub fn set_control(&mut self, world: usize, control: &[f64]) -> Result<(), SimulationError> {
+        let n = self.tables.length - self.tables.control.base;
+        self.set_row("control", self.tables.control, n, world, control)
+    }
+    /// All numbers of a world's controls, in the order force, target position,
+    /// target velocity, actuator control.
+    pub fn of_world(&self, world: usize) -> Result<Vec<f64>, SimulationError> {
+        index("world", world, self.worlds())?;
+        Ok((0..self.tables.length).map(|i| self.memory.get(world, i).to_f64()).collect())
+    }
+    /// Sets what [`of_world`](Controls::of_world) gave.
+    pub fn set_world(&mut self, world: usize, numbers: &[f64]) -> Result<(), SimulationError> {
+        index("world", world, self.worlds())?;
+        length("controls of a world", numbers.len(), self.tables.length)?;
+        finite("controls of a world", numbers)?;
+        for (i, &x) in numbers.iter().enumerate() {
+            self.memory.set(world, i, T::from_f64(x));
+        }
+        Ok(())
+    }
+
+    fn dofs(&self) -> usize {
+        self.tables.target_position.base - self.tables.force.base
+    }
+    fn set(
+        &mut self,
+        what: &'static str,
+        table: Table<Input>,
+        world: usize,
+        row: usize,
+        x: f64,
+    ) -> Result<(), SimulationError> {
+        index("world", world, self.worlds())?;
+        finite(what, &[x])?;
+        self.memory.set(world, table.at(row, 0), T::from_f64(x));
+        Ok(())
+    }
+    fn set_row(
+        &mut self,
+        what: &'static str,
+        table: Table<Input>,
+        n: usize,
+        world: usize,
+        x: &[f64],
+    ) -> Result<(), SimulationError> {
+        index("world", world, self.worlds())?;
+        length(what, x.len(), n)?;
+        finite(what, x)?;
+        for (row, &x) in x.iter().enumerate() {
+            self.memory.set(world, table.at(row, 0), T::from_f64(x));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,94 @@
+//! What can be wrong with a call.
+
+use crate::SnapshotError;
+use numbers::dispatch::IsaError;
+use rigid::SolverError;
+
+/// Why a simulation cannot be made, or refuses a call. The simulation is as before.
+#[derive(Debug, thiserror::Error)]
+pub enum SimulationError {
+    /// The solver cannot take the model.
+    #[error(transparent)]
+    Solver(#[from] SolverError),
+    /// The model refuses a change.
+    #[error(transparent)]
+    Model(#[from] model::ModelError),
+    /// The instruction set is not to be had.
+    #[error(transparent)]
+    Isa(#[from] IsaError),
+    /// The snapshot does not fit.
+    #[error(transparent)]
+    Snapshot(#[from] SnapshotError),
+    /// A setting makes no sense.
+    #[error("{what} is {value}: it must be {remedy}")]
+    Setting {
+        /// Which setting.
+        what: &'static str,
+        /// Its value.
+        value: String,
+        /// What it must be.
+        remedy: &'static str,
+    },
+    /// An index is out of range.
+    #[error("{what} {index} does not exist: there are {count}, counted from 0")]
+    Index {
+        /// What is counted.
+        what: &'static str,
+        /// The index given.
+        index: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// An array has the wrong length.
+    #[error("{what} has {found} numbers, but the model needs {expected}")]
+    Length {
+        /// Which array.
+        what: &'static str,
+        /// Its length.
+        found: usize,
+        /// The right length.
+        expected: usize,
+    },
+    /// A number is NaN or infinite.
+    #[error("{what}[{index}] is {value}: it must be a finite number")]
+    NotFinite {
+        /// Which array.
+        what: &'static str,
+        /// Where in it.
+        index: usize,
+        /// The number.
+        value: f64,
+    },
+    /// A world's own model has other bodies or joints.
+    #[error("the model of world {world} has another structure than the simulation's: only numbers may differ between worlds")]
+    Structure {
+        /// Which world.
+        world: usize,
+    },
+    /// The threads cannot be started.
+    #[error("cannot start {threads} threads: {reason}")]
+    Threads {
+        /// How many were asked for.
+        threads: usize,
+        /// What the system says.
+        reason: String,
+    },
+}
+
+/// Refuses NaN and infinities.
+pub(crate) fn finite(what: &'static str, x: &[f64]) -> Result<(), SimulationError> {
+    match x.iter().position(|v| !v.is_finite()) {
+        Some(index) => Err(SimulationError::NotFinite { what, index, value: x[index] }),
+        None => Ok(()),
+    }
+}
+
+/// Refuses an array of another length.
+pub(crate) fn length(what: &'static str, found: usize, expected: usize) -> Result<(), SimulationError> {
+    if found == expected { Ok(()) } else { Err(SimulationError::Length { what, found, expected }) }
+}
+
+/// Refuses an index beyond the end.
+pub(crate) fn index(what: &'static str, index: usize, count: usize) -> Result<(), SimulationError> {
+    if index < count { Ok(()) } else { Err(SimulationError::Index { what, index, count }) }
+}

@@ -1,0 +1,24 @@
+//! Many worlds of one model, stepped in lanes and threads.
+//!
+//! A [`Simulation`] holds W worlds in blocks that fill a register, and advances
+//! all of them with one solver. A world's trajectory is the same bits whatever
+//! W is, whichever lane it sits in, and however many threads run.
+
+#![forbid(unsafe_code)]
+
+mod controller;
+mod controls;
+mod engine;
+mod error;
+mod outputs;
+mod settings;
+mod simulation;
+mod snapshot;
+
+pub use controller::{Controller, Recorder, Recording, Replay};
+pub use controls::Controls;
+pub use error::SimulationError;
+pub use outputs::Outputs;
+pub use settings::{SolverKind, SimulationSettings};
+pub use simulation::{Diverged, Simulation};
+pub use snapshot::{Snapshot, SnapshotError};

@@ -1,0 +1,104 @@
+//! What the worlds look like, as plain numbers.
+
+use glam::{DQuat, DVec3};
+use model::{BodyId, JointId, Pose};
+use numbers::machine::space::Output;
+use numbers::{Float, Memory, Table};
+use rigid::{OutputTables, body, reaction, total};
+
+/// The reported quantities of all worlds at one time.
+///
+/// Panics where a world, body or joint does not exist, as an array would.
+#[derive(Clone, Copy, Debug)]
+pub struct Outputs<'a, T> {
+    pub(crate) memory: &'a Memory<T>,
+    pub(crate) tables: &'a OutputTables,
+}
+
+impl<T: Float> Outputs<'_, T> {
+    /// Number of worlds.
+    pub fn worlds(&self) -> usize {
+        self.memory.worlds()
+    }
+    /// Placement of a body's frame in the world.
+    pub fn body_pose(&self, world: usize, body: BodyId) -> Pose {
+        Pose::new(self.body_position(world, body), self.body_orientation(world, body))
+    }
+    /// Position of a body's frame [m].
+    pub fn body_position(&self, world: usize, id: BodyId) -> DVec3 {
+        self.vec3(world, self.tables.body, id.0, body::POSITION)
+    }
+    /// Orientation of a body's frame, x, y, z, w.
+    pub fn body_orientation(&self, world: usize, id: BodyId) -> DQuat {
+        let q = self.numbers(world, self.tables.body, id.0, body::ORIENTATION, 4);
+        DQuat::from_xyzw(q[0], q[1], q[2], q[3])
+    }
+    /// Velocity of a body frame's origin [m/s].
+    pub fn body_velocity(&self, world: usize, id: BodyId) -> DVec3 {
+        self.vec3(world, self.tables.body, id.0, body::VELOCITY)
+    }
+    /// Angular velocity of a body [rad/s], world axes.
+    pub fn body_angular_velocity(&self, world: usize, id: BodyId) -> DVec3 {
+        self.vec3(world, self.tables.body, id.0, body::ANGULAR_VELOCITY)
+    }
+    /// Joint coordinates in the model's order [m, rad, quaternions x, y, z, w];
+    /// axes that turn without end are in [−π, π].
+    pub fn joint_position(&self, world: usize) -> Vec<f64> {
+        self.rows(world, self.tables.position, self.tables.velocity)
+    }
+    /// Joint velocities in the model's order [m/s or rad/s].
+    pub fn joint_velocity(&self, world: usize) -> Vec<f64> {
+        self.rows(world, self.tables.velocity, self.tables.acceleration)
+    }
+    /// Joint accelerations in the model's order [m/s² or rad/s²].
+    pub fn joint_acceleration(&self, world: usize) -> Vec<f64> {
+        self.rows(world, self.tables.acceleration, self.tables.total)
+    }
+    /// Force [N] and torque [N·m] of a joint on its child, world axes; the torque
+    /// is about the child's joint frame.
+    pub fn reaction(&self, world: usize, joint: JointId) -> (DVec3, DVec3) {
+        let at = |field| self.vec3(world, self.tables.reaction, joint.0, field);
+        (at(reaction::FORCE), at(reaction::TORQUE))
+    }
+    /// Kinetic energy [J].
+    pub fn kinetic_energy(&self, world: usize) -> f64 {
+        self.number(world, self.tables.total, 0, total::KINETIC)
+    }
+    /// Potential energy [J] of weight and passive springs.
+    pub fn potential_energy(&self, world: usize) -> f64 {
+        self.number(world, self.tables.total, 0, total::POTENTIAL)
+    }
+    /// Kinetic and potential energy [J].
+    pub fn energy(&self, world: usize) -> f64 {
+        self.kinetic_energy(world) + self.potential_energy(world)
+    }
+    /// Linear momentum [kg·m/s].
+    pub fn momentum(&self, world: usize) -> DVec3 {
+        self.vec3(world, self.tables.total, 0, total::MOMENTUM)
+    }
+    /// Angular momentum [kg·m²/s] about the world's origin.
+    pub fn angular_momentum(&self, world: usize) -> DVec3 {
+        self.vec3(world, self.tables.total, 0, total::ANGULAR_MOMENTUM)
+    }
+
+    fn number(&self, world: usize, table: Table<Output>, row: usize, field: usize) -> f64 {
+        assert!(world < self.worlds(), "world {world} of {}", self.worlds());
+        self.memory.get(world, table.at(row, field)).to_f64()
+    }
+    fn numbers(
+        &self,
+        world: usize,
+        table: Table<Output>,
+        row: usize,
+        field: usize,
+        n: usize,
+    ) -> Vec<f64> {
+        (0..n).map(|i| self.number(world, table, row, field + i)).collect()
+    }
+    fn vec3(&self, world: usize, table: Table<Output>, row: usize, field: usize) -> DVec3 {
+        DVec3::from_slice(&self.numbers(world, table, row, field, 3))
+    }
+    fn rows(&self, world: usize, table: Table<Output>, next: Table<Output>) -> Vec<f64> {
+        (0..next.base - table.base).map(|i| self.number(world, table, i, 0)).collect()
+    }
+}

@@ -1,0 +1,101 @@
+//! How to simulate.
+
+use crate::SimulationError;
+use numbers::dispatch::Isa;
+use rigid::Settings;
+
+/// Which solver advances the worlds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum SolverKind {
+    /// `featherstone` for trees, `xpbd` otherwise.
+    #[default]
+    Auto,
+    /// Reduced coordinates: accurate, no drift; trees only.
+    Featherstone,
+    /// Maximal coordinates: robust; loops and compliance.
+    Xpbd,
+}
+
+impl std::str::FromStr for SolverKind {
+    type Err = String;
+    fn from_str(name: &str) -> Result<Self, String> {
+        match name {
+            "auto" => Ok(Self::Auto),
+            "featherstone" => Ok(Self::Featherstone),
+            "xpbd" => Ok(Self::Xpbd),
+            _ => Err(format!("unknown solver `{name}`; known are auto, featherstone, xpbd")),
+        }
+    }
+}
+
+/// Settings of a [`Simulation`](crate::Simulation).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SimulationSettings {
+    /// Number of worlds.
+    pub worlds: usize,
+    /// Solver.
+    pub solver: SolverKind,
+    /// Step, substeps, iterations, integrator, caps.
+    pub step: Settings,
+    /// Number of threads; 0 takes one per processor.
+    pub threads: usize,
+    /// Instruction set; `None` takes the fastest, or what `KINETARIUM_ISA` names.
+    pub isa: Option<Isa>,
+    /// True: one world at a time, in scalars, whatever the number of worlds.
+    pub scalar: bool,
+}
+
+impl SimulationSettings {
+    /// One world per `worlds`, solver `auto`, the given time step [s], all processors.
+    pub fn new(worlds: usize, time_step: f64) -> Self {
+        Self {
+            worlds,
+            solver: SolverKind::Auto,
+            step: Settings::new(time_step),
+            threads: 0,
+            isa: None,
+            scalar: false,
+        }
+    }
+}
+
+/// More worlds than this are a slip of the keyboard.
+const MOST_WORLDS: usize = 1 << 24;
+
+impl SimulationSettings {
+    /// Refuses what makes no sense.
+    pub(crate) fn check(&self) -> Result<(), SimulationError> {
+        let s = &self.step;
+        let refuse = |what, value: f64, remedy| {
+            Err(SimulationError::Setting { what, value: value.to_string(), remedy })
+        };
+        if self.worlds == 0 || self.worlds > MOST_WORLDS {
+            return refuse("worlds", self.worlds as f64, "from 1 to 16777216");
+        }
+        if !(s.time_step.is_finite() && s.time_step > 0.0) {
+            return refuse("time step", s.time_step, "a number of seconds above zero");
+        }
+        if s.substeps == 0 || s.substeps > 10_000 {
+            return refuse("substeps", s.substeps as f64, "from 1 to 10000");
+        }
+        if s.iterations == 0 || s.iterations > 10_000 {
+            return refuse("iterations", s.iterations as f64, "from 1 to 10000");
+        }
+        if !(s.speed_limit > 0.0 && s.speed_limit <= 1e9) {
+            return refuse("speed limit", s.speed_limit, "above zero and at most 1e9");
+        }
+        if !(s.relaxation > 0.0 && s.relaxation < 2.0) {
+            return refuse("relaxation", s.relaxation, "above 0 and below 2");
+        }
+        if !(s.angular_damping.is_finite() && s.angular_damping >= 0.0) {
+            return refuse("angular damping", s.angular_damping, "zero or above, in 1/s");
+        }
+        if !(s.displacement_cap > 0.0) {
+            return refuse("displacement cap", s.displacement_cap, "above zero, in metres");
+        }
+        if !(s.force_cap > 0.0) {
+            return refuse("force cap", s.force_cap, "above zero, in newtons");
+        }
+        Ok(())
+    }
+}

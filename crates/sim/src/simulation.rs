@@ -1,0 +1,354 @@
+//! W worlds of one model.
+
+use crate::engine::{Block, Constants, Engine, Task};
+use crate::error::{SimulationError, finite, index, length};
+use crate::{Controls, Outputs, SimulationSettings, Snapshot, SolverKind};
+use model::Model;
+use numbers::dispatch::Isa;
+use numbers::{Float, Memory};
+use rayon::prelude::*;
+use rigid::{Featherstone, InputTables, OutputTables, SolverError, Xpbd};
+use std::sync::Arc;
+
+/// A world that left the finite numbers, or its speed limit. It stays at its last good state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Diverged {
+    /// Which world.
+    pub world: usize,
+    /// End [s] of the call of `step` in which it happened.
+    pub time: f64,
+}
+
+/// W worlds of one model, advanced together.
+///
+/// `T` is the precision of all numbers: `f32` (16 worlds a block) or `f64` (8).
+/// Calls that fail leave the simulation as it was.
+pub struct Simulation<T: Float> {
+    model: Arc<Model>,
+    settings: SimulationSettings,
+    engine: Box<dyn Engine<T>>,
+    isa: Isa,
+    pool: rayon::ThreadPool,
+    pub(crate) state: Memory<T>,
+    pub(crate) input: Memory<T>,
+    pub(crate) output: Memory<T>,
+    shared: Vec<T>,
+    per_world: Option<Memory<T>>,
+    pub(crate) input_tables: InputTables,
+    pub(crate) output_tables: OutputTables,
+    pub(crate) time: Vec<f64>,
+    pub(crate) reported: bool,
+    pub(crate) diverged: Vec<Diverged>,
+}
+
+impl<T: Float> std::fmt::Debug for Simulation<T> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Simulation")
+            .field("model", &self.model.name)
+            .field("solver", &self.solver())
+            .field("settings", &self.settings)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Compiles a model for a solver.
+fn compile<T: Float>(
+    model: &Model,
+    settings: &SimulationSettings,
+) -> Result<Box<dyn Engine<T>>, SolverError> {
+    let kind = match settings.solver {
+        SolverKind::Auto if model.is_tree() => SolverKind::Featherstone,
+        SolverKind::Auto => SolverKind::Xpbd,
+        named => named,
+    };
+    Ok(match kind {
+        SolverKind::Featherstone => Box::new(Featherstone::new(model, &settings.step)?),
+        SolverKind::Xpbd | SolverKind::Auto => Box::new(Xpbd::new(model, &settings.step)?),
+    })
+}
+
+/// The model's numbers at the simulation's precision.
+fn convert<T: Float>(x: &[f64]) -> Vec<T> {
+    x.iter().map(|&x| T::from_f64(x)).collect()
+}
+
+impl<T: Float> Simulation<T> {
+    /// Makes W worlds, each at the model's initial state.
+    ///
+    /// # Errors
+    /// Settings out of range, a model that the solver cannot take, an instruction
+    /// set that is not there.
+    pub fn new(
+        model: impl Into<Arc<Model>>,
+        settings: SimulationSettings,
+    ) -> Result<Self, SimulationError> {
+        let model = model.into();
+        settings.check()?;
+        let isa = match settings.isa {
+            Some(isa) => isa,
+            None => Isa::from_env()?,
+        };
+        let engine = compile::<T>(&model, &settings)?;
+        let threads = settings.threads;
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .map_err(|e| SimulationError::Threads { threads, reason: e.to_string() })?;
+        let width = if settings.scalar || settings.worlds == 1 { 1 } else { T::BLOCK };
+        let lengths = engine.lengths();
+        let memory = |n: usize| Memory::new(settings.worlds, n.max(1), width);
+        let mut simulation = Self {
+            isa,
+            pool,
+            state: memory(lengths.state),
+            input: memory(lengths.input),
+            output: memory(lengths.output),
+            shared: convert(engine.parameters()),
+            per_world: None,
+            input_tables: InputTables::new(&model),
+            output_tables: OutputTables::new(&model),
+            time: vec![0.0; settings.worlds],
+            reported: false,
+            diverged: Vec::new(),
+            engine,
+            settings,
+            model,
+        };
+        simulation.fill_spare_lanes();
+        simulation.reset_all();
+        Ok(simulation)
+    }
+
+    /// The model.
+    pub fn model(&self) -> &Arc<Model> {
+        &self.model
+    }
+    /// The settings it was made with.
+    pub fn settings(&self) -> &SimulationSettings {
+        &self.settings
+    }
+    /// Number of worlds.
+    pub fn worlds(&self) -> usize {
+        self.settings.worlds
+    }
+    /// Name of the solver that runs: what `auto` picked.
+    pub fn solver(&self) -> &'static str {
+        self.engine.name()
+    }
+    /// Instruction set that runs.
+    pub fn isa(&self) -> Isa {
+        self.isa
+    }
+    /// Number of threads that run.
+    pub fn threads(&self) -> usize {
+        self.pool.current_num_threads()
+    }
+    /// Time of a world [s]; a world that diverged keeps the time at which it was found.
+    pub fn time(&self, world: usize) -> f64 {
+        self.time[world]
+    }
+    /// Bytes of state and controls per world.
+    pub fn bytes_per_world(&self) -> usize {
+        (self.state.length() + self.input.length()) * size_of::<T>()
+    }
+
+    /// The model's initial coordinates and velocities in all worlds; time, targets and divergence cleared.
+    pub fn reset_all(&mut self) {
+        let position = self.model.initial_position();
+        let velocity = vec![0.0; self.model.degrees_of_freedom()];
+        for world in 0..self.worlds() {
+            self.place(world, &position, &velocity);
+        }
+    }
+    /// As [`reset_all`](Simulation::reset_all), for the named worlds.
+    ///
+    /// # Errors
+    /// A world that does not exist.
+    pub fn reset(&mut self, worlds: &[usize]) -> Result<(), SimulationError> {
+        let position = self.model.initial_position();
+        let velocity = vec![0.0; self.model.degrees_of_freedom()];
+        worlds.iter().try_for_each(|&w| index("world", w, self.worlds()))?;
+        for &world in worlds {
+            self.place(world, &position, &velocity);
+        }
+        Ok(())
+    }
+    /// Sets a world's joint coordinates and velocities; its time starts at 0 again.
+    ///
+    /// Quaternions are scaled to unit length.
+    ///
+    /// # Errors
+    /// A world that does not exist, arrays of the wrong length, numbers not finite.
+    pub fn set_joint_state(
+        &mut self,
+        world: usize,
+        position: &[f64],
+        velocity: &[f64],
+    ) -> Result<(), SimulationError> {
+        index("world", world, self.worlds())?;
+        length("joint position", position.len(), self.model.coordinates())?;
+        length("joint velocity", velocity.len(), self.model.degrees_of_freedom())?;
+        finite("joint position", position)?;
+        finite("joint velocity", velocity)?;
+        self.place(world, position, velocity);
+        Ok(())
+    }
+
+    fn place(&mut self, world: usize, position: &[f64], velocity: &[f64]) {
+        let state = self.engine.initial(&self.model, position, velocity);
+        for (i, x) in state.into_iter().enumerate() {
+            self.state.set(world, i, T::from_f64(x));
+        }
+        for (i, x) in self.input_tables.initial(&self.model).into_iter().enumerate() {
+            self.input.set(world, i, T::from_f64(x));
+        }
+        self.time[world] = 0.0;
+        self.diverged.retain(|d| d.world != world);
+        self.reported = false;
+    }
+
+    /// Lanes without a world run the model's initial state, so that they stay finite.
+    fn fill_spare_lanes(&mut self) {
+        let position = self.model.initial_position();
+        let velocity = vec![0.0; self.model.degrees_of_freedom()];
+        let state = self.engine.initial(&self.model, &position, &velocity);
+        for (i, x) in state.into_iter().enumerate() {
+            self.state.fill(i, T::from_f64(x));
+        }
+    }
+
+    /// Gives a world numbers of its own: masses, inertias, frictions, gains, gravity.
+    ///
+    /// The model must have the structure of the simulation's; only numbers may differ.
+    /// The state of the world stays. From the first call on, all worlds hold their
+    /// parameters in lanes, which costs memory and some speed.
+    ///
+    /// # Errors
+    /// A world that does not exist; a model of another structure.
+    pub fn set_world_model(&mut self, world: usize, model: &Model) -> Result<(), SimulationError> {
+        index("world", world, self.worlds())?;
+        let own = compile::<T>(model, &self.settings)?;
+        if own.links() != self.engine.links() || own.name() != self.engine.name() {
+            return Err(SimulationError::Structure { world });
+        }
+        let (worlds, width) = (self.worlds(), self.state.width());
+        let memory = self.per_world.get_or_insert_with(|| {
+            let mut memory = Memory::new(worlds, self.shared.len().max(1), width);
+            for (i, &x) in self.shared.iter().enumerate() {
+                memory.fill(i, x);
+            }
+            memory
+        });
+        for (i, x) in convert(own.parameters()).into_iter().enumerate() {
+            memory.set(world, i, x);
+        }
+        self.reported = false;
+        Ok(())
+    }
+
+    /// The controls of all worlds, to be set.
+    pub fn controls(&mut self) -> Controls<'_, T> {
+        self.reported = false;
+        Controls { memory: &mut self.input, tables: &self.input_tables }
+    }
+
+    /// Advances all worlds by `steps` time steps; returns the worlds that diverged meanwhile.
+    pub fn step(&mut self, steps: usize) -> &[Diverged] {
+        self.perform(Task::Step(steps * self.settings.step.substeps));
+        self.reported = false;
+        let known = self.diverged.len();
+        let alive = self.engine.alive();
+        let passed = steps as f64 * self.settings.step.time_step;
+        let mut found = Vec::new();
+        for world in 0..self.worlds() {
+            let runs = self.state.get(world, alive) != T::zero();
+            if runs {
+                self.time[world] += passed;
+            } else if !self.diverged.iter().any(|d| d.world == world) {
+                self.time[world] += passed;
+                found.push(Diverged { world, time: self.time[world] });
+            }
+        }
+        self.diverged.extend(found);
+        &self.diverged[known..]
+    }
+
+    /// All worlds that have diverged and were not reset since.
+    pub fn diverged(&self) -> &[Diverged] {
+        &self.diverged
+    }
+
+    /// Placements, velocities, reactions, energies of all worlds at the present state.
+    pub fn outputs(&mut self) -> Outputs<'_, T> {
+        if !self.reported {
+            self.perform(Task::Report);
+            self.reported = true;
+        }
+        Outputs { memory: &self.output, tables: &self.output_tables }
+    }
+
+    /// The whole state of all worlds, to the bit.
+    pub fn snapshot(&self) -> Snapshot {
+        Snapshot::take(self)
+    }
+    /// Returns to a snapshot of the same model, solver and number of worlds.
+    ///
+    /// # Errors
+    /// The snapshot does not fit.
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SimulationError> {
+        snapshot.put_back(self)?;
+        self.reported = false;
+        Ok(())
+    }
+    /// What a snapshot must agree on: solver, step and tables.
+    pub(crate) fn fingerprint(&self) -> u64 {
+        let lengths = self.engine.lengths();
+        let head = [lengths.state as u32, lengths.input as u32, self.shared.len() as u32];
+        let name = self.engine.name().bytes().map(u32::from);
+        // FNV-1a (Fowler, Noll, Vo), word by word.
+        head.into_iter().chain(name).chain(self.engine.links().iter().copied()).fold(
+            0xcbf2_9ce4_8422_2325,
+            |hash, word| (hash ^ u64::from(word)).wrapping_mul(0x0100_0000_01b3),
+        )
+    }
+
+    /// Runs a task on all blocks, a run of blocks per thread, each with its own scratch.
+    fn perform(&mut self, task: Task) {
+        let (engine, isa, single) = (&*self.engine, self.isa, self.state.width() == 1);
+        let (input, per_world, shared) = (&self.input, self.per_world.as_ref(), &self.shared[..]);
+        let width = self.state.width();
+        let run_blocks = |first: usize, state: Blocks<'_, T>, output: Blocks<'_, T>| {
+            let mut scratch = Memory::<T>::new(width, engine.lengths().scratch.max(1), width);
+            for (i, (state, output)) in state.zip(output).enumerate() {
+                let b = first + i;
+                let constants = match per_world {
+                    Some(memory) => Constants::PerWorld(memory.block(b)),
+                    None => Constants::Shared(shared),
+                };
+                let (input, scratch) = (input.block(b), scratch.scalars_mut());
+                let block =
+                    Block { state, input, output, scratch, constants, links: engine.links() };
+                engine.run(isa, single, block, task);
+            }
+        };
+        let (s, o, blocks) =
+            (self.state.block_size(), self.output.block_size(), self.state.blocks());
+        let (state, output) = (self.state.scalars_mut(), self.output.scalars_mut());
+        if blocks == 1 {
+            return run_blocks(0, state.chunks_exact_mut(s), output.chunks_exact_mut(o));
+        }
+        let run = blocks.div_ceil(self.pool.current_num_threads() * RUNS_PER_THREAD);
+        let parts = state.par_chunks_mut(s * run).zip(output.par_chunks_mut(o * run)).enumerate();
+        self.pool.install(|| {
+            parts.for_each(|(part, (state, output))| {
+                run_blocks(part * run, state.chunks_exact_mut(s), output.chunks_exact_mut(o));
+            });
+        });
+    }
+}
+
+/// Runs of blocks per thread: enough to share the load evenly, few enough to keep scratch warm.
+const RUNS_PER_THREAD: usize = 4;
+
+/// Consecutive blocks of one memory.
+type Blocks<'a, T> = std::slice::ChunksExactMut<'a, T>;
