@@ -1,6 +1,8 @@
 //! Readers of robot files: MuJoCo's MJCF and ROS's URDF, each into a checked [`Model`].
 //!
 //! ```no_run
+//! use kinetarium_formats as formats;
+//!
 //! let loaded = formats::load("robot.xml".as_ref(), &formats::Options::default())?;
 //! println!("{} bodies", loaded.model.bodies.len());
 //! for warning in &loaded.warnings {

@@ -84,7 +84,7 @@ fn read_one(
     let servo = servo.checked(element, report)?;
     let merged = inherit(element, &settings);
     let Some((target, gear)) = target(&merged, tree, &servo, report)? else { return Ok(None) };
-    let control_range = control_range(&merged, target, &servo, context)?;
+    let control_range = control_range(element, &merged, target, &servo, context)?;
     let actuator = Actuator {
         name: element.get("name").unwrap_or_default().to_owned(),
         joint: target.joint,
@@ -154,6 +154,7 @@ fn target<'a>(
 
 /// The range of the control, given or taken from the joint's range.
 fn control_range(
+    own: &Element,
     element: &Element,
     target: &TreeJoint,
     servo: &Servo,
@@ -167,7 +168,7 @@ fn control_range(
         let remedy = "write ctrlrange instead";
         Err(element.invalid_attribute("inheritrange", problem, remedy))
     };
-    if element.has("ctrlrange") {
+    if own.has("ctrlrange") {
         return problem("stands beside `ctrlrange`");
     }
     if servo.gain != -servo.bias[1] {

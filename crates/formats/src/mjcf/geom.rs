@@ -146,7 +146,8 @@ fn placed_geometry(
     Ok(Some((geometry, turned)))
 }
 
-/// The frame of a solid between two points: its origin half way, its z from the first to the second.
+/// The frame of a solid between two points: its origin half way, its z from the second to the first,
+/// as MuJoCo has it (its reference says otherwise; it matters for the edges of a box).
 fn between(element: &Element, kind: &str, from: DVec3, to: DVec3) -> Result<Pose, FormatError> {
     if !["capsule", "cylinder", "box", "ellipsoid"].contains(&kind) {
         return Err(element.invalid_attribute(
@@ -155,7 +156,7 @@ fn between(element: &Element, kind: &str, from: DVec3, to: DVec3) -> Result<Pose
             "use it with capsule, cylinder, box or ellipsoid; otherwise give pos and size",
         ));
     }
-    let way = to - from;
+    let way = from - to;
     if way.length() < 1e-14 {
         let remedy = "give two different points";
         return Err(element.invalid_attribute("fromto", "joins a point to itself", remedy));

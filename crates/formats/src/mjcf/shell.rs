@@ -2,13 +2,15 @@
 
 use glam::{DMat3, DVec3};
 use model::{Geometry, MassProperties};
+use std::f64::consts::PI;
 
 /// Of a thin shell of unit density per area, in the solid's frame; `None` where there is no volume.
 ///
 /// A shell is the rate at which the solid grows: with I(ε) the inertia of the solid whose sizes are
-/// all larger by ε, the shell has I'(0), and likewise the mass (for an ellipsoid this is MuJoCo's
-/// definition; its shell is a little thicker at the tips). Derivatives are by central differences
-/// over four points, exact for polynomials up to degree 4; the error of degree 5 is below 1e-11.
+/// all larger by ε, the shell has I'(0), and likewise the mass. Derivatives are by central
+/// differences over four points, exact for polynomials up to degree 4; the error of degree 5 is below
+/// 1e-11. An ellipsoid's shell is of uneven thickness then; as MuJoCo does, its inertia is scaled to
+/// the mass of an even one.
 pub(super) fn of(geometry: &Geometry) -> Option<MassProperties> {
     let step = 1e-3 * least_size(geometry)?;
     let solid = |k: f64| MassProperties::of(&grown(geometry, k * step), 1.0);
@@ -16,7 +18,20 @@ pub(super) fn of(geometry: &Geometry) -> Option<MassProperties> {
     let mass = (a.mass - 8.0 * b.mass + 8.0 * c.mass - d.mass) / (12.0 * step);
     let inertia: DMat3 =
         (a.inertia - b.inertia * 8.0 + c.inertia * 8.0 - d.inertia) * (1.0 / (12.0 * step));
-    Some(MassProperties { mass, center: a.center, inertia })
+    let shell = MassProperties { mass, center: a.center, inertia };
+    Some(match *geometry {
+        Geometry::Ellipsoid { half } => shell.with_mass(ellipsoid_area(half)),
+        _ => shell,
+    })
+}
+
+/// Surface of an ellipsoid by Thomsen's formula (2004), within 1.1 %:
+/// 4 π (((ab)ᵖ + (ac)ᵖ + (bc)ᵖ) / 3)^(1/p), p = 1.6075.
+fn ellipsoid_area(half: DVec3) -> f64 {
+    const P: f64 = 1.6075;
+    let products = [half.x * half.y, half.x * half.z, half.y * half.z];
+    let mean = products.iter().map(|product| product.powf(P)).sum::<f64>() / 3.0;
+    4.0 * PI * mean.powf(1.0 / P)
 }
 
 fn least_size(geometry: &Geometry) -> Option<f64> {
@@ -47,7 +62,6 @@ fn grown(geometry: &Geometry, by: f64) -> Geometry {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::PI;
 
     #[test]
     fn hollow_ball() {
@@ -59,8 +73,8 @@ mod tests {
         assert!((shell.inertia.x_axis.x / moment - 1.0).abs() < 1e-10);
     }
 
-    /// A cube's faces: I = 10/3 · (area of one face) · h² about its centre, with h half the edge… in
-    /// total m (10/9) h² = 5/18 m a² with a the edge.
+    /// Six square faces of edge a: two turn about their own centres, a²/6, four about an axis in
+    /// their planes, a²/12, at distance a/2: I/m = (2/6 + 4/12 + 4/4)/6 a² = 5/18 a².
     #[test]
     fn hollow_cube() {
         let half = 0.2;
