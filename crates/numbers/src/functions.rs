@@ -83,13 +83,13 @@ pub fn sin_cos<R: Real>(x: R) -> (R, R) {
     (sin, cos)
 }
 
-/// Sine of x [rad]; as [`sin_cos`].
+/// Sine of x (rad); as [`sin_cos`].
 #[inline(always)]
 pub fn sin<R: Real>(x: R) -> R {
     sin_cos(x).0
 }
 
-/// Cosine of x [rad]; as [`sin_cos`].
+/// Cosine of x (rad); as [`sin_cos`].
 #[inline(always)]
 pub fn cos<R: Real>(x: R) -> R {
     sin_cos(x).1

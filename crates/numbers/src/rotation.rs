@@ -179,7 +179,7 @@ impl EulerSequence {
     }
 }
 
-/// The same angle [rad] within [−π, π].
+/// The same angle (rad) within [−π, π].
 #[inline(always)]
 fn wrap<R: Real>(angle: R) -> R {
     let turns = (angle * R::lit(0.5 * core::f64::consts::FRAC_1_PI)).round();

@@ -213,8 +213,8 @@ fn the_slope_of_a_solution_solves_the_differentiated_system() {
 /// A pendulum of length p₀ under gravity p₁: semi-implicit Euler.
 fn pendulum<M: Machine>(
     k: &mut M,
-    state: Table<space::State>,
-    parameters: Table<space::Parameter>,
+    state: Table<space::State, 2>,
+    parameters: Table<space::Parameter, 2>,
 ) {
     let row = k.index(0);
     let h = M::R::lit(0.01);
@@ -229,8 +229,8 @@ fn pendulum<M: Machine>(
 
 #[test]
 fn a_kernel_runs_on_duals() {
-    let state = Table::place(&mut 0, 1, 2);
-    let constants = Table::place(&mut 0, 1, 2);
+    let state = Table::place(&mut 0, 1);
+    let constants = Table::place(&mut 0, 1);
     let run = |start: Dual<f64>| {
         let mut memory = [start, Dual::constant(0.0)];
         let mut cpu = Cpu {
