@@ -18,7 +18,7 @@
 //!     }
 //! }
 //!
-//! let bodies = Table::place(&mut 0, 10, 1);
+//! let bodies = Table::place(&mut 0, 10);
 //! let program = trace::record(|k| halve(k, bodies, 10))?;
 //! let shader = program.to_wgsl(&trace::WgslOptions::default())?;
 //! assert!(shader.contains("for (var i0 = 0u; i0 < 10u; i0++)"));

@@ -101,7 +101,12 @@ const CORNERS: [f32; 18] = [
 const OPERATIONS: usize = 32;
 
 /// Every operation of `Real` and of its mask on each pair of inputs.
-fn every_operation<M: Machine>(k: &mut M, inputs: Table<Input>, results: Table<Output>, n: usize) {
+fn every_operation<M: Machine>(
+    k: &mut M,
+    inputs: Table<Input, 3>,
+    results: Table<Output, OPERATIONS>,
+    n: usize,
+) {
     let one = M::R::one();
     for i in k.count(n) {
         let (a, b, c) = (
@@ -167,8 +172,8 @@ fn every_operation_has_the_bits_of_f32() {
     }
     let n = world.input.len() / 3;
     world.output = vec![0.0; n * OPERATIONS];
-    let inputs = Table::place(&mut 0, n, 3);
-    let results = Table::place(&mut 0, n, OPERATIONS);
+    let inputs = Table::place(&mut 0, n);
+    let results = Table::place(&mut 0, n);
     let (program, _) = agree!(world, every_operation(inputs, results, n));
     assert_eq!(program.operations().stores, OPERATIONS);
 }
@@ -176,7 +181,12 @@ fn every_operation_has_the_bits_of_f32() {
 const FUNCTIONS: usize = 10;
 
 /// The elementary functions at each input.
-fn every_function<M: Machine>(k: &mut M, inputs: Table<Input>, results: Table<Output>, n: usize) {
+fn every_function<M: Machine>(
+    k: &mut M,
+    inputs: Table<Input, 2>,
+    results: Table<Output, FUNCTIONS>,
+    n: usize,
+) {
     for i in k.count(n) {
         let (x, y) = (k.load(inputs, i, 0), k.load(inputs, i, 1));
         let (sin, cos) = functions::sin_cos(x);
@@ -208,8 +218,8 @@ fn elementary_functions_have_the_bits_of_f32() {
     }
     let n = world.input.len() / 2;
     world.output = vec![0.0; n * FUNCTIONS];
-    let inputs = Table::place(&mut 0, n, 2);
-    let results = Table::place(&mut 0, n, FUNCTIONS);
+    let inputs = Table::place(&mut 0, n);
+    let results = Table::place(&mut 0, n);
     let (_, after) = agree!(world, every_function(inputs, results, n));
     let half = after.output[(20 * 6 + 4) * FUNCTIONS + 1];
     assert_eq!(half, 1.0, "cos 0");
@@ -221,10 +231,10 @@ struct Tree {
     /// row of the parent's pose
     parents: Links,
     /// pose in the parent
-    local: Table<Parameter>,
-    poses: Table<State>,
+    local: Table<Parameter, 7>,
+    poses: Table<State, 7>,
     /// own weight, weight of the subtree
-    weights: Table<Scratch>,
+    weights: Table<Scratch, 2>,
     n: usize,
 }
 
@@ -264,10 +274,10 @@ fn links_lead_up_and_down_a_tree() {
     world.state = vec![0.0; 7 * (n + 1)];
     world.state[6] = 1.0;
     let t = Tree {
-        parents: Links::place(&mut 0, n, 1),
-        local: Table::place(&mut 0, n, 7),
-        poses: Table::place(&mut 0, n + 1, 7),
-        weights: Table::place(&mut 0, n + 1, 2),
+        parents: Links::place(&mut 0, n),
+        local: Table::place(&mut 0, n),
+        poses: Table::place(&mut 0, n + 1),
+        weights: Table::place(&mut 0, n + 1),
         n,
     };
     let (program, after) = agree!(world, tree(t));
@@ -278,7 +288,13 @@ fn links_lead_up_and_down_a_tree() {
 
 /// Heron's square root of each number in a row whose range is a pair of links,
 /// and the sum of the roots: nested loops, cells, an early exit.
-fn heron<M: Machine>(k: &mut M, rows: Links, numbers: Table<State>, sums: Table<Output>, n: usize) {
+fn heron<M: Machine>(
+    k: &mut M,
+    rows: Links<2>,
+    numbers: Table<State, 2>,
+    sums: Table<Output>,
+    n: usize,
+) {
     for i in k.count(n) {
         let mut sum = k.cell(M::R::zero());
         let (from, to) = (k.link(rows, i, 0), k.link(rows, i, 1));
@@ -311,9 +327,9 @@ fn cells_carry_values_and_loops_end_early() {
         output: vec![0.0; 3],
         ..World::default()
     };
-    let rows = Links::place(&mut 0, 3, 2);
-    let numbers = Table::place(&mut 0, 5, 2);
-    let sums = Table::place(&mut 0, 3, 1);
+    let rows = Links::place(&mut 0, 3);
+    let numbers = Table::place(&mut 0, 5);
+    let sums = Table::place(&mut 0, 3);
     let (program, after) = agree!(world, heron(rows, numbers, sums, 3));
     assert_eq!(after.output[0], 5.0);
     assert_eq!(after.output[1], 0.0, "an empty range has no rounds");
@@ -326,7 +342,7 @@ fn cells_carry_values_and_loops_end_early() {
 }
 
 /// Each kind of row by its own rule: branches on links, indices and masks.
-fn kinds<M: Machine>(k: &mut M, kinds: Links, table: Table<State>, n: usize) {
+fn kinds<M: Machine>(k: &mut M, kinds: Links, table: Table<State, 3>, n: usize) {
     let mut total = Vec3::<M::R>::zero().hold(k);
     for i in k.count(n) {
         let kind = k.link(kinds, i, 0);
@@ -363,8 +379,8 @@ fn branches_are_taken_where_they_hold() {
         ],
         ..World::default()
     };
-    let links = Links::place(&mut 0, 4, 1);
-    let table = Table::place(&mut 0, 5, 3);
+    let links = Links::place(&mut 0, 4);
+    let table = Table::place(&mut 0, 5);
     let (program, after) = agree!(world, kinds(links, table, 4));
     assert_eq!(after.state[..6], [2., 2., 2., 2., 3., 2.]);
     assert_eq!(after.state[6..12], world.state[6..12]);
@@ -382,7 +398,7 @@ fn branches_are_taken_where_they_hold() {
 }
 
 fn place() -> Table<State> {
-    Table::place(&mut 0, 10, 1)
+    Table::place(&mut 0, 10)
 }
 
 fn fault(kernel: impl FnOnce(&mut Tracer<'_>)) -> TraceError {
@@ -511,7 +527,7 @@ fn rows_outside_of_a_memory_stop_the_interpreter() {
         let x = k.load(place(), row, 0);
         k.store(place(), row.offset(1), 0, x);
     }
-    let program = trace::record(|k| reach(k, Links::place(&mut 0, 1, 1))).unwrap();
+    let program = trace::record(|k| reach(k, Links::place(&mut 0, 1))).unwrap();
     let run = |row: Option<u32>| {
         let mut world = World {
             state: vec![1.0; 3],
@@ -545,7 +561,7 @@ fn body(shader: &str) -> &str {
 
 #[test]
 fn prints_as_one_line_an_instruction() {
-    fn kernel<M: Machine>(k: &mut M, rows: Table<State>, scale: Table<Parameter>) {
+    fn kernel<M: Machine>(k: &mut M, rows: Table<State, 3>, scale: Table<Parameter>) {
         for b in k.range_down(k.index(4)) {
             let x = k.load(rows, b, 2);
             let tall = x.gt(M::R::lit(0.1));
@@ -557,7 +573,7 @@ fn prints_as_one_line_an_instruction() {
         }
     }
     let mut end = 5;
-    let (rows, scale) = (Table::place(&mut end, 4, 3), Table::place(&mut 0, 3, 1));
+    let (rows, scale) = (Table::place(&mut end, 4), Table::place(&mut 0, 3));
     let program = trace::record(|k| kernel(k, rows, scale)).unwrap();
     let shader = program.to_wgsl(&WgslOptions::default()).unwrap();
     let expected = "\
@@ -591,7 +607,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
 
 #[test]
 fn equal_expressions_are_recorded_once_where_they_are_visible() {
-    fn kernel<M: Machine>(k: &mut M, inputs: Table<Input>, table: Table<State>) {
+    fn kernel<M: Machine>(k: &mut M, inputs: Table<Input>, table: Table<State, 3>) {
         let zero = k.index(0);
         let outside = k.load(inputs, zero, 0).sqrt();
         k.store(table, zero, 0, outside);
@@ -607,7 +623,7 @@ fn equal_expressions_are_recorded_once_where_they_are_visible() {
         state: vec![0.0; 3],
         ..World::default()
     };
-    let (inputs, table) = (Table::place(&mut 0, 1, 1), Table::place(&mut 0, 1, 3));
+    let (inputs, table) = (Table::place(&mut 0, 1), Table::place(&mut 0, 1));
     let (program, _) = agree!(world, kernel(inputs, table));
     let n = program.operations();
     // One root and one comparison; the sum in the branch is not visible after it.
@@ -641,12 +657,16 @@ fn read_back(program: &Program) -> f32 {
 }
 
 /// Straight-line expressions: each step takes three earlier values.
-fn straight<M: Machine>(k: &mut M, inputs: Table<Input>, results: Table<Output>, steps: &[Step]) {
+fn straight<M: Machine>(
+    k: &mut M,
+    inputs: Table<Input, 4>,
+    results: Table<Output>,
+    steps: &[Step],
+) {
     let zero = k.index(0);
     let mut values = vec![M::R::lit(1.5), M::R::lit(-0.25)];
-    for field in 0..inputs.width {
-        values.push(k.load(inputs, zero, field));
-    }
+    let inputs: [M::R; 4] = k.read(inputs, zero, 0);
+    values.extend(inputs);
     for (operation, places) in steps {
         let [a, b, c] = places.map(|place| values[place.index(values.len())]);
         values.push(match operation {
@@ -684,7 +704,7 @@ proptest! {
         input in prop::collection::vec(-100.0f32..100.0, 4),
     ) {
         let world = World { input, output: vec![0.0], ..World::default() };
-        let (inputs, results) = (Table::place(&mut 0, 1, 4), Table::place(&mut 0, 1, 1));
+        let (inputs, results) = (Table::place(&mut 0, 1), Table::place(&mut 0, 1));
         let mut expected = world.clone();
         straight(&mut expected.cpu(), inputs, results, &steps);
         let program = trace::record(|k| straight(k, inputs, results, &steps)).unwrap();
