@@ -167,7 +167,7 @@ impl ForceTables {
             f.link(self.ball_links, row, 0, q);
             f.link(self.ball_links, row, 1, v);
             let d = &dofs[0].drive;
-            let x = [d.stiffness, d.damping, d.effort_limit, d.control_time];
+            let x = [d.stiffness, d.damping, bounded(d.effort_limit), d.control_time];
             f.numbers(self.ball, row, 0, &x);
         }
         for (row, a) in model.actuators.iter().enumerate() {
