@@ -22,7 +22,10 @@ pub trait Files {
 
 /// Reads the text of `name`; the error names the file.
 pub(crate) fn read(files: &dyn Files, name: &str) -> Result<String, FormatError> {
-    files.read(name).map_err(|source| FormatError::Read { file: files.path(name), source })
+    files.read(name).map_err(|source| FormatError::Read {
+        file: files.path(name),
+        source,
+    })
 }
 
 /// Files in a folder on disk.
@@ -68,13 +71,21 @@ pub struct InMemory(HashMap<String, String>);
 impl InMemory {
     /// Names and texts.
     pub fn new<N: Into<String>, T: Into<String>>(files: impl IntoIterator<Item = (N, T)>) -> Self {
-        Self(files.into_iter().map(|(name, text)| (name.into(), text.into())).collect())
+        Self(
+            files
+                .into_iter()
+                .map(|(name, text)| (name.into(), text.into()))
+                .collect(),
+        )
     }
 }
 
 impl Files for InMemory {
     fn read(&self, name: &str) -> io::Result<String> {
-        self.0.get(name).cloned().ok_or_else(|| io::ErrorKind::NotFound.into())
+        self.0
+            .get(name)
+            .cloned()
+            .ok_or_else(|| io::ErrorKind::NotFound.into())
     }
 
     fn path(&self, name: &str) -> String {

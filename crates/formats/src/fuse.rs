@@ -51,10 +51,12 @@ impl Fusion {
         if self.into.iter().enumerate().all(|(i, into)| i == *into) {
             return;
         }
-        let placed: Vec<Pose> = (0..self.into.len()).map(|i| self.relative_pose(parts, i)).collect();
-        for i in 0..self.into.len() {
+        let placed: Vec<Pose> = (0..self.into.len())
+            .map(|i| self.relative_pose(parts, i))
+            .collect();
+        for (i, pose) in placed.iter().enumerate() {
             if self.into[i] != i {
-                let taken_up = mass_properties(&parts.bodies[i]).placed(&placed[i]);
+                let taken_up = mass_properties(&parts.bodies[i]).placed(pose);
                 take_up(&mut parts.bodies[self.into[i]], &taken_up);
             }
         }
@@ -103,7 +105,9 @@ impl Fusion {
         let mut i = 0..;
         parts.bodies.retain(|_| i.next().is_some_and(stays));
         let mut stays = joint_stays.iter();
-        parts.joints.retain(|_| stays.next().is_some_and(|stays| *stays));
+        parts
+            .joints
+            .retain(|_| stays.next().is_some_and(|stays| *stays));
         for shape in &mut parts.shapes {
             shape.body = shape.body.map(to_body);
         }
@@ -131,7 +135,11 @@ fn fixed(parts: &Parts) -> impl DoubleEndedIterator<Item = (usize, usize)> + '_ 
 }
 
 fn mass_properties(body: &Body) -> MassProperties {
-    MassProperties { mass: body.mass, center: body.center, inertia: body.inertia }
+    MassProperties {
+        mass: body.mass,
+        center: body.center,
+        inertia: body.inertia,
+    }
 }
 
 fn take_up(body: &mut Body, other: &MassProperties) {

@@ -6,15 +6,22 @@ use glam::{DMat3, DVec3};
 use model::MassProperties;
 
 /// Mass properties of what has no mass.
-pub(crate) const NOTHING: MassProperties =
-    MassProperties { mass: 0.0, center: DVec3::ZERO, inertia: DMat3::ZERO };
+pub(crate) const NOTHING: MassProperties = MassProperties {
+    mass: 0.0,
+    center: DVec3::ZERO,
+    inertia: DMat3::ZERO,
+};
 
 /// The largest principal moment may exceed the sum of the others by this share of itself.
 const TRIANGLE_TOLERANCE: f64 = 1e-6;
 
 /// A symmetric matrix from its six entries.
 pub(crate) fn symmetric([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> DMat3 {
-    DMat3::from_cols(DVec3::new(xx, xy, xz), DVec3::new(xy, yy, yz), DVec3::new(xz, yz, zz))
+    DMat3::from_cols(
+        DVec3::new(xx, xy, xz),
+        DVec3::new(xy, yy, yz),
+        DVec3::new(xz, yz, zz),
+    )
 }
 
 /// Whether a principal moment exceeds the sum of the other two, as no solid's does.
@@ -27,7 +34,10 @@ pub(crate) fn violates_triangle(moments: DVec3) -> bool {
 pub(crate) fn check(element: &Element, moments: DVec3, remedy: &str) -> Result<(), FormatError> {
     if moments.min_element() < 0.0 {
         return Err(element.invalid(
-            &format!("its inertia has the negative principal moment {}", moments.min_element()),
+            &format!(
+                "its inertia has the negative principal moment {}",
+                moments.min_element()
+            ),
             "correct the inertia; its matrix must be positive definite",
         ));
     }

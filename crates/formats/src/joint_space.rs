@@ -25,8 +25,13 @@ impl JointSpace {
     pub fn new(parts: &Parts) -> Self {
         let mut chain = Chain::new(parts);
         chain.factor();
-        let inverse_diagonal = (0..chain.rows.len()).map(|i| chain.inverse_diagonal(i)).collect();
-        Self { start: chain.start, inverse_diagonal }
+        let inverse_diagonal = (0..chain.rows.len())
+            .map(|i| chain.inverse_diagonal(i))
+            .collect();
+        Self {
+            start: chain.start,
+            inverse_diagonal,
+        }
     }
 
     /// (H⁻¹)ᵢᵢ [1/kg or 1/(kg·m²)] of a joint's degree of freedom: acceleration per force.
@@ -64,7 +69,11 @@ impl Composite {
         let c2 = DMat3::from_diagonal(DVec3::splat(center.length_squared()));
         let outer = DMat3::from_cols(center * center.x, center * center.y, center * center.z);
         let inertia = r * body.inertia * r.transpose() + body.mass * (c2 - outer);
-        Self { mass: body.mass, moment: body.mass * center, inertia }
+        Self {
+            mass: body.mass,
+            moment: body.mass * center,
+            inertia,
+        }
     }
 
     fn add(&mut self, other: Self) {
@@ -92,7 +101,11 @@ struct Chain {
 impl Chain {
     fn new(parts: &Parts) -> Self {
         let composites = composites(parts);
-        let mut chain = Self { start: Vec::new(), parent: Vec::new(), rows: Vec::new() };
+        let mut chain = Self {
+            start: Vec::new(),
+            parent: Vec::new(),
+            rows: Vec::new(),
+        };
         let mut twists: Vec<Twist> = Vec::new();
         let mut last = vec![None; parts.bodies.len()];
         for joint in &parts.joints {
@@ -107,8 +120,7 @@ impl Chain {
                 chain.parent.push(parent);
                 let subtree = composites[joint.child.0];
                 let path = chain.path(i);
-                let mut row: Vec<f64> =
-                    path.map(|k| subtree.couples(twists[k], twist)).collect();
+                let mut row: Vec<f64> = path.map(|k| subtree.couples(twists[k], twist)).collect();
                 row[0] += dof.armature;
                 chain.rows.push(row);
                 parent = Some(i);
@@ -178,13 +190,18 @@ fn motions(joint: &Joint, parts: &Parts) -> Vec<Twist> {
     };
     let turn = |direction: DVec3, anchor: DVec3| {
         let angular = frame.direction(direction);
-        Twist { angular, linear: frame.point(anchor).cross(angular) }
+        Twist {
+            angular,
+            linear: frame.point(anchor).cross(angular),
+        }
     };
     match joint.kind {
         JointKind::Ball => DVec3::AXES.iter().map(|a| turn(*a, DVec3::ZERO)).collect(),
         JointKind::Free => {
             let slides = DVec3::AXES.iter().map(|a| slide(*a));
-            slides.chain(DVec3::AXES.iter().map(|a| turn(*a, DVec3::ZERO))).collect()
+            slides
+                .chain(DVec3::AXES.iter().map(|a| turn(*a, DVec3::ZERO)))
+                .collect()
         }
         _ => joint
             .axes
@@ -237,7 +254,13 @@ mod tests {
         (body.mass, body.inertia) = (0.0, DMat3::ZERO);
         parts.bodies.push(body);
         let axes = vec![Axis::angular(DVec3::Y)];
-        parts.joints.push(Joint::new("pin", JointKind::Revolute, None, BodyId(0), axes));
+        parts.joints.push(Joint::new(
+            "pin",
+            JointKind::Revolute,
+            None,
+            BodyId(0),
+            axes,
+        ));
         assert_eq!(JointSpace::new(&parts).effective_inertia(0, 0), 0.0);
     }
 }

@@ -65,7 +65,7 @@ pub struct Loaded {
 pub fn load(path: &Path, options: &Options) -> Result<Loaded, FormatError> {
     let (folder, file) = Folder::around(path);
     let text = files::read(&folder, &file)?;
-    parse(&text, &file, &folder, options)
+    parse(&text, &folder.path(&file), &folder, options)
 }
 
 /// Reads a text as [`load`] does; `file` names it in messages, `files` finds what it includes.

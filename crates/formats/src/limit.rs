@@ -38,7 +38,12 @@ impl Softness {
         } else {
             (-first, -second)
         };
-        Limit { lower, upper, stiffness: inertia * k, damping: inertia * b }
+        Limit {
+            lower,
+            upper,
+            stiffness: inertia * k,
+            damping: inertia * b,
+        }
     }
 }
 
@@ -57,7 +62,10 @@ mod tests {
 
     #[test]
     fn short_time_constants_are_raised() {
-        assert_eq!(Softness([1e-6, 1.0]).limit((0.0, 1.0), 1.0, 0.01).damping, 100.0);
+        assert_eq!(
+            Softness([1e-6, 1.0]).limit((0.0, 1.0), 1.0, 0.01).damping,
+            100.0
+        );
     }
 
     #[test]

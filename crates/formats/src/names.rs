@@ -17,7 +17,9 @@ impl Taken {
         if name.is_empty() {
             let numbered = (2..).map(|i| format!("{wish}_{i}"));
             let mut wishes = std::iter::once(wish.to_owned()).chain(numbered);
-            *name = wishes.find(|wish| !self.0.contains(wish)).unwrap_or_default();
+            *name = wishes
+                .find(|wish| !self.0.contains(wish))
+                .unwrap_or_default();
             self.0.insert(name.clone());
         }
     }
@@ -47,7 +49,12 @@ pub(crate) fn complete(parts: &mut Parts) {
 }
 
 fn complete_dofs(parts: &mut Parts) {
-    let mut taken = Taken::by(parts.joints.iter().flat_map(|j| j.dofs.iter().map(|d| &d.name)));
+    let mut taken = Taken::by(
+        parts
+            .joints
+            .iter()
+            .flat_map(|j| j.dofs.iter().map(|d| &d.name)),
+    );
     for joint in &mut parts.joints {
         let single = joint.dofs.len() == 1;
         for (i, Dof { name, .. }) in joint.dofs.iter_mut().enumerate() {

@@ -20,7 +20,11 @@ pub struct Warning {
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}: <{}>: {}", self.file, self.line, self.element, self.message)
+        write!(
+            f,
+            "{}:{}: <{}>: {}",
+            self.file, self.line, self.element, self.message
+        )
     }
 }
 
@@ -33,7 +37,11 @@ pub(crate) struct Report {
 
 impl Report {
     pub fn new(lenient: bool) -> Self {
-        Self { lenient, warnings: Vec::new(), seen: HashSet::new() }
+        Self {
+            lenient,
+            warnings: Vec::new(),
+            seen: HashSet::new(),
+        }
     }
 
     /// Notes that `what` of an element is left out, the first time that this kind of thing is met.

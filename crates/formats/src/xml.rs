@@ -35,8 +35,16 @@ pub(crate) fn parse(text: &str, file: &str) -> Result<Element, FormatError> {
     };
     let document = roxmltree::Document::parse_with_options(text, options).map_err(|error| {
         let position = error.pos();
-        let place = Place { file: lines.file.clone(), line: position.row, column: position.col };
-        FormatError::Xml { place, problem: without_position(&error.to_string()) }
+        let place = Place {
+            file: lines.file.clone(),
+            line: position.row,
+            column: position.col,
+        };
+        let problem = match error {
+            roxmltree::Error::DtdDetected => "document type definitions are not read".into(),
+            other => without_position(&other.to_string()),
+        };
+        FormatError::Xml { place, problem }
     })?;
     convert(document.root_element(), &lines, 1)
 }
@@ -80,15 +88,25 @@ struct Lines<'a> {
 impl<'a> Lines<'a> {
     fn new(text: &'a str, file: &str) -> Self {
         let newlines = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
-        let starts = std::iter::once(0).chain(newlines.map(|(i, _)| i + 1)).collect();
-        Self { text, file: file.into(), starts }
+        let starts = std::iter::once(0)
+            .chain(newlines.map(|(i, _)| i + 1))
+            .collect();
+        Self {
+            text,
+            file: file.into(),
+            starts,
+        }
     }
 
     fn place(&self, offset: usize) -> Place {
         let row = self.starts.partition_point(|start| *start <= offset);
         let line = &self.text[self.starts[row - 1]..offset];
         let column = line.chars().count() + 1;
-        Place { file: self.file.clone(), line: row as u32, column: column as u32 }
+        Place {
+            file: self.file.clone(),
+            line: row as u32,
+            column: column as u32,
+        }
     }
 }
 
@@ -125,7 +143,10 @@ impl Element {
 
     /// An attribute's text.
     pub fn get(&self, name: &str) -> Option<&str> {
-        self.attributes.iter().find(|a| a.name == name).map(|a| a.value.as_str())
+        self.attributes
+            .iter()
+            .find(|a| a.name == name)
+            .map(|a| a.value.as_str())
     }
 
     /// Whether an attribute is there.
@@ -136,14 +157,31 @@ impl Element {
     /// An attribute's text; missing, an error.
     pub fn require(&self, name: &str) -> Result<&str, FormatError> {
         self.get(name).ok_or_else(|| {
-            self.invalid(&format!("attribute `{name}` is missing"), &format!("write {name}=\"…\""))
+            self.invalid(
+                &format!("attribute `{name}` is missing"),
+                &format!("write {name}=\"…\""),
+            )
         })
+    }
+
+    /// The element without its children.
+    pub fn shallow(&self) -> Self {
+        Self {
+            name: self.name.clone(),
+            attributes: self.attributes.clone(),
+            children: Vec::new(),
+            place: self.place.clone(),
+        }
     }
 
     /// Takes over attributes, in the place of its own of the same name.
     pub fn inherit_over(&mut self, attributes: &[Attribute]) {
         for attribute in attributes {
-            match self.attributes.iter_mut().find(|own| own.name == attribute.name) {
+            match self
+                .attributes
+                .iter_mut()
+                .find(|own| own.name == attribute.name)
+            {
                 Some(own) => *own = attribute.clone(),
                 None => self.attributes.push(attribute.clone()),
             }
@@ -167,7 +205,9 @@ impl Element {
         least: usize,
         most: usize,
     ) -> Result<Option<Vec<f64>>, FormatError> {
-        let Some(text) = self.get(name) else { return Ok(None) };
+        let Some(text) = self.get(name) else {
+            return Ok(None);
+        };
         let mut numbers = Vec::new();
         for word in text.split_ascii_whitespace() {
             match word.parse::<f64>() {
@@ -186,6 +226,7 @@ impl Element {
         }
         let wanted = match (least, most) {
             (a, b) if a == b => format!("{a}"),
+            (0, b) => format!("at most {b}"),
             (a, usize::MAX) => format!("at least {a}"),
             (a, b) => format!("{a} to {b}"),
         };
@@ -227,7 +268,9 @@ impl Element {
 
     /// A whole number.
     pub fn integer(&self, name: &str) -> Result<Option<i64>, FormatError> {
-        let Some(text) = self.get(name) else { return Ok(None) };
+        let Some(text) = self.get(name) else {
+            return Ok(None);
+        };
         let remedy = "write a whole number such as 1 or -2";
         let number = text.trim().parse();
         number.map(Some).map_err(|_| {
@@ -237,7 +280,9 @@ impl Element {
 
     /// One of the given words.
     pub fn word<'a>(&self, name: &str, words: &[&'a str]) -> Result<Option<&'a str>, FormatError> {
-        let Some(text) = self.get(name) else { return Ok(None) };
+        let Some(text) = self.get(name) else {
+            return Ok(None);
+        };
         match words.iter().find(|word| **word == text) {
             Some(word) => Ok(Some(word)),
             None => Err(self.invalid_attribute(
@@ -250,6 +295,8 @@ impl Element {
 
     /// "true" or "false".
     pub fn truth(&self, name: &str) -> Result<Option<bool>, FormatError> {
-        Ok(self.word(name, &["true", "false"])?.map(|word| word == "true"))
+        Ok(self
+            .word(name, &["true", "false"])?
+            .map(|word| word == "true"))
     }
 }

@@ -17,13 +17,19 @@ fn folder() -> PathBuf {
 
 fn load(name: &str) -> (Model, Value) {
     let path = folder().join(format!("{name}.xml"));
-    let model = formats::load(&path, &Options::default()).unwrap_or_else(|e| panic!("{e}")).model;
+    let model = formats::load(&path, &Options::default())
+        .unwrap_or_else(|e| panic!("{e}"))
+        .model;
     let text = std::fs::read_to_string(path.with_extension("json")).expect("a reference");
     let reference: Value = serde_json::from_str(&text).expect("JSON");
     compare_bodies(&model, &reference);
     compare_poses(&model, &reference);
     close(model.time_step, number(&reference["timestep"]), name);
-    assert!(model.gravity.abs_diff_eq(vector(&reference["gravity"]), TOLERANCE));
+    assert!(
+        model
+            .gravity
+            .abs_diff_eq(vector(&reference["gravity"]), TOLERANCE)
+    );
     (model, reference)
 }
 
@@ -32,15 +38,26 @@ fn matrix(rows: &Value) -> DMat3 {
 }
 
 fn compare_bodies(model: &Model, reference: &Value) {
-    assert_eq!(model.bodies.len() + 1, reference["body_name"].as_array().unwrap().len());
+    assert_eq!(
+        model.bodies.len() + 1,
+        reference["body_name"].as_array().unwrap().len()
+    );
     for (i, body) in model.bodies.iter().enumerate() {
         let of = |field: &str| &reference[field][i + 1];
         assert_eq!(of("body_name"), body.name.as_str());
         close(body.mass, number(of("body_mass")), &body.name);
-        assert!(body.center.abs_diff_eq(vector(of("body_ipos")), TOLERANCE), "{}", body.name);
+        assert!(
+            body.center.abs_diff_eq(vector(of("body_ipos")), TOLERANCE),
+            "{}",
+            body.name
+        );
         let inertia = matrix(of("body_inertia"));
         let scale = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
-        assert!(body.inertia.abs_diff_eq(inertia, TOLERANCE * scale), "{}", body.name);
+        assert!(
+            body.inertia.abs_diff_eq(inertia, TOLERANCE * scale),
+            "{}",
+            body.name
+        );
     }
 }
 
@@ -49,22 +66,44 @@ fn compare_poses(model: &Model, reference: &Value) {
         let poses = poses(model, &coordinates(model, &state["qpos"]));
         for (row, (body, pose)) in model.bodies.iter().zip(&poses).enumerate() {
             let at = vector(&state["xpos"][row + 1]);
-            assert!(pose.position.abs_diff_eq(at, TOLERANCE), "{} at {at}", body.name);
+            assert!(
+                pose.position.abs_diff_eq(at, TOLERANCE),
+                "{} at {at}",
+                body.name
+            );
             let turn = quaternion(&state["xquat"][row + 1]);
-            assert!(pose.orientation.dot(turn).abs() > 1.0 - TOLERANCE, "{}", body.name);
+            assert!(
+                pose.orientation.dot(turn).abs() > 1.0 - TOLERANCE,
+                "{}",
+                body.name
+            );
             if i == 0 {
-                assert!(body.pose.position.abs_diff_eq(at, TOLERANCE), "{}", body.name);
+                assert!(
+                    body.pose.position.abs_diff_eq(at, TOLERANCE),
+                    "{}",
+                    body.name
+                );
             }
         }
         for (row, shape) in model.shapes.iter().enumerate() {
             let body = shape.body.map_or(Pose::IDENTITY, |id| poses[id.0]);
             let pose = body * standing_along_z(shape.pose, &shape.geometry);
-            assert!(pose.position.abs_diff_eq(vector(&state["geom_xpos"][row]), TOLERANCE));
-            let m: Vec<f64> =
-                state["geom_xmat"][row].as_array().unwrap().iter().map(number).collect();
+            assert!(
+                pose.position
+                    .abs_diff_eq(vector(&state["geom_xpos"][row]), TOLERANCE)
+            );
+            let m: Vec<f64> = state["geom_xmat"][row]
+                .as_array()
+                .unwrap()
+                .iter()
+                .map(number)
+                .collect();
             let m = DMat3::from_cols_slice(&m).transpose();
             let own = DMat3::from_quat(pose.orientation);
-            assert!(own.abs_diff_eq(m, TOLERANCE), "shape {row}: {own} is not {m}");
+            assert!(
+                own.abs_diff_eq(m, TOLERANCE),
+                "shape {row}: {own} is not {m}"
+            );
         }
     }
 }
@@ -96,10 +135,14 @@ fn inertia() {
         let size = vector(&reference["geom_size"][row]);
         let own = match shape.geometry {
             Geometry::Sphere { radius } => DVec3::new(radius, 0.0, 0.0),
-            Geometry::Capsule { radius, half_height } => {
-                DVec3::new(radius, half_height - radius, 0.0)
-            }
-            Geometry::Cylinder { radius, half_height } => DVec3::new(radius, half_height, 0.0),
+            Geometry::Capsule {
+                radius,
+                half_height,
+            } => DVec3::new(radius, half_height - radius, 0.0),
+            Geometry::Cylinder {
+                radius,
+                half_height,
+            } => DVec3::new(radius, half_height, 0.0),
             Geometry::Box { half } | Geometry::Ellipsoid { half } => half,
             _ => panic!("no other shapes"),
         };
@@ -125,8 +168,15 @@ fn joints() {
         let joint = reference["dof_jntid"][i].as_u64().unwrap() as usize;
         compare_joint(dof, &reference, joint, of("dof_invweight0"));
     }
-    let names: Vec<&str> = model.joints.iter().map(|joint| joint.name.as_str()).collect();
-    assert_eq!(names, ["stack", "socket", "tuned", "welded", "flying", "direct"]);
+    let names: Vec<&str> = model
+        .joints
+        .iter()
+        .map(|joint| joint.name.as_str())
+        .collect();
+    assert_eq!(
+        names,
+        ["stack", "socket", "tuned", "welded", "flying", "direct"]
+    );
     assert_eq!(model.joints[0].dofs[3].name, "second");
 }
 
@@ -138,9 +188,18 @@ fn compare_joint(dof: &Dof, reference: &Value, joint: usize, inverse_inertia: f6
     let scalar = number(of("jnt_type")) >= 2.0;
     if scalar && dof.stiffness > 0.0 {
         let address = of("jnt_qposadr").as_u64().unwrap() as usize;
-        close(dof.rest, number(&reference["qpos_spring"][address]), &dof.name);
+        close(
+            dof.rest,
+            number(&reference["qpos_spring"][address]),
+            &dof.name,
+        );
     }
-    assert_eq!(dof.limit.is_some(), of("jnt_limited").as_bool().unwrap(), "{}", dof.name);
+    assert_eq!(
+        dof.limit.is_some(),
+        of("jnt_limited").as_bool().unwrap(),
+        "{}",
+        dof.name
+    );
     let Some(limit) = dof.limit else { return };
     let margin = number(of("jnt_margin"));
     close(limit.lower - margin, number(&of("jnt_range")[0]), &dof.name);
@@ -160,7 +219,11 @@ fn keyframes() {
     for (row, key) in model.keyframes.iter().enumerate() {
         let expected = coordinates(&model, &reference["key_qpos"][row]);
         for (own, expected) in key.joint_position.iter().zip(&expected) {
-            assert!((own - expected).abs() < TOLERANCE, "{}: {own} is not {expected}", key.name);
+            assert!(
+                (own - expected).abs() < TOLERANCE,
+                "{}: {own} is not {expected}",
+                key.name
+            );
         }
         for (i, own) in key.joint_velocity.iter().enumerate() {
             close(*own, number(&reference["key_qvel"][row][i]), &key.name);
@@ -179,13 +242,26 @@ fn actuators() {
         for (k, bias) in actuator.bias.iter().enumerate() {
             close(*bias, number(&of("actuator_biasprm")[k]), name);
         }
-        let gears: Vec<f64> = of("actuator_gear").as_array().unwrap().iter().map(number).collect();
+        let gears: Vec<f64> = of("actuator_gear")
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(number)
+            .collect();
         let acting = gears.iter().position(|gear| *gear != 0.0).unwrap();
         assert_eq!(actuator.gear, gears[acting], "{name}");
         assert_eq!(actuator.dof, acting, "{name}");
         for (range, limited, expected) in [
-            (actuator.control_range, "actuator_ctrllimited", "actuator_ctrlrange"),
-            (actuator.force_range, "actuator_forcelimited", "actuator_forcerange"),
+            (
+                actuator.control_range,
+                "actuator_ctrllimited",
+                "actuator_ctrlrange",
+            ),
+            (
+                actuator.force_range,
+                "actuator_forcelimited",
+                "actuator_forcerange",
+            ),
         ] {
             if name == "hold" && expected == "actuator_forcerange" {
                 // −5 … 6 N·m, and with gear 2 the joint's own −3 … 4 N·m.
@@ -202,5 +278,8 @@ fn actuators() {
     let x = dofs(&model)[0];
     close(x.armature, 0.3 * 9.0, "rotor inertia behind gear 3");
     close(x.damping, 0.2 * 9.0, "rotor damping behind gear 3");
-    assert_eq!(model.keyframes[0].control, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
+    assert_eq!(
+        model.keyframes[0].control,
+        [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]
+    );
 }

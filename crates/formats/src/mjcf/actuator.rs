@@ -1,10 +1,10 @@
 //! `<actuator>` (XML reference, "actuator"): motors and servos that act on joints.
 
 use super::Context;
-use super::body::{Tree, TreeJoint};
 use super::defaults::inherit;
 use super::joint::{Kind, linear};
 use super::servo::Servo;
+use super::tree::{Tree, TreeJoint};
 use crate::error::FormatError;
 use crate::report::Report;
 use crate::xml::Element;
@@ -15,17 +15,57 @@ use std::collections::HashSet;
 const KINDS: &[&str] = &["general", "motor", "position", "velocity"];
 /// Elements that are not supported.
 const OTHERS: &[&str] = &[
-    "intvelocity", "damper", "cylinder", "muscle", "adhesion", "plugin", "pid", "orientation",
+    "intvelocity",
+    "damper",
+    "cylinder",
+    "muscle",
+    "adhesion",
+    "plugin",
+    "pid",
+    "orientation",
     "dcmotor",
 ];
 const KNOWN: &[&str] = &[
-    "name", "class", "group", "ctrlrange", "user", "ctrllimited", "forcelimited", "forcerange",
-    "lengthrange", "gear", "damping", "armature", "cranklength", "joint", "jointinparent", "tendon",
-    "slidersite", "cranksite", "site", "refsite", "nsample", "interp", "delay",
+    "name",
+    "class",
+    "group",
+    "ctrlrange",
+    "user",
+    "ctrllimited",
+    "forcelimited",
+    "forcerange",
+    "lengthrange",
+    "gear",
+    "damping",
+    "armature",
+    "cranklength",
+    "joint",
+    "jointinparent",
+    "tendon",
+    "slidersite",
+    "cranksite",
+    "site",
+    "refsite",
+    "nsample",
+    "interp",
+    "delay",
 ];
 const GENERAL: &[&str] = &[
-    "dyntype", "gaintype", "biastype", "dynprm", "gainprm", "biasprm", "body", "actdim", "actearly",
-    "actlimited", "actrange", "inheritrange", "input", "velrange", "ffrange",
+    "dyntype",
+    "gaintype",
+    "biastype",
+    "dynprm",
+    "gainprm",
+    "biasprm",
+    "body",
+    "actdim",
+    "actearly",
+    "actlimited",
+    "actrange",
+    "inheritrange",
+    "input",
+    "velrange",
+    "ffrange",
 ];
 const POSITION: &[&str] = &["kp", "kv", "dampratio", "timeconst", "inheritrange"];
 const VELOCITY: &[&str] = &["kv"];
@@ -48,16 +88,23 @@ pub(super) fn read(
 ) -> Result<Motors, FormatError> {
     let mut motors = Motors::default();
     let mut names = HashSet::new();
-    for element in root.children_named("actuator").flat_map(|section| &section.children) {
+    for element in root
+        .children_named("actuator")
+        .flat_map(|section| &section.children)
+    {
         let row = tree.parts.actuators.len();
         let read = read_one(element, tree, context, report)?;
         motors.kept.push(read.is_some());
-        let Some((actuator, damping_ratio)) = read else { continue };
+        let Some((actuator, damping_ratio)) = read else {
+            continue;
+        };
         if !actuator.name.is_empty() && !names.insert(actuator.name.clone()) {
             let problem = format!("is `{}`, the name of another actuator", actuator.name);
             return Err(element.invalid_attribute("name", &problem, "rename one of them"));
         }
-        motors.damping_ratios.extend(damping_ratio.map(|ratio| (row, ratio)));
+        motors
+            .damping_ratios
+            .extend(damping_ratio.map(|ratio| (row, ratio)));
         tree.parts.actuators.push(actuator);
     }
     limit_joint_forces(tree, report)?;
@@ -75,7 +122,11 @@ fn read_one(
         return Ok(None);
     }
     if !context.physics.on("actuation") {
-        report.note(element, "actuator", "left out, for the flag `actuation` is off");
+        report.note(
+            element,
+            "actuator",
+            "left out, for the flag `actuation` is off",
+        );
         return Ok(None);
     }
     let settings = context.defaults.settings(element, None, KINDS)?;
@@ -83,17 +134,21 @@ fn read_one(
     let servo = levels.into_iter().try_fold(Servo::default(), Servo::with)?;
     let servo = servo.checked(element, report)?;
     let merged = inherit(element, &settings);
-    let Some((target, gear)) = target(&merged, tree, &servo, report)? else { return Ok(None) };
-    let control_range = control_range(element, &merged, target, &servo, context)?;
+    let Some(target) = target(&merged, tree, &servo, report)? else {
+        return Ok(None);
+    };
+    let control_range = control_range(element, &merged, target.joint, &servo, context)?;
     let actuator = Actuator {
         name: element.get("name").unwrap_or_default().to_owned(),
-        joint: target.joint,
-        dof: target.dof + gear.0,
-        gear: gear.1,
+        joint: target.joint.joint,
+        dof: target.joint.dof + target.dof,
+        gear: target.gear,
         gain: servo.gain,
         bias: servo.bias,
         control_range: control_range.filter(|_| context.physics.on("clampctrl")),
-        force_range: context.compiler.range(&merged, "forcelimited", "forcerange")?,
+        force_range: context
+            .compiler
+            .range(&merged, "forcelimited", "forcerange")?,
     };
     add_reflected(&merged, &actuator, tree, context, report)?;
     Ok(Some((actuator, servo.damping_ratio)))
@@ -119,13 +174,21 @@ fn is_supported(element: &Element, report: &mut Report) -> Result<bool, FormatEr
     Ok(true)
 }
 
-/// The joint that the actuator acts on, and the degree of freedom there with its gear.
+/// What an actuator acts on.
+struct Target<'a> {
+    joint: &'a TreeJoint,
+    /// Which of the joint's degrees of freedom.
+    dof: usize,
+    gear: f64,
+}
+
+/// The degree of freedom that the actuator acts on; `None` where it was noted and left out.
 fn target<'a>(
     element: &Element,
     tree: &'a Tree,
     servo: &Servo,
     report: &mut Report,
-) -> Result<Option<(&'a TreeJoint, (usize, f64))>, FormatError> {
+) -> Result<Option<Target<'a>>, FormatError> {
     for other in ["tendon", "site", "body", "cranksite", "slidersite"] {
         if element.has(other) {
             let feature = format!("transmission by `{other}`");
@@ -133,17 +196,31 @@ fn target<'a>(
             return Ok(None);
         }
     }
-    let attribute = if element.has("jointinparent") { "jointinparent" } else { "joint" };
+    let attribute = if element.has("jointinparent") {
+        "jointinparent"
+    } else {
+        "joint"
+    };
     let joint = tree.joint(element, attribute)?;
     let gear = element.list("gear", 1, 6)?.unwrap_or(vec![1.0]);
     let scalar = matches!(joint.file.kind, Kind::Hinge | Kind::Slide);
     if scalar {
-        return Ok(Some((joint, (0, gear[0]))));
+        return Ok(Some(Target {
+            joint,
+            dof: 0,
+            gear: gear[0],
+        }));
     }
     let n = joint.file.kind.degrees_of_freedom();
-    let acting: Vec<usize> = (0..n).filter(|i| gear.get(*i).is_some_and(|g| *g != 0.0)).collect();
+    let acting: Vec<usize> = (0..n)
+        .filter(|i| gear.get(*i).is_some_and(|g| *g != 0.0))
+        .collect();
     match acting[..] {
-        [i] if attribute == "joint" && servo.bias == [0.0; 3] => Ok(Some((joint, (i, gear[i])))),
+        [i] if attribute == "joint" && servo.bias == [0.0; 3] => Ok(Some(Target {
+            joint,
+            dof: i,
+            gear: gear[i],
+        })),
         _ => {
             let feature = "a servo, or more than one axis, at a ball or free joint";
             report.refuse(element, feature, "use one motor for each axis")?;
@@ -202,18 +279,25 @@ fn add_reflected(
 /// `actuatorfrcrange`: the range of all actuators' force on a joint, given to the one that there is.
 fn limit_joint_forces(tree: &mut Tree, report: &mut Report) -> Result<(), FormatError> {
     for joint in &tree.joints {
-        let Some((lower, upper)) = joint.file.force_range else { continue };
+        let Some((lower, upper)) = joint.file.force_range else {
+            continue;
+        };
         if !matches!(joint.file.kind, Kind::Hinge | Kind::Slide) {
             continue;
         }
         let on_it = |a: &&mut Actuator| (a.joint, a.dof) == (joint.joint, joint.dof);
-        let mut acting: Vec<&mut Actuator> = tree.parts.actuators.iter_mut().filter(on_it).collect();
+        let mut acting: Vec<&mut Actuator> =
+            tree.parts.actuators.iter_mut().filter(on_it).collect();
         match &mut acting[..] {
             [] => {}
             [one] => narrow_force_range(one, lower, upper),
             _ => {
                 let feature = "`actuatorfrcrange` at a joint with several actuators";
-                report.refuse(&joint.file.element, feature, "give each a forcerange instead")?;
+                report.refuse(
+                    &joint.file.element,
+                    feature,
+                    "give each a forcerange instead",
+                )?;
             }
         }
     }
@@ -225,6 +309,8 @@ fn narrow_force_range(actuator: &mut Actuator, lower: f64, upper: f64) {
         return;
     }
     let (a, b) = (lower / actuator.gear, upper / actuator.gear);
-    let (own_lower, own_upper) = actuator.force_range.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+    let (own_lower, own_upper) = actuator
+        .force_range
+        .unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
     actuator.force_range = Some((own_lower.max(a.min(b)), own_upper.min(a.max(b))));
 }

@@ -11,8 +11,22 @@ use model::{Geometry, Pose};
 use std::collections::HashMap;
 
 const MESH: &[&str] = &[
-    "name", "content_type", "file", "vertex", "normal", "texcoord", "face", "refpos", "refquat",
-    "scale", "smoothnormal", "maxhullvert", "inertia", "builtin", "params", "material",
+    "name",
+    "content_type",
+    "file",
+    "vertex",
+    "normal",
+    "texcoord",
+    "face",
+    "refpos",
+    "refquat",
+    "scale",
+    "smoothnormal",
+    "maxhullvert",
+    "inertia",
+    "builtin",
+    "params",
+    "material",
 ];
 
 /// A mesh file, and where its origin lies in the geom that uses it.
@@ -37,7 +51,10 @@ impl Assets {
         report: &mut Report,
     ) -> Result<Self, FormatError> {
         let mut assets = Self::default();
-        for asset in root.children_named("asset").flat_map(|section| &section.children) {
+        for asset in root
+            .children_named("asset")
+            .flat_map(|section| &section.children)
+        {
             match asset.name.as_str() {
                 "mesh" => {
                     let element = defaults.apply(asset, None, &["mesh"])?;
@@ -48,7 +65,9 @@ impl Assets {
                 "material" => {
                     let element = defaults.apply(asset, None, &["material"])?;
                     if let Some(color) = color(&element)? {
-                        assets.colors.insert(element.require("name")?.to_owned(), color);
+                        assets
+                            .colors
+                            .insert(element.require("name")?.to_owned(), color);
                     }
                     note_finish(&element, report);
                 }
@@ -69,7 +88,11 @@ impl Assets {
 fn note_finish(material: &Element, report: &mut Report) {
     let finish = |name: &str| !["name", "rgba"].contains(&name);
     if material.attributes.iter().any(|a| finish(&a.name)) {
-        report.note(material, "texture and finish", "only seen; the colour alone is read");
+        report.note(
+            material,
+            "texture and finish",
+            "only seen; the colour alone is read",
+        );
     }
 }
 
@@ -84,14 +107,25 @@ fn mesh(element: &Element, compiler: &Compiler) -> Result<(String, Option<Mesh>)
         file: compiler.mesh_path(file),
         scale: element.vector("scale")?.unwrap_or(DVec3::ONE),
     };
-    Ok((name, Some(Mesh { geometry, origin: reference(element)?.inverse() })))
+    Ok((
+        name,
+        Some(Mesh {
+            geometry,
+            origin: reference(element)?.inverse(),
+        }),
+    ))
 }
 
 /// The frame that a mesh is centred at, `refpos` and `refquat`.
 fn reference(mesh: &Element) -> Result<Pose, FormatError> {
     let position = mesh.vector("refpos")?.unwrap_or(DVec3::ZERO);
-    let quat = mesh.numbers::<4>("refquat")?.unwrap_or([1.0, 0.0, 0.0, 0.0]);
-    Ok(Pose::new(position, orientation::from_quat(mesh, "refquat", quat)?))
+    let quat = mesh
+        .numbers::<4>("refquat")?
+        .unwrap_or([1.0, 0.0, 0.0, 0.0]);
+    Ok(Pose::new(
+        position,
+        orientation::from_quat(mesh, "refquat", quat)?,
+    ))
 }
 
 /// The attribute `rgba`.

@@ -36,10 +36,31 @@ pub(super) struct Compiler {
 }
 
 const KNOWN: &[&str] = &[
-    "autolimits", "boundmass", "boundinertia", "settotalmass", "balanceinertia", "strippath",
-    "coordinate", "angle", "fitaabb", "eulerseq", "meshdir", "texturedir", "assetdir", "usethread",
-    "inertiafromgeom", "inertiagrouprange", "saveinertial", "savecompiled", "savecanonical",
-    "alignfree", "conflict", "passthrough", "convexhull", "exactmeshinertia", "discardvisual",
+    "autolimits",
+    "boundmass",
+    "boundinertia",
+    "settotalmass",
+    "balanceinertia",
+    "strippath",
+    "coordinate",
+    "angle",
+    "fitaabb",
+    "eulerseq",
+    "meshdir",
+    "texturedir",
+    "assetdir",
+    "usethread",
+    "inertiafromgeom",
+    "inertiagrouprange",
+    "saveinertial",
+    "savecompiled",
+    "savecanonical",
+    "alignfree",
+    "conflict",
+    "passthrough",
+    "convexhull",
+    "exactmeshinertia",
+    "discardvisual",
     "fusestatic",
 ];
 
@@ -57,12 +78,21 @@ impl Compiler {
         }
         if section.truth("alignfree")? == Some(true) {
             let remedy = "set it to false";
-            report.refuse(&section, "alignfree, another frame for free bodies,", remedy)?;
+            report.refuse(
+                &section,
+                "alignfree, another frame for free bodies,",
+                remedy,
+            )?;
         }
         let degrees = section.word("angle", &["degree", "radian"])? != Some("radian");
         let truth = |name, default| Ok(section.truth(name)?.unwrap_or(default));
-        let groups = section.numbers::<2>("inertiagrouprange")?.unwrap_or([0.0, 5.0]);
-        let folder = section.get("meshdir").or(section.get("assetdir")).unwrap_or_default();
+        let groups = section
+            .numbers::<2>("inertiagrouprange")?
+            .unwrap_or([0.0, 5.0]);
+        let folder = section
+            .get("meshdir")
+            .or(section.get("assetdir"))
+            .unwrap_or_default();
         Ok(Self {
             angle: if degrees { 1f64.to_radians() } else { 1.0 },
             euler: EulerSequence::read(&section)?,
@@ -100,7 +130,10 @@ impl Compiler {
         range: &str,
     ) -> Result<bool, FormatError> {
         let given = element.has(range);
-        match element.word(limited, &["true", "false", "auto"])?.unwrap_or("auto") {
+        match element
+            .word(limited, &["true", "false", "auto"])?
+            .unwrap_or("auto")
+        {
             "true" if !given => Err(element.invalid_attribute(
                 limited,
                 &format!("is true, but there is no `{range}`"),

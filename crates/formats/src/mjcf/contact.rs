@@ -1,13 +1,16 @@
 //! Which pairs of geoms may touch: `<contact>`, and the geoms' contype and conaffinity.
 
-use super::body::Tree;
+use super::tree::Tree;
 use crate::report::Report;
 use crate::xml::Element;
 use std::collections::HashSet;
 
 /// Notes pairs that the file keeps apart, or together, and the model's collision groups do not.
 pub(super) fn check(root: &Element, tree: &Tree, report: &mut Report) {
-    for rule in root.children_named("contact").flat_map(|section| &section.children) {
+    for rule in root
+        .children_named("contact")
+        .flat_map(|section| &section.children)
+    {
         let meaning = match rule.name.as_str() {
             "exclude" => "the two bodies may touch",
             _ => "the two geoms touch as any others do",
@@ -21,6 +24,10 @@ pub(super) fn check(root: &Element, tree: &Tree, report: &mut Report) {
     });
     if apart {
         let world = root.child("worldbody").unwrap_or(root);
-        report.note(world, "contype and conaffinity", "geoms that they keep apart may touch");
+        report.note(
+            world,
+            "contype and conaffinity",
+            "geoms that they keep apart may touch",
+        );
     }
 }

@@ -21,9 +21,15 @@ pub(super) struct Defaults {
 
 impl Defaults {
     pub fn read(root: &Element) -> Result<Self, FormatError> {
-        let outermost = Class { parent: None, settings: Vec::new() };
+        let outermost = Class {
+            parent: None,
+            settings: Vec::new(),
+        };
         let rows = HashMap::from([(MAIN.to_owned(), 0)]);
-        let mut defaults = Self { classes: vec![outermost], rows };
+        let mut defaults = Self {
+            classes: vec![outermost],
+            rows,
+        };
         for section in root.children_named("default") {
             if let Some(name) = section.get("class") {
                 defaults.rows.insert(name.to_owned(), 0);
@@ -48,7 +54,10 @@ impl Defaults {
                     "rename one of them",
                 ));
             }
-            self.classes.push(Class { parent: Some(row), settings: Vec::new() });
+            self.classes.push(Class {
+                parent: Some(row),
+                settings: Vec::new(),
+            });
             self.read_class(child, inner)?;
         }
         Ok(())
@@ -73,7 +82,9 @@ impl Defaults {
             row = self.classes[i].parent;
         }
         let settings = chain.iter().rev().flat_map(|i| &self.classes[*i].settings);
-        Ok(settings.filter(|setting| names.contains(&setting.name.as_str())).collect())
+        Ok(settings
+            .filter(|setting| names.contains(&setting.name.as_str()))
+            .collect())
     }
 
     /// The class that an attribute of an element names, `class` or `childclass`.

@@ -1,8 +1,8 @@
 //! `<equality>` (XML reference, "equality"): joints that close a loop, and couplings.
 
 use super::Context;
-use super::body::{Tree, TreeJoint};
 use super::joint::Kind;
+use super::tree::{Tree, TreeJoint};
 use crate::error::FormatError;
 use crate::report::Report;
 use crate::xml::Element;
@@ -31,7 +31,10 @@ pub(super) fn read(
     report: &mut Report,
 ) -> Result<(), FormatError> {
     let mut names = HashSet::new();
-    for element in root.children_named("equality").flat_map(|section| &section.children) {
+    for element in root
+        .children_named("equality")
+        .flat_map(|section| &section.children)
+    {
         if !context.physics.on("equality") {
             report.note(element, "equality", "left out, for its flag is off");
             continue;
@@ -39,7 +42,11 @@ pub(super) fn read(
         let kind = element.name.as_str();
         if !["connect", "weld", "joint"].contains(&kind) {
             let remedy = "remove it, or use connect, weld or joint";
-            report.refuse(element, &format!("an equality constraint of kind {kind}"), remedy)?;
+            report.refuse(
+                element,
+                &format!("an equality constraint of kind {kind}"),
+                remedy,
+            )?;
             continue;
         }
         let merged = context.defaults.apply(element, None, &["equality"])?;
@@ -66,16 +73,33 @@ fn close_loop(element: &Element, tree: &mut Tree, report: &mut Report) -> Result
         let remedy = "name two different bodies";
         return Err(element.invalid("it ties a body to itself", remedy));
     }
-    let ((parent, parent_frame), (child, child_frame)) =
-        if tree.moves(two.0) { (one, two) } else { (two, one) };
+    let ((parent, parent_frame), (child, child_frame)) = if tree.moves(two.0) {
+        (one, two)
+    } else {
+        (two, one)
+    };
     let Some(child) = child.filter(|_| tree.moves(child)) else {
-        report.note(element, "constraint", "left out, for neither of its bodies moves");
+        report.note(
+            element,
+            "constraint",
+            "left out, for neither of its bodies moves",
+        );
         return Ok(());
     };
     let name = element.get("name").unwrap_or_default();
     let mut joint = Joint::new(name, kind, parent, child, Vec::new());
-    let dof_name = |i: usize| if name.is_empty() { String::new() } else { format!("{name}_{i}") };
-    joint.dofs.iter_mut().enumerate().for_each(|(i, dof)| dof.name = dof_name(i));
+    let dof_name = |i: usize| {
+        if name.is_empty() {
+            String::new()
+        } else {
+            format!("{name}_{i}")
+        }
+    };
+    joint
+        .dofs
+        .iter_mut()
+        .enumerate()
+        .for_each(|(i, dof)| dof.name = dof_name(i));
     (joint.parent_frame, joint.child_frame) = (parent_frame, child_frame);
     joint.closes_loop = true;
     joint.enabled = element.truth("active")?.unwrap_or(true);
@@ -86,7 +110,10 @@ fn close_loop(element: &Element, tree: &mut Tree, report: &mut Report) -> Result
 /// Sites may be given instead of bodies.
 fn site_ends(element: &Element, tree: &Tree) -> Result<Option<(End, End)>, FormatError> {
     if element.has("site1") || element.has("site2") {
-        return Ok(Some((tree.site(element, "site1")?, tree.site(element, "site2")?)));
+        return Ok(Some((
+            tree.site(element, "site1")?,
+            tree.site(element, "site2")?,
+        )));
     }
     Ok(None)
 }
@@ -94,7 +121,7 @@ fn site_ends(element: &Element, tree: &Tree) -> Result<Option<(End, End)>, Forma
 /// The second body; without one, the world.
 fn second_body(element: &Element, tree: &Tree) -> Result<Option<BodyId>, FormatError> {
     match element.has("body2") {
-        true => tree.body_named(element, "body2"),
+        true => tree.body(element, "body2"),
         false => Ok(None),
     }
 }
@@ -104,7 +131,7 @@ fn connect_ends(element: &Element, tree: &Tree) -> Result<(End, End), FormatErro
     if let Some(((one, a), (two, b))) = site_ends(element, tree)? {
         return Ok(((one, Pose::at(a.position)), (two, Pose::at(b.position))));
     }
-    let (one, two) = (tree.body_named(element, "body1")?, second_body(element, tree)?);
+    let (one, two) = (tree.body(element, "body1")?, second_body(element, tree)?);
     element.require("anchor")?;
     let frame = Pose::at(element.vector("anchor")?.unwrap_or(DVec3::ZERO));
     let seen = tree.pose(two).inverse() * tree.pose(one) * frame;
@@ -117,9 +144,11 @@ fn weld_ends(element: &Element, tree: &Tree) -> Result<(End, End), FormatError> 
     if let Some(ends) = site_ends(element, tree)? {
         return Ok(ends);
     }
-    let (one, two) = (tree.body_named(element, "body1")?, second_body(element, tree)?);
+    let (one, two) = (tree.body(element, "body1")?, second_body(element, tree)?);
     let frame = Pose::at(element.vector("anchor")?.unwrap_or(DVec3::ZERO));
-    let relative = element.numbers::<7>("relpose")?.filter(|p| p[3..].iter().any(|x| *x != 0.0));
+    let relative = element
+        .numbers::<7>("relpose")?
+        .filter(|p| p[3..].iter().any(|x| *x != 0.0));
     let seen = match relative {
         Some([x, y, z, a, b, c, d]) => {
             let turn = super::orientation::from_quat(element, "relpose", [a, b, c, d])?;
@@ -164,13 +193,22 @@ fn couple(element: &Element, tree: &mut Tree, report: &mut Report) -> Result<(),
         _ => format!("coupling_{}", tree.parts.couplings.len()),
     };
     let offset = y0 + a0 - a1 * x0;
-    tree.parts.couplings.push(Coupling { name, joint, other, ratio: a1, offset });
+    tree.parts.couplings.push(Coupling {
+        name,
+        joint,
+        other,
+        ratio: a1,
+        offset,
+    });
     Ok(())
 }
 
 fn polynomial(element: &Element) -> Result<[f64; 5], FormatError> {
     let mut coefficients = [0.0, 1.0, 0.0, 0.0, 0.0];
     let given = element.list("polycoef", 1, 5)?.unwrap_or_default();
-    coefficients.iter_mut().zip(given).for_each(|(own, new)| *own = new);
+    coefficients
+        .iter_mut()
+        .zip(given)
+        .for_each(|(own, new)| *own = new);
     Ok(coefficients)
 }

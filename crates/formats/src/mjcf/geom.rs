@@ -12,10 +12,35 @@ use model::{Geometry, MassProperties, Material, Pose, Shape};
 use std::f64::consts::FRAC_1_SQRT_2;
 
 const KNOWN: &[&str] = &[
-    "name", "type", "contype", "conaffinity", "group", "size", "material", "friction", "mass",
-    "density", "shellinertia", "fromto", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler",
-    "hfield", "mesh", "fitscale", "rgba", "castshadow", "user", "condim", "surfacevel", "adhesion",
-    "fluidshape", "fluidcoef",
+    "name",
+    "type",
+    "contype",
+    "conaffinity",
+    "group",
+    "size",
+    "material",
+    "friction",
+    "mass",
+    "density",
+    "shellinertia",
+    "fromto",
+    "pos",
+    "quat",
+    "axisangle",
+    "xyaxes",
+    "zaxis",
+    "euler",
+    "hfield",
+    "mesh",
+    "fitscale",
+    "rgba",
+    "castshadow",
+    "user",
+    "condim",
+    "surfacevel",
+    "adhesion",
+    "fluidshape",
+    "fluidcoef",
 ];
 /// How MuJoCo's solver treats a contact; the material's friction coefficients are kept.
 const UNUSED: &[(&str, &str)] = &[
@@ -28,7 +53,15 @@ const UNUSED: &[(&str, &str)] = &[
 ];
 
 const TYPES: &[&str] = &[
-    "plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf",
+    "plane",
+    "hfield",
+    "sphere",
+    "capsule",
+    "ellipsoid",
+    "cylinder",
+    "box",
+    "mesh",
+    "sdf",
 ];
 
 /// MuJoCo's solids and planes stand along z, the model's along y: a rotation about x from y to z.
@@ -65,7 +98,9 @@ pub(super) fn read(
 ) -> Result<Option<Geom>, FormatError> {
     report.check_attributes(element, KNOWN, UNUSED)?;
     refuse_contact_physics(element, report)?;
-    let Some(placed) = placed_geometry(element, context, report)? else { return Ok(None) };
+    let Some(placed) = placed_geometry(element, context, report)? else {
+        return Ok(None);
+    };
     let (geometry, local) = placed;
     let masks = (
         element.integer("contype")?.unwrap_or(1),
@@ -89,13 +124,25 @@ pub(super) fn read(
     };
     shape.density = density(element, &shape, solid)?;
     lengthen_short_capsule(element, &mut shape.geometry, report);
-    Ok(Some(Geom { shape, solid, masks }))
+    Ok(Some(Geom {
+        shape,
+        solid,
+        masks,
+    }))
 }
 
 fn refuse_contact_physics(element: &Element, report: &mut Report) -> Result<(), FormatError> {
-    let nonzero = |name| Ok(element.list(name, 1, 6)?.is_some_and(|v| v.iter().any(|x| *x != 0.0)));
+    let nonzero = |name| {
+        Ok(element
+            .list(name, 1, 6)?
+            .is_some_and(|v| v.iter().any(|x| *x != 0.0)))
+    };
     if nonzero("surfacevel")? {
-        report.refuse(element, "a surface that moves (`surfacevel`)", "set it to 0")?;
+        report.refuse(
+            element,
+            "a surface that moves (`surfacevel`)",
+            "set it to 0",
+        )?;
     }
     if nonzero("adhesion")? {
         report.refuse(element, "adhesion of contacts", "set it to 0")?;
@@ -113,7 +160,11 @@ fn placed_geometry(
     match kind {
         "mesh" => return mesh(element, context, report),
         "hfield" | "sdf" => {
-            report.refuse(element, &format!("a shape of type {kind}"), "use boxes or a mesh")?;
+            report.refuse(
+                element,
+                &format!("a shape of type {kind}"),
+                "use boxes or a mesh",
+            )?;
             return Ok(None);
         }
         _ if element.has("mesh") => {
@@ -161,22 +212,29 @@ fn between(element: &Element, kind: &str, from: DVec3, to: DVec3) -> Result<Pose
         let remedy = "give two different points";
         return Err(element.invalid_attribute("fromto", "joins a point to itself", remedy));
     }
-    Ok(Pose::new((from + to) / 2.0, least_rotation_from_z(way.normalize())))
+    Ok(Pose::new(
+        (from + to) / 2.0,
+        least_rotation_from_z(way.normalize()),
+    ))
 }
 
 fn geometry(element: &Element, kind: &str, sizes: &[f64]) -> Result<Geometry, FormatError> {
-    let needed = match kind {
-        "plane" | "sphere" => 1,
-        "capsule" | "cylinder" => 2,
-        _ => 3,
+    let (needed, meaning) = match kind {
+        "plane" => (0, ""),
+        "sphere" => (1, "radius"),
+        "capsule" | "cylinder" => (2, "radius half-length"),
+        _ => (3, "half-x half-y half-z"),
     };
     let wrong = |problem: &str| {
-        let remedy = format!("a {kind} needs {needed} positive half sizes");
+        let remedy = format!("write size=\"{meaning}\" with positive numbers for a {kind}");
         element.invalid_attribute("size", problem, &remedy)
     };
     if kind == "plane" {
         let size = |i: usize| sizes.get(i).copied().unwrap_or(0.0).max(0.0);
-        return Ok(Geometry::Plane { half_x: size(0), half_z: size(1) });
+        return Ok(Geometry::Plane {
+            half_x: size(0),
+            half_z: size(1),
+        });
     }
     if sizes.len() < needed {
         return Err(wrong(&format!("holds {} numbers", sizes.len())));
@@ -186,10 +244,20 @@ fn geometry(element: &Element, kind: &str, sizes: &[f64]) -> Result<Geometry, Fo
     }
     Ok(match kind {
         "sphere" => Geometry::Sphere { radius: sizes[0] },
-        "capsule" => Geometry::Capsule { radius: sizes[0], half_height: sizes[0] + sizes[1] },
-        "cylinder" => Geometry::Cylinder { radius: sizes[0], half_height: sizes[1] },
-        "ellipsoid" => Geometry::Ellipsoid { half: DVec3::from_slice(sizes) },
-        _ => Geometry::Box { half: DVec3::from_slice(sizes) },
+        "capsule" => Geometry::Capsule {
+            radius: sizes[0],
+            half_height: sizes[0] + sizes[1],
+        },
+        "cylinder" => Geometry::Cylinder {
+            radius: sizes[0],
+            half_height: sizes[1],
+        },
+        "ellipsoid" => Geometry::Ellipsoid {
+            half: DVec3::from_slice(sizes),
+        },
+        _ => Geometry::Box {
+            half: DVec3::from_slice(sizes),
+        },
     })
 }
 
@@ -226,14 +294,30 @@ fn material(
     let coefficient = |i: usize, default| friction.get(i).copied().unwrap_or(default);
     let condim = element.integer("condim")?.unwrap_or(3);
     if condim == 1 {
-        report.note(element, "condim 1", "contacts keep the friction coefficient");
+        report.note(
+            element,
+            "condim 1",
+            "contacts keep the friction coefficient",
+        );
     }
-    let of_material = element.get("material").and_then(|name| context.assets.colors.get(name));
-    let color = color(element)?.or(of_material.copied()).unwrap_or([0.5, 0.5, 0.5, 1.0]);
+    let of_material = element
+        .get("material")
+        .and_then(|name| context.assets.colors.get(name));
+    let color = color(element)?
+        .or(of_material.copied())
+        .unwrap_or([0.5, 0.5, 0.5, 1.0]);
     Ok(Material {
         friction: coefficient(0, 1.0),
-        torsional_friction: if condim >= 4 { coefficient(1, 0.005) } else { 0.0 },
-        rolling_friction: if condim >= 6 { coefficient(2, 0.0001) } else { 0.0 },
+        torsional_friction: if condim >= 4 {
+            coefficient(1, 0.005)
+        } else {
+            0.0
+        },
+        rolling_friction: if condim >= 6 {
+            coefficient(2, 0.0001)
+        } else {
+            0.0
+        },
         restitution: 0.0,
         color,
     })
@@ -282,11 +366,19 @@ fn density(
 
 /// The model's capsules have a cylinder of at least 0.01 radii; the mass is already taken.
 fn lengthen_short_capsule(element: &Element, geometry: &mut Geometry, report: &mut Report) {
-    if let Geometry::Capsule { radius, half_height } = geometry {
+    if let Geometry::Capsule {
+        radius,
+        half_height,
+    } = geometry
+    {
         let least = 1.01 * *radius;
         if *half_height < least {
             *half_height = least;
-            report.note(element, "short capsule", "drawn and collided 1.01 radii long");
+            report.note(
+                element,
+                "short capsule",
+                "drawn and collided 1.01 radii long",
+            );
         }
     }
 }

@@ -26,7 +26,9 @@ fn expand(
             let part = expand(open(&child, files, included)?, files, included, depth + 1)?;
             element.children.extend(part.children);
         } else {
-            element.children.push(expand(child, files, included, depth + 1)?);
+            element
+                .children
+                .push(expand(child, files, included, depth + 1)?);
         }
     }
     Ok(element)
@@ -38,7 +40,8 @@ fn open(
     included: &mut HashSet<String>,
 ) -> Result<Element, FormatError> {
     let name = include.require("file")?;
-    if !included.insert(name.to_owned()) {
+    let path = files.path(name);
+    if !included.insert(path.clone()) {
         return Err(include.invalid_attribute(
             "file",
             &format!("names `{name}`, which is already part of the model"),
@@ -53,7 +56,7 @@ fn open(
         ),
         other => other,
     })?;
-    let part = xml::parse(&text, name)?;
+    let part = xml::parse(&text, &path)?;
     if part.children.is_empty() {
         return Err(part.invalid("the included file is empty", "remove the include"));
     }

@@ -12,7 +12,15 @@ use glam::{DMat3, DVec3};
 use model::{MassProperties, Pose};
 
 const KNOWN: &[&str] = &[
-    "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "mass", "diaginertia", "fullinertia",
+    "pos",
+    "quat",
+    "axisangle",
+    "xyaxes",
+    "zaxis",
+    "euler",
+    "mass",
+    "diaginertia",
+    "fullinertia",
 ];
 
 /// Whether a body's mass comes from its geoms.
@@ -32,7 +40,10 @@ pub(super) fn of_body(
     compiler: &Compiler,
     report: &mut Report,
 ) -> Result<MassProperties, FormatError> {
-    let solids = geoms.iter().filter_map(|geom| geom.solid).reduce(|a, b| a.and(&b));
+    let solids = geoms
+        .iter()
+        .filter_map(|geom| geom.solid)
+        .reduce(|a, b| a.and(&b));
     let given = match inertial {
         Some((element, frame)) => Some(read(element, frame, compiler, report)?),
         None => None,
@@ -54,7 +65,10 @@ fn read(
     element.require("pos")?;
     element.require("mass")?;
     let mass = element.non_negative("mass")?.unwrap_or(0.0);
-    let inertia = match (element.vector("diaginertia")?, element.numbers::<6>("fullinertia")?) {
+    let inertia = match (
+        element.vector("diaginertia")?,
+        element.numbers::<6>("fullinertia")?,
+    ) {
         (Some(moments), None) => DMat3::from_diagonal(moments),
         (None, Some(entries)) => {
             if let Some(name) = ORIENTATIONS.iter().find(|name| element.has(name)) {
@@ -72,7 +86,11 @@ fn read(
             return Err(element.invalid(problem, "write diaginertia=\"Ixx Iyy Izz\" [kg·m²]"));
         }
     };
-    let local = MassProperties { mass, center: DVec3::ZERO, inertia };
+    let local = MassProperties {
+        mass,
+        center: DVec3::ZERO,
+        inertia,
+    };
     Ok(local.placed(&(frame * pose(element, compiler)?)))
 }
 
@@ -85,17 +103,18 @@ fn bounded(
     let mut bounded = properties;
     bounded.mass = properties.mass.max(compiler.bound_mass);
     let (mut moments, axes) = properties.principal();
-    let least = DVec3::splat(compiler.bound_inertia);
-    let raised = moments.max(least);
-    let changed = raised != moments;
-    moments = raised;
+    let least = compiler.bound_inertia;
+    let raised = least > 0.0 && moments.min_element() < least;
+    if raised {
+        moments = moments.max(DVec3::splat(least));
+    }
     let balanced = compiler.balance_inertia && inertia::violates_triangle(moments);
     if balanced {
         moments = DVec3::splat(moments.element_sum() / 3.0);
     }
     let remedy = "correct them, or set balanceinertia=\"true\" in <compiler>";
     inertia::check(body, moments, remedy)?;
-    if changed || balanced {
+    if raised || balanced {
         let r = DMat3::from_quat(axes);
         bounded.inertia = r * DMat3::from_diagonal(moments) * r.transpose();
     }

@@ -11,9 +11,27 @@ use glam::DVec3;
 use model::{Axis, AxisKind, BodyId, Dof, Joint, JointKind, Pose};
 
 const KNOWN: &[&str] = &[
-    "name", "type", "group", "pos", "axis", "springdamper", "limited", "actuatorfrclimited",
-    "solreflimit", "stiffness", "range", "actuatorfrcrange", "margin", "ref", "springref",
-    "springyield", "armature", "damping", "frictionloss", "user", "actuatorgravcomp",
+    "name",
+    "type",
+    "group",
+    "pos",
+    "axis",
+    "springdamper",
+    "limited",
+    "actuatorfrclimited",
+    "solreflimit",
+    "stiffness",
+    "range",
+    "actuatorfrcrange",
+    "margin",
+    "ref",
+    "springref",
+    "springyield",
+    "armature",
+    "damping",
+    "frictionloss",
+    "user",
+    "actuatorgravcomp",
 ];
 const UNUSED: &[(&str, &str)] = &[
     ("solimplimit", "limits have a constant stiffness"),
@@ -89,7 +107,11 @@ pub(super) fn read(
     if element.name == "freejoint" {
         report.check_attributes(&element, FREE_JOINT, &[])?;
         if element.word("align", &["true", "false", "auto"])? == Some("true") {
-            report.refuse(&element, "aligning a free body's frame", "set align to false")?;
+            report.refuse(
+                &element,
+                "aligning a free body's frame",
+                "set align to false",
+            )?;
         }
     } else {
         report.check_attributes(&element, KNOWN, UNUSED)?;
@@ -99,7 +121,11 @@ pub(super) fn read(
     let angle = if turns { context.compiler.angle } else { 1.0 };
     let axis = match kind {
         Kind::Free | Kind::Ball => DVec3::Z,
-        _ => direction(&element, "axis", element.vector("axis")?.unwrap_or(DVec3::Z))?,
+        _ => direction(
+            &element,
+            "axis",
+            element.vector("axis")?.unwrap_or(DVec3::Z),
+        )?,
     };
     let anchor = element.vector("pos")?.unwrap_or(DVec3::ZERO);
     let limits = limits(&element, kind, angle, context, report)?;
@@ -112,8 +138,12 @@ pub(super) fn read(
         softness: softness(&element)?,
         limits,
         range: narrowed(&element, limits)?,
-        spring_damper: element.numbers("springdamper")?.filter(|v| v[0] > 0.0 && v[1] > 0.0),
-        force_range: context.compiler.range(&element, "actuatorfrclimited", "actuatorfrcrange")?,
+        spring_damper: element
+            .numbers("springdamper")?
+            .filter(|v| v[0] > 0.0 && v[1] > 0.0),
+        force_range: context
+            .compiler
+            .range(&element, "actuatorfrclimited", "actuatorfrcrange")?,
         element,
     })
 }
@@ -179,7 +209,9 @@ pub(super) fn linear(
 }
 
 pub(super) fn softness(element: &Element) -> Result<Softness, FormatError> {
-    let Some(numbers) = element.list("solreflimit", 1, 2)? else { return Ok(Softness::default()) };
+    let Some(numbers) = element.list("solreflimit", 1, 2)? else {
+        return Ok(Softness::default());
+    };
     let numbers = [numbers[0], numbers.get(1).copied().unwrap_or(1.0)];
     if numbers.iter().all(|x| *x > 0.0) || numbers.iter().all(|x| *x <= 0.0) {
         return Ok(Softness(numbers));
@@ -206,7 +238,11 @@ fn limits(
         return Ok(None);
     };
     if kind == Kind::Ball {
-        report.refuse(element, "a limit of a ball joint", "use three hinges with limits")?;
+        report.refuse(
+            element,
+            "a limit of a ball joint",
+            "use three hinges with limits",
+        )?;
         return Ok(None);
     }
     Ok(Some((lower * angle, upper * angle)))
@@ -252,7 +288,10 @@ pub(super) fn assemble(
     }
     let turning = joints.iter().find(|joint| joint.kind != Kind::Slide);
     let anchor = turning.map_or(DVec3::ZERO, |joint| joint.anchor);
-    let axes = joints.iter().filter_map(|joint| axis(joint, anchor)).collect();
+    let axes = joints
+        .iter()
+        .filter_map(|joint| axis(joint, anchor))
+        .collect();
     let mut joint = Joint::new(String::new(), kind, parent, child, axes);
     joint.parent_frame = local * Pose::at(anchor);
     joint.child_frame = Pose::at(anchor);
@@ -302,14 +341,25 @@ fn axis(joint: &FileJoint, origin: DVec3) -> Option<Axis> {
         Kind::Slide => (AxisKind::Linear, DVec3::ZERO),
         Kind::Free | Kind::Ball => return None,
     };
-    Some(Axis { kind, direction: joint.axis, anchor, reference: joint.reference })
+    Some(Axis {
+        kind,
+        direction: joint.axis,
+        anchor,
+        reference: joint.reference,
+    })
 }
 
 fn dofs(joints: &[FileJoint]) -> Vec<Dof> {
     let of = |joint: &FileJoint| {
         let n = joint.kind.degrees_of_freedom();
         let name = if n == 1 { name(joint) } else { String::new() };
-        vec![Dof { name, ..joint.dof.clone() }; n]
+        vec![
+            Dof {
+                name,
+                ..joint.dof.clone()
+            };
+            n
+        ]
     };
     joints.iter().flat_map(of).collect()
 }

@@ -1,8 +1,8 @@
 //! `<keyframe>` (XML reference, "keyframe"): named states.
 
 use super::actuator::Motors;
-use super::body::Tree;
 use super::joint::Kind;
+use super::tree::Tree;
 use crate::error::FormatError;
 use crate::report::Report;
 use crate::xml::Element;
@@ -26,7 +26,10 @@ pub(super) fn read(
     report: &mut Report,
 ) -> Result<(), FormatError> {
     let mut names = HashSet::new();
-    for key in root.children_named("keyframe").flat_map(|section| &section.children) {
+    for key in root
+        .children_named("keyframe")
+        .flat_map(|section| &section.children)
+    {
         if key.name != "key" {
             return Err(key.invalid("a keyframe section holds keys only", "write <key …/>"));
         }
@@ -109,7 +112,11 @@ fn normalize_quaternion(
 }
 
 fn velocities(key: &Element, tree: &Tree) -> Result<Vec<f64>, FormatError> {
-    let count = tree.joints.iter().map(|joint| joint.file.kind.degrees_of_freedom()).sum();
+    let count = tree
+        .joints
+        .iter()
+        .map(|joint| joint.file.kind.degrees_of_freedom())
+        .sum();
     filled(key, "qvel", vec![0.0; count])
 }
 

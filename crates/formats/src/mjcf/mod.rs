@@ -20,6 +20,7 @@ mod assets;
 mod body;
 mod compiler;
 mod contact;
+mod content;
 mod defaults;
 mod equality;
 mod geom;
@@ -34,6 +35,7 @@ mod servo;
 mod shell;
 mod softening;
 mod tendon;
+mod tree;
 
 use crate::error::FormatError;
 use crate::files::Files;
@@ -41,7 +43,6 @@ use crate::fuse::Fusion;
 use crate::report::Report;
 use crate::xml::{self, Element};
 use crate::{Loaded, Options, names};
-use body::Tree;
 use model::{Model, Parts, UpAxis};
 
 /// What the whole file is read by.
@@ -86,7 +87,7 @@ pub(crate) fn read(
         compiler,
         defaults,
     };
-    let mut tree = Tree::read(&root, &context, &mut report)?;
+    let mut tree = body::read(&root, &context, &mut report)?;
     let fusion = Fusion::plan(&tree.parts, &tree.elements)?;
     scale_total_mass(&mut tree.parts, context.compiler.total_mass);
     tendon::check(&root, &context, &mut report)?;
@@ -97,7 +98,12 @@ pub(crate) fn read(
     equality::read(&root, &mut tree, &context, &mut report)?;
 
     let mut parts = tree.parts;
-    let stem = root.place.file.rsplit(['/', '\\']).next().unwrap_or_default();
+    let stem = root
+        .place
+        .file
+        .rsplit(['/', '\\'])
+        .next()
+        .unwrap_or_default();
     let stem = stem.rsplit_once('.').map_or(stem, |(stem, _)| stem);
     parts.name = root.get("model").unwrap_or(stem).to_owned();
     parts.up_axis = UpAxis::Z;
@@ -108,13 +114,18 @@ pub(crate) fn read(
     fusion.apply(&mut parts);
     let file = root.place.file.to_string();
     let model = Model::new(parts).map_err(|source| FormatError::Model { file, source })?;
-    Ok(Loaded { model, warnings: report.into_warnings() })
+    Ok(Loaded {
+        model,
+        warnings: report.into_warnings(),
+    })
 }
 
 /// `settotalmass`: scales the masses and inertias of all bodies.
 fn scale_total_mass(parts: &mut Parts, total: Option<f64>) {
     let mass: f64 = parts.bodies.iter().map(|body| body.mass).sum();
-    let Some(total) = total.filter(|_| mass > 0.0) else { return };
+    let Some(total) = total.filter(|_| mass > 0.0) else {
+        return;
+    };
     for body in &mut parts.bodies {
         body.mass *= total / mass;
         body.inertia *= total / mass;

@@ -8,15 +8,39 @@ use glam::DVec3;
 
 /// Settings of MuJoCo's own solver, renderer and state; they do not change what is simulated.
 const SILENT: &[&str] = &[
-    "impratio", "tolerance", "ls_tolerance", "noslip_tolerance", "ccd_tolerance",
-    "sleep_tolerance", "magnetic", "cone", "jacobian", "solver", "iterations", "ls_iterations",
-    "noslip_iterations", "ccd_iterations", "sdf_iterations", "sdf_initpoints", "mpr_iterations",
-    "mpr_tolerance", "apirate",
+    "impratio",
+    "tolerance",
+    "ls_tolerance",
+    "noslip_tolerance",
+    "ccd_tolerance",
+    "sleep_tolerance",
+    "magnetic",
+    "cone",
+    "jacobian",
+    "solver",
+    "iterations",
+    "ls_iterations",
+    "noslip_iterations",
+    "ccd_iterations",
+    "sdf_iterations",
+    "sdf_initpoints",
+    "mpr_iterations",
+    "mpr_tolerance",
+    "apirate",
 ];
-const READ: &[&str] =
-    &["timestep", "gravity", "wind", "density", "viscosity", "actuatorgroupdisable"];
+const READ: &[&str] = &[
+    "timestep",
+    "gravity",
+    "wind",
+    "density",
+    "viscosity",
+    "actuatorgroupdisable",
+];
 const UNUSED: &[(&str, &str)] = &[
-    ("integrator", "the integrator is chosen when the simulation is made"),
+    (
+        "integrator",
+        "the integrator is chosen when the simulation is made",
+    ),
     ("o_margin", "used by MuJoCo's contact override only"),
     ("o_solref", "used by MuJoCo's contact override only"),
     ("o_solimp", "used by MuJoCo's contact override only"),
@@ -25,14 +49,37 @@ const UNUSED: &[(&str, &str)] = &[
 
 /// Flags that act while the model is built.
 const FLAGS: &[&str] = &[
-    "constraint", "equality", "frictionloss", "limit", "contact", "passive", "spring", "damper",
-    "gravity", "clampctrl", "actuation",
+    "constraint",
+    "equality",
+    "frictionloss",
+    "limit",
+    "contact",
+    "passive",
+    "spring",
+    "damper",
+    "gravity",
+    "clampctrl",
+    "actuation",
 ];
 /// Flags of MuJoCo's own workings.
 const SILENT_FLAGS: &[&str] = &[
-    "warmstart", "filterparent", "refsafe", "sensor", "midphase", "eulerdamp", "autoreset",
-    "nativeccd", "island", "multiccd", "energy", "fwdinv", "invdiscrete", "sleep", "diagexact",
-    "ipc", "speculative",
+    "warmstart",
+    "filterparent",
+    "refsafe",
+    "sensor",
+    "midphase",
+    "eulerdamp",
+    "autoreset",
+    "nativeccd",
+    "island",
+    "multiccd",
+    "energy",
+    "fwdinv",
+    "invdiscrete",
+    "sleep",
+    "diagexact",
+    "ipc",
+    "speculative",
 ];
 
 #[derive(Clone, Debug)]
@@ -48,14 +95,19 @@ impl Physics {
         let known = [READ, SILENT].concat();
         report.check_attributes(&section, &known, UNUSED)?;
         refuse_fluid(&section, report)?;
-        if section.get("actuatorgroupdisable").is_some_and(|groups| !groups.trim().is_empty()) {
+        if section
+            .get("actuatorgroupdisable")
+            .is_some_and(|groups| !groups.trim().is_empty())
+        {
             let remedy = "remove the actuators of these groups";
             report.refuse(&section, "switching off groups of actuators", remedy)?;
         }
         let flags = flags(&section, report)?;
         let mut physics = Self {
             time_step: time_step(&section)?,
-            gravity: section.vector("gravity")?.unwrap_or(DVec3::new(0.0, 0.0, -9.81)),
+            gravity: section
+                .vector("gravity")?
+                .unwrap_or(DVec3::new(0.0, 0.0, -9.81)),
             flags,
         };
         if !physics.on("gravity") {
@@ -71,7 +123,10 @@ impl Physics {
             "spring" | "damper" => "passive",
             _ => flag,
         };
-        !self.flags.iter().any(|f| (f.name == flag || f.name == group) && f.value == "disable")
+        !self
+            .flags
+            .iter()
+            .any(|f| (f.name == flag || f.name == group) && f.value == "disable")
     }
 }
 

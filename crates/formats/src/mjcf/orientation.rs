@@ -26,21 +26,26 @@ impl EulerSequence {
             _ => None,
         };
         let axes: Option<Vec<_>> = text.chars().map(axis).collect();
-        axes.and_then(|axes| axes.try_into().ok()).map(Self).ok_or_else(|| {
-            compiler.invalid_attribute(
+        axes.and_then(|axes| axes.try_into().ok())
+            .map(Self)
+            .ok_or_else(|| {
+                compiler.invalid_attribute(
                 "eulerseq",
                 &format!("is `{text}`"),
                 "write three letters of x, y, z (axes that turn along) or X, Y, Z (axes that stay)",
             )
-        })
+            })
     }
 
     /// The rotation of three angles [rad].
     pub fn rotation(&self, angles: [f64; 3]) -> DQuat {
-        self.0.iter().zip(angles).fold(DQuat::IDENTITY, |q, ((axis, turns), angle)| {
-            let step = DQuat::from_axis_angle(*axis, angle);
-            if *turns { q * step } else { step * q }
-        })
+        self.0
+            .iter()
+            .zip(angles)
+            .fold(DQuat::IDENTITY, |q, ((axis, turns), angle)| {
+                let step = DQuat::from_axis_angle(*axis, angle);
+                if *turns { q * step } else { step * q }
+            })
     }
 }
 
@@ -52,7 +57,11 @@ pub(super) fn pose(element: &Element, compiler: &Compiler) -> Result<Pose, Forma
 
 /// The orientation of an element; none is the identity.
 pub(super) fn orientation(element: &Element, compiler: &Compiler) -> Result<DQuat, FormatError> {
-    let given: Vec<&str> = ORIENTATIONS.iter().copied().filter(|n| element.has(n)).collect();
+    let given: Vec<&str> = ORIENTATIONS
+        .iter()
+        .copied()
+        .filter(|n| element.has(n))
+        .collect();
     if let [_, second, ..] = given[..] {
         return Err(element.invalid_attribute(
             second,
@@ -108,13 +117,21 @@ pub(super) fn direction(
     if vector.length() > LEAST_LENGTH {
         return Ok(vector.normalize());
     }
-    Err(element.invalid_attribute(attribute, "has no direction", "write a vector that is not zero"))
+    Err(element.invalid_attribute(
+        attribute,
+        "has no direction",
+        "write a vector that is not zero",
+    ))
 }
 
 /// The smallest rotation that takes z to a unit vector; about x where they are opposite.
 pub(super) fn least_rotation_from_z(to: DVec3) -> DQuat {
     let axis = DVec3::Z.cross(to);
     let sine = axis.length();
-    let axis = if sine < LEAST_LENGTH { DVec3::X } else { axis / sine };
+    let axis = if sine < LEAST_LENGTH {
+        DVec3::X
+    } else {
+        axis / sine
+    };
     DQuat::from_axis_angle(axis, sine.atan2(to.z))
 }

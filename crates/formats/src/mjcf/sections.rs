@@ -6,8 +6,16 @@ use crate::xml::Element;
 
 /// Sections that are read.
 const READ: &[&str] = &[
-    "compiler", "option", "default", "asset", "worldbody", "contact", "equality", "tendon",
-    "actuator", "keyframe",
+    "compiler",
+    "option",
+    "default",
+    "asset",
+    "worldbody",
+    "contact",
+    "equality",
+    "tendon",
+    "actuator",
+    "keyframe",
 ];
 /// Sections that say nothing about the motion: memory, drawing, and what users store for themselves.
 const SILENT: &[&str] = &["size", "visual", "statistic", "custom"];

@@ -45,7 +45,11 @@ impl Servo {
             "position" => self.position(level)?,
             "velocity" => {
                 let kv = level.non_negative("kv")?.unwrap_or(self.gain);
-                self = Self { gain: kv, bias: [0.0, 0.0, -kv], ..Self::default() };
+                self = Self {
+                    gain: kv,
+                    bias: [0.0, 0.0, -kv],
+                    ..Self::default()
+                };
                 self.bias_type = "affine".into();
             }
             _ => {}
@@ -65,10 +69,16 @@ impl Servo {
         }
         if let Some(numbers) = level.list("gainprm", 1, 10)? {
             self.gain = numbers[0];
-            numbers[1..].iter().zip(&mut self.gain_slopes).for_each(|(new, old)| *old = *new);
+            numbers[1..]
+                .iter()
+                .zip(&mut self.gain_slopes)
+                .for_each(|(new, old)| *old = *new);
         }
         if let Some(numbers) = level.list("biasprm", 1, 10)? {
-            numbers.iter().zip(&mut self.bias).for_each(|(new, old)| *old = *new);
+            numbers
+                .iter()
+                .zip(&mut self.bias)
+                .for_each(|(new, old)| *old = *new);
             self.damping_ratio = None;
         }
         Ok(())

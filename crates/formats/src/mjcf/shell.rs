@@ -18,7 +18,11 @@ pub(super) fn of(geometry: &Geometry) -> Option<MassProperties> {
     let mass = (a.mass - 8.0 * b.mass + 8.0 * c.mass - d.mass) / (12.0 * step);
     let inertia: DMat3 =
         (a.inertia - b.inertia * 8.0 + c.inertia * 8.0 - d.inertia) * (1.0 / (12.0 * step));
-    let shell = MassProperties { mass, center: a.center, inertia };
+    let shell = MassProperties {
+        mass,
+        center: a.center,
+        inertia,
+    };
     Some(match *geometry {
         Geometry::Ellipsoid { half } => shell.with_mass(ellipsoid_area(half)),
         _ => shell,
@@ -37,9 +41,14 @@ fn ellipsoid_area(half: DVec3) -> f64 {
 fn least_size(geometry: &Geometry) -> Option<f64> {
     match *geometry {
         Geometry::Sphere { radius } => Some(radius),
-        Geometry::Capsule { radius, half_height } | Geometry::Cylinder { radius, half_height } => {
-            Some(radius.min(half_height))
+        Geometry::Capsule {
+            radius,
+            half_height,
         }
+        | Geometry::Cylinder {
+            radius,
+            half_height,
+        } => Some(radius.min(half_height)),
         Geometry::Box { half } | Geometry::Ellipsoid { half } => Some(half.min_element()),
         Geometry::Plane { .. } | Geometry::Cone { .. } | Geometry::Mesh { .. } => None,
     }
@@ -49,7 +58,14 @@ fn grown(geometry: &Geometry, by: f64) -> Geometry {
     let mut grown = geometry.clone();
     match &mut grown {
         Geometry::Sphere { radius } => *radius += by,
-        Geometry::Capsule { radius, half_height } | Geometry::Cylinder { radius, half_height } => {
+        Geometry::Capsule {
+            radius,
+            half_height,
+        }
+        | Geometry::Cylinder {
+            radius,
+            half_height,
+        } => {
             *radius += by;
             *half_height += by;
         }
@@ -78,7 +94,10 @@ mod tests {
     #[test]
     fn hollow_cube() {
         let half = 0.2;
-        let shell = of(&Geometry::Box { half: DVec3::splat(half) }).unwrap();
+        let shell = of(&Geometry::Box {
+            half: DVec3::splat(half),
+        })
+        .unwrap();
         let mass = 24.0 * half * half;
         assert!((shell.mass / mass - 1.0).abs() < 1e-10);
         let moment = 5.0 / 18.0 * mass * (2.0 * half).powi(2);

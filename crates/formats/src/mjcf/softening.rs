@@ -2,7 +2,7 @@
 
 use super::Context;
 use super::actuator::Motors;
-use super::body::{Tree, TreeJoint};
+use super::tree::{Tree, TreeJoint};
 use crate::joint_space::JointSpace;
 use model::Joint;
 
@@ -30,7 +30,9 @@ pub(super) fn apply(tree: &mut Tree, motors: &Motors, context: &Context) {
 fn soften(joint: &TreeJoint, of_model: &mut Joint, space: &JointSpace, time_step: f64) {
     let n = joint.file.kind.degrees_of_freedom();
     let dofs = joint.dof..joint.dof + n;
-    let inertias = dofs.clone().map(|dof| space.effective_inertia(joint.joint.0, dof));
+    let inertias = dofs
+        .clone()
+        .map(|dof| space.effective_inertia(joint.joint.0, dof));
     let inertia = inertias.sum::<f64>() / n as f64;
     for dof in &mut of_model.dofs[dofs] {
         if let Some(range) = joint.file.range {

@@ -14,7 +14,10 @@ pub(super) fn check(
     context: &Context,
     report: &mut Report,
 ) -> Result<(), FormatError> {
-    for tendon in root.children_named("tendon").flat_map(|section| &section.children) {
+    for tendon in root
+        .children_named("tendon")
+        .flat_map(|section| &section.children)
+    {
         if tendon.name != "fixed" && tendon.name != "spatial" {
             return Err(tendon.invalid("this is no tendon", "write <fixed> or <spatial>"));
         }

@@ -18,7 +18,9 @@ impl Colors {
     pub fn read(root: &Element) -> Result<Self, FormatError> {
         let mut colors = HashMap::new();
         // A material that a link defines may be named by later ones too.
-        let visuals = root.children_named("link").flat_map(|link| link.children_named("visual"));
+        let visuals = root
+            .children_named("link")
+            .flat_map(|link| link.children_named("visual"));
         let inner = visuals.filter_map(|visual| visual.child("material"));
         for material in inner.chain(root.children_named("material")) {
             if let Some(color) = color(material)? {
@@ -29,15 +31,24 @@ impl Colors {
     }
 
     fn of(&self, visual: &Element) -> Result<Option<[f32; 4]>, FormatError> {
-        let Some(material) = visual.child("material") else { return Ok(None) };
+        let Some(material) = visual.child("material") else {
+            return Ok(None);
+        };
         let own = color(material)?;
-        let named = || material.get("name").and_then(|name| self.0.get(name)).copied();
+        let named = || {
+            material
+                .get("name")
+                .and_then(|name| self.0.get(name))
+                .copied()
+        };
         Ok(own.or_else(named))
     }
 }
 
 fn color(material: &Element) -> Result<Option<[f32; 4]>, FormatError> {
-    let Some(color) = material.child("color") else { return Ok(None) };
+    let Some(color) = material.child("color") else {
+        return Ok(None);
+    };
     let rgba = color.numbers::<4>("rgba")?;
     Ok(rgba.map(|rgba| rgba.map(|c| c.clamp(0.0, 1.0) as f32)))
 }
@@ -45,13 +56,14 @@ fn color(material: &Element) -> Result<Option<[f32; 4]>, FormatError> {
 /// The `<origin>` of an element: position, and fixed-axis rotations roll about x, pitch about y, yaw
 /// about z, in this order. None is the identity.
 pub(super) fn origin(element: &Element, report: &mut Report) -> Result<Pose, FormatError> {
-    let Some(origin) = element.child("origin") else { return Ok(Pose::IDENTITY) };
+    let Some(origin) = element.child("origin") else {
+        return Ok(Pose::IDENTITY);
+    };
     report.check_attributes(origin, &["xyz", "rpy"], &[])?;
     let position = origin.vector("xyz")?.unwrap_or(DVec3::ZERO);
     let [roll, pitch, yaw] = origin.numbers("rpy")?.unwrap_or([0.0; 3]);
-    let turn = DQuat::from_rotation_z(yaw)
-        * DQuat::from_rotation_y(pitch)
-        * DQuat::from_rotation_x(roll);
+    let turn =
+        DQuat::from_rotation_z(yaw) * DQuat::from_rotation_y(pitch) * DQuat::from_rotation_x(roll);
     Ok(Pose::new(position, turn))
 }
 
@@ -70,7 +82,9 @@ pub(super) fn shape(
         let remedy = "add box, cylinder, sphere or mesh";
         return Err(outer.invalid("it is empty", remedy));
     };
-    let Some(geometry) = geometry(inner, report)? else { return Ok(None) };
+    let Some(geometry) = geometry(inner, report)? else {
+        return Ok(None);
+    };
     let pose = match geometry {
         Geometry::Cylinder { .. } | Geometry::Capsule { .. } => {
             frame * Pose::new(DVec3::ZERO, Y_TO_Z)
@@ -103,14 +117,22 @@ fn geometry(element: &Element, report: &mut Report) -> Result<Option<Geometry>, 
         }
     };
     Ok(Some(match element.name.as_str() {
-        "sphere" => Geometry::Sphere { radius: positive("radius")? },
+        "sphere" => Geometry::Sphere {
+            radius: positive("radius")?,
+        },
         "cylinder" => {
             let (radius, length) = (positive("radius")?, positive("length")?);
-            Geometry::Cylinder { radius, half_height: length / 2.0 }
+            Geometry::Cylinder {
+                radius,
+                half_height: length / 2.0,
+            }
         }
         "capsule" => {
             let (radius, length) = (positive("radius")?, positive("length")?);
-            Geometry::Capsule { radius, half_height: (length / 2.0 + radius).max(1.01 * radius) }
+            Geometry::Capsule {
+                radius,
+                half_height: (length / 2.0 + radius).max(1.01 * radius),
+            }
         }
         "box" => {
             element.require("size")?;
@@ -129,7 +151,11 @@ fn geometry(element: &Element, report: &mut Report) -> Result<Option<Geometry>, 
         }
         other => {
             let feature = format!("geometry of kind `{other}`");
-            report.refuse(element, &feature, "use box, cylinder, sphere, capsule or mesh")?;
+            report.refuse(
+                element,
+                &feature,
+                "use box, cylinder, sphere, capsule or mesh",
+            )?;
             return Ok(None);
         }
     }))

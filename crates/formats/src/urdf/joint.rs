@@ -7,7 +7,9 @@ use crate::xml::Element;
 use glam::{DQuat, DVec3};
 use model::{Axis, BodyId, Coupling, Dof, Drive, Joint, JointId, JointKind, Parts, Pose};
 
-const CHILDREN: &[&str] = &["parent", "child", "origin", "axis", "limit", "dynamics", "mimic"];
+const CHILDREN: &[&str] = &[
+    "parent", "child", "origin", "axis", "limit", "dynamics", "mimic",
+];
 
 /// The kinds of joint of URDF.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,7 +25,14 @@ pub(super) enum Kind {
 impl Kind {
     pub fn of(joint: &Element) -> Result<Self, FormatError> {
         joint.require("type")?;
-        let words = ["revolute", "continuous", "prismatic", "fixed", "floating", "planar"];
+        let words = [
+            "revolute",
+            "continuous",
+            "prismatic",
+            "fixed",
+            "floating",
+            "planar",
+        ];
         Ok(match joint.word("type", &words)? {
             Some("revolute") => Self::Revolute,
             Some("continuous") => Self::Continuous,
@@ -43,15 +52,25 @@ pub(super) fn read(
 ) -> Result<(Joint, Option<(f64, f64)>), FormatError> {
     let element = connection.element;
     report.check_attributes(element, &["name", "type"], &[])?;
-    for child in element.children.iter().filter(|c| !CHILDREN.contains(&c.name.as_str())) {
+    for child in element
+        .children
+        .iter()
+        .filter(|c| !CHILDREN.contains(&c.name.as_str()))
+    {
         report.note(child, "extension", "not read");
     }
     let direction = axis(connection, report)?;
     let (kind, axes, turn) = match connection.kind {
-        Kind::Revolute | Kind::Continuous => {
-            (JointKind::Revolute, vec![Axis::angular(direction)], DQuat::IDENTITY)
-        }
-        Kind::Prismatic => (JointKind::Prismatic, vec![Axis::linear(direction)], DQuat::IDENTITY),
+        Kind::Revolute | Kind::Continuous => (
+            JointKind::Revolute,
+            vec![Axis::angular(direction)],
+            DQuat::IDENTITY,
+        ),
+        Kind::Prismatic => (
+            JointKind::Prismatic,
+            vec![Axis::linear(direction)],
+            DQuat::IDENTITY,
+        ),
         Kind::Fixed => (JointKind::Fixed, Vec::new(), DQuat::IDENTITY),
         Kind::Floating => (JointKind::Free, Vec::new(), DQuat::IDENTITY),
         Kind::Planar => {
@@ -84,7 +103,9 @@ fn axis(connection: &Connection, report: &mut Report) -> Result<DVec3, FormatErr
 }
 
 fn dynamics(joint: &Element, dof: &mut Dof, report: &mut Report) -> Result<(), FormatError> {
-    let Some(dynamics) = joint.child("dynamics") else { return Ok(()) };
+    let Some(dynamics) = joint.child("dynamics") else {
+        return Ok(());
+    };
     report.check_attributes(dynamics, &["damping", "friction"], &[])?;
     dof.damping = dynamics.non_negative("damping")?.unwrap_or(0.0);
     dof.friction_loss = dynamics.non_negative("friction")?.unwrap_or(0.0);
@@ -110,7 +131,10 @@ fn limit(
     let unused = [("velocity", "the velocity is not limited")];
     report.check_attributes(limit, &["lower", "upper", "effort"], &unused)?;
     if let (Some(effort), [dof]) = (limit.non_negative("effort")?, &mut joint.dofs[..]) {
-        dof.drive = Drive { effort_limit: effort, ..Drive::default() };
+        dof.drive = Drive {
+            effort_limit: effort,
+            ..Drive::default()
+        };
         if effort == 0.0 {
             report.note(limit, "effort 0", "the joint's drive exerts no force");
         }
@@ -137,7 +161,9 @@ pub(super) fn couple(
     report: &mut Report,
 ) -> Result<(), FormatError> {
     for follower in &tree.joints {
-        let Some(mimic) = follower.element.child("mimic") else { continue };
+        let Some(mimic) = follower.element.child("mimic") else {
+            continue;
+        };
         report.check_attributes(mimic, &["joint", "multiplier", "offset"], &[])?;
         let leader = leader(mimic, follower, tree)?;
         let axes = |id: JointId| parts.joints[id.0].axes.len();
@@ -162,7 +188,10 @@ fn leader<'a>(
     tree: &'a Tree<'a>,
 ) -> Result<&'a TreeJoint<'a>, FormatError> {
     let name = mimic.require("joint")?;
-    let leader = tree.joints.iter().find(|joint| joint.element.get("name") == Some(name));
+    let leader = tree
+        .joints
+        .iter()
+        .find(|joint| joint.element.get("name") == Some(name));
     let problem = match leader {
         Some(leader) if leader.id != follower.id => return Ok(leader),
         Some(_) => format!("names `{name}`, the joint itself"),

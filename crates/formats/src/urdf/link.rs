@@ -14,7 +14,9 @@ pub(super) fn mass_properties(
     moves: bool,
     report: &mut Report,
 ) -> Result<MassProperties, FormatError> {
-    let Some(inertial) = link.child("inertial") else { return Ok(NOTHING) };
+    let Some(inertial) = link.child("inertial") else {
+        return Ok(NOTHING);
+    };
     let mass = child(inertial, "mass")?;
     report.check_attributes(mass, &["value"], &[])?;
     mass.require("value")?;
@@ -31,7 +33,11 @@ pub(super) fn mass_properties(
         *entry = matrix.number(name)?.unwrap_or(0.0);
     }
     let frame = origin(inertial, report)?;
-    let own = MassProperties { mass, inertia: inertia::symmetric(entries), ..NOTHING };
+    let own = MassProperties {
+        mass,
+        inertia: inertia::symmetric(entries),
+        ..NOTHING
+    };
     if moves {
         let remedy = "correct them; setting all three to their mean also helps";
         inertia::check(matrix, own.principal().0, remedy)?;
@@ -40,9 +46,9 @@ pub(super) fn mass_properties(
 }
 
 fn child<'a>(element: &'a Element, name: &str) -> Result<&'a Element, FormatError> {
-    element.child(name).ok_or_else(|| {
-        element.invalid(&format!("it has no <{name}>"), &format!("add <{name} …/>"))
-    })
+    element
+        .child(name)
+        .ok_or_else(|| element.invalid(&format!("it has no <{name}>"), &format!("add <{name} …/>")))
 }
 
 /// The visual and collision shapes of a link.

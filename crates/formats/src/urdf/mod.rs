@@ -66,7 +66,13 @@ pub(crate) fn read(
         gravity: DVec3::new(0.0, 0.0, -9.81),
         ..Parts::default()
     };
-    let tree = tree::build(&robot, options.floating_base, &colors, &mut parts, &mut report)?;
+    let tree = tree::build(
+        &robot,
+        options.floating_base,
+        &colors,
+        &mut parts,
+        &mut report,
+    )?;
     let fusion = Fusion::plan(&parts, &tree.elements)?;
     soften(&tree, &mut parts);
     joint::couple(&tree, &mut parts, &mut report)?;
@@ -75,7 +81,10 @@ pub(crate) fn read(
     fusion.apply(&mut parts);
     let file = root.place.file.to_string();
     let model = Model::new(parts).map_err(|source| FormatError::Model { file, source })?;
-    Ok(Loaded { model, warnings: report.into_warnings() })
+    Ok(Loaded {
+        model,
+        warnings: report.into_warnings(),
+    })
 }
 
 /// What stands beside links and joints comes from others than URDF.

@@ -64,10 +64,19 @@ impl<'a> Robot<'a> {
                 ));
             }
             let (kind, origin) = (Kind::of(element)?, origin(element, report)?);
-            leaving[parent].push(Connection { element, kind, origin, child });
+            leaving[parent].push(Connection {
+                element,
+                kind,
+                origin,
+                child,
+            });
         }
         let root = root(robot, &links, &carrier)?;
-        Ok(Self { links, leaving, root })
+        Ok(Self {
+            links,
+            leaving,
+            root,
+        })
     }
 }
 
@@ -85,11 +94,7 @@ fn rows<'a>(elements: &[&'a Element]) -> Result<HashMap<&'a str, usize>, FormatE
 }
 
 /// The link that a joint names as its parent or child.
-fn end(
-    joint: &Element,
-    which: &str,
-    rows: &HashMap<&str, usize>,
-) -> Result<usize, FormatError> {
+fn end(joint: &Element, which: &str, rows: &HashMap<&str, usize>) -> Result<usize, FormatError> {
     let Some(element) = joint.child(which) else {
         let remedy = format!("add <{which} link=\"…\"/>");
         return Err(joint.invalid(&format!("it has no <{which}>"), &remedy));
@@ -140,9 +145,16 @@ pub(super) fn build<'a>(
     parts: &mut Parts,
     report: &mut Report,
 ) -> Result<Tree<'a>, FormatError> {
-    let mut tree = Tree { elements: Vec::new(), joints: Vec::new() };
-    let at_root =
-        Visit { link: robot.root, parent: None, parent_pose: Pose::IDENTITY, connection: None };
+    let mut tree = Tree {
+        elements: Vec::new(),
+        joints: Vec::new(),
+    };
+    let at_root = Visit {
+        link: robot.root,
+        parent: None,
+        parent_pose: Pose::IDENTITY,
+        connection: None,
+    };
     let mut waiting = vec![at_root];
     while let Some(visit) = waiting.pop() {
         let (id, pose) = tree.add(&visit, robot, floating_base, colors, parts, report)?;
@@ -192,7 +204,11 @@ impl<'a> Tree<'a> {
         };
         let mass = link::mass_properties(link, moves, report)?;
         parts.bodies.push(Body {
-            kind: if moves { BodyKind::Dynamic } else { BodyKind::Static },
+            kind: if moves {
+                BodyKind::Dynamic
+            } else {
+                BodyKind::Static
+            },
             pose,
             mass: mass.mass,
             center: mass.center,
@@ -209,11 +225,17 @@ impl<'a> Tree<'a> {
             Some(connection) if moves => {
                 let (joint, range) = joint::read(connection, (visit.parent, id), report)?;
                 let joint_id = JointId(parts.joints.len());
-                self.joints.push(TreeJoint { element: connection.element, id: joint_id, range });
+                self.joints.push(TreeJoint {
+                    element: connection.element,
+                    id: joint_id,
+                    range,
+                });
                 parts.joints.push(joint);
             }
             None if moves => {
-                parts.joints.push(Joint::new("", JointKind::Free, None, id, Vec::new()));
+                parts
+                    .joints
+                    .push(Joint::new("", JointKind::Free, None, id, Vec::new()));
             }
             _ => {}
         }

@@ -25,14 +25,22 @@ pub fn coordinates(model: &Model, qpos: &Value) -> Vec<f64> {
 pub fn poses(model: &Model, q: &[f64]) -> Vec<Pose> {
     let mut poses: Vec<Pose> = model.bodies.iter().map(|body| body.pose).collect();
     for id in model.order() {
-        let Some(carrier) = model.carrier(*id) else { continue };
+        let Some(carrier) = model.carrier(*id) else {
+            continue;
+        };
         let joint = &model.joints[carrier.0];
         let q = &q[model.coordinate_range(carrier)];
-        let parent = joint.parent.map_or(Pose::IDENTITY, |BodyId(row)| poses[row]);
+        let parent = joint
+            .parent
+            .map_or(Pose::IDENTITY, |BodyId(row)| poses[row]);
         let motion = match joint.kind {
             JointKind::Ball => Pose::new(DVec3::ZERO, DQuat::from_slice(q)),
             JointKind::Free => Pose::new(DVec3::from_slice(q), DQuat::from_slice(&q[3..])),
-            _ => joint.axes.iter().zip(q).fold(Pose::IDENTITY, |t, (axis, q)| t * step(axis, *q)),
+            _ => joint
+                .axes
+                .iter()
+                .zip(q)
+                .fold(Pose::IDENTITY, |t, (axis, q)| t * step(axis, *q)),
         };
         poses[id.0] = parent * joint.parent_frame * motion * joint.child_frame.inverse();
     }
@@ -52,7 +60,10 @@ fn step(axis: &Axis, q: f64) -> Pose {
 
 pub fn close(value: f64, expected: f64, what: &str) {
     let error = (value - expected).abs();
-    assert!(error <= TOLERANCE * expected.abs().max(1e-30), "{what}: {value}, not {expected}");
+    assert!(
+        error <= TOLERANCE * expected.abs().max(1e-30),
+        "{what}: {value}, not {expected}"
+    );
 }
 
 pub fn number(value: &Value) -> f64 {
@@ -65,5 +76,10 @@ pub fn vector(value: &Value) -> DVec3 {
 
 /// MuJoCo's w x y z.
 pub fn quaternion(value: &Value) -> DQuat {
-    DQuat::from_xyzw(number(&value[1]), number(&value[2]), number(&value[3]), number(&value[0]))
+    DQuat::from_xyzw(
+        number(&value[1]),
+        number(&value[2]),
+        number(&value[3]),
+        number(&value[0]),
+    )
 }

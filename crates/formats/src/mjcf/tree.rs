@@ -1,0 +1,152 @@
+//! The kinematic tree as it grows, and what other sections look up in it by name.
+
+use super::geom::Geom;
+use super::joint::FileJoint;
+use crate::error::FormatError;
+use crate::xml::Element;
+use model::{Body, BodyId, BodyKind, Joint, JointId, Parts, Pose};
+use std::collections::HashMap;
+
+/// The tree of a file.
+pub(super) struct Tree {
+    pub parts: Parts,
+    /// The element of each body.
+    pub elements: Vec<Element>,
+    /// Joints in MuJoCo's order, which is also the order of the coordinates.
+    pub joints: Vec<TreeJoint>,
+    /// contype and conaffinity of the colliding geoms, and whether they move.
+    pub masks: Vec<(i64, i64, bool)>,
+    body_names: HashMap<String, Option<BodyId>>,
+    joint_names: HashMap<String, usize>,
+    sites: HashMap<String, (Option<BodyId>, Pose)>,
+}
+
+/// A joint of the file, and where it is in the model.
+pub(super) struct TreeJoint {
+    pub file: FileJoint,
+    pub joint: JointId,
+    /// The first of its degrees of freedom in that joint.
+    pub dof: usize,
+}
+
+impl Tree {
+    /// The world, empty.
+    pub fn new() -> Self {
+        Self {
+            parts: Parts::default(),
+            elements: Vec::new(),
+            joints: Vec::new(),
+            masks: Vec::new(),
+            body_names: HashMap::from([("world".to_owned(), None)]),
+            joint_names: HashMap::new(),
+            sites: HashMap::new(),
+        }
+    }
+
+    /// Adds a body and its element.
+    pub fn add_body(&mut self, body: Body, element: &Element) -> Result<BodyId, FormatError> {
+        let id = BodyId(self.parts.bodies.len());
+        let name = body.name.clone();
+        self.parts.bodies.push(body);
+        self.elements.push(element.shallow());
+        if !name.is_empty() && self.body_names.insert(name.clone(), Some(id)).is_some() {
+            return Err(taken(element, "body", &name));
+        }
+        Ok(id)
+    }
+
+    /// Adds the joint that a body's joints make together.
+    pub fn add_joint(&mut self, joint: Joint, files: Vec<FileJoint>) -> Result<(), FormatError> {
+        let id = JointId(self.parts.joints.len());
+        self.parts.joints.push(joint);
+        let mut next = 0;
+        for file in files {
+            if let Some(name) = file.element.get("name") {
+                let row = self.joints.len();
+                if self.joint_names.insert(name.to_owned(), row).is_some() {
+                    return Err(taken(&file.element, "joint", name));
+                }
+            }
+            let dof = next;
+            next += file.kind.degrees_of_freedom();
+            self.joints.push(TreeJoint {
+                file,
+                joint: id,
+                dof,
+            });
+        }
+        Ok(())
+    }
+
+    /// Adds the shapes of a body, or of the world.
+    pub fn add_shapes(&mut self, geoms: Vec<Geom>, body: Option<BodyId>) {
+        let moves = self.moves(body);
+        for Geom {
+            mut shape, masks, ..
+        } in geoms
+        {
+            shape.body = body;
+            if shape.collides {
+                self.masks.push((masks.0, masks.1, moves));
+            }
+            self.parts.shapes.push(shape);
+        }
+    }
+
+    /// Adds a site of a body, or of the world.
+    pub fn add_site(&mut self, name: &str, body: Option<BodyId>, pose: Pose) {
+        self.sites.insert(name.to_owned(), (body, pose));
+    }
+
+    /// The joint that an attribute of an element names.
+    pub fn joint(&self, element: &Element, attribute: &str) -> Result<&TreeJoint, FormatError> {
+        let row = self.joint_names.get(element.require(attribute)?);
+        let row = row.ok_or_else(|| unknown(element, attribute, "joint"))?;
+        Ok(&self.joints[*row])
+    }
+
+    /// The body that an attribute names; `None` is the world.
+    pub fn body(&self, element: &Element, attribute: &str) -> Result<Option<BodyId>, FormatError> {
+        let body = self.body_names.get(element.require(attribute)?);
+        body.copied()
+            .ok_or_else(|| unknown(element, attribute, "body"))
+    }
+
+    /// The site that an attribute names: its body, and its pose there.
+    pub fn site(
+        &self,
+        element: &Element,
+        attribute: &str,
+    ) -> Result<(Option<BodyId>, Pose), FormatError> {
+        let site = self.sites.get(element.require(attribute)?);
+        site.copied()
+            .ok_or_else(|| unknown(element, attribute, "site"))
+    }
+
+    /// The pose of a body, or of the world.
+    pub fn pose(&self, body: Option<BodyId>) -> Pose {
+        body.map_or(Pose::IDENTITY, |id| self.parts.bodies[id.0].pose)
+    }
+
+    /// Whether a body moves; the world does not.
+    pub fn moves(&self, body: Option<BodyId>) -> bool {
+        body.is_some_and(|id| self.parts.bodies[id.0].kind == BodyKind::Dynamic)
+    }
+}
+
+fn unknown(element: &Element, attribute: &str, kind: &str) -> FormatError {
+    let name = element.get(attribute).unwrap_or_default();
+    element.invalid_attribute(
+        attribute,
+        &format!("names `{name}`, but no {kind} has this name"),
+        "correct the name",
+    )
+}
+
+fn taken(element: &Element, kind: &str, name: &str) -> FormatError {
+    element.invalid_attribute(
+        "name",
+        &format!("is `{name}`, the name of another {kind}"),
+        "rename one of them",
+    )
+}
