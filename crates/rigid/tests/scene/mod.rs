@@ -1,0 +1,194 @@
+//! Models and memories to run kernels on.
+
+use glam::{DMat3, DQuat, DVec3};
+use kinetarium_rigid::{InputTables, Kernels};
+use model::{Axis, BodyHandle, Builder, Drive, Geometry, Limit, Model, ModelError, Object, Pose};
+use numbers::{Cpu, Float, LanesMask, Real, Shared};
+
+/// The memories of one world.
+#[derive(Clone, Debug)]
+pub struct World<R> {
+    pub state: Vec<R>,
+    pub input: Vec<R>,
+    pub output: Vec<R>,
+    pub scratch: Vec<R>,
+}
+
+/// Parameters in the precision of `T`.
+pub fn parameters<T: Float>(kernels: &impl Kernels) -> Vec<T> {
+    kernels
+        .parameters()
+        .iter()
+        .map(|&x| T::from_f64(x))
+        .collect()
+}
+
+impl<R: Real<Mask: LanesMask>> World<R> {
+    /// A world in motion, under controls of every sort.
+    pub fn new(kernels: &impl Kernels, model: &Model) -> Self {
+        let wave = |i: usize| (1.7 * i as f64 + 0.4).sin();
+        let velocity: Vec<_> = (0..model.degrees_of_freedom()).map(wave).collect();
+        let state = kernels.initial(model, &model.initial_position(), &velocity);
+        let inputs = InputTables::new(model);
+        let mut input = inputs.initial(model);
+        for v in 0..model.degrees_of_freedom() {
+            input[inputs.force.at(v, 0)] = 0.3 * wave(v + 1);
+        }
+        for a in 0..model.actuators.len() {
+            input[inputs.control.at(a, 0)] = wave(a + 2);
+        }
+        let numbers = |x: Vec<f64>| x.into_iter().map(R::lit).collect();
+        let lengths = kernels.lengths();
+        Self {
+            state: numbers(state),
+            input: numbers(input),
+            output: vec![R::zero(); lengths.output],
+            scratch: vec![R::zero(); lengths.scratch],
+        }
+    }
+
+    /// The machine that runs a kernel on this world.
+    pub fn cpu<'a>(
+        &'a mut self,
+        parameters: &'a [R::Scalar],
+        links: &'a [u32],
+    ) -> Cpu<'a, R, Shared<'a, R>> {
+        Cpu {
+            state: &mut self.state,
+            input: &self.input,
+            output: &mut self.output,
+            scratch: &mut self.scratch,
+            parameters: Shared(parameters),
+            links,
+        }
+    }
+}
+
+fn rod(object: &mut Object, name: &str, mass: f64) -> BodyHandle {
+    let shape = Geometry::Capsule {
+        radius: 0.03,
+        half_height: 0.2,
+    };
+    object.body(name).shape(shape).mass(mass).handle()
+}
+
+/// Two trees with joints of every kind that a tree can have, and everything
+/// that acts along a degree of freedom. The last hinge of the D6 joint passes
+/// through `anchor`.
+pub fn mixed(anchor: DVec3) -> Result<Model, ModelError> {
+    let (top, bottom) = (Pose::at(DVec3::Y * 0.2), Pose::at(DVec3::Y * -0.2));
+    let tilted = Pose::new(DVec3::new(0.1, -0.2, 0.05), DQuat::from_rotation_x(0.6));
+    let mut world = Builder::new("mixed");
+    let robot = world.object("robot");
+
+    let trunk = rod(robot, "trunk", 2.0);
+    robot
+        .free("float", trunk)
+        .initial(&[0.1, 1.0, -0.2, 0.0, 0.6, 0.0, 0.8]);
+
+    let arm = rod(robot, "arm", 1.0);
+    let drive = Drive {
+        stiffness: 30.0,
+        damping: 2.0,
+        target_position: 0.4,
+        effort_limit: 8.0,
+        control_time: 0.02,
+        ..Drive::default()
+    };
+    let limit = Limit {
+        lower: -0.3,
+        upper: 0.3,
+        stiffness: 50.0,
+        damping: 1.0,
+    };
+    let shoulder = robot
+        .revolute("shoulder", arm, DVec3::Z)
+        .parent(trunk)
+        .frames(tilted, top);
+    shoulder
+        .initial(&[0.35])
+        .armature(0.02)
+        .limit(limit)
+        .drive(drive)
+        .friction_loss(0.1);
+    let shoulder = shoulder.handle();
+
+    let hand = rod(robot, "hand", 0.5);
+    let drive = Drive {
+        stiffness: 4.0,
+        damping: 0.2,
+        target_position: 0.3,
+        ..Drive::default()
+    };
+    let wrist = robot.ball("wrist", hand).parent(arm).frames(bottom, top);
+    let wrist = wrist
+        .initial(&[0.36, 0.0, 0.48, 0.8])
+        .damping(0.05)
+        .armature(0.01)
+        .drive(drive)
+        .handle();
+
+    let tail = rod(robot, "tail", 0.7);
+    let limit = Limit {
+        lower: -0.05,
+        upper: 0.1,
+        stiffness: 900.0,
+        damping: 3.0,
+    };
+    let slide = robot
+        .prismatic("slide", tail, DVec3::X)
+        .parent(trunk)
+        .frames(bottom, tilted);
+    let slide = slide
+        .initial(&[0.02])
+        .limit(limit)
+        .spring(200.0, 0.03)
+        .handle();
+
+    let tag = rod(robot, "tag", 0.1);
+    robot.fixed("weld", tag).parent(tail).frames(bottom, tilted);
+
+    let fin = rod(robot, "fin", 0.4);
+    let last = Axis {
+        anchor,
+        ..Axis::angular(DVec3::Z)
+    };
+    let axes = [Axis::linear(DVec3::X), Axis::angular(DVec3::Y), last];
+    let d6 = robot.d6("d6", fin, &axes).parent(tag).frames(bottom, top);
+    d6.initial(&[0.01, 0.2, -0.3]).damping(0.3).armature(0.01);
+
+    let wheel = rod(robot, "wheel", 0.3);
+    let axle = robot
+        .revolute("axle", wheel, DVec3::X)
+        .parent(trunk)
+        .frames(top, bottom);
+    let axle = axle.initial(&[2.9]).armature(0.01).handle();
+
+    robot
+        .motor("shoulder_motor", shoulder)
+        .gear(3.0)
+        .control_range(-0.5, 0.5);
+    robot
+        .position_servo("slide_servo", slide, 80.0, 2.0)
+        .force_range(-5.0, 5.0);
+    robot.velocity_servo("axle_servo", axle, 0.6);
+    robot.motor("wrist_motor", wrist).dof(1).gear(0.2);
+
+    let cart = world.object("cart");
+    let body = rod(cart, "body", 1.5);
+    let drive = Drive {
+        damping: 0.7,
+        target_velocity: 4.0,
+        ..Drive::default()
+    };
+    let ground = cart
+        .plane_xz("ground", body)
+        .initial(&[0.3, 0.1, 3.0])
+        .armature(0.01);
+    ground.dofs_mut()[2].drive = drive;
+    let inertia = DMat3::from_diagonal(DVec3::new(0.01, 0.02, 0.025));
+    cart.body("block")
+        .inertia(1.0, DVec3::new(0.02, 0.0, 0.01), inertia);
+    cart.body("wall").immovable();
+    world.build()
+}
