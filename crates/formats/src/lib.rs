@@ -53,7 +53,7 @@ pub struct Options {
 pub struct Loaded {
     /// The model.
     pub model: Model,
-    /// What was ignored, once per kind of thing, in the order of the file.
+    /// What was ignored, once per kind of thing, by file and line.
     pub warnings: Vec<Warning>,
 }
 

@@ -97,8 +97,10 @@ impl Report {
         Ok(())
     }
 
-    /// The warnings, in the order in which they were met.
-    pub fn into_warnings(self) -> Vec<Warning> {
+    /// The warnings, by file and line.
+    pub fn into_warnings(mut self) -> Vec<Warning> {
+        self.warnings
+            .sort_by(|a, b| (&a.file, a.line).cmp(&(&b.file, b.line)));
         self.warnings
     }
 }

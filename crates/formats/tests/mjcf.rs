@@ -1,0 +1,442 @@
+//! What MJCF files become beyond the numbers that MuJoCo agrees on: warnings, leniency, includes,
+//! loops, couplings, fused bodies, colours and meshes.
+
+use glam::DVec3;
+use kinetarium_formats::{Files, Folder, InMemory, Loaded, Options, Warning, load, parse};
+use model::{BodyKind, Geometry, JointKind, Pose};
+
+fn read_with(body: &str, options: &Options) -> Loaded {
+    let files = InMemory::default();
+    parse(body, "robot.xml", &files, options).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn read(text: &str) -> Loaded {
+    read_with(text, &Options::default())
+}
+
+fn lenient(text: &str) -> Loaded {
+    read_with(
+        text,
+        &Options {
+            lenient: true,
+            ..Options::default()
+        },
+    )
+}
+
+fn lines(warnings: &[Warning]) -> Vec<String> {
+    warnings.iter().map(Warning::to_string).collect()
+}
+
+#[test]
+fn unused_things_are_listed_once_with_their_first_line() {
+    let loaded = read(
+        r#"<mujoco>
+             <option integrator="RK4"/>
+             <worldbody>
+               <light pos="0 0 3"/>
+               <light pos="0 0 4"/>
+               <camera/>
+               <geom size="1" solref="0.1 1"/>
+               <geom size="1" solref="0.2 1"/>
+             </worldbody>
+             <sensor><clock/></sensor>
+           </mujoco>"#,
+    );
+    assert_eq!(
+        lines(&loaded.warnings),
+        [
+            "robot.xml:2: <option>: attribute `integrator`: the integrator is chosen when the \
+             simulation is made",
+            "robot.xml:4: <light>: lights: only for seeing; not read",
+            "robot.xml:6: <camera>: cameras: only for seeing; not read",
+            "robot.xml:7: <geom>: attribute `solref`: softness of contacts as MuJoCo's solver has it",
+            "robot.xml:10: <sensor>: sensors: not read",
+        ]
+    );
+}
+
+#[test]
+fn lenient_turns_missing_physics_into_warnings() {
+    let loaded = lenient(
+        r#"<mujoco>
+             <option density="1000" viscosity="0.1"/>
+             <worldbody>
+               <body gravcomp="1">
+                 <joint name="j" damping="1 2 3"/>
+                 <geom size="0.1"/>
+               </body>
+             </worldbody>
+             <actuator>
+               <muscle joint="j"/>
+               <motor name="kept" joint="j"/>
+             </actuator>
+             <keyframe><key ctrl="5 7"/></keyframe>
+           </mujoco>"#,
+    );
+    let features: Vec<_> = loaded
+        .warnings
+        .iter()
+        .map(|w| (w.element.as_str(), w.line))
+        .collect();
+    let expected = [
+        ("option", 2),
+        ("option", 2),
+        ("body", 4),
+        ("joint", 5),
+        ("muscle", 10),
+    ];
+    assert_eq!(features, expected);
+    assert_eq!(loaded.model.actuators[0].name, "kept");
+    assert_eq!(loaded.model.keyframes[0].control, [7.0]);
+    assert_eq!(loaded.model.joints[0].dofs[0].damping, 1.0);
+}
+
+#[test]
+fn includes_are_spliced_in() {
+    let files = InMemory::new([
+        (
+            "arm.xml",
+            r#"<mujoco><body name="arm"><joint/><include file="hand.xml"/></body></mujoco>"#,
+        ),
+        ("hand.xml", r#"<any><geom name="hand" size="0.1"/></any>"#),
+    ]);
+    let text = r#"<mujoco><worldbody><include file="arm.xml"/></worldbody></mujoco>"#;
+    let loaded = parse(text, "robot.xml", &files, &Options::default()).expect("a model");
+    assert_eq!(loaded.model.bodies[0].name, "arm");
+    assert_eq!(loaded.model.shapes[0].name, "hand");
+}
+
+#[test]
+fn a_file_is_read_with_the_files_beside_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let robot = folder.path().join("robot.xml");
+    let text = r#"<mujoco>
+        <compiler meshdir="meshes"/>
+        <asset><mesh name="m" file="m.stl" scale="2 2 2"/></asset>
+        <worldbody>
+          <include file="more.xml"/>
+          <geom type="mesh" mesh="m"/>
+        </worldbody>
+      </mujoco>"#;
+    std::fs::write(&robot, text).expect("written");
+    std::fs::write(folder.path().join("more.xml"), "<x><geom size='1'/></x>").expect("written");
+    let model = load(&robot, &Options::default()).expect("a model").model;
+    assert_eq!(model.name, "robot");
+    let file = folder
+        .path()
+        .join("meshes/m.stl")
+        .to_string_lossy()
+        .into_owned();
+    assert_eq!(
+        model.shapes[1].geometry,
+        Geometry::Mesh {
+            file,
+            scale: DVec3::splat(2.0)
+        }
+    );
+
+    std::fs::write(folder.path().join("more.xml"), "<x>\n<geom size='0'/></x>").expect("written");
+    let error = load(&robot, &Options::default())
+        .expect_err("a size of zero")
+        .to_string();
+    assert!(
+        error.starts_with(&format!("{}/more.xml:2:7: ", folder.path().display())),
+        "{error}"
+    );
+    let missing = load(&folder.path().join("none.xml"), &Options::default()).expect_err("no file");
+    assert!(
+        missing.to_string().contains("none.xml: cannot be read"),
+        "{missing}"
+    );
+    let not_text = folder.path().join("noise.xml");
+    std::fs::write(&not_text, [0xff, 0xfe, 0x00]).expect("written");
+    assert!(load(&not_text, &Options::default()).is_err());
+    assert!(Folder::new(folder.path()).read("absent").is_err());
+}
+
+const TWO_ARMS: &str = r#"
+    <body name="left" pos="-1 0 0"><joint name="l" ref="10"/><geom size="0.1"/>
+      <site name="on_left" pos="0 0 1" euler="90 0 0"/></body>
+    <body name="right" pos="1 0 0" euler="0 0 90"><joint name="r"/><geom size="0.1"/>
+      <site name="on_right" pos="0 2 0"/></body>
+    <body name="post" pos="0 3 0"/>"#;
+
+fn with_equality(equality: &str) -> Loaded {
+    read(&format!(
+        "<mujoco><worldbody>{TWO_ARMS}</worldbody><equality>{equality}</equality></mujoco>"
+    ))
+}
+
+/// Where the frames of a joint that closes a loop lie in the world.
+fn frames(loaded: &Loaded) -> (Pose, Pose) {
+    let joint = &loaded.model.joints[2];
+    assert!(joint.closes_loop);
+    let parent = joint
+        .parent
+        .map_or(Pose::IDENTITY, |id| loaded.model.bodies[id.0].pose);
+    let child = loaded.model.bodies[joint.child.0].pose;
+    (parent * joint.parent_frame, child * joint.child_frame)
+}
+
+fn same(a: Pose, b: Pose) -> bool {
+    a.position.abs_diff_eq(b.position, 1e-12)
+        && a.orientation.dot(b.orientation).abs() > 1.0 - 1e-12
+}
+
+#[test]
+fn connect_is_a_ball_that_closes_a_loop() {
+    let loaded =
+        with_equality(r#"<connect name="c" body1="left" body2="right" anchor="0.5 0 0"/>"#);
+    let joint = &loaded.model.joints[2];
+    assert_eq!((joint.kind, joint.name.as_str()), (JointKind::Ball, "c"));
+    let (a, b) = frames(&loaded);
+    assert!(
+        same(a, b) && a.position == DVec3::new(-0.5, 0.0, 0.0),
+        "{a:?} {b:?}"
+    );
+    assert!(joint.enabled);
+
+    let to_world = with_equality(r#"<connect body1="left" anchor="0 0 1" active="false"/>"#);
+    let joint = &to_world.model.joints[2];
+    assert_eq!(
+        (joint.parent, joint.child.0, joint.enabled),
+        (None, 0, false)
+    );
+    let (a, b) = frames(&to_world);
+    assert!(same(a, b), "{a:?} {b:?}");
+
+    let sites = with_equality(r#"<connect site1="on_left" site2="on_right"/>"#);
+    let (a, b) = frames(&sites);
+    assert_eq!(a.position, DVec3::new(-1.0, 0.0, 1.0));
+    assert!(
+        b.position.abs_diff_eq(DVec3::new(-1.0, 0.0, 0.0), 1e-12),
+        "{b:?}"
+    );
+}
+
+#[test]
+fn weld_is_a_fixed_joint_that_closes_a_loop() {
+    let loaded = with_equality(r#"<weld body1="left" body2="right" anchor="0 1 0"/>"#);
+    assert_eq!(loaded.model.joints[2].kind, JointKind::Fixed);
+    let (a, b) = frames(&loaded);
+    assert!(same(a, b), "{a:?} {b:?}");
+
+    let placed =
+        with_equality(r#"<weld body1="left" body2="right" relpose="0.1 0.2 0.3 0 0 0 2"/>"#);
+    let joint = &placed.model.joints[2];
+    assert_eq!(joint.parent_frame.position, DVec3::new(0.1, 0.2, 0.3));
+    assert_eq!(
+        joint.parent_frame.orientation.to_array(),
+        [0.0, 0.0, 1.0, 0.0]
+    );
+    assert_eq!(joint.child_frame, Pose::IDENTITY);
+
+    let static_second = with_equality(r#"<weld body1="left" body2="post"/>"#);
+    let joint = &static_second.model.joints[2];
+    assert_eq!((joint.parent.map(|id| id.0), joint.child.0), (Some(2), 0));
+    let nothing_moves = with_equality(r#"<weld body1="post"/>"#);
+    assert_eq!(nothing_moves.model.joints.len(), 2);
+    assert_eq!(
+        nothing_moves.warnings.last().map(|w| w.element.as_str()),
+        Some("weld")
+    );
+}
+
+/// y − y₀ = a₀ + a₁ (x − x₀), with y₀ = 10° and x₀ = 0.
+#[test]
+fn joint_equality_is_a_coupling() {
+    let loaded = with_equality(r#"<joint joint1="l" joint2="r" polycoef="0.5 -2 0 0 0"/>"#);
+    let coupling = &loaded.model.couplings[0];
+    assert_eq!((coupling.joint.0, coupling.other.0), (0, 1));
+    assert_eq!(coupling.ratio, -2.0);
+    assert!((coupling.offset - (10f64.to_radians() + 0.5)).abs() < 1e-12);
+    assert!(
+        lenient("<mujoco><equality><flex/></equality></mujoco>")
+            .model
+            .joints
+            .is_empty()
+    );
+}
+
+#[test]
+fn what_nothing_moves_is_static() {
+    let model = read(
+        r#"<mujoco><worldbody>
+             <body name="table"><geom size="1"/><body name="lamp" pos="0 0 1"/>
+               <body name="drawer"><joint type="slide"/><geom size="0.1"/></body>
+             </body>
+           </worldbody></mujoco>"#,
+    )
+    .model;
+    let kinds: Vec<BodyKind> = model.bodies.iter().map(|body| body.kind).collect();
+    assert_eq!(
+        kinds,
+        [BodyKind::Static, BodyKind::Static, BodyKind::Dynamic]
+    );
+    assert_eq!(model.joints.len(), 1);
+    assert_eq!(model.joints[0].parent.map(|id| id.0), Some(0));
+}
+
+/// A massless mount on a link, and a massless carriage that carries a welded mass.
+#[test]
+fn massless_bodies_are_fused() {
+    let model = read(
+        r#"<mujoco><worldbody>
+             <body name="link" pos="0 0 1"><joint name="pin"/><geom size="0.1" mass="2"/>
+               <body name="mount" pos="0 1 0" euler="0 0 90">
+                 <geom name="plate" size="0.1" mass="0" pos="1 0 0"/>
+                 <body name="rider" pos="0 0 1"><joint name="rail" type="slide"/><geom size="0.1"/></body>
+               </body>
+             </body>
+             <body name="carriage"><freejoint name="free"/>
+               <body name="load" pos="0 0 2"><geom size="0.1" mass="3"/></body>
+             </body>
+           </worldbody>
+           <actuator><motor name="m" joint="rail"/></actuator></mujoco>"#,
+    )
+    .model;
+    let names: Vec<&str> = model.bodies.iter().map(|body| body.name.as_str()).collect();
+    assert_eq!(names, ["link", "rider", "carriage"]);
+    assert_eq!((model.bodies[0].mass, model.bodies[2].mass), (2.0, 3.0));
+    assert_eq!(model.bodies[2].center, DVec3::new(0.0, 0.0, 2.0));
+    assert!(
+        model.shapes[1]
+            .pose
+            .position
+            .abs_diff_eq(DVec3::new(0.0, 2.0, 0.0), 1e-12)
+    );
+    let rail = &model.joints[model.actuators[0].joint.0];
+    assert_eq!(
+        (rail.name.as_str(), rail.parent.map(|id| id.0), rail.child.0),
+        ("rail", Some(0), 1)
+    );
+    assert!(
+        rail.parent_frame
+            .position
+            .abs_diff_eq(DVec3::new(0.0, 1.0, 1.0), 1e-12)
+    );
+}
+
+#[test]
+fn geoms_have_colours_friction_and_collide() {
+    let model = read(
+        r#"<mujoco>
+             <asset><material name="red" rgba="1 0 0 1"/></asset>
+             <default><geom condim="6" friction="0.7 0.02"/></default>
+             <worldbody>
+               <geom size="1" material="red"/>
+               <geom size="1" material="red" rgba="0 1 0 0.5" contype="0" conaffinity="0"/>
+               <geom type="plane" size="3 4 0.1"/>
+             </worldbody>
+           </mujoco>"#,
+    )
+    .model;
+    let [ball, ghost, plane] = &model.shapes[..] else {
+        panic!("three shapes")
+    };
+    assert_eq!(ball.material.color, [1.0, 0.0, 0.0, 1.0]);
+    assert_eq!(ghost.material.color, [0.0, 1.0, 0.0, 0.5]);
+    assert_eq!((ball.collides, ghost.collides), (true, false));
+    let m = ball.material;
+    let friction = [m.friction, m.torsional_friction, m.rolling_friction];
+    assert_eq!(friction, [0.7, 0.02, 0.0001]);
+    assert_eq!(
+        plane.geometry,
+        Geometry::Plane {
+            half_x: 3.0,
+            half_z: 4.0
+        }
+    );
+    assert!(plane.pose.direction(DVec3::Y).abs_diff_eq(DVec3::Z, 1e-12));
+}
+
+#[test]
+fn flags_switch_things_off() {
+    let model = read(
+        r#"<mujoco>
+             <option><flag gravity="disable" limit="disable" passive="disable" contact="disable"/></option>
+             <worldbody><body>
+               <joint range="0 1" damping="3" stiffness="2" frictionloss="1"/><geom size="0.1"/>
+             </body></worldbody>
+           </mujoco>"#,
+    )
+    .model;
+    let dof = &model.joints[0].dofs[0];
+    assert_eq!(
+        (dof.limit, dof.damping, dof.stiffness, dof.friction_loss),
+        (None, 0.0, 0.0, 1.0)
+    );
+    assert_eq!(model.gravity, DVec3::ZERO);
+    assert!(!model.shapes[0].collides);
+}
+
+#[test]
+fn contact_masks_that_groups_cannot_hold_are_noted() {
+    let model = |masks: &str| {
+        read(&format!(
+            "<mujoco><worldbody><geom size='1'/><body><freejoint/><geom size='1' {masks}/>\
+             </body></worldbody></mujoco>"
+        ))
+    };
+    assert!(model("").warnings.is_empty());
+    assert!(model("contype='0' conaffinity='0'").warnings.is_empty());
+    let apart = model("conaffinity='0'");
+    assert_eq!(
+        lines(&apart.warnings),
+        ["robot.xml:1: <worldbody>: contype and conaffinity: geoms that they keep apart may touch"]
+    );
+}
+
+#[test]
+fn tendons_without_force_are_noted() {
+    let fixed = "<tendon><fixed><joint joint='a' coef='1'/></fixed></tendon>";
+    let loaded = read(&format!("<mujoco>{fixed}</mujoco>"));
+    assert_eq!(
+        lines(&loaded.warnings),
+        ["robot.xml:1: <fixed>: tendons: exert no force; not read"]
+    );
+}
+
+#[test]
+fn unnamed_things_get_names() {
+    let model = read(
+        r#"<mujoco><worldbody>
+             <body><freejoint/><geom size="1"/>
+               <body name="body_1"><joint/><joint axis="1 0 0"/><geom size="1"/></body></body>
+           </worldbody></mujoco>"#,
+    )
+    .model;
+    let bodies: Vec<&str> = model.bodies.iter().map(|body| body.name.as_str()).collect();
+    assert_eq!(bodies, ["body_1_2", "body_1"]);
+    let joints: Vec<&str> = model
+        .joints
+        .iter()
+        .map(|joint| joint.name.as_str())
+        .collect();
+    assert_eq!(joints, ["body_1_2", "body_1"]);
+    assert_eq!(model.joints[1].dofs[1].name, "body_1_1");
+}
+
+/// A chain as deep as an element may be nested is read without overflowing the stack.
+#[test]
+fn deep_chains_are_read() {
+    let links = 490;
+    let text = format!(
+        "<mujoco><worldbody>{}{}</worldbody></mujoco>",
+        "<body pos='0 0 1'><joint axis='0 1 0' range='-90 90'/><geom size='0.1'/>".repeat(links),
+        "</body>".repeat(links)
+    );
+    assert_eq!(read(&text).model.degrees_of_freedom(), links);
+    let deep = format!(
+        "<mujoco>{}{}</mujoco>",
+        "<frame>".repeat(600),
+        "</frame>".repeat(600)
+    );
+    let error = parse(&deep, "deep.xml", &InMemory::default(), &Options::default());
+    let error = error.expect_err("too deep").to_string();
+    assert!(
+        error.contains("nested more than 500 deep; make the tree of elements flatter"),
+        "{error}"
+    );
+}

@@ -1,0 +1,208 @@
+//! A URDF robot with every kind of joint.
+
+use glam::{DMat3, DVec3};
+use kinetarium_formats::{InMemory, Loaded, Options, Warning, load, parse};
+use model::{AxisKind, BodyKind, Geometry, Joint, JointKind, Model, Pose, UpAxis};
+use std::path::Path;
+
+fn arm(options: &Options) -> Loaded {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/models/arm.urdf");
+    load(&path, options).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn joint<'a>(model: &'a Model, name: &str) -> &'a Joint {
+    model
+        .joints
+        .iter()
+        .find(|joint| joint.name == name)
+        .expect("the joint")
+}
+
+fn close(a: DVec3, b: DVec3) -> bool {
+    a.abs_diff_eq(b, 1e-12)
+}
+
+#[test]
+fn bodies() {
+    let model = arm(&Options::default()).model;
+    assert_eq!(model.up_axis, UpAxis::Z);
+    assert_eq!(model.gravity, DVec3::new(0.0, 0.0, -9.81));
+    let bodies: Vec<_> = model
+        .bodies
+        .iter()
+        .map(|b| (b.name.as_str(), b.kind))
+        .collect();
+    let (fixed, moving) = (BodyKind::Static, BodyKind::Dynamic);
+    // The camera has no mass: it became part of the upper arm.
+    let expected = [
+        ("world", fixed),
+        ("base", fixed),
+        ("upper", moving),
+        ("finger", moving),
+        ("disc", moving),
+        ("puck", moving),
+        ("drone", moving),
+    ];
+    assert_eq!(bodies, expected);
+    assert_eq!(model.bodies[1].pose, Pose::at(DVec3::new(0.0, 0.0, 0.5)));
+
+    // Turned by 90° about x: y becomes z.
+    let upper = &model.bodies[2];
+    assert_eq!(upper.mass, 2.0);
+    assert_eq!(upper.center, DVec3::new(0.0, 0.0, 0.25));
+    let inertia = DMat3::from_diagonal(DVec3::new(0.02, 0.04, 0.03));
+    assert!(
+        upper.inertia.abs_diff_eq(inertia, 1e-12),
+        "{}",
+        upper.inertia
+    );
+}
+
+#[test]
+fn revolute_and_prismatic() {
+    let model = arm(&Options::default()).model;
+    let shoulder = joint(&model, "shoulder");
+    assert_eq!(shoulder.kind, JointKind::Revolute);
+    assert_eq!(shoulder.axes[0].direction, DVec3::Y);
+    let child = model.bodies[2].pose;
+    assert!(close(child.position, DVec3::new(0.0, 0.0, 1.0)));
+    assert!(close(child.direction(DVec3::X), DVec3::Y));
+    let dof = &shoulder.dofs[0];
+    assert_eq!((dof.damping, dof.friction_loss), (0.4, 0.2));
+    assert_eq!(dof.drive.effort_limit, 30.0);
+    let limit = dof.limit.expect("a limit");
+    assert_eq!((limit.lower, limit.upper), (-1.0, 1.5));
+    // Critically damped, with the time constant 20 ms.
+    assert!((limit.damping / limit.stiffness - 2.0 * 0.02).abs() < 1e-12);
+
+    let slider = joint(&model, "slider");
+    assert_eq!(
+        (slider.kind, slider.axes[0].kind),
+        (JointKind::Prismatic, AxisKind::Linear)
+    );
+    assert_eq!(slider.parent.map(|id| id.0), Some(2));
+    assert!(close(
+        slider.parent_frame.position,
+        DVec3::new(0.1, 0.0, 0.3)
+    ));
+    assert!(close(
+        model.bodies[3].pose.position,
+        DVec3::new(0.0, 0.1, 1.3)
+    ));
+}
+
+#[test]
+fn planar_floating_and_mimic() {
+    let model = arm(&Options::default()).model;
+    let table = joint(&model, "table");
+    assert_eq!(table.kind, JointKind::PlaneXz);
+    // The normal is z; both frames turn alike, so the puck lies as it was drawn.
+    assert!(close(table.parent_frame.direction(DVec3::Y), DVec3::Z));
+    assert_eq!(
+        table.parent_frame.orientation,
+        table.child_frame.orientation
+    );
+    assert_eq!(joint(&model, "flight").kind, JointKind::Free);
+    assert!(close(
+        model.bodies[6].pose.position,
+        DVec3::new(0.0, 0.0, 3.0)
+    ));
+    let coupling = &model.couplings[0];
+    assert_eq!(model.joints[coupling.joint.0].name, "wheel");
+    assert_eq!(model.joints[coupling.other.0].name, "slider");
+    assert_eq!((coupling.ratio, coupling.offset), (-3.0, 0.2));
+}
+
+#[test]
+fn shapes() {
+    let model = arm(&Options::default()).model;
+    let [cylinder, mesh, cuboid, sphere] = &model.shapes[..] else {
+        panic!("four shapes")
+    };
+    assert_eq!(
+        cylinder.geometry,
+        Geometry::Cylinder {
+            radius: 0.2,
+            half_height: 0.5
+        }
+    );
+    assert!(close(cylinder.pose.direction(DVec3::Y), DVec3::Z));
+    assert!(cylinder.collides && !mesh.collides && cuboid.collides);
+    let file = "package://arm/upper.dae".to_owned();
+    assert_eq!(
+        mesh.geometry,
+        Geometry::Mesh {
+            file,
+            scale: DVec3::splat(0.001)
+        }
+    );
+    assert_eq!(mesh.material.color, [0.0, 0.0, 1.0, 1.0]);
+    assert_eq!(
+        cuboid.geometry,
+        Geometry::Box {
+            half: DVec3::new(0.05, 0.1, 0.25)
+        }
+    );
+    assert_eq!(sphere.body.map(|id| id.0), Some(2));
+    assert!(close(sphere.pose.position, DVec3::new(0.1, 0.0, 0.2)));
+}
+
+#[test]
+fn warnings() {
+    let warnings = arm(&Options::default()).warnings;
+    let found: Vec<_> = warnings
+        .iter()
+        .map(|w: &Warning| (w.element.as_str(), w.line))
+        .collect();
+    let expected = [
+        ("limit", 22),
+        ("safety_controller", 24),
+        ("transmission", 93),
+        ("gazebo", 94),
+    ];
+    assert_eq!(found, expected);
+}
+
+/// The root has no mass, so with a floating base it takes up the base that is fixed to it.
+#[test]
+fn floating_base() {
+    let model = arm(&Options {
+        floating_base: true,
+        ..Options::default()
+    })
+    .model;
+    assert_eq!(model.bodies[0].name, "world");
+    assert_eq!(
+        (model.bodies[0].kind, model.bodies[0].mass),
+        (BodyKind::Dynamic, 5.0)
+    );
+    assert_eq!(model.bodies[0].center, DVec3::new(0.0, 0.0, 0.5));
+    assert_eq!(
+        (model.joints[0].kind, model.joints[0].parent),
+        (JointKind::Free, None)
+    );
+    assert_eq!(model.bodies.len(), 6);
+}
+
+#[test]
+fn capsules_and_loose_geometry() {
+    let text = "<robot name='r'><link name='a'><collision><geometry><capsule radius='0.1' \
+                length='0.4'/></geometry></collision><visual><geometry><torus/></geometry></visual>\
+                </link></robot>";
+    let options = Options {
+        lenient: true,
+        ..Options::default()
+    };
+    let loaded = parse(text, "r.urdf", &InMemory::default(), &options).expect("a model");
+    let [capsule] = &loaded.model.shapes[..] else {
+        panic!("one shape")
+    };
+    assert_eq!(
+        capsule.geometry,
+        Geometry::Capsule {
+            radius: 0.1,
+            half_height: 0.30000000000000004
+        }
+    );
+    assert_eq!(loaded.warnings.len(), 1);
+}
