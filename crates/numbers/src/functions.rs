@@ -291,3 +291,11 @@ pub fn pow<R: Real>(x: R, y: R) -> R {
     let base = R::select(y.same(R::zero()) & !ordinary, R::one(), x);
     exp(y * log(base))
 }
+
+/// `x` (rad) less whole turns, in [−π, π].
+#[inline(always)]
+pub fn wrap<R: Real>(x: R) -> R {
+    let turns = (x * R::lit(0.5 / core::f64::consts::PI)).round();
+    turns.fnma(R::lit(core::f64::consts::TAU), x)
+}
+

@@ -111,6 +111,18 @@ impl<R: Real> SymMat3<R> {
     pub fn diagonal(s: R) -> Self {
         Self::new(Vec3::splat(s), Vec3::zero())
     }
+    /// All entries times `s`.
+    #[inline(always)]
+    pub fn scaled(self, s: R) -> Self {
+        Self {
+            xx: self.xx * s,
+            yy: self.yy * s,
+            zz: self.zz * s,
+            xy: self.xy * s,
+            xz: self.xz * s,
+            yz: self.yz * s,
+        }
+    }
     /// `v vᵀ · s`.
     #[inline(always)]
     pub fn outer(v: Vec3<R>, s: R) -> Self {

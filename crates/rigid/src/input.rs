@@ -29,6 +29,10 @@ impl InputTables {
         let control = Table::place(&mut end, model.actuators.len());
         Self { force, target_position, target_velocity, control, length: end }
     }
+    /// Number of degrees of freedom.
+    pub fn dofs(&self) -> usize {
+        self.target_position.base - self.force.base
+    }
     /// The model's own targets, and no force or control.
     pub fn initial(&self, model: &model::Model) -> Vec<f64> {
         let mut input = vec![0.0; self.length];

@@ -11,8 +11,10 @@ mod input;
 mod output;
 mod solver;
 mod tables;
+pub mod xpbd;
 
 pub use featherstone::{Featherstone, Integrator};
 pub use input::InputTables;
 pub use output::{OutputTables, body, reaction, total};
 pub use solver::{Kernels, Lengths, Settings, SolverError};
+pub use xpbd::Xpbd;

@@ -37,8 +37,10 @@ pub mod total {
     pub const MOMENTUM: usize = 2;
     /// Angular momentum [kg·m²/s] about the world's origin, 3.
     pub const ANGULAR_MOMENTUM: usize = 5;
+    /// How often a force or displacement cap has bitten since the world was reset; `xpbd` only.
+    pub const CAPPED: usize = 8;
     /// Numbers in the row.
-    pub const WIDTH: usize = 8;
+    pub const WIDTH: usize = 9;
 }
 
 /// Where the reported numbers lie.

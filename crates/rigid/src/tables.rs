@@ -1,7 +1,7 @@
 //! Filling the tables that a solver's kernels read.
 
 use glam::{DMat3, DQuat, DVec3};
-use model::Pose;
+use model::{Actuator, Dof, Pose};
 use numbers::Table;
 use numbers::machine::Links;
 use numbers::machine::space::Parameter;
@@ -42,4 +42,26 @@ impl Filler {
     pub fn link<const W: usize>(&mut self, links: Links<W>, row: usize, field: usize, x: usize) {
         self.links[links.at(row, field)] = x as u32;
     }
+}
+
+/// No bound, but a finite number: infinities have no place in a shader.
+pub(crate) const UNBOUNDED: f64 = 1e30;
+
+/// A bound, kept finite.
+pub(crate) fn bounded(x: f64) -> f64 {
+    x.min(UNBOUNDED)
+}
+
+/// Gear, gain, bias 3, control range 2, force range 2.
+pub(crate) fn actuator_numbers(a: &Actuator) -> [f64; 9] {
+    let all = (-UNBOUNDED, UNBOUNDED);
+    let (c, r) = (a.control_range.unwrap_or(all), a.force_range.unwrap_or(all));
+    let [b0, b1, b2] = a.bias;
+    [a.gear, a.gain, b0, b1, b2, c.0, c.1, r.0, r.1]
+}
+
+/// Initial target of a ball's drive, as a quaternion x, y, z, w.
+pub(crate) fn ball_target(dofs: &[Dof]) -> [f64; 4] {
+    let r = [0, 1, 2].map(|i| dofs[i].drive.target_position);
+    DQuat::from_scaled_axis(DVec3::from_array(r)).to_array()
 }

@@ -15,11 +15,12 @@
 //! Only what a model uses has a row, so that a passive chain pays for nothing.
 
 use super::tables::Tables;
-use crate::tables::Filler;
+use crate::tables::{Filler, actuator_numbers, ball_target, bounded};
 use model::{JointKind, Model};
 use numbers::machine::space::{Parameter, Scratch, State};
 use numbers::machine::{Index, Links};
-use numbers::{Cell, Machine, Quat, Real, Table, Vec3};
+use numbers::functions::wrap;
+use numbers::{Cell, Machine, Quat, Real, Table};
 
 /// Speed [m/s or rad/s] below which dry friction turns into viscous creep.
 pub const FRICTION_SPEED: f64 = 1e-3;
@@ -175,10 +176,7 @@ impl ForceTables {
             // A free or ball joint's motor has no position term, so any coordinate will do.
             f.link(self.actuator_links, row, 0, (q.start + a.dof).min(q.end - 1));
             f.link(self.actuator_links, row, 1, v.start + a.dof);
-            let (c, r) = (a.control_range, a.force_range);
-            let (c, r) = (c.unwrap_or(UNBOUNDED), r.unwrap_or(UNBOUNDED));
-            let [b0, b1, b2] = a.bias;
-            f.numbers(self.actuator, row, 0, &[a.gear, a.gain, b0, b1, b2, c.0, c.1, r.0, r.1]);
+            f.numbers(self.actuator, row, 0, &actuator_numbers(a));
         }
     }
 
@@ -231,9 +229,7 @@ impl ForceTables {
             state[self.drive_target.at(row, 0)] = dof.drive.target_position;
         }
         for (row, (_, _, dofs)) in balls(model).filter(|b| b.2.iter().any(driven)).enumerate() {
-            let r = glam::DVec3::from_array([0, 1, 2].map(|i| dofs[i].drive.target_position));
-            let q = glam::DQuat::from_scaled_axis(r).to_array();
-            state[self.ball_target.at(row, 0)..][..4].copy_from_slice(&q);
+            state[self.ball_target.at(row, 0)..][..4].copy_from_slice(&ball_target(dofs));
         }
     }
 }
@@ -255,20 +251,6 @@ impl ForceTables {
             sum.write(sum.read() + energy);
         }
     }
-}
-
-/// No bound, but a finite number: infinities have no place in a shader.
-const UNBOUNDED: (f64, f64) = (-1e30, 1e30);
-
-fn bounded(x: f64) -> f64 {
-    x.min(UNBOUNDED.1)
-}
-
-/// `x` less whole turns, in [−π, π].
-#[inline(always)]
-pub(crate) fn wrap<R: Real>(x: R) -> R {
-    let turns = (x * R::lit(0.5 / core::f64::consts::PI)).round();
-    turns.fnma(R::lit(core::f64::consts::TAU), x)
 }
 
 /// Sums all forces along the degrees of freedom into [`ForceTables::sum`], linearised over `h` [s].
@@ -353,20 +335,10 @@ pub(crate) fn smooth_targets<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         let v = k.link(f.ball_links, i, 1);
         let share = h / (k.load(f.ball, i, 3) + h);
         let now = k.quat(f.ball_target, i, 0);
-        let target = Quat::exp(target_vector(k, t, v));
+        let target = Quat::exp(k.vec3(t.input.target_position, v, 0));
         let next = now * Quat::exp((now.conjugate() * target).log() * share);
         k.store_quat(f.ball_target, i, 0, next.normalized());
     }
-}
-
-/// Rotation-vector target of a ball drive.
-#[inline(always)]
-fn target_vector<M: Machine>(k: &M, t: &Tables, v: M::I) -> Vec3<M::R> {
-    Vec3::new(
-        k.load(t.input.target_position, v, 0),
-        k.load(t.input.target_position, v.offset(1), 0),
-        k.load(t.input.target_position, v.offset(2), 0),
-    )
 }
 
 /// τ = k log(q⁻¹ target) + d (w − ω) in the child's axes, the shorter way round,
@@ -377,11 +349,11 @@ fn ball_drives<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     for i in k.count(f.balls) {
         let (q, v) = (k.link(f.ball_links, i, 0), k.link(f.ball_links, i, 1));
         let (s, d) = (k.load(f.ball, i, 0), k.load(f.ball, i, 1));
-        let now = coordinate_quat(k, t, q);
-        let speed = dof_vector(k, t.velocity, v);
+        let now = k.quat(t.position, q, 0);
+        let speed = k.vec3(t.velocity, v, 0);
         let error = (now.conjugate() * k.quat(f.ball_target, i, 0)).log();
         let error = error - speed * h;
-        let tau = error * s + (dof_vector(k, t.input.target_velocity, v) - speed) * d;
+        let tau = error * s + (k.vec3(t.input.target_velocity, v, 0) - speed) * d;
         let effort = k.load(f.ball, i, 2);
         let size = tau.length();
         let free = size.le(effort);
@@ -440,25 +412,4 @@ fn actuators<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         let implicit = M::R::select(free, gear * gear * (h * h.fma(s, d)), M::R::zero());
         add(k, t, v, gear * force.clamp(low, high), implicit);
     }
-}
-
-/// The quaternion that starts at a coordinate.
-#[inline(always)]
-pub(crate) fn coordinate_quat<M: Machine>(k: &M, t: &Tables, q: M::I) -> Quat<M::R> {
-    Quat::new(
-        k.load(t.position, q, 0),
-        k.load(t.position, q.offset(1), 0),
-        k.load(t.position, q.offset(2), 0),
-        k.load(t.position, q.offset(3), 0),
-    )
-}
-
-/// The three numbers that start at a degree of freedom.
-#[inline(always)]
-pub(crate) fn dof_vector<M: Machine, S: numbers::machine::space::Space>(
-    k: &M,
-    table: Table<S>,
-    v: M::I,
-) -> Vec3<M::R> {
-    Vec3::new(k.load(table, v, 0), k.load(table, v.offset(1), 0), k.load(table, v.offset(2), 0))
 }

@@ -14,13 +14,12 @@
 //! (Munthe-Kaas 1998, dexp⁻¹ truncated).
 
 use super::articulated_body::articulated_body;
-use super::force::{coordinate_quat, dof_vector, forces, smooth_targets, wrap};
+use super::force::{forces, smooth_targets};
 use super::kinematics::kinematics;
 use super::tables::{Tables, dof};
 use super::Integrator;
-use numbers::machine::Index;
-use numbers::machine::space::{Scratch, State};
-use numbers::{Cell, Machine, Quat, Real, Table, Vec3};
+use numbers::functions::wrap;
+use numbers::{Cell, Machine, Quat, Real};
 
 /// Coordinates beyond this are taken for diverged [m or rad].
 const FAR: f64 = 1e9;
@@ -88,9 +87,9 @@ fn drift<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     }
     for i in k.count(t.balls) {
         let (q, v) = (k.link(t.ball_links, i, 0), k.link(t.ball_links, i, 1));
-        let turn = Quat::exp(dof_vector(k, t.velocity, v) * h);
-        let moved = (coordinate_quat(k, t, q) * turn).normalized();
-        store_quat(k, t.position, q, moved);
+        let turn = Quat::exp(k.vec3(t.velocity, v, 0) * h);
+        let moved = (k.quat(t.position, q, 0) * turn).normalized();
+        k.store_quat(t.position, q, 0, moved);
     }
 }
 
@@ -118,15 +117,15 @@ fn runge_kutta_stage<M: Machine>(k: &mut M, t: &Tables, h: M::R, stage: M::I) {
     }
     for i in k.count(t.balls) {
         let (q, v) = (k.link(t.ball_links, i, 0), k.link(t.ball_links, i, 1));
-        let (u, w) = (dof_vector(k, t.increment, v), dof_vector(k, t.velocity, v));
+        let (u, w) = (k.vec3(t.increment, v, 0), k.vec3(t.velocity, v, 0));
         let (uw, half, twelfth) = (u.cross(w), M::R::lit(0.5), M::R::lit(1.0 / 12.0));
         let rate = u.cross(uw).fma(twelfth, uw.fma(half, w));
-        let sum = rate.fma(weight, dof_vector(k, t.sum_velocity, v));
-        store_dof_vector(k, t.sum_velocity, v, sum);
+        let sum = rate.fma(weight, k.vec3(t.sum_velocity, v, 0));
+        k.store_vec3(t.sum_velocity, v, 0, sum);
         let way = (rate * next + sum * last) * h;
-        store_dof_vector(k, t.increment, v, way);
-        let moved = saved_quat(k, t, q) * Quat::exp(way);
-        store_quat(k, t.position, q, moved.normalized());
+        k.store_vec3(t.increment, v, 0, way);
+        let moved = k.quat(t.saved_position, q, 0) * Quat::exp(way);
+        k.store_quat(t.position, q, 0, moved.normalized());
     }
     for v in k.count(t.dofs) {
         let rate = k.load(t.dof, v, dof::ACCELERATION);
@@ -183,27 +182,4 @@ fn guard<M: Machine>(k: &mut M, t: &Tables) {
             k.store_where(lost, t.velocity, v, 0, x);
         }
     }
-}
-
-#[inline(always)]
-fn saved_quat<M: Machine>(k: &M, t: &Tables, q: M::I) -> Quat<M::R> {
-    Quat::from_parts(
-        dof_vector(k, t.saved_position, q),
-        k.load(t.saved_position, q.offset(3), 0),
-    )
-}
-
-#[inline(always)]
-fn store_quat<M: Machine>(k: &mut M, table: Table<State>, q: M::I, x: Quat<M::R>) {
-    k.store(table, q, 0, x.x);
-    k.store(table, q.offset(1), 0, x.y);
-    k.store(table, q.offset(2), 0, x.z);
-    k.store(table, q.offset(3), 0, x.w);
-}
-
-#[inline(always)]
-fn store_dof_vector<M: Machine>(k: &mut M, table: Table<Scratch>, v: M::I, x: Vec3<M::R>) {
-    k.store(table, v, 0, x.x);
-    k.store(table, v.offset(1), 0, x.y);
-    k.store(table, v.offset(2), 0, x.z);
 }

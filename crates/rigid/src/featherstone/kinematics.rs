@@ -10,7 +10,6 @@
 //! v  ← v + S q̇
 //! ```
 
-use super::force::{coordinate_quat, dof_vector};
 use super::tables::{Tables, dof, motion, motion_link, node, node_link};
 use numbers::machine::space::Parameter;
 use numbers::machine::{Held, Hold, Index};
@@ -65,7 +64,7 @@ pub(crate) fn kinematics<M: Machine>(k: &mut M, t: &Tables) {
             }
             for _ in k.when(k.equals(kind, motion::BALL)) {
                 let at = place.get();
-                let moved = Pose::new(at.p, (at.q * coordinate_quat(k, t, q)).normalized());
+                let moved = Pose::new(at.p, (at.q * k.quat(t.position, q, 0)).normalized());
                 place.set(moved);
                 let rate = ball(k, t, v, moved);
                 advance(&mut twist, &mut bias, rate);
@@ -122,7 +121,7 @@ fn ball<M: Machine>(k: &mut M, t: &Tables, v: M::I, at: Pose<M::R>) -> Spatial<M
     k.store_spatial(t.dof, v, dof::AXIS, Spatial::new(r.x, at.p.cross(r.x)));
     k.store_spatial(t.dof, v.offset(1), dof::AXIS, Spatial::new(r.y, at.p.cross(r.y)));
     k.store_spatial(t.dof, v.offset(2), dof::AXIS, Spatial::new(r.z, at.p.cross(r.z)));
-    let w = r * dof_vector(k, t.velocity, v);
+    let w = r * k.vec3(t.velocity, v, 0);
     Spatial::new(w, at.p.cross(w))
 }
 

@@ -14,9 +14,10 @@ mod kinematics;
 mod report;
 mod tables;
 
+use crate::output::body;
 use crate::{Kernels, Lengths, Settings, SolverError};
 use model::Model;
-use numbers::Machine;
+use numbers::{Cpu, Machine, Shared};
 pub use force::FRICTION_SPEED;
 pub use tables::Tables;
 
@@ -60,14 +61,41 @@ impl Featherstone {
     /// # Errors
     /// A closed loop, a distance joint, a coupling or a disabled joint.
     pub fn new(model: &Model, settings: &Settings) -> Result<Self, SolverError> {
-        let (tables, mut filler) = Tables::new(model)?;
+        tables::check(model)?;
+        Ok(Self::of_tree(model, settings))
+    }
+
+    /// Compiles the tree of a model, and leaves its loops open.
+    pub(crate) fn of_tree(model: &Model, settings: &Settings) -> Self {
+        let (tables, mut filler) = Tables::new(model);
         filler.numbers(tables.step, 0, 0, &[settings.substep(), settings.speed_limit]);
-        Ok(Self {
+        Self {
             tables,
             integrator: settings.integrator,
             parameters: filler.parameters,
             links: filler.links,
-        })
+        }
+    }
+
+    /// Placements and velocities of all bodies for given joint coordinates and
+    /// velocities: 13 numbers a body, see [`body`](crate::body).
+    pub fn bodies(&self, position: &[f64], velocity: &[f64]) -> Vec<f64> {
+        let t = &self.tables;
+        let mut state = vec![0.0; t.state_length];
+        state[t.position.base..][..position.len()].copy_from_slice(position);
+        state[t.velocity.base..][..velocity.len()].copy_from_slice(velocity);
+        let mut output = vec![0.0; t.output.length];
+        let mut k = Cpu {
+            state: &mut state,
+            input: &[],
+            output: &mut output,
+            scratch: &mut vec![0.0; t.scratch_length],
+            parameters: Shared(&self.parameters),
+            links: &self.links,
+        };
+        kinematics::kinematics(&mut k, t);
+        report::bodies(&mut k, t);
+        output[t.output.body.base..][..t.bodies * body::WIDTH].to_vec()
     }
 }
 

@@ -6,9 +6,9 @@
 
 use super::integrate::accelerate;
 use super::kinematics::{momentum, world_inertia};
-use super::force::wrap;
 use super::tables::{Tables, body_field, body_link, dof};
 use crate::output::{body, reaction, total};
+use numbers::functions::wrap;
 use numbers::machine::{Held, Hold};
 use numbers::spatial::Spatial;
 use numbers::{Cell, Machine, Pose, Real};
@@ -19,6 +19,7 @@ pub(crate) fn report<M: Machine>(k: &mut M, t: &Tables) {
     accelerate(k, t, M::R::zero());
     coordinates(k, t);
     bodies(k, t);
+    wrenches(k, t);
     reactions(k, t);
     energies(k, t);
 }
@@ -49,18 +50,30 @@ fn placement<M: Machine>(k: &M, t: &Tables, row: M::I) -> Pose<M::R> {
     k.pose(t.place, n, 0) * k.pose(t.body, row, body_field::PLACE)
 }
 
+/// Placements and velocities of all bodies. Needs [`kinematics`](super::kinematics::kinematics).
 #[inline(always)]
-fn bodies<M: Machine>(k: &mut M, t: &Tables) {
+pub(crate) fn bodies<M: Machine>(k: &mut M, t: &Tables) {
     for row in k.count(t.bodies) {
         let id = k.link(t.body_links, row, body_link::BODY);
         let n = k.link(t.body_links, row, body_link::NODE);
         let origin = k.vec3(t.point, k.link(t.body_links, row, body_link::TREE), 0);
         let at = placement(k, t, row);
-        let (v, a) = (k.spatial(t.twist, n, 0), k.spatial(t.acceleration, n, 0));
+        let v = k.spatial(t.twist, n, 0);
         k.store_vec3(t.output.body, id, body::POSITION, at.p + origin);
         k.store_quat(t.output.body, id, body::ORIENTATION, at.q);
         k.store_vec3(t.output.body, id, body::VELOCITY, v.linear + v.angular.cross(at.p));
         k.store_vec3(t.output.body, id, body::ANGULAR_VELOCITY, v.angular);
+    }
+}
+
+/// What it takes to move each body as it moves.
+#[inline(always)]
+fn wrenches<M: Machine>(k: &mut M, t: &Tables) {
+    for row in k.count(t.bodies) {
+        let n = k.link(t.body_links, row, body_link::NODE);
+        let origin = k.vec3(t.point, k.link(t.body_links, row, body_link::TREE), 0);
+        let at = placement(k, t, row);
+        let (v, a) = (k.spatial(t.twist, n, 0), k.spatial(t.acceleration, n, 0));
         let (m, c, i) = world_inertia(k, t.body, row, at);
         let w = momentum(m, c, i, a) + v.cross_force(momentum(m, c, i, v));
         let moment = w.angular + origin.cross(w.linear);

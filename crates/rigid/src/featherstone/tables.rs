@@ -257,7 +257,7 @@ struct Forest {
 }
 
 impl Forest {
-    fn new(model: &Model) -> Result<Self, SolverError> {
+    fn new(model: &Model) -> Self {
         let world = Seat { node: None, place: Pose::IDENTITY };
         let mut forest =
             Self {
@@ -272,7 +272,7 @@ impl Forest {
                 forest.nodes[n].weld(&model.bodies[id.0], place);
             }
         }
-        Ok(forest)
+        forest
     }
 
     fn seat(&mut self, model: &Model, id: BodyId) -> Seat {
@@ -379,7 +379,7 @@ fn joint_motions(model: &Model, id: JointId, joint: &Joint) -> Vec<(Motion, Opti
 }
 
 /// Refuses what reduced coordinates cannot express.
-fn check(model: &Model) -> Result<(), SolverError> {
+pub(crate) fn check(model: &Model) -> Result<(), SolverError> {
     for joint in &model.joints {
         if joint.closes_loop || joint.kind == JointKind::Distance {
             return Err(SolverError::ClosedLoop { joint: joint.name.clone() });
@@ -396,9 +396,8 @@ fn check(model: &Model) -> Result<(), SolverError> {
 
 impl Tables {
     /// Lays out a model and fills its parameters and links.
-    pub(crate) fn new(model: &Model) -> Result<(Self, Filler), SolverError> {
-        check(model)?;
-        let forest = Forest::new(model)?;
+    pub(crate) fn new(model: &Model) -> (Self, Filler) {
+        let forest = Forest::new(model);
         let tables = Self::layout(model, &forest);
         let mut filler = Filler::new(tables.parameter_length, tables.link_length);
         tables.fill_forest(&forest, &mut filler);
@@ -411,7 +410,7 @@ impl Tables {
         for (stage, row) in RUNGE_KUTTA_4.iter().enumerate() {
             filler.numbers(tables.tableau, stage, 0, row);
         }
-        Ok((tables, filler))
+        (tables, filler)
     }
 
     fn layout(model: &Model, forest: &Forest) -> Self {

@@ -1,0 +1,312 @@
+//! What joints lock, solved as blocks.
+//!
+//! For a joint of bodies A and B, with an error c of several rows, and a
+//! compliance α, the multiplier changes by (Macklin et al. 2016, eq. 18, with all
+//! rows of a joint at once):
+//!
+//! ```text
+//! (K + α/h² 1) Δλ = −c − α/h² λ
+//! ```
+//!
+//! K = I_A⁻¹ + I_B⁻¹ for rotations; for positions, with arms r from the centres,
+//! K = (1/m_A + 1/m_B) 1 − r_A× I_A⁻¹ r_A× − r_B× I_B⁻¹ r_B× (Müller et al. 2020,
+//! eqs. 2–11, as a block). Blocks, not projections along the residual, because
+//! only they contract perturbations.
+
+use super::body::Body;
+use super::tables::{Tables, global, hold, joint_field, joint_link, turns};
+use numbers::machine::Index;
+use numbers::{Machine, Mat3, Quat, Real, SymMat3, Vec3};
+
+/// Pivots below this are of a joint between immovable bodies [1/kg, 1/(kg·m²)].
+const TINY: f64 = 1e-18;
+
+/// The two bodies of a joint and where it holds them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ends<R, I> {
+    pub a: Body<R>,
+    pub b: Body<R>,
+    pub row_a: I,
+    pub row_b: I,
+}
+
+impl<R: Real, I: Index> Ends<R, I> {
+    #[inline(always)]
+    pub fn load<M: Machine<R = R, I = I>>(k: &M, t: &Tables, j: I) -> Self {
+        let row_a = k.link(t.joint_links, j, joint_link::A);
+        let row_b = k.link(t.joint_links, j, joint_link::B);
+        Self { a: Body::load(k, t, row_a), b: Body::load(k, t, row_b), row_a, row_b }
+    }
+    #[inline(always)]
+    pub fn store<M: Machine<R = R, I = I>>(&self, k: &mut M, t: &Tables) {
+        self.a.store(k, t, self.row_a);
+        self.b.store(k, t, self.row_b);
+    }
+    /// An impulse [N·s] at B's arm and a moment [N·m·s] from A to B; the impulse is at
+    /// the same point of A. Changes velocities only.
+    #[inline(always)]
+    pub fn kick(&mut self, linear: Vec3<R>, angular: Vec3<R>, rb: Vec3<R>) {
+        let ra = self.b.pose.p + rb - self.a.pose.p;
+        self.a.kick(-linear, -(angular + ra.cross(linear)));
+        self.b.kick(linear, angular + rb.cross(linear));
+    }
+    /// Angular frames on both bodies, world axes.
+    #[inline(always)]
+    pub fn frames<M: Machine<R = R, I = I>>(&self, k: &M, t: &Tables, j: I) -> (Quat<R>, Quat<R>) {
+        (
+            self.a.pose.q * k.quat(t.joint, j, joint_field::FRAME_A),
+            self.b.pose.q * k.quat(t.joint, j, joint_field::FRAME_B),
+        )
+    }
+    /// Arms from the centres to the anchors, and the gap between the anchors.
+    #[inline(always)]
+    pub fn arms<M: Machine<R = R, I = I>>(
+        &self,
+        k: &M,
+        t: &Tables,
+        j: I,
+    ) -> (Vec3<R>, Vec3<R>, Vec3<R>) {
+        let ra = self.a.pose.q.rotate(k.vec3(t.joint, j, joint_field::ANCHOR_A));
+        let rb = self.b.pose.q.rotate(k.vec3(t.joint, j, joint_field::ANCHOR_B));
+        (ra, rb, (self.b.pose.p + rb) - (self.a.pose.p + ra))
+    }
+}
+
+/// One pass over all joints, in the model's order: rotations, then positions.
+#[inline(always)]
+pub(crate) fn joints<M: Machine>(k: &mut M, t: &Tables, h: M::R, capped: bool) {
+    for j in k.count(t.joints) {
+        let kind = k.link(t.joint_links, j, joint_link::TURNS);
+        for _ in k.when(k.equals(kind, turns::ONE)) {
+            revolute(k, t, j, h);
+        }
+        for _ in k.when(k.equals(kind, turns::LOCKED)) {
+            fixed(k, t, j, h);
+        }
+        for _ in k.when(k.equals(kind, turns::TWO)) {
+            universal(k, t, j, h);
+        }
+        let kind = k.link(t.joint_links, j, joint_link::HOLD);
+        for _ in k.when(k.equals(kind, hold::POINT)) {
+            point(k, t, j, h, capped);
+        }
+        for _ in k.when(k.equals(kind, hold::SLIDE)) {
+            slide(k, t, j, h, capped);
+        }
+        for _ in k.when(k.equals(kind, hold::DISTANCE)) {
+            distance(k, t, j, h, capped);
+        }
+    }
+}
+
+/// Applies an angular multiplier, scaled by relaxation and by whether the joint acts.
+#[inline(always)]
+fn twist<M: Machine>(
+    k: &mut M,
+    t: &Tables,
+    j: M::I,
+    h: M::R,
+    ends: &mut Ends<M::R, M::I>,
+    delta: Vec3<M::R>,
+) {
+    let delta = delta * strength(k, t, j);
+    let over_h = h.recip();
+    ends.a.push(Vec3::zero(), -delta, over_h);
+    ends.b.push(Vec3::zero(), delta, over_h);
+    ends.store(k, t);
+    k.add_vec3(t.multiplier, j, 0, delta);
+}
+
+#[inline(always)]
+fn strength<M: Machine>(k: &M, t: &Tables, j: M::I) -> M::R {
+    let relaxation = k.load(t.global, k.index(0), global::RELAXATION);
+    relaxation * k.load(t.joint, j, joint_field::ENABLED)
+}
+
+/// α/h² of the rotations.
+#[inline(always)]
+fn angular_softness<M: Machine>(k: &M, t: &Tables, j: M::I, h: M::R) -> M::R {
+    k.load(t.joint, j, joint_field::COMPLIANCE + 1) / h.squared()
+}
+
+/// Two rows across the axis a: c = a_A × a_B, which turns B's axis back onto A's.
+#[inline(always)]
+fn revolute<M: Machine>(k: &mut M, t: &Tables, j: M::I, h: M::R) {
+    let mut ends = Ends::load(k, t, j);
+    let (qa, qb) = ends.frames(k, t, j);
+    let frame = qa.to_mat3();
+    let c = frame.x.cross(qb.rotate(Vec3::new(M::R::one(), M::R::zero(), M::R::zero())));
+    let i = ends.a.i + ends.b.i;
+    let (u, v) = (frame.y, frame.z);
+    let (iu, iv) = (i * u, i * v);
+    let soft = angular_softness(k, t, j, h);
+    let lambda = k.vec3(t.multiplier, j, 0);
+    let (kuu, kuv, kvv) = (u.dot(iu) + soft, u.dot(iv), v.dot(iv) + soft);
+    let (cu, cv) = (soft.fma(u.dot(lambda), u.dot(c)), soft.fma(v.dot(lambda), v.dot(c)));
+    let determinant = kuv.fnma(kuv, kuu * kvv).max(M::R::lit(TINY * TINY)).recip();
+    let lu = kuv.fnma(cv, kvv * cu) * -determinant;
+    let lv = kuv.fnma(cu, kuu * cv) * -determinant;
+    twist(k, t, j, h, &mut ends, u.fma(lu, v * lv));
+}
+
+/// Three rows: c is the rotation vector from A's frame to B's.
+#[inline(always)]
+fn fixed<M: Machine>(k: &mut M, t: &Tables, j: M::I, h: M::R) {
+    let mut ends = Ends::load(k, t, j);
+    let (qa, qb) = ends.frames(k, t, j);
+    let c = qa.rotate((qa.conjugate() * qb).log());
+    let soft = angular_softness(k, t, j, h);
+    let i = ends.a.i + ends.b.i + SymMat3::diagonal(soft);
+    let right = -(k.vec3(t.multiplier, j, 0).fma(soft, c));
+    let delta = i.solve(right, M::R::lit(TINY));
+    twist(k, t, j, h, &mut ends, delta);
+}
+
+/// One row: the angle between the first axis, fixed in A, and the second, fixed in
+/// B, stays. With n = a × b it changes by n̂ · ω, so c = (a · b₀ − a · b) / |n|.
+#[inline(always)]
+fn universal<M: Machine>(k: &mut M, t: &Tables, j: M::I, h: M::R) {
+    let mut ends = Ends::load(k, t, j);
+    let (qa, qb) = ends.frames(k, t, j);
+    let second = k.vec3(t.joint, j, joint_field::SECOND);
+    let a = qa.rotate(Vec3::new(M::R::one(), M::R::zero(), M::R::zero()));
+    let b = qb.rotate(second);
+    let n = a.cross(b);
+    let size = n.length().max(M::R::lit(1e-6));
+    let n = n * size.recip();
+    let c = (second.x - a.dot(b)) / size;
+    let soft = angular_softness(k, t, j, h);
+    let lambda = n.dot(k.vec3(t.multiplier, j, 0));
+    let i = n.dot((ends.a.i + ends.b.i) * n) + soft;
+    let delta = -(soft.fma(lambda, c)) / i.max(M::R::lit(TINY));
+    twist(k, t, j, h, &mut ends, n * delta);
+}
+
+/// −r× I⁻¹ r× = r× I⁻¹ (r×)ᵀ: what a push at the arm r does through rotation.
+#[inline(always)]
+fn arm_inertia<R: Real>(i: SymMat3<R>, r: Vec3<R>) -> SymMat3<R> {
+    let (x, y, z) = i.columns();
+    // The rows of B = r× I⁻¹ are r × (columns of I⁻¹), read across.
+    let (bx, by, bz) = (r.cross(x), r.cross(y), r.cross(z));
+    let b = Mat3::from_columns(bx, by, bz).transpose();
+    // B (r×)ᵀ: entry (p, q) is (r × row p of B)_q.
+    let (p, q, s) = (r.cross(b.x), r.cross(b.y), r.cross(b.z));
+    SymMat3 { xx: p.x, yy: q.y, zz: s.z, xy: p.y, xz: p.z, yz: q.z }
+}
+
+/// K of a pair of bodies pushed at arms.
+#[inline(always)]
+fn linear_block<R: Real, I: Index>(ends: &Ends<R, I>, ra: Vec3<R>, rb: Vec3<R>) -> SymMat3<R> {
+    arm_inertia(ends.a.i, ra)
+        + arm_inertia(ends.b.i, rb)
+        + SymMat3::diagonal(ends.a.m + ends.b.m)
+}
+
+/// Applies a linear multiplier at two arms, within the caps.
+#[inline(always)]
+#[allow(clippy::too_many_arguments)] // a pair of bodies, a pair of arms
+fn shove<M: Machine>(
+    k: &mut M,
+    t: &Tables,
+    j: M::I,
+    h: M::R,
+    ends: &mut Ends<M::R, M::I>,
+    arms: (Vec3<M::R>, Vec3<M::R>),
+    delta: Vec3<M::R>,
+    capped: bool,
+) {
+    let mut delta = delta * strength(k, t, j);
+    if capped {
+        delta = cap(k, t, h, ends, delta);
+    }
+    let over_h = h.recip();
+    ends.a.push(-delta, -arms.0.cross(delta), over_h);
+    ends.b.push(delta, arms.1.cross(delta), over_h);
+    ends.store(k, t);
+    k.add_vec3(t.multiplier, j, 3, delta);
+}
+
+/// Shortens a multiplier to the force cap and the displacement cap, and counts where that bites.
+#[inline(always)]
+fn cap<M: Machine>(
+    k: &mut M,
+    t: &Tables,
+    h: M::R,
+    ends: &Ends<M::R, M::I>,
+    delta: Vec3<M::R>,
+) -> Vec3<M::R> {
+    let world = k.index(0);
+    let size = delta.length();
+    let by_force = k.load(t.global, world, global::FORCE_CAP) * h.squared();
+    let weight = (ends.a.m + ends.b.m).max(M::R::lit(TINY));
+    let by_shift = k.load(t.global, world, global::DISPLACEMENT_CAP) / weight;
+    let most = by_force.min(by_shift);
+    let over = size.gt(most);
+    for _ in k.if_any(over) {
+        let count = k.load(t.capped, world, 0) + M::R::one();
+        k.store_where(over, t.capped, world, 0, count);
+    }
+    delta * M::R::select(over, most / size.max(M::R::lit(TINY)), M::R::one())
+}
+
+/// α/h² of the positions.
+#[inline(always)]
+fn linear_softness<M: Machine>(k: &M, t: &Tables, j: M::I, h: M::R) -> M::R {
+    k.load(t.joint, j, joint_field::COMPLIANCE) / h.squared()
+}
+
+/// Three rows: the anchors coincide.
+#[inline(always)]
+fn point<M: Machine>(k: &mut M, t: &Tables, j: M::I, h: M::R, capped: bool) {
+    let mut ends = Ends::load(k, t, j);
+    let (ra, rb, gap) = ends.arms(k, t, j);
+    let soft = linear_softness(k, t, j, h);
+    let block = linear_block(&ends, ra, rb) + SymMat3::diagonal(soft);
+    let right = -(k.vec3(t.multiplier, j, 3).fma(soft, gap));
+    let delta = block.solve(right, M::R::lit(TINY));
+    shove(k, t, j, h, &mut ends, (ra, rb), delta, capped);
+}
+
+/// One or two rows: the anchors coincide but along the free directions of the
+/// linear frame, which A carries. Both bodies are pushed at B's anchor, so that
+/// the pair keeps its angular momentum.
+#[inline(always)]
+fn slide<M: Machine>(k: &mut M, t: &Tables, j: M::I, h: M::R, capped: bool) {
+    let mut ends = Ends::load(k, t, j);
+    let (ra, rb, gap) = ends.arms(k, t, j);
+    let ra = ra + gap;
+    let frame = (ends.a.pose.q * k.quat(t.joint, j, joint_field::LINEAR_FRAME)).to_mat3();
+    let locked = k.vec3(t.joint, j, joint_field::LOCKED);
+    let soft = linear_softness(k, t, j, h);
+    let block = linear_block(&ends, ra, rb).rotated(frame.transpose()) + SymMat3::diagonal(soft);
+    let (x, y, z) = (locked.x, locked.y, locked.z);
+    let one = M::R::one();
+    // Free rows become 1 · Δλ = 0.
+    let block = SymMat3 {
+        xx: block.xx * x + (one - x),
+        yy: block.yy * y + (one - y),
+        zz: block.zz * z + (one - z),
+        xy: block.xy * x * y,
+        xz: block.xz * x * z,
+        yz: block.yz * y * z,
+    };
+    let c = k.vec3(t.multiplier, j, 3).fma(soft, gap);
+    let right = -frame.transpose_mul(c).times(locked);
+    let delta = frame * block.solve(right, M::R::lit(TINY));
+    shove(k, t, j, h, &mut ends, (ra, rb), delta, capped);
+}
+
+/// One row along the line between the anchors.
+#[inline(always)]
+fn distance<M: Machine>(k: &mut M, t: &Tables, j: M::I, h: M::R, capped: bool) {
+    let mut ends = Ends::load(k, t, j);
+    let (ra, rb, gap) = ends.arms(k, t, j);
+    let zero = M::R::zero();
+    let n = gap.normalized_or(Vec3::new(zero, M::R::one(), zero));
+    let c = gap.length() - k.load(t.joint, j, joint_field::LENGTH);
+    let soft = linear_softness(k, t, j, h);
+    let weight = n.dot(linear_block(&ends, ra, rb) * n) + soft;
+    let lambda = n.dot(k.vec3(t.multiplier, j, 3));
+    let delta = n * (-(soft.fma(lambda, c)) / weight.max(M::R::lit(TINY)));
+    shove(k, t, j, h, &mut ends, (ra, rb), delta, capped);
+}

@@ -1,0 +1,523 @@
+//! Forces along joint coordinates: springs, drives, limits, friction, motors.
+//!
+//! All are one law, f = f₀ − k (θ − θ₀) − d (θ̇ − w₀) within [low, high], taken at
+//! the end of the substep, where θ' = θ + h θ̇'. With λ = h² f, an inverse mass w of
+//! the coordinate, and θ̇ as the constraints solved so far have left it:
+//!
+//! ```text
+//! Δλ = (h² (f₀ − k (θ + h θ̇ − θ₀) − d (θ̇ − w₀)) − λ) / (1 + w (h² k + h d))
+//! ```
+//!
+//! This is XPBD with compliance 1/k and damping d (Macklin et al. 2016, eqs. 18
+//! and 26), multiplied through by k so that a missing spring divides by nothing.
+//! Armature m is the law d = m/h, w₀ = θ̇ at the start; dry friction is a damper
+//! without limit, clamped.
+
+use super::axis::Pull;
+use super::joint::Ends;
+use super::tables::{Tables, axis_field, axis_link};
+use crate::SolverError;
+use crate::tables::{Filler, UNBOUNDED, actuator_numbers, ball_target, bounded};
+use model::{Dof, JointKind, Model};
+use numbers::machine::space::{Parameter, Scratch, State};
+use numbers::machine::{Index, Links};
+use numbers::functions::wrap;
+use numbers::{Cell, Machine, Quat, Real, SymMat3, Table, Vec3};
+
+/// True if anything acts along a degree of freedom.
+pub(crate) fn acts(dof: &Dof) -> bool {
+    driven(dof)
+        || dof.armature > 0.0
+        || dof.damping > 0.0
+        || dof.stiffness > 0.0
+        || dof.friction_loss > 0.0
+        || dof.limit.is_some()
+}
+
+fn driven(dof: &Dof) -> bool {
+    dof.drive.stiffness > 0.0 || dof.drive.damping > 0.0
+}
+
+/// Refuses what has no law on joints without axes.
+pub(crate) fn check(model: &Model) -> Result<(), SolverError> {
+    for joint in model.joints.iter().filter(|j| j.axes.is_empty()) {
+        let refuse = |what| {
+            let (solver, name) = ("xpbd", joint.name.clone());
+            let remedy = "use the solver `featherstone`, or a d6 joint with three angular axes";
+            Err(SolverError::Unsupported { solver, what, name, remedy })
+        };
+        for dof in &joint.dofs {
+            if dof.armature > 0.0 {
+                return refuse("armature on a joint without axes");
+            }
+            if dof.friction_loss > 0.0 {
+                return refuse("friction loss on a joint without axes");
+            }
+            if dof.stiffness > 0.0 {
+                return refuse("a spring on a joint without axes");
+            }
+            if dof.limit.is_some() {
+                return refuse("limits on a joint without axes");
+            }
+            if joint.kind == JointKind::Free && dof.damping > 0.0 {
+                return refuse("damping of a free joint");
+            }
+        }
+    }
+    for actuator in &model.actuators {
+        let joint = &model.joints[actuator.joint.0];
+        if joint.axes.is_empty() {
+            return Err(SolverError::Unsupported {
+                solver: "xpbd",
+                what: "an actuator on a joint without axes",
+                name: actuator.name.clone(),
+                remedy: "act on it by the force of its degrees of freedom",
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Fields of [`LawTables::law`]: stiffness, damping, θ₀, w₀, f₀, low, high, and the multiplier.
+mod law {
+    pub const FIRST: usize = 0;
+    pub const MULTIPLIER: usize = 7;
+    pub const WIDTH: usize = 8;
+}
+
+/// Layout of the laws, by kind, and of what they are written to for a substep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LawTables {
+    springs: usize,
+    drives: usize,
+    limits: usize,
+    frictions: usize,
+    armatures: usize,
+    motors: usize,
+    balls: usize,
+    couplings: usize,
+    laws: usize,
+    /// Axis row and degree of freedom of each law (for a motor: actuator).
+    law_links: Links<2>,
+    /// Joint row and degree of freedom of each ball with a drive or damping.
+    ball_links: Links<2>,
+    /// Axis rows of each coupling.
+    coupling_links: Links<2>,
+    /// Damping, stiffness, rest.
+    spring: Table<Parameter, 3>,
+    /// Stiffness, damping, effort limit, control time, 1 if the coordinate turns without end.
+    drive: Table<Parameter, 5>,
+    drive_target: Table<State>,
+    /// Lower, upper, stiffness, damping.
+    limit: Table<Parameter, 4>,
+    friction: Table<Parameter>,
+    armature: Table<Parameter>,
+    /// Gear, gain, bias 3, control range 2, force range 2.
+    motor: Table<Parameter, 9>,
+    /// Stiffness, damping, effort limit, control time, passive damping.
+    ball: Table<Parameter, 5>,
+    ball_target: Table<State, 4>,
+    /// Ratio, offset.
+    coupling: Table<Parameter, 2>,
+    law: Table<Scratch, { law::WIDTH }>,
+    ball_multiplier: Table<Scratch, 3>,
+}
+
+/// Degrees of freedom that have an axis, with their laws' owner.
+fn axes(model: &Model) -> impl Iterator<Item = (usize, &Dof, bool)> {
+    model
+        .joints
+        .iter()
+        .enumerate()
+        .filter(|(_, j)| !j.axes.is_empty() && !j.closes_loop)
+        .flat_map(|(i, joint)| {
+            let angular = joint.axes.iter().map(|a| a.kind == model::AxisKind::Angular);
+            model.dof_range(model::JointId(i)).zip(&joint.dofs).zip(angular).map(
+                |((v, dof), angular)| {
+                    (v, dof, angular && dof.limit.is_none() && dof.stiffness == 0.0)
+                },
+            )
+        })
+}
+
+/// Balls that something acts on: joint, first degree of freedom, its dofs.
+fn balls(model: &Model) -> impl Iterator<Item = (usize, usize, &[Dof])> {
+    model
+        .joints
+        .iter()
+        .enumerate()
+        .filter(|(_, j)| j.kind == JointKind::Ball && !j.closes_loop)
+        .filter(|(_, j)| j.dofs.iter().any(acts))
+        .map(|(i, j)| (i, model.dof_range(model::JointId(i)).start, &j.dofs[..]))
+}
+
+impl LawTables {
+    pub(crate) fn place(
+        model: &Model,
+        state: &mut usize,
+        parameters: &mut usize,
+        links: &mut usize,
+        scratch: &mut usize,
+    ) -> Self {
+        let count = |has: fn(&Dof) -> bool| axes(model).filter(|a| has(a.1)).count();
+        let springs = count(|d| d.damping > 0.0 || d.stiffness > 0.0);
+        let drives = count(driven);
+        let limits = count(|d| d.limit.is_some());
+        let frictions = count(|d| d.friction_loss > 0.0);
+        let armatures = count(|d| d.armature > 0.0);
+        let (motors, couplings) = (model.actuators.len(), model.couplings.len());
+        let balls = balls(model).count();
+        let laws = springs + drives + limits + frictions + armatures + motors;
+        Self {
+            springs,
+            drives,
+            limits,
+            frictions,
+            armatures,
+            motors,
+            balls,
+            couplings,
+            laws,
+            law_links: Links::place(links, laws),
+            ball_links: Links::place(links, balls),
+            coupling_links: Links::place(links, couplings),
+            spring: Table::place(parameters, springs),
+            drive: Table::place(parameters, drives),
+            drive_target: Table::place(state, drives),
+            limit: Table::place(parameters, limits),
+            friction: Table::place(parameters, frictions),
+            armature: Table::place(parameters, armatures),
+            motor: Table::place(parameters, motors),
+            ball: Table::place(parameters, balls),
+            ball_target: Table::place(state, balls),
+            coupling: Table::place(parameters, couplings),
+            law: Table::place(scratch, laws),
+            ball_multiplier: Table::place(scratch, balls),
+        }
+    }
+
+    /// First law of each kind.
+    fn starts(&self) -> [usize; 6] {
+        let mut start = 0;
+        let counts =
+            [self.springs, self.drives, self.limits, self.frictions, self.armatures, self.motors];
+        counts.map(|n| {
+            start += n;
+            start - n
+        })
+    }
+
+    pub(crate) fn fill(&self, model: &Model, axis_of: &[Option<usize>], f: &mut Filler) {
+        let mut next = self.starts();
+        let first = next;
+        let mut row = |kind: usize, v: usize, f: &mut Filler| {
+            let law = next[kind];
+            next[kind] += 1;
+            f.link(self.law_links, law, 0, axis_of[v].expect("an axis has a row"));
+            f.link(self.law_links, law, 1, v);
+            law - first[kind]
+        };
+        for (v, dof, turns) in axes(model) {
+            if dof.damping > 0.0 || dof.stiffness > 0.0 {
+                let i = row(0, v, f);
+                f.numbers(self.spring, i, 0, &[dof.damping, dof.stiffness, dof.rest]);
+            }
+            if driven(dof) {
+                let (i, d) = (row(1, v, f), &dof.drive);
+                let turns = f64::from(u8::from(turns));
+                let x = [d.stiffness, d.damping, bounded(d.effort_limit), d.control_time, turns];
+                f.numbers(self.drive, i, 0, &x);
+            }
+            if let Some(l) = dof.limit {
+                let i = row(2, v, f);
+                f.numbers(self.limit, i, 0, &[l.lower, l.upper, l.stiffness, l.damping]);
+            }
+            if dof.friction_loss > 0.0 {
+                let i = row(3, v, f);
+                f.number(self.friction, i, 0, dof.friction_loss);
+            }
+            if dof.armature > 0.0 {
+                let i = row(4, v, f);
+                f.number(self.armature, i, 0, dof.armature);
+            }
+        }
+        for (i, actuator) in model.actuators.iter().enumerate() {
+            let v = model.dof_range(actuator.joint).start + actuator.dof;
+            row(5, v, f);
+            f.numbers(self.motor, i, 0, &actuator_numbers(actuator));
+        }
+        for (i, (joint, v, dofs)) in balls(model).enumerate() {
+            f.link(self.ball_links, i, 0, joint);
+            f.link(self.ball_links, i, 1, v);
+            let (d, passive) = (&dofs[0].drive, dofs[0].damping);
+            let x = [d.stiffness, d.damping, bounded(d.effort_limit), d.control_time, passive];
+            f.numbers(self.ball, i, 0, &x);
+        }
+        for (i, c) in model.couplings.iter().enumerate() {
+            for (field, joint) in [c.joint, c.other].into_iter().enumerate() {
+                let v = model.dof_range(joint).start;
+                f.link(self.coupling_links, i, field, axis_of[v].expect("an axis has a row"));
+            }
+            f.numbers(self.coupling, i, 0, &[c.ratio, c.offset]);
+        }
+    }
+
+    /// The targets of the drives as a world starts: at the model's, already smoothed.
+    pub(crate) fn initial(&self, model: &Model, state: &mut [f64]) {
+        for (i, (_, dof, _)) in axes(model).filter(|a| driven(a.1)).enumerate() {
+            state[self.drive_target.at(i, 0)] = dof.drive.target_position;
+        }
+        for (i, (_, _, dofs)) in balls(model).enumerate() {
+            state[self.ball_target.at(i, 0)..][..4].copy_from_slice(&ball_target(dofs));
+        }
+    }
+}
+
+/// Writes the laws of a substep, at the coordinates it starts with.
+#[inline(always)]
+pub(crate) fn prepare<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    let r = &t.laws;
+    let [springs, drives, limits, frictions, armatures, motors] = r.starts();
+    let zero = M::R::zero();
+    for i in k.count(r.springs) {
+        let [d, s, rest] = k.read(r.spring, i, 0);
+        write(k, t, i.offset(springs), [s, d, rest, zero, zero], UNBOUNDED);
+    }
+    for i in k.count(r.drives) {
+        drive(k, t, i, i.offset(drives), h);
+    }
+    for i in k.count(r.limits) {
+        limit(k, t, i, i.offset(limits), h);
+    }
+    for i in k.count(r.frictions) {
+        // So stiff a damper that only the clamp shows.
+        let most = k.load(r.friction, i, 0);
+        let damper = most * M::R::lit(1e6);
+        store_law(k, t, i.offset(frictions), [zero, damper, zero, zero, zero], -most, most);
+    }
+    for i in k.count(r.armatures) {
+        let law = i.offset(armatures);
+        let axis = k.link(r.law_links, law, 0);
+        let d = k.load(r.armature, i, 0) / h;
+        let speed = k.load(t.axis, axis, axis_field::RATE);
+        write(k, t, law, [zero, d, zero, speed, zero], UNBOUNDED);
+    }
+    for i in k.count(r.motors) {
+        motor(k, t, i, i.offset(motors));
+    }
+    for i in k.count(r.balls) {
+        k.store_vec3(r.ball_multiplier, i, 0, Vec3::zero());
+    }
+}
+
+#[inline(always)]
+fn write<M: Machine>(k: &mut M, t: &Tables, law: M::I, x: [M::R; 5], bound: f64) {
+    let bound = M::R::lit(bound);
+    store_law(k, t, law, x, -bound, bound);
+}
+
+/// Stiffness, damping, rest, speed, force; bounds of the force.
+#[inline(always)]
+fn store_law<M: Machine>(k: &mut M, t: &Tables, law: M::I, x: [M::R; 5], low: M::R, high: M::R) {
+    let [s, d, rest, speed, force] = x;
+    let zero = M::R::zero();
+    k.write(t.laws.law, law, law::FIRST, [s, d, rest, speed, force, low, high, zero]);
+}
+
+#[inline(always)]
+fn drive<M: Machine>(k: &mut M, t: &Tables, i: M::I, law: M::I, h: M::R) {
+    let r = &t.laws;
+    let axis = k.link(r.law_links, law, 0);
+    let v = k.link(r.law_links, law, 1);
+    let [s, d, effort, time, turns] = k.read(r.drive, i, 0);
+    let now = k.load(r.drive_target, i, 0);
+    // Whole turns between value and target do not count where the axis turns without end.
+    let turns = turns.gt(M::R::lit(0.5));
+    let way = k.load(t.input.target_position, v, 0) - now;
+    let way = M::R::select(turns, wrap(way), way);
+    let target = (h / (time + h)).fma(way, now);
+    k.store(r.drive_target, i, 0, target);
+    let value = k.load(t.axis, axis, axis_field::VALUE);
+    let error = target - value;
+    let rest = value + M::R::select(turns, wrap(error), error);
+    let speed = k.load(t.input.target_velocity, v, 0);
+    store_law(k, t, law, [s, d, rest, speed, M::R::zero()], -effort, effort);
+}
+
+/// A limit acts where the substep would end beyond it.
+#[inline(always)]
+fn limit<M: Machine>(k: &mut M, t: &Tables, i: M::I, law: M::I, h: M::R) {
+    let axis = k.link(t.laws.law_links, law, 0);
+    let [lower, upper, s, d] = k.read(t.laws.limit, i, 0);
+    let value = k.load(t.axis, axis, axis_field::VALUE);
+    let next = h.fma(rate(k, t, axis), value);
+    let (zero, above) = (M::R::zero(), next.gt(upper));
+    let beyond = above | next.lt(lower);
+    let rest = M::R::select(above, upper, lower);
+    let s = M::R::select(beyond, s, zero);
+    let d = M::R::select(beyond, d, zero);
+    write(k, t, law, [s, d, rest, zero, zero], UNBOUNDED);
+}
+
+#[inline(always)]
+fn motor<M: Machine>(k: &mut M, t: &Tables, i: M::I, law: M::I) {
+    let [gear, gain, b0, b1, b2, low, high, least, most] = k.read(t.laws.motor, i, 0);
+    let control = k.load(t.input.control, i, 0).clamp(low, high);
+    let force = gear * gain.fma(control, b0);
+    let gear2 = gear.squared();
+    // A bias −k l − d l̇ with l = gear q is a spring and a damper of the coordinate.
+    let (s, d) = (-(b1 * gear2), -(b2 * gear2));
+    let (a, b) = (gear * least, gear * most);
+    store_law(k, t, law, [s, d, M::R::zero(), M::R::zero(), force], a.min(b), a.max(b));
+}
+
+/// Rate of an axis's coordinate as the bodies move now.
+#[inline(always)]
+fn rate<M: Machine>(k: &M, t: &Tables, axis: M::I) -> M::R {
+    let ends = Ends::load(k, t, k.link(t.axis_links, axis, axis_link::JOINT));
+    Pull::load(k, t, axis).rate(&ends)
+}
+
+/// One pass over all laws.
+#[inline(always)]
+pub(crate) fn solve<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    for law in k.count(t.laws.laws) {
+        solve_law(k, t, law, h);
+    }
+    for i in k.count(t.laws.balls) {
+        solve_ball(k, t, i, h);
+    }
+    for i in k.count(t.laws.couplings) {
+        solve_coupling(k, t, i, h);
+    }
+}
+
+#[inline(always)]
+fn solve_law<M: Machine>(k: &mut M, t: &Tables, law: M::I, h: M::R) {
+    let axis = k.link(t.laws.law_links, law, 0);
+    let j = k.link(t.axis_links, axis, axis_link::JOINT);
+    let [s, d, rest, speed, force, low, high, lambda] = k.read(t.laws.law, law, law::FIRST);
+    let mut ends = Ends::load(k, t, j);
+    let pull = Pull::load(k, t, axis);
+    let (rate, h2) = (pull.rate(&ends), h.squared());
+    let end = h.fma(rate, k.load(t.axis, axis, axis_field::VALUE));
+    let wanted = force - s * (end - rest) - d * (rate - speed);
+    let give = pull.weight(&ends).fma(h2.fma(s, h * d), M::R::one());
+    let next = (lambda + (h2 * wanted - lambda) / give).clamp(h2 * low, h2 * high);
+    pull.push(&mut ends, next - lambda, h.recip());
+    ends.store(k, t);
+    k.store(t.laws.law, law, law::MULTIPLIER, next);
+    record(k, t, j, pull, next - lambda);
+}
+
+/// Adds to what the joint is known to pass on.
+#[inline(always)]
+pub(crate) fn record<M: Machine>(k: &mut M, t: &Tables, j: M::I, pull: Pull<M::R>, lambda: M::R) {
+    k.add_vec3(t.multiplier, j, 0, pull.turn() * lambda);
+    k.add_vec3(t.multiplier, j, 3, pull.straight() * lambda);
+}
+
+/// Drive and damping of a ball: three rows, e the rotation vector from target to child.
+#[inline(always)]
+fn solve_ball<M: Machine>(k: &mut M, t: &Tables, i: M::I, h: M::R) {
+    let r = &t.laws;
+    let (j, v) = (k.link(r.ball_links, i, 0), k.link(r.ball_links, i, 1));
+    let [s, d, effort, _, passive] = k.read(r.ball, i, 0);
+    let mut ends = Ends::load(k, t, j);
+    let (qa, qb) = ends.frames(k, t, j);
+    let e = qb.rotate((k.quat(r.ball_target, i, 0).conjugate() * (qa.conjugate() * qb)).log());
+    let rate = ends.b.twist.angular - ends.a.twist.angular;
+    let speed = qb.rotate(k.vec3(t.input.target_velocity, v, 0));
+    let (h2, lambda) = (h.squared(), k.vec3(r.ball_multiplier, i, 0));
+    let wanted = -(e * s) - (rate - speed) * d - rate * passive;
+    let give = h2.fma(s, h * (d + passive));
+    let inverse = ends.a.i + ends.b.i;
+    let block = inverse.scaled(give) + SymMat3::diagonal(M::R::one());
+    let next = lambda + block.solve(wanted * h2 - lambda, M::R::one());
+    let size = next.length();
+    let most = effort * h2;
+    let next = next * M::R::select(size.gt(most), most / size.max(M::R::lit(1e-30)), M::R::one());
+    let delta = next - lambda;
+    ends.a.push(Vec3::zero(), -delta, h.recip());
+    ends.b.push(Vec3::zero(), delta, h.recip());
+    ends.store(k, t);
+    k.store_vec3(r.ball_multiplier, i, 0, next);
+    k.add_vec3(t.multiplier, j, 0, delta);
+}
+
+/// Follows a jump of a ball's target with its control time.
+#[inline(always)]
+pub(crate) fn smooth_balls<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    let r = &t.laws;
+    for i in k.count(r.balls) {
+        let v = k.link(r.ball_links, i, 1);
+        let share = h / (k.load(r.ball, i, 3) + h);
+        let now = k.quat(r.ball_target, i, 0);
+        let target = Quat::exp(k.vec3(t.input.target_position, v, 0));
+        let next = now * Quat::exp((now.conjugate() * target).log() * share);
+        k.store_quat(r.ball_target, i, 0, next.normalized());
+    }
+}
+
+/// One rigid row over two joints: θ − offset − ratio θ_other = 0.
+///
+/// The bodies of both joints are weighed as if none were shared; where one is,
+/// the row converges over iterations and substeps instead of at once.
+#[inline(always)]
+fn solve_coupling<M: Machine>(k: &mut M, t: &Tables, i: M::I, h: M::R) {
+    let r = &t.laws;
+    let (one, other) = (k.link(r.coupling_links, i, 0), k.link(r.coupling_links, i, 1));
+    let [ratio, offset] = k.read(r.coupling, i, 0);
+    let (end, weight) = reach(k, t, one, h);
+    let (other_end, other_weight) = reach(k, t, other, h);
+    let c = end - offset - ratio * other_end;
+    let lambda = -(c / ratio.squared().fma(other_weight, weight).max(M::R::lit(1e-30)));
+    pull_axis(k, t, one, lambda, h);
+    pull_axis(k, t, other, -(ratio * lambda), h);
+}
+
+/// Where an axis's coordinate will be at the end of the substep, and its inverse mass.
+#[inline(always)]
+fn reach<M: Machine>(k: &M, t: &Tables, axis: M::I, h: M::R) -> (M::R, M::R) {
+    let ends = Ends::load(k, t, k.link(t.axis_links, axis, axis_link::JOINT));
+    let pull = Pull::load(k, t, axis);
+    let end = h.fma(pull.rate(&ends), k.load(t.axis, axis, axis_field::VALUE));
+    (end, pull.weight(&ends))
+}
+
+#[inline(always)]
+fn pull_axis<M: Machine>(k: &mut M, t: &Tables, axis: M::I, lambda: M::R, h: M::R) {
+    let j = k.link(t.axis_links, axis, axis_link::JOINT);
+    let mut ends = Ends::load(k, t, j);
+    let pull = Pull::load(k, t, axis);
+    pull.push(&mut ends, lambda, h.recip());
+    ends.store(k, t);
+    record(k, t, j, pull, lambda);
+}
+
+impl LawTables {
+    /// Adds ½ m θ̇² of the armatures and ½ k (θ − rest)² of the springs. Needs all axes measured.
+    #[inline(always)]
+    pub(crate) fn energies<M: Machine>(
+        &self,
+        k: &M,
+        t: &Tables,
+        kinetic: &mut M::Cell,
+        potential: &mut M::Cell,
+    ) {
+        let half = M::R::lit(0.5);
+        let [springs, .., armatures, _] = self.starts();
+        for i in k.count(self.springs) {
+            let axis = k.link(self.law_links, i.offset(springs), 0);
+            let stretch = k.load(t.axis, axis, axis_field::VALUE) - k.load(self.spring, i, 2);
+            let energy = half * k.load(self.spring, i, 1) * stretch.squared();
+            potential.write(potential.read() + energy);
+        }
+        for i in k.count(self.armatures) {
+            let axis = k.link(self.law_links, i.offset(armatures), 0);
+            let rate = k.load(t.axis, axis, axis_field::RATE);
+            let energy = half * k.load(self.armature, i, 0) * rate.squared();
+            kinetic.write(kinetic.read() + energy);
+        }
+    }
+}

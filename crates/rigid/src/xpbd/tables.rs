@@ -1,0 +1,505 @@
+//! A model as position-based dynamics reads it.
+//!
+//! Row 0 of the bodies is the world, and every static body with it: no mass
+//! moves it. A body's own frame is at its centre of mass, along its principal
+//! axes, where its inertia is a diagonal. A joint's frame is turned so that its
+//! first angular axis is x; its linear axes have a frame of their own.
+
+use super::laws::{self, LawTables};
+use crate::output::{OutputTables, body};
+use crate::tables::Filler;
+use crate::{InputTables, SolverError};
+use glam::{DMat3, DQuat, DVec3};
+use model::{
+    AxisKind, BodyId, BodyKind, Joint, JointId, JointKind, MassProperties, Model, Pose,
+};
+use numbers::Table;
+use numbers::machine::Links;
+use numbers::machine::space::{Parameter, Scratch, State};
+
+/// How many rotations a joint leaves free.
+pub(crate) mod turns {
+    pub const LOCKED: usize = 0;
+    pub const ONE: usize = 1;
+    pub const TWO: usize = 2;
+    pub const FREE: usize = 3;
+}
+
+/// How a joint holds the two anchors.
+pub(crate) mod hold {
+    /// Together.
+    pub const POINT: usize = 0;
+    /// Together but along one or two directions.
+    pub const SLIDE: usize = 1;
+    /// At a distance.
+    pub const DISTANCE: usize = 2;
+    /// Not at all.
+    pub const FREE: usize = 3;
+}
+
+/// Fields of [`Tables::joint_links`].
+pub(crate) mod joint_link {
+    /// Rows of the bodies.
+    pub const A: usize = 0;
+    pub const B: usize = 1;
+    /// See [`turns`](super::turns).
+    pub const TURNS: usize = 2;
+    /// See [`hold`](super::hold).
+    pub const HOLD: usize = 3;
+    /// The joint, in the model.
+    pub const JOINT: usize = 4;
+    pub const WIDTH: usize = 5;
+}
+
+/// Fields of [`Tables::joint`].
+pub(crate) mod joint_field {
+    /// Anchor in A's own frame.
+    pub const ANCHOR_A: usize = 0;
+    /// Orientation of the angular frame in A's.
+    pub const FRAME_A: usize = 3;
+    pub const ANCHOR_B: usize = 7;
+    pub const FRAME_B: usize = 10;
+    /// Orientation of the linear frame in A's; the free directions come first.
+    pub const LINEAR_FRAME: usize = 14;
+    /// 1 for each locked direction of the linear frame.
+    pub const LOCKED: usize = 18;
+    /// Second angular axis, in the angular frame.
+    pub const SECOND: usize = 21;
+    /// Length of a distance joint.
+    pub const LENGTH: usize = 24;
+    /// Compliances: linear, angular.
+    pub const COMPLIANCE: usize = 25;
+    /// 1, or 0 for a joint that does not act.
+    pub const ENABLED: usize = 27;
+    pub const WIDTH: usize = 28;
+}
+
+/// Fields of [`Tables::axis_links`].
+pub(crate) mod axis_link {
+    /// Row of the joint.
+    pub const JOINT: usize = 0;
+    pub const COORDINATE: usize = 1;
+    pub const DOF: usize = 2;
+    /// 1 for a rotation without end.
+    pub const TURNS: usize = 3;
+    pub const WIDTH: usize = 4;
+}
+
+/// Fields of [`Tables::group_links`]: the axes of one joint.
+pub(crate) mod group_link {
+    pub const JOINT: usize = 0;
+    /// First linear axis row, number of linear axes, number of angular axes after them.
+    pub const FIRST: usize = 1;
+    pub const LINEAR: usize = 2;
+    pub const ANGULAR: usize = 3;
+    pub const WIDTH: usize = 4;
+}
+
+/// Fields of [`Tables::body_links`].
+pub(crate) mod body_link {
+    /// The body, in the model.
+    pub const BODY: usize = 0;
+    /// Its row among the moving ones, 0 for a static one.
+    pub const ROW: usize = 1;
+    pub const WIDTH: usize = 2;
+}
+
+/// Fields of [`Tables::global`].
+pub(crate) mod global {
+    pub const GRAVITY: usize = 0;
+    pub const STEP: usize = 3;
+    pub const SPEED_LIMIT: usize = 4;
+    pub const RELAXATION: usize = 5;
+    pub const ANGULAR_DAMPING: usize = 6;
+    pub const DISPLACEMENT_CAP: usize = 7;
+    pub const FORCE_CAP: usize = 8;
+    pub const WIDTH: usize = 9;
+}
+
+/// Fields of [`Tables::axis`]: an axis at the start of a substep. The rate of its
+/// coordinate is ANGULAR_B · ω_B − ANGULAR_A · ω_A + LINEAR · (v_B − v_A).
+pub(crate) mod axis_field {
+    pub const LINEAR: usize = 0;
+    pub const ANGULAR_A: usize = 3;
+    pub const ANGULAR_B: usize = 6;
+    /// The coordinate.
+    pub const VALUE: usize = 9;
+    /// Its rate.
+    pub const RATE: usize = 10;
+    pub const WIDTH: usize = 11;
+}
+
+/// Layout of everything the kernels touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tables {
+    /// Moving bodies, with the world as row 0.
+    pub(crate) rows: usize,
+    pub(crate) bodies: usize,
+    pub(crate) joints: usize,
+    pub(crate) axes: usize,
+    /// Joints with axes; those whose coordinates act come first.
+    pub(crate) groups: usize,
+    pub(crate) tracked: usize,
+    pub(crate) balls: usize,
+    pub(crate) frees: usize,
+
+    /// Centre of mass and orientation of the principal axes.
+    pub(crate) pose: Table<State, 7>,
+    /// Angular velocity, velocity of the centre.
+    pub(crate) twist: Table<State, 6>,
+    /// Twist at the start of the last substep.
+    pub(crate) before: Table<State, 6>,
+    /// Per joint: angular and linear impulse·h of the last substep, world axes.
+    pub(crate) multiplier: Table<State, 6>,
+    /// Per axis: the coordinate, less its reference, counting turns.
+    pub(crate) angle: Table<State>,
+    pub(crate) alive: Table<State>,
+    /// How often a cap has bitten.
+    pub(crate) capped: Table<State>,
+    pub(crate) laws: LawTables,
+    pub(crate) state_length: usize,
+
+    pub(crate) input: InputTables,
+    pub(crate) output: OutputTables,
+
+    pub(crate) global: Table<Parameter, { global::WIDTH }>,
+    /// Per row: inverse mass, inverse principal moments, mass, principal moments.
+    pub(crate) mass: Table<Parameter, 8>,
+    pub(crate) joint: Table<Parameter, { joint_field::WIDTH }>,
+    /// Per axis: direction in the linear or angular frame, reference.
+    pub(crate) direction: Table<Parameter, 4>,
+    /// Per body: the model's frame in its own; for a static one, in the world.
+    pub(crate) body: Table<Parameter, 7>,
+    pub(crate) parameter_length: usize,
+
+    pub(crate) joint_links: Links<{ joint_link::WIDTH }>,
+    pub(crate) axis_links: Links<{ axis_link::WIDTH }>,
+    pub(crate) group_links: Links<{ group_link::WIDTH }>,
+    /// Balls and frees with coordinates: joint row, coordinate, degree of freedom.
+    pub(crate) ball_links: Links<3>,
+    pub(crate) free_links: Links<3>,
+    pub(crate) body_links: Links<{ body_link::WIDTH }>,
+    pub(crate) link_length: usize,
+
+    /// Per row: inverse inertia, world axes.
+    pub(crate) inverse_inertia: Table<Scratch, 6>,
+    pub(crate) axis: Table<Scratch, { axis_field::WIDTH }>,
+    pub(crate) saved_pose: Table<Scratch, 7>,
+    pub(crate) scratch_length: usize,
+}
+
+/// A joint's axes sorted for the kernels.
+#[derive(Clone, Debug)]
+struct Group {
+    joint: usize,
+    linear: Vec<usize>,
+    angular: Vec<usize>,
+    tracked: bool,
+}
+
+impl Group {
+    fn new(index: usize, joint: &Joint, model: &Model) -> Result<Self, SolverError> {
+        let of = |kind| -> Vec<usize> {
+            (0..joint.axes.len()).filter(|&i| joint.axes[i].kind == kind).collect()
+        };
+        let (linear, angular) = (of(AxisKind::Linear), of(AxisKind::Angular));
+        let refuse = |what, remedy| {
+            Err(SolverError::Unsupported { solver: "xpbd", what, name: joint.name.clone(), remedy })
+        };
+        if linear.iter().any(|l| angular.first().is_some_and(|a| a < l)) {
+            return refuse("a linear axis after an angular one", "order them linear first, or use the solver `featherstone`");
+        }
+        let anchors: Vec<_> = angular.iter().map(|&i| joint.axes[i].anchor).collect();
+        if anchors.iter().any(|a| a.distance(anchors[0]) > 1e-12) {
+            return refuse("axes that do not meet", "split the joint, or use the solver `featherstone`");
+        }
+        let acts = joint.dofs.iter().any(laws::acts)
+            || model.actuators.iter().any(|a| a.joint.0 == index)
+            || model.couplings.iter().any(|c| c.joint.0 == index || c.other.0 == index);
+        let tracked = acts || angular.len() > 1;
+        Ok(Self { joint: index, linear, angular, tracked })
+    }
+}
+
+/// The frame whose first columns are the given directions, made orthonormal.
+fn frame(directions: &[DVec3]) -> DQuat {
+    let Some(&x) = directions.first() else {
+        return DQuat::IDENTITY;
+    };
+    let y = match directions.get(1) {
+        Some(&d) if d.cross(x).length() > 1e-6 => (d - x * d.dot(x)).normalize(),
+        _ => x.any_orthonormal_vector(),
+    };
+    DQuat::from_mat3(&DMat3::from_cols(x, y, x.cross(y)))
+}
+
+impl Tables {
+    /// Lays out a model and fills its parameters and links.
+    pub(crate) fn new(model: &Model) -> Result<(Self, Filler), SolverError> {
+        let mut groups = Vec::new();
+        for (i, joint) in model.joints.iter().enumerate() {
+            if !joint.axes.is_empty() {
+                groups.push(Group::new(i, joint, model)?);
+            }
+        }
+        groups.sort_by_key(|g| !g.tracked);
+        laws::check(model)?;
+        let t = Self::layout(model, &groups);
+        let mut f = Filler::new(t.parameter_length, t.link_length);
+        let own = t.fill_bodies(model, &mut f);
+        t.fill_joints(model, &groups, &own, &mut f);
+        let axis_of = t.fill_axes(model, &groups, &mut f);
+        t.laws.fill(model, &axis_of, &mut f);
+        f.vec3(t.global, 0, global::GRAVITY, model.gravity);
+        Ok((t, f))
+    }
+
+    fn layout(model: &Model, groups: &[Group]) -> Self {
+        let moving = model.bodies.iter().filter(|b| b.kind == BodyKind::Dynamic).count();
+        let (rows, joints) = (moving + 1, model.joints.len());
+        let axes = groups.iter().map(|g| g.linear.len() + g.angular.len()).sum();
+        let open = |kind| {
+            model.joints.iter().filter(|j| j.kind == kind && !j.closes_loop).count()
+        };
+        let (balls, frees) = (open(JointKind::Ball), open(JointKind::Free));
+        let (mut s, mut p, mut l, mut t) = (0, 0, 0, 0);
+        let laws = LawTables::place(model, &mut s, &mut p, &mut l, &mut t);
+        Self {
+            rows,
+            bodies: model.bodies.len(),
+            joints,
+            axes,
+            groups: groups.len(),
+            tracked: groups.iter().filter(|g| g.tracked).count(),
+            balls,
+            frees,
+            pose: Table::place(&mut s, rows),
+            twist: Table::place(&mut s, rows),
+            before: Table::place(&mut s, rows),
+            multiplier: Table::place(&mut s, joints),
+            angle: Table::place(&mut s, axes),
+            alive: Table::place(&mut s, 1),
+            capped: Table::place(&mut s, 1),
+            laws,
+            state_length: s,
+            input: InputTables::new(model),
+            output: OutputTables::new(model),
+            global: Table::place(&mut p, 1),
+            mass: Table::place(&mut p, rows),
+            joint: Table::place(&mut p, joints),
+            direction: Table::place(&mut p, axes),
+            body: Table::place(&mut p, model.bodies.len()),
+            parameter_length: p,
+            joint_links: Links::place(&mut l, joints),
+            axis_links: Links::place(&mut l, axes),
+            group_links: Links::place(&mut l, groups.len()),
+            ball_links: Links::place(&mut l, balls),
+            free_links: Links::place(&mut l, frees),
+            body_links: Links::place(&mut l, model.bodies.len()),
+            link_length: l,
+            inverse_inertia: Table::place(&mut t, rows),
+            axis: Table::place(&mut t, axes),
+            saved_pose: Table::place(&mut t, rows),
+            scratch_length: t,
+        }
+    }
+
+    /// Masses and frames of the bodies. Returns, per body of the model, its row
+    /// and the model's frame in its own (in the world, for a static one).
+    fn fill_bodies(&self, model: &Model, f: &mut Filler) -> Vec<(usize, Pose)> {
+        let mut own = vec![(0, Pose::IDENTITY); model.bodies.len()];
+        let mut row = 0;
+        for (i, &BodyId(id)) in model.order().iter().enumerate() {
+            let body = &model.bodies[id];
+            own[id] = match body.kind {
+                BodyKind::Static => (0, body.pose),
+                BodyKind::Dynamic => {
+                    row += 1;
+                    let (moments, turn) = MassProperties {
+                        mass: body.mass,
+                        center: body.center,
+                        inertia: body.inertia,
+                    }
+                    .principal();
+                    let inverse = [1.0 / body.mass, 1.0 / moments.x, 1.0 / moments.y, 1.0 / moments.z];
+                    f.numbers(self.mass, row, 0, &inverse);
+                    f.number(self.mass, row, 4, body.mass);
+                    f.vec3(self.mass, row, 5, moments);
+                    (row, Pose::new(body.center, turn).inverse())
+                }
+            };
+            f.link(self.body_links, i, body_link::BODY, id);
+            f.link(self.body_links, i, body_link::ROW, own[id].0);
+            f.pose(self.body, i, 0, own[id].1);
+        }
+        own
+    }
+
+    fn fill_joints(
+        &self,
+        model: &Model,
+        groups: &[Group],
+        own: &[(usize, Pose)],
+        f: &mut Filler,
+    ) {
+        let (mut ball, mut free) = (0, 0);
+        for (j, joint) in model.joints.iter().enumerate() {
+            let group = groups.iter().find(|g| g.joint == j);
+            let directions = |axes: Option<&Vec<usize>>| -> Vec<DVec3> {
+                axes.into_iter().flatten().map(|&i| joint.axes[i].direction).collect()
+            };
+            let angular = directions(group.map(|g| &g.angular));
+            let linear = directions(group.map(|g| &g.linear));
+            let (turn, slide) = (frame(&angular), frame(&linear));
+            let anchor = group
+                .and_then(|g| g.angular.first())
+                .map_or(DVec3::ZERO, |&i| joint.axes[i].anchor);
+            let (row_a, own_a) = joint.parent.map_or((0, Pose::IDENTITY), |p| own[p.0]);
+            let (row_b, own_b) = own[joint.child.0];
+            let a = own_a * joint.parent_frame;
+            let b = own_b * joint.child_frame;
+            f.vec3(self.joint, j, joint_field::ANCHOR_A, a.point(anchor));
+            f.quat(self.joint, j, joint_field::FRAME_A, a.orientation * turn);
+            f.vec3(self.joint, j, joint_field::ANCHOR_B, b.point(anchor));
+            f.quat(self.joint, j, joint_field::FRAME_B, b.orientation * turn);
+            f.quat(self.joint, j, joint_field::LINEAR_FRAME, a.orientation * slide);
+            let locked: Vec<f64> =
+                (0..3).map(|i| f64::from(u8::from(i >= linear.len()))).collect();
+            f.numbers(self.joint, j, joint_field::LOCKED, &locked);
+            let second = angular.get(1).copied().unwrap_or(DVec3::Y);
+            f.vec3(self.joint, j, joint_field::SECOND, turn.conjugate() * second);
+            let compliance = [joint.linear_compliance, joint.angular_compliance];
+            f.number(self.joint, j, joint_field::LENGTH, joint.length);
+            f.numbers(self.joint, j, joint_field::COMPLIANCE, &compliance);
+            f.number(self.joint, j, joint_field::ENABLED, f64::from(u8::from(joint.enabled)));
+            f.link(self.joint_links, j, joint_link::A, row_a);
+            f.link(self.joint_links, j, joint_link::B, row_b);
+            f.link(self.joint_links, j, joint_link::TURNS, turns_of(joint, angular.len()));
+            f.link(self.joint_links, j, joint_link::HOLD, hold_of(joint, linear.len()));
+            f.link(self.joint_links, j, joint_link::JOINT, j);
+            if joint.closes_loop {
+                continue;
+            }
+            let id = JointId(j);
+            let row = [j, model.coordinate_range(id).start, model.dof_range(id).start];
+            let (links, next) = match joint.kind {
+                JointKind::Ball => (self.ball_links, &mut ball),
+                JointKind::Free => (self.free_links, &mut free),
+                _ => continue,
+            };
+            for (field, x) in row.into_iter().enumerate() {
+                f.link(links, *next, field, x);
+            }
+            *next += 1;
+        }
+    }
+
+    /// Directions of the axes. Returns the row of each degree of freedom's axis.
+    fn fill_axes(&self, model: &Model, groups: &[Group], f: &mut Filler) -> Vec<Option<usize>> {
+        let mut axis_of = vec![None; model.degrees_of_freedom()];
+        let mut row = 0;
+        for (g, group) in groups.iter().enumerate() {
+            let joint = &model.joints[group.joint];
+            let id = JointId(group.joint);
+            f.link(self.group_links, g, group_link::JOINT, group.joint);
+            f.link(self.group_links, g, group_link::FIRST, row);
+            f.link(self.group_links, g, group_link::LINEAR, group.linear.len());
+            f.link(self.group_links, g, group_link::ANGULAR, group.angular.len());
+            let angular: Vec<_> = group.angular.iter().map(|&i| joint.axes[i].direction).collect();
+            let linear: Vec<_> = group.linear.iter().map(|&i| joint.axes[i].direction).collect();
+            let (turn, slide) = (frame(&angular), frame(&linear));
+            for &i in group.linear.iter().chain(&group.angular) {
+                let axis = &joint.axes[i];
+                let is_angular = axis.kind == AxisKind::Angular;
+                let own = if is_angular { turn } else { slide };
+                f.vec3(self.direction, row, 0, own.conjugate() * axis.direction);
+                f.number(self.direction, row, 3, axis.reference);
+                f.link(self.axis_links, row, axis_link::JOINT, group.joint);
+                let dof = &joint.dofs[i];
+                let turns = is_angular && dof.limit.is_none() && dof.stiffness == 0.0;
+                f.link(self.axis_links, row, axis_link::TURNS, usize::from(turns));
+                // An axis of a loop-closing joint has no coordinate: its row points past the end.
+                let (q, v) = if joint.closes_loop {
+                    (model.coordinates(), model.degrees_of_freedom())
+                } else {
+                    (model.coordinate_range(id).start + i, model.dof_range(id).start + i)
+                };
+                f.link(self.axis_links, row, axis_link::COORDINATE, q);
+                f.link(self.axis_links, row, axis_link::DOF, v);
+                if let Some(slot) = axis_of.get_mut(v) {
+                    *slot = Some(row);
+                }
+                row += 1;
+            }
+        }
+        axis_of
+    }
+}
+
+fn turns_of(joint: &Joint, angular: usize) -> usize {
+    match joint.kind {
+        JointKind::Ball | JointKind::Free | JointKind::Distance => turns::FREE,
+        _ => [turns::LOCKED, turns::ONE, turns::TWO, turns::FREE][angular],
+    }
+}
+
+fn hold_of(joint: &Joint, linear: usize) -> usize {
+    match joint.kind {
+        JointKind::Free => hold::FREE,
+        JointKind::Distance => hold::DISTANCE,
+        _ => [hold::POINT, hold::SLIDE, hold::SLIDE, hold::FREE][linear],
+    }
+}
+
+impl Tables {
+    /// Writes the bodies' own poses and twists, given the model's frames (13 numbers a body:
+    /// see [`output::body`](crate::output::body)).
+    pub(crate) fn place(&self, bodies: &[f64], parameters: &[f64], links: &[u32], state: &mut [f64]) {
+        for i in 0..self.bodies {
+            let id = links[self.body_links.at(i, body_link::BODY)] as usize;
+            let row = links[self.body_links.at(i, body_link::ROW)] as usize;
+            if row == 0 {
+                continue;
+            }
+            let b = &bodies[id * body::WIDTH..][..body::WIDTH];
+            let frame = Pose::new(
+                DVec3::from_slice(&b[body::POSITION..]),
+                DQuat::from_slice(&b[body::ORIENTATION..]),
+            );
+            let p = &parameters[self.body.at(i, 0)..][..7];
+            let inner = Pose::new(DVec3::from_slice(p), DQuat::from_slice(&p[3..]));
+            let own = frame * inner.inverse();
+            let v = DVec3::from_slice(&b[body::VELOCITY..]);
+            let w = DVec3::from_slice(&b[body::ANGULAR_VELOCITY..]);
+            let v = v + w.cross(own.position - frame.position);
+            let at = self.pose.at(row, 0);
+            state[at..at + 3].copy_from_slice(&own.position.to_array());
+            state[at + 3..at + 7].copy_from_slice(&own.orientation.to_array());
+            for table in [self.twist, self.before] {
+                let at = table.at(row, 0);
+                state[at..at + 3].copy_from_slice(&w.to_array());
+                state[at + 3..at + 6].copy_from_slice(&v.to_array());
+            }
+        }
+    }
+
+    /// Remembers the coordinates of the axes on which something acts, so that their turns count.
+    pub(crate) fn count_turns(
+        &self,
+        position: &[f64],
+        parameters: &[f64],
+        links: &[u32],
+        state: &mut [f64],
+    ) {
+        for group in 0..self.tracked {
+            let at = |field| links[self.group_links.at(group, field)] as usize;
+            let first = at(group_link::FIRST);
+            for row in first..first + at(group_link::LINEAR) + at(group_link::ANGULAR) {
+                let q = links[self.axis_links.at(row, axis_link::COORDINATE)] as usize;
+                if let Some(q) = position.get(q) {
+                    state[self.angle.at(row, 0)] = q - parameters[self.direction.at(row, 3)];
+                }
+            }
+        }
+    }
+}
