@@ -1,6 +1,6 @@
 //! What a file uses and the reader does not: listed once per kind, refused where it matters.
 
-use crate::error::FormatError;
+use crate::error::{FormatError, Place};
 use crate::xml::Element;
 use std::collections::HashSet;
 use std::fmt;
@@ -46,10 +46,14 @@ impl Report {
 
     /// Notes that `what` of an element is left out, the first time that this kind of thing is met.
     pub fn note(&mut self, element: &Element, what: &str, meaning: &str) {
+        self.note_at(&element.place, element, what, meaning);
+    }
+
+    fn note_at(&mut self, place: &Place, element: &Element, what: &str, meaning: &str) {
         if self.seen.insert((element.name.clone(), what.to_owned())) {
             self.warnings.push(Warning {
-                file: element.place.file.to_string(),
-                line: element.place.line,
+                file: place.file.to_string(),
+                line: place.line,
                 element: element.name.clone(),
                 message: format!("{what}: {meaning}"),
             });
@@ -63,19 +67,31 @@ impl Report {
         feature: &str,
         remedy: &str,
     ) -> Result<(), FormatError> {
+        self.refuse_at(&element.place, element, feature, remedy)
+    }
+
+    fn refuse_at(
+        &mut self,
+        place: &Place,
+        element: &Element,
+        feature: &str,
+        remedy: &str,
+    ) -> Result<(), FormatError> {
         if self.lenient {
-            self.note(element, feature, "left out although it changes the physics");
+            let meaning = "left out although it changes the physics";
+            self.note_at(place, element, feature, meaning);
             return Ok(());
         }
         Err(FormatError::Unsupported {
-            place: element.place.clone(),
+            place: place.clone(),
             element: element.name.clone(),
             feature: feature.to_owned(),
             remedy: remedy.to_owned(),
         })
     }
 
-    /// Checks that every attribute is one of `known`; notes those of `unused`, with the reason given there.
+    /// Checks that every attribute is one of `known`; notes those of `unused`, with the reason given
+    /// there, where they stand: inherited ones in the defaults.
     pub fn check_attributes(
         &mut self,
         element: &Element,
@@ -84,14 +100,13 @@ impl Report {
     ) -> Result<(), FormatError> {
         for attribute in &element.attributes {
             let name = attribute.name.as_str();
+            let what = format!("attribute `{name}`");
             if let Some((_, meaning)) = unused.iter().find(|(n, _)| *n == name) {
-                self.note(element, &format!("attribute `{name}`"), meaning);
+                self.note_at(&attribute.place, element, &what, meaning);
             } else if !known.contains(&name) {
-                self.refuse(
-                    element,
-                    &format!("attribute `{name}`"),
-                    "correct its spelling if it is misspelt, remove it if it is not needed",
-                )?;
+                let remedy =
+                    "correct its spelling if it is misspelt, remove it if it is not needed";
+                self.refuse_at(&attribute.place, element, &what, remedy)?;
             }
         }
         Ok(())

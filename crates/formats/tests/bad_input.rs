@@ -344,7 +344,7 @@ const UNSUPPORTED: &[(&str, &str)] = &[
     ),
     (
         "<mujoco><worldbody><geom size=\"1\" dampign=\"2\"/></worldbody></mujoco>",
-        "robot.xml:1:20: <geom>: attribute `dampign` is not supported, and leaving it out would change the physics; correct its spelling if it is misspelt, remove it if it is not needed, or load leniently (--lenient) to go on without it",
+        "robot.xml:1:35: <geom>: attribute `dampign` is not supported, and leaving it out would change the physics; correct its spelling if it is misspelt, remove it if it is not needed, or load leniently (--lenient) to go on without it",
     ),
     (
         "<mujoco><worldbody>\n<replicate count=\"3\"/></worldbody></mujoco>",
@@ -458,7 +458,7 @@ const URDF: &[(&str, &str)] = &[
     (
         "<robot><link name=\"a\"/><link name=\"b\"/><joint name=\"j\" type=\"continuous\">\
          <parent link=\"a\"/><child link=\"b\"/><dynamics dampnig=\"1\"/></joint></robot>",
-        "robot.xml:1:109: <dynamics>: attribute `dampnig` is not supported, and leaving it out would change the physics; correct its spelling if it is misspelt, remove it if it is not needed, or load leniently (--lenient) to go on without it",
+        "robot.xml:1:119: <dynamics>: attribute `dampnig` is not supported, and leaving it out would change the physics; correct its spelling if it is misspelt, remove it if it is not needed, or load leniently (--lenient) to go on without it",
     ),
     (
         "<robot><link name=\"a\"><inertial/></link></robot>",
