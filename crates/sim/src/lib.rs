@@ -6,6 +6,7 @@
 
 #![forbid(unsafe_code)]
 
+mod compile;
 mod controller;
 mod controls;
 mod engine;

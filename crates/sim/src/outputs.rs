@@ -30,8 +30,7 @@ impl<T: Float> Outputs<'_, T> {
     }
     /// Orientation of a body's frame, x, y, z, w.
     pub fn body_orientation(&self, world: usize, id: BodyId) -> DQuat {
-        let q = self.numbers(world, self.tables.body, id.0, body::ORIENTATION, 4);
-        DQuat::from_xyzw(q[0], q[1], q[2], q[3])
+        DQuat::from_array(self.numbers(world, self.tables.body, id.0, body::ORIENTATION))
     }
     /// Velocity of a body frame's origin [m/s].
     pub fn body_velocity(&self, world: usize, id: BodyId) -> DVec3 {
@@ -81,24 +80,41 @@ impl<T: Float> Outputs<'_, T> {
         self.vec3(world, self.tables.total, 0, total::ANGULAR_MOMENTUM)
     }
 
-    fn number(&self, world: usize, table: Table<Output>, row: usize, field: usize) -> f64 {
+    fn number<const W: usize>(
+        &self,
+        world: usize,
+        table: Table<Output, W>,
+        row: usize,
+        field: usize,
+    ) -> f64 {
         assert!(world < self.worlds(), "world {world} of {}", self.worlds());
         self.memory.get(world, table.at(row, field)).to_f64()
     }
-    fn numbers(
+    fn numbers<const N: usize, const W: usize>(
+        &self,
+        world: usize,
+        table: Table<Output, W>,
+        row: usize,
+        field: usize,
+    ) -> [f64; N] {
+        std::array::from_fn(|i| self.number(world, table, row, field + i))
+    }
+    fn vec3<const W: usize>(
+        &self,
+        world: usize,
+        table: Table<Output, W>,
+        row: usize,
+        field: usize,
+    ) -> DVec3 {
+        DVec3::from_array(self.numbers(world, table, row, field))
+    }
+    /// All rows of a table, which ends where the next begins.
+    fn rows<const W: usize>(
         &self,
         world: usize,
         table: Table<Output>,
-        row: usize,
-        field: usize,
-        n: usize,
+        next: Table<Output, W>,
     ) -> Vec<f64> {
-        (0..n).map(|i| self.number(world, table, row, field + i)).collect()
-    }
-    fn vec3(&self, world: usize, table: Table<Output>, row: usize, field: usize) -> DVec3 {
-        DVec3::from_slice(&self.numbers(world, table, row, field, 3))
-    }
-    fn rows(&self, world: usize, table: Table<Output>, next: Table<Output>) -> Vec<f64> {
         (0..next.base - table.base).map(|i| self.number(world, table, i, 0)).collect()
     }
 }

@@ -1,13 +1,14 @@
 //! W worlds of one model.
 
+use crate::compile::compile;
 use crate::engine::{Block, Constants, Engine, Task};
 use crate::error::{SimulationError, finite, index, length};
-use crate::{Controls, Outputs, SimulationSettings, Snapshot, SolverKind};
+use crate::{Controls, Outputs, SimulationSettings, Snapshot};
 use model::Model;
 use numbers::dispatch::Isa;
 use numbers::{Float, Memory};
 use rayon::prelude::*;
-use rigid::{Featherstone, InputTables, OutputTables, SolverError, Xpbd};
+use rigid::{InputTables, OutputTables};
 use std::sync::Arc;
 
 /// A world that left the finite numbers, or its speed limit. It stays at its last good state.
@@ -49,22 +50,6 @@ impl<T: Float> std::fmt::Debug for Simulation<T> {
             .field("settings", &self.settings)
             .finish_non_exhaustive()
     }
-}
-
-/// Compiles a model for a solver.
-fn compile<T: Float>(
-    model: &Model,
-    settings: &SimulationSettings,
-) -> Result<Box<dyn Engine<T>>, SolverError> {
-    let kind = match settings.solver {
-        SolverKind::Auto if model.is_tree() => SolverKind::Featherstone,
-        SolverKind::Auto => SolverKind::Xpbd,
-        named => named,
-    };
-    Ok(match kind {
-        SolverKind::Featherstone => Box::new(Featherstone::new(model, &settings.step)?),
-        SolverKind::Xpbd | SolverKind::Auto => Box::new(Xpbd::new(model, &settings.step)?),
-    })
 }
 
 /// The model's numbers at the simulation's precision.
