@@ -190,6 +190,22 @@ impl<R: Real> SymMat3<R> {
         let (x, y, z) = self.columns();
         Mat3::from_columns(x, y, z)
     }
+    /// Solves S x = b by Cramer's rule, with one division; determinants below `tiny` count as `tiny`.
+    ///
+    /// For well-conditioned S; [`solve`](SymMat3::solve) loses less where S is nearly singular.
+    #[inline(always)]
+    pub fn solve_well(self, b: Vec3<R>, tiny: R) -> Vec3<R> {
+        let c = Self {
+            xx: self.yz.fnma(self.yz, self.yy * self.zz),
+            yy: self.xz.fnma(self.xz, self.xx * self.zz),
+            zz: self.xy.fnma(self.xy, self.xx * self.yy),
+            xy: self.xy.fnma(self.zz, self.xz * self.yz),
+            xz: self.xz.fnma(self.yy, self.xy * self.yz),
+            yz: self.yz.fnma(self.xx, self.xy * self.xz),
+        };
+        let determinant = self.xx.fma(c.xx, self.xy.fma(c.xy, self.xz * c.xz));
+        (c * b) * determinant.max(tiny).recip()
+    }
     /// Solves S x = b for a positive definite S by Cholesky's L D Lᵀ; pivots below `tiny` count as `tiny`.
     #[inline(always)]
     pub fn solve(self, b: Vec3<R>, tiny: R) -> Vec3<R> {

@@ -104,6 +104,24 @@ impl<R: Real> Quat<R> {
         let c = R::select(small, a2.fma(R::lit(-0.125), R::one()), c);
         Self::from_parts(r * s, c)
     }
+    /// [`exp`](Quat::exp) for short rotations: to rounding of `f32` for |r| ≤ 1, without a division.
+    ///
+    /// The series of sin(a/2)/a and cos(a/2) to a⁶.
+    #[inline(always)]
+    pub fn exp_short(r: Vec3<R>) -> Self {
+        let x = r.length_squared();
+        let s = x.fma(R::lit(-1.0 / 645_120.0), R::lit(1.0 / 3840.0));
+        let s = x.fma(x.fma(s, R::lit(-1.0 / 48.0)), R::lit(0.5));
+        let c = x.fma(R::lit(-1.0 / 46_080.0), R::lit(1.0 / 384.0));
+        let c = x.fma(x.fma(c, R::lit(-0.125)), R::one());
+        Self::from_parts(r * s, c)
+    }
+    /// Scaled to unit length in first order of |q|² − 1, without a division.
+    #[inline(always)]
+    pub fn nearly_normalized(self) -> Self {
+        let s = self.dot(self).fma(R::lit(-0.5), R::lit(1.5));
+        Self::new(self.x * s, self.y * s, self.z * s, self.w * s)
+    }
     /// The rotation vector [rad] of the shorter way round, length at most π.
     #[inline(always)]
     pub fn log(self) -> Vec3<R> {
@@ -111,7 +129,7 @@ impl<R: Real> Quat<R> {
         let w = self.w.abs();
         let u = Vec3::select(flip, -self.vector(), self.vector());
         let n2 = u.length_squared();
-        let small = n2.lt(R::lit(1e-12));
+        let small = n2.lt(R::lit(1e-30));
         let n = R::select(small, R::one(), n2).sqrt();
         let angle = R::lit(2.0) * functions::atan2(n, w);
         u * R::select(small, R::lit(2.0), angle / n)

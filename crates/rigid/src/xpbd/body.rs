@@ -8,6 +8,8 @@
 //! q½ = exp(h/2 ω) q    ω½ = I(q½)⁻¹ L    q' = exp(h ω½) q    ω' = I(q')⁻¹ L
 //! ```
 //!
+//! Turns of up to 1 rad per substep are exact to rounding of `f32`; longer ones are not.
+//!
 //! Departure from Müller et al. 2020 (alg. 2), where the gyroscopic torque is
 //! taken explicitly.
 
@@ -64,10 +66,31 @@ impl<R: Real> Body<R> {
 #[inline(always)]
 fn turned<R: Real>(q: Quat<R>, r: Vec3<R>) -> Quat<R> {
     let d = Quat::from_parts(r * R::lit(0.5), R::zero()) * q;
-    Quat::new(q.x + d.x, q.y + d.y, q.z + d.z, q.w + d.w).normalized()
+    Quat::new(q.x + d.x, q.y + d.y, q.z + d.z, q.w + d.w).nearly_normalized()
 }
 
-/// Twists and poses at the start of the substep are kept; gravity acts; bodies fly.
+/// Keeps the poses and twists with which the substep starts.
+#[inline(always)]
+pub(crate) fn save<M: Machine>(k: &mut M, t: &Tables) {
+    for row in k.count(t.rows) {
+        let (pose, twist) = (k.pose(t.pose, row, 0), k.spatial(t.twist, row, 0));
+        k.store_pose(t.saved_pose, row, 0, pose);
+        k.store_spatial(t.before, row, 0, twist);
+    }
+}
+
+/// Inverse inertias at the present orientations.
+#[inline(always)]
+pub(crate) fn inverse_inertias<M: Machine>(k: &mut M, t: &Tables) {
+    for row in k.count(t.rows) {
+        let i = SymMat3::rotated_diagonal(k.quat(t.pose, row, 3).to_mat3(), k.vec3(t.mass, row, 1));
+        k.store_sym(t.inverse_inertia, row, 0, i);
+    }
+}
+
+/// Gravity acts; bodies fly. The rotation is done in the body's axes, where I is a
+/// diagonal: with L the angular momentum there, δ = exp(h/2 ω) and E = exp(h δ ω½),
+/// ω½ = I⁻¹ δ⁻¹ L, q' = q E and ω' = I⁻¹ E⁻¹ L.
 #[inline(always)]
 pub(crate) fn fly<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     let world = k.index(0);
@@ -77,28 +100,17 @@ pub(crate) fn fly<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         let (pose, twist) = (k.pose(t.pose, row, 0), k.spatial(t.twist, row, 0));
         let v = gravity.fma(h, twist.linear);
         let inverse = k.vec3(t.mass, row, 1);
-        let moments = k.vec3(t.mass, row, 5);
-        let w = twist.angular * fade;
-        let l = pose.q.rotate(pose.q.rotate_inverse(w).times(moments));
-        let half = Quat::exp(w * (h * M::R::lit(0.5))) * pose.q;
+        let w = pose.q.rotate_inverse(twist.angular) * fade;
+        let l = w.times(k.vec3(t.mass, row, 5));
+        let half = Quat::exp_short(w * (h * M::R::lit(0.5)));
         let rate = half.rotate(half.rotate_inverse(l).times(inverse));
-        let q = (Quat::exp(rate * h) * pose.q).normalized();
-        let w = q.rotate(q.rotate_inverse(l).times(inverse));
+        let turn = Quat::exp_short(rate * h);
+        let q = (pose.q * turn).normalized();
+        let w = q.rotate(turn.rotate_inverse(l).times(inverse));
         k.store_pose(t.pose, row, 0, Pose::new(v.fma(h, pose.p), q));
         k.store_spatial(t.twist, row, 0, Spatial::new(w, v));
         k.store_sym(t.inverse_inertia, row, 0, SymMat3::rotated_diagonal(q.to_mat3(), inverse));
     }
-}
-
-/// Keeps the poses and twists with which the substep starts; inverse inertias of those poses.
-#[inline(always)]
-pub(crate) fn start<M: Machine>(k: &mut M, t: &Tables) {
-    for row in k.count(t.rows) {
-        let (pose, twist) = (k.pose(t.pose, row, 0), k.spatial(t.twist, row, 0));
-        k.store_pose(t.saved_pose, row, 0, pose);
-        k.store_spatial(t.before, row, 0, twist);
-        let inverse = k.vec3(t.mass, row, 1);
-        let i = SymMat3::rotated_diagonal(pose.q.to_mat3(), inverse);
-        k.store_sym(t.inverse_inertia, row, 0, i);
-    }
+    // The world's: zero.
+    k.store_sym(t.inverse_inertia, world, 0, SymMat3::zero());
 }

@@ -3,23 +3,33 @@
 //! Nothing is computed where no lane has a force.
 
 use super::axis::{Pull, measure};
+use super::body::inverse_inertias;
 use super::joint::Ends;
 use super::laws::record;
 use super::tables::{Tables, axis_link, group_link};
 use numbers::machine::Index;
-use numbers::{Machine, Real, Vec3};
+use numbers::{Cell, Machine, Real, Vec3};
 
 /// Applies all generalised forces over a substep.
 #[inline(always)]
 pub(crate) fn forces<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
-    for g in k.count(t.groups) {
-        axes(k, t, g, h);
+    let mut most = k.cell(M::R::zero());
+    for v in k.count(t.input.dofs()) {
+        let force = k.load(t.input.force, v, 0).abs();
+        most.write(most.read().max(force));
     }
-    for i in k.count(t.balls) {
-        ball(k, t, i, h);
-    }
-    for i in k.count(t.frees) {
-        free(k, t, i, h);
+    let none = most.read().same(M::R::zero());
+    for _ in k.if_any(!none) {
+        inverse_inertias(k, t);
+        for g in k.count(t.groups) {
+            axes(k, t, g, h);
+        }
+        for i in k.count(t.balls) {
+            ball(k, t, i, h);
+        }
+        for i in k.count(t.frees) {
+            free(k, t, i, h);
+        }
     }
 }
 

@@ -15,8 +15,9 @@
 
 use super::body::Body;
 use super::tables::{Tables, global, hold, joint_field, joint_link, turns};
-use numbers::machine::Index;
-use numbers::{Machine, Mat3, Quat, Real, SymMat3, Vec3};
+use numbers::machine::{Held, Hold, Index};
+use numbers::spatial::Spatial;
+use numbers::{Machine, Mat3, Pose, Quat, Real, SymMat3, Vec3};
 
 /// Pivots below this are of a joint between immovable bodies [1/kg, 1/(kg·m²)].
 const TINY: f64 = 1e-18;
@@ -72,51 +73,103 @@ impl<R: Real, I: Index> Ends<R, I> {
     }
 }
 
-/// One pass over all joints, in the model's order: rotations, then positions.
-#[inline(always)]
-pub(crate) fn joints<M: Machine>(k: &mut M, t: &Tables, h: M::R, capped: bool) {
-    for j in k.count(t.joints) {
-        let kind = k.link(t.joint_links, j, joint_link::TURNS);
-        for _ in k.when(k.equals(kind, turns::ONE)) {
-            revolute(k, t, j, h);
+/// What a joint moves, held from one of its blocks to the next.
+struct Pair<M: Machine> {
+    a: (Pose<M::Cell>, Spatial<M::Cell>),
+    b: (Pose<M::Cell>, Spatial<M::Cell>),
+    turn: Vec3<M::Cell>,
+    shove: Vec3<M::Cell>,
+}
+
+impl<M: Machine> Pair<M> {
+    #[inline(always)]
+    fn hold(k: &M, ends: &Ends<M::R, M::I>) -> Self {
+        Self {
+            a: (ends.a.pose.hold(k), ends.a.twist.hold(k)),
+            b: (ends.b.pose.hold(k), ends.b.twist.hold(k)),
+            turn: Vec3::zero().hold(k),
+            shove: Vec3::zero().hold(k),
         }
-        for _ in k.when(k.equals(kind, turns::LOCKED)) {
-            fixed(k, t, j, h);
-        }
-        for _ in k.when(k.equals(kind, turns::TWO)) {
-            universal(k, t, j, h);
-        }
-        let kind = k.link(t.joint_links, j, joint_link::HOLD);
-        for _ in k.when(k.equals(kind, hold::POINT)) {
-            point(k, t, j, h, capped);
-        }
-        for _ in k.when(k.equals(kind, hold::SLIDE)) {
-            slide(k, t, j, h, capped);
-        }
-        for _ in k.when(k.equals(kind, hold::DISTANCE)) {
-            distance(k, t, j, h, capped);
-        }
+    }
+    /// The bodies as they are now.
+    #[inline(always)]
+    fn ends(&self, start: &Ends<M::R, M::I>) -> Ends<M::R, M::I> {
+        let mut ends = *start;
+        (ends.a.pose, ends.a.twist) = (self.a.0.get(), self.a.1.get());
+        (ends.b.pose, ends.b.twist) = (self.b.0.get(), self.b.1.get());
+        ends
+    }
+    #[inline(always)]
+    fn set(&mut self, ends: &Ends<M::R, M::I>) {
+        self.a.0.set(ends.a.pose);
+        self.a.1.set(ends.a.twist);
+        self.b.0.set(ends.b.pose);
+        self.b.1.set(ends.b.twist);
+    }
+    /// Applies an angular multiplier.
+    #[inline(always)]
+    fn twist(&mut self, mut ends: Ends<M::R, M::I>, delta: Vec3<M::R>, over_h: M::R) {
+        ends.a.push(Vec3::zero(), -delta, over_h);
+        ends.b.push(Vec3::zero(), delta, over_h);
+        self.set(&ends);
+        self.turn.set(delta);
+    }
+    /// Applies a linear multiplier at two arms.
+    #[inline(always)]
+    fn shove(&mut self, mut ends: Ends<M::R, M::I>, arms: Arms<M::R>, delta: Vec3<M::R>, over_h: M::R) {
+        ends.a.push(-delta, -arms.0.cross(delta), over_h);
+        ends.b.push(delta, arms.1.cross(delta), over_h);
+        self.set(&ends);
+        self.shove.set(delta);
     }
 }
 
-/// Applies an angular multiplier, scaled by relaxation and by whether the joint acts.
+/// Arms from the centres of A and B to where a push acts.
+type Arms<R> = (Vec3<R>, Vec3<R>);
+
+/// One pass over all joints, in the model's order: rotations, then positions.
 #[inline(always)]
-fn twist<M: Machine>(
-    k: &mut M,
-    t: &Tables,
-    j: M::I,
-    h: M::R,
-    ends: &mut Ends<M::R, M::I>,
-    delta: Vec3<M::R>,
-) {
-    let delta = delta * strength(k, t, j);
+pub(crate) fn joints<M: Machine>(k: &mut M, t: &Tables, h: M::R, capped: bool) {
     let over_h = h.recip();
-    ends.a.push(Vec3::zero(), -delta, over_h);
-    ends.b.push(Vec3::zero(), delta, over_h);
-    ends.store(k, t);
-    k.add_vec3(t.multiplier, j, 0, delta);
+    for j in k.count(t.joints) {
+        let start = Ends::load(k, t, j);
+        let mut pair = Pair::hold(k, &start);
+        let soft = angular_softness(k, t, j, h);
+        let kind = k.link(t.joint_links, j, joint_link::TURNS);
+        for _ in k.when(k.equals(kind, turns::ONE)) {
+            let delta = revolute(k, t, j, &start, soft) * strength(k, t, j);
+            pair.twist(start, delta, over_h);
+        }
+        for _ in k.when(k.equals(kind, turns::LOCKED)) {
+            let delta = fixed(k, t, j, &start, soft) * strength(k, t, j);
+            pair.twist(start, delta, over_h);
+        }
+        for _ in k.when(k.equals(kind, turns::TWO)) {
+            let delta = universal(k, t, j, &start, soft) * strength(k, t, j);
+            pair.twist(start, delta, over_h);
+        }
+        let ends = pair.ends(&start);
+        let soft = linear_softness(k, t, j, h);
+        let kind = k.link(t.joint_links, j, joint_link::HOLD);
+        for _ in k.when(k.equals(kind, hold::POINT)) {
+            let (arms, delta) = point(k, t, j, &ends, soft);
+            pair.shove(ends, arms, tame(k, t, j, h, &ends, delta, capped), over_h);
+        }
+        for _ in k.when(k.equals(kind, hold::SLIDE)) {
+            let (arms, delta) = slide(k, t, j, &ends, soft);
+            pair.shove(ends, arms, tame(k, t, j, h, &ends, delta, capped), over_h);
+        }
+        for _ in k.when(k.equals(kind, hold::DISTANCE)) {
+            let (arms, delta) = distance(k, t, j, &ends, soft);
+            pair.shove(ends, arms, tame(k, t, j, h, &ends, delta, capped), over_h);
+        }
+        pair.ends(&start).store(k, t);
+        k.add_vec3(t.multiplier, j, 0, pair.turn.get());
+        k.add_vec3(t.multiplier, j, 3, pair.shove.get());
+    }
 }
 
+/// Relaxation, or 0 for a joint that does not act.
 #[inline(always)]
 fn strength<M: Machine>(k: &M, t: &Tables, j: M::I) -> M::R {
     let relaxation = k.load(t.global, k.index(0), global::RELAXATION);
@@ -131,42 +184,54 @@ fn angular_softness<M: Machine>(k: &M, t: &Tables, j: M::I, h: M::R) -> M::R {
 
 /// Two rows across the axis a: c = a_A × a_B, which turns B's axis back onto A's.
 #[inline(always)]
-fn revolute<M: Machine>(k: &mut M, t: &Tables, j: M::I, h: M::R) {
-    let mut ends = Ends::load(k, t, j);
+fn revolute<M: Machine>(
+    k: &M,
+    t: &Tables,
+    j: M::I,
+    ends: &Ends<M::R, M::I>,
+    soft: M::R,
+) -> Vec3<M::R> {
     let (qa, qb) = ends.frames(k, t, j);
     let frame = qa.to_mat3();
     let c = frame.x.cross(qb.rotate(Vec3::new(M::R::one(), M::R::zero(), M::R::zero())));
     let i = ends.a.i + ends.b.i;
     let (u, v) = (frame.y, frame.z);
     let (iu, iv) = (i * u, i * v);
-    let soft = angular_softness(k, t, j, h);
     let lambda = k.vec3(t.multiplier, j, 0);
     let (kuu, kuv, kvv) = (u.dot(iu) + soft, u.dot(iv), v.dot(iv) + soft);
     let (cu, cv) = (soft.fma(u.dot(lambda), u.dot(c)), soft.fma(v.dot(lambda), v.dot(c)));
     let determinant = kuv.fnma(kuv, kuu * kvv).max(M::R::lit(TINY * TINY)).recip();
     let lu = kuv.fnma(cv, kvv * cu) * -determinant;
     let lv = kuv.fnma(cu, kuu * cv) * -determinant;
-    twist(k, t, j, h, &mut ends, u.fma(lu, v * lv));
+    u.fma(lu, v * lv)
 }
 
 /// Three rows: c is the rotation vector from A's frame to B's.
 #[inline(always)]
-fn fixed<M: Machine>(k: &mut M, t: &Tables, j: M::I, h: M::R) {
-    let mut ends = Ends::load(k, t, j);
+fn fixed<M: Machine>(
+    k: &M,
+    t: &Tables,
+    j: M::I,
+    ends: &Ends<M::R, M::I>,
+    soft: M::R,
+) -> Vec3<M::R> {
     let (qa, qb) = ends.frames(k, t, j);
     let c = qa.rotate((qa.conjugate() * qb).log());
-    let soft = angular_softness(k, t, j, h);
     let i = ends.a.i + ends.b.i + SymMat3::diagonal(soft);
     let right = -(k.vec3(t.multiplier, j, 0).fma(soft, c));
-    let delta = i.solve(right, M::R::lit(TINY));
-    twist(k, t, j, h, &mut ends, delta);
+    i.solve(right, M::R::lit(TINY))
 }
 
 /// One row: the angle between the first axis, fixed in A, and the second, fixed in
 /// B, stays. With n = a × b it changes by n̂ · ω, so c = (a · b₀ − a · b) / |n|.
 #[inline(always)]
-fn universal<M: Machine>(k: &mut M, t: &Tables, j: M::I, h: M::R) {
-    let mut ends = Ends::load(k, t, j);
+fn universal<M: Machine>(
+    k: &M,
+    t: &Tables,
+    j: M::I,
+    ends: &Ends<M::R, M::I>,
+    soft: M::R,
+) -> Vec3<M::R> {
     let (qa, qb) = ends.frames(k, t, j);
     let second = k.vec3(t.joint, j, joint_field::SECOND);
     let a = qa.rotate(Vec3::new(M::R::one(), M::R::zero(), M::R::zero()));
@@ -175,11 +240,10 @@ fn universal<M: Machine>(k: &mut M, t: &Tables, j: M::I, h: M::R) {
     let size = n.length().max(M::R::lit(1e-6));
     let n = n * size.recip();
     let c = (second.x - a.dot(b)) / size;
-    let soft = angular_softness(k, t, j, h);
     let lambda = n.dot(k.vec3(t.multiplier, j, 0));
     let i = n.dot((ends.a.i + ends.b.i) * n) + soft;
     let delta = -(soft.fma(lambda, c)) / i.max(M::R::lit(TINY));
-    twist(k, t, j, h, &mut ends, n * delta);
+    n * delta
 }
 
 /// −r× I⁻¹ r× = r× I⁻¹ (r×)ᵀ: what a push at the arm r does through rotation.
@@ -202,28 +266,19 @@ fn linear_block<R: Real, I: Index>(ends: &Ends<R, I>, ra: Vec3<R>, rb: Vec3<R>) 
         + SymMat3::diagonal(ends.a.m + ends.b.m)
 }
 
-/// Applies a linear multiplier at two arms, within the caps.
+/// A linear multiplier as it is applied: scaled, and within the caps.
 #[inline(always)]
-#[allow(clippy::too_many_arguments)] // a pair of bodies, a pair of arms
-fn shove<M: Machine>(
+fn tame<M: Machine>(
     k: &mut M,
     t: &Tables,
     j: M::I,
     h: M::R,
-    ends: &mut Ends<M::R, M::I>,
-    arms: (Vec3<M::R>, Vec3<M::R>),
+    ends: &Ends<M::R, M::I>,
     delta: Vec3<M::R>,
     capped: bool,
-) {
-    let mut delta = delta * strength(k, t, j);
-    if capped {
-        delta = cap(k, t, h, ends, delta);
-    }
-    let over_h = h.recip();
-    ends.a.push(-delta, -arms.0.cross(delta), over_h);
-    ends.b.push(delta, arms.1.cross(delta), over_h);
-    ends.store(k, t);
-    k.add_vec3(t.multiplier, j, 3, delta);
+) -> Vec3<M::R> {
+    let delta = delta * strength(k, t, j);
+    if capped { cap(k, t, h, ends, delta) } else { delta }
 }
 
 /// Shortens a multiplier to the force cap and the displacement cap, and counts where that bites.
@@ -257,28 +312,35 @@ fn linear_softness<M: Machine>(k: &M, t: &Tables, j: M::I, h: M::R) -> M::R {
 
 /// Three rows: the anchors coincide.
 #[inline(always)]
-fn point<M: Machine>(k: &mut M, t: &Tables, j: M::I, h: M::R, capped: bool) {
-    let mut ends = Ends::load(k, t, j);
+fn point<M: Machine>(
+    k: &M,
+    t: &Tables,
+    j: M::I,
+    ends: &Ends<M::R, M::I>,
+    soft: M::R,
+) -> (Arms<M::R>, Vec3<M::R>) {
     let (ra, rb, gap) = ends.arms(k, t, j);
-    let soft = linear_softness(k, t, j, h);
-    let block = linear_block(&ends, ra, rb) + SymMat3::diagonal(soft);
+    let block = linear_block(ends, ra, rb) + SymMat3::diagonal(soft);
     let right = -(k.vec3(t.multiplier, j, 3).fma(soft, gap));
-    let delta = block.solve(right, M::R::lit(TINY));
-    shove(k, t, j, h, &mut ends, (ra, rb), delta, capped);
+    ((ra, rb), block.solve_well(right, M::R::lit(TINY * TINY)))
 }
 
 /// One or two rows: the anchors coincide but along the free directions of the
 /// linear frame, which A carries. Both bodies are pushed at B's anchor, so that
 /// the pair keeps its angular momentum.
 #[inline(always)]
-fn slide<M: Machine>(k: &mut M, t: &Tables, j: M::I, h: M::R, capped: bool) {
-    let mut ends = Ends::load(k, t, j);
+fn slide<M: Machine>(
+    k: &M,
+    t: &Tables,
+    j: M::I,
+    ends: &Ends<M::R, M::I>,
+    soft: M::R,
+) -> (Arms<M::R>, Vec3<M::R>) {
     let (ra, rb, gap) = ends.arms(k, t, j);
     let ra = ra + gap;
     let frame = (ends.a.pose.q * k.quat(t.joint, j, joint_field::LINEAR_FRAME)).to_mat3();
     let locked = k.vec3(t.joint, j, joint_field::LOCKED);
-    let soft = linear_softness(k, t, j, h);
-    let block = linear_block(&ends, ra, rb).rotated(frame.transpose()) + SymMat3::diagonal(soft);
+    let block = linear_block(ends, ra, rb).rotated(frame.transpose()) + SymMat3::diagonal(soft);
     let (x, y, z) = (locked.x, locked.y, locked.z);
     let one = M::R::one();
     // Free rows become 1 · Δλ = 0.
@@ -293,20 +355,24 @@ fn slide<M: Machine>(k: &mut M, t: &Tables, j: M::I, h: M::R, capped: bool) {
     let c = k.vec3(t.multiplier, j, 3).fma(soft, gap);
     let right = -frame.transpose_mul(c).times(locked);
     let delta = frame * block.solve(right, M::R::lit(TINY));
-    shove(k, t, j, h, &mut ends, (ra, rb), delta, capped);
+    ((ra, rb), delta)
 }
 
 /// One row along the line between the anchors.
 #[inline(always)]
-fn distance<M: Machine>(k: &mut M, t: &Tables, j: M::I, h: M::R, capped: bool) {
-    let mut ends = Ends::load(k, t, j);
+fn distance<M: Machine>(
+    k: &M,
+    t: &Tables,
+    j: M::I,
+    ends: &Ends<M::R, M::I>,
+    soft: M::R,
+) -> (Arms<M::R>, Vec3<M::R>) {
     let (ra, rb, gap) = ends.arms(k, t, j);
     let zero = M::R::zero();
     let n = gap.normalized_or(Vec3::new(zero, M::R::one(), zero));
     let c = gap.length() - k.load(t.joint, j, joint_field::LENGTH);
-    let soft = linear_softness(k, t, j, h);
-    let weight = n.dot(linear_block(&ends, ra, rb) * n) + soft;
+    let weight = n.dot(linear_block(ends, ra, rb) * n) + soft;
     let lambda = n.dot(k.vec3(t.multiplier, j, 3));
     let delta = n * (-(soft.fma(lambda, c)) / weight.max(M::R::lit(TINY)));
-    shove(k, t, j, h, &mut ends, (ra, rb), delta, capped);
+    ((ra, rb), delta)
 }

@@ -130,7 +130,7 @@ impl Kernels for Xpbd {
 #[inline(always)]
 fn substep<M: Machine>(k: &mut M, t: &Tables, iterations: usize, capped: bool) {
     let h = k.load(t.global, k.index(0), global::STEP);
-    body::start(k, t);
+    body::save(k, t);
     for j in k.count(t.joints) {
         k.store_spatial(t.multiplier, j, 0, Spatial::zero());
     }
