@@ -11,9 +11,22 @@
 //! - One joint of a body is a `revolute`, `prismatic`, `ball` or `free` joint; several are one `d6`
 //!   joint that carries the body's name, with each joint's name at its degree of freedom. So the
 //!   coordinates are MuJoCo's qpos, except that quaternions are x, y, z, w.
-//! - Joint ranges become soft limits of force: see the approximation in the `limit` module's text.
+//! - Joint ranges, narrowed by their margin, become soft limits of force (see Limitations).
 //! - Massless bodies that are welded to others are fused with them.
 //! - Equality constraints `connect` and `weld` become joints that close a loop, `joint` a coupling.
+//!
+//! # Limitations
+//!
+//! - MuJoCo's limits prescribe accelerations. Here they are springs and dampers with the time constant
+//!   and damping ratio of `solreflimit`, for the inertia that the joint shows at the initial
+//!   coordinates; `solimplimit` is not used. Leaving a limit goes the same way, but a steady load
+//!   pushes a limit further in: with MuJoCo's standard parameters, 20 times further.
+//! - Contacts: `contype` and `conaffinity` only switch a geom's collisions off when both are 0; pairs
+//!   and exclusions, `solref`, `solimp`, `margin`, `gap` and `priority` of geoms are noted.
+//! - A ball joint stands alone on its body, is not limited, and takes motors about one axis at a time.
+//! - Refused unless lenient: drag by a fluid, gravity compensation, tendons that exert force, muscles
+//!   and other actuators with a state, plugins, flexible bodies, polynomial springs, `<replicate>`,
+//!   `<attach>` and the like, and mass from the volume of a mesh.
 
 mod actuator;
 mod assets;
