@@ -34,20 +34,51 @@ def states(model: mujoco.MjModel) -> list:
     for i in range(STATES):
         data.qpos[:] = model.qpos0 if i == 0 else random_coordinates(model, rng)
         mujoco.mj_kinematics(model, data)
-        row = {"qpos": data.qpos, "xpos": data.xpos, "xquat": data.xquat,
-               "geom_xpos": data.geom_xpos, "geom_xmat": data.geom_xmat}
+        row = {
+            "qpos": data.qpos,
+            "xpos": data.xpos,
+            "xquat": data.xquat,
+            "geom_xpos": data.geom_xpos,
+            "geom_xmat": data.geom_xmat,
+        }
         rows.append({name: np.array(value).tolist() for name, value in row.items()})
     return rows
 
 
 def describe(model: mujoco.MjModel) -> dict:
     """Fields of the compiled model that loading must reproduce."""
-    fields = ["body_mass", "body_ipos", "qpos0", "qpos_spring", "jnt_type", "jnt_limited", "jnt_range",
-              "jnt_margin", "jnt_solref", "jnt_stiffness", "jnt_dofadr", "jnt_qposadr", "dof_damping",
-              "dof_armature", "dof_frictionloss", "dof_invweight0", "dof_jntid", "actuator_gear",
-              "actuator_gainprm", "actuator_biasprm", "actuator_ctrllimited", "actuator_ctrlrange",
-              "actuator_forcelimited", "actuator_forcerange", "actuator_trnid", "key_qpos", "key_qvel",
-              "key_ctrl", "geom_type", "geom_size"]
+    fields = [
+        "body_mass",
+        "body_ipos",
+        "qpos0",
+        "qpos_spring",
+        "jnt_type",
+        "jnt_limited",
+        "jnt_range",
+        "jnt_margin",
+        "jnt_solref",
+        "jnt_stiffness",
+        "jnt_dofadr",
+        "jnt_qposadr",
+        "dof_damping",
+        "dof_armature",
+        "dof_frictionloss",
+        "dof_invweight0",
+        "dof_jntid",
+        "actuator_gear",
+        "actuator_gainprm",
+        "actuator_biasprm",
+        "actuator_ctrllimited",
+        "actuator_ctrlrange",
+        "actuator_forcelimited",
+        "actuator_forcerange",
+        "actuator_trnid",
+        "key_qpos",
+        "key_qvel",
+        "key_ctrl",
+        "geom_type",
+        "geom_size",
+    ]
     table = {name: np.asarray(getattr(model, name)).tolist() for name in fields}
     table["gravity"], table["timestep"] = model.opt.gravity.tolist(), model.opt.timestep
     table["body_inertia"] = [body_inertia(model, i) for i in range(model.nbody)]
