@@ -2,7 +2,7 @@
 
 use model::Model;
 use numbers::dispatch::{Isa, Job, run_block, run_single};
-use numbers::{Cpu, Float, Lanes, Machine, PerWorld, Shared};
+use numbers::{Cpu, Float, Lanes, PerWorld};
 use rigid::{Kernels, Lengths};
 
 /// What to do with a block.
@@ -14,20 +14,14 @@ pub(crate) enum Task {
     Report,
 }
 
-/// The constants of the model.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Constants<'a, T> {
-    Shared(&'a [T]),
-    PerWorld(&'a [T]),
-}
-
 /// One block of worlds: as many as a register has lanes, or one.
 pub(crate) struct Block<'a, T> {
     pub state: &'a mut [T],
     pub input: &'a [T],
     pub output: &'a mut [T],
     pub scratch: &'a mut [T],
-    pub constants: Constants<'a, T>,
+    /// The constants of the model, in lanes.
+    pub parameters: &'a [T],
     pub links: &'a [u32],
 }
 
@@ -84,29 +78,15 @@ impl<K: Kernels, T: Float> Job for BlockJob<'_, K, T> {
         let (state, input) = (bytemuck::cast_slice_mut(b.state), bytemuck::cast_slice(b.input));
         let output = bytemuck::cast_slice_mut(b.output);
         let scratch = bytemuck::cast_slice_mut(b.scratch);
-        match b.constants {
-            Constants::Shared(x) => {
-                let parameters = Shared::<R>(x);
-                let cpu = Cpu { state, input, output, scratch, parameters, links: b.links };
-                run_task(self.kernels, cpu, self.task);
+        let parameters = PerWorld::<R>(bytemuck::cast_slice(b.parameters));
+        let mut cpu = Cpu { state, input, output, scratch, parameters, links: b.links };
+        match self.task {
+            Task::Step(substeps) => {
+                for _ in 0..substeps {
+                    self.kernels.step(&mut cpu);
+                }
             }
-            Constants::PerWorld(x) => {
-                let parameters = PerWorld::<R>(bytemuck::cast_slice(x));
-                let cpu = Cpu { state, input, output, scratch, parameters, links: b.links };
-                run_task(self.kernels, cpu, self.task);
-            }
+            Task::Report => self.kernels.report(&mut cpu),
         }
-    }
-}
-
-#[inline(always)]
-fn run_task<K: Kernels, M: Machine>(kernels: &K, mut machine: M, task: Task) {
-    match task {
-        Task::Step(substeps) => {
-            for _ in 0..substeps {
-                kernels.step(&mut machine);
-            }
-        }
-        Task::Report => kernels.report(&mut machine),
     }
 }

@@ -1,7 +1,7 @@
 //! W worlds of one model.
 
 use crate::compile::compile;
-use crate::engine::{Block, Constants, Engine, Task};
+use crate::engine::{Block, Engine, Task};
 use crate::error::{SimulationError, finite, index, length};
 use crate::{Controls, Outputs, SimulationSettings, Snapshot};
 use model::Model;
@@ -9,6 +9,7 @@ use numbers::dispatch::Isa;
 use numbers::{Float, Memory};
 use rayon::prelude::*;
 use rigid::{InputTables, OutputTables};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// A world that left the finite numbers, or its speed limit. It stays at its last good state.
@@ -33,8 +34,10 @@ pub struct Simulation<T: Float> {
     pub(crate) state: Memory<T>,
     pub(crate) input: Memory<T>,
     pub(crate) output: Memory<T>,
-    shared: Vec<T>,
-    per_world: Option<Memory<T>>,
+    /// The constants of the model: one block for all worlds, or one for each.
+    parameters: Memory<T>,
+    /// The solvers of worlds that have numbers of their own.
+    own: HashMap<usize, Box<dyn Engine<T>>>,
     pub(crate) input_tables: InputTables,
     pub(crate) output_tables: OutputTables,
     pub(crate) time: Vec<f64>,
@@ -52,9 +55,13 @@ impl<T: Float> std::fmt::Debug for Simulation<T> {
     }
 }
 
-/// The model's numbers at the simulation's precision.
-fn convert<T: Float>(x: &[f64]) -> Vec<T> {
-    x.iter().map(|&x| T::from_f64(x)).collect()
+/// The same numbers in every lane of so many worlds.
+fn in_lanes<T: Float>(x: &[f64], worlds: usize, width: usize) -> Memory<T> {
+    let mut memory = Memory::new(worlds, x.len().max(1), width);
+    for (i, &x) in x.iter().enumerate() {
+        memory.fill(i, T::from_f64(x));
+    }
+    memory
 }
 
 impl<T: Float> Simulation<T> {
@@ -88,8 +95,8 @@ impl<T: Float> Simulation<T> {
             state: memory(lengths.state),
             input: memory(lengths.input),
             output: memory(lengths.output),
-            shared: convert(engine.parameters()),
-            per_world: None,
+            parameters: in_lanes(engine.parameters(), width, width),
+            own: HashMap::new(),
             input_tables: InputTables::new(&model),
             output_tables: OutputTables::new(&model),
             time: vec![0.0; settings.worlds],
@@ -139,25 +146,31 @@ impl<T: Float> Simulation<T> {
 
     /// The model's initial coordinates and velocities in all worlds; time, targets and divergence cleared.
     pub fn reset_all(&mut self) {
-        let position = self.model.initial_position();
-        let velocity = vec![0.0; self.model.degrees_of_freedom()];
-        for world in 0..self.worlds() {
-            self.place(world, &position, &velocity);
-        }
+        let all: Vec<_> = (0..self.worlds()).collect();
+        self.reset_worlds(&all);
     }
     /// As [`reset_all`](Simulation::reset_all), for the named worlds.
     ///
     /// # Errors
     /// A world that does not exist.
     pub fn reset(&mut self, worlds: &[usize]) -> Result<(), SimulationError> {
-        let position = self.model.initial_position();
-        let velocity = vec![0.0; self.model.degrees_of_freedom()];
         worlds.iter().try_for_each(|&w| index("world", w, self.worlds()))?;
-        for &world in worlds {
-            self.place(world, &position, &velocity);
-        }
+        self.reset_worlds(worlds);
         Ok(())
     }
+
+    fn reset_worlds(&mut self, worlds: &[usize]) {
+        let position = self.model.initial_position();
+        let velocity = vec![0.0; self.model.degrees_of_freedom()];
+        let state = self.engine.initial(&self.model, &position, &velocity);
+        for &world in worlds {
+            match self.own.contains_key(&world) {
+                true => self.place(world, &position, &velocity),
+                false => self.begin(world, &state),
+            }
+        }
+    }
+
     /// Sets a world's joint coordinates and velocities; its time starts at 0 again.
     ///
     /// Quaternions are scaled to unit length.
@@ -179,17 +192,28 @@ impl<T: Float> Simulation<T> {
         Ok(())
     }
 
+    /// Joint coordinates and velocities of a world, at time 0, with the model's controls.
     fn place(&mut self, world: usize, position: &[f64], velocity: &[f64]) {
-        let state = self.engine.initial(&self.model, position, velocity);
-        for (i, x) in state.into_iter().enumerate() {
+        let engine = self.own.get(&world).unwrap_or(&self.engine);
+        let state = engine.initial(&self.model, position, velocity);
+        self.begin(world, &state);
+    }
+
+    fn write_state(&mut self, world: usize, state: &[f64]) {
+        for (i, &x) in state.iter().enumerate() {
             self.state.set(world, i, T::from_f64(x));
         }
+        self.reported = false;
+    }
+
+    /// A state at time 0, with the model's controls.
+    fn begin(&mut self, world: usize, state: &[f64]) {
+        self.write_state(world, state);
         for (i, x) in self.input_tables.initial(&self.model).into_iter().enumerate() {
             self.input.set(world, i, T::from_f64(x));
         }
         self.time[world] = 0.0;
         self.diverged.retain(|d| d.world != world);
-        self.reported = false;
     }
 
     /// Lanes without a world run the model's initial state, so that they stay finite.
@@ -205,8 +229,8 @@ impl<T: Float> Simulation<T> {
     /// Gives a world numbers of its own: masses, inertias, frictions, gains, gravity.
     ///
     /// The model must have the structure of the simulation's; only numbers may differ.
-    /// The state of the world stays. From the first call on, all worlds hold their
-    /// parameters in lanes, which costs memory and some speed.
+    /// The joint coordinates and velocities of the world stay. From the first call on,
+    /// every world has its own copy of the constants, which costs memory.
     ///
     /// # Errors
     /// A world that does not exist; a model of another structure.
@@ -216,18 +240,19 @@ impl<T: Float> Simulation<T> {
         if own.links() != self.engine.links() || own.name() != self.engine.name() {
             return Err(SimulationError::Structure { world });
         }
-        let (worlds, width) = (self.worlds(), self.state.width());
-        let memory = self.per_world.get_or_insert_with(|| {
-            let mut memory = Memory::new(worlds, self.shared.len().max(1), width);
-            for (i, &x) in self.shared.iter().enumerate() {
-                memory.fill(i, x);
-            }
-            memory
-        });
-        for (i, x) in convert(own.parameters()).into_iter().enumerate() {
-            memory.set(world, i, x);
+        let now = self.outputs();
+        let (position, velocity) = (now.joint_position(world), now.joint_velocity(world));
+        if self.own.is_empty() {
+            let (worlds, width) = (self.worlds(), self.state.width());
+            self.parameters = in_lanes(self.engine.parameters(), worlds, width);
         }
-        self.reported = false;
+        for (i, &x) in own.parameters().iter().enumerate() {
+            self.parameters.set(world, i, T::from_f64(x));
+        }
+        // A solver may keep its state in frames that depend on the masses.
+        let state = own.initial(model, &position, &velocity);
+        self.own.insert(world, own);
+        self.write_state(world, &state);
         Ok(())
     }
 
@@ -288,7 +313,7 @@ impl<T: Float> Simulation<T> {
     /// What a snapshot must agree on: solver, step and tables.
     pub(crate) fn fingerprint(&self) -> u64 {
         let lengths = self.engine.lengths();
-        let head = [lengths.state as u32, lengths.input as u32, self.shared.len() as u32];
+        let head = [lengths.state as u32, lengths.input as u32, self.parameters.length() as u32];
         let name = self.engine.name().bytes().map(u32::from);
         // FNV-1a (Fowler, Noll, Vo), word by word.
         head.into_iter().chain(name).chain(self.engine.links().iter().copied()).fold(
@@ -300,19 +325,17 @@ impl<T: Float> Simulation<T> {
     /// Runs a task on all blocks, a run of blocks per thread, each with its own scratch.
     fn perform(&mut self, task: Task) {
         let (engine, isa, single) = (&*self.engine, self.isa, self.state.width() == 1);
-        let (input, per_world, shared) = (&self.input, self.per_world.as_ref(), &self.shared[..]);
+        let (input, parameters) = (&self.input, &self.parameters);
+        let shared = self.own.is_empty();
         let width = self.state.width();
         let run_blocks = |first: usize, state: Blocks<'_, T>, output: Blocks<'_, T>| {
             let mut scratch = Memory::<T>::new(width, engine.lengths().scratch.max(1), width);
             for (i, (state, output)) in state.zip(output).enumerate() {
                 let b = first + i;
-                let constants = match per_world {
-                    Some(memory) => Constants::PerWorld(memory.block(b)),
-                    None => Constants::Shared(shared),
-                };
+                let parameters = parameters.block(if shared { 0 } else { b });
                 let (input, scratch) = (input.block(b), scratch.scalars_mut());
                 let block =
-                    Block { state, input, output, scratch, constants, links: engine.links() };
+                    Block { state, input, output, scratch, parameters, links: engine.links() };
                 engine.run(isa, single, block, task);
             }
         };
