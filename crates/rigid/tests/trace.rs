@@ -3,12 +3,11 @@
 
 mod scene;
 
-use glam::DVec3;
-use kinetarium_rigid::{Featherstone, Integrator, Kernels, Settings};
+use kinetarium_rigid::{Featherstone, Integrator, Kernels, OutputTables, Settings, Xpbd};
 use model::Model;
 use model::examples::{Start, chain};
 use numbers::trace::{self, Operations, Program, WgslOptions};
-use scene::{World, mixed, parameters};
+use scene::{World, looped, mixed, parameters};
 
 const INTEGRATORS: [Integrator; 4] = [
     Integrator::SemiImplicitEuler,
@@ -18,14 +17,28 @@ const INTEGRATORS: [Integrator; 4] = [
 ];
 
 /// The articulated-body algorithm with each integrator.
-fn featherstones(model: &Model) -> impl Iterator<Item = Featherstone> {
-    INTEGRATORS.into_iter().map(|integrator| {
+fn featherstones(model: &Model) -> [Featherstone; 4] {
+    INTEGRATORS.map(|integrator| {
         let settings = Settings {
             integrator,
             ..Settings::new(0.002)
         };
         Featherstone::new(model, &settings).unwrap()
     })
+}
+
+/// Extended position-based dynamics, plain and with all its options.
+fn xpbds(model: &Model) -> [Xpbd; 2] {
+    let plain = Settings::new(0.002);
+    let full = Settings {
+        iterations: 3,
+        relaxation: 0.9,
+        angular_damping: 0.1,
+        displacement_cap: 1e-4,
+        force_cap: 50.0,
+        ..plain
+    };
+    [plain, full].map(|settings| Xpbd::new(model, &settings).unwrap())
 }
 
 /// Step and report, recorded.
@@ -99,6 +112,28 @@ fn run(kernels: &impl Kernels, mut world: World<f32>, steps: usize) -> World<f32
     world
 }
 
+/// A record of a chain is as long whatever the chain.
+fn loops_stay_loops<K: Kernels, const N: usize>(solvers: fn(&Model) -> [K; N]) {
+    let (short, long) = (chain(5, Start::Horizontal), chain(50, Start::Horizontal));
+    for (short, long) in solvers(&short.unwrap())
+        .iter()
+        .zip(&solvers(&long.unwrap()))
+    {
+        let (short, long) = (Records::new(short), Records::new(long));
+        assert_eq!(short.operations(), long.operations());
+    }
+}
+
+/// The records are valid WGSL, and the numbers they read are finite, as a shader may assume.
+fn suits_a_shader(kernels: &impl Kernels, model: &Model) {
+    let records = Records::new(kernels);
+    validate(&records.step);
+    validate(&records.report);
+    let world = World::<f32>::new(kernels, model);
+    let read = [&world.state, &world.input, &parameters(kernels)];
+    assert!(read.into_iter().flatten().all(|x| x.is_finite()));
+}
+
 /// A moving world keeps its bits and stays alive.
 fn keeps_the_bits(kernels: &impl Kernels, model: &Model, steps: usize) {
     let start = World::new(kernels, model);
@@ -112,61 +147,77 @@ fn keeps_the_bits(kernels: &impl Kernels, model: &Model, steps: usize) {
     );
 }
 
-#[test]
-fn a_longer_chain_records_as_many_operations() {
-    let (short, long) = (chain(5, Start::Horizontal), chain(50, Start::Horizontal));
-    for (short, long) in featherstones(&short.unwrap()).zip(featherstones(&long.unwrap())) {
-        assert_eq!(
-            Records::new(&short).operations(),
-            Records::new(&long).operations()
-        );
-    }
+/// A world that diverges within a step, by way of NaN, leaves the bodies where they were.
+fn stays_when_it_diverges(kernels: &impl Kernels, model: &Model) {
+    let outputs = OutputTables::new(model);
+    let bodies = outputs.body.base..outputs.reaction.base;
+    let (parameters, links) = (parameters(kernels), kernels.links());
+    let mut start = World::<f32>::new(kernels, model);
+    kernels.report(&mut start.cpu(&parameters, links));
+    let mut world = start.clone();
+    world.input[3] = f32::MAX;
+    let end = run(kernels, world, 3);
+    assert!(
+        end.scratch.iter().any(|x| x.is_nan()),
+        "the step met no NaN"
+    );
+    assert_eq!(end.state[kernels.alive()], 0.0);
+    assert_eq!(start.output[bodies.clone()], end.output[bodies]);
 }
 
 #[test]
-fn the_articulated_body_algorithm_prints_as_valid_wgsl() {
-    for model in [chain(5, Start::Horizontal), mixed(DVec3::X * 0.1)] {
-        for kernels in featherstones(&model.unwrap()) {
-            let records = Records::new(&kernels);
-            validate(&records.step);
-            validate(&records.report);
-        }
-    }
+fn the_articulated_body_algorithm_stays_in_loops() {
+    loops_stay_loops(featherstones);
 }
 
 #[test]
-fn what_a_shader_reads_is_finite() {
-    let model = mixed(DVec3::X * 0.1).unwrap();
-    for kernels in featherstones(&model) {
-        let world = World::<f32>::new(&kernels, &model);
-        let read = [&world.state, &world.input, &parameters(&kernels)];
-        assert!(read.into_iter().flatten().all(|x| x.is_finite()));
-    }
+fn position_based_dynamics_stays_in_loops() {
+    loops_stay_loops(xpbds);
 }
 
 #[test]
 fn a_chain_keeps_its_bits() {
     let model = chain(5, Start::Horizontal).unwrap();
-    featherstones(&model).for_each(|kernels| keeps_the_bits(&kernels, &model, 500));
+    for kernels in featherstones(&model) {
+        suits_a_shader(&kernels, &model);
+        keeps_the_bits(&kernels, &model, 500);
+    }
+    for kernels in xpbds(&model) {
+        suits_a_shader(&kernels, &model);
+        keeps_the_bits(&kernels, &model, 500);
+    }
 }
 
 #[test]
 fn a_tree_of_all_joints_keeps_its_bits() {
-    let model = mixed(DVec3::X * 0.1).unwrap();
-    featherstones(&model).for_each(|kernels| keeps_the_bits(&kernels, &model, 300));
+    let model = mixed(true).unwrap();
+    for kernels in featherstones(&model) {
+        suits_a_shader(&kernels, &model);
+        keeps_the_bits(&kernels, &model, 300);
+    }
+    let model = mixed(false).unwrap();
+    for kernels in xpbds(&model) {
+        suits_a_shader(&kernels, &model);
+        keeps_the_bits(&kernels, &model, 300);
+    }
 }
 
 #[test]
-fn a_world_that_diverges_stays_at_its_last_state() {
-    let model = mixed(DVec3::X * 0.1).unwrap();
+fn a_closed_loop_keeps_its_bits() {
+    let model = looped().unwrap();
+    for kernels in xpbds(&model) {
+        suits_a_shader(&kernels, &model);
+        keeps_the_bits(&kernels, &model, 300);
+    }
+}
+
+#[test]
+fn a_world_that_diverges_stays_where_it_was() {
+    let model = mixed(false).unwrap();
     for kernels in featherstones(&model) {
-        let mut world = World::new(&kernels, &model);
-        world.input[3] = f32::MAX;
-        let start = world.state.clone();
-        let end = run(&kernels, world, 3);
-        assert!(end.scratch.iter().any(|x| x.is_nan()), "the step met NaN");
-        assert_eq!(end.state[kernels.alive()], 0.0);
-        let n = model.coordinates() + model.degrees_of_freedom();
-        assert_eq!(start[..n], end.state[..n]);
+        stays_when_it_diverges(&kernels, &model);
+    }
+    for kernels in xpbds(&model) {
+        stays_when_it_diverges(&kernels, &model);
     }
 }

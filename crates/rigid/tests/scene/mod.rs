@@ -4,6 +4,7 @@ use glam::{DMat3, DQuat, DVec3};
 use kinetarium_rigid::{InputTables, Kernels};
 use model::{Axis, BodyHandle, Builder, Drive, Geometry, Limit, Model, ModelError, Object, Pose};
 use numbers::{Cpu, Float, LanesMask, Real, Shared};
+use std::f64::consts::FRAC_PI_2;
 
 /// The memories of one world.
 #[derive(Clone, Debug)]
@@ -73,9 +74,9 @@ fn rod(object: &mut Object, name: &str, mass: f64) -> BodyHandle {
 }
 
 /// Two trees with joints of every kind that a tree can have, and everything
-/// that acts along a degree of freedom. The last hinge of the D6 joint passes
-/// through `anchor`.
-pub fn mixed(anchor: DVec3) -> Result<Model, ModelError> {
+/// that acts along a degree of freedom; `reduced` with what only reduced
+/// coordinates take: hinges that do not meet, armature and a motor on a ball.
+pub fn mixed(reduced: bool) -> Result<Model, ModelError> {
     let (top, bottom) = (Pose::at(DVec3::Y * 0.2), Pose::at(DVec3::Y * -0.2));
     let tilted = Pose::new(DVec3::new(0.1, -0.2, 0.05), DQuat::from_rotation_x(0.6));
     let mut world = Builder::new("mixed");
@@ -113,7 +114,8 @@ pub fn mixed(anchor: DVec3) -> Result<Model, ModelError> {
         .friction_loss(0.1);
     let shoulder = shoulder.handle();
 
-    let hand = rod(robot, "hand", 0.5);
+    let fist = Geometry::Sphere { radius: 0.1 };
+    let hand = robot.body("hand").shape(fist).mass(0.5).handle();
     let drive = Drive {
         stiffness: 4.0,
         damping: 0.2,
@@ -124,8 +126,8 @@ pub fn mixed(anchor: DVec3) -> Result<Model, ModelError> {
     let wrist = wrist
         .initial(&[0.36, 0.0, 0.48, 0.8])
         .damping(0.05)
-        .armature(0.01)
         .drive(drive)
+        .armature(if reduced { 0.01 } else { 0.0 })
         .handle();
 
     let tail = rod(robot, "tail", 0.7);
@@ -150,7 +152,7 @@ pub fn mixed(anchor: DVec3) -> Result<Model, ModelError> {
 
     let fin = rod(robot, "fin", 0.4);
     let last = Axis {
-        anchor,
+        anchor: if reduced { DVec3::X * 0.1 } else { DVec3::ZERO },
         ..Axis::angular(DVec3::Z)
     };
     let axes = [Axis::linear(DVec3::X), Axis::angular(DVec3::Y), last];
@@ -172,7 +174,9 @@ pub fn mixed(anchor: DVec3) -> Result<Model, ModelError> {
         .position_servo("slide_servo", slide, 80.0, 2.0)
         .force_range(-5.0, 5.0);
     robot.velocity_servo("axle_servo", axle, 0.6);
-    robot.motor("wrist_motor", wrist).dof(1).gear(0.2);
+    if reduced {
+        robot.motor("wrist_motor", wrist).dof(1).gear(0.2);
+    }
 
     let cart = world.object("cart");
     let body = rod(cart, "body", 1.5);
@@ -190,5 +194,39 @@ pub fn mixed(anchor: DVec3) -> Result<Model, ModelError> {
     cart.body("block")
         .inertia(1.0, DVec3::new(0.02, 0.0, 0.01), inertia);
     cart.body("wall").immovable();
+    world.build()
+}
+
+/// A loop of four bars with a soft stay across, and a coupled pair of hinges beside it.
+pub fn looped() -> Result<Model, ModelError> {
+    let (top, bottom) = (Pose::at(DVec3::Y * 0.2), Pose::at(DVec3::Y * -0.2));
+    let mut world = Builder::new("looped");
+    let frame = world.object("frame");
+    let [left, across, right] = ["left", "across", "right"].map(|name| rod(frame, name, 1.0));
+    let turned = Pose::new(DVec3::Y * -0.2, DQuat::from_rotation_z(FRAC_PI_2));
+    frame
+        .revolute("hung", left, DVec3::Z)
+        .frames(Pose::IDENTITY, top);
+    frame
+        .revolute("bent", across, DVec3::Z)
+        .parent(left)
+        .frames(turned, top);
+    frame
+        .revolute("bend", right, DVec3::Z)
+        .parent(across)
+        .frames(turned, top);
+    let closing = frame.revolute("closing", right, DVec3::Z).closes_loop();
+    closing.frames(Pose::at(DVec3::X * 0.4), bottom);
+    let stay = frame.distance("stay", right, 0.5).parent(left);
+    stay.frames(bottom, bottom).compliance(1e-4, 0.0);
+
+    let gears = world.object("gears");
+    let hinges = ["driver", "follower"].map(|name| {
+        let wheel = rod(gears, name, 0.5);
+        let hinge = gears.revolute(format!("{name}_hinge"), wheel, DVec3::X);
+        hinge.at(Pose::at(DVec3::new(1.0, 0.2, 0.0))).handle()
+    });
+    gears.couple("teeth", hinges[1], hinges[0], -2.0, 0.1);
+    gears.motor("engine", hinges[0]);
     world.build()
 }
