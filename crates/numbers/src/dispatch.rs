@@ -131,6 +131,11 @@ impl Isa {
         }
     }
 
+    /// Worlds that its registers hold side by side in [`run_registers`]; 1 where it has none so wide.
+    pub fn width<T: Float>(self) -> usize {
+        if self == Self::Portable { 1 } else { T::BLOCK }
+    }
+
     /// The name, as [`FromStr`] reads it.
     pub fn name(self) -> &'static str {
         match self {
@@ -166,8 +171,18 @@ impl FromStr for Isa {
     }
 }
 
-/// Runs a job with [`Float::BLOCK`] worlds side by side.
+/// Runs a job with [`Float::BLOCK`] worlds side by side, in arrays where registers are not so wide.
 pub fn run_block<J: Job>(isa: Isa, job: J) -> J::Output {
+    match isa {
+        Isa::Portable => entry_portable(job),
+        _ => run_registers(isa, job),
+    }
+}
+
+/// Runs a job with [`Isa::width`] worlds side by side: with a block in registers, or with one world.
+///
+/// For jobs so large that compiling them for arrays would take longer than for all else.
+pub fn run_registers<J: Job>(isa: Isa, job: J) -> J::Output {
     match isa {
         // SAFETY: an `Isa` exists only where its instructions were detected.
         #[cfg(target_arch = "x86_64")]
@@ -179,7 +194,7 @@ pub fn run_block<J: Job>(isa: Isa, job: J) -> J::Output {
         Isa::Neon => entry_neon(job),
         #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
         Isa::Simd128 => entry_simd128(job),
-        Isa::Portable => entry_portable(job),
+        Isa::Portable => entry_unfused(job),
     }
 }
 

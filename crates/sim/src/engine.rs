@@ -1,7 +1,7 @@
 //! From a block of worlds in memory to a kernel on a machine.
 
 use model::Model;
-use numbers::dispatch::{Isa, Job, run_block, run_single};
+use numbers::dispatch::{Isa, Job, run_registers, run_single};
 use numbers::{Cpu, Float, Lanes, PerWorld};
 use rigid::{Kernels, Lengths};
 
@@ -33,7 +33,8 @@ pub(crate) trait Engine<T: Float>: Send + Sync {
     fn links(&self) -> &[u32];
     fn alive(&self) -> usize;
     fn initial(&self, model: &Model, position: &[f64], velocity: &[f64]) -> Vec<f64>;
-    /// Runs a task on a block of [`Float::BLOCK`] worlds, or of one.
+    fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]);
+    /// Runs a task on a block of [`Isa::width`] worlds, or of one.
     fn run(&self, isa: Isa, single: bool, block: Block<'_, T>, task: Task);
 }
 
@@ -56,9 +57,12 @@ impl<K: Kernels, T: Float> Engine<T> for K {
     fn initial(&self, model: &Model, position: &[f64], velocity: &[f64]) -> Vec<f64> {
         Kernels::initial(self, model, position, velocity)
     }
+    fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
+        Kernels::place(self, position, velocity, state);
+    }
     fn run(&self, isa: Isa, single: bool, block: Block<'_, T>, task: Task) {
         let job = BlockJob { kernels: self, block, task };
-        if single { run_single(isa, job) } else { run_block(isa, job) }
+        if single { run_single(isa, job) } else { run_registers(isa, job) }
     }
 }
 

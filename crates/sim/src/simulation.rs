@@ -23,7 +23,8 @@ pub struct Diverged {
 
 /// W worlds of one model, advanced together.
 ///
-/// `T` is the precision of all numbers: `f32` (16 worlds a block) or `f64` (8).
+/// `T` is the precision of all numbers: `f32` (16 worlds a block) or `f64` (8); where the
+/// instruction set is `portable`, a block is one world.
 /// Calls that fail leave the simulation as it was.
 pub struct Simulation<T: Float> {
     model: Arc<Model>,
@@ -86,7 +87,8 @@ impl<T: Float> Simulation<T> {
             .num_threads(threads)
             .build()
             .map_err(|e| SimulationError::Threads { threads, reason: e.to_string() })?;
-        let width = if settings.scalar || settings.worlds == 1 { 1 } else { T::BLOCK };
+        let single = settings.scalar || settings.worlds == 1;
+        let width = if single { 1 } else { isa.width::<T>() };
         let lengths = engine.lengths();
         let memory = |n: usize| Memory::new(settings.worlds, n.max(1), width);
         let mut simulation = Self {
