@@ -89,44 +89,56 @@ use space::{Kind, Space, Writable};
 /// Rows of `W` numbers, starting at `base`, in the memory `S`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Table<S, const W: usize = 1> {
-    /// Offset of the first number.
-    pub base: usize,
+    base: u32,
     memory: PhantomData<S>,
 }
 
 impl<S, const W: usize> Table<S, W> {
     /// `rows` rows, placed at `*end`, which moves past them.
     pub fn place(end: &mut usize, rows: usize) -> Self {
-        let base = *end;
-        *end += rows * W;
-        Self { base, memory: PhantomData }
+        Self { base: reserve(end, rows * W), memory: PhantomData }
+    }
+    /// Offset of the first number.
+    #[inline(always)]
+    pub fn start(&self) -> usize {
+        self.base as usize
     }
     /// Offset of a field of a row.
-    #[inline(always)]
     pub fn at(&self, row: usize, field: usize) -> usize {
-        self.base + row * W + field
+        self.base as usize + row * W + field
     }
 }
 
 /// Rows of `W` whole numbers (kinds, parents, ranges), the same in all worlds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Links<const W: usize = 1> {
-    /// Offset of the first number.
-    pub base: usize,
+    base: u32,
 }
 
 impl<const W: usize> Links<W> {
     /// `rows` rows, placed at `*end`, which moves past them.
     pub fn place(end: &mut usize, rows: usize) -> Self {
-        let base = *end;
-        *end += rows * W;
-        Self { base }
+        Self { base: reserve(end, rows * W) }
+    }
+    /// Offset of the first number.
+    #[inline(always)]
+    pub fn start(&self) -> usize {
+        self.base as usize
     }
     /// Offset of a field of a row.
-    #[inline(always)]
     pub fn at(&self, row: usize, field: usize) -> usize {
-        self.base + row * W + field
+        self.base as usize + row * W + field
     }
+}
+
+/// Moves `*end` past `length` numbers; returns where they start.
+///
+/// Panics beyond 2³² numbers: offsets are 32 bits wide, on the CPU so that one
+/// comparison checks a bound, and in a shader because its words are.
+fn reserve(end: &mut usize, length: usize) -> u32 {
+    let base = u32::try_from(*end).expect("a world has fewer than 2³² numbers");
+    *end += length;
+    base
 }
 
 /// A whole number that is the same in all lanes: a row, a count, a kind.
@@ -464,23 +476,28 @@ hold!(Pose of p, q);
 hold!(Spatial of angular, linear);
 hold!(Inertia of i, h, m);
 
-impl Index for usize {
+impl Index for u32 {
     #[inline(always)]
     fn plus(self, other: Self) -> Self {
-        self + other
+        self.wrapping_add(other)
     }
     #[inline(always)]
     fn offset(self, n: usize) -> Self {
-        self + n
+        self.wrapping_add(n as u32)
     }
+}
+
+/// Offset of a field of a row. Wraps where the row is absurd; the memory then refuses it.
+#[inline(always)]
+fn place<const W: usize>(base: u32, row: u32, field: usize) -> usize {
+    base.wrapping_add(row.wrapping_mul(W as u32)).wrapping_add(field as u32) as usize
 }
 
 /// `N` neighbouring numbers, with one check of the bounds.
 #[inline(always)]
 fn neighbours<R: Copy, const N: usize>(memory: &[R], offset: usize) -> [R; N] {
-    *memory[offset..]
-        .first_chunk()
-        .expect("the table lies within its memory")
+    let found: &[R; N] = (&memory[offset..offset + N]).try_into().expect("N of them");
+    *found
 }
 
 /// Where a CPU kernel finds the constants of the model.
@@ -552,14 +569,14 @@ impl<R: Real> Cell for Register<R> {
 /// Counts up or down.
 #[derive(Clone, Debug)]
 pub struct Rounds {
-    left: Range<usize>,
+    left: Range<u32>,
     down: bool,
 }
 
 impl Iterator for Rounds {
-    type Item = usize;
+    type Item = u32;
     #[inline(always)]
-    fn next(&mut self) -> Option<usize> {
+    fn next(&mut self) -> Option<u32> {
         if self.left.start >= self.left.end {
             return None;
         }
@@ -592,24 +609,24 @@ where
     P: Parameters<R>,
 {
     type R = R;
-    type I = usize;
+    type I = u32;
     type Flag = bool;
     type Cell = Register<R>;
     type Rounds = Rounds;
     type Once = Once;
 
     #[inline(always)]
-    fn index(&self, i: usize) -> usize {
-        i
+    fn index(&self, i: usize) -> u32 {
+        i as u32
     }
     #[inline(always)]
     fn read<S: Space, const W: usize, const N: usize>(
         &self,
         table: Table<S, W>,
-        row: usize,
+        row: u32,
         field: usize,
     ) -> [R; N] {
-        let offset = table.at(row, field);
+        let offset = place::<W>(table.base, row, field);
         match S::KIND {
             Kind::State => neighbours(self.state, offset),
             Kind::Input => neighbours(self.input, offset),
@@ -622,31 +639,31 @@ where
     fn write<S: Writable, const W: usize, const N: usize>(
         &mut self,
         table: Table<S, W>,
-        row: usize,
+        row: u32,
         field: usize,
         x: [R; N],
     ) {
-        let offset = table.at(row, field);
+        let offset = place::<W>(table.base, row, field);
         let memory = match S::KIND {
             Kind::State => &mut *self.state,
             Kind::Output => &mut *self.output,
             Kind::Scratch => &mut *self.scratch,
             Kind::Input | Kind::Parameter => unreachable!("not writable"),
         };
-        let place: &mut [R; N] =
-            memory[offset..].first_chunk_mut().expect("the table lies within its memory");
-        *place = x;
+        let found: &mut [R; N] =
+            (&mut memory[offset..offset + N]).try_into().expect("N of them");
+        *found = x;
     }
     #[inline(always)]
-    fn link<const W: usize>(&self, links: Links<W>, row: usize, field: usize) -> usize {
-        self.links[links.at(row, field)] as usize
+    fn link<const W: usize>(&self, links: Links<W>, row: u32, field: usize) -> u32 {
+        self.links[place::<W>(links.base, row, field)]
     }
     #[inline(always)]
-    fn range(&self, from: usize, to: usize) -> Rounds {
+    fn range(&self, from: u32, to: u32) -> Rounds {
         Rounds { left: from..to, down: false }
     }
     #[inline(always)]
-    fn range_down(&self, n: usize) -> Rounds {
+    fn range_down(&self, n: u32) -> Rounds {
         Rounds { left: 0..n, down: true }
     }
     #[inline(always)]
@@ -662,11 +679,11 @@ where
         mask.all()
     }
     #[inline(always)]
-    fn equals(&self, a: usize, b: usize) -> bool {
-        a == b
+    fn equals(&self, a: u32, b: usize) -> bool {
+        a == b as u32
     }
     #[inline(always)]
-    fn less(&self, a: usize, b: usize) -> bool {
+    fn less(&self, a: u32, b: u32) -> bool {
         a < b
     }
     #[inline(always)]

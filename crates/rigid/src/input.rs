@@ -31,7 +31,7 @@ impl InputTables {
     }
     /// Number of degrees of freedom.
     pub fn dofs(&self) -> usize {
-        self.target_position.base - self.force.base
+        self.target_position.start() - self.force.start()
     }
     /// The model's own targets, and no force or control.
     pub fn initial(&self, model: &model::Model) -> Vec<f64> {

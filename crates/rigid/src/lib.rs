@@ -6,6 +6,7 @@
 
 #![forbid(unsafe_code)]
 
+mod check;
 pub mod featherstone;
 mod input;
 mod output;
@@ -13,6 +14,7 @@ mod solver;
 mod tables;
 pub mod xpbd;
 
+pub use featherstone::dynamics::{Dynamics, DynamicsError, DynamicsKernels, Totals};
 pub use featherstone::{Featherstone, Integrator};
 pub use input::InputTables;
 pub use output::{OutputTables, body, reaction, total};

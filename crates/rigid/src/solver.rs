@@ -110,6 +110,8 @@ pub trait Kernels: Clone + Send + Sync + 'static {
     fn alive(&self) -> usize;
     /// The state of a world whose joints have the given coordinates and velocities.
     fn initial(&self, model: &Model, position: &[f64], velocity: &[f64]) -> Vec<f64>;
+    /// Gives the joints of a state other coordinates and velocities; all else in it stays.
+    fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]);
     /// Advances every lane by one substep.
     fn step<M: Machine>(&self, k: &mut M);
     /// Fills the output from the state.

@@ -1,6 +1,6 @@
 //! What a controller may set, per world.
 
-use crate::error::{SimulationError, finite, index, length};
+use crate::error::{MOST_FORCE, MOST_MOTION, SimulationError, bounded, index, length};
 use numbers::machine::space::Input;
 use numbers::{Float, Memory, Table};
 use rigid::InputTables;
@@ -8,7 +8,7 @@ use rigid::InputTables;
 /// The controls of all worlds. Values hold until they are set again.
 ///
 /// Every setter refuses an index out of range, an array of the wrong length,
-/// and numbers that are not finite.
+/// numbers that are not finite, targets beyond ±1e9 and other numbers beyond ±1e30.
 #[derive(Debug)]
 pub struct Controls<'a, T> {
     pub(crate) memory: &'a mut Memory<T>,
@@ -27,12 +27,12 @@ impl<T: Float> Controls<'_, T> {
     /// Generalised force of one degree of freedom [N or N·m].
     pub fn set_dof_force(&mut self, world: usize, dof: usize, x: f64) -> Result<(), SimulationError> {
         index("degree of freedom", dof, self.dofs())?;
-        self.set("force", self.tables.force, world, dof, x)
+        self.set("force", self.tables.force, world, dof, x, MOST_FORCE)
     }
     /// Position target of one degree of freedom's drive [m or rad].
     pub fn set_target(&mut self, world: usize, dof: usize, x: f64) -> Result<(), SimulationError> {
         index("degree of freedom", dof, self.dofs())?;
-        self.set("target position", self.tables.target_position, world, dof, x)
+        self.set("target position", self.tables.target_position, world, dof, x, MOST_MOTION)
     }
     /// Position target of one angular degree of freedom's drive, in degrees.
     pub fn set_target_degrees(
@@ -51,11 +51,11 @@ impl<T: Float> Controls<'_, T> {
         x: f64,
     ) -> Result<(), SimulationError> {
         index("degree of freedom", dof, self.dofs())?;
-        self.set("target velocity", self.tables.target_velocity, world, dof, x)
+        self.set("target velocity", self.tables.target_velocity, world, dof, x, MOST_MOTION)
     }
     /// Controls of a world's actuators, in the model's order.
     pub fn set_control(&mut self, world: usize, control: &[f64]) -> Result<(), SimulationError> {
-        let n = self.tables.length - self.tables.control.base;
+        let n = self.tables.length - self.tables.control.start();
         self.set_row("control", self.tables.control, n, world, control)
     }
     /// All numbers of a world's controls, in the order force, target position,
@@ -68,7 +68,9 @@ impl<T: Float> Controls<'_, T> {
     pub fn set_world(&mut self, world: usize, numbers: &[f64]) -> Result<(), SimulationError> {
         index("world", world, self.worlds())?;
         length("controls of a world", numbers.len(), self.tables.length)?;
-        finite("controls of a world", numbers)?;
+        bounded("controls of a world", numbers, MOST_FORCE)?;
+        let targets = self.tables.target_position.start()..self.tables.control.start();
+        bounded("targets of a world", &numbers[targets], MOST_MOTION)?;
         for (i, &x) in numbers.iter().enumerate() {
             self.memory.set(world, i, T::from_f64(x));
         }
@@ -76,7 +78,7 @@ impl<T: Float> Controls<'_, T> {
     }
 
     fn dofs(&self) -> usize {
-        self.tables.target_position.base - self.tables.force.base
+        self.tables.target_position.start() - self.tables.force.start()
     }
     fn set(
         &mut self,
@@ -85,9 +87,10 @@ impl<T: Float> Controls<'_, T> {
         world: usize,
         row: usize,
         x: f64,
+        most: f64,
     ) -> Result<(), SimulationError> {
         index("world", world, self.worlds())?;
-        finite(what, &[x])?;
+        bounded(what, &[x], most)?;
         self.memory.set(world, table.at(row, 0), T::from_f64(x));
         Ok(())
     }
@@ -101,7 +104,7 @@ impl<T: Float> Controls<'_, T> {
     ) -> Result<(), SimulationError> {
         index("world", world, self.worlds())?;
         length(what, x.len(), n)?;
-        finite(what, x)?;
+        bounded(what, x, MOST_FORCE)?;
         for (row, &x) in x.iter().enumerate() {
             self.memory.set(world, table.at(row, 0), T::from_f64(x));
         }

@@ -115,6 +115,6 @@ impl<T: Float> Outputs<'_, T> {
         table: Table<Output>,
         next: Table<Output, W>,
     ) -> Vec<f64> {
-        (0..next.base - table.base).map(|i| self.number(world, table, i, 0)).collect()
+        (0..next.start() - table.start()).map(|i| self.number(world, table, i, 0)).collect()
     }
 }

@@ -44,7 +44,7 @@ impl<'g> Machine for Tracer<'g> {
         field: usize,
     ) -> [Trace<'g>; N] {
         std::array::from_fn(|i| {
-            let place = Place::new(table.base, field + i, W);
+            let place = Place::new(table.start(), field + i, W);
             Trace(Handle::Node(
                 self.graph.emit(Action::Load(S::KIND, place), &[row.0]),
             ))
@@ -58,7 +58,7 @@ impl<'g> Machine for Tracer<'g> {
         x: [Trace<'g>; N],
     ) {
         for (i, x) in x.into_iter().enumerate() {
-            let place = Place::new(table.base, field + i, W);
+            let place = Place::new(table.start(), field + i, W);
             self.graph
                 .emit(Action::Store(S::KIND, place), &[row.0, x.0]);
         }
@@ -69,7 +69,7 @@ impl<'g> Machine for Tracer<'g> {
         row: TraceIndex<'g>,
         field: usize,
     ) -> TraceIndex<'g> {
-        let place = Place::new(links.base, field, W);
+        let place = Place::new(links.start(), field, W);
         TraceIndex(Handle::Node(self.graph.emit(Action::Link(place), &[row.0])))
     }
     #[track_caller]

@@ -34,10 +34,24 @@ pub(crate) fn origins<M: Machine>(k: &mut M, t: &Tables) {
     }
 }
 
+/// Sine and cosine of half of each motion's angle; without meaning for the other motions.
+///
+/// A pass of its own: no motion waits for another here, as they do along the tree.
+#[inline(always)]
+fn half_angles<M: Machine>(k: &mut M, t: &Tables) {
+    for m in k.count(t.motions) {
+        let q = k.link(t.motion_links, m, motion_link::COORDINATE);
+        let angle = k.load(t.position, q, 0) - k.load(t.motion, m, 3);
+        let (sin, cos) = functions::sin_cos(angle * M::R::lit(0.5));
+        k.write(t.half_angle, m, 0, [sin, cos]);
+    }
+}
+
 /// Fills `place`, `twist`, `bias` and the axes of all nodes.
 #[inline(always)]
 pub(crate) fn kinematics<M: Machine>(k: &mut M, t: &Tables) {
     origins(k, t);
+    half_angles(k, t);
     for n in k.range(k.index(t.trees), k.index(t.trees + t.nodes)) {
         let parent = k.link(t.node_links, n, node_link::PARENT);
         let start = k.pose(t.place, parent, 0) * k.pose(t.node, n, node::PLACE);
@@ -51,7 +65,7 @@ pub(crate) fn kinematics<M: Machine>(k: &mut M, t: &Tables) {
             let q = k.link(t.motion_links, m, motion_link::COORDINATE);
             let v = k.link(t.motion_links, m, motion_link::DOF);
             for _ in k.when(k.equals(kind, motion::REVOLUTE)) {
-                let (moved, axis) = revolute(k, t, m, q, place.get());
+                let (moved, axis) = revolute(k, t, m, place.get());
                 place.set(moved);
                 let rate = turn(k, t, v, axis);
                 advance(&mut twist, &mut bias, rate);
@@ -82,12 +96,10 @@ fn revolute<M: Machine>(
     k: &M,
     t: &Tables,
     m: M::I,
-    q: M::I,
     at: Pose<M::R>,
 ) -> (Pose<M::R>, Spatial<M::R>) {
     let axis = k.vec3(t.motion, m, 0);
-    let angle = k.load(t.position, q, 0) - k.load(t.motion, m, 3);
-    let (sin, cos) = functions::sin_cos(angle * M::R::lit(0.5));
+    let [sin, cos] = k.read(t.half_angle, m, 0);
     let turned = Pose::new(at.p, at.q * Quat::from_parts(axis * sin, cos));
     let a = at.q.rotate(axis);
     (turned, Spatial::new(a, at.p.cross(a)))

@@ -4,10 +4,13 @@
 //! acts along each degree of freedom), [`articulated_body`] (accelerations),
 //! [`integrate`] (the next state).
 //!
+//! [`dynamics`] are the same kernels as functions: mass matrix, inverse dynamics, Jacobians.
+//!
 //! Limitations: no closed loops (use `xpbd`); joint limits are springs; a motor
 //! torque larger than its drive's effort limit is cut, not refused.
 
 mod articulated_body;
+pub mod dynamics;
 mod force;
 mod integrate;
 mod kinematics;
@@ -82,8 +85,8 @@ impl Featherstone {
     pub fn bodies(&self, position: &[f64], velocity: &[f64]) -> Vec<f64> {
         let t = &self.tables;
         let mut state = vec![0.0; t.state_length];
-        state[t.position.base..][..position.len()].copy_from_slice(position);
-        state[t.velocity.base..][..velocity.len()].copy_from_slice(velocity);
+        state[t.position.start()..][..position.len()].copy_from_slice(position);
+        state[t.velocity.start()..][..velocity.len()].copy_from_slice(velocity);
         let mut output = vec![0.0; t.output.length];
         let mut k = Cpu {
             state: &mut state,
@@ -95,7 +98,7 @@ impl Featherstone {
         };
         kinematics::kinematics(&mut k, t);
         report::bodies(&mut k, t);
-        output[t.output.body.base..][..t.bodies * body::WIDTH].to_vec()
+        output[t.output.body.start()..][..t.bodies * body::WIDTH].to_vec()
     }
 }
 
@@ -122,11 +125,14 @@ impl Kernels for Featherstone {
     }
     fn initial(&self, model: &Model, position: &[f64], velocity: &[f64]) -> Vec<f64> {
         let mut state = vec![0.0; self.tables.state_length];
-        state[self.tables.position.base..][..position.len()].copy_from_slice(position);
-        state[self.tables.velocity.base..][..velocity.len()].copy_from_slice(velocity);
         state[self.alive()] = 1.0;
         self.tables.forces.initial(model, &mut state);
+        self.place(position, velocity, &mut state);
         state
+    }
+    fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
+        state[self.tables.position.start()..][..position.len()].copy_from_slice(position);
+        state[self.tables.velocity.start()..][..velocity.len()].copy_from_slice(velocity);
     }
     #[inline(always)]
     fn step<M: Machine>(&self, k: &mut M) {

@@ -143,7 +143,9 @@ pub struct Tables {
 
     /// Origin O of each tree.
     pub(crate) point: Table<Scratch, 3>,
-    /// Per node: orientation (4), position from O (3).
+    /// Per motion: sine and cosine of half its angle.
+    pub(crate) half_angle: Table<Scratch, 2>,
+    /// Per node: position from O (3), orientation (4).
     pub(crate) place: Table<Scratch, 7>,
     /// Per node: spatial velocity about O.
     pub(crate) twist: Table<Scratch, 6>,
@@ -391,7 +393,7 @@ pub(crate) fn check(model: &Model) -> Result<(), SolverError> {
     if let Some(coupling) = model.couplings.first() {
         return Err(SolverError::ClosedLoop { joint: coupling.name.clone() });
     }
-    Ok(())
+    crate::check::rotations(model, "featherstone")
 }
 
 impl Tables {
@@ -473,6 +475,7 @@ impl Tables {
             wraps,
             link_length: l,
             point: Table::place(&mut t, trees),
+            half_angle: Table::place(&mut t, motions),
             place: Table::place(&mut t, rows),
             twist: Table::place(&mut t, rows),
             bias: Table::place(&mut t, rows),

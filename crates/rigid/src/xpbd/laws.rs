@@ -63,6 +63,9 @@ pub(crate) fn check(model: &Model) -> Result<(), SolverError> {
                 return refuse("damping of a free joint");
             }
         }
+        if joint.dofs.windows(2).any(|d| d[0].damping != d[1].damping) {
+            return refuse("dampings that differ between the axes of a ball joint");
+        }
     }
     for actuator in &model.actuators {
         let joint = &model.joints[actuator.joint.0];
@@ -75,7 +78,7 @@ pub(crate) fn check(model: &Model) -> Result<(), SolverError> {
             });
         }
     }
-    Ok(())
+    crate::check::rotations(model, "xpbd")
 }
 
 /// Fields of [`LawTables::law`]: stiffness, damping, θ₀, w₀, f₀, low, high, and the multiplier.

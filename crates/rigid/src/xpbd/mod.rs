@@ -105,14 +105,17 @@ impl Kernels for Xpbd {
         self.tables.alive.at(0, 0)
     }
     fn initial(&self, model: &Model, position: &[f64], velocity: &[f64]) -> Vec<f64> {
-        let bodies = self.tree.bodies(position, velocity);
         let mut state = vec![0.0; self.tables.state_length];
         state[self.alive()] = 1.0;
         state[self.tables.pose.at(0, 6)] = 1.0;
         self.tables.laws.initial(model, &mut state);
-        self.tables.place(&bodies, &self.parameters, &self.links, &mut state);
-        self.tables.count_turns(position, &self.parameters, &self.links, &mut state);
+        self.place(position, velocity, &mut state);
         state
+    }
+    fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
+        let bodies = self.tree.bodies(position, velocity);
+        self.tables.place(&bodies, &self.parameters, &self.links, state);
+        self.tables.count_turns(position, &self.parameters, &self.links, state);
     }
     #[inline(always)]
     fn step<M: Machine>(&self, k: &mut M) {
@@ -146,7 +149,7 @@ fn substep<M: Machine>(k: &mut M, t: &Tables, iterations: usize, capped: bool) {
     guard(k, t);
 }
 
-/// A lane that has diverged, now or before, keeps its last finite state.
+/// A lane that has diverged, now or before, keeps its last finite state, and passes on no forces.
 #[inline(always)]
 fn guard<M: Machine>(k: &mut M, t: &Tables) {
     let world = k.index(0);
@@ -166,6 +169,12 @@ fn guard<M: Machine>(k: &mut M, t: &Tables) {
     for _ in k.if_any(lost) {
         for row in k.count(t.rows) {
             restore(k, t, row, lost);
+        }
+        for j in k.count(t.joints) {
+            let (none, passed) = (Vec3::zero(), k.spatial(t.multiplier, j, 0));
+            let angular = Vec3::select(lost, none, passed.angular);
+            let linear = Vec3::select(lost, none, passed.linear);
+            k.store_spatial(t.multiplier, j, 0, Spatial::new(angular, linear));
         }
     }
 }
