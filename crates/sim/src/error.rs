@@ -59,6 +59,32 @@ pub enum SimulationError {
         /// The number.
         value: f64,
     },
+    /// A number is too large to compute with.
+    #[error("{what}[{index}] is {value:e}: it must be from -{most:e} to {most:e}")]
+    TooLarge {
+        /// Which array.
+        what: &'static str,
+        /// Where in it.
+        index: usize,
+        /// The number.
+        value: f64,
+        /// The largest that is taken.
+        most: f64,
+    },
+    /// A quaternion is no rotation.
+    #[error("joint position: the quaternion of joint `{joint}` is zero: give one of unit length, x, y, z, w")]
+    NoRotation {
+        /// Name of the joint.
+        joint: String,
+    },
+    /// The worlds do not fit.
+    #[error("{worlds} worlds of this model need {gibibytes:.1} GiB of memory, which are not to be had: ask for fewer")]
+    Memory {
+        /// How many were asked for.
+        worlds: usize,
+        /// What they need.
+        gibibytes: f64,
+    },
     /// A world's own model has other bodies or joints.
     #[error("the model of world {world} has another structure than the simulation's: only numbers may differ between worlds")]
     Structure {
@@ -75,10 +101,19 @@ pub enum SimulationError {
     },
 }
 
-/// Refuses NaN and infinities.
-pub(crate) fn finite(what: &'static str, x: &[f64]) -> Result<(), SimulationError> {
-    match x.iter().position(|v| !v.is_finite()) {
-        Some(index) => Err(SimulationError::NotFinite { what, index, value: x[index] }),
+/// Largest coordinate, speed or target that is taken [m, rad, m/s, rad/s]: its square is still a
+/// number in single precision.
+pub(crate) const MOST_MOTION: f64 = 1e9;
+/// Largest force or control that is taken: beyond it single precision ends.
+pub(crate) const MOST_FORCE: f64 = 1e30;
+
+/// Refuses NaN, infinities and what is larger than `most`.
+pub(crate) fn bounded(what: &'static str, x: &[f64], most: f64) -> Result<(), SimulationError> {
+    match x.iter().copied().enumerate().find(|(_, v)| !(v.abs() <= most)) {
+        Some((index, value)) if value.is_finite() => {
+            Err(SimulationError::TooLarge { what, index, value, most })
+        }
+        Some((index, value)) => Err(SimulationError::NotFinite { what, index, value }),
         None => Ok(()),
     }
 }

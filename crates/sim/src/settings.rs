@@ -61,6 +61,8 @@ impl SimulationSettings {
 
 /// More worlds than this are a slip of the keyboard.
 const MOST_WORLDS: usize = 1 << 24;
+/// And more threads than this.
+const MOST_THREADS: usize = 1024;
 
 impl SimulationSettings {
     /// Refuses what makes no sense.
@@ -72,8 +74,11 @@ impl SimulationSettings {
         if self.worlds == 0 || self.worlds > MOST_WORLDS {
             return refuse("worlds", self.worlds as f64, "from 1 to 16777216");
         }
-        if !(s.time_step.is_finite() && s.time_step > 0.0) {
-            return refuse("time step", s.time_step, "a number of seconds above zero");
+        if self.threads > MOST_THREADS {
+            return refuse("threads", self.threads as f64, "at most 1024, or 0 for all processors");
+        }
+        if !(1e-9..=1e3).contains(&s.time_step) {
+            return refuse("time step", s.time_step, "from 1e-9 to 1e3, in seconds");
         }
         if s.substeps == 0 || s.substeps > 10_000 {
             return refuse("substeps", s.substeps as f64, "from 1 to 10000");
@@ -87,8 +92,8 @@ impl SimulationSettings {
         if !(s.relaxation > 0.0 && s.relaxation < 2.0) {
             return refuse("relaxation", s.relaxation, "above 0 and below 2");
         }
-        if !(s.angular_damping.is_finite() && s.angular_damping >= 0.0) {
-            return refuse("angular damping", s.angular_damping, "zero or above, in 1/s");
+        if !(0.0..=1e9).contains(&s.angular_damping) {
+            return refuse("angular damping", s.angular_damping, "from 0 to 1e9, in 1/s");
         }
         if !(s.displacement_cap > 0.0) {
             return refuse("displacement cap", s.displacement_cap, "above zero, in metres");

@@ -1,10 +1,11 @@
 //! W worlds of one model.
 
-use crate::compile::compile;
-use crate::engine::{Block, Engine, Task};
-use crate::error::{SimulationError, finite, index, length};
+use crate::compile::Compiled;
+use crate::engine::{Block, Task};
+use crate::error::{MOST_MOTION, SimulationError, bounded, index, length};
 use crate::{Controls, Outputs, SimulationSettings, Snapshot};
-use model::Model;
+use glam::DQuat;
+use model::{JointId, JointKind, Model};
 use numbers::dispatch::Isa;
 use numbers::{Float, Memory};
 use rayon::prelude::*;
@@ -29,7 +30,7 @@ pub struct Diverged {
 pub struct Simulation<T: Float> {
     model: Arc<Model>,
     settings: SimulationSettings,
-    engine: Box<dyn Engine<T>>,
+    shared: Compiled<T>,
     isa: Isa,
     pool: rayon::ThreadPool,
     pub(crate) state: Memory<T>,
@@ -37,8 +38,8 @@ pub struct Simulation<T: Float> {
     pub(crate) output: Memory<T>,
     /// The constants of the model: one block for all worlds, or one for each.
     parameters: Memory<T>,
-    /// The solvers of worlds that have numbers of their own.
-    own: HashMap<usize, Box<dyn Engine<T>>>,
+    /// Of the worlds that have numbers of their own.
+    own: HashMap<usize, Compiled<T>>,
     pub(crate) input_tables: InputTables,
     pub(crate) output_tables: OutputTables,
     pub(crate) time: Vec<f64>,
@@ -65,6 +66,39 @@ fn in_lanes<T: Float>(x: &[f64], worlds: usize, width: usize) -> Memory<T> {
     memory
 }
 
+/// More than this is a slip of the keyboard.
+const MOST_BYTES: usize = 1 << 40;
+
+/// Refuses worlds that no memory holds, before any of it is taken.
+fn affordable<T>(worlds: usize, numbers: usize) -> Result<(), SimulationError> {
+    let bytes = worlds.saturating_mul(numbers).saturating_mul(size_of::<T>());
+    if bytes > MOST_BYTES || Vec::<u8>::new().try_reserve_exact(bytes).is_err() {
+        let gibibytes = bytes as f64 / f64::from(1 << 30);
+        return Err(SimulationError::Memory { worlds, gibibytes });
+    }
+    Ok(())
+}
+
+/// Joint coordinates with the quaternions among them scaled to unit length.
+fn with_unit_quaternions(model: &Model, position: &[f64]) -> Result<Vec<f64>, SimulationError> {
+    let mut position = position.to_vec();
+    for (i, joint) in model.joints.iter().enumerate().filter(|(_, j)| !j.closes_loop) {
+        let skip = match joint.kind {
+            JointKind::Ball => 0,
+            JointKind::Free => 3,
+            _ => continue,
+        };
+        let range = model.coordinate_range(JointId(i));
+        let q = DQuat::from_slice(&position[range.start + skip..range.end]);
+        let length = q.length();
+        if length < 1e-12 {
+            return Err(SimulationError::NoRotation { joint: joint.name.clone() });
+        }
+        position[range.start + skip..range.end].copy_from_slice(&(q / length).to_array());
+    }
+    Ok(position)
+}
+
 impl<T: Float> Simulation<T> {
     /// Makes W worlds, each at the model's initial state.
     ///
@@ -81,7 +115,7 @@ impl<T: Float> Simulation<T> {
             Some(isa) => isa,
             None => Isa::from_env()?,
         };
-        let engine = compile::<T>(&model, &settings)?;
+        let shared = Compiled::<T>::new(&model, &settings)?;
         let threads = settings.threads;
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
@@ -89,7 +123,8 @@ impl<T: Float> Simulation<T> {
             .map_err(|e| SimulationError::Threads { threads, reason: e.to_string() })?;
         let single = settings.scalar || settings.worlds == 1;
         let width = if single { 1 } else { isa.width::<T>() };
-        let lengths = engine.lengths();
+        let lengths = shared.engine.lengths();
+        affordable::<T>(settings.worlds, lengths.state + lengths.input + lengths.output)?;
         let memory = |n: usize| Memory::new(settings.worlds, n.max(1), width);
         let mut simulation = Self {
             isa,
@@ -97,14 +132,14 @@ impl<T: Float> Simulation<T> {
             state: memory(lengths.state),
             input: memory(lengths.input),
             output: memory(lengths.output),
-            parameters: in_lanes(engine.parameters(), width, width),
+            parameters: in_lanes(shared.engine.parameters(), width, width),
             own: HashMap::new(),
             input_tables: InputTables::new(&model),
             output_tables: OutputTables::new(&model),
             time: vec![0.0; settings.worlds],
             reported: false,
             diverged: Vec::new(),
-            engine,
+            shared,
             settings,
             model,
         };
@@ -127,7 +162,7 @@ impl<T: Float> Simulation<T> {
     }
     /// Name of the solver that runs: what `auto` picked.
     pub fn solver(&self) -> &'static str {
-        self.engine.name()
+        self.shared.engine.name()
     }
     /// Instruction set that runs.
     pub fn isa(&self) -> Isa {
@@ -138,6 +173,8 @@ impl<T: Float> Simulation<T> {
         self.pool.current_num_threads()
     }
     /// Time of a world [s]; a world that diverged keeps the time at which it was found.
+    ///
+    /// Panics where the world does not exist, as an array would.
     pub fn time(&self, world: usize) -> f64 {
         self.time[world]
     }
@@ -162,23 +199,23 @@ impl<T: Float> Simulation<T> {
     }
 
     fn reset_worlds(&mut self, worlds: &[usize]) {
-        let position = self.model.initial_position();
-        let velocity = vec![0.0; self.model.degrees_of_freedom()];
-        let state = self.engine.initial(&self.model, &position, &velocity);
         for &world in worlds {
-            match self.own.contains_key(&world) {
-                true => self.place(world, &position, &velocity),
-                false => self.begin(world, &state),
-            }
+            let state = self.compiled(world).state.clone();
+            self.begin(world, &state);
         }
     }
+    fn compiled(&self, world: usize) -> &Compiled<T> {
+        self.own.get(&world).unwrap_or(&self.shared)
+    }
 
-    /// Sets a world's joint coordinates and velocities; its time starts at 0 again.
+    /// Sets a world's joint coordinates and velocities; its time starts at 0 again, with the
+    /// model's controls.
     ///
     /// Quaternions are scaled to unit length.
     ///
     /// # Errors
-    /// A world that does not exist, arrays of the wrong length, numbers not finite.
+    /// A world that does not exist, arrays of the wrong length, numbers not finite or beyond
+    /// ±1e9, a quaternion that is zero.
     pub fn set_joint_state(
         &mut self,
         world: usize,
@@ -188,17 +225,12 @@ impl<T: Float> Simulation<T> {
         index("world", world, self.worlds())?;
         length("joint position", position.len(), self.model.coordinates())?;
         length("joint velocity", velocity.len(), self.model.degrees_of_freedom())?;
-        finite("joint position", position)?;
-        finite("joint velocity", velocity)?;
-        self.place(world, position, velocity);
-        Ok(())
-    }
-
-    /// Joint coordinates and velocities of a world, at time 0, with the model's controls.
-    fn place(&mut self, world: usize, position: &[f64], velocity: &[f64]) {
-        let engine = self.own.get(&world).unwrap_or(&self.engine);
-        let state = engine.initial(&self.model, position, velocity);
+        bounded("joint position", position, MOST_MOTION)?;
+        bounded("joint velocity", velocity, MOST_MOTION)?;
+        let position = with_unit_quaternions(&self.model, position)?;
+        let state = self.compiled(world).state_at(&position, velocity);
         self.begin(world, &state);
+        Ok(())
     }
 
     fn write_state(&mut self, world: usize, state: &[f64]) {
@@ -211,7 +243,8 @@ impl<T: Float> Simulation<T> {
     /// A state at time 0, with the model's controls.
     fn begin(&mut self, world: usize, state: &[f64]) {
         self.write_state(world, state);
-        for (i, x) in self.input_tables.initial(&self.model).into_iter().enumerate() {
+        let compiled = self.own.get(&world).unwrap_or(&self.shared);
+        for (i, &x) in compiled.input.iter().enumerate() {
             self.input.set(world, i, T::from_f64(x));
         }
         self.time[world] = 0.0;
@@ -220,39 +253,42 @@ impl<T: Float> Simulation<T> {
 
     /// Lanes without a world run the model's initial state, so that they stay finite.
     fn fill_spare_lanes(&mut self) {
-        let position = self.model.initial_position();
-        let velocity = vec![0.0; self.model.degrees_of_freedom()];
-        let state = self.engine.initial(&self.model, &position, &velocity);
-        for (i, x) in state.into_iter().enumerate() {
+        for (i, &x) in self.shared.state.iter().enumerate() {
             self.state.fill(i, T::from_f64(x));
         }
     }
 
     /// Gives a world numbers of its own: masses, inertias, frictions, gains, gravity.
     ///
-    /// The model must have the structure of the simulation's; only numbers may differ.
-    /// The joint coordinates and velocities of the world stay. From the first call on,
-    /// every world has its own copy of the constants, which costs memory.
+    /// The model must have the structure of the simulation's; only numbers may differ. What is
+    /// zero in the one model must be zero in the other where it means that something is not
+    /// there: a spring, a damper, a drive, dry friction.
+    ///
+    /// The world's state, time and controls stay; a reset brings it to the initial state of its
+    /// own model. From the first call on, every world has its own copy of the constants, which
+    /// costs memory.
     ///
     /// # Errors
     /// A world that does not exist; a model of another structure.
     pub fn set_world_model(&mut self, world: usize, model: &Model) -> Result<(), SimulationError> {
         index("world", world, self.worlds())?;
-        let own = compile::<T>(model, &self.settings)?;
-        if own.links() != self.engine.links() || own.name() != self.engine.name() {
+        let own = Compiled::<T>::new(model, &self.settings)?;
+        if own.fingerprint() != self.shared.fingerprint() {
             return Err(SimulationError::Structure { world });
         }
         let now = self.outputs();
         let (position, velocity) = (now.joint_position(world), now.joint_velocity(world));
         if self.own.is_empty() {
             let (worlds, width) = (self.worlds(), self.state.width());
-            self.parameters = in_lanes(self.engine.parameters(), worlds, width);
+            self.parameters = in_lanes(self.shared.engine.parameters(), worlds, width);
         }
-        for (i, &x) in own.parameters().iter().enumerate() {
+        for (i, &x) in own.engine.parameters().iter().enumerate() {
             self.parameters.set(world, i, T::from_f64(x));
         }
         // A solver may keep its state in frames that depend on the masses.
-        let state = own.initial(model, &position, &velocity);
+        let mut state: Vec<_> =
+            (0..own.state.len()).map(|i| self.state.get(world, i).to_f64()).collect();
+        own.engine.place(&position, &velocity, &mut state);
         self.own.insert(world, own);
         self.write_state(world, &state);
         Ok(())
@@ -266,10 +302,10 @@ impl<T: Float> Simulation<T> {
 
     /// Advances all worlds by `steps` time steps; returns the worlds that diverged meanwhile.
     pub fn step(&mut self, steps: usize) -> &[Diverged] {
-        self.perform(Task::Step(steps * self.settings.step.substeps));
+        self.perform(Task::Step(steps.saturating_mul(self.settings.step.substeps)));
         self.reported = false;
         let known = self.diverged.len();
-        let alive = self.engine.alive();
+        let alive = self.shared.engine.alive();
         let passed = steps as f64 * self.settings.step.time_step;
         let mut found = Vec::new();
         for world in 0..self.worlds() {
@@ -312,21 +348,15 @@ impl<T: Float> Simulation<T> {
         self.reported = false;
         Ok(())
     }
-    /// What a snapshot must agree on: solver, step and tables.
+    /// What a snapshot must agree on: solver and tables.
     pub(crate) fn fingerprint(&self) -> u64 {
-        let lengths = self.engine.lengths();
-        let head = [lengths.state as u32, lengths.input as u32, self.parameters.length() as u32];
-        let name = self.engine.name().bytes().map(u32::from);
-        // FNV-1a (Fowler, Noll, Vo), word by word.
-        head.into_iter().chain(name).chain(self.engine.links().iter().copied()).fold(
-            0xcbf2_9ce4_8422_2325,
-            |hash, word| (hash ^ u64::from(word)).wrapping_mul(0x0100_0000_01b3),
-        )
+        self.shared.fingerprint()
     }
 
     /// Runs a task on all blocks, a run of blocks per thread, each with its own scratch.
     fn perform(&mut self, task: Task) {
-        let (engine, isa, single) = (&*self.engine, self.isa, self.state.width() == 1);
+        let engine = &*self.shared.engine;
+        let (isa, single) = (self.isa, self.state.width() == 1);
         let (input, parameters) = (&self.input, &self.parameters);
         let shared = self.own.is_empty();
         let width = self.state.width();
