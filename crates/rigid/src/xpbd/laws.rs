@@ -40,6 +40,7 @@ fn driven(dof: &Dof) -> bool {
 
 /// Refuses what has no law on joints without axes.
 pub(crate) fn check(model: &Model) -> Result<(), SolverError> {
+    crate::check::rotations(model, "xpbd")?;
     for joint in model.joints.iter().filter(|j| j.axes.is_empty()) {
         let refuse = |what| {
             let (solver, name) = ("xpbd", joint.name.clone());
@@ -78,7 +79,7 @@ pub(crate) fn check(model: &Model) -> Result<(), SolverError> {
             });
         }
     }
-    crate::check::rotations(model, "xpbd")
+    Ok(())
 }
 
 /// Fields of [`LawTables::law`]: stiffness, damping, θ₀, w₀, f₀, low, high, and the multiplier.
