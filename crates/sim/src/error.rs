@@ -109,7 +109,7 @@ pub(crate) const MOST_FORCE: f64 = 1e30;
 
 /// Refuses NaN, infinities and what is larger than `most`.
 pub(crate) fn bounded(what: &'static str, x: &[f64], most: f64) -> Result<(), SimulationError> {
-    match x.iter().copied().enumerate().find(|(_, v)| !(v.abs() <= most)) {
+    match x.iter().copied().enumerate().find(|(_, v)| !(-most..=most).contains(v)) {
         Some((index, value)) if value.is_finite() => {
             Err(SimulationError::TooLarge { what, index, value, most })
         }

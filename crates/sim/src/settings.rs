@@ -95,10 +95,10 @@ impl SimulationSettings {
         if !(0.0..=1e9).contains(&s.angular_damping) {
             return refuse("angular damping", s.angular_damping, "from 0 to 1e9, in 1/s");
         }
-        if !(s.displacement_cap > 0.0) {
+        if s.displacement_cap.is_nan() || s.displacement_cap <= 0.0 {
             return refuse("displacement cap", s.displacement_cap, "above zero, in metres");
         }
-        if !(s.force_cap > 0.0) {
+        if s.force_cap.is_nan() || s.force_cap <= 0.0 {
             return refuse("force cap", s.force_cap, "above zero, in newtons");
         }
         Ok(())
