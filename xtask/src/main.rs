@@ -41,7 +41,7 @@ fn run(arguments: &[&str]) -> Result<()> {
         ["bench"] => bench::run(&workshop, bench::DEFAULT_REPETITIONS)?,
         ["bench", "--repetitions", count] => bench::run(&workshop, count.parse()?)?,
         ["asm"] => asm::check(&workshop)?,
-        ["peers"] => workshop.write_peers()?,
+        ["peers"] => println!("{}", workshop.write_peers()?.display()),
         ["help" | "--help" | "-h"] | [] => println!("{HELP}"),
         other => bail!("unknown command `{}`\n\n{HELP}", other.join(" ")),
     }

@@ -83,14 +83,16 @@ impl Workshop {
         Ok(python)
     }
 
-    /// Writes MuJoCo's reference dynamics, one JSON file a model, to `target/peers`.
-    pub fn write_peers(&self) -> Result<()> {
+    /// Writes MuJoCo's reference dynamics, one JSON file a model; returns their folder.
+    pub fn write_peers(&self) -> Result<PathBuf> {
         let python = self.peers_python()?;
-        Ok(cmd!(
+        let folder = self.root.join("target/peers");
+        cmd!(
             self.sh,
-            "{python} tests/peers/reference_dynamics.py --out target/peers"
+            "{python} tests/peers/reference_dynamics.py --out {folder}"
         )
-        .run()?)
+        .run()?;
+        Ok(folder)
     }
 
     fn has(&self, program: &str) -> bool {

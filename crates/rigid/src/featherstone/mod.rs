@@ -1,8 +1,8 @@
 //! Trees of bodies in reduced coordinates: Featherstone's articulated-body algorithm.
 //!
-//! The step, in order: [`kinematics`] (placements, velocities), [`force`] (what
-//! acts along each degree of freedom), [`articulated_body`] (accelerations),
-//! [`integrate`] (the next state).
+//! The step, in order: `kinematics` (placements, velocities), `force` (what
+//! acts along each degree of freedom), `articulated_body` (accelerations),
+//! `integrate` (the next state).
 //!
 //! [`dynamics`] are the same kernels as functions: mass matrix, inverse dynamics, Jacobians.
 //!
@@ -81,7 +81,7 @@ impl Featherstone {
     }
 
     /// Placements and velocities of all bodies for given joint coordinates and
-    /// velocities: 13 numbers a body, see [`body`](crate::body).
+    /// velocities: 13 numbers a body, see [`body`].
     pub fn bodies(&self, position: &[f64], velocity: &[f64]) -> Vec<f64> {
         let t = &self.tables;
         let mut state = vec![0.0; t.state_length];

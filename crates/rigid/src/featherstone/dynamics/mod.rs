@@ -8,7 +8,7 @@
 //! ```
 //!
 //! [`Dynamics`] answers for one state in `f64`; [`DynamicsKernels`] are the same
-//! functions over any [`Machine`](numbers::Machine), for many worlds in lanes.
+//! functions over any [`Machine`], for many worlds in lanes.
 
 mod error;
 mod forward_dynamics;
@@ -180,7 +180,7 @@ impl Dynamics {
         Ok((0..6 * n).map(|i| entry(i / n, i % n)).collect())
     }
 
-    /// Placements and velocities of all bodies: 13 numbers a body, see [`body`](crate::body).
+    /// Placements and velocities of all bodies: 13 numbers a body, see [`body`].
     pub fn bodies(&self, position: &[f64], velocity: &[f64]) -> Result<Vec<f64>, DynamicsError> {
         let w = self.report(position, velocity)?;
         let t = &self.kernels.solver.tables;
