@@ -79,6 +79,10 @@ impl<T: Float> Outputs<'_, T> {
     pub fn angular_momentum(&self, world: usize) -> DVec3 {
         self.vec3(world, self.tables.total, 0, total::ANGULAR_MOMENTUM)
     }
+    /// How often a force or displacement cap has bitten since the world was reset; `xpbd` only.
+    pub fn capped(&self, world: usize) -> u64 {
+        self.number(world, self.tables.total, 0, total::CAPPED) as u64
+    }
 
     fn number<const W: usize>(
         &self,
