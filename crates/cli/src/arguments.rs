@@ -1,0 +1,213 @@
+//! What the command line understands.
+
+use clap::builder::RangedU64ValueParser;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use model::examples::Start;
+use numbers::dispatch::Isa;
+use rigid::Integrator;
+use sim::SolverKind;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  kinetarium                                       1024 pendula of three links, 5 s
+  kinetarium pendula --links 10 --start upright    others like them
+  kinetarium run robot.xml                         a MuJoCo (MJCF) or URDF file, one world
+  kinetarium run robot.xml --worlds 4096 --perturb 0.05 --record 3 --out results
+  kinetarium info robot.xml                        what is in a file, and which solver fits
+
+Every run writes the trajectory (.npz for numpy, .csv) and a plot (.png, .svg).";
+
+/// Simulates articulated bodies, in thousands of worlds side by side.
+#[derive(Debug, Parser)]
+#[command(name = "kinetarium", version, after_help = EXAMPLES)]
+pub struct Arguments {
+    /// What to do; without one, the built-in pendula run.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Simulate a robot file: MuJoCo's MJCF or ROS's URDF.
+    Run(Run),
+    /// Simulate the built-in example: pendula of N links.
+    Pendula(Pendula),
+    /// Show what is in a robot file, what of it is not supported, and which solver fits.
+    Info(Info),
+}
+
+#[derive(Debug, Args)]
+pub struct Run {
+    #[command(flatten)]
+    pub file: RobotFile,
+    /// Start from this keyframe of the file: positions, velocities and controls.
+    #[arg(long, value_name = "NAME")]
+    pub keyframe: Option<String>,
+    #[command(flatten)]
+    pub simulation: Simulation,
+}
+
+#[derive(Debug, Parser)]
+pub struct Pendula {
+    /// Links of each pendulum.
+    #[arg(long, value_name = "N", default_value = "3", value_parser = count(1, 1000))]
+    pub links: usize,
+    /// How the pendula start.
+    #[arg(long, value_enum, default_value_t = StartName::Horizontal)]
+    pub start: StartName,
+    #[command(flatten)]
+    pub simulation: Simulation,
+}
+
+#[derive(Debug, Args)]
+pub struct Info {
+    #[command(flatten)]
+    pub file: RobotFile,
+}
+
+#[derive(Debug, Args)]
+pub struct RobotFile {
+    /// MJCF (.xml) or URDF (.urdf) file.
+    #[arg(value_name = "FILE")]
+    pub path: PathBuf,
+    /// Go on, with a warning, where the file uses something that is not supported and changes the motion.
+    #[arg(long)]
+    pub lenient: bool,
+    /// URDF only: let the root link float freely instead of fixing it to the world.
+    #[arg(long)]
+    pub floating_base: bool,
+}
+
+/// How to simulate, and what to write.
+#[derive(Debug, Args)]
+pub struct Simulation {
+    /// Number of worlds [default: the file's, which is mostly 1; 1024 pendula].
+    #[arg(long, value_name = "N", value_parser = count(1, 1 << 24))]
+    pub worlds: Option<usize>,
+    /// Simulated time [s].
+    #[arg(long, value_name = "SECONDS", default_value = "5", value_parser = positive, allow_negative_numbers = true)]
+    pub seconds: f64,
+    /// Solver; `auto` takes featherstone for trees, xpbd otherwise.
+    #[arg(long, value_enum, default_value_t = SolverName::Auto)]
+    pub solver: SolverName,
+    /// Time step [s] [default: the file's].
+    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_negative_numbers = true)]
+    pub time_step: Option<f64>,
+    /// Substeps per time step [default: 1 with featherstone, 4 with xpbd].
+    #[arg(long, value_name = "N", value_parser = count(1, 10_000))]
+    pub substeps: Option<usize>,
+    /// Passes over all constraints per substep; xpbd only.
+    #[arg(long, value_name = "N", default_value = "1", value_parser = count(1, 10_000))]
+    pub iterations: usize,
+    /// How the state advances; featherstone only [default: semi-implicit-euler; rk4 for the pendula].
+    #[arg(long, value_enum)]
+    pub integrator: Option<IntegratorName>,
+    /// Precision of all numbers.
+    #[arg(long, value_enum, default_value_t = Precision::F32)]
+    pub precision: Precision,
+    /// Threads; 0 takes one per processor.
+    #[arg(long, value_name = "N", default_value = "0", value_parser = count(0, 1024))]
+    pub threads: usize,
+    /// Instruction set: avx512, avx2, neon, simd128 or portable [default: the fastest here].
+    #[arg(long, value_name = "NAME")]
+    pub isa: Option<Isa>,
+    /// Start each world but the first a little apart: joint positions differ at random by up to
+    /// this much [rad or m] [default: 0; 0.01 for the pendula].
+    #[arg(long, value_name = "SIZE", value_parser = not_negative, allow_negative_numbers = true)]
+    pub perturb: Option<f64>,
+    /// Seed of the random differences.
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub seed: u64,
+    /// Number of worlds, from the first, whose trajectories are written.
+    #[arg(long, value_name = "N", default_value = "1", value_parser = count(1, 1 << 24))]
+    pub record: usize,
+    /// Time [s] from one row of the trajectory to the next, rounded to whole time steps
+    /// [default: 1/60].
+    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_negative_numbers = true)]
+    pub every: Option<f64>,
+    /// Folder to write to; made if it does not exist.
+    #[arg(long, value_name = "FOLDER", default_value = "kinetarium-out")]
+    pub out: PathBuf,
+    /// Show errors only.
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub enum StartName {
+    Hanging,
+    Horizontal,
+    Upright,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub enum SolverName {
+    Auto,
+    Featherstone,
+    Xpbd,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub enum IntegratorName {
+    SemiImplicitEuler,
+    ExplicitEuler,
+    Verlet,
+    Rk4,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub enum Precision {
+    F32,
+    F64,
+}
+
+impl From<StartName> for Start {
+    fn from(name: StartName) -> Self {
+        match name {
+            StartName::Hanging => Self::Hanging,
+            StartName::Horizontal => Self::Horizontal,
+            StartName::Upright => Self::Upright,
+        }
+    }
+}
+
+impl From<SolverName> for SolverKind {
+    fn from(name: SolverName) -> Self {
+        match name {
+            SolverName::Auto => Self::Auto,
+            SolverName::Featherstone => Self::Featherstone,
+            SolverName::Xpbd => Self::Xpbd,
+        }
+    }
+}
+
+impl From<IntegratorName> for Integrator {
+    fn from(name: IntegratorName) -> Self {
+        match name {
+            IntegratorName::SemiImplicitEuler => Self::SemiImplicitEuler,
+            IntegratorName::ExplicitEuler => Self::ExplicitEuler,
+            IntegratorName::Verlet => Self::Verlet,
+            IntegratorName::Rk4 => Self::RungeKutta4,
+        }
+    }
+}
+
+fn count(least: u64, most: u64) -> RangedU64ValueParser<usize> {
+    RangedU64ValueParser::new().range(least..=most)
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    let x: f64 = text.parse().map_err(|_| "this is no number".to_owned())?;
+    if x.is_finite() { Ok(x) } else { Err("it must be finite".into()) }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let x = number(text)?;
+    if x > 0.0 { Ok(x) } else { Err("it must be above zero".into()) }
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    let x = number(text)?;
+    if x >= 0.0 { Ok(x) } else { Err("it must not be negative".into()) }
+}

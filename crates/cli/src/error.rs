@@ -1,0 +1,45 @@
+//! What can go wrong, and the exit code it ends with.
+
+use formats::FormatError;
+use model::ModelError;
+use sim::SimulationError;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    #[error(transparent)]
+    Format(#[from] FormatError),
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    #[error("--record {record} is more than the {worlds} worlds there are: lower it, or raise --worlds")]
+    Record { record: usize, worlds: usize },
+    #[error(
+        "the trajectory would have {rows} rows of {numbers} numbers, over {most} in all: raise \
+         --every, or lower --seconds or --record"
+    )]
+    Large { rows: usize, numbers: usize, most: usize },
+    #[error("--seconds {seconds} are no time step of {time_step} s, or too many: correct one of them")]
+    Steps { seconds: f64, time_step: f64 },
+    #[error("cannot write to the folder {path}: {reason}; choose another with --out")]
+    Folder { path: PathBuf, reason: std::io::Error },
+    #[error("cannot write {path}: {reason}")]
+    Write { path: PathBuf, reason: Box<dyn std::error::Error + Send + Sync> },
+    #[error(
+        "all {worlds} worlds diverged, the last at {time:.3} s: lower --time-step, raise \
+         --substeps, or try another --solver"
+    )]
+    AllDiverged { worlds: usize, time: f64 },
+}
+
+impl Error {
+    /// 2 where options or files are wrong, 1 where the work failed.
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Write { .. } | Self::AllDiverged { .. } => ExitCode::from(1),
+            _ => ExitCode::from(2),
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! The program `kinetarium`.
+
+#![forbid(unsafe_code)]
+
+mod arguments;
+mod energy;
+mod error;
+mod npz;
+mod output;
+mod perturb;
+mod plot;
+mod robot;
+mod run;
+mod summary;
+mod table;
+mod trajectory;
+
+use arguments::{Arguments, Command, Pendula};
+use clap::Parser;
+use error::Error;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    match execute() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            error.exit_code()
+        }
+    }
+}
+
+fn execute() -> Result<(), Error> {
+    match Arguments::parse().command {
+        Some(Command::Run(arguments)) => run::robot(&arguments),
+        Some(Command::Pendula(arguments)) => run::pendula(&arguments),
+        Some(Command::Info(arguments)) => robot::info(&arguments),
+        None => run::pendula(&Pendula::parse_from(["kinetarium"])),
+    }
+}

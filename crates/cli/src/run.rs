@@ -1,0 +1,204 @@
+//! A run from the model to the files.
+
+use crate::arguments::{self, Pendula, Precision, SolverName};
+use crate::energy::Audit;
+use crate::error::Error;
+use crate::output::{Files, print};
+use crate::perturb::perturb;
+use crate::robot;
+use crate::summary::{Effort, rate, summary};
+use crate::trajectory::Trajectory;
+use fastrand::Rng;
+use indicatif::{ProgressBar, ProgressStyle};
+use model::{Keyframe, Model, examples};
+use numbers::Float;
+use rigid::{Integrator, Settings};
+use sim::{Simulation, SimulationSettings};
+use std::time::{Duration, Instant};
+
+/// What the simulation of a model starts from, where the options leave it open.
+struct Start {
+    /// Stem of the files' names.
+    name: String,
+    keyframe: Option<Keyframe>,
+    worlds: usize,
+    integrator: Integrator,
+    perturb: f64,
+}
+
+/// Simulates a robot file.
+pub fn robot(arguments: &arguments::Run) -> Result<(), Error> {
+    let loaded = robot::load(&arguments.file, arguments.simulation.quiet)?;
+    let keyframe = arguments.keyframe.as_deref().map(|name| loaded.keyframe(name).cloned());
+    let start = Start {
+        name: robot::stem(&arguments.file.path),
+        keyframe: keyframe.transpose()?,
+        worlds: loaded.worlds,
+        integrator: Integrator::SemiImplicitEuler,
+        perturb: 0.0,
+    };
+    simulate(loaded, &start, &arguments.simulation)
+}
+
+/// Simulates the built-in example.
+pub fn pendula(arguments: &Pendula) -> Result<(), Error> {
+    let model = examples::chain(arguments.links, arguments.start.into())?;
+    let start = Start {
+        name: "pendula".into(),
+        keyframe: None,
+        worlds: 1024,
+        integrator: Integrator::RungeKutta4,
+        perturb: 0.01,
+    };
+    simulate(model, &start, &arguments.simulation)
+}
+
+fn simulate(model: Model, start: &Start, options: &arguments::Simulation) -> Result<(), Error> {
+    let settings = settings(&model, start, options);
+    match options.precision {
+        Precision::F32 => run(Simulation::<f32>::new(model, settings)?, start, options),
+        Precision::F64 => run(Simulation::<f64>::new(model, settings)?, start, options),
+    }
+}
+
+fn settings(model: &Model, start: &Start, options: &arguments::Simulation) -> SimulationSettings {
+    let loops = options.solver == SolverName::Auto && !model.is_tree();
+    let substeps = if loops || options.solver == SolverName::Xpbd { 4 } else { 1 };
+    let step = Settings {
+        substeps: options.substeps.unwrap_or(substeps),
+        iterations: options.iterations,
+        integrator: options.integrator.map_or(start.integrator, Into::into),
+        ..Settings::new(options.time_step.unwrap_or(model.time_step))
+    };
+    SimulationSettings {
+        worlds: options.worlds.unwrap_or(start.worlds),
+        solver: options.solver.into(),
+        step,
+        threads: options.threads,
+        isa: options.isa,
+        scalar: false,
+    }
+}
+
+fn run<T: Float>(
+    mut simulation: Simulation<T>,
+    start: &Start,
+    options: &arguments::Simulation,
+) -> Result<(), Error> {
+    let (record, worlds) = (options.record, simulation.worlds());
+    if record > worlds {
+        return Err(Error::Record { record, worlds });
+    }
+    let schedule = Schedule::new(options, simulation.settings().step.time_step)?;
+    let trajectory = Trajectory::new(simulation.model(), record, schedule.rows())?;
+    let files = Files::new(&options.out, &start.name)?;
+    place(&mut simulation, start, options)?;
+
+    let bar = if options.quiet { ProgressBar::hidden() } else { progress_bar(schedule) };
+    let (trajectory, audit, wall) = step(&mut simulation, schedule, trajectory, &bar);
+    bar.finish_and_clear();
+
+    files.write(&heading(&simulation), &trajectory)?;
+    if !options.quiet {
+        let drift = audit.drift(simulation.diverged());
+        let effort = Effort { steps: schedule.steps, wall };
+        print(&format!("{}\n{files}", summary(&simulation, effort, drift)));
+    }
+    match simulation.diverged() {
+        diverged if diverged.len() == worlds => {
+            let time = diverged.iter().map(|d| d.time).fold(0.0, f64::max);
+            Err(Error::AllDiverged { worlds, time })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// When to step and when to record, in time steps.
+#[derive(Clone, Copy)]
+struct Schedule {
+    steps: usize,
+    every: usize,
+    time_step: f64,
+}
+
+impl Schedule {
+    fn new(options: &arguments::Simulation, time_step: f64) -> Result<Self, Error> {
+        const MOST_STEPS: f64 = 1e12;
+        let seconds = options.seconds;
+        let steps = (seconds / time_step).round();
+        if !(1.0..=MOST_STEPS).contains(&steps) {
+            return Err(Error::Steps { seconds, time_step });
+        }
+        let every = (options.every.unwrap_or(1.0 / 60.0) / time_step).round().clamp(1.0, steps);
+        Ok(Self { steps: steps as usize, every: every as usize, time_step })
+    }
+    /// Rows of the trajectory, with the one at the start.
+    fn rows(self) -> usize {
+        1 + self.steps.div_ceil(self.every)
+    }
+}
+
+/// Puts all worlds at the keyframe, or at the model's own state, and moves all but the first apart.
+fn place<T: Float>(
+    simulation: &mut Simulation<T>,
+    start: &Start,
+    options: &arguments::Simulation,
+) -> Result<(), Error> {
+    let model = simulation.model().clone();
+    let keyframe = start.keyframe.as_ref();
+    let position = keyframe.map_or(model.initial_position(), |k| k.joint_position.clone());
+    let rest = vec![0.0; model.degrees_of_freedom()];
+    let velocity = keyframe.map_or(&rest, |k| &k.joint_velocity);
+    let size = options.perturb.unwrap_or(start.perturb);
+    let mut rng = Rng::with_seed(options.seed);
+    for world in 0..simulation.worlds() {
+        let apart = if world == 0 { 0.0 } else { size };
+        let position = perturb(&model, &position, apart, &mut rng);
+        simulation.set_joint_state(world, &position, velocity)?;
+        if let Some(keyframe) = keyframe {
+            simulation.controls().set_control(world, &keyframe.control)?;
+        }
+    }
+    Ok(())
+}
+
+fn step<T: Float>(
+    simulation: &mut Simulation<T>,
+    schedule: Schedule,
+    mut trajectory: Trajectory,
+    bar: &ProgressBar,
+) -> (Trajectory, Audit, Duration) {
+    let mut audit = Audit::new(&simulation.outputs());
+    trajectory.record(0.0, &simulation.outputs());
+    let (mut done, mut wall) = (0, Duration::ZERO);
+    while done < schedule.steps {
+        let next = schedule.every.min(schedule.steps - done);
+        let begin = Instant::now();
+        simulation.step(next);
+        wall += begin.elapsed();
+        done += next;
+
+        let outputs = simulation.outputs();
+        audit.update(&outputs);
+        trajectory.record(done as f64 * schedule.time_step, &outputs);
+        let world_steps = (done * outputs.worlds()) as f64;
+        bar.set_message(format!("{} world-steps/s", rate(world_steps / wall.as_secs_f64().max(1e-9))));
+        bar.set_position(done as u64);
+    }
+    (trajectory, audit, wall)
+}
+
+fn progress_bar(schedule: Schedule) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:40.cyan/blue} {percent:>3} %  {msg}  {eta} left");
+    let bar = ProgressBar::new(schedule.steps as u64);
+    // The default style shows the same, less prettily.
+    style.map_or(bar.clone(), |style| bar.with_style(style))
+}
+
+fn heading<T: Float>(simulation: &Simulation<T>) -> String {
+    let (name, solver) = (&simulation.model().name, simulation.solver());
+    match simulation.worlds() {
+        1 => format!("{name}  ·  {solver}"),
+        worlds => format!("{name}  ·  world 0 of {worlds}  ·  {solver}"),
+    }
+}

@@ -1,0 +1,120 @@
+//! The few numbers that sum up a run.
+
+use crate::energy::Drift;
+use model::Model;
+use numbers::Float;
+use sim::{Simulation, SolverKind};
+use std::fmt::Write;
+use std::time::Duration;
+
+/// How long a run took.
+#[derive(Clone, Copy, Debug)]
+pub struct Effort {
+    /// Time steps of every world.
+    pub steps: usize,
+    /// Wall time of the stepping alone.
+    pub wall: Duration,
+}
+
+/// The lines that a run ends with.
+pub fn summary<T: Float>(simulation: &Simulation<T>, effort: Effort, drift: Option<Drift>) -> String {
+    let (model, settings) = (simulation.model(), simulation.settings());
+    let (worlds, wall) = (simulation.worlds() as f64, effort.wall.as_secs_f64().max(1e-9));
+    let simulated = effort.steps as f64 * settings.step.time_step;
+    let precision = if T::DOUBLE { "f64" } else { "f32" };
+    let picked = match settings.solver {
+        SolverKind::Auto => format!(" (auto: {})", reason(model)),
+        _ => String::new(),
+    };
+
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| {
+        let _ = writeln!(text, "  {name:<18}{value}");
+    };
+    line("model", contents(model));
+    line("worlds", simulation.worlds().to_string());
+    line("solver", format!("{}{picked}", simulation.solver()));
+    line("computed with", format!("{precision}, {}, {}", simulation.isa(), threads(simulation.threads())));
+    line("simulated", format!("{simulated:.3} s in {} steps of {} s", effort.steps, settings.step.time_step));
+    line("wall time", format!("{wall:.3} s of stepping"));
+    line("speed", format!("{} world-steps/s", rate(worlds * effort.steps as f64 / wall)));
+    let real_time = simulated / wall;
+    line("real-time factor", format!("{} (all worlds), {} (each)", rate(worlds * real_time), rate(real_time)));
+    line("energy drift", drift.map_or("unknown: all worlds diverged".into(), |d| d.to_string()));
+    line("diverged worlds", diverged(simulation));
+    text
+}
+
+/// Name and sizes of a model.
+pub fn contents(model: &Model) -> String {
+    format!(
+        "{}: {}, {}, {}",
+        model.name,
+        counted(model.bodies.len(), "body", "bodies"),
+        counted(model.joints.len(), "joint", "joints"),
+        counted(model.degrees_of_freedom(), "degree of freedom", "degrees of freedom"),
+    )
+}
+
+/// Why `auto` picks the solver it picks.
+pub fn reason(model: &Model) -> String {
+    match &model.loops()[..] {
+        [] => "the joints form a tree".into(),
+        [one] => format!("{one} is outside the tree"),
+        [first, rest @ ..] => format!("{first} and {} more are outside the tree", rest.len()),
+    }
+}
+
+fn counted(n: usize, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
+}
+
+fn threads(n: usize) -> String {
+    counted(n, "thread", "threads")
+}
+
+fn diverged<T: Float>(simulation: &Simulation<T>) -> String {
+    const SHOWN: usize = 5;
+    let diverged = simulation.diverged();
+    if diverged.is_empty() {
+        return "none".into();
+    }
+    let first = diverged.iter().take(SHOWN).map(|d| format!("{} at {:.3} s", d.world, d.time));
+    let first = first.collect::<Vec<_>>().join(", ");
+    let more = if diverged.len() > SHOWN { ", …" } else { "" };
+    format!("{} of {}: {first}{more}", diverged.len(), simulation.worlds())
+}
+
+/// Three digits, with thousands and millions.
+pub fn rate(x: f64) -> String {
+    match x {
+        x if x >= 1e9 => format!("{:.2} G", 1e-9 * x),
+        x if x >= 1e6 => format!("{:.2} M", 1e-6 * x),
+        x if x >= 1e4 => format!("{:.1} k", 1e-3 * x),
+        x if x >= 100.0 => format!("{x:.0}"),
+        x => format!("{x:.2}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use model::{Builder, examples::n_pendula};
+
+    #[test]
+    fn rates_keep_three_digits() {
+        let rates = [0.5, 42.0, 1234.0, 56_789.0, 1.234e6, 5e9].map(rate);
+        assert_eq!(rates.join(" "), "0.50 42.00 1234 56.8 k 1.23 M 5.00 G");
+    }
+
+    #[test]
+    fn the_reason_names_what_closes_a_loop() {
+        assert_eq!(reason(&n_pendula(2).unwrap()), "the joints form a tree");
+        let mut world = Builder::new("tied");
+        let object = world.object("pair");
+        let a = object.body("a").inertia(1.0, glam::DVec3::ZERO, glam::DMat3::IDENTITY).handle();
+        object.distance("rope", a, 1.0);
+        let model = world.build().unwrap();
+        assert_eq!(reason(&model), "distance joint \"rope\" is outside the tree");
+    }
+}

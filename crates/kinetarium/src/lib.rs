@@ -1,0 +1,49 @@
+//! A physics engine for articulated bodies: thousands of worlds side by side, in lanes and threads.
+//!
+//! ```
+//! use kinetarium::prelude::*;
+//!
+//! // 64 pendula of three links each; world k starts k hundredths of a radian from horizontal.
+//! let model = examples::n_pendula(3)?;
+//! let mut simulation = Simulation::<f32>::new(model, SimulationSettings::new(64, 0.002))?;
+//! for world in 0..simulation.worlds() {
+//!     simulation.set_joint_state(world, &[1.57 + 0.01 * world as f64, 0.0, 0.0], &[0.0; 3])?;
+//! }
+//! simulation.step(500); // 500 steps of 2 ms
+//! let tip = simulation.model().body("link2")?;
+//! println!("{} m after {} s", simulation.outputs().body_position(7, tip), simulation.time(7));
+//! # assert!((simulation.time(7) - 1.0).abs() < 1e-9);
+//! # assert!(simulation.diverged().is_empty());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! A robot file instead of the example: `formats::load("robot.xml".as_ref(), &Default::default())?.model`.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`model`] | what exists: bodies, shapes, joints, drives, actuators; the builder |
+//! | [`formats`] | readers of MJCF and URDF files |
+//! | [`sim`] | many worlds of one model: step, control, observe, snapshot |
+//! | [`rigid`] | the solvers, as kernels over any machine |
+//! | [`numbers`] | the numbers and machines that kernels are written over |
+//!
+//! SI units; angles in radians; right-handed; quaternions x, y, z, w.
+
+#![forbid(unsafe_code)]
+
+pub use formats;
+pub use model;
+pub use numbers;
+pub use rigid;
+pub use sim;
+
+/// What most programs need.
+pub mod prelude {
+    pub use formats::{Loaded, Options};
+    pub use model::{BodyId, Builder, Geometry, JointId, Model, Pose, examples};
+    pub use rigid::{Integrator, Settings};
+    pub use sim::{
+        Controller, Controls, Diverged, Outputs, Recorder, Recording, Replay, Simulation,
+        SimulationError, SimulationSettings, Snapshot, SolverKind,
+    };
+}
