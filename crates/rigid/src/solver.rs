@@ -112,6 +112,9 @@ pub trait Kernels: Clone + Send + Sync + 'static {
     fn initial(&self, model: &Model, position: &[f64], velocity: &[f64]) -> Vec<f64>;
     /// Gives the joints of a state other coordinates and velocities; all else in it stays.
     fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]);
+    /// Takes over the state of a model with other numbers, in which the bodies stood and moved
+    /// as `bodies` says, 13 numbers each: see [`body`](crate::body).
+    fn take_over(&self, bodies: &[f64], state: &mut [f64]);
     /// Advances every lane by one substep.
     fn step<M: Machine>(&self, k: &mut M);
     /// Fills the output from the state.

@@ -34,6 +34,7 @@ pub(crate) trait Engine<T: Float>: Send + Sync {
     fn alive(&self) -> usize;
     fn initial(&self, model: &Model, position: &[f64], velocity: &[f64]) -> Vec<f64>;
     fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]);
+    fn take_over(&self, bodies: &[f64], state: &mut [f64]);
     /// Runs a task on a block of [`Isa::width`] worlds, or of one.
     fn run(&self, isa: Isa, single: bool, block: Block<'_, T>, task: Task);
 }
@@ -59,6 +60,9 @@ impl<K: Kernels, T: Float> Engine<T> for K {
     }
     fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
         Kernels::place(self, position, velocity, state);
+    }
+    fn take_over(&self, bodies: &[f64], state: &mut [f64]) {
+        Kernels::take_over(self, bodies, state);
     }
     fn run(&self, isa: Isa, single: bool, block: Block<'_, T>, task: Task) {
         let job = BlockJob { kernels: self, block, task };

@@ -11,6 +11,7 @@ use numbers::{Float, Memory};
 use rayon::prelude::*;
 use rigid::{InputTables, OutputTables};
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// A world that left the finite numbers, or its speed limit. It stays at its last good state.
@@ -64,6 +65,11 @@ fn in_lanes<T: Float>(x: &[f64], worlds: usize, width: usize) -> Memory<T> {
         memory.fill(i, T::from_f64(x));
     }
     memory
+}
+
+/// A world's numbers at these offsets.
+fn numbers_of<T: Float>(memory: &Memory<T>, world: usize, offsets: Range<usize>) -> Vec<f64> {
+    offsets.map(|i| memory.get(world, i).to_f64()).collect()
 }
 
 /// More than this is a slip of the keyboard.
@@ -276,8 +282,10 @@ impl<T: Float> Simulation<T> {
         if own.fingerprint() != self.shared.fingerprint() {
             return Err(SimulationError::Structure { world });
         }
-        let now = self.outputs();
-        let (position, velocity) = (now.joint_position(world), now.joint_velocity(world));
+        self.outputs();
+        let bodies = self.output_tables.body;
+        let bodies = bodies.start()..bodies.at(self.model.bodies.len(), 0);
+        let bodies = numbers_of(&self.output, world, bodies);
         if self.own.is_empty() {
             let (worlds, width) = (self.worlds(), self.state.width());
             self.parameters = in_lanes(self.shared.engine.parameters(), worlds, width);
@@ -285,10 +293,8 @@ impl<T: Float> Simulation<T> {
         for (i, &x) in own.engine.parameters().iter().enumerate() {
             self.parameters.set(world, i, T::from_f64(x));
         }
-        // A solver may keep its state in frames that depend on the masses.
-        let mut state: Vec<_> =
-            (0..own.state.len()).map(|i| self.state.get(world, i).to_f64()).collect();
-        own.engine.place(&position, &velocity, &mut state);
+        let mut state = numbers_of(&self.state, world, 0..own.state.len());
+        own.engine.take_over(&bodies, &mut state);
         self.own.insert(world, own);
         self.write_state(world, &state);
         Ok(())

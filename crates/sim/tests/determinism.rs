@@ -246,17 +246,17 @@ fn trajectories_have_the_recorded_bits() {
 #[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 const GOLDEN: [[[u64; 2]; 5]; 2] = [
     [
-        [0x5814_1e86_6f41_ba01, 0x1105_8fb8_b955_ae3a],
-        [0xdd9a_3747_e426_84c8, 0x1f28_6594_369b_6c13],
-        [0x9a63_b62c_f9cf_25f2, 0x6dbc_662d_8e81_6f3a],
-        [0xb54e_5c6f_5669_e69e, 0x4d4d_5b51_d89a_31d8],
-        [0xa2b0_50c9_fc02_9b8e, 0xa403_e87d_9d9b_8716],
+        [0xa687_fee6_82ca_08a0, 0x04ff_644c_c97e_60f1],
+        [0x39a8_9fb4_7fe1_5a5c, 0x2d60_41a9_f57e_1078],
+        [0xad74_e5a7_d598_8476, 0x6972_909b_c835_d3b2],
+        [0xee55_b23a_c6b9_f87c, 0x9f6f_b2ac_1362_d049],
+        [0x5847_71dd_f906_90af, 0xb49f_1b47_8fd6_7f2f],
     ],
     [
-        [0x2fad_95f0_fe37_2710, 0x291a_017c_874e_e466],
-        [0x5c32_5a71_7834_c9ef, 0x1201_b862_bf70_1d7f],
-        [0x9ce8_44dd_4d87_c92a, 0x91e2_52ec_9f3e_73c0],
-        [0x0866_97fd_0996_eaba, 0xf82a_ffc5_4b68_14e4],
-        [0x0c8c_075e_ae4f_b4ad, 0x71a0_59d3_9a34_38e8],
+        [0x8399_0826_f456_4d76, 0x7376_b487_e1d0_0d61],
+        [0x43a1_d594_6cdd_4c64, 0x6339_5f4e_db84_fbd4],
+        [0x66f9_28df_a34c_54ec, 0x5fe5_deb0_16b3_edf3],
+        [0xc8ed_de57_6712_c7b9, 0xbce5_a1af_3bc7_e96c],
+        [0x9550_be0d_c275_70b0, 0x35c7_1c7c_2fb4_2bcc],
     ],
 ];

@@ -134,6 +134,8 @@ impl Kernels for Featherstone {
         state[self.tables.position.start()..][..position.len()].copy_from_slice(position);
         state[self.tables.velocity.start()..][..velocity.len()].copy_from_slice(velocity);
     }
+    /// Joint coordinates and velocities stay as they are.
+    fn take_over(&self, _: &[f64], _: &mut [f64]) {}
     #[inline(always)]
     fn step<M: Machine>(&self, k: &mut M) {
         let tables = self.tables;

@@ -117,6 +117,10 @@ impl Kernels for Xpbd {
         self.tables.place(&bodies, &self.parameters, &self.links, state);
         self.tables.count_turns(position, &self.parameters, &self.links, state);
     }
+    /// The bodies' own frames depend on the masses; the turns that were counted stay.
+    fn take_over(&self, bodies: &[f64], state: &mut [f64]) {
+        self.tables.place(bodies, &self.parameters, &self.links, state);
+    }
     #[inline(always)]
     fn step<M: Machine>(&self, k: &mut M) {
         // A copy on the stack: offsets stay in registers, whatever is written meanwhile.

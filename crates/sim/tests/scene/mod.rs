@@ -172,7 +172,7 @@ fn noise(seed: usize, i: usize) -> f64 {
     (x >> 40) as f64 / f64::from(1 << 23) - 1.0
 }
 
-/// Gives a world a state and controls that belong to the seed.
+/// Gives a world a state and controls that belong to the seed; every third has no forces.
 pub fn scatter<T: Float>(simulation: &mut Simulation<T>, world: usize, seed: usize) {
     let model = simulation.model().clone();
     let mut next = (0..).map(|i| noise(seed, i));
@@ -194,8 +194,9 @@ pub fn scatter<T: Float>(simulation: &mut Simulation<T>, world: usize, seed: usi
         .set_joint_state(world, &position, &velocity)
         .unwrap();
     let mut controls = simulation.controls();
+    let most = if seed.is_multiple_of(3) { 0.0 } else { 0.5 };
     controls
-        .set_force(world, &some(velocity.len(), 0.5))
+        .set_force(world, &some(velocity.len(), most))
         .unwrap();
     controls
         .set_control(world, &some(model.actuators.len(), 1.0))
