@@ -292,6 +292,16 @@ pub fn pow<R: Real>(x: R, y: R) -> R {
     exp(y * log(base))
 }
 
+/// Neither infinite nor NaN.
+///
+/// Read from the bits of the exponent: a shader may assume that no number is NaN,
+/// and fold a comparison that relies on it.
+#[inline(always)]
+pub fn finite<R: Real>(x: R) -> R::Mask {
+    let beyond = if R::Scalar::DOUBLE { 1023.5 } else { 127.5 };
+    x.frexp().1.lt(R::lit(beyond))
+}
+
 /// `x` (rad) less whole turns, in [−π, π].
 #[inline(always)]
 pub fn wrap<R: Real>(x: R) -> R {

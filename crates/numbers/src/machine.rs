@@ -490,7 +490,9 @@ impl Index for u32 {
 /// Offset of a field of a row. Wraps where the row is absurd; the memory then refuses it.
 #[inline(always)]
 fn place<const W: usize>(base: u32, row: u32, field: usize) -> usize {
-    base.wrapping_add(row.wrapping_mul(W as u32)).wrapping_add(field as u32) as usize
+    // The row in 32 bits, so that adding a field cannot overflow; the field outside, so that
+    // all fields of a row share one address.
+    base.wrapping_add(row.wrapping_mul(W as u32)) as usize + field
 }
 
 /// `N` neighbouring numbers, with one check of the bounds.

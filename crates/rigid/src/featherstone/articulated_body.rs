@@ -20,9 +20,8 @@
 //! axis by axis, which is its block Cholesky factorisation written out, and c is
 //! added once per node.
 
-use super::force::sum;
 use super::kinematics::{momentum, world_inertia};
-use super::tables::{Tables, arrival, dof, node_link};
+use super::tables::{Tables, arrival, dof, frame, node_link};
 use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::{Inertia, Spatial};
 use numbers::{Machine, Real, Vec3};
@@ -43,24 +42,24 @@ pub(crate) fn articulated_body<M: Machine>(k: &mut M, t: &Tables) {
 fn inwards<M: Machine>(k: &mut M, t: &Tables) {
     for i in k.range_down(k.index(t.nodes)) {
         let n = i.offset(t.trees);
-        let (m, c, i) = world_inertia(k, t.node, n, k.pose(t.place, n, 0));
-        let twist = k.spatial(t.twist, n, 0);
+        let (m, c, i) = world_inertia(k, t.node, n, k.pose(t.frame, n, frame::PLACE));
+        let twist = k.spatial(t.frame, n, frame::TWIST);
         let mut inertia = Inertia::rigid(m, c, i).hold(k);
         let mut p = twist.cross_force(momentum(m, c, i, twist)).hold(k);
         for _ in k.when(k.equals(k.link(t.node_links, n, node_link::CARRIES), 1)) {
-            inertia.set(inertia.get() + k.inertia(t.inertia, n, 0));
-            p.set(p.get() + k.spatial(t.force, n, 0));
+            inertia.set(inertia.get() + k.inertia(t.frame, n, frame::INERTIA));
+            p.set(p.get() + k.spatial(t.frame, n, frame::FORCE));
         }
-        p.set(p.get() + inertia.get().apply(k.spatial(t.bias, n, 0)));
+        p.set(p.get() + inertia.get().apply(k.spatial(t.frame, n, frame::BIAS)));
         let first = k.link(t.node_links, n, node_link::DOF_BEGIN);
         for j in k.range_down(k.link(t.node_links, n, node_link::DOF_COUNT)) {
             let v = first.plus(j);
             let s = k.spatial(t.dof, v, dof::AXIS);
             let a = inertia.get();
             let u_vector = a.apply(s);
-            let d = s.dot(u_vector) + k.load(t.forces.sum, v, sum::IMPLICIT);
+            let d = s.dot(u_vector) + k.load(t.dof, v, dof::IMPLICIT);
             let inverse = d.max(M::R::lit(TINY)).recip();
-            let u = k.load(t.forces.sum, v, sum::FORCE) - s.dot(p.get());
+            let u = k.load(t.dof, v, dof::TAU) - s.dot(p.get());
             inertia.set(a.minus_outer(u_vector, inverse));
             let moved = u_vector.fma(u * inverse, p.get());
             p.set(moved);
@@ -78,14 +77,14 @@ fn pass_on<M: Machine>(k: &mut M, t: &Tables, n: M::I, i: Inertia<M::R>, p: Spat
     let parent = k.link(t.node_links, n, node_link::PARENT);
     let arrival = k.link(t.node_links, n, node_link::ARRIVAL);
     for _ in k.when(k.equals(arrival, arrival::FIRST)) {
-        k.store_inertia(t.inertia, parent, 0, i);
-        k.store_spatial(t.force, parent, 0, p);
+        k.store_inertia(t.frame, parent, frame::INERTIA, i);
+        k.store_spatial(t.frame, parent, frame::FORCE, p);
     }
     for _ in k.when(k.equals(arrival, arrival::LATER)) {
-        let sum = k.inertia(t.inertia, parent, 0) + i;
-        k.store_inertia(t.inertia, parent, 0, sum);
-        let sum = k.spatial(t.force, parent, 0) + p;
-        k.store_spatial(t.force, parent, 0, sum);
+        let sum = k.inertia(t.frame, parent, frame::INERTIA) + i;
+        k.store_inertia(t.frame, parent, frame::INERTIA, sum);
+        let sum = k.spatial(t.frame, parent, frame::FORCE) + p;
+        k.store_spatial(t.frame, parent, frame::FORCE, sum);
     }
 }
 
@@ -93,11 +92,11 @@ fn pass_on<M: Machine>(k: &mut M, t: &Tables, n: M::I, i: Inertia<M::R>, p: Spat
 fn outwards<M: Machine>(k: &mut M, t: &Tables) {
     let up = Spatial::new(Vec3::zero(), -k.vec3(t.world, k.index(0), 0));
     for tree in k.count(t.trees) {
-        k.store_spatial(t.acceleration, tree, 0, up);
+        k.store_spatial(t.frame, tree, frame::ACCELERATION, up);
     }
     for n in k.range(k.index(t.trees), k.index(t.trees + t.nodes)) {
         let parent = k.link(t.node_links, n, node_link::PARENT);
-        let mut a = k.spatial(t.acceleration, parent, 0).hold(k);
+        let mut a = k.spatial(t.frame, parent, frame::ACCELERATION).hold(k);
         let first = k.link(t.node_links, n, node_link::DOF_BEGIN);
         let count = k.link(t.node_links, n, node_link::DOF_COUNT);
         for v in k.range(first, first.plus(count)) {
@@ -107,7 +106,7 @@ fn outwards<M: Machine>(k: &mut M, t: &Tables) {
             let moved = k.spatial(t.dof, v, dof::AXIS).fma(acceleration, a.get());
             a.set(moved);
         }
-        let a = a.get() + k.spatial(t.bias, n, 0);
-        k.store_spatial(t.acceleration, n, 0, a);
+        let a = a.get() + k.spatial(t.frame, n, frame::BIAS);
+        k.store_spatial(t.frame, n, frame::ACCELERATION, a);
     }
 }

@@ -14,10 +14,10 @@
 //!
 //! Only what a model uses has a row, so that a passive chain pays for nothing.
 
-use super::tables::Tables;
+use super::tables::{Tables, dof};
 use crate::tables::{Filler, actuator_numbers, ball_target, bounded};
 use model::{JointKind, Model};
-use numbers::machine::space::{Parameter, Scratch, State};
+use numbers::machine::space::{Parameter, State};
 use numbers::machine::{Index, Links};
 use numbers::functions::wrap;
 use numbers::{Cell, Machine, Quat, Real, Table};
@@ -68,15 +68,6 @@ pub(crate) struct ForceTables {
     actuator: Table<Parameter, 9>,
     actuator_links: Links<2>,
     armature: Table<Parameter>,
-    /// Force τ and implicit factor of q̈.
-    pub(crate) sum: Table<Scratch, { sum::WIDTH }>,
-}
-
-/// Fields of [`ForceTables::sum`].
-pub(crate) mod sum {
-    pub const FORCE: usize = 0;
-    pub const IMPLICIT: usize = 1;
-    pub const WIDTH: usize = 2;
 }
 
 /// A model's degrees of freedom that have a coordinate each, with that coordinate.
@@ -131,7 +122,6 @@ impl ForceTables {
         state: &mut usize,
         parameters: &mut usize,
         links: &mut usize,
-        scratch: &mut usize,
     ) -> Self {
         Self {
             dofs,
@@ -156,7 +146,6 @@ impl ForceTables {
             actuator: Table::place(parameters, rows.actuators),
             actuator_links: Links::place(links, rows.actuators),
             armature: Table::place(parameters, dofs),
-            sum: Table::place(scratch, dofs),
         }
     }
 
@@ -253,14 +242,13 @@ impl ForceTables {
     }
 }
 
-/// Sums all forces along the degrees of freedom into [`ForceTables::sum`], linearised over `h` [s].
+/// Sums all forces along the degrees of freedom into `dof::TAU` and `dof::IMPLICIT`, linearised over `h` [s].
 #[inline(always)]
 pub(crate) fn forces<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     let f = &t.forces;
     for v in k.count(f.dofs) {
         let (tau, armature) = (k.load(t.input.force, v, 0), k.load(f.armature, v, 0));
-        k.store(f.sum, v, sum::FORCE, tau);
-        k.store(f.sum, v, sum::IMPLICIT, armature);
+        k.write(t.dof, v, dof::TAU, [tau, armature]);
     }
     springs(k, t, h);
     drives(k, t, h);
@@ -272,9 +260,9 @@ pub(crate) fn forces<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
 
 /// Adds a force and the factor by which it opposes q̈.
 #[inline(always)]
-fn add<M: Machine>(k: &mut M, t: &Tables, dof: M::I, tau: M::R, implicit: M::R) {
-    k.add(t.forces.sum, dof, sum::FORCE, tau);
-    k.add(t.forces.sum, dof, sum::IMPLICIT, implicit);
+fn add<M: Machine>(k: &mut M, t: &Tables, v: M::I, tau: M::R, implicit: M::R) {
+    let [sum, opposing] = k.read(t.dof, v, dof::TAU);
+    k.write(t.dof, v, dof::TAU, [sum + tau, opposing + implicit]);
 }
 
 #[inline(always)]

@@ -16,9 +16,10 @@
 use super::articulated_body::articulated_body;
 use super::force::{forces, smooth_targets};
 use super::kinematics::kinematics;
+use super::report::gather;
 use super::tables::{Tables, dof};
 use super::Integrator;
-use numbers::functions::wrap;
+use numbers::functions::{finite, wrap};
 use numbers::{Cell, Machine, Quat, Real};
 
 /// Coordinates beyond this are taken for diverged [m or rad].
@@ -156,20 +157,24 @@ fn guard<M: Machine>(k: &mut M, t: &Tables) {
         let wrapped = wrap(k.load(t.position, q, 0));
         k.store(t.position, q, 0, wrapped);
     }
-    let world = k.index(0);
-    let limit = k.load(t.step, world, 1);
-    let mut fine = k.cell(k.load(t.alive, world, 0));
+    let (world, zero) = (k.index(0), M::R::zero());
+    let mut fastest = k.cell(zero);
+    let mut farthest = k.cell(zero);
+    let mut sum = k.cell(zero);
     for v in k.count(t.dofs) {
-        let ok = k.load(t.velocity, v, 0).abs().le(limit);
-        let kept = M::R::select(ok, fine.read(), M::R::zero());
-        fine.write(kept);
+        let speed = k.load(t.velocity, v, 0).abs();
+        fastest.write(fastest.read().max(speed));
+        gather(&mut sum, speed);
     }
     for q in k.count(t.coordinates) {
-        let ok = k.load(t.position, q, 0).abs().le(M::R::lit(FAR));
-        let kept = M::R::select(ok, fine.read(), M::R::zero());
-        fine.write(kept);
+        let far = k.load(t.position, q, 0).abs();
+        farthest.write(farthest.read().max(far));
+        gather(&mut sum, far);
     }
-    let fine = fine.read();
+    let slow = fastest.read().le(k.load(t.step, world, 1));
+    let near = farthest.read().le(M::R::lit(FAR));
+    let fine = slow & near & finite(sum.read());
+    let fine = M::R::select(fine, k.load(t.alive, world, 0), zero);
     k.store(t.alive, world, 0, fine);
     let lost = fine.same(M::R::zero());
     for _ in k.if_any(lost) {

@@ -10,7 +10,7 @@
 //! v  ← v + S q̇
 //! ```
 
-use super::tables::{Tables, dof, motion, motion_link, node, node_link};
+use super::tables::{Tables, dof, frame, motion, motion_link, node, node_link};
 use numbers::machine::space::Parameter;
 use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::Spatial;
@@ -28,9 +28,9 @@ pub(crate) fn origins<M: Machine>(k: &mut M, t: &Tables) {
         }
         let point = point.get();
         k.store_vec3(t.point, tree, 0, point);
-        k.store_pose(t.place, tree, 0, Pose::new(-point, Quat::identity()));
-        k.store_spatial(t.twist, tree, 0, Spatial::zero());
-        k.store_spatial(t.bias, tree, 0, Spatial::zero());
+        k.store_pose(t.frame, tree, frame::PLACE, Pose::new(-point, Quat::identity()));
+        k.store_spatial(t.frame, tree, frame::TWIST, Spatial::zero());
+        k.store_spatial(t.frame, tree, frame::BIAS, Spatial::zero());
     }
 }
 
@@ -54,9 +54,9 @@ pub(crate) fn kinematics<M: Machine>(k: &mut M, t: &Tables) {
     half_angles(k, t);
     for n in k.range(k.index(t.trees), k.index(t.trees + t.nodes)) {
         let parent = k.link(t.node_links, n, node_link::PARENT);
-        let start = k.pose(t.place, parent, 0) * k.pose(t.node, n, node::PLACE);
+        let start = k.pose(t.frame, parent, frame::PLACE) * k.pose(t.node, n, node::PLACE);
         let mut place = start.hold(k);
-        let mut twist = k.spatial(t.twist, parent, 0).hold(k);
+        let mut twist = k.spatial(t.frame, parent, frame::TWIST).hold(k);
         let mut bias = Spatial::zero().hold(k);
         let begin = k.link(t.node_links, n, node_link::MOTION_BEGIN);
         let end = k.link(t.node_links, n, node_link::MOTION_END);
@@ -84,9 +84,9 @@ pub(crate) fn kinematics<M: Machine>(k: &mut M, t: &Tables) {
                 advance(&mut twist, &mut bias, rate);
             }
         }
-        k.store_pose(t.place, n, 0, place.get());
-        k.store_spatial(t.twist, n, 0, twist.get());
-        k.store_spatial(t.bias, n, 0, bias.get());
+        k.store_pose(t.frame, n, frame::PLACE, place.get());
+        k.store_spatial(t.frame, n, frame::TWIST, twist.get());
+        k.store_spatial(t.frame, n, frame::BIAS, bias.get());
     }
 }
 
@@ -145,7 +145,7 @@ fn advance<R: Real, H: Held<Value = Spatial<R>>>(twist: &mut H, bias: &mut H, s:
     twist.set(v + s);
 }
 
-/// Mass, centre from O and inertia about the centre in world axes, from fields MASS, CENTER, INERTIA.
+/// Mass, centre from O and inertia about the centre in world axes, from the ten fields from MASS on.
 #[inline(always)]
 pub(crate) fn world_inertia<M: Machine, const W: usize>(
     k: &M,
@@ -154,9 +154,9 @@ pub(crate) fn world_inertia<M: Machine, const W: usize>(
     at: Pose<M::R>,
 ) -> (M::R, Vec3<M::R>, SymMat3<M::R>) {
     let r = at.q.to_mat3();
-    let m = k.load(table, row, node::MASS);
-    let c = r * k.vec3(table, row, node::CENTER) + at.p;
-    (m, c, k.sym(table, row, node::INERTIA).rotated(r))
+    let [m, cx, cy, cz, xx, yy, zz, xy, xz, yz] = k.read(table, row, node::MASS);
+    let c = r * Vec3::new(cx, cy, cz) + at.p;
+    (m, c, SymMat3::from_array([xx, yy, zz, xy, xz, yz]).rotated(r))
 }
 
 /// Momentum I v of a rigid body: (I_c ω + c × f, f) with f = m (v + ω × c).

@@ -6,7 +6,7 @@
 
 use super::integrate::accelerate;
 use super::kinematics::{momentum, world_inertia};
-use super::tables::{Tables, body_field, body_link, dof};
+use super::tables::{Tables, body_field, body_link, dof, frame};
 use crate::output::{body, reaction, total};
 use numbers::functions::wrap;
 use numbers::machine::{Held, Hold};
@@ -47,7 +47,7 @@ fn coordinates<M: Machine>(k: &mut M, t: &Tables) {
 #[inline(always)]
 fn placement<M: Machine>(k: &M, t: &Tables, row: M::I) -> Pose<M::R> {
     let n = k.link(t.body_links, row, body_link::NODE);
-    k.pose(t.place, n, 0) * k.pose(t.body, row, body_field::PLACE)
+    k.pose(t.frame, n, frame::PLACE) * k.pose(t.body, row, body_field::PLACE)
 }
 
 /// Placements and velocities of all bodies. Needs [`kinematics`](super::kinematics::kinematics).
@@ -58,7 +58,7 @@ pub(crate) fn bodies<M: Machine>(k: &mut M, t: &Tables) {
         let n = k.link(t.body_links, row, body_link::NODE);
         let origin = k.vec3(t.point, k.link(t.body_links, row, body_link::TREE), 0);
         let at = placement(k, t, row);
-        let v = k.spatial(t.twist, n, 0);
+        let v = k.spatial(t.frame, n, frame::TWIST);
         k.store_vec3(t.output.body, id, body::POSITION, at.p + origin);
         k.store_quat(t.output.body, id, body::ORIENTATION, at.q);
         k.store_vec3(t.output.body, id, body::VELOCITY, v.linear + v.angular.cross(at.p));
@@ -73,7 +73,7 @@ fn wrenches<M: Machine>(k: &mut M, t: &Tables) {
         let n = k.link(t.body_links, row, body_link::NODE);
         let origin = k.vec3(t.point, k.link(t.body_links, row, body_link::TREE), 0);
         let at = placement(k, t, row);
-        let (v, a) = (k.spatial(t.twist, n, 0), k.spatial(t.acceleration, n, 0));
+        let (v, a) = (k.spatial(t.frame, n, frame::TWIST), k.spatial(t.frame, n, frame::ACCELERATION));
         let (m, c, i) = world_inertia(k, t.body, row, at);
         let w = momentum(m, c, i, a) + v.cross_force(momentum(m, c, i, v));
         let moment = w.angular + origin.cross(w.linear);
@@ -110,7 +110,7 @@ fn energies<M: Machine>(k: &mut M, t: &Tables) {
         let n = k.link(t.body_links, row, body_link::NODE);
         let origin = k.vec3(t.point, k.link(t.body_links, row, body_link::TREE), 0);
         let (m, c, i) = world_inertia(k, t.body, row, placement(k, t, row));
-        let v = k.spatial(t.twist, n, 0);
+        let v = k.spatial(t.frame, n, frame::TWIST);
         let p = momentum(m, c, i, v);
         gather(&mut kinetic, half * v.dot(p));
         gather(&mut potential, -(m * gravity.dot(c + origin)));

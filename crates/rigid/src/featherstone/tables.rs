@@ -145,18 +145,8 @@ pub struct Tables {
     pub(crate) point: Table<Scratch, 3>,
     /// Per motion: sine and cosine of half its angle.
     pub(crate) half_angle: Table<Scratch, 2>,
-    /// Per node: position from O (3), orientation (4).
-    pub(crate) place: Table<Scratch, 7>,
-    /// Per node: spatial velocity about O.
-    pub(crate) twist: Table<Scratch, 6>,
-    /// Per node: velocity-product acceleration.
-    pub(crate) bias: Table<Scratch, 6>,
-    /// Per node: articulated inertia.
-    pub(crate) inertia: Table<Scratch, 21>,
-    /// Per node: articulated bias force.
-    pub(crate) force: Table<Scratch, 6>,
-    /// Per node: spatial acceleration about O, less gravity.
-    pub(crate) acceleration: Table<Scratch, 6>,
+    /// Per node, and per tree for the world: see [`frame`].
+    pub(crate) frame: Table<Scratch, { frame::WIDTH }>,
     /// Per degree of freedom: see [`dof`].
     pub(crate) dof: Table<Scratch, { dof::WIDTH }>,
     /// Saved coordinates and velocities.
@@ -171,6 +161,23 @@ pub struct Tables {
     pub(crate) scratch_length: usize,
 }
 
+/// Fields of [`Tables::frame`]: one row, so that one offset serves all that is known of a node.
+pub(crate) mod frame {
+    /// Position from O, orientation.
+    pub const PLACE: usize = 0;
+    /// Spatial velocity about O.
+    pub const TWIST: usize = 7;
+    /// Velocity-product acceleration c.
+    pub const BIAS: usize = 13;
+    /// Articulated inertia Iᴬ of what the node carries.
+    pub const INERTIA: usize = 19;
+    /// Articulated bias force of what the node carries.
+    pub const FORCE: usize = 40;
+    /// Spatial acceleration about O, less gravity.
+    pub const ACCELERATION: usize = 46;
+    pub const WIDTH: usize = 52;
+}
+
 /// Fields of [`Tables::dof`].
 pub(crate) mod dof {
     /// Axis S.
@@ -183,7 +190,11 @@ pub(crate) mod dof {
     pub const FORCE: usize = 13;
     /// Acceleration q̈.
     pub const ACCELERATION: usize = 14;
-    pub const WIDTH: usize = 15;
+    /// Force τ along the axis.
+    pub const TAU: usize = 15;
+    /// Armature, and what of the force opposes q̈; follows TAU.
+    pub const IMPLICIT: usize = 16;
+    pub const WIDTH: usize = 17;
 }
 
 /// The classical Runge–Kutta method (Kutta 1901): weight of the stage, offset of
@@ -274,7 +285,30 @@ impl Forest {
                 forest.nodes[n].weld(&model.bodies[id.0], place);
             }
         }
+        forest.sort_by_depth();
         forest
+    }
+
+    /// Nodes of one depth next to each other: no node waits for its neighbour in a pass,
+    /// so that the processor works on several at once.
+    fn sort_by_depth(&mut self) {
+        let mut depth: Vec<usize> = Vec::new();
+        for node in &self.nodes {
+            depth.push(node.parent.map_or(0, |p: usize| depth[p] + 1));
+        }
+        let mut order: Vec<_> = (0..self.nodes.len()).collect();
+        order.sort_by_key(|&n| depth[n]);
+        let mut place = vec![0; order.len()];
+        for (new, &old) in order.iter().enumerate() {
+            place[old] = new;
+        }
+        self.nodes = order.iter().map(|&old| self.nodes[old].clone()).collect();
+        for node in &mut self.nodes {
+            node.parent = node.parent.map(|p| place[p]);
+        }
+        for seat in &mut self.seats {
+            seat.node = seat.node.map(|n| place[n]);
+        }
     }
 
     fn seat(&mut self, model: &Model, id: BodyId) -> Seat {
@@ -437,7 +471,6 @@ impl Tables {
             &mut s,
             &mut p,
             &mut l,
-            &mut t,
         );
         Self {
             trees,
@@ -476,12 +509,7 @@ impl Tables {
             link_length: l,
             point: Table::place(&mut t, trees),
             half_angle: Table::place(&mut t, motions),
-            place: Table::place(&mut t, rows),
-            twist: Table::place(&mut t, rows),
-            bias: Table::place(&mut t, rows),
-            inertia: Table::place(&mut t, rows),
-            force: Table::place(&mut t, rows),
-            acceleration: Table::place(&mut t, rows),
+            frame: Table::place(&mut t, rows),
             dof: Table::place(&mut t, dofs),
             saved_position: Table::place(&mut t, coordinates),
             saved_velocity: Table::place(&mut t, dofs),

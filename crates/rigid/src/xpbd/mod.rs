@@ -36,6 +36,7 @@ mod tables;
 
 use crate::{Featherstone, Kernels, Lengths, Settings, SolverError};
 use model::Model;
+use numbers::functions::finite;
 use numbers::spatial::Spatial;
 use numbers::{Cell, Machine, Pose, Quat, Real, Vec3};
 use tables::global;
@@ -157,17 +158,23 @@ fn substep<M: Machine>(k: &mut M, t: &Tables, iterations: usize, capped: bool) {
 #[inline(always)]
 fn guard<M: Machine>(k: &mut M, t: &Tables) {
     let world = k.index(0);
-    let limit = k.load(t.global, world, global::SPEED_LIMIT);
-    let mut fine = k.cell(k.load(t.alive, world, 0));
+    let zero = M::R::zero();
+    let mut fastest = k.cell(zero);
+    let mut farthest = k.cell(zero);
+    let mut sum = k.cell(zero);
     for row in k.count(t.rows) {
         let (pose, twist) = (k.pose(t.pose, row, 0), k.spatial(t.twist, row, 0));
-        let far = pose.p.length_squared().le(M::R::lit(FAR * FAR));
-        let turned = pose.q.dot(pose.q).le(M::R::lit(2.0));
-        let slow = limit.squared();
-        let slow = twist.angular.length_squared().le(slow) & twist.linear.length_squared().le(slow);
-        fine.write(M::R::select(far & turned & slow, fine.read(), M::R::zero()));
+        let (v, w) = (twist.linear.length_squared(), twist.angular.length_squared());
+        let (far, turned) = (pose.p.length_squared(), pose.q.dot(pose.q));
+        fastest.write(fastest.read().max(v).max(w));
+        farthest.write(farthest.read().max(far));
+        sum.write(sum.read() + ((v + w) + (far + turned)));
     }
-    let fine = fine.read();
+    let limit = k.load(t.global, world, global::SPEED_LIMIT);
+    let slow = fastest.read().le(limit.squared());
+    let near = farthest.read().le(M::R::lit(FAR * FAR));
+    let fine = slow & near & finite(sum.read());
+    let fine = M::R::select(fine, k.load(t.alive, world, 0), zero);
     k.store(t.alive, world, 0, fine);
     let lost = fine.same(M::R::zero());
     for _ in k.if_any(lost) {

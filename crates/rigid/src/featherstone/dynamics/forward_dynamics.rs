@@ -6,7 +6,7 @@
 
 use super::tables::DynamicsTables;
 use crate::featherstone::articulated_body::articulated_body;
-use crate::featherstone::force::{forces, smooth_targets, sum};
+use crate::featherstone::force::{forces, smooth_targets};
 use crate::featherstone::kinematics::kinematics;
 use crate::featherstone::tables::{Tables, dof};
 use numbers::{Machine, Real};
@@ -20,8 +20,7 @@ pub(crate) fn forward_dynamics<M: Machine>(k: &mut M, t: &Tables) {
     kinematics(k, t);
     for v in k.count(t.dofs) {
         let (tau, armature) = (k.load(t.input.force, v, 0), t.forces.armature(k, v));
-        k.store(t.forces.sum, v, sum::FORCE, tau);
-        k.store(t.forces.sum, v, sum::IMPLICIT, armature);
+        k.write(t.dof, v, dof::TAU, [tau, armature]);
     }
     articulated_body(k, t);
     for v in k.count(t.dofs) {
@@ -36,7 +35,7 @@ pub(crate) fn applied_forces<M: Machine>(k: &mut M, t: &Tables, d: &DynamicsTabl
     smooth_targets(k, t, M::R::lit(ENDLESS));
     forces(k, t, M::R::zero());
     for v in k.count(t.dofs) {
-        let x = k.load(t.forces.sum, v, sum::FORCE);
+        let x = k.load(t.dof, v, dof::TAU);
         k.store(d.force, v, 0, x);
     }
 }

@@ -17,6 +17,7 @@
 //!
 //! With q̈ = 0 it is the bias force b: weight, Coriolis and centrifugal forces.
 
+use super::super::tables::frame;
 use super::tables::{DynamicsTables, dof_link};
 use crate::featherstone::kinematics::{kinematics, momentum, world_inertia};
 use crate::featherstone::tables::{Tables, dof, node_link};
@@ -37,12 +38,12 @@ pub(crate) fn inverse_dynamics<M: Machine>(k: &mut M, t: &Tables, d: &DynamicsTa
 fn outwards<M: Machine>(k: &mut M, t: &Tables, d: &DynamicsTables) {
     let up = Spatial::new(Vec3::zero(), -k.vec3(t.world, k.index(0), 0));
     for tree in k.count(t.trees) {
-        k.store_spatial(t.acceleration, tree, 0, up);
-        k.store_spatial(t.force, tree, 0, Spatial::zero());
+        k.store_spatial(t.frame, tree, frame::ACCELERATION, up);
+        k.store_spatial(t.frame, tree, frame::FORCE, Spatial::zero());
     }
     for n in k.range(k.index(t.trees), k.index(t.trees + t.nodes)) {
         let parent = k.link(t.node_links, n, node_link::PARENT);
-        let carried = k.spatial(t.acceleration, parent, 0) + k.spatial(t.bias, n, 0);
+        let carried = k.spatial(t.frame, parent, frame::ACCELERATION) + k.spatial(t.frame, n, frame::BIAS);
         let mut a = carried.hold(k);
         let first = k.link(t.node_links, n, node_link::DOF_BEGIN);
         let count = k.link(t.node_links, n, node_link::DOF_COUNT);
@@ -51,11 +52,11 @@ fn outwards<M: Machine>(k: &mut M, t: &Tables, d: &DynamicsTables) {
             let moved = k.spatial(t.dof, v, dof::AXIS).fma(rate, a.get());
             a.set(moved);
         }
-        let (a, v) = (a.get(), k.spatial(t.twist, n, 0));
-        let (m, c, i) = world_inertia(k, t.node, n, k.pose(t.place, n, 0));
+        let (a, v) = (a.get(), k.spatial(t.frame, n, frame::TWIST));
+        let (m, c, i) = world_inertia(k, t.node, n, k.pose(t.frame, n, frame::PLACE));
         let f = momentum(m, c, i, a) + v.cross_force(momentum(m, c, i, v));
-        k.store_spatial(t.acceleration, n, 0, a);
-        k.store_spatial(t.force, n, 0, f);
+        k.store_spatial(t.frame, n, frame::ACCELERATION, a);
+        k.store_spatial(t.frame, n, frame::FORCE, f);
     }
 }
 
@@ -64,11 +65,11 @@ fn inwards<M: Machine>(k: &mut M, t: &Tables, d: &DynamicsTables) {
     for i in k.range_down(k.index(t.nodes)) {
         let n = i.offset(t.trees);
         let parent = k.link(t.node_links, n, node_link::PARENT);
-        let sum = k.spatial(t.force, parent, 0) + k.spatial(t.force, n, 0);
-        k.store_spatial(t.force, parent, 0, sum);
+        let sum = k.spatial(t.frame, parent, frame::FORCE) + k.spatial(t.frame, n, frame::FORCE);
+        k.store_spatial(t.frame, parent, frame::FORCE, sum);
     }
     for v in k.count(t.dofs) {
-        let f = k.spatial(t.force, k.link(d.dof_links, v, dof_link::NODE), 0);
+        let f = k.spatial(t.frame, k.link(d.dof_links, v, dof_link::NODE), frame::FORCE);
         let rotor = t.forces.armature(k, v) * k.load(d.acceleration, v, 0);
         let tau = k.spatial(t.dof, v, dof::AXIS).dot(f) + rotor;
         k.store(d.force, v, 0, tau);

@@ -11,6 +11,7 @@
 //! J_i = (a_i, l_i + a_i × (x − O))
 //! ```
 
+use super::super::tables::frame;
 use super::tables::{DynamicsTables, body_path, path_link};
 use crate::featherstone::kinematics::kinematics;
 use crate::featherstone::tables::{Tables, body_field, body_link, dof};
@@ -26,7 +27,7 @@ pub(crate) fn jacobian<M: Machine>(k: &mut M, t: &Tables, d: &DynamicsTables, bo
     }
     let row = k.link(d.body_links, body, body_path::ROW);
     let n = k.link(t.body_links, row, body_link::NODE);
-    let place = k.pose(t.place, n, 0) * k.pose(t.body, row, body_field::PLACE);
+    let place = k.pose(t.frame, n, frame::PLACE) * k.pose(t.body, row, body_field::PLACE);
     let x = place.point(k.vec3(d.point, k.index(0), 0));
     let begin = k.link(d.body_links, body, body_path::PATH_BEGIN);
     let end = k.link(d.body_links, body, body_path::PATH_END);

@@ -10,6 +10,7 @@
 //! M_ii ← M_ii + armature          all other entries are 0
 //! ```
 
+use super::super::tables::frame;
 use super::tables::{DynamicsTables, dof_link, path_link};
 use crate::featherstone::kinematics::{kinematics, world_inertia};
 use crate::featherstone::tables::{Tables, dof, node_link};
@@ -26,7 +27,7 @@ pub(crate) fn mass_matrix<M: Machine>(k: &mut M, t: &Tables, d: &DynamicsTables)
         k.store(d.mass_matrix, entry, 0, M::R::zero());
     }
     for i in k.count(t.dofs) {
-        let inertia = k.inertia(t.inertia, k.link(d.dof_links, i, dof_link::NODE), 0);
+        let inertia = k.inertia(t.frame, k.link(d.dof_links, i, dof_link::NODE), frame::INERTIA);
         let f = inertia.apply(k.spatial(t.dof, i, dof::AXIS));
         let begin = k.link(d.dof_links, i, dof_link::PATH_BEGIN);
         let end = k.link(d.dof_links, i, dof_link::PATH_END);
@@ -57,16 +58,16 @@ pub(crate) fn mass_matrix<M: Machine>(k: &mut M, t: &Tables, d: &DynamicsTables)
 fn composite_inertias<M: Machine>(k: &mut M, t: &Tables) {
     let nothing = Inertia::rigid(M::R::zero(), Vec3::zero(), SymMat3::zero());
     for tree in k.count(t.trees) {
-        k.store_inertia(t.inertia, tree, 0, nothing);
+        k.store_inertia(t.frame, tree, frame::INERTIA, nothing);
     }
     for n in k.range(k.index(t.trees), k.index(t.trees + t.nodes)) {
-        let (m, c, i) = world_inertia(k, t.node, n, k.pose(t.place, n, 0));
-        k.store_inertia(t.inertia, n, 0, Inertia::rigid(m, c, i));
+        let (m, c, i) = world_inertia(k, t.node, n, k.pose(t.frame, n, frame::PLACE));
+        k.store_inertia(t.frame, n, frame::INERTIA, Inertia::rigid(m, c, i));
     }
     for i in k.range_down(k.index(t.nodes)) {
         let n = i.offset(t.trees);
         let parent = k.link(t.node_links, n, node_link::PARENT);
-        let sum = k.inertia(t.inertia, parent, 0) + k.inertia(t.inertia, n, 0);
-        k.store_inertia(t.inertia, parent, 0, sum);
+        let sum = k.inertia(t.frame, parent, frame::INERTIA) + k.inertia(t.frame, n, frame::INERTIA);
+        k.store_inertia(t.frame, parent, frame::INERTIA, sum);
     }
 }
