@@ -199,15 +199,27 @@ fn count(least: u64, most: u64) -> RangedU64ValueParser<usize> {
 
 fn number(text: &str) -> Result<f64, String> {
     let x: f64 = text.parse().map_err(|_| "this is no number".to_owned())?;
-    if x.is_finite() { Ok(x) } else { Err("it must be finite".into()) }
+    if x.is_finite() {
+        Ok(x)
+    } else {
+        Err("it must be finite".into())
+    }
 }
 
 fn positive(text: &str) -> Result<f64, String> {
     let x = number(text)?;
-    if x > 0.0 { Ok(x) } else { Err("it must be above zero".into()) }
+    if x > 0.0 {
+        Ok(x)
+    } else {
+        Err("it must be above zero".into())
+    }
 }
 
 fn not_negative(text: &str) -> Result<f64, String> {
     let x = number(text)?;
-    if x >= 0.0 { Ok(x) } else { Err("it must not be negative".into()) }
+    if x >= 0.0 {
+        Ok(x)
+    } else {
+        Err("it must not be negative".into())
+    }
 }

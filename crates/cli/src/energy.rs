@@ -16,7 +16,11 @@ impl Audit {
     /// Starts with the worlds as they are.
     pub fn new<T: Float>(outputs: &Outputs<'_, T>) -> Self {
         let initial: Vec<f64> = (0..outputs.worlds()).map(|w| outputs.energy(w)).collect();
-        let mut audit = Self { last: initial.clone(), largest_kinetic: vec![0.0; initial.len()], initial };
+        let mut audit = Self {
+            last: initial.clone(),
+            largest_kinetic: vec![0.0; initial.len()],
+            initial,
+        };
         audit.update(outputs);
         audit
     }
@@ -36,10 +40,19 @@ impl Audit {
         diverged.iter().for_each(|d| lost[d.world] = true);
         let fine: Vec<usize> = (0..lost.len()).filter(|&w| !lost[w]).collect();
         let drift = |w: usize| (self.last[w] - self.initial[w]).abs();
-        let largest = fine.iter().copied().max_by(|&a, &b| drift(a).total_cmp(&drift(b)))?;
+        let largest = fine
+            .iter()
+            .copied()
+            .max_by(|&a, &b| drift(a).total_cmp(&drift(b)))?;
         let mean = fine.iter().map(|&w| drift(w)).sum::<f64>() / fine.len() as f64;
-        let kinetic = fine.iter().map(|&w| self.largest_kinetic[w]).sum::<f64>() / fine.len() as f64;
-        Some(Drift { mean, largest: drift(largest), world: largest, kinetic })
+        let kinetic =
+            fine.iter().map(|&w| self.largest_kinetic[w]).sum::<f64>() / fine.len() as f64;
+        Some(Drift {
+            mean,
+            largest: drift(largest),
+            world: largest,
+            kinetic,
+        })
     }
 }
 
@@ -58,10 +71,22 @@ pub struct Drift {
 
 impl fmt::Display for Drift {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { mean, largest, world, kinetic } = self;
-        write!(f, "{mean:.2e} J mean, {largest:.2e} J largest (world {world})")?;
+        let Self {
+            mean,
+            largest,
+            world,
+            kinetic,
+        } = self;
+        write!(
+            f,
+            "{mean:.2e} J mean, {largest:.2e} J largest (world {world})"
+        )?;
         if *kinetic > 0.0 {
-            write!(f, "; mean is {:.2e} of the largest kinetic energy", mean / kinetic)?;
+            write!(
+                f,
+                "; mean is {:.2e} of the largest kinetic energy",
+                mean / kinetic
+            )?;
         }
         Ok(())
     }

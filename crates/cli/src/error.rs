@@ -14,19 +14,33 @@ pub enum Error {
     Model(#[from] ModelError),
     #[error(transparent)]
     Simulation(#[from] SimulationError),
-    #[error("--record {record} is more than the {worlds} worlds there are: lower it, or raise --worlds")]
+    #[error(
+        "--record {record} is more than the {worlds} worlds there are: lower it, or raise --worlds"
+    )]
     Record { record: usize, worlds: usize },
     #[error(
         "the trajectory would have {rows} rows of {numbers} numbers, over {most} in all: raise \
          --every, or lower --seconds or --record"
     )]
-    Large { rows: usize, numbers: usize, most: usize },
-    #[error("--seconds {seconds} are no time step of {time_step} s, or too many: correct one of them")]
+    Large {
+        rows: usize,
+        numbers: usize,
+        most: usize,
+    },
+    #[error(
+        "--seconds {seconds} are no time step of {time_step} s, or too many: correct one of them"
+    )]
     Steps { seconds: f64, time_step: f64 },
     #[error("cannot write to the folder {path}: {reason}; choose another with --out")]
-    Folder { path: PathBuf, reason: std::io::Error },
+    Folder {
+        path: PathBuf,
+        reason: std::io::Error,
+    },
     #[error("cannot write {path}: {reason}")]
-    Write { path: PathBuf, reason: Box<dyn std::error::Error + Send + Sync> },
+    Write {
+        path: PathBuf,
+        reason: Box<dyn std::error::Error + Send + Sync>,
+    },
     #[error(
         "all {worlds} worlds diverged, the last at {time:.3} s: lower --time-step, raise \
          --substeps, or try another --solver"

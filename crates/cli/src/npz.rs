@@ -17,12 +17,26 @@ pub fn write(trajectory: &Trajectory, file: impl Write + Seek) -> ZipResult<()> 
     let energy: Vec<f64> = t.energy().collect();
     let coordinate_names: Vec<&str> = t.coordinates.iter().map(|c| c.name.as_str()).collect();
 
-    let mut archive = Archive { zip: ZipWriter::new(file) };
+    let mut archive = Archive {
+        zip: ZipWriter::new(file),
+    };
     archive.numbers("time", &[rows], &t.time)?;
-    archive.numbers("joint_position", &[rows, worlds, coordinates], &t.joint_position)?;
+    archive.numbers(
+        "joint_position",
+        &[rows, worlds, coordinates],
+        &t.joint_position,
+    )?;
     archive.numbers("joint_velocity", &[rows, worlds, dofs], &t.joint_velocity)?;
-    archive.numbers("body_position", &[rows, worlds, bodies, 3], &t.body_position)?;
-    archive.numbers("body_orientation", &[rows, worlds, bodies, 4], &t.body_orientation)?;
+    archive.numbers(
+        "body_position",
+        &[rows, worlds, bodies, 3],
+        &t.body_position,
+    )?;
+    archive.numbers(
+        "body_orientation",
+        &[rows, worlds, bodies, 4],
+        &t.body_orientation,
+    )?;
     archive.numbers("energy", &[rows, worlds], &energy)?;
     archive.numbers("kinetic_energy", &[rows, worlds], &t.kinetic_energy)?;
     archive.numbers("potential_energy", &[rows, worlds], &t.potential_energy)?;
@@ -41,17 +55,30 @@ impl<W: Write + Seek> Archive<W> {
     /// An array of double-precision numbers, the last index running fastest.
     fn numbers(&mut self, name: &str, shape: &[usize], numbers: &[f64]) -> ZipResult<()> {
         self.start(name, "<f8", shape, size_of_val(numbers))?;
-        Ok(numbers.iter().try_for_each(|x| self.zip.write_all(&x.to_le_bytes()))?)
+        Ok(numbers
+            .iter()
+            .try_for_each(|x| self.zip.write_all(&x.to_le_bytes()))?)
     }
 
     /// A list of texts: as many UTF-32 characters each as the longest has, filled up with zeros.
     fn names(&mut self, name: &str, names: &[impl AsRef<str>]) -> ZipResult<()> {
-        let longest = names.iter().map(|n| n.as_ref().chars().count()).max().unwrap_or(0).max(1);
+        let longest = names
+            .iter()
+            .map(|n| n.as_ref().chars().count())
+            .max()
+            .unwrap_or(0)
+            .max(1);
         let bytes = 4 * longest * names.len();
         self.start(name, &format!("<U{longest}"), &[names.len()], bytes)?;
         for name in names {
-            let padded = name.as_ref().chars().chain(std::iter::repeat('\0')).take(longest);
-            padded.map(u32::from).try_for_each(|c| self.zip.write_all(&c.to_le_bytes()))?;
+            let padded = name
+                .as_ref()
+                .chars()
+                .chain(std::iter::repeat('\0'))
+                .take(longest);
+            padded
+                .map(u32::from)
+                .try_for_each(|c| self.zip.write_all(&c.to_le_bytes()))?;
         }
         Ok(())
     }

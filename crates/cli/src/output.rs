@@ -23,9 +23,15 @@ pub struct Files {
 impl Files {
     /// Makes the folder, and tries whether it can be written to.
     pub fn new(folder: &Path, stem: &str) -> Result<Self, Error> {
-        let failed = |reason| Error::Folder { path: folder.to_owned(), reason };
+        let failed = |reason| Error::Folder {
+            path: folder.to_owned(),
+            reason,
+        };
         fs::create_dir_all(folder).map_err(failed)?;
-        let files = Self { folder: folder.to_owned(), stem: stem.to_owned() };
+        let files = Self {
+            folder: folder.to_owned(),
+            stem: stem.to_owned(),
+        };
         File::create(files.path("npz")).map_err(failed)?;
         Ok(files)
     }
@@ -53,7 +59,10 @@ impl Files {
             write(&mut file)?;
             Ok(file.flush()?)
         };
-        written().map_err(|reason| Error::Write { path: path.clone(), reason })
+        written().map_err(|reason| Error::Write {
+            path: path.clone(),
+            reason,
+        })
     }
 }
 

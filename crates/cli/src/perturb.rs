@@ -32,7 +32,8 @@ fn turn(q: &mut [f64], next: &mut impl FnMut() -> f64) {
     if q.is_empty() {
         return;
     }
-    let turned = DQuat::from_slice(q) * DQuat::from_scaled_axis(DVec3::from_array([(); 3].map(|()| next())));
+    let turned =
+        DQuat::from_slice(q) * DQuat::from_scaled_axis(DVec3::from_array([(); 3].map(|()| next())));
     q.copy_from_slice(&turned.to_array());
 }
 
@@ -47,7 +48,11 @@ mod tests {
         let start = model.initial_position();
         let draw = |seed| perturb(&model, &start, 0.1, &mut Rng::with_seed(seed));
         let moved = draw(3);
-        let largest = moved.iter().zip(&start).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let largest = moved
+            .iter()
+            .zip(&start)
+            .map(|(a, b)| (a - b).abs())
+            .fold(0.0, f64::max);
         assert!((0.05..=0.1).contains(&largest), "{largest}");
         assert_eq!(moved, draw(3));
         assert_ne!(moved, draw(4));
@@ -56,7 +61,10 @@ mod tests {
     #[test]
     fn orientations_stay_unit_quaternions() {
         let mut world = model::Builder::new("one");
-        world.object("ball").body("body").inertia(1.0, DVec3::ZERO, glam::DMat3::IDENTITY);
+        world
+            .object("ball")
+            .body("body")
+            .inertia(1.0, DVec3::ZERO, glam::DMat3::IDENTITY);
         let model = world.build().unwrap();
         let start = model.initial_position();
         let moved = perturb(&model, &start, 0.3, &mut Rng::with_seed(1));

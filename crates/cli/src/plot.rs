@@ -16,6 +16,11 @@ const MOST_CURVES: usize = 8;
 /// Most points of a curve.
 const MOST_POINTS: usize = 2000;
 
+/// Around a panel, before its left edge, and above it [pixel].
+const MARGIN: i32 = 16;
+const BEFORE_PANEL: i32 = 88;
+const ABOVE_PANEL: i32 = 40;
+
 /// Colours that the colour-blind can tell apart (Okabe and Ito 2008), with a grey for yellow.
 const COLOURS: [RGBColor; MOST_CURVES] = [
     RGBColor(0, 114, 178),
@@ -35,9 +40,18 @@ const FONT: &str = "sans-serif";
 pub type PlotError = Box<dyn std::error::Error + Send + Sync>;
 
 /// Writes the plot as scalable vector graphics.
-pub fn write_svg(title: &str, trajectory: &Trajectory, mut file: impl Write) -> Result<(), PlotError> {
+pub fn write_svg(
+    title: &str,
+    trajectory: &Trajectory,
+    mut file: impl Write,
+) -> Result<(), PlotError> {
     let mut text = String::new();
-    draw(SVGBackend::with_string(&mut text, SIZE).into_drawing_area(), 1, title, trajectory)?;
+    draw(
+        SVGBackend::with_string(&mut text, SIZE).into_drawing_area(),
+        1,
+        title,
+        trajectory,
+    )?;
     Ok(file.write_all(text.as_bytes())?)
 }
 
@@ -61,7 +75,9 @@ fn averaged(large: &[u8]) -> Vec<u8> {
     let mean = |i: usize| {
         let (y, x, channel) = (i / (3 * width), i / 3 % width, i % 3);
         let row = |dy: usize| 3 * n * ((n * y + dy) * width + x) + channel;
-        let sum: usize = (0..n * n).map(|k| usize::from(large[row(k / n) + 3 * (k % n)])).sum();
+        let sum: usize = (0..n * n)
+            .map(|k| usize::from(large[row(k / n) + 3 * (k % n)]))
+            .sum();
         (sum / (n * n)) as u8
     };
     (0..large.len() / (n * n)).map(mean).collect()
@@ -95,7 +111,8 @@ where
     let pen = Pen { scale };
     area.fill(&WHITE).map_err(failed)?;
     let heading = pen.text(26, INK).pos(Pos::new(HPos::Left, VPos::Top));
-    area.draw_text(title, &heading, (24 * s, 20 * s)).map_err(failed)?;
+    area.draw_text(title, &heading, (24 * s, 20 * s))
+        .map_err(failed)?;
     let (_, panels) = area.split_vertically(64 * s);
     let (upper, lower) = panels.split_vertically(panels.dim_in_pixel().1 as i32 / 2);
     let (positions, unit) = position_curves(trajectory);
@@ -130,15 +147,22 @@ impl Pen {
     {
         let s = self.scale;
         let (width, _) = area.dim_in_pixel();
-        let (chart, legend) = area.split_horizontally(width - 230 * s);
+        let longest = curves
+            .iter()
+            .map(|c| c.label.chars().count())
+            .max()
+            .unwrap_or(0) as u32;
+        let (chart, legend) = area.split_horizontally(width - (80 + 9 * longest) * s);
+        let heading = self.text(19, INK).pos(Pos::new(HPos::Left, VPos::Top));
+        area.draw_text(title, &heading, (BEFORE_PANEL * s as i32, 6 * s as i32))
+            .map_err(failed)?;
         let times = range(curves.iter().flat_map(Curve::points).map(|p| p.0), 0.0);
         let values = range(curves.iter().flat_map(Curve::points).map(|p| p.1), 0.06);
         let mut chart = ChartBuilder::on(&chart)
-            .margin(16 * s)
-            .margin_top(4 * s)
-            .caption(title, self.text(19, INK))
-            .x_label_area_size(50 * s)
-            .y_label_area_size(76 * s)
+            .margin(MARGIN * s as i32)
+            .margin_top(ABOVE_PANEL * s as i32)
+            .x_label_area_size(48 * s)
+            .y_label_area_size((BEFORE_PANEL - MARGIN) * s as i32)
             .build_cartesian_2d(times, values)
             .map_err(failed)?;
         chart
@@ -147,6 +171,7 @@ impl Pen {
             .bold_line_style(GRID.stroke_width(s))
             .axis_style(INK.stroke_width(s))
             .label_style(self.text(16, INK))
+            .set_all_tick_mark_size(6 * s)
             .x_desc("time [s]")
             .axis_desc_style(self.text(17, INK))
             .x_label_formatter(&|x| label(*x))
@@ -155,7 +180,8 @@ impl Pen {
             .map_err(failed)?;
         for curve in curves {
             for stretch in &curve.stretches {
-                let line = LineSeries::new(stretch.iter().copied(), curve.colour.stroke_width(2 * s));
+                let line =
+                    LineSeries::new(stretch.iter().copied(), curve.colour.stroke_width(2 * s));
                 chart.draw_series(line).map_err(failed)?;
             }
         }
@@ -173,11 +199,15 @@ impl Pen {
         let s = self.scale as i32;
         let style = self.text(17, INK).pos(Pos::new(HPos::Left, VPos::Center));
         for (i, curve) in curves.iter().enumerate() {
-            let y = (52 + 30 * i as i32) * s;
+            let y = (ABOVE_PANEL + 12 + 30 * i as i32) * s;
             let sample = [(0, y), (28 * s, y)];
-            area.draw(&PathElement::new(sample, curve.colour.stroke_width(4 * self.scale)))
+            area.draw(&PathElement::new(
+                sample,
+                curve.colour.stroke_width(4 * self.scale),
+            ))
+            .map_err(failed)?;
+            area.draw_text(&curve.label, &style, (38 * s, y))
                 .map_err(failed)?;
-            area.draw_text(&curve.label, &style, (38 * s, y)).map_err(failed)?;
         }
         Ok(())
     }
@@ -197,19 +227,34 @@ fn position_curves(t: &Trajectory) -> (Vec<Curve>, String) {
     chosen.sort_unstable();
 
     let units: Vec<&str> = chosen.iter().map(|&i| t.coordinates[i].unit).collect();
-    let shared = units.first().filter(|first| units.iter().all(|unit| unit == *first));
-    let title = shared.filter(|unit| !unit.is_empty()).map_or(String::new(), |u| format!(" [{u}]"));
+    let shared = units
+        .first()
+        .filter(|first| units.iter().all(|unit| unit == *first));
+    let title = shared
+        .filter(|unit| !unit.is_empty())
+        .map_or(String::new(), |u| format!(" [{u}]"));
     let curve = |(k, &i): (usize, &usize)| {
         let coordinate = &t.coordinates[i];
         let label = match coordinate {
-            Coordinate { name, unit: "m" | "rad" } if shared.is_none() => {
+            Coordinate {
+                name,
+                unit: "m" | "rad",
+            } if shared.is_none() => {
                 format!("{} [{}]", short(name), coordinate.unit)
             }
             _ => short(&coordinate.name),
         };
         let points = thinned(t).map(|row| (t.time[row], value(row, i)));
-        let turn = if coordinate.unit == "rad" { std::f64::consts::PI } else { f64::INFINITY };
-        Curve { label, colour: COLOURS[k], stretches: broken_at_jumps(points, turn) }
+        let turn = if coordinate.unit == "rad" {
+            std::f64::consts::PI
+        } else {
+            f64::INFINITY
+        };
+        Curve {
+            label,
+            colour: COLOURS[k],
+            stretches: broken_at_jumps(points, turn),
+        }
     };
     (chosen.iter().enumerate().map(curve).collect(), title)
 }
@@ -218,7 +263,11 @@ fn energy_curves(t: &Trajectory) -> Vec<Curve> {
     let curve = |label: &str, k: usize, energy: &dyn Fn(usize) -> f64| Curve {
         label: label.into(),
         colour: COLOURS[k],
-        stretches: vec![thinned(t).map(|row| (t.time[row], energy(row * t.worlds))).collect()],
+        stretches: vec![
+            thinned(t)
+                .map(|row| (t.time[row], energy(row * t.worlds)))
+                .collect(),
+        ],
     };
     let (kinetic, potential) = (&t.kinetic_energy, &t.potential_energy);
     vec![
@@ -234,10 +283,7 @@ fn thinned(t: &Trajectory) -> impl Iterator<Item = usize> {
 }
 
 /// A turn past ±π is no motion across the panel.
-fn broken_at_jumps(
-    points: impl Iterator<Item = (f64, f64)>,
-    jump: f64,
-) -> Vec<Vec<(f64, f64)>> {
+fn broken_at_jumps(points: impl Iterator<Item = (f64, f64)>, jump: f64) -> Vec<Vec<(f64, f64)>> {
     let mut stretches: Vec<Vec<(f64, f64)>> = Vec::new();
     for point in points {
         match stretches.last_mut() {
@@ -261,7 +307,11 @@ fn range(values: impl Iterator<Item = f64>, share: f64) -> std::ops::Range<f64> 
     let room = share * (high - low);
     // Room for the labels of a constant, which rounding must not swallow.
     let least = 1e-6 * low.abs().max(high.abs()).max(1e-6);
-    if high - low < least { low - least..high + least } else { low - room..high + room }
+    if high - low < least {
+        low - least..high + least
+    } else {
+        low - room..high + room
+    }
 }
 
 /// A number as it stands at an axis.
@@ -271,7 +321,11 @@ fn label(x: f64) -> String {
     }
     let text = format!("{x:.4}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".into() } else { text.into() }
+    if text == "-0" {
+        "0".into()
+    } else {
+        text.into()
+    }
 }
 
 /// A name that fits beside a panel.
@@ -291,8 +345,11 @@ mod tests {
     #[test]
     fn turns_break_a_curve_and_motions_do_not() {
         let points = [(0.0, 3.0), (1.0, 3.1), (2.0, -3.1), (3.0, -3.0)];
-        let stretches = broken_at_jumps(points.into_iter(), 3.14);
-        assert_eq!(stretches, [vec![(0.0, 3.0), (1.0, 3.1)], vec![(2.0, -3.1), (3.0, -3.0)]]);
+        let stretches = broken_at_jumps(points.into_iter(), 3.0);
+        assert_eq!(
+            stretches,
+            [vec![(0.0, 3.0), (1.0, 3.1)], vec![(2.0, -3.1), (3.0, -3.0)]]
+        );
         assert_eq!(broken_at_jumps(points.into_iter(), f64::INFINITY).len(), 1);
     }
 
@@ -307,6 +364,9 @@ mod tests {
 
     #[test]
     fn labels_are_short() {
-        assert_eq!([0.0, -0.0, 1.5, -20.0, 1e-7, 2e6].map(label).join(" "), "0 0 1.5 -20 1.00e-7 2.00e6");
+        assert_eq!(
+            [0.0, -0.0, 1.5, -20.0, 1e-7, 2e6].map(label).join(" "),
+            "0 0 1.5 -20 1.00e-7 2.00e6"
+        );
     }
 }

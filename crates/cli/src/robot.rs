@@ -13,14 +13,17 @@ use std::path::Path;
 pub fn load(file: &RobotFile, quiet: bool) -> Result<Model, Error> {
     let Loaded { model, warnings } = read(file)?;
     if !quiet {
-        warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+        warnings
+            .iter()
+            .for_each(|warning| eprintln!("warning: {warning}"));
     }
     Ok(model)
 }
 
 /// Name of a file without folder and extension.
 pub fn stem(path: &Path) -> String {
-    path.file_stem().map_or("robot".into(), |stem| stem.to_string_lossy().into_owned())
+    path.file_stem()
+        .map_or("robot".into(), |stem| stem.to_string_lossy().into_owned())
 }
 
 /// Shows what is in a file.
@@ -30,13 +33,20 @@ pub fn info(arguments: &Info) -> Result<(), Error> {
 }
 
 fn read(file: &RobotFile) -> Result<Loaded, Error> {
-    let options = Options { lenient: file.lenient, floating_base: file.floating_base };
+    let options = Options {
+        lenient: file.lenient,
+        floating_base: file.floating_base,
+    };
     Ok(formats::load(&file.path, &options)?)
 }
 
 fn describe(loaded: &Loaded) -> String {
     let model = &loaded.model;
-    let solver = if model.is_tree() { "featherstone" } else { "xpbd" };
+    let solver = if model.is_tree() {
+        "featherstone"
+    } else {
+        "xpbd"
+    };
     let keyframes: Vec<&str> = model.keyframes.iter().map(|k| k.name.as_str()).collect();
     let mut text = format!("{}\n", contents(model));
     let mut line = |name: &str, value: String| {
@@ -46,16 +56,28 @@ fn describe(loaded: &Loaded) -> String {
     line("gravity", format!("{} m/s²", model.gravity));
     line("time step", format!("{} s", model.time_step));
     line("actuators", model.actuators.len().to_string());
-    line("keyframes", if keyframes.is_empty() { "none".into() } else { keyframes.join(", ") });
+    line(
+        "keyframes",
+        if keyframes.is_empty() {
+            "none".into()
+        } else {
+            keyframes.join(", ")
+        },
+    );
     line("solver", format!("{solver} (auto: {})", reason(model)));
 
-    let bodies = (0..model.bodies.len()).map(|b| body_row(model, BodyId(b))).collect();
+    let bodies = (0..model.bodies.len())
+        .map(|b| body_row(model, BodyId(b)))
+        .collect();
     text += &table(["body", "kind", "mass [kg]", "parent", "joint"], bodies);
     let joints = model.joints.iter().map(|j| joint_row(model, j)).collect();
     text += &table(["joint", "kind", "parent", "child", "coordinates"], joints);
     if !loaded.warnings.is_empty() {
         text += "\nnot supported, and left out\n";
-        loaded.warnings.iter().for_each(|warning| text += &format!("  {warning}\n"));
+        loaded
+            .warnings
+            .iter()
+            .for_each(|warning| text += &format!("  {warning}\n"));
     }
     text
 }
@@ -69,19 +91,36 @@ fn body_row(model: &Model, id: BodyId) -> [String; 5] {
     };
     let parent = joint.map_or("", |j| body_name(model, j.parent));
     let joint = joint.map_or("", |j| j.name.as_str());
-    [body.name.clone(), kind.into(), mass, parent.into(), joint.into()]
+    [
+        body.name.clone(),
+        kind.into(),
+        mass,
+        parent.into(),
+        joint.into(),
+    ]
 }
 
 fn joint_row(model: &Model, joint: &Joint) -> [String; 5] {
     let child = &model.bodies[joint.child.0].name;
     let (kind, parent) = (joint.kind.name(), body_name(model, joint.parent));
-    let ranges: Vec<String> = joint.dofs.iter().filter_map(|dof| dof.limit).map(|l| format!("{:.4} … {:.4}", l.lower, l.upper)).collect();
+    let ranges: Vec<String> = joint
+        .dofs
+        .iter()
+        .filter_map(|dof| dof.limit)
+        .map(|l| format!("{:.4} … {:.4}", l.lower, l.upper))
+        .collect();
     let coordinates = match joint.coordinates() {
         _ if joint.closes_loop => "closes a loop".into(),
         n if ranges.is_empty() => n.to_string(),
         n => format!("{n}, within {}", ranges.join("; ")),
     };
-    [joint.name.clone(), kind.into(), parent.into(), child.clone(), coordinates]
+    [
+        joint.name.clone(),
+        kind.into(),
+        parent.into(),
+        child.clone(),
+        coordinates,
+    ]
 }
 
 fn body_name(model: &Model, body: Option<BodyId>) -> &str {
@@ -90,11 +129,22 @@ fn body_name(model: &Model, body: Option<BodyId>) -> &str {
 
 /// Columns as wide as their widest cell, with a heading and a blank line before it.
 fn table(heading: [&str; 5], rows: Vec<[String; 5]>) -> String {
-    let rows: Vec<_> = std::iter::once(heading.map(str::to_owned)).chain(rows).collect();
-    let width = |c: usize| rows.iter().map(|row| row[c].chars().count()).max().unwrap_or(0);
+    let rows: Vec<_> = std::iter::once(heading.map(str::to_owned))
+        .chain(rows)
+        .collect();
+    let width = |c: usize| {
+        rows.iter()
+            .map(|row| row[c].chars().count())
+            .max()
+            .unwrap_or(0)
+    };
     let widths: [usize; 5] = std::array::from_fn(width);
     rows.iter().fold(String::from("\n"), |text, row| {
-        let line: String = row.iter().zip(widths).map(|(cell, w)| format!("{cell:<w$}  ")).collect();
+        let line: String = row
+            .iter()
+            .zip(widths)
+            .map(|(cell, w)| format!("{cell:<w$}  "))
+            .collect();
         text + "  " + line.trim_end() + "\n"
     })
 }

@@ -29,7 +29,10 @@ struct Start {
 /// Simulates a robot file.
 pub fn robot(arguments: &arguments::Run) -> Result<(), Error> {
     let loaded = robot::load(&arguments.file, arguments.simulation.quiet)?;
-    let keyframe = arguments.keyframe.as_deref().map(|name| loaded.keyframe(name).cloned());
+    let keyframe = arguments
+        .keyframe
+        .as_deref()
+        .map(|name| loaded.keyframe(name).cloned());
     let start = Start {
         name: robot::stem(&arguments.file.path),
         keyframe: keyframe.transpose()?,
@@ -63,7 +66,11 @@ fn simulate(model: Model, start: &Start, options: &arguments::Simulation) -> Res
 
 fn settings(model: &Model, start: &Start, options: &arguments::Simulation) -> SimulationSettings {
     let loops = options.solver == SolverName::Auto && !model.is_tree();
-    let substeps = if loops || options.solver == SolverName::Xpbd { 4 } else { 1 };
+    let substeps = if loops || options.solver == SolverName::Xpbd {
+        4
+    } else {
+        1
+    };
     let step = Settings {
         substeps: options.substeps.unwrap_or(substeps),
         iterations: options.iterations,
@@ -94,14 +101,21 @@ fn run<T: Float>(
     let files = Files::new(&options.out, &start.name)?;
     place(&mut simulation, start, options)?;
 
-    let bar = if options.quiet { ProgressBar::hidden() } else { progress_bar(schedule) };
+    let bar = if options.quiet {
+        ProgressBar::hidden()
+    } else {
+        progress_bar(schedule)
+    };
     let (trajectory, audit, wall) = step(&mut simulation, schedule, trajectory, &bar);
     bar.finish_and_clear();
 
     files.write(&heading(&simulation), &trajectory)?;
     if !options.quiet {
         let drift = audit.drift(simulation.diverged());
-        let effort = Effort { steps: schedule.steps, wall };
+        let effort = Effort {
+            steps: schedule.steps,
+            wall,
+        };
         print(&format!("{}\n{files}", summary(&simulation, effort, drift)));
     }
     match simulation.diverged() {
@@ -129,8 +143,14 @@ impl Schedule {
         if !(1.0..=MOST_STEPS).contains(&steps) {
             return Err(Error::Steps { seconds, time_step });
         }
-        let every = (options.every.unwrap_or(1.0 / 60.0) / time_step).round().clamp(1.0, steps);
-        Ok(Self { steps: steps as usize, every: every as usize, time_step })
+        let every = (options.every.unwrap_or(1.0 / 60.0) / time_step)
+            .round()
+            .clamp(1.0, steps);
+        Ok(Self {
+            steps: steps as usize,
+            every: every as usize,
+            time_step,
+        })
     }
     /// Rows of the trajectory, with the one at the start.
     fn rows(self) -> usize {
@@ -156,7 +176,9 @@ fn place<T: Float>(
         let position = perturb(&model, &position, apart, &mut rng);
         simulation.set_joint_state(world, &position, velocity)?;
         if let Some(keyframe) = keyframe {
-            simulation.controls().set_control(world, &keyframe.control)?;
+            simulation
+                .controls()
+                .set_control(world, &keyframe.control)?;
         }
     }
     Ok(())
@@ -182,14 +204,18 @@ fn step<T: Float>(
         audit.update(&outputs);
         trajectory.record(done as f64 * schedule.time_step, &outputs);
         let world_steps = (done * outputs.worlds()) as f64;
-        bar.set_message(format!("{} world-steps/s", rate(world_steps / wall.as_secs_f64().max(1e-9))));
+        bar.set_message(format!(
+            "{} world-steps/s",
+            rate(world_steps / wall.as_secs_f64().max(1e-9))
+        ));
         bar.set_position(done as u64);
     }
     (trajectory, audit, wall)
 }
 
 fn progress_bar(schedule: Schedule) -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:40.cyan/blue} {percent:>3} %  {msg}  {eta} left");
+    let style =
+        ProgressStyle::with_template("{bar:40.cyan/blue} {percent:>3} %  {msg}  {eta} left");
     let bar = ProgressBar::new(schedule.steps as u64);
     // The default style shows the same, less prettily.
     style.map_or(bar.clone(), |style| bar.with_style(style))

@@ -17,9 +17,16 @@ pub struct Effort {
 }
 
 /// The lines that a run ends with.
-pub fn summary<T: Float>(simulation: &Simulation<T>, effort: Effort, drift: Option<Drift>) -> String {
+pub fn summary<T: Float>(
+    simulation: &Simulation<T>,
+    effort: Effort,
+    drift: Option<Drift>,
+) -> String {
     let (model, settings) = (simulation.model(), simulation.settings());
-    let (worlds, wall) = (simulation.worlds() as f64, effort.wall.as_secs_f64().max(1e-9));
+    let (worlds, wall) = (
+        simulation.worlds() as f64,
+        effort.wall.as_secs_f64().max(1e-9),
+    );
     let simulated = effort.steps as f64 * settings.step.time_step;
     let precision = if T::DOUBLE { "f64" } else { "f32" };
     let picked = match settings.solver {
@@ -34,13 +41,42 @@ pub fn summary<T: Float>(simulation: &Simulation<T>, effort: Effort, drift: Opti
     line("model", contents(model));
     line("worlds", simulation.worlds().to_string());
     line("solver", format!("{}{picked}", simulation.solver()));
-    line("computed with", format!("{precision}, {}, {}", simulation.isa(), threads(simulation.threads())));
-    line("simulated", format!("{simulated:.3} s in {} steps of {} s", effort.steps, settings.step.time_step));
+    line(
+        "computed with",
+        format!(
+            "{precision}, {}, {}",
+            simulation.isa(),
+            threads(simulation.threads())
+        ),
+    );
+    line(
+        "simulated",
+        format!(
+            "{simulated:.3} s in {} steps of {} s",
+            effort.steps, settings.step.time_step
+        ),
+    );
     line("wall time", format!("{wall:.3} s of stepping"));
-    line("speed", format!("{} world-steps/s", rate(worlds * effort.steps as f64 / wall)));
+    line(
+        "speed",
+        format!(
+            "{} world-steps/s",
+            rate(worlds * effort.steps as f64 / wall)
+        ),
+    );
     let real_time = simulated / wall;
-    line("real-time factor", format!("{} (all worlds), {} (each)", rate(worlds * real_time), rate(real_time)));
-    line("energy drift", drift.map_or("unknown: all worlds diverged".into(), |d| d.to_string()));
+    line(
+        "real-time factor",
+        format!(
+            "{} (all worlds), {} (each)",
+            rate(worlds * real_time),
+            rate(real_time)
+        ),
+    );
+    line(
+        "energy drift",
+        drift.map_or("unknown: all worlds diverged".into(), |d| d.to_string()),
+    );
     line("diverged worlds", diverged(simulation));
     text
 }
@@ -52,7 +88,11 @@ pub fn contents(model: &Model) -> String {
         model.name,
         counted(model.bodies.len(), "body", "bodies"),
         counted(model.joints.len(), "joint", "joints"),
-        counted(model.degrees_of_freedom(), "degree of freedom", "degrees of freedom"),
+        counted(
+            model.degrees_of_freedom(),
+            "degree of freedom",
+            "degrees of freedom"
+        ),
     )
 }
 
@@ -79,10 +119,17 @@ fn diverged<T: Float>(simulation: &Simulation<T>) -> String {
     if diverged.is_empty() {
         return "none".into();
     }
-    let first = diverged.iter().take(SHOWN).map(|d| format!("{} at {:.3} s", d.world, d.time));
+    let first = diverged
+        .iter()
+        .take(SHOWN)
+        .map(|d| format!("{} at {:.3} s", d.world, d.time));
     let first = first.collect::<Vec<_>>().join(", ");
     let more = if diverged.len() > SHOWN { ", …" } else { "" };
-    format!("{} of {}: {first}{more}", diverged.len(), simulation.worlds())
+    format!(
+        "{} of {}: {first}{more}",
+        diverged.len(),
+        simulation.worlds()
+    )
 }
 
 /// Three digits, with thousands and millions.
@@ -112,9 +159,15 @@ mod tests {
         assert_eq!(reason(&n_pendula(2).unwrap()), "the joints form a tree");
         let mut world = Builder::new("tied");
         let object = world.object("pair");
-        let a = object.body("a").inertia(1.0, glam::DVec3::ZERO, glam::DMat3::IDENTITY).handle();
+        let a = object
+            .body("a")
+            .inertia(1.0, glam::DVec3::ZERO, glam::DMat3::IDENTITY)
+            .handle();
         object.distance("rope", a, 1.0);
         let model = world.build().unwrap();
-        assert_eq!(reason(&model), "distance joint \"rope\" is outside the tree");
+        assert_eq!(
+            reason(&model),
+            "distance joint \"rope\" is outside the tree"
+        );
     }
 }

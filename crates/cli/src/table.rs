@@ -14,12 +14,19 @@ pub fn write(trajectory: &Trajectory, file: impl Write) -> csv::Result<()> {
 }
 
 fn columns(t: &Trajectory) -> Vec<String> {
-    let first = ["time", "world", "energy", "kinetic_energy", "potential_energy"];
+    let first = [
+        "time",
+        "world",
+        "energy",
+        "kinetic_energy",
+        "potential_energy",
+    ];
     let mut columns = first.map(str::to_owned).to_vec();
     columns.extend(t.coordinates.iter().map(|c| format!("position.{}", c.name)));
     columns.extend(t.dof_names.iter().map(|name| format!("velocity.{name}")));
     for body in &t.body_names {
-        columns.extend(["x", "y", "z", "qx", "qy", "qz", "qw"].map(|part| format!("{body}.{part}")));
+        columns
+            .extend(["x", "y", "z", "qx", "qy", "qz", "qw"].map(|part| format!("{body}.{part}")));
     }
     columns
 }
@@ -37,5 +44,8 @@ fn cells(t: &Trajectory, row: usize) -> Vec<String> {
     }
     let (time, world) = (t.time[row / t.worlds], row % t.worlds);
     let first = [time.to_string(), world.to_string()];
-    first.into_iter().chain(numbers.iter().map(f64::to_string)).collect()
+    first
+        .into_iter()
+        .chain(numbers.iter().map(f64::to_string))
+        .collect()
 }

@@ -41,10 +41,15 @@ pub struct Coordinate {
 impl Trajectory {
     /// An empty trajectory of so many worlds, to be filled with so many rows.
     pub fn new(model: &Model, worlds: usize, rows: usize) -> Result<Self, Error> {
-        let of_world = model.coordinates() + model.degrees_of_freedom() + 7 * model.bodies.len() + 2;
+        let of_world =
+            model.coordinates() + model.degrees_of_freedom() + 7 * model.bodies.len() + 2;
         let numbers = 1 + worlds.saturating_mul(of_world);
         if rows.saturating_mul(numbers) > MOST {
-            return Err(Error::Large { rows, numbers, most: MOST });
+            return Err(Error::Large {
+                rows,
+                numbers,
+                most: MOST,
+            });
         }
         Ok(Self {
             coordinates: coordinates(model),
@@ -68,8 +73,10 @@ impl Trajectory {
             self.joint_position.extend(outputs.joint_position(world));
             self.joint_velocity.extend(outputs.joint_velocity(world));
             for body in (0..self.body_names.len()).map(BodyId) {
-                self.body_position.extend(outputs.body_position(world, body).to_array());
-                self.body_orientation.extend(outputs.body_orientation(world, body).to_array());
+                self.body_position
+                    .extend(outputs.body_position(world, body).to_array());
+                self.body_orientation
+                    .extend(outputs.body_orientation(world, body).to_array());
             }
             self.kinetic_energy.push(outputs.kinetic_energy(world));
             self.potential_energy.push(outputs.potential_energy(world));
@@ -82,18 +89,27 @@ impl Trajectory {
     }
     /// Total energy [J], one per world.
     pub fn energy(&self) -> impl Iterator<Item = f64> + '_ {
-        self.kinetic_energy.iter().zip(&self.potential_energy).map(|(k, p)| k + p)
+        self.kinetic_energy
+            .iter()
+            .zip(&self.potential_energy)
+            .map(|(k, p)| k + p)
     }
 }
 
 fn coordinates(model: &Model) -> Vec<Coordinate> {
-    let units = model.joints.iter().filter(|j| !j.closes_loop).flat_map(|joint| match joint.kind {
-        JointKind::Ball => vec![""; 4],
-        JointKind::Free => vec!["m", "m", "m", "", "", "", ""],
-        _ => joint.axes.iter().map(|axis| unit(axis.kind)).collect(),
-    });
+    let units = model
+        .joints
+        .iter()
+        .filter(|j| !j.closes_loop)
+        .flat_map(|joint| match joint.kind {
+            JointKind::Ball => vec![""; 4],
+            JointKind::Free => vec!["m", "m", "m", "", "", "", ""],
+            _ => joint.axes.iter().map(|axis| unit(axis.kind)).collect(),
+        });
     let named = model.coordinate_names().into_iter().zip(units);
-    named.map(|(name, unit)| Coordinate { name, unit }).collect()
+    named
+        .map(|(name, unit)| Coordinate { name, unit })
+        .collect()
 }
 
 fn unit(kind: AxisKind) -> &'static str {

@@ -26,7 +26,11 @@ impl<T: Float> Compiled<T> {
         let at_rest = vec![0.0; model.degrees_of_freedom()];
         let state = engine.initial(model, &model.initial_position(), &at_rest);
         let input = InputTables::new(model).initial(model);
-        Ok(Self { engine, state, input })
+        Ok(Self {
+            engine,
+            state,
+            input,
+        })
     }
     /// The state as worlds begin, but at other coordinates and velocities.
     pub fn state_at(&self, position: &[f64], velocity: &[f64]) -> Vec<f64> {
@@ -38,14 +42,21 @@ impl<T: Float> Compiled<T> {
     pub fn fingerprint(&self) -> u64 {
         let lengths = self.engine.lengths();
         let parameters = self.engine.parameters().len();
-        let head = [lengths.state, lengths.input, lengths.output, lengths.scratch, parameters];
+        let head = [
+            lengths.state,
+            lengths.input,
+            lengths.output,
+            lengths.scratch,
+            parameters,
+        ];
         let head = head.into_iter().map(|n| n as u32);
         let name = self.engine.name().bytes().map(u32::from);
         // FNV-1a (Fowler, Noll, Vo), word by word.
-        head.chain(name).chain(self.engine.links().iter().copied()).fold(
-            0xcbf2_9ce4_8422_2325,
-            |hash, word| (hash ^ u64::from(word)).wrapping_mul(0x0100_0000_01b3),
-        )
+        head.chain(name)
+            .chain(self.engine.links().iter().copied())
+            .fold(0xcbf2_9ce4_8422_2325, |hash, word| {
+                (hash ^ u64::from(word)).wrapping_mul(0x0100_0000_01b3)
+            })
     }
 }
 

@@ -56,7 +56,11 @@ impl<T: Float> Simulation<T> {
         let mut left = steps("run time [s]", seconds, time_step)?;
         let each = steps("control period [s]", period, time_step)?;
         if (period / time_step - each as f64).abs() > 1e-6 * each as f64 {
-            return Err(setting("control period [s]", period, "a whole number of time steps"));
+            return Err(setting(
+                "control period [s]",
+                period,
+                "a whole number of time steps",
+            ));
         }
         let known = self.diverged.len();
         while left > 0 {
@@ -73,8 +77,14 @@ impl<T: Float> Simulation<T> {
         self.outputs();
         // New controls change the accelerations that were just reported.
         self.reported = false;
-        let outputs = Outputs { memory: &self.output, tables: &self.output_tables };
-        let mut controls = Controls { memory: &mut self.input, tables: &self.input_tables };
+        let outputs = Outputs {
+            memory: &self.output,
+            tables: &self.output_tables,
+        };
+        let mut controls = Controls {
+            memory: &mut self.input,
+            tables: &self.input_tables,
+        };
         controller.control(time, &outputs, &mut controls)
     }
 }
@@ -90,7 +100,11 @@ fn steps(what: &'static str, seconds: f64, time_step: f64) -> Result<usize, Simu
 }
 
 fn setting(what: &'static str, value: f64, remedy: &'static str) -> SimulationError {
-    SimulationError::Setting { what, value: value.to_string(), remedy }
+    SimulationError::Setting {
+        what,
+        value: value.to_string(),
+        remedy,
+    }
 }
 
 /// The controls of all worlds over time, to the bit.
@@ -124,7 +138,10 @@ pub struct Recorder<C> {
 impl<C> Recorder<C> {
     /// Records a controller.
     pub fn new(controller: C) -> Self {
-        Self { controller, recording: Recording::default() }
+        Self {
+            controller,
+            recording: Recording::default(),
+        }
     }
     /// What was recorded.
     pub fn into_recording(self) -> Recording {

@@ -42,7 +42,9 @@ pub struct Snapshot {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SnapshotError {
     /// The bytes end too early.
-    #[error("the snapshot is cut off: {found} bytes of {expected}; copy the file again, or take the snapshot anew")]
+    #[error(
+        "the snapshot is cut off: {found} bytes of {expected}; copy the file again, or take the snapshot anew"
+    )]
     Truncated {
         /// Bytes there are.
         found: usize,
@@ -50,10 +52,14 @@ pub enum SnapshotError {
         expected: usize,
     },
     /// The bytes are something else.
-    #[error("this is no snapshot: it does not start with `KNTRMSNP`; give a file that `Snapshot::to_bytes` made")]
+    #[error(
+        "this is no snapshot: it does not start with `KNTRMSNP`; give a file that `Snapshot::to_bytes` made"
+    )]
     Magic,
     /// A later release wrote it.
-    #[error("the snapshot has format version {found}, but this release reads up to {VERSION}: update Kinetarium, or take the snapshot anew")]
+    #[error(
+        "the snapshot has format version {found}, but this release reads up to {VERSION}: update Kinetarium, or take the snapshot anew"
+    )]
     Version {
         /// Its version.
         found: u32,
@@ -62,7 +68,9 @@ pub enum SnapshotError {
     #[error("the snapshot is damaged ({0}): copy the file again, or take the snapshot anew")]
     Damaged(&'static str),
     /// The simulation computes in another precision.
-    #[error("the snapshot is of {found} numbers, but the simulation computes in {expected}: make the simulation with that precision")]
+    #[error(
+        "the snapshot is of {found} numbers, but the simulation computes in {expected}: make the simulation with that precision"
+    )]
     Precision {
         /// Precision of the snapshot.
         found: &'static str,
@@ -70,10 +78,14 @@ pub enum SnapshotError {
         expected: &'static str,
     },
     /// The simulation has another model or solver.
-    #[error("the snapshot is of another model or another solver: restore it into a simulation made as the one it was taken from")]
+    #[error(
+        "the snapshot is of another model or another solver: restore it into a simulation made as the one it was taken from"
+    )]
     Model,
     /// The simulation has more or fewer worlds.
-    #[error("the snapshot is of {found} worlds, but the simulation has {expected}: make a simulation of {found} worlds")]
+    #[error(
+        "the snapshot is of {found} worlds, but the simulation has {expected}: make a simulation of {found} worlds"
+    )]
     Worlds {
         /// Worlds of the snapshot.
         found: u64,
@@ -105,7 +117,13 @@ impl Header {
         }
     }
     fn to_bytes(self) -> Vec<u8> {
-        let counts = [self.fingerprint, self.worlds, self.state, self.input, self.diverged];
+        let counts = [
+            self.fingerprint,
+            self.worlds,
+            self.state,
+            self.input,
+            self.diverged,
+        ];
         let mut bytes = MAGIC.to_vec();
         bytes.extend(VERSION.to_le_bytes());
         bytes.extend(self.precision.to_le_bytes());
@@ -128,13 +146,26 @@ impl Header {
         if precision != 4 && precision != 8 || diverged > worlds {
             return Err(SnapshotError::Damaged("impossible header"));
         }
-        Ok(Self { precision, fingerprint, worlds, state, input, diverged })
+        Ok(Self {
+            precision,
+            fingerprint,
+            worlds,
+            state,
+            input,
+            diverged,
+        })
     }
     /// Bytes between header and checksum, if a machine can hold them.
     fn body(&self) -> Option<usize> {
-        let numbers = self.state.checked_add(self.input)?.checked_mul(self.precision.into())?;
+        let numbers = self
+            .state
+            .checked_add(self.input)?
+            .checked_mul(self.precision.into())?;
         let worlds = numbers.checked_add(8)?.checked_mul(self.worlds)?;
-        worlds.checked_add(self.diverged.checked_mul(16)?)?.try_into().ok()
+        worlds
+            .checked_add(self.diverged.checked_mul(16)?)?
+            .try_into()
+            .ok()
     }
     fn precision_name(&self) -> &'static str {
         if self.precision == 4 { "f32" } else { "f64" }
@@ -179,7 +210,9 @@ impl Snapshot {
         let mut body = Reader(&self.body);
         read_worlds(&mut simulation.state, &mut body);
         read_worlds(&mut simulation.input, &mut body);
-        simulation.time.fill_with(|| f64::from_le_bytes(body.take()));
+        simulation
+            .time
+            .fill_with(|| f64::from_le_bytes(body.take()));
         let diverged = |_| Diverged {
             world: u64::from_le_bytes(body.take()) as usize,
             time: f64::from_le_bytes(body.take()),
@@ -194,11 +227,15 @@ impl Snapshot {
             let (found, expected) = (own.precision_name(), other.precision_name());
             return Err(SnapshotError::Precision { found, expected });
         }
-        if (own.fingerprint, own.state, own.input) != (other.fingerprint, other.state, other.input) {
+        if (own.fingerprint, own.state, own.input) != (other.fingerprint, other.state, other.input)
+        {
             return Err(SnapshotError::Model);
         }
         if own.worlds != other.worlds {
-            return Err(SnapshotError::Worlds { found: own.worlds, expected: other.worlds });
+            return Err(SnapshotError::Worlds {
+                found: own.worlds,
+                expected: other.worlds,
+            });
         }
         Ok(())
     }
@@ -217,7 +254,10 @@ impl Snapshot {
     /// # Errors
     /// The bytes are cut off, damaged, of a later version, or no snapshot at all.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, SnapshotError> {
-        let truncated = |expected| SnapshotError::Truncated { found: bytes.len(), expected };
+        let truncated = |expected| SnapshotError::Truncated {
+            found: bytes.len(),
+            expected,
+        };
         if !MAGIC.starts_with(&bytes[..bytes.len().min(MAGIC.len())]) {
             return Err(SnapshotError::Magic);
         }
@@ -235,7 +275,10 @@ impl Snapshot {
         if crc32fast::hash(content).to_le_bytes() != checksum {
             return Err(SnapshotError::Damaged("wrong checksum"));
         }
-        let snapshot = Self { header, body: content[HEADER..].to_vec() };
+        let snapshot = Self {
+            header,
+            body: content[HEADER..].to_vec(),
+        };
         snapshot.check_diverged()?;
         Ok(snapshot)
     }
@@ -246,7 +289,9 @@ impl Snapshot {
         let mut rows = Reader(&self.body[start..]);
         for _ in 0..self.header.diverged {
             if u64::from_le_bytes(rows.take()) >= self.header.worlds {
-                return Err(SnapshotError::Damaged("a diverged world that does not exist"));
+                return Err(SnapshotError::Damaged(
+                    "a diverged world that does not exist",
+                ));
             }
             rows.slice(8);
         }

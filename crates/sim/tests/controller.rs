@@ -26,7 +26,11 @@ impl Controller<f32> for Brake {
     ) -> Result<(), SimulationError> {
         for world in 0..outputs.worlds() {
             let gain = 0.1 * world as f64 + time;
-            let force: Vec<f64> = outputs.joint_velocity(world).iter().map(|v| -gain * v).collect();
+            let force: Vec<f64> = outputs
+                .joint_velocity(world)
+                .iter()
+                .map(|v| -gain * v)
+                .collect();
             controls.set_force(world, &force)?;
         }
         Ok(())
@@ -35,7 +39,9 @@ impl Controller<f32> for Brake {
 
 fn positions(simulation: &mut Simulation<f32>) -> Vec<Vec<f64>> {
     let outputs = simulation.outputs();
-    (0..outputs.worlds()).map(|w| outputs.joint_position(w)).collect()
+    (0..outputs.worlds())
+        .map(|w| outputs.joint_position(w))
+        .collect()
 }
 
 #[test]
@@ -47,10 +53,19 @@ fn the_controller_is_called_first_and_then_every_period() {
         Ok(())
     };
     simulation.run(0.025, 0.01, &mut clock).unwrap();
-    assert!((simulation.time(0) - 0.026).abs() < 1e-12, "0.025 s are 12.5 steps, so 13");
+    assert!(
+        (simulation.time(0) - 0.026).abs() < 1e-12,
+        "0.025 s are 12.5 steps, so 13"
+    );
     let expected = [0.0, 0.01, 0.02];
     assert_eq!(times.len(), expected.len());
-    assert!(times.iter().zip(expected).all(|(t, e)| (t - e).abs() < 1e-12), "{times:?}");
+    assert!(
+        times
+            .iter()
+            .zip(expected)
+            .all(|(t, e)| (t - e).abs() < 1e-12),
+        "{times:?}"
+    );
 }
 
 #[test]
@@ -78,7 +93,10 @@ fn a_replay_refuses_another_number_of_worlds() {
     pendula(4).run(0.02, 0.01, &mut recorder).unwrap();
     let mut replay = Replay::new(recorder.into_recording());
     let error = pendula(5).run(0.02, 0.01, &mut replay).unwrap_err();
-    assert_eq!(error.to_string(), "recording has 36 numbers, but the model needs 45");
+    assert_eq!(
+        error.to_string(),
+        "recording has 36 numbers, but the model needs 45"
+    );
 }
 
 #[test]
@@ -91,20 +109,41 @@ fn periods_and_times_that_make_no_sense_are_refused() {
     };
     let steps = "it must be at least one time step, and finite";
     assert_eq!(refused(0.0, 0.01), format!("run time [s] is 0: {steps}"));
-    assert_eq!(refused(f64::NAN, 0.01), format!("run time [s] is NaN: {steps}"));
-    assert_eq!(refused(1.0, -0.01), format!("control period [s] is -0.01: {steps}"));
-    assert_eq!(refused(1.0, f64::INFINITY), format!("control period [s] is inf: {steps}"));
+    assert_eq!(
+        refused(f64::NAN, 0.01),
+        format!("run time [s] is NaN: {steps}")
+    );
+    assert_eq!(
+        refused(1.0, -0.01),
+        format!("control period [s] is -0.01: {steps}")
+    );
+    assert_eq!(
+        refused(1.0, f64::INFINITY),
+        format!("control period [s] is inf: {steps}")
+    );
     let whole = "it must be a whole number of time steps";
-    assert_eq!(refused(1.0, 0.005), format!("control period [s] is 0.005: {whole}"));
+    assert_eq!(
+        refused(1.0, 0.005),
+        format!("control period [s] is 0.005: {whole}")
+    );
 }
 
 #[test]
 fn an_error_of_the_controller_ends_the_run() {
     let mut simulation = pendula(2);
     let mut wrong = |time: f64, _: &Outputs<'_, f32>, controls: &mut Controls<'_, f32>| {
-        if time > 0.015 { controls.set_dof_force(0, 7, 1.0) } else { Ok(()) }
+        if time > 0.015 {
+            controls.set_dof_force(0, 7, 1.0)
+        } else {
+            Ok(())
+        }
     };
     let error = simulation.run(1.0, 0.01, &mut wrong).unwrap_err();
-    assert!(error.to_string().starts_with("degree of freedom 7 does not exist"), "{error}");
+    assert!(
+        error
+            .to_string()
+            .starts_with("degree of freedom 7 does not exist"),
+        "{error}"
+    );
     assert!((simulation.time(0) - 0.02).abs() < 1e-12);
 }

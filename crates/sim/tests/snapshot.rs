@@ -15,8 +15,13 @@ fn moved<T: Float>(settings: SimulationSettings) -> Simulation<T> {
     let mut simulation = Simulation::new(n_pendula(3).unwrap(), settings).unwrap();
     for world in 0..settings.worlds {
         let speed = if world == 17 { 1e6 } else { 0.1 * world as f64 };
-        simulation.set_joint_state(world, &[0.1, 0.2, 0.3], &[speed, 0.0, 0.0]).unwrap();
-        simulation.controls().set_dof_force(world, 1, 0.5 * world as f64).unwrap();
+        simulation
+            .set_joint_state(world, &[0.1, 0.2, 0.3], &[speed, 0.0, 0.0])
+            .unwrap();
+        simulation
+            .controls()
+            .set_dof_force(world, 1, 0.5 * world as f64)
+            .unwrap();
     }
     simulation.step(40);
     simulation
@@ -24,16 +29,27 @@ fn moved<T: Float>(settings: SimulationSettings) -> Simulation<T> {
 
 /// Everything that can be seen of a simulation.
 fn seen<T: Float>(simulation: &mut Simulation<T>) -> Vec<Vec<u64>> {
-    let times: Vec<f64> = (0..simulation.worlds()).map(|w| simulation.time(w)).collect();
-    let diverged: Vec<f64> =
-        simulation.diverged().iter().flat_map(|d| [d.world as f64, d.time]).collect();
+    let times: Vec<f64> = (0..simulation.worlds())
+        .map(|w| simulation.time(w))
+        .collect();
+    let diverged: Vec<f64> = simulation
+        .diverged()
+        .iter()
+        .flat_map(|d| [d.world as f64, d.time])
+        .collect();
     let outputs = simulation.outputs();
     let worlds = (0..outputs.worlds()).map(|w| {
         let velocity = outputs.joint_velocity(w);
-        [outputs.joint_position(w), velocity, outputs.joint_acceleration(w)].concat()
+        [
+            outputs.joint_position(w),
+            velocity,
+            outputs.joint_acceleration(w),
+        ]
+        .concat()
     });
     let all = worlds.chain([times, diverged]);
-    all.map(|row| row.into_iter().map(f64::to_bits).collect()).collect()
+    all.map(|row| row.into_iter().map(f64::to_bits).collect())
+        .collect()
 }
 
 fn goes_on_as_before<T: Float>(from: SimulationSettings, into: SimulationSettings) {
@@ -45,7 +61,9 @@ fn goes_on_as_before<T: Float>(from: SimulationSettings, into: SimulationSetting
 
     let mut other = Simulation::<T>::new(n_pendula(3).unwrap(), into).unwrap();
     other.step(7);
-    other.restore(&Snapshot::from_bytes(&bytes).unwrap()).unwrap();
+    other
+        .restore(&Snapshot::from_bytes(&bytes).unwrap())
+        .unwrap();
     assert_eq!(seen(&mut other), at_snapshot);
     other.step(30);
     assert_eq!(seen(&mut other), seen(&mut original));
@@ -59,7 +77,10 @@ fn restored_worlds_go_on_to_the_bit() {
 
 #[test]
 fn lanes_restore_into_scalars_and_back() {
-    let scalar = SimulationSettings { scalar: true, ..settings() };
+    let scalar = SimulationSettings {
+        scalar: true,
+        ..settings()
+    };
     goes_on_as_before::<f32>(settings(), scalar);
     goes_on_as_before::<f32>(scalar, settings());
 }
@@ -71,28 +92,48 @@ fn what_does_not_fit_is_refused_and_changes_nothing() {
         let before = seen(simulation);
         let error = simulation.restore(&snapshot).unwrap_err();
         assert_eq!(seen(simulation), before);
-        let SimulationError::Snapshot(error) = error else { panic!("{error}") };
+        let SimulationError::Snapshot(error) = error else {
+            panic!("{error}")
+        };
         error
     };
-    let fewer = SimulationSettings { worlds: 20, ..settings() };
+    let fewer = SimulationSettings {
+        worlds: 20,
+        ..settings()
+    };
     let error = refused(&mut Simulation::new(n_pendula(3).unwrap(), fewer).unwrap());
-    assert_eq!(error, SnapshotError::Worlds { found: 21, expected: 20 });
+    assert_eq!(
+        error,
+        SnapshotError::Worlds {
+            found: 21,
+            expected: 20
+        }
+    );
     let error = refused(&mut Simulation::new(n_pendula(4).unwrap(), settings()).unwrap());
     assert_eq!(error, SnapshotError::Model);
 
     let mut double = Simulation::<f64>::new(n_pendula(3).unwrap(), settings()).unwrap();
     let error = double.restore(&snapshot).unwrap_err().to_string();
-    assert!(error.contains("of f32 numbers, but the simulation computes in f64"), "{error}");
+    assert!(
+        error.contains("of f32 numbers, but the simulation computes in f64"),
+        "{error}"
+    );
 }
 
 #[test]
 fn every_cut_and_every_flipped_bit_is_noticed() {
-    let small = SimulationSettings { worlds: 2, ..settings() };
+    let small = SimulationSettings {
+        worlds: 2,
+        ..settings()
+    };
     let bytes = moved::<f32>(small).snapshot().to_bytes();
     assert!(Snapshot::from_bytes(&bytes).is_ok());
     for n in 0..bytes.len() {
         let error = Snapshot::from_bytes(&bytes[..n]).unwrap_err();
-        assert!(matches!(error, SnapshotError::Truncated { found, .. } if found == n), "{n}: {error}");
+        assert!(
+            matches!(error, SnapshotError::Truncated { found, .. } if found == n),
+            "{n}: {error}"
+        );
     }
     for bit in 0..8 * bytes.len() {
         let mut flipped = bytes.clone();
@@ -108,12 +149,28 @@ fn every_cut_and_every_flipped_bit_is_noticed() {
 
 #[test]
 fn other_files_and_later_versions_are_named() {
-    let mut bytes = moved::<f64>(SimulationSettings { worlds: 1, ..settings() }).snapshot().to_bytes();
-    assert_eq!(Snapshot::from_bytes(b"<mujoco/>").unwrap_err(), SnapshotError::Magic);
+    let mut bytes = moved::<f64>(SimulationSettings {
+        worlds: 1,
+        ..settings()
+    })
+    .snapshot()
+    .to_bytes();
+    assert_eq!(
+        Snapshot::from_bytes(b"<mujoco/>").unwrap_err(),
+        SnapshotError::Magic
+    );
     bytes[8] = 2;
     let error = Snapshot::from_bytes(&bytes).unwrap_err();
     assert_eq!(error, SnapshotError::Version { found: 2 });
-    assert!(error.to_string().contains("version 2, but this release reads up to 1"), "{error}");
+    assert!(
+        error
+            .to_string()
+            .contains("version 2, but this release reads up to 1"),
+        "{error}"
+    );
     let absurd = [&b"KNTRMSNP\x01\0\0\0\x04\0\0\0"[..], &[255; 44]].concat();
-    assert_eq!(Snapshot::from_bytes(&absurd).unwrap_err(), SnapshotError::Damaged("impossible sizes"));
+    assert_eq!(
+        Snapshot::from_bytes(&absurd).unwrap_err(),
+        SnapshotError::Damaged("impossible sizes")
+    );
 }

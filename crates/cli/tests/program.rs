@@ -1,0 +1,381 @@
+//! The program from outside: what it prints, what it writes, and what it refuses.
+
+use assert_cmd::Command;
+use predicates::prelude::*;
+use predicates::str::contains;
+use std::fs::{self, File};
+use std::path::Path;
+use tempfile::TempDir;
+
+const DOUBLE_PENDULUM: &str = r#"<mujoco model="double">
+  <option timestep="0.004"/>
+  <worldbody>
+    <body name="upper">
+      <joint name="shoulder" type="hinge" axis="0 1 0"/>
+      <geom type="capsule" fromto="0 0 0 0 0 -1" size="0.05"/>
+      <body name="lower" pos="0 0 -1">
+        <joint name="elbow" type="hinge" axis="0 1 0"/>
+        <geom type="capsule" fromto="0 0 0 0 0 -1" size="0.05"/>
+      </body>
+    </body>
+  </worldbody>
+  <actuator><motor name="motor" joint="elbow"/></actuator>
+  <keyframe><key name="raised" qpos="1.5 0.5" qvel="0 2" ctrl="0.25"/></keyframe>
+</mujoco>
+"#;
+
+fn kinetarium(folder: &TempDir) -> Command {
+    let mut command = Command::cargo_bin("kinetarium").unwrap();
+    command.current_dir(folder).env_remove("KINETARIUM_ISA");
+    command
+}
+
+fn folder() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("double.xml"), DOUBLE_PENDULUM).unwrap();
+    folder
+}
+
+/// Array of an npz file: shape and numbers.
+fn array(path: &Path, name: &str) -> (Vec<u64>, Vec<f64>) {
+    let mut zip = zip::ZipArchive::new(File::open(path).unwrap()).unwrap();
+    let npy = npyz::NpyFile::new(zip.by_name(&format!("{name}.npy")).unwrap()).unwrap();
+    (npy.shape().to_vec(), npy.into_vec().unwrap())
+}
+
+fn names(path: &Path, name: &str) -> Vec<String> {
+    let mut zip = zip::ZipArchive::new(File::open(path).unwrap()).unwrap();
+    let npy = npyz::NpyFile::new(zip.by_name(&format!("{name}.npy")).unwrap()).unwrap();
+    npy.into_vec().unwrap()
+}
+
+#[test]
+fn without_arguments_the_pendula_run() {
+    let folder = folder();
+    let summary = [
+        "1024",
+        "featherstone (auto: the joints form a tree)",
+        "world-steps/s",
+        "real-time factor",
+        "energy drift",
+        "kinetarium-out/pendula.npz",
+    ];
+    let mut run = kinetarium(&folder).assert().success();
+    for part in summary {
+        run = run.stdout(contains(part));
+    }
+    for extension in ["npz", "csv", "png", "svg"] {
+        let path = folder
+            .path()
+            .join("kinetarium-out/pendula")
+            .with_extension(extension);
+        assert!(
+            fs::metadata(&path).unwrap().len() > 1000,
+            "{}",
+            path.display()
+        );
+    }
+}
+
+#[test]
+fn a_file_runs_and_its_trajectory_reads_back() {
+    let folder = folder();
+    let options = "run double.xml --worlds 20 --seconds 1 --every 0.1 --record 3 --perturb 0.05 \
+                   --solver featherstone --integrator rk4 --precision f64 --threads 2 --out results";
+    kinetarium(&folder)
+        .args(options.split_whitespace())
+        .assert()
+        .success()
+        .stdout(contains("f64"));
+    let npz = folder.path().join("results/double.npz");
+
+    let (shape, time) = array(&npz, "time");
+    assert_eq!(shape, [11]);
+    assert!(
+        time.iter()
+            .enumerate()
+            .all(|(i, t)| (t - 0.1 * i as f64).abs() < 1e-12),
+        "{time:?}"
+    );
+    let (shape, position) = array(&npz, "joint_position");
+    assert_eq!(shape, [11, 3, 2]);
+    assert_eq!(position[..2], [0.0, 0.0], "world 0 starts as the file says");
+    assert!(
+        position[2..6].iter().all(|q| *q != 0.0 && q.abs() <= 0.05),
+        "the others apart"
+    );
+    assert_eq!(array(&npz, "joint_velocity").0, [11, 3, 2]);
+    let (shape, bodies) = array(&npz, "body_position");
+    assert_eq!(shape, [11, 3, 2, 3]);
+    assert_eq!(
+        bodies[3..6],
+        [0.0, 0.0, -1.0],
+        "the elbow, in world 0 at the start"
+    );
+    assert_eq!(array(&npz, "body_orientation").0, [11, 3, 2, 4]);
+    let (shape, energy) = array(&npz, "energy");
+    assert_eq!(shape, [11, 3]);
+    let drift = energy
+        .chunks(3)
+        .map(|row| (row[1] - energy[1]).abs())
+        .fold(0.0, f64::max);
+    assert!(drift < 1e-8, "{drift}");
+    assert_eq!(names(&npz, "coordinate_names"), ["shoulder", "elbow"]);
+    assert_eq!(names(&npz, "dof_names"), ["shoulder", "elbow"]);
+    assert_eq!(names(&npz, "body_names"), ["upper", "lower"]);
+}
+
+#[test]
+fn the_table_holds_the_same_numbers() {
+    let folder = folder();
+    let options = "run double.xml --worlds 2 --record 2 --seconds 0.2 --every 0.1 --perturb 0.1";
+    kinetarium(&folder)
+        .args(options.split_whitespace())
+        .assert()
+        .success();
+    let path = folder.path().join("kinetarium-out/double");
+    let (_, position) = array(&path.with_extension("npz"), "joint_position");
+    let mut table = csv::Reader::from_path(path.with_extension("csv")).unwrap();
+    let columns = table.headers().unwrap().clone();
+    let column = |name: &str| columns.iter().position(|c| c == name).unwrap();
+    let (world, elbow) = (column("world"), column("position.elbow"));
+    let rows: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
+    assert_eq!(
+        rows.iter()
+            .map(|row| row[world].to_owned())
+            .collect::<Vec<_>>()
+            .join(""),
+        "010101"
+    );
+    let elbows: Vec<f64> = rows.iter().map(|row| row[elbow].parse().unwrap()).collect();
+    assert_eq!(elbows, position.chunks(2).map(|q| q[1]).collect::<Vec<_>>());
+}
+
+#[test]
+fn a_keyframe_sets_positions_velocities_and_controls() {
+    let folder = folder();
+    let run = |name: &str| {
+        let options = format!("run double.xml --keyframe {name} --seconds 0.1");
+        kinetarium(&folder)
+            .args(options.split_whitespace())
+            .assert()
+    };
+    run("raised").success();
+    let npz = folder.path().join("kinetarium-out/double.npz");
+    assert_eq!(array(&npz, "joint_position").1[..2], [1.5, 0.5]);
+    assert_eq!(array(&npz, "joint_velocity").1[..2], [0.0, 2.0]);
+    run("risen")
+        .code(2)
+        .stderr(contains("did you mean \"raised\"?"));
+}
+
+#[test]
+fn the_same_seed_gives_the_same_files() {
+    let folder = folder();
+    let run = |seed: &str, threads: &str, out: &str| {
+        let options = "run double.xml --worlds 40 --record 40 --seconds 0.5 --perturb 0.1 --quiet";
+        let more = ["--seed", seed, "--threads", threads, "--out", out];
+        let run = kinetarium(&folder)
+            .args(options.split_whitespace())
+            .args(more)
+            .assert();
+        run.success().stdout("").stderr("");
+        array(
+            &folder.path().join(out).join("double.npz"),
+            "joint_position",
+        )
+        .1
+    };
+    let first = run("7", "1", "a");
+    assert_eq!(first, run("7", "2", "b"));
+    assert_ne!(first, run("8", "2", "c"));
+}
+
+#[test]
+fn every_solver_and_integrator_runs() {
+    let folder = folder();
+    for options in [
+        "--solver xpbd --iterations 2",
+        "--integrator explicit-euler",
+        "--integrator verlet",
+        "--isa portable --substeps 2",
+    ] {
+        let run = kinetarium(&folder)
+            .args([
+                "pendula",
+                "--links",
+                "2",
+                "--worlds",
+                "3",
+                "--seconds",
+                "0.1",
+            ])
+            .args(options.split_whitespace())
+            .assert();
+        run.success().stdout(contains("diverged worlds   none"));
+    }
+}
+
+#[test]
+fn info_tells_what_is_in_a_file() {
+    let folder = folder();
+    let parts = [
+        "double: 2 bodies, 2 joints, 2 degrees of freedom",
+        "time step         0.004 s",
+        "keyframes         raised",
+        "featherstone (auto: the joints form a tree)",
+        "elbow",
+    ];
+    let mut info = kinetarium(&folder)
+        .args(["info", "double.xml"])
+        .assert()
+        .success();
+    for part in parts {
+        info = info.stdout(contains(part));
+    }
+}
+
+#[test]
+fn help_shows_examples() {
+    let folder = folder();
+    kinetarium(&folder)
+        .arg("--help")
+        .assert()
+        .success()
+        .stdout(contains("Examples:").and(contains("info robot.xml")));
+    kinetarium(&folder)
+        .args(["run", "--help"])
+        .assert()
+        .success()
+        .stdout(contains("--keyframe <NAME>"));
+}
+
+#[test]
+fn wrong_options_end_with_2_and_say_why() {
+    let cases = [
+        ("fly", "unrecognized subcommand 'fly'"),
+        ("run", "<FILE>"),
+        (
+            "run double.xml --world 3",
+            "a similar argument exists: '--worlds'",
+        ),
+        ("run double.xml --worlds 0", "0 is not in 1..=16777216"),
+        ("run double.xml --worlds many", "invalid digit"),
+        ("run double.xml --seconds -1", "it must be above zero"),
+        ("run double.xml --seconds nan", "it must be finite"),
+        (
+            "run double.xml --seconds 1e-9",
+            "--seconds 0.000000001 are no time step of 0.004 s",
+        ),
+        ("run double.xml --seconds 1e300", "or too many"),
+        ("run double.xml --time-step 0", "it must be above zero"),
+        (
+            "run double.xml --solver magic",
+            "possible values: auto, featherstone, xpbd",
+        ),
+        (
+            "run double.xml --integrator leapfrog",
+            "possible values: semi-implicit-euler",
+        ),
+        (
+            "run double.xml --precision f16",
+            "possible values: f32, f64",
+        ),
+        ("run double.xml --isa mmx", "unknown instruction set `mmx`"),
+        ("run double.xml --threads 100000", "is not in 0..=1024"),
+        ("run double.xml --substeps 0", "is not in 1..=10000"),
+        ("run double.xml --perturb -0.1", "it must not be negative"),
+        (
+            "run double.xml --record 2",
+            "--record 2 is more than the 1 worlds there are",
+        ),
+        (
+            "run double.xml --seconds 1e8 --every 0.004",
+            "raise --every",
+        ),
+        ("pendula --links 0", "0 is not in 1..=1000"),
+        (
+            "pendula --start sideways",
+            "possible values: hanging, horizontal, upright",
+        ),
+    ];
+    let folder = folder();
+    for (options, message) in cases {
+        let run = kinetarium(&folder)
+            .args(options.split_whitespace())
+            .assert();
+        run.code(2).stdout("").stderr(contains(message));
+    }
+    assert!(
+        !folder.path().join("kinetarium-out").exists(),
+        "nothing was written"
+    );
+}
+
+#[test]
+fn wrong_files_end_with_2_and_say_why() {
+    let folder = folder();
+    let file = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    file("cut.xml", "<mujoco><worldbody>");
+    file("page.xml", "<html/>");
+    file(
+        "fluid.xml",
+        &DOUBLE_PENDULUM.replace("<option ", "<option density=\"1000\" "),
+    );
+    for (name, message) in [
+        ("missing.xml", "missing.xml: cannot be read"),
+        ("cut.xml", "cut.xml:1:"),
+        ("page.xml", "MJCF files start with <mujoco>"),
+        ("fluid.xml", "or load leniently (--lenient)"),
+    ] {
+        for command in ["run", "info"] {
+            kinetarium(&folder)
+                .args([command, name])
+                .assert()
+                .code(2)
+                .stdout("")
+                .stderr(contains(message));
+        }
+    }
+    let lenient = ["run", "fluid.xml", "--lenient", "--seconds", "0.1"];
+    kinetarium(&folder)
+        .args(lenient)
+        .assert()
+        .success()
+        .stderr(contains("warning: fluid.xml:"));
+}
+
+#[test]
+fn an_instruction_set_from_the_environment_is_checked() {
+    let folder = folder();
+    let mut run = kinetarium(&folder);
+    run.env("KINETARIUM_ISA", "abacus")
+        .args(["pendula", "--worlds", "2"]);
+    run.assert()
+        .code(2)
+        .stderr(contains("unknown instruction set `abacus`"));
+}
+
+#[test]
+fn a_folder_that_cannot_be_made_ends_with_2() {
+    let folder = folder();
+    let run = ["pendula", "--worlds", "2", "--out", "double.xml/results"];
+    kinetarium(&folder)
+        .args(run)
+        .assert()
+        .code(2)
+        .stderr(contains("choose another with --out"));
+}
+
+#[test]
+fn a_run_in_which_all_worlds_diverge_ends_with_1() {
+    let folder = folder();
+    let options =
+        "pendula --links 3 --worlds 4 --time-step 0.5 --seconds 500 --integrator explicit-euler";
+    kinetarium(&folder)
+        .args(options.split_whitespace())
+        .assert()
+        .code(1)
+        .stdout(contains("4 of 4"))
+        .stderr(contains("all 4 worlds diverged").and(contains("lower --time-step")));
+}
