@@ -308,4 +308,3 @@ pub fn wrap<R: Real>(x: R) -> R {
     let turns = (x * R::lit(0.5 / core::f64::consts::PI)).round();
     turns.fnma(R::lit(core::f64::consts::TAU), x)
 }
-

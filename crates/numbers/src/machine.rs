@@ -96,7 +96,10 @@ pub struct Table<S, const W: usize = 1> {
 impl<S, const W: usize> Table<S, W> {
     /// `rows` rows, placed at `*end`, which moves past them.
     pub fn place(end: &mut usize, rows: usize) -> Self {
-        Self { base: reserve(end, rows * W), memory: PhantomData }
+        Self {
+            base: reserve(end, rows * W),
+            memory: PhantomData,
+        }
     }
     /// Offset of the first number.
     #[inline(always)]
@@ -118,7 +121,9 @@ pub struct Links<const W: usize = 1> {
 impl<const W: usize> Links<W> {
     /// `rows` rows, placed at `*end`, which moves past them.
     pub fn place(end: &mut usize, rows: usize) -> Self {
-        Self { base: reserve(end, rows * W) }
+        Self {
+            base: reserve(end, rows * W),
+        }
     }
     /// Offset of the first number.
     #[inline(always)]
@@ -470,7 +475,14 @@ macro_rules! hold {
 
 hold!(Vec3 { x, y, z });
 hold!(Quat { x, y, z, w });
-hold!(SymMat3 { xx, yy, zz, xy, xz, yz });
+hold!(SymMat3 {
+    xx,
+    yy,
+    zz,
+    xy,
+    xz,
+    yz
+});
 hold!(Mat3 of x, y, z);
 hold!(Pose of p, q);
 hold!(Spatial of angular, linear);
@@ -652,8 +664,9 @@ where
             Kind::Scratch => &mut *self.scratch,
             Kind::Input | Kind::Parameter => unreachable!("not writable"),
         };
-        let found: &mut [R; N] =
-            (&mut memory[offset..offset + N]).try_into().expect("N of them");
+        let found: &mut [R; N] = (&mut memory[offset..offset + N])
+            .try_into()
+            .expect("N of them");
         *found = x;
     }
     #[inline(always)]
@@ -662,11 +675,17 @@ where
     }
     #[inline(always)]
     fn range(&self, from: u32, to: u32) -> Rounds {
-        Rounds { left: from..to, down: false }
+        Rounds {
+            left: from..to,
+            down: false,
+        }
     }
     #[inline(always)]
     fn range_down(&self, n: u32) -> Rounds {
-        Rounds { left: 0..n, down: true }
+        Rounds {
+            left: 0..n,
+            down: true,
+        }
     }
     #[inline(always)]
     fn when(&self, flag: bool) -> Once {

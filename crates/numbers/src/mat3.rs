@@ -94,7 +94,14 @@ impl<R: Real> SymMat3<R> {
     /// From xx, yy, zz, xy, xz, yz.
     #[inline(always)]
     pub fn from_array([xx, yy, zz, xy, xz, yz]: [R; 6]) -> Self {
-        Self { xx, yy, zz, xy, xz, yz }
+        Self {
+            xx,
+            yy,
+            zz,
+            xy,
+            xz,
+            yz,
+        }
     }
     /// xx, yy, zz, xy, xz, yz.
     #[inline(always)]

@@ -110,12 +110,38 @@ impl<R: Real> Inertia<R> {
     pub fn rigid(m: R, c: Vec3<R>, i: SymMat3<R>) -> Self {
         let mc = c * m;
         let steiner = SymMat3::diagonal(mc.dot(c)) - SymMat3::outer(c, m);
-        Self { i: i + steiner, h: Mat3::skew(mc), m: SymMat3::diagonal(m) }
+        Self {
+            i: i + steiner,
+            h: Mat3::skew(mc),
+            m: SymMat3::diagonal(m),
+        }
     }
     /// From I, the columns of H, and M.
     #[inline(always)]
     pub fn from_array(x: [R; 21]) -> Self {
-        let [a, b, c, d, e, f, h0, h1, h2, h3, h4, h5, h6, h7, h8, u, v, w, p, q, r] = x;
+        let [
+            a,
+            b,
+            c,
+            d,
+            e,
+            f,
+            h0,
+            h1,
+            h2,
+            h3,
+            h4,
+            h5,
+            h6,
+            h7,
+            h8,
+            u,
+            v,
+            w,
+            p,
+            q,
+            r,
+        ] = x;
         Self {
             i: SymMat3::from_array([a, b, c, d, e, f]),
             h: Mat3::from_columns(
@@ -132,7 +158,9 @@ impl<R: Real> Inertia<R> {
         let [a, b, c, d, e, f] = self.i.to_array();
         let [u, v, w, p, q, r] = self.m.to_array();
         let (x, y, z) = (self.h.x, self.h.y, self.h.z);
-        [a, b, c, d, e, f, x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z, u, v, w, p, q, r]
+        [
+            a, b, c, d, e, f, x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z, u, v, w, p, q, r,
+        ]
     }
     /// Inertia times motion: a force.
     #[inline(always)]

@@ -8,7 +8,12 @@ pub(crate) fn rotations(model: &Model, solver: &'static str) -> Result<(), Solve
     for joint in model.joints.iter().filter(|j| !j.closes_loop) {
         if let Some(what) = unlawful(joint) {
             let (name, remedy) = (joint.name.clone(), "use a d6 joint with three angular axes");
-            return Err(SolverError::Unsupported { solver, what, name, remedy });
+            return Err(SolverError::Unsupported {
+                solver,
+                what,
+                name,
+                remedy,
+            });
         }
     }
     let servo = |a: &&model::Actuator| {
@@ -43,7 +48,13 @@ fn unlawful(joint: &Joint) -> Option<&'static str> {
         return Some("limits of a ball joint");
     }
     let gains = |d: &Dof| {
-        let Drive { stiffness, damping, effort_limit, control_time, .. } = d.drive;
+        let Drive {
+            stiffness,
+            damping,
+            effort_limit,
+            control_time,
+            ..
+        } = d.drive;
         [stiffness, damping, effort_limit, control_time]
     };
     let unlike = dofs.windows(2).any(|d| gains(&d[0]) != gains(&d[1]));

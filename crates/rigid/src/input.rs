@@ -27,7 +27,13 @@ impl InputTables {
         let target_position = Table::place(&mut end, n);
         let target_velocity = Table::place(&mut end, n);
         let control = Table::place(&mut end, model.actuators.len());
-        Self { force, target_position, target_velocity, control, length: end }
+        Self {
+            force,
+            target_position,
+            target_velocity,
+            control,
+            length: end,
+        }
     }
     /// Number of degrees of freedom.
     pub fn dofs(&self) -> usize {
@@ -36,7 +42,11 @@ impl InputTables {
     /// The model's own targets, and no force or control.
     pub fn initial(&self, model: &model::Model) -> Vec<f64> {
         let mut input = vec![0.0; self.length];
-        let dofs = model.joints.iter().filter(|j| !j.closes_loop).flat_map(|j| &j.dofs);
+        let dofs = model
+            .joints
+            .iter()
+            .filter(|j| !j.closes_loop)
+            .flat_map(|j| &j.dofs);
         for (i, dof) in dofs.enumerate() {
             input[self.target_position.at(i, 0)] = dof.drive.target_position;
             input[self.target_velocity.at(i, 0)] = dof.drive.target_velocity;

@@ -72,6 +72,14 @@ impl OutputTables {
         let velocity = Table::place(&mut end, model.degrees_of_freedom());
         let acceleration = Table::place(&mut end, model.degrees_of_freedom());
         let total = Table::place(&mut end, 1);
-        Self { body, reaction, position, velocity, acceleration, total, length: end }
+        Self {
+            body,
+            reaction,
+            position,
+            velocity,
+            acceleration,
+            total,
+            length: end,
+        }
     }
 }

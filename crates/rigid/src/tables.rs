@@ -15,28 +15,69 @@ pub(crate) struct Filler {
 
 impl Filler {
     pub fn new(parameters: usize, links: usize) -> Self {
-        Self { parameters: vec![0.0; parameters], links: vec![0; links] }
+        Self {
+            parameters: vec![0.0; parameters],
+            links: vec![0; links],
+        }
     }
-    pub fn number<const W: usize>(&mut self, table: Table<Parameter, W>, row: usize, field: usize, x: f64) {
+    pub fn number<const W: usize>(
+        &mut self,
+        table: Table<Parameter, W>,
+        row: usize,
+        field: usize,
+        x: f64,
+    ) {
         self.parameters[table.at(row, field)] = x;
     }
-    pub fn numbers<const W: usize>(&mut self, table: Table<Parameter, W>, row: usize, field: usize, x: &[f64]) {
+    pub fn numbers<const W: usize>(
+        &mut self,
+        table: Table<Parameter, W>,
+        row: usize,
+        field: usize,
+        x: &[f64],
+    ) {
         self.parameters[table.at(row, field)..][..x.len()].copy_from_slice(x);
     }
-    pub fn vec3<const W: usize>(&mut self, table: Table<Parameter, W>, row: usize, field: usize, v: DVec3) {
+    pub fn vec3<const W: usize>(
+        &mut self,
+        table: Table<Parameter, W>,
+        row: usize,
+        field: usize,
+        v: DVec3,
+    ) {
         self.numbers(table, row, field, &v.to_array());
     }
-    pub fn quat<const W: usize>(&mut self, table: Table<Parameter, W>, row: usize, field: usize, q: DQuat) {
+    pub fn quat<const W: usize>(
+        &mut self,
+        table: Table<Parameter, W>,
+        row: usize,
+        field: usize,
+        q: DQuat,
+    ) {
         self.numbers(table, row, field, &q.to_array());
     }
     /// Seven fields: position, orientation.
-    pub fn pose<const W: usize>(&mut self, table: Table<Parameter, W>, row: usize, field: usize, p: Pose) {
+    pub fn pose<const W: usize>(
+        &mut self,
+        table: Table<Parameter, W>,
+        row: usize,
+        field: usize,
+        p: Pose,
+    ) {
         self.vec3(table, row, field, p.position);
         self.quat(table, row, field + 3, p.orientation);
     }
     /// Six fields: xx, yy, zz, xy, xz, yz.
-    pub fn sym<const W: usize>(&mut self, table: Table<Parameter, W>, row: usize, field: usize, m: DMat3) {
-        let x = [m.x_axis.x, m.y_axis.y, m.z_axis.z, m.y_axis.x, m.z_axis.x, m.z_axis.y];
+    pub fn sym<const W: usize>(
+        &mut self,
+        table: Table<Parameter, W>,
+        row: usize,
+        field: usize,
+        m: DMat3,
+    ) {
+        let x = [
+            m.x_axis.x, m.y_axis.y, m.z_axis.z, m.y_axis.x, m.z_axis.x, m.z_axis.y,
+        ];
         self.numbers(table, row, field, &x);
     }
     pub fn link<const W: usize>(&mut self, links: Links<W>, row: usize, field: usize, x: usize) {

@@ -25,14 +25,26 @@ impl<T: Float> Controls<'_, T> {
         self.set_row("force", self.tables.force, self.dofs(), world, force)
     }
     /// Generalised force of one degree of freedom [N or N·m].
-    pub fn set_dof_force(&mut self, world: usize, dof: usize, x: f64) -> Result<(), SimulationError> {
+    pub fn set_dof_force(
+        &mut self,
+        world: usize,
+        dof: usize,
+        x: f64,
+    ) -> Result<(), SimulationError> {
         index("degree of freedom", dof, self.dofs())?;
         self.set("force", self.tables.force, world, dof, x, MOST_FORCE)
     }
     /// Position target of one degree of freedom's drive [m or rad].
     pub fn set_target(&mut self, world: usize, dof: usize, x: f64) -> Result<(), SimulationError> {
         index("degree of freedom", dof, self.dofs())?;
-        self.set("target position", self.tables.target_position, world, dof, x, MOST_MOTION)
+        self.set(
+            "target position",
+            self.tables.target_position,
+            world,
+            dof,
+            x,
+            MOST_MOTION,
+        )
     }
     /// Position target of one angular degree of freedom's drive, in degrees.
     pub fn set_target_degrees(
@@ -51,7 +63,14 @@ impl<T: Float> Controls<'_, T> {
         x: f64,
     ) -> Result<(), SimulationError> {
         index("degree of freedom", dof, self.dofs())?;
-        self.set("target velocity", self.tables.target_velocity, world, dof, x, MOST_MOTION)
+        self.set(
+            "target velocity",
+            self.tables.target_velocity,
+            world,
+            dof,
+            x,
+            MOST_MOTION,
+        )
     }
     /// Controls of a world's actuators, in the model's order.
     pub fn set_control(&mut self, world: usize, control: &[f64]) -> Result<(), SimulationError> {
@@ -62,7 +81,9 @@ impl<T: Float> Controls<'_, T> {
     /// target velocity, actuator control.
     pub fn of_world(&self, world: usize) -> Result<Vec<f64>, SimulationError> {
         index("world", world, self.worlds())?;
-        Ok((0..self.tables.length).map(|i| self.memory.get(world, i).to_f64()).collect())
+        Ok((0..self.tables.length)
+            .map(|i| self.memory.get(world, i).to_f64())
+            .collect())
     }
     /// Sets what [`of_world`](Controls::of_world) gave.
     pub fn set_world(&mut self, world: usize, numbers: &[f64]) -> Result<(), SimulationError> {

@@ -65,8 +65,16 @@ impl<K: Kernels, T: Float> Engine<T> for K {
         Kernels::take_over(self, bodies, state);
     }
     fn run(&self, isa: Isa, single: bool, block: Block<'_, T>, task: Task) {
-        let job = BlockJob { kernels: self, block, task };
-        if single { run_single(isa, job) } else { run_registers(isa, job) }
+        let job = BlockJob {
+            kernels: self,
+            block,
+            task,
+        };
+        if single {
+            run_single(isa, job)
+        } else {
+            run_registers(isa, job)
+        }
     }
 }
 
@@ -83,11 +91,21 @@ impl<K: Kernels, T: Float> Job for BlockJob<'_, K, T> {
     #[inline(always)]
     fn run<R: Lanes<Scalar = T>>(self) {
         let b = self.block;
-        let (state, input) = (bytemuck::cast_slice_mut(b.state), bytemuck::cast_slice(b.input));
+        let (state, input) = (
+            bytemuck::cast_slice_mut(b.state),
+            bytemuck::cast_slice(b.input),
+        );
         let output = bytemuck::cast_slice_mut(b.output);
         let scratch = bytemuck::cast_slice_mut(b.scratch);
         let parameters = PerWorld::<R>(bytemuck::cast_slice(b.parameters));
-        let mut cpu = Cpu { state, input, output, scratch, parameters, links: b.links };
+        let mut cpu = Cpu {
+            state,
+            input,
+            output,
+            scratch,
+            parameters,
+            links: b.links,
+        };
         match self.task {
             Task::Step(substeps) => {
                 for _ in 0..substeps {

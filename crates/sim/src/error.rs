@@ -72,13 +72,17 @@ pub enum SimulationError {
         most: f64,
     },
     /// A quaternion is no rotation.
-    #[error("joint position: the quaternion of joint `{joint}` is zero: give one of unit length, x, y, z, w")]
+    #[error(
+        "joint position: the quaternion of joint `{joint}` is zero: give one of unit length, x, y, z, w"
+    )]
     NoRotation {
         /// Name of the joint.
         joint: String,
     },
     /// The worlds do not fit.
-    #[error("{worlds} worlds of this model need {gibibytes:.1} GiB of memory, which are not to be had: ask for fewer")]
+    #[error(
+        "{worlds} worlds of this model need {gibibytes:.1} GiB of memory, which are not to be had: ask for fewer"
+    )]
     Memory {
         /// How many were asked for.
         worlds: usize,
@@ -86,7 +90,9 @@ pub enum SimulationError {
         gibibytes: f64,
     },
     /// A world's own model has other bodies or joints.
-    #[error("the model of world {world} has another structure than the simulation's: only numbers may differ between worlds")]
+    #[error(
+        "the model of world {world} has another structure than the simulation's: only numbers may differ between worlds"
+    )]
     Structure {
         /// Which world.
         world: usize,
@@ -109,21 +115,45 @@ pub(crate) const MOST_FORCE: f64 = 1e30;
 
 /// Refuses NaN, infinities and what is larger than `most`.
 pub(crate) fn bounded(what: &'static str, x: &[f64], most: f64) -> Result<(), SimulationError> {
-    match x.iter().copied().enumerate().find(|(_, v)| !(-most..=most).contains(v)) {
-        Some((index, value)) if value.is_finite() => {
-            Err(SimulationError::TooLarge { what, index, value, most })
-        }
+    match x
+        .iter()
+        .copied()
+        .enumerate()
+        .find(|(_, v)| !(-most..=most).contains(v))
+    {
+        Some((index, value)) if value.is_finite() => Err(SimulationError::TooLarge {
+            what,
+            index,
+            value,
+            most,
+        }),
         Some((index, value)) => Err(SimulationError::NotFinite { what, index, value }),
         None => Ok(()),
     }
 }
 
 /// Refuses an array of another length.
-pub(crate) fn length(what: &'static str, found: usize, expected: usize) -> Result<(), SimulationError> {
-    if found == expected { Ok(()) } else { Err(SimulationError::Length { what, found, expected }) }
+pub(crate) fn length(
+    what: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<(), SimulationError> {
+    if found == expected {
+        Ok(())
+    } else {
+        Err(SimulationError::Length {
+            what,
+            found,
+            expected,
+        })
+    }
 }
 
 /// Refuses an index beyond the end.
 pub(crate) fn index(what: &'static str, index: usize, count: usize) -> Result<(), SimulationError> {
-    if index < count { Ok(()) } else { Err(SimulationError::Index { what, index, count }) }
+    if index < count {
+        Ok(())
+    } else {
+        Err(SimulationError::Index { what, index, count })
+    }
 }

@@ -20,6 +20,6 @@ pub use controller::{Controller, Recorder, Recording, Replay};
 pub use controls::Controls;
 pub use error::SimulationError;
 pub use outputs::Outputs;
-pub use settings::{SolverKind, SimulationSettings};
+pub use settings::{SimulationSettings, SolverKind};
 pub use simulation::{Diverged, Simulation};
 pub use snapshot::{Snapshot, SnapshotError};

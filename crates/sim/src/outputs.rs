@@ -22,7 +22,10 @@ impl<T: Float> Outputs<'_, T> {
     }
     /// Placement of a body's frame in the world.
     pub fn body_pose(&self, world: usize, body: BodyId) -> Pose {
-        Pose::new(self.body_position(world, body), self.body_orientation(world, body))
+        Pose::new(
+            self.body_position(world, body),
+            self.body_orientation(world, body),
+        )
     }
     /// Position of a body's frame [m].
     pub fn body_position(&self, world: usize, id: BodyId) -> DVec3 {
@@ -119,6 +122,8 @@ impl<T: Float> Outputs<'_, T> {
         table: Table<Output>,
         next: Table<Output, W>,
     ) -> Vec<f64> {
-        (0..next.start() - table.start()).map(|i| self.number(world, table, i, 0)).collect()
+        (0..next.start() - table.start())
+            .map(|i| self.number(world, table, i, 0))
+            .collect()
     }
 }

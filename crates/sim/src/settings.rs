@@ -23,7 +23,9 @@ impl std::str::FromStr for SolverKind {
             "auto" => Ok(Self::Auto),
             "featherstone" => Ok(Self::Featherstone),
             "xpbd" => Ok(Self::Xpbd),
-            _ => Err(format!("unknown solver `{name}`; known are auto, featherstone, xpbd")),
+            _ => Err(format!(
+                "unknown solver `{name}`; known are auto, featherstone, xpbd"
+            )),
         }
     }
 }
@@ -69,13 +71,21 @@ impl SimulationSettings {
     pub(crate) fn check(&self) -> Result<(), SimulationError> {
         let s = &self.step;
         let refuse = |what, value: f64, remedy| {
-            Err(SimulationError::Setting { what, value: value.to_string(), remedy })
+            Err(SimulationError::Setting {
+                what,
+                value: value.to_string(),
+                remedy,
+            })
         };
         if self.worlds == 0 || self.worlds > MOST_WORLDS {
             return refuse("worlds", self.worlds as f64, "from 1 to 16777216");
         }
         if self.threads > MOST_THREADS {
-            return refuse("threads", self.threads as f64, "at most 1024, or 0 for all processors");
+            return refuse(
+                "threads",
+                self.threads as f64,
+                "at most 1024, or 0 for all processors",
+            );
         }
         if !(1e-9..=1e3).contains(&s.time_step) {
             return refuse("time step", s.time_step, "from 1e-9 to 1e3, in seconds");
@@ -93,10 +103,18 @@ impl SimulationSettings {
             return refuse("relaxation", s.relaxation, "above 0 and below 2");
         }
         if !(0.0..=1e9).contains(&s.angular_damping) {
-            return refuse("angular damping", s.angular_damping, "from 0 to 1e9, in 1/s");
+            return refuse(
+                "angular damping",
+                s.angular_damping,
+                "from 0 to 1e9, in 1/s",
+            );
         }
         if s.displacement_cap.is_nan() || s.displacement_cap <= 0.0 {
-            return refuse("displacement cap", s.displacement_cap, "above zero, in metres");
+            return refuse(
+                "displacement cap",
+                s.displacement_cap,
+                "above zero, in metres",
+            );
         }
         if s.force_cap.is_nan() || s.force_cap <= 0.0 {
             return refuse("force cap", s.force_cap, "above zero, in newtons");

@@ -77,7 +77,9 @@ const MOST_BYTES: usize = 1 << 40;
 
 /// Refuses worlds that no memory holds, before any of it is taken.
 fn affordable<T>(worlds: usize, numbers: usize) -> Result<(), SimulationError> {
-    let bytes = worlds.saturating_mul(numbers).saturating_mul(size_of::<T>());
+    let bytes = worlds
+        .saturating_mul(numbers)
+        .saturating_mul(size_of::<T>());
     if bytes > MOST_BYTES || Vec::<u8>::new().try_reserve_exact(bytes).is_err() {
         let gibibytes = bytes as f64 / f64::from(1 << 30);
         return Err(SimulationError::Memory { worlds, gibibytes });
@@ -88,7 +90,12 @@ fn affordable<T>(worlds: usize, numbers: usize) -> Result<(), SimulationError> {
 /// Joint coordinates with the quaternions among them scaled to unit length.
 fn with_unit_quaternions(model: &Model, position: &[f64]) -> Result<Vec<f64>, SimulationError> {
     let mut position = position.to_vec();
-    for (i, joint) in model.joints.iter().enumerate().filter(|(_, j)| !j.closes_loop) {
+    for (i, joint) in model
+        .joints
+        .iter()
+        .enumerate()
+        .filter(|(_, j)| !j.closes_loop)
+    {
         let skip = match joint.kind {
             JointKind::Ball => 0,
             JointKind::Free => 3,
@@ -98,7 +105,9 @@ fn with_unit_quaternions(model: &Model, position: &[f64]) -> Result<Vec<f64>, Si
         let q = DQuat::from_slice(&position[range.start + skip..range.end]);
         let length = q.length();
         if length < 1e-12 {
-            return Err(SimulationError::NoRotation { joint: joint.name.clone() });
+            return Err(SimulationError::NoRotation {
+                joint: joint.name.clone(),
+            });
         }
         position[range.start + skip..range.end].copy_from_slice(&(q / length).to_array());
     }
@@ -126,11 +135,17 @@ impl<T: Float> Simulation<T> {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
-            .map_err(|e| SimulationError::Threads { threads, reason: e.to_string() })?;
+            .map_err(|e| SimulationError::Threads {
+                threads,
+                reason: e.to_string(),
+            })?;
         let single = settings.scalar || settings.worlds == 1;
         let width = if single { 1 } else { isa.width::<T>() };
         let lengths = shared.engine.lengths();
-        affordable::<T>(settings.worlds, lengths.state + lengths.input + lengths.output)?;
+        affordable::<T>(
+            settings.worlds,
+            lengths.state + lengths.input + lengths.output,
+        )?;
         let memory = |n: usize| Memory::new(settings.worlds, n.max(1), width);
         let mut simulation = Self {
             isa,
@@ -199,7 +214,9 @@ impl<T: Float> Simulation<T> {
     /// # Errors
     /// A world that does not exist.
     pub fn reset(&mut self, worlds: &[usize]) -> Result<(), SimulationError> {
-        worlds.iter().try_for_each(|&w| index("world", w, self.worlds()))?;
+        worlds
+            .iter()
+            .try_for_each(|&w| index("world", w, self.worlds()))?;
         self.reset_worlds(worlds);
         Ok(())
     }
@@ -230,7 +247,11 @@ impl<T: Float> Simulation<T> {
     ) -> Result<(), SimulationError> {
         index("world", world, self.worlds())?;
         length("joint position", position.len(), self.model.coordinates())?;
-        length("joint velocity", velocity.len(), self.model.degrees_of_freedom())?;
+        length(
+            "joint velocity",
+            velocity.len(),
+            self.model.degrees_of_freedom(),
+        )?;
         bounded("joint position", position, MOST_MOTION)?;
         bounded("joint velocity", velocity, MOST_MOTION)?;
         let position = with_unit_quaternions(&self.model, position)?;
@@ -303,12 +324,17 @@ impl<T: Float> Simulation<T> {
     /// The controls of all worlds, to be set.
     pub fn controls(&mut self) -> Controls<'_, T> {
         self.reported = false;
-        Controls { memory: &mut self.input, tables: &self.input_tables }
+        Controls {
+            memory: &mut self.input,
+            tables: &self.input_tables,
+        }
     }
 
     /// Advances all worlds by `steps` time steps; returns the worlds that diverged meanwhile.
     pub fn step(&mut self, steps: usize) -> &[Diverged] {
-        self.perform(Task::Step(steps.saturating_mul(self.settings.step.substeps)));
+        self.perform(Task::Step(
+            steps.saturating_mul(self.settings.step.substeps),
+        ));
         self.reported = false;
         let known = self.diverged.len();
         let alive = self.shared.engine.alive();
@@ -320,7 +346,10 @@ impl<T: Float> Simulation<T> {
                 self.time[world] += passed;
             } else if !self.diverged.iter().any(|d| d.world == world) {
                 self.time[world] += passed;
-                found.push(Diverged { world, time: self.time[world] });
+                found.push(Diverged {
+                    world,
+                    time: self.time[world],
+                });
             }
         }
         self.diverged.extend(found);
@@ -338,7 +367,10 @@ impl<T: Float> Simulation<T> {
             self.perform(Task::Report);
             self.reported = true;
         }
-        Outputs { memory: &self.output, tables: &self.output_tables }
+        Outputs {
+            memory: &self.output,
+            tables: &self.output_tables,
+        }
     }
 
     /// The whole state of all worlds, to the bit.
@@ -372,22 +404,38 @@ impl<T: Float> Simulation<T> {
                 let b = first + i;
                 let parameters = parameters.block(if shared { 0 } else { b });
                 let (input, scratch) = (input.block(b), scratch.scalars_mut());
-                let block =
-                    Block { state, input, output, scratch, parameters, links: engine.links() };
+                let block = Block {
+                    state,
+                    input,
+                    output,
+                    scratch,
+                    parameters,
+                    links: engine.links(),
+                };
                 engine.run(isa, single, block, task);
             }
         };
-        let (s, o, blocks) =
-            (self.state.block_size(), self.output.block_size(), self.state.blocks());
+        let (s, o, blocks) = (
+            self.state.block_size(),
+            self.output.block_size(),
+            self.state.blocks(),
+        );
         let (state, output) = (self.state.scalars_mut(), self.output.scalars_mut());
         if blocks == 1 {
             return run_blocks(0, state.chunks_exact_mut(s), output.chunks_exact_mut(o));
         }
         let run = blocks.div_ceil(self.pool.current_num_threads() * RUNS_PER_THREAD);
-        let parts = state.par_chunks_mut(s * run).zip(output.par_chunks_mut(o * run)).enumerate();
+        let parts = state
+            .par_chunks_mut(s * run)
+            .zip(output.par_chunks_mut(o * run))
+            .enumerate();
         self.pool.install(|| {
             parts.for_each(|(part, (state, output))| {
-                run_blocks(part * run, state.chunks_exact_mut(s), output.chunks_exact_mut(o));
+                run_blocks(
+                    part * run,
+                    state.chunks_exact_mut(s),
+                    output.chunks_exact_mut(o),
+                );
             });
         });
     }

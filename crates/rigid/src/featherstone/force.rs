@@ -17,9 +17,9 @@
 use super::tables::{Tables, dof};
 use crate::tables::{Filler, actuator_numbers, ball_target, bounded};
 use model::{JointKind, Model};
+use numbers::functions::wrap;
 use numbers::machine::space::{Parameter, State};
 use numbers::machine::{Index, Links};
-use numbers::functions::wrap;
 use numbers::{Cell, Machine, Quat, Real, Table};
 
 /// Speed [m/s or rad/s] below which dry friction turns into viscous creep.
@@ -72,15 +72,28 @@ pub(crate) struct ForceTables {
 
 /// A model's degrees of freedom that have a coordinate each, with that coordinate.
 fn axes(model: &Model) -> impl Iterator<Item = (usize, usize, &model::Dof, bool)> {
-    model.joints.iter().enumerate().filter(|(_, j)| !j.axes.is_empty()).flat_map(|(i, joint)| {
-        let id = model::JointId(i);
-        let (q, v) = (model.coordinate_range(id), model.dof_range(id));
-        let wraps = joint.axes.iter().map(|a| a.kind == model::AxisKind::Angular);
-        let rows = q.zip(v).zip(&joint.dofs).zip(wraps);
-        rows.map(|(((q, v), dof), angular)| {
-            (q, v, dof, angular && dof.limit.is_none() && dof.stiffness == 0.0)
+    model
+        .joints
+        .iter()
+        .enumerate()
+        .filter(|(_, j)| !j.axes.is_empty())
+        .flat_map(|(i, joint)| {
+            let id = model::JointId(i);
+            let (q, v) = (model.coordinate_range(id), model.dof_range(id));
+            let wraps = joint
+                .axes
+                .iter()
+                .map(|a| a.kind == model::AxisKind::Angular);
+            let rows = q.zip(v).zip(&joint.dofs).zip(wraps);
+            rows.map(|(((q, v), dof), angular)| {
+                (
+                    q,
+                    v,
+                    dof,
+                    angular && dof.limit.is_none() && dof.stiffness == 0.0,
+                )
+            })
         })
-    })
 }
 
 /// Coordinates that turn without end, and so are kept within (−π, π].
@@ -90,10 +103,19 @@ pub(crate) fn wrapping(model: &Model) -> Vec<usize> {
 
 /// Degrees of freedom of ball and free rotations: (quaternion coordinate, first dof, dofs).
 fn balls(model: &Model) -> impl Iterator<Item = (usize, usize, &[model::Dof])> {
-    model.joints.iter().enumerate().filter(|(_, j)| j.kind == JointKind::Ball).map(|(i, joint)| {
-        let id = model::JointId(i);
-        (model.coordinate_range(id).start, model.dof_range(id).start, &joint.dofs[..])
-    })
+    model
+        .joints
+        .iter()
+        .enumerate()
+        .filter(|(_, j)| j.kind == JointKind::Ball)
+        .map(|(i, joint)| {
+            let id = model::JointId(i);
+            (
+                model.coordinate_range(id).start,
+                model.dof_range(id).start,
+                &joint.dofs[..],
+            )
+        })
 }
 
 fn driven(dof: &model::Dof) -> bool {
@@ -102,9 +124,17 @@ fn driven(dof: &model::Dof) -> bool {
 
 impl ForceRows {
     pub(crate) fn count(model: &Model) -> Self {
-        let all = || model.joints.iter().filter(|j| !j.closes_loop).flat_map(|j| &j.dofs);
+        let all = || {
+            model
+                .joints
+                .iter()
+                .filter(|j| !j.closes_loop)
+                .flat_map(|j| &j.dofs)
+        };
         Self {
-            springs: all().filter(|d| d.damping > 0.0 || d.stiffness > 0.0).count(),
+            springs: all()
+                .filter(|d| d.damping > 0.0 || d.stiffness > 0.0)
+                .count(),
             drives: axes(model).filter(|a| driven(a.2)).count(),
             balls: balls(model).filter(|b| b.2.iter().any(driven)).count(),
             limits: axes(model).filter(|a| a.2.limit.is_some()).count(),
@@ -157,13 +187,23 @@ impl ForceTables {
             f.link(self.ball_links, row, 0, q);
             f.link(self.ball_links, row, 1, v);
             let d = &dofs[0].drive;
-            let x = [d.stiffness, d.damping, bounded(d.effort_limit), d.control_time];
+            let x = [
+                d.stiffness,
+                d.damping,
+                bounded(d.effort_limit),
+                d.control_time,
+            ];
             f.numbers(self.ball, row, 0, &x);
         }
         for (row, a) in model.actuators.iter().enumerate() {
             let (q, v) = (model.coordinate_range(a.joint), model.dof_range(a.joint));
             // A free or ball joint's motor has no position term, so any coordinate will do.
-            f.link(self.actuator_links, row, 0, (q.start + a.dof).min(q.end - 1));
+            f.link(
+                self.actuator_links,
+                row,
+                0,
+                (q.start + a.dof).min(q.end - 1),
+            );
             f.link(self.actuator_links, row, 1, v.start + a.dof);
             f.numbers(self.actuator, row, 0, &actuator_numbers(a));
         }
@@ -171,7 +211,12 @@ impl ForceTables {
 
     fn fill_dofs(&self, model: &Model, f: &mut Filler) {
         let (mut spring, mut friction) = (0, 0);
-        for (i, joint) in model.joints.iter().enumerate().filter(|(_, j)| !j.closes_loop) {
+        for (i, joint) in model
+            .joints
+            .iter()
+            .enumerate()
+            .filter(|(_, j)| !j.closes_loop)
+        {
             let id = model::JointId(i);
             let q = model.coordinate_range(id);
             for (k, (v, dof)) in model.dof_range(id).zip(&joint.dofs).enumerate() {
@@ -179,7 +224,12 @@ impl ForceTables {
                 if dof.damping > 0.0 || dof.stiffness > 0.0 {
                     f.link(self.spring_links, spring, 0, (q.start + k).min(q.end - 1));
                     f.link(self.spring_links, spring, 1, v);
-                    f.numbers(self.spring, spring, 0, &[dof.damping, dof.stiffness, dof.rest]);
+                    f.numbers(
+                        self.spring,
+                        spring,
+                        0,
+                        &[dof.damping, dof.stiffness, dof.rest],
+                    );
                     spring += 1;
                 }
                 if dof.friction_loss > 0.0 {
@@ -199,14 +249,24 @@ impl ForceTables {
                 f.link(self.drive_links, drive, 1, v);
                 f.link(self.drive_links, drive, 2, usize::from(wraps));
                 let d = &dof.drive;
-                let x = [d.stiffness, d.damping, bounded(d.effort_limit), d.control_time];
+                let x = [
+                    d.stiffness,
+                    d.damping,
+                    bounded(d.effort_limit),
+                    d.control_time,
+                ];
                 f.numbers(self.drive, drive, 0, &x);
                 drive += 1;
             }
             if let Some(l) = dof.limit {
                 f.link(self.limit_links, limit, 0, q);
                 f.link(self.limit_links, limit, 1, v);
-                f.numbers(self.limit, limit, 0, &[l.lower, l.upper, l.stiffness, l.damping]);
+                f.numbers(
+                    self.limit,
+                    limit,
+                    0,
+                    &[l.lower, l.upper, l.stiffness, l.damping],
+                );
                 limit += 1;
             }
         }
@@ -281,7 +341,10 @@ fn springs<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
 #[inline(always)]
 fn limited<R: Real>(tau: R, implicit: R, effort: R) -> (R, R) {
     let free = tau.abs().le(effort);
-    (tau.clamp(-effort, effort), R::select(free, implicit, R::zero()))
+    (
+        tau.clamp(-effort, effort),
+        R::select(free, implicit, R::zero()),
+    )
 }
 
 #[inline(always)]
@@ -311,7 +374,10 @@ pub(crate) fn smooth_targets<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     for i in k.count(f.drives) {
         let v = k.link(f.drive_links, i, 1);
         let share = h / (k.load(f.drive, i, 3) + h);
-        let (now, target) = (k.load(f.drive_target, i, 0), k.load(t.input.target_position, v, 0));
+        let (now, target) = (
+            k.load(f.drive_target, i, 0),
+            k.load(t.input.target_position, v, 0),
+        );
         let mut way = k.cell(target - now);
         for _ in k.when(k.equals(k.link(f.drive_links, i, 2), 1)) {
             way.write(wrap(way.read()));
@@ -364,7 +430,10 @@ fn limits<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         let below = (q - k.load(f.limit, i, 0)).min(zero);
         let beyond = above + below;
         let touches = M::R::select(beyond.same(zero), zero, M::R::one());
-        let (s, d) = (k.load(f.limit, i, 2) * touches, k.load(f.limit, i, 3) * touches);
+        let (s, d) = (
+            k.load(f.limit, i, 2) * touches,
+            k.load(f.limit, i, 3) * touches,
+        );
         let tau = -(s * h.fma(speed, beyond)) - d * speed;
         add(k, t, v, tau, h * h.fma(s, d));
     }
@@ -386,14 +455,19 @@ fn frictions<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
 fn actuators<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     let f = &t.forces;
     for i in k.count(f.actuators) {
-        let (q, v) = (k.link(f.actuator_links, i, 0), k.link(f.actuator_links, i, 1));
+        let (q, v) = (
+            k.link(f.actuator_links, i, 0),
+            k.link(f.actuator_links, i, 1),
+        );
         let (q, speed) = (k.load(t.position, q, 0), k.load(t.velocity, v, 0));
         let gear = k.load(f.actuator, i, 0);
         let control = k
             .load(t.input.control, i, 0)
             .clamp(k.load(f.actuator, i, 5), k.load(f.actuator, i, 6));
         let (s, d) = (-k.load(f.actuator, i, 3), -k.load(f.actuator, i, 4));
-        let constant = k.load(f.actuator, i, 1).fma(control, k.load(f.actuator, i, 2));
+        let constant = k
+            .load(f.actuator, i, 1)
+            .fma(control, k.load(f.actuator, i, 2));
         let force = constant - gear * (s * h.fma(speed, q) + d * speed);
         let (low, high) = (k.load(f.actuator, i, 7), k.load(f.actuator, i, 8));
         let free = force.ge(low) & force.le(high);

@@ -13,12 +13,12 @@
 //! u̇ = ω + ½ u × ω + 1/12 u × (u × ω) + O(u⁴), which keeps Runge–Kutta at order 4
 //! (Munthe-Kaas 1998, dexp⁻¹ truncated).
 
+use super::Integrator;
 use super::articulated_body::articulated_body;
 use super::force::{forces, smooth_targets};
 use super::kinematics::kinematics;
 use super::report::gather;
 use super::tables::{Tables, dof};
-use super::Integrator;
 use numbers::functions::{finite, wrap};
 use numbers::{Cell, Machine, Quat, Real};
 
@@ -73,7 +73,9 @@ pub(crate) fn accelerate<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
 #[inline(always)]
 fn kick<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     for v in k.count(t.dofs) {
-        let moved = k.load(t.dof, v, dof::ACCELERATION).fma(h, k.load(t.velocity, v, 0));
+        let moved = k
+            .load(t.dof, v, dof::ACCELERATION)
+            .fma(h, k.load(t.velocity, v, 0));
         k.store(t.velocity, v, 0, moved);
     }
 }

@@ -28,7 +28,12 @@ pub(crate) fn origins<M: Machine>(k: &mut M, t: &Tables) {
         }
         let point = point.get();
         k.store_vec3(t.point, tree, 0, point);
-        k.store_pose(t.frame, tree, frame::PLACE, Pose::new(-point, Quat::identity()));
+        k.store_pose(
+            t.frame,
+            tree,
+            frame::PLACE,
+            Pose::new(-point, Quat::identity()),
+        );
         k.store_spatial(t.frame, tree, frame::TWIST, Spatial::zero());
         k.store_spatial(t.frame, tree, frame::BIAS, Spatial::zero());
     }
@@ -92,12 +97,7 @@ pub(crate) fn kinematics<M: Machine>(k: &mut M, t: &Tables) {
 
 /// Turns a placement about a motion's axis; returns the axis S.
 #[inline(always)]
-fn revolute<M: Machine>(
-    k: &M,
-    t: &Tables,
-    m: M::I,
-    at: Pose<M::R>,
-) -> (Pose<M::R>, Spatial<M::R>) {
+fn revolute<M: Machine>(k: &M, t: &Tables, m: M::I, at: Pose<M::R>) -> (Pose<M::R>, Spatial<M::R>) {
     let axis = k.vec3(t.motion, m, 0);
     let [sin, cos] = k.read(t.half_angle, m, 0);
     let turned = Pose::new(at.p, at.q * Quat::from_parts(axis * sin, cos));
@@ -116,7 +116,10 @@ fn prismatic<M: Machine>(
 ) -> (Pose<M::R>, Spatial<M::R>) {
     let way = k.load(t.position, q, 0) - k.load(t.motion, m, 3);
     let a = at.q.rotate(k.vec3(t.motion, m, 0));
-    (Pose::new(a.fma(way, at.p), at.q), Spatial::new(Vec3::zero(), a))
+    (
+        Pose::new(a.fma(way, at.p), at.q),
+        Spatial::new(Vec3::zero(), a),
+    )
 }
 
 /// Stores an axis; returns its share S q̇ of the velocity.
@@ -131,8 +134,18 @@ fn turn<M: Machine>(k: &mut M, t: &Tables, v: M::I, axis: Spatial<M::R>) -> Spat
 fn ball<M: Machine>(k: &mut M, t: &Tables, v: M::I, at: Pose<M::R>) -> Spatial<M::R> {
     let r = at.q.to_mat3();
     k.store_spatial(t.dof, v, dof::AXIS, Spatial::new(r.x, at.p.cross(r.x)));
-    k.store_spatial(t.dof, v.offset(1), dof::AXIS, Spatial::new(r.y, at.p.cross(r.y)));
-    k.store_spatial(t.dof, v.offset(2), dof::AXIS, Spatial::new(r.z, at.p.cross(r.z)));
+    k.store_spatial(
+        t.dof,
+        v.offset(1),
+        dof::AXIS,
+        Spatial::new(r.y, at.p.cross(r.y)),
+    );
+    k.store_spatial(
+        t.dof,
+        v.offset(2),
+        dof::AXIS,
+        Spatial::new(r.z, at.p.cross(r.z)),
+    );
     let w = r * k.vec3(t.velocity, v, 0);
     Spatial::new(w, at.p.cross(w))
 }
@@ -156,17 +169,16 @@ pub(crate) fn world_inertia<M: Machine, const W: usize>(
     let r = at.q.to_mat3();
     let [m, cx, cy, cz, xx, yy, zz, xy, xz, yz] = k.read(table, row, node::MASS);
     let c = r * Vec3::new(cx, cy, cz) + at.p;
-    (m, c, SymMat3::from_array([xx, yy, zz, xy, xz, yz]).rotated(r))
+    (
+        m,
+        c,
+        SymMat3::from_array([xx, yy, zz, xy, xz, yz]).rotated(r),
+    )
 }
 
 /// Momentum I v of a rigid body: (I_c ω + c × f, f) with f = m (v + ω × c).
 #[inline(always)]
-pub(crate) fn momentum<R: Real>(
-    m: R,
-    c: Vec3<R>,
-    i: SymMat3<R>,
-    v: Spatial<R>,
-) -> Spatial<R> {
+pub(crate) fn momentum<R: Real>(m: R, c: Vec3<R>, i: SymMat3<R>, v: Spatial<R>) -> Spatial<R> {
     let f = (v.linear + v.angular.cross(c)) * m;
     Spatial::new(i * v.angular + c.cross(f), f)
 }

@@ -19,9 +19,9 @@ mod tables;
 
 use crate::output::body;
 use crate::{Kernels, Lengths, Settings, SolverError};
+pub use force::FRICTION_SPEED;
 use model::Model;
 use numbers::{Cpu, Machine, Shared};
-pub use force::FRICTION_SPEED;
 pub use tables::Tables;
 
 /// How a step advances the state; see [`integrate`](self).
@@ -71,7 +71,12 @@ impl Featherstone {
     /// Compiles the tree of a model, and leaves its loops open.
     pub(crate) fn of_tree(model: &Model, settings: &Settings) -> Self {
         let (tables, mut filler) = Tables::new(model);
-        filler.numbers(tables.step, 0, 0, &[settings.substep(), settings.speed_limit]);
+        filler.numbers(
+            tables.step,
+            0,
+            0,
+            &[settings.substep(), settings.speed_limit],
+        );
         Self {
             tables,
             integrator: settings.integrator,

@@ -61,7 +61,12 @@ pub(crate) fn bodies<M: Machine>(k: &mut M, t: &Tables) {
         let v = k.spatial(t.frame, n, frame::TWIST);
         k.store_vec3(t.output.body, id, body::POSITION, at.p + origin);
         k.store_quat(t.output.body, id, body::ORIENTATION, at.q);
-        k.store_vec3(t.output.body, id, body::VELOCITY, v.linear + v.angular.cross(at.p));
+        k.store_vec3(
+            t.output.body,
+            id,
+            body::VELOCITY,
+            v.linear + v.angular.cross(at.p),
+        );
         k.store_vec3(t.output.body, id, body::ANGULAR_VELOCITY, v.angular);
     }
 }
@@ -73,7 +78,10 @@ fn wrenches<M: Machine>(k: &mut M, t: &Tables) {
         let n = k.link(t.body_links, row, body_link::NODE);
         let origin = k.vec3(t.point, k.link(t.body_links, row, body_link::TREE), 0);
         let at = placement(k, t, row);
-        let (v, a) = (k.spatial(t.frame, n, frame::TWIST), k.spatial(t.frame, n, frame::ACCELERATION));
+        let (v, a) = (
+            k.spatial(t.frame, n, frame::TWIST),
+            k.spatial(t.frame, n, frame::ACCELERATION),
+        );
         let (m, c, i) = world_inertia(k, t.body, row, at);
         let w = momentum(m, c, i, a) + v.cross_force(momentum(m, c, i, v));
         let moment = w.angular + origin.cross(w.linear);
@@ -94,7 +102,12 @@ fn reactions<M: Machine>(k: &mut M, t: &Tables) {
         let origin = k.vec3(t.point, k.link(t.body_links, row, body_link::TREE), 0);
         let x = placement(k, t, row).point(k.vec3(t.body, row, body_field::JOINT)) + origin;
         k.store_vec3(t.output.reaction, joint, reaction::FORCE, w.linear);
-        k.store_vec3(t.output.reaction, joint, reaction::TORQUE, w.angular - x.cross(w.linear));
+        k.store_vec3(
+            t.output.reaction,
+            joint,
+            reaction::TORQUE,
+            w.angular - x.cross(w.linear),
+        );
     }
 }
 
@@ -119,7 +132,10 @@ fn energies<M: Machine>(k: &mut M, t: &Tables) {
     }
     for v in k.count(t.dofs) {
         let speed = k.load(t.velocity, v, 0);
-        gather(&mut kinetic, half * t.forces.armature(k, v) * speed.squared());
+        gather(
+            &mut kinetic,
+            half * t.forces.armature(k, v) * speed.squared(),
+        );
     }
     t.forces.spring_energy(k, t, &mut potential);
     let sum = sum.get();

@@ -231,7 +231,10 @@ struct Motion {
 
 impl Node {
     fn dofs(&self) -> usize {
-        self.motions.iter().map(|m| if m.kind == motion::BALL { 3 } else { 1 }).sum()
+        self.motions
+            .iter()
+            .map(|m| if m.kind == motion::BALL { 3 } else { 1 })
+            .sum()
     }
     /// Adds a body placed at `place` in the node: masses add, inertias by Steiner's theorem.
     fn weld(&mut self, body: &Body, place: Pose) {
@@ -240,10 +243,8 @@ impl Node {
         let i = r * body.inertia * r.transpose();
         let total = self.mass + m;
         let center = (self.center * self.mass + c * m) / total;
-        self.inertia = self.inertia
-            + steiner(self.mass, self.center - center)
-            + i
-            + steiner(m, c - center);
+        self.inertia =
+            self.inertia + steiner(self.mass, self.center - center) + i + steiner(m, c - center);
         self.center = center;
         self.mass = total;
     }
@@ -271,13 +272,15 @@ struct Forest {
 
 impl Forest {
     fn new(model: &Model) -> Self {
-        let world = Seat { node: None, place: Pose::IDENTITY };
-        let mut forest =
-            Self {
-                nodes: Vec::new(),
-                bases: vec![Pose::IDENTITY],
-                seats: vec![world; model.bodies.len()],
-            };
+        let world = Seat {
+            node: None,
+            place: Pose::IDENTITY,
+        };
+        let mut forest = Self {
+            nodes: Vec::new(),
+            bases: vec![Pose::IDENTITY],
+            seats: vec![world; model.bodies.len()],
+        };
         for &id in model.order() {
             forest.seats[id.0] = forest.seat(model, id);
             let Seat { node, place } = forest.seats[id.0];
@@ -314,19 +317,31 @@ impl Forest {
     fn seat(&mut self, model: &Model, id: BodyId) -> Seat {
         let body = &model.bodies[id.0];
         let Some(joint_id) = model.carrier(id) else {
-            return Seat { node: None, place: body.pose };
+            return Seat {
+                node: None,
+                place: body.pose,
+            };
         };
         let joint = &model.joints[joint_id.0];
         let parent = match joint.parent {
             Some(p) => self.seats[p.0],
-            None => Seat { node: None, place: Pose::IDENTITY },
+            None => Seat {
+                node: None,
+                place: Pose::IDENTITY,
+            },
         };
         let place = parent.place * joint.parent_frame;
         if joint.kind == JointKind::Fixed {
-            return Seat { node: parent.node, place: place * joint.child_frame.inverse() };
+            return Seat {
+                node: parent.node,
+                place: place * joint.child_frame.inverse(),
+            };
         }
         let (node, shift) = self.grow(model, joint_id, joint, parent.node, place);
-        Seat { node: Some(node), place: Pose::at(-shift) * joint.child_frame.inverse() }
+        Seat {
+            node: Some(node),
+            place: Pose::at(-shift) * joint.child_frame.inverse(),
+        }
     }
 
     /// Adds the nodes of a joint: one for each run of axes that meet in a point.
@@ -399,18 +414,35 @@ fn joint_motions(model: &Model, id: JointId, joint: &Joint) -> Vec<(Motion, Opti
     };
     let ball = |coordinate, dof| {
         let axis = DVec3::ZERO;
-        (Motion { kind: motion::BALL, axis, reference: 0.0, coordinate, dof }, None)
+        (
+            Motion {
+                kind: motion::BALL,
+                axis,
+                reference: 0.0,
+                coordinate,
+                dof,
+            },
+            None,
+        )
     };
     match joint.kind {
         JointKind::Ball => vec![ball(q, v)],
         JointKind::Free => {
             let translations = [DVec3::X, DVec3::Y, DVec3::Z].map(Axis::linear);
-            let mut motions: Vec<_> =
-                translations.iter().enumerate().map(|(i, a)| axis(i, a)).collect();
+            let mut motions: Vec<_> = translations
+                .iter()
+                .enumerate()
+                .map(|(i, a)| axis(i, a))
+                .collect();
             motions.push(ball(q + 3, v + 3));
             motions
         }
-        _ => joint.axes.iter().enumerate().map(|(i, a)| axis(i, a)).collect(),
+        _ => joint
+            .axes
+            .iter()
+            .enumerate()
+            .map(|(i, a)| axis(i, a))
+            .collect(),
     }
 }
 
@@ -418,14 +450,20 @@ fn joint_motions(model: &Model, id: JointId, joint: &Joint) -> Vec<(Motion, Opti
 pub(crate) fn check(model: &Model) -> Result<(), SolverError> {
     for joint in &model.joints {
         if joint.closes_loop || joint.kind == JointKind::Distance {
-            return Err(SolverError::ClosedLoop { joint: joint.name.clone() });
+            return Err(SolverError::ClosedLoop {
+                joint: joint.name.clone(),
+            });
         }
         if !joint.enabled {
-            return Err(SolverError::DisabledJoint { joint: joint.name.clone() });
+            return Err(SolverError::DisabledJoint {
+                joint: joint.name.clone(),
+            });
         }
     }
     if let Some(coupling) = model.couplings.first() {
-        return Err(SolverError::ClosedLoop { joint: coupling.name.clone() });
+        return Err(SolverError::ClosedLoop {
+            joint: coupling.name.clone(),
+        });
     }
     crate::check::rotations(model, "featherstone")
 }
@@ -465,13 +503,7 @@ impl Tables {
         let position = Table::place(&mut s, coordinates);
         let velocity = Table::place(&mut s, dofs);
         let alive = Table::place(&mut s, 1);
-        let forces = ForceTables::place(
-            &ForceRows::count(model),
-            dofs,
-            &mut s,
-            &mut p,
-            &mut l,
-        );
+        let forces = ForceTables::place(&ForceRows::count(model), dofs, &mut s, &mut p, &mut l);
         Self {
             trees,
             nodes,
@@ -546,7 +578,12 @@ impl Tables {
             let parent = n.parent.map_or(n.tree, |p| self.trees + p);
             f.link(self.node_links, row, node_link::PARENT, parent);
             f.link(self.node_links, row, node_link::MOTION_BEGIN, m);
-            f.link(self.node_links, row, node_link::MOTION_END, m + n.motions.len());
+            f.link(
+                self.node_links,
+                row,
+                node_link::MOTION_END,
+                m + n.motions.len(),
+            );
             f.link(self.node_links, row, node_link::DOF_BEGIN, n.dof);
             f.link(self.node_links, row, node_link::DOF_COUNT, n.dofs());
             f.pose(self.node, row, node::PLACE, n.place);
@@ -555,7 +592,12 @@ impl Tables {
             f.sym(self.node, row, node::INERTIA, n.inertia);
             for motion in &n.motions {
                 f.link(self.motion_links, m, motion_link::KIND, motion.kind);
-                f.link(self.motion_links, m, motion_link::COORDINATE, motion.coordinate);
+                f.link(
+                    self.motion_links,
+                    m,
+                    motion_link::COORDINATE,
+                    motion.coordinate,
+                );
                 f.link(self.motion_links, m, motion_link::DOF, motion.dof);
                 f.vec3(self.motion, m, 0, motion.axis);
                 f.number(self.motion, m, 3, motion.reference);
@@ -572,7 +614,10 @@ impl Tables {
             }
         }
         for (tree, base) in forest.bases.iter().enumerate() {
-            let root = forest.nodes.iter().find(|n| n.tree == tree && n.parent.is_none());
+            let root = forest
+                .nodes
+                .iter()
+                .find(|n| n.tree == tree && n.parent.is_none());
             let slides = root
                 .into_iter()
                 .flat_map(|n| &n.motions)
@@ -598,17 +643,42 @@ impl Tables {
             let (body, seat) = (&model.bodies[id.0], forest.seats[id.0]);
             let carrier = model.carrier(id);
             let parent = carrier.and_then(|j| model.joints[j.0].parent);
-            f.link(self.body_links, row, body_link::NODE, seat.node.map_or(0, |n| self.trees + n));
-            f.link(self.body_links, row, body_link::TREE, seat.node.map_or(0, |n| forest.nodes[n].tree));
+            f.link(
+                self.body_links,
+                row,
+                body_link::NODE,
+                seat.node.map_or(0, |n| self.trees + n),
+            );
+            f.link(
+                self.body_links,
+                row,
+                body_link::TREE,
+                seat.node.map_or(0, |n| forest.nodes[n].tree),
+            );
             f.link(self.body_links, row, body_link::BODY, id.0);
-            f.link(self.body_links, row, body_link::CARRIER, parent.map_or(row, |p| row_of[p.0]));
-            f.link(self.body_links, row, body_link::JOINT, carrier.map_or(model.joints.len(), |j| j.0));
+            f.link(
+                self.body_links,
+                row,
+                body_link::CARRIER,
+                parent.map_or(row, |p| row_of[p.0]),
+            );
+            f.link(
+                self.body_links,
+                row,
+                body_link::JOINT,
+                carrier.map_or(model.joints.len(), |j| j.0),
+            );
             f.pose(self.body, row, body_field::PLACE, seat.place);
             if let Some(joint) = carrier {
                 f.number(self.body, row, body_field::MASS, body.mass);
                 f.vec3(self.body, row, body_field::CENTER, body.center);
                 f.sym(self.body, row, body_field::INERTIA, body.inertia);
-                f.vec3(self.body, row, body_field::JOINT, model.joints[joint.0].child_frame.position);
+                f.vec3(
+                    self.body,
+                    row,
+                    body_field::JOINT,
+                    model.joints[joint.0].child_frame.position,
+                );
             }
         }
     }

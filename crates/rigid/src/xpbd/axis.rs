@@ -11,29 +11,31 @@
 //! with the axes aₖ as the motions before them turn them. For one axis this is
 //! exact; it counts turns, and needs no case for each sequence of axes. The rows
 //! of (JᵀJ)⁻¹ Jᵀ are the gradients of the coordinates, along which a generalised
-//! force pulls. Near gimbal lock JᵀJ is damped.
+//! force pulls. In gimbal lock JᵀJ is damped.
 
 use super::joint::Ends;
 use super::tables::{Tables, axis_field, group_link, joint_field};
 use numbers::machine::{Held, Hold, Index};
 use numbers::{Machine, Quat, Real, SymMat3, Vec3};
 
-/// Damping of JᵀJ, whose diagonal is 1 for a unit axis.
-const DAMPING: f64 = 1e-6;
+/// Least determinant of JᵀJ; unit axes at right angles have 1, gimbal lock 0.
+const LEAST: f64 = 1e-6;
 
 /// The gradients J (JᵀJ)⁻¹ of three axes; a null axis has a null gradient.
+///
+/// Away from gimbal lock nothing is damped, so that coordinates are right to rounding.
 #[inline(always)]
 fn gradients<R: Real>(a: [Vec3<R>; 3]) -> [Vec3<R>; 3] {
-    let soft = R::lit(DAMPING);
-    let gram = SymMat3::new(
-        Vec3::new(a[0].dot(a[0]) + soft, a[1].dot(a[1]) + soft, a[2].dot(a[2]) + soft),
-        Vec3::new(a[0].dot(a[1]), a[0].dot(a[2]), a[1].dot(a[2])),
-    );
-    let (o, i) = (R::zero(), R::one());
+    let (o, i, least) = (R::zero(), R::one(), R::lit(LEAST));
+    let (x, y, z) = (a[1].dot(a[2]), a[0].dot(a[2]), a[0].dot(a[1]));
+    let squares = x.fma(x, y.fma(y, z.squared()));
+    let determinant = (x * y * z).fma(R::lit(2.0), i - squares);
+    let soft = (least - determinant).max(o);
+    let gram = SymMat3::new(Vec3::splat(i + soft), Vec3::new(z, y, x));
     [
-        along(a, gram.solve(Vec3::new(i, o, o), soft)),
-        along(a, gram.solve(Vec3::new(o, i, o), soft)),
-        along(a, gram.solve(Vec3::new(o, o, i), soft)),
+        along(a, gram.solve(Vec3::new(i, o, o), least)),
+        along(a, gram.solve(Vec3::new(o, i, o), least)),
+        along(a, gram.solve(Vec3::new(o, o, i), least)),
     ]
 }
 
@@ -65,7 +67,10 @@ fn turn<M: Machine>(
 ) -> Quat<M::R> {
     let mut q = Quat::identity().hold(k);
     for _ in k.when(k.less(k.index(i), count)) {
-        q.set(Quat::from_axis_angle(axis, k.load(t.angle, first.offset(i), 0)));
+        q.set(Quat::from_axis_angle(
+            axis,
+            k.load(t.angle, first.offset(i), 0),
+        ));
     }
     q.get()
 }
@@ -103,7 +108,11 @@ fn measure_linear<M: Machine>(k: &mut M, t: &Tables, j: M::I, first: M::I, count
         for _ in k.when(k.less(k.index(i), count)) {
             let row = first.offset(i);
             let n = frame * gradient;
-            let pull = Pull { n, a: ra.cross(n), b: rb.cross(n) };
+            let pull = Pull {
+                n,
+                a: ra.cross(n),
+                b: rb.cross(n),
+            };
             finish(k, t, row, &ends, pull, gradient.dot(d));
         }
     }
@@ -128,7 +137,18 @@ fn measure_angular<M: Machine>(k: &mut M, t: &Tables, j: M::I, first: M::I, coun
             let row = first.offset(i);
             let angle = k.load(t.angle, row, 0) + gradient.dot(e);
             let a = qa.rotate(gradient);
-            finish(k, t, row, &ends, Pull { n: Vec3::zero(), a, b: a }, angle);
+            finish(
+                k,
+                t,
+                row,
+                &ends,
+                Pull {
+                    n: Vec3::zero(),
+                    a,
+                    b: a,
+                },
+                angle,
+            );
         }
     }
 }
@@ -146,7 +166,12 @@ fn finish<M: Machine>(
     k.store_vec3(t.axis, row, axis_field::LINEAR, pull.n);
     k.store_vec3(t.axis, row, axis_field::ANGULAR_A, pull.a);
     k.store_vec3(t.axis, row, axis_field::ANGULAR_B, pull.b);
-    k.store(t.axis, row, axis_field::VALUE, value + k.load(t.direction, row, 3));
+    k.store(
+        t.axis,
+        row,
+        axis_field::VALUE,
+        value + k.load(t.direction, row, 3),
+    );
     k.store(t.axis, row, axis_field::RATE, pull.rate(ends));
 }
 

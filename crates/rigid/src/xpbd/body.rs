@@ -109,7 +109,12 @@ pub(crate) fn fly<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         let w = q.rotate(turn.rotate_inverse(l).times(inverse));
         k.store_pose(t.pose, row, 0, Pose::new(v.fma(h, pose.p), q));
         k.store_spatial(t.twist, row, 0, Spatial::new(w, v));
-        k.store_sym(t.inverse_inertia, row, 0, SymMat3::rotated_diagonal(q.to_mat3(), inverse));
+        k.store_sym(
+            t.inverse_inertia,
+            row,
+            0,
+            SymMat3::rotated_diagonal(q.to_mat3(), inverse),
+        );
     }
     // The world's: zero.
     k.store_sym(t.inverse_inertia, world, 0, SymMat3::zero());

@@ -36,7 +36,12 @@ impl<R: Real, I: Index> Ends<R, I> {
     pub fn load<M: Machine<R = R, I = I>>(k: &M, t: &Tables, j: I) -> Self {
         let row_a = k.link(t.joint_links, j, joint_link::A);
         let row_b = k.link(t.joint_links, j, joint_link::B);
-        Self { a: Body::load(k, t, row_a), b: Body::load(k, t, row_b), row_a, row_b }
+        Self {
+            a: Body::load(k, t, row_a),
+            b: Body::load(k, t, row_b),
+            row_a,
+            row_b,
+        }
     }
     #[inline(always)]
     pub fn store<M: Machine<R = R, I = I>>(&self, k: &mut M, t: &Tables) {
@@ -67,8 +72,16 @@ impl<R: Real, I: Index> Ends<R, I> {
         t: &Tables,
         j: I,
     ) -> (Vec3<R>, Vec3<R>, Vec3<R>) {
-        let ra = self.a.pose.q.rotate(k.vec3(t.joint, j, joint_field::ANCHOR_A));
-        let rb = self.b.pose.q.rotate(k.vec3(t.joint, j, joint_field::ANCHOR_B));
+        let ra = self
+            .a
+            .pose
+            .q
+            .rotate(k.vec3(t.joint, j, joint_field::ANCHOR_A));
+        let rb = self
+            .b
+            .pose
+            .q
+            .rotate(k.vec3(t.joint, j, joint_field::ANCHOR_B));
         (ra, rb, (self.b.pose.p + rb) - (self.a.pose.p + ra))
     }
 }
@@ -116,7 +129,13 @@ impl<M: Machine> Pair<M> {
     }
     /// Applies a linear multiplier at two arms.
     #[inline(always)]
-    fn shove(&mut self, mut ends: Ends<M::R, M::I>, arms: Arms<M::R>, delta: Vec3<M::R>, over_h: M::R) {
+    fn shove(
+        &mut self,
+        mut ends: Ends<M::R, M::I>,
+        arms: Arms<M::R>,
+        delta: Vec3<M::R>,
+        over_h: M::R,
+    ) {
         ends.a.push(-delta, -arms.0.cross(delta), over_h);
         ends.b.push(delta, arms.1.cross(delta), over_h);
         self.set(&ends);
@@ -193,13 +212,18 @@ fn revolute<M: Machine>(
 ) -> Vec3<M::R> {
     let (qa, qb) = ends.frames(k, t, j);
     let frame = qa.to_mat3();
-    let c = frame.x.cross(qb.rotate(Vec3::new(M::R::one(), M::R::zero(), M::R::zero())));
+    let c = frame
+        .x
+        .cross(qb.rotate(Vec3::new(M::R::one(), M::R::zero(), M::R::zero())));
     let i = ends.a.i + ends.b.i;
     let (u, v) = (frame.y, frame.z);
     let (iu, iv) = (i * u, i * v);
     let lambda = k.vec3(t.multiplier, j, 0);
     let (kuu, kuv, kvv) = (u.dot(iu) + soft, u.dot(iv), v.dot(iv) + soft);
-    let (cu, cv) = (soft.fma(u.dot(lambda), u.dot(c)), soft.fma(v.dot(lambda), v.dot(c)));
+    let (cu, cv) = (
+        soft.fma(u.dot(lambda), u.dot(c)),
+        soft.fma(v.dot(lambda), v.dot(c)),
+    );
     let determinant = kuv.fnma(kuv, kuu * kvv).max(M::R::lit(TINY * TINY)).recip();
     let lu = kuv.fnma(cv, kvv * cu) * -determinant;
     let lv = kuv.fnma(cu, kuu * cv) * -determinant;
@@ -255,15 +279,20 @@ fn arm_inertia<R: Real>(i: SymMat3<R>, r: Vec3<R>) -> SymMat3<R> {
     let b = Mat3::from_columns(bx, by, bz).transpose();
     // B (r×)ᵀ: entry (p, q) is (r × row p of B)_q.
     let (p, q, s) = (r.cross(b.x), r.cross(b.y), r.cross(b.z));
-    SymMat3 { xx: p.x, yy: q.y, zz: s.z, xy: p.y, xz: p.z, yz: q.z }
+    SymMat3 {
+        xx: p.x,
+        yy: q.y,
+        zz: s.z,
+        xy: p.y,
+        xz: p.z,
+        yz: q.z,
+    }
 }
 
 /// K of a pair of bodies pushed at arms.
 #[inline(always)]
 fn linear_block<R: Real, I: Index>(ends: &Ends<R, I>, ra: Vec3<R>, rb: Vec3<R>) -> SymMat3<R> {
-    arm_inertia(ends.a.i, ra)
-        + arm_inertia(ends.b.i, rb)
-        + SymMat3::diagonal(ends.a.m + ends.b.m)
+    arm_inertia(ends.a.i, ra) + arm_inertia(ends.b.i, rb) + SymMat3::diagonal(ends.a.m + ends.b.m)
 }
 
 /// A linear multiplier as it is applied: scaled, and within the caps.
@@ -278,7 +307,11 @@ fn tame<M: Machine>(
     capped: bool,
 ) -> Vec3<M::R> {
     let delta = delta * strength(k, t, j);
-    if capped { cap(k, t, h, ends, delta) } else { delta }
+    if capped {
+        cap(k, t, h, ends, delta)
+    } else {
+        delta
+    }
 }
 
 /// Shortens a multiplier to the force cap and the displacement cap, and counts where that bites.

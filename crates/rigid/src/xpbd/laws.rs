@@ -19,9 +19,9 @@ use super::tables::{Tables, axis_field, axis_link};
 use crate::SolverError;
 use crate::tables::{Filler, UNBOUNDED, actuator_numbers, ball_target, bounded};
 use model::{Dof, JointKind, Model};
+use numbers::functions::wrap;
 use numbers::machine::space::{Parameter, Scratch, State};
 use numbers::machine::{Index, Links};
-use numbers::functions::wrap;
 use numbers::{Cell, Machine, Quat, Real, SymMat3, Table, Vec3};
 
 /// True if anything acts along a degree of freedom.
@@ -45,7 +45,12 @@ pub(crate) fn check(model: &Model) -> Result<(), SolverError> {
         let refuse = |what| {
             let (solver, name) = ("xpbd", joint.name.clone());
             let remedy = "use the solver `featherstone`, or a d6 joint with three angular axes";
-            Err(SolverError::Unsupported { solver, what, name, remedy })
+            Err(SolverError::Unsupported {
+                solver,
+                what,
+                name,
+                remedy,
+            })
         };
         for dof in &joint.dofs {
             if dof.armature > 0.0 {
@@ -135,12 +140,21 @@ fn axes(model: &Model) -> impl Iterator<Item = (usize, &Dof, bool)> {
         .enumerate()
         .filter(|(_, j)| !j.axes.is_empty() && !j.closes_loop)
         .flat_map(|(i, joint)| {
-            let angular = joint.axes.iter().map(|a| a.kind == model::AxisKind::Angular);
-            model.dof_range(model::JointId(i)).zip(&joint.dofs).zip(angular).map(
-                |((v, dof), angular)| {
-                    (v, dof, angular && dof.limit.is_none() && dof.stiffness == 0.0)
-                },
-            )
+            let angular = joint
+                .axes
+                .iter()
+                .map(|a| a.kind == model::AxisKind::Angular);
+            model
+                .dof_range(model::JointId(i))
+                .zip(&joint.dofs)
+                .zip(angular)
+                .map(|((v, dof), angular)| {
+                    (
+                        v,
+                        dof,
+                        angular && dof.limit.is_none() && dof.stiffness == 0.0,
+                    )
+                })
         })
 }
 
@@ -203,8 +217,14 @@ impl LawTables {
     /// First law of each kind.
     fn starts(&self) -> [usize; 6] {
         let mut start = 0;
-        let counts =
-            [self.springs, self.drives, self.limits, self.frictions, self.armatures, self.motors];
+        let counts = [
+            self.springs,
+            self.drives,
+            self.limits,
+            self.frictions,
+            self.armatures,
+            self.motors,
+        ];
         counts.map(|n| {
             start += n;
             start - n
@@ -217,7 +237,12 @@ impl LawTables {
         let mut row = |kind: usize, v: usize, f: &mut Filler| {
             let law = next[kind];
             next[kind] += 1;
-            f.link(self.law_links, law, 0, axis_of[v].expect("an axis has a row"));
+            f.link(
+                self.law_links,
+                law,
+                0,
+                axis_of[v].expect("an axis has a row"),
+            );
             f.link(self.law_links, law, 1, v);
             law - first[kind]
         };
@@ -229,12 +254,23 @@ impl LawTables {
             if driven(dof) {
                 let (i, d) = (row(1, v, f), &dof.drive);
                 let turns = f64::from(u8::from(turns));
-                let x = [d.stiffness, d.damping, bounded(d.effort_limit), d.control_time, turns];
+                let x = [
+                    d.stiffness,
+                    d.damping,
+                    bounded(d.effort_limit),
+                    d.control_time,
+                    turns,
+                ];
                 f.numbers(self.drive, i, 0, &x);
             }
             if let Some(l) = dof.limit {
                 let i = row(2, v, f);
-                f.numbers(self.limit, i, 0, &[l.lower, l.upper, l.stiffness, l.damping]);
+                f.numbers(
+                    self.limit,
+                    i,
+                    0,
+                    &[l.lower, l.upper, l.stiffness, l.damping],
+                );
             }
             if dof.friction_loss > 0.0 {
                 let i = row(3, v, f);
@@ -254,13 +290,24 @@ impl LawTables {
             f.link(self.ball_links, i, 0, joint);
             f.link(self.ball_links, i, 1, v);
             let (d, passive) = (&dofs[0].drive, dofs[0].damping);
-            let x = [d.stiffness, d.damping, bounded(d.effort_limit), d.control_time, passive];
+            let x = [
+                d.stiffness,
+                d.damping,
+                bounded(d.effort_limit),
+                d.control_time,
+                passive,
+            ];
             f.numbers(self.ball, i, 0, &x);
         }
         for (i, c) in model.couplings.iter().enumerate() {
             for (field, joint) in [c.joint, c.other].into_iter().enumerate() {
                 let v = model.dof_range(joint).start;
-                f.link(self.coupling_links, i, field, axis_of[v].expect("an axis has a row"));
+                f.link(
+                    self.coupling_links,
+                    i,
+                    field,
+                    axis_of[v].expect("an axis has a row"),
+                );
             }
             f.numbers(self.coupling, i, 0, &[c.ratio, c.offset]);
         }
@@ -297,7 +344,14 @@ pub(crate) fn prepare<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         // So stiff a damper that only the clamp shows.
         let most = k.load(r.friction, i, 0);
         let damper = most * M::R::lit(1e6);
-        store_law(k, t, i.offset(frictions), [zero, damper, zero, zero, zero], -most, most);
+        store_law(
+            k,
+            t,
+            i.offset(frictions),
+            [zero, damper, zero, zero, zero],
+            -most,
+            most,
+        );
     }
     for i in k.count(r.armatures) {
         let law = i.offset(armatures);
@@ -325,7 +379,12 @@ fn write<M: Machine>(k: &mut M, t: &Tables, law: M::I, x: [M::R; 5], bound: f64)
 fn store_law<M: Machine>(k: &mut M, t: &Tables, law: M::I, x: [M::R; 5], low: M::R, high: M::R) {
     let [s, d, rest, speed, force] = x;
     let zero = M::R::zero();
-    k.write(t.laws.law, law, law::FIRST, [s, d, rest, speed, force, low, high, zero]);
+    k.write(
+        t.laws.law,
+        law,
+        law::FIRST,
+        [s, d, rest, speed, force, low, high, zero],
+    );
 }
 
 #[inline(always)]
@@ -345,7 +404,14 @@ fn drive<M: Machine>(k: &mut M, t: &Tables, i: M::I, law: M::I, h: M::R) {
     let error = target - value;
     let rest = value + M::R::select(turns, wrap(error), error);
     let speed = k.load(t.input.target_velocity, v, 0);
-    store_law(k, t, law, [s, d, rest, speed, M::R::zero()], -effort, effort);
+    store_law(
+        k,
+        t,
+        law,
+        [s, d, rest, speed, M::R::zero()],
+        -effort,
+        effort,
+    );
 }
 
 /// A limit acts where the substep would end beyond it.
@@ -372,7 +438,14 @@ fn motor<M: Machine>(k: &mut M, t: &Tables, i: M::I, law: M::I) {
     // A bias −k l − d l̇ with l = gear q is a spring and a damper of the coordinate.
     let (s, d) = (-(b1 * gear2), -(b2 * gear2));
     let (a, b) = (gear * least, gear * most);
-    store_law(k, t, law, [s, d, M::R::zero(), M::R::zero(), force], a.min(b), a.max(b));
+    store_law(
+        k,
+        t,
+        law,
+        [s, d, M::R::zero(), M::R::zero(), force],
+        a.min(b),
+        a.max(b),
+    );
 }
 
 /// Rate of an axis's coordinate as the bodies move now.
@@ -440,7 +513,12 @@ fn solve_ball<M: Machine>(k: &mut M, t: &Tables, i: M::I, h: M::R) {
     let next = lambda + block.solve(wanted * h2 - lambda, M::R::one());
     let size = next.length();
     let most = effort * h2;
-    let next = next * M::R::select(size.gt(most), most / size.max(M::R::lit(1e-30)), M::R::one());
+    let next = next
+        * M::R::select(
+            size.gt(most),
+            most / size.max(M::R::lit(1e-30)),
+            M::R::one(),
+        );
     let delta = next - lambda;
     ends.a.push(Vec3::zero(), -delta, h.recip());
     ends.b.push(Vec3::zero(), delta, h.recip());
@@ -470,12 +548,18 @@ pub(crate) fn smooth_balls<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
 #[inline(always)]
 fn solve_coupling<M: Machine>(k: &mut M, t: &Tables, i: M::I, h: M::R) {
     let r = &t.laws;
-    let (one, other) = (k.link(r.coupling_links, i, 0), k.link(r.coupling_links, i, 1));
+    let (one, other) = (
+        k.link(r.coupling_links, i, 0),
+        k.link(r.coupling_links, i, 1),
+    );
     let [ratio, offset] = k.read(r.coupling, i, 0);
     let (end, weight) = reach(k, t, one, h);
     let (other_end, other_weight) = reach(k, t, other, h);
     let c = end - offset - ratio * other_end;
-    let lambda = -(c / ratio.squared().fma(other_weight, weight).max(M::R::lit(1e-30)));
+    let lambda = -(c / ratio
+        .squared()
+        .fma(other_weight, weight)
+        .max(M::R::lit(1e-30)));
     pull_axis(k, t, one, lambda, h);
     pull_axis(k, t, other, -(ratio * lambda), h);
 }

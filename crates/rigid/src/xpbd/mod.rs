@@ -39,8 +39,8 @@ use model::Model;
 use numbers::functions::finite;
 use numbers::spatial::Spatial;
 use numbers::{Cell, Machine, Pose, Quat, Real, Vec3};
-use tables::global;
 pub use tables::Tables;
+use tables::global;
 
 /// Positions beyond this are taken for diverged [m].
 const FAR: f64 = 1e9;
@@ -115,12 +115,15 @@ impl Kernels for Xpbd {
     }
     fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
         let bodies = self.tree.bodies(position, velocity);
-        self.tables.place(&bodies, &self.parameters, &self.links, state);
-        self.tables.count_turns(position, &self.parameters, &self.links, state);
+        self.tables
+            .place(&bodies, &self.parameters, &self.links, state);
+        self.tables
+            .count_turns(position, &self.parameters, &self.links, state);
     }
     /// The bodies' own frames depend on the masses; the turns that were counted stay.
     fn take_over(&self, bodies: &[f64], state: &mut [f64]) {
-        self.tables.place(bodies, &self.parameters, &self.links, state);
+        self.tables
+            .place(bodies, &self.parameters, &self.links, state);
     }
     #[inline(always)]
     fn step<M: Machine>(&self, k: &mut M) {
@@ -164,7 +167,10 @@ fn guard<M: Machine>(k: &mut M, t: &Tables) {
     let mut sum = k.cell(zero);
     for row in k.count(t.rows) {
         let (pose, twist) = (k.pose(t.pose, row, 0), k.spatial(t.twist, row, 0));
-        let (v, w) = (twist.linear.length_squared(), twist.angular.length_squared());
+        let (v, w) = (
+            twist.linear.length_squared(),
+            twist.angular.length_squared(),
+        );
         let (far, turned) = (pose.p.length_squared(), pose.q.dot(pose.q));
         fastest.write(fastest.read().max(v).max(w));
         farthest.write(farthest.read().max(far));
@@ -194,7 +200,12 @@ fn guard<M: Machine>(k: &mut M, t: &Tables) {
 fn restore<M: Machine>(k: &mut M, t: &Tables, row: M::I, lost: <M::R as Real>::Mask) {
     let (now, saved) = (k.pose(t.pose, row, 0), k.pose(t.saved_pose, row, 0));
     let p = Vec3::select(lost, saved.p, now.p);
-    k.store_pose(t.pose, row, 0, Pose::new(p, Quat::select(lost, saved.q, now.q)));
+    k.store_pose(
+        t.pose,
+        row,
+        0,
+        Pose::new(p, Quat::select(lost, saved.q, now.q)),
+    );
     let (now, saved) = (k.spatial(t.twist, row, 0), k.spatial(t.before, row, 0));
     let angular = Vec3::select(lost, saved.angular, now.angular);
     let linear = Vec3::select(lost, saved.linear, now.linear);

@@ -117,7 +117,12 @@ fn frees<M: Machine>(k: &mut M, t: &Tables) {
         k.store_vec3(t.output.velocity, v, 0, linear);
         k.store_vec3(t.output.velocity, v.offset(3), 0, angular);
         k.store_vec3(t.output.acceleration, v, 0, linear_change * h.recip());
-        k.store_vec3(t.output.acceleration, v.offset(3), 0, angular_change * h.recip());
+        k.store_vec3(
+            t.output.acceleration,
+            v.offset(3),
+            0,
+            angular_change * h.recip(),
+        );
     }
 }
 

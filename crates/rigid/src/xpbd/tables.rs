@@ -10,9 +10,7 @@ use crate::output::{OutputTables, body};
 use crate::tables::Filler;
 use crate::{InputTables, SolverError};
 use glam::{DMat3, DQuat, DVec3};
-use model::{
-    AxisKind, BodyId, BodyKind, Joint, JointId, JointKind, MassProperties, Model, Pose,
-};
+use model::{AxisKind, BodyId, BodyKind, Joint, JointId, JointKind, MassProperties, Model, Pose};
 use numbers::Table;
 use numbers::machine::Links;
 use numbers::machine::space::{Parameter, Scratch, State};
@@ -200,24 +198,48 @@ struct Group {
 impl Group {
     fn new(index: usize, joint: &Joint, model: &Model) -> Result<Self, SolverError> {
         let of = |kind| -> Vec<usize> {
-            (0..joint.axes.len()).filter(|&i| joint.axes[i].kind == kind).collect()
+            (0..joint.axes.len())
+                .filter(|&i| joint.axes[i].kind == kind)
+                .collect()
         };
         let (linear, angular) = (of(AxisKind::Linear), of(AxisKind::Angular));
         let refuse = |what, remedy| {
-            Err(SolverError::Unsupported { solver: "xpbd", what, name: joint.name.clone(), remedy })
+            Err(SolverError::Unsupported {
+                solver: "xpbd",
+                what,
+                name: joint.name.clone(),
+                remedy,
+            })
         };
-        if linear.iter().any(|l| angular.first().is_some_and(|a| a < l)) {
-            return refuse("a linear axis after an angular one", "order them linear first, or use the solver `featherstone`");
+        if linear
+            .iter()
+            .any(|l| angular.first().is_some_and(|a| a < l))
+        {
+            return refuse(
+                "a linear axis after an angular one",
+                "order them linear first, or use the solver `featherstone`",
+            );
         }
         let anchors: Vec<_> = angular.iter().map(|&i| joint.axes[i].anchor).collect();
         if anchors.iter().any(|a| a.distance(anchors[0]) > 1e-12) {
-            return refuse("axes that do not meet", "split the joint, or use the solver `featherstone`");
+            return refuse(
+                "axes that do not meet",
+                "split the joint, or use the solver `featherstone`",
+            );
         }
         let acts = joint.dofs.iter().any(laws::acts)
             || model.actuators.iter().any(|a| a.joint.0 == index)
-            || model.couplings.iter().any(|c| c.joint.0 == index || c.other.0 == index);
+            || model
+                .couplings
+                .iter()
+                .any(|c| c.joint.0 == index || c.other.0 == index);
         let tracked = acts || angular.len() > 1;
-        Ok(Self { joint: index, linear, angular, tracked })
+        Ok(Self {
+            joint: index,
+            linear,
+            angular,
+            tracked,
+        })
     }
 }
 
@@ -255,11 +277,22 @@ impl Tables {
     }
 
     fn layout(model: &Model, groups: &[Group]) -> Self {
-        let moving = model.bodies.iter().filter(|b| b.kind == BodyKind::Dynamic).count();
+        let moving = model
+            .bodies
+            .iter()
+            .filter(|b| b.kind == BodyKind::Dynamic)
+            .count();
         let (rows, joints) = (moving + 1, model.joints.len());
-        let axes = groups.iter().map(|g| g.linear.len() + g.angular.len()).sum();
+        let axes = groups
+            .iter()
+            .map(|g| g.linear.len() + g.angular.len())
+            .sum();
         let open = |kind| {
-            model.joints.iter().filter(|j| j.kind == kind && !j.closes_loop).count()
+            model
+                .joints
+                .iter()
+                .filter(|j| j.kind == kind && !j.closes_loop)
+                .count()
         };
         let (balls, frees) = (open(JointKind::Ball), open(JointKind::Free));
         let (mut s, mut p, mut l, mut t) = (0, 0, 0, 0);
@@ -321,7 +354,12 @@ impl Tables {
                         inertia: body.inertia,
                     }
                     .principal();
-                    let inverse = [1.0 / body.mass, 1.0 / moments.x, 1.0 / moments.y, 1.0 / moments.z];
+                    let inverse = [
+                        1.0 / body.mass,
+                        1.0 / moments.x,
+                        1.0 / moments.y,
+                        1.0 / moments.z,
+                    ];
                     f.numbers(self.mass, row, 0, &inverse);
                     f.number(self.mass, row, 4, body.mass);
                     f.vec3(self.mass, row, 5, moments);
@@ -335,18 +373,15 @@ impl Tables {
         own
     }
 
-    fn fill_joints(
-        &self,
-        model: &Model,
-        groups: &[Group],
-        own: &[(usize, Pose)],
-        f: &mut Filler,
-    ) {
+    fn fill_joints(&self, model: &Model, groups: &[Group], own: &[(usize, Pose)], f: &mut Filler) {
         let (mut ball, mut free) = (0, 0);
         for (j, joint) in model.joints.iter().enumerate() {
             let group = groups.iter().find(|g| g.joint == j);
             let directions = |axes: Option<&Vec<usize>>| -> Vec<DVec3> {
-                axes.into_iter().flatten().map(|&i| joint.axes[i].direction).collect()
+                axes.into_iter()
+                    .flatten()
+                    .map(|&i| joint.axes[i].direction)
+                    .collect()
             };
             let angular = directions(group.map(|g| &g.angular));
             let linear = directions(group.map(|g| &g.linear));
@@ -362,26 +397,56 @@ impl Tables {
             f.quat(self.joint, j, joint_field::FRAME_A, a.orientation * turn);
             f.vec3(self.joint, j, joint_field::ANCHOR_B, b.point(anchor));
             f.quat(self.joint, j, joint_field::FRAME_B, b.orientation * turn);
-            f.quat(self.joint, j, joint_field::LINEAR_FRAME, a.orientation * slide);
-            let locked: Vec<f64> =
-                (0..3).map(|i| f64::from(u8::from(i >= linear.len()))).collect();
+            f.quat(
+                self.joint,
+                j,
+                joint_field::LINEAR_FRAME,
+                a.orientation * slide,
+            );
+            let locked: Vec<f64> = (0..3)
+                .map(|i| f64::from(u8::from(i >= linear.len())))
+                .collect();
             f.numbers(self.joint, j, joint_field::LOCKED, &locked);
             let second = angular.get(1).copied().unwrap_or(DVec3::Y);
-            f.vec3(self.joint, j, joint_field::SECOND, turn.conjugate() * second);
+            f.vec3(
+                self.joint,
+                j,
+                joint_field::SECOND,
+                turn.conjugate() * second,
+            );
             let compliance = [joint.linear_compliance, joint.angular_compliance];
             f.number(self.joint, j, joint_field::LENGTH, joint.length);
             f.numbers(self.joint, j, joint_field::COMPLIANCE, &compliance);
-            f.number(self.joint, j, joint_field::ENABLED, f64::from(u8::from(joint.enabled)));
+            f.number(
+                self.joint,
+                j,
+                joint_field::ENABLED,
+                f64::from(u8::from(joint.enabled)),
+            );
             f.link(self.joint_links, j, joint_link::A, row_a);
             f.link(self.joint_links, j, joint_link::B, row_b);
-            f.link(self.joint_links, j, joint_link::TURNS, turns_of(joint, angular.len()));
-            f.link(self.joint_links, j, joint_link::HOLD, hold_of(joint, linear.len()));
+            f.link(
+                self.joint_links,
+                j,
+                joint_link::TURNS,
+                turns_of(joint, angular.len()),
+            );
+            f.link(
+                self.joint_links,
+                j,
+                joint_link::HOLD,
+                hold_of(joint, linear.len()),
+            );
             f.link(self.joint_links, j, joint_link::JOINT, j);
             if joint.closes_loop {
                 continue;
             }
             let id = JointId(j);
-            let row = [j, model.coordinate_range(id).start, model.dof_range(id).start];
+            let row = [
+                j,
+                model.coordinate_range(id).start,
+                model.dof_range(id).start,
+            ];
             let (links, next) = match joint.kind {
                 JointKind::Ball => (self.ball_links, &mut ball),
                 JointKind::Free => (self.free_links, &mut free),
@@ -404,9 +469,22 @@ impl Tables {
             f.link(self.group_links, g, group_link::JOINT, group.joint);
             f.link(self.group_links, g, group_link::FIRST, row);
             f.link(self.group_links, g, group_link::LINEAR, group.linear.len());
-            f.link(self.group_links, g, group_link::ANGULAR, group.angular.len());
-            let angular: Vec<_> = group.angular.iter().map(|&i| joint.axes[i].direction).collect();
-            let linear: Vec<_> = group.linear.iter().map(|&i| joint.axes[i].direction).collect();
+            f.link(
+                self.group_links,
+                g,
+                group_link::ANGULAR,
+                group.angular.len(),
+            );
+            let angular: Vec<_> = group
+                .angular
+                .iter()
+                .map(|&i| joint.axes[i].direction)
+                .collect();
+            let linear: Vec<_> = group
+                .linear
+                .iter()
+                .map(|&i| joint.axes[i].direction)
+                .collect();
             let (turn, slide) = (frame(&angular), frame(&linear));
             for &i in group.linear.iter().chain(&group.angular) {
                 let axis = &joint.axes[i];
@@ -422,7 +500,10 @@ impl Tables {
                 let (q, v) = if joint.closes_loop {
                     (model.coordinates(), model.degrees_of_freedom())
                 } else {
-                    (model.coordinate_range(id).start + i, model.dof_range(id).start + i)
+                    (
+                        model.coordinate_range(id).start + i,
+                        model.dof_range(id).start + i,
+                    )
                 };
                 f.link(self.axis_links, row, axis_link::COORDINATE, q);
                 f.link(self.axis_links, row, axis_link::DOF, v);
@@ -454,7 +535,13 @@ fn hold_of(joint: &Joint, linear: usize) -> usize {
 impl Tables {
     /// Writes the bodies' own poses and twists, given the model's frames (13 numbers a body:
     /// see [`output::body`](crate::output::body)).
-    pub(crate) fn place(&self, bodies: &[f64], parameters: &[f64], links: &[u32], state: &mut [f64]) {
+    pub(crate) fn place(
+        &self,
+        bodies: &[f64],
+        parameters: &[f64],
+        links: &[u32],
+        state: &mut [f64],
+    ) {
         for i in 0..self.bodies {
             let id = links[self.body_links.at(i, body_link::BODY)] as usize;
             let row = links[self.body_links.at(i, body_link::ROW)] as usize;

@@ -43,7 +43,8 @@ fn outwards<M: Machine>(k: &mut M, t: &Tables, d: &DynamicsTables) {
     }
     for n in k.range(k.index(t.trees), k.index(t.trees + t.nodes)) {
         let parent = k.link(t.node_links, n, node_link::PARENT);
-        let carried = k.spatial(t.frame, parent, frame::ACCELERATION) + k.spatial(t.frame, n, frame::BIAS);
+        let carried =
+            k.spatial(t.frame, parent, frame::ACCELERATION) + k.spatial(t.frame, n, frame::BIAS);
         let mut a = carried.hold(k);
         let first = k.link(t.node_links, n, node_link::DOF_BEGIN);
         let count = k.link(t.node_links, n, node_link::DOF_COUNT);
@@ -69,7 +70,11 @@ fn inwards<M: Machine>(k: &mut M, t: &Tables, d: &DynamicsTables) {
         k.store_spatial(t.frame, parent, frame::FORCE, sum);
     }
     for v in k.count(t.dofs) {
-        let f = k.spatial(t.frame, k.link(d.dof_links, v, dof_link::NODE), frame::FORCE);
+        let f = k.spatial(
+            t.frame,
+            k.link(d.dof_links, v, dof_link::NODE),
+            frame::FORCE,
+        );
         let rotor = t.forces.armature(k, v) * k.load(d.acceleration, v, 0);
         let tau = k.spatial(t.dof, v, dof::AXIS).dot(f) + rotor;
         k.store(d.force, v, 0, tau);

@@ -27,7 +27,11 @@ pub(crate) fn mass_matrix<M: Machine>(k: &mut M, t: &Tables, d: &DynamicsTables)
         k.store(d.mass_matrix, entry, 0, M::R::zero());
     }
     for i in k.count(t.dofs) {
-        let inertia = k.inertia(t.frame, k.link(d.dof_links, i, dof_link::NODE), frame::INERTIA);
+        let inertia = k.inertia(
+            t.frame,
+            k.link(d.dof_links, i, dof_link::NODE),
+            frame::INERTIA,
+        );
         let f = inertia.apply(k.spatial(t.dof, i, dof::AXIS));
         let begin = k.link(d.dof_links, i, dof_link::PATH_BEGIN);
         let end = k.link(d.dof_links, i, dof_link::PATH_END);
@@ -67,7 +71,8 @@ fn composite_inertias<M: Machine>(k: &mut M, t: &Tables) {
     for i in k.range_down(k.index(t.nodes)) {
         let n = i.offset(t.trees);
         let parent = k.link(t.node_links, n, node_link::PARENT);
-        let sum = k.inertia(t.frame, parent, frame::INERTIA) + k.inertia(t.frame, n, frame::INERTIA);
+        let sum =
+            k.inertia(t.frame, parent, frame::INERTIA) + k.inertia(t.frame, n, frame::INERTIA);
         k.store_inertia(t.frame, parent, frame::INERTIA, sum);
     }
 }
