@@ -1,6 +1,6 @@
 //! Joint positions and energy of the first world over time, drawn to PNG and SVG.
 
-use crate::trajectory::{Coordinate, Trajectory};
+use crate::trajectory::Trajectory;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::register_font;
@@ -108,16 +108,25 @@ where
     let font = epaint_default_fonts::UBUNTU_LIGHT;
     register_font(FONT, FontStyle::Normal, font).map_err(|_| "the built-in font is damaged")?;
     let s = scale as i32;
-    let pen = Pen { scale };
+    let (positions, unit) = position_curves(trajectory);
+    let energies = energy_curves(trajectory);
+    let labels = positions
+        .iter()
+        .chain(&energies)
+        .map(|c| c.label.chars().count());
+    let legend_width = 80 + 9 * labels.max().unwrap_or(0) as u32;
+    let pen = Pen {
+        scale,
+        legend_width,
+    };
     area.fill(&WHITE).map_err(failed)?;
     let heading = pen.text(26, INK).pos(Pos::new(HPos::Left, VPos::Top));
     area.draw_text(title, &heading, (24 * s, 20 * s))
         .map_err(failed)?;
     let (_, panels) = area.split_vertically(64 * s);
     let (upper, lower) = panels.split_vertically(panels.dim_in_pixel().1 as i32 / 2);
-    let (positions, unit) = position_curves(trajectory);
     pen.panel(&upper, &format!("joint position{unit}"), &positions)?;
-    pen.panel(&lower, "energy [J]", &energy_curves(trajectory))?;
+    pen.panel(&lower, "energy [J]", &energies)?;
     area.present().map_err(failed)
 }
 
@@ -125,10 +134,11 @@ fn failed(error: impl std::error::Error) -> PlotError {
     error.to_string().into()
 }
 
-/// Draws at a scale.
+/// Draws at a scale, with room for legends of a width [pixel before scaling].
 #[derive(Clone, Copy)]
 struct Pen {
     scale: u32,
+    legend_width: u32,
 }
 
 impl Pen {
@@ -147,12 +157,7 @@ impl Pen {
     {
         let s = self.scale;
         let (width, _) = area.dim_in_pixel();
-        let longest = curves
-            .iter()
-            .map(|c| c.label.chars().count())
-            .max()
-            .unwrap_or(0) as u32;
-        let (chart, legend) = area.split_horizontally(width - (80 + 9 * longest) * s);
+        let (chart, legend) = area.split_horizontally(width - self.legend_width * s);
         let heading = self.text(19, INK).pos(Pos::new(HPos::Left, VPos::Top));
         area.draw_text(title, &heading, (BEFORE_PANEL * s as i32, 6 * s as i32))
             .map_err(failed)?;
@@ -213,7 +218,8 @@ impl Pen {
     }
 }
 
-/// The coordinates of world 0 that move most, and the unit if all share it.
+/// The coordinates of world 0 that move most, and the unit if all share it. Where a robot is in the
+/// world is left to robots without other joints: a fall would dwarf all else.
 fn position_curves(t: &Trajectory) -> (Vec<Curve>, String) {
     let n = t.coordinates.len();
     let value = |row: usize, i: usize| t.joint_position[row * t.worlds * n + i];
@@ -221,7 +227,10 @@ fn position_curves(t: &Trajectory) -> (Vec<Curve>, String) {
         let range = range((0..t.rows()).map(|row| value(row, i)), 0.0);
         range.end - range.start
     };
-    let mut chosen: Vec<usize> = (0..n).collect();
+    let mut chosen: Vec<usize> = (0..n).filter(|&i| !t.coordinates[i].free).collect();
+    if chosen.is_empty() {
+        chosen = (0..n).collect();
+    }
     chosen.sort_by(|&a, &b| span(b).total_cmp(&span(a)));
     chosen.truncate(MOST_CURVES);
     chosen.sort_unstable();
@@ -235,12 +244,9 @@ fn position_curves(t: &Trajectory) -> (Vec<Curve>, String) {
         .map_or(String::new(), |u| format!(" [{u}]"));
     let curve = |(k, &i): (usize, &usize)| {
         let coordinate = &t.coordinates[i];
-        let label = match coordinate {
-            Coordinate {
-                name,
-                unit: "m" | "rad",
-            } if shared.is_none() => {
-                format!("{} [{}]", short(name), coordinate.unit)
+        let label = match coordinate.unit {
+            "m" | "rad" if shared.is_none() => {
+                format!("{} [{}]", short(&coordinate.name), coordinate.unit)
             }
             _ => short(&coordinate.name),
         };

@@ -36,6 +36,8 @@ pub struct Coordinate {
     pub name: String,
     /// `rad`, `m`, or empty for a part of a quaternion.
     pub unit: &'static str,
+    /// Whether it is of a free joint, and so tells where in the world a robot is.
+    pub free: bool,
 }
 
 impl Trajectory {
@@ -97,18 +99,20 @@ impl Trajectory {
 }
 
 fn coordinates(model: &Model) -> Vec<Coordinate> {
-    let units = model
-        .joints
-        .iter()
-        .filter(|j| !j.closes_loop)
-        .flat_map(|joint| match joint.kind {
+    let in_state = model.joints.iter().filter(|j| !j.closes_loop);
+    let units = in_state.flat_map(|joint| {
+        let units = match joint.kind {
             JointKind::Ball => vec![""; 4],
             JointKind::Free => vec!["m", "m", "m", "", "", "", ""],
             _ => joint.axes.iter().map(|axis| unit(axis.kind)).collect(),
-        });
+        };
+        units
+            .into_iter()
+            .map(|unit| (unit, joint.kind == JointKind::Free))
+    });
     let named = model.coordinate_names().into_iter().zip(units);
     named
-        .map(|(name, unit)| Coordinate { name, unit })
+        .map(|(name, (unit, free))| Coordinate { name, unit, free })
         .collect()
 }
 
