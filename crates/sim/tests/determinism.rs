@@ -250,13 +250,13 @@ const GOLDEN: [[[u64; 2]; 5]; 2] = [
         [0x39a8_9fb4_7fe1_5a5c, 0x2d60_41a9_f57e_1078],
         [0xad74_e5a7_d598_8476, 0x6972_909b_c835_d3b2],
         [0xee55_b23a_c6b9_f87c, 0x9f6f_b2ac_1362_d049],
-        [0x5847_71dd_f906_90af, 0xb49f_1b47_8fd6_7f2f],
+        [0x93a2_daae_4650_47e1, 0xaf2e_db37_8c92_5f9d],
     ],
     [
         [0x8399_0826_f456_4d76, 0x7376_b487_e1d0_0d61],
         [0x43a1_d594_6cdd_4c64, 0x6339_5f4e_db84_fbd4],
         [0x66f9_28df_a34c_54ec, 0x5fe5_deb0_16b3_edf3],
         [0xc8ed_de57_6712_c7b9, 0xbce5_a1af_3bc7_e96c],
-        [0x9550_be0d_c275_70b0, 0x35c7_1c7c_2fb4_2bcc],
+        [0x32bd_900f_bba5_1e97, 0x42ec_5162_42b4_591c],
     ],
 ];
