@@ -111,7 +111,7 @@ fn peers(workshop: &Workshop) -> Result<()> {
     for package in ["kinetarium-formats", "kinetarium-rigid"] {
         cmd!(
             workshop.sh,
-            "cargo test --quiet --package {package} --test mujoco -- --ignored"
+            "cargo test --quiet --release --package {package} --test mujoco -- --ignored"
         )
         .env("KINETARIUM_PEERS", &references)
         .run()?;
@@ -122,7 +122,7 @@ fn peers(workshop: &Workshop) -> Result<()> {
 fn test(workshop: &Workshop) -> Result<()> {
     Ok(cmd!(
         workshop.sh,
-        "cargo test --quiet --workspace --lib --bins --tests"
+        "cargo test --quiet --release --workspace --lib --bins --tests"
     )
     .run()?)
 }
@@ -132,7 +132,7 @@ fn doc(workshop: &Workshop) -> Result<()> {
     cmd!(sh, "cargo doc --quiet --workspace --no-deps")
         .env("RUSTDOCFLAGS", "--deny warnings")
         .run()?;
-    Ok(cmd!(sh, "cargo test --quiet --workspace --doc").run()?)
+    Ok(cmd!(sh, "cargo test --quiet --release --workspace --doc").run()?)
 }
 
 /// The musl target links with Rust's own linker and libraries, so no cross compiler is needed.
