@@ -1,0 +1,15 @@
+//! Physics that is known beforehand, asked of both solvers.
+//!
+//! Every tolerance follows from the order of the method, and the comment beside it says how.
+//! Where the method's own discrete solution is known in closed form, the test compares with that,
+//! and only rounding is allowed for.
+
+mod chain;
+mod closed_forms;
+mod common;
+mod conservation;
+mod drives;
+mod joints;
+mod order;
+mod reactions;
+mod xpbd;

@@ -1,0 +1,375 @@
+//! What only xpbd does: loops, couplings, compliance, caps, joints that let go.
+
+use crate::common::*;
+use glam::{DQuat, DVec2, DVec3};
+use kinetarium_sim::{Simulation, SimulationError};
+use model::{BodyId, Builder, Drive, JointId, Model, Pose};
+
+const H: f64 = 1e-3;
+
+/// Crank, coupler and rocker [m]; the ground between the pivots is 1 m.
+const FOUR_BAR: [f64; 3] = [0.3, 0.9, 0.7];
+
+/// Where coupler and rocker meet for a crank angle: the upper crossing of two circles.
+fn meeting_point(crank: f64) -> DVec2 {
+    let [a, b, c] = FOUR_BAR;
+    let (from, to) = (DVec2::from_angle(crank) * a, DVec2::X);
+    let d = to - from;
+    let along = (b * b - c * c + d.length_squared()) / (2.0 * d.length());
+    let across = (b * b - along * along).sqrt();
+    from + d.normalize() * along + d.normalize().perp() * across
+}
+
+fn angle(from: DVec2, to: DVec2) -> f64 {
+    (to - from).to_angle()
+}
+
+/// A four-bar linkage whose crank is driven at one turn a second.
+fn four_bar(start: f64) -> Model {
+    let [a, b, c] = FOUR_BAR;
+    let mut world = Builder::new("four-bar");
+    let object = world.object("");
+    let mut bar = |name: &str, length: f64| {
+        let across = length * length / 12.0;
+        let moments = DVec3::new(1e-3, across, across);
+        body(
+            object,
+            name,
+            1.0,
+            DVec3::new(length / 2.0, 0.0, 0.0),
+            moments,
+        )
+    };
+    let (crank, coupler, rocker) = (bar("crank", a), bar("coupler", b), bar("rocker", c));
+    let [_, bend, swing] = four_bar_angles(start);
+    let motor = Drive {
+        damping: 1e5,
+        target_velocity: TURN,
+        ..Drive::default()
+    };
+    object
+        .revolute("motor", crank, DVec3::Z)
+        .drive(motor)
+        .initial(&[start]);
+    let end = |length: f64| Pose::at(DVec3::new(length, 0.0, 0.0));
+    let knee = object.revolute("knee", coupler, DVec3::Z);
+    knee.parent(crank)
+        .frames(end(a), Pose::IDENTITY)
+        .initial(&[bend]);
+    let pivot = object.revolute("pivot", rocker, DVec3::Z);
+    pivot.frames(end(1.0), Pose::IDENTITY).initial(&[swing]);
+    let loop_joint = object.revolute("loop", rocker, DVec3::Z);
+    loop_joint
+        .parent(coupler)
+        .frames(end(b), end(c))
+        .closes_loop();
+    world.build().unwrap()
+}
+
+const TURN: f64 = std::f64::consts::TAU;
+
+/// Angles of crank, knee and pivot for a crank angle.
+fn four_bar_angles(crank: f64) -> [f64; 3] {
+    let top = meeting_point(crank);
+    let bend = angle(DVec2::from_angle(crank) * FOUR_BAR[0], top) - crank;
+    [crank, bend, angle(DVec2::X, top)]
+}
+
+/// The rocker of a four-bar linkage is where plane geometry has it for the crank's angle, for two
+/// turns. What one pass leaves open of a loop is of the order of the way of a substep's
+/// accelerations, h² (g + a ω² + …): the error vanishes like h².
+#[test]
+fn four_bar_linkage_follows_its_geometry() {
+    let model = four_bar(1.0);
+    let (after, before) = (four_bar_angles(1.0 + 1e-5), four_bar_angles(1.0 - 1e-5));
+    let speeds = [0, 1, 2].map(|i| (after[i] - before[i]) / 2e-5 * TURN);
+    let worst = |h: f64| {
+        let mut simulation = XPBD.simulate::<f64>(&model, h);
+        simulation
+            .set_joint_state(0, &four_bar_angles(1.0), &speeds)
+            .unwrap();
+        let (mut of_rocker, mut turned): (f64, f64) = (0.0, 0.0);
+        for _ in 0..(2.0 / h) as usize {
+            simulation.step(1);
+            let outputs = simulation.outputs();
+            let q = outputs.joint_position(0);
+            turned += outputs.joint_velocity(0)[0] * h;
+            of_rocker = of_rocker.max((q[2] - four_bar_angles(q[0])[2]).abs());
+            let [coupler, rocker] = [1, 2].map(|b| outputs.body_pose(0, BodyId(b)));
+            let gap = coupler.point(DVec3::X * FOUR_BAR[1]) - rocker.point(DVec3::X * FOUR_BAR[2]);
+            let accelerations = G + FOUR_BAR[0] * TURN * TURN;
+            assert!(
+                gap.length() < 2.0 * h * h * accelerations,
+                "the loop gapes {gap}"
+            );
+        }
+        assert!(turned > 1.9 * TURN, "the crank turned by {turned} only");
+        of_rocker
+    };
+    vanishes("four-bar", 2.0, 0.3, 5e-4, worst);
+}
+
+#[test]
+fn featherstone_refuses_loops_and_names_xpbd() {
+    let refused = Simulation::<f64>::new(four_bar(1.0), EULER.settings(1, H)).unwrap_err();
+    assert_eq!(
+        refused.to_string(),
+        "joint `loop` closes a loop, which reduced coordinates cannot: use the solver `xpbd`"
+    );
+}
+
+/// Two wheels geared as q₁ = offset + ratio q₂, pushed at one: together they have the inertia
+/// I₂ + ratio² I₁ along q₂; and as the relation is linear, xpbd keeps it to rounding.
+#[test]
+fn gears_keep_their_ratio() {
+    let (ratio, offset, push) = (2.5, 0.1, 1.3);
+    let mut world = Builder::new("gears");
+    world.gravity(DVec3::ZERO);
+    let object = world.object("");
+    let small = body(
+        object,
+        "small",
+        1.0,
+        DVec3::ZERO,
+        DVec3::new(0.15, 0.15, 0.2),
+    );
+    let large = body(object, "large", 1.0, DVec3::ZERO, DVec3::new(0.5, 0.5, 0.9));
+    let follower = object
+        .revolute("follower", small, DVec3::Z)
+        .initial(&[offset])
+        .handle();
+    let leader = object.revolute("leader", large, DVec3::Z).handle();
+    object.couple("gear", follower, leader, ratio, offset);
+    let model = world.build().unwrap();
+    let refused = Simulation::<f64>::new(model.clone(), EULER.settings(1, H)).unwrap_err();
+    assert!(
+        refused.to_string().contains("`gear` closes a loop"),
+        "{refused}"
+    );
+    let mut simulation = XPBD.simulate::<f64>(&model, H);
+    simulation.controls().set_force(0, &[0.0, push]).unwrap();
+    let n = 1000;
+    let acceleration = push / (0.9 + ratio * ratio * 0.2);
+    for _ in 0..n {
+        simulation.step(1);
+        let q = simulation.outputs().joint_position(0);
+        assert!((q[0] - offset - ratio * q[1]).abs() < 1e-12, "{q:?}");
+    }
+    let expected = acceleration * H * H * (n * (n + 1)) as f64 / 2.0;
+    close(
+        "leader",
+        simulation.outputs().joint_position(0)[1],
+        expected,
+        1e-10,
+    );
+}
+
+/// The joints of a finger are coupled, and share a link: the ratio then holds to second order, and
+/// more passes bring it closer.
+#[test]
+fn coupled_joints_of_one_chain_keep_their_ratio() {
+    let mut world = Builder::new("finger");
+    let object = world.object("");
+    let mut bone = |name: &str| {
+        body(
+            object,
+            name,
+            0.2,
+            DVec3::new(0.2, 0.0, 0.0),
+            DVec3::new(1e-3, 3e-3, 3e-3),
+        )
+    };
+    let (near_bone, far_bone) = (bone("near"), bone("far"));
+    let leader = object.revolute("knuckle", near_bone, DVec3::Z).handle();
+    let tip = object.revolute("tip", far_bone, DVec3::Z);
+    let end = Pose::at(DVec3::new(0.4, 0.0, 0.0));
+    let follower = tip.parent(near_bone).frames(end, Pose::IDENTITY).handle();
+    object.couple("tendon", follower, leader, 0.7, 0.0);
+    let model = world.build().unwrap();
+    let worst = |iterations: usize, h: f64| {
+        let mut settings = XPBD.settings(1, h);
+        settings.step.iterations = iterations;
+        let mut simulation = Simulation::<f64>::new(model.clone(), settings).unwrap();
+        let mut worst: f64 = 0.0;
+        for _ in 0..(2.0 / h) as usize {
+            simulation.step(1);
+            let q = simulation.outputs().joint_position(0);
+            worst = worst.max((q[1] - 0.7 * q[0]).abs());
+        }
+        worst
+    };
+    let (one, ten) = (worst(1, H), worst(10, H));
+    assert!(ten < 0.2 * one, "one pass {one:e}, ten {ten:e}");
+    vanishes("tendon", 2.0, 0.3, H, |h| worst(1, h));
+}
+
+/// A weight on a compliant fixed joint hangs lower by weight × compliance. As an oscillator of
+/// ω² = 1/(m α) it comes to rest by implicit Euler's own damping, h ω²/2.
+#[test]
+fn compliance_is_deflection_over_force() {
+    let (m, compliance) = (3.0, 1e-5);
+    let mut world = Builder::new("soft");
+    let object = world.object("");
+    let weight = body(object, "weight", m, DVec3::ZERO, DVec3::splat(0.1));
+    object.fixed("mount", weight).compliance(compliance, 0.0);
+    let model = world.build().unwrap();
+    let mut simulation = XPBD.simulate::<f64>(&model, H);
+    simulation.step(5000);
+    let expected = DVec3::NEG_Y * m * G * compliance;
+    let outputs = simulation.outputs();
+    near(
+        "deflection",
+        outputs.body_position(0, BodyId(0)),
+        expected,
+        1e-12,
+    );
+    near(
+        "force",
+        outputs.reaction(0, JointId(0)).0,
+        DVec3::Y * m * G,
+        1e-6,
+    );
+}
+
+/// A weight at the end of an arm turns a compliant mount by torque × compliance:
+/// φ = α m g l cos φ.
+#[test]
+fn angular_compliance_is_turn_over_torque() {
+    let (m, l, compliance) = (3.0, 0.5, 2e-3);
+    let mut world = Builder::new("soft");
+    let object = world.object("");
+    let arm = body(object, "arm", m, DVec3::new(l, 0.0, 0.0), DVec3::splat(0.1));
+    object.fixed("mount", arm).compliance(0.0, compliance);
+    let model = world.build().unwrap();
+    let mut simulation = XPBD.simulate::<f64>(&model, H);
+    // ω = √(1/(α (I + m l²))) fades by h ω²/2 = 0.29 1/s.
+    simulation.step(80_000);
+    let mut turn: f64 = 0.0;
+    for _ in 0..100 {
+        turn = compliance * m * G * l * turn.cos();
+    }
+    let outputs = simulation.outputs();
+    let q = outputs.body_orientation(0, BodyId(0));
+    let turned = (DQuat::from_rotation_z(-turn).conjugate() * q)
+        .xyz()
+        .length();
+    // The mount sees the angle before gravity pulls at the arm: off by what its torque turns the
+    // arm by in a substep, h² τ/I.
+    close("turn", 2.0 * turned, 0.0, H * H * m * G * l / 0.1);
+    let (force, torque) = outputs.reaction(0, JointId(0));
+    near("force", force, DVec3::Y * m * G, 1e-6);
+    // Within the substep the angle changes by that, and the torque by that times m g l sin φ.
+    let found = DVec3::X.angle_between(q * DVec3::X);
+    let change = H * H * m * G * l / 0.1 * m * G * l * found.sin();
+    close("torque", torque.z, m * G * l * found.cos(), 1.5 * change);
+}
+
+/// A weight hangs from a fixed joint with a force cap of 0.6 of its weight: it falls by the rest, and
+/// every substep is reported. A cap above the weight is never felt.
+#[test]
+fn force_cap_bites_and_is_reported() {
+    let m = 2.0;
+    let mut world = Builder::new("hook");
+    let object = world.object("");
+    let weight = body(object, "weight", m, DVec3::ZERO, DVec3::splat(0.1));
+    object.fixed("hook", weight);
+    let model = world.build().unwrap();
+    for (share, falls, bites) in [(0.6, 0.4 * G, 1000), (1.5, 0.0, 0)] {
+        let mut settings = XPBD.settings(1, H);
+        settings.step.force_cap = share * m * G;
+        let mut simulation = Simulation::<f64>::new(model.clone(), settings).unwrap();
+        simulation.step(1000);
+        let outputs = simulation.outputs();
+        let fallen = falls * H * H * 1000.0 * 1001.0 / 2.0;
+        let place = outputs.body_position(0, BodyId(0));
+        near(format!("{share}"), place, DVec3::NEG_Y * fallen, 1e-9);
+        assert_eq!(outputs.capped(0), bites);
+        let force = outputs.reaction(0, JointId(0)).0;
+        near("force", force, DVec3::Y * share.min(1.0) * m * G, 1e-6);
+    }
+}
+
+/// A displacement cap of 0.3 g h² a pass leaves a fall with 0.7 g.
+#[test]
+fn displacement_cap_bites_and_is_reported() {
+    let mut world = Builder::new("hook");
+    let object = world.object("");
+    let weight = body(object, "weight", 2.0, DVec3::ZERO, DVec3::splat(0.1));
+    object.fixed("hook", weight);
+    let model = world.build().unwrap();
+    let mut settings = XPBD.settings(1, H);
+    settings.step.displacement_cap = 0.3 * G * H * H;
+    let mut simulation = Simulation::<f64>::new(model.clone(), settings).unwrap();
+    simulation.step(1000);
+    let outputs = simulation.outputs();
+    let fallen = 0.7 * G * H * H * 1000.0 * 1001.0 / 2.0;
+    near(
+        "place",
+        outputs.body_position(0, BodyId(0)),
+        DVec3::NEG_Y * fallen,
+        1e-9,
+    );
+    assert_eq!(outputs.capped(0), 1000);
+}
+
+/// The same model with the joint switched off.
+fn let_go(model: &Model) -> Model {
+    let mut parts = model.clone().into_parts();
+    parts.joints[0].enabled = false;
+    Model::new(parts).unwrap()
+}
+
+/// One world's pendulum is let go in mid-swing: its centre flies on in a parabola, and the
+/// neighbours swing on to the bit.
+#[test]
+fn joint_disabled_at_run_time_lets_go() {
+    let model = pendulum();
+    let worlds = || {
+        let mut simulation = Simulation::<f64>::new(model.clone(), XPBD.settings(3, H)).unwrap();
+        for world in 0..3 {
+            simulation.set_joint_state(world, &[0.8], &[1.0]).unwrap();
+        }
+        simulation.step(300);
+        simulation
+    };
+    let (mut untouched, mut simulation) = (worlds(), worlds());
+    simulation.set_world_model(1, &let_go(&model)).unwrap();
+    let center = |simulation: &mut Simulation<f64>, world: usize| {
+        let outputs = simulation.outputs();
+        let arm = DVec3::new(0.0, -PENDULUM.1, 0.0);
+        let pose = outputs.body_pose(world, BodyId(0));
+        let w = outputs.body_angular_velocity(world, BodyId(0));
+        let v = outputs.body_velocity(world, BodyId(0)) + w.cross(pose.direction(arm));
+        (pose.point(arm), v, w)
+    };
+    let (p, v, w) = center(&mut simulation, 1);
+    let n = 500;
+    simulation.step(n);
+    untouched.step(n);
+    let (found, _, spin) = center(&mut simulation, 1);
+    let fallen = 0.5 * G * H * H * (n * (n + 1)) as f64;
+    near(
+        "centre",
+        found,
+        p + v * n as f64 * H - DVec3::Y * fallen,
+        1e-10,
+    );
+    near("spin", spin, w, 1e-10);
+    for world in [0, 2] {
+        let swings = |s: &mut Simulation<f64>| s.outputs().joint_position(world)[0].to_bits();
+        assert_eq!(swings(&mut simulation), swings(&mut untouched));
+    }
+}
+
+#[test]
+fn featherstone_refuses_a_disabled_joint_and_names_xpbd() {
+    let mut simulation = EULER.simulate::<f64>(&pendulum(), H);
+    let refused = simulation
+        .set_world_model(0, &let_go(&pendulum()))
+        .unwrap_err();
+    assert!(matches!(refused, SimulationError::Solver(_)));
+    assert_eq!(
+        refused.to_string(),
+        "joint `hinge` is disabled, which `featherstone` cannot simulate: use the solver `xpbd`"
+    );
+}
