@@ -5,6 +5,9 @@
 //! `target_feature`; all below it is inlined into it, so that a job pays for the
 //! choice once, and one binary serves all machines. Hence loops belong inside a
 //! job, not around it.
+//!
+//! The entries are `#[inline]` although none is ever inlined (no caller has their
+//! instructions): it lets each job be compiled where it is used, in parallel.
 
 #![allow(unsafe_code)] // calls of the entries, after detection
 
@@ -172,6 +175,7 @@ impl FromStr for Isa {
 }
 
 /// Runs a job with [`Float::BLOCK`] worlds side by side, in arrays where registers are not so wide.
+#[inline]
 pub fn run_block<J: Job>(isa: Isa, job: J) -> J::Output {
     match isa {
         Isa::Portable => entry_portable(job),
@@ -199,6 +203,7 @@ pub fn run_registers<J: Job>(isa: Isa, job: J) -> J::Output {
 }
 
 /// Runs a job with one world, with the same bits as [`run_block`] on the same `isa`.
+#[inline]
 pub fn run_single<J: Job>(isa: Isa, job: J) -> J::Output {
     match isa {
         // SAFETY: an `Isa` exists only where its instructions were detected; both have FMA.
@@ -214,49 +219,49 @@ pub fn run_single<J: Job>(isa: Isa, job: J) -> J::Output {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx2,fma")]
-#[inline(never)]
+#[inline]
 unsafe fn entry_avx512<J: Job>(job: J) -> J::Output {
     job.run::<<J::Scalar as Float>::Avx512>()
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-#[inline(never)]
+#[inline]
 unsafe fn entry_avx2<J: Job>(job: J) -> J::Output {
     job.run::<<J::Scalar as Float>::Avx2>()
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
-#[inline(never)]
+#[inline]
 unsafe fn entry_fma<J: Job>(job: J) -> J::Output {
     job.run::<J::Scalar>()
 }
 
 #[cfg(target_arch = "aarch64")]
-#[inline(never)]
+#[inline]
 fn entry_neon<J: Job>(job: J) -> J::Output {
     job.run::<<J::Scalar as Float>::Neon>()
 }
 
 #[cfg(target_arch = "aarch64")]
-#[inline(never)]
+#[inline]
 fn entry_scalar<J: Job>(job: J) -> J::Output {
     job.run::<J::Scalar>()
 }
 
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-#[inline(never)]
+#[inline]
 fn entry_simd128<J: Job>(job: J) -> J::Output {
     job.run::<<J::Scalar as Float>::Simd128>()
 }
 
-#[inline(never)]
+#[inline]
 fn entry_portable<J: Job>(job: J) -> J::Output {
     job.run::<<J::Scalar as Float>::Portable>()
 }
 
-#[inline(never)]
+#[inline]
 fn entry_unfused<J: Job>(job: J) -> J::Output {
     job.run::<<J::Scalar as Float>::Unfused>()
 }
