@@ -1,13 +1,10 @@
 //! Coordinates measured from bodies are the joint's, to rounding. They once came out a millionth
 //! too small, because the measurement was damped even far from gimbal lock.
 
-mod scene;
-
 use glam::DVec3;
 use kinetarium_rigid::{Kernels, OutputTables, Settings, Xpbd};
 use model::{Axis, Builder, Geometry, Model};
-use numbers::Cpu;
-use scene::{World, parameters};
+use numbers::{Cpu, Shared};
 
 /// A ball on one joint with the given axes.
 fn model(axes: &[Axis]) -> Model {
@@ -24,13 +21,19 @@ fn model(axes: &[Axis]) -> Model {
 /// Coordinates and velocities reported of a state just set.
 fn reported(model: &Model, position: &[f64], velocity: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let kernels = Xpbd::new(model, &Settings::new(0.001)).unwrap();
-    let mut world = World::<f64>::new(&kernels, model);
-    world.state = kernels.initial(model, position, velocity);
-    let parameters = parameters::<f64>(&kernels);
-    let mut cpu: Cpu<'_, f64, _> = world.cpu(&parameters, kernels.links());
+    let lengths = kernels.lengths();
+    let mut output = vec![0.0; lengths.output];
+    let mut cpu: Cpu<'_, f64, _> = Cpu {
+        state: &mut kernels.initial(model, position, velocity),
+        input: &vec![0.0; lengths.input],
+        output: &mut output,
+        scratch: &mut vec![0.0; lengths.scratch],
+        parameters: Shared(kernels.parameters()),
+        links: kernels.links(),
+    };
     kernels.report(&mut cpu);
     let t = OutputTables::new(model);
-    let read = |at: usize| world.output[at..at + position.len()].to_vec();
+    let read = |at: usize| output[at..at + position.len()].to_vec();
     (read(t.position.at(0, 0)), read(t.velocity.at(0, 0)))
 }
 
