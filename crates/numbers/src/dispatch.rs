@@ -186,6 +186,7 @@ pub fn run_block<J: Job>(isa: Isa, job: J) -> J::Output {
 /// Runs a job with [`Isa::width`] worlds side by side: with a block in registers, or with one world.
 ///
 /// For jobs so large that compiling them for arrays would take longer than for all else.
+#[inline]
 pub fn run_registers<J: Job>(isa: Isa, job: J) -> J::Output {
     match isa {
         // SAFETY: an `Isa` exists only where its instructions were detected.
