@@ -2,10 +2,10 @@
 
 use clap::builder::RangedU64ValueParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use model::examples::Start;
-use numbers::dispatch::Isa;
-use rigid::Integrator;
-use sim::SolverKind;
+use kinetarium::model::examples::Start;
+use kinetarium::numbers::dispatch::Isa;
+use kinetarium::rigid::Integrator;
+use kinetarium::sim::SolverKind;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\

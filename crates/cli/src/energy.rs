@@ -1,7 +1,7 @@
 //! How well energy is conserved over a run.
 
-use numbers::Float;
-use sim::{Diverged, Outputs};
+use kinetarium::numbers::Float;
+use kinetarium::sim::{Diverged, Outputs};
 use std::fmt;
 
 /// Energies of all worlds as a run goes on.

@@ -1,8 +1,8 @@
 //! What can go wrong, and the exit code it ends with.
 
-use formats::FormatError;
-use model::ModelError;
-use sim::SimulationError;
+use kinetarium::formats::FormatError;
+use kinetarium::model::ModelError;
+use kinetarium::sim::SimulationError;
 use std::path::PathBuf;
 use std::process::ExitCode;
 

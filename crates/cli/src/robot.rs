@@ -4,8 +4,8 @@ use crate::arguments::{Info, RobotFile};
 use crate::error::Error;
 use crate::output::print;
 use crate::summary::{contents, reason};
-use formats::{Loaded, Options};
-use model::{BodyId, BodyKind, Joint, Model};
+use kinetarium::formats::{Loaded, Options};
+use kinetarium::model::{BodyId, BodyKind, Joint, Model};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -37,7 +37,7 @@ fn read(file: &RobotFile) -> Result<Loaded, Error> {
         lenient: file.lenient,
         floating_base: file.floating_base,
     };
-    Ok(formats::load(&file.path, &options)?)
+    Ok(kinetarium::formats::load(&file.path, &options)?)
 }
 
 fn describe(loaded: &Loaded) -> String {

@@ -10,10 +10,10 @@ use crate::summary::{Effort, rate, summary};
 use crate::trajectory::Trajectory;
 use fastrand::Rng;
 use indicatif::{ProgressBar, ProgressStyle};
-use model::{Keyframe, Model, examples};
-use numbers::Float;
-use rigid::{Integrator, Settings};
-use sim::{Simulation, SimulationSettings};
+use kinetarium::model::{Keyframe, Model, examples};
+use kinetarium::numbers::Float;
+use kinetarium::rigid::{Integrator, Settings};
+use kinetarium::sim::{Simulation, SimulationSettings};
 use std::time::{Duration, Instant};
 
 /// What the simulation of a model starts from, where the options leave it open.

@@ -1,9 +1,9 @@
 //! The few numbers that sum up a run.
 
 use crate::energy::Drift;
-use model::Model;
-use numbers::Float;
-use sim::{Simulation, SolverKind};
+use kinetarium::model::Model;
+use kinetarium::numbers::Float;
+use kinetarium::sim::{Simulation, SolverKind};
 use std::fmt::Write;
 use std::time::Duration;
 
@@ -146,7 +146,7 @@ pub fn rate(x: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use model::{Builder, examples::n_pendula};
+    use kinetarium::model::{Builder, examples::n_pendula};
 
     #[test]
     fn rates_keep_three_digits() {

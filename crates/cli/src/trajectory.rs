@@ -1,9 +1,9 @@
 //! What is kept of the first worlds of a run, at regular times.
 
 use crate::error::Error;
-use model::{AxisKind, BodyId, JointKind, Model};
-use numbers::Float;
-use sim::Outputs;
+use kinetarium::model::{AxisKind, BodyId, JointKind, Model};
+use kinetarium::numbers::Float;
+use kinetarium::sim::Outputs;
 
 /// Most numbers that are kept: 4 GB.
 const MOST: usize = 1 << 29;
