@@ -1,8 +1,8 @@
 //! Disassembles the SIMD entries of the release program and fails on stray calls.
 //!
 //! A kernel is fast only if everything in it is inlined into the entry of its instruction set: one call left
-//! over costs a factor of seven to thirty. What may remain is the panic of a bounds check and the memory
-//! functions of the C library.
+//! over costs a factor of seven to thirty. What may remain is the panic of a bounds check or of a cast, and the
+//! memory functions of the C library.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -71,7 +71,8 @@ fn is_allowed(callee: &str) -> bool {
     let bare = callee.split(['@', '+']).next().unwrap_or(callee);
     let panics =
         callee.starts_with("core::") && (callee.contains("panic") || callee.contains("_fail"));
-    panics || bare == "_Unwind_Resume" || MEMORY_FUNCTIONS.contains(&bare)
+    let casts = callee == "bytemuck::internal::something_went_wrong";
+    panics || casts || bare == "_Unwind_Resume" || MEMORY_FUNCTIONS.contains(&bare)
 }
 
 /// The entries in the program, each with what it calls or jumps out to.
@@ -93,8 +94,10 @@ fn parse(listing: &str, relocations: &str) -> Vec<Function> {
     let imports = imports(relocations, &names);
     let mut functions: Vec<Function> = Vec::new();
     let mut inside = false;
+    let mut loaded = BTreeMap::new();
     for line in listing.lines() {
         if let Some((_, name)) = header(line) {
+            loaded.clear();
             inside = ENTRIES.iter().any(|entry| name.contains(entry));
             if inside {
                 functions.push(Function {
@@ -103,9 +106,10 @@ fn parse(listing: &str, relocations: &str) -> Vec<Function> {
                 });
             }
         } else if inside && let Some(function) = functions.last_mut() {
-            function
-                .callees
-                .extend(callee(line, &function.name, &imports));
+            let callee =
+                through_register(line, &loaded).or_else(|| callee(line, &function.name, &imports));
+            function.callees.extend(callee);
+            track(line, &imports, &mut loaded);
         }
     }
     functions
@@ -132,6 +136,29 @@ fn imports(relocations: &str, names: &BTreeMap<u64, &str>) -> BTreeMap<u64, Stri
         Some((address, own.map_or(value, |name| name).to_owned()))
     };
     relocations.lines().filter_map(relocation).collect()
+}
+
+/// Remembers which registers hold the address of an import: `mov 0x10(%rip),%rbx  # 5000 <…>`.
+fn track(line: &str, imports: &BTreeMap<u64, String>, loaded: &mut BTreeMap<String, String>) {
+    let (operands, comment) = line.split_once("# ").unwrap_or((line, ""));
+    let Some((_, register)) = operands.trim_end().rsplit_once(",%") else {
+        return;
+    };
+    let target = comment.split_whitespace().next().and_then(hexadecimal);
+    match target.and_then(|at| imports.get(&at)) {
+        Some(import) if operands.contains("mov ") => {
+            loaded.insert(register.to_owned(), import.clone());
+        }
+        _ => {
+            loaded.remove(register);
+        }
+    }
+}
+
+/// The import that `call *%rbx` calls, if the register holds one.
+fn through_register(line: &str, loaded: &BTreeMap<String, String>) -> Option<String> {
+    let (_, register) = line.split_once("call ")?.1.split_once("*%")?;
+    loaded.get(register.trim()).cloned()
 }
 
 /// What an instruction calls, or jumps to outside its own function.
@@ -193,6 +220,10 @@ mod tests {
     1014:\tjmp    4010 <f32::sin>
     1016:\tnotrack jmp *%rax
     1018:\tcall   *%rax
+    101a:\tmov    0x10(%rip),%rbx        # 5000 <memcpy@GLIBC_2.14>
+    101c:\tcall   *%rbx
+    101e:\tmov    %rcx,%rbx
+    1020:\tcall   *%rbx
 0000000000002000 <model::mass>:
     2000:\tcall   4010 <f32::sin>
 0000000000003000 <core::panicking::panic_bounds_check>:
@@ -210,7 +241,13 @@ OFFSET           TYPE              VALUE
         let functions = parse(LISTING, RELOCATIONS);
         assert_eq!(functions.len(), 1);
         let stray: Vec<String> = functions[0].stray_calls().collect();
-        let callees = ["model::mass", "model::mass", "f32::sin", "call   *%rax"];
+        let callees = [
+            "model::mass",
+            "model::mass",
+            "f32::sin",
+            "call   *%rax",
+            "call   *%rbx",
+        ];
         assert_eq!(
             stray,
             callees.map(|callee| format!("{} -> {callee}", functions[0].name))

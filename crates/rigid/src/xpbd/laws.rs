@@ -106,6 +106,8 @@ pub(crate) struct LawTables {
     balls: usize,
     couplings: usize,
     laws: usize,
+    /// First law of each kind.
+    starts: [usize; 6],
     /// Axis row and degree of freedom of each law (for a motor: actuator).
     law_links: Links<2>,
     /// Joint row and degree of freedom of each ball with a drive or damping.
@@ -185,7 +187,9 @@ impl LawTables {
         let armatures = count(|d| d.armature > 0.0);
         let (motors, couplings) = (model.actuators.len(), model.couplings.len());
         let balls = balls(model).count();
-        let laws = springs + drives + limits + frictions + armatures + motors;
+        let kinds = [springs, drives, limits, frictions, armatures, motors];
+        let laws = kinds.iter().sum();
+        let starts = std::array::from_fn(|kind| kinds[..kind].iter().sum());
         Self {
             springs,
             drives,
@@ -196,6 +200,7 @@ impl LawTables {
             balls,
             couplings,
             laws,
+            starts,
             law_links: Links::place(links, laws),
             ball_links: Links::place(links, balls),
             coupling_links: Links::place(links, couplings),
@@ -214,25 +219,8 @@ impl LawTables {
         }
     }
 
-    /// First law of each kind.
-    fn starts(&self) -> [usize; 6] {
-        let mut start = 0;
-        let counts = [
-            self.springs,
-            self.drives,
-            self.limits,
-            self.frictions,
-            self.armatures,
-            self.motors,
-        ];
-        counts.map(|n| {
-            start += n;
-            start - n
-        })
-    }
-
     pub(crate) fn fill(&self, model: &Model, axis_of: &[Option<usize>], f: &mut Filler) {
-        let mut next = self.starts();
+        let mut next = self.starts;
         let first = next;
         let mut row = |kind: usize, v: usize, f: &mut Filler| {
             let law = next[kind];
@@ -328,7 +316,7 @@ impl LawTables {
 #[inline(always)]
 pub(crate) fn prepare<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     let r = &t.laws;
-    let [springs, drives, limits, frictions, armatures, motors] = r.starts();
+    let [springs, drives, limits, frictions, armatures, motors] = r.starts;
     let zero = M::R::zero();
     for i in k.count(r.springs) {
         let [d, s, rest] = k.read(r.spring, i, 0);
@@ -594,7 +582,7 @@ impl LawTables {
         potential: &mut M::Cell,
     ) {
         let half = M::R::lit(0.5);
-        let [springs, .., armatures, _] = self.starts();
+        let [springs, .., armatures, _] = self.starts;
         for i in k.count(self.springs) {
             let axis = k.link(self.law_links, i.offset(springs), 0);
             let stretch = k.load(t.axis, axis, axis_field::VALUE) - k.load(self.spring, i, 2);

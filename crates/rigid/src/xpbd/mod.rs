@@ -22,7 +22,9 @@
 //! - Forces along coordinates act on rates, at the coordinate the substep ends
 //!   with, to first order in h.
 //!
-//! Limitations: first order in h; energy is lost at the rate of h; a joint's
+//! Limitations: a drive's damping alone, however stiff, does not hold a chain upright
+//! for long, since the locks, solved after the laws, undo part of them in each pass
+//! (a position target does, with enough substeps); first order in h; energy is lost at the rate of h; a joint's
 //! linear axes must come before its angular ones, which must meet in a point;
 //! coordinates of stacked axes are ill-defined in gimbal lock.
 
