@@ -324,6 +324,7 @@ fn wrong_files_end_with_2_and_say_why() {
     );
     for (name, message) in [
         ("missing.xml", "missing.xml: cannot be read"),
+        ("/dev/zero", "more than 67108864 bytes"),
         ("cut.xml", "cut.xml:1:"),
         ("page.xml", "MJCF files start with <mujoco>"),
         ("fluid.xml", "or load leniently (--lenient)"),

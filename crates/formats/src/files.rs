@@ -2,7 +2,7 @@
 
 use crate::error::FormatError;
 use std::collections::HashMap;
-use std::io;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 /// Largest file that is read [bytes].
@@ -48,15 +48,17 @@ impl Folder {
 
 impl Files for Folder {
     fn read(&self, name: &str) -> io::Result<String> {
-        let path = self.0.join(name);
-        let bytes = std::fs::metadata(&path)?.len();
-        if bytes > MAX_BYTES {
+        // Read up to the limit: what is no plain file, as a pipe, does not tell its length.
+        let mut text = String::new();
+        let file = std::fs::File::open(self.0.join(name))?;
+        file.take(MAX_BYTES + 1).read_to_string(&mut text)?;
+        if text.len() as u64 > MAX_BYTES {
             return Err(io::Error::new(
                 io::ErrorKind::FileTooLarge,
-                format!("{bytes} bytes, more than {MAX_BYTES}"),
+                format!("more than {MAX_BYTES} bytes"),
             ));
         }
-        std::fs::read_to_string(path)
+        Ok(text)
     }
 
     fn path(&self, name: &str) -> String {
