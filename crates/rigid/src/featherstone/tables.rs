@@ -70,14 +70,11 @@ pub(crate) mod motion_link {
 
 /// Fields of [`Tables::body`].
 pub(crate) mod body_field {
-    /// Placement in the node's frame.
-    pub const PLACE: usize = 0;
-    pub const MASS: usize = 7;
-    pub const CENTER: usize = 8;
-    pub const INERTIA: usize = 11;
+    // A body's own mass is read as a node's is: the same fields, at the same places.
+    pub use super::node::{CENTER, INERTIA, MASS, PLACE};
     /// Origin of the joint's frame on the child, in the body's frame.
-    pub const JOINT: usize = 17;
-    pub const WIDTH: usize = 20;
+    pub const JOINT: usize = super::node::WIDTH;
+    pub const WIDTH: usize = JOINT + 3;
 }
 
 /// Fields of [`Tables::body_links`].
