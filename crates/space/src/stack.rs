@@ -1,0 +1,42 @@
+//! A stack of entries that rarely grows beyond a fixed size.
+
+/// `N` entries in place; more go to the heap, which only a degenerate tree needs.
+pub(crate) struct Stack<T, const N: usize> {
+    place: [T; N],
+    count: usize,
+    more: Vec<T>,
+}
+
+impl<T: Copy + Default, const N: usize> Stack<T, N> {
+    #[inline(always)]
+    pub fn with(first: T) -> Self {
+        let mut place = [T::default(); N];
+        place[0] = first;
+        Self {
+            place,
+            count: 1,
+            more: Vec::new(),
+        }
+    }
+
+    #[inline(always)]
+    pub fn push(&mut self, entry: T) {
+        if self.count < N {
+            self.place[self.count] = entry;
+            self.count += 1;
+        } else {
+            self.more.push(entry);
+        }
+    }
+
+    #[inline(always)]
+    pub fn pop(&mut self) -> Option<T> {
+        if self.count == N
+            && let Some(entry) = self.more.pop()
+        {
+            return Some(entry);
+        }
+        self.count = self.count.checked_sub(1)?;
+        Some(self.place[self.count])
+    }
+}
