@@ -1,0 +1,22 @@
+//! Shape against shape: where two solids touch, which way, how deep.
+//!
+//! Every function is a kernel: generic over its numbers, without branches that differ from lane
+//! to lane, so that it runs in one world or in sixteen, differentiated or traced.
+//!
+//! SI units, right-handed. In a pair A and B, normals point from A to B, and a distance is the
+//! gap between the surfaces along the normal, negative where they overlap.
+
+#![forbid(unsafe_code)]
+
+mod contact;
+pub mod pair;
+mod route;
+mod solid;
+mod support;
+
+pub use contact::{Contact, FAR, Manifold, Point};
+pub use route::Route;
+pub use solid::{Placed, Solid, Tables, kind};
+
+/// Angle [rad] within which two surfaces count as parallel, and touch in more than one point.
+pub const FLAT: f64 = 0.01;

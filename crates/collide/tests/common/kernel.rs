@@ -1,0 +1,59 @@
+//! Contacts as the kernels give them.
+
+use super::Pair;
+use kinetarium_collide::{Manifold, Placed, Point, Route, Solid, Tables};
+use numbers::{Cpu, Float, Machine, Pose, Quat, Shared, Table, Vec3};
+
+/// The contact of a pair, computed in `T` and read as `f64`.
+pub fn manifold<T: Float>(pair: &Pair) -> Manifold<f64> {
+    let mut numbers = Vec::new();
+    let mut end = 0;
+    let rows = [0, 1].map(|i| pair.solids[i].vertices.len());
+    let tables = Tables {
+        vertices: Table::place(&mut end, rows[0] + rows[1]),
+    };
+    for solid in &pair.solids {
+        for v in &solid.vertices {
+            numbers.extend(v.to_array().map(T::from_f64));
+        }
+    }
+    let k = Cpu {
+        state: &mut [],
+        input: &[],
+        output: &mut [],
+        scratch: &mut [],
+        parameters: Shared::<T>(&numbers),
+        links: &[],
+    };
+    let [a, b] = [0, 1].map(|i| solid(&k, pair, i, [0, rows[0]][i]));
+    let kinds = [0, 1].map(|i| pair.solids[i].kind);
+    let route = Route::of(kinds[0], kinds[1]).expect("a route");
+    let manifold = route.manifold(&k, tables, &a, &b);
+    Manifold {
+        normal: vector64(manifold.normal),
+        points: manifold.points.map(|p| Point {
+            position: vector64(p.position),
+            distance: p.distance.to_f64(),
+            feature: p.feature.to_f64(),
+        }),
+    }
+}
+
+fn solid<T: Float, M: Machine<R = T>>(k: &M, pair: &Pair, i: usize, first: usize) -> Solid<M> {
+    let (solid, Pose { p, q }) = (&pair.solids[i], pair.poses[i]);
+    let [x, y, z, w] = [q.x, q.y, q.z, q.w].map(T::from_f64);
+    let pose = Pose::new(vector(p), Quat::new(x, y, z, w).normalized());
+    Solid {
+        kind: k.index(solid.kind),
+        placed: Placed::new(vector(solid.size), pose),
+        rows: [first, first + solid.vertices.len()].map(|row| k.index(row)),
+    }
+}
+
+fn vector<T: Float>(v: Vec3<f64>) -> Vec3<T> {
+    Vec3::from_array(v.to_array().map(T::from_f64))
+}
+
+fn vector64<T: Float>(v: Vec3<T>) -> Vec3<f64> {
+    Vec3::from_array(v.to_array().map(T::to_f64))
+}
