@@ -30,6 +30,7 @@ mod query;
 mod space;
 mod stack;
 mod structure;
+mod sweep_and_prune;
 
 pub use aabb::Aabb;
 pub use boxes::Boxes;
@@ -40,3 +41,4 @@ pub use pairs::Pair;
 pub use query::{CastTest, ClosestTest, Hit, Neighbor};
 pub use space::Space;
 pub use structure::Structure;
+pub use sweep_and_prune::SweepAndPrune;

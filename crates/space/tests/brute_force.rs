@@ -1,7 +1,7 @@
 //! Every structure answers every query as brute force does, after any edits.
 
 use glam::Vec3;
-use kinetarium_space::{Aabb, Bvh, Cast, Hit, Neighbor, Pair, Space, Structure};
+use kinetarium_space::{Aabb, Bvh, Cast, Hit, Neighbor, Pair, Space, Structure, SweepAndPrune};
 use proptest::prelude::*;
 
 /// The objects that should be there.
@@ -212,4 +212,4 @@ macro_rules! structures {
     )* };
 }
 
-structures!(bvh: Bvh);
+structures!(bvh: Bvh, sweep_and_prune: SweepAndPrune);
