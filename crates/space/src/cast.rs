@@ -14,7 +14,7 @@
 //! as Ize 2013, "Robust BVH ray traversal", does: they may visit a box in vain
 //! but miss none that [`Cast::against`] hits.
 
-use crate::{Aabb, SpaceError, aabb::FARTHEST};
+use crate::{Aabb, SpaceError};
 use glam::Vec3;
 
 /// A ray, or a shape that moves without turning.
@@ -61,11 +61,10 @@ impl Cast {
                 remedy,
             })
         };
-        // Written so that NaN fails.
-        if !(center.abs().max_element() <= FARTHEST) || center.is_nan() {
+        if !Aabb::new(center, center).is_bounded() {
             return refuse("origin", center, "finite, and within 1e15 m");
         }
-        if half.is_nan() || !(half.min_element() >= 0.0 && half.max_element() <= FARTHEST) {
+        if !Aabb::new(Vec3::ZERO, half).is_bounded() || half.min_element() < 0.0 {
             return refuse("half extent", half, "finite and not negative");
         }
         let longest = direction.abs().max_element();
@@ -124,8 +123,9 @@ impl Cast {
             }
             let a = (aabb.min[axis] - upper[axis]) / d;
             let b = (aabb.max[axis] - lower[axis]) / d;
-            enter = enter.max(a.min(b));
-            leave = leave.min(a.max(b));
+            let (first, last) = if d > 0.0 { (a, b) } else { (b, a) };
+            enter = enter.max(first);
+            leave = leave.min(last);
         }
         (enter <= leave).then_some(enter)
     }
@@ -166,7 +166,8 @@ impl Sweep {
         sweep
     }
 
-    /// A lower bound of the time at which the box is met, if it may be met by `limit`.
+    /// A lower bound of the time at which the box, which is not inside out, is met, if
+    /// it may be met by `limit`.
     #[inline(always)]
     pub(crate) fn enters(&self, aabb: &Aabb, limit: f32) -> Option<f32> {
         let a = (aabb.min - self.upper) * self.inverse;

@@ -15,27 +15,30 @@
 //! | build, update | O(n + listings) |
 //! | insert, remove, relocate | O(cells touched) |
 //! | pairs | O(n · boxes in a cell) |
-//! | cast | O(layers of cells on the way) |
-//! | nearest | O(cells nearer than the answer) |
-//! | memory | 44 bytes a listing (a box of cell size has 1 to 8), and 4 bytes a bucket |
+//! | cast | O(layers of cells on the way), at most O(n) |
+//! | nearest | O(cells nearer than the answer), at most O(n) |
+//! | memory | 44 bytes a listing (a box of the usual size has 1 to 8), and 4 to 8 for its bucket |
 
 use crate::cast::{SLACK, Sweep};
 use crate::{Aabb, Boxes, Pair, Structure, pairs};
-use glam::{IVec3, Vec3};
+use glam::Vec3;
 
-/// A box that spans more cells than this along an axis is large.
-const MOST_CELLS: i32 = 4;
-/// Cells beyond ±this are one with the last: 20 bits an axis make a key.
-const FARTHEST_CELL: f32 = 500_000.0;
+/// A box that touches more cells is large.
+const MOST_CELLS: i64 = 27;
+/// Cells beyond ±this are one with the last.
+const LAST_CELL: i32 = 1 << 20;
 const END: u32 = u32::MAX;
+
+type Cell = [i32; 3];
 
 /// An object in a cell.
 #[derive(Clone, Copy, Debug)]
 struct Listing {
-    cell: IVec3,
+    cell: Cell,
     object: u32,
+    /// Inside out where the listing is free.
     aabb: Aabb,
-    /// The next in the same bucket.
+    /// The next in the same bucket, or [`END`].
     next: u32,
 }
 
@@ -44,15 +47,521 @@ struct Listing {
 pub struct Grid {
     /// Cells per metre.
     scale: f32,
-    /// Per bucket, its first listing.
+    /// Per bucket, its first listing, or [`END`]. A power of two of them.
     first: Vec<u32>,
     listings: Vec<Listing>,
     free: Vec<u32>,
-    /// Objects that span too many cells, in no order.
+    /// Objects that touch too many cells, in order.
     large: Vec<u32>,
-    /// The cells in use lie within.
-    lowest: IVec3,
-    highest: IVec3,
-    /// Objects in cells.
-    small: usize,
+    /// All boxes in cells have been within.
+    bounds: Aabb,
+}
+
+/// The edge of a cell [m]: twice the median box, if that does not leave space
+/// all but empty: there shall be no more than 8³ cells an object.
+fn cell_size(boxes: &Boxes) -> f32 {
+    let mut sizes: Vec<f32> = boxes
+        .bounded()
+        .map(|(_, b)| b.extent().max_element())
+        .collect();
+    if sizes.is_empty() {
+        return 1.0;
+    }
+    let middle = sizes.len() / 2;
+    let (_, median, _) = sizes.select_nth_unstable_by(middle, f32::total_cmp);
+    let whole = boxes
+        .bounded()
+        .fold(Aabb::EMPTY, |all, (_, b)| all.union(b))
+        .extent();
+    let spacing = (whole / (boxes.count() as f32).cbrt()).max_element();
+    (2.0 * *median)
+        .max(spacing / 8.0)
+        .max(f32::MIN_POSITIVE / f32::EPSILON)
+}
+
+impl Grid {
+    fn empty(scale: f32, buckets: usize) -> Self {
+        Self {
+            scale,
+            first: vec![END; buckets.next_power_of_two()],
+            listings: Vec::new(),
+            free: Vec::new(),
+            large: Vec::new(),
+            bounds: Aabb::EMPTY,
+        }
+    }
+
+    /// The cell of a point. Monotone in each coordinate, whatever the rounding, and
+    /// so a box touches just the cells from that of its lower to that of its upper corner.
+    #[inline]
+    fn cell(&self, point: Vec3) -> Cell {
+        (point * self.scale)
+            .floor()
+            .to_array()
+            .map(|x| (x as i32).clamp(-LAST_CELL, LAST_CELL))
+    }
+
+    #[inline]
+    fn bucket(&self, [x, y, z]: Cell) -> usize {
+        let mix = (x as u32).wrapping_mul(73_856_093)
+            ^ (y as u32).wrapping_mul(19_349_663)
+            ^ (z as u32).wrapping_mul(83_492_791);
+        mix as usize & (self.first.len() - 1)
+    }
+
+    /// The cells that a box touches, or nothing if it is large.
+    #[inline]
+    fn touched(&self, aabb: &Aabb) -> Option<impl Iterator<Item = Cell> + use<>> {
+        let (low, high) = (self.cell(aabb.min), self.cell(aabb.max));
+        (count(low, high) <= MOST_CELLS).then(|| cells(low, high))
+    }
+
+    /// The one cell in which an overlap of two boxes is reported.
+    #[inline]
+    fn home(&self, a: &Aabb, b: &Aabb) -> Cell {
+        self.cell(a.min.max(b.min))
+    }
+
+    /// Listings of a bucket.
+    #[inline]
+    fn chain(&self, first: u32) -> impl Iterator<Item = &Listing> {
+        std::iter::successors(self.listings.get(first as usize), |l| {
+            self.listings.get(l.next as usize)
+        })
+    }
+
+    /// Listings of a cell.
+    #[inline]
+    fn in_cell(&self, cell: Cell) -> impl Iterator<Item = &Listing> {
+        self.chain(self.first[self.bucket(cell)])
+            .filter(move |l| l.cell == cell)
+    }
+
+    /// All listings in use.
+    fn all(&self) -> impl Iterator<Item = &Listing> {
+        self.listings
+            .iter()
+            .filter(|l| l.aabb.min.x <= l.aabb.max.x)
+    }
+
+    /// Lists the objects, which are not large, in the order of buckets, so that neighbours lie together.
+    fn list_all(&mut self, boxes: &Boxes, small: &[u32]) {
+        let listing = |object: u32| {
+            let aabb = *boxes.get(object);
+            let cells = cells(self.cell(aabb.min), self.cell(aabb.max));
+            cells.map(move |cell| Listing {
+                cell,
+                object,
+                aabb,
+                next: END,
+            })
+        };
+        let all: Vec<Listing> = small.iter().flat_map(|i| listing(*i)).collect();
+        self.first = vec![END; all.len().next_power_of_two().max(64)];
+        let mut start = vec![0_u32; self.first.len() + 1];
+        for listing in &all {
+            start[self.bucket(listing.cell) + 1] += 1;
+        }
+        for i in 1..start.len() {
+            start[i] += start[i - 1];
+        }
+        let mut end = start.clone();
+        let nowhere = Listing {
+            cell: [0; 3],
+            object: 0,
+            aabb: Aabb::EMPTY,
+            next: END,
+        };
+        self.listings = vec![nowhere; all.len()];
+        for mut listing in all {
+            let bucket = self.bucket(listing.cell);
+            let at = end[bucket];
+            end[bucket] += 1;
+            listing.next = if end[bucket] < start[bucket + 1] {
+                at + 1
+            } else {
+                END
+            };
+            self.listings[at as usize] = listing;
+        }
+        for (first, range) in self.first.iter_mut().zip(start.windows(2)) {
+            if range[0] < range[1] {
+                *first = range[0];
+            }
+        }
+    }
+
+    /// Visits the cells from `low` to `high`, if they are fewer than the listings; else says no.
+    fn visit_cells(&self, low: Cell, high: Cell, visit: &mut impl FnMut(&Listing)) -> bool {
+        let few = count(low, high) <= self.listings.len() as i64;
+        if few {
+            cells(low, high).for_each(|cell| self.in_cell(cell).for_each(&mut *visit));
+        }
+        few
+    }
+}
+
+/// Cells from corner to corner.
+fn count(low: Cell, high: Cell) -> i64 {
+    (0..3)
+        .map(|axis| i64::from(high[axis] - low[axis]) + 1)
+        .product()
+}
+
+fn cells(low: Cell, high: Cell) -> impl Iterator<Item = Cell> {
+    let column = move |x, y| (low[2]..=high[2]).map(move |z| [x, y, z]);
+    let plane = move |x| (low[1]..=high[1]).flat_map(move |y| column(x, y));
+    (low[0]..=high[0]).flat_map(plane)
+}
+
+impl Structure for Grid {
+    const NAME: &'static str = "grid";
+
+    fn build(boxes: &Boxes) -> Self {
+        let mut grid = Self::empty(1.0 / cell_size(boxes), 64);
+        let is_small = |i: &u32| grid.touched(boxes.get(*i)).is_some();
+        let (small, large): (Vec<u32>, Vec<u32>) =
+            boxes.bounded().map(|(i, _)| i).partition(is_small);
+        grid.bounds = small
+            .iter()
+            .fold(Aabb::EMPTY, |all, i| all.union(boxes.get(*i)));
+        grid.large = large;
+        grid.list_all(boxes, &small);
+        grid
+    }
+
+    /// Builds anew when there are more objects than buckets, which also adapts the size of cells.
+    fn inserted(&mut self, boxes: &Boxes, object: u32) {
+        let aabb = *boxes.get(object);
+        if self.large.len() + self.listings.len() > 2 * self.first.len() {
+            *self = Self::build(boxes);
+            return;
+        }
+        let Some(cells) = self.touched(&aabb) else {
+            let place = self.large.partition_point(|i| *i < object);
+            return self.large.insert(place, object);
+        };
+        self.bounds = self.bounds.union(&aabb);
+        for cell in cells {
+            let bucket = self.bucket(cell);
+            let listing = Listing {
+                cell,
+                object,
+                aabb,
+                next: self.first[bucket],
+            };
+            self.first[bucket] = match self.free.pop() {
+                Some(at) => {
+                    self.listings[at as usize] = listing;
+                    at
+                }
+                None => {
+                    self.listings.push(listing);
+                    self.listings.len() as u32 - 1
+                }
+            };
+        }
+    }
+
+    fn removed(&mut self, _: &Boxes, object: u32, old: &Aabb) {
+        let Some(cells) = self.touched(old) else {
+            return self.large.retain(|i| *i != object);
+        };
+        for cell in cells {
+            let bucket = self.bucket(cell);
+            let (mut before, mut at) = (None, self.first[bucket]);
+            while (
+                self.listings[at as usize].object,
+                self.listings[at as usize].cell,
+            ) != (object, cell)
+            {
+                before = Some(at);
+                at = self.listings[at as usize].next;
+            }
+            let next = self.listings[at as usize].next;
+            match before {
+                Some(before) => self.listings[before as usize].next = next,
+                None => self.first[bucket] = next,
+            }
+            self.listings[at as usize].aabb = Aabb::EMPTY;
+            self.free.push(at);
+        }
+    }
+
+    fn overlap(&self, boxes: &Boxes, region: &Aabb, visit: &mut impl FnMut(u32)) {
+        let mut meet = |l: &Listing| {
+            if l.aabb.overlaps(region) && self.home(&l.aabb, region) == l.cell {
+                visit(l.object);
+            }
+        };
+        if !self.visit_cells(self.cell(region.min), self.cell(region.max), &mut meet) {
+            self.all().for_each(meet);
+        }
+        let large = self.large.iter().copied();
+        large
+            .filter(|i| boxes.get(*i).overlaps(region))
+            .for_each(visit);
+    }
+
+    /// Walks layer by layer along the axis of the fastest motion; in each, the
+    /// cells that the sweep covers while it is in the layer.
+    fn sweep(
+        &self,
+        boxes: &Boxes,
+        sweep: &Sweep,
+        mut limit: f32,
+        visit: &mut impl FnMut(u32) -> f32,
+    ) {
+        for &i in &self.large {
+            if sweep.enters(boxes.get(i), limit).is_some() {
+                limit = visit(i);
+            }
+        }
+        let Some(way) = Way::new(self, sweep, limit) else {
+            return;
+        };
+        let mut meet = |l: &Listing, limit: &mut f32| {
+            if sweep.enters(&l.aabb, *limit).is_some() {
+                *limit = visit(l.object);
+            }
+        };
+        if way.layers() > self.listings.len() as i64 {
+            return self.all().for_each(|l| meet(l, &mut limit));
+        }
+        for i in 0..way.layers() {
+            let Some((low, high)) = way.covered(self, i, limit) else {
+                break;
+            };
+            if !self.visit_cells(low, high, &mut |l| meet(l, &mut limit)) {
+                return self.all().for_each(|l| meet(l, &mut limit));
+            }
+        }
+    }
+
+    /// Walks outwards in shells of cells about the point's.
+    fn approach(
+        &self,
+        boxes: &Boxes,
+        point: Vec3,
+        mut limit: f32,
+        visit: &mut impl FnMut(u32) -> f32,
+    ) {
+        for &i in &self.large {
+            if boxes.get(i).distance_squared(point) <= limit * SLACK {
+                limit = visit(i);
+            }
+        }
+        let mut meet = |l: &Listing, limit: &mut f32| {
+            if l.aabb.distance_squared(point) <= *limit * SLACK {
+                *limit = visit(l.object);
+            }
+        };
+        let center = self.cell(point);
+        let (low, high) = (self.cell(self.bounds.min), self.cell(self.bounds.max));
+        let apart = |axis: usize| {
+            (low[axis] - center[axis])
+                .max(center[axis] - high[axis])
+                .max(0)
+        };
+        let across = |axis: usize| (center[axis] - low[axis]).max(high[axis] - center[axis]);
+        let (nearest, farthest) = ((0..3).map(apart).max(), (0..3).map(across).max());
+        let mut work = 2 * self.listings.len() as i64;
+        for radius in nearest.unwrap_or(0)..=farthest.unwrap_or(0) {
+            // A cell less, and a little more, for where in its cell the point is.
+            let gap = (radius as f32 * 0.999 - 1.0).max(0.0) / self.scale;
+            if gap * gap > limit * SLACK {
+                return;
+            }
+            let shell = Shell::new(center, radius, low, high);
+            work -= shell.work();
+            if work < 0 {
+                return self.all().for_each(|l| meet(l, &mut limit));
+            }
+            shell.visit(|cell| self.in_cell(cell).for_each(|l| meet(l, &mut limit)));
+        }
+    }
+
+    fn pairs(&self, boxes: &Boxes, found: &mut Vec<Pair>) {
+        pairs::gather(self.first.len(), 4096, found, |buckets, found| {
+            for &first in &self.first[buckets] {
+                for a in self.chain(first) {
+                    for b in self.chain(a.next).filter(|b| b.cell == a.cell) {
+                        if a.aabb.overlaps(&b.aabb) && self.home(&a.aabb, &b.aabb) == a.cell {
+                            found.push(Pair::new(a.object, b.object));
+                        }
+                    }
+                }
+            }
+        });
+        for &a in &self.large {
+            let aabb = boxes.get(a);
+            let others = boxes
+                .bounded()
+                .filter(|(_, b)| b.overlaps(aabb))
+                .map(|(b, _)| b);
+            let once = others.filter(|b| a < *b || self.large.binary_search(b).is_err());
+            found.extend(once.map(|b| Pair::new(a, b)));
+        }
+    }
+
+    fn memory(&self) -> usize {
+        size_of_val(&self.listings[..])
+            + 4 * (self.first.len() + self.free.len() + self.large.len())
+    }
+}
+
+/// The cells at a Chebyshev distance from a centre, within bounds.
+struct Shell {
+    center: Cell,
+    radius: i32,
+    /// The bounds, no wider than the shell.
+    low: Cell,
+    high: Cell,
+}
+
+impl Shell {
+    fn new(center: Cell, radius: i32, low: Cell, high: Cell) -> Self {
+        let low = std::array::from_fn(|i| low[i].max(center[i] - radius));
+        let high = std::array::from_fn(|i| high[i].min(center[i] + radius));
+        Self {
+            center,
+            radius,
+            low,
+            high,
+        }
+    }
+
+    /// Whether a coordinate is that of one of the two faces across an axis.
+    fn is_face(&self, axis: usize, x: i32) -> bool {
+        (x - self.center[axis]).abs() == self.radius
+    }
+
+    /// Rows and cells that a visit looks at.
+    fn work(&self) -> i64 {
+        let length = |axis: usize| i64::from(self.high[axis] - self.low[axis]) + 1;
+        let faces = |axis: usize| {
+            let ends = [
+                self.center[axis] - self.radius,
+                self.center[axis] + self.radius,
+            ];
+            ends.iter()
+                .filter(|x| (self.low[axis]..=self.high[axis]).contains(x))
+                .count() as i64
+        };
+        let rows = length(0) * length(1);
+        1 + rows + faces(0) * length(1) * length(2) + faces(1) * length(0) * length(2)
+    }
+
+    fn visit(&self, mut visit: impl FnMut(Cell)) {
+        let Self { low, high, .. } = self;
+        for x in low[0]..=high[0] {
+            for y in low[1]..=high[1] {
+                let whole = self.is_face(0, x) || self.is_face(1, y);
+                let row = low[2]..=high[2];
+                if whole {
+                    row.for_each(|z| visit([x, y, z]));
+                } else {
+                    // Radius 0 is a face, so that these are two.
+                    let ends = [self.center[2] - self.radius, self.center[2] + self.radius];
+                    ends.into_iter()
+                        .filter(|z| row.contains(z))
+                        .for_each(|z| visit([x, y, z]));
+                }
+            }
+        }
+    }
+}
+
+/// A sweep's way through the grid.
+struct Way<'a> {
+    sweep: &'a Sweep,
+    direction: Vec3,
+    /// The axis of the fastest motion.
+    axis: usize,
+    /// When the way through the bounds begins and ends.
+    enter: f32,
+    leave: f32,
+    /// First and last layer along the axis.
+    first: i32,
+    last: i32,
+}
+
+impl<'a> Way<'a> {
+    /// Nothing if the sweep does not meet the bounds by the time `limit`.
+    fn new(grid: &Grid, sweep: &'a Sweep, limit: f32) -> Option<Self> {
+        let direction = Vec3::select(
+            sweep.inverse.cmpeq(Vec3::MAX),
+            Vec3::ZERO,
+            sweep.inverse.recip(),
+        );
+        let axis = direction.abs().max_position();
+        let enter = sweep.enters(&grid.bounds, limit)?;
+        let b = (grid.bounds.max - sweep.lower) * sweep.inverse;
+        let a = (grid.bounds.min - sweep.upper) * sweep.inverse;
+        let leave = a.max(b).min_element().min(limit) * SLACK;
+        let mut way = Self {
+            sweep,
+            direction,
+            axis,
+            enter,
+            leave,
+            first: 0,
+            last: 0,
+        };
+        let (low, high) = way.range(grid, enter, leave);
+        (way.first, way.last) = (low[axis], high[axis]);
+        if direction[axis] < 0.0 {
+            (way.first, way.last) = (way.last, way.first);
+        }
+        Some(way)
+    }
+
+    fn layers(&self) -> i64 {
+        i64::from(self.first.abs_diff(self.last)) + 1
+    }
+
+    /// The cells covered between two times, within the grid's bounds.
+    fn range(&self, grid: &Grid, from: f32, to: f32) -> (Cell, Cell) {
+        let (d, sweep) = (self.direction, self.sweep);
+        let low = sweep.lower + (d * from).min(d * to);
+        let high = sweep.upper + (d * from).max(d * to);
+        // Rounding of the products above.
+        let pad = 1e-6 * (low.abs().max(high.abs()) + (d * to).abs() + sweep.lower.abs());
+        let bounds = &grid.bounds;
+        let within = |x: Vec3| x.max(bounds.min).min(bounds.max);
+        (grid.cell(within(low - pad)), grid.cell(within(high + pad)))
+    }
+
+    /// The cells covered while in the i-th layer; nothing if that is after `limit`.
+    fn covered(&self, grid: &Grid, i: i64, limit: f32) -> Option<(Cell, Cell)> {
+        let (axis, forth) = (self.axis, self.direction[self.axis] > 0.0);
+        let layer = if forth {
+            self.first + i as i32
+        } else {
+            self.first - i as i32
+        };
+        let pad = 1e-6 * (layer.abs() as f32 + 1.0);
+        // The last cells have no end.
+        let low = if layer == -LAST_CELL {
+            f32::NEG_INFINITY
+        } else {
+            (layer as f32 - pad) / grid.scale
+        };
+        let high = if layer == LAST_CELL {
+            f32::INFINITY
+        } else {
+            (layer as f32 + 1.0 + pad) / grid.scale
+        };
+        let inverse = self.sweep.inverse[axis];
+        let a = (low - self.sweep.upper[axis]) * inverse;
+        let b = (high - self.sweep.lower[axis]) * inverse;
+        let (from, to) = if forth { (a, b) } else { (b, a) };
+        let (from, to) = (from.max(self.enter), to.min(self.leave).min(limit * SLACK));
+        if from > limit * SLACK {
+            return None;
+        }
+        let (mut low, mut high) = self.range(grid, from, to.max(from));
+        (low[axis], high[axis]) = (layer, layer);
+        Some((low, high))
+    }
 }

@@ -30,7 +30,8 @@ impl Entry {
     /// Lower end first, then index.
     fn order(&self, other: &Self) -> Ordering {
         let ends = self.aabb.min.x.partial_cmp(&other.aabb.min.x);
-        ends.unwrap_or(Ordering::Equal).then(self.object.cmp(&other.object))
+        ends.unwrap_or(Ordering::Equal)
+            .then(self.object.cmp(&other.object))
     }
 }
 
@@ -65,7 +66,10 @@ impl SweepAndPrune {
     }
 
     fn entry(&self, boxes: &Boxes, object: u32) -> Entry {
-        Entry { aabb: self.turn_box(boxes.get(object)), object }
+        Entry {
+            aabb: self.turn_box(boxes.get(object)),
+            object,
+        }
     }
 
     fn find_reach(&mut self, from: usize) {
@@ -119,8 +123,15 @@ impl Structure for SweepAndPrune {
 
     fn build(boxes: &Boxes) -> Self {
         let axis = variance(boxes).max_position();
-        let mut sweep = Self { axis, entries: Vec::new(), reach: Vec::new() };
-        sweep.entries = boxes.bounded().map(|(i, _)| sweep.entry(boxes, i)).collect();
+        let mut sweep = Self {
+            axis,
+            entries: Vec::new(),
+            reach: Vec::new(),
+        };
+        sweep.entries = boxes
+            .bounded()
+            .map(|(i, _)| sweep.entry(boxes, i))
+            .collect();
         sweep.entries.sort_unstable_by(Entry::order);
         sweep.find_reach(0);
         sweep
@@ -149,7 +160,10 @@ impl Structure for SweepAndPrune {
     }
 
     fn removed(&mut self, _: &Boxes, object: u32, old: &Aabb) {
-        let entry = Entry { aabb: self.turn_box(old), object };
+        let entry = Entry {
+            aabb: self.turn_box(old),
+            object,
+        };
         let place = self.entries.partition_point(|e| e.order(&entry).is_lt());
         self.entries.remove(place);
         self.find_reach(place);
@@ -170,7 +184,11 @@ impl Structure for SweepAndPrune {
     /// Walks the way of the sweep, to where it is too late.
     fn sweep(&self, _: &Boxes, sweep: &Sweep, mut limit: f32, visit: &mut impl FnMut(u32) -> f32) {
         let (upper, lower) = (self.turn(sweep.upper), self.turn(sweep.lower));
-        let sweep = Sweep { upper, lower, inverse: self.turn(sweep.inverse) };
+        let sweep = Sweep {
+            upper,
+            lower,
+            inverse: self.turn(sweep.inverse),
+        };
         let mut meet = |entry: &Entry, limit: &mut f32| {
             if sweep.enters(&entry.aabb, *limit).is_some() {
                 *limit = visit(entry.object);
@@ -201,14 +219,23 @@ impl Structure for SweepAndPrune {
         let (mut up, mut down) = (start, start);
         loop {
             let gap = |x: f32| x.max(0.0) * x.max(0.0);
-            let above = self.entries.get(up).filter(|e| gap(e.aabb.min.x - point.x) <= limit * SLACK);
-            let below = down.checked_sub(1).filter(|i| gap(point.x - self.reach[*i]) <= limit * SLACK);
+            let above = self
+                .entries
+                .get(up)
+                .filter(|e| gap(e.aabb.min.x - point.x) <= limit * SLACK);
+            let below = down
+                .checked_sub(1)
+                .filter(|i| gap(point.x - self.reach[*i]) <= limit * SLACK);
             for entry in above.into_iter().chain(below.map(|i| &self.entries[i])) {
                 if entry.aabb.distance_squared(point) <= limit * SLACK {
                     limit = visit(entry.object);
                 }
             }
-            up = if above.is_some() { up + 1 } else { self.entries.len() };
+            up = if above.is_some() {
+                up + 1
+            } else {
+                self.entries.len()
+            };
             down = below.unwrap_or(0);
             if above.is_none() && below.is_none() {
                 break;

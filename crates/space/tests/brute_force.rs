@@ -1,7 +1,9 @@
 //! Every structure answers every query as brute force does, after any edits.
 
 use glam::Vec3;
-use kinetarium_space::{Aabb, Bvh, Cast, Hit, Neighbor, Pair, Space, Structure, SweepAndPrune};
+use kinetarium_space::{
+    Aabb, Bvh, Cast, Grid, Hit, Neighbor, Pair, Space, Structure, SweepAndPrune,
+};
 use proptest::prelude::*;
 
 /// The objects that should be there.
@@ -212,4 +214,4 @@ macro_rules! structures {
     )* };
 }
 
-structures!(bvh: Bvh, sweep_and_prune: SweepAndPrune);
+structures!(bvh: Bvh, sweep_and_prune: SweepAndPrune, grid: Grid);
