@@ -166,6 +166,15 @@ impl Sweep {
         sweep
     }
 
+    /// Where it moves to in unit time.
+    pub(crate) fn direction(&self) -> Vec3 {
+        Vec3::select(
+            self.inverse.cmpeq(Vec3::MAX),
+            Vec3::ZERO,
+            self.inverse.recip(),
+        )
+    }
+
     /// A lower bound of the time at which the box, which is not inside out, is met, if
     /// it may be met by `limit`.
     #[inline(always)]

@@ -22,10 +22,13 @@
 
 mod aabb;
 mod boxes;
+mod bsp;
 mod bvh;
 mod cast;
 mod error;
 mod grid;
+mod kd_tree;
+mod octree;
 mod pairs;
 mod query;
 mod space;
@@ -35,10 +38,13 @@ mod sweep_and_prune;
 
 pub use aabb::Aabb;
 pub use boxes::Boxes;
+pub use bsp::Bsp;
 pub use bvh::Bvh;
 pub use cast::Cast;
 pub use error::SpaceError;
 pub use grid::Grid;
+pub use kd_tree::KdTree;
+pub use octree::Octree;
 pub use pairs::Pair;
 pub use query::{CastTest, ClosestTest, Hit, Neighbor};
 pub use space::Space;

@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 use kinetarium_space::{
-    Aabb, Bvh, Cast, Grid, Hit, Neighbor, Pair, Space, Structure, SweepAndPrune,
+    Aabb, Bsp, Bvh, Cast, Grid, Hit, KdTree, Neighbor, Octree, Pair, Space, Structure,
+    SweepAndPrune,
 };
 use proptest::prelude::*;
 
@@ -214,4 +215,4 @@ macro_rules! structures {
     )* };
 }
 
-structures!(bvh: Bvh, sweep_and_prune: SweepAndPrune, grid: Grid);
+structures!(bvh: Bvh, sweep_and_prune: SweepAndPrune, grid: Grid, octree: Octree, kd_tree: KdTree, bsp: Bsp);
