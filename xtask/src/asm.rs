@@ -12,9 +12,10 @@ use xshell::{Shell, cmd};
 
 use crate::workshop::Workshop;
 
-const ENTRIES: [&str; 3] = [
+const ENTRIES: [&str; 4] = [
     "dispatch::entry_avx512",
     "dispatch::entry_avx2",
+    "dispatch::entry_fma512",
     "dispatch::entry_fma",
 ];
 const MEMORY_FUNCTIONS: [&str; 5] = ["memcpy", "memmove", "memset", "memcmp", "bcmp"];

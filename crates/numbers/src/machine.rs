@@ -198,6 +198,12 @@ pub trait Machine {
     );
     /// Reads a whole number.
     fn link<const W: usize>(&self, links: Links<W>, row: Self::I, field: usize) -> Self::I;
+    /// Reads the first `N` whole numbers of a row.
+    fn link_row<const W: usize, const N: usize>(
+        &self,
+        links: Links<W>,
+        row: Self::I,
+    ) -> [Self::I; N];
     /// `from, from + 1, … to − 1`.
     fn range(&self, from: Self::I, to: Self::I) -> Self::Rounds;
     /// `n − 1, … 1, 0`.
@@ -374,8 +380,7 @@ pub trait Machine {
         row: Self::I,
         field: usize,
     ) -> Spatial<Self::R> {
-        let [a, b, c, x, y, z] = self.read(table, row, field);
-        Spatial::new(Vec3::new(a, b, c), Vec3::new(x, y, z))
+        Spatial::from_array(self.read(table, row, field))
     }
     /// Writes six fields: angular, linear.
     #[inline(always)]
@@ -386,8 +391,7 @@ pub trait Machine {
         field: usize,
         v: Spatial<Self::R>,
     ) {
-        let (a, l) = (v.angular, v.linear);
-        self.write(table, row, field, [a.x, a.y, a.z, l.x, l.y, l.z]);
+        self.write(table, row, field, v.to_array());
     }
     /// Reads 21 fields: I, H by columns, M.
     #[inline(always)]
@@ -672,6 +676,10 @@ where
     #[inline(always)]
     fn link<const W: usize>(&self, links: Links<W>, row: u32, field: usize) -> u32 {
         self.links[place::<W>(links.base, row, field)]
+    }
+    #[inline(always)]
+    fn link_row<const W: usize, const N: usize>(&self, links: Links<W>, row: u32) -> [u32; N] {
+        neighbours(self.links, place::<W>(links.base, row, 0))
     }
     #[inline(always)]
     fn range(&self, from: u32, to: u32) -> Rounds {

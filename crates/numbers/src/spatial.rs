@@ -27,6 +27,17 @@ impl<R: Real> Spatial<R> {
     pub fn zero() -> Self {
         Self::new(Vec3::zero(), Vec3::zero())
     }
+    /// From the angular and the linear components.
+    #[inline(always)]
+    pub fn from_array([a, b, c, x, y, z]: [R; 6]) -> Self {
+        Self::new(Vec3::new(a, b, c), Vec3::new(x, y, z))
+    }
+    /// The angular and the linear components.
+    #[inline(always)]
+    pub fn to_array(self) -> [R; 6] {
+        let (a, l) = (self.angular, self.linear);
+        [a.x, a.y, a.z, l.x, l.y, l.z]
+    }
     /// Power of a force on a motion.
     #[inline(always)]
     pub fn dot(self, b: Self) -> R {
@@ -169,6 +180,46 @@ impl<R: Real> Inertia<R> {
             self.i * v.angular + self.h * v.linear,
             self.h.transpose_mul(v.angular) + self.m * v.linear,
         )
+    }
+    /// Solves self · a = f for a positive definite inertia by Cholesky's L D Lᵀ; pivots below
+    /// `tiny` count as `tiny`.
+    #[inline(always)]
+    pub fn solve(self, f: Spatial<R>, tiny: R) -> Spatial<R> {
+        let (i, h, m) = (self.i, self.h, self.m);
+        // Lower triangle, the linear rows first: below it lies Hᵀ, whose rows are H's columns.
+        let mut l = [
+            [m.xx, R::zero(), R::zero(), R::zero(), R::zero(), R::zero()],
+            [m.xy, m.yy, R::zero(), R::zero(), R::zero(), R::zero()],
+            [m.xz, m.yz, m.zz, R::zero(), R::zero(), R::zero()],
+            [h.x.x, h.y.x, h.z.x, i.xx, R::zero(), R::zero()],
+            [h.x.y, h.y.y, h.z.y, i.xy, i.yy, R::zero()],
+            [h.x.z, h.y.z, h.z.z, i.xz, i.yz, i.zz],
+        ];
+        let [nx, ny, nz] = f.angular.to_array();
+        let [fx, fy, fz] = f.linear.to_array();
+        let mut x = [fx, fy, fz, nx, ny, nz];
+        for p in 0..6 {
+            let inverse = l[p][p].max(tiny).recip();
+            for row in p + 1..6 {
+                let factor = l[row][p] * inverse;
+                for column in p + 1..=row {
+                    l[row][column] = factor.fnma(l[column][p], l[row][column]);
+                }
+                x[row] = factor.fnma(x[p], x[row]);
+            }
+            // L below the pivot; the pivot's row of x divided by D.
+            for row in p + 1..6 {
+                l[row][p] = l[row][p] * inverse;
+            }
+            x[p] = x[p] * inverse;
+        }
+        for row in (0..6).rev() {
+            for below in row + 1..6 {
+                x[row] = l[below][row].fnma(x[below], x[row]);
+            }
+        }
+        let [fx, fy, fz, nx, ny, nz] = x;
+        Spatial::new(Vec3::new(nx, ny, nz), Vec3::new(fx, fy, fz))
     }
     /// `self − u uᵀ s`.
     #[inline(always)]

@@ -72,6 +72,13 @@ impl<'g> Machine for Tracer<'g> {
         let place = Place::new(links.start(), field, W);
         TraceIndex(Handle::Node(self.graph.emit(Action::Link(place), &[row.0])))
     }
+    fn link_row<const W: usize, const N: usize>(
+        &self,
+        links: Links<W>,
+        row: TraceIndex<'g>,
+    ) -> [TraceIndex<'g>; N] {
+        std::array::from_fn(|field| self.link(links, row, field))
+    }
     #[track_caller]
     fn range(&self, from: TraceIndex<'g>, to: TraceIndex<'g>) -> TraceRounds<'g> {
         TraceRounds::new(self.graph, from, to, false)

@@ -5,26 +5,29 @@
 //! freedom is a rank-1 update. Inwards, for each node and its axes last to first:
 //!
 //! ```text
-//! Iᴬ = I + Σ Iᴬ_child      p = v ×* I v + Σ p_child + Iᴬ c
+//! Iᴬ = I + Σ Iᴬ_child      p = I b + v ×* I v + Σ p_child
 //! U = Iᴬ S      D = Sᵀ U + armature + implicit      u = τ − Sᵀ p
 //! Iᴬ ← Iᴬ − U Uᵀ / D      p ← p + U u / D
 //! ```
 //!
-//! and outwards, with the world accelerating at −g:
+//! and outwards:
 //!
 //! ```text
-//! a = a_parent      q̈ = (u − Uᵀ a) / D,  a ← a + S q̈      a ← a + c
+//! a = a_parent      q̈ = (u − Uᵀ a) / D,  a ← a + S q̈
 //! ```
 //!
-//! Departure from the source: a joint of several degrees of freedom is eliminated
-//! axis by axis, which is its block Cholesky factorisation written out, and c is
-//! added once per node.
+//! Departures from the source: a joint of several degrees of freedom is eliminated
+//! axis by axis, which is its block Cholesky factorisation written out. The
+//! velocity-product accelerations are summed along the tree beforehand, with gravity,
+//! to b, the acceleration where every q̈ is zero; so they meet only the rigid
+//! inertia of each node, never the articulated one, and a is what the q̈ add to b.
+//! A root that floats freely is solved at once, Iᴬ a = S⁻ᵀ τ − p.
 
-use super::kinematics::{momentum, world_inertia};
+use super::kinematics::{Course, newton_euler, world_inertia};
 use super::tables::{Tables, arrival, dof, frame, node_link};
 use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::{Inertia, Spatial};
-use numbers::{Machine, Real, Vec3};
+use numbers::{Machine, Mat3, Real, Vec3};
 
 /// Smallest D, so that a massless node does not divide by zero.
 const TINY: f64 = 1e-20;
@@ -42,71 +45,133 @@ pub(crate) fn articulated_body<M: Machine>(k: &mut M, t: &Tables) {
 fn inwards<M: Machine>(k: &mut M, t: &Tables) {
     for i in k.range_down(k.index(t.nodes)) {
         let n = i.offset(t.trees);
-        let (m, c, i) = world_inertia(k, t.node, n, k.pose(t.frame, n, frame::PLACE));
-        let twist = k.spatial(t.frame, n, frame::TWIST);
+        let links = k.link_row::<_, { node_link::WIDTH }>(t.node_links, n);
+        let Course { place, twist, bias } = Course::read(k, t, n);
+        let (m, c, i) = world_inertia(k, t.node, n, place);
         let mut inertia = Inertia::rigid(m, c, i).hold(k);
-        let mut p = twist.cross_force(momentum(m, c, i, twist)).hold(k);
-        for _ in k.when(k.equals(k.link(t.node_links, n, node_link::CARRIES), 1)) {
-            inertia.set(inertia.get() + k.inertia(t.frame, n, frame::INERTIA));
-            p.set(p.get() + k.spatial(t.frame, n, frame::FORCE));
+        let mut p = newton_euler(m, c, i, twist, bias).hold(k);
+        for _ in k.when(k.equals(links[node_link::CARRIES], 1)) {
+            let (carried_p, carried) = carried(k, t, n);
+            inertia.set(inertia.get() + carried);
+            p.set(p.get() + carried_p);
         }
-        p.set(p.get() + inertia.get().apply(k.spatial(t.frame, n, frame::BIAS)));
-        let first = k.link(t.node_links, n, node_link::DOF_BEGIN);
-        for j in k.range_down(k.link(t.node_links, n, node_link::DOF_COUNT)) {
-            let v = first.plus(j);
+        for _ in k.when(k.equals(links[node_link::FLOATS], 1)) {
+            float(k, t, n, inertia.get(), p.get());
+        }
+        for j in k.range_down(links[node_link::ELIMINATED]) {
+            let v = links[node_link::DOF_BEGIN].plus(j);
             let s = k.spatial(t.dof, v, dof::AXIS);
             let a = inertia.get();
             let u_vector = a.apply(s);
-            let d = s.dot(u_vector) + k.load(t.dof, v, dof::IMPLICIT);
+            let [tau, implicit] = k.read(t.dof, v, dof::TAU);
+            let d = s.dot(u_vector) + implicit;
             let inverse = d.max(M::R::lit(TINY)).recip();
-            let u = k.load(t.dof, v, dof::TAU) - s.dot(p.get());
+            let u = tau - s.dot(p.get());
             inertia.set(a.minus_outer(u_vector, inverse));
             let moved = u_vector.fma(u * inverse, p.get());
             p.set(moved);
             k.store_spatial(t.dof, v, dof::U, u_vector);
-            k.store(t.dof, v, dof::INVERSE, inverse);
-            k.store(t.dof, v, dof::FORCE, u);
+            k.write(t.dof, v, dof::FORCE, [u, inverse]);
         }
-        pass_on(k, t, n, inertia.get(), p.get());
+        let (parent, arrival) = (links[node_link::PARENT], links[node_link::ARRIVAL]);
+        pass_on(k, t, parent, arrival, inertia.get(), p.get());
     }
+}
+
+/// Bias force and inertia of what a node carries.
+#[inline(always)]
+fn carried<M: Machine>(k: &M, t: &Tables, n: M::I) -> (Spatial<M::R>, Inertia<M::R>) {
+    let [a, b, c, d, e, f, inertia @ ..] = k.read::<_, _, 27>(t.frame, n, frame::FORCE);
+    (
+        Spatial::from_array([a, b, c, d, e, f]),
+        Inertia::from_array(inertia),
+    )
+}
+
+/// Accelerations of a root that moves freely in the world, and of its six degrees of freedom.
+///
+/// Its axes are b₁ b₂ b₃, along which it slides, and r₁ r₂ r₃, about which it turns in x:
+/// S = ((0, b), (r, x × r)).
+#[inline(always)]
+fn float<M: Machine>(k: &mut M, t: &Tables, n: M::I, i: Inertia<M::R>, p: Spatial<M::R>) {
+    let v = k.link(t.node_links, n, node_link::DOF_BEGIN);
+    let x = k.vec3(t.frame, n, frame::PLACE);
+    let (y, z) = (v.offset(1), v.offset(2));
+    let (rx, ry, rz) = (v.offset(3), v.offset(4), v.offset(5));
+    let b = Mat3::from_columns(
+        k.vec3(t.dof, v, dof::AXIS + 3),
+        k.vec3(t.dof, y, dof::AXIS + 3),
+        k.vec3(t.dof, z, dof::AXIS + 3),
+    );
+    let r = Mat3::from_columns(
+        k.vec3(t.dof, rx, dof::AXIS),
+        k.vec3(t.dof, ry, dof::AXIS),
+        k.vec3(t.dof, rz, dof::AXIS),
+    );
+    let push = along(k, t, v, dof::TAU);
+    let twist = along(k, t, rx, dof::TAU);
+    let force = b * push;
+    let moment = r * twist + x.cross(force);
+    let a = i.solve(Spatial::new(moment, force) - p, M::R::lit(TINY));
+    let slide = b.transpose_mul(a.linear - x.cross(a.angular));
+    let turn = r.transpose_mul(a.angular);
+    k.store(t.dof, v, dof::ACCELERATION, slide.x);
+    k.store(t.dof, y, dof::ACCELERATION, slide.y);
+    k.store(t.dof, z, dof::ACCELERATION, slide.z);
+    k.store(t.dof, rx, dof::ACCELERATION, turn.x);
+    k.store(t.dof, ry, dof::ACCELERATION, turn.y);
+    k.store(t.dof, rz, dof::ACCELERATION, turn.z);
+    k.store_spatial(t.frame, n, frame::ACCELERATION, a);
+}
+
+/// A field of three degrees of freedom in turn.
+#[inline(always)]
+fn along<M: Machine>(k: &M, t: &Tables, v: M::I, field: usize) -> Vec3<M::R> {
+    Vec3::new(
+        k.load(t.dof, v, field),
+        k.load(t.dof, v.offset(1), field),
+        k.load(t.dof, v.offset(2), field),
+    )
 }
 
 /// Adds to the parent's sums; the first child to arrive starts them.
 #[inline(always)]
-fn pass_on<M: Machine>(k: &mut M, t: &Tables, n: M::I, i: Inertia<M::R>, p: Spatial<M::R>) {
-    let parent = k.link(t.node_links, n, node_link::PARENT);
-    let arrival = k.link(t.node_links, n, node_link::ARRIVAL);
+fn pass_on<M: Machine>(
+    k: &mut M,
+    t: &Tables,
+    parent: M::I,
+    arrival: M::I,
+    i: Inertia<M::R>,
+    p: Spatial<M::R>,
+) {
     for _ in k.when(k.equals(arrival, arrival::FIRST)) {
         k.store_inertia(t.frame, parent, frame::INERTIA, i);
         k.store_spatial(t.frame, parent, frame::FORCE, p);
     }
     for _ in k.when(k.equals(arrival, arrival::LATER)) {
-        let sum = k.inertia(t.frame, parent, frame::INERTIA) + i;
-        k.store_inertia(t.frame, parent, frame::INERTIA, sum);
-        let sum = k.spatial(t.frame, parent, frame::FORCE) + p;
-        k.store_spatial(t.frame, parent, frame::FORCE, sum);
+        let (carried_p, carried) = carried(k, t, parent);
+        k.store_inertia(t.frame, parent, frame::INERTIA, carried + i);
+        k.store_spatial(t.frame, parent, frame::FORCE, carried_p + p);
     }
 }
 
 #[inline(always)]
 fn outwards<M: Machine>(k: &mut M, t: &Tables) {
-    let up = Spatial::new(Vec3::zero(), -k.vec3(t.world, k.index(0), 0));
     for tree in k.count(t.trees) {
-        k.store_spatial(t.frame, tree, frame::ACCELERATION, up);
+        k.store_spatial(t.frame, tree, frame::ACCELERATION, Spatial::zero());
     }
     for n in k.range(k.index(t.trees), k.index(t.trees + t.nodes)) {
-        let parent = k.link(t.node_links, n, node_link::PARENT);
-        let mut a = k.spatial(t.frame, parent, frame::ACCELERATION).hold(k);
+        let from = k.link(t.node_links, n, node_link::ACCELERATES_FROM);
+        let mut a = k.spatial(t.frame, from, frame::ACCELERATION).hold(k);
         let first = k.link(t.node_links, n, node_link::DOF_BEGIN);
-        let count = k.link(t.node_links, n, node_link::DOF_COUNT);
+        let count = k.link(t.node_links, n, node_link::ELIMINATED);
         for v in k.range(first, first.plus(count)) {
-            let u = k.load(t.dof, v, dof::FORCE) - k.spatial(t.dof, v, dof::U).dot(a.get());
-            let acceleration = u * k.load(t.dof, v, dof::INVERSE);
+            let [u, inverse] = k.read(t.dof, v, dof::FORCE);
+            let acceleration = (u - k.spatial(t.dof, v, dof::U).dot(a.get())) * inverse;
             k.store(t.dof, v, dof::ACCELERATION, acceleration);
             let moved = k.spatial(t.dof, v, dof::AXIS).fma(acceleration, a.get());
             a.set(moved);
         }
-        let a = a.get() + k.spatial(t.frame, n, frame::BIAS);
-        k.store_spatial(t.frame, n, frame::ACCELERATION, a);
+        k.store_spatial(t.frame, n, frame::ACCELERATION, a.get());
     }
 }

@@ -15,7 +15,7 @@
 //! Only what a model uses has a row, so that a passive chain pays for nothing.
 
 use super::tables::{Tables, dof};
-use crate::tables::{Filler, actuator_numbers, ball_target, bounded};
+use crate::tables::{Filler, UNBOUNDED, actuator_numbers, ball_target, bounded};
 use model::{JointKind, Model};
 use numbers::functions::wrap;
 use numbers::machine::space::{Parameter, State};
@@ -28,27 +28,30 @@ pub const FRICTION_SPEED: f64 = 1e-3;
 /// How many rows each kind of force needs.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ForceRows {
-    springs: usize,
+    passive_begin: usize,
+    passive_end: usize,
     drives: usize,
     balls: usize,
-    limits: usize,
     frictions: usize,
-    actuators: usize,
+    motors: usize,
+    servos: usize,
 }
 
 /// Layout of the force laws. Links name a degree of freedom and a coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ForceTables {
     dofs: usize,
-    springs: usize,
+    passive_begin: usize,
+    passive_end: usize,
     drives: usize,
     balls: usize,
-    limits: usize,
     frictions: usize,
-    actuators: usize,
-    /// Damping, stiffness, rest.
-    spring: Table<Parameter, 3>,
-    spring_links: Links<2>,
+    motors: usize,
+    servos: usize,
+    /// Damping, stiffness, rest; lower and upper limit, their stiffness and damping.
+    /// One row for each of the degrees of freedom from `passive_begin` to `passive_end`.
+    passive: Table<Parameter, 7>,
+    passive_links: Links,
     /// Stiffness, damping, effort limit, control time.
     drive: Table<Parameter, 4>,
     drive_links: Links<3>,
@@ -58,15 +61,16 @@ pub(crate) struct ForceTables {
     ball: Table<Parameter, 4>,
     ball_links: Links<2>,
     ball_target: Table<State, 4>,
-    /// Lower, upper, stiffness, damping.
-    limit: Table<Parameter, 4>,
-    limit_links: Links<2>,
     /// Dry friction.
     friction: Table<Parameter>,
     friction_links: Links,
-    /// Gear, gain, bias 3, control range 2, force range 2.
-    actuator: Table<Parameter, 9>,
-    actuator_links: Links<2>,
+    /// Force per control, control range 2. Links: degree of freedom, actuator.
+    motor: Table<Parameter, 3>,
+    motor_links: Links<2>,
+    /// Gear, gain, bias 3, control range 2, force range 2. Links: coordinate, degree of freedom,
+    /// actuator.
+    servo: Table<Parameter, 9>,
+    servo_links: Links<3>,
     armature: Table<Parameter>,
 }
 
@@ -118,6 +122,27 @@ fn balls(model: &Model) -> impl Iterator<Item = (usize, usize, &[model::Dof])> {
         })
 }
 
+/// True where nothing along a joint's degrees of freedom opposes their accelerations: no armature,
+/// spring, damper, friction, drive or limit, and no actuator that heeds the state.
+pub(crate) fn only_forces_act(model: &Model, id: model::JointId) -> bool {
+    let free = |d: &model::Dof| {
+        let laws = d.armature + d.damping + d.stiffness + d.friction_loss;
+        laws == 0.0 && !driven(d) && d.limit.is_none()
+    };
+    let plain = |a: &model::Actuator| a.joint != id || a.bias[1..] == [0.0, 0.0];
+    model.joints[id.0].dofs.iter().all(free) && model.actuators.iter().all(plain)
+}
+
+/// True for a spring, a damper or a limit.
+fn passive(dof: &model::Dof) -> bool {
+    dof.damping > 0.0 || dof.stiffness > 0.0 || dof.limit.is_some()
+}
+
+/// True for an actuator whose force depends on its control alone, and has no bounds of its own.
+fn is_motor(a: &model::Actuator) -> bool {
+    a.bias == [0.0; 3] && a.force_range.is_none()
+}
+
 fn driven(dof: &model::Dof) -> bool {
     dof.drive.stiffness > 0.0 || dof.drive.damping > 0.0
 }
@@ -131,15 +156,26 @@ impl ForceRows {
                 .filter(|j| !j.closes_loop)
                 .flat_map(|j| &j.dofs)
         };
+        let tree = |(_, j): &(usize, &model::Joint)| !j.closes_loop;
+        let passives = model
+            .joints
+            .iter()
+            .enumerate()
+            .filter(tree)
+            .flat_map(|(i, joint)| {
+                let rows = model.dof_range(model::JointId(i)).zip(&joint.dofs);
+                rows.filter(|(_, d)| passive(d)).map(|(v, _)| v)
+            });
+        let (first, last) = (passives.clone().min(), passives.max());
+        let motors = model.actuators.iter().filter(|a| is_motor(a)).count();
         Self {
-            springs: all()
-                .filter(|d| d.damping > 0.0 || d.stiffness > 0.0)
-                .count(),
+            passive_begin: first.unwrap_or(0),
+            passive_end: last.map_or(0, |v| v + 1),
             drives: axes(model).filter(|a| driven(a.2)).count(),
             balls: balls(model).filter(|b| b.2.iter().any(driven)).count(),
-            limits: axes(model).filter(|a| a.2.limit.is_some()).count(),
             frictions: all().filter(|d| d.friction_loss > 0.0).count(),
-            actuators: model.actuators.len(),
+            motors,
+            servos: model.actuators.len() - motors,
         }
     }
 }
@@ -153,28 +189,30 @@ impl ForceTables {
         parameters: &mut usize,
         links: &mut usize,
     ) -> Self {
+        let passives = rows.passive_end - rows.passive_begin;
         Self {
             dofs,
-            springs: rows.springs,
+            passive_begin: rows.passive_begin,
+            passive_end: rows.passive_end,
             drives: rows.drives,
             balls: rows.balls,
-            limits: rows.limits,
             frictions: rows.frictions,
-            actuators: rows.actuators,
-            spring: Table::place(parameters, rows.springs),
-            spring_links: Links::place(links, rows.springs),
+            motors: rows.motors,
+            servos: rows.servos,
+            passive: Table::place(parameters, passives),
+            passive_links: Links::place(links, passives),
             drive: Table::place(parameters, rows.drives),
             drive_links: Links::place(links, rows.drives),
             drive_target: Table::place(state, rows.drives),
             ball: Table::place(parameters, rows.balls),
             ball_links: Links::place(links, rows.balls),
             ball_target: Table::place(state, rows.balls),
-            limit: Table::place(parameters, rows.limits),
-            limit_links: Links::place(links, rows.limits),
             friction: Table::place(parameters, rows.frictions),
             friction_links: Links::place(links, rows.frictions),
-            actuator: Table::place(parameters, rows.actuators),
-            actuator_links: Links::place(links, rows.actuators),
+            motor: Table::place(parameters, rows.motors),
+            motor_links: Links::place(links, rows.motors),
+            servo: Table::place(parameters, rows.servos),
+            servo_links: Links::place(links, rows.servos),
             armature: Table::place(parameters, dofs),
         }
     }
@@ -195,42 +233,46 @@ impl ForceTables {
             ];
             f.numbers(self.ball, row, 0, &x);
         }
+        self.fill_actuators(model, f);
+    }
+
+    fn fill_actuators(&self, model: &Model, f: &mut Filler) {
+        let (mut motor, mut servo) = (0, 0);
         for (row, a) in model.actuators.iter().enumerate() {
             let (q, v) = (model.coordinate_range(a.joint), model.dof_range(a.joint));
-            // A free or ball joint's motor has no position term, so any coordinate will do.
-            f.link(
-                self.actuator_links,
-                row,
-                0,
-                (q.start + a.dof).min(q.end - 1),
-            );
-            f.link(self.actuator_links, row, 1, v.start + a.dof);
-            f.numbers(self.actuator, row, 0, &actuator_numbers(a));
+            let numbers = actuator_numbers(a);
+            if is_motor(a) {
+                f.link(self.motor_links, motor, 0, v.start + a.dof);
+                f.link(self.motor_links, motor, 1, row);
+                let [gear, gain, _, _, _, low, high, _, _] = numbers;
+                f.numbers(self.motor, motor, 0, &[gear * gain, low, high]);
+                motor += 1;
+            } else {
+                // A free or ball joint's servo has no position term, so any coordinate will do.
+                let coordinate = (q.start + a.dof).min(q.end - 1);
+                f.link(self.servo_links, servo, 0, coordinate);
+                f.link(self.servo_links, servo, 1, v.start + a.dof);
+                f.link(self.servo_links, servo, 2, row);
+                f.numbers(self.servo, servo, 0, &numbers);
+                servo += 1;
+            }
         }
     }
 
     fn fill_dofs(&self, model: &Model, f: &mut Filler) {
-        let (mut spring, mut friction) = (0, 0);
-        for (i, joint) in model
-            .joints
-            .iter()
-            .enumerate()
-            .filter(|(_, j)| !j.closes_loop)
-        {
+        let mut friction = 0;
+        for (i, joint) in model.joints.iter().enumerate() {
+            if joint.closes_loop {
+                continue;
+            }
             let id = model::JointId(i);
             let q = model.coordinate_range(id);
             for (k, (v, dof)) in model.dof_range(id).zip(&joint.dofs).enumerate() {
                 f.number(self.armature, v, 0, dof.armature);
-                if dof.damping > 0.0 || dof.stiffness > 0.0 {
-                    f.link(self.spring_links, spring, 0, (q.start + k).min(q.end - 1));
-                    f.link(self.spring_links, spring, 1, v);
-                    f.numbers(
-                        self.spring,
-                        spring,
-                        0,
-                        &[dof.damping, dof.stiffness, dof.rest],
-                    );
-                    spring += 1;
+                if (self.passive_begin..self.passive_end).contains(&v) {
+                    // A ball's dampers have no position term, so any coordinate will do.
+                    let coordinate = (q.start + k).min(q.end - 1);
+                    self.fill_passive(v - self.passive_begin, coordinate, dof, f);
                 }
                 if dof.friction_loss > 0.0 {
                     f.link(self.friction_links, friction, 0, v);
@@ -241,8 +283,22 @@ impl ForceTables {
         }
     }
 
+    fn fill_passive(&self, row: usize, coordinate: usize, dof: &model::Dof, f: &mut Filler) {
+        let limit = dof.limit.map_or([-UNBOUNDED, UNBOUNDED, 0.0, 0.0], |l| {
+            [l.lower, l.upper, l.stiffness, l.damping]
+        });
+        f.link(self.passive_links, row, 0, coordinate);
+        f.numbers(
+            self.passive,
+            row,
+            0,
+            &[dof.damping, dof.stiffness, dof.rest],
+        );
+        f.numbers(self.passive, row, 3, &limit);
+    }
+
     fn fill_axes(&self, model: &Model, f: &mut Filler) {
-        let (mut drive, mut limit) = (0, 0);
+        let mut drive = 0;
         for (q, v, dof, wraps) in axes(model) {
             if driven(dof) {
                 f.link(self.drive_links, drive, 0, q);
@@ -257,17 +313,6 @@ impl ForceTables {
                 ];
                 f.numbers(self.drive, drive, 0, &x);
                 drive += 1;
-            }
-            if let Some(l) = dof.limit {
-                f.link(self.limit_links, limit, 0, q);
-                f.link(self.limit_links, limit, 1, v);
-                f.numbers(
-                    self.limit,
-                    limit,
-                    0,
-                    &[l.lower, l.upper, l.stiffness, l.damping],
-                );
-                limit += 1;
             }
         }
     }
@@ -293,29 +338,38 @@ impl ForceTables {
     /// Adds ½ k (q − rest)² of all passive springs.
     #[inline(always)]
     pub(crate) fn spring_energy<M: Machine>(&self, k: &M, t: &Tables, sum: &mut M::Cell) {
-        for i in k.count(self.springs) {
-            let q = k.load(t.position, k.link(self.spring_links, i, 0), 0);
-            let stretch = q - k.load(self.spring, i, 2);
-            let energy = M::R::lit(0.5) * k.load(self.spring, i, 1) * stretch.squared();
+        for i in k.count(self.passive_end - self.passive_begin) {
+            let q = k.load(t.position, k.link(self.passive_links, i, 0), 0);
+            let [stiffness, rest] = k.read(self.passive, i, 1);
+            let energy = M::R::lit(0.5) * stiffness * (q - rest).squared();
             sum.write(sum.read() + energy);
         }
     }
 }
 
-/// Sums all forces along the degrees of freedom into `dof::TAU` and `dof::IMPLICIT`, linearised over `h` [s].
+/// Sums all forces along the degrees of freedom into `dof::TAU` and the field after it, linearised over `h` [s].
 #[inline(always)]
 pub(crate) fn forces<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     let f = &t.forces;
-    for v in k.count(f.dofs) {
-        let (tau, armature) = (k.load(t.input.force, v, 0), k.load(f.armature, v, 0));
-        k.write(t.dof, v, dof::TAU, [tau, armature]);
+    for v in k.count(f.passive_begin) {
+        bare(k, t, v);
     }
-    springs(k, t, h);
+    passives(k, t, h);
+    for v in k.range(k.index(f.passive_end), k.index(f.dofs)) {
+        bare(k, t, v);
+    }
     drives(k, t, h);
     ball_drives(k, t, h);
-    limits(k, t, h);
     frictions(k, t, h);
-    actuators(k, t, h);
+    motors(k, t);
+    servos(k, t, h);
+}
+
+/// Starts the sums of a degree of freedom without spring, damper and limit.
+#[inline(always)]
+fn bare<M: Machine>(k: &mut M, t: &Tables, v: M::I) {
+    let (tau, armature) = (k.load(t.input.force, v, 0), t.forces.armature(k, v));
+    k.write(t.dof, v, dof::TAU, [tau, armature]);
 }
 
 /// Adds a force and the factor by which it opposes q̈.
@@ -325,15 +379,24 @@ fn add<M: Machine>(k: &mut M, t: &Tables, v: M::I, tau: M::R, implicit: M::R) {
     k.write(t.dof, v, dof::TAU, [sum + tau, opposing + implicit]);
 }
 
+/// Starts the sums with springs and dampers; a limit is one that acts beyond it alone.
 #[inline(always)]
-fn springs<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
-    let f = &t.forces;
-    for i in k.count(f.springs) {
-        let (q, v) = (k.link(f.spring_links, i, 0), k.link(f.spring_links, i, 1));
-        let (d, s) = (k.load(f.spring, i, 0), k.load(f.spring, i, 1));
-        let (q, speed) = (k.load(t.position, q, 0), k.load(t.velocity, v, 0));
-        let stretch = h.fma(speed, q) - k.load(f.spring, i, 2);
-        add(k, t, v, -(s * stretch) - d * speed, h * h.fma(s, d));
+fn passives<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    let (f, zero) = (&t.forces, M::R::zero());
+    for i in k.count(f.passive_end - f.passive_begin) {
+        let v = i.offset(f.passive_begin);
+        let q = k.load(t.position, k.link(f.passive_links, i, 0), 0);
+        let speed = k.load(t.velocity, v, 0);
+        let [d, s, rest, lower, upper, limit_s, limit_d] = k.read(f.passive, i, 0);
+        let stretch = h.fma(speed, q - rest);
+        let beyond = (q - upper).max(zero) + (q - lower).min(zero);
+        let inside = beyond.same(zero);
+        let limit_s = M::R::select(inside, zero, limit_s);
+        let d = d + M::R::select(inside, zero, limit_d);
+        let pull = s.fma(stretch, limit_s.fma(h.fma(speed, beyond), d * speed));
+        let tau = k.load(t.input.force, v, 0) - pull;
+        let implicit = (h * h).fma(s + limit_s, h.fma(d, f.armature(k, v)));
+        k.write(t.dof, v, dof::TAU, [tau, implicit]);
     }
 }
 
@@ -419,26 +482,6 @@ fn ball_drives<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     }
 }
 
-#[inline(always)]
-fn limits<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
-    let f = &t.forces;
-    let zero = M::R::zero();
-    for i in k.count(f.limits) {
-        let (q, v) = (k.link(f.limit_links, i, 0), k.link(f.limit_links, i, 1));
-        let (q, speed) = (k.load(t.position, q, 0), k.load(t.velocity, v, 0));
-        let above = (q - k.load(f.limit, i, 1)).max(zero);
-        let below = (q - k.load(f.limit, i, 0)).min(zero);
-        let beyond = above + below;
-        let touches = M::R::select(beyond.same(zero), zero, M::R::one());
-        let (s, d) = (
-            k.load(f.limit, i, 2) * touches,
-            k.load(f.limit, i, 3) * touches,
-        );
-        let tau = -(s * h.fma(speed, beyond)) - d * speed;
-        add(k, t, v, tau, h * h.fma(s, d));
-    }
-}
-
 /// Dry friction f as a damper f / |q̇|, taken implicitly: it stops, and never reverses, a motion.
 #[inline(always)]
 fn frictions<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
@@ -452,24 +495,28 @@ fn frictions<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
 }
 
 #[inline(always)]
-fn actuators<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+fn motors<M: Machine>(k: &mut M, t: &Tables) {
     let f = &t.forces;
-    for i in k.count(f.actuators) {
-        let (q, v) = (
-            k.link(f.actuator_links, i, 0),
-            k.link(f.actuator_links, i, 1),
-        );
+    for i in k.count(f.motors) {
+        let (v, actuator) = (k.link(f.motor_links, i, 0), k.link(f.motor_links, i, 1));
+        let [gain, low, high] = k.read(f.motor, i, 0);
+        let control = k.load(t.input.control, actuator, 0).clamp(low, high);
+        let tau = gain.fma(control, k.load(t.dof, v, dof::TAU));
+        k.store(t.dof, v, dof::TAU, tau);
+    }
+}
+
+#[inline(always)]
+fn servos<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    let f = &t.forces;
+    for i in k.count(f.servos) {
+        let (q, v) = (k.link(f.servo_links, i, 0), k.link(f.servo_links, i, 1));
         let (q, speed) = (k.load(t.position, q, 0), k.load(t.velocity, v, 0));
-        let gear = k.load(f.actuator, i, 0);
-        let control = k
-            .load(t.input.control, i, 0)
-            .clamp(k.load(f.actuator, i, 5), k.load(f.actuator, i, 6));
-        let (s, d) = (-k.load(f.actuator, i, 3), -k.load(f.actuator, i, 4));
-        let constant = k
-            .load(f.actuator, i, 1)
-            .fma(control, k.load(f.actuator, i, 2));
-        let force = constant - gear * (s * h.fma(speed, q) + d * speed);
-        let (low, high) = (k.load(f.actuator, i, 7), k.load(f.actuator, i, 8));
+        let control = k.load(t.input.control, k.link(f.servo_links, i, 2), 0);
+        let [gear, gain, b0, b1, b2, control_low, control_high, low, high] = k.read(f.servo, i, 0);
+        let control = control.clamp(control_low, control_high);
+        let (s, d) = (-b1, -b2);
+        let force = gain.fma(control, b0) - gear * (s * h.fma(speed, q) + d * speed);
         let free = force.ge(low) & force.le(high);
         let implicit = M::R::select(free, gear * gear * (h * h.fma(s, d)), M::R::zero());
         add(k, t, v, gear * force.clamp(low, high), implicit);

@@ -6,9 +6,11 @@
 //! through x has S = (a, x × a); along a it has S = (0, a). Motions act in turn:
 //!
 //! ```text
-//! c  ← c + v × S q̇     velocity-product acceleration (Featherstone 2008, eq. 3.41)
-//! v  ← v + S q̇
+//! b ← b + v × S q̇      acceleration where every q̈ is zero (Featherstone 2008, eq. 3.41)
+//! v ← v + S q̇
 //! ```
+//!
+//! b starts at −g in the world, which stands for gravity.
 
 use super::tables::{Tables, dof, frame, motion, motion_link, node, node_link};
 use numbers::machine::space::Parameter;
@@ -16,9 +18,37 @@ use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::Spatial;
 use numbers::{Machine, Pose, Quat, Real, SymMat3, Table, Vec3, functions};
 
+/// How a node moves: what the first fields of its row tell, read and written at once.
+pub(crate) struct Course<R> {
+    /// Position from O, orientation.
+    pub place: Pose<R>,
+    /// Spatial velocity about O.
+    pub twist: Spatial<R>,
+    /// Spatial acceleration about O where every q̈ is zero, less gravity.
+    pub bias: Spatial<R>,
+}
+
+impl<R: Real> Course<R> {
+    #[inline(always)]
+    pub(crate) fn read<M: Machine<R = R>>(k: &M, t: &Tables, n: M::I) -> Self {
+        Self {
+            place: k.pose(t.frame, n, frame::PLACE),
+            twist: k.spatial(t.frame, n, frame::TWIST),
+            bias: k.spatial(t.frame, n, frame::BIAS),
+        }
+    }
+    #[inline(always)]
+    fn write<M: Machine<R = R>>(self, k: &mut M, t: &Tables, n: M::I) {
+        k.store_pose(t.frame, n, frame::PLACE, self.place);
+        k.store_spatial(t.frame, n, frame::TWIST, self.twist);
+        k.store_spatial(t.frame, n, frame::BIAS, self.bias);
+    }
+}
+
 /// Origins O of the trees, and the world as each tree sees it.
 #[inline(always)]
 pub(crate) fn origins<M: Machine>(k: &mut M, t: &Tables) {
+    let up = Spatial::new(Vec3::zero(), -k.vec3(t.world, k.index(0), 0));
     for tree in k.count(t.trees) {
         let mut point = k.vec3(t.tree, tree, 0).hold(k);
         for i in k.range(k.link(t.tree_links, tree, 0), k.link(t.tree_links, tree, 1)) {
@@ -35,16 +65,17 @@ pub(crate) fn origins<M: Machine>(k: &mut M, t: &Tables) {
             Pose::new(-point, Quat::identity()),
         );
         k.store_spatial(t.frame, tree, frame::TWIST, Spatial::zero());
-        k.store_spatial(t.frame, tree, frame::BIAS, Spatial::zero());
+        k.store_spatial(t.frame, tree, frame::BIAS, up);
     }
 }
 
-/// Sine and cosine of half of each motion's angle; without meaning for the other motions.
+/// Sine and cosine of half the angle of each revolute motion.
 ///
 /// A pass of its own: no motion waits for another here, as they do along the tree.
 #[inline(always)]
 fn half_angles<M: Machine>(k: &mut M, t: &Tables) {
-    for m in k.count(t.motions) {
+    for i in k.count(t.hinges) {
+        let m = k.link(t.hinge_links, i, 0);
         let q = k.link(t.motion_links, m, motion_link::COORDINATE);
         let angle = k.load(t.position, q, 0) - k.load(t.motion, m, 3);
         let (sin, cos) = functions::sin_cos(angle * M::R::lit(0.5));
@@ -58,17 +89,14 @@ pub(crate) fn kinematics<M: Machine>(k: &mut M, t: &Tables) {
     origins(k, t);
     half_angles(k, t);
     for n in k.range(k.index(t.trees), k.index(t.trees + t.nodes)) {
-        let parent = k.link(t.node_links, n, node_link::PARENT);
-        let start = k.pose(t.frame, parent, frame::PLACE) * k.pose(t.node, n, node::PLACE);
-        let mut place = start.hold(k);
-        let mut twist = k.spatial(t.frame, parent, frame::TWIST).hold(k);
-        let mut bias = Spatial::zero().hold(k);
-        let begin = k.link(t.node_links, n, node_link::MOTION_BEGIN);
-        let end = k.link(t.node_links, n, node_link::MOTION_END);
+        let [parent, begin, end, turned] =
+            k.link_row::<_, { node_link::OUTWARDS }>(t.node_links, n);
+        let from = Course::read(k, t, parent);
+        let mut place = start(k, t, n, from.place, turned).hold(k);
+        let mut twist = from.twist.hold(k);
+        let mut bias = from.bias.hold(k);
         for m in k.range(begin, end) {
-            let kind = k.link(t.motion_links, m, motion_link::KIND);
-            let q = k.link(t.motion_links, m, motion_link::COORDINATE);
-            let v = k.link(t.motion_links, m, motion_link::DOF);
+            let [kind, q, v] = k.link_row(t.motion_links, m);
             for _ in k.when(k.equals(kind, motion::REVOLUTE)) {
                 let (moved, axis) = revolute(k, t, m, place.get());
                 place.set(moved);
@@ -89,10 +117,24 @@ pub(crate) fn kinematics<M: Machine>(k: &mut M, t: &Tables) {
                 advance(&mut twist, &mut bias, rate);
             }
         }
-        k.store_pose(t.frame, n, frame::PLACE, place.get());
-        k.store_spatial(t.frame, n, frame::TWIST, twist.get());
-        k.store_spatial(t.frame, n, frame::BIAS, bias.get());
+        let course = Course {
+            place: place.get(),
+            twist: twist.get(),
+            bias: bias.get(),
+        };
+        course.write(k, t, n);
     }
+}
+
+/// Where the node's frame is before its motions: at its reference in the parent's frame.
+#[inline(always)]
+fn start<M: Machine>(k: &M, t: &Tables, n: M::I, parent: Pose<M::R>, turned: M::I) -> Pose<M::R> {
+    let p = parent.point(k.vec3(t.node, n, node::PLACE));
+    let mut q = parent.q.hold(k);
+    for _ in k.when(k.equals(turned, 1)) {
+        q.set(parent.q * k.quat(t.node, n, node::PLACE + 3));
+    }
+    Pose::new(p, q.get())
 }
 
 /// Turns a placement about a motion's axis; returns the axis S.
@@ -150,7 +192,7 @@ fn ball<M: Machine>(k: &mut M, t: &Tables, v: M::I, at: Pose<M::R>) -> Spatial<M
     Spatial::new(w, at.p.cross(w))
 }
 
-/// c ← c + v × s, v ← v + s.
+/// b ← b + v × s, v ← v + s.
 #[inline(always)]
 fn advance<R: Real, H: Held<Value = Spatial<R>>>(twist: &mut H, bias: &mut H, s: Spatial<R>) {
     let v = twist.get();
@@ -181,4 +223,25 @@ pub(crate) fn world_inertia<M: Machine, const W: usize>(
 pub(crate) fn momentum<R: Real>(m: R, c: Vec3<R>, i: SymMat3<R>, v: Spatial<R>) -> Spatial<R> {
     let f = (v.linear + v.angular.cross(c)) * m;
     Spatial::new(i * v.angular + c.cross(f), f)
+}
+
+/// Wrench that moves a rigid body with velocity v and acceleration a, I a + v ×* I v, by Newton's
+/// and Euler's laws at its centre, where they have the fewest terms:
+///
+/// ```text
+/// F = m (a_O + α × c + ω × (v_O + ω × c))      N = I_c α + ω × I_c ω      (N + c × F, F)
+/// ```
+#[inline(always)]
+pub(crate) fn newton_euler<R: Real>(
+    m: R,
+    c: Vec3<R>,
+    i: SymMat3<R>,
+    v: Spatial<R>,
+    a: Spatial<R>,
+) -> Spatial<R> {
+    let (w, alpha) = (v.angular, a.angular);
+    let speed = v.linear + w.cross(c);
+    let f = (a.linear + alpha.cross(c) + w.cross(speed)) * m;
+    let n = i * alpha + w.cross(i * w);
+    Spatial::new(n + c.cross(f), f)
 }

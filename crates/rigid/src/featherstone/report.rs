@@ -5,7 +5,7 @@
 //! w = I a + v ×* I v + Σ w_child, with a less gravity (Featherstone 2008, §5.3).
 
 use super::integrate::accelerate;
-use super::kinematics::{momentum, world_inertia};
+use super::kinematics::{momentum, newton_euler, world_inertia};
 use super::tables::{Tables, body_field, body_link, dof, frame};
 use crate::output::{body, reaction, total};
 use numbers::functions::wrap;
@@ -80,10 +80,10 @@ fn wrenches<M: Machine>(k: &mut M, t: &Tables) {
         let at = placement(k, t, row);
         let (v, a) = (
             k.spatial(t.frame, n, frame::TWIST),
-            k.spatial(t.frame, n, frame::ACCELERATION),
+            k.spatial(t.frame, n, frame::BIAS) + k.spatial(t.frame, n, frame::ACCELERATION),
         );
         let (m, c, i) = world_inertia(k, t.body, row, at);
-        let w = momentum(m, c, i, a) + v.cross_force(momentum(m, c, i, v));
+        let w = newton_euler(m, c, i, v, a);
         let moment = w.angular + origin.cross(w.linear);
         k.store_spatial(t.wrench, row, 0, Spatial::new(moment, w.linear));
     }

@@ -8,11 +8,11 @@
 //! *motions*: revolute, prismatic or ball; a free joint is three prismatic
 //! motions and a ball, a `d6` its axes in turn.
 
-use super::force::{ForceRows, ForceTables, wrapping};
+use super::force::{ForceRows, ForceTables, only_forces_act, wrapping};
 use crate::output::OutputTables;
 use crate::tables::Filler;
 use crate::{InputTables, SolverError};
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 use model::{Axis, AxisKind, Body, BodyId, Joint, JointId, JointKind, Model, Pose};
 use numbers::Table;
 use numbers::machine::Links;
@@ -41,13 +41,23 @@ pub(crate) mod node_link {
     pub const PARENT: usize = 0;
     pub const MOTION_BEGIN: usize = 1;
     pub const MOTION_END: usize = 2;
-    pub const DOF_BEGIN: usize = 3;
-    pub const DOF_COUNT: usize = 4;
+    /// 1 if the node's frame is turned in its parent's where all coordinates are at their reference.
+    pub const TURNED: usize = 3;
+    /// Number of fields that the pass outwards over placements reads.
+    pub const OUTWARDS: usize = 4;
     /// 1 if the node carries others.
-    pub const CARRIES: usize = 5;
+    pub const CARRIES: usize = 4;
     /// When the node's inertia arrives at its parent: see [`arrival`](super::arrival).
-    pub const ARRIVAL: usize = 6;
-    pub const WIDTH: usize = 7;
+    pub const ARRIVAL: usize = 5;
+    /// 1 for a root that moves freely in the world, all six degrees of freedom at once.
+    pub const FLOATS: usize = 6;
+    /// Row whose acceleration the node's starts from: its parent's, or its own where it floats.
+    pub const ACCELERATES_FROM: usize = 7;
+    pub const DOF_BEGIN: usize = 8;
+    /// Degrees of freedom that are eliminated one by one: all, or none where the node floats.
+    pub const ELIMINATED: usize = 9;
+    pub const DOF_COUNT: usize = 10;
+    pub const WIDTH: usize = 11;
 }
 
 /// Values of [`node_link::ARRIVAL`].
@@ -128,11 +138,14 @@ pub struct Tables {
     pub(crate) origin_links: Links,
     pub(crate) node_links: Links<{ node_link::WIDTH }>,
     pub(crate) motion_links: Links<{ motion_link::WIDTH }>,
+    /// Revolute motions.
+    pub(crate) hinge_links: Links,
     pub(crate) ball_links: Links<2>,
     pub(crate) axis_links: Links<2>,
     /// Coordinates that turn without end.
     pub(crate) wrap_links: Links,
     pub(crate) body_links: Links<{ body_link::WIDTH }>,
+    pub(crate) hinges: usize,
     pub(crate) balls: usize,
     pub(crate) axes: usize,
     pub(crate) wraps: usize,
@@ -164,15 +177,15 @@ pub(crate) mod frame {
     pub const PLACE: usize = 0;
     /// Spatial velocity about O.
     pub const TWIST: usize = 7;
-    /// Velocity-product acceleration c.
+    /// Spatial acceleration about O where every q̈ is zero, less gravity.
     pub const BIAS: usize = 13;
-    /// Articulated inertia Iᴬ of what the node carries.
-    pub const INERTIA: usize = 19;
     /// Articulated bias force of what the node carries.
-    pub const FORCE: usize = 40;
-    /// Spatial acceleration about O, less gravity.
-    pub const ACCELERATION: usize = 46;
-    pub const WIDTH: usize = 52;
+    pub const FORCE: usize = 19;
+    /// Articulated inertia Iᴬ of what the node carries.
+    pub const INERTIA: usize = 25;
+    /// What the accelerations q̈ add to BIAS; takes the place of INERTIA once that is spent.
+    pub const ACCELERATION: usize = INERTIA;
+    pub const WIDTH: usize = 46;
 }
 
 /// Fields of [`Tables::dof`].
@@ -181,17 +194,15 @@ pub(crate) mod dof {
     pub const AXIS: usize = 0;
     /// U = Iᴬ S.
     pub const U: usize = 6;
-    /// 1 / D.
-    pub const INVERSE: usize = 12;
     /// u = τ − S·p.
-    pub const FORCE: usize = 13;
-    /// Acceleration q̈.
-    pub const ACCELERATION: usize = 14;
+    pub const FORCE: usize = 12;
+    // 1 / D follows u.
+    /// Acceleration q̈; takes the place of u once that is spent.
+    pub const ACCELERATION: usize = FORCE;
     /// Force τ along the axis.
-    pub const TAU: usize = 15;
-    /// Armature, and what of the force opposes q̈; follows TAU.
-    pub const IMPLICIT: usize = 16;
-    pub const WIDTH: usize = 17;
+    pub const TAU: usize = 14;
+    // Armature, and what of the force opposes q̈, follows TAU.
+    pub const WIDTH: usize = 16;
 }
 
 /// The classical Runge–Kutta method (Kutta 1901): weight of the stage, offset of
@@ -210,6 +221,8 @@ struct Node {
     tree: usize,
     place: Pose,
     motions: Vec<Motion>,
+    /// A root on a free joint along which nothing acts but forces.
+    floats: bool,
     dof: usize,
     mass: f64,
     center: DVec3,
@@ -365,7 +378,10 @@ impl Forest {
             }
             motions.push(motion);
         }
-        (self.push(parent, place, motions), shift)
+        let node = self.push(parent, place, motions);
+        self.nodes[node].floats =
+            parent.is_none() && joint.kind == JointKind::Free && only_forces_act(model, id);
+        (node, shift)
     }
 
     fn push(&mut self, parent: Option<usize>, place: Pose, motions: Vec<Motion>) -> usize {
@@ -382,6 +398,7 @@ impl Forest {
             tree,
             place,
             motions,
+            floats: false,
             dof,
             mass: 0.0,
             center: DVec3::ZERO,
@@ -492,6 +509,7 @@ impl Tables {
         let coordinates = model.coordinates();
         let all = || forest.nodes.iter().flat_map(|n| &n.motions);
         let motions = all().count();
+        let hinges = all().filter(|m| m.kind == motion::REVOLUTE).count();
         let balls = all().filter(|m| m.kind == motion::BALL).count();
         let bodies = model.bodies.len();
         let wraps = wrapping(model).len();
@@ -528,10 +546,12 @@ impl Tables {
             origin_links: Links::place(&mut l, coordinates),
             node_links: Links::place(&mut l, rows),
             motion_links: Links::place(&mut l, motions),
+            hinge_links: Links::place(&mut l, hinges),
             ball_links: Links::place(&mut l, balls),
             axis_links: Links::place(&mut l, motions - balls),
             wrap_links: Links::place(&mut l, wraps),
             body_links: Links::place(&mut l, bodies),
+            hinges,
             balls,
             axes: motions - balls,
             wraps,
@@ -569,7 +589,7 @@ impl Tables {
 
     fn fill_forest(&self, forest: &Forest, f: &mut Filler) {
         self.fill_arrivals(forest, f);
-        let (mut m, mut ball, mut axis, mut origin) = (0, 0, 0, 0);
+        let (mut m, mut hinge, mut ball, mut axis, mut origin) = (0, 0, 0, 0, 0);
         for (i, n) in forest.nodes.iter().enumerate() {
             let row = self.trees + i;
             let parent = n.parent.map_or(n.tree, |p| self.trees + p);
@@ -583,6 +603,21 @@ impl Tables {
             );
             f.link(self.node_links, row, node_link::DOF_BEGIN, n.dof);
             f.link(self.node_links, row, node_link::DOF_COUNT, n.dofs());
+            let (eliminated, from) = if n.floats {
+                (0, row)
+            } else {
+                (n.dofs(), parent)
+            };
+            let turned = n.place.orientation != DQuat::IDENTITY;
+            f.link(self.node_links, row, node_link::TURNED, usize::from(turned));
+            f.link(
+                self.node_links,
+                row,
+                node_link::FLOATS,
+                usize::from(n.floats),
+            );
+            f.link(self.node_links, row, node_link::ELIMINATED, eliminated);
+            f.link(self.node_links, row, node_link::ACCELERATES_FROM, from);
             f.pose(self.node, row, node::PLACE, n.place);
             f.number(self.node, row, node::MASS, n.mass);
             f.vec3(self.node, row, node::CENTER, n.center);
@@ -598,6 +633,10 @@ impl Tables {
                 f.link(self.motion_links, m, motion_link::DOF, motion.dof);
                 f.vec3(self.motion, m, 0, motion.axis);
                 f.number(self.motion, m, 3, motion.reference);
+                if motion.kind == motion::REVOLUTE {
+                    f.link(self.hinge_links, hinge, 0, m);
+                    hinge += 1;
+                }
                 if motion.kind == motion::BALL {
                     f.link(self.ball_links, ball, 0, motion.coordinate);
                     f.link(self.ball_links, ball, 1, motion.dof);

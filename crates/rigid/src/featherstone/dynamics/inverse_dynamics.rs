@@ -3,10 +3,10 @@
 //! The forces τ under which a tree moves with given accelerations:
 //! τ = M(q) q̈ + b(q, q̇). Featherstone, *Rigid Body Dynamics Algorithms* (2008),
 //! §5.3 and table 5.1, in world axes about one point, so that the transforms drop
-//! out. Outwards, with the world accelerating at −g:
+//! out. Outwards, with b the acceleration where every q̈ is zero, gravity included:
 //!
 //! ```text
-//! a = a_parent + Σ S q̈ + c        f = I a + v ×* I v
+//! a = a_parent + Σ S q̈        f = I (a + b) + v ×* I v
 //! ```
 //!
 //! and inwards:
@@ -19,11 +19,11 @@
 
 use super::super::tables::frame;
 use super::tables::{DynamicsTables, dof_link};
-use crate::featherstone::kinematics::{kinematics, momentum, world_inertia};
+use crate::featherstone::kinematics::{kinematics, newton_euler, world_inertia};
 use crate::featherstone::tables::{Tables, dof, node_link};
+use numbers::Machine;
 use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::Spatial;
-use numbers::{Machine, Vec3};
 
 /// Forces for the accelerations in `acceleration` into `force`.
 #[inline(always)]
@@ -36,16 +36,13 @@ pub(crate) fn inverse_dynamics<M: Machine>(k: &mut M, t: &Tables, d: &DynamicsTa
 /// Fills `acceleration` and `force` of all nodes; the world's rows of `force` start at zero.
 #[inline(always)]
 fn outwards<M: Machine>(k: &mut M, t: &Tables, d: &DynamicsTables) {
-    let up = Spatial::new(Vec3::zero(), -k.vec3(t.world, k.index(0), 0));
     for tree in k.count(t.trees) {
-        k.store_spatial(t.frame, tree, frame::ACCELERATION, up);
+        k.store_spatial(t.frame, tree, frame::ACCELERATION, Spatial::zero());
         k.store_spatial(t.frame, tree, frame::FORCE, Spatial::zero());
     }
     for n in k.range(k.index(t.trees), k.index(t.trees + t.nodes)) {
         let parent = k.link(t.node_links, n, node_link::PARENT);
-        let carried =
-            k.spatial(t.frame, parent, frame::ACCELERATION) + k.spatial(t.frame, n, frame::BIAS);
-        let mut a = carried.hold(k);
+        let mut a = k.spatial(t.frame, parent, frame::ACCELERATION).hold(k);
         let first = k.link(t.node_links, n, node_link::DOF_BEGIN);
         let count = k.link(t.node_links, n, node_link::DOF_COUNT);
         for v in k.range(first, first.plus(count)) {
@@ -55,7 +52,7 @@ fn outwards<M: Machine>(k: &mut M, t: &Tables, d: &DynamicsTables) {
         }
         let (a, v) = (a.get(), k.spatial(t.frame, n, frame::TWIST));
         let (m, c, i) = world_inertia(k, t.node, n, k.pose(t.frame, n, frame::PLACE));
-        let f = momentum(m, c, i, a) + v.cross_force(momentum(m, c, i, v));
+        let f = newton_euler(m, c, i, v, a + k.spatial(t.frame, n, frame::BIAS));
         k.store_spatial(t.frame, n, frame::ACCELERATION, a);
         k.store_spatial(t.frame, n, frame::FORCE, f);
     }
