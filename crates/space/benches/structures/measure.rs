@@ -1,0 +1,121 @@
+//! Medians, and the table they stand in.
+
+use crate::scene::{QUESTIONS, Scene};
+use crate::subject::Subject;
+use std::collections::HashMap;
+use std::time::{Duration, Instant};
+
+/// Work is repeated until this has passed, but at least three times.
+const PATIENCE: Duration = Duration::from_millis(300);
+/// What took longer than this with a tenth of the objects is left out.
+const HOPELESS: Duration = Duration::from_millis(600);
+
+/// Times of one structure in one scene; nothing where it cannot, or would take for ever.
+#[derive(Clone, Copy, Default)]
+pub struct Row([Option<Duration>; 6]);
+
+impl Row {
+    pub const LEGEND: &str = "build, update, pairs: ms; ray, batch (a ray of a batch), nearest: µs; memory: bytes an object.\n\
+        update: every object has moved a little. pairs: sorted, except the peers'.";
+}
+
+/// Rows as they are measured, one scene after the other.
+#[derive(Default)]
+pub struct Table {
+    /// Per structure, its times in the scene before.
+    last: HashMap<&'static str, Row>,
+    /// Answers to questions 2 to 5 in this scene.
+    answers: [Option<usize>; 6],
+}
+
+impl Table {
+    pub fn start(&mut self, scene: &Scene) {
+        self.answers = Default::default();
+        println!("\n### {scene}\n");
+        println!("| structure | build | update | pairs | ray | batch | nearest | memory |");
+        println!("|---|--:|--:|--:|--:|--:|--:|--:|");
+    }
+
+    pub fn add<S: Subject>(&mut self, scene: &Scene) {
+        let last = self.last.get(S::NAME).copied().unwrap_or_default();
+        let mut row = Row::default();
+        let mut run = |i: usize, work: &mut dyn FnMut() -> Option<usize>| {
+            if last.0[i].is_some_and(|d| d > HOPELESS)
+                || (scene.boxes.len() > 100 && last.0[i].is_none())
+            {
+                return;
+            }
+            let Some((time, answer)) = median(work) else {
+                return;
+            };
+            row.0[i] = Some(time);
+            if i > 1 {
+                let expected = *self.answers[i].get_or_insert(answer);
+                assert_eq!(
+                    answer,
+                    expected,
+                    "{} answers question {i} unlike the first",
+                    S::NAME
+                );
+            }
+        };
+        run(0, &mut || {
+            std::hint::black_box(S::build(scene));
+            Some(0)
+        });
+        let mut subject = S::build(scene);
+        run(2, &mut || subject.pairs());
+        run(3, &mut || subject.rays(&scene.rays));
+        run(4, &mut || subject.ray_batch(&scene.rays));
+        run(5, &mut || subject.nearest(&scene.points));
+        let mut forth = false;
+        run(1, &mut || {
+            forth = !forth;
+            subject
+                .update(if forth { &scene.moved } else { &scene.boxes })
+                .map(|()| 0)
+        });
+        let memory = subject.bytes().map(|b| b / scene.boxes.len());
+        print(S::NAME, &row, memory);
+        self.last.insert(S::NAME, row);
+    }
+}
+
+fn print(name: &str, row: &Row, memory: Option<usize>) {
+    let ms = |i: usize| figure(row.0[i].map(|d| 1e3 * d.as_secs_f64()));
+    let us = |i: usize| figure(row.0[i].map(|d| 1e6 * d.as_secs_f64() / QUESTIONS as f64));
+    let memory = memory.map_or("–".into(), |m| m.to_string());
+    println!(
+        "| {name} | {} | {} | {} | {} | {} | {} | {memory} |",
+        ms(0),
+        ms(1),
+        ms(2),
+        us(3),
+        us(4),
+        us(5)
+    );
+}
+
+/// Three digits.
+fn figure(x: Option<f64>) -> String {
+    match x {
+        None => "–".into(),
+        Some(x) if x >= 100.0 => format!("{x:.0}"),
+        Some(x) if x >= 10.0 => format!("{x:.1}"),
+        Some(x) if x >= 1.0 => format!("{x:.2}"),
+        Some(x) => format!("{x:.3}"),
+    }
+}
+
+fn median(work: &mut dyn FnMut() -> Option<usize>) -> Option<(Duration, usize)> {
+    let begin = Instant::now();
+    let mut times = Vec::new();
+    let mut answer = 0;
+    while times.len() < 3 || (begin.elapsed() < PATIENCE && times.len() < 1000) {
+        let start = Instant::now();
+        answer = work()?;
+        times.push(start.elapsed());
+    }
+    times.sort();
+    Some((times[times.len() / 2], answer))
+}

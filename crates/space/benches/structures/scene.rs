@@ -1,0 +1,70 @@
+//! What is measured on.
+
+use glam::Vec3;
+use kinetarium_space::{Aabb, Cast};
+use std::fmt;
+
+#[derive(Clone, Copy, Debug)]
+pub enum Kind {
+    /// Boxes of like size, spread evenly.
+    Uniform,
+    /// A hundredth as many clusters, sizes from 0.1 to 3.
+    Clustered,
+}
+
+/// Objects before and after a short motion, and questions about them.
+pub struct Scene {
+    pub kind: Kind,
+    pub boxes: Vec<Aabb>,
+    pub moved: Vec<Aabb>,
+    pub rays: Vec<Cast>,
+    pub points: Vec<Vec3>,
+}
+
+/// Questions of each kind.
+pub const QUESTIONS: usize = 4000;
+
+impl Scene {
+    pub fn new(kind: Kind, n: usize) -> Self {
+        let mut random = fastrand::Rng::with_seed(n as u64);
+        // A box of edge 1 has 8 m³ to itself.
+        let side = 2.0 * (n as f32).cbrt();
+        let mut vector = |side: f32| side * Vec3::from_array(std::array::from_fn(|_| random.f32()));
+        let centers: Vec<Vec3> = (0..n / 100).map(|_| vector(side)).collect();
+        let objects: Vec<(Vec3, Vec3)> = (0..n)
+            .map(|i| match kind {
+                Kind::Uniform => (vector(side), Vec3::splat(0.25) + vector(0.5)),
+                Kind::Clustered => {
+                    // The sum of three is about normal: 100 boxes within some 5 m.
+                    let off = vector(4.0) + vector(4.0) + vector(4.0) - 6.0;
+                    let half = 0.05 * 30.0_f32.powf(vector(1.0).x);
+                    (centers[i % centers.len()] + off, half * (0.5 + vector(1.0)))
+                }
+            })
+            .collect();
+        let moved = objects
+            .iter()
+            .map(|(c, h)| Aabb::around(c + vector(0.04) - 0.02, *h))
+            .collect();
+        let direction = |v: Vec3| (v - 1.0).normalize_or(Vec3::X);
+        let rays = (0..QUESTIONS)
+            .map(|_| Cast::ray(vector(side), direction(vector(2.0))).expect("finite"));
+        Self {
+            kind,
+            rays: rays.collect(),
+            points: (0..QUESTIONS).map(|_| vector(side)).collect(),
+            boxes: objects.iter().map(|(c, h)| Aabb::around(*c, *h)).collect(),
+            moved,
+        }
+    }
+}
+
+impl fmt::Display for Scene {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let kind = match self.kind {
+            Kind::Uniform => "uniform",
+            Kind::Clustered => "clustered",
+        };
+        write!(f, "{kind}, {} objects", self.boxes.len())
+    }
+}
