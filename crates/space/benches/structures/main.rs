@@ -1,6 +1,7 @@
 //! Every structure, and two peers, over 10² … 10⁶ objects.
 //!
-//! `cargo bench -p kinetarium-space` runs all; `-- 4` stops at 10⁴ objects.
+//! `cargo bench -p kinetarium-space` runs all; `-- 4 bvh` stops at 10⁴ objects and
+//! takes structures with `bvh` in their name only.
 //! Each figure is a median; answers are counted, and must agree.
 
 mod measure;
@@ -13,9 +14,17 @@ use measure::{Row, Table};
 use scene::Scene;
 
 fn main() {
-    let largest = std::env::args().find_map(|a| a.parse().ok()).unwrap_or(6);
+    let arguments: Vec<String> = std::env::args()
+        .skip(1)
+        .filter(|a| !a.starts_with('-'))
+        .collect();
+    let largest = arguments.iter().find_map(|a| a.parse().ok()).unwrap_or(6);
+    let filter = arguments
+        .into_iter()
+        .find(|a| a.parse::<u32>().is_err())
+        .unwrap_or_default();
     for kind in [scene::Kind::Uniform, scene::Kind::Clustered] {
-        let mut table = Table::default();
+        let mut table = Table::new(&filter);
         for exponent in 2..=largest {
             let scene = Scene::new(kind, 10_usize.pow(exponent));
             table.start(&scene);

@@ -20,23 +20,35 @@ impl Row {
 }
 
 /// Rows as they are measured, one scene after the other.
-#[derive(Default)]
-pub struct Table {
+pub struct Table<'a> {
+    /// Part of the names wanted.
+    filter: &'a str,
     /// Per structure, its times in the scene before.
     last: HashMap<&'static str, Row>,
     /// Answers to questions 2 to 5 in this scene.
     answers: [Option<usize>; 6],
 }
 
-impl Table {
+impl<'a> Table<'a> {
+    pub fn new(filter: &'a str) -> Self {
+        Self {
+            filter,
+            last: HashMap::new(),
+            answers: [None; 6],
+        }
+    }
+
     pub fn start(&mut self, scene: &Scene) {
-        self.answers = Default::default();
+        self.answers = [None; 6];
         println!("\n### {scene}\n");
         println!("| structure | build | update | pairs | ray | batch | nearest | memory |");
         println!("|---|--:|--:|--:|--:|--:|--:|--:|");
     }
 
     pub fn add<S: Subject>(&mut self, scene: &Scene) {
+        if !S::NAME.to_lowercase().contains(self.filter) {
+            return;
+        }
         let last = self.last.get(S::NAME).copied().unwrap_or_default();
         let mut row = Row::default();
         let mut run = |i: usize, work: &mut dyn FnMut() -> Option<usize>| {

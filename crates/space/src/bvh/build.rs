@@ -205,19 +205,19 @@ fn split(part: Part) -> (Part, Part) {
         centers.include(item.center());
     }
     let bins = items.len().clamp(4, BINS);
-    // Below 1, so that the last centre falls into the last bin.
-    let scale = Vec3A::splat(bins as f32 * 0.9999) / (centers.max - centers.min);
+    let scale = Vec3A::splat((bins - 1) as f32) / (centers.max - centers.min);
     let scale = Vec3A::select(centers.max.cmpgt(centers.min), scale, Vec3A::ZERO);
+    // Rounds to a whole number, which then is the lowest bits.
+    const ROUND: Vec3A = Vec3A::splat((1 << 23) as f32);
     let bin = |item: &Item| {
-        ((item.center() - centers.min) * scale)
-            .to_array()
-            .map(|x| (x as usize).min(bins - 1))
+        let whole = (item.center() - centers.min) * scale + ROUND;
+        whole.to_array().map(|x| x.to_bits() as usize & (BINS - 1))
     };
 
     let mut filled = [[(Extent::EMPTY, 0_u32); BINS]; 3];
     for item in items.iter() {
         for (axis, i) in bin(item).into_iter().enumerate() {
-            let (extent, count) = &mut filled[axis][i & (BINS - 1)];
+            let (extent, count) = &mut filled[axis][i];
             *extent = extent.union(item.extent);
             *count += 1;
         }
