@@ -12,6 +12,8 @@ const SHARED_WORLD: i32 = -1;
 ///
 /// A pair may, unless
 /// - one of them does not collide at all ([`Shape::collides`]),
+/// - neither is of a kind that the other collides with ([`Shape::membership`]),
+/// - their bodies are excluded from each other ([`Parts::exclusions`](crate::Parts::exclusions)),
 /// - both belong to one body, or neither to a dynamic body,
 /// - their groups forbid it: group 0 collides with nothing, positive groups with positive and
 ///   negative ones, negative groups only with positive ones,
@@ -24,8 +26,8 @@ const SHARED_WORLD: i32 = -1;
 #[derive(Clone, Debug, PartialEq)]
 pub struct CollisionFilter {
     shapes: Vec<Membership>,
-    /// Bodies that a joint ties, the lower row first.
-    tied: HashSet<(usize, usize)>,
+    /// Bodies that a joint ties, or that are excluded from each other, the lower row first.
+    apart: HashSet<(usize, usize)>,
 }
 
 /// What a shape has from its body.
@@ -34,6 +36,8 @@ struct Membership {
     body: Option<usize>,
     moves: bool,
     collides: bool,
+    membership: u32,
+    collides_with: u32,
     group: i32,
     world: i32,
 }
@@ -47,10 +51,20 @@ impl CollisionFilter {
             .map(|s| Membership::of(s, model))
             .collect();
         let restrains = model.joints.iter().filter(|j| j.kind != JointKind::Free);
-        let tied = restrains
-            .filter_map(|j| Some(ordered(j.parent?.0, j.child.0)))
-            .collect();
-        Self { shapes, tied }
+        let tied = restrains.filter_map(|j| Some(ordered(j.parent?.0, j.child.0)));
+        let excluded = model.exclusions.iter().map(|(a, b)| ordered(a.0, b.0));
+        Self {
+            shapes,
+            apart: tied.chain(excluded).collect(),
+        }
+    }
+
+    /// All pairs of shapes that may collide, the lower row first, in order.
+    pub fn pairs(&self) -> impl Iterator<Item = (ShapeId, ShapeId)> {
+        let n = self.shapes.len();
+        (0..n)
+            .flat_map(move |a| (a + 1..n).map(move |b| (ShapeId(a), ShapeId(b))))
+            .filter(|(a, b)| self.may_collide(*a, *b))
     }
 
     /// Whether two shapes of the model may collide; the order does not matter.
@@ -64,25 +78,33 @@ impl CollisionFilter {
             && b.collides
             && a.body != b.body
             && (a.moves || b.moves)
+            && ((a.membership & b.collides_with) | (b.membership & a.collides_with)) != 0
             && groups_collide(a.group, b.group)
             && share_world
-            && !self.are_tied(a.body, b.body)
+            && !self.are_apart(a.body, b.body)
     }
 
-    fn are_tied(&self, a: Option<usize>, b: Option<usize>) -> bool {
+    fn are_apart(&self, a: Option<usize>, b: Option<usize>) -> bool {
         a.zip(b)
-            .is_some_and(|(a, b)| self.tied.contains(&ordered(a, b)))
+            .is_some_and(|(a, b)| self.apart.contains(&ordered(a, b)))
     }
 }
 
 impl Membership {
     fn of(shape: &Shape, model: &Model) -> Self {
-        let collides = shape.collides;
+        let Shape {
+            collides,
+            membership,
+            collides_with,
+            ..
+        } = *shape;
         match shape.body {
             None => Self {
                 body: None,
                 moves: false,
                 collides,
+                membership,
+                collides_with,
                 group: STATIC_GROUP,
                 world: SHARED_WORLD,
             },
@@ -94,6 +116,8 @@ impl Membership {
                     body: Some(id.0),
                     moves,
                     collides,
+                    membership,
+                    collides_with,
                     group,
                     world,
                 }

@@ -33,7 +33,7 @@ pub use filter::CollisionFilter;
 pub use joint::{Axis, AxisKind, Coupling, Dof, Drive, Joint, JointId, JointKind, Limit};
 pub use keyframe::Keyframe;
 pub use mass::MassProperties;
-pub use material::Material;
+pub use material::{Combine, Material, Softness};
 pub use model::{Model, Parts, UpAxis};
 pub use pose::Pose;
 pub use shape::{Geometry, Shape, ShapeId};

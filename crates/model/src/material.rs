@@ -1,4 +1,4 @@
-//! Surfaces.
+//! Surfaces, and what two of them make of a contact.
 
 /// Surface and colour of a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,19 +11,192 @@ pub struct Material {
     pub rolling_friction: f64,
     /// Restitution: separation speed over approach speed, 0 to 1.
     pub restitution: f64,
+    /// How far the surface gives way.
+    pub softness: Softness,
+    /// How friction and restitution of two surfaces combine; of two rules the later in
+    /// [`Combine`] holds.
+    pub combine: Combine,
     /// Colour: red, green, blue, opacity, each 0 to 1.
     pub color: [f32; 4],
 }
 
 impl Default for Material {
-    /// Friction 0.5, no rolling or torsional friction, no restitution, grey.
+    /// Friction 0.5, no rolling or torsional friction, no restitution, the standard softness,
+    /// averages, grey.
     fn default() -> Self {
         Self {
             friction: 0.5,
             torsional_friction: 0.0,
             rolling_friction: 0.0,
             restitution: 0.0,
+            softness: Softness::default(),
+            combine: Combine::Average,
             color: [0.7, 0.7, 0.7, 1.0],
         }
+    }
+}
+
+/// Resistance of a surface to being pressed in: a spring and a damper at each point of contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Softness {
+    /// What brings the touching masses m to rest so: stiffness m / (T ζ)², damping 2 m / T.
+    ///
+    /// m is the whole mass of what moves, and of two that move m₁ m₂ / (m₁ + m₂).
+    Time {
+        /// Time constant T [s] of the damper.
+        constant: f64,
+        /// Damping ratio ζ.
+        ratio: f64,
+    },
+    /// In physical units.
+    Spring {
+        /// Stiffness [N/m].
+        stiffness: f64,
+        /// Damping [N·s/m].
+        damping: f64,
+    },
+}
+
+impl Default for Softness {
+    /// Time constant 0.02 s, critically damped.
+    fn default() -> Self {
+        Self::Time {
+            constant: 0.02,
+            ratio: 1.0,
+        }
+    }
+}
+
+impl Softness {
+    /// Stiffness [N/m] and damping [N·s/m] for touching masses m [kg].
+    pub fn spring(self, mass: f64) -> (f64, f64) {
+        match self {
+            Self::Time { constant, ratio } => {
+                (mass / (constant * ratio).powi(2), 2.0 * mass / constant)
+            }
+            Self::Spring { stiffness, damping } => (stiffness, damping),
+        }
+    }
+
+    /// Two surfaces pressed together: springs and dampers in series, or the longer time constant
+    /// with the mean damping ratio; physical units go before time constants.
+    pub fn with(self, other: Self) -> Self {
+        use Softness::{Spring, Time};
+        let series = |a: f64, b: f64| {
+            if a + b > 0.0 {
+                2.0 * a * b / (a + b)
+            } else {
+                0.0
+            }
+        };
+        match (self, other) {
+            (
+                Time {
+                    constant: a,
+                    ratio: c,
+                },
+                Time {
+                    constant: b,
+                    ratio: d,
+                },
+            ) => Time {
+                constant: a.max(b),
+                ratio: 0.5 * (c + d),
+            },
+            (
+                Spring {
+                    stiffness: a,
+                    damping: c,
+                },
+                Spring {
+                    stiffness: b,
+                    damping: d,
+                },
+            ) => Spring {
+                stiffness: series(a, b),
+                damping: series(c, d),
+            },
+            (spring @ Spring { .. }, Time { .. }) | (Time { .. }, spring @ Spring { .. }) => spring,
+        }
+    }
+}
+
+/// How two coefficients become one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub enum Combine {
+    /// Their mean.
+    #[default]
+    Average,
+    /// The smaller.
+    Minimum,
+    /// Their product.
+    Multiply,
+    /// The larger.
+    Maximum,
+}
+
+impl Combine {
+    /// One coefficient of two.
+    pub fn of(self, a: f64, b: f64) -> f64 {
+        match self {
+            Self::Average => 0.5 * (a + b),
+            Self::Minimum => a.min(b),
+            Self::Multiply => a * b,
+            Self::Maximum => a.max(b),
+        }
+    }
+}
+
+impl Material {
+    /// The surface that a contact of two has; symmetric but for the colour.
+    pub fn with(&self, other: &Self) -> Self {
+        let combine = self.combine.max(other.combine);
+        Self {
+            friction: combine.of(self.friction, other.friction),
+            torsional_friction: combine.of(self.torsional_friction, other.torsional_friction),
+            rolling_friction: combine.of(self.rolling_friction, other.rolling_friction),
+            restitution: combine.of(self.restitution, other.restitution),
+            softness: self.softness.with(other.softness),
+            combine,
+            color: self.color,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_later_rule_holds() {
+        let a = Material {
+            friction: 0.2,
+            ..Material::default()
+        };
+        let b = Material {
+            friction: 0.6,
+            combine: Combine::Multiply,
+            ..Material::default()
+        };
+        assert!((a.with(&a).friction - 0.2).abs() < 1e-15);
+        assert!((a.with(&b).friction - 0.12).abs() < 1e-15);
+        assert_eq!(a.with(&b).friction, b.with(&a).friction);
+    }
+
+    #[test]
+    fn two_like_springs_make_one_like_them() {
+        let s = Softness::Spring {
+            stiffness: 2e4,
+            damping: 30.0,
+        };
+        assert_eq!(s.with(s), s);
+        assert_eq!(s.with(Softness::default()), s);
+        let (k, d) = Softness::Time {
+            constant: 0.1,
+            ratio: 0.5,
+        }
+        .spring(3.0);
+        // ω = 1 / (T ζ) = 20 /s and d = 2 ζ ω m
+        assert!((k - 1200.0).abs() < 1e-9 && (d - 60.0).abs() < 1e-12);
     }
 }

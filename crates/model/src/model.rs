@@ -53,6 +53,8 @@ pub struct Parts {
     /// Joints. The first that names a body as its child carries it; later ones
     /// must be marked as closing a loop.
     pub joints: Vec<Joint>,
+    /// Pairs of bodies whose shapes never touch.
+    pub exclusions: Vec<(BodyId, BodyId)>,
     /// Relations of coordinates.
     pub couplings: Vec<Coupling>,
     /// Control inputs.
@@ -74,6 +76,7 @@ impl Default for Parts {
             bodies: Vec::new(),
             shapes: Vec::new(),
             joints: Vec::new(),
+            exclusions: Vec::new(),
             couplings: Vec::new(),
             actuators: Vec::new(),
             keyframes: Vec::new(),

@@ -80,6 +80,10 @@ pub struct Shape {
     pub material: Material,
     /// True: takes part in contacts. False: only seen.
     pub collides: bool,
+    /// Kinds the shape is of, a bit each.
+    pub membership: u32,
+    /// Kinds the shape collides with; one shape's wish is enough.
+    pub collides_with: u32,
 }
 
 impl Shape {
@@ -93,6 +97,8 @@ impl Shape {
             density: 1000.0,
             material: Material::default(),
             collides: true,
+            membership: 1,
+            collides_with: 1,
         }
     }
     /// The same, with a name.
@@ -113,6 +119,14 @@ impl Shape {
     /// The same, of another material.
     pub fn with_material(self, material: Material) -> Self {
         Self { material, ..self }
+    }
+    /// The same, of other kinds, and colliding with other kinds; a bit each.
+    pub fn with_masks(self, membership: u32, collides_with: u32) -> Self {
+        Self {
+            membership,
+            collides_with,
+            ..self
+        }
     }
     /// The same, only seen.
     pub fn without_contact(self) -> Self {

@@ -108,12 +108,11 @@ pub(super) fn read(
     );
     let mut shape = Shape {
         name: element.get("name").unwrap_or_default().to_owned(),
-        body: None,
-        geometry,
         pose: frame * local,
         density: 0.0,
         material: material(element, context, report)?,
         collides: masks != (0, 0) && context.physics.on("contact"),
+        ..Shape::new(geometry)
     };
     let group = element.integer("group")?.unwrap_or(0);
     let (first, last) = context.compiler.inertia_groups;
@@ -318,8 +317,8 @@ fn material(
         } else {
             0.0
         },
-        restitution: 0.0,
         color,
+        ..Material::default()
     })
 }
 

@@ -95,12 +95,11 @@ pub(super) fn shape(
     material.color = colors.of(element)?.unwrap_or(material.color);
     Ok(Some(Shape {
         name: element.get("name").unwrap_or_default().to_owned(),
-        body: None,
-        geometry,
         pose,
         density: 0.0,
         material,
         collides: element.name == "collision",
+        ..Shape::new(geometry)
     }))
 }
 

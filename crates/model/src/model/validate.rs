@@ -5,6 +5,7 @@ use super::joints;
 use crate::mass::principal_moments;
 use crate::{
     Actuator, Body, BodyKind, Coupling, Geometry, Keyframe, Material, ModelError, Parts, Shape,
+    Softness,
 };
 use glam::DMat3;
 
@@ -197,11 +198,25 @@ fn geometry(subject: &Subject, geometry: &Geometry) -> Result<(), ModelError> {
     }
 }
 
+fn softness(subject: &Subject, softness: Softness) -> Result<(), ModelError> {
+    match softness {
+        Softness::Time { constant, ratio } => {
+            subject.positive("time constant of contact [s]", constant)?;
+            subject.positive("damping ratio of contact", ratio)
+        }
+        Softness::Spring { stiffness, damping } => {
+            subject.positive("stiffness of contact [N/m]", stiffness)?;
+            subject.not_negative("damping of contact [N·s/m]", damping)
+        }
+    }
+}
+
 fn material(subject: &Subject, material: &Material) -> Result<(), ModelError> {
     subject.not_negative("friction", material.friction)?;
     subject.not_negative("torsional friction [m]", material.torsional_friction)?;
     subject.not_negative("rolling friction [m]", material.rolling_friction)?;
     subject.within("restitution", material.restitution, 0.0, 1.0)?;
+    softness(subject, material.softness)?;
     material
         .color
         .iter()
