@@ -25,8 +25,8 @@ use glam::Vec3;
 
 /// A box that touches more cells is large.
 const MOST_CELLS: i64 = 27;
-/// Cells beyond ±this are one with the last.
-const LAST_CELL: i32 = 1 << 20;
+/// Cells beyond ±this are one with the last. The number of all fits 63 bits.
+const LAST_CELL: i32 = (1 << 20) - 1;
 const END: u32 = u32::MAX;
 
 type Cell = [i32; 3];
@@ -135,6 +135,17 @@ impl Grid {
     fn in_cell(&self, cell: Cell) -> impl Iterator<Item = &Listing> {
         self.chain(self.first[self.bucket(cell)])
             .filter(move |l| l.cell == cell)
+    }
+
+    /// How many comparisons of boxes it takes to find all pairs.
+    pub(crate) fn comparisons(&self) -> f32 {
+        let length = |first: &u32| self.chain(*first).count() as f32;
+        let in_buckets: f32 = self
+            .first
+            .iter()
+            .map(|first| length(first) * length(first))
+            .sum();
+        in_buckets + self.large.len() as f32 * self.listings.len() as f32
     }
 
     /// All listings in use.

@@ -21,6 +21,7 @@
 #![forbid(unsafe_code)]
 
 mod aabb;
+mod auto;
 mod boxes;
 mod bsp;
 mod bvh;
@@ -37,6 +38,7 @@ mod structure;
 mod sweep_and_prune;
 
 pub use aabb::Aabb;
+pub use auto::Auto;
 pub use boxes::Boxes;
 pub use bsp::Bsp;
 pub use bvh::Bvh;

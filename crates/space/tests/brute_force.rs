@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use kinetarium_space::{
-    Aabb, Bsp, Bvh, Cast, Grid, Hit, KdTree, Neighbor, Octree, Pair, Space, Structure,
+    Aabb, Auto, Bsp, Bvh, Cast, Grid, Hit, KdTree, Neighbor, Octree, Pair, Space, Structure,
     SweepAndPrune,
 };
 use proptest::prelude::*;
@@ -215,4 +215,4 @@ macro_rules! structures {
     )* };
 }
 
-structures!(bvh: Bvh, sweep_and_prune: SweepAndPrune, grid: Grid, octree: Octree, kd_tree: KdTree, bsp: Bsp);
+structures!(bvh: Bvh, sweep_and_prune: SweepAndPrune, grid: Grid, octree: Octree, kd_tree: KdTree, bsp: Bsp, auto: Auto);

@@ -9,7 +9,7 @@ mod peers;
 mod scene;
 mod subject;
 
-use kinetarium_space::{Bsp, Bvh, Grid, KdTree, Octree, Space, SweepAndPrune};
+use kinetarium_space::{Auto, Bsp, Bvh, Grid, KdTree, Octree, Space, SweepAndPrune};
 use measure::{Row, Table};
 use scene::Scene;
 
@@ -29,6 +29,7 @@ fn main() {
             let scene = Scene::new(kind, 10_usize.pow(exponent));
             table.start(&scene);
             table.add::<Space<Bvh>>(&scene);
+            table.add::<Space<Auto>>(&scene);
             table.add::<Space<SweepAndPrune>>(&scene);
             table.add::<Space<Grid>>(&scene);
             table.add::<Space<Octree>>(&scene);

@@ -12,11 +12,13 @@ pub enum Kind {
     Clustered,
 }
 
-/// Objects before and after a short motion, and questions about them.
+/// Objects before and after a short motion and a jump, and questions about them.
 pub struct Scene {
     pub kind: Kind,
     pub boxes: Vec<Aabb>,
     pub moved: Vec<Aabb>,
+    /// Each object where another was.
+    pub jumped: Vec<Aabb>,
     pub rays: Vec<Cast>,
     pub points: Vec<Vec3>,
 }
@@ -55,6 +57,10 @@ impl Scene {
             points: (0..QUESTIONS).map(|_| vector(side)).collect(),
             boxes: objects.iter().map(|(c, h)| Aabb::around(*c, *h)).collect(),
             moved,
+            jumped: (0..n)
+                .map(|i| (i + n / 2) % n)
+                .map(|i| Aabb::around(objects[i].0, objects[i].1))
+                .collect(),
         }
     }
 }

@@ -9,7 +9,7 @@ use kinetarium_space::{Aabb, Cast, Space, Structure};
 pub trait Subject {
     const NAME: &'static str;
     fn build(scene: &Scene) -> Self;
-    /// All objects have moved a little.
+    /// All objects have moved.
     fn update(&mut self, moved: &[Aabb]) -> Option<()>;
     /// How many pairs overlap.
     fn pairs(&self) -> Option<usize>;
