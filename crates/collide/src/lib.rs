@@ -8,15 +8,24 @@
 
 #![forbid(unsafe_code)]
 
+mod boxes;
 mod contact;
+mod convex;
+mod gjk;
+mod outline;
+mod overlap;
 pub mod pair;
 mod route;
 mod solid;
 mod support;
+mod tables;
 
+pub use boxes::box_box;
 pub use contact::{Contact, FAR, Manifold, Point};
+pub use convex::convex_convex;
 pub use route::Route;
-pub use solid::{Placed, Solid, Tables, kind};
+pub use solid::{Placed, Solid, kind};
+pub use tables::Tables;
 
 /// Angle [rad] within which two surfaces count as parallel, and touch in more than one point.
 pub const FLAT: f64 = 0.01;

@@ -1,7 +1,6 @@
 //! What a kernel sees of a shape.
 
-use numbers::machine::space::Parameter;
-use numbers::{Machine, Mat3, Pose, Real, Table, Vec3};
+use numbers::{Machine, Mat3, Pose, Real, Vec3};
 
 /// Kinds of shapes. In a pair the shape of the lower kind is A.
 pub mod kind {
@@ -80,7 +79,7 @@ pub struct Solid<M: Machine> {
     pub kind: M::I,
     /// Sizes and place.
     pub placed: Placed<M::R>,
-    /// Its rows in the [`Tables`]: the first, and the one after the last.
+    /// Its rows in the [`Tables`](crate::Tables): the first, and the one after the last.
     pub rows: [M::I; 2],
 }
 
@@ -92,15 +91,16 @@ impl<M: Machine> Clone for Solid<M> {
 }
 impl<M: Machine> Copy for Solid<M> {}
 
-/// Where the shapes' own data lies.
-#[derive(Clone, Copy, Debug)]
-pub struct Tables {
-    /// Corners of convex hulls, each in its shape's frame [m].
-    pub vertices: Table<Parameter, 3>,
-}
-
 /// 1 or −1, with the sign of `x`; 1 for zero.
 #[inline(always)]
 pub(crate) fn sign<R: Real>(x: R) -> R {
     R::select(x.lt(R::zero()), -R::one(), R::one())
+}
+
+/// Number of a corner of a box, from its side (±1) along each axis.
+#[inline(always)]
+pub(crate) fn corner_number<R: Real>(side: Vec3<R>) -> R {
+    // (s + 1)/2 is the binary digit.
+    let sum = side.dot(Vec3::new(R::one(), R::lit(2.0), R::lit(4.0)));
+    (sum + R::lit(7.0)) * R::lit(0.5)
 }

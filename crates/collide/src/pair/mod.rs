@@ -7,6 +7,6 @@ mod sphere;
 
 pub use capsule::capsule_capsule;
 pub use plane::{
-    plane_box, plane_capsule, plane_cone, plane_cylinder, plane_ellipsoid, plane_sphere,
+    plane_box, plane_capsule, plane_cone, plane_cylinder, plane_ellipsoid, plane_hull, plane_sphere,
 };
 pub use sphere::{sphere_box, sphere_capsule, sphere_cone, sphere_cylinder, sphere_sphere};

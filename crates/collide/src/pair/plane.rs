@@ -3,9 +3,11 @@
 //! Which points these are changes with the solid's attitude as little as can be, and each has
 //! its own true distance, so that a solid that rocks finds its next point already there.
 
-use crate::solid::sign;
-use crate::{FLAT, Manifold, Placed, Point};
-use numbers::{Real, Vec3};
+use crate::outline::{SIXTEENTH, tangents};
+use crate::solid::{corner_number, sign};
+use crate::support::{ellipsoid as lowest_of_ellipsoid, farthest_vertex};
+use crate::{FLAT, Manifold, Placed, Point, Solid, Tables};
+use numbers::{Machine, Real, Vec3};
 
 /// Plane and sphere: one point.
 #[inline(always)]
@@ -45,7 +47,7 @@ pub fn plane_box<R: Real>(plane: &Placed<R>, cuboid: &Placed<R>) -> Manifold<R> 
             R::select(along_z, sign(down.z), v),
         );
         let at = cuboid.point(cuboid.size.times(side));
-        points[i] = above(plane, at, corner(side));
+        points[i] = above(plane, at, corner_number(side));
     }
     Manifold {
         normal: plane.axes.y,
@@ -115,9 +117,50 @@ fn plane_round<R: Real>(
 #[inline(always)]
 pub fn plane_ellipsoid<R: Real>(plane: &Placed<R>, ellipsoid: &Placed<R>) -> Manifold<R> {
     let down = ellipsoid.local_direction(-plane.axes.y);
-    let lowest = crate::support::ellipsoid(ellipsoid.size, down);
+    let lowest = lowest_of_ellipsoid(ellipsoid.size, down);
     let point = above(plane, ellipsoid.point(lowest), R::zero());
     Manifold::single(plane.axes.y, point)
+}
+
+/// Plane and convex hull: the lowest vertices, where those within [`FLAT`] of one height are told
+/// apart by how far they lie along four directions. The feature is the vertex's number.
+#[inline(always)]
+pub fn plane_hull<M: Machine>(
+    k: &M,
+    tables: Tables,
+    plane: &Placed<M::R>,
+    hull: &Solid<M>,
+) -> Manifold<M::R> {
+    let down = hull.placed.local_direction(-plane.axes.y);
+    let [u, v] = tangents(down);
+    let (c, s) = (M::R::lit(FLAT * SIXTEENTH.0), M::R::lit(FLAT * SIXTEENTH.1));
+    let (u, v) = (u * c + v * s, v * c - u * s);
+    let mut points = [Point::unused(); 4];
+    for i in 0..4 {
+        let along = down + [u, v, -u, -v][i];
+        let (vertex, number) = farthest_vertex(k, tables, hull, along);
+        points[i] = above(plane, hull.placed.point(vertex), number);
+    }
+    let [a, b, c, d] = points;
+    let (ab, bc, cd) = (
+        a.feature.same(b.feature),
+        b.feature.same(c.feature),
+        c.feature.same(d.feature),
+    );
+    let (ac, bd, ad) = (
+        a.feature.same(c.feature),
+        b.feature.same(d.feature),
+        a.feature.same(d.feature),
+    );
+    Manifold {
+        normal: plane.axes.y,
+        points: [
+            a,
+            b.only_if(!ab),
+            c.only_if(!ac & !bc),
+            d.only_if(!ad & !bd & !cd),
+        ],
+    }
 }
 
 /// Contact of the plane with the lowest point of a ball.
@@ -132,12 +175,4 @@ fn below<R: Real>(plane: &Placed<R>, center: Vec3<R>, radius: R, feature: usize)
 pub(crate) fn above<R: Real>(plane: &Placed<R>, x: Vec3<R>, feature: R) -> Point<R> {
     let distance = plane.axes.y.dot(x - plane.position);
     Point::from_b(x, plane.axes.y, distance, feature)
-}
-
-/// Number of a corner of a box, from its side (±1) along each axis.
-#[inline(always)]
-fn corner<R: Real>(side: Vec3<R>) -> R {
-    // (s + 1)/2 is the binary digit.
-    let sum = side.dot(Vec3::new(R::one(), R::lit(2.0), R::lit(4.0)));
-    (sum + R::lit(7.0)) * R::lit(0.5)
 }

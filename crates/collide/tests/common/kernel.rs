@@ -2,33 +2,31 @@
 
 use super::Pair;
 use kinetarium_collide::{Manifold, Placed, Point, Route, Solid, Tables};
-use numbers::{Cpu, Float, Machine, Pose, Quat, Shared, Table, Vec3};
+use numbers::{Cpu, Float, Machine, Pose, Quat, Shared, Vec3};
 
 /// The contact of a pair, computed in `T` and read as `f64`.
 pub fn manifold<T: Float>(pair: &Pair) -> Manifold<f64> {
     let mut numbers = Vec::new();
-    let mut end = 0;
     let rows = [0, 1].map(|i| pair.solids[i].vertices.len());
-    let tables = Tables {
-        vertices: Table::place(&mut end, rows[0] + rows[1]),
-    };
+    let (mut parameters, mut scratch) = (0, 0);
+    let tables = Tables::place(&mut parameters, rows[0] + rows[1], &mut scratch);
     for solid in &pair.solids {
         for v in &solid.vertices {
             numbers.extend(v.to_array().map(T::from_f64));
         }
     }
-    let k = Cpu {
+    let mut k = Cpu {
         state: &mut [],
         input: &[],
         output: &mut [],
-        scratch: &mut [],
+        scratch: &mut vec![T::zero(); scratch],
         parameters: Shared::<T>(&numbers),
         links: &[],
     };
     let [a, b] = [0, 1].map(|i| solid(&k, pair, i, [0, rows[0]][i]));
     let kinds = [0, 1].map(|i| pair.solids[i].kind);
     let route = Route::of(kinds[0], kinds[1]).expect("a route");
-    let manifold = route.manifold(&k, tables, &a, &b);
+    let manifold = route.manifold(&mut k, tables, &a, &b);
     Manifold {
         normal: vector64(manifold.normal),
         points: manifold.points.map(|p| Point {

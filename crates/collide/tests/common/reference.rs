@@ -48,8 +48,8 @@ pub fn gap(pair: &Pair, n: V) -> f64 {
     n.dot(placed_support(b, q, -n)) - top
 }
 
-/// A lower bound of the distance that is nearly the distance.
-pub fn distance(pair: &Pair) -> f64 {
+/// The largest gap along any unit vector, or a little less.
+pub fn best_gap(pair: &Pair) -> f64 {
     let [a, b] = &pair.solids;
     let [p, q] = pair.poses;
     if a.kind == kind::PLANE {
