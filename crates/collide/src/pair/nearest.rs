@@ -80,9 +80,11 @@ pub(crate) fn cone<R: Real>(x: Vec3<R>, radius: R, half: R) -> Nearest<R> {
 
     let base_nearer = to_base.length_squared().lt(to_slant.length_squared());
     let way = Vec3::select(base_nearer, to_base, to_slant);
+    // Closer than this, the way is rounding and its direction could be any.
+    let on_surface = way.length().lt((radius + half) * R::lit(1e-6));
     let in_plane = Nearest {
         distance: R::select(inside, depth, way.length()),
-        out: Vec3::select(inside, face, way.normalized_or(face)),
+        out: Vec3::select(inside | on_surface, face, way.normalized_or(face)),
     };
     turned(in_plane, radial)
 }
