@@ -4,6 +4,7 @@
 
 pub mod kernel;
 pub mod reference;
+pub mod world;
 
 use fastrand::Rng;
 use kinetarium_collide::kind;
