@@ -58,10 +58,10 @@ pub enum Softness {
 }
 
 impl Default for Softness {
-    /// Time constant 0.02 s, critically damped.
+    /// Time constant 2 ms, critically damped: 10 µm of sinking under a body's weight on four points.
     fn default() -> Self {
         Self::Time {
-            constant: 0.02,
+            constant: 0.002,
             ratio: 1.0,
         }
     }
@@ -78,8 +78,9 @@ impl Softness {
         }
     }
 
-    /// Two surfaces pressed together: springs and dampers in series, or the longer time constant
-    /// with the mean damping ratio; physical units go before time constants.
+    /// Two surfaces pressed together: springs and dampers in series, twice as stiff each as given,
+    /// so that two alike make one like them; or the means of time constants and damping ratios.
+    /// Physical units go before time constants.
     pub fn with(self, other: Self) -> Self {
         use Softness::{Spring, Time};
         let series = |a: f64, b: f64| {
@@ -100,7 +101,7 @@ impl Softness {
                     ratio: d,
                 },
             ) => Time {
-                constant: a.max(b),
+                constant: 0.5 * (a + b),
                 ratio: 0.5 * (c + d),
             },
             (
