@@ -294,6 +294,24 @@ pub enum ModelError {
         /// The bodies of the circle.
         bodies: Vec<String>,
     },
+    /// A pair consists of one thing.
+    #[error("{what}: both of its {kind} are number {index}; name two different {kind}")]
+    SameTwice {
+        /// The pair.
+        what: String,
+        /// Such as "bodies".
+        kind: &'static str,
+        /// Row of the body or shape.
+        index: usize,
+    },
+    /// Two contact pairs are of the same shapes.
+    #[error("contact pairs {first} and {second} are of the same two shapes; remove one")]
+    PairTwice {
+        /// Row of the one.
+        first: usize,
+        /// Row of the other.
+        second: usize,
+    },
     /// A coupling needs joints with one axis.
     #[error(
         "coupling \"{coupling}\": joint \"{joint}\" has {axes} axes; couple joints with exactly one"
@@ -366,19 +384,21 @@ pub enum ModelError {
         /// Replicas there are.
         count: usize,
     },
-    /// A joint ties objects whose replicas do not match.
+    /// A joint or exclusion ties objects whose replicas do not match.
     #[error(
-        "joint \"{joint}\": its object has {count} replicas, but the parent's object \"{parent}\" has {parent_count}; replicate both alike, or the parent's not at all"
+        "{what}: its object has {count} replicas, but that of its {role}, \"{other}\", has {other_count}; replicate both alike, or the other not at all"
     )]
     ReplicasDiffer {
-        /// The joint.
-        joint: String,
-        /// Replicas of the joint's object.
+        /// The joint or exclusion.
+        what: String,
+        /// Such as "parent body".
+        role: &'static str,
+        /// Replicas of its object.
         count: usize,
-        /// The parent's object.
-        parent: String,
-        /// Replicas of the parent's object.
-        parent_count: usize,
+        /// The other object.
+        other: String,
+        /// Replicas of the other object.
+        other_count: usize,
     },
     /// A model is for no world.
     #[error("the model asks for 0 worlds; ask for at least 1")]

@@ -215,6 +215,9 @@ pub struct Joint {
     pub enabled: bool,
     /// True: the joint closes a loop. It has no coordinates in the state, and only `xpbd` takes it.
     pub closes_loop: bool,
+    /// True: parent and child may touch. False, the default: they do not, for most joints overlap
+    /// what they tie. Two bodies that several joints tie touch if all of these let them.
+    pub bodies_collide: bool,
 }
 
 impl Joint {
@@ -270,6 +273,7 @@ impl Joint {
             angular_compliance: 0.0,
             enabled: true,
             closes_loop: false,
+            bodies_collide: false,
         }
     }
 

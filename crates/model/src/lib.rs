@@ -11,6 +11,7 @@
 mod actuator;
 mod body;
 mod builder;
+mod contact_pair;
 mod error;
 pub mod examples;
 mod filter;
@@ -28,6 +29,7 @@ pub use builder::{
     ActuatorDraft, BodyDraft, BodyHandle, Builder, JointDraft, JointHandle, Object, ObjectId,
     Placement,
 };
+pub use contact_pair::ContactPair;
 pub use error::ModelError;
 pub use filter::CollisionFilter;
 pub use joint::{Axis, AxisKind, Coupling, Dof, Drive, Joint, JointId, JointKind, Limit};

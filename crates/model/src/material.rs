@@ -184,6 +184,10 @@ mod tests {
         assert_eq!(a.with(&b).friction, b.with(&a).friction);
     }
 
+    fn time(constant: f64, ratio: f64) -> Softness {
+        Softness::Time { constant, ratio }
+    }
+
     #[test]
     fn two_like_springs_make_one_like_them() {
         let s = Softness::Spring {
@@ -192,11 +196,10 @@ mod tests {
         };
         assert_eq!(s.with(s), s);
         assert_eq!(s.with(Softness::default()), s);
-        let (k, d) = Softness::Time {
-            constant: 0.1,
-            ratio: 0.5,
-        }
-        .spring(3.0);
+        assert_eq!(Softness::default().with(s), s);
+        let (soft, hard) = (time(0.06, 0.5), time(0.02, 1.0));
+        assert_eq!(soft.with(hard), time(0.04, 0.75));
+        let (k, d) = time(0.1, 0.5).spring(3.0);
         // ω = 1 / (T ζ) = 20 /s and d = 2 ζ ω m
         assert!((k - 1200.0).abs() < 1e-9 && (d - 60.0).abs() < 1e-12);
     }

@@ -6,11 +6,13 @@ mod lookup;
 mod tree;
 mod validate;
 
+use crate::contact_pair::key;
 use crate::{
-    Actuator, Body, BodyId, BodyKind, Coupling, Joint, JointId, JointKind, Keyframe, ModelError,
-    Shape,
+    Actuator, Body, BodyId, BodyKind, ContactPair, Coupling, Joint, JointId, JointKind, Keyframe,
+    Material, ModelError, Shape, ShapeId,
 };
 use glam::DVec3;
+use std::collections::HashMap;
 
 pub(crate) use check::Subject;
 pub(crate) use validate::MOST_ROWS;
@@ -53,8 +55,10 @@ pub struct Parts {
     /// Joints. The first that names a body as its child carries it; later ones
     /// must be marked as closing a loop.
     pub joints: Vec<Joint>,
-    /// Pairs of bodies whose shapes never touch.
-    pub exclusions: Vec<(BodyId, BodyId)>,
+    /// Pairs of bodies whose shapes do not touch; `None` is the world.
+    pub exclusions: Vec<(Option<BodyId>, BodyId)>,
+    /// Pairs of shapes that touch in any case, with a surface of their own.
+    pub contact_pairs: Vec<ContactPair>,
     /// Relations of coordinates.
     pub couplings: Vec<Coupling>,
     /// Control inputs.
@@ -77,6 +81,7 @@ impl Default for Parts {
             shapes: Vec::new(),
             joints: Vec::new(),
             exclusions: Vec::new(),
+            contact_pairs: Vec::new(),
             couplings: Vec::new(),
             actuators: Vec::new(),
             keyframes: Vec::new(),
@@ -96,6 +101,8 @@ pub struct Model {
     dof_start: Vec<usize>,
     carrier: Vec<Option<JointId>>,
     order: Vec<BodyId>,
+    /// Row of each contact pair, by the rows of its shapes, the lower first.
+    pair_row: HashMap<(usize, usize), usize>,
 }
 
 impl std::ops::Deref for Model {
@@ -126,12 +133,15 @@ impl Model {
             validate::keyframe(keyframe, &parts, &coordinate_start, dofs)?;
         }
         tree::place(&mut parts, &carrier, &order);
+        let pairs = parts.contact_pairs.iter().enumerate();
+        let pair_row = pairs.map(|(row, pair)| (pair.key(), row)).collect();
         Ok(Self {
             parts,
             coordinate_start,
             dof_start,
             carrier,
             order,
+            pair_row,
         })
     }
 
@@ -165,6 +175,18 @@ impl Model {
     /// The bodies, every parent before its children.
     pub fn order(&self) -> &[BodyId] {
         &self.order
+    }
+
+    /// The surface that a contact of two shapes has: their pair's own, or else what their materials
+    /// make of each other.
+    ///
+    /// # Panics
+    /// If a shape is not of this model.
+    pub fn contact_material(&self, a: ShapeId, b: ShapeId) -> Material {
+        match self.pair_row.get(&key(a, b)) {
+            Some(row) => self.contact_pairs[*row].material,
+            None => self.shapes[a.0].material.with(&self.shapes[b.0].material),
+        }
     }
 
     /// Initial coordinates of all joints, [`coordinates`](Self::coordinates) of them.

@@ -80,9 +80,9 @@ pub struct Shape {
     pub material: Material,
     /// True: takes part in contacts. False: only seen.
     pub collides: bool,
-    /// Kinds the shape is of, a bit each.
+    /// Kinds the shape is of, a bit each; 1 by default.
     pub membership: u32,
-    /// Kinds the shape collides with; one shape's wish is enough.
+    /// Kinds the shape collides with; one shape's wish is enough. 1 by default.
     pub collides_with: u32,
 }
 

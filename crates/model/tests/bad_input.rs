@@ -2,8 +2,9 @@
 
 use glam::{DMat3, DQuat, DVec3};
 use kinetarium_model::{
-    Actuator, Axis, Body, BodyId, BodyKind, Builder, Coupling, Drive, Geometry, Joint, JointId,
-    JointKind, Keyframe, Limit, Model, ModelError, Parts, Pose, Shape, examples,
+    Actuator, Axis, Body, BodyId, BodyKind, Builder, ContactPair, Coupling, Drive, Geometry, Joint,
+    JointId, JointKind, Keyframe, Limit, Material, Model, ModelError, Parts, Pose, Shape, ShapeId,
+    Softness, examples,
 };
 
 /// A base, two links on a hinge and a slider, a loop to close, and one of everything else.
@@ -342,6 +343,103 @@ fn shapes() {
         (
             |p| p.shapes[0].material.color[3] = 2.0,
             "shape \"knob\": colour is 2; it must lie from 0 to 1",
+        ),
+    ]);
+}
+
+#[test]
+fn softness_of_contacts() {
+    refuses(&[
+        (
+            |p| p.shapes[0].material.softness = time(0.0, 1.0),
+            "shape \"knob\": time constant of contact [s] is 0; it must be above zero",
+        ),
+        (
+            |p| p.shapes[0].material.softness = time(0.02, -1.0),
+            "shape \"knob\": damping ratio of contact is -1; it must be above zero",
+        ),
+        (
+            |p| p.shapes[0].material.softness = time(f64::NAN, 1.0),
+            "shape \"knob\": time constant of contact [s] is NaN; give a finite number",
+        ),
+        (
+            |p| p.shapes[0].material.softness = spring(0.0, 1.0),
+            "shape \"knob\": stiffness of contact [N/m] is 0; it must be above zero",
+        ),
+        (
+            |p| p.shapes[0].material.softness = spring(f64::INFINITY, 1.0),
+            "shape \"knob\": stiffness of contact [N/m] is inf; give a finite number",
+        ),
+        (
+            |p| p.shapes[0].material.softness = spring(1e4, -1.0),
+            "shape \"knob\": damping of contact [N·s/m] is -1; it must not be negative",
+        ),
+    ]);
+}
+
+fn time(constant: f64, ratio: f64) -> Softness {
+    Softness::Time { constant, ratio }
+}
+
+fn spring(stiffness: f64, damping: f64) -> Softness {
+    Softness::Spring { stiffness, damping }
+}
+
+#[test]
+fn exclusions() {
+    refuses(&[
+        (
+            |p| p.exclusions = vec![(Some(BodyId(0)), BodyId(2)), (None, BodyId(3))],
+            "exclusion \"1\": its body is number 3, but the model has 3, numbered from 0; use a \
+             number below 3",
+        ),
+        (
+            |p| p.exclusions = vec![(Some(BodyId(9)), BodyId(1))],
+            "exclusion \"0\": its body is number 9, but the model has 3, numbered from 0; use a \
+             number below 3",
+        ),
+        (
+            |p| p.exclusions = vec![(Some(BodyId(1)), BodyId(1))],
+            "exclusion \"0\": both of its bodies are number 1; name two different bodies",
+        ),
+    ]);
+}
+
+fn contact_pair(a: usize, b: usize) -> ContactPair {
+    ContactPair {
+        shapes: (ShapeId(a), ShapeId(b)),
+        material: Material::default(),
+    }
+}
+
+fn pair_up(parts: &mut Parts, pairs: Vec<ContactPair>) {
+    parts.shapes.push(parts.shapes[0].clone().named("other"));
+    parts.contact_pairs = pairs;
+}
+
+#[test]
+fn contact_pairs() {
+    refuses(&[
+        (
+            |p| pair_up(p, vec![contact_pair(0, 2)]),
+            "contact pair \"0\": its shape is number 2, but the model has 2, numbered from 0; use \
+             a number below 2",
+        ),
+        (
+            |p| pair_up(p, vec![contact_pair(1, 1)]),
+            "contact pair \"0\": both of its shapes are number 1; name two different shapes",
+        ),
+        (
+            |p| pair_up(p, vec![contact_pair(0, 1), contact_pair(1, 0)]),
+            "contact pairs 0 and 1 are of the same two shapes; remove one",
+        ),
+        (
+            |p| {
+                let mut pair = contact_pair(0, 1);
+                pair.material.friction = -0.1;
+                pair_up(p, vec![pair]);
+            },
+            "contact pair \"0\": friction is -0.1; it must not be negative",
         ),
     ]);
 }
@@ -817,8 +915,36 @@ fn builder_replicas() {
     });
     assert_eq!(
         unequal,
-        "joint \"nail\": its object has 2 replicas, but the parent's object \"posts\" has 3; \
-         replicate both alike, or the parent's not at all"
+        "joint \"nail\": its object has 2 replicas, but that of its parent body, \"posts\", has 3; \
+         replicate both alike, or the other not at all"
+    );
+}
+
+#[test]
+fn builder_exclusions() {
+    let strange = build_error(|world| {
+        let mine = world.object("mine").body("a").shape(BALL).handle();
+        let yours = world.object("yours").body("b").shape(BALL).handle();
+        world.object_mut(mine.object())?.exclude(yours, mine);
+        Ok(())
+    });
+    assert_eq!(
+        strange,
+        "exclusion in object \"mine\": its first body belongs to object \"yours\", not to \"mine\"; \
+         make it in object \"yours\""
+    );
+    let unequal = build_error(|world| {
+        let mine = world.object("mine").body("a").shape(BALL).handle();
+        let yours = world.object("yours").body("b").shape(BALL).handle();
+        world.object_mut(yours.object())?.replicate(2);
+        let object = world.object_mut(mine.object())?;
+        object.exclude(mine, yours).replicate(3);
+        Ok(())
+    });
+    assert_eq!(
+        unequal,
+        "exclusion in object \"mine\": its object has 3 replicas, but that of its second body, \
+         \"yours\", has 2; replicate both alike, or the other not at all"
     );
 }
 

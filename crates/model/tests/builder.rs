@@ -368,7 +368,10 @@ fn actuators_couplings_and_loops() {
         .revolute("second", bodies[1], DVec3::X)
         .parent(bodies[0])
         .handle();
-    object.fixed("weld", bodies[1]).closes_loop();
+    object
+        .fixed("weld", bodies[1])
+        .closes_loop()
+        .bodies_collide();
     object.couple("mimic", second, first, 2.0, 0.5);
     object
         .motor("motor", first)
@@ -382,6 +385,8 @@ fn actuators_couplings_and_loops() {
         model.loops(),
         ["joint \"weld\" closing a loop", "coupling \"mimic\""]
     );
+    let let_touch: Vec<_> = model.joints.iter().map(|j| j.bodies_collide).collect();
+    assert_eq!(let_touch, [false, false, true]);
     let mimic = &model.couplings[0];
     assert_eq!(model.joints[mimic.joint.0].name, "second");
     assert_eq!((mimic.ratio, mimic.offset), (2.0, 0.5));
@@ -434,4 +439,46 @@ fn a_built_world_can_be_changed_and_built_again() {
     let model = world.build().unwrap();
     assert_eq!(model.bodies.len(), 4);
     assert_near(position(&model, "flag_1"), DVec3::Z);
+}
+
+#[test]
+fn exclusions_follow_the_replicas() {
+    let mut world = Builder::new("w");
+    let table = world.object("table").body("top").shape(BALL).handle();
+    let hand = world.object("hand");
+    let palm = hand.body("palm").shape(BALL).handle();
+    let tip = hand.body("tip").shape(BALL).handle();
+    hand.exclude(tip, palm)
+        .exclude(tip, table)
+        .exclude(palm, None)
+        .replicate(2);
+    let model = world.build().unwrap();
+    let row = |body, k| world.body_replica(body, k).unwrap();
+    let of = |k| {
+        [
+            (Some(row(palm, k)), row(tip, k)),
+            (Some(row(table, 0)), row(tip, k)),
+            (None, row(palm, k)),
+        ]
+    };
+    assert_eq!(model.exclusions, [of(0), of(1)].concat());
+}
+
+#[test]
+fn a_body_gives_its_masks_to_all_its_shapes() {
+    let mut world = Builder::new("w");
+    let thing = world.object("thing");
+    thing
+        .body("body")
+        .shape(Shape::new(BALL).with_masks(4, 4))
+        .collision_masks(2, 6)
+        .shape(BALL);
+    thing.body("other").shape(BALL);
+    let model = world.build().unwrap();
+    let masks: Vec<_> = model
+        .shapes
+        .iter()
+        .map(|s| (s.membership, s.collides_with))
+        .collect();
+    assert_eq!(masks, [(2, 6), (2, 6), (1, 1)]);
 }

@@ -27,6 +27,8 @@ pub struct BodyDraft {
     pub(super) shapes: Vec<Shape>,
     handle: BodyHandle,
     mass: MassSource,
+    /// Membership and what it collides with, for all shapes.
+    masks: Option<(u32, u32)>,
 }
 
 /// Where a body's mass, centre and inertia come from.
@@ -47,6 +49,7 @@ impl BodyDraft {
             shapes: Vec::new(),
             handle,
             mass: MassSource::Densities,
+            masks: None,
         }
     }
     /// What joints and queries call the body by.
@@ -87,10 +90,24 @@ impl BodyDraft {
         self.body.group = group;
         self
     }
+    /// Sets the kinds, a bit each, that all its shapes are of, and those that they collide with,
+    /// whatever the shapes say, and whenever they are added.
+    pub fn collision_masks(&mut self, membership: u32, collides_with: u32) -> &mut Self {
+        self.masks = Some((membership, collides_with));
+        self
+    }
     /// Sets the world that the body stands in; −1 is shared by all.
     pub fn world(&mut self, world: i32) -> &mut Self {
         self.body.world = world;
         self
+    }
+
+    /// Its shapes with its masks.
+    pub(super) fn finished_shapes(&self) -> impl Iterator<Item = Shape> {
+        self.shapes.iter().cloned().map(|shape| match self.masks {
+            Some((membership, collides_with)) => shape.with_masks(membership, collides_with),
+            None => shape,
+        })
     }
 
     /// The body with its mass worked out.

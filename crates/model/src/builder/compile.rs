@@ -23,6 +23,7 @@ pub(super) fn compile(objects: &[Object], parts: &mut Parts) -> Result<(), Model
             };
             replica.bodies(parts)?;
             replica.joints(parts)?;
+            replica.exclusions(parts)?;
             replica.couplings(parts)?;
             replica.actuators(parts)?;
         }
@@ -47,6 +48,7 @@ fn must_be_few(objects: &[Object]) -> Result<(), ModelError> {
             rows(|o| o.scenery.len() + o.bodies.iter().map(|b| b.shapes.len()).sum::<usize>()),
         ),
         ("joints", rows(|o| o.joints.len())),
+        ("exclusions", rows(|o| o.exclusions.len())),
         ("couplings", rows(|o| o.couplings.len())),
         ("actuators", rows(|o| o.actuators.len())),
     ];
@@ -137,9 +139,11 @@ impl Replica<'_> {
             body.pose = self.placement() * body.pose;
             let id = BodyId(parts.bodies.len());
             parts.bodies.push(body);
-            parts
-                .shapes
-                .extend(draft.shapes.iter().map(|s| self.shape(s, Some(id), s.pose)));
+            parts.shapes.extend(
+                draft
+                    .finished_shapes()
+                    .map(|s| self.shape(&s, Some(id), s.pose)),
+            );
         }
         let scenery = self.object.scenery.iter();
         parts
@@ -151,6 +155,20 @@ impl Replica<'_> {
     fn joints(&self, parts: &mut Parts) -> Result<(), ModelError> {
         for draft in &self.object.joints {
             parts.joints.push(self.joint(draft)?);
+        }
+        Ok(())
+    }
+
+    fn exclusions(&self, parts: &mut Parts) -> Result<(), ModelError> {
+        for &(body, other) in &self.object.exclusions {
+            let what = format!("exclusion in object \"{}\"", self.object.name);
+            self.must_own(&what, "first body", body.object)?;
+            let body = self.layout.body(&what, body, self.k)?;
+            let other = other.map(|other| {
+                let k = self.other_replica(&what, "second body", other.object)?;
+                self.layout.body(&what, other, k)
+            });
+            parts.exclusions.push((other.transpose()?, body));
         }
         Ok(())
     }
@@ -186,7 +204,7 @@ impl Replica<'_> {
         joint.child = self.layout.body(&what, draft.child, self.k)?;
         let mut parent_pose = Pose::IDENTITY;
         if let Some(parent) = draft.parent {
-            let k = self.parent_replica(draft, parent.object)?;
+            let k = self.other_replica(&what, "parent body", parent.object)?;
             joint.parent = Some(self.layout.body(&what, parent, k)?);
             parent_pose = self.layout.pose(parent, k);
         }
@@ -209,22 +227,25 @@ impl Replica<'_> {
         Ok(joint)
     }
 
-    /// Which replica of the parent's object a joint's parent is of: the same, or the only one.
-    fn parent_replica(&self, draft: &JointDraft, parent: ObjectId) -> Result<usize, ModelError> {
-        let what = || format!("joint \"{}\"", draft.joint.name);
+    /// Which replica of another object belongs to this one: the same, or the only one.
+    fn other_replica(
+        &self,
+        what: &str,
+        role: &'static str,
+        other: ObjectId,
+    ) -> Result<usize, ModelError> {
         let objects = self.layout.objects;
-        let parent = objects
-            .get(parent.0)
-            .ok_or_else(|| foreign(&what(), "parent body"))?;
-        let (count, parent_count) = (self.object.placements.len(), parent.placements.len());
-        match parent_count {
+        let other = objects.get(other.0).ok_or_else(|| foreign(what, role))?;
+        let (count, other_count) = (self.object.placements.len(), other.placements.len());
+        match other_count {
             1 => Ok(0),
             n if n == count => Ok(self.k),
             _ => Err(ModelError::ReplicasDiffer {
-                joint: draft.joint.name.clone(),
+                what: what.into(),
+                role,
                 count,
-                parent: parent.name.clone(),
-                parent_count,
+                other: other.name.clone(),
+                other_count,
             }),
         }
     }

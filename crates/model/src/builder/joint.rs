@@ -123,6 +123,11 @@ impl JointDraft {
         self.joint.closes_loop = true;
         self
     }
+    /// Lets parent and child touch.
+    pub fn bodies_collide(&mut self) -> &mut Self {
+        self.joint.bodies_collide = true;
+        self
+    }
     /// Switches the joint off at the start.
     pub fn disabled(&mut self) -> &mut Self {
         self.joint.enabled = false;

@@ -20,6 +20,8 @@ pub struct Object {
     /// Shapes fixed to the world.
     pub(super) scenery: Vec<Shape>,
     pub(super) joints: Vec<JointDraft>,
+    /// Bodies of its own that do not touch another, or the world.
+    pub(super) exclusions: Vec<(BodyHandle, Option<BodyHandle>)>,
     pub(super) couplings: Vec<CouplingDraft>,
     pub(super) actuators: Vec<ActuatorDraft>,
     /// Where each replica stands.
@@ -42,6 +44,7 @@ impl Object {
             bodies: Vec::new(),
             scenery: Vec::new(),
             joints: Vec::new(),
+            exclusions: Vec::new(),
             couplings: Vec::new(),
             actuators: Vec::new(),
             placements: vec![Pose::IDENTITY],
@@ -122,6 +125,16 @@ impl Object {
     /// Adds a joint that allows motion in the x–z plane of the joint's frame.
     pub fn plane_xz(&mut self, name: impl Into<String>, child: BodyHandle) -> &mut JointDraft {
         self.joint(name, JointKind::PlaneXz, child, Joint::plane_xz_axes())
+    }
+
+    /// Keeps the shapes of a body of this object from touching those of another body, or with
+    /// `None` those of the world.
+    ///
+    /// Each replica keeps from its own replica of the other body; one of another object may also
+    /// stand there only once.
+    pub fn exclude(&mut self, body: BodyHandle, other: impl Into<Option<BodyHandle>>) -> &mut Self {
+        self.exclusions.push((body, other.into()));
+        self
     }
 
     /// Makes q(joint) = offset + ratio · q(other).

@@ -8,6 +8,7 @@ use crate::{
     Softness,
 };
 use glam::DMat3;
+use std::collections::HashMap;
 
 /// Most rows of a table: enough for any scene, few enough to stop a slip of the keyboard.
 pub(crate) const MOST_ROWS: usize = 1_000_000;
@@ -32,6 +33,8 @@ pub(super) fn parts(parts: &Parts) -> Result<(), ModelError> {
         .joints
         .iter()
         .try_for_each(|j| joints::joint(j, &parts.bodies))?;
+    exclusions(parts)?;
+    contact_pairs(parts)?;
     parts
         .couplings
         .iter()
@@ -44,6 +47,8 @@ fn counts(parts: &Parts) -> Result<(), ModelError> {
         ("bodies", parts.bodies.len(), MOST_ROWS),
         ("shapes", parts.shapes.len(), MOST_ROWS),
         ("joints", parts.joints.len(), MOST_ROWS),
+        ("exclusions", parts.exclusions.len(), MOST_ROWS),
+        ("contact pairs", parts.contact_pairs.len(), MOST_ROWS),
         ("couplings", parts.couplings.len(), MOST_ROWS),
         ("actuators", parts.actuators.len(), MOST_ROWS),
         ("keyframes", parts.keyframes.len(), MOST_ROWS),
@@ -221,6 +226,52 @@ fn material(subject: &Subject, material: &Material) -> Result<(), ModelError> {
         .color
         .iter()
         .try_for_each(|&c| subject.within("colour", f64::from(c), 0.0, 1.0))
+}
+
+fn exclusions(parts: &Parts) -> Result<(), ModelError> {
+    for (row, &(other, body)) in parts.exclusions.iter().enumerate() {
+        let name = row.to_string();
+        let subject = Subject {
+            kind: "exclusion",
+            name: &name,
+        };
+        for id in other.into_iter().chain([body]) {
+            subject.row("body", id.0, parts.bodies.len())?;
+        }
+        if other == Some(body) {
+            return Err(ModelError::SameTwice {
+                what: subject.what(),
+                kind: "bodies",
+                index: body.0,
+            });
+        }
+    }
+    Ok(())
+}
+
+fn contact_pairs(parts: &Parts) -> Result<(), ModelError> {
+    let mut rows = HashMap::new();
+    for (row, pair) in parts.contact_pairs.iter().enumerate() {
+        let name = row.to_string();
+        let subject = Subject {
+            kind: "contact pair",
+            name: &name,
+        };
+        let (a, b) = pair.key();
+        subject.row("shape", b, parts.shapes.len())?;
+        if a == b {
+            return Err(ModelError::SameTwice {
+                what: subject.what(),
+                kind: "shapes",
+                index: a,
+            });
+        }
+        if let Some(first) = rows.insert((a, b), row) {
+            return Err(ModelError::PairTwice { first, second: row });
+        }
+        material(&subject, &pair.material)?;
+    }
+    Ok(())
 }
 
 fn coupling(coupling: &Coupling, parts: &Parts) -> Result<(), ModelError> {
