@@ -146,6 +146,16 @@ impl Structure for Auto {
         with!(&self.chosen, s => s.sweep(boxes, sweep, limit, visit));
     }
 
+    fn sweep_many(
+        &self,
+        boxes: &Boxes,
+        sweeps: &[Sweep],
+        limits: &[f32],
+        visit: &mut impl FnMut(usize, u32) -> f32,
+    ) {
+        with!(&self.chosen, s => s.sweep_many(boxes, sweeps, limits, visit));
+    }
+
     fn approach(&self, boxes: &Boxes, point: Vec3, limit: f32, visit: &mut impl FnMut(u32) -> f32) {
         with!(&self.chosen, s => s.approach(boxes, point, limit, visit));
     }

@@ -153,7 +153,8 @@ impl Boxes {
     }
 }
 
-fn check(object: usize, aabb: &Aabb) -> Result<(), SpaceError> {
+/// Refuses boxes with a NaN, and those inside out.
+pub(crate) fn check(object: usize, aabb: &Aabb) -> Result<(), SpaceError> {
     let Aabb { min, max } = *aabb;
     if min.is_nan() || max.is_nan() {
         return Err(SpaceError::NotANumber { object, min, max });

@@ -36,6 +36,7 @@ mod space;
 mod stack;
 mod structure;
 mod sweep_and_prune;
+mod worlds;
 
 pub use aabb::Aabb;
 pub use auto::Auto;
@@ -52,3 +53,4 @@ pub use query::{CastTest, ClosestTest, Hit, Neighbor};
 pub use space::Space;
 pub use structure::Structure;
 pub use sweep_and_prune::SweepAndPrune;
+pub use worlds::{LaneBox, LaneRay, Near, ScenePair, WorldHits, WorldRays, Worlds};

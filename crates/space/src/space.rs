@@ -130,17 +130,7 @@ impl<S: Structure> Space<S> {
     /// The first hit; of equally early ones, the one with the lowest index.
     pub fn cast(&self, cast: &Cast, test: &impl CastTest) -> Option<Hit> {
         let mut best: Option<Hit> = None;
-        let mut visit = |object| {
-            let limit = best.map_or(cast.limit(), |b| b.time);
-            if let Some(time) = test.hit(object, cast, limit)
-                && (0.0..=limit).contains(&time)
-                && best.is_none_or(|b| (time, object) < (b.time, b.object))
-            {
-                best = Some(Hit { object, time });
-                return time;
-            }
-            limit
-        };
+        let mut visit = |object| consider(cast, test, object, &mut best);
         let limit = self
             .boxes
             .unbounded()
@@ -218,9 +208,24 @@ impl<S: Structure> Space<S> {
         self.nearest(point, 1, within, test).pop()
     }
 
-    /// [`cast`](Space::cast) for many, in threads; answer i belongs to `casts[i]`.
+    /// [`cast`](Space::cast) for many, in threads; answer i belongs to `casts[i]`. Runs
+    /// of 16 casts that are alike, as those of neighbouring pixels are, go together in lanes.
     pub fn cast_batch(&self, casts: &[Cast], test: &impl CastTest) -> Vec<Option<Hit>> {
-        batch(casts, |cast| self.cast(cast, test))
+        let mut answers = vec![None; casts.len()];
+        let parts = answers.par_chunks_mut(CHUNK).zip(casts.par_chunks(CHUNK));
+        parts.for_each(|(answers, casts)| self.cast_chunk(casts, test, answers));
+        answers
+    }
+
+    fn cast_chunk(&self, casts: &[Cast], test: &impl CastTest, answers: &mut [Option<Hit>]) {
+        let sweeps: Vec<Sweep> = casts.iter().map(Sweep::new).collect();
+        let mut visit = |i: usize, object| consider(&casts[i], test, object, &mut answers[i]);
+        let unbounded = self.boxes.unbounded();
+        let limit =
+            |(i, cast): (usize, &Cast)| unbounded.iter().fold(cast.limit(), |_, o| visit(i, *o));
+        let limits: Vec<f32> = casts.iter().enumerate().map(limit).collect();
+        self.structure
+            .sweep_many(&self.boxes, &sweeps, &limits, &mut visit);
     }
 
     /// [`cast_all`](Space::cast_all) for many, in threads.
@@ -245,7 +250,28 @@ impl<S: Structure> Space<S> {
     }
 }
 
+/// A thread takes so many casts at a time.
+const CHUNK: usize = 64;
+
+/// Tests one more object; returns the time after which hits no longer count.
+#[inline(always)]
+fn consider(cast: &Cast, test: &impl CastTest, object: u32, best: &mut Option<Hit>) -> f32 {
+    let limit = best.map_or(cast.limit(), |b| b.time);
+    if let Some(time) = test.hit(object, cast, limit)
+        && (0.0..=limit).contains(&time)
+        && best.is_none_or(|b| (time, object) < (b.time, b.object))
+    {
+        *best = Some(Hit { object, time });
+        return time;
+    }
+    limit
+}
+
 /// Answers in the order of the questions; few enough are answered by one thread.
 fn batch<Q: Sync, A: Send>(questions: &[Q], answer: impl Fn(&Q) -> A + Send + Sync) -> Vec<A> {
-    questions.par_iter().with_min_len(64).map(answer).collect()
+    questions
+        .par_iter()
+        .with_min_len(CHUNK)
+        .map(answer)
+        .collect()
 }

@@ -46,6 +46,19 @@ pub trait Structure: Sized + Send + Sync {
     /// others may be, and some more than once.
     fn sweep(&self, boxes: &Boxes, sweep: &Sweep, limit: f32, visit: &mut impl FnMut(u32) -> f32);
 
+    /// As [`sweep`](Structure::sweep) for several; `visit` is told which of them meets the object.
+    fn sweep_many(
+        &self,
+        boxes: &Boxes,
+        sweeps: &[Sweep],
+        limits: &[f32],
+        visit: &mut impl FnMut(usize, u32) -> f32,
+    ) {
+        for (i, (sweep, limit)) in sweeps.iter().zip(limits).enumerate() {
+            self.sweep(boxes, sweep, *limit, &mut |object| visit(i, object));
+        }
+    }
+
     /// Visits objects whose box is not farther from `point` than √`limit`, near
     /// ones first as far as that is cheap. `visit` returns the limit from then on.
     ///

@@ -132,6 +132,9 @@ fn compare<S: Structure>(space: &Space<S>, truth: &Truth, ask: &Questions) {
     for region in &ask.regions {
         assert_eq!(space.overlap(region), truth.overlap(region), "{region:?}");
     }
+    let batch = space.cast_batch(&ask.casts, space.boxes());
+    let alone = ask.casts.iter().map(|cast| space.cast(cast, space.boxes()));
+    assert!(batch.into_iter().eq(alone));
     for cast in &ask.casts {
         let hits = truth.hits(cast);
         assert_eq!(

@@ -65,3 +65,31 @@ fn neither_threads_nor_structure_change_an_answer() {
     assert!(expected == answers::<KdTree>(2));
     assert!(expected == answers::<Bsp>(2));
 }
+
+/// Neighbouring pixels' rays go together in lanes, and hit what each hits alone.
+#[test]
+fn rays_that_go_together_hit_what_they_hit_alone() {
+    let mut random = fastrand::Rng::with_seed(11);
+    let mut vector = |side: f32| side * Vec3::from_array(std::array::from_fn(|_| random.f32()));
+    let boxes: Vec<Aabb> = (0..5000)
+        .map(|_| Aabb::around(vector(40.0), vector(0.6)))
+        .collect();
+    let space = Space::<Bvh>::new(&boxes).unwrap();
+    for (half, limit) in [(0.0, f32::INFINITY), (0.0, 30.0), (0.3, f32::INFINITY)] {
+        let casts: Vec<Cast> = (0..4096)
+            .map(|i| {
+                let toward = Vec3::new((i / 64) as f32 - 31.5, (i % 64) as f32 - 31.5, 60.0);
+                let from = Vec3::new(20.0, 20.0, -10.0) + vector(0.5);
+                Cast::aabb(from, Vec3::splat(half), toward.normalize())
+                    .unwrap()
+                    .until(limit)
+            })
+            .collect();
+        let alone: Vec<Option<Hit>> = casts
+            .iter()
+            .map(|cast| space.cast(cast, space.boxes()))
+            .collect();
+        assert!(alone.iter().flatten().count() > 500);
+        assert_eq!(space.cast_batch(&casts, space.boxes()), alone);
+    }
+}

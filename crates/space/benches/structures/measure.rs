@@ -8,18 +8,18 @@ use std::time::{Duration, Instant};
 /// Work is repeated until this has passed, but at least three times.
 const PATIENCE: Duration = Duration::from_millis(300);
 /// Questions whose answers are compared.
-const ANSWERED: [usize; 4] = [2, 4, 5, 6];
+const ANSWERED: [usize; 5] = [2, 4, 5, 6, 7];
 /// What took longer than this with a tenth of the objects is left out.
 const HOPELESS: Duration = Duration::from_millis(600);
 
 /// Times of one structure in one scene; nothing where it cannot, or would take for ever.
 #[derive(Clone, Copy, Default)]
-pub struct Row([Option<Duration>; 7]);
+pub struct Row([Option<Duration>; 8]);
 
 impl Row {
-    pub const LEGEND: &str = "build, update, pairs, jump: ms; ray, batch, nearest: µs; memory: bytes an object.\n\
+    pub const LEGEND: &str = "build, update, pairs, jump: ms; ray, batch, camera, nearest: µs; memory: bytes an object.\n\
         update: all objects have moved by up to 2 cm. jump: each has moved to where another was, and pairs are found.\n\
-        batch: a ray of a batch, two threads. pairs: in order, except the peers'.";
+        batch: a ray of a batch, in threads; camera: the same for rays of an image. pairs: in order, except the peers'.";
 }
 
 /// Rows as they are measured, one scene after the other.
@@ -28,8 +28,8 @@ pub struct Table<'a> {
     filter: &'a str,
     /// Per structure, its times in the scene before.
     last: HashMap<&'static str, Row>,
-    /// The first answers in this scene.
-    answers: [Option<usize>; 7],
+    /// The first answers in this scene, per question.
+    answers: [Option<usize>; 8],
 }
 
 impl<'a> Table<'a> {
@@ -37,15 +37,17 @@ impl<'a> Table<'a> {
         Self {
             filter,
             last: HashMap::new(),
-            answers: [None; 7],
+            answers: [None; 8],
         }
     }
 
     pub fn start(&mut self, scene: &Scene) {
-        self.answers = [None; 7];
+        self.answers = [None; 8];
         println!("\n### {scene}\n");
-        println!("| structure | build | update | pairs | jump | ray | batch | nearest | memory |");
-        println!("|---|--:|--:|--:|--:|--:|--:|--:|--:|");
+        println!(
+            "| structure | build | update | pairs | jump | ray | batch | camera | nearest | memory |"
+        );
+        println!("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|");
     }
 
     pub fn add<S: Subject>(&mut self, scene: &Scene) {
@@ -82,7 +84,8 @@ impl<'a> Table<'a> {
         run(2, &mut || subject.pairs());
         run(4, &mut || subject.rays(&scene.rays));
         run(5, &mut || subject.ray_batch(&scene.rays));
-        run(6, &mut || subject.nearest(&scene.points));
+        run(6, &mut || subject.camera(&scene.camera));
+        run(7, &mut || subject.nearest(&scene.points));
         let mut there = false;
         run(1, &mut || {
             there = !there;
@@ -105,7 +108,7 @@ fn print(name: &str, row: &Row, memory: Option<usize>) {
     let ms = |i: usize| figure(row.0[i].map(|d| 1e3 * d.as_secs_f64()));
     let us = |i: usize| figure(row.0[i].map(|d| 1e6 * d.as_secs_f64() / QUESTIONS as f64));
     let memory = memory.map_or("–".into(), |m| m.to_string());
-    let times = [ms(0), ms(1), ms(2), ms(3), us(4), us(5), us(6)].join(" | ");
+    let times = [ms(0), ms(1), ms(2), ms(3), us(4), us(5), us(6), us(7)].join(" | ");
     println!("| {name} | {times} | {memory} |");
 }
 

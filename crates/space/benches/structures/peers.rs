@@ -64,6 +64,9 @@ impl Subject for Parry {
     fn ray_batch(&self, _: &[Cast]) -> Option<usize> {
         None
     }
+    fn camera(&self, rays: &[Cast]) -> Option<usize> {
+        self.rays(rays)
+    }
     fn nearest(&self, points: &[Vec3]) -> Option<usize> {
         let near = |p: &&Vec3| {
             let p = vector(**p);
@@ -123,6 +126,9 @@ impl Subject for Rstar {
         None
     }
     fn ray_batch(&self, _: &[Cast]) -> Option<usize> {
+        None
+    }
+    fn camera(&self, _: &[Cast]) -> Option<usize> {
         None
     }
     fn nearest(&self, points: &[Vec3]) -> Option<usize> {

@@ -20,11 +20,26 @@ pub struct Scene {
     /// Each object where another was.
     pub jumped: Vec<Aabb>,
     pub rays: Vec<Cast>,
+    /// Rays of an image, in tiles of 4 by 4.
+    pub camera: Vec<Cast>,
     pub points: Vec<Vec3>,
 }
 
 /// Questions of each kind.
-pub const QUESTIONS: usize = 4000;
+pub const QUESTIONS: usize = 4096;
+
+/// 64 by 64 rays from a point, 60° wide, about another.
+fn image(from: Vec3, to: Vec3) -> Vec<Cast> {
+    let forward = (to - from).normalize();
+    let (right, up) = forward.any_orthonormal_pair();
+    let pixel = |i: usize| {
+        let (tile, within) = (i / 16, i % 16);
+        let (x, y) = (4 * (tile % 16) + within % 4, 4 * (tile / 16) + within / 4);
+        let offset = |x: usize| (x as f32 - 31.5) / 31.5 * 0.577;
+        Cast::ray(from, forward + offset(x) * right + offset(y) * up).expect("finite")
+    };
+    (0..QUESTIONS).map(pixel).collect()
+}
 
 impl Scene {
     pub fn new(kind: Kind, n: usize) -> Self {
@@ -53,6 +68,7 @@ impl Scene {
             .map(|_| Cast::ray(vector(side), direction(vector(2.0))).expect("finite"));
         Self {
             kind,
+            camera: image(Vec3::new(0.5, 0.4, -0.3) * side, Vec3::splat(0.5) * side),
             rays: rays.collect(),
             points: (0..QUESTIONS).map(|_| vector(side)).collect(),
             boxes: objects.iter().map(|(c, h)| Aabb::around(*c, *h)).collect(),

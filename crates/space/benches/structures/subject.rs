@@ -17,6 +17,8 @@ pub trait Subject {
     fn rays(&self, rays: &[Cast]) -> Option<usize>;
     /// The same, all at once.
     fn ray_batch(&self, rays: &[Cast]) -> Option<usize>;
+    /// How many rays of an image hit something, in the fastest way.
+    fn camera(&self, rays: &[Cast]) -> Option<usize>;
     /// How many points have an object within 1 m.
     fn nearest(&self, points: &[Vec3]) -> Option<usize>;
     fn bytes(&self) -> Option<usize>;
@@ -43,6 +45,9 @@ impl<S: Structure> Subject for Space<S> {
     }
     fn ray_batch(&self, rays: &[Cast]) -> Option<usize> {
         Some(self.cast_batch(rays, self.boxes()).iter().flatten().count())
+    }
+    fn camera(&self, rays: &[Cast]) -> Option<usize> {
+        self.ray_batch(rays)
     }
     fn nearest(&self, points: &[Vec3]) -> Option<usize> {
         let near = |p: &&Vec3| {

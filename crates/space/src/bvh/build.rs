@@ -11,6 +11,7 @@ use super::{Bvh, NOWHERE, Node, OBJECT};
 use crate::Aabb;
 use crate::Boxes;
 use glam::Vec3A;
+use numbers::dispatch::Isa;
 use rayon::prelude::*;
 
 const BINS: usize = 16;
@@ -100,6 +101,7 @@ pub(super) fn build(boxes: &Boxes) -> Bvh {
         free: Vec::new(),
         place: vec![NOWHERE; boxes.all().len()],
         built_area: 0.0,
+        isa: Isa::detect(),
     };
     bvh.connect();
     bvh.built_area = bvh.inner_area();

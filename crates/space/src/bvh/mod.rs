@@ -14,6 +14,7 @@
 
 mod build;
 mod edit;
+mod packet;
 mod pairs;
 mod refit;
 mod traverse;
@@ -21,6 +22,7 @@ mod traverse;
 use crate::cast::Sweep;
 use crate::{Aabb, Boxes, Pair, Structure};
 use glam::{Vec3, Vec4};
+use numbers::dispatch::Isa;
 
 /// Marks a child that is an object.
 const OBJECT: u32 = 1 << 31;
@@ -108,6 +110,8 @@ pub struct Bvh {
     place: Vec<u32>,
     /// Sum of all nodes' areas when built, to judge refits by.
     built_area: f32,
+    /// For packets of sweeps.
+    isa: Isa,
 }
 
 impl Structure for Bvh {
@@ -133,6 +137,15 @@ impl Structure for Bvh {
     }
     fn sweep(&self, _: &Boxes, sweep: &Sweep, limit: f32, visit: &mut impl FnMut(u32) -> f32) {
         self.visit_swept(sweep, limit, visit);
+    }
+    fn sweep_many(
+        &self,
+        _: &Boxes,
+        sweeps: &[Sweep],
+        limits: &[f32],
+        visit: &mut impl FnMut(usize, u32) -> f32,
+    ) {
+        self.visit_many_swept(sweeps, limits, visit);
     }
     fn approach(&self, _: &Boxes, point: Vec3, limit: f32, visit: &mut impl FnMut(u32) -> f32) {
         self.visit_near(point, limit, visit);
