@@ -15,7 +15,7 @@ use crate::gjk::Cores;
 use crate::overlap::{self, Witness};
 use crate::{Manifold, Placed, Solid, Tables};
 use numbers::machine::{Held, Hold};
-use numbers::{Cell, Machine, Real, Vec3};
+use numbers::{Cell, Machine, Mask, Real, Vec3};
 
 /// Gap, against the sum of the sizes, from which corners are looked at.
 const APART: f64 = 0.005;
@@ -60,6 +60,7 @@ pub fn box_box<M: Machine>(
         on_a: on_a.get(),
         gap: gap.read(),
         radii: [M::R::zero(); 2],
+        stands: <M::R as Real>::Mask::splat(true),
     };
     overlap::manifold(k, &cores, &witness)
 }

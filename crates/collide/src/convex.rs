@@ -19,7 +19,7 @@ use crate::overlap::{self, Witness};
 use crate::support::radius;
 use crate::{Manifold, Solid, Tables};
 use numbers::machine::{Held, Hold};
-use numbers::{Cell, Float, Machine, Real, Vec3};
+use numbers::{Cell, Float, Machine, Mask, Real, Vec3};
 
 /// Rounds of moving apart and looking again.
 const ROUNDS: usize = 12;
@@ -55,6 +55,7 @@ pub fn convex_convex<M: Machine>(
         on_a,
         gap,
         radii: [radius(k, a), radius(k, b)],
+        stands: <M::R as Real>::Mask::splat(true),
     };
     overlap::manifold(k, &cores, &witness)
 }

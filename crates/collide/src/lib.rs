@@ -12,6 +12,7 @@ mod boxes;
 mod contact;
 mod convex;
 mod gjk;
+pub mod mesh;
 mod outline;
 mod overlap;
 pub mod pair;

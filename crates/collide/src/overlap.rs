@@ -25,7 +25,7 @@ const MERGED: f64 = 4.0;
 const KEPT: f64 = 1e-3;
 
 /// What is known of a contact before its points are.
-pub(crate) struct Witness<R> {
+pub(crate) struct Witness<R: Real> {
     /// Unit vector from A to B.
     pub normal: Vec3<R>,
     /// A point of A's core close to B's, from A's centre [m].
@@ -34,6 +34,8 @@ pub(crate) struct Witness<R> {
     pub gap: R,
     /// What surrounds the cores of A and B [m].
     pub radii: [R; 2],
+    /// Whether the solids touch where the point is, even if nothing overlaps along the normal.
+    pub stands: R::Mask,
 }
 
 /// The manifold of two solids along the normal of the witness.
@@ -61,7 +63,7 @@ pub(crate) fn manifold<M: Machine>(
     let fallback = Candidate {
         x: frame.x.dot(witness.on_a),
         y: frame.y.dot(witness.on_a),
-        gap: witness.gap,
+        gap: M::R::select(witness.stands, witness.gap, M::R::lit(FAR)),
         feature: M::R::zero(),
     };
     let chosen = choose(k, tables, wide * M::R::lit(MERGED), fallback);

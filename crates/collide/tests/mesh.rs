@@ -1,0 +1,342 @@
+//! Solids on meshes: the distance is that of the surface, and seams are not felt.
+
+mod common;
+
+use common::reference::support;
+use common::world::state;
+use common::{Pair, Solid, V, turn, unit};
+use fastrand::Rng;
+use glam::DVec3;
+use kinetarium_collide::mesh::{
+    MeshData, MeshTables, SLOTS, Surface, TriangleMesh, contact, mesh_convex,
+};
+use kinetarium_collide::{FAR, Placed, Tables, kind};
+use numbers::machine::space::State;
+use numbers::machine::{Links, Machine};
+use numbers::trace::{self, WgslOptions};
+use numbers::{Cpu, Float, Pose, Quat, Shared, Table};
+
+const MARGIN: f64 = 0.02;
+
+/// A mesh and a solid in the memories of a machine.
+struct World {
+    tables: Tables,
+    meshes: MeshTables,
+    groups: [usize; 2],
+    /// Size, position, orientation of the solid; the same of the mesh.
+    solids: Table<State, 10>,
+    parameters: Vec<f64>,
+    links: Vec<u32>,
+    kinds: Links<3>,
+    scratch: usize,
+}
+
+/// A contact as read back.
+#[derive(Debug)]
+struct Contact {
+    position: V,
+    normal: V,
+    distance: f64,
+}
+
+impl World {
+    /// Of a mesh and a solid; the solid's vertices come first.
+    fn new(mesh: &TriangleMesh, solid: &Solid) -> Self {
+        let mut data = MeshData::default();
+        let groups = data.add(mesh);
+        let (mut parameters, mut links, mut scratch) = (0, 0, 0);
+        let own = solid.vertices.len();
+        let tables = Tables::place(&mut parameters, own + data.vertex_rows(), &mut scratch);
+        let meshes = data.place(&mut parameters, &mut links, &mut scratch);
+        let kinds = Links::<3>::place(&mut links, 1);
+        let mut world = Self {
+            tables,
+            meshes,
+            groups,
+            solids: Table::place(&mut 0, 2),
+            parameters: vec![0.0; parameters],
+            links: vec![0; links],
+            kinds,
+            scratch,
+        };
+        data.write(
+            &meshes,
+            tables.vertices,
+            own,
+            &mut world.parameters,
+            &mut world.links,
+        );
+        for (i, v) in solid.vertices.iter().enumerate() {
+            let at = tables.vertices.at(i, 0);
+            world.parameters[at..at + 3].copy_from_slice(&v.to_array());
+        }
+        let range = [solid.kind, 0, own].map(|x| x as u32);
+        world.links[kinds.start()..][..3].copy_from_slice(&range);
+        world
+    }
+
+    fn run<M: Machine>(&self, k: &mut M) {
+        let (first, second) = (k.index(0), k.index(1));
+        let solid = kinetarium_collide::Solid {
+            kind: k.link(self.kinds, first, 0),
+            placed: Placed::new(k.vec3(self.solids, first, 0), k.pose(self.solids, first, 3)),
+            rows: [k.link(self.kinds, first, 1), k.link(self.kinds, first, 2)],
+        };
+        let surface = Surface {
+            placed: Placed::new(
+                k.vec3(self.solids, second, 0),
+                k.pose(self.solids, second, 3),
+            ),
+            groups: self.groups.map(|g| k.index(g)),
+        };
+        let margin = numbers::Real::lit(MARGIN);
+        mesh_convex(k, self.tables, &self.meshes, &solid, &surface, margin);
+    }
+
+    /// The scratch after a run of the kernel, with the solid and the mesh in these poses.
+    fn scratch<T: Float>(&self, solid: &Solid, poses: [Pose<f64>; 2]) -> Vec<T> {
+        self.with_machine(solid, poses, |k| self.run(k))
+    }
+
+    /// The scratch after something ran.
+    fn with_machine<T: Float>(
+        &self,
+        solid: &Solid,
+        poses: [Pose<f64>; 2],
+        run: impl for<'a> FnOnce(&mut Cpu<'a, T, Shared<'a, T>>),
+    ) -> Vec<T> {
+        let under = Solid::new(kind::PLANE, 0.0, 0.0, 0.0);
+        let solids = [solid.clone(), under];
+        let numbers = |x: &[f64]| x.iter().map(|&x| T::from_f64(x)).collect::<Vec<_>>();
+        let parameters = numbers(&self.parameters);
+        let mut scratch = vec![T::zero(); self.scratch];
+        run(&mut Cpu {
+            state: &mut numbers(&state(&Pair { solids, poses })),
+            input: &[],
+            output: &mut [],
+            scratch: &mut scratch,
+            parameters: Shared(&parameters),
+            links: &self.links,
+        });
+        scratch
+    }
+
+    fn contacts<T: Float>(&self, solid: &Solid, poses: [Pose<f64>; 2]) -> Vec<Contact> {
+        let scratch = self.scratch::<T>(solid, poses);
+        let at = |slot: usize, field: usize| scratch[self.meshes.contacts.at(slot, field)].to_f64();
+        let vector = |slot, f| V::new(at(slot, f), at(slot, f + 1), at(slot, f + 2));
+        (0..SLOTS)
+            .map(|slot| Contact {
+                position: vector(slot, contact::POSITION),
+                normal: vector(slot, contact::NORMAL),
+                distance: at(slot, contact::DISTANCE),
+            })
+            .filter(|c| c.distance < 0.5 * FAR)
+            .collect()
+    }
+}
+
+fn still(x: f64, y: f64, z: f64) -> Pose<f64> {
+    Pose::new(V::new(x, y, z), Quat::identity())
+}
+
+/// A level floor of triangles of all shapes, 8 m wide.
+fn floor(rng: &mut Rng) -> TriangleMesh {
+    let flat = TriangleMesh::height_field(&vec![vec![0.0; 17]; 17], 0.5).unwrap();
+    let moved = |v: &DVec3| {
+        let inside = v.x.abs() < 3.9 && v.z.abs() < 3.9;
+        let mut by = || if inside { 0.4 * (rng.f64() - 0.5) } else { 0.0 };
+        *v + DVec3::new(by(), 0.0, by())
+    };
+    let vertices: Vec<_> = flat.vertices().iter().map(moved).collect();
+    TriangleMesh::new(&vertices, flat.triangles()).unwrap()
+}
+
+/// How low a solid reaches.
+fn lowest(solid: &Solid, pose: Pose<f64>) -> f64 {
+    let down = pose.q.rotate_inverse(V::new(0.0, -1.0, 0.0));
+    pose.point(support(solid, down)).y
+}
+
+/// On a level floor of triangles all contacts are those of a plane.
+fn floor_is_a_plane<T: Float>(poses: usize, tolerance: f64) {
+    let mut rng = Rng::with_seed(17);
+    let mesh = floor(&mut rng);
+    for kind in kind::SPHERE..kind::CONVEX {
+        let mut touched = 0;
+        for _ in 0..poses / 100 {
+            let solid = Solid::random(kind, &mut rng);
+            let world = World::new(&mesh, &solid);
+            for _ in 0..100 {
+                let q = turn(&mut rng);
+                let low = lowest(&solid, Pose::new(V::zero(), q));
+                let depth = 0.1 * (rng.f64() - 0.4);
+                let (x, z) = (2.0 * (rng.f64() - 0.5), 2.0 * (rng.f64() - 0.5));
+                let pose = Pose::new(V::new(x, -low - depth, z), q);
+                // A surface is touched from its front.
+                if pose.p.y <= 0.0 {
+                    continue;
+                }
+                let found = world.contacts::<T>(&solid, [pose, still(0.0, 0.0, 0.0)]);
+                if depth < -MARGIN - tolerance {
+                    assert!(found.is_empty(), "{found:#?}");
+                    continue;
+                }
+                // Rims and rounded faces within `FLAT` of level have their points a little higher.
+                if depth < -MARGIN + 0.01 {
+                    continue;
+                }
+                let least = found.iter().map(|c| c.distance).fold(FAR, f64::min);
+                assert!(
+                    (least + depth).abs() < 0.01 + tolerance,
+                    "{least} at depth {depth}: {solid:#?} {pose:#?} {found:#?}"
+                );
+                assert!(
+                    least + depth > -tolerance,
+                    "{least} at depth {depth}: {solid:#?} {pose:#?}"
+                );
+                for c in &found {
+                    let up = c.normal + V::new(0.0, 1.0, 0.0);
+                    assert!(
+                        up.length() < 1e-5,
+                        "{c:#?} at depth {depth}: {solid:#?} {pose:#?}"
+                    );
+                    let middle = 0.5 * c.distance;
+                    assert!((c.position.y - middle).abs() < 0.005, "{c:#?}");
+                }
+                touched += 1;
+            }
+        }
+        assert!(touched > poses / 3, "{kind}: {touched}");
+    }
+}
+
+#[test]
+fn a_level_floor_is_a_plane_in_f32() {
+    floor_is_a_plane::<f32>(3000, 1e-5);
+}
+
+#[test]
+fn a_level_floor_is_a_plane_in_f64() {
+    floor_is_a_plane::<f64>(300, 1e-8);
+}
+
+/// The point of a triangle nearest to x, by projection and by edges.
+fn nearest_on_triangle(x: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 {
+    let on_edge = |p: DVec3, q: DVec3| {
+        let t = (x - p).dot(q - p) / (q - p).length_squared();
+        p + (q - p) * t.clamp(0.0, 1.0)
+    };
+    let n = (b - a).cross(c - a).normalize();
+    let foot = x - n * n.dot(x - a);
+    let inside = [(a, b), (b, c), (c, a)]
+        .into_iter()
+        .all(|(p, q)| (q - p).cross(foot - p).dot(n) >= 0.0);
+    let edges = [on_edge(a, b), on_edge(b, c), on_edge(c, a)];
+    let nearest = |p: DVec3, q: DVec3| if x.distance(p) < x.distance(q) { p } else { q };
+    let rim = edges.into_iter().reduce(nearest).unwrap();
+    if inside { foot } else { rim }
+}
+
+/// Hills and valleys, a height field.
+fn hills() -> TriangleMesh {
+    let height =
+        |r: usize, c: usize| 0.3 * (1.3 * r as f64).sin() + 0.25 * (0.9 * c as f64 + 0.4).cos();
+    let heights: Vec<Vec<_>> = (0..21)
+        .map(|r| (0..25).map(|c| height(r, c)).collect())
+        .collect();
+    TriangleMesh::height_field(&heights, 0.4).unwrap()
+}
+
+/// A sphere on hills is as far from them as its centre is from the nearest triangle, less its radius.
+#[test]
+fn spheres_on_a_height_field() {
+    let mesh = hills();
+    let solid = Solid::new(kind::SPHERE, 0.3, 0.0, 0.0);
+    let world = World::new(&mesh, &solid);
+    let mut rng = Rng::with_seed(19);
+    let mut touched = 0;
+    for _ in 0..5000 {
+        let (x, z) = (6.0 * (rng.f64() - 0.5), 6.0 * (rng.f64() - 0.5));
+        let pose = still(x, rng.f64() - 0.2, z);
+        let center = DVec3::from(pose.p.to_array());
+        let nearest = mesh
+            .triangles()
+            .iter()
+            .map(|t| nearest_on_triangle(center, t.map(|v| mesh.vertices()[v as usize])));
+        let nearest = nearest
+            .min_by(|p, q| center.distance(*p).total_cmp(&center.distance(*q)))
+            .unwrap();
+        let distance = center.distance(nearest) - 0.3;
+        let above = center.y > nearest.y;
+        let found = world.contacts::<f32>(&solid, [pose, still(0.0, 0.0, 0.0)]);
+        if !above || distance < -0.2 {
+            continue;
+        }
+        let least = found.iter().map(|c| c.distance).fold(FAR, f64::min);
+        if distance > MARGIN + 1e-5 {
+            assert!(found.is_empty(), "{distance}: {found:#?}");
+        } else if distance < MARGIN - 1e-5 {
+            assert!(
+                (least - distance).abs() < 2e-5,
+                "{least} for {distance} at {pose:#?}: {found:#?}"
+            );
+            touched += 1;
+        }
+    }
+    assert!(touched > 500, "{touched}");
+}
+
+/// In any pose of mesh and solid together the contacts are the same.
+#[test]
+fn contacts_move_along_with_both() {
+    let mesh = hills();
+    let mut rng = Rng::with_seed(23);
+    for kind in kind::SPHERE..kind::CONVEX {
+        let solid = Solid::random(kind, &mut rng);
+        let world = World::new(&mesh, &solid);
+        let (q, outer) = (turn(&mut rng), Pose::new(unit(&mut rng), turn(&mut rng)));
+        // Lowered until it touches.
+        let (inner, here) = (0..100)
+            .map(|i| Pose::new(V::new(0.3, 2.5 - 0.03 * f64::from(i), -0.2), q))
+            .map(|p| (p, world.contacts::<f64>(&solid, [p, still(0.0, 0.0, 0.0)])))
+            .find(|(_, found)| !found.is_empty())
+            .unwrap();
+        let there = world.contacts::<f64>(&solid, [outer * inner, outer]);
+        assert_eq!(here.len(), there.len());
+        for (a, b) in here.iter().zip(&there) {
+            assert!(
+                (outer.point(a.position) - b.position).length() < 1e-6,
+                "{a:#?} {b:#?}"
+            );
+            assert!((outer.q.rotate(a.normal) - b.normal).length() < 1e-6);
+            assert!((a.distance - b.distance).abs() < 1e-6);
+        }
+    }
+}
+
+#[test]
+fn meshes_are_traced() {
+    let mesh = hills();
+    let mut rng = Rng::with_seed(29);
+    for kind in [kind::SPHERE, kind::BOX, kind::HULL] {
+        let solid = Solid::random(kind, &mut rng);
+        let world = World::new(&mesh, &solid);
+        let program = trace::record(|k| world.run(k)).unwrap();
+        let shader = program.to_wgsl(&WgslOptions::default()).unwrap();
+        let module = naga::front::wgsl::parse_str(&shader)
+            .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&shader)));
+        let flags = naga::valid::ValidationFlags::all();
+        naga::valid::Validator::new(flags, naga::valid::Capabilities::default())
+            .validate(&module)
+            .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&shader)));
+        for i in 0..5 {
+            let pose = Pose::new(V::new(0.2, 0.2 * f64::from(i), 0.1), turn(&mut rng));
+            let poses = [pose, still(0.0, 0.0, 0.0)];
+            let bits = |x: Vec<f32>| x.into_iter().map(f32::to_bits).collect::<Vec<_>>();
+            let kernel = bits(world.scratch(&solid, poses));
+            let record = bits(world.with_machine(&solid, poses, |k| program.interpret(k).unwrap()));
+            assert_eq!(kernel, record);
+        }
+    }
+}
