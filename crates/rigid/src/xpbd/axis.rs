@@ -16,6 +16,7 @@
 use super::joint::Ends;
 use super::tables::{Tables, axis_field, group_link, joint_field};
 use numbers::machine::{Held, Hold, Index};
+use numbers::spatial::Spatial;
 use numbers::{Machine, Quat, Real, SymMat3, Vec3};
 
 /// Least determinant of JᵀJ; unit axes at right angles have 1, gimbal lock 0.
@@ -131,12 +132,14 @@ fn measure_angular<M: Machine>(k: &mut M, t: &Tables, j: M::I, first: M::I, coun
     let q2 = q1 * turn(k, t, first, 1, count, u[1]);
     let q3 = q2 * turn(k, t, first, 2, count, u[2]);
     let e = (qa.conjugate() * qb * q3.conjugate()).log();
-    let gradients = gradients([u[0], q1.rotate(u[1]), q2.rotate(u[2])]);
+    let axes = [u[0], q1.rotate(u[1]), q2.rotate(u[2])];
+    let gradients = gradients(axes);
     for (i, &gradient) in gradients.iter().enumerate() {
         for _ in k.when(k.less(k.index(i), count)) {
             let row = first.offset(i);
             let angle = k.load(t.angle, row, 0) + gradient.dot(e);
             let a = qa.rotate(gradient);
+            k.store_vec3(t.axis, row, axis_field::DIRECTION, qa.rotate(axes[i]));
             finish(
                 k,
                 t,
@@ -219,27 +222,10 @@ impl<R: Real> Pull<R> {
         let straight = (ends.a.m + ends.b.m) * self.n.length_squared();
         straight + self.a.dot(ends.a.i * self.a) + self.b.dot(ends.b.i * self.b)
     }
-    /// Force per unit of generalised force.
+    /// Applies a position impulse along the coordinate. Returns how A and B moved.
     #[inline(always)]
-    pub fn straight(&self) -> Vec3<R> {
-        self.n
-    }
-    /// Torque per unit of generalised force, about B's anchor; zero for a linear axis.
-    #[inline(always)]
-    pub fn turn(&self) -> Vec3<R> {
-        let straight = self.n.length_squared().gt(R::zero());
-        Vec3::select(straight, Vec3::zero(), self.b)
-    }
-    /// Applies an impulse [N·s or N·m·s] along the coordinate: changes velocities only.
-    #[inline(always)]
-    pub fn kick<I: Index>(&self, ends: &mut Ends<R, I>, impulse: R) {
-        ends.a.kick(-(self.n * impulse), -(self.a * impulse));
-        ends.b.kick(self.n * impulse, self.b * impulse);
-    }
-    /// Applies a position impulse along the coordinate.
-    #[inline(always)]
-    pub fn push<I: Index>(&self, ends: &mut Ends<R, I>, lambda: R, over_h: R) {
-        ends.a.push(-(self.n * lambda), -(self.a * lambda), over_h);
-        ends.b.push(self.n * lambda, self.b * lambda, over_h);
+    pub fn push<I: Index>(&self, ends: &mut Ends<R, I>, lambda: R, over_h: R) -> [Spatial<R>; 2] {
+        let (n, a, b) = (self.n * lambda, self.a * lambda, self.b * lambda);
+        [ends.a.push(-n, -a, over_h), ends.b.push(n, b, over_h)]
     }
 }

@@ -1,11 +1,12 @@
 //! Bodies on their own: loading, pushing, and the free flight of a substep.
 //!
-//! A body that nothing holds keeps its angular momentum L = I ω. Over a substep
-//! it turns by the rate at the midpoint, and its new rate is that of L at its
-//! new orientation, which is second order and keeps L to rounding:
+//! A body that nothing holds keeps its angular momentum L = I ω. Over a substep it
+//! turns by the rotation vector r of Euler's equations to second order, and its new
+//! rate is that of L at its new orientation, which keeps L to rounding. In the
+//! body's axes, where I is a diagonal:
 //!
 //! ```text
-//! q½ = exp(h/2 ω) q    ω½ = I(q½)⁻¹ L    q' = exp(h ω½) q    ω' = I(q')⁻¹ L
+//! r = h ω + ½ h² I⁻¹ (L × ω)    E = exp(r)    q' = q E    ω' = I⁻¹ E⁻¹ L
 //! ```
 //!
 //! Turns of up to 1 rad per substep are exact to rounding of `f32`; longer ones are not.
@@ -13,9 +14,13 @@
 //! Departure from Müller et al. 2020 (alg. 2), where the gyroscopic torque is
 //! taken explicitly.
 
-use super::tables::{Tables, global};
+use super::tables::{Tables, global, mass};
+use numbers::machine::{Held, Hold};
 use numbers::spatial::Spatial;
 use numbers::{Machine, Pose, Quat, Real, SymMat3, Vec3};
+
+/// How far |q|² may be from 1 for its length to be mended in first order.
+const NEARBY: f64 = 1e-3;
 
 /// A body as a constraint sees it: own pose, twist at its centre, inverse mass and inertia.
 #[derive(Clone, Copy, Debug)]
@@ -34,7 +39,7 @@ impl<R: Real> Body<R> {
         Self {
             pose: k.pose(t.pose, row, 0),
             twist: k.spatial(t.twist, row, 0),
-            m: k.load(t.mass, row, 0),
+            m: k.load(t.mass, row, mass::INVERSE),
             i: k.sym(t.inverse_inertia, row, 0),
         }
     }
@@ -43,79 +48,96 @@ impl<R: Real> Body<R> {
         k.store_pose(t.pose, row, 0, self.pose);
         k.store_spatial(t.twist, row, 0, self.twist);
     }
+    /// As it was, where the mask holds.
+    #[inline(always)]
+    pub fn unless(self, mask: R::Mask, was: Self) -> Self {
+        let (pose, twist) = (self.pose, self.twist);
+        let p = Vec3::select(mask, was.pose.p, pose.p);
+        let q = Quat::select(mask, was.pose.q, pose.q);
+        let angular = Vec3::select(mask, was.twist.angular, twist.angular);
+        let linear = Vec3::select(mask, was.twist.linear, twist.linear);
+        Self {
+            pose: Pose::new(p, q),
+            twist: Spatial::new(angular, linear),
+            ..self
+        }
+    }
     /// A position impulse: λ [kg·m] through the centre, and its moment [kg·m²].
     ///
     /// The delta form: what moves the body within the substep also changes its
-    /// velocity by the same over h.
+    /// velocity by the same over h. Returns by how much it moved.
     #[inline(always)]
-    pub fn push(&mut self, linear: Vec3<R>, angular: Vec3<R>, over_h: R) {
-        let (shift, turn) = (linear * self.m, self.i * angular);
-        self.pose.p += shift;
-        self.pose.q = turned(self.pose.q, turn);
-        self.twist = Spatial::new(turn, shift).fma(over_h, self.twist);
-    }
-    /// An impulse [N·s] through the centre, and its moment [N·m·s]: changes the twist only.
-    #[inline(always)]
-    pub fn kick(&mut self, linear: Vec3<R>, angular: Vec3<R>) {
-        let change = Spatial::new(self.i * angular, linear * self.m);
-        self.twist = self.twist + change;
+    pub fn push(&mut self, linear: Vec3<R>, angular: Vec3<R>, over_h: R) -> Spatial<R> {
+        let moved = Spatial::new(self.i * angular, linear * self.m);
+        self.pose.p += moved.linear;
+        self.pose.q = turned(self.pose.q, moved.angular);
+        self.twist = moved.fma(over_h, self.twist);
+        moved
     }
 }
 
 /// q ← normalise(q + ½ (r, 0) q): a small rotation r (Müller et al. 2020, eq. 8).
 #[inline(always)]
-fn turned<R: Real>(q: Quat<R>, r: Vec3<R>) -> Quat<R> {
+pub(crate) fn turned<R: Real>(q: Quat<R>, r: Vec3<R>) -> Quat<R> {
     let d = Quat::from_parts(r * R::lit(0.5), R::zero()) * q;
     Quat::new(q.x + d.x, q.y + d.y, q.z + d.z, q.w + d.w).nearly_normalized()
-}
-
-/// Keeps the poses and twists with which the substep starts.
-#[inline(always)]
-pub(crate) fn save<M: Machine>(k: &mut M, t: &Tables) {
-    for row in k.count(t.rows) {
-        let (pose, twist) = (k.pose(t.pose, row, 0), k.spatial(t.twist, row, 0));
-        k.store_pose(t.saved_pose, row, 0, pose);
-        k.store_spatial(t.before, row, 0, twist);
-    }
 }
 
 /// Inverse inertias at the present orientations.
 #[inline(always)]
 pub(crate) fn inverse_inertias<M: Machine>(k: &mut M, t: &Tables) {
     for row in k.count(t.rows) {
-        let i = SymMat3::rotated_diagonal(k.quat(t.pose, row, 3).to_mat3(), k.vec3(t.mass, row, 1));
+        let i = SymMat3::rotated_diagonal(
+            k.quat(t.pose, row, 3).to_mat3(),
+            k.vec3(t.mass, row, mass::INVERSE_MOMENTS),
+        );
         k.store_sym(t.inverse_inertia, row, 0, i);
     }
 }
 
-/// Gravity acts; bodies fly. The rotation is done in the body's axes, where I is a
-/// diagonal: with L the angular momentum there, δ = exp(h/2 ω) and E = exp(h δ ω½),
-/// ω½ = I⁻¹ δ⁻¹ L, q' = q E and ω' = I⁻¹ E⁻¹ L.
+/// From the centre to the joint that carries a body, for all bodies as they now are.
+#[inline(always)]
+pub(crate) fn arms<M: Machine>(k: &mut M, t: &Tables) {
+    for row in k.count(t.rows) {
+        let arm = k
+            .quat(t.pose, row, 3)
+            .rotate(k.vec3(t.mass, row, mass::ANCHOR));
+        k.store_vec3(t.arm, row, 0, arm);
+    }
+}
+
+/// Scaled to unit length: in first order of |q|² − 1, but where a turn was too long for its series.
+#[inline(always)]
+fn unit<M: Machine>(k: &M, q: Quat<M::R>) -> Quat<M::R> {
+    let mut unit = q.nearly_normalized().hold(k);
+    let near = (q.dot(q) - M::R::one()).abs().le(M::R::lit(NEARBY));
+    for _ in k.if_any(!near) {
+        unit.set(Quat::select(near, unit.get(), q.normalized()));
+    }
+    unit.get()
+}
+
+/// Gravity acts; bodies fly. What they leave is kept in `saved_pose` and `before`.
 #[inline(always)]
 pub(crate) fn fly<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     let world = k.index(0);
     let gravity = k.vec3(t.global, world, global::GRAVITY);
     let fade = (h * k.load(t.global, world, global::ANGULAR_DAMPING) + M::R::one()).recip();
+    k.store_vec3(t.arm, world, 0, Vec3::zero());
     for row in k.range(k.index(1), k.index(t.rows)) {
         let (pose, twist) = (k.pose(t.pose, row, 0), k.spatial(t.twist, row, 0));
+        k.store_pose(t.saved_pose, row, 0, pose);
+        k.store_spatial(t.before, row, 0, twist);
+        let inverse = k.vec3(t.mass, row, mass::INVERSE_MOMENTS);
         let v = gravity.fma(h, twist.linear);
-        let inverse = k.vec3(t.mass, row, 1);
         let w = pose.q.rotate_inverse(twist.angular) * fade;
-        let l = w.times(k.vec3(t.mass, row, 5));
-        let half = Quat::exp_short(w * (h * M::R::lit(0.5)));
-        let rate = half.rotate(half.rotate_inverse(l).times(inverse));
-        let turn = Quat::exp_short(rate * h);
-        let q = (pose.q * turn).normalized();
+        let l = w.times(k.vec3(t.mass, row, mass::MOMENTS));
+        let bend = l.cross(w).times(inverse);
+        let turn = Quat::exp_short(bend.fma(h * M::R::lit(0.5), w) * h);
+        let q = unit(k, pose.q * turn);
         let w = q.rotate(turn.rotate_inverse(l).times(inverse));
         k.store_pose(t.pose, row, 0, Pose::new(v.fma(h, pose.p), q));
         k.store_spatial(t.twist, row, 0, Spatial::new(w, v));
-        k.store_sym(
-            t.inverse_inertia,
-            row,
-            0,
-            SymMat3::rotated_diagonal(q.to_mat3(), inverse),
-        );
+        k.store_vec3(t.arm, row, 0, q.rotate(k.vec3(t.mass, row, mass::ANCHOR)));
     }
-    // The world's: zero.
-    k.store_sym(t.inverse_inertia, world, 0, SymMat3::zero());
 }

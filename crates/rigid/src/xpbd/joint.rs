@@ -1,4 +1,4 @@
-//! What joints lock, solved as blocks.
+//! What joints outside a tree lock, solved as blocks: those that close loops or hold a distance.
 //!
 //! For a joint of bodies A and B, with an error c of several rows, and a
 //! compliance α, the multiplier changes by (Macklin et al. 2016, eq. 18, with all
@@ -48,13 +48,23 @@ impl<R: Real, I: Index> Ends<R, I> {
         self.a.store(k, t, self.row_a);
         self.b.store(k, t, self.row_b);
     }
-    /// An impulse [N·s] at B's arm and a moment [N·m·s] from A to B; the impulse is at
-    /// the same point of A. Changes velocities only.
+    /// A position impulse [kg·m] at B's arm and a moment [kg·m²] from A to B; the impulse is at
+    /// the same point of A.
     #[inline(always)]
-    pub fn kick(&mut self, linear: Vec3<R>, angular: Vec3<R>, rb: Vec3<R>) {
+    pub fn push(&mut self, linear: Vec3<R>, angular: Vec3<R>, rb: Vec3<R>, over_h: R) {
         let ra = self.b.pose.p + rb - self.a.pose.p;
-        self.a.kick(-linear, -(angular + ra.cross(linear)));
-        self.b.kick(linear, angular + rb.cross(linear));
+        let reached = angular + ra.cross(linear);
+        self.a.push(-linear, -reached, over_h);
+        self.b.push(linear, angular + rb.cross(linear), over_h);
+    }
+    /// As they were, where the mask holds.
+    #[inline(always)]
+    pub fn unless(self, mask: R::Mask, were: Self) -> Self {
+        Self {
+            a: self.a.unless(mask, were.a),
+            b: self.b.unless(mask, were.b),
+            ..self
+        }
     }
     /// Angular frames on both bodies, world axes.
     #[inline(always)]
@@ -146,45 +156,49 @@ impl<M: Machine> Pair<M> {
 /// Arms from the centres of A and B to where a push acts.
 type Arms<R> = (Vec3<R>, Vec3<R>);
 
-/// One pass over all joints, in the model's order: rotations, then positions.
+/// One pass over all closings, in the model's order: rotations, then positions.
 #[inline(always)]
-pub(crate) fn joints<M: Machine>(k: &mut M, t: &Tables, h: M::R, capped: bool) {
+pub(crate) fn closings<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     let over_h = h.recip();
-    for j in k.count(t.joints) {
+    for c in k.count(t.closings) {
+        let j = k.link(t.closing_links, c, 0);
         let start = Ends::load(k, t, j);
         let mut pair = Pair::hold(k, &start);
-        let soft = angular_softness(k, t, j, h);
+        let lambda = k.spatial(t.multiplier, c, 0);
+        let [shifts, turns] = k.read(t.joint, j, joint_field::COMPLIANCE);
+        let strength = strength(k, t, j);
+        let block = Block::new(j, start, turns / h.squared(), lambda.angular);
         let kind = k.link(t.joint_links, j, joint_link::TURNS);
         for _ in k.when(k.equals(kind, turns::ONE)) {
-            let delta = revolute(k, t, j, &start, soft) * strength(k, t, j);
-            pair.twist(start, delta, over_h);
+            pair.twist(start, block.revolute(k, t) * strength, over_h);
         }
         for _ in k.when(k.equals(kind, turns::LOCKED)) {
-            let delta = fixed(k, t, j, &start, soft) * strength(k, t, j);
-            pair.twist(start, delta, over_h);
+            pair.twist(start, block.fixed(k, t) * strength, over_h);
         }
         for _ in k.when(k.equals(kind, turns::TWO)) {
-            let delta = universal(k, t, j, &start, soft) * strength(k, t, j);
-            pair.twist(start, delta, over_h);
+            pair.twist(start, block.universal(k, t) * strength, over_h);
         }
         let ends = pair.ends(&start);
-        let soft = linear_softness(k, t, j, h);
+        let block = Block::new(j, ends, shifts / h.squared(), lambda.linear);
         let kind = k.link(t.joint_links, j, joint_link::HOLD);
         for _ in k.when(k.equals(kind, hold::POINT)) {
-            let (arms, delta) = point(k, t, j, &ends, soft);
-            pair.shove(ends, arms, tame(k, t, j, h, &ends, delta, capped), over_h);
+            let (arms, delta) = block.point(k, t);
+            let delta = capped(k, t, h, &ends, delta * strength);
+            pair.shove(ends, arms, delta, over_h);
         }
         for _ in k.when(k.equals(kind, hold::SLIDE)) {
-            let (arms, delta) = slide(k, t, j, &ends, soft);
-            pair.shove(ends, arms, tame(k, t, j, h, &ends, delta, capped), over_h);
+            let (arms, delta) = block.slide(k, t);
+            let delta = capped(k, t, h, &ends, delta * strength);
+            pair.shove(ends, arms, delta, over_h);
         }
         for _ in k.when(k.equals(kind, hold::DISTANCE)) {
-            let (arms, delta) = distance(k, t, j, &ends, soft);
-            pair.shove(ends, arms, tame(k, t, j, h, &ends, delta, capped), over_h);
+            let (arms, delta) = block.distance(k, t);
+            let delta = capped(k, t, h, &ends, delta * strength);
+            pair.shove(ends, arms, delta, over_h);
         }
         pair.ends(&start).store(k, t);
-        k.add_vec3(t.multiplier, j, 0, pair.turn.get());
-        k.add_vec3(t.multiplier, j, 3, pair.shove.get());
+        let sum = lambda + Spatial::new(pair.turn.get(), pair.shove.get());
+        k.store_spatial(t.multiplier, c, 0, sum);
     }
 }
 
@@ -195,79 +209,154 @@ fn strength<M: Machine>(k: &M, t: &Tables, j: M::I) -> M::R {
     relaxation * k.load(t.joint, j, joint_field::ENABLED)
 }
 
-/// α/h² of the rotations.
-#[inline(always)]
-fn angular_softness<M: Machine>(k: &M, t: &Tables, j: M::I, h: M::R) -> M::R {
-    k.load(t.joint, j, joint_field::COMPLIANCE + 1) / h.squared()
+/// Rows of a joint that are solved at once: its bodies, α/h², and what they have pushed before.
+struct Block<M: Machine> {
+    j: M::I,
+    ends: Ends<M::R, M::I>,
+    soft: M::R,
+    lambda: Vec3<M::R>,
 }
 
-/// Two rows across the axis a: c = a_A × a_B, which turns B's axis back onto A's.
-#[inline(always)]
-fn revolute<M: Machine>(
-    k: &M,
-    t: &Tables,
-    j: M::I,
-    ends: &Ends<M::R, M::I>,
-    soft: M::R,
-) -> Vec3<M::R> {
-    let (qa, qb) = ends.frames(k, t, j);
-    let frame = qa.to_mat3();
-    let c = frame
-        .x
-        .cross(qb.rotate(Vec3::new(M::R::one(), M::R::zero(), M::R::zero())));
-    let i = ends.a.i + ends.b.i;
-    let (u, v) = (frame.y, frame.z);
-    let (iu, iv) = (i * u, i * v);
-    let lambda = k.vec3(t.multiplier, j, 0);
-    let (kuu, kuv, kvv) = (u.dot(iu) + soft, u.dot(iv), v.dot(iv) + soft);
-    let (cu, cv) = (
-        soft.fma(u.dot(lambda), u.dot(c)),
-        soft.fma(v.dot(lambda), v.dot(c)),
-    );
-    let determinant = kuv.fnma(kuv, kuu * kvv).max(M::R::lit(TINY * TINY)).recip();
-    let lu = kuv.fnma(cv, kvv * cu) * -determinant;
-    let lv = kuv.fnma(cu, kuu * cv) * -determinant;
-    u.fma(lu, v * lv)
-}
-
-/// Three rows: c is the rotation vector from A's frame to B's.
-#[inline(always)]
-fn fixed<M: Machine>(
-    k: &M,
-    t: &Tables,
-    j: M::I,
-    ends: &Ends<M::R, M::I>,
-    soft: M::R,
-) -> Vec3<M::R> {
-    let (qa, qb) = ends.frames(k, t, j);
-    let c = qa.rotate((qa.conjugate() * qb).log());
-    let i = ends.a.i + ends.b.i + SymMat3::diagonal(soft);
-    let right = -(k.vec3(t.multiplier, j, 0).fma(soft, c));
-    i.solve(right, M::R::lit(TINY))
-}
-
-/// One row: the angle between the first axis, fixed in A, and the second, fixed in
-/// B, stays. With n = a × b it changes by n̂ · ω, so c = (a · b₀ − a · b) / |n|.
-#[inline(always)]
-fn universal<M: Machine>(
-    k: &M,
-    t: &Tables,
-    j: M::I,
-    ends: &Ends<M::R, M::I>,
-    soft: M::R,
-) -> Vec3<M::R> {
-    let (qa, qb) = ends.frames(k, t, j);
-    let second = k.vec3(t.joint, j, joint_field::SECOND);
-    let a = qa.rotate(Vec3::new(M::R::one(), M::R::zero(), M::R::zero()));
-    let b = qb.rotate(second);
-    let n = a.cross(b);
-    let size = n.length().max(M::R::lit(1e-6));
-    let n = n * size.recip();
-    let c = (second.x - a.dot(b)) / size;
-    let lambda = n.dot(k.vec3(t.multiplier, j, 0));
-    let i = n.dot((ends.a.i + ends.b.i) * n) + soft;
-    let delta = -(soft.fma(lambda, c)) / i.max(M::R::lit(TINY));
-    n * delta
+impl<M: Machine> Block<M> {
+    #[inline(always)]
+    fn new(j: M::I, ends: Ends<M::R, M::I>, soft: M::R, lambda: Vec3<M::R>) -> Self {
+        Self {
+            j,
+            ends,
+            soft,
+            lambda,
+        }
+    }
+    /// Two rows across the axis a: c = a_A × a_B, which turns B's axis back onto A's.
+    #[inline(always)]
+    fn revolute(&self, k: &M, t: &Tables) -> Vec3<M::R> {
+        let Self {
+            j,
+            ends,
+            soft,
+            lambda,
+        } = *self;
+        let (qa, qb) = ends.frames(k, t, j);
+        let frame = qa.to_mat3();
+        let c = frame
+            .x
+            .cross(qb.rotate(Vec3::new(M::R::one(), M::R::zero(), M::R::zero())));
+        let i = ends.a.i + ends.b.i;
+        let (u, v) = (frame.y, frame.z);
+        let (iu, iv) = (i * u, i * v);
+        let (kuu, kuv, kvv) = (u.dot(iu) + soft, u.dot(iv), v.dot(iv) + soft);
+        let (cu, cv) = (
+            soft.fma(u.dot(lambda), u.dot(c)),
+            soft.fma(v.dot(lambda), v.dot(c)),
+        );
+        let determinant = kuv.fnma(kuv, kuu * kvv).max(M::R::lit(TINY * TINY)).recip();
+        let lu = kuv.fnma(cv, kvv * cu) * -determinant;
+        let lv = kuv.fnma(cu, kuu * cv) * -determinant;
+        u.fma(lu, v * lv)
+    }
+    /// Three rows: c is the rotation vector from A's frame to B's.
+    #[inline(always)]
+    fn fixed(&self, k: &M, t: &Tables) -> Vec3<M::R> {
+        let Self {
+            j,
+            ends,
+            soft,
+            lambda,
+        } = *self;
+        let (qa, qb) = ends.frames(k, t, j);
+        let c = qa.rotate((qa.conjugate() * qb).log());
+        let i = ends.a.i + ends.b.i + SymMat3::diagonal(soft);
+        let right = -(lambda.fma(soft, c));
+        i.solve(right, M::R::lit(TINY))
+    }
+    /// One row: the angle between the first axis, fixed in A, and the second, fixed in
+    /// B, stays. With n = a × b it changes by n̂ · ω, so c = (a · b₀ − a · b) / |n|.
+    #[inline(always)]
+    fn universal(&self, k: &M, t: &Tables) -> Vec3<M::R> {
+        let Self {
+            j,
+            ends,
+            soft,
+            lambda,
+        } = *self;
+        let (qa, qb) = ends.frames(k, t, j);
+        let second = k.vec3(t.joint, j, joint_field::SECOND);
+        let a = qa.rotate(Vec3::new(M::R::one(), M::R::zero(), M::R::zero()));
+        let b = qb.rotate(second);
+        let n = a.cross(b);
+        let size = n.length().max(M::R::lit(1e-6));
+        let n = n * size.recip();
+        let c = (second.x - a.dot(b)) / size;
+        let lambda = n.dot(lambda);
+        let i = n.dot((ends.a.i + ends.b.i) * n) + soft;
+        let delta = -(soft.fma(lambda, c)) / i.max(M::R::lit(TINY));
+        n * delta
+    }
+    /// Three rows: the anchors coincide.
+    #[inline(always)]
+    fn point(&self, k: &M, t: &Tables) -> (Arms<M::R>, Vec3<M::R>) {
+        let Self {
+            j,
+            ends,
+            soft,
+            lambda,
+        } = *self;
+        let (ra, rb, gap) = ends.arms(k, t, j);
+        let block = linear_block(&ends, ra, rb) + SymMat3::diagonal(soft);
+        let right = -(lambda.fma(soft, gap));
+        ((ra, rb), block.solve_well(right, M::R::lit(TINY * TINY)))
+    }
+    /// One or two rows: the anchors coincide but along the free directions of the
+    /// linear frame, which A carries. Both bodies are pushed at B's anchor, so that
+    /// the pair keeps its angular momentum.
+    #[inline(always)]
+    fn slide(&self, k: &M, t: &Tables) -> (Arms<M::R>, Vec3<M::R>) {
+        let Self {
+            j,
+            ends,
+            soft,
+            lambda,
+        } = *self;
+        let (ra, rb, gap) = ends.arms(k, t, j);
+        let ra = ra + gap;
+        let frame = (ends.a.pose.q * k.quat(t.joint, j, joint_field::LINEAR_FRAME)).to_mat3();
+        let locked = k.vec3(t.joint, j, joint_field::LOCKED);
+        let block =
+            linear_block(&ends, ra, rb).rotated(frame.transpose()) + SymMat3::diagonal(soft);
+        let (x, y, z) = (locked.x, locked.y, locked.z);
+        let one = M::R::one();
+        // Free rows become 1 · Δλ = 0.
+        let block = SymMat3 {
+            xx: block.xx * x + (one - x),
+            yy: block.yy * y + (one - y),
+            zz: block.zz * z + (one - z),
+            xy: block.xy * x * y,
+            xz: block.xz * x * z,
+            yz: block.yz * y * z,
+        };
+        let c = lambda.fma(soft, gap);
+        let right = -frame.transpose_mul(c).times(locked);
+        let delta = frame * block.solve(right, M::R::lit(TINY));
+        ((ra, rb), delta)
+    }
+    /// One row along the line between the anchors.
+    #[inline(always)]
+    fn distance(&self, k: &M, t: &Tables) -> (Arms<M::R>, Vec3<M::R>) {
+        let Self {
+            j,
+            ends,
+            soft,
+            lambda,
+        } = *self;
+        let (ra, rb, gap) = ends.arms(k, t, j);
+        let zero = M::R::zero();
+        let n = gap.normalized_or(Vec3::new(zero, M::R::one(), zero));
+        let c = gap.length() - k.load(t.joint, j, joint_field::LENGTH);
+        let weight = n.dot(linear_block(&ends, ra, rb) * n) + soft;
+        let lambda = n.dot(lambda);
+        let delta = n * (-(soft.fma(lambda, c)) / weight.max(M::R::lit(TINY)));
+        ((ra, rb), delta)
+    }
 }
 
 /// −r× I⁻¹ r× = r× I⁻¹ (r×)ᵀ: what a push at the arm r does through rotation.
@@ -295,40 +384,20 @@ fn linear_block<R: Real, I: Index>(ends: &Ends<R, I>, ra: Vec3<R>, rb: Vec3<R>) 
     arm_inertia(ends.a.i, ra) + arm_inertia(ends.b.i, rb) + SymMat3::diagonal(ends.a.m + ends.b.m)
 }
 
-/// A linear multiplier as it is applied: scaled, and within the caps.
+/// A linear multiplier within the force cap and the displacement cap. Counts where they bite.
 #[inline(always)]
-fn tame<M: Machine>(
+fn capped<M: Machine>(
     k: &mut M,
     t: &Tables,
-    j: M::I,
     h: M::R,
     ends: &Ends<M::R, M::I>,
     delta: Vec3<M::R>,
-    capped: bool,
 ) -> Vec3<M::R> {
-    let delta = delta * strength(k, t, j);
-    if capped {
-        cap(k, t, h, ends, delta)
-    } else {
-        delta
+    if !t.capped_at_all {
+        return delta;
     }
-}
-
-/// Shortens a multiplier to the force cap and the displacement cap, and counts where that bites.
-#[inline(always)]
-fn cap<M: Machine>(
-    k: &mut M,
-    t: &Tables,
-    h: M::R,
-    ends: &Ends<M::R, M::I>,
-    delta: Vec3<M::R>,
-) -> Vec3<M::R> {
-    let world = k.index(0);
-    let size = delta.length();
-    let by_force = k.load(t.global, world, global::FORCE_CAP) * h.squared();
-    let weight = (ends.a.m + ends.b.m).max(M::R::lit(TINY));
-    let by_shift = k.load(t.global, world, global::DISPLACEMENT_CAP) / weight;
-    let most = by_force.min(by_shift);
+    let (world, size) = (k.index(0), delta.length());
+    let most = most(k, t, h, ends);
     let over = size.gt(most);
     for _ in k.if_any(over) {
         let count = k.load(t.capped, world, 0) + M::R::one();
@@ -337,75 +406,11 @@ fn cap<M: Machine>(
     delta * M::R::select(over, most / size.max(M::R::lit(TINY)), M::R::one())
 }
 
-/// α/h² of the positions.
+/// The most that a pass may push a pair of bodies by: within force cap and displacement cap.
 #[inline(always)]
-fn linear_softness<M: Machine>(k: &M, t: &Tables, j: M::I, h: M::R) -> M::R {
-    k.load(t.joint, j, joint_field::COMPLIANCE) / h.squared()
-}
-
-/// Three rows: the anchors coincide.
-#[inline(always)]
-fn point<M: Machine>(
-    k: &M,
-    t: &Tables,
-    j: M::I,
-    ends: &Ends<M::R, M::I>,
-    soft: M::R,
-) -> (Arms<M::R>, Vec3<M::R>) {
-    let (ra, rb, gap) = ends.arms(k, t, j);
-    let block = linear_block(ends, ra, rb) + SymMat3::diagonal(soft);
-    let right = -(k.vec3(t.multiplier, j, 3).fma(soft, gap));
-    ((ra, rb), block.solve_well(right, M::R::lit(TINY * TINY)))
-}
-
-/// One or two rows: the anchors coincide but along the free directions of the
-/// linear frame, which A carries. Both bodies are pushed at B's anchor, so that
-/// the pair keeps its angular momentum.
-#[inline(always)]
-fn slide<M: Machine>(
-    k: &M,
-    t: &Tables,
-    j: M::I,
-    ends: &Ends<M::R, M::I>,
-    soft: M::R,
-) -> (Arms<M::R>, Vec3<M::R>) {
-    let (ra, rb, gap) = ends.arms(k, t, j);
-    let ra = ra + gap;
-    let frame = (ends.a.pose.q * k.quat(t.joint, j, joint_field::LINEAR_FRAME)).to_mat3();
-    let locked = k.vec3(t.joint, j, joint_field::LOCKED);
-    let block = linear_block(ends, ra, rb).rotated(frame.transpose()) + SymMat3::diagonal(soft);
-    let (x, y, z) = (locked.x, locked.y, locked.z);
-    let one = M::R::one();
-    // Free rows become 1 · Δλ = 0.
-    let block = SymMat3 {
-        xx: block.xx * x + (one - x),
-        yy: block.yy * y + (one - y),
-        zz: block.zz * z + (one - z),
-        xy: block.xy * x * y,
-        xz: block.xz * x * z,
-        yz: block.yz * y * z,
-    };
-    let c = k.vec3(t.multiplier, j, 3).fma(soft, gap);
-    let right = -frame.transpose_mul(c).times(locked);
-    let delta = frame * block.solve(right, M::R::lit(TINY));
-    ((ra, rb), delta)
-}
-
-/// One row along the line between the anchors.
-#[inline(always)]
-fn distance<M: Machine>(
-    k: &M,
-    t: &Tables,
-    j: M::I,
-    ends: &Ends<M::R, M::I>,
-    soft: M::R,
-) -> (Arms<M::R>, Vec3<M::R>) {
-    let (ra, rb, gap) = ends.arms(k, t, j);
-    let zero = M::R::zero();
-    let n = gap.normalized_or(Vec3::new(zero, M::R::one(), zero));
-    let c = gap.length() - k.load(t.joint, j, joint_field::LENGTH);
-    let weight = n.dot(linear_block(ends, ra, rb) * n) + soft;
-    let lambda = n.dot(k.vec3(t.multiplier, j, 3));
-    let delta = n * (-(soft.fma(lambda, c)) / weight.max(M::R::lit(TINY)));
-    ((ra, rb), delta)
+pub(crate) fn most<M: Machine>(k: &M, t: &Tables, h: M::R, ends: &Ends<M::R, M::I>) -> M::R {
+    let world = k.index(0);
+    let by_force = k.load(t.global, world, global::FORCE_CAP) * h.squared();
+    let weight = (ends.a.m + ends.b.m).max(M::R::lit(TINY));
+    by_force.min(k.load(t.global, world, global::DISPLACEMENT_CAP) / weight)
 }

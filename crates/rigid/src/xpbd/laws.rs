@@ -1,28 +1,33 @@
 //! Forces along joint coordinates: springs, drives, limits, friction, motors.
 //!
 //! All are one law, f = f₀ − k (θ − θ₀) − d (θ̇ − w₀) within [low, high], taken at
-//! the end of the substep, where θ' = θ + h θ̇'. With λ = h² f, an inverse mass w of
-//! the coordinate, and θ̇ as the constraints solved so far have left it:
+//! the end of the substep. Where a pass over the tree moves the coordinate by q, its
+//! rate becomes θ̇ + q/h and its end θ + h θ̇ + q. With λ = h² f that is
 //!
 //! ```text
-//! Δλ = (h² (f₀ − k (θ + h θ̇ − θ₀) − d (θ̇ − w₀)) − λ) / (1 + w (h² k + h d))
+//! Δλ = λ₀ − g q      λ₀ = h² (f₀ − k (θ + h θ̇ − θ₀) − d (θ̇ − w₀)) − λ      g = h² k + h d
 //! ```
 //!
-//! This is XPBD with compliance 1/k and damping d (Macklin et al. 2016, eqs. 18
+//! which is XPBD with compliance 1/k and damping d (Macklin et al. 2016, eqs. 18
 //! and 26), multiplied through by k so that a missing spring divides by nothing.
+//! A pass solves λ₀ and g together with the locks. A law that it takes beyond a
+//! bound is held there, λ₀ = bound, g = 0, and the pass is done again, until the
+//! same laws are held as before: a semi-smooth Newton method (Hintermüller, Ito,
+//! Kunisch 2002).
+//!
 //! Armature m is the law d = m/h, w₀ = θ̇ at the start; dry friction is a damper
-//! without limit, clamped.
+//! without limit, held within its bounds.
 
 use super::axis::Pull;
 use super::joint::Ends;
-use super::tables::{Tables, axis_field, axis_link};
+use super::tables::{Tables, axis_field, axis_link, joint_field, joint_link, motion};
 use crate::SolverError;
 use crate::tables::{Filler, UNBOUNDED, actuator_numbers, ball_target, bounded};
 use model::{Dof, JointKind, Model};
 use numbers::functions::wrap;
 use numbers::machine::space::{Parameter, Scratch, State};
 use numbers::machine::{Index, Links};
-use numbers::{Cell, Machine, Quat, Real, SymMat3, Table, Vec3};
+use numbers::{Cell, Machine, Quat, Real, Table, Vec3};
 
 /// True if anything acts along a degree of freedom.
 pub(crate) fn acts(dof: &Dof) -> bool {
@@ -87,11 +92,29 @@ pub(crate) fn check(model: &Model) -> Result<(), SolverError> {
     Ok(())
 }
 
-/// Fields of [`LawTables::law`]: stiffness, damping, θ₀, w₀, f₀, low, high, and the multiplier.
+/// Most repetitions of a pass, until it is known what is held at a bound.
+const ROUNDS: usize = 8;
+
+/// Fields of [`LawTables::law`]: stiffness, damping, θ₀, w₀, f₀, low, high, and what follows.
 mod law {
     pub const FIRST: usize = 0;
+    pub const BOUNDS: usize = 5;
+    /// λ of the passes before.
     pub const MULTIPLIER: usize = 7;
-    pub const WIDTH: usize = 8;
+    /// λ₀.
+    pub const LEAD: usize = 8;
+    /// 1 if it is held at a bound; that bound's λ.
+    pub const HELD: usize = 9;
+    pub const WIDTH: usize = 11;
+}
+
+/// Fields of [`LawTables::ball_law`]: as of a law, with vectors.
+mod ball_law {
+    pub const MULTIPLIER: usize = 0;
+    pub const LEAD: usize = 3;
+    pub const HELD: usize = 6;
+    pub const BOUND: usize = 7;
+    pub const WIDTH: usize = 10;
 }
 
 /// Layout of the laws, by kind, and of what they are written to for a substep.
@@ -104,14 +127,14 @@ pub(crate) struct LawTables {
     armatures: usize,
     motors: usize,
     balls: usize,
-    couplings: usize,
+    pub(crate) couplings: usize,
     laws: usize,
     /// First law of each kind.
     starts: [usize; 6],
     /// Axis row and degree of freedom of each law (for a motor: actuator).
     law_links: Links<2>,
-    /// Joint row and degree of freedom of each ball with a drive or damping.
-    ball_links: Links<2>,
+    /// Joint row, degree of freedom and first motion of each ball with a drive or damping.
+    ball_links: Links<3>,
     /// Axis rows of each coupling.
     coupling_links: Links<2>,
     /// Damping, stiffness, rest.
@@ -131,7 +154,7 @@ pub(crate) struct LawTables {
     /// Ratio, offset.
     coupling: Table<Parameter, 2>,
     law: Table<Scratch, { law::WIDTH }>,
-    ball_multiplier: Table<Scratch, 3>,
+    ball_law: Table<Scratch, { ball_law::WIDTH }>,
 }
 
 /// Degrees of freedom that have an axis, with their laws' owner.
@@ -160,15 +183,19 @@ fn axes(model: &Model) -> impl Iterator<Item = (usize, &Dof, bool)> {
         })
 }
 
-/// Balls that something acts on: joint, first degree of freedom, its dofs.
-fn balls(model: &Model) -> impl Iterator<Item = (usize, usize, &[Dof])> {
+/// Balls that something acts on: number among all balls, joint, first degree of freedom, its dofs.
+fn balls(model: &Model) -> impl Iterator<Item = (usize, usize, usize, &[Dof])> {
     model
         .joints
         .iter()
         .enumerate()
         .filter(|(_, j)| j.kind == JointKind::Ball && !j.closes_loop)
-        .filter(|(_, j)| j.dofs.iter().any(acts))
-        .map(|(i, j)| (i, model.dof_range(model::JointId(i)).start, &j.dofs[..]))
+        .enumerate()
+        .filter(|(_, (_, j))| j.dofs.iter().any(acts))
+        .map(|(n, (i, j))| {
+            let v = model.dof_range(model::JointId(i)).start;
+            (n, i, v, &j.dofs[..])
+        })
 }
 
 impl LawTables {
@@ -215,11 +242,17 @@ impl LawTables {
             ball_target: Table::place(state, balls),
             coupling: Table::place(parameters, couplings),
             law: Table::place(scratch, laws),
-            ball_multiplier: Table::place(scratch, balls),
+            ball_law: Table::place(scratch, balls),
         }
     }
 
-    pub(crate) fn fill(&self, model: &Model, axis_of: &[Option<usize>], f: &mut Filler) {
+    pub(crate) fn fill(
+        &self,
+        model: &Model,
+        axis_of: &[Option<usize>],
+        ball_motion: impl Fn(usize) -> usize,
+        f: &mut Filler,
+    ) {
         let mut next = self.starts;
         let first = next;
         let mut row = |kind: usize, v: usize, f: &mut Filler| {
@@ -274,9 +307,10 @@ impl LawTables {
             row(5, v, f);
             f.numbers(self.motor, i, 0, &actuator_numbers(actuator));
         }
-        for (i, (joint, v, dofs)) in balls(model).enumerate() {
+        for (i, (ball, joint, v, dofs)) in balls(model).enumerate() {
             f.link(self.ball_links, i, 0, joint);
             f.link(self.ball_links, i, 1, v);
+            f.link(self.ball_links, i, 2, ball_motion(ball));
             let (d, passive) = (&dofs[0].drive, dofs[0].damping);
             let x = [
                 d.stiffness,
@@ -306,7 +340,7 @@ impl LawTables {
         for (i, (_, dof, _)) in axes(model).filter(|a| driven(a.1)).enumerate() {
             state[self.drive_target.at(i, 0)] = dof.drive.target_position;
         }
-        for (i, (_, _, dofs)) in balls(model).enumerate() {
+        for (i, (_, _, _, dofs)) in balls(model).enumerate() {
             state[self.ball_target.at(i, 0)..][..4].copy_from_slice(&ball_target(dofs));
         }
     }
@@ -352,7 +386,7 @@ pub(crate) fn prepare<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         motor(k, t, i, i.offset(motors));
     }
     for i in k.count(r.balls) {
-        k.store_vec3(r.ball_multiplier, i, 0, Vec3::zero());
+        k.store_vec3(r.ball_law, i, ball_law::MULTIPLIER, Vec3::zero());
     }
 }
 
@@ -443,76 +477,194 @@ fn rate<M: Machine>(k: &M, t: &Tables, axis: M::I) -> M::R {
     Pull::load(k, t, axis).rate(&ends)
 }
 
-/// One pass over all laws.
+/// How often a pass may have to be done: once if nothing has a bound.
+pub(crate) fn rounds(t: &Tables) -> usize {
+    let r = &t.laws;
+    let bounded = r.drives + r.frictions + r.motors + r.balls;
+    if bounded == 0 && !t.capped_at_all {
+        1
+    } else {
+        ROUNDS
+    }
+}
+
+/// λ₀ of all laws, as the bodies now move. None is held at a bound yet.
 #[inline(always)]
-pub(crate) fn solve<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+pub(crate) fn lead<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    let zero = M::R::zero();
     for law in k.count(t.laws.laws) {
-        solve_law(k, t, law, h);
+        let axis = k.link(t.laws.law_links, law, 0);
+        let [s, d, rest, speed, force] = k.read(t.laws.law, law, law::FIRST);
+        let rate = rate(k, t, axis);
+        let end = h.fma(rate, k.load(t.axis, axis, axis_field::VALUE));
+        let wanted = force - s * (end - rest) - d * (rate - speed);
+        let lead = h.squared() * wanted - k.load(t.laws.law, law, law::MULTIPLIER);
+        k.write(t.laws.law, law, law::LEAD, [lead, zero, zero]);
     }
     for i in k.count(t.laws.balls) {
-        solve_ball(k, t, i, h);
-    }
-    for i in k.count(t.laws.couplings) {
-        solve_coupling(k, t, i, h);
+        lead_ball(k, t, i, h);
     }
 }
 
+/// Drive and damping of a ball, e the rotation vector from target to child.
 #[inline(always)]
-fn solve_law<M: Machine>(k: &mut M, t: &Tables, law: M::I, h: M::R) {
-    let axis = k.link(t.laws.law_links, law, 0);
-    let j = k.link(t.axis_links, axis, axis_link::JOINT);
-    let [s, d, rest, speed, force, low, high, lambda] = k.read(t.laws.law, law, law::FIRST);
-    let mut ends = Ends::load(k, t, j);
-    let pull = Pull::load(k, t, axis);
-    let (rate, h2) = (pull.rate(&ends), h.squared());
-    let end = h.fma(rate, k.load(t.axis, axis, axis_field::VALUE));
-    let wanted = force - s * (end - rest) - d * (rate - speed);
-    let give = pull.weight(&ends).fma(h2.fma(s, h * d), M::R::one());
-    let next = (lambda + (h2 * wanted - lambda) / give).clamp(h2 * low, h2 * high);
-    pull.push(&mut ends, next - lambda, h.recip());
-    ends.store(k, t);
-    k.store(t.laws.law, law, law::MULTIPLIER, next);
-    record(k, t, j, pull, next - lambda);
-}
-
-/// Adds to what the joint is known to pass on.
-#[inline(always)]
-pub(crate) fn record<M: Machine>(k: &mut M, t: &Tables, j: M::I, pull: Pull<M::R>, lambda: M::R) {
-    k.add_vec3(t.multiplier, j, 0, pull.turn() * lambda);
-    k.add_vec3(t.multiplier, j, 3, pull.straight() * lambda);
-}
-
-/// Drive and damping of a ball: three rows, e the rotation vector from target to child.
-#[inline(always)]
-fn solve_ball<M: Machine>(k: &mut M, t: &Tables, i: M::I, h: M::R) {
+fn lead_ball<M: Machine>(k: &mut M, t: &Tables, i: M::I, h: M::R) {
     let r = &t.laws;
     let (j, v) = (k.link(r.ball_links, i, 0), k.link(r.ball_links, i, 1));
-    let [s, d, effort, _, passive] = k.read(r.ball, i, 0);
-    let mut ends = Ends::load(k, t, j);
+    let [s, d, _, _, passive] = k.read(r.ball, i, 0);
+    let ends = Ends::load(k, t, j);
     let (qa, qb) = ends.frames(k, t, j);
     let e = qb.rotate((k.quat(r.ball_target, i, 0).conjugate() * (qa.conjugate() * qb)).log());
     let rate = ends.b.twist.angular - ends.a.twist.angular;
     let speed = qb.rotate(k.vec3(t.input.target_velocity, v, 0));
-    let (h2, lambda) = (h.squared(), k.vec3(r.ball_multiplier, i, 0));
     let wanted = -(e * s) - (rate - speed) * d - rate * passive;
-    let give = h2.fma(s, h * (d + passive));
-    let inverse = ends.a.i + ends.b.i;
-    let block = inverse.scaled(give) + SymMat3::diagonal(M::R::one());
-    let next = lambda + block.solve(wanted * h2 - lambda, M::R::one());
-    let size = next.length();
-    let most = effort * h2;
-    let next = next
-        * M::R::select(
-            size.gt(most),
-            most / size.max(M::R::lit(1e-30)),
-            M::R::one(),
-        );
-    let delta = next - lambda;
-    ends.a.push(Vec3::zero(), -delta, h.recip());
-    ends.b.push(Vec3::zero(), delta, h.recip());
-    ends.store(k, t);
-    k.store_vec3(r.ball_multiplier, i, 0, next);
-    k.add_vec3(t.multiplier, j, 0, delta);
+    let lead = wanted * h.squared() - k.vec3(r.ball_law, i, ball_law::MULTIPLIER);
+    k.store_vec3(r.ball_law, i, ball_law::LEAD, lead);
+    k.store(r.ball_law, i, ball_law::HELD, M::R::zero());
+}
+
+/// h² k + h d of a law.
+#[inline(always)]
+fn give<M: Machine>(k: &M, t: &Tables, law: M::I, h: M::R) -> M::R {
+    let [s, d] = k.read(t.laws.law, law, law::FIRST);
+    h.squared().fma(s, h * d)
+}
+
+/// h² k + h d of a ball.
+#[inline(always)]
+fn ball_give<M: Machine>(k: &M, t: &Tables, i: M::I, h: M::R) -> M::R {
+    let [s, d, _, _, passive] = k.read(t.laws.ball, i, 0);
+    h.squared().fma(s, h * (d + passive))
+}
+
+/// Sums up what pulls along each motion. `fresh` is 1 in the first pass, in which forces act
+/// that a controller has set, and 0 later.
+#[inline(always)]
+pub(crate) fn gather<M: Machine>(k: &mut M, t: &Tables, h: M::R, fresh: M::R) {
+    let (r, zero, acts) = (&t.laws, M::R::zero(), fresh * h.squared());
+    for row in k.count(t.coordinates) {
+        let v = k.link(t.axis_links, row, axis_link::DOF);
+        let force = k.load(t.input.force, v, 0);
+        k.write(t.motion, row, motion::PUSH, [acts * force, zero]);
+    }
+    for i in k.count(t.balls) {
+        let j = k.link(t.ball_links, i, 0);
+        let b = k.link(t.joint_links, j, joint_link::B);
+        let frame = k.quat(t.pose, b, 3) * k.quat(t.joint, j, joint_field::FRAME_B);
+        let torque = k.vec3(t.input.force, k.link(t.ball_links, i, 2), 0);
+        let push = frame.rotate(torque * acts);
+        store_ball(k, t, k.link(t.ball_links, i, 3), push, zero);
+    }
+    for law in k.count(r.laws) {
+        let axis = k.link(r.law_links, law, 0);
+        let [pushed, lead, held, bound] = k.read(r.law, law, law::MULTIPLIER);
+        let held = held.gt(zero);
+        let push = M::R::select(held, bound - pushed, lead);
+        let give = M::R::select(held, zero, give(k, t, law, h));
+        k.add(t.motion, axis, motion::PUSH, push);
+        k.add(t.motion, axis, motion::GIVE, give);
+    }
+    for i in k.count(r.balls) {
+        let m = k.link(r.ball_links, i, 2);
+        let held = k.load(r.ball_law, i, ball_law::HELD).gt(zero);
+        let bound = k.vec3(r.ball_law, i, ball_law::BOUND);
+        let rest = bound - k.vec3(r.ball_law, i, ball_law::MULTIPLIER);
+        let lead = k.vec3(r.ball_law, i, ball_law::LEAD);
+        let push = ball_push(k, t, m) + Vec3::select(held, rest, lead);
+        let give = M::R::select(held, zero, ball_give(k, t, i, h));
+        store_ball(k, t, m, push, give);
+    }
+}
+
+/// What pulls along the three motions of a ball.
+#[inline(always)]
+fn ball_push<M: Machine>(k: &M, t: &Tables, m: M::I) -> Vec3<M::R> {
+    let [x, y, z] = [0, 1, 2].map(|i| k.load(t.motion, m.offset(i), motion::PUSH));
+    Vec3::new(x, y, z)
+}
+
+#[inline(always)]
+fn store_ball<M: Machine>(k: &mut M, t: &Tables, m: M::I, push: Vec3<M::R>, give: M::R) {
+    for (i, push) in push.to_array().into_iter().enumerate() {
+        k.write(t.motion, m.offset(i), motion::PUSH, [push, give]);
+    }
+}
+
+/// Holds the laws at their bounds that the pass took beyond. Returns where none changed.
+#[inline(always)]
+pub(crate) fn hold<M: Machine>(k: &mut M, t: &Tables, h: M::R) -> <M::R as Real>::Mask {
+    let (zero, h2) = (M::R::zero(), h.squared());
+    let mut changes = k.cell(zero);
+    for law in k.count(t.laws.laws) {
+        let next = next(k, t, law, h);
+        let [low, high] = k.read(t.laws.law, law, law::BOUNDS);
+        let [was, before] = k.read(t.laws.law, law, law::HELD);
+        let bound = next.clamp(h2 * low, h2 * high);
+        let held = M::R::select(bound.same(next), zero, M::R::one());
+        let bound = M::R::select(held.gt(zero), bound, zero);
+        k.write(t.laws.law, law, law::HELD, [held, bound]);
+        let change = (held - was).abs().max((bound - before).abs());
+        changes.write(changes.read().max(change));
+    }
+    for i in k.count(t.laws.balls) {
+        let next = next_ball(k, t, i, h);
+        let (size, most) = (next.length(), k.load(t.laws.ball, i, 2) * h2);
+        let held = M::R::select(size.gt(most), M::R::one(), zero);
+        let was = k.load(t.laws.ball_law, i, ball_law::HELD);
+        // It pushes on as when it was first held, so that a pass done again changes nothing.
+        let bound = next * (most / size.max(M::R::lit(1e-30)));
+        let before = k.vec3(t.laws.ball_law, i, ball_law::BOUND);
+        let bound = Vec3::select(was.gt(zero), before, bound);
+        k.store(t.laws.ball_law, i, ball_law::HELD, held);
+        k.store_vec3(t.laws.ball_law, i, ball_law::BOUND, bound);
+        changes.write(changes.read().max((held - was).abs()));
+    }
+    changes.read().same(zero)
+}
+
+/// λ of a law after a pass, if it were not held.
+#[inline(always)]
+fn next<M: Machine>(k: &M, t: &Tables, law: M::I, h: M::R) -> M::R {
+    let axis = k.link(t.laws.law_links, law, 0);
+    let [pushed, lead] = k.read(t.laws.law, law, law::MULTIPLIER);
+    let q = k.load(t.motion, axis, motion::WAY);
+    give(k, t, law, h).fnma(q, lead) + pushed
+}
+
+/// λ of a ball after a pass, if it were not held.
+#[inline(always)]
+fn next_ball<M: Machine>(k: &M, t: &Tables, i: M::I, h: M::R) -> Vec3<M::R> {
+    let r = &t.laws;
+    let m = k.link(r.ball_links, i, 2);
+    let [x, y, z] = [0, 1, 2].map(|i| k.load(t.motion, m.offset(i), motion::WAY));
+    let lead = k.vec3(r.ball_law, i, ball_law::LEAD);
+    let pushed = k.vec3(r.ball_law, i, ball_law::MULTIPLIER);
+    Vec3::new(x, y, z).fma(-ball_give(k, t, i, h), lead) + pushed
+}
+
+/// Keeps the λ of a pass for the next one.
+#[inline(always)]
+pub(crate) fn keep<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    let zero = M::R::zero();
+    for law in k.count(t.laws.laws) {
+        let [held, bound] = k.read(t.laws.law, law, law::HELD);
+        let next = M::R::select(held.gt(zero), bound, next(k, t, law, h));
+        k.store(t.laws.law, law, law::MULTIPLIER, next);
+    }
+    for i in k.count(t.laws.balls) {
+        let held = k.load(t.laws.ball_law, i, ball_law::HELD).gt(zero);
+        let bound = k.vec3(t.laws.ball_law, i, ball_law::BOUND);
+        let next = Vec3::select(held, bound, next_ball(k, t, i, h));
+        k.store_vec3(t.laws.ball_law, i, ball_law::MULTIPLIER, next);
+    }
+}
+
+/// One pass over all couplings.
+#[inline(always)]
+pub(crate) fn couplings<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    for i in k.count(t.laws.couplings) {
+        solve_coupling(k, t, i, h);
+    }
 }
 
 /// Follows a jump of a ball's target with its control time.
@@ -566,9 +718,12 @@ fn pull_axis<M: Machine>(k: &mut M, t: &Tables, axis: M::I, lambda: M::R, h: M::
     let j = k.link(t.axis_links, axis, axis_link::JOINT);
     let mut ends = Ends::load(k, t, j);
     let pull = Pull::load(k, t, axis);
-    pull.push(&mut ends, lambda, h.recip());
+    let moved = pull.push(&mut ends, lambda, h.recip());
     ends.store(k, t);
-    record(k, t, j, pull, lambda);
+    for (row, moved) in [ends.row_a, ends.row_b].into_iter().zip(moved) {
+        let sum = k.spatial(t.moved, row, 0) + moved;
+        k.store_spatial(t.moved, row, 0, sum);
+    }
 }
 
 impl LawTables {

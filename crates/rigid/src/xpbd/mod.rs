@@ -6,53 +6,55 @@
 //! A substep of length h, in order:
 //!
 //! ```text
-//! measure coordinates; apply forces           axis, force
+//! measure coordinates; forces on free bodies  axis, force
 //! v ← v + h g;  x ← x + h v                   body::fly
-//! repeat: laws along coordinates              laws
-//!         what joints lock, as blocks         joint
+//! repeat: laws along coordinates, and what
+//!         the joints of trees lock, at once   laws, tree
+//!         couplings                           laws
+//!         loops and distances, as blocks      joint
 //! ```
 //!
 //! Departures from the sources:
 //! - Delta form. Velocities are state, and a position correction Δx also adds Δx/h
 //!   to the velocity, instead of v = (x − x_prev)/h at the end, which loses all
 //!   precision of f32 as h shrinks.
-//! - A joint's locked rows are solved as one block, not along the residual, which
-//!   is chaotic.
+//! - The rows of a whole tree are solved at once, in linear time. Rows solved one
+//!   after the other undo each other in part: a tower of four links on dampers, or
+//!   of thirty on springs, then leans over however stiff those are.
+//! - The locked rows of any other joint are solved as one block, not along the
+//!   residual, which is chaotic.
 //! - Free flight conserves angular momentum and turns by the midpoint rate.
 //! - Forces along coordinates act on rates, at the coordinate the substep ends
 //!   with, to first order in h.
 //!
-//! Limitations: a drive's damping alone, however stiff, does not hold a chain upright
-//! for long, since the locks, solved after the laws, undo part of them in each pass
-//! (a position target does, with enough substeps); first order in h; energy is lost at the rate of h; a joint's
+//! Limitations: first order in h; energy is lost at the rate of h; a joint's
 //! linear axes must come before its angular ones, which must meet in a point;
 //! coordinates of stacked axes are ill-defined in gimbal lock.
 
+mod articulated;
 mod axis;
 mod body;
 mod force;
+mod guard;
 mod joint;
 mod laws;
+mod reaction;
 mod report;
 mod tables;
+mod tree;
 
 use crate::{Featherstone, Kernels, Lengths, Settings, SolverError};
+use guard::{Survey, guard};
 use model::Model;
-use numbers::functions::finite;
 use numbers::spatial::Spatial;
-use numbers::{Cell, Machine, Pose, Quat, Real, Vec3};
+use numbers::{Cell, Machine, Real};
 pub use tables::Tables;
-use tables::global;
-
-/// Positions beyond this are taken for diverged [m].
-const FAR: f64 = 1e9;
+use tables::{global, motion};
 
 /// The solver, compiled for a model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Xpbd {
     tables: Tables,
-    iterations: usize,
-    capped: bool,
     parameters: Vec<f64>,
     links: Vec<u32>,
     /// Places the bodies for given joint coordinates; loops left open.
@@ -65,7 +67,7 @@ impl Xpbd {
     /// # Errors
     /// Axes in an order, or a law on a joint, that this solver does not know.
     pub fn new(model: &Model, settings: &Settings) -> Result<Self, SolverError> {
-        let (tables, mut filler) = Tables::new(model)?;
+        let (tables, mut filler) = Tables::new(model, settings)?;
         let numbers = [
             settings.substep(),
             settings.speed_limit,
@@ -77,8 +79,6 @@ impl Xpbd {
         filler.numbers(tables.global, 0, global::STEP, &numbers);
         Ok(Self {
             tables,
-            iterations: settings.iterations,
-            capped: settings.displacement_cap.is_finite() || settings.force_cap.is_finite(),
             parameters: filler.parameters,
             links: filler.links,
             tree: Featherstone::of_tree(model, settings),
@@ -131,7 +131,7 @@ impl Kernels for Xpbd {
     fn step<M: Machine>(&self, k: &mut M) {
         // A copy on the stack: offsets stay in registers, whatever is written meanwhile.
         let tables = self.tables;
-        substep(k, &tables, self.iterations, self.capped);
+        substep(k, &tables);
     }
     #[inline(always)]
     fn report<M: Machine>(&self, k: &mut M) {
@@ -141,75 +141,63 @@ impl Kernels for Xpbd {
 }
 
 #[inline(always)]
-fn substep<M: Machine>(k: &mut M, t: &Tables, iterations: usize, capped: bool) {
+fn substep<M: Machine>(k: &mut M, t: &Tables) {
     let h = k.load(t.global, k.index(0), global::STEP);
-    body::save(k, t);
-    for j in k.count(t.joints) {
-        k.store_spatial(t.multiplier, j, 0, Spatial::zero());
-    }
+    clear(k, t);
     axis::track(k, t);
-    force::forces(k, t, h);
     body::fly(k, t, h);
+    force::forces(k, t, h);
     laws::smooth_balls(k, t, h);
     laws::prepare(k, t, h);
-    for _ in k.count(iterations) {
-        laws::solve(k, t, h);
-        joint::joints(k, t, h, capped);
+    let mut survey = Survey::new(k);
+    let mut fresh = k.cell(M::R::one());
+    for _ in k.count(t.iterations) {
+        pass(k, t, h, fresh.read(), &mut survey);
+        fresh.write(M::R::zero());
     }
-    guard(k, t);
+    guard(k, t, &survey);
 }
 
-/// A lane that has diverged, now or before, keeps its last finite state, and passes on no forces.
+/// One pass over everything that binds; `fresh` is 1 in the first one of a substep, else 0.
 #[inline(always)]
-fn guard<M: Machine>(k: &mut M, t: &Tables) {
-    let world = k.index(0);
-    let zero = M::R::zero();
-    let mut fastest = k.cell(zero);
-    let mut farthest = k.cell(zero);
-    let mut sum = k.cell(zero);
-    for row in k.count(t.rows) {
-        let (pose, twist) = (k.pose(t.pose, row, 0), k.spatial(t.twist, row, 0));
-        let (v, w) = (
-            twist.linear.length_squared(),
-            twist.angular.length_squared(),
-        );
-        let (far, turned) = (pose.p.length_squared(), pose.q.dot(pose.q));
-        fastest.write(fastest.read().max(v).max(w));
-        farthest.write(farthest.read().max(far));
-        sum.write(sum.read() + ((v + w) + (far + turned)));
+fn pass<M: Machine>(k: &mut M, t: &Tables, h: M::R, fresh: M::R, survey: &mut Survey<M>) {
+    laws::lead(k, t, h);
+    reaction::uncap(k, t);
+    for _ in k.count(laws::rounds(t)) {
+        laws::gather(k, t, h, fresh);
+        tree::tree(k, t, h);
+        let settled = laws::hold(k, t, h) & reaction::cap(k, t, h);
+        if k.finished(settled) {
+            break;
+        }
     }
-    let limit = k.load(t.global, world, global::SPEED_LIMIT);
-    let slow = fastest.read().le(limit.squared());
-    let near = farthest.read().le(M::R::lit(FAR * FAR));
-    let fine = slow & near & finite(sum.read());
-    let fine = M::R::select(fine, k.load(t.alive, world, 0), zero);
-    k.store(t.alive, world, 0, fine);
-    let lost = fine.same(M::R::zero());
-    for _ in k.if_any(lost) {
+    reaction::count_capped(k, t);
+    survey.restart();
+    tree::commit(k, t, h, survey);
+    if t.laws.couplings > 0 || t.closings > 0 {
+        body::inverse_inertias(k, t);
+        laws::couplings(k, t, h);
+        joint::closings(k, t, h);
+        survey.repeat(k, t);
+    }
+    if t.iterations > 1 {
+        laws::keep(k, t, h);
+        body::arms(k, t);
+    }
+}
+
+/// Nothing has been pushed yet. With one pass only, the tree overwrites what it pushes.
+#[inline(always)]
+fn clear<M: Machine>(k: &mut M, t: &Tables) {
+    for c in k.count(t.closings) {
+        k.store_spatial(t.multiplier, c, 0, Spatial::zero());
+    }
+    if t.iterations > 1 {
         for row in k.count(t.rows) {
-            restore(k, t, row, lost);
+            k.store_spatial(t.moved, row, 0, Spatial::zero());
         }
-        for j in k.count(t.joints) {
-            let (none, passed) = (Vec3::zero(), k.spatial(t.multiplier, j, 0));
-            let angular = Vec3::select(lost, none, passed.angular);
-            let linear = Vec3::select(lost, none, passed.linear);
-            k.store_spatial(t.multiplier, j, 0, Spatial::new(angular, linear));
+        for m in k.count(t.motions) {
+            k.store(t.motion, m, motion::PUSH, M::R::zero());
         }
     }
-}
-
-#[inline(always)]
-fn restore<M: Machine>(k: &mut M, t: &Tables, row: M::I, lost: <M::R as Real>::Mask) {
-    let (now, saved) = (k.pose(t.pose, row, 0), k.pose(t.saved_pose, row, 0));
-    let p = Vec3::select(lost, saved.p, now.p);
-    k.store_pose(
-        t.pose,
-        row,
-        0,
-        Pose::new(p, Quat::select(lost, saved.q, now.q)),
-    );
-    let (now, saved) = (k.spatial(t.twist, row, 0), k.spatial(t.before, row, 0));
-    let angular = Vec3::select(lost, saved.angular, now.angular);
-    let linear = Vec3::select(lost, saved.linear, now.linear);
-    k.store_spatial(t.twist, row, 0, Spatial::new(angular, linear));
 }

@@ -2,7 +2,10 @@
 
 use super::axis::{Pull, measure};
 use super::joint::Ends;
-use super::tables::{Tables, axis_field, axis_link, body_link, global, joint_link};
+use super::reaction::{clear, through};
+use super::tables::{
+    Tables, axis_field, axis_link, body_link, global, inbound, joint_link, mass, row_link,
+};
 use crate::output::{body, reaction, total};
 use numbers::functions::wrap;
 use numbers::machine::{Held, Hold, Index};
@@ -130,14 +133,30 @@ fn frees<M: Machine>(k: &mut M, t: &Tables) {
 #[inline(always)]
 fn reactions<M: Machine>(k: &mut M, t: &Tables) {
     let h = k.load(t.global, k.index(0), global::STEP);
-    let s = h.squared().recip();
     for j in k.count(t.joints) {
-        let id = k.link(t.joint_links, j, joint_link::JOINT);
-        let torque = k.vec3(t.multiplier, j, 0) * s;
-        let force = k.vec3(t.multiplier, j, 3) * s;
-        k.store_vec3(t.output.reaction, id, reaction::FORCE, force);
-        k.store_vec3(t.output.reaction, id, reaction::TORQUE, torque);
+        store_reaction(k, t, j, Spatial::zero(), h);
     }
+    for c in k.count(t.closings) {
+        let lambda = k.spatial(t.multiplier, c, 0);
+        store_reaction(k, t, k.link(t.closing_links, c, 0), lambda, h);
+    }
+    clear(k, t);
+    for i in k.range_down(k.index(t.rows - 1)) {
+        let row = i.offset(1);
+        let kind = k.link(t.row_links, row, row_link::INBOUND);
+        for _ in k.when(k.less(kind, k.index(inbound::ROOT))) {
+            let lambda = through(k, t, row, k.spatial(t.moved, row, 0));
+            store_reaction(k, t, k.link(t.row_links, row, row_link::JOINT), lambda, h);
+        }
+    }
+}
+
+#[inline(always)]
+fn store_reaction<M: Machine>(k: &mut M, t: &Tables, j: M::I, lambda: Spatial<M::R>, h: M::R) {
+    let id = k.link(t.joint_links, j, joint_link::JOINT);
+    let f = lambda * h.squared().recip();
+    k.store_vec3(t.output.reaction, id, reaction::FORCE, f.linear);
+    k.store_vec3(t.output.reaction, id, reaction::TORQUE, f.angular);
 }
 
 #[inline(always)]
@@ -149,9 +168,9 @@ fn sums<M: Machine>(k: &mut M, t: &Tables) {
     let mut sum = Spatial::zero().hold(k);
     for row in k.range(k.index(1), k.index(t.rows)) {
         let (pose, twist) = (k.pose(t.pose, row, 0), k.spatial(t.twist, row, 0));
-        let m = k.load(t.mass, row, 4);
+        let m = k.load(t.mass, row, mass::MASS);
         let w = pose.q.rotate_inverse(twist.angular);
-        let l = w.times(k.vec3(t.mass, row, 5));
+        let l = w.times(k.vec3(t.mass, row, mass::MOMENTS));
         let p = twist.linear * m;
         kinetic.write(kinetic.read() + half * (p.dot(twist.linear) + w.dot(l)));
         potential.write(potential.read() - m * gravity.dot(pose.p));

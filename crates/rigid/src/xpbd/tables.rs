@@ -8,19 +8,24 @@
 use super::laws::{self, LawTables};
 use crate::output::{OutputTables, body};
 use crate::tables::Filler;
-use crate::{InputTables, SolverError};
+use crate::{InputTables, Settings, SolverError};
 use glam::{DMat3, DQuat, DVec3};
 use model::{AxisKind, BodyId, BodyKind, Joint, JointId, JointKind, MassProperties, Model, Pose};
 use numbers::Table;
 use numbers::machine::Links;
 use numbers::machine::space::{Parameter, Scratch, State};
 
+/// Most rows that a joint locks.
+const LOCKED_ROWS: usize = 6;
+
 /// How many rotations a joint leaves free.
 pub(crate) mod turns {
     pub const LOCKED: usize = 0;
     pub const ONE: usize = 1;
     pub const TWO: usize = 2;
-    pub const FREE: usize = 3;
+    /// Along three axes that have a coordinate each.
+    pub const THREE: usize = 3;
+    pub const FREE: usize = 4;
 }
 
 /// How a joint holds the two anchors.
@@ -69,7 +74,95 @@ pub(crate) mod joint_field {
     pub const COMPLIANCE: usize = 25;
     /// 1, or 0 for a joint that does not act.
     pub const ENABLED: usize = 27;
-    pub const WIDTH: usize = 28;
+    /// First angular axis, in A's own frame.
+    pub const AXIS_A: usize = 28;
+    /// The same in B's own frame; of two axes, the second.
+    pub const AXIS_B: usize = 31;
+    /// From A's own anchor, at the joint that carries it, to this one's, in A's own frame.
+    pub const STEP: usize = 34;
+    /// 1 for a joint that acts and is compliant nowhere, else 0.
+    pub const PLAIN: usize = 37;
+    pub const WIDTH: usize = 38;
+}
+
+/// Fields of [`Tables::mass`].
+pub(crate) mod mass {
+    pub const INVERSE: usize = 0;
+    pub const INVERSE_MOMENTS: usize = 1;
+    /// Mass, principal moments.
+    pub const MASS: usize = 4;
+    pub const MOMENTS: usize = 5;
+    /// Of the joint that carries the body, in its own frame; its centre, if none does.
+    pub const ANCHOR: usize = 8;
+    pub const WIDTH: usize = 11;
+}
+
+/// What carries a body.
+pub(crate) mod inbound {
+    /// A hinge.
+    pub const HINGE: usize = 0;
+    /// Another joint of the tree.
+    pub const JOINT: usize = 1;
+    /// Nothing, but it carries others.
+    pub const ROOT: usize = 2;
+    /// Nothing, and it carries nothing.
+    pub const ALONE: usize = 3;
+}
+
+/// How a subtree reaches the sums of its parent.
+pub(crate) mod arrival {
+    /// Not: the parent is the world.
+    pub const NONE: usize = 0;
+    /// Before its siblings.
+    pub const FIRST: usize = 1;
+    /// After one of them.
+    pub const LATER: usize = 2;
+}
+
+/// Fields of [`Tables::row_links`]: a body in its tree.
+pub(crate) mod row_link {
+    /// See [`inbound`](super::inbound).
+    pub const INBOUND: usize = 0;
+    /// Row of the joint that carries it, and of the body on the other side.
+    pub const JOINT: usize = 1;
+    pub const PARENT: usize = 2;
+    /// Row of [`Tables::carried`] for what the body carries; 0 if that is nothing.
+    pub const CARRIED: usize = 3;
+    /// See [`arrival`](super::arrival).
+    pub const ARRIVAL: usize = 4;
+    /// First motion, number of motions along, number of motions about axes after them.
+    pub const MOTION: usize = 5;
+    pub const LINEAR: usize = 6;
+    pub const ANGULAR: usize = 7;
+    /// The same of the locked rows, which may be compliant.
+    pub const SOFT: usize = 8;
+    pub const SOFT_SHIFTS: usize = 9;
+    pub const SOFT_TURNS: usize = 10;
+    pub const WIDTH: usize = 11;
+}
+
+/// Fields of [`Tables::motion`]: what a joint leaves free, or a row that is compliant.
+pub(crate) mod motion {
+    /// λ₀ and g of what pulls along it [kg·m, kg]; of a compliant row, what it has pushed.
+    pub const PUSH: usize = 0;
+    pub const GIVE: usize = 1;
+    /// Unit vector, world axes.
+    pub const DIRECTION: usize = 2;
+    pub const U: usize = 5;
+    /// 1/D, and u/D.
+    pub const INVERSE: usize = 11;
+    /// How far it went in the last pass.
+    pub const WAY: usize = 13;
+    pub const WIDTH: usize = 14;
+}
+
+/// Fields of [`Tables::hinge`]: the joint that carries a body, in the present pass.
+pub(crate) mod hinge {
+    /// From the parent's anchor to the body's.
+    pub const STEP: usize = 0;
+    /// Error of the locked rows, about the body's anchor.
+    pub const ERROR: usize = 3;
+    pub const WIDTH: usize = 9;
 }
 
 /// Fields of [`Tables::axis_links`].
@@ -124,7 +217,9 @@ pub(crate) mod axis_field {
     pub const VALUE: usize = 9;
     /// Its rate.
     pub const RATE: usize = 10;
-    pub const WIDTH: usize = 11;
+    /// The axis itself.
+    pub const DIRECTION: usize = 11;
+    pub const WIDTH: usize = 14;
 }
 
 /// Layout of everything the kernels touch.
@@ -135,11 +230,19 @@ pub struct Tables {
     pub(crate) bodies: usize,
     pub(crate) joints: usize,
     pub(crate) axes: usize,
+    /// Axes with a coordinate; they come first.
+    pub(crate) coordinates: usize,
+    /// Joints that no tree has: they close loops, or hold a distance.
+    pub(crate) closings: usize,
     /// Joints with axes; those whose coordinates act come first.
     pub(crate) groups: usize,
     pub(crate) tracked: usize,
     pub(crate) balls: usize,
     pub(crate) frees: usize,
+    /// Passes per substep.
+    pub(crate) iterations: usize,
+    /// True if a cap is set.
+    pub(crate) capped_at_all: bool,
 
     /// Centre of mass and orientation of the principal axes.
     pub(crate) pose: Table<State, 7>,
@@ -147,7 +250,9 @@ pub struct Tables {
     pub(crate) twist: Table<State, 6>,
     /// Twist at the start of the last substep.
     pub(crate) before: Table<State, 6>,
-    /// Per joint: angular and linear impulse·h of the last substep, world axes.
+    /// Per row: how far the last substep's passes over the tree moved the body.
+    pub(crate) moved: Table<State, 6>,
+    /// Per closing: angular and linear impulse·h of the last substep, world axes.
     pub(crate) multiplier: Table<State, 6>,
     /// Per axis: the coordinate, less its reference, counting turns.
     pub(crate) angle: Table<State>,
@@ -161,8 +266,7 @@ pub struct Tables {
     pub(crate) output: OutputTables,
 
     pub(crate) global: Table<Parameter, { global::WIDTH }>,
-    /// Per row: inverse mass, inverse principal moments, mass, principal moments.
-    pub(crate) mass: Table<Parameter, 8>,
+    pub(crate) mass: Table<Parameter, { mass::WIDTH }>,
     pub(crate) joint: Table<Parameter, { joint_field::WIDTH }>,
     /// Per axis: direction in the linear or angular frame, reference.
     pub(crate) direction: Table<Parameter, 4>,
@@ -173,8 +277,11 @@ pub struct Tables {
     pub(crate) joint_links: Links<{ joint_link::WIDTH }>,
     pub(crate) axis_links: Links<{ axis_link::WIDTH }>,
     pub(crate) group_links: Links<{ group_link::WIDTH }>,
-    /// Balls and frees with coordinates: joint row, coordinate, degree of freedom.
-    pub(crate) ball_links: Links<3>,
+    pub(crate) row_links: Links<{ row_link::WIDTH }>,
+    /// Joint rows of the closings.
+    pub(crate) closing_links: Links,
+    /// Balls and frees with coordinates: joint row, coordinate, degree of freedom, first motion.
+    pub(crate) ball_links: Links<4>,
     pub(crate) free_links: Links<3>,
     pub(crate) body_links: Links<{ body_link::WIDTH }>,
     pub(crate) link_length: usize,
@@ -183,6 +290,21 @@ pub struct Tables {
     pub(crate) inverse_inertia: Table<Scratch, 6>,
     pub(crate) axis: Table<Scratch, { axis_field::WIDTH }>,
     pub(crate) saved_pose: Table<Scratch, 7>,
+    /// Axes first, then three a ball, then locked rows, which may be compliant.
+    pub(crate) motion: Table<Scratch, { motion::WIDTH }>,
+    pub(crate) motions: usize,
+    /// Per row: from the centre to the joint that carries the body, world axes.
+    pub(crate) arm: Table<Scratch, 3>,
+    pub(crate) hinge: Table<Scratch, { hinge::WIDTH }>,
+    /// Inertia and force of what a body carries, about its anchor, until it is its own turn; row 0
+    /// stays zero. Rows are used again.
+    pub(crate) carried: Table<Scratch, 27>,
+    /// Per row: displacement in the present pass, about its anchor.
+    pub(crate) way: Table<Scratch, 6>,
+    /// Per row: which share of its error a joint corrects, so as to stay within the caps.
+    pub(crate) share: Table<Scratch>,
+    /// Per row: what it carries has passed on to it, about its centre.
+    pub(crate) load: Table<Scratch, 6>,
     pub(crate) scratch_length: usize,
 }
 
@@ -233,7 +355,7 @@ impl Group {
                 .couplings
                 .iter()
                 .any(|c| c.joint.0 == index || c.other.0 == index);
-        let tracked = acts || angular.len() > 1;
+        let tracked = !joint.closes_loop && (acts || angular.len() > 1);
         Ok(Self {
             joint: index,
             linear,
@@ -257,36 +379,42 @@ fn frame(directions: &[DVec3]) -> DQuat {
 
 impl Tables {
     /// Lays out a model and fills its parameters and links.
-    pub(crate) fn new(model: &Model) -> Result<(Self, Filler), SolverError> {
+    pub(crate) fn new(model: &Model, settings: &Settings) -> Result<(Self, Filler), SolverError> {
         let mut groups = Vec::new();
         for (i, joint) in model.joints.iter().enumerate() {
             if !joint.axes.is_empty() {
                 groups.push(Group::new(i, joint, model)?);
             }
         }
-        groups.sort_by_key(|g| !g.tracked);
+        groups.sort_by_key(|g| (model.joints[g.joint].closes_loop, !g.tracked));
         laws::check(model)?;
-        let t = Self::layout(model, &groups);
+        let t = Self::layout(model, settings, &groups);
         let mut f = Filler::new(t.parameter_length, t.link_length);
         let own = t.fill_bodies(model, &mut f);
         t.fill_joints(model, &groups, &own, &mut f);
+        t.fill_tree(model, &groups, &own, &mut f);
         let axis_of = t.fill_axes(model, &groups, &mut f);
-        t.laws.fill(model, &axis_of, &mut f);
+        t.laws
+            .fill(model, &axis_of, |ball| t.ball_motion(ball), &mut f);
         f.vec3(t.global, 0, global::GRAVITY, model.gravity);
         Ok((t, f))
     }
 
-    fn layout(model: &Model, groups: &[Group]) -> Self {
+    fn layout(model: &Model, settings: &Settings, groups: &[Group]) -> Self {
         let moving = model
             .bodies
             .iter()
             .filter(|b| b.kind == BodyKind::Dynamic)
             .count();
         let (rows, joints) = (moving + 1, model.joints.len());
-        let axes = groups
-            .iter()
-            .map(|g| g.linear.len() + g.angular.len())
-            .sum();
+        let axes_of = |closing: bool| -> usize {
+            let own = groups
+                .iter()
+                .filter(|g| model.joints[g.joint].closes_loop == closing);
+            own.map(|g| g.linear.len() + g.angular.len()).sum()
+        };
+        let (coordinates, axes) = (axes_of(false), axes_of(false) + axes_of(true));
+        let closings = closings(model).count();
         let open = |kind| {
             model
                 .joints
@@ -295,6 +423,7 @@ impl Tables {
                 .count()
         };
         let (balls, frees) = (open(JointKind::Ball), open(JointKind::Free));
+        let motions = coordinates + 3 * balls + LOCKED_ROWS * moving;
         let (mut s, mut p, mut l, mut t) = (0, 0, 0, 0);
         let laws = LawTables::place(model, &mut s, &mut p, &mut l, &mut t);
         Self {
@@ -302,14 +431,19 @@ impl Tables {
             bodies: model.bodies.len(),
             joints,
             axes,
+            coordinates,
+            closings,
             groups: groups.len(),
             tracked: groups.iter().filter(|g| g.tracked).count(),
             balls,
             frees,
+            iterations: settings.iterations,
+            capped_at_all: settings.displacement_cap.is_finite() || settings.force_cap.is_finite(),
             pose: Table::place(&mut s, rows),
             twist: Table::place(&mut s, rows),
             before: Table::place(&mut s, rows),
-            multiplier: Table::place(&mut s, joints),
+            moved: Table::place(&mut s, rows),
+            multiplier: Table::place(&mut s, closings),
             angle: Table::place(&mut s, axes),
             alive: Table::place(&mut s, 1),
             capped: Table::place(&mut s, 1),
@@ -326,6 +460,8 @@ impl Tables {
             joint_links: Links::place(&mut l, joints),
             axis_links: Links::place(&mut l, axes),
             group_links: Links::place(&mut l, groups.len()),
+            row_links: Links::place(&mut l, rows),
+            closing_links: Links::place(&mut l, closings),
             ball_links: Links::place(&mut l, balls),
             free_links: Links::place(&mut l, frees),
             body_links: Links::place(&mut l, model.bodies.len()),
@@ -333,6 +469,14 @@ impl Tables {
             inverse_inertia: Table::place(&mut t, rows),
             axis: Table::place(&mut t, axes),
             saved_pose: Table::place(&mut t, rows),
+            motion: Table::place(&mut t, motions),
+            motions,
+            arm: Table::place(&mut t, rows),
+            hinge: Table::place(&mut t, rows),
+            carried: Table::place(&mut t, rows),
+            way: Table::place(&mut t, rows),
+            share: Table::place(&mut t, rows),
+            load: Table::place(&mut t, rows),
             scratch_length: t,
         }
     }
@@ -360,9 +504,9 @@ impl Tables {
                         1.0 / moments.y,
                         1.0 / moments.z,
                     ];
-                    f.numbers(self.mass, row, 0, &inverse);
-                    f.number(self.mass, row, 4, body.mass);
-                    f.vec3(self.mass, row, 5, moments);
+                    f.numbers(self.mass, row, mass::INVERSE, &inverse);
+                    f.number(self.mass, row, mass::MASS, body.mass);
+                    f.vec3(self.mass, row, mass::MOMENTS, moments);
                     (row, Pose::new(body.center, turn).inverse())
                 }
             };
@@ -393,6 +537,27 @@ impl Tables {
             let (row_b, own_b) = own[joint.child.0];
             let a = own_a * joint.parent_frame;
             let b = own_b * joint.child_frame;
+            let second = angular.get(1).copied().unwrap_or(DVec3::Y);
+            let (axis_a, axis_b) = (
+                DVec3::X,
+                if angular.len() == 2 {
+                    turn.conjugate() * second
+                } else {
+                    DVec3::X
+                },
+            );
+            f.vec3(
+                self.joint,
+                j,
+                joint_field::AXIS_A,
+                a.orientation * turn * axis_a,
+            );
+            f.vec3(
+                self.joint,
+                j,
+                joint_field::AXIS_B,
+                b.orientation * turn * axis_b,
+            );
             f.vec3(self.joint, j, joint_field::ANCHOR_A, a.point(anchor));
             f.quat(self.joint, j, joint_field::FRAME_A, a.orientation * turn);
             f.vec3(self.joint, j, joint_field::ANCHOR_B, b.point(anchor));
@@ -407,7 +572,6 @@ impl Tables {
                 .map(|i| f64::from(u8::from(i >= linear.len())))
                 .collect();
             f.numbers(self.joint, j, joint_field::LOCKED, &locked);
-            let second = angular.get(1).copied().unwrap_or(DVec3::Y);
             f.vec3(
                 self.joint,
                 j,
@@ -417,11 +581,18 @@ impl Tables {
             let compliance = [joint.linear_compliance, joint.angular_compliance];
             f.number(self.joint, j, joint_field::LENGTH, joint.length);
             f.numbers(self.joint, j, joint_field::COMPLIANCE, &compliance);
+            let plain = joint.enabled && compliance == [0.0; 2];
             f.number(
                 self.joint,
                 j,
                 joint_field::ENABLED,
                 f64::from(u8::from(joint.enabled)),
+            );
+            f.number(
+                self.joint,
+                j,
+                joint_field::PLAIN,
+                f64::from(u8::from(plain)),
             );
             f.link(self.joint_links, j, joint_link::A, row_a);
             f.link(self.joint_links, j, joint_link::B, row_b);
@@ -447,15 +618,119 @@ impl Tables {
                 model.coordinate_range(id).start,
                 model.dof_range(id).start,
             ];
-            let (links, next) = match joint.kind {
-                JointKind::Ball => (self.ball_links, &mut ball),
-                JointKind::Free => (self.free_links, &mut free),
+            match joint.kind {
+                JointKind::Ball => {
+                    for (field, x) in row.into_iter().enumerate() {
+                        f.link(self.ball_links, ball, field, x);
+                    }
+                    f.link(self.ball_links, ball, 3, self.ball_motion(ball));
+                    ball += 1;
+                }
+                JointKind::Free => {
+                    for (field, x) in row.into_iter().enumerate() {
+                        f.link(self.free_links, free, field, x);
+                    }
+                    free += 1;
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// First of the three motions of a ball.
+    pub(crate) fn ball_motion(&self, ball: usize) -> usize {
+        self.coordinates + 3 * ball
+    }
+
+    /// What carries each body, which motions that leaves free, and which joints are in no tree.
+    fn fill_tree(&self, model: &Model, groups: &[Group], own: &[(usize, Pose)], f: &mut Filler) {
+        let mut first_axis = vec![0; model.joints.len()];
+        let mut next = 0;
+        for group in groups {
+            first_axis[group.joint] = next;
+            next += group.linear.len() + group.angular.len();
+        }
+        let (mut ball, mut soft) = (0, self.ball_motion(self.balls));
+        let mut ball_of = vec![0; model.joints.len()];
+        for (j, joint) in model.joints.iter().enumerate() {
+            if joint.kind == JointKind::Ball && !joint.closes_loop {
+                ball_of[j] = self.ball_motion(ball);
+                ball += 1;
+            }
+        }
+        for (i, j) in closings(model).enumerate() {
+            f.link(self.closing_links, i, 0, j);
+        }
+        let at = |f: &Filler, j: usize, field: usize| {
+            DVec3::from_slice(&f.parameters[self.joint.at(j, field)..][..3])
+        };
+        for &BodyId(id) in model.order() {
+            let (row, JointId(j)) = match model.carrier(BodyId(id)) {
+                Some(joint) if in_tree(model, joint) => (own[id].0, joint),
                 _ => continue,
             };
-            for (field, x) in row.into_iter().enumerate() {
-                f.link(links, *next, field, x);
+            let anchor = at(f, j, joint_field::ANCHOR_B);
+            f.vec3(self.mass, row, mass::ANCHOR, anchor);
+        }
+        let mut slots = Slots::new(self.rows);
+        for &BodyId(id) in model.order().iter().rev() {
+            let row = own[id].0;
+            let (parent, JointId(j)) = match model.carrier(BodyId(id)) {
+                Some(joint) if in_tree(model, joint) => {
+                    let parent = model.joints[joint.0].parent;
+                    (parent.map_or(0, |p| own[p.0].0), joint)
+                }
+                _ => {
+                    if row > 0 {
+                        let slot = slots.release(row);
+                        let inbound = if slot == 0 {
+                            inbound::ALONE
+                        } else {
+                            inbound::ROOT
+                        };
+                        f.link(self.row_links, row, row_link::CARRIED, slot);
+                        f.link(self.row_links, row, row_link::INBOUND, inbound);
+                    }
+                    continue;
+                }
+            };
+            let joint = &model.joints[j];
+            let from = &f.parameters[self.mass.at(parent, mass::ANCHOR)..][..3];
+            let step = at(f, j, joint_field::ANCHOR_A) - DVec3::from_slice(from);
+            f.vec3(self.joint, j, joint_field::STEP, step);
+            let group = groups.iter().find(|g| g.joint == j);
+            let (linear, angular, first) = match (group, joint.kind) {
+                (Some(g), _) => (g.linear.len(), g.angular.len(), first_axis[j]),
+                (None, JointKind::Ball) => (0, 3, ball_of[j]),
+                (None, _) => (0, 0, 0),
+            };
+            let inbound = match (linear, angular) {
+                (0, 1) => inbound::HINGE,
+                _ => inbound::JOINT,
+            };
+            let carried = slots.release(row);
+            let arrives = match parent {
+                0 => arrival::NONE,
+                _ if slots.take(parent) => arrival::FIRST,
+                _ => arrival::LATER,
+            };
+            let links = [
+                (row_link::INBOUND, inbound),
+                (row_link::JOINT, j),
+                (row_link::PARENT, parent),
+                (row_link::CARRIED, carried),
+                (row_link::ARRIVAL, arrives),
+                (row_link::MOTION, first),
+                (row_link::LINEAR, linear),
+                (row_link::ANGULAR, angular),
+                (row_link::SOFT, soft),
+                (row_link::SOFT_SHIFTS, 3 - linear),
+                (row_link::SOFT_TURNS, 3 - angular),
+            ];
+            for (field, x) in links {
+                f.link(self.row_links, row, field, x);
             }
-            *next += 1;
+            soft += 6 - linear - angular;
         }
     }
 
@@ -517,10 +792,60 @@ impl Tables {
     }
 }
 
+/// Hands out rows of [`Tables::carried`] from the first child of a body to its own turn, so that
+/// few are in use at a time, and those stay in the cache.
+struct Slots {
+    free: Vec<usize>,
+    /// Per row: its slot, 0 for none.
+    held: Vec<usize>,
+}
+
+impl Slots {
+    fn new(rows: usize) -> Self {
+        Self {
+            free: (1..rows).rev().collect(),
+            held: vec![0; rows],
+        }
+    }
+    /// Gives a row a slot; false if it has one.
+    fn take(&mut self, row: usize) -> bool {
+        let first = self.held[row] == 0;
+        if first {
+            self.held[row] = self.free.pop().expect("a slot for each body");
+        }
+        first
+    }
+    /// The slot of a row, which is free from now on.
+    fn release(&mut self, row: usize) -> usize {
+        let slot = self.held[row];
+        if slot > 0 {
+            self.free.push(slot);
+        }
+        slot
+    }
+}
+
+/// True if a joint carries its child in a tree: not if it lets it go, or nothing moves.
+fn in_tree(model: &Model, JointId(j): JointId) -> bool {
+    let joint = &model.joints[j];
+    joint.kind != JointKind::Free && model.bodies[joint.child.0].kind == BodyKind::Dynamic
+}
+
+/// Joints that hold, but are in no tree.
+fn closings(model: &Model) -> impl Iterator<Item = usize> {
+    let joints = model.joints.iter().enumerate();
+    joints
+        .filter(|(_, j)| j.kind != JointKind::Free)
+        .filter(|(i, j)| {
+            model.carrier(j.child) != Some(JointId(*i)) || !in_tree(model, JointId(*i))
+        })
+        .map(|(i, _)| i)
+}
+
 fn turns_of(joint: &Joint, angular: usize) -> usize {
     match joint.kind {
         JointKind::Ball | JointKind::Free | JointKind::Distance => turns::FREE,
-        _ => [turns::LOCKED, turns::ONE, turns::TWO, turns::FREE][angular],
+        _ => [turns::LOCKED, turns::ONE, turns::TWO, turns::THREE][angular],
     }
 }
 
