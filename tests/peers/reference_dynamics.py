@@ -1,8 +1,8 @@
 """Writes MuJoCo's view of every MJCF model that gymnasium ships, for the Rust tests to compare with.
 
-For each model, `<out>/<model>.json` holds what loading must reproduce (masses, inertias, frames, joints)
-and 200 random states with the accelerations, mass matrix, body poses and energy that MuJoCo computes there.
-Contacts and fluid drag are switched off, and no limit is active in any state.
+For each model, `<out>/<model>.json` holds what loading must reproduce (masses, inertias, frames, joints,
+contacts) and 200 random states with the accelerations, mass matrix, body poses and energy that MuJoCo
+computes there. Contacts and fluid drag are switched off, and no limit is active in any state.
 
 Conventions are MuJoCo's: SI units, quaternions w x y z, body inertias about the centre of mass in the
 principal frame `body_iquat`; a free joint's velocity is linear (world axes) then angular (body axes).
@@ -16,6 +16,7 @@ from pathlib import Path
 import gymnasium
 import mujoco
 import numpy as np
+from contacts import contacts
 
 ASSETS = Path(gymnasium.__file__).parent / "envs/mujoco/assets"
 STATES = 200
@@ -131,6 +132,7 @@ def describe(path: Path, model: mujoco.MjModel, switched_off: list[str]) -> dict
         "body_ipos": model.body_ipos.tolist(),
         "body_iquat": model.body_iquat.tolist(),
         "dof_armature": model.dof_armature.tolist(),
+        "contacts": contacts(model),
     }
 
 

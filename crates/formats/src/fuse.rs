@@ -87,6 +87,13 @@ impl Fusion {
             joint.child_frame = placed[joint.child.0] * joint.child_frame;
             joint.child.0 = self.into[joint.child.0];
         }
+        for (other, body) in &mut parts.exclusions {
+            *other = other.map(|id| BodyId(self.into[id.0]));
+            body.0 = self.into[body.0];
+        }
+        parts
+            .exclusions
+            .retain(|(other, body)| *other != Some(*body));
     }
 
     /// Removes the bodies that were taken up and the joints that tied them, and renumbers the rest.
@@ -114,6 +121,9 @@ impl Fusion {
         for joint in &mut parts.joints {
             joint.parent = joint.parent.map(to_body);
             joint.child = to_body(joint.child);
+        }
+        for (other, body) in &mut parts.exclusions {
+            (*other, *body) = (other.map(to_body), to_body(*body));
         }
         for coupling in &mut parts.couplings {
             coupling.joint = to_joint(coupling.joint);

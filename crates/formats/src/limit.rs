@@ -28,12 +28,12 @@ impl Default for Softness {
 }
 
 impl Softness {
-    /// A limit of force on what shows `inertia` [kg or kg·m²]. Time constants below two steps are
-    /// raised to that, as MuJoCo does ("refsafe").
-    pub fn limit(&self, (lower, upper): (f64, f64), inertia: f64, time_step: f64) -> Limit {
+    /// A limit of force on what shows `inertia` [kg or kg·m²]. Shorter time constants are raised to
+    /// `least_time` [s].
+    pub fn limit(&self, (lower, upper): (f64, f64), inertia: f64, least_time: f64) -> Limit {
         let [first, second] = self.0;
         let (k, b) = if first > 0.0 && second > 0.0 {
-            let tc = first.max(2.0 * time_step);
+            let tc = first.max(least_time);
             (1.0 / (tc * tc * second * second), 2.0 / tc)
         } else {
             (-first, -second)
@@ -63,7 +63,7 @@ mod tests {
     #[test]
     fn short_time_constants_are_raised() {
         assert_eq!(
-            Softness([1e-6, 1.0]).limit((0.0, 1.0), 1.0, 0.01).damping,
+            Softness([1e-6, 1.0]).limit((0.0, 1.0), 1.0, 0.02).damping,
             100.0
         );
     }

@@ -86,6 +86,43 @@ const XML: &[(&str, &str)] = &[
 
 const MJCF: &[(&str, &str)] = &[
     (
+        "<mujoco><worldbody><geom size=\"1\" contype=\"4294967296\"/></worldbody></mujoco>",
+        "robot.xml:1:35: <geom>: attribute `contype` is 4294967296, which has more than 32 bits; write a number from -2147483648 to 4294967295",
+    ),
+    (
+        "<mujoco><worldbody><geom size=\"1\" conaffinity=\"-2147483649\"/></worldbody></mujoco>",
+        "robot.xml:1:35: <geom>: attribute `conaffinity` is -2147483649, which has more than 32 bits; write a number from -2147483648 to 4294967295",
+    ),
+    (
+        "<mujoco><worldbody><geom size=\"1\" condim=\"2\"/></worldbody></mujoco>",
+        "robot.xml:1:35: <geom>: attribute `condim` is 2; write 1, 3, 4 or 6",
+    ),
+    (
+        "<mujoco><worldbody><geom size=\"1\" solref=\"0.1 -1\"/></worldbody></mujoco>",
+        "robot.xml:1:35: <geom>: attribute `solref` mixes a positive and a negative number; write time constant and damping ratio, both positive, or −stiffness and −damping",
+    ),
+    (
+        "<mujoco><contact><touch/></contact></mujoco>",
+        "robot.xml:1:18: <touch>: contact holds no such element; remove it",
+    ),
+    (
+        "<mujoco><contact><exclude body1=\"world\" body2=\"hand\"/></contact></mujoco>",
+        "robot.xml:1:41: <exclude>: attribute `body2` names `hand`, but no body has this name; correct the name",
+    ),
+    (
+        "<mujoco><contact><exclude body1=\"world\"/></contact></mujoco>",
+        "robot.xml:1:18: <exclude>: attribute `body2` is missing; write body2=\"…\"",
+    ),
+    (
+        "<mujoco><contact><pair geom1=\"palm\"/></contact></mujoco>",
+        "robot.xml:1:24: <pair>: attribute `geom1` names `palm`, but no geom has this name; correct the name",
+    ),
+    (
+        "<mujoco><worldbody><geom name=\"a\" size=\"1\"/><body><freejoint/><geom name=\"b\" size=\"1\"/></body></worldbody>\
+         <contact><pair geom1=\"a\" geom2=\"b\"/>\n<pair geom1=\"b\" geom2=\"a\"/></contact></mujoco>",
+        "robot.xml:2:1: <pair>: an earlier pair is of the same geoms; keep one of them",
+    ),
+    (
         "<mujoco>\n<wordlbody/>\n</mujoco>",
         "robot.xml:2:1: <wordlbody>: `wordlbody` is no section of a MuJoCo file; correct its spelling, or remove it",
     ),
@@ -326,6 +363,15 @@ const MJCF: &[(&str, &str)] = &[
 ];
 
 const UNSUPPORTED: &[(&str, &str)] = &[
+    (
+        "<mujoco><worldbody><geom size=\"1\" solref=\"-100 0\"/></worldbody></mujoco>",
+        "robot.xml:1:20: <geom>: a contact without spring or damper is not supported, and leaving it out would change the physics; write a solref whose numbers are both positive, or both negative, or load leniently (--lenient) to go on without it",
+    ),
+    (
+        "<mujoco><worldbody><geom name=\"a\" size=\"1\"/><body><freejoint/><geom name=\"b\" size=\"1\"/></body></worldbody>\
+         <contact><pair geom1=\"a\" geom2=\"b\" friction=\"0.5\"/></contact></mujoco>",
+        "robot.xml:1:116: <pair>: friction that differs by direction is not supported, and leaving it out would change the physics; write the same coefficient for both directions, or load leniently (--lenient) to go on without it",
+    ),
     (
         "<mujoco>\n<option density=\"1.2\"/></mujoco>",
         "robot.xml:2:1: <option>: drag by a fluid (`density`) is not supported, and leaving it out would change the physics; set density and viscosity to 0 for a simulation in vacuum, or load leniently (--lenient) to go on without it",

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{TOLERANCE, close, coordinates, number, poses, quaternion, vector};
+use common::{TOLERANCE, close, compare_contacts, coordinates, number, poses, quaternion, vector};
 use glam::{DMat3, DQuat, DVec3};
 use kinetarium_formats::{self as formats, Options};
 use model::{Dof, Geometry, Model, Pose};
@@ -24,6 +24,7 @@ fn load(name: &str) -> (Model, Value) {
     let reference: Value = serde_json::from_str(&text).expect("JSON");
     compare_bodies(&model, &reference);
     compare_poses(&model, &reference);
+    compare_contacts(&model, &reference, name);
     close(model.time_step, number(&reference["timestep"]), name);
     assert!(
         model
@@ -155,6 +156,12 @@ fn total_mass() {
     let (model, _) = load("total_mass");
     let mass: f64 = model.bodies.iter().map(|body| body.mass).sum();
     close(mass, 7.0, "total mass");
+}
+
+#[test]
+fn contacts() {
+    let (_, reference) = load("contacts");
+    assert_eq!(reference["contacts"].as_array().unwrap().len(), 83);
 }
 
 #[test]

@@ -3,7 +3,9 @@
 
 use glam::DVec3;
 use kinetarium_formats::{Files, Folder, InMemory, Loaded, Options, Warning, load, parse};
-use model::{BodyKind, Geometry, JointKind, Pose};
+use model::{
+    BodyId, BodyKind, CollisionFilter, Combine, Geometry, JointKind, Model, Pose, ShapeId, Softness,
+};
 
 fn read_with(body: &str, options: &Options) -> Loaded {
     let files = InMemory::default();
@@ -37,8 +39,8 @@ fn unused_things_are_listed_once_with_their_first_line() {
                <light pos="0 0 3"/>
                <light pos="0 0 4"/>
                <camera/>
-               <geom size="1" solref="0.1 1"/>
-               <geom size="1" solref="0.2 1"/>
+               <geom size="1" solimp="0.8"/>
+               <geom size="1" solimp="0.9"/>
              </worldbody>
              <sensor><clock/></sensor>
            </mujoco>"#,
@@ -50,7 +52,7 @@ fn unused_things_are_listed_once_with_their_first_line() {
              simulation is made",
             "robot.xml:4: <light>: lights: only for seeing; not read",
             "robot.xml:6: <camera>: cameras: only for seeing; not read",
-            "robot.xml:7: <geom>: attribute `solref`: softness of contacts as MuJoCo's solver has it",
+            "robot.xml:7: <geom>: attribute `solimp`: contacts have full impedance at once",
             "robot.xml:10: <sensor>: sensors: not read",
         ]
     );
@@ -372,19 +374,99 @@ fn flags_switch_things_off() {
 }
 
 #[test]
-fn contact_masks_that_groups_cannot_hold_are_noted() {
-    let model = |masks: &str| {
-        read(&format!(
-            "<mujoco><worldbody><geom size='1'/><body><freejoint/><geom size='1' {masks}/>\
-             </body></worldbody></mujoco>"
-        ))
-    };
-    assert!(model("").warnings.is_empty());
-    assert!(model("contype='0' conaffinity='0'").warnings.is_empty());
-    let apart = model("conaffinity='0'");
+fn contact_masks_are_the_shapes_kinds() {
+    let model = read(
+        "<mujoco><worldbody><geom size='1'/><geom size='1' contype='6' conaffinity='-1'/>\
+         <geom size='1' contype='4294967295' conaffinity='0'/></worldbody></mujoco>",
+    );
+    assert!(model.warnings.is_empty());
+    let shapes = model.model.shapes.iter();
+    let masks: Vec<_> = shapes.map(|s| (s.membership, s.collides_with)).collect();
+    assert_eq!(masks, [(1, 1), (6, u32::MAX), (u32::MAX, 0)]);
+}
+
+fn pairs(model: &Model) -> Vec<(usize, usize)> {
+    let filter = CollisionFilter::new(model);
+    filter.pairs().map(|(a, b)| (a.0, b.0)).collect()
+}
+
+/// A trunk with a limb, which has a welded thumb; all overlap.
+fn limb(option: &str, contact: &str) -> Loaded {
+    read(&format!(
+        "<mujoco><option>{option}</option><worldbody>\
+         <body name='trunk'><freejoint/><geom name='trunk' size='1'/>\
+         <body name='limb'><joint/><geom name='limb' size='1' solref='0.001 1'/>\
+         <body name='thumb'><geom name='thumb' size='1' solref='0.001 1'/></body></body></body>\
+         </worldbody><contact>{contact}</contact></mujoco>"
+    ))
+}
+
+fn time(constant: f64) -> Softness {
+    let ratio = 1.0;
+    Softness::Time { constant, ratio }
+}
+
+#[test]
+fn flags_let_parents_touch_and_contacts_be_stiff() {
+    assert_eq!(pairs(&limb("", "").model), []);
+    let open = limb("<flag filterparent='disable' refsafe='disable'/>", "").model;
+    assert_eq!(pairs(&open), [(0, 1), (0, 2)]);
+    assert!(
+        open.contact_pairs.is_empty(),
+        "materials mix as MuJoCo's do"
+    );
+    assert_eq!(open.shapes[1].material.softness, time(0.001));
+    let safe = limb("", "").model;
+    assert_eq!(safe.shapes[1].material.softness, time(2.0 * 0.002));
+}
+
+#[test]
+fn pairs_touch_in_spite_of_joints_unless_contacts_are_off() {
+    let pair = "<pair geom1='thumb' geom2='trunk' friction='0.2 0.2'/>";
+    let model = limb("", pair).model;
+    assert_eq!(pairs(&model), [(0, 2)]);
+    let material = model.contact_material(ShapeId(0), ShapeId(2));
+    assert_eq!((material.friction, material.torsional_friction), (0.2, 0.0));
+    assert_eq!(material.softness, time(0.02));
+    let off = limb("<flag contact='disable'/>", pair).model;
+    assert_eq!(pairs(&off), []);
+    let still = limb("", "<pair geom1='thumb' geom2='thumb'/>");
     assert_eq!(
-        lines(&apart.warnings),
-        ["robot.xml:1: <worldbody>: contype and conaffinity: geoms that they keep apart may touch"]
+        lines(&still.warnings),
+        ["robot.xml:1: <pair>: pair: left out, for its geoms never move against each other"]
+    );
+}
+
+/// The mount is massless, and fused with the trunk.
+#[test]
+fn exclusions_of_fused_bodies_are_those_of_what_they_are_fused_with() {
+    let model = read(
+        "<mujoco><worldbody>\
+         <body name='other'><freejoint/><geom size='1'/></body>\
+         <body name='trunk'><freejoint/><geom size='1'/>\
+         <body name='mount'><geom size='1' mass='0'/>\
+         <body name='limb'><joint/><geom size='1'/></body></body></body>\
+         </worldbody><contact><exclude body1='mount' body2='other'/>\
+         <exclude body1='trunk' body2='mount'/></contact></mujoco>",
+    )
+    .model;
+    assert_eq!(model.bodies.len(), 3);
+    assert!(model.exclusions.contains(&(Some(BodyId(1)), BodyId(0))));
+    assert_eq!(pairs(&model), [(0, 3)]);
+}
+
+#[test]
+fn stiffness_and_damping_of_contacts_are_time_and_ratio() {
+    let model = read("<mujoco><worldbody><geom size='1' solref='-400 -20'/></worldbody></mujoco>");
+    assert!(model.warnings.is_empty());
+    let material = model.model.shapes[0].material;
+    assert_eq!(material.combine, Combine::Maximum);
+    assert_eq!(
+        material.softness,
+        Softness::Time {
+            constant: 0.1,
+            ratio: 0.5
+        }
     );
 }
 

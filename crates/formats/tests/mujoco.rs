@@ -1,12 +1,12 @@
 //! Every MJCF model that gymnasium ships, loaded here and by MuJoCo: names, masses, inertias, initial
-//! poses, joints.
+//! poses, joints, contacts.
 //!
 //! `cargo xtask peers` writes MuJoCo's view of each model as JSON and names the folder in
 //! `KINETARIUM_PEERS`.
 
 mod common;
 
-use common::{TOLERANCE, close, coordinates, number, poses, quaternion, vector};
+use common::{TOLERANCE, close, compare_contacts, coordinates, number, poses, quaternion, vector};
 use glam::DMat3;
 use kinetarium_formats::{self as formats, Options};
 use model::Model;
@@ -47,6 +47,7 @@ fn compare(reference: &Value) {
         .model;
     compare_bodies(&model, reference, path);
     compare_joints(&model, reference, path);
+    compare_contacts(&model, reference, path);
     close(model.time_step, number(&reference["timestep"]), path);
     assert!(
         model

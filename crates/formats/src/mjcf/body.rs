@@ -112,7 +112,7 @@ fn read_body<'a>(
         group: if moves { 1 } else { -1 },
         ..Body::new(element.get("name").unwrap_or_default())
     };
-    let id = tree.add_body(body, element)?;
+    let id = tree.add_body(body, visit.parent, element)?;
     if moves {
         let joint = joint::assemble(element, &joints, (visit.parent, id), local, pose)?;
         tree.add_joint(joint, joints)?;

@@ -1,33 +1,190 @@
-//! Which pairs of geoms may touch: `<contact>`, and the geoms' contype and conaffinity.
+//! Which geoms may touch: `<contact>`, and what hangs on what (modeling guide, "Collision detection").
+//!
+//! MuJoCo takes bodies that never move against each other as one, as it does the world and all that
+//! is welded to it. Geoms do not touch where these are one, or one carries the other; unless the
+//! other is the world.
 
+use super::Context;
+use super::surface::Surface;
 use super::tree::Tree;
+use crate::error::FormatError;
 use crate::report::Report;
 use crate::xml::Element;
+use model::{BodyId, CollisionFilter, ContactPair, JointKind, Material, Model, ModelError};
 use std::collections::HashSet;
 
-/// Notes pairs that the file keeps apart, or together, and the model's collision groups do not.
-pub(super) fn check(root: &Element, tree: &Tree, report: &mut Report) {
-    for rule in root
-        .children_named("contact")
-        .flat_map(|section| &section.children)
+const EXCLUDE: &[&str] = &["name", "class", "body1", "body2"];
+const PAIR: &[&str] = &[
+    "name", "class", "geom1", "geom2", "condim", "friction", "solref",
+];
+const PAIR_UNUSED: &[(&str, &str)] = &[
+    ("solimp", "contacts have full impedance at once"),
+    ("solreffriction", "dry friction is not softened"),
+    ("margin", "contacts begin where the surfaces touch"),
+    ("gap", "contacts begin where the surfaces touch"),
+];
+
+/// Reads `<contact>`, and keeps apart what is welded or hinged together.
+pub(super) fn read(
+    root: &Element,
+    tree: &mut Tree,
+    context: &Context,
+    report: &mut Report,
+) -> Result<(), FormatError> {
+    let rules = root.children_named("contact").flat_map(|s| &s.children);
+    for rule in rules {
+        match rule.name.as_str() {
+            "exclude" => exclude(rule, tree, report)?,
+            "pair" => {
+                let rule = context.defaults.apply(rule, None, &["pair"])?;
+                pair(&rule, tree, context, report)?;
+            }
+            _ => return Err(rule.invalid("contact holds no such element", "remove it")),
+        }
+    }
+    let welds = Welds::of(tree);
+    welds.let_joints_collide(tree, context);
+    welds.exclude(tree, context);
+    Ok(())
+}
+
+fn exclude(element: &Element, tree: &mut Tree, report: &mut Report) -> Result<(), FormatError> {
+    report.check_attributes(element, EXCLUDE, &[])?;
+    let ends = [tree.body(element, "body1")?, tree.body(element, "body2")?];
+    match ends {
+        [a, b] if a == b => report.note(
+            element,
+            "exclusion of a body from itself",
+            "its geoms never touch",
+        ),
+        [other, Some(body)] | [Some(body), other] => tree.parts.exclusions.push((other, body)),
+        [None, None] => {}
+    }
+    Ok(())
+}
+
+fn pair(
+    element: &Element,
+    tree: &mut Tree,
+    context: &Context,
+    report: &mut Report,
+) -> Result<(), FormatError> {
+    report.check_attributes(element, PAIR, PAIR_UNUSED)?;
+    let shapes = (tree.geom(element, "geom1")?, tree.geom(element, "geom2")?);
+    let material = Surface::of_pair(element, report)?.material(context.physics.least_time());
+    let keys = tree.parts.contact_pairs.iter().map(|pair| pair.shapes);
+    if keys
+        .into_iter()
+        .any(|(a, b)| (a, b) == shapes || (b, a) == shapes)
     {
-        let meaning = match rule.name.as_str() {
-            "exclude" => "the two bodies may touch",
-            _ => "the two geoms touch as any others do",
+        let remedy = "keep one of them";
+        return Err(element.invalid("an earlier pair is of the same geoms", remedy));
+    }
+    let [a, b] = [shapes.0, shapes.1].map(|s| tree.parts.shapes[s.0].body);
+    if a == b || !(tree.moves(a) || tree.moves(b)) {
+        let meaning = "left out, for its geoms never move against each other";
+        report.note(element, "pair", meaning);
+    } else if context.physics.on("contact") {
+        tree.parts
+            .contact_pairs
+            .push(ContactPair { shapes, material });
+    }
+    Ok(())
+}
+
+/// What each body is welded to.
+struct Welds {
+    /// The topmost body that a body never moves against; `None` is the world.
+    top: Vec<Option<BodyId>>,
+    /// What that one hangs on, as far up as nothing moves.
+    above: Vec<Option<BodyId>>,
+}
+
+impl Welds {
+    fn of(tree: &Tree) -> Self {
+        let joints = tree.parts.joints.iter();
+        let moving = joints.filter(|j| j.kind != JointKind::Fixed);
+        let jointed: HashSet<BodyId> = moving.map(|j| j.child).collect();
+        let (mut top, mut above) = (Vec::new(), Vec::new());
+        for (i, parent) in tree.parents.iter().enumerate() {
+            let body = BodyId(i);
+            let of_parent = |table: &[Option<BodyId>]| parent.and_then(|p| table[p.0]);
+            // MuJoCo moves a mocap body by hand, so nothing is welded to the world through it.
+            let mocap = tree.elements[i].get("mocap") == Some("true");
+            let (own_top, own_above) = match mocap || jointed.contains(&body) {
+                true => (Some(body), of_parent(&top)),
+                false => (of_parent(&top), of_parent(&above)),
+            };
+            top.push(own_top);
+            above.push(own_above);
+        }
+        Self { top, above }
+    }
+
+    /// Whether geoms of two bodies do not touch for what they hang on.
+    fn keep_apart(&self, a: BodyId, b: BodyId, context: &Context) -> bool {
+        let (top_a, top_b) = (self.top[a.0], self.top[b.0]);
+        if top_a.is_none() || top_b.is_none() {
+            return top_a == top_b;
+        }
+        let carried = self.above[a.0] == top_b || self.above[b.0] == top_a;
+        top_a == top_b || (carried && context.physics.on("filterparent"))
+    }
+
+    fn let_joints_collide(&self, tree: &mut Tree, context: &Context) {
+        for joint in &mut tree.parts.joints {
+            if let Some(parent) = joint.parent {
+                joint.bodies_collide = !self.keep_apart(parent, joint.child, context);
+            }
+        }
+    }
+
+    /// Keeps apart what no joint ties directly.
+    fn exclude(&self, tree: &mut Tree, context: &Context) {
+        let joints = tree.parts.joints.iter();
+        let tied: HashSet<_> = joints.filter_map(|j| Some((j.parent?, j.child))).collect();
+        let shapes = tree.parts.shapes.iter().filter(|s| s.collides);
+        let mut bodies: Vec<BodyId> = shapes.filter_map(|s| s.body).collect();
+        bodies.dedup();
+        for (i, &a) in bodies.iter().enumerate() {
+            for &b in &bodies[i + 1..] {
+                let moves = tree.moves(Some(a)) || tree.moves(Some(b));
+                let is_tied = tied.contains(&(a, b)) || tied.contains(&(b, a));
+                if moves && !is_tied && self.keep_apart(a, b, context) {
+                    tree.parts.exclusions.push((Some(a), b));
+                }
+            }
+        }
+    }
+}
+
+/// Gives contacts the surfaces that MuJoCo mixes, where the shapes' materials would mix otherwise.
+///
+/// # Errors
+/// None but those of the model that comes in.
+pub(super) fn mix(
+    model: Model,
+    surfaces: &[Surface],
+    context: &Context,
+) -> Result<Model, ModelError> {
+    let named: HashSet<_> = model.contact_pairs.iter().map(|pair| pair.shapes).collect();
+    let mut pairs = Vec::new();
+    for (a, b) in CollisionFilter::new(&model).pairs() {
+        let usual = model.contact_material(a, b);
+        let surface = surfaces[a.0].with(&surfaces[b.0]);
+        let material = Material {
+            color: usual.color,
+            ..surface.material(context.physics.least_time())
         };
-        report.note(rule, "pair of its own", meaning);
+        if material != usual && !named.contains(&(a, b)) && !named.contains(&(b, a)) {
+            let shapes = (a, b);
+            pairs.push(ContactPair { shapes, material });
+        }
     }
-    let masks: HashSet<_> = tree.masks.iter().collect();
-    let apart = masks.iter().any(|a| {
-        let mut others = masks.iter().filter(|b| a.2 || b.2);
-        others.any(|b| (a.0 & b.1) == 0 && (b.0 & a.1) == 0)
-    });
-    if apart {
-        let world = root.child("worldbody").unwrap_or(root);
-        report.note(
-            world,
-            "contype and conaffinity",
-            "geoms that they keep apart may touch",
-        );
+    if pairs.is_empty() {
+        return Ok(model);
     }
+    let mut parts = model.into_parts();
+    parts.contact_pairs.extend(pairs);
+    Model::new(parts)
 }

@@ -102,6 +102,7 @@ fn close_loop(element: &Element, tree: &mut Tree, report: &mut Report) -> Result
         .for_each(|(i, dof)| dof.name = dof_name(i));
     (joint.parent_frame, joint.child_frame) = (parent_frame, child_frame);
     joint.closes_loop = true;
+    joint.bodies_collide = true;
     joint.enabled = element.truth("active")?.unwrap_or(true);
     tree.parts.joints.push(joint);
     Ok(())

@@ -4,6 +4,7 @@ use super::Context;
 use super::assets::color;
 use super::orientation::{least_rotation_from_z, pose};
 use super::shell;
+use super::surface::Surface;
 use crate::error::FormatError;
 use crate::report::Report;
 use crate::xml::Element;
@@ -37,17 +38,16 @@ const KNOWN: &[&str] = &[
     "castshadow",
     "user",
     "condim",
+    "priority",
+    "solmix",
+    "solref",
     "surfacevel",
     "adhesion",
     "fluidshape",
     "fluidcoef",
 ];
-/// How MuJoCo's solver treats a contact; the material's friction coefficients are kept.
 const UNUSED: &[(&str, &str)] = &[
-    ("priority", "contacts mix the materials of both shapes"),
-    ("solmix", "contacts mix the materials of both shapes"),
-    ("solref", "softness of contacts as MuJoCo's solver has it"),
-    ("solimp", "softness of contacts as MuJoCo's solver has it"),
+    ("solimp", "contacts have full impedance at once"),
     ("margin", "contacts begin where the surfaces touch"),
     ("gap", "contacts begin where the surfaces touch"),
 ];
@@ -72,8 +72,7 @@ pub(super) struct Geom {
     pub shape: Shape,
     /// What it adds to the body's mass; `None` where it has none.
     pub solid: Option<MassProperties>,
-    /// contype and conaffinity.
-    pub masks: (i64, i64),
+    pub surface: Surface,
 }
 
 /// What its body asks of a geom.
@@ -102,16 +101,19 @@ pub(super) fn read(
         return Ok(None);
     };
     let (geometry, local) = placed;
-    let masks = (
-        element.integer("contype")?.unwrap_or(1),
-        element.integer("conaffinity")?.unwrap_or(1),
-    );
+    let (membership, collides_with) = (mask(element, "contype")?, mask(element, "conaffinity")?);
+    let surface = Surface::of_geom(element, report)?;
     let mut shape = Shape {
         name: element.get("name").unwrap_or_default().to_owned(),
         pose: frame * local,
         density: 0.0,
-        material: material(element, context, report)?,
-        collides: masks != (0, 0) && context.physics.on("contact"),
+        material: Material {
+            color: own_color(element, context)?,
+            ..surface.material(context.physics.least_time())
+        },
+        collides: (membership, collides_with) != (0, 0) && context.physics.on("contact"),
+        membership,
+        collides_with,
         ..Shape::new(geometry)
     };
     let group = element.integer("group")?.unwrap_or(0);
@@ -126,8 +128,20 @@ pub(super) fn read(
     Ok(Some(Geom {
         shape,
         solid,
-        masks,
+        surface,
     }))
+}
+
+/// A mask of 32 bits, 1 by default; negative numbers are the complements of positive ones.
+fn mask(element: &Element, name: &str) -> Result<u32, FormatError> {
+    let number = element.integer(name)?.unwrap_or(1);
+    let bits = u32::try_from(number).ok();
+    bits.or(i32::try_from(number).ok().map(i32::cast_unsigned))
+        .ok_or_else(|| {
+            let problem = format!("is {number}, which has more than 32 bits");
+            let remedy = "write a number from -2147483648 to 4294967295";
+            element.invalid_attribute(name, &problem, remedy)
+        })
 }
 
 fn refuse_contact_physics(element: &Element, report: &mut Report) -> Result<(), FormatError> {
@@ -284,42 +298,14 @@ fn mesh(
     }
 }
 
-fn material(
-    element: &Element,
-    context: &Context,
-    report: &mut Report,
-) -> Result<Material, FormatError> {
-    let friction = element.list("friction", 1, 3)?.unwrap_or_default();
-    let coefficient = |i: usize, default| friction.get(i).copied().unwrap_or(default);
-    let condim = element.integer("condim")?.unwrap_or(3);
-    if condim == 1 {
-        report.note(
-            element,
-            "condim 1",
-            "contacts keep the friction coefficient",
-        );
-    }
+/// Its own colour, or its material's, or grey.
+fn own_color(element: &Element, context: &Context) -> Result<[f32; 4], FormatError> {
     let of_material = element
         .get("material")
         .and_then(|name| context.assets.colors.get(name));
-    let color = color(element)?
+    Ok(color(element)?
         .or(of_material.copied())
-        .unwrap_or([0.5, 0.5, 0.5, 1.0]);
-    Ok(Material {
-        friction: coefficient(0, 1.0),
-        torsional_friction: if condim >= 4 {
-            coefficient(1, 0.005)
-        } else {
-            0.0
-        },
-        rolling_friction: if condim >= 6 {
-            coefficient(2, 0.0001)
-        } else {
-            0.0
-        },
-        color,
-        ..Material::default()
-    })
+        .unwrap_or([0.5, 0.5, 0.5, 1.0]))
 }
 
 /// Mass properties in the body's frame; `mass` decides, or else `density`, per volume or per area.

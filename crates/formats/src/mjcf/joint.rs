@@ -135,7 +135,7 @@ pub(super) fn read(
         axis: frame.direction(axis),
         reference: element.number("ref")?.unwrap_or(0.0) * angle,
         dof: dof(&element, kind, angle, context, report)?,
-        softness: softness(&element)?,
+        softness: Softness(solref(&element, "solreflimit")?),
         limits,
         range: narrowed(&element, limits)?,
         spring_damper: element
@@ -208,16 +208,17 @@ pub(super) fn linear(
     Ok(coefficients[0])
 }
 
-pub(super) fn softness(element: &Element) -> Result<Softness, FormatError> {
-    let Some(numbers) = element.list("solreflimit", 1, 2)? else {
-        return Ok(Softness::default());
+/// A solref attribute: both numbers above zero, or neither.
+pub(super) fn solref(element: &Element, name: &str) -> Result<[f64; 2], FormatError> {
+    let Some(numbers) = element.list(name, 1, 2)? else {
+        return Ok([0.02, 1.0]);
     };
     let numbers = [numbers[0], numbers.get(1).copied().unwrap_or(1.0)];
     if numbers.iter().all(|x| *x > 0.0) || numbers.iter().all(|x| *x <= 0.0) {
-        return Ok(Softness(numbers));
+        return Ok(numbers);
     }
     Err(element.invalid_attribute(
-        "solreflimit",
+        name,
         "mixes a positive and a negative number",
         "write time constant and damping ratio, both positive, or −stiffness and −damping",
     ))

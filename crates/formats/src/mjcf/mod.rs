@@ -13,6 +13,11 @@
 //!   coordinates are MuJoCo's qpos, except that quaternions are x, y, z, w.
 //! - Joint ranges, narrowed by their margin, become soft limits of force (see Limitations).
 //! - Massless bodies that are welded to others are fused with them.
+//! - Geoms touch that MuJoCo lets touch: `contype` and `conaffinity` are a shape's kinds; bodies that
+//!   are welded together, or of which one carries the other, are kept apart unless one is welded to
+//!   the world; `<exclude>` and `<pair>` hold. Contacts have MuJoCo's friction and the stiffness
+//!   and damping of `solref`, per mass of what touches; where `condim`, `priority` or `solmix` make
+//!   them differ from what two materials make of each other, the model names the pair.
 //! - Equality constraints `connect` and `weld` become joints that close a loop, `joint` a coupling.
 //!
 //! # Limitations
@@ -21,8 +26,9 @@
 //!   and damping ratio of `solreflimit`, for the inertia that the joint shows at the initial
 //!   coordinates; `solimplimit` is not used. Leaving a limit goes the same way, but a steady load
 //!   pushes a limit further in: with MuJoCo's standard parameters, 20 times further.
-//! - Contacts: `contype` and `conaffinity` only switch a geom's collisions off when both are 0; pairs
-//!   and exclusions, `solref`, `solimp`, `margin`, `gap` and `priority` of geoms are noted.
+//! - Contacts have the full impedance of `solimp` (its `dmax`, whose value does not matter) from the
+//!   first touch on, and begin where surfaces touch: `solimp`, `margin` and `gap` are noted.
+//! - An exclusion of a massless body holds for the body that it is fused with.
 //! - A ball joint stands alone on its body, is not limited, and takes motors about one axis at a time.
 //! - Refused unless lenient: drag by a fluid, gravity compensation, tendons that exert force, muscles
 //!   and other actuators with a state, plugins, flexible bodies, polynomial springs, `<replicate>`,
@@ -47,6 +53,7 @@ mod sections;
 mod servo;
 mod shell;
 mod softening;
+mod surface;
 mod tendon;
 mod tree;
 
@@ -104,7 +111,7 @@ pub(crate) fn read(
     let fusion = Fusion::plan(&tree.parts, &tree.elements)?;
     scale_total_mass(&mut tree.parts, context.compiler.total_mass);
     tendon::check(&root, &context, &mut report)?;
-    contact::check(&root, &tree, &mut report);
+    contact::read(&root, &mut tree, &context, &mut report)?;
     let motors = actuator::read(&root, &mut tree, &context, &mut report)?;
     softening::apply(&mut tree, &motors, &context);
     keyframe::read(&root, &mut tree, &motors, &mut report)?;
@@ -126,7 +133,9 @@ pub(crate) fn read(
     names::complete(&mut parts);
     fusion.apply(&mut parts);
     let file = root.place.file.to_string();
-    let model = Model::new(parts).map_err(|source| FormatError::Model { file, source })?;
+    let model = Model::new(parts)
+        .and_then(|model| contact::mix(model, &tree.surfaces, &context))
+        .map_err(|source| FormatError::Model { file, source })?;
     Ok(Loaded {
         model,
         warnings: report.into_warnings(),

@@ -60,12 +60,12 @@ const FLAGS: &[&str] = &[
     "gravity",
     "clampctrl",
     "actuation",
+    "filterparent",
+    "refsafe",
 ];
 /// Flags of MuJoCo's own workings.
 const SILENT_FLAGS: &[&str] = &[
     "warmstart",
-    "filterparent",
-    "refsafe",
     "sensor",
     "midphase",
     "eulerdamp",
@@ -114,6 +114,15 @@ impl Physics {
             physics.gravity = DVec3::ZERO;
         }
         Ok(physics)
+    }
+
+    /// Shortest time constant of constraints [s]: two steps, or none ("refsafe").
+    pub fn least_time(&self) -> f64 {
+        if self.on("refsafe") {
+            2.0 * self.time_step
+        } else {
+            0.0
+        }
     }
 
     /// Whether a flag is on. "constraint" switches all constraints, "passive" springs and dampers.

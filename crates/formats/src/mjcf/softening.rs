@@ -15,7 +15,7 @@ pub(super) fn apply(tree: &mut Tree, motors: &Motors, context: &Context) {
     let space = JointSpace::new(&tree.parts);
     for joint in &tree.joints {
         let of_model = &mut tree.parts.joints[joint.joint.0];
-        soften(joint, of_model, &space, context.physics.time_step);
+        soften(joint, of_model, &space, context.physics.least_time());
     }
     for (actuator, ratio) in &motors.damping_ratios {
         // Critical damping of stiffness k and mass m is 2 √(k m); m as the actuator sees it.
@@ -27,7 +27,7 @@ pub(super) fn apply(tree: &mut Tree, motors: &Motors, context: &Context) {
     }
 }
 
-fn soften(joint: &TreeJoint, of_model: &mut Joint, space: &JointSpace, time_step: f64) {
+fn soften(joint: &TreeJoint, of_model: &mut Joint, space: &JointSpace, least_time: f64) {
     let n = joint.file.kind.degrees_of_freedom();
     let dofs = joint.dof..joint.dof + n;
     let inertias = dofs
@@ -36,7 +36,7 @@ fn soften(joint: &TreeJoint, of_model: &mut Joint, space: &JointSpace, time_step
     let inertia = inertias.sum::<f64>() / n as f64;
     for dof in &mut of_model.dofs[dofs] {
         if let Some(range) = joint.file.range {
-            dof.limit = Some(joint.file.softness.limit(range, inertia, time_step));
+            dof.limit = Some(joint.file.softness.limit(range, inertia, least_time));
         }
         if let Some([tc, ratio]) = joint.file.spring_damper {
             dof.damping = 2.0 * inertia / tc;

@@ -2,9 +2,10 @@
 
 use super::geom::Geom;
 use super::joint::FileJoint;
+use super::surface::Surface;
 use crate::error::FormatError;
 use crate::xml::Element;
-use model::{Body, BodyId, BodyKind, Joint, JointId, Parts, Pose};
+use model::{Body, BodyId, BodyKind, Joint, JointId, Parts, Pose, ShapeId};
 use std::collections::HashMap;
 
 /// The tree of a file.
@@ -14,10 +15,13 @@ pub(super) struct Tree {
     pub elements: Vec<Element>,
     /// Joints in MuJoCo's order, which is also the order of the coordinates.
     pub joints: Vec<TreeJoint>,
-    /// contype and conaffinity of the colliding geoms, and whether they move.
-    pub masks: Vec<(i64, i64, bool)>,
+    /// The parent of each body; `None` is the world.
+    pub parents: Vec<Option<BodyId>>,
+    /// The surface of each shape.
+    pub surfaces: Vec<Surface>,
     body_names: HashMap<String, Option<BodyId>>,
     joint_names: HashMap<String, usize>,
+    geom_names: HashMap<String, ShapeId>,
     sites: HashMap<String, (Option<BodyId>, Pose)>,
 }
 
@@ -36,19 +40,27 @@ impl Tree {
             parts: Parts::default(),
             elements: Vec::new(),
             joints: Vec::new(),
-            masks: Vec::new(),
+            parents: Vec::new(),
+            surfaces: Vec::new(),
             body_names: HashMap::from([("world".to_owned(), None)]),
             joint_names: HashMap::new(),
+            geom_names: HashMap::new(),
             sites: HashMap::new(),
         }
     }
 
     /// Adds a body and its element.
-    pub fn add_body(&mut self, body: Body, element: &Element) -> Result<BodyId, FormatError> {
+    pub fn add_body(
+        &mut self,
+        body: Body,
+        parent: Option<BodyId>,
+        element: &Element,
+    ) -> Result<BodyId, FormatError> {
         let id = BodyId(self.parts.bodies.len());
         let name = body.name.clone();
         self.parts.bodies.push(body);
         self.elements.push(element.shallow());
+        self.parents.push(parent);
         if !name.is_empty() && self.body_names.insert(name.clone(), Some(id)).is_some() {
             return Err(taken(element, "body", &name));
         }
@@ -80,16 +92,15 @@ impl Tree {
 
     /// Adds the shapes of a body, or of the world.
     pub fn add_shapes(&mut self, geoms: Vec<Geom>, body: Option<BodyId>) {
-        let moves = self.moves(body);
-        for Geom {
-            mut shape, masks, ..
-        } in geoms
-        {
+        for geom in geoms {
+            let id = ShapeId(self.parts.shapes.len());
+            let mut shape = geom.shape;
             shape.body = body;
-            if shape.collides {
-                self.masks.push((masks.0, masks.1, moves));
+            if !shape.name.is_empty() {
+                self.geom_names.insert(shape.name.clone(), id);
             }
             self.parts.shapes.push(shape);
+            self.surfaces.push(geom.surface);
         }
     }
 
@@ -110,6 +121,14 @@ impl Tree {
         let body = self.body_names.get(element.require(attribute)?);
         body.copied()
             .ok_or_else(|| unknown(element, attribute, "body"))
+    }
+
+    /// The shape of the geom that an attribute names.
+    pub fn geom(&self, element: &Element, attribute: &str) -> Result<ShapeId, FormatError> {
+        let shape = self.geom_names.get(element.require(attribute)?);
+        shape
+            .copied()
+            .ok_or_else(|| unknown(element, attribute, "geom"))
     }
 
     /// The site that an attribute names: its body, and its pose there.

@@ -1,7 +1,7 @@
-//! What tests against MuJoCo share: forward kinematics, and numbers out of JSON.
+//! What tests against MuJoCo share: forward kinematics, contacts, and numbers out of JSON.
 
 use glam::{DQuat, DVec3};
-use model::{Axis, AxisKind, BodyId, JointKind, Model, Pose};
+use model::{Axis, AxisKind, BodyId, CollisionFilter, JointKind, Model, Pose, Softness};
 use serde_json::Value;
 
 pub const TOLERANCE: f64 = 1e-6;
@@ -13,7 +13,7 @@ pub fn coordinates(model: &Model, qpos: &Value) -> Vec<f64> {
     for joint in &model.joints {
         match joint.kind {
             JointKind::Free => q[start + 3..start + 7].rotate_left(1),
-            JointKind::Ball => q[start..start + 4].rotate_left(1),
+            JointKind::Ball if !joint.closes_loop => q[start..start + 4].rotate_left(1),
             _ => {}
         }
         start += joint.coordinates();
@@ -56,6 +56,47 @@ fn step(axis: &Axis, q: f64) -> Pose {
             Pose::at(axis.anchor) * turn * Pose::at(-axis.anchor)
         }
     }
+}
+
+/// The pairs of shapes that may touch are MuJoCo's, and so are their friction and softness.
+pub fn compare_contacts(model: &Model, reference: &Value, path: &str) {
+    let row = |value: &Value| value.as_u64().expect("a row") as usize;
+    let contacts = reference["contacts"].as_array().expect("contacts");
+    let expected: Vec<_> = contacts
+        .iter()
+        .map(|c| (row(&c["geoms"][0]), row(&c["geoms"][1])))
+        .collect();
+    let pairs: Vec<_> = CollisionFilter::new(model).pairs().collect();
+    let rows: Vec<_> = pairs.iter().map(|(a, b)| (a.0, b.0)).collect();
+    assert_eq!(rows, expected, "{path}");
+    for ((a, b), contact) in pairs.iter().zip(contacts) {
+        let material = model.contact_material(*a, *b);
+        let what = format!("{path}, shapes {} and {}", a.0, b.0);
+        close(material.friction, number(&contact["friction"][0]), &what);
+        let torsional = number(&contact["friction"][1]);
+        close(material.torsional_friction, torsional, &what);
+        close(
+            material.rolling_friction,
+            number(&contact["friction"][2]),
+            &what,
+        );
+        let solref = [0, 1].map(|i| number(&contact["solref"][i]));
+        compare_softness(material.softness, solref, 2.0 * model.time_step, &what);
+    }
+}
+
+/// k = 1 / (T² ζ²) and b = 2 / T, or k and b themselves with a minus.
+fn compare_softness(softness: Softness, solref: [f64; 2], least_time: f64, what: &str) {
+    let (k, b) = match solref {
+        [time, ratio] if time > 0.0 => {
+            let time = time.max(least_time);
+            (1.0 / (time * ratio).powi(2), 2.0 / time)
+        }
+        [k, b] => (-k, -b),
+    };
+    let (stiffness, damping) = softness.spring(3.0);
+    close(stiffness, 3.0 * k, what);
+    close(damping, 3.0 * b, what);
 }
 
 pub fn close(value: f64, expected: f64, what: &str) {

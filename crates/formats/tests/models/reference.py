@@ -4,12 +4,16 @@ The JSON files are committed; run this again (with the pinned peers installed) a
 """
 
 import json
+import sys
 from pathlib import Path
 
 import mujoco
 import numpy as np
 
 FOLDER = Path(__file__).parent
+sys.path.append(str(FOLDER.parents[3] / "tests/peers"))
+from contacts import contacts  # noqa: E402
+
 STATES = 3
 
 
@@ -85,6 +89,7 @@ def describe(model: mujoco.MjModel) -> dict:
     table["joint_name"] = [model.joint(i).name for i in range(model.njnt)]
     table["body_name"] = [model.body(i).name for i in range(model.nbody)]
     table["states"] = states(model)
+    table["contacts"] = contacts(model)
     return table
 
 

@@ -1,0 +1,144 @@
+//! How contacts of geoms behave (modeling guide, "Contact parameters" and "Solver parameters").
+//!
+//! At full impedance, a contact of depth r that grows at the rate v gives the touching bodies the
+//! acceleration k r + b v:
+//!
+//! ```text
+//! solref = (T, ζ):     k = 1 / (T² ζ²),   b = 2 / T
+//! solref = (−k, −b)    so T = 2 / b,      ζ = b / (2 √k)
+//! ```
+//!
+//! which is what [`Softness::Time`] says. Time constants below two steps are raised to that, as
+//! MuJoCo does ("refsafe").
+
+use super::joint::solref;
+use crate::error::FormatError;
+use crate::report::Report;
+use crate::xml::Element;
+use model::{Combine, Material, Softness};
+
+/// `solmix` below this counts as zero (mjMINVAL).
+const LEAST_MIX: f64 = 1e-15;
+
+/// What a geom brings into its contacts.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Surface {
+    priority: i64,
+    /// `condim`: 1 without friction, 3 with sliding, 4 also torsional, 6 also rolling friction.
+    directions: i64,
+    /// Sliding, torsional [m] and rolling [m] friction.
+    friction: [f64; 3],
+    mix: f64,
+    /// Both positive or both negative.
+    solref: [f64; 2],
+}
+
+impl Surface {
+    /// The surface of a `<geom>`.
+    pub fn of_geom(element: &Element, report: &mut Report) -> Result<Self, FormatError> {
+        let mut friction = [1.0, 0.005, 0.0001];
+        fill(
+            &mut friction,
+            &element.list("friction", 1, 3)?.unwrap_or_default(),
+        );
+        Ok(Self {
+            priority: element.integer("priority")?.unwrap_or(0),
+            directions: directions(element)?,
+            friction,
+            mix: element.non_negative("solmix")?.unwrap_or(1.0),
+            solref: spring(element, report)?,
+        })
+    }
+
+    /// The surface of a `<pair>`. Takes nothing from the geoms.
+    pub fn of_pair(element: &Element, report: &mut Report) -> Result<Self, FormatError> {
+        let mut friction = [1.0, 1.0, 0.005, 0.0001, 0.0001];
+        fill(
+            &mut friction,
+            &element.list("friction", 1, 5)?.unwrap_or_default(),
+        );
+        let [slide, across, torsion, roll, roll_across] = friction;
+        let directions = directions(element)?;
+        if (slide != across && directions >= 3) || (roll != roll_across && directions == 6) {
+            let remedy = "write the same coefficient for both directions";
+            report.refuse(element, "friction that differs by direction", remedy)?;
+        }
+        Ok(Self {
+            priority: 0,
+            directions,
+            friction: [slide, torsion, roll],
+            mix: 1.0,
+            solref: spring(element, report)?,
+        })
+    }
+
+    /// The surface of a contact of two geoms: that of the higher priority; of equal ones the larger
+    /// coefficients, and the softness mixed.
+    pub fn with(&self, other: &Self) -> Self {
+        if self.priority != other.priority {
+            let first = self.priority > other.priority;
+            return if first { self } else { other }.clone();
+        }
+        let share = match (self.mix >= LEAST_MIX, other.mix >= LEAST_MIX) {
+            (true, true) => self.mix / (self.mix + other.mix),
+            (true, false) => 1.0,
+            (false, true) => 0.0,
+            (false, false) => 0.5,
+        };
+        let (a, b) = (self.solref, other.solref);
+        let both_times = a[0] > 0.0 && b[0] > 0.0;
+        Self {
+            priority: self.priority,
+            directions: self.directions.max(other.directions),
+            friction: std::array::from_fn(|i| self.friction[i].max(other.friction[i])),
+            mix: self.mix,
+            solref: std::array::from_fn(|i| match both_times {
+                true => share * a[i] + (1.0 - share) * b[i],
+                false => a[i].min(b[i]),
+            }),
+        }
+    }
+
+    /// As a material, for steps of at least half of `least_time` [s].
+    pub fn material(&self, least_time: f64) -> Material {
+        let from = |directions, coefficient| match self.directions >= directions {
+            true => coefficient,
+            false => 0.0,
+        };
+        let [slide, torsion, roll] = self.friction;
+        let (constant, ratio) = match self.solref {
+            [time, ratio] if time > 0.0 => (time.max(least_time), ratio),
+            [k, b] => (2.0 / -b, -b / (2.0 * (-k).sqrt())),
+        };
+        Material {
+            friction: from(3, slide),
+            torsional_friction: from(4, torsion),
+            rolling_friction: from(6, roll),
+            softness: Softness::Time { constant, ratio },
+            combine: Combine::Maximum,
+            ..Material::default()
+        }
+    }
+}
+
+fn fill(own: &mut [f64], given: &[f64]) {
+    own.iter_mut().zip(given).for_each(|(own, new)| *own = *new);
+}
+
+fn directions(element: &Element) -> Result<i64, FormatError> {
+    match element.integer("condim")?.unwrap_or(3) {
+        n @ (1 | 3 | 4 | 6) => Ok(n),
+        n => Err(element.invalid_attribute("condim", &format!("is {n}"), "write 1, 3, 4 or 6")),
+    }
+}
+
+/// `solref`, both numbers positive or both negative.
+fn spring(element: &Element, report: &mut Report) -> Result<[f64; 2], FormatError> {
+    let numbers = solref(element, "solref")?;
+    if numbers.contains(&0.0) {
+        let remedy = "write a solref whose numbers are both positive, or both negative";
+        report.refuse(element, "a contact without spring or damper", remedy)?;
+        return Ok([0.02, 1.0]);
+    }
+    Ok(numbers)
+}

@@ -1,0 +1,41 @@
+"""Which geoms MuJoCo lets touch, and how: read off its own list of contacts."""
+
+import copy
+
+import mujoco
+import numpy as np
+
+FAR = 1e3  # margin [m] within which all geoms lie
+
+
+def overlapping(model: mujoco.MjModel) -> mujoco.MjModel:
+    """The model with balls for its solids and endless margins, so that what may touch does."""
+    model = copy.deepcopy(model)
+    solid = model.geom_type != mujoco.mjtGeom.mjGEOM_PLANE
+    model.geom_type[solid] = mujoco.mjtGeom.mjGEOM_SPHERE
+    model.geom_size[solid] = 1.0
+    model.geom_rbound[solid] = FAR
+    model.geom_margin[:] = FAR
+    model.pair_margin[:] = FAR
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_MIDPHASE
+    model.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+    return model
+
+
+def contacts(model: mujoco.MjModel) -> list[dict]:
+    """Geoms of each pair that MuJoCo lets touch, with sliding, torsional and rolling friction, and solref."""
+    model = overlapping(model)
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    mujoco.mj_collision(model, data)
+    rows = {}
+    for contact in data.contact:
+        slide, _, torsion, roll, _ = np.where(np.arange(5) < contact.dim - 1, contact.friction, 0.0).tolist()
+        geoms = sorted(contact.geom.tolist())
+        rows[tuple(geoms)] = {
+            "geoms": geoms,
+            "friction": [slide, torsion, roll],
+            "solref": contact.solref.tolist(),
+        }
+    return [rows[key] for key in sorted(rows)]
