@@ -1,8 +1,10 @@
-//! What only xpbd does: loops, couplings, compliance, caps, joints that let go.
+//! What only xpbd does: loops, couplings, compliance, caps, joints that let go; and what it did not
+//! do while joints were solved one by one: lean at the rate of its dampers.
 
 use crate::common::*;
 use glam::{DQuat, DVec2, DVec3};
 use kinetarium_sim::{Simulation, SimulationError};
+use model::examples::{CHAIN_LENGTH, CHAIN_LINK_MASS, Start, chain};
 use model::{BodyId, Builder, Drive, JointId, Model, Pose};
 
 const H: f64 = 1e-3;
@@ -372,4 +374,83 @@ fn featherstone_refuses_a_disabled_joint_and_names_xpbd() {
         refused.to_string(),
         "joint `hinge` is disabled, which `featherstone` cannot simulate: use the solver `xpbd`"
     );
+}
+
+/// Torques at the hinges of an upright chain per small angles q of theirs [N·m/rad]: link i of n, at
+/// φ_i = Σ_{j ≤ i} q_j, has Σ_{k ≥ i} m g l less half a link above its hinge.
+fn toppling(q: &[f64]) -> Vec<f64> {
+    let n = q.len();
+    let per_link = CHAIN_LINK_MASS * G * CHAIN_LENGTH / n as f64;
+    let mut lean = 0.0;
+    let mut torques: Vec<f64> = q
+        .iter()
+        .enumerate()
+        .map(|(i, q)| {
+            lean += q;
+            per_link * ((n - i) as f64 - 0.5) * lean
+        })
+        .collect();
+    for i in (0..n - 1).rev() {
+        torques[i] += torques[i + 1];
+    }
+    torques
+}
+
+/// An upright chain that leans a little, held by dampers d alone, creeps by d q̇ = A q, A from
+/// [`toppling`]: q(t) = exp(t A/d) q(0). It starts from rest, and so is late by I/d, with its moment
+/// of inertia I; xpbd, of first order, by a step.
+#[test]
+fn upright_chains_on_dampers_creep_as_fast_as_those_let_them() {
+    let (lean, time) = (1e-3, 60.0);
+    for links in [2, 4, 10, 30] {
+        let trace: f64 = (0..links)
+            .map(|i| {
+                let mut unit = vec![0.0; links];
+                unit[i] = 1.0;
+                toppling(&unit)[i]
+            })
+            .sum();
+        // No mode of A grows faster than its trace: by a factor e at most.
+        let damping = trace * time;
+        let mut parts = chain(links, Start::Upright).unwrap().into_parts();
+        for joint in &mut parts.joints {
+            joint.dofs[0].drive = Drive {
+                damping,
+                ..Drive::default()
+            };
+        }
+        let model = Model::new(parts).unwrap();
+        let upright = model.initial_position();
+        let mut q = upright.clone();
+        q[0] += lean;
+        let mut simulation = XPBD.simulate::<f64>(&model, 2.0 * H);
+        simulation
+            .set_joint_state(0, &q, &vec![0.0; links])
+            .unwrap();
+        simulation.step((time / (2.0 * H)).round() as usize);
+        let mut term: Vec<f64> = q.iter().zip(&upright).map(|(q, q0)| q - q0).collect();
+        let mut expected = term.clone();
+        for k in 1..20 {
+            let next = toppling(&term);
+            term = next
+                .iter()
+                .map(|x| x * time / damping / f64::from(k))
+                .collect();
+            expected.iter_mut().zip(&term).for_each(|(q, x)| *q += x);
+        }
+        let found = simulation.outputs().joint_position(0);
+        let inertia = links as f64 * CHAIN_LINK_MASS * CHAIN_LENGTH * CHAIN_LENGTH / 3.0;
+        let late = inertia / damping + 2.0 * H;
+        for (i, expected) in expected.iter().enumerate() {
+            let what = format!("{links} links on dampers, joint {i}");
+            let turned = (found[i] - upright[i]).rem_euclid(TURN);
+            let turned = if turned > TURN / 2.0 {
+                turned - TURN
+            } else {
+                turned
+            };
+            // No angle grows faster than by e × lean in the time.
+            close(what, turned, *expected, late / time * 3.0 * lean);
+        }
+    }
 }
