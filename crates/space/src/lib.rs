@@ -28,6 +28,7 @@ mod bvh;
 mod cast;
 mod error;
 mod grid;
+mod halves;
 mod kd_tree;
 mod octree;
 mod pairs;

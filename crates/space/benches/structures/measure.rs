@@ -10,7 +10,7 @@ const PATIENCE: Duration = Duration::from_millis(300);
 /// Questions whose answers are compared.
 const ANSWERED: [usize; 5] = [2, 4, 5, 6, 7];
 /// What took longer than this with a tenth of the objects is left out.
-const HOPELESS: Duration = Duration::from_millis(600);
+const HOPELESS: Duration = Duration::from_millis(200);
 
 /// Times of one structure in one scene; nothing where it cannot, or would take for ever.
 #[derive(Clone, Copy, Default)]
