@@ -5,25 +5,25 @@ import copy
 import mujoco
 import numpy as np
 
-FAR = 1e3  # margin [m] within which all geoms lie
+FAR = 1e3  # distance [m] within which all geoms lie
 
 
 def overlapping(model: mujoco.MjModel) -> mujoco.MjModel:
-    """The model with balls for its solids and endless margins, so that what may touch does."""
+    """The model with balls for its solids and margins longer by FAR, so that what may touch does."""
     model = copy.deepcopy(model)
     solid = model.geom_type != mujoco.mjtGeom.mjGEOM_PLANE
     model.geom_type[solid] = mujoco.mjtGeom.mjGEOM_SPHERE
     model.geom_size[solid] = 1.0
     model.geom_rbound[solid] = FAR
-    model.geom_margin[:] = FAR
-    model.pair_margin[:] = FAR
+    model.geom_margin += FAR / 2  # those of two geoms add up
+    model.pair_margin += FAR
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_MIDPHASE
     model.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
     return model
 
 
 def contacts(model: mujoco.MjModel) -> list[dict]:
-    """Geoms of each pair that MuJoCo lets touch, with sliding, torsional and rolling friction, and solref."""
+    """Each pair of geoms that MuJoCo lets touch: sliding, torsional and rolling friction, solref, margin."""
     model = overlapping(model)
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
@@ -37,5 +37,6 @@ def contacts(model: mujoco.MjModel) -> list[dict]:
             "geoms": geoms,
             "friction": [slide, torsion, roll],
             "solref": contact.solref.tolist(),
+            "margin": round(contact.includemargin - FAR, 9),
         }
     return [rows[key] for key in sorted(rows)]

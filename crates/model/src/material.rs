@@ -13,6 +13,9 @@ pub struct Material {
     pub restitution: f64,
     /// How far the surface gives way.
     pub softness: Softness,
+    /// Distance from the surface at which contact begins [m], as if the surface were that much
+    /// further out; those of two surfaces add up. 0 by default.
+    pub margin: f64,
     /// How friction and restitution of two surfaces combine; of two rules the later in
     /// [`Combine`] holds.
     pub combine: Combine,
@@ -30,6 +33,7 @@ impl Default for Material {
             rolling_friction: 0.0,
             restitution: 0.0,
             softness: Softness::default(),
+            margin: 0.0,
             combine: Combine::Average,
             color: [0.7, 0.7, 0.7, 1.0],
         }
@@ -158,6 +162,7 @@ impl Material {
             rolling_friction: combine.of(self.rolling_friction, other.rolling_friction),
             restitution: combine.of(self.restitution, other.restitution),
             softness: self.softness.with(other.softness),
+            margin: self.margin + other.margin,
             combine,
             color: self.color,
         }
@@ -169,9 +174,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_later_rule_holds() {
+    fn the_later_rule_holds_and_margins_add_up() {
         let a = Material {
             friction: 0.2,
+            margin: 0.01,
             ..Material::default()
         };
         let b = Material {
@@ -182,6 +188,7 @@ mod tests {
         assert!((a.with(&a).friction - 0.2).abs() < 1e-15);
         assert!((a.with(&b).friction - 0.12).abs() < 1e-15);
         assert_eq!(a.with(&b).friction, b.with(&a).friction);
+        assert_eq!((a.with(&a).margin, a.with(&b).margin), (0.02, 0.01));
     }
 
     fn time(constant: f64, ratio: f64) -> Softness {

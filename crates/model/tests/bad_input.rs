@@ -341,6 +341,10 @@ fn shapes() {
             "shape \"knob\": restitution is 1.5; it must lie from 0 to 1",
         ),
         (
+            |p| p.shapes[0].material.margin = f64::INFINITY,
+            "shape \"knob\": margin [m] is inf; give a finite number",
+        ),
+        (
             |p| p.shapes[0].material.color[3] = 2.0,
             "shape \"knob\": colour is 2; it must lie from 0 to 1",
         ),

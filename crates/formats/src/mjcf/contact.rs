@@ -15,13 +15,12 @@ use std::collections::HashSet;
 
 const EXCLUDE: &[&str] = &["name", "class", "body1", "body2"];
 const PAIR: &[&str] = &[
-    "name", "class", "geom1", "geom2", "condim", "friction", "solref",
+    "name", "class", "geom1", "geom2", "condim", "friction", "solref", "gap",
 ];
 const PAIR_UNUSED: &[(&str, &str)] = &[
     ("solimp", "contacts have full impedance at once"),
     ("solreffriction", "dry friction is not softened"),
     ("margin", "contacts begin where the surfaces touch"),
-    ("gap", "contacts begin where the surfaces touch"),
 ];
 
 /// Reads `<contact>`, and keeps apart what is welded or hinged together.

@@ -41,6 +41,7 @@ const KNOWN: &[&str] = &[
     "priority",
     "solmix",
     "solref",
+    "gap",
     "surfacevel",
     "adhesion",
     "fluidshape",
@@ -49,7 +50,6 @@ const KNOWN: &[&str] = &[
 const UNUSED: &[(&str, &str)] = &[
     ("solimp", "contacts have full impedance at once"),
     ("margin", "contacts begin where the surfaces touch"),
-    ("gap", "contacts begin where the surfaces touch"),
 ];
 
 const TYPES: &[&str] = &[

@@ -31,6 +31,8 @@ pub(super) struct Surface {
     mix: f64,
     /// Both positive or both negative.
     solref: [f64; 2],
+    /// Distance at which contact begins [m].
+    margin: f64,
 }
 
 impl Surface {
@@ -47,6 +49,7 @@ impl Surface {
             friction,
             mix: element.non_negative("solmix")?.unwrap_or(1.0),
             solref: spring(element, report)?,
+            margin: element.number("margin")?.unwrap_or(0.0),
         })
     }
 
@@ -69,15 +72,18 @@ impl Surface {
             friction: [slide, torsion, roll],
             mix: 1.0,
             solref: spring(element, report)?,
+            margin: element.number("margin")?.unwrap_or(0.0),
         })
     }
 
     /// The surface of a contact of two geoms: that of the higher priority; of equal ones the larger
-    /// coefficients, and the softness mixed.
+    /// coefficients, and the softness mixed. Margins add up.
     pub fn with(&self, other: &Self) -> Self {
+        let margin = self.margin + other.margin;
         if self.priority != other.priority {
             let first = self.priority > other.priority;
-            return if first { self } else { other }.clone();
+            let winner = if first { self } else { other }.clone();
+            return Self { margin, ..winner };
         }
         let share = match (self.mix >= LEAST_MIX, other.mix >= LEAST_MIX) {
             (true, true) => self.mix / (self.mix + other.mix),
@@ -96,6 +102,7 @@ impl Surface {
                 true => share * a[i] + (1.0 - share) * b[i],
                 false => a[i].min(b[i]),
             }),
+            margin,
         }
     }
 
@@ -115,6 +122,7 @@ impl Surface {
             torsional_friction: from(4, torsion),
             rolling_friction: from(6, roll),
             softness: Softness::Time { constant, ratio },
+            margin: self.margin,
             combine: Combine::Maximum,
             ..Material::default()
         }

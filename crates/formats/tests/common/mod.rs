@@ -80,6 +80,7 @@ pub fn compare_contacts(model: &Model, reference: &Value, path: &str) {
             number(&contact["friction"][2]),
             &what,
         );
+        close(material.margin, number(&contact["margin"]), &what);
         let solref = [0, 1].map(|i| number(&contact["solref"][i]));
         compare_softness(material.softness, solref, 2.0 * model.time_step, &what);
     }

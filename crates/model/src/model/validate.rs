@@ -222,6 +222,7 @@ fn material(subject: &Subject, material: &Material) -> Result<(), ModelError> {
     subject.not_negative("rolling friction [m]", material.rolling_friction)?;
     subject.within("restitution", material.restitution, 0.0, 1.0)?;
     softness(subject, material.softness)?;
+    subject.finite("margin [m]", material.margin)?;
     material
         .color
         .iter()
