@@ -3,9 +3,11 @@
 mod adjacency;
 mod hierarchy;
 mod kernel;
+mod load;
 mod tables;
 
 pub use kernel::{Surface, mesh_convex};
+pub use load::LoadError;
 pub use tables::{MeshData, MeshTables, SLOTS, contact};
 
 use glam::DVec3;
