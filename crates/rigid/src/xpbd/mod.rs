@@ -6,12 +6,14 @@
 //! A substep of length h, in order:
 //!
 //! ```text
-//! measure coordinates; forces on free bodies  axis, force
+//! measure coordinates                         axis
 //! v ← v + h g;  x ← x + h v                   body::fly
+//! forces on free bodies                       force
 //! repeat: laws along coordinates, and what
 //!         the joints of trees lock, at once   laws, tree
 //!         couplings                           laws
 //!         loops and distances, as blocks      joint
+//! keep the last state if it diverged          guard
 //! ```
 //!
 //! Departures from the sources:
@@ -41,6 +43,7 @@ mod laws;
 mod reaction;
 mod report;
 mod tables;
+mod topology;
 mod tree;
 
 use crate::{Featherstone, Kernels, Lengths, Settings, SolverError};

@@ -6,6 +6,7 @@
 //! first angular axis is x; its linear axes have a frame of their own.
 
 use super::laws::{self, LawTables};
+use super::topology::closings;
 use crate::output::{OutputTables, body};
 use crate::tables::Filler;
 use crate::{InputTables, Settings, SolverError};
@@ -310,10 +311,10 @@ pub struct Tables {
 
 /// A joint's axes sorted for the kernels.
 #[derive(Clone, Debug)]
-struct Group {
-    joint: usize,
-    linear: Vec<usize>,
-    angular: Vec<usize>,
+pub(crate) struct Group {
+    pub(crate) joint: usize,
+    pub(crate) linear: Vec<usize>,
+    pub(crate) angular: Vec<usize>,
     tracked: bool,
 }
 
@@ -637,103 +638,6 @@ impl Tables {
         }
     }
 
-    /// First of the three motions of a ball.
-    pub(crate) fn ball_motion(&self, ball: usize) -> usize {
-        self.coordinates + 3 * ball
-    }
-
-    /// What carries each body, which motions that leaves free, and which joints are in no tree.
-    fn fill_tree(&self, model: &Model, groups: &[Group], own: &[(usize, Pose)], f: &mut Filler) {
-        let mut first_axis = vec![0; model.joints.len()];
-        let mut next = 0;
-        for group in groups {
-            first_axis[group.joint] = next;
-            next += group.linear.len() + group.angular.len();
-        }
-        let (mut ball, mut soft) = (0, self.ball_motion(self.balls));
-        let mut ball_of = vec![0; model.joints.len()];
-        for (j, joint) in model.joints.iter().enumerate() {
-            if joint.kind == JointKind::Ball && !joint.closes_loop {
-                ball_of[j] = self.ball_motion(ball);
-                ball += 1;
-            }
-        }
-        for (i, j) in closings(model).enumerate() {
-            f.link(self.closing_links, i, 0, j);
-        }
-        let at = |f: &Filler, j: usize, field: usize| {
-            DVec3::from_slice(&f.parameters[self.joint.at(j, field)..][..3])
-        };
-        for &BodyId(id) in model.order() {
-            let (row, JointId(j)) = match model.carrier(BodyId(id)) {
-                Some(joint) if in_tree(model, joint) => (own[id].0, joint),
-                _ => continue,
-            };
-            let anchor = at(f, j, joint_field::ANCHOR_B);
-            f.vec3(self.mass, row, mass::ANCHOR, anchor);
-        }
-        let mut slots = Slots::new(self.rows);
-        for &BodyId(id) in model.order().iter().rev() {
-            let row = own[id].0;
-            let (parent, JointId(j)) = match model.carrier(BodyId(id)) {
-                Some(joint) if in_tree(model, joint) => {
-                    let parent = model.joints[joint.0].parent;
-                    (parent.map_or(0, |p| own[p.0].0), joint)
-                }
-                _ => {
-                    if row > 0 {
-                        let slot = slots.release(row);
-                        let inbound = if slot == 0 {
-                            inbound::ALONE
-                        } else {
-                            inbound::ROOT
-                        };
-                        f.link(self.row_links, row, row_link::CARRIED, slot);
-                        f.link(self.row_links, row, row_link::INBOUND, inbound);
-                    }
-                    continue;
-                }
-            };
-            let joint = &model.joints[j];
-            let from = &f.parameters[self.mass.at(parent, mass::ANCHOR)..][..3];
-            let step = at(f, j, joint_field::ANCHOR_A) - DVec3::from_slice(from);
-            f.vec3(self.joint, j, joint_field::STEP, step);
-            let group = groups.iter().find(|g| g.joint == j);
-            let (linear, angular, first) = match (group, joint.kind) {
-                (Some(g), _) => (g.linear.len(), g.angular.len(), first_axis[j]),
-                (None, JointKind::Ball) => (0, 3, ball_of[j]),
-                (None, _) => (0, 0, 0),
-            };
-            let inbound = match (linear, angular) {
-                (0, 1) => inbound::HINGE,
-                _ => inbound::JOINT,
-            };
-            let carried = slots.release(row);
-            let arrives = match parent {
-                0 => arrival::NONE,
-                _ if slots.take(parent) => arrival::FIRST,
-                _ => arrival::LATER,
-            };
-            let links = [
-                (row_link::INBOUND, inbound),
-                (row_link::JOINT, j),
-                (row_link::PARENT, parent),
-                (row_link::CARRIED, carried),
-                (row_link::ARRIVAL, arrives),
-                (row_link::MOTION, first),
-                (row_link::LINEAR, linear),
-                (row_link::ANGULAR, angular),
-                (row_link::SOFT, soft),
-                (row_link::SOFT_SHIFTS, 3 - linear),
-                (row_link::SOFT_TURNS, 3 - angular),
-            ];
-            for (field, x) in links {
-                f.link(self.row_links, row, field, x);
-            }
-            soft += 6 - linear - angular;
-        }
-    }
-
     /// Directions of the axes. Returns the row of each degree of freedom's axis.
     fn fill_axes(&self, model: &Model, groups: &[Group], f: &mut Filler) -> Vec<Option<usize>> {
         let mut axis_of = vec![None; model.degrees_of_freedom()];
@@ -790,56 +694,6 @@ impl Tables {
         }
         axis_of
     }
-}
-
-/// Hands out rows of [`Tables::carried`] from the first child of a body to its own turn, so that
-/// few are in use at a time, and those stay in the cache.
-struct Slots {
-    free: Vec<usize>,
-    /// Per row: its slot, 0 for none.
-    held: Vec<usize>,
-}
-
-impl Slots {
-    fn new(rows: usize) -> Self {
-        Self {
-            free: (1..rows).rev().collect(),
-            held: vec![0; rows],
-        }
-    }
-    /// Gives a row a slot; false if it has one.
-    fn take(&mut self, row: usize) -> bool {
-        let first = self.held[row] == 0;
-        if first {
-            self.held[row] = self.free.pop().expect("a slot for each body");
-        }
-        first
-    }
-    /// The slot of a row, which is free from now on.
-    fn release(&mut self, row: usize) -> usize {
-        let slot = self.held[row];
-        if slot > 0 {
-            self.free.push(slot);
-        }
-        slot
-    }
-}
-
-/// True if a joint carries its child in a tree: not if it lets it go, or nothing moves.
-fn in_tree(model: &Model, JointId(j): JointId) -> bool {
-    let joint = &model.joints[j];
-    joint.kind != JointKind::Free && model.bodies[joint.child.0].kind == BodyKind::Dynamic
-}
-
-/// Joints that hold, but are in no tree.
-fn closings(model: &Model) -> impl Iterator<Item = usize> {
-    let joints = model.joints.iter().enumerate();
-    joints
-        .filter(|(_, j)| j.kind != JointKind::Free)
-        .filter(|(i, j)| {
-            model.carrier(j.child) != Some(JointId(*i)) || !in_tree(model, JointId(*i))
-        })
-        .map(|(i, _)| i)
 }
 
 fn turns_of(joint: &Joint, angular: usize) -> usize {
