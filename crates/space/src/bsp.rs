@@ -20,7 +20,7 @@ use glam::Vec3;
 /// Covers the rounding of products with a normal, as a share of the terms.
 const ROUNDING: f32 = 1e-6;
 
-/// A binary space partition; see the module's text.
+/// A binary space partition; see [the module](self).
 pub type Bsp = Halves<Normal>;
 
 /// A unit vector.

@@ -17,7 +17,7 @@ use crate::cast::Sweep;
 use crate::halves::{Cut, Halves, Item, Motion};
 use glam::Vec3;
 
-/// A k-d tree; see the module's text.
+/// A k-d tree; see [the module](self).
 pub type KdTree = Halves<Axis>;
 
 /// One of the three axes.

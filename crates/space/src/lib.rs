@@ -2,7 +2,21 @@
 //!
 //! A [`Space`] holds one [`Aabb`] per object and a [`Structure`] that finds
 //! candidates among them. All structures answer alike, to the last bit; they
-//! differ in speed.
+//! differ in speed, as BENCH.md shows.
+//!
+//! | structure | for |
+//! |---|---|
+//! | [`Auto`] | whichever of the next three suits the motion |
+//! | [`Bvh`] | nearly everything: objects of any size, moving or not, every query |
+//! | [`SweepAndPrune`] | pairs among up to a thousand objects that jump |
+//! | [`Grid`] | pairs among many objects of like size that jump |
+//! | [`Octree`] | objects that come and go: the cheapest build and update, slow queries |
+//! | [`KdTree`], [`Bsp`] | objects of like size that rest, in little memory |
+//!
+//! [`Worlds`] holds many worlds of the same objects, side by side in lanes.
+//!
+//! Queries are exact for boxes. For the shapes inside, a [`CastTest`] or a
+//! [`ClosestTest`] decides: a closure, as in the last line here.
 //!
 //! ```
 //! use glam::Vec3;
@@ -15,29 +29,35 @@
 //! let ray = Cast::ray(Vec3::new(9.0, 0.0, 0.0), Vec3::NEG_X)?;
 //! let hit = space.cast(&ray, space.boxes()).unwrap();
 //! assert_eq!((hit.object, hit.time), (2, 3.5));
+//!
+//! let only_even = |i: u32, cast: &Cast, limit: f32| {
+//!     let aabb = space.boxes().get(i);
+//!     if i % 2 == 0 { cast.against(aabb, limit) } else { None }
+//! };
+//! assert_eq!(space.cast_all(&ray, &only_even).len(), 2);
 //! # Ok::<(), kinetarium_space::SpaceError>(())
 //! ```
 
 #![forbid(unsafe_code)]
 
 mod aabb;
-mod auto;
+pub mod auto;
 mod boxes;
-mod bsp;
-mod bvh;
+pub mod bsp;
+pub mod bvh;
 mod cast;
 mod error;
-mod grid;
-mod halves;
-mod kd_tree;
-mod octree;
+pub mod grid;
+pub mod halves;
+pub mod kd_tree;
+pub mod octree;
 mod pairs;
 mod query;
 mod space;
 mod stack;
 mod structure;
-mod sweep_and_prune;
-mod worlds;
+pub mod sweep_and_prune;
+pub mod worlds;
 
 pub use aabb::Aabb;
 pub use auto::Auto;

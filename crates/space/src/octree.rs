@@ -57,7 +57,7 @@ const NOWHERE: Place = Place {
     next: NONE,
 };
 
-/// A loose octree; see the module's text.
+/// A loose octree; see [the module](self).
 #[derive(Clone, Debug)]
 pub struct Octree {
     /// The root is first. It also holds what lies outside of it.

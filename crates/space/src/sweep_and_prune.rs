@@ -35,7 +35,7 @@ impl Entry {
     }
 }
 
-/// Sweep and prune; see the module's text.
+/// Sweep and prune; see [the module](self).
 #[derive(Clone, Debug)]
 pub struct SweepAndPrune {
     axis: usize,

@@ -2,10 +2,11 @@
 //!
 //! `cargo bench -p kinetarium-space` runs all; `-- 4 bvh` stops at 10⁴ objects and
 //! takes structures with `bvh` in their name only.
-//! Each figure is a median; answers are counted, and must agree.
+//! Each figure is the lower quartile of its repetitions; answers are counted, and must agree.
 
 mod measure;
 mod peers;
+mod replicas;
 mod scene;
 mod subject;
 
@@ -40,4 +41,5 @@ fn main() {
         }
     }
     println!("\n{}", Row::LEGEND);
+    replicas::run();
 }

@@ -97,7 +97,7 @@ impl Node {
     }
 }
 
-/// A dynamic bounding-volume hierarchy; see the module's text.
+/// A dynamic bounding-volume hierarchy; see [the module](self).
 #[derive(Clone, Debug)]
 pub struct Bvh {
     /// The root is first.

@@ -19,9 +19,14 @@
 //! | nearest | O(cells nearer than the answer), at most O(n) |
 //! | memory | 44 bytes a listing (a box of the usual size has 1 to 8), and 4 to 8 for its bucket |
 
+mod shell;
+mod way;
+
 use crate::cast::{SLACK, Sweep};
 use crate::{Aabb, Boxes, Pair, Structure, pairs};
 use glam::Vec3;
+use shell::Shell;
+use way::Way;
 
 /// A box that touches more cells is large.
 const MOST_CELLS: i64 = 27;
@@ -42,7 +47,7 @@ struct Listing {
     next: u32,
 }
 
-/// A hashed grid; see the module's text.
+/// A hashed grid; see [the module](self).
 #[derive(Clone, Debug)]
 pub struct Grid {
     /// Cells per metre.
@@ -418,161 +423,5 @@ impl Structure for Grid {
     fn memory(&self) -> usize {
         size_of_val(&self.listings[..])
             + 4 * (self.first.len() + self.free.len() + self.large.len())
-    }
-}
-
-/// The cells at a Chebyshev distance from a centre, within bounds.
-struct Shell {
-    center: Cell,
-    radius: i32,
-    /// The bounds, no wider than the shell.
-    low: Cell,
-    high: Cell,
-}
-
-impl Shell {
-    fn new(center: Cell, radius: i32, low: Cell, high: Cell) -> Self {
-        let low = std::array::from_fn(|i| low[i].max(center[i] - radius));
-        let high = std::array::from_fn(|i| high[i].min(center[i] + radius));
-        Self {
-            center,
-            radius,
-            low,
-            high,
-        }
-    }
-
-    /// Whether a coordinate is that of one of the two faces across an axis.
-    fn is_face(&self, axis: usize, x: i32) -> bool {
-        (x - self.center[axis]).abs() == self.radius
-    }
-
-    /// Rows and cells that a visit looks at.
-    fn work(&self) -> i64 {
-        let length = |axis: usize| i64::from(self.high[axis] - self.low[axis]) + 1;
-        let faces = |axis: usize| {
-            let ends = [
-                self.center[axis] - self.radius,
-                self.center[axis] + self.radius,
-            ];
-            ends.iter()
-                .filter(|x| (self.low[axis]..=self.high[axis]).contains(x))
-                .count() as i64
-        };
-        let rows = length(0) * length(1);
-        1 + rows + faces(0) * length(1) * length(2) + faces(1) * length(0) * length(2)
-    }
-
-    fn visit(&self, mut visit: impl FnMut(Cell)) {
-        let Self { low, high, .. } = self;
-        for x in low[0]..=high[0] {
-            for y in low[1]..=high[1] {
-                let whole = self.is_face(0, x) || self.is_face(1, y);
-                let row = low[2]..=high[2];
-                if whole {
-                    row.for_each(|z| visit([x, y, z]));
-                } else {
-                    // Radius 0 is a face, so that these are two.
-                    let ends = [self.center[2] - self.radius, self.center[2] + self.radius];
-                    ends.into_iter()
-                        .filter(|z| row.contains(z))
-                        .for_each(|z| visit([x, y, z]));
-                }
-            }
-        }
-    }
-}
-
-/// A sweep's way through the grid.
-struct Way<'a> {
-    sweep: &'a Sweep,
-    direction: Vec3,
-    /// The axis of the fastest motion.
-    axis: usize,
-    /// When the way through the bounds begins and ends.
-    enter: f32,
-    leave: f32,
-    /// First and last layer along the axis.
-    first: i32,
-    last: i32,
-}
-
-impl<'a> Way<'a> {
-    /// Nothing if the sweep does not meet the bounds by the time `limit`.
-    fn new(grid: &Grid, sweep: &'a Sweep, limit: f32) -> Option<Self> {
-        let direction = Vec3::select(
-            sweep.inverse.cmpeq(Vec3::MAX),
-            Vec3::ZERO,
-            sweep.inverse.recip(),
-        );
-        let axis = direction.abs().max_position();
-        let enter = sweep.enters(&grid.bounds, limit)?;
-        let b = (grid.bounds.max - sweep.lower) * sweep.inverse;
-        let a = (grid.bounds.min - sweep.upper) * sweep.inverse;
-        let leave = a.max(b).min_element().min(limit) * SLACK;
-        let mut way = Self {
-            sweep,
-            direction,
-            axis,
-            enter,
-            leave,
-            first: 0,
-            last: 0,
-        };
-        let (low, high) = way.range(grid, enter, leave);
-        (way.first, way.last) = (low[axis], high[axis]);
-        if direction[axis] < 0.0 {
-            (way.first, way.last) = (way.last, way.first);
-        }
-        Some(way)
-    }
-
-    fn layers(&self) -> i64 {
-        i64::from(self.first.abs_diff(self.last)) + 1
-    }
-
-    /// The cells covered between two times, within the grid's bounds.
-    fn range(&self, grid: &Grid, from: f32, to: f32) -> (Cell, Cell) {
-        let (d, sweep) = (self.direction, self.sweep);
-        let low = sweep.lower + (d * from).min(d * to);
-        let high = sweep.upper + (d * from).max(d * to);
-        // Rounding of the products above.
-        let pad = 1e-6 * (low.abs().max(high.abs()) + (d * to).abs() + sweep.lower.abs());
-        let bounds = &grid.bounds;
-        let within = |x: Vec3| x.max(bounds.min).min(bounds.max);
-        (grid.cell(within(low - pad)), grid.cell(within(high + pad)))
-    }
-
-    /// The cells covered while in the i-th layer; nothing if that is after `limit`.
-    fn covered(&self, grid: &Grid, i: i64, limit: f32) -> Option<(Cell, Cell)> {
-        let (axis, forth) = (self.axis, self.direction[self.axis] > 0.0);
-        let layer = if forth {
-            self.first + i as i32
-        } else {
-            self.first - i as i32
-        };
-        let pad = 1e-6 * (layer.abs() as f32 + 1.0);
-        // The last cells have no end.
-        let low = if layer == -LAST_CELL {
-            f32::NEG_INFINITY
-        } else {
-            (layer as f32 - pad) / grid.scale
-        };
-        let high = if layer == LAST_CELL {
-            f32::INFINITY
-        } else {
-            (layer as f32 + 1.0 + pad) / grid.scale
-        };
-        let inverse = self.sweep.inverse[axis];
-        let a = (low - self.sweep.upper[axis]) * inverse;
-        let b = (high - self.sweep.lower[axis]) * inverse;
-        let (from, to) = if forth { (a, b) } else { (b, a) };
-        let (from, to) = (from.max(self.enter), to.min(self.leave).min(limit * SLACK));
-        if from > limit * SLACK {
-            return None;
-        }
-        let (mut low, mut high) = self.range(grid, from, to.max(from));
-        (low[axis], high[axis]) = (layer, layer);
-        Some((low, high))
     }
 }
