@@ -11,6 +11,7 @@
 mod boxes;
 mod contact;
 mod convex;
+mod form;
 mod gjk;
 mod hull;
 pub mod mesh;
@@ -25,6 +26,7 @@ mod tables;
 pub use boxes::box_box;
 pub use contact::{Contact, FAR, Manifold, Point};
 pub use convex::convex_convex;
+pub use form::Form;
 pub use hull::{ConvexHull, HullError};
 pub use route::Route;
 pub use solid::{Placed, Solid, kind};

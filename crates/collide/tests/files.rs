@@ -2,8 +2,11 @@
 
 use fastrand::Rng;
 use glam::DVec3;
-use kinetarium_collide::mesh::{HeightFieldError, LoadError, MeshError, TriangleMesh};
-use kinetarium_collide::{ConvexHull, HullError};
+use kinetarium_collide::mesh::{
+    DistanceFieldError, HeightFieldError, LoadError, MeshError, TriangleMesh,
+};
+use kinetarium_collide::{ConvexHull, Form, HullError, kind};
+use model::{Geometry, Pose};
 use std::path::PathBuf;
 use tempfile::TempDir;
 
@@ -296,5 +299,141 @@ fn hollow_meshes_come_apart_on_request() {
         pieces.len() >= 2 && (together - 3.0).abs() < 0.2,
         "{} of {together}",
         pieces.len()
+    );
+}
+
+/// The samples of a field.
+fn samples(n: usize, spacing: f64, distance: impl Fn(DVec3) -> f64) -> Vec<f64> {
+    let at = |i: usize| (i as f64 - (n - 1) as f64 / 2.0) * spacing;
+    (0..n * n * n)
+        .map(|i| distance(DVec3::new(at(i % n), at(i / n % n), at(i / n / n))))
+        .collect()
+}
+
+/// The surface of a ball's field is closed, faces out, and is where the ball is.
+#[test]
+fn the_surface_of_a_distance_field() {
+    let (n, spacing, radius) = (21, 0.1, 0.83);
+    let field = samples(n, spacing, |p| p.length() - radius);
+    let mesh = TriangleMesh::distance_field([n; 3], spacing, &field).unwrap();
+    for v in mesh.vertices() {
+        assert!((v.length() - radius).abs() < 0.02 * radius, "{v}");
+    }
+    let ball = 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
+    assert!(
+        (volume(&mesh) / 6.0 / ball - 1.0).abs() < 0.02,
+        "{}",
+        volume(&mesh) / 6.0
+    );
+    // Each edge is walked once each way.
+    let edges = mesh
+        .triangles()
+        .iter()
+        .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
+    let edges: Vec<_> = edges.collect();
+    let known: std::collections::HashSet<_> = edges.iter().collect();
+    assert_eq!(known.len(), edges.len());
+    assert!(edges.iter().all(|&(a, b)| known.contains(&(b, a))));
+}
+
+#[test]
+fn samples_that_are_no_distance_field() {
+    let field = |counts, spacing, distances: &[f64]| {
+        TriangleMesh::distance_field(counts, spacing, distances).unwrap_err()
+    };
+    let few = field([2, 2, 1], 1.0, &[0.0; 4]);
+    assert_eq!(
+        few,
+        DistanceFieldError::Counts {
+            counts: [2, 2, 1],
+            found: 4
+        }
+    );
+    assert!(few.to_string().contains("2 × 2 × 1"), "{few}");
+    assert_eq!(
+        field([2; 3], 0.0, &[0.0; 8]),
+        DistanceFieldError::Spacing(0.0)
+    );
+    let hole = field(
+        [2; 3],
+        1.0,
+        &[0.0, 1.0, 2.0, f64::INFINITY, 0.0, 0.0, 0.0, 0.0],
+    );
+    assert_eq!(
+        hole,
+        DistanceFieldError::NotFinite {
+            index: 3,
+            value: f64::INFINITY
+        }
+    );
+    let outside = field([2; 3], 1.0, &[1.0; 8]);
+    assert_eq!(outside, DistanceFieldError::Mesh(MeshError::Empty));
+}
+
+/// Every geometry of a model but a mesh has a form, and keeps its sizes.
+#[test]
+fn forms_of_geometries() {
+    let half = DVec3::new(1.0, 2.0, 3.0);
+    let (radius, half_height) = (0.5, 2.0);
+    let forms = [
+        (
+            Geometry::Plane {
+                half_x: 1.0,
+                half_z: 0.0,
+            },
+            kind::PLANE,
+            DVec3::ZERO,
+        ),
+        (Geometry::Sphere { radius }, kind::SPHERE, DVec3::splat(0.5)),
+        (
+            Geometry::Capsule {
+                radius,
+                half_height,
+            },
+            kind::CAPSULE,
+            DVec3::new(0.5, 2.0, 0.5),
+        ),
+        (
+            Geometry::Cylinder {
+                radius,
+                half_height,
+            },
+            kind::CYLINDER,
+            DVec3::new(0.5, 2.0, 0.5),
+        ),
+        (
+            Geometry::Cone {
+                radius,
+                half_height,
+            },
+            kind::CONE,
+            DVec3::new(0.5, 2.0, 0.5),
+        ),
+        (Geometry::Box { half }, kind::BOX, half),
+        (Geometry::Ellipsoid { half }, kind::ELLIPSOID, half),
+    ];
+    for (geometry, kind, size) in forms {
+        let form = Form::of(&geometry).unwrap();
+        assert_eq!(
+            (form.kind, form.size, form.pose),
+            (kind, size, Pose::IDENTITY)
+        );
+    }
+    let file = "a.obj".to_owned();
+    assert_eq!(Form::of(&Geometry::Mesh { file, scale: half }), None);
+
+    let finite = Form::finite_plane(2.0, 1.0);
+    let top = finite.pose.point(DVec3::new(2.0, finite.size.y, 1.0));
+    assert_eq!((finite.kind, top), (kind::BOX, DVec3::new(2.0, 0.0, 1.0)));
+
+    let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].map(|p| p + half);
+    let (form, vertices) = Form::hull(&ConvexHull::new(&corners).unwrap());
+    assert_eq!((form.kind, form.size), (kind::HULL, DVec3::splat(0.5)));
+    assert_eq!(form.pose.position, half + DVec3::splat(0.5));
+    assert!(
+        vertices
+            .vertices()
+            .iter()
+            .all(|v| v.abs() == DVec3::splat(0.5))
     );
 }

@@ -1,11 +1,13 @@
 //! Triangle meshes: a surface, not a solid, that is touched from the side its normals point to.
 
 mod adjacency;
+mod distance_field;
 mod hierarchy;
 mod kernel;
 mod load;
 mod tables;
 
+pub use distance_field::DistanceFieldError;
 pub use kernel::{Surface, mesh_convex};
 pub use load::LoadError;
 pub use tables::{MeshData, MeshTables, SLOTS, contact};

@@ -1,0 +1,75 @@
+//! A model's geometry as kernels know it.
+
+use crate::{ConvexHull, kind};
+use glam::DVec3;
+use model::{Geometry, Pose};
+
+/// Kind and size of a shape, and where its frame is in the geometry's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Form {
+    /// One of [`kind`].
+    pub kind: usize,
+    /// Half sizes [m], as the kind has them.
+    pub size: DVec3,
+    /// The kernels' frame in the geometry's.
+    pub pose: Pose,
+}
+
+impl Form {
+    /// The form of a geometry. A plane is a half space, however large it is drawn.
+    ///
+    /// `None` for a mesh: it takes its file, and a choice between its
+    /// [surface](crate::mesh), its [hull](ConvexHull) and its convex pieces.
+    pub fn of(geometry: &Geometry) -> Option<Self> {
+        let (kind, size) = match *geometry {
+            Geometry::Plane { .. } => (kind::PLANE, DVec3::ZERO),
+            Geometry::Sphere { radius } => (kind::SPHERE, DVec3::splat(radius)),
+            Geometry::Capsule {
+                radius,
+                half_height,
+            } => (kind::CAPSULE, round(radius, half_height)),
+            Geometry::Cylinder {
+                radius,
+                half_height,
+            } => (kind::CYLINDER, round(radius, half_height)),
+            Geometry::Cone {
+                radius,
+                half_height,
+            } => (kind::CONE, round(radius, half_height)),
+            Geometry::Box { half } => (kind::BOX, half),
+            Geometry::Ellipsoid { half } => (kind::ELLIPSOID, half),
+            Geometry::Mesh { .. } => return None,
+        };
+        Some(Self {
+            kind,
+            size,
+            pose: Pose::IDENTITY,
+        })
+    }
+
+    /// A rectangle in the plane y = 0 with these half sizes [m], solid below to a depth of the larger
+    /// of them: what lies beside it does not touch it.
+    pub fn finite_plane(half_x: f64, half_z: f64) -> Self {
+        let depth = half_x.max(half_z);
+        Self {
+            kind: kind::BOX,
+            size: DVec3::new(half_x, 0.5 * depth, half_z),
+            pose: Pose::at(DVec3::new(0.0, -0.5 * depth, 0.0)),
+        }
+    }
+
+    /// A hull, with its vertices about the middle of their bounding box, as kernels take them.
+    pub fn hull(hull: &ConvexHull) -> (Self, ConvexHull) {
+        let (centered, middle) = hull.centered();
+        let form = Self {
+            kind: kind::HULL,
+            size: centered.half_extents(),
+            pose: Pose::at(middle),
+        };
+        (form, centered)
+    }
+}
+
+fn round(radius: f64, half_height: f64) -> DVec3 {
+    DVec3::new(radius, half_height, radius)
+}
