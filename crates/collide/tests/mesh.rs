@@ -11,10 +11,11 @@ use kinetarium_collide::mesh::{
     MeshData, MeshTables, SLOTS, Surface, TriangleMesh, contact, mesh_convex,
 };
 use kinetarium_collide::{FAR, Placed, Tables, kind};
+use numbers::dispatch::{Isa, Job, run_block, run_single};
 use numbers::machine::space::State;
 use numbers::machine::{Links, Machine};
 use numbers::trace::{self, WgslOptions};
-use numbers::{Cpu, Float, Pose, Quat, Shared, Table};
+use numbers::{Cpu, Float, Lanes, Memory, Pose, Quat, Shared, Table};
 
 const MARGIN: f64 = 0.02;
 
@@ -337,6 +338,87 @@ fn meshes_are_traced() {
             let kernel = bits(world.scratch(&solid, poses));
             let record = bits(world.with_machine(&solid, poses, |k| program.interpret(k).unwrap()));
             assert_eq!(kernel, record);
+        }
+    }
+}
+
+struct Contacts<'a> {
+    world: &'a World,
+    state: &'a mut [f32],
+    scratch: &'a mut [f32],
+    parameters: &'a [f32],
+}
+
+impl Job for Contacts<'_> {
+    type Scalar = f32;
+    type Output = ();
+    #[inline(always)]
+    fn run<R: Lanes<Scalar = f32>>(self) {
+        let mut k = Cpu {
+            state: bytemuck::cast_slice_mut::<f32, R>(self.state),
+            input: &[],
+            output: &mut [],
+            scratch: bytemuck::cast_slice_mut(self.scratch),
+            parameters: Shared(self.parameters),
+            links: &self.world.links,
+        };
+        self.world.run(&mut k);
+    }
+}
+
+/// Solids in lanes, each in its own place on the mesh, have the bits of each alone.
+#[test]
+fn meshes_have_the_same_bits_in_lanes_and_alone() {
+    let mesh = hills();
+    let mut rng = Rng::with_seed(41);
+    for kind in [kind::SPHERE, kind::CAPSULE, kind::BOX, kind::HULL] {
+        let solid = Solid::random(kind, &mut rng);
+        let world = World::new(&mesh, &solid);
+        let parameters: Vec<_> = world.parameters.iter().map(|&x| x as f32).collect();
+        for _ in 0..5 {
+            let mut pose =
+                || Pose::new(unit(&mut rng) * 1.5 + V::new(0.0, 1.0, 0.0), turn(&mut rng));
+            let poses: Vec<_> = (0..f32::BLOCK).map(|_| pose()).collect();
+            let run = |isa, poses: &[Pose<f64>]| {
+                let width = poses.len();
+                let mut states = Memory::new(width, 20, width);
+                for (i, &pose) in poses.iter().enumerate() {
+                    let under = Solid::new(kind::PLANE, 0.0, 0.0, 0.0);
+                    let solids = [solid.clone(), under];
+                    let poses = [pose, still(0.0, 0.0, 0.0)];
+                    for (offset, x) in state(&Pair { solids, poses }).into_iter().enumerate() {
+                        states.set(i, offset, x as f32);
+                    }
+                }
+                let mut scratch = Memory::new(width, world.scratch, width);
+                let job = Contacts {
+                    world: &world,
+                    state: states.scalars_mut(),
+                    scratch: scratch.scalars_mut(),
+                    parameters: &parameters,
+                };
+                if width == 1 {
+                    run_single(isa, job);
+                } else {
+                    run_block(isa, job);
+                }
+                let contacts = world.meshes.contacts;
+                let fields = contacts.at(0, 0)..contacts.at(SLOTS, 0);
+                let of = |w| {
+                    fields
+                        .clone()
+                        .map(|i| scratch.get(w, i).to_bits())
+                        .collect()
+                };
+                (0..width).map(of).collect::<Vec<Vec<u32>>>()
+            };
+            for isa in Isa::available() {
+                let together = run(isa, &poses);
+                for (pose, together) in poses.iter().zip(together) {
+                    let alone = run(isa, std::slice::from_ref(pose));
+                    assert_eq!(alone[0], together, "{isa}: {solid:#?} {pose:#?}");
+                }
+            }
         }
     }
 }
