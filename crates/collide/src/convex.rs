@@ -17,7 +17,7 @@
 use crate::gjk::{self, Cores};
 use crate::overlap::{self, Witness};
 use crate::support::radius;
-use crate::{Manifold, Solid, Tables};
+use crate::{Manifold, Point, Solid, Tables};
 use numbers::machine::{Held, Hold};
 use numbers::{Cell, Float, Machine, Mask, Real, Vec3};
 
@@ -58,6 +58,27 @@ pub fn convex_convex<M: Machine>(
         stands: <M::R as Real>::Mask::splat(true),
     };
     overlap::manifold(k, &cores, &witness)
+}
+
+/// Contact of a sphere and a convex solid of any kind: one point.
+#[inline(always)]
+pub fn sphere_convex<M: Machine>(
+    k: &M,
+    tables: Tables,
+    sphere: &Solid<M>,
+    b: &Solid<M>,
+) -> Manifold<M::R> {
+    let center = sphere.placed.position;
+    let cores = Cores {
+        tables,
+        a: sphere,
+        b,
+        offset: b.placed.position - center,
+    };
+    let Direction { n, gap, .. } = search(k, &cores);
+    let radius = sphere.placed.size.x;
+    let point = Point::from_a(n.fma(radius, center), n, gap - radius, M::R::zero());
+    Manifold::single(n, point)
 }
 
 /// A direction from A to B.

@@ -4,7 +4,30 @@
 //! to lane, so that it runs in one world or in sixteen, differentiated or traced.
 //!
 //! SI units, right-handed. In a pair A and B, normals point from A to B, and a distance is the
-//! gap between the surfaces along the normal, negative where they overlap.
+//! gap between the surfaces along the normal, negative where they overlap. Contacts are reported
+//! apart as well as overlapping: what is near enough to matter is the caller's choice.
+//!
+//! | pair | kernel | points |
+//! |---|---|---|
+//! | plane and any convex solid | [`pair`], closed forms | 1, 2 or 4 |
+//! | sphere and sphere, capsule, cylinder, cone, box | [`pair`], closed forms | 1 |
+//! | two capsules | [`pair`], closed form | 2 |
+//! | two boxes | [`box_box`], separating axes | 4 |
+//! | sphere and ellipsoid, hull | [`sphere_convex`], distances | 1 |
+//! | any other two convex solids | [`convex_convex`], distances | 4 |
+//! | any convex solid and a triangle mesh | [`mesh::mesh_convex`], its triangles | 8 |
+//!
+//! [`Route`] names the kernel for a pair of kinds, so that a solver can keep one list of pairs for
+//! each and loop over it. A [height field](mesh::TriangleMesh::height_field) and the zero surface
+//! of a [distance field](mesh::TriangleMesh::distance_field) are meshes. A finite plane is a
+//! [box](Form::finite_plane). The vertices of a mesh are to a plane those of a hull; two
+//! meshes meet as the triangles of one, each a hull of three vertices, and the surface of the other.
+//!
+//! # Limits
+//! - Solids within [`FLAT`] of parallel count as parallel: their points may be off by that angle.
+//! - Where solids overlap by more than a tenth of the smaller one, the way out is not the
+//!   shortest in up to one of a hundred poses; its depth is right for its normal in any case.
+//! - A mesh is touched from its front, by solids whose origin is in front of the triangle.
 
 #![forbid(unsafe_code)]
 
@@ -25,7 +48,7 @@ mod tables;
 
 pub use boxes::box_box;
 pub use contact::{Contact, FAR, Manifold, Point};
-pub use convex::convex_convex;
+pub use convex::{convex_convex, sphere_convex};
 pub use form::Form;
 pub use hull::{ConvexHull, HullError};
 pub use route::Route;

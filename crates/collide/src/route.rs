@@ -1,7 +1,7 @@
 //! Which kernel answers for which pair of kinds.
 
 use crate::solid::kind::{BOX, CAPSULE, CONE, CYLINDER, ELLIPSOID, HULL, PLANE, SPHERE};
-use crate::{Manifold, Solid, Tables, box_box, convex_convex, pair};
+use crate::{Manifold, Solid, Tables, box_box, convex_convex, pair, sphere_convex};
 use numbers::Machine;
 
 /// A kernel for pairs of kinds. A solver keeps one list of pairs for each, and loops over it.
@@ -22,13 +22,15 @@ pub enum Route {
     SphereBox,
     CapsuleCapsule,
     BoxBox,
+    /// A sphere and any other convex solid.
+    SphereConvex,
     /// Any other two convex solids.
     Convex,
 }
 
 impl Route {
     /// All of them.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::PlaneSphere,
         Self::PlaneCapsule,
         Self::PlaneCylinder,
@@ -43,12 +45,14 @@ impl Route {
         Self::SphereBox,
         Self::CapsuleCapsule,
         Self::BoxBox,
+        Self::SphereConvex,
         Self::Convex,
     ];
 
     /// The kernel for two [`kind`](crate::kind)s in any order; the shape of the lower kind is A.
     ///
-    /// `None` for two planes, which never meet in a way that a body could resolve.
+    /// `None` for two planes, which never meet in a way that a body could resolve, and for numbers
+    /// that are no kind.
     pub fn of(first: usize, second: usize) -> Option<Self> {
         Some(match (first.min(second), first.max(second)) {
             (PLANE, SPHERE) => Self::PlaneSphere,
@@ -65,7 +69,8 @@ impl Route {
             (SPHERE, BOX) => Self::SphereBox,
             (CAPSULE, CAPSULE) => Self::CapsuleCapsule,
             (BOX, BOX) => Self::BoxBox,
-            (SPHERE.., SPHERE..) => Self::Convex,
+            (SPHERE, CAPSULE..=HULL) => Self::SphereConvex,
+            (CAPSULE..=HULL, CAPSULE..=HULL) => Self::Convex,
             _ => return None,
         })
     }
@@ -89,24 +94,24 @@ impl Route {
         a: &Solid<M>,
         b: &Solid<M>,
     ) -> Manifold<M::R> {
-        let solids = (a, b);
-        let (a, b) = (&a.placed, &b.placed);
+        let (p, q) = (&a.placed, &b.placed);
         match self {
-            Self::PlaneSphere => pair::plane_sphere(a, b),
-            Self::PlaneCapsule => pair::plane_capsule(a, b),
-            Self::PlaneCylinder => pair::plane_cylinder(a, b),
-            Self::PlaneCone => pair::plane_cone(a, b),
-            Self::PlaneBox => pair::plane_box(a, b),
-            Self::PlaneEllipsoid => pair::plane_ellipsoid(a, b),
-            Self::PlaneHull => pair::plane_hull(k, tables, a, solids.1),
-            Self::SphereSphere => pair::sphere_sphere(a, b),
-            Self::SphereCapsule => pair::sphere_capsule(a, b),
-            Self::SphereCylinder => pair::sphere_cylinder(a, b),
-            Self::SphereCone => pair::sphere_cone(a, b),
-            Self::SphereBox => pair::sphere_box(a, b),
-            Self::CapsuleCapsule => pair::capsule_capsule(a, b),
-            Self::BoxBox => box_box(k, tables, solids.0, solids.1),
-            Self::Convex => convex_convex(k, tables, solids.0, solids.1),
+            Self::PlaneSphere => pair::plane_sphere(p, q),
+            Self::PlaneCapsule => pair::plane_capsule(p, q),
+            Self::PlaneCylinder => pair::plane_cylinder(p, q),
+            Self::PlaneCone => pair::plane_cone(p, q),
+            Self::PlaneBox => pair::plane_box(p, q),
+            Self::PlaneEllipsoid => pair::plane_ellipsoid(p, q),
+            Self::PlaneHull => pair::plane_hull(k, tables, p, b),
+            Self::SphereSphere => pair::sphere_sphere(p, q),
+            Self::SphereCapsule => pair::sphere_capsule(p, q),
+            Self::SphereCylinder => pair::sphere_cylinder(p, q),
+            Self::SphereCone => pair::sphere_cone(p, q),
+            Self::SphereBox => pair::sphere_box(p, q),
+            Self::CapsuleCapsule => pair::capsule_capsule(p, q),
+            Self::BoxBox => box_box(k, tables, a, b),
+            Self::SphereConvex => sphere_convex(k, tables, a, b),
+            Self::Convex => convex_convex(k, tables, a, b),
         }
     }
 }

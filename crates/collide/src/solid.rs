@@ -2,7 +2,8 @@
 
 use numbers::{Machine, Mat3, Pose, Real, Vec3};
 
-/// Kinds of shapes. In a pair the shape of the lower kind is A.
+/// Kinds of shapes. In a pair the shape of the lower kind is A. What a size has beyond what its kind
+/// says counts only for how large the shape is thought to be.
 pub mod kind {
     /// The half space below y = 0. Size: unused.
     pub const PLANE: usize = 0;

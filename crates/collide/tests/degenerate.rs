@@ -251,3 +251,31 @@ fn lines_touch_in_two_points() {
         }
     }
 }
+
+/// Exchanged, the normal turns and the points stay.
+#[test]
+fn a_manifold_seen_from_the_other_side() {
+    let pair = Pair::random([kind::BOX, kind::BOX], &mut Rng::with_seed(1));
+    let found = kernel::manifold::<f64>(&pair);
+    let swapped = found.swapped();
+    assert_eq!(swapped.normal, -found.normal);
+    for i in 0..4 {
+        let (here, there) = (found.contact(i), swapped.contact(i));
+        assert_eq!(here.normal, -there.normal);
+        assert_eq!(
+            (here.position, here.distance, here.feature),
+            (there.position, there.distance, there.feature)
+        );
+    }
+    assert_eq!(
+        Route::of(kind::BOX, kind::SPHERE),
+        Route::of(kind::SPHERE, kind::BOX)
+    );
+    assert_eq!(
+        (
+            Route::of(kind::PLANE, kind::PLANE),
+            Route::of(kind::BOX, kind::CONVEX)
+        ),
+        (None, None)
+    );
+}

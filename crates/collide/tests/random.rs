@@ -5,7 +5,7 @@ mod common;
 use common::reference::{best_gap, gap, outside};
 use common::{Pair, kernel};
 use fastrand::Rng;
-use kinetarium_collide::{FLAT, Manifold, Route, kind};
+use kinetarium_collide::{FAR, FLAT, Manifold, Route, kind};
 use numbers::Float;
 
 /// Depth, against the smaller solid, from which a way out need not be the shortest.
@@ -46,6 +46,11 @@ fn check(pair: &Pair, found: &Manifold<f64>, tolerance: f64) -> Verdict {
     // The search may end before a deep overlap's normal is at a right angle to both surfaces.
     if off.is_nan() || off > slack + flat + 0.05 * (-along).max(0.0) {
         return Verdict::Wrong(format!("a point is {off} off a surface"));
+    }
+    let route = Route::of(pair.solids[0].kind, pair.solids[1].kind).expect("a route");
+    let points = found.points.iter().filter(|p| p.distance < FAR).count();
+    if !(1..=route.points()).contains(&points) {
+        return Verdict::Wrong(format!("{points} points by {route:?}"));
     }
     let smaller = pair.solids[0].reach().min(pair.solids[1].reach());
     let sizes = pair.solids[0].size.length() + pair.solids[1].size.length();
