@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::reference::support;
+use common::reference::{best_gap, support};
 use common::world::state;
 use common::{Pair, Solid, V, turn, unit};
 use fastrand::Rng;
@@ -10,7 +10,7 @@ use glam::DVec3;
 use kinetarium_collide::mesh::{
     MeshData, MeshTables, SLOTS, Surface, TriangleMesh, contact, mesh_convex,
 };
-use kinetarium_collide::{FAR, Placed, Tables, kind};
+use kinetarium_collide::{ConvexHull, FAR, Placed, Tables, kind};
 use numbers::dispatch::{Isa, Job, run_block, run_single};
 use numbers::machine::space::State;
 use numbers::machine::{Links, Machine};
@@ -314,6 +314,55 @@ fn contacts_move_along_with_both() {
             assert!((a.distance - b.distance).abs() < 1e-6);
         }
     }
+}
+
+/// The surface of a convex solid is touched where the solid is.
+#[test]
+fn the_surface_of_a_hull_is_the_hull() {
+    let mut rng = Rng::with_seed(47);
+    let (mut touched, mut missed) = (0, 0);
+    for kind in kind::SPHERE..kind::CONVEX {
+        for _ in 0..20 {
+            let points: Vec<_> = (0..20)
+                .map(|_| DVec3::from(unit(&mut rng).to_array()))
+                .collect();
+            let hull = ConvexHull::new(&points).unwrap();
+            let mesh = TriangleMesh::new(hull.vertices(), hull.triangles()).unwrap();
+            let corners = hull.vertices().iter().map(|v| V::from_array(v.to_array()));
+            let solid = Solid::random(kind, &mut rng);
+            let world = World::new(&mesh, &solid);
+            let mut pair = Pair {
+                solids: [solid.clone(), Solid::hull(corners.collect())],
+                poses: [still(0.0, 0.0, 0.0); 2],
+            };
+            for _ in 0..20 {
+                // Brought to a small depth along the line of centres, which leaves it touching.
+                let (way, depth) = (unit(&mut rng), 0.03 * rng.f64() - 0.015);
+                pair.poses[0] = Pose::new(way * 3.0, turn(&mut rng));
+                for _ in 0..30 {
+                    let step = best_gap(&pair) + depth;
+                    pair.poses[0].p = pair.poses[0].p - way * step;
+                }
+                let distance = best_gap(&pair);
+                if (distance + depth).abs() > 1e-3 {
+                    continue;
+                }
+                let found = world.contacts::<f32>(&solid, pair.poses);
+                let least = found.iter().map(|c| c.distance).fold(FAR, f64::min);
+                touched += 1;
+                missed += usize::from((least - distance).abs() > 1e-3);
+                assert!(
+                    (least - distance).abs() < 0.02,
+                    "{least}, {distance}: {pair:#?}"
+                );
+            }
+        }
+    }
+    // Edges that cross deep have more than one way out.
+    assert!(
+        touched > 2000 && missed * 100 < touched,
+        "{missed} of {touched}"
+    );
 }
 
 #[test]
