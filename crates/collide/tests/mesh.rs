@@ -341,7 +341,7 @@ fn the_surface_of_a_hull_is_the_hull() {
                 pair.poses[0] = Pose::new(way * 3.0, turn(&mut rng));
                 for _ in 0..30 {
                     let step = best_gap(&pair) + depth;
-                    pair.poses[0].p = pair.poses[0].p - way * step;
+                    pair.poses[0].p -= way * step;
                 }
                 let distance = best_gap(&pair);
                 if (distance + depth).abs() > 1e-3 {
