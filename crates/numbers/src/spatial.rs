@@ -183,6 +183,7 @@ impl<R: Real> Inertia<R> {
     }
     /// Solves self · a = f for a positive definite inertia by Cholesky's L D Lᵀ; pivots below
     /// `tiny` count as `tiny`.
+    #[allow(clippy::needless_range_loop)] // rows and columns, as the algorithm is written
     #[inline(always)]
     pub fn solve(self, f: Spatial<R>, tiny: R) -> Spatial<R> {
         let (i, h, m) = (self.i, self.h, self.m);
@@ -209,9 +210,9 @@ impl<R: Real> Inertia<R> {
             }
             // L below the pivot; the pivot's row of x divided by D.
             for row in p + 1..6 {
-                l[row][p] = l[row][p] * inverse;
+                l[row][p] *= inverse;
             }
-            x[p] = x[p] * inverse;
+            x[p] *= inverse;
         }
         for row in (0..6).rev() {
             for below in row + 1..6 {

@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 mod check;
+mod contacts;
 pub mod featherstone;
 mod input;
 mod output;
@@ -15,8 +16,8 @@ mod tables;
 pub mod xpbd;
 
 pub use featherstone::dynamics::{Dynamics, DynamicsError, DynamicsKernels, Totals};
-pub use featherstone::{Featherstone, Integrator};
+pub use featherstone::{ArticulatedBodies, Featherstone, Integrator, TouchingFeatherstone};
 pub use input::InputTables;
-pub use output::{OutputTables, body, reaction, total};
+pub use output::{OutputTables, body, contact, reaction, total};
 pub use solver::{Kernels, Lengths, Settings, SolverError};
 pub use xpbd::Xpbd;

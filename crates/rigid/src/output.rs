@@ -43,6 +43,23 @@ pub mod total {
     pub const WIDTH: usize = 9;
 }
 
+/// Fields of a row of [`OutputTables::contact`].
+pub mod contact {
+    /// Midway between the surfaces [m], world axes, 3.
+    pub const POSITION: usize = 0;
+    /// Unit vector towards the shape that the force acts on, 3.
+    pub const NORMAL: usize = 3;
+    /// Gap less the margin of the surfaces [m], negative where the shapes overlap; 1e9 where there
+    /// is no contact.
+    pub const DISTANCE: usize = 6;
+    /// Whole number, the same from step to step while the same features touch.
+    pub const FEATURE: usize = 7;
+    /// Force [N] on the shape that the normal points to, world axes, 3.
+    pub const FORCE: usize = 8;
+    /// Numbers in a row.
+    pub const WIDTH: usize = 11;
+}
+
 /// Where the reported numbers lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutputTables {
@@ -58,6 +75,10 @@ pub struct OutputTables {
     pub acceleration: Table<Output>,
     /// One row: see [`total`].
     pub total: Table<Output, { total::WIDTH }>,
+    /// One row for each point of contact that may be: see [`contact`]. Contacts of the last step.
+    pub contact: Table<Output, { contact::WIDTH }>,
+    /// How many rows of contacts there are.
+    pub contacts: usize,
     /// Numbers per world.
     pub length: usize,
 }
@@ -72,6 +93,7 @@ impl OutputTables {
         let velocity = Table::place(&mut end, model.degrees_of_freedom());
         let acceleration = Table::place(&mut end, model.degrees_of_freedom());
         let total = Table::place(&mut end, 1);
+        let contact = Table::place(&mut end, 0);
         Self {
             body,
             reaction,
@@ -79,7 +101,20 @@ impl OutputTables {
             velocity,
             acceleration,
             total,
+            contact,
+            contacts: 0,
             length: end,
+        }
+    }
+    /// The same, with room for so many points of contact.
+    pub fn with_contacts(self, contacts: usize) -> Self {
+        let mut end = self.contact.start();
+        let contact = Table::place(&mut end, contacts);
+        Self {
+            contact,
+            contacts,
+            length: end,
+            ..self
         }
     }
 }

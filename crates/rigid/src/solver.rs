@@ -1,6 +1,6 @@
 //! What every solver is.
 
-use crate::Integrator;
+use crate::{Integrator, OutputTables};
 use model::Model;
 use numbers::Machine;
 
@@ -25,6 +25,10 @@ pub struct Settings {
     pub iterations: usize,
     /// How a `featherstone` step advances the state.
     pub integrator: Integrator,
+    /// Passes of a `featherstone` step over the contacts, at most; it ends as soon as all agree.
+    pub contact_passes: usize,
+    /// Passes of projected Gauss–Seidel over the contacts between bodies that move; `featherstone`.
+    pub contact_iterations: usize,
     /// A world in which a speed exceeds this [m/s or rad/s] has diverged.
     pub speed_limit: f64,
     /// Factor on every position correction; `xpbd` only. 1 is the plain method.
@@ -45,6 +49,8 @@ impl Settings {
             substeps: 1,
             iterations: 1,
             integrator: Integrator::SemiImplicitEuler,
+            contact_passes: 3,
+            contact_iterations: 8,
             speed_limit: 1e5,
             relaxation: 1.0,
             angular_damping: 0.0,
@@ -102,6 +108,8 @@ pub trait Kernels: Clone + Send + Sync + 'static {
     fn name(&self) -> &'static str;
     /// Numbers per world in each memory.
     fn lengths(&self) -> Lengths;
+    /// Where the reported numbers lie.
+    fn outputs(&self) -> OutputTables;
     /// The constants of the model it was compiled for.
     fn parameters(&self) -> &[f64];
     /// The whole numbers of the model: the same for all models of one topology.

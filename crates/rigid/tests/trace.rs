@@ -3,11 +3,13 @@
 
 mod scene;
 
-use kinetarium_rigid::{Featherstone, Integrator, Kernels, OutputTables, Settings, Xpbd};
+use kinetarium_rigid::{
+    Featherstone, Integrator, Kernels, OutputTables, Settings, TouchingFeatherstone, Xpbd,
+};
 use model::Model;
 use model::examples::{Start, chain};
 use numbers::trace::{self, Operations, Program, WgslOptions};
-use scene::{World, looped, mixed, parameters};
+use scene::{World, heap, looped, mixed, parameters};
 
 const INTEGRATORS: [Integrator; 4] = [
     Integrator::SemiImplicitEuler,
@@ -186,6 +188,15 @@ fn a_chain_keeps_its_bits() {
         suits_a_shader(&kernels, &model);
         keeps_the_bits(&kernels, &model, 500);
     }
+}
+
+/// Bodies that fall on the ground and on each other.
+#[test]
+fn a_heap_keeps_its_bits() {
+    let model = heap().unwrap();
+    let kernels = TouchingFeatherstone::new(&model, &Settings::new(0.002)).unwrap();
+    suits_a_shader(&kernels, &model);
+    keeps_the_bits(&kernels, &model, 300);
 }
 
 #[test]

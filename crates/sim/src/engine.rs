@@ -3,7 +3,7 @@
 use model::Model;
 use numbers::dispatch::{Isa, Job, run_registers, run_single};
 use numbers::{Cpu, Float, Lanes, PerWorld};
-use rigid::{Kernels, Lengths};
+use rigid::{Kernels, Lengths, OutputTables};
 
 /// What to do with a block.
 #[derive(Clone, Copy, Debug)]
@@ -29,6 +29,7 @@ pub(crate) struct Block<'a, T> {
 pub(crate) trait Engine<T: Float>: Send + Sync {
     fn name(&self) -> &'static str;
     fn lengths(&self) -> Lengths;
+    fn outputs(&self) -> OutputTables;
     fn parameters(&self) -> &[f64];
     fn links(&self) -> &[u32];
     fn alive(&self) -> usize;
@@ -45,6 +46,9 @@ impl<K: Kernels, T: Float> Engine<T> for K {
     }
     fn lengths(&self) -> Lengths {
         Kernels::lengths(self)
+    }
+    fn outputs(&self) -> OutputTables {
+        Kernels::outputs(self)
     }
     fn parameters(&self) -> &[f64] {
         Kernels::parameters(self)

@@ -156,7 +156,7 @@ impl<T: Float> Simulation<T> {
             parameters: in_lanes(shared.engine.parameters(), width, width),
             own: HashMap::new(),
             input_tables: InputTables::new(&model),
-            output_tables: OutputTables::new(&model),
+            output_tables: shared.engine.outputs(),
             time: vec![0.0; settings.worlds],
             reported: false,
             diverged: Vec::new(),
@@ -289,7 +289,8 @@ impl<T: Float> Simulation<T> {
     ///
     /// The model must have the structure of the simulation's; only numbers may differ. What is
     /// zero in the one model must be zero in the other where it means that something is not
-    /// there: a spring, a damper, a drive, dry friction.
+    /// there, and the solver keeps no room for it: a drive, dry friction, a spring or damper where
+    /// no joint has any.
     ///
     /// The world's state, time and controls stay; a reset brings it to the initial state of its
     /// own model. From the first call on, every world has its own copy of the constants, which

@@ -5,7 +5,7 @@ mod scene;
 use glam::DVec3;
 use kinetarium_sim::{Simulation, SimulationError, SimulationSettings};
 use model::examples::n_pendula;
-use model::{Builder, Drive, Geometry, Limit, Model, Parts};
+use model::{Builder, Drive, Geometry, Model, Parts};
 use numbers::Float;
 use scene::{BOTH, Method, TIME_STEP, chain, hash, hashes, mixed, motion, scatter, scattered};
 
@@ -249,12 +249,6 @@ fn cart(change: impl FnOnce(&mut model::Dof)) -> Model {
 
 #[test]
 fn a_model_of_another_structure_is_refused_and_changes_nothing() {
-    let limit = Limit {
-        lower: -0.1,
-        upper: 0.1,
-        stiffness: 100.0,
-        damping: 1.0,
-    };
     let drive = Drive {
         stiffness: 5.0,
         ..Drive::default()
@@ -263,11 +257,6 @@ fn a_model_of_another_structure_is_refused_and_changes_nothing() {
     let cases = [
         (chain(), n_pendula(4).unwrap(), "fewer links"),
         (chain(), mixed(), "another robot"),
-        (
-            spring.clone(),
-            cart(|dof| dof.limit = Some(limit)),
-            "a limit for a spring",
-        ),
         (
             spring.clone(),
             cart(|dof| dof.drive = drive),

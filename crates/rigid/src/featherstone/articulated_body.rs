@@ -23,6 +23,7 @@
 //! inertia of each node, never the articulated one, and a is what the q̈ add to b.
 //! A root that floats freely is solved at once, Iᴬ a = S⁻ᵀ τ − p.
 
+use super::contact::{self, load};
 use super::kinematics::{Course, newton_euler, world_inertia};
 use super::tables::{Tables, arrival, dof, frame, node_link};
 use numbers::machine::{Held, Hold, Index};
@@ -32,17 +33,19 @@ use numbers::{Machine, Mat3, Real, Vec3};
 /// Smallest D, so that a massless node does not divide by zero.
 const TINY: f64 = 1e-20;
 
-/// Accelerations of all degrees of freedom into `dof::ACCELERATION`, and of all nodes.
+/// Accelerations of all degrees of freedom into `dof::ACCELERATION`, and of all nodes, under
+/// contacts that are implicit over `h` [s].
 ///
-/// Needs [`kinematics`](super::kinematics::kinematics) and [`forces`](super::force::forces).
+/// Needs [`kinematics`](super::kinematics::kinematics) and [`forces`](super::force::forces), and
+/// the contacts found or recalled.
 #[inline(always)]
-pub(crate) fn articulated_body<M: Machine>(k: &mut M, t: &Tables) {
-    inwards(k, t);
+pub(crate) fn articulated_body<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, h: M::R) {
+    inwards::<M, CONTACTS>(k, t, h);
     outwards(k, t);
 }
 
 #[inline(always)]
-fn inwards<M: Machine>(k: &mut M, t: &Tables) {
+fn inwards<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, h: M::R) {
     for i in k.range_down(k.index(t.nodes)) {
         let n = i.offset(t.trees);
         let links = k.link_row::<_, { node_link::WIDTH }>(t.node_links, n);
@@ -54,6 +57,15 @@ fn inwards<M: Machine>(k: &mut M, t: &Tables) {
             let (carried_p, carried) = carried(k, t, n);
             inertia.set(inertia.get() + carried);
             p.set(p.get() + carried_p);
+        }
+        if CONTACTS {
+            for s in k.range(links[node_link::SLOT_BEGIN], links[node_link::SLOT_END]) {
+                for _ in k.if_any(k.load(t.load, s, load::ON).gt(M::R::zero())) {
+                    let (mass, force) = contact::burden(k, t, s, h);
+                    inertia.set(inertia.get() + mass);
+                    p.set(p.get() - force);
+                }
+            }
         }
         for _ in k.when(k.equals(links[node_link::FLOATS], 1)) {
             float(k, t, n, inertia.get(), p.get());

@@ -15,7 +15,9 @@
 
 use super::Integrator;
 use super::articulated_body::articulated_body;
+use super::contact;
 use super::force::{forces, smooth_targets};
+use super::gauss_seidel::gauss_seidel;
 use super::kinematics::kinematics;
 use super::report::gather;
 use super::tables::{Tables, dof};
@@ -27,7 +29,11 @@ const FAR: f64 = 1e9;
 
 /// One step of every lane; lanes that diverged stay where they were.
 #[inline(always)]
-pub(crate) fn step<M: Machine>(k: &mut M, t: &Tables, integrator: Integrator) {
+pub(crate) fn step<M: Machine, const CONTACTS: bool>(
+    k: &mut M,
+    t: &Tables,
+    integrator: Integrator,
+) {
     let h = k.load(t.step, k.index(0), 0);
     save(k, t);
     smooth_targets(k, t, h);
@@ -39,7 +45,7 @@ pub(crate) fn step<M: Machine>(k: &mut M, t: &Tables, integrator: Integrator) {
         clear_sums(k, t);
     }
     for stage in k.count(integrator.stages()) {
-        accelerate(k, t, implicit);
+        accelerate::<M, CONTACTS>(k, t, implicit, h);
         match integrator {
             Integrator::SemiImplicitEuler => {
                 kick(k, t, h);
@@ -58,15 +64,31 @@ pub(crate) fn step<M: Machine>(k: &mut M, t: &Tables, integrator: Integrator) {
             Integrator::RungeKutta4 => runge_kutta_stage(k, t, h, stage),
         }
     }
-    guard(k, t);
+    if CONTACTS {
+        contact::keep(k, t, h);
+    }
+    guard::<M, CONTACTS>(k, t);
 }
 
-/// q̈ of the present state, forces linearised over `h`.
+/// q̈ of the present state, forces along coordinates linearised over `implicit`, contacts over `h`.
 #[inline(always)]
-pub(crate) fn accelerate<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+fn accelerate<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, implicit: M::R, h: M::R) {
     kinematics(k, t);
-    forces(k, t, h);
-    articulated_body(k, t);
+    forces(k, t, implicit);
+    if CONTACTS {
+        contact::find(k, t, h);
+        for _ in k.count(t.passes) {
+            articulated_body::<M, true>(k, t, h);
+            gauss_seidel(k, t, h);
+            let mut changes = k.cell(M::R::zero());
+            contact::settle(k, t, h, &mut changes);
+            if k.finished(changes.read().same(M::R::zero())) {
+                break;
+            }
+        }
+    } else {
+        articulated_body::<M, false>(k, t, h);
+    }
 }
 
 /// q̇ ← q̇ + h q̈.
@@ -153,7 +175,7 @@ fn save<M: Machine>(k: &mut M, t: &Tables) {
 
 /// Wraps free turns; a lane that has diverged, now or before, keeps its last finite state.
 #[inline(always)]
-fn guard<M: Machine>(k: &mut M, t: &Tables) {
+fn guard<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
     for i in k.count(t.wraps) {
         let q = k.link(t.wrap_links, i, 0);
         let wrapped = wrap(k.load(t.position, q, 0));
@@ -180,6 +202,9 @@ fn guard<M: Machine>(k: &mut M, t: &Tables) {
     k.store(t.alive, world, 0, fine);
     let lost = fine.same(M::R::zero());
     for _ in k.if_any(lost) {
+        if CONTACTS {
+            contact::forget(k, t, lost);
+        }
         for q in k.count(t.coordinates) {
             let x = k.load(t.saved_position, q, 0);
             k.store_where(lost, t.position, q, 0, x);

@@ -1,29 +1,36 @@
 //! Trees of bodies in reduced coordinates: Featherstone's articulated-body algorithm.
 //!
 //! The step, in order: `kinematics` (placements, velocities), `force` (what
-//! acts along each degree of freedom), `articulated_body` (accelerations),
-//! `integrate` (the next state).
+//! acts along each degree of freedom), `contact` (what touches what does not move),
+//! `articulated_body` (accelerations), `gauss_seidel` (contacts between bodies that
+//! move), `integrate` (the next state).
 //!
 //! [`dynamics`] are the same kernels as functions: mass matrix, inverse dynamics, Jacobians.
 //!
 //! Limitations: the gyroscopic torque is explicit, so that a slender free body that
 //! spins fast (hundreds of rad/s at 2 ms) gains energy, but with Runge–Kutta; no closed
 //! loops (use `xpbd`); joint limits are springs; a motor
-//! torque larger than its drive's effort limit is cut, not refused.
+//! torque larger than its drive's effort limit is cut, not refused. Contacts have no
+//! torsional and no rolling friction, and no continuous collision beyond a step's own way.
 
 mod articulated_body;
+mod contact;
+mod couples;
 pub mod dynamics;
 mod force;
+mod gauss_seidel;
 mod integrate;
 mod kinematics;
 mod report;
 mod tables;
 
-use crate::output::body;
-use crate::{Kernels, Lengths, Settings, SolverError};
+use crate::output::{body, contact as touch};
+use crate::{Kernels, Lengths, OutputTables, Settings, SolverError};
+use collide::FAR;
 pub use force::FRICTION_SPEED;
 use model::Model;
 use numbers::{Cpu, Machine, Shared};
+use tables::NAME;
 pub use tables::Tables;
 
 /// How a step advances the state; see [`integrate`](self).
@@ -51,40 +58,57 @@ impl Integrator {
     }
 }
 
-/// The solver, compiled for a model.
+/// The articulated-body algorithm compiled for a model, with contacts or without.
+///
+/// Whether bodies touch is a constant, so that what touches nothing pays nothing, in time and in
+/// code.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Featherstone {
+pub struct ArticulatedBodies<const CONTACTS: bool> {
     pub(crate) tables: Tables,
     pub(crate) integrator: Integrator,
     parameters: Vec<f64>,
     links: Vec<u32>,
 }
 
+/// The solver for bodies that pass through each other.
+pub type Featherstone = ArticulatedBodies<false>;
+
+/// The solver for bodies that touch.
+pub type TouchingFeatherstone = ArticulatedBodies<true>;
+
 impl Featherstone {
+    /// Compiles the tree of a model, and leaves its loops open.
+    pub(crate) fn of_tree(model: &Model, settings: &Settings) -> Self {
+        let compiled = Self::compile(model, settings);
+        compiled.expect("a tree without contacts has nothing to refuse")
+    }
+}
+
+impl<const CONTACTS: bool> ArticulatedBodies<CONTACTS> {
     /// Compiles a model.
     ///
     /// # Errors
-    /// A closed loop, a distance joint, a coupling or a disabled joint.
+    /// A closed loop, a distance joint, a coupling or a disabled joint; with contacts, a shape
+    /// that no kernel collides.
     pub fn new(model: &Model, settings: &Settings) -> Result<Self, SolverError> {
         tables::check(model)?;
-        Ok(Self::of_tree(model, settings))
+        Self::compile(model, settings)
     }
 
-    /// Compiles the tree of a model, and leaves its loops open.
-    pub(crate) fn of_tree(model: &Model, settings: &Settings) -> Self {
-        let (tables, mut filler) = Tables::new(model);
+    fn compile(model: &Model, settings: &Settings) -> Result<Self, SolverError> {
+        let (tables, mut filler) = Tables::new(model, CONTACTS, settings)?;
         filler.numbers(
             tables.step,
             0,
             0,
             &[settings.substep(), settings.speed_limit],
         );
-        Self {
+        Ok(Self {
             tables,
             integrator: settings.integrator,
             parameters: filler.parameters,
             links: filler.links,
-        }
+        })
     }
 
     /// Placements and velocities of all bodies for given joint coordinates and
@@ -109,9 +133,9 @@ impl Featherstone {
     }
 }
 
-impl Kernels for Featherstone {
+impl<const CONTACTS: bool> Kernels for ArticulatedBodies<CONTACTS> {
     fn name(&self) -> &'static str {
-        "featherstone"
+        NAME
     }
     fn lengths(&self) -> Lengths {
         Lengths {
@@ -120,6 +144,9 @@ impl Kernels for Featherstone {
             output: self.tables.output.length,
             scratch: self.tables.scratch_length,
         }
+    }
+    fn outputs(&self) -> OutputTables {
+        self.tables.output
     }
     fn parameters(&self) -> &[f64] {
         &self.parameters
@@ -134,6 +161,9 @@ impl Kernels for Featherstone {
         let mut state = vec![0.0; self.tables.state_length];
         state[self.alive()] = 1.0;
         self.tables.forces.initial(model, &mut state);
+        for slot in 0..self.tables.contacts.slots {
+            state[self.tables.touch.at(slot, touch::DISTANCE)] = FAR;
+        }
         self.place(position, velocity, &mut state);
         state
     }
@@ -146,12 +176,12 @@ impl Kernels for Featherstone {
     #[inline(always)]
     fn step<M: Machine>(&self, k: &mut M) {
         let tables = self.tables;
-        integrate::step(k, &tables, self.integrator);
+        integrate::step::<M, CONTACTS>(k, &tables, self.integrator);
     }
     #[inline(always)]
     fn report<M: Machine>(&self, k: &mut M) {
         // A copy on the stack: offsets stay in registers, whatever is written meanwhile.
         let tables = self.tables;
-        report::report(k, &tables);
+        report::report::<M, CONTACTS>(k, &tables);
     }
 }

@@ -4,8 +4,11 @@
 //! d'Alembert force and the wrenches of the joints that the child carries:
 //! w = I a + v ×* I v + Σ w_child, with a less gravity (Featherstone 2008, §5.3).
 
-use super::integrate::accelerate;
-use super::kinematics::{momentum, newton_euler, world_inertia};
+use super::articulated_body::articulated_body;
+use super::contact;
+use super::force::forces;
+use super::gauss_seidel;
+use super::kinematics::{kinematics, momentum, newton_euler, world_inertia};
 use super::tables::{Tables, body_field, body_link, dof, frame};
 use crate::output::{body, reaction, total};
 use numbers::functions::wrap;
@@ -15,8 +18,18 @@ use numbers::{Cell, Machine, Pose, Real};
 
 /// Fills the output of every lane from its state. Changes no state.
 #[inline(always)]
-pub(crate) fn report<M: Machine>(k: &mut M, t: &Tables) {
-    accelerate(k, t, M::R::zero());
+pub(crate) fn report<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
+    let now = M::R::zero();
+    kinematics(k, t);
+    forces(k, t, now);
+    if CONTACTS {
+        contact::recall(k, t);
+    }
+    articulated_body::<M, CONTACTS>(k, t, now);
+    if CONTACTS {
+        gauss_seidel::recall(k, t);
+        contact::report(k, t);
+    }
     coordinates(k, t);
     bodies(k, t);
     wrenches(k, t);

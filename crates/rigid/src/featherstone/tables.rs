@@ -8,15 +8,22 @@
 //! *motions*: revolute, prismatic or ball; a free joint is three prismatic
 //! motions and a ball, a `d6` its axes in turn.
 
+use super::contact::load;
+use super::couples::Couples;
 use super::force::{ForceRows, ForceTables, only_forces_act, wrapping};
-use crate::output::OutputTables;
+use super::gauss_seidel::impulse;
+use crate::contacts::{ContactPlan, ContactTables, Seat as Carrier};
+use crate::output::{OutputTables, contact};
 use crate::tables::Filler;
-use crate::{InputTables, SolverError};
+use crate::{InputTables, Settings, SolverError};
 use glam::{DMat3, DQuat, DVec3};
-use model::{Axis, AxisKind, Body, BodyId, Joint, JointId, JointKind, Model, Pose};
+use model::{Axis, AxisKind, Body, BodyId, Joint, JointId, JointKind, Model, Pose, Shape};
 use numbers::Table;
 use numbers::machine::Links;
 use numbers::machine::space::{Parameter, Scratch, State};
+
+/// The solver's name.
+pub(crate) const NAME: &str = "featherstone";
 
 /// Kinds of motion.
 pub(crate) mod motion {
@@ -57,7 +64,10 @@ pub(crate) mod node_link {
     /// Degrees of freedom that are eliminated one by one: all, or none where the node floats.
     pub const ELIMINATED: usize = 9;
     pub const DOF_COUNT: usize = 10;
-    pub const WIDTH: usize = 11;
+    /// First slot of the node's contacts with what does not move, and one past the last.
+    pub const SLOT_BEGIN: usize = 11;
+    pub const SLOT_END: usize = 12;
+    pub const WIDTH: usize = 13;
 }
 
 /// Values of [`node_link::ARRIVAL`].
@@ -68,6 +78,32 @@ pub(crate) mod arrival {
     pub const FIRST: usize = 1;
     /// After a sibling.
     pub const LATER: usize = 2;
+}
+
+/// Fields of [`Tables::touch_links`], of the slots between bodies that move.
+pub(crate) mod touch_link {
+    /// Row of [`Tables::couple_links`](super::Tables).
+    pub const COUPLE: usize = 0;
+    /// First row of the slot's entries.
+    pub const ENTRY: usize = 1;
+    pub const WIDTH: usize = 2;
+}
+
+/// Fields of [`Tables::couple_links`].
+pub(crate) mod couple_link {
+    /// Trees of A and B.
+    pub const GROUP_A: usize = 0;
+    pub const GROUP_B: usize = 1;
+    pub const NODE_A: usize = 2;
+    pub const NODE_B: usize = 3;
+    /// Path of A, from its node inwards, and one past its end; the same of B.
+    pub const A_BEGIN: usize = 4;
+    pub const A_END: usize = 5;
+    pub const B_BEGIN: usize = 6;
+    /// First name of an entry, and how many entries there are.
+    pub const ENTRY_BEGIN: usize = 8;
+    pub const ENTRIES: usize = 9;
+    pub const WIDTH: usize = 10;
 }
 
 /// Fields of [`Tables::motion_links`].
@@ -116,6 +152,10 @@ pub struct Tables {
     /// 1 while the world runs, 0 once it diverged.
     pub(crate) alive: Table<State>,
     pub(crate) forces: ForceTables,
+    /// The contacts of the last step, as they are reported.
+    pub(crate) touch: Table<State, { contact::WIDTH }>,
+    /// Tangential impedance of each slot in the last step.
+    pub(crate) grip: Table<State>,
     pub(crate) state_length: usize,
 
     pub(crate) input: InputTables,
@@ -159,6 +199,27 @@ pub struct Tables {
     pub(crate) frame: Table<Scratch, { frame::WIDTH }>,
     /// Per degree of freedom: see [`dof`].
     pub(crate) dof: Table<Scratch, { dof::WIDTH }>,
+    pub(crate) contacts: ContactTables,
+    /// Passes over the contacts.
+    pub(crate) passes: usize,
+    /// Passes of projected Gauss–Seidel.
+    pub(crate) iterations: usize,
+    /// Per slot: see [`load`].
+    pub(crate) load: Table<Scratch, { load::WIDTH }>,
+    /// Per slot: see [`touch_link`].
+    pub(crate) touch_links: Links<{ touch_link::WIDTH }>,
+    /// Per pair of nodes that may touch: see [`couple_link`].
+    pub(crate) couple_links: Links<{ couple_link::WIDTH }>,
+    /// Paths inwards: degree of freedom, its entry among those of the pair.
+    pub(crate) path_links: Links<2>,
+    /// Degree of freedom of each entry of a pair.
+    pub(crate) entry_links: Links,
+    /// Per slot between bodies that move: see [`impulse`].
+    pub(crate) impulse: Table<Scratch, { impulse::WIDTH }>,
+    /// y of the three directions, for each entry of each slot.
+    pub(crate) entry: Table<Scratch, 3>,
+    /// z, per degree of freedom.
+    pub(crate) response: Table<Scratch>,
     /// Saved coordinates and velocities.
     pub(crate) saved_position: Table<Scratch>,
     pub(crate) saved_velocity: Table<Scratch>,
@@ -183,6 +244,8 @@ pub(crate) mod frame {
     pub const FORCE: usize = 19;
     /// Articulated inertia Iᴬ of what the node carries.
     pub const INERTIA: usize = 25;
+    /// What impulses add to the acceleration; takes the place of FORCE once that is spent.
+    pub const INCREMENT: usize = FORCE;
     /// What the accelerations q̈ add to BIAS; takes the place of INERTIA once that is spent.
     pub const ACCELERATION: usize = INERTIA;
     pub const WIDTH: usize = 46;
@@ -196,7 +259,8 @@ pub(crate) mod dof {
     pub const U: usize = 6;
     /// u = τ − S·p.
     pub const FORCE: usize = 12;
-    // 1 / D follows u.
+    /// 1 / D; follows u.
+    pub const INVERSE: usize = 13;
     /// Acceleration q̈; takes the place of u once that is spent.
     pub const ACCELERATION: usize = FORCE;
     /// Force τ along the axis.
@@ -216,14 +280,14 @@ const RUNGE_KUTTA_4: [[f64; 3]; 4] = [
 
 /// One of the bodies that a model's joints separate.
 #[derive(Clone, Debug)]
-struct Node {
-    parent: Option<usize>,
+pub(super) struct Node {
+    pub parent: Option<usize>,
     tree: usize,
     place: Pose,
     motions: Vec<Motion>,
     /// A root on a free joint along which nothing acts but forces.
     floats: bool,
-    dof: usize,
+    pub dof: usize,
     mass: f64,
     center: DVec3,
     inertia: DMat3,
@@ -240,7 +304,7 @@ struct Motion {
 }
 
 impl Node {
-    fn dofs(&self) -> usize {
+    pub fn dofs(&self) -> usize {
         self.motions
             .iter()
             .map(|m| if m.kind == motion::BALL { 3 } else { 1 })
@@ -274,9 +338,9 @@ struct Seat {
 }
 
 /// The bodies of a model sorted into nodes.
-struct Forest {
-    nodes: Vec<Node>,
-    bases: Vec<Pose>,
+pub(super) struct Forest {
+    pub nodes: Vec<Node>,
+    pub bases: Vec<Pose>,
     seats: Vec<Seat>,
 }
 
@@ -321,6 +385,30 @@ impl Forest {
         }
         for seat in &mut self.seats {
             seat.node = seat.node.map(|n| place[n]);
+        }
+    }
+
+    /// What carries a shape: a node, in its tree, or the world.
+    fn carrier(&self, shape: &Shape) -> Carrier {
+        let world = Seat {
+            node: None,
+            place: Pose::IDENTITY,
+        };
+        let Seat { node, place } = shape.body.map_or(world, |id| self.seats[id.0]);
+        let bases = self.bases.len();
+        let (row, group, mass) = match node {
+            Some(n) => {
+                let tree = self.nodes[n].tree;
+                let all = self.nodes.iter().filter(|other| other.tree == tree);
+                (bases + n, tree, all.map(|other| other.mass).sum())
+            }
+            None => (0, 0, f64::INFINITY),
+        };
+        Carrier {
+            row,
+            group,
+            place,
+            mass,
         }
     }
 
@@ -484,13 +572,33 @@ pub(crate) fn check(model: &Model) -> Result<(), SolverError> {
 
 impl Tables {
     /// Lays out a model and fills its parameters and links.
-    pub(crate) fn new(model: &Model) -> (Self, Filler) {
+    ///
+    /// # Errors
+    /// A shape that no kernel collides, if `contacts` are asked for.
+    pub(crate) fn new(
+        model: &Model,
+        contacts: bool,
+        settings: &Settings,
+    ) -> Result<(Self, Filler), SolverError> {
         let forest = Forest::new(model);
-        let tables = Self::layout(model, &forest);
+        let plan = if contacts {
+            ContactPlan::new(model, NAME, |shape| forest.carrier(shape))?
+        } else {
+            ContactPlan::empty()
+        };
+        let couples = Couples::new(&forest, &plan);
+        let tables = Self::layout(model, &forest, &plan, &couples, settings);
         let mut filler = Filler::new(tables.parameter_length, tables.link_length);
         tables.fill_forest(&forest, &mut filler);
         tables.fill_bodies(model, &forest, &mut filler);
         tables.forces.fill(model, &mut filler);
+        tables.contacts.fill(model, &plan, NAME, &mut filler)?;
+        tables.fill_couples(&couples, &mut filler);
+        for n in 0..forest.nodes.len() {
+            let (row, slots) = (tables.trees + n, plan.slots_of(tables.trees + n));
+            filler.link(tables.node_links, row, node_link::SLOT_BEGIN, slots.start);
+            filler.link(tables.node_links, row, node_link::SLOT_END, slots.end);
+        }
         for (row, coordinate) in wrapping(model).into_iter().enumerate() {
             filler.link(tables.wrap_links, row, 0, coordinate);
         }
@@ -498,10 +606,16 @@ impl Tables {
         for (stage, row) in RUNGE_KUTTA_4.iter().enumerate() {
             filler.numbers(tables.tableau, stage, 0, row);
         }
-        (tables, filler)
+        Ok((tables, filler))
     }
 
-    fn layout(model: &Model, forest: &Forest) -> Self {
+    fn layout(
+        model: &Model,
+        forest: &Forest,
+        plan: &ContactPlan,
+        couples: &Couples,
+        settings: &Settings,
+    ) -> Self {
         let trees = forest.bases.len();
         let nodes = forest.nodes.len();
         let rows = trees + nodes;
@@ -519,6 +633,9 @@ impl Tables {
         let velocity = Table::place(&mut s, dofs);
         let alive = Table::place(&mut s, 1);
         let forces = ForceTables::place(&ForceRows::count(model), dofs, &mut s, &mut p, &mut l);
+        let contacts = ContactTables::place(plan, &mut p, &mut l, &mut t);
+        let touch = Table::place(&mut s, contacts.slots);
+        let grip = Table::place(&mut s, contacts.slots);
         Self {
             trees,
             nodes,
@@ -526,13 +643,22 @@ impl Tables {
             coordinates,
             motions,
             bodies,
+            contacts,
+            passes: if contacts.slots > 0 {
+                settings.contact_passes
+            } else {
+                1
+            },
+            iterations: settings.contact_iterations,
+            touch,
+            grip,
             position,
             velocity,
             alive,
             forces,
             state_length: s,
             input: InputTables::new(model),
-            output: OutputTables::new(model),
+            output: OutputTables::new(model).with_contacts(contacts.slots),
             world: Table::place(&mut p, 1),
             step: Table::place(&mut p, 1),
             tableau: Table::place(&mut p, 4),
@@ -555,11 +681,18 @@ impl Tables {
             balls,
             axes: motions - balls,
             wraps,
-            link_length: l,
             point: Table::place(&mut t, trees),
             half_angle: Table::place(&mut t, motions),
             frame: Table::place(&mut t, rows),
             dof: Table::place(&mut t, dofs),
+            load: Table::place(&mut t, contacts.slots),
+            touch_links: Links::place(&mut l, contacts.slots),
+            couple_links: Links::place(&mut l, couples.couples.len()),
+            path_links: Links::place(&mut l, couples.paths.len()),
+            entry_links: Links::place(&mut l, couples.names.len()),
+            impulse: Table::place(&mut t, contacts.slots),
+            entry: Table::place(&mut t, couples.entries),
+            response: Table::place(&mut t, if couples.slots.is_empty() { 0 } else { dofs }),
             saved_position: Table::place(&mut t, coordinates),
             saved_velocity: Table::place(&mut t, dofs),
             sum_velocity: Table::place(&mut t, dofs),
@@ -567,6 +700,7 @@ impl Tables {
             increment: Table::place(&mut t, dofs),
             wrench: Table::place(&mut t, bodies),
             scratch_length: t,
+            link_length: l,
         }
     }
 
@@ -587,6 +721,25 @@ impl Tables {
         }
     }
 
+    fn fill_couples(&self, couples: &Couples, f: &mut Filler) {
+        for (row, couple) in couples.couples.iter().enumerate() {
+            for (field, &x) in couple.iter().enumerate() {
+                f.link(self.couple_links, row, field, x);
+            }
+        }
+        for (row, &(dof, entry)) in couples.paths.iter().enumerate() {
+            f.link(self.path_links, row, 0, dof);
+            f.link(self.path_links, row, 1, entry);
+        }
+        for (row, &dof) in couples.names.iter().enumerate() {
+            f.link(self.entry_links, row, 0, dof);
+        }
+        for &(slot, couple, entry) in &couples.slots {
+            f.link(self.touch_links, slot, touch_link::COUPLE, couple);
+            f.link(self.touch_links, slot, touch_link::ENTRY, entry);
+        }
+    }
+
     fn fill_forest(&self, forest: &Forest, f: &mut Filler) {
         self.fill_arrivals(forest, f);
         let (mut m, mut hinge, mut ball, mut axis, mut origin) = (0, 0, 0, 0, 0);
@@ -603,19 +756,12 @@ impl Tables {
             );
             f.link(self.node_links, row, node_link::DOF_BEGIN, n.dof);
             f.link(self.node_links, row, node_link::DOF_COUNT, n.dofs());
-            let (eliminated, from) = if n.floats {
-                (0, row)
-            } else {
-                (n.dofs(), parent)
-            };
             let turned = n.place.orientation != DQuat::IDENTITY;
             f.link(self.node_links, row, node_link::TURNED, usize::from(turned));
-            f.link(
-                self.node_links,
-                row,
-                node_link::FLOATS,
-                usize::from(n.floats),
-            );
+            // Impulses between bodies need the factor of every degree of freedom.
+            let floats = n.floats && self.contacts.between == self.contacts.slots;
+            let (eliminated, from) = if floats { (0, row) } else { (n.dofs(), parent) };
+            f.link(self.node_links, row, node_link::FLOATS, usize::from(floats));
             f.link(self.node_links, row, node_link::ELIMINATED, eliminated);
             f.link(self.node_links, row, node_link::ACCELERATES_FROM, from);
             f.pose(self.node, row, node::PLACE, n.place);

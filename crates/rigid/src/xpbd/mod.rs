@@ -46,7 +46,7 @@ mod tables;
 mod topology;
 mod tree;
 
-use crate::{Featherstone, Kernels, Lengths, Settings, SolverError};
+use crate::{Featherstone, Kernels, Lengths, OutputTables, Settings, SolverError};
 use guard::{Survey, guard};
 use model::Model;
 use numbers::spatial::Spatial;
@@ -100,6 +100,9 @@ impl Kernels for Xpbd {
             output: self.tables.output.length,
             scratch: self.tables.scratch_length,
         }
+    }
+    fn outputs(&self) -> OutputTables {
+        self.tables.output
     }
     fn parameters(&self) -> &[f64] {
         &self.parameters

@@ -2,7 +2,9 @@
 
 use glam::{DMat3, DQuat, DVec3};
 use kinetarium_rigid::{InputTables, Kernels};
-use model::{Axis, BodyHandle, Builder, Drive, Geometry, Limit, Model, ModelError, Object, Pose};
+use model::{
+    Axis, BodyHandle, Builder, Drive, Geometry, Limit, Model, ModelError, Object, Pose, Shape,
+};
 use numbers::{Cpu, Float, LanesMask, Real, Shared};
 use std::f64::consts::FRAC_PI_2;
 
@@ -228,5 +230,42 @@ pub fn looped() -> Result<Model, ModelError> {
     });
     gears.couple("teeth", hinges[1], hinges[0], -2.0, 0.1);
     gears.motor("engine", hinges[0]);
+    world.build()
+}
+
+/// A ball, a capsule, a box and a hinged pair of capsules above the ground, close together.
+#[allow(dead_code)] // one of the tests that share this file needs it
+pub fn heap() -> Result<Model, ModelError> {
+    let mut world = Builder::new("heap");
+    let plane = Geometry::Plane {
+        half_x: 0.0,
+        half_z: 0.0,
+    };
+    world.object("ground").scenery(Shape::new(plane));
+    let bodies = world.object("bodies");
+    let solids = [
+        Geometry::Sphere { radius: 0.1 },
+        Geometry::Capsule {
+            radius: 0.06,
+            half_height: 0.15,
+        },
+        Geometry::Box {
+            half: DVec3::new(0.1, 0.05, 0.08),
+        },
+    ];
+    for (i, solid) in solids.into_iter().enumerate() {
+        let at = DVec3::new(0.02 * i as f64, 0.2 + 0.2 * i as f64, 0.01 * i as f64);
+        let name = format!("body_{i}");
+        bodies.body(name).at(Pose::at(at)).shape(solid);
+    }
+    let (upper, lower) = (rod(bodies, "upper", 1.0), rod(bodies, "lower", 1.0));
+    bodies
+        .free("float", upper)
+        .initial(&[0.1, 0.9, 0.0, 0.6, 0.0, 0.0, 0.8]);
+    let (top, bottom) = (Pose::at(DVec3::Y * 0.2), Pose::at(DVec3::Y * -0.2));
+    bodies
+        .revolute("elbow", lower, DVec3::Z)
+        .parent(upper)
+        .frames(bottom, top);
     world.build()
 }

@@ -22,7 +22,7 @@ pub(crate) fn forward_dynamics<M: Machine>(k: &mut M, t: &Tables) {
         let (tau, armature) = (k.load(t.input.force, v, 0), t.forces.armature(k, v));
         k.write(t.dof, v, dof::TAU, [tau, armature]);
     }
-    articulated_body(k, t);
+    articulated_body::<M, false>(k, t, M::R::zero());
     for v in k.count(t.dofs) {
         let x = k.load(t.dof, v, dof::ACCELERATION);
         k.store(t.output.acceleration, v, 0, x);

@@ -1,0 +1,14 @@
+//! Contacts, found for any solver: which shapes may touch, and where they do.
+//!
+//! Each pair of shapes that the model's [`CollisionFilter`](model::CollisionFilter) lets through
+//! has a fixed range of *slots*, one for each point that its kernel can find, the same in all
+//! worlds. A slot whose point is farther than the two could come within the step holds the
+//! distance [`FAR`](collide::FAR), and costs a comparison.
+
+mod narrow_phase;
+mod plan;
+mod tables;
+
+pub(crate) use narrow_phase::{Places, narrow_phase};
+pub(crate) use plan::{ContactPlan, Seat};
+pub(crate) use tables::{ContactTables, pair_field, slot, slot_link};

@@ -1,0 +1,161 @@
+//! From the placements of the carriers to the points of contact.
+
+use super::tables::{
+    ContactTables, ROUTES, pair_field, placed_field, shape_field, shape_link, slot,
+};
+use collide::{FAR, Placed, Route, Solid};
+use numbers::machine::{Held, Hold, Index};
+use numbers::spatial::Spatial;
+use numbers::{Machine, Mat3, Pose, Real, Vec3};
+
+/// Gap [m] up to which a point is looked at even if nothing moves.
+const MARGIN: f64 = 1e-3;
+
+/// Where a solver's carriers are, and how they move.
+pub(crate) trait Places<M: Machine> {
+    /// Placement of a carrier in the frame of its group.
+    fn place(&self, k: &M, row: M::I) -> Pose<M::R>;
+    /// Velocity of a carrier about the origin of its group's frame.
+    fn twist(&self, k: &M, row: M::I) -> Spatial<M::R>;
+    /// Origin of a group's frame in the world.
+    fn origin(&self, k: &M, group: M::I) -> Vec3<M::R>;
+}
+
+/// Fills the slots: the points that two shapes could reach within `h` [s] and a safe margin.
+#[inline(always)]
+pub(crate) fn narrow_phase<M: Machine>(
+    k: &mut M,
+    t: &ContactTables,
+    places: &impl Places<M>,
+    h: M::R,
+) {
+    place_shapes(k, t, places, h);
+    // One loop for each kernel: its number is a constant, so that each loop holds that kernel alone.
+    macro_rules! loops {
+        ($($route:literal)*) => { $( all_pairs::<M, $route>(k, t); )* };
+    }
+    loops!(0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15);
+    const { assert!(ROUTES.len() == 16) };
+}
+
+/// The pairs of one kernel.
+#[inline(always)]
+fn all_pairs<M: Machine, const ROUTE: usize>(k: &mut M, t: &ContactTables) {
+    let (begin, end) = (k.index(t.routes[ROUTE]), k.index(t.routes[ROUTE + 1]));
+    for pair in k.range(begin, end) {
+        meet(k, t, const { ROUTES[ROUTE] }, pair);
+    }
+}
+
+/// Shapes in the frames that their pairs are looked at in.
+#[inline(always)]
+fn place_shapes<M: Machine>(k: &mut M, t: &ContactTables, places: &impl Places<M>, h: M::R) {
+    for row in k.count(t.shapes) {
+        let [seat, own, seen] = k.link_row::<_, { shape_link::KIND }>(t.shape_links, row);
+        let pose = places.place(k, seat) * k.pose(t.shape, row, shape_field::POSE);
+        let twist = places.twist(k, seat);
+        let speed = twist.linear + twist.angular.cross(pose.p);
+        let shift = places.origin(k, own) - places.origin(k, seen);
+        // What turns gets no farther than its radius lets it, however fast.
+        let turn = twist.angular.length() * h;
+        let radius = k.load(t.shape, row, shape_field::RADIUS);
+        let way = h.fma(speed.length(), radius * turn.min(M::R::lit(2.0)));
+        let axes = pose.q.to_mat3();
+        k.store_vec3(t.placed, row, placed_field::POSITION, pose.p + shift);
+        k.store_vec3(t.placed, row, placed_field::AXES, axes.x);
+        k.store_vec3(t.placed, row, placed_field::AXES + 3, axes.y);
+        k.store_vec3(t.placed, row, placed_field::AXES + 6, axes.z);
+        k.store(t.placed, row, placed_field::WAY, way);
+    }
+}
+
+/// The slots of one pair.
+#[inline(always)]
+fn meet<M: Machine>(k: &mut M, t: &ContactTables, route: Route, pair: M::I) {
+    let [row_a, row_b, first, flip] = k.link_row(t.pair_links, pair);
+    let far = M::R::lit(FAR);
+    for point in 0..route.points() {
+        k.store(t.slot, first.offset(point), slot::DISTANCE, far);
+    }
+    let (a, b) = (placed(k, t, row_a), placed(k, t, row_b));
+    let way = k.load(t.placed, row_a, placed_field::WAY)
+        + k.load(t.placed, row_b, placed_field::WAY)
+        + M::R::lit(MARGIN);
+    let margin = k.load(t.pair, pair, pair_field::MARGIN);
+    let reach = way + margin;
+    for _ in k.if_any(near(k, t, route, [row_a, row_b], [&a, &b], reach)) {
+        let (a, b) = (solid(k, t, a, row_a), solid(k, t, b, row_b));
+        let manifold = route.manifold(k, t.kernels, &a, &b);
+        let mut normal = manifold.normal.hold(k);
+        for _ in k.when(k.equals(flip, 1)) {
+            normal.set(-manifold.normal);
+        }
+        for i in 0..route.points() {
+            let point = manifold.points[i];
+            let row = first.offset(i);
+            let distance = point.distance - margin;
+            let distance = M::R::select(distance.lt(way), distance, far);
+            let [x, y, z] = point.position.to_array();
+            let [l, m, n] = normal.get().to_array();
+            k.write(t.slot, row, 0, [x, y, z, l, m, n, distance, point.feature]);
+        }
+    }
+}
+
+/// Where the balls about two shapes come near each other; true for what has no end.
+#[inline(always)]
+fn near<M: Machine>(
+    k: &M,
+    t: &ContactTables,
+    route: Route,
+    rows: [M::I; 2],
+    [a, b]: [&Placed<M::R>; 2],
+    way: M::R,
+) -> <M::R as Real>::Mask {
+    let radius = k.load(t.shape, rows[1], shape_field::RADIUS);
+    if has_plane(route) {
+        let height = a.axes.y.dot(b.position - a.position);
+        height.lt(radius + way)
+    } else {
+        let reach = k.load(t.shape, rows[0], shape_field::RADIUS) + radius + way;
+        (b.position - a.position)
+            .length_squared()
+            .lt(reach.squared())
+    }
+}
+
+/// Whether A has no end.
+#[inline(always)]
+fn has_plane(route: Route) -> bool {
+    matches!(
+        route,
+        Route::PlaneSphere
+            | Route::PlaneCapsule
+            | Route::PlaneCylinder
+            | Route::PlaneCone
+            | Route::PlaneBox
+            | Route::PlaneEllipsoid
+    )
+}
+
+#[inline(always)]
+fn solid<M: Machine>(k: &M, t: &ContactTables, placed: Placed<M::R>, row: M::I) -> Solid<M> {
+    Solid {
+        kind: k.link(t.shape_links, row, shape_link::KIND),
+        placed,
+        rows: [k.index(0), k.index(0)],
+    }
+}
+
+#[inline(always)]
+fn placed<M: Machine>(k: &M, t: &ContactTables, row: M::I) -> Placed<M::R> {
+    Placed {
+        size: k.vec3(t.shape, row, shape_field::SIZE),
+        position: k.vec3(t.placed, row, placed_field::POSITION),
+        axes: Mat3::from_columns(
+            k.vec3(t.placed, row, placed_field::AXES),
+            k.vec3(t.placed, row, placed_field::AXES + 3),
+            k.vec3(t.placed, row, placed_field::AXES + 6),
+        ),
+    }
+}

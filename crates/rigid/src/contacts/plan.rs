@@ -1,0 +1,192 @@
+//! Which shapes of a model may touch, and who carries them.
+
+use super::tables::{ROUTES, solid};
+use crate::SolverError;
+use collide::Route;
+use model::{CollisionFilter, Model, Pose, Shape, ShapeId};
+use std::ops::Range;
+
+/// What carries a shape, as a solver sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Seat {
+    /// Row of the carrier.
+    pub row: usize,
+    /// Group of carriers that share a frame. What does not move sits in the row of that number,
+    /// and is seen from every group.
+    pub group: usize,
+    /// Placement of the body in the carrier's frame.
+    pub place: Pose,
+    /// Mass [kg] of what moves with the carrier's group; infinite for what does not move.
+    pub mass: f64,
+}
+
+impl Seat {
+    fn moves(&self) -> bool {
+        self.mass.is_finite()
+    }
+}
+
+/// A pair of shapes, A first.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pair {
+    pub route: Route,
+    pub shapes: [ShapeId; 2],
+    /// Rows of the sights.
+    pub rows: [usize; 2],
+    /// The seat that its slots belong to.
+    pub mover: Seat,
+    /// Both move.
+    between: bool,
+    /// A moves and B does not.
+    pub flip: bool,
+    pub mass: f64,
+    pub slot: usize,
+}
+
+/// A shape as seen from a group of seats.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sight {
+    pub shape: ShapeId,
+    pub seat: Seat,
+    pub seen: usize,
+}
+
+/// The pairs of a model, by kernel, and their slots, by the carrier that they belong to.
+#[derive(Clone, Debug)]
+pub(crate) struct ContactPlan {
+    pub(super) sights: Vec<Sight>,
+    pub(super) pairs: Vec<Pair>,
+    /// Row of the pair of each slot.
+    pub(super) slots: Vec<usize>,
+    /// Carrier of each slot.
+    movers: Vec<usize>,
+    pub(super) between: usize,
+}
+
+impl ContactPlan {
+    /// No contacts.
+    pub(crate) fn empty() -> Self {
+        Self {
+            sights: Vec::new(),
+            pairs: Vec::new(),
+            slots: Vec::new(),
+            movers: Vec::new(),
+            between: 0,
+        }
+    }
+
+    /// Finds the pairs; `seat` tells who carries a shape.
+    ///
+    /// # Errors
+    /// A shape that no kernel collides.
+    pub(crate) fn new(
+        model: &Model,
+        solver: &'static str,
+        seat: impl Fn(&Shape) -> Seat,
+    ) -> Result<Self, SolverError> {
+        let mut plan = Self::empty();
+        for (a, b) in CollisionFilter::new(model).pairs() {
+            let solids = [a, b].map(|s| solid(&model.shapes[s.0], solver));
+            let [first, second] = solids;
+            let kinds = [first?.0, second?.0];
+            let Some(route) = Route::of(kinds[0], kinds[1]) else {
+                continue;
+            };
+            if !ROUTES.contains(&route) {
+                return Err(SolverError::Unsupported {
+                    solver,
+                    what: "contacts of this kind",
+                    name: model.shapes[a.0].name.clone(),
+                    remedy: "use solids, or let the shape not collide",
+                });
+            }
+            let (a, b) = if kinds[0] <= kinds[1] { (a, b) } else { (b, a) };
+            let seats = [a, b].map(|s| seat(&model.shapes[s.0]));
+            plan.add(route, [a, b], seats);
+        }
+        plan.assign_slots();
+        Ok(plan)
+    }
+
+    fn add(&mut self, route: Route, shapes: [ShapeId; 2], mut seats: [Seat; 2]) {
+        let [a, b] = seats;
+        let (flip, mover) = match (a.moves(), b.moves()) {
+            (false, false) => return,
+            (true, false) => (true, a),
+            _ => (false, b),
+        };
+        for seat in seats.iter_mut().filter(|s| !s.moves()) {
+            (seat.row, seat.group) = (mover.group, mover.group);
+        }
+        let mass = match (a.moves(), b.moves()) {
+            (true, true) if a.group != b.group => a.mass * b.mass / (a.mass + b.mass),
+            _ => mover.mass,
+        };
+        let rows = [0, 1].map(|i| {
+            self.sight(Sight {
+                shape: shapes[i],
+                seat: seats[i],
+                seen: mover.group,
+            })
+        });
+        self.pairs.push(Pair {
+            route,
+            shapes,
+            rows,
+            mover,
+            between: a.moves() && b.moves(),
+            flip,
+            mass,
+            slot: 0,
+        });
+    }
+
+    /// Row of a sight, new or known.
+    fn sight(&mut self, sight: Sight) -> usize {
+        let known = self.sights.iter().position(|s| *s == sight);
+        known.unwrap_or_else(|| {
+            self.sights.push(sight);
+            self.sights.len() - 1
+        })
+    }
+
+    /// Slots carrier by carrier, pairs kernel by kernel.
+    fn assign_slots(&mut self) {
+        self.pairs.sort_by_key(|p| (p.between, p.mover.row));
+        let mut end = 0;
+        for pair in &mut self.pairs {
+            pair.slot = end;
+            end += pair.route.points();
+            if !pair.between {
+                self.between = end;
+            }
+            self.movers.resize(end, pair.mover.row);
+        }
+        let place = |route: Route| ROUTES.iter().position(|r| *r == route);
+        self.pairs.sort_by_key(|p| (place(p.route), p.slot));
+        self.slots = vec![0; end];
+        for (row, pair) in self.pairs.iter().enumerate() {
+            self.slots[pair.slot..][..pair.route.points()].fill(row);
+        }
+    }
+
+    /// The slots between a carrier and what does not move.
+    pub(crate) fn slots_of(&self, row: usize) -> Range<usize> {
+        let fixed = &self.movers[..self.between];
+        let begin = fixed.partition_point(|&mover| mover < row);
+        begin
+            ..begin
+                + fixed[begin..]
+                    .iter()
+                    .take_while(|&&mover| mover == row)
+                    .count()
+    }
+
+    /// The slots of pairs of which both move, with the carriers of A and B.
+    pub(crate) fn between_slots(&self) -> impl Iterator<Item = (usize, Seat, Seat)> {
+        (self.between..self.slots.len()).map(|slot| {
+            let [a, b] = self.pairs[self.slots[slot]].rows;
+            (slot, self.sights[a].seat, self.sights[b].seat)
+        })
+    }
+}

@@ -1,0 +1,272 @@
+//! The shapes and pairs of a model as flat tables.
+
+use super::plan::ContactPlan;
+use crate::SolverError;
+use crate::tables::Filler;
+use collide::{Route, kind};
+use glam::DVec3;
+use model::{Geometry, Model, Shape};
+use numbers::Table;
+use numbers::machine::Links;
+use numbers::machine::space::{Parameter, Scratch};
+
+/// The kernels for pairs that a step runs.
+pub(super) const ROUTES: [Route; 16] = [
+    Route::PlaneSphere,
+    Route::PlaneCapsule,
+    Route::PlaneCylinder,
+    Route::PlaneCone,
+    Route::PlaneBox,
+    Route::PlaneEllipsoid,
+    Route::PlaneHull,
+    Route::SphereSphere,
+    Route::SphereCapsule,
+    Route::SphereCylinder,
+    Route::SphereCone,
+    Route::SphereBox,
+    Route::CapsuleCapsule,
+    Route::BoxBox,
+    Route::SphereConvex,
+    Route::Convex,
+];
+
+/// Fields of [`ContactTables::shape`].
+pub(crate) mod shape_field {
+    /// Half sizes; see [`collide::kind`].
+    pub const SIZE: usize = 0;
+    /// Placement in the frame of its seat.
+    pub const POSE: usize = 3;
+    /// Radius of the ball about its centre that holds it.
+    pub const RADIUS: usize = 10;
+    pub const WIDTH: usize = 11;
+}
+
+/// Fields of [`ContactTables::shape_links`].
+pub(crate) mod shape_link {
+    /// Row of the [`Places`](super::super::Places) that carries it.
+    pub const SEAT: usize = 0;
+    /// Group of seats whose frame that place is given in.
+    pub const OWN: usize = 1;
+    /// Group of seats in whose frame the pair is looked at.
+    pub const SEEN: usize = 2;
+    pub const KIND: usize = 3;
+    pub const WIDTH: usize = 4;
+}
+
+/// Fields of [`ContactTables::placed`].
+pub(crate) mod placed_field {
+    pub const POSITION: usize = 0;
+    /// Axes as columns.
+    pub const AXES: usize = 3;
+    /// How far the shape can get within the step, beyond its radius.
+    pub const WAY: usize = 12;
+    pub const WIDTH: usize = 13;
+}
+
+/// Fields of [`ContactTables::pair`].
+pub(crate) mod pair_field {
+    pub const FRICTION: usize = 0;
+    // Restitution, stiffness and damping follow.
+    /// Mass [kg] that the contact moves.
+    pub const MASS: usize = 4;
+    /// Gap [m] that the surfaces keep.
+    pub const MARGIN: usize = 5;
+    pub const WIDTH: usize = 6;
+}
+
+/// Fields of [`ContactTables::pair_links`].
+pub(crate) mod pair_link {
+    /// Rows of [`ContactTables::shape`].
+    pub const A: usize = 0;
+    pub const B: usize = 1;
+    pub const SLOT: usize = 2;
+    /// 1 if A is the one that moves, so that the normal has to be turned.
+    pub const FLIP: usize = 3;
+    pub const WIDTH: usize = 4;
+}
+
+/// Fields of [`ContactTables::slot`].
+pub(crate) mod slot {
+    /// Midway between the surfaces, in the frame the pair is looked at in [m].
+    pub const POSITION: usize = 0;
+    /// Unit vector towards the shape that moves.
+    pub const NORMAL: usize = 3;
+    /// Gap less the margin that the surfaces keep [m], or [`FAR`](collide::FAR).
+    pub const DISTANCE: usize = 6;
+    pub const FEATURE: usize = 7;
+    pub const WIDTH: usize = 8;
+}
+
+/// Fields of [`ContactTables::slot_links`].
+pub(crate) mod slot_link {
+    /// Row of [`ContactTables::pair`].
+    pub const PAIR: usize = 0;
+    /// Row of the carrier that moves; of two, B's.
+    pub const MOVER: usize = 1;
+    /// Group of that carrier.
+    pub const GROUP: usize = 2;
+    pub const WIDTH: usize = 3;
+}
+
+/// Where the numbers of shapes, pairs and slots lie.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ContactTables {
+    pub shapes: usize,
+    pub slots: usize,
+    /// Slots from here on are of pairs of which both move.
+    pub between: usize,
+    /// First pair of each kernel, and one past the last.
+    pub routes: [usize; ROUTES.len() + 1],
+    pub shape: Table<Parameter, { shape_field::WIDTH }>,
+    pub shape_links: Links<{ shape_link::WIDTH }>,
+    pub pair: Table<Parameter, { pair_field::WIDTH }>,
+    pub pair_links: Links<{ pair_link::WIDTH }>,
+    pub slot_links: Links<{ slot_link::WIDTH }>,
+    pub placed: Table<Scratch, { placed_field::WIDTH }>,
+    pub slot: Table<Scratch, { slot::WIDTH }>,
+    pub kernels: collide::Tables,
+}
+
+/// Kind and half sizes [m] of a geometry, as the kernels have them.
+pub(super) fn solid(shape: &Shape, solver: &'static str) -> Result<(usize, DVec3), SolverError> {
+    Ok(match shape.geometry {
+        Geometry::Plane { .. } => (kind::PLANE, DVec3::ZERO),
+        Geometry::Sphere { radius } => (kind::SPHERE, DVec3::new(radius, 0.0, 0.0)),
+        Geometry::Capsule {
+            radius,
+            half_height,
+        } => (kind::CAPSULE, DVec3::new(radius, half_height, 0.0)),
+        Geometry::Cylinder {
+            radius,
+            half_height,
+        } => (kind::CYLINDER, DVec3::new(radius, half_height, 0.0)),
+        Geometry::Cone {
+            radius,
+            half_height,
+        } => (kind::CONE, DVec3::new(radius, half_height, 0.0)),
+        Geometry::Box { half } => (kind::BOX, half),
+        Geometry::Ellipsoid { half } => (kind::ELLIPSOID, half),
+        Geometry::Mesh { .. } => {
+            return Err(SolverError::Unsupported {
+                solver,
+                what: "contacts of the mesh",
+                name: shape.name.clone(),
+                remedy: "use solids, or let the shape not collide",
+            });
+        }
+    })
+}
+
+/// Radius [m] of the ball that holds a solid.
+fn radius(kind: usize, size: DVec3) -> f64 {
+    match kind {
+        kind::PLANE => 0.0,
+        kind::SPHERE => size.x,
+        kind::CAPSULE => size.x.max(size.y),
+        kind::CYLINDER | kind::CONE => size.x.hypot(size.y),
+        kind::ELLIPSOID => size.max_element(),
+        _ => size.length(),
+    }
+}
+
+impl ContactTables {
+    /// Lays the rows out at the ends of the three memories.
+    pub(crate) fn place(
+        plan: &ContactPlan,
+        parameters: &mut usize,
+        links: &mut usize,
+        scratch: &mut usize,
+    ) -> Self {
+        let (shapes, pairs, slots) = (plan.sights.len(), plan.pairs.len(), plan.slots.len());
+        let place = |route: Route| ROUTES.iter().position(|r| *r == route);
+        let before = |route: Route| {
+            let earlier = plan.pairs.iter().filter(|p| place(p.route) < place(route));
+            earlier.count()
+        };
+        let mut routes = [pairs; ROUTES.len() + 1];
+        for (first, route) in routes.iter_mut().zip(ROUTES) {
+            *first = before(route);
+        }
+        Self {
+            shapes,
+            slots,
+            between: plan.between,
+            routes,
+            shape: Table::place(parameters, shapes),
+            shape_links: Links::place(links, shapes),
+            pair: Table::place(parameters, pairs),
+            pair_links: Links::place(links, pairs),
+            slot_links: Links::place(links, slots),
+            placed: Table::place(scratch, shapes),
+            slot: Table::place(scratch, slots),
+            kernels: collide::Tables::place(parameters, 0, scratch),
+        }
+    }
+
+    /// Writes shapes, pairs and slots.
+    ///
+    /// # Errors
+    /// A shape that no kernel collides.
+    pub(crate) fn fill(
+        &self,
+        model: &Model,
+        plan: &ContactPlan,
+        solver: &'static str,
+        f: &mut Filler,
+    ) -> Result<(), SolverError> {
+        for (row, sight) in plan.sights.iter().enumerate() {
+            let shape = &model.shapes[sight.shape.0];
+            let (kind, size) = solid(shape, solver)?;
+            f.vec3(self.shape, row, shape_field::SIZE, size);
+            f.pose(
+                self.shape,
+                row,
+                shape_field::POSE,
+                sight.seat.place * shape.pose,
+            );
+            f.number(self.shape, row, shape_field::RADIUS, radius(kind, size));
+            f.link(self.shape_links, row, shape_link::SEAT, sight.seat.row);
+            f.link(self.shape_links, row, shape_link::OWN, sight.seat.group);
+            f.link(self.shape_links, row, shape_link::SEEN, sight.seen);
+            f.link(self.shape_links, row, shape_link::KIND, kind);
+        }
+        for (row, pair) in plan.pairs.iter().enumerate() {
+            f.link(self.pair_links, row, pair_link::A, pair.rows[0]);
+            f.link(self.pair_links, row, pair_link::B, pair.rows[1]);
+            f.link(self.pair_links, row, pair_link::SLOT, pair.slot);
+            f.link(
+                self.pair_links,
+                row,
+                pair_link::FLIP,
+                usize::from(pair.flip),
+            );
+            let material = model.contact_material(pair.shapes[0], pair.shapes[1]);
+            let (stiffness, damping) = material.softness.spring(pair.mass);
+            let numbers = [
+                material.friction,
+                material.restitution,
+                stiffness,
+                damping,
+                pair.mass,
+                material.margin,
+            ];
+            f.numbers(self.pair, row, 0, &numbers);
+        }
+        for (row, &pair) in plan.slots.iter().enumerate() {
+            f.link(self.slot_links, row, slot_link::PAIR, pair);
+            f.link(
+                self.slot_links,
+                row,
+                slot_link::MOVER,
+                plan.pairs[pair].mover.row,
+            );
+            f.link(
+                self.slot_links,
+                row,
+                slot_link::GROUP,
+                plan.pairs[pair].mover.group,
+            );
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,340 @@
+//! Contacts with what does not move, as implicit impedances inside the articulated-body algorithm.
+//!
+//! A point of contact x with unit normal n, at a distance φ, pushes its node with
+//!
+//! ```text
+//! f = cₙ (u* − uₙ') n − cₜ uₜ'        u' = u⁰ + h (Δa + Δα × x)
+//! ```
+//!
+//! u' is the velocity of the node at x at the end of the step of length h, u⁰ what it would be if
+//! every q̈ were zero, and Δa what the q̈ add ([`articulated_body`](super::articulated_body)). So
+//!
+//! ```text
+//! f = f⁰ − h C (Δa + Δα × x)      C = cₜ 1 + (cₙ − cₜ) n nᵀ      f⁰ = f at u' = u⁰
+//! ```
+//!
+//! and a contact adds h C, a mass that depends on direction, at x to its node's articulated
+//! inertia, and −f⁰ to its bias force. It is solved exactly with the tree, however stiff.
+//!
+//! Normal: a spring k and damper d beyond the surface, −k (φ + h uₙ') − d uₙ', have cₙ = h k + d
+//! and u* = −k φ / cₙ. Where the surface is not reached yet, u* = −φ / h reaches it exactly. A
+//! bounce has u* = −e uₙ and [`HARD`] m / h for cₙ.
+//!
+//! Friction: cₜ = μ fₙ / |uₜ'|, at most [`STICK`] m / h, where the point sticks; the same for both
+//! tangents, so that friction opposes the motion exactly. Which points press, and how much they
+//! rub, is settled by passes over the whole algorithm, at most `Settings::contact_passes`. cₜ is kept
+//! from step to step, so that what rests or slides needs one pass; a new contact starts without
+//! friction, so that what is not settled yet slips for a moment rather than grips.
+//!
+//! Departures from Coulomb's law: a point that sticks creeps with fₜ / cₜ, some 0.1 mm/s under its
+//! body's weight at 3 ms; in a step that needs more passes than there are, friction exceeds the cone
+//! by a few per cent, and a point may pull for that one step.
+
+use super::gauss_seidel;
+use super::tables::{Tables, frame};
+use crate::contacts::{Places, narrow_phase, pair_field, slot, slot_link};
+use crate::output::contact;
+use collide::FAR;
+use numbers::spatial::{Inertia, Spatial};
+use numbers::{Cell, Machine, Pose, Real, SymMat3, Vec3};
+
+/// Normal impedance of a bounce, in masses per step.
+const HARD: f64 = 1e4;
+/// Tangential impedance of a point that sticks, in masses per step.
+const STICK: f64 = 300.0;
+/// Approach slower than this many g h does not bounce.
+const RESTING: f64 = 2.0;
+/// Excess of the friction cone, as a share, that needs no further pass.
+const EXCESS: f64 = 0.02;
+/// Speed [m/s] below which a division by it is no use.
+const STILL: f64 = 1e-9;
+
+/// Fields of [`Tables::load`], a row for each slot.
+pub(crate) mod load {
+    /// f⁰, 3.
+    pub const FORCE_0: usize = 0;
+    /// cₙ and cₜ, zero where the point does not press.
+    pub const IMPEDANCE: usize = 3;
+    /// 1 where the point presses.
+    pub const ON: usize = 5;
+    /// u⁰, 3.
+    pub const VELOCITY_0: usize = 6;
+    /// u*.
+    pub const TARGET: usize = 9;
+    // cₙ if the point pressed follows u*.
+    /// f, 3.
+    pub const FORCE: usize = 11;
+    pub const WIDTH: usize = 14;
+}
+
+impl<M: Machine> Places<M> for Tables {
+    #[inline(always)]
+    fn place(&self, k: &M, row: M::I) -> Pose<M::R> {
+        k.pose(self.frame, row, frame::PLACE)
+    }
+    #[inline(always)]
+    fn twist(&self, k: &M, row: M::I) -> Spatial<M::R> {
+        k.spatial(self.frame, row, frame::TWIST)
+    }
+    #[inline(always)]
+    fn origin(&self, k: &M, group: M::I) -> Vec3<M::R> {
+        k.vec3(self.point, group, 0)
+    }
+}
+
+/// Finds the contacts of a step of `h` [s], and which of them press at first sight.
+///
+/// Needs [`kinematics`](super::kinematics::kinematics).
+#[inline(always)]
+pub(crate) fn find<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    narrow_phase(k, &t.contacts, t, h);
+    for s in k.count(t.contacts.between) {
+        k.store(t.load, s, load::ON, M::R::zero());
+        let distance = k.load(t.contacts.slot, s, slot::DISTANCE);
+        let near = distance.lt(M::R::lit(0.5 * FAR));
+        for _ in k.if_any(near) {
+            approach(k, t, s, h, distance, near);
+        }
+    }
+    gauss_seidel::begin(k, t, h);
+}
+
+/// Velocity of a motion at a point.
+#[inline(always)]
+pub(crate) fn at<R: Real>(v: Spatial<R>, x: Vec3<R>) -> Vec3<R> {
+    v.linear + v.angular.cross(x)
+}
+
+/// Fills the row of a slot that may come to press within the step.
+#[inline(always)]
+fn approach<M: Machine>(
+    k: &mut M,
+    t: &Tables,
+    s: M::I,
+    h: M::R,
+    distance: M::R,
+    near: <M::R as Real>::Mask,
+) {
+    let (zero, one) = (M::R::zero(), M::R::one());
+    let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
+    let node = k.link(t.contacts.slot_links, s, slot_link::MOVER);
+    let (x, n) = (
+        k.vec3(t.contacts.slot, s, slot::POSITION),
+        k.vec3(t.contacts.slot, s, slot::NORMAL),
+    );
+    let gravity = k.vec3(t.world, k.index(0), 0);
+    let v = at(k.spatial(t.frame, node, frame::TWIST), x);
+    let a = at(k.spatial(t.frame, node, frame::BIAS), x) + gravity;
+    let u0 = a.fma(h, v);
+    let (speed, u0_n) = (n.dot(v), n.dot(u0));
+
+    let (target, c) = law(k, t, pair, distance, speed, h);
+    let on = M::R::select(near & h.fma(u0_n, distance).lt(zero), one, zero);
+    k.store_vec3(t.load, s, load::VELOCITY_0, u0);
+    k.write(t.load, s, load::TARGET, [target, c]);
+    let grip = k.load(t.grip, s, 0);
+    press(k, t, s, on, c, grip);
+}
+
+/// u* and cₙ of a point that comes with `speed` [m/s] along the normal.
+#[inline(always)]
+pub(crate) fn law<M: Machine>(
+    k: &M,
+    t: &Tables,
+    pair: M::I,
+    distance: M::R,
+    speed: M::R,
+    h: M::R,
+) -> (M::R, M::R) {
+    let zero = M::R::zero();
+    let [_, restitution, stiffness, damping, mass] =
+        k.read(t.contacts.pair, pair, pair_field::FRICTION);
+    let gravity = k.vec3(t.world, k.index(0), 0);
+    let c = h.fma(stiffness, damping);
+    let spring = -(stiffness * distance) / c.max(M::R::lit(STILL));
+    let target = M::R::select(distance.gt(zero), -distance / h, spring);
+    let slow = gravity.length() * h * M::R::lit(-RESTING);
+    let bounces = restitution.gt(zero) & speed.lt(slow) & h.fma(speed, distance).lt(zero);
+    (
+        M::R::select(bounces, -(restitution * speed), target),
+        M::R::select(bounces, mass / h * M::R::lit(HARD), c),
+    )
+}
+
+/// Sets whether a point presses, and with which impedances.
+#[inline(always)]
+fn press<M: Machine>(k: &mut M, t: &Tables, s: M::I, on: M::R, c_n: M::R, c_t: M::R) {
+    let (c_n, c_t) = (c_n * on, c_t * on);
+    let n = k.vec3(t.contacts.slot, s, slot::NORMAL);
+    let u0 = k.vec3(t.load, s, load::VELOCITY_0);
+    let u0_n = n.dot(u0);
+    let target = k.load(t.load, s, load::TARGET);
+    let f0 = n * c_n.fma(target - u0_n, c_t * u0_n) - u0 * c_t;
+    k.write(t.load, s, load::FORCE_0, [f0.x, f0.y, f0.z, c_n, c_t, on]);
+}
+
+/// What a contact adds to its node's articulated inertia, and takes from its bias force.
+#[inline(always)]
+pub(crate) fn burden<M: Machine>(
+    k: &M,
+    t: &Tables,
+    s: M::I,
+    h: M::R,
+) -> (Inertia<M::R>, Spatial<M::R>) {
+    let [fx, fy, fz, c_n, c_t] = k.read(t.load, s, load::FORCE_0);
+    let (x, n) = (
+        k.vec3(t.contacts.slot, s, slot::POSITION),
+        k.vec3(t.contacts.slot, s, slot::NORMAL),
+    );
+    let f0 = Vec3::new(fx, fy, fz);
+    let isotropic = Inertia::rigid(h * c_t, x, SymMat3::zero());
+    let e = Spatial::new(x.cross(n), n);
+    (
+        isotropic.minus_outer(e, h * (c_t - c_n)),
+        Spatial::new(x.cross(f0), f0),
+    )
+}
+
+/// Forces under the accelerations just found; changes what presses, sticks or slides against the
+/// laws, and counts the changes.
+#[inline(always)]
+pub(crate) fn settle<M: Machine>(k: &mut M, t: &Tables, h: M::R, changes: &mut M::Cell) {
+    for s in k.count(t.contacts.between) {
+        let distance = k.load(t.contacts.slot, s, slot::DISTANCE);
+        let near = distance.lt(M::R::lit(0.5 * FAR));
+        for _ in k.if_any(near) {
+            let change = settle_one(k, t, s, h, distance);
+            let change = M::R::select(near, change, M::R::zero());
+            changes.write(changes.read() + change);
+        }
+    }
+}
+
+#[inline(always)]
+fn settle_one<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R, distance: M::R) -> M::R {
+    let (zero, one) = (M::R::zero(), M::R::one());
+    let node = k.link(t.contacts.slot_links, s, slot_link::MOVER);
+    let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
+    let (x, n) = (
+        k.vec3(t.contacts.slot, s, slot::POSITION),
+        k.vec3(t.contacts.slot, s, slot::NORMAL),
+    );
+    let [c_n, c_t, on] = k.read(t.load, s, load::IMPEDANCE);
+    let u0 = k.vec3(t.load, s, load::VELOCITY_0);
+    let [target, c] = k.read(t.load, s, load::TARGET);
+    let u = at(k.spatial(t.frame, node, frame::ACCELERATION), x).fma(h, u0);
+    let u_n = n.dot(u);
+    let u_t = n.fma(-u_n, u);
+    let f_n = c_n * (target - u_n);
+    k.store_vec3(t.load, s, load::FORCE, n * f_n - u_t * c_t);
+
+    let pressed = on.gt(zero);
+    let pulls = pressed & f_n.lt(zero);
+    let enters = (!pressed) & h.fma(u_n, distance).lt(zero);
+    let (friction, mass) = (
+        k.load(t.contacts.pair, pair, pair_field::FRICTION),
+        k.load(t.contacts.pair, pair, pair_field::MASS),
+    );
+    let stick = mass / h * M::R::lit(STICK);
+    let limit = friction * f_n.max(zero);
+    let speed = u_t.length();
+    let f_t = c_t * speed;
+    let over = f_t.gt(limit * M::R::lit(1.0 + EXCESS));
+    let under = f_t.lt(limit * M::R::lit(1.0 - EXCESS)) & c_t.lt(stick * M::R::lit(0.999));
+    let wrong = pressed & (over | under);
+
+    // A point that sticks shows no speed to slide with: take that of before, or what the force
+    // beyond the cone gives the whole mass.
+    let u0_t = n.fma(-n.dot(u0), u0).length();
+    let breaks = u0_t.max((f_t - limit) * h / mass);
+    let speed = M::R::select(over, speed.max(breaks), speed);
+    let rubbing = (limit / speed.max(M::R::lit(STILL))).min(stick);
+    let next = M::R::select(wrong, rubbing, c_t);
+    let on = M::R::select((pressed & !pulls) | enters, one, zero);
+    let change = M::R::select(pulls | enters | wrong, one, zero);
+    press(k, t, s, on, c, next);
+    change
+}
+
+/// Keeps the contacts of the step just made in the state, to be reported.
+#[inline(always)]
+pub(crate) fn keep<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    let far = M::R::lit(FAR);
+    for s in k.range(k.index(t.contacts.between), k.index(t.contacts.slots)) {
+        let force = gauss_seidel::force(k, t, s, h);
+        k.store_vec3(t.load, s, load::FORCE, force);
+    }
+    for s in k.count(t.contacts.slots) {
+        let distance = k.load(t.contacts.slot, s, slot::DISTANCE);
+        let kept = k.load(t.touch, s, contact::DISTANCE);
+        let near = distance.min(kept).lt(M::R::lit(0.5 * FAR));
+        for _ in k.if_any(near) {
+            let on = distance.lt(M::R::lit(0.5 * FAR));
+            let [x, y, z, l, m, n, _, feature] = k.read(t.contacts.slot, s, 0);
+            let origin = k.vec3(
+                t.point,
+                k.link(t.contacts.slot_links, s, slot_link::GROUP),
+                0,
+            );
+            let force = Vec3::select(on, k.vec3(t.load, s, load::FORCE), Vec3::zero());
+            let row = [
+                x + origin.x,
+                y + origin.y,
+                z + origin.z,
+                l,
+                m,
+                n,
+                M::R::select(on, distance, far),
+                feature,
+                force.x,
+                force.y,
+                force.z,
+            ];
+            k.write(t.touch, s, 0, row);
+            let [grip, pressed] = k.read(t.load, s, load::IMPEDANCE + 1);
+            let pressed = on & pressed.gt(M::R::zero());
+            k.store(t.grip, s, 0, M::R::select(pressed, grip, M::R::zero()));
+        }
+    }
+}
+
+/// Forgets the contacts of the lanes of `lost`.
+#[inline(always)]
+pub(crate) fn forget<M: Machine>(k: &mut M, t: &Tables, lost: <M::R as Real>::Mask) {
+    for s in k.count(t.contacts.slots) {
+        k.store_where(lost, t.grip, s, 0, M::R::zero());
+        let mut none = [0.0; contact::WIDTH];
+        none[contact::DISTANCE] = FAR;
+        for field in 0..contact::WIDTH {
+            k.store_where(lost, t.touch, s, field, M::R::lit(none[field]));
+        }
+    }
+}
+
+/// Takes the forces of the last step for those that act now.
+#[inline(always)]
+pub(crate) fn recall<M: Machine>(k: &mut M, t: &Tables) {
+    let zero = M::R::zero();
+    for s in k.count(t.contacts.slots) {
+        let [x, y, z, l, m, n, distance, _, fx, fy, fz] = k.read(t.touch, s, 0);
+        let origin = k.vec3(
+            t.point,
+            k.link(t.contacts.slot_links, s, slot_link::GROUP),
+            0,
+        );
+        let near = distance.lt(M::R::lit(0.5 * FAR));
+        let on = M::R::select(near, M::R::one(), zero);
+        let slot = [x - origin.x, y - origin.y, z - origin.z, l, m, n, distance];
+        k.write(t.contacts.slot, s, slot::POSITION, slot);
+        k.write(t.load, s, load::FORCE_0, [fx, fy, fz, zero, zero, on]);
+    }
+}
+
+/// Copies the contacts of the last step to the output.
+#[inline(always)]
+pub(crate) fn report<M: Machine>(k: &mut M, t: &Tables) {
+    for s in k.count(t.contacts.slots) {
+        let row = k.read::<_, _, { contact::WIDTH }>(t.touch, s, 0);
+        k.write(t.output.contact, s, 0, row);
+    }
+}

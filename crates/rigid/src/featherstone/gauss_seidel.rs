@@ -1,0 +1,347 @@
+//! Contacts between bodies that move: impulses by projected Gauss–Seidel on the tree's own factor.
+//!
+//! The articulated-body algorithm factors the inertia of the whole tree, with its springs, dampers
+//! and contacts with the ground: M = (L D) Lᵀ in the order in which it eliminates the degrees of
+//! freedom. A row of the Jacobian J of a point of contact (velocity of B less that of A along one
+//! direction d) becomes
+//!
+//! ```text
+//! y = D^-½ L⁻¹ Jᵀ      (walk inwards with the wrench w of d at x:  u = Sᵀ w,  y = u / √D,  w ← w − U u / D)
+//! ```
+//!
+//! which has entries on the paths from the two nodes to the world only, and J M⁻¹ Jᵀ = Y Yᵀ. With
+//! z = Yᵀ λ for impulses λ [N·s], the velocity of a row is u⁰ + y · z, and a pass over the rows solves
+//!
+//! ```text
+//! normal    uₙ + λₙ / (h cₙ) = u*,  λₙ ≥ 0
+//! friction  uₜ = 0,  |λₜ| ≤ μ λₙ
+//! ```
+//!
+//! one contact after the other (Jourdan, Alart & Jean 1998; cₙ and u* as in
+//! [`contact`](super::contact)). Both tangents take one scalar step, and are shortened together.
+//! In the end one walk outwards turns z into accelerations: q̇ᵢ = zᵢ / √Dᵢ − Uᵢᵀ v / Dᵢ.
+//!
+//! Departure from the exact solution: as many passes as `Settings::contact_iterations`.
+
+use super::contact::{at, law};
+use super::tables::{Tables, couple_link, dof, frame, node_link, touch_link};
+use crate::contacts::{pair_field, slot, slot_link};
+use crate::output::contact;
+use collide::FAR;
+use numbers::machine::{Held, Hold, Index};
+use numbers::spatial::Spatial;
+use numbers::{Cell, Machine, Mat3, Real, Vec3};
+
+/// Smallest response of a row [1/kg], so that two bodies that cannot move do not divide by zero.
+const STIFFEST: f64 = 1e-12;
+
+/// Fields of [`Tables::impulse`], a row for each slot between bodies that move.
+pub(crate) mod impulse {
+    /// u⁰ along the normal and both tangents, 3.
+    pub const VELOCITY: usize = 0;
+    /// u*, and 1 / (h cₙ).
+    pub const TARGET: usize = 3;
+    // Reciprocal responses follow: of the normal row with its softness, of a tangent.
+    /// λ, 3.
+    pub const LAMBDA: usize = 7;
+    /// First tangent, 3.
+    pub const TANGENT: usize = 10;
+    pub const WIDTH: usize = 13;
+}
+
+/// Normal and two tangents (Duff et al. 2017, listing 3), the first of them kept from step to step
+/// by the normal alone.
+#[inline(always)]
+fn basis<R: Real>(n: Vec3<R>) -> Mat3<R> {
+    let sign = R::one().copysign(n.z);
+    let a = -(sign + n.z).recip();
+    let b = n.x * n.y * a;
+    let first = Vec3::new(R::one() + sign * n.x * n.x * a, sign * b, -(sign * n.x));
+    let second = Vec3::new(b, sign + n.y * n.y * a, -n.y);
+    Mat3::from_columns(n, first, second)
+}
+
+/// Where the contact is, as each side sees it.
+#[inline(always)]
+fn points<M: Machine>(k: &M, t: &Tables, s: M::I) -> (Vec3<M::R>, Vec3<M::R>) {
+    let couple = k.link(t.touch_links, s, touch_link::COUPLE);
+    let x = k.vec3(t.contacts.slot, s, slot::POSITION);
+    let [a, b] = k.link_row::<_, 2>(t.couple_links, couple);
+    let shift = k.vec3(t.point, b, 0) - k.vec3(t.point, a, 0);
+    (x + shift, x)
+}
+
+/// True in the lanes where the contact may come to press.
+#[inline(always)]
+fn near<M: Machine>(k: &M, t: &Tables, s: M::I) -> <M::R as Real>::Mask {
+    k.load(t.contacts.slot, s, slot::DISTANCE)
+        .lt(M::R::lit(0.5 * FAR))
+}
+
+/// Impulses of the contacts between bodies that move, and the accelerations that they add.
+///
+/// Needs the accelerations without them. Impulses start from those of the pass before, the first
+/// from [`begin`].
+#[inline(always)]
+pub(crate) fn gauss_seidel<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    for v in k.count(t.dofs) {
+        k.store(t.response, v, 0, M::R::zero());
+    }
+    let mut any = k.cell(M::R::zero());
+    for s in between(k, t) {
+        for _ in k.if_any(near(k, t, s)) {
+            row(k, t, s, h);
+            any.write(M::R::one());
+        }
+    }
+    for _ in k.if_any(any.read().gt(M::R::zero())) {
+        for _ in k.count(t.iterations) {
+            for s in between(k, t) {
+                for _ in k.if_any(near(k, t, s)) {
+                    relax(k, t, s);
+                }
+            }
+        }
+        respond(k, t, h);
+    }
+}
+
+/// The slots between bodies that move.
+#[inline(always)]
+fn between<M: Machine>(k: &M, t: &Tables) -> M::Rounds {
+    k.range(k.index(t.contacts.between), k.index(t.contacts.slots))
+}
+
+/// Impulses of a step start at those of the last, where the same features touch.
+#[inline(always)]
+pub(crate) fn begin<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    for s in between(k, t) {
+        let near = near(k, t, s);
+        k.store_vec3(t.impulse, s, impulse::LAMBDA, Vec3::zero());
+        for _ in k.if_any(near) {
+            let [feature, fx, fy, fz] = k.read(t.touch, s, contact::FEATURE);
+            let same = feature.same(k.load(t.contacts.slot, s, slot::FEATURE)) & near;
+            let e = basis(k.vec3(t.contacts.slot, s, slot::NORMAL));
+            let lambda = e.transpose_mul(Vec3::new(fx, fy, fz) * h);
+            let lambda = Vec3::select(same, lambda, Vec3::zero());
+            k.store_vec3(t.impulse, s, impulse::LAMBDA, lambda);
+        }
+    }
+}
+
+/// The rows of a contact: y, velocities without impulses, responses.
+#[inline(always)]
+fn row<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
+    let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
+    let couple = k.link(t.touch_links, s, touch_link::COUPLE);
+    let distance = k.load(t.contacts.slot, s, slot::DISTANCE);
+    let n = k.vec3(t.contacts.slot, s, slot::NORMAL);
+    let e = basis(n);
+    let (x_a, x_b) = points(k, t, s);
+
+    let now = moves(k, t, couple_link::NODE_B, couple, x_b, h);
+    let other = moves(k, t, couple_link::NODE_A, couple, x_a, h);
+    let (speed, free) = (n.dot(now.0 - other.0), now.1 - other.1);
+    let (target, c) = law(k, t, pair, distance, speed, h);
+    let softness = (h * c).recip();
+
+    let length = k.link(t.couple_links, couple, couple_link::ENTRIES);
+    let first = k.link(t.touch_links, s, touch_link::ENTRY);
+    for i in k.range(first, first.plus(length)) {
+        k.store_vec3(t.entry, i, 0, Vec3::zero());
+    }
+    walk(k, t, s, couple_link::B_BEGIN, x_b, e);
+    let against = Mat3::from_columns(-e.x, -e.y, -e.z);
+    walk(k, t, s, couple_link::A_BEGIN, x_a, against);
+
+    let mut square = Vec3::zero().hold(k);
+    for i in k.range(first, first.plus(length)) {
+        let y = k.vec3(t.entry, i, 0);
+        square.set(square.get() + y.times(y));
+    }
+    let a = square.get();
+    let tiny = M::R::lit(STIFFEST);
+    let normal = (a.x + softness).max(tiny).recip();
+    let tangent = a.y.max(a.z).max(tiny).recip();
+    let u = e.transpose_mul(free);
+    k.write(
+        t.impulse,
+        s,
+        impulse::VELOCITY,
+        [u.x, u.y, u.z, target, softness, normal, tangent],
+    );
+    k.store_vec3(t.impulse, s, impulse::TANGENT, e.y);
+    let lambda = k.vec3(t.impulse, s, impulse::LAMBDA);
+    push(k, t, s, lambda);
+}
+
+/// Velocity of one side at x before the step, and after it without impulses.
+#[inline(always)]
+fn moves<M: Machine>(
+    k: &M,
+    t: &Tables,
+    side: usize,
+    couple: M::I,
+    x: Vec3<M::R>,
+    h: M::R,
+) -> (Vec3<M::R>, Vec3<M::R>) {
+    let node = k.link(t.couple_links, couple, side);
+    let v = at(k.spatial(t.frame, node, frame::TWIST), x);
+    let a = k.spatial(t.frame, node, frame::BIAS) + k.spatial(t.frame, node, frame::ACCELERATION);
+    (v, at(a, x).fma(h, v))
+}
+
+/// Walks inwards from one side of a contact with the wrenches of its three directions.
+#[inline(always)]
+fn walk<M: Machine>(k: &mut M, t: &Tables, s: M::I, side: usize, x: Vec3<M::R>, e: Mat3<M::R>) {
+    let couple = k.link(t.touch_links, s, touch_link::COUPLE);
+    let first = k.link(t.touch_links, s, touch_link::ENTRY);
+    let mut normal = Spatial::new(x.cross(e.x), e.x).hold(k);
+    let mut one = Spatial::new(x.cross(e.y), e.y).hold(k);
+    let mut two = Spatial::new(x.cross(e.z), e.z).hold(k);
+    let begin = k.link(t.couple_links, couple, side);
+    let end = k.link(t.couple_links, couple, side + 1);
+    for step in k.range(begin, end) {
+        let [v, entry] = k.link_row(t.path_links, step);
+        let (axis, u) = (k.spatial(t.dof, v, dof::AXIS), k.spatial(t.dof, v, dof::U));
+        let inverse = k.load(t.dof, v, dof::INVERSE);
+        let along = Vec3::new(
+            axis.dot(normal.get()),
+            axis.dot(one.get()),
+            axis.dot(two.get()),
+        );
+        let share = along * -inverse;
+        normal.set(u.fma(share.x, normal.get()));
+        one.set(u.fma(share.y, one.get()));
+        two.set(u.fma(share.z, two.get()));
+        let y = along * inverse.sqrt();
+        k.add_vec3(t.entry, first.plus(entry), 0, y);
+    }
+}
+
+/// Adds impulses of a contact to z.
+#[inline(always)]
+fn push<M: Machine>(k: &mut M, t: &Tables, s: M::I, lambda: Vec3<M::R>) {
+    let couple = k.link(t.touch_links, s, touch_link::COUPLE);
+    let first = k.link(t.touch_links, s, touch_link::ENTRY);
+    let names = k.link(t.couple_links, couple, couple_link::ENTRY_BEGIN);
+    for i in k.range(
+        k.index(0),
+        k.link(t.couple_links, couple, couple_link::ENTRIES),
+    ) {
+        let v = k.link(t.entry_links, names.plus(i), 0);
+        let y = k.vec3(t.entry, first.plus(i), 0);
+        let z = k.load(t.response, v, 0) + y.dot(lambda);
+        k.store(t.response, v, 0, z);
+    }
+}
+
+/// One contact of one pass.
+#[inline(always)]
+fn relax<M: Machine>(k: &mut M, t: &Tables, s: M::I) {
+    let couple = k.link(t.touch_links, s, touch_link::COUPLE);
+    let first = k.link(t.touch_links, s, touch_link::ENTRY);
+    let names = k.link(t.couple_links, couple, couple_link::ENTRY_BEGIN);
+    let mut velocity = k.vec3(t.impulse, s, impulse::VELOCITY).hold(k);
+    for i in k.range(
+        k.index(0),
+        k.link(t.couple_links, couple, couple_link::ENTRIES),
+    ) {
+        let v = k.link(t.entry_links, names.plus(i), 0);
+        let z = k.load(t.response, v, 0);
+        velocity.set(k.vec3(t.entry, first.plus(i), 0).fma(z, velocity.get()));
+    }
+    let u = velocity.get();
+    let [target, softness, normal, tangent] = k.read(t.impulse, s, impulse::TARGET);
+    let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
+    let friction = k.load(t.contacts.pair, pair, pair_field::FRICTION);
+    let old = k.vec3(t.impulse, s, impulse::LAMBDA);
+
+    let zero = M::R::zero();
+    let error = softness.fma(old.x, u.x - target);
+    let n = normal.fnma(error, old.x).max(zero);
+    let (one, two) = (tangent.fnma(u.y, old.y), tangent.fnma(u.z, old.z));
+    let length = one.fma(one, two * two).sqrt();
+    let limit = friction * n;
+    let share = limit / length.max(limit).max(M::R::lit(STIFFEST));
+    let new = Vec3::new(n, one * share, two * share);
+    k.store_vec3(t.impulse, s, impulse::LAMBDA, new);
+    push(k, t, s, new - old);
+}
+
+/// Walks outwards: adds what z means to the accelerations.
+#[inline(always)]
+fn respond<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    let rate = h.recip();
+    for tree in k.count(t.trees) {
+        k.store_spatial(t.frame, tree, frame::INCREMENT, Spatial::zero());
+    }
+    for n in k.range(k.index(t.trees), k.index(t.trees + t.nodes)) {
+        let links = k.link_row::<_, { node_link::WIDTH }>(t.node_links, n);
+        let mut a = k
+            .spatial(t.frame, links[node_link::PARENT], frame::INCREMENT)
+            .hold(k);
+        let first = links[node_link::DOF_BEGIN];
+        for v in k.range(first, first.plus(links[node_link::DOF_COUNT])) {
+            let inverse = k.load(t.dof, v, dof::INVERSE);
+            let z = k.load(t.response, v, 0) * rate;
+            let u = k.spatial(t.dof, v, dof::U).dot(a.get());
+            let more = z * inverse.sqrt() - u * inverse;
+            k.add(t.dof, v, dof::ACCELERATION, more);
+            let moved = k.spatial(t.dof, v, dof::AXIS).fma(more, a.get());
+            a.set(moved);
+        }
+        let a = a.get();
+        k.store_spatial(t.frame, n, frame::INCREMENT, a);
+        let sum = k.spatial(t.frame, n, frame::ACCELERATION) + a;
+        k.store_spatial(t.frame, n, frame::ACCELERATION, sum);
+    }
+}
+
+/// Force [N] on B.
+#[inline(always)]
+pub(crate) fn force<M: Machine>(k: &M, t: &Tables, s: M::I, h: M::R) -> Vec3<M::R> {
+    let n = k.vec3(t.contacts.slot, s, slot::NORMAL);
+    let first = k.vec3(t.impulse, s, impulse::TANGENT);
+    let lambda = k.vec3(t.impulse, s, impulse::LAMBDA) * h.recip();
+    Mat3::from_columns(n, first, n.cross(first)) * lambda
+}
+
+/// Adds the accelerations under the forces of [`Tables::touch`], which act on both sides.
+#[inline(always)]
+pub(crate) fn recall<M: Machine>(k: &mut M, t: &Tables) {
+    let one = M::R::one();
+    for v in k.count(t.dofs) {
+        k.store(t.response, v, 0, M::R::zero());
+    }
+    for s in between(k, t) {
+        for _ in k.if_any(near(k, t, s)) {
+            let (x_a, x_b) = points(k, t, s);
+            let f = k.vec3(t.load, s, super::contact::load::FORCE_0);
+            carry(k, t, s, couple_link::B_BEGIN, x_b, f);
+            carry(k, t, s, couple_link::A_BEGIN, x_a, -f);
+        }
+    }
+    for _ in k.when(k.less(k.index(t.contacts.between), k.index(t.contacts.slots))) {
+        respond(k, t, one);
+    }
+}
+
+/// Walks inwards from one side of a contact with a force; adds it to z.
+#[inline(always)]
+fn carry<M: Machine>(k: &mut M, t: &Tables, s: M::I, side: usize, x: Vec3<M::R>, f: Vec3<M::R>) {
+    let couple = k.link(t.touch_links, s, touch_link::COUPLE);
+    let mut wrench = Spatial::new(x.cross(f), f).hold(k);
+    let begin = k.link(t.couple_links, couple, side);
+    let end = k.link(t.couple_links, couple, side + 1);
+    for step in k.range(begin, end) {
+        let [v, _] = k.link_row(t.path_links, step);
+        let inverse = k.load(t.dof, v, dof::INVERSE);
+        let along = k.spatial(t.dof, v, dof::AXIS).dot(wrench.get());
+        let moved = k
+            .spatial(t.dof, v, dof::U)
+            .fma(-(along * inverse), wrench.get());
+        wrench.set(moved);
+        k.add(t.response, v, 0, along * inverse.sqrt());
+    }
+}

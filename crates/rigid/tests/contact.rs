@@ -1,0 +1,376 @@
+//! Contacts of reduced coordinates with what does not move, against closed forms.
+
+#[allow(dead_code)] // its models are for other tests
+mod scene;
+
+use glam::{DQuat, DVec3};
+use kinetarium_rigid::{
+    Kernels, OutputTables, Settings, TouchingFeatherstone, body as of_body, contact as of_contact,
+    total as of_total,
+};
+use model::{Builder, Geometry, Material, Model, Pose, Shape};
+use scene::{World, parameters};
+
+/// Gravity of the models [m/s²].
+const G: f64 = 9.81;
+/// Step [s].
+const H: f64 = 0.002;
+
+/// One world in double precision.
+struct Run {
+    kernels: TouchingFeatherstone,
+    parameters: Vec<f64>,
+    world: World<f64>,
+    tables: OutputTables,
+}
+
+impl Run {
+    fn new(model: &Model, velocity: &[f64], settings: &Settings) -> Self {
+        let kernels = TouchingFeatherstone::new(model, settings).unwrap();
+        let mut world = World::new(&kernels, model);
+        world.state = kernels.initial(model, &model.initial_position(), velocity);
+        world.input.fill(0.0);
+        let (parameters, tables) = (parameters(&kernels), kernels.outputs());
+        Self {
+            kernels,
+            parameters,
+            world,
+            tables,
+        }
+    }
+    fn step(&mut self, steps: usize) {
+        for _ in 0..steps {
+            let mut k = self.world.cpu(&self.parameters, self.kernels.links());
+            self.kernels.step(&mut k);
+        }
+        let mut k = self.world.cpu(&self.parameters, self.kernels.links());
+        self.kernels.report(&mut k);
+        assert_eq!(self.world.state[self.kernels.alive()], 1.0, "diverged");
+    }
+    fn vec3(&self, offset: usize) -> DVec3 {
+        DVec3::from_slice(&self.world.output[offset..][..3])
+    }
+    fn position(&self) -> DVec3 {
+        self.vec3(self.tables.body.at(0, of_body::POSITION))
+    }
+    fn velocity(&self) -> DVec3 {
+        self.vec3(self.tables.body.at(0, of_body::VELOCITY))
+    }
+    fn spin(&self) -> DVec3 {
+        self.vec3(self.tables.body.at(0, of_body::ANGULAR_VELOCITY))
+    }
+    fn energy(&self) -> f64 {
+        let total = self.tables.total.at(0, 0);
+        self.world.output[total] + self.world.output[total + 1]
+    }
+    /// Sum of the contact forces [N], and the deepest penetration [m].
+    fn contacts(&self) -> (DVec3, f64) {
+        let row = |slot| self.tables.contact.at(slot, 0);
+        (0..self.tables.contacts).fold((DVec3::ZERO, 0.0), |(force, depth), slot| {
+            let distance = self.world.output[row(slot) + of_contact::DISTANCE];
+            let f = self.vec3(row(slot) + of_contact::FORCE);
+            (force + f, f64::max(depth, -distance))
+        })
+    }
+}
+
+/// A surface with this friction and restitution; both of a pair are alike.
+fn surface(friction: f64, restitution: f64) -> Material {
+    Material {
+        friction,
+        restitution,
+        ..Material::default()
+    }
+}
+
+/// One free body with its centre at `at`, on a plane whose normal is y turned by `slope` [rad] about z.
+fn on_plane(geometry: Geometry, material: Material, at: DVec3, slope: f64) -> Model {
+    let mut world = Builder::new("contact");
+    let tilt = DQuat::from_rotation_z(slope);
+    let plane = Geometry::Plane {
+        half_x: 0.0,
+        half_z: 0.0,
+    };
+    let ground = Shape::new(plane)
+        .at(Pose::new(DVec3::ZERO, tilt))
+        .with_material(material);
+    world.object("ground").scenery(ground);
+    let shape = Shape::new(geometry).with_material(material);
+    let object = world.object("");
+    object
+        .body("body")
+        .at(Pose::new(tilt * at, tilt))
+        .shape(shape);
+    world.build().unwrap()
+}
+
+fn cube() -> Geometry {
+    Geometry::Box {
+        half: DVec3::new(0.1, 0.05, 0.08),
+    }
+}
+
+/// A resting body is borne by contact forces that sum to its weight.
+#[test]
+fn a_resting_body_weighs_what_it_weighs() {
+    let solids = [
+        (cube(), 0.05),
+        (Geometry::Sphere { radius: 0.1 }, 0.1),
+        (
+            Geometry::Cylinder {
+                radius: 0.1,
+                half_height: 0.05,
+            },
+            0.05,
+        ),
+    ];
+    for (solid, height) in solids {
+        let model = on_plane(solid, surface(0.6, 0.0), DVec3::Y * height, 0.0);
+        let weight = model.bodies[0].mass * G;
+        let mut run = Run::new(&model, &[0.0; 6], &Settings::new(H));
+        run.step(1000);
+        let (force, depth) = run.contacts();
+        assert!(
+            (force - DVec3::Y * weight).length() < 1e-6 * weight,
+            "{force}"
+        );
+        assert!(run.velocity().length() < 1e-9, "{}", run.velocity());
+        // k φ = m g / n with k = m / T²: φ = g T² / n
+        assert!(depth < G * 0.002 * 0.002 * 1.001, "{depth}");
+    }
+}
+
+/// Below tan θ = μ a block sticks, above it slides with g (sin θ − μ cos θ).
+#[test]
+fn a_block_on_an_incline_sticks_or_slides() {
+    let theta = 0.4_f64;
+    for share in [0.5, 0.9, 1.1, 1.5] {
+        let friction = theta.tan() / share;
+        let model = on_plane(cube(), surface(friction, 0.0), DVec3::Y * 0.0495, theta);
+        let mut run = Run::new(&model, &[0.0; 6], &Settings::new(H));
+        run.step(100);
+        let (from, speed) = (run.position(), run.velocity().length());
+        run.step(500);
+        let (time, way) = (500.0 * H, (run.position() - from).length());
+        if share < 1.0 {
+            // fₜ / cₜ = g sin θ h / 300
+            let creep = G * theta.sin() * H / 300.0;
+            assert!(way < 1.5 * creep * time, "{share}: {way}");
+        } else {
+            let a = G * (theta.sin() - friction * theta.cos());
+            let expected = speed * time + 0.5 * a * time * time;
+            // The cone is settled to 2 % of the friction, which is nearly as large as the pull.
+            let tolerance = 0.02 * share.recip() / (1.0 - share.recip());
+            assert!(
+                (way / expected - 1.0).abs() < tolerance,
+                "{share}: {way} {expected}"
+            );
+        }
+    }
+}
+
+/// A block that slides at v stops after v² / (2 μ g).
+#[test]
+fn a_sliding_block_stops_where_it_should() {
+    let (v, friction) = (3.0, 0.8);
+    let model = on_plane(cube(), surface(friction, 0.0), DVec3::Y * 0.0495, 0.0);
+    let direction = DVec3::new(0.6, 0.0, 0.8);
+    let u = direction * v;
+    let mut run = Run::new(&model, &[u.x, u.y, u.z, 0.0, 0.0, 0.0], &Settings::new(H));
+    let from = run_start(&mut run);
+    run.step(600);
+    let way = run.position() - from;
+    let expected = v * v / (2.0 * friction * G);
+    // A step's share: the first step's speed lasts for h/2 more or less.
+    assert!(
+        (way.dot(direction) - expected).abs() < v * H + 0.01 * expected,
+        "{way} {expected}"
+    );
+    assert!(way.cross(direction).y.abs() < 1e-3 * expected, "{way}");
+}
+
+fn run_start(run: &mut Run) -> DVec3 {
+    run.step(0);
+    run.position()
+}
+
+/// Heights of a bouncing ball follow e²; no bounce gains energy.
+#[test]
+fn a_ball_bounces_to_e_squared_of_its_height() {
+    for e in [0.0, 0.25, 0.5, 0.75, 0.9, 1.0] {
+        let radius = 0.1;
+        let (drop, h) = (1.0, 0.0005);
+        let ball = Geometry::Sphere { radius };
+        let model = on_plane(ball, surface(0.3, e), DVec3::Y * (radius + drop), 0.0);
+        let mut run = Run::new(&model, &[0.0; 6], &Settings::new(h));
+        run.step(0);
+        let (mut energy, mut expected, mut peak, mut rising) = (run.energy(), drop, 0.0_f64, false);
+        let mut bounces = 0;
+        for _ in 0..20_000 {
+            run.step(1);
+            let (height, speed) = (run.position().y - radius, run.velocity().y);
+            if speed > 0.0 {
+                (peak, rising) = (peak.max(height), true);
+            } else if rising {
+                expected *= e * e;
+                bounces += 1;
+                // The surface is met within a step's way of where the ball turns.
+                let step = 4.0 * h * (2.0 * G * expected).sqrt();
+                let tolerance = f64::from(bounces) * (step + 0.01 * expected);
+                assert!(
+                    (peak - expected).abs() < tolerance,
+                    "{e}: {peak} {expected}"
+                );
+                assert!(
+                    run.energy() < energy * (1.0 + 1e-4),
+                    "{e}: {}",
+                    run.energy()
+                );
+                (energy, peak, rising) = (run.energy(), 0.0, false);
+            }
+            if bounces == 10 || expected < 1e-2 {
+                break;
+            }
+        }
+        assert!(e < 0.5 || bounces >= 4, "{e}: {bounces}");
+    }
+}
+
+/// What rolls without slipping down an incline accelerates by g sin θ / (1 + I / (m r²)).
+#[test]
+fn a_ball_and_a_cylinder_roll_down_an_incline() {
+    let (theta, radius) = (0.3_f64, 0.1);
+    let upright = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2);
+    for (geometry, share) in [
+        (Geometry::Sphere { radius }, 5.0 / 7.0),
+        (
+            Geometry::Cylinder {
+                radius,
+                half_height: 0.1,
+            },
+            2.0 / 3.0,
+        ),
+    ] {
+        let mut world = Builder::new("incline");
+        let tilt = DQuat::from_rotation_z(theta);
+        let plane = Geometry::Plane {
+            half_x: 0.0,
+            half_z: 0.0,
+        };
+        let material = surface(0.8, 0.0);
+        let ground = Shape::new(plane)
+            .at(Pose::new(DVec3::ZERO, tilt))
+            .with_material(material);
+        world.object("ground").scenery(ground);
+        let shape = Shape::new(geometry)
+            .at(Pose::new(DVec3::ZERO, upright))
+            .with_material(material);
+        world
+            .object("")
+            .body("roller")
+            .at(Pose::new(tilt * DVec3::Y * (radius - 0.001), tilt))
+            .shape(shape);
+        let model = world.build().unwrap();
+        let mut run = Run::new(&model, &[0.0; 6], &Settings::new(H));
+        run.step(100);
+        let start = run.velocity();
+        run.step(400);
+        let a = (run.velocity() - start).length() / (400.0 * H);
+        let expected = share * G * theta.sin();
+        assert!((a / expected - 1.0).abs() < 0.01, "{a} {expected}");
+        let slip = run.velocity().length() - run.spin().length() * radius;
+        assert!(slip.abs() < 0.01 * run.velocity().length(), "{slip}");
+    }
+}
+
+/// Two free balls on a line meet at any offset: momentum is kept, and energy where nothing is lost.
+#[test]
+fn free_balls_collide() {
+    let (radius, speed, h) = (0.1, 2.0, 0.0005);
+    for (e, offset) in [(1.0, 0.0), (1.0, 0.1), (0.5, 0.0), (0.5, 0.12), (0.0, 0.05)] {
+        let material = surface(0.0, e);
+        let mut world = Builder::new("balls");
+        world.gravity(DVec3::ZERO);
+        let object = world.object("");
+        for (name, x, y) in [("a", -0.4, 0.0), ("b", 0.0, offset)] {
+            object
+                .body(name)
+                .at(Pose::at(DVec3::new(x, y, 0.0)))
+                .shape(Shape::new(Geometry::Sphere { radius }).with_material(material));
+        }
+        let model = world.build().unwrap();
+        let mut velocity = [0.0; 12];
+        velocity[0] = speed;
+        let mut run = Run::new(&model, &velocity, &Settings::new(h));
+        run.step(0);
+        let total = |run: &Run, field| run.vec3(run.tables.total.at(0, field));
+        let before = (
+            total(&run, of_total::MOMENTUM),
+            total(&run, of_total::ANGULAR_MOMENTUM),
+            run.energy(),
+        );
+        run.step(400);
+        let m = model.bodies[0].mass;
+        let tiny = 1e-12 * m * speed;
+        assert!((total(&run, of_total::MOMENTUM) - before.0).length() < tiny);
+        let turn = total(&run, of_total::ANGULAR_MOMENTUM) - before.1;
+        assert!(turn.length() < tiny, "{turn}");
+        // Along the line of centres the relative speed turns round to e of itself; the rest stays.
+        let sine: f64 = offset / (2.0 * radius);
+        let cosine = (1.0 - sine * sine).sqrt();
+        let lost = 0.25 * m * (speed * cosine).powi(2) * (1.0 - e * e);
+        let energy = before.2 - lost;
+        // The balls are met up to a step's way early, where the line of centres is turned a little.
+        let tolerance = 2.0 * speed * h / radius * before.2 + 1e-3 * before.2;
+        assert!(
+            (run.energy() - energy).abs() < tolerance,
+            "{e} {offset}: {} {energy}",
+            run.energy()
+        );
+        if e == 1.0 {
+            assert!(run.energy() <= before.2 * (1.0 + 1e-9));
+        }
+    }
+}
+
+/// A box on a box on the ground: each contact bears what stands on it.
+#[test]
+fn stacked_boxes_bear_their_weights() {
+    let mut world = Builder::new("stack");
+    let plane = Geometry::Plane {
+        half_x: 0.0,
+        half_z: 0.0,
+    };
+    world.object("ground").scenery(Shape::new(plane));
+    let half = DVec3::splat(0.05);
+    let object = world.object("");
+    for i in 0..3 {
+        object
+            .body(format!("box_{i}"))
+            .at(Pose::at(DVec3::Y * (0.05 + 0.1 * f64::from(i))))
+            .shape(Geometry::Box { half });
+    }
+    let model = world.build().unwrap();
+    let mut run = Run::new(&model, &[0.0; 18], &Settings::new(H));
+    run.step(2000);
+    let weight = model.bodies[0].mass * G;
+    let mut ground = 0.0;
+    let mut first = 0.0;
+    for slot in 0..run.tables.contacts {
+        let row = run.tables.contact.at(slot, 0);
+        let force = run.vec3(row + of_contact::FORCE);
+        let height = run.world.output[row + of_contact::POSITION + 1];
+        if height < 0.01 {
+            ground += force.y;
+        } else if height < 0.11 {
+            first += force.y.abs();
+        }
+    }
+    assert!((ground / weight - 3.0).abs() < 1e-2, "{}", ground / weight);
+    assert!((first / weight - 2.0).abs() < 1e-2, "{}", first / weight);
+    for i in 0..3 {
+        let at = run.vec3(run.tables.body.at(i, of_body::POSITION));
+        let from = DVec3::Y * (0.05 + 0.1 * i as f64);
+        assert!((at - from).length() < 1e-3, "{i}: {at}");
+    }
+}
