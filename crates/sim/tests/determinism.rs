@@ -246,17 +246,17 @@ fn trajectories_have_the_recorded_bits() {
 #[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 const GOLDEN: [[[u64; 2]; 5]; 2] = [
     [
-        [0xa687_fee6_82ca_08a0, 0x04ff_644c_c97e_60f1],
-        [0x39a8_9fb4_7fe1_5a5c, 0x2d60_41a9_f57e_1078],
-        [0xad74_e5a7_d598_8476, 0x6972_909b_c835_d3b2],
-        [0xee55_b23a_c6b9_f87c, 0x9f6f_b2ac_1362_d049],
-        [0x93a2_daae_4650_47e1, 0xaf2e_db37_8c92_5f9d],
+        [0x169d_468d_66e0_fa64, 0xb8a7_b57c_bc2f_1d34],
+        [0xb97a_50e4_78a0_011b, 0x7243_7418_7eda_96fb],
+        [0xeb93_cc4f_7638_f3de, 0xa21f_634e_8d44_6df6],
+        [0x1307_c6a1_f0d1_efda, 0x042a_65f9_bae0_e67e],
+        [0x8e37_dd1d_abc7_9b93, 0x8fa0_18aa_38e1_b565],
     ],
     [
-        [0x8399_0826_f456_4d76, 0x7376_b487_e1d0_0d61],
-        [0x43a1_d594_6cdd_4c64, 0x6339_5f4e_db84_fbd4],
-        [0x66f9_28df_a34c_54ec, 0x5fe5_deb0_16b3_edf3],
-        [0xc8ed_de57_6712_c7b9, 0xbce5_a1af_3bc7_e96c],
-        [0x32bd_900f_bba5_1e97, 0x42ec_5162_42b4_591c],
+        [0x6a9e_f3fb_51b8_88f7, 0xd03a_80e6_957b_82b9],
+        [0x584d_5e96_d302_94f3, 0x4633_7c70_c0bb_30ae],
+        [0x9039_439f_83db_71b1, 0x9332_3bf9_b034_7956],
+        [0x6708_c53d_2c14_930d, 0xba0c_8c5a_d8f8_315f],
+        [0xf83f_e3d8_4ce8_b6f2, 0xa789_7b29_382f_f75b],
     ],
 ];
