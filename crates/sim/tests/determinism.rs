@@ -246,11 +246,11 @@ fn trajectories_have_the_recorded_bits() {
 #[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 const GOLDEN: [[[u64; 2]; 5]; 2] = [
     [
-        [0x169d_468d_66e0_fa64, 0xb8a7_b57c_bc2f_1d34],
-        [0xb97a_50e4_78a0_011b, 0x7243_7418_7eda_96fb],
-        [0xeb93_cc4f_7638_f3de, 0xa21f_634e_8d44_6df6],
-        [0x1307_c6a1_f0d1_efda, 0x042a_65f9_bae0_e67e],
-        [0x8e37_dd1d_abc7_9b93, 0x8fa0_18aa_38e1_b565],
+        [0x7fdc_b3e3_e0ca_c219, 0xc0f2_5635_d7da_2f35],
+        [0x511d_5706_0b93_190f, 0x4cb7_39ce_27cc_af44],
+        [0x6ed7_89ef_3d74_3636, 0x485d_0998_2134_ded9],
+        [0xcc7b_ba75_bf15_158e, 0xd13a_ee15_33c4_44c7],
+        [0x8e37_dd1d_abc7_9b93, 0x62a2_a1f3_f8f1_feb5],
     ],
     [
         [0x6a9e_f3fb_51b8_88f7, 0xd03a_80e6_957b_82b9],

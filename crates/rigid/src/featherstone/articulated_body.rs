@@ -138,7 +138,7 @@ fn float<M: Machine>(k: &mut M, t: &Tables, n: M::I, i: Inertia<M::R>, p: Spatia
 
 /// A field of three degrees of freedom in turn.
 #[inline(always)]
-fn along<M: Machine>(k: &M, t: &Tables, v: M::I, field: usize) -> Vec3<M::R> {
+pub(crate) fn along<M: Machine>(k: &M, t: &Tables, v: M::I, field: usize) -> Vec3<M::R> {
     Vec3::new(
         k.load(t.dof, v, field),
         k.load(t.dof, v.offset(1), field),
@@ -173,10 +173,10 @@ fn outwards<M: Machine>(k: &mut M, t: &Tables) {
         k.store_spatial(t.frame, tree, frame::ACCELERATION, Spatial::zero());
     }
     for n in k.range(k.index(t.trees), k.index(t.trees + t.nodes)) {
-        let from = k.link(t.node_links, n, node_link::ACCELERATES_FROM);
+        let links = k.link_row::<_, { node_link::DOF_COUNT }>(t.node_links, n);
+        let from = links[node_link::ACCELERATES_FROM];
         let mut a = k.spatial(t.frame, from, frame::ACCELERATION).hold(k);
-        let first = k.link(t.node_links, n, node_link::DOF_BEGIN);
-        let count = k.link(t.node_links, n, node_link::ELIMINATED);
+        let (first, count) = (links[node_link::DOF_BEGIN], links[node_link::ELIMINATED]);
         for v in k.range(first, first.plus(count)) {
             let [u, inverse] = k.read(t.dof, v, dof::FORCE);
             let acceleration = (u - k.spatial(t.dof, v, dof::U).dot(a.get())) * inverse;

@@ -14,7 +14,7 @@
 //! (Munthe-Kaas 1998, dexp⁻¹ truncated).
 
 use super::Integrator;
-use super::articulated_body::articulated_body;
+use super::articulated_body::{along, articulated_body};
 use super::contact;
 use super::force::{forces, smooth_targets};
 use super::gauss_seidel::gauss_seidel;
@@ -22,7 +22,8 @@ use super::kinematics::kinematics;
 use super::report::gather;
 use super::tables::{Tables, dof};
 use numbers::functions::{finite, wrap};
-use numbers::{Cell, Machine, Quat, Real};
+use numbers::machine::{Held, Hold};
+use numbers::{Cell, Float, Machine, Quat, Real, Vec3};
 
 /// Coordinates beyond this are taken for diverged [m or rad].
 const FAR: f64 = 1e9;
@@ -35,7 +36,10 @@ pub(crate) fn step<M: Machine, const CONTACTS: bool>(
     integrator: Integrator,
 ) {
     let h = k.load(t.step, k.index(0), 0);
-    save(k, t);
+    // The first integrator saves as it goes, which is why it is the fastest.
+    if integrator != Integrator::SemiImplicitEuler {
+        save(k, t);
+    }
     smooth_targets(k, t, h);
     let implicit = match integrator {
         Integrator::SemiImplicitEuler => h,
@@ -47,10 +51,7 @@ pub(crate) fn step<M: Machine, const CONTACTS: bool>(
     for stage in k.count(integrator.stages()) {
         accelerate::<M, CONTACTS>(k, t, implicit, h);
         match integrator {
-            Integrator::SemiImplicitEuler => {
-                kick(k, t, h);
-                drift(k, t, h);
-            }
+            Integrator::SemiImplicitEuler => kick_and_drift(k, t, h),
             Integrator::ExplicitEuler => {
                 drift(k, t, h);
                 kick(k, t, h);
@@ -91,6 +92,48 @@ fn accelerate<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, implicit:
     }
 }
 
+/// q̇ ← q̇ + h q̈, then q ← q ⊕ h q̇; what was is saved.
+#[inline(always)]
+fn kick_and_drift<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    for i in k.count(t.axes) {
+        let [q, v] = k.link_row(t.axis_links, i);
+        let (place, speed) = (k.load(t.position, q, 0), k.load(t.velocity, v, 0));
+        let faster = k.load(t.dof, v, dof::ACCELERATION).fma(h, speed);
+        k.store(t.saved_position, q, 0, place);
+        k.store(t.saved_velocity, v, 0, speed);
+        k.store(t.position, q, 0, faster.fma(h, place));
+        k.store(t.velocity, v, 0, faster);
+    }
+    for i in k.count(t.balls) {
+        let [q, v] = k.link_row(t.ball_links, i);
+        let (turn, spin) = (k.quat(t.position, q, 0), k.vec3(t.velocity, v, 0));
+        let faster = along(k, t, v, dof::ACCELERATION).fma(h, spin);
+        k.store_quat(t.saved_position, q, 0, turn);
+        k.store_vec3(t.saved_velocity, v, 0, spin);
+        k.store_quat(t.position, q, 0, turned(k, turn, faster * h));
+        k.store_vec3(t.velocity, v, 0, faster);
+    }
+}
+
+/// An orientation turned by a rotation vector in its own axes, of unit length.
+///
+/// The short series is exact to rounding of f32 for up to one radian, and of f64 for up to 0.01;
+/// most steps turn less.
+#[inline(always)]
+fn turned<M: Machine>(k: &M, q: Quat<M::R>, way: Vec3<M::R>) -> Quat<M::R> {
+    let mut turn = Quat::exp_short(way).hold(k);
+    let limit = if <M::R as Real>::Scalar::DOUBLE {
+        1e-4
+    } else {
+        1.0
+    };
+    let far = way.length_squared().gt(M::R::lit(limit));
+    for _ in k.if_any(far) {
+        turn.set(Quat::select(far, Quat::exp(way), turn.get()));
+    }
+    (q * turn.get()).normalized()
+}
+
 /// q̇ ← q̇ + h q̈.
 #[inline(always)]
 fn kick<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
@@ -112,8 +155,8 @@ fn drift<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     }
     for i in k.count(t.balls) {
         let (q, v) = (k.link(t.ball_links, i, 0), k.link(t.ball_links, i, 1));
-        let turn = Quat::exp(k.vec3(t.velocity, v, 0) * h);
-        let moved = (k.quat(t.position, q, 0) * turn).normalized();
+        let way = k.vec3(t.velocity, v, 0) * h;
+        let moved = turned(k, k.quat(t.position, q, 0), way);
         k.store_quat(t.position, q, 0, moved);
     }
 }

@@ -12,7 +12,7 @@
 //!
 //! b starts at −g in the world, which stands for gravity.
 
-use super::tables::{Tables, dof, frame, motion, motion_link, node, node_link};
+use super::tables::{Tables, dof, frame, motion, node, node_link};
 use numbers::machine::space::Parameter;
 use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::Spatial;
@@ -75,8 +75,7 @@ pub(crate) fn origins<M: Machine>(k: &mut M, t: &Tables) {
 #[inline(always)]
 fn half_angles<M: Machine>(k: &mut M, t: &Tables) {
     for i in k.count(t.hinges) {
-        let m = k.link(t.hinge_links, i, 0);
-        let q = k.link(t.motion_links, m, motion_link::COORDINATE);
+        let [m, q] = k.link_row(t.hinge_links, i);
         let angle = k.load(t.position, q, 0) - k.load(t.motion, m, 3);
         let (sin, cos) = functions::sin_cos(angle * M::R::lit(0.5));
         k.write(t.half_angle, m, 0, [sin, cos]);
@@ -111,7 +110,7 @@ pub(crate) fn kinematics<M: Machine>(k: &mut M, t: &Tables) {
             }
             for _ in k.when(k.equals(kind, motion::BALL)) {
                 let at = place.get();
-                let moved = Pose::new(at.p, (at.q * k.quat(t.position, q, 0)).normalized());
+                let moved = Pose::new(at.p, (at.q * k.quat(t.position, q, 0)).nearly_normalized());
                 place.set(moved);
                 let rate = ball(k, t, v, moved);
                 advance(&mut twist, &mut bias, rate);

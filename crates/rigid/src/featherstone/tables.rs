@@ -178,8 +178,8 @@ pub struct Tables {
     pub(crate) origin_links: Links,
     pub(crate) node_links: Links<{ node_link::WIDTH }>,
     pub(crate) motion_links: Links<{ motion_link::WIDTH }>,
-    /// Revolute motions.
-    pub(crate) hinge_links: Links,
+    /// Revolute motions, with their coordinates.
+    pub(crate) hinge_links: Links<2>,
     pub(crate) ball_links: Links<2>,
     pub(crate) axis_links: Links<2>,
     /// Coordinates that turn without end.
@@ -781,6 +781,7 @@ impl Tables {
                 f.number(self.motion, m, 3, motion.reference);
                 if motion.kind == motion::REVOLUTE {
                     f.link(self.hinge_links, hinge, 0, m);
+                    f.link(self.hinge_links, hinge, 1, motion.coordinate);
                     hinge += 1;
                 }
                 if motion.kind == motion::BALL {
