@@ -305,8 +305,8 @@ pub(crate) fn forget<M: Machine>(k: &mut M, t: &Tables, lost: <M::R as Real>::Ma
         k.store_where(lost, t.grip, s, 0, M::R::zero());
         let mut none = [0.0; contact::WIDTH];
         none[contact::DISTANCE] = FAR;
-        for field in 0..contact::WIDTH {
-            k.store_where(lost, t.touch, s, field, M::R::lit(none[field]));
+        for (field, number) in none.into_iter().enumerate() {
+            k.store_where(lost, t.touch, s, field, M::R::lit(number));
         }
     }
 }
