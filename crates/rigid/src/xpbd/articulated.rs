@@ -114,7 +114,10 @@ impl<R: Real> Subtree<R> {
     #[inline(always)]
     pub fn unless(self, mask: R::Mask) -> Self {
         let o = R::zero();
-        let inertia = self.inertia.to_array().map(|x| R::select(mask, o, x));
+        let mut inertia = self.inertia.to_array();
+        for x in &mut inertia {
+            *x = R::select(mask, o, *x);
+        }
         let Spatial { angular, linear } = self.force;
         let force = Spatial::new(
             Vec3::select(mask, Vec3::zero(), angular),

@@ -579,8 +579,17 @@ pub(crate) fn gather<M: Machine>(k: &mut M, t: &Tables, h: M::R, fresh: M::R) {
 /// What pulls along the three motions of a ball.
 #[inline(always)]
 fn ball_push<M: Machine>(k: &M, t: &Tables, m: M::I) -> Vec3<M::R> {
-    let [x, y, z] = [0, 1, 2].map(|i| k.load(t.motion, m.offset(i), motion::PUSH));
-    Vec3::new(x, y, z)
+    along_ball(k, t, m, motion::PUSH)
+}
+
+/// A field of the three motions of a ball.
+#[inline(always)]
+fn along_ball<M: Machine>(k: &M, t: &Tables, m: M::I, field: usize) -> Vec3<M::R> {
+    Vec3::new(
+        k.load(t.motion, m, field),
+        k.load(t.motion, m.offset(1), field),
+        k.load(t.motion, m.offset(2), field),
+    )
 }
 
 #[inline(always)]
@@ -636,10 +645,10 @@ fn next<M: Machine>(k: &M, t: &Tables, law: M::I, h: M::R) -> M::R {
 fn next_ball<M: Machine>(k: &M, t: &Tables, i: M::I, h: M::R) -> Vec3<M::R> {
     let r = &t.laws;
     let m = k.link(r.ball_links, i, 2);
-    let [x, y, z] = [0, 1, 2].map(|i| k.load(t.motion, m.offset(i), motion::WAY));
+    let way = along_ball(k, t, m, motion::WAY);
     let lead = k.vec3(r.ball_law, i, ball_law::LEAD);
     let pushed = k.vec3(r.ball_law, i, ball_law::MULTIPLIER);
-    Vec3::new(x, y, z).fma(-ball_give(k, t, i, h), lead) + pushed
+    way.fma(-ball_give(k, t, i, h), lead) + pushed
 }
 
 /// Keeps the λ of a pass for the next one.

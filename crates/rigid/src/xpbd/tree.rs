@@ -263,7 +263,9 @@ fn turn_error<M: Machine>(k: &mut M, t: &Tables, x: &Joint<M>) -> Vec3<M::R> {
 /// rotation across the first two, on which nothing acts.
 #[inline(always)]
 fn three_axes<M: Machine>(k: &mut M, t: &Tables, first: M::I) {
-    let [a, b, c] = [0, 1, 2].map(|i| k.vec3(t.axis, first.offset(i), axis_field::DIRECTION));
+    let a = k.vec3(t.axis, first, axis_field::DIRECTION);
+    let b = k.vec3(t.axis, first.offset(1), axis_field::DIRECTION);
+    let c = k.vec3(t.axis, first.offset(2), axis_field::DIRECTION);
     let across = a.cross(b);
     let flat = across.dot(c).abs().lt(M::R::lit(FLAT));
     let third = Vec3::select(flat, across.normalized_or(c), c);
