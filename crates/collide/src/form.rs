@@ -1,6 +1,8 @@
 //! A model's geometry as kernels know it.
 
-use crate::{ConvexHull, kind};
+#[cfg(feature = "assets")]
+use crate::ConvexHull;
+use crate::kind;
 use glam::DVec3;
 use model::{Geometry, Pose};
 
@@ -59,6 +61,7 @@ impl Form {
     }
 
     /// A hull, with its vertices about the middle of their bounding box, as kernels take them.
+    #[cfg(feature = "assets")]
     pub fn hull(hull: &ConvexHull) -> (Self, ConvexHull) {
         let (centered, middle) = hull.centered();
         let form = Self {

@@ -36,6 +36,7 @@ mod contact;
 mod convex;
 mod form;
 mod gjk;
+#[cfg(feature = "assets")]
 mod hull;
 pub mod mesh;
 mod outline;
@@ -50,6 +51,7 @@ pub use boxes::box_box;
 pub use contact::{Contact, FAR, Manifold, Point};
 pub use convex::{convex_convex, sphere_convex};
 pub use form::Form;
+#[cfg(feature = "assets")]
 pub use hull::{ConvexHull, HullError};
 pub use route::Route;
 pub use solid::{Placed, Solid, kind};

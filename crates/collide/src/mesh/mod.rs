@@ -4,11 +4,13 @@ mod adjacency;
 mod distance_field;
 mod hierarchy;
 mod kernel;
+#[cfg(feature = "assets")]
 mod load;
 mod tables;
 
 pub use distance_field::DistanceFieldError;
 pub use kernel::{Surface, mesh_convex};
+#[cfg(feature = "assets")]
 pub use load::LoadError;
 pub use tables::{MeshData, MeshTables, SLOTS, contact};
 
