@@ -96,7 +96,6 @@ pub(crate) fn find<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
             approach(k, t, s, h, distance, near);
         }
     }
-    gauss_seidel::begin(k, t, h);
 }
 
 /// Velocity of a motion at a point.

@@ -80,10 +80,11 @@ fn near<M: Machine>(k: &M, t: &Tables, s: M::I) -> <M::R as Real>::Mask {
 
 /// Impulses of the contacts between bodies that move, and the accelerations that they add.
 ///
-/// Needs the accelerations without them. Impulses start from those of the pass before, the first
-/// from [`begin`].
+/// Needs the accelerations without them. Starts from the impulses of the last step whatever the
+/// pass, so that a lane which needs no further pass keeps its bits while others do.
 #[inline(always)]
 pub(crate) fn gauss_seidel<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    begin(k, t, h);
     for v in k.count(t.dofs) {
         k.store(t.response, v, 0, M::R::zero());
     }
@@ -112,9 +113,9 @@ fn between<M: Machine>(k: &M, t: &Tables) -> M::Rounds {
     k.range(k.index(t.contacts.between), k.index(t.contacts.slots))
 }
 
-/// Impulses of a step start at those of the last, where the same features touch.
+/// Impulses start at those of the last step, where the same features touch.
 #[inline(always)]
-pub(crate) fn begin<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+fn begin<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     for s in between(k, t) {
         let near = near(k, t, s);
         k.store_vec3(t.impulse, s, impulse::LAMBDA, Vec3::zero());
