@@ -80,6 +80,7 @@ fn settings(model: &Model, start: &Start, options: &arguments::Simulation) -> Si
     SimulationSettings {
         worlds: options.worlds.unwrap_or(start.worlds),
         solver: options.solver.into(),
+        contacts: true,
         step,
         threads: options.threads,
         isa: options.isa,

@@ -53,7 +53,7 @@ pub use convex::{convex_convex, sphere_convex};
 pub use form::Form;
 #[cfg(feature = "assets")]
 pub use hull::{ConvexHull, HullError};
-pub use route::Route;
+pub use route::{Kernel, Route, kernel};
 pub use solid::{Placed, Solid, kind};
 pub use tables::Tables;
 

@@ -84,34 +84,80 @@ impl Route {
             _ => 1,
         }
     }
+}
 
+/// A [`Route`] as a type: who names it compiles that one kernel.
+pub trait Kernel {
+    /// The same as a value.
+    const ROUTE: Route;
     /// Contact of A and B, whose kinds are those of the route, the lower one first.
-    #[inline(always)]
-    pub fn manifold<M: Machine>(
-        self,
+    fn manifold<M: Machine>(
         k: &mut M,
         tables: Tables,
         a: &Solid<M>,
         b: &Solid<M>,
-    ) -> Manifold<M::R> {
-        let (p, q) = (&a.placed, &b.placed);
-        match self {
-            Self::PlaneSphere => pair::plane_sphere(p, q),
-            Self::PlaneCapsule => pair::plane_capsule(p, q),
-            Self::PlaneCylinder => pair::plane_cylinder(p, q),
-            Self::PlaneCone => pair::plane_cone(p, q),
-            Self::PlaneBox => pair::plane_box(p, q),
-            Self::PlaneEllipsoid => pair::plane_ellipsoid(p, q),
-            Self::PlaneHull => pair::plane_hull(k, tables, p, b),
-            Self::SphereSphere => pair::sphere_sphere(p, q),
-            Self::SphereCapsule => pair::sphere_capsule(p, q),
-            Self::SphereCylinder => pair::sphere_cylinder(p, q),
-            Self::SphereCone => pair::sphere_cone(p, q),
-            Self::SphereBox => pair::sphere_box(p, q),
-            Self::CapsuleCapsule => pair::capsule_capsule(p, q),
-            Self::BoxBox => box_box(k, tables, a, b),
-            Self::SphereConvex => sphere_convex(k, tables, a, b),
-            Self::Convex => convex_convex(k, tables, a, b),
+    ) -> Manifold<M::R>;
+}
+
+macro_rules! kernels {
+    ($k:ident, $tables:ident, $a:ident, $b:ident: $($name:ident = $manifold:expr;)+) => {
+        /// The kernels for pairs, each as a type.
+        pub mod kernel {
+            use super::*;
+            $(
+                #[doc = concat!("See [`Route::", stringify!($name), "`].")]
+                #[derive(Clone, Copy, Debug)]
+                pub struct $name;
+
+                impl Kernel for $name {
+                    const ROUTE: Route = Route::$name;
+                    #[inline(always)]
+                    fn manifold<M: Machine>(
+                        $k: &mut M,
+                        $tables: Tables,
+                        $a: &Solid<M>,
+                        $b: &Solid<M>,
+                    ) -> Manifold<M::R> {
+                        $manifold
+                    }
+                }
+            )+
         }
-    }
+
+        impl Route {
+            /// As [`Kernel::manifold`]; compiles all kernels.
+            #[inline(always)]
+            pub fn manifold<M: Machine>(
+                self,
+                k: &mut M,
+                tables: Tables,
+                a: &Solid<M>,
+                b: &Solid<M>,
+            ) -> Manifold<M::R> {
+                match self {
+                    $(Self::$name => kernel::$name::manifold(k, tables, a, b),)+
+                }
+            }
+        }
+    };
+}
+
+kernels! {
+    _k, _tables, a, b:
+    PlaneSphere = pair::plane_sphere(&a.placed, &b.placed);
+    PlaneCapsule = pair::plane_capsule(&a.placed, &b.placed);
+    PlaneCylinder = pair::plane_cylinder(&a.placed, &b.placed);
+    PlaneCone = pair::plane_cone(&a.placed, &b.placed);
+    PlaneBox = pair::plane_box(&a.placed, &b.placed);
+    PlaneEllipsoid = pair::plane_ellipsoid(&a.placed, &b.placed);
+    PlaneHull = pair::plane_hull(_k, _tables, &a.placed, b);
+    SphereSphere = pair::sphere_sphere(&a.placed, &b.placed);
+    SphereCapsule = pair::sphere_capsule(&a.placed, &b.placed);
+    SphereCylinder = pair::sphere_cylinder(&a.placed, &b.placed);
+    SphereCone = pair::sphere_cone(&a.placed, &b.placed);
+    SphereBox = pair::sphere_box(&a.placed, &b.placed);
+    CapsuleCapsule = pair::capsule_capsule(&a.placed, &b.placed);
+    BoxBox = box_box(_k, _tables, a, b);
+    SphereConvex = sphere_convex(_k, _tables, a, b);
+    Convex = convex_convex(_k, _tables, a, b);
 }

@@ -114,6 +114,7 @@ fn simulation(model: &Model, case: &Case, method: &str, worlds: usize) -> Outcom
     };
     let threads = if worlds == 1 { 1 } else { THREADS };
     let settings = SimulationSettings {
+        contacts: false,
         solver,
         step,
         threads,

@@ -34,6 +34,7 @@ pub fn n_pendula(links: usize) -> Result<Model, ModelError> {
 ///
 /// Y is up. All hinges are at zero when the chain hangs straight down; the first one's initial
 /// angle makes the start. The frame of a link is at its centre, y pointing to the hinge before it.
+/// Links touch nothing.
 ///
 /// # Errors
 /// If there are no links, or more than a million.
@@ -57,6 +58,7 @@ pub fn chain(links: usize, start: Start) -> Result<Model, ModelError> {
             .body(format!("link{i}"))
             .shape(rod.clone())
             .mass(CHAIN_LINK_MASS)
+            .group(0)
             .handle();
         let hinge = pendulum.revolute(format!("hinge{i}"), link, DVec3::Z);
         match parent {

@@ -15,6 +15,7 @@ mod solver;
 mod tables;
 pub mod xpbd;
 
+pub use contacts::ContactTables;
 pub use featherstone::dynamics::{Dynamics, DynamicsError, DynamicsKernels, Totals};
 pub use featherstone::{ArticulatedBodies, Featherstone, Integrator, TouchingFeatherstone};
 pub use input::InputTables;

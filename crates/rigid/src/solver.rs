@@ -1,6 +1,7 @@
 //! What every solver is.
 
-use crate::{Integrator, OutputTables};
+use crate::contacts::narrow_phase;
+use crate::{ContactTables, Integrator, OutputTables};
 use model::Model;
 use numbers::Machine;
 
@@ -103,7 +104,14 @@ pub enum SolverError {
 /// and velocities of joints go in through [`initial`](Kernels::initial) and come
 /// out through [`report`](Kernels::report) in the layout of
 /// [`OutputTables`](crate::OutputTables), the same for all solvers.
+///
+/// A substep is its stages one after the other, each of them [`begin`](Kernels::begin), the
+/// [kernels for pairs](ContactTables::meet), and [`finish`](Kernels::finish). They can run as a whole
+/// ([`step`](Kernels::step)) or each as a function of its own: the kernels for pairs together are far
+/// larger than any solver, and compilers take much longer for one large function than for many.
 pub trait Kernels: Clone + Send + Sync + 'static {
+    /// Whether any shapes touch.
+    const TOUCHES: bool;
     /// The solver's name.
     fn name(&self) -> &'static str;
     /// Numbers per world in each memory.
@@ -123,8 +131,27 @@ pub trait Kernels: Clone + Send + Sync + 'static {
     /// Takes over the state of a model with other numbers, in which the bodies stood and moved
     /// as `bodies` says, 13 numbers each: see [`body`](crate::body).
     fn take_over(&self, bodies: &[f64], state: &mut [f64]);
+    /// Where shapes that touch lie; none where they pass through each other.
+    fn contacts(&self) -> Option<&ContactTables>;
+    /// Stages of a substep.
+    fn stages(&self) -> usize;
+    /// The first half of a stage: what comes before the contacts are found.
+    fn begin<M: Machine>(&self, k: &mut M, stage: M::I);
+    /// The second half of a stage, from the contacts on.
+    fn finish<M: Machine>(&self, k: &mut M, stage: M::I);
     /// Advances every lane by one substep.
-    fn step<M: Machine>(&self, k: &mut M);
+    #[inline(always)]
+    fn step<M: Machine>(&self, k: &mut M) {
+        for stage in k.count(self.stages()) {
+            self.begin(k, stage);
+            if Self::TOUCHES
+                && let Some(tables) = self.contacts()
+            {
+                narrow_phase(k, tables);
+            }
+            self.finish(k, stage);
+        }
+    }
     /// Fills the output from the state.
     fn report<M: Machine>(&self, k: &mut M);
 }

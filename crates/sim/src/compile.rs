@@ -5,9 +5,9 @@
 
 use crate::engine::Engine;
 use crate::{SimulationSettings, SolverKind};
-use model::Model;
+use model::{CollisionFilter, Model};
 use numbers::Float;
-use rigid::{Featherstone, InputTables, SolverError, Xpbd};
+use rigid::{Featherstone, InputTables, SolverError, TouchingFeatherstone, Xpbd};
 use std::any::Any;
 
 /// A solver compiled for a model, and how its worlds begin.
@@ -89,7 +89,13 @@ fn engine<T: Float>(model: &Model, settings: &SimulationSettings) -> Made<T> {
         named => named,
     };
     Ok(match kind {
-        SolverKind::Featherstone => Box::new(Featherstone::new(model, &settings.step)?),
+        SolverKind::Featherstone => {
+            if settings.contacts && CollisionFilter::new(model).pairs().next().is_some() {
+                Box::new(TouchingFeatherstone::new(model, &settings.step)?)
+            } else {
+                Box::new(Featherstone::new(model, &settings.step)?)
+            }
+        }
         SolverKind::Xpbd | SolverKind::Auto => Box::new(Xpbd::new(model, &settings.step)?),
     })
 }

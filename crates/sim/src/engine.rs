@@ -1,8 +1,8 @@
 //! From a block of worlds in memory to a kernel on a machine.
 
+use crate::jobs::{Lane, begin, finish, narrow_phase, report, steps};
 use model::Model;
-use numbers::dispatch::{Isa, Job, run_registers, run_single};
-use numbers::{Cpu, Float, Lanes, PerWorld};
+use numbers::Float;
 use rigid::{Kernels, Lengths, OutputTables};
 
 /// What to do with a block.
@@ -36,8 +36,8 @@ pub(crate) trait Engine<T: Float>: Send + Sync {
     fn initial(&self, model: &Model, position: &[f64], velocity: &[f64]) -> Vec<f64>;
     fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]);
     fn take_over(&self, bodies: &[f64], state: &mut [f64]);
-    /// Runs a task on a block of [`Isa::width`] worlds, or of one.
-    fn run(&self, isa: Isa, single: bool, block: Block<'_, T>, task: Task);
+    /// Runs a task on a block.
+    fn run(&self, lane: Lane, block: Block<'_, T>, task: Task);
 }
 
 impl<K: Kernels, T: Float> Engine<T> for K {
@@ -68,55 +68,29 @@ impl<K: Kernels, T: Float> Engine<T> for K {
     fn take_over(&self, bodies: &[f64], state: &mut [f64]) {
         Kernels::take_over(self, bodies, state);
     }
-    fn run(&self, isa: Isa, single: bool, block: Block<'_, T>, task: Task) {
-        let job = BlockJob {
-            kernels: self,
-            block,
-            task,
-        };
-        if single {
-            run_single(isa, job)
-        } else {
-            run_registers(isa, job)
+    fn run(&self, lane: Lane, mut block: Block<'_, T>, task: Task) {
+        match task {
+            Task::Report => report::run(lane, self, &mut block, 0),
+            Task::Step(substeps) => {
+                if K::TOUCHES {
+                    for _ in 0..substeps {
+                        touching_step(lane, self, &mut block);
+                    }
+                } else {
+                    steps::run(lane, self, &mut block, substeps);
+                }
+            }
         }
     }
 }
 
-struct BlockJob<'a, K, T> {
-    kernels: &'a K,
-    block: Block<'a, T>,
-    task: Task,
-}
-
-impl<K: Kernels, T: Float> Job for BlockJob<'_, K, T> {
-    type Scalar = T;
-    type Output = ();
-
-    #[inline(always)]
-    fn run<R: Lanes<Scalar = T>>(self) {
-        let b = self.block;
-        let (state, input) = (
-            bytemuck::cast_slice_mut(b.state),
-            bytemuck::cast_slice(b.input),
-        );
-        let output = bytemuck::cast_slice_mut(b.output);
-        let scratch = bytemuck::cast_slice_mut(b.scratch);
-        let parameters = PerWorld::<R>(bytemuck::cast_slice(b.parameters));
-        let mut cpu = Cpu {
-            state,
-            input,
-            output,
-            scratch,
-            parameters,
-            links: b.links,
-        };
-        match self.task {
-            Task::Step(substeps) => {
-                for _ in 0..substeps {
-                    self.kernels.step(&mut cpu);
-                }
-            }
-            Task::Report => self.kernels.report(&mut cpu),
+/// A substep, with each kernel for pairs as a function of its own.
+fn touching_step<K: Kernels, T: Float>(lane: Lane, kernels: &K, block: &mut Block<'_, T>) {
+    for stage in 0..kernels.stages() {
+        begin::run(lane, kernels, block, stage);
+        if let Some(contacts) = kernels.contacts() {
+            narrow_phase(lane, contacts, block);
         }
+        finish::run(lane, kernels, block, stage);
     }
 }

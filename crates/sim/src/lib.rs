@@ -11,6 +11,7 @@ mod controller;
 mod controls;
 mod engine;
 mod error;
+mod jobs;
 mod outputs;
 mod settings;
 mod simulation;

@@ -37,6 +37,8 @@ pub struct SimulationSettings {
     pub worlds: usize,
     /// Solver.
     pub solver: SolverKind,
+    /// Whether shapes touch; otherwise bodies pass through each other. `featherstone` only.
+    pub contacts: bool,
     /// Step, substeps, iterations, integrator, caps.
     pub step: Settings,
     /// Number of threads; 0 takes one per processor.
@@ -53,6 +55,7 @@ impl SimulationSettings {
         Self {
             worlds,
             solver: SolverKind::Auto,
+            contacts: true,
             step: Settings::new(time_step),
             threads: 0,
             isa: None,

@@ -3,6 +3,7 @@
 use crate::compile::Compiled;
 use crate::engine::{Block, Task};
 use crate::error::{MOST_MOTION, SimulationError, bounded, index, length};
+use crate::jobs::Lane;
 use crate::{Controls, Outputs, SimulationSettings, Snapshot};
 use glam::DQuat;
 use model::{JointId, JointKind, Model};
@@ -395,7 +396,10 @@ impl<T: Float> Simulation<T> {
     /// Runs a task on all blocks, a run of blocks per thread, each with its own scratch.
     fn perform(&mut self, task: Task) {
         let engine = &*self.shared.engine;
-        let (isa, single) = (self.isa, self.state.width() == 1);
+        let lane = Lane {
+            isa: self.isa,
+            single: self.state.width() == 1,
+        };
         let (input, parameters) = (&self.input, &self.parameters);
         let shared = self.own.is_empty();
         let width = self.state.width();
@@ -413,7 +417,7 @@ impl<T: Float> Simulation<T> {
                     parameters,
                     links: engine.links(),
                 };
-                engine.run(isa, single, block, task);
+                engine.run(lane, block, task);
             }
         };
         let (s, o, blocks) = (

@@ -6,7 +6,7 @@ use kinetarium_sim::{Simulation, SimulationSettings};
 use model::Model;
 use numbers::Float;
 use numbers::dispatch::Isa;
-use scene::{BOTH, METHODS, Method, chain, hash, hashes, mixed, scatter, scattered};
+use scene::{BOTH, METHODS, Method, chain, hash, hashes, heap, mixed, scatter, scattered};
 
 /// More than a register has lanes, and not a multiple of them.
 const FEW: usize = 17;
@@ -97,6 +97,13 @@ fn a_chain_moves_alike_everywhere() {
     all_methods_agree::<f64>(&chain());
 }
 
+/// Contacts are settled lane by lane: what one still has to settle must not move its neighbours.
+#[test]
+fn a_heap_moves_alike_everywhere() {
+    few_worlds_agree::<f32>(&heap(), Method::Touching, &fused());
+    few_worlds_agree::<f64>(&heap(), Method::Touching, &fused());
+}
+
 /// Without fused multiply-add the bits are others, but again the same in all worlds.
 #[test]
 fn portable_agrees_with_itself() {
@@ -104,6 +111,7 @@ fn portable_agrees_with_itself() {
         few_worlds_agree::<f32>(&mixed(), method, &[portable()]);
         few_worlds_agree::<f64>(&mixed(), method, &[portable()]);
     }
+    few_worlds_agree::<f32>(&heap(), Method::Touching, &[portable()]);
 }
 
 /// Thousands of worlds, the other way round: each in another lane of another block.
@@ -140,13 +148,15 @@ fn thousands_of_worlds_move_as_few_do() {
     for method in BOTH {
         many_worlds_agree::<f32>(&chain(), method);
     }
+    many_worlds_agree::<f32>(&heap(), Method::Touching);
 }
 
 /// The same bits from a simulation that is led otherwise as from one that steps at once.
 fn led_otherwise(lead: impl Fn(&mut Simulation<f32>)) {
-    for method in METHODS {
-        let expected = run::<f32>(&mixed(), method.settings(FEW), |w| w);
-        let mut simulation = scattered::<f32>(&mixed(), method.settings(FEW), |w| w);
+    let free = METHODS.map(|method| (mixed(), method));
+    for (model, method) in free.into_iter().chain([(heap(), Method::Touching)]) {
+        let expected = run::<f32>(&model, method.settings(FEW), |w| w);
+        let mut simulation = scattered::<f32>(&model, method.settings(FEW), |w| w);
         lead(&mut simulation);
         assert_eq!(hashes(&mut simulation), expected, "{method:?}");
     }
@@ -240,6 +250,8 @@ fn trajectories_have_the_recorded_bits() {
     }
     let found = [mixed(), chain()].map(|model| METHODS.map(|method| golden(&model, method)));
     assert_eq!(found, GOLDEN, "found:\n{found:#018x?}");
+    let found = golden(&heap(), Method::Touching);
+    assert_eq!(found, GOLDEN_HEAP, "found:\n{found:#018x?}");
 }
 
 /// For the mixed tree and the chain: of each method, f32 and f64.
@@ -260,3 +272,7 @@ const GOLDEN: [[[u64; 2]; 5]; 2] = [
         [0xf83f_e3d8_4ce8_b6f2, 0xa789_7b29_382f_f75b],
     ],
 ];
+
+/// For the heap: f32 and f64.
+#[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
+const GOLDEN_HEAP: [u64; 2] = [0x0da8_9924_a171_501b, 0xb771_a26f_e318_0666];

@@ -9,6 +9,7 @@ mod narrow_phase;
 mod plan;
 mod tables;
 
-pub(crate) use narrow_phase::{Places, narrow_phase};
+pub(crate) use narrow_phase::{Places, narrow_phase, place_shapes};
 pub(crate) use plan::{ContactPlan, Seat};
-pub(crate) use tables::{ContactTables, pair_field, slot, slot_link};
+pub use tables::ContactTables;
+pub(crate) use tables::{pair_field, slot, slot_link};

@@ -1,9 +1,7 @@
 //! From the placements of the carriers to the points of contact.
 
-use super::tables::{
-    ContactTables, ROUTES, pair_field, placed_field, shape_field, shape_link, slot,
-};
-use collide::{FAR, Placed, Route, Solid};
+use super::tables::{ContactTables, pair_field, placed_field, shape_field, shape_link, slot};
+use collide::{FAR, Kernel, Placed, Route, Solid, kernel};
 use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::Spatial;
 use numbers::{Machine, Mat3, Pose, Real, Vec3};
@@ -21,35 +19,49 @@ pub(crate) trait Places<M: Machine> {
     fn origin(&self, k: &M, group: M::I) -> Vec3<M::R>;
 }
 
-/// Fills the slots: the points that two shapes could reach within `h` [s] and a safe margin.
+/// Fills the slots: the points that two shapes could reach within the step and a safe margin.
+///
+/// Needs [`place_shapes`].
 #[inline(always)]
-pub(crate) fn narrow_phase<M: Machine>(
+pub(crate) fn narrow_phase<M: Machine>(k: &mut M, t: &ContactTables) {
+    macro_rules! meet {
+        ($($kernel:ident)+) => { $(t.meet::<M, kernel::$kernel>(k);)+ };
+    }
+    meet! {
+        PlaneSphere PlaneCapsule PlaneCylinder PlaneCone PlaneBox PlaneEllipsoid PlaneHull
+        SphereSphere SphereCapsule SphereCylinder SphereCone SphereBox CapsuleCapsule BoxBox
+        SphereConvex Convex
+    }
+}
+
+impl ContactTables {
+    /// The kernels for pairs that the model needs: what [`meet`](Self::meet) is to be called with.
+    pub fn routes(&self) -> impl Iterator<Item = Route> {
+        let needed =
+            |route: &Route| self.routes[*route as usize] < self.routes[*route as usize + 1];
+        Route::ALL.into_iter().filter(needed)
+    }
+    /// Fills the slots of the pairs of one kernel.
+    #[inline(always)]
+    pub fn meet<M: Machine, K: Kernel>(&self, k: &mut M) {
+        // A copy on the stack: offsets stay in registers, whatever is written meanwhile.
+        let t = *self;
+        let route = K::ROUTE as usize;
+        let (begin, end) = (k.index(t.routes[route]), k.index(t.routes[route + 1]));
+        for pair in k.range(begin, end) {
+            meet::<M, K>(k, &t, pair);
+        }
+    }
+}
+
+/// Shapes in the frames that their pairs are looked at in, and how far they get within `h` [s].
+#[inline(always)]
+pub(crate) fn place_shapes<M: Machine>(
     k: &mut M,
     t: &ContactTables,
     places: &impl Places<M>,
     h: M::R,
 ) {
-    place_shapes(k, t, places, h);
-    // One loop for each kernel: its number is a constant, so that each loop holds that kernel alone.
-    macro_rules! loops {
-        ($($route:literal)*) => { $( all_pairs::<M, $route>(k, t); )* };
-    }
-    loops!(0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15);
-    const { assert!(ROUTES.len() == 16) };
-}
-
-/// The pairs of one kernel.
-#[inline(always)]
-fn all_pairs<M: Machine, const ROUTE: usize>(k: &mut M, t: &ContactTables) {
-    let (begin, end) = (k.index(t.routes[ROUTE]), k.index(t.routes[ROUTE + 1]));
-    for pair in k.range(begin, end) {
-        meet(k, t, const { ROUTES[ROUTE] }, pair);
-    }
-}
-
-/// Shapes in the frames that their pairs are looked at in.
-#[inline(always)]
-fn place_shapes<M: Machine>(k: &mut M, t: &ContactTables, places: &impl Places<M>, h: M::R) {
     for row in k.count(t.shapes) {
         let [seat, own, seen] = k.link_row::<_, { shape_link::KIND }>(t.shape_links, row);
         let pose = places.place(k, seat) * k.pose(t.shape, row, shape_field::POSE);
@@ -71,10 +83,10 @@ fn place_shapes<M: Machine>(k: &mut M, t: &ContactTables, places: &impl Places<M
 
 /// The slots of one pair.
 #[inline(always)]
-fn meet<M: Machine>(k: &mut M, t: &ContactTables, route: Route, pair: M::I) {
+fn meet<M: Machine, K: Kernel>(k: &mut M, t: &ContactTables, pair: M::I) {
     let [row_a, row_b, first, flip] = k.link_row(t.pair_links, pair);
     let far = M::R::lit(FAR);
-    for point in 0..route.points() {
+    for point in 0..K::ROUTE.points() {
         k.store(t.slot, first.offset(point), slot::DISTANCE, far);
     }
     let (a, b) = (placed(k, t, row_a), placed(k, t, row_b));
@@ -83,14 +95,14 @@ fn meet<M: Machine>(k: &mut M, t: &ContactTables, route: Route, pair: M::I) {
         + M::R::lit(MARGIN);
     let margin = k.load(t.pair, pair, pair_field::MARGIN);
     let reach = way + margin;
-    for _ in k.if_any(near(k, t, route, [row_a, row_b], [&a, &b], reach)) {
+    for _ in k.if_any(near(k, t, K::ROUTE, [row_a, row_b], [&a, &b], reach)) {
         let (a, b) = (solid(k, t, a, row_a), solid(k, t, b, row_b));
-        let manifold = route.manifold(k, t.kernels, &a, &b);
+        let manifold = K::manifold(k, t.kernels, &a, &b);
         let mut normal = manifold.normal.hold(k);
         for _ in k.when(k.equals(flip, 1)) {
             normal.set(-manifold.normal);
         }
-        for i in 0..route.points() {
+        for i in 0..K::ROUTE.points() {
             let point = manifold.points[i];
             let row = first.offset(i);
             let distance = point.distance - margin;

@@ -1,6 +1,6 @@
 //! Which shapes of a model may touch, and who carries them.
 
-use super::tables::{ROUTES, solid};
+use super::tables::solid;
 use crate::SolverError;
 use collide::Route;
 use model::{CollisionFilter, Model, Pose, Shape, ShapeId};
@@ -92,14 +92,6 @@ impl ContactPlan {
             let Some(route) = Route::of(kinds[0], kinds[1]) else {
                 continue;
             };
-            if !ROUTES.contains(&route) {
-                return Err(SolverError::Unsupported {
-                    solver,
-                    what: "contacts of this kind",
-                    name: model.shapes[a.0].name.clone(),
-                    remedy: "use solids, or let the shape not collide",
-                });
-            }
             let (a, b) = if kinds[0] <= kinds[1] { (a, b) } else { (b, a) };
             let seats = [a, b].map(|s| seat(&model.shapes[s.0]));
             plan.add(route, [a, b], seats);
@@ -162,8 +154,7 @@ impl ContactPlan {
             }
             self.movers.resize(end, pair.mover.row);
         }
-        let place = |route: Route| ROUTES.iter().position(|r| *r == route);
-        self.pairs.sort_by_key(|p| (place(p.route), p.slot));
+        self.pairs.sort_by_key(|p| (p.route, p.slot));
         self.slots = vec![0; end];
         for (row, pair) in self.pairs.iter().enumerate() {
             self.slots[pair.slot..][..pair.route.points()].fill(row);

@@ -10,26 +10,6 @@ use numbers::Table;
 use numbers::machine::Links;
 use numbers::machine::space::{Parameter, Scratch};
 
-/// The kernels for pairs that a step runs.
-pub(super) const ROUTES: [Route; 16] = [
-    Route::PlaneSphere,
-    Route::PlaneCapsule,
-    Route::PlaneCylinder,
-    Route::PlaneCone,
-    Route::PlaneBox,
-    Route::PlaneEllipsoid,
-    Route::PlaneHull,
-    Route::SphereSphere,
-    Route::SphereCapsule,
-    Route::SphereCylinder,
-    Route::SphereCone,
-    Route::SphereBox,
-    Route::CapsuleCapsule,
-    Route::BoxBox,
-    Route::SphereConvex,
-    Route::Convex,
-];
-
 /// Fields of [`ContactTables::shape`].
 pub(crate) mod shape_field {
     /// Half sizes; see [`collide::kind`].
@@ -110,21 +90,21 @@ pub(crate) mod slot_link {
 
 /// Where the numbers of shapes, pairs and slots lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ContactTables {
-    pub shapes: usize,
-    pub slots: usize,
+pub struct ContactTables {
+    pub(crate) shapes: usize,
+    pub(crate) slots: usize,
     /// Slots from here on are of pairs of which both move.
-    pub between: usize,
+    pub(crate) between: usize,
     /// First pair of each kernel, and one past the last.
-    pub routes: [usize; ROUTES.len() + 1],
-    pub shape: Table<Parameter, { shape_field::WIDTH }>,
-    pub shape_links: Links<{ shape_link::WIDTH }>,
-    pub pair: Table<Parameter, { pair_field::WIDTH }>,
-    pub pair_links: Links<{ pair_link::WIDTH }>,
-    pub slot_links: Links<{ slot_link::WIDTH }>,
-    pub placed: Table<Scratch, { placed_field::WIDTH }>,
-    pub slot: Table<Scratch, { slot::WIDTH }>,
-    pub kernels: collide::Tables,
+    pub(crate) routes: [usize; Route::ALL.len() + 1],
+    pub(crate) shape: Table<Parameter, { shape_field::WIDTH }>,
+    pub(crate) shape_links: Links<{ shape_link::WIDTH }>,
+    pub(crate) pair: Table<Parameter, { pair_field::WIDTH }>,
+    pub(crate) pair_links: Links<{ pair_link::WIDTH }>,
+    pub(crate) slot_links: Links<{ slot_link::WIDTH }>,
+    pub(crate) placed: Table<Scratch, { placed_field::WIDTH }>,
+    pub(crate) slot: Table<Scratch, { slot::WIDTH }>,
+    pub(crate) kernels: collide::Tables,
 }
 
 /// Kind and half sizes [m] of a geometry, as the kernels have them.
@@ -178,14 +158,9 @@ impl ContactTables {
         scratch: &mut usize,
     ) -> Self {
         let (shapes, pairs, slots) = (plan.sights.len(), plan.pairs.len(), plan.slots.len());
-        let place = |route: Route| ROUTES.iter().position(|r| *r == route);
-        let before = |route: Route| {
-            let earlier = plan.pairs.iter().filter(|p| place(p.route) < place(route));
-            earlier.count()
-        };
-        let mut routes = [pairs; ROUTES.len() + 1];
-        for (first, route) in routes.iter_mut().zip(ROUTES) {
-            *first = before(route);
+        let mut routes = [pairs; Route::ALL.len() + 1];
+        for (first, route) in routes.iter_mut().zip(Route::ALL) {
+            *first = plan.pairs.iter().filter(|p| p.route < route).count();
         }
         Self {
             shapes,

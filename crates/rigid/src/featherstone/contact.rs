@@ -32,7 +32,7 @@
 
 use super::gauss_seidel;
 use super::tables::{Tables, frame};
-use crate::contacts::{Places, narrow_phase, pair_field, slot, slot_link};
+use crate::contacts::{Places, pair_field, slot, slot_link};
 use crate::output::contact;
 use collide::FAR;
 use numbers::spatial::{Inertia, Spatial};
@@ -82,12 +82,9 @@ impl<M: Machine> Places<M> for Tables {
     }
 }
 
-/// Finds the contacts of a step of `h` [s], and which of them press at first sight.
-///
-/// Needs [`kinematics`](super::kinematics::kinematics).
+/// Which of the contacts found may press within a step of `h` [s], at first sight.
 #[inline(always)]
-pub(crate) fn find<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
-    narrow_phase(k, &t.contacts, t, h);
+pub(crate) fn meet<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     for s in k.count(t.contacts.between) {
         k.store(t.load, s, load::ON, M::R::zero());
         let distance = k.load(t.contacts.slot, s, slot::DISTANCE);

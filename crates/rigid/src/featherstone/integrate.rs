@@ -21,6 +21,7 @@ use super::gauss_seidel::gauss_seidel;
 use super::kinematics::kinematics;
 use super::report::gather;
 use super::tables::{Tables, dof};
+use crate::contacts::place_shapes;
 use numbers::functions::{finite, wrap};
 use numbers::machine::{Held, Hold};
 use numbers::{Cell, Float, Machine, Quat, Real, Vec3};
@@ -28,56 +29,79 @@ use numbers::{Cell, Float, Machine, Quat, Real, Vec3};
 /// Coordinates beyond this are taken for diverged [m or rad].
 const FAR: f64 = 1e9;
 
-/// One step of every lane; lanes that diverged stay where they were.
+/// The first half of a stage of a step: what comes before the contacts are found.
 #[inline(always)]
-pub(crate) fn step<M: Machine, const CONTACTS: bool>(
+pub(crate) fn begin<M: Machine, const CONTACTS: bool>(
     k: &mut M,
     t: &Tables,
     integrator: Integrator,
+    stage: M::I,
 ) {
     let h = k.load(t.step, k.index(0), 0);
-    // The first integrator saves as it goes, which is why it is the fastest.
-    if integrator != Integrator::SemiImplicitEuler {
-        save(k, t);
+    for _ in k.when(k.equals(stage, 0)) {
+        // The first integrator saves as it goes, which is why it is the fastest.
+        if integrator != Integrator::SemiImplicitEuler {
+            save(k, t);
+        }
+        if integrator == Integrator::RungeKutta4 {
+            clear_sums(k, t);
+        }
+        smooth_targets(k, t, h);
     }
-    smooth_targets(k, t, h);
+    kinematics(k, t);
+    if CONTACTS {
+        place_shapes(k, &t.contacts, t, h);
+    }
+}
+
+/// The second half of a stage; lanes that diverged stay where they were.
+#[inline(always)]
+pub(crate) fn finish<M: Machine, const CONTACTS: bool>(
+    k: &mut M,
+    t: &Tables,
+    integrator: Integrator,
+    stage: M::I,
+) {
+    let h = k.load(t.step, k.index(0), 0);
+    accelerate::<M, CONTACTS>(k, t, integrator, h);
+    match integrator {
+        Integrator::SemiImplicitEuler => kick_and_drift(k, t, h),
+        Integrator::ExplicitEuler => {
+            drift(k, t, h);
+            kick(k, t, h);
+        }
+        Integrator::Verlet => {
+            kick(k, t, h * M::R::lit(0.5));
+            for _ in k.when(k.equals(stage, 0)) {
+                drift(k, t, h);
+            }
+        }
+        Integrator::RungeKutta4 => runge_kutta_stage(k, t, h, stage),
+    }
+    for _ in k.when(k.equals(stage, integrator.stages() - 1)) {
+        if CONTACTS {
+            contact::keep(k, t, h);
+        }
+        guard::<M, CONTACTS>(k, t);
+    }
+}
+
+/// q̈ of the present state; contacts, and the forces along coordinates of the first integrator, are
+/// taken as they will be after h.
+#[inline(always)]
+fn accelerate<M: Machine, const CONTACTS: bool>(
+    k: &mut M,
+    t: &Tables,
+    integrator: Integrator,
+    h: M::R,
+) {
     let implicit = match integrator {
         Integrator::SemiImplicitEuler => h,
         _ => M::R::zero(),
     };
-    if integrator == Integrator::RungeKutta4 {
-        clear_sums(k, t);
-    }
-    for stage in k.count(integrator.stages()) {
-        accelerate::<M, CONTACTS>(k, t, implicit, h);
-        match integrator {
-            Integrator::SemiImplicitEuler => kick_and_drift(k, t, h),
-            Integrator::ExplicitEuler => {
-                drift(k, t, h);
-                kick(k, t, h);
-            }
-            Integrator::Verlet => {
-                kick(k, t, h * M::R::lit(0.5));
-                for _ in k.when(k.equals(stage, 0)) {
-                    drift(k, t, h);
-                }
-            }
-            Integrator::RungeKutta4 => runge_kutta_stage(k, t, h, stage),
-        }
-    }
-    if CONTACTS {
-        contact::keep(k, t, h);
-    }
-    guard::<M, CONTACTS>(k, t);
-}
-
-/// q̈ of the present state, forces along coordinates linearised over `implicit`, contacts over `h`.
-#[inline(always)]
-fn accelerate<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, implicit: M::R, h: M::R) {
-    kinematics(k, t);
     forces(k, t, implicit);
     if CONTACTS {
-        contact::find(k, t, h);
+        contact::meet(k, t, h);
         for _ in k.count(t.passes) {
             articulated_body::<M, true>(k, t, h);
             gauss_seidel(k, t, h);

@@ -25,7 +25,7 @@ mod report;
 mod tables;
 
 use crate::output::{body, contact as touch};
-use crate::{Kernels, Lengths, OutputTables, Settings, SolverError};
+use crate::{ContactTables, Kernels, Lengths, OutputTables, Settings, SolverError};
 use collide::FAR;
 pub use force::FRICTION_SPEED;
 use model::Model;
@@ -134,6 +134,7 @@ impl<const CONTACTS: bool> ArticulatedBodies<CONTACTS> {
 }
 
 impl<const CONTACTS: bool> Kernels for ArticulatedBodies<CONTACTS> {
+    const TOUCHES: bool = CONTACTS;
     fn name(&self) -> &'static str {
         NAME
     }
@@ -173,14 +174,25 @@ impl<const CONTACTS: bool> Kernels for ArticulatedBodies<CONTACTS> {
     }
     /// Joint coordinates and velocities stay as they are.
     fn take_over(&self, _: &[f64], _: &mut [f64]) {}
+    fn contacts(&self) -> Option<&ContactTables> {
+        CONTACTS.then_some(&self.tables.contacts)
+    }
+    fn stages(&self) -> usize {
+        self.integrator.stages()
+    }
     #[inline(always)]
-    fn step<M: Machine>(&self, k: &mut M) {
+    fn begin<M: Machine>(&self, k: &mut M, stage: M::I) {
+        // A copy on the stack: offsets stay in registers, whatever is written meanwhile.
         let tables = self.tables;
-        integrate::step::<M, CONTACTS>(k, &tables, self.integrator);
+        integrate::begin::<M, CONTACTS>(k, &tables, self.integrator, stage);
+    }
+    #[inline(always)]
+    fn finish<M: Machine>(&self, k: &mut M, stage: M::I) {
+        let tables = self.tables;
+        integrate::finish::<M, CONTACTS>(k, &tables, self.integrator, stage);
     }
     #[inline(always)]
     fn report<M: Machine>(&self, k: &mut M) {
-        // A copy on the stack: offsets stay in registers, whatever is written meanwhile.
         let tables = self.tables;
         report::report::<M, CONTACTS>(k, &tables);
     }

@@ -46,7 +46,7 @@ mod tables;
 mod topology;
 mod tree;
 
-use crate::{Featherstone, Kernels, Lengths, OutputTables, Settings, SolverError};
+use crate::{ContactTables, Featherstone, Kernels, Lengths, OutputTables, Settings, SolverError};
 use guard::{Survey, guard};
 use model::Model;
 use numbers::spatial::Spatial;
@@ -90,6 +90,7 @@ impl Xpbd {
 }
 
 impl Kernels for Xpbd {
+    const TOUCHES: bool = false;
     fn name(&self) -> &'static str {
         "xpbd"
     }
@@ -133,8 +134,16 @@ impl Kernels for Xpbd {
         self.tables
             .place(bodies, &self.parameters, &self.links, state);
     }
+    fn contacts(&self) -> Option<&ContactTables> {
+        None
+    }
+    fn stages(&self) -> usize {
+        1
+    }
     #[inline(always)]
-    fn step<M: Machine>(&self, k: &mut M) {
+    fn begin<M: Machine>(&self, _: &mut M, _: M::I) {}
+    #[inline(always)]
+    fn finish<M: Machine>(&self, k: &mut M, _: M::I) {
         // A copy on the stack: offsets stay in registers, whatever is written meanwhile.
         let tables = self.tables;
         substep(k, &tables);

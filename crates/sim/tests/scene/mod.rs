@@ -6,7 +6,9 @@
 use glam::{DQuat, DVec3};
 use kinetarium_sim::{Simulation, SimulationSettings, SolverKind};
 use model::examples::n_pendula;
-use model::{Axis, BodyHandle, Builder, Drive, Geometry, JointKind, Limit, Model, Object, Pose};
+use model::{
+    Axis, BodyHandle, Builder, Drive, Geometry, JointKind, Limit, Model, Object, Pose, Shape,
+};
 use numbers::Float;
 use rigid::Integrator;
 
@@ -15,9 +17,11 @@ use rigid::Integrator;
 pub enum Method {
     Featherstone(Integrator),
     Xpbd,
+    /// Featherstone with contacts.
+    Touching,
 }
 
-/// All there are.
+/// All for bodies that touch nothing.
 pub const METHODS: [Method; 5] = [
     Method::Featherstone(Integrator::SemiImplicitEuler),
     Method::Featherstone(Integrator::ExplicitEuler),
@@ -41,7 +45,9 @@ impl Method {
             Self::Featherstone(integrator) => {
                 settings.solver = SolverKind::Featherstone;
                 settings.step.integrator = integrator;
+                settings.contacts = false;
             }
+            Self::Touching => settings.solver = SolverKind::Featherstone,
             Self::Xpbd => {
                 settings.solver = SolverKind::Xpbd;
                 settings.step.substeps = 2;
@@ -160,6 +166,48 @@ pub fn mixed() -> Model {
         .position_servo("slide_servo", slide, 80.0, 2.0)
         .force_range(-5.0, 5.0);
     robot.velocity_servo("axle_servo", axle, 0.6);
+    world.build().unwrap()
+}
+
+/// Solids and a jointed pair of rods, about to fall on each other and the ground.
+pub fn heap() -> Model {
+    let mut world = Builder::new("heap");
+    let plane = Geometry::Plane {
+        half_x: 0.0,
+        half_z: 0.0,
+    };
+    world.object("ground").scenery(Shape::new(plane));
+    let bodies = world.object("bodies");
+    let solids = [
+        Geometry::Sphere { radius: 0.1 },
+        Geometry::Capsule {
+            radius: 0.06,
+            half_height: 0.15,
+        },
+        Geometry::Box {
+            half: DVec3::new(0.1, 0.05, 0.08),
+        },
+        Geometry::Cylinder {
+            radius: 0.08,
+            half_height: 0.07,
+        },
+    ];
+    for (i, solid) in solids.into_iter().enumerate() {
+        let body = bodies.body(format!("body_{i}")).shape(solid).handle();
+        let at = [0.02 * i as f64, 0.15 + 0.2 * i as f64, 0.01 * i as f64];
+        bodies
+            .free(format!("float_{i}"), body)
+            .initial(&[at[0], at[1], at[2], 0.0, 0.0, 0.0, 1.0]);
+    }
+    let (upper, lower) = (rod(bodies, "upper", 1.0), rod(bodies, "lower", 1.0));
+    bodies
+        .free("float", upper)
+        .initial(&[0.1, 0.9, 0.0, 0.6, 0.0, 0.0, 0.8]);
+    let (top, bottom) = (Pose::at(DVec3::Y * 0.2), Pose::at(DVec3::Y * -0.2));
+    bodies
+        .revolute("elbow", lower, DVec3::Z)
+        .parent(upper)
+        .frames(bottom, top);
     world.build().unwrap()
 }
 

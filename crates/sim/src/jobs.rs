@@ -1,0 +1,180 @@
+//! The work on one block, as functions of a size that compilers take well.
+//!
+//! Whoever uses a generic function compiles it, and all that one module uses is compiled together.
+//! Hence a module for each part of a step, and for each kernel of a pair: they compile side by side.
+
+use crate::engine::Block;
+use collide::{Route, kernel};
+use numbers::dispatch::{Isa, Job, run_registers, run_single};
+use numbers::{Cpu, Float, Lanes, Machine, PerWorld};
+use rigid::{ContactTables, Kernels};
+
+/// What a block's numbers are read as.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lane {
+    pub isa: Isa,
+    /// One world, or as many as a register has lanes.
+    pub single: bool,
+}
+
+impl Lane {
+    #[inline(always)]
+    fn run<J: Job<Output = ()>>(self, job: J) {
+        if self.single {
+            run_single(self.isa, job);
+        } else {
+            run_registers(self.isa, job);
+        }
+    }
+}
+
+impl<T: Float> Block<'_, T> {
+    /// Its memories, read as registers.
+    #[inline(always)]
+    fn cpu<R: Lanes<Scalar = T>>(&mut self) -> Cpu<'_, R, PerWorld<'_, R>> {
+        Cpu {
+            state: bytemuck::cast_slice_mut(self.state),
+            input: bytemuck::cast_slice(self.input),
+            output: bytemuck::cast_slice_mut(self.output),
+            scratch: bytemuck::cast_slice_mut(self.scratch),
+            parameters: PerWorld(bytemuck::cast_slice(self.parameters)),
+            links: self.links,
+        }
+    }
+}
+
+/// A job of a solver, in a module of its own: `body` with the solver, a machine, and a number.
+macro_rules! job {
+    ($(#[$doc:meta])* $name:ident($kernels:ident, $cpu:ident, $number:ident) $body:block) => {
+        $(#[$doc])*
+        pub(crate) mod $name {
+            use super::*;
+
+            struct Work<'a, 'b, K, T> {
+                kernels: &'a K,
+                block: &'a mut Block<'b, T>,
+                number: usize,
+            }
+
+            impl<K: Kernels, T: Float> Job for Work<'_, '_, K, T> {
+                type Scalar = T;
+                type Output = ();
+                #[inline(always)]
+                fn run<R: Lanes<Scalar = T>>(self) {
+                    let ($kernels, $number) = (self.kernels, self.number);
+                    let $cpu = &mut self.block.cpu::<R>();
+                    $body
+                }
+            }
+
+            pub(crate) fn run<K: Kernels, T: Float>(
+                lane: Lane,
+                kernels: &K,
+                block: &mut Block<'_, T>,
+                number: usize,
+            ) {
+                lane.run(Work { kernels, block, number });
+            }
+        }
+    };
+}
+
+job! {
+    /// So many whole substeps.
+    steps(kernels, cpu, substeps) {
+        for _ in 0..substeps {
+            kernels.step(cpu);
+        }
+    }
+}
+job! {
+    /// A stage up to the contacts.
+    begin(kernels, cpu, stage) {
+        let stage = cpu.index(stage);
+        kernels.begin(cpu, stage);
+    }
+}
+job! {
+    /// A stage from the contacts on.
+    finish(kernels, cpu, stage) {
+        let stage = cpu.index(stage);
+        kernels.finish(cpu, stage);
+    }
+}
+job! {
+    /// The output from the state.
+    report(kernels, cpu, _none) { kernels.report(cpu) }
+}
+
+/// Fills the slots of contacts, kernel by kernel.
+pub(crate) fn narrow_phase<T: Float>(
+    lane: Lane,
+    contacts: &ContactTables,
+    block: &mut Block<'_, T>,
+) {
+    for route in contacts.routes() {
+        meet(lane, contacts, block, route);
+    }
+}
+
+/// The kernels for pairs, each in a module of its own.
+macro_rules! pairs {
+    ($($name:ident $kernel:ident;)+) => {
+        $(mod $name {
+            use super::*;
+
+            struct Work<'a, 'b, T> {
+                contacts: &'a ContactTables,
+                block: &'a mut Block<'b, T>,
+            }
+
+            impl<T: Float> Job for Work<'_, '_, T> {
+                type Scalar = T;
+                type Output = ();
+                #[inline(always)]
+                fn run<R: Lanes<Scalar = T>>(self) {
+                    self.contacts.meet::<_, kernel::$kernel>(&mut self.block.cpu::<R>());
+                }
+            }
+
+            pub(super) fn run<T: Float>(
+                lane: Lane,
+                contacts: &ContactTables,
+                block: &mut Block<'_, T>,
+            ) {
+                lane.run(Work { contacts, block });
+            }
+        })+
+
+        /// The pairs of one kernel.
+        fn meet<T: Float>(
+            lane: Lane,
+            contacts: &ContactTables,
+            block: &mut Block<'_, T>,
+            route: Route,
+        ) {
+            match route {
+                $(Route::$kernel => $name::run(lane, contacts, block),)+
+            }
+        }
+    };
+}
+
+pairs! {
+    plane_sphere PlaneSphere;
+    plane_capsule PlaneCapsule;
+    plane_cylinder PlaneCylinder;
+    plane_cone PlaneCone;
+    plane_box PlaneBox;
+    plane_ellipsoid PlaneEllipsoid;
+    plane_hull PlaneHull;
+    sphere_sphere SphereSphere;
+    sphere_capsule SphereCapsule;
+    sphere_cylinder SphereCylinder;
+    sphere_cone SphereCone;
+    sphere_box SphereBox;
+    capsule_capsule CapsuleCapsule;
+    box_box BoxBox;
+    sphere_convex SphereConvex;
+    convex Convex;
+}
