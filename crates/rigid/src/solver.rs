@@ -50,7 +50,7 @@ impl Settings {
             substeps: 1,
             iterations: 1,
             integrator: Integrator::SemiImplicitEuler,
-            contact_passes: 3,
+            contact_passes: 2,
             contact_iterations: 8,
             speed_limit: 1e5,
             relaxation: 1.0,

@@ -77,7 +77,7 @@ pub(crate) fn place_shapes<M: Machine>(
         k.store_vec3(t.placed, row, placed_field::AXES, axes.x);
         k.store_vec3(t.placed, row, placed_field::AXES + 3, axes.y);
         k.store_vec3(t.placed, row, placed_field::AXES + 6, axes.z);
-        k.store(t.placed, row, placed_field::WAY, way);
+        k.write(t.placed, row, placed_field::WAY, [way, radius + way]);
     }
 }
 
@@ -89,14 +89,12 @@ fn meet<M: Machine, K: Kernel>(k: &mut M, t: &ContactTables, pair: M::I) {
     for point in 0..K::ROUTE.points() {
         k.store(t.slot, first.offset(point), slot::DISTANCE, far);
     }
-    let (a, b) = (placed(k, t, row_a), placed(k, t, row_b));
-    let way = k.load(t.placed, row_a, placed_field::WAY)
-        + k.load(t.placed, row_b, placed_field::WAY)
-        + M::R::lit(MARGIN);
     let margin = k.load(t.pair, pair, pair_field::MARGIN);
-    let reach = way + margin;
-    for _ in k.if_any(near(k, t, K::ROUTE, [row_a, row_b], [&a, &b], reach)) {
-        let (a, b) = (solid(k, t, a, row_a), solid(k, t, b, row_b));
+    for _ in k.if_any(near(k, t, K::ROUTE, row_a, row_b, margin)) {
+        let (a, b) = (solid(k, t, row_a), solid(k, t, row_b));
+        let way = k.load(t.placed, row_a, placed_field::WAY)
+            + k.load(t.placed, row_b, placed_field::WAY)
+            + M::R::lit(MARGIN);
         let manifold = K::manifold(k, t.kernels, &a, &b);
         let mut normal = manifold.normal.hold(k);
         for _ in k.when(k.equals(flip, 1)) {
@@ -114,25 +112,26 @@ fn meet<M: Machine, K: Kernel>(k: &mut M, t: &ContactTables, pair: M::I) {
     }
 }
 
-/// Where the balls about two shapes come near each other; true for what has no end.
+/// Where the balls about two shapes could come within `margin` of each other.
 #[inline(always)]
 fn near<M: Machine>(
     k: &M,
     t: &ContactTables,
     route: Route,
-    rows: [M::I; 2],
-    [a, b]: [&Placed<M::R>; 2],
-    way: M::R,
+    row_a: M::I,
+    row_b: M::I,
+    margin: M::R,
 ) -> <M::R as Real>::Mask {
-    let radius = k.load(t.shape, rows[1], shape_field::RADIUS);
+    let reach = k.load(t.placed, row_a, placed_field::REACH)
+        + k.load(t.placed, row_b, placed_field::REACH)
+        + (margin + M::R::lit(MARGIN));
+    let a = k.vec3(t.placed, row_a, placed_field::POSITION);
+    let apart = k.vec3(t.placed, row_b, placed_field::POSITION) - a;
     if has_plane(route) {
-        let height = a.axes.y.dot(b.position - a.position);
-        height.lt(radius + way)
+        let up = k.vec3(t.placed, row_a, placed_field::AXES + 3);
+        up.dot(apart).lt(reach)
     } else {
-        let reach = k.load(t.shape, rows[0], shape_field::RADIUS) + radius + way;
-        (b.position - a.position)
-            .length_squared()
-            .lt(reach.squared())
+        apart.length_squared().lt(reach.squared())
     }
 }
 
@@ -151,23 +150,18 @@ fn has_plane(route: Route) -> bool {
 }
 
 #[inline(always)]
-fn solid<M: Machine>(k: &M, t: &ContactTables, placed: Placed<M::R>, row: M::I) -> Solid<M> {
+fn solid<M: Machine>(k: &M, t: &ContactTables, row: M::I) -> Solid<M> {
     Solid {
         kind: k.link(t.shape_links, row, shape_link::KIND),
-        placed,
+        placed: Placed {
+            size: k.vec3(t.shape, row, shape_field::SIZE),
+            position: k.vec3(t.placed, row, placed_field::POSITION),
+            axes: Mat3::from_columns(
+                k.vec3(t.placed, row, placed_field::AXES),
+                k.vec3(t.placed, row, placed_field::AXES + 3),
+                k.vec3(t.placed, row, placed_field::AXES + 6),
+            ),
+        },
         rows: [k.index(0), k.index(0)],
-    }
-}
-
-#[inline(always)]
-fn placed<M: Machine>(k: &M, t: &ContactTables, row: M::I) -> Placed<M::R> {
-    Placed {
-        size: k.vec3(t.shape, row, shape_field::SIZE),
-        position: k.vec3(t.placed, row, placed_field::POSITION),
-        axes: Mat3::from_columns(
-            k.vec3(t.placed, row, placed_field::AXES),
-            k.vec3(t.placed, row, placed_field::AXES + 3),
-            k.vec3(t.placed, row, placed_field::AXES + 6),
-        ),
     }
 }

@@ -40,7 +40,9 @@ pub(crate) mod placed_field {
     pub const AXES: usize = 3;
     /// How far the shape can get within the step, beyond its radius.
     pub const WAY: usize = 12;
-    pub const WIDTH: usize = 13;
+    /// The same with its radius.
+    pub const REACH: usize = 13;
+    pub const WIDTH: usize = 14;
 }
 
 /// Fields of [`ContactTables::pair`].

@@ -59,6 +59,9 @@ fn inwards<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, h: M::R) {
             p.set(p.get() + carried_p);
         }
         if CONTACTS {
+            if t.presses() {
+                p.set(p.get() - k.spatial(t.pressure, n, 0));
+            }
             for s in k.range(links[node_link::SLOT_BEGIN], links[node_link::SLOT_END]) {
                 for _ in k.if_any(k.load(t.load, s, load::ON).gt(M::R::zero())) {
                     let (mass, force) = contact::burden(k, t, s, h);

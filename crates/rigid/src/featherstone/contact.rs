@@ -64,7 +64,8 @@ pub(crate) mod load {
     // cₙ if the point pressed follows u*.
     /// f, 3.
     pub const FORCE: usize = 11;
-    pub const WIDTH: usize = 14;
+    // cₙ and cₜ that f came from follow.
+    pub const WIDTH: usize = 16;
 }
 
 impl<M: Machine> Places<M> for Tables {
@@ -125,7 +126,12 @@ fn approach<M: Machine>(
     let (speed, u0_n) = (n.dot(v), n.dot(u0));
 
     let (target, c) = law(k, t, pair, distance, speed, h);
-    let on = M::R::select(near & h.fma(u0_n, distance).lt(zero), one, zero);
+    let kept = k.load(t.touch, s, contact::DISTANCE);
+    let force = k.vec3(t.touch, s, contact::FORCE);
+    let known = kept.lt(M::R::lit(0.5 * FAR));
+    let pressed = n.dot(force).gt(zero);
+    let reaches = u0_n.lt(target);
+    let on = M::R::select(near & ((known & pressed) | (!known & reaches)), one, zero);
     k.store_vec3(t.load, s, load::VELOCITY_0, u0);
     k.write(t.load, s, load::TARGET, [target, c]);
     let grip = k.load(t.grip, s, 0);
@@ -199,7 +205,7 @@ pub(crate) fn settle<M: Machine>(k: &mut M, t: &Tables, h: M::R, changes: &mut M
         let distance = k.load(t.contacts.slot, s, slot::DISTANCE);
         let near = distance.lt(M::R::lit(0.5 * FAR));
         for _ in k.if_any(near) {
-            let change = settle_one(k, t, s, h, distance);
+            let change = settle_one(k, t, s, h);
             let change = M::R::select(near, change, M::R::zero());
             changes.write(changes.read() + change);
         }
@@ -207,7 +213,7 @@ pub(crate) fn settle<M: Machine>(k: &mut M, t: &Tables, h: M::R, changes: &mut M
 }
 
 #[inline(always)]
-fn settle_one<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R, distance: M::R) -> M::R {
+fn settle_one<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) -> M::R {
     let (zero, one) = (M::R::zero(), M::R::one());
     let node = k.link(t.contacts.slot_links, s, slot_link::MOVER);
     let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
@@ -222,11 +228,12 @@ fn settle_one<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R, distance: M::
     let u_n = n.dot(u);
     let u_t = n.fma(-u_n, u);
     let f_n = c_n * (target - u_n);
-    k.store_vec3(t.load, s, load::FORCE, n * f_n - u_t * c_t);
+    let f = n * f_n - u_t * c_t;
+    k.write(t.load, s, load::FORCE, [f.x, f.y, f.z, c_n, c_t]);
 
     let pressed = on.gt(zero);
     let pulls = pressed & f_n.lt(zero);
-    let enters = (!pressed) & h.fma(u_n, distance).lt(zero);
+    let enters = (!pressed) & u_n.lt(target);
     let (friction, mass) = (
         k.load(t.contacts.pair, pair, pair_field::FRICTION),
         k.load(t.contacts.pair, pair, pair_field::MASS),
@@ -252,13 +259,33 @@ fn settle_one<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R, distance: M::
     change
 }
 
+/// What the forces become by the accelerations that impulses have added.
+#[inline(always)]
+pub(crate) fn give<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    for s in k.count(t.contacts.between) {
+        for _ in k.if_any(k.load(t.contacts.slot, s, slot::DISTANCE).lt(M::R::lit(0.5 * FAR))) {
+            let node = k.link(t.contacts.slot_links, s, slot_link::MOVER);
+            let (x, n) = (
+                k.vec3(t.contacts.slot, s, slot::POSITION),
+                k.vec3(t.contacts.slot, s, slot::NORMAL),
+            );
+            let [fx, fy, fz, c_n, c_t] = k.read(t.load, s, load::FORCE);
+            let u = at(k.spatial(t.frame, node, frame::INCREMENT), x) * h;
+            let f = Vec3::new(fx, fy, fz) - u * c_t - n * ((c_n - c_t) * n.dot(u));
+            k.store_vec3(t.load, s, load::FORCE, f);
+        }
+    }
+}
+
 /// Keeps the contacts of the step just made in the state, to be reported.
 #[inline(always)]
 pub(crate) fn keep<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     let far = M::R::lit(FAR);
-    for s in k.range(k.index(t.contacts.between), k.index(t.contacts.slots)) {
-        let force = gauss_seidel::force(k, t, s, h);
-        k.store_vec3(t.load, s, load::FORCE, force);
+    for s in gauss_seidel::between(k, t) {
+        for _ in k.if_any(gauss_seidel::near(k, t, s)) {
+            let force = gauss_seidel::force(k, t, s, h);
+            k.store_vec3(t.load, s, load::FORCE, force);
+        }
     }
     for s in k.count(t.contacts.slots) {
         let distance = k.load(t.contacts.slot, s, slot::DISTANCE);

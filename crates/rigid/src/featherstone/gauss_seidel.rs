@@ -9,8 +9,10 @@
 //! y = D^-½ L⁻¹ Jᵀ      (walk inwards with the wrench w of d at x:  u = Sᵀ w,  y = u / √D,  w ← w − U u / D)
 //! ```
 //!
-//! which has entries on the paths from the two nodes to the world only, and J M⁻¹ Jᵀ = Y Yᵀ. With
-//! z = Yᵀ λ for impulses λ [N·s], the velocity of a row is u⁰ + y · z, and a pass over the rows solves
+//! which has entries on the paths from the two nodes to the world only, and J M⁻¹ Jᵀ = Y Yᵀ. The
+//! impulses λ [N·s] start at those of the last step, which act as forces while the contacts with the
+//! ground are settled. With z = Yᵀ Δλ for what is added to them, the velocity of a row is u⁰ + y · z,
+//! and a pass over the rows solves
 //!
 //! ```text
 //! normal    uₙ + λₙ / (h cₙ) = u*,  λₙ ≥ 0
@@ -21,12 +23,13 @@
 //! [`contact`](super::contact)). Both tangents take one scalar step, and are shortened together.
 //! In the end one walk outwards turns z into accelerations: q̇ᵢ = zᵢ / √Dᵢ − Uᵢᵀ v / Dᵢ.
 //!
-//! Departure from the exact solution: as many passes as `Settings::contact_iterations`.
+//! Departures from the exact solution: as many passes as `Settings::contact_iterations`; contacts with
+//! the ground give way to what is added as springs do, but neither open nor close by it in that step.
 
-use super::contact::{at, law};
+use super::contact::{self, at, law, load};
 use super::tables::{Tables, couple_link, dof, frame, node_link, touch_link};
 use crate::contacts::{pair_field, slot, slot_link};
-use crate::output::contact;
+use crate::output::contact as touch;
 use collide::FAR;
 use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::Spatial;
@@ -34,6 +37,9 @@ use numbers::{Cell, Machine, Mat3, Real, Vec3};
 
 /// Smallest response of a row [1/kg], so that two bodies that cannot move do not divide by zero.
 const STIFFEST: f64 = 1e-12;
+
+/// Change of an impulse, as a share of the largest, that needs no further pass.
+const SMALL: f64 = 1e-3;
 
 /// Fields of [`Tables::impulse`], a row for each slot between bodies that move.
 pub(crate) mod impulse {
@@ -73,18 +79,70 @@ fn points<M: Machine>(k: &M, t: &Tables, s: M::I) -> (Vec3<M::R>, Vec3<M::R>) {
 
 /// True in the lanes where the contact may come to press.
 #[inline(always)]
-fn near<M: Machine>(k: &M, t: &Tables, s: M::I) -> <M::R as Real>::Mask {
+pub(crate) fn near<M: Machine>(k: &M, t: &Tables, s: M::I) -> <M::R as Real>::Mask {
     k.load(t.contacts.slot, s, slot::DISTANCE)
         .lt(M::R::lit(0.5 * FAR))
 }
 
+/// Lets the forces of the last step act where the same features touch still.
+///
+/// The passes over the contacts with the ground then know what presses on them.
+#[inline(always)]
+pub(crate) fn begin<M: Machine>(k: &mut M, t: &Tables) {
+    clear(k, t);
+    for s in between(k, t) {
+        for _ in k.if_any(near(k, t, s)) {
+            let f = kept(k, t, s);
+            press(k, t, s, f);
+        }
+    }
+}
+
+/// Lets the forces of [`Tables::touch`] act, which [`contact::recall`](super::contact::recall) has read.
+#[inline(always)]
+pub(crate) fn recall<M: Machine>(k: &mut M, t: &Tables) {
+    clear(k, t);
+    for s in between(k, t) {
+        for _ in k.if_any(near(k, t, s)) {
+            let f = k.vec3(t.load, s, load::FORCE_0);
+            press(k, t, s, f);
+        }
+    }
+}
+
+#[inline(always)]
+fn clear<M: Machine>(k: &mut M, t: &Tables) {
+    for n in k.range(k.index(t.trees), k.index(t.trees + t.nodes)) {
+        k.store_spatial(t.pressure, n, 0, Spatial::zero());
+    }
+}
+
+/// Force [N] of the last step on B, where the same features touch.
+#[inline(always)]
+fn kept<M: Machine>(k: &M, t: &Tables, s: M::I) -> Vec3<M::R> {
+    let [feature, fx, fy, fz] = k.read(t.touch, s, touch::FEATURE);
+    let same = feature.same(k.load(t.contacts.slot, s, slot::FEATURE)) & near(k, t, s);
+    Vec3::select(same, Vec3::new(fx, fy, fz), Vec3::zero())
+}
+
+/// Adds a force on B, and its reaction on A.
+#[inline(always)]
+fn press<M: Machine>(k: &mut M, t: &Tables, s: M::I, f: Vec3<M::R>) {
+    let couple = k.link(t.touch_links, s, touch_link::COUPLE);
+    let (x_a, x_b) = points(k, t, s);
+    let a = k.link(t.couple_links, couple, couple_link::NODE_A);
+    let b = k.link(t.couple_links, couple, couple_link::NODE_B);
+    let sum = k.spatial(t.pressure, b, 0) + Spatial::new(x_b.cross(f), f);
+    k.store_spatial(t.pressure, b, 0, sum);
+    let sum = k.spatial(t.pressure, a, 0) - Spatial::new(x_a.cross(f), f);
+    k.store_spatial(t.pressure, a, 0, sum);
+}
+
 /// Impulses of the contacts between bodies that move, and the accelerations that they add.
 ///
-/// Needs the accelerations without them. Starts from the impulses of the last step whatever the
-/// pass, so that a lane which needs no further pass keeps its bits while others do.
+/// Needs the accelerations under the forces of [`begin`].
 #[inline(always)]
 pub(crate) fn gauss_seidel<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
-    begin(k, t, h);
     for v in k.count(t.dofs) {
         k.store(t.response, v, 0, M::R::zero());
     }
@@ -96,38 +154,43 @@ pub(crate) fn gauss_seidel<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         }
     }
     for _ in k.if_any(any.read().gt(M::R::zero())) {
-        for _ in k.count(t.iterations) {
-            for s in between(k, t) {
-                for _ in k.if_any(near(k, t, s)) {
-                    relax(k, t, s);
-                }
+        iterate(k, t);
+        respond(k, t, h);
+        contact::give(k, t, h);
+    }
+}
+
+/// Passes over the contacts until nothing changes by more than [`SMALL`].
+///
+/// A lane that has come so far stands still, so that its bits do not depend on its neighbours'.
+#[inline(always)]
+fn iterate<M: Machine>(k: &mut M, t: &Tables) {
+    let (zero, one) = (M::R::zero(), M::R::one());
+    let mut moves = k.cell(one);
+    for _ in k.count(t.iterations) {
+        let on = moves.read();
+        let mut change = k.cell(zero);
+        let mut most = k.cell(zero);
+        for s in between(k, t) {
+            for _ in k.if_any(near(k, t, s)) {
+                let (step, size) = relax(k, t, s, on);
+                change.write(change.read().max(step));
+                most.write(most.read().max(size));
             }
         }
-        respond(k, t, h);
+        let open = change.read().gt(most.read() * M::R::lit(SMALL * SMALL));
+        let next = M::R::select(open, on, zero);
+        moves.write(next);
+        if k.finished(next.same(zero)) {
+            break;
+        }
     }
 }
 
 /// The slots between bodies that move.
 #[inline(always)]
-fn between<M: Machine>(k: &M, t: &Tables) -> M::Rounds {
+pub(crate) fn between<M: Machine>(k: &M, t: &Tables) -> M::Rounds {
     k.range(k.index(t.contacts.between), k.index(t.contacts.slots))
-}
-
-/// Impulses start at those of the last step, where the same features touch.
-#[inline(always)]
-fn begin<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
-    for s in between(k, t) {
-        let near = near(k, t, s);
-        k.store_vec3(t.impulse, s, impulse::LAMBDA, Vec3::zero());
-        for _ in k.if_any(near) {
-            let [feature, fx, fy, fz] = k.read(t.touch, s, contact::FEATURE);
-            let same = feature.same(k.load(t.contacts.slot, s, slot::FEATURE)) & near;
-            let e = basis(k.vec3(t.contacts.slot, s, slot::NORMAL));
-            let lambda = e.transpose_mul(Vec3::new(fx, fy, fz) * h);
-            let lambda = Vec3::select(same, lambda, Vec3::zero());
-            k.store_vec3(t.impulse, s, impulse::LAMBDA, lambda);
-        }
-    }
 }
 
 /// The rows of a contact: y, velocities without impulses, responses.
@@ -172,8 +235,8 @@ fn row<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
         [u.x, u.y, u.z, target, softness, normal, tangent],
     );
     k.store_vec3(t.impulse, s, impulse::TANGENT, e.y);
-    let lambda = k.vec3(t.impulse, s, impulse::LAMBDA);
-    push(k, t, s, lambda);
+    let lambda = e.transpose_mul(kept(k, t, s) * h);
+    k.store_vec3(t.impulse, s, impulse::LAMBDA, lambda);
 }
 
 /// Velocity of one side at x before the step, and after it without impulses.
@@ -237,9 +300,9 @@ fn push<M: Machine>(k: &mut M, t: &Tables, s: M::I, lambda: Vec3<M::R>) {
     }
 }
 
-/// One contact of one pass.
+/// One contact of one pass, where `on` is 1; squares of the change of its impulse, and of the impulse.
 #[inline(always)]
-fn relax<M: Machine>(k: &mut M, t: &Tables, s: M::I) {
+fn relax<M: Machine>(k: &mut M, t: &Tables, s: M::I, on: M::R) -> (M::R, M::R) {
     let couple = k.link(t.touch_links, s, touch_link::COUPLE);
     let first = k.link(t.touch_links, s, touch_link::ENTRY);
     let names = k.link(t.couple_links, couple, couple_link::ENTRY_BEGIN);
@@ -266,8 +329,11 @@ fn relax<M: Machine>(k: &mut M, t: &Tables, s: M::I) {
     let limit = friction * n;
     let share = limit / length.max(limit).max(M::R::lit(STIFFEST));
     let new = Vec3::new(n, one * share, two * share);
+    let step = (new - old) * on;
+    let new = old + step;
     k.store_vec3(t.impulse, s, impulse::LAMBDA, new);
-    push(k, t, s, new - old);
+    push(k, t, s, step);
+    (step.length_squared(), new.length_squared())
 }
 
 /// Walks outwards: adds what z means to the accelerations.
@@ -306,43 +372,4 @@ pub(crate) fn force<M: Machine>(k: &M, t: &Tables, s: M::I, h: M::R) -> Vec3<M::
     let first = k.vec3(t.impulse, s, impulse::TANGENT);
     let lambda = k.vec3(t.impulse, s, impulse::LAMBDA) * h.recip();
     Mat3::from_columns(n, first, n.cross(first)) * lambda
-}
-
-/// Adds the accelerations under the forces of [`Tables::touch`], which act on both sides.
-#[inline(always)]
-pub(crate) fn recall<M: Machine>(k: &mut M, t: &Tables) {
-    let one = M::R::one();
-    for v in k.count(t.dofs) {
-        k.store(t.response, v, 0, M::R::zero());
-    }
-    for s in between(k, t) {
-        for _ in k.if_any(near(k, t, s)) {
-            let (x_a, x_b) = points(k, t, s);
-            let f = k.vec3(t.load, s, super::contact::load::FORCE_0);
-            carry(k, t, s, couple_link::B_BEGIN, x_b, f);
-            carry(k, t, s, couple_link::A_BEGIN, x_a, -f);
-        }
-    }
-    for _ in k.when(k.less(k.index(t.contacts.between), k.index(t.contacts.slots))) {
-        respond(k, t, one);
-    }
-}
-
-/// Walks inwards from one side of a contact with a force; adds it to z.
-#[inline(always)]
-fn carry<M: Machine>(k: &mut M, t: &Tables, s: M::I, side: usize, x: Vec3<M::R>, f: Vec3<M::R>) {
-    let couple = k.link(t.touch_links, s, touch_link::COUPLE);
-    let mut wrench = Spatial::new(x.cross(f), f).hold(k);
-    let begin = k.link(t.couple_links, couple, side);
-    let end = k.link(t.couple_links, couple, side + 1);
-    for step in k.range(begin, end) {
-        let [v, _] = k.link_row(t.path_links, step);
-        let inverse = k.load(t.dof, v, dof::INVERSE);
-        let along = k.spatial(t.dof, v, dof::AXIS).dot(wrench.get());
-        let moved = k
-            .spatial(t.dof, v, dof::U)
-            .fma(-(along * inverse), wrench.get());
-        wrench.set(moved);
-        k.add(t.response, v, 0, along * inverse.sqrt());
-    }
 }

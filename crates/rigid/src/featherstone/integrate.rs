@@ -17,7 +17,7 @@ use super::Integrator;
 use super::articulated_body::{along, articulated_body};
 use super::contact;
 use super::force::{forces, smooth_targets};
-use super::gauss_seidel::gauss_seidel;
+use super::gauss_seidel;
 use super::kinematics::kinematics;
 use super::report::gather;
 use super::tables::{Tables, dof};
@@ -102,14 +102,19 @@ fn accelerate<M: Machine, const CONTACTS: bool>(
     forces(k, t, implicit);
     if CONTACTS {
         contact::meet(k, t, h);
+        if t.presses() {
+            gauss_seidel::begin(k, t);
+        }
         for _ in k.count(t.passes) {
             articulated_body::<M, true>(k, t, h);
-            gauss_seidel(k, t, h);
             let mut changes = k.cell(M::R::zero());
             contact::settle(k, t, h, &mut changes);
             if k.finished(changes.read().same(M::R::zero())) {
                 break;
             }
+        }
+        if t.presses() {
+            gauss_seidel::gauss_seidel(k, t, h);
         }
     } else {
         articulated_body::<M, false>(k, t, h);

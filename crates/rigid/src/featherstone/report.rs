@@ -24,12 +24,12 @@ pub(crate) fn report<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
     forces(k, t, now);
     if CONTACTS {
         contact::recall(k, t);
-    }
-    articulated_body::<M, CONTACTS>(k, t, now);
-    if CONTACTS {
-        gauss_seidel::recall(k, t);
+        if t.presses() {
+            gauss_seidel::recall(k, t);
+        }
         contact::report(k, t);
     }
+    articulated_body::<M, CONTACTS>(k, t, now);
     coordinates(k, t);
     bodies(k, t);
     wrenches(k, t);

@@ -220,6 +220,8 @@ pub struct Tables {
     pub(crate) entry: Table<Scratch, 3>,
     /// z, per degree of freedom.
     pub(crate) response: Table<Scratch>,
+    /// Wrench of the contacts with other bodies that move, per node, and per tree for the world.
+    pub(crate) pressure: Table<Scratch, 6>,
     /// Saved coordinates and velocities.
     pub(crate) saved_position: Table<Scratch>,
     pub(crate) saved_velocity: Table<Scratch>,
@@ -609,6 +611,11 @@ impl Tables {
         Ok((tables, filler))
     }
 
+    /// Whether bodies that move may touch each other.
+    pub(crate) fn presses(&self) -> bool {
+        self.contacts.between < self.contacts.slots
+    }
+
     fn layout(
         model: &Model,
         forest: &Forest,
@@ -693,6 +700,7 @@ impl Tables {
             impulse: Table::place(&mut t, contacts.slots),
             entry: Table::place(&mut t, couples.entries),
             response: Table::place(&mut t, if couples.slots.is_empty() { 0 } else { dofs }),
+            pressure: Table::place(&mut t, if couples.slots.is_empty() { 0 } else { rows }),
             saved_position: Table::place(&mut t, coordinates),
             saved_velocity: Table::place(&mut t, dofs),
             sum_velocity: Table::place(&mut t, dofs),
