@@ -1,9 +1,10 @@
 """MuJoCo's side of `cargo xtask bench`.
 
 `prepare` writes the chain models and `cases.json` (what to simulate, and where the tip of a chain must be
-after one second); `measure` runs every case once and prints one JSON record a line. Contacts and constraints
-are off; batches go through `mujoco.rollout`. Every run starts anew after `RESTART_STEPS`, so that none leaves
-the range in which explicit steps are stable.
+after one second); `measure` runs every case once and prints one JSON record a line. Batches go through
+`mujoco.rollout`. Without contacts, constraints are off, and every run starts anew after `RESTART_STEPS`, so
+that none leaves the range in which explicit steps are stable. With contacts, a run is as long as a robot
+takes to fall and lie, and is driven by random controls.
 """
 
 import argparse
@@ -30,7 +31,13 @@ WORLDS = 4096
 THREADS = 2
 ROLLOUT_STEPS = 20  # steps per call of rollout, which bounds the size of its output
 RESTART_STEPS = 80
+FALL_STEPS = 400
 MEASURED_SECONDS = 1.0
+
+# How exactly robots that touch the ground are simulated: their joints after so long, against finer steps.
+ERROR_WORLDS = 64
+ERROR_STEPS = 100
+FINER = 16
 
 INTEGRATORS = {"euler": mujoco.mjtIntegrator.mjINT_EULER, "rk4": mujoco.mjtIntegrator.mjINT_RK4}
 
@@ -54,13 +61,25 @@ def chain_mjcf(links: int) -> str:
     )
 
 
-def load(path: str, integrator: str, timestep: float) -> mujoco.MjModel:
-    """Loads a model with contacts and constraints switched off."""
+def load(path: str, integrator: str, timestep: float, contacts: str = "none") -> mujoco.MjModel:
+    """Loads a model whose bodies touch nothing (nor are constrained otherwise), the ground, or all."""
     model = mujoco.MjModel.from_xml_path(path)
     model.opt.integrator = INTEGRATORS[integrator]
     model.opt.timestep = timestep
-    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+    if contacts == "none":
+        model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+    elif contacts == "ground":
+        model.geom_contype[:] = model.geom_bodyid == 0
+        model.geom_conaffinity[:] = model.geom_bodyid != 0
     return model
+
+
+def random_controls(model: mujoco.MjModel, worlds: int, steps: int) -> np.ndarray:
+    """Controls over the whole range, new ones every `ROLLOUT_STEPS`."""
+    low, high = model.actuator_ctrlrange.T
+    rng = np.random.default_rng(1)
+    drawn = rng.uniform(low, high, size=(worlds, steps // ROLLOUT_STEPS, model.nu))
+    return np.repeat(drawn, ROLLOUT_STEPS, axis=1)
 
 
 def tip_position(model: mujoco.MjModel, tip: dict) -> np.ndarray:
@@ -85,18 +104,20 @@ def chain_case(links: int, out: Path) -> dict:
         "path": str(path.resolve()),
         "timestep": CHAIN_STEP,
         "methods": ["euler", "rk4"],
+        "contacts": "none",
         "tip": tip,
     }
 
 
-def humanoid_case() -> dict:
-    """Gymnasium's humanoid, driven by constant random torques."""
+def humanoid_case(name: str, contacts: str) -> dict:
+    """Gymnasium's humanoid, driven by random torques; constant ones where it touches nothing."""
     path = Path(gymnasium.__file__).parent / "envs/mujoco/assets/humanoid.xml"
     return {
-        "case": "humanoid",
+        "case": name,
         "path": str(path),
         "timestep": HUMANOID_STEP,
         "methods": ["euler"],
+        "contacts": contacts,
         "tip": None,
     }
 
@@ -104,7 +125,10 @@ def humanoid_case() -> dict:
 def prepare(folder: Path) -> None:
     """Writes the models and `cases.json` into the folder."""
     folder.mkdir(parents=True, exist_ok=True)
-    cases = [chain_case(links, folder) for links in CHAIN_LINKS] + [humanoid_case()]
+    cases = [chain_case(links, folder) for links in CHAIN_LINKS]
+    cases.append(humanoid_case("humanoid", "none"))
+    cases.append(humanoid_case("humanoid on the ground", "ground"))
+    cases.append(humanoid_case("humanoid, all contacts", "all"))
     (folder / "cases.json").write_text(json.dumps(cases, indent=1))
 
 
@@ -118,7 +142,7 @@ def repetitions_per_second(run_once: Callable[[], None]) -> float:
     return repetitions / elapsed
 
 
-def batch_speed(model: mujoco.MjModel) -> float:
+def batch_speed(model: mujoco.MjModel, contacts: str) -> float:
     """World-steps per second of `WORLDS` worlds on `THREADS` threads, each started a little differently."""
     rng = np.random.default_rng(1)
     data = [mujoco.MjData(model) for _ in range(THREADS)]
@@ -129,29 +153,57 @@ def batch_speed(model: mujoco.MjModel) -> float:
     initial[:, -model.nv :] += 0.01 * rng.normal(size=(WORLDS, model.nv))
     states = np.zeros((WORLDS, ROLLOUT_STEPS, start.size))
     sensors = np.zeros((WORLDS, ROLLOUT_STEPS, model.nsensordata))
-
-    control = np.repeat(0.1 * rng.normal(size=(WORLDS, 1, model.nu)), ROLLOUT_STEPS, axis=1)
+    if contacts == "none":
+        steps = RESTART_STEPS
+        drawn = 0.1 * rng.normal(size=(WORLDS, 1, model.nu))
+        control = np.repeat(drawn, steps, axis=1)
+    else:
+        steps = FALL_STEPS
+        control = random_controls(model, WORLDS, steps)
 
     with mujoco.rollout.Rollout(nthread=THREADS) as pool:
 
         def run_once() -> None:
             current = initial
-            for _ in range(RESTART_STEPS // ROLLOUT_STEPS):
-                pool.rollout(model, data, current, control, state=states, sensordata=sensors)
+            for i in range(0, steps, ROLLOUT_STEPS):
+                part = np.ascontiguousarray(control[:, i : i + ROLLOUT_STEPS])
+                pool.rollout(model, data, current, part, state=states, sensordata=sensors)
                 current = states[:, -1].copy()
 
-        return WORLDS * RESTART_STEPS * repetitions_per_second(run_once)
+        return WORLDS * steps * repetitions_per_second(run_once)
 
 
-def single_speed(model: mujoco.MjModel) -> float:
+def single_speed(model: mujoco.MjModel, contacts: str) -> float:
     """Steps per second of one world on one thread, stepped inside MuJoCo without returning to Python."""
     data = mujoco.MjData(model)
+    steps = RESTART_STEPS if contacts == "none" else FALL_STEPS
+    control = random_controls(model, 1, steps)[0] if contacts != "none" else np.zeros((steps, model.nu))
 
     def run_once() -> None:
         mujoco.mj_resetData(model, data)
-        mujoco.mj_step(model, data, nstep=RESTART_STEPS)
+        for i in range(0, steps, ROLLOUT_STEPS):
+            data.ctrl[:] = control[i]
+            mujoco.mj_step(model, data, nstep=ROLLOUT_STEPS)
 
-    return RESTART_STEPS * repetitions_per_second(run_once)
+    return steps * repetitions_per_second(run_once)
+
+
+def joint_error(case: dict, method: str) -> float:
+    """Median over worlds of the root mean square difference [m and rad] of the joints to `FINER` steps."""
+    ends = []
+    for finer in (1, FINER):
+        model = load(case["path"], method, case["timestep"] / finer, case["contacts"])
+        control = random_controls(model, ERROR_WORLDS, ERROR_STEPS)
+        data = mujoco.MjData(model)
+        end = []
+        for world in range(ERROR_WORLDS):
+            mujoco.mj_resetData(model, data)
+            for step in range(ERROR_STEPS):
+                data.ctrl[:] = control[world, step]
+                mujoco.mj_step(model, data, nstep=finer)
+            end.append(data.qpos.copy())
+        ends.append(np.array(end))
+    return float(np.median(np.sqrt(np.mean((ends[0] - ends[1]) ** 2, axis=1))))
 
 
 def load_seconds(path: str) -> float:
@@ -174,12 +226,17 @@ def measure(folder: Path) -> Iterator[dict]:
         yield {"kind": "load", "case": name, "seconds": load_seconds(case["path"])}
         yield {"kind": "memory", "case": name, "bytes": world_bytes(case["path"])}
         for method in case["methods"]:
-            model = load(case["path"], method, case["timestep"])
+            contacts = case["contacts"]
+            model = load(case["path"], method, case["timestep"], contacts)
             tip = case["tip"]
             error = tip and float(np.linalg.norm(tip_position(model, tip) - tip["reference"]))
-            shared = {"kind": "speed", "case": name, "method": method, "tip_error": error}
-            yield shared | {"worlds": WORLDS, "threads": THREADS, "steps_per_second": batch_speed(model)}
-            yield shared | {"worlds": 1, "threads": 1, "steps_per_second": single_speed(model)}
+            if contacts != "none":
+                error = joint_error(case, method)
+            shared = {"kind": "speed", "case": name, "method": method, "error": error}
+            speed = batch_speed(model, contacts)
+            yield shared | {"worlds": WORLDS, "threads": THREADS, "steps_per_second": speed}
+            speed = single_speed(model, contacts)
+            yield shared | {"worlds": 1, "threads": 1, "steps_per_second": speed}
 
 
 def main() -> None:

@@ -19,13 +19,15 @@ const TABLES_END: &str = "<!-- to here -->";
 #[derive(Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 enum Record {
-    /// World-steps per second, and the distance of a chain's tip from its reference after one second [m].
+    /// World-steps per second, and an error: the distance of a chain's tip from its reference after
+    /// one second [m]; of a robot that touches the ground, the difference of its joints from those of
+    /// finer steps [m and rad].
     Speed {
         case: String,
         method: String,
         worlds: u32,
         steps_per_second: f64,
-        tip_error: Option<f64>,
+        error: Option<f64>,
     },
     /// From the file to the end of the first step [s].
     Load { case: String, seconds: f64 },
@@ -45,7 +47,7 @@ struct Comparison {
 const BATCH: u32 = 4096;
 
 #[rustfmt::skip]
-const COMPARISONS: [Comparison; 11] = [
+const COMPARISONS: [Comparison; 15] = [
     Comparison { case: "chain_10", worlds: BATCH, ours: "euler",  theirs: "euler", goal: Some(24.0) },
     Comparison { case: "chain_10", worlds: BATCH, ours: "rk4",    theirs: "rk4",   goal: None },
     Comparison { case: "chain_10", worlds: BATCH, ours: "xpbd_4", theirs: "euler", goal: None },
@@ -57,6 +59,10 @@ const COMPARISONS: [Comparison; 11] = [
     Comparison { case: "humanoid", worlds: BATCH, ours: "euler",  theirs: "euler", goal: Some(40.0) },
     Comparison { case: "humanoid", worlds: BATCH, ours: "xpbd_4", theirs: "euler", goal: None },
     Comparison { case: "humanoid", worlds: 1,     ours: "euler",  theirs: "euler", goal: Some(4.0) },
+    Comparison { case: "humanoid on the ground", worlds: BATCH, ours: "euler", theirs: "euler", goal: Some(40.0) },
+    Comparison { case: "humanoid on the ground", worlds: 1,     ours: "euler", theirs: "euler", goal: Some(4.0) },
+    Comparison { case: "humanoid, all contacts", worlds: BATCH, ours: "euler", theirs: "euler", goal: Some(20.0) },
+    Comparison { case: "humanoid, all contacts", worlds: 1,     ours: "euler", theirs: "euler", goal: None },
 ];
 
 pub fn run(workshop: &Workshop, repetitions: usize) -> Result<()> {
@@ -134,7 +140,7 @@ fn machine(workshop: &Workshop) -> Result<String> {
 
 fn speeds(ours: &[Record], theirs: &[Record]) -> Result<String> {
     let mut table = String::from(
-        "| case | worlds | Kinetarium | steps/s | tip error | MuJoCo | steps/s | tip error | ratio | goal |\n\
+        "| case | worlds | Kinetarium | steps/s | error | MuJoCo | steps/s | error | ratio | goal |\n\
          |---|--:|---|--:|--:|---|--:|--:|--:|--:|\n",
     );
     for Comparison {
@@ -155,9 +161,9 @@ fn speeds(ours: &[Record], theirs: &[Record]) -> Result<String> {
             table,
             "| {case} | {worlds} | {our_method} | {} | {} | {their_method} | {} | {} | {ratio:.1} | {goal} |",
             rate(our_speed),
-            metres(our_error),
+            scientific(our_error),
             rate(their_speed),
-            metres(their_error),
+            scientific(their_error),
         )?;
     }
     Ok(table)
@@ -192,7 +198,7 @@ fn sizes(ours: &[Record], theirs: &[Record]) -> Result<String> {
     Ok(table)
 }
 
-/// Median world-steps per second, and the tip's error [m] where the case has a tip.
+/// Median world-steps per second, and the error where the case has one.
 fn speed(records: &[Record], case: &str, method: &str, worlds: u32) -> Result<(f64, Option<f64>)> {
     let wanted = |record: &Record| match record {
         Record::Speed {
@@ -200,14 +206,14 @@ fn speed(records: &[Record], case: &str, method: &str, worlds: u32) -> Result<(f
             method: m,
             worlds: w,
             steps_per_second,
-            tip_error,
-        } => (c == case && m == method && *w == worlds).then_some((*steps_per_second, *tip_error)),
+            error,
+        } => (c == case && m == method && *w == worlds).then_some((*steps_per_second, *error)),
         _ => None,
     };
     let speed = median(records, |record| wanted(record).map(|(speed, _)| speed))
         .with_context(|| format!("case {case}, method {method}, {worlds} worlds"))?;
-    let tip_error = records.iter().find_map(wanted).and_then(|(_, error)| error);
-    Ok((speed, tip_error))
+    let error = records.iter().find_map(wanted).and_then(|(_, error)| error);
+    Ok((speed, error))
 }
 
 fn median(records: &[Record], value: impl Fn(&Record) -> Option<f64>) -> Result<f64> {
@@ -230,8 +236,8 @@ fn rate(per_second: f64) -> String {
     }
 }
 
-fn metres(error: Option<f64>) -> String {
-    error.map_or(String::new(), |error| format!("{error:.1e} m"))
+fn scientific(error: Option<f64>) -> String {
+    error.map_or(String::new(), |error| format!("{error:.1e}"))
 }
 
 /// Puts the tables between the report's two markers.
@@ -254,10 +260,10 @@ fn rewrite_report(workshop: &Workshop, tables: &str) -> Result<()> {
 mod tests {
     use super::*;
 
-    const LINES: &str = r#"{"kind": "speed", "case": "chain_10", "method": "euler", "worlds": 1, "steps_per_second": 3.0, "tip_error": 0.5}
-{"kind": "speed", "case": "chain_10", "method": "euler", "worlds": 1, "steps_per_second": 1.0, "tip_error": 0.5}
-{"kind": "speed", "case": "chain_10", "method": "euler", "worlds": 1, "steps_per_second": 7.0, "tip_error": 0.5}
-{"kind": "speed", "case": "chain_10", "method": "rk4", "worlds": 1, "steps_per_second": 100.0, "tip_error": null}
+    const LINES: &str = r#"{"kind": "speed", "case": "chain_10", "method": "euler", "worlds": 1, "steps_per_second": 3.0, "error": 0.5}
+{"kind": "speed", "case": "chain_10", "method": "euler", "worlds": 1, "steps_per_second": 1.0, "error": 0.5}
+{"kind": "speed", "case": "chain_10", "method": "euler", "worlds": 1, "steps_per_second": 7.0, "error": 0.5}
+{"kind": "speed", "case": "chain_10", "method": "rk4", "worlds": 1, "steps_per_second": 100.0, "error": null}
 {"kind": "load", "case": "humanoid", "seconds": 0.01}"#;
 
     #[test]

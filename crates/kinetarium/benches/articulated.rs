@@ -1,9 +1,10 @@
 //! Kinetarium's side of `cargo xtask bench`.
 //!
 //! Reads `cases.json` from the folder named, runs every case once, and prints one JSON record a
-//! line. Batches are stepped in single precision on two threads; every run starts anew after
-//! [`RESTART_STEPS`], so that none leaves the range in which explicit steps are stable. Only the
-//! stepping is timed.
+//! line. Batches are stepped in single precision on two threads. Without contacts, every run starts
+//! anew after [`RESTART_STEPS`], so that none leaves the range in which explicit steps are stable;
+//! with contacts, it is as long as a robot takes to fall and lie, and driven by random controls. Only
+//! the stepping is timed.
 
 use fastrand::Rng;
 use glam::DVec3;
@@ -11,12 +12,19 @@ use kinetarium::prelude::*;
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::error::Error;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 const WORLDS: usize = 4096;
 const THREADS: usize = 2;
 const RESTART_STEPS: usize = 80;
+const FALL_STEPS: usize = 400;
+/// Steps from one random control to the next.
+const HELD_STEPS: usize = 20;
+const ERROR_WORLDS: usize = 64;
+const ERROR_STEPS: usize = 100;
+/// How much finer the steps are that an error is measured against.
+const FINER: usize = 16;
 const MEASURED: Duration = Duration::from_secs(1);
 
 /// What to simulate.
@@ -28,7 +36,17 @@ struct Case {
     timestep: f64,
     /// Those of the peer; ours have an `xpbd_4` more.
     methods: Vec<String>,
+    contacts: Contacts,
     tip: Option<Tip>,
+}
+
+/// What bodies touch.
+#[derive(Clone, Copy, Deserialize, PartialEq)]
+#[serde(rename_all = "snake_case")]
+enum Contacts {
+    None,
+    Ground,
+    All,
 }
 
 /// Where a point of a body must be.
@@ -62,7 +80,7 @@ fn main() -> Outcome<()> {
 /// From the file to the end of the first step, and the bytes of a world.
 fn sizes(case: &Case) -> Outcome<()> {
     let begin = Instant::now();
-    let mut simulation = simulation(&load(&case.path)?, case, "euler", 1)?;
+    let mut simulation = simulation(&load(case)?, case, "euler", 1, 1)?;
     simulation.step(1);
     let seconds = begin.elapsed().as_secs_f64();
     print(json!({"kind": "load", "case": case.case, "seconds": seconds}));
@@ -71,21 +89,22 @@ fn sizes(case: &Case) -> Outcome<()> {
 }
 
 fn speeds(case: &Case) -> Outcome<()> {
-    let model = load(&case.path)?;
-    for method in case.methods.iter().map(String::as_str).chain(["xpbd_4"]) {
-        let tip_error = case
-            .tip
-            .as_ref()
-            .map(|tip| tip_error(&model, case, tip, method))
-            .transpose()?;
+    let model = load(case)?;
+    let further = (case.contacts == Contacts::None).then_some("xpbd_4");
+    for method in case.methods.iter().map(String::as_str).chain(further) {
+        let error = match &case.tip {
+            Some(tip) => Some(tip_error(&model, case, tip, method)?),
+            None if case.contacts == Contacts::None => None,
+            None => Some(joint_error(&model, case, method)?),
+        };
         for worlds in [WORLDS, 1] {
-            let mut simulation = simulation(&model, case, method, worlds)?;
+            let mut simulation = simulation(&model, case, method, worlds, 1)?;
             move_apart(&mut simulation)?;
-            let steps_per_second = worlds as f64 * steps_per_second(&mut simulation)?;
+            let steps_per_second = worlds as f64 * steps_per_second(&mut simulation, case)?;
             print(json!({
                 "kind": "speed", "case": case.case, "method": method, "worlds": worlds,
                 "threads": simulation.threads(), "steps_per_second": steps_per_second,
-                "tip_error": tip_error,
+                "error": error,
             }));
         }
     }
@@ -96,11 +115,25 @@ fn print(record: Value) {
     println!("{record}");
 }
 
-fn load(path: &Path) -> Outcome<Model> {
-    Ok(kinetarium::formats::load(path, &Options::default())?.model)
+fn load(case: &Case) -> Outcome<Model> {
+    let model = kinetarium::formats::load(&case.path, &Options::default())?.model;
+    if case.contacts != Contacts::Ground {
+        return Ok(model);
+    }
+    let mut parts = model.into_parts();
+    for shape in parts.shapes.iter_mut().filter(|s| s.body.is_some()) {
+        (shape.membership, shape.collides_with) = (2, 1);
+    }
+    Ok(Model::new(parts)?)
 }
 
-fn simulation(model: &Model, case: &Case, method: &str, worlds: usize) -> Outcome<Simulation<f32>> {
+fn simulation(
+    model: &Model,
+    case: &Case,
+    method: &str,
+    worlds: usize,
+    finer: usize,
+) -> Outcome<Simulation<f32>> {
     let (solver, integrator, substeps) = match method {
         "euler" => (SolverKind::Featherstone, Integrator::SemiImplicitEuler, 1),
         "rk4" => (SolverKind::Featherstone, Integrator::RungeKutta4, 1),
@@ -110,11 +143,11 @@ fn simulation(model: &Model, case: &Case, method: &str, worlds: usize) -> Outcom
     let step = Settings {
         substeps,
         integrator,
-        ..Settings::new(case.timestep)
+        ..Settings::new(case.timestep / finer as f64)
     };
     let threads = if worlds == 1 { 1 } else { THREADS };
     let settings = SimulationSettings {
-        contacts: false,
+        contacts: case.contacts != Contacts::None,
         solver,
         step,
         threads,
@@ -140,16 +173,56 @@ fn move_apart(simulation: &mut Simulation<f32>) -> Outcome<()> {
     Ok(())
 }
 
+/// Draws controls over the whole range for every world.
+fn drive(simulation: &mut Simulation<f32>, rng: &mut Rng) -> Outcome<()> {
+    let model = simulation.model().clone();
+    let ranges = model
+        .actuators
+        .iter()
+        .map(|a| a.control_range.unwrap_or((-1.0, 1.0)));
+    let ranges: Vec<(f64, f64)> = ranges.collect();
+    for world in 0..simulation.worlds() {
+        let drawn = ranges
+            .iter()
+            .map(|(low, high)| low + (high - low) * rng.f64());
+        let drawn: Vec<f64> = drawn.collect();
+        simulation.controls().set_control(world, &drawn)?;
+    }
+    Ok(())
+}
+
+/// One run; how long its steps took.
+fn perform(simulation: &mut Simulation<f32>, case: &Case) -> Outcome<Duration> {
+    let mut elapsed = Duration::ZERO;
+    let mut rng = Rng::with_seed(1);
+    let (steps, held) = length(case);
+    for _ in 0..steps / held {
+        if case.contacts != Contacts::None {
+            drive(simulation, &mut rng)?;
+        }
+        let begin = Instant::now();
+        simulation.step(held);
+        elapsed += begin.elapsed();
+    }
+    Ok(elapsed)
+}
+
+/// Steps of a run, and from one control to the next.
+fn length(case: &Case) -> (usize, usize) {
+    match case.contacts {
+        Contacts::None => (RESTART_STEPS, RESTART_STEPS),
+        Contacts::Ground | Contacts::All => (FALL_STEPS, HELD_STEPS),
+    }
+}
+
 /// Steps again and again from the present state, once to warm up and then for [`MEASURED`].
-fn steps_per_second(simulation: &mut Simulation<f32>) -> Outcome<f64> {
+fn steps_per_second(simulation: &mut Simulation<f32>, case: &Case) -> Outcome<f64> {
     let start = simulation.snapshot();
     let (mut elapsed, mut runs) = (Duration::ZERO, 0);
-    simulation.step(RESTART_STEPS);
+    perform(simulation, case)?;
     while elapsed < MEASURED {
         simulation.restore(&start)?;
-        let begin = Instant::now();
-        simulation.step(RESTART_STEPS);
-        elapsed += begin.elapsed();
+        elapsed += perform(simulation, case)?;
         runs += 1;
     }
     if let Some(lost) = simulation.diverged().first() {
@@ -159,12 +232,38 @@ fn steps_per_second(simulation: &mut Simulation<f32>) -> Outcome<f64> {
         )
         .into());
     }
-    Ok((runs * RESTART_STEPS) as f64 / elapsed.as_secs_f64())
+    Ok((runs * length(case).0) as f64 / elapsed.as_secs_f64())
+}
+
+/// Median over worlds of the root mean square difference [m and rad] of the joints to finer steps.
+fn joint_error(model: &Model, case: &Case, method: &str) -> Outcome<f64> {
+    let mut ends = Vec::new();
+    for finer in [1, FINER] {
+        let mut simulation = simulation(model, case, method, ERROR_WORLDS, finer)?;
+        let mut rng = Rng::with_seed(1);
+        for _ in 0..ERROR_STEPS / HELD_STEPS {
+            drive(&mut simulation, &mut rng)?;
+            simulation.step(HELD_STEPS * finer);
+        }
+        let outputs = simulation.outputs();
+        ends.push(
+            (0..ERROR_WORLDS)
+                .map(|w| outputs.joint_position(w))
+                .collect::<Vec<_>>(),
+        );
+    }
+    let difference = |(a, b): (&Vec<f64>, &Vec<f64>)| {
+        let squares = a.iter().zip(b).map(|(a, b)| (a - b).powi(2));
+        (squares.sum::<f64>() / a.len() as f64).sqrt()
+    };
+    let mut errors: Vec<f64> = ends[0].iter().zip(&ends[1]).map(difference).collect();
+    errors.sort_by(f64::total_cmp);
+    Ok(0.5 * (errors[ERROR_WORLDS / 2 - 1] + errors[ERROR_WORLDS / 2]))
 }
 
 /// Distance of the tip from where it must be [m], started from the model's own state at rest.
 fn tip_error(model: &Model, case: &Case, tip: &Tip, method: &str) -> Outcome<f64> {
-    let mut simulation = simulation(model, case, method, 1)?;
+    let mut simulation = simulation(model, case, method, 1, 1)?;
     simulation.step((tip.time / case.timestep).round() as usize);
     let pose = simulation.outputs().body_pose(0, model.body(&tip.body)?);
     let reached = pose.position + pose.orientation * DVec3::from_array(tip.offset);

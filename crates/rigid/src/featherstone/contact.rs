@@ -263,7 +263,10 @@ fn settle_one<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) -> M::R {
 #[inline(always)]
 pub(crate) fn give<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     for s in k.count(t.contacts.between) {
-        for _ in k.if_any(k.load(t.contacts.slot, s, slot::DISTANCE).lt(M::R::lit(0.5 * FAR))) {
+        for _ in k.if_any(
+            k.load(t.contacts.slot, s, slot::DISTANCE)
+                .lt(M::R::lit(0.5 * FAR)),
+        ) {
             let node = k.link(t.contacts.slot_links, s, slot_link::MOVER);
             let (x, n) = (
                 k.vec3(t.contacts.slot, s, slot::POSITION),
