@@ -118,7 +118,7 @@ macro_rules! scalar {
             #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
             type Simd128 = lanes::simd128::$lanes;
             type Portable = lanes::array::$lanes;
-            type Unfused = lanes::Wide<$t>;
+            type Unfused = lanes::array::Unfused<$t>;
             #[inline(always)]
             fn to_f64(self) -> f64 {
                 self as f64

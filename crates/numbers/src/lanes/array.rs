@@ -1,4 +1,4 @@
-//! Scalars as registers of one lane, and arrays of them: for any machine.
+//! One scalar without a fused multiply-add, and arrays of them: for any machine.
 //!
 //! There may be no fused multiply-add here, so `fma` rounds twice; nor an
 //! instruction that rounds to a whole number, so sums do it. Operations on arrays
@@ -6,125 +6,170 @@
 //! vectors the machine has; inlined into a kernel, such loops would be scalar code
 //! of many times the size.
 
-use super::{Layout, Register, Wide};
-use crate::{LanesMask, Mask, Real};
-use core::ops::{BitAnd, BitOr, Not};
+use super::Layout;
+use crate::{Lanes, LanesMask, Mask, Real};
+use bytemuck::{Pod, Zeroable};
+use core::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Sub, SubAssign};
 
-/// `N` scalars; `Wide<T>` is one.
-pub type Array<T, const N: usize> = Wide<[T; N]>;
 /// Sixteen `f32`.
-pub type F32x16 = Array<f32, 16>;
+pub type F32x16 = Array<Unfused<f32>, 16>;
 /// Eight `f64`.
-pub type F64x8 = Array<f64, 8>;
+pub type F64x8 = Array<Unfused<f64>, 8>;
 
-macro_rules! scalar {
-    ($t:ident, $mantissa:literal) => {
-        impl Register for $t {
-            type Scalar = $t;
-            type Mask = bool;
-            const WIDTH: usize = 1;
+/// A scalar.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct Unfused<T>(T);
 
+/// `N` of them.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct Array<R, const N: usize>([R; N]);
+
+macro_rules! operators {
+    ($($operator:ident $name:ident)+) => {$(
+        impl<T: Layout> $operator for Unfused<T> {
+            type Output = Self;
             #[inline(always)]
-            fn splat(x: $t) -> Self {
-                x
-            }
-            #[inline(always)]
-            fn add(a: Self, b: Self) -> Self {
-                a + b
-            }
-            #[inline(always)]
-            fn sub(a: Self, b: Self) -> Self {
-                a - b
-            }
-            #[inline(always)]
-            fn mul(a: Self, b: Self) -> Self {
-                a * b
-            }
-            #[inline(always)]
-            fn div(a: Self, b: Self) -> Self {
-                a / b
-            }
-            #[inline(always)]
-            fn fma(a: Self, b: Self, c: Self) -> Self {
-                a * b + c
-            }
-            #[inline(always)]
-            fn sqrt(a: Self) -> Self {
-                Real::sqrt(a)
-            }
-            #[inline(always)]
-            fn min(a: Self, b: Self) -> Self {
-                Real::min(a, b)
-            }
-            #[inline(always)]
-            fn max(a: Self, b: Self) -> Self {
-                Real::max(a, b)
-            }
-            #[inline(always)]
-            fn lt(a: Self, b: Self) -> bool {
-                a < b
-            }
-            #[inline(always)]
-            fn le(a: Self, b: Self) -> bool {
-                a <= b
-            }
-            #[inline(always)]
-            fn eq(a: Self, b: Self) -> bool {
-                a == b
-            }
-            #[inline(always)]
-            fn select(mask: bool, yes: Self, no: Self) -> Self {
-                Real::select(mask, yes, no)
-            }
-            #[inline(always)]
-            fn round(a: Self) -> Self {
-                // Beside `whole` there is no room for a fraction; larger numbers have none.
-                let (size, whole) = (Real::abs(a), $t::WHOLE);
-                let rounded = Real::copysign((size + whole) - whole, a);
-                Real::select(size < whole, rounded, a)
-            }
-            #[inline(always)]
-            fn floor(a: Self) -> Self {
-                let rounded = <Self as Register>::round(a);
-                Real::select(rounded > a, rounded - 1.0, rounded)
-            }
-            #[inline(always)]
-            fn and(a: Self, b: Self) -> Self {
-                $t::from_bits(a.to_bits() & b.to_bits())
-            }
-            #[inline(always)]
-            fn or(a: Self, b: Self) -> Self {
-                $t::from_bits(a.to_bits() | b.to_bits())
-            }
-            #[inline(always)]
-            fn xor(a: Self, b: Self) -> Self {
-                $t::from_bits(a.to_bits() ^ b.to_bits())
-            }
-            #[inline(always)]
-            fn to_exponent(a: Self) -> Self {
-                $t::from_bits(a.to_bits() << $mantissa)
-            }
-            #[inline(always)]
-            fn from_exponent(a: Self) -> Self {
-                $t::from_bits(a.to_bits() >> $mantissa)
+            fn $name(self, other: Self) -> Self {
+                Self(self.0.$name(other.0))
             }
         }
-    };
+        impl<R: Lanes, const N: usize> $operator for Array<R, N> {
+            type Output = Self;
+            #[inline(never)]
+            fn $name(mut self, other: Self) -> Self {
+                for i in 0..N {
+                    self.0[i] = self.0[i].$name(other.0[i]);
+                }
+                self
+            }
+        }
+    )+};
 }
 
-scalar!(f32, 23);
-scalar!(f64, 52);
+operators! { Add add Sub sub Mul mul Div div }
 
-/// Instructions on each element.
-macro_rules! each {
-    ($($name:ident($first:ident $(, $arg:ident)*);)+) => {$(
-        #[inline(never)]
-        fn $name($first: Self $(, $arg: Self)*) -> Self {
-            let mut out = $first;
-            for i in 0..N {
-                out[i] = V::$name($first[i] $(, $arg[i])*);
+macro_rules! assignments {
+    ($($operator:ident $name:ident $op:tt)+) => {$(
+        impl<T: Layout> $operator for Unfused<T> {
+            #[inline(always)]
+            fn $name(&mut self, other: Self) {
+                *self = *self $op other;
             }
-            out
+        }
+        impl<R: Lanes, const N: usize> $operator for Array<R, N> {
+            #[inline(always)]
+            fn $name(&mut self, other: Self) {
+                *self = *self $op other;
+            }
+        }
+    )+};
+}
+
+assignments! { AddAssign add_assign + SubAssign sub_assign - MulAssign mul_assign * }
+
+impl<T: Layout> Neg for Unfused<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+/// Operations as the scalar does them.
+macro_rules! as_scalar {
+    ($($name:ident($($arg:ident),*);)+) => {$(
+        #[inline(always)]
+        fn $name(self $(, $arg: Self)*) -> Self {
+            Self(self.0.$name($($arg.0),*))
+        }
+    )+};
+}
+
+impl<T: Layout> Real for Unfused<T> {
+    type Scalar = T;
+    type Mask = bool;
+
+    #[inline(always)]
+    fn lit(x: f64) -> Self {
+        Self(T::lit(x))
+    }
+    #[inline(always)]
+    fn splat(x: T) -> Self {
+        Self(x)
+    }
+    #[inline(always)]
+    fn fma(self, b: Self, c: Self) -> Self {
+        self * b + c
+    }
+    #[inline(always)]
+    fn floor(self) -> Self {
+        let rounded = self.round();
+        Self::select(rounded.gt(self), rounded - Self::one(), rounded)
+    }
+    #[inline(always)]
+    fn round(self) -> Self {
+        // Beside `whole` there is no room for a fraction; larger numbers have none.
+        let (size, whole) = (self.abs(), Self(T::WHOLE));
+        let rounded = ((size + whole) - whole).copysign(self);
+        Self::select(size.lt(whole), rounded, self)
+    }
+    #[inline(always)]
+    fn frexp(self) -> (Self, Self) {
+        let (m, e) = self.0.frexp();
+        (Self(m), Self(e))
+    }
+    as_scalar! {
+        sqrt();
+        abs();
+        min(other);
+        max(other);
+        copysign(sign);
+        ldexp(n);
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> bool {
+        self.0.lt(other.0)
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> bool {
+        self.0.le(other.0)
+    }
+    #[inline(always)]
+    fn same(self, other: Self) -> bool {
+        self.0.same(other.0)
+    }
+    #[inline(always)]
+    fn select(mask: bool, yes: Self, no: Self) -> Self {
+        Self(T::select(mask, yes.0, no.0))
+    }
+}
+
+impl<T: Layout> Lanes for Unfused<T> {
+    const WIDTH: usize = 1;
+}
+
+impl<R: Lanes, const N: usize> Neg for Array<R, N> {
+    type Output = Self;
+    #[inline(never)]
+    fn neg(mut self) -> Self {
+        for i in 0..N {
+            self.0[i] = -self.0[i];
+        }
+        self
+    }
+}
+
+/// Operations on each element.
+macro_rules! each {
+    ($($name:ident($($arg:ident),*);)+) => {$(
+        #[inline(never)]
+        fn $name(mut self $(, $arg: Self)*) -> Self {
+            for i in 0..N {
+                self.0[i] = self.0[i].$name($($arg.0[i]),*);
+            }
+            self
         }
     )+};
 }
@@ -133,51 +178,60 @@ macro_rules! each {
 macro_rules! comparisons {
     ($($name:ident)+) => {$(
         #[inline(never)]
-        fn $name(a: Self, b: Self) -> Self::Mask {
+        fn $name(self, other: Self) -> Self::Mask {
             let mut out = Each::splat(false);
             for i in 0..N {
-                out.0[i] = V::$name(a[i], b[i]);
+                out.0[i] = self.0[i].$name(other.0[i]);
             }
             out
         }
     )+};
 }
 
-impl<V: Register, const N: usize> Register for [V; N] {
-    type Scalar = V::Scalar;
-    type Mask = Each<V::Mask, N>;
-    const WIDTH: usize = N * V::WIDTH;
+impl<R: Lanes, const N: usize> Real for Array<R, N> {
+    type Scalar = R::Scalar;
+    type Mask = Each<R::Mask, N>;
 
     #[inline(never)]
-    fn splat(x: V::Scalar) -> Self {
-        [V::splat(x); N]
+    fn lit(x: f64) -> Self {
+        Self([R::lit(x); N])
+    }
+    #[inline(never)]
+    fn splat(x: R::Scalar) -> Self {
+        Self([R::splat(x); N])
+    }
+    #[inline(never)]
+    fn frexp(self) -> (Self, Self) {
+        let (mut m, mut e) = (self, self);
+        for i in 0..N {
+            (m.0[i], e.0[i]) = self.0[i].frexp();
+        }
+        (m, e)
     }
     #[inline(never)]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
         let mut out = no;
         for i in 0..N {
-            out[i] = V::select(mask.0[i], yes[i], no[i]);
+            out.0[i] = R::select(mask.0[i], yes.0[i], no.0[i]);
         }
         out
     }
     each! {
-        add(a, b);
-        sub(a, b);
-        mul(a, b);
-        div(a, b);
-        fma(a, b, c);
-        sqrt(a);
-        min(a, b);
-        max(a, b);
-        floor(a);
-        round(a);
-        and(a, b);
-        or(a, b);
-        xor(a, b);
-        to_exponent(a);
-        from_exponent(a);
+        fma(b, c);
+        sqrt();
+        abs();
+        min(other);
+        max(other);
+        floor();
+        round();
+        copysign(sign);
+        ldexp(n);
     }
-    comparisons! { lt le eq }
+    comparisons! { lt le same }
+}
+
+impl<R: Lanes, const N: usize> Lanes for Array<R, N> {
+    const WIDTH: usize = N * R::WIDTH;
 }
 
 /// A truth per element.
