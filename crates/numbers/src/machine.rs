@@ -514,8 +514,7 @@ fn place<const W: usize>(base: u32, row: u32, field: usize) -> usize {
 /// `N` neighbouring numbers, with one check of the bounds.
 #[inline(always)]
 fn neighbours<R: Copy, const N: usize>(memory: &[R], offset: usize) -> [R; N] {
-    let found: &[R; N] = (&memory[offset..offset + N]).try_into().expect("N of them");
-    *found
+    *memory[offset..offset + N].as_array().expect("N of them")
 }
 
 /// Where a CPU kernel finds the constants of the model.
@@ -668,10 +667,8 @@ where
             Kind::Scratch => &mut *self.scratch,
             Kind::Input | Kind::Parameter => unreachable!("not writable"),
         };
-        let found: &mut [R; N] = (&mut memory[offset..offset + N])
-            .try_into()
-            .expect("N of them");
-        *found = x;
+        let found = memory[offset..offset + N].as_mut_array();
+        *found.expect("N of them") = x;
     }
     #[inline(always)]
     fn link<const W: usize>(&self, links: Links<W>, row: u32, field: usize) -> u32 {

@@ -30,8 +30,8 @@ lanes! {
     bits {
         and(a, b) = _mm256_and_ps(a, b);
         or(a, b) = _mm256_or_ps(a, b);
-        to_exponent(a) = _mm256_castsi256_ps(_mm256_slli_epi32::<23>(_mm256_castps_si256(a)));
-        from_exponent(a) = _mm256_castsi256_ps(_mm256_srli_epi32::<23>(_mm256_castps_si256(a)));
+        shift_up(a) = _mm256_castsi256_ps(_mm256_slli_epi32::<23>(_mm256_castps_si256(a)));
+        shift_down(a) = _mm256_castsi256_ps(_mm256_srli_epi32::<23>(_mm256_castps_si256(a)));
     }
     comparisons {
         lt(a, b) = _mm256_cmp_ps::<_CMP_LT_OQ>(a, b);
@@ -74,8 +74,8 @@ lanes! {
     bits {
         and(a, b) = _mm256_and_pd(a, b);
         or(a, b) = _mm256_or_pd(a, b);
-        to_exponent(a) = _mm256_castsi256_pd(_mm256_slli_epi64::<52>(_mm256_castpd_si256(a)));
-        from_exponent(a) = _mm256_castsi256_pd(_mm256_srli_epi64::<52>(_mm256_castpd_si256(a)));
+        shift_up(a) = _mm256_castsi256_pd(_mm256_slli_epi64::<52>(_mm256_castpd_si256(a)));
+        shift_down(a) = _mm256_castsi256_pd(_mm256_srli_epi64::<52>(_mm256_castpd_si256(a)));
     }
     comparisons {
         lt(a, b) = _mm256_cmp_pd::<_CMP_LT_OQ>(a, b);

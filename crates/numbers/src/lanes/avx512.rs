@@ -31,8 +31,8 @@ lanes! {
     bits {
         and(a, b) = _mm512_and_ps(a, b);
         or(a, b) = _mm512_or_ps(a, b);
-        to_exponent(a) = _mm512_castsi512_ps(_mm512_slli_epi32::<23>(_mm512_castps_si512(a)));
-        from_exponent(a) = _mm512_castsi512_ps(_mm512_srli_epi32::<23>(_mm512_castps_si512(a)));
+        shift_up(a) = _mm512_castsi512_ps(_mm512_slli_epi32::<23>(_mm512_castps_si512(a)));
+        shift_down(a) = _mm512_castsi512_ps(_mm512_srli_epi32::<23>(_mm512_castps_si512(a)));
     }
     comparisons {
         lt(a, b) = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b);
@@ -75,8 +75,8 @@ lanes! {
     bits {
         and(a, b) = _mm512_and_pd(a, b);
         or(a, b) = _mm512_or_pd(a, b);
-        to_exponent(a) = _mm512_castsi512_pd(_mm512_slli_epi64::<52>(_mm512_castpd_si512(a)));
-        from_exponent(a) = _mm512_castsi512_pd(_mm512_srli_epi64::<52>(_mm512_castpd_si512(a)));
+        shift_up(a) = _mm512_castsi512_pd(_mm512_slli_epi64::<52>(_mm512_castpd_si512(a)));
+        shift_down(a) = _mm512_castsi512_pd(_mm512_srli_epi64::<52>(_mm512_castpd_si512(a)));
     }
     comparisons {
         lt(a, b) = _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b);

@@ -36,8 +36,8 @@ lanes! {
     bits {
         and(a, b) = single(vandq_u32(bits32(a), bits32(b)));
         or(a, b) = single(vorrq_u32(bits32(a), bits32(b)));
-        to_exponent(a) = single(vshlq_n_u32::<23>(bits32(a)));
-        from_exponent(a) = single(vshrq_n_u32::<23>(bits32(a)));
+        shift_up(a) = single(vshlq_n_u32::<23>(bits32(a)));
+        shift_down(a) = single(vshrq_n_u32::<23>(bits32(a)));
     }
     comparisons {
         lt(a, b) = vcltq_f32(a, b);
@@ -80,8 +80,8 @@ lanes! {
     bits {
         and(a, b) = double(vandq_u64(bits64(a), bits64(b)));
         or(a, b) = double(vorrq_u64(bits64(a), bits64(b)));
-        to_exponent(a) = double(vshlq_n_u64::<52>(bits64(a)));
-        from_exponent(a) = double(vshrq_n_u64::<52>(bits64(a)));
+        shift_up(a) = double(vshlq_n_u64::<52>(bits64(a)));
+        shift_down(a) = double(vshrq_n_u64::<52>(bits64(a)));
     }
     comparisons {
         lt(a, b) = vcltq_f64(a, b);

@@ -31,8 +31,8 @@ lanes! {
     bits {
         and(a, b) = v128_and(a, b);
         or(a, b) = v128_or(a, b);
-        to_exponent(a) = u32x4_shl(a, 23);
-        from_exponent(a) = u32x4_shr(a, 23);
+        shift_up(a) = u32x4_shl(a, 23);
+        shift_down(a) = u32x4_shr(a, 23);
     }
     comparisons {
         lt(a, b) = f32x4_lt(a, b);
@@ -75,8 +75,8 @@ lanes! {
     bits {
         and(a, b) = v128_and(a, b);
         or(a, b) = v128_or(a, b);
-        to_exponent(a) = u64x2_shl(a, 52);
-        from_exponent(a) = u64x2_shr(a, 52);
+        shift_up(a) = u64x2_shl(a, 52);
+        shift_down(a) = u64x2_shr(a, 52);
     }
     comparisons {
         lt(a, b) = f64x2_lt(a, b);

@@ -32,6 +32,10 @@ macro_rules! each {
 }
 
 /// Writes a table of instructions out as a number and its mask.
+///
+/// The table gives the target features, the number (an array of registers, of so many scalars) and its
+/// mask (an array of registers or of words), and what each operation is on one register. `operators` are
+/// those of `core::ops`, `functions` and `comparisons` those of [`Real`], `bits` those of [`Bits`].
 macro_rules! lanes {
     (
         $features:literal
@@ -182,9 +186,9 @@ pub(super) trait Bits: Real<Scalar: Layout> {
     fn and(self, other: Self) -> Self;
     fn or(self, other: Self) -> Self;
     /// The lowest bits move up to the exponent; higher ones are lost.
-    fn to_exponent(self) -> Self;
+    fn shift_up(self) -> Self;
     /// The exponent, and the sign above it, move down to the lowest bits.
-    fn from_exponent(self) -> Self;
+    fn shift_down(self) -> Self;
 }
 
 #[inline(always)]
@@ -204,14 +208,14 @@ pub(super) fn ldexp<R: Bits>(x: R, n: R) -> R {
 /// 2ⁿ for a whole n of a normal power: n + bias, counted in the lowest bits, moved up.
 #[inline(always)]
 fn power_of_two<R: Bits>(n: R) -> R {
-    (n + R::splat(R::Scalar::WHOLE + R::Scalar::BIAS)).to_exponent()
+    (n + R::splat(R::Scalar::WHOLE + R::Scalar::BIAS)).shift_up()
 }
 
 /// `(m, e)` with `x = m · 2ᵉ`: the fraction with the exponent of 1, and the exponent as a number.
 #[inline(always)]
 pub(super) fn frexp<R: Bits>(x: R) -> (R, R) {
     let m = x.and(R::splat(R::Scalar::FRACTION)).or(R::one());
-    let exponent = x.from_exponent().and(R::splat(R::Scalar::EXPONENT));
+    let exponent = x.shift_down().and(R::splat(R::Scalar::EXPONENT));
     let counted = exponent.or(R::splat(R::Scalar::WHOLE));
     (m, counted - R::splat(R::Scalar::WHOLE + R::Scalar::BIAS))
 }
