@@ -195,6 +195,9 @@ fn run_start(run: &mut Run) -> DVec3 {
 }
 
 /// Heights of a bouncing ball follow e²; no bounce gains energy.
+///
+/// Without restitution the ball lands on the surface's spring and damper. A critically damped one,
+/// x = v t exp(−ω t), lets go where its force ends, at t = 2/ω, with exp(−2) of the speed.
 #[test]
 fn a_ball_bounces_to_e_squared_of_its_height() {
     for e in [0.0, 0.25, 0.5, 0.75, 0.9, 1.0] {
@@ -217,8 +220,13 @@ fn a_ball_bounces_to_e_squared_of_its_height() {
                 // The surface is met within a step's way of where the ball turns.
                 let step = 4.0 * h * (2.0 * G * expected).sqrt();
                 let tolerance = f64::from(bounces) * (step + 0.01 * expected);
+                let landing = if e == 0.0 {
+                    (-4.0_f64).exp() * drop
+                } else {
+                    0.0
+                };
                 assert!(
-                    (peak - expected).abs() < tolerance,
+                    (peak - expected).abs() < tolerance + landing,
                     "{e}: {peak} {expected}"
                 );
                 assert!(
