@@ -2,7 +2,7 @@
 
 use crate::contacts::narrow_phase;
 use crate::{ContactTables, Integrator, OutputTables};
-use model::Model;
+use model::{Model, ShapeId};
 use numbers::Machine;
 
 /// Numbers per world in each memory.
@@ -118,6 +118,10 @@ pub trait Kernels: Clone + Send + Sync + 'static {
     fn lengths(&self) -> Lengths;
     /// Where the reported numbers lie.
     fn outputs(&self) -> OutputTables;
+    /// The shapes of each row of [`OutputTables::contact`]; the normal points to the second.
+    fn contact_shapes(&self) -> &[[ShapeId; 2]] {
+        &[]
+    }
     /// The constants of the model it was compiled for.
     fn parameters(&self) -> &[f64];
     /// The whole numbers of the model: the same for all models of one topology.

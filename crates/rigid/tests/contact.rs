@@ -6,7 +6,7 @@ mod scene;
 use glam::{DQuat, DVec3};
 use kinetarium_rigid::{
     Kernels, OutputTables, Settings, TouchingFeatherstone, body as of_body, contact as of_contact,
-    total as of_total,
+    reaction as of_reaction, total as of_total,
 };
 use model::{Builder, Geometry, Material, Model, Pose, Shape};
 use scene::{World, parameters};
@@ -62,6 +62,14 @@ impl Run {
     fn energy(&self) -> f64 {
         let total = self.tables.total.at(0, 0);
         self.world.output[total] + self.world.output[total + 1]
+    }
+    /// Force [N] and torque [N·m] of a joint on its child.
+    fn reaction(&self, joint: usize) -> [DVec3; 2] {
+        let row = self.tables.reaction.at(joint, 0);
+        [
+            self.vec3(row + of_reaction::FORCE),
+            self.vec3(row + of_reaction::TORQUE),
+        ]
     }
     /// Sum of the contact forces [N], and the deepest penetration [m].
     fn contacts(&self) -> (DVec3, f64) {
@@ -381,4 +389,53 @@ fn stacked_boxes_bear_their_weights() {
         let from = DVec3::Y * (0.05 + 0.1 * i as f64);
         assert!((at - from).length() < 1e-3, "{i}: {at}");
     }
+}
+
+/// A joint carries what the contacts do not: nothing where a body rests freely, half of each weight
+/// where two rods of length l, hinged to each other, lie on balls at their far ends.
+#[test]
+fn joints_carry_what_contacts_do_not() {
+    let mut world = Builder::new("lying");
+    let plane = Geometry::Plane {
+        half_x: 0.0,
+        half_z: 0.0,
+    };
+    world.object("ground").scenery(Shape::new(plane));
+    let rods = world.object("rods");
+    let (radius, half, mass) = (0.05, 0.5, 2.0);
+    let mut rod = |name: &str, side: f64| {
+        let foot = Shape::new(Geometry::Sphere { radius });
+        let foot = foot.at(Pose::at(DVec3::X * (side * half)));
+        let inertia = glam::DMat3::from_diagonal(DVec3::new(0.01, 0.2, 0.2));
+        rods.body(name)
+            .shape(foot)
+            .inertia(mass, DVec3::ZERO, inertia)
+            .handle()
+    };
+    let (left, right) = (rod("left", -1.0), rod("right", 1.0));
+    rods.free("float", left)
+        .initial(&[-half, radius, 0.0, 0.0, 0.0, 0.0, 1.0]);
+    let at = |x: f64| Pose::at(DVec3::X * x);
+    rods.revolute("hinge", right, DVec3::Y)
+        .parent(left)
+        .frames(at(half), at(-half));
+    let model = world.build().unwrap();
+    let mut run = Run::new(&model, &vec![0.0; 7], &Settings::new(H));
+    run.step(1000);
+    let weight = mass * G;
+    let [force, torque] = run.reaction(0);
+    assert!(force.length() < 1e-6 * weight, "{force}");
+    assert!(torque.length() < 1e-6 * weight, "{torque}");
+    let (pressing, _) = run.contacts();
+    assert!(
+        (pressing - DVec3::Y * 2.0 * weight).length() < 1e-4 * weight,
+        "{pressing}"
+    );
+    // The hinge holds against bending; by symmetry no force passes through it.
+    let [force, torque] = run.reaction(1);
+    assert!(force.length() < 1e-3 * weight, "{force}");
+    assert!(
+        (torque.length() - half * weight).abs() < 1e-3 * weight,
+        "{torque}"
+    );
 }

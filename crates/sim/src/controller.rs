@@ -80,6 +80,7 @@ impl<T: Float> Simulation<T> {
         let outputs = Outputs {
             memory: &self.output,
             tables: &self.output_tables,
+            shapes: self.shared.engine.contact_shapes(),
         };
         let mut controls = Controls {
             memory: &mut self.input,

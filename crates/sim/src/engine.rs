@@ -1,7 +1,7 @@
 //! From a block of worlds in memory to a kernel on a machine.
 
 use crate::jobs::{Lane, begin, finish, narrow_phase, report, steps};
-use model::Model;
+use model::{Model, ShapeId};
 use numbers::Float;
 use rigid::{Kernels, Lengths, OutputTables};
 
@@ -30,6 +30,7 @@ pub(crate) trait Engine<T: Float>: Send + Sync {
     fn name(&self) -> &'static str;
     fn lengths(&self) -> Lengths;
     fn outputs(&self) -> OutputTables;
+    fn contact_shapes(&self) -> &[[ShapeId; 2]];
     fn parameters(&self) -> &[f64];
     fn links(&self) -> &[u32];
     fn alive(&self) -> usize;
@@ -49,6 +50,9 @@ impl<K: Kernels, T: Float> Engine<T> for K {
     }
     fn outputs(&self) -> OutputTables {
         Kernels::outputs(self)
+    }
+    fn contact_shapes(&self) -> &[[ShapeId; 2]] {
+        Kernels::contact_shapes(self)
     }
     fn parameters(&self) -> &[f64] {
         Kernels::parameters(self)

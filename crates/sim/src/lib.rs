@@ -20,7 +20,7 @@ mod snapshot;
 pub use controller::{Controller, Recorder, Recording, Replay};
 pub use controls::Controls;
 pub use error::SimulationError;
-pub use outputs::Outputs;
+pub use outputs::{Contact, Outputs};
 pub use settings::{SimulationSettings, SolverKind};
 pub use simulation::{Diverged, Simulation};
 pub use snapshot::{Snapshot, SnapshotError};

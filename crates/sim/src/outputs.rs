@@ -1,10 +1,10 @@
 //! What the worlds look like, as plain numbers.
 
 use glam::{DQuat, DVec3};
-use model::{BodyId, JointId, Pose};
+use model::{BodyId, JointId, Pose, ShapeId};
 use numbers::machine::space::Output;
 use numbers::{Float, Memory, Table};
-use rigid::{OutputTables, body, reaction, total};
+use rigid::{OutputTables, body, contact, reaction, total};
 
 /// The reported quantities of all worlds at one time.
 ///
@@ -13,6 +13,25 @@ use rigid::{OutputTables, body, reaction, total};
 pub struct Outputs<'a, T> {
     pub(crate) memory: &'a Memory<T>,
     pub(crate) tables: &'a OutputTables,
+    /// Of each row of contacts.
+    pub(crate) shapes: &'a [[ShapeId; 2]],
+}
+
+/// A point at which two shapes touch, or were about to in the last step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// The shapes; the second one moves.
+    pub shapes: [ShapeId; 2],
+    /// Midway between the surfaces [m], world axes.
+    pub position: DVec3,
+    /// Unit vector from the first shape to the second, world axes.
+    pub normal: DVec3,
+    /// Gap between the surfaces less their margin [m]; negative where they overlap.
+    pub distance: f64,
+    /// Force [N] of the first shape on the second, world axes; zero where they do not press.
+    pub force: DVec3,
+    /// Whole number, the same from step to step while the same features touch.
+    pub feature: u32,
 }
 
 impl<T: Float> Outputs<'_, T> {
@@ -61,6 +80,21 @@ impl<T: Float> Outputs<'_, T> {
     pub fn reaction(&self, world: usize, joint: JointId) -> (DVec3, DVec3) {
         let at = |field| self.vec3(world, self.tables.reaction, joint.0, field);
         (at(reaction::FORCE), at(reaction::TORQUE))
+    }
+    /// The contacts of the last step, in an order that does not change from step to step.
+    pub fn contacts(&self, world: usize) -> impl Iterator<Item = Contact> {
+        let table = self.tables.contact;
+        (0..self.tables.contacts).filter_map(move |row| {
+            let distance = self.number(world, table, row, contact::DISTANCE);
+            (distance < 0.5 * collide::FAR).then(|| Contact {
+                shapes: self.shapes[row],
+                position: self.vec3(world, table, row, contact::POSITION),
+                normal: self.vec3(world, table, row, contact::NORMAL),
+                distance,
+                force: self.vec3(world, table, row, contact::FORCE),
+                feature: self.number(world, table, row, contact::FEATURE) as u32,
+            })
+        })
     }
     /// Kinetic energy [J].
     pub fn kinetic_energy(&self, world: usize) -> f64 {

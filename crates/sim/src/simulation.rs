@@ -32,7 +32,7 @@ pub struct Diverged {
 pub struct Simulation<T: Float> {
     model: Arc<Model>,
     settings: SimulationSettings,
-    shared: Compiled<T>,
+    pub(crate) shared: Compiled<T>,
     isa: Isa,
     pool: rayon::ThreadPool,
     pub(crate) state: Memory<T>,
@@ -372,6 +372,7 @@ impl<T: Float> Simulation<T> {
         Outputs {
             memory: &self.output,
             tables: &self.output_tables,
+            shapes: self.shared.engine.contact_shapes(),
         }
     }
 

@@ -161,6 +161,17 @@ impl ContactPlan {
         }
     }
 
+    /// The shapes of each slot; its normal points to the second.
+    pub(crate) fn shapes(&self) -> Vec<[ShapeId; 2]> {
+        let pairs = self.slots.iter().map(|&pair| &self.pairs[pair]);
+        pairs
+            .map(|p| {
+                let [a, b] = p.shapes;
+                if p.flip { [b, a] } else { [a, b] }
+            })
+            .collect()
+    }
+
     /// The slots between a carrier and what does not move.
     pub(crate) fn slots_of(&self, row: usize) -> Range<usize> {
         let fixed = &self.movers[..self.between];

@@ -28,7 +28,7 @@ use crate::output::{body, contact as touch};
 use crate::{ContactTables, Kernels, Lengths, OutputTables, Settings, SolverError};
 use collide::FAR;
 pub use force::FRICTION_SPEED;
-use model::Model;
+use model::{Model, ShapeId};
 use numbers::{Cpu, Machine, Shared};
 use tables::NAME;
 pub use tables::Tables;
@@ -68,6 +68,7 @@ pub struct ArticulatedBodies<const CONTACTS: bool> {
     pub(crate) integrator: Integrator,
     parameters: Vec<f64>,
     links: Vec<u32>,
+    contact_shapes: Vec<[ShapeId; 2]>,
 }
 
 /// The solver for bodies that pass through each other.
@@ -96,7 +97,7 @@ impl<const CONTACTS: bool> ArticulatedBodies<CONTACTS> {
     }
 
     fn compile(model: &Model, settings: &Settings) -> Result<Self, SolverError> {
-        let (tables, mut filler) = Tables::new(model, CONTACTS, settings)?;
+        let (tables, mut filler, contact_shapes) = Tables::new(model, CONTACTS, settings)?;
         filler.numbers(
             tables.step,
             0,
@@ -108,6 +109,7 @@ impl<const CONTACTS: bool> ArticulatedBodies<CONTACTS> {
             integrator: settings.integrator,
             parameters: filler.parameters,
             links: filler.links,
+            contact_shapes,
         })
     }
 
@@ -148,6 +150,9 @@ impl<const CONTACTS: bool> Kernels for ArticulatedBodies<CONTACTS> {
     }
     fn outputs(&self) -> OutputTables {
         self.tables.output
+    }
+    fn contact_shapes(&self) -> &[[ShapeId; 2]] {
+        &self.contact_shapes
     }
     fn parameters(&self) -> &[f64] {
         &self.parameters

@@ -1,16 +1,17 @@
 //! What a world looks like from outside: placements, velocities, reactions, sums.
 //!
-//! The wrench w that a joint passes to its child carries the child's own
-//! d'Alembert force and the wrenches of the joints that the child carries:
-//! w = I a + v ×* I v + Σ w_child, with a less gravity (Featherstone 2008, §5.3).
+//! The wrench w that a joint passes to its child carries the child's own d'Alembert force and the
+//! wrenches of the joints that the child carries, less what the contacts w_c carry:
+//! w = I a + v ×* I v + Σ w_child − Σ w_c, with a less gravity (Featherstone 2008, §5.3).
 
 use super::articulated_body::articulated_body;
-use super::contact;
+use super::contact as touches;
 use super::force::forces;
 use super::gauss_seidel;
 use super::kinematics::{kinematics, momentum, newton_euler, world_inertia};
 use super::tables::{Tables, body_field, body_link, dof, frame};
-use crate::output::{body, reaction, total};
+use crate::output::{body, contact, reaction, total};
+use collide::FAR;
 use numbers::functions::wrap;
 use numbers::machine::{Held, Hold};
 use numbers::spatial::Spatial;
@@ -23,16 +24,19 @@ pub(crate) fn report<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
     kinematics(k, t);
     forces(k, t, now);
     if CONTACTS {
-        contact::recall(k, t);
+        touches::recall(k, t);
         if t.presses() {
             gauss_seidel::recall(k, t);
         }
-        contact::report(k, t);
+        touches::report(k, t);
     }
     articulated_body::<M, CONTACTS>(k, t, now);
     coordinates(k, t);
     bodies(k, t);
     wrenches(k, t);
+    if CONTACTS {
+        relieve(k, t);
+    }
     reactions(k, t);
     energies(k, t);
 }
@@ -87,6 +91,7 @@ pub(crate) fn bodies<M: Machine>(k: &mut M, t: &Tables) {
 /// What it takes to move each body as it moves.
 #[inline(always)]
 fn wrenches<M: Machine>(k: &mut M, t: &Tables) {
+    k.store_spatial(t.wrench, k.index(t.bodies), 0, Spatial::zero());
     for row in k.count(t.bodies) {
         let n = k.link(t.body_links, row, body_link::NODE);
         let origin = k.vec3(t.point, k.link(t.body_links, row, body_link::TREE), 0);
@@ -99,6 +104,26 @@ fn wrenches<M: Machine>(k: &mut M, t: &Tables) {
         let w = newton_euler(m, c, i, v, a);
         let moment = w.angular + origin.cross(w.linear);
         k.store_spatial(t.wrench, row, 0, Spatial::new(moment, w.linear));
+    }
+}
+
+/// Takes off the wrenches what the contacts of the last step carry.
+#[inline(always)]
+fn relieve<M: Machine>(k: &mut M, t: &Tables) {
+    for s in k.count(t.contacts.slots) {
+        let near = k
+            .load(t.touch, s, contact::DISTANCE)
+            .lt(M::R::lit(0.5 * FAR));
+        for _ in k.if_any(near) {
+            let x = k.vec3(t.touch, s, contact::POSITION);
+            let f = k.vec3(t.touch, s, contact::FORCE);
+            let [one, other] = k.link_row(t.touching_links, s);
+            let push = Spatial::new(x.cross(f), f);
+            let reacted = k.spatial(t.wrench, one, 0) + push;
+            k.store_spatial(t.wrench, one, 0, reacted);
+            let relieved = k.spatial(t.wrench, other, 0) - push;
+            k.store_spatial(t.wrench, other, 0, relieved);
+        }
     }
 }
 

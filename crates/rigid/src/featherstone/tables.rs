@@ -17,7 +17,7 @@ use crate::output::{OutputTables, contact};
 use crate::tables::Filler;
 use crate::{InputTables, Settings, SolverError};
 use glam::{DMat3, DQuat, DVec3};
-use model::{Axis, AxisKind, Body, BodyId, Joint, JointId, JointKind, Model, Pose, Shape};
+use model::{Axis, AxisKind, Body, BodyId, Joint, JointId, JointKind, Model, Pose, Shape, ShapeId};
 use numbers::Table;
 use numbers::machine::Links;
 use numbers::machine::space::{Parameter, Scratch, State};
@@ -206,6 +206,9 @@ pub struct Tables {
     pub(crate) iterations: usize,
     /// Per slot: see [`load`].
     pub(crate) load: Table<Scratch, { load::WIDTH }>,
+    /// Rows of the bodies of each slot, that of the shape that its normal points to last; one past
+    /// the last body for the world.
+    pub(crate) touching_links: Links<2>,
     /// Per slot: see [`touch_link`].
     pub(crate) touch_links: Links<{ touch_link::WIDTH }>,
     /// Per pair of nodes that may touch: see [`couple_link`].
@@ -229,7 +232,7 @@ pub struct Tables {
     pub(crate) sum_velocity: Table<Scratch>,
     pub(crate) sum_acceleration: Table<Scratch>,
     pub(crate) increment: Table<Scratch>,
-    /// Per body, reporting: wrench about the world's origin.
+    /// Per body, reporting: wrench about the world's origin. A last row is of the world.
     pub(crate) wrench: Table<Scratch, 6>,
     pub(crate) scratch_length: usize,
 }
@@ -573,7 +576,7 @@ pub(crate) fn check(model: &Model) -> Result<(), SolverError> {
 }
 
 impl Tables {
-    /// Lays out a model and fills its parameters and links.
+    /// Lays out a model and fills its parameters and links; with the shapes of each contact.
     ///
     /// # Errors
     /// A shape that no kernel collides, if `contacts` are asked for.
@@ -581,7 +584,7 @@ impl Tables {
         model: &Model,
         contacts: bool,
         settings: &Settings,
-    ) -> Result<(Self, Filler), SolverError> {
+    ) -> Result<(Self, Filler, Vec<[ShapeId; 2]>), SolverError> {
         let forest = Forest::new(model);
         let plan = if contacts {
             ContactPlan::new(model, NAME, |shape| forest.carrier(shape))?
@@ -596,6 +599,15 @@ impl Tables {
         tables.forces.fill(model, &mut filler);
         tables.contacts.fill(model, &plan, NAME, &mut filler)?;
         tables.fill_couples(&couples, &mut filler);
+        let contact_shapes = plan.shapes();
+        for (slot, shapes) in contact_shapes.iter().enumerate() {
+            for (side, shape) in shapes.iter().enumerate() {
+                let body = model.shapes[shape.0].body;
+                let row = body.and_then(|id| model.order().iter().position(|o| *o == id));
+                let row = row.unwrap_or(model.bodies.len());
+                filler.link(tables.touching_links, slot, side, row);
+            }
+        }
         for n in 0..forest.nodes.len() {
             let (row, slots) = (tables.trees + n, plan.slots_of(tables.trees + n));
             filler.link(tables.node_links, row, node_link::SLOT_BEGIN, slots.start);
@@ -608,7 +620,7 @@ impl Tables {
         for (stage, row) in RUNGE_KUTTA_4.iter().enumerate() {
             filler.numbers(tables.tableau, stage, 0, row);
         }
-        Ok((tables, filler))
+        Ok((tables, filler, contact_shapes))
     }
 
     /// Whether bodies that move may touch each other.
@@ -693,6 +705,7 @@ impl Tables {
             frame: Table::place(&mut t, rows),
             dof: Table::place(&mut t, dofs),
             load: Table::place(&mut t, contacts.slots),
+            touching_links: Links::place(&mut l, contacts.slots),
             touch_links: Links::place(&mut l, contacts.slots),
             couple_links: Links::place(&mut l, couples.couples.len()),
             path_links: Links::place(&mut l, couples.paths.len()),
@@ -706,7 +719,7 @@ impl Tables {
             sum_velocity: Table::place(&mut t, dofs),
             sum_acceleration: Table::place(&mut t, dofs),
             increment: Table::place(&mut t, dofs),
-            wrench: Table::place(&mut t, bodies),
+            wrench: Table::place(&mut t, bodies + 1),
             scratch_length: t,
             link_length: l,
         }
