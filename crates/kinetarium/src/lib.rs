@@ -43,7 +43,7 @@ pub mod prelude {
     pub use model::{BodyId, Builder, Geometry, JointId, Model, Pose, examples};
     pub use rigid::{Integrator, Settings};
     pub use sim::{
-        Controller, Controls, Diverged, Outputs, Recorder, Recording, Replay, Simulation,
-        SimulationError, SimulationSettings, Snapshot, SolverKind,
+        Contact, Controller, Controls, Diverged, Event, EventKind, Outputs, Recorder, Recording,
+        Replay, Simulation, SimulationError, SimulationSettings, Snapshot, SolverKind, Watch,
     };
 }

@@ -3,6 +3,7 @@
 use crate::compile::Compiled;
 use crate::engine::{Block, Task};
 use crate::error::{MOST_MOTION, SimulationError, bounded, index, length};
+use crate::events::Watcher;
 use crate::jobs::Lane;
 use crate::{Controls, Outputs, SimulationSettings, Snapshot};
 use glam::DQuat;
@@ -47,6 +48,7 @@ pub struct Simulation<T: Float> {
     pub(crate) time: Vec<f64>,
     pub(crate) reported: bool,
     pub(crate) diverged: Vec<Diverged>,
+    pub(crate) watcher: Option<Watcher>,
 }
 
 impl<T: Float> std::fmt::Debug for Simulation<T> {
@@ -161,6 +163,7 @@ impl<T: Float> Simulation<T> {
             time: vec![0.0; settings.worlds],
             reported: false,
             diverged: Vec::new(),
+            watcher: None,
             shared,
             settings,
             model,
@@ -277,6 +280,7 @@ impl<T: Float> Simulation<T> {
         }
         self.time[world] = 0.0;
         self.diverged.retain(|d| d.world != world);
+        self.take_for_granted(world);
     }
 
     /// Lanes without a world run the model's initial state, so that they stay finite.
@@ -334,9 +338,11 @@ impl<T: Float> Simulation<T> {
 
     /// Advances all worlds by `steps` time steps; returns the worlds that diverged meanwhile.
     pub fn step(&mut self, steps: usize) -> &[Diverged] {
-        self.perform(Task::Step(
-            steps.saturating_mul(self.settings.step.substeps),
-        ));
+        let substeps = steps.saturating_mul(self.settings.step.substeps);
+        match self.watcher.take() {
+            Some(watcher) => self.step_watched(watcher, substeps),
+            None => self.perform(Task::Step(substeps)),
+        }
         self.reported = false;
         let known = self.diverged.len();
         let alive = self.shared.engine.alive();
@@ -387,6 +393,9 @@ impl<T: Float> Simulation<T> {
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SimulationError> {
         snapshot.put_back(self)?;
         self.reported = false;
+        for world in 0..self.worlds() {
+            self.take_for_granted(world);
+        }
         Ok(())
     }
     /// What a snapshot must agree on: solver and tables.
@@ -395,7 +404,7 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Runs a task on all blocks, a run of blocks per thread, each with its own scratch.
-    fn perform(&mut self, task: Task) {
+    pub(crate) fn perform(&mut self, task: Task) {
         let engine = &*self.shared.engine;
         let lane = Lane {
             isa: self.isa,

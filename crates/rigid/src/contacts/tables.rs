@@ -133,7 +133,7 @@ pub(super) fn solid(shape: &Shape, solver: &'static str) -> Result<(usize, DVec3
                 solver,
                 what: "contacts of the mesh",
                 name: shape.name.clone(),
-                remedy: "use solids, or let the shape not collide",
+                remedy: "use solids, let the shape not collide, or switch contacts off",
             });
         }
     })

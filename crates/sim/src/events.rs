@@ -1,0 +1,269 @@
+//! What happens from one substep to the next: contacts begin and end, joints reach their limits.
+
+use crate::engine::Task;
+use crate::{Outputs, Simulation};
+use glam::DVec3;
+use model::{JointId, Model, ShapeId};
+use numbers::Float;
+use std::collections::BTreeMap;
+
+/// Something that happened in a world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// Which world.
+    pub world: usize,
+    /// End [s] of the substep in which it happened.
+    pub time: f64,
+    /// What.
+    pub kind: EventKind,
+}
+
+/// Kinds of [`Event`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum EventKind {
+    /// Two shapes press on each other, and did not in the substep before.
+    ContactBegins {
+        /// The shapes; the second one moves.
+        shapes: [ShapeId; 2],
+        /// What the first shape gave to the second in this substep [N·s], world axes.
+        impulse: DVec3,
+    },
+    /// Two shapes still press on each other.
+    ContactPersists {
+        /// The shapes; the second one moves.
+        shapes: [ShapeId; 2],
+        /// What the first shape gave to the second in this substep [N·s], world axes.
+        impulse: DVec3,
+    },
+    /// Two shapes press on each other no more.
+    ContactEnds {
+        /// The shapes; the second one moves.
+        shapes: [ShapeId; 2],
+    },
+    /// A joint reaches the end of its range, and was within it in the substep before.
+    LimitReached {
+        /// Degree of freedom, as in `Outputs::joint_velocity`.
+        dof: usize,
+        /// Its upper end, else its lower.
+        upper: bool,
+    },
+}
+
+/// Which events are told; none unless asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Watch {
+    /// Contacts that begin or end.
+    pub contacts: bool,
+    /// Contacts that persist, in every substep.
+    pub persisting_contacts: bool,
+    /// Joints that reach their limits.
+    pub limits: bool,
+}
+
+impl Watch {
+    /// All events.
+    pub const ALL: Self = Self {
+        contacts: true,
+        persisting_contacts: true,
+        limits: true,
+    };
+    fn anything(self) -> bool {
+        self != Self::default()
+    }
+}
+
+/// A limited coordinate of a joint.
+#[derive(Clone, Copy, Debug)]
+struct Stop {
+    dof: usize,
+    coordinate: usize,
+    lower: f64,
+    upper: f64,
+}
+
+/// What is remembered of each world, and what has not been fetched yet.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Watcher {
+    watch: Watch,
+    stops: Vec<Stop>,
+    /// Per world: the shapes that press on each other.
+    pressing: Vec<BTreeMap<[ShapeId; 2], DVec3>>,
+    /// Per world and limited coordinate: −1 at the lower end, 1 at the upper, else 0.
+    at_stop: Vec<Vec<i8>>,
+    /// Worlds whose state was set since the last substep.
+    set: Vec<usize>,
+    queue: Vec<Event>,
+}
+
+impl Watcher {
+    fn new(model: &Model, worlds: usize, watch: Watch) -> Self {
+        let stops = if watch.limits {
+            stops(model)
+        } else {
+            Vec::new()
+        };
+        Self {
+            watch,
+            pressing: vec![BTreeMap::new(); worlds],
+            at_stop: vec![vec![0; stops.len()]; worlds],
+            stops,
+            set: (0..worlds).collect(),
+            queue: Vec::new(),
+        }
+    }
+
+    /// Takes the present state of a world for granted, or tells what changed to reach it.
+    fn look<T: Float>(&mut self, outputs: &Outputs<'_, T>, world: usize, told: Option<Told>) {
+        let mut changes = Vec::new();
+        if self.watch.contacts || self.watch.persisting_contacts {
+            let now = pressing(outputs, world);
+            if let Some(told) = told {
+                self.contacts(world, &now, told.substep, &mut changes);
+            }
+            self.pressing[world] = now;
+        }
+        if self.watch.limits {
+            let position = outputs.joint_position(world);
+            for (stop, at) in self.stops.iter().zip(&mut self.at_stop[world]) {
+                let now = stop.end(position[stop.coordinate]);
+                if now != 0 && now != *at {
+                    changes.push(EventKind::LimitReached {
+                        dof: stop.dof,
+                        upper: now > 0,
+                    });
+                }
+                *at = now;
+            }
+        }
+        if let Some(Told { time, .. }) = told {
+            let events = changes.into_iter().map(|kind| Event { world, time, kind });
+            self.queue.extend(events);
+        }
+    }
+
+    /// What changed in the contacts of a world: what presses now, then what ended, each by shapes.
+    fn contacts(
+        &self,
+        world: usize,
+        now: &BTreeMap<[ShapeId; 2], DVec3>,
+        substep: f64,
+        changes: &mut Vec<EventKind>,
+    ) {
+        let before = &self.pressing[world];
+        for (&shapes, &force) in now {
+            let impulse = force * substep;
+            if before.contains_key(&shapes) {
+                if self.watch.persisting_contacts {
+                    changes.push(EventKind::ContactPersists { shapes, impulse });
+                }
+            } else if self.watch.contacts {
+                changes.push(EventKind::ContactBegins { shapes, impulse });
+            }
+        }
+        let ended = before.keys().filter(|shapes| !now.contains_key(*shapes));
+        if self.watch.contacts {
+            changes.extend(ended.map(|&shapes| EventKind::ContactEnds { shapes }));
+        }
+    }
+}
+
+/// When the events of a substep happen, and how long [s] it was.
+#[derive(Clone, Copy)]
+struct Told {
+    time: f64,
+    substep: f64,
+}
+
+impl Stop {
+    fn end(&self, x: f64) -> i8 {
+        i8::from(x >= self.upper) - i8::from(x <= self.lower)
+    }
+}
+
+/// The limited coordinates of a model.
+fn stops(model: &Model) -> Vec<Stop> {
+    let ids = (0..model.joints.len()).map(JointId);
+    let of = |id: JointId| {
+        let joint = &model.joints[id.0];
+        let (first, dofs) = (model.coordinate_range(id).start, model.dof_range(id));
+        let limited = joint.dofs.iter().zip(dofs).enumerate();
+        limited.filter_map(move |(axis, (dof, row))| {
+            let limit = dof.limit?;
+            Some(Stop {
+                dof: row,
+                coordinate: first + axis,
+                lower: limit.lower,
+                upper: limit.upper,
+            })
+        })
+    };
+    ids.filter(|id| !model.joints[id.0].closes_loop)
+        .flat_map(of)
+        .collect()
+}
+
+/// The shapes that press on each other, with the force [N] on the second.
+fn pressing<T: Float>(outputs: &Outputs<'_, T>, world: usize) -> BTreeMap<[ShapeId; 2], DVec3> {
+    let mut forces = BTreeMap::new();
+    for contact in outputs.contacts(world) {
+        if contact.force != DVec3::ZERO {
+            *forces.entry(contact.shapes).or_insert(DVec3::ZERO) += contact.force;
+        }
+    }
+    forces
+}
+
+impl<T: Float> Simulation<T> {
+    /// Tells from now on what happens, to be fetched by
+    /// [`drain_events`](Simulation::drain_events). Events not fetched yet are lost.
+    ///
+    /// Costs a report in every substep. What a world touched before it was set or reset does not end.
+    pub fn watch(&mut self, watch: Watch) {
+        self.watcher = watch
+            .anything()
+            .then(|| Watcher::new(self.model(), self.worlds(), watch));
+    }
+
+    /// The events since the last call: in order of time, then of worlds, then contacts before limits,
+    /// each in the order of shapes and degrees of freedom, whatever the number of threads.
+    pub fn drain_events(&mut self) -> Vec<Event> {
+        self.watcher
+            .as_mut()
+            .map_or_else(Vec::new, |watcher| std::mem::take(&mut watcher.queue))
+    }
+
+    /// As [`step`](Simulation::step), and hands every event to a subscriber, in the same order.
+    pub fn step_with(&mut self, steps: usize, mut subscriber: impl FnMut(&Event)) {
+        for _ in 0..steps {
+            self.step(1);
+            self.drain_events().iter().for_each(&mut subscriber);
+        }
+    }
+
+    /// What a world that was set touches, and which limits it is at, is no news.
+    pub(crate) fn take_for_granted(&mut self, world: usize) {
+        if let Some(watcher) = &mut self.watcher {
+            watcher.set.push(world);
+        }
+    }
+
+    /// Makes so many substeps, and tells what happens in each.
+    pub(crate) fn step_watched(&mut self, mut watcher: Watcher, substeps: usize) {
+        let substep = self.settings().step.substep();
+        let times = self.time.clone();
+        let outputs = self.outputs();
+        for world in std::mem::take(&mut watcher.set) {
+            watcher.look(&outputs, world, None);
+        }
+        for i in 1..=substeps {
+            self.perform(Task::Step(1));
+            self.reported = false;
+            let outputs = self.outputs();
+            for (world, begin) in times.iter().enumerate() {
+                let time = begin + i as f64 * substep;
+                watcher.look(&outputs, world, Some(Told { time, substep }));
+            }
+        }
+        self.watcher = Some(watcher);
+    }
+}
