@@ -19,7 +19,7 @@ fn scene(restitution: f64) -> Model {
         half_x: 0.0,
         half_z: 0.0,
     };
-    let ground = Shape::new(plane).with_material(material.clone());
+    let ground = Shape::new(plane).with_material(material);
     world.object("ground").scenery(ground);
     let things = world.object("things");
     let ball = Shape::new(Geometry::Sphere { radius: 0.1 }).with_material(material);
@@ -90,7 +90,7 @@ fn a_contact_that_persists_is_told_in_every_step() {
         .position(|e| matches!(e.kind, EventKind::ContactBegins { .. }))
         .unwrap();
     let persists = |e: &&Event| matches!(e.kind, EventKind::ContactPersists { .. });
-    let last = told[begin..].iter().filter(persists).next_back().unwrap();
+    let last = told[begin..].iter().rfind(persists).unwrap();
     let EventKind::ContactPersists { impulse, .. } = last.kind else {
         unreachable!("filtered");
     };
