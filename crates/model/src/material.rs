@@ -43,14 +43,19 @@ impl Default for Material {
 /// Resistance of a surface to being pressed in: a spring and a damper at each point of contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Softness {
-    /// What brings the touching masses m to rest so: stiffness m / (T ζ)², damping 2 m / T.
+    /// What brings the touching masses m to rest so, with an added mass m' = m d / (1 − d):
+    /// stiffness (m + m') / (T ζ)², damping 2 (m + m') / T, and the force −m' a against the
+    /// acceleration a of the point of contact.
     ///
-    /// m is the whole mass of what moves, and of two that move m₁ m₂ / (m₁ + m₂).
+    /// m is the whole mass of what moves, and of two that move m₁ m₂ / (m₁ + m₂). The added mass
+    /// lets a contact settle in the same time, but sink 1 − d times as far under a steady load.
     Time {
         /// Time constant T [s] of the damper.
         constant: f64,
         /// Damping ratio ζ.
         ratio: f64,
+        /// Impedance d, from 0 to below 1: the share of a load that the added mass takes.
+        impedance: f64,
     },
     /// In physical units.
     Spring {
@@ -62,11 +67,13 @@ pub enum Softness {
 }
 
 impl Default for Softness {
-    /// Time constant 2 ms, critically damped: 10 µm of sinking under a body's weight on four points.
+    /// Time constant 2 ms, critically damped, no added mass: 10 µm of sinking under a body's
+    /// weight on four points.
     fn default() -> Self {
         Self::Time {
             constant: 0.002,
             ratio: 1.0,
+            impedance: 0.0,
         }
     }
 }
@@ -75,16 +82,27 @@ impl Softness {
     /// Stiffness [N/m] and damping [N·s/m] for touching masses m [kg].
     pub fn spring(self, mass: f64) -> (f64, f64) {
         match self {
-            Self::Time { constant, ratio } => {
+            Self::Time {
+                constant, ratio, ..
+            } => {
+                let mass = mass + self.added_mass(mass);
                 (mass / (constant * ratio).powi(2), 2.0 * mass / constant)
             }
             Self::Spring { stiffness, damping } => (stiffness, damping),
         }
     }
 
+    /// Added mass [kg] for touching masses m [kg].
+    pub fn added_mass(self, mass: f64) -> f64 {
+        match self {
+            Self::Time { impedance: d, .. } => mass * d / (1.0 - d),
+            Self::Spring { .. } => 0.0,
+        }
+    }
+
     /// Two surfaces pressed together: springs and dampers in series, twice as stiff each as given,
-    /// so that two alike make one like them; or the means of time constants and damping ratios.
-    /// Physical units go before time constants.
+    /// so that two alike make one like them; or the means of time constants, damping ratios and
+    /// impedances. Physical units go before time constants.
     pub fn with(self, other: Self) -> Self {
         use Softness::{Spring, Time};
         let series = |a: f64, b: f64| {
@@ -99,14 +117,17 @@ impl Softness {
                 Time {
                     constant: a,
                     ratio: c,
+                    impedance: e,
                 },
                 Time {
                     constant: b,
                     ratio: d,
+                    impedance: f,
                 },
             ) => Time {
                 constant: 0.5 * (a + b),
                 ratio: 0.5 * (c + d),
+                impedance: 0.5 * (e + f),
             },
             (
                 Spring {
@@ -191,8 +212,12 @@ mod tests {
         assert_eq!((a.with(&a).margin, a.with(&b).margin), (0.02, 0.01));
     }
 
-    fn time(constant: f64, ratio: f64) -> Softness {
-        Softness::Time { constant, ratio }
+    fn time(constant: f64, ratio: f64, impedance: f64) -> Softness {
+        Softness::Time {
+            constant,
+            ratio,
+            impedance,
+        }
     }
 
     #[test]
@@ -204,10 +229,21 @@ mod tests {
         assert_eq!(s.with(s), s);
         assert_eq!(s.with(Softness::default()), s);
         assert_eq!(Softness::default().with(s), s);
-        let (soft, hard) = (time(0.06, 0.5), time(0.02, 1.0));
-        assert_eq!(soft.with(hard), time(0.04, 0.75));
-        let (k, d) = time(0.1, 0.5).spring(3.0);
+        let (soft, hard) = (time(0.06, 0.5, 0.0), time(0.02, 1.0, 0.5));
+        assert_eq!(soft.with(hard), time(0.04, 0.75, 0.25));
+        let (k, d) = time(0.1, 0.5, 0.0).spring(3.0);
         // ω = 1 / (T ζ) = 20 /s and d = 2 ζ ω m
         assert!((k - 1200.0).abs() < 1e-9 && (d - 60.0).abs() < 1e-12);
+    }
+
+    /// With the added mass, the same frequency and damping ratio, and a spring 1 / (1 − d) as stiff.
+    #[test]
+    fn added_mass_stiffens_at_the_same_time_constant() {
+        let (m, impedance) = (3.0, 0.9);
+        let (plain, heavy) = (time(0.1, 0.5, 0.0), time(0.1, 0.5, impedance));
+        assert_eq!(plain.added_mass(m), 0.0);
+        assert!((heavy.added_mass(m) - 27.0).abs() < 1e-12);
+        let ((k, d), (stiff, viscous)) = (plain.spring(m), heavy.spring(m));
+        assert!((stiff / k - 10.0).abs() < 1e-12 && (viscous / d - 10.0).abs() < 1e-12);
     }
 }

@@ -355,16 +355,24 @@ fn shapes() {
 fn softness_of_contacts() {
     refuses(&[
         (
-            |p| p.shapes[0].material.softness = time(0.0, 1.0),
+            |p| p.shapes[0].material.softness = time(0.0, 1.0, 0.0),
             "shape \"knob\": time constant of contact [s] is 0; it must be above zero",
         ),
         (
-            |p| p.shapes[0].material.softness = time(0.02, -1.0),
+            |p| p.shapes[0].material.softness = time(0.02, -1.0, 0.0),
             "shape \"knob\": damping ratio of contact is -1; it must be above zero",
         ),
         (
-            |p| p.shapes[0].material.softness = time(f64::NAN, 1.0),
+            |p| p.shapes[0].material.softness = time(f64::NAN, 1.0, 0.0),
             "shape \"knob\": time constant of contact [s] is NaN; give a finite number",
+        ),
+        (
+            |p| p.shapes[0].material.softness = time(0.02, 1.0, 1.0),
+            "shape \"knob\": impedance of contact is 1; it must lie from 0 to 0.9999",
+        ),
+        (
+            |p| p.shapes[0].material.softness = time(0.02, 1.0, -0.1),
+            "shape \"knob\": impedance of contact is -0.1; it must lie from 0 to 0.9999",
         ),
         (
             |p| p.shapes[0].material.softness = spring(0.0, 1.0),
@@ -381,8 +389,12 @@ fn softness_of_contacts() {
     ]);
 }
 
-fn time(constant: f64, ratio: f64) -> Softness {
-    Softness::Time { constant, ratio }
+fn time(constant: f64, ratio: f64, impedance: f64) -> Softness {
+    Softness::Time {
+        constant,
+        ratio,
+        impedance,
+    }
 }
 
 fn spring(stiffness: f64, damping: f64) -> Softness {

@@ -14,6 +14,8 @@ use std::collections::HashMap;
 pub(crate) const MOST_ROWS: usize = 1_000_000;
 /// Most worlds of a model.
 const MOST_WORLDS: usize = 10_000_000;
+/// Largest impedance of a contact: an added mass of ten thousand masses.
+const MOST_IMPEDANCE: f64 = 0.9999;
 /// Relative slack for inertia matrices, which files give with few digits.
 const INERTIA_TOLERANCE: f64 = 1e-6;
 /// A principal moment below this share of the largest counts as zero.
@@ -205,9 +207,14 @@ fn geometry(subject: &Subject, geometry: &Geometry) -> Result<(), ModelError> {
 
 fn softness(subject: &Subject, softness: Softness) -> Result<(), ModelError> {
     match softness {
-        Softness::Time { constant, ratio } => {
+        Softness::Time {
+            constant,
+            ratio,
+            impedance,
+        } => {
             subject.positive("time constant of contact [s]", constant)?;
-            subject.positive("damping ratio of contact", ratio)
+            subject.positive("damping ratio of contact", ratio)?;
+            subject.within("impedance of contact", impedance, 0.0, MOST_IMPEDANCE)
         }
         Softness::Spring { stiffness, damping } => {
             subject.positive("stiffness of contact [N/m]", stiffness)?;

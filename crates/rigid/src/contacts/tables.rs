@@ -51,9 +51,10 @@ pub(crate) mod pair_field {
     // Restitution, stiffness and damping follow.
     /// Mass [kg] that the contact moves.
     pub const MASS: usize = 4;
+    // Added mass follows.
     /// Gap [m] that the surfaces keep.
-    pub const MARGIN: usize = 5;
-    pub const WIDTH: usize = 6;
+    pub const MARGIN: usize = 6;
+    pub const WIDTH: usize = 7;
 }
 
 /// Fields of [`ContactTables::pair_links`].
@@ -225,6 +226,7 @@ impl ContactTables {
                 stiffness,
                 damping,
                 pair.mass,
+                material.softness.added_mass(pair.mass),
                 material.margin,
             ];
             f.numbers(self.pair, row, 0, &numbers);

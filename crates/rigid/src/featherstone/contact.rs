@@ -16,9 +16,10 @@
 //! and a contact adds h C, a mass that depends on direction, at x to its node's articulated
 //! inertia, and −f⁰ to its bias force. It is solved exactly with the tree, however stiff.
 //!
-//! Normal: a spring k and damper d beyond the surface, −k (φ + h uₙ') − d uₙ', have cₙ = h k + d
-//! and u* = −k φ / cₙ. Where the surface is not reached yet, u* = −φ / h reaches it exactly. A
-//! bounce has u* = −e uₙ and [`HARD`] m / h for cₙ.
+//! Normal: a spring k, a damper d and an added mass m' beyond the surface,
+//! −k (φ + h uₙ') − d uₙ' − m' (uₙ' − uₙ) / h with the velocity u before the step, have
+//! cₙ = h k + d + m' / h and u* = (m' uₙ / h − k φ) / cₙ. Where the surface is not reached yet,
+//! u* = −φ / h reaches it exactly. A bounce has u* = −e uₙ and [`HARD`] m / h for cₙ.
 //!
 //! Friction: cₜ = μ fₙ / |uₜ'|, at most [`STICK`] m / h, where the point sticks; the same for both
 //! tangents, so that friction opposes the motion exactly. Which points press, and how much they
@@ -149,11 +150,12 @@ pub(crate) fn law<M: Machine>(
     h: M::R,
 ) -> (M::R, M::R) {
     let zero = M::R::zero();
-    let [_, restitution, stiffness, damping, mass] =
+    let [_, restitution, stiffness, damping, mass, added] =
         k.read(t.contacts.pair, pair, pair_field::FRICTION);
     let gravity = k.vec3(t.world, k.index(0), 0);
-    let c = h.fma(stiffness, damping);
-    let spring = -(stiffness * distance) / c.max(M::R::lit(STILL));
+    let inertia = added / h;
+    let c = h.fma(stiffness, damping) + inertia;
+    let spring = stiffness.fnma(distance, inertia * speed) / c.max(M::R::lit(STILL));
     let target = M::R::select(distance.gt(zero), -distance / h, spring);
     let slow = gravity.length() * h * M::R::lit(-RESTING);
     let bounces = restitution.gt(zero) & speed.lt(slow) & h.fma(speed, distance).lt(zero);
