@@ -117,7 +117,8 @@ impl Axis {
 
 /// A soft stop at each end of a coordinate's range.
 ///
-/// Beyond an end the force is −stiffness · excess − damping · velocity.
+/// Beyond an end the force is −stiffness · excess − damping · velocity, where that pushes back;
+/// a limit never pulls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limit {
     /// Lower end [m or rad].

@@ -379,7 +379,8 @@ fn add<M: Machine>(k: &mut M, t: &Tables, v: M::I, tau: M::R, implicit: M::R) {
     k.write(t.dof, v, dof::TAU, [sum + tau, opposing + implicit]);
 }
 
-/// Starts the sums with springs and dampers; a limit is one that acts beyond it alone.
+/// Starts the sums with springs and dampers; a limit is one that acts beyond it alone, and never
+/// pulls.
 #[inline(always)]
 fn passives<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     let (f, zero) = (&t.forces, M::R::zero());
@@ -390,9 +391,10 @@ fn passives<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         let [d, s, rest, lower, upper, limit_s, limit_d] = k.read(f.passive, i, 0);
         let stretch = h.fma(speed, q - rest);
         let beyond = (q - upper).max(zero) + (q - lower).min(zero);
-        let inside = beyond.same(zero);
-        let limit_s = M::R::select(inside, zero, limit_s);
-        let d = d + M::R::select(inside, zero, limit_d);
+        let push = limit_s.fma(h.fma(speed, beyond), limit_d * speed);
+        let idle = (push * beyond).le(zero);
+        let limit_s = M::R::select(idle, zero, limit_s);
+        let d = d + M::R::select(idle, zero, limit_d);
         let pull = s.fma(stretch, limit_s.fma(h.fma(speed, beyond), d * speed));
         let tau = k.load(t.input.force, v, 0) - pull;
         let implicit = (h * h).fma(s + limit_s, h.fma(d, f.armature(k, v)));

@@ -436,7 +436,7 @@ fn drive<M: Machine>(k: &mut M, t: &Tables, i: M::I, law: M::I, h: M::R) {
     );
 }
 
-/// A limit acts where the substep would end beyond it.
+/// A limit acts where the substep would end beyond it, and never pulls.
 #[inline(always)]
 fn limit<M: Machine>(k: &mut M, t: &Tables, i: M::I, law: M::I, h: M::R) {
     let axis = k.link(t.laws.law_links, law, 0);
@@ -448,7 +448,12 @@ fn limit<M: Machine>(k: &mut M, t: &Tables, i: M::I, law: M::I, h: M::R) {
     let rest = M::R::select(above, upper, lower);
     let s = M::R::select(beyond, s, zero);
     let d = M::R::select(beyond, d, zero);
-    write(k, t, law, [s, d, rest, zero, zero], UNBOUNDED);
+    let most = M::R::lit(UNBOUNDED);
+    let (low, high) = (
+        M::R::select(above, -most, zero),
+        M::R::select(above, zero, most),
+    );
+    store_law(k, t, law, [s, d, rest, zero, zero], low, high);
 }
 
 #[inline(always)]
