@@ -23,7 +23,8 @@ def overlapping(model: mujoco.MjModel) -> mujoco.MjModel:
 
 
 def contacts(model: mujoco.MjModel) -> list[dict]:
-    """Each pair of geoms that MuJoCo lets touch: sliding, torsional and rolling friction, solref, margin."""
+    """Each pair of geoms that MuJoCo lets touch: friction (sliding, torsional, rolling), solref,
+    solimp, margin."""
     model = overlapping(model)
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
@@ -37,6 +38,7 @@ def contacts(model: mujoco.MjModel) -> list[dict]:
             "geoms": geoms,
             "friction": [slide, torsion, roll],
             "solref": contact.solref.tolist(),
+            "solimp": contact.solimp.tolist(),
             "margin": round(contact.includemargin - FAR, 9),
         }
     return [rows[key] for key in sorted(rows)]

@@ -22,6 +22,7 @@
 mod error;
 mod files;
 mod fuse;
+mod impedance;
 mod inertia;
 mod joint_space;
 mod limit;

@@ -4,7 +4,9 @@
 
 mod common;
 
-use common::{TOLERANCE, close, compare_contacts, coordinates, number, poses, quaternion, vector};
+use common::{
+    TOLERANCE, close, compare_contacts, coordinates, half_way, number, poses, quaternion, vector,
+};
 use glam::{DMat3, DQuat, DVec3};
 use kinetarium_formats::{self as formats, Options};
 use model::{Dof, Geometry, Model, Pose};
@@ -187,7 +189,8 @@ fn joints() {
     assert_eq!(model.joints[0].dofs[3].name, "second");
 }
 
-/// The limit's stiffness and damping follow from solref and MuJoCo's own estimate of the inertia.
+/// The limit's stiffness and damping follow from solref, solimp and MuJoCo's own estimate of the
+/// inertia.
 fn compare_joint(dof: &Dof, reference: &Value, joint: usize, inverse_inertia: f64) {
     let of = |field: &str| &reference[field][joint];
     let stiffness = &of("jnt_stiffness");
@@ -211,11 +214,8 @@ fn compare_joint(dof: &Dof, reference: &Value, joint: usize, inverse_inertia: f6
     let margin = number(of("jnt_margin"));
     close(limit.lower - margin, number(&of("jnt_range")[0]), &dof.name);
     close(limit.upper + margin, number(&of("jnt_range")[1]), &dof.name);
-    let (first, second) = (number(&of("jnt_solref")[0]), number(&of("jnt_solref")[1]));
-    let (k, b) = match first > 0.0 {
-        true => ((first * second).powi(-2), 2.0 / first),
-        false => (-first, -second),
-    };
+    let solref = [0, 1].map(|i| number(&of("jnt_solref")[i]));
+    let (k, b, _) = half_way(solref, of("jnt_solimp"));
     close(limit.stiffness * inverse_inertia, k, &dof.name);
     close(limit.damping * inverse_inertia, b, &dof.name);
 }

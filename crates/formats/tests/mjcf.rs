@@ -39,8 +39,8 @@ fn unused_things_are_listed_once_with_their_first_line() {
                <light pos="0 0 3"/>
                <light pos="0 0 4"/>
                <camera/>
-               <geom size="1" solimp="0.8"/>
-               <geom size="1" solimp="0.9"/>
+               <body><joint solimpfriction="0.8"/><geom size="1"/></body>
+               <body><joint solimpfriction="0.9"/><geom size="1"/></body>
              </worldbody>
              <sensor><clock/></sensor>
            </mujoco>"#,
@@ -52,7 +52,7 @@ fn unused_things_are_listed_once_with_their_first_line() {
              simulation is made",
             "robot.xml:4: <light>: lights: only for seeing; not read",
             "robot.xml:6: <camera>: cameras: only for seeing; not read",
-            "robot.xml:7: <geom>: attribute `solimp`: contacts have full impedance at once",
+            "robot.xml:7: <joint>: attribute `solimpfriction`: dry friction is not softened",
             "robot.xml:10: <sensor>: sensors: not read",
         ]
     );
@@ -401,9 +401,13 @@ fn limb(option: &str, contact: &str) -> Loaded {
     ))
 }
 
+/// The time constant at the end of MuJoCo's standard impedance; the model's is the one half way.
 fn time(constant: f64) -> Softness {
-    let ratio = 1.0;
-    Softness::Time { constant, ratio }
+    Softness::Time {
+        constant: constant * 0.95 / 0.925,
+        ratio: 1.0,
+        impedance: 0.925,
+    }
 }
 
 #[test]
@@ -457,7 +461,8 @@ fn exclusions_of_fused_bodies_are_those_of_what_they_are_fused_with() {
 
 #[test]
 fn stiffness_and_damping_of_contacts_are_time_and_ratio() {
-    let model = read("<mujoco><worldbody><geom size='1' solref='-400 -20'/></worldbody></mujoco>");
+    let text = "<geom size='1' solref='-400 -20' solimp='0.6 0.6 0.01'/>";
+    let model = read(&format!("<mujoco><worldbody>{text}</worldbody></mujoco>"));
     assert!(model.warnings.is_empty());
     let material = model.model.shapes[0].material;
     assert_eq!(material.combine, Combine::Maximum);
@@ -465,7 +470,8 @@ fn stiffness_and_damping_of_contacts_are_time_and_ratio() {
         material.softness,
         Softness::Time {
             constant: 0.1,
-            ratio: 0.5
+            ratio: 0.5,
+            impedance: 0.6,
         }
     );
 }

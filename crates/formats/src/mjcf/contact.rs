@@ -10,18 +10,16 @@ use super::tree::Tree;
 use crate::error::FormatError;
 use crate::report::Report;
 use crate::xml::Element;
-use model::{BodyId, CollisionFilter, ContactPair, JointKind, Material, Model, ModelError};
+use model::{
+    BodyId, CollisionFilter, ContactPair, JointKind, Material, Model, ModelError, Softness,
+};
 use std::collections::HashSet;
 
 const EXCLUDE: &[&str] = &["name", "class", "body1", "body2"];
 const PAIR: &[&str] = &[
-    "name", "class", "geom1", "geom2", "condim", "friction", "solref", "gap",
+    "name", "class", "geom1", "geom2", "condim", "friction", "solref", "solimp", "margin", "gap",
 ];
-const PAIR_UNUSED: &[(&str, &str)] = &[
-    ("solimp", "contacts have full impedance at once"),
-    ("solreffriction", "dry friction is not softened"),
-    ("margin", "contacts begin where the surfaces touch"),
-];
+const PAIR_UNUSED: &[(&str, &str)] = &[("solreffriction", "dry friction is not softened")];
 
 /// Reads `<contact>`, and keeps apart what is welded or hinged together.
 pub(super) fn read(
@@ -157,6 +155,32 @@ impl Welds {
     }
 }
 
+/// Equal but for rounding: softness is mixed before it is converted, or after.
+fn alike(a: &Material, b: &Material) -> bool {
+    let softness = match (a.softness, b.softness) {
+        (
+            Softness::Time {
+                constant: t,
+                ratio: r,
+                impedance: d,
+            },
+            Softness::Time {
+                constant,
+                ratio,
+                impedance,
+            },
+        ) => [(t, constant), (r, ratio), (d, impedance)]
+            .iter()
+            .all(|(x, y)| (x - y).abs() <= 1e-12 * y),
+        (a, b) => a == b,
+    };
+    let others = Material {
+        softness: b.softness,
+        ..*a
+    };
+    softness && others == *b
+}
+
 /// Gives contacts the surfaces that MuJoCo mixes, where the shapes' materials would mix otherwise.
 ///
 /// # Errors
@@ -175,7 +199,7 @@ pub(super) fn mix(
             color: usual.color,
             ..surface.material(context.physics.least_time())
         };
-        if material != usual && !named.contains(&(a, b)) && !named.contains(&(b, a)) {
+        if !alike(&material, &usual) && !named.contains(&(a, b)) && !named.contains(&(b, a)) {
             let shapes = (a, b);
             pairs.push(ContactPair { shapes, material });
         }

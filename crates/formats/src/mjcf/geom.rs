@@ -41,15 +41,13 @@ const KNOWN: &[&str] = &[
     "priority",
     "solmix",
     "solref",
+    "solimp",
+    "margin",
     "gap",
     "surfacevel",
     "adhesion",
     "fluidshape",
     "fluidcoef",
-];
-const UNUSED: &[(&str, &str)] = &[
-    ("solimp", "contacts have full impedance at once"),
-    ("margin", "contacts begin where the surfaces touch"),
 ];
 
 const TYPES: &[&str] = &[
@@ -95,7 +93,7 @@ pub(super) fn read(
     context: &Context,
     report: &mut Report,
 ) -> Result<Option<Geom>, FormatError> {
-    report.check_attributes(element, KNOWN, UNUSED)?;
+    report.check_attributes(element, KNOWN, &[])?;
     refuse_contact_physics(element, report)?;
     let Some(placed) = placed_geometry(element, context, report)? else {
         return Ok(None);

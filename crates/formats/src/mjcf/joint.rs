@@ -4,6 +4,7 @@
 use super::Context;
 use super::orientation::direction;
 use crate::error::FormatError;
+use crate::impedance::Impedance;
 use crate::limit::Softness;
 use crate::report::Report;
 use crate::xml::Element;
@@ -20,6 +21,7 @@ const KNOWN: &[&str] = &[
     "limited",
     "actuatorfrclimited",
     "solreflimit",
+    "solimplimit",
     "stiffness",
     "range",
     "actuatorfrcrange",
@@ -34,7 +36,6 @@ const KNOWN: &[&str] = &[
     "actuatorgravcomp",
 ];
 const UNUSED: &[(&str, &str)] = &[
-    ("solimplimit", "limits have a constant stiffness"),
     ("solreffriction", "dry friction is not softened"),
     ("solimpfriction", "dry friction is not softened"),
 ];
@@ -135,7 +136,10 @@ pub(super) fn read(
         axis: frame.direction(axis),
         reference: element.number("ref")?.unwrap_or(0.0) * angle,
         dof: dof(&element, kind, angle, context, report)?,
-        softness: Softness(solref(&element, "solreflimit")?),
+        softness: Softness {
+            reference: solref(&element, "solreflimit")?,
+            impedance: Impedance::read(&element, "solimplimit")?,
+        },
         limits,
         range: narrowed(&element, limits)?,
         spring_damper: element

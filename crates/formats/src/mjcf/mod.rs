@@ -15,21 +15,23 @@
 //! - Massless bodies that are welded to others are fused with them.
 //! - Geoms touch that MuJoCo lets touch: `contype` and `conaffinity` are a shape's kinds; bodies that
 //!   are welded together, or of which one carries the other, are kept apart unless one is welded to
-//!   the world; `<exclude>` and `<pair>` hold. Contacts have MuJoCo's friction and the stiffness
-//!   and damping of `solref`, per mass of what touches; where `condim`, `priority` or `solmix` make
+//!   the world; `<exclude>` and `<pair>` hold. Contacts have MuJoCo's friction and margins, and the
+//!   softness of `solref` and `solimp`, per mass of what touches; where `condim`, `priority` or `solmix` make
 //!   them differ from what two materials make of each other, the model names the pair.
 //! - Equality constraints `connect` and `weld` become joints that close a loop, `joint` a coupling.
 //!
 //! # Limitations
 //!
-//! - MuJoCo's limits prescribe accelerations. Here they are springs and dampers with the time constant
-//!   and damping ratio of `solreflimit`, for the inertia that the joint shows at the initial
-//!   coordinates; `solimplimit` is not used. Leaving a limit goes the same way, but a steady load
-//!   pushes a limit further in: with MuJoCo's standard parameters, 20 times further.
-//! - Contacts prescribe accelerations, too, and here are springs and dampers, for the mass of what
-//!   touches. They have full impedance from the first touch on, and `solimp` is not used: a steady
-//!   load presses further in, with MuJoCo's standard parameters 3.9 mm under a body's own weight
-//!   instead of 0.4 mm. `margin` is kept in the material, and noted.
+//! - MuJoCo's limits prescribe accelerations. Here they are springs and dampers, for the inertia that
+//!   the joint shows at the initial coordinates: as stiff under a steady load as `solreflimit` and
+//!   `solimplimit` say, and as slow on the way out, but faster to stop what runs into them, with
+//!   MuJoCo's standard parameters 13 times.
+//! - Contacts prescribe accelerations, too, and here are springs, dampers and added masses for the
+//!   mass of what touches, where MuJoCo takes the inertia that the bodies show. With MuJoCo's
+//!   standard parameters a body on one point sinks 0.3 mm under its own weight, instead of 0.4 mm.
+//! - The impedance of `solimp` and `solimplimit` grows with the depth. Here it has at all depths what
+//!   it has at half the width, where light loads rest; heavier ones press further in than in MuJoCo,
+//!   and lighter ones less.
 //! - An exclusion of a massless body holds for the body that it is fused with.
 //! - A ball joint stands alone on its body, is not limited, and takes motors about one axis at a time.
 //! - Refused unless lenient: drag by a fluid, gravity compensation, tendons that exert force, muscles

@@ -1,7 +1,8 @@
 //! How contacts of geoms behave (modeling guide, "Contact parameters" and "Solver parameters").
 //!
-//! At full impedance, a contact of depth r that grows at the rate v gives the touching bodies the
-//! acceleration k r + b v:
+//! A contact of depth r that grows at the rate v changes the acceleration a₀ that the touching bodies
+//! would have into (1 − d) a₀ − k r − b v, where d is the [impedance](crate::impedance), which grows
+//! with r. At its end
 //!
 //! ```text
 //! solref = (T, ζ):     k = 1 / (T² ζ²),   b = 2 / T
@@ -13,6 +14,7 @@
 
 use super::joint::solref;
 use crate::error::FormatError;
+use crate::impedance::Impedance;
 use crate::report::Report;
 use crate::xml::Element;
 use model::{Combine, Material, Softness};
@@ -31,6 +33,7 @@ pub(super) struct Surface {
     mix: f64,
     /// Both positive or both negative.
     solref: [f64; 2],
+    solimp: Impedance,
     /// Distance at which contact begins [m].
     margin: f64,
 }
@@ -49,6 +52,7 @@ impl Surface {
             friction,
             mix: element.non_negative("solmix")?.unwrap_or(1.0),
             solref: spring(element, report)?,
+            solimp: Impedance::read(element, "solimp")?,
             margin: element.number("margin")?.unwrap_or(0.0),
         })
     }
@@ -72,6 +76,7 @@ impl Surface {
             friction: [slide, torsion, roll],
             mix: 1.0,
             solref: spring(element, report)?,
+            solimp: Impedance::read(element, "solimp")?,
             margin: element.number("margin")?.unwrap_or(0.0),
         })
     }
@@ -93,15 +98,19 @@ impl Surface {
         };
         let (a, b) = (self.solref, other.solref);
         let both_times = a[0] > 0.0 && b[0] > 0.0;
+        let mean = |a: f64, b: f64| share * a + (1.0 - share) * b;
         Self {
             priority: self.priority,
             directions: self.directions.max(other.directions),
             friction: std::array::from_fn(|i| self.friction[i].max(other.friction[i])),
             mix: self.mix,
             solref: std::array::from_fn(|i| match both_times {
-                true => share * a[i] + (1.0 - share) * b[i],
+                true => mean(a[i], b[i]),
                 false => a[i].min(b[i]),
             }),
+            solimp: Impedance(std::array::from_fn(|i| {
+                mean(self.solimp.0[i], other.solimp.0[i])
+            })),
             margin,
         }
     }
@@ -117,11 +126,16 @@ impl Surface {
             [time, ratio] if time > 0.0 => (time.max(least_time), ratio),
             [k, b] => (2.0 / -b, -b / (2.0 * (-k).sqrt())),
         };
+        let (impedance, growth) = self.solimp.typical();
         Material {
             friction: from(3, slide),
             torsional_friction: from(4, torsion),
             rolling_friction: from(6, roll),
-            softness: Softness::Time { constant, ratio },
+            softness: Softness::Time {
+                constant: constant * growth,
+                ratio,
+                impedance,
+            },
             margin: self.margin,
             combine: Combine::Maximum,
             ..Material::default()

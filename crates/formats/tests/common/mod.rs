@@ -58,7 +58,7 @@ fn step(axis: &Axis, q: f64) -> Pose {
     }
 }
 
-/// The pairs of shapes that may touch are MuJoCo's, and so are their friction and softness.
+/// The pairs of shapes that may touch are MuJoCo's, and so are their friction, margin and softness.
 pub fn compare_contacts(model: &Model, reference: &Value, path: &str) {
     let row = |value: &Value| value.as_u64().expect("a row") as usize;
     let contacts = reference["contacts"].as_array().expect("contacts");
@@ -82,22 +82,42 @@ pub fn compare_contacts(model: &Model, reference: &Value, path: &str) {
         );
         close(material.margin, number(&contact["margin"]), &what);
         let solref = [0, 1].map(|i| number(&contact["solref"][i]));
-        compare_softness(material.softness, solref, 2.0 * model.time_step, &what);
+        let solref = refsafe(solref, 2.0 * model.time_step);
+        compare_softness(material.softness, solref, &contact["solimp"], &what);
     }
 }
 
-/// k = 1 / (T² ζ²) and b = 2 / T, or k and b themselves with a minus.
-fn compare_softness(softness: Softness, solref: [f64; 2], least_time: f64, what: &str) {
-    let (k, b) = match solref {
-        [time, ratio] if time > 0.0 => {
-            let time = time.max(least_time);
-            (1.0 / (time * ratio).powi(2), 2.0 / time)
-        }
-        [k, b] => (-k, -b),
+/// Time constants are no shorter than two steps.
+pub fn refsafe([first, second]: [f64; 2], least_time: f64) -> [f64; 2] {
+    let first = if first > 0.0 {
+        first.max(least_time)
+    } else {
+        first
     };
+    [first, second]
+}
+
+/// Stiffness and damping of what holds a unit of inertia, and the impedance d, half way down a
+/// standard `solimp`: f = d / (1 − d) (d k r + b v) with k = 1 / (dmax T ζ)² and b = 2 / (dmax T), or
+/// k = −solref₀ / dmax² and b = −solref₁ / dmax.
+pub fn half_way(solref: [f64; 2], solimp: &Value) -> (f64, f64, f64) {
+    let [least, most] = [0, 1].map(|i| number(&solimp[i]).clamp(1e-4, 0.9999));
+    assert_eq!((number(&solimp[3]), number(&solimp[4])), (0.5, 2.0));
+    let d = 0.5 * (least + most);
+    let (k, b) = match solref {
+        [time, ratio] if time > 0.0 => ((most * time * ratio).powi(-2), 2.0 / (most * time)),
+        [k, b] => (-k / (most * most), -b / most),
+    };
+    let share = d / (1.0 - d);
+    (share * d * k, share * b, d)
+}
+
+fn compare_softness(softness: Softness, solref: [f64; 2], solimp: &Value, what: &str) {
+    let (k, b, d) = half_way(solref, solimp);
     let (stiffness, damping) = softness.spring(3.0);
     close(stiffness, 3.0 * k, what);
     close(damping, 3.0 * b, what);
+    close(softness.added_mass(3.0), 3.0 * d / (1.0 - d), what);
 }
 
 pub fn close(value: f64, expected: f64, what: &str) {

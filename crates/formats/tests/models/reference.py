@@ -61,6 +61,7 @@ def describe(model: mujoco.MjModel) -> dict:
         "jnt_range",
         "jnt_margin",
         "jnt_solref",
+        "jnt_solimp",
         "jnt_stiffness",
         "jnt_dofadr",
         "jnt_qposadr",
