@@ -29,7 +29,7 @@ const STAGES: &[Stage] = &[
     },
     Stage {
         name: "peers",
-        purpose: "loading and dynamics of gymnasium's models, against MuJoCo",
+        purpose: "loading, dynamics and falls of gymnasium's models, against MuJoCo",
         run: peers,
     },
     Stage {
@@ -108,10 +108,15 @@ fn clippy(workshop: &Workshop) -> Result<()> {
 /// Tests that need MuJoCo's references are ignored elsewhere.
 fn peers(workshop: &Workshop) -> Result<()> {
     let references = workshop.write_peers()?;
-    for package in ["kinetarium-formats", "kinetarium-rigid"] {
+    for (package, test) in [
+        ("kinetarium-formats", "mujoco"),
+        ("kinetarium-rigid", "mujoco"),
+        ("kinetarium-rigid", "falls"),
+        ("kinetarium-sim", "endurance"),
+    ] {
         cmd!(
             workshop.sh,
-            "cargo test --quiet --release --package {package} --test mujoco -- --ignored"
+            "cargo test --quiet --release --package {package} --test {test} -- --ignored"
         )
         .env("KINETARIUM_PEERS", &references)
         .run()?;

@@ -83,13 +83,19 @@ impl Workshop {
         Ok(python)
     }
 
-    /// Writes MuJoCo's reference dynamics, one JSON file a model; returns their folder.
+    /// Writes MuJoCo's reference dynamics, one JSON file a model, and its falls, into a folder of
+    /// their own; returns the folder of both.
     pub fn write_peers(&self) -> Result<PathBuf> {
         let python = self.peers_python()?;
         let folder = self.root.join("target/peers");
         cmd!(
             self.sh,
             "{python} tests/peers/reference_dynamics.py --out {folder}"
+        )
+        .run()?;
+        cmd!(
+            self.sh,
+            "{python} tests/peers/falls.py --out {folder}/falls"
         )
         .run()?;
         Ok(folder)

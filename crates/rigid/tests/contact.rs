@@ -420,7 +420,7 @@ fn joints_carry_what_contacts_do_not() {
         .parent(left)
         .frames(at(half), at(-half));
     let model = world.build().unwrap();
-    let mut run = Run::new(&model, &vec![0.0; 7], &Settings::new(H));
+    let mut run = Run::new(&model, &[0.0; 7], &Settings::new(H));
     run.step(1000);
     let weight = mass * G;
     let [force, torque] = run.reaction(0);
