@@ -258,11 +258,11 @@ fn trajectories_have_the_recorded_bits() {
 #[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 const GOLDEN: [[[u64; 2]; 5]; 2] = [
     [
-        [0x7fdc_b3e3_e0ca_c219, 0xc0f2_5635_d7da_2f35],
-        [0x511d_5706_0b93_190f, 0x4cb7_39ce_27cc_af44],
-        [0x6ed7_89ef_3d74_3636, 0x485d_0998_2134_ded9],
-        [0xcc7b_ba75_bf15_158e, 0xd13a_ee15_33c4_44c7],
-        [0x8e37_dd1d_abc7_9b93, 0x62a2_a1f3_f8f1_feb5],
+        [0xa353_bed0_4775_5c4b, 0x4826_f82d_785d_6e37],
+        [0x7e51_e6d4_09be_2e83, 0x54f9_a691_80ec_c60d],
+        [0x927b_c22e_20b3_c1f8, 0x63e9_842a_6bc3_d2ab],
+        [0xc6aa_4c7f_da03_aa19, 0x9e5d_9d23_928b_4786],
+        [0xfdda_c96b_ece2_4d1b, 0x2e9a_57fb_31e7_0a5f],
     ],
     [
         [0x6a9e_f3fb_51b8_88f7, 0xd03a_80e6_957b_82b9],
