@@ -28,7 +28,8 @@ pub struct Settings {
     pub integrator: Integrator,
     /// Passes of a `featherstone` step over the contacts, at most; it ends as soon as all agree.
     pub contact_passes: usize,
-    /// Passes of projected Gauss–Seidel over the contacts between bodies that move; `featherstone`.
+    /// Passes of projected Gauss–Seidel over the contacts between bodies that move; `xpbd`: over all
+    /// contacts, in each pass over the constraints.
     pub contact_iterations: usize,
     /// A world in which a speed exceeds this [m/s or rad/s] has diverged.
     pub speed_limit: f64,

@@ -4,7 +4,8 @@
 mod scene;
 
 use kinetarium_rigid::{
-    Featherstone, Integrator, Kernels, OutputTables, Settings, TouchingFeatherstone, Xpbd,
+    Featherstone, Integrator, Kernels, OutputTables, Settings, TouchingFeatherstone, TouchingXpbd,
+    Xpbd,
 };
 use model::Model;
 use model::examples::{Start, chain};
@@ -195,6 +196,9 @@ fn a_chain_keeps_its_bits() {
 fn a_heap_keeps_its_bits() {
     let model = heap().unwrap();
     let kernels = TouchingFeatherstone::new(&model, &Settings::new(0.002)).unwrap();
+    suits_a_shader(&kernels, &model);
+    keeps_the_bits(&kernels, &model, 300);
+    let kernels = TouchingXpbd::new(&model, &Settings::new(0.002)).unwrap();
     suits_a_shader(&kernels, &model);
     keeps_the_bits(&kernels, &model, 300);
 }

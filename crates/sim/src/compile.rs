@@ -7,7 +7,7 @@ use crate::engine::Engine;
 use crate::{SimulationSettings, SolverKind};
 use model::{CollisionFilter, Model};
 use numbers::Float;
-use rigid::{Featherstone, InputTables, SolverError, TouchingFeatherstone, Xpbd};
+use rigid::{Featherstone, InputTables, SolverError, TouchingFeatherstone, TouchingXpbd, Xpbd};
 use std::any::Any;
 
 /// A solver compiled for a model, and how its worlds begin.
@@ -88,14 +88,15 @@ fn engine<T: Float>(model: &Model, settings: &SimulationSettings) -> Made<T> {
         SolverKind::Auto => SolverKind::Xpbd,
         named => named,
     };
-    Ok(match kind {
-        SolverKind::Featherstone => {
-            if settings.contacts && CollisionFilter::new(model).pairs().next().is_some() {
-                Box::new(TouchingFeatherstone::new(model, &settings.step)?)
-            } else {
-                Box::new(Featherstone::new(model, &settings.step)?)
-            }
+    let touches = settings.contacts && CollisionFilter::new(model).pairs().next().is_some();
+    Ok(match (kind, touches) {
+        (SolverKind::Featherstone, true) => {
+            Box::new(TouchingFeatherstone::new(model, &settings.step)?)
         }
-        SolverKind::Xpbd | SolverKind::Auto => Box::new(Xpbd::new(model, &settings.step)?),
+        (SolverKind::Featherstone, false) => Box::new(Featherstone::new(model, &settings.step)?),
+        (SolverKind::Xpbd | SolverKind::Auto, true) => {
+            Box::new(TouchingXpbd::new(model, &settings.step)?)
+        }
+        (SolverKind::Xpbd | SolverKind::Auto, false) => Box::new(Xpbd::new(model, &settings.step)?),
     })
 }

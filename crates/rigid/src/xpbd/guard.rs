@@ -1,5 +1,6 @@
 //! Worlds that diverge keep their last finite state.
 
+use super::contact;
 use super::tables::{Tables, global};
 use numbers::functions::finite;
 use numbers::spatial::Spatial;
@@ -62,7 +63,7 @@ impl<M: Machine> Survey<M> {
 
 /// A lane that has diverged, now or before, keeps its last finite state, and passes on no forces.
 #[inline(always)]
-pub(crate) fn guard<M: Machine>(k: &mut M, t: &Tables, survey: &Survey<M>) {
+pub(crate) fn guard<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, survey: &Survey<M>) {
     let world = k.index(0);
     let zero = M::R::zero();
     let limit = k.load(t.global, world, global::SPEED_LIMIT);
@@ -86,6 +87,9 @@ pub(crate) fn guard<M: Machine>(k: &mut M, t: &Tables, survey: &Survey<M>) {
         for row in k.count(t.rows) {
             let moved = k.spatial(t.moved, row, 0);
             k.store_spatial(t.moved, row, 0, unless(lost, moved));
+        }
+        if CONTACTS {
+            contact::forget(k, t, lost);
         }
     }
 }

@@ -361,7 +361,7 @@ impl<M: Machine> Block<M> {
 
 /// −r× I⁻¹ r× = r× I⁻¹ (r×)ᵀ: what a push at the arm r does through rotation.
 #[inline(always)]
-fn arm_inertia<R: Real>(i: SymMat3<R>, r: Vec3<R>) -> SymMat3<R> {
+pub(crate) fn arm_inertia<R: Real>(i: SymMat3<R>, r: Vec3<R>) -> SymMat3<R> {
     let (x, y, z) = i.columns();
     // The rows of B = r× I⁻¹ are r × (columns of I⁻¹), read across.
     let (bx, by, bz) = (r.cross(x), r.cross(y), r.cross(z));

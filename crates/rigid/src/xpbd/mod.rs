@@ -6,13 +6,16 @@
 //! A substep of length h, in order:
 //!
 //! ```text
+//! find contacts
 //! measure coordinates                         axis
 //! v ← v + h g;  x ← x + h v                   body::fly
 //! forces on free bodies                       force
-//! repeat: laws along coordinates, and what
+//! repeat: contacts                            contact
+//!         laws along coordinates, and what
 //!         the joints of trees lock, at once   laws, tree
 //!         couplings                           laws
 //!         loops and distances, as blocks      joint
+//! bounces, which change velocities only       contact
 //! keep the last state if it diverged          guard
 //! ```
 //!
@@ -31,46 +34,65 @@
 //!
 //! Limitations: first order in h; energy is lost at the rate of h; a joint's
 //! linear axes must come before its angular ones, which must meet in a point;
-//! coordinates of stacked axes are ill-defined in gimbal lock.
+//! coordinates of stacked axes are ill-defined in gimbal lock. Contacts push single
+//! bodies, and joints and neighbours pass it on from sweep to sweep: what bears a
+//! hundred times its own mass does not come to rest. No torsional or rolling friction.
 
 mod articulated;
 mod axis;
 mod body;
+mod contact;
 mod force;
 mod guard;
 mod joint;
 mod laws;
 mod reaction;
 mod report;
+mod seats;
 mod tables;
 mod topology;
 mod tree;
 
+use crate::contacts::place_shapes;
+use crate::output::contact as touch;
 use crate::{ContactTables, Featherstone, Kernels, Lengths, OutputTables, Settings, SolverError};
+use collide::FAR;
 use guard::{Survey, guard};
-use model::Model;
+use model::{Model, ShapeId};
+use numbers::machine::Index;
 use numbers::spatial::Spatial;
 use numbers::{Cell, Machine, Real};
 pub use tables::Tables;
-use tables::{global, motion};
+use tables::{NAME, global, motion};
 
-/// The solver, compiled for a model.
+/// The solver, compiled for a model, with contacts or without.
+///
+/// Whether bodies touch is a constant, so that what touches nothing pays nothing, in time and in
+/// code.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Xpbd {
+pub struct Bodies<const CONTACTS: bool> {
     tables: Tables,
     parameters: Vec<f64>,
     links: Vec<u32>,
+    contact_shapes: Vec<[ShapeId; 2]>,
     /// Places the bodies for given joint coordinates; loops left open.
     tree: Featherstone,
 }
 
-impl Xpbd {
+/// The solver for bodies that pass through each other.
+pub type Xpbd = Bodies<false>;
+
+/// The solver for bodies that touch.
+pub type TouchingXpbd = Bodies<true>;
+
+impl<const CONTACTS: bool> Bodies<CONTACTS> {
     /// Compiles a model.
     ///
     /// # Errors
-    /// Axes in an order, or a law on a joint, that this solver does not know.
+    /// Axes in an order, or a law on a joint, that this solver does not know; with contacts, a
+    /// shape that no kernel collides.
     pub fn new(model: &Model, settings: &Settings) -> Result<Self, SolverError> {
-        let (tables, mut filler) = Tables::new(model, settings)?;
+        let (tables, mut filler, contact_shapes) = Tables::new(model, CONTACTS, settings)?;
         let numbers = [
             settings.substep(),
             settings.speed_limit,
@@ -84,15 +106,16 @@ impl Xpbd {
             tables,
             parameters: filler.parameters,
             links: filler.links,
+            contact_shapes,
             tree: Featherstone::of_tree(model, settings),
         })
     }
 }
 
-impl Kernels for Xpbd {
-    const TOUCHES: bool = false;
+impl<const CONTACTS: bool> Kernels for Bodies<CONTACTS> {
+    const TOUCHES: bool = CONTACTS;
     fn name(&self) -> &'static str {
-        "xpbd"
+        NAME
     }
     fn lengths(&self) -> Lengths {
         Lengths {
@@ -104,6 +127,9 @@ impl Kernels for Xpbd {
     }
     fn outputs(&self) -> OutputTables {
         self.tables.output
+    }
+    fn contact_shapes(&self) -> &[[ShapeId; 2]] {
+        &self.contact_shapes
     }
     fn parameters(&self) -> &[f64] {
         &self.parameters
@@ -119,6 +145,9 @@ impl Kernels for Xpbd {
         state[self.alive()] = 1.0;
         state[self.tables.pose.at(0, 6)] = 1.0;
         self.tables.laws.initial(model, &mut state);
+        for slot in 0..self.tables.contacts.slots {
+            state[self.tables.touch.at(slot, touch::DISTANCE)] = FAR;
+        }
         self.place(position, velocity, &mut state);
         state
     }
@@ -135,28 +164,34 @@ impl Kernels for Xpbd {
             .place(bodies, &self.parameters, &self.links, state);
     }
     fn contacts(&self) -> Option<&ContactTables> {
-        None
+        CONTACTS.then_some(&self.tables.contacts)
     }
     fn stages(&self) -> usize {
         1
     }
     #[inline(always)]
-    fn begin<M: Machine>(&self, _: &mut M, _: M::I) {}
+    fn begin<M: Machine>(&self, k: &mut M, _: M::I) {
+        if CONTACTS {
+            let tables = self.tables;
+            let h = k.load(tables.global, k.index(0), global::STEP);
+            place_shapes(k, &tables.contacts, &tables, h);
+        }
+    }
     #[inline(always)]
     fn finish<M: Machine>(&self, k: &mut M, _: M::I) {
         // A copy on the stack: offsets stay in registers, whatever is written meanwhile.
         let tables = self.tables;
-        substep(k, &tables);
+        substep::<M, CONTACTS>(k, &tables);
     }
     #[inline(always)]
     fn report<M: Machine>(&self, k: &mut M) {
         let tables = self.tables;
-        report::report(k, &tables);
+        report::report::<M, CONTACTS>(k, &tables);
     }
 }
 
 #[inline(always)]
-fn substep<M: Machine>(k: &mut M, t: &Tables) {
+fn substep<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
     let h = k.load(t.global, k.index(0), global::STEP);
     clear(k, t);
     axis::track(k, t);
@@ -166,11 +201,47 @@ fn substep<M: Machine>(k: &mut M, t: &Tables) {
     laws::prepare(k, t, h);
     let mut survey = Survey::new(k);
     let mut fresh = k.cell(M::R::one());
-    for _ in k.count(t.iterations) {
-        pass(k, t, h, fresh.read(), &mut survey);
-        fresh.write(M::R::zero());
+    if CONTACTS {
+        touching_passes(k, t, h, &mut fresh, &mut survey);
+    } else {
+        for _ in k.count(t.iterations) {
+            pass(k, t, h, fresh.read(), &mut survey);
+            fresh.write(M::R::zero());
+        }
     }
-    guard(k, t, &survey);
+    guard::<M, CONTACTS>(k, t, &survey);
+}
+
+/// Passes over contacts and joints, and a last round for what bounces. Where there are joints, the
+/// first pass lets them pass on what the contacts start with, before these are asked for more.
+#[inline(always)]
+fn touching_passes<M: Machine>(
+    k: &mut M,
+    t: &Tables,
+    h: M::R,
+    fresh: &mut M::Cell,
+    survey: &mut Survey<M>,
+) {
+    let mut ending = k.cell(M::R::one());
+    contact::meet(k, t, h);
+    for round in k.count(t.iterations + 1) {
+        let joins = k.less(round, k.index(t.iterations));
+        ending.write(M::R::one());
+        for _ in k.when(joins) {
+            ending.write(M::R::zero());
+        }
+        for _ in k.when(k.less(k.index(usize::from(t.jointed)), round.offset(1))) {
+            contact::sweeps(k, t, h, ending.read());
+        }
+        for _ in k.when(joins) {
+            contact::drift(k, t, h);
+            pass(k, t, h, fresh.read(), survey);
+            fresh.write(M::R::zero());
+            contact::save(k, t);
+        }
+    }
+    contact::keep(k, t, h);
+    survey.repeat(k, t);
 }
 
 /// One pass over everything that binds; `fresh` is 1 in the first one of a substep, else 0.

@@ -1,6 +1,7 @@
 //! What a world looks like from outside.
 
 use super::axis::{Pull, measure};
+use super::contact;
 use super::joint::Ends;
 use super::reaction::{clear, through};
 use super::tables::{
@@ -14,13 +15,16 @@ use numbers::{Cell, Machine, Real, Vec3};
 
 /// Fills the output of every lane from its state. Changes no state.
 #[inline(always)]
-pub(crate) fn report<M: Machine>(k: &mut M, t: &Tables) {
+pub(crate) fn report<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
     bodies(k, t);
     axes(k, t);
     balls(k, t);
     frees(k, t);
     reactions(k, t);
     sums(k, t);
+    if CONTACTS {
+        contact::report(k, t);
+    }
 }
 
 #[inline(always)]

@@ -5,16 +5,25 @@
 //! axes, where its inertia is a diagonal. A joint's frame is turned so that its
 //! first angular axis is x; its linear axes have a frame of their own.
 
+use super::contact::touching;
 use super::laws::{self, LawTables};
+use super::seats::{Seats, jointed};
 use super::topology::closings;
-use crate::output::{OutputTables, body};
+use crate::contacts::{ContactPlan, ContactTables};
+use crate::output::{OutputTables, body, contact};
 use crate::tables::Filler;
 use crate::{InputTables, Settings, SolverError};
 use glam::{DMat3, DQuat, DVec3};
-use model::{AxisKind, BodyId, BodyKind, Joint, JointId, JointKind, MassProperties, Model, Pose};
+use model::{
+    AxisKind, Body, BodyId, BodyKind, Joint, JointId, JointKind, MassProperties, Model, Pose,
+    ShapeId,
+};
 use numbers::Table;
 use numbers::machine::Links;
 use numbers::machine::space::{Parameter, Scratch, State};
+
+/// The solver's name.
+pub(crate) const NAME: &str = "xpbd";
 
 /// Most rows that a joint locks.
 const LOCKED_ROWS: usize = 6;
@@ -240,8 +249,12 @@ pub struct Tables {
     pub(crate) tracked: usize,
     pub(crate) balls: usize,
     pub(crate) frees: usize,
-    /// Passes per substep.
+    /// Passes per substep. Where there are joints and contacts, one comes before the contacts.
     pub(crate) iterations: usize,
+    /// Sweeps over the contacts in a pass.
+    pub(crate) sweeps: usize,
+    /// True if joints hold any bodies.
+    pub(crate) jointed: bool,
     /// True if a cap is set.
     pub(crate) capped_at_all: bool,
 
@@ -261,6 +274,8 @@ pub struct Tables {
     /// How often a cap has bitten.
     pub(crate) capped: Table<State>,
     pub(crate) laws: LawTables,
+    /// The contacts of the last substep, as they are reported.
+    pub(crate) touch: Table<State, { contact::WIDTH }>,
     pub(crate) state_length: usize,
 
     pub(crate) input: InputTables,
@@ -285,6 +300,10 @@ pub struct Tables {
     pub(crate) ball_links: Links<4>,
     pub(crate) free_links: Links<3>,
     pub(crate) body_links: Links<{ body_link::WIDTH }>,
+    /// Rows of the bodies that carry shapes.
+    pub(crate) carrier_links: Links,
+    /// Per slot: rows of the bodies A and B.
+    pub(crate) touch_links: Links<2>,
     pub(crate) link_length: usize,
 
     /// Per row: inverse inertia, world axes.
@@ -306,7 +325,39 @@ pub struct Tables {
     pub(crate) share: Table<Scratch>,
     /// Per row: what it carries has passed on to it, about its centre.
     pub(crate) load: Table<Scratch, 6>,
+    pub(crate) contacts: ContactTables,
+    pub(crate) touching: Table<Scratch, { touching::WIDTH }>,
+    /// Per row: twist before the contacts of a pass.
+    pub(crate) unpushed: Table<Scratch, 6>,
     pub(crate) scratch_length: usize,
+}
+
+/// Principal moments of a body, and the orientation of their axes.
+fn principal(body: &Body) -> (DVec3, DQuat) {
+    let mass = MassProperties {
+        mass: body.mass,
+        center: body.center,
+        inertia: body.inertia,
+    };
+    mass.principal()
+}
+
+/// Per body of the model, its row and the model's frame in its own (in the world, for a static one).
+fn own_frames(model: &Model) -> Vec<(usize, Pose)> {
+    let mut own = vec![(0, Pose::IDENTITY); model.bodies.len()];
+    let mut row = 0;
+    for &BodyId(id) in model.order() {
+        let body = &model.bodies[id];
+        own[id] = match body.kind {
+            BodyKind::Static => (0, body.pose),
+            BodyKind::Dynamic => {
+                row += 1;
+                let (_, turn) = principal(body);
+                (row, Pose::new(body.center, turn).inverse())
+            }
+        };
+    }
+    own
 }
 
 /// A joint's axes sorted for the kernels.
@@ -328,7 +379,7 @@ impl Group {
         let (linear, angular) = (of(AxisKind::Linear), of(AxisKind::Angular));
         let refuse = |what, remedy| {
             Err(SolverError::Unsupported {
-                solver: "xpbd",
+                solver: NAME,
                 what,
                 name: joint.name.clone(),
                 remedy,
@@ -379,8 +430,15 @@ fn frame(directions: &[DVec3]) -> DQuat {
 }
 
 impl Tables {
-    /// Lays out a model and fills its parameters and links.
-    pub(crate) fn new(model: &Model, settings: &Settings) -> Result<(Self, Filler), SolverError> {
+    /// Lays out a model and fills its parameters and links; with the shapes of each contact.
+    ///
+    /// # Errors
+    /// What this solver does not know; a shape that no kernel collides, if `contacts` are asked for.
+    pub(crate) fn new(
+        model: &Model,
+        contacts: bool,
+        settings: &Settings,
+    ) -> Result<(Self, Filler, Vec<[ShapeId; 2]>), SolverError> {
         let mut groups = Vec::new();
         for (i, joint) in model.joints.iter().enumerate() {
             if !joint.axes.is_empty() {
@@ -389,19 +447,34 @@ impl Tables {
         }
         groups.sort_by_key(|g| (model.joints[g.joint].closes_loop, !g.tracked));
         laws::check(model)?;
-        let t = Self::layout(model, settings, &groups);
+        let own = own_frames(model);
+        let seats = Seats::new(model, &own);
+        let plan = if contacts {
+            seats.plan(model)?
+        } else {
+            ContactPlan::empty()
+        };
+        let t = Self::layout(model, settings, &groups, &plan, seats.carriers());
         let mut f = Filler::new(t.parameter_length, t.link_length);
-        let own = t.fill_bodies(model, &mut f);
+        t.fill_bodies(model, &own, &mut f);
+        t.contacts.fill(model, &plan, NAME, &mut f)?;
+        seats.fill(&t, &plan, &mut f);
         t.fill_joints(model, &groups, &own, &mut f);
         t.fill_tree(model, &groups, &own, &mut f);
         let axis_of = t.fill_axes(model, &groups, &mut f);
         t.laws
             .fill(model, &axis_of, |ball| t.ball_motion(ball), &mut f);
         f.vec3(t.global, 0, global::GRAVITY, model.gravity);
-        Ok((t, f))
+        Ok((t, f, plan.shapes()))
     }
 
-    fn layout(model: &Model, settings: &Settings, groups: &[Group]) -> Self {
+    fn layout(
+        model: &Model,
+        settings: &Settings,
+        groups: &[Group],
+        plan: &ContactPlan,
+        carriers: usize,
+    ) -> Self {
         let moving = model
             .bodies
             .iter()
@@ -427,6 +500,8 @@ impl Tables {
         let motions = coordinates + 3 * balls + LOCKED_ROWS * moving;
         let (mut s, mut p, mut l, mut t) = (0, 0, 0, 0);
         let laws = LawTables::place(model, &mut s, &mut p, &mut l, &mut t);
+        let contacts = ContactTables::place(plan, &mut p, &mut l, &mut t);
+        let (touches, jointed) = (contacts.slots > 0, jointed(model));
         Self {
             rows,
             bodies: model.bodies.len(),
@@ -438,7 +513,9 @@ impl Tables {
             tracked: groups.iter().filter(|g| g.tracked).count(),
             balls,
             frees,
-            iterations: settings.iterations,
+            iterations: settings.iterations + usize::from(touches && jointed),
+            sweeps: settings.contact_iterations,
+            jointed,
             capped_at_all: settings.displacement_cap.is_finite() || settings.force_cap.is_finite(),
             pose: Table::place(&mut s, rows),
             twist: Table::place(&mut s, rows),
@@ -449,9 +526,10 @@ impl Tables {
             alive: Table::place(&mut s, 1),
             capped: Table::place(&mut s, 1),
             laws,
+            touch: Table::place(&mut s, contacts.slots),
             state_length: s,
             input: InputTables::new(model),
-            output: OutputTables::new(model),
+            output: OutputTables::new(model).with_contacts(contacts.slots),
             global: Table::place(&mut p, 1),
             mass: Table::place(&mut p, rows),
             joint: Table::place(&mut p, joints),
@@ -466,6 +544,8 @@ impl Tables {
             ball_links: Links::place(&mut l, balls),
             free_links: Links::place(&mut l, frees),
             body_links: Links::place(&mut l, model.bodies.len()),
+            carrier_links: Links::place(&mut l, carriers),
+            touch_links: Links::place(&mut l, contacts.slots),
             link_length: l,
             inverse_inertia: Table::place(&mut t, rows),
             axis: Table::place(&mut t, axes),
@@ -478,44 +558,33 @@ impl Tables {
             way: Table::place(&mut t, rows),
             share: Table::place(&mut t, rows),
             load: Table::place(&mut t, rows),
+            contacts,
+            touching: Table::place(&mut t, contacts.slots),
+            unpushed: Table::place(&mut t, if touches { rows } else { 0 }),
             scratch_length: t,
         }
     }
 
-    /// Masses and frames of the bodies. Returns, per body of the model, its row
-    /// and the model's frame in its own (in the world, for a static one).
-    fn fill_bodies(&self, model: &Model, f: &mut Filler) -> Vec<(usize, Pose)> {
-        let mut own = vec![(0, Pose::IDENTITY); model.bodies.len()];
-        let mut row = 0;
+    /// Masses and frames of the bodies; `own` as [`own_frames`] has them.
+    fn fill_bodies(&self, model: &Model, own: &[(usize, Pose)], f: &mut Filler) {
         for (i, &BodyId(id)) in model.order().iter().enumerate() {
-            let body = &model.bodies[id];
-            own[id] = match body.kind {
-                BodyKind::Static => (0, body.pose),
-                BodyKind::Dynamic => {
-                    row += 1;
-                    let (moments, turn) = MassProperties {
-                        mass: body.mass,
-                        center: body.center,
-                        inertia: body.inertia,
-                    }
-                    .principal();
-                    let inverse = [
-                        1.0 / body.mass,
-                        1.0 / moments.x,
-                        1.0 / moments.y,
-                        1.0 / moments.z,
-                    ];
-                    f.numbers(self.mass, row, mass::INVERSE, &inverse);
-                    f.number(self.mass, row, mass::MASS, body.mass);
-                    f.vec3(self.mass, row, mass::MOMENTS, moments);
-                    (row, Pose::new(body.center, turn).inverse())
-                }
-            };
+            let (body, (row, frame)) = (&model.bodies[id], own[id]);
+            if row > 0 {
+                let (moments, _) = principal(body);
+                let inverse = [
+                    1.0 / body.mass,
+                    1.0 / moments.x,
+                    1.0 / moments.y,
+                    1.0 / moments.z,
+                ];
+                f.numbers(self.mass, row, mass::INVERSE, &inverse);
+                f.number(self.mass, row, mass::MASS, body.mass);
+                f.vec3(self.mass, row, mass::MOMENTS, moments);
+            }
             f.link(self.body_links, i, body_link::BODY, id);
-            f.link(self.body_links, i, body_link::ROW, own[id].0);
-            f.pose(self.body, i, 0, own[id].1);
+            f.link(self.body_links, i, body_link::ROW, row);
+            f.pose(self.body, i, 0, frame);
         }
-        own
     }
 
     fn fill_joints(&self, model: &Model, groups: &[Group], own: &[(usize, Pose)], f: &mut Filler) {

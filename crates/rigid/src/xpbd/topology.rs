@@ -6,7 +6,7 @@ use glam::DVec3;
 use model::{BodyId, BodyKind, JointId, JointKind, Model, Pose};
 
 /// The joint that carries a body in a tree. None does if it lets the body go, or if nothing moves.
-fn carrier(model: &Model, BodyId(body): BodyId) -> Option<usize> {
+pub(crate) fn carrier(model: &Model, BodyId(body): BodyId) -> Option<usize> {
     let JointId(joint) = model.carrier(BodyId(body))?;
     let holds = model.joints[joint].kind != JointKind::Free;
     let moves = model.bodies[body].kind == BodyKind::Dynamic;

@@ -39,6 +39,7 @@ impl Method {
             }
             Self::Xpbd(substeps) => {
                 settings.solver = SolverKind::Xpbd;
+                settings.contacts = false;
                 settings.step.substeps = substeps;
             }
         }

@@ -19,6 +19,7 @@ pub enum Method {
     Xpbd,
     /// Featherstone with contacts.
     Touching,
+    TouchingXpbd,
 }
 
 /// All for bodies that touch nothing.
@@ -29,6 +30,9 @@ pub const METHODS: [Method; 5] = [
     Method::Featherstone(Integrator::RungeKutta4),
     Method::Xpbd,
 ];
+
+/// All for bodies that touch.
+pub const TOUCHING: [Method; 2] = [Method::Touching, Method::TouchingXpbd];
 
 /// One of each solver.
 pub const BOTH: [Method; 2] = [METHODS[0], Method::Xpbd];
@@ -48,8 +52,10 @@ impl Method {
                 settings.contacts = false;
             }
             Self::Touching => settings.solver = SolverKind::Featherstone,
+            Self::TouchingXpbd => settings.solver = SolverKind::Xpbd,
             Self::Xpbd => {
                 settings.solver = SolverKind::Xpbd;
+                settings.contacts = false;
                 settings.step.substeps = 2;
                 settings.step.iterations = 2;
             }

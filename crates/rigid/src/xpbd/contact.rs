@@ -1,0 +1,427 @@
+//! Contacts: points that push and rub, by Gauss–Seidel.
+//!
+//! A point of contact x with unit normal n, found at the distance φ₀ at the start of a substep,
+//! is taken to be at φ = φ₀ + h uₙ at its end; u is the velocity of B at x less that of A. In the
+//! delta form a correction Δx of a body also adds Δx/h to its velocity, so that the way of the
+//! points over the substep is h u however often they are corrected; nothing is detected again.
+//!
+//! Normal: a spring k, a damper d and an added mass m' beyond the surface, with uₙ⁻ the velocity
+//! before the substep, λₙ = h² fₙ = −h² (k φ + d uₙ + m' (uₙ − uₙ⁻) / h) ≥ 0. With
+//! g = h² k + h d + m' [kg] and β = 1 − h² k / g this is XPBD with compliance and damping (Macklin
+//! et al. 2016, eqs. 18 and 26), multiplied through by k,
+//!
+//! ```text
+//! (w + 1/g) Δλₙ = −(φ − φ*) − λₙ/g      λₙ ≥ 0      φ* = β φ₀ + m' h uₙ⁻ / g, but 0 where φ₀ > 0
+//! ```
+//!
+//! where the accumulated λₙ is what is kept from pulling, not its change. w is the inverse mass of
+//! both bodies along n (Müller et al. 2020, eqs. 2–3).
+//!
+//! Friction: the tangential way of the points over the substep is undone as far as Coulomb's cone
+//! lets it, |λₜ| ≤ μ λₙ (Müller et al. 2020, §3.5): what sticks and what slides is one law. Both
+//! tangents take one step, with the larger of their inverse masses, and are shortened together.
+//!
+//! Restitution: what came faster than [`RESTING`] g h before the substep is stopped at the
+//! surface as if it were rigid, and leaves it in a last round that changes only velocities, with
+//! uₙ = −e uₙ⁻ (Müller et al. 2020, §3.6). As the height of the substep's way is lost, no bounce
+//! gains energy.
+//!
+//! Warm start: where the same features rest on each other, λ starts at that of the last substep.
+//! Carried over, it and the sinking x are a resonator where sweeps settle only a share r of an
+//! error: s² x = l, (s + r (1 + 1/(w g))) l = −r (s + 1 − β) x decays exactly if
+//! r (1 + 1/(w g)) > 1 − β. So the damper is taken as large as that needs for r = [`SETTLED`]:
+//! g ≥ h² k / r − 1/w. It does not change where bodies rest.
+//!
+//! Departure from the sources: instead of a velocity pass for all contacts, which would deaden
+//! soft ones, the damper takes what penetration would add to velocities.
+
+use super::body::{arms, inverse_inertias, turned};
+use super::joint::arm_inertia;
+use super::tables::{Tables, global, mass};
+use crate::contacts::{Places, pair_field, slot, slot_link};
+use crate::output::contact;
+use collide::FAR;
+use numbers::spatial::Spatial;
+use numbers::{Machine, Pose, Real, SymMat3, Vec3};
+
+/// Approach slower than this many g h does not bounce, and may start from the last multiplier.
+const RESTING: f64 = 2.0;
+/// Share of an error that the sweeps of a substep settle at least.
+const SETTLED: f64 = 0.05;
+/// Divisors below this are of what cannot move, or is not there.
+const TINY: f64 = 1e-18;
+
+/// Fields of [`Tables::touching`], a row for each slot.
+pub(crate) mod touching {
+    /// From the centres of A and B to the point, 3 each.
+    pub const ARMS: usize = 0;
+    /// φ₀ − φ* [m].
+    pub const GAP: usize = 6;
+    // 1/g [1/kg], and the reciprocals of w + 1/g and of the tangential w [kg], follow.
+    /// h times the speed to leave with, towards each other [m], and 1 where the point bounces.
+    pub const BOUNCE: usize = 10;
+    /// λₙ and λₜ [kg·m], 4.
+    pub const LAMBDA: usize = 12;
+    pub const WIDTH: usize = 16;
+}
+
+impl<M: Machine> Places<M> for Tables {
+    #[inline(always)]
+    fn place(&self, k: &M, carrier: M::I) -> Pose<M::R> {
+        k.pose(self.pose, k.link(self.carrier_links, carrier, 0), 0)
+    }
+    #[inline(always)]
+    fn twist(&self, k: &M, carrier: M::I) -> Spatial<M::R> {
+        let row = k.link(self.carrier_links, carrier, 0);
+        let (p, v) = (k.vec3(self.pose, row, 0), k.spatial(self.twist, row, 0));
+        Spatial::new(v.angular, v.linear - v.angular.cross(p))
+    }
+    #[inline(always)]
+    fn origin(&self, _: &M, _: M::I) -> Vec3<M::R> {
+        Vec3::zero()
+    }
+}
+
+/// One of the two bodies of a contact.
+#[derive(Clone, Copy)]
+struct Side<R> {
+    twist: Spatial<R>,
+    /// 1/m.
+    m: R,
+    /// I⁻¹, world axes.
+    i: SymMat3<R>,
+    /// From its centre to the point.
+    arm: Vec3<R>,
+}
+
+impl<R: Real> Side<R> {
+    #[inline(always)]
+    fn load<M: Machine<R = R>>(k: &M, t: &Tables, row: M::I, arm: Vec3<R>) -> Self {
+        Self {
+            twist: k.spatial(t.twist, row, 0),
+            m: k.load(t.mass, row, mass::INVERSE),
+            i: k.sym(t.inverse_inertia, row, 0),
+            arm,
+        }
+    }
+    /// Takes an impulse [N·s] at the point.
+    #[inline(always)]
+    fn pushed(self, impulse: Vec3<R>) -> Self {
+        let Spatial { angular, linear } = self.twist;
+        let angular = angular + self.i * self.arm.cross(impulse);
+        Self {
+            twist: Spatial::new(angular, impulse.fma(self.m, linear)),
+            ..self
+        }
+    }
+    #[inline(always)]
+    fn store<M: Machine<R = R>>(self, k: &mut M, t: &Tables, row: M::I, mask: R::Mask) {
+        let (now, old) = (self.twist, k.spatial(t.twist, row, 0));
+        let angular = Vec3::select(mask, now.angular, old.angular);
+        let linear = Vec3::select(mask, now.linear, old.linear);
+        k.store_spatial(t.twist, row, 0, Spatial::new(angular, linear));
+    }
+}
+
+/// Velocity of a motion about a centre at an arm from it.
+#[inline(always)]
+fn at<R: Real>(v: Spatial<R>, arm: Vec3<R>) -> Vec3<R> {
+    v.linear + v.angular.cross(arm)
+}
+
+/// The two bodies of a contact; its normal points to B.
+#[derive(Clone, Copy)]
+struct Sides<R, I> {
+    a: Side<R>,
+    b: Side<R>,
+    rows: [I; 2],
+}
+
+impl<R: Real, I: Copy> Sides<R, I> {
+    #[inline(always)]
+    fn velocity(&self) -> Vec3<R> {
+        at(self.b.twist, self.b.arm) - at(self.a.twist, self.a.arm)
+    }
+    #[inline(always)]
+    fn pushed(self, impulse: Vec3<R>) -> Self {
+        Self {
+            a: self.a.pushed(-impulse),
+            b: self.b.pushed(impulse),
+            ..self
+        }
+    }
+    #[inline(always)]
+    fn store<M: Machine<R = R, I = I>>(self, k: &mut M, t: &Tables, mask: R::Mask) {
+        self.a.store(k, t, self.rows[0], mask);
+        self.b.store(k, t, self.rows[1], mask);
+    }
+    /// Inverse masses along the normal, and the larger one across it.
+    #[inline(always)]
+    fn weights(&self, n: Vec3<R>) -> (R, R) {
+        let (a, b) = (self.a, self.b);
+        let turning = arm_inertia(a.i, a.arm) + arm_inertia(b.i, b.arm);
+        let one = n.any_orthogonal();
+        let two = n.cross(one);
+        let (first, second) = (turning * one, turning * two);
+        let (xx, yy, xy) = (one.dot(first), two.dot(second), one.dot(second));
+        let half = R::lit(0.5);
+        let difference = half * (xx - yy);
+        let larger = half.fma(xx + yy, difference.fma(difference, xy.squared()).sqrt());
+        let m = a.m + b.m;
+        (m + n.dot(turning * n), m + larger)
+    }
+}
+
+/// True in the lanes where the points may come to touch.
+#[inline(always)]
+fn near<M: Machine>(k: &M, t: &Tables, s: M::I) -> <M::R as Real>::Mask {
+    k.load(t.contacts.slot, s, slot::DISTANCE)
+        .lt(M::R::lit(0.5 * FAR))
+}
+
+/// Prepares the contacts of a substep, after the flight of the bodies, and starts with what the
+/// last substep ended with.
+#[inline(always)]
+pub(crate) fn meet<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    inverse_inertias(k, t);
+    save(k, t);
+    for s in k.count(t.contacts.slots) {
+        k.write(t.touching, s, touching::LAMBDA, [M::R::zero(); 4]);
+        let near = near(k, t, s);
+        for _ in k.if_any(near) {
+            approach(k, t, s, h, near);
+        }
+    }
+}
+
+/// The row of a slot, and its start.
+#[inline(always)]
+fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R, near: <M::R as Real>::Mask) {
+    let rows = k.link_row::<_, 2>(t.touch_links, s);
+    let [x, y, z, l, m, n, distance, feature] = k.read(t.contacts.slot, s, 0);
+    let (x, n) = (Vec3::new(x, y, z), Vec3::new(l, m, n));
+    let arm_a = x - k.vec3(t.saved_pose, rows[0], 0);
+    let arm_b = x - k.vec3(t.saved_pose, rows[1], 0);
+    k.store_vec3(t.touching, s, touching::ARMS, arm_a);
+    k.store_vec3(t.touching, s, touching::ARMS + 3, arm_b);
+    let (a, b) = (
+        k.spatial(t.before, rows[0], 0),
+        k.spatial(t.before, rows[1], 0),
+    );
+    let speed = n.dot(at(b, arm_b) - at(a, arm_a));
+    let sides = Sides {
+        a: Side::load(k, t, rows[0], arm_a),
+        b: Side::load(k, t, rows[1], arm_b),
+        rows,
+    };
+    let row = law(k, t, s, h, sides.weights(n), distance, speed);
+    k.write(t.touching, s, touching::GAP, row);
+    let same = feature.same(k.load(t.touch, s, contact::FEATURE));
+    start(
+        k,
+        t,
+        s,
+        h,
+        sides,
+        n,
+        near & same & speed.abs().le(slow(k, t, h)),
+    );
+}
+
+/// Speed [m/s] up to which points rest on each other.
+#[inline(always)]
+fn slow<M: Machine>(k: &M, t: &Tables, h: M::R) -> M::R {
+    let gravity = k.vec3(t.global, k.index(0), global::GRAVITY);
+    gravity.length() * h * M::R::lit(RESTING)
+}
+
+/// The fields of a row from [`touching::GAP`] on, for inverse masses along and across the normal, of
+/// a point at a `distance` [m] that came with a `speed` [m/s] along it.
+#[inline(always)]
+fn law<M: Machine>(
+    k: &M,
+    t: &Tables,
+    s: M::I,
+    h: M::R,
+    (along, across): (M::R, M::R),
+    distance: M::R,
+    speed: M::R,
+) -> [M::R; 6] {
+    let (zero, one, tiny) = (M::R::zero(), M::R::one(), M::R::lit(TINY));
+    let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
+    let [_, restitution, stiffness, damping, _, added] =
+        k.read(t.contacts.pair, pair, pair_field::FRICTION);
+    let bounces = restitution.gt(zero) & speed.lt(-slow(k, t, h));
+    let spring = h.squared() * stiffness;
+    let least = spring * M::R::lit(1.0 / SETTLED) - along.max(tiny).recip();
+    let g = (h.fma(damping, spring) + added).max(least).max(tiny);
+    let share = M::R::select(bounces, one, (g - spring) / g);
+    let softness = M::R::select(bounces, zero, g.recip());
+    let inert = (distance.lt(zero)) & !bounces;
+    let inertia = M::R::select(inert, added * h * speed / g, zero);
+    [
+        distance - share.fma(distance.min(zero), inertia),
+        softness,
+        (along + softness).max(tiny).recip(),
+        across.max(tiny).recip(),
+        h * restitution * speed,
+        M::R::select(bounces, one, zero),
+    ]
+}
+
+/// Starts a contact with the multipliers of the last substep, where `warm`.
+#[inline(always)]
+fn start<M: Machine>(
+    k: &mut M,
+    t: &Tables,
+    s: M::I,
+    h: M::R,
+    sides: Sides<M::R, M::I>,
+    n: Vec3<M::R>,
+    warm: <M::R as Real>::Mask,
+) {
+    let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
+    let friction = k.load(t.contacts.pair, pair, pair_field::FRICTION);
+    let last = k.vec3(t.touch, s, contact::FORCE) * h.squared();
+    let along = n.dot(last);
+    let press = along.max(M::R::zero());
+    let rub = within(n.fma(-along, last), friction * press);
+    for (i, x) in [press, rub.x, rub.y, rub.z].into_iter().enumerate() {
+        k.store_where(warm, t.touching, s, touching::LAMBDA + i, x);
+    }
+    let impulse = n.fma(press, rub) * h.recip();
+    sides.pushed(impulse).store(k, t, warm);
+}
+
+/// A vector shortened to a length.
+#[inline(always)]
+fn within<R: Real>(v: Vec3<R>, most: R) -> Vec3<R> {
+    let size = v.length();
+    v * R::select(size.gt(most), most / size.max(R::lit(TINY)), R::one())
+}
+
+/// Sweeps over all contacts, by which velocities change; `ending` is 1 in the last round, in which
+/// bodies leave each other.
+#[inline(always)]
+pub(crate) fn sweeps<M: Machine>(k: &mut M, t: &Tables, h: M::R, ending: M::R) {
+    let ending = ending.gt(M::R::zero());
+    for _ in k.count(t.sweeps) {
+        for s in k.count(t.contacts.slots) {
+            let near = near(k, t, s);
+            for _ in k.if_any(near) {
+                let [bounces, pressed] = k.read(t.touching, s, touching::BOUNCE + 1);
+                let leaves = bounces.gt(M::R::zero()) & pressed.gt(M::R::zero());
+                let mask = near & ((!ending) | leaves);
+                for _ in k.if_any(mask) {
+                    relax(k, t, s, h, ending, mask);
+                }
+            }
+        }
+    }
+}
+
+/// One contact: normal, then friction.
+#[inline(always)]
+fn relax<M: Machine>(
+    k: &mut M,
+    t: &Tables,
+    s: M::I,
+    h: M::R,
+    ending: <M::R as Real>::Mask,
+    mask: <M::R as Real>::Mask,
+) {
+    let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
+    let friction = k.load(t.contacts.pair, pair, pair_field::FRICTION);
+    let n = k.vec3(t.contacts.slot, s, slot::NORMAL);
+    let [gap, softness, normal, tangent, leave] = k.read(t.touching, s, touching::GAP);
+    let [pressed, x, y, z] = k.read(t.touching, s, touching::LAMBDA);
+    let (rubbed, over_h) = (Vec3::new(x, y, z), h.recip());
+    let rows = k.link_row::<_, 2>(t.touch_links, s);
+    let sides = Sides {
+        a: Side::load(k, t, rows[0], k.vec3(t.touching, s, touching::ARMS)),
+        b: Side::load(k, t, rows[1], k.vec3(t.touching, s, touching::ARMS + 3)),
+        rows,
+    };
+
+    let c = M::R::select(ending, leave, softness.fma(pressed, gap));
+    let c = h.fma(n.dot(sides.velocity()), c);
+    let press = c.fnma(normal, pressed).max(M::R::zero());
+    let sides = sides.pushed(n * ((press - pressed) * over_h));
+
+    let u = sides.velocity();
+    let slip = n.fma(-n.dot(u), u);
+    let rub = within(slip.fma(-(h * tangent), rubbed), friction * press);
+    let sides = sides.pushed((rub - rubbed) * over_h);
+
+    sides.store(k, t, mask);
+    for (i, x) in [press, rub.x, rub.y, rub.z].into_iter().enumerate() {
+        k.store_where(mask, t.touching, s, touching::LAMBDA + i, x);
+    }
+}
+
+/// Remembers how the bodies move before they are pushed.
+#[inline(always)]
+pub(crate) fn save<M: Machine>(k: &mut M, t: &Tables) {
+    for row in k.range(k.index(1), k.index(t.rows)) {
+        let twist = k.spatial(t.twist, row, 0);
+        k.store_spatial(t.unpushed, row, 0, twist);
+    }
+}
+
+/// Moves the bodies by h times what the pushes have changed their velocities by since [`save`].
+#[inline(always)]
+pub(crate) fn drift<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    for row in k.range(k.index(1), k.index(t.rows)) {
+        let (pose, twist) = (k.pose(t.pose, row, 0), k.spatial(t.twist, row, 0));
+        let moved = (twist - k.spatial(t.unpushed, row, 0)) * h;
+        let q = turned(pose.q, moved.angular);
+        k.store_pose(t.pose, row, 0, Pose::new(pose.p + moved.linear, q));
+    }
+    if t.jointed {
+        arms(k, t);
+    }
+}
+
+/// Keeps the contacts of the substep just made in the state: to be reported, and to start the
+/// next one with.
+#[inline(always)]
+pub(crate) fn keep<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    for s in k.count(t.contacts.slots) {
+        let kept = k.load(t.touch, s, contact::DISTANCE);
+        let on = near(k, t, s);
+        let was = kept.lt(M::R::lit(0.5 * FAR));
+        for _ in k.if_any(on | was) {
+            let [x, y, z, l, m, n, distance, feature] = k.read(t.contacts.slot, s, 0);
+            let [pressed, rx, ry, rz] = k.read(t.touching, s, touching::LAMBDA);
+            let lambda = Vec3::new(l, m, n).fma(pressed, Vec3::new(rx, ry, rz));
+            let force = lambda * h.squared().recip();
+            let force = Vec3::select(on, force, Vec3::zero());
+            let distance = M::R::select(on, distance, M::R::lit(FAR));
+            let row = [
+                x, y, z, l, m, n, distance, feature, force.x, force.y, force.z,
+            ];
+            k.write(t.touch, s, 0, row);
+        }
+    }
+}
+
+/// Forgets the contacts of the lanes of `lost`.
+#[inline(always)]
+pub(crate) fn forget<M: Machine>(k: &mut M, t: &Tables, lost: <M::R as Real>::Mask) {
+    for s in k.count(t.contacts.slots) {
+        let mut none = [0.0; contact::WIDTH];
+        none[contact::DISTANCE] = FAR;
+        for (field, number) in none.into_iter().enumerate() {
+            k.store_where(lost, t.touch, s, field, M::R::lit(number));
+        }
+    }
+}
+
+/// Copies the contacts of the last substep to the output.
+#[inline(always)]
+pub(crate) fn report<M: Machine>(k: &mut M, t: &Tables) {
+    for s in k.count(t.contacts.slots) {
+        let row = k.read::<_, _, { contact::WIDTH }>(t.touch, s, 0);
+        k.write(t.output.contact, s, 0, row);
+    }
+}

@@ -1,0 +1,467 @@
+//! Contacts of position-based dynamics, against closed forms.
+
+#[allow(dead_code)] // its models are for other tests
+mod scene;
+
+use glam::{DQuat, DVec3};
+use kinetarium_rigid::{
+    Kernels, OutputTables, Settings, TouchingXpbd, body as of_body, contact as of_contact,
+    total as of_total,
+};
+use model::{Builder, Geometry, Material, Model, Pose, Shape, Softness};
+use scene::{World, parameters};
+
+/// Gravity of the models [m/s²].
+const G: f64 = 9.81;
+/// Substep [s].
+const H: f64 = 0.001;
+
+/// One world in double precision.
+struct Run {
+    kernels: TouchingXpbd,
+    parameters: Vec<f64>,
+    world: World<f64>,
+    tables: OutputTables,
+}
+
+impl Run {
+    fn new(model: &Model, velocity: &[f64], h: f64) -> Self {
+        Self::with(model, velocity, &Settings::new(h))
+    }
+    fn with(model: &Model, velocity: &[f64], settings: &Settings) -> Self {
+        let kernels = TouchingXpbd::new(model, settings).unwrap();
+        let mut world = World::new(&kernels, model);
+        world.state = kernels.initial(model, &model.initial_position(), velocity);
+        world.input.fill(0.0);
+        let (parameters, tables) = (parameters(&kernels), kernels.outputs());
+        let mut run = Self {
+            kernels,
+            parameters,
+            world,
+            tables,
+        };
+        run.step(0);
+        run
+    }
+    fn at_rest(model: &Model) -> Self {
+        Self::new(model, &vec![0.0; model.degrees_of_freedom()], H)
+    }
+    fn step(&mut self, steps: usize) {
+        for _ in 0..steps {
+            let mut k = self.world.cpu(&self.parameters, self.kernels.links());
+            self.kernels.step(&mut k);
+        }
+        let mut k = self.world.cpu(&self.parameters, self.kernels.links());
+        self.kernels.report(&mut k);
+        assert_eq!(self.world.state[self.kernels.alive()], 1.0, "diverged");
+    }
+    fn vec3(&self, offset: usize) -> DVec3 {
+        DVec3::from_slice(&self.world.output[offset..][..3])
+    }
+    fn body(&self, body: usize, field: usize) -> DVec3 {
+        self.vec3(self.tables.body.at(body, field))
+    }
+    fn position(&self) -> DVec3 {
+        self.body(0, of_body::POSITION)
+    }
+    fn velocity(&self) -> DVec3 {
+        self.body(0, of_body::VELOCITY)
+    }
+    fn spin(&self) -> DVec3 {
+        self.body(0, of_body::ANGULAR_VELOCITY)
+    }
+    fn total(&self, field: usize) -> DVec3 {
+        self.vec3(self.tables.total.at(0, field))
+    }
+    fn energy(&self) -> f64 {
+        let total = self.tables.total.at(0, 0);
+        self.world.output[total] + self.world.output[total + 1]
+    }
+    /// Position, distance and force of each contact.
+    fn contacts(&self) -> impl Iterator<Item = (DVec3, f64, DVec3)> {
+        (0..self.tables.contacts).map(|slot| {
+            let row = self.tables.contact.at(slot, 0);
+            let distance = self.world.output[row + of_contact::DISTANCE];
+            let position = self.vec3(row + of_contact::POSITION);
+            (position, distance, self.vec3(row + of_contact::FORCE))
+        })
+    }
+}
+
+/// A surface with this friction and restitution; both of a pair are alike.
+fn surface(friction: f64, restitution: f64) -> Material {
+    Material {
+        friction,
+        restitution,
+        ..Material::default()
+    }
+}
+
+fn plane() -> Geometry {
+    Geometry::Plane {
+        half_x: 0.0,
+        half_z: 0.0,
+    }
+}
+
+/// One free body with its centre at `at`, on a plane whose normal is y turned by `slope` [rad] about z.
+fn on_plane(geometry: Geometry, material: Material, at: DVec3, slope: f64) -> Model {
+    let mut world = Builder::new("contact");
+    let tilt = DQuat::from_rotation_z(slope);
+    let ground = Shape::new(plane())
+        .at(Pose::new(DVec3::ZERO, tilt))
+        .with_material(material);
+    world.object("ground").scenery(ground);
+    let shape = Shape::new(geometry).with_material(material);
+    let object = world.object("");
+    object
+        .body("body")
+        .at(Pose::new(tilt * at, tilt))
+        .shape(shape);
+    world.build().unwrap()
+}
+
+fn cube() -> Geometry {
+    Geometry::Box {
+        half: DVec3::new(0.1, 0.05, 0.08),
+    }
+}
+
+/// A resting body is borne by contact forces that sum to its weight; a ball sinks by m g / k, which
+/// is (1 − d) g T² for an impedance d.
+#[test]
+fn a_resting_body_weighs_what_it_weighs() {
+    let (ball, cylinder) = (
+        Geometry::Sphere { radius: 0.1 },
+        Geometry::Cylinder {
+            radius: 0.1,
+            half_height: 0.05,
+        },
+    );
+    let bodies = [(ball, 0.1, 1.0), (cube(), 0.05, 4.0), (cylinder, 0.05, 4.0)];
+    for (solid, height, points) in bodies {
+        for impedance in [0.0, 0.9] {
+            let constant = 0.002;
+            let material = Material {
+                softness: Softness::Time {
+                    constant,
+                    ratio: 1.0,
+                    impedance,
+                },
+                ..surface(0.6, 0.0)
+            };
+            let model = on_plane(solid.clone(), material, DVec3::Y * height, 0.0);
+            let weight = model.bodies[0].mass * G;
+            let mut run = Run::at_rest(&model);
+            run.step(2000);
+            let force: DVec3 = run.contacts().map(|c| c.2).sum();
+            assert!(
+                (force - DVec3::Y * weight).length() < 1e-6 * weight,
+                "{force} {weight}"
+            );
+            assert!(run.velocity().length() < 1e-9, "{}", run.velocity());
+            let depth = run.contacts().fold(0.0, |depth, c| f64::max(depth, -c.1));
+            let expected = (1.0 - impedance) * G * constant * constant / points;
+            assert!((depth / expected - 1.0).abs() < 1e-3, "{depth} {expected}");
+        }
+    }
+}
+
+/// Below tan θ = μ a block stays where it is, above it slides with g (sin θ − μ cos θ).
+#[test]
+fn a_block_on_an_incline_sticks_or_slides() {
+    let theta = 0.4_f64;
+    for share in [0.5, 0.9, 0.98, 1.02, 1.1, 1.5] {
+        let friction = theta.tan() / share;
+        let model = on_plane(cube(), surface(friction, 0.0), DVec3::Y * 0.05, theta);
+        let mut run = Run::at_rest(&model);
+        run.step(200);
+        let (from, speed) = (run.position(), run.velocity().length());
+        run.step(1000);
+        let (time, way) = (1000.0 * H, (run.position() - from).length());
+        if share < 1.0 {
+            assert!(way < 1e-6, "{share}: {way}");
+        } else {
+            let a = G * (theta.sin() - friction * theta.cos());
+            let expected = speed * time + 0.5 * a * time * time;
+            assert!(
+                (way - expected).abs() < 0.002 * expected,
+                "{share}: {way} {expected}"
+            );
+        }
+    }
+}
+
+/// A block that slides at v stops after v² / (2 μ g), in the direction it had.
+#[test]
+fn a_sliding_block_stops_where_it_should() {
+    let (v, friction) = (3.0, 0.8);
+    let model = on_plane(cube(), surface(friction, 0.0), DVec3::Y * 0.05, 0.0);
+    let direction = DVec3::new(0.6, 0.0, 0.8);
+    let u = direction * v;
+    let mut run = Run::new(&model, &[u.x, u.y, u.z, 0.0, 0.0, 0.0], H);
+    let from = run.position();
+    run.step(1000);
+    let way = run.position() - from;
+    let expected = v * v / (2.0 * friction * G);
+    assert!(
+        (way.dot(direction) - expected).abs() < v * H,
+        "{way} {expected}"
+    );
+    assert!(way.cross(direction).length() < 0.01 * expected, "{way}");
+    assert!(run.velocity().length() < 1e-9, "{}", run.velocity());
+}
+
+/// Heights of a bouncing ball follow e²; no bounce gains energy.
+#[test]
+fn a_ball_bounces_to_e_squared_of_its_height() {
+    for e in [0.0, 0.5, 0.9, 1.0] {
+        let (radius, drop, h) = (0.1, 1.0, 0.0005);
+        let ball = Geometry::Sphere { radius };
+        let model = on_plane(ball, surface(0.3, e), DVec3::Y * (radius + drop), 0.0);
+        let mut run = Run::new(&model, &[0.0; 6], h);
+        let (mut energy, mut expected, mut peak, mut rising) = (run.energy(), drop, 0.0_f64, false);
+        let mut bounces = 0;
+        while bounces < 10 && expected > 1e-2 && (e > 0.0 || bounces == 0) {
+            let before = run.velocity().y;
+            run.step(1);
+            let (height, speed) = (run.position().y - radius, run.velocity().y);
+            assert!(
+                run.energy() < energy * (1.0 + 1e-9),
+                "{e}: {}",
+                run.energy()
+            );
+            if before < -0.1 && speed > before {
+                expected *= e * e;
+                bounces += 1;
+                energy = run.energy();
+            }
+            if speed > 0.0 {
+                (peak, rising) = (peak.max(height), true);
+            } else if rising {
+                // The height of the substep in which the ball turns is lost.
+                let step = 4.0 * h * (2.0 * G * expected).sqrt();
+                assert!(
+                    (peak - expected).abs() < f64::from(bounces) * step,
+                    "{e}: {peak} {expected}"
+                );
+                (peak, rising) = (0.0, false);
+            }
+        }
+        assert!(bounces > 0);
+    }
+}
+
+/// What rolls without slipping down an incline accelerates by g sin θ / (1 + I / (m r²)).
+#[test]
+fn a_ball_rolls_down_an_incline() {
+    let (theta, radius) = (0.3_f64, 0.1);
+    let ball = Geometry::Sphere { radius };
+    let model = on_plane(ball, surface(0.8, 0.0), DVec3::Y * radius, theta);
+    let mut run = Run::at_rest(&model);
+    run.step(100);
+    let start = run.velocity();
+    run.step(1000);
+    let a = (run.velocity() - start).length() / (1000.0 * H);
+    let expected = 5.0 / 7.0 * G * theta.sin();
+    // The ball rolls on what it has sunk by less than its radius.
+    assert!((a / expected - 1.0).abs() < 1e-3, "{a} {expected}");
+    let slip = run.velocity().length() - run.spin().length() * radius;
+    assert!(slip.abs() < 1e-3 * run.velocity().length(), "{slip}");
+}
+
+/// Two free balls meet at any offset: linear momentum is kept, and energy where nothing is lost.
+#[test]
+fn free_balls_collide() {
+    let (radius, speed, h) = (0.1, 2.0, 0.0005);
+    for (e, offset) in [(1.0, 0.0), (1.0, 0.1), (0.5, 0.0), (0.5, 0.12), (0.0, 0.05)] {
+        let material = surface(0.0, e);
+        let mut world = Builder::new("balls");
+        world.gravity(DVec3::ZERO);
+        let object = world.object("");
+        for (name, x, y) in [("a", -0.4, 0.0), ("b", 0.0, offset)] {
+            object
+                .body(name)
+                .at(Pose::at(DVec3::new(x, y, 0.0)))
+                .shape(Shape::new(Geometry::Sphere { radius }).with_material(material));
+        }
+        let model = world.build().unwrap();
+        let mut velocity = [0.0; 12];
+        velocity[0] = speed;
+        let mut run = Run::new(&model, &velocity, h);
+        let (momentum, before) = (run.total(of_total::MOMENTUM), run.energy());
+        run.step(400);
+        let m = model.bodies[0].mass;
+        assert!((run.total(of_total::MOMENTUM) - momentum).length() < 1e-12 * m * speed);
+        assert!(run.spin().length() < 1e-9, "{}", run.spin());
+        // Along the line of centres the relative speed turns round to e of itself; the rest stays.
+        let sine: f64 = offset / (2.0 * radius);
+        let cosine = (1.0 - sine * sine).sqrt();
+        let energy = before - 0.25 * m * (speed * cosine).powi(2) * (1.0 - e * e);
+        // The line of centres is that of the substep's start.
+        let tolerance = 2.0 * speed * h / radius * before * (1.0 - e * e) + 1e-3 * before;
+        assert!(
+            (run.energy() - energy).abs() < tolerance,
+            "{e} {offset}: {} {energy}",
+            run.energy()
+        );
+        assert!(run.energy() < before * (1.0 + 1e-9), "{e} {offset}");
+    }
+}
+
+/// Boxes of 10 cm and 1 kg, each on the one before.
+fn tower(count: usize) -> Model {
+    let mut world = Builder::new("tower");
+    world.object("ground").scenery(Shape::new(plane()));
+    let object = world.object("");
+    let half = DVec3::splat(0.05);
+    for i in 0..count {
+        let name = format!("box_{i}");
+        let at = Pose::at(DVec3::Y * (0.05 + 0.1 * i as f64));
+        let body = object.body(name).at(at);
+        body.shape(Geometry::Box { half }).mass(1.0);
+    }
+    world.build().unwrap()
+}
+
+/// Ten boxes stand for ten seconds; each contact bears what stands on it.
+#[test]
+fn a_tower_stands() {
+    let model = tower(10);
+    let mut run = Run::at_rest(&model);
+    let from = |i: usize| DVec3::Y * (0.05 + 0.1 * i as f64);
+    for second in 0..10 {
+        run.step((1.0 / H) as usize);
+        for i in 0..10 {
+            let drift = run.body(i, of_body::POSITION) - from(i);
+            let speed = run.body(i, of_body::VELOCITY).length();
+            assert!(drift.length() < 1e-3, "{i} after {second} s: {drift}");
+            assert!(speed < 1e-3, "{i} after {second} s: {speed}");
+        }
+    }
+    for below in 0..10 {
+        let height = 0.1 * below as f64;
+        let here = run.contacts().filter(|c| (c.0.y - height).abs() < 0.02);
+        let borne: f64 = here.map(|c| c.2.y.abs()).sum();
+        let expected = (10 - below) as f64 * G;
+        assert!(
+            (borne / expected - 1.0).abs() < 1e-2,
+            "{below}: {borne} {expected}"
+        );
+    }
+}
+
+/// A ball that starts within the ground leaves it no faster than its spring and damper can push it.
+#[test]
+fn an_overlap_separates_gently() {
+    let (radius, depth, constant) = (0.1, 0.03, 0.002);
+    let ball = Geometry::Sphere { radius };
+    let model = on_plane(ball, surface(0.5, 0.0), DVec3::Y * (radius - depth), 0.0);
+    let mut run = Run::at_rest(&model);
+    for _ in 0..500 {
+        run.step(1);
+        // φ = φ₀ (1 + t/T) exp(−t/T) is fastest at t = T.
+        let fastest = depth / (constant * std::f64::consts::E);
+        assert!(run.velocity().length() < fastest, "{}", run.velocity());
+    }
+    run.step(2000);
+    assert!(
+        (run.position().y - radius).abs() < 1e-4,
+        "{}",
+        run.position()
+    );
+    assert!(run.velocity().length() < 1e-6, "{}", run.velocity());
+}
+
+const ROD: Geometry = Geometry::Capsule {
+    radius: 0.03,
+    half_height: 0.2,
+};
+
+/// A top of 40 kg on four legs of 4 kg, which joints hold, on an incline.
+fn table(slope: f64) -> Model {
+    let mut world = Builder::new("table");
+    let tilt = DQuat::from_rotation_z(slope);
+    let ground = Shape::new(plane()).at(Pose::new(DVec3::ZERO, tilt));
+    world.object("ground").scenery(ground);
+    let table = world.object("table");
+    let half = DVec3::new(0.3, 0.05, 0.2);
+    let top = table.body("top").shape(Geometry::Box { half }).mass(40.0);
+    let top = top.handle();
+    let at = tilt * (DVec3::Y * 0.28);
+    let initial = [at.x, at.y, at.z, tilt.x, tilt.y, tilt.z, tilt.w];
+    table.free("float", top).initial(&initial);
+    let corners = [(-0.25, -0.15), (-0.25, 0.15), (0.25, -0.15), (0.25, 0.15)];
+    for (i, (x, z)) in corners.into_iter().enumerate() {
+        let leg = table.body(format!("leg_{i}")).shape(ROD).mass(4.0).handle();
+        let frame = Pose::at(DVec3::new(x, -0.05, z));
+        let hip = table.fixed(format!("hip_{i}"), leg).parent(top);
+        hip.frames(frame, Pose::IDENTITY);
+    }
+    world.build().unwrap()
+}
+
+/// Rods that hang together by hinges, as a chain or as a ring, some way above the ground.
+fn rods(count: usize, ring: bool) -> Model {
+    let mut world = Builder::new("rods");
+    world.object("ground").scenery(Shape::new(plane()));
+    let object = world.object("rods");
+    let rods: Vec<_> = (0..count)
+        .map(|i| {
+            let body = object.body(format!("rod_{i}")).shape(ROD);
+            body.mass(1.0).handle()
+        })
+        .collect();
+    let initial = [0.0, 0.5, 0.0, 0.6, 0.0, 0.0, 0.8];
+    object.free("float", rods[0]).initial(&initial);
+    let turn = DQuat::from_rotation_z(std::f64::consts::FRAC_PI_2);
+    let (bottom, top) = (Pose::new(DVec3::Y * -0.25, turn), Pose::at(DVec3::Y * 0.25));
+    for i in 1..count + usize::from(ring) {
+        let child = rods[i % count];
+        let hinge = object.revolute(format!("hinge_{i}"), child, DVec3::Z);
+        let hinge = hinge.parent(rods[i - 1]).frames(bottom, top);
+        if i == count {
+            hinge.closes_loop();
+        }
+    }
+    world.build().unwrap()
+}
+
+/// Bodies that joints hold, as trees or in a ring, come to lie on the ground, which bears their
+/// weight; nothing gains energy on the way.
+#[test]
+fn jointed_bodies_lie_down() {
+    let (arm, ring) = (rods(2, false), rods(4, true));
+    for (name, model) in [("table", table(0.0)), ("arm", arm), ("ring", ring)] {
+        let mut run = Run::at_rest(&model);
+        let start = run.energy();
+        for _ in 0..50 {
+            run.step(100);
+            assert!(run.energy() < start + 1e-3, "{name}: {}", run.energy());
+        }
+        let weight: f64 = G * model.bodies.iter().map(|b| b.mass).sum::<f64>();
+        let force: DVec3 = run.contacts().map(|c| c.2).sum();
+        assert!(
+            (force - DVec3::Y * weight).length() < 1e-4 * weight,
+            "{name}: {force} {weight}"
+        );
+        for body in 0..model.bodies.len() {
+            let speed = run.body(body, of_body::VELOCITY).length();
+            assert!(speed < 1e-4, "{name} {body}: {speed}");
+        }
+        let deepest = run.contacts().fold(0.0, |depth, c| f64::max(depth, -c.1));
+        assert!(deepest < 1e-4, "{name}: {deepest}");
+    }
+}
+
+/// What joints carry rests on an incline as if it were one body.
+#[test]
+fn a_table_sticks_on_an_incline() {
+    let model = table(0.3);
+    let mut run = Run::at_rest(&model);
+    run.step(1000);
+    let from = run.position();
+    run.step(2000);
+    let way = (run.position() - from).length();
+    assert!(way < 1e-5, "{way}");
+}
