@@ -1,8 +1,8 @@
 //! What the command line understands.
 
-use clap::builder::RangedU64ValueParser;
+use clap::builder::{PossibleValue, PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use kinetarium::model::examples::Start;
+use kinetarium::model::examples::{SCENES, Scene, Start};
 use kinetarium::numbers::dispatch::Isa;
 use kinetarium::rigid::Integrator;
 use kinetarium::sim::SolverKind;
@@ -12,6 +12,7 @@ const EXAMPLES: &str = "\
 Examples:
   kinetarium                                       1024 pendula of three links, 5 s
   kinetarium pendula --links 10 --start upright    others like them
+  kinetarium example tower                         a built-in scene; `example --help` lists them
   kinetarium run robot.xml                         a MuJoCo (MJCF) or URDF file, one world
   kinetarium run robot.xml --worlds 4096 --perturb 0.05 --record 3 --out results
   kinetarium info robot.xml                        what is in a file, and which solver fits
@@ -31,7 +32,9 @@ pub struct Arguments {
 pub enum Command {
     /// Simulate a robot file: MuJoCo's MJCF or ROS's URDF.
     Run(Run),
-    /// Simulate the built-in example: pendula of N links.
+    /// Simulate a built-in scene of bodies that touch: a tower, dominoes, a room, …
+    Example(Example),
+    /// Simulate the built-in pendula of N links.
     Pendula(Pendula),
     /// Show what is in a robot file, what of it is not supported, and which solver fits.
     Info(Info),
@@ -44,6 +47,15 @@ pub struct Run {
     /// Start from this keyframe of the file: positions, velocities and controls.
     #[arg(long, value_name = "NAME")]
     pub keyframe: Option<String>,
+    #[command(flatten)]
+    pub simulation: Simulation,
+}
+
+#[derive(Debug, Args)]
+pub struct Example {
+    /// Name of the scene.
+    #[arg(value_name = "NAME", value_parser = scene())]
+    pub scene: &'static Scene,
     #[command(flatten)]
     pub simulation: Simulation,
 }
@@ -195,6 +207,14 @@ impl From<IntegratorName> for Integrator {
 
 fn count(least: u64, most: u64) -> RangedU64ValueParser<usize> {
     RangedU64ValueParser::new().range(least..=most)
+}
+
+/// A scene by its name; the help lists them all.
+fn scene() -> impl TypedValueParser<Value = &'static Scene> {
+    let values = SCENES
+        .iter()
+        .map(|s| PossibleValue::new(s.name).help(s.about));
+    PossibleValuesParser::new(values).try_map(|name| Scene::find(&name).ok_or("no such scene"))
 }
 
 fn number(text: &str) -> Result<f64, String> {

@@ -33,6 +33,7 @@ fn main() -> ExitCode {
 fn execute() -> Result<(), Error> {
     match Arguments::parse().command {
         Some(Command::Run(arguments)) => run::robot(&arguments),
+        Some(Command::Example(arguments)) => run::example(&arguments),
         Some(Command::Pendula(arguments)) => run::pendula(&arguments),
         Some(Command::Info(arguments)) => robot::info(&arguments),
         None => run::pendula(&Pendula::parse_from(["kinetarium"])),

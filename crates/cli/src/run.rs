@@ -1,6 +1,6 @@
 //! A run from the model to the files.
 
-use crate::arguments::{self, Pendula, Precision, SolverName};
+use crate::arguments::{self, Example, Pendula, Precision, SolverName};
 use crate::energy::Audit;
 use crate::error::Error;
 use crate::output::{Files, print};
@@ -43,7 +43,20 @@ pub fn robot(arguments: &arguments::Run) -> Result<(), Error> {
     simulate(loaded, &start, &arguments.simulation)
 }
 
-/// Simulates the built-in example.
+/// Simulates a built-in scene.
+pub fn example(arguments: &Example) -> Result<(), Error> {
+    let model = arguments.scene.model()?;
+    let start = Start {
+        name: arguments.scene.name.into(),
+        keyframe: model.keyframes.first().cloned(),
+        worlds: 1,
+        integrator: Integrator::SemiImplicitEuler,
+        perturb: 0.0,
+    };
+    simulate(model, &start, &arguments.simulation)
+}
+
+/// Simulates the built-in pendula.
 pub fn pendula(arguments: &Pendula) -> Result<(), Error> {
     let model = examples::chain(arguments.links, arguments.start.into())?;
     let start = Start {

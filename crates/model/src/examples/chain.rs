@@ -1,6 +1,6 @@
-//! Models to try things with.
+//! Chains of rods: pendula of many links.
 
-use crate::model::{MOST_ROWS, Subject};
+use super::countable;
 use crate::{Builder, Geometry, Model, ModelError, Pose};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -39,11 +39,7 @@ pub fn n_pendula(links: usize) -> Result<Model, ModelError> {
 /// # Errors
 /// If there are no links, or more than a million.
 pub fn chain(links: usize, start: Start) -> Result<Model, ModelError> {
-    let subject = Subject {
-        kind: "chain",
-        name: "",
-    };
-    subject.within("number of links", links as f64, 1.0, MOST_ROWS as f64)?;
+    countable("chain", "number of links", links)?;
     let length = CHAIN_LENGTH / links as f64;
     let rod = Geometry::Capsule {
         radius: length / 20.0,

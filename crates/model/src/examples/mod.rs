@@ -1,0 +1,99 @@
+//! Models to try things with.
+//!
+//! Y is up; lengths in metres. All scenes but the chains are of bodies that touch, on a floor at
+//! y = 0.
+
+mod balls;
+mod card_house;
+mod chain;
+mod collide;
+mod dominoes;
+mod pile;
+mod room;
+mod stacks;
+mod stuff;
+
+pub use balls::balls;
+pub use card_house::card_house;
+pub use chain::{CHAIN_LENGTH, CHAIN_LINK_MASS, Start, chain, n_pendula};
+pub use collide::collide;
+pub use dominoes::dominoes;
+pub use pile::pile;
+pub use room::room;
+pub use stacks::{pyramid, tower};
+
+use crate::model::{MOST_ROWS, Subject};
+use crate::{Model, ModelError};
+
+/// A scene of bodies that touch, by its name.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene {
+    /// Name, as a word.
+    pub name: &'static str,
+    /// What there is to see, in a line.
+    pub about: &'static str,
+    make: fn() -> Result<Model, ModelError>,
+}
+
+impl Scene {
+    const fn new(
+        name: &'static str,
+        about: &'static str,
+        make: fn() -> Result<Model, ModelError>,
+    ) -> Self {
+        Self { name, about, make }
+    }
+    /// The scene of that name, if there is one.
+    pub fn find(name: &str) -> Option<&'static Self> {
+        SCENES.iter().find(|scene| scene.name == name)
+    }
+    /// Makes the model.
+    ///
+    /// # Errors
+    /// None: the tests make all of them.
+    pub fn model(&self) -> Result<Model, ModelError> {
+        (self.make)()
+    }
+}
+
+/// The scenes, each of the size that shows it best.
+pub static SCENES: [Scene; 8] = [
+    Scene::new(
+        "balls",
+        "five balls bounce to e² of their height each, e = 0, ¼, ½, ¾, 1",
+        balls,
+    ),
+    Scene::new(
+        "collide",
+        "elastic balls on a smooth table: head-on, off centre, and five in a row",
+        collide,
+    ),
+    Scene::new(
+        "dominoes",
+        "twenty dominoes, the first about to fall",
+        || dominoes(20),
+    ),
+    Scene::new("tower", "ten boxes on each other, at rest", || {
+        tower(10, 0.001)
+    }),
+    Scene::new("pyramid", "a wall of six rows of boxes, at rest", || {
+        pyramid(6)
+    }),
+    Scene::new(
+        "card_house",
+        "three storeys of leaning cards, at rest",
+        || card_house(3),
+    ),
+    Scene::new("pile", "solids of six kinds fall into a bowl", || pile(24)),
+    Scene::new(
+        "room",
+        "a ball falls on a table, a chair stands by, a door closes",
+        room,
+    ),
+];
+
+/// Refuses none, and more than a model can have.
+fn countable(kind: &'static str, what: &'static str, count: usize) -> Result<(), ModelError> {
+    let subject = Subject { kind, name: "" };
+    subject.within(what, count as f64, 1.0, MOST_ROWS as f64)
+}

@@ -1,0 +1,70 @@
+//! What the bodies of the scenes are made of.
+
+use crate::{Geometry, Material, Object, Shape};
+
+/// A solid stuff: density and surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stuff {
+    /// [kg/m³].
+    pub density: f64,
+    /// Coulomb's, against itself.
+    pub friction: f64,
+    /// Against itself.
+    pub restitution: f64,
+    /// Red, green, blue.
+    pub color: [f32; 3],
+}
+
+/// Beech, planed.
+pub(super) const WOOD: Stuff = Stuff {
+    density: 700.0,
+    friction: 0.5,
+    restitution: 0.0,
+    color: [0.76, 0.58, 0.38],
+};
+/// Cardboard, as of beer mats.
+pub(super) const CARD: Stuff = Stuff {
+    density: 600.0,
+    friction: 0.6,
+    restitution: 0.0,
+    color: [0.90, 0.88, 0.80],
+};
+/// Rubber, as of a ball that bounces well.
+pub(super) const RUBBER: Stuff = Stuff {
+    density: 1100.0,
+    friction: 0.9,
+    restitution: 0.8,
+    color: [0.80, 0.25, 0.20],
+};
+/// Screed, as of a floor.
+pub(super) const STONE: Stuff = Stuff {
+    density: 2300.0,
+    friction: 0.6,
+    restitution: 0.0,
+    color: [0.62, 0.62, 0.60],
+};
+
+impl Stuff {
+    /// A solid of it.
+    pub fn shape(self, geometry: Geometry) -> Shape {
+        let [red, green, blue] = self.color;
+        let material = Material {
+            friction: self.friction,
+            restitution: self.restitution,
+            color: [red, green, blue, 1.0],
+            ..Material::default()
+        };
+        Shape::new(geometry)
+            .with_density(self.density)
+            .with_material(material)
+    }
+}
+
+/// An endless floor of it at y = 0.
+pub(super) fn floor(object: &mut Object, stuff: Stuff) {
+    let plane = Geometry::Plane {
+        half_x: 0.0,
+        half_z: 0.0,
+    };
+    object.scenery(stuff.shape(plane).named("floor"));
+}
