@@ -1,7 +1,8 @@
 //! How well energy is conserved over a run.
 
+use kinetarium::model::{CollisionFilter, Dof, Model};
 use kinetarium::numbers::Float;
-use kinetarium::sim::{Diverged, Outputs};
+use kinetarium::sim::{Diverged, Outputs, Simulation};
 use std::fmt;
 
 /// Energies of all worlds as a run goes on.
@@ -47,8 +48,10 @@ impl Audit {
         let mean = fine.iter().map(|&w| drift(w)).sum::<f64>() / fine.len() as f64;
         let kinetic =
             fine.iter().map(|&w| self.largest_kinetic[w]).sum::<f64>() / fine.len() as f64;
+        let change = |w: usize| self.last[w] - self.initial[w];
         Some(Drift {
             mean,
+            change: fine.iter().map(|&w| change(w)).sum::<f64>() / fine.len() as f64,
             largest: drift(largest),
             world: largest,
             kinetic,
@@ -61,6 +64,8 @@ impl Audit {
 pub struct Drift {
     /// Mean of the absolute values [J].
     pub mean: f64,
+    /// Mean with its sign [J].
+    pub change: f64,
     /// Largest absolute value [J].
     pub largest: f64,
     /// The world of the largest.
@@ -76,6 +81,7 @@ impl fmt::Display for Drift {
             largest,
             world,
             kinetic,
+            ..
         } = self;
         write!(
             f,
@@ -90,4 +96,27 @@ impl fmt::Display for Drift {
         }
         Ok(())
     }
+}
+
+/// What changes a simulation's energy by its laws, in words; nothing where energy should stay.
+pub fn exchange<T: Float>(simulation: &Simulation<T>) -> Option<String> {
+    let model = simulation.model();
+    let dof = |acts: fn(&Dof) -> bool| model.joints.iter().any(|j| j.dofs.iter().any(acts));
+    let causes = [
+        (
+            "contacts",
+            simulation.settings().contacts && may_touch(model),
+        ),
+        ("damping", dof(|d| d.damping > 0.0)),
+        ("friction of joints", dof(|d| d.friction_loss > 0.0)),
+        ("limits", dof(|d| d.limit.is_some())),
+        ("drives", dof(|d| d.drive != Default::default())),
+        ("actuators", !model.actuators.is_empty()),
+    ];
+    let causes: Vec<_> = causes.iter().filter(|c| c.1).map(|c| c.0).collect();
+    (!causes.is_empty()).then(|| causes.join(", "))
+}
+
+fn may_touch(model: &Model) -> bool {
+    CollisionFilter::new(model).pairs().next().is_some()
 }

@@ -13,6 +13,8 @@ const SIZE: (u32, u32) = (1280, 960);
 const OVERSAMPLING: u32 = 3;
 /// Most curves of joint positions, those that move most.
 const MOST_CURVES: usize = 8;
+/// What moves by less [m or rad] has no curve, if others have.
+const STILL: f64 = 1e-6;
 /// Most points of a curve.
 const MOST_POINTS: usize = 2000;
 
@@ -218,16 +220,23 @@ impl Pen {
     }
 }
 
-/// The coordinates of world 0 that move most, and the unit if all share it. Where a robot is in the
-/// world is left to robots without other joints: a fall would dwarf all else.
+/// The coordinates of world 0 that move most, and the unit if all share it. Left out as long as
+/// others move: where in the world a robot is, since a fall would dwarf all else; and the numbers of
+/// orientations, which say little to the eye.
 fn position_curves(t: &Trajectory) -> (Vec<Curve>, String) {
     let n = t.coordinates.len();
     let value = |row: usize, i: usize| t.joint_position[row * t.worlds * n + i];
     let span = |i: usize| {
-        let range = range((0..t.rows()).map(|row| value(row, i)), 0.0);
-        range.end - range.start
+        let values = (0..t.rows()).map(|row| value(row, i));
+        let (low, high) = extent(values);
+        high - low
     };
-    let mut chosen: Vec<usize> = (0..n).filter(|&i| !t.coordinates[i].free).collect();
+    let moving: Vec<usize> = (0..n).filter(|&i| span(i) > STILL).collect();
+    let telling = |i: &usize| !t.coordinates[*i].base && !t.coordinates[*i].unit.is_empty();
+    let mut chosen: Vec<usize> = moving.iter().copied().filter(telling).collect();
+    if chosen.is_empty() {
+        chosen = moving;
+    }
     if chosen.is_empty() {
         chosen = (0..n).collect();
     }
@@ -302,11 +311,16 @@ fn broken_at_jumps(points: impl Iterator<Item = (f64, f64)>, jump: f64) -> Vec<V
     stretches
 }
 
+/// The least and the largest.
+fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+        (low.min(x), high.max(x))
+    })
+}
+
 /// From the least to the largest, widened by a share, and never empty.
 fn range(values: impl Iterator<Item = f64>, share: f64) -> std::ops::Range<f64> {
-    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-        (low.min(x), high.max(x))
-    });
+    let (low, high) = extent(values);
     if low > high {
         return 0.0..1.0;
     }
@@ -334,14 +348,17 @@ fn label(x: f64) -> String {
     }
 }
 
-/// A name that fits beside a panel.
+/// A name that fits beside a panel: of a long one its start, and its end, which tells x from y.
 fn short(name: &str) -> String {
     const MOST: usize = 20;
-    if name.chars().count() <= MOST {
-        return name.into();
+    let name = name.replace("_free_position_", " ");
+    let count = name.chars().count();
+    if count <= MOST {
+        return name;
     }
-    let start: String = name.chars().take(MOST - 1).collect();
-    format!("{start}…")
+    let start: String = name.chars().take(MOST - 5).collect();
+    let end: String = name.chars().skip(count - 4).collect();
+    format!("{start}…{end}")
 }
 
 #[cfg(test)]
@@ -366,6 +383,15 @@ mod tests {
             let range = range(values.iter().copied(), 0.1);
             assert!(range.start < range.end, "{values:?}: {range:?}");
         }
+    }
+
+    #[test]
+    fn long_names_keep_their_ends() {
+        assert_eq!(short("ball_free_position_y"), "ball y");
+        assert_eq!(
+            short("left_shoulder_of_the_robot_x"),
+            "left_shoulder_o…ot_x"
+        );
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The few numbers that sum up a run.
 
-use crate::energy::Drift;
+use crate::energy::{Drift, exchange};
 use kinetarium::model::Model;
 use kinetarium::numbers::Float;
 use kinetarium::sim::{Simulation, SolverKind};
@@ -73,12 +73,22 @@ pub fn summary<T: Float>(
             rate(real_time)
         ),
     );
-    line(
-        "energy drift",
-        drift.map_or("unknown: all worlds diverged".into(), |d| d.to_string()),
-    );
+    let (name, value) = energy(drift, exchange(simulation));
+    line(name, value);
     line("diverged worlds", diverged(simulation));
     text
+}
+
+/// Error of the energy; or, where the model's laws change it, by how much they did.
+fn energy(drift: Option<Drift>, exchange: Option<String>) -> (&'static str, String) {
+    match (drift, exchange) {
+        (Some(drift), None) => ("energy drift", drift.to_string()),
+        (Some(drift), Some(causes)) => (
+            "energy change",
+            format!("{:+.3e} J mean, by {causes}", drift.change),
+        ),
+        (None, _) => ("energy change", "unknown: all worlds diverged".into()),
+    }
 }
 
 /// Name and sizes of a model.

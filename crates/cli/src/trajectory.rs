@@ -1,7 +1,7 @@
 //! What is kept of the first worlds of a run, at regular times.
 
 use crate::error::Error;
-use kinetarium::model::{AxisKind, BodyId, JointKind, Model};
+use kinetarium::model::{AxisKind, BodyId, Joint, JointKind, Model};
 use kinetarium::numbers::Float;
 use kinetarium::sim::Outputs;
 
@@ -36,8 +36,8 @@ pub struct Coordinate {
     pub name: String,
     /// `rad`, `m`, or empty for a part of a quaternion.
     pub unit: &'static str,
-    /// Whether it is of a free joint, and so tells where in the world a robot is.
-    pub free: bool,
+    /// Whether it tells where in the world a robot is: of a free joint that others hang on.
+    pub base: bool,
 }
 
 impl Trajectory {
@@ -106,14 +106,17 @@ fn coordinates(model: &Model) -> Vec<Coordinate> {
             JointKind::Free => vec!["m", "m", "m", "", "", "", ""],
             _ => joint.axes.iter().map(|axis| unit(axis.kind)).collect(),
         };
-        units
-            .into_iter()
-            .map(|unit| (unit, joint.kind == JointKind::Free))
+        units.into_iter().map(|unit| (unit, is_base(model, joint)))
     });
     let named = model.coordinate_names().into_iter().zip(units);
     named
-        .map(|(name, (unit, free))| Coordinate { name, unit, free })
+        .map(|(name, (unit, base))| Coordinate { name, unit, base })
         .collect()
+}
+
+fn is_base(model: &Model, joint: &Joint) -> bool {
+    let carries = |other: &Joint| other.parent == Some(joint.child);
+    joint.kind == JointKind::Free && model.joints.iter().any(carries)
 }
 
 fn unit(kind: AxisKind) -> &'static str {

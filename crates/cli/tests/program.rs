@@ -216,6 +216,101 @@ fn every_solver_and_integrator_runs() {
     }
 }
 
+const SCENES: [&str; 8] = [
+    "balls",
+    "collide",
+    "dominoes",
+    "tower",
+    "pyramid",
+    "card_house",
+    "pile",
+    "room",
+];
+
+#[test]
+fn every_scene_runs() {
+    let folder = folder();
+    for name in SCENES {
+        let run = kinetarium(&folder)
+            .args(["example", name, "--seconds", "0.05"])
+            .assert();
+        run.success()
+            .stdout(contains("diverged worlds   none").and(contains("energy change")))
+            .stdout(contains(format!("kinetarium-out/{name}.png")));
+    }
+}
+
+#[test]
+fn balls_bounce_to_e_squared_of_their_height() {
+    let folder = folder();
+    let options = "example balls --worlds 17 --record 17 --seconds 0.9 --every 0.01 --perturb 1e-4";
+    kinetarium(&folder)
+        .args(options.split_whitespace())
+        .assert()
+        .success();
+    let npz = folder.path().join("kinetarium-out/balls.npz");
+    let names = names(&npz, "body_names");
+    let (shape, position) = array(&npz, "body_position");
+    assert_eq!(shape, [91, 17, 5, 3]);
+    for (ball, name) in names.iter().enumerate() {
+        let e: f64 = name.trim_start_matches("e_").parse().unwrap();
+        // All reach the floor after 0.45 s, and rise until e times as long later.
+        let row = (100.0 * (1.0 + e) * (2.0_f64 / 9.81).sqrt()).round() as usize;
+        for world in 0..17 {
+            let height = position[((row.min(90) * 17 + world) * 5 + ball) * 3 + 1] - 0.1;
+            // Without restitution the landing is that of a spring and damper.
+            let tolerance = if e == 0.0 { 0.03 } else { 0.015 };
+            assert!((height - e * e).abs() < tolerance, "{name}: {height}");
+        }
+    }
+}
+
+#[test]
+fn dominoes_fall_to_the_last() {
+    let folder = folder();
+    kinetarium(&folder)
+        .args(["example", "dominoes", "--seconds", "2.5"])
+        .assert()
+        .success();
+    let npz = folder.path().join("kinetarium-out/dominoes.npz");
+    let position = array(&npz, "body_position").1;
+    let last = &position[position.len() - 3 * 20..];
+    for (i, place) in last.chunks(3).enumerate() {
+        assert!(place[1] < 0.07, "domino {i} stands at {}", place[1]);
+    }
+}
+
+#[test]
+fn equal_balls_change_places() {
+    let folder = folder();
+    kinetarium(&folder)
+        .args(["example", "collide", "--seconds", "2"])
+        .assert()
+        .success();
+    let npz = folder.path().join("kinetarium-out/collide.npz");
+    let names = names(&npz, "body_names");
+    let velocity = array(&npz, "joint_velocity").1;
+    let end = &velocity[velocity.len() - 6 * names.len()..];
+    let of = |name: &str| {
+        let body = names.iter().position(|n| n == name).unwrap();
+        [end[6 * body], end[6 * body + 2]]
+    };
+    let near = |name: &str, x: f64, z: f64| {
+        let [u, w] = of(name);
+        assert!((u - x).hypot(w - z) < 0.03, "{name}: {u} {w}");
+    };
+    near("straight", 0.0, 0.0);
+    near("straight_hit", 1.0, 0.0);
+    // Half a ball off centre, the line of centres lies at 30° to the motion.
+    let (cos, sin) = (0.75_f64.sqrt(), 0.5);
+    near("oblique_hit", cos * cos, -cos * sin);
+    near("oblique", sin * sin, cos * sin);
+    for i in 0..4 {
+        near(&format!("row_{i}"), 0.0, 0.0);
+    }
+    near("row_4", 1.0, 0.0);
+}
+
 #[test]
 fn info_tells_what_is_in_a_file() {
     let folder = folder();
@@ -248,6 +343,13 @@ fn help_shows_examples() {
         .assert()
         .success()
         .stdout(contains("--keyframe <NAME>"));
+    let mut help = kinetarium(&folder)
+        .args(["example", "--help"])
+        .assert()
+        .success();
+    for name in SCENES {
+        help = help.stdout(contains(format!("- {name}:")));
+    }
 }
 
 #[test]
@@ -293,6 +395,12 @@ fn wrong_options_end_with_2_and_say_why() {
             "run double.xml --seconds 1e8 --every 0.004",
             "raise --every",
         ),
+        ("example", "<NAME>"),
+        (
+            "example towr",
+            "possible values: balls, collide, dominoes, tower,",
+        ),
+        ("example towr", "a similar value exists: 'tower'"),
         ("pendula --links 0", "0 is not in 1..=1000"),
         (
             "pendula --start sideways",

@@ -16,6 +16,9 @@ const RADIUS: f64 = 0.0286;
 /// Of the balls that start [m/s].
 const SPEED: f64 = 1.0;
 
+/// Between the games [m], so that none disturbs another.
+const LANE: f64 = 2.0;
+
 /// Billiard balls on a table, without friction, without loss. The keyframe `start` holds how they
 /// move at first: three of them at 1 m/s along x.
 ///
@@ -39,8 +42,8 @@ pub fn collide() -> Result<Model, ModelError> {
             .shape(RESIN.shape(Geometry::Sphere { radius: RADIUS }));
         velocity.extend([speed, 0.0, 0.0, 0.0, 0.0, 0.0]);
     };
-    ball("straight", -0.3, -0.4, SPEED);
-    ball("straight_hit", 0.0, -0.4, 0.0);
+    ball("straight", -0.3, -LANE, SPEED);
+    ball("straight_hit", 0.0, -LANE, 0.0);
     ball("oblique", -0.3, RADIUS, SPEED);
     ball("oblique_hit", 0.0, 0.0, 0.0);
     for i in 0..5 {
@@ -50,7 +53,7 @@ pub fn collide() -> Result<Model, ModelError> {
         } else {
             0.08 * f64::from(i - 1)
         };
-        ball(&format!("row_{i}"), x, 0.4, speed);
+        ball(&format!("row_{i}"), x, LANE, speed);
     }
     let joint_position = world.build()?.initial_position();
     world.keyframe(Keyframe {

@@ -50,7 +50,7 @@ impl Scene {
     /// Makes the model.
     ///
     /// # Errors
-    /// None: the tests make all of them.
+    /// None; the scenes are tested.
     pub fn model(&self) -> Result<Model, ModelError> {
         (self.make)()
     }
@@ -87,7 +87,7 @@ pub static SCENES: [Scene; 8] = [
     Scene::new("pile", "solids of six kinds fall into a bowl", || pile(24)),
     Scene::new(
         "room",
-        "a ball falls on a table, a chair stands by, a door closes",
+        "a ball falls off a table, a chair stands by, a door closes",
         room,
     ),
 ];
@@ -96,4 +96,35 @@ pub static SCENES: [Scene; 8] = [
 fn countable(kind: &'static str, what: &'static str, count: usize) -> Result<(), ModelError> {
     let subject = Subject { kind, name: "" };
     subject.within(what, count as f64, 1.0, MOST_ROWS as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_scene_is_a_tree_with_few_moving_shapes_and_is_found_by_its_name() {
+        for scene in &SCENES {
+            let model = scene.model().unwrap();
+            assert!(model.is_tree(), "{}", scene.name);
+            let moving = model.shapes.iter().filter(|s| s.body.is_some()).count();
+            assert!((1..=60).contains(&moving), "{}: {moving}", scene.name);
+            assert_eq!(Scene::find(scene.name).unwrap().about, scene.about);
+        }
+        assert!(Scene::find("towr").is_none());
+    }
+
+    #[test]
+    fn scenes_of_nothing_or_far_too_much_are_refused() {
+        for scene in [
+            |n| tower(n, 0.0),
+            |n| pyramid(n),
+            |n| card_house(n),
+            |n| dominoes(n),
+            |n| pile(n),
+        ] as [fn(usize) -> Result<Model, ModelError>; 5]
+        {
+            assert!(scene(0).is_err() && scene(usize::MAX).is_err());
+        }
+    }
 }
