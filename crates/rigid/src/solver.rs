@@ -113,6 +113,9 @@ pub enum SolverError {
 pub trait Kernels: Clone + Send + Sync + 'static {
     /// Whether any shapes touch.
     const TOUCHES: bool;
+    /// Whether one world's steps are worth compiling for many registers; see
+    /// [`Job::MANY_REGISTERS`](numbers::dispatch::Job::MANY_REGISTERS).
+    const MANY_REGISTERS: bool;
     /// The solver's name.
     fn name(&self) -> &'static str;
     /// Numbers per world in each memory.

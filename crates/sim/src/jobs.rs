@@ -1,7 +1,8 @@
 //! The work on one block, as functions of a size that compilers take well.
 //!
 //! Whoever uses a generic function compiles it, and all that one module uses is compiled together.
-//! Hence a module for each part of a step, and for each kernel of a pair: they compile side by side.
+//! Hence a module for each part of a step at each precision, and for each kernel of a pair: they
+//! compile side by side.
 
 use crate::engine::Block;
 use collide::{Route, kernel};
@@ -43,9 +44,10 @@ impl<T: Float> Block<'_, T> {
     }
 }
 
-/// A job of a solver, in a module of its own: `body` with the solver, a machine, and a number.
+/// A job of a solver, in a module of its own: `body` with the solver, a machine, and a number; and
+/// whether it is worth its while in one world with many registers.
 macro_rules! job {
-    ($(#[$doc:meta])* $name:ident($kernels:ident, $cpu:ident, $number:ident) $body:block) => {
+    ($(#[$doc:meta])* $name:ident($kernels:ident, $cpu:ident, $number:ident), $registers:literal, $body:block) => {
         $(#[$doc])*
         pub(crate) mod $name {
             use super::*;
@@ -59,6 +61,7 @@ macro_rules! job {
             impl<K: Kernels, T: Float> Job for Work<'_, '_, K, T> {
                 type Scalar = T;
                 type Output = ();
+                const MANY_REGISTERS: bool = K::MANY_REGISTERS && $registers;
                 #[inline(always)]
                 fn run<R: Lanes<Scalar = T>>(self) {
                     let ($kernels, $number) = (self.kernels, self.number);
@@ -73,7 +76,26 @@ macro_rules! job {
                 block: &mut Block<'_, T>,
                 number: usize,
             ) {
-                lane.run(Work { kernels, block, number });
+                let work = Work { kernels, block, number };
+                if T::DOUBLE {
+                    double::run(lane, work);
+                } else {
+                    single::run(lane, work);
+                }
+            }
+
+            mod single {
+                use super::*;
+                pub(super) fn run<K: Kernels, T: Float>(lane: Lane, work: Work<'_, '_, K, T>) {
+                    lane.run(work);
+                }
+            }
+
+            mod double {
+                use super::*;
+                pub(super) fn run<K: Kernels, T: Float>(lane: Lane, work: Work<'_, '_, K, T>) {
+                    lane.run(work);
+                }
             }
         }
     };
@@ -81,7 +103,7 @@ macro_rules! job {
 
 job! {
     /// So many whole substeps.
-    steps(kernels, cpu, substeps) {
+    steps(kernels, cpu, substeps), true, {
         for _ in 0..substeps {
             kernels.step(cpu);
         }
@@ -89,21 +111,21 @@ job! {
 }
 job! {
     /// A stage up to the contacts.
-    begin(kernels, cpu, stage) {
+    begin(kernels, cpu, stage), true, {
         let stage = cpu.index(stage);
         kernels.begin(cpu, stage);
     }
 }
 job! {
     /// A stage from the contacts on.
-    finish(kernels, cpu, stage) {
+    finish(kernels, cpu, stage), true, {
         let stage = cpu.index(stage);
         kernels.finish(cpu, stage);
     }
 }
 job! {
     /// The output from the state.
-    report(kernels, cpu, _none) { kernels.report(cpu) }
+    report(kernels, cpu, _none), false, { kernels.report(cpu) }
 }
 
 /// Fills the slots of contacts, kernel by kernel.

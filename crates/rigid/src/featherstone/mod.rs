@@ -137,6 +137,7 @@ impl<const CONTACTS: bool> ArticulatedBodies<CONTACTS> {
 
 impl<const CONTACTS: bool> Kernels for ArticulatedBodies<CONTACTS> {
     const TOUCHES: bool = CONTACTS;
+    const MANY_REGISTERS: bool = true;
     fn name(&self) -> &'static str {
         NAME
     }

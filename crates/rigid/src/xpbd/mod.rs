@@ -114,6 +114,7 @@ impl<const CONTACTS: bool> Bodies<CONTACTS> {
 
 impl<const CONTACTS: bool> Kernels for Bodies<CONTACTS> {
     const TOUCHES: bool = CONTACTS;
+    const MANY_REGISTERS: bool = false;
     fn name(&self) -> &'static str {
         NAME
     }
