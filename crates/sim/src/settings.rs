@@ -37,7 +37,7 @@ pub struct SimulationSettings {
     pub worlds: usize,
     /// Solver.
     pub solver: SolverKind,
-    /// Whether shapes touch; otherwise bodies pass through each other. `featherstone` only.
+    /// Whether shapes touch; otherwise bodies pass through each other.
     pub contacts: bool,
     /// Step, substeps, iterations, integrator, caps.
     pub step: Settings,
