@@ -112,6 +112,9 @@ pub struct Simulation {
     /// Passes over all constraints per substep; xpbd only.
     #[arg(long, value_name = "N", default_value = "1", value_parser = count(1, 10_000))]
     pub iterations: usize,
+    /// Let bodies pass through each other.
+    #[arg(long)]
+    pub no_contacts: bool,
     /// How the state advances; featherstone only [default: semi-implicit-euler; rk4 for the pendula].
     #[arg(long, value_enum)]
     pub integrator: Option<IntegratorName>,

@@ -93,7 +93,7 @@ fn settings(model: &Model, start: &Start, options: &arguments::Simulation) -> Si
     SimulationSettings {
         worlds: options.worlds.unwrap_or(start.worlds),
         solver: options.solver.into(),
-        contacts: true,
+        contacts: !options.no_contacts,
         step,
         threads: options.threads,
         isa: options.isa,

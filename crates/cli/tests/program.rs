@@ -488,3 +488,50 @@ fn a_run_in_which_all_worlds_diverge_ends_with_1() {
         .stdout(contains("4 of 4"))
         .stderr(contains("all 4 worlds diverged").and(contains("lower --time-step")));
 }
+
+/// A ball dropped on a plane lies there; without contacts it falls on.
+#[test]
+fn contacts_can_be_switched_off() {
+    let folder = folder();
+    let ball = r#"<mujoco><worldbody>
+      <geom type="plane" size="1 1 1"/>
+      <body pos="0 0 0.2"><freejoint/><geom type="sphere" size="0.1" condim="1"/></body>
+    </worldbody></mujoco>"#;
+    fs::write(folder.path().join("ball.xml"), ball).unwrap();
+    let height = |options: &[&str]| {
+        let mut command = kinetarium(&folder);
+        let command = command.args(["run", "ball.xml", "--seconds", "1", "--quiet"]);
+        command.args(options).assert().success();
+        let file = folder.path().join("kinetarium-out/ball.npz");
+        // Of the last row x, y, z; y points up.
+        let (_, position) = array(&file, "body_position");
+        position[position.len() - 2]
+    };
+    assert!((height(&[]) - 0.1).abs() < 0.01);
+    assert!(height(&["--no-contacts"]) < -4.0);
+}
+
+/// The message names the shape, and the ways out.
+#[test]
+fn a_mesh_that_should_touch_is_refused() {
+    let folder = folder();
+    let rock = r#"<mujoco><asset><mesh name="rock" file="rock.stl"/></asset><worldbody>
+      <geom type="plane" size="1 1 1"/>
+      <body pos="0 0 1"><freejoint/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+        <geom name="rock" type="mesh" mesh="rock"/></body>
+    </worldbody></mujoco>"#;
+    fs::write(folder.path().join("rock.xml"), rock).unwrap();
+    let mut command = kinetarium(&folder);
+    let refused = command.args(["run", "rock.xml"]).assert().code(2);
+    refused.stderr(contains("contacts of the mesh of `rock`").and(contains("switch contacts off")));
+    let mut command = kinetarium(&folder);
+    let command = command.args([
+        "run",
+        "rock.xml",
+        "--no-contacts",
+        "--seconds",
+        "0.1",
+        "--quiet",
+    ]);
+    command.assert().success();
+}

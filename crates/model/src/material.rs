@@ -9,7 +9,8 @@ pub struct Material {
     pub torsional_friction: f64,
     /// Rolling friction coefficient [m].
     pub rolling_friction: f64,
-    /// Restitution: separation speed over approach speed, 0 to 1.
+    /// Restitution: separation speed over approach speed, 0 to 1. With 0, a body lands on the
+    /// softness: a critically damped surface still gives back up to exp(−2) of the speed.
     pub restitution: f64,
     /// How far the surface gives way.
     pub softness: Softness,

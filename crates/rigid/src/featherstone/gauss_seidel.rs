@@ -39,7 +39,7 @@ use numbers::{Cell, Machine, Mat3, Real, Vec3};
 const STIFFEST: f64 = 1e-12;
 
 /// Change of an impulse, as a share of the largest, that needs no further pass.
-const SMALL: f64 = 1e-5;
+const SMALL: f64 = 1e-3;
 
 /// Fields of [`Tables::impulse`], a row for each slot between bodies that move.
 pub(crate) mod impulse {
@@ -162,48 +162,28 @@ pub(crate) fn gauss_seidel<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
 
 /// Passes over the contacts until nothing changes by more than [`SMALL`].
 ///
-/// Every other pass goes backwards, so that a load finds its way through a stack both up and down.
 /// A lane that has come so far stands still, so that its bits do not depend on its neighbours'.
 #[inline(always)]
 fn iterate<M: Machine>(k: &mut M, t: &Tables) {
     let (zero, one) = (M::R::zero(), M::R::one());
     let mut moves = k.cell(one);
-    for _ in k.count(t.iterations.div_ceil(2)) {
+    for _ in k.count(t.iterations) {
         let on = moves.read();
-        let mut change = Change {
-            step: k.cell(zero),
-            most: k.cell(zero),
-        };
+        let mut change = k.cell(zero);
+        let mut most = k.cell(zero);
         for s in between(k, t) {
-            visit(k, t, s, on, &mut change);
+            for _ in k.if_any(near(k, t, s)) {
+                let (step, size) = relax(k, t, s, on);
+                change.write(change.read().max(step));
+                most.write(most.read().max(size));
+            }
         }
-        for i in k.range_down(k.index(t.contacts.slots - t.contacts.between)) {
-            visit(k, t, i.offset(t.contacts.between), on, &mut change);
-        }
-        let open = change
-            .step
-            .read()
-            .gt(change.most.read() * M::R::lit(SMALL * SMALL));
+        let open = change.read().gt(most.read() * M::R::lit(SMALL * SMALL));
         let next = M::R::select(open, on, zero);
         moves.write(next);
         if k.finished(next.same(zero)) {
             break;
         }
-    }
-}
-
-/// Largest squares of a change of an impulse, and of an impulse, in a pair of passes.
-struct Change<C> {
-    step: C,
-    most: C,
-}
-
-#[inline(always)]
-fn visit<M: Machine>(k: &mut M, t: &Tables, s: M::I, on: M::R, change: &mut Change<M::Cell>) {
-    for _ in k.if_any(near(k, t, s)) {
-        let (step, size) = relax(k, t, s, on);
-        change.step.write(change.step.read().max(step));
-        change.most.write(change.most.read().max(size));
     }
 }
 
