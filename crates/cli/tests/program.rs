@@ -503,9 +503,9 @@ fn contacts_can_be_switched_off() {
         let command = command.args(["run", "ball.xml", "--seconds", "1", "--quiet"]);
         command.args(options).assert().success();
         let file = folder.path().join("kinetarium-out/ball.npz");
-        // Of the last row x, y, z; y points up.
+        // Of the last row x, y, z; z points up.
         let (_, position) = array(&file, "body_position");
-        position[position.len() - 2]
+        position[position.len() - 1]
     };
     assert!((height(&[]) - 0.1).abs() < 0.01);
     assert!(height(&["--no-contacts"]) < -4.0);
