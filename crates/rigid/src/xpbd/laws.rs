@@ -732,12 +732,12 @@ fn pull_axis<M: Machine>(k: &mut M, t: &Tables, axis: M::I, lambda: M::R, h: M::
     let j = k.link(t.axis_links, axis, axis_link::JOINT);
     let mut ends = Ends::load(k, t, j);
     let pull = Pull::load(k, t, axis);
-    let moved = pull.push(&mut ends, lambda, h.recip());
+    let [moved_a, moved_b] = pull.push(&mut ends, lambda, h.recip());
     ends.store(k, t);
-    for (row, moved) in [ends.row_a, ends.row_b].into_iter().zip(moved) {
-        let sum = k.spatial(t.moved, row, 0) + moved;
-        k.store_spatial(t.moved, row, 0, sum);
-    }
+    let sum = k.spatial(t.moved, ends.row_a, 0) + moved_a;
+    k.store_spatial(t.moved, ends.row_a, 0, sum);
+    let sum = k.spatial(t.moved, ends.row_b, 0) + moved_b;
+    k.store_spatial(t.moved, ends.row_b, 0, sum);
 }
 
 impl LawTables {
