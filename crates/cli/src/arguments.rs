@@ -100,7 +100,7 @@ pub struct Simulation {
     /// Simulated time [s].
     #[arg(long, value_name = "SECONDS", default_value = "5", value_parser = positive, allow_negative_numbers = true)]
     pub seconds: f64,
-    /// Solver; `auto` takes featherstone for trees, xpbd otherwise.
+    /// Solver; `auto` takes featherstone for trees, xpbd otherwise; impulse is for piles of free bodies.
     #[arg(long, value_enum, default_value_t = SolverName::Auto)]
     pub solver: SolverName,
     /// Time step [s] [default: the file's].
@@ -161,6 +161,7 @@ pub enum SolverName {
     Auto,
     Featherstone,
     Xpbd,
+    Impulse,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
@@ -193,6 +194,7 @@ impl From<SolverName> for SolverKind {
             SolverName::Auto => Self::Auto,
             SolverName::Featherstone => Self::Featherstone,
             SolverName::Xpbd => Self::Xpbd,
+            SolverName::Impulse => Self::Impulse,
         }
     }
 }

@@ -103,6 +103,11 @@ impl<R: Real> SymMat3<R> {
             yz,
         }
     }
+    /// Sum of the diagonal.
+    #[inline(always)]
+    pub fn trace(self) -> R {
+        self.xx + self.yy + self.zz
+    }
     /// xx, yy, zz, xy, xz, yz.
     #[inline(always)]
     pub fn to_array(self) -> [R; 6] {

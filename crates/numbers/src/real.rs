@@ -1,5 +1,6 @@
 //! The number a kernel is written over.
 
+use crate::rows::Atom;
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Sub, SubAssign};
 
@@ -138,6 +139,8 @@ pub trait Float:
     type Portable: Lanes<Scalar = Self>;
     /// One lane without a fused multiply-add.
     type Unfused: Lanes<Scalar = Self>;
+    /// The same number, shared by threads.
+    type Atom: Atom<Self>;
     /// As `f64`, exactly.
     fn to_f64(self) -> f64;
     /// From `f64`, rounded to nearest.

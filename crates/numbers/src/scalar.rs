@@ -2,6 +2,7 @@
 
 use crate::lanes;
 use crate::real::{Float, Lanes, LanesMask, Mask, Real};
+use core::sync::atomic::{AtomicU32, AtomicU64};
 
 impl Mask for bool {
     #[inline(always)]
@@ -22,7 +23,7 @@ impl LanesMask for bool {
 }
 
 macro_rules! scalar {
-    ($t:ident, $bits:ident, $lanes:ident, $double:expr, $mantissa:expr, $bias:expr, $max:expr) => {
+    ($t:ident, $bits:ident, $atom:ident, $lanes:ident, $double:expr, $mantissa:expr, $bias:expr, $max:expr) => {
         impl Real for $t {
             type Scalar = $t;
             type Mask = bool;
@@ -119,6 +120,7 @@ macro_rules! scalar {
             type Simd128 = lanes::simd128::$lanes;
             type Portable = lanes::array::$lanes;
             type Unfused = lanes::array::Unfused<$t>;
+            type Atom = $atom;
             #[inline(always)]
             fn to_f64(self) -> f64 {
                 self as f64
@@ -135,5 +137,5 @@ macro_rules! scalar {
     };
 }
 
-scalar!(f32, u32, F32x16, false, 23, 127, 126.0);
-scalar!(f64, u64, F64x8, true, 52, 1023, 1022.0);
+scalar!(f32, u32, AtomicU32, F32x16, false, 23, 127, 126.0);
+scalar!(f64, u64, AtomicU64, F64x8, true, 52, 1023, 1022.0);

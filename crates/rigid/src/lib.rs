@@ -9,6 +9,7 @@
 mod check;
 mod contacts;
 pub mod featherstone;
+pub mod impulse;
 mod input;
 mod output;
 mod solver;

@@ -77,6 +77,8 @@ pub struct OutputTables {
     pub total: Table<Output, { total::WIDTH }>,
     /// One row for each point of contact that may be: see [`contact`]. Contacts of the last step.
     pub contact: Table<Output, { contact::WIDTH }>,
+    /// The shapes of each row of contacts, where they change from step to step; else no rows.
+    pub touching: Table<Output, 2>,
     /// How many rows of contacts there are.
     pub contacts: usize,
     /// Numbers per world.
@@ -102,6 +104,7 @@ impl OutputTables {
             acceleration,
             total,
             contact,
+            touching: Table::place(&mut end, 0),
             contacts: 0,
             length: end,
         }
@@ -112,9 +115,20 @@ impl OutputTables {
         let contact = Table::place(&mut end, contacts);
         Self {
             contact,
+            touching: Table::place(&mut end, 0),
             contacts,
             length: end,
             ..self
+        }
+    }
+    /// The same, with room for so many points of contact of whichever shapes.
+    pub fn with_found_contacts(self, contacts: usize) -> Self {
+        let with_contacts = self.with_contacts(contacts);
+        let mut end = with_contacts.length;
+        Self {
+            touching: Table::place(&mut end, contacts),
+            length: end,
+            ..with_contacts
         }
     }
 }

@@ -29,10 +29,12 @@ pub struct Settings {
     /// Passes of a `featherstone` step over the contacts, at most; it ends as soon as all agree.
     pub contact_passes: usize,
     /// Passes of projected Gauss–Seidel over the contacts between bodies that move; `xpbd`: over all
-    /// contacts, in each pass over the constraints.
+    /// contacts, in each pass over the constraints; `impulse`: small steps, of one pass each.
     pub contact_iterations: usize,
     /// A world in which a speed exceeds this [m/s or rad/s] has diverged.
     pub speed_limit: f64,
+    /// Bodies slower than this [m/s] for half a second sleep until touched; `impulse` only. 0: never.
+    pub sleep_speed: f64,
     /// Factor on every position correction; `xpbd` only. 1 is the plain method.
     pub relaxation: f64,
     /// Rate at which bodies lose angular velocity [1/s]; `xpbd` only.
@@ -54,6 +56,7 @@ impl Settings {
             contact_passes: 2,
             contact_iterations: 8,
             speed_limit: 1e5,
+            sleep_speed: 0.01,
             relaxation: 1.0,
             angular_damping: 0.0,
             displacement_cap: f64::INFINITY,

@@ -4,6 +4,7 @@
 //! kernels, which take minutes to compile, are compiled with this crate and never again.
 
 use crate::engine::Engine;
+use crate::impulse::Piles;
 use crate::{SimulationSettings, SolverKind};
 use model::{CollisionFilter, Model};
 use numbers::Float;
@@ -88,15 +89,16 @@ fn engine<T: Float>(model: &Model, settings: &SimulationSettings) -> Made<T> {
         SolverKind::Auto => SolverKind::Xpbd,
         named => named,
     };
+    if kind == SolverKind::Impulse {
+        return Ok(Box::new(Piles::<T>::new(model, settings)?));
+    }
     let touches = settings.contacts && CollisionFilter::new(model).pairs().next().is_some();
     Ok(match (kind, touches) {
         (SolverKind::Featherstone, true) => {
             Box::new(TouchingFeatherstone::new(model, &settings.step)?)
         }
         (SolverKind::Featherstone, false) => Box::new(Featherstone::new(model, &settings.step)?),
-        (SolverKind::Xpbd | SolverKind::Auto, true) => {
-            Box::new(TouchingXpbd::new(model, &settings.step)?)
-        }
-        (SolverKind::Xpbd | SolverKind::Auto, false) => Box::new(Xpbd::new(model, &settings.step)?),
+        (_, true) => Box::new(TouchingXpbd::new(model, &settings.step)?),
+        (_, false) => Box::new(Xpbd::new(model, &settings.step)?),
     })
 }

@@ -37,8 +37,12 @@ pub(crate) trait Engine<T: Float>: Send + Sync {
     fn initial(&self, model: &Model, position: &[f64], velocity: &[f64]) -> Vec<f64>;
     fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]);
     fn take_over(&self, bodies: &[f64], state: &mut [f64]);
-    /// Runs a task on a block.
-    fn run(&self, lane: Lane, block: Block<'_, T>, task: Task);
+    /// Whether worlds are run one at a time, and several threads can work on one.
+    fn shares_a_world(&self) -> bool {
+        false
+    }
+    /// Runs a task on a block, with so many threads of the current pool.
+    fn run(&self, lane: Lane, team: usize, block: Block<'_, T>, task: Task);
 }
 
 impl<K: Kernels, T: Float> Engine<T> for K {
@@ -72,7 +76,7 @@ impl<K: Kernels, T: Float> Engine<T> for K {
     fn take_over(&self, bodies: &[f64], state: &mut [f64]) {
         Kernels::take_over(self, bodies, state);
     }
-    fn run(&self, lane: Lane, mut block: Block<'_, T>, task: Task) {
+    fn run(&self, lane: Lane, _: usize, mut block: Block<'_, T>, task: Task) {
         match task {
             Task::Report => report::run(lane, self, &mut block, 0),
             Task::Step(substeps) => {

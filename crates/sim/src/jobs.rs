@@ -20,7 +20,7 @@ pub(crate) struct Lane {
 
 impl Lane {
     #[inline(always)]
-    fn run<J: Job<Output = ()>>(self, job: J) {
+    pub(crate) fn run<J: Job<Output = ()>>(self, job: J) {
         if self.single {
             run_single(self.isa, job);
         } else {

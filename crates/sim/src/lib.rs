@@ -12,6 +12,7 @@ mod controls;
 mod engine;
 mod error;
 mod events;
+mod impulse;
 mod jobs;
 mod outputs;
 mod settings;

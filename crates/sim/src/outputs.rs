@@ -87,13 +87,20 @@ impl<T: Float> Outputs<'_, T> {
         (0..self.tables.contacts).filter_map(move |row| {
             let distance = self.number(world, table, row, contact::DISTANCE);
             (distance < 0.5 * collide::FAR).then(|| Contact {
-                shapes: self.shapes[row],
+                shapes: self.touching(world, row),
                 position: self.vec3(world, table, row, contact::POSITION),
                 normal: self.vec3(world, table, row, contact::NORMAL),
                 distance,
                 force: self.vec3(world, table, row, contact::FORCE),
                 feature: self.number(world, table, row, contact::FEATURE) as u32,
             })
+        })
+    }
+    /// The shapes of a row of contacts.
+    fn touching(&self, world: usize, row: usize) -> [ShapeId; 2] {
+        self.shapes.get(row).copied().unwrap_or_else(|| {
+            let shape = |i| self.number(world, self.tables.touching, row, i) as usize;
+            [ShapeId(shape(0)), ShapeId(shape(1))]
         })
     }
     /// Kinetic energy [J].

@@ -14,6 +14,8 @@ pub enum SolverKind {
     Featherstone,
     /// Maximal coordinates: robust; loops and compliance.
     Xpbd,
+    /// Sequential impulses: free bodies by the thousand, in piles.
+    Impulse,
 }
 
 impl std::str::FromStr for SolverKind {
@@ -23,8 +25,9 @@ impl std::str::FromStr for SolverKind {
             "auto" => Ok(Self::Auto),
             "featherstone" => Ok(Self::Featherstone),
             "xpbd" => Ok(Self::Xpbd),
+            "impulse" => Ok(Self::Impulse),
             _ => Err(format!(
-                "unknown solver `{name}`; known are auto, featherstone, xpbd"
+                "unknown solver `{name}`; known are auto, featherstone, xpbd, impulse"
             )),
         }
     }

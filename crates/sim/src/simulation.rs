@@ -142,7 +142,8 @@ impl<T: Float> Simulation<T> {
                 threads,
                 reason: e.to_string(),
             })?;
-        let single = settings.scalar || settings.worlds == 1;
+        let alone = settings.worlds == 1 || shared.engine.shares_a_world();
+        let single = settings.scalar || alone;
         let width = if single { 1 } else { isa.width::<T>() };
         let lengths = shared.engine.lengths();
         affordable::<T>(
@@ -408,8 +409,11 @@ impl<T: Float> Simulation<T> {
         let engine = &*self.shared.engine;
         let lane = Lane {
             isa: self.isa,
-            single: self.state.width() == 1,
+            single: self.settings.scalar || (self.state.width() == 1 && !engine.shares_a_world()),
         };
+        let threads = self.pool.current_num_threads();
+        let shared_world = engine.shares_a_world() && self.state.blocks() < threads;
+        let team = if shared_world { threads } else { 1 };
         let (input, parameters) = (&self.input, &self.parameters);
         let shared = self.own.is_empty();
         let width = self.state.width();
@@ -427,7 +431,7 @@ impl<T: Float> Simulation<T> {
                     parameters,
                     links: engine.links(),
                 };
-                engine.run(lane, block, task);
+                engine.run(lane, team, block, task);
             }
         };
         let (s, o, blocks) = (
@@ -436,10 +440,14 @@ impl<T: Float> Simulation<T> {
             self.state.blocks(),
         );
         let (state, output) = (self.state.scalars_mut(), self.output.scalars_mut());
+        if shared_world {
+            let all = (state.chunks_exact_mut(s), output.chunks_exact_mut(o));
+            return self.pool.install(|| run_blocks(0, all.0, all.1));
+        }
         if blocks == 1 {
             return run_blocks(0, state.chunks_exact_mut(s), output.chunks_exact_mut(o));
         }
-        let run = blocks.div_ceil(self.pool.current_num_threads() * RUNS_PER_THREAD);
+        let run = blocks.div_ceil(threads * RUNS_PER_THREAD);
         let parts = state
             .par_chunks_mut(s * run)
             .zip(output.par_chunks_mut(o * run))

@@ -7,7 +7,7 @@
 
 mod narrow_phase;
 mod plan;
-mod tables;
+pub(crate) mod tables;
 
 pub(crate) use narrow_phase::{Places, narrow_phase, place_shapes};
 pub(crate) use plan::{ContactPlan, Seat};

@@ -111,7 +111,7 @@ pub struct ContactTables {
 }
 
 /// Kind and half sizes [m] of a geometry, as the kernels have them.
-pub(super) fn solid(shape: &Shape, solver: &'static str) -> Result<(usize, DVec3), SolverError> {
+pub(crate) fn solid(shape: &Shape, solver: &'static str) -> Result<(usize, DVec3), SolverError> {
     Ok(match shape.geometry {
         Geometry::Plane { .. } => (kind::PLANE, DVec3::ZERO),
         Geometry::Sphere { radius } => (kind::SPHERE, DVec3::new(radius, 0.0, 0.0)),
@@ -141,7 +141,7 @@ pub(super) fn solid(shape: &Shape, solver: &'static str) -> Result<(usize, DVec3
 }
 
 /// Radius [m] of the ball that holds a solid.
-fn radius(kind: usize, size: DVec3) -> f64 {
+pub(crate) fn radius(kind: usize, size: DVec3) -> f64 {
     match kind {
         kind::PLANE => 0.0,
         kind::SPHERE => size.x,

@@ -1,0 +1,92 @@
+//! A body between contacts: forces, motion within a step, and the step's end.
+//!
+//! Gyroscopic torque acts as an acceleration α = I⁻¹ (L × ω) for the length H of the step, which
+//! turns the body by the midpoint rate; then the spin is set to what the angular momentum L, and
+//! the impulses that changed it, make of the new orientation q':
+//!
+//! ```text
+//! L = I(q) (ω − H α)    ω' = I(q')⁻¹ L
+//! ```
+
+use super::tables::{BodyTables, global, mass, row};
+use numbers::{Machine, Quat, SymMat3, Vec3};
+
+/// The beginning of a step: inverse inertia and accelerations.
+#[inline(always)]
+pub fn begin<M: Machine>(k: &mut M, t: &BodyTables) {
+    let only = k.index(0);
+    let q = k.quat(t.body, only, row::ORIENTATION);
+    let m = k.load(t.mass, only, mass::INVERSE);
+    let inverse_moments = k.vec3(t.mass, only, mass::INVERSE_MOMENTS);
+    let i = SymMat3::rotated_diagonal(q.to_mat3(), inverse_moments);
+    let w = q.rotate_inverse(k.vec3(t.body, only, row::SPIN));
+    let l = w.times(k.vec3(t.mass, only, mass::MOMENTS));
+    let gyroscopic = q.rotate(l.cross(w).times(inverse_moments));
+    let force = k.vec3(t.body, only, row::WRENCH);
+    let torque = k.vec3(t.body, only, row::WRENCH + 3);
+    let gravity = k.vec3(t.global, only, global::GRAVITY);
+    k.store_vec3(t.body, only, row::SHIFT, Vec3::zero());
+    k.store_vec3(t.body, only, row::TURN, Vec3::zero());
+    k.store(t.body, only, row::INVERSE_MASS, m);
+    k.store_sym(t.body, only, row::INVERSE_INERTIA, i);
+    k.store_vec3(t.body, only, row::ACCELERATION, force.fma(m, gravity));
+    k.store_vec3(t.body, only, row::ACCELERATION + 3, i * torque + gyroscopic);
+}
+
+/// The beginning of a small step: what acts for h, and with it, as the contacts gave `again` times in
+/// the small step before.
+#[inline(always)]
+pub fn advance<M: Machine>(k: &mut M, t: &BodyTables, again: M::R) {
+    let only = k.index(0);
+    let h = k.load(t.global, only, global::STEP);
+    let (v, w) = (
+        k.vec3(t.body, only, row::VELOCITY),
+        k.vec3(t.body, only, row::SPIN),
+    );
+    let given = v - k.vec3(t.body, only, row::FREE);
+    let turned = w - k.vec3(t.body, only, row::FREE + 3);
+    let free = k.vec3(t.body, only, row::ACCELERATION).fma(h, v);
+    let spin = k.vec3(t.body, only, row::ACCELERATION + 3).fma(h, w);
+    k.store_vec3(t.body, only, row::FREE, free);
+    k.store_vec3(t.body, only, row::FREE + 3, spin);
+    k.store_vec3(t.body, only, row::VELOCITY, given.fma(again, free));
+    k.store_vec3(t.body, only, row::SPIN, turned.fma(again, spin));
+}
+
+/// Moves for h.
+#[inline(always)]
+pub fn drift<M: Machine>(k: &mut M, t: &BodyTables) {
+    let only = k.index(0);
+    let h = k.load(t.global, only, global::STEP);
+    let shift = k.vec3(t.body, only, row::SHIFT);
+    let turn = k.vec3(t.body, only, row::TURN);
+    let shift = k.vec3(t.body, only, row::VELOCITY).fma(h, shift);
+    let turn = k.vec3(t.body, only, row::SPIN).fma(h, turn);
+    k.store_vec3(t.body, only, row::SHIFT, shift);
+    k.store_vec3(t.body, only, row::TURN, turn);
+}
+
+/// The end of a step: the new place, and the spin that belongs to it.
+#[inline(always)]
+pub fn finish<M: Machine>(k: &mut M, t: &BodyTables) {
+    let only = k.index(0);
+    let long = k.load(t.global, only, global::STEP) * k.load(t.global, only, global::STEPS);
+    let (moments, inverse) = (
+        k.vec3(t.mass, only, mass::MOMENTS),
+        k.vec3(t.mass, only, mass::INVERSE_MOMENTS),
+    );
+    let q = k.quat(t.body, only, row::ORIENTATION);
+    let before = q.rotate_inverse(k.vec3(t.body, only, row::SPIN));
+    let torque = q
+        .rotate_inverse(k.vec3(t.body, only, row::WRENCH + 3))
+        .times(inverse);
+    let all = q.rotate_inverse(k.vec3(t.body, only, row::ACCELERATION + 3));
+    let gyroscopic = all - torque;
+    let l = q.rotate(gyroscopic.fma(-long, before).times(moments));
+    let q = (Quat::exp(k.vec3(t.body, only, row::TURN)) * q).normalized();
+    let w = q.rotate(q.rotate_inverse(l).times(inverse));
+    let center = k.vec3(t.body, only, row::CENTER) + k.vec3(t.body, only, row::SHIFT);
+    k.store_vec3(t.body, only, row::CENTER, center);
+    k.store_quat(t.body, only, row::ORIENTATION, q);
+    k.store_vec3(t.body, only, row::SPIN, w);
+}

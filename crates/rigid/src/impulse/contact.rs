@@ -1,0 +1,384 @@
+//! The impulses of one contact of two bodies.
+//!
+//! With the arms r of a point, normal n from A to B, gap C, and the relative velocity there
+//! u = v_B + ω_B × r_B − v_A − ω_A × r_A, whose response to an impulse P is
+//!
+//! ```text
+//! K P = (1/m_A + 1/m_B) P + (I_A⁻¹ (r_A × P)) × r_A + (I_B⁻¹ (r_B × P)) × r_B
+//! ```
+//!
+//! each point in turn changes its normal impulse λ so that
+//!
+//! ```text
+//! apart (C > 0):    n·u + C/h ≥ 0                          (it may close, not more)
+//! overlapping:      n·u + β C + γ λ ≥ 0,  β = k / (c + h k),  γ = 1 / (h (c + h k))
+//! Δλ = −(n·u + bias + γ λ) / (n·K n + γ),   λ + Δλ ≥ 0
+//! ```
+//!
+//! which is a spring k with a damper c, implicit in time (Catto, *Soft Constraints*, 2011). Surfaces
+//! in N/m are that spring, and are left alone when relaxing. All others do not give way: k is the
+//! stiffest that small steps can follow, c = T k makes an overlap close with the time constant T, and
+//! when relaxing β and γ are zero, so that what was pushed apart keeps no speed from it. Friction
+//! follows, for the contact as a whole ([`friction`](super::friction)).
+
+use super::friction;
+use super::tables::{ContactTables, global, manifold, point, row};
+use numbers::machine::{Held, Hold};
+use numbers::spatial::Spatial;
+use numbers::{Cell, Machine, Real, SymMat3, Vec3};
+
+/// Highest frequency of a spring, per small step: at twice that, walls of boxes sway for ever.
+const FASTEST: f64 = 0.125;
+
+/// Small steps within which an overlap closes, at least: in fewer, towers of boxes tremble.
+const CALM: f64 = 8.0;
+
+/// Gap [m] from which on a point is none.
+pub const NOWHERE: f64 = 1e6;
+
+/// What a unit impulse does to the bodies of a contact.
+#[derive(Clone, Copy)]
+pub(super) struct Response<R> {
+    /// 1/m_A + 1/m_B.
+    pub masses: R,
+    pub inertia: [SymMat3<R>; 2],
+    pub arms: [Vec3<R>; 2],
+}
+
+impl<R: Real> Response<R> {
+    /// K P.
+    #[inline(always)]
+    fn to(&self, p: Vec3<R>) -> Vec3<R> {
+        let [ra, rb] = self.arms;
+        let a = (self.inertia[0] * ra.cross(p)).cross(ra);
+        let b = (self.inertia[1] * rb.cross(p)).cross(rb);
+        p.fma(self.masses, a + b)
+    }
+    /// The largest eigenvalue of K in the plane across n.
+    #[inline(always)]
+    pub fn across(&self, n: Vec3<R>) -> R {
+        let s = n.any_orthogonal();
+        let t = n.cross(s);
+        let (ks, kt) = (self.to(s), self.to(t));
+        let half = R::lit(0.5);
+        let mean = half * (s.dot(ks) + t.dot(kt));
+        let apart = half * (s.dot(ks) - t.dot(kt));
+        mean + apart.fma(apart, s.dot(kt).squared()).sqrt()
+    }
+}
+
+/// How two bodies have moved since the step began.
+#[derive(Clone, Copy)]
+pub(super) struct Moved<R> {
+    /// B against A.
+    shift: Vec3<R>,
+    /// Shares of the shift that lengthen the arm of A, and shorten that of B.
+    shares: [R; 2],
+}
+
+impl<R: Real> Moved<R> {
+    #[inline(always)]
+    fn load<M: Machine<R = R>>(k: &M, t: &ContactTables, masses: [R; 2]) -> Self {
+        let (a, b) = (k.index(0), k.index(1));
+        let share = masses[1] / (masses[0] + masses[1]).max(R::lit(1e-30));
+        Self {
+            shift: k.vec3(t.body, b, row::SHIFT) - k.vec3(t.body, a, row::SHIFT),
+            shares: [share, R::one() - share],
+        }
+    }
+    /// Arms now, given those when the step began: their ends meet.
+    #[inline(always)]
+    pub fn meet(&self, arms: [Vec3<R>; 2]) -> [Vec3<R>; 2] {
+        [
+            self.shift.fma(self.shares[0], arms[0]),
+            self.shift.fma(-self.shares[1], arms[1]),
+        ]
+    }
+    /// The arms of a point now.
+    #[inline(always)]
+    fn arms<M: Machine<R = R>>(&self, k: &M, t: &ContactTables, i: M::I) -> [Vec3<R>; 2] {
+        self.meet([
+            k.vec3(t.point, i, point::ARM_A),
+            k.vec3(t.point, i, point::ARM_B),
+        ])
+    }
+}
+
+/// The bodies of a contact, changed by impulses.
+pub(super) struct Pair<M: Machine> {
+    masses: [M::R; 2],
+    inertia: [SymMat3<M::R>; 2],
+    a: <Spatial<M::R> as Hold<M>>::Held,
+    b: <Spatial<M::R> as Hold<M>>::Held,
+}
+
+#[inline(always)]
+fn motion<M: Machine>(k: &M, t: &ContactTables, body: M::I) -> Spatial<M::R> {
+    Spatial::new(
+        k.vec3(t.body, body, row::SPIN),
+        k.vec3(t.body, body, row::VELOCITY),
+    )
+}
+
+#[inline(always)]
+fn store_motion<M: Machine>(k: &mut M, t: &ContactTables, body: M::I, motion: Spatial<M::R>) {
+    k.store_vec3(t.body, body, row::SPIN, motion.angular);
+    k.store_vec3(t.body, body, row::VELOCITY, motion.linear);
+}
+
+/// Velocity of the point of a body at an arm from its centre.
+#[inline(always)]
+fn velocity_at<R: Real>(motion: Spatial<R>, arm: Vec3<R>) -> Vec3<R> {
+    motion.linear + motion.angular.cross(arm)
+}
+
+impl<M: Machine> Pair<M> {
+    #[inline(always)]
+    fn load(k: &M, t: &ContactTables) -> Self {
+        let only = k.index(0);
+        Self {
+            masses: k.read(t.manifold, only, manifold::INVERSE_MASS),
+            inertia: [
+                k.sym(t.manifold, only, manifold::INVERSE_INERTIA),
+                k.sym(t.manifold, only, manifold::INVERSE_INERTIA + 6),
+            ],
+            a: motion(k, t, only).hold(k),
+            b: motion(k, t, k.index(1)).hold(k),
+        }
+    }
+    #[inline(always)]
+    fn store(self, k: &mut M, t: &ContactTables) {
+        let (a, b) = (self.a.get(), self.b.get());
+        store_motion(k, t, k.index(0), a);
+        store_motion(k, t, k.index(1), b);
+    }
+    /// Relative velocity at two arms.
+    #[inline(always)]
+    pub fn velocity(&self, arms: [Vec3<M::R>; 2]) -> Vec3<M::R> {
+        velocity_at(self.b.get(), arms[1]) - velocity_at(self.a.get(), arms[0])
+    }
+    /// Relative angular velocity.
+    #[inline(always)]
+    pub fn spin(&self) -> Vec3<M::R> {
+        self.b.get().angular - self.a.get().angular
+    }
+    /// P on B at its arm, −P on A.
+    #[inline(always)]
+    pub fn push(&mut self, p: Vec3<M::R>, arms: [Vec3<M::R>; 2]) {
+        let (mut a, mut b) = (self.a.get(), self.b.get());
+        a.linear = p.fma(-self.masses[0], a.linear);
+        b.linear = p.fma(self.masses[1], b.linear);
+        a.angular = a.angular - self.inertia[0] * arms[0].cross(p);
+        b.angular = b.angular + self.inertia[1] * arms[1].cross(p);
+        self.a.set(a);
+        self.b.set(b);
+    }
+    /// An angular impulse on B, and the opposite on A.
+    #[inline(always)]
+    pub fn turn(&mut self, l: Vec3<M::R>) {
+        let (mut a, mut b) = (self.a.get(), self.b.get());
+        a.angular = a.angular - self.inertia[0] * l;
+        b.angular = b.angular + self.inertia[1] * l;
+        self.a.set(a);
+        self.b.set(b);
+    }
+    /// What was given again had the arms of the small step before.
+    #[inline(always)]
+    fn mend_arms(&mut self, k: &M, t: &ContactTables, moved: &Moved<M::R>) {
+        let only = k.index(0);
+        let since = moved.shift - k.vec3(t.manifold, only, manifold::LAST);
+        let torque = since.cross(k.vec3(t.manifold, only, manifold::LAST + 3));
+        let (mut a, mut b) = (self.a.get(), self.b.get());
+        a.angular = a.angular - self.inertia[0] * (torque * moved.shares[0]);
+        b.angular = b.angular - self.inertia[1] * (torque * moved.shares[1]);
+        self.a.set(a);
+        self.b.set(b);
+    }
+}
+
+/// Arms, masses and softness of every point, from where it lies and how its bodies stand and move.
+#[inline(always)]
+pub fn prepare<M: Machine>(k: &mut M, t: &ContactTables) {
+    let (only, a, b) = (k.index(0), k.index(0), k.index(1));
+    let masses = [
+        k.load(t.body, a, row::INVERSE_MASS),
+        k.load(t.body, b, row::INVERSE_MASS),
+    ];
+    let inertia = [
+        k.sym(t.body, a, row::INVERSE_INERTIA),
+        k.sym(t.body, b, row::INVERSE_INERTIA),
+    ];
+    k.write(t.manifold, only, manifold::INVERSE_MASS, masses);
+    k.store_sym(t.manifold, only, manifold::INVERSE_INERTIA, inertia[0]);
+    k.store_sym(t.manifold, only, manifold::INVERSE_INERTIA + 6, inertia[1]);
+    k.write(t.manifold, only, manifold::LAST, [M::R::zero(); 6]);
+    let middle = middle(k, t);
+    let response = Response {
+        masses: masses[0] + masses[1],
+        inertia,
+        arms: arms_of(k, t, middle),
+    };
+    let normal = k.vec3(t.manifold, only, manifold::NORMAL);
+    friction::prepare(k, t, normal, response);
+    prepare_points(k, t, response, middle);
+}
+
+/// The mean of the points that are.
+#[inline(always)]
+fn middle<M: Machine>(k: &M, t: &ContactTables) -> Vec3<M::R> {
+    let only = k.index(0);
+    let mut sum = Vec3::zero().hold(k);
+    let mut count = k.cell(M::R::zero());
+    for i in k.range(only, k.link(t.points, only, 0)) {
+        let is = k.load(t.point, i, point::GAP).lt(M::R::lit(NOWHERE));
+        let one = M::R::select(is, M::R::one(), M::R::zero());
+        sum.set(k.vec3(t.point, i, point::ARM_A).fma(one, sum.get()));
+        count.write(count.read() + one);
+    }
+    sum.get() * count.read().max(M::R::one()).recip()
+}
+
+/// From the centres of mass to a point.
+#[inline(always)]
+fn arms_of<M: Machine>(k: &M, t: &ContactTables, at: Vec3<M::R>) -> [Vec3<M::R>; 2] {
+    let (a, b) = (k.index(0), k.index(1));
+    [
+        at - k.vec3(t.body, a, row::CENTER),
+        at - k.vec3(t.body, b, row::CENTER),
+    ]
+}
+
+#[inline(always)]
+fn prepare_points<M: Machine>(
+    k: &mut M,
+    t: &ContactTables,
+    at_middle: Response<M::R>,
+    middle: Vec3<M::R>,
+) {
+    let only = k.index(0);
+    let tiny = M::R::lit(1e-30);
+    let normal = k.vec3(t.manifold, only, manifold::NORMAL);
+    let [spring, damper, settling] = k.read(t.manifold, only, manifold::SPRING);
+    let [h, rate] = k.read(t.global, only, global::STEP);
+    let gives = settling.le(M::R::zero());
+    let settling = settling.max(h * M::R::lit(CALM));
+    let fastest = (rate * M::R::lit(core::f64::consts::TAU * FASTEST)).squared();
+    let motions = [motion(k, t, only), motion(k, t, k.index(1))];
+    for i in k.range(only, k.link(t.points, only, 0)) {
+        let at = k.vec3(t.point, i, point::ARM_A);
+        let arms = arms_of(k, t, at);
+        let response = Response { arms, ..at_middle };
+        let compliance = normal.dot(response.to(normal)).max(tiny);
+        let hardest = fastest / compliance;
+        let stiffness = M::R::select(gives, spring, hardest);
+        let damping = M::R::select(gives, damper, hardest * settling);
+        let damping = h.fma(stiffness, damping).max(tiny);
+        let u = velocity_at(motions[1], arms[1]) - velocity_at(motions[0], arms[0]);
+        let spread = (at - middle).length();
+        let impulse = k.load(t.point, i, point::IMPULSE);
+        let softness = (h * damping).recip();
+        k.store_vec3(t.point, i, point::ARM_A, arms[0]);
+        k.store_vec3(t.point, i, point::ARM_B, arms[1]);
+        k.write(t.point, i, point::SPREAD, [spread, impulse, normal.dot(u)]);
+        let numbers = [compliance, stiffness / damping, softness];
+        k.write(t.point, i, point::COMPLIANCE, numbers);
+    }
+}
+
+/// Gives the impulses that the contact had in the step before.
+#[inline(always)]
+pub fn warm_start<M: Machine>(k: &mut M, t: &ContactTables) {
+    let only = k.index(0);
+    let normal = k.vec3(t.manifold, only, manifold::NORMAL);
+    let mut pair = Pair::load(k, t);
+    for i in k.range(only, k.link(t.points, only, 0)) {
+        let arms = [
+            k.vec3(t.point, i, point::ARM_A),
+            k.vec3(t.point, i, point::ARM_B),
+        ];
+        pair.push(normal * k.load(t.point, i, point::IMPULSE), arms);
+    }
+    let arms = [
+        k.vec3(t.manifold, only, manifold::ARMS),
+        k.vec3(t.manifold, only, manifold::ARMS + 3),
+    ];
+    pair.push(k.vec3(t.manifold, only, manifold::DRAG), arms);
+    pair.turn(k.vec3(t.manifold, only, manifold::TWIST));
+    pair.store(k, t);
+}
+
+/// One relaxation of the contact; `pushing` is 1 where surfaces are to be pushed apart, else 0.
+#[inline(always)]
+pub fn solve<M: Machine>(k: &mut M, t: &ContactTables, pushing: M::R) {
+    let (only, second) = (k.index(0), k.index(1));
+    let normal = k.vec3(t.manifold, only, manifold::NORMAL);
+    let [rate] = k.read(t.global, only, global::RATE);
+    let push_out = k.load(t.global, only, global::PUSH_OUT);
+    let gives = k
+        .load(t.manifold, only, manifold::SETTLING)
+        .le(M::R::zero());
+    let pushes = pushing.gt(M::R::zero());
+    let stays = gives & !pushes;
+    let turns = [
+        k.vec3(t.body, only, row::TURN),
+        k.vec3(t.body, second, row::TURN),
+    ];
+    let mut pair = Pair::load(k, t);
+    let moved = Moved::load(k, t, pair.masses);
+    let nearer = normal.dot(moved.shift);
+    for _ in k.if_any(pushes) {
+        pair.mend_arms(k, t, &moved);
+    }
+    let (mut load, mut moment) = (k.cell(M::R::zero()), k.cell(M::R::zero()));
+    for i in k.range(only, k.link(t.points, only, 0)) {
+        let arms = moved.arms(k, t, i);
+        let tilt = turns[1].cross(arms[1]) - turns[0].cross(arms[0]);
+        let [gap, old, spread, peak] = k.read(t.point, i, point::GAP);
+        let [compliance, bias, softness] = k.read(t.point, i, point::COMPLIANCE);
+        let gap = gap + (nearer + normal.dot(tilt));
+        let apart = gap.gt(M::R::zero());
+        let wanted = (bias * gap).max(-push_out) * pushing;
+        let wanted = M::R::select(apart, gap * rate, wanted);
+        let soft = M::R::select(apart, M::R::zero(), softness * pushing);
+        let residual = soft.fma(old, normal.dot(pair.velocity(arms)) + wanted);
+        let new = (old - residual / (compliance + soft)).max(M::R::zero());
+        let new = M::R::select(stays, old, new);
+        pair.push(normal * (new - old), arms);
+        k.write(t.point, i, point::IMPULSE, [new, spread, peak.max(new)]);
+        load.write(load.read() + new);
+        moment.write(spread.fma(new, moment.read()));
+    }
+    friction::solve(k, t, &mut pair, &moved, load.read(), moment.read());
+    let given = normal.fma(load.read(), k.vec3(t.manifold, only, manifold::DRAG));
+    let last = k.vec3(t.manifold, only, manifold::LAST);
+    let impulse = k.vec3(t.manifold, only, manifold::LAST + 3);
+    let shift = Vec3::select(pushes, moved.shift, last);
+    k.store_vec3(t.manifold, only, manifold::LAST, shift);
+    let impulse = Vec3::select(pushes, given, impulse);
+    k.store_vec3(t.manifold, only, manifold::LAST + 3, impulse);
+    pair.store(k, t);
+}
+
+/// Where surfaces met faster than they rest, they part at e times that speed.
+#[inline(always)]
+pub fn bounce<M: Machine>(k: &mut M, t: &ContactTables) {
+    let only = k.index(0);
+    let normal = k.vec3(t.manifold, only, manifold::NORMAL);
+    let restitution = k.load(t.manifold, only, manifold::RESTITUTION);
+    let resting = k.load(t.global, only, global::RESTING);
+    let mut pair = Pair::load(k, t);
+    let moved = Moved::load(k, t, pair.masses);
+    for i in k.range(only, k.link(t.points, only, 0)) {
+        let arms = moved.arms(k, t, i);
+        let [peak, approach] = k.read(t.point, i, point::PEAK);
+        let old = k.load(t.point, i, point::IMPULSE);
+        let met = peak.gt(M::R::zero()) & approach.lt(-resting) & restitution.gt(M::R::zero());
+        let residual = restitution.fma(approach, normal.dot(pair.velocity(arms)));
+        let compliance = k.load(t.point, i, point::COMPLIANCE);
+        let new = (old - residual / compliance).max(M::R::zero());
+        let new = M::R::select(met, new, old);
+        pair.push(normal * (new - old), arms);
+        k.store(t.point, i, point::IMPULSE, new);
+    }
+    pair.store(k, t);
+}

@@ -1,0 +1,743 @@
+//! A model of free bodies as tables, and the numbers of its worlds.
+
+use super::pair::solid;
+use super::tables::{POINTS, mass};
+use crate::contacts::tables as contact_tables;
+use crate::input::InputTables;
+use crate::output::body;
+use crate::tables::{Filler, UNBOUNDED};
+use crate::{Featherstone, Lengths, OutputTables, Settings, SolverError};
+use collide::kind;
+use glam::{DQuat, DVec3};
+use model::{
+    BodyId, BodyKind, Combine, Dof, Joint, JointId, JointKind, MassProperties, Material, Model,
+    Pose, ShapeId, Softness,
+};
+use numbers::machine::space::{Parameter, State as StateMemory};
+use numbers::{Float, Table};
+use std::collections::HashMap;
+
+pub(super) const NAME: &str = "impulse";
+
+/// Row of what does not move.
+pub const WORLD: u32 = 0;
+
+/// Contacts that a world remembers from step to step, for each body that moves. Sixteen more for
+/// small models.
+const REMEMBERED: usize = 6;
+
+/// Fields of a body's state.
+pub(super) mod state {
+    /// Centre of mass [m].
+    pub const CENTER: usize = 0;
+    /// Orientation of the principal axes.
+    pub const ORIENTATION: usize = 3;
+    /// Velocity [m/s], then spin [rad/s].
+    pub const VELOCITY: usize = 7;
+    /// The same before the last step.
+    pub const BEFORE: usize = 13;
+    /// For how long [s] the body has been slow.
+    pub const REST: usize = 19;
+    pub const WIDTH: usize = 20;
+}
+
+/// Fields of a remembered contact.
+mod memory {
+    pub const SHAPES: usize = 0;
+    pub const POINTS: usize = 2;
+    pub const NORMAL: usize = 3;
+    pub const DRAG: usize = 6;
+    pub const TWIST: usize = 9;
+    pub const POINT: usize = 12;
+    /// Position, gap, feature, impulse.
+    pub const POINT_WIDTH: usize = 6;
+    pub const WIDTH: usize = POINT + super::POINTS * POINT_WIDTH;
+}
+
+/// Fields of a surface.
+mod surface {
+    pub const SOFTNESS: usize = 5;
+    pub const COMBINE: usize = 9;
+    pub const WIDTH: usize = 10;
+}
+
+/// A contact as a world remembers it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cached<T> {
+    /// Colliding shapes A and B, as [`Impulse::shapes`] counts them.
+    pub shapes: [u32; 2],
+    /// From A to B.
+    pub normal: [T; 3],
+    /// Impulse of friction at the middle of the points [N·s].
+    pub drag: [T; 3],
+    /// Angular impulse against twisting and rolling [N·m·s].
+    pub twist: [T; 3],
+    /// The points, of which the first [`count`](Self::count) are.
+    pub points: [CachedPoint<T>; POINTS],
+    /// How many points there are.
+    pub count: usize,
+}
+
+/// A point of a [`Cached`] contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[allow(missing_docs)]
+pub struct CachedPoint<T> {
+    pub position: [T; 3],
+    pub gap: T,
+    pub feature: T,
+    /// Impulse along the normal [N·s].
+    pub impulse: T,
+}
+
+/// What a contact of two shapes is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs)]
+pub struct Surface {
+    pub friction: f64,
+    pub restitution: f64,
+    pub torsion: f64,
+    pub rolling: f64,
+    /// Stiffness [N/m] and damping [N·s/m] where it gives way.
+    pub spring: [f64; 2],
+    /// Time constant [s] with which an overlap closes, where it does not.
+    pub settling: f64,
+}
+
+/// A colliding shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Collider {
+    /// The shape in the model.
+    pub shape: ShapeId,
+    /// Row of the body that carries it; [`WORLD`] for what does not move.
+    pub row: u32,
+    /// See [`collide::kind`].
+    pub kind: usize,
+}
+
+/// A model compiled for sequential impulses.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Impulse {
+    /// Dynamic bodies by row, row 0 apart.
+    pub(super) bodies: Vec<BodyId>,
+    /// For each body of the model, its row.
+    pub(super) rows: Vec<u32>,
+    /// For each joint of the model its body, the child's joint frame in it, and the parent's.
+    pub(super) free: Vec<Free>,
+    shapes: Vec<Collider>,
+    paired: HashMap<[u32; 2], usize>,
+    pub(super) mass: Table<Parameter, { mass::WIDTH }>,
+    /// The model's frame in the body's own, or in the world.
+    pub(super) frame: Table<Parameter, 7>,
+    solid: Table<Parameter, { solid::WIDTH }>,
+    surface: Table<Parameter, { surface::WIDTH }>,
+    pub(super) gravity: Table<Parameter, 3>,
+    pub(super) alive: Table<StateMemory>,
+    pub(super) state: Table<StateMemory, { state::WIDTH }>,
+    remembered: Table<StateMemory>,
+    memory: Table<StateMemory, { memory::WIDTH }>,
+    capacity: usize,
+    state_length: usize,
+    pub(super) input: InputTables,
+    pub(super) output: OutputTables,
+    pub(super) settings: Settings,
+    parameters: Vec<f64>,
+    links: Vec<u32>,
+    tree: Featherstone,
+}
+
+/// A free joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Free {
+    pub body: BodyId,
+    pub parent_frame: Pose,
+    pub child_frame: Pose,
+    /// First coordinate and first degree of freedom.
+    pub coordinate: usize,
+    pub dof: usize,
+}
+
+/// The body's own frame in the model's: centre of mass and principal axes.
+fn own_frame(body: &model::Body) -> (DVec3, Pose) {
+    let mass = MassProperties {
+        mass: body.mass,
+        center: body.center,
+        inertia: body.inertia,
+    };
+    let (moments, axes) = mass.principal();
+    (moments, Pose::new(body.center, axes))
+}
+
+fn unsupported(what: &'static str, name: &str, remedy: &'static str) -> SolverError {
+    SolverError::Unsupported {
+        solver: NAME,
+        what,
+        name: name.to_owned(),
+        remedy,
+    }
+}
+
+/// Refuses all but bodies that are free.
+fn check(model: &Model) -> Result<(), SolverError> {
+    let remedy = "use the solver `featherstone` or `xpbd`";
+    for joint in &model.joints {
+        if joint.kind != JointKind::Free || joint.parent.is_some() || joint.closes_loop {
+            return Err(unsupported("the joint", &joint.name, remedy));
+        }
+        if joint.dofs.iter().any(|dof| !is_bare(dof)) {
+            return Err(unsupported(
+                "what acts along the free joint",
+                &joint.name,
+                remedy,
+            ));
+        }
+    }
+    if let Some(actuator) = model.actuators.first() {
+        return Err(unsupported("the actuator", &actuator.name, remedy));
+    }
+    Ok(())
+}
+
+fn is_bare(dof: &Dof) -> bool {
+    let forces = [dof.armature, dof.damping, dof.stiffness, dof.friction_loss];
+    forces == [0.0; 4] && dof.limit.is_none()
+}
+
+/// Half of the box about a solid, along its own axes [m].
+fn extent(kind: usize, size: DVec3) -> DVec3 {
+    match kind {
+        kind::PLANE => DVec3::splat(UNBOUNDED),
+        kind::SPHERE => DVec3::splat(size.x),
+        kind::CAPSULE | kind::CYLINDER | kind::CONE => DVec3::new(size.x, size.y, size.x),
+        _ => size,
+    }
+}
+
+impl Impulse {
+    /// Compiles a model.
+    ///
+    /// # Errors
+    /// Joints that hold bodies, actuators, a shape that no kernel collides.
+    pub fn new(model: &Model, settings: &Settings) -> Result<Self, SolverError> {
+        check(model)?;
+        let mut rows = vec![WORLD; model.bodies.len()];
+        let mut bodies = Vec::new();
+        for (i, body) in model.bodies.iter().enumerate() {
+            if body.kind == BodyKind::Dynamic {
+                bodies.push(BodyId(i));
+                rows[i] = bodies.len() as u32;
+            }
+        }
+        let (mut parameters, mut state_length) = (0, 0);
+        let row_of = |body: Option<BodyId>| body.map_or(WORLD, |id| rows[id.0]);
+        let shapes = colliders(model, row_of)?;
+        let capacity = REMEMBERED * bodies.len() + 16;
+        let surfaces = shapes.len() + model.contact_pairs.len();
+        let mut impulse = Self {
+            free: (0..model.joints.len())
+                .map(|j| Free::new(model, JointId(j), &model.joints[j]))
+                .collect(),
+            paired: paired(model, &shapes),
+            mass: Table::place(&mut parameters, bodies.len() + 1),
+            frame: Table::place(&mut parameters, model.bodies.len()),
+            solid: Table::place(&mut parameters, shapes.len()),
+            surface: Table::place(&mut parameters, surfaces),
+            gravity: Table::place(&mut parameters, 1),
+            alive: Table::place(&mut state_length, 1),
+            state: Table::place(&mut state_length, bodies.len() + 1),
+            remembered: Table::place(&mut state_length, 1),
+            memory: Table::place(&mut state_length, capacity),
+            capacity,
+            state_length,
+            input: InputTables::new(model),
+            output: OutputTables::new(model).with_found_contacts(capacity * POINTS),
+            settings: *settings,
+            parameters: Vec::new(),
+            links: Vec::new(),
+            tree: Featherstone::of_tree(model, settings),
+            bodies,
+            rows,
+            shapes,
+        };
+        impulse.state_length = state_length;
+        impulse.fill(model, parameters)?;
+        Ok(impulse)
+    }
+
+    fn fill(&mut self, model: &Model, parameters: usize) -> Result<(), SolverError> {
+        let mut f = Filler::new(parameters, 0);
+        f.vec3(self.gravity, 0, 0, model.gravity);
+        for (i, body) in model.bodies.iter().enumerate() {
+            let row = self.rows[i] as usize;
+            if body.kind == BodyKind::Static {
+                f.pose(self.frame, i, 0, body.pose);
+                continue;
+            }
+            let (moments, own) = own_frame(body);
+            f.numbers(self.mass, row, mass::MASS, &[body.mass, body.mass.recip()]);
+            f.vec3(self.mass, row, mass::MOMENTS, moments);
+            f.vec3(self.mass, row, mass::INVERSE_MOMENTS, moments.recip());
+            f.pose(self.frame, i, 0, own.inverse());
+        }
+        for (row, collider) in self.shapes.iter().enumerate() {
+            let shape = &model.shapes[collider.shape.0];
+            let (kind, size) = contact_tables::solid(shape, NAME)?;
+            let carrier = shape.body.map_or(Pose::IDENTITY, |id| match collider.row {
+                WORLD => model.bodies[id.0].pose,
+                _ => own_frame(&model.bodies[id.0]).1.inverse(),
+            });
+            f.pose(self.solid, row, solid::POSE, carrier * shape.pose);
+            f.vec3(self.solid, row, solid::SIZE, size);
+            f.vec3(self.solid, row, solid::EXTENT, extent(kind, size));
+            f.number(
+                self.solid,
+                row,
+                solid::RADIUS,
+                contact_tables::radius(kind, size),
+            );
+            f.numbers(self.surface, row, 0, &surface_numbers(&shape.material));
+        }
+        for (i, pair) in model.contact_pairs.iter().enumerate() {
+            let row = self.shapes.len() + i;
+            f.numbers(self.surface, row, 0, &surface_numbers(&pair.material));
+        }
+        self.links = self
+            .shapes
+            .iter()
+            .flat_map(|s| [s.row, s.kind as u32])
+            .collect();
+        self.parameters = f.parameters;
+        Ok(())
+    }
+
+    /// The solver's name.
+    pub fn name(&self) -> &'static str {
+        NAME
+    }
+    /// Settings it was compiled with.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+    /// Numbers per world in each memory.
+    pub fn lengths(&self) -> Lengths {
+        Lengths {
+            state: self.state_length,
+            input: self.input.length,
+            output: self.output.length,
+            scratch: 0,
+        }
+    }
+    /// Where the reported numbers lie.
+    pub fn outputs(&self) -> OutputTables {
+        self.output
+    }
+    /// The constants of the model.
+    pub fn parameters(&self) -> &[f64] {
+        &self.parameters
+    }
+    /// The whole numbers of the model.
+    pub fn links(&self) -> &[u32] {
+        &self.links
+    }
+    /// Offset in the state of the number that is 1 while a world runs and 0 once it diverged.
+    pub fn alive(&self) -> usize {
+        self.alive.at(0, 0)
+    }
+    /// Rows of bodies, with that of what does not move.
+    pub fn rows(&self) -> usize {
+        self.bodies.len() + 1
+    }
+    /// The colliding shapes.
+    pub fn shapes(&self) -> &[Collider] {
+        &self.shapes
+    }
+    /// How many contacts a world remembers.
+    pub fn capacity(&self) -> usize {
+        self.capacity
+    }
+    /// The state of a world whose joints have the given coordinates and velocities.
+    pub fn initial(&self, position: &[f64], velocity: &[f64]) -> Vec<f64> {
+        let mut state = vec![0.0; self.state_length];
+        state[self.alive()] = 1.0;
+        state[self.state.at(0, state::ORIENTATION + 3)] = 1.0;
+        self.place(position, velocity, &mut state);
+        state
+    }
+    /// Gives the joints of a state other coordinates and velocities; nothing touches yet.
+    pub fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
+        self.take_over(&self.tree.bodies(position, velocity), state);
+        state[self.remembered.at(0, 0)] = 0.0;
+    }
+    /// Takes over bodies that stood and moved so, 13 numbers each: see [`body`].
+    pub fn take_over(&self, bodies: &[f64], state: &mut [f64]) {
+        for (i, &id) in self.bodies.iter().enumerate() {
+            let row = &mut state[self.state.at(i + 1, 0)..][..state::WIDTH];
+            let b = &bodies[id.0 * body::WIDTH..][..body::WIDTH];
+            let vec3 = |field| DVec3::from_slice(&b[field..]);
+            let model_frame = Pose::new(
+                vec3(body::POSITION),
+                DQuat::from_slice(&b[body::ORIENTATION..]),
+            );
+            let inner = pose_at(&self.parameters, self.frame.at(id.0, 0));
+            let own = model_frame * inner.inverse();
+            let w = vec3(body::ANGULAR_VELOCITY);
+            let v = vec3(body::VELOCITY) + w.cross(own.position - model_frame.position);
+            row[state::CENTER..][..3].copy_from_slice(&own.position.to_array());
+            row[state::ORIENTATION..][..4].copy_from_slice(&own.orientation.to_array());
+            for field in [state::VELOCITY, state::BEFORE] {
+                row[field..][..3].copy_from_slice(&v.to_array());
+                row[field + 3..][..3].copy_from_slice(&w.to_array());
+            }
+            row[state::REST] = 0.0;
+        }
+    }
+
+    /// A body's constants: see [`mass`].
+    pub fn mass_of<'a, T>(&self, row: usize, parameters: &'a [T]) -> &'a [T] {
+        &parameters[self.mass.at(row, 0)..][..mass::WIDTH]
+    }
+    /// A colliding shape's constants: see [`solid`].
+    pub fn solid_of<'a, T>(&self, shape: usize, parameters: &'a [T]) -> &'a [T] {
+        &parameters[self.solid.at(shape, 0)..][..solid::WIDTH]
+    }
+    /// Gravity [m/s²].
+    pub fn gravity<'a, T>(&self, parameters: &'a [T]) -> &'a [T] {
+        &parameters[self.gravity.at(0, 0)..][..3]
+    }
+    /// Gap [m] that the surfaces of two colliding shapes keep.
+    pub fn margin<T: Float>(&self, shapes: [u32; 2], parameters: &[T]) -> T {
+        let of = |row| parameters[self.surface.at(row, 4)];
+        match self.named(shapes) {
+            Some(row) => of(row),
+            None => of(shapes[0] as usize) + of(shapes[1] as usize),
+        }
+    }
+
+    /// Row of the surface that the model gives to a pair.
+    fn named(&self, [a, b]: [u32; 2]) -> Option<usize> {
+        if self.paired.is_empty() {
+            return None;
+        }
+        let row = self.paired.get(&[a.min(b), a.max(b)])?;
+        Some(self.shapes.len() + row)
+    }
+
+    /// What a contact of two colliding shapes is made of.
+    pub fn surface<T: Float>(&self, shapes: [u32; 2], parameters: &[T]) -> Surface {
+        let of = |row| material(&parameters[self.surface.at(row, 0)..][..surface::WIDTH]);
+        let [a, b] = shapes.map(|s| s as usize);
+        let material = match self.named(shapes) {
+            Some(row) => of(row),
+            None => of(a).with(&of(b)),
+        };
+        let (spring, settling) = match material.softness {
+            Softness::Time { constant, .. } => ([0.0; 2], constant),
+            Softness::Spring { stiffness, damping } => ([stiffness, damping], 0.0),
+        };
+        Surface {
+            friction: material.friction,
+            restitution: material.restitution,
+            torsion: material.torsional_friction,
+            rolling: material.rolling_friction,
+            spring,
+            settling,
+        }
+    }
+
+    /// What acts on the bodies from outside: for each row force and torque about its centre.
+    pub fn wrenches<T: Float>(
+        &self,
+        state: &State<'_, T>,
+        input: &[T],
+        wrenches: &mut Vec<[T; 6]>,
+    ) {
+        wrenches.clear();
+        wrenches.resize(self.rows(), [T::zero(); 6]);
+        let given = &input[self.input.force.start()..][..self.input.dofs()];
+        if given.iter().all(|x| *x == T::zero()) {
+            return;
+        }
+        for free in &self.free {
+            let at = |i: usize| given[free.dof + i].to_f64();
+            let (force, torque) = (
+                DVec3::from_array([at(0), at(1), at(2)]),
+                DVec3::from_array([at(3), at(4), at(5)]),
+            );
+            let row = self.rows[free.body.0] as usize;
+            let own = state.pose(row);
+            let inner = pose_at(state.parameters, self.frame.at(free.body.0, 0));
+            let frame = own * inner * free.child_frame;
+            let force = free.parent_frame.orientation * force;
+            let torque = frame.orientation * torque + (frame.position - own.position).cross(force);
+            let numbers = [force.to_array(), torque.to_array()].concat();
+            for (x, y) in wrenches[row].iter_mut().zip(numbers) {
+                *x = T::from_f64(y);
+            }
+        }
+    }
+
+    /// How many contacts a world remembers.
+    pub fn remembered<T: Float>(&self, state: &[T]) -> usize {
+        state[self.remembered.at(0, 0)].to_f64() as usize
+    }
+    /// One of them; they are in the order of their shapes, the lower ones first.
+    pub fn recall<'a, T: Float>(&self, i: usize, state: &'a [T]) -> Recalled<'a, T> {
+        Recalled(&state[self.memory.at(i, 0)..][..memory::WIDTH])
+    }
+    /// Remembers contacts, as many as there is room for.
+    pub fn remember<T: Float>(&self, contacts: &[Cached<T>], state: &mut [T]) {
+        let count = contacts.len().min(self.capacity);
+        state[self.remembered.at(0, 0)] = T::from_f64(count as f64);
+        for (i, contact) in contacts[..count].iter().enumerate() {
+            contact.write(&mut state[self.memory.at(i, 0)..][..memory::WIDTH]);
+        }
+    }
+    /// Offset of a body's state: centre, orientation, velocity, spin; the last two before the last
+    /// step; for how long [s] it has been slow.
+    pub fn body_state(&self, row: usize) -> usize {
+        self.state.at(row, 0)
+    }
+    /// Numbers of a body's state.
+    pub const BODY_STATE: usize = state::WIDTH;
+    /// Where in a body's state the time stands for which it has been slow.
+    pub const REST: usize = state::REST;
+}
+
+/// The numbers of one world.
+#[derive(Clone, Copy, Debug)]
+pub struct State<'a, T> {
+    /// Its solver.
+    pub impulse: &'a Impulse,
+    /// Its state.
+    pub state: &'a [T],
+    /// The model's constants.
+    pub parameters: &'a [T],
+}
+
+impl<T: Float> State<'_, T> {
+    fn vec3(&self, row: usize, field: usize) -> DVec3 {
+        let at = self.impulse.state.at(row, field);
+        DVec3::from_array([0, 1, 2].map(|i| self.state[at + i].to_f64()))
+    }
+    /// Centre of mass and principal axes of a body.
+    pub(super) fn pose(&self, row: usize) -> Pose {
+        pose_at(self.state, self.impulse.state.at(row, state::CENTER))
+    }
+    pub(super) fn velocity(&self, row: usize) -> [DVec3; 2] {
+        [0, 3].map(|i| self.vec3(row, state::VELOCITY + i))
+    }
+    pub(super) fn before(&self, row: usize) -> [DVec3; 2] {
+        [0, 3].map(|i| self.vec3(row, state::BEFORE + i))
+    }
+}
+
+/// Seven numbers: position, orientation.
+pub(super) fn pose_at<T: Float>(numbers: &[T], at: usize) -> Pose {
+    let x = |i: usize| numbers[at + i].to_f64();
+    Pose::new(
+        DVec3::new(x(0), x(1), x(2)),
+        DQuat::from_xyzw(x(3), x(4), x(5), x(6)),
+    )
+}
+
+fn colliders(
+    model: &Model,
+    row_of: impl Fn(Option<BodyId>) -> u32,
+) -> Result<Vec<Collider>, SolverError> {
+    let named = |id| {
+        let pairs = &model.contact_pairs;
+        pairs.iter().any(|p| p.shapes.0 == id || p.shapes.1 == id)
+    };
+    let ids = (0..model.shapes.len()).map(ShapeId);
+    ids.filter(|id| model.shapes[id.0].collides || named(*id))
+        .map(|shape| {
+            let row = row_of(model.shapes[shape.0].body);
+            let (kind, _) = contact_tables::solid(&model.shapes[shape.0], NAME)?;
+            Ok(Collider { shape, row, kind })
+        })
+        .collect()
+}
+
+/// Rows of the model's contact pairs, by colliders, the lower first.
+fn paired(model: &Model, shapes: &[Collider]) -> HashMap<[u32; 2], usize> {
+    let row = |id: ShapeId| shapes.iter().position(|s| s.shape == id).unwrap_or(0) as u32;
+    let pairs = model.contact_pairs.iter().enumerate();
+    pairs
+        .map(|(i, pair)| {
+            let (a, b) = (row(pair.shapes.0), row(pair.shapes.1));
+            ([a.min(b), a.max(b)], i)
+        })
+        .collect()
+}
+
+impl Free {
+    fn new(model: &Model, id: JointId, joint: &Joint) -> Self {
+        Self {
+            body: joint.child,
+            parent_frame: joint.parent_frame,
+            child_frame: joint.child_frame,
+            coordinate: model.coordinate_range(id).start,
+            dof: model.dof_range(id).start,
+        }
+    }
+}
+
+fn surface_numbers(m: &Material) -> [f64; surface::WIDTH] {
+    let (kind, a, b, c) = match m.softness {
+        Softness::Time {
+            constant,
+            ratio,
+            impedance,
+        } => (0.0, constant, ratio, impedance),
+        Softness::Spring { stiffness, damping } => (1.0, stiffness, damping, 0.0),
+    };
+    let combine = f64::from(m.combine as u8);
+    let (torsion, rolling) = (m.torsional_friction, m.rolling_friction);
+    [
+        m.friction,
+        m.restitution,
+        torsion,
+        rolling,
+        m.margin,
+        kind,
+        a,
+        b,
+        c,
+        combine,
+    ]
+}
+
+fn material<T: Float>(numbers: &[T]) -> Material {
+    let x = |i: usize| numbers[i].to_f64();
+    let [a, b, c] = [1, 2, 3].map(|i| x(surface::SOFTNESS + i));
+    let softness = if x(surface::SOFTNESS) == 0.0 {
+        Softness::Time {
+            constant: a,
+            ratio: b,
+            impedance: c,
+        }
+    } else {
+        Softness::Spring {
+            stiffness: a,
+            damping: b,
+        }
+    };
+    let rules = [
+        Combine::Average,
+        Combine::Minimum,
+        Combine::Multiply,
+        Combine::Maximum,
+    ];
+    Material {
+        friction: x(0),
+        restitution: x(1),
+        torsional_friction: x(2),
+        rolling_friction: x(3),
+        margin: x(4),
+        softness,
+        combine: rules[x(surface::COMBINE) as usize & 3],
+        ..Material::default()
+    }
+}
+
+/// A contact in the state of a world.
+#[derive(Clone, Copy, Debug)]
+pub struct Recalled<'a, T>(&'a [T]);
+
+impl<T: Float> Recalled<'_, T> {
+    /// Its colliding shapes.
+    pub fn shapes(&self) -> [u32; 2] {
+        let shape = |i: usize| self.0[memory::SHAPES + i].to_f64() as u32;
+        [shape(0), shape(1)]
+    }
+    fn points(&self) -> usize {
+        (self.0[memory::POINTS].to_f64() as usize).min(POINTS)
+    }
+    fn vec3(&self, at: usize) -> [T; 3] {
+        [self.0[at], self.0[at + 1], self.0[at + 2]]
+    }
+    /// One of its points.
+    fn point(&self, i: usize) -> CachedPoint<T> {
+        let at = memory::POINT + i * memory::POINT_WIDTH;
+        CachedPoint {
+            position: self.vec3(at),
+            gap: self.0[at + 3],
+            feature: self.0[at + 4],
+            impulse: self.0[at + 5],
+        }
+    }
+    /// All of it.
+    pub fn contact(&self) -> Cached<T> {
+        let mut contact = Cached {
+            shapes: self.shapes(),
+            normal: self.vec3(memory::NORMAL),
+            drag: self.vec3(memory::DRAG),
+            twist: self.vec3(memory::TWIST),
+            count: self.points(),
+            ..Cached::default()
+        };
+        for i in 0..contact.count {
+            contact.points[i] = self.point(i);
+        }
+        contact
+    }
+    /// Gives the impulses of its points to those of a contact that are the same: of the same
+    /// features, or, where features have changed, in the same place within `near` [m].
+    pub fn warm(&self, contact: &mut Cached<T>, near: f64) {
+        contact.drag = self.vec3(memory::DRAG);
+        contact.twist = self.vec3(memory::TWIST);
+        let mut taken = [false; POINTS];
+        let mut cold = [true; POINTS];
+        for (point, cold) in contact.points[..contact.count].iter_mut().zip(&mut cold) {
+            for i in 0..self.points() {
+                let feature = self.0[memory::POINT + i * memory::POINT_WIDTH + 4];
+                if !taken[i] && feature == point.feature {
+                    point.take(&self.point(i));
+                    (taken[i], *cold) = (true, false);
+                    break;
+                }
+            }
+        }
+        for (point, _) in contact.points[..contact.count]
+            .iter_mut()
+            .zip(cold)
+            .filter(|p| p.1)
+        {
+            let distances = (0..self.points())
+                .filter(|i| !taken[*i])
+                .map(|i| (self.point(i).distance(point), i));
+            if let Some((distance, i)) = distances.min_by(|a, b| a.0.total_cmp(&b.0))
+                && distance < near
+            {
+                point.take(&self.point(i));
+                taken[i] = true;
+            }
+        }
+    }
+}
+
+impl<T: Float> CachedPoint<T> {
+    fn take(&mut self, other: &Self) {
+        self.impulse = other.impulse;
+    }
+    fn distance(&self, other: &Self) -> f64 {
+        let apart = |i: usize| (self.position[i] - other.position[i]).to_f64();
+        DVec3::new(apart(0), apart(1), apart(2)).length()
+    }
+}
+
+impl<T: Float> Cached<T> {
+    fn write(&self, x: &mut [T]) {
+        let whole = |n: f64| T::from_f64(n);
+        x[memory::SHAPES] = whole(f64::from(self.shapes[0]));
+        x[memory::SHAPES + 1] = whole(f64::from(self.shapes[1]));
+        x[memory::POINTS] = whole(self.count as f64);
+        x[memory::NORMAL..][..3].copy_from_slice(&self.normal);
+        x[memory::DRAG..][..3].copy_from_slice(&self.drag);
+        x[memory::TWIST..][..3].copy_from_slice(&self.twist);
+        for (i, p) in self.points.iter().enumerate() {
+            let row = &mut x[memory::POINT + i * memory::POINT_WIDTH..][..memory::POINT_WIDTH];
+            row[..3].copy_from_slice(&p.position);
+            row[3..].copy_from_slice(&[p.gap, p.feature, p.impulse]);
+        }
+    }
+}

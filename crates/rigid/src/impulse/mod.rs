@@ -1,0 +1,44 @@
+//! Free bodies that touch, by sequential impulses: piles, towers, thousands of bodies in one world.
+//!
+//! Projected Gauss–Seidel on velocities (Catto, *Iterative Dynamics with Temporal Coherence*, 2005),
+//! with small steps instead of iterations (Macklin et al., *Small Steps in Physics Simulation*,
+//! 2019) and soft contacts that are relaxed afterwards (Catto, *Solver2D*, 2024: "soft step"). A
+//! step of length H = n h:
+//!
+//! ```text
+//! place shapes, find pairs, find contacts                                       pair
+//! prepare: arms, effective masses, softness                                     contact
+//! n times:  v ← v + h M⁻¹ f + what the contacts gave in the last small step     body::advance
+//!           impulses that also push surfaces apart                              contact::solve
+//!           x ← x + h v                                                         body::drift
+//!           impulses alone, so that what was pushed apart does not fly          contact::solve
+//! bounces                                                                       contact::bounce
+//! turn the bodies; keep angular momentum                                        body::finish
+//! ```
+//!
+//! A lane is a *contact* of two bodies, not a world: a register takes sixteen contacts of one
+//! colour, no two of which share a body. The kernels see one contact and its two bodies; who gathers
+//! their numbers, and in which order colours follow, is the host's business.
+//!
+//! Departures from the sources:
+//! - Impulses of the last small step are given again with the forces, as the change of velocity that
+//!   they made: the same as warm starting, without a pass over the contacts.
+//! - The two arms of a contact meet in one point throughout the step, so that angular momentum is kept
+//!   to rounding; that point goes with the lighter body, as under a ball that rolls.
+//! - Friction is a force and a torque of the contact as a whole, not of its points.
+//! - Gyroscopic torque acts within the step as an acceleration; at its end the spin is that of the
+//!   angular momentum, which therefore is conserved to rounding.
+//!
+//! Limitations: first order in h; turns within a step are linear in what the contacts see of
+//! them; no joints but free ones to the world, whose degrees of freedom are bare.
+
+pub mod body;
+pub mod contact;
+mod friction;
+mod layout;
+pub mod pair;
+mod report;
+mod tables;
+
+pub use layout::{Cached, CachedPoint, Collider, Impulse, Recalled, State, Surface, WORLD};
+pub use tables::{BodyTables, ContactTables, POINTS, global, manifold, mass, point, row};

@@ -1,0 +1,218 @@
+//! Shapes and pairs of them, a lane each.
+//!
+//! A pair is to [`ContactTables`] what a world with two shapes is: so the kernels for pairs are those
+//! of every solver, and a register holds sixteen pairs of the same two kinds.
+
+use super::layout::Cached;
+use super::tables::global;
+use crate::contacts::ContactTables;
+use crate::contacts::tables::{pair_field, pair_link, placed_field, shape_field, shape_link, slot};
+use collide::{FAR, Route};
+use numbers::machine::Links;
+use numbers::machine::space::{Parameter, Scratch, State};
+use numbers::{Float, Machine, Pose, Real, Table, Vec3};
+
+/// Fields of a shape's constants.
+pub mod solid {
+    /// Placement in its body's own frame.
+    pub const POSE: usize = 0;
+    /// Half sizes; see [`collide::kind`].
+    pub const SIZE: usize = 7;
+    /// Half of the box about it, along its own axes [m].
+    pub const EXTENT: usize = 10;
+    /// Radius of the ball that holds it [m].
+    pub const RADIUS: usize = 13;
+    /// Numbers in a row.
+    pub const WIDTH: usize = 14;
+}
+
+/// Fields of a shape in its place.
+pub mod placed {
+    use crate::contacts::tables::placed_field;
+    /// Centre [m].
+    pub const POSITION: usize = placed_field::POSITION;
+    /// Half of the box, along the world's axes, that holds it throughout the step [m].
+    pub const EXTENT: usize = placed_field::WIDTH;
+    /// Numbers in a row.
+    pub const WIDTH: usize = EXTENT + 3;
+}
+
+/// Tables of [`place`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapeTables {
+    /// Velocity and spin of the body.
+    pub motion: Table<Scratch, 6>,
+    /// Its centre and orientation.
+    pub pose: Table<Scratch, 7>,
+    /// One row: see [`solid`].
+    pub solid: Table<Parameter, { solid::WIDTH }>,
+    /// One row: see [`global`].
+    pub global: Table<Parameter, { global::WIDTH }>,
+    /// One row: see [`placed`].
+    pub placed: Table<State, { placed::WIDTH }>,
+}
+
+impl ShapeTables {
+    /// The layout.
+    pub fn new() -> Self {
+        let (mut state, mut scratch, mut parameters) = (0, 0, 0);
+        Self {
+            motion: Table::place(&mut scratch, 1),
+            pose: Table::place(&mut scratch, 1),
+            global: Table::place(&mut parameters, 1),
+            solid: Table::place(&mut parameters, 1),
+            placed: Table::place(&mut state, 1),
+        }
+    }
+}
+
+impl Default for ShapeTables {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// A shape in its place, and how far it gets within the step.
+#[inline(always)]
+pub fn place<M: Machine>(k: &mut M, t: &ShapeTables) {
+    let only = k.index(0);
+    let h = k.load(t.global, only, global::STEP) * k.load(t.global, only, global::STEPS);
+    let body = k.pose(t.pose, only, 0);
+    let pose: Pose<M::R> = body * k.pose(t.solid, only, solid::POSE);
+    let (v, w) = (k.vec3(t.motion, only, 0), k.vec3(t.motion, only, 3));
+    let speed = v + w.cross(pose.p - body.p);
+    let radius = k.load(t.solid, only, solid::RADIUS);
+    // What turns gets no farther than its radius lets it, however fast.
+    let turn = (w.length() * h).min(M::R::lit(2.0));
+    let way = h.fma(speed.length(), radius * turn);
+    let axes = pose.q.to_mat3();
+    let extent = k.vec3(t.solid, only, solid::EXTENT);
+    let across = absolute(axes.y).fma(extent.y, absolute(axes.z) * extent.z);
+    let [x, y, z] = absolute(axes.x).fma(extent.x, across).to_array();
+    let reach = [
+        x.min(radius) + way,
+        y.min(radius) + way,
+        z.min(radius) + way,
+    ];
+    k.store_vec3(t.placed, only, placed_field::POSITION, pose.p);
+    k.store_vec3(t.placed, only, placed_field::AXES, axes.x);
+    k.store_vec3(t.placed, only, placed_field::AXES + 3, axes.y);
+    k.store_vec3(t.placed, only, placed_field::AXES + 6, axes.z);
+    k.write(t.placed, only, placed_field::WAY, [way, radius + way]);
+    k.write(t.placed, only, placed::EXTENT, reach);
+}
+
+#[inline(always)]
+fn absolute<R: Real>(v: Vec3<R>) -> Vec3<R> {
+    Vec3::new(v.x.abs(), v.y.abs(), v.z.abs())
+}
+
+/// A shape as the kernels for pairs read it.
+#[derive(Clone, Copy, Debug)]
+pub struct Placed<T> {
+    /// Half sizes.
+    pub size: [T; 3],
+    /// See [`placed`].
+    pub placed: [T; placed::WIDTH],
+}
+
+/// The tables for pairs of two kinds, a pair a lane.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PairTables {
+    route: Route,
+    tables: ContactTables,
+    links: Vec<u32>,
+    parameters: usize,
+    scratch: usize,
+}
+
+impl PairTables {
+    /// The layout for A and B of these kinds, which the route must be the one of.
+    pub fn new(route: Route, kinds: [usize; 2]) -> Self {
+        let (mut parameters, mut links, mut scratch) = (0, 0, 0);
+        let points = route.points();
+        let mut routes = [1; Route::ALL.len() + 1];
+        for (first, other) in routes.iter_mut().zip(Route::ALL) {
+            *first = usize::from(route < other);
+        }
+        let tables = ContactTables {
+            shapes: 2,
+            slots: points,
+            between: 0,
+            routes,
+            shape: Table::place(&mut parameters, 2),
+            shape_links: Links::place(&mut links, 2),
+            pair: Table::place(&mut parameters, 1),
+            pair_links: Links::place(&mut links, 1),
+            slot_links: Links::place(&mut links, points),
+            placed: Table::place(&mut scratch, 2),
+            slot: Table::place(&mut scratch, points),
+            kernels: collide::Tables::place(&mut parameters, 0, &mut scratch),
+        };
+        let mut numbers = vec![0; links];
+        for (row, kind) in kinds.into_iter().enumerate() {
+            numbers[tables.shape_links.at(row, shape_link::KIND)] = kind as u32;
+        }
+        numbers[tables.pair_links.at(0, pair_link::B)] = 1;
+        Self {
+            route,
+            tables,
+            links: numbers,
+            parameters,
+            scratch,
+        }
+    }
+    /// What the kernels for pairs take.
+    pub fn contacts(&self) -> &ContactTables {
+        &self.tables
+    }
+    /// Whole numbers.
+    pub fn links(&self) -> &[u32] {
+        &self.links
+    }
+    /// Numbers a lane in parameters and scratch.
+    pub fn lengths(&self) -> [usize; 2] {
+        [self.parameters, self.scratch]
+    }
+    /// Writes a lane's pair, and the gap [m] that its surfaces keep.
+    pub fn fill<T: Float>(
+        &self,
+        lane: usize,
+        width: usize,
+        pair: [&Placed<T>; 2],
+        margin: T,
+        parameters: &mut [T],
+        scratch: &mut [T],
+    ) {
+        let t = &self.tables;
+        for (row, shape) in pair.into_iter().enumerate() {
+            let size = t.shape.at(row, shape_field::SIZE);
+            for (i, x) in shape.size.iter().enumerate() {
+                parameters[(size + i) * width + lane] = *x;
+            }
+            let at = t.placed.at(row, 0);
+            for (i, x) in shape.placed[..placed_field::WIDTH].iter().enumerate() {
+                scratch[(at + i) * width + lane] = *x;
+            }
+        }
+        parameters[t.pair.at(0, pair_field::MARGIN) * width + lane] = margin;
+    }
+    /// Reads a lane's normal, and its points that are near enough to matter.
+    pub fn read<T: Float>(&self, lane: usize, width: usize, scratch: &[T], to: &mut Cached<T>) {
+        to.count = 0;
+        for i in 0..self.route.points() {
+            let from = self.tables.slot.at(i, 0);
+            let gap = scratch[(from + slot::DISTANCE) * width + lane];
+            if gap.to_f64() < 0.5 * FAR {
+                let point = &mut to.points[to.count];
+                for axis in 0..3 {
+                    to.normal[axis] = scratch[(from + slot::NORMAL + axis) * width + lane];
+                    point.position[axis] = scratch[(from + slot::POSITION + axis) * width + lane];
+                }
+                point.gap = gap;
+                point.feature = scratch[(from + slot::FEATURE) * width + lane];
+                to.count += 1;
+            }
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! What a world looks like from outside.
+
+use super::layout::{Cached, CachedPoint, Impulse, State, WORLD, pose_at};
+use super::tables::mass;
+use crate::output::{body, contact, reaction, total};
+use collide::FAR;
+use glam::DVec3;
+use numbers::Float;
+
+impl Impulse {
+    /// Fills the output of a world from its state.
+    pub fn report<T: Float>(&self, state: &State<'_, T>, output: &mut [T]) {
+        self.report_bodies(state, output);
+        self.report_joints(state, output);
+        self.report_sums(state, output);
+        self.report_contacts(state, output);
+    }
+
+    fn report_bodies<T: Float>(&self, state: &State<'_, T>, output: &mut [T]) {
+        for (id, &row) in self.rows.iter().enumerate() {
+            let frame = pose_at(state.parameters, self.frame.at(id, 0));
+            let (pose, [v, w]) = if row == WORLD {
+                (frame, [DVec3::ZERO; 2])
+            } else {
+                let own = state.pose(row as usize);
+                let [v, w] = state.velocity(row as usize);
+                let pose = own * frame;
+                (pose, [v + w.cross(pose.position - own.position), w])
+            };
+            let at = self.output.body.at(id, 0);
+            put(output, at + body::POSITION, pose.position.to_array());
+            put(output, at + body::ORIENTATION, pose.orientation.to_array());
+            put(output, at + body::VELOCITY, v.to_array());
+            put(output, at + body::ANGULAR_VELOCITY, w.to_array());
+        }
+    }
+
+    fn report_joints<T: Float>(&self, state: &State<'_, T>, output: &mut [T]) {
+        let long = self.settings.substep();
+        for (joint, free) in self.free.iter().enumerate() {
+            let row = self.rows[free.body.0] as usize;
+            let own = state.pose(row);
+            let inner = pose_at(state.parameters, self.frame.at(free.body.0, 0));
+            let frame = own * inner * free.child_frame;
+            let arm = frame.position - own.position;
+            let relative = free.parent_frame.inverse() * frame;
+            let turned = |[v, w]: [DVec3; 2]| {
+                [
+                    free.parent_frame.orientation.inverse() * (v + w.cross(arm)),
+                    frame.orientation.inverse() * w,
+                ]
+            };
+            let [v, w] = turned(state.velocity(row));
+            let [past_v, past_w] = turned(state.before(row));
+            let (q, dof) = (self.output.position.at(free.coordinate, 0), free.dof);
+            put(output, q, relative.position.to_array());
+            put(output, q + 3, relative.orientation.to_array());
+            let at = self.output.velocity.at(dof, 0);
+            put(output, at, v.to_array());
+            put(output, at + 3, w.to_array());
+            let at = self.output.acceleration.at(dof, 0);
+            put(output, at, ((v - past_v) / long).to_array());
+            put(output, at + 3, ((w - past_w) / long).to_array());
+            put(
+                output,
+                self.output.reaction.at(joint, 0),
+                [0.0; reaction::WIDTH],
+            );
+        }
+    }
+
+    fn report_sums<T: Float>(&self, state: &State<'_, T>, output: &mut [T]) {
+        let g = self.gravity(state.parameters);
+        let gravity = DVec3::new(g[0].to_f64(), g[1].to_f64(), g[2].to_f64());
+        let (mut kinetic, mut potential) = (0.0, 0.0);
+        let (mut momentum, mut angular) = (DVec3::ZERO, DVec3::ZERO);
+        for row in 1..self.rows() {
+            let numbers = self.mass_of(row, state.parameters);
+            let m = numbers[mass::MASS].to_f64();
+            let moments = DVec3::from_array([0, 1, 2].map(|i| numbers[mass::MOMENTS + i].to_f64()));
+            let (own, [v, w]) = (state.pose(row), state.velocity(row));
+            let spin = own.orientation.inverse() * w;
+            kinetic += 0.5 * (m * v.length_squared() + spin.dot(moments * spin));
+            potential -= m * gravity.dot(own.position);
+            momentum += m * v;
+            angular += own.orientation * (moments * spin) + own.position.cross(m * v);
+        }
+        let at = self.output.total.at(0, 0);
+        put(output, at + total::KINETIC, [kinetic, potential]);
+        put(output, at + total::MOMENTUM, momentum.to_array());
+        put(output, at + total::ANGULAR_MOMENTUM, angular.to_array());
+        put(output, at + total::CAPPED, [0.0]);
+    }
+
+    /// The force on the shape that moves, as impulses of the last small step.
+    fn report_contacts<T: Float>(&self, state: &State<'_, T>, output: &mut [T]) {
+        let small = self.settings.substep() / self.settings.contact_iterations.max(1) as f64;
+        let mut row = 0;
+        for i in 0..self.remembered(state.state) {
+            let touch = self.recall(i, state.state).contact();
+            let [a, b] = touch.shapes;
+            let flip = self.shapes()[b as usize].row == WORLD;
+            let sign = if flip { -1.0 } else { 1.0 };
+            let shapes = if flip { [b, a] } else { [a, b] };
+            let shapes = shapes.map(|s| self.shapes()[s as usize].shape.0 as f64);
+            let normal = vec3(&touch.normal);
+            let share = Shares::of(&touch, normal);
+            for p in &touch.points[..touch.count] {
+                let force = share.impulse(p) / small;
+                let at = self.output.contact.at(row, 0);
+                put(output, at + contact::POSITION, vec3(&p.position).to_array());
+                put(output, at + contact::NORMAL, (normal * sign).to_array());
+                put(
+                    output,
+                    at + contact::DISTANCE,
+                    [p.gap.to_f64(), p.feature.to_f64()],
+                );
+                put(output, at + contact::FORCE, (force * sign).to_array());
+                put(output, self.output.touching.at(row, 0), shapes);
+                row += 1;
+            }
+        }
+        for row in row..self.output.contacts {
+            put(
+                output,
+                self.output.contact.at(row, contact::DISTANCE),
+                [FAR],
+            );
+        }
+    }
+}
+
+/// What the points of a contact bear of its friction: in proportion to their loads, and of the torque
+/// about the normal besides in proportion to their distances from the middle.
+struct Shares {
+    normal: DVec3,
+    middle: DVec3,
+    drag: DVec3,
+    twist: f64,
+}
+
+impl Shares {
+    fn of<T: Float>(touch: &Cached<T>, normal: DVec3) -> Self {
+        let points = &touch.points[..touch.count];
+        let middle = points.iter().map(|p| vec3(&p.position)).sum::<DVec3>() / touch.count as f64;
+        let load: f64 = points.iter().map(|p| p.impulse.to_f64()).sum();
+        let arm = |p: &CachedPoint<T>| (vec3(&p.position) - middle).length_squared();
+        let moment: f64 = points.iter().map(|p| p.impulse.to_f64() * arm(p)).sum();
+        let per = |x: f64| if x > 0.0 { 1.0 / x } else { 0.0 };
+        Self {
+            normal,
+            middle,
+            drag: vec3(&touch.drag) * per(load),
+            twist: normal.dot(vec3(&touch.twist)) * per(moment),
+        }
+    }
+    fn impulse<T: Float>(&self, p: &CachedPoint<T>) -> DVec3 {
+        let around = self.normal.cross(vec3(&p.position) - self.middle);
+        p.impulse.to_f64() * (self.normal + self.drag + self.twist * around)
+    }
+}
+
+fn vec3<T: Float>(v: &[T; 3]) -> DVec3 {
+    DVec3::new(v[0].to_f64(), v[1].to_f64(), v[2].to_f64())
+}
+
+fn put<T: Float, const N: usize>(output: &mut [T], at: usize, x: [f64; N]) {
+    for (to, x) in output[at..at + N].iter_mut().zip(x) {
+        *to = T::from_f64(x);
+    }
+}

@@ -1,0 +1,203 @@
+//! What a lane holds: one body, or one contact and its two bodies.
+
+use numbers::Table;
+use numbers::machine::Links;
+use numbers::machine::space::{Parameter, Scratch, State};
+
+/// Fields of a body while a step runs.
+pub mod row {
+    /// Velocity of the centre of mass [m/s].
+    pub const VELOCITY: usize = 0;
+    /// Angular velocity [rad/s], world axes.
+    pub const SPIN: usize = 3;
+    /// Motion of the centre since the step began [m].
+    pub const SHIFT: usize = 6;
+    /// Turn since the step began, a rotation vector [rad].
+    pub const TURN: usize = 9;
+    /// How many of the first fields change in a small step.
+    pub const MOVING: usize = 12;
+    /// 1/m [1/kg]; 0 for what does not move.
+    pub const INVERSE_MASS: usize = 12;
+    /// I⁻¹ [1/(kg·m²)], world axes: xx, yy, zz, xy, xz, yz.
+    pub const INVERSE_INERTIA: usize = 13;
+    /// Centre of mass when the step began [m].
+    pub const CENTER: usize = 19;
+    /// How many of the first fields a contact needs to be prepared.
+    pub const PREPARED: usize = 22;
+    /// Orientation of the principal axes when the step began.
+    pub const ORIENTATION: usize = 22;
+    /// Velocity and spin that the small step would have had without contacts.
+    pub const FREE: usize = 26;
+    /// Acceleration and angular acceleration by all but the contacts.
+    pub const ACCELERATION: usize = 32;
+    /// Force [N] and torque about the centre [N·m] from outside, world axes.
+    pub const WRENCH: usize = 38;
+    /// Numbers in a row.
+    pub const WIDTH: usize = 44;
+}
+
+/// Fields of a body's row of constants.
+pub mod mass {
+    /// Mass [kg].
+    pub const MASS: usize = 0;
+    /// 1/m [1/kg].
+    pub const INVERSE: usize = 1;
+    /// Principal moments [kg·m²].
+    pub const MOMENTS: usize = 2;
+    /// Their inverses.
+    pub const INVERSE_MOMENTS: usize = 5;
+    /// Numbers in a row.
+    pub const WIDTH: usize = 8;
+}
+
+/// Fields of the row of constants of a step.
+pub mod global {
+    /// Length h of a small step [s].
+    pub const STEP: usize = 0;
+    /// 1/h.
+    pub const RATE: usize = 1;
+    /// Small steps in a step.
+    pub const STEPS: usize = 2;
+    /// Gravity [m/s²], 3.
+    pub const GRAVITY: usize = 3;
+    /// Fastest separation of surfaces that overlap [m/s].
+    pub const PUSH_OUT: usize = 6;
+    /// Approach [m/s] below which nothing bounces.
+    pub const RESTING: usize = 7;
+    /// Numbers in the row.
+    pub const WIDTH: usize = 8;
+}
+
+/// Fields of a contact.
+pub mod manifold {
+    /// Unit vector from A to B.
+    pub const NORMAL: usize = 0;
+    /// Coulomb friction coefficient.
+    pub const FRICTION: usize = 3;
+    /// Restitution.
+    pub const RESTITUTION: usize = 4;
+    /// Torsional friction coefficient [m].
+    pub const TORSION: usize = 5;
+    /// Rolling friction coefficient [m].
+    pub const ROLLING: usize = 6;
+    /// Stiffness [N/m] and damping [N·s/m] of a point that gives way.
+    pub const SPRING: usize = 7;
+    /// Time constant [s] with which an overlap closes, where nothing gives way; 0 for a spring.
+    pub const SETTLING: usize = 9;
+    /// Impulse of friction at the centre of the points [N·s], 3.
+    pub const DRAG: usize = 10;
+    /// Angular impulse against twisting and rolling [N·m·s], 3.
+    pub const TWIST: usize = 13;
+    /// Inverse masses of A and B.
+    pub const INVERSE_MASS: usize = 16;
+    /// Inverse inertia of A, then of B.
+    pub const INVERSE_INERTIA: usize = 18;
+    /// From the centres of mass of A and of B to the centre of the points [m].
+    pub const ARMS: usize = 30;
+    /// Inverse of the largest response in the tangent plane at the centre [kg].
+    pub const TANGENT_MASS: usize = 36;
+    /// Inverse of the resistance to twisting, and to rolling [kg·m²].
+    pub const TWIST_MASS: usize = 37;
+    /// How far B had moved against A [m] when surfaces were last pushed apart, 3; and the impulse [N·s]
+    /// of all points then, 3.
+    pub const LAST: usize = 39;
+    /// Numbers in a row.
+    pub const WIDTH: usize = 45;
+}
+
+/// Fields of a point of a contact.
+pub mod point {
+    /// From the centre of mass of A [m]; before [`prepare`](super::super::contact::prepare) the point
+    /// itself.
+    pub const ARM_A: usize = 0;
+    /// Gap when the step began [m].
+    pub const GAP: usize = 3;
+    /// Impulse along the normal [N·s].
+    pub const IMPULSE: usize = 4;
+    /// Distance from the centre of the points [m].
+    pub const SPREAD: usize = 5;
+    /// Largest impulse along the normal in this step [N·s].
+    pub const PEAK: usize = 6;
+    /// Velocity along the normal when the step began [m/s].
+    pub const APPROACH: usize = 7;
+    /// From the centre of mass of B [m].
+    pub const ARM_B: usize = 8;
+    /// Change of the relative velocity along the normal by a unit impulse [1/kg].
+    pub const COMPLIANCE: usize = 11;
+    /// Rate at which an overlap is pushed apart [1/s].
+    pub const BIAS: usize = 12;
+    /// What softness adds to the compliance [1/kg].
+    pub const SOFTNESS: usize = 13;
+    /// Numbers in a row.
+    pub const WIDTH: usize = 14;
+}
+
+/// Points of a contact, at most.
+pub const POINTS: usize = 4;
+
+/// Tables of the kernels of a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyTables {
+    /// One row: see [`row`].
+    pub body: Table<State, { row::WIDTH }>,
+    /// One row: see [`mass`].
+    pub mass: Table<Parameter, { mass::WIDTH }>,
+    /// One row: see [`global`].
+    pub global: Table<Parameter, { global::WIDTH }>,
+}
+
+impl BodyTables {
+    /// The layout.
+    pub fn new() -> Self {
+        let (mut state, mut parameters) = (0, 0);
+        Self {
+            body: Table::place(&mut state, 1),
+            global: Table::place(&mut parameters, 1),
+            mass: Table::place(&mut parameters, 1),
+        }
+    }
+}
+
+impl Default for BodyTables {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Tables of the kernels of a contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactTables {
+    /// One row: see [`manifold`].
+    pub manifold: Table<State, { manifold::WIDTH }>,
+    /// [`POINTS`] rows: see [`point`].
+    pub point: Table<State, { point::WIDTH }>,
+    /// How many of them there are.
+    pub points: Links,
+    /// Rows of A and B: the first fields of [`row`].
+    pub body: Table<Scratch, { row::PREPARED }>,
+    /// One row: see [`global`].
+    pub global: Table<Parameter, { global::WIDTH }>,
+    /// Numbers of a contact.
+    pub length: usize,
+}
+
+impl ContactTables {
+    /// The layout.
+    pub fn new() -> Self {
+        let (mut state, mut scratch, mut parameters, mut links) = (0, 0, 0, 0);
+        Self {
+            manifold: Table::place(&mut state, 1),
+            point: Table::place(&mut state, POINTS),
+            points: Links::place(&mut links, 1),
+            body: Table::place(&mut scratch, 2),
+            global: Table::place(&mut parameters, 1),
+            length: state,
+        }
+    }
+}
+
+impl Default for ContactTables {
+    fn default() -> Self {
+        Self::new()
+    }
+}

@@ -1,0 +1,64 @@
+//! Which colliding shapes could touch within the step.
+
+use collide::kind;
+use glam::Vec3;
+use model::CollisionFilter;
+use numbers::Float;
+use rigid::impulse::Impulse;
+use rigid::impulse::pair::{Placed, placed};
+use space::{Aabb, Auto, Pair, Space, SpaceError};
+
+/// Gap [m] up to which two shapes are looked at even if nothing moves; half of it for each.
+pub(super) const MARGIN: f64 = 1e-3;
+
+/// Boxes about all shapes, and the pairs whose boxes overlap.
+#[derive(Debug, Default)]
+pub(super) struct BroadPhase {
+    boxes: Vec<Aabb>,
+    space: Option<Space<Auto>>,
+    pairs: Vec<Pair>,
+}
+
+impl BroadPhase {
+    /// The pairs that may collide, in order.
+    ///
+    /// # Errors
+    /// A shape is nowhere.
+    pub fn find<T: Float>(
+        &mut self,
+        impulse: &Impulse,
+        filter: &CollisionFilter,
+        shapes: &[Placed<T>],
+        parameters: &[T],
+        found: &mut Vec<[u32; 2]>,
+    ) -> Result<(), SpaceError> {
+        self.boxes.clear();
+        for (i, shape) in shapes.iter().enumerate() {
+            let margin = impulse.margin([i as u32; 2], parameters).to_f64();
+            let grown = (0.5 * (MARGIN + margin)) as f32;
+            self.boxes.push(if impulse.shapes()[i].kind == kind::PLANE {
+                Aabb::new(Vec3::NEG_INFINITY, Vec3::INFINITY)
+            } else {
+                around(shape).padded(grown)
+            });
+        }
+        match &mut self.space {
+            Some(space) => space.update(&self.boxes)?,
+            None => self.space = Some(Space::new(&self.boxes)?),
+        }
+        if let Some(space) = &self.space {
+            space.pairs_into(&mut self.pairs);
+        }
+        let id = |i: u32| impulse.shapes()[i as usize].shape;
+        let may = |pair: &&Pair| filter.may_collide(id(pair.a), id(pair.b));
+        found.clear();
+        found.extend(self.pairs.iter().filter(may).map(|pair| [pair.a, pair.b]));
+        Ok(())
+    }
+}
+
+fn around<T: Float>(shape: &Placed<T>) -> Aabb {
+    let at = |i: usize| shape.placed[i].to_f64() as f32;
+    let vec3 = |i: usize| Vec3::new(at(i), at(i + 1), at(i + 2));
+    Aabb::around(vec3(placed::POSITION), vec3(placed::EXTENT))
+}

@@ -1,0 +1,148 @@
+//! Contacts of one colour share no body, and can be solved side by side.
+//!
+//! Greedy colouring in the order of the contacts: each takes the first colour that none of its two
+//! bodies has yet. What does not move takes no part. The order, and with it the outcome, is that of
+//! the pairs of shapes, whatever the number of threads and lanes.
+
+use rigid::impulse::WORLD;
+use std::ops::Range;
+
+/// Contacts of more colours than this are solved one by one.
+const MOST: usize = 64;
+
+/// Contacts, batch by batch.
+#[derive(Debug, Default)]
+pub(super) struct Colours {
+    /// Contacts in the order in which they are solved.
+    order: Vec<u32>,
+    /// Of each batch: its contacts in `order`.
+    pub batches: Vec<Range<usize>>,
+    /// Of each colour: its batches.
+    pub colours: Vec<Range<usize>>,
+    used: Vec<u64>,
+    keys: Vec<u32>,
+    counts: Vec<usize>,
+}
+
+impl Colours {
+    /// The contacts of a batch.
+    pub fn batch(&self, batch: usize) -> &[u32] {
+        &self.order[self.batches[batch].clone()]
+    }
+
+    /// Colours contacts, given the rows of their bodies and their numbers of points; `width` of one
+    /// colour make a batch, those of like numbers of points together.
+    pub fn paint(&mut self, contacts: &[([u32; 2], usize)], bodies: usize, width: usize) {
+        self.used.clear();
+        self.used.resize(bodies, 0);
+        self.keys.clear();
+        for (rows, points) in contacts {
+            let colour = self.colour(*rows);
+            self.keys.push((colour * POINTS + points) as u32);
+        }
+        self.sort();
+        self.cut(width);
+    }
+
+    /// The first colour that is free at both bodies, or [`MOST`].
+    fn colour(&mut self, rows: [u32; 2]) -> usize {
+        let used = |row: u32| {
+            if row == WORLD {
+                0
+            } else {
+                self.used[row as usize]
+            }
+        };
+        let free = !(used(rows[0]) | used(rows[1]));
+        let colour = free.trailing_zeros() as usize;
+        if colour < MOST {
+            for row in rows.into_iter().filter(|row| *row != WORLD) {
+                self.used[row as usize] |= 1 << colour;
+            }
+        }
+        colour
+    }
+
+    /// Puts the contacts in the order of their keys; those of one key stay in order.
+    fn sort(&mut self) {
+        let keys = (MOST + 1) * POINTS;
+        self.counts.clear();
+        self.counts.resize(keys + 1, 0);
+        for key in &self.keys {
+            self.counts[*key as usize + 1] += 1;
+        }
+        for key in 0..keys {
+            self.counts[key + 1] += self.counts[key];
+        }
+        self.order.clear();
+        self.order.resize(self.keys.len(), 0);
+        for (contact, key) in self.keys.iter().enumerate() {
+            let next = &mut self.counts[*key as usize];
+            self.order[*next] = contact as u32;
+            *next += 1;
+        }
+    }
+
+    fn cut(&mut self, width: usize) {
+        self.batches.clear();
+        self.colours.clear();
+        let (n, mut begin) = (self.order.len(), 0);
+        let colour_of = |at: usize| self.keys[self.order[at] as usize] as usize / POINTS;
+        while begin < n {
+            let colour = colour_of(begin);
+            let same = (begin..n).take_while(|at| colour_of(*at) == colour);
+            let end = begin + same.count();
+            let (width, first) = (if colour < MOST { width } else { 1 }, self.batches.len());
+            let cuts = (begin..end).step_by(width);
+            self.batches
+                .extend(cuts.map(|at| at..(at + width).min(end)));
+            let batches = first..self.batches.len();
+            if colour < MOST {
+                self.colours.push(batches);
+            } else {
+                self.colours.extend(batches.map(|batch| batch..batch + 1));
+            }
+            begin = end;
+        }
+    }
+}
+
+/// One more than the points that a contact can have.
+const POINTS: usize = 5;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A star of contacts with one body: each has a colour of its own, beyond 64 as well.
+    #[test]
+    fn contacts_of_one_body_never_share_a_colour() {
+        let contacts: Vec<_> = (2..102).map(|i| ([1, i], 1)).collect();
+        let mut colours = Colours::default();
+        colours.paint(&contacts, 102, 16);
+        assert_eq!(colours.colours.len(), 100);
+        assert!(colours.batches.iter().all(|b| b.len() == 1));
+        let mut all: Vec<_> = (0..100).flat_map(|b| colours.batch(b).to_vec()).collect();
+        all.sort_unstable();
+        assert_eq!(all, (0..100).collect::<Vec<_>>());
+    }
+
+    /// A row of bodies needs two colours; with the ground, which is shared, three.
+    #[test]
+    fn the_ground_is_shared() {
+        let chain = (1..40_u32).map(|i| ([i, i + 1], 4));
+        let ground = (1..41_u32).map(|i| ([WORLD, i], 4));
+        let contacts: Vec<_> = chain.chain(ground).collect();
+        let mut colours = Colours::default();
+        colours.paint(&contacts, 41, 8);
+        assert_eq!(colours.colours.len(), 3);
+        for range in &colours.colours {
+            let mut seen = std::collections::HashSet::new();
+            for contact in range.clone().flat_map(|batch| colours.batch(batch)) {
+                for row in contacts[*contact as usize].0 {
+                    assert!(row == WORLD || seen.insert(row), "body {row} twice");
+                }
+            }
+        }
+    }
+}

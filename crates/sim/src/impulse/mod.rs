@@ -1,0 +1,138 @@
+//! Worlds of free bodies that touch: the host's side of [`rigid::impulse`].
+//!
+//! A world of any number of bodies is stepped in the order of `World::step`. Lanes take contacts of
+//! one colour (`colours`), threads share the batches of each colour and wait for each other
+//! (`team`). Neither changes any number: what is solved side by side shares nothing.
+
+mod broad_phase;
+mod colours;
+mod islands;
+mod jobs;
+mod narrow_phase;
+mod solve;
+mod team;
+mod world;
+
+use crate::SimulationSettings;
+use crate::engine::{Block, Engine, Task};
+use crate::jobs::Lane;
+use model::{CollisionFilter, Model, ShapeId};
+use narrow_phase::NarrowPhase;
+use numbers::Float;
+use rigid::impulse::{Impulse, State};
+use rigid::{Lengths, OutputTables, SolverError};
+use std::sync::{Mutex, PoisonError};
+use world::{Workspace, World};
+
+/// A model of free bodies at a precision.
+pub(crate) struct Piles<T: Float> {
+    impulse: Impulse,
+    /// Which shapes may touch; none where bodies pass through each other.
+    filter: Option<CollisionFilter>,
+    narrow_phase: NarrowPhase,
+    /// Radius [m] of each body about its centre, by row.
+    radii: Vec<f64>,
+    /// Of worlds that are not stepped just now.
+    workspaces: Mutex<Vec<Workspace<T>>>,
+}
+
+impl<T: Float> Piles<T> {
+    pub fn new(model: &Model, settings: &SimulationSettings) -> Result<Self, SolverError> {
+        let impulse = Impulse::new(model, &settings.step)?;
+        Ok(Self {
+            filter: settings.contacts.then(|| CollisionFilter::new(model)),
+            narrow_phase: NarrowPhase::new(&impulse),
+            radii: radii(&impulse),
+            workspaces: Mutex::default(),
+            impulse,
+        })
+    }
+
+    fn step(&self, lane: Lane, team: usize, block: &mut Block<'_, T>, steps: usize) {
+        let taken = self.workspaces.lock().map(|mut all| all.pop());
+        let mut workspace = taken.ok().flatten().unwrap_or_default();
+        let mut world = World {
+            piles: self,
+            lane,
+            team,
+            input: block.input,
+            parameters: block.parameters,
+        };
+        for _ in 0..steps {
+            if block.state[self.impulse.alive()] == T::zero() {
+                break;
+            }
+            world.step(block.state, &mut workspace);
+        }
+        let mut all = self
+            .workspaces
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        all.push(workspace);
+    }
+}
+
+/// How far from its centre of mass a body's shapes reach [m].
+fn radii(impulse: &Impulse) -> Vec<f64> {
+    use rigid::impulse::pair::solid;
+    let mut radii = vec![0.0; impulse.rows()];
+    for (i, shape) in impulse.shapes().iter().enumerate() {
+        let numbers = impulse.solid_of(i, impulse.parameters());
+        let at = glam::DVec3::from_slice(&numbers[solid::POSE..]);
+        let radius = &mut radii[shape.row as usize];
+        *radius = at
+            .length()
+            .max(*radius)
+            .max(at.length() + numbers[solid::RADIUS]);
+    }
+    radii
+}
+
+impl<T: Float> Engine<T> for Piles<T> {
+    fn name(&self) -> &'static str {
+        self.impulse.name()
+    }
+    fn lengths(&self) -> Lengths {
+        self.impulse.lengths()
+    }
+    fn outputs(&self) -> OutputTables {
+        self.impulse.outputs()
+    }
+    fn contact_shapes(&self) -> &[[ShapeId; 2]] {
+        &[]
+    }
+    fn parameters(&self) -> &[f64] {
+        self.impulse.parameters()
+    }
+    fn links(&self) -> &[u32] {
+        self.impulse.links()
+    }
+    fn alive(&self) -> usize {
+        self.impulse.alive()
+    }
+    fn shares_a_world(&self) -> bool {
+        true
+    }
+    fn initial(&self, _: &Model, position: &[f64], velocity: &[f64]) -> Vec<f64> {
+        self.impulse.initial(position, velocity)
+    }
+    fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
+        self.impulse.place(position, velocity, state);
+    }
+    fn take_over(&self, bodies: &[f64], state: &mut [f64]) {
+        self.impulse.take_over(bodies, state);
+    }
+    fn run(&self, lane: Lane, team: usize, mut block: Block<'_, T>, task: Task) {
+        match task {
+            Task::Step(steps) => self.step(lane, team, &mut block, steps),
+            Task::Report => {
+                let state = State {
+                    impulse: &self.impulse,
+                    state: block.state,
+                    parameters: block.parameters,
+                };
+                self.impulse.report(&state, block.output);
+            }
+        }
+    }
+}

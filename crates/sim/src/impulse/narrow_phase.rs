@@ -1,0 +1,144 @@
+//! Where shapes that could touch do.
+
+use crate::engine::Block;
+use crate::jobs::{Lane, narrow_phase};
+use collide::{Route, kind};
+use numbers::{Float, Memory};
+use rayon::prelude::*;
+use rigid::impulse::pair::{PairTables, Placed};
+use rigid::impulse::{Cached, Impulse};
+
+/// Tables for each pair of kinds that a model has.
+#[derive(Debug)]
+pub(super) struct NarrowPhase {
+    tables: [[Option<PairTables>; kind::CONVEX]; kind::CONVEX],
+}
+
+/// What it works on.
+pub(super) struct Scene<'a, T> {
+    pub impulse: &'a Impulse,
+    pub shapes: &'a [Placed<T>],
+    pub parameters: &'a [T],
+    pub lane: Lane,
+    /// Pairs side by side.
+    pub width: usize,
+    /// Whether to use all threads of the pool.
+    pub threads: bool,
+}
+
+/// Pairs of the same kinds, a register's worth.
+struct Group<'a> {
+    tables: &'a PairTables,
+    /// Each with A first, and its place in the list of pairs.
+    pairs: Vec<(u32, [u32; 2])>,
+}
+
+impl NarrowPhase {
+    pub fn new(impulse: &Impulse) -> Self {
+        let mut tables: [[Option<PairTables>; kind::CONVEX]; kind::CONVEX] = Default::default();
+        let kinds: std::collections::BTreeSet<_> =
+            impulse.shapes().iter().map(|s| s.kind).collect();
+        for &a in &kinds {
+            for &b in kinds.range(a..) {
+                tables[a][b] = Route::of(a, b).map(|route| PairTables::new(route, [a, b]));
+            }
+        }
+        Self { tables }
+    }
+
+    /// The contacts of the pairs that have any, in the order of the pairs.
+    pub fn find<T: Float>(
+        &self,
+        scene: &Scene<'_, T>,
+        pairs: &[[u32; 2]],
+        found: &mut Vec<Cached<T>>,
+    ) {
+        let groups = self.groups(scene, pairs);
+        let results: Vec<Vec<(u32, Cached<T>)>> = if scene.threads {
+            groups.par_iter().map(|group| scene.meet(group)).collect()
+        } else {
+            groups.iter().map(|group| scene.meet(group)).collect()
+        };
+        let all = results.iter().enumerate();
+        let mut order: Vec<_> = all
+            .flat_map(|(g, found)| found.iter().enumerate().map(move |(i, c)| (c.0, g, i)))
+            .collect();
+        order.sort_unstable_by_key(|(pair, ..)| *pair);
+        found.clear();
+        found.extend(order.into_iter().map(|(_, g, i)| results[g][i].1));
+    }
+
+    fn groups<T: Float>(&self, scene: &Scene<'_, T>, pairs: &[[u32; 2]]) -> Vec<Group<'_>> {
+        let kind = |shape: u32| scene.impulse.shapes()[shape as usize].kind;
+        let mut open: [[Vec<(u32, [u32; 2])>; kind::CONVEX]; kind::CONVEX] = Default::default();
+        let mut groups = Vec::new();
+        for (i, &[a, b]) in pairs.iter().enumerate() {
+            let [a, b] = if kind(a) <= kind(b) { [a, b] } else { [b, a] };
+            let kinds = [kind(a), kind(b)];
+            let Some(tables) = &self.tables[kinds[0]][kinds[1]] else {
+                continue;
+            };
+            let list = &mut open[kinds[0]][kinds[1]];
+            list.push((i as u32, [a, b]));
+            if list.len() == GROUP * scene.width {
+                let pairs = std::mem::take(list);
+                groups.push(Group { tables, pairs });
+            }
+        }
+        for (a, row) in open.into_iter().enumerate() {
+            for (b, pairs) in row.into_iter().enumerate() {
+                if let (false, Some(tables)) = (pairs.is_empty(), &self.tables[a][b]) {
+                    groups.push(Group { tables, pairs });
+                }
+            }
+        }
+        groups
+    }
+}
+
+/// Registers' worths of pairs that one thread takes at a time.
+const GROUP: usize = 8;
+
+impl<T: Float> Scene<'_, T> {
+    fn meet(&self, group: &Group<'_>) -> Vec<(u32, Cached<T>)> {
+        let [parameters, scratch] = group.tables.lengths();
+        let width = self.width;
+        let mut parameters = Memory::<T>::new(width, parameters, width);
+        let mut scratch = Memory::<T>::new(width, scratch, width);
+        let mut none = [(); 3].map(|()| Memory::<T>::new(width, 1, width));
+        let mut found = Vec::with_capacity(group.pairs.len());
+        for pairs in group.pairs.chunks(width) {
+            for lane in 0..width {
+                let (_, shapes) = pairs[lane.min(pairs.len() - 1)];
+                let margin = self.impulse.margin(shapes, self.parameters);
+                let pair = shapes.map(|s| &self.shapes[s as usize]);
+                let numbers = parameters.scalars_mut();
+                group
+                    .tables
+                    .fill(lane, width, pair, margin, numbers, scratch.scalars_mut());
+            }
+            let [state, input, output] = &mut none;
+            let mut block = Block {
+                state: state.scalars_mut(),
+                input: input.scalars(),
+                output: output.scalars_mut(),
+                scratch: scratch.scalars_mut(),
+                parameters: parameters.scalars(),
+                links: group.tables.links(),
+            };
+            narrow_phase(self.lane, group.tables.contacts(), &mut block);
+            for (lane, (place, shapes)) in pairs.iter().enumerate() {
+                let mut contact = Cached {
+                    shapes: *shapes,
+                    ..Cached::default()
+                };
+                let tables = group.tables;
+                tables.read(lane, width, scratch.scalars(), &mut contact);
+                if contact.count > 0 {
+                    found.push((*place, contact));
+                }
+            }
+        }
+        found
+    }
+}

@@ -1,0 +1,423 @@
+//! Sequential impulses against closed forms: h is a small step, H = 8 h a step.
+
+use glam::{DQuat, DVec3};
+use kinetarium_sim::{Simulation, SimulationSettings, SolverKind};
+use model::{
+    BodyHandle, BodyId, Builder, Combine, Geometry, Material, Model, Pose, Shape, Softness,
+};
+use numbers::Float;
+
+const G: f64 = 9.81;
+/// H [s].
+const STEP: f64 = 0.002;
+
+const PLANE: Geometry = Geometry::Plane {
+    half_x: 0.0,
+    half_z: 0.0,
+};
+
+fn settings() -> SimulationSettings {
+    let mut settings = SimulationSettings::new(1, STEP);
+    settings.solver = SolverKind::Impulse;
+    settings.threads = 1;
+    settings.step.sleep_speed = 0.0;
+    settings
+}
+
+fn simulate<T: Float>(model: Model) -> Simulation<T> {
+    Simulation::new(model, settings()).unwrap()
+}
+
+fn smooth() -> Material {
+    Material {
+        friction: 0.0,
+        ..Material::default()
+    }
+}
+
+/// A body of a shape, resting on a plane through the origin that leans about z by `angle`.
+fn on_plane(shape: Shape, height: f64, angle: f64, material: Material) -> (Model, BodyHandle) {
+    let turn = Pose::new(DVec3::ZERO, DQuat::from_rotation_z(-angle));
+    let mut world = Builder::new("incline");
+    let plane = Shape::new(PLANE).with_material(material).at(turn);
+    world.object("ground").scenery(plane);
+    let body = world
+        .object("things")
+        .body("thing")
+        .at(turn * Pose::at(DVec3::Y * height))
+        .shape(shape.with_material(material))
+        .handle();
+    (world.build().unwrap(), body)
+}
+
+fn cube() -> Shape {
+    Shape::new(Geometry::Box {
+        half: DVec3::splat(0.1),
+    })
+}
+
+fn body() -> BodyId {
+    BodyId(0)
+}
+
+#[test]
+fn what_rests_presses_with_its_weight() {
+    let (model, _) = on_plane(cube(), 0.1, 0.0, Material::default());
+    let weight = model.total_mass() * G;
+    let mut sim = simulate::<f32>(model);
+    sim.step(500);
+    let outputs = sim.outputs();
+    let force: DVec3 = outputs.contacts(0).map(|c| c.force).sum();
+    assert!(
+        (force - weight * DVec3::Y).length() < 1e-3 * weight,
+        "{force}"
+    );
+    assert_eq!(outputs.contacts(0).count(), 4);
+    assert!(
+        outputs
+            .contacts(0)
+            .all(|c| c.distance.abs() < 1e-4 && c.normal.y > 0.999)
+    );
+}
+
+/// Below tan θ = μ it stays; above, it slides with a = g (sin θ − μ cos θ), to first order in H.
+#[test]
+fn a_block_on_an_incline_sticks_or_slides() {
+    let material = Material {
+        friction: 0.5,
+        ..Material::default()
+    };
+    for (angle, slides) in [(0.45_f64, false), (0.48, true), (0.6, true)] {
+        let (model, _) = on_plane(cube(), 0.1, angle, material);
+        let mut sim = simulate::<f64>(model);
+        let start = sim.outputs().body_position(0, body());
+        sim.step(500);
+        let way = (sim.outputs().body_position(0, body()) - start).length();
+        let a = G * (angle.sin() - 0.5 * angle.cos());
+        let expected = if slides { 0.5 * a } else { 0.0 };
+        assert!(
+            (way - expected).abs() < 2e-4 + 0.005 * expected,
+            "{angle}: {way} for {expected}"
+        );
+    }
+}
+
+/// v² / 2 μ g, and at most what a step more makes of it.
+#[test]
+fn a_block_that_slides_stops_in_time() {
+    let (speed, friction) = (3.0, 0.5);
+    let material = Material {
+        friction,
+        ..Material::default()
+    };
+    let (model, _) = on_plane(cube(), 0.1, 0.0, material);
+    let mut sim = simulate::<f64>(model);
+    let mut velocity = [0.0; 6];
+    velocity[0] = speed;
+    sim.set_joint_state(0, &[0.0, 0.1, 0.0, 0.0, 0.0, 0.0, 1.0], &velocity)
+        .unwrap();
+    sim.step(1000);
+    let x = sim.outputs().body_position(0, body()).x;
+    let ideal = speed * speed / (2.0 * friction * G);
+    assert!((x - ideal).abs() < speed * STEP, "{x} for {ideal}");
+    assert!(sim.outputs().body_velocity(0, body()).length() < 1e-6);
+}
+
+/// Height after n bounces: e²ⁿ times the first, to first order in H; never higher.
+#[test]
+fn bounces_follow_e_squared() {
+    for e in [0.0, 0.5, 0.8, 1.0] {
+        let material = Material {
+            restitution: e,
+            ..Material::default()
+        };
+        let ball = Shape::new(Geometry::Sphere { radius: 0.1 });
+        let (model, _) = on_plane(ball, 1.1, 0.0, material);
+        let mut sim = simulate::<f64>(model);
+        let (mut top, mut rising, mut heights) = (1.0_f64, false, Vec::new());
+        let mut last = 1.0;
+        for _ in 0..6000 {
+            sim.step(1);
+            let height = sim.outputs().body_position(0, body()).y - 0.1;
+            if height > last {
+                (rising, top) = (true, height);
+            } else if rising {
+                heights.push(top);
+                rising = false;
+            }
+            last = height;
+            if heights.len() == 10 {
+                break;
+            }
+        }
+        for (n, height) in heights.iter().enumerate() {
+            let ideal = (e * e).powi(n as i32 + 1);
+            // Each bounce loses up to the fall of a step: g H v on v²/2.
+            let loss = 3.0 * (n + 1) as f64 * STEP * (2.0 * G * ideal.max(1e-3)).sqrt();
+            assert!(
+                *height < ideal + 1e-3 && *height > ideal - loss,
+                "e = {e}: {heights:?}"
+            );
+        }
+        assert!(e < 0.5 || heights.len() > 3, "e = {e}: {heights:?}");
+    }
+}
+
+/// Down an incline without slipping: a = g sin θ / (1 + I / m r²): 5/7 for a ball, 2/3 for a cylinder.
+#[test]
+fn what_rolls_down_an_incline() {
+    let angle = 0.3_f64;
+    let lying = Pose::new(
+        DVec3::ZERO,
+        DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2),
+    );
+    let cylinder = Shape::new(Geometry::Cylinder {
+        radius: 0.1,
+        half_height: 0.1,
+    });
+    let ball = Shape::new(Geometry::Sphere { radius: 0.1 });
+    for (shape, share) in [(ball, 5.0 / 7.0), (cylinder.at(lying), 2.0 / 3.0)] {
+        let (model, _) = on_plane(shape, 0.1, angle, Material::default());
+        let mut sim = simulate::<f64>(model);
+        let start = sim.outputs().body_position(0, body());
+        sim.step(500);
+        let way = (sim.outputs().body_position(0, body()) - start).length();
+        let ideal = 0.5 * share * G * angle.sin();
+        assert!((way - ideal).abs() < 0.01 * ideal, "{way} for {ideal}");
+    }
+}
+
+/// Twisting slows by α = τ/I with τ = rₜ m g, rolling by the same with rᵣ; both stop.
+#[test]
+fn torsional_and_rolling_friction_are_lengths_times_the_load() {
+    let (torsion, rolling, radius) = (0.01, 0.005, 0.1);
+    let material = Material {
+        friction: 1.0,
+        torsional_friction: torsion,
+        rolling_friction: rolling,
+        ..Material::default()
+    };
+    let ball = Shape::new(Geometry::Sphere { radius });
+    let (model, _) = on_plane(ball, radius, 0.0, material);
+    let mut sim = simulate::<f64>(model);
+    let rest = [0.0, radius, 0.0, 0.0, 0.0, 0.0, 1.0];
+    let mut velocity = [0.0; 6];
+    velocity[4] = 10.0;
+    sim.set_joint_state(0, &rest, &velocity).unwrap();
+    sim.step(50);
+    let spin = sim.outputs().body_angular_velocity(0, body()).y;
+    let ideal = 10.0 - 0.1 * torsion * G / (0.4 * radius * radius);
+    assert!(
+        (spin - ideal).abs() < 0.01 * (10.0 - ideal),
+        "{spin} for {ideal}"
+    );
+    sim.step(1000);
+    assert!(sim.outputs().body_angular_velocity(0, body()).length() < 1e-9);
+
+    // m a = −F, I α = F r − τ, a = α r: a (7/5) = −τ / (m r)
+    let mut velocity = [0.0; 6];
+    (velocity[0], velocity[5]) = (1.0, -1.0 / radius);
+    sim.set_joint_state(0, &rest, &velocity).unwrap();
+    sim.step(250);
+    let speed = sim.outputs().body_velocity(0, body()).x;
+    let ideal = 1.0 - 0.5 * rolling * G / radius / 1.4;
+    assert!(
+        (speed - ideal).abs() < 0.02 * (1.0 - ideal),
+        "{speed} for {ideal}"
+    );
+    sim.step(2000);
+    assert!(sim.outputs().body_velocity(0, body()).length() < 1e-9);
+}
+
+/// Two bodies without weight.
+fn two(shape: Shape, masses: [f64; 2], material: Material, apart: [DVec3; 2]) -> Model {
+    let mut world = Builder::new("two");
+    world.gravity(DVec3::ZERO);
+    let things = world.object("things");
+    for (i, (mass, at)) in masses.into_iter().zip(apart).enumerate() {
+        let shape = shape.clone().with_material(material);
+        things
+            .body(format!("thing_{i}"))
+            .at(Pose::at(at))
+            .shape(shape)
+            .mass(mass);
+    }
+    world.build().unwrap()
+}
+
+fn set_velocities<T: Float>(sim: &mut Simulation<T>, velocities: &[f64]) {
+    let position = sim.outputs().joint_position(0);
+    sim.set_joint_state(0, &position, velocities).unwrap();
+}
+
+/// Smooth elastic spheres at any offset: along the line of centres the velocities change as in a
+/// collision of points, across it they stay.
+#[test]
+fn elastic_spheres_part_by_the_law_of_collisions() {
+    let material = Material {
+        restitution: 1.0,
+        ..smooth()
+    };
+    let (m1, m2, r) = (1.0, 3.0, 0.1);
+    for offset in [0.0, 0.05, 0.12, 0.19] {
+        let ball = Shape::new(Geometry::Sphere { radius: r });
+        let start = [DVec3::new(-0.4, offset, 0.0), DVec3::ZERO];
+        let mut sim = simulate::<f64>(two(ball, [m1, m2], material, start));
+        let mut velocities = [0.0; 12];
+        velocities[0] = 2.0;
+        set_velocities(&mut sim, &velocities);
+        let before = (sim.outputs().momentum(0), sim.outputs().kinetic_energy(0));
+        sim.step(250);
+        let outputs = sim.outputs();
+        let normal = DVec3::new(-(4.0 * r * r - offset * offset).sqrt(), offset, 0.0) / (2.0 * r);
+        let along = DVec3::X.dot(normal) * 2.0;
+        let ideal = 2.0 * DVec3::X - normal * along * 2.0 * m2 / (m1 + m2);
+        let first = outputs.body_velocity(0, BodyId(0));
+        // The normal is that of the step's start: off by up to the angle of a step's way.
+        assert!(
+            (first - ideal).length() < 2.0 * 2.0 * STEP / r,
+            "{offset}: {first} for {ideal}"
+        );
+        assert!((outputs.momentum(0) - before.0).length() < 1e-12);
+        let energy = outputs.kinetic_energy(0) / before.1 - 1.0;
+        assert!(energy.abs() < 1e-4, "{offset}: {energy}");
+    }
+}
+
+/// Boxes that tumble into each other, with friction: both momenta are kept to rounding.
+#[test]
+fn collisions_keep_both_momenta() {
+    let boxes = Shape::new(Geometry::Box {
+        half: DVec3::new(0.1, 0.2, 0.05),
+    });
+    let start = [DVec3::new(-0.5, 0.07, 0.0), DVec3::new(0.0, 0.0, 0.02)];
+    let mut sim = simulate::<f64>(two(boxes, [1.0, 2.0], Material::default(), start));
+    set_velocities(
+        &mut sim,
+        &[2.0, 0.0, 0.0, 1.0, 3.0, -2.0, -1.0, 0.3, 0.0, 0.0, 4.0, 1.0],
+    );
+    let (p, l) = (sim.outputs().momentum(0), sim.outputs().angular_momentum(0));
+    let mut touched = false;
+    for _ in 0..500 {
+        sim.step(1);
+        let outputs = sim.outputs();
+        touched |= outputs.contacts(0).any(|c| c.force.length() > 0.0);
+        assert!((outputs.momentum(0) - p).length() < 1e-12);
+        assert!((outputs.angular_momentum(0) - l).length() < 1e-12);
+    }
+    assert!(touched);
+}
+
+/// A body that spins about its middle axis tips over again and again: its spin along that axis of its
+/// own changes sign, its momentum is kept to rounding, and its energy to second order in H.
+#[test]
+fn free_spin_keeps_momentum() {
+    let brick = Shape::new(Geometry::Box {
+        half: DVec3::new(0.1, 0.2, 0.05),
+    });
+    let far = [DVec3::ZERO, DVec3::X * 9.0];
+    let mut sim = simulate::<f64>(two(brick, [1.0, 1.0], smooth(), far));
+    let mut velocities = [0.0; 12];
+    velocities[3..6].copy_from_slice(&[5.0, 0.01, 0.0]);
+    set_velocities(&mut sim, &velocities);
+    let (l, e) = (sim.outputs().angular_momentum(0), sim.outputs().energy(0));
+    let mut tipped = false;
+    for _ in 0..2500 {
+        sim.step(1);
+        let axis = sim.outputs().body_orientation(0, body()) * DVec3::X;
+        tipped |= axis.x < -0.9;
+        let outputs = sim.outputs();
+        assert!((outputs.angular_momentum(0) - l).length() < 1e-11 * l.length());
+        assert!((outputs.energy(0) - e).abs() < 5e-3 * e);
+    }
+    assert!(tipped);
+}
+
+/// A spring in N/m: a ball on it swings with ω = √(k/m), and sinks m g / k in the end.
+#[test]
+fn a_surface_in_newtons_per_metre_is_a_spring() {
+    let (stiffness, mass) = (2000.0, 1.0);
+    let material = Material {
+        softness: Softness::Spring {
+            stiffness,
+            damping: 20.0,
+        },
+        combine: Combine::Average,
+        ..smooth()
+    };
+    let ball = Shape::new(Geometry::Sphere { radius: 0.1 });
+    let (model, _) = on_plane(ball, 0.1, 0.0, material);
+    let mut parts = model.into_parts();
+    parts.bodies[0].mass = mass;
+    let mut sim = simulate::<f64>(Model::new(parts).unwrap());
+    let sunk = |sim: &mut Simulation<f64>| 0.1 - sim.outputs().body_position(0, body()).y;
+    // Half a swing later it is at its lowest: twice the depth of rest, less what the damper took.
+    let half = std::f64::consts::PI / (stiffness / mass).sqrt();
+    sim.step((half / STEP).round() as usize);
+    let (deep, rest) = (sunk(&mut sim), mass * G / stiffness);
+    let damped = 1.0 + (-10.0 * half / mass).exp();
+    assert!(
+        (deep / rest - damped).abs() < 0.05,
+        "{} for {damped}",
+        deep / rest
+    );
+    sim.step(2000);
+    assert!((sunk(&mut sim) - rest).abs() < 1e-6 * rest);
+}
+
+/// A bullet through paper: a ball of 2 cm at 100 m/s, and a sheet of 1 mm.
+#[test]
+fn a_bullet_hits_a_thin_wall() {
+    let mut world = Builder::new("range");
+    world.gravity(DVec3::ZERO);
+    let wall = Geometry::Box {
+        half: DVec3::new(0.0005, 1.0, 1.0),
+    };
+    world.object("wall").scenery(Shape::new(wall));
+    world
+        .object("bullet")
+        .body("bullet")
+        .at(Pose::at(DVec3::X * -1.03))
+        .shape(Geometry::Sphere { radius: 0.01 });
+    let mut sim = simulate::<f32>(world.build().unwrap());
+    let mut velocities = [0.0; 6];
+    velocities[0] = 100.0;
+    set_velocities(&mut sim, &velocities);
+    sim.step(20);
+    let x = sim.outputs().body_position(0, body()).x;
+    assert!(x < 0.0, "{x}");
+}
+
+/// Two cubes in one place come apart, slowly.
+#[test]
+fn a_deep_overlap_comes_apart_without_an_explosion() {
+    let start = [DVec3::ZERO, DVec3::new(0.02, 0.01, 0.0)];
+    let mut sim = simulate::<f32>(two(cube(), [1.0, 1.0], Material::default(), start));
+    let mut fastest = 0.0_f64;
+    for _ in 0..500 {
+        sim.step(1);
+        fastest = fastest.max(sim.outputs().body_velocity(0, body()).length());
+    }
+    let outputs = sim.outputs();
+    let depth = outputs.contacts(0).map(|c| -c.distance).fold(0.0, f64::max);
+    assert!(depth < 1e-3, "{depth}");
+    assert!(fastest < 1.0, "{fastest} m/s");
+}
+
+#[test]
+fn joints_are_refused() {
+    let mut settings = settings();
+    settings.worlds = 2;
+    let model = model::examples::n_pendula(2).unwrap();
+    let error = Simulation::<f32>::new(model, settings)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.starts_with("impulse does not support the joint of `"),
+        "{error}"
+    );
+    assert!(
+        error.ends_with("use the solver `featherstone` or `xpbd`"),
+        "{error}"
+    );
+}
