@@ -1,6 +1,7 @@
-//! `cargo xtask bench`: Kinetarium and MuJoCo, turn about in one run, into the tables of BENCHMARKS.md.
+//! `cargo xtask bench`: Kinetarium and its peers, turn about in one run, into the tables of BENCHMARKS.md.
 //!
-//! Each side reads `target/bench/cases.json`, runs every case once, and prints one [`Record`] a line.
+//! Kinetarium and MuJoCo each read `target/bench/cases.json`, run every case once, and print one
+//! [`Record`] a line. Kinetarium and Rapier are both in Rust, and in one program, which prints a table.
 
 use std::fmt::Write;
 
@@ -95,10 +96,11 @@ pub fn run(workshop: &Workshop, repetitions: usize) -> Result<()> {
         )?);
     }
     let tables = format!(
-        "{}\n{}\n{}",
+        "{}\n{}\n{}\n{}",
         machine(workshop)?,
         speeds(&ours, &theirs)?,
-        sizes(&ours, &theirs)?
+        sizes(&ours, &theirs)?,
+        piles(workshop)?
     );
     println!("\n{tables}");
     rewrite_report(workshop, &tables)
@@ -196,6 +198,17 @@ fn sizes(ours: &[Record], theirs: &[Record]) -> Result<String> {
         memory(theirs)?
     )?;
     Ok(table)
+}
+
+/// The table of piles, with what it was measured with.
+fn piles(workshop: &Workshop) -> Result<String> {
+    // The profile in which peers are compiled with all optimisations.
+    let table = cmd!(
+        workshop.sh,
+        "cargo run --quiet --profile bench --package kinetarium-bench-rapier"
+    )
+    .read()?;
+    Ok(format!("{table}\n"))
 }
 
 /// Median world-steps per second, and the error where the case has one.
