@@ -13,6 +13,8 @@ use crate::workshop::Workshop;
 
 pub const DEFAULT_REPETITIONS: usize = 5;
 const REPORT: &str = "BENCHMARKS.md";
+/// Instead of the flags in `.cargo/config.toml`, which are chosen for Kinetarium.
+const PEER_FLAGS: &str = "-C target-cpu=native";
 const TABLES_BEGIN: &str = "<!-- written by `cargo xtask bench` from here -->";
 const TABLES_END: &str = "<!-- to here -->";
 
@@ -201,12 +203,15 @@ fn sizes(ours: &[Record], theirs: &[Record]) -> Result<String> {
 }
 
 /// The table of piles, with what it was measured with.
+///
+/// Rapier chooses its instructions when it is compiled, Kinetarium when it runs: so that both have
+/// what the machine has, the program is compiled for this machine, and with Rapier's widest lanes.
 fn piles(workshop: &Workshop) -> Result<String> {
-    // The profile in which peers are compiled with all optimisations.
     let table = cmd!(
         workshop.sh,
-        "cargo run --quiet --profile bench --package kinetarium-bench-rapier"
+        "cargo run --quiet --profile peers --package kinetarium-bench-rapier --features simd8"
     )
+    .env("RUSTFLAGS", PEER_FLAGS)
     .read()?;
     Ok(format!("{table}\n"))
 }

@@ -9,6 +9,9 @@ pub type Outcome<T> = Result<T, Box<dyn Error>>;
 /// Time step [s].
 pub const TIME_STEP: f64 = 0.004;
 
+/// Name of what is compared with the others.
+pub const OURS: &str = "Kinetarium";
+
 /// One world of a model in an engine.
 pub trait Engine {
     fn name(&self) -> &'static str;

@@ -46,7 +46,7 @@ fn run(arguments: &[String]) -> Outcome<()> {
             eprintln!("{} on {threads} threads", scene.name);
             let model = (scene.make)()?;
             let mut contest = Contest::new(&model, threads, only_rapier)?;
-            let results = contest.run(rounds, &scene.tops(&model)?)?;
+            let results = contest.run(rounds, scene.steps, &scene.tops(&model)?)?;
             rows.extend(table::rows(scene, threads, &results));
         }
     }

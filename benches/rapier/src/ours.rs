@@ -1,6 +1,6 @@
 //! Kinetarium's side.
 
-use crate::engine::{Engine, Outcome, TIME_STEP};
+use crate::engine::{Engine, OURS, Outcome, TIME_STEP};
 use glam::DVec3;
 use kinetarium::prelude::*;
 
@@ -20,7 +20,7 @@ pub fn ours(model: &Model, threads: usize) -> Outcome<Simulation<f32>> {
 
 impl Engine for Simulation<f32> {
     fn name(&self) -> &'static str {
-        "Kinetarium"
+        OURS
     }
     fn step(&mut self, steps: usize) {
         Simulation::step(self, steps);

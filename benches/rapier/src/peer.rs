@@ -8,8 +8,14 @@ use rapier3d::math::{Matrix, Pose, Rotation, Vector};
 use rapier3d::prelude::*;
 use rapier3d::rayon::{ThreadPool, ThreadPoolBuilder};
 
+/// Rapier's tolerances are for bodies of about this size [m] unless it is told another.
+const DEFAULT_LENGTH: f64 = 1.0;
+/// About that of the bodies here.
+const FITTING_LENGTH: f64 = 0.1;
+
 /// A Rapier world with threads of its own.
 pub struct Peer {
+    name: &'static str,
     world: PhysicsWorld,
     /// Of the model's bodies, in their order.
     bodies: Vec<RigidBodyHandle>,
@@ -24,10 +30,28 @@ impl Peer {
     /// # Errors
     /// What is neither a free body nor a static shape, and surfaces that Rapier does not know.
     pub fn new(model: &Model, threads: usize) -> Outcome<Self> {
+        Self::with_length("Rapier", DEFAULT_LENGTH, model, threads)
+    }
+
+    /// The same, with Rapier's tolerances scaled to the size of the bodies (`length_unit`).
+    ///
+    /// # Errors
+    /// As of [`new`](Self::new).
+    pub fn fitted(model: &Model, threads: usize) -> Outcome<Self> {
+        Self::with_length("Rapier, unit 0.1 m", FITTING_LENGTH, model, threads)
+    }
+
+    fn with_length(
+        name: &'static str,
+        length: f64,
+        model: &Model,
+        threads: usize,
+    ) -> Outcome<Self> {
         check(model)?;
         let mut world = PhysicsWorld::new();
         world.gravity = vector(model.gravity);
         world.integration_parameters.dt = TIME_STEP as f32;
+        world.integration_parameters.length_unit = length as f32;
         let mut bodies = Vec::new();
         for body in &model.bodies {
             bodies.push(world.insert_body(rigid_body(body)));
@@ -38,6 +62,7 @@ impl Peer {
         }
         let threads = ThreadPoolBuilder::new().num_threads(threads).build()?;
         Ok(Self {
+            name,
             world,
             bodies,
             threads,
@@ -47,7 +72,7 @@ impl Peer {
 
 impl Engine for Peer {
     fn name(&self) -> &'static str {
-        "Rapier"
+        self.name
     }
     /// All steps at once on the threads, so that none waits to be handed over.
     fn step(&mut self, steps: usize) {

@@ -1,5 +1,6 @@
 //! The scenes that are measured.
 
+use crate::contest::ROUND;
 use crate::engine::Outcome;
 use kinetarium::model::ModelError;
 use kinetarium::prelude::*;
@@ -12,6 +13,8 @@ const LAYERS: usize = 14;
 pub struct Scene {
     pub name: &'static str,
     pub make: fn() -> Result<Model, ModelError>,
+    /// Of a round.
+    pub steps: usize,
     tops: Tops,
 }
 
@@ -26,26 +29,31 @@ pub static SCENES: [Scene; 5] = [
     Scene {
         name: "100 towers of 10 boxes",
         make: || examples::towers(TOWERS, TOWER_BOXES),
+        steps: ROUND,
         tops: Tops::Towers,
     },
     Scene {
         name: "pyramid of 1015 boxes",
         make: || examples::square_pyramid(LAYERS),
+        steps: ROUND,
         tops: Tops::Pyramid,
     },
     Scene {
         name: "bowl of 100 solids",
         make: || examples::bowl(100),
+        steps: ROUND,
         tops: Tops::None,
     },
     Scene {
         name: "bowl of 1000 solids",
         make: || examples::bowl(1000),
+        steps: ROUND,
         tops: Tops::None,
     },
     Scene {
-        name: "bowl of 10000 solids",
+        name: "bowl of 10 000 solids",
         make: || examples::bowl(10_000),
+        steps: 10,
         tops: Tops::None,
     },
 ];
