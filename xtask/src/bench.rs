@@ -1,6 +1,7 @@
-//! `cargo xtask bench`: Kinetarium and MuJoCo, turn about in one run, into the tables of BENCHMARKS.md.
+//! `cargo xtask bench`: Kinetarium and its peers, turn about in one run, into the tables of BENCHMARKS.md.
 //!
-//! Each side reads `target/bench/cases.json`, runs every case once, and prints one [`Record`] a line.
+//! Kinetarium and MuJoCo each read `target/bench/cases.json`, run every case once, and print one
+//! [`Record`] a line. Kinetarium and Rapier are both in Rust, and in one program, which prints a table.
 
 use std::fmt::Write;
 
@@ -12,6 +13,8 @@ use crate::workshop::Workshop;
 
 pub const DEFAULT_REPETITIONS: usize = 5;
 const REPORT: &str = "BENCHMARKS.md";
+/// Instead of the flags in `.cargo/config.toml`, which are chosen for Kinetarium.
+const PEER_FLAGS: &str = "-C target-cpu=native";
 const TABLES_BEGIN: &str = "<!-- written by `cargo xtask bench` from here -->";
 const TABLES_END: &str = "<!-- to here -->";
 
@@ -95,10 +98,11 @@ pub fn run(workshop: &Workshop, repetitions: usize) -> Result<()> {
         )?);
     }
     let tables = format!(
-        "{}\n{}\n{}",
+        "{}\n{}\n{}\n{}",
         machine(workshop)?,
         speeds(&ours, &theirs)?,
-        sizes(&ours, &theirs)?
+        sizes(&ours, &theirs)?,
+        piles(workshop)?
     );
     println!("\n{tables}");
     rewrite_report(workshop, &tables)
@@ -196,6 +200,20 @@ fn sizes(ours: &[Record], theirs: &[Record]) -> Result<String> {
         memory(theirs)?
     )?;
     Ok(table)
+}
+
+/// The table of piles, with what it was measured with.
+///
+/// Rapier chooses its instructions when it is compiled, Kinetarium when it runs: so that both have
+/// what the machine has, the program is compiled for this machine, and with Rapier's widest lanes.
+fn piles(workshop: &Workshop) -> Result<String> {
+    let table = cmd!(
+        workshop.sh,
+        "cargo run --quiet --profile peers --package kinetarium-bench-rapier --features simd8"
+    )
+    .env("RUSTFLAGS", PEER_FLAGS)
+    .read()?;
+    Ok(format!("{table}\n"))
 }
 
 /// Median world-steps per second, and the error where the case has one.

@@ -16,7 +16,7 @@ const HELP: &str = "\
 Usage: cargo xtask COMMAND
 
   test [--list] [STAGE…]   install what is missing, then run every stage (or only those named)
-  bench [--repetitions N]  measure side by side with MuJoCo and rewrite the table in BENCHMARKS.md
+  bench [--repetitions N]  measure beside MuJoCo and Rapier and rewrite the tables in BENCHMARKS.md
   asm                      disassemble the SIMD entries of the release program; fail on stray calls
   peers                    write MuJoCo's reference dynamics to target/peers
   help                     print this text";

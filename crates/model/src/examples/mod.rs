@@ -4,23 +4,27 @@
 //! y = 0.
 
 mod balls;
+mod bowl;
 mod card_house;
 mod chain;
 mod collide;
 mod dominoes;
+#[cfg(test)]
+mod overlap;
 mod pile;
 mod room;
 mod stacks;
 mod stuff;
 
 pub use balls::balls;
+pub use bowl::bowl;
 pub use card_house::card_house;
 pub use chain::{CHAIN_LENGTH, CHAIN_LINK_MASS, Start, chain, n_pendula};
 pub use collide::collide;
 pub use dominoes::dominoes;
 pub use pile::pile;
 pub use room::room;
-pub use stacks::{pyramid, tower};
+pub use stacks::{pyramid, square_pyramid, tower, towers};
 
 use crate::model::{MOST_ROWS, Subject};
 use crate::{Model, ModelError};
@@ -119,10 +123,12 @@ mod tests {
         for scene in [
             |n| tower(n, 0.0),
             |n| pyramid(n),
+            |n| square_pyramid(n),
+            |n| bowl(n),
             |n| card_house(n),
             |n| dominoes(n),
             |n| pile(n),
-        ] as [fn(usize) -> Result<Model, ModelError>; 5]
+        ] as [fn(usize) -> Result<Model, ModelError>; 7]
         {
             assert!(scene(0).is_err() && scene(usize::MAX).is_err());
         }

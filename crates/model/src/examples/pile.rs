@@ -1,9 +1,18 @@
 //! Solids of all kinds in a heap.
 
+use super::bowl::{Slopes, slopes};
 use super::countable;
 use super::stuff::{RUBBER, STONE, Stuff, WOOD, floor};
-use crate::{Builder, Geometry, Model, ModelError, Object, Pose};
+use crate::{Builder, Geometry, Model, ModelError, Pose};
 use glam::{DQuat, DVec3};
+
+/// Four slopes that begin 25 cm from the middle.
+const SLOPES: Slopes = Slopes {
+    sides: 4,
+    inner: 0.25,
+    tilt: 0.7,
+    half: DVec3::new(0.5, 0.1, 1.0),
+};
 
 /// Spheres, capsules, cylinders, cones, boxes and ellipsoids of about 15 cm, of wood, stone and
 /// rubber in turn, fall into a bowl of a metre and a half.
@@ -17,7 +26,7 @@ pub fn pile(count: usize) -> Result<Model, ModelError> {
     let mut world = Builder::new(format!("pile_{count}"));
     let ground = world.object("ground");
     floor(ground, STONE);
-    bowl(ground);
+    slopes(ground, &SLOPES, STONE);
     let solids = world.object("solids");
     let stuffs = [
         WOOD,
@@ -80,21 +89,5 @@ fn solid(i: usize) -> (&'static str, Geometry) {
                 half_height,
             },
         ),
-    }
-}
-
-/// Four slopes about the origin.
-fn bowl(ground: &mut Object) {
-    const SLOPE: f64 = 0.7;
-    let half = DVec3::new(0.5, 0.1, 1.0);
-    for side in 0..4 {
-        let around = DQuat::from_rotation_y(std::f64::consts::FRAC_PI_2 * f64::from(side));
-        let tilt = DQuat::from_rotation_z(SLOPE);
-        // The upper face's inner edge lies on the floor, 25 cm from the middle.
-        let inner = DVec3::X * 0.25 - tilt * DVec3::new(-half.x, half.y, 0.0);
-        let wall = STONE
-            .shape(Geometry::Box { half })
-            .at(Pose::new(around * inner, around * tilt));
-        ground.scenery(wall.named(format!("slope_{side}")));
     }
 }

@@ -44,6 +44,14 @@ pub(super) const STONE: Stuff = Stuff {
     color: [0.62, 0.62, 0.60],
 };
 
+/// Nothing in particular: as dense as water, the default surface.
+pub(super) const PLAIN: Stuff = Stuff {
+    density: 1000.0,
+    friction: 0.5,
+    restitution: 0.0,
+    color: [0.80, 0.72, 0.55],
+};
+
 impl Stuff {
     /// A solid of it.
     pub fn shape(self, geometry: Geometry) -> Shape {
