@@ -4,9 +4,8 @@ use crate::engine::{Engine, OURS, Outcome, TIME_STEP};
 use glam::DVec3;
 use kinetarium::prelude::*;
 
-/// The solver that is measured.
-// To become `Impulse`, which piles of this size are for; `Featherstone` takes only the smallest.
-const SOLVER: SolverKind = SolverKind::Featherstone;
+/// The solver that is measured: that for piles.
+const SOLVER: SolverKind = SolverKind::Impulse;
 
 /// One world of the model.
 pub fn ours(model: &Model, threads: usize) -> Outcome<Simulation<f32>> {

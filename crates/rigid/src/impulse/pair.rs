@@ -31,6 +31,8 @@ pub mod placed {
     use crate::contacts::tables::placed_field;
     /// Centre [m].
     pub const POSITION: usize = placed_field::POSITION;
+    /// How far the shape can get within the step [m].
+    pub const WAY: usize = placed_field::WAY;
     /// Half of the box, along the world's axes, that holds it throughout the step [m].
     pub const EXTENT: usize = placed_field::WIDTH;
     /// Numbers in a row.

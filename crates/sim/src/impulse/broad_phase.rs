@@ -8,9 +8,6 @@ use rigid::impulse::Impulse;
 use rigid::impulse::pair::{Placed, placed};
 use space::{Aabb, Auto, Pair, Space, SpaceError};
 
-/// Gap [m] up to which two shapes are looked at even if nothing moves; half of it for each.
-pub(super) const MARGIN: f64 = 1e-3;
-
 /// Boxes about all shapes, and the pairs whose boxes overlap.
 #[derive(Debug, Default)]
 pub(super) struct BroadPhase {
@@ -20,7 +17,7 @@ pub(super) struct BroadPhase {
 }
 
 impl BroadPhase {
-    /// The pairs that may collide, in order.
+    /// The pairs that may collide, in order: shapes that come within `slack` [m] of each other.
     ///
     /// # Errors
     /// A shape is nowhere.
@@ -30,12 +27,13 @@ impl BroadPhase {
         filter: &CollisionFilter,
         shapes: &[Placed<T>],
         parameters: &[T],
+        slack: f64,
         found: &mut Vec<[u32; 2]>,
     ) -> Result<(), SpaceError> {
         self.boxes.clear();
         for (i, shape) in shapes.iter().enumerate() {
             let margin = impulse.margin([i as u32; 2], parameters).to_f64();
-            let grown = (0.5 * (MARGIN + margin)) as f32;
+            let grown = (0.5 * (slack + margin)) as f32;
             self.boxes.push(if impulse.shapes()[i].kind == kind::PLANE {
                 Aabb::new(Vec3::NEG_INFINITY, Vec3::INFINITY)
             } else {

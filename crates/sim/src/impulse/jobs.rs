@@ -1,10 +1,10 @@
 //! Bodies, shapes and contacts in lanes: gathered, worked on, and put back.
 
+use super::batches::Batch;
 use numbers::dispatch::Job;
 use numbers::{Cpu, Float, Lanes, PerWorld, Rows};
 use rigid::impulse::pair::{Placed, ShapeTables, place, placed, solid};
 use rigid::impulse::{BodyTables, ContactTables, body, contact, global, mass, row};
-use std::ops::Range;
 
 /// The bodies of a world while it steps; row 0 is what does not move.
 pub(super) type BodyRows<T> = Rows<T, { row::WIDTH }>;
@@ -73,9 +73,21 @@ impl<T: Float> Job for Bodies<'_, T> {
             let index = &self.index[batch * R::WIDTH..];
             let rows = self.rows;
             match self.stage {
-                BodyStage::Begin | BodyStage::Finish => {
+                BodyStage::Begin => {
                     fill::<R, { mass::WIDTH }>(&mut parameters, index, self.masses, global::WIDTH);
-                    rows.gather::<R, { row::WIDTH }>(index, 0, &mut numbers);
+                    rows.gather::<R, 3>(index, row::SPIN, &mut numbers[row::SPIN..]);
+                    rows.gather::<R, 4>(index, row::ORIENTATION, &mut numbers[row::ORIENTATION..]);
+                    rows.gather::<R, 6>(index, row::WRENCH, &mut numbers[row::WRENCH..]);
+                }
+                BodyStage::Finish => {
+                    fill::<R, { mass::WIDTH }>(&mut parameters, index, self.masses, global::WIDTH);
+                    rows.gather::<R, { row::MOVING }>(index, 0, &mut numbers);
+                    rows.gather::<R, 7>(index, row::CENTER, &mut numbers[row::CENTER..]);
+                    rows.gather::<R, 12>(
+                        index,
+                        row::ACCELERATION,
+                        &mut numbers[row::ACCELERATION..],
+                    );
                 }
                 BodyStage::Advance { .. } => {
                     rows.gather::<R, 6>(index, row::VELOCITY, &mut numbers[row::VELOCITY..]);
@@ -100,8 +112,13 @@ impl<T: Float> Job for Bodies<'_, T> {
                 BodyStage::Finish => body::finish(&mut k, &t),
             }
             match self.stage {
-                BodyStage::Begin | BodyStage::Finish => {
-                    rows.scatter::<R, { row::WIDTH }>(index, 0, &numbers);
+                BodyStage::Begin => {
+                    rows.scatter::<R, 13>(index, row::SHIFT, &numbers[row::SHIFT..]);
+                    rows.scatter::<R, 6>(index, row::ACCELERATION, &numbers[row::ACCELERATION..]);
+                }
+                BodyStage::Finish => {
+                    rows.scatter::<R, 3>(index, row::SPIN, &numbers[row::SPIN..]);
+                    rows.scatter::<R, 7>(index, row::CENTER, &numbers[row::CENTER..]);
                 }
                 BodyStage::Advance { .. } => {
                     rows.scatter::<R, 6>(index, row::VELOCITY, &numbers[row::VELOCITY..]);
@@ -174,20 +191,10 @@ pub(super) enum ContactStage {
     Bounce,
 }
 
-/// A register's worth of contacts of one colour.
-pub(super) struct Batch<'a, T> {
-    pub numbers: &'a mut [T],
-    /// Bodies A, then bodies B, a lane each; row 0 where nothing moves.
-    pub bodies: &'a [Vec<u32>; 2],
-    /// Most points that one of them has.
-    pub points: u32,
-}
-
 /// Contacts in lanes.
 pub(super) struct Contacts<'a, 'b, T: Float> {
     pub rows: &'a BodyRows<T>,
     pub batches: &'a mut [Batch<'b, T>],
-    pub range: Range<usize>,
     pub globals: &'a [T; global::WIDTH],
     pub stage: ContactStage,
 }
@@ -200,9 +207,10 @@ impl<T: Float> Job for Contacts<'_, '_, T> {
         let t = ContactTables::new();
         let parameters: [R; global::WIDTH] = spread(self.globals);
         let mut pair = [R::zero(); 2 * row::PREPARED];
-        for batch in &mut self.batches[self.range] {
+        for batch in self.batches.iter_mut() {
             for side in 0..2 {
-                let (bodies, to) = (&batch.bodies[side], &mut pair[side * row::PREPARED..]);
+                let bodies = &batch.bodies[side * R::WIDTH..];
+                let to = &mut pair[side * row::PREPARED..];
                 if matches!(self.stage, ContactStage::Prepare) {
                     self.rows.gather::<R, { row::PREPARED }>(bodies, 0, to);
                 } else {
@@ -227,7 +235,8 @@ impl<T: Float> Job for Contacts<'_, '_, T> {
             }
             if !matches!(self.stage, ContactStage::Prepare) {
                 for side in 0..2 {
-                    let (bodies, from) = (&batch.bodies[side], &pair[side * row::PREPARED..]);
+                    let bodies = &batch.bodies[side * R::WIDTH..];
+                    let from = &pair[side * row::PREPARED..];
                     self.rows.scatter::<R, 6>(bodies, row::VELOCITY, from);
                 }
             }

@@ -4,6 +4,7 @@
 //! one colour (`colours`), threads share the batches of each colour and wait for each other
 //! (`team`). Neither changes any number: what is solved side by side shares nothing.
 
+mod batches;
 mod broad_phase;
 mod colours;
 mod islands;

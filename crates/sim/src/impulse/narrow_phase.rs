@@ -5,7 +5,7 @@ use crate::jobs::{Lane, narrow_phase};
 use collide::{Route, kind};
 use numbers::{Float, Memory};
 use rayon::prelude::*;
-use rigid::impulse::pair::{PairTables, Placed};
+use rigid::impulse::pair::{PairTables, Placed, placed};
 use rigid::impulse::{Cached, Impulse};
 
 /// Tables for each pair of kinds that a model has.
@@ -19,6 +19,8 @@ pub(super) struct Scene<'a, T> {
     pub impulse: &'a Impulse,
     pub shapes: &'a [Placed<T>],
     pub parameters: &'a [T],
+    /// Gap [m] that two shapes may close besides what their motion does.
+    pub slack: T,
     pub lane: Lane,
     /// Pairs side by side.
     pub width: usize,
@@ -134,11 +136,20 @@ impl<T: Float> Scene<'_, T> {
                 };
                 let tables = group.tables;
                 tables.read(lane, width, scratch.scalars(), &mut contact);
-                if contact.count > 0 {
+                if self.matters(&contact) {
                     found.push((*place, contact));
                 }
             }
         }
         found
+    }
+
+    /// Whether any of a contact's points could close within the step.
+    fn matters(&self, contact: &Cached<T>) -> bool {
+        let [a, b] = contact.shapes.map(|s| &self.shapes[s as usize]);
+        let reach = a.placed[placed::WAY] + b.placed[placed::WAY] + self.slack;
+        contact.points[..contact.count]
+            .iter()
+            .any(|p| p.gap < reach)
     }
 }

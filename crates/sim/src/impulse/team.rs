@@ -46,11 +46,11 @@ impl Barrier {
 }
 
 /// Runs `work` with each of the shares, one a thread of the current pool, all at once.
-pub(super) fn together<S: Send>(shares: Vec<S>, work: impl Fn(&Barrier, usize, S) + Sync) {
+pub(super) fn together<S: Send>(shares: Vec<S>, work: impl Fn(&Barrier, S) + Sync) {
     let barrier = Barrier::new(shares.len());
     if shares.len() == 1 {
         for share in shares {
-            work(&barrier, 0, share);
+            work(&barrier, share);
         }
         return;
     }
@@ -61,7 +61,7 @@ pub(super) fn together<S: Send>(shares: Vec<S>, work: impl Fn(&Barrier, usize, S
             .get(member)
             .and_then(|share| share.lock().ok()?.take());
         if let Some(share) = share {
-            work(&barrier, member, share);
+            work(&barrier, share);
         }
     });
 }

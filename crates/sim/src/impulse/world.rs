@@ -1,14 +1,16 @@
 //! One step of one world, stage by stage.
 
 use super::Piles;
-use super::broad_phase::{BroadPhase, MARGIN};
+use super::batches::Lanes;
+use super::broad_phase::BroadPhase;
 use super::colours::Colours;
 use super::islands::{Islands, SLEEP_AFTER};
 use super::jobs::{Bodies, BodyRows, BodyStage, Shapes};
 use super::narrow_phase::Scene;
-use super::solve::{Solve, Solver};
+use super::solve::Solver;
 use crate::jobs::Lane;
 use numbers::Float;
+use rayon::prelude::*;
 use rigid::impulse::pair::{Placed, placed, solid};
 use rigid::impulse::{Cached, Impulse, State, WORLD, global, row};
 
@@ -35,7 +37,9 @@ pub(super) struct Workspace<T: Float> {
     pub contacts: Vec<Cached<T>>,
     islands: Islands,
     pub colours: Colours,
-    pub solve: Solve<T>,
+    /// Bodies and number of points of each contact.
+    pub ends: Vec<([u32; 2], usize)>,
+    pub lanes: Lanes<T>,
 }
 
 impl<T: Float> Default for Workspace<T> {
@@ -59,7 +63,8 @@ impl<T: Float> Default for Workspace<T> {
             contacts: Vec::new(),
             islands: Islands::default(),
             colours: Colours::default(),
-            solve: Solve::default(),
+            ends: Vec::new(),
+            lanes: Lanes::default(),
         }
     }
 }
@@ -92,7 +97,7 @@ impl<T: Float> World<'_, T> {
         if self.find_contacts(state, w).is_err() {
             return self.give_up(state);
         }
-        let mut solver = Solver {
+        let solver = Solver {
             impulse: &self.piles.impulse,
             parameters: self.parameters,
             lane: self.lane,
@@ -125,6 +130,18 @@ impl<T: Float> World<'_, T> {
         self.impulse().settings().substep()
     }
 
+    /// Gap [m] that two shapes may close within a step besides what their motion does: what falls
+    /// from rest, twice, and room for the pushes of others.
+    fn slack(&self) -> f64 {
+        2.0 * self.gravity() * self.length().powi(2) + NEARBY
+    }
+    /// Strength of gravity [m/s²].
+    fn gravity(&self) -> f64 {
+        let gravity = self.impulse().gravity(self.parameters);
+        let squares = gravity.iter().map(|x| x.to_f64().powi(2));
+        squares.sum::<f64>().sqrt()
+    }
+
     /// See [`global`].
     fn globals(&self) -> [T; global::WIDTH] {
         let (long, steps) = (
@@ -133,18 +150,13 @@ impl<T: Float> World<'_, T> {
         );
         let h = long / steps;
         let gravity = self.impulse().gravity(self.parameters);
-        let g = gravity
-            .iter()
-            .map(|x| x.to_f64().powi(2))
-            .sum::<f64>()
-            .sqrt();
         let mut globals = [T::zero(); global::WIDTH];
         for (to, x) in globals.iter_mut().zip([h, 1.0 / h, steps]) {
             *to = T::from_f64(x);
         }
         globals[global::GRAVITY..][..3].copy_from_slice(gravity);
         globals[global::PUSH_OUT] = T::from_f64(PUSH_OUT);
-        globals[global::RESTING] = T::from_f64(2.0 * g * long);
+        globals[global::RESTING] = T::from_f64(2.0 * self.gravity() * long);
         globals
     }
 
@@ -211,7 +223,6 @@ impl<T: Float> World<'_, T> {
 
     /// Parts of a list, by all threads where that is worth its while.
     fn in_shares(&self, list: &[u32], part: usize, work: impl Fn(&[u32]) + Send + Sync) {
-        use rayon::prelude::*;
         if self.team > 1 && list.len() > part {
             list.par_chunks(part).for_each(work);
         } else {
@@ -255,8 +266,9 @@ impl<T: Float> World<'_, T> {
         };
         let parameters = self.parameters;
         let found = &mut w.candidates;
+        let slack = self.slack();
         w.broad_phase
-            .find(impulse, filter, &w.placed, parameters, found)?;
+            .find(impulse, filter, &w.placed, parameters, slack, found)?;
         w.before.clear();
         if w.asleep.contains(&true) {
             let all = 0..impulse.remembered(state);
@@ -270,7 +282,7 @@ impl<T: Float> World<'_, T> {
             self.narrow_phase(w);
         }
         self.drop_sleepers(w);
-        self.recall(state, w);
+        self.recall(state, &mut w.contacts);
         Ok(())
     }
 
@@ -290,6 +302,7 @@ impl<T: Float> World<'_, T> {
             impulse: self.impulse(),
             shapes: &w.placed,
             parameters: self.parameters,
+            slack: T::from_f64(self.slack()),
             lane: self.lane,
             width: self.width(),
             threads: self.team > 1,
@@ -333,7 +346,7 @@ impl<T: Float> World<'_, T> {
     fn reaches(&self, w: &Workspace<T>, contact: &Cached<T>, body: u32) -> bool {
         let way = |axis: usize| w.rows.load(body as usize, row::VELOCITY + axis).to_f64();
         let speed = (0..3).map(|i| way(i).powi(2)).sum::<f64>().sqrt();
-        let reach = speed * self.length() + 0.1 * MARGIN;
+        let reach = speed * self.length() + NEARBY;
         contact.points[..contact.count]
             .iter()
             .any(|p| p.gap.to_f64() < reach)
@@ -365,22 +378,41 @@ impl<T: Float> World<'_, T> {
         w.contacts.retain(|contact| !disturbs(contact));
     }
 
-    /// Gives the contacts the impulses that their points had before. Both lists are in order.
-    fn recall(&self, state: &[T], w: &mut Workspace<T>) {
+    /// Gives the contacts the impulses that their points had before.
+    fn recall(&self, state: &[T], contacts: &mut [Cached<T>]) {
+        if self.team == 1 || contacts.len() < MANY * self.team {
+            return self.recall_run(state, contacts);
+        }
+        let part = contacts.len().div_ceil(self.team);
+        let parts = contacts.par_chunks_mut(part);
+        parts.for_each(|part| self.recall_run(state, part));
+    }
+
+    /// The same for a run of them. Both lists are in order.
+    fn recall_run(&self, state: &[T], contacts: &mut [Cached<T>]) {
         let impulse = self.impulse();
-        let (mut next, all) = (0, impulse.remembered(state));
-        for contact in &mut w.contacts {
+        let all = impulse.remembered(state);
+        let place = |i: usize| ordered(impulse.recall(i, state).shapes());
+        let first = contacts.first().map_or([0; 2], |c| ordered(c.shapes));
+        let (mut next, mut end) = (0, all);
+        while next < end {
+            let middle = usize::midpoint(next, end);
+            if place(middle) < first {
+                next = middle + 1;
+            } else {
+                end = middle;
+            }
+        }
+        for contact in contacts {
             let key = ordered(contact.shapes);
-            while next < all {
-                let old = impulse.recall(next, state);
-                let place = ordered(old.shapes());
-                if place > key {
-                    break;
-                }
-                if place == key {
-                    let size = contact.shapes.map(|s| self.radius(s as usize));
-                    old.warm(contact, SAME_PLACE * size[0].max(size[1]));
-                }
+            while next < all && place(next) < key {
+                next += 1;
+            }
+            if next < all && place(next) == key {
+                let [a, b] = contact.shapes.map(|s| self.radius(s as usize));
+                impulse
+                    .recall(next, state)
+                    .warm(contact, SAME_PLACE * a.max(b));
                 next += 1;
             }
         }
@@ -478,11 +510,13 @@ impl<T: Float> World<'_, T> {
     }
 }
 
+/// Gap [m] at which two shapes touch even if nothing moves.
+const NEARBY: f64 = 1e-4;
 /// Nothing is farther from the origin [m].
 const FARTHEST: f64 = 1e9;
 /// Points nearer than this share of the larger shape's radius, of one pair, are the same.
 const SAME_PLACE: f64 = 0.05;
-/// Registers of bodies that a thread takes at a time.
+/// Registers of bodies, or contacts, that are worth another thread.
 const MANY: usize = 16;
 
 fn ordered([a, b]: [u32; 2]) -> [u32; 2] {

@@ -1,0 +1,160 @@
+//! Contacts from their records into lanes, and back.
+
+use numbers::{Float, Memory};
+use rigid::impulse::{
+    Cached, CachedPoint, ContactTables, Impulse, POINTS, contact, manifold, point,
+};
+
+/// Memory for contacts in lanes; kept from step to step, its contents are not.
+pub(super) struct Lanes<T> {
+    numbers: Memory<T>,
+    /// Bodies A, then bodies B, of each batch.
+    bodies: Vec<u32>,
+}
+
+impl<T: Float> Default for Lanes<T> {
+    fn default() -> Self {
+        Self {
+            numbers: Memory::new(0, 1, 1),
+            bodies: Vec::new(),
+        }
+    }
+}
+
+/// A register's worth of contacts of one colour.
+pub(super) struct Batch<'a, T> {
+    pub numbers: &'a mut [T],
+    /// Bodies A, then bodies B, a lane each; row 0 where nothing moves.
+    pub bodies: &'a mut [u32],
+    /// Which contacts these are.
+    pub members: &'a [u32],
+    /// Most points that one of them has.
+    pub points: u32,
+}
+
+impl<T: Float> Lanes<T> {
+    /// Room for so many batches of `width` contacts.
+    pub fn make_room(&mut self, batches: usize, width: usize) {
+        let (lanes, length) = (batches * width, ContactTables::new().length);
+        let fits = self.numbers.width() == width && self.numbers.length() == length;
+        if !fits || self.numbers.worlds() < lanes {
+            self.numbers = Memory::new(lanes + lanes / 4 + width, length, width);
+        }
+        self.bodies.resize(2 * lanes.max(self.bodies.len() / 2), 0);
+    }
+
+    /// The batches, each with its contacts, and still to be filled.
+    pub fn batches<'a>(
+        &'a mut self,
+        members: impl Iterator<Item = &'a [u32]>,
+        width: usize,
+    ) -> impl Iterator<Item = Batch<'a, T>> {
+        let block = self.numbers.block_size();
+        let numbers = self.numbers.scalars_mut().chunks_exact_mut(block);
+        let bodies = self.bodies.chunks_exact_mut(2 * width);
+        let rooms = numbers.zip(bodies).zip(members);
+        rooms.map(|((numbers, bodies), members)| Batch {
+            numbers,
+            bodies,
+            members,
+            points: 0,
+        })
+    }
+
+    /// Takes back the impulses of a batch.
+    pub fn read(&self, batch: usize, members: &[u32], contacts: &mut [Cached<T>]) {
+        let t = ContactTables::new();
+        let (numbers, width) = (self.numbers.block(batch), self.numbers.width());
+        for (lane, contact) in members.iter().enumerate() {
+            let contact = &mut contacts[*contact as usize];
+            let get = |at: usize| numbers[at * width + lane];
+            for axis in 0..3 {
+                contact.drag[axis] = get(t.manifold.at(0, manifold::DRAG + axis));
+                contact.twist[axis] = get(t.manifold.at(0, manifold::TWIST + axis));
+            }
+            for (i, p) in contact.points[..contact.count].iter_mut().enumerate() {
+                p.impulse = get(t.point.at(i, point::IMPULSE));
+            }
+        }
+    }
+}
+
+impl<T: Float> Batch<'_, T> {
+    /// Writes the contacts into their lanes; tells whether any of them can bounce.
+    pub fn fill(&mut self, impulse: &Impulse, parameters: &[T], contacts: &[Cached<T>]) -> bool {
+        let width = self.bodies.len() / 2;
+        let mut bounces = false;
+        self.bodies.fill(0);
+        self.points = 0;
+        for (lane, &member) in self.members.iter().enumerate() {
+            let contact = &contacts[member as usize];
+            for (side, shape) in contact.shapes.into_iter().enumerate() {
+                self.bodies[side * width + lane] = impulse.shapes()[shape as usize].row;
+            }
+            self.points = self.points.max(contact.count as u32);
+            let mut row = Lane {
+                numbers: self.numbers,
+                width,
+                lane,
+            };
+            bounces |= row.write(impulse, parameters, contact);
+        }
+        bounces
+    }
+}
+
+/// A lane of a batch.
+struct Lane<'a, T> {
+    numbers: &'a mut [T],
+    width: usize,
+    lane: usize,
+}
+
+impl<T: Float> Lane<'_, T> {
+    fn put(&mut self, at: usize, x: &[T]) {
+        for (i, x) in x.iter().enumerate() {
+            self.numbers[(at + i) * self.width + self.lane] = *x;
+        }
+    }
+
+    /// Writes a contact; tells whether it can bounce.
+    fn write(&mut self, impulse: &Impulse, parameters: &[T], contact: &Cached<T>) -> bool {
+        let t = ContactTables::new();
+        let surface = impulse.surface(contact.shapes, parameters);
+        let coefficients = [
+            surface.friction,
+            surface.restitution,
+            surface.torsion,
+            surface.rolling,
+            surface.spring[0],
+            surface.spring[1],
+            surface.settling,
+        ];
+        let at = |field| t.manifold.at(0, field);
+        self.put(at(manifold::NORMAL), &contact.normal);
+        for (i, x) in coefficients.into_iter().enumerate() {
+            self.put(at(manifold::FRICTION + i), &[T::from_f64(x)]);
+        }
+        self.put(at(manifold::DRAG), &contact.drag);
+        self.put(at(manifold::TWIST), &contact.twist);
+        for i in 0..POINTS {
+            self.write_point(&t, contact, i);
+        }
+        surface.restitution > 0.0
+    }
+
+    /// Points that are not lie where the first does, but far apart: they give nothing.
+    fn write_point(&mut self, t: &ContactTables, contact: &Cached<T>, i: usize) {
+        let at = |field| t.point.at(i, field);
+        let mut p = CachedPoint {
+            gap: T::from_f64(contact::NOWHERE),
+            impulse: T::zero(),
+            ..contact.points[0]
+        };
+        if i < contact.count {
+            p = contact.points[i];
+        }
+        self.put(at(point::ARM_A), &p.position);
+        self.put(at(point::GAP), &[p.gap, p.impulse]);
+    }
+}
