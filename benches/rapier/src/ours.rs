@@ -9,11 +9,12 @@ const SOLVER: SolverKind = SolverKind::Impulse;
 
 /// One world of the model.
 pub fn ours(model: &Model, threads: usize) -> Outcome<Simulation<f32>> {
-    let settings = SimulationSettings {
+    let mut settings = SimulationSettings {
         solver: SOLVER,
         threads,
         ..SimulationSettings::new(1, TIME_STEP)
     };
+    settings.step.sleep_speed = 0.0;
     Ok(Simulation::new(model.clone(), settings)?)
 }
 

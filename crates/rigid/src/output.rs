@@ -37,7 +37,8 @@ pub mod total {
     pub const MOMENTUM: usize = 2;
     /// Angular momentum [kg·m²/s] about the world's origin, 3.
     pub const ANGULAR_MOMENTUM: usize = 5;
-    /// How often a force or displacement cap has bitten since the world was reset; `xpbd` only.
+    /// How often a force or displacement cap has bitten since the world was reset, with `xpbd`; how
+    /// many contacts there was no room to remember, with `impulse`.
     pub const CAPPED: usize = 8;
     /// Numbers in the row.
     pub const WIDTH: usize = 9;

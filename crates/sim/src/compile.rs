@@ -8,6 +8,7 @@ use crate::impulse::Piles;
 use crate::{SimulationSettings, SolverKind};
 use model::{CollisionFilter, Model};
 use numbers::Float;
+use rigid::impulse::suits;
 use rigid::{Featherstone, InputTables, SolverError, TouchingFeatherstone, TouchingXpbd, Xpbd};
 use std::any::Any;
 
@@ -85,6 +86,7 @@ fn double(model: &Model, settings: &SimulationSettings) -> Made<f64> {
 
 fn engine<T: Float>(model: &Model, settings: &SimulationSettings) -> Made<T> {
     let kind = match settings.solver {
+        SolverKind::Auto if settings.contacts && suits(model) => SolverKind::Impulse,
         SolverKind::Auto if model.is_tree() => SolverKind::Featherstone,
         SolverKind::Auto => SolverKind::Xpbd,
         named => named,

@@ -7,14 +7,15 @@ use rigid::Settings;
 /// Which solver advances the worlds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum SolverKind {
-    /// `featherstone` for trees, `xpbd` otherwise.
+    /// `impulse` for several bodies that are free and touch, `featherstone` for other trees, `xpbd`
+    /// otherwise.
     #[default]
     Auto,
     /// Reduced coordinates: accurate, no drift; trees only.
     Featherstone,
     /// Maximal coordinates: robust; loops and compliance.
     Xpbd,
-    /// Sequential impulses: free bodies by the thousand, in piles.
+    /// Sequential impulses: free bodies by the thousand, in piles. Several threads can share a world.
     Impulse,
 }
 
@@ -101,6 +102,12 @@ impl SimulationSettings {
         }
         if s.iterations == 0 || s.iterations > 10_000 {
             return refuse("iterations", s.iterations as f64, "from 1 to 10000");
+        }
+        if s.contact_iterations == 0 && self.solver == SolverKind::Impulse {
+            return refuse("contact iterations", 0.0, "at least 1 with `impulse`");
+        }
+        if !(0.0..=1e9).contains(&s.sleep_speed) {
+            return refuse("sleep speed", s.sleep_speed, "from 0 to 1e9, in m/s");
         }
         if !(s.speed_limit > 0.0 && s.speed_limit <= 1e9) {
             return refuse("speed limit", s.speed_limit, "above zero and at most 1e9");

@@ -412,7 +412,7 @@ impl<T: Float> Simulation<T> {
             single: self.settings.scalar || (self.state.width() == 1 && !engine.shares_a_world()),
         };
         let threads = self.pool.current_num_threads();
-        let shared_world = engine.shares_a_world() && self.state.blocks() < threads;
+        let shared_world = engine.shares_a_world() && self.state.blocks() == 1;
         let team = if shared_world { threads } else { 1 };
         let (input, parameters) = (&self.input, &self.parameters);
         let shared = self.own.is_empty();

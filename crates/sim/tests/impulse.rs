@@ -279,8 +279,12 @@ fn elastic_spheres_part_by_the_law_of_collisions() {
             "{offset}: {first} for {ideal}"
         );
         assert!((outputs.momentum(0) - before.0).length() < 1e-12);
+        // The arms meet in one point, which wanders by a step's way: second order in H v / r.
         let energy = outputs.kinetic_energy(0) / before.1 - 1.0;
-        assert!(energy.abs() < 1e-4, "{offset}: {energy}");
+        assert!(
+            energy.abs() < (2.0 * STEP / r).powi(2),
+            "{offset}: {energy}"
+        );
     }
 }
 
@@ -365,6 +369,42 @@ fn a_surface_in_newtons_per_metre_is_a_spring() {
     assert!((sunk(&mut sim) - rest).abs() < 1e-6 * rest);
 }
 
+/// Without a damper a spring gives back what it took: to first order in h ω, 3 % here.
+#[test]
+fn a_spring_gives_back_what_it_took() {
+    let material = Material {
+        softness: Softness::Spring {
+            stiffness: 2000.0,
+            damping: 0.0,
+        },
+        ..smooth()
+    };
+    let ball = Shape::new(Geometry::Sphere { radius: 0.1 });
+    for phase in 0..5 {
+        let height = 0.3 + 1e-3 * f64::from(phase);
+        let (model, _) = on_plane(ball.clone(), height, 0.0, material);
+        let mut sim = simulate::<f64>(model);
+        let mut top = 0.0_f64;
+        let mut fallen = false;
+        for _ in 0..400 {
+            sim.step(1);
+            let (y, v) = {
+                let outputs = sim.outputs();
+                (
+                    outputs.body_position(0, body()).y,
+                    outputs.body_velocity(0, body()).y,
+                )
+            };
+            fallen |= v > 0.0;
+            if fallen {
+                top = top.max(y - 0.1);
+            }
+        }
+        let back = top / (height - 0.1);
+        assert!(back > 0.9 && back < 1.0, "{back} of {height}");
+    }
+}
+
 /// A bullet through paper: a ball of 2 cm at 100 m/s, and a sheet of 1 mm.
 #[test]
 fn a_bullet_hits_a_thin_wall() {
@@ -402,6 +442,173 @@ fn a_deep_overlap_comes_apart_without_an_explosion() {
     let depth = outputs.contacts(0).map(|c| -c.distance).fold(0.0, f64::max);
     assert!(depth < 1e-3, "{depth}");
     assert!(fastest < 1.0, "{fastest} m/s");
+}
+
+/// A tower with sleep, and a way to see it: what sleeps has no speed at all.
+fn sleeping_tower() -> Simulation<f32> {
+    let mut settings = settings();
+    settings.step.sleep_speed = 0.01;
+    let mut sim = Simulation::new(model::examples::tower(4, 0.0).unwrap(), settings).unwrap();
+    sim.step(600);
+    assert!((0..4).all(|i| sim.outputs().body_velocity(0, BodyId(i)) == DVec3::ZERO));
+    sim
+}
+
+#[test]
+fn a_tower_sleeps_with_its_contacts_and_its_weight() {
+    let mut sim = sleeping_tower();
+    let before = sim.outputs().body_position(0, BodyId(3));
+    let weight = sim.model().total_mass() * G;
+    sim.step(500);
+    let outputs = sim.outputs();
+    assert_eq!(outputs.body_position(0, BodyId(3)), before);
+    assert_eq!(outputs.contacts(0).count(), 16);
+    let lowest = outputs.contacts(0).filter(|c| c.position.y < 0.01);
+    let force: f64 = lowest.map(|c| c.force.y).sum();
+    assert!(
+        (force - weight).abs() < 0.01 * weight,
+        "{force} of {weight}"
+    );
+    assert_eq!(sim.outputs().joint_acceleration(0), [0.0; 24]);
+}
+
+/// A force on the top box, however small, wakes all; this one lifts it.
+#[test]
+fn a_force_wakes_a_tower() {
+    let mut sim = sleeping_tower();
+    let top = BodyId(3);
+    let weight = sim.model().bodies[3].mass * G;
+    let up = sim
+        .model()
+        .dof_range(sim.model().carrier(top).unwrap())
+        .start
+        + 1;
+    let start = sim.outputs().body_position(0, top);
+    sim.controls().set_dof_force(0, up, 1.05 * weight).unwrap();
+    sim.step(250);
+    let risen = sim.outputs().body_position(0, top).y - start.y;
+    let ideal = 0.5 * 0.05 * G * 0.25;
+    assert!((risen - ideal).abs() < 0.02 * ideal, "{risen} for {ideal}");
+}
+
+/// What falls onto a sleeping tower wakes it.
+#[test]
+fn a_touch_wakes_a_tower() {
+    let mut parts = model::examples::tower(4, 0.0).unwrap().into_parts();
+    let mut last = parts.bodies[3].clone();
+    last.name = "late".into();
+    last.pose = Pose::at(DVec3::new(0.04, 6.0, 0.0));
+    let mut shape = parts.shapes.last().unwrap().clone();
+    shape.body = Some(BodyId(4));
+    parts.bodies.push(last);
+    parts.shapes.push(shape);
+    let mut settings = settings();
+    settings.step.sleep_speed = 0.01;
+    let model = Model::new(parts).unwrap();
+    let mut sim = Simulation::<f32>::new(model, settings).unwrap();
+    sim.step(500);
+    let top = BodyId(3);
+    assert_eq!(sim.outputs().body_velocity(0, top), DVec3::ZERO);
+    sim.step(80);
+    assert!(sim.outputs().body_velocity(0, top).length() > 0.1);
+}
+
+/// Nothing sleeps that rests on nothing.
+#[test]
+fn what_drifts_slowly_goes_on_drifting() {
+    let mut world = Builder::new("space");
+    world.gravity(DVec3::ZERO);
+    world.object("things").body("thing").shape(cube());
+    let mut settings = settings();
+    settings.step.sleep_speed = 0.01;
+    let mut sim = Simulation::<f64>::new(world.build().unwrap(), settings).unwrap();
+    set_velocities(&mut sim, &[1e-3, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    sim.step(5000);
+    let x = sim.outputs().body_position(0, body()).x;
+    assert!((x - 0.01).abs() < 1e-9, "{x}");
+}
+
+/// A world that diverges stops; its neighbours, which use the same workspace after it, do not notice.
+#[test]
+fn a_lost_world_harms_no_other() {
+    let tower = || model::examples::tower(3, 0.01).unwrap();
+    let mut alone = simulate::<f32>(tower());
+    alone.step(100);
+    let expected = alone.outputs().joint_position(0);
+
+    let mut settings = settings();
+    settings.worlds = 3;
+    let mut sim = Simulation::<f32>::new(tower(), settings).unwrap();
+    let position = sim.outputs().joint_position(1);
+    let mut velocity = [0.0; 18];
+    velocity[3] = 5e8;
+    sim.set_joint_state(1, &position, &velocity).unwrap();
+    let lost = sim.step(100).to_vec();
+    assert_eq!(lost.iter().map(|d| d.world).collect::<Vec<_>>(), [1]);
+    for world in [0, 2] {
+        assert_eq!(
+            sim.outputs().joint_position(world),
+            expected,
+            "world {world}"
+        );
+    }
+    sim.reset(&[1]).unwrap();
+    sim.step(100);
+    assert_eq!(sim.outputs().joint_position(1), expected);
+}
+
+/// Two cubes whose pair keeps 5 cm apart, which neither would by itself.
+#[test]
+fn a_pair_keeps_its_margin() {
+    let mut parts = model::examples::tower(2, 0.06).unwrap().into_parts();
+    let id = |i: usize| model::ShapeId(parts.shapes.len() - 2 + i);
+    parts.contact_pairs = vec![model::ContactPair {
+        shapes: (id(0), id(1)),
+        material: Material {
+            margin: 0.05,
+            ..Material::default()
+        },
+    }];
+    let mut sim = simulate::<f32>(Model::new(parts).unwrap());
+    sim.step(500);
+    let mut heights = [0.0; 2];
+    for (i, y) in heights.iter_mut().enumerate() {
+        *y = sim.outputs().body_position(0, BodyId(i)).y;
+    }
+    let gap = heights[1] - heights[0] - 0.1;
+    assert!((gap - 0.05).abs() < 1e-4, "{gap}");
+}
+
+#[test]
+fn nothing_at_all_is_simulated() {
+    let mut world = Builder::new("ground");
+    world.object("ground").scenery(Shape::new(PLANE));
+    let mut sim = simulate::<f32>(world.build().unwrap());
+    assert!(sim.step(10).is_empty());
+    assert_eq!(sim.outputs().contacts(0).count(), 0);
+}
+
+#[test]
+fn settings_without_sense_are_refused() {
+    let mut settings = settings();
+    settings.step.contact_iterations = 0;
+    let model = || model::examples::tower(1, 0.0).unwrap();
+    let error = Simulation::<f32>::new(model(), settings)
+        .unwrap_err()
+        .to_string();
+    assert_eq!(
+        error,
+        "contact iterations is 0: it must be at least 1 with `impulse`"
+    );
+    settings.step.contact_iterations = 8;
+    settings.step.sleep_speed = f64::NAN;
+    let error = Simulation::<f32>::new(model(), settings)
+        .unwrap_err()
+        .to_string();
+    assert_eq!(
+        error,
+        "sleep speed is NaN: it must be from 0 to 1e9, in m/s"
+    );
 }
 
 #[test]

@@ -16,6 +16,7 @@ use numbers::{Machine, Quat, SymMat3, Vec3};
 pub fn begin<M: Machine>(k: &mut M, t: &BodyTables) {
     let only = k.index(0);
     let q = k.quat(t.body, only, row::ORIENTATION);
+    let moving: [M::R; 6] = k.read(t.body, only, row::VELOCITY);
     let m = k.load(t.mass, only, mass::INVERSE);
     let inverse_moments = k.vec3(t.mass, only, mass::INVERSE_MOMENTS);
     let i = SymMat3::rotated_diagonal(q.to_mat3(), inverse_moments);
@@ -25,6 +26,7 @@ pub fn begin<M: Machine>(k: &mut M, t: &BodyTables) {
     let force = k.vec3(t.body, only, row::WRENCH);
     let torque = k.vec3(t.body, only, row::WRENCH + 3);
     let gravity = k.vec3(t.global, only, global::GRAVITY);
+    k.write(t.body, only, row::FREE, moving);
     k.store_vec3(t.body, only, row::SHIFT, Vec3::zero());
     k.store_vec3(t.body, only, row::TURN, Vec3::zero());
     k.store(t.body, only, row::INVERSE_MASS, m);

@@ -16,7 +16,8 @@
 //! ```
 //!
 //! which is a spring k with a damper c, implicit in time (Catto, *Soft Constraints*, 2011). Surfaces
-//! in N/m are that spring, and are left alone when relaxing. All others do not give way: k is the
+//! in N/m are that spring, which what is apart may reach within the small step as well (n·u + C/h +
+//! γ λ ≥ 0), and are left alone when relaxing. All others do not give way: k is the
 //! stiffest that small steps can follow, c = T k makes an overlap close with the time constant T, and
 //! when relaxing β and γ are zero, so that what was pushed apart keeps no speed from it. Friction
 //! follows, for the contact as a whole ([`friction`](super::friction)).
@@ -275,11 +276,15 @@ fn prepare_points<M: Machine>(
         let damping = h.fma(stiffness, damping).max(tiny);
         let u = velocity_at(motions[1], arms[1]) - velocity_at(motions[0], arms[0]);
         let spread = (at - middle).length();
-        let impulse = k.load(t.point, i, point::IMPULSE);
         let softness = (h * damping).recip();
         k.store_vec3(t.point, i, point::ARM_A, arms[0]);
         k.store_vec3(t.point, i, point::ARM_B, arms[1]);
-        k.write(t.point, i, point::SPREAD, [spread, impulse, normal.dot(u)]);
+        k.write(
+            t.point,
+            i,
+            point::SPREAD,
+            [spread, M::R::zero(), normal.dot(u)],
+        );
         let numbers = [compliance, stiffness / damping, softness];
         k.write(t.point, i, point::COMPLIANCE, numbers);
     }
@@ -317,6 +322,7 @@ pub fn solve<M: Machine>(k: &mut M, t: &ContactTables, pushing: M::R) {
     let gives = k
         .load(t.manifold, only, manifold::SETTLING)
         .le(M::R::zero());
+    let unbounded = M::R::lit(1e30);
     let pushes = pushing.gt(M::R::zero());
     let stays = gives & !pushes;
     let turns = [
@@ -337,9 +343,10 @@ pub fn solve<M: Machine>(k: &mut M, t: &ContactTables, pushing: M::R) {
         let [compliance, bias, softness] = k.read(t.point, i, point::COMPLIANCE);
         let gap = gap + (nearer + normal.dot(tilt));
         let apart = gap.gt(M::R::zero());
-        let wanted = (bias * gap).max(-push_out) * pushing;
-        let wanted = M::R::select(apart, gap * rate, wanted);
-        let soft = M::R::select(apart, M::R::zero(), softness * pushing);
+        let pushed = (bias * gap).max(M::R::select(gives, -unbounded, -push_out)) * pushing;
+        let wanted = M::R::select(apart, gap * rate, pushed);
+        let hard = M::R::select(gives, softness, M::R::zero());
+        let soft = M::R::select(apart, hard, softness * pushing);
         let residual = soft.fma(old, normal.dot(pair.velocity(arms)) + wanted);
         let new = (old - residual / (compliance + soft)).max(M::R::zero());
         let new = M::R::select(stays, old, new);

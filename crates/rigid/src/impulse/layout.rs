@@ -1,7 +1,7 @@
 //! A model of free bodies as tables, and the numbers of its worlds.
 
 use super::pair::solid;
-use super::tables::{POINTS, mass};
+use super::tables::{POINTS, global, mass};
 use crate::contacts::tables as contact_tables;
 use crate::input::InputTables;
 use crate::output::body;
@@ -22,12 +22,18 @@ pub(super) const NAME: &str = "impulse";
 /// Row of what does not move.
 pub const WORLD: u32 = 0;
 
+/// Fastest separation of surfaces that overlap [m/s].
+const PUSH_OUT: f64 = 3.0;
+
+/// What meets no faster than it falls in so many steps does not bounce.
+const RESTING: f64 = 2.0;
+
 /// Contacts that a world remembers from step to step, for each body that moves. Sixteen more for
 /// small models.
 const REMEMBERED: usize = 6;
 
 /// Fields of a body's state.
-pub(super) mod state {
+pub mod state {
     /// Centre of mass [m].
     pub const CENTER: usize = 0;
     /// Orientation of the principal axes.
@@ -38,6 +44,7 @@ pub(super) mod state {
     pub const BEFORE: usize = 13;
     /// For how long [s] the body has been slow.
     pub const REST: usize = 19;
+    /// Numbers in a row.
     pub const WIDTH: usize = 20;
 }
 
@@ -56,6 +63,7 @@ mod memory {
 
 /// Fields of a surface.
 mod surface {
+    pub const MARGIN: usize = 4;
     pub const SOFTNESS: usize = 5;
     pub const COMBINE: usize = 9;
     pub const WIDTH: usize = 10;
@@ -134,6 +142,8 @@ pub struct Impulse {
     pub(super) alive: Table<StateMemory>,
     pub(super) state: Table<StateMemory, { state::WIDTH }>,
     remembered: Table<StateMemory>,
+    /// How many contacts there was no room for, since the world was reset.
+    forgotten: Table<StateMemory>,
     memory: Table<StateMemory, { memory::WIDTH }>,
     capacity: usize,
     state_length: usize,
@@ -174,6 +184,14 @@ fn unsupported(what: &'static str, name: &str, remedy: &'static str) -> SolverEr
         name: name.to_owned(),
         remedy,
     }
+}
+
+/// Whether a model is what this solver is for: several bodies, all of them free.
+pub fn suits(model: &Model) -> bool {
+    let moving = model.bodies.iter().filter(|b| b.kind == BodyKind::Dynamic);
+    let solid = |shape: &model::Shape| contact_tables::solid(shape, NAME).is_ok();
+    let mut touching = model.shapes.iter().filter(|shape| shape.collides);
+    moving.take(2).count() == 2 && check(model).is_ok() && touching.all(solid)
 }
 
 /// Refuses all but bodies that are free.
@@ -245,9 +263,10 @@ impl Impulse {
             alive: Table::place(&mut state_length, 1),
             state: Table::place(&mut state_length, bodies.len() + 1),
             remembered: Table::place(&mut state_length, 1),
+            forgotten: Table::place(&mut state_length, 1),
             memory: Table::place(&mut state_length, capacity),
             capacity,
-            state_length,
+            state_length: 0,
             input: InputTables::new(model),
             output: OutputTables::new(model).with_found_contacts(capacity * POINTS),
             settings: *settings,
@@ -300,13 +319,39 @@ impl Impulse {
             let row = self.shapes.len() + i;
             f.numbers(self.surface, row, 0, &surface_numbers(&pair.material));
         }
-        self.links = self
-            .shapes
-            .iter()
-            .flat_map(|s| [s.row, s.kind as u32])
-            .collect();
+        self.links = self.structure(model);
         self.parameters = f.parameters;
         Ok(())
+    }
+
+    /// All that two worlds must have in common besides where their numbers lie: who carries which
+    /// shape, what may touch what, where free joints are.
+    fn structure(&self, model: &Model) -> Vec<u32> {
+        let mut words = Vec::new();
+        for collider in &self.shapes {
+            let shape = &model.shapes[collider.shape.0];
+            words.extend([collider.row, collider.kind as u32, collider.shape.0 as u32]);
+            words.extend([shape.membership, shape.collides_with]);
+        }
+        for body in &model.bodies {
+            words.extend([body.group as u32, body.world as u32]);
+        }
+        for (a, b) in &model.exclusions {
+            words.extend([a.map_or(u32::MAX, |a| a.0 as u32), b.0 as u32]);
+        }
+        for pair in &model.contact_pairs {
+            words.extend([pair.shapes.0.0 as u32, pair.shapes.1.0 as u32]);
+        }
+        for frame in self
+            .free
+            .iter()
+            .flat_map(|f| [f.parent_frame, f.child_frame])
+        {
+            let (p, q) = (frame.position.to_array(), frame.orientation.to_array());
+            let bits = p.into_iter().chain(q).map(f64::to_bits);
+            words.extend(bits.flat_map(|x| [x as u32, (x >> 32) as u32]));
+        }
+        words
     }
 
     /// The solver's name.
@@ -366,6 +411,7 @@ impl Impulse {
     pub fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
         self.take_over(&self.tree.bodies(position, velocity), state);
         state[self.remembered.at(0, 0)] = 0.0;
+        state[self.forgotten.at(0, 0)] = 0.0;
     }
     /// Takes over bodies that stood and moved so, 13 numbers each: see [`body`].
     pub fn take_over(&self, bodies: &[f64], state: &mut [f64]) {
@@ -391,6 +437,32 @@ impl Impulse {
         }
     }
 
+    /// Strength of gravity [m/s²].
+    pub fn weight<T: Float>(&self, parameters: &[T]) -> f64 {
+        let squares = self.gravity(parameters).iter().map(|x| x.to_f64().powi(2));
+        squares.sum::<f64>().sqrt()
+    }
+    /// The constants of a step: see [`global`].
+    pub fn globals<T: Float>(&self, parameters: &[T]) -> [T; global::WIDTH] {
+        let (long, steps) = (
+            self.settings.substep(),
+            self.settings.contact_iterations as f64,
+        );
+        let [x, y, z] = [0, 1, 2].map(|i| self.gravity(parameters)[i].to_f64());
+        let resting = RESTING * self.weight(parameters) * long;
+        [
+            long / steps,
+            steps / long,
+            steps,
+            x,
+            y,
+            z,
+            PUSH_OUT,
+            resting,
+        ]
+        .map(T::from_f64)
+    }
+
     /// A body's constants: see [`mass`].
     pub fn mass_of<'a, T>(&self, row: usize, parameters: &'a [T]) -> &'a [T] {
         &parameters[self.mass.at(row, 0)..][..mass::WIDTH]
@@ -405,11 +477,19 @@ impl Impulse {
     }
     /// Gap [m] that the surfaces of two colliding shapes keep.
     pub fn margin<T: Float>(&self, shapes: [u32; 2], parameters: &[T]) -> T {
-        let of = |row| parameters[self.surface.at(row, 4)];
+        let of = |row| parameters[self.surface.at(row, surface::MARGIN)];
         match self.named(shapes) {
             Some(row) => of(row),
             None => of(shapes[0] as usize) + of(shapes[1] as usize),
         }
+    }
+
+    /// Gap [m] at which contact with a shape begins at most, be it by itself or by a pair's surface.
+    pub fn widest_margin<T: Float>(&self, shape: u32, parameters: &[T]) -> f64 {
+        let of = |row| parameters[self.surface.at(row, surface::MARGIN)].to_f64();
+        let pairs = self.paired.iter().filter(|pair| pair.0.contains(&shape));
+        let named = pairs.map(|pair| 0.5 * of(self.shapes.len() + pair.1));
+        named.fold(of(shape as usize).max(0.0), f64::max)
     }
 
     /// Row of the surface that the model gives to a pair.
@@ -483,23 +563,29 @@ impl Impulse {
     pub fn recall<'a, T: Float>(&self, i: usize, state: &'a [T]) -> Recalled<'a, T> {
         Recalled(&state[self.memory.at(i, 0)..][..memory::WIDTH])
     }
-    /// Remembers contacts, as many as there is room for.
-    pub fn remember<T: Float>(&self, contacts: &[Cached<T>], state: &mut [T]) {
+    /// How many contacts there was no room for, since the world was reset.
+    pub fn forgotten<T: Float>(&self, state: &[T]) -> f64 {
+        state[self.forgotten.at(0, 0)].to_f64()
+    }
+    /// Remembers contacts, as many as there is room for: those that press, before all others.
+    pub fn remember<T: Float>(&self, contacts: &mut Vec<Cached<T>>, state: &mut [T]) {
         let count = contacts.len().min(self.capacity);
+        if count < contacts.len() {
+            let lost = &mut state[self.forgotten.at(0, 0)];
+            *lost = T::from_f64(lost.to_f64() + (contacts.len() - count) as f64);
+            contacts.sort_by_key(|contact| !contact.presses());
+            contacts.truncate(count);
+            contacts.sort_by_key(Cached::key);
+        }
         state[self.remembered.at(0, 0)] = T::from_f64(count as f64);
         for (i, contact) in contacts[..count].iter().enumerate() {
             contact.write(&mut state[self.memory.at(i, 0)..][..memory::WIDTH]);
         }
     }
-    /// Offset of a body's state: centre, orientation, velocity, spin; the last two before the last
-    /// step; for how long [s] it has been slow.
+    /// Offset of a body's [`state`].
     pub fn body_state(&self, row: usize) -> usize {
         self.state.at(row, 0)
     }
-    /// Numbers of a body's state.
-    pub const BODY_STATE: usize = state::WIDTH;
-    /// Where in a body's state the time stands for which it has been slow.
-    pub const REST: usize = state::REST;
 }
 
 /// The numbers of one world.
@@ -639,6 +725,10 @@ fn material<T: Float>(numbers: &[T]) -> Material {
     }
 }
 
+fn ordered([a, b]: [u32; 2]) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
 /// A contact in the state of a world.
 #[derive(Clone, Copy, Debug)]
 pub struct Recalled<'a, T>(&'a [T]);
@@ -648,6 +738,10 @@ impl<T: Float> Recalled<'_, T> {
     pub fn shapes(&self) -> [u32; 2] {
         let shape = |i: usize| self.0[memory::SHAPES + i].to_f64() as u32;
         [shape(0), shape(1)]
+    }
+    /// What contacts are in the order of: their shapes, the lower first.
+    pub fn key(&self) -> [u32; 2] {
+        ordered(self.shapes())
     }
     fn points(&self) -> usize {
         (self.0[memory::POINTS].to_f64() as usize).min(POINTS)
@@ -726,6 +820,15 @@ impl<T: Float> CachedPoint<T> {
 }
 
 impl<T: Float> Cached<T> {
+    /// What contacts are in the order of: their shapes, the lower first.
+    pub fn key(&self) -> [u32; 2] {
+        ordered(self.shapes)
+    }
+    /// Whether any of its points bears a load.
+    pub fn presses(&self) -> bool {
+        let loaded = |p: &CachedPoint<T>| p.impulse > T::zero();
+        self.points[..self.count].iter().any(loaded)
+    }
     fn write(&self, x: &mut [T]) {
         let whole = |n: f64| T::from_f64(n);
         x[memory::SHAPES] = whole(f64::from(self.shapes[0]));

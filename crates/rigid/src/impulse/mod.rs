@@ -40,5 +40,7 @@ pub mod pair;
 mod report;
 mod tables;
 
-pub use layout::{Cached, CachedPoint, Collider, Impulse, Recalled, State, Surface, WORLD};
+pub use layout::{
+    Cached, CachedPoint, Collider, Impulse, Recalled, State, Surface, WORLD, state, suits,
+};
 pub use tables::{BodyTables, ContactTables, POINTS, global, manifold, mass, point, row};

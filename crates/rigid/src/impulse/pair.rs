@@ -44,6 +44,8 @@ pub mod placed {
 pub struct ShapeTables {
     /// Velocity and spin of the body.
     pub motion: Table<Scratch, 6>,
+    /// Its acceleration and angular acceleration by all but contacts.
+    pub force: Table<Scratch, 6>,
     /// Its centre and orientation.
     pub pose: Table<Scratch, 7>,
     /// One row: see [`solid`].
@@ -60,6 +62,7 @@ impl ShapeTables {
         let (mut state, mut scratch, mut parameters) = (0, 0, 0);
         Self {
             motion: Table::place(&mut scratch, 1),
+            force: Table::place(&mut scratch, 1),
             pose: Table::place(&mut scratch, 1),
             global: Table::place(&mut parameters, 1),
             solid: Table::place(&mut parameters, 1),
@@ -82,11 +85,13 @@ pub fn place<M: Machine>(k: &mut M, t: &ShapeTables) {
     let body = k.pose(t.pose, only, 0);
     let pose: Pose<M::R> = body * k.pose(t.solid, only, solid::POSE);
     let (v, w) = (k.vec3(t.motion, only, 0), k.vec3(t.motion, only, 3));
-    let speed = v + w.cross(pose.p - body.p);
+    let speed = (v + w.cross(pose.p - body.p)).length();
+    let gained = k.vec3(t.force, only, 0).length() * h;
+    let spun = k.vec3(t.force, only, 3).length() * h;
     let radius = k.load(t.solid, only, solid::RADIUS);
     // What turns gets no farther than its radius lets it, however fast.
-    let turn = (w.length() * h).min(M::R::lit(2.0));
-    let way = h.fma(speed.length(), radius * turn);
+    let turn = ((w.length() + spun) * h).min(M::R::lit(2.0));
+    let way = h.fma(speed + gained, radius * turn);
     let axes = pose.q.to_mat3();
     let extent = k.vec3(t.solid, only, solid::EXTENT);
     let across = absolute(axes.y).fma(extent.y, absolute(axes.z) * extent.z);

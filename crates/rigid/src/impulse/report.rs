@@ -89,7 +89,7 @@ impl Impulse {
         put(output, at + total::KINETIC, [kinetic, potential]);
         put(output, at + total::MOMENTUM, momentum.to_array());
         put(output, at + total::ANGULAR_MOMENTUM, angular.to_array());
-        put(output, at + total::CAPPED, [0.0]);
+        put(output, at + total::CAPPED, [self.forgotten(state.state)]);
     }
 
     /// The force on the shape that moves, as impulses of the last small step.

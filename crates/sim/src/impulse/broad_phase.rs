@@ -1,7 +1,8 @@
 //! Which colliding shapes could touch within the step.
 
+use super::sleep::NEARBY;
 use collide::kind;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use model::CollisionFilter;
 use numbers::Float;
 use rigid::impulse::Impulse;
@@ -17,7 +18,7 @@ pub(super) struct BroadPhase {
 }
 
 impl BroadPhase {
-    /// The pairs that may collide, in order: shapes that come within `slack` [m] of each other.
+    /// The pairs that may collide, in order: shapes whose ways within the step meet.
     ///
     /// # Errors
     /// A shape is nowhere.
@@ -27,17 +28,15 @@ impl BroadPhase {
         filter: &CollisionFilter,
         shapes: &[Placed<T>],
         parameters: &[T],
-        slack: f64,
         found: &mut Vec<[u32; 2]>,
     ) -> Result<(), SpaceError> {
         self.boxes.clear();
         for (i, shape) in shapes.iter().enumerate() {
-            let margin = impulse.margin([i as u32; 2], parameters).to_f64();
-            let grown = (0.5 * (slack + margin)) as f32;
+            let grown = impulse.widest_margin(i as u32, parameters) + NEARBY;
             self.boxes.push(if impulse.shapes()[i].kind == kind::PLANE {
                 Aabb::new(Vec3::NEG_INFINITY, Vec3::INFINITY)
             } else {
-                around(shape).padded(grown)
+                around(shape, grown)
             });
         }
         match &mut self.space {
@@ -55,8 +54,8 @@ impl BroadPhase {
     }
 }
 
-fn around<T: Float>(shape: &Placed<T>) -> Aabb {
-    let at = |i: usize| shape.placed[i].to_f64() as f32;
-    let vec3 = |i: usize| Vec3::new(at(i), at(i + 1), at(i + 2));
-    Aabb::around(vec3(placed::POSITION), vec3(placed::EXTENT))
+fn around<T: Float>(shape: &Placed<T>, grown: f64) -> Aabb {
+    let vec3 = |at: usize| DVec3::from_array([0, 1, 2].map(|i| shape.placed[at + i].to_f64()));
+    let (center, half) = (vec3(placed::POSITION), vec3(placed::EXTENT) + grown);
+    Aabb::enclosing(center - half, center + half)
 }

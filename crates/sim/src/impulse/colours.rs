@@ -7,7 +7,7 @@
 use rigid::impulse::WORLD;
 use std::ops::Range;
 
-/// Contacts of more colours than this are solved one by one.
+/// Contacts that find no place among so many colours are solved one by one.
 const MOST: usize = 64;
 
 /// Contacts, batch by batch.
@@ -19,6 +19,8 @@ pub(super) struct Colours {
     pub batches: Vec<Range<usize>>,
     /// Of each colour: its batches.
     pub colours: Vec<Range<usize>>,
+    /// Whether the last of them is no colour, and its batches must be solved in turn.
+    pub uncoloured: bool,
     used: Vec<u64>,
     keys: Vec<u32>,
     counts: Vec<usize>,
@@ -83,32 +85,35 @@ impl Colours {
         }
     }
 
+    /// Batches of one colour and number of points each; what has no colour is one by one.
     fn cut(&mut self, width: usize) {
         self.batches.clear();
         self.colours.clear();
         let (n, mut begin) = (self.order.len(), 0);
-        let colour_of = |at: usize| self.keys[self.order[at] as usize] as usize / POINTS;
+        let key_of = |at: usize| self.keys[self.order[at] as usize];
+        let mut last = None;
         while begin < n {
-            let colour = colour_of(begin);
-            let same = (begin..n).take_while(|at| colour_of(*at) == colour);
+            let key = key_of(begin);
+            let same = (begin..n).take_while(|at| key_of(*at) == key);
             let end = begin + same.count();
+            let colour = key as usize / POINTS;
             let (width, first) = (if colour < MOST { width } else { 1 }, self.batches.len());
             let cuts = (begin..end).step_by(width);
             self.batches
                 .extend(cuts.map(|at| at..(at + width).min(end)));
-            let batches = first..self.batches.len();
-            if colour < MOST {
-                self.colours.push(batches);
-            } else {
-                self.colours.extend(batches.map(|batch| batch..batch + 1));
+            let end_of_colour = self.batches.len();
+            match self.colours.last_mut().filter(|_| last == Some(colour)) {
+                Some(batches) => batches.end = end_of_colour,
+                None => self.colours.push(first..end_of_colour),
             }
-            begin = end;
+            (last, begin) = (Some(colour), end);
         }
+        self.uncoloured = last == Some(MOST);
     }
 }
 
 /// One more than the points that a contact can have.
-const POINTS: usize = 5;
+const POINTS: usize = rigid::impulse::POINTS + 1;
 
 #[cfg(test)]
 mod tests {
@@ -120,7 +125,8 @@ mod tests {
         let contacts: Vec<_> = (2..102).map(|i| ([1, i], 1)).collect();
         let mut colours = Colours::default();
         colours.paint(&contacts, 102, 16);
-        assert_eq!(colours.colours.len(), 100);
+        assert_eq!(colours.colours.len(), MOST + 1);
+        assert!(colours.uncoloured && colours.colours[MOST].len() == 100 - MOST);
         assert!(colours.batches.iter().all(|b| b.len() == 1));
         let mut all: Vec<_> = (0..100).flat_map(|b| colours.batch(b).to_vec()).collect();
         all.sort_unstable();

@@ -1,7 +1,4 @@
-//! Bodies that touch rest together, and wake together.
-
-/// Time [s] for which all of an island must have been slow before it sleeps.
-pub(super) const SLEEP_AFTER: f64 = 0.5;
+//! Which bodies touch each other, directly or through others.
 
 /// Disjoint sets of bodies (Tarjan, 1975: union by index, path halving).
 #[derive(Debug, Default)]

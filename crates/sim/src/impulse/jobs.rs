@@ -75,7 +75,7 @@ impl<T: Float> Job for Bodies<'_, T> {
             match self.stage {
                 BodyStage::Begin => {
                     fill::<R, { mass::WIDTH }>(&mut parameters, index, self.masses, global::WIDTH);
-                    rows.gather::<R, 3>(index, row::SPIN, &mut numbers[row::SPIN..]);
+                    rows.gather::<R, 6>(index, row::VELOCITY, &mut numbers[row::VELOCITY..]);
                     rows.gather::<R, 4>(index, row::ORIENTATION, &mut numbers[row::ORIENTATION..]);
                     rows.gather::<R, 6>(index, row::WRENCH, &mut numbers[row::WRENCH..]);
                 }
@@ -114,7 +114,7 @@ impl<T: Float> Job for Bodies<'_, T> {
             match self.stage {
                 BodyStage::Begin => {
                     rows.scatter::<R, 13>(index, row::SHIFT, &numbers[row::SHIFT..]);
-                    rows.scatter::<R, 6>(index, row::ACCELERATION, &numbers[row::ACCELERATION..]);
+                    rows.scatter::<R, 12>(index, row::FREE, &numbers[row::FREE..]);
                 }
                 BodyStage::Finish => {
                     rows.scatter::<R, 3>(index, row::SPIN, &numbers[row::SPIN..]);
@@ -156,11 +156,10 @@ impl<T: Float> Job for Shapes<'_, T> {
             let index = &self.index[batch * R::WIDTH..];
             let carriers = &self.carriers[batch * R::WIDTH..];
             fill::<R, { solid::WIDTH }>(&mut parameters, index, self.solids, global::WIDTH);
-            let mut scratch = [R::zero(); 13];
-            self.rows
-                .gather::<R, 6>(carriers, row::VELOCITY, &mut scratch);
-            self.rows
-                .gather::<R, 7>(carriers, row::CENTER, &mut scratch[6..]);
+            let (rows, mut scratch) = (self.rows, [R::zero(); 19]);
+            rows.gather::<R, 6>(carriers, row::VELOCITY, &mut scratch);
+            rows.gather::<R, 6>(carriers, row::ACCELERATION, &mut scratch[6..]);
+            rows.gather::<R, 7>(carriers, row::CENTER, &mut scratch[12..]);
             let mut found = [R::zero(); placed::WIDTH];
             let mut k = Cpu {
                 state: &mut found,

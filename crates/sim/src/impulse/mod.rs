@@ -10,8 +10,10 @@ mod colours;
 mod islands;
 mod jobs;
 mod narrow_phase;
+mod sleep;
 mod solve;
 mod team;
+mod warm_start;
 mod world;
 
 use crate::SimulationSettings;
@@ -31,8 +33,6 @@ pub(crate) struct Piles<T: Float> {
     /// Which shapes may touch; none where bodies pass through each other.
     filter: Option<CollisionFilter>,
     narrow_phase: NarrowPhase,
-    /// Radius [m] of each body about its centre, by row.
-    radii: Vec<f64>,
     /// Of worlds that are not stepped just now.
     workspaces: Mutex<Vec<Workspace<T>>>,
 }
@@ -43,7 +43,6 @@ impl<T: Float> Piles<T> {
         Ok(Self {
             filter: settings.contacts.then(|| CollisionFilter::new(model)),
             narrow_phase: NarrowPhase::new(&impulse),
-            radii: radii(&impulse),
             workspaces: Mutex::default(),
             impulse,
         })
@@ -52,7 +51,7 @@ impl<T: Float> Piles<T> {
     fn step(&self, lane: Lane, team: usize, block: &mut Block<'_, T>, steps: usize) {
         let taken = self.workspaces.lock().map(|mut all| all.pop());
         let mut workspace = taken.ok().flatten().unwrap_or_default();
-        let mut world = World {
+        let world = World {
             piles: self,
             lane,
             team,
@@ -71,22 +70,6 @@ impl<T: Float> Piles<T> {
             .unwrap_or_else(PoisonError::into_inner);
         all.push(workspace);
     }
-}
-
-/// How far from its centre of mass a body's shapes reach [m].
-fn radii(impulse: &Impulse) -> Vec<f64> {
-    use rigid::impulse::pair::solid;
-    let mut radii = vec![0.0; impulse.rows()];
-    for (i, shape) in impulse.shapes().iter().enumerate() {
-        let numbers = impulse.solid_of(i, impulse.parameters());
-        let at = glam::DVec3::from_slice(&numbers[solid::POSE..]);
-        let radius = &mut radii[shape.row as usize];
-        *radius = at
-            .length()
-            .max(*radius)
-            .max(at.length() + numbers[solid::RADIUS]);
-    }
-    radii
 }
 
 impl<T: Float> Engine<T> for Piles<T> {

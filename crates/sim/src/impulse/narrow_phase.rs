@@ -1,5 +1,6 @@
 //! Where shapes that could touch do.
 
+use super::sleep::NEARBY;
 use crate::engine::Block;
 use crate::jobs::{Lane, narrow_phase};
 use collide::{Route, kind};
@@ -19,8 +20,6 @@ pub(super) struct Scene<'a, T> {
     pub impulse: &'a Impulse,
     pub shapes: &'a [Placed<T>],
     pub parameters: &'a [T],
-    /// Gap [m] that two shapes may close besides what their motion does.
-    pub slack: T,
     pub lane: Lane,
     /// Pairs side by side.
     pub width: usize,
@@ -147,7 +146,7 @@ impl<T: Float> Scene<'_, T> {
     /// Whether any of a contact's points could close within the step.
     fn matters(&self, contact: &Cached<T>) -> bool {
         let [a, b] = contact.shapes.map(|s| &self.shapes[s as usize]);
-        let reach = a.placed[placed::WAY] + b.placed[placed::WAY] + self.slack;
+        let reach = a.placed[placed::WAY] + b.placed[placed::WAY] + T::from_f64(NEARBY);
         contact.points[..contact.count]
             .iter()
             .any(|p| p.gap < reach)

@@ -1,6 +1,7 @@
 //! The small steps: impulses, colour by colour, between motions of the bodies.
 
 use super::batches::Batch;
+use super::colours::Colours;
 use super::jobs::{Bodies, BodyRows, BodyStage, ContactStage, Contacts};
 use super::team::{Barrier, together};
 use super::world::Workspace;
@@ -58,7 +59,7 @@ impl<T: Float> Solver<'_, T> {
         };
         let members = (0..w.colours.batches.len()).map(|batch| w.colours.batch(batch));
         let batches = w.lanes.batches(members, self.width);
-        let shares = self.shares(batches, &w.colours.colours, &w.awake, w.contacts.len());
+        let shares = self.shares(batches, &w.colours, &w.awake);
         together(shares, |barrier, share| self.work(&scene, barrier, share));
         for batch in 0..w.colours.batches.len() {
             w.lanes.read(batch, w.colours.batch(batch), &mut w.contacts);
@@ -69,11 +70,11 @@ impl<T: Float> Solver<'_, T> {
     fn shares<'a>(
         &self,
         mut batches: impl Iterator<Item = Batch<'a, T>>,
-        colours: &[Range<usize>],
+        colours: &Colours,
         awake: &'a [u32],
-        contacts: usize,
     ) -> Vec<Share<'a, T>> {
-        let team = self.team.min(contacts / WORTH_SHARING).max(1);
+        let worth = colours.batches.len() * self.width / WORTH_SHARING;
+        let team = self.team.min(worth).max(1);
         let registers = awake.len() / self.width;
         let cut = |n: usize, member: usize| n * member / team;
         let mut shares: Vec<_> = (0..team)
@@ -83,9 +84,12 @@ impl<T: Float> Solver<'_, T> {
                 index: &awake[cut(registers, m) * self.width..cut(registers, m + 1) * self.width],
             })
             .collect();
-        for colour in colours {
+        for (i, colour) in colours.colours.iter().enumerate() {
+            let in_turn = colours.uncoloured && i + 1 == colours.colours.len();
             for (member, share) in shares.iter_mut().enumerate() {
-                let count = cut(colour.len(), member + 1) - cut(colour.len(), member);
+                let part = cut(colour.len(), member + 1) - cut(colour.len(), member);
+                let all = if member == 0 { colour.len() } else { 0 };
+                let count = if in_turn { all } else { part };
                 let first = share.batches.len();
                 share.batches.extend(batches.by_ref().take(count));
                 share.colours.push(first..share.batches.len());

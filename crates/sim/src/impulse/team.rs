@@ -1,7 +1,7 @@
 //! Threads that work on one world, in step.
 
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Where threads wait for each other.
 #[derive(Debug)]
@@ -9,6 +9,8 @@ pub(super) struct Barrier {
     members: usize,
     arrived: AtomicUsize,
     round: AtomicUsize,
+    /// Somebody will never come.
+    broken: AtomicBool,
 }
 
 /// Turns that a waiting thread makes before it lets others run.
@@ -20,9 +22,13 @@ impl Barrier {
             members,
             arrived: AtomicUsize::new(0),
             round: AtomicUsize::new(0),
+            broken: AtomicBool::new(false),
         }
     }
     /// Returns when all have come, and all that they wrote before can be read.
+    ///
+    /// # Panics
+    /// If another thread has.
     pub fn wait(&self) {
         if self.members == 1 {
             return;
@@ -36,11 +42,26 @@ impl Barrier {
         let mut turns = 0;
         while self.round.load(Ordering::Acquire) == round {
             turns += 1;
+            assert!(
+                !self.broken.load(Ordering::Relaxed),
+                "a thread of the team has panicked"
+            );
             if turns < PATIENCE {
                 std::hint::spin_loop();
             } else {
                 std::thread::yield_now();
             }
+        }
+    }
+}
+
+/// Tells the others when a thread panics, instead of leaving them to wait.
+struct Guard<'a>(&'a Barrier);
+
+impl Drop for Guard<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.broken.store(true, Ordering::Relaxed);
         }
     }
 }
@@ -61,6 +82,7 @@ pub(super) fn together<S: Send>(shares: Vec<S>, work: impl Fn(&Barrier, S) + Syn
             .get(member)
             .and_then(|share| share.lock().ok()?.take());
         if let Some(share) = share {
+            let _guard = Guard(&barrier);
             work(&barrier, share);
         }
     });

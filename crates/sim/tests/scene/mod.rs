@@ -20,6 +20,8 @@ pub enum Method {
     /// Featherstone with contacts.
     Touching,
     TouchingXpbd,
+    /// Free bodies that touch.
+    Impulse,
 }
 
 /// All for bodies that touch nothing.
@@ -32,7 +34,7 @@ pub const METHODS: [Method; 5] = [
 ];
 
 /// All for bodies that touch.
-pub const TOUCHING: [Method; 2] = [Method::Touching, Method::TouchingXpbd];
+pub const TOUCHING: [Method; 3] = [Method::Touching, Method::TouchingXpbd, Method::Impulse];
 
 /// One of each solver.
 pub const BOTH: [Method; 2] = [METHODS[0], Method::Xpbd];
@@ -53,6 +55,7 @@ impl Method {
             }
             Self::Touching => settings.solver = SolverKind::Featherstone,
             Self::TouchingXpbd => settings.solver = SolverKind::Xpbd,
+            Self::Impulse => settings.solver = SolverKind::Impulse,
             Self::Xpbd => {
                 settings.solver = SolverKind::Xpbd;
                 settings.contacts = false;
@@ -61,6 +64,14 @@ impl Method {
             }
         }
         settings
+    }
+
+    /// A heap that the method can simulate.
+    pub fn heap(self) -> Model {
+        match self {
+            Self::Impulse => loose_heap(),
+            _ => heap(),
+        }
     }
 }
 
@@ -178,6 +189,28 @@ pub fn mixed() -> Model {
 /// Solids and a jointed pair of rods, about to fall on each other and the ground.
 pub fn heap() -> Model {
     let mut world = Builder::new("heap");
+    let bodies = solids(&mut world);
+    let (upper, lower) = (rod(bodies, "upper", 1.0), rod(bodies, "lower", 1.0));
+    bodies
+        .free("float", upper)
+        .initial(&[0.1, 0.9, 0.0, 0.6, 0.0, 0.0, 0.8]);
+    let (top, bottom) = (Pose::at(DVec3::Y * 0.2), Pose::at(DVec3::Y * -0.2));
+    bodies
+        .revolute("elbow", lower, DVec3::Z)
+        .parent(upper)
+        .frames(bottom, top);
+    world.build().unwrap()
+}
+
+/// Only the loose ones of a [`heap`].
+pub fn loose_heap() -> Model {
+    let mut world = Builder::new("loose heap");
+    solids(&mut world);
+    world.build().unwrap()
+}
+
+/// Ground, and solids one above the other.
+fn solids(world: &mut Builder) -> &mut Object {
     let plane = Geometry::Plane {
         half_x: 0.0,
         half_z: 0.0,
@@ -205,16 +238,7 @@ pub fn heap() -> Model {
             .free(format!("float_{i}"), body)
             .initial(&[at[0], at[1], at[2], 0.0, 0.0, 0.0, 1.0]);
     }
-    let (upper, lower) = (rod(bodies, "upper", 1.0), rod(bodies, "lower", 1.0));
     bodies
-        .free("float", upper)
-        .initial(&[0.1, 0.9, 0.0, 0.6, 0.0, 0.0, 0.8]);
-    let (top, bottom) = (Pose::at(DVec3::Y * 0.2), Pose::at(DVec3::Y * -0.2));
-    bodies
-        .revolute("elbow", lower, DVec3::Z)
-        .parent(upper)
-        .frames(bottom, top);
-    world.build().unwrap()
 }
 
 /// The `i`-th number of a world's seed, in [−1, 1): the same on every machine.

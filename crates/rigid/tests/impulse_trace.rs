@@ -1,0 +1,133 @@
+//! The kernels of `impulse` recorded: the record prints as valid WGSL, and run step by step it keeps
+//! the bits of the kernel.
+
+use kinetarium_rigid::impulse::pair::{ShapeTables, place};
+use kinetarium_rigid::impulse::{
+    BodyTables, ContactTables, POINTS, body, contact, manifold, point,
+};
+use kinetarium_rigid::impulse::{global, mass, row};
+use numbers::trace::{self, Program, WgslOptions};
+use numbers::{Cpu, Machine, Real, Shared};
+
+/// A kernel, over whatever machine.
+trait Kernel {
+    fn run<M: Machine>(&self, k: &mut M);
+}
+
+macro_rules! kernels {
+    ($($name:ident($k:ident) = $body:expr;)+) => {
+        $(struct $name;
+        impl Kernel for $name {
+            fn run<M: Machine>(&self, $k: &mut M) {
+                $body
+            }
+        })+
+    };
+}
+
+kernels! {
+    Begin(k) = body::begin(k, &BodyTables::new());
+    Advance(k) = body::advance(k, &BodyTables::new(), M::R::one());
+    Drift(k) = body::drift(k, &BodyTables::new());
+    Finish(k) = body::finish(k, &BodyTables::new());
+    Prepare(k) = contact::prepare(k, &ContactTables::new());
+    WarmStart(k) = contact::warm_start(k, &ContactTables::new());
+    Push(k) = contact::solve(k, &ContactTables::new(), M::R::one());
+    Relax(k) = contact::solve(k, &ContactTables::new(), M::R::zero());
+    Bounce(k) = contact::bounce(k, &ContactTables::new());
+    Place(k) = place(k, &ShapeTables::new());
+}
+
+/// The memories of one lane, full of numbers of any kind.
+#[derive(Clone)]
+struct Lane {
+    state: Vec<f32>,
+    scratch: Vec<f32>,
+    parameters: Vec<f32>,
+    links: [u32; 1],
+}
+
+fn some(seed: u32) -> impl Iterator<Item = f32> {
+    let mut x = seed;
+    std::iter::from_fn(move || {
+        x = x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        Some((x >> 8) as f32 / (1 << 24) as f32 + 0.01)
+    })
+}
+
+impl Lane {
+    fn new(seed: u32, points: u32) -> Self {
+        let state = row::WIDTH.max(manifold::WIDTH + POINTS * point::WIDTH);
+        Self {
+            state: some(seed).map(|x| x - 0.4).take(state).collect(),
+            scratch: some(seed + 1)
+                .map(|x| x - 0.4)
+                .take(2 * row::WIDTH)
+                .collect(),
+            parameters: some(seed + 2)
+                .take(global::WIDTH + mass::WIDTH + 32)
+                .collect(),
+            links: [points],
+        }
+    }
+    fn cpu(&mut self) -> Cpu<'_, f32, Shared<'_, f32>> {
+        Cpu {
+            state: &mut self.state,
+            input: &[],
+            output: &mut [],
+            scratch: &mut self.scratch,
+            parameters: Shared(&self.parameters),
+            links: &self.links,
+        }
+    }
+    fn bits(&self) -> Vec<u32> {
+        let canonical = |x: &f32| if x.is_nan() { f32::NAN } else { *x }.to_bits();
+        self.state
+            .iter()
+            .chain(&self.scratch)
+            .map(canonical)
+            .collect()
+    }
+}
+
+fn validate(program: &Program) {
+    let shader = program.to_wgsl(&WgslOptions::default()).unwrap();
+    let module = naga::front::wgsl::parse_str(&shader)
+        .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&shader)));
+    let flags = naga::valid::ValidationFlags::all();
+    naga::valid::Validator::new(flags, naga::valid::Capabilities::default())
+        .validate(&module)
+        .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&shader)));
+}
+
+fn records_well(kernel: &impl Kernel) {
+    let program = trace::record(|k| kernel.run(k)).unwrap();
+    validate(&program);
+    for points in 1..=POINTS as u32 {
+        for seed in 0..20 {
+            let mut lane = Lane::new(1000 * seed, points);
+            let mut copy = lane.clone();
+            kernel.run(&mut lane.cpu());
+            program.interpret(&mut copy.cpu()).unwrap();
+            assert_eq!(lane.bits(), copy.bits(), "seed {seed}, {points} points");
+        }
+    }
+}
+
+#[test]
+fn kernels_of_bodies_and_shapes_record_well() {
+    records_well(&Begin);
+    records_well(&Advance);
+    records_well(&Drift);
+    records_well(&Finish);
+    records_well(&Place);
+}
+
+#[test]
+fn kernels_of_contacts_record_well() {
+    records_well(&Prepare);
+    records_well(&WarmStart);
+    records_well(&Push);
+    records_well(&Relax);
+    records_well(&Bounce);
+}
