@@ -6,6 +6,7 @@ use crate::output::print;
 use crate::summary::{contents, reason};
 use kinetarium::formats::{Loaded, Options};
 use kinetarium::model::{BodyId, BodyKind, Joint, Model};
+use kinetarium::sim::SolverKind;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -42,11 +43,7 @@ fn read(file: &RobotFile) -> Result<Loaded, Error> {
 
 fn describe(loaded: &Loaded) -> String {
     let model = &loaded.model;
-    let solver = if model.is_tree() {
-        "featherstone"
-    } else {
-        "xpbd"
-    };
+    let solver = SolverKind::Auto.pick(model, true).name();
     let keyframes: Vec<&str> = model.keyframes.iter().map(|k| k.name.as_str()).collect();
     let mut text = format!("{}\n", contents(model));
     let mut line = |name: &str, value: String| {
@@ -64,7 +61,10 @@ fn describe(loaded: &Loaded) -> String {
             keyframes.join(", ")
         },
     );
-    line("solver", format!("{solver} (auto: {})", reason(model)));
+    line(
+        "solver",
+        format!("{solver} (auto: {})", reason(model, true)),
+    );
 
     let bodies = (0..model.bodies.len())
         .map(|b| body_row(model, BodyId(b)))

@@ -30,7 +30,7 @@ pub fn summary<T: Float>(
     let simulated = effort.steps as f64 * settings.step.time_step;
     let precision = if T::DOUBLE { "f64" } else { "f32" };
     let picked = match settings.solver {
-        SolverKind::Auto => format!(" (auto: {})", reason(model)),
+        SolverKind::Auto => format!(" (auto: {})", reason(model, settings.contacts)),
         _ => String::new(),
     };
 
@@ -107,7 +107,10 @@ pub fn contents(model: &Model) -> String {
 }
 
 /// Why `auto` picks the solver it picks.
-pub fn reason(model: &Model) -> String {
+pub fn reason(model: &Model, contacts: bool) -> String {
+    if SolverKind::Auto.pick(model, contacts) == SolverKind::Impulse {
+        return "the bodies are free".into();
+    }
     match &model.loops()[..] {
         [] => "the joints form a tree".into(),
         [one] => format!("{one} is outside the tree"),

@@ -8,7 +8,6 @@ use crate::impulse::Piles;
 use crate::{SimulationSettings, SolverKind};
 use model::{CollisionFilter, Model};
 use numbers::Float;
-use rigid::impulse::suits;
 use rigid::{Featherstone, InputTables, SolverError, TouchingFeatherstone, TouchingXpbd, Xpbd};
 use std::any::Any;
 
@@ -85,12 +84,7 @@ fn double(model: &Model, settings: &SimulationSettings) -> Made<f64> {
 }
 
 fn engine<T: Float>(model: &Model, settings: &SimulationSettings) -> Made<T> {
-    let kind = match settings.solver {
-        SolverKind::Auto if settings.contacts && suits(model) => SolverKind::Impulse,
-        SolverKind::Auto if model.is_tree() => SolverKind::Featherstone,
-        SolverKind::Auto => SolverKind::Xpbd,
-        named => named,
-    };
+    let kind = settings.solver.pick(model, settings.contacts);
     if kind == SolverKind::Impulse {
         return Ok(Box::new(Piles::<T>::new(model, settings)?));
     }

@@ -1,8 +1,10 @@
 //! How to simulate.
 
 use crate::SimulationError;
+use model::Model;
 use numbers::dispatch::Isa;
 use rigid::Settings;
+use rigid::impulse::suits;
 
 /// Which solver advances the worlds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -17,6 +19,27 @@ pub enum SolverKind {
     Xpbd,
     /// Sequential impulses: free bodies by the thousand, in piles. Several threads can share a world.
     Impulse,
+}
+
+impl SolverKind {
+    /// What `auto` takes for a model; any other takes itself.
+    pub fn pick(self, model: &Model, contacts: bool) -> Self {
+        match self {
+            Self::Auto if contacts && suits(model) => Self::Impulse,
+            Self::Auto if model.is_tree() => Self::Featherstone,
+            Self::Auto => Self::Xpbd,
+            named => named,
+        }
+    }
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Featherstone => "featherstone",
+            Self::Xpbd => "xpbd",
+            Self::Impulse => "impulse",
+        }
+    }
 }
 
 impl std::str::FromStr for SolverKind {
