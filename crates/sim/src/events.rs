@@ -1,9 +1,10 @@
-//! What happens from one substep to the next: contacts begin and end, joints reach their limits.
+//! What happens from one substep to the next: contacts begin and end, joints reach their limits,
+//! bodies fall asleep, worlds diverge.
 
 use crate::engine::Task;
 use crate::{Outputs, Simulation};
 use glam::DVec3;
-use model::{JointId, Model, ShapeId};
+use model::{BodyId, JointId, Model, ShapeId};
 use numbers::Float;
 use std::collections::BTreeMap;
 
@@ -47,6 +48,19 @@ pub enum EventKind {
         /// Its upper end, else its lower.
         upper: bool,
     },
+    /// A body has been slow for so long that it stays where it is until touched; `impulse` only.
+    FallsAsleep {
+        /// The body.
+        body: BodyId,
+    },
+    /// A body that slept moves again; `impulse` only.
+    Wakes {
+        /// The body.
+        body: BodyId,
+    },
+    /// The world left the finite numbers or its speed limit. It stays at its last good state, and
+    /// nothing more is told of it until it is set or reset.
+    Diverged,
 }
 
 /// Which events are told; none unless asked for.
@@ -58,6 +72,10 @@ pub struct Watch {
     pub persisting_contacts: bool,
     /// Joints that reach their limits.
     pub limits: bool,
+    /// Bodies that fall asleep or wake.
+    pub sleep: bool,
+    /// Worlds that diverge.
+    pub divergence: bool,
 }
 
 impl Watch {
@@ -66,6 +84,8 @@ impl Watch {
         contacts: true,
         persisting_contacts: true,
         limits: true,
+        sleep: true,
+        divergence: true,
     };
     fn anything(self) -> bool {
         self != Self::default()
@@ -90,6 +110,10 @@ pub(crate) struct Watcher {
     pressing: Vec<BTreeMap<[ShapeId; 2], DVec3>>,
     /// Per world and limited coordinate: −1 at the lower end, 1 at the upper, else 0.
     at_stop: Vec<Vec<i8>>,
+    /// Per world: which bodies sleep.
+    asleep: Vec<Vec<bool>>,
+    /// Per world: it has not diverged.
+    runs: Vec<bool>,
     /// Worlds whose state was set since the last substep.
     set: Vec<usize>,
     queue: Vec<Event>,
@@ -102,8 +126,11 @@ impl Watcher {
         } else {
             Vec::new()
         };
+        let bodies = if watch.sleep { model.bodies.len() } else { 0 };
         Self {
             watch,
+            asleep: vec![vec![false; bodies]; worlds],
+            runs: vec![true; worlds],
             pressing: vec![BTreeMap::new(); worlds],
             at_stop: vec![vec![0; stops.len()]; worlds],
             stops,
@@ -112,13 +139,40 @@ impl Watcher {
         }
     }
 
-    /// Takes the present state of a world for granted, or tells what changed to reach it.
-    fn look<T: Float>(&mut self, outputs: &Outputs<'_, T>, world: usize, told: Option<Told>) {
+    /// Takes the present state of a world for granted, or tells what changed to reach it; `runs`
+    /// tells that it has not diverged.
+    fn look<T: Float>(
+        &mut self,
+        outputs: &Outputs<'_, T>,
+        world: usize,
+        runs: bool,
+        told: Option<Told>,
+    ) {
+        let ran = std::mem::replace(&mut self.runs[world], runs);
         let mut changes = Vec::new();
+        if told.is_none() || runs {
+            self.compare(outputs, world, told, &mut changes);
+        } else if ran && self.watch.divergence {
+            changes.push(EventKind::Diverged);
+        }
+        if let Some(Told { time, .. }) = told {
+            let events = changes.into_iter().map(|kind| Event { world, time, kind });
+            self.queue.extend(events);
+        }
+    }
+
+    /// What changed in a world that runs: contacts, then limits, then sleep.
+    fn compare<T: Float>(
+        &mut self,
+        outputs: &Outputs<'_, T>,
+        world: usize,
+        told: Option<Told>,
+        changes: &mut Vec<EventKind>,
+    ) {
         if self.watch.contacts || self.watch.persisting_contacts {
             let now = pressing(outputs, world);
             if let Some(told) = told {
-                self.contacts(world, &now, told.substep, &mut changes);
+                self.contacts(world, &now, told.substep, changes);
             }
             self.pressing[world] = now;
         }
@@ -135,9 +189,14 @@ impl Watcher {
                 *at = now;
             }
         }
-        if let Some(Told { time, .. }) = told {
-            let events = changes.into_iter().map(|kind| Event { world, time, kind });
-            self.queue.extend(events);
+        for (body, before) in self.asleep[world].iter_mut().enumerate() {
+            let body = BodyId(body);
+            match (*before, outputs.asleep(world, body)) {
+                (false, true) => changes.push(EventKind::FallsAsleep { body }),
+                (true, false) => changes.push(EventKind::Wakes { body }),
+                _ => continue,
+            }
+            *before = !*before;
         }
     }
 
@@ -224,8 +283,9 @@ impl<T: Float> Simulation<T> {
             .then(|| Watcher::new(self.model(), self.worlds(), watch));
     }
 
-    /// The events since the last call: in order of time, then of worlds, then contacts before limits,
-    /// each in the order of shapes and degrees of freedom, whatever the number of threads.
+    /// The events since the last call: in order of time, then of worlds, whatever the number of
+    /// threads. Of a world in a substep, contacts come before limits, limits before sleep, each in
+    /// the order of shapes, degrees of freedom, bodies; a world that diverges tells that alone.
     pub fn drain_events(&mut self) -> Vec<Event> {
         self.watcher
             .as_mut()
@@ -240,28 +300,36 @@ impl<T: Float> Simulation<T> {
         }
     }
 
-    /// What a world that was set touches, and which limits it is at, is no news.
+    /// What a world that was set touches, which limits it is at, and what in it sleeps, is no news.
     pub(crate) fn take_for_granted(&mut self, world: usize) {
         if let Some(watcher) = &mut self.watcher {
             watcher.set.push(world);
         }
     }
 
+    /// Of each world, whether it has not diverged.
+    fn running(&self) -> Vec<bool> {
+        (0..self.worlds()).map(|world| self.runs(world)).collect()
+    }
+
     /// Makes so many substeps, and tells what happens in each.
     pub(crate) fn step_watched(&mut self, mut watcher: Watcher, substeps: usize) {
         let substep = self.settings().step.substep();
         let times = self.time.clone();
+        let runs = self.running();
         let outputs = self.outputs();
         for world in std::mem::take(&mut watcher.set) {
-            watcher.look(&outputs, world, None);
+            watcher.look(&outputs, world, runs[world], None);
         }
         for i in 1..=substeps {
             self.perform(Task::Step(1));
             self.reported = false;
+            let runs = self.running();
             let outputs = self.outputs();
             for (world, begin) in times.iter().enumerate() {
                 let time = begin + i as f64 * substep;
-                watcher.look(&outputs, world, Some(Told { time, substep }));
+                let told = Some(Told { time, substep });
+                watcher.look(&outputs, world, runs[world], told);
             }
         }
         self.watcher = Some(watcher);

@@ -62,6 +62,12 @@ impl<T: Float> Outputs<'_, T> {
     pub fn body_angular_velocity(&self, world: usize, id: BodyId) -> DVec3 {
         self.vec3(world, self.tables.body, id.0, body::ANGULAR_VELOCITY)
     }
+    /// Whether a body sleeps: it stays where it is until something touches it. False for what never
+    /// moves, and for solvers that let no body sleep: all but `impulse`.
+    pub fn asleep(&self, world: usize, id: BodyId) -> bool {
+        let table = self.tables.asleep;
+        table.is_some_and(|table| self.number(world, table, id.0, 0) != 0.0)
+    }
     /// Joint coordinates in the model's order [m, rad, quaternions x, y, z, w];
     /// axes that turn without end are in [−π, π].
     pub fn joint_position(&self, world: usize) -> Vec<f64> {

@@ -346,12 +346,10 @@ impl<T: Float> Simulation<T> {
         }
         self.reported = false;
         let known = self.diverged.len();
-        let alive = self.shared.engine.alive();
         let passed = steps as f64 * self.settings.step.time_step;
         let mut found = Vec::new();
         for world in 0..self.worlds() {
-            let runs = self.state.get(world, alive) != T::zero();
-            if runs {
+            if self.runs(world) {
                 self.time[world] += passed;
             } else if !self.diverged.iter().any(|d| d.world == world) {
                 self.time[world] += passed;
@@ -363,6 +361,11 @@ impl<T: Float> Simulation<T> {
         }
         self.diverged.extend(found);
         &self.diverged[known..]
+    }
+
+    /// Whether a world has not diverged.
+    pub(crate) fn runs(&self, world: usize) -> bool {
+        self.state.get(world, self.shared.engine.alive()) != T::zero()
     }
 
     /// All worlds that have diverged and were not reset since.

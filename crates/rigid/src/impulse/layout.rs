@@ -28,6 +28,9 @@ const PUSH_OUT: f64 = 3.0;
 /// What meets no faster than it falls in so many steps does not bounce.
 const RESTING: f64 = 2.0;
 
+/// Time [s] for which all of an island must have been slow before it sleeps.
+pub const SLEEP_AFTER: f64 = 0.5;
+
 /// Contacts that a world remembers from step to step, for each body that moves. Sixteen more for
 /// small models.
 const REMEMBERED: usize = 6;
@@ -268,7 +271,9 @@ impl Impulse {
             capacity,
             state_length: 0,
             input: InputTables::new(model),
-            output: OutputTables::new(model).with_found_contacts(capacity * POINTS),
+            output: OutputTables::new(model)
+                .with_found_contacts(capacity * POINTS)
+                .with_sleep(model.bodies.len()),
             settings: *settings,
             parameters: Vec::new(),
             links: Vec::new(),
@@ -607,6 +612,11 @@ impl<T: Float> State<'_, T> {
     /// Centre of mass and principal axes of a body.
     pub(super) fn pose(&self, row: usize) -> Pose {
         pose_at(self.state, self.impulse.state.at(row, state::CENTER))
+    }
+    /// Whether a body sleeps; what does not move never slept.
+    pub(super) fn sleeps(&self, row: usize) -> bool {
+        let rest = self.state[self.impulse.state.at(row, state::REST)];
+        rest.to_f64() >= SLEEP_AFTER
     }
     pub(super) fn velocity(&self, row: usize) -> [DVec3; 2] {
         [0, 3].map(|i| self.vec3(row, state::VELOCITY + i))
