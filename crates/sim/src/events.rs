@@ -1,12 +1,12 @@
-//! What happens from one substep to the next: contacts begin and end, joints reach their limits,
-//! bodies fall asleep, worlds diverge.
+//! What happens from one substep to the next: contacts begin and end, sensors are entered and left,
+//! joints reach their limits, bodies fall asleep, worlds diverge.
 
 use crate::engine::Task;
 use crate::{Outputs, Simulation};
 use glam::DVec3;
 use model::{BodyId, JointId, Model, ShapeId};
 use numbers::Float;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Something that happened in a world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,6 +41,17 @@ pub enum EventKind {
         /// The shapes; the second one moves.
         shapes: [ShapeId; 2],
     },
+    /// Two shapes overlap, of which one or both are sensors, and did not in the substep before;
+    /// `impulse` only.
+    SensorBegins {
+        /// The shapes; the second one moves.
+        shapes: [ShapeId; 2],
+    },
+    /// Two shapes overlap no more, of which one or both are sensors; `impulse` only.
+    SensorEnds {
+        /// The shapes; the second one moves.
+        shapes: [ShapeId; 2],
+    },
     /// A joint reaches the end of its range, and was within it in the substep before.
     LimitReached {
         /// Degree of freedom, as in `Outputs::joint_velocity`.
@@ -70,6 +81,8 @@ pub struct Watch {
     pub contacts: bool,
     /// Contacts that persist, in every substep.
     pub persisting_contacts: bool,
+    /// Overlaps with sensors that begin or end.
+    pub sensors: bool,
     /// Joints that reach their limits.
     pub limits: bool,
     /// Bodies that fall asleep or wake.
@@ -83,6 +96,7 @@ impl Watch {
     pub const ALL: Self = Self {
         contacts: true,
         persisting_contacts: true,
+        sensors: true,
         limits: true,
         sleep: true,
         divergence: true,
@@ -108,6 +122,10 @@ pub(crate) struct Watcher {
     stops: Vec<Stop>,
     /// Per world: the shapes that press on each other.
     pressing: Vec<BTreeMap<[ShapeId; 2], DVec3>>,
+    /// Of each shape, whether it is a sensor; none where they are not watched.
+    sensors: Vec<bool>,
+    /// Per world: the shapes that overlap, one of them a sensor.
+    sensed: Vec<BTreeSet<[ShapeId; 2]>>,
     /// Per world and limited coordinate: −1 at the lower end, 1 at the upper, else 0.
     at_stop: Vec<Vec<i8>>,
     /// Per world: which bodies sleep.
@@ -126,9 +144,16 @@ impl Watcher {
         } else {
             Vec::new()
         };
+        let shapes = if watch.sensors {
+            &model.shapes[..]
+        } else {
+            &[]
+        };
         let bodies = if watch.sleep { model.bodies.len() } else { 0 };
         Self {
             watch,
+            sensors: shapes.iter().map(|shape| shape.sensor).collect(),
+            sensed: vec![BTreeSet::new(); worlds],
             asleep: vec![vec![false; bodies]; worlds],
             runs: vec![true; worlds],
             pressing: vec![BTreeMap::new(); worlds],
@@ -161,7 +186,7 @@ impl Watcher {
         }
     }
 
-    /// What changed in a world that runs: contacts, then limits, then sleep.
+    /// What changed in a world that runs: contacts, then sensors, limits, sleep.
     fn compare<T: Float>(
         &mut self,
         outputs: &Outputs<'_, T>,
@@ -175,6 +200,15 @@ impl Watcher {
                 self.contacts(world, &now, told.substep, changes);
             }
             self.pressing[world] = now;
+        }
+        if self.sensors.contains(&true) {
+            let now = self.sensed_now(outputs, world);
+            let before = std::mem::replace(&mut self.sensed[world], now);
+            let now = &self.sensed[world];
+            let begin = now.difference(&before).copied();
+            changes.extend(begin.map(|shapes| EventKind::SensorBegins { shapes }));
+            let end = before.difference(now).copied();
+            changes.extend(end.map(|shapes| EventKind::SensorEnds { shapes }));
         }
         if self.watch.limits {
             let position = outputs.joint_position(world);
@@ -198,6 +232,19 @@ impl Watcher {
             }
             *before = !*before;
         }
+    }
+
+    /// The shapes that overlap, one of them a sensor.
+    fn sensed_now<T: Float>(
+        &self,
+        outputs: &Outputs<'_, T>,
+        world: usize,
+    ) -> BTreeSet<[ShapeId; 2]> {
+        let contacts = outputs.contacts(world);
+        contacts
+            .filter(|c| c.distance <= 0.0 && c.shapes.iter().any(|shape| self.sensors[shape.0]))
+            .map(|c| c.shapes)
+            .collect()
     }
 
     /// What changed in the contacts of a world: what presses now, then what ended, each by shapes.
@@ -284,8 +331,9 @@ impl<T: Float> Simulation<T> {
     }
 
     /// The events since the last call: in order of time, then of worlds, whatever the number of
-    /// threads. Of a world in a substep, contacts come before limits, limits before sleep, each in
-    /// the order of shapes, degrees of freedom, bodies; a world that diverges tells that alone.
+    /// threads. Of a world in a substep: contacts, then sensors, limits, sleep, each in the order of
+    /// shapes, degrees of freedom, bodies; a world that diverges tells that alone. Sensors are as
+    /// shapes lay at the beginning of the substep, as `Outputs::contacts` are.
     pub fn drain_events(&mut self) -> Vec<Event> {
         self.watcher
             .as_mut()

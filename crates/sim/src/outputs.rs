@@ -28,7 +28,8 @@ pub struct Contact {
     pub normal: DVec3,
     /// Gap between the surfaces less their margin [m]; negative where they overlap.
     pub distance: f64,
-    /// Force [N] of the first shape on the second, world axes; zero where they do not press.
+    /// Force [N] of the first shape on the second, world axes; zero where they do not press, as
+    /// sensors never do.
     pub force: DVec3,
     /// Whole number, the same from step to step while the same features touch.
     pub feature: u32,

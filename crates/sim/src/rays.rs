@@ -214,7 +214,7 @@ impl<T: Float> Simulation<T> {
     /// in a world, up to `max_distance` [m], which may be infinite.
     ///
     /// Rays meet all shapes where they are now, those that collide and those that are only seen, and
-    /// their surfaces. A plane is the half space below it, whatever part of it is drawn. A ray whose
+    /// their surfaces; they pass through sensors. A plane is the half space below it, whatever part of it is drawn. A ray whose
     /// origin lies in a shape meets it there, at distance 0.
     ///
     /// # Errors
@@ -274,6 +274,7 @@ impl<T: Float> Simulation<T> {
     fn solids(&self, world: usize, bodies: &[Pose]) -> Result<Vec<Solid<'_>>, SimulationError> {
         let shapes = self.shapes(world).iter().enumerate();
         shapes
+            .filter(|(_, shape)| !shape.sensor)
             .map(|(i, shape)| Solid::new(ShapeId(i), shape, bodies))
             .collect()
     }

@@ -1,4 +1,4 @@
-//! What a simulation tells of its contacts, limits, sleepers and divergence.
+//! What a simulation tells of its contacts, sensors, limits, sleepers and divergence.
 
 use glam::DVec3;
 use kinetarium_sim::{Event, EventKind, Simulation, SimulationSettings, SolverKind, Watch};
@@ -164,6 +164,7 @@ fn nothing_is_told_unasked() {
 const SLEEP: Watch = Watch {
     contacts: false,
     persisting_contacts: false,
+    sensors: false,
     limits: false,
     sleep: true,
     divergence: false,
@@ -286,5 +287,137 @@ fn a_world_diverges_once() {
         simulation.reset_all();
         simulation.step(10);
         assert_eq!(simulation.drain_events(), [], "{solver:?}");
+    }
+}
+
+/// In a scene of its own, by `impulse`; `build` adds the shapes and bodies.
+fn piles(build: impl FnOnce(&mut Builder)) -> Simulation<f32> {
+    let mut world = Builder::new("sensors");
+    build(&mut world);
+    let settings = SimulationSettings {
+        solver: SolverKind::Impulse,
+        threads: 1,
+        ..SimulationSettings::new(1, H)
+    };
+    Simulation::new(world.build().unwrap(), settings).unwrap()
+}
+
+fn ball() -> Shape {
+    Shape::new(Geometry::Sphere { radius: 0.1 })
+}
+
+fn zone(half: f64) -> Shape {
+    let half = DVec3::splat(half);
+    Shape::new(Geometry::Box { half }).named("zone").as_sensor()
+}
+
+/// From 2 m, through a zone from 1.2 to 0.8 m: in at √(2 · 0.7 / g), out at √(2 · 1.3 / g), as if
+/// nothing were there.
+#[test]
+fn a_ball_falls_through_a_sensor() {
+    let mut simulation = piles(|world| {
+        let zone = zone(0.2).at(Pose::at(DVec3::Y));
+        world.object("zone").scenery(zone);
+        let things = world.object("things");
+        let high = Pose::at(2.0 * DVec3::Y);
+        things.body("ball").at(high).shape(ball());
+    });
+    simulation.watch(Watch::ALL);
+    let mut touched = 0;
+    for _ in 0..300 {
+        simulation.step(1);
+        let outputs = simulation.outputs();
+        touched += outputs.contacts(0).filter(|c| c.distance < 0.0).count();
+        assert!(outputs.contacts(0).all(|c| c.force == DVec3::ZERO));
+    }
+    let told = simulation.drain_events();
+    let shapes = [ShapeId(0), ShapeId(1)];
+    let kinds = [
+        EventKind::SensorBegins { shapes },
+        EventKind::SensorEnds { shapes },
+    ];
+    assert!(told.iter().map(|e| &e.kind).eq(&kinds), "{told:?}");
+    for (event, way) in told.iter().zip([0.7, 1.3]) {
+        let time = f64::sqrt(2.0 * way / 9.81);
+        assert!((event.time - time).abs() < 2.0 * H, "{event:?}, not {time}");
+    }
+    assert!(touched > 60, "{touched}");
+    let (time, outputs) = (simulation.time(0), simulation.outputs());
+    assert!((outputs.body_velocity(0, BodyId(0)).y + 9.81 * time).abs() < 1e-4);
+}
+
+/// A ghost falls through a cube that sleeps in a zone, and on through the ground: the cube sleeps on,
+/// and stays in the zone.
+#[test]
+fn sensors_wake_nobody() {
+    let mut simulation = piles(|world| {
+        let plane = Geometry::Plane {
+            half_x: 0.0,
+            half_z: 0.0,
+        };
+        let ground = world.object("ground");
+        ground.scenery(Shape::new(plane)).scenery(zone(0.3));
+        let cube = Shape::new(Geometry::Box {
+            half: DVec3::splat(0.1),
+        });
+        let things = world.object("things");
+        let low = Pose::at(0.1 * DVec3::Y);
+        things.body("cube").at(low).shape(cube);
+        let high = Pose::at(4.0 * DVec3::Y);
+        let ghost = ball().as_sensor();
+        things.body("ghost").at(high).shape(ghost);
+    });
+    let [ground, zone, cube, ghost] = [0, 1, 2, 3].map(ShapeId);
+    simulation.watch(Watch {
+        sensors: true,
+        ..SLEEP
+    });
+    simulation.step(500);
+    let told = simulation.drain_events();
+    let pair = |shapes: [ShapeId; 2]| {
+        let [a, b] = shapes;
+        [a.min(b), a.max(b)]
+    };
+    let of = |kind: &EventKind| match *kind {
+        EventKind::SensorBegins { shapes } => (true, pair(shapes)),
+        EventKind::SensorEnds { shapes } => (false, pair(shapes)),
+        EventKind::FallsAsleep { body } => (true, [ShapeId(usize::MAX), ShapeId(body.0)]),
+        _ => panic!("{told:?}"),
+    };
+    let expected = [
+        (true, [zone, cube]),
+        (true, [ShapeId(usize::MAX), ShapeId(0)]),
+        (true, [zone, ghost]),
+        (true, [cube, ghost]),
+        (true, [ground, ghost]),
+        (false, [cube, ghost]),
+        (false, [zone, ghost]),
+    ];
+    let kinds: Vec<_> = told.iter().map(|e| of(&e.kind)).collect();
+    assert_eq!(kinds, expected);
+    assert!(simulation.outputs().asleep(0, BodyId(0)));
+}
+
+#[test]
+fn other_solvers_refuse_sensors() {
+    let mut world = Builder::new("zone");
+    let things = world.object("things");
+    things.scenery(zone(0.2));
+    things.body("ball").shape(ball());
+    let model = world.build().unwrap();
+    for (name, solver) in [
+        ("featherstone", SolverKind::Featherstone),
+        ("xpbd", SolverKind::Xpbd),
+    ] {
+        let settings = SimulationSettings {
+            solver,
+            ..SimulationSettings::new(1, H)
+        };
+        let refused = Simulation::<f32>::new(model.clone(), settings).unwrap_err();
+        let message = format!(
+            "{name} does not support contacts of the sensor of `zone`: \
+             use the solver `impulse`, or let the shape not collide"
+        );
+        assert_eq!(refused.to_string(), message);
     }
 }

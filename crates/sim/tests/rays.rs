@@ -381,6 +381,21 @@ fn shapes_are_met_where_they_are_now() {
 }
 
 #[test]
+fn rays_pass_through_sensors() {
+    let wall = Shape::new(BOX).at(Pose::at(DVec3::X * 9.0));
+    let mut simulation = simulate(scenery([Shape::new(SPHERE).as_sensor(), wall]));
+    let ray = Ray {
+        origin: -2.0 * DVec3::X,
+        direction: DVec3::X,
+        max_distance: 20.0,
+    };
+    let hit = simulation.cast_ray(0, ray.origin, ray.direction, ray.max_distance);
+    let hit = hit.unwrap().unwrap();
+    assert_eq!((hit.shape, hit.distance), (ShapeId(1), 10.0));
+    assert_eq!(simulation.cast_rays(0, &[ray]).unwrap(), [Some(hit)]);
+}
+
+#[test]
 fn a_world_of_its_own_has_shapes_of_its_own() {
     let ball = |radius| scenery([Shape::new(Geometry::Sphere { radius }).without_contact()]);
     let settings = SimulationSettings::new(2, 0.01);

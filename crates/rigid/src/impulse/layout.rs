@@ -123,6 +123,8 @@ pub struct Collider {
     pub row: u32,
     /// See [`collide::kind`].
     pub kind: usize,
+    /// It touches but never pushes.
+    pub sensor: bool,
 }
 
 /// A model compiled for sequential impulses.
@@ -189,12 +191,14 @@ fn unsupported(what: &'static str, name: &str, remedy: &'static str) -> SolverEr
     }
 }
 
-/// Whether a model is what this solver is for: several bodies, all of them free.
+/// Whether a model is what this solver is for: several bodies, or sensors, and all bodies free.
 pub fn suits(model: &Model) -> bool {
     let moving = model.bodies.iter().filter(|b| b.kind == BodyKind::Dynamic);
     let solid = |shape: &model::Shape| contact_tables::solid(shape, NAME).is_ok();
     let mut touching = model.shapes.iter().filter(|shape| shape.collides);
-    moving.take(2).count() == 2 && check(model).is_ok() && touching.all(solid)
+    let senses = touching.clone().any(|shape| shape.sensor);
+    let several = moving.take(2).count() == 2;
+    (several || senses) && check(model).is_ok() && touching.all(solid)
 }
 
 /// Refuses all but bodies that are free.
@@ -336,7 +340,11 @@ impl Impulse {
         for collider in &self.shapes {
             let shape = &model.shapes[collider.shape.0];
             words.extend([collider.row, collider.kind as u32, collider.shape.0 as u32]);
-            words.extend([shape.membership, shape.collides_with]);
+            words.extend([
+                shape.membership,
+                shape.collides_with,
+                collider.sensor.into(),
+            ]);
         }
         for body in &model.bodies {
             words.extend([body.group as u32, body.world as u32]);
@@ -648,7 +656,13 @@ fn colliders(
         .map(|shape| {
             let row = row_of(model.shapes[shape.0].body);
             let (kind, _) = contact_tables::solid(&model.shapes[shape.0], NAME)?;
-            Ok(Collider { shape, row, kind })
+            let sensor = model.shapes[shape.0].sensor;
+            Ok(Collider {
+                shape,
+                row,
+                kind,
+                sensor,
+            })
         })
         .collect()
 }

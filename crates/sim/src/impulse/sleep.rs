@@ -94,7 +94,7 @@ impl<T: Float> World<'_, T> {
             return false;
         }
         sleep.islands.separate(bodies);
-        for contact in &sleep.before {
+        for contact in sleep.before.iter().filter(|c| !self.is_sensed(c)) {
             let [a, b] = self.rows_of(contact);
             if sleep.asleep[a as usize] && sleep.asleep[b as usize] {
                 sleep.islands.join(a, b);
