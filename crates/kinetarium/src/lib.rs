@@ -43,7 +43,8 @@ pub mod prelude {
     pub use model::{BodyId, Builder, Geometry, JointId, Model, Pose, examples};
     pub use rigid::{Integrator, Settings};
     pub use sim::{
-        Contact, Controller, Controls, Diverged, Event, EventKind, Outputs, Recorder, Recording,
-        Replay, Simulation, SimulationError, SimulationSettings, Snapshot, SolverKind, Watch,
+        Contact, Controller, Controls, Diverged, Event, EventKind, Outputs, Ray, RayHit, Recorder,
+        Recording, Replay, Simulation, SimulationError, SimulationSettings, Snapshot, SolverKind,
+        Watch,
     };
 }

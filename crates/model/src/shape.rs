@@ -80,6 +80,8 @@ pub struct Shape {
     pub material: Material,
     /// True: takes part in contacts. False: only seen.
     pub collides: bool,
+    /// True: where it collides, it touches but never pushes; of the solver `impulse`. False: solid.
+    pub sensor: bool,
     /// Kinds the shape is of, a bit each; 1 by default.
     pub membership: u32,
     /// Kinds the shape collides with; one shape's wish is enough. 1 by default.
@@ -97,6 +99,7 @@ impl Shape {
             density: 1000.0,
             material: Material::default(),
             collides: true,
+            sensor: false,
             membership: 1,
             collides_with: 1,
         }
@@ -132,6 +135,14 @@ impl Shape {
     pub fn without_contact(self) -> Self {
         Self {
             collides: false,
+            ..self
+        }
+    }
+    /// The same, touching but never pushing. It weighs what a solid would: see
+    /// [`with_density`](Shape::with_density).
+    pub fn as_sensor(self) -> Self {
+        Self {
+            sensor: true,
             ..self
         }
     }

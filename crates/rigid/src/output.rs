@@ -80,6 +80,8 @@ pub struct OutputTables {
     pub contact: Table<Output, { contact::WIDTH }>,
     /// The shapes of each row of contacts, where they change from step to step; else no rows.
     pub touching: Table<Output, 2>,
+    /// One row per body of the model, 1 while it sleeps, else 0; only of solvers that let bodies sleep.
+    pub asleep: Option<Table<Output>>,
     /// How many rows of contacts there are.
     pub contacts: usize,
     /// Numbers per world.
@@ -106,6 +108,7 @@ impl OutputTables {
             total,
             contact,
             touching: Table::place(&mut end, 0),
+            asleep: None,
             contacts: 0,
             length: end,
         }
@@ -130,6 +133,15 @@ impl OutputTables {
             touching: Table::place(&mut end, contacts),
             length: end,
             ..with_contacts
+        }
+    }
+    /// The same, with room for which of so many bodies sleep; after all contacts.
+    pub fn with_sleep(self, bodies: usize) -> Self {
+        let mut end = self.length;
+        Self {
+            asleep: Some(Table::place(&mut end, bodies)),
+            length: end,
+            ..self
         }
     }
 }

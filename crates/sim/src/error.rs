@@ -97,6 +97,31 @@ pub enum SimulationError {
         /// Which world.
         world: usize,
     },
+    /// A ray makes no sense.
+    #[error("{what} of ray {index} is {value}: it must be {remedy}")]
+    Ray {
+        /// Its place among the rays given.
+        index: usize,
+        /// Which of its numbers.
+        what: &'static str,
+        /// Their value.
+        value: String,
+        /// What they must be.
+        remedy: &'static str,
+    },
+    /// Rays do not meet meshes.
+    #[error(
+        "rays do not meet meshes yet, and shape {shape} (`{name}`) is one: use solids in its place"
+    )]
+    RayMesh {
+        /// Row of the shape.
+        shape: usize,
+        /// Its name.
+        name: String,
+    },
+    /// Shapes are nowhere, or too many.
+    #[error(transparent)]
+    Space(#[from] space::SpaceError),
     /// The threads cannot be started.
     #[error("cannot start {threads} threads: {reason}")]
     Threads {

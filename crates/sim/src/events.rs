@@ -1,11 +1,12 @@
-//! What happens from one substep to the next: contacts begin and end, joints reach their limits.
+//! What happens from one substep to the next: contacts begin and end, sensors are entered and left,
+//! joints reach their limits, bodies fall asleep, worlds diverge.
 
 use crate::engine::Task;
 use crate::{Outputs, Simulation};
 use glam::DVec3;
-use model::{JointId, Model, ShapeId};
+use model::{BodyId, JointId, Model, ShapeId};
 use numbers::Float;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Something that happened in a world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,6 +41,17 @@ pub enum EventKind {
         /// The shapes; the second one moves.
         shapes: [ShapeId; 2],
     },
+    /// Two shapes overlap, of which one or both are sensors, and did not in the substep before;
+    /// `impulse` only.
+    SensorBegins {
+        /// The shapes; the second one moves.
+        shapes: [ShapeId; 2],
+    },
+    /// Two shapes overlap no more, of which one or both are sensors; `impulse` only.
+    SensorEnds {
+        /// The shapes; the second one moves.
+        shapes: [ShapeId; 2],
+    },
     /// A joint reaches the end of its range, and was within it in the substep before.
     LimitReached {
         /// Degree of freedom, as in `Outputs::joint_velocity`.
@@ -47,6 +59,19 @@ pub enum EventKind {
         /// Its upper end, else its lower.
         upper: bool,
     },
+    /// A body has been slow for so long that it stays where it is until touched; `impulse` only.
+    FallsAsleep {
+        /// The body.
+        body: BodyId,
+    },
+    /// A body that slept moves again; `impulse` only.
+    Wakes {
+        /// The body.
+        body: BodyId,
+    },
+    /// The world left the finite numbers or its speed limit. It stays at its last good state, and
+    /// nothing more is told of it until it is set or reset.
+    Diverged,
 }
 
 /// Which events are told; none unless asked for.
@@ -56,8 +81,14 @@ pub struct Watch {
     pub contacts: bool,
     /// Contacts that persist, in every substep.
     pub persisting_contacts: bool,
+    /// Overlaps with sensors that begin or end.
+    pub sensors: bool,
     /// Joints that reach their limits.
     pub limits: bool,
+    /// Bodies that fall asleep or wake.
+    pub sleep: bool,
+    /// Worlds that diverge.
+    pub divergence: bool,
 }
 
 impl Watch {
@@ -65,7 +96,10 @@ impl Watch {
     pub const ALL: Self = Self {
         contacts: true,
         persisting_contacts: true,
+        sensors: true,
         limits: true,
+        sleep: true,
+        divergence: true,
     };
     fn anything(self) -> bool {
         self != Self::default()
@@ -88,8 +122,16 @@ pub(crate) struct Watcher {
     stops: Vec<Stop>,
     /// Per world: the shapes that press on each other.
     pressing: Vec<BTreeMap<[ShapeId; 2], DVec3>>,
+    /// Of each shape, whether it is a sensor; none where they are not watched.
+    sensors: Vec<bool>,
+    /// Per world: the shapes that overlap, one of them a sensor.
+    sensed: Vec<BTreeSet<[ShapeId; 2]>>,
     /// Per world and limited coordinate: −1 at the lower end, 1 at the upper, else 0.
     at_stop: Vec<Vec<i8>>,
+    /// Per world: which bodies sleep.
+    asleep: Vec<Vec<bool>>,
+    /// Per world: it has not diverged.
+    runs: Vec<bool>,
     /// Worlds whose state was set since the last substep.
     set: Vec<usize>,
     queue: Vec<Event>,
@@ -102,8 +144,18 @@ impl Watcher {
         } else {
             Vec::new()
         };
+        let shapes = if watch.sensors {
+            &model.shapes[..]
+        } else {
+            &[]
+        };
+        let bodies = if watch.sleep { model.bodies.len() } else { 0 };
         Self {
             watch,
+            sensors: shapes.iter().map(|shape| shape.sensor).collect(),
+            sensed: vec![BTreeSet::new(); worlds],
+            asleep: vec![vec![false; bodies]; worlds],
+            runs: vec![true; worlds],
             pressing: vec![BTreeMap::new(); worlds],
             at_stop: vec![vec![0; stops.len()]; worlds],
             stops,
@@ -112,15 +164,51 @@ impl Watcher {
         }
     }
 
-    /// Takes the present state of a world for granted, or tells what changed to reach it.
-    fn look<T: Float>(&mut self, outputs: &Outputs<'_, T>, world: usize, told: Option<Told>) {
+    /// Takes the present state of a world for granted, or tells what changed to reach it; `runs`
+    /// tells that it has not diverged.
+    fn look<T: Float>(
+        &mut self,
+        outputs: &Outputs<'_, T>,
+        world: usize,
+        runs: bool,
+        told: Option<Told>,
+    ) {
+        let ran = std::mem::replace(&mut self.runs[world], runs);
         let mut changes = Vec::new();
+        if told.is_none() || runs {
+            self.compare(outputs, world, told, &mut changes);
+        } else if ran && self.watch.divergence {
+            changes.push(EventKind::Diverged);
+        }
+        if let Some(Told { time, .. }) = told {
+            let events = changes.into_iter().map(|kind| Event { world, time, kind });
+            self.queue.extend(events);
+        }
+    }
+
+    /// What changed in a world that runs: contacts, then sensors, limits, sleep.
+    fn compare<T: Float>(
+        &mut self,
+        outputs: &Outputs<'_, T>,
+        world: usize,
+        told: Option<Told>,
+        changes: &mut Vec<EventKind>,
+    ) {
         if self.watch.contacts || self.watch.persisting_contacts {
             let now = pressing(outputs, world);
             if let Some(told) = told {
-                self.contacts(world, &now, told.substep, &mut changes);
+                self.contacts(world, &now, told.substep, changes);
             }
             self.pressing[world] = now;
+        }
+        if self.sensors.contains(&true) {
+            let now = self.sensed_now(outputs, world);
+            let before = std::mem::replace(&mut self.sensed[world], now);
+            let now = &self.sensed[world];
+            let begin = now.difference(&before).copied();
+            changes.extend(begin.map(|shapes| EventKind::SensorBegins { shapes }));
+            let end = before.difference(now).copied();
+            changes.extend(end.map(|shapes| EventKind::SensorEnds { shapes }));
         }
         if self.watch.limits {
             let position = outputs.joint_position(world);
@@ -135,10 +223,28 @@ impl Watcher {
                 *at = now;
             }
         }
-        if let Some(Told { time, .. }) = told {
-            let events = changes.into_iter().map(|kind| Event { world, time, kind });
-            self.queue.extend(events);
+        for (body, before) in self.asleep[world].iter_mut().enumerate() {
+            let body = BodyId(body);
+            match (*before, outputs.asleep(world, body)) {
+                (false, true) => changes.push(EventKind::FallsAsleep { body }),
+                (true, false) => changes.push(EventKind::Wakes { body }),
+                _ => continue,
+            }
+            *before = !*before;
         }
+    }
+
+    /// The shapes that overlap, one of them a sensor.
+    fn sensed_now<T: Float>(
+        &self,
+        outputs: &Outputs<'_, T>,
+        world: usize,
+    ) -> BTreeSet<[ShapeId; 2]> {
+        let contacts = outputs.contacts(world);
+        contacts
+            .filter(|c| c.distance <= 0.0 && c.shapes.iter().any(|shape| self.sensors[shape.0]))
+            .map(|c| c.shapes)
+            .collect()
     }
 
     /// What changed in the contacts of a world: what presses now, then what ended, each by shapes.
@@ -224,8 +330,10 @@ impl<T: Float> Simulation<T> {
             .then(|| Watcher::new(self.model(), self.worlds(), watch));
     }
 
-    /// The events since the last call: in order of time, then of worlds, then contacts before limits,
-    /// each in the order of shapes and degrees of freedom, whatever the number of threads.
+    /// The events since the last call: in order of time, then of worlds, whatever the number of
+    /// threads. Of a world in a substep: contacts, then sensors, limits, sleep, each in the order of
+    /// shapes, degrees of freedom, bodies; a world that diverges tells that alone. Sensors are as
+    /// shapes lay at the beginning of the substep, as `Outputs::contacts` are.
     pub fn drain_events(&mut self) -> Vec<Event> {
         self.watcher
             .as_mut()
@@ -240,28 +348,36 @@ impl<T: Float> Simulation<T> {
         }
     }
 
-    /// What a world that was set touches, and which limits it is at, is no news.
+    /// What a world that was set touches, which limits it is at, and what in it sleeps, is no news.
     pub(crate) fn take_for_granted(&mut self, world: usize) {
         if let Some(watcher) = &mut self.watcher {
             watcher.set.push(world);
         }
     }
 
+    /// Of each world, whether it has not diverged.
+    fn running(&self) -> Vec<bool> {
+        (0..self.worlds()).map(|world| self.runs(world)).collect()
+    }
+
     /// Makes so many substeps, and tells what happens in each.
     pub(crate) fn step_watched(&mut self, mut watcher: Watcher, substeps: usize) {
         let substep = self.settings().step.substep();
         let times = self.time.clone();
+        let runs = self.running();
         let outputs = self.outputs();
         for world in std::mem::take(&mut watcher.set) {
-            watcher.look(&outputs, world, None);
+            watcher.look(&outputs, world, runs[world], None);
         }
         for i in 1..=substeps {
             self.perform(Task::Step(1));
             self.reported = false;
+            let runs = self.running();
             let outputs = self.outputs();
             for (world, begin) in times.iter().enumerate() {
                 let time = begin + i as f64 * substep;
-                watcher.look(&outputs, world, Some(Told { time, substep }));
+                let told = Some(Told { time, substep });
+                watcher.look(&outputs, world, runs[world], told);
             }
         }
         self.watcher = Some(watcher);

@@ -28,7 +28,8 @@ pub struct Contact {
     pub normal: DVec3,
     /// Gap between the surfaces less their margin [m]; negative where they overlap.
     pub distance: f64,
-    /// Force [N] of the first shape on the second, world axes; zero where they do not press.
+    /// Force [N] of the first shape on the second, world axes; zero where they do not press, as
+    /// sensors never do.
     pub force: DVec3,
     /// Whole number, the same from step to step while the same features touch.
     pub feature: u32,
@@ -61,6 +62,12 @@ impl<T: Float> Outputs<'_, T> {
     /// Angular velocity of a body [rad/s], world axes.
     pub fn body_angular_velocity(&self, world: usize, id: BodyId) -> DVec3 {
         self.vec3(world, self.tables.body, id.0, body::ANGULAR_VELOCITY)
+    }
+    /// Whether a body sleeps: it stays where it is until something touches it. False for what never
+    /// moves, and for solvers that let no body sleep: all but `impulse`.
+    pub fn asleep(&self, world: usize, id: BodyId) -> bool {
+        let table = self.tables.asleep;
+        table.is_some_and(|table| self.number(world, table, id.0, 0) != 0.0)
     }
     /// Joint coordinates in the model's order [m, rad, quaternions x, y, z, w];
     /// axes that turn without end are in [−π, π].

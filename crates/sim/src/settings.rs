@@ -9,8 +9,8 @@ use rigid::impulse::suits;
 /// Which solver advances the worlds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum SolverKind {
-    /// `impulse` for several bodies that are free and touch, `featherstone` for other trees, `xpbd`
-    /// otherwise.
+    /// `impulse` for bodies that are free and touch, several of them or sensors; `featherstone` for
+    /// other trees, `xpbd` otherwise.
     #[default]
     Auto,
     /// Reduced coordinates: accurate, no drift; trees only.

@@ -7,7 +7,7 @@ use crate::events::Watcher;
 use crate::jobs::Lane;
 use crate::{Controls, Outputs, SimulationSettings, Snapshot};
 use glam::DQuat;
-use model::{JointId, JointKind, Model};
+use model::{JointId, JointKind, Model, Shape};
 use numbers::dispatch::Isa;
 use numbers::{Float, Memory};
 use rayon::prelude::*;
@@ -35,7 +35,7 @@ pub struct Simulation<T: Float> {
     settings: SimulationSettings,
     pub(crate) shared: Compiled<T>,
     isa: Isa,
-    pool: rayon::ThreadPool,
+    pub(crate) pool: rayon::ThreadPool,
     pub(crate) state: Memory<T>,
     pub(crate) input: Memory<T>,
     pub(crate) output: Memory<T>,
@@ -43,6 +43,8 @@ pub struct Simulation<T: Float> {
     parameters: Memory<T>,
     /// Of the worlds that have numbers of their own.
     own: HashMap<usize, Compiled<T>>,
+    /// Of those whose shapes differ from the model's.
+    own_shapes: HashMap<usize, Vec<Shape>>,
     pub(crate) input_tables: InputTables,
     pub(crate) output_tables: OutputTables,
     pub(crate) time: Vec<f64>,
@@ -159,6 +161,7 @@ impl<T: Float> Simulation<T> {
             output: memory(lengths.output),
             parameters: in_lanes(shared.engine.parameters(), width, width),
             own: HashMap::new(),
+            own_shapes: HashMap::new(),
             input_tables: InputTables::new(&model),
             output_tables: shared.engine.outputs(),
             time: vec![0.0; settings.worlds],
@@ -234,6 +237,10 @@ impl<T: Float> Simulation<T> {
     }
     fn compiled(&self, world: usize) -> &Compiled<T> {
         self.own.get(&world).unwrap_or(&self.shared)
+    }
+    /// The shapes of a world, in the order of its model.
+    pub(crate) fn shapes(&self, world: usize) -> &[Shape] {
+        self.own_shapes.get(&world).unwrap_or(&self.model.shapes)
     }
 
     /// Sets a world's joint coordinates and velocities; its time starts at 0 again, with the
@@ -324,6 +331,11 @@ impl<T: Float> Simulation<T> {
         let mut state = numbers_of(&self.state, world, 0..own.state.len());
         own.engine.take_over(&bodies, &mut state);
         self.own.insert(world, own);
+        if model.shapes == self.model.shapes {
+            self.own_shapes.remove(&world);
+        } else {
+            self.own_shapes.insert(world, model.shapes.clone());
+        }
         self.write_state(world, &state);
         Ok(())
     }
@@ -346,12 +358,10 @@ impl<T: Float> Simulation<T> {
         }
         self.reported = false;
         let known = self.diverged.len();
-        let alive = self.shared.engine.alive();
         let passed = steps as f64 * self.settings.step.time_step;
         let mut found = Vec::new();
         for world in 0..self.worlds() {
-            let runs = self.state.get(world, alive) != T::zero();
-            if runs {
+            if self.runs(world) {
                 self.time[world] += passed;
             } else if !self.diverged.iter().any(|d| d.world == world) {
                 self.time[world] += passed;
@@ -363,6 +373,11 @@ impl<T: Float> Simulation<T> {
         }
         self.diverged.extend(found);
         &self.diverged[known..]
+    }
+
+    /// Whether a world has not diverged.
+    pub(crate) fn runs(&self, world: usize) -> bool {
+        self.state.get(world, self.shared.engine.alive()) != T::zero()
     }
 
     /// All worlds that have diverged and were not reset since.

@@ -1,8 +1,8 @@
-//! What a simulation tells of its contacts and limits.
+//! What a simulation tells of its contacts, sensors, limits, sleepers and divergence.
 
 use glam::DVec3;
-use kinetarium_sim::{Event, EventKind, Simulation, SimulationSettings, Watch};
-use model::{Builder, Geometry, Limit, Material, Model, Shape, ShapeId};
+use kinetarium_sim::{Event, EventKind, Simulation, SimulationSettings, SolverKind, Watch};
+use model::{BodyId, Builder, Geometry, Limit, Material, Model, Pose, Shape, ShapeId};
 
 const H: f64 = 0.002;
 const MASS: f64 = 2.0;
@@ -159,4 +159,265 @@ fn nothing_is_told_unasked() {
     let mut simulation = Simulation::<f32>::new(scene(0.0), SimulationSettings::new(1, H)).unwrap();
     simulation.step(300);
     assert_eq!(simulation.drain_events(), []);
+}
+
+const SLEEP: Watch = Watch {
+    contacts: false,
+    persisting_contacts: false,
+    sensors: false,
+    limits: false,
+    sleep: true,
+    divergence: false,
+};
+
+/// A cube of 20 cm at rest on the ground, with a second 0.5 m above it, for `impulse`.
+fn cubes() -> Simulation<f32> {
+    let mut world = Builder::new("cubes");
+    let plane = Geometry::Plane {
+        half_x: 0.0,
+        half_z: 0.0,
+    };
+    world.object("ground").scenery(Shape::new(plane));
+    let cube = Shape::new(Geometry::Box {
+        half: DVec3::splat(0.1),
+    });
+    let things = world.object("things");
+    for (name, height) in [("low", 0.1), ("high", 0.8)] {
+        let place = Pose::at(DVec3::Y * height);
+        things.body(name).at(place).shape(cube.clone());
+    }
+    let settings = SimulationSettings {
+        solver: SolverKind::Impulse,
+        threads: 1,
+        ..SimulationSettings::new(2, H)
+    };
+    Simulation::new(world.build().unwrap(), settings).unwrap()
+}
+
+/// World 0 as it was built; in world 1 the upper cube lies elsewhere.
+fn apart(simulation: &mut Simulation<f32>) {
+    let mut position = simulation.outputs().joint_position(1);
+    let upper = position.len() - 7;
+    position[upper..][..2].copy_from_slice(&[3.0, 0.1]);
+    let still = vec![0.0; simulation.model().degrees_of_freedom()];
+    simulation.set_joint_state(1, &position, &still).unwrap();
+}
+
+/// Each for itself after half a second; together half a second after the one has hit the other.
+#[test]
+fn islands_fall_asleep_together() {
+    let mut simulation = cubes();
+    simulation.watch(SLEEP);
+    apart(&mut simulation);
+    simulation.step(1000);
+    let told = simulation.drain_events();
+    let both = [0, 1].map(|i| EventKind::FallsAsleep { body: BodyId(i) });
+    for world in [0, 1] {
+        let own: Vec<_> = told.iter().filter(|e| e.world == world).collect();
+        assert!(own.iter().map(|e| &e.kind).eq(&both), "{own:?}");
+        assert_eq!(own[0].time, own[1].time);
+        let expected = if world == 0 { 0.9 } else { 0.5 };
+        assert!((own[0].time - expected).abs() < 0.15, "{own:?}");
+        let outputs = simulation.outputs();
+        assert!([0, 1].iter().all(|&i| outputs.asleep(world, BodyId(i))));
+    }
+}
+
+/// In the substep in which the force acts, and nothing else does.
+#[test]
+fn a_push_wakes() {
+    let mut simulation = cubes();
+    apart(&mut simulation);
+    simulation.step(500);
+    simulation.watch(SLEEP);
+    simulation.step(10);
+    assert_eq!(simulation.drain_events(), [], "they slept before");
+    let time = simulation.time(1);
+    simulation.controls().set_dof_force(1, 1, 1e3).unwrap();
+    simulation.step(5);
+    let told = simulation.drain_events();
+    let [event] = told.as_slice() else {
+        panic!("{told:?}");
+    };
+    let kind = EventKind::Wakes { body: BodyId(0) };
+    assert_eq!((event.world, event.kind), (1, kind));
+    assert!((event.time - time - H).abs() < 1e-9, "{event:?}");
+    let outputs = simulation.outputs();
+    assert!(!outputs.asleep(1, BodyId(0)) && outputs.asleep(1, BodyId(1)));
+}
+
+#[test]
+fn a_sleeper_that_is_set_does_not_wake_but_never_slept() {
+    let mut simulation = cubes();
+    simulation.watch(SLEEP);
+    apart(&mut simulation);
+    simulation.step(500);
+    assert_ne!(simulation.drain_events(), []);
+    apart(&mut simulation);
+    simulation.step(10);
+    assert_eq!(simulation.drain_events(), []);
+    assert!(!simulation.outputs().asleep(1, BodyId(0)));
+}
+
+/// In the substep in which it happens, once, and nothing after it; other worlds go on.
+#[test]
+fn a_world_diverges_once() {
+    for solver in [SolverKind::Featherstone, SolverKind::Xpbd] {
+        let mut settings = SimulationSettings {
+            solver,
+            threads: 1,
+            ..SimulationSettings::new(3, H)
+        };
+        settings.step.speed_limit = 50.0;
+        settings.step.substeps = 4;
+        let mut simulation = Simulation::<f32>::new(scene(0.0), settings).unwrap();
+        simulation.watch(Watch::ALL);
+        // Upwards with gravity and 2 kg: the limit of 50 m/s is passed 50 / (10¹ · 10²) s later.
+        let force = MASS * (1000.0 + 9.81);
+        simulation.controls().set_dof_force(1, 1, force).unwrap();
+        simulation.step(300);
+        let told = simulation.drain_events();
+        let ends: Vec<_> = told.iter().filter(|e| e.world == 1).collect();
+        let [end] = ends.as_slice() else {
+            panic!("{solver:?}: {ends:?}");
+        };
+        assert_eq!(end.kind, EventKind::Diverged);
+        assert!((end.time - 0.05).abs() < 0.6 * H, "{solver:?}: {end:?}");
+        assert!(told.iter().any(|e| e.world == 2 && e.time > 0.5));
+        simulation.reset_all();
+        simulation.step(10);
+        assert_eq!(simulation.drain_events(), [], "{solver:?}");
+    }
+}
+
+/// In a scene of its own, by `impulse`; `build` adds the shapes and bodies.
+fn piles(build: impl FnOnce(&mut Builder)) -> Simulation<f32> {
+    let mut world = Builder::new("sensors");
+    build(&mut world);
+    let settings = SimulationSettings {
+        solver: SolverKind::Impulse,
+        threads: 1,
+        ..SimulationSettings::new(1, H)
+    };
+    Simulation::new(world.build().unwrap(), settings).unwrap()
+}
+
+fn ball() -> Shape {
+    Shape::new(Geometry::Sphere { radius: 0.1 })
+}
+
+fn zone(half: f64) -> Shape {
+    let half = DVec3::splat(half);
+    Shape::new(Geometry::Box { half }).named("zone").as_sensor()
+}
+
+/// From 2 m, through a zone from 1.2 to 0.8 m: in at √(2 · 0.7 / g), out at √(2 · 1.3 / g), as if
+/// nothing were there.
+#[test]
+fn a_ball_falls_through_a_sensor() {
+    let mut simulation = piles(|world| {
+        let zone = zone(0.2).at(Pose::at(DVec3::Y));
+        world.object("zone").scenery(zone);
+        let things = world.object("things");
+        let high = Pose::at(2.0 * DVec3::Y);
+        things.body("ball").at(high).shape(ball());
+    });
+    simulation.watch(Watch::ALL);
+    let mut touched = 0;
+    for _ in 0..300 {
+        simulation.step(1);
+        let outputs = simulation.outputs();
+        touched += outputs.contacts(0).filter(|c| c.distance < 0.0).count();
+        assert!(outputs.contacts(0).all(|c| c.force == DVec3::ZERO));
+    }
+    let told = simulation.drain_events();
+    let shapes = [ShapeId(0), ShapeId(1)];
+    let kinds = [
+        EventKind::SensorBegins { shapes },
+        EventKind::SensorEnds { shapes },
+    ];
+    assert!(told.iter().map(|e| &e.kind).eq(&kinds), "{told:?}");
+    for (event, way) in told.iter().zip([0.7, 1.3]) {
+        let time = f64::sqrt(2.0 * way / 9.81);
+        assert!((event.time - time).abs() < 2.0 * H, "{event:?}, not {time}");
+    }
+    assert!(touched > 60, "{touched}");
+    let (time, outputs) = (simulation.time(0), simulation.outputs());
+    assert!((outputs.body_velocity(0, BodyId(0)).y + 9.81 * time).abs() < 1e-4);
+}
+
+/// A ghost falls through a cube that sleeps in a zone, and on through the ground: the cube sleeps on,
+/// and stays in the zone.
+#[test]
+fn sensors_wake_nobody() {
+    let mut simulation = piles(|world| {
+        let plane = Geometry::Plane {
+            half_x: 0.0,
+            half_z: 0.0,
+        };
+        let ground = world.object("ground");
+        ground.scenery(Shape::new(plane)).scenery(zone(0.3));
+        let cube = Shape::new(Geometry::Box {
+            half: DVec3::splat(0.1),
+        });
+        let things = world.object("things");
+        let low = Pose::at(0.1 * DVec3::Y);
+        things.body("cube").at(low).shape(cube);
+        let high = Pose::at(4.0 * DVec3::Y);
+        let ghost = ball().as_sensor();
+        things.body("ghost").at(high).shape(ghost);
+    });
+    let [ground, zone, cube, ghost] = [0, 1, 2, 3].map(ShapeId);
+    simulation.watch(Watch {
+        sensors: true,
+        ..SLEEP
+    });
+    simulation.step(500);
+    let told = simulation.drain_events();
+    let pair = |shapes: [ShapeId; 2]| {
+        let [a, b] = shapes;
+        [a.min(b), a.max(b)]
+    };
+    let of = |kind: &EventKind| match *kind {
+        EventKind::SensorBegins { shapes } => (true, pair(shapes)),
+        EventKind::SensorEnds { shapes } => (false, pair(shapes)),
+        EventKind::FallsAsleep { body } => (true, [ShapeId(usize::MAX), ShapeId(body.0)]),
+        _ => panic!("{told:?}"),
+    };
+    let expected = [
+        (true, [zone, cube]),
+        (true, [ShapeId(usize::MAX), ShapeId(0)]),
+        (true, [zone, ghost]),
+        (true, [cube, ghost]),
+        (true, [ground, ghost]),
+        (false, [cube, ghost]),
+        (false, [zone, ghost]),
+    ];
+    let kinds: Vec<_> = told.iter().map(|e| of(&e.kind)).collect();
+    assert_eq!(kinds, expected);
+    assert!(simulation.outputs().asleep(0, BodyId(0)));
+}
+
+#[test]
+fn other_solvers_refuse_sensors() {
+    let mut world = Builder::new("zone");
+    let things = world.object("things");
+    things.scenery(zone(0.2));
+    things.body("ball").shape(ball());
+    let model = world.build().unwrap();
+    for (name, solver) in [
+        ("featherstone", SolverKind::Featherstone),
+        ("xpbd", SolverKind::Xpbd),
+    ] {
+        let settings = SimulationSettings {
+            solver,
+            ..SimulationSettings::new(1, H)
+        };
+        let refused = Simulation::<f32>::new(model.clone(), settings).unwrap_err();
+        let message = format!(
+            "{name} does not support contacts of the sensor of `zone`: \
+             use the solver `impulse`, or let the shape not collide"
+        );
+        assert_eq!(refused.to_string(), message);
+    }
 }

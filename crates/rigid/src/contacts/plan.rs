@@ -78,7 +78,7 @@ impl ContactPlan {
     /// Finds the pairs; `seat` tells who carries a shape.
     ///
     /// # Errors
-    /// A shape that no kernel collides.
+    /// A shape that no kernel collides, a sensor.
     pub(crate) fn new(
         model: &Model,
         solver: &'static str,
@@ -86,8 +86,16 @@ impl ContactPlan {
     ) -> Result<Self, SolverError> {
         let mut plan = Self::empty();
         for (a, b) in CollisionFilter::new(model).pairs() {
-            let solids = [a, b].map(|s| solid(&model.shapes[s.0], solver));
-            let [first, second] = solids;
+            let shapes = [a, b].map(|s| &model.shapes[s.0]);
+            if let Some(sensor) = shapes.into_iter().find(|s| s.sensor) {
+                return Err(SolverError::Unsupported {
+                    solver,
+                    what: "contacts of the sensor",
+                    name: sensor.name.clone(),
+                    remedy: "use the solver `impulse`, or let the shape not collide",
+                });
+            }
+            let [first, second] = shapes.map(|shape| solid(shape, solver));
             let kinds = [first?.0, second?.0];
             let Some(route) = Route::of(kinds[0], kinds[1]) else {
                 continue;

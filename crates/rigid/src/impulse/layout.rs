@@ -28,6 +28,9 @@ const PUSH_OUT: f64 = 3.0;
 /// What meets no faster than it falls in so many steps does not bounce.
 const RESTING: f64 = 2.0;
 
+/// Time [s] for which all of an island must have been slow before it sleeps.
+pub const SLEEP_AFTER: f64 = 0.5;
+
 /// Contacts that a world remembers from step to step, for each body that moves. Sixteen more for
 /// small models.
 const REMEMBERED: usize = 6;
@@ -120,6 +123,8 @@ pub struct Collider {
     pub row: u32,
     /// See [`collide::kind`].
     pub kind: usize,
+    /// It touches but never pushes.
+    pub sensor: bool,
 }
 
 /// A model compiled for sequential impulses.
@@ -186,12 +191,14 @@ fn unsupported(what: &'static str, name: &str, remedy: &'static str) -> SolverEr
     }
 }
 
-/// Whether a model is what this solver is for: several bodies, all of them free.
+/// Whether a model is what this solver is for: several bodies, or sensors, and all bodies free.
 pub fn suits(model: &Model) -> bool {
     let moving = model.bodies.iter().filter(|b| b.kind == BodyKind::Dynamic);
     let solid = |shape: &model::Shape| contact_tables::solid(shape, NAME).is_ok();
     let mut touching = model.shapes.iter().filter(|shape| shape.collides);
-    moving.take(2).count() == 2 && check(model).is_ok() && touching.all(solid)
+    let senses = touching.clone().any(|shape| shape.sensor);
+    let several = moving.take(2).count() == 2;
+    (several || senses) && check(model).is_ok() && touching.all(solid)
 }
 
 /// Refuses all but bodies that are free.
@@ -268,7 +275,9 @@ impl Impulse {
             capacity,
             state_length: 0,
             input: InputTables::new(model),
-            output: OutputTables::new(model).with_found_contacts(capacity * POINTS),
+            output: OutputTables::new(model)
+                .with_found_contacts(capacity * POINTS)
+                .with_sleep(model.bodies.len()),
             settings: *settings,
             parameters: Vec::new(),
             links: Vec::new(),
@@ -331,7 +340,11 @@ impl Impulse {
         for collider in &self.shapes {
             let shape = &model.shapes[collider.shape.0];
             words.extend([collider.row, collider.kind as u32, collider.shape.0 as u32]);
-            words.extend([shape.membership, shape.collides_with]);
+            words.extend([
+                shape.membership,
+                shape.collides_with,
+                collider.sensor.into(),
+            ]);
         }
         for body in &model.bodies {
             words.extend([body.group as u32, body.world as u32]);
@@ -608,6 +621,11 @@ impl<T: Float> State<'_, T> {
     pub(super) fn pose(&self, row: usize) -> Pose {
         pose_at(self.state, self.impulse.state.at(row, state::CENTER))
     }
+    /// Whether a body sleeps; what does not move never slept.
+    pub(super) fn sleeps(&self, row: usize) -> bool {
+        let rest = self.state[self.impulse.state.at(row, state::REST)];
+        rest.to_f64() >= SLEEP_AFTER
+    }
     pub(super) fn velocity(&self, row: usize) -> [DVec3; 2] {
         [0, 3].map(|i| self.vec3(row, state::VELOCITY + i))
     }
@@ -638,7 +656,13 @@ fn colliders(
         .map(|shape| {
             let row = row_of(model.shapes[shape.0].body);
             let (kind, _) = contact_tables::solid(&model.shapes[shape.0], NAME)?;
-            Ok(Collider { shape, row, kind })
+            let sensor = model.shapes[shape.0].sensor;
+            Ok(Collider {
+                shape,
+                row,
+                kind,
+                sensor,
+            })
         })
         .collect()
 }

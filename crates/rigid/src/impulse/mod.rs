@@ -41,6 +41,7 @@ mod report;
 mod tables;
 
 pub use layout::{
-    Cached, CachedPoint, Collider, Impulse, Recalled, State, Surface, WORLD, state, suits,
+    Cached, CachedPoint, Collider, Impulse, Recalled, SLEEP_AFTER, State, Surface, WORLD, state,
+    suits,
 };
 pub use tables::{BodyTables, ContactTables, POINTS, global, manifold, mass, point, row};

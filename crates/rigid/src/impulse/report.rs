@@ -32,6 +32,10 @@ impl Impulse {
             put(output, at + body::ORIENTATION, pose.orientation.to_array());
             put(output, at + body::VELOCITY, v.to_array());
             put(output, at + body::ANGULAR_VELOCITY, w.to_array());
+            if let Some(asleep) = self.output.asleep {
+                let sleeps = f64::from(u8::from(state.sleeps(row as usize)));
+                put(output, asleep.at(id, 0), [sleeps]);
+            }
         }
     }
 

@@ -8,10 +8,7 @@ use super::islands::Islands;
 use super::world::{Workspace, World};
 use numbers::Float;
 use rigid::impulse::pair::{placed, solid};
-use rigid::impulse::{Cached, WORLD, state};
-
-/// Time [s] for which all of an island must have been slow before it sleeps.
-const SLEEP_AFTER: f64 = 0.5;
+use rigid::impulse::{Cached, SLEEP_AFTER, WORLD, state};
 
 /// Gap [m] at which two shapes touch even if nothing moves.
 pub(super) const NEARBY: f64 = 1e-4;
@@ -97,7 +94,7 @@ impl<T: Float> World<'_, T> {
             return false;
         }
         sleep.islands.separate(bodies);
-        for contact in &sleep.before {
+        for contact in sleep.before.iter().filter(|c| !self.is_sensed(c)) {
             let [a, b] = self.rows_of(contact);
             if sleep.asleep[a as usize] && sleep.asleep[b as usize] {
                 sleep.islands.join(a, b);

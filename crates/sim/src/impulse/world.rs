@@ -30,6 +30,8 @@ pub(super) struct Workspace<T: Float> {
     candidates: Vec<[u32; 2]>,
     pairs: Vec<[u32; 2]>,
     pub found: Vec<Cached<T>>,
+    /// Contacts of sensors, which are told but not solved.
+    sensed: Vec<Cached<T>>,
     pub contacts: Vec<Cached<T>>,
     pub colours: Colours,
     /// Bodies and number of points of each contact.
@@ -53,6 +55,7 @@ impl<T: Float> Default for Workspace<T> {
             candidates: Vec::new(),
             pairs: Vec::new(),
             found: Vec::new(),
+            sensed: Vec::new(),
             contacts: Vec::new(),
             colours: Colours::default(),
             ends: Vec::new(),
@@ -96,8 +99,9 @@ impl<T: Float> World<'_, T> {
         }
         self.store(state, w);
         self.rest(state, w);
-        if !w.sleep.frozen.is_empty() {
+        if !(w.sleep.frozen.is_empty() && w.sensed.is_empty()) {
             w.contacts.append(&mut w.sleep.frozen);
+            w.contacts.append(&mut w.sensed);
             w.contacts.sort_by_key(Cached::key);
         }
         self.impulse().remember(&mut w.contacts, state);
@@ -270,6 +274,15 @@ impl<T: Float> World<'_, T> {
             threads: self.team > 1,
         };
         self.piles.narrow_phase.find(&scene, &w.pairs, &mut w.found);
+        w.sensed.clear();
+        let sensed = w.found.extract_if(.., |contact| self.is_sensed(contact));
+        w.sensed.extend(sensed);
+    }
+
+    /// Whether a contact is of a sensor.
+    pub fn is_sensed(&self, contact: &Cached<T>) -> bool {
+        let sensor = |shape: u32| self.impulse().shapes()[shape as usize].sensor;
+        contact.shapes.into_iter().any(sensor)
     }
 
     /// The bodies of a contact.

@@ -1,0 +1,284 @@
+//! What a ray meets first.
+//!
+//! Solids are met exactly, in double precision ([`line`]); boxes about them, in single precision and
+//! grown by its error, tell which to try where there are many rays.
+
+mod line;
+
+use crate::Simulation;
+use crate::error::{MOST_MOTION, SimulationError, index};
+use glam::{DVec3, Vec3};
+use line::Line;
+use model::{BodyId, Geometry, Pose, Shape, ShapeId};
+use numbers::Float;
+use rayon::prelude::*;
+use space::{Aabb, Bvh, Cast, Space};
+
+/// A ray in a world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Where it starts [m], world axes.
+    pub origin: DVec3,
+    /// Where it goes, world axes; of any length but zero.
+    pub direction: DVec3,
+    /// What is farther from the origin [m] is not met; may be infinite.
+    pub max_distance: f64,
+}
+
+/// Where a ray first meets a shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RayHit {
+    /// The shape; of equally near ones the first.
+    pub shape: ShapeId,
+    /// From the ray's origin [m]; 0 where that lies in the shape.
+    pub distance: f64,
+    /// The point [m], world axes.
+    pub position: DVec3,
+    /// Unit vector out of the shape's surface, world axes; against the ray where its origin lies in
+    /// the shape.
+    pub normal: DVec3,
+}
+
+/// Shortest and longest direction that is taken.
+const LENGTHS: std::ops::RangeInclusive<f64> = 1e-12..=1e12;
+
+impl Ray {
+    /// The same with a direction of unit length.
+    fn checked(self, index: usize) -> Result<Self, SimulationError> {
+        let refuse = |what, value: String, remedy| {
+            Err(SimulationError::Ray {
+                index,
+                what,
+                value,
+                remedy,
+            })
+        };
+        if !(self.origin.abs().max_element() <= MOST_MOTION && self.origin.is_finite()) {
+            let origin = self.origin.to_string();
+            return refuse("origin", origin, "finite and within 1e9 m along each axis");
+        }
+        let length = self.direction.length();
+        if !LENGTHS.contains(&length) {
+            let direction = self.direction.to_string();
+            return refuse("direction", direction, "of a length from 1e-12 to 1e12");
+        }
+        if self.max_distance.is_nan() || self.max_distance < 0.0 {
+            let most = self.max_distance.to_string();
+            return refuse("largest distance", most, "0 or more, in metres");
+        }
+        Ok(Self {
+            direction: self.direction / length,
+            ..self
+        })
+    }
+}
+
+/// A shape where it is.
+#[derive(Clone, Copy, Debug)]
+struct Solid<'a> {
+    shape: ShapeId,
+    geometry: &'a Geometry,
+    pose: Pose,
+}
+
+impl<'a> Solid<'a> {
+    fn new(shape: ShapeId, of: &'a Shape, bodies: &[Pose]) -> Result<Self, SimulationError> {
+        if matches!(of.geometry, Geometry::Mesh { .. }) {
+            return Err(SimulationError::RayMesh {
+                shape: shape.0,
+                name: of.name.clone(),
+            });
+        }
+        let carrier = of.body.map_or(Pose::IDENTITY, |body| bodies[body.0]);
+        Ok(Self {
+            shape,
+            geometry: &of.geometry,
+            pose: carrier * of.pose,
+        })
+    }
+
+    /// Where a ray, whose direction has unit length, meets the solid. Its line is measured from the
+    /// point nearest to the solid's centre, so that far origins cost no more digits than they must.
+    fn meet(&self, ray: &Ray) -> Option<RayHit> {
+        let inverse = self.pose.inverse();
+        let (origin, direction) = (inverse.point(ray.origin), inverse.direction(ray.direction));
+        let foot = -origin.dot(direction);
+        let line = Line {
+            origin: origin + foot * direction,
+            direction,
+        };
+        let span = line.within(self.geometry)?;
+        let (enter, leave) = (foot + span.enter, foot + span.leave);
+        if leave < 0.0 || enter > ray.max_distance {
+            return None;
+        }
+        let (distance, normal) = if enter > 0.0 {
+            (enter, self.pose.direction(span.normal).normalize())
+        } else {
+            (0.0, -ray.direction)
+        };
+        Some(RayHit {
+            shape: self.shape,
+            distance,
+            position: ray.origin + distance * ray.direction,
+            normal,
+        })
+    }
+
+    /// Half of a box about it, along its own axes [m]; `None` for what has no end.
+    fn half(&self) -> Option<DVec3> {
+        Some(match *self.geometry {
+            Geometry::Plane { .. } | Geometry::Mesh { .. } => return None,
+            Geometry::Sphere { radius } => DVec3::splat(radius),
+            Geometry::Capsule {
+                radius,
+                half_height,
+            }
+            | Geometry::Cylinder {
+                radius,
+                half_height,
+            }
+            | Geometry::Cone {
+                radius,
+                half_height,
+            } => DVec3::new(radius, half_height, radius),
+            Geometry::Box { half } | Geometry::Ellipsoid { half } => half,
+        })
+    }
+
+    /// A box about it along the world's axes: |R| times that along its own.
+    fn around(&self) -> Aabb {
+        let Some(half) = self.half() else {
+            return Aabb::new(Vec3::NEG_INFINITY, Vec3::INFINITY);
+        };
+        let axes = DVec3::AXES.map(|axis| self.pose.direction(axis).abs());
+        let reach = axes[0] * half.x + axes[1] * half.y + axes[2] * half.z;
+        let center = self.pose.position;
+        Aabb::enclosing(center - reach, center + reach)
+    }
+}
+
+/// The nearer; of equally near ones that of the first shape.
+fn nearer(a: RayHit, b: RayHit) -> RayHit {
+    let b_is = b
+        .distance
+        .total_cmp(&a.distance)
+        .then(b.shape.cmp(&a.shape));
+    if b_is.is_lt() { b } else { a }
+}
+
+/// Solids and the boxes about them.
+struct Scene<'a> {
+    solids: Vec<Solid<'a>>,
+    space: Space<Bvh>,
+    /// No coordinate of a box that ends is larger [m].
+    reach: f64,
+}
+
+/// In single precision origin, direction and times are off by so large a share of all lengths, at
+/// most. (Each rounds by 6e-8.)
+const ROUNDING: f64 = 1e-6;
+
+impl<'a> Scene<'a> {
+    fn new(solids: Vec<Solid<'a>>) -> Result<Self, SimulationError> {
+        let boxes: Vec<_> = solids.iter().map(Solid::around).collect();
+        let corners = boxes.iter().flat_map(|b| [b.min, b.max]);
+        let sizes = corners.map(|corner| f64::from(corner.abs().max_element()));
+        let reach = sizes.filter(|size| size.is_finite()).fold(0.0, f64::max);
+        Ok(Self {
+            space: Space::new(&boxes)?,
+            solids,
+            reach,
+        })
+    }
+
+    fn first(&self, ray: &Ray) -> Result<Option<RayHit>, SimulationError> {
+        let slack = ROUNDING * (ray.origin.abs().max_element() + self.reach);
+        let (origin, direction) = (ray.origin.as_vec3(), ray.direction.as_vec3());
+        let cast = Cast::aabb(origin, Vec3::splat(slack as f32), direction)?
+            .until((ray.max_distance as f32).next_up());
+        let mut best: Option<RayHit> = None;
+        for near in self.space.cast_all(&cast, self.space.boxes()) {
+            if best.is_some_and(|best| best.distance < f64::from(near.time)) {
+                break;
+            }
+            let hit = self.solids[near.object as usize].meet(ray);
+            best = best.into_iter().chain(hit).reduce(nearer);
+        }
+        Ok(best)
+    }
+}
+
+impl<T: Float> Simulation<T> {
+    /// What a ray from `origin` [m] along `direction` (world axes, any length but zero) first meets
+    /// in a world, up to `max_distance` [m], which may be infinite.
+    ///
+    /// Rays meet all shapes where they are now, those that collide and those that are only seen, and
+    /// their surfaces; they pass through sensors. A plane is the half space below it, whatever part of it is drawn. A ray whose
+    /// origin lies in a shape meets it there, at distance 0.
+    ///
+    /// # Errors
+    /// A world that does not exist; an origin, direction or distance that is NaN; an origin beyond
+    /// 1e9 m, a direction of no length, a negative distance; a model with a mesh.
+    pub fn cast_ray(
+        &mut self,
+        world: usize,
+        origin: DVec3,
+        direction: DVec3,
+        max_distance: f64,
+    ) -> Result<Option<RayHit>, SimulationError> {
+        let ray = Ray {
+            origin,
+            direction,
+            max_distance,
+        };
+        index("world", world, self.worlds())?;
+        let ray = ray.checked(0)?;
+        let bodies = self.placements(world);
+        let solids = self.solids(world, &bodies)?;
+        Ok(solids.iter().filter_map(|s| s.meet(&ray)).reduce(nearer))
+    }
+
+    /// As [`cast_ray`](Simulation::cast_ray) for many rays in one world, in threads; answer i belongs
+    /// to `rays[i]`, and is the same as if it were asked alone.
+    ///
+    /// # Errors
+    /// As [`cast_ray`](Simulation::cast_ray); of a ray, its place in `rays`.
+    pub fn cast_rays(
+        &mut self,
+        world: usize,
+        rays: &[Ray],
+    ) -> Result<Vec<Option<RayHit>>, SimulationError> {
+        index("world", world, self.worlds())?;
+        let rays = rays.iter().enumerate().map(|(i, ray)| ray.checked(i));
+        let rays = rays.collect::<Result<Vec<_>, _>>()?;
+        let bodies = self.placements(world);
+        let scene = Scene::new(self.solids(world, &bodies)?)?;
+        let parts = rays.par_iter().with_min_len(RAYS_AT_A_TIME);
+        self.pool
+            .install(|| parts.map(|ray| scene.first(ray)).collect())
+    }
+
+    /// Of each body of a world where it is now, with an orientation of unit length to double precision.
+    fn placements(&mut self, world: usize) -> Vec<Pose> {
+        let bodies = (0..self.model().bodies.len()).map(BodyId);
+        let outputs = self.outputs();
+        let placed = |body| {
+            let orientation = outputs.body_orientation(world, body).normalize();
+            Pose::new(outputs.body_position(world, body), orientation)
+        };
+        bodies.map(placed).collect()
+    }
+
+    /// The shapes of a world, on bodies that are placed so.
+    fn solids(&self, world: usize, bodies: &[Pose]) -> Result<Vec<Solid<'_>>, SimulationError> {
+        let shapes = self.shapes(world).iter().enumerate();
+        shapes
+            .filter(|(_, shape)| !shape.sensor)
+            .map(|(i, shape)| Solid::new(ShapeId(i), shape, bodies))
+            .collect()
+    }
+}
+
+/// A thread takes so many rays at a time.
+const RAYS_AT_A_TIME: usize = 64;

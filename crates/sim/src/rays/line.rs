@@ -1,0 +1,208 @@
+//! Where a line is inside a solid.
+//!
+//! A line p(t) = o + t d, |d| = 1, in the solid's frame, is inside a convex solid for one span of t.
+//! Spans of half spaces and quadrics make those of all solids: what is in both of two is in the
+//! later entry and the earlier exit. Numbers keep their digits where o is near the solid.
+
+use glam::{DVec2, DVec3};
+use model::Geometry;
+
+/// A line in a solid's frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Line {
+    pub origin: DVec3,
+    /// Of unit length.
+    pub direction: DVec3,
+}
+
+/// The part of a line that is inside.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Span {
+    pub enter: f64,
+    pub leave: f64,
+    /// Outwards where the line enters, of any length; anything where it enters nowhere.
+    pub normal: DVec3,
+}
+
+impl Span {
+    /// What is in both.
+    fn and(self, other: Self) -> Option<Self> {
+        let later = if self.enter > other.enter {
+            self
+        } else {
+            other
+        };
+        let leave = self.leave.min(other.leave);
+        (later.enter <= leave).then_some(Self { leave, ..later })
+    }
+    /// What is in one of two that overlap.
+    fn or(self, other: Self) -> Self {
+        Self {
+            enter: self.enter.min(other.enter),
+            leave: self.leave.max(other.leave),
+            ..self
+        }
+    }
+}
+
+/// Directions so near to an axis are along it.
+const ALONG: f64 = 1e-15;
+
+impl Line {
+    /// The span inside a solid; surfaces count. Meshes have none.
+    pub fn within(&self, geometry: &Geometry) -> Option<Span> {
+        match *geometry {
+            Geometry::Plane { .. } => self.half_space(DVec3::Y, 0.0),
+            Geometry::Sphere { radius } => self.ellipsoid(DVec3::splat(radius)),
+            Geometry::Ellipsoid { half } => self.ellipsoid(half),
+            Geometry::Capsule {
+                radius,
+                half_height,
+            } => self.capsule(radius, half_height - radius),
+            Geometry::Cylinder {
+                radius,
+                half_height,
+            } => self.tube(radius)?.and(self.slab(DVec3::Y, half_height)?),
+            Geometry::Cone {
+                radius,
+                half_height,
+            } => self.cone(radius, half_height),
+            Geometry::Box { half } => {
+                let [x, y, z] = DVec3::AXES.map(|axis| self.slab(axis, half.dot(axis)));
+                x?.and(y?)?.and(z?)
+            }
+            Geometry::Mesh { .. } => None,
+        }
+    }
+
+    fn at(&self, t: f64) -> DVec3 {
+        self.origin + t * self.direction
+    }
+
+    /// n · p ≤ h, |n| = 1: t = (h − n · o) / (n · d), an entry where n · d < 0.
+    fn half_space(&self, n: DVec3, h: f64) -> Option<Span> {
+        let (gap, speed) = (h - n.dot(self.origin), n.dot(self.direction));
+        let (enter, leave) = if speed < 0.0 {
+            (gap / speed, f64::INFINITY)
+        } else if speed > 0.0 {
+            (f64::NEG_INFINITY, gap / speed)
+        } else if gap >= 0.0 {
+            (f64::NEG_INFINITY, f64::INFINITY)
+        } else {
+            return None;
+        };
+        Some(Span {
+            enter,
+            leave,
+            normal: n,
+        })
+    }
+
+    /// |n · p| ≤ h.
+    fn slab(&self, n: DVec3, h: f64) -> Option<Span> {
+        self.half_space(n, h)?.and(self.half_space(-n, h)?)
+    }
+
+    /// Σ (pᵢ/aᵢ)² ≤ 1: with u = o/a and w = d/a a unit ball. Normal: the gradient pᵢ/aᵢ².
+    fn ellipsoid(&self, a: DVec3) -> Option<Span> {
+        let (enter, leave) = unit_ball(self.origin / a, self.direction / a)?;
+        let normal = self.at(enter) / (a * a);
+        Some(Span {
+            enter,
+            leave,
+            normal,
+        })
+    }
+
+    /// x² + z² ≤ r²: a unit ball in the plane across the axis.
+    fn tube(&self, r: f64) -> Option<Span> {
+        let across = |v: DVec3| DVec3::new(v.x, 0.0, v.z);
+        let mut d = across(self.direction);
+        if d.length() < ALONG {
+            d = DVec3::ZERO;
+        }
+        let (enter, leave) = unit_ball(across(self.origin) / r, d / r)?;
+        let normal = across(self.at(enter));
+        Some(Span {
+            enter,
+            leave,
+            normal,
+        })
+    }
+
+    /// Within r of the segment |y| ≤ h: a cylinder or one of two balls, which together are convex.
+    /// Normal: from the nearest point of the segment.
+    fn capsule(&self, r: f64, h: f64) -> Option<Span> {
+        let ball = |y: f64| {
+            let origin = self.origin - y * DVec3::Y;
+            Self { origin, ..*self }.ellipsoid(DVec3::splat(r))
+        };
+        let tube = self.tube(r);
+        let cylinder = tube.and_then(|tube| tube.and(self.slab(DVec3::Y, h)?));
+        let parts = [ball(-h), cylinder, ball(h)];
+        let span = parts.into_iter().flatten().reduce(Span::or)?;
+        let p = self.at(span.enter);
+        let normal = p - p.y.clamp(-h, h) * DVec3::Y;
+        Some(Span { normal, ..span })
+    }
+
+    /// x² + z² ≤ k² s², where s = h − y is the depth below the apex and k = r / 2h. That is
+    /// a t² + 2 b t + c ≤ 0, true between the roots where a ≥ 0; where a < 0, the line goes from one
+    /// half of the double cone to the other, and is in ours beyond the later root if it descends,
+    /// else before the earlier. With p and v the parts of o and d across the axis and e = −d.y,
+    /// b² − a c = k² |s v − e p|² − (p × v)², which keeps its digits near the apex. Normal: the
+    /// gradient of √(x² + z²) + k y.
+    fn cone(&self, r: f64, h: f64) -> Option<Span> {
+        let k = r / (2.0 * h);
+        let [p, v] = [self.origin, self.direction].map(|x| DVec2::new(x.x, x.z));
+        let (s, e) = (h - self.origin.y, -self.direction.y);
+        let a = v.length_squared() - (k * e).powi(2);
+        let b = p.dot(v) - k * k * s * e;
+        let c = p.length_squared() - (k * s).powi(2);
+        let square = k * k * (s * v - e * p).length_squared() - p.perp_dot(v).powi(2);
+        let (first, last) = roots(a, b, c, square)?;
+        let (enter, leave) = if a >= 0.0 {
+            (first, last)
+        } else if e > 0.0 {
+            (last, f64::INFINITY)
+        } else {
+            (f64::NEG_INFINITY, first)
+        };
+        let p = self.at(enter);
+        let normal = DVec3::new(p.x, k * p.x.hypot(p.z), p.z);
+        let side = Span {
+            enter,
+            leave,
+            normal: normal.try_normalize().unwrap_or(DVec3::Y),
+        };
+        side.and(self.slab(DVec3::Y, h)?)
+    }
+}
+
+/// |u + t w| ≤ 1: about the foot u − (u·w / w²) w, which the line passes at t = −u·w / w², half of the
+/// chord is √((1 − foot²) / w²).
+fn unit_ball(u: DVec3, w: DVec3) -> Option<(f64, f64)> {
+    let ww = w.length_squared();
+    if ww == 0.0 {
+        let all = (f64::NEG_INFINITY, f64::INFINITY);
+        return (u.length_squared() <= 1.0).then_some(all);
+    }
+    let middle = -u.dot(w) / ww;
+    let rest = 1.0 - (u + middle * w).length_squared();
+    let half = (rest / ww).sqrt();
+    (rest >= 0.0).then_some((middle - half, middle + half))
+}
+
+/// Roots of a t² + 2 b t + c, the lower first, without cancellation: q/a and c/q, where
+/// q = −(b ± √(b² − a c)) with the sign of b; `square` is b² − a c. One is infinite where a = 0.
+fn roots(a: f64, b: f64, c: f64, square: f64) -> Option<(f64, f64)> {
+    if square < 0.0 && a >= 0.0 {
+        return None;
+    }
+    let q = -(b + square.max(0.0).sqrt().copysign(b));
+    if q == 0.0 {
+        return (c <= 0.0).then_some((0.0, 0.0));
+    }
+    let (x, y) = (q / a, c / q);
+    Some((x.min(y), x.max(y)))
+}
