@@ -169,8 +169,8 @@ impl<M: Machine> Pair<M> {
         let (mut a, mut b) = (self.a.get(), self.b.get());
         a.linear = p.fma(-self.masses[0], a.linear);
         b.linear = p.fma(self.masses[1], b.linear);
-        a.angular = a.angular - self.inertia[0] * arms[0].cross(p);
-        b.angular = b.angular + self.inertia[1] * arms[1].cross(p);
+        a.angular -= self.inertia[0] * arms[0].cross(p);
+        b.angular += self.inertia[1] * arms[1].cross(p);
         self.a.set(a);
         self.b.set(b);
     }
@@ -178,8 +178,8 @@ impl<M: Machine> Pair<M> {
     #[inline(always)]
     pub fn turn(&mut self, l: Vec3<M::R>) {
         let (mut a, mut b) = (self.a.get(), self.b.get());
-        a.angular = a.angular - self.inertia[0] * l;
-        b.angular = b.angular + self.inertia[1] * l;
+        a.angular -= self.inertia[0] * l;
+        b.angular += self.inertia[1] * l;
         self.a.set(a);
         self.b.set(b);
     }
@@ -190,8 +190,8 @@ impl<M: Machine> Pair<M> {
         let since = moved.shift - k.vec3(t.manifold, only, manifold::LAST);
         let torque = since.cross(k.vec3(t.manifold, only, manifold::LAST + 3));
         let (mut a, mut b) = (self.a.get(), self.b.get());
-        a.angular = a.angular - self.inertia[0] * (torque * moved.shares[0]);
-        b.angular = b.angular - self.inertia[1] * (torque * moved.shares[1]);
+        a.angular -= self.inertia[0] * (torque * moved.shares[0]);
+        b.angular -= self.inertia[1] * (torque * moved.shares[1]);
         self.a.set(a);
         self.b.set(b);
     }

@@ -2,6 +2,7 @@
 
 use super::pair::solid;
 use super::tables::{POINTS, global, mass};
+use super::{memory, surface};
 use crate::contacts::tables as contact_tables;
 use crate::input::InputTables;
 use crate::output::body;
@@ -10,8 +11,7 @@ use crate::{Featherstone, Lengths, OutputTables, Settings, SolverError};
 use collide::kind;
 use glam::{DQuat, DVec3};
 use model::{
-    BodyId, BodyKind, Combine, Dof, Joint, JointId, JointKind, MassProperties, Material, Model,
-    Pose, ShapeId, Softness,
+    BodyId, BodyKind, Dof, Joint, JointId, JointKind, MassProperties, Model, Pose, ShapeId,
 };
 use numbers::machine::space::{Parameter, State as StateMemory};
 use numbers::{Float, Table};
@@ -51,69 +51,6 @@ pub mod state {
     pub const WIDTH: usize = 20;
 }
 
-/// Fields of a remembered contact.
-mod memory {
-    pub const SHAPES: usize = 0;
-    pub const POINTS: usize = 2;
-    pub const NORMAL: usize = 3;
-    pub const DRAG: usize = 6;
-    pub const TWIST: usize = 9;
-    pub const POINT: usize = 12;
-    /// Position, gap, feature, impulse.
-    pub const POINT_WIDTH: usize = 6;
-    pub const WIDTH: usize = POINT + super::POINTS * POINT_WIDTH;
-}
-
-/// Fields of a surface.
-mod surface {
-    pub const MARGIN: usize = 4;
-    pub const SOFTNESS: usize = 5;
-    pub const COMBINE: usize = 9;
-    pub const WIDTH: usize = 10;
-}
-
-/// A contact as a world remembers it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Cached<T> {
-    /// Colliding shapes A and B, as [`Impulse::shapes`] counts them.
-    pub shapes: [u32; 2],
-    /// From A to B.
-    pub normal: [T; 3],
-    /// Impulse of friction at the middle of the points [N·s].
-    pub drag: [T; 3],
-    /// Angular impulse against twisting and rolling [N·m·s].
-    pub twist: [T; 3],
-    /// The points, of which the first [`count`](Self::count) are.
-    pub points: [CachedPoint<T>; POINTS],
-    /// How many points there are.
-    pub count: usize,
-}
-
-/// A point of a [`Cached`] contact.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[allow(missing_docs)]
-pub struct CachedPoint<T> {
-    pub position: [T; 3],
-    pub gap: T,
-    pub feature: T,
-    /// Impulse along the normal [N·s].
-    pub impulse: T,
-}
-
-/// What a contact of two shapes is made of.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(missing_docs)]
-pub struct Surface {
-    pub friction: f64,
-    pub restitution: f64,
-    pub torsion: f64,
-    pub rolling: f64,
-    /// Stiffness [N/m] and damping [N·s/m] where it gives way.
-    pub spring: [f64; 2],
-    /// Time constant [s] with which an overlap closes, where it does not.
-    pub settling: f64,
-}
-
 /// A colliding shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Collider {
@@ -136,21 +73,21 @@ pub struct Impulse {
     pub(super) rows: Vec<u32>,
     /// For each joint of the model its body, the child's joint frame in it, and the parent's.
     pub(super) free: Vec<Free>,
-    shapes: Vec<Collider>,
-    paired: HashMap<[u32; 2], usize>,
+    pub(super) shapes: Vec<Collider>,
+    pub(super) paired: HashMap<[u32; 2], usize>,
     pub(super) mass: Table<Parameter, { mass::WIDTH }>,
     /// The model's frame in the body's own, or in the world.
     pub(super) frame: Table<Parameter, 7>,
     solid: Table<Parameter, { solid::WIDTH }>,
-    surface: Table<Parameter, { surface::WIDTH }>,
+    pub(super) surface: Table<Parameter, { surface::field::WIDTH }>,
     pub(super) gravity: Table<Parameter, 3>,
     pub(super) alive: Table<StateMemory>,
     pub(super) state: Table<StateMemory, { state::WIDTH }>,
-    remembered: Table<StateMemory>,
+    pub(super) remembered: Table<StateMemory>,
     /// How many contacts there was no room for, since the world was reset.
-    forgotten: Table<StateMemory>,
-    memory: Table<StateMemory, { memory::WIDTH }>,
-    capacity: usize,
+    pub(super) forgotten: Table<StateMemory>,
+    pub(super) memory: Table<StateMemory, { memory::field::WIDTH }>,
+    pub(super) capacity: usize,
     state_length: usize,
     pub(super) input: InputTables,
     pub(super) output: OutputTables,
@@ -322,11 +259,11 @@ impl Impulse {
                 solid::RADIUS,
                 contact_tables::radius(kind, size),
             );
-            f.numbers(self.surface, row, 0, &surface_numbers(&shape.material));
+            f.numbers(self.surface, row, 0, &surface::numbers_of(&shape.material));
         }
         for (i, pair) in model.contact_pairs.iter().enumerate() {
             let row = self.shapes.len() + i;
-            f.numbers(self.surface, row, 0, &surface_numbers(&pair.material));
+            f.numbers(self.surface, row, 0, &surface::numbers_of(&pair.material));
         }
         self.links = self.structure(model);
         self.parameters = f.parameters;
@@ -488,54 +425,6 @@ impl Impulse {
     pub fn gravity<'a, T>(&self, parameters: &'a [T]) -> &'a [T] {
         &parameters[self.gravity.at(0, 0)..][..3]
     }
-    /// Gap [m] that the surfaces of two colliding shapes keep.
-    pub fn margin<T: Float>(&self, shapes: [u32; 2], parameters: &[T]) -> T {
-        let of = |row| parameters[self.surface.at(row, surface::MARGIN)];
-        match self.named(shapes) {
-            Some(row) => of(row),
-            None => of(shapes[0] as usize) + of(shapes[1] as usize),
-        }
-    }
-
-    /// Gap [m] at which contact with a shape begins at most, be it by itself or by a pair's surface.
-    pub fn widest_margin<T: Float>(&self, shape: u32, parameters: &[T]) -> f64 {
-        let of = |row| parameters[self.surface.at(row, surface::MARGIN)].to_f64();
-        let pairs = self.paired.iter().filter(|pair| pair.0.contains(&shape));
-        let named = pairs.map(|pair| 0.5 * of(self.shapes.len() + pair.1));
-        named.fold(of(shape as usize).max(0.0), f64::max)
-    }
-
-    /// Row of the surface that the model gives to a pair.
-    fn named(&self, [a, b]: [u32; 2]) -> Option<usize> {
-        if self.paired.is_empty() {
-            return None;
-        }
-        let row = self.paired.get(&[a.min(b), a.max(b)])?;
-        Some(self.shapes.len() + row)
-    }
-
-    /// What a contact of two colliding shapes is made of.
-    pub fn surface<T: Float>(&self, shapes: [u32; 2], parameters: &[T]) -> Surface {
-        let of = |row| material(&parameters[self.surface.at(row, 0)..][..surface::WIDTH]);
-        let [a, b] = shapes.map(|s| s as usize);
-        let material = match self.named(shapes) {
-            Some(row) => of(row),
-            None => of(a).with(&of(b)),
-        };
-        let (spring, settling) = match material.softness {
-            Softness::Time { constant, .. } => ([0.0; 2], constant),
-            Softness::Spring { stiffness, damping } => ([stiffness, damping], 0.0),
-        };
-        Surface {
-            friction: material.friction,
-            restitution: material.restitution,
-            torsion: material.torsional_friction,
-            rolling: material.rolling_friction,
-            spring,
-            settling,
-        }
-    }
-
     /// What acts on the bodies from outside: for each row force and torque about its centre.
     pub fn wrenches<T: Float>(
         &self,
@@ -568,33 +457,6 @@ impl Impulse {
         }
     }
 
-    /// How many contacts a world remembers.
-    pub fn remembered<T: Float>(&self, state: &[T]) -> usize {
-        state[self.remembered.at(0, 0)].to_f64() as usize
-    }
-    /// One of them; they are in the order of their shapes, the lower ones first.
-    pub fn recall<'a, T: Float>(&self, i: usize, state: &'a [T]) -> Recalled<'a, T> {
-        Recalled(&state[self.memory.at(i, 0)..][..memory::WIDTH])
-    }
-    /// How many contacts there was no room for, since the world was reset.
-    pub fn forgotten<T: Float>(&self, state: &[T]) -> f64 {
-        state[self.forgotten.at(0, 0)].to_f64()
-    }
-    /// Remembers contacts, as many as there is room for: those that press, before all others.
-    pub fn remember<T: Float>(&self, contacts: &mut Vec<Cached<T>>, state: &mut [T]) {
-        let count = contacts.len().min(self.capacity);
-        if count < contacts.len() {
-            let lost = &mut state[self.forgotten.at(0, 0)];
-            *lost = T::from_f64(lost.to_f64() + (contacts.len() - count) as f64);
-            contacts.sort_by_key(|contact| !contact.presses());
-            contacts.truncate(count);
-            contacts.sort_by_key(Cached::key);
-        }
-        state[self.remembered.at(0, 0)] = T::from_f64(count as f64);
-        for (i, contact) in contacts[..count].iter().enumerate() {
-            contact.write(&mut state[self.memory.at(i, 0)..][..memory::WIDTH]);
-        }
-    }
     /// Offset of a body's [`state`].
     pub fn body_state(&self, row: usize) -> usize {
         self.state.at(row, 0)
@@ -687,184 +549,6 @@ impl Free {
             child_frame: joint.child_frame,
             coordinate: model.coordinate_range(id).start,
             dof: model.dof_range(id).start,
-        }
-    }
-}
-
-fn surface_numbers(m: &Material) -> [f64; surface::WIDTH] {
-    let (kind, a, b, c) = match m.softness {
-        Softness::Time {
-            constant,
-            ratio,
-            impedance,
-        } => (0.0, constant, ratio, impedance),
-        Softness::Spring { stiffness, damping } => (1.0, stiffness, damping, 0.0),
-    };
-    let combine = f64::from(m.combine as u8);
-    let (torsion, rolling) = (m.torsional_friction, m.rolling_friction);
-    [
-        m.friction,
-        m.restitution,
-        torsion,
-        rolling,
-        m.margin,
-        kind,
-        a,
-        b,
-        c,
-        combine,
-    ]
-}
-
-fn material<T: Float>(numbers: &[T]) -> Material {
-    let x = |i: usize| numbers[i].to_f64();
-    let [a, b, c] = [1, 2, 3].map(|i| x(surface::SOFTNESS + i));
-    let softness = if x(surface::SOFTNESS) == 0.0 {
-        Softness::Time {
-            constant: a,
-            ratio: b,
-            impedance: c,
-        }
-    } else {
-        Softness::Spring {
-            stiffness: a,
-            damping: b,
-        }
-    };
-    let rules = [
-        Combine::Average,
-        Combine::Minimum,
-        Combine::Multiply,
-        Combine::Maximum,
-    ];
-    Material {
-        friction: x(0),
-        restitution: x(1),
-        torsional_friction: x(2),
-        rolling_friction: x(3),
-        margin: x(4),
-        softness,
-        combine: rules[x(surface::COMBINE) as usize & 3],
-        ..Material::default()
-    }
-}
-
-fn ordered([a, b]: [u32; 2]) -> [u32; 2] {
-    [a.min(b), a.max(b)]
-}
-
-/// A contact in the state of a world.
-#[derive(Clone, Copy, Debug)]
-pub struct Recalled<'a, T>(&'a [T]);
-
-impl<T: Float> Recalled<'_, T> {
-    /// Its colliding shapes.
-    pub fn shapes(&self) -> [u32; 2] {
-        let shape = |i: usize| self.0[memory::SHAPES + i].to_f64() as u32;
-        [shape(0), shape(1)]
-    }
-    /// What contacts are in the order of: their shapes, the lower first.
-    pub fn key(&self) -> [u32; 2] {
-        ordered(self.shapes())
-    }
-    fn points(&self) -> usize {
-        (self.0[memory::POINTS].to_f64() as usize).min(POINTS)
-    }
-    fn vec3(&self, at: usize) -> [T; 3] {
-        [self.0[at], self.0[at + 1], self.0[at + 2]]
-    }
-    /// One of its points.
-    fn point(&self, i: usize) -> CachedPoint<T> {
-        let at = memory::POINT + i * memory::POINT_WIDTH;
-        CachedPoint {
-            position: self.vec3(at),
-            gap: self.0[at + 3],
-            feature: self.0[at + 4],
-            impulse: self.0[at + 5],
-        }
-    }
-    /// All of it.
-    pub fn contact(&self) -> Cached<T> {
-        let mut contact = Cached {
-            shapes: self.shapes(),
-            normal: self.vec3(memory::NORMAL),
-            drag: self.vec3(memory::DRAG),
-            twist: self.vec3(memory::TWIST),
-            count: self.points(),
-            ..Cached::default()
-        };
-        for i in 0..contact.count {
-            contact.points[i] = self.point(i);
-        }
-        contact
-    }
-    /// Gives the impulses of its points to those of a contact that are the same: of the same
-    /// features, or, where features have changed, in the same place within `near` [m].
-    pub fn warm(&self, contact: &mut Cached<T>, near: f64) {
-        contact.drag = self.vec3(memory::DRAG);
-        contact.twist = self.vec3(memory::TWIST);
-        let mut taken = [false; POINTS];
-        let mut cold = [true; POINTS];
-        for (point, cold) in contact.points[..contact.count].iter_mut().zip(&mut cold) {
-            for i in 0..self.points() {
-                let feature = self.0[memory::POINT + i * memory::POINT_WIDTH + 4];
-                if !taken[i] && feature == point.feature {
-                    point.take(&self.point(i));
-                    (taken[i], *cold) = (true, false);
-                    break;
-                }
-            }
-        }
-        for (point, _) in contact.points[..contact.count]
-            .iter_mut()
-            .zip(cold)
-            .filter(|p| p.1)
-        {
-            let distances = (0..self.points())
-                .filter(|i| !taken[*i])
-                .map(|i| (self.point(i).distance(point), i));
-            if let Some((distance, i)) = distances.min_by(|a, b| a.0.total_cmp(&b.0))
-                && distance < near
-            {
-                point.take(&self.point(i));
-                taken[i] = true;
-            }
-        }
-    }
-}
-
-impl<T: Float> CachedPoint<T> {
-    fn take(&mut self, other: &Self) {
-        self.impulse = other.impulse;
-    }
-    fn distance(&self, other: &Self) -> f64 {
-        let apart = |i: usize| (self.position[i] - other.position[i]).to_f64();
-        DVec3::new(apart(0), apart(1), apart(2)).length()
-    }
-}
-
-impl<T: Float> Cached<T> {
-    /// What contacts are in the order of: their shapes, the lower first.
-    pub fn key(&self) -> [u32; 2] {
-        ordered(self.shapes)
-    }
-    /// Whether any of its points bears a load.
-    pub fn presses(&self) -> bool {
-        let loaded = |p: &CachedPoint<T>| p.impulse > T::zero();
-        self.points[..self.count].iter().any(loaded)
-    }
-    fn write(&self, x: &mut [T]) {
-        let whole = |n: f64| T::from_f64(n);
-        x[memory::SHAPES] = whole(f64::from(self.shapes[0]));
-        x[memory::SHAPES + 1] = whole(f64::from(self.shapes[1]));
-        x[memory::POINTS] = whole(self.count as f64);
-        x[memory::NORMAL..][..3].copy_from_slice(&self.normal);
-        x[memory::DRAG..][..3].copy_from_slice(&self.drag);
-        x[memory::TWIST..][..3].copy_from_slice(&self.twist);
-        for (i, p) in self.points.iter().enumerate() {
-            let row = &mut x[memory::POINT + i * memory::POINT_WIDTH..][..memory::POINT_WIDTH];
-            row[..3].copy_from_slice(&p.position);
-            row[3..].copy_from_slice(&[p.gap, p.feature, p.impulse]);
         }
     }
 }

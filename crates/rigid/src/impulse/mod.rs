@@ -36,12 +36,13 @@ pub mod body;
 pub mod contact;
 mod friction;
 mod layout;
+mod memory;
 pub mod pair;
 mod report;
+mod surface;
 mod tables;
 
-pub use layout::{
-    Cached, CachedPoint, Collider, Impulse, Recalled, SLEEP_AFTER, State, Surface, WORLD, state,
-    suits,
-};
+pub use layout::{Collider, Impulse, SLEEP_AFTER, State, WORLD, state, suits};
+pub use memory::{Cached, CachedPoint, Recalled};
+pub use surface::Surface;
 pub use tables::{BodyTables, ContactTables, POINTS, global, manifold, mass, point, row};

@@ -3,7 +3,7 @@
 //! A pair is to [`ContactTables`] what a world with two shapes is: so the kernels for pairs are those
 //! of every solver, and a register holds sixteen pairs of the same two kinds.
 
-use super::layout::Cached;
+use super::memory::Cached;
 use super::tables::global;
 use crate::contacts::ContactTables;
 use crate::contacts::tables::{pair_field, pair_link, placed_field, shape_field, shape_link, slot};

@@ -1,6 +1,7 @@
 //! What a world looks like from outside.
 
-use super::layout::{Cached, CachedPoint, Impulse, State, WORLD, pose_at};
+use super::layout::{Impulse, State, WORLD, pose_at};
+use super::memory::{Cached, CachedPoint};
 use super::tables::mass;
 use crate::output::{body, contact, reaction, total};
 use collide::FAR;

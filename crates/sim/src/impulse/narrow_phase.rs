@@ -27,11 +27,13 @@ pub(super) struct Scene<'a, T> {
     pub threads: bool,
 }
 
-/// Pairs of the same kinds, a register's worth.
+/// A pair's place in the list of pairs, and its shapes, A first.
+type Placing = (u32, [u32; 2]);
+
+/// Pairs of the same kinds.
 struct Group<'a> {
     tables: &'a PairTables,
-    /// Each with A first, and its place in the list of pairs.
-    pairs: Vec<(u32, [u32; 2])>,
+    pairs: Vec<Placing>,
 }
 
 impl NarrowPhase {
@@ -71,7 +73,7 @@ impl NarrowPhase {
 
     fn groups<T: Float>(&self, scene: &Scene<'_, T>, pairs: &[[u32; 2]]) -> Vec<Group<'_>> {
         let kind = |shape: u32| scene.impulse.shapes()[shape as usize].kind;
-        let mut open: [[Vec<(u32, [u32; 2])>; kind::CONVEX]; kind::CONVEX] = Default::default();
+        let mut open: [[Vec<Placing>; kind::CONVEX]; kind::CONVEX] = Default::default();
         let mut groups = Vec::new();
         for (i, &[a, b]) in pairs.iter().enumerate() {
             let [a, b] = if kind(a) <= kind(b) { [a, b] } else { [b, a] };

@@ -170,7 +170,8 @@ impl<T: Float> World<'_, T> {
                 to[state::REST] = T::from_f64(SLEEP_AFTER);
             } else {
                 // Short of sleep, in whichever precision.
-                to[state::REST] = T::from_f64(rest.min(0.999 * SLEEP_AFTER));
+                let awake = SLEEP_AFTER - 0.5 * self.length().max(1e-6);
+                to[state::REST] = T::from_f64(rest.min(awake));
             }
         }
     }

@@ -1,0 +1,195 @@
+//! What a world remembers of its contacts from step to step.
+
+use super::layout::Impulse;
+use super::tables::POINTS;
+use glam::DVec3;
+use numbers::Float;
+
+/// Fields of a remembered contact.
+pub(super) mod field {
+    pub const SHAPES: usize = 0;
+    pub const POINTS: usize = 2;
+    pub const NORMAL: usize = 3;
+    pub const DRAG: usize = 6;
+    pub const TWIST: usize = 9;
+    pub const POINT: usize = 12;
+    /// Position, gap, feature, impulse.
+    pub const POINT_WIDTH: usize = 6;
+    pub const WIDTH: usize = POINT + super::POINTS * POINT_WIDTH;
+}
+
+/// A contact as a world remembers it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cached<T> {
+    /// Colliding shapes A and B, as [`Impulse::shapes`] counts them.
+    pub shapes: [u32; 2],
+    /// From A to B.
+    pub normal: [T; 3],
+    /// Impulse of friction at the middle of the points [N·s].
+    pub drag: [T; 3],
+    /// Angular impulse against twisting and rolling [N·m·s].
+    pub twist: [T; 3],
+    /// The points, of which the first [`count`](Self::count) are.
+    pub points: [CachedPoint<T>; POINTS],
+    /// How many points there are.
+    pub count: usize,
+}
+
+/// A point of a [`Cached`] contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[allow(missing_docs)]
+pub struct CachedPoint<T> {
+    pub position: [T; 3],
+    pub gap: T,
+    pub feature: T,
+    /// Impulse along the normal [N·s].
+    pub impulse: T,
+}
+
+impl Impulse {
+    /// How many contacts a world remembers.
+    pub fn remembered<T: Float>(&self, state: &[T]) -> usize {
+        state[self.remembered.at(0, 0)].to_f64() as usize
+    }
+    /// One of them; they are in the order of their shapes, the lower ones first.
+    pub fn recall<'a, T: Float>(&self, i: usize, state: &'a [T]) -> Recalled<'a, T> {
+        Recalled(&state[self.memory.at(i, 0)..][..field::WIDTH])
+    }
+    /// How many contacts there was no room for, since the world was reset.
+    pub fn forgotten<T: Float>(&self, state: &[T]) -> f64 {
+        state[self.forgotten.at(0, 0)].to_f64()
+    }
+    /// Remembers contacts, as many as there is room for: those that press, before all others.
+    pub fn remember<T: Float>(&self, contacts: &mut Vec<Cached<T>>, state: &mut [T]) {
+        let count = contacts.len().min(self.capacity);
+        if count < contacts.len() {
+            let lost = &mut state[self.forgotten.at(0, 0)];
+            *lost = T::from_f64(lost.to_f64() + (contacts.len() - count) as f64);
+            contacts.sort_by_key(|contact| !contact.presses());
+            contacts.truncate(count);
+            contacts.sort_by_key(Cached::key);
+        }
+        state[self.remembered.at(0, 0)] = T::from_f64(count as f64);
+        for (i, contact) in contacts[..count].iter().enumerate() {
+            contact.write(&mut state[self.memory.at(i, 0)..][..field::WIDTH]);
+        }
+    }
+}
+
+fn ordered([a, b]: [u32; 2]) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
+/// A contact in the state of a world.
+#[derive(Clone, Copy, Debug)]
+pub struct Recalled<'a, T>(&'a [T]);
+
+impl<T: Float> Recalled<'_, T> {
+    /// Its colliding shapes.
+    pub fn shapes(&self) -> [u32; 2] {
+        let shape = |i: usize| self.0[field::SHAPES + i].to_f64() as u32;
+        [shape(0), shape(1)]
+    }
+    /// What contacts are in the order of: their shapes, the lower first.
+    pub fn key(&self) -> [u32; 2] {
+        ordered(self.shapes())
+    }
+    fn points(&self) -> usize {
+        (self.0[field::POINTS].to_f64() as usize).min(POINTS)
+    }
+    fn vec3(&self, at: usize) -> [T; 3] {
+        [self.0[at], self.0[at + 1], self.0[at + 2]]
+    }
+    /// One of its points.
+    fn point(&self, i: usize) -> CachedPoint<T> {
+        let at = field::POINT + i * field::POINT_WIDTH;
+        CachedPoint {
+            position: self.vec3(at),
+            gap: self.0[at + 3],
+            feature: self.0[at + 4],
+            impulse: self.0[at + 5],
+        }
+    }
+    /// All of it.
+    pub fn contact(&self) -> Cached<T> {
+        let mut contact = Cached {
+            shapes: self.shapes(),
+            normal: self.vec3(field::NORMAL),
+            drag: self.vec3(field::DRAG),
+            twist: self.vec3(field::TWIST),
+            count: self.points(),
+            ..Cached::default()
+        };
+        for i in 0..contact.count {
+            contact.points[i] = self.point(i);
+        }
+        contact
+    }
+    /// Gives the impulses of its points to those of a contact that are the same: of the same
+    /// features, or, where features have changed, in the same place within `near` [m].
+    pub fn warm(&self, contact: &mut Cached<T>, near: f64) {
+        contact.drag = self.vec3(field::DRAG);
+        contact.twist = self.vec3(field::TWIST);
+        let mut taken = [false; POINTS];
+        let mut cold = [true; POINTS];
+        for (point, cold) in contact.points[..contact.count].iter_mut().zip(&mut cold) {
+            let feature = |i: &usize| self.0[field::POINT + i * field::POINT_WIDTH + 4];
+            let same = |i: &usize| !taken[*i] && feature(i) == point.feature;
+            if let Some(i) = (0..self.points()).find(same) {
+                point.take(&self.point(i));
+                (taken[i], *cold) = (true, false);
+            }
+        }
+        for (point, _) in contact.points[..contact.count]
+            .iter_mut()
+            .zip(cold)
+            .filter(|p| p.1)
+        {
+            let distances = (0..self.points())
+                .filter(|i| !taken[*i])
+                .map(|i| (self.point(i).distance(point), i));
+            if let Some((distance, i)) = distances.min_by(|a, b| a.0.total_cmp(&b.0))
+                && distance < near
+            {
+                point.take(&self.point(i));
+                taken[i] = true;
+            }
+        }
+    }
+}
+
+impl<T: Float> CachedPoint<T> {
+    fn take(&mut self, other: &Self) {
+        self.impulse = other.impulse;
+    }
+    fn distance(&self, other: &Self) -> f64 {
+        let apart = |i: usize| (self.position[i] - other.position[i]).to_f64();
+        DVec3::new(apart(0), apart(1), apart(2)).length()
+    }
+}
+
+impl<T: Float> Cached<T> {
+    /// What contacts are in the order of: their shapes, the lower first.
+    pub fn key(&self) -> [u32; 2] {
+        ordered(self.shapes)
+    }
+    /// Whether any of its points bears a load.
+    pub fn presses(&self) -> bool {
+        let loaded = |p: &CachedPoint<T>| p.impulse > T::zero();
+        self.points[..self.count].iter().any(loaded)
+    }
+    fn write(&self, x: &mut [T]) {
+        let whole = |n: f64| T::from_f64(n);
+        x[field::SHAPES] = whole(f64::from(self.shapes[0]));
+        x[field::SHAPES + 1] = whole(f64::from(self.shapes[1]));
+        x[field::POINTS] = whole(self.count as f64);
+        x[field::NORMAL..][..3].copy_from_slice(&self.normal);
+        x[field::DRAG..][..3].copy_from_slice(&self.drag);
+        x[field::TWIST..][..3].copy_from_slice(&self.twist);
+        for (i, p) in self.points.iter().enumerate() {
+            let row = &mut x[field::POINT + i * field::POINT_WIDTH..][..field::POINT_WIDTH];
+            row[..3].copy_from_slice(&p.position);
+            row[3..].copy_from_slice(&[p.gap, p.feature, p.impulse]);
+        }
+    }
+}

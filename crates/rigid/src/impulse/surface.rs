@@ -1,0 +1,136 @@
+//! Surfaces as numbers, and what two of them make of a contact.
+
+use super::layout::Impulse;
+use model::{Combine, Material, Softness};
+use numbers::Float;
+
+/// Fields of a surface.
+pub(super) mod field {
+    pub const MARGIN: usize = 4;
+    pub const SOFTNESS: usize = 5;
+    pub const COMBINE: usize = 9;
+    pub const WIDTH: usize = 10;
+}
+
+/// What a contact of two shapes is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs)]
+pub struct Surface {
+    pub friction: f64,
+    pub restitution: f64,
+    pub torsion: f64,
+    pub rolling: f64,
+    /// Stiffness [N/m] and damping [N·s/m] where it gives way.
+    pub spring: [f64; 2],
+    /// Time constant [s] with which an overlap closes, where it does not.
+    pub settling: f64,
+}
+
+impl Impulse {
+    /// Gap [m] that the surfaces of two colliding shapes keep.
+    pub fn margin<T: Float>(&self, shapes: [u32; 2], parameters: &[T]) -> T {
+        let of = |row| parameters[self.surface.at(row, field::MARGIN)];
+        match self.named(shapes) {
+            Some(row) => of(row),
+            None => of(shapes[0] as usize) + of(shapes[1] as usize),
+        }
+    }
+
+    /// Gap [m] at which contact with a shape begins at most, be it by itself or by a pair's surface.
+    pub fn widest_margin<T: Float>(&self, shape: u32, parameters: &[T]) -> f64 {
+        let of = |row| parameters[self.surface.at(row, field::MARGIN)].to_f64();
+        let pairs = self.paired.iter().filter(|pair| pair.0.contains(&shape));
+        let named = pairs.map(|pair| 0.5 * of(self.shapes.len() + pair.1));
+        named.fold(of(shape as usize).max(0.0), f64::max)
+    }
+
+    /// Row of the surface that the model gives to a pair.
+    fn named(&self, [a, b]: [u32; 2]) -> Option<usize> {
+        if self.paired.is_empty() {
+            return None;
+        }
+        let row = self.paired.get(&[a.min(b), a.max(b)])?;
+        Some(self.shapes.len() + row)
+    }
+
+    /// What a contact of two colliding shapes is made of.
+    pub fn surface<T: Float>(&self, shapes: [u32; 2], parameters: &[T]) -> Surface {
+        let of = |row| material(&parameters[self.surface.at(row, 0)..][..field::WIDTH]);
+        let [a, b] = shapes.map(|s| s as usize);
+        let material = match self.named(shapes) {
+            Some(row) => of(row),
+            None => of(a).with(&of(b)),
+        };
+        let (spring, settling) = match material.softness {
+            Softness::Time { constant, .. } => ([0.0; 2], constant),
+            Softness::Spring { stiffness, damping } => ([stiffness, damping], 0.0),
+        };
+        Surface {
+            friction: material.friction,
+            restitution: material.restitution,
+            torsion: material.torsional_friction,
+            rolling: material.rolling_friction,
+            spring,
+            settling,
+        }
+    }
+}
+
+/// A surface as [`field`]s.
+pub(super) fn numbers_of(m: &Material) -> [f64; field::WIDTH] {
+    let (kind, a, b, c) = match m.softness {
+        Softness::Time {
+            constant,
+            ratio,
+            impedance,
+        } => (0.0, constant, ratio, impedance),
+        Softness::Spring { stiffness, damping } => (1.0, stiffness, damping, 0.0),
+    };
+    let combine = f64::from(m.combine as u8);
+    let (torsion, rolling) = (m.torsional_friction, m.rolling_friction);
+    [
+        m.friction,
+        m.restitution,
+        torsion,
+        rolling,
+        m.margin,
+        kind,
+        a,
+        b,
+        c,
+        combine,
+    ]
+}
+
+fn material<T: Float>(numbers: &[T]) -> Material {
+    let x = |i: usize| numbers[i].to_f64();
+    let [a, b, c] = [1, 2, 3].map(|i| x(field::SOFTNESS + i));
+    let softness = if x(field::SOFTNESS) == 0.0 {
+        Softness::Time {
+            constant: a,
+            ratio: b,
+            impedance: c,
+        }
+    } else {
+        Softness::Spring {
+            stiffness: a,
+            damping: b,
+        }
+    };
+    let rules = [
+        Combine::Average,
+        Combine::Minimum,
+        Combine::Multiply,
+        Combine::Maximum,
+    ];
+    Material {
+        friction: x(0),
+        restitution: x(1),
+        torsional_friction: x(2),
+        rolling_friction: x(3),
+        margin: x(4),
+        softness,
+        combine: rules[x(field::COMBINE) as usize & 3],
+        ..Material::default()
+    }
+}
