@@ -373,7 +373,7 @@ fn wrong_options_end_with_2_and_say_why() {
         ("run double.xml --time-step 0", "it must be above zero"),
         (
             "run double.xml --solver magic",
-            "possible values: auto, featherstone, xpbd",
+            "possible values: auto, featherstone, xpbd, impulse",
         ),
         (
             "run double.xml --integrator leapfrog",

@@ -151,11 +151,11 @@ fn more_worlds_than_any_memory_holds() {
 fn solver_names() {
     says(
         "newton".parse::<SolverKind>(),
-        "unknown solver `newton`; known are auto, featherstone, xpbd",
+        "unknown solver `newton`; known are auto, featherstone, xpbd, impulse",
     );
     says(
         "".parse::<SolverKind>(),
-        "unknown solver ``; known are auto, featherstone, xpbd",
+        "unknown solver ``; known are auto, featherstone, xpbd, impulse",
     );
     assert_eq!("xpbd".parse(), Ok(SolverKind::Xpbd));
 }

@@ -628,3 +628,108 @@ fn joints_are_refused() {
         "{error}"
     );
 }
+
+/// Newton's cradle without strings: what hits a row of elastic balls from one side goes on at the other.
+#[test]
+fn a_push_runs_through_a_row_of_balls() {
+    let material = Material {
+        restitution: 1.0,
+        ..smooth()
+    };
+    let mut world = Builder::new("cradle");
+    world.gravity(DVec3::ZERO);
+    let balls = world.object("balls");
+    for i in 0..5 {
+        let ball = Shape::new(Geometry::Sphere { radius: 0.05 }).with_material(material);
+        balls
+            .body(format!("ball_{i}"))
+            .at(Pose::at(DVec3::X * 0.105 * f64::from(i)))
+            .shape(ball);
+    }
+    let mut sim = simulate::<f64>(world.build().unwrap());
+    let mut velocities = [0.0; 30];
+    velocities[0] = 1.0;
+    set_velocities(&mut sim, &velocities);
+    sim.step(200);
+    for i in 0..5 {
+        let v = sim.outputs().body_velocity(0, BodyId(i));
+        let ideal = if i == 4 { DVec3::X } else { DVec3::ZERO };
+        assert!((v - ideal).length() < 1e-9, "ball {i}: {v}");
+    }
+}
+
+/// Steps a world, whose energy never exceeds what it began with, by more than a part in a thousand.
+fn never_gains(mut sim: Simulation<f64>, steps: usize) -> f64 {
+    let lowest = sim.outputs().potential_energy(0);
+    let start = sim.outputs().energy(0);
+    for step in 0..steps {
+        sim.step(1);
+        let energy = sim.outputs().energy(0);
+        let most = start + 1e-3 * (start - lowest).abs();
+        assert!(energy <= most, "step {step}: {energy} J of {start} J");
+    }
+    assert!(sim.diverged().is_empty());
+    sim.outputs().energy(0) / start
+}
+
+/// A coin on its edge, leaning, spins and rolls round until it lies.
+#[test]
+fn a_spinning_coin_gains_no_energy() {
+    let coin = Shape::new(Geometry::Cylinder {
+        radius: 0.05,
+        half_height: 0.002,
+    });
+    let (model, _) = on_plane(coin, 0.06, 0.0, Material::default());
+    let mut sim = simulate::<f64>(model);
+    // Its axis nearly level: x of the coin's frame up, by a turn of 85° about z.
+    let q = DQuat::from_rotation_z(85_f64.to_radians());
+    let position = [0.0, 0.051, 0.0, q.x, q.y, q.z, q.w];
+    let up = q.inverse() * DVec3::Y * 20.0;
+    sim.set_joint_state(0, &position, &[0.0, 0.0, 0.0, up.x, up.y, up.z])
+        .unwrap();
+    assert!(never_gains(sim, 5000) < 0.5);
+}
+
+/// A ball whose centre of mass is low spins about its axis and slides, as a tippe top does.
+#[test]
+fn a_spinning_top_gains_no_energy() {
+    let ball = Shape::new(Geometry::Sphere { radius: 0.02 }).at(Pose::at(DVec3::Y * 0.004));
+    let (model, _) = on_plane(ball, 0.016, 0.0, Material::default());
+    let mut sim = simulate::<f64>(model);
+    let q = DQuat::from_rotation_z(0.1);
+    let position = [0.0, 0.0162, 0.0, q.x, q.y, q.z, q.w];
+    sim.set_joint_state(0, &position, &[0.0, 0.0, 0.0, 0.0, 100.0, 0.0])
+        .unwrap();
+    never_gains(sim, 5000);
+}
+
+/// A rod that spins at 100 rad/s flies into a wall: it comes back, with no more energy, and no part of it
+/// is ever deep in the wall.
+#[test]
+fn a_spinning_rod_does_not_pass_a_wall() {
+    let mut world = Builder::new("rod");
+    world.gravity(DVec3::ZERO);
+    let wall = Geometry::Box {
+        half: DVec3::new(0.05, 2.0, 2.0),
+    };
+    world
+        .object("wall")
+        .scenery(Shape::new(wall).at(Pose::at(DVec3::X * 0.55)));
+    let rod = Geometry::Capsule {
+        radius: 0.02,
+        half_height: 0.3,
+    };
+    world.object("rod").body("rod").shape(rod);
+    let mut sim = simulate::<f64>(world.build().unwrap());
+    set_velocities(&mut sim, &[10.0, 0.0, 0.0, 0.0, 0.0, 100.0]);
+    let start = sim.outputs().energy(0);
+    for _ in 0..200 {
+        sim.step(1);
+        let outputs = sim.outputs();
+        let pose = outputs.body_pose(0, body());
+        let tip = pose.position.x + 0.28 * (pose.orientation * DVec3::Y).x.abs() + 0.02;
+        assert!(tip < 0.52, "{tip}");
+        assert!(outputs.energy(0) < 1.02 * start);
+    }
+    assert!(sim.outputs().body_velocity(0, body()).x < 0.0);
+}

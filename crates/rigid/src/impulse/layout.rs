@@ -413,11 +413,19 @@ impl Impulse {
         .map(T::from_f64)
     }
 
-    /// A body's constants: see [`mass`].
+    /// The constants of all bodies, by row: see [`mass`].
+    pub fn masses<'a, T>(&self, parameters: &'a [T]) -> &'a [T] {
+        &parameters[self.mass.at(0, 0)..self.mass.at(self.rows(), 0)]
+    }
+    /// A body's constants.
     pub fn mass_of<'a, T>(&self, row: usize, parameters: &'a [T]) -> &'a [T] {
         &parameters[self.mass.at(row, 0)..][..mass::WIDTH]
     }
-    /// A colliding shape's constants: see [`solid`].
+    /// The constants of all colliding shapes: see [`solid`].
+    pub fn solids<'a, T>(&self, parameters: &'a [T]) -> &'a [T] {
+        &parameters[self.solid.at(0, 0)..self.solid.at(self.shapes.len(), 0)]
+    }
+    /// A colliding shape's constants.
     pub fn solid_of<'a, T>(&self, shape: usize, parameters: &'a [T]) -> &'a [T] {
         &parameters[self.solid.at(shape, 0)..][..solid::WIDTH]
     }

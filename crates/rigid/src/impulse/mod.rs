@@ -29,8 +29,12 @@
 //! - Gyroscopic torque acts within the step as an acceleration; at its end the spin is that of the
 //!   angular momentum, which therefore is conserved to rounding.
 //!
-//! Limitations: first order in h; turns within a step are linear in what the contacts see of
-//! them; no joints but free ones to the world, whose degrees of freedom are bare.
+//! Limitations: first order in h; turns within a step are linear in what the contacts see of them; no
+//! joints but free ones to the world, whose degrees of freedom are bare. Of surfaces that do not give
+//! way only the time constant counts, not damping ratio and impedance. What bounces does so in one pass
+//! at the end of a step, and elastic bodies that slide past each other keep their energy to second
+//! order only. Forces are those of the last small step. What is struck within a step can move for the
+//! rest of it before its own contacts are looked for.
 
 pub mod body;
 pub mod contact;

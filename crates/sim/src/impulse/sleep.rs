@@ -201,7 +201,8 @@ impl<T: Float> World<'_, T> {
         let radii = &mut w.sleep.radii;
         refill(radii, w.sleep.asleep.len(), 0.0);
         let shapes = self.impulse().shapes().iter();
-        for (shape, numbers) in shapes.zip(w.solids.chunks_exact(solid::WIDTH)) {
+        let solids = self.impulse().solids(self.parameters);
+        for (shape, numbers) in shapes.zip(solids.chunks_exact(solid::WIDTH)) {
             let center = length(&numbers[solid::POSE..][..3]);
             let radius = &mut radii[shape.row as usize];
             *radius = radius.max(center + numbers[solid::RADIUS].to_f64());

@@ -53,7 +53,7 @@ impl<T: Float> Solver<'_, T> {
         w.lanes.make_room(w.colours.batches.len(), self.width);
         let scene = Scene {
             rows: &w.rows,
-            masses: &w.masses,
+            masses: self.impulse.masses(self.parameters),
             contacts: &w.contacts,
             bounces: AtomicBool::new(false),
         };

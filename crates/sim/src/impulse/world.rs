@@ -21,8 +21,6 @@ pub(super) struct Workspace<T: Float> {
     wrenches: Vec<[T; 6]>,
     /// Bodies that are awake, filled up to whole registers.
     pub awake: Vec<u32>,
-    pub masses: Vec<T>,
-    pub solids: Vec<T>,
     carriers: Vec<u32>,
     index: Vec<u32>,
     pub placed: Vec<Placed<T>>,
@@ -46,8 +44,6 @@ impl<T: Float> Default for Workspace<T> {
             sleep: Sleep::default(),
             wrenches: Vec::new(),
             awake: Vec::new(),
-            masses: Vec::new(),
-            solids: Vec::new(),
             carriers: Vec::new(),
             index: Vec::new(),
             placed: Vec::new(),
@@ -151,17 +147,7 @@ impl<T: Float> World<'_, T> {
                 }
             }
         }
-        w.masses.clear();
-        for body in 0..impulse.rows() {
-            w.masses
-                .extend_from_slice(impulse.mass_of(body, self.parameters));
-        }
         self.wake_up(w);
-        w.solids.clear();
-        for shape in 0..impulse.shapes().len() {
-            w.solids
-                .extend_from_slice(impulse.solid_of(shape, self.parameters));
-        }
     }
 
     /// The list of bodies that are awake.
@@ -180,7 +166,7 @@ impl<T: Float> World<'_, T> {
             self.lane.run(Bodies {
                 rows: &w.rows,
                 index,
-                masses: &w.masses,
+                masses: self.impulse().masses(self.parameters),
                 globals,
                 stage,
             });
@@ -210,8 +196,13 @@ impl<T: Float> World<'_, T> {
             w.index.resize(whole, last);
         }
         w.placed.clear();
-        let sizes = (0..shapes.len()).map(|i| Placed {
-            size: [0, 1, 2].map(|axis| w.solids[i * solid::WIDTH + solid::SIZE + axis]),
+        let solids = self.impulse().solids(self.parameters);
+        let sizes = solids.chunks_exact(solid::WIDTH).map(|solid| Placed {
+            size: [
+                solid[solid::SIZE],
+                solid[solid::SIZE + 1],
+                solid[solid::SIZE + 2],
+            ],
             placed: [T::zero(); placed::WIDTH],
         });
         w.placed.extend(sizes);
@@ -219,7 +210,7 @@ impl<T: Float> World<'_, T> {
             rows: &w.rows,
             carriers: &w.carriers,
             index: &w.index,
-            solids: &w.solids,
+            solids,
             globals,
             placed: &mut w.placed,
         });
