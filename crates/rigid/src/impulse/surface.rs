@@ -53,12 +53,23 @@ impl Impulse {
         Some(self.shapes.len() + row)
     }
 
+    /// Whether two shapes have one surface, which makes of itself what it is, but for the margin.
+    fn is_alike<T: Float>(&self, shapes: [u32; 2], parameters: &[T]) -> bool {
+        let [a, b] = shapes.map(|s| {
+            let at = self.surface.at(s as usize, 0);
+            &parameters[at..at + field::WIDTH]
+        });
+        let multiplies = T::from_f64(f64::from(Combine::Multiply as u8));
+        a == b && a[field::COMBINE] != multiplies
+    }
+
     /// What a contact of two colliding shapes is made of.
     pub fn surface<T: Float>(&self, shapes: [u32; 2], parameters: &[T]) -> Surface {
         let of = |row| material(&parameters[self.surface.at(row, 0)..][..field::WIDTH]);
         let [a, b] = shapes.map(|s| s as usize);
         let material = match self.named(shapes) {
             Some(row) => of(row),
+            None if self.is_alike(shapes, parameters) => of(a),
             None => of(a).with(&of(b)),
         };
         let (spring, settling) = match material.softness {

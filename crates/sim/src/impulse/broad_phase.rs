@@ -2,7 +2,7 @@
 
 use super::sleep::NEARBY;
 use collide::kind;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use model::CollisionFilter;
 use numbers::Float;
 use rigid::impulse::Impulse;
@@ -55,7 +55,10 @@ impl BroadPhase {
 }
 
 fn around<T: Float>(shape: &Placed<T>, grown: f64) -> Aabb {
-    let vec3 = |at: usize| DVec3::from_array([0, 1, 2].map(|i| shape.placed[at + i].to_f64()));
-    let (center, half) = (vec3(placed::POSITION), vec3(placed::EXTENT) + grown);
-    Aabb::enclosing(center - half, center + half)
+    let at = |i: usize| shape.placed[i].to_f64() as f32;
+    let vec3 = |i: usize| Vec3::new(at(i), at(i + 1), at(i + 2));
+    let (center, half) = (vec3(placed::POSITION), vec3(placed::EXTENT));
+    // What rounding to single precision may take away, far from the origin.
+    let rounding = 1e-6 * (center.abs() + half).max_element();
+    Aabb::around(center, half + (grown as f32 + rounding))
 }
