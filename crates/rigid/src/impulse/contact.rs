@@ -20,7 +20,7 @@
 //! γ λ ≥ 0), and are left alone when relaxing. All others do not give way: k is the
 //! stiffest that small steps can follow, c = T k makes an overlap close with the time constant T, and
 //! when relaxing β and γ are zero, so that what was pushed apart keeps no speed from it. Friction
-//! follows, for the contact as a whole ([`friction`](super::friction)).
+//! follows, for the contact as a whole (`friction`).
 
 use super::friction;
 use super::tables::{ContactTables, global, manifold, point, row};
