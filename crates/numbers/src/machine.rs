@@ -95,6 +95,7 @@ pub struct Table<S, const W: usize = 1> {
 
 impl<S, const W: usize> Table<S, W> {
     /// `rows` rows, placed at `*end`, which moves past them.
+    #[inline(always)]
     pub fn place(end: &mut usize, rows: usize) -> Self {
         Self {
             base: reserve(end, rows * W),
@@ -120,6 +121,7 @@ pub struct Links<const W: usize = 1> {
 
 impl<const W: usize> Links<W> {
     /// `rows` rows, placed at `*end`, which moves past them.
+    #[inline(always)]
     pub fn place(end: &mut usize, rows: usize) -> Self {
         Self {
             base: reserve(end, rows * W),
@@ -140,6 +142,7 @@ impl<const W: usize> Links<W> {
 ///
 /// Panics beyond 2³² numbers: offsets are 32 bits wide, on the CPU so that one
 /// comparison checks a bound, and in a shader because its words are.
+#[inline(always)]
 fn reserve(end: &mut usize, length: usize) -> u32 {
     let base = u32::try_from(*end).expect("a world has fewer than 2³² numbers");
     *end += length;

@@ -57,7 +57,8 @@ pub struct ShapeTables {
 }
 
 impl ShapeTables {
-    /// The layout.
+    /// The layout; inlined, so that kernels know every offset when they are compiled.
+    #[inline(always)]
     pub fn new() -> Self {
         let (mut state, mut scratch, mut parameters) = (0, 0, 0);
         Self {

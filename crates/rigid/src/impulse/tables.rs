@@ -147,7 +147,8 @@ pub struct BodyTables {
 }
 
 impl BodyTables {
-    /// The layout.
+    /// The layout; inlined, so that kernels know every offset when they are compiled.
+    #[inline(always)]
     pub fn new() -> Self {
         let (mut state, mut parameters) = (0, 0);
         Self {
@@ -182,7 +183,8 @@ pub struct ContactTables {
 }
 
 impl ContactTables {
-    /// The layout.
+    /// The layout; inlined, so that kernels know every offset when they are compiled.
+    #[inline(always)]
     pub fn new() -> Self {
         let (mut state, mut scratch, mut parameters, mut links) = (0, 0, 0, 0);
         Self {

@@ -2,7 +2,7 @@
 
 use super::batches::Batch;
 use numbers::dispatch::Job;
-use numbers::{Cpu, Float, Lanes, PerWorld, Rows};
+use numbers::{Cpu, Float, Lanes, Machine, PerWorld, Rows};
 use rigid::impulse::pair::{Placed, ShapeTables, place, placed, solid};
 use rigid::impulse::{BodyTables, ContactTables, body, contact, global, mass, row};
 
@@ -61,40 +61,84 @@ fn fill<R: Lanes, const W: usize>(
 
 const BODY_PARAMETERS: usize = global::WIDTH + mass::WIDTH;
 
+/// A stage as a type, so that it is chosen once and not in every batch.
+trait BodyWork {
+    /// Reads what the kernel needs.
+    fn gather<R: Lanes>(rows: &BodyRows<R::Scalar>, index: &[u32], to: &mut [R; row::WIDTH]);
+    fn run<M: Machine>(k: &mut M, t: &BodyTables, again: M::R);
+    /// Writes what the kernel changed.
+    fn scatter<R: Lanes>(rows: &BodyRows<R::Scalar>, index: &[u32], from: &[R; row::WIDTH]);
+}
+
+/// Fields that a stage reads and writes, as `FIELD: COUNT`, and its kernel.
+macro_rules! body_work {
+    ($($name:ident($k:ident, $t:ident, $again:ident) = $kernel:expr;
+       reads $($from:ident: $n:expr),+; writes $($to:ident: $m:expr),+;)+) => {
+        $(struct $name;
+        impl BodyWork for $name {
+            #[inline(always)]
+            fn gather<R: Lanes>(
+                rows: &BodyRows<R::Scalar>,
+                index: &[u32],
+                to: &mut [R; row::WIDTH],
+            ) {
+                $(rows.gather::<R, { $n }>(index, row::$from, &mut to[row::$from..]);)+
+            }
+            #[inline(always)]
+            fn run<M: Machine>($k: &mut M, $t: &BodyTables, $again: M::R) {
+                $kernel
+            }
+            #[inline(always)]
+            fn scatter<R: Lanes>(
+                rows: &BodyRows<R::Scalar>,
+                index: &[u32],
+                from: &[R; row::WIDTH],
+            ) {
+                $(rows.scatter::<R, { $m }>(index, row::$to, &from[row::$to..]);)+
+            }
+        })+
+    };
+}
+
+body_work! {
+    Begin(k, t, _again) = body::begin(k, t);
+    reads VELOCITY: 6, ORIENTATION: 4, WRENCH: 6; writes SHIFT: 13, FREE: 12;
+
+    Advance(k, t, again) = body::advance(k, t, again);
+    reads VELOCITY: 6, FREE: 12; writes VELOCITY: 6, FREE: 6;
+
+    Drift(k, t, _again) = body::drift(k, t);
+    reads VELOCITY: row::MOVING; writes SHIFT: 6;
+
+    Finish(k, t, _again) = body::finish(k, t);
+    reads VELOCITY: row::MOVING, CENTER: 7, ACCELERATION: 12; writes SPIN: 3, CENTER: 7;
+}
+
 impl<T: Float> Job for Bodies<'_, T> {
     type Scalar = T;
     type Output = ();
     #[inline(always)]
     fn run<R: Lanes<Scalar = T>>(self) {
+        match self.stage {
+            BodyStage::Begin => self.work::<R, Begin>(false),
+            BodyStage::Advance { again } => self.work::<R, Advance>(again),
+            BodyStage::Drift => self.work::<R, Drift>(false),
+            BodyStage::Finish => self.work::<R, Finish>(false),
+        }
+    }
+}
+
+impl<T: Float> Bodies<'_, T> {
+    #[inline(always)]
+    fn work<R: Lanes<Scalar = T>, W: BodyWork>(self, again: bool) {
         let t = BodyTables::new();
+        let again = R::lit(if again { 1.0 } else { 0.0 });
         let mut parameters: [R; BODY_PARAMETERS] = spread(self.globals);
         let mut numbers = [R::zero(); row::WIDTH];
         for batch in 0..self.index.len() / R::WIDTH {
             let index = &self.index[batch * R::WIDTH..];
-            let rows = self.rows;
-            match self.stage {
-                BodyStage::Begin => {
-                    fill::<R, { mass::WIDTH }>(&mut parameters, index, self.masses, global::WIDTH);
-                    rows.gather::<R, 6>(index, row::VELOCITY, &mut numbers[row::VELOCITY..]);
-                    rows.gather::<R, 4>(index, row::ORIENTATION, &mut numbers[row::ORIENTATION..]);
-                    rows.gather::<R, 6>(index, row::WRENCH, &mut numbers[row::WRENCH..]);
-                }
-                BodyStage::Finish => {
-                    fill::<R, { mass::WIDTH }>(&mut parameters, index, self.masses, global::WIDTH);
-                    rows.gather::<R, { row::MOVING }>(index, 0, &mut numbers);
-                    rows.gather::<R, 7>(index, row::CENTER, &mut numbers[row::CENTER..]);
-                    rows.gather::<R, 12>(
-                        index,
-                        row::ACCELERATION,
-                        &mut numbers[row::ACCELERATION..],
-                    );
-                }
-                BodyStage::Advance { .. } => {
-                    rows.gather::<R, 6>(index, row::VELOCITY, &mut numbers[row::VELOCITY..]);
-                    rows.gather::<R, 12>(index, row::FREE, &mut numbers[row::FREE..]);
-                }
-                BodyStage::Drift => rows.gather::<R, { row::MOVING }>(index, 0, &mut numbers),
-            }
+            fill::<R, { mass::WIDTH }>(&mut parameters, index, self.masses, global::WIDTH);
+            W::gather(self.rows, index, &mut numbers);
             let mut k = Cpu {
                 state: &mut numbers,
                 input: &[],
@@ -103,29 +147,8 @@ impl<T: Float> Job for Bodies<'_, T> {
                 parameters: PerWorld(&parameters),
                 links: &[],
             };
-            match self.stage {
-                BodyStage::Begin => body::begin(&mut k, &t),
-                BodyStage::Advance { again } => {
-                    body::advance(&mut k, &t, R::lit(if again { 1.0 } else { 0.0 }));
-                }
-                BodyStage::Drift => body::drift(&mut k, &t),
-                BodyStage::Finish => body::finish(&mut k, &t),
-            }
-            match self.stage {
-                BodyStage::Begin => {
-                    rows.scatter::<R, 13>(index, row::SHIFT, &numbers[row::SHIFT..]);
-                    rows.scatter::<R, 12>(index, row::FREE, &numbers[row::FREE..]);
-                }
-                BodyStage::Finish => {
-                    rows.scatter::<R, 3>(index, row::SPIN, &numbers[row::SPIN..]);
-                    rows.scatter::<R, 7>(index, row::CENTER, &numbers[row::CENTER..]);
-                }
-                BodyStage::Advance { .. } => {
-                    rows.scatter::<R, 6>(index, row::VELOCITY, &numbers[row::VELOCITY..]);
-                    rows.scatter::<R, 6>(index, row::FREE, &numbers[row::FREE..]);
-                }
-                BodyStage::Drift => rows.scatter::<R, 6>(index, row::SHIFT, &numbers[row::SHIFT..]),
-            }
+            W::run(&mut k, &t, again);
+            W::scatter(self.rows, index, &numbers);
         }
     }
 }
@@ -198,22 +221,66 @@ pub(super) struct Contacts<'a, 'b, T: Float> {
     pub stage: ContactStage,
 }
 
+/// A stage as a type, as for bodies.
+trait ContactWork {
+    const READS: Reads;
+    fn run<M: Machine>(k: &mut M, t: &ContactTables, pushing: M::R);
+}
+
+/// What a stage needs of the bodies: all, to change nothing, or the motion, which it changes.
+enum Reads {
+    All,
+    Motion,
+}
+
+macro_rules! contact_work {
+    ($($name:ident($k:ident, $t:ident, $pushing:ident) = $kernel:expr, $reads:ident;)+) => {
+        $(struct $name;
+        impl ContactWork for $name {
+            const READS: Reads = Reads::$reads;
+            #[inline(always)]
+            fn run<M: Machine>($k: &mut M, $t: &ContactTables, $pushing: M::R) {
+                $kernel
+            }
+        })+
+    };
+}
+
+contact_work! {
+    Prepare(k, t, _pushing) = contact::prepare(k, t), All;
+    WarmStart(k, t, _pushing) = contact::warm_start(k, t), Motion;
+    Solve(k, t, pushing) = contact::solve(k, t, pushing), Motion;
+    Bounce(k, t, _pushing) = contact::bounce(k, t), Motion;
+}
+
 impl<T: Float> Job for Contacts<'_, '_, T> {
     type Scalar = T;
     type Output = ();
     #[inline(always)]
     fn run<R: Lanes<Scalar = T>>(self) {
+        match self.stage {
+            ContactStage::Prepare => self.work::<R, Prepare>(false),
+            ContactStage::WarmStart => self.work::<R, WarmStart>(false),
+            ContactStage::Solve { pushing } => self.work::<R, Solve>(pushing),
+            ContactStage::Bounce => self.work::<R, Bounce>(false),
+        }
+    }
+}
+
+impl<T: Float> Contacts<'_, '_, T> {
+    #[inline(always)]
+    fn work<R: Lanes<Scalar = T>, W: ContactWork>(self, pushing: bool) {
         let t = ContactTables::new();
+        let pushing = R::lit(if pushing { 1.0 } else { 0.0 });
         let parameters: [R; global::WIDTH] = spread(self.globals);
         let mut pair = [R::zero(); 2 * row::PREPARED];
         for batch in self.batches.iter_mut() {
             for side in 0..2 {
                 let bodies = &batch.bodies[side * R::WIDTH..];
                 let to = &mut pair[side * row::PREPARED..];
-                if matches!(self.stage, ContactStage::Prepare) {
-                    self.rows.gather::<R, { row::PREPARED }>(bodies, 0, to);
-                } else {
-                    self.rows.gather::<R, { row::MOVING }>(bodies, 0, to);
+                match W::READS {
+                    Reads::All => self.rows.gather::<R, { row::PREPARED }>(bodies, 0, to),
+                    Reads::Motion => self.rows.gather::<R, { row::MOVING }>(bodies, 0, to),
                 }
             }
             let mut k = Cpu {
@@ -224,16 +291,9 @@ impl<T: Float> Job for Contacts<'_, '_, T> {
                 parameters: PerWorld(&parameters),
                 links: core::slice::from_ref(&batch.points),
             };
-            match self.stage {
-                ContactStage::Prepare => contact::prepare(&mut k, &t),
-                ContactStage::WarmStart => contact::warm_start(&mut k, &t),
-                ContactStage::Solve { pushing } => {
-                    contact::solve(&mut k, &t, R::lit(if pushing { 1.0 } else { 0.0 }));
-                }
-                ContactStage::Bounce => contact::bounce(&mut k, &t),
-            }
-            if !matches!(self.stage, ContactStage::Prepare) {
-                for side in 0..2 {
+            W::run(&mut k, &t, pushing);
+            for side in 0..2 {
+                if let Reads::Motion = W::READS {
                     let bodies = &batch.bodies[side * R::WIDTH..];
                     let from = &pair[side * row::PREPARED..];
                     self.rows.scatter::<R, 6>(bodies, row::VELOCITY, from);
