@@ -2,7 +2,7 @@
 //!
 //! Constraints of one colour share no row, so the threads that solve them never meet. That is the
 //! caller's promise, not the compiler's knowledge; therefore each number is an atomic, loaded and
-//! stored relaxed, which costs what a plain one does.
+//! stored relaxed, which is a plain move.
 
 use crate::{Float, Lanes};
 use core::fmt::Debug;

@@ -28,10 +28,10 @@ use numbers::machine::{Held, Hold};
 use numbers::spatial::Spatial;
 use numbers::{Cell, Machine, Real, SymMat3, Vec3};
 
-/// Highest frequency of a spring, per small step: at twice that, walls of boxes sway for ever.
+/// Highest frequency of a spring, per small step: at twice that, walls of boxes sway.
 const FASTEST: f64 = 0.125;
 
-/// Small steps within which an overlap closes, at least: in fewer, towers of boxes tremble.
+/// Small steps within which an overlap closes, at least.
 const CALM: f64 = 8.0;
 
 /// Gap [m] from which on a point is none.

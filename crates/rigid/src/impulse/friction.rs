@@ -9,7 +9,7 @@
 //!
 //! (Goyal, Ruina, Papadopoulos, *Planar sliding with dry friction*, 1991, with a box for their limit
 //! surface; rₜ and rᵣ are MuJoCo's second and third coefficient, lengths.) Friction at each of four
-//! points instead has eight unknowns for three motions, and costs twice as much.
+//! points instead has eight unknowns for three motions.
 
 use super::contact::{Moved, Pair, Response};
 use super::tables::{ContactTables, manifold};

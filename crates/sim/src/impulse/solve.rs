@@ -39,7 +39,7 @@ struct Share<'a, T> {
     index: &'a [u32],
 }
 
-/// Contacts for each thread below which one thread is faster.
+/// Contacts that are worth a thread.
 const WORTH_SHARING: usize = 128;
 
 impl<T: Float> Solver<'_, T> {
