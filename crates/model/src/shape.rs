@@ -63,6 +63,30 @@ pub enum Geometry {
     },
 }
 
+impl Geometry {
+    /// Half of the box about it, along its own axes [m]; `None` for a plane, which has no end, and for
+    /// a mesh, whose file is not read here.
+    pub fn half_extents(&self) -> Option<DVec3> {
+        Some(match *self {
+            Self::Plane { .. } | Self::Mesh { .. } => return None,
+            Self::Sphere { radius } => DVec3::splat(radius),
+            Self::Capsule {
+                radius,
+                half_height,
+            }
+            | Self::Cylinder {
+                radius,
+                half_height,
+            }
+            | Self::Cone {
+                radius,
+                half_height,
+            } => DVec3::new(radius, half_height, radius),
+            Self::Box { half } | Self::Ellipsoid { half } => half,
+        })
+    }
+}
+
 /// A solid fixed to a body (or to the world), with its material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape {

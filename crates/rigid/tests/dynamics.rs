@@ -3,6 +3,7 @@
 
 mod block;
 mod scene;
+mod shader;
 
 use glam::{DQuat, DVec3};
 use kinetarium_rigid::{
@@ -15,6 +16,7 @@ use numbers::Machine;
 use numbers::dispatch::Isa;
 use numbers::trace::{self, Program, WgslOptions};
 use scene::{World, looped, mixed, parameters};
+use shader::validate;
 
 /// Rounding allowed in `f64`, relative to the norm of what is compared with.
 const TOLERANCE: f64 = 1e-10;
@@ -336,16 +338,6 @@ impl Kernel {
     }
 }
 
-fn validate(program: &Program) {
-    let shader = program.to_wgsl(&WgslOptions::default()).unwrap();
-    let module = naga::front::wgsl::parse_str(&shader)
-        .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&shader)));
-    let flags = naga::valid::ValidationFlags::all();
-    naga::valid::Validator::new(flags, naga::valid::Capabilities::default())
-        .validate(&module)
-        .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&shader)));
-}
-
 #[test]
 fn every_kernel_stays_in_loops() {
     let (short, long) = (chain(5, Start::Horizontal), chain(10, Start::Horizontal));
@@ -361,7 +353,7 @@ fn every_kernel_keeps_its_bits_when_traced() {
     let model = mixed(true).unwrap();
     for kernel in Kernel::ALL {
         let (kernels, program) = kernel.record(&model);
-        validate(&program);
+        validate(&program, &WgslOptions::default());
         let parameters: Vec<_> = kernels.parameters().iter().map(|&x| x as f32).collect();
         let start = world(&kernels, &model);
         let (mut plain, mut traced) = (start.clone(), start.clone());

@@ -1,13 +1,16 @@
 //! The kernels of `impulse` recorded: the record prints as valid WGSL, and run step by step it keeps
 //! the bits of the kernel.
 
+mod shader;
+
 use kinetarium_rigid::impulse::pair::{ShapeTables, place};
 use kinetarium_rigid::impulse::{
     BodyTables, ContactTables, POINTS, body, contact, manifold, point,
 };
 use kinetarium_rigid::impulse::{global, mass, row};
-use numbers::trace::{self, Program, WgslOptions};
+use numbers::trace::{self, WgslOptions};
 use numbers::{Cpu, Machine, Real, Shared};
+use shader::validate;
 
 /// A kernel, over whatever machine.
 trait Kernel {
@@ -90,19 +93,9 @@ impl Lane {
     }
 }
 
-fn validate(program: &Program) {
-    let shader = program.to_wgsl(&WgslOptions::default()).unwrap();
-    let module = naga::front::wgsl::parse_str(&shader)
-        .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&shader)));
-    let flags = naga::valid::ValidationFlags::all();
-    naga::valid::Validator::new(flags, naga::valid::Capabilities::default())
-        .validate(&module)
-        .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&shader)));
-}
-
 fn records_well(kernel: &impl Kernel) {
     let program = trace::record(|k| kernel.run(k)).unwrap();
-    validate(&program);
+    validate(&program, &WgslOptions::default());
     for points in 1..=POINTS as u32 {
         for seed in 0..20 {
             let mut lane = Lane::new(1000 * seed, points);

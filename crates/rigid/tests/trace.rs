@@ -2,6 +2,7 @@
 //! run step by step it keeps the bits of the kernel.
 
 mod scene;
+mod shader;
 
 use kinetarium_rigid::{
     Featherstone, Integrator, Kernels, OutputTables, Settings, TouchingFeatherstone, TouchingXpbd,
@@ -62,20 +63,14 @@ impl Records {
     }
 }
 
-/// Parses and validates a shader as wgpu would.
+/// Validates a record, with parameters of both kinds.
 fn validate(program: &Program) {
     for parameters_per_world in [false, true] {
         let options = WgslOptions {
             parameters_per_world,
             ..WgslOptions::default()
         };
-        let shader = program.to_wgsl(&options).unwrap();
-        let module = naga::front::wgsl::parse_str(&shader)
-            .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&shader)));
-        let flags = naga::valid::ValidationFlags::all();
-        naga::valid::Validator::new(flags, naga::valid::Capabilities::default())
-            .validate(&module)
-            .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&shader)));
+        shader::validate(program, &options);
     }
 }
 

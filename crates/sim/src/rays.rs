@@ -125,30 +125,9 @@ impl<'a> Solid<'a> {
         })
     }
 
-    /// Half of a box about it, along its own axes [m]; `None` for what has no end.
-    fn half(&self) -> Option<DVec3> {
-        Some(match *self.geometry {
-            Geometry::Plane { .. } | Geometry::Mesh { .. } => return None,
-            Geometry::Sphere { radius } => DVec3::splat(radius),
-            Geometry::Capsule {
-                radius,
-                half_height,
-            }
-            | Geometry::Cylinder {
-                radius,
-                half_height,
-            }
-            | Geometry::Cone {
-                radius,
-                half_height,
-            } => DVec3::new(radius, half_height, radius),
-            Geometry::Box { half } | Geometry::Ellipsoid { half } => half,
-        })
-    }
-
     /// A box about it along the world's axes: |R| times that along its own.
     fn around(&self) -> Aabb {
-        let Some(half) = self.half() else {
+        let Some(half) = self.geometry.half_extents() else {
             return Aabb::new(Vec3::NEG_INFINITY, Vec3::INFINITY);
         };
         let axes = DVec3::AXES.map(|axis| self.pose.direction(axis).abs());

@@ -22,6 +22,9 @@ pub enum SolverKind {
 }
 
 impl SolverKind {
+    /// All of them.
+    const ALL: [Self; 4] = [Self::Auto, Self::Featherstone, Self::Xpbd, Self::Impulse];
+
     /// What `auto` takes for a model; any other takes itself.
     pub fn pick(self, model: &Model, contacts: bool) -> Self {
         match self {
@@ -45,15 +48,11 @@ impl SolverKind {
 impl std::str::FromStr for SolverKind {
     type Err = String;
     fn from_str(name: &str) -> Result<Self, String> {
-        match name {
-            "auto" => Ok(Self::Auto),
-            "featherstone" => Ok(Self::Featherstone),
-            "xpbd" => Ok(Self::Xpbd),
-            "impulse" => Ok(Self::Impulse),
-            _ => Err(format!(
-                "unknown solver `{name}`; known are auto, featherstone, xpbd, impulse"
-            )),
-        }
+        let known = Self::ALL.into_iter().find(|kind| kind.name() == name);
+        known.ok_or_else(|| {
+            let known = Self::ALL.map(Self::name).join(", ");
+            format!("unknown solver `{name}`; known are {known}")
+        })
     }
 }
 

@@ -36,16 +36,9 @@ fn bounds(model: &Model, shape: &Shape) -> (DVec3, DVec3) {
                 DVec3::new(f64::INFINITY, 0.0, f64::INFINITY),
             );
         }
-        Geometry::Capsule {
-            radius,
-            half_height,
-        }
-        | Geometry::Cylinder {
-            radius,
-            half_height,
-        } => DVec3::new(radius, half_height, radius),
-        Geometry::Box { half } => half,
-        ref other => unreachable!("no scene that is measured has {other:?}"),
+        ref solid => solid
+            .half_extents()
+            .unwrap_or_else(|| unreachable!("no scene that is measured has {solid:?}")),
     };
     let turn = DMat3::from_quat(pose.orientation);
     let reach =

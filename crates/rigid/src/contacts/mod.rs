@@ -9,7 +9,7 @@ mod narrow_phase;
 mod plan;
 pub(crate) mod tables;
 
-pub(crate) use narrow_phase::{Places, narrow_phase, place_shapes};
+pub(crate) use narrow_phase::{Places, narrow_phase, place_shapes, store_placed};
 pub(crate) use plan::{ContactPlan, Seat};
 pub use tables::ContactTables;
 pub(crate) use tables::{pair_field, slot, slot_link};

@@ -2,9 +2,10 @@
 
 use super::tables::{ContactTables, pair_field, placed_field, shape_field, shape_link, slot};
 use collide::{FAR, Kernel, Placed, Route, Solid, kernel};
+use numbers::machine::space::Writable;
 use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::Spatial;
-use numbers::{Machine, Mat3, Pose, Real, Vec3};
+use numbers::{Machine, Mat3, Pose, Real, Table, Vec3};
 
 /// Gap [m] up to which a point is looked at even if nothing moves.
 const MARGIN: f64 = 1e-3;
@@ -68,17 +69,35 @@ pub(crate) fn place_shapes<M: Machine>(
         let twist = places.twist(k, seat);
         let speed = twist.linear + twist.angular.cross(pose.p);
         let shift = places.origin(k, own) - places.origin(k, seen);
-        // What turns gets no farther than its radius lets it, however fast.
-        let turn = twist.angular.length() * h;
+        let rates = [speed.length(), twist.angular.length()];
         let radius = k.load(t.shape, row, shape_field::RADIUS);
-        let way = h.fma(speed.length(), radius * turn.min(M::R::lit(2.0)));
-        let axes = pose.q.to_mat3();
-        k.store_vec3(t.placed, row, placed_field::POSITION, pose.p + shift);
-        k.store_vec3(t.placed, row, placed_field::AXES, axes.x);
-        k.store_vec3(t.placed, row, placed_field::AXES + 3, axes.y);
-        k.store_vec3(t.placed, row, placed_field::AXES + 6, axes.z);
-        k.write(t.placed, row, placed_field::WAY, [way, radius + way]);
+        let seen = Pose::new(pose.p + shift, pose.q);
+        store_placed(k, t.placed, row, seen, rates, radius, h);
     }
+}
+
+/// Where a shape is, and how far [m] it gets within `h` [s], at a speed and a rate of turning; returns
+/// that way.
+#[inline(always)]
+pub(crate) fn store_placed<M: Machine, S: Writable, const W: usize>(
+    k: &mut M,
+    placed: Table<S, W>,
+    row: M::I,
+    pose: Pose<M::R>,
+    [speed, spin]: [M::R; 2],
+    radius: M::R,
+    h: M::R,
+) -> M::R {
+    // What turns gets no farther than its radius lets it, however fast.
+    let turn = (spin * h).min(M::R::lit(2.0));
+    let way = h.fma(speed, radius * turn);
+    let axes = pose.q.to_mat3();
+    k.store_vec3(placed, row, placed_field::POSITION, pose.p);
+    k.store_vec3(placed, row, placed_field::AXES, axes.x);
+    k.store_vec3(placed, row, placed_field::AXES + 3, axes.y);
+    k.store_vec3(placed, row, placed_field::AXES + 6, axes.z);
+    k.write(placed, row, placed_field::WAY, [way, radius + way]);
+    way
 }
 
 /// The slots of one pair.

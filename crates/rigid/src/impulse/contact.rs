@@ -357,12 +357,11 @@ pub fn solve<M: Machine>(k: &mut M, t: &ContactTables, pushing: M::R) {
     }
     friction::solve(k, t, &mut pair, &moved, load.read(), moment.read());
     let given = normal.fma(load.read(), k.vec3(t.manifold, only, manifold::DRAG));
-    let last = k.vec3(t.manifold, only, manifold::LAST);
-    let impulse = k.vec3(t.manifold, only, manifold::LAST + 3);
-    let shift = Vec3::select(pushes, moved.shift, last);
-    k.store_vec3(t.manifold, only, manifold::LAST, shift);
-    let impulse = Vec3::select(pushes, given, impulse);
-    k.store_vec3(t.manifold, only, manifold::LAST + 3, impulse);
+    // All lanes push, or none does.
+    for _ in k.if_any(pushes) {
+        k.store_vec3(t.manifold, only, manifold::LAST, moved.shift);
+        k.store_vec3(t.manifold, only, manifold::LAST + 3, given);
+    }
     pair.store(k, t);
 }
 

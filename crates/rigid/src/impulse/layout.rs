@@ -8,7 +8,6 @@ use crate::input::InputTables;
 use crate::output::body;
 use crate::tables::{Filler, UNBOUNDED};
 use crate::{Featherstone, Lengths, OutputTables, Settings, SolverError};
-use collide::kind;
 use glam::{DQuat, DVec3};
 use model::{
     BodyId, BodyKind, Dof, Joint, JointId, JointKind, MassProperties, Model, Pose, ShapeId,
@@ -164,16 +163,6 @@ fn is_bare(dof: &Dof) -> bool {
     forces == [0.0; 4] && dof.limit.is_none()
 }
 
-/// Half of the box about a solid, along its own axes [m].
-fn extent(kind: usize, size: DVec3) -> DVec3 {
-    match kind {
-        kind::PLANE => DVec3::splat(UNBOUNDED),
-        kind::SPHERE => DVec3::splat(size.x),
-        kind::CAPSULE | kind::CYLINDER | kind::CONE => DVec3::new(size.x, size.y, size.x),
-        _ => size,
-    }
-}
-
 impl Impulse {
     /// Compiles a model.
     ///
@@ -252,7 +241,9 @@ impl Impulse {
             });
             f.pose(self.solid, row, solid::POSE, carrier * shape.pose);
             f.vec3(self.solid, row, solid::SIZE, size);
-            f.vec3(self.solid, row, solid::EXTENT, extent(kind, size));
+            let extent = shape.geometry.half_extents();
+            let extent = extent.unwrap_or(DVec3::splat(UNBOUNDED));
+            f.vec3(self.solid, row, solid::EXTENT, extent);
             f.number(
                 self.solid,
                 row,

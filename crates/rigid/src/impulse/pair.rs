@@ -5,8 +5,8 @@
 
 use super::memory::Cached;
 use super::tables::global;
-use crate::contacts::ContactTables;
 use crate::contacts::tables::{pair_field, pair_link, placed_field, shape_field, shape_link, slot};
+use crate::contacts::{ContactTables, store_placed};
 use collide::{FAR, Route};
 use numbers::machine::Links;
 use numbers::machine::space::{Parameter, Scratch, State};
@@ -90,9 +90,8 @@ pub fn place<M: Machine>(k: &mut M, t: &ShapeTables) {
     let gained = k.vec3(t.force, only, 0).length() * h;
     let spun = k.vec3(t.force, only, 3).length() * h;
     let radius = k.load(t.solid, only, solid::RADIUS);
-    // What turns gets no farther than its radius lets it, however fast.
-    let turn = ((w.length() + spun) * h).min(M::R::lit(2.0));
-    let way = h.fma(speed + gained, radius * turn);
+    let rates = [speed + gained, w.length() + spun];
+    let way = store_placed(k, t.placed, only, pose, rates, radius, h);
     let axes = pose.q.to_mat3();
     let extent = k.vec3(t.solid, only, solid::EXTENT);
     let across = absolute(axes.y).fma(extent.y, absolute(axes.z) * extent.z);
@@ -102,11 +101,6 @@ pub fn place<M: Machine>(k: &mut M, t: &ShapeTables) {
         y.min(radius) + way,
         z.min(radius) + way,
     ];
-    k.store_vec3(t.placed, only, placed_field::POSITION, pose.p);
-    k.store_vec3(t.placed, only, placed_field::AXES, axes.x);
-    k.store_vec3(t.placed, only, placed_field::AXES + 3, axes.y);
-    k.store_vec3(t.placed, only, placed_field::AXES + 6, axes.z);
-    k.write(t.placed, only, placed_field::WAY, [way, radius + way]);
     k.write(t.placed, only, placed::EXTENT, reach);
 }
 

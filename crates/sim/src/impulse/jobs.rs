@@ -63,6 +63,8 @@ const BODY_PARAMETERS: usize = global::WIDTH + mass::WIDTH;
 
 /// A stage as a type, so that it is chosen once and not in every batch.
 trait BodyWork {
+    /// Whether the kernel reads the bodies' constants.
+    const MASSES: bool;
     /// Reads what the kernel needs.
     fn gather<R: Lanes>(rows: &BodyRows<R::Scalar>, index: &[u32], to: &mut [R; row::WIDTH]);
     fn run<M: Machine>(k: &mut M, t: &BodyTables, again: M::R);
@@ -70,12 +72,14 @@ trait BodyWork {
     fn scatter<R: Lanes>(rows: &BodyRows<R::Scalar>, index: &[u32], from: &[R; row::WIDTH]);
 }
 
-/// Fields that a stage reads and writes, as `FIELD: COUNT`, and its kernel.
+/// A stage's kernel, whether it reads the bodies' constants, and the fields that it reads and writes,
+/// as `FIELD: COUNT`.
 macro_rules! body_work {
     ($($name:ident($k:ident, $t:ident, $again:ident) = $kernel:expr;
-       reads $($from:ident: $n:expr),+; writes $($to:ident: $m:expr),+;)+) => {
+       masses $masses:literal; reads $($from:ident: $n:expr),+; writes $($to:ident: $m:expr),+;)+) => {
         $(struct $name;
         impl BodyWork for $name {
+            const MASSES: bool = $masses;
             #[inline(always)]
             fn gather<R: Lanes>(
                 rows: &BodyRows<R::Scalar>,
@@ -102,16 +106,16 @@ macro_rules! body_work {
 
 body_work! {
     Begin(k, t, _again) = body::begin(k, t);
-    reads VELOCITY: 6, ORIENTATION: 4, WRENCH: 6; writes SHIFT: 13, FREE: 12;
+    masses true; reads VELOCITY: 6, ORIENTATION: 4, WRENCH: 6; writes SHIFT: 13, FREE: 12;
 
     Advance(k, t, again) = body::advance(k, t, again);
-    reads VELOCITY: 6, FREE: 12; writes VELOCITY: 6, FREE: 6;
+    masses false; reads VELOCITY: 6, FREE: 12; writes VELOCITY: 6, FREE: 6;
 
     Drift(k, t, _again) = body::drift(k, t);
-    reads VELOCITY: row::MOVING; writes SHIFT: 6;
+    masses false; reads VELOCITY: row::MOVING; writes SHIFT: 6;
 
     Finish(k, t, _again) = body::finish(k, t);
-    reads VELOCITY: row::MOVING, CENTER: 7, ACCELERATION: 12; writes SPIN: 3, CENTER: 7;
+    masses true; reads VELOCITY: row::MOVING, CENTER: 7, ACCELERATION: 12; writes SPIN: 3, CENTER: 7;
 }
 
 impl<T: Float> Job for Bodies<'_, T> {
@@ -137,7 +141,9 @@ impl<T: Float> Bodies<'_, T> {
         let mut numbers = [R::zero(); row::WIDTH];
         for batch in 0..self.index.len() / R::WIDTH {
             let index = &self.index[batch * R::WIDTH..];
-            fill::<R, { mass::WIDTH }>(&mut parameters, index, self.masses, global::WIDTH);
+            if W::MASSES {
+                fill::<R, { mass::WIDTH }>(&mut parameters, index, self.masses, global::WIDTH);
+            }
             W::gather(self.rows, index, &mut numbers);
             let mut k = Cpu {
                 state: &mut numbers,

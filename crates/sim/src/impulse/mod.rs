@@ -33,6 +33,9 @@ pub(crate) struct Piles<T: Float> {
     /// Which shapes may touch; none where bodies pass through each other.
     filter: Option<CollisionFilter>,
     narrow_phase: NarrowPhase,
+    /// Colliding shapes and the rows of their bodies, in whole registers: filled up with the last one.
+    shapes: Vec<u32>,
+    carriers: Vec<u32>,
     /// Of worlds that are not stepped just now.
     workspaces: Mutex<Vec<Workspace<T>>>,
 }
@@ -40,7 +43,12 @@ pub(crate) struct Piles<T: Float> {
 impl<T: Float> Piles<T> {
     pub fn new(model: &Model, settings: &SimulationSettings) -> Result<Self, SolverError> {
         let impulse = Impulse::new(model, &settings.step)?;
+        let colliders = impulse.shapes();
+        let whole = 0..colliders.len().next_multiple_of(T::BLOCK);
+        let shapes: Vec<_> = whole.map(|i| i.min(colliders.len() - 1)).collect();
         Ok(Self {
+            carriers: shapes.iter().map(|i| colliders[*i].row).collect(),
+            shapes: shapes.iter().map(|i| *i as u32).collect(),
             filter: settings.contacts.then(|| CollisionFilter::new(model)),
             narrow_phase: NarrowPhase::new(&impulse),
             workspaces: Mutex::default(),

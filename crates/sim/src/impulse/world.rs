@@ -21,8 +21,6 @@ pub(super) struct Workspace<T: Float> {
     wrenches: Vec<[T; 6]>,
     /// Bodies that are awake, filled up to whole registers.
     pub awake: Vec<u32>,
-    carriers: Vec<u32>,
-    index: Vec<u32>,
     pub placed: Vec<Placed<T>>,
     broad_phase: BroadPhase,
     candidates: Vec<[u32; 2]>,
@@ -44,8 +42,6 @@ impl<T: Float> Default for Workspace<T> {
             sleep: Sleep::default(),
             wrenches: Vec::new(),
             awake: Vec::new(),
-            carriers: Vec::new(),
-            index: Vec::new(),
             placed: Vec::new(),
             broad_phase: BroadPhase::default(),
             candidates: Vec::new(),
@@ -184,17 +180,6 @@ impl<T: Float> World<'_, T> {
     }
 
     fn place(&self, w: &mut Workspace<T>, globals: &[T; global::WIDTH]) {
-        let shapes = self.impulse().shapes();
-        let width = self.width();
-        let whole = shapes.len().next_multiple_of(width);
-        w.carriers.clear();
-        w.carriers.extend(shapes.iter().map(|s| s.row));
-        w.index.clear();
-        w.index.extend(0..shapes.len() as u32);
-        if let (Some(&carrier), Some(&last)) = (w.carriers.last(), w.index.last()) {
-            w.carriers.resize(whole, carrier);
-            w.index.resize(whole, last);
-        }
         w.placed.clear();
         let solids = self.impulse().solids(self.parameters);
         let sizes = solids.chunks_exact(solid::WIDTH).map(|solid| Placed {
@@ -208,8 +193,8 @@ impl<T: Float> World<'_, T> {
         w.placed.extend(sizes);
         self.lane.run(Shapes {
             rows: &w.rows,
-            carriers: &w.carriers,
-            index: &w.index,
+            carriers: &self.piles.carriers,
+            index: &self.piles.shapes,
             solids,
             globals,
             placed: &mut w.placed,

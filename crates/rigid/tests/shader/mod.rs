@@ -1,0 +1,14 @@
+//! Records as shaders.
+
+use numbers::trace::{Program, WgslOptions};
+
+/// Parses and validates a shader as wgpu would.
+pub fn validate(program: &Program, options: &WgslOptions) {
+    let shader = program.to_wgsl(options).unwrap();
+    let module = naga::front::wgsl::parse_str(&shader)
+        .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&shader)));
+    let flags = naga::valid::ValidationFlags::all();
+    naga::valid::Validator::new(flags, naga::valid::Capabilities::default())
+        .validate(&module)
+        .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&shader)));
+}
