@@ -49,7 +49,7 @@ pub fn box_box<M: Machine>(
     let mut gap = k.cell(found.gap);
     let mut on_a = found.on_a.hold(k);
     let apart = found.gap.gt(M::R::lit(APART) * size(&cores));
-    for _ in k.if_any(apart) {
+    if let Some(_branch) = k.if_any(apart) {
         let better = ascend(k, &cores, found, M::R::lit(2.0), !apart);
         n.set(better.n);
         gap.write(better.gap);

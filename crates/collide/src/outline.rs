@@ -137,7 +137,7 @@ fn facing_corner<M: Machine>(
     let size = solid.placed.size;
     let mut x = Vec3::zero().hold(k);
     let mut feature = k.cell(M::R::zero());
-    for _ in k.when(k.equals(solid.kind, kind::CAPSULE)) {
+    if let Some(_branch) = k.when(k.equals(solid.kind, kind::CAPSULE)) {
         let end = sign(broken(n.y, t.y));
         x.set(Vec3::new(
             M::R::zero(),
@@ -146,17 +146,17 @@ fn facing_corner<M: Machine>(
         ));
         feature.write(end + M::R::one());
     }
-    for _ in k.when(k.equals(solid.kind, kind::CYLINDER)) {
+    if let Some(_branch) = k.when(k.equals(solid.kind, kind::CYLINDER)) {
         let (corner, feature_of) = cylinder_corner(size, n, t, number);
         x.set(corner);
         feature.write(feature_of);
     }
-    for _ in k.when(k.equals(solid.kind, kind::CONE)) {
+    if let Some(_branch) = k.when(k.equals(solid.kind, kind::CONE)) {
         let (corner, feature_of) = cone_corner(size, n, t, number);
         x.set(corner);
         feature.write(feature_of);
     }
-    for _ in k.when(k.equals(solid.kind, kind::BOX)) {
+    if let Some(_branch) = k.when(k.equals(solid.kind, kind::BOX)) {
         let side = Vec3::new(
             sign(broken(n.x, t.x)),
             sign(broken(n.y, t.y)),
@@ -165,10 +165,10 @@ fn facing_corner<M: Machine>(
         x.set(size.times(side));
         feature.write(corner_number(side));
     }
-    for _ in k.when(k.equals(solid.kind, kind::ELLIPSOID)) {
+    if let Some(_branch) = k.when(k.equals(solid.kind, kind::ELLIPSOID)) {
         x.set(ellipsoid(size, n));
     }
-    for _ in k.when(k.equals(solid.kind, kind::HULL)) {
+    if let Some(_branch) = k.when(k.equals(solid.kind, kind::HULL)) {
         let (vertex, row) = farthest_vertex(k, tables, solid, t.fma(M::R::lit(FLAT), n));
         x.set(vertex);
         feature.write(row);

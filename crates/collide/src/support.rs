@@ -12,10 +12,10 @@ use numbers::{Cell, Machine, Real, Vec3};
 #[inline(always)]
 pub(crate) fn radius<M: Machine>(k: &M, solid: &Solid<M>) -> M::R {
     let mut r = k.cell(M::R::zero());
-    for _ in k.when(k.equals(solid.kind, kind::SPHERE)) {
+    if let Some(_branch) = k.when(k.equals(solid.kind, kind::SPHERE)) {
         r.write(solid.placed.size.x);
     }
-    for _ in k.when(k.equals(solid.kind, kind::CAPSULE)) {
+    if let Some(_branch) = k.when(k.equals(solid.kind, kind::CAPSULE)) {
         r.write(solid.placed.size.x);
     }
     r.read()
@@ -32,22 +32,22 @@ pub(crate) fn support<M: Machine>(
     let (placed, size) = (&solid.placed, solid.placed.size);
     let d = placed.local_direction(d);
     let mut x = Vec3::zero().hold(k);
-    for _ in k.when(k.equals(solid.kind, kind::CAPSULE)) {
+    if let Some(_branch) = k.when(k.equals(solid.kind, kind::CAPSULE)) {
         x.set(capsule(placed.half_segment(), d));
     }
-    for _ in k.when(k.equals(solid.kind, kind::CYLINDER)) {
+    if let Some(_branch) = k.when(k.equals(solid.kind, kind::CYLINDER)) {
         x.set(rim(size.x, sign(d.y) * size.y, d));
     }
-    for _ in k.when(k.equals(solid.kind, kind::CONE)) {
+    if let Some(_branch) = k.when(k.equals(solid.kind, kind::CONE)) {
         x.set(cone(size.x, size.y, d));
     }
-    for _ in k.when(k.equals(solid.kind, kind::BOX)) {
+    if let Some(_branch) = k.when(k.equals(solid.kind, kind::BOX)) {
         x.set(cuboid(size, d));
     }
-    for _ in k.when(k.equals(solid.kind, kind::ELLIPSOID)) {
+    if let Some(_branch) = k.when(k.equals(solid.kind, kind::ELLIPSOID)) {
         x.set(ellipsoid(size, d));
     }
-    for _ in k.when(k.equals(solid.kind, kind::HULL)) {
+    if let Some(_branch) = k.when(k.equals(solid.kind, kind::HULL)) {
         x.set(farthest_vertex(k, tables, solid, d).0);
     }
     placed.direction(x.get())

@@ -7,10 +7,10 @@
 //! ```text
 //! for b in k.range(0, bodies) {          // a loop; stays a loop when traced
 //!     let parent = k.link(t.parent, b, 0);        // an index read from a table
-//!     for _ in k.when(k.equals(kind, REVOLUTE)) { // a branch that is the same in all worlds
+//!     if let Some(_branch) = k.when(k.equals(kind, REVOLUTE)) { // a branch that is the same in all worlds
 //!         ...
 //!     }
-//!     for _ in k.if_any(mask) {           // work that is skipped when no lane needs it
+//!     if let Some(_branch) = k.if_any(mask) {           // work that is skipped when no lane needs it
 //!         k.store_where(mask, table, b, FIELD, x);
 //!     }
 //!     if k.finished(done) { break; }      // leave when every lane is done
@@ -18,7 +18,8 @@
 //! ```
 //!
 //! On the CPU these are a range, a branch and `any()`; the tracer hands out a
-//! symbolic index once and closes the block when the iterator is asked again.
+//! symbolic index and closes a loop when its iterator is asked again, a branch
+//! when it is dropped.
 //! Two rules follow. A value that changes from one round to the next lives in a
 //! table or a [`Cell`], not in a `let mut`. And inside `if_any`, writes are
 //! masked, since the lanes that did not ask run along.
@@ -179,8 +180,8 @@ pub trait Machine {
     type Cell: Cell<R = Self::R>;
     /// Rounds of a loop.
     type Rounds: Iterator<Item = Self::I>;
-    /// One round or none.
-    type Once: Iterator<Item = ()>;
+    /// A branch that is taken, for as long as it is held.
+    type Branch;
 
     /// A literal index.
     fn index(&self, i: usize) -> Self::I;
@@ -211,10 +212,10 @@ pub trait Machine {
     fn range(&self, from: Self::I, to: Self::I) -> Self::Rounds;
     /// `n − 1, … 1, 0`.
     fn range_down(&self, n: Self::I) -> Self::Rounds;
-    /// Once if the flag holds.
-    fn when(&self, flag: Self::Flag) -> Self::Once;
-    /// Once if the mask holds in any lane.
-    fn if_any(&self, mask: <Self::R as Real>::Mask) -> Self::Once;
+    /// A branch if the flag holds.
+    fn when(&self, flag: Self::Flag) -> Option<Self::Branch>;
+    /// A branch if the mask holds in any lane.
+    fn if_any(&self, mask: <Self::R as Real>::Mask) -> Option<Self::Branch>;
     /// True when the mask holds in every lane: `if k.finished(m) { break; }`.
     fn finished(&self, mask: <Self::R as Real>::Mask) -> bool;
     /// `a == b`.
@@ -610,18 +611,6 @@ impl Iterator for Rounds {
     }
 }
 
-/// One round or none.
-#[derive(Clone, Copy, Debug)]
-pub struct Once(bool);
-
-impl Iterator for Once {
-    type Item = ();
-    #[inline(always)]
-    fn next(&mut self) -> Option<()> {
-        core::mem::replace(&mut self.0, false).then_some(())
-    }
-}
-
 impl<R, P> Machine for Cpu<'_, R, P>
 where
     R: Real,
@@ -633,7 +622,7 @@ where
     type Flag = bool;
     type Cell = Register<R>;
     type Rounds = Rounds;
-    type Once = Once;
+    type Branch = ();
 
     #[inline(always)]
     fn index(&self, i: usize) -> u32 {
@@ -696,12 +685,12 @@ where
         }
     }
     #[inline(always)]
-    fn when(&self, flag: bool) -> Once {
-        Once(flag)
+    fn when(&self, flag: bool) -> Option<()> {
+        flag.then_some(())
     }
     #[inline(always)]
-    fn if_any(&self, mask: R::Mask) -> Once {
-        Once(mask.any())
+    fn if_any(&self, mask: R::Mask) -> Option<()> {
+        mask.any().then_some(())
     }
     #[inline(always)]
     fn finished(&self, mask: R::Mask) -> bool {

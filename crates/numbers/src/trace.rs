@@ -42,7 +42,7 @@ mod wgsl;
 
 pub use graph::TraceError;
 pub use interpret::InterpretError;
-pub use machine::{TraceCell, TraceOnce, TraceRounds, Tracer, record};
+pub use machine::{TraceBranch, TraceCell, TraceRounds, Tracer, record};
 pub use number::{Trace, TraceIndex, TraceMask};
 pub use program::{Operations, Program};
 pub use wgsl::{WgslError, WgslOptions};

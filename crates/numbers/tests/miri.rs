@@ -28,7 +28,7 @@ fn kernel<M: Machine>(k: &mut M, rows: Table<State, 4>, gains: Table<Parameter>,
         let mask = (a.lt(b) & !c.le(d)) | a.same(M::R::zero());
         let e = M::R::select(mask, fraction.ldexp(whole), exponent.copysign(a));
         k.write(rows, row, 0, [root, -a.fma(b, c), e]);
-        for _ in k.if_any(mask) {
+        if let Some(_branch) = k.if_any(mask) {
             k.store_where(mask, rows, row, 3, gain);
         }
         sum.write(sum.read() + e);

@@ -347,22 +347,22 @@ fn kinds<M: Machine>(k: &mut M, kinds: Links, table: Table<State, 3>, n: usize) 
     for i in k.count(n) {
         let kind = k.link(kinds, i, 0);
         let v = k.vec3(table, i, 0);
-        for _ in k.when(k.equals(kind, 1)) {
+        if let Some(_branch) = k.when(k.equals(kind, 1)) {
             k.store_vec3(table, i, 0, v * M::R::lit(2.0));
         }
-        for _ in k.when(k.less(kind, k.index(1))) {
+        if let Some(_branch) = k.when(k.less(kind, k.index(1))) {
             let long = v.length().gt(M::R::one());
-            for _ in k.if_any(long) {
+            if let Some(_branch) = k.if_any(long) {
                 k.store_where(long, table, i, 0, v.x.sqrt());
                 total.set(total.get() + v);
             }
         }
     }
-    for _ in k.when(k.equals(k.index(3), 3)) {
+    if let Some(_branch) = k.when(k.equals(k.index(3), 3)) {
         let row = k.index(n).plus(k.index(0));
         k.store_vec3(table, row, 0, total.get());
     }
-    for _ in k.if_any(<M::R as Real>::Mask::splat(false)) {
+    if let Some(_branch) = k.if_any(<M::R as Real>::Mask::splat(false)) {
         k.store(table, k.index(usize::MAX), 0, M::R::one());
     }
     for i in k.range(k.index(3), k.index(3)) {
@@ -430,7 +430,7 @@ fn a_value_that_leaves_its_branch_is_an_error() {
     let error = fault(|k| {
         let x = k.load(place(), k.index(0), 0);
         let mut y = x;
-        for _ in k.if_any(x.lt(Real::zero())) {
+        if let Some(_branch) = k.if_any(x.lt(Real::zero())) {
             y = -x;
         }
         k.store(place(), k.index(0), 0, y);
@@ -507,7 +507,7 @@ fn finished_in_a_branch_is_an_error() {
     let error = fault(|k| {
         for i in k.count(3) {
             let negative = k.load(place(), i, 0).lt(Real::zero());
-            for _ in k.if_any(negative) {
+            if let Some(_branch) = k.if_any(negative) {
                 if k.finished(negative) {
                     break;
                 }
@@ -611,7 +611,7 @@ fn equal_expressions_are_recorded_once_where_they_are_visible() {
         let zero = k.index(0);
         let outside = k.load(inputs, zero, 0).sqrt();
         k.store(table, zero, 0, outside);
-        for _ in k.if_any(outside.lt(M::R::one())) {
+        if let Some(_branch) = k.if_any(outside.lt(M::R::one())) {
             let inside = k.load(inputs, zero, 0).sqrt();
             k.store(table, zero, 1, inside + M::R::one());
         }

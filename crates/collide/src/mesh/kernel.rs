@@ -65,21 +65,21 @@ pub fn mesh_convex<M: Machine>(
     let bounds = bounds(k, tables, &seen, margin);
     for group in k.range(mesh.groups[0], mesh.groups[1]) {
         let near = bounds.meet(k.read(meshes.groups, group, 0));
-        for _ in k.if_any(near) {
+        if let Some(_branch) = k.if_any(near) {
             let (first, last) = (
                 k.link(meshes.group_rows, group, 0),
                 k.link(meshes.group_rows, group, 1),
             );
             for cluster in k.range(first, last) {
                 let near = bounds.meet(k.read(meshes.clusters, cluster, 0));
-                for _ in k.if_any(near) {
+                if let Some(_branch) = k.if_any(near) {
                     let (first, last) = (
                         k.link(meshes.cluster_rows, cluster, 0),
                         k.link(meshes.cluster_rows, cluster, 1),
                     );
                     for row in k.range(first, last) {
                         let near = bounds.meet(k.read(meshes.triangles, row, 0));
-                        for _ in k.if_any(near) {
+                        if let Some(_branch) = k.if_any(near) {
                             triangle(k, tables, meshes, &seen, row, near, margin);
                         }
                     }
@@ -170,7 +170,7 @@ fn triangle<M: Machine>(
     let over = cores.gap(k, -normal);
     let in_front = normal.dot(offset).lt(M::R::zero());
     let mask = near & in_front & (over - around).lt(margin);
-    for _ in k.if_any(mask) {
+    if let Some(_branch) = k.if_any(mask) {
         let start = Direction {
             n: -normal,
             gap: over,
@@ -256,7 +256,7 @@ fn keep<M: Machine>(
         let feature = number.fma(M::R::lit(64.0), local);
         let p = point.position;
         let new = [p.x, p.y, p.z, n.x, n.y, n.z, point.distance, feature];
-        for _ in k.if_any(touches) {
+        if let Some(_branch) = k.if_any(touches) {
             for slot in 0..SLOTS {
                 let (a, b, c) = (slot & 1, slot >> 1 & 1, slot >> 2);
                 let score = toward(x.x, a) + toward(x.y, b) + toward(x.z, c);

@@ -32,7 +32,7 @@ impl<'g> Machine for Tracer<'g> {
     type Flag = TraceMask<'g>;
     type Cell = TraceCell<'g>;
     type Rounds = TraceRounds<'g>;
-    type Once = TraceOnce<'g>;
+    type Branch = TraceBranch<'g>;
 
     fn index(&self, i: usize) -> TraceIndex<'g> {
         TraceIndex::literal(i)
@@ -92,20 +92,17 @@ impl<'g> Machine for Tracer<'g> {
         self.range(self.index(0), self.index(n))
     }
     #[track_caller]
-    fn when(&self, flag: TraceMask<'g>) -> TraceOnce<'g> {
-        let site = Location::caller();
-        TraceOnce(match flag.0 {
-            Handle::Literal(0) => Branch::Done,
-            Handle::Literal(_) => Branch::Taken,
-            condition => Branch::Ready {
-                graph: self.graph,
-                condition,
-                site,
-            },
-        })
+    fn when(&self, flag: TraceMask<'g>) -> Option<TraceBranch<'g>> {
+        let head = Action::If { length: 0 };
+        Some(TraceBranch(match flag.0 {
+            Handle::Literal(0) => return None,
+            // There is nothing to branch on.
+            Handle::Literal(_) => None,
+            condition => Some(self.graph.open(head, &[condition], Location::caller())),
+        }))
     }
     #[track_caller]
-    fn if_any(&self, mask: TraceMask<'g>) -> TraceOnce<'g> {
+    fn if_any(&self, mask: TraceMask<'g>) -> Option<TraceBranch<'g>> {
         self.when(mask)
     }
     #[track_caller]
@@ -211,39 +208,13 @@ impl<'g> Iterator for TraceRounds<'g> {
     }
 }
 
-/// A recorded branch.
-pub struct TraceOnce<'g>(Branch<'g>);
+/// A recorded branch, whose block ends when it is dropped.
+pub struct TraceBranch<'g>(Option<Body<'g>>);
 
-enum Branch<'g> {
-    Ready {
-        graph: &'g Graph,
-        condition: Handle<'g>,
-        site: &'static Location<'static>,
-    },
-    /// The condition is a literal that holds: there is nothing to branch on.
-    Taken,
-    Open(Body<'g>),
-    Done,
-}
-
-impl Iterator for TraceOnce<'_> {
-    type Item = ();
-    fn next(&mut self) -> Option<()> {
-        match mem::replace(&mut self.0, Branch::Done) {
-            Branch::Ready {
-                graph,
-                condition,
-                site,
-            } => {
-                self.0 = Branch::Open(graph.open(Action::If { length: 0 }, &[condition], site));
-                Some(())
-            }
-            Branch::Taken => Some(()),
-            Branch::Open(body) => {
-                body.close();
-                None
-            }
-            Branch::Done => None,
+impl Drop for TraceBranch<'_> {
+    fn drop(&mut self) {
+        if let Some(body) = self.0.take() {
+            body.close();
         }
     }
 }

@@ -109,14 +109,14 @@ fn meet<M: Machine, K: Kernel>(k: &mut M, t: &ContactTables, pair: M::I) {
         k.store(t.slot, first.offset(point), slot::DISTANCE, far);
     }
     let margin = k.load(t.pair, pair, pair_field::MARGIN);
-    for _ in k.if_any(near(k, t, K::ROUTE, row_a, row_b, margin)) {
+    if let Some(_branch) = k.if_any(near(k, t, K::ROUTE, row_a, row_b, margin)) {
         let (a, b) = (solid(k, t, row_a), solid(k, t, row_b));
         let way = k.load(t.placed, row_a, placed_field::WAY)
             + k.load(t.placed, row_b, placed_field::WAY)
             + M::R::lit(MARGIN);
         let manifold = K::manifold(k, t.kernels, &a, &b);
         let mut normal = manifold.normal.hold(k);
-        for _ in k.when(k.equals(flip, 1)) {
+        if let Some(_branch) = k.when(k.equals(flip, 1)) {
             normal.set(-manifold.normal);
         }
         for i in 0..K::ROUTE.points() {

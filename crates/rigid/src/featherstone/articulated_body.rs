@@ -53,7 +53,7 @@ fn inwards<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, h: M::R) {
         let (m, c, i) = world_inertia(k, t.node, n, place);
         let mut inertia = Inertia::rigid(m, c, i).hold(k);
         let mut p = newton_euler(m, c, i, twist, bias).hold(k);
-        for _ in k.when(k.equals(links[node_link::CARRIES], 1)) {
+        if let Some(_branch) = k.when(k.equals(links[node_link::CARRIES], 1)) {
             let (carried_p, carried) = carried(k, t, n);
             inertia.set(inertia.get() + carried);
             p.set(p.get() + carried_p);
@@ -63,14 +63,14 @@ fn inwards<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, h: M::R) {
                 p.set(p.get() - k.spatial(t.pressure, n, 0));
             }
             for s in k.range(links[node_link::SLOT_BEGIN], links[node_link::SLOT_END]) {
-                for _ in k.if_any(k.load(t.load, s, load::ON).gt(M::R::zero())) {
+                if let Some(_branch) = k.if_any(k.load(t.load, s, load::ON).gt(M::R::zero())) {
                     let (mass, force) = contact::burden(k, t, s, h);
                     inertia.set(inertia.get() + mass);
                     p.set(p.get() - force);
                 }
             }
         }
-        for _ in k.when(k.equals(links[node_link::FLOATS], 1)) {
+        if let Some(_branch) = k.when(k.equals(links[node_link::FLOATS], 1)) {
             float(k, t, n, inertia.get(), p.get());
         }
         for j in k.range_down(links[node_link::ELIMINATED]) {
@@ -159,11 +159,11 @@ fn pass_on<M: Machine>(
     i: Inertia<M::R>,
     p: Spatial<M::R>,
 ) {
-    for _ in k.when(k.equals(arrival, arrival::FIRST)) {
+    if let Some(_branch) = k.when(k.equals(arrival, arrival::FIRST)) {
         k.store_inertia(t.frame, parent, frame::INERTIA, i);
         k.store_spatial(t.frame, parent, frame::FORCE, p);
     }
-    for _ in k.when(k.equals(arrival, arrival::LATER)) {
+    if let Some(_branch) = k.when(k.equals(arrival, arrival::LATER)) {
         let (carried_p, carried) = carried(k, t, parent);
         k.store_inertia(t.frame, parent, frame::INERTIA, carried + i);
         k.store_spatial(t.frame, parent, frame::FORCE, carried_p + p);

@@ -91,7 +91,7 @@ pub(crate) fn meet<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         k.store(t.load, s, load::ON, M::R::zero());
         let distance = k.load(t.contacts.slot, s, slot::DISTANCE);
         let near = distance.lt(M::R::lit(0.5 * FAR));
-        for _ in k.if_any(near) {
+        if let Some(_branch) = k.if_any(near) {
             approach(k, t, s, h, distance, near);
         }
     }
@@ -206,7 +206,7 @@ pub(crate) fn settle<M: Machine>(k: &mut M, t: &Tables, h: M::R, changes: &mut M
     for s in k.count(t.contacts.between) {
         let distance = k.load(t.contacts.slot, s, slot::DISTANCE);
         let near = distance.lt(M::R::lit(0.5 * FAR));
-        for _ in k.if_any(near) {
+        if let Some(_branch) = k.if_any(near) {
             let change = settle_one(k, t, s, h);
             let change = M::R::select(near, change, M::R::zero());
             changes.write(changes.read() + change);
@@ -265,7 +265,7 @@ fn settle_one<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) -> M::R {
 #[inline(always)]
 pub(crate) fn give<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     for s in k.count(t.contacts.between) {
-        for _ in k.if_any(
+        if let Some(_branch) = k.if_any(
             k.load(t.contacts.slot, s, slot::DISTANCE)
                 .lt(M::R::lit(0.5 * FAR)),
         ) {
@@ -287,7 +287,7 @@ pub(crate) fn give<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
 pub(crate) fn keep<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     let far = M::R::lit(FAR);
     for s in gauss_seidel::between(k, t) {
-        for _ in k.if_any(gauss_seidel::near(k, t, s)) {
+        if let Some(_branch) = k.if_any(gauss_seidel::near(k, t, s)) {
             let force = gauss_seidel::force(k, t, s, h);
             k.store_vec3(t.load, s, load::FORCE, force);
         }
@@ -296,7 +296,7 @@ pub(crate) fn keep<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         let distance = k.load(t.contacts.slot, s, slot::DISTANCE);
         let kept = k.load(t.touch, s, contact::DISTANCE);
         let near = distance.min(kept).lt(M::R::lit(0.5 * FAR));
-        for _ in k.if_any(near) {
+        if let Some(_branch) = k.if_any(near) {
             let on = distance.lt(M::R::lit(0.5 * FAR));
             let [x, y, z, l, m, n, _, feature] = k.read(t.contacts.slot, s, 0);
             let origin = k.vec3(

@@ -421,7 +421,7 @@ fn drives<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         let (s, d) = (k.load(f.drive, i, 0), k.load(f.drive, i, 1));
         let (q, speed) = (k.load(t.position, q, 0), k.load(t.velocity, v, 0));
         let mut error = k.cell(k.load(f.drive_target, i, 0) - q);
-        for _ in k.when(turns) {
+        if let Some(_branch) = k.when(turns) {
             error.write(wrap(error.read()));
         }
         let error = h.fnma(speed, error.read());
@@ -444,7 +444,7 @@ pub(crate) fn smooth_targets<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
             k.load(t.input.target_position, v, 0),
         );
         let mut way = k.cell(target - now);
-        for _ in k.when(k.equals(k.link(f.drive_links, i, 2), 1)) {
+        if let Some(_branch) = k.when(k.equals(k.link(f.drive_links, i, 2), 1)) {
             way.write(wrap(way.read()));
         }
         let next = share.fma(way.read(), now);

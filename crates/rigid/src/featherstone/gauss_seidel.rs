@@ -91,7 +91,7 @@ pub(crate) fn near<M: Machine>(k: &M, t: &Tables, s: M::I) -> <M::R as Real>::Ma
 pub(crate) fn begin<M: Machine>(k: &mut M, t: &Tables) {
     clear(k, t);
     for s in between(k, t) {
-        for _ in k.if_any(near(k, t, s)) {
+        if let Some(_branch) = k.if_any(near(k, t, s)) {
             let f = kept(k, t, s);
             press(k, t, s, f);
         }
@@ -103,7 +103,7 @@ pub(crate) fn begin<M: Machine>(k: &mut M, t: &Tables) {
 pub(crate) fn recall<M: Machine>(k: &mut M, t: &Tables) {
     clear(k, t);
     for s in between(k, t) {
-        for _ in k.if_any(near(k, t, s)) {
+        if let Some(_branch) = k.if_any(near(k, t, s)) {
             let f = k.vec3(t.load, s, load::FORCE_0);
             press(k, t, s, f);
         }
@@ -148,12 +148,12 @@ pub(crate) fn gauss_seidel<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     }
     let mut any = k.cell(M::R::zero());
     for s in between(k, t) {
-        for _ in k.if_any(near(k, t, s)) {
+        if let Some(_branch) = k.if_any(near(k, t, s)) {
             row(k, t, s, h);
             any.write(M::R::one());
         }
     }
-    for _ in k.if_any(any.read().gt(M::R::zero())) {
+    if let Some(_branch) = k.if_any(any.read().gt(M::R::zero())) {
         iterate(k, t);
         respond(k, t, h);
         contact::give(k, t, h);
@@ -172,7 +172,7 @@ fn iterate<M: Machine>(k: &mut M, t: &Tables) {
         let mut change = k.cell(zero);
         let mut most = k.cell(zero);
         for s in between(k, t) {
-            for _ in k.if_any(near(k, t, s)) {
+            if let Some(_branch) = k.if_any(near(k, t, s)) {
                 let (step, size) = relax(k, t, s, on);
                 change.write(change.read().max(step));
                 most.write(most.read().max(size));

@@ -38,7 +38,7 @@ pub(crate) fn begin<M: Machine, const CONTACTS: bool>(
     stage: M::I,
 ) {
     let h = k.load(t.step, k.index(0), 0);
-    for _ in k.when(k.equals(stage, 0)) {
+    if let Some(_branch) = k.when(k.equals(stage, 0)) {
         // The first integrator saves as it goes, which is why it is the fastest.
         if integrator != Integrator::SemiImplicitEuler {
             save(k, t);
@@ -72,13 +72,13 @@ pub(crate) fn finish<M: Machine, const CONTACTS: bool>(
         }
         Integrator::Verlet => {
             kick(k, t, h * M::R::lit(0.5));
-            for _ in k.when(k.equals(stage, 0)) {
+            if let Some(_branch) = k.when(k.equals(stage, 0)) {
                 drift(k, t, h);
             }
         }
         Integrator::RungeKutta4 => runge_kutta_stage(k, t, h, stage),
     }
-    for _ in k.when(k.equals(stage, integrator.stages() - 1)) {
+    if let Some(_branch) = k.when(k.equals(stage, integrator.stages() - 1)) {
         if CONTACTS {
             contact::keep(k, t, h);
         }
@@ -157,7 +157,7 @@ fn turned<M: Machine>(k: &M, q: Quat<M::R>, way: Vec3<M::R>) -> Quat<M::R> {
         1.0
     };
     let far = way.length_squared().gt(M::R::lit(limit));
-    for _ in k.if_any(far) {
+    if let Some(_branch) = k.if_any(far) {
         turn.set(Quat::select(far, Quat::exp(way), turn.get()));
     }
     (q * turn.get()).normalized()
@@ -273,7 +273,7 @@ fn guard<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
     let fine = M::R::select(fine, k.load(t.alive, world, 0), zero);
     k.store(t.alive, world, 0, fine);
     let lost = fine.same(M::R::zero());
-    for _ in k.if_any(lost) {
+    if let Some(_branch) = k.if_any(lost) {
         if CONTACTS {
             contact::forget(k, t, lost);
         }

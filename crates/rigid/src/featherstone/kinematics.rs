@@ -96,19 +96,19 @@ pub(crate) fn kinematics<M: Machine>(k: &mut M, t: &Tables) {
         let mut bias = from.bias.hold(k);
         for m in k.range(begin, end) {
             let [kind, q, v] = k.link_row(t.motion_links, m);
-            for _ in k.when(k.equals(kind, motion::REVOLUTE)) {
+            if let Some(_branch) = k.when(k.equals(kind, motion::REVOLUTE)) {
                 let (moved, axis) = revolute(k, t, m, place.get());
                 place.set(moved);
                 let rate = turn(k, t, v, axis);
                 advance(&mut twist, &mut bias, rate);
             }
-            for _ in k.when(k.equals(kind, motion::PRISMATIC)) {
+            if let Some(_branch) = k.when(k.equals(kind, motion::PRISMATIC)) {
                 let (moved, axis) = prismatic(k, t, m, q, place.get());
                 place.set(moved);
                 let rate = turn(k, t, v, axis);
                 advance(&mut twist, &mut bias, rate);
             }
-            for _ in k.when(k.equals(kind, motion::BALL)) {
+            if let Some(_branch) = k.when(k.equals(kind, motion::BALL)) {
                 let at = place.get();
                 let moved = Pose::new(at.p, (at.q * k.quat(t.position, q, 0)).nearly_normalized());
                 place.set(moved);
@@ -130,7 +130,7 @@ pub(crate) fn kinematics<M: Machine>(k: &mut M, t: &Tables) {
 fn start<M: Machine>(k: &M, t: &Tables, n: M::I, parent: Pose<M::R>, turned: M::I) -> Pose<M::R> {
     let p = parent.point(k.vec3(t.node, n, node::PLACE));
     let mut q = parent.q.hold(k);
-    for _ in k.when(k.equals(turned, 1)) {
+    if let Some(_branch) = k.when(k.equals(turned, 1)) {
         q.set(parent.q * k.quat(t.node, n, node::PLACE + 3));
     }
     Pose::new(p, q.get())

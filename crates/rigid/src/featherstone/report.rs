@@ -114,7 +114,7 @@ fn relieve<M: Machine>(k: &mut M, t: &Tables) {
         let near = k
             .load(t.touch, s, contact::DISTANCE)
             .lt(M::R::lit(0.5 * FAR));
-        for _ in k.if_any(near) {
+        if let Some(_branch) = k.if_any(near) {
             let x = k.vec3(t.touch, s, contact::POSITION);
             let f = k.vec3(t.touch, s, contact::FORCE);
             let [one, other] = k.link_row(t.touching_links, s);
@@ -132,7 +132,7 @@ fn reactions<M: Machine>(k: &mut M, t: &Tables) {
     for row in k.range_down(k.index(t.bodies)) {
         let w = k.spatial(t.wrench, row, 0);
         let carrier = k.link(t.body_links, row, body_link::CARRIER);
-        for _ in k.when(k.less(carrier, row)) {
+        if let Some(_branch) = k.when(k.less(carrier, row)) {
             let sum = k.spatial(t.wrench, carrier, 0) + w;
             k.store_spatial(t.wrench, carrier, 0, sum);
         }

@@ -332,7 +332,7 @@ pub fn solve<M: Machine>(k: &mut M, t: &ContactTables, pushing: M::R) {
     let mut pair = Pair::load(k, t);
     let moved = Moved::load(k, t, pair.masses);
     let nearer = normal.dot(moved.shift);
-    for _ in k.if_any(pushes) {
+    if let Some(_branch) = k.if_any(pushes) {
         pair.mend_arms(k, t, &moved);
     }
     let (mut load, mut moment) = (k.cell(M::R::zero()), k.cell(M::R::zero()));
@@ -358,7 +358,7 @@ pub fn solve<M: Machine>(k: &mut M, t: &ContactTables, pushing: M::R) {
     friction::solve(k, t, &mut pair, &moved, load.read(), moment.read());
     let given = normal.fma(load.read(), k.vec3(t.manifold, only, manifold::DRAG));
     // All lanes push, or none does.
-    for _ in k.if_any(pushes) {
+    if let Some(_branch) = k.if_any(pushes) {
         k.store_vec3(t.manifold, only, manifold::LAST, moved.shift);
         k.store_vec3(t.manifold, only, manifold::LAST + 3, given);
     }

@@ -50,7 +50,7 @@ fn along<R: Real>(a: [Vec3<R>; 3], c: Vec3<R>) -> Vec3<R> {
 #[inline(always)]
 fn direction<M: Machine>(k: &M, t: &Tables, first: M::I, i: usize, count: M::I) -> Vec3<M::R> {
     let mut d = Vec3::zero().hold(k);
-    for _ in k.when(k.less(k.index(i), count)) {
+    if let Some(_branch) = k.when(k.less(k.index(i), count)) {
         d.set(k.vec3(t.direction, first.offset(i), 0));
     }
     d.get()
@@ -67,7 +67,7 @@ fn turn<M: Machine>(
     axis: Vec3<M::R>,
 ) -> Quat<M::R> {
     let mut q = Quat::identity().hold(k);
-    for _ in k.when(k.less(k.index(i), count)) {
+    if let Some(_branch) = k.when(k.less(k.index(i), count)) {
         q.set(Quat::from_axis_angle(
             axis,
             k.load(t.angle, first.offset(i), 0),
@@ -84,10 +84,10 @@ pub(crate) fn measure<M: Machine>(k: &mut M, t: &Tables, g: M::I) {
     let first = k.link(t.group_links, g, group_link::FIRST);
     let linear = k.link(t.group_links, g, group_link::LINEAR);
     let angular = k.link(t.group_links, g, group_link::ANGULAR);
-    for _ in k.when(k.less(k.index(0), linear)) {
+    if let Some(_branch) = k.when(k.less(k.index(0), linear)) {
         measure_linear(k, t, j, first, linear);
     }
-    for _ in k.when(k.less(k.index(0), angular)) {
+    if let Some(_branch) = k.when(k.less(k.index(0), angular)) {
         measure_angular(k, t, j, first.plus(linear), angular);
     }
 }
@@ -106,7 +106,7 @@ fn measure_linear<M: Machine>(k: &mut M, t: &Tables, j: M::I, first: M::I, count
     ];
     let gradients = gradients(axes);
     for (i, &gradient) in gradients.iter().enumerate() {
-        for _ in k.when(k.less(k.index(i), count)) {
+        if let Some(_branch) = k.when(k.less(k.index(i), count)) {
             let row = first.offset(i);
             let n = frame * gradient;
             let pull = Pull {
@@ -135,7 +135,7 @@ fn measure_angular<M: Machine>(k: &mut M, t: &Tables, j: M::I, first: M::I, coun
     let axes = [u[0], q1.rotate(u[1]), q2.rotate(u[2])];
     let gradients = gradients(axes);
     for (i, &gradient) in gradients.iter().enumerate() {
-        for _ in k.when(k.less(k.index(i), count)) {
+        if let Some(_branch) = k.when(k.less(k.index(i), count)) {
             let row = first.offset(i);
             let angle = k.load(t.angle, row, 0) + gradient.dot(e);
             let a = qa.rotate(gradient);

@@ -111,7 +111,7 @@ pub(crate) fn arms<M: Machine>(k: &mut M, t: &Tables) {
 fn unit<M: Machine>(k: &M, q: Quat<M::R>) -> Quat<M::R> {
     let mut unit = q.nearly_normalized().hold(k);
     let near = (q.dot(q) - M::R::one()).abs().le(M::R::lit(NEARBY));
-    for _ in k.if_any(!near) {
+    if let Some(_branch) = k.if_any(!near) {
         unit.set(Quat::select(near, unit.get(), q.normalized()));
     }
     unit.get()

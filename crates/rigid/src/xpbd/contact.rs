@@ -188,7 +188,7 @@ pub(crate) fn meet<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     for s in k.count(t.contacts.slots) {
         k.write(t.touching, s, touching::LAMBDA, [M::R::zero(); 4]);
         let near = near(k, t, s);
-        for _ in k.if_any(near) {
+        if let Some(_branch) = k.if_any(near) {
             approach(k, t, s, h, near);
         }
     }
@@ -308,11 +308,11 @@ pub(crate) fn sweeps<M: Machine>(k: &mut M, t: &Tables, h: M::R, ending: M::R) {
     for _ in k.count(t.sweeps) {
         for s in k.count(t.contacts.slots) {
             let near = near(k, t, s);
-            for _ in k.if_any(near) {
+            if let Some(_branch) = k.if_any(near) {
                 let [bounces, pressed] = k.read(t.touching, s, touching::BOUNCE + 1);
                 let leaves = bounces.gt(M::R::zero()) & pressed.gt(M::R::zero());
                 let mask = near & ((!ending) | leaves);
-                for _ in k.if_any(mask) {
+                if let Some(_branch) = k.if_any(mask) {
                     relax(k, t, s, h, ending, mask);
                 }
             }
@@ -390,7 +390,7 @@ pub(crate) fn keep<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         let kept = k.load(t.touch, s, contact::DISTANCE);
         let on = near(k, t, s);
         let was = kept.lt(M::R::lit(0.5 * FAR));
-        for _ in k.if_any(on | was) {
+        if let Some(_branch) = k.if_any(on | was) {
             let [x, y, z, l, m, n, distance, feature] = k.read(t.contacts.slot, s, 0);
             let [pressed, rx, ry, rz] = k.read(t.touching, s, touching::LAMBDA);
             let lambda = Vec3::new(l, m, n).fma(pressed, Vec3::new(rx, ry, rz));

@@ -19,7 +19,7 @@ pub(crate) fn forces<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         }
     }
     let none = most.read().same(M::R::zero());
-    for _ in k.if_any(!none) {
+    if let Some(_branch) = k.if_any(!none) {
         inverse_inertias(k, t);
         for i in k.count(t.frees) {
             free(k, t, i, h);

@@ -74,7 +74,7 @@ pub(crate) fn guard<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, sur
     let fine = M::R::select(fine, k.load(t.alive, world, 0), zero);
     k.store(t.alive, world, 0, fine);
     let lost = fine.same(M::R::zero());
-    for _ in k.if_any(lost) {
+    if let Some(_branch) = k.if_any(lost) {
         k.store_pose(t.pose, world, 0, Pose::identity());
         k.store_spatial(t.twist, world, 0, Spatial::zero());
         for row in k.range(k.index(1), k.index(t.rows)) {

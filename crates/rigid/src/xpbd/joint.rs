@@ -169,29 +169,29 @@ pub(crate) fn closings<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         let strength = strength(k, t, j);
         let block = Block::new(j, start, turns / h.squared(), lambda.angular);
         let kind = k.link(t.joint_links, j, joint_link::TURNS);
-        for _ in k.when(k.equals(kind, turns::ONE)) {
+        if let Some(_branch) = k.when(k.equals(kind, turns::ONE)) {
             pair.twist(start, block.revolute(k, t) * strength, over_h);
         }
-        for _ in k.when(k.equals(kind, turns::LOCKED)) {
+        if let Some(_branch) = k.when(k.equals(kind, turns::LOCKED)) {
             pair.twist(start, block.fixed(k, t) * strength, over_h);
         }
-        for _ in k.when(k.equals(kind, turns::TWO)) {
+        if let Some(_branch) = k.when(k.equals(kind, turns::TWO)) {
             pair.twist(start, block.universal(k, t) * strength, over_h);
         }
         let ends = pair.ends(&start);
         let block = Block::new(j, ends, shifts / h.squared(), lambda.linear);
         let kind = k.link(t.joint_links, j, joint_link::HOLD);
-        for _ in k.when(k.equals(kind, hold::POINT)) {
+        if let Some(_branch) = k.when(k.equals(kind, hold::POINT)) {
             let (arms, delta) = block.point(k, t);
             let delta = capped(k, t, h, &ends, delta * strength);
             pair.shove(ends, arms, delta, over_h);
         }
-        for _ in k.when(k.equals(kind, hold::SLIDE)) {
+        if let Some(_branch) = k.when(k.equals(kind, hold::SLIDE)) {
             let (arms, delta) = block.slide(k, t);
             let delta = capped(k, t, h, &ends, delta * strength);
             pair.shove(ends, arms, delta, over_h);
         }
-        for _ in k.when(k.equals(kind, hold::DISTANCE)) {
+        if let Some(_branch) = k.when(k.equals(kind, hold::DISTANCE)) {
             let (arms, delta) = block.distance(k, t);
             let delta = capped(k, t, h, &ends, delta * strength);
             pair.shove(ends, arms, delta, over_h);
@@ -399,7 +399,7 @@ fn capped<M: Machine>(
     let (world, size) = (k.index(0), delta.length());
     let most = most(k, t, h, ends);
     let over = size.gt(most);
-    for _ in k.if_any(over) {
+    if let Some(_branch) = k.if_any(over) {
         let count = k.load(t.capped, world, 0) + M::R::one();
         k.store_where(over, t.capped, world, 0, count);
     }

@@ -228,13 +228,13 @@ fn touching_passes<M: Machine>(
     for round in k.count(t.iterations + 1) {
         let joins = k.less(round, k.index(t.iterations));
         ending.write(M::R::one());
-        for _ in k.when(joins) {
+        if let Some(_branch) = k.when(joins) {
             ending.write(M::R::zero());
         }
-        for _ in k.when(k.less(k.index(usize::from(t.jointed)), round.offset(1))) {
+        if let Some(_branch) = k.when(k.less(k.index(usize::from(t.jointed)), round.offset(1))) {
             contact::sweeps(k, t, h, ending.read());
         }
-        for _ in k.when(joins) {
+        if let Some(_branch) = k.when(joins) {
             contact::drift(k, t, h);
             pass(k, t, h, fresh.read(), survey);
             fresh.write(M::R::zero());

@@ -71,7 +71,7 @@ pub(crate) fn cap<M: Machine>(k: &mut M, t: &Tables, h: M::R) -> <M::R as Real>:
         for i in k.range_down(k.index(t.rows - 1)) {
             let row = i.offset(1);
             let kind = k.link(t.row_links, row, row_link::INBOUND);
-            for _ in k.when(k.less(kind, k.index(inbound::ROOT))) {
+            if let Some(_branch) = k.when(k.less(kind, k.index(inbound::ROOT))) {
                 let force = through(k, t, row, about_centre(k, t, row)).linear;
                 let ends = Ends::load(k, t, k.link(t.row_links, row, row_link::JOINT));
                 let most = most(k, t, h, &ends);

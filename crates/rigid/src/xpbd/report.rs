@@ -60,12 +60,13 @@ fn axes<M: Machine>(k: &mut M, t: &Tables) {
     for row in k.count(t.axes) {
         let q = k.link(t.axis_links, row, axis_link::COORDINATE);
         let v = k.link(t.axis_links, row, axis_link::DOF);
-        for _ in k.when(k.less(v, k.index(t.input.dofs()))) {
+        if let Some(_branch) = k.when(k.less(v, k.index(t.input.dofs()))) {
             let ends = Ends::load(k, t, k.link(t.axis_links, row, axis_link::JOINT));
             let past = Pull::load(k, t, row).rate(&before(k, t, ends));
             let rate = k.load(t.axis, row, axis_field::RATE);
             let mut value = k.cell(k.load(t.axis, row, axis_field::VALUE));
-            for _ in k.when(k.equals(k.link(t.axis_links, row, axis_link::TURNS), 1)) {
+            if let Some(_branch) = k.when(k.equals(k.link(t.axis_links, row, axis_link::TURNS), 1))
+            {
                 value.write(wrap(value.read()));
             }
             k.store(t.output.position, q, 0, value.read());
@@ -148,7 +149,7 @@ fn reactions<M: Machine>(k: &mut M, t: &Tables) {
     for i in k.range_down(k.index(t.rows - 1)) {
         let row = i.offset(1);
         let kind = k.link(t.row_links, row, row_link::INBOUND);
-        for _ in k.when(k.less(kind, k.index(inbound::ROOT))) {
+        if let Some(_branch) = k.when(k.less(kind, k.index(inbound::ROOT))) {
             let lambda = through(k, t, row, k.spatial(t.moved, row, 0));
             store_reaction(k, t, k.link(t.row_links, row, row_link::JOINT), lambda, h);
         }

@@ -116,7 +116,7 @@ pub(crate) fn tree<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
 #[inline(always)]
 fn inwards<M: Machine>(k: &mut M, t: &Tables, row: M::I, h: M::R) {
     let kind = k.link(t.row_links, row, row_link::INBOUND);
-    for _ in k.when(k.less(kind, k.index(inbound::ALONE))) {
+    if let Some(_branch) = k.when(k.less(kind, k.index(inbound::ALONE))) {
         let q = k.quat(t.pose, row, 3);
         let b = q.to_mat3();
         let [m, x, y, z] = k.read(t.mass, row, mass::MASS);
@@ -124,19 +124,19 @@ fn inwards<M: Machine>(k: &mut M, t: &Tables, row: M::I, h: M::R) {
         let arm = k.vec3(t.arm, row, 0);
         let carried = Subtree::load(k, t, k.link(t.row_links, row, row_link::CARRIED));
         let subtree = Subtree::rigid(m, -arm, i) + carried;
-        for _ in k.when(k.equals(kind, inbound::ROOT)) {
+        if let Some(_branch) = k.when(k.equals(kind, inbound::ROOT)) {
             k.store_spatial(t.way, row, 0, subtree.loose());
         }
-        for _ in k.when(k.less(kind, k.index(inbound::ROOT))) {
+        if let Some(_branch) = k.when(k.less(kind, k.index(inbound::ROOT))) {
             let x = Joint::load(k, t, row, q, b, arm);
             // In the general way where any lane asks for it; then the others have had theirs, too.
             let plain = plain(k, t, row, kind);
             let mut left = k.cell(M::R::one());
-            for _ in k.if_any(plain.lt(M::R::lit(0.5))) {
+            if let Some(_branch) = k.if_any(plain.lt(M::R::lit(0.5))) {
                 in_general(k, t, &x, subtree, h);
                 left.write(M::R::zero());
             }
-            for _ in k.if_any(left.read().gt(M::R::zero())) {
+            if let Some(_branch) = k.if_any(left.read().gt(M::R::zero())) {
                 hinge(k, t, &x, subtree);
             }
         }
@@ -147,7 +147,7 @@ fn inwards<M: Machine>(k: &mut M, t: &Tables, row: M::I, h: M::R) {
 #[inline(always)]
 fn plain<M: Machine>(k: &M, t: &Tables, row: M::I, kind: M::I) -> M::R {
     let mut plain = k.cell(M::R::zero());
-    for _ in k.when(k.equals(kind, inbound::HINGE)) {
+    if let Some(_branch) = k.when(k.equals(kind, inbound::HINGE)) {
         let j = k.link(t.row_links, row, row_link::JOINT);
         plain.write(k.load(t.joint, j, joint_field::PLAIN));
     }
@@ -172,7 +172,7 @@ fn hinge<M: Machine>(k: &mut M, t: &Tables, x: &Joint<M>, subtree: Subtree<M::R>
 fn in_general<M: Machine>(k: &mut M, t: &Tables, x: &Joint<M>, subtree: Subtree<M::R>, h: M::R) {
     let j = x.joint;
     let parted = k.load(t.joint, j, joint_field::ENABLED).lt(M::R::lit(0.5));
-    for _ in k.if_any(parted) {
+    if let Some(_branch) = k.if_any(parted) {
         k.store_spatial(t.way, x.row, 0, subtree.loose());
     }
     let gap = x.gap(k, t);
@@ -181,7 +181,7 @@ fn in_general<M: Machine>(k: &mut M, t: &Tables, x: &Joint<M>, subtree: Subtree<
     let mut passing = Passing::hold(k, subtree.corrected(e));
     soften(k, t, x, &mut passing, h);
     release(k, t, x, &mut passing);
-    for _ in k.if_any(parted) {
+    if let Some(_branch) = k.if_any(parted) {
         let subtree = passing.get().unless(parted);
         passing.set(subtree);
     }
@@ -212,10 +212,10 @@ fn store_error<M: Machine>(
 fn pass_on<M: Machine>(k: &mut M, t: &Tables, x: &Joint<M>, subtree: Subtree<M::R>, s: Vec3<M::R>) {
     let kind = k.link(t.row_links, x.row, row_link::ARRIVAL);
     let slot = k.link(t.row_links, x.parent, row_link::CARRIED);
-    for _ in k.when(k.equals(kind, arrival::FIRST)) {
+    if let Some(_branch) = k.when(k.equals(kind, arrival::FIRST)) {
         subtree.about(s).store(k, t, slot);
     }
-    for _ in k.when(k.equals(kind, arrival::LATER)) {
+    if let Some(_branch) = k.when(k.equals(kind, arrival::LATER)) {
         let sum = Subtree::load(k, t, slot) + subtree.about(s);
         sum.store(k, t, slot);
     }
@@ -226,18 +226,18 @@ fn pass_on<M: Machine>(k: &mut M, t: &Tables, x: &Joint<M>, subtree: Subtree<M::
 fn turn_error<M: Machine>(k: &mut M, t: &Tables, x: &Joint<M>) -> Vec3<M::R> {
     let (j, first) = (x.joint, x.first.plus(x.linear));
     let mut error = Vec3::zero().hold(k);
-    for _ in k.when(k.equals(x.turns, turns::ONE)) {
+    if let Some(_branch) = k.when(k.equals(x.turns, turns::ONE)) {
         let (a, b) = x.axes(k, t);
         k.store_vec3(t.motion, first, motion::DIRECTION, a);
         error.set(a.cross(b));
     }
-    for _ in k.when(k.equals(x.turns, turns::LOCKED)) {
+    if let Some(_branch) = k.when(k.equals(x.turns, turns::LOCKED)) {
         let qa = x.qa * k.quat(t.joint, j, joint_field::FRAME_A);
         let qb = x.qb * k.quat(t.joint, j, joint_field::FRAME_B);
         error.set(qa.rotate((qa.conjugate() * qb).log()));
     }
     // The angle between the two axes stays: it changes by n̂ · ω, n = a × b.
-    for _ in k.when(k.equals(x.turns, turns::TWO)) {
+    if let Some(_branch) = k.when(k.equals(x.turns, turns::TWO)) {
         let (a, b) = x.axes(k, t);
         k.store_vec3(t.motion, first, motion::DIRECTION, a);
         k.store_vec3(t.motion, first.offset(1), motion::DIRECTION, b);
@@ -247,10 +247,10 @@ fn turn_error<M: Machine>(k: &mut M, t: &Tables, x: &Joint<M>) -> Vec3<M::R> {
         );
         error.set(n * (c / n.length_squared().max(M::R::lit(1e-12))));
     }
-    for _ in k.when(k.equals(x.turns, turns::THREE)) {
+    if let Some(_branch) = k.when(k.equals(x.turns, turns::THREE)) {
         three_axes(k, t, first);
     }
-    for _ in k.when(k.equals(x.turns, turns::FREE)) {
+    if let Some(_branch) = k.when(k.equals(x.turns, turns::FREE)) {
         let (o, i) = (M::R::zero(), M::R::one());
         k.write(t.motion, first, motion::DIRECTION, [i, o, o]);
         k.write(t.motion, first.offset(1), motion::DIRECTION, [o, i, o]);
@@ -281,7 +281,7 @@ fn three_axes<M: Machine>(k: &mut M, t: &Tables, first: M::I) {
 #[inline(always)]
 fn shift_error<M: Machine>(k: &mut M, t: &Tables, x: &Joint<M>, gap: Vec3<M::R>) -> Vec3<M::R> {
     let mut error = gap.hold(k);
-    for _ in k.when(k.less(k.index(0), x.linear)) {
+    if let Some(_branch) = k.when(k.less(k.index(0), x.linear)) {
         let frame = x.qa * k.quat(t.joint, x.joint, joint_field::LINEAR_FRAME);
         let frame = frame.to_mat3();
         let locked = k.vec3(t.joint, x.joint, joint_field::LOCKED);
@@ -299,7 +299,7 @@ fn shift_error<M: Machine>(k: &mut M, t: &Tables, x: &Joint<M>, gap: Vec3<M::R>)
 #[inline(always)]
 fn soften<M: Machine>(k: &mut M, t: &Tables, x: &Joint<M>, passing: &mut Passing<M>, h: M::R) {
     let (shifts, turns) = compliance(k, t, x.joint, h);
-    for _ in k.if_any(shifts.max(turns).gt(M::R::zero())) {
+    if let Some(_branch) = k.if_any(shifts.max(turns).gt(M::R::zero())) {
         let frame = x.qa * k.quat(t.joint, x.joint, joint_field::LINEAR_FRAME);
         let first = k.link(t.row_links, x.row, row_link::SOFT);
         let count = k.link(t.row_links, x.row, row_link::SOFT_SHIFTS);
@@ -348,7 +348,7 @@ fn compliance<M: Machine>(k: &M, t: &Tables, j: M::I, h: M::R) -> (M::R, M::R) {
 fn soft_frame<M: Machine>(k: &M, t: &Tables, x: &Joint<M>) -> Mat3<M::R> {
     let frame = x.qa * k.quat(t.joint, x.joint, joint_field::FRAME_A);
     let mut frame = frame.to_mat3().hold(k);
-    for _ in k.when(k.equals(x.turns, turns::TWO)) {
+    if let Some(_branch) = k.when(k.equals(x.turns, turns::TWO)) {
         let first = x.first.plus(x.linear);
         let a = k.vec3(t.motion, first, motion::DIRECTION);
         let b = k.vec3(t.motion, first.offset(1), motion::DIRECTION);
@@ -362,7 +362,7 @@ fn soft_frame<M: Machine>(k: &M, t: &Tables, x: &Joint<M>) -> Mat3<M::R> {
 #[inline(always)]
 fn soft_rows<M: Machine>(k: &mut M, t: &Tables, frame: Mat3<M::R>, first: M::I, count: M::I) {
     for (i, column) in [frame.z, frame.y, frame.x].into_iter().enumerate() {
-        for _ in k.when(k.less(k.index(i), count)) {
+        if let Some(_branch) = k.when(k.less(k.index(i), count)) {
             k.store_vec3(t.motion, first.offset(i), motion::DIRECTION, column);
         }
     }
@@ -389,10 +389,10 @@ fn release<M: Machine>(k: &mut M, t: &Tables, x: &Joint<M>, passing: &mut Passin
 #[inline(always)]
 fn outwards<M: Machine>(k: &mut M, t: &Tables, row: M::I, h: M::R) {
     let kind = k.link(t.row_links, row, row_link::INBOUND);
-    for _ in k.when(k.equals(kind, inbound::ALONE)) {
+    if let Some(_branch) = k.when(k.equals(kind, inbound::ALONE)) {
         k.store_spatial(t.way, row, 0, Spatial::zero());
     }
-    for _ in k.when(k.less(kind, k.index(inbound::ROOT))) {
+    if let Some(_branch) = k.when(k.less(kind, k.index(inbound::ROOT))) {
         let parent = k.link(t.row_links, row, row_link::PARENT);
         let of_parent = k.spatial(t.way, parent, 0);
         let step = k.vec3(t.hinge, row, hinge::STEP);
@@ -410,11 +410,11 @@ fn outwards<M: Machine>(k: &mut M, t: &Tables, row: M::I, h: M::R) {
         }
         let j = k.link(t.row_links, row, row_link::JOINT);
         let plain = k.load(t.joint, j, joint_field::PLAIN);
-        for _ in k.if_any(plain.lt(M::R::lit(0.5))) {
+        if let Some(_branch) = k.if_any(plain.lt(M::R::lit(0.5))) {
             yielding(k, t, row, j, &mut way, h);
         }
         way.set(way.get() - k.spatial(t.hinge, row, hinge::ERROR));
-        for _ in k.if_any(plain.lt(M::R::lit(0.5))) {
+        if let Some(_branch) = k.if_any(plain.lt(M::R::lit(0.5))) {
             let parted = k.load(t.joint, j, joint_field::ENABLED).lt(M::R::lit(0.5));
             let (held, loose) = (way.get(), k.spatial(t.way, row, 0));
             let angular = Vec3::select(parted, loose.angular, held.angular);
@@ -436,7 +436,7 @@ fn yielding<M: Machine>(
     h: M::R,
 ) {
     let (shifts, turns) = compliance(k, t, j, h);
-    for _ in k.if_any(shifts.max(turns).gt(M::R::zero())) {
+    if let Some(_branch) = k.if_any(shifts.max(turns).gt(M::R::zero())) {
         let first = k.link(t.row_links, row, row_link::SOFT);
         let count = k.link(t.row_links, row, row_link::SOFT_SHIFTS);
         for i in k.range_down(k.link(t.row_links, row, row_link::SOFT_TURNS)) {
