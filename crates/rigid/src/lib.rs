@@ -22,4 +22,4 @@ pub use featherstone::{ArticulatedBodies, Featherstone, Integrator, TouchingFeat
 pub use input::InputTables;
 pub use output::{OutputTables, body, contact, reaction, total};
 pub use solver::{Kernels, Lengths, Settings, SolverError};
-pub use xpbd::{Bodies, TouchingXpbd, Xpbd};
+pub use xpbd::Xpbd;

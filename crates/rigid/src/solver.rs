@@ -114,7 +114,7 @@ pub enum SolverError {
 /// ([`step`](Kernels::step)) or each as a function of its own: the kernels for pairs together are far
 /// larger than any solver, and compilers take much longer for one large function than for many.
 pub trait Kernels: Clone + Send + Sync + 'static {
-    /// Whether any shapes touch.
+    /// Whether shapes can touch.
     const TOUCHES: bool;
     /// Whether one world's steps are worth compiling for many registers; see
     /// [`Job::MANY_REGISTERS`](numbers::dispatch::Job::MANY_REGISTERS).

@@ -5,8 +5,7 @@ mod scene;
 mod shader;
 
 use kinetarium_rigid::{
-    Featherstone, Integrator, Kernels, OutputTables, Settings, TouchingFeatherstone, TouchingXpbd,
-    Xpbd,
+    Featherstone, Integrator, Kernels, OutputTables, Settings, TouchingFeatherstone, Xpbd,
 };
 use model::Model;
 use model::examples::{Start, chain};
@@ -193,7 +192,7 @@ fn a_heap_keeps_its_bits() {
     let kernels = TouchingFeatherstone::new(&model, &Settings::new(0.002)).unwrap();
     suits_a_shader(&kernels, &model);
     keeps_the_bits(&kernels, &model, 300);
-    let kernels = TouchingXpbd::new(&model, &Settings::new(0.002)).unwrap();
+    let kernels = Xpbd::touching(&model, &Settings::new(0.002)).unwrap();
     suits_a_shader(&kernels, &model);
     keeps_the_bits(&kernels, &model, 300);
 }

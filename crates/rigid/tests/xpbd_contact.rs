@@ -5,7 +5,7 @@ mod scene;
 
 use glam::{DQuat, DVec3};
 use kinetarium_rigid::{
-    Kernels, OutputTables, Settings, TouchingXpbd, body as of_body, contact as of_contact,
+    Kernels, OutputTables, Settings, Xpbd, body as of_body, contact as of_contact,
     total as of_total,
 };
 use model::{Builder, Geometry, Material, Model, Pose, Shape, Softness};
@@ -18,7 +18,7 @@ const H: f64 = 0.001;
 
 /// One world in double precision.
 struct Run {
-    kernels: TouchingXpbd,
+    kernels: Xpbd,
     parameters: Vec<f64>,
     world: World<f64>,
     tables: OutputTables,
@@ -29,7 +29,7 @@ impl Run {
         Self::with(model, velocity, &Settings::new(h))
     }
     fn with(model: &Model, velocity: &[f64], settings: &Settings) -> Self {
-        let kernels = TouchingXpbd::new(model, settings).unwrap();
+        let kernels = Xpbd::touching(model, settings).unwrap();
         let mut world = World::new(&kernels, model);
         world.state = kernels.initial(model, &model.initial_position(), velocity);
         world.input.fill(0.0);

@@ -8,7 +8,7 @@ use crate::impulse::Piles;
 use crate::{SimulationSettings, SolverKind};
 use model::{CollisionFilter, Model};
 use numbers::Float;
-use rigid::{Featherstone, InputTables, SolverError, TouchingFeatherstone, TouchingXpbd, Xpbd};
+use rigid::{Featherstone, InputTables, SolverError, TouchingFeatherstone, Xpbd};
 use std::any::Any;
 
 /// A solver compiled for a model, and how its worlds begin.
@@ -94,7 +94,7 @@ fn engine<T: Float>(model: &Model, settings: &SimulationSettings) -> Made<T> {
             Box::new(TouchingFeatherstone::new(model, &settings.step)?)
         }
         (SolverKind::Featherstone, false) => Box::new(Featherstone::new(model, &settings.step)?),
-        (_, true) => Box::new(TouchingXpbd::new(model, &settings.step)?),
+        (_, true) => Box::new(Xpbd::touching(model, &settings.step)?),
         (_, false) => Box::new(Xpbd::new(model, &settings.step)?),
     })
 }

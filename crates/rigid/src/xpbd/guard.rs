@@ -63,7 +63,7 @@ impl<M: Machine> Survey<M> {
 
 /// A lane that has diverged, now or before, keeps its last finite state, and passes on no forces.
 #[inline(always)]
-pub(crate) fn guard<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, survey: &Survey<M>) {
+pub(crate) fn guard<M: Machine>(k: &mut M, t: &Tables, survey: &Survey<M>) {
     let world = k.index(0);
     let zero = M::R::zero();
     let limit = k.load(t.global, world, global::SPEED_LIMIT);
@@ -88,7 +88,7 @@ pub(crate) fn guard<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, sur
             let moved = k.spatial(t.moved, row, 0);
             k.store_spatial(t.moved, row, 0, unless(lost, moved));
         }
-        if CONTACTS {
+        if t.contacts.slots > 0 {
             contact::forget(k, t, lost);
         }
     }

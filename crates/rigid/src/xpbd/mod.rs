@@ -66,11 +66,8 @@ pub use tables::Tables;
 use tables::{NAME, global, motion};
 
 /// The solver, compiled for a model, with contacts or without.
-///
-/// Whether bodies touch is a constant, so that what touches nothing pays nothing, in time and in
-/// code.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Bodies<const CONTACTS: bool> {
+pub struct Xpbd {
     tables: Tables,
     parameters: Vec<f64>,
     links: Vec<u32>,
@@ -79,20 +76,25 @@ pub struct Bodies<const CONTACTS: bool> {
     tree: Featherstone,
 }
 
-/// The solver for bodies that pass through each other.
-pub type Xpbd = Bodies<false>;
-
-/// The solver for bodies that touch.
-pub type TouchingXpbd = Bodies<true>;
-
-impl<const CONTACTS: bool> Bodies<CONTACTS> {
-    /// Compiles a model.
+impl Xpbd {
+    /// Compiles a model whose bodies pass through each other.
     ///
     /// # Errors
-    /// Axes in an order, or a law on a joint, that this solver does not know; with contacts, a
-    /// shape that no kernel collides.
+    /// Axes in an order, or a law on a joint, that this solver does not know.
     pub fn new(model: &Model, settings: &Settings) -> Result<Self, SolverError> {
-        let (tables, mut filler, contact_shapes) = Tables::new(model, CONTACTS, settings)?;
+        Self::compile(model, false, settings)
+    }
+
+    /// Compiles a model whose bodies touch.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); a shape that no kernel collides.
+    pub fn touching(model: &Model, settings: &Settings) -> Result<Self, SolverError> {
+        Self::compile(model, true, settings)
+    }
+
+    fn compile(model: &Model, touching: bool, settings: &Settings) -> Result<Self, SolverError> {
+        let (tables, mut filler, contact_shapes) = Tables::new(model, touching, settings)?;
         let numbers = [
             settings.substep(),
             settings.speed_limit,
@@ -112,8 +114,8 @@ impl<const CONTACTS: bool> Bodies<CONTACTS> {
     }
 }
 
-impl<const CONTACTS: bool> Kernels for Bodies<CONTACTS> {
-    const TOUCHES: bool = CONTACTS;
+impl Kernels for Xpbd {
+    const TOUCHES: bool = true;
     const MANY_REGISTERS: bool = false;
     fn name(&self) -> &'static str {
         NAME
@@ -165,15 +167,16 @@ impl<const CONTACTS: bool> Kernels for Bodies<CONTACTS> {
             .place(bodies, &self.parameters, &self.links, state);
     }
     fn contacts(&self) -> Option<&ContactTables> {
-        CONTACTS.then_some(&self.tables.contacts)
+        let tables = &self.tables.contacts;
+        (tables.slots > 0).then_some(tables)
     }
     fn stages(&self) -> usize {
         1
     }
     #[inline(always)]
     fn begin<M: Machine>(&self, k: &mut M, _: M::I) {
-        if CONTACTS {
-            let tables = self.tables;
+        let tables = self.tables;
+        if tables.contacts.slots > 0 {
             let h = k.load(tables.global, k.index(0), global::STEP);
             place_shapes(k, &tables.contacts, &tables, h);
         }
@@ -182,17 +185,17 @@ impl<const CONTACTS: bool> Kernels for Bodies<CONTACTS> {
     fn finish<M: Machine>(&self, k: &mut M, _: M::I) {
         // A copy on the stack: offsets stay in registers, whatever is written meanwhile.
         let tables = self.tables;
-        substep::<M, CONTACTS>(k, &tables);
+        substep(k, &tables);
     }
     #[inline(always)]
     fn report<M: Machine>(&self, k: &mut M) {
         let tables = self.tables;
-        report::report::<M, CONTACTS>(k, &tables);
+        report::report(k, &tables);
     }
 }
 
 #[inline(always)]
-fn substep<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
+fn substep<M: Machine>(k: &mut M, t: &Tables) {
     let h = k.load(t.global, k.index(0), global::STEP);
     clear(k, t);
     axis::track(k, t);
@@ -201,48 +204,51 @@ fn substep<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
     laws::smooth_balls(k, t, h);
     laws::prepare(k, t, h);
     let mut survey = Survey::new(k);
-    let mut fresh = k.cell(M::R::one());
-    if CONTACTS {
-        touching_passes(k, t, h, &mut fresh, &mut survey);
-    } else {
-        for _ in k.count(t.iterations) {
-            pass(k, t, h, fresh.read(), &mut survey);
-            fresh.write(M::R::zero());
-        }
-    }
-    guard::<M, CONTACTS>(k, t, &survey);
+    passes(k, t, h, &mut survey);
+    guard(k, t, &survey);
 }
 
 /// Passes over contacts and joints, and a last round for what bounces. Where there are joints, the
 /// first pass lets them pass on what the contacts start with, before these are asked for more.
 #[inline(always)]
-fn touching_passes<M: Machine>(
-    k: &mut M,
-    t: &Tables,
-    h: M::R,
-    fresh: &mut M::Cell,
-    survey: &mut Survey<M>,
-) {
-    let mut ending = k.cell(M::R::one());
-    contact::meet(k, t, h);
-    for round in k.count(t.iterations + 1) {
+fn passes<M: Machine>(k: &mut M, t: &Tables, h: M::R, survey: &mut Survey<M>) {
+    let touching = t.contacts.slots > 0;
+    let mut fresh = k.cell(M::R::one());
+    if touching {
+        contact::meet(k, t, h);
+    }
+    for round in k.count(t.iterations + usize::from(touching)) {
         let joins = k.less(round, k.index(t.iterations));
-        ending.write(M::R::one());
-        if let Some(_branch) = k.when(joins) {
-            ending.write(M::R::zero());
-        }
-        if let Some(_branch) = k.when(k.less(k.index(usize::from(t.jointed)), round.offset(1))) {
-            contact::sweeps(k, t, h, ending.read());
+        if touching {
+            sweeps(k, t, h, round, joins);
         }
         if let Some(_branch) = k.when(joins) {
-            contact::drift(k, t, h);
+            if touching {
+                contact::drift(k, t, h);
+            }
             pass(k, t, h, fresh.read(), survey);
             fresh.write(M::R::zero());
-            contact::save(k, t);
+            if touching {
+                contact::save(k, t);
+            }
         }
     }
-    contact::keep(k, t, h);
-    survey.repeat(k, t);
+    if touching {
+        contact::keep(k, t, h);
+        survey.repeat(k, t);
+    }
+}
+
+/// Sweeps over the contacts, before the joints of a round or, where none `joins`, last of all.
+#[inline(always)]
+fn sweeps<M: Machine>(k: &mut M, t: &Tables, h: M::R, round: M::I, joins: M::Flag) {
+    let mut ending = k.cell(M::R::one());
+    if let Some(_branch) = k.when(joins) {
+        ending.write(M::R::zero());
+    }
+    if let Some(_branch) = k.when(k.less(k.index(usize::from(t.jointed)), round.offset(1))) {
+        contact::sweeps(k, t, h, ending.read());
+    }
 }
 
 /// One pass over everything that binds; `fresh` is 1 in the first one of a substep, else 0.
