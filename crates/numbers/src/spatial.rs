@@ -43,6 +43,11 @@ impl<R: Real> Spatial<R> {
     pub fn dot(self, b: Self) -> R {
         self.angular.dot(b.angular) + self.linear.dot(b.linear)
     }
+    /// [`dot`](Self::dot) plus `c`, which is ready sooner than the two one after the other.
+    #[inline(always)]
+    pub fn dot_plus(self, b: Self, c: R) -> R {
+        self.angular.dot_plus(b.angular, c) + self.linear.dot(b.linear)
+    }
     /// `self · s + c`.
     #[inline(always)]
     pub fn fma(self, s: R, c: Self) -> Self {

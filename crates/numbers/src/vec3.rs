@@ -33,6 +33,11 @@ impl<R: Real> Vec3<R> {
     pub fn dot(self, b: Self) -> R {
         self.x.fma(b.x, self.y.fma(b.y, self.z * b.z))
     }
+    /// `self · b + c`, which is ready sooner than the product and then a sum.
+    #[inline(always)]
+    pub fn dot_plus(self, b: Self, c: R) -> R {
+        self.x.fma(b.x, self.y.fma(b.y, self.z.fma(b.z, c)))
+    }
     /// Vector product `self × b`.
     #[inline(always)]
     pub fn cross(self, b: Self) -> Self {

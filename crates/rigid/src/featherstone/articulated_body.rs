@@ -30,8 +30,8 @@ use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::{Inertia, Spatial};
 use numbers::{Machine, Mat3, Real, Vec3};
 
-/// Smallest D, so that a massless node does not divide by zero.
-const TINY: f64 = 1e-20;
+/// Smallest armature and pivot, so that a massless node does not divide by zero.
+pub(crate) const TINY: f64 = 1e-20;
 
 /// Accelerations of all degrees of freedom into `dof::ACCELERATION`, and of all nodes, under
 /// contacts that are implicit over `h` [s].
@@ -79,9 +79,8 @@ fn inwards<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, h: M::R) {
             let a = inertia.get();
             let u_vector = a.apply(s);
             let [tau, implicit] = k.read(t.dof, v, dof::TAU);
-            let d = s.dot(u_vector) + implicit;
-            let inverse = d.max(M::R::lit(TINY)).recip();
-            let u = tau - s.dot(p.get());
+            let inverse = s.dot_plus(u_vector, implicit).recip();
+            let u = (-s).dot_plus(p.get(), tau);
             inertia.set(a.minus_outer(u_vector, inverse));
             let moved = u_vector.fma(u * inverse, p.get());
             p.set(moved);
@@ -182,7 +181,8 @@ fn outwards<M: Machine>(k: &mut M, t: &Tables) {
         let (first, count) = (links[node_link::DOF_BEGIN], links[node_link::ELIMINATED]);
         for v in k.range(first, first.plus(count)) {
             let [u, inverse] = k.read(t.dof, v, dof::FORCE);
-            let acceleration = (u - k.spatial(t.dof, v, dof::U).dot(a.get())) * inverse;
+            let left = (-k.spatial(t.dof, v, dof::U)).dot_plus(a.get(), u);
+            let acceleration = left * inverse;
             k.store(t.dof, v, dof::ACCELERATION, acceleration);
             let moved = k.spatial(t.dof, v, dof::AXIS).fma(acceleration, a.get());
             a.set(moved);

@@ -14,6 +14,7 @@
 //!
 //! Only what a model uses has a row, so that a passive chain pays for nothing.
 
+use super::articulated_body::TINY;
 use super::tables::{Tables, dof};
 use crate::tables::{Filler, UNBOUNDED, actuator_numbers, ball_target, bounded};
 use model::{JointKind, Model};
@@ -268,7 +269,7 @@ impl ForceTables {
             let id = model::JointId(i);
             let q = model.coordinate_range(id);
             for (k, (v, dof)) in model.dof_range(id).zip(&joint.dofs).enumerate() {
-                f.number(self.armature, v, 0, dof.armature);
+                f.number(self.armature, v, 0, dof.armature.max(TINY));
                 if (self.passive_begin..self.passive_end).contains(&v) {
                     // A ball's dampers have no position term, so any coordinate will do.
                     let coordinate = (q.start + k).min(q.end - 1);
