@@ -1,7 +1,7 @@
 //! Worlds of free bodies that touch: the host's side of [`rigid::impulse`].
 //!
 //! A world of any number of bodies is stepped in the order of `World::step`. Lanes take contacts of
-//! one colour (`colours`), threads share the batches of each colour and wait for each other
+//! one colour (`colours`), threads share the batches of each colour and go on when all are done
 //! (`team`). Neither changes any number: what is solved side by side shares nothing.
 
 mod batches;

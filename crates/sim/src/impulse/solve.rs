@@ -3,12 +3,11 @@
 use super::batches::Batch;
 use super::colours::Colours;
 use super::jobs::{Bodies, BodyRows, BodyStage, ContactStage, Contacts};
-use super::team::{Barrier, together};
+use super::team::{Member, Parts, parts, together};
 use super::world::Workspace;
 use crate::jobs::Lane;
 use numbers::Float;
 use rigid::impulse::{Cached, Impulse, global};
-use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How to solve the contacts of a step.
@@ -30,17 +29,18 @@ struct Scene<'a, T: Float> {
     bounces: AtomicBool,
 }
 
-/// What one thread works on.
-struct Share<'a, T> {
-    batches: Vec<Batch<'a, T>>,
-    /// Of each colour, its batches among them.
-    colours: Vec<Range<usize>>,
-    /// Bodies.
-    index: &'a [u32],
+/// The work of a step in parts, for threads to share.
+struct Shares<'a, T> {
+    /// Of each colour, runs of its batches.
+    colours: Vec<Parts<Vec<Batch<'a, T>>>>,
+    /// Runs of bodies.
+    bodies: Parts<&'a [u32]>,
 }
 
 /// Contacts that are worth a thread.
 const WORTH_SHARING: usize = 128;
+/// Parts for each thread, of each colour and of the bodies.
+const PARTS: usize = 2;
 
 impl<T: Float> Solver<'_, T> {
     /// Solves the contacts of a workspace, and moves its bodies.
@@ -59,75 +59,72 @@ impl<T: Float> Solver<'_, T> {
         };
         let members = (0..w.colours.batches.len()).map(|batch| w.colours.batch(batch));
         let batches = w.lanes.batches(members, self.width);
-        let shares = self.shares(batches, &w.colours, &w.awake);
-        together(shares, |barrier, share| self.work(&scene, barrier, share));
+        let worth = w.colours.batches.len() * self.width / WORTH_SHARING;
+        let team = self.team.min(worth).max(1);
+        let shares = self.shares(batches, &w.colours, &w.awake, team);
+        together(team, |member| self.work(&scene, &shares, member));
+        drop(shares);
         for batch in 0..w.colours.batches.len() {
             w.lanes.read(batch, w.colours.batch(batch), &mut w.contacts);
         }
     }
 
-    /// Deals batches and bodies out, each thread a run of each colour.
+    /// Batches and bodies in parts; what has no colour is one part, since it is solved in turn.
     fn shares<'a>(
         &self,
         mut batches: impl Iterator<Item = Batch<'a, T>>,
         colours: &Colours,
         awake: &'a [u32],
-    ) -> Vec<Share<'a, T>> {
-        let worth = colours.batches.len() * self.width / WORTH_SHARING;
-        let team = self.team.min(worth).max(1);
-        let registers = awake.len() / self.width;
-        let cut = |n: usize, member: usize| n * member / team;
-        let mut shares: Vec<_> = (0..team)
-            .map(|m| Share {
-                batches: Vec::new(),
-                colours: Vec::new(),
-                index: &awake[cut(registers, m) * self.width..cut(registers, m + 1) * self.width],
-            })
-            .collect();
-        for (i, colour) in colours.colours.iter().enumerate() {
-            let in_turn = colours.uncoloured && i + 1 == colours.colours.len();
-            for (member, share) in shares.iter_mut().enumerate() {
-                let part = cut(colour.len(), member + 1) - cut(colour.len(), member);
-                let all = if member == 0 { colour.len() } else { 0 };
-                let count = if in_turn { all } else { part };
-                let first = share.batches.len();
-                share.batches.extend(batches.by_ref().take(count));
-                share.colours.push(first..share.batches.len());
-            }
+        team: usize,
+    ) -> Shares<'a, T> {
+        let pieces = if team == 1 { 1 } else { PARTS * team };
+        let last = colours.colours.len().wrapping_sub(1);
+        let of_colour = |(i, colour): (usize, &std::ops::Range<usize>)| {
+            let in_turn = colours.uncoloured && i == last;
+            let pieces = if in_turn { 1 } else { pieces };
+            let cut = |piece: usize| colour.len() * piece / pieces;
+            let sizes = (0..pieces).map(|piece| cut(piece + 1) - cut(piece));
+            let taken = sizes.filter(|size| *size > 0);
+            parts(taken.map(|size| batches.by_ref().take(size).collect()))
+        };
+        let run = (awake.len() / self.width).div_ceil(pieces).max(1) * self.width;
+        Shares {
+            colours: colours.colours.iter().enumerate().map(of_colour).collect(),
+            bodies: parts(awake.chunks(run)),
         }
-        shares
     }
 
-    /// All small steps of one thread's share, in step with the others.
-    fn work(&self, scene: &Scene<'_, T>, barrier: &Barrier, mut share: Share<'_, T>) {
-        for batch in &mut share.batches {
-            if batch.fill(self.impulse, self.parameters, scene.contacts) {
-                scene.bounces.store(true, Ordering::Relaxed);
-            }
+    /// All small steps, as one member of the team goes through them.
+    fn work(&self, scene: &Scene<'_, T>, shares: &Shares<'_, T>, mut member: Member<'_>) {
+        for colour in &shares.colours {
+            member.stage(colour, |batches| {
+                for batch in batches.iter_mut() {
+                    if batch.fill(self.impulse, self.parameters, scene.contacts) {
+                        scene.bounces.store(true, Ordering::Relaxed);
+                    }
+                }
+                self.contacts(scene, batches, ContactStage::Prepare);
+            });
         }
-        self.contacts(scene, &mut share, ContactStage::Prepare);
-        barrier.wait();
-        let colours = |share: &mut Share<'_, T>, stage| {
-            for colour in 0..share.colours.len() {
-                self.colour(scene, share, colour, stage);
-                barrier.wait();
+        let colours = |member: &mut Member<'_>, stage| {
+            for colour in &shares.colours {
+                member.stage(colour, |batches| self.contacts(scene, batches, stage));
             }
         };
-        let bodies = |share: &Share<'_, T>, stage| {
-            self.bodies(scene, share.index, stage);
-            barrier.wait();
+        let bodies = |member: &mut Member<'_>, stage| {
+            member.stage(&shares.bodies, |index| self.bodies(scene, index, stage));
         };
         for step in 0..self.impulse.settings().contact_iterations {
-            bodies(&share, BodyStage::Advance { again: step > 0 });
+            bodies(&mut member, BodyStage::Advance { again: step > 0 });
             if step == 0 {
-                colours(&mut share, ContactStage::WarmStart);
+                colours(&mut member, ContactStage::WarmStart);
             }
-            colours(&mut share, ContactStage::Solve { pushing: true });
-            bodies(&share, BodyStage::Drift);
-            colours(&mut share, ContactStage::Solve { pushing: false });
+            colours(&mut member, ContactStage::Solve { pushing: true });
+            bodies(&mut member, BodyStage::Drift);
+            colours(&mut member, ContactStage::Solve { pushing: false });
         }
         if scene.bounces.load(Ordering::Relaxed) {
-            colours(&mut share, ContactStage::Bounce);
+            colours(&mut member, ContactStage::Bounce);
         }
     }
 
@@ -141,26 +138,10 @@ impl<T: Float> Solver<'_, T> {
         });
     }
 
-    /// A stage that changes no body, for all contacts at once.
-    fn contacts(&self, scene: &Scene<'_, T>, share: &mut Share<'_, T>, stage: ContactStage) {
+    fn contacts(&self, scene: &Scene<'_, T>, batches: &mut [Batch<'_, T>], stage: ContactStage) {
         self.lane.run(Contacts {
             rows: scene.rows,
-            batches: &mut share.batches,
-            globals: self.globals,
-            stage,
-        });
-    }
-
-    fn colour(
-        &self,
-        scene: &Scene<'_, T>,
-        share: &mut Share<'_, T>,
-        colour: usize,
-        stage: ContactStage,
-    ) {
-        self.lane.run(Contacts {
-            rows: scene.rows,
-            batches: &mut share.batches[share.colours[colour].clone()],
+            batches,
             globals: self.globals,
             stage,
         });

@@ -1,62 +1,121 @@
-//! Threads that work on one world, in step.
+//! Threads that work on one world, stage by stage.
+//!
+//! The work of a stage lies in parts. Each thread does its own parts first, the same in every stage,
+//! since their numbers are in its cache, and then those that others have not begun. A stage is over
+//! when all its parts are done, whoever did them: on a busy machine, a thread that does not get its
+//! turn costs the others nothing but its help.
 
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, TryLockError};
 
-/// Where threads wait for each other.
+/// A part of a stage's work.
 #[derive(Debug)]
-pub(super) struct Barrier {
-    members: usize,
-    arrived: AtomicUsize,
-    round: AtomicUsize,
-    /// Somebody will never come.
+pub(super) struct Part<S> {
+    /// The last stage in which it was done; the first is 1.
+    stage: usize,
+    work: S,
+}
+
+/// Parts that one thread does at a time.
+pub(super) type Parts<S> = Vec<Mutex<Part<S>>>;
+
+/// What is still to be done, in parts.
+pub(super) fn parts<S>(work: impl Iterator<Item = S>) -> Parts<S> {
+    work.map(|work| Mutex::new(Part { stage: 0, work }))
+        .collect()
+}
+
+/// How far the team is.
+#[derive(Debug, Default)]
+struct Progress {
+    /// Parts done, of all stages.
+    done: AtomicUsize,
+    /// A part will never be done.
     broken: AtomicBool,
 }
 
-/// Turns that a waiting thread makes before it lets others run.
-const PATIENCE: usize = 1 << 14;
+/// One thread of a team.
+#[derive(Debug)]
+pub(super) struct Member<'a> {
+    progress: &'a Progress,
+    number: usize,
+    members: usize,
+    stage: usize,
+    /// Parts of all stages up to this one.
+    due: usize,
+}
 
-impl Barrier {
-    pub fn new(members: usize) -> Self {
-        Self {
-            members,
-            arrived: AtomicUsize::new(0),
-            round: AtomicUsize::new(0),
-            broken: AtomicBool::new(false),
-        }
-    }
-    /// Returns when all have come, and all that they wrote before can be read.
+/// Turns that a thread waits for others before it takes over their parts.
+const PATIENCE: usize = 1 << 6;
+/// Turns that it then waits for parts that others have begun, before it lets others run.
+const MORE_PATIENCE: usize = 1 << 8;
+
+impl Member<'_> {
+    /// Does all parts of the next stage, with the others. All that they wrote can be read then.
     ///
     /// # Panics
     /// If another thread has.
-    pub fn wait(&self) {
-        if self.members == 1 {
+    pub fn stage<S>(&mut self, parts: &[Mutex<Part<S>>], work: impl Fn(&mut S)) {
+        self.stage += 1;
+        self.due += parts.len();
+        if self.is_over() {
             return;
         }
-        let round = self.round.load(Ordering::Acquire);
-        if self.arrived.fetch_add(1, Ordering::AcqRel) + 1 == self.members {
-            self.arrived.store(0, Ordering::Release);
-            self.round.fetch_add(1, Ordering::Release);
+        let cut = |member: usize| parts.len() * member / self.members;
+        let own = cut(self.number)..cut(self.number + 1);
+        for part in &parts[own] {
+            self.attempt(part, &work);
+        }
+        if self.wait(PATIENCE) {
             return;
         }
-        let mut turns = 0;
-        while self.round.load(Ordering::Acquire) == round {
-            turns += 1;
-            assert!(
-                !self.broken.load(Ordering::Relaxed),
-                "a thread of the team has panicked"
-            );
-            if turns < PATIENCE {
-                std::hint::spin_loop();
-            } else {
-                std::thread::yield_now();
+        loop {
+            for part in parts {
+                self.attempt(part, &work);
             }
+            if self.wait(MORE_PATIENCE) {
+                return;
+            }
+            std::thread::yield_now();
+        }
+    }
+
+    fn is_over(&self) -> bool {
+        self.progress.done.load(Ordering::Acquire) >= self.due
+    }
+
+    /// Whether the stage is over, after so many turns at most.
+    fn wait(&self, turns: usize) -> bool {
+        for _ in 0..turns {
+            if self.is_over() {
+                return true;
+            }
+            std::hint::spin_loop();
+        }
+        let broken = self.progress.broken.load(Ordering::Relaxed);
+        assert!(!broken, "a thread of the team has panicked");
+        self.is_over()
+    }
+
+    /// Does a part, unless another thread has begun it.
+    fn attempt<S>(&self, part: &Mutex<Part<S>>, work: impl Fn(&mut S)) {
+        let mut part = match part.try_lock() {
+            Ok(part) => part,
+            Err(TryLockError::WouldBlock) => return,
+            Err(TryLockError::Poisoned(_)) => panic!("a thread of the team has panicked"),
+        };
+        if part.stage < self.stage {
+            let _guard = Guard(self.progress);
+            work(&mut part.work);
+            part.stage = self.stage;
+            drop(part);
+            self.progress.done.fetch_add(1, Ordering::AcqRel);
         }
     }
 }
 
 /// Tells the others when a thread panics, instead of leaving them to wait.
-struct Guard<'a>(&'a Barrier);
+struct Guard<'a>(&'a Progress);
 
 impl Drop for Guard<'_> {
     fn drop(&mut self) {
@@ -66,24 +125,78 @@ impl Drop for Guard<'_> {
     }
 }
 
-/// Runs `work` with each of the shares, one a thread of the current pool, all at once.
-pub(super) fn together<S: Send>(shares: Vec<S>, work: impl Fn(&Barrier, S) + Sync) {
-    let barrier = Barrier::new(shares.len());
-    if shares.len() == 1 {
-        for share in shares {
-            work(&barrier, share);
+/// Runs `work` on so many threads of the current pool. All must go through the same stages; none
+/// waits for one that has not begun.
+pub(super) fn together(members: usize, work: impl Fn(Member<'_>) + Sync) {
+    let progress = Progress::default();
+    let member = |number| Member {
+        progress: &progress,
+        number,
+        members,
+        stage: 0,
+        due: 0,
+    };
+    rayon::scope(|scope| {
+        for number in 1..members {
+            let (work, member) = (&work, &member);
+            scope.spawn(move |_| work(member(number)));
         }
-        return;
-    }
-    let shares: Vec<_> = shares.into_iter().map(|s| Mutex::new(Some(s))).collect();
-    rayon::broadcast(|thread| {
-        let member = thread.index();
-        let share = shares
-            .get(member)
-            .and_then(|share| share.lock().ok()?.take());
-        if let Some(share) = share {
-            let _guard = Guard(&barrier);
-            work(&barrier, share);
-        }
+        work(member(0));
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Stages of parts that read what the stage before wrote elsewhere.
+    fn sums(members: usize) -> Vec<u64> {
+        let numbers: Vec<_> = (0..64).map(|i| AtomicUsize::new(i + 1)).collect();
+        let copies: Vec<_> = (0..64).map(|_| AtomicUsize::new(0)).collect();
+        let all = parts(0..16_usize);
+        together(members, |mut member| {
+            for _ in 0..200 {
+                let add = |part: &mut usize| {
+                    for i in (*part * 4)..(*part * 4 + 4) {
+                        let other = numbers[(i * 7 + 5) % 64].load(Ordering::Relaxed);
+                        let sum = numbers[i].load(Ordering::Relaxed).wrapping_mul(3) ^ other;
+                        copies[i].store(sum, Ordering::Relaxed);
+                    }
+                };
+                member.stage(&all, add);
+                member.stage(&all, |part| {
+                    for i in (*part * 4)..(*part * 4 + 4) {
+                        numbers[i].store(copies[i].load(Ordering::Relaxed), Ordering::Relaxed);
+                    }
+                });
+            }
+        });
+        numbers
+            .iter()
+            .map(|n| n.load(Ordering::Relaxed) as u64)
+            .collect()
+    }
+
+    #[test]
+    fn stages_are_in_turn_whatever_the_threads() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(4).build();
+        let pool = pool.expect("threads");
+        let alone = sums(1);
+        for members in 2..6 {
+            assert_eq!(pool.install(|| sums(members)), alone, "{members} members");
+        }
+    }
+
+    #[test]
+    fn a_panic_reaches_the_caller() {
+        let all = parts(0..8_usize);
+        let run = || {
+            together(2, |mut member| {
+                member.stage(&all, |part| assert!(*part != 5, "part 5"));
+                member.stage(&all, |_| {});
+            });
+        };
+        let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));
+        assert!(outcome.is_err());
+    }
 }
