@@ -35,7 +35,7 @@
 //! Departure from the sources: instead of a velocity pass for all contacts, which would deaden
 //! soft ones, the damper takes what penetration would add to velocities.
 
-use super::body::{arms, inverse_inertias, turned};
+use super::body::{Solid, arms, inverse_inertias};
 use super::joint::arm_inertia;
 use super::tables::{Tables, global, mass};
 use crate::contacts::{Places, pair_field, slot, slot_link};
@@ -374,8 +374,10 @@ pub(crate) fn drift<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     for row in k.range(k.index(1), k.index(t.rows)) {
         let (pose, twist) = (k.pose(t.pose, row, 0), k.spatial(t.twist, row, 0));
         let moved = (twist - k.spatial(t.unpushed, row, 0)) * h;
-        let q = turned(pose.q, moved.angular);
+        let solid = Solid::load(k, t, row);
+        let (q, spin) = solid.turned(pose.q, twist.angular, moved.angular, Vec3::zero());
         k.store_pose(t.pose, row, 0, Pose::new(pose.p + moved.linear, q));
+        k.store_spatial(t.twist, row, 0, Spatial::new(spin, twist.linear));
     }
     if t.jointed {
         arms(k, t);
