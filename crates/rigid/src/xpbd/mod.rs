@@ -38,7 +38,7 @@
 //! before its angular ones, which must meet in a point; coordinates of stacked axes are ill-defined in
 //! gimbal lock. Contacts push single
 //! bodies, and joints and neighbours pass it on from sweep to sweep: what bears a
-//! hundred times its own mass does not come to rest. No torsional or rolling friction.
+//! hundred times its own mass does not come to rest.
 
 mod articulated;
 mod axis;
