@@ -8,7 +8,7 @@ use kinetarium_rigid::{
     Kernels, OutputTables, Settings, Xpbd, body as of_body, contact as of_contact,
     total as of_total,
 };
-use model::{Builder, Geometry, Material, Model, Pose, Shape, Softness};
+use model::{Builder, Combine, Geometry, Material, Model, Pose, Shape, Softness};
 use scene::{World, parameters};
 
 /// Gravity of the models [m/s²].
@@ -54,6 +54,14 @@ impl Run {
         let mut k = self.world.cpu(&self.parameters, self.kernels.links());
         self.kernels.report(&mut k);
         assert_eq!(self.world.state[self.kernels.alive()], 1.0, "diverged");
+    }
+    /// Lets the first of the bodies go on from where it is, turned to the world's axes, with this
+    /// velocity and spin.
+    fn go(&mut self, velocity: DVec3, spin: DVec3) {
+        let position = self.position();
+        let q = [&position.to_array()[..], &[0.0, 0.0, 0.0, 1.0]].concat();
+        let v = [velocity.to_array(), spin.to_array()].concat();
+        self.kernels.place(&q, &v, &mut self.world.state);
     }
     fn vec3(&self, offset: usize) -> DVec3 {
         DVec3::from_slice(&self.world.output[offset..][..3])
@@ -268,6 +276,127 @@ fn a_ball_rolls_down_an_incline() {
     assert!((a / expected - 1.0).abs() < 1e-3, "{a} {expected}");
     let slip = run.velocity().length() - run.spin().length() * radius;
     assert!(slip.abs() < 1e-3 * run.velocity().length(), "{slip}");
+}
+
+/// As a rough [`surface`], with torsional and rolling friction [m].
+fn gripping(torsional_friction: f64, rolling_friction: f64) -> Material {
+    Material {
+        torsional_friction,
+        rolling_friction,
+        ..surface(1.0, 0.0)
+    }
+}
+
+/// A ball that spins about the vertical is slowed by rₜ m g, and stops.
+#[test]
+fn torsional_friction_stops_a_spinning_ball() {
+    let (radius, torsion, speed) = (0.1, 0.01, 10.0);
+    let ball = Geometry::Sphere { radius };
+    let model = on_plane(ball, gripping(torsion, 0.0), DVec3::Y * radius, 0.0);
+    let mut run = Run::at_rest(&model);
+    run.step(500);
+    let slowing = torsion * G / (0.4 * radius * radius);
+    run.go(DVec3::ZERO, DVec3::Y * speed);
+    run.step(200);
+    let expected = speed - 200.0 * H * slowing;
+    let error = (run.spin() - DVec3::Y * expected).length();
+    assert!(error < 1e-6 * speed, "{} {expected}", run.spin());
+    run.step((speed / slowing / H) as usize - 198);
+    assert!(run.spin().length() < 1e-9, "{}", run.spin());
+}
+
+/// A ball that rolls is slowed by a torque rᵣ m g, m a r = τ / (1 + I / (m r²)), and stops after
+/// v² / (2 a), to the way of a substep.
+#[test]
+fn rolling_friction_stops_a_rolling_ball() {
+    let (radius, rolling, v) = (0.1, 0.005, 1.0);
+    let ball = Geometry::Sphere { radius };
+    let model = on_plane(ball, gripping(0.0, rolling), DVec3::Y * radius, 0.0);
+    let mut run = Run::at_rest(&model);
+    run.step(500);
+    let (from, a) = (run.position(), rolling * G / radius / 1.4);
+    run.go(DVec3::X * v, DVec3::NEG_Z * (v / radius));
+    run.step((v / a / H) as usize + 10);
+    let way = run.position() - from;
+    // The ball rolls on what it has sunk by less than its radius.
+    let expected = v * v / (2.0 * a);
+    assert!(
+        (way.x - expected).abs() < v * H + 1e-3 * expected,
+        "{way} {expected}"
+    );
+    assert!(run.velocity().length() < 1e-9, "{}", run.velocity());
+}
+
+/// Below tan θ = rᵣ / r a ball stays where it is on an incline, above it rolls down with
+/// g (sin θ − rᵣ / r cos θ) / (1 + I / (m r²)).
+#[test]
+fn a_ball_on_an_incline_stays_or_rolls() {
+    let (theta, radius) = (0.2_f64, 0.1);
+    for share in [0.5, 0.9, 0.98, 1.02, 1.1, 1.5] {
+        let rolling = radius * theta.tan() / share;
+        let ball = Geometry::Sphere { radius };
+        let model = on_plane(ball, gripping(0.0, rolling), DVec3::Y * radius, theta);
+        let mut run = Run::at_rest(&model);
+        run.step(300);
+        let (from, speed) = (run.position(), run.velocity().length());
+        run.step(1000);
+        let (time, way) = (1000.0 * H, (run.position() - from).length());
+        if share < 1.0 {
+            assert!(way < 1e-6, "{share}: {way}");
+        } else {
+            let a = G * (theta.sin() - rolling / radius * theta.cos()) / 1.4;
+            let expected = speed * time + 0.5 * a * time * time;
+            // The lever of its weight is shorter by what it has sunk.
+            let tolerance = 1e-3 * G * theta.sin() * time * time;
+            assert!(
+                (way - expected).abs() < tolerance,
+                "{share}: {way} {expected}"
+            );
+        }
+    }
+}
+
+/// A ball spins on a box that lies on ice: they end up turning as one, with the angular momentum that
+/// the ball had.
+#[test]
+fn torsional_friction_acts_on_both_bodies() {
+    let (radius, half, speed) = (0.1, DVec3::new(0.2, 0.1, 0.2), 10.0);
+    let grip = Material {
+        combine: Combine::Minimum,
+        ..gripping(0.02, 0.0)
+    };
+    let mut world = Builder::new("turntable");
+    let ice = Shape::new(plane()).with_material(surface(0.0, 0.0));
+    world.object("ground").scenery(ice);
+    let object = world.object("");
+    let above = DVec3::Y * (2.0 * half.y + radius);
+    for (name, solid, at) in [
+        ("ball", Geometry::Sphere { radius }, above),
+        ("box", Geometry::Box { half }, DVec3::Y * half.y),
+    ] {
+        let shape = Shape::new(solid).with_material(grip);
+        object.body(name).at(Pose::at(at)).shape(shape);
+    }
+    let model = world.build().unwrap();
+    let mut velocity = [0.0; 12];
+    velocity[4] = speed;
+    let mut run = Run::new(&model, &velocity, H);
+    let moments = [
+        0.4 * model.bodies[0].mass * radius * radius,
+        model.bodies[1].mass * (half.x * half.x + half.z * half.z) / 3.0,
+    ];
+    let start = run.total(of_total::ANGULAR_MOMENTUM).y;
+    run.step(2000);
+    let end = run.total(of_total::ANGULAR_MOMENTUM).y;
+    assert!((end / start - 1.0).abs() < 1e-9, "{start} {end}");
+    let together = speed * moments[0] / (moments[0] + moments[1]);
+    for body in 0..2 {
+        let spin = run.body(body, of_body::ANGULAR_VELOCITY).y;
+        assert!(
+            (spin / together - 1.0).abs() < 1e-6,
+            "{body}: {spin} {together}"
+        );
+    }
 }
 
 /// Two free balls meet at any offset: linear momentum is kept, and energy where nothing is lost.

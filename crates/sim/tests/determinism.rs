@@ -314,14 +314,14 @@ const GOLDEN: [[[u64; 2]; 5]; 2] = [
         [0x7e51_e6d4_09be_2e83, 0x54f9_a691_80ec_c60d],
         [0x927b_c22e_20b3_c1f8, 0x63e9_842a_6bc3_d2ab],
         [0xc6aa_4c7f_da03_aa19, 0x9e5d_9d23_928b_4786],
-        [0xfdda_c96b_ece2_4d1b, 0x2e9a_57fb_31e7_0a5f],
+        [0x6b08_fcf4_5373_2cbb, 0x260b_7f59_ea22_a03d],
     ],
     [
         [0x6a9e_f3fb_51b8_88f7, 0xd03a_80e6_957b_82b9],
         [0x584d_5e96_d302_94f3, 0x4633_7c70_c0bb_30ae],
         [0x9039_439f_83db_71b1, 0x9332_3bf9_b034_7956],
         [0x6708_c53d_2c14_930d, 0xba0c_8c5a_d8f8_315f],
-        [0xf83f_e3d8_4ce8_b6f2, 0xa789_7b29_382f_f75b],
+        [0xa625_ddbd_9001_3423, 0x63ae_c6d1_5db9_c98d],
     ],
 ];
 
@@ -329,6 +329,6 @@ const GOLDEN: [[[u64; 2]; 5]; 2] = [
 #[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 const GOLDEN_HEAP: [[u64; 2]; 3] = [
     [0x1cb6_6f70_a4a8_6ae1, 0xe9e9_bbda_140c_552c],
-    [0xea4f_4a7a_538b_9117, 0x879a_a4b0_0857_fa5b],
+    [0xe05d_f77e_2b9d_ff08, 0x87c2_2b39_2ca6_2b12],
     [0xfcd3_c402_538f_3536, 0x2dc8_f4cd_8f23_f958],
 ];

@@ -54,7 +54,10 @@ pub(crate) mod pair_field {
     // Added mass follows.
     /// Gap [m] that the surfaces keep.
     pub const MARGIN: usize = 6;
-    pub const WIDTH: usize = 7;
+    /// Torsional friction coefficient [m].
+    pub const TORSION: usize = 7;
+    // Rolling friction coefficient [m] follows.
+    pub const WIDTH: usize = 9;
 }
 
 /// Fields of [`ContactTables::pair_links`].
@@ -228,6 +231,8 @@ impl ContactTables {
                 pair.mass,
                 material.softness.added_mass(pair.mass),
                 material.margin,
+                material.torsional_friction,
+                material.rolling_friction,
             ];
             f.numbers(self.pair, row, 0, &numbers);
         }

@@ -222,10 +222,14 @@ impl<R: Real> Pull<R> {
         let straight = (ends.a.m + ends.b.m) * self.n.length_squared();
         straight + self.a.dot(ends.a.i * self.a) + self.b.dot(ends.b.i * self.b)
     }
-    /// Applies a position impulse along the coordinate. Returns how A and B moved.
+    /// Applies a position impulse along the coordinate, at the arms of the start. Returns how A and B moved.
     #[inline(always)]
     pub fn push<I: Index>(&self, ends: &mut Ends<R, I>, lambda: R, over_h: R) -> [Spatial<R>; 2] {
         let (n, a, b) = (self.n * lambda, self.a * lambda, self.b * lambda);
-        [ends.a.push(-n, -a, over_h), ends.b.push(n, b, over_h)]
+        let none = Vec3::zero();
+        [
+            ends.a.push(-n, -a, none, over_h),
+            ends.b.push(n, b, none, over_h),
+        ]
     }
 }

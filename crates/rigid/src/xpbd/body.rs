@@ -31,6 +31,7 @@ pub(crate) struct Body<R> {
     pub m: R,
     /// I⁻¹, world axes.
     pub i: SymMat3<R>,
+    solid: Solid<R>,
 }
 
 impl<R: Real> Body<R> {
@@ -41,6 +42,7 @@ impl<R: Real> Body<R> {
             twist: k.spatial(t.twist, row, 0),
             m: k.load(t.mass, row, mass::INVERSE),
             i: k.sym(t.inverse_inertia, row, 0),
+            solid: Solid::load(k, t, row),
         }
     }
     #[inline(always)]
@@ -62,25 +64,70 @@ impl<R: Real> Body<R> {
             ..self
         }
     }
-    /// A position impulse: λ [kg·m] through the centre, and its moment [kg·m²].
+    /// A position impulse: λ [kg·m] through the centre, and its moment [kg·m²]; `more` is added to
+    /// the angular momentum [kg·m²/s] without a turn.
     ///
     /// The delta form: what moves the body within the substep also changes its
     /// velocity by the same over h. Returns by how much it moved.
     #[inline(always)]
-    pub fn push(&mut self, linear: Vec3<R>, angular: Vec3<R>, over_h: R) -> Spatial<R> {
+    pub fn push(
+        &mut self,
+        linear: Vec3<R>,
+        angular: Vec3<R>,
+        more: Vec3<R>,
+        over_h: R,
+    ) -> Spatial<R> {
         let moved = Spatial::new(self.i * angular, linear * self.m);
-        self.pose.p += moved.linear;
-        self.pose.q = turned(self.pose.q, moved.angular);
-        self.twist = moved.fma(over_h, self.twist);
+        let (q, v) = (self.pose.q, self.twist);
+        let more = angular.fma(over_h, more);
+        let (q, spin) = self.solid.turned(q, v.angular, moved.angular, more);
+        self.pose = Pose::new(self.pose.p + moved.linear, q);
+        self.twist = Spatial::new(spin, moved.linear.fma(over_h, v.linear));
         moved
+    }
+}
+
+/// A body as it turns: mass, principal moments of inertia, and their reciprocals.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Solid<R> {
+    pub mass: R,
+    moments: Vec3<R>,
+    inverse: Vec3<R>,
+}
+
+impl<R: Real> Solid<R> {
+    #[inline(always)]
+    pub fn load<M: Machine<R = R>>(k: &M, t: &Tables, row: M::I) -> Self {
+        let [a, b, c, mass, x, y, z] = k.read(t.mass, row, mass::INVERSE_MOMENTS);
+        Self {
+            mass,
+            moments: Vec3::new(x, y, z),
+            inverse: Vec3::new(a, b, c),
+        }
+    }
+    /// Orientation and spin after a small turn r, with the angular momentum that it had with `spin`,
+    /// and `more`.
+    #[inline(always)]
+    pub fn turned(
+        self,
+        q: Quat<R>,
+        spin: Vec3<R>,
+        r: Vec3<R>,
+        more: Vec3<R>,
+    ) -> (Quat<R>, Vec3<R>) {
+        let after = turned(q, r);
+        let (from, to) = (q.to_mat3(), after.to_mat3());
+        let l = from * from.transpose_mul(spin).times(self.moments) + more;
+        (after, to * to.transpose_mul(l).times(self.inverse))
     }
 }
 
 /// q ← normalise(q + ½ (r, 0) q): a small rotation r (Müller et al. 2020, eq. 8).
 #[inline(always)]
-pub(crate) fn turned<R: Real>(q: Quat<R>, r: Vec3<R>) -> Quat<R> {
-    let d = Quat::from_parts(r * R::lit(0.5), R::zero()) * q;
-    Quat::new(q.x + d.x, q.y + d.y, q.z + d.z, q.w + d.w).nearly_normalized()
+fn turned<R: Real>(q: Quat<R>, r: Vec3<R>) -> Quat<R> {
+    let (half, v) = (r * R::lit(0.5), q.vector());
+    let vector = half.fma(q.w, v) + half.cross(v);
+    Quat::from_parts(vector, q.w - half.dot(v)).nearly_normalized()
 }
 
 /// Inverse inertias at the present orientations.

@@ -21,6 +21,10 @@
 //! lets it, |λₜ| ≤ μ λₙ (Müller et al. 2020, §3.5): what sticks and what slides is one law. Both
 //! tangents take one step, with the larger of their inverse masses, and are shortened together.
 //!
+//! Torsional and rolling friction: torques of the point against the relative spin along the normal
+//! and across it, found like friction from the turn h Δω over the substep, |τₙ| ≤ rₜ λₙ and
+//! |τₜ| ≤ rᵣ λₙ. The coefficients are lengths, MuJoCo's second and third.
+//!
 //! Restitution: what came faster than [`RESTING`] g h before the substep is stopped at the
 //! surface as if it were rigid, and leaves it in a last round that changes only velocities, with
 //! uₙ = −e uₙ⁻ (Müller et al. 2020, §3.6). As the height of the substep's way is lost, no bounce
@@ -35,7 +39,7 @@
 //! Departure from the sources: instead of a velocity pass for all contacts, which would deaden
 //! soft ones, the damper takes what penetration would add to velocities.
 
-use super::body::{arms, inverse_inertias, turned};
+use super::body::{Solid, arms, inverse_inertias};
 use super::joint::arm_inertia;
 use super::tables::{Tables, global, mass};
 use crate::contacts::{Places, pair_field, slot, slot_link};
@@ -63,6 +67,14 @@ pub(crate) mod touching {
     /// λₙ and λₜ [kg·m], 4.
     pub const LAMBDA: usize = 12;
     pub const WIDTH: usize = 16;
+}
+
+/// Fields of [`Tables::grip`], a row for each slot where any surface resists twisting or rolling.
+pub(crate) mod grip {
+    // Reciprocals of the inverse moments along the normal and across it [kg·m²].
+    /// Torque·h² against twisting and rolling [kg·m²], 3.
+    pub const LAMBDA: usize = 2;
+    pub const WIDTH: usize = 5;
 }
 
 impl<M: Machine> Places<M> for Tables {
@@ -114,6 +126,15 @@ impl<R: Real> Side<R> {
             ..self
         }
     }
+    /// Takes an angular impulse [N·m·s].
+    #[inline(always)]
+    fn turned(self, impulse: Vec3<R>) -> Self {
+        let Spatial { angular, linear } = self.twist;
+        Self {
+            twist: Spatial::new(angular + self.i * impulse, linear),
+            ..self
+        }
+    }
     #[inline(always)]
     fn store<M: Machine<R = R>>(self, k: &mut M, t: &Tables, row: M::I, mask: R::Mask) {
         let (now, old) = (self.twist, k.spatial(t.twist, row, 0));
@@ -142,11 +163,24 @@ impl<R: Real, I: Copy> Sides<R, I> {
     fn velocity(&self) -> Vec3<R> {
         at(self.b.twist, self.b.arm) - at(self.a.twist, self.a.arm)
     }
+    /// Angular velocity of B against A.
+    #[inline(always)]
+    fn spin(&self) -> Vec3<R> {
+        self.b.twist.angular - self.a.twist.angular
+    }
     #[inline(always)]
     fn pushed(self, impulse: Vec3<R>) -> Self {
         Self {
             a: self.a.pushed(-impulse),
             b: self.b.pushed(impulse),
+            ..self
+        }
+    }
+    #[inline(always)]
+    fn turned(self, impulse: Vec3<R>) -> Self {
+        Self {
+            a: self.a.turned(-impulse),
+            b: self.b.turned(impulse),
             ..self
         }
     }
@@ -160,16 +194,29 @@ impl<R: Real, I: Copy> Sides<R, I> {
     fn weights(&self, n: Vec3<R>) -> (R, R) {
         let (a, b) = (self.a, self.b);
         let turning = arm_inertia(a.i, a.arm) + arm_inertia(b.i, b.arm);
-        let one = n.any_orthogonal();
-        let two = n.cross(one);
-        let (first, second) = (turning * one, turning * two);
-        let (xx, yy, xy) = (one.dot(first), two.dot(second), one.dot(second));
-        let half = R::lit(0.5);
-        let difference = half * (xx - yy);
-        let larger = half.fma(xx + yy, difference.fma(difference, xy.squared()).sqrt());
-        let m = a.m + b.m;
-        (m + n.dot(turning * n), m + larger)
+        let (along, across) = along_and_across(turning, n);
+        (a.m + b.m + along, a.m + b.m + across)
     }
+    /// Moments about the normal, and the smaller one across it [kg·m²].
+    #[inline(always)]
+    fn moments(&self, n: Vec3<R>) -> [R; 2] {
+        let (along, across) = along_and_across(self.a.i + self.b.i, n);
+        let tiny = R::lit(TINY);
+        [along.max(tiny).recip(), across.max(tiny).recip()]
+    }
+}
+
+/// What a symmetric matrix has along a unit vector, and at most across it.
+#[inline(always)]
+fn along_and_across<R: Real>(s: SymMat3<R>, n: Vec3<R>) -> (R, R) {
+    let one = n.any_orthogonal();
+    let two = n.cross(one);
+    let (first, second) = (s * one, s * two);
+    let (xx, yy, xy) = (one.dot(first), two.dot(second), one.dot(second));
+    let half = R::lit(0.5);
+    let difference = half * (xx - yy);
+    let larger = half.fma(xx + yy, difference.fma(difference, xy.squared()).sqrt());
+    (n.dot(s * n), larger)
 }
 
 /// True in the lanes where the points may come to touch.
@@ -187,6 +234,9 @@ pub(crate) fn meet<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     save(k, t);
     for s in k.count(t.contacts.slots) {
         k.write(t.touching, s, touching::LAMBDA, [M::R::zero(); 4]);
+        if t.grips {
+            k.store_vec3(t.grip, s, grip::LAMBDA, Vec3::zero());
+        }
         let near = near(k, t, s);
         if let Some(_branch) = k.if_any(near) {
             approach(k, t, s, h, near);
@@ -216,6 +266,9 @@ fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R, near: <M::R as 
     };
     let row = law(k, t, s, h, sides.weights(n), distance, speed);
     k.write(t.touching, s, touching::GAP, row);
+    if t.grips {
+        k.write(t.grip, s, 0, sides.moments(n));
+    }
     let same = feature.same(k.load(t.touch, s, contact::FEATURE));
     start(
         k,
@@ -290,7 +343,56 @@ fn start<M: Machine>(
         k.store_where(warm, t.touching, s, touching::LAMBDA + i, x);
     }
     let impulse = n.fma(press, rub) * h.recip();
-    sides.pushed(impulse).store(k, t, warm);
+    let mut sides = sides.pushed(impulse);
+    if t.grips {
+        let last = bounded(k, t, pair, n, press, k.vec3(t.gripped, s, 0));
+        sides = sides.turned(last * h.recip());
+        for (i, x) in last.to_array().into_iter().enumerate() {
+            k.store_where(warm, t.grip, s, grip::LAMBDA + i, x);
+        }
+    }
+    sides.store(k, t, warm);
+}
+
+/// Torque against twisting and rolling of a point that is pressed by λₙ, as far as that bears it.
+#[inline(always)]
+fn bounded<M: Machine>(
+    k: &M,
+    t: &Tables,
+    pair: M::I,
+    n: Vec3<M::R>,
+    press: M::R,
+    torque: Vec3<M::R>,
+) -> Vec3<M::R> {
+    let [torsion, rolling] = k.read(t.contacts.pair, pair, pair_field::TORSION);
+    let (along, most) = (n.dot(torque), torsion * press);
+    let roll = within(n.fma(-along, torque), rolling * press);
+    n.fma(along.clamp(-most, most), roll)
+}
+
+/// Torsional and rolling friction of a contact that is pressed by λₙ.
+#[inline(always)]
+fn resist<M: Machine>(
+    k: &mut M,
+    t: &Tables,
+    s: M::I,
+    h: M::R,
+    sides: Sides<M::R, M::I>,
+    press: M::R,
+    mask: <M::R as Real>::Mask,
+) -> Sides<M::R, M::I> {
+    let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
+    let n = k.vec3(t.contacts.slot, s, slot::NORMAL);
+    let [about, across, x, y, z] = k.read(t.grip, s, 0);
+    let (before, spin) = (Vec3::new(x, y, z), sides.spin() * h);
+    let along = n.dot(spin);
+    let wish = n.fma(-(about * along), before);
+    let wish = n.fma(-along, spin).fma(-across, wish);
+    let after = bounded(k, t, pair, n, press, wish);
+    for (i, x) in after.to_array().into_iter().enumerate() {
+        k.store_where(mask, t.grip, s, grip::LAMBDA + i, x);
+    }
+    sides.turned((after - before) * h.recip())
 }
 
 /// A vector shortened to a length.
@@ -320,7 +422,7 @@ pub(crate) fn sweeps<M: Machine>(k: &mut M, t: &Tables, h: M::R, ending: M::R) {
     }
 }
 
-/// One contact: normal, then friction.
+/// One contact: normal, then friction, then what resists twisting and rolling.
 #[inline(always)]
 fn relax<M: Machine>(
     k: &mut M,
@@ -351,7 +453,10 @@ fn relax<M: Machine>(
     let u = sides.velocity();
     let slip = n.fma(-n.dot(u), u);
     let rub = within(slip.fma(-(h * tangent), rubbed), friction * press);
-    let sides = sides.pushed((rub - rubbed) * over_h);
+    let mut sides = sides.pushed((rub - rubbed) * over_h);
+    if t.grips {
+        sides = resist(k, t, s, h, sides, press, mask);
+    }
 
     sides.store(k, t, mask);
     for (i, x) in [press, rub.x, rub.y, rub.z].into_iter().enumerate() {
@@ -374,8 +479,10 @@ pub(crate) fn drift<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     for row in k.range(k.index(1), k.index(t.rows)) {
         let (pose, twist) = (k.pose(t.pose, row, 0), k.spatial(t.twist, row, 0));
         let moved = (twist - k.spatial(t.unpushed, row, 0)) * h;
-        let q = turned(pose.q, moved.angular);
+        let solid = Solid::load(k, t, row);
+        let (q, spin) = solid.turned(pose.q, twist.angular, moved.angular, Vec3::zero());
         k.store_pose(t.pose, row, 0, Pose::new(pose.p + moved.linear, q));
+        k.store_spatial(t.twist, row, 0, Spatial::new(spin, twist.linear));
     }
     if t.jointed {
         arms(k, t);
@@ -401,6 +508,10 @@ pub(crate) fn keep<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
                 x, y, z, l, m, n, distance, feature, force.x, force.y, force.z,
             ];
             k.write(t.touch, s, 0, row);
+            if t.grips {
+                let torque = k.vec3(t.grip, s, grip::LAMBDA);
+                k.store_vec3(t.gripped, s, 0, Vec3::select(on, torque, Vec3::zero()));
+            }
         }
     }
 }
@@ -413,6 +524,11 @@ pub(crate) fn forget<M: Machine>(k: &mut M, t: &Tables, lost: <M::R as Real>::Ma
         none[contact::DISTANCE] = FAR;
         for (field, number) in none.into_iter().enumerate() {
             k.store_where(lost, t.touch, s, field, M::R::lit(number));
+        }
+        if t.grips {
+            for field in 0..3 {
+                k.store_where(lost, t.gripped, s, field, M::R::zero());
+            }
         }
     }
 }

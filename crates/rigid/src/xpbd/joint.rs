@@ -49,13 +49,28 @@ impl<R: Real, I: Index> Ends<R, I> {
         self.b.store(k, t, self.row_b);
     }
     /// A position impulse [kg·m] at B's arm and a moment [kg·m²] from A to B; the impulse is at
-    /// the same point of A.
+    /// the same point of A, which goes with B.
     #[inline(always)]
     pub fn push(&mut self, linear: Vec3<R>, angular: Vec3<R>, rb: Vec3<R>, over_h: R) {
         let ra = self.b.pose.p + rb - self.a.pose.p;
         let reached = angular + ra.cross(linear);
-        self.a.push(-linear, -reached, over_h);
-        self.b.push(linear, angular + rb.cross(linear), over_h);
+        let more = (self.b.twist.linear - self.a.twist.linear).cross(linear);
+        self.a.push(-linear, -reached, more, over_h);
+        let reached = angular + rb.cross(linear);
+        self.b.push(linear, reached, Vec3::zero(), over_h);
+    }
+    /// Position impulses [kg·m] at both arms, which keep the angular momentum of the pair: see
+    /// `tree`, with the velocity of B's point for u.
+    #[inline(always)]
+    pub fn shove(&mut self, linear: Vec3<R>, (ra, rb): Arms<R>, over_h: R) {
+        let (a, b) = (self.a.twist, self.b.twist);
+        let gap = (self.b.pose.p + rb) - (self.a.pose.p + ra);
+        let apart = gap.fma(-over_h, b.linear - a.linear);
+        let ahead = b.angular.cross(rb);
+        let more = (apart + ahead).cross(linear);
+        self.a.push(-linear, -ra.cross(linear), more, over_h);
+        let more = -ahead.cross(linear);
+        self.b.push(linear, rb.cross(linear), more, over_h);
     }
     /// As they were, where the mask holds.
     #[inline(always)]
@@ -132,8 +147,9 @@ impl<M: Machine> Pair<M> {
     /// Applies an angular multiplier.
     #[inline(always)]
     fn twist(&mut self, mut ends: Ends<M::R, M::I>, delta: Vec3<M::R>, over_h: M::R) {
-        ends.a.push(Vec3::zero(), -delta, over_h);
-        ends.b.push(Vec3::zero(), delta, over_h);
+        let none = Vec3::zero();
+        ends.a.push(none, -delta, none, over_h);
+        ends.b.push(none, delta, none, over_h);
         self.set(&ends);
         self.turn.set(delta);
     }
@@ -146,8 +162,7 @@ impl<M: Machine> Pair<M> {
         delta: Vec3<M::R>,
         over_h: M::R,
     ) {
-        ends.a.push(-delta, -arms.0.cross(delta), over_h);
-        ends.b.push(delta, arms.1.cross(delta), over_h);
+        ends.shove(delta, arms, over_h);
         self.set(&ends);
         self.shove.set(delta);
     }

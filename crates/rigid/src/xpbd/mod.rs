@@ -28,15 +28,17 @@
 //!   of thirty on springs, then leans over however stiff those are.
 //! - The locked rows of any other joint are solved as one block, not along the
 //!   residual, which is chaotic.
-//! - Free flight conserves angular momentum and turns by the midpoint rate.
+//! - Free flight conserves angular momentum and turns by the midpoint rate; what joints, couplings
+//!   and loops push conserves linear and angular momentum to rounding: see `tree`.
 //! - Forces along coordinates act on rates, at the coordinate the substep ends
 //!   with, to first order in h.
 //!
-//! Limitations: first order in h; energy is lost at the rate of h; a joint's
-//! linear axes must come before its angular ones, which must meet in a point;
-//! coordinates of stacked axes are ill-defined in gimbal lock. Contacts push single
+//! Limitations: first order in h, as velocities are those of half a substep before; joints that bend
+//! by a tenth of a radian and more in a substep lose energy; a joint's linear axes must come
+//! before its angular ones, which must meet in a point; coordinates of stacked axes are ill-defined in
+//! gimbal lock. Contacts push single
 //! bodies, and joints and neighbours pass it on from sweep to sweep: what bears a
-//! hundred times its own mass does not come to rest. No torsional or rolling friction.
+//! hundred times its own mass does not come to rest.
 
 mod articulated;
 mod axis;

@@ -5,7 +5,7 @@
 //! axes, where its inertia is a diagonal. A joint's frame is turned so that its
 //! first angular axis is x; its linear axes have a frame of their own.
 
-use super::contact::touching;
+use super::contact::{grip, touching};
 use super::laws::{self, LawTables};
 use super::seats::{Seats, jointed};
 use super::topology::closings;
@@ -255,6 +255,8 @@ pub struct Tables {
     pub(crate) sweeps: usize,
     /// True if joints hold any bodies.
     pub(crate) jointed: bool,
+    /// True if any surfaces resist twisting or rolling on each other.
+    pub(crate) grips: bool,
     /// True if a cap is set.
     pub(crate) capped_at_all: bool,
 
@@ -276,6 +278,8 @@ pub struct Tables {
     pub(crate) laws: LawTables,
     /// The contacts of the last substep, as they are reported.
     pub(crate) touch: Table<State, { contact::WIDTH }>,
+    /// Their torques·h² against twisting and rolling.
+    pub(crate) gripped: Table<State, 3>,
     pub(crate) state_length: usize,
 
     pub(crate) input: InputTables,
@@ -327,6 +331,7 @@ pub struct Tables {
     pub(crate) load: Table<Scratch, 6>,
     pub(crate) contacts: ContactTables,
     pub(crate) touching: Table<Scratch, { touching::WIDTH }>,
+    pub(crate) grip: Table<Scratch, { grip::WIDTH }>,
     /// Per row: twist before the contacts of a pass.
     pub(crate) unpushed: Table<Scratch, 6>,
     pub(crate) scratch_length: usize,
@@ -502,6 +507,10 @@ impl Tables {
         let laws = LawTables::place(model, &mut s, &mut p, &mut l, &mut t);
         let contacts = ContactTables::place(plan, &mut p, &mut l, &mut t);
         let (touches, jointed) = (contacts.slots > 0, jointed(model));
+        let grips = plan.shapes().iter().any(|&[a, b]| {
+            let surface = model.contact_material(a, b);
+            surface.torsional_friction > 0.0 || surface.rolling_friction > 0.0
+        });
         Self {
             rows,
             bodies: model.bodies.len(),
@@ -516,6 +525,7 @@ impl Tables {
             iterations: settings.iterations + usize::from(touches && jointed),
             sweeps: settings.contact_iterations,
             jointed,
+            grips,
             capped_at_all: settings.displacement_cap.is_finite() || settings.force_cap.is_finite(),
             pose: Table::place(&mut s, rows),
             twist: Table::place(&mut s, rows),
@@ -527,6 +537,7 @@ impl Tables {
             capped: Table::place(&mut s, 1),
             laws,
             touch: Table::place(&mut s, contacts.slots),
+            gripped: Table::place(&mut s, if grips { contacts.slots } else { 0 }),
             state_length: s,
             input: InputTables::new(model),
             output: OutputTables::new(model).with_contacts(contacts.slots),
@@ -560,6 +571,7 @@ impl Tables {
             load: Table::place(&mut t, rows),
             contacts,
             touching: Table::place(&mut t, contacts.slots),
+            grip: Table::place(&mut t, if grips { contacts.slots } else { 0 }),
             unpushed: Table::place(&mut t, if touches { rows } else { 0 }),
             scratch_length: t,
         }

@@ -3,7 +3,8 @@
 use glam::{DMat3, DQuat, DVec3};
 use kinetarium_rigid::{InputTables, Kernels};
 use model::{
-    Axis, BodyHandle, Builder, Drive, Geometry, Limit, Model, ModelError, Object, Pose, Shape,
+    Axis, BodyHandle, Builder, Drive, Geometry, Limit, Material, Model, ModelError, Object, Pose,
+    Shape,
 };
 use numbers::{Cpu, Float, LanesMask, Real, Shared};
 use std::f64::consts::FRAC_PI_2;
@@ -256,6 +257,12 @@ pub fn heap() -> Result<Model, ModelError> {
     for (i, solid) in solids.into_iter().enumerate() {
         let at = DVec3::new(0.02 * i as f64, 0.2 + 0.2 * i as f64, 0.01 * i as f64);
         let name = format!("body_{i}");
+        let material = Material {
+            torsional_friction: 0.01,
+            rolling_friction: 0.002,
+            ..Material::default()
+        };
+        let solid = Shape::new(solid).with_material(material);
         bodies.body(name).at(Pose::at(at)).shape(solid);
     }
     let (upper, lower) = (rod(bodies, "upper", 1.0), rod(bodies, "lower", 1.0));

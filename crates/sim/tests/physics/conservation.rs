@@ -4,7 +4,7 @@ use crate::common::*;
 use glam::DVec3;
 use kinetarium_sim::Simulation;
 use model::examples::{CHAIN_LENGTH, CHAIN_LINK_MASS, Start, chain};
-use model::{BodyId, Builder, Drive, Model, Pose};
+use model::{Axis, BodyId, Builder, Drive, Model, Pose};
 use numbers::Float;
 
 const LINKS: [usize; 4] = [2, 4, 10, 30];
@@ -50,9 +50,16 @@ fn energy_drifts_by_the_order_of_the_method() {
     }
 }
 
+/// By how much the energy that xpbd reports of a chain may vary, relative to [`scale`]: velocities are
+/// half a substep h [s] late, during which the weight of a chain that has fallen from a height [m]
+/// works, ½ h M g √(2 g height).
+fn half_a_substep(h: f64, height: f64) -> f64 {
+    0.5 * h * (2.0 * G * height).sqrt() / CHAIN_LENGTH
+}
+
 /// What users run: let go horizontally, single precision, steps of 2 ms, 2 s. The bounds leave room
 /// for a factor of two to three; how they shrink with the step is tested above. Runge–Kutta is at
-/// the rounding of single precision. xpbd never gains energy.
+/// the rounding of single precision.
 #[test]
 fn energy_of_n_pendula_in_single_precision() {
     for (links, most) in LINKS.into_iter().zip([0.01, 0.03, 0.1, 0.3]) {
@@ -69,14 +76,14 @@ fn energy_of_n_pendula_in_single_precision() {
             2e-5,
         );
         let (gained, lost) = change(Method::Xpbd(4));
-        close(format!("{links} links, xpbd, gained"), gained, 0.0, 1e-6);
-        close(format!("{links} links, xpbd, lost"), lost, 0.0, 0.04);
+        let most = half_a_substep(STEP / 4.0, CHAIN_LENGTH);
+        close(format!("{links} links, xpbd"), gained.max(lost), 0.0, most);
     }
 }
 
 /// Balanced upright, a chain leaves its place by rounding alone, and crumples: 30 links at hundreds
 /// of rad/s, which steps of 2 ms are too long for, but not steps of 1/8 ms. xpbd gains no energy
-/// at any step.
+/// at any step, but for what half a substep makes.
 #[test]
 fn energy_of_n_pendula_that_fall_from_upright() {
     for links in LINKS {
@@ -92,7 +99,8 @@ fn energy_of_n_pendula_that_fall_from_upright() {
         );
         for h in [STEP, STEP / 16.0] {
             let (gained, _) = change(XPBD, h);
-            close(format!("{links} links, xpbd, gained"), gained, 0.0, 1e-6);
+            let most = half_a_substep(h, 2.0 * CHAIN_LENGTH);
+            close(format!("{links} links, xpbd, gained"), gained, 0.0, most);
         }
     }
 }
@@ -208,10 +216,58 @@ fn floating_chain() -> Model {
     world.build().unwrap()
 }
 
-/// Relative change of linear and angular momentum over 2 s of a tumbling chain.
-fn momentum_change<T: Float>(method: Method, h: f64) -> (f64, f64) {
-    let model = floating_chain();
-    let mut simulation = method.simulate::<T>(&model, h);
+/// Bodies that float freely, without gravity: a tree with joints of every kind, laws along their
+/// coordinates, a coupling, and a soft stay across.
+fn floating_tree() -> Model {
+    let mut world = Builder::new("floating tree");
+    world.gravity(DVec3::ZERO);
+    let object = world.object("");
+    let end = Pose::at(DVec3::new(0.15, 0.0, 0.0));
+    let (mut parent, mut hinges) = (None, Vec::new());
+    for i in 0..10 {
+        let moments = DVec3::new(0.002, 0.01, 0.009);
+        let name = format!("rod{i}");
+        let rod = body(object, &name, 1.0 + 0.1 * i as f64, DVec3::ZERO, moments);
+        let name = format!("joint{i}");
+        let universal = [Axis::angular(DVec3::Y), Axis::angular(DVec3::Z)];
+        let slides = [Axis::linear(DVec3::X), Axis::angular(DVec3::Y)];
+        let Some((first, last)) = parent else {
+            object.free("flight", rod);
+            parent = Some((rod, rod));
+            continue;
+        };
+        let joint = match i {
+            1 => object.ball(name, rod).damping(0.02),
+            2 => object.prismatic(name, rod, DVec3::X).spring(100.0, 0.0),
+            3 | 4 => object.revolute(name, rod, DVec3::Z),
+            5 => object.d6(name, rod, &universal),
+            6 => object.d6(name, rod, &slides).spring(30.0, 0.0),
+            7 => object.fixed(name, rod),
+            8 => object
+                .revolute(name, rod, DVec3::Y)
+                .spring(5.0, 0.1)
+                .damping(0.1),
+            _ => object.revolute(name, rod, DVec3::Z),
+        };
+        // All but the last from end to end; that on the first one.
+        let joint = joint.parent(if i < 9 { last } else { first });
+        let handle = joint.frames(end, end.inverse()).handle();
+        if i == 3 || i == 4 {
+            hinges.push(handle);
+        }
+        if i == 5 {
+            let stay = object.distance("stay", rod, 1.5).parent(first);
+            stay.frames(end, end).compliance(1e-3, 0.0);
+        }
+        parent = Some((first, rod));
+    }
+    object.couple("teeth", hinges[1], hinges[0], -2.0, 0.0);
+    world.build().unwrap()
+}
+
+/// Relative change of linear and angular momentum over 2 s of a model that tumbles.
+fn momentum_change<T: Float>(model: &Model, method: Method, h: f64) -> (f64, f64) {
+    let mut simulation = method.simulate::<T>(model, h);
     let velocity: Vec<f64> = (0..model.degrees_of_freedom())
         .map(|i| (1.7 * i as f64 + 0.4).sin())
         .collect();
@@ -232,30 +288,29 @@ fn momentum_change<T: Float>(method: Method, h: f64) -> (f64, f64) {
     (linear, angular)
 }
 
-/// Equal and opposite impulses: xpbd keeps the linear momentum to rounding. They act where the
-/// joint's two anchors are, apart by an error of first order, and so does the angular momentum vary.
-/// Reduced coordinates keep both to the order of the method.
+/// xpbd keeps linear and angular momentum to rounding, ten a step at most. Reduced coordinates keep
+/// both to the order of the method.
 #[test]
 fn momentum_of_a_floating_chain() {
-    let h = 1e-3;
+    let (h, model) = (1e-3, floating_chain());
     let roundings = 2.0 / h * 10.0;
-    let (linear, _) = momentum_change::<f64>(XPBD, h);
-    close("xpbd", linear, 0.0, roundings * f64::EPSILON);
-    let (linear, _) = momentum_change::<f32>(XPBD, h);
-    close(
-        "xpbd in f32",
-        linear,
-        0.0,
-        roundings * f64::from(f32::EPSILON),
-    );
-    vanishes("xpbd, angular", 1.0, 0.1, h, |h| {
-        momentum_change::<f64>(XPBD, h).1
-    });
-    let (linear, angular) = momentum_change::<f64>(RK4, h);
+    for (what, model) in [("chain", &model), ("tree", &floating_tree())] {
+        let (linear, angular) = momentum_change::<f64>(model, XPBD, h);
+        let most = roundings * f64::EPSILON;
+        close(format!("xpbd, {what}"), linear, 0.0, most);
+        close(format!("xpbd, {what}, angular"), angular, 0.0, most);
+        let (linear, angular) = momentum_change::<f32>(model, XPBD, h);
+        let most = roundings * f64::from(f32::EPSILON);
+        close(format!("xpbd, {what} in f32"), linear, 0.0, most);
+        close(format!("xpbd, {what} in f32, angular"), angular, 0.0, most);
+    }
+    let (linear, angular) = momentum_change::<f64>(&model, RK4, h);
     close("Runge–Kutta", linear, 0.0, 1e-11);
     close("Runge–Kutta, angular", angular, 0.0, 1e-11);
     vanishes("Runge–Kutta", 4.0, 0.3, 4.0 * h, |h| {
-        momentum_change::<f64>(RK4, h).1
+        momentum_change::<f64>(&model, RK4, h).1
     });
-    vanishes("Euler", 1.0, 0.1, h, |h| momentum_change::<f64>(EULER, h).1);
+    vanishes("Euler", 1.0, 0.1, h, |h| {
+        momentum_change::<f64>(&model, EULER, h).1
+    });
 }
