@@ -64,7 +64,6 @@ impl Scene {
 
 /// The scenes, each of the size that shows it best.
 pub static SCENES: [Scene; 9] = [
-    Scene::new("arch", "nine wedges of stone, at rest", || arch(9)),
     Scene::new(
         "balls",
         "five balls bounce to e² of their height each, e = 0, ¼, ½, ¾, 1",
@@ -91,6 +90,7 @@ pub static SCENES: [Scene; 9] = [
         "three storeys of leaning cards, at rest",
         || card_house(3),
     ),
+    Scene::new("arch", "nine wedges of stone, at rest", || arch(9)),
     Scene::new("pile", "solids of six kinds fall into a bowl", || pile(24)),
     Scene::new(
         "room",
