@@ -2,6 +2,7 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use kinetarium::formats::Meshes;
 use kinetarium::model::examples::{SCENES, Scene, Start};
 use kinetarium::numbers::dispatch::Isa;
 use kinetarium::rigid::Integrator;
@@ -86,6 +87,9 @@ pub struct RobotFile {
     /// Go on, with a warning, where the file uses something that is not supported and changes the motion.
     #[arg(long)]
     pub lenient: bool,
+    /// What becomes of meshes that collide, or that a body has its mass from.
+    #[arg(long, value_enum, default_value_t = MeshesName::Named)]
+    pub meshes: MeshesName,
     /// URDF only: let the root link float freely instead of fixing it to the world.
     #[arg(long)]
     pub floating_base: bool,
@@ -150,6 +154,14 @@ pub struct Simulation {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
+pub enum MeshesName {
+    /// Their files are not read; no solver collides them.
+    Named,
+    /// Their convex hulls: what is hollow is filled.
+    Hull,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
 pub enum StartName {
     Hanging,
     Horizontal,
@@ -176,6 +188,15 @@ pub enum IntegratorName {
 pub enum Precision {
     F32,
     F64,
+}
+
+impl From<MeshesName> for Meshes {
+    fn from(name: MeshesName) -> Self {
+        match name {
+            MeshesName::Named => Self::Named,
+            MeshesName::Hull => Self::ConvexHull,
+        }
+    }
 }
 
 impl From<StartName> for Start {

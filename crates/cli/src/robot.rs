@@ -36,6 +36,7 @@ pub fn info(arguments: &Info) -> Result<(), Error> {
 fn read(file: &RobotFile) -> Result<Loaded, Error> {
     let options = Options {
         lenient: file.lenient,
+        meshes: file.meshes.into(),
         floating_base: file.floating_base,
     };
     Ok(kinetarium::formats::load(&file.path, &options)?)

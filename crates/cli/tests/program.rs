@@ -523,7 +523,7 @@ fn a_mesh_that_should_touch_is_refused() {
     fs::write(folder.path().join("rock.xml"), rock).unwrap();
     let mut command = kinetarium(&folder);
     let refused = command.args(["run", "rock.xml"]).assert().code(2);
-    refused.stderr(contains("contacts of the mesh of `rock`").and(contains("switch contacts off")));
+    refused.stderr(contains("contacts of the mesh of `rock`").and(contains("--meshes hull")));
     let mut command = kinetarium(&folder);
     let command = command.args([
         "run",
@@ -534,4 +534,32 @@ fn a_mesh_that_should_touch_is_refused() {
         "--quiet",
     ]);
     command.assert().success();
+}
+
+/// As its convex hull, of the mass that its volume has, it falls on the ground and stays there.
+#[test]
+fn a_mesh_touches_as_its_hull() {
+    let folder = folder();
+    let rock = r#"<mujoco><asset><mesh name="rock" file="rock.obj" scale=".1 .1 .1"/></asset>
+      <worldbody><geom type="plane" size="1 1 1"/>
+      <body name="rock" pos="0 0 0.3"><freejoint/><geom type="mesh" mesh="rock"/></body>
+    </worldbody></mujoco>"#;
+    let corners = "v 1 1 1\nv -1 -1 1\nv -1 1 -1\nv 1 -1 -1\n";
+    let faces = "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    fs::write(folder.path().join("rock.xml"), rock).unwrap();
+    fs::write(folder.path().join("rock.obj"), corners.to_owned() + faces).unwrap();
+    let mut command = kinetarium(&folder);
+    let refused = command.args(["run", "rock.xml"]).assert().code(2);
+    refused.stderr(contains("--meshes hull"));
+    let mut command = kinetarium(&folder);
+    let command = command.args(["run", "rock.xml", "--meshes", "hull", "--quiet"]);
+    command.args(["--seconds", "2"]).assert().success();
+    let (_, position) = array(
+        &folder.path().join("kinetarium-out/rock.npz"),
+        "body_position",
+    );
+    // A regular tetrahedron of edge √8 · 0.1 m lies on a face, with its centre a quarter of its
+    // height above the ground: 0.1 / √3.
+    let height = position[position.len() - 1];
+    assert!((height - 0.1 / 3.0_f64.sqrt()).abs() < 1e-3, "{height}");
 }

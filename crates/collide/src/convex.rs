@@ -17,7 +17,7 @@
 use crate::gjk::{self, Cores};
 use crate::overlap::{self, Witness};
 use crate::support::radius;
-use crate::{Manifold, Point, Solid, Tables};
+use crate::{FAR, Manifold, Point, Solid, Tables};
 use numbers::machine::{Held, Hold};
 use numbers::{Cell, Float, Machine, Mask, Real, Vec3};
 
@@ -216,22 +216,41 @@ pub(crate) fn ascend<M: Machine>(
     }
 }
 
-/// Of the solids' axes and the line of centres, the one with the largest gap.
+/// Of the line of centres and the solids' axes, the one with the largest gap.
 #[inline(always)]
 fn best_axis<M: Machine>(k: &M, cores: &Cores<'_, M>) -> Direction<M::R> {
     let towards = cores.offset;
     let (p, q) = (cores.a.placed.axes, cores.b.placed.axes);
-    let mut n = towards.normalized_or(p.y);
-    let mut gap = cores.gap(k, n);
-    for axis in [p.x, p.y, p.z, q.x, q.y, q.z] {
+    let center = towards.normalized_or(p.y);
+    let mut n = center.hold(k);
+    let mut gap = k.cell(M::R::lit(-FAR));
+    // Those still to be tried, the next one first: a loop is compiled once, and seven gaps are not.
+    let mut next = [
+        center.hold(k),
+        p.x.hold(k),
+        p.y.hold(k),
+        p.z.hold(k),
+        q.x.hold(k),
+        q.y.hold(k),
+        q.z.hold(k),
+    ];
+    for _ in k.count(next.len()) {
+        let axis = next[0].get();
+        for i in 1..next.len() {
+            let later = next[i].get();
+            next[i - 1].set(later);
+        }
         let axis = Vec3::select(axis.dot(towards).lt(M::R::zero()), -axis, axis);
         let here = cores.gap(k, axis);
-        let more = here.gt(gap);
-        n = Vec3::select(more, axis, n);
-        gap = M::R::select(more, here, gap);
+        let more = here.gt(gap.read());
+        n.set(Vec3::select(more, axis, n.get()));
+        gap.write(M::R::select(more, here, gap.read()));
     }
-    let on_a = Vec3::zero();
-    Direction { n, gap, on_a }
+    Direction {
+        n: n.get(),
+        gap: gap.read(),
+        on_a: Vec3::zero(),
+    }
 }
 
 /// The sum of the sizes [m].

@@ -1,7 +1,5 @@
 //! A model's geometry as kernels know it.
 
-#[cfg(feature = "assets")]
-use crate::ConvexHull;
 use crate::kind;
 use glam::DVec3;
 use model::{Geometry, Pose};
@@ -18,10 +16,11 @@ pub struct Form {
 }
 
 impl Form {
-    /// The form of a geometry. A plane is a half space, however large it is drawn.
+    /// The form of a geometry. A plane is a half space, however large it is drawn; the kernels' vertices
+    /// of a hull are its [arms](model::Hull::arms).
     ///
     /// `None` for a mesh: it takes its file, and a choice between its
-    /// [surface](crate::mesh), its [hull](ConvexHull) and its convex pieces.
+    /// [surface](crate::mesh), its [hull](model::Hull) and its convex pieces.
     pub fn of(geometry: &Geometry) -> Option<Self> {
         let (kind, size) = match *geometry {
             Geometry::Plane { .. } => (kind::PLANE, DVec3::ZERO),
@@ -40,12 +39,13 @@ impl Form {
             } => (kind::CONE, round(radius, half_height)),
             Geometry::Box { half } => (kind::BOX, half),
             Geometry::Ellipsoid { half } => (kind::ELLIPSOID, half),
+            Geometry::Hull(ref hull) => (kind::HULL, hull.half_extents()),
             Geometry::Mesh { .. } => return None,
         };
         Some(Self {
             kind,
             size,
-            pose: Pose::IDENTITY,
+            pose: Pose::at(geometry.center()),
         })
     }
 
@@ -58,18 +58,6 @@ impl Form {
             size: DVec3::new(half_x, 0.5 * depth, half_z),
             pose: Pose::at(DVec3::new(0.0, -0.5 * depth, 0.0)),
         }
-    }
-
-    /// A hull, with its vertices about the middle of their bounding box, as kernels take them.
-    #[cfg(feature = "assets")]
-    pub fn hull(hull: &ConvexHull) -> (Self, ConvexHull) {
-        let (centered, middle) = hull.centered();
-        let form = Self {
-            kind: kind::HULL,
-            size: centered.half_extents(),
-            pose: Pose::at(middle),
-        };
-        (form, centered)
     }
 }
 

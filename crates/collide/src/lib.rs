@@ -36,8 +36,6 @@ mod contact;
 mod convex;
 mod form;
 mod gjk;
-#[cfg(feature = "assets")]
-mod hull;
 pub mod mesh;
 mod outline;
 mod overlap;
@@ -51,8 +49,6 @@ pub use boxes::box_box;
 pub use contact::{Contact, FAR, Manifold, Point};
 pub use convex::{convex_convex, sphere_convex};
 pub use form::Form;
-#[cfg(feature = "assets")]
-pub use hull::{ConvexHull, HullError};
 pub use route::{Kernel, Route, kernel};
 pub use solid::{Placed, Solid, kind};
 pub use tables::Tables;

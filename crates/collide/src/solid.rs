@@ -19,7 +19,8 @@ pub mod kind {
     pub const BOX: usize = 5;
     /// Size: half axes.
     pub const ELLIPSOID: usize = 6;
-    /// The convex hull of a range of vertices. Size: half extents of its bounding box.
+    /// The convex hull of a range of vertices about a point inside. Size: half extents of its box
+    /// about that point.
     pub const HULL: usize = 7;
     /// How many kinds are convex solids.
     pub const CONVEX: usize = 8;

@@ -5,8 +5,8 @@ use glam::DVec3;
 use kinetarium_collide::mesh::{
     DistanceFieldError, HeightFieldError, LoadError, MeshError, TriangleMesh,
 };
-use kinetarium_collide::{ConvexHull, Form, HullError, kind};
-use model::{Geometry, Pose};
+use kinetarium_collide::{Form, kind};
+use model::{Geometry, Hull, Pose};
 use std::path::PathBuf;
 use tempfile::TempDir;
 
@@ -222,50 +222,6 @@ fn meshes_without_a_surface() {
     ));
 }
 
-#[test]
-fn points_without_a_hull() {
-    let square = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::X + DVec3::Y];
-    let flat = ConvexHull::new(&square).unwrap_err();
-    assert!(matches!(flat, HullError::Flat { points: 4, .. }), "{flat}");
-    let line: Vec<_> = (0..5).map(|i| DVec3::X * f64::from(i)).collect();
-    assert!(matches!(
-        ConvexHull::new(&line),
-        Err(HullError::Flat { .. })
-    ));
-    let few = ConvexHull::new(&[DVec3::ZERO, DVec3::X, DVec3::ZERO]);
-    assert_eq!(few, Err(HullError::TooFew { points: 2 }));
-    let infinite = ConvexHull::new(&[DVec3::ZERO, DVec3::X, DVec3::INFINITY]);
-    assert!(matches!(
-        infinite,
-        Err(HullError::NotFinite { point: 2, .. })
-    ));
-}
-
-/// All points are inside of all faces, and all corners are points.
-#[test]
-fn hulls_hold_their_points() {
-    let mut rng = Rng::with_seed(37);
-    for count in 4..60 {
-        let mut number = || 2.0 * rng.f64() - 1.0;
-        let points: Vec<_> = (0..count)
-            .map(|_| DVec3::new(number(), number(), number()))
-            .collect();
-        let hull = ConvexHull::new(&points).unwrap();
-        assert!(hull.vertices().iter().all(|v| points.contains(v)));
-        for t in hull.triangles() {
-            let [a, b, c] = t.map(|v| hull.vertices()[v as usize]);
-            let n = (b - a).cross(c - a).normalize();
-            assert!(points.iter().all(|p| n.dot(*p - a) < 1e-9));
-        }
-        let (centered, middle) = hull.centered();
-        let half = centered.half_extents();
-        for (v, w) in hull.vertices().iter().zip(centered.vertices()) {
-            assert!((*v - middle - *w).length() < 1e-12);
-            assert!(w.abs().cmple(half + 1e-12).all());
-        }
-    }
-}
-
 /// An L is no convex solid, and two boxes are one.
 #[test]
 fn hollow_meshes_come_apart_on_request() {
@@ -288,9 +244,8 @@ fn hollow_meshes_come_apart_on_request() {
         triangles.extend([[i, j, j + 6], [i, j + 6, i + 6]]);
     }
     let mesh = TriangleMesh::new(&vertices, &triangles).unwrap();
-    let volume_of = |hull: &ConvexHull| {
-        volume(&TriangleMesh::new(hull.vertices(), hull.triangles()).unwrap()) / 6.0
-    };
+    let volume_of =
+        |hull: &Hull| volume(&TriangleMesh::new(hull.vertices(), hull.triangles()).unwrap()) / 6.0;
     let filled = volume_of(&mesh.convex_hull().unwrap());
     assert!((filled - 3.5).abs() < 1e-9, "{filled}");
     let pieces = mesh.convex_decomposition(0.01, 32).unwrap();
@@ -427,13 +382,9 @@ fn forms_of_geometries() {
     assert_eq!((finite.kind, top), (kind::BOX, DVec3::new(2.0, 0.0, 1.0)));
 
     let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].map(|p| p + half);
-    let (form, vertices) = Form::hull(&ConvexHull::new(&corners).unwrap());
-    assert_eq!((form.kind, form.size), (kind::HULL, DVec3::splat(0.5)));
-    assert_eq!(form.pose.position, half + DVec3::splat(0.5));
-    assert!(
-        vertices
-            .vertices()
-            .iter()
-            .all(|v| v.abs() == DVec3::splat(0.5))
-    );
+    let hull = Hull::new(&corners).unwrap();
+    let form = Form::of(&Geometry::Hull(hull)).unwrap();
+    assert_eq!((form.kind, form.size), (kind::HULL, DVec3::splat(0.75)));
+    let middle = half + DVec3::splat(0.25);
+    assert!(form.pose.position.abs_diff_eq(middle, 1e-15));
 }

@@ -10,7 +10,8 @@ use glam::DVec3;
 use kinetarium_collide::mesh::{
     MeshData, MeshTables, SLOTS, Surface, TriangleMesh, contact, mesh_convex,
 };
-use kinetarium_collide::{ConvexHull, FAR, Placed, Tables, kind};
+use kinetarium_collide::{FAR, Placed, Tables, kind};
+use model::Hull;
 use numbers::dispatch::{Isa, Job, run_block, run_single};
 use numbers::machine::space::State;
 use numbers::machine::{Links, Machine};
@@ -326,7 +327,7 @@ fn the_surface_of_a_hull_is_the_hull() {
             let points: Vec<_> = (0..20)
                 .map(|_| DVec3::from(unit(&mut rng).to_array()))
                 .collect();
-            let hull = ConvexHull::new(&points).unwrap();
+            let hull = Hull::new(&points).unwrap();
             let mesh = TriangleMesh::new(hull.vertices(), hull.triangles()).unwrap();
             let corners = hull.vertices().iter().map(|v| V::from_array(v.to_array()));
             let solid = Solid::random(kind, &mut rng);

@@ -67,6 +67,16 @@ pub enum FormatError {
         /// What to do.
         remedy: String,
     },
+    /// A mesh cannot be made a hull.
+    #[error("{place}: <{element}>: {problem}")]
+    Mesh {
+        /// Where it is used.
+        place: Place,
+        /// Name of the element.
+        element: String,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
     /// The file is well formed, but no model can be made of what it describes.
     #[error("{file}: {source}")]
     Model {

@@ -16,6 +16,12 @@ pub trait Files {
     /// The file is not there, too large, or not UTF-8.
     fn read(&self, name: &str) -> io::Result<String>;
 
+    /// The contents of a file, such as a mesh.
+    ///
+    /// # Errors
+    /// The file is not there, or too large.
+    fn bytes(&self, name: &str) -> io::Result<Vec<u8>>;
+
     /// The path of a file that others will open later, such as a mesh.
     fn path(&self, name: &str) -> String;
 }
@@ -48,17 +54,22 @@ impl Folder {
 
 impl Files for Folder {
     fn read(&self, name: &str) -> io::Result<String> {
+        let no_text = |e| io::Error::new(io::ErrorKind::InvalidData, e);
+        String::from_utf8(self.bytes(name)?).map_err(no_text)
+    }
+
+    fn bytes(&self, name: &str) -> io::Result<Vec<u8>> {
         // Read up to the limit: what is no plain file, as a pipe, does not tell its length.
-        let mut text = String::new();
+        let mut bytes = Vec::new();
         let file = std::fs::File::open(self.0.join(name))?;
-        file.take(MAX_BYTES + 1).read_to_string(&mut text)?;
-        if text.len() as u64 > MAX_BYTES {
+        file.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
+        if bytes.len() as u64 > MAX_BYTES {
             return Err(io::Error::new(
                 io::ErrorKind::FileTooLarge,
                 format!("more than {MAX_BYTES} bytes"),
             ));
         }
-        Ok(text)
+        Ok(bytes)
     }
 
     fn path(&self, name: &str) -> String {
@@ -88,6 +99,10 @@ impl Files for InMemory {
             .get(name)
             .cloned()
             .ok_or_else(|| io::ErrorKind::NotFound.into())
+    }
+
+    fn bytes(&self, name: &str) -> io::Result<Vec<u8>> {
+        Ok(self.read(name)?.into_bytes())
     }
 
     fn path(&self, name: &str) -> String {

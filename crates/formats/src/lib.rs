@@ -22,6 +22,7 @@
 mod error;
 mod files;
 mod fuse;
+mod hulls;
 mod impedance;
 mod inertia;
 mod joint_space;
@@ -45,8 +46,22 @@ use std::path::Path;
 pub struct Options {
     /// Turns "this is not supported and would change the physics" from an error into a warning.
     pub lenient: bool,
+    /// What becomes of meshes that collide, or that a body has its mass from.
+    pub meshes: Meshes,
     /// URDF only: the root link floats freely. By default it is fixed to the world.
     pub floating_base: bool,
+}
+
+/// What becomes of meshes that collide, or that a body has its mass from. Those that are only seen are
+/// named by their files in any case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Meshes {
+    /// They are named by their files, too; contacts of them are refused by the solvers.
+    #[default]
+    Named,
+    /// Each is read and becomes its convex hull, as in MuJoCo: what was hollow is filled. `.obj` and
+    /// `.stl` files.
+    ConvexHull,
 }
 
 /// A model, and what of its file was left out.

@@ -28,6 +28,7 @@ fn read(bytes: &[u8]) -> usize {
         let options = Options {
             lenient,
             floating_base: lenient,
+            ..Options::default()
         };
         read += usize::from(mjcf::parse(text, "robot.xml", &files, &options).is_ok());
         read += usize::from(urdf::parse(text, "robot.urdf", &files, &options).is_ok());

@@ -39,8 +39,8 @@ pub use sim;
 
 /// What most programs need.
 pub mod prelude {
-    pub use formats::{Loaded, Options};
-    pub use model::{BodyId, Builder, Geometry, JointId, Model, Pose, examples};
+    pub use formats::{Loaded, Meshes, Options};
+    pub use model::{BodyId, Builder, Geometry, Hull, JointId, Model, Pose, examples};
     pub use rigid::{Integrator, Settings};
     pub use sim::{
         Contact, Controller, Controls, Diverged, Event, EventKind, Outputs, Ray, RayHit, Recorder,

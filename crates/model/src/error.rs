@@ -1,6 +1,6 @@
 //! What can be wrong with a model.
 
-use crate::JointKind;
+use crate::{HullError, JointKind};
 use thiserror::Error;
 
 /// Why a model was refused, with the remedy.
@@ -9,6 +9,9 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ModelError {
+    /// Points have no convex hull.
+    #[error(transparent)]
+    Hull(#[from] HullError),
     /// A name is empty.
     #[error("{kind} number {index} has no name; give it one")]
     EmptyName {

@@ -15,6 +15,7 @@ mod contact_pair;
 mod error;
 pub mod examples;
 mod filter;
+mod hull;
 mod joint;
 mod keyframe;
 mod mass;
@@ -32,6 +33,7 @@ pub use builder::{
 pub use contact_pair::ContactPair;
 pub use error::ModelError;
 pub use filter::CollisionFilter;
+pub use hull::{Hull, HullError};
 pub use joint::{Axis, AxisKind, Coupling, Dof, Drive, Joint, JointId, JointKind, Limit};
 pub use keyframe::Keyframe;
 pub use mass::MassProperties;

@@ -1,6 +1,6 @@
 //! Mass, centre of mass and inertia of homogeneous solids and of what is put together from them.
 
-use crate::{Geometry, Pose, Shape};
+use crate::{Geometry, Hull, Pose, Shape};
 use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::PI;
 
@@ -36,9 +36,17 @@ impl MassProperties {
     /// ```text
     /// Iyy = mc r²/2 + 2/5 ms r²   Ixx = Izz = mc (r²/4 + k²/3) + ms (2/5 r² + k² + 3/4 k r)
     /// ```
+    ///
+    /// A hull is tetrahedra from its centre to its faces (a, b, c), of volumes V; C = ∫ x xᵀ dV
+    /// (Tonon, Explicit exact formulas for the 3-D tetrahedron inertia tensor, 2004):
+    ///
+    /// ```text
+    /// V = a · (b × c)/6   C = Σ V/20 (a aᵀ + b bᵀ + c cᵀ + s sᵀ), s = a + b + c   I = tr C 1 − C
+    /// ```
     pub fn of(geometry: &Geometry, density: f64) -> Option<Self> {
         let (mass, center, moments) = match *geometry {
             Geometry::Plane { .. } | Geometry::Mesh { .. } => return None,
+            Geometry::Hull(ref hull) => return Some(polyhedron(hull, density)),
             Geometry::Sphere { radius } => ellipsoid(DVec3::splat(radius), density),
             Geometry::Ellipsoid { half } => ellipsoid(half, density),
             Geometry::Box { half } => {
@@ -123,8 +131,8 @@ impl MassProperties {
     /// Inertia [kg·m²] about a point, along the frame's axes.
     pub fn inertia_about(&self, point: DVec3) -> DMat3 {
         let d = self.center - point;
-        let outer = DMat3::from_cols(d * d.x, d * d.y, d * d.z);
-        self.inertia + self.mass * (DMat3::from_diagonal(DVec3::splat(d.length_squared())) - outer)
+        let squared = DMat3::from_diagonal(DVec3::splat(d.length_squared()));
+        self.inertia + self.mass * (squared - outer(d))
     }
 
     /// The same distribution with another total mass [kg].
@@ -147,6 +155,29 @@ impl MassProperties {
 fn ellipsoid(half: DVec3, density: f64) -> (f64, DVec3, DVec3) {
     let m = density * 4.0 / 3.0 * PI * half.element_product();
     (m, DVec3::ZERO, m / 5.0 * others_squared(half))
+}
+
+fn polyhedron(hull: &Hull, density: f64) -> MassProperties {
+    let (mut volume, mut second) = (0.0, DMat3::ZERO);
+    for face in hull.faces() {
+        let [a, b, c] = face.map(|corner| corner - hull.center());
+        let part = a.dot(b.cross(c)) / 6.0;
+        volume += part;
+        for x in [a, b, c, a + b + c] {
+            second += outer(x) * (part / 20.0);
+        }
+    }
+    let trace = second.x_axis.x + second.y_axis.y + second.z_axis.z;
+    MassProperties {
+        mass: density * volume,
+        center: hull.center(),
+        inertia: (DMat3::from_diagonal(DVec3::splat(trace)) - second) * density,
+    }
+}
+
+/// x xᵀ
+fn outer(x: DVec3) -> DMat3 {
+    DMat3::from_cols(x * x.x, x * x.y, x * x.z)
 }
 
 /// (b² + c², c² + a², a² + b²)

@@ -1,13 +1,13 @@
 //! Shapes: what a body looks and collides like.
 
-use crate::{BodyId, Material, Pose};
+use crate::{BodyId, Hull, Material, Pose};
 use glam::DVec3;
 
 /// Row of a shape in [`Parts::shapes`](crate::Parts::shapes).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ShapeId(pub usize);
 
-/// A solid, centred at the origin of its own frame. Sizes are half sizes [m].
+/// A solid, centred at the origin of its own frame unless it is a hull. Sizes are half sizes [m].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Geometry {
     /// The half space below y = 0 of the shape's frame; drawn as a rectangle,
@@ -54,6 +54,8 @@ pub enum Geometry {
         /// Half axes.
         half: DVec3,
     },
+    /// The convex hull of points.
+    Hull(Hull),
     /// A triangle mesh, named by its file; read by those who draw or collide it.
     Mesh {
         /// Path as the model file gives it, resolved against that file's folder.
@@ -64,8 +66,16 @@ pub enum Geometry {
 }
 
 impl Geometry {
-    /// Half of the box about it, along its own axes [m]; `None` for a plane, which has no end, and for
-    /// a mesh, whose file is not read here.
+    /// Middle of the boxes and balls about it [m], which is inside: the origin of its frame but for a
+    /// hull, of which it is the [centre](Hull::center).
+    pub fn center(&self) -> DVec3 {
+        match self {
+            Self::Hull(hull) => hull.center(),
+            _ => DVec3::ZERO,
+        }
+    }
+    /// Half of the box about its [centre](Self::center) that holds it, along its own axes [m]; `None`
+    /// for a plane, which has no end, and for a mesh, whose file is not read here.
     pub fn half_extents(&self) -> Option<DVec3> {
         Some(match *self {
             Self::Plane { .. } | Self::Mesh { .. } => return None,
@@ -83,6 +93,7 @@ impl Geometry {
                 half_height,
             } => DVec3::new(radius, half_height, radius),
             Self::Box { half } | Self::Ellipsoid { half } => half,
+            Self::Hull(ref hull) => hull.half_extents(),
         })
     }
 }

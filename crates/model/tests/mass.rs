@@ -2,7 +2,7 @@
 
 use approx::assert_relative_eq;
 use glam::{DMat3, DQuat, DVec3};
-use kinetarium_model::{Geometry, MassProperties, Pose, Shape};
+use kinetarium_model::{Geometry, Hull, MassProperties, Pose, Shape};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
@@ -50,7 +50,9 @@ fn slice(geometry: &Geometry, y: f64) -> Slice {
             let into_cap = (y.abs() - (half_height - radius)).max(0.0);
             disc((radius * radius - into_cap * into_cap).sqrt())
         }
-        Geometry::Plane { .. } | Geometry::Mesh { .. } => unreachable!("not solids"),
+        Geometry::Plane { .. } | Geometry::Hull(_) | Geometry::Mesh { .. } => {
+            unreachable!("not solids of revolution or boxes")
+        }
     }
 }
 
@@ -147,6 +149,43 @@ fn closed_forms_equal_quadrature() {
         let exact = MassProperties::of(&geometry, 3.0).unwrap();
         assert_alike(&exact, &by_quadrature(&geometry, top, 3.0), 1e-7);
     }
+}
+
+/// The corners of a box are a box, wherever they lie.
+#[test]
+fn a_hull_in_the_form_of_a_box_weighs_what_the_box_does() {
+    let (half, middle) = (DVec3::new(0.3, 0.8, 1.2), DVec3::new(5.0, -2.0, 0.1));
+    let turn = DQuat::from_scaled_axis(DVec3::new(0.3, -1.1, 0.4));
+    let place = Pose::new(middle, turn);
+    let side = |i: u32, bit: u32| f64::from((i >> bit & 1) * 2) - 1.0;
+    let corner = |i| place.point(half * DVec3::new(side(i, 0), side(i, 1), side(i, 2)));
+    let corners: Vec<_> = (0..8).map(corner).collect();
+    let hull = MassProperties::of(&Geometry::Hull(Hull::new(&corners).unwrap()), 3.0).unwrap();
+    let cuboid = MassProperties::of(&Geometry::Box { half }, 3.0).unwrap();
+    assert_alike(&hull, &cuboid.placed(&place), 1e-13);
+}
+
+/// The tetrahedron (0, a, b, c) along the axes: m = ρ abc/6, centre (a, b, c)/4, and about the origin
+/// ∫x² dm = m a²/10, ∫xy dm = m ab/20.
+#[test]
+fn a_tetrahedron_weighs_a_sixth_of_its_box() {
+    let (size, density) = (DVec3::new(2.0, 3.0, 5.0), 7.0);
+    let [x, y, z] = DVec3::AXES.map(|axis| axis * size);
+    let hull = Hull::new(&[DVec3::ZERO, x, y, z]).unwrap();
+    let found = MassProperties::of(&Geometry::Hull(hull), density).unwrap();
+    let m = density * size.element_product() / 6.0;
+    let squares = size * size * m / 10.0;
+    let products = -size * DVec3::new(size.y, size.z, size.x) * m / 20.0;
+    let [xy, yz, zx] = products.to_array();
+    let about_origin = DMat3::from_cols(
+        DVec3::new(squares.y + squares.z, xy, zx),
+        DVec3::new(xy, squares.z + squares.x, yz),
+        DVec3::new(zx, yz, squares.x + squares.y),
+    );
+    assert_relative_eq!(found.mass, m, max_relative = 1e-14);
+    assert!(found.center.abs_diff_eq(size / 4.0, 1e-14));
+    let there = found.inertia_about(DVec3::ZERO);
+    assert!(there.abs_diff_eq(about_origin, 1e-12 * m), "{there}");
 }
 
 #[test]

@@ -507,10 +507,10 @@ fn finished_in_a_branch_is_an_error() {
     let error = fault(|k| {
         for i in k.count(3) {
             let negative = k.load(place(), i, 0).lt(Real::zero());
-            if let Some(_branch) = k.if_any(negative) {
-                if k.finished(negative) {
-                    break;
-                }
+            if let Some(_branch) = k.if_any(negative)
+                && k.finished(negative)
+            {
+                break;
             }
         }
     });

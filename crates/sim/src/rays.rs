@@ -132,7 +132,7 @@ impl<'a> Solid<'a> {
         };
         let axes = DVec3::AXES.map(|axis| self.pose.direction(axis).abs());
         let reach = axes[0] * half.x + axes[1] * half.y + axes[2] * half.z;
-        let center = self.pose.position;
+        let center = self.pose.point(self.geometry.center());
         Aabb::enclosing(center - reach, center + reach)
     }
 }

@@ -310,17 +310,17 @@ fn trajectories_have_the_recorded_bits() {
 #[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 const GOLDEN: [[[u64; 2]; 5]; 2] = [
     [
-        [0xa353_bed0_4775_5c4b, 0x4826_f82d_785d_6e37],
-        [0x7e51_e6d4_09be_2e83, 0x54f9_a691_80ec_c60d],
-        [0x927b_c22e_20b3_c1f8, 0x63e9_842a_6bc3_d2ab],
-        [0xc6aa_4c7f_da03_aa19, 0x9e5d_9d23_928b_4786],
+        [0xaeaa_cedf_7d44_8f97, 0x15d5_d8c2_1066_3b3f],
+        [0x5ea0_4e10_1ff5_e06a, 0xcd58_a16f_51b4_1700],
+        [0xd60b_f5a9_b7d6_dead, 0x622c_89c7_c5eb_3160],
+        [0x7358_8ae4_5588_0658, 0xcbe2_2b2a_1252_5aac],
         [0x6b08_fcf4_5373_2cbb, 0x260b_7f59_ea22_a03d],
     ],
     [
-        [0x6a9e_f3fb_51b8_88f7, 0xd03a_80e6_957b_82b9],
-        [0x584d_5e96_d302_94f3, 0x4633_7c70_c0bb_30ae],
-        [0x9039_439f_83db_71b1, 0x9332_3bf9_b034_7956],
-        [0x6708_c53d_2c14_930d, 0xba0c_8c5a_d8f8_315f],
+        [0x4371_29f9_6e59_2129, 0x8385_6d8c_148c_3ae4],
+        [0x7d45_26ad_4913_0113, 0x02ae_5d13_ee6e_8a45],
+        [0x641c_893e_19a0_545b, 0xefbb_4ae1_8510_2a9e],
+        [0xa727_70ed_c927_3cef, 0x50ab_6168_38ac_a07a],
         [0xa625_ddbd_9001_3423, 0x63ae_c6d1_5db9_c98d],
     ],
 ];
@@ -328,7 +328,7 @@ const GOLDEN: [[[u64; 2]; 5]; 2] = [
 /// For the heap: of each method that lets bodies touch, f32 and f64.
 #[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 const GOLDEN_HEAP: [[u64; 2]; 3] = [
-    [0x1cb6_6f70_a4a8_6ae1, 0xe9e9_bbda_140c_552c],
-    [0xe05d_f77e_2b9d_ff08, 0x87c2_2b39_2ca6_2b12],
-    [0xfcd3_c402_538f_3536, 0x2dc8_f4cd_8f23_f958],
+    [0x6dd0_5755_2990_263e, 0x61ba_4024_9e8f_951d],
+    [0x59a9_8100_5927_9b68, 0xc100_f7d8_c24d_0c86],
+    [0xd04f_f26d_a23a_8bdd, 0xbe1d_a032_529a_e523],
 ];

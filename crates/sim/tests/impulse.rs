@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 use kinetarium_sim::{Simulation, SimulationSettings, SolverKind};
 use model::{
-    BodyHandle, BodyId, Builder, Combine, Geometry, Material, Model, Pose, Shape, Softness,
+    BodyHandle, BodyId, Builder, Combine, Geometry, Hull, Material, Model, Pose, Shape, Softness,
 };
 use numbers::Float;
 
@@ -100,6 +100,96 @@ fn a_block_on_an_incline_sticks_or_slides() {
             "{angle}: {way} for {expected}"
         );
     }
+}
+
+/// A cube as the hull of its corners, which lie anywhere in the shape's frame.
+fn hull_of_cube() -> Shape {
+    let away = Pose::new(
+        DVec3::new(0.3, -0.2, 0.5),
+        DQuat::from_scaled_axis(DVec3::new(0.4, 0.9, -0.3)),
+    );
+    let side = |i: usize, bit: usize| if i >> bit & 1 == 1 { 0.1 } else { -0.1 };
+    let corner = |i| away.point(DVec3::new(side(i, 0), side(i, 1), side(i, 2)));
+    let corners: Vec<_> = (0..8).map(corner).collect();
+    Shape::new(Geometry::Hull(Hull::new(&corners).unwrap())).at(away.inverse())
+}
+
+/// At rest, stuck, sliding, and dropped: in the same place after each step.
+#[test]
+fn a_hull_in_the_form_of_a_cube_is_the_cube() {
+    let material = Material {
+        friction: 0.5,
+        ..Material::default()
+    };
+    // A fall makes something of the order of the points.
+    for (height, angle, near) in [
+        (0.1, 0.0, 1e-6),
+        (0.1, 0.4, 1e-6),
+        (0.1, 0.6, 1e-6),
+        (0.2, 0.2, 1e-3),
+    ] {
+        let [mut cuboid, mut hull] = [cube(), hull_of_cube()]
+            .map(|shape| simulate::<f64>(on_plane(shape, height, angle, material).0));
+        for step in 0..500 {
+            cuboid.step(1);
+            hull.step(1);
+            let places = [&mut cuboid, &mut hull].map(|sim| sim.outputs().body_position(0, body()));
+            let off = (places[0] - places[1]).length();
+            assert!(off < near, "{angle}, step {step}: {off}");
+        }
+    }
+}
+
+/// Hulls of 4, 6, 8 and 12 corners, some of them side by side in lanes, fall on a plane and on each
+/// other: in lanes as one by one, and at rest in the end.
+#[test]
+fn hulls_of_any_number_of_corners_pile_up() {
+    let corners = |n: usize, height: f64| -> Vec<DVec3> {
+        let ring = |y: f64| {
+            (0..n).map(move |i| {
+                let turn = std::f64::consts::TAU * i as f64 / n as f64;
+                DVec3::new(0.1 * turn.cos(), y, 0.1 * turn.sin())
+            })
+        };
+        ring(0.0).chain(ring(height)).collect()
+    };
+    let tetrahedron = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].map(|p| 0.15 * p);
+    let solids = [
+        tetrahedron.to_vec(),
+        corners(3, 0.1),
+        corners(4, 0.08),
+        corners(6, 0.12),
+    ];
+    let mut world = Builder::new("hulls");
+    world.object("ground").scenery(Shape::new(PLANE));
+    let pile = world.object("pile");
+    for i in 0..16 {
+        let hull = Hull::new(&solids[i % 4]).unwrap();
+        let place = DVec3::new(0.02 * (i % 3) as f64, 0.1 + 0.2 * i as f64, 0.01 * i as f64);
+        pile.body(format!("hull_{i}"))
+            .at(Pose::at(place))
+            .shape(Geometry::Hull(hull));
+    }
+    let model = world.build().unwrap();
+    let weight = model.total_mass() * G;
+    let run = |settings: SimulationSettings| {
+        let mut sim = Simulation::<f32>::new(model.clone(), settings).unwrap();
+        sim.step(1000);
+        let outputs = sim.outputs();
+        let places: Vec<_> = (0..16)
+            .map(|i| outputs.body_position(0, BodyId(i)))
+            .collect();
+        let ground = outputs.contacts(0).filter(|c| c.shapes[0].0 == 0);
+        (places, ground.map(|c| c.force.y).sum::<f64>())
+    };
+    let (places, force) = run(settings());
+    assert!((force / weight - 1.0).abs() < 0.05, "{force} for {weight}");
+    let lies = |p: &DVec3| p.y > -1e-3 && p.y < 1.0 && p.length() < 3.0;
+    assert!(places.iter().all(lies), "{places:?}");
+    let (mut scalar, mut threads) = (settings(), settings());
+    scalar.scalar = true;
+    threads.threads = 2;
+    assert_eq!([run(scalar).0, run(threads).0], [places.clone(), places]);
 }
 
 /// v² / 2 μ g, and at most what a step more makes of it.

@@ -4,7 +4,7 @@ use fastrand::Rng;
 use glam::{DMat3, DQuat, DVec3};
 use kinetarium_sim::{Ray, RayHit, Simulation, SimulationError, SimulationSettings, SolverKind};
 use model::examples::square_pyramid;
-use model::{Builder, Geometry, Model, Pose, Shape, ShapeId};
+use model::{Builder, Geometry, Hull, Model, Pose, Shape, ShapeId};
 use std::f64::consts::SQRT_2;
 
 const PLANE: Geometry = Geometry::Plane {
@@ -27,6 +27,20 @@ const CONE: Geometry = Geometry::Cone {
 const HALF: DVec3 = DVec3::new(1.0, 2.0, 3.0);
 const BOX: Geometry = Geometry::Box { half: HALF };
 const ELLIPSOID: Geometry = Geometry::Ellipsoid { half: HALF };
+
+/// Seven corners about a point beside the origin, which is inside.
+fn hull() -> Geometry {
+    let corners = [
+        [1.2, 0.1, 0.2],
+        [-0.7, 0.0, 0.3],
+        [0.2, 1.5, -0.1],
+        [0.1, -0.9, 0.2],
+        [0.4, 0.2, 1.1],
+        [0.3, 0.1, -0.8],
+        [0.9, 0.8, 0.7],
+    ];
+    Geometry::Hull(Hull::new(&corners.map(DVec3::from)).unwrap())
+}
 
 /// Shapes fixed to the world, and a body without any.
 fn scenery(shapes: impl IntoIterator<Item = Shape>) -> Model {
@@ -182,6 +196,10 @@ fn level(geometry: &Geometry, p: DVec3) -> f64 {
         } => (across - radius * (h - p.y) / (2.0 * h)).max(-h - p.y),
         Geometry::Box { half } => (p.abs() - half).max_element(),
         Geometry::Ellipsoid { half } => (p / half).length() - 1.0,
+        Geometry::Hull(ref hull) => {
+            let above = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).normalize().dot(p - a);
+            hull.faces().map(above).fold(f64::NEG_INFINITY, f64::max)
+        }
         Geometry::Plane { .. } | Geometry::Mesh { .. } => p.y,
     }
 }
@@ -210,7 +228,7 @@ fn march(geometry: &Geometry, origin: DVec3, direction: DVec3, far: f64) -> Opti
 #[test]
 fn rays_stop_where_a_march_does() {
     let mut rng = Rng::with_seed(2);
-    for geometry in [SPHERE, CAPSULE, CYLINDER, CONE, BOX, ELLIPSOID] {
+    for geometry in [SPHERE, CAPSULE, CYLINDER, CONE, BOX, ELLIPSOID, hull()] {
         let pose = somewhere(&mut rng);
         let mut simulation = one(geometry.clone(), pose);
         let (mut hits, mut normals) = (0, 0);
@@ -246,7 +264,16 @@ fn rays_stop_where_a_march_does() {
 
 #[test]
 fn from_inside_the_distance_is_zero() {
-    for geometry in [PLANE, SPHERE, CAPSULE, CYLINDER, CONE, BOX, ELLIPSOID] {
+    for geometry in [
+        PLANE,
+        SPHERE,
+        CAPSULE,
+        CYLINDER,
+        CONE,
+        BOX,
+        ELLIPSOID,
+        hull(),
+    ] {
         let mut simulation = one(geometry.clone(), Pose::at(DVec3::Y));
         let origin = DVec3::new(0.1, 0.9, 0.05);
         for direction in [DVec3::X, -DVec3::Y, DVec3::new(1.0, 2.0, 3.0)] {
@@ -274,7 +301,16 @@ fn from_inside_the_distance_is_zero() {
 /// 1e8 m away a double has 1.5e-8 m between its values.
 #[test]
 fn from_afar_only_the_digits_of_the_origin_are_lost() {
-    for geometry in [PLANE, SPHERE, CAPSULE, CYLINDER, CONE, BOX, ELLIPSOID] {
+    for geometry in [
+        PLANE,
+        SPHERE,
+        CAPSULE,
+        CYLINDER,
+        CONE,
+        BOX,
+        ELLIPSOID,
+        hull(),
+    ] {
         let mut simulation = one(geometry.clone(), Pose::IDENTITY);
         for direction in [-DVec3::Y, DVec3::new(-0.8, -0.6, 0.0)] {
             let near = DVec3::new(0.05, 0.0, 0.03) - 8.0 * direction;
@@ -313,7 +349,7 @@ fn many_rays_meet_what_each_meets_alone() {
     let mut world = Builder::new("heap");
     let object = world.object("things");
     object.scenery(Shape::new(PLANE).at(Pose::at(-2.0 * DVec3::Y)));
-    for geometry in [SPHERE, CAPSULE, CYLINDER, CONE, BOX, ELLIPSOID] {
+    for geometry in [SPHERE, CAPSULE, CYLINDER, CONE, BOX, ELLIPSOID, hull()] {
         for _ in 0..4 {
             let pose = somewhere(&mut rng);
             object.scenery(Shape::new(geometry.clone()).at(pose).without_contact());

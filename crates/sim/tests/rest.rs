@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 use kinetarium_sim::{Simulation, SimulationSettings, SolverKind};
-use model::examples::{card_house, pyramid, tower, towers};
+use model::examples::{arch, card_house, pyramid, tower, towers};
 use model::{BodyId, Builder, Geometry, Material, Model, Pose, Shape, Softness};
 
 /// How far the bodies of a scene sink at first, how far they drift then, and how fast they are in
@@ -136,6 +136,7 @@ fn free_bodies_stay_where_they_are() {
         ("two storeys of cards", card_house(2), 60),
         ("three storeys of cards", card_house(3), 60),
         ("a wall of fifteen rows", pyramid(15), 20),
+        ("an arch of nine stones", arch(9), 60),
     ];
     for (name, scene, seconds) in scenes {
         stays(

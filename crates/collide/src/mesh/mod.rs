@@ -1,20 +1,25 @@
 //! Triangle meshes: a surface, not a solid, that is touched from the side its normals point to.
 
 mod adjacency;
+#[cfg(feature = "decomposition")]
+mod decomposition;
 mod distance_field;
+#[cfg(feature = "gltf")]
+mod glb;
 mod hierarchy;
 mod kernel;
-#[cfg(feature = "assets")]
+#[cfg(feature = "meshes")]
 mod load;
 mod tables;
 
 pub use distance_field::DistanceFieldError;
 pub use kernel::{Surface, mesh_convex};
-#[cfg(feature = "assets")]
+#[cfg(feature = "meshes")]
 pub use load::LoadError;
 pub use tables::{MeshData, MeshTables, SLOTS, contact};
 
 use glam::DVec3;
+use model::{Hull, HullError};
 
 /// Triangles over shared vertices, counter-clockwise as seen from outside.
 #[derive(Clone, Debug, PartialEq)]
@@ -153,6 +158,14 @@ impl TriangleMesh {
             }
         }
         Ok(Self::new(&vertices, &triangles)?)
+    }
+
+    /// The convex hull of all vertices: what was hollow is filled.
+    ///
+    /// # Errors
+    /// A mesh that lies in one plane, a hull of too many corners.
+    pub fn convex_hull(&self) -> Result<Hull, HullError> {
+        Hull::new(&self.vertices)
     }
 
     /// The vertices [m].

@@ -83,7 +83,7 @@ pub(super) struct Motors {
 pub(super) fn read(
     root: &Element,
     tree: &mut Tree,
-    context: &Context,
+    context: &Context<'_>,
     report: &mut Report,
 ) -> Result<Motors, FormatError> {
     let mut motors = Motors::default();
@@ -115,7 +115,7 @@ pub(super) fn read(
 fn read_one(
     element: &Element,
     tree: &mut Tree,
-    context: &Context,
+    context: &Context<'_>,
     report: &mut Report,
 ) -> Result<Option<(Actuator, Option<f64>)>, FormatError> {
     if !is_supported(element, report)? {
@@ -235,7 +235,7 @@ fn control_range(
     element: &Element,
     target: &TreeJoint,
     servo: &Servo,
-    context: &Context,
+    context: &Context<'_>,
 ) -> Result<Option<(f64, f64)>, FormatError> {
     let inherit = element.non_negative("inheritrange")?.unwrap_or(0.0);
     if inherit == 0.0 {
@@ -263,7 +263,7 @@ fn add_reflected(
     element: &Element,
     actuator: &Actuator,
     tree: &mut Tree,
-    context: &Context,
+    context: &Context<'_>,
     report: &mut Report,
 ) -> Result<(), FormatError> {
     let dof = &mut tree.parts.joints[actuator.joint.0].dofs[actuator.dof];

@@ -43,7 +43,7 @@ struct Visit<'a> {
 /// Reads all bodies, every parent before its children.
 pub(super) fn read(
     root: &Element,
-    context: &Context,
+    context: &Context<'_>,
     report: &mut Report,
 ) -> Result<Tree, FormatError> {
     let mut tree = Tree::new();
@@ -60,7 +60,7 @@ pub(super) fn read(
 fn read_world<'a>(
     world: &'a Element,
     tree: &mut Tree,
-    context: &Context,
+    context: &Context<'_>,
     report: &mut Report,
 ) -> Result<Vec<Visit<'a>>, FormatError> {
     let class = content::class(world, None, context)?;
@@ -86,7 +86,7 @@ fn read_world<'a>(
 fn read_body<'a>(
     visit: &Visit<'a>,
     tree: &mut Tree,
-    context: &Context,
+    context: &Context<'_>,
     report: &mut Report,
 ) -> Result<Vec<Visit<'a>>, FormatError> {
     let element = visit.element;
@@ -141,7 +141,7 @@ fn weigh(
     body: &Element,
     contents: &[Content],
     moves: bool,
-    context: &Context,
+    context: &Context<'_>,
     report: &mut Report,
 ) -> Result<(MassProperties, Vec<Geom>), FormatError> {
     let inertials: Vec<_> = contents.iter().filter(|c| c.is(&["inertial"])).collect();
@@ -166,7 +166,7 @@ fn read_others(
     contents: &[Content],
     body: Option<BodyId>,
     tree: &mut Tree,
-    context: &Context,
+    context: &Context<'_>,
     report: &mut Report,
 ) -> Result<(), FormatError> {
     for content in contents {

@@ -25,7 +25,7 @@ const PAIR_UNUSED: &[(&str, &str)] = &[("solreffriction", "dry friction is not s
 pub(super) fn read(
     root: &Element,
     tree: &mut Tree,
-    context: &Context,
+    context: &Context<'_>,
     report: &mut Report,
 ) -> Result<(), FormatError> {
     let rules = root.children_named("contact").flat_map(|s| &s.children);
@@ -63,7 +63,7 @@ fn exclude(element: &Element, tree: &mut Tree, report: &mut Report) -> Result<()
 fn pair(
     element: &Element,
     tree: &mut Tree,
-    context: &Context,
+    context: &Context<'_>,
     report: &mut Report,
 ) -> Result<(), FormatError> {
     report.check_attributes(element, PAIR, PAIR_UNUSED)?;
@@ -119,7 +119,7 @@ impl Welds {
     }
 
     /// Whether geoms of two bodies do not touch for what they hang on.
-    fn keep_apart(&self, a: BodyId, b: BodyId, context: &Context) -> bool {
+    fn keep_apart(&self, a: BodyId, b: BodyId, context: &Context<'_>) -> bool {
         let (top_a, top_b) = (self.top[a.0], self.top[b.0]);
         if top_a.is_none() || top_b.is_none() {
             return top_a == top_b;
@@ -128,7 +128,7 @@ impl Welds {
         top_a == top_b || (carried && context.physics.on("filterparent"))
     }
 
-    fn let_joints_collide(&self, tree: &mut Tree, context: &Context) {
+    fn let_joints_collide(&self, tree: &mut Tree, context: &Context<'_>) {
         for joint in &mut tree.parts.joints {
             if let Some(parent) = joint.parent {
                 joint.bodies_collide = !self.keep_apart(parent, joint.child, context);
@@ -137,7 +137,7 @@ impl Welds {
     }
 
     /// Keeps apart what no joint ties directly.
-    fn exclude(&self, tree: &mut Tree, context: &Context) {
+    fn exclude(&self, tree: &mut Tree, context: &Context<'_>) {
         let joints = tree.parts.joints.iter();
         let tied: HashSet<_> = joints.filter_map(|j| Some((j.parent?, j.child))).collect();
         let shapes = tree.parts.shapes.iter().filter(|s| s.collides);
@@ -188,7 +188,7 @@ fn alike(a: &Material, b: &Material) -> bool {
 pub(super) fn mix(
     model: Model,
     surfaces: &[Surface],
-    context: &Context,
+    context: &Context<'_>,
 ) -> Result<Model, ModelError> {
     let named: HashSet<_> = model.contact_pairs.iter().map(|pair| pair.shapes).collect();
     let mut pairs = Vec::new();

@@ -40,7 +40,7 @@ impl Content<'_> {
 pub(super) fn class<'a>(
     element: &'a Element,
     outer: Option<&'a str>,
-    context: &Context,
+    context: &Context<'_>,
 ) -> Result<Option<&'a str>, FormatError> {
     let own = element.get("childclass");
     if own.is_some() {
@@ -53,7 +53,7 @@ pub(super) fn class<'a>(
 pub(super) fn of<'a>(
     element: &'a Element,
     class_here: Option<&'a str>,
-    context: &Context,
+    context: &Context<'_>,
     report: &mut Report,
 ) -> Result<Vec<Content<'a>>, FormatError> {
     let direct = |element| Content {
@@ -85,7 +85,7 @@ pub(super) fn of<'a>(
 pub(super) fn geoms(
     contents: &[Content],
     weight: Weight,
-    context: &Context,
+    context: &Context<'_>,
     report: &mut Report,
 ) -> Result<Vec<Geom>, FormatError> {
     let mut geoms = Vec::new();
@@ -107,7 +107,7 @@ pub(super) fn geoms(
 /// The joints among them.
 pub(super) fn joints(
     contents: &[Content],
-    context: &Context,
+    context: &Context<'_>,
     report: &mut Report,
 ) -> Result<Vec<FileJoint>, FormatError> {
     let mut joints = Vec::new();

@@ -27,7 +27,7 @@ type End = (Option<BodyId>, Pose);
 pub(super) fn read(
     root: &Element,
     tree: &mut Tree,
-    context: &Context,
+    context: &Context<'_>,
     report: &mut Report,
 ) -> Result<(), FormatError> {
     let mut names = HashSet::new();

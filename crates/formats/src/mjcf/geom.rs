@@ -90,7 +90,7 @@ pub(super) fn read(
     element: &Element,
     frame: Pose,
     weight: Weight,
-    context: &Context,
+    context: &Context<'_>,
     report: &mut Report,
 ) -> Result<Option<Geom>, FormatError> {
     report.check_attributes(element, KNOWN, &[])?;
@@ -116,10 +116,15 @@ pub(super) fn read(
     };
     let group = element.integer("group")?.unwrap_or(0);
     let (first, last) = context.compiler.inertia_groups;
+    if shape.collides
+        && let Some(hull) = context.hulls.of(element, &shape.geometry)?
+    {
+        shape.geometry = Geometry::Hull(hull);
+    }
     let solid = match weight {
         Weight::Unused => None,
         _ if !(first..=last).contains(&group) => None,
-        weight => solid(element, &shape, weight, report)?,
+        weight => solid(element, &shape, weight, context, report)?,
     };
     shape.density = density(element, &shape, solid)?;
     lengthen_short_capsule(element, &mut shape.geometry, report);
@@ -164,7 +169,7 @@ fn refuse_contact_physics(element: &Element, report: &mut Report) -> Result<(), 
 /// The solid and its pose in the geom's frame of reference.
 fn placed_geometry(
     element: &Element,
-    context: &Context,
+    context: &Context<'_>,
     report: &mut Report,
 ) -> Result<Option<(Geometry, Pose)>, FormatError> {
     let kind = element.word("type", TYPES)?.unwrap_or("sphere");
@@ -274,7 +279,7 @@ fn geometry(element: &Element, kind: &str, sizes: &[f64]) -> Result<Geometry, Fo
 
 fn mesh(
     element: &Element,
-    context: &Context,
+    context: &Context<'_>,
     report: &mut Report,
 ) -> Result<Option<(Geometry, Pose)>, FormatError> {
     let name = element.require("mesh")?;
@@ -297,7 +302,7 @@ fn mesh(
 }
 
 /// Its own colour, or its material's, or grey.
-fn own_color(element: &Element, context: &Context) -> Result<[f32; 4], FormatError> {
+fn own_color(element: &Element, context: &Context<'_>) -> Result<[f32; 4], FormatError> {
     let of_material = element
         .get("material")
         .and_then(|name| context.assets.colors.get(name));
@@ -311,6 +316,7 @@ fn solid(
     element: &Element,
     shape: &Shape,
     weight: Weight,
+    context: &Context<'_>,
     report: &mut Report,
 ) -> Result<Option<MassProperties>, FormatError> {
     let mass = element.non_negative("mass")?;
@@ -318,20 +324,43 @@ fn solid(
     if mass.unwrap_or(density) == 0.0 {
         return Ok(None);
     }
-    if let Geometry::Mesh { .. } = shape.geometry {
-        if weight == Weight::Needed {
-            let remedy = "give the body an <inertial> element, or this geom mass=\"0\"";
-            report.refuse(element, "mass from the volume of a mesh", remedy)?;
+    let shell = element.truth("shellinertia")? == Some(true);
+    let unit = match &shape.geometry {
+        Geometry::Mesh { .. } | Geometry::Hull(_) if weight != Weight::Needed => return Ok(None),
+        Geometry::Mesh { .. } | Geometry::Hull(_) => {
+            hull_mass(element, shape, shell, context, report)?
         }
-        return Ok(None);
-    }
-    let unit = if element.truth("shellinertia")? == Some(true) {
-        shell::of(&shape.geometry)
-    } else {
-        MassProperties::of(&shape.geometry, 1.0)
+        solid if shell => shell::of(solid),
+        solid => MassProperties::of(solid, 1.0),
     };
     let placed = unit.map(|unit| unit.placed(&shape.pose));
     Ok(placed.map(|unit| unit.with_mass(mass.unwrap_or(density * unit.mass))))
+}
+
+/// Of the hull of a mesh, of unit density, in the geom's frame.
+fn hull_mass(
+    element: &Element,
+    shape: &Shape,
+    shell: bool,
+    context: &Context<'_>,
+    report: &mut Report,
+) -> Result<Option<MassProperties>, FormatError> {
+    let hull = match &shape.geometry {
+        Geometry::Hull(hull) => Some(hull.clone()),
+        mesh => context.hulls.of(element, mesh)?,
+    };
+    let remedy = "give the body an <inertial> element, or this geom mass=\"0\"";
+    let Some(hull) = hull else {
+        let remedy = &format!("make meshes their convex hulls (--meshes hull), {remedy}");
+        report.refuse(element, "mass from the volume of a mesh", remedy)?;
+        return Ok(None);
+    };
+    if shell {
+        report.refuse(element, "mass from the surface of a mesh", remedy)?;
+        return Ok(None);
+    }
+    report.note(element, "mass from a mesh", "it is that of its convex hull");
+    Ok(MassProperties::of(&Geometry::Hull(hull), 1.0))
 }
 
 /// Density of the solid: the file's, or what its mass implies.

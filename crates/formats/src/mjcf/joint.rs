@@ -95,7 +95,7 @@ pub(super) struct FileJoint {
 pub(super) fn read(
     element: Element,
     frame: Pose,
-    context: &Context,
+    context: &Context<'_>,
     report: &mut Report,
 ) -> Result<FileJoint, FormatError> {
     let kind = match element.word("type", &["free", "ball", "slide", "hinge"])? {
@@ -163,7 +163,7 @@ fn dof(
     element: &Element,
     kind: Kind,
     angle: f64,
-    context: &Context,
+    context: &Context<'_>,
     report: &mut Report,
 ) -> Result<Dof, FormatError> {
     let physics = &context.physics;
@@ -233,7 +233,7 @@ fn limits(
     element: &Element,
     kind: Kind,
     angle: f64,
-    context: &Context,
+    context: &Context<'_>,
     report: &mut Report,
 ) -> Result<Option<(f64, f64)>, FormatError> {
     if kind == Kind::Free || !context.physics.on("limit") {

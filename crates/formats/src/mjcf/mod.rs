@@ -36,7 +36,8 @@
 //! - A ball joint stands alone on its body, is not limited, and takes motors about one axis at a time.
 //! - Refused unless lenient: drag by a fluid, gravity compensation, tendons that exert force, muscles
 //!   and other actuators with a state, plugins, flexible bodies, polynomial springs, `<replicate>`,
-//!   `<attach>` and the like, and mass from the volume of a mesh.
+//!   `<attach>` and the like, and mass from the volume of a mesh that does not become its hull
+//!   ([`Options::meshes`]). MuJoCo's own mass of a mesh is that of its surface's inside, not of its hull.
 
 mod actuator;
 mod assets;
@@ -64,17 +65,19 @@ mod tree;
 use crate::error::FormatError;
 use crate::files::Files;
 use crate::fuse::Fusion;
+use crate::hulls::Hulls;
 use crate::report::Report;
 use crate::xml::{self, Element};
 use crate::{Loaded, Options, names};
 use model::{Model, Parts, UpAxis};
 
 /// What the whole file is read by.
-struct Context {
+struct Context<'a> {
     compiler: compiler::Compiler,
     physics: option::Physics,
     defaults: defaults::Defaults,
     assets: assets::Assets,
+    hulls: Hulls<'a>,
 }
 
 /// Reads a text; `file` names it in messages, `files` finds what it includes.
@@ -108,6 +111,7 @@ pub(crate) fn read(
     let context = Context {
         assets: assets::Assets::read(&root, &compiler, &defaults, &mut report)?,
         physics: option::Physics::read(&root, &mut report)?,
+        hulls: Hulls::new(files, options.meshes),
         compiler,
         defaults,
     };

@@ -50,7 +50,10 @@ fn least_size(geometry: &Geometry) -> Option<f64> {
             half_height,
         } => Some(radius.min(half_height)),
         Geometry::Box { half } | Geometry::Ellipsoid { half } => Some(half.min_element()),
-        Geometry::Plane { .. } | Geometry::Cone { .. } | Geometry::Mesh { .. } => None,
+        Geometry::Plane { .. }
+        | Geometry::Cone { .. }
+        | Geometry::Hull(_)
+        | Geometry::Mesh { .. } => None,
     }
 }
 
@@ -70,7 +73,10 @@ fn grown(geometry: &Geometry, by: f64) -> Geometry {
             *half_height += by;
         }
         Geometry::Box { half } | Geometry::Ellipsoid { half } => *half += DVec3::splat(by),
-        Geometry::Plane { .. } | Geometry::Cone { .. } | Geometry::Mesh { .. } => {}
+        Geometry::Plane { .. }
+        | Geometry::Cone { .. }
+        | Geometry::Hull(_)
+        | Geometry::Mesh { .. } => {}
     }
     grown
 }

@@ -7,7 +7,7 @@ use crate::joint_space::JointSpace;
 use model::Joint;
 
 /// Fills in limits, springs and dampers of the joints, and the damping of position servos.
-pub(super) fn apply(tree: &mut Tree, motors: &Motors, context: &Context) {
+pub(super) fn apply(tree: &mut Tree, motors: &Motors, context: &Context<'_>) {
     let wanted = |j: &TreeJoint| j.file.range.is_some() || j.file.spring_damper.is_some();
     if !tree.joints.iter().any(wanted) && motors.damping_ratios.is_empty() {
         return;

@@ -11,7 +11,7 @@ const ACTING: &[&str] = &["stiffness", "damping", "frictionloss", "armature"];
 /// Notes tendons that exert no force, and refuses those that do.
 pub(super) fn check(
     root: &Element,
-    context: &Context,
+    context: &Context<'_>,
     report: &mut Report,
 ) -> Result<(), FormatError> {
     for tendon in root

@@ -1,6 +1,7 @@
 //! Frames, solids and colours (urdf/XML/link, "visual" and "collision").
 
 use crate::error::FormatError;
+use crate::hulls::Hulls;
 use crate::report::Report;
 use crate::xml::Element;
 use glam::{DQuat, DVec3};
@@ -10,6 +11,12 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 /// URDF's cylinders stand along z, the model's along y: a rotation about x from y to z.
 const Y_TO_Z: DQuat = DQuat::from_xyzw(FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2);
+
+/// What the shapes of all links have in common.
+pub(super) struct Looks<'a> {
+    pub colors: Colors,
+    pub hulls: Hulls<'a>,
+}
 
 /// Colours of the materials that the robot defines for all its links.
 pub(super) struct Colors(HashMap<String, [f32; 4]>);
@@ -70,7 +77,7 @@ pub(super) fn origin(element: &Element, report: &mut Report) -> Result<Pose, For
 /// A `<visual>` or `<collision>` as a shape; `None` where it was noted and left out.
 pub(super) fn shape(
     element: &Element,
-    colors: &Colors,
+    looks: &Looks<'_>,
     report: &mut Report,
 ) -> Result<Option<Shape>, FormatError> {
     let frame = origin(element, report)?;
@@ -82,9 +89,13 @@ pub(super) fn shape(
         let remedy = "add box, cylinder, sphere or mesh";
         return Err(outer.invalid("it is empty", remedy));
     };
-    let Some(geometry) = geometry(inner, report)? else {
+    let Some(mut geometry) = geometry(inner, report)? else {
         return Ok(None);
     };
+    let collides = element.name == "collision";
+    if collides && let Some(hull) = looks.hulls.of(inner, &geometry)? {
+        geometry = Geometry::Hull(hull);
+    }
     let pose = match geometry {
         Geometry::Cylinder { .. } | Geometry::Capsule { .. } => {
             frame * Pose::new(DVec3::ZERO, Y_TO_Z)
@@ -92,13 +103,13 @@ pub(super) fn shape(
         _ => frame,
     };
     let mut material = Material::default();
-    material.color = colors.of(element)?.unwrap_or(material.color);
+    material.color = looks.colors.of(element)?.unwrap_or(material.color);
     Ok(Some(Shape {
         name: element.get("name").unwrap_or_default().to_owned(),
         pose,
         density: 0.0,
         material,
-        collides: element.name == "collision",
+        collides,
         ..Shape::new(geometry)
     }))
 }

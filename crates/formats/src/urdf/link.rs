@@ -1,6 +1,6 @@
 //! `<link>` (urdf/XML/link): a body's mass and shapes.
 
-use super::geometry::{Colors, origin, shape};
+use super::geometry::{Looks, origin, shape};
 use crate::error::FormatError;
 use crate::inertia::{self, NOTHING};
 use crate::report::Report;
@@ -54,7 +54,7 @@ fn child<'a>(element: &'a Element, name: &str) -> Result<&'a Element, FormatErro
 /// The visual and collision shapes of a link.
 pub(super) fn shapes(
     link: &Element,
-    colors: &Colors,
+    looks: &Looks<'_>,
     report: &mut Report,
 ) -> Result<Vec<Shape>, FormatError> {
     report.check_attributes(link, &["name", "type"], &[])?;
@@ -62,7 +62,7 @@ pub(super) fn shapes(
     for child in &link.children {
         match child.name.as_str() {
             "inertial" => {}
-            "visual" | "collision" => shapes.extend(shape(child, colors, report)?),
+            "visual" | "collision" => shapes.extend(shape(child, looks, report)?),
             _ => report.note(child, "extension", "not read"),
         }
     }

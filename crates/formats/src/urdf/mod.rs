@@ -12,8 +12,9 @@
 //!   critically damped, for the inertia at the start).
 //! - `effort` limits the joint's drive; `mimic` becomes a coupling.
 //! - Links without mass that are fixed to others are fused with them.
-//! - Collision geometry collides, visual geometry is only seen. Mesh files are named, not read;
-//!   `package://` paths stay as they are.
+//! - Collision geometry collides, visual geometry is only seen. Mesh files are named, not read, unless
+//!   those that collide become their convex hulls ([`Options::meshes`]); `package://` paths stay as
+//!   they are.
 
 mod geometry;
 mod joint;
@@ -23,12 +24,13 @@ mod tree;
 use crate::error::FormatError;
 use crate::files::Files;
 use crate::fuse::Fusion;
+use crate::hulls::Hulls;
 use crate::joint_space::JointSpace;
 use crate::limit::Softness;
 use crate::report::Report;
 use crate::xml::{self, Element};
 use crate::{Loaded, Options, mesh_paths, names};
-use geometry::Colors;
+use geometry::{Colors, Looks};
 use glam::DVec3;
 use model::{Model, Parts, UpAxis};
 use tree::Robot;
@@ -58,7 +60,10 @@ pub(crate) fn read(
 ) -> Result<Loaded, FormatError> {
     let mut report = Report::new(options.lenient);
     note_extensions(root, &mut report);
-    let colors = Colors::read(root)?;
+    let looks = Looks {
+        colors: Colors::read(root)?,
+        hulls: Hulls::new(files, options.meshes),
+    };
     let robot = Robot::read(root, &mut report)?;
     let mut parts = Parts {
         name: root.get("name").unwrap_or("robot").to_owned(),
@@ -69,7 +74,7 @@ pub(crate) fn read(
     let tree = tree::build(
         &robot,
         options.floating_base,
-        &colors,
+        &looks,
         &mut parts,
         &mut report,
     )?;

@@ -1,6 +1,6 @@
 //! Links and joints as a tree, its root first.
 
-use super::geometry::{Colors, origin};
+use super::geometry::{Looks, origin};
 use super::joint::{self, Kind};
 use super::link;
 use crate::error::FormatError;
@@ -141,7 +141,7 @@ struct Visit<'r, 'a> {
 pub(super) fn build<'a>(
     robot: &Robot<'a>,
     floating_base: bool,
-    colors: &Colors,
+    looks: &Looks<'_>,
     parts: &mut Parts,
     report: &mut Report,
 ) -> Result<Tree<'a>, FormatError> {
@@ -157,7 +157,7 @@ pub(super) fn build<'a>(
     };
     let mut waiting = vec![at_root];
     while let Some(visit) = waiting.pop() {
-        let (id, pose) = tree.add(&visit, robot, floating_base, colors, parts, report)?;
+        let (id, pose) = tree.add(&visit, robot, floating_base, looks, parts, report)?;
         let leaving = robot.leaving[visit.link].iter().rev();
         waiting.extend(leaving.map(|connection| Visit {
             link: connection.child,
@@ -187,7 +187,7 @@ impl<'a> Tree<'a> {
         visit: &Visit<'_, 'a>,
         robot: &Robot<'a>,
         floating_base: bool,
-        colors: &Colors,
+        looks: &Looks<'_>,
         parts: &mut Parts,
         report: &mut Report,
     ) -> Result<(BodyId, Pose), FormatError> {
@@ -217,7 +217,7 @@ impl<'a> Tree<'a> {
             ..Body::new(link.require("name")?)
         });
         self.elements.push(link.clone());
-        for mut shape in link::shapes(link, colors, report)? {
+        for mut shape in link::shapes(link, looks, report)? {
             shape.body = Some(id);
             parts.shapes.push(shape);
         }

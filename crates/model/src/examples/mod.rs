@@ -3,6 +3,7 @@
 //! Y is up; lengths in metres. All scenes but the chains are of bodies that touch, on a floor at
 //! y = 0.
 
+mod arch;
 mod balls;
 mod bowl;
 mod card_house;
@@ -16,6 +17,7 @@ mod room;
 mod stacks;
 mod stuff;
 
+pub use arch::arch;
 pub use balls::balls;
 pub use bowl::bowl;
 pub use card_house::card_house;
@@ -61,7 +63,7 @@ impl Scene {
 }
 
 /// The scenes, each of the size that shows it best.
-pub static SCENES: [Scene; 8] = [
+pub static SCENES: [Scene; 9] = [
     Scene::new(
         "balls",
         "five balls bounce to e² of their height each, e = 0, ¼, ½, ¾, 1",
@@ -88,6 +90,7 @@ pub static SCENES: [Scene; 8] = [
         "three storeys of leaning cards, at rest",
         || card_house(3),
     ),
+    Scene::new("arch", "nine wedges of stone, at rest", || arch(9)),
     Scene::new("pile", "solids of six kinds fall into a bowl", || pile(24)),
     Scene::new(
         "room",
@@ -121,6 +124,7 @@ mod tests {
     #[test]
     fn scenes_of_nothing_or_far_too_much_are_refused() {
         for scene in [
+            |n| arch(n),
             |n| tower(n, 0.0),
             |n| pyramid(n),
             |n| square_pyramid(n),
@@ -128,7 +132,7 @@ mod tests {
             |n| card_house(n),
             |n| dominoes(n),
             |n| pile(n),
-        ] as [fn(usize) -> Result<Model, ModelError>; 7]
+        ] as [fn(usize) -> Result<Model, ModelError>; 8]
         {
             assert!(scene(0).is_err() && scene(usize::MAX).is_err());
         }

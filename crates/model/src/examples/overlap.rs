@@ -43,7 +43,7 @@ fn bounds(model: &Model, shape: &Shape) -> (DVec3, DVec3) {
     let turn = DMat3::from_quat(pose.orientation);
     let reach =
         turn.x_axis.abs() * half.x + turn.y_axis.abs() * half.y + turn.z_axis.abs() * half.z;
-    around(pose.position, reach)
+    around(pose.point(shape.geometry.center()), reach)
 }
 
 fn around(middle: DVec3, half: DVec3) -> (DVec3, DVec3) {

@@ -5,10 +5,12 @@
 //! worlds. A slot whose point is farther than the two could come within the step holds the
 //! distance [`FAR`](collide::FAR), and costs a comparison.
 
+mod corners;
 mod narrow_phase;
 mod plan;
 pub(crate) mod tables;
 
+pub(crate) use corners::Corners;
 pub(crate) use narrow_phase::{Places, narrow_phase, place_shapes, store_placed};
 pub(crate) use plan::{ContactPlan, Seat};
 pub use tables::ContactTables;

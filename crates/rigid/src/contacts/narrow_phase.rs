@@ -165,6 +165,7 @@ fn has_plane(route: Route) -> bool {
             | Route::PlaneCone
             | Route::PlaneBox
             | Route::PlaneEllipsoid
+            | Route::PlaneHull
     )
 }
 
@@ -181,6 +182,9 @@ fn solid<M: Machine>(k: &M, t: &ContactTables, row: M::I) -> Solid<M> {
                 k.vec3(t.placed, row, placed_field::AXES + 6),
             ),
         },
-        rows: [k.index(0), k.index(0)],
+        rows: [
+            k.link(t.shape_links, row, shape_link::CORNERS),
+            k.link(t.shape_links, row, shape_link::CORNERS + 1),
+        ],
     }
 }

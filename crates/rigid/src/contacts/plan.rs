@@ -1,6 +1,7 @@
 //! Which shapes of a model may touch, and who carries them.
 
-use super::tables::solid;
+use super::Corners;
+use super::tables::Solid;
 use crate::SolverError;
 use collide::Route;
 use model::{CollisionFilter, Model, Pose, Shape, ShapeId};
@@ -61,6 +62,7 @@ pub(crate) struct ContactPlan {
     /// Carrier of each slot.
     movers: Vec<usize>,
     pub(super) between: usize,
+    pub(super) corners: Corners,
 }
 
 impl ContactPlan {
@@ -72,6 +74,7 @@ impl ContactPlan {
             slots: Vec::new(),
             movers: Vec::new(),
             between: 0,
+            corners: Corners::default(),
         }
     }
 
@@ -95,8 +98,8 @@ impl ContactPlan {
                     remedy: "use the solver `impulse`, or let the shape not collide",
                 });
             }
-            let [first, second] = shapes.map(|shape| solid(shape, solver));
-            let kinds = [first?.0, second?.0];
+            let [first, second] = shapes.map(|shape| Solid::new(shape, solver));
+            let kinds = [first?.kind, second?.kind];
             let Some(route) = Route::of(kinds[0], kinds[1]) else {
                 continue;
             };
@@ -105,6 +108,8 @@ impl ContactPlan {
             plan.add(route, [a, b], seats);
         }
         plan.assign_slots();
+        let shapes = plan.sights.iter().map(|s| &model.shapes[s.shape.0]);
+        plan.corners = Corners::new(shapes, |count| count);
         Ok(plan)
     }
 

@@ -5,7 +5,7 @@ use crate::SolverError;
 use crate::tables::Filler;
 use collide::{Route, kind};
 use glam::DVec3;
-use model::{Geometry, Model, Shape};
+use model::{Geometry, Model, Pose, Shape};
 use numbers::Table;
 use numbers::machine::Links;
 use numbers::machine::space::{Parameter, Scratch};
@@ -30,7 +30,9 @@ pub(crate) mod shape_link {
     /// Group of seats in whose frame the pair is looked at.
     pub const SEEN: usize = 2;
     pub const KIND: usize = 3;
-    pub const WIDTH: usize = 4;
+    /// The first of a hull's corners, and the one after the last.
+    pub const CORNERS: usize = 4;
+    pub const WIDTH: usize = 6;
 }
 
 /// Fields of [`ContactTables::placed`].
@@ -113,45 +115,57 @@ pub struct ContactTables {
     pub(crate) kernels: collide::Tables,
 }
 
-/// Kind and half sizes [m] of a geometry, as the kernels have them.
-pub(crate) fn solid(shape: &Shape, solver: &'static str) -> Result<(usize, DVec3), SolverError> {
-    Ok(match shape.geometry {
-        Geometry::Plane { .. } => (kind::PLANE, DVec3::ZERO),
-        Geometry::Sphere { radius } => (kind::SPHERE, DVec3::new(radius, 0.0, 0.0)),
-        Geometry::Capsule {
-            radius,
-            half_height,
-        } => (kind::CAPSULE, DVec3::new(radius, half_height, 0.0)),
-        Geometry::Cylinder {
-            radius,
-            half_height,
-        } => (kind::CYLINDER, DVec3::new(radius, half_height, 0.0)),
-        Geometry::Cone {
-            radius,
-            half_height,
-        } => (kind::CONE, DVec3::new(radius, half_height, 0.0)),
-        Geometry::Box { half } => (kind::BOX, half),
-        Geometry::Ellipsoid { half } => (kind::ELLIPSOID, half),
-        Geometry::Mesh { .. } => {
-            return Err(SolverError::Unsupported {
-                solver,
-                what: "contacts of the mesh",
-                name: shape.name.clone(),
-                remedy: "use solids, let the shape not collide, or switch contacts off",
-            });
-        }
-    })
+/// A shape as the kernels have it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Solid {
+    /// One of [`collide::kind`].
+    pub kind: usize,
+    /// Half sizes [m].
+    pub size: DVec3,
+    /// Radius [m] of the ball about its centre that holds it.
+    pub radius: f64,
+    /// The kernels' frame in that of the shape's carrier.
+    pub pose: Pose,
 }
 
-/// Radius [m] of the ball that holds a solid.
-pub(crate) fn radius(kind: usize, size: DVec3) -> f64 {
-    match kind {
-        kind::PLANE => 0.0,
-        kind::SPHERE => size.x,
-        kind::CAPSULE => size.x.max(size.y),
-        kind::CYLINDER | kind::CONE => size.x.hypot(size.y),
-        kind::ELLIPSOID => size.max_element(),
-        _ => size.length(),
+impl Solid {
+    /// # Errors
+    /// A shape that no kernel collides.
+    pub fn new(shape: &Shape, solver: &'static str) -> Result<Self, SolverError> {
+        let (kind, size, radius) = match shape.geometry {
+            Geometry::Plane { .. } => (kind::PLANE, DVec3::ZERO, 0.0),
+            Geometry::Sphere { radius } => (kind::SPHERE, DVec3::new(radius, 0.0, 0.0), radius),
+            Geometry::Capsule {
+                radius: r,
+                half_height: h,
+            } => (kind::CAPSULE, DVec3::new(r, h, 0.0), r.max(h)),
+            Geometry::Cylinder {
+                radius: r,
+                half_height: h,
+            } => (kind::CYLINDER, DVec3::new(r, h, 0.0), r.hypot(h)),
+            Geometry::Cone {
+                radius: r,
+                half_height: h,
+            } => (kind::CONE, DVec3::new(r, h, 0.0), r.hypot(h)),
+            Geometry::Box { half } => (kind::BOX, half, half.length()),
+            Geometry::Ellipsoid { half } => (kind::ELLIPSOID, half, half.max_element()),
+            Geometry::Hull(ref hull) => (kind::HULL, hull.half_extents(), hull.radius()),
+            Geometry::Mesh { .. } => {
+                return Err(SolverError::Unsupported {
+                    solver,
+                    what: "contacts of the mesh",
+                    name: shape.name.clone(),
+                    remedy: "make meshes their convex hulls (--meshes hull), use solids, let the \
+                             shape not collide, or switch contacts off",
+                });
+            }
+        };
+        Ok(Self {
+            kind,
+            size,
+            radius,
+            pose: shape.pose * Pose::at(shape.geometry.center()),
+        })
     }
 }
 
@@ -180,7 +194,7 @@ impl ContactTables {
             slot_links: Links::place(links, slots),
             placed: Table::place(scratch, shapes),
             slot: Table::place(scratch, slots),
-            kernels: collide::Tables::place(parameters, 0, scratch),
+            kernels: collide::Tables::place(parameters, plan.corners.rows(), scratch),
         }
     }
 
@@ -197,20 +211,24 @@ impl ContactTables {
     ) -> Result<(), SolverError> {
         for (row, sight) in plan.sights.iter().enumerate() {
             let shape = &model.shapes[sight.shape.0];
-            let (kind, size) = solid(shape, solver)?;
-            f.vec3(self.shape, row, shape_field::SIZE, size);
+            let solid = Solid::new(shape, solver)?;
+            f.vec3(self.shape, row, shape_field::SIZE, solid.size);
             f.pose(
                 self.shape,
                 row,
                 shape_field::POSE,
-                sight.seat.place * shape.pose,
+                sight.seat.place * solid.pose,
             );
-            f.number(self.shape, row, shape_field::RADIUS, radius(kind, size));
+            f.number(self.shape, row, shape_field::RADIUS, solid.radius);
             f.link(self.shape_links, row, shape_link::SEAT, sight.seat.row);
             f.link(self.shape_links, row, shape_link::OWN, sight.seat.group);
             f.link(self.shape_links, row, shape_link::SEEN, sight.seen);
-            f.link(self.shape_links, row, shape_link::KIND, kind);
+            f.link(self.shape_links, row, shape_link::KIND, solid.kind);
+            let corners = plan.corners.of(&shape.geometry);
+            f.link(self.shape_links, row, shape_link::CORNERS, corners.start);
+            f.link(self.shape_links, row, shape_link::CORNERS + 1, corners.end);
         }
+        plan.corners.fill(self.kernels.vertices, f);
         for (row, pair) in plan.pairs.iter().enumerate() {
             f.link(self.pair_links, row, pair_link::A, pair.rows[0]);
             f.link(self.pair_links, row, pair_link::B, pair.rows[1]);

@@ -3,7 +3,8 @@
 use super::pair::solid;
 use super::tables::{POINTS, global, mass};
 use super::{memory, surface};
-use crate::contacts::tables as contact_tables;
+use crate::contacts::Corners;
+use crate::contacts::tables::Solid;
 use crate::input::InputTables;
 use crate::output::body;
 use crate::tables::{Filler, UNBOUNDED};
@@ -59,6 +60,10 @@ pub struct Collider {
     pub row: u32,
     /// See [`collide::kind`].
     pub kind: usize,
+    /// How many corners it has, those repeated counted: a power of two for all hulls.
+    pub corners: usize,
+    /// The first of them among those of all.
+    first_corner: usize,
     /// It touches but never pushes.
     pub sensor: bool,
 }
@@ -78,6 +83,7 @@ pub struct Impulse {
     /// The model's frame in the body's own, or in the world.
     pub(super) frame: Table<Parameter, 7>,
     solid: Table<Parameter, { solid::WIDTH }>,
+    corners: Table<Parameter, 3>,
     pub(super) surface: Table<Parameter, { surface::field::WIDTH }>,
     pub(super) gravity: Table<Parameter, 3>,
     pub(super) alive: Table<StateMemory>,
@@ -130,7 +136,7 @@ fn unsupported(what: &'static str, name: &str, remedy: &'static str) -> SolverEr
 /// Whether a model is what this solver is for: several bodies, or sensors, and all bodies free.
 pub fn suits(model: &Model) -> bool {
     let moving = model.bodies.iter().filter(|b| b.kind == BodyKind::Dynamic);
-    let solid = |shape: &model::Shape| contact_tables::solid(shape, NAME).is_ok();
+    let solid = |shape: &model::Shape| Solid::new(shape, NAME).is_ok();
     let mut touching = model.shapes.iter().filter(|shape| shape.collides);
     let senses = touching.clone().any(|shape| shape.sensor);
     let several = moving.take(2).count() == 2;
@@ -180,7 +186,11 @@ impl Impulse {
         }
         let (mut parameters, mut state_length) = (0, 0);
         let row_of = |body: Option<BodyId>| body.map_or(WORLD, |id| rows[id.0]);
-        let shapes = colliders(model, row_of)?;
+        let touching = touching(model);
+        let geometries = touching.iter().map(|id| &model.shapes[id.0]);
+        // Hulls of nearly as many corners are looked at side by side.
+        let corners = Corners::new(geometries, usize::next_power_of_two);
+        let shapes = colliders(model, &touching, &corners, row_of)?;
         let capacity = REMEMBERED * bodies.len() + 16;
         let surfaces = shapes.len() + model.contact_pairs.len();
         let mut impulse = Self {
@@ -191,6 +201,7 @@ impl Impulse {
             mass: Table::place(&mut parameters, bodies.len() + 1),
             frame: Table::place(&mut parameters, model.bodies.len()),
             solid: Table::place(&mut parameters, shapes.len()),
+            corners: Table::place(&mut parameters, corners.rows()),
             surface: Table::place(&mut parameters, surfaces),
             gravity: Table::place(&mut parameters, 1),
             alive: Table::place(&mut state_length, 1),
@@ -213,12 +224,18 @@ impl Impulse {
             shapes,
         };
         impulse.state_length = state_length;
-        impulse.fill(model, parameters)?;
+        impulse.fill(model, &corners, parameters)?;
         Ok(impulse)
     }
 
-    fn fill(&mut self, model: &Model, parameters: usize) -> Result<(), SolverError> {
+    fn fill(
+        &mut self,
+        model: &Model,
+        corners: &Corners,
+        parameters: usize,
+    ) -> Result<(), SolverError> {
         let mut f = Filler::new(parameters, 0);
+        corners.fill(self.corners, &mut f);
         f.vec3(self.gravity, 0, 0, model.gravity);
         for (i, body) in model.bodies.iter().enumerate() {
             let row = self.rows[i] as usize;
@@ -234,22 +251,17 @@ impl Impulse {
         }
         for (row, collider) in self.shapes.iter().enumerate() {
             let shape = &model.shapes[collider.shape.0];
-            let (kind, size) = contact_tables::solid(shape, NAME)?;
+            let solid = Solid::new(shape, NAME)?;
             let carrier = shape.body.map_or(Pose::IDENTITY, |id| match collider.row {
                 WORLD => model.bodies[id.0].pose,
                 _ => own_frame(&model.bodies[id.0]).1.inverse(),
             });
-            f.pose(self.solid, row, solid::POSE, carrier * shape.pose);
-            f.vec3(self.solid, row, solid::SIZE, size);
+            f.pose(self.solid, row, solid::POSE, carrier * solid.pose);
+            f.vec3(self.solid, row, solid::SIZE, solid.size);
             let extent = shape.geometry.half_extents();
             let extent = extent.unwrap_or(DVec3::splat(UNBOUNDED));
             f.vec3(self.solid, row, solid::EXTENT, extent);
-            f.number(
-                self.solid,
-                row,
-                solid::RADIUS,
-                contact_tables::radius(kind, size),
-            );
+            f.number(self.solid, row, solid::RADIUS, solid.radius);
             f.numbers(self.surface, row, 0, &surface::numbers_of(&shape.material));
         }
         for (i, pair) in model.contact_pairs.iter().enumerate() {
@@ -268,6 +280,7 @@ impl Impulse {
         for collider in &self.shapes {
             let shape = &model.shapes[collider.shape.0];
             words.extend([collider.row, collider.kind as u32, collider.shape.0 as u32]);
+            words.extend([collider.corners, collider.first_corner].map(|n| n as u32));
             words.extend([
                 shape.membership,
                 shape.collides_with,
@@ -420,6 +433,12 @@ impl Impulse {
     pub fn solid_of<'a, T>(&self, shape: usize, parameters: &'a [T]) -> &'a [T] {
         &parameters[self.solid.at(shape, 0)..][..solid::WIDTH]
     }
+    /// The corners of a colliding shape about its centre [m], three numbers each.
+    pub fn corners_of<'a, T>(&self, shape: usize, parameters: &'a [T]) -> &'a [T] {
+        let collider = &self.shapes[shape];
+        let first = self.corners.at(collider.first_corner, 0);
+        &parameters[first..][..3 * collider.corners]
+    }
     /// Gravity [m/s²].
     pub fn gravity<'a, T>(&self, parameters: &'a [T]) -> &'a [T] {
         &parameters[self.gravity.at(0, 0)..][..3]
@@ -504,28 +523,36 @@ pub(super) fn pose_at<T: Float>(numbers: &[T], at: usize) -> Pose {
     )
 }
 
-fn colliders(
-    model: &Model,
-    row_of: impl Fn(Option<BodyId>) -> u32,
-) -> Result<Vec<Collider>, SolverError> {
+/// The shapes that may touch.
+fn touching(model: &Model) -> Vec<ShapeId> {
     let named = |id| {
         let pairs = &model.contact_pairs;
         pairs.iter().any(|p| p.shapes.0 == id || p.shapes.1 == id)
     };
     let ids = (0..model.shapes.len()).map(ShapeId);
     ids.filter(|id| model.shapes[id.0].collides || named(*id))
-        .map(|shape| {
-            let row = row_of(model.shapes[shape.0].body);
-            let (kind, _) = contact_tables::solid(&model.shapes[shape.0], NAME)?;
-            let sensor = model.shapes[shape.0].sensor;
-            Ok(Collider {
-                shape,
-                row,
-                kind,
-                sensor,
-            })
-        })
         .collect()
+}
+
+fn colliders(
+    model: &Model,
+    touching: &[ShapeId],
+    corners: &Corners,
+    row_of: impl Fn(Option<BodyId>) -> u32,
+) -> Result<Vec<Collider>, SolverError> {
+    let collider = |&id: &ShapeId| {
+        let shape = &model.shapes[id.0];
+        let corners = corners.of(&shape.geometry);
+        Ok(Collider {
+            shape: id,
+            row: row_of(shape.body),
+            kind: Solid::new(shape, NAME)?.kind,
+            corners: corners.len(),
+            first_corner: corners.start,
+            sensor: shape.sensor,
+        })
+    };
+    touching.iter().map(collider).collect()
 }
 
 /// Rows of the model's contact pairs, by colliders, the lower first.

@@ -118,6 +118,17 @@ pub struct Placed<T> {
     pub placed: [T; placed::WIDTH],
 }
 
+/// A pair as the kernels read it.
+#[derive(Clone, Copy, Debug)]
+pub struct Pair<'a, T> {
+    /// A and B.
+    pub shapes: [&'a Placed<T>; 2],
+    /// Their corners about their centres [m], three numbers each.
+    pub corners: [&'a [T]; 2],
+    /// The gap [m] that their surfaces keep.
+    pub margin: T,
+}
+
 /// The tables for pairs of two kinds, a pair a lane.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PairTables {
@@ -129,8 +140,9 @@ pub struct PairTables {
 }
 
 impl PairTables {
-    /// The layout for A and B of these kinds, which the route must be the one of.
-    pub fn new(route: Route, kinds: [usize; 2]) -> Self {
+    /// The layout for A and B of these kinds, which the route must be the one of, and with so many
+    /// corners each.
+    pub fn new(route: Route, kinds: [usize; 2], corners: [usize; 2]) -> Self {
         let (mut parameters, mut links, mut scratch) = (0, 0, 0);
         let points = route.points();
         let mut routes = [1; Route::ALL.len() + 1];
@@ -149,11 +161,17 @@ impl PairTables {
             slot_links: Links::place(&mut links, points),
             placed: Table::place(&mut scratch, 2),
             slot: Table::place(&mut scratch, points),
-            kernels: collide::Tables::place(&mut parameters, 0, &mut scratch),
+            kernels: collide::Tables::place(&mut parameters, corners[0] + corners[1], &mut scratch),
         };
         let mut numbers = vec![0; links];
         for (row, kind) in kinds.into_iter().enumerate() {
             numbers[tables.shape_links.at(row, shape_link::KIND)] = kind as u32;
+        }
+        let ends = [0, corners[0], corners[0] + corners[1]];
+        for row in 0..2 {
+            let at = tables.shape_links.at(row, shape_link::CORNERS);
+            numbers[at] = ends[row] as u32;
+            numbers[at + 1] = ends[row + 1] as u32;
         }
         numbers[tables.pair_links.at(0, pair_link::B)] = 1;
         Self {
@@ -176,18 +194,17 @@ impl PairTables {
     pub fn lengths(&self) -> [usize; 2] {
         [self.parameters, self.scratch]
     }
-    /// Writes a lane's pair, and the gap [m] that its surfaces keep.
+    /// Writes a lane's pair.
     pub fn fill<T: Float>(
         &self,
         lane: usize,
         width: usize,
-        pair: [&Placed<T>; 2],
-        margin: T,
+        pair: &Pair<'_, T>,
         parameters: &mut [T],
         scratch: &mut [T],
     ) {
         let t = &self.tables;
-        for (row, shape) in pair.into_iter().enumerate() {
+        for (row, shape) in pair.shapes.into_iter().enumerate() {
             let size = t.shape.at(row, shape_field::SIZE);
             for (i, x) in shape.size.iter().enumerate() {
                 parameters[(size + i) * width + lane] = *x;
@@ -197,7 +214,11 @@ impl PairTables {
                 scratch[(at + i) * width + lane] = *x;
             }
         }
-        parameters[t.pair.at(0, pair_field::MARGIN) * width + lane] = margin;
+        let first = t.kernels.vertices.start();
+        for (i, x) in pair.corners.into_iter().flatten().enumerate() {
+            parameters[(first + i) * width + lane] = *x;
+        }
+        parameters[t.pair.at(0, pair_field::MARGIN) * width + lane] = pair.margin;
     }
     /// Reads a lane's normal, and its points that are near enough to matter.
     pub fn read<T: Float>(&self, lane: usize, width: usize, scratch: &[T], to: &mut Cached<T>) {

@@ -3,8 +3,8 @@
 use glam::{DMat3, DQuat, DVec3};
 use kinetarium_rigid::{InputTables, Kernels};
 use model::{
-    Axis, BodyHandle, Builder, Drive, Geometry, Limit, Material, Model, ModelError, Object, Pose,
-    Shape,
+    Axis, BodyHandle, Builder, Drive, Geometry, Hull, Limit, Material, Model, ModelError, Object,
+    Pose, Shape,
 };
 use numbers::{Cpu, Float, LanesMask, Real, Shared};
 use std::f64::consts::FRAC_PI_2;
@@ -234,7 +234,7 @@ pub fn looped() -> Result<Model, ModelError> {
     world.build()
 }
 
-/// A ball, a capsule, a box and a hinged pair of capsules above the ground, close together.
+/// A ball, a capsule, a box, a wedge and a hinged pair of capsules above the ground, close together.
 #[allow(dead_code)] // one of the tests that share this file needs it
 pub fn heap() -> Result<Model, ModelError> {
     let mut world = Builder::new("heap");
@@ -253,6 +253,7 @@ pub fn heap() -> Result<Model, ModelError> {
         Geometry::Box {
             half: DVec3::new(0.1, 0.05, 0.08),
         },
+        Geometry::Hull(wedge()?),
     ];
     for (i, solid) in solids.into_iter().enumerate() {
         let at = DVec3::new(0.02 * i as f64, 0.2 + 0.2 * i as f64, 0.01 * i as f64);
@@ -275,4 +276,10 @@ pub fn heap() -> Result<Model, ModelError> {
         .parent(upper)
         .frames(bottom, top);
     world.build()
+}
+
+/// Six corners, above the origin.
+fn wedge() -> Result<Hull, ModelError> {
+    let end = |z| [(-0.1, 0.0), (0.1, 0.0), (0.05, 0.12)].map(|(x, y)| DVec3::new(x, y, z));
+    Ok(Hull::new(&[end(-0.06), end(0.07)].concat())?)
 }

@@ -3,16 +3,29 @@
 use super::sleep::NEARBY;
 use crate::engine::Block;
 use crate::jobs::{Lane, narrow_phase};
-use collide::{Route, kind};
+use collide::Route;
 use numbers::{Float, Memory};
 use rayon::prelude::*;
-use rigid::impulse::pair::{PairTables, Placed, placed};
-use rigid::impulse::{Cached, Impulse};
+use rigid::impulse::pair::{Pair, PairTables, Placed, placed};
+use rigid::impulse::{Cached, Collider, Impulse};
+use std::collections::BTreeSet;
 
-/// Tables for each pair of kinds that a model has.
+/// Kind and number of corners: what pairs have in common that are looked at side by side.
+type Form = (usize, usize);
+
+fn form(shape: &Collider) -> Form {
+    (shape.kind, shape.corners)
+}
+
+/// Tables for each pair of forms that a model has.
 #[derive(Debug)]
 pub(super) struct NarrowPhase {
-    tables: [[Option<PairTables>; kind::CONVEX]; kind::CONVEX],
+    /// Of each colliding shape the place of its form, lower kinds first.
+    forms: Vec<usize>,
+    /// For each form in turn those with each form; with lower ones none.
+    tables: Vec<Option<PairTables>>,
+    /// How many forms there are.
+    count: usize,
 }
 
 /// What it works on.
@@ -30,7 +43,7 @@ pub(super) struct Scene<'a, T> {
 /// A pair's place in the list of pairs, and its shapes, A first.
 type Placing = (u32, [u32; 2]);
 
-/// Pairs of the same kinds.
+/// Pairs of the same forms.
 struct Group<'a> {
     tables: &'a PairTables,
     pairs: Vec<Placing>,
@@ -38,15 +51,20 @@ struct Group<'a> {
 
 impl NarrowPhase {
     pub fn new(impulse: &Impulse) -> Self {
-        let mut tables: [[Option<PairTables>; kind::CONVEX]; kind::CONVEX] = Default::default();
-        let kinds: std::collections::BTreeSet<_> =
-            impulse.shapes().iter().map(|s| s.kind).collect();
-        for &a in &kinds {
-            for &b in kinds.range(a..) {
-                tables[a][b] = Route::of(a, b).map(|route| PairTables::new(route, [a, b]));
-            }
+        let shapes = impulse.shapes().iter();
+        let forms = Vec::from_iter(shapes.clone().map(form).collect::<BTreeSet<_>>());
+        let tables = |a: Form, b: Form| {
+            let route = Route::of(a.0, b.0).filter(|_| a <= b)?;
+            Some(PairTables::new(route, [a.0, b.0], [a.1, b.1]))
+        };
+        let pairs = forms.iter().flat_map(|a| forms.iter().map(|b| (*a, *b)));
+        Self {
+            tables: pairs.map(|(a, b)| tables(a, b)).collect(),
+            forms: shapes
+                .map(|shape| forms.partition_point(|f| *f < form(shape)))
+                .collect(),
+            count: forms.len(),
         }
-        Self { tables }
     }
 
     /// The contacts of the pairs that have any, in the order of the pairs.
@@ -72,27 +90,25 @@ impl NarrowPhase {
     }
 
     fn groups<T: Float>(&self, scene: &Scene<'_, T>, pairs: &[[u32; 2]]) -> Vec<Group<'_>> {
-        let kind = |shape: u32| scene.impulse.shapes()[shape as usize].kind;
-        let mut open: [[Vec<Placing>; kind::CONVEX]; kind::CONVEX] = Default::default();
+        let form = |shape: u32| self.forms[shape as usize];
+        let mut open = vec![Vec::<Placing>::new(); self.tables.len()];
         let mut groups = Vec::new();
         for (i, &[a, b]) in pairs.iter().enumerate() {
-            let [a, b] = if kind(a) <= kind(b) { [a, b] } else { [b, a] };
-            let kinds = [kind(a), kind(b)];
-            let Some(tables) = &self.tables[kinds[0]][kinds[1]] else {
+            let [a, b] = if form(a) <= form(b) { [a, b] } else { [b, a] };
+            let place = form(a) * self.count + form(b);
+            let Some(tables) = &self.tables[place] else {
                 continue;
             };
-            let list = &mut open[kinds[0]][kinds[1]];
+            let list = &mut open[place];
             list.push((i as u32, [a, b]));
             if list.len() == GROUP * scene.width {
                 let pairs = std::mem::take(list);
                 groups.push(Group { tables, pairs });
             }
         }
-        for (a, row) in open.into_iter().enumerate() {
-            for (b, pairs) in row.into_iter().enumerate() {
-                if let (false, Some(tables)) = (pairs.is_empty(), &self.tables[a][b]) {
-                    groups.push(Group { tables, pairs });
-                }
+        for (pairs, tables) in open.into_iter().zip(&self.tables) {
+            if let (false, Some(tables)) = (pairs.is_empty(), tables) {
+                groups.push(Group { tables, pairs });
             }
         }
         groups
@@ -113,12 +129,16 @@ impl<T: Float> Scene<'_, T> {
         for pairs in group.pairs.chunks(width) {
             for lane in 0..width {
                 let (_, shapes) = pairs[lane.min(pairs.len() - 1)];
-                let margin = self.impulse.margin(shapes, self.parameters);
-                let pair = shapes.map(|s| &self.shapes[s as usize]);
+                let corners = |s: u32| self.impulse.corners_of(s as usize, self.parameters);
+                let pair = Pair {
+                    shapes: shapes.map(|s| &self.shapes[s as usize]),
+                    corners: shapes.map(corners),
+                    margin: self.impulse.margin(shapes, self.parameters),
+                };
                 let numbers = parameters.scalars_mut();
                 group
                     .tables
-                    .fill(lane, width, pair, margin, numbers, scratch.scalars_mut());
+                    .fill(lane, width, &pair, numbers, scratch.scalars_mut());
             }
             let [state, input, output] = &mut none;
             let mut block = Block {

@@ -5,7 +5,7 @@
 //! later entry and the earlier exit. Numbers keep their digits where o is near the solid.
 
 use glam::{DVec2, DVec3};
-use model::Geometry;
+use model::{Geometry, Hull};
 
 /// A line in a solid's frame.
 #[derive(Clone, Copy, Debug)]
@@ -71,6 +71,7 @@ impl Line {
                 let [x, y, z] = DVec3::AXES.map(|axis| self.slab(axis, half.dot(axis)));
                 x?.and(y?)?.and(z?)
             }
+            Geometry::Hull(ref hull) => self.polyhedron(hull),
             Geometry::Mesh { .. } => None,
         }
     }
@@ -101,6 +102,15 @@ impl Line {
     /// |n · p| ≤ h.
     fn slab(&self, n: DVec3, h: f64) -> Option<Span> {
         self.half_space(n, h)?.and(self.half_space(-n, h)?)
+    }
+
+    /// In front of no face: (p − a) · n ≤ 0 for all of them.
+    fn polyhedron(&self, hull: &Hull) -> Option<Span> {
+        let spans = hull.faces().map(|[a, b, c]| {
+            let n = (b - a).cross(c - a).normalize_or_zero();
+            self.half_space(n, n.dot(a))
+        });
+        spans.reduce(|span, other| span?.and(other?)).flatten()
     }
 
     /// Σ (pᵢ/aᵢ)² ≤ 1: with u = o/a and w = d/a a unit ball. Normal: the gradient pᵢ/aᵢ².

@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 use kinetarium_sim::{Simulation, SimulationSettings, SolverKind};
 use model::examples::n_pendula;
 use model::{
-    Axis, BodyHandle, Builder, Drive, Geometry, JointKind, Limit, Model, Object, Pose, Shape,
+    Axis, BodyHandle, Builder, Drive, Geometry, Hull, JointKind, Limit, Model, Object, Pose, Shape,
 };
 use numbers::Float;
 use rigid::Integrator;
@@ -230,6 +230,7 @@ fn solids(world: &mut Builder) -> &mut Object {
             radius: 0.08,
             half_height: 0.07,
         },
+        Geometry::Hull(wedge()),
     ];
     for (i, solid) in solids.into_iter().enumerate() {
         let body = bodies.body(format!("body_{i}")).shape(solid).handle();
@@ -239,6 +240,12 @@ fn solids(world: &mut Builder) -> &mut Object {
             .initial(&[at[0], at[1], at[2], 0.0, 0.0, 0.0, 1.0]);
     }
     bodies
+}
+
+/// Six corners, above the origin.
+fn wedge() -> Hull {
+    let end = |z| [(-0.1, 0.0), (0.1, 0.0), (0.05, 0.12)].map(|(x, y)| DVec3::new(x, y, z));
+    Hull::new(&[end(-0.06), end(0.07)].concat()).unwrap()
 }
 
 /// The `i`-th number of a world's seed, in [−1, 1): the same on every machine.
