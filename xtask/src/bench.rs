@@ -15,7 +15,6 @@ pub const DEFAULT_REPETITIONS: usize = 5;
 const REPORT: &str = "BENCHMARKS.md";
 /// Instead of the flags in `.cargo/config.toml`, which are chosen for Kinetarium.
 const PEER_FLAGS: &str = "-C target-cpu=native";
-const TABLES_BEGIN: &str = "<!-- written by `cargo xtask bench` from here -->";
 const TABLES_END: &str = "<!-- to here -->";
 
 /// What one engine measured in one case, once.
@@ -68,8 +67,46 @@ const COMPARISONS: [Comparison; 15] = [
     Comparison { case: "humanoid, all contacts", worlds: 1,     ours: "euler", theirs: "euler", goal: None },
 ];
 
-pub fn run(workshop: &Workshop, repetitions: usize) -> Result<()> {
+/// What to measure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Group {
+    /// Articulated bodies, beside MuJoCo.
+    Robots,
+    /// Heaps of free bodies, beside Rapier.
+    Piles,
+}
+
+impl Group {
+    pub const ALL: [Self; 2] = [Self::Robots, Self::Piles];
+
+    /// Where its tables begin in the report.
+    fn marker(self) -> &'static str {
+        match self {
+            Self::Robots => "<!-- written by `cargo xtask bench robots` from here -->",
+            Self::Piles => "<!-- written by `cargo xtask bench piles` from here -->",
+        }
+    }
+}
+
+/// Measures, prints the tables, and writes them into the report.
+pub fn run(workshop: &Workshop, groups: &[Group], repetitions: usize) -> Result<()> {
     ensure!(repetitions > 0, "at least one repetition is needed");
+    for &group in groups {
+        let tables = match group {
+            Group::Robots => robots(workshop, repetitions)?,
+            Group::Piles => format!("{}\n{}", machine(workshop)?, piles(workshop)?),
+        };
+        println!("\n{tables}");
+        let report = workshop.sh.read_file(REPORT)?;
+        workshop
+            .sh
+            .write_file(REPORT, rewritten(&report, group.marker(), &tables)?)?;
+    }
+    Ok(())
+}
+
+/// The tables of articulated bodies.
+fn robots(workshop: &Workshop, repetitions: usize) -> Result<String> {
     let sh = &workshop.sh;
     let python = workshop.peers_python()?;
     let folder = workshop.root.join("target/bench");
@@ -97,15 +134,15 @@ pub fn run(workshop: &Workshop, repetitions: usize) -> Result<()> {
             .read()?,
         )?);
     }
-    let tables = format!(
-        "{}\n{}\n{}\n{}",
-        machine(workshop)?,
+    let mujoco = cmd!(sh, "{python} -c 'import mujoco; print(mujoco.__version__)'")
+        .quiet()
+        .read()?;
+    Ok(format!(
+        "{} MuJoCo {mujoco}.\n\n{}\n{}",
+        machine(workshop)?.trim_end(),
         speeds(&ours, &theirs)?,
         sizes(&ours, &theirs)?,
-        piles(workshop)?
-    );
-    println!("\n{tables}");
-    rewrite_report(workshop, &tables)
+    ))
 }
 
 fn records(lines: &str) -> Result<Vec<Record>> {
@@ -121,10 +158,6 @@ fn records(lines: &str) -> Result<Vec<Record>> {
 fn machine(workshop: &Workshop) -> Result<String> {
     let sh = &workshop.sh;
     let rustc = cmd!(sh, "rustc --version").quiet().read()?;
-    let python = workshop.peers_python()?;
-    let mujoco = cmd!(sh, "{python} -c 'import mujoco; print(mujoco.__version__)'")
-        .quiet()
-        .read()?;
     let cpuinfo = sh.read_file("/proc/cpuinfo").unwrap_or_default();
     let value = |key: &str| {
         let line = cpuinfo.lines().find(|line| line.starts_with(key));
@@ -136,7 +169,7 @@ fn machine(workshop: &Workshop) -> Result<String> {
     let lanes: Vec<&str> = lanes.into_iter().flatten().collect();
     let cores = std::thread::available_parallelism()?;
     Ok(format!(
-        "Machine: {} ({cores} cores; {}). {rustc}. MuJoCo {mujoco}.\n",
+        "Machine: {} ({cores} cores; {}). {rustc}.\n",
         value("model name"),
         lanes.join(", ")
     ))
@@ -258,20 +291,15 @@ fn scientific(error: Option<f64>) -> String {
     error.map_or(String::new(), |error| format!("{error:.1e}"))
 }
 
-/// Puts the tables between the report's two markers.
-fn rewrite_report(workshop: &Workshop, tables: &str) -> Result<()> {
-    let report = workshop.sh.read_file(REPORT)?;
+/// The report with other tables between a marker and the next end.
+fn rewritten(report: &str, marker: &str, tables: &str) -> Result<String> {
     let parts = report
-        .split_once(TABLES_BEGIN)
+        .split_once(marker)
         .and_then(|(before, rest)| Some((before, rest.split_once(TABLES_END)?.1)));
     let Some((before, after)) = parts else {
-        bail!("{REPORT} has lost its markers `{TABLES_BEGIN}` and `{TABLES_END}`");
+        bail!("{REPORT} has lost its markers `{marker}` and `{TABLES_END}`");
     };
-    workshop.sh.write_file(
-        REPORT,
-        format!("{before}{TABLES_BEGIN}\n{tables}{TABLES_END}{after}"),
-    )?;
-    Ok(())
+    Ok(format!("{before}{marker}\n{tables}{TABLES_END}{after}"))
 }
 
 #[cfg(test)]
@@ -296,5 +324,17 @@ mod tests {
             (100.0, None)
         );
         assert!(speed(&records, "chain_30", "euler", 1).is_err());
+    }
+
+    #[test]
+    fn each_group_has_its_own_place_in_the_report() {
+        let [robots, piles] = Group::ALL.map(Group::marker);
+        let report =
+            format!("a\n{robots}\nold\n<!-- to here -->\nb\n{piles}\nold\n<!-- to here -->\nc");
+        let report = rewritten(&report, piles, "new\n").unwrap();
+        let wanted =
+            format!("a\n{robots}\nold\n<!-- to here -->\nb\n{piles}\nnew\n<!-- to here -->\nc");
+        assert_eq!(report, wanted);
+        assert!(rewritten("nothing", piles, "new").is_err());
     }
 }

@@ -10,13 +10,16 @@ mod workshop;
 use std::process::ExitCode;
 
 use anyhow::{Result, bail};
+use bench::Group;
 use workshop::Workshop;
 
 const HELP: &str = "\
 Usage: cargo xtask COMMAND
 
   test [--list] [STAGE…]   install what is missing, then run every stage (or only those named)
-  bench [--repetitions N]  measure beside MuJoCo and Rapier and rewrite the tables in BENCHMARKS.md
+  bench [robots|piles] [--repetitions N]
+                           measure robots beside MuJoCo and piles beside Rapier, or one of the two, and
+                           rewrite the tables in BENCHMARKS.md
   asm                      disassemble the SIMD entries of the release program; fail on stray calls
   peers                    write MuJoCo's reference dynamics to target/peers
   help                     print this text";
@@ -38,8 +41,19 @@ fn run(arguments: &[&str]) -> Result<()> {
     match arguments {
         ["test", "--list"] => test::list(),
         ["test", names @ ..] => test::run(&workshop, names)?,
-        ["bench"] => bench::run(&workshop, bench::DEFAULT_REPETITIONS)?,
-        ["bench", "--repetitions", count] => bench::run(&workshop, count.parse()?)?,
+        ["bench", options @ ..] => {
+            let (groups, rest): (&[Group], _) = match options {
+                ["robots", rest @ ..] => (&[Group::Robots], rest),
+                ["piles", rest @ ..] => (&[Group::Piles], rest),
+                rest => (&Group::ALL, rest),
+            };
+            let repetitions = match rest {
+                [] => bench::DEFAULT_REPETITIONS,
+                ["--repetitions", count] => count.parse()?,
+                other => bail!("unknown options `{}` of bench\n\n{HELP}", other.join(" ")),
+            };
+            bench::run(&workshop, groups, repetitions)?;
+        }
         ["asm"] => asm::check(&workshop)?,
         ["peers"] => println!("{}", workshop.write_peers()?.display()),
         ["help" | "--help" | "-h"] | [] => println!("{HELP}"),
