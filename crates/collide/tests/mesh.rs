@@ -1,6 +1,7 @@
 //! Solids on meshes: the distance is that of the surface, and seams are not felt.
 
 mod common;
+mod shader;
 
 use common::reference::{best_gap, support};
 use common::world::state;
@@ -374,13 +375,7 @@ fn meshes_are_traced() {
         let solid = Solid::random(kind, &mut rng);
         let world = World::new(&mesh, &solid);
         let program = trace::record(|k| world.run(k)).unwrap();
-        let shader = program.to_wgsl(&WgslOptions::default()).unwrap();
-        let module = naga::front::wgsl::parse_str(&shader)
-            .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&shader)));
-        let flags = naga::valid::ValidationFlags::all();
-        naga::valid::Validator::new(flags, naga::valid::Capabilities::default())
-            .validate(&module)
-            .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&shader)));
+        shader::validate(&program, &WgslOptions::default());
         for i in 0..5 {
             let pose = Pose::new(V::new(0.2, 0.2 * f64::from(i), 0.1), turn(&mut rng));
             let poses = [pose, still(0.0, 0.0, 0.0)];

@@ -1,6 +1,7 @@
 //! Every kernel recorded: valid WGSL, and run step by step it keeps the bits.
 
 mod common;
+mod shader;
 
 use common::Pair;
 use common::world::{MANIFOLD, World, links, state, vertices};
@@ -8,17 +9,6 @@ use fastrand::Rng;
 use kinetarium_collide::{Route, kind};
 use numbers::trace::{self, Program, WgslOptions};
 use numbers::{Cpu, Shared};
-
-/// Parses and validates a shader as wgpu would.
-fn validate(program: &Program) {
-    let shader = program.to_wgsl(&WgslOptions::default()).unwrap();
-    let module = naga::front::wgsl::parse_str(&shader)
-        .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&shader)));
-    let flags = naga::valid::ValidationFlags::all();
-    naga::valid::Validator::new(flags, naga::valid::Capabilities::default())
-        .validate(&module)
-        .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&shader)));
-}
 
 /// The contact as bits, by the kernel or by its record.
 fn contact(world: World, pair: &Pair, record: Option<&Program>) -> Vec<u32> {
@@ -52,7 +42,7 @@ fn every_pair_keeps_its_bits_and_prints_as_a_shader() {
             let hulls = [a, b].iter().filter(|&&kind| kind == kind::HULL).count();
             let world = World::new(route, 12 * hulls);
             let program = trace::record(|k| world.run(k)).unwrap();
-            validate(&program);
+            shader::validate(&program, &WgslOptions::default());
             for _ in 0..50 {
                 let pair = Pair::random([a, b], &mut rng);
                 let expected = contact(world, &pair, None);

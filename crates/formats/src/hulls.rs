@@ -52,24 +52,29 @@ impl<'a> Hulls<'a> {
     }
 
     fn read(&self, file: &str, scale: DVec3) -> Result<Hull, String> {
-        let file = &self.found(file)?;
-        let path = self.files.path(file);
-        let unread = |e| format!("the mesh {path} cannot be read ({e}); check the path");
-        let bytes = self.files.bytes(file).map_err(unread)?;
+        let (path, bytes) = self.contents(file)?;
         let mesh = TriangleMesh::parse(&bytes, &path, scale).map_err(|e| e.to_string())?;
         let hull = mesh.convex_hull();
         hull.map_err(|e| format!("the mesh {path} has no convex hull: {e}"))
     }
 
-    /// The name of a mesh as a file. A ROS package is a folder of its name, beside the file or above.
-    fn found(&self, name: &str) -> Result<String, String> {
+    /// The path of a mesh's file, and what is in it. A ROS package is a folder of its name, beside the
+    /// main file or above.
+    fn contents(&self, name: &str) -> Result<(String, Vec<u8>), String> {
+        let path = |file: &str| self.files.path(file);
         let Some((scheme, inside)) = name.split_once("://") else {
-            return Ok(name.to_owned());
+            let unread = |e| {
+                format!(
+                    "the mesh {} cannot be read ({e}); check the path",
+                    path(name)
+                )
+            };
+            return Ok((path(name), self.files.bytes(name).map_err(unread)?));
         };
         let mut beside = (0..=MOST_FOLDERS).map(|above| "../".repeat(above) + inside);
-        let is_there = |file: &String| self.files.bytes(file).is_ok();
+        let read = |file: String| Some((path(&file), self.files.bytes(&file).ok()?));
         let found = if scheme == "package" {
-            beside.find(is_there)
+            beside.find_map(read)
         } else {
             None
         };

@@ -1,54 +1,27 @@
 //! Contacts of reduced coordinates with what does not move, against closed forms.
 
+mod run;
 #[allow(dead_code)] // its models are for other tests
 mod scene;
 
 use glam::{DQuat, DVec3};
 use kinetarium_rigid::{
-    Kernels, OutputTables, Settings, TouchingFeatherstone, body as of_body, contact as of_contact,
+    Settings, TouchingFeatherstone, body as of_body, contact as of_contact,
     reaction as of_reaction, total as of_total,
 };
 use model::{Builder, Geometry, Material, Model, Pose, Shape};
-use scene::{World, parameters};
 
 /// Gravity of the models [m/s²].
 const G: f64 = 9.81;
 /// Step [s].
 const H: f64 = 0.002;
 
-/// One world in double precision.
-struct Run {
-    kernels: TouchingFeatherstone,
-    parameters: Vec<f64>,
-    world: World<f64>,
-    tables: OutputTables,
-}
+type Run = run::Run<TouchingFeatherstone>;
 
 impl Run {
     fn new(model: &Model, velocity: &[f64], settings: &Settings) -> Self {
         let kernels = TouchingFeatherstone::new(model, settings).unwrap();
-        let mut world = World::new(&kernels, model);
-        world.state = kernels.initial(model, &model.initial_position(), velocity);
-        world.input.fill(0.0);
-        let (parameters, tables) = (parameters(&kernels), kernels.outputs());
-        Self {
-            kernels,
-            parameters,
-            world,
-            tables,
-        }
-    }
-    fn step(&mut self, steps: usize) {
-        for _ in 0..steps {
-            let mut k = self.world.cpu(&self.parameters, self.kernels.links());
-            self.kernels.step(&mut k);
-        }
-        let mut k = self.world.cpu(&self.parameters, self.kernels.links());
-        self.kernels.report(&mut k);
-        assert_eq!(self.world.state[self.kernels.alive()], 1.0, "diverged");
-    }
-    fn vec3(&self, offset: usize) -> DVec3 {
-        DVec3::from_slice(&self.world.output[offset..][..3])
+        Self::of(kernels, model, velocity)
     }
     fn position(&self) -> DVec3 {
         self.vec3(self.tables.body.at(0, of_body::POSITION))

@@ -3,6 +3,7 @@
 
 mod block;
 mod scene;
+#[path = "../../collide/tests/shader/mod.rs"]
 mod shader;
 
 use glam::{DQuat, DVec3};

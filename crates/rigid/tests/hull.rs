@@ -1,60 +1,28 @@
 //! Hulls that touch, by both solvers of trees: a hull in the form of a box is the box, wherever its
 //! corners lie in the shape's frame, and a tetrahedron stands on its face.
 
+mod run;
 #[allow(dead_code)] // its models are for other tests
 mod scene;
 
 use glam::{DQuat, DVec3};
 use kinetarium_rigid::{
-    Kernels, OutputTables, Settings, TouchingFeatherstone, Xpbd, body as of_body,
-    contact as of_contact,
+    Kernels, Settings, TouchingFeatherstone, Xpbd, body as of_body, contact as of_contact,
 };
 use model::{Builder, Geometry, Hull, Material, Model, Pose, Shape};
-use scene::{World, parameters};
+use run::Run;
 
 /// Gravity of the models [m/s²].
 const G: f64 = 9.81;
 const HALF: DVec3 = DVec3::new(0.1, 0.05, 0.08);
 
-/// One world in double precision.
-struct Run<K> {
-    kernels: K,
-    parameters: Vec<f64>,
-    world: World<f64>,
-    tables: OutputTables,
-}
-
 impl<K: Kernels> Run<K> {
-    fn new(kernels: K, model: &Model, velocity: &[f64; 6]) -> Self {
-        let mut world = World::new(&kernels, model);
-        world.state = kernels.initial(model, &model.initial_position(), velocity);
-        world.input.fill(0.0);
-        let (parameters, tables) = (parameters(&kernels), kernels.outputs());
-        Self {
-            kernels,
-            parameters,
-            world,
-            tables,
-        }
-    }
-    fn step(&mut self, steps: usize) {
-        for _ in 0..steps {
-            let mut k = self.world.cpu(&self.parameters, self.kernels.links());
-            self.kernels.step(&mut k);
-        }
-        let mut k = self.world.cpu(&self.parameters, self.kernels.links());
-        self.kernels.report(&mut k);
-        assert_eq!(self.world.state[self.kernels.alive()], 1.0, "diverged");
-    }
     fn body(&self, field: usize) -> DVec3 {
-        DVec3::from_slice(&self.world.output[self.tables.body.at(0, field)..][..3])
+        self.vec3(self.tables.body.at(0, field))
     }
     /// Sum of the contact forces [N].
     fn force(&self) -> DVec3 {
-        let force = |slot| {
-            let row = self.tables.contact.at(slot, of_contact::FORCE);
-            DVec3::from_slice(&self.world.output[row..][..3])
-        };
+        let force = |slot| self.vec3(self.tables.contact.at(slot, of_contact::FORCE));
         (0..self.tables.contacts).map(force).sum()
     }
 }
@@ -104,7 +72,7 @@ fn come_apart<K: Kernels>(
     let solids = [Shape::new(Geometry::Box { half: HALF }), hull_of_box()];
     let [mut cuboid, mut hull] = solids.map(|shape| {
         let model = above_plane(shape, friction, slope, at);
-        Run::new(solver(&model), &model, &velocity)
+        Run::of(solver(&model), &model, &velocity)
     });
     let mut most: f64 = 0.0;
     for _ in 0..300 {
@@ -153,7 +121,7 @@ fn tetrahedra_stand<K: Kernels>(solver: impl Fn(&Model) -> K) {
     assert!((middle.y - height / 4.0).abs() < 1e-15);
     let shape = Shape::new(Geometry::Hull(hull)).at(Pose::at(-middle));
     let model = above_plane(shape, 0.6, 0.0, Pose::at(DVec3::Y * middle.y));
-    let mut run = Run::new(solver(&model), &model, &[0.0; 6]);
+    let mut run = Run::of(solver(&model), &model, &[0.0; 6]);
     run.step(1500);
     let weight = model.bodies[0].mass * G * DVec3::Y;
     assert!((run.force() - weight).length() < 1e-3 * weight.y);
@@ -215,7 +183,7 @@ fn a_hull_stands_on_any_flat_top() {
         let place = Pose::at(DVec3::Y * (2.0 * HALF.y - 1e-4));
         object.body("body").at(place).shape(hull_of_box());
         let model = world.build().unwrap();
-        let mut run = Run::new(featherstone(&model), &model, &[0.0; 6]);
+        let mut run = Run::of(featherstone(&model), &model, &[0.0; 6]);
         run.step(1000);
         let weight = model.bodies[0].mass * G * DVec3::Y;
         assert!((run.force() - weight).length() < 1e-3 * weight.y);

@@ -1,6 +1,7 @@
 //! The kernels of `impulse` recorded: the record prints as valid WGSL, and run step by step it keeps
 //! the bits of the kernel.
 
+#[path = "../../collide/tests/shader/mod.rs"]
 mod shader;
 
 use kinetarium_rigid::impulse::pair::{ShapeTables, place};

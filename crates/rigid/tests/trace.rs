@@ -2,6 +2,7 @@
 //! run step by step it keeps the bits of the kernel.
 
 mod scene;
+#[path = "../../collide/tests/shader/mod.rs"]
 mod shader;
 
 use kinetarium_rigid::{

@@ -1,28 +1,21 @@
 //! Contacts of position-based dynamics, against closed forms.
 
+mod run;
 #[allow(dead_code)] // its models are for other tests
 mod scene;
 
 use glam::{DQuat, DVec3};
 use kinetarium_rigid::{
-    Kernels, OutputTables, Settings, Xpbd, body as of_body, contact as of_contact,
-    total as of_total,
+    Kernels, Settings, Xpbd, body as of_body, contact as of_contact, total as of_total,
 };
 use model::{Builder, Combine, Geometry, Material, Model, Pose, Shape, Softness};
-use scene::{World, parameters};
 
 /// Gravity of the models [m/s²].
 const G: f64 = 9.81;
 /// Substep [s].
 const H: f64 = 0.001;
 
-/// One world in double precision.
-struct Run {
-    kernels: Xpbd,
-    parameters: Vec<f64>,
-    world: World<f64>,
-    tables: OutputTables,
-}
+type Run = run::Run<Xpbd>;
 
 impl Run {
     fn new(model: &Model, velocity: &[f64], h: f64) -> Self {
@@ -30,30 +23,12 @@ impl Run {
     }
     fn with(model: &Model, velocity: &[f64], settings: &Settings) -> Self {
         let kernels = Xpbd::touching(model, settings).unwrap();
-        let mut world = World::new(&kernels, model);
-        world.state = kernels.initial(model, &model.initial_position(), velocity);
-        world.input.fill(0.0);
-        let (parameters, tables) = (parameters(&kernels), kernels.outputs());
-        let mut run = Self {
-            kernels,
-            parameters,
-            world,
-            tables,
-        };
+        let mut run = Self::of(kernels, model, velocity);
         run.step(0);
         run
     }
     fn at_rest(model: &Model) -> Self {
         Self::new(model, &vec![0.0; model.degrees_of_freedom()], H)
-    }
-    fn step(&mut self, steps: usize) {
-        for _ in 0..steps {
-            let mut k = self.world.cpu(&self.parameters, self.kernels.links());
-            self.kernels.step(&mut k);
-        }
-        let mut k = self.world.cpu(&self.parameters, self.kernels.links());
-        self.kernels.report(&mut k);
-        assert_eq!(self.world.state[self.kernels.alive()], 1.0, "diverged");
     }
     /// Lets the first of the bodies go on from where it is, turned to the world's axes, with this
     /// velocity and spin.
@@ -62,9 +37,6 @@ impl Run {
         let q = [&position.to_array()[..], &[0.0, 0.0, 0.0, 1.0]].concat();
         let v = [velocity.to_array(), spin.to_array()].concat();
         self.kernels.place(&q, &v, &mut self.world.state);
-    }
-    fn vec3(&self, offset: usize) -> DVec3 {
-        DVec3::from_slice(&self.world.output[offset..][..3])
     }
     fn body(&self, body: usize, field: usize) -> DVec3 {
         self.vec3(self.tables.body.at(body, field))

@@ -262,9 +262,9 @@ fn rays_stop_where_a_march_does() {
     }
 }
 
-#[test]
-fn from_inside_the_distance_is_zero() {
-    for geometry in [
+/// One of each kind.
+fn solids() -> [Geometry; 8] {
+    [
         PLANE,
         SPHERE,
         CAPSULE,
@@ -273,7 +273,12 @@ fn from_inside_the_distance_is_zero() {
         BOX,
         ELLIPSOID,
         hull(),
-    ] {
+    ]
+}
+
+#[test]
+fn from_inside_the_distance_is_zero() {
+    for geometry in solids() {
         let mut simulation = one(geometry.clone(), Pose::at(DVec3::Y));
         let origin = DVec3::new(0.1, 0.9, 0.05);
         for direction in [DVec3::X, -DVec3::Y, DVec3::new(1.0, 2.0, 3.0)] {
@@ -301,16 +306,7 @@ fn from_inside_the_distance_is_zero() {
 /// 1e8 m away a double has 1.5e-8 m between its values.
 #[test]
 fn from_afar_only_the_digits_of_the_origin_are_lost() {
-    for geometry in [
-        PLANE,
-        SPHERE,
-        CAPSULE,
-        CYLINDER,
-        CONE,
-        BOX,
-        ELLIPSOID,
-        hull(),
-    ] {
+    for geometry in solids() {
         let mut simulation = one(geometry.clone(), Pose::IDENTITY);
         for direction in [-DVec3::Y, DVec3::new(-0.8, -0.6, 0.0)] {
             let near = DVec3::new(0.05, 0.0, 0.03) - 8.0 * direction;

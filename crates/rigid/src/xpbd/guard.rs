@@ -88,7 +88,7 @@ pub(crate) fn guard<M: Machine>(k: &mut M, t: &Tables, survey: &Survey<M>) {
             let moved = k.spatial(t.moved, row, 0);
             k.store_spatial(t.moved, row, 0, unless(lost, moved));
         }
-        if t.contacts.slots > 0 {
+        if t.touches() {
             contact::forget(k, t, lost);
         }
     }

@@ -169,8 +169,7 @@ impl Kernels for Xpbd {
             .place(bodies, &self.parameters, &self.links, state);
     }
     fn contacts(&self) -> Option<&ContactTables> {
-        let tables = &self.tables.contacts;
-        (tables.slots > 0).then_some(tables)
+        self.tables.touches().then_some(&self.tables.contacts)
     }
     fn stages(&self) -> usize {
         1
@@ -178,7 +177,7 @@ impl Kernels for Xpbd {
     #[inline(always)]
     fn begin<M: Machine>(&self, k: &mut M, _: M::I) {
         let tables = self.tables;
-        if tables.contacts.slots > 0 {
+        if tables.touches() {
             let h = k.load(tables.global, k.index(0), global::STEP);
             place_shapes(k, &tables.contacts, &tables, h);
         }
@@ -214,7 +213,7 @@ fn substep<M: Machine>(k: &mut M, t: &Tables) {
 /// first pass lets them pass on what the contacts start with, before these are asked for more.
 #[inline(always)]
 fn passes<M: Machine>(k: &mut M, t: &Tables, h: M::R, survey: &mut Survey<M>) {
-    let touching = t.contacts.slots > 0;
+    let touching = t.touches();
     let mut fresh = k.cell(M::R::one());
     if touching {
         contact::meet(k, t, h);

@@ -22,7 +22,7 @@ pub(crate) fn report<M: Machine>(k: &mut M, t: &Tables) {
     frees(k, t);
     reactions(k, t);
     sums(k, t);
-    if t.contacts.slots > 0 {
+    if t.touches() {
         contact::report(k, t);
     }
 }

@@ -435,6 +435,11 @@ fn frame(directions: &[DVec3]) -> DQuat {
 }
 
 impl Tables {
+    /// Whether bodies may touch anything.
+    pub(crate) fn touches(&self) -> bool {
+        self.contacts.slots > 0
+    }
+
     /// Lays out a model and fills its parameters and links; with the shapes of each contact.
     ///
     /// # Errors
