@@ -9,12 +9,14 @@
 //! solref = (−k', −b'):   d b = b',       d k = k'
 //! ```
 //!
-//! The model's limits are forces. A load of the acceleration a₀ rests at r = (1 − d) a₀ / (d k), so
-//! the stiffness is d k / (1 − d) times the inertia that the degree of freedom shows, at the initial
-//! coordinates, to a force on it alone; and the damping is as much larger. Under load and on the way
-//! out a limit is MuJoCo's, but it stops what runs into it 1/(1 − d) times faster (13 times, by
-//! default), for the model has no mass that opposes the acceleration d a₀ there. Besides, MuJoCo
-//! uses the inertia of the moment, and ramps d with r.
+//! As a force on the inertia m that the degree of freedom shows, at the initial coordinates, to a force
+//! on it alone (MuJoCo's `dof_invweight0`), that is
+//!
+//! ```text
+//! (m + m') a = m a₀ − m' (k r + b v)      m' = m d / (1 − d)
+//! ```
+//!
+//! a stop of the model with the inertia m'. MuJoCo also ramps d with r.
 
 use crate::impedance::Impedance;
 use model::Limit;
@@ -49,12 +51,13 @@ impl Softness {
         } else {
             (-first, -second)
         };
-        let inertia = inertia / (1.0 - d);
+        let felt = inertia / (1.0 - d);
         Limit {
             lower,
             upper,
-            stiffness: inertia * k / (growth * growth),
-            damping: inertia * b / growth,
+            stiffness: felt * k / (growth * growth),
+            damping: felt * b / growth,
+            inertia: felt * d,
         }
     }
 }
@@ -81,6 +84,8 @@ mod tests {
         assert!((limit.damping * time / (2.0 * felt) - 1.0).abs() < 1e-12);
         let ratio = limit.damping / (2.0 * (limit.stiffness * felt).sqrt());
         assert!((ratio - 1.0).abs() < 1e-12);
+        // What runs into it moves with that inertia too.
+        assert!((m + limit.inertia - felt).abs() < 1e-12);
     }
 
     #[test]

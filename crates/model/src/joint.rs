@@ -117,8 +117,8 @@ impl Axis {
 
 /// A soft stop at each end of a coordinate's range.
 ///
-/// Beyond an end the force is −stiffness · excess − damping · velocity, where that pushes back;
-/// a limit never pulls.
+/// Beyond an end the force is −stiffness · excess − damping · velocity − inertia · acceleration, where
+/// the first two push back; a limit never pulls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limit {
     /// Lower end [m or rad].
@@ -129,6 +129,9 @@ pub struct Limit {
     pub stiffness: f64,
     /// Damping [N·s/m or N·m·s/rad].
     pub damping: f64,
+    /// Mass or moment of inertia [kg or kg·m²] that is carried along beyond the ends; 0 by default. With
+    /// it a stop can be soft to what runs into it, and yet give way little under load.
+    pub inertia: f64,
 }
 
 /// A motor that pulls a coordinate to targets:

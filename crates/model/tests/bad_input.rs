@@ -667,6 +667,7 @@ fn degrees_of_freedom() {
                     upper: -1.0,
                     stiffness: 1.0,
                     damping: 1.0,
+                    inertia: 0.0,
                 };
                 p.joints[0].dofs[0].limit = Some(limit);
             },
@@ -680,10 +681,24 @@ fn degrees_of_freedom() {
                     upper: 1.0,
                     stiffness: -1.0,
                     damping: 1.0,
+                    inertia: 0.0,
                 };
                 p.joints[0].dofs[0].limit = Some(limit);
             },
             "degree of freedom \"hinge\": limit stiffness is -1; it must not be negative",
+        ),
+        (
+            |p| {
+                let limit = Limit {
+                    lower: -1.0,
+                    upper: 1.0,
+                    stiffness: 1.0,
+                    damping: 1.0,
+                    inertia: f64::NAN,
+                };
+                p.joints[0].dofs[0].limit = Some(limit);
+            },
+            "degree of freedom \"hinge\": limit inertia is NaN; give a finite number",
         ),
         (
             |p| p.joints[0].dofs[0].drive.effort_limit = -1.0,
@@ -717,6 +732,7 @@ fn degrees_of_freedom() {
                     upper: 1.0,
                     stiffness: 1.0,
                     damping: 1.0,
+                    inertia: 0.0,
                 };
                 p.joints[0].dofs[2].limit = Some(limit);
             },

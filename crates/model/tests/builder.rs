@@ -313,6 +313,7 @@ fn joint_settings_reach_every_degree_of_freedom() {
         upper: 1.0,
         stiffness: 5.0,
         damping: 6.0,
+        inertia: 0.0,
     };
     let drive = Drive {
         stiffness: 7.0,

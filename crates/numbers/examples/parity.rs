@@ -144,6 +144,8 @@ impl<T: Float> Job for Operations<'_, T> {
             "mask false": |_x, _y, _z| indicator::<R>(Mask::splat(false));
             "any and all": |x, y, _z| any_and_all_agree(x.lt(y));
             "sin": |x, _y, _z| functions::sin(x);
+            "half_sin": |x, _y, _z| functions::half_sin_cos(x).0;
+            "half_cos": |x, _y, _z| functions::half_sin_cos(x).1;
             "cos": |x, _y, _z| functions::cos(x);
             "atan2": |x, y, _z| functions::atan2(x, y);
             "acos": |x, _y, _z| functions::acos(x);

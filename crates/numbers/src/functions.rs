@@ -83,6 +83,63 @@ pub fn sin_cos<R: Real>(x: R) -> (R, R) {
     (sin, cos)
 }
 
+/// Sine and cosine of half the angle x [rad], up to a sign that both share: either of the two
+/// unit quaternions of a turn by x. About half of the work of [`sin_cos`].
+///
+/// x/2 is reduced by multiples of π, which change both signs, to [−π/2, π/2], where the polynomials
+/// are minimax (Remez, absolute error: 5e-9 and 4e-10 for `f32`, 2e-19 and 6e-18 for `f64`).
+/// Absolute error below 1.5 ulp of 1 for |x| ≤ π, below 2 ulp for |x| ≤ 10⁴ (`f32`) or 10⁶ (`f64`).
+#[inline(always)]
+pub fn half_sin_cos<R: Real>(x: R) -> (R, R) {
+    // As in `sin_cos`, for π in place of π/2.
+    let q = (x * R::lit(0.5 * core::f64::consts::FRAC_1_PI)).round();
+    let a = by_precision(3.140625, 3.141_592_653_468_251_2);
+    let b = by_precision(9.675_025_939_941_406e-4, 1.215_420_101_301_238_4e-10);
+    let c = by_precision(1.509_957_990_978_376_4e-7, 7.043_119_730_366_4e-27);
+    let r = q.fnma(c, q.fnma(b, q.fnma(a, x * R::lit(0.5))));
+
+    let z = r * r;
+    let (s, c) = if R::Scalar::DOUBLE {
+        let s = [
+            2.718_450_658_690_686_6e-15,
+            -7.642_708_526_601_142e-13,
+            1.605_892_766_392_657_6e-10,
+            -2.505_210_660_310_411e-8,
+            2.755_731_920_774_667_3e-6,
+            -1.984_126_984_118_571e-4,
+            8.333_333_333_333_113e-3,
+            -1.666_666_666_666_666_5e-1,
+        ];
+        let c = [
+            4.616_054_734_742_394e-14,
+            -1.146_362_840_469_558_3e-11,
+            2.087_659_234_785_104e-9,
+            -2.755_731_706_422_541_6e-7,
+            2.480_158_728_574_457_4e-5,
+            -1.388_888_888_882_987_3e-3,
+            4.166_666_666_666_583e-2,
+        ];
+        (polynomial(z, s), polynomial(z, c))
+    } else {
+        let s = [
+            2.599_979_030_440_725e-6,
+            -1.980_658_117_028_782e-4,
+            8.333_016_823_844_805e-3,
+            -1.666_665_707_756_723_8e-1,
+        ];
+        let c = [
+            -2.619_314_991_582_131e-7,
+            2.476_927_247_796_573e-5,
+            -1.388_856_868_800_766e-3,
+            4.166_665_575_158_175e-2,
+        ];
+        (polynomial(z, s), polynomial(z, c))
+    };
+    let sin = (r * z).fma(s, r);
+    let cos = (z * z).fma(c, z.fma(R::lit(-0.5), R::one()));
+    (sin, cos)
+}
+
 /// Sine of x (rad); as [`sin_cos`].
 #[inline(always)]
 pub fn sin<R: Real>(x: R) -> R {

@@ -33,7 +33,7 @@ mod vec3;
 
 pub use dual::Dual;
 pub use machine::{Cell, Cpu, Machine, Parameters, PerWorld, Shared, Table};
-pub use mat3::{Mat3, SymMat3};
+pub use mat3::{Cholesky3, Mat3, SymMat3};
 pub use memory::Memory;
 pub use pose::Pose;
 pub use quat::Quat;

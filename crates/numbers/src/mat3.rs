@@ -48,6 +48,20 @@ impl<R: Real> Mat3<R> {
     pub fn transpose_mul(self, v: Vec3<R>) -> Vec3<R> {
         Vec3::new(self.x.dot(v), self.y.dot(v), self.z.dot(v))
     }
+    /// `self · v + c`.
+    #[inline(always)]
+    pub fn mul_plus(self, v: Vec3<R>, c: Vec3<R>) -> Vec3<R> {
+        self.x.fma(v.x, self.y.fma(v.y, self.z.fma(v.z, c)))
+    }
+    /// `selfᵀ · v + c`.
+    #[inline(always)]
+    pub fn transpose_mul_plus(self, v: Vec3<R>, c: Vec3<R>) -> Vec3<R> {
+        Vec3::new(
+            self.x.dot_plus(v, c.x),
+            self.y.dot_plus(v, c.y),
+            self.z.dot_plus(v, c.z),
+        )
+    }
 }
 
 impl<R: Real> Mul<Vec3<R>> for Mat3<R> {
@@ -196,6 +210,11 @@ impl<R: Real> SymMat3<R> {
             Vec3::new(self.xz, self.yz, self.zz),
         )
     }
+    /// `self · v + c`.
+    #[inline(always)]
+    pub fn mul_plus(self, v: Vec3<R>, c: Vec3<R>) -> Vec3<R> {
+        self.to_mat3().mul_plus(v, c)
+    }
     /// As a general matrix.
     #[inline(always)]
     pub fn to_mat3(self) -> Mat3<R> {
@@ -218,9 +237,9 @@ impl<R: Real> SymMat3<R> {
         let determinant = self.xx.fma(c.xx, self.xy.fma(c.xy, self.xz * c.xz));
         (c * b) * determinant.max(tiny).recip()
     }
-    /// Solves S x = b for a positive definite S by Cholesky's L D Lᵀ; pivots below `tiny` count as `tiny`.
+    /// Cholesky's L D Lᵀ of a positive definite S; pivots below `tiny` count as `tiny`.
     #[inline(always)]
-    pub fn solve(self, b: Vec3<R>, tiny: R) -> Vec3<R> {
+    pub fn factor(self, tiny: R) -> Cholesky3<R> {
         let d0 = self.xx.max(tiny).recip();
         let l1 = self.xy * d0;
         let l2 = self.xz * d0;
@@ -228,11 +247,36 @@ impl<R: Real> SymMat3<R> {
         let t = l1.fnma(self.xz, self.yz);
         let l3 = t * d1;
         let d2 = l3.fnma(t, l2.fnma(self.xz, self.zz)).max(tiny).recip();
-        let y1 = l1.fnma(b.x, b.y);
-        let y2 = l3.fnma(y1, l2.fnma(b.x, b.z));
-        let z = y2 * d2;
-        let y = l3.fnma(z, y1 * d1);
-        let x = l1.fnma(y, l2.fnma(z, b.x * d0));
+        Cholesky3 {
+            inverse_d: Vec3::new(d0, d1, d2),
+            l: Vec3::new(l1, l2, l3),
+        }
+    }
+    /// Solves S x = b for a positive definite S; pivots below `tiny` count as `tiny`.
+    #[inline(always)]
+    pub fn solve(self, b: Vec3<R>, tiny: R) -> Vec3<R> {
+        self.factor(tiny).solve(b)
+    }
+}
+
+/// A positive definite matrix as L D Lᵀ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cholesky3<R> {
+    inverse_d: Vec3<R>,
+    /// Below the diagonal of ones: yx, zx, zy.
+    l: Vec3<R>,
+}
+
+impl<R: Real> Cholesky3<R> {
+    /// Solves L D Lᵀ x = b.
+    #[inline(always)]
+    pub fn solve(self, b: Vec3<R>) -> Vec3<R> {
+        let (d, l) = (self.inverse_d, self.l);
+        let y1 = l.x.fnma(b.x, b.y);
+        let y2 = l.z.fnma(y1, l.y.fnma(b.x, b.z));
+        let z = y2 * d.z;
+        let y = l.z.fnma(z, y1 * d.y);
+        let x = l.x.fnma(y, l.y.fnma(z, b.x * d.x));
         Vec3::new(x, y, z)
     }
 }

@@ -71,7 +71,7 @@ impl<R: Real> Quat<R> {
         let u = self.vector();
         let t = u.cross(v);
         let t = t + t;
-        u.cross(t) + t.fma(self.w, v)
+        u.cross_plus(t, t.fma(self.w, v))
     }
     /// `v` rotated by the inverse.
     #[inline(always)]

@@ -58,14 +58,25 @@ impl<R: Real> Spatial<R> {
     pub fn cross_motion(self, m: Self) -> Self {
         Self::new(
             self.angular.cross(m.angular),
-            self.angular.cross(m.linear) + self.linear.cross(m.angular),
+            self.angular
+                .cross_plus(m.linear, self.linear.cross(m.angular)),
+        )
+    }
+    /// [`cross_motion`](Self::cross_motion) plus `c`.
+    #[inline(always)]
+    pub fn cross_motion_plus(self, m: Self, c: Self) -> Self {
+        let turned = self.linear.cross_plus(m.angular, c.linear);
+        Self::new(
+            self.angular.cross_plus(m.angular, c.angular),
+            self.angular.cross_plus(m.linear, turned),
         )
     }
     /// Motion ×* force (2.32): (ω × n + v × f, ω × f).
     #[inline(always)]
     pub fn cross_force(self, f: Self) -> Self {
         Self::new(
-            self.angular.cross(f.angular) + self.linear.cross(f.linear),
+            self.angular
+                .cross_plus(f.angular, self.linear.cross(f.linear)),
             self.angular.cross(f.linear),
         )
     }
@@ -125,9 +136,15 @@ impl<R: Real> Inertia<R> {
     #[inline(always)]
     pub fn rigid(m: R, c: Vec3<R>, i: SymMat3<R>) -> Self {
         let mc = c * m;
-        let steiner = SymMat3::diagonal(mc.dot(c)) - SymMat3::outer(c, m);
         Self {
-            i: i + steiner,
+            i: SymMat3 {
+                xx: mc.y.fma(c.y, mc.z.fma(c.z, i.xx)),
+                yy: mc.x.fma(c.x, mc.z.fma(c.z, i.yy)),
+                zz: mc.x.fma(c.x, mc.y.fma(c.y, i.zz)),
+                xy: mc.x.fnma(c.y, i.xy),
+                xz: mc.x.fnma(c.z, i.xz),
+                yz: mc.y.fnma(c.z, i.yz),
+            },
             h: Mat3::skew(mc),
             m: SymMat3::diagonal(m),
         }
@@ -182,50 +199,32 @@ impl<R: Real> Inertia<R> {
     #[inline(always)]
     pub fn apply(self, v: Spatial<R>) -> Spatial<R> {
         Spatial::new(
-            self.i * v.angular + self.h * v.linear,
-            self.h.transpose_mul(v.angular) + self.m * v.linear,
+            self.i.mul_plus(v.angular, self.h * v.linear),
+            self.h.transpose_mul_plus(v.angular, self.m * v.linear),
         )
     }
-    /// Solves self · a = f for a positive definite inertia by Cholesky's L D Lᵀ; pivots below
-    /// `tiny` count as `tiny`.
-    #[allow(clippy::needless_range_loop)] // rows and columns, as the algorithm is written
+    /// Solves self · (α, a) = (n, f) for a positive definite inertia; pivots below `tiny` count as
+    /// `tiny`. The linear block is eliminated first:
+    ///
+    /// ```text
+    /// X = M⁻¹ Hᵀ      (I − H X) α = n − Xᵀ f      a = M⁻¹ f − X α
+    /// ```
     #[inline(always)]
     pub fn solve(self, f: Spatial<R>, tiny: R) -> Spatial<R> {
-        let (i, h, m) = (self.i, self.h, self.m);
-        // Lower triangle, the linear rows first: below it lies Hᵀ, whose rows are H's columns.
-        let mut l = [
-            [m.xx, R::zero(), R::zero(), R::zero(), R::zero(), R::zero()],
-            [m.xy, m.yy, R::zero(), R::zero(), R::zero(), R::zero()],
-            [m.xz, m.yz, m.zz, R::zero(), R::zero(), R::zero()],
-            [h.x.x, h.y.x, h.z.x, i.xx, R::zero(), R::zero()],
-            [h.x.y, h.y.y, h.z.y, i.xy, i.yy, R::zero()],
-            [h.x.z, h.y.z, h.z.z, i.xz, i.yz, i.zz],
-        ];
-        let [nx, ny, nz] = f.angular.to_array();
-        let [fx, fy, fz] = f.linear.to_array();
-        let mut x = [fx, fy, fz, nx, ny, nz];
-        for p in 0..6 {
-            let inverse = l[p][p].max(tiny).recip();
-            for row in p + 1..6 {
-                let factor = l[row][p] * inverse;
-                for column in p + 1..=row {
-                    l[row][column] = factor.fnma(l[column][p], l[row][column]);
-                }
-                x[row] = factor.fnma(x[p], x[row]);
-            }
-            // L below the pivot; the pivot's row of x divided by D.
-            for row in p + 1..6 {
-                l[row][p] *= inverse;
-            }
-            x[p] *= inverse;
-        }
-        for row in (0..6).rev() {
-            for below in row + 1..6 {
-                x[row] = l[below][row].fnma(x[below], x[row]);
-            }
-        }
-        let [fx, fy, fz, nx, ny, nz] = x;
-        Spatial::new(Vec3::new(nx, ny, nz), Vec3::new(fx, fy, fz))
+        let (i, h, m) = (self.i, self.h, self.m.factor(tiny));
+        let rows = h.transpose();
+        let x = Mat3::from_columns(m.solve(rows.x), m.solve(rows.y), m.solve(rows.z));
+        let left = SymMat3 {
+            xx: (-rows.x).dot_plus(x.x, i.xx),
+            yy: (-rows.y).dot_plus(x.y, i.yy),
+            zz: (-rows.z).dot_plus(x.z, i.zz),
+            xy: (-rows.x).dot_plus(x.y, i.xy),
+            xz: (-rows.x).dot_plus(x.z, i.xz),
+            yz: (-rows.y).dot_plus(x.z, i.yz),
+        };
+        let turn = x.transpose_mul_plus(-f.linear, f.angular);
+        let angular = left.solve(turn, tiny);
+        Spatial::new(angular, x.mul_plus(-angular, m.solve(f.linear)))
     }
     /// `self − u uᵀ s`.
     #[inline(always)]

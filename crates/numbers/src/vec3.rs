@@ -47,6 +47,15 @@ impl<R: Real> Vec3<R> {
             self.x.fma(b.y, -(self.y * b.x)),
         )
     }
+    /// `self × b + c`.
+    #[inline(always)]
+    pub fn cross_plus(self, b: Self, c: Self) -> Self {
+        Self::new(
+            self.y.fma(b.z, self.z.fnma(b.y, c.x)),
+            self.z.fma(b.x, self.x.fnma(b.z, c.y)),
+            self.x.fma(b.y, self.y.fnma(b.x, c.z)),
+        )
+    }
     /// `self · s + c`.
     #[inline(always)]
     pub fn fma(self, s: R, c: Self) -> Self {

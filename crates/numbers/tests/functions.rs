@@ -32,6 +32,18 @@ fn apply<R: Lanes>(f: fn(R) -> R, x: R::Scalar) -> R::Scalar {
 
 const N: usize = 200_000;
 
+/// Sine and cosine of x/2, up to a common sign.
+fn half_angle<R: Lanes>(x: R::Scalar, bound: f64) {
+    let s = apply::<R>(|x| functions::half_sin_cos(x).0, x).to_f64();
+    let c = apply::<R>(|x| functions::half_sin_cos(x).1, x).to_f64();
+    let (exact_s, exact_c) = (0.5 * x.to_f64()).sin_cos();
+    let sign = (s * exact_s + c * exact_c).signum();
+    assert!(
+        (sign * s - exact_s).abs() < bound && (sign * c - exact_c).abs() < bound,
+        "half of {x:?}: {s}, {c}, not ±({exact_s}, {exact_c})"
+    );
+}
+
 fn trigonometric<R: Lanes>() {
     let range = if R::Scalar::DOUBLE { 1e6 } else { 1e4 };
     let one_ulp = if R::Scalar::DOUBLE {
@@ -50,6 +62,10 @@ fn trigonometric<R: Lanes>() {
             (c.to_f64() - exact_c).abs() < one_ulp,
             "cos {x:?} = {c:?}, not {exact_c}"
         );
+        half_angle::<R>(x, 2.0 * one_ulp);
+    }
+    for x in linear::<R::Scalar>(-PI, PI, N) {
+        half_angle::<R>(x, 1.5 * one_ulp);
     }
     for x in linear::<R::Scalar>(-0.785, 0.785, N) {
         let (s, c) = (apply::<R>(functions::sin, x), apply::<R>(functions::cos, x));
@@ -125,6 +141,7 @@ fn exponential<R: Lanes>() {
         functions::acos,
         functions::asin,
         functions::exp,
+        |x| functions::half_sin_cos(x).0,
     ] {
         assert!(at(f, f64::NAN).is_nan());
     }

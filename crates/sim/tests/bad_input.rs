@@ -539,6 +539,7 @@ const LIMIT: Limit = Limit {
     upper: 0.1,
     stiffness: 10.0,
     damping: 1.0,
+    inertia: 0.0,
 };
 
 #[test]

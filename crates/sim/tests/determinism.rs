@@ -310,25 +310,25 @@ fn trajectories_have_the_recorded_bits() {
 #[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 const GOLDEN: [[[u64; 2]; 5]; 2] = [
     [
-        [0xaeaa_cedf_7d44_8f97, 0x15d5_d8c2_1066_3b3f],
-        [0x5ea0_4e10_1ff5_e06a, 0xcd58_a16f_51b4_1700],
-        [0xd60b_f5a9_b7d6_dead, 0x622c_89c7_c5eb_3160],
-        [0x7358_8ae4_5588_0658, 0xcbe2_2b2a_1252_5aac],
-        [0x6b08_fcf4_5373_2cbb, 0x260b_7f59_ea22_a03d],
+        [0x26d9_7418_330a_736c, 0x9275_f1f6_b682_e5e3],
+        [0xc6b9_7dbf_2bba_66c7, 0x23c4_2edc_8736_1098],
+        [0x1293_3b9d_4b00_fc96, 0x4a60_bf7a_c236_bc6c],
+        [0xcce3_4894_00d0_3154, 0x37f7_3206_a042_5008],
+        [0xe41a_7c4f_6bcb_ee2d, 0x354e_f105_f2a3_1f47],
     ],
     [
-        [0x4371_29f9_6e59_2129, 0x8385_6d8c_148c_3ae4],
-        [0x7d45_26ad_4913_0113, 0x02ae_5d13_ee6e_8a45],
-        [0x641c_893e_19a0_545b, 0xefbb_4ae1_8510_2a9e],
-        [0xa727_70ed_c927_3cef, 0x50ab_6168_38ac_a07a],
-        [0xa625_ddbd_9001_3423, 0x63ae_c6d1_5db9_c98d],
+        [0x5199_baa6_f627_3aa2, 0x01c1_5bc6_bea1_4176],
+        [0xbd15_01ce_f021_c8b1, 0xeb40_2858_ae74_e2ae],
+        [0xf7d5_aafa_6bca_e6d3, 0x0217_968a_5386_949e],
+        [0x9446_d4cf_b3b7_a17e, 0x3b12_68d7_0551_f66e],
+        [0xa998_957d_b78e_c6ba, 0x19ef_4b45_3267_7f48],
     ],
 ];
 
 /// For the heap: of each method that lets bodies touch, f32 and f64.
 #[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 const GOLDEN_HEAP: [[u64; 2]; 3] = [
-    [0x6dd0_5755_2990_263e, 0x61ba_4024_9e8f_951d],
-    [0x59a9_8100_5927_9b68, 0xc100_f7d8_c24d_0c86],
-    [0xd04f_f26d_a23a_8bdd, 0xbe1d_a032_529a_e523],
+    [0x3809_769b_4a4e_f126, 0x21cc_3232_9eed_4081],
+    [0x9db7_d841_8a05_7311, 0xdbee_0d46_518e_c867],
+    [0x7c41_178f_a1e6_998a, 0xa413_2b1a_0886_ee93],
 ];

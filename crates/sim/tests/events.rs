@@ -39,6 +39,7 @@ fn scene(restitution: f64) -> Model {
             upper: 0.5,
             stiffness: 1e4,
             damping: 0.0,
+            inertia: 0.0,
         });
     world.build().unwrap()
 }

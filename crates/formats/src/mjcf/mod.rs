@@ -11,7 +11,7 @@
 //! - One joint of a body is a `revolute`, `prismatic`, `ball` or `free` joint; several are one `d6`
 //!   joint that carries the body's name, with each joint's name at its degree of freedom. So the
 //!   coordinates are MuJoCo's qpos, except that quaternions are x, y, z, w.
-//! - Joint ranges, narrowed by their margin, become soft limits of force (see Limitations).
+//! - Joint ranges, narrowed by their margin, become soft limits, springs and dampers that carry an inertia along.
 //! - Massless bodies that are welded to others are fused with them.
 //! - Geoms touch that MuJoCo lets touch: `contype` and `conaffinity` are a shape's kinds; bodies that
 //!   are welded together, or of which one carries the other, are kept apart unless one is welded to
@@ -22,11 +22,7 @@
 //!
 //! # Limitations
 //!
-//! - MuJoCo's limits prescribe accelerations. Here they are springs and dampers, for the inertia that
-//!   the joint shows at the initial coordinates: as stiff under a steady load as `solreflimit` and
-//!   `solimplimit` say, and as slow on the way out, but faster to stop what runs into them, with
-//!   MuJoCo's standard parameters 13 times.
-//! - Contacts prescribe accelerations, too, and here are springs, dampers and added masses for the
+//! - MuJoCo's contacts prescribe accelerations, and here are springs, dampers and added masses for the
 //!   mass of what touches, where MuJoCo takes the inertia that the bodies show. With MuJoCo's
 //!   standard parameters a body on one point sinks 0.3 mm under its own weight, instead of 0.4 mm.
 //! - The impedance of `solimp` and `solimplimit` grows with the depth. Here it has at all depths what

@@ -107,5 +107,6 @@ fn door(object: &mut Object) {
             upper: 1.5,
             stiffness: 2000.0,
             damping: 100.0,
+            inertia: 0.0,
         });
 }

@@ -132,6 +132,7 @@ fn dof(dof: &Dof, joint: &Joint) -> Result<(), ModelError> {
         subject.range("limit", (limit.lower, limit.upper))?;
         subject.not_negative("limit stiffness", limit.stiffness)?;
         subject.not_negative("limit damping", limit.damping)?;
+        subject.not_negative("limit inertia", limit.inertia)?;
     }
     drive(&subject, &dof.drive)?;
     if joint.kind == JointKind::Free {

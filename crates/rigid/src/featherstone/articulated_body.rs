@@ -25,27 +25,33 @@
 
 use super::contact::{self, load};
 use super::kinematics::{Course, newton_euler, world_inertia};
+use super::limit;
 use super::tables::{Tables, arrival, dof, frame, node_link};
 use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::{Inertia, Spatial};
-use numbers::{Machine, Mat3, Real, Vec3};
+use numbers::{Cell, Machine, Mat3, Real, Vec3};
 
 /// Smallest armature and pivot, so that a massless node does not divide by zero.
 pub(crate) const TINY: f64 = 1e-20;
 
 /// Accelerations of all degrees of freedom into `dof::ACCELERATION`, and of all nodes, under
-/// contacts that are implicit over `h` [s].
+/// contacts that are implicit over `h` [s], and stops that are over `implicit` [s].
 ///
 /// Needs [`kinematics`](super::kinematics::kinematics) and [`forces`](super::force::forces), and
 /// the contacts found or recalled.
 #[inline(always)]
-pub(crate) fn articulated_body<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, h: M::R) {
-    inwards::<M, CONTACTS>(k, t, h);
+pub(crate) fn articulated_body<M: Machine, const CONTACTS: bool>(
+    k: &mut M,
+    t: &Tables,
+    h: M::R,
+    implicit: M::R,
+) {
+    inwards::<M, CONTACTS>(k, t, h, implicit);
     outwards(k, t);
 }
 
 #[inline(always)]
-fn inwards<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, h: M::R) {
+fn inwards<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, h: M::R, implicit: M::R) {
     for i in k.range_down(k.index(t.nodes)) {
         let n = i.offset(t.trees);
         let links = k.link_row::<_, { node_link::WIDTH }>(t.node_links, n);
@@ -78,9 +84,13 @@ fn inwards<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, h: M::R) {
             let s = k.spatial(t.dof, v, dof::AXIS);
             let a = inertia.get();
             let u_vector = a.apply(s);
-            let [tau, implicit] = k.read(t.dof, v, dof::TAU);
-            let inverse = s.dot_plus(u_vector, implicit).recip();
-            let u = (-s).dot_plus(p.get(), tau);
+            let [tau, opposed] = k.read(t.dof, v, dof::TAU);
+            let mut d = k.cell(s.dot_plus(u_vector, opposed));
+            let mut u = k.cell((-s).dot_plus(p.get(), tau));
+            if t.forces.limits > 0 {
+                limit::act::<M, CONTACTS>(k, t, v, implicit, &mut u, &mut d);
+            }
+            let (u, inverse) = (u.read(), d.read().recip());
             inertia.set(a.minus_outer(u_vector, inverse));
             let moved = u_vector.fma(u * inverse, p.get());
             p.set(moved);

@@ -15,8 +15,9 @@
 //! Only what a model uses has a row, so that a passive chain pays for nothing.
 
 use super::articulated_body::TINY;
+use super::limit;
 use super::tables::{Tables, dof};
-use crate::tables::{Filler, UNBOUNDED, actuator_numbers, ball_target, bounded};
+use crate::tables::{Filler, actuator_numbers, ball_target, bounded};
 use model::{JointKind, Model};
 use numbers::functions::wrap;
 use numbers::machine::space::{Parameter, State};
@@ -49,10 +50,14 @@ pub(crate) struct ForceTables {
     frictions: usize,
     motors: usize,
     servos: usize,
-    /// Damping, stiffness, rest; lower and upper limit, their stiffness and damping.
+    /// Damping, stiffness, rest.
     /// One row for each of the degrees of freedom from `passive_begin` to `passive_end`.
-    passive: Table<Parameter, 7>,
+    passive: Table<Parameter, 3>,
     passive_links: Links,
+    /// Rows of `limit`: one for each degree of freedom, or none where nothing is passive.
+    pub(crate) limits: usize,
+    pub(crate) limit: Table<Parameter, 6>,
+    pub(crate) limit_links: Links,
     /// Stiffness, damping, effort limit, control time.
     drive: Table<Parameter, 4>,
     drive_links: Links<3>,
@@ -191,6 +196,7 @@ impl ForceTables {
         links: &mut usize,
     ) -> Self {
         let passives = rows.passive_end - rows.passive_begin;
+        let limits = if passives > 0 { dofs } else { 0 };
         Self {
             dofs,
             passive_begin: rows.passive_begin,
@@ -202,6 +208,9 @@ impl ForceTables {
             servos: rows.servos,
             passive: Table::place(parameters, passives),
             passive_links: Links::place(links, passives),
+            limits,
+            limit: Table::place(parameters, limits),
+            limit_links: Links::place(links, limits),
             drive: Table::place(parameters, rows.drives),
             drive_links: Links::place(links, rows.drives),
             drive_target: Table::place(state, rows.drives),
@@ -218,9 +227,9 @@ impl ForceTables {
         }
     }
 
-    /// Writes a model's force laws.
-    pub(crate) fn fill(&self, model: &Model, f: &mut Filler) {
-        self.fill_dofs(model, f);
+    /// Writes a model's force laws, for steps of length `h` [s].
+    pub(crate) fn fill(&self, model: &Model, h: f64, f: &mut Filler) {
+        self.fill_dofs(model, h, f);
         self.fill_axes(model, f);
         for (row, (q, v, dofs)) in balls(model).filter(|b| b.2.iter().any(driven)).enumerate() {
             f.link(self.ball_links, row, 0, q);
@@ -260,7 +269,7 @@ impl ForceTables {
         }
     }
 
-    fn fill_dofs(&self, model: &Model, f: &mut Filler) {
+    fn fill_dofs(&self, model: &Model, h: f64, f: &mut Filler) {
         let mut friction = 0;
         for (i, joint) in model.joints.iter().enumerate() {
             if joint.closes_loop {
@@ -273,7 +282,12 @@ impl ForceTables {
                 if (self.passive_begin..self.passive_end).contains(&v) {
                     // A ball's dampers have no position term, so any coordinate will do.
                     let coordinate = (q.start + k).min(q.end - 1);
-                    self.fill_passive(v - self.passive_begin, coordinate, dof, f);
+                    let row = v - self.passive_begin;
+                    f.link(self.passive_links, row, 0, coordinate);
+                    let numbers = [dof.damping, dof.stiffness, dof.rest];
+                    f.numbers(self.passive, row, 0, &numbers);
+                    f.link(self.limit_links, v, 0, coordinate);
+                    f.numbers(self.limit, v, 0, &limit::numbers(dof.limit.as_ref(), h));
                 }
                 if dof.friction_loss > 0.0 {
                     f.link(self.friction_links, friction, 0, v);
@@ -282,20 +296,6 @@ impl ForceTables {
                 }
             }
         }
-    }
-
-    fn fill_passive(&self, row: usize, coordinate: usize, dof: &model::Dof, f: &mut Filler) {
-        let limit = dof.limit.map_or([-UNBOUNDED, UNBOUNDED, 0.0, 0.0], |l| {
-            [l.lower, l.upper, l.stiffness, l.damping]
-        });
-        f.link(self.passive_links, row, 0, coordinate);
-        f.numbers(
-            self.passive,
-            row,
-            0,
-            &[dof.damping, dof.stiffness, dof.rest],
-        );
-        f.numbers(self.passive, row, 3, &limit);
     }
 
     fn fill_axes(&self, model: &Model, f: &mut Filler) {
@@ -348,7 +348,8 @@ impl ForceTables {
     }
 }
 
-/// Sums all forces along the degrees of freedom into `dof::TAU` and the field after it, linearised over `h` [s].
+/// Sums all forces along the degrees of freedom but limits' into `dof::TAU` and the field after it,
+/// linearised over `h` [s].
 #[inline(always)]
 pub(crate) fn forces<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     let f = &t.forces;
@@ -368,7 +369,7 @@ pub(crate) fn forces<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
 
 /// Starts the sums of a degree of freedom without spring, damper and limit.
 #[inline(always)]
-fn bare<M: Machine>(k: &mut M, t: &Tables, v: M::I) {
+pub(crate) fn bare<M: Machine>(k: &mut M, t: &Tables, v: M::I) {
     let (tau, armature) = (k.load(t.input.force, v, 0), t.forces.armature(k, v));
     k.write(t.dof, v, dof::TAU, [tau, armature]);
 }
@@ -380,25 +381,18 @@ fn add<M: Machine>(k: &mut M, t: &Tables, v: M::I, tau: M::R, implicit: M::R) {
     k.write(t.dof, v, dof::TAU, [sum + tau, opposing + implicit]);
 }
 
-/// Starts the sums with springs and dampers; a limit is one that acts beyond it alone, and never
-/// pulls.
+/// Starts the sums with springs and dampers; limits are kept apart.
 #[inline(always)]
 fn passives<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
-    let (f, zero) = (&t.forces, M::R::zero());
+    let f = &t.forces;
     for i in k.count(f.passive_end - f.passive_begin) {
         let v = i.offset(f.passive_begin);
         let q = k.load(t.position, k.link(f.passive_links, i, 0), 0);
         let speed = k.load(t.velocity, v, 0);
-        let [d, s, rest, lower, upper, limit_s, limit_d] = k.read(f.passive, i, 0);
+        let [d, s, rest] = k.read(f.passive, i, 0);
         let stretch = h.fma(speed, q - rest);
-        let beyond = (q - upper).max(zero) + (q - lower).min(zero);
-        let push = limit_s.fma(h.fma(speed, beyond), limit_d * speed);
-        let idle = (push * beyond).le(zero);
-        let limit_s = M::R::select(idle, zero, limit_s);
-        let d = d + M::R::select(idle, zero, limit_d);
-        let pull = s.fma(stretch, limit_s.fma(h.fma(speed, beyond), d * speed));
-        let tau = k.load(t.input.force, v, 0) - pull;
-        let implicit = (h * h).fma(s + limit_s, h.fma(d, f.armature(k, v)));
+        let tau = k.load(t.input.force, v, 0) - s.fma(stretch, d * speed);
+        let implicit = h.fma(h.fma(s, d), f.armature(k, v));
         k.write(t.dof, v, dof::TAU, [tau, implicit]);
     }
 }

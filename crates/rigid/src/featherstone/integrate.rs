@@ -19,6 +19,7 @@ use super::contact;
 use super::force::{forces, smooth_targets};
 use super::gauss_seidel;
 use super::kinematics::kinematics;
+use super::limit;
 use super::report::gather;
 use super::tables::{Tables, dof};
 use crate::contacts::place_shapes;
@@ -105,10 +106,12 @@ fn accelerate<M: Machine, const CONTACTS: bool>(
         if t.presses() {
             gauss_seidel::begin(k, t);
         }
+        limit::begin(k, t);
         for _ in k.count(t.passes) {
-            articulated_body::<M, true>(k, t, h);
+            articulated_body::<M, true>(k, t, h, implicit);
             let mut changes = k.cell(M::R::zero());
             contact::settle(k, t, h, &mut changes);
+            limit::settle(k, t, implicit, &mut changes);
             if k.finished(changes.read().same(M::R::zero())) {
                 break;
             }
@@ -117,7 +120,7 @@ fn accelerate<M: Machine, const CONTACTS: bool>(
             gauss_seidel::gauss_seidel(k, t, h);
         }
     } else {
-        articulated_body::<M, false>(k, t, h);
+        articulated_body::<M, false>(k, t, h, implicit);
     }
 }
 

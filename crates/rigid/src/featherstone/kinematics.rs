@@ -69,7 +69,7 @@ pub(crate) fn origins<M: Machine>(k: &mut M, t: &Tables) {
     }
 }
 
-/// Sine and cosine of half the angle of each revolute motion.
+/// Sine and cosine of half the angle of each revolute motion, up to a common sign.
 ///
 /// A pass of its own: no motion waits for another here, as they do along the tree.
 #[inline(always)]
@@ -77,7 +77,7 @@ fn half_angles<M: Machine>(k: &mut M, t: &Tables) {
     for i in k.count(t.hinges) {
         let [m, q] = k.link_row(t.hinge_links, i);
         let angle = k.load(t.position, q, 0) - k.load(t.motion, m, 3);
-        let (sin, cos) = functions::sin_cos(angle * M::R::lit(0.5));
+        let (sin, cos) = functions::half_sin_cos(angle);
         k.write(t.half_angle, m, 0, [sin, cos]);
     }
 }
@@ -195,7 +195,8 @@ fn ball<M: Machine>(k: &mut M, t: &Tables, v: M::I, at: Pose<M::R>) -> Spatial<M
 #[inline(always)]
 fn advance<R: Real, H: Held<Value = Spatial<R>>>(twist: &mut H, bias: &mut H, s: Spatial<R>) {
     let v = twist.get();
-    bias.set(bias.get() + v.cross_motion(s));
+    let moved = v.cross_motion_plus(s, bias.get());
+    bias.set(moved);
     twist.set(v + s);
 }
 
@@ -209,7 +210,7 @@ pub(crate) fn world_inertia<M: Machine, const W: usize>(
 ) -> (M::R, Vec3<M::R>, SymMat3<M::R>) {
     let r = at.q.to_mat3();
     let [m, cx, cy, cz, xx, yy, zz, xy, xz, yz] = k.read(table, row, node::MASS);
-    let c = r * Vec3::new(cx, cy, cz) + at.p;
+    let c = r.mul_plus(Vec3::new(cx, cy, cz), at.p);
     (
         m,
         c,
@@ -220,8 +221,8 @@ pub(crate) fn world_inertia<M: Machine, const W: usize>(
 /// Momentum I v of a rigid body: (I_c ω + c × f, f) with f = m (v + ω × c).
 #[inline(always)]
 pub(crate) fn momentum<R: Real>(m: R, c: Vec3<R>, i: SymMat3<R>, v: Spatial<R>) -> Spatial<R> {
-    let f = (v.linear + v.angular.cross(c)) * m;
-    Spatial::new(i * v.angular + c.cross(f), f)
+    let f = v.angular.cross_plus(c, v.linear) * m;
+    Spatial::new(i.mul_plus(v.angular, c.cross(f)), f)
 }
 
 /// Wrench that moves a rigid body with velocity v and acceleration a, I a + v ×* I v, by Newton's
@@ -239,8 +240,8 @@ pub(crate) fn newton_euler<R: Real>(
     a: Spatial<R>,
 ) -> Spatial<R> {
     let (w, alpha) = (v.angular, a.angular);
-    let speed = v.linear + w.cross(c);
-    let f = (a.linear + alpha.cross(c) + w.cross(speed)) * m;
-    let n = i * alpha + w.cross(i * w);
-    Spatial::new(n + c.cross(f), f)
+    let speed = w.cross_plus(c, v.linear);
+    let f = w.cross_plus(speed, alpha.cross_plus(c, a.linear)) * m;
+    let n = i.mul_plus(alpha, w.cross(i * w));
+    Spatial::new(c.cross_plus(f, n), f)
 }

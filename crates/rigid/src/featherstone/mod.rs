@@ -21,6 +21,7 @@ mod force;
 mod gauss_seidel;
 mod integrate;
 mod kinematics;
+mod limit;
 mod report;
 mod tables;
 

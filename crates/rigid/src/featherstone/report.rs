@@ -9,6 +9,7 @@ use super::contact as touches;
 use super::force::forces;
 use super::gauss_seidel;
 use super::kinematics::{kinematics, momentum, newton_euler, world_inertia};
+use super::limit;
 use super::tables::{Tables, body_field, body_link, dof, frame};
 use crate::output::{body, contact, reaction, total};
 use collide::FAR;
@@ -29,8 +30,9 @@ pub(crate) fn report<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
             gauss_seidel::recall(k, t);
         }
         touches::report(k, t);
+        limit::begin(k, t);
     }
-    articulated_body::<M, CONTACTS>(k, t, now);
+    articulated_body::<M, CONTACTS>(k, t, now, now);
     coordinates(k, t);
     bodies(k, t);
     wrenches(k, t);

@@ -206,6 +206,8 @@ pub struct Tables {
     pub(crate) iterations: usize,
     /// Per slot: see [`load`].
     pub(crate) load: Table<Scratch, { load::WIDTH }>,
+    /// Positive where the stop of a degree of freedom is taken to push back; zero before the first pass.
+    pub(crate) stop: Table<Scratch>,
     /// Rows of the bodies of each slot, that of the shape that its normal points to last; one past
     /// the last body for the world.
     pub(crate) touching_links: Links<2>,
@@ -596,7 +598,7 @@ impl Tables {
         let mut filler = Filler::new(tables.parameter_length, tables.link_length);
         tables.fill_forest(&forest, &mut filler);
         tables.fill_bodies(model, &forest, &mut filler);
-        tables.forces.fill(model, &mut filler);
+        tables.forces.fill(model, settings.substep(), &mut filler);
         tables.contacts.fill(model, &plan, NAME, &mut filler)?;
         tables.fill_couples(&couples, &mut filler);
         let contact_shapes = plan.shapes();
@@ -621,6 +623,13 @@ impl Tables {
             filler.numbers(tables.tableau, stage, 0, row);
         }
         Ok((tables, filler, contact_shapes))
+    }
+
+    /// The same tree, whose limits do not act.
+    pub(crate) fn without_limits(&self) -> Self {
+        let mut tables = *self;
+        tables.forces.limits = 0;
+        tables
     }
 
     /// Whether bodies that move may touch each other.
@@ -705,6 +714,7 @@ impl Tables {
             frame: Table::place(&mut t, rows),
             dof: Table::place(&mut t, dofs),
             load: Table::place(&mut t, contacts.slots),
+            stop: Table::place(&mut t, dofs),
             touching_links: Links::place(&mut l, contacts.slots),
             touch_links: Links::place(&mut l, contacts.slots),
             couple_links: Links::place(&mut l, couples.couples.len()),

@@ -7,7 +7,7 @@ use numbers::spatial::{Inertia, Spatial};
 use numbers::{Machine, Mat3, Real, SymMat3, Vec3};
 
 /// Pivots below this are of a body without mass [kg, kg·m²].
-const TINY: f64 = 1e-20;
+pub(super) const TINY: f64 = 1e-20;
 
 /// Inertia of a body with all that it carries, and what they pull with, about a point that moves
 /// with the body.
@@ -140,24 +140,7 @@ impl<R: Real> Subtree<R> {
     /// How it moves where nothing holds it: δ = −Iᴬ⁻¹ p.
     #[inline(always)]
     pub fn loose(self) -> Spatial<R> {
-        let (Inertia { i, h, m }, p, tiny) = (self.inertia, self.force, R::lit(TINY));
-        // X = M⁻¹ Hᵀ; then (I − H X) φ = Xᵀ f − n and d = −M⁻¹ f − X φ.
-        let rows = h.transpose();
-        let x = Mat3::from_columns(
-            m.solve(rows.x, tiny),
-            m.solve(rows.y, tiny),
-            m.solve(rows.z, tiny),
-        );
-        let rest = SymMat3 {
-            xx: i.xx - rows.x.dot(x.x),
-            yy: i.yy - rows.y.dot(x.y),
-            zz: i.zz - rows.z.dot(x.z),
-            xy: i.xy - rows.x.dot(x.y),
-            xz: i.xz - rows.x.dot(x.z),
-            yz: i.yz - rows.y.dot(x.z),
-        };
-        let turn = rest.solve(x.transpose_mul(p.linear) - p.angular, tiny);
-        Spatial::new(turn, -(m.solve(p.linear, tiny) + x * turn))
+        self.inertia.solve(-self.force, R::lit(TINY))
     }
     /// As it lies in `carried`.
     #[inline(always)]

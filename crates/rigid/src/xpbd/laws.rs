@@ -18,6 +18,7 @@
 //! Armature m is the law d = m/h, w₀ = θ̇ at the start; dry friction is a damper
 //! without limit, held within its bounds.
 
+use super::articulated::TINY;
 use super::axis::Pull;
 use super::joint::Ends;
 use super::tables::{Tables, axis_field, axis_link, joint_field, joint_link, motion};
@@ -142,8 +143,8 @@ pub(crate) struct LawTables {
     /// Stiffness, damping, effort limit, control time, 1 if the coordinate turns without end.
     drive: Table<Parameter, 5>,
     drive_target: Table<State>,
-    /// Lower, upper, stiffness, damping.
-    limit: Table<Parameter, 4>,
+    /// Lower, upper, stiffness, damping, inertia.
+    limit: Table<Parameter, 5>,
     friction: Table<Parameter>,
     armature: Table<Parameter>,
     /// Gear, gain, bias 3, control range 2, force range 2.
@@ -290,7 +291,7 @@ impl LawTables {
                     self.limit,
                     i,
                     0,
-                    &[l.lower, l.upper, l.stiffness, l.damping],
+                    &[l.lower, l.upper, l.stiffness, l.damping, l.inertia],
                 );
             }
             if dof.friction_loss > 0.0 {
@@ -440,12 +441,17 @@ fn drive<M: Machine>(k: &mut M, t: &Tables, i: M::I, law: M::I, h: M::R) {
 #[inline(always)]
 fn limit<M: Machine>(k: &mut M, t: &Tables, i: M::I, law: M::I, h: M::R) {
     let axis = k.link(t.laws.law_links, law, 0);
-    let [lower, upper, s, d] = k.read(t.laws.limit, i, 0);
+    let [lower, upper, s, d, m] = k.read(t.laws.limit, i, 0);
     let value = k.load(t.axis, axis, axis_field::VALUE);
     let next = h.fma(rate(k, t, axis), value);
     let (zero, above) = (M::R::zero(), next.gt(upper));
     let beyond = above | next.lt(lower);
     let rest = M::R::select(above, upper, lower);
+    // The inertia is a damper too, against the rate that the substep starts with.
+    let drag = m / h;
+    let d = d + drag;
+    let start = k.load(t.axis, axis, axis_field::RATE);
+    let kept = drag * start / d.max(M::R::lit(TINY));
     let s = M::R::select(beyond, s, zero);
     let d = M::R::select(beyond, d, zero);
     let most = M::R::lit(UNBOUNDED);
@@ -453,7 +459,7 @@ fn limit<M: Machine>(k: &mut M, t: &Tables, i: M::I, law: M::I, h: M::R) {
         M::R::select(above, -most, zero),
         M::R::select(above, zero, most),
     );
-    store_law(k, t, law, [s, d, rest, zero, zero], low, high);
+    store_law(k, t, law, [s, d, rest, kept, zero], low, high);
 }
 
 #[inline(always)]
@@ -485,7 +491,7 @@ fn rate<M: Machine>(k: &M, t: &Tables, axis: M::I) -> M::R {
 /// How often a pass may have to be done: once if nothing has a bound.
 pub(crate) fn rounds(t: &Tables) -> usize {
     let r = &t.laws;
-    let bounded = r.drives + r.frictions + r.motors + r.balls;
+    let bounded = r.drives + r.limits + r.frictions + r.motors + r.balls;
     if bounded == 0 && !t.capped_at_all {
         1
     } else {

@@ -104,6 +104,7 @@ pub fn mixed(reduced: bool) -> Result<Model, ModelError> {
         upper: 0.3,
         stiffness: 50.0,
         damping: 1.0,
+        inertia: 0.0,
     };
     let shoulder = robot
         .revolute("shoulder", arm, DVec3::Z)
@@ -139,6 +140,7 @@ pub fn mixed(reduced: bool) -> Result<Model, ModelError> {
         upper: 0.1,
         stiffness: 900.0,
         damping: 3.0,
+        inertia: 0.3,
     };
     let slide = robot
         .prismatic("slide", tail, DVec3::X)

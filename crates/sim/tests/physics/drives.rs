@@ -308,6 +308,7 @@ fn turning_axes_take_the_short_way() {
         upper: 4.0,
         stiffness: 1e4,
         damping: 1.0,
+        inertia: 0.0,
     };
     for method in BOTH {
         for (limit, way) in [(None, 20.0), (Some(limit), -340.0)] {
@@ -413,6 +414,7 @@ fn limits_give_way_by_force_over_stiffness() {
         upper: 0.3,
         stiffness: k,
         damping: 200.0,
+        inertia: 0.0,
     };
     for (name, mut simulation) in cases(|j| {
         j.limit(limit);
@@ -435,6 +437,46 @@ fn limits_give_way_by_force_over_stiffness() {
             ..Law::default()
         };
         follows(&name, &mut simulation, 1000, |_, x| law.step(x));
+    }
+}
+
+/// A stop of inertia m' with T = 2 (m + m')/d and k T² = m + m' is critically damped: what runs into it
+/// with v₀ goes v₀ t e^(−t/T) deep, v₀ T/e at most, and is let go where the stop would pull, which is
+/// where q̈ turns, at t = 2 T, with −v₀ e⁻².
+#[test]
+fn a_stop_with_inertia_is_soft_and_lets_go() {
+    let (time, carried, v0) = (0.05, 3.0 * MASS, 2.0);
+    let all = MASS + carried;
+    let limit = Limit {
+        lower: -1.0,
+        upper: 0.3,
+        stiffness: all / (time * time),
+        damping: 2.0 * all / time,
+        inertia: carried,
+    };
+    for (name, mut simulation) in cases(|j| {
+        j.limit(limit);
+    }) {
+        simulation.set_joint_state(0, &[0.3], &[v0]).unwrap();
+        let mut deepest: f64 = 0.0;
+        for _ in 0..(5.0 * time / H) as usize {
+            simulation.step(1);
+            deepest = deepest.max(state(&mut simulation).0 - 0.3);
+        }
+        // First order in h/T.
+        let tolerance = v0 * H / time;
+        close(
+            format!("{name} depth"),
+            deepest,
+            v0 * time * (-1.0_f64).exp(),
+            tolerance * time,
+        );
+        close(
+            format!("{name} speed"),
+            state(&mut simulation).1,
+            -v0 * (-2.0_f64).exp(),
+            tolerance,
+        );
     }
 }
 

@@ -101,6 +101,7 @@ pub fn mixed() -> Model {
         upper,
         stiffness: 60.0,
         damping: 1.0,
+        inertia: 0.1,
     };
     let mut world = Builder::new("mixed");
     let robot = world.object("robot");

@@ -6,8 +6,9 @@
 
 use super::tables::DynamicsTables;
 use crate::featherstone::articulated_body::articulated_body;
-use crate::featherstone::force::{forces, smooth_targets};
+use crate::featherstone::force::{bare, forces, smooth_targets};
 use crate::featherstone::kinematics::kinematics;
+use crate::featherstone::limit;
 use crate::featherstone::tables::{Tables, dof};
 use numbers::{Machine, Real};
 
@@ -19,10 +20,10 @@ const ENDLESS: f64 = 1e30;
 pub(crate) fn forward_dynamics<M: Machine>(k: &mut M, t: &Tables) {
     kinematics(k, t);
     for v in k.count(t.dofs) {
-        let (tau, armature) = (k.load(t.input.force, v, 0), t.forces.armature(k, v));
-        k.write(t.dof, v, dof::TAU, [tau, armature]);
+        bare(k, t, v);
     }
-    articulated_body::<M, false>(k, t, M::R::zero());
+    let now = M::R::zero();
+    articulated_body::<M, false>(k, &t.without_limits(), now, now);
     for v in k.count(t.dofs) {
         let x = k.load(t.dof, v, dof::ACCELERATION);
         k.store(t.output.acceleration, v, 0, x);
@@ -35,7 +36,10 @@ pub(crate) fn applied_forces<M: Machine>(k: &mut M, t: &Tables, d: &DynamicsTabl
     smooth_targets(k, t, M::R::lit(ENDLESS));
     forces(k, t, M::R::zero());
     for v in k.count(t.dofs) {
-        let x = k.load(t.dof, v, dof::TAU);
-        k.store(d.force, v, 0, x);
+        let mut tau = k.load(t.dof, v, dof::TAU);
+        if t.forces.limits > 0 {
+            tau += limit::at_rest(k, t, v);
+        }
+        k.store(d.force, v, 0, tau);
     }
 }

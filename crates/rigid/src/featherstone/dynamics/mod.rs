@@ -138,8 +138,8 @@ impl Dynamics {
     }
 
     /// τ [N or N·m] of everything that acts along the degrees of freedom: springs, dampers, drives
-    /// (which have followed their targets), limits, friction, actuators and the forces of `input`,
-    /// which lies as [`InputTables`] say.
+    /// (which have followed their targets), limits (but for their inertia), friction, actuators and the
+    /// forces of `input`, which lies as [`InputTables`] say.
     pub fn applied_forces(
         &self,
         position: &[f64],

@@ -1,0 +1,139 @@
+//! Limits of coordinates: stops that act beyond an end of the range, and never pull.
+//!
+//! With the excess r, positive beyond the upper end and negative beyond the lower, a stop of stiffness
+//! k, damping d and inertia m gives, in a step of length h,
+//!
+//! ```text
+//! f = −k (r + h q̇') − d ((1 − θ) q̇ + θ q̇') − m q̈ = −(f₀ + g q̈)
+//! f₀ = k (r + h q̇) + d q̇      g = h² k + θ h d + m      θ = (3 m + h d) / (6 m + h d)
+//! ```
+//!
+//! where that pushes back, f r < 0, and nothing elsewhere. In the articulated-body algorithm it takes
+//! f₀ from u, and adds g to D. θ slows m as d alone does, by e⁻ᶻ with z = h d / m: there
+//! θ = 1/(1 − e⁻ᶻ) − 1/z = ½ + z/12 + O(z³) (Liniger & Willoughby 1970, exponential fitting); without
+//! inertia θ = 1, which is stable however stiff.
+//!
+//! Whether it pushes back is known once q̈ is. On the way inwards q̈ is taken for u / D, what it would
+//! be if the parent did not accelerate. Later passes, where contacts ask for them, go by the q̈ of the
+//! pass before.
+
+use super::tables::{Tables, dof};
+use crate::tables::UNBOUNDED;
+use model::Limit;
+use numbers::{Cell, Machine, Real};
+
+/// Lower and upper end, k, d, θ d for steps of length `h` [s], and m; for a degree of freedom without
+/// a limit, those of one that it never reaches.
+pub(crate) fn numbers(limit: Option<&Limit>, h: f64) -> [f64; 6] {
+    let Some(l) = limit else {
+        return [-UNBOUNDED, UNBOUNDED, 0.0, 0.0, 0.0, 0.0];
+    };
+    let late = l.damping * implicit_share(h * l.damping, l.inertia);
+    [l.lower, l.upper, l.stiffness, l.damping, late, l.inertia]
+}
+
+/// θ.
+fn implicit_share(damped: f64, inertia: f64) -> f64 {
+    if damped > 0.0 {
+        (3.0 * inertia + damped) / (6.0 * inertia + damped)
+    } else {
+        1.0
+    }
+}
+
+/// r of a degree of freedom's stop.
+#[inline(always)]
+fn excess<M: Machine>(k: &M, t: &Tables, v: M::I) -> M::R {
+    let q = k.load(t.position, k.link(t.forces.limit_links, v, 0), 0);
+    let [lower, upper] = k.read(t.forces.limit, v, 0);
+    (q - upper).max(M::R::zero()) + (q - lower).min(M::R::zero())
+}
+
+/// f₀ and g of a degree of freedom's stop beyond which it is by r; with h = 0 its law is explicit.
+#[inline(always)]
+fn law<M: Machine>(k: &M, t: &Tables, v: M::I, r: M::R, h: M::R) -> [M::R; 2] {
+    let [stiffness, damping, late, inertia] = k.read(t.forces.limit, v, 2);
+    let speed = k.load(t.velocity, v, 0);
+    let force = stiffness.fma(h.fma(speed, r), damping * speed);
+    let opposing = h.fma(h.fma(stiffness, late), inertia);
+    [force, opposing]
+}
+
+/// Takes f₀ from u, and adds g to D, where the stop acts.
+#[inline(always)]
+pub(crate) fn act<M: Machine, const CONTACTS: bool>(
+    k: &mut M,
+    t: &Tables,
+    v: M::I,
+    h: M::R,
+    u: &mut M::Cell,
+    d: &mut M::Cell,
+) {
+    let zero = M::R::zero();
+    let r = excess(k, t, v);
+    if let Some(_branch) = k.if_any(!r.same(zero)) {
+        let [force, opposing] = law(k, t, v, r, h);
+        let mut sign = (force * r).fma(d.read(), (opposing * r) * u.read());
+        if CONTACTS {
+            let known = k.load(t.stop, v, 0);
+            sign = M::R::select(known.same(zero), sign, known);
+            k.store(t.stop, v, 0, sign);
+        }
+        let acts = sign.gt(zero);
+        u.write(u.read() - M::R::select(acts, force, zero));
+        d.write(d.read() + M::R::select(acts, opposing, zero));
+    }
+}
+
+/// Forgets what passes have found.
+#[inline(always)]
+pub(crate) fn begin<M: Machine>(k: &mut M, t: &Tables) {
+    for v in k.count(t.forces.limits) {
+        k.store(t.stop, v, 0, M::R::zero());
+    }
+}
+
+/// Finds which stops push back under the accelerations found, and counts those that were taken for
+/// something else.
+#[inline(always)]
+pub(crate) fn settle<M: Machine>(k: &mut M, t: &Tables, h: M::R, changes: &mut M::Cell) {
+    let zero = M::R::zero();
+    for v in k.count(t.forces.limits) {
+        let r = excess(k, t, v);
+        if let Some(_branch) = k.if_any(!r.same(zero)) {
+            let [force, opposing] = law(k, t, v, r, h);
+            let acceleration = k.load(t.dof, v, dof::ACCELERATION);
+            let known = opposing.fma(acceleration, force) * r;
+            let (acted, acts) = (k.load(t.stop, v, 0).gt(zero), known.gt(zero));
+            k.store(t.stop, v, 0, known);
+            let wrong = (acts & !acted) | (acted & !acts);
+            let change = M::R::select(wrong, M::R::one(), zero);
+            changes.write(changes.read() + change);
+        }
+    }
+}
+
+/// The force [N or N·m] of a stop on what does not accelerate.
+#[inline(always)]
+pub(crate) fn at_rest<M: Machine>(k: &M, t: &Tables, v: M::I) -> M::R {
+    let r = excess(k, t, v);
+    let [force, _] = law(k, t, v, r, M::R::zero());
+    let acts = (force * r).gt(M::R::zero());
+    M::R::select(acts, -force, M::R::zero())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// θ = 1/(1 − e⁻ᶻ) − 1/z for small z, and 1 without inertia.
+    #[test]
+    fn a_stop_slows_its_inertia_as_damping_does() {
+        for z in [0.01, 0.1, 0.3, 1.0_f64] {
+            let exact = 1.0 / (1.0 - (-z).exp()) - 1.0 / z;
+            assert!((implicit_share(z, 1.0) - exact).abs() < 0.01 * z.powi(2));
+        }
+        assert_eq!(implicit_share(2.0, 0.0), 1.0);
+        assert_eq!(implicit_share(0.0, 0.0), 1.0);
+    }
+}
