@@ -157,6 +157,8 @@ pub struct Simulation {
 pub enum MeshesName {
     /// Their files are not read; no solver collides them.
     Named,
+    /// As they are: surfaces, of what does not move.
+    Exact,
     /// Their convex hulls: what is hollow is filled.
     Hull,
 }
@@ -194,6 +196,7 @@ impl From<MeshesName> for Meshes {
     fn from(name: MeshesName) -> Self {
         match name {
             MeshesName::Named => Self::Named,
+            MeshesName::Exact => Self::Exact,
             MeshesName::Hull => Self::ConvexHull,
         }
     }

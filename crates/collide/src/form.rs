@@ -17,9 +17,10 @@ pub struct Form {
 
 impl Form {
     /// The form of a geometry. A plane is a half space, however large it is drawn; the kernels' vertices
-    /// of a hull are its [arms](model::Hull::arms).
+    /// of a hull are its [arms](model::Hull::arms), and a mesh lies about its
+    /// [middle](model::TriangleMesh::center).
     ///
-    /// `None` for a mesh: it takes its file, and a choice between its
+    /// `None` for the file of a mesh: it takes reading, and a choice between its
     /// [surface](crate::mesh), its [hull](model::Hull) and its convex pieces.
     pub fn of(geometry: &Geometry) -> Option<Self> {
         let (kind, size) = match *geometry {
@@ -40,7 +41,8 @@ impl Form {
             Geometry::Box { half } => (kind::BOX, half),
             Geometry::Ellipsoid { half } => (kind::ELLIPSOID, half),
             Geometry::Hull(ref hull) => (kind::HULL, hull.half_extents()),
-            Geometry::Mesh { .. } => return None,
+            Geometry::Mesh(ref mesh) => (kind::MESH, mesh.half_extents()),
+            Geometry::MeshFile { .. } => return None,
         };
         Some(Self {
             kind,

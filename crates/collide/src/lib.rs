@@ -18,8 +18,8 @@
 //! | any convex solid and a triangle mesh | [`mesh::mesh_convex`], its triangles | 8 |
 //!
 //! [`Route`] names the kernel for a pair of kinds, so that a solver can keep one list of pairs for
-//! each and loop over it. A [height field](mesh::TriangleMesh::height_field) and the zero surface
-//! of a [distance field](mesh::TriangleMesh::distance_field) are meshes. A finite plane is a
+//! each and loop over it. A [height field](model::TriangleMesh::height_field) and the zero surface
+//! of a [distance field](model::TriangleMesh::distance_field) are meshes. A finite plane is a
 //! [box](Form::finite_plane). The vertices of a mesh are to a plane those of a hull; two
 //! meshes meet as the triangles of one, each a hull of three vertices, and the surface of the other.
 //!

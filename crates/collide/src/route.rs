@@ -1,6 +1,7 @@
 //! Which kernel answers for which pair of kinds.
 
-use crate::solid::kind::{BOX, CAPSULE, CONE, CYLINDER, ELLIPSOID, HULL, PLANE, SPHERE};
+use crate::mesh::SLOTS;
+use crate::solid::kind::{BOX, CAPSULE, CONE, CYLINDER, ELLIPSOID, HULL, MESH, PLANE, SPHERE};
 use crate::{Manifold, Solid, Tables, box_box, convex_convex, pair, sphere_convex};
 use numbers::Machine;
 
@@ -26,11 +27,13 @@ pub enum Route {
     SphereConvex,
     /// Any other two convex solids.
     Convex,
+    /// A convex solid and a mesh; see [`mesh_convex`](crate::mesh::mesh_convex).
+    Mesh,
 }
 
 impl Route {
     /// All of them.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::PlaneSphere,
         Self::PlaneCapsule,
         Self::PlaneCylinder,
@@ -47,12 +50,13 @@ impl Route {
         Self::BoxBox,
         Self::SphereConvex,
         Self::Convex,
+        Self::Mesh,
     ];
 
     /// The kernel for two [`kind`](crate::kind)s in any order; the shape of the lower kind is A.
     ///
-    /// `None` for two planes, which never meet in a way that a body could resolve, and for numbers
-    /// that are no kind.
+    /// `None` for planes and meshes among themselves, which never meet in a way that a body could
+    /// resolve, and for numbers that are no kind.
     pub fn of(first: usize, second: usize) -> Option<Self> {
         Some(match (first.min(second), first.max(second)) {
             (PLANE, SPHERE) => Self::PlaneSphere,
@@ -71,22 +75,24 @@ impl Route {
             (BOX, BOX) => Self::BoxBox,
             (SPHERE, CAPSULE..=HULL) => Self::SphereConvex,
             (CAPSULE..=HULL, CAPSULE..=HULL) => Self::Convex,
+            (SPHERE..=HULL, MESH) => Self::Mesh,
             _ => return None,
         })
     }
 
-    /// How many points its manifolds have at most.
+    /// How many points its contacts have at most.
     pub fn points(self) -> usize {
         match self {
             Self::PlaneCapsule | Self::CapsuleCapsule => 2,
             Self::PlaneCylinder | Self::PlaneCone | Self::PlaneBox | Self::PlaneHull => 4,
             Self::BoxBox | Self::Convex => 4,
+            Self::Mesh => SLOTS,
             _ => 1,
         }
     }
 }
 
-/// A [`Route`] as a type: who names it compiles that one kernel.
+/// A [`Route`] of two convex solids as a type: who names it compiles that one kernel.
 pub trait Kernel {
     /// The same as a value.
     const ROUTE: Route;
@@ -122,22 +128,6 @@ macro_rules! kernels {
                     }
                 }
             )+
-        }
-
-        impl Route {
-            /// As [`Kernel::manifold`]; compiles all kernels.
-            #[inline(always)]
-            pub fn manifold<M: Machine>(
-                self,
-                k: &mut M,
-                tables: Tables,
-                a: &Solid<M>,
-                b: &Solid<M>,
-            ) -> Manifold<M::R> {
-                match self {
-                    $(Self::$name => kernel::$name::manifold(k, tables, a, b),)+
-                }
-            }
         }
     };
 }

@@ -24,6 +24,8 @@ pub mod kind {
     pub const HULL: usize = 7;
     /// How many kinds are convex solids.
     pub const CONVEX: usize = 8;
+    /// Triangles of a [mesh](crate::mesh) about the middle of its box. Size: half extents of that.
+    pub const MESH: usize = CONVEX;
 }
 
 /// A shape of a known kind, placed in the world.
@@ -81,7 +83,8 @@ pub struct Solid<M: Machine> {
     pub kind: M::I,
     /// Sizes and place.
     pub placed: Placed<M::R>,
-    /// Its rows in the [`Tables`](crate::Tables): the first, and the one after the last.
+    /// Its rows in the [`Tables`](crate::Tables): the first, and the one after the last. Of a mesh: the
+    /// range of its groups.
     pub rows: [M::I; 2],
 }
 

@@ -1,12 +1,10 @@
 //! Meshes from files, and hulls of points: what is read, and what is said of what cannot be.
 
 use fastrand::Rng;
-use glam::DVec3;
-use kinetarium_collide::mesh::{
-    DistanceFieldError, HeightFieldError, LoadError, MeshError, TriangleMesh,
-};
+use glam::{DVec2, DVec3};
+use kinetarium_collide::mesh::{self, LoadError};
 use kinetarium_collide::{Form, kind};
-use model::{Geometry, Hull, Pose};
+use model::{DistanceFieldError, Geometry, HeightFieldError, Hull, MeshError, Pose, TriangleMesh};
 use std::path::PathBuf;
 use tempfile::TempDir;
 
@@ -87,7 +85,7 @@ fn load(name: &str, bytes: &[u8], scale: DVec3) -> Result<TriangleMesh, LoadErro
     let folder = TempDir::new().unwrap();
     let path = folder.path().join(name);
     std::fs::write(&path, bytes).unwrap();
-    TriangleMesh::load(path, scale)
+    mesh::load(path, scale)
 }
 
 /// Six times the volume inside, positive where triangles face out.
@@ -132,7 +130,7 @@ fn broken_files_say_where_and_what() {
         unknown.to_string().contains(".obj, .stl or .glb"),
         "{unknown}"
     );
-    let missing = TriangleMesh::load(PathBuf::from("nowhere/a.obj"), one).unwrap_err();
+    let missing = mesh::load(PathBuf::from("nowhere/a.obj"), one).unwrap_err();
     assert!(matches!(missing, LoadError::Read { .. }), "{missing}");
     for (name, bytes) in [("a.stl", binary_stl()), ("a.glb", glb())] {
         let short = load(name, &bytes[..bytes.len() - 3], one).unwrap_err();
@@ -179,6 +177,9 @@ fn meshes_without_a_surface() {
     let points = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::NAN];
     let not_finite = TriangleMesh::new(&points, &[[0, 1, 2]]).unwrap_err();
     assert!(matches!(not_finite, MeshError::NotFinite { vertex: 3, .. }));
+    let far = [DVec3::ZERO, DVec3::X, 2e9 * DVec3::Y];
+    let far = TriangleMesh::new(&far, &[[0, 1, 2]]).unwrap_err();
+    assert!(matches!(far, MeshError::TooFar { vertex: 2, .. }));
     let no_such = TriangleMesh::new(&points[..3], &[[0, 1, 2], [0, 1, 3]]).unwrap_err();
     assert!(matches!(
         no_such,
@@ -194,7 +195,7 @@ fn meshes_without_a_surface() {
 
     let field = |heights: &[&[f64]], spacing| {
         let heights: Vec<_> = heights.iter().map(|r| r.to_vec()).collect();
-        TriangleMesh::height_field(&heights, spacing).unwrap_err()
+        TriangleMesh::height_field(&heights, DVec2::splat(spacing)).unwrap_err()
     };
     assert_eq!(
         field(&[&[0.0, 0.0]], 1.0),
@@ -213,7 +214,7 @@ fn meshes_without_a_surface() {
     );
     assert_eq!(
         field(&[&[0.0, 0.0], &[0.0, 0.0]], -1.0),
-        HeightFieldError::Spacing(-1.0)
+        HeightFieldError::Spacing(DVec2::splat(-1.0))
     );
     let hole = field(&[&[0.0, f64::INFINITY], &[0.0, 0.0]], 1.0);
     assert!(matches!(
@@ -248,7 +249,7 @@ fn hollow_meshes_come_apart_on_request() {
         |hull: &Hull| volume(&TriangleMesh::new(hull.vertices(), hull.triangles()).unwrap()) / 6.0;
     let filled = volume_of(&mesh.convex_hull().unwrap());
     assert!((filled - 3.5).abs() < 1e-9, "{filled}");
-    let pieces = mesh.convex_decomposition(0.01, 32).unwrap();
+    let pieces = mesh::convex_decomposition(&mesh, 0.01, 32).unwrap();
     let together: f64 = pieces.iter().map(volume_of).sum();
     assert!(
         pieces.len() >= 2 && (together - 3.0).abs() < 0.2,
@@ -375,7 +376,7 @@ fn forms_of_geometries() {
         );
     }
     let file = "a.obj".to_owned();
-    assert_eq!(Form::of(&Geometry::Mesh { file, scale: half }), None);
+    assert_eq!(Form::of(&Geometry::MeshFile { file, scale: half }), None);
 
     let finite = Form::finite_plane(2.0, 1.0);
     let top = finite.pose.point(DVec3::new(2.0, finite.size.y, 1.0));
@@ -387,4 +388,10 @@ fn forms_of_geometries() {
     assert_eq!((form.kind, form.size), (kind::HULL, DVec3::splat(0.75)));
     let middle = half + DVec3::splat(0.25);
     assert!(form.pose.position.abs_diff_eq(middle, 1e-15));
+
+    let mesh = TriangleMesh::new(&corners, &[[0, 1, 2]]).unwrap();
+    let form = Form::of(&Geometry::Mesh(mesh)).unwrap();
+    let flat = DVec3::new(0.5, 0.5, 0.0);
+    assert_eq!((form.kind, form.size), (kind::MESH, flat));
+    assert_eq!(form.pose, Pose::at(half + flat));
 }

@@ -7,12 +7,10 @@ use common::reference::{best_gap, support};
 use common::world::state;
 use common::{Pair, Solid, V, turn, unit};
 use fastrand::Rng;
-use glam::DVec3;
-use kinetarium_collide::mesh::{
-    MeshData, MeshTables, SLOTS, Surface, TriangleMesh, contact, mesh_convex,
-};
+use glam::{DVec2, DVec3};
+use kinetarium_collide::mesh::{MeshData, MeshTables, SLOTS, Surface, contact, mesh_convex};
 use kinetarium_collide::{FAR, Placed, Tables, kind};
-use model::Hull;
+use model::{Hull, TriangleMesh};
 use numbers::dispatch::{Isa, Job, run_block, run_single};
 use numbers::machine::space::State;
 use numbers::machine::{Links, Machine};
@@ -32,6 +30,8 @@ struct World {
     links: Vec<u32>,
     kinds: Links<3>,
     scratch: usize,
+    /// Of the mesh, in its own frame.
+    center: V,
 }
 
 /// A contact as read back.
@@ -61,6 +61,7 @@ impl World {
             links: vec![0; links],
             kinds,
             scratch,
+            center: V::from_array(mesh.center().to_array()),
         };
         data.write(
             &meshes,
@@ -110,6 +111,7 @@ impl World {
     ) -> Vec<T> {
         let under = Solid::new(kind::PLANE, 0.0, 0.0, 0.0);
         let solids = [solid.clone(), under];
+        let poses = self.centered(poses);
         let numbers = |x: &[f64]| x.iter().map(|&x| T::from_f64(x)).collect::<Vec<_>>();
         let parameters = numbers(&self.parameters);
         let mut scratch = vec![T::zero(); self.scratch];
@@ -122,6 +124,11 @@ impl World {
             links: &self.links,
         });
         scratch
+    }
+
+    /// The same poses, that of the mesh at its centre.
+    fn centered(&self, [solid, mesh]: [Pose<f64>; 2]) -> [Pose<f64>; 2] {
+        [solid, mesh * Pose::new(self.center, Quat::identity())]
     }
 
     fn contacts<T: Float>(&self, solid: &Solid, poses: [Pose<f64>; 2]) -> Vec<Contact> {
@@ -145,7 +152,7 @@ fn still(x: f64, y: f64, z: f64) -> Pose<f64> {
 
 /// A level floor of triangles of all shapes, 8 m wide.
 fn floor(rng: &mut Rng) -> TriangleMesh {
-    let flat = TriangleMesh::height_field(&vec![vec![0.0; 17]; 17], 0.5).unwrap();
+    let flat = TriangleMesh::height_field(&vec![vec![0.0; 17]; 17], DVec2::splat(0.5)).unwrap();
     let moved = |v: &DVec3| {
         let inside = v.x.abs() < 3.9 && v.z.abs() < 3.9;
         let mut by = || if inside { 0.4 * (rng.f64() - 0.5) } else { 0.0 };
@@ -248,7 +255,7 @@ fn hills() -> TriangleMesh {
     let heights: Vec<Vec<_>> = (0..21)
         .map(|r| (0..25).map(|c| height(r, c)).collect())
         .collect();
-    TriangleMesh::height_field(&heights, 0.4).unwrap()
+    TriangleMesh::height_field(&heights, DVec2::splat(0.4)).unwrap()
 }
 
 /// A sphere on hills is as far from them as its centre is from the nearest triangle, less its radius.
@@ -430,7 +437,7 @@ fn meshes_have_the_same_bits_in_lanes_and_alone() {
                 for (i, &pose) in poses.iter().enumerate() {
                     let under = Solid::new(kind::PLANE, 0.0, 0.0, 0.0);
                     let solids = [solid.clone(), under];
-                    let poses = [pose, still(0.0, 0.0, 0.0)];
+                    let poses = world.centered([pose, still(0.0, 0.0, 0.0)]);
                     for (offset, x) in state(&Pair { solids, poses }).into_iter().enumerate() {
                         states.set(i, offset, x as f32);
                     }

@@ -67,7 +67,7 @@ pub enum FormatError {
         /// What to do.
         remedy: String,
     },
-    /// A mesh cannot be made a hull.
+    /// The file of a mesh or height field is not what it should be, or has no convex hull.
     #[error("{place}: <{element}>: {problem}")]
     Mesh {
         /// Where it is used.

@@ -22,12 +22,12 @@
 mod error;
 mod files;
 mod fuse;
-mod hulls;
 mod impedance;
 mod inertia;
 mod joint_space;
 mod limit;
 mod mesh_paths;
+mod meshes;
 pub mod mjcf;
 mod names;
 mod report;
@@ -59,6 +59,9 @@ pub enum Meshes {
     /// They are named by their files, too; contacts of them are refused by the solvers.
     #[default]
     Named,
+    /// Each is read and stays what it is, a surface of triangles that is touched from outside. It must
+    /// not move: solvers refuse contacts of bodies that move by a mesh. `.obj` and `.stl` files.
+    Exact,
     /// Each is read and becomes its convex hull, as in MuJoCo: what was hollow is filled. `.obj` and
     /// `.stl` files.
     ConvexHull,

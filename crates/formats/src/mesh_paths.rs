@@ -6,7 +6,7 @@ use model::{Geometry, Parts};
 /// Resolves the path of every mesh. URLs such as `package://…` stay as they are.
 pub(crate) fn resolve(parts: &mut Parts, files: &dyn Files) {
     for shape in &mut parts.shapes {
-        if let Geometry::Mesh { file, .. } = &mut shape.geometry
+        if let Geometry::MeshFile { file, .. } = &mut shape.geometry
             && !file.contains("://")
         {
             *file = files.path(file);

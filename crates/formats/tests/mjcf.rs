@@ -132,7 +132,7 @@ fn a_file_is_read_with_the_files_beside_it() {
         .into_owned();
     assert_eq!(
         model.shapes[1].geometry,
-        Geometry::Mesh {
+        Geometry::MeshFile {
             file,
             scale: DVec3::splat(2.0)
         }

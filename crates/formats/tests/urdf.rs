@@ -132,7 +132,7 @@ fn shapes() {
     let file = "package://arm/upper.dae".to_owned();
     assert_eq!(
         mesh.geometry,
-        Geometry::Mesh {
+        Geometry::MeshFile {
             file,
             scale: DVec3::splat(0.001)
         }

@@ -40,7 +40,9 @@ pub use sim;
 /// What most programs need.
 pub mod prelude {
     pub use formats::{Loaded, Meshes, Options};
-    pub use model::{BodyId, Builder, Geometry, Hull, JointId, Model, Pose, examples};
+    pub use model::{
+        BodyId, Builder, Geometry, Hull, JointId, Model, Pose, TriangleMesh, examples,
+    };
     pub use rigid::{Integrator, Settings};
     pub use sim::{
         Contact, Controller, Controls, Diverged, Event, EventKind, Outputs, Ray, RayHit, Recorder,

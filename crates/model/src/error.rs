@@ -1,6 +1,6 @@
 //! What can be wrong with a model.
 
-use crate::{HullError, JointKind};
+use crate::{HeightFieldError, HullError, JointKind, MeshError};
 use thiserror::Error;
 
 /// Why a model was refused, with the remedy.
@@ -12,6 +12,12 @@ pub enum ModelError {
     /// Points have no convex hull.
     #[error(transparent)]
     Hull(#[from] HullError),
+    /// Triangles are no mesh.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// Heights are no height field.
+    #[error(transparent)]
+    HeightField(#[from] HeightFieldError),
     /// A name is empty.
     #[error("{kind} number {index} has no name; give it one")]
     EmptyName {

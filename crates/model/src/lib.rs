@@ -20,6 +20,7 @@ mod joint;
 mod keyframe;
 mod mass;
 mod material;
+mod mesh;
 mod model;
 mod pose;
 mod shape;
@@ -38,6 +39,7 @@ pub use joint::{Axis, AxisKind, Coupling, Dof, Drive, Joint, JointId, JointKind,
 pub use keyframe::Keyframe;
 pub use mass::MassProperties;
 pub use material::{Combine, Material, Softness};
+pub use mesh::{DistanceFieldError, HeightFieldError, MeshError, TriangleMesh};
 pub use model::{Model, Parts, UpAxis};
 pub use pose::Pose;
 pub use shape::{Geometry, Shape, ShapeId};

@@ -18,7 +18,7 @@ pub struct MassProperties {
 impl MassProperties {
     /// Of a homogeneous solid of a density [kg/m³], in the solid's own frame.
     ///
-    /// `None` for a plane, which has no volume, and a mesh, whose volume its file knows.
+    /// `None` for a plane and a mesh, which have no volume, and the file of one, which is not read here.
     ///
     /// Closed forms, with m the mass, r the radius, h half the height (along y), about the centre
     /// of mass; e.g. Beer & Johnston, Vector Mechanics for Engineers: Dynamics, appendix B:
@@ -45,7 +45,9 @@ impl MassProperties {
     /// ```
     pub fn of(geometry: &Geometry, density: f64) -> Option<Self> {
         let (mass, center, moments) = match *geometry {
-            Geometry::Plane { .. } | Geometry::Mesh { .. } => return None,
+            Geometry::Plane { .. } | Geometry::Mesh(_) | Geometry::MeshFile { .. } => {
+                return None;
+            }
             Geometry::Hull(ref hull) => return Some(polyhedron(hull, density)),
             Geometry::Sphere { radius } => ellipsoid(DVec3::splat(radius), density),
             Geometry::Ellipsoid { half } => ellipsoid(half, density),

@@ -1,13 +1,14 @@
 //! Shapes: what a body looks and collides like.
 
-use crate::{BodyId, Hull, Material, Pose};
+use crate::{BodyId, Hull, Material, Pose, TriangleMesh};
 use glam::DVec3;
 
 /// Row of a shape in [`Parts::shapes`](crate::Parts::shapes).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ShapeId(pub usize);
 
-/// A solid, centred at the origin of its own frame unless it is a hull. Sizes are half sizes [m].
+/// A solid, centred at the origin of its own frame unless it is a hull, or a surface. Sizes are half
+/// sizes [m].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Geometry {
     /// The half space below y = 0 of the shape's frame; drawn as a rectangle,
@@ -56,8 +57,11 @@ pub enum Geometry {
     },
     /// The convex hull of points.
     Hull(Hull),
-    /// A triangle mesh, named by its file; read by those who draw or collide it.
-    Mesh {
+    /// A surface of triangles, touched from its front. It has no volume and no mass, and does not move
+    /// where it collides. A [height field](TriangleMesh::height_field) is one.
+    Mesh(TriangleMesh),
+    /// A triangle mesh, named by its file and only seen; read by those who draw it.
+    MeshFile {
         /// Path as the model file gives it, resolved against that file's folder.
         file: String,
         /// Scale along each axis.
@@ -66,19 +70,21 @@ pub enum Geometry {
 }
 
 impl Geometry {
-    /// Middle of the boxes and balls about it [m], which is inside: the origin of its frame but for a
-    /// hull, of which it is the [centre](Hull::center).
+    /// Middle of the boxes and balls about it [m]: the origin of its frame but for a hull, of which it
+    /// is the [centre](Hull::center), which is inside, and a mesh, of whose box it is the
+    /// [middle](TriangleMesh::center).
     pub fn center(&self) -> DVec3 {
         match self {
             Self::Hull(hull) => hull.center(),
+            Self::Mesh(mesh) => mesh.center(),
             _ => DVec3::ZERO,
         }
     }
     /// Half of the box about its [centre](Self::center) that holds it, along its own axes [m]; `None`
-    /// for a plane, which has no end, and for a mesh, whose file is not read here.
+    /// for a plane, which has no end, and for the file of a mesh, which is not read here.
     pub fn half_extents(&self) -> Option<DVec3> {
         Some(match *self {
-            Self::Plane { .. } | Self::Mesh { .. } => return None,
+            Self::Plane { .. } | Self::MeshFile { .. } => return None,
             Self::Sphere { radius } => DVec3::splat(radius),
             Self::Capsule {
                 radius,
@@ -94,6 +100,7 @@ impl Geometry {
             } => DVec3::new(radius, half_height, radius),
             Self::Box { half } | Self::Ellipsoid { half } => half,
             Self::Hull(ref hull) => hull.half_extents(),
+            Self::Mesh(ref mesh) => mesh.half_extents(),
         })
     }
 }

@@ -309,7 +309,7 @@ fn shapes() {
         ),
         (
             |p| {
-                p.shapes[0].geometry = Geometry::Mesh {
+                p.shapes[0].geometry = Geometry::MeshFile {
                     file: String::new(),
                     scale: DVec3::ONE,
                 }
@@ -318,7 +318,7 @@ fn shapes() {
         ),
         (
             |p| {
-                p.shapes[0].geometry = Geometry::Mesh {
+                p.shapes[0].geometry = Geometry::MeshFile {
                     file: "a.stl".into(),
                     scale: DVec3::X,
                 }

@@ -2,7 +2,7 @@
 
 use approx::assert_relative_eq;
 use glam::{DMat3, DQuat, DVec3};
-use kinetarium_model::{Geometry, Hull, MassProperties, Pose, Shape};
+use kinetarium_model::{Geometry, Hull, MassProperties, Pose, Shape, TriangleMesh};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
@@ -50,7 +50,10 @@ fn slice(geometry: &Geometry, y: f64) -> Slice {
             let into_cap = (y.abs() - (half_height - radius)).max(0.0);
             disc((radius * radius - into_cap * into_cap).sqrt())
         }
-        Geometry::Plane { .. } | Geometry::Hull(_) | Geometry::Mesh { .. } => {
+        Geometry::Plane { .. }
+        | Geometry::Hull(_)
+        | Geometry::Mesh(_)
+        | Geometry::MeshFile { .. } => {
             unreachable!("not solids of revolution or boxes")
         }
     }
@@ -194,10 +197,13 @@ fn planes_and_meshes_have_no_mass_of_their_own() {
         half_x: 1.0,
         half_z: 1.0,
     };
-    let mesh = Geometry::Mesh {
+    let mesh = Geometry::MeshFile {
         file: "bunny.stl".into(),
         scale: DVec3::ONE,
     };
+    let corners = [DVec3::ZERO, DVec3::X, DVec3::Y];
+    let surface = TriangleMesh::new(&corners, &[[0, 1, 2]]).unwrap();
+    assert_eq!(MassProperties::of(&Geometry::Mesh(surface), 1.0), None);
     assert_eq!(MassProperties::of(&plane, 1.0), None);
     assert_eq!(MassProperties::of(&mesh, 1.0), None);
     assert_eq!(

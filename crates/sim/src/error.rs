@@ -109,9 +109,10 @@ pub enum SimulationError {
         /// What they must be.
         remedy: &'static str,
     },
-    /// Rays do not meet meshes.
+    /// Rays do not meet what is not read.
     #[error(
-        "rays do not meet meshes yet, and shape {shape} (`{name}`) is one: use solids in its place"
+        "rays meet no mesh that is a file's name only, as shape {shape} (`{name}`) is: have meshes read \
+         (--meshes exact), or use solids in its place"
     )]
     RayMesh {
         /// Row of the shape.

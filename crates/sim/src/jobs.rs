@@ -177,9 +177,33 @@ macro_rules! pairs {
         ) {
             match route {
                 $(Route::$kernel => $name::run(lane, contacts, block),)+
+                Route::Mesh => meshes::run(lane, contacts, block),
             }
         }
     };
+}
+
+/// The pairs of a solid and a mesh, in a module of its own too.
+mod meshes {
+    use super::*;
+
+    struct Work<'a, 'b, T> {
+        contacts: &'a ContactTables,
+        block: &'a mut Block<'b, T>,
+    }
+
+    impl<T: Float> Job for Work<'_, '_, T> {
+        type Scalar = T;
+        type Output = ();
+        #[inline(always)]
+        fn run<R: Lanes<Scalar = T>>(self) {
+            self.contacts.meet_meshes(&mut self.block.cpu::<R>());
+        }
+    }
+
+    pub(super) fn run<T: Float>(lane: Lane, contacts: &ContactTables, block: &mut Block<'_, T>) {
+        lane.run(Work { contacts, block });
+    }
 }
 
 pairs! {

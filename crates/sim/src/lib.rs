@@ -14,6 +14,7 @@ mod error;
 mod events;
 mod impulse;
 mod jobs;
+mod meshes;
 mod outputs;
 mod rays;
 mod settings;

@@ -1,18 +1,22 @@
 //! What a ray meets first.
 //!
-//! Solids are met exactly, in double precision ([`line`]); boxes about them, in single precision and
-//! grown by its error, tell which to try where there are many rays.
+//! Solids are met exactly, in double precision ([`line`]), and so are the triangles of meshes
+//! ([`triangle`]); boxes about them, in single precision and grown by its error, tell which to try.
 
 mod line;
+mod triangle;
 
 use crate::Simulation;
 use crate::error::{MOST_MOTION, SimulationError, index};
+use crate::meshes::Triangles;
 use glam::{DVec3, Vec3};
 use line::Line;
 use model::{BodyId, Geometry, Pose, Shape, ShapeId};
 use numbers::Float;
 use rayon::prelude::*;
 use space::{Aabb, Bvh, Cast, Space};
+use std::sync::Arc;
+use triangle::Sheared;
 
 /// A ray in a world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,7 +39,7 @@ pub struct RayHit {
     /// The point [m], world axes.
     pub position: DVec3,
     /// Unit vector out of the shape's surface, world axes; against the ray where its origin lies in
-    /// the shape.
+    /// the shape. Of a mesh: on the side that the ray comes from.
     pub normal: DVec3,
 }
 
@@ -74,16 +78,23 @@ impl Ray {
 }
 
 /// A shape where it is.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Solid<'a> {
     shape: ShapeId,
     geometry: &'a Geometry,
+    /// If it is a mesh.
+    triangles: Option<Arc<Triangles>>,
     pose: Pose,
 }
 
 impl<'a> Solid<'a> {
-    fn new(shape: ShapeId, of: &'a Shape, bodies: &[Pose]) -> Result<Self, SimulationError> {
-        if matches!(of.geometry, Geometry::Mesh { .. }) {
+    fn new(
+        shape: ShapeId,
+        of: &'a Shape,
+        triangles: Option<Arc<Triangles>>,
+        bodies: &[Pose],
+    ) -> Result<Self, SimulationError> {
+        if matches!(of.geometry, Geometry::MeshFile { .. }) {
             return Err(SimulationError::RayMesh {
                 shape: shape.0,
                 name: of.name.clone(),
@@ -93,13 +104,22 @@ impl<'a> Solid<'a> {
         Ok(Self {
             shape,
             geometry: &of.geometry,
+            triangles,
             pose: carrier * of.pose,
         })
     }
 
-    /// Where a ray, whose direction has unit length, meets the solid. Its line is measured from the
-    /// point nearest to the solid's centre, so that far origins cost no more digits than they must.
-    fn meet(&self, ray: &Ray) -> Option<RayHit> {
+    /// Where a ray, whose direction has unit length, meets the shape.
+    fn meet(&self, ray: &Ray) -> Result<Option<RayHit>, SimulationError> {
+        match &self.triangles {
+            Some(triangles) => self.meet_mesh(triangles, ray),
+            None => Ok(self.meet_solid(ray)),
+        }
+    }
+
+    /// Its line is measured from the point nearest to the solid's centre, so that far origins cost no
+    /// more digits than they must.
+    fn meet_solid(&self, ray: &Ray) -> Option<RayHit> {
         let inverse = self.pose.inverse();
         let (origin, direction) = (inverse.point(ray.origin), inverse.direction(ray.direction));
         let foot = -origin.dot(direction);
@@ -123,6 +143,46 @@ impl<'a> Solid<'a> {
             position: ray.origin + distance * ray.direction,
             normal,
         })
+    }
+
+    /// The ray is looked at from where it enters the ball about the mesh, for the same reason.
+    fn meet_mesh(
+        &self,
+        triangles: &Triangles,
+        ray: &Ray,
+    ) -> Result<Option<RayHit>, SimulationError> {
+        let frame = self.pose * Pose::at(self.geometry.center());
+        let inverse = frame.inverse();
+        let (origin, direction) = (inverse.point(ray.origin), inverse.direction(ray.direction));
+        let radius = self.geometry.half_extents().map_or(0.0, DVec3::length);
+        let start = (-origin.dot(direction) - radius).max(0.0);
+        let near = Ray {
+            origin: origin + start * direction,
+            direction,
+            max_distance: ray.max_distance - start,
+        };
+        let line = Sheared::new(&Line {
+            origin: near.origin,
+            direction,
+        });
+        let cross = |triangle: u32| {
+            let distance = line.crosses(triangles.corners(triangle))?;
+            let normal = triangles.normal(triangle);
+            let hit = RayHit {
+                shape: self.shape,
+                distance,
+                position: ray.origin + (start + distance) * ray.direction,
+                normal: self
+                    .pose
+                    .direction(normal * -normal.dot(direction).signum()),
+            };
+            (0.0..=near.max_distance).contains(&distance).then_some(hit)
+        };
+        let hit = first(&triangles.space, radius, &near, |t| Ok(cross(t)))?;
+        Ok(hit.map(|hit| RayHit {
+            distance: start + hit.distance,
+            ..hit
+        }))
     }
 
     /// A box about it along the world's axes: |R| times that along its own.
@@ -172,20 +232,32 @@ impl<'a> Scene<'a> {
     }
 
     fn first(&self, ray: &Ray) -> Result<Option<RayHit>, SimulationError> {
-        let slack = ROUNDING * (ray.origin.abs().max_element() + self.reach);
-        let (origin, direction) = (ray.origin.as_vec3(), ray.direction.as_vec3());
-        let cast = Cast::aabb(origin, Vec3::splat(slack as f32), direction)?
-            .until((ray.max_distance as f32).next_up());
-        let mut best: Option<RayHit> = None;
-        for near in self.space.cast_all(&cast, self.space.boxes()) {
-            if best.is_some_and(|best| best.distance < f64::from(near.time)) {
-                break;
-            }
-            let hit = self.solids[near.object as usize].meet(ray);
-            best = best.into_iter().chain(hit).reduce(nearer);
-        }
-        Ok(best)
+        let meet = |solid: u32| self.solids[solid as usize].meet(ray);
+        first(&self.space, self.reach, ray, meet)
     }
+}
+
+/// The nearest of the hits of the objects whose boxes, none of which reaches beyond `reach` [m], a ray
+/// meets; of equally near ones that of the first shape.
+fn first(
+    space: &Space<Bvh>,
+    reach: f64,
+    ray: &Ray,
+    meet: impl Fn(u32) -> Result<Option<RayHit>, SimulationError>,
+) -> Result<Option<RayHit>, SimulationError> {
+    let slack = ROUNDING * (ray.origin.abs().max_element() + reach);
+    let (origin, direction) = (ray.origin.as_vec3(), ray.direction.as_vec3());
+    let cast = Cast::aabb(origin, Vec3::splat(slack as f32), direction)?
+        .until((ray.max_distance as f32).next_up());
+    let mut best: Option<RayHit> = None;
+    for near in space.cast_all(&cast, space.boxes()) {
+        if best.is_some_and(|best| best.distance < f64::from(near.time)) {
+            break;
+        }
+        let hit = meet(near.object)?;
+        best = best.into_iter().chain(hit).reduce(nearer);
+    }
+    Ok(best)
 }
 
 impl<T: Float> Simulation<T> {
@@ -193,12 +265,14 @@ impl<T: Float> Simulation<T> {
     /// in a world, up to `max_distance` [m], which may be infinite.
     ///
     /// Rays meet all shapes where they are now, those that collide and those that are only seen, and
-    /// their surfaces; they pass through sensors. A plane is the half space below it, whatever part of it is drawn. A ray whose
-    /// origin lies in a shape meets it there, at distance 0.
+    /// their surfaces; they pass through sensors. A plane is the half space below it, whatever part of
+    /// it is drawn. A ray whose origin lies in a solid meets it there, at distance 0. A mesh is met from
+    /// both sides.
     ///
     /// # Errors
     /// A world that does not exist; an origin, direction or distance that is NaN; an origin beyond
-    /// 1e9 m, a direction of no length, a negative distance; a model with a mesh.
+    /// 1e9 m, a direction of no length, a negative distance; a mesh that is the name
+    /// of its file only.
     pub fn cast_ray(
         &mut self,
         world: usize,
@@ -214,8 +288,11 @@ impl<T: Float> Simulation<T> {
         index("world", world, self.worlds())?;
         let ray = ray.checked(0)?;
         let bodies = self.placements(world);
-        let solids = self.solids(world, &bodies)?;
-        Ok(solids.iter().filter_map(|s| s.meet(&ray)).reduce(nearer))
+        let meshes = self.triangles(world);
+        let solids = self.solids(world, &bodies, meshes)?;
+        let hits = solids.iter().filter_map(|s| s.meet(&ray).transpose());
+        let hits = hits.collect::<Result<Vec<_>, _>>()?;
+        Ok(hits.into_iter().reduce(nearer))
     }
 
     /// As [`cast_ray`](Simulation::cast_ray) for many rays in one world, in threads; answer i belongs
@@ -232,7 +309,8 @@ impl<T: Float> Simulation<T> {
         let rays = rays.iter().enumerate().map(|(i, ray)| ray.checked(i));
         let rays = rays.collect::<Result<Vec<_>, _>>()?;
         let bodies = self.placements(world);
-        let scene = Scene::new(self.solids(world, &bodies)?)?;
+        let meshes = self.triangles(world);
+        let scene = Scene::new(self.solids(world, &bodies, meshes)?)?;
         let parts = rays.par_iter().with_min_len(RAYS_AT_A_TIME);
         self.pool
             .install(|| parts.map(|ray| scene.first(ray)).collect())
@@ -249,12 +327,26 @@ impl<T: Float> Simulation<T> {
         bodies.map(placed).collect()
     }
 
+    /// Of the shapes of a world that are meshes.
+    fn triangles(&mut self, world: usize) -> Vec<Option<Arc<Triangles>>> {
+        let mut meshes = std::mem::take(&mut self.meshes);
+        let shapes = self.shapes(world).iter();
+        let triangles = shapes.map(|shape| meshes.of(shape)).collect();
+        self.meshes = meshes;
+        triangles
+    }
+
     /// The shapes of a world, on bodies that are placed so.
-    fn solids(&self, world: usize, bodies: &[Pose]) -> Result<Vec<Solid<'_>>, SimulationError> {
-        let shapes = self.shapes(world).iter().enumerate();
+    fn solids(
+        &self,
+        world: usize,
+        bodies: &[Pose],
+        meshes: Vec<Option<Arc<Triangles>>>,
+    ) -> Result<Vec<Solid<'_>>, SimulationError> {
+        let shapes = self.shapes(world).iter().zip(meshes).enumerate();
         shapes
-            .filter(|(_, shape)| !shape.sensor)
-            .map(|(i, shape)| Solid::new(ShapeId(i), shape, bodies))
+            .filter(|(_, (shape, _))| !shape.sensor)
+            .map(|(i, (shape, mesh))| Solid::new(ShapeId(i), shape, mesh, bodies))
             .collect()
     }
 }

@@ -5,6 +5,7 @@ use crate::engine::{Block, Task};
 use crate::error::{MOST_MOTION, SimulationError, bounded, index, length};
 use crate::events::Watcher;
 use crate::jobs::Lane;
+use crate::meshes::Meshes;
 use crate::{Controls, Outputs, SimulationSettings, Snapshot};
 use glam::DQuat;
 use model::{JointId, JointKind, Model, Shape};
@@ -51,6 +52,8 @@ pub struct Simulation<T: Float> {
     pub(crate) reported: bool,
     pub(crate) diverged: Vec<Diverged>,
     pub(crate) watcher: Option<Watcher>,
+    /// Of the shapes that rays were cast at.
+    pub(crate) meshes: Meshes,
 }
 
 impl<T: Float> std::fmt::Debug for Simulation<T> {
@@ -168,6 +171,7 @@ impl<T: Float> Simulation<T> {
             reported: false,
             diverged: Vec::new(),
             watcher: None,
+            meshes: Meshes::default(),
             shared,
             settings,
             model,

@@ -1,10 +1,10 @@
 //! What rays meet: closed forms, a march through the solids, and one ray against many.
 
 use fastrand::Rng;
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec2, DVec3};
 use kinetarium_sim::{Ray, RayHit, Simulation, SimulationError, SimulationSettings, SolverKind};
 use model::examples::square_pyramid;
-use model::{Builder, Geometry, Hull, Model, Pose, Shape, ShapeId};
+use model::{Builder, Geometry, Hull, Model, Pose, Shape, ShapeId, TriangleMesh};
 use std::f64::consts::SQRT_2;
 
 const PLANE: Geometry = Geometry::Plane {
@@ -200,7 +200,7 @@ fn level(geometry: &Geometry, p: DVec3) -> f64 {
             let above = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).normalize().dot(p - a);
             hull.faces().map(above).fold(f64::NEG_INFINITY, f64::max)
         }
-        Geometry::Plane { .. } | Geometry::Mesh { .. } => p.y,
+        Geometry::Plane { .. } | Geometry::Mesh(_) | Geometry::MeshFile { .. } => p.y,
     }
 }
 
@@ -345,7 +345,16 @@ fn many_rays_meet_what_each_meets_alone() {
     let mut world = Builder::new("heap");
     let object = world.object("things");
     object.scenery(Shape::new(PLANE).at(Pose::at(-2.0 * DVec3::Y)));
-    for geometry in [SPHERE, CAPSULE, CYLINDER, CONE, BOX, ELLIPSOID, hull()] {
+    for geometry in [
+        SPHERE,
+        CAPSULE,
+        CYLINDER,
+        CONE,
+        BOX,
+        ELLIPSOID,
+        hull(),
+        hills(),
+    ] {
         for _ in 0..4 {
             let pose = somewhere(&mut rng);
             object.scenery(Shape::new(geometry.clone()).at(pose).without_contact());
@@ -382,10 +391,87 @@ fn many_rays_meet_what_each_meets_alone() {
             shapes.extend(hit.map(|hit| hit.shape));
         }
         assert!(shapes.len() > 20, "{shapes:?}");
-        let second = |shape: &ShapeId| size == 4.0 && shape.0 <= 48 && shape.0.is_multiple_of(2);
+        let second = |shape: &ShapeId| size == 4.0 && shape.0 <= 56 && shape.0.is_multiple_of(2);
         assert!(!shapes.range(ShapeId(1)..).any(second), "{shapes:?}");
     }
     assert_eq!(one(PLANE, Pose::IDENTITY).cast_rays(0, &[]).unwrap(), []);
+}
+
+/// A height field off the origin of its frame.
+fn hills() -> Geometry {
+    let height = |r: i32, c: i32| 3.0 + 0.3 * (1.3 * f64::from(r)).sin() + 0.2 * f64::from(c).cos();
+    let row = |r| (0..9).map(|c| height(r, c)).collect();
+    let heights: Vec<Vec<_>> = (0..12).map(row).collect();
+    Geometry::Mesh(TriangleMesh::height_field(&heights, DVec2::new(0.3, 0.2)).unwrap())
+}
+
+/// o + t d = a + u (b − a) + v (c − a), by Cramer's rule, for the first of all triangles.
+fn first_of_all(mesh: &TriangleMesh, o: DVec3, d: DVec3) -> Option<(f64, DVec3)> {
+    let meets = |t: usize| {
+        let [a, b, c] = mesh.corners(t);
+        let m = DMat3::from_cols(b - a, c - a, -d);
+        let x = m.inverse() * (o - a);
+        let inside = x.x >= 0.0 && x.y >= 0.0 && x.x + x.y <= 1.0;
+        let normal = (b - a).cross(c - a).normalize();
+        let hit = (x.z, -normal * normal.dot(d).signum());
+        (m.determinant() != 0.0 && inside && x.z >= 0.0).then_some(hit)
+    };
+    let hits = (0..mesh.triangles().len()).filter_map(meets);
+    hits.min_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// From above, from below, and from between hills, far away and near.
+#[test]
+fn the_first_of_all_triangles_is_met() {
+    let mut rng = Rng::with_seed(5);
+    let (geometry, pose) = (hills(), somewhere(&mut rng));
+    let Geometry::Mesh(mesh) = &geometry else {
+        panic!("a mesh");
+    };
+    let mut simulation = one(geometry.clone(), pose);
+    let mut hits = [0; 2];
+    for _ in 0..3000 {
+        let far = [2.0, 100.0][rng.usize(0..2)];
+        let origin = mesh.center() + far * within(&mut rng);
+        let direction = (mesh.center() + 1.5 * within(&mut rng) - origin).normalize();
+        let (from, along) = (pose.point(origin), pose.direction(direction));
+        let found = simulation.cast_ray(0, from, 2.0 * along, 1e3).unwrap();
+        let expected = first_of_all(mesh, origin, direction);
+        assert_eq!(found.is_some(), expected.is_some(), "{origin} {direction}");
+        let Some((hit, (distance, normal))) = found.zip(expected) else {
+            continue;
+        };
+        assert!(
+            (hit.distance - distance).abs() < 1e-12 * far.max(10.0),
+            "{hit:?}, {distance}"
+        );
+        assert!(
+            (hit.normal - pose.direction(normal)).length() < 1e-9,
+            "{hit:?}"
+        );
+        hits[usize::from(pose.inverse().direction(hit.normal).y > 0.0)] += 1;
+    }
+    assert!(hits.into_iter().all(|n| n > 500), "{hits:?}");
+}
+
+/// Rays that aim at the corners and the edges of triangles, in any direction, do not pass between them.
+#[test]
+fn there_are_no_gaps_between_triangles() {
+    let mut rng = Rng::with_seed(6);
+    let ball: Vec<_> = (0..60).map(|_| within(&mut rng).normalize()).collect();
+    let hull = Hull::new(&ball).unwrap();
+    let mesh = TriangleMesh::new(hull.vertices(), hull.triangles()).unwrap();
+    let pose = somewhere(&mut rng);
+    let mut simulation = one(Geometry::Mesh(mesh.clone()), pose);
+    for t in 0..mesh.triangles().len() {
+        let [a, b, _] = mesh.corners(t);
+        for aim in [a, 0.5 * (a + b), a.lerp(b, 0.3)] {
+            let origin = pose.point(aim * 3.0 + 0.5 * within(&mut rng));
+            let aim = pose.point(0.999_999 * aim);
+            let hit = simulation.cast_ray(0, origin, aim - origin, 1e3).unwrap();
+            assert!(hit.is_some(), "{origin} to {aim}");
+        }
+    }
 }
 
 /// A ball that falls for a second, each world from where it is.
@@ -501,15 +587,15 @@ fn bad_rays_are_refused() {
 }
 
 #[test]
-fn meshes_are_refused() {
-    let mesh = Geometry::Mesh {
+fn meshes_that_are_not_read_are_refused() {
+    let mesh = Geometry::MeshFile {
         file: "hull.obj".into(),
         scale: DVec3::ONE,
     };
     let shape = Shape::new(mesh).named("hull").without_contact();
     let mut simulation = simulate(scenery([Shape::new(SPHERE), shape]));
-    let message =
-        "rays do not meet meshes yet, and shape 1 (`hull`) is one: use solids in its place";
+    let message = "rays meet no mesh that is a file's name only, as shape 1 (`hull`) is: have meshes \
+                   read (--meshes exact), or use solids in its place";
     says(simulation.cast_ray(0, DVec3::ZERO, DVec3::X, 1.0), message);
     says(simulation.cast_rays(0, &[]), message);
 }

@@ -1,26 +1,8 @@
 //! Which triangles meet along an edge, and which normals a contact there may have.
 
-use super::{TriangleMesh, area_vector};
 use glam::DVec3;
+use model::TriangleMesh;
 use std::collections::HashMap;
-
-/// Vertices at the same place made one; the new number of each old vertex.
-pub(super) fn weld(vertices: &[DVec3]) -> (Vec<DVec3>, Vec<u32>) {
-    let mut welded = Vec::new();
-    let mut known = HashMap::new();
-    let numbers = vertices
-        .iter()
-        .map(|v| {
-            // −0 is 0.
-            let place = (*v + DVec3::ZERO).to_array().map(f64::to_bits);
-            *known.entry(place).or_insert_with(|| {
-                welded.push(*v);
-                welded.len() as u32 - 1
-            })
-        })
-        .collect();
-    (welded, numbers)
-}
 
 /// An edge of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,19 +23,17 @@ pub(super) type Sides = (DVec3, [Edge; 3]);
 /// (the edge's Voronoi region). A contact that a triangle alone would give, as if there were no
 /// neighbours, may lie outside of it: the bump felt where a ball rolls over the seam of a flat floor.
 pub(super) fn sides(mesh: &TriangleMesh) -> Vec<Sides> {
-    let normals: Vec<_> = mesh
-        .triangles
-        .iter()
-        .map(|t| area_vector(&mesh.vertices, t).normalize())
+    let normals: Vec<_> = (0..mesh.triangles().len())
+        .map(|t| mesh.normal(t))
         .collect();
     let mut owners: HashMap<(u32, u32), Vec<usize>> = HashMap::new();
-    for (i, t) in mesh.triangles.iter().enumerate() {
+    for (i, t) in mesh.triangles().iter().enumerate() {
         for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
             owners.entry((a.min(b), a.max(b))).or_default().push(i);
         }
     }
     let edge = |i: usize, a: u32, b: u32| {
-        let along = mesh.vertices[b as usize] - mesh.vertices[a as usize];
+        let along = mesh.vertices()[b as usize] - mesh.vertices()[a as usize];
         let out = along.cross(normals[i]).normalize();
         let others = owners[&(a.min(b), a.max(b))].iter().filter(|&&j| j != i);
         let lean = others.map(|&j| lean(normals[i], out, normals[j]));
@@ -62,7 +42,7 @@ pub(super) fn sides(mesh: &TriangleMesh) -> Vec<Sides> {
             lean: lean.reduce(f64::max).unwrap_or(1.0),
         }
     };
-    mesh.triangles
+    mesh.triangles()
         .iter()
         .enumerate()
         .map(|(i, &[a, b, c])| (normals[i], [edge(i, a, b), edge(i, b, c), edge(i, c, a)]))

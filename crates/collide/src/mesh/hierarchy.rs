@@ -3,8 +3,8 @@
 //! A kernel in lanes cannot follow pointers, but it can skip: three nested loops, each left out
 //! where no lane's solid is near, find the near ones of n triangles in some n^(1/3) tests a level.
 
-use super::TriangleMesh;
 use glam::DVec3;
+use model::TriangleMesh;
 
 /// A box along the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,7 +35,7 @@ impl Bounds {
 
 /// Bounds of a triangle.
 pub(super) fn bounds(mesh: &TriangleMesh, triangle: usize) -> Bounds {
-    Bounds::of(mesh.triangles[triangle].map(|v| mesh.vertices[v as usize]))
+    Bounds::of(mesh.corners(triangle))
 }
 
 /// The triangles so that neighbours in the list are neighbours in space: split at the median of
@@ -45,7 +45,7 @@ pub(super) fn order(mesh: &TriangleMesh) -> Vec<usize> {
         let b = bounds(mesh, t);
         (b.low + b.high) * 0.5
     };
-    let middles: Vec<_> = (0..mesh.triangles.len()).map(middle).collect();
+    let middles: Vec<_> = (0..mesh.triangles().len()).map(middle).collect();
     let mut order: Vec<_> = (0..middles.len()).collect();
     split(&mut order, &middles);
     order

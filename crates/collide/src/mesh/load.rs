@@ -1,7 +1,7 @@
 //! Meshes from files: Wavefront OBJ, STL (text and binary) and GLB.
 
-use super::{MeshError, TriangleMesh};
 use glam::DVec3;
+use model::{MeshError, TriangleMesh};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
@@ -52,45 +52,51 @@ pub enum LoadError {
 
 pub(super) type Soup = (Vec<DVec3>, Vec<[u32; 3]>);
 
-impl TriangleMesh {
-    /// Reads an `.obj`, `.stl` or `.glb` file, by its ending. All objects in it become one mesh,
-    /// scaled along each axis; a scale that mirrors keeps the outside out.
-    ///
-    /// # Errors
-    /// A file that cannot be read or is broken, an unknown ending, or triangles that are no mesh.
-    pub fn load(path: impl AsRef<Path>, scale: DVec3) -> Result<Self, LoadError> {
-        let path = path.as_ref();
-        let parse = reader(path)?;
-        let bytes = std::fs::read(path).map_err(|source| LoadError::Read {
-            path: path.to_owned(),
-            source,
-        })?;
-        Self::from_soup(parse(&bytes), path, scale)
-    }
+/// Reads an `.obj`, `.stl` or `.glb` file, by its ending. All objects in it become one mesh, scaled
+/// along each axis; a scale that mirrors keeps the outside out.
+///
+/// # Errors
+/// A file that cannot be read or is broken, an unknown ending, or triangles that are no mesh.
+pub fn load(path: impl AsRef<Path>, scale: DVec3) -> Result<TriangleMesh, LoadError> {
+    let path = path.as_ref();
+    let read = reader(path)?;
+    let bytes = std::fs::read(path).map_err(|source| LoadError::Read {
+        path: path.to_owned(),
+        source,
+    })?;
+    from_soup(read(&bytes), path, scale)
+}
 
-    /// As [`load`](Self::load), of the contents of a file; `path` names it, and its format.
-    ///
-    /// # Errors
-    /// As [`load`](Self::load).
-    pub fn parse(bytes: &[u8], path: impl AsRef<Path>, scale: DVec3) -> Result<Self, LoadError> {
-        let path = path.as_ref();
-        Self::from_soup(reader(path)?(bytes), path, scale)
-    }
+/// As [`load`], of the contents of a file; `path` names it, and its format.
+///
+/// # Errors
+/// As [`load`].
+pub fn parse(
+    bytes: &[u8],
+    path: impl AsRef<Path>,
+    scale: DVec3,
+) -> Result<TriangleMesh, LoadError> {
+    let path = path.as_ref();
+    from_soup(reader(path)?(bytes), path, scale)
+}
 
-    fn from_soup(soup: Result<Soup, String>, path: &Path, scale: DVec3) -> Result<Self, LoadError> {
-        let (vertices, triangles) = soup.map_err(|what| LoadError::Broken {
-            path: path.to_owned(),
-            what,
-        })?;
-        let vertices: Vec<_> = vertices.into_iter().map(|v| v * scale).collect();
-        let mirrored = scale.element_product() < 0.0;
-        let facing_out = |[a, b, c]: [u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
-        let triangles: Vec<_> = triangles.into_iter().map(facing_out).collect();
-        Self::new(&vertices, &triangles).map_err(|source| LoadError::Mesh {
-            path: path.to_owned(),
-            source,
-        })
-    }
+fn from_soup(
+    soup: Result<Soup, String>,
+    path: &Path,
+    scale: DVec3,
+) -> Result<TriangleMesh, LoadError> {
+    let (vertices, triangles) = soup.map_err(|what| LoadError::Broken {
+        path: path.to_owned(),
+        what,
+    })?;
+    let vertices: Vec<_> = vertices.into_iter().map(|v| v * scale).collect();
+    let mirrored = scale.element_product() < 0.0;
+    let facing_out = |[a, b, c]: [u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
+    let triangles: Vec<_> = triangles.into_iter().map(facing_out).collect();
+    TriangleMesh::new(&vertices, &triangles).map_err(|source| LoadError::Mesh {
+        path: path.to_owned(),
+        source,
+    })
 }
 
 type Reader = fn(&[u8]) -> Result<Soup, String>;

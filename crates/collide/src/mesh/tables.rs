@@ -1,11 +1,12 @@
 //! A mesh as tables, and the contacts found on it.
 
-use super::TriangleMesh;
-use super::adjacency::sides;
+use super::adjacency::{Sides, sides};
 use super::hierarchy::{Bounds, bounds, fan, order};
-use numbers::Table;
+use glam::DVec3;
+use model::TriangleMesh;
 use numbers::machine::Links;
 use numbers::machine::space::{Parameter, Scratch};
+use numbers::{Float, Table};
 
 /// Contacts kept of a solid and a mesh.
 pub const SLOTS: usize = 8;
@@ -30,9 +31,11 @@ pub mod contact {
 pub(super) const BOUNDS: usize = 6;
 /// A triangle: bounds, middle, normal, (out, lean) of three edges, number.
 pub(super) const TRIANGLE: usize = 6 + 3 + 3 + 12 + 1;
+/// Beyond all coordinates [m].
+const BEYOND: f64 = 1e30;
 
 /// Where meshes, and the contacts with one of them, lie.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshTables {
     pub(super) groups: Table<Parameter, BOUNDS>,
     pub(super) clusters: Table<Parameter, BOUNDS>,
@@ -47,67 +50,111 @@ pub struct MeshTables {
     pub contacts: Table<Scratch, { contact::WIDTH }>,
 }
 
+/// A triangle of a mesh as the kernels read it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Triangle {
+    numbers: [f64; TRIANGLE],
+    /// From its middle [m].
+    vertices: [f64; 9],
+}
+
+impl Triangle {
+    /// Those of a mesh, about the [middle](TriangleMesh::center) of its box.
+    pub fn all(mesh: &TriangleMesh) -> Vec<Self> {
+        let sides = sides(mesh);
+        let triangle = |(t, sides)| Self::new(mesh, t, sides);
+        sides.iter().enumerate().map(triangle).collect()
+    }
+
+    fn new(mesh: &TriangleMesh, t: usize, (normal, edges): &Sides) -> Self {
+        let corners = mesh.corners(t).map(|c| c - mesh.center());
+        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let Bounds { low, high } = Bounds::of(corners);
+        let mut numbers = [0.0; TRIANGLE];
+        for (i, v) in [low, high, middle, *normal].into_iter().enumerate() {
+            numbers[3 * i..3 * i + 3].copy_from_slice(&v.to_array());
+        }
+        for (i, edge) in edges.iter().enumerate() {
+            numbers[12 + 4 * i..15 + 4 * i].copy_from_slice(&edge.out.to_array());
+            numbers[15 + 4 * i] = edge.lean;
+        }
+        numbers[TRIANGLE - 1] = t as f64;
+        let mut vertices = [0.0; 9];
+        for (i, corner) in corners.into_iter().enumerate() {
+            vertices[3 * i..3 * i + 3].copy_from_slice(&(corner - middle).to_array());
+        }
+        Self { numbers, vertices }
+    }
+
+    /// The box that holds it: lowest and highest corner [m].
+    pub fn bounds(&self) -> [DVec3; 2] {
+        [0, 3].map(|i| DVec3::from_slice(&self.numbers[i..]))
+    }
+}
+
 /// Meshes put together for the kernels.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshData {
     groups: Vec<Bounds>,
     clusters: Vec<Bounds>,
-    triangles: Vec<[f64; TRIANGLE]>,
-    vertices: Vec<f64>,
+    triangles: Vec<Triangle>,
     group_rows: Vec<[usize; 2]>,
     cluster_rows: Vec<[usize; 2]>,
 }
 
 impl MeshData {
-    /// Adds a mesh; answers the range of its groups, by which kernels know it.
+    /// Adds a mesh, about the [middle](TriangleMesh::center) of its box; answers the range of its
+    /// groups, by which kernels know it.
     pub fn add(&mut self, mesh: &TriangleMesh) -> [usize; 2] {
         let (order, fan) = (order(mesh), fan(mesh.triangles().len()));
-        let sides = sides(mesh);
+        let triangles = Triangle::all(mesh);
+        let around = |list: &[usize]| {
+            let Bounds { low, high } = Bounds::all(list.iter().map(|&t| bounds(mesh, t)));
+            Bounds {
+                low: low - mesh.center(),
+                high: high - mesh.center(),
+            }
+        };
         let first_group = self.groups.len();
         for group in order.chunks(fan * fan) {
             let first_cluster = self.clusters.len();
             for cluster in group.chunks(fan) {
                 let first = self.triangles.len();
-                for &t in cluster {
-                    self.add_triangle(mesh, t, &sides[t]);
-                }
+                self.triangles.extend(cluster.iter().map(|&t| triangles[t]));
                 self.cluster_rows.push([first, self.triangles.len()]);
-                self.clusters
-                    .push(Bounds::all(cluster.iter().map(|&t| bounds(mesh, t))));
+                self.clusters.push(around(cluster));
             }
             self.group_rows.push([first_cluster, self.clusters.len()]);
-            self.groups
-                .push(Bounds::all(group.iter().map(|&t| bounds(mesh, t))));
+            self.groups.push(around(group));
         }
         [first_group, self.groups.len()]
     }
 
-    fn add_triangle(
-        &mut self,
-        mesh: &TriangleMesh,
-        t: usize,
-        (normal, edges): &super::adjacency::Sides,
-    ) {
-        let corners = mesh.triangles()[t].map(|v| mesh.vertices()[v as usize]);
-        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-        let Bounds { low, high } = bounds(mesh, t);
-        let mut row = [0.0; TRIANGLE];
-        for (i, v) in [low, high, middle, *normal].into_iter().enumerate() {
-            row[3 * i..3 * i + 3].copy_from_slice(&v.to_array());
+    /// Room for so many triangles, for which all are searched: they are [put](MeshTables::put) there
+    /// later, for each lane its own. Group 0 has them all.
+    pub fn room(triangles: usize) -> Self {
+        let everywhere = Bounds {
+            low: DVec3::splat(-BEYOND),
+            high: DVec3::splat(BEYOND),
+        };
+        let mut nowhere = [0.0; TRIANGLE];
+        nowhere[..BOUNDS].copy_from_slice(&NOWHERE);
+        let nowhere = Triangle {
+            numbers: nowhere,
+            vertices: [0.0; 9],
+        };
+        Self {
+            groups: vec![everywhere],
+            clusters: vec![everywhere],
+            triangles: vec![nowhere; triangles],
+            group_rows: vec![[0, 1]],
+            cluster_rows: vec![[0, triangles]],
         }
-        for (i, edge) in edges.iter().enumerate() {
-            row[12 + 4 * i..15 + 4 * i].copy_from_slice(&edge.out.to_array());
-            row[15 + 4 * i] = edge.lean;
-        }
-        row[TRIANGLE - 1] = t as f64;
-        self.triangles.push(row);
-        self.vertices
-            .extend(corners.iter().flat_map(|c| (*c - middle).to_array()));
     }
 
     /// How many rows of [`Tables::vertices`](crate::Tables::vertices) the triangles take.
     pub fn vertex_rows(&self) -> usize {
-        self.vertices.len() / 3
+        3 * self.triangles.len()
     }
 
     /// Room at the ends of the memories, which move on.
@@ -117,6 +164,8 @@ impl MeshData {
         links: &mut usize,
         scratch: &mut usize,
     ) -> MeshTables {
+        // Contacts are kept where there is a mesh.
+        let slots = if self.groups.is_empty() { 0 } else { SLOTS };
         MeshTables {
             groups: Table::place(parameters, self.groups.len()),
             clusters: Table::place(parameters, self.clusters.len()),
@@ -124,7 +173,7 @@ impl MeshData {
             group_rows: Links::place(links, self.groups.len()),
             cluster_rows: Links::place(links, self.clusters.len()),
             triangle_rows: Links::place(links, self.triangles.len()),
-            contacts: Table::place(scratch, SLOTS),
+            contacts: Table::place(scratch, slots),
         }
     }
 
@@ -147,8 +196,9 @@ impl MeshData {
             parameters[tables.clusters.at(row, 0)..][..BOUNDS].copy_from_slice(&numbers(b));
         }
         for (row, t) in self.triangles.iter().enumerate() {
-            parameters[tables.triangles.at(row, 0)..][..TRIANGLE].copy_from_slice(t);
             let first = vertex_row + 3 * row;
+            parameters[tables.triangles.at(row, 0)..][..TRIANGLE].copy_from_slice(&t.numbers);
+            parameters[vertices.at(first, 0)..][..9].copy_from_slice(&t.vertices);
             write_range(links, tables.triangle_rows, row, [first, first + 3]);
         }
         for (row, range) in self.group_rows.iter().enumerate() {
@@ -157,8 +207,40 @@ impl MeshData {
         for (row, range) in self.cluster_rows.iter().enumerate() {
             write_range(links, tables.cluster_rows, row, *range);
         }
-        parameters[vertices.at(vertex_row, 0)..][..self.vertices.len()]
-            .copy_from_slice(&self.vertices);
+    }
+}
+
+/// The bounds of what meets nothing.
+const NOWHERE: [f64; BOUNDS] = [BEYOND, BEYOND, BEYOND, -BEYOND, -BEYOND, -BEYOND];
+
+impl MeshTables {
+    /// Writes the triangles of one lane where [`MeshData::room`] left room for `room` of them, and
+    /// their vertices from `vertex_row` on; what they leave free meets nothing.
+    ///
+    /// Panics where there are more than there is room for.
+    pub fn put<'a, T: Float>(
+        &self,
+        triangles: impl Iterator<Item = &'a Triangle>,
+        room: usize,
+        (vertices, vertex_row): (Table<Parameter, 3>, usize),
+        (lane, width): (usize, usize),
+        parameters: &mut [T],
+    ) {
+        let mut write = |at: usize, numbers: &[f64]| {
+            for (i, x) in numbers.iter().enumerate() {
+                parameters[(at + i) * width + lane] = T::from_f64(*x);
+            }
+        };
+        let mut free = 0;
+        for (row, t) in triangles.enumerate() {
+            assert!(row < room, "{room} triangles fit");
+            write(self.triangles.at(row, 0), &t.numbers);
+            write(vertices.at(vertex_row + 3 * row, 0), &t.vertices);
+            free = row + 1;
+        }
+        for row in free..room {
+            write(self.triangles.at(row, 0), &NOWHERE);
+        }
     }
 }
 

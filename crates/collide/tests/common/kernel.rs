@@ -1,8 +1,33 @@
 //! Contacts as the kernels give them.
 
 use super::Pair;
-use kinetarium_collide::{Manifold, Placed, Point, Route, Solid, Tables};
+use kinetarium_collide::{Kernel, Manifold, Placed, Point, Route, Solid, Tables, kernel};
 use numbers::{Cpu, Float, Machine, Pose, Quat, Shared, Vec3};
+
+macro_rules! routes {
+    ($($name:ident)+) => {
+        /// The contact of two convex solids by the kernel of a route.
+        #[inline(always)]
+        pub fn manifold_of<M: Machine>(
+            route: Route,
+            k: &mut M,
+            tables: Tables,
+            a: &Solid<M>,
+            b: &Solid<M>,
+        ) -> Manifold<M::R> {
+            match route {
+                $(Route::$name => kernel::$name::manifold(k, tables, a, b),)+
+                Route::Mesh => panic!("a mesh has no manifold"),
+            }
+        }
+    };
+}
+
+routes! {
+    PlaneSphere PlaneCapsule PlaneCylinder PlaneCone PlaneBox PlaneEllipsoid PlaneHull
+    SphereSphere SphereCapsule SphereCylinder SphereCone SphereBox CapsuleCapsule BoxBox
+    SphereConvex Convex
+}
 
 /// The contact of a pair, computed in `T` and read as `f64`.
 pub fn manifold<T: Float>(pair: &Pair) -> Manifold<f64> {
@@ -26,7 +51,7 @@ pub fn manifold<T: Float>(pair: &Pair) -> Manifold<f64> {
     let [a, b] = [0, 1].map(|i| solid(&k, pair, i, [0, rows[0]][i]));
     let kinds = [0, 1].map(|i| pair.solids[i].kind);
     let route = Route::of(kinds[0], kinds[1]).expect("a route");
-    let manifold = route.manifold(&mut k, tables, &a, &b);
+    let manifold = manifold_of(route, &mut k, tables, &a, &b);
     Manifold {
         normal: vector64(manifold.normal),
         points: manifold.points.map(|p| Point {

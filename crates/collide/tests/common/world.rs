@@ -1,5 +1,6 @@
 //! One pair of solids in the memories of a machine, as a solver would hold it.
 
+use super::kernel::manifold_of;
 use super::{Pair, V};
 use kinetarium_collide::{Placed, Route, Solid, Tables};
 use numbers::machine::space::{Output, State};
@@ -41,7 +42,7 @@ impl World {
     pub fn run<M: Machine>(&self, k: &mut M) {
         let a = self.solid(k, k.index(0));
         let b = self.solid(k, k.index(1));
-        let found = self.route.manifold(k, self.tables, &a, &b);
+        let found = manifold_of(self.route, k, self.tables, &a, &b);
         let row = k.index(0);
         k.store_vec3(self.output, row, 0, found.normal);
         for i in 0..4 {

@@ -29,6 +29,16 @@ const MESH: &[&str] = &[
     "material",
 ];
 
+const HEIGHT_FIELD: &[&str] = &[
+    "name",
+    "content_type",
+    "file",
+    "nrow",
+    "ncol",
+    "elevation",
+    "size",
+];
+
 /// A mesh file, and where its origin lies in the geom that uses it.
 pub(super) struct Mesh {
     pub geometry: Geometry,
@@ -39,6 +49,8 @@ pub(super) struct Mesh {
 pub(super) struct Assets {
     /// Meshes by name; `None`, one that is not read from a file.
     pub meshes: HashMap<String, Option<Mesh>>,
+    /// Height fields by name, not read yet.
+    pub height_fields: HashMap<String, Element>,
     /// Colours of the materials that have one.
     pub colors: HashMap<String, [f32; 4]>,
 }
@@ -73,7 +85,11 @@ impl Assets {
                 }
                 "texture" => report.note(asset, "textures", "only seen; not read"),
                 "skin" => report.note(asset, "skins", "only seen; not read"),
-                "hfield" => report.note(asset, "height fields", "not read"),
+                "hfield" => {
+                    report.check_attributes(asset, HEIGHT_FIELD, &[])?;
+                    let name = name_or_stem(asset)?;
+                    assets.height_fields.insert(name, asset.clone());
+                }
                 "model" => {
                     let remedy = "write the model's elements into this file, or include them";
                     report.refuse(asset, "attaching another model", remedy)?;
@@ -97,13 +113,11 @@ fn note_finish(material: &Element, report: &mut Report) {
 }
 
 fn mesh(element: &Element, compiler: &Compiler) -> Result<(String, Option<Mesh>), FormatError> {
+    let name = name_or_stem(element)?;
     let Some(file) = element.get("file") else {
-        return Ok((element.require("name")?.to_owned(), None));
+        return Ok((name, None));
     };
-    let stem = file.rsplit(['/', '\\']).next().unwrap_or(file);
-    let stem = stem.rsplit_once('.').map_or(stem, |(stem, _)| stem);
-    let name = element.get("name").unwrap_or(stem).to_owned();
-    let geometry = Geometry::Mesh {
+    let geometry = Geometry::MeshFile {
         file: compiler.mesh_path(file),
         scale: element.vector("scale")?.unwrap_or(DVec3::ONE),
     };
@@ -114,6 +128,18 @@ fn mesh(element: &Element, compiler: &Compiler) -> Result<(String, Option<Mesh>)
             origin: reference(element)?.inverse(),
         }),
     ))
+}
+
+/// Its name, or that of its file without folder and ending.
+fn name_or_stem(element: &Element) -> Result<String, FormatError> {
+    let (Some(file), None) = (element.get("file"), element.get("name")) else {
+        return Ok(element.require("name")?.to_owned());
+    };
+    let stem = file.rsplit(['/', '\\']).next().unwrap_or(file);
+    Ok(stem
+        .rsplit_once('.')
+        .map_or(stem, |(stem, _)| stem)
+        .to_owned())
 }
 
 /// The frame that a mesh is centred at, `refpos` and `refquat`.

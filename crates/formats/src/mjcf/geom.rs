@@ -2,6 +2,7 @@
 
 use super::Context;
 use super::assets::color;
+use super::height_field;
 use super::orientation::{least_rotation_from_z, pose};
 use super::shell;
 use super::surface::Surface;
@@ -117,9 +118,9 @@ pub(super) fn read(
     let group = element.integer("group")?.unwrap_or(0);
     let (first, last) = context.compiler.inertia_groups;
     if shape.collides
-        && let Some(hull) = context.hulls.of(element, &shape.geometry)?
+        && let Some(read) = context.meshes.of(element, &shape.geometry)?
     {
-        shape.geometry = Geometry::Hull(hull);
+        shape.geometry = read;
     }
     let solid = match weight {
         Weight::Unused => None,
@@ -175,12 +176,9 @@ fn placed_geometry(
     let kind = element.word("type", TYPES)?.unwrap_or("sphere");
     match kind {
         "mesh" => return mesh(element, context, report),
-        "hfield" | "sdf" => {
-            report.refuse(
-                element,
-                &format!("a shape of type {kind}"),
-                "use boxes or a mesh",
-            )?;
+        "hfield" => return height_field(element, context, report).map(Some),
+        "sdf" => {
+            report.refuse(element, "a shape of type sdf", "use boxes or a mesh")?;
             return Ok(None);
         }
         _ if element.has("mesh") => {
@@ -301,6 +299,26 @@ fn mesh(
     }
 }
 
+fn height_field(
+    element: &Element,
+    context: &Context<'_>,
+    report: &mut Report,
+) -> Result<(Geometry, Pose), FormatError> {
+    let name = element.require("hfield")?;
+    let Some(asset) = context.assets.height_fields.get(name) else {
+        return Err(element.invalid_attribute(
+            "hfield",
+            &format!("names `{name}`, which is no height field"),
+            "define it in <asset>, or correct the name",
+        ));
+    };
+    let mesh = height_field::read(asset, context)?;
+    let meaning = "solid below in MuJoCo, a surface here: what is under it does not touch it";
+    report.note(element, "height fields", meaning);
+    let local = pose(element, &context.compiler)? * Pose::new(DVec3::ZERO, Y_TO_Z);
+    Ok((Geometry::Mesh(mesh), local))
+}
+
 /// Its own colour, or its material's, or grey.
 fn own_color(element: &Element, context: &Context<'_>) -> Result<[f32; 4], FormatError> {
     let of_material = element
@@ -326,8 +344,12 @@ fn solid(
     }
     let shell = element.truth("shellinertia")? == Some(true);
     let unit = match &shape.geometry {
-        Geometry::Mesh { .. } | Geometry::Hull(_) if weight != Weight::Needed => return Ok(None),
-        Geometry::Mesh { .. } | Geometry::Hull(_) => {
+        Geometry::MeshFile { .. } | Geometry::Mesh(_) | Geometry::Hull(_)
+            if weight != Weight::Needed =>
+        {
+            return Ok(None);
+        }
+        Geometry::MeshFile { .. } | Geometry::Mesh(_) | Geometry::Hull(_) => {
             hull_mass(element, shape, shell, context, report)?
         }
         solid if shell => shell::of(solid),
@@ -347,7 +369,10 @@ fn hull_mass(
 ) -> Result<Option<MassProperties>, FormatError> {
     let hull = match &shape.geometry {
         Geometry::Hull(hull) => Some(hull.clone()),
-        mesh => context.hulls.of(element, mesh)?,
+        mesh => match context.meshes.of(element, mesh)? {
+            Some(Geometry::Hull(hull)) => Some(hull),
+            _ => None,
+        },
     };
     let remedy = "give the body an <inertial> element, or this geom mass=\"0\"";
     let Some(hull) = hull else {

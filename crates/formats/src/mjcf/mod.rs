@@ -34,6 +34,7 @@
 //!   and other actuators with a state, plugins, flexible bodies, polynomial springs, `<replicate>`,
 //!   `<attach>` and the like, and mass from the volume of a mesh that does not become its hull
 //!   ([`Options::meshes`]). MuJoCo's own mass of a mesh is that of its surface's inside, not of its hull.
+//! - A height field is its surface; MuJoCo's is solid down to its base.
 
 mod actuator;
 mod assets;
@@ -44,6 +45,7 @@ mod content;
 mod defaults;
 mod equality;
 mod geom;
+mod height_field;
 mod include;
 mod inertial;
 mod joint;
@@ -61,7 +63,7 @@ mod tree;
 use crate::error::FormatError;
 use crate::files::Files;
 use crate::fuse::Fusion;
-use crate::hulls::Hulls;
+use crate::meshes::MeshReader;
 use crate::report::Report;
 use crate::xml::{self, Element};
 use crate::{Loaded, Options, names};
@@ -73,7 +75,7 @@ struct Context<'a> {
     physics: option::Physics,
     defaults: defaults::Defaults,
     assets: assets::Assets,
-    hulls: Hulls<'a>,
+    meshes: MeshReader<'a>,
 }
 
 /// Reads a text; `file` names it in messages, `files` finds what it includes.
@@ -107,7 +109,7 @@ pub(crate) fn read(
     let context = Context {
         assets: assets::Assets::read(&root, &compiler, &defaults, &mut report)?,
         physics: option::Physics::read(&root, &mut report)?,
-        hulls: Hulls::new(files, options.meshes),
+        meshes: MeshReader::new(files, options.meshes),
         compiler,
         defaults,
     };

@@ -53,7 +53,8 @@ fn least_size(geometry: &Geometry) -> Option<f64> {
         Geometry::Plane { .. }
         | Geometry::Cone { .. }
         | Geometry::Hull(_)
-        | Geometry::Mesh { .. } => None,
+        | Geometry::Mesh(_)
+        | Geometry::MeshFile { .. } => None,
     }
 }
 
@@ -76,7 +77,8 @@ fn grown(geometry: &Geometry, by: f64) -> Geometry {
         Geometry::Plane { .. }
         | Geometry::Cone { .. }
         | Geometry::Hull(_)
-        | Geometry::Mesh { .. } => {}
+        | Geometry::Mesh(_)
+        | Geometry::MeshFile { .. } => {}
     }
     grown
 }

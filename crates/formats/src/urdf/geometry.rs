@@ -1,7 +1,7 @@
 //! Frames, solids and colours (urdf/XML/link, "visual" and "collision").
 
 use crate::error::FormatError;
-use crate::hulls::Hulls;
+use crate::meshes::MeshReader;
 use crate::report::Report;
 use crate::xml::Element;
 use glam::{DQuat, DVec3};
@@ -15,7 +15,7 @@ const Y_TO_Z: DQuat = DQuat::from_xyzw(FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2);
 /// What the shapes of all links have in common.
 pub(super) struct Looks<'a> {
     pub colors: Colors,
-    pub hulls: Hulls<'a>,
+    pub meshes: MeshReader<'a>,
 }
 
 /// Colours of the materials that the robot defines for all its links.
@@ -93,8 +93,8 @@ pub(super) fn shape(
         return Ok(None);
     };
     let collides = element.name == "collision";
-    if collides && let Some(hull) = looks.hulls.of(inner, &geometry)? {
-        geometry = Geometry::Hull(hull);
+    if collides && let Some(read) = looks.meshes.of(inner, &geometry)? {
+        geometry = read;
     }
     let pose = match geometry {
         Geometry::Cylinder { .. } | Geometry::Capsule { .. } => {
@@ -157,7 +157,7 @@ fn geometry(element: &Element, report: &mut Report) -> Result<Option<Geometry>, 
             let file = element.require("filename")?;
             let file = file.strip_prefix("file://").unwrap_or(file).to_owned();
             let scale = element.vector("scale")?.unwrap_or(DVec3::ONE);
-            Geometry::Mesh { file, scale }
+            Geometry::MeshFile { file, scale }
         }
         other => {
             let feature = format!("geometry of kind `{other}`");

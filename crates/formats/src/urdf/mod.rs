@@ -13,7 +13,7 @@
 //! - `effort` limits the joint's drive; `mimic` becomes a coupling.
 //! - Links without mass that are fixed to others are fused with them.
 //! - Collision geometry collides, visual geometry is only seen. Mesh files are named, not read, unless
-//!   those that collide become their convex hulls ([`Options::meshes`]); `package://` paths stay as
+//!   those that collide are asked for, exact or as hulls ([`Options::meshes`]); `package://` paths stay as
 //!   they are.
 
 mod geometry;
@@ -24,9 +24,9 @@ mod tree;
 use crate::error::FormatError;
 use crate::files::Files;
 use crate::fuse::Fusion;
-use crate::hulls::Hulls;
 use crate::joint_space::JointSpace;
 use crate::limit::Softness;
+use crate::meshes::MeshReader;
 use crate::report::Report;
 use crate::xml::{self, Element};
 use crate::{Loaded, Options, mesh_paths, names};
@@ -62,7 +62,7 @@ pub(crate) fn read(
     note_extensions(root, &mut report);
     let looks = Looks {
         colors: Colors::read(root)?,
-        hulls: Hulls::new(files, options.meshes),
+        meshes: MeshReader::new(files, options.meshes),
     };
     let robot = Robot::read(root, &mut report)?;
     let mut parts = Parts {

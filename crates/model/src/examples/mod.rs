@@ -1,7 +1,7 @@
 //! Models to try things with.
 //!
-//! Y is up; lengths in metres. All scenes but the chains are of bodies that touch, on a floor at
-//! y = 0.
+//! Y is up; lengths in metres. All scenes but the chains are of bodies that touch, on ground that is
+//! level at y = 0.
 
 mod arch;
 mod balls;
@@ -16,6 +16,7 @@ mod pile;
 mod room;
 mod stacks;
 mod stuff;
+mod terrain;
 
 pub use arch::arch;
 pub use balls::balls;
@@ -27,6 +28,7 @@ pub use dominoes::dominoes;
 pub use pile::pile;
 pub use room::room;
 pub use stacks::{pyramid, square_pyramid, tower, towers};
+pub use terrain::terrain;
 
 use crate::model::{MOST_ROWS, Subject};
 use crate::{Model, ModelError};
@@ -63,7 +65,7 @@ impl Scene {
 }
 
 /// The scenes, each of the size that shows it best.
-pub static SCENES: [Scene; 9] = [
+pub static SCENES: [Scene; 10] = [
     Scene::new(
         "balls",
         "five balls bounce to e² of their height each, e = 0, ¼, ½, ¾, 1",
@@ -92,6 +94,11 @@ pub static SCENES: [Scene; 9] = [
     ),
     Scene::new("arch", "nine wedges of stone, at rest", || arch(9)),
     Scene::new("pile", "solids of six kinds fall into a bowl", || pile(24)),
+    Scene::new(
+        "terrain",
+        "solids tumble and a ball rolls down a hillside of triangles",
+        || terrain(15),
+    ),
     Scene::new(
         "room",
         "a ball falls off a table, a chair stands by, a door closes",
@@ -132,7 +139,8 @@ mod tests {
             |n| card_house(n),
             |n| dominoes(n),
             |n| pile(n),
-        ] as [fn(usize) -> Result<Model, ModelError>; 8]
+            |n| terrain(n),
+        ] as [fn(usize) -> Result<Model, ModelError>; 9]
         {
             assert!(scene(0).is_err() && scene(usize::MAX).is_err());
         }

@@ -52,7 +52,7 @@ pub fn pile(count: usize) -> Result<Model, ModelError> {
 }
 
 /// The i-th solid's name and form.
-fn solid(i: usize) -> (&'static str, Geometry) {
+pub(super) fn solid(i: usize) -> (&'static str, Geometry) {
     let (radius, half_height) = (0.07, 0.08);
     match i % 6 {
         0 => ("sphere", Geometry::Sphere { radius }),

@@ -193,8 +193,8 @@ fn geometry(subject: &Subject, geometry: &Geometry) -> Result<(), ModelError> {
         Geometry::Box { half } => subject.all_positive("half extent [m]", half),
         Geometry::Ellipsoid { half } => subject.all_positive("half axis [m]", half),
         // Checked when it was made.
-        Geometry::Hull(_) => Ok(()),
-        Geometry::Mesh { ref file, scale } => {
+        Geometry::Hull(_) | Geometry::Mesh(_) => Ok(()),
+        Geometry::MeshFile { ref file, scale } => {
             if file.is_empty() {
                 return Err(ModelError::MeshWithoutFile {
                     what: subject.what(),

@@ -6,11 +6,13 @@
 //! distance [`FAR`](collide::FAR), and costs a comparison.
 
 mod corners;
+mod meshes;
 mod narrow_phase;
 mod plan;
 pub(crate) mod tables;
 
 pub(crate) use corners::Corners;
+use meshes::Meshes;
 pub(crate) use narrow_phase::{Places, narrow_phase, place_shapes, store_placed};
 pub(crate) use plan::{ContactPlan, Seat};
 pub use tables::ContactTables;

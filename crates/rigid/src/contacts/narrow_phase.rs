@@ -1,11 +1,12 @@
 //! From the placements of the carriers to the points of contact.
 
 use super::tables::{ContactTables, pair_field, placed_field, shape_field, shape_link, slot};
+use collide::mesh::{Surface, contact, mesh_convex};
 use collide::{FAR, Kernel, Placed, Route, Solid, kernel};
 use numbers::machine::space::Writable;
 use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::Spatial;
-use numbers::{Machine, Mat3, Pose, Real, Table, Vec3};
+use numbers::{Cell, Machine, Mat3, Pose, Real, Table, Vec3};
 
 /// Gap [m] up to which a point is looked at even if nothing moves.
 const MARGIN: f64 = 1e-3;
@@ -33,10 +34,12 @@ pub(crate) fn narrow_phase<M: Machine>(k: &mut M, t: &ContactTables) {
         SphereSphere SphereCapsule SphereCylinder SphereCone SphereBox CapsuleCapsule BoxBox
         SphereConvex Convex
     }
+    t.meet_meshes(k);
 }
 
 impl ContactTables {
-    /// The kernels for pairs that the model needs: what [`meet`](Self::meet) is to be called with.
+    /// The kernels for pairs that the model needs: what [`meet`](Self::meet) is to be called with, or
+    /// [`meet_meshes`](Self::meet_meshes).
     pub fn routes(&self) -> impl Iterator<Item = Route> {
         let needed =
             |route: &Route| self.routes[*route as usize] < self.routes[*route as usize + 1];
@@ -51,6 +54,16 @@ impl ContactTables {
         let (begin, end) = (k.index(t.routes[route]), k.index(t.routes[route + 1]));
         for pair in k.range(begin, end) {
             meet::<M, K>(k, &t, pair);
+        }
+    }
+    /// Fills the slots of the pairs of a solid and a mesh.
+    #[inline(always)]
+    pub fn meet_meshes<M: Machine>(&self, k: &mut M) {
+        let t = *self;
+        let route = Route::Mesh as usize;
+        let (begin, end) = (k.index(t.routes[route]), k.index(t.routes[route + 1]));
+        for pair in k.range(begin, end) {
+            meet_mesh(k, &t, pair);
         }
     }
 }
@@ -111,9 +124,7 @@ fn meet<M: Machine, K: Kernel>(k: &mut M, t: &ContactTables, pair: M::I) {
     let margin = k.load(t.pair, pair, pair_field::MARGIN);
     if let Some(_branch) = k.if_any(near(k, t, K::ROUTE, row_a, row_b, margin)) {
         let (a, b) = (solid(k, t, row_a), solid(k, t, row_b));
-        let way = k.load(t.placed, row_a, placed_field::WAY)
-            + k.load(t.placed, row_b, placed_field::WAY)
-            + M::R::lit(MARGIN);
+        let way = way(k, t, row_a, row_b);
         let manifold = K::manifold(k, t.kernels, &a, &b);
         let mut normal = manifold.normal.hold(k);
         if let Some(_branch) = k.when(k.equals(flip, 1)) {
@@ -129,6 +140,47 @@ fn meet<M: Machine, K: Kernel>(k: &mut M, t: &ContactTables, pair: M::I) {
             k.write(t.slot, row, 0, [x, y, z, l, m, n, distance, point.feature]);
         }
     }
+}
+
+/// The slots of a solid and a mesh; each point has a normal of its own.
+#[inline(always)]
+fn meet_mesh<M: Machine>(k: &mut M, t: &ContactTables, pair: M::I) {
+    let [row_a, row_b, first, flip] = k.link_row(t.pair_links, pair);
+    let far = M::R::lit(FAR);
+    for point in k.count(Route::Mesh.points()) {
+        k.store(t.slot, first.plus(point), slot::DISTANCE, far);
+    }
+    let margin = k.load(t.pair, pair, pair_field::MARGIN);
+    if let Some(_branch) = k.if_any(near(k, t, Route::Mesh, row_a, row_b, margin)) {
+        let (a, b) = (solid(k, t, row_a), solid(k, t, row_b));
+        let surface = Surface {
+            placed: b.placed,
+            groups: b.rows,
+        };
+        let way = way(k, t, row_a, row_b);
+        mesh_convex(k, t.kernels, &t.meshes, &a, &surface, margin + way);
+        let mut side = k.cell(M::R::one());
+        if let Some(_branch) = k.when(k.equals(flip, 1)) {
+            side.write(-M::R::one());
+        }
+        for point in k.count(Route::Mesh.points()) {
+            let p: [M::R; contact::FEATURE + 1] = k.read(t.meshes.contacts, point, 0);
+            let normal = k.vec3(t.meshes.contacts, point, contact::NORMAL) * side.read();
+            let distance = p[contact::DISTANCE] - margin;
+            let distance = M::R::select(distance.lt(way), distance, far);
+            let [l, m, n] = normal.to_array();
+            let found = [p[0], p[1], p[2], l, m, n, distance, p[contact::FEATURE]];
+            k.write(t.slot, first.plus(point), 0, found);
+        }
+    }
+}
+
+/// How far two shapes could come towards each other within the step, and a safe margin [m].
+#[inline(always)]
+fn way<M: Machine>(k: &M, t: &ContactTables, row_a: M::I, row_b: M::I) -> M::R {
+    k.load(t.placed, row_a, placed_field::WAY)
+        + k.load(t.placed, row_b, placed_field::WAY)
+        + M::R::lit(MARGIN)
 }
 
 /// Where the balls about two shapes could come within `margin` of each other.

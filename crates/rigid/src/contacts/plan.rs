@@ -1,7 +1,7 @@
 //! Which shapes of a model may touch, and who carries them.
 
-use super::Corners;
-use super::tables::Solid;
+use super::tables::{Solid, check_stands};
+use super::{Corners, Meshes};
 use crate::SolverError;
 use collide::Route;
 use model::{CollisionFilter, Model, Pose, Shape, ShapeId};
@@ -63,6 +63,7 @@ pub(crate) struct ContactPlan {
     movers: Vec<usize>,
     pub(super) between: usize,
     pub(super) corners: Corners,
+    pub(super) meshes: Meshes,
 }
 
 impl ContactPlan {
@@ -75,13 +76,14 @@ impl ContactPlan {
             movers: Vec::new(),
             between: 0,
             corners: Corners::default(),
+            meshes: Meshes::default(),
         }
     }
 
     /// Finds the pairs; `seat` tells who carries a shape.
     ///
     /// # Errors
-    /// A shape that no kernel collides, a sensor.
+    /// A shape that no kernel collides, a mesh that moves, a sensor.
     pub(crate) fn new(
         model: &Model,
         solver: &'static str,
@@ -105,10 +107,14 @@ impl ContactPlan {
             };
             let (a, b) = if kinds[0] <= kinds[1] { (a, b) } else { (b, a) };
             let seats = [a, b].map(|s| seat(&model.shapes[s.0]));
+            for (id, seat) in [a, b].into_iter().zip(&seats) {
+                check_stands(&model.shapes[id.0], seat.moves(), solver)?;
+            }
             plan.add(route, [a, b], seats);
         }
         plan.assign_slots();
         let shapes = plan.sights.iter().map(|s| &model.shapes[s.shape.0]);
+        plan.meshes = Meshes::new(shapes.clone());
         plan.corners = Corners::new(shapes, |count| count);
         Ok(plan)
     }

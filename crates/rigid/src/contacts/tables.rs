@@ -3,6 +3,7 @@
 use super::plan::ContactPlan;
 use crate::SolverError;
 use crate::tables::Filler;
+use collide::mesh::MeshTables;
 use collide::{Route, kind};
 use glam::DVec3;
 use model::{Geometry, Model, Pose, Shape};
@@ -30,7 +31,7 @@ pub(crate) mod shape_link {
     /// Group of seats in whose frame the pair is looked at.
     pub const SEEN: usize = 2;
     pub const KIND: usize = 3;
-    /// The first of a hull's corners, and the one after the last.
+    /// The first of a hull's corners, and the one after the last; of a mesh's groups of triangles.
     pub const CORNERS: usize = 4;
     pub const WIDTH: usize = 6;
 }
@@ -113,6 +114,7 @@ pub struct ContactTables {
     pub(crate) placed: Table<Scratch, { placed_field::WIDTH }>,
     pub(crate) slot: Table<Scratch, { slot::WIDTH }>,
     pub(crate) kernels: collide::Tables,
+    pub(crate) meshes: MeshTables,
 }
 
 /// A shape as the kernels have it.
@@ -150,13 +152,17 @@ impl Solid {
             Geometry::Box { half } => (kind::BOX, half, half.length()),
             Geometry::Ellipsoid { half } => (kind::ELLIPSOID, half, half.max_element()),
             Geometry::Hull(ref hull) => (kind::HULL, hull.half_extents(), hull.radius()),
-            Geometry::Mesh { .. } => {
+            Geometry::Mesh(ref mesh) => {
+                let half = mesh.half_extents();
+                (kind::MESH, half, half.length())
+            }
+            Geometry::MeshFile { .. } => {
                 return Err(SolverError::Unsupported {
                     solver,
                     what: "contacts of the mesh",
                     name: shape.name.clone(),
-                    remedy: "make meshes their convex hulls (--meshes hull), use solids, let the \
-                             shape not collide, or switch contacts off",
+                    remedy: "have meshes read (--meshes exact, or --meshes hull for their convex hulls), \
+                             use solids, let the shape not collide, or switch contacts off",
                 });
             }
         };
@@ -166,6 +172,24 @@ impl Solid {
             radius,
             pose: shape.pose * Pose::at(shape.geometry.center()),
         })
+    }
+}
+
+/// Refuses a mesh that moves and collides.
+pub(crate) fn check_stands(
+    shape: &Shape,
+    moves: bool,
+    solver: &'static str,
+) -> Result<(), SolverError> {
+    match shape.geometry {
+        Geometry::Mesh(_) if moves => Err(SolverError::Unsupported {
+            solver,
+            what: "contacts of a body that moves by the mesh",
+            name: shape.name.clone(),
+            remedy: "a surface has no inside: use its convex hull (--meshes hull), pieces that are \
+                     convex, or solids, or let the shape not collide",
+        }),
+        _ => Ok(()),
     }
 }
 
@@ -194,7 +218,12 @@ impl ContactTables {
             slot_links: Links::place(links, slots),
             placed: Table::place(scratch, shapes),
             slot: Table::place(scratch, slots),
-            kernels: collide::Tables::place(parameters, plan.corners.rows(), scratch),
+            kernels: collide::Tables::place(
+                parameters,
+                plan.corners.rows() + plan.meshes.data.vertex_rows(),
+                scratch,
+            ),
+            meshes: plan.meshes.data.place(parameters, links, scratch),
         }
     }
 
@@ -224,11 +253,21 @@ impl ContactTables {
             f.link(self.shape_links, row, shape_link::OWN, sight.seat.group);
             f.link(self.shape_links, row, shape_link::SEEN, sight.seen);
             f.link(self.shape_links, row, shape_link::KIND, solid.kind);
-            let corners = plan.corners.of(&shape.geometry);
-            f.link(self.shape_links, row, shape_link::CORNERS, corners.start);
-            f.link(self.shape_links, row, shape_link::CORNERS + 1, corners.end);
+            let rows = match solid.kind {
+                kind::MESH => plan.meshes.of(&shape.geometry),
+                _ => plan.corners.of(&shape.geometry),
+            };
+            f.link(self.shape_links, row, shape_link::CORNERS, rows.start);
+            f.link(self.shape_links, row, shape_link::CORNERS + 1, rows.end);
         }
         plan.corners.fill(self.kernels.vertices, f);
+        plan.meshes.data.write(
+            &self.meshes,
+            self.kernels.vertices,
+            plan.corners.rows(),
+            &mut f.parameters,
+            &mut f.links,
+        );
         for (row, pair) in plan.pairs.iter().enumerate() {
             f.link(self.pair_links, row, pair_link::A, pair.rows[0]);
             f.link(self.pair_links, row, pair_link::B, pair.rows[1]);

@@ -4,14 +4,16 @@ use super::pair::solid;
 use super::tables::{POINTS, global, mass};
 use super::{memory, surface};
 use crate::contacts::Corners;
-use crate::contacts::tables::Solid;
+use crate::contacts::tables::{Solid, check_stands};
 use crate::input::InputTables;
 use crate::output::body;
 use crate::tables::{Filler, UNBOUNDED};
 use crate::{Featherstone, Lengths, OutputTables, Settings, SolverError};
+use collide::kind;
 use glam::{DQuat, DVec3};
 use model::{
-    BodyId, BodyKind, Dof, Joint, JointId, JointKind, MassProperties, Model, Pose, ShapeId,
+    BodyId, BodyKind, Dof, Geometry, Joint, JointId, JointKind, MassProperties, Model, Pose,
+    ShapeId,
 };
 use numbers::machine::space::{Parameter, State as StateMemory};
 use numbers::{Float, Table};
@@ -136,7 +138,13 @@ fn unsupported(what: &'static str, name: &str, remedy: &'static str) -> SolverEr
 /// Whether a model is what this solver is for: several bodies, or sensors, and all bodies free.
 pub fn suits(model: &Model) -> bool {
     let moving = model.bodies.iter().filter(|b| b.kind == BodyKind::Dynamic);
-    let solid = |shape: &model::Shape| Solid::new(shape, NAME).is_ok();
+    let moves = |shape: &model::Shape| {
+        let body = shape.body.map(|id| model.bodies[id.0].kind);
+        body == Some(BodyKind::Dynamic)
+    };
+    let solid = |shape: &model::Shape| {
+        Solid::new(shape, NAME).is_ok() && check_stands(shape, moves(shape), NAME).is_ok()
+    };
     let mut touching = model.shapes.iter().filter(|shape| shape.collides);
     let senses = touching.clone().any(|shape| shape.sensor);
     let several = moving.take(2).count() == 2;
@@ -173,7 +181,7 @@ impl Impulse {
     /// Compiles a model.
     ///
     /// # Errors
-    /// Joints that hold bodies, actuators, a shape that no kernel collides.
+    /// Joints that hold bodies, actuators, a shape that no kernel collides, a mesh that moves.
     pub fn new(model: &Model, settings: &Settings) -> Result<Self, SolverError> {
         check(model)?;
         let mut rows = vec![WORLD; model.bodies.len()];
@@ -286,6 +294,11 @@ impl Impulse {
                 shape.collides_with,
                 collider.sensor.into(),
             ]);
+        }
+        // The triangles of meshes are not among the numbers that worlds may have of their own.
+        let meshes = self.shapes.iter().filter(|s| s.kind == kind::MESH);
+        for collider in meshes {
+            words.extend(words_of(&model.shapes[collider.shape.0].geometry));
         }
         for body in &model.bodies {
             words.extend([body.group as u32, body.world as u32]);
@@ -523,6 +536,21 @@ pub(super) fn pose_at<T: Float>(numbers: &[T], at: usize) -> Pose {
     )
 }
 
+/// A mesh in whole numbers; nothing of what is none.
+fn words_of(geometry: &Geometry) -> Vec<u32> {
+    let Geometry::Mesh(mesh) = geometry else {
+        return Vec::new();
+    };
+    let bits = mesh
+        .vertices()
+        .iter()
+        .flat_map(|v| v.to_array().map(f64::to_bits));
+    let vertices = bits.flat_map(|x| [x as u32, (x >> 32) as u32]);
+    vertices
+        .chain(mesh.triangles().iter().flatten().copied())
+        .collect()
+}
+
 /// The shapes that may touch.
 fn touching(model: &Model) -> Vec<ShapeId> {
     let named = |id| {
@@ -543,9 +571,11 @@ fn colliders(
     let collider = |&id: &ShapeId| {
         let shape = &model.shapes[id.0];
         let corners = corners.of(&shape.geometry);
+        let row = row_of(shape.body);
+        check_stands(shape, row != WORLD, NAME)?;
         Ok(Collider {
             shape: id,
-            row: row_of(shape.body),
+            row,
             kind: Solid::new(shape, NAME)?.kind,
             corners: corners.len(),
             first_corner: corners.start,

@@ -94,6 +94,10 @@ impl<T: Float> Recalled<'_, T> {
     pub fn key(&self) -> [u32; 2] {
         ordered(self.shapes())
     }
+    /// From A to B.
+    pub fn normal(&self) -> [T; 3] {
+        self.vec3(field::NORMAL)
+    }
     fn points(&self) -> usize {
         (self.0[field::POINTS].to_f64() as usize).min(POINTS)
     }

@@ -29,6 +29,9 @@
 //! - Gyroscopic torque acts within the step as an acceleration; at its end the spin is that of the
 //!   angular momentum, which therefore is conserved to rounding.
 //!
+//! A mesh and a solid have a contact for each normal. A mesh has no inside: a solid whose centre was
+//! pressed through it is not pushed out again, and falls.
+//!
 //! Limitations: first order in h; turns within a step are linear in what the contacts see of them; no
 //! joints but free ones to the world, whose degrees of freedom are bare. Of surfaces that do not give
 //! way only the time constant counts, not damping ratio and impedance. What bounces does so in one pass

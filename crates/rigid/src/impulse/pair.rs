@@ -1,12 +1,14 @@
 //! Shapes and pairs of them, a lane each.
 //!
 //! A pair is to [`ContactTables`] what a world with two shapes is: so the kernels for pairs are those
-//! of every solver, and a register holds sixteen pairs of the same two kinds.
+//! of every solver, and a register holds sixteen pairs of the same two kinds. Of a mesh a lane has the
+//! triangles that are near its solid, and no others.
 
-use super::memory::Cached;
-use super::tables::global;
+use super::memory::{Cached, CachedPoint};
+use super::tables::{POINTS, global};
 use crate::contacts::tables::{pair_field, pair_link, placed_field, shape_field, shape_link, slot};
 use crate::contacts::{ContactTables, store_placed};
+use collide::mesh::{MeshData, Triangle};
 use collide::{FAR, Route};
 use numbers::machine::Links;
 use numbers::machine::space::{Parameter, Scratch, State};
@@ -31,6 +33,8 @@ pub mod placed {
     use crate::contacts::tables::placed_field;
     /// Centre [m].
     pub const POSITION: usize = placed_field::POSITION;
+    /// Its axes in the world, as columns.
+    pub const AXES: usize = placed_field::AXES;
     /// How far the shape can get within the step [m].
     pub const WAY: usize = placed_field::WAY;
     /// Half of the box, along the world's axes, that holds it throughout the step [m].
@@ -125,6 +129,8 @@ pub struct Pair<'a, T> {
     pub shapes: [&'a Placed<T>; 2],
     /// Their corners about their centres [m], three numbers each.
     pub corners: [&'a [T]; 2],
+    /// The triangles of B that are near A, where B is a mesh.
+    pub triangles: &'a [&'a Triangle],
     /// The gap [m] that their surfaces keep.
     pub margin: T,
 }
@@ -135,15 +141,29 @@ pub struct PairTables {
     route: Route,
     tables: ContactTables,
     links: Vec<u32>,
-    parameters: usize,
+    /// The parameters that pairs have in common, and zeros.
+    common: Vec<f64>,
     scratch: usize,
+    /// Rows of A's corners, and of all.
+    corners: [usize; 2],
+    /// How many triangles there is room for.
+    triangles: usize,
 }
 
 impl PairTables {
     /// The layout for A and B of these kinds, which the route must be the one of, and with so many
-    /// corners each.
+    /// corners each; of a mesh, with room for so many triangles.
     pub fn new(route: Route, kinds: [usize; 2], corners: [usize; 2]) -> Self {
         let (mut parameters, mut links, mut scratch) = (0, 0, 0);
+        let (corners, triangles) = match route {
+            Route::Mesh => ([corners[0], corners[0]], corners[1]),
+            _ => ([corners[0], corners[0] + corners[1]], 0),
+        };
+        let mesh = match route {
+            Route::Mesh => MeshData::room(triangles),
+            _ => MeshData::default(),
+        };
+        let vertices = corners[1] + mesh.vertex_rows();
         let points = route.points();
         let mut routes = [1; Route::ALL.len() + 1];
         for (first, other) in routes.iter_mut().zip(Route::ALL) {
@@ -161,25 +181,35 @@ impl PairTables {
             slot_links: Links::place(&mut links, points),
             placed: Table::place(&mut scratch, 2),
             slot: Table::place(&mut scratch, points),
-            kernels: collide::Tables::place(&mut parameters, corners[0] + corners[1], &mut scratch),
+            kernels: collide::Tables::place(&mut parameters, vertices, &mut scratch),
+            meshes: mesh.place(&mut parameters, &mut links, &mut scratch),
         };
         let mut numbers = vec![0; links];
         for (row, kind) in kinds.into_iter().enumerate() {
             numbers[tables.shape_links.at(row, shape_link::KIND)] = kind as u32;
         }
-        let ends = [0, corners[0], corners[0] + corners[1]];
-        for row in 0..2 {
+        let of_b = match route {
+            // The one group of triangles.
+            Route::Mesh => [0, 1],
+            _ => corners,
+        };
+        for (row, range) in [[0, corners[0]], of_b].into_iter().enumerate() {
             let at = tables.shape_links.at(row, shape_link::CORNERS);
-            numbers[at] = ends[row] as u32;
-            numbers[at + 1] = ends[row + 1] as u32;
+            numbers[at] = range[0] as u32;
+            numbers[at + 1] = range[1] as u32;
         }
         numbers[tables.pair_links.at(0, pair_link::B)] = 1;
+        let mut common = vec![0.0; parameters];
+        let (vertices, first) = (tables.kernels.vertices, corners[1]);
+        mesh.write(&tables.meshes, vertices, first, &mut common, &mut numbers);
         Self {
             route,
             tables,
             links: numbers,
-            parameters,
+            common,
             scratch,
+            corners,
+            triangles,
         }
     }
     /// What the kernels for pairs take.
@@ -192,7 +222,15 @@ impl PairTables {
     }
     /// Numbers a lane in parameters and scratch.
     pub fn lengths(&self) -> [usize; 2] {
-        [self.parameters, self.scratch]
+        [self.common.len(), self.scratch]
+    }
+    /// Writes what pairs have in common into all lanes.
+    pub fn begin<T: Float>(&self, width: usize, parameters: &mut [T]) {
+        if self.route == Route::Mesh {
+            for (lanes, x) in parameters.chunks_exact_mut(width).zip(&self.common) {
+                lanes.fill(T::from_f64(*x));
+            }
+        }
     }
     /// Writes a lane's pair.
     pub fn fill<T: Float>(
@@ -219,23 +257,60 @@ impl PairTables {
             parameters[(first + i) * width + lane] = *x;
         }
         parameters[t.pair.at(0, pair_field::MARGIN) * width + lane] = pair.margin;
+        t.meshes.put(
+            pair.triangles.iter().copied(),
+            self.triangles,
+            (t.kernels.vertices, self.corners[1]),
+            (lane, width),
+            parameters,
+        );
     }
-    /// Reads a lane's normal, and its points that are near enough to matter.
-    pub fn read<T: Float>(&self, lane: usize, width: usize, scratch: &[T], to: &mut Cached<T>) {
-        to.count = 0;
+    /// Adds a lane's contacts: its points that are near enough to matter, those of one normal together.
+    pub fn read<T: Float>(
+        &self,
+        lane: usize,
+        width: usize,
+        scratch: &[T],
+        shapes: [u32; 2],
+        to: &mut Vec<Cached<T>>,
+    ) {
+        let first = to.len();
         for i in 0..self.route.points() {
             let from = self.tables.slot.at(i, 0);
-            let gap = scratch[(from + slot::DISTANCE) * width + lane];
-            if gap.to_f64() < 0.5 * FAR {
-                let point = &mut to.points[to.count];
-                for axis in 0..3 {
-                    to.normal[axis] = scratch[(from + slot::NORMAL + axis) * width + lane];
-                    point.position[axis] = scratch[(from + slot::POSITION + axis) * width + lane];
-                }
-                point.gap = gap;
-                point.feature = scratch[(from + slot::FEATURE) * width + lane];
-                to.count += 1;
+            let get = |field: usize| scratch[(from + field) * width + lane];
+            let gap = get(slot::DISTANCE);
+            if gap.to_f64() >= 0.5 * FAR {
+                continue;
             }
+            let vec3 = |field: usize| [get(field), get(field + 1), get(field + 2)];
+            let normal = vec3(slot::NORMAL);
+            let joins = |c: &Cached<T>| c.count < POINTS && is_one(c.normal, normal);
+            let place = (first..to.len()).find(|place| joins(&to[*place]));
+            let place = place.unwrap_or_else(|| {
+                to.push(Cached {
+                    shapes,
+                    normal,
+                    ..Cached::default()
+                });
+                to.len() - 1
+            });
+            let contact = &mut to[place];
+            contact.points[contact.count] = CachedPoint {
+                position: vec3(slot::POSITION),
+                gap,
+                feature: get(slot::FEATURE),
+                ..CachedPoint::default()
+            };
+            contact.count += 1;
         }
     }
 }
+
+/// Whether two unit vectors are the same, within what a triangle's own normal is known to.
+fn is_one<T: Float>(m: [T; 3], n: [T; 3]) -> bool {
+    let apart = (0..3).map(|i| (m[i] - n[i]).to_f64().powi(2));
+    apart.sum::<f64>() < ONE * ONE
+}
+
+/// Angle [rad] within which normals are one.
+const ONE: f64 = 1e-4;

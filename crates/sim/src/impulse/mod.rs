@@ -19,12 +19,13 @@ mod world;
 use crate::SimulationSettings;
 use crate::engine::{Block, Engine, Task};
 use crate::jobs::Lane;
+use crate::meshes::{Meshes, Triangles};
 use model::{CollisionFilter, Model, ShapeId};
 use narrow_phase::NarrowPhase;
 use numbers::Float;
-use rigid::impulse::{Impulse, State};
+use rigid::impulse::{Collider, Impulse, State};
 use rigid::{Lengths, OutputTables, SolverError};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use world::{Workspace, World};
 
 /// A model of free bodies at a precision.
@@ -36,6 +37,8 @@ pub(crate) struct Piles<T: Float> {
     /// Colliding shapes and the rows of their bodies, in whole registers: filled up with the last one.
     shapes: Vec<u32>,
     carriers: Vec<u32>,
+    /// Of colliding shapes that are meshes.
+    meshes: Vec<Option<Arc<Triangles>>>,
     /// Of worlds that are not stepped just now.
     workspaces: Mutex<Vec<Workspace<T>>>,
 }
@@ -46,7 +49,10 @@ impl<T: Float> Piles<T> {
         let colliders = impulse.shapes();
         let whole = 0..colliders.len().next_multiple_of(T::BLOCK);
         let shapes: Vec<_> = whole.map(|i| i.min(colliders.len() - 1)).collect();
+        let mut meshes = Meshes::default();
+        let mesh_of = |collider: &Collider| meshes.of(&model.shapes[collider.shape.0]);
         Ok(Self {
+            meshes: colliders.iter().map(mesh_of).collect(),
             carriers: shapes.iter().map(|i| colliders[*i].row).collect(),
             shapes: shapes.iter().map(|i| *i as u32).collect(),
             filter: settings.contacts.then(|| CollisionFilter::new(model)),

@@ -244,6 +244,7 @@ impl<T: Float> World<'_, T> {
         let scene = Scene {
             impulse: self.impulse(),
             shapes: &w.placed,
+            meshes: &self.piles.meshes,
             parameters: self.parameters,
             lane: self.lane,
             width: self.width(),

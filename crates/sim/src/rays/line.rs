@@ -49,7 +49,7 @@ impl Span {
 const ALONG: f64 = 1e-15;
 
 impl Line {
-    /// The span inside a solid; surfaces count. Meshes have none.
+    /// The span inside a solid; surfaces count. Meshes have no inside.
     pub fn within(&self, geometry: &Geometry) -> Option<Span> {
         match *geometry {
             Geometry::Plane { .. } => self.half_space(DVec3::Y, 0.0),
@@ -72,7 +72,7 @@ impl Line {
                 x?.and(y?)?.and(z?)
             }
             Geometry::Hull(ref hull) => self.polyhedron(hull),
-            Geometry::Mesh { .. } => None,
+            Geometry::Mesh(_) | Geometry::MeshFile { .. } => None,
         }
     }
 

@@ -6,6 +6,7 @@ use std::collections::HashMap;
 
 /// Why samples are no distance field.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum DistanceFieldError {
     /// The numbers of samples do not fit.
     #[error(

@@ -1,0 +1,97 @@
+//! Meshes as what the user asks for: themselves, or their convex hulls.
+
+use crate::Meshes;
+use crate::error::FormatError;
+use crate::files::Files;
+use crate::xml::Element;
+use collide::mesh;
+use glam::DVec3;
+use model::Geometry;
+use std::cell::RefCell;
+use std::collections::HashMap;
+
+/// How far above its file a package is looked for.
+const MOST_FOLDERS: usize = 8;
+
+/// What becomes of a file's meshes; each is read once.
+pub(crate) struct MeshReader<'a> {
+    files: &'a dyn Files,
+    meshes: Meshes,
+    /// By file and the bits of the scale.
+    known: RefCell<HashMap<(String, [u64; 3]), Geometry>>,
+}
+
+impl<'a> MeshReader<'a> {
+    pub fn new(files: &'a dyn Files, meshes: Meshes) -> Self {
+        Self {
+            files,
+            meshes,
+            known: RefCell::default(),
+        }
+    }
+
+    /// What the mesh that an element uses becomes; `None` for what is no mesh, and where meshes are to
+    /// stay names of files.
+    pub fn of(&self, element: &Element, mesh: &Geometry) -> Result<Option<Geometry>, FormatError> {
+        let Geometry::MeshFile { file, scale } = mesh else {
+            return Ok(None);
+        };
+        if self.meshes == Meshes::Named {
+            return Ok(None);
+        }
+        let key = (file.clone(), scale.to_array().map(f64::to_bits));
+        if let Some(geometry) = self.known.borrow().get(&key) {
+            return Ok(Some(geometry.clone()));
+        }
+        let read = self.read(file, *scale);
+        let geometry = read.map_err(|problem| broken(element, problem))?;
+        self.known.borrow_mut().insert(key, geometry.clone());
+        Ok(Some(geometry))
+    }
+
+    fn read(&self, file: &str, scale: DVec3) -> Result<Geometry, String> {
+        let (path, bytes) = self.contents("mesh", file)?;
+        let mesh = mesh::parse(&bytes, &path, scale).map_err(|e| e.to_string())?;
+        if self.meshes == Meshes::Exact {
+            return Ok(Geometry::Mesh(mesh));
+        }
+        let hull = mesh.convex_hull();
+        let hull = hull.map_err(|e| format!("the mesh {path} has no convex hull: {e}"))?;
+        Ok(Geometry::Hull(hull))
+    }
+
+    /// The path of the file of a `thing`, and what is in it. A ROS package is a folder of its name, beside the
+    /// main file or above.
+    pub fn contents(&self, thing: &str, name: &str) -> Result<(String, Vec<u8>), String> {
+        let path = |file: &str| self.files.path(file);
+        let Some((scheme, inside)) = name.split_once("://") else {
+            let unread = |e| {
+                format!(
+                    "the {thing} {} cannot be read ({e}); check the path",
+                    path(name)
+                )
+            };
+            return Ok((path(name), self.files.bytes(name).map_err(unread)?));
+        };
+        let mut beside = (0..=MOST_FOLDERS).map(|above| "../".repeat(above) + inside);
+        let read = |file: String| Some((path(&file), self.files.bytes(&file).ok()?));
+        let found = if scheme == "package" {
+            beside.find_map(read)
+        } else {
+            None
+        };
+        found.ok_or_else(|| {
+            let remedy = "write its path, relative to this file";
+            format!("the {thing} {name} lies in no folder beside this file or above; {remedy}")
+        })
+    }
+}
+
+/// An element uses a file that is not what it should be.
+pub(crate) fn broken(element: &Element, problem: String) -> FormatError {
+    FormatError::Mesh {
+        place: element.place.clone(),
+        element: element.name.clone(),
+        problem,
+    }
+}

@@ -1,0 +1,355 @@
+//! Meshes as they are, and as their convex hulls: which become them, what they weigh, and what can be
+//! wrong; and height fields.
+
+use glam::DVec3;
+use kinetarium_formats::{FormatError, InMemory, Loaded, Meshes, Options, parse};
+use model::{Geometry, Hull, MassProperties, Shape, TriangleMesh};
+use std::fs;
+
+/// A cube of half size 1 about (0, 0, 1), with a pit in its upper face that its hull fills.
+const CUBE: &str = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0
+v -1 -1 2\nv 1 -1 2\nv 1 1 2\nv -1 1 2\nv 0 0 1
+f 4 3 2 1\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8
+f 5 6 9\nf 6 7 9\nf 7 8 9\nf 8 5 9\n";
+
+const HULLS: Options = Options {
+    lenient: false,
+    meshes: Meshes::ConvexHull,
+    floating_base: false,
+};
+
+const EXACT: Options = Options {
+    meshes: Meshes::Exact,
+    ..HULLS
+};
+
+fn read(text: &str, options: &Options) -> Result<Loaded, FormatError> {
+    let flat = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let files = InMemory::new([
+        ("meshes/cube.obj", CUBE),
+        ("robot/cube.obj", CUBE),
+        ("meshes/flat.obj", flat),
+        ("meshes/broken.stl", "solid"),
+        ("fake.png", "no picture"),
+    ]);
+    parse(text, "robot.xml", &files, options)
+}
+
+fn shape<'a>(loaded: &'a Loaded, name: &str) -> &'a Shape {
+    let named = |s: &&Shape| s.name == name;
+    loaded.model.shapes.iter().find(named).unwrap()
+}
+
+fn is_mesh(shape: &Shape) -> bool {
+    matches!(shape.geometry, Geometry::MeshFile { .. })
+}
+
+fn hull(shape: &Shape) -> &Hull {
+    match &shape.geometry {
+        Geometry::Hull(hull) => hull,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Geoms on a body that is free; their mesh is 40 cm × 20 cm × 20 cm.
+fn mjcf(geoms: &str) -> String {
+    format!(
+        r#"<mujoco><compiler meshdir="meshes"/>
+        <asset><mesh file="cube.obj" scale=".2 .1 .1"/></asset>
+        <worldbody><body><freejoint/>{geoms}</body></worldbody></mujoco>"#
+    )
+}
+
+const SEEN: &str = r#"name="seen" type="mesh" mesh="cube" contype="0" conaffinity="0""#;
+
+#[test]
+fn what_collides_is_a_hull_and_what_is_seen_a_mesh() {
+    let solid = r#"<geom name="solid" type="mesh" mesh="cube" pos="0 0 3"/>"#;
+    let text = mjcf(&format!(r#"<geom {SEEN} mass="0"/>{solid}"#));
+    let loaded = read(&text, &HULLS).unwrap();
+    assert!(is_mesh(shape(&loaded, "seen")));
+    let solid = shape(&loaded, "solid");
+    let center = DVec3::new(0.0, 0.0, 3.1);
+    assert_eq!(hull(solid).vertices().len(), 8);
+    assert!((solid.density / 1000.0 - 1.0).abs() < 1e-12);
+    assert!(
+        solid
+            .pose
+            .point(hull(solid).center())
+            .abs_diff_eq(center, 1e-12)
+    );
+    // The body weighs what a box of that size does.
+    let half = DVec3::new(0.2, 0.1, 0.1);
+    let cuboid = MassProperties::of(&Geometry::Box { half }, 1000.0).unwrap();
+    let body = &loaded.model.bodies[0];
+    assert!((body.mass / cuboid.mass - 1.0).abs() < 1e-12);
+    assert!(body.center.abs_diff_eq(center, 1e-12));
+    assert!(
+        body.inertia
+            .abs_diff_eq(cuboid.inertia, 1e-12 * cuboid.mass)
+    );
+    let warnings: Vec<_> = loaded.warnings.iter().map(ToString::to_string).collect();
+    let told = "robot.xml:3: <geom>: mass from a mesh: it is that of its convex hull";
+    assert_eq!(warnings, [told]);
+}
+
+/// A mesh that is only seen can give a body its mass, and stays a mesh.
+#[test]
+fn what_is_seen_can_weigh() {
+    let text = mjcf(&format!(r#"<geom {SEEN} mass="3"/>"#));
+    let loaded = read(&text, &HULLS).unwrap();
+    assert!(is_mesh(shape(&loaded, "seen")));
+    assert!((loaded.model.bodies[0].mass - 3.0).abs() < 1e-12);
+    let refused = read(&text, &Options::default()).unwrap_err().to_string();
+    let remedy = "make meshes their convex hulls (--meshes hull)";
+    assert!(refused.contains(remedy), "{refused}");
+}
+
+#[test]
+fn geoms_of_one_mesh_share_its_hull() {
+    let geom = r#"<geom type="mesh" mesh="cube"/>"#;
+    let loaded = read(&mjcf(&geom.repeat(2)), &HULLS).unwrap();
+    let corners = [0, 1].map(|i| hull(&loaded.model.shapes[i]).vertices().as_ptr());
+    assert_eq!(corners[0], corners[1]);
+}
+
+fn urdf(file: &str) -> String {
+    let mesh = format!("<geometry><mesh filename='{file}' scale='.1 .1 .1'/></geometry>");
+    format!(
+        "<robot name='r'><link name='a'><visual name='seen'>{mesh}</visual>\
+         <collision name='solid'>{mesh}</collision></link></robot>"
+    )
+}
+
+#[test]
+fn collision_meshes_of_urdf_are_hulls() {
+    for file in ["meshes/cube.obj", "package://robot/cube.obj"] {
+        let loaded = read(&urdf(file), &HULLS).unwrap();
+        assert!(is_mesh(shape(&loaded, "seen")));
+        assert_eq!(hull(shape(&loaded, "solid")).vertices().len(), 8);
+        let loaded = read(&urdf(file), &Options::default()).unwrap();
+        assert!(is_mesh(shape(&loaded, "solid")));
+    }
+}
+
+/// A package is a folder above the file.
+#[test]
+fn packages_are_found_on_disk() {
+    let folder = tempfile::tempdir().unwrap();
+    let package = folder.path().join("arm_description");
+    for inside in ["urdf/arms", "meshes"] {
+        fs::create_dir_all(package.join(inside)).unwrap();
+    }
+    fs::write(package.join("meshes/cube.obj"), CUBE).unwrap();
+    let robot = package.join("urdf/arms/arm.urdf");
+    fs::write(&robot, urdf("package://arm_description/meshes/cube.obj")).unwrap();
+    let loaded = kinetarium_formats::load(&robot, &HULLS).unwrap();
+    assert_eq!(hull(shape(&loaded, "solid")).vertices().len(), 8);
+}
+
+#[test]
+fn meshes_that_are_no_hulls_say_where_and_why() {
+    let none = "lies in no folder beside this file or above; write its path, relative to this file";
+    let cases = [
+        (
+            "none.obj",
+            "the mesh none.obj cannot be read (entity not found); check the path",
+        ),
+        (
+            "meshes/flat.obj",
+            "has no convex hull: a convex hull needs 4 points or more, and 3",
+        ),
+        (
+            "meshes/broken.stl",
+            "the mesh meshes/broken.stl is broken: ",
+        ),
+        ("a.dae", "cannot be read"),
+        ("package://robot/none.obj", none),
+        ("http://robot/cube.obj", none),
+    ];
+    for (file, message) in cases {
+        let error = read(&urdf(file), &HULLS).unwrap_err().to_string();
+        let place = error.starts_with("robot.xml:1:") && error.contains("<mesh>: the mesh");
+        assert!(place && error.contains(message), "{error}");
+    }
+    let shell = mjcf(r#"<geom type="mesh" mesh="cube" shellinertia="true"/>"#);
+    let error = read(&shell, &HULLS).unwrap_err().to_string();
+    assert!(error.contains("mass from the surface of a mesh"), "{error}");
+}
+
+fn surface(shape: &Shape) -> &TriangleMesh {
+    match &shape.geometry {
+        Geometry::Mesh(mesh) => mesh,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// The pit of the cube stays a pit.
+#[test]
+fn what_collides_is_a_surface_where_meshes_are_to_be_exact() {
+    let geom = r#"<geom name="solid" type="mesh" mesh="cube" pos="0 0 3"/>"#;
+    let text = format!(
+        r#"<mujoco><asset><mesh file="meshes/cube.obj" scale=".2 .1 .1"/></asset>
+        <worldbody>{geom}<geom {SEEN}/>{}</worldbody></mujoco>"#,
+        geom.replace("solid", "other")
+    );
+    let loaded = read(&text, &EXACT).unwrap();
+    assert!(is_mesh(shape(&loaded, "seen")));
+    let [solid, other] = ["solid", "other"].map(|name| shape(&loaded, name));
+    let mesh = surface(solid);
+    assert_eq!((mesh.vertices().len(), mesh.triangles().len()), (9, 14));
+    let bottom = solid.pose.point(mesh.vertices()[8]);
+    assert!(bottom.abs_diff_eq(DVec3::new(0.0, 0.0, 3.1), 1e-12));
+    assert_eq!(mesh.vertices().as_ptr(), surface(other).vertices().as_ptr());
+    assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+
+    let loaded = read(&urdf("package://robot/cube.obj"), &EXACT).unwrap();
+    assert!(is_mesh(shape(&loaded, "seen")));
+    assert_eq!(surface(shape(&loaded, "solid")).triangles().len(), 14);
+}
+
+/// A surface has no volume.
+#[test]
+fn a_surface_weighs_nothing() {
+    let text = mjcf(r#"<geom type="mesh" mesh="cube"/>"#);
+    let refused = read(&text, &EXACT).unwrap_err().to_string();
+    let remedy = "give the body an <inertial> element, or this geom mass=\"0\"";
+    assert!(refused.contains(remedy), "{refused}");
+}
+
+/// A height field of 3 m × 2 m, 2 m high, a metre above the ground.
+fn height_field(asset: &str) -> String {
+    format!(
+        r#"<mujoco><asset><hfield name="hills" size="1.5 1 2 .5" {asset}/></asset><worldbody>
+        <geom name="ground" type="hfield" hfield="hills" pos="0 0 1"/></worldbody></mujoco>"#
+    )
+}
+
+/// The heights at the corners of a height field's middle row and of its ends, above where they are, as
+/// MuJoCo's rays find them.
+fn corners(loaded: &Loaded) -> Vec<(f64, f64, f64)> {
+    let ground = shape(loaded, "ground");
+    let places = surface(ground).vertices().iter();
+    let mut places: Vec<_> = places.map(|v| ground.pose.point(*v)).collect();
+    places.sort_by(|p, q| (p.y, p.x).partial_cmp(&(q.y, q.x)).unwrap());
+    let rounded = |x: f64| (1e4 * x).round() / 1e4 + 0.0;
+    places
+        .iter()
+        .map(|p| (rounded(p.x), rounded(p.y), rounded(p.z)))
+        .collect()
+}
+
+#[test]
+fn height_fields_have_their_first_row_at_most_y() {
+    let text = height_field(r#"nrow="3" ncol="4" elevation="0 1 2 3  4 5 6 7  8 9 10 12""#);
+    let loaded = read(&text, &Options::default()).unwrap();
+    let xs = [-1.5, -0.5, 0.5, 1.5];
+    let rows = [
+        (-1.0, [2.3333, 2.5, 2.6667, 3.0]),
+        (0.0, [1.6667, 1.8333, 2.0, 2.1667]),
+        (1.0, [1.0, 1.1667, 1.3333, 1.5]),
+    ];
+    let expected = rows
+        .iter()
+        .flat_map(|(y, zs)| (0..4).map(move |i| (xs[i], *y, zs[i])));
+    assert_eq!(corners(&loaded), expected.collect::<Vec<_>>());
+    // The front is up.
+    let ground = shape(&loaded, "ground");
+    assert!(ground.pose.direction(surface(ground).normal(0)).z > 0.1);
+    let told = loaded
+        .warnings
+        .iter()
+        .any(|w| w.to_string().contains("a surface here"));
+    assert!(told, "{:?}", loaded.warnings);
+}
+
+/// The same heights as numbers and as a picture; in MuJoCo's own format the first row is at least y.
+#[test]
+fn height_fields_are_read_from_files() {
+    let written = height_field(r#"nrow="2" ncol="3" elevation="3 4 8 0 1 2""#);
+    let expected = corners(&read(&written, &Options::default()).unwrap());
+    let folder = tempfile::tempdir().unwrap();
+    let numbers = [0.0_f32, 1.0, 2.0, 3.0, 4.0, 8.0];
+    let sizes = [2_i32, 3].map(i32::to_le_bytes).concat();
+    let samples: Vec<_> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
+    fs::write(folder.path().join("hills.bin"), [sizes, samples].concat()).unwrap();
+    let picture = |depth, greys: &[u8]| {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 3, 2);
+        encoder.set_color(png::ColorType::Grayscale);
+        encoder.set_depth(depth);
+        let mut writer = encoder.write_header().unwrap();
+        writer.write_image_data(greys).unwrap();
+        writer.finish().unwrap();
+        bytes
+    };
+    let small = picture(png::BitDepth::Eight, &[33, 34, 38, 30, 31, 32]);
+    let deep: Vec<_> = [330_u16, 340, 380, 300, 310, 320]
+        .into_iter()
+        .flat_map(u16::to_be_bytes)
+        .collect();
+    let deep = picture(png::BitDepth::Sixteen, &deep);
+    fs::write(folder.path().join("small.png"), small).unwrap();
+    fs::write(folder.path().join("deep.png"), deep).unwrap();
+    for name in ["hills.bin", "small.png", "deep.png"] {
+        let file = folder.path().join("model.xml");
+        fs::write(&file, height_field(&format!("file=\"{name}\""))).unwrap();
+        let loaded = kinetarium_formats::load(&file, &Options::default()).unwrap();
+        assert_eq!(corners(&loaded), expected, "{name}");
+    }
+}
+
+#[test]
+fn height_fields_that_are_none_say_why() {
+    let cases = [
+        (
+            r#"nrow="3" ncol="4" elevation="1 2""#,
+            "attribute `elevation` holds 2 numbers; write 12",
+        ),
+        (
+            r#"nrow="1" ncol="4""#,
+            "attribute `nrow` is 1; write a number from 2 to 4096",
+        ),
+        (
+            r#"nrow="4096" ncol="4096""#,
+            "at most 262144 can be told apart",
+        ),
+        (r#"ncol="4""#, "`nrow`"),
+        (
+            r#"nrow="2" ncol="2" elevation="1 2 nan 3""#,
+            "holds `nan`, which is not a finite number",
+        ),
+        (
+            r#"file="none.png""#,
+            "the height field none.png cannot be read",
+        ),
+        (
+            r#"file="robot/cube.obj""#,
+            "the height field robot/cube.obj is broken: it says ",
+        ),
+        (
+            r#"file="fake.png""#,
+            "the height field fake.png is broken: ",
+        ),
+    ];
+    for (asset, message) in cases {
+        let error = read(&height_field(asset), &Options::default())
+            .unwrap_err()
+            .to_string();
+        let place = error.starts_with("robot.xml:1:") && error.contains("<hfield>: ");
+        assert!(place && error.contains(message), "{error}");
+    }
+    let size = height_field(r#"nrow="2" ncol="2""#).replace("1.5 1 2 .5", "1.5 1 0 .5");
+    let error = read(&size, &Options::default()).unwrap_err().to_string();
+    assert!(
+        error.contains("attribute `size` holds 0; write four positive numbers"),
+        "{error}"
+    );
+    let missing =
+        height_field(r#"nrow="2" ncol="2""#).replace("hfield=\"hills\"", "hfield=\"hill\"");
+    let error = read(&missing, &Options::default()).unwrap_err().to_string();
+    assert!(
+        error.contains("names `hill`, which is no height field"),
+        "{error}"
+    );
+}

@@ -1,0 +1,225 @@
+//! Triangle meshes: a surface, not a solid, that is touched from the side its normals point to.
+
+mod distance_field;
+mod height_field;
+
+pub use distance_field::DistanceFieldError;
+pub use height_field::HeightFieldError;
+
+use crate::{Hull, HullError};
+use glam::DVec3;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Triangles over shared vertices, counter-clockwise as seen from outside, in the frame of their shape.
+/// Copies share them.
+#[derive(Clone, Debug)]
+pub struct TriangleMesh(Arc<Surface>);
+
+impl PartialEq for TriangleMesh {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0) || self.0 == other.0
+    }
+}
+
+#[derive(Debug, PartialEq)]
+struct Surface {
+    vertices: Vec<DVec3>,
+    triangles: Vec<[u32; 3]>,
+    low: DVec3,
+    high: DVec3,
+}
+
+/// Why points and triples of them are no mesh.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// There is nothing to touch.
+    #[error("the mesh has no triangles: give at least one")]
+    Empty,
+    /// A coordinate is infinite or not a number.
+    #[error("vertex {vertex} of the mesh is at {position}: give finite coordinates")]
+    NotFinite {
+        /// Which vertex.
+        vertex: usize,
+        /// Its coordinates.
+        position: DVec3,
+    },
+    /// A vertex is farther away than anything that moves.
+    #[error(
+        "vertex {vertex} of the mesh is at {position}: stay within 1e9 m along each axis; check its \
+         units and scale"
+    )]
+    TooFar {
+        /// Which vertex.
+        vertex: usize,
+        /// Its coordinates.
+        position: DVec3,
+    },
+    /// A triangle has a vertex that does not exist.
+    #[error(
+        "triangle {triangle} of the mesh has the vertex {vertex}, but there are {vertices}, \
+         counted from 0"
+    )]
+    NoSuchVertex {
+        /// Which triangle.
+        triangle: usize,
+        /// Its vertex.
+        vertex: u32,
+        /// How many there are.
+        vertices: usize,
+    },
+    /// All triangles are without area.
+    #[error("all {triangles} triangles of the mesh are without area: check its units and scale")]
+    NoArea {
+        /// How many.
+        triangles: usize,
+    },
+    /// Features could not be numbered exactly.
+    #[error(
+        "the mesh has {triangles} triangles, and at most {most} can be told apart: simplify it, or cut \
+         it in several"
+    )]
+    TooMany {
+        /// How many.
+        triangles: usize,
+        /// How many there may be.
+        most: usize,
+    },
+}
+
+/// Triangles that whole numbers of single precision can tell apart, with 64 features each.
+const MOST: usize = 1 << 18;
+/// Largest coordinate [m].
+const FARTHEST: f64 = 1e9;
+
+impl TriangleMesh {
+    /// From vertices [m] and triples of their numbers. Triangles without area are dropped, and
+    /// vertices at the same place become one.
+    ///
+    /// # Errors
+    /// Numbers that are not finite or beyond 1e9 m, vertices that do not exist, nothing left to touch,
+    /// or more than 262144 triangles.
+    pub fn new(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
+        check(vertices, triangles)?;
+        let (welded, numbers) = weld(vertices);
+        let [low, high] = bounds(welded.iter().copied());
+        let size = (high - low).max_element();
+        let has_area = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|v| welded[v as usize]);
+            (b - a).cross(c - a).length() > 1e-12 * size * size
+        };
+        let numbered = triangles.iter().map(|t| t.map(|v| numbers[v as usize]));
+        let kept: Vec<_> = numbered.filter(has_area).collect();
+        match (triangles.len(), kept.len()) {
+            (0, _) => Err(MeshError::Empty),
+            (triangles, 0) => Err(MeshError::NoArea { triangles }),
+            _ => Ok(Self(Arc::new(Surface::new(welded, kept)))),
+        }
+    }
+
+    /// The convex hull of all vertices: what was hollow is filled.
+    ///
+    /// # Errors
+    /// A mesh that lies in one plane, a hull of too many corners.
+    pub fn convex_hull(&self) -> Result<Hull, HullError> {
+        Hull::new(self.vertices())
+    }
+
+    /// The vertices [m].
+    pub fn vertices(&self) -> &[DVec3] {
+        &self.0.vertices
+    }
+    /// The triangles, as numbers of vertices.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.0.triangles
+    }
+    /// The corners of a triangle [m].
+    ///
+    /// Panics where there is no such triangle.
+    pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
+        self.triangles()[triangle].map(|v| self.vertices()[v as usize])
+    }
+    /// Unit vector out of the surface at a triangle.
+    ///
+    /// Panics where there is no such triangle.
+    pub fn normal(&self, triangle: usize) -> DVec3 {
+        let [a, b, c] = self.corners(triangle);
+        (b - a).cross(c - a).normalize()
+    }
+    /// Middle of the box about its triangles, along the axes of its frame [m].
+    pub fn center(&self) -> DVec3 {
+        0.5 * (self.0.low + self.0.high)
+    }
+    /// Half of that box [m].
+    pub fn half_extents(&self) -> DVec3 {
+        0.5 * (self.0.high - self.0.low)
+    }
+}
+
+fn check(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Result<(), MeshError> {
+    for (vertex, &position) in vertices.iter().enumerate() {
+        if !position.is_finite() {
+            return Err(MeshError::NotFinite { vertex, position });
+        }
+        if position.abs().max_element() > FARTHEST {
+            return Err(MeshError::TooFar { vertex, position });
+        }
+    }
+    if triangles.len() > MOST {
+        let triangles = triangles.len();
+        return Err(MeshError::TooMany {
+            triangles,
+            most: MOST,
+        });
+    }
+    let vertices = vertices.len();
+    for (triangle, corners) in triangles.iter().enumerate() {
+        if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= vertices) {
+            return Err(MeshError::NoSuchVertex {
+                triangle,
+                vertex,
+                vertices,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Vertices at the same place made one; the new number of each old vertex.
+fn weld(vertices: &[DVec3]) -> (Vec<DVec3>, Vec<u32>) {
+    let mut welded = Vec::new();
+    let mut known = HashMap::new();
+    let numbers = vertices
+        .iter()
+        .map(|v| {
+            // −0 is 0.
+            let place = (*v + DVec3::ZERO).to_array().map(f64::to_bits);
+            *known.entry(place).or_insert_with(|| {
+                welded.push(*v);
+                welded.len() as u32 - 1
+            })
+        })
+        .collect();
+    (welded, numbers)
+}
+
+impl Surface {
+    fn new(vertices: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Self {
+        let used = triangles.iter().flatten().map(|v| vertices[*v as usize]);
+        let [low, high] = bounds(used);
+        Self {
+            vertices,
+            triangles,
+            low,
+            high,
+        }
+    }
+}
+
+/// Lowest and highest corner of the box about points.
+fn bounds(points: impl Iterator<Item = DVec3>) -> [DVec3; 2] {
+    points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| {
+        [low.min(p), high.max(p)]
+    })
+}

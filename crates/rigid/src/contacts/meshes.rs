@@ -1,0 +1,36 @@
+//! The triangles of meshes as rows of tables.
+
+use collide::mesh::MeshData;
+use model::{Geometry, Shape, TriangleMesh};
+use std::ops::Range;
+
+/// Meshes, equal ones once, each with the range of its groups.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Meshes {
+    known: Vec<(TriangleMesh, Range<usize>)>,
+    pub data: MeshData,
+}
+
+impl Meshes {
+    /// Of the meshes among some shapes.
+    pub fn new<'a>(shapes: impl Iterator<Item = &'a Shape>) -> Self {
+        let mut meshes = Self::default();
+        for shape in shapes {
+            if let Geometry::Mesh(mesh) = &shape.geometry
+                && meshes.of(&shape.geometry).is_empty()
+            {
+                let [first, end] = meshes.data.add(mesh);
+                meshes.known.push((mesh.clone(), first..end));
+            }
+        }
+        meshes
+    }
+    /// The groups of a geometry; none of what is no mesh.
+    pub fn of(&self, geometry: &Geometry) -> Range<usize> {
+        let Geometry::Mesh(mesh) = geometry else {
+            return 0..0;
+        };
+        let known = self.known.iter().find(|(known, _)| known == mesh);
+        known.map_or(0..0, |(_, groups)| groups.clone())
+    }
+}

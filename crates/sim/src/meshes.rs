@@ -1,0 +1,67 @@
+//! The triangles of meshes in space, for what asks which of them are near.
+
+use collide::mesh::Triangle;
+use glam::DVec3;
+use model::{Geometry, Shape, TriangleMesh};
+use space::{Aabb, Bvh, Space};
+use std::sync::Arc;
+
+/// The meshes of a model's shapes; equal ones are one.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Meshes(Vec<Arc<Triangles>>);
+
+impl Meshes {
+    /// The triangles of a shape, if it is a mesh.
+    pub fn of(&mut self, shape: &Shape) -> Option<Arc<Triangles>> {
+        let Geometry::Mesh(mesh) = &shape.geometry else {
+            return None;
+        };
+        let known = self.0.iter().find(|known| known.mesh == *mesh);
+        Some(known.cloned().unwrap_or_else(|| {
+            let new = Arc::new(Triangles::new(mesh));
+            self.0.push(Arc::clone(&new));
+            new
+        }))
+    }
+}
+
+/// Triangles about the [middle](TriangleMesh::center) of their mesh, and a tree of boxes about them.
+#[derive(Clone, Debug)]
+pub(crate) struct Triangles {
+    mesh: TriangleMesh,
+    all: Vec<Triangle>,
+    pub space: Space<Bvh>,
+}
+
+impl Triangles {
+    fn new(mesh: &TriangleMesh) -> Self {
+        let all = Triangle::all(mesh);
+        let around = |t: &Triangle| {
+            let [low, high] = t.bounds();
+            Aabb::enclosing(low, high)
+        };
+        let boxes: Vec<_> = all.iter().map(around).collect();
+        Self {
+            mesh: mesh.clone(),
+            all,
+            space: Space::new(&boxes).expect("the vertices of a mesh are finite"),
+        }
+    }
+
+    /// The corners of one [m].
+    pub fn corners(&self, triangle: u32) -> [DVec3; 3] {
+        let center = self.mesh.center();
+        self.mesh.corners(triangle as usize).map(|p| p - center)
+    }
+
+    /// The unit vector out of one, on its front.
+    pub fn normal(&self, triangle: u32) -> DVec3 {
+        self.mesh.normal(triangle as usize)
+    }
+
+    /// Those whose boxes meet a region, in the order of the mesh.
+    pub fn near(&self, region: &Aabb) -> Vec<&Triangle> {
+        let found = self.space.overlap(region);
+        found.into_iter().map(|t| &self.all[t as usize]).collect()
+    }
+}
