@@ -39,6 +39,7 @@
 pub mod body;
 pub mod contact;
 mod friction;
+pub mod joint;
 mod layout;
 mod memory;
 pub mod pair;

@@ -5,6 +5,7 @@ use super::batches::Lanes;
 use super::broad_phase::BroadPhase;
 use super::colours::Colours;
 use super::jobs::{Bodies, BodyRows, BodyStage, Shapes};
+use super::joints::JointLanes;
 use super::narrow_phase::Scene;
 use super::sleep::Sleep;
 use super::solve::Solver;
@@ -33,6 +34,11 @@ pub(super) struct Workspace<T: Float> {
     /// Bodies and number of points of each contact.
     pub ends: Vec<([u32; 2], usize)>,
     pub lanes: Lanes<T>,
+    /// Joints of bodies that are awake: their bodies, and which they are.
+    pub joint_ends: Vec<([u32; 2], usize)>,
+    pub joints: Vec<u32>,
+    pub joint_colours: Colours,
+    pub joint_lanes: JointLanes<T>,
 }
 
 impl<T: Float> Default for Workspace<T> {
@@ -52,6 +58,10 @@ impl<T: Float> Default for Workspace<T> {
             colours: Colours::default(),
             ends: Vec::new(),
             lanes: Lanes::default(),
+            joint_ends: Vec::new(),
+            joints: Vec::new(),
+            joint_colours: Colours::default(),
+            joint_lanes: JointLanes::default(),
         }
     }
 }
@@ -79,17 +89,20 @@ impl<T: Float> World<'_, T> {
         let solver = Solver {
             impulse: &self.piles.impulse,
             parameters: self.parameters,
+            input: self.input,
             lane: self.lane,
             width: self.width(),
             team: self.team,
             globals: &globals,
         };
-        solver.run(w);
+        self.take_joints(w);
+        solver.run(state, w);
         self.bodies(w, &globals, BodyStage::Finish);
         if !self.is_sound(w) {
             return self.give_up(state);
         }
         self.store(state, w);
+        self.keep_joints(state, w);
         self.rest(state, w);
         if !(w.sleep.frozen.is_empty() && w.sensed.is_empty()) {
             w.contacts.append(&mut w.sleep.frozen);
@@ -97,6 +110,42 @@ impl<T: Float> World<'_, T> {
             w.contacts.sort_by_key(Cached::key);
         }
         self.impulse().remember(&mut w.contacts, state);
+    }
+
+    /// Wakes what a controller moves by joints.
+    fn stir(&self, state: &State<'_, T>, w: &mut Workspace<T>) {
+        if w.sleep.asleep.contains(&true) {
+            for (tie, rows) in self.joints() {
+                if self.impulse().stirs(tie, state, self.input) {
+                    w.sleep.wake(rows);
+                }
+            }
+        }
+    }
+
+    /// The joints that do anything, with the rows of their bodies.
+    pub fn joints(&self) -> impl Iterator<Item = (usize, [u32; 2])> + Clone {
+        let all = 0..self.impulse().ties();
+        all.filter_map(|tie| Some((tie, self.impulse().tied_rows(tie)?)))
+    }
+
+    /// The joints of all that is awake.
+    fn take_joints(&self, w: &mut Workspace<T>) {
+        w.joints.clear();
+        w.joint_ends.clear();
+        let awake = |row: &u32| *row != WORLD && !w.sleep.asleep[*row as usize];
+        for (tie, rows) in self.joints().filter(|(_, rows)| rows.iter().any(awake)) {
+            w.joints.push(tie as u32);
+            w.joint_ends.push((rows, 0));
+        }
+    }
+
+    fn keep_joints(&self, state: &mut [T], w: &Workspace<T>) {
+        for batch in 0..w.joint_colours.batches.len() {
+            let members = w.joint_colours.batch(batch).iter();
+            let joints = members.map(|member| w.joints[*member as usize] as usize);
+            w.joint_lanes.read(batch, joints, self.impulse(), state);
+        }
     }
 
     pub fn impulse(&self) -> &Impulse {
@@ -143,6 +192,7 @@ impl<T: Float> World<'_, T> {
                 }
             }
         }
+        self.stir(&numbers, w);
         self.wake_up(w);
     }
 
@@ -210,13 +260,12 @@ impl<T: Float> World<'_, T> {
     ) -> Result<(), space::SpaceError> {
         let impulse = self.impulse();
         w.contacts.clear();
-        let Some(filter) = &self.piles.filter else {
-            return Ok(());
-        };
-        let parameters = self.parameters;
-        let found = &mut w.candidates;
-        w.broad_phase
-            .find(impulse, filter, &w.placed, parameters, found)?;
+        w.candidates.clear();
+        if let Some(filter) = &self.piles.filter {
+            let (found, parameters) = (&mut w.candidates, self.parameters);
+            w.broad_phase
+                .find(impulse, filter, &w.placed, parameters, found)?;
+        }
         self.remember_sleepers(state, w);
         self.narrow_phase(w);
         while self.wake_touched(w) {
