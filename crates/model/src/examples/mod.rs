@@ -13,6 +13,7 @@ mod dominoes;
 #[cfg(test)]
 mod overlap;
 mod pile;
+mod ragdolls;
 mod room;
 mod stacks;
 mod stuff;
@@ -25,6 +26,7 @@ pub use chain::{CHAIN_LENGTH, CHAIN_LINK_MASS, Start, chain, n_pendula};
 pub use collide::collide;
 pub use dominoes::dominoes;
 pub use pile::pile;
+pub use ragdolls::ragdolls;
 pub use room::room;
 pub use stacks::{pyramid, square_pyramid, tower, towers};
 
@@ -63,7 +65,7 @@ impl Scene {
 }
 
 /// The scenes, each of the size that shows it best.
-pub static SCENES: [Scene; 9] = [
+pub static SCENES: [Scene; 10] = [
     Scene::new(
         "balls",
         "five balls bounce to e² of their height each, e = 0, ¼, ½, ¾, 1",
@@ -92,6 +94,11 @@ pub static SCENES: [Scene; 9] = [
     ),
     Scene::new("arch", "nine wedges of stone, at rest", || arch(9)),
     Scene::new("pile", "solids of six kinds fall into a bowl", || pile(24)),
+    Scene::new(
+        "ragdolls",
+        "four limp people fall on the floor and on each other",
+        || ragdolls(4),
+    ),
     Scene::new(
         "room",
         "a ball falls off a table, a chair stands by, a door closes",

@@ -12,7 +12,8 @@ use crate::tables::{Filler, UNBOUNDED};
 use crate::{Featherstone, Lengths, OutputTables, Settings, SolverError};
 use glam::{DQuat, DVec3};
 use model::{
-    BodyId, BodyKind, Joint, JointId, MassProperties, Model, Pose, ShapeId,
+    BodyId, BodyKind, CollisionFilter, Joint, JointId, JointKind, MassProperties, Model, Pose,
+    ShapeId,
 };
 use numbers::machine::space::{Parameter, State as StateMemory};
 use numbers::{Float, Table};
@@ -137,15 +138,31 @@ pub(super) fn unsupported(what: &'static str, name: &str, remedy: &'static str) 
     }
 }
 
-/// Whether a model is what this solver is for: several bodies, or sensors, and all bodies free.
+/// Whether a model is what this solver is for: several things that touch, free or of passive joints, or
+/// sensors, which no other solver has.
 pub fn suits(model: &Model) -> bool {
-    let moving = model.bodies.iter().filter(|b| b.kind == BodyKind::Dynamic);
     let solid = |shape: &model::Shape| Solid::new(shape, NAME).is_ok();
     let mut touching = model.shapes.iter().filter(|shape| shape.collides);
     let senses = touching.clone().any(|shape| shape.sensor);
-    let several = moving.take(2).count() == 2;
+    let drives = |dof: &model::Dof| dof.drive.stiffness > 0.0 || dof.drive.damping > 0.0;
+    let driven = model.joints.iter().flat_map(|j| &j.dofs).any(drives);
+    let passive = !driven && model.actuators.is_empty();
+    let known = check(model).is_ok() && Ties::of(model).is_ok();
+    (senses || passive && several(model)) && known && touching.all(solid)
+}
+
+/// Whether several things move on their own, bodies or what joints make of them, and may touch.
+fn several(model: &Model) -> bool {
+    let moves = |body: &BodyId| model.bodies[body.0].kind == BodyKind::Dynamic;
+    let hangs = |body: &BodyId| {
+        let carrier = model.carrier(*body).map(|id| &model.joints[id.0]);
+        let holds = carrier.filter(|joint| joint.kind != JointKind::Free);
+        holds.and_then(|joint| joint.parent).is_some_and(|p| moves(&p))
+    };
+    let bodies = (0..model.bodies.len()).map(BodyId).filter(moves);
+    let things = bodies.filter(|body| !hangs(body));
     let free = (0..model.joints.len()).all(|j| is_bare(model, JointId(j)));
-    (several || senses) && free && touching.all(solid)
+    things.take(2).count() == 2 && (free || CollisionFilter::new(model).pairs().next().is_some())
 }
 
 /// Refuses what ties coordinates together.
@@ -160,6 +177,19 @@ fn check(model: &Model) -> Result<(), SolverError> {
     }
 }
 
+/// The bodies that move, and the row of each body.
+pub(super) fn bodies_and_rows(model: &Model) -> (Vec<BodyId>, Vec<u32>) {
+    let mut rows = vec![WORLD; model.bodies.len()];
+    let mut bodies = Vec::new();
+    for (i, body) in model.bodies.iter().enumerate() {
+        if body.kind == BodyKind::Dynamic {
+            bodies.push(BodyId(i));
+            rows[i] = bodies.len() as u32;
+        }
+    }
+    (bodies, rows)
+}
+
 impl Impulse {
     /// Compiles a model.
     ///
@@ -168,14 +198,7 @@ impl Impulse {
     /// does not know; a shape that no kernel collides.
     pub fn new(model: &Model, settings: &Settings) -> Result<Self, SolverError> {
         check(model)?;
-        let mut rows = vec![WORLD; model.bodies.len()];
-        let mut bodies = Vec::new();
-        for (i, body) in model.bodies.iter().enumerate() {
-            if body.kind == BodyKind::Dynamic {
-                bodies.push(BodyId(i));
-                rows[i] = bodies.len() as u32;
-            }
-        }
+        let (bodies, rows) = bodies_and_rows(model);
         let (mut parameters, mut state_length) = (0, 0);
         let row_of = |body: Option<BodyId>| body.map_or(WORLD, |id| rows[id.0]);
         let touching = touching(model);
@@ -243,7 +266,7 @@ impl Impulse {
             f.vec3(self.mass, row, mass::INVERSE_MOMENTS, moments.recip());
             f.pose(self.frame, i, 0, own.inverse());
         }
-        self.ties.fill(model, &inner_frames(model), &mut f)?;
+        self.ties.fill(model, &inner_frames(model), &mut f);
         for (row, collider) in self.shapes.iter().enumerate() {
             let shape = &model.shapes[collider.shape.0];
             let solid = Solid::new(shape, NAME)?;

@@ -1,6 +1,6 @@
 //! The joints of a model as the kernels read them, and what acts along their axes in a step.
 
-use super::super::layout::{Impulse, State, WORLD, own_frame, pose_at};
+use super::super::layout::{Impulse, State, WORLD, bodies_and_rows, own_frame, pose_at};
 use super::super::tables::row;
 use super::tables::{JointTables, LAWS, ROWS, axis, axis_link, joint, law};
 use super::{measure, place};
@@ -133,11 +133,19 @@ impl Ties {
         })
     }
 
+    /// The joints of a model on their own.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn of(model: &Model) -> Result<Self, SolverError> {
+        Self::new(model, &bodies_and_rows(model).1, &mut 0, &mut 0)
+    }
+
     /// Writes the constants; `inner` is the model's frame in each body's own, or in the world.
-    pub fn fill(&self, model: &Model, inner: &[Pose], f: &mut Filler) -> Result<(), SolverError> {
+    pub fn fill(&self, model: &Model, inner: &[Pose], f: &mut Filler) {
         for (i, tie) in self.list.iter().enumerate() {
             let joint = &model.joints[tie.joint.0];
-            f.numbers(self.constants, i, 0, &tie.constants(joint, inner)?);
+            f.numbers(self.constants, i, 0, &tie.constants(joint, inner));
             let freedoms = tie.freedoms.iter().zip(tie.dofs_of(joint)).enumerate();
             for (row, (freedom, own)) in freedoms {
                 if let (Some(_), Some(own)) = (freedom, own) {
@@ -150,7 +158,6 @@ impl Ties {
         for (i, actuator) in model.actuators.iter().enumerate() {
             f.numbers(self.motors, i, 0, &actuator_numbers(actuator));
         }
-        Ok(())
     }
 
     /// All that two models must have in common besides where their numbers lie.
@@ -254,14 +261,13 @@ impl Tie {
     }
 
     /// The first fields of [`joint`], up to the target.
-    fn constants(&self, joint: &Joint, inner: &[Pose]) -> Result<[f64; joint::TARGET], SolverError> {
+    fn constants(&self, joint: &Joint, inner: &[Pose]) -> [f64; joint::TARGET] {
         let directions = |kind| -> Vec<DVec3> {
             let axes = joint.axes.iter().filter(|axis| axis.kind == kind);
             axes.map(|axis| axis.direction).collect()
         };
         let (angular, linear) = (directions(AxisKind::Angular), directions(AxisKind::Linear));
         let (turn, slide) = (frame(&angular), frame(&linear));
-        check_slide(joint, &linear, slide)?;
         let about = joint.axes.iter().find(|axis| axis.kind == AxisKind::Angular);
         let anchor = about.map_or(DVec3::ZERO, |axis| axis.anchor);
         let parent = joint.parent.map_or(Pose::IDENTITY, |body| inner[body.0]);
@@ -287,7 +293,7 @@ impl Tie {
         put(joint::THIRD, &third.to_array());
         put(joint::CARRIED, &[f64::from(u8::from(angular.len() == 3)), length]);
         put(joint::BALL, &[f64::from(u8::from(self.ball))]);
-        Ok(x)
+        x
     }
 }
 
@@ -300,10 +306,9 @@ fn refuse(joint: &Joint) -> Result<(), SolverError> {
         let remedy = "use the solver `xpbd`";
         return Err(unsupported("compliance", joint, remedy));
     }
-    Ok(())
-}
-
-fn check_slide(joint: &Joint, linear: &[DVec3], slide: DQuat) -> Result<(), SolverError> {
+    let linear = joint.axes.iter().filter(|a| a.kind == AxisKind::Linear);
+    let linear: Vec<_> = linear.map(|axis| axis.direction).collect();
+    let slide = frame(&linear);
     let columns = [DVec3::X, DVec3::Y, DVec3::Z].map(|x| slide * x);
     let fits = |(d, column): (&DVec3, DVec3)| d.distance(column) < 1e-9;
     if linear.iter().zip(columns).all(fits) {
