@@ -216,7 +216,7 @@ fn every_solver_and_integrator_runs() {
     }
 }
 
-const SCENES: [&str; 8] = [
+const SCENES: [&str; 9] = [
     "balls",
     "collide",
     "dominoes",
@@ -224,6 +224,7 @@ const SCENES: [&str; 8] = [
     "pyramid",
     "card_house",
     "pile",
+    "ragdolls",
     "room",
 ];
 

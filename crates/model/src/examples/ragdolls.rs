@@ -59,8 +59,8 @@ fn range(lower: f64, upper: f64) -> Limit {
     Limit {
         lower,
         upper,
-        stiffness: 200.0,
-        damping: 5.0,
+        stiffness: 500.0,
+        damping: 10.0,
     }
 }
 

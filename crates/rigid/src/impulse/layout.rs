@@ -417,12 +417,10 @@ impl Impulse {
         let squares = self.gravity(parameters).iter().map(|x| x.to_f64().powi(2));
         squares.sum::<f64>().sqrt()
     }
-    /// The constants of a step: see [`global`].
-    pub fn globals<T: Float>(&self, parameters: &[T]) -> [T; global::WIDTH] {
-        let (long, steps) = (
-            self.settings.substep(),
-            self.settings.contact_iterations as f64,
-        );
+    /// The constants of a step, or of one of the parts into which it is cut: see [`global`].
+    pub fn globals<T: Float>(&self, parameters: &[T], parts: usize) -> [T; global::WIDTH] {
+        let long = self.settings.substep() / parts as f64;
+        let steps = (self.settings.contact_iterations / parts) as f64;
         let [x, y, z] = [0, 1, 2].map(|i| self.gravity(parameters)[i].to_f64());
         let resting = RESTING * self.weight(parameters) * long;
         [

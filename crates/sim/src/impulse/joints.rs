@@ -82,8 +82,8 @@ impl<T: Float> JointLanes<T> {
 }
 
 impl<T: Float> JointBatch<'_, T> {
-    /// Writes the joints into their lanes.
-    pub fn fill(&mut self, joints: &[u32], state: &State<'_, T>, input: &[T]) {
+    /// Writes the joints into their lanes, for a step of length h [s].
+    pub fn fill(&mut self, joints: &[u32], state: &State<'_, T>, input: &[T], h: f64) {
         let width = self.bodies.len() / 2;
         self.bodies.fill(0);
         let mut ends = [0; ROWS];
@@ -105,7 +105,7 @@ impl<T: Float> JointBatch<'_, T> {
             for (side, row) in rows.into_iter().enumerate() {
                 self.bodies[side * width + lane] = row;
             }
-            let tied = state.impulse.tied(tie, state, input);
+            let tied = state.impulse.tied(tie, state, input, h);
             self.write(lane, width, &tied);
         }
     }

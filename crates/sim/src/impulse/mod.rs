@@ -66,6 +66,7 @@ impl<T: Float> Piles<T> {
             team,
             input: block.input,
             parameters: block.parameters,
+            parts: 1,
         };
         for _ in 0..steps {
             if block.state[self.impulse.alive()] == T::zero() {

@@ -16,6 +16,9 @@ pub(super) struct Solver<'a, T> {
     pub impulse: &'a Impulse,
     pub parameters: &'a [T],
     pub input: &'a [T],
+    /// Length of the step [s], and how many small steps it has.
+    pub length: f64,
+    pub small_steps: usize,
     pub lane: Lane,
     /// Contacts in a batch.
     pub width: usize,
@@ -136,7 +139,7 @@ impl<T: Float> Solver<'_, T> {
         for colour in &shares.joints {
             member.stage(colour, |batches| {
                 for batch in batches.iter_mut() {
-                    batch.fill(scene.joints, &scene.state, self.input);
+                    batch.fill(scene.joints, &scene.state, self.input, self.length);
                 }
                 self.joints(scene, batches, JointStage::Place);
             });
@@ -154,7 +157,7 @@ impl<T: Float> Solver<'_, T> {
         let bodies = |member: &mut Member<'_>, stage| {
             member.stage(&shares.bodies, |index| self.bodies(scene, index, stage));
         };
-        for step in 0..self.impulse.settings().contact_iterations {
+        for step in 0..self.small_steps {
             if scene.armature {
                 joints(&mut member, JointStage::Measure);
             }

@@ -67,6 +67,7 @@ impl<T: Float> Default for Workspace<T> {
 }
 
 /// A world, but for its state.
+#[derive(Clone, Copy)]
 pub(super) struct World<'a, T: Float> {
     pub piles: &'a Piles<T>,
     pub lane: Lane,
@@ -74,12 +75,42 @@ pub(super) struct World<'a, T: Float> {
     pub team: usize,
     pub input: &'a [T],
     pub parameters: &'a [T],
+    /// Into how many parts the step is cut.
+    pub parts: usize,
 }
 
 impl<T: Float> World<'_, T> {
     /// Advances the world by a step; a state that would not be finite is not taken.
     pub fn step(&self, state: &mut [T], w: &mut Workspace<T>) {
-        let globals = self.impulse().globals(self.parameters);
+        let parts = self.parts_of(state);
+        for part in 0..parts {
+            if state[self.impulse().alive()] > T::zero() {
+                World { parts, ..*self }.advance(state, w, part == 0);
+            }
+        }
+    }
+
+    /// Into how many parts a step is cut: bodies that joints hold may turn by no more than [`TURN`] in
+    /// each, since their inertia is that of when it began. A chain that cracks like a whip flew apart at
+    /// a third of a radian.
+    fn parts_of(&self, state: &[T]) -> usize {
+        let impulse = self.impulse();
+        let spin = |row: u32| {
+            let at = impulse.body_state(row as usize) + state::VELOCITY + 3;
+            let squares = state[at..at + 3].iter().map(|x| x.to_f64().powi(2));
+            squares.sum::<f64>()
+        };
+        let spins = self.joints().map(|(_, [a, b])| spin(a).max(spin(b)));
+        let turn = spins.fold(0.0, f64::max).sqrt() * self.length();
+        let steps = self.small_steps();
+        let divides = |parts: &usize| steps.is_multiple_of(*parts);
+        let short = |parts: &usize| turn <= TURN * *parts as f64;
+        (1..steps).filter(divides).find(short).unwrap_or(steps)
+    }
+
+    /// Advances the world by a part of a step.
+    fn advance(&self, state: &mut [T], w: &mut Workspace<T>, first: bool) {
+        let globals = self.impulse().globals(self.parameters, self.parts);
         self.load(state, w);
         self.bodies(w, &globals, BodyStage::Begin);
         self.place(w, &globals);
@@ -90,6 +121,8 @@ impl<T: Float> World<'_, T> {
             impulse: &self.piles.impulse,
             parameters: self.parameters,
             input: self.input,
+            length: self.length(),
+            small_steps: self.small_steps(),
             lane: self.lane,
             width: self.width(),
             team: self.team,
@@ -101,7 +134,7 @@ impl<T: Float> World<'_, T> {
         if !self.is_sound(w) {
             return self.give_up(state);
         }
-        self.store(state, w);
+        self.store(state, w, first);
         self.keep_joints(state, w);
         self.rest(state, w);
         if !(w.sleep.frozen.is_empty() && w.sensed.is_empty()) {
@@ -159,9 +192,13 @@ impl<T: Float> World<'_, T> {
             self.lane.isa.width::<T>()
         }
     }
-    /// Length of a step [s].
+    /// Length of a step, or of a part of it [s].
     pub fn length(&self) -> f64 {
-        self.impulse().settings().substep()
+        self.impulse().settings().substep() / self.parts as f64
+    }
+    /// How many small steps that has.
+    fn small_steps(&self) -> usize {
+        self.impulse().settings().contact_iterations / self.parts
     }
 
     /// Bodies from the state to their rows; which of them are awake.
@@ -333,10 +370,12 @@ impl<T: Float> World<'_, T> {
         state[self.impulse().alive()] = T::zero();
     }
 
-    fn store(&self, state: &mut [T], w: &Workspace<T>) {
+    fn store(&self, state: &mut [T], w: &Workspace<T>, first: bool) {
         for &body in w.awake.iter().filter(|body| **body != WORLD) {
             let to = &mut state[self.impulse().body_state(body as usize)..][..state::WIDTH];
-            to.copy_within(state::VELOCITY..state::VELOCITY + 6, state::BEFORE);
+            if first {
+                to.copy_within(state::VELOCITY..state::VELOCITY + 6, state::BEFORE);
+            }
             for (i, x) in to[state::CENTER..][..7].iter_mut().enumerate() {
                 *x = w.rows.load(body as usize, row::CENTER + i);
             }
@@ -347,6 +386,8 @@ impl<T: Float> World<'_, T> {
     }
 }
 
+/// Longest turn [rad] of a body that joints hold, while its inertia is taken not to turn.
+const TURN: f64 = 0.125;
 /// Nothing is farther from the origin [m].
 const FARTHEST: f64 = 1e9;
 /// Registers of bodies, or contacts, that are worth another thread.

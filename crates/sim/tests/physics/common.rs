@@ -26,7 +26,7 @@ pub const RK4: Method = Method::Featherstone(Integrator::RungeKutta4);
 pub const XPBD: Method = Method::Xpbd(1);
 pub const IMPULSE: Method = Method::Impulse(1);
 /// All solvers as they come.
-pub const BOTH: [Method; 3] = [EULER, XPBD, IMPULSE];
+pub const SOLVERS: [Method; 3] = [EULER, XPBD, IMPULSE];
 
 impl Method {
     /// Settings of so many worlds with a time step h [s].

@@ -18,6 +18,15 @@ const REACHED: f64 = 1e-6;
 /// Steepness of dry friction about rest [s/m or s/rad]: it is full at the inverse of this rate.
 const STEEP: f64 = 1e6;
 
+/// Joints of one body that are solved one after the other as if it had no other; of more, each has a share
+/// of the body, as if it fell apart among them (Tonge, Benevolenski, Voroshilov, *Mass Splitting for
+/// Jitter-Free Parallel Rigid Body Simulation*, 2012).
+///
+/// Impulses that are given again act as forces do, and one pass over n joints of a light body changes
+/// them by more than these balance. With f = 1/8, T = 8 and shares of n/4 the errors of stars of 2 to 20
+/// joints shrink, whatever the mass of the body in the middle; with f = 1/6 those of four joints grow.
+const SHARED: f64 = 4.0;
+
 /// Fields of a degree of freedom's constants.
 mod dof {
     pub const REFERENCE: usize = 0;
@@ -60,6 +69,8 @@ pub(in super::super) struct Tie {
     /// Whether it does anything.
     pub solved: bool,
     ball: bool,
+    /// By how much more the bodies respond: see [`SHARED`].
+    shares: [f64; 2],
     locked: [bool; ROWS],
     freedoms: [Option<Freedom>; ROWS],
     /// First coordinate of the quaternion of a ball or free joint.
@@ -122,6 +133,7 @@ impl Ties {
             !nothing && !is_bare(model, *id)
         });
         let list: Vec<_> = tied.map(|id| Tie::new(model, id, rows)).collect::<Result<_, _>>()?;
+        let list = share(list, rows.len());
         let targets = list.iter().map(|tie| tie.targets(model)).collect();
         Ok(Self {
             constants: Table::place(parameters, list.len()),
@@ -214,6 +226,7 @@ impl Tie {
             rows: [joint.parent, Some(joint.child)].map(|body| body.map_or(WORLD, |b| rows[b.0])),
             solved: joint.enabled,
             ball: turning,
+            shares: [1.0; 2],
             locked: std::array::from_fn(locks),
             freedoms: [const { None }; ROWS],
             quaternion: None,
@@ -293,8 +306,23 @@ impl Tie {
         put(joint::THIRD, &third.to_array());
         put(joint::CARRIED, &[f64::from(u8::from(angular.len() == 3)), length]);
         put(joint::BALL, &[f64::from(u8::from(self.ball))]);
+        put(joint::SHARES, &self.shares);
         x
     }
+}
+
+/// Tells each joint how many others its bodies have.
+fn share(mut list: Vec<Tie>, bodies: usize) -> Vec<Tie> {
+    let mut joints = vec![0.0; bodies + 1];
+    for tie in list.iter().filter(|tie| tie.solved) {
+        for row in tie.rows {
+            joints[row as usize] += 1.0;
+        }
+    }
+    for tie in &mut list {
+        tie.shares = tie.rows.map(|row| f64::max(joints[row as usize] / SHARED, 1.0));
+    }
+    list
 }
 
 fn unsupported(what: &'static str, joint: &Joint, remedy: &'static str) -> SolverError {
@@ -390,6 +418,8 @@ impl Forces {
 struct Given<'a, T> {
     state: &'a State<'a, T>,
     input: &'a [T],
+    /// Length of the step [s].
+    h: f64,
 }
 
 impl<T: Float> Given<'_, T> {
@@ -453,16 +483,15 @@ impl<T: Float> Given<'_, T> {
         let goal = DVec3::from_array([0, 1, 2].map(|i| self.target(first + i)));
         let way = (now.inverse() * DQuat::from_scaled_axis(goal)).normalize();
         let way = if way.w < 0.0 { -way } else { way };
-        let h = self.state.impulse.settings.substep();
-        (now * DQuat::from_scaled_axis(way.to_scaled_axis() * (h / (time + h)))).normalize()
+        let share = self.h / (time + self.h);
+        (now * DQuat::from_scaled_axis(way.to_scaled_axis() * share)).normalize()
     }
 
     /// The target of an axis as it follows.
     fn axis_target(&self, tie: usize, row: usize, freedom: &Freedom, time: f64) -> f64 {
         let now = self.carried(tie, joint::TARGET + row);
         let way = around(self.target(freedom.dof) - now, freedom.turns);
-        let h = self.state.impulse.settings.substep();
-        now + way * (h / (time + h))
+        now + way * (self.h / (time + self.h))
     }
 
     /// Where the drive of a row pulls its coordinate, less the reference: a ball's to none.
@@ -550,7 +579,8 @@ impl Impulse {
     }
     /// Whether a controller moves a joint, or what it has set has not been reached.
     pub fn stirs<T: Float>(&self, tie: usize, state: &State<'_, T>, input: &[T]) -> bool {
-        let given = Given { state, input };
+        let h = self.settings.substep();
+        let given = Given { state, input, h };
         let all = &self.ties.list[tie];
         let mut freedoms = all.freedoms.iter().enumerate();
         all.solved
@@ -568,9 +598,15 @@ impl Impulse {
         let freedoms = self.ties.list[tie].freedoms.each_ref();
         freedoms.map(|f| f.as_ref().map_or(0, Freedom::laws))
     }
-    /// What a lane takes of a joint.
-    pub fn tied<T: Float>(&self, tie: usize, state: &State<'_, T>, input: &[T]) -> Tied<T> {
-        let given = Given { state, input };
+    /// What a lane takes of a joint for a step of length h [s].
+    pub fn tied<T: Float>(
+        &self,
+        tie: usize,
+        state: &State<'_, T>,
+        input: &[T],
+        h: f64,
+    ) -> Tied<T> {
+        let given = Given { state, input, h };
         let one = &self.ties.list[tie];
         let mut tied = Tied {
             joint: [T::zero(); joint::WRITTEN],
@@ -638,13 +674,15 @@ impl<T: Float> State<'_, T> {
         let impulse = self.impulse;
         let one = &impulse.ties.list[tie];
         let none = vec![T::zero(); impulse.input.length];
+        let h = impulse.settings.substep();
         let given = Given {
             state: self,
             input: &none,
+            h,
         };
         let t = JointTables::new();
         let mut numbers = vec![0.0; t.length];
-        let tied = impulse.tied(tie, self, &none);
+        let tied = impulse.tied(tie, self, &none, h);
         for (x, from) in numbers.iter_mut().zip(tied.joint) {
             *x = from.to_f64();
         }

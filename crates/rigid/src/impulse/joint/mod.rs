@@ -50,10 +50,10 @@ use numbers::spatial::{Inertia, Spatial};
 use numbers::{Machine, Mat3, Quat, Real, SymMat3, Vec3};
 use tables::work;
 
-/// f: frequency of a lock's spring, per small step.
-const FREQUENCY: f64 = 0.25;
+/// f: frequency of a lock's spring, per small step; see [`layout`] for why not more.
+const FREQUENCY: f64 = 0.125;
 /// T: small steps within which a gap closes.
-const CALM: f64 = 4.0;
+const CALM: f64 = 8.0;
 /// Pivots below this are none [1/kg, 1/(kg·m²)].
 const TINY: f64 = 1e-18;
 /// Least square of the volume of three axes: nearly in one plane, as in gimbal lock.
@@ -332,8 +332,11 @@ fn respond<M: Machine>(
     k.write(t.joint, only, joint::INVERSE_MASS, masses);
     k.store_sym(t.joint, only, joint::INVERSE_INERTIA, ia);
     k.store_sym(t.joint, only, joint::INVERSE_INERTIA + 6, ib);
+    // As if each joint of a body had a share of it.
+    let [na, nb] = k.read(t.joint, only, joint::SHARES);
+    let (ia, ib) = (ia.scaled(na), ib.scaled(nb));
     let linear = arm_response(ia, ra) + arm_response(ib, rb);
-    let linear = linear + SymMat3::diagonal(masses[0] + masses[1]);
+    let linear = linear + SymMat3::diagonal(masses[0] * na + masses[1] * nb);
     let all = Inertia {
         i: (ia + ib).rotated(gradients.transpose()),
         h: gradients.transpose()

@@ -33,37 +33,39 @@ pub mod joint {
     pub const CARRIED: usize = 30;
     /// Length that the anchors keep [m]; negative where they coincide.
     pub const LENGTH: usize = 31;
-    /// 1 where the angular axes are those of B, and coordinates the turn from the target.
+    /// 1 where the angular axes are those of B, and coordinates the turn from the target below.
     pub const BALL: usize = 32;
-    /// That target, a quaternion; of other joints the targets of their drives, a row each: 6. With the
+    /// By how much more A and B respond to each of their joints than they would to one.
+    pub const SHARES: usize = 33;
+    /// Target of a ball, a quaternion; of other joints the targets of their drives, a row each: 6. With the
     /// next two it is what a joint carries from step to step.
-    pub const TARGET: usize = 33;
+    pub const TARGET: usize = 35;
     /// Angles about the axes, counting turns, less their references [rad], 3.
-    pub const ANGLE: usize = 39;
+    pub const ANGLE: usize = 41;
     /// Angular impulse at B's anchor [N·m·s], and impulse [N·s], on B, world axes, 6.
-    pub const IMPULSE: usize = 42;
+    pub const IMPULSE: usize = 44;
     /// How many of the first fields the host writes each step.
-    pub const WRITTEN: usize = 48;
+    pub const WRITTEN: usize = 50;
     /// Inverse masses of A and B.
-    pub const INVERSE_MASS: usize = 48;
+    pub const INVERSE_MASS: usize = 50;
     /// Inverse inertia of A, then of B.
-    pub const INVERSE_INERTIA: usize = 50;
+    pub const INVERSE_INERTIA: usize = 52;
     /// From the centres of mass of A and of B to B's anchor [m].
-    pub const ARMS: usize = 62;
+    pub const ARMS: usize = 64;
     /// The same, and the impulse [N·s], when the joint was last pushed together.
-    pub const LAST: usize = 68;
+    pub const LAST: usize = 70;
     /// Gradients of the angular coordinates, world axes, 9.
-    pub const GRADIENTS: usize = 77;
+    pub const GRADIENTS: usize = 79;
     /// The angular axes, world axes, 9.
-    pub const AXES: usize = 86;
+    pub const AXES: usize = 88;
     /// The linear axes, world axes, 9.
-    pub const SHIFTS: usize = 95;
+    pub const SHIFTS: usize = 97;
     /// How far each locked row is off [rad, m], 6.
-    pub const ERROR: usize = 104;
+    pub const ERROR: usize = 106;
     /// Response of the locked rows to impulses along them, 21.
-    pub const BLOCK: usize = 110;
+    pub const BLOCK: usize = 112;
     /// Numbers in a row.
-    pub const WIDTH: usize = 131;
+    pub const WIDTH: usize = 133;
 }
 
 /// Fields of a row of a joint along which something acts.
