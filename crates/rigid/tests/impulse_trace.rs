@@ -4,11 +4,11 @@
 #[path = "../../collide/tests/shader/mod.rs"]
 mod shader;
 
+use kinetarium_rigid::impulse::joint::{self, JointTables, ROWS, axis_link};
 use kinetarium_rigid::impulse::pair::{ShapeTables, place};
 use kinetarium_rigid::impulse::{
     BodyTables, ContactTables, POINTS, body, contact, manifold, point,
 };
-use kinetarium_rigid::impulse::joint::{self, JointTables, ROWS, axis_link};
 use kinetarium_rigid::impulse::{global, mass, row};
 use numbers::trace::{self, WgslOptions};
 use numbers::{Cpu, Machine, Real, Shared};
@@ -82,10 +82,7 @@ impl Lane {
         let scratch = (2 * row::WIDTH).max(JointTables::SCRATCH);
         Self {
             state: some(seed).map(|x| x - 0.4).take(state).collect(),
-            scratch: some(seed + 1)
-                .map(|x| x - 0.4)
-                .take(scratch)
-                .collect(),
+            scratch: some(seed + 1).map(|x| x - 0.4).take(scratch).collect(),
             parameters: some(seed + 2)
                 .take(global::WIDTH + mass::WIDTH + 32)
                 .collect(),

@@ -157,7 +157,9 @@ fn several(model: &Model) -> bool {
     let hangs = |body: &BodyId| {
         let carrier = model.carrier(*body).map(|id| &model.joints[id.0]);
         let holds = carrier.filter(|joint| joint.kind != JointKind::Free);
-        holds.and_then(|joint| joint.parent).is_some_and(|p| moves(&p))
+        holds
+            .and_then(|joint| joint.parent)
+            .is_some_and(|p| moves(&p))
     };
     let bodies = (0..model.bodies.len()).map(BodyId).filter(moves);
     let things = bodies.filter(|body| !hangs(body));

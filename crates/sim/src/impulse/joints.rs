@@ -226,4 +226,3 @@ impl<T: Float> Joints<'_, '_, T> {
         }
     }
 }
-

@@ -84,8 +84,10 @@ impl<T: Float> Solver<'_, T> {
         w.ends.extend(ends);
         w.colours.paint(&w.ends, self.impulse.rows(), self.width);
         w.lanes.make_room(w.colours.batches.len(), self.width);
-        w.joint_colours.paint(&w.joint_ends, self.impulse.rows(), self.width);
-        w.joint_lanes.make_room(w.joint_colours.batches.len(), self.width);
+        w.joint_colours
+            .paint(&w.joint_ends, self.impulse.rows(), self.width);
+        w.joint_lanes
+            .make_room(w.joint_colours.batches.len(), self.width);
         let scene = Scene {
             rows: &w.rows,
             masses: self.impulse.masses(self.parameters),

@@ -18,8 +18,8 @@
 //! which rises and is piecewise linear. Between the last corner where g ≤ 0 and the first where g > 0 it
 //! is a line, and the rate where that line crosses: no iteration, and no force beyond its bounds.
 
-use super::tables::{JointTables, axis, axis_link, law, line};
 use super::super::tables::global;
+use super::tables::{JointTables, axis, axis_link, law, line};
 use numbers::{Cell, Machine, Real};
 
 /// No rate is larger.

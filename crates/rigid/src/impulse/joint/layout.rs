@@ -111,7 +111,10 @@ pub(in super::super) fn is_bare(model: &Model, id: JointId) -> bool {
         forces == [0.0; 4] && dof.limit.is_none()
     };
     let pushed = model.actuators.iter().any(|a| a.joint == id);
-    joint.kind == JointKind::Free && joint.parent.is_none() && joint.dofs.iter().all(bare) && !pushed
+    joint.kind == JointKind::Free
+        && joint.parent.is_none()
+        && joint.dofs.iter().all(bare)
+        && !pushed
 }
 
 impl Ties {
@@ -132,7 +135,9 @@ impl Ties {
             let nothing = joint.kind == JointKind::Free && joint.closes_loop;
             !nothing && !is_bare(model, *id)
         });
-        let list: Vec<_> = tied.map(|id| Tie::new(model, id, rows)).collect::<Result<_, _>>()?;
+        let list: Vec<_> = tied
+            .map(|id| Tie::new(model, id, rows))
+            .collect::<Result<_, _>>()?;
         let list = share(list, rows.len());
         let targets = list.iter().map(|tie| tie.targets(model)).collect();
         Ok(Self {
@@ -281,7 +286,10 @@ impl Tie {
         };
         let (angular, linear) = (directions(AxisKind::Angular), directions(AxisKind::Linear));
         let (turn, slide) = (frame(&angular), frame(&linear));
-        let about = joint.axes.iter().find(|axis| axis.kind == AxisKind::Angular);
+        let about = joint
+            .axes
+            .iter()
+            .find(|axis| axis.kind == AxisKind::Angular);
         let anchor = about.map_or(DVec3::ZERO, |axis| axis.anchor);
         let parent = joint.parent.map_or(Pose::IDENTITY, |body| inner[body.0]);
         let a = parent * joint.parent_frame;
@@ -295,7 +303,8 @@ impl Tie {
             -1.0
         };
         let mut x = [0.0; joint::TARGET];
-        let mut put = |at: usize, numbers: &[f64]| x[at..at + numbers.len()].copy_from_slice(numbers);
+        let mut put =
+            |at: usize, numbers: &[f64]| x[at..at + numbers.len()].copy_from_slice(numbers);
         put(joint::ANCHOR_A, &a.point(anchor).to_array());
         put(joint::FRAME_A, &(a.orientation * turn).to_array());
         put(joint::ANCHOR_B, &b.point(anchor).to_array());
@@ -304,7 +313,10 @@ impl Tie {
         put(joint::LOCKED, &self.locked.map(|l| f64::from(u8::from(l))));
         put(joint::SECOND, &second.to_array());
         put(joint::THIRD, &third.to_array());
-        put(joint::CARRIED, &[f64::from(u8::from(angular.len() == 3)), length]);
+        put(
+            joint::CARRIED,
+            &[f64::from(u8::from(angular.len() == 3)), length],
+        );
         put(joint::BALL, &[f64::from(u8::from(self.ball))]);
         put(joint::SHARES, &self.shares);
         x
@@ -320,7 +332,9 @@ fn share(mut list: Vec<Tie>, bodies: usize) -> Vec<Tie> {
         }
     }
     for tie in &mut list {
-        tie.shares = tie.rows.map(|row| f64::max(joints[row as usize] / SHARED, 1.0));
+        tie.shares = tie
+            .rows
+            .map(|row| f64::max(joints[row as usize] / SHARED, 1.0));
     }
     list
 }
@@ -342,7 +356,8 @@ fn refuse(joint: &Joint) -> Result<(), SolverError> {
     if linear.iter().zip(columns).all(fits) {
         return Ok(());
     }
-    let remedy = "choose them at right angles, a third to the right of two, or use the solver `xpbd`";
+    let remedy =
+        "choose them at right angles, a third to the right of two, or use the solver `xpbd`";
     Err(unsupported("linear axes that are no frame", joint, remedy))
 }
 
@@ -360,7 +375,10 @@ impl Freedom {
             .filter(|(_, a)| a.joint == id && a.dof == own)
             .map(|(i, a)| (i, a.force_range.is_some()))
             .collect();
-        let angular = joint.axes.get(own).is_some_and(|a| a.kind == AxisKind::Angular);
+        let angular = joint
+            .axes
+            .get(own)
+            .is_some_and(|a| a.kind == AxisKind::Angular);
         let freedom = Self {
             dof: model.dof_range(id).start + own,
             coordinate,
@@ -372,7 +390,11 @@ impl Freedom {
         };
         if freedom.laws() > LAWS {
             let remedy = "use the solver `featherstone` or `xpbd`";
-            return Err(unsupported("so many actuators with a force range", joint, remedy));
+            return Err(unsupported(
+                "so many actuators with a force range",
+                joint,
+                remedy,
+            ));
         }
         Ok(freedom)
     }
@@ -386,10 +408,19 @@ impl Freedom {
 }
 
 fn dof_numbers(d: &Dof, reference: f64) -> [f64; dof::WIDTH] {
-    let limit = d.limit.map_or([0.0; 4], |l| [l.lower, l.upper, l.stiffness, l.damping]);
+    let limit = d
+        .limit
+        .map_or([0.0; 4], |l| [l.lower, l.upper, l.stiffness, l.damping]);
     let drive = &d.drive;
     let mut x = [0.0; dof::WIDTH];
-    let passive = [reference, d.damping, d.stiffness, d.rest, d.armature, d.friction_loss];
+    let passive = [
+        reference,
+        d.damping,
+        d.stiffness,
+        d.rest,
+        d.armature,
+        d.friction_loss,
+    ];
     x[..dof::LIMIT].copy_from_slice(&passive);
     x[dof::LIMIT..dof::DRIVE].copy_from_slice(&limit);
     let effort = bounded(drive.effort_limit);
@@ -599,13 +630,7 @@ impl Impulse {
         freedoms.map(|f| f.as_ref().map_or(0, Freedom::laws))
     }
     /// What a lane takes of a joint for a step of length h [s].
-    pub fn tied<T: Float>(
-        &self,
-        tie: usize,
-        state: &State<'_, T>,
-        input: &[T],
-        h: f64,
-    ) -> Tied<T> {
+    pub fn tied<T: Float>(&self, tie: usize, state: &State<'_, T>, input: &[T], h: f64) -> Tied<T> {
         let given = Given { state, input, h };
         let one = &self.ties.list[tie];
         let mut tied = Tied {
@@ -631,7 +656,12 @@ impl Impulse {
         tied
     }
     /// Keeps what a joint carries to the next step: its fields from the targets on.
-    pub fn keep_tied<T: Float>(&self, tie: usize, numbers: impl Iterator<Item = T>, state: &mut [T]) {
+    pub fn keep_tied<T: Float>(
+        &self,
+        tie: usize,
+        numbers: impl Iterator<Item = T>,
+        state: &mut [T],
+    ) {
         let carried = &mut state[self.ties.state.at(tie, 0)..][..CARRIED];
         for (to, x) in carried.iter_mut().zip(numbers) {
             *to = x;
@@ -699,7 +729,11 @@ impl<T: Float> State<'_, T> {
         for (rates, past) in rates.iter_mut().zip([false, true]) {
             for (side, &body) in one.rows.iter().enumerate() {
                 let body = body as usize;
-                let [v, w] = if past { self.before(body) } else { self.velocity(body) };
+                let [v, w] = if past {
+                    self.before(body)
+                } else {
+                    self.velocity(body)
+                };
                 let at = t.body.at(side, row::VELOCITY);
                 work[at..at + 3].copy_from_slice(&v.to_array());
                 work[at + 3..at + 6].copy_from_slice(&w.to_array());
@@ -750,7 +784,12 @@ impl<T: Float> State<'_, T> {
 impl Tie {
     /// Where its coordinates and velocities are reported: row by row, coordinate, degree of freedom, and
     /// whether the coordinate turns without end; and the first coordinate of its quaternion.
-    pub fn reported(&self) -> (impl Iterator<Item = (usize, Option<usize>, usize, bool)>, Option<usize>) {
+    pub fn reported(
+        &self,
+    ) -> (
+        impl Iterator<Item = (usize, Option<usize>, usize, bool)>,
+        Option<usize>,
+    ) {
         let rows = self.freedoms.iter().enumerate();
         let rows = rows.filter_map(|(row, f)| {
             let f = f.as_ref()?;

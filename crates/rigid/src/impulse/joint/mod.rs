@@ -50,7 +50,7 @@ use numbers::spatial::{Inertia, Spatial};
 use numbers::{Machine, Mat3, Quat, Real, SymMat3, Vec3};
 use tables::work;
 
-/// f: frequency of a lock's spring, per small step; see [`layout`] for why not more.
+/// f: frequency of a lock's spring, per small step; `layout` says why not more.
 const FREQUENCY: f64 = 0.125;
 /// T: small steps within which a gap closes.
 const CALM: f64 = 8.0;
@@ -283,13 +283,22 @@ fn place_turns<M: Machine>(
     let axes = Mat3::from_columns(
         Vec3::select(ball, own.x, x),
         Vec3::select(ball, own.y, once.rotate(second)),
-        Vec3::select(ball, own.z, Quat::select(carried, twice, once).rotate(third)),
+        Vec3::select(
+            ball,
+            own.z,
+            Quat::select(carried, twice, once).rotate(third),
+        ),
     );
     let gradients = dual(axes);
     let off = gradients.transpose_mul(e);
     let value = angle + off;
     let locked = k.vec3(t.joint, only, joint::LOCKED);
-    for (i, (value, locked)) in value.to_array().into_iter().zip(locked.to_array()).enumerate() {
+    for (i, (value, locked)) in value
+        .to_array()
+        .into_iter()
+        .zip(locked.to_array())
+        .enumerate()
+    {
         let stays = ball | locked.gt(M::R::zero());
         let angle = M::R::select(stays, M::R::zero(), value);
         k.store(t.joint, only, joint::ANGLE + i, angle);
