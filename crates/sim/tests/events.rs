@@ -46,6 +46,7 @@ fn scene(restitution: f64) -> Model {
 fn events(restitution: f64, worlds: usize, threads: usize, watch: Watch) -> Vec<Event> {
     let settings = SimulationSettings {
         threads,
+        solver: SolverKind::Featherstone,
         ..SimulationSettings::new(worlds, H)
     };
     let mut simulation = Simulation::<f32>::new(scene(restitution), settings).unwrap();

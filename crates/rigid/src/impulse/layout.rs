@@ -1,4 +1,4 @@
-//! A model of free bodies as tables, and the numbers of its worlds.
+//! A model as tables, and the numbers of its worlds.
 
 use super::joint::{Ties, inner_frames, is_bare};
 use super::pair::solid;
