@@ -227,9 +227,6 @@ impl<T: Float> World<'_, T> {
     fn find_radii(&self, w: &mut Workspace<T>) {
         let radii = &mut w.sleep.radii;
         refill(radii, w.sleep.asleep.len(), 0.0);
-        for (row, radius) in radii.iter_mut().enumerate().skip(1) {
-            *radius = self.gyration(row);
-        }
         let shapes = self.impulse().shapes().iter();
         let solids = self.impulse().solids(self.parameters);
         for (shape, numbers) in shapes.zip(solids.chunks_exact(solid::WIDTH)) {
@@ -237,6 +234,8 @@ impl<T: Float> World<'_, T> {
             let radius = &mut radii[shape.row as usize];
             *radius = radius.max(center + numbers[solid::RADIUS].to_f64());
         }
+        let bare = radii.iter_mut().enumerate().skip(1).filter(|r| *r.1 == 0.0);
+        bare.for_each(|(row, radius)| *radius = self.gyration(row));
     }
 }
 

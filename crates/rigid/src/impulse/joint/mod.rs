@@ -490,7 +490,7 @@ fn mend<M: Machine>(k: &mut M, t: &JointTables, rows: &Rows<M::R>, pair: &mut Pa
     let only = k.index(0);
     let mut kept = k.spatial(t.joint, only, joint::LOCKED).to_array();
     for (i, kept) in kept.iter_mut().enumerate() {
-        *kept = *kept + k.load(t.axis, k.index(i), axis::ACTS);
+        *kept += k.load(t.axis, k.index(i), axis::ACTS);
     }
     let given = pair.given.get();
     let along = times(rows.along(given), Spatial::from_array(kept));
