@@ -104,7 +104,7 @@ pub struct Simulation {
     /// Simulated time [s].
     #[arg(long, value_name = "SECONDS", default_value = "5", value_parser = positive, allow_negative_numbers = true)]
     pub seconds: f64,
-    /// Solver; `auto` takes impulse for free bodies that touch, featherstone for other trees, else xpbd.
+    /// Solver; `auto` takes impulse for several things that touch, featherstone for other trees, else xpbd.
     #[arg(long, value_enum, default_value_t = SolverName::Auto)]
     pub solver: SolverName,
     /// Time step [s] [default: the file's].

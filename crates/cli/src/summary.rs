@@ -109,7 +109,7 @@ pub fn contents(model: &Model) -> String {
 /// Why `auto` picks the solver it picks.
 pub fn reason(model: &Model, contacts: bool) -> String {
     if SolverKind::Auto.pick(model, contacts) == SolverKind::Impulse {
-        return "the bodies are free".into();
+        return "several things touch".into();
     }
     match &model.loops()[..] {
         [] => "the joints form a tree".into(),

@@ -216,7 +216,7 @@ fn every_solver_and_integrator_runs() {
     }
 }
 
-const SCENES: [&str; 9] = [
+const SCENES: [&str; 10] = [
     "balls",
     "collide",
     "dominoes",
@@ -225,6 +225,7 @@ const SCENES: [&str; 9] = [
     "card_house",
     "pile",
     "terrain",
+    "ragdolls",
     "room",
 ];
 

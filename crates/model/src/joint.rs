@@ -215,9 +215,9 @@ pub struct Joint {
     pub linear_compliance: f64,
     /// Give of the locked rotations [rad/(N·m)]; used by `xpbd`. 0 is rigid.
     pub angular_compliance: f64,
-    /// False: the joint does not act; `xpbd` only.
+    /// False: the joint does not act; `xpbd`, and `impulse` as long as it stays so.
     pub enabled: bool,
-    /// True: the joint closes a loop. It has no coordinates in the state, and only `xpbd` takes it.
+    /// True: the joint closes a loop. It has no coordinates in the state, and `featherstone` does not take it.
     pub closes_loop: bool,
     /// True: parent and child may touch. False, the default: they do not, for most joints overlap
     /// what they tie. Two bodies that several joints tie touch if all of these let them.

@@ -1,7 +1,46 @@
 //! What no solver here can simulate, and so refuses rather than leave out.
 
 use crate::SolverError;
-use model::{Dof, Drive, Joint, JointKind, Model};
+use model::{AxisKind, Dof, Drive, Joint, JointKind, Model};
+
+/// Which of a joint's axes are linear, and which angular, for a solver that takes them in this order and
+/// meeting in a point.
+pub(crate) fn axes(
+    joint: &Joint,
+    solver: &'static str,
+) -> Result<(Vec<usize>, Vec<usize>), SolverError> {
+    let of = |kind| -> Vec<usize> {
+        let axes = joint.axes.iter().enumerate();
+        axes.filter(|(_, axis)| axis.kind == kind)
+            .map(|(i, _)| i)
+            .collect()
+    };
+    let (linear, angular) = (of(AxisKind::Linear), of(AxisKind::Angular));
+    let refuse = |what, remedy| {
+        let name = joint.name.clone();
+        Err(SolverError::Unsupported {
+            solver,
+            what,
+            name,
+            remedy,
+        })
+    };
+    let early = |l: &usize| angular.first().is_some_and(|a| a < l);
+    if linear.iter().any(early) {
+        return refuse(
+            "a linear axis after an angular one",
+            "order them linear first, or use the solver `featherstone`",
+        );
+    }
+    let anchors: Vec<_> = angular.iter().map(|&i| joint.axes[i].anchor).collect();
+    if anchors.iter().any(|a| a.distance(anchors[0]) > 1e-12) {
+        return refuse(
+            "axes that do not meet",
+            "split the joint, or use the solver `featherstone`",
+        );
+    }
+    Ok((linear, angular))
+}
 
 /// Refuses laws along single rotations of joints that turn in any direction.
 pub(crate) fn rotations(model: &Model, solver: &'static str) -> Result<(), SolverError> {

@@ -106,3 +106,15 @@ pub(crate) fn ball_target(dofs: &[Dof]) -> [f64; 4] {
     let r = [0, 1, 2].map(|i| dofs[i].drive.target_position);
     DQuat::from_scaled_axis(DVec3::from_array(r)).to_array()
 }
+
+/// The frame whose first columns are the given directions, made orthonormal.
+pub(crate) fn frame(directions: &[DVec3]) -> DQuat {
+    let Some(&x) = directions.first() else {
+        return DQuat::IDENTITY;
+    };
+    let y = match directions.get(1) {
+        Some(&d) if d.cross(x).length() > 1e-6 => (d - x * d.dot(x)).normalize(),
+        _ => x.any_orthonormal_vector(),
+    };
+    DQuat::from_mat3(&DMat3::from_cols(x, y, x.cross(y)))
+}

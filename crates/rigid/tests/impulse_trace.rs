@@ -4,6 +4,7 @@
 #[path = "../../collide/tests/shader/mod.rs"]
 mod shader;
 
+use kinetarium_rigid::impulse::joint::{self, JointTables, ROWS, axis_link};
 use kinetarium_rigid::impulse::pair::{ShapeTables, place};
 use kinetarium_rigid::impulse::{
     BodyTables, ContactTables, POINTS, body, contact, manifold, point,
@@ -12,6 +13,7 @@ use kinetarium_rigid::impulse::{global, mass, row};
 use numbers::trace::{self, WgslOptions};
 use numbers::{Cpu, Machine, Real, Shared};
 use shader::validate;
+use std::ops::RangeInclusive;
 
 /// A kernel, over whatever machine.
 trait Kernel {
@@ -40,6 +42,11 @@ kernels! {
     Relax(k) = contact::solve(k, &ContactTables::new(), M::R::zero());
     Bounce(k) = contact::bounce(k, &ContactTables::new());
     Place(k) = place(k, &ShapeTables::new());
+    Stand(k) = joint::place(k, &JointTables::new());
+    Measure(k) = joint::measure(k, &JointTables::new());
+    WarmJoint(k) = joint::warm_start(k, &JointTables::new());
+    PushJoint(k) = joint::solve(k, &JointTables::new(), M::R::one());
+    RelaxJoint(k) = joint::solve(k, &JointTables::new(), M::R::zero());
 }
 
 /// The memories of one lane, full of numbers of any kind.
@@ -48,7 +55,7 @@ struct Lane {
     state: Vec<f32>,
     scratch: Vec<f32>,
     parameters: Vec<f32>,
-    links: [u32; 1],
+    links: Vec<u32>,
 }
 
 fn some(seed: u32) -> impl Iterator<Item = f32> {
@@ -62,16 +69,24 @@ fn some(seed: u32) -> impl Iterator<Item = f32> {
 impl Lane {
     fn new(seed: u32, points: u32) -> Self {
         let state = row::WIDTH.max(manifold::WIDTH + POINTS * point::WIDTH);
+        Self::of(seed, state, vec![points])
+    }
+    /// With so many laws along each axis.
+    fn joint(seed: u32, laws: u32) -> Self {
+        let axis = |row: u32| [row % 2, laws * row, laws * (row + 1)];
+        let links = (0..ROWS as u32).flat_map(axis).collect();
+        assert_eq!(axis(0).len(), axis_link::WIDTH);
+        Self::of(seed, JointTables::new().length, links)
+    }
+    fn of(seed: u32, state: usize, links: Vec<u32>) -> Self {
+        let scratch = (2 * row::WIDTH).max(JointTables::SCRATCH);
         Self {
             state: some(seed).map(|x| x - 0.4).take(state).collect(),
-            scratch: some(seed + 1)
-                .map(|x| x - 0.4)
-                .take(2 * row::WIDTH)
-                .collect(),
+            scratch: some(seed + 1).map(|x| x - 0.4).take(scratch).collect(),
             parameters: some(seed + 2)
                 .take(global::WIDTH + mass::WIDTH + 32)
                 .collect(),
-            links: [points],
+            links,
         }
     }
     fn cpu(&mut self) -> Cpu<'_, f32, Shared<'_, f32>> {
@@ -95,15 +110,20 @@ impl Lane {
 }
 
 fn records_well(kernel: &impl Kernel) {
+    records_well_in(kernel, Lane::new, 1..=POINTS as u32);
+}
+
+/// In lanes with so many points, or laws.
+fn records_well_in(kernel: &impl Kernel, new: fn(u32, u32) -> Lane, counts: RangeInclusive<u32>) {
     let program = trace::record(|k| kernel.run(k)).unwrap();
     validate(&program, &WgslOptions::default());
-    for points in 1..=POINTS as u32 {
+    for count in counts {
         for seed in 0..20 {
-            let mut lane = Lane::new(1000 * seed, points);
+            let mut lane = new(1000 * seed, count);
             let mut copy = lane.clone();
             kernel.run(&mut lane.cpu());
             program.interpret(&mut copy.cpu()).unwrap();
-            assert_eq!(lane.bits(), copy.bits(), "seed {seed}, {points} points");
+            assert_eq!(lane.bits(), copy.bits(), "seed {seed}, {count} of them");
         }
     }
 }
@@ -124,4 +144,13 @@ fn kernels_of_contacts_record_well() {
     records_well(&Push);
     records_well(&Relax);
     records_well(&Bounce);
+}
+
+#[test]
+fn kernels_of_joints_record_well() {
+    records_well_in(&Stand, Lane::joint, 0..=0);
+    records_well_in(&Measure, Lane::joint, 0..=0);
+    records_well_in(&WarmJoint, Lane::joint, 0..=0);
+    records_well_in(&PushJoint, Lane::joint, 0..=3);
+    records_well_in(&RelaxJoint, Lane::joint, 0..=0);
 }

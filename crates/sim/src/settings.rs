@@ -9,15 +9,16 @@ use rigid::impulse::suits;
 /// Which solver advances the worlds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum SolverKind {
-    /// `impulse` for bodies that are free and touch, several of them or sensors; `featherstone` for
-    /// other trees, `xpbd` otherwise.
+    /// `impulse` for several things that touch and that nothing drives, or for sensors; `featherstone`
+    /// for other trees, `xpbd` otherwise.
     #[default]
     Auto,
     /// Reduced coordinates: accurate, no drift; trees only.
     Featherstone,
     /// Maximal coordinates: robust; loops and compliance.
     Xpbd,
-    /// Sequential impulses: free bodies by the thousand, in piles. Several threads can share a world.
+    /// Sequential impulses: bodies by the thousand, free or jointed, in piles. Several threads can share a
+    /// world.
     Impulse,
 }
 

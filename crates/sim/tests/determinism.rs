@@ -108,14 +108,18 @@ fn a_heap_moves_alike_everywhere() {
 
 /// A wall of boxes that leans and falls, so large that threads share it, and then a snapshot of it.
 fn a_wall_falls<T: Float>(isa: Isa, threads: usize, scalar: bool) -> [u64; 2] {
-    let model = model::examples::pyramid(16).unwrap();
+    falls::<T>(&model::examples::pyramid(16).unwrap(), isa, threads, scalar)
+}
+
+/// A world of `impulse` that is pushed at many bodies and falls, and then a snapshot of it.
+fn falls<T: Float>(model: &Model, isa: Isa, threads: usize, scalar: bool) -> [u64; 2] {
     let settings = SimulationSettings {
         isa: Some(isa),
         threads,
         scalar,
         ..Method::Impulse.settings(1)
     };
-    let mut simulation = Simulation::<T>::new(model, settings).unwrap();
+    let mut simulation = Simulation::<T>::new(model.clone(), settings).unwrap();
     let position = simulation.outputs().joint_position(0);
     let mut velocity = vec![0.0; simulation.model().degrees_of_freedom()];
     for body in velocity.chunks_exact_mut(6).step_by(7) {
@@ -129,6 +133,32 @@ fn a_wall_falls<T: Float>(isa: Isa, threads: usize, scalar: bool) -> [u64; 2] {
     simulation.restore(&snapshot).unwrap();
     simulation.step(30);
     [first, hash(&mut simulation, 0)]
+}
+
+/// A heap of people, with joints of three axes and of one, stops, and contacts.
+#[test]
+fn people_fall_alike_everywhere() {
+    let people = model::examples::ragdolls(12).unwrap();
+    let Some(&first) = fused().first() else {
+        return;
+    };
+    let expected = falls::<f32>(&people, first, 1, false);
+    assert_eq!(expected[0], expected[1], "from a snapshot");
+    for isa in fused() {
+        for (threads, scalar) in [(2, false), (3, false), (1, true), (2, true)] {
+            let found = falls::<f32>(&people, isa, threads, scalar);
+            assert_eq!(found, expected, "{isa}, {threads} threads, scalar {scalar}");
+        }
+    }
+    let expected = falls::<f64>(&people, first, 1, false);
+    assert_eq!(falls::<f64>(&people, first, 2, true), expected);
+}
+
+/// Joints of many kinds, and everything that acts along them.
+#[test]
+fn a_mixed_tree_moves_alike_everywhere_by_impulses() {
+    few_worlds_agree::<f32>(&mixed(), Method::Impulses, &fused());
+    few_worlds_agree::<f64>(&mixed(), Method::Impulses, &fused());
 }
 
 #[test]
@@ -206,7 +236,8 @@ fn thousands_of_worlds_move_as_few_do() {
 fn led_otherwise(lead: impl Fn(&mut Simulation<f32>)) {
     let free = METHODS.map(|method| (mixed(), method));
     let touching = TOUCHING.map(|method| (method.heap(), method));
-    for (model, method) in free.into_iter().chain(touching) {
+    let jointed = [(mixed(), Method::Impulses)];
+    for (model, method) in free.into_iter().chain(touching).chain(jointed) {
         let expected = run::<f32>(&model, method.settings(FEW), |w| w);
         let mut simulation = scattered::<f32>(&model, method.settings(FEW), |w| w);
         lead(&mut simulation);

@@ -701,24 +701,6 @@ fn settings_without_sense_are_refused() {
     );
 }
 
-#[test]
-fn joints_are_refused() {
-    let mut settings = settings();
-    settings.worlds = 2;
-    let model = model::examples::n_pendula(2).unwrap();
-    let error = Simulation::<f32>::new(model, settings)
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.starts_with("impulse does not support the joint of `"),
-        "{error}"
-    );
-    assert!(
-        error.ends_with("use the solver `featherstone` or `xpbd`"),
-        "{error}"
-    );
-}
-
 /// Newton's cradle without strings: what hits a row of elastic balls from one side goes on at the other.
 #[test]
 fn a_push_runs_through_a_row_of_balls() {

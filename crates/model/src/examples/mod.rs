@@ -13,6 +13,7 @@ mod dominoes;
 #[cfg(test)]
 mod overlap;
 mod pile;
+mod ragdolls;
 mod room;
 mod stacks;
 mod stuff;
@@ -26,6 +27,7 @@ pub use chain::{CHAIN_LENGTH, CHAIN_LINK_MASS, Start, chain, n_pendula};
 pub use collide::collide;
 pub use dominoes::dominoes;
 pub use pile::pile;
+pub use ragdolls::ragdolls;
 pub use room::room;
 pub use stacks::{pyramid, square_pyramid, tower, towers};
 pub use terrain::terrain;
@@ -65,7 +67,7 @@ impl Scene {
 }
 
 /// The scenes, each of the size that shows it best.
-pub static SCENES: [Scene; 10] = [
+pub static SCENES: [Scene; 11] = [
     Scene::new(
         "balls",
         "five balls bounce to e² of their height each, e = 0, ¼, ½, ¾, 1",
@@ -98,6 +100,11 @@ pub static SCENES: [Scene; 10] = [
         "terrain",
         "solids tumble and a ball rolls down a hillside of triangles",
         || terrain(15),
+    ),
+    Scene::new(
+        "ragdolls",
+        "four limp people fall on the floor and on each other",
+        || ragdolls(4),
     ),
     Scene::new(
         "room",

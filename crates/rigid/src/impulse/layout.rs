@@ -1,5 +1,6 @@
-//! A model of free bodies as tables, and the numbers of its worlds.
+//! A model as tables, and the numbers of its worlds.
 
+use super::joint::{Ties, inner_frames, is_bare};
 use super::pair::solid;
 use super::tables::{POINTS, global, mass};
 use super::{memory, surface};
@@ -12,8 +13,8 @@ use crate::{Featherstone, Lengths, OutputTables, Settings, SolverError};
 use collide::kind;
 use glam::{DQuat, DVec3};
 use model::{
-    BodyId, BodyKind, Dof, Geometry, Joint, JointId, JointKind, MassProperties, Model, Pose,
-    ShapeId,
+    BodyId, BodyKind, CollisionFilter, Geometry, Joint, JointId, JointKind, MassProperties, Model,
+    Pose, ShapeId,
 };
 use numbers::machine::space::{Parameter, State as StateMemory};
 use numbers::{Float, Table};
@@ -77,8 +78,10 @@ pub struct Impulse {
     pub(super) bodies: Vec<BodyId>,
     /// For each body of the model, its row.
     pub(super) rows: Vec<u32>,
-    /// For each joint of the model its body, the child's joint frame in it, and the parent's.
+    /// Free joints to the world along which nothing acts.
     pub(super) free: Vec<Free>,
+    /// All other joints.
+    pub(super) ties: Ties,
     pub(super) shapes: Vec<Collider>,
     pub(super) paired: HashMap<[u32; 2], usize>,
     pub(super) mass: Table<Parameter, { mass::WIDTH }>,
@@ -107,6 +110,7 @@ pub struct Impulse {
 /// A free joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Free {
+    pub joint: JointId,
     pub body: BodyId,
     pub parent_frame: Pose,
     pub child_frame: Pose,
@@ -116,7 +120,7 @@ pub(super) struct Free {
 }
 
 /// The body's own frame in the model's: centre of mass and principal axes.
-fn own_frame(body: &model::Body) -> (DVec3, Pose) {
+pub(super) fn own_frame(body: &model::Body) -> (DVec3, Pose) {
     let mass = MassProperties {
         mass: body.mass,
         center: body.center,
@@ -126,7 +130,7 @@ fn own_frame(body: &model::Body) -> (DVec3, Pose) {
     (moments, Pose::new(body.center, axes))
 }
 
-fn unsupported(what: &'static str, name: &str, remedy: &'static str) -> SolverError {
+pub(super) fn unsupported(what: &'static str, name: &str, remedy: &'static str) -> SolverError {
     SolverError::Unsupported {
         solver: NAME,
         what,
@@ -135,9 +139,9 @@ fn unsupported(what: &'static str, name: &str, remedy: &'static str) -> SolverEr
     }
 }
 
-/// Whether a model is what this solver is for: several bodies, or sensors, and all bodies free.
+/// Whether a model is what this solver is for: several things that touch, free or of passive joints, or
+/// sensors, which no other solver has.
 pub fn suits(model: &Model) -> bool {
-    let moving = model.bodies.iter().filter(|b| b.kind == BodyKind::Dynamic);
     let moves = |shape: &model::Shape| {
         let body = shape.body.map(|id| model.bodies[id.0].kind);
         body == Some(BodyKind::Dynamic)
@@ -147,51 +151,63 @@ pub fn suits(model: &Model) -> bool {
     };
     let mut touching = model.shapes.iter().filter(|shape| shape.collides);
     let senses = touching.clone().any(|shape| shape.sensor);
-    let several = moving.take(2).count() == 2;
-    (several || senses) && check(model).is_ok() && touching.all(solid)
+    let drives = |dof: &model::Dof| dof.drive.stiffness > 0.0 || dof.drive.damping > 0.0;
+    let driven = model.joints.iter().flat_map(|j| &j.dofs).any(drives);
+    let passive = !driven && model.actuators.is_empty();
+    let known = check(model).is_ok() && Ties::of(model).is_ok();
+    (senses || passive && several(model)) && known && touching.all(solid)
 }
 
-/// Refuses all but bodies that are free.
+/// Whether several things move on their own, bodies or what joints make of them, and may touch.
+fn several(model: &Model) -> bool {
+    let moves = |body: &BodyId| model.bodies[body.0].kind == BodyKind::Dynamic;
+    let hangs = |body: &BodyId| {
+        let carrier = model.carrier(*body).map(|id| &model.joints[id.0]);
+        let holds = carrier.filter(|joint| joint.kind != JointKind::Free);
+        holds
+            .and_then(|joint| joint.parent)
+            .is_some_and(|p| moves(&p))
+    };
+    let bodies = (0..model.bodies.len()).map(BodyId).filter(moves);
+    let things = bodies.filter(|body| !hangs(body));
+    let free = (0..model.joints.len()).all(|j| is_bare(model, JointId(j)));
+    things.take(2).count() == 2 && (free || CollisionFilter::new(model).pairs().next().is_some())
+}
+
+/// Refuses what ties coordinates together.
 fn check(model: &Model) -> Result<(), SolverError> {
-    let remedy = "use the solver `featherstone` or `xpbd`";
-    for joint in &model.joints {
-        if joint.kind != JointKind::Free || joint.parent.is_some() || joint.closes_loop {
-            return Err(unsupported("the joint", &joint.name, remedy));
-        }
-        if joint.dofs.iter().any(|dof| !is_bare(dof)) {
-            return Err(unsupported(
-                "what acts along the free joint",
-                &joint.name,
-                remedy,
-            ));
-        }
+    match model.couplings.first() {
+        Some(coupling) => Err(unsupported(
+            "the coupling",
+            &coupling.name,
+            "use the solver `xpbd`",
+        )),
+        None => Ok(()),
     }
-    if let Some(actuator) = model.actuators.first() {
-        return Err(unsupported("the actuator", &actuator.name, remedy));
-    }
-    Ok(())
 }
 
-fn is_bare(dof: &Dof) -> bool {
-    let forces = [dof.armature, dof.damping, dof.stiffness, dof.friction_loss];
-    forces == [0.0; 4] && dof.limit.is_none()
+/// The bodies that move, and the row of each body.
+pub(super) fn bodies_and_rows(model: &Model) -> (Vec<BodyId>, Vec<u32>) {
+    let mut rows = vec![WORLD; model.bodies.len()];
+    let mut bodies = Vec::new();
+    for (i, body) in model.bodies.iter().enumerate() {
+        if body.kind == BodyKind::Dynamic {
+            bodies.push(BodyId(i));
+            rows[i] = bodies.len() as u32;
+        }
+    }
+    (bodies, rows)
 }
 
 impl Impulse {
     /// Compiles a model.
     ///
     /// # Errors
-    /// Joints that hold bodies, actuators, a shape that no kernel collides, a mesh that moves.
+    /// Couplings, compliant joints, axes in an order or directions, or a law on a joint, that this solver
+    /// does not know; a shape that no kernel collides, a mesh that moves.
     pub fn new(model: &Model, settings: &Settings) -> Result<Self, SolverError> {
         check(model)?;
-        let mut rows = vec![WORLD; model.bodies.len()];
-        let mut bodies = Vec::new();
-        for (i, body) in model.bodies.iter().enumerate() {
-            if body.kind == BodyKind::Dynamic {
-                bodies.push(BodyId(i));
-                rows[i] = bodies.len() as u32;
-            }
-        }
+        let (bodies, rows) = bodies_and_rows(model);
         let (mut parameters, mut state_length) = (0, 0);
         let row_of = |body: Option<BodyId>| body.map_or(WORLD, |id| rows[id.0]);
         let touching = touching(model);
@@ -203,8 +219,10 @@ impl Impulse {
         let surfaces = shapes.len() + model.contact_pairs.len();
         let mut impulse = Self {
             free: (0..model.joints.len())
+                .filter(|j| is_bare(model, JointId(*j)))
                 .map(|j| Free::new(model, JointId(j), &model.joints[j]))
                 .collect(),
+            ties: Ties::new(model, &rows, &mut parameters, &mut state_length)?,
             paired: paired(model, &shapes),
             mass: Table::place(&mut parameters, bodies.len() + 1),
             frame: Table::place(&mut parameters, model.bodies.len()),
@@ -257,6 +275,7 @@ impl Impulse {
             f.vec3(self.mass, row, mass::INVERSE_MOMENTS, moments.recip());
             f.pose(self.frame, i, 0, own.inverse());
         }
+        self.ties.fill(model, &inner_frames(model), &mut f);
         for (row, collider) in self.shapes.iter().enumerate() {
             let shape = &model.shapes[collider.shape.0];
             let solid = Solid::new(shape, NAME)?;
@@ -282,7 +301,7 @@ impl Impulse {
     }
 
     /// All that two worlds must have in common besides where their numbers lie: who carries which
-    /// shape, what may touch what, where free joints are.
+    /// shape, what may touch what, where joints are.
     fn structure(&self, model: &Model) -> Vec<u32> {
         let mut words = Vec::new();
         for collider in &self.shapes {
@@ -303,6 +322,7 @@ impl Impulse {
         for body in &model.bodies {
             words.extend([body.group as u32, body.world as u32]);
         }
+        self.ties.structure(&mut words);
         for (a, b) in &model.exclusions {
             words.extend([a.map_or(u32::MAX, |a| a.0 as u32), b.0 as u32]);
         }
@@ -371,12 +391,14 @@ impl Impulse {
         let mut state = vec![0.0; self.state_length];
         state[self.alive()] = 1.0;
         state[self.state.at(0, state::ORIENTATION + 3)] = 1.0;
+        self.ties.initial(&mut state);
         self.place(position, velocity, &mut state);
         state
     }
     /// Gives the joints of a state other coordinates and velocities; nothing touches yet.
     pub fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
         self.take_over(&self.tree.bodies(position, velocity), state);
+        self.ties.place(position, &self.parameters, state);
         state[self.remembered.at(0, 0)] = 0.0;
         state[self.forgotten.at(0, 0)] = 0.0;
     }
@@ -409,12 +431,10 @@ impl Impulse {
         let squares = self.gravity(parameters).iter().map(|x| x.to_f64().powi(2));
         squares.sum::<f64>().sqrt()
     }
-    /// The constants of a step: see [`global`].
-    pub fn globals<T: Float>(&self, parameters: &[T]) -> [T; global::WIDTH] {
-        let (long, steps) = (
-            self.settings.substep(),
-            self.settings.contact_iterations as f64,
-        );
+    /// The constants of a step, or of one of the parts into which it is cut: see [`global`].
+    pub fn globals<T: Float>(&self, parameters: &[T], parts: usize) -> [T; global::WIDTH] {
+        let long = self.settings.substep() / parts as f64;
+        let steps = (self.settings.contact_iterations / parts) as f64;
         let [x, y, z] = [0, 1, 2].map(|i| self.gravity(parameters)[i].to_f64());
         let resting = RESTING * self.weight(parameters) * long;
         [
@@ -600,6 +620,7 @@ fn paired(model: &Model, shapes: &[Collider]) -> HashMap<[u32; 2], usize> {
 impl Free {
     fn new(model: &Model, id: JointId, joint: &Joint) -> Self {
         Self {
+            joint: id,
             body: joint.child,
             parent_frame: joint.parent_frame,
             child_frame: joint.child_frame,

@@ -1,4 +1,5 @@
-//! Free bodies that touch, by sequential impulses: piles, towers, thousands of bodies in one world.
+//! Bodies that touch or are jointed, by sequential impulses: piles, towers, ragdolls, thousands of bodies in
+//! one world.
 //!
 //! Projected Gauss–Seidel on velocities (Catto, *Iterative Dynamics with Temporal Coherence*, 2005),
 //! with small steps instead of iterations (Macklin et al., *Small Steps in Physics Simulation*,
@@ -7,17 +8,18 @@
 //!
 //! ```text
 //! place shapes, find pairs, find contacts                                       pair
-//! prepare: arms, effective masses, softness                                     contact
-//! n times:  v ← v + h M⁻¹ f + what the contacts gave in the last small step     body::advance
-//!           impulses that also push surfaces apart                              contact::solve
+//! prepare: arms, effective masses, softness                                     contact, joint
+//! n times:  v ← v + h M⁻¹ f + what these gave in the last small step            body::advance
+//!           impulses that also push surfaces apart, and joints together         contact, joint
 //!           x ← x + h v                                                         body::drift
-//!           impulses alone, so that what was pushed apart does not fly          contact::solve
+//!           where joints stand now                                              joint::place
+//!           impulses alone, so that what was pushed does not fly                contact, joint
 //! bounces                                                                       contact::bounce
 //! turn the bodies; keep angular momentum                                        body::finish
 //! ```
 //!
-//! A lane is a *contact* of two bodies, not a world: a register takes sixteen contacts of one
-//! colour, no two of which share a body. The kernels see one contact and its two bodies; who gathers
+//! A lane is a *contact* of two bodies, or a joint, not a world: a register takes sixteen contacts of
+//! one colour, no two of which share a body. The kernels see one contact and its two bodies; who gathers
 //! their numbers, and in which order colours follow, is the host's business.
 //!
 //! Departures from the sources:
@@ -32,8 +34,10 @@
 //! A mesh and a solid have a contact for each normal. A mesh has no inside: a solid whose centre was
 //! pressed through it is not pushed out again, and falls.
 //!
-//! Limitations: first order in h; turns within a step are linear in what the contacts see of them; no
-//! joints but free ones to the world, whose degrees of freedom are bare. Of surfaces that do not give
+//! Limitations: first order in h; turns within a step are linear in what the contacts see of them. Joints
+//! give way as springs do of an eighth of the frequency of small steps, and all else that acts along their
+//! axes once in each; no couplings, and no compliance. Shapes of one articulation that overlap where its
+//! joints cannot let them part push without bound: exclude them. Of surfaces that do not give
 //! way only the time constant counts, not damping ratio and impedance. What bounces does so in one pass
 //! at the end of a step, and elastic bodies that slide past each other keep their energy to second
 //! order only. Forces are those of the last small step. What is struck within a step can move for the
@@ -42,6 +46,7 @@
 pub mod body;
 pub mod contact;
 mod friction;
+pub mod joint;
 mod layout;
 mod memory;
 pub mod pair;

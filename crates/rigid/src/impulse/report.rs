@@ -7,13 +7,15 @@ use crate::output::{body, contact, reaction, total};
 use collide::FAR;
 use glam::DVec3;
 use numbers::Float;
+use numbers::functions::wrap;
 
 impl Impulse {
     /// Fills the output of a world from its state.
     pub fn report<T: Float>(&self, state: &State<'_, T>, output: &mut [T]) {
         self.report_bodies(state, output);
         self.report_joints(state, output);
-        self.report_sums(state, output);
+        let stored = self.report_ties(state, output);
+        self.report_sums(state, stored, output);
         self.report_contacts(state, output);
     }
 
@@ -42,7 +44,7 @@ impl Impulse {
 
     fn report_joints<T: Float>(&self, state: &State<'_, T>, output: &mut [T]) {
         let long = self.settings.substep();
-        for (joint, free) in self.free.iter().enumerate() {
+        for free in &self.free {
             let row = self.rows[free.body.0] as usize;
             let own = state.pose(row);
             let inner = pose_at(state.parameters, self.frame.at(free.body.0, 0));
@@ -68,16 +70,52 @@ impl Impulse {
             put(output, at + 3, ((w - past_w) / long).to_array());
             put(
                 output,
-                self.output.reaction.at(joint, 0),
+                self.output.reaction.at(free.joint.0, 0),
                 [0.0; reaction::WIDTH],
             );
         }
     }
 
-    fn report_sums<T: Float>(&self, state: &State<'_, T>, output: &mut [T]) {
+    /// All other joints. Returns the energy of springs, and that of armatures [J].
+    fn report_ties<T: Float>(&self, state: &State<'_, T>, output: &mut [T]) -> [f64; 2] {
+        let (long, small) = (self.settings.substep(), self.small_step());
+        let mut energy = [0.0; 2];
+        for (i, tie) in self.ties.list.iter().enumerate() {
+            let seen = state.see(i);
+            let (rows, quaternion) = tie.reported();
+            for (row, coordinate, dof, turns) in rows {
+                let [now, past] = [0, 1].map(|i| seen.rates[i][row]);
+                put(output, self.output.velocity.at(dof, 0), [now]);
+                let acceleration = (now - past) / long;
+                put(output, self.output.acceleration.at(dof, 0), [acceleration]);
+                if let Some(coordinate) = coordinate {
+                    let value = seen.value[row];
+                    let value = if turns { wrap(value) } else { value };
+                    put(output, self.output.position.at(coordinate, 0), [value]);
+                }
+            }
+            if let Some(first) = quaternion {
+                let at = self.output.position.at(first, 0);
+                put(output, at, seen.turn.to_array());
+            }
+            let [torque, force] = seen.impulse.map(|x| (x / small).to_array());
+            let at = self.output.reaction.at(tie.joint.0, 0);
+            put(output, at + reaction::FORCE, force);
+            put(output, at + reaction::TORQUE, torque);
+            energy = [0, 1].map(|i| energy[i] + seen.energy[i]);
+        }
+        energy
+    }
+
+    /// Length of a small step [s].
+    fn small_step(&self) -> f64 {
+        self.settings.substep() / self.settings.contact_iterations.max(1) as f64
+    }
+
+    fn report_sums<T: Float>(&self, state: &State<'_, T>, stored: [f64; 2], output: &mut [T]) {
         let g = self.gravity(state.parameters);
         let gravity = DVec3::new(g[0].to_f64(), g[1].to_f64(), g[2].to_f64());
-        let (mut kinetic, mut potential) = (0.0, 0.0);
+        let [mut potential, mut kinetic] = stored;
         let (mut momentum, mut angular) = (DVec3::ZERO, DVec3::ZERO);
         for row in 1..self.rows() {
             let numbers = self.mass_of(row, state.parameters);
@@ -99,7 +137,7 @@ impl Impulse {
 
     /// The force on the shape that moves, as impulses of the last small step.
     fn report_contacts<T: Float>(&self, state: &State<'_, T>, output: &mut [T]) {
-        let small = self.settings.substep() / self.settings.contact_iterations.max(1) as f64;
+        let small = self.small_step();
         let mut row = 0;
         for i in 0..self.remembered(state.state) {
             let touch = self.recall(i, state.state).contact();

@@ -11,9 +11,9 @@ use super::seats::{Seats, jointed};
 use super::topology::closings;
 use crate::contacts::{ContactPlan, ContactTables};
 use crate::output::{OutputTables, body, contact};
-use crate::tables::Filler;
+use crate::tables::{Filler, frame};
 use crate::{InputTables, Settings, SolverError};
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DQuat, DVec3};
 use model::{
     AxisKind, Body, BodyId, BodyKind, Joint, JointId, JointKind, MassProperties, Model, Pose,
     ShapeId,
@@ -376,36 +376,7 @@ pub(crate) struct Group {
 
 impl Group {
     fn new(index: usize, joint: &Joint, model: &Model) -> Result<Self, SolverError> {
-        let of = |kind| -> Vec<usize> {
-            (0..joint.axes.len())
-                .filter(|&i| joint.axes[i].kind == kind)
-                .collect()
-        };
-        let (linear, angular) = (of(AxisKind::Linear), of(AxisKind::Angular));
-        let refuse = |what, remedy| {
-            Err(SolverError::Unsupported {
-                solver: NAME,
-                what,
-                name: joint.name.clone(),
-                remedy,
-            })
-        };
-        if linear
-            .iter()
-            .any(|l| angular.first().is_some_and(|a| a < l))
-        {
-            return refuse(
-                "a linear axis after an angular one",
-                "order them linear first, or use the solver `featherstone`",
-            );
-        }
-        let anchors: Vec<_> = angular.iter().map(|&i| joint.axes[i].anchor).collect();
-        if anchors.iter().any(|a| a.distance(anchors[0]) > 1e-12) {
-            return refuse(
-                "axes that do not meet",
-                "split the joint, or use the solver `featherstone`",
-            );
-        }
+        let (linear, angular) = crate::check::axes(joint, NAME)?;
         let acts = joint.dofs.iter().any(laws::acts)
             || model.actuators.iter().any(|a| a.joint.0 == index)
             || model
@@ -420,18 +391,6 @@ impl Group {
             tracked,
         })
     }
-}
-
-/// The frame whose first columns are the given directions, made orthonormal.
-fn frame(directions: &[DVec3]) -> DQuat {
-    let Some(&x) = directions.first() else {
-        return DQuat::IDENTITY;
-    };
-    let y = match directions.get(1) {
-        Some(&d) if d.cross(x).length() > 1e-6 => (d - x * d.dot(x)).normalize(),
-        _ => x.any_orthonormal_vector(),
-    };
-    DQuat::from_mat3(&DMat3::from_cols(x, y, x.cross(y)))
 }
 
 impl Tables {

@@ -33,7 +33,7 @@ pub(super) struct Bodies<'a, T: Float> {
 
 /// The same constants in every lane, where a kernel looks for them.
 #[inline(always)]
-fn spread<R: Lanes, const N: usize>(globals: &[R::Scalar; global::WIDTH]) -> [R; N] {
+pub(super) fn spread<R: Lanes, const N: usize>(globals: &[R::Scalar; global::WIDTH]) -> [R; N] {
     let mut registers = [R::zero(); N];
     for i in 0..global::WIDTH {
         registers[i] = R::splat(globals[i]);

@@ -1,6 +1,6 @@
-//! Worlds of free bodies that touch: the host's side of [`rigid::impulse`].
+//! Worlds of bodies that touch, free or jointed: the host's side of [`rigid::impulse`].
 //!
-//! A world of any number of bodies is stepped in the order of `World::step`. Lanes take contacts of
+//! A world of any number of bodies is stepped in the order of `World::step`. Lanes take contacts, or joints, of
 //! one colour (`colours`), threads share the batches of each colour and go on when all are done
 //! (`team`). Neither changes any number: what is solved side by side shares nothing.
 
@@ -9,6 +9,7 @@ mod broad_phase;
 mod colours;
 mod islands;
 mod jobs;
+mod joints;
 mod narrow_phase;
 mod sleep;
 mod solve;
@@ -28,7 +29,7 @@ use rigid::{Lengths, OutputTables, SolverError};
 use std::sync::{Arc, Mutex, PoisonError};
 use world::{Workspace, World};
 
-/// A model of free bodies at a precision.
+/// A model at a precision.
 pub(crate) struct Piles<T: Float> {
     impulse: Impulse,
     /// Which shapes may touch; none where bodies pass through each other.
@@ -71,6 +72,7 @@ impl<T: Float> Piles<T> {
             team,
             input: block.input,
             parameters: block.parameters,
+            parts: 1,
         };
         for _ in 0..steps {
             if block.state[self.impulse.alive()] == T::zero() {

@@ -1,14 +1,16 @@
 //! Bodies that have been slow for long sleep, island by island, until something touches them.
 //!
-//! An island sleeps when each of its bodies has been slow for [`SLEEP_AFTER`], and it rests on
-//! something that does not move. Nothing of it is looked at then, and its contacts are kept as they
-//! were. What moves into it, or a force from outside on one of its bodies, wakes all of it.
+//! An island is bodies that press on each other, or that joints tie. It sleeps when each of its bodies
+//! has been slow for [`SLEEP_AFTER`], and it rests on something that does not move, or is tied to it.
+//! Nothing of it is looked at then, and its contacts and joints are kept as they were. What moves into
+//! it, a force from outside on one of its bodies, or a controller that moves one of its joints, wakes
+//! all of it.
 
 use super::islands::Islands;
 use super::world::{Workspace, World};
 use numbers::Float;
 use rigid::impulse::pair::{placed, solid};
-use rigid::impulse::{Cached, SLEEP_AFTER, WORLD, state};
+use rigid::impulse::{Cached, SLEEP_AFTER, WORLD, mass, state};
 
 /// Gap [m] at which two shapes touch even if nothing moves.
 pub(super) const NEARBY: f64 = 1e-4;
@@ -69,6 +71,12 @@ impl<T: Float> Sleep<T> {
         }
         self.asleep[body]
     }
+    /// Wakes two bodies.
+    pub fn wake(&mut self, rows: [u32; 2]) {
+        for row in rows {
+            (self.asleep[row as usize], self.rest[row as usize]) = (false, 0.0);
+        }
+    }
     fn is_asleep(&self, body: u32) -> bool {
         self.asleep[body as usize]
     }
@@ -86,7 +94,7 @@ impl<T: Float> World<'_, T> {
         }
     }
 
-    /// Wakes the islands that what is awake touches; tells whether any woke.
+    /// Wakes the islands that what is awake touches, or is tied to; tells whether any woke.
     pub fn wake_touched(&self, w: &mut Workspace<T>) -> bool {
         let sleep = &mut w.sleep;
         let bodies = sleep.asleep.len();
@@ -100,7 +108,20 @@ impl<T: Float> World<'_, T> {
                 sleep.islands.join(a, b);
             }
         }
+        for (_, [a, b]) in self.joints() {
+            if sleep.asleep[a as usize] && sleep.asleep[b as usize] {
+                sleep.islands.join(a, b);
+            }
+        }
         refill(&mut sleep.touched, bodies, false);
+        for (_, [a, b]) in self.joints().filter(|(_, rows)| !rows.contains(&WORLD)) {
+            for (sleeper, other) in [(a, b), (b, a)] {
+                if sleep.is_asleep(sleeper) && !sleep.is_asleep(other) {
+                    let island = sleep.islands.of(sleeper);
+                    sleep.touched[island as usize] = true;
+                }
+            }
+        }
         for contact in &w.found {
             let [a, b] = self.rows_of(contact);
             let way = contact
@@ -176,27 +197,33 @@ impl<T: Float> World<'_, T> {
         }
     }
 
-    /// Bodies that press on each other, and which of their islands rest on something fixed.
+    /// Bodies that press on each other or are tied, and which of their islands something fixed holds.
     fn find_islands(&self, w: &mut Workspace<T>) {
         let sleep = &mut w.sleep;
         let bodies = sleep.asleep.len();
         sleep.islands.separate(bodies);
         refill(&mut sleep.grounded, bodies, false);
-        for contact in w.contacts.iter().filter(|contact| contact.presses()) {
-            let [a, b] = self.rows_of(contact);
-            if a != WORLD && b != WORLD {
-                sleep.islands.join(a, b);
-            }
+        let pressed = w.contacts.iter().filter(|contact| contact.presses());
+        let ties = self.joints().map(|(_, rows)| rows);
+        let links = pressed.map(|contact| self.rows_of(contact)).chain(ties);
+        for [a, b] in links.clone().filter(|rows| !rows.contains(&WORLD)) {
+            sleep.islands.join(a, b);
         }
-        for contact in w.contacts.iter().filter(|contact| contact.presses()) {
-            let [a, b] = self.rows_of(contact);
-            if a == WORLD || b == WORLD {
-                let island = sleep.islands.of(a.max(b)) as usize;
-                sleep.grounded[island] = true;
-            }
+        for [a, b] in links.filter(|rows| rows.contains(&WORLD)) {
+            let island = sleep.islands.of(a.max(b)) as usize;
+            sleep.grounded[island] = true;
         }
     }
 
+    /// The largest radius of gyration [m] of a body: it may have no shapes.
+    fn gyration(&self, row: usize) -> f64 {
+        let numbers = self.impulse().mass_of(row, self.parameters);
+        let moments = numbers[mass::MOMENTS..][..3].iter().map(|x| x.to_f64());
+        let most = moments.fold(0.0, f64::max);
+        (most / numbers[mass::MASS].to_f64()).sqrt()
+    }
+
+    /// How far bodies reach from their centres of mass: their shapes, or else their masses.
     fn find_radii(&self, w: &mut Workspace<T>) {
         let radii = &mut w.sleep.radii;
         refill(radii, w.sleep.asleep.len(), 0.0);
@@ -207,6 +234,8 @@ impl<T: Float> World<'_, T> {
             let radius = &mut radii[shape.row as usize];
             *radius = radius.max(center + numbers[solid::RADIUS].to_f64());
         }
+        let bare = radii.iter_mut().enumerate().skip(1).filter(|r| *r.1 == 0.0);
+        bare.for_each(|(row, radius)| *radius = self.gyration(row));
     }
 }
 

@@ -3,17 +3,22 @@
 use super::batches::Batch;
 use super::colours::Colours;
 use super::jobs::{Bodies, BodyRows, BodyStage, ContactStage, Contacts};
+use super::joints::{JointBatch, JointStage, Joints};
 use super::team::{Member, Parts, parts, together};
 use super::world::Workspace;
 use crate::jobs::Lane;
 use numbers::Float;
-use rigid::impulse::{Cached, Impulse, global};
+use rigid::impulse::{Cached, Impulse, State, global};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// How to solve the contacts of a step.
+/// How to solve the contacts and joints of a step.
 pub(super) struct Solver<'a, T> {
     pub impulse: &'a Impulse,
     pub parameters: &'a [T],
+    pub input: &'a [T],
+    /// Length of the step [s], and how many small steps it has.
+    pub length: f64,
+    pub small_steps: usize,
     pub lane: Lane,
     /// Contacts in a batch.
     pub width: usize,
@@ -26,42 +31,88 @@ struct Scene<'a, T: Float> {
     rows: &'a BodyRows<T>,
     masses: &'a [T],
     contacts: &'a [Cached<T>],
+    joints: &'a [u32],
+    state: State<'a, T>,
+    armature: bool,
     bounces: AtomicBool,
 }
 
 /// The work of a step in parts, for threads to share.
 struct Shares<'a, T> {
-    /// Of each colour, runs of its batches.
+    /// Of each colour of contacts, runs of its batches.
     colours: Vec<Parts<Vec<Batch<'a, T>>>>,
+    /// The same of joints.
+    joints: Vec<Parts<Vec<JointBatch<'a, T>>>>,
     /// Runs of bodies.
     bodies: Parts<&'a [u32]>,
 }
 
-/// Contacts that are worth a thread.
+/// How many parts each colour, and the bodies, are cut into.
+fn pieces(team: usize) -> usize {
+    if team == 1 { 1 } else { PARTS * team }
+}
+
+/// Batches in parts; what has no colour is one part, since it is solved in turn.
+fn shares<B>(
+    mut batches: impl Iterator<Item = B>,
+    colours: &Colours,
+    team: usize,
+) -> Vec<Parts<Vec<B>>> {
+    let last = colours.colours.len().wrapping_sub(1);
+    let of_colour = |(i, colour): (usize, &std::ops::Range<usize>)| {
+        let in_turn = colours.uncoloured && i == last;
+        let pieces = if in_turn { 1 } else { pieces(team) };
+        let cut = |piece: usize| colour.len() * piece / pieces;
+        let sizes = (0..pieces).map(|piece| cut(piece + 1) - cut(piece));
+        let taken = sizes.filter(|size| *size > 0);
+        parts(taken.map(|size| batches.by_ref().take(size).collect()))
+    };
+    colours.colours.iter().enumerate().map(of_colour).collect()
+}
+
+/// Contacts, or joints, that are worth a thread.
 const WORTH_SHARING: usize = 128;
 /// Parts for each thread, of each colour and of the bodies.
 const PARTS: usize = 2;
 
 impl<T: Float> Solver<'_, T> {
-    /// Solves the contacts of a workspace, and moves its bodies.
-    pub fn run(&self, w: &mut Workspace<T>) {
+    /// Solves the contacts and joints of a workspace, and moves its bodies.
+    pub fn run(&self, state: &[T], w: &mut Workspace<T>) {
         let row = |s: u32| self.impulse.shapes()[s as usize].row;
         w.ends.clear();
         let ends = w.contacts.iter().map(|c| (c.shapes.map(row), c.count));
         w.ends.extend(ends);
         w.colours.paint(&w.ends, self.impulse.rows(), self.width);
         w.lanes.make_room(w.colours.batches.len(), self.width);
+        w.joint_colours
+            .paint(&w.joint_ends, self.impulse.rows(), self.width);
+        w.joint_lanes
+            .make_room(w.joint_colours.batches.len(), self.width);
         let scene = Scene {
             rows: &w.rows,
             masses: self.impulse.masses(self.parameters),
             contacts: &w.contacts,
+            joints: &w.joints,
+            state: State {
+                impulse: self.impulse,
+                state,
+                parameters: self.parameters,
+            },
+            armature: !w.joint_ends.is_empty() && self.impulse.has_armature(self.parameters),
             bounces: AtomicBool::new(false),
         };
         let members = (0..w.colours.batches.len()).map(|batch| w.colours.batch(batch));
         let batches = w.lanes.batches(members, self.width);
-        let worth = w.colours.batches.len() * self.width / WORTH_SHARING;
+        let joint_members = (0..w.joint_colours.batches.len()).map(|b| w.joint_colours.batch(b));
+        let joint_batches = w.joint_lanes.batches(joint_members, self.width);
+        let all = w.colours.batches.len() + w.joint_colours.batches.len();
+        let worth = all * self.width / WORTH_SHARING;
         let team = self.team.min(worth).max(1);
-        let shares = self.shares(batches, &w.colours, &w.awake, team);
+        let shares = Shares {
+            colours: shares(batches, &w.colours, team),
+            joints: shares(joint_batches, &w.joint_colours, team),
+            bodies: self.share_bodies(&w.awake, team),
+        };
         together(team, |member| self.work(&scene, &shares, member));
         drop(shares);
         for batch in 0..w.colours.batches.len() {
@@ -69,29 +120,10 @@ impl<T: Float> Solver<'_, T> {
         }
     }
 
-    /// Batches and bodies in parts; what has no colour is one part, since it is solved in turn.
-    fn shares<'a>(
-        &self,
-        mut batches: impl Iterator<Item = Batch<'a, T>>,
-        colours: &Colours,
-        awake: &'a [u32],
-        team: usize,
-    ) -> Shares<'a, T> {
-        let pieces = if team == 1 { 1 } else { PARTS * team };
-        let last = colours.colours.len().wrapping_sub(1);
-        let of_colour = |(i, colour): (usize, &std::ops::Range<usize>)| {
-            let in_turn = colours.uncoloured && i == last;
-            let pieces = if in_turn { 1 } else { pieces };
-            let cut = |piece: usize| colour.len() * piece / pieces;
-            let sizes = (0..pieces).map(|piece| cut(piece + 1) - cut(piece));
-            let taken = sizes.filter(|size| *size > 0);
-            parts(taken.map(|size| batches.by_ref().take(size).collect()))
-        };
-        let run = (awake.len() / self.width).div_ceil(pieces).max(1) * self.width;
-        Shares {
-            colours: colours.colours.iter().enumerate().map(of_colour).collect(),
-            bodies: parts(awake.chunks(run)),
-        }
+    /// Bodies in parts.
+    fn share_bodies<'a>(&self, awake: &'a [u32], team: usize) -> Parts<&'a [u32]> {
+        let run = (awake.len() / self.width).div_ceil(pieces(team)).max(1) * self.width;
+        parts(awake.chunks(run))
     }
 
     /// All small steps, as one member of the team goes through them.
@@ -106,25 +138,46 @@ impl<T: Float> Solver<'_, T> {
                 self.contacts(scene, batches, ContactStage::Prepare);
             });
         }
-        let colours = |member: &mut Member<'_>, stage| {
+        for colour in &shares.joints {
+            member.stage(colour, |batches| {
+                for batch in batches.iter_mut() {
+                    batch.fill(scene.joints, &scene.state, self.input, self.length);
+                }
+                self.joints(scene, batches, JointStage::Place);
+            });
+        }
+        let contacts = |member: &mut Member<'_>, stage| {
             for colour in &shares.colours {
                 member.stage(colour, |batches| self.contacts(scene, batches, stage));
+            }
+        };
+        let joints = |member: &mut Member<'_>, stage| {
+            for colour in &shares.joints {
+                member.stage(colour, |batches| self.joints(scene, batches, stage));
             }
         };
         let bodies = |member: &mut Member<'_>, stage| {
             member.stage(&shares.bodies, |index| self.bodies(scene, index, stage));
         };
-        for step in 0..self.impulse.settings().contact_iterations {
+        for step in 0..self.small_steps {
+            if scene.armature {
+                joints(&mut member, JointStage::Measure);
+            }
             bodies(&mut member, BodyStage::Advance { again: step > 0 });
             if step == 0 {
-                colours(&mut member, ContactStage::WarmStart);
+                contacts(&mut member, ContactStage::WarmStart);
+                joints(&mut member, JointStage::WarmStart);
             }
-            colours(&mut member, ContactStage::Solve { pushing: true });
+            contacts(&mut member, ContactStage::Solve { pushing: true });
+            joints(&mut member, JointStage::Solve { pushing: true });
             bodies(&mut member, BodyStage::Drift);
-            colours(&mut member, ContactStage::Solve { pushing: false });
+            joints(&mut member, JointStage::Place);
+            contacts(&mut member, ContactStage::Solve { pushing: false });
+            joints(&mut member, JointStage::Solve { pushing: false });
         }
         if scene.bounces.load(Ordering::Relaxed) {
-            colours(&mut member, ContactStage::Bounce);
+            contacts(&mut member, ContactStage::Bounce);
+            joints(&mut member, JointStage::Solve { pushing: false });
         }
     }
 
@@ -133,6 +186,15 @@ impl<T: Float> Solver<'_, T> {
             rows: scene.rows,
             index,
             masses: scene.masses,
+            globals: self.globals,
+            stage,
+        });
+    }
+
+    fn joints(&self, scene: &Scene<'_, T>, batches: &mut [JointBatch<'_, T>], stage: JointStage) {
+        self.lane.run(Joints {
+            rows: scene.rows,
+            batches,
             globals: self.globals,
             stage,
         });

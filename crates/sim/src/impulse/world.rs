@@ -5,6 +5,7 @@ use super::batches::Lanes;
 use super::broad_phase::BroadPhase;
 use super::colours::Colours;
 use super::jobs::{Bodies, BodyRows, BodyStage, Shapes};
+use super::joints::JointLanes;
 use super::narrow_phase::Scene;
 use super::sleep::Sleep;
 use super::solve::Solver;
@@ -33,6 +34,11 @@ pub(super) struct Workspace<T: Float> {
     /// Bodies and number of points of each contact.
     pub ends: Vec<([u32; 2], usize)>,
     pub lanes: Lanes<T>,
+    /// Joints of bodies that are awake: their bodies, and which they are.
+    pub joint_ends: Vec<([u32; 2], usize)>,
+    pub joints: Vec<u32>,
+    pub joint_colours: Colours,
+    pub joint_lanes: JointLanes<T>,
 }
 
 impl<T: Float> Default for Workspace<T> {
@@ -52,11 +58,16 @@ impl<T: Float> Default for Workspace<T> {
             colours: Colours::default(),
             ends: Vec::new(),
             lanes: Lanes::default(),
+            joint_ends: Vec::new(),
+            joints: Vec::new(),
+            joint_colours: Colours::default(),
+            joint_lanes: JointLanes::default(),
         }
     }
 }
 
 /// A world, but for its state.
+#[derive(Clone, Copy)]
 pub(super) struct World<'a, T: Float> {
     pub piles: &'a Piles<T>,
     pub lane: Lane,
@@ -64,12 +75,42 @@ pub(super) struct World<'a, T: Float> {
     pub team: usize,
     pub input: &'a [T],
     pub parameters: &'a [T],
+    /// Into how many parts the step is cut.
+    pub parts: usize,
 }
 
 impl<T: Float> World<'_, T> {
     /// Advances the world by a step; a state that would not be finite is not taken.
     pub fn step(&self, state: &mut [T], w: &mut Workspace<T>) {
-        let globals = self.impulse().globals(self.parameters);
+        let parts = self.parts_of(state);
+        for part in 0..parts {
+            if state[self.impulse().alive()] > T::zero() {
+                World { parts, ..*self }.advance(state, w, part == 0);
+            }
+        }
+    }
+
+    /// Into how many parts a step is cut: bodies that joints hold may turn by no more than [`TURN`] in
+    /// each, since their inertia is that of when it began. A chain that cracks like a whip flew apart at
+    /// a third of a radian.
+    fn parts_of(&self, state: &[T]) -> usize {
+        let impulse = self.impulse();
+        let spin = |row: u32| {
+            let at = impulse.body_state(row as usize) + state::VELOCITY + 3;
+            let squares = state[at..at + 3].iter().map(|x| x.to_f64().powi(2));
+            squares.sum::<f64>()
+        };
+        let spins = self.joints().map(|(_, [a, b])| spin(a).max(spin(b)));
+        let turn = spins.fold(0.0, f64::max).sqrt() * self.length();
+        let steps = self.small_steps();
+        let divides = |parts: &usize| steps.is_multiple_of(*parts);
+        let short = |parts: &usize| turn <= TURN * *parts as f64;
+        (1..steps).filter(divides).find(short).unwrap_or(steps)
+    }
+
+    /// Advances the world by a part of a step.
+    fn advance(&self, state: &mut [T], w: &mut Workspace<T>, first: bool) {
+        let globals = self.impulse().globals(self.parameters, self.parts);
         self.load(state, w);
         self.bodies(w, &globals, BodyStage::Begin);
         self.place(w, &globals);
@@ -79,17 +120,22 @@ impl<T: Float> World<'_, T> {
         let solver = Solver {
             impulse: &self.piles.impulse,
             parameters: self.parameters,
+            input: self.input,
+            length: self.length(),
+            small_steps: self.small_steps(),
             lane: self.lane,
             width: self.width(),
             team: self.team,
             globals: &globals,
         };
-        solver.run(w);
+        self.take_joints(w);
+        solver.run(state, w);
         self.bodies(w, &globals, BodyStage::Finish);
         if !self.is_sound(w) {
             return self.give_up(state);
         }
-        self.store(state, w);
+        self.store(state, w, first);
+        self.keep_joints(state, w);
         self.rest(state, w);
         if !(w.sleep.frozen.is_empty() && w.sensed.is_empty()) {
             w.contacts.append(&mut w.sleep.frozen);
@@ -97,6 +143,42 @@ impl<T: Float> World<'_, T> {
             w.contacts.sort_by_key(Cached::key);
         }
         self.impulse().remember(&mut w.contacts, state);
+    }
+
+    /// Wakes what a controller moves by joints.
+    fn stir(&self, state: &State<'_, T>, w: &mut Workspace<T>) {
+        if w.sleep.asleep.contains(&true) {
+            for (tie, rows) in self.joints() {
+                if self.impulse().stirs(tie, state, self.input) {
+                    w.sleep.wake(rows);
+                }
+            }
+        }
+    }
+
+    /// The joints that do anything, with the rows of their bodies.
+    pub fn joints(&self) -> impl Iterator<Item = (usize, [u32; 2])> + Clone {
+        let all = 0..self.impulse().ties();
+        all.filter_map(|tie| Some((tie, self.impulse().tied_rows(tie)?)))
+    }
+
+    /// The joints of all that is awake.
+    fn take_joints(&self, w: &mut Workspace<T>) {
+        w.joints.clear();
+        w.joint_ends.clear();
+        let awake = |row: &u32| *row != WORLD && !w.sleep.asleep[*row as usize];
+        for (tie, rows) in self.joints().filter(|(_, rows)| rows.iter().any(awake)) {
+            w.joints.push(tie as u32);
+            w.joint_ends.push((rows, 0));
+        }
+    }
+
+    fn keep_joints(&self, state: &mut [T], w: &Workspace<T>) {
+        for batch in 0..w.joint_colours.batches.len() {
+            let members = w.joint_colours.batch(batch).iter();
+            let joints = members.map(|member| w.joints[*member as usize] as usize);
+            w.joint_lanes.read(batch, joints, self.impulse(), state);
+        }
     }
 
     pub fn impulse(&self) -> &Impulse {
@@ -110,9 +192,13 @@ impl<T: Float> World<'_, T> {
             self.lane.isa.width::<T>()
         }
     }
-    /// Length of a step [s].
+    /// Length of a step, or of a part of it [s].
     pub fn length(&self) -> f64 {
-        self.impulse().settings().substep()
+        self.impulse().settings().substep() / self.parts as f64
+    }
+    /// How many small steps that has.
+    fn small_steps(&self) -> usize {
+        self.impulse().settings().contact_iterations / self.parts
     }
 
     /// Bodies from the state to their rows; which of them are awake.
@@ -143,6 +229,7 @@ impl<T: Float> World<'_, T> {
                 }
             }
         }
+        self.stir(&numbers, w);
         self.wake_up(w);
     }
 
@@ -210,13 +297,12 @@ impl<T: Float> World<'_, T> {
     ) -> Result<(), space::SpaceError> {
         let impulse = self.impulse();
         w.contacts.clear();
-        let Some(filter) = &self.piles.filter else {
-            return Ok(());
-        };
-        let parameters = self.parameters;
-        let found = &mut w.candidates;
-        w.broad_phase
-            .find(impulse, filter, &w.placed, parameters, found)?;
+        w.candidates.clear();
+        if let Some(filter) = &self.piles.filter {
+            let (found, parameters) = (&mut w.candidates, self.parameters);
+            w.broad_phase
+                .find(impulse, filter, &w.placed, parameters, found)?;
+        }
         self.remember_sleepers(state, w);
         self.narrow_phase(w);
         while self.wake_touched(w) {
@@ -285,10 +371,12 @@ impl<T: Float> World<'_, T> {
         state[self.impulse().alive()] = T::zero();
     }
 
-    fn store(&self, state: &mut [T], w: &Workspace<T>) {
+    fn store(&self, state: &mut [T], w: &Workspace<T>, first: bool) {
         for &body in w.awake.iter().filter(|body| **body != WORLD) {
             let to = &mut state[self.impulse().body_state(body as usize)..][..state::WIDTH];
-            to.copy_within(state::VELOCITY..state::VELOCITY + 6, state::BEFORE);
+            if first {
+                to.copy_within(state::VELOCITY..state::VELOCITY + 6, state::BEFORE);
+            }
             for (i, x) in to[state::CENTER..][..7].iter_mut().enumerate() {
                 *x = w.rows.load(body as usize, row::CENTER + i);
             }
@@ -299,6 +387,8 @@ impl<T: Float> World<'_, T> {
     }
 }
 
+/// Longest turn [rad] of a body that joints hold, while its inertia is taken not to turn.
+const TURN: f64 = 0.125;
 /// Nothing is farther from the origin [m].
 const FARTHEST: f64 = 1e9;
 /// Registers of bodies, or contacts, that are worth another thread.

@@ -15,6 +15,8 @@ pub enum Method {
     Featherstone(Integrator),
     /// With so many substeps per step.
     Xpbd(usize),
+    /// With so many small steps per step.
+    Impulse(usize),
 }
 
 pub const EULER: Method = Method::Featherstone(Integrator::SemiImplicitEuler);
@@ -22,8 +24,9 @@ pub const EXPLICIT_EULER: Method = Method::Featherstone(Integrator::ExplicitEule
 pub const VERLET: Method = Method::Featherstone(Integrator::Verlet);
 pub const RK4: Method = Method::Featherstone(Integrator::RungeKutta4);
 pub const XPBD: Method = Method::Xpbd(1);
-/// Both solvers as they come.
-pub const BOTH: [Method; 2] = [EULER, XPBD];
+pub const IMPULSE: Method = Method::Impulse(1);
+/// All solvers as they come.
+pub const SOLVERS: [Method; 3] = [EULER, XPBD, IMPULSE];
 
 impl Method {
     /// Settings of so many worlds with a time step h [s].
@@ -41,6 +44,12 @@ impl Method {
                 settings.solver = SolverKind::Xpbd;
                 settings.contacts = false;
                 settings.step.substeps = substeps;
+            }
+            Self::Impulse(steps) => {
+                settings.solver = SolverKind::Impulse;
+                settings.contacts = false;
+                settings.step.contact_iterations = steps;
+                settings.step.sleep_speed = 0.0;
             }
         }
         settings

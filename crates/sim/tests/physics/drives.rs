@@ -1,6 +1,6 @@
 //! What acts along a degree of freedom, one law at a time.
 //!
-//! Along one coordinate of effective mass m both solvers take a spring k with rest r, a damper d with
+//! Along one coordinate of effective mass m all solvers take a spring k with rest r, a damper d with
 //! speed w and a force f at the end of the step, which is implicit Euler:
 //!
 //! ```text
@@ -48,12 +48,12 @@ impl Law {
     }
 }
 
-/// Both methods on a slider and on a wheel, with their names.
+/// All methods on a slider and on a wheel, with their names.
 fn cases(configure: impl Fn(&mut JointDraft)) -> Vec<(String, Simulation<f64>)> {
     let models = [slider(&configure), wheel(&configure)];
     let all = models
         .iter()
-        .flat_map(|model| BOTH.map(|method| (model, method)));
+        .flat_map(|model| SOLVERS.map(|method| (model, method)));
     all.map(|(model, method)| {
         (
             format!("{} {method:?}", model.name),
@@ -310,7 +310,7 @@ fn turning_axes_take_the_short_way() {
         damping: 1.0,
         inertia: 0.0,
     };
-    for method in BOTH {
+    for method in SOLVERS {
         for (limit, way) in [(None, 20.0), (Some(limit), -340.0)] {
             let model = wheel(|j| {
                 j.drive(drive).initial(&[170_f64.to_radians()]);
@@ -518,7 +518,7 @@ fn armature_slows_a_fall() {
         force: -m * G,
         ..Law::default()
     };
-    for method in BOTH {
+    for method in SOLVERS {
         let mut simulation = method.simulate::<f64>(&model, H);
         follows(&format!("{method:?}"), &mut simulation, 1000, |_, x| {
             law.step(x)
@@ -591,7 +591,7 @@ fn actuators() {
         ),
     ];
     for (model, law) in cases {
-        for method in BOTH {
+        for method in SOLVERS {
             let mut simulation = method.simulate::<f64>(&model, H);
             simulation.controls().set_control(0, &[3.0]).unwrap();
             let name = format!("{} {method:?}", model.actuators[0].name);

@@ -37,7 +37,7 @@ fn ball_joint_follows_a_target_across_180_degrees() {
     let model = world.build().unwrap();
     let axis = DVec3::new(1.0, 2.0, -2.0) / 3.0;
     let steps = (2.0 * TAU / rate / H) as usize;
-    for method in BOTH {
+    for method in SOLVERS {
         let mut simulation = method.simulate::<f64>(&model, H);
         let start = rotation(axis * (-PI - lag));
         simulation
@@ -81,7 +81,7 @@ fn ball_joint_turns_the_short_way() {
         ..Drive::default()
     });
     let model = world.build().unwrap();
-    for method in BOTH {
+    for method in SOLVERS {
         for axis in [DVec3::X, -DVec3::Y, DVec3::new(2.0, -1.0, 2.0) / 3.0] {
             let mut simulation = method.simulate::<f64>(&model, H);
             let target = axis * 179.9_f64.to_radians();
@@ -186,7 +186,7 @@ fn plane_xz_joint_slides_and_turns_in_its_plane() {
     let puck = body(object, "puck", 1.5, DVec3::ZERO, DVec3::new(0.1, 0.15, 0.1));
     object.plane_xz("plane", puck);
     let model = world.build().unwrap();
-    for method in BOTH {
+    for method in SOLVERS {
         let mut simulation = method.simulate::<f64>(&model, H);
         simulation
             .set_joint_state(0, &[0.0; 3], &[1.0, -2.0, 1.0])
@@ -198,7 +198,13 @@ fn plane_xz_joint_slides_and_turns_in_its_plane() {
         simulation.step(1000);
         let outputs = simulation.outputs();
         let a = DVec3::new(gravity.x + 0.6 / 1.5, 0.0, gravity.z);
-        let expected = DVec3::new(1.0, 0.0, -2.0) + gone(1000, a);
+        // In impulse the plane is a spring of an eighth of the frequency of small steps.
+        let sag = if method == IMPULSE {
+            G * (H * 8.0 / TAU).powi(2)
+        } else {
+            0.0
+        };
+        let expected = DVec3::new(1.0, -sag, -2.0) + gone(1000, a);
         near(
             format!("{method:?} place"),
             outputs.body_position(0, BodyId(0)),
@@ -248,7 +254,7 @@ fn d6_joint_with_a_plane_of_freedom_flies() {
     ];
     object.d6("plane", plate, &axes);
     let model = world.build().unwrap();
-    for method in BOTH {
+    for method in SOLVERS {
         let mut simulation = method.simulate::<f64>(&model, H);
         simulation
             .set_joint_state(0, &[0.0; 3], &[2.0, 5.0, 3.0])
@@ -310,7 +316,7 @@ fn d6_joint_with_all_axes_is_free() {
     }
 }
 
-/// Joints of every count of axes, in one chain under gravity; both solvers tend to the same motion,
+/// Joints of every count of axes, in one chain under gravity; all solvers tend to the same motion,
 /// each at its order.
 fn menagerie(axes: &[Axis]) -> Model {
     let mut world = Builder::new("menagerie");
@@ -329,7 +335,7 @@ fn menagerie(axes: &[Axis]) -> Model {
 }
 
 #[test]
-fn both_solvers_tend_to_the_same_motion_of_d6_joints() {
+fn all_solvers_tend_to_the_same_motion_of_d6_joints() {
     let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z];
     let oblique = DVec3::new(1.0, 2.0, 0.5).normalize();
     let cases = [
@@ -360,7 +366,7 @@ fn both_solvers_tend_to_the_same_motion_of_d6_joints() {
             [outputs.joint_position(0), outputs.joint_velocity(0)].concat()
         };
         let reference = run(RK4, 1.0 / 8192.0);
-        for method in BOTH {
+        for method in SOLVERS {
             let error = |h: f64| {
                 let found = run(method, h);
                 found

@@ -1,4 +1,4 @@
-//! Physics that is known beforehand, asked of both solvers.
+//! Physics that is known beforehand, asked of all solvers.
 //!
 //! Every tolerance follows from the order of the method, and the comment beside it says how.
 //! Where the method's own discrete solution is known in closed form, the test compares with that,

@@ -10,7 +10,7 @@ use model::{Builder, JointId, Pose};
 fn hanging_chain_carries_the_weight_below() {
     let links = 10;
     let model = chain(links, Start::Hanging).unwrap();
-    for method in [EULER, Method::Xpbd(4)] {
+    for method in [EULER, Method::Xpbd(4), Method::Impulse(8)] {
         let mut simulation = method.simulate::<f64>(&model, 2e-3);
         simulation.step(10_000);
         let outputs = simulation.outputs();
@@ -57,12 +57,13 @@ fn pendulum_pulls_at_its_hinge() {
     }
 }
 
-/// xpbd's is the mean over the last substep, so it tends to the momentary one by first order.
+/// In maximal coordinates it is the mean over the last substep or small step, so it tends to the momentary
+/// one by first order.
 #[test]
-fn pendulum_pulls_at_its_hinge_in_xpbd() {
+fn pendulum_pulls_at_its_hinge_in_maximal_coordinates() {
     let model = pendulum();
-    let error = |h: f64| {
-        let mut simulation = XPBD.simulate::<f64>(&model, h);
+    let error = |method: Method, h: f64| {
+        let mut simulation = method.simulate::<f64>(&model, h);
         simulation.set_joint_state(0, &[1.0], &[3.0]).unwrap();
         simulation.step((0.3 / h).round() as usize);
         let outputs = simulation.outputs();
@@ -72,7 +73,11 @@ fn pendulum_pulls_at_its_hinge_in_xpbd() {
             .0
             .distance(pendulum_force(q, v))
     };
-    vanishes("force", 1.0, 0.1, 1e-3, error);
+    for method in [XPBD, IMPULSE] {
+        vanishes(format!("{method:?} force"), 1.0, 0.1, 1e-3, |h| {
+            error(method, h)
+        });
+    }
 }
 
 /// A cantilever of two welded beams: the wall carries both weights and m g times their arms; the weld
@@ -95,7 +100,7 @@ fn cantilever_carries_torque() {
         .parent(inner)
         .frames(end, Pose::IDENTITY);
     let model = world.build().unwrap();
-    for method in [EULER, Method::Xpbd(4)] {
+    for method in [EULER, Method::Xpbd(4), Method::Impulse(8)] {
         let mut simulation = method.simulate::<f64>(&model, 2e-3);
         simulation.step(5000);
         let outputs = simulation.outputs();

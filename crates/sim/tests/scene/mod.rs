@@ -20,8 +20,10 @@ pub enum Method {
     /// Featherstone with contacts.
     Touching,
     TouchingXpbd,
-    /// Free bodies that touch.
+    /// Bodies that touch.
     Impulse,
+    /// Jointed bodies that do not.
+    Impulses,
 }
 
 /// All for bodies that touch nothing.
@@ -56,6 +58,10 @@ impl Method {
             Self::Touching => settings.solver = SolverKind::Featherstone,
             Self::TouchingXpbd => settings.solver = SolverKind::Xpbd,
             Self::Impulse => settings.solver = SolverKind::Impulse,
+            Self::Impulses => {
+                settings.solver = SolverKind::Impulse;
+                settings.contacts = false;
+            }
             Self::Xpbd => {
                 settings.solver = SolverKind::Xpbd;
                 settings.contacts = false;

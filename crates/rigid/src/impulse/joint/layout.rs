@@ -1,0 +1,813 @@
+//! The joints of a model as the kernels read them, and what acts along their axes in a step.
+
+use super::super::layout::{Impulse, State, WORLD, bodies_and_rows, own_frame, pose_at};
+use super::super::tables::row;
+use super::tables::{JointTables, LAWS, ROWS, axis, axis_link, joint, law};
+use super::{measure, place};
+use crate::check;
+use crate::tables::{Filler, UNBOUNDED, actuator_numbers, ball_target, bounded, frame};
+use crate::{InputTables, SolverError};
+use glam::{DQuat, DVec3};
+use model::{AxisKind, BodyId, BodyKind, Dof, Joint, JointId, JointKind, Model, Pose};
+use numbers::machine::space::{Parameter, State as StateMemory};
+use numbers::{Cpu, Float, PerWorld, Table};
+
+/// Coordinates nearer to their targets than this have reached them [m or rad].
+const REACHED: f64 = 1e-6;
+
+/// Steepness of dry friction about rest [s/m or s/rad]: it is full at the inverse of this rate.
+const STEEP: f64 = 1e6;
+
+/// Joints of one body that are solved one after the other as if it had no other; of more, each has a share
+/// of the body, as if it fell apart among them (Tonge, Benevolenski, Voroshilov, *Mass Splitting for
+/// Jitter-Free Parallel Rigid Body Simulation*, 2012).
+///
+/// Impulses that are given again act as forces do, and one pass over n joints of a light body changes
+/// them by more than these balance. With f = 1/8, T = 8 and shares of n/4 the errors of stars of 2 to 20
+/// joints shrink, whatever the mass of the body in the middle; with f = 1/6 those of four joints grow.
+const SHARED: f64 = 4.0;
+
+/// Fields of a degree of freedom's constants.
+mod dof {
+    pub const REFERENCE: usize = 0;
+    pub const DAMPING: usize = 1;
+    pub const STIFFNESS: usize = 2;
+    pub const REST: usize = 3;
+    pub const ARMATURE: usize = 4;
+    pub const FRICTION: usize = 5;
+    /// Lower, upper, stiffness, damping, inertia.
+    pub const LIMIT: usize = 6;
+    /// Stiffness, damping, effort limit, control time.
+    pub const DRIVE: usize = 11;
+    pub const WIDTH: usize = 15;
+}
+
+/// Numbers that a joint carries from step to step: its fields from the targets to the impulse.
+const CARRIED: usize = joint::WRITTEN - joint::TARGET;
+
+/// A row of a joint that is a degree of freedom.
+#[derive(Clone, Debug, PartialEq)]
+struct Freedom {
+    dof: usize,
+    /// None where the coordinate is part of a quaternion.
+    coordinate: Option<usize>,
+    limited: bool,
+    rubs: bool,
+    driven: bool,
+    /// A rotation without end.
+    turns: bool,
+    /// Rows of the actuators, and whether their force has bounds.
+    motors: Vec<(usize, bool)>,
+}
+
+/// A joint that ties bodies together, or along which something acts.
+#[derive(Clone, Debug, PartialEq)]
+pub(in super::super) struct Tie {
+    pub joint: JointId,
+    /// Parent and child.
+    pub rows: [u32; 2],
+    /// Whether it does anything.
+    pub solved: bool,
+    ball: bool,
+    /// By how much more the bodies respond: see [`SHARED`].
+    shares: [f64; 2],
+    locked: [bool; ROWS],
+    freedoms: [Option<Freedom>; ROWS],
+    /// First coordinate of the quaternion of a ball or free joint.
+    quaternion: Option<usize>,
+    child_frame: Pose,
+    child: BodyId,
+}
+
+/// Where the numbers of all ties lie.
+#[derive(Clone, Debug, PartialEq)]
+pub(in super::super) struct Ties {
+    pub list: Vec<Tie>,
+    constants: Table<Parameter, { joint::TARGET }>,
+    /// [`ROWS`] a tie.
+    dofs: Table<Parameter, { dof::WIDTH }>,
+    motors: Table<Parameter, 9>,
+    state: Table<StateMemory, CARRIED>,
+    /// Targets as a world starts.
+    targets: Vec<[f64; ROWS]>,
+}
+
+/// What a lane takes of a joint when a step begins.
+#[derive(Clone, Copy, Debug)]
+pub struct Tied<T> {
+    /// The first fields of [`joint`].
+    pub joint: [T; joint::WRITTEN],
+    /// The first fields of [`axis`], a row each.
+    pub axes: [[T; axis::CONSTANTS]; ROWS],
+    /// Laws with bounds, a row each.
+    pub laws: [[[T; law::WIDTH]; LAWS]; ROWS],
+}
+
+/// Whether a joint is a free one to the world, along which nothing acts.
+pub(in super::super) fn is_bare(model: &Model, id: JointId) -> bool {
+    let joint = &model.joints[id.0];
+    let bare = |dof: &Dof| {
+        let forces = [dof.armature, dof.damping, dof.stiffness, dof.friction_loss];
+        forces == [0.0; 4] && dof.limit.is_none()
+    };
+    let pushed = model.actuators.iter().any(|a| a.joint == id);
+    joint.kind == JointKind::Free
+        && joint.parent.is_none()
+        && joint.dofs.iter().all(bare)
+        && !pushed
+}
+
+impl Ties {
+    /// Lays out the joints of a model that are not bare.
+    ///
+    /// # Errors
+    /// What this solver does not know of a joint.
+    pub fn new(
+        model: &Model,
+        rows: &[u32],
+        parameters: &mut usize,
+        state: &mut usize,
+    ) -> Result<Self, SolverError> {
+        check::rotations(model, super::super::layout::NAME)?;
+        let ids = (0..model.joints.len()).map(JointId);
+        let tied = ids.filter(|id| {
+            let joint = &model.joints[id.0];
+            let nothing = joint.kind == JointKind::Free && joint.closes_loop;
+            !nothing && !is_bare(model, *id)
+        });
+        let list: Vec<_> = tied
+            .map(|id| Tie::new(model, id, rows))
+            .collect::<Result<_, _>>()?;
+        let list = share(list, rows.len());
+        let targets = list.iter().map(|tie| tie.targets(model)).collect();
+        Ok(Self {
+            constants: Table::place(parameters, list.len()),
+            dofs: Table::place(parameters, ROWS * list.len()),
+            motors: Table::place(parameters, model.actuators.len()),
+            state: Table::place(state, list.len()),
+            targets,
+            list,
+        })
+    }
+
+    /// The joints of a model on their own.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn of(model: &Model) -> Result<Self, SolverError> {
+        Self::new(model, &bodies_and_rows(model).1, &mut 0, &mut 0)
+    }
+
+    /// Writes the constants; `inner` is the model's frame in each body's own, or in the world.
+    pub fn fill(&self, model: &Model, inner: &[Pose], f: &mut Filler) {
+        for (i, tie) in self.list.iter().enumerate() {
+            let joint = &model.joints[tie.joint.0];
+            f.numbers(self.constants, i, 0, &tie.constants(joint, inner));
+            let freedoms = tie.freedoms.iter().zip(tie.dofs_of(joint)).enumerate();
+            for (row, (freedom, own)) in freedoms {
+                if let (Some(_), Some(own)) = (freedom, own) {
+                    let reference = joint.axes.get(own).map_or(0.0, |axis| axis.reference);
+                    let numbers = dof_numbers(&joint.dofs[own], reference);
+                    f.numbers(self.dofs, ROWS * i + row, 0, &numbers);
+                }
+            }
+        }
+        for (i, actuator) in model.actuators.iter().enumerate() {
+            f.numbers(self.motors, i, 0, &actuator_numbers(actuator));
+        }
+    }
+
+    /// All that two models must have in common besides where their numbers lie.
+    pub fn structure(&self, words: &mut Vec<u32>) {
+        for tie in &self.list {
+            words.extend([tie.joint.0 as u32, tie.rows[0], tie.rows[1]]);
+            words.extend([tie.solved, tie.ball].map(u32::from));
+            for (locked, freedom) in tie.locked.iter().zip(&tie.freedoms) {
+                words.push(u32::from(*locked));
+                let Some(f) = freedom else { continue };
+                words.extend([f.limited, f.rubs, f.driven, f.turns].map(u32::from));
+                words.extend(f.motors.iter().flat_map(|m| [m.0 as u32, u32::from(m.1)]));
+            }
+        }
+    }
+
+    /// Gives the drives the targets that the model has.
+    pub fn initial(&self, state: &mut [f64]) {
+        for (i, target) in self.targets.iter().enumerate() {
+            state[self.state.at(i, 0)..][..ROWS].copy_from_slice(target);
+        }
+    }
+
+    /// Remembers the angles of all axes, so that their turns count; nothing pushes yet.
+    pub fn place(&self, position: &[f64], parameters: &[f64], state: &mut [f64]) {
+        for (i, tie) in self.list.iter().enumerate() {
+            let at = self.state.at(i, ROWS);
+            state[at..at + CARRIED - ROWS].fill(0.0);
+            for (row, freedom) in tie.freedoms[..3].iter().enumerate() {
+                if let Some(coordinate) = freedom.as_ref().and_then(|f| f.coordinate) {
+                    let reference = parameters[self.dofs.at(ROWS * i + row, dof::REFERENCE)];
+                    state[at + row] = position[coordinate] - reference;
+                }
+            }
+        }
+    }
+}
+
+impl Tie {
+    fn new(model: &Model, id: JointId, rows: &[u32]) -> Result<Self, SolverError> {
+        let joint = &model.joints[id.0];
+        refuse(joint)?;
+        let (linear, angular) = check::axes(joint, super::super::layout::NAME)?;
+        let locks = |row: usize| match joint.kind {
+            JointKind::Free => false,
+            JointKind::Distance => row == 3,
+            JointKind::Ball => row >= 3,
+            _ if row < 3 => row >= angular.len(),
+            _ => row - 3 >= linear.len(),
+        };
+        let turning = matches!(joint.kind, JointKind::Ball | JointKind::Free);
+        let mut tie = Self {
+            joint: id,
+            rows: [joint.parent, Some(joint.child)].map(|body| body.map_or(WORLD, |b| rows[b.0])),
+            solved: joint.enabled,
+            ball: turning,
+            shares: [1.0; 2],
+            locked: std::array::from_fn(locks),
+            freedoms: [const { None }; ROWS],
+            quaternion: None,
+            child_frame: joint.child_frame,
+            child: joint.child,
+        };
+        if joint.closes_loop {
+            return Ok(tie);
+        }
+        let coordinates = model.coordinate_range(id);
+        tie.quaternion = turning.then(|| coordinates.end - 4);
+        for (row, own) in tie.dofs_of(joint).into_iter().enumerate() {
+            let Some(own) = own else { continue };
+            let straight = joint.kind == JointKind::Free && row >= 3;
+            let coordinate = (!turning || straight).then_some(coordinates.start + own);
+            tie.freedoms[row] = Some(Freedom::new(model, id, own, coordinate)?);
+        }
+        Ok(tie)
+    }
+
+    /// Which of the joint's own degrees of freedom each row is.
+    fn dofs_of(&self, joint: &Joint) -> [Option<usize>; ROWS] {
+        let kind = |kind| move |i: &usize| joint.axes[*i].kind == kind;
+        let all = 0..joint.axes.len();
+        let angular: Vec<_> = all.clone().filter(kind(AxisKind::Angular)).collect();
+        let linear: Vec<_> = all.filter(kind(AxisKind::Linear)).collect();
+        std::array::from_fn(|row| match joint.kind {
+            JointKind::Ball => (row < 3).then_some(row),
+            JointKind::Free => Some((row + 3) % ROWS),
+            _ if row < 3 => angular.get(row).copied(),
+            _ => linear.get(row - 3).copied(),
+        })
+    }
+
+    fn targets(&self, model: &Model) -> [f64; ROWS] {
+        let joint = &model.joints[self.joint.0];
+        if self.ball {
+            let mut target = [0.0; ROWS];
+            let first = joint.dofs.len() - 3;
+            target[..4].copy_from_slice(&ball_target(&joint.dofs[first..]));
+            return target;
+        }
+        let target = |own: usize| joint.dofs[own].drive.target_position;
+        self.dofs_of(joint).map(|own| own.map_or(0.0, target))
+    }
+
+    /// The first fields of [`joint`], up to the target.
+    fn constants(&self, joint: &Joint, inner: &[Pose]) -> [f64; joint::TARGET] {
+        let directions = |kind| -> Vec<DVec3> {
+            let axes = joint.axes.iter().filter(|axis| axis.kind == kind);
+            axes.map(|axis| axis.direction).collect()
+        };
+        let (angular, linear) = (directions(AxisKind::Angular), directions(AxisKind::Linear));
+        let (turn, slide) = (frame(&angular), frame(&linear));
+        let about = joint
+            .axes
+            .iter()
+            .find(|axis| axis.kind == AxisKind::Angular);
+        let anchor = about.map_or(DVec3::ZERO, |axis| axis.anchor);
+        let parent = joint.parent.map_or(Pose::IDENTITY, |body| inner[body.0]);
+        let a = parent * joint.parent_frame;
+        let b = inner[joint.child.0] * joint.child_frame;
+        let own = |i: usize| angular.get(i).map(|d| turn.conjugate() * *d);
+        let second = own(1).unwrap_or(DVec3::Y);
+        let third = own(2).unwrap_or(DVec3::X.cross(second).normalize());
+        let length = if joint.kind == JointKind::Distance {
+            joint.length
+        } else {
+            -1.0
+        };
+        let mut x = [0.0; joint::TARGET];
+        let mut put =
+            |at: usize, numbers: &[f64]| x[at..at + numbers.len()].copy_from_slice(numbers);
+        put(joint::ANCHOR_A, &a.point(anchor).to_array());
+        put(joint::FRAME_A, &(a.orientation * turn).to_array());
+        put(joint::ANCHOR_B, &b.point(anchor).to_array());
+        put(joint::FRAME_B, &(b.orientation * turn).to_array());
+        put(joint::LINEAR_FRAME, &(a.orientation * slide).to_array());
+        put(joint::LOCKED, &self.locked.map(|l| f64::from(u8::from(l))));
+        put(joint::SECOND, &second.to_array());
+        put(joint::THIRD, &third.to_array());
+        put(
+            joint::CARRIED,
+            &[f64::from(u8::from(angular.len() == 3)), length],
+        );
+        put(joint::BALL, &[f64::from(u8::from(self.ball))]);
+        put(joint::SHARES, &self.shares);
+        x
+    }
+}
+
+/// Tells each joint how many others its bodies have.
+fn share(mut list: Vec<Tie>, bodies: usize) -> Vec<Tie> {
+    let mut joints = vec![0.0; bodies + 1];
+    for tie in list.iter().filter(|tie| tie.solved) {
+        for row in tie.rows {
+            joints[row as usize] += 1.0;
+        }
+    }
+    for tie in &mut list {
+        tie.shares = tie
+            .rows
+            .map(|row| f64::max(joints[row as usize] / SHARED, 1.0));
+    }
+    list
+}
+
+fn unsupported(what: &'static str, joint: &Joint, remedy: &'static str) -> SolverError {
+    super::super::layout::unsupported(what, &joint.name, remedy)
+}
+
+fn refuse(joint: &Joint) -> Result<(), SolverError> {
+    if joint.linear_compliance > 0.0 || joint.angular_compliance > 0.0 {
+        let remedy = "use the solver `xpbd`";
+        return Err(unsupported("compliance", joint, remedy));
+    }
+    let linear = joint.axes.iter().filter(|a| a.kind == AxisKind::Linear);
+    let linear: Vec<_> = linear.map(|axis| axis.direction).collect();
+    let slide = frame(&linear);
+    let columns = [DVec3::X, DVec3::Y, DVec3::Z].map(|x| slide * x);
+    let fits = |(d, column): (&DVec3, DVec3)| d.distance(column) < 1e-9;
+    if linear.iter().zip(columns).all(fits) {
+        return Ok(());
+    }
+    let remedy =
+        "choose them at right angles, a third to the right of two, or use the solver `xpbd`";
+    Err(unsupported("linear axes that are no frame", joint, remedy))
+}
+
+impl Freedom {
+    fn new(
+        model: &Model,
+        id: JointId,
+        own: usize,
+        coordinate: Option<usize>,
+    ) -> Result<Self, SolverError> {
+        let joint = &model.joints[id.0];
+        let dof = &joint.dofs[own];
+        let actuators = model.actuators.iter().enumerate();
+        let motors: Vec<_> = actuators
+            .filter(|(_, a)| a.joint == id && a.dof == own)
+            .map(|(i, a)| (i, a.force_range.is_some()))
+            .collect();
+        let angular = joint
+            .axes
+            .get(own)
+            .is_some_and(|a| a.kind == AxisKind::Angular);
+        let freedom = Self {
+            dof: model.dof_range(id).start + own,
+            coordinate,
+            limited: dof.limit.is_some(),
+            rubs: dof.friction_loss > 0.0,
+            driven: dof.drive.stiffness > 0.0 || dof.drive.damping > 0.0,
+            turns: angular && dof.limit.is_none() && dof.stiffness == 0.0,
+            motors,
+        };
+        if freedom.laws() > LAWS {
+            let remedy = "use the solver `featherstone` or `xpbd`";
+            return Err(unsupported(
+                "so many actuators with a force range",
+                joint,
+                remedy,
+            ));
+        }
+        Ok(freedom)
+    }
+
+    /// How many laws with bounds act along it.
+    fn laws(&self) -> usize {
+        let own = [self.limited, self.limited, self.rubs, self.driven];
+        let motors = self.motors.iter().map(|m| m.1);
+        own.into_iter().chain(motors).filter(|x| *x).count()
+    }
+}
+
+fn dof_numbers(d: &Dof, reference: f64) -> [f64; dof::WIDTH] {
+    let limit = d.limit.map_or([0.0; 5], |l| {
+        [l.lower, l.upper, l.stiffness, l.damping, l.inertia]
+    });
+    let drive = &d.drive;
+    let mut x = [0.0; dof::WIDTH];
+    let passive = [
+        reference,
+        d.damping,
+        d.stiffness,
+        d.rest,
+        d.armature,
+        d.friction_loss,
+    ];
+    x[..dof::LIMIT].copy_from_slice(&passive);
+    x[dof::LIMIT..dof::DRIVE].copy_from_slice(&limit);
+    let effort = bounded(drive.effort_limit);
+    let numbers = [drive.stiffness, drive.damping, effort, drive.control_time];
+    x[dof::DRIVE..].copy_from_slice(&numbers);
+    x
+}
+
+/// What acts along a row: one passive law, and those with bounds.
+struct Forces {
+    /// Stiffness, damping, force at the reference, armature.
+    passive: [f64; 4],
+    laws: [[f64; law::WIDTH]; LAWS],
+    count: usize,
+}
+
+impl Forces {
+    /// Stiffness, damping, rest, force; bounds.
+    fn bounded(&mut self, [k, d, rest, force]: [f64; 4], [low, high]: [f64; 2]) {
+        self.laws[self.count] = [k, d, rest, force, low, high, 0.0, 0.0];
+        self.count += 1;
+    }
+    fn stop(&mut self, [k, d, end, inertia]: [f64; 4], [low, high]: [f64; 2]) {
+        self.laws[self.count] = [k, d, end, 0.0, low, high, 1.0, inertia];
+        self.count += 1;
+    }
+}
+
+/// A world's numbers, as a controller has them.
+struct Given<'a, T> {
+    state: &'a State<'a, T>,
+    input: &'a [T],
+    /// Length of the step [s].
+    h: f64,
+}
+
+impl<T: Float> Given<'_, T> {
+    fn inputs(&self) -> &InputTables {
+        &self.state.impulse.input
+    }
+    fn force(&self, dof: usize) -> f64 {
+        self.input[self.inputs().force.at(dof, 0)].to_f64()
+    }
+    fn target(&self, dof: usize) -> f64 {
+        self.input[self.inputs().target_position.at(dof, 0)].to_f64()
+    }
+    fn target_velocity(&self, dof: usize) -> f64 {
+        self.input[self.inputs().target_velocity.at(dof, 0)].to_f64()
+    }
+    fn control(&self, actuator: usize) -> f64 {
+        self.input[self.inputs().control.at(actuator, 0)].to_f64()
+    }
+    fn ties(&self) -> &Ties {
+        &self.state.impulse.ties
+    }
+    /// Constants of a row.
+    fn dof(&self, tie: usize, row: usize) -> [f64; dof::WIDTH] {
+        let at = self.ties().dofs.at(ROWS * tie + row, 0);
+        std::array::from_fn(|i| self.state.parameters[at + i].to_f64())
+    }
+    fn motor(&self, i: usize) -> [f64; 9] {
+        let at = self.ties().motors.at(i, 0);
+        std::array::from_fn(|field| self.state.parameters[at + field].to_f64())
+    }
+    /// A joint's field of those that it carries from step to step.
+    fn carried(&self, tie: usize, field: usize) -> f64 {
+        let field = field - joint::TARGET;
+        self.state.state[self.ties().state.at(tie, field)].to_f64()
+    }
+
+    /// The targets of a joint's drives as they follow those set.
+    fn follow(&self, tie: usize) -> [f64; ROWS] {
+        let one = &self.ties().list[tie];
+        let mut target: [f64; ROWS] = std::array::from_fn(|i| self.carried(tie, joint::TARGET + i));
+        let time = |row| self.dof(tie, row)[dof::DRIVE + 3];
+        if one.ball {
+            if let Some(first) = one.freedoms[0].as_ref().filter(|f| f.driven) {
+                let follows = self.ball_target(tie, first.dof, time(0)).to_array();
+                target[..4].copy_from_slice(&follows);
+            }
+            return target;
+        }
+        for (row, freedom) in one.freedoms.iter().enumerate() {
+            if let Some(freedom) = freedom.as_ref().filter(|f| f.driven) {
+                target[row] = self.axis_target(tie, row, freedom, time(row));
+            }
+        }
+        target
+    }
+
+    /// The target of a ball as it follows.
+    fn ball_target(&self, tie: usize, first: usize, time: f64) -> DQuat {
+        let now = [0, 1, 2, 3].map(|i| self.carried(tie, joint::TARGET + i));
+        let now = DQuat::from_array(now);
+        let goal = DVec3::from_array([0, 1, 2].map(|i| self.target(first + i)));
+        let way = (now.inverse() * DQuat::from_scaled_axis(goal)).normalize();
+        let way = if way.w < 0.0 { -way } else { way };
+        let share = self.h / (time + self.h);
+        (now * DQuat::from_scaled_axis(way.to_scaled_axis() * share)).normalize()
+    }
+
+    /// The target of an axis as it follows.
+    fn axis_target(&self, tie: usize, row: usize, freedom: &Freedom, time: f64) -> f64 {
+        let now = self.carried(tie, joint::TARGET + row);
+        let way = around(self.target(freedom.dof) - now, freedom.turns);
+        now + way * (self.h / (time + self.h))
+    }
+
+    /// Where the drive of a row pulls its coordinate, less the reference: a ball's to none.
+    fn rest(&self, tie: usize, row: usize, freedom: &Freedom, target: f64) -> f64 {
+        if self.ties().list[tie].ball {
+            return 0.0;
+        }
+        let rest = target - self.dof(tie, row)[dof::REFERENCE];
+        if freedom.turns {
+            let now = self.carried(tie, joint::ANGLE + row);
+            return now + around(rest - now, true);
+        }
+        rest
+    }
+
+    /// What acts along a row, whose drive's target has followed to `target`.
+    fn forces(&self, tie: usize, row: usize, freedom: &Freedom, target: f64) -> Forces {
+        let x = self.dof(tie, row);
+        let reference = x[dof::REFERENCE];
+        let stiffness = x[dof::STIFFNESS];
+        let force = stiffness * (x[dof::REST] - reference) + self.force(freedom.dof);
+        let mut forces = Forces {
+            passive: [stiffness, x[dof::DAMPING], force, x[dof::ARMATURE]],
+            laws: [[0.0; law::WIDTH]; LAWS],
+            count: 0,
+        };
+        if freedom.limited {
+            let [lower, upper, k, d, m] = [0, 1, 2, 3, 4].map(|i| x[dof::LIMIT + i]);
+            forces.stop([k, d, lower - reference, m], [0.0, UNBOUNDED]);
+            forces.stop([k, d, upper - reference, m], [-UNBOUNDED, 0.0]);
+        }
+        if freedom.rubs {
+            let most = x[dof::FRICTION];
+            forces.bounded([0.0, STEEP * most, 0.0, 0.0], [-most, most]);
+        }
+        if freedom.driven {
+            let [k, d, effort] = [0, 1, 2].map(|i| x[dof::DRIVE + i]);
+            let force = d * self.target_velocity(freedom.dof);
+            let rest = self.rest(tie, row, freedom, target);
+            forces.bounded([k, d, rest, force], [-effort, effort]);
+        }
+        for &(i, limited) in &freedom.motors {
+            let [gear, gain, b0, b1, b2, low, high, least, most] = self.motor(i);
+            let force = gear * (gain * self.control(i).clamp(low, high) + b0);
+            let (k, d) = (-b1 * gear * gear, -b2 * gear * gear);
+            if limited {
+                let (a, b) = (gear * least, gear * most);
+                forces.bounded([k, d, -reference, force], [a.min(b), a.max(b)]);
+            } else {
+                let [stiffness, damping, all, _] = &mut forces.passive;
+                *stiffness += k;
+                *damping += d;
+                *all += force - k * reference;
+            }
+        }
+        forces
+    }
+}
+
+/// A way, the short way round where whole turns do not count.
+fn around(way: f64, turns: bool) -> f64 {
+    use std::f64::consts::TAU;
+    if turns {
+        way - TAU * (way / TAU).round()
+    } else {
+        way
+    }
+}
+
+impl Impulse {
+    /// How many joints tie bodies together, or have something act along them.
+    pub fn ties(&self) -> usize {
+        self.ties.list.len()
+    }
+    /// Rows of the bodies of such a joint, parent and child; none where it does nothing.
+    pub fn tied_rows(&self, tie: usize) -> Option<[u32; 2]> {
+        let tie = &self.ties.list[tie];
+        tie.solved.then_some(tie.rows)
+    }
+    /// Whether any axis has armature.
+    pub fn has_armature<T: Float>(&self, parameters: &[T]) -> bool {
+        let rows = 0..ROWS * self.ties();
+        rows.map(|row| self.ties.dofs.at(row, dof::ARMATURE))
+            .any(|at| parameters[at] > T::zero())
+    }
+    /// Whether a controller moves a joint, or what it has set has not been reached.
+    pub fn stirs<T: Float>(&self, tie: usize, state: &State<'_, T>, input: &[T]) -> bool {
+        let h = self.settings.substep();
+        let given = Given { state, input, h };
+        let all = &self.ties.list[tie];
+        let mut freedoms = all.freedoms.iter().enumerate();
+        all.solved
+            && freedoms.any(|(row, freedom)| {
+                let Some(f) = freedom else { return false };
+                let pushed = given.force(f.dof) != 0.0;
+                let controlled = f.motors.iter().any(|m| given.control(m.0) != 0.0);
+                let runs = f.driven && given.target_velocity(f.dof) != 0.0;
+                let away = f.driven && given.is_away(tie, row, f);
+                pushed || controlled || runs || away
+            })
+    }
+    /// How many laws with bounds act along each row of a joint.
+    pub fn law_counts(&self, tie: usize) -> [usize; ROWS] {
+        let freedoms = self.ties.list[tie].freedoms.each_ref();
+        freedoms.map(|f| f.as_ref().map_or(0, Freedom::laws))
+    }
+    /// What a lane takes of a joint for a step of length h [s].
+    pub fn tied<T: Float>(&self, tie: usize, state: &State<'_, T>, input: &[T], h: f64) -> Tied<T> {
+        let given = Given { state, input, h };
+        let one = &self.ties.list[tie];
+        let mut tied = Tied {
+            joint: [T::zero(); joint::WRITTEN],
+            axes: [[T::zero(); axis::CONSTANTS]; ROWS],
+            laws: [[[T::zero(); law::WIDTH]; LAWS]; ROWS],
+        };
+        let constants = &state.parameters[self.ties.constants.at(tie, 0)..][..joint::TARGET];
+        tied.joint[..joint::TARGET].copy_from_slice(constants);
+        let carried = &state.state[self.ties.state.at(tie, 0)..][..CARRIED];
+        tied.joint[joint::TARGET..].copy_from_slice(carried);
+        let target = given.follow(tie).map(T::from_f64);
+        tied.joint[joint::TARGET..][..ROWS].copy_from_slice(&target);
+        for (row, freedom) in one.freedoms.iter().enumerate() {
+            let Some(freedom) = freedom else { continue };
+            let forces = given.forces(tie, row, freedom, target[row].to_f64());
+            let acts = forces.count > 0 || forces.passive != [0.0; 4];
+            let [k, d, force, armature] = forces.passive;
+            let numbers = [f64::from(u8::from(acts)), k, d, force, armature];
+            tied.axes[row] = numbers.map(T::from_f64);
+            tied.laws[row] = forces.laws.map(|law| law.map(T::from_f64));
+        }
+        tied
+    }
+    /// Keeps what a joint carries to the next step: its fields from the targets on.
+    pub fn keep_tied<T: Float>(
+        &self,
+        tie: usize,
+        numbers: impl Iterator<Item = T>,
+        state: &mut [T],
+    ) {
+        let carried = &mut state[self.ties.state.at(tie, 0)..][..CARRIED];
+        for (to, x) in carried.iter_mut().zip(numbers) {
+            *to = x;
+        }
+    }
+}
+
+impl<T: Float> Given<'_, T> {
+    /// Whether the drive of a row has not yet come to its target.
+    fn is_away(&self, tie: usize, row: usize, freedom: &Freedom) -> bool {
+        let one = &self.ties().list[tie];
+        if one.ball {
+            let first = freedom.dof - row;
+            let now = [0, 1, 2, 3].map(|i| self.carried(tie, joint::TARGET + i));
+            let goal = DVec3::from_array([0, 1, 2].map(|i| self.target(first + i)));
+            let goal = DQuat::from_scaled_axis(goal);
+            return 1.0 - goal.dot(DQuat::from_array(now)).abs() > REACHED * REACHED;
+        }
+        let now = self.carried(tie, joint::TARGET + row);
+        around(self.target(freedom.dof) - now, freedom.turns).abs() > REACHED
+    }
+}
+
+/// A joint as it is seen from outside.
+pub(in super::super) struct Seen {
+    /// Coordinates of all rows, and their rates, now and before the last step.
+    pub value: [f64; ROWS],
+    pub rates: [[f64; ROWS]; 2],
+    /// Of the child's joint frame against the parent's.
+    pub turn: DQuat,
+    /// Angular impulse about the child's joint frame [N·m·s], and impulse [N·s], on the child.
+    pub impulse: [DVec3; 2],
+    /// ½ k (θ − rest)² of the springs, and ½ m θ̇² of the armatures [J].
+    pub energy: [f64; 2],
+}
+
+impl<T: Float> State<'_, T> {
+    /// Looks at a joint, as the kernels do.
+    pub(in super::super) fn see(&self, tie: usize) -> Seen {
+        let impulse = self.impulse;
+        let one = &impulse.ties.list[tie];
+        let none = vec![T::zero(); impulse.input.length];
+        let h = impulse.settings.substep();
+        let given = Given {
+            state: self,
+            input: &none,
+            h,
+        };
+        let t = JointTables::new();
+        let mut numbers = vec![0.0; t.length];
+        let tied = impulse.tied(tie, self, &none, h);
+        for (x, from) in numbers.iter_mut().zip(tied.joint) {
+            *x = from.to_f64();
+        }
+        numbers[joint::TARGET..][..4].copy_from_slice(&[0.0, 0.0, 0.0, 1.0]);
+        let mut work = vec![0.0; JointTables::SCRATCH];
+        for (side, &body) in one.rows.iter().enumerate() {
+            let pose = self.pose(body as usize);
+            let at = t.body.at(side, 0);
+            work[at + row::CENTER..][..3].copy_from_slice(&pose.position.to_array());
+            work[at + row::ORIENTATION..][..4].copy_from_slice(&pose.orientation.to_array());
+        }
+        let links = [0; ROWS * axis_link::WIDTH];
+        let mut rates = [[0.0; ROWS]; 2];
+        for (rates, past) in rates.iter_mut().zip([false, true]) {
+            for (side, &body) in one.rows.iter().enumerate() {
+                let body = body as usize;
+                let [v, w] = if past {
+                    self.before(body)
+                } else {
+                    self.velocity(body)
+                };
+                let at = t.body.at(side, row::VELOCITY);
+                work[at..at + 3].copy_from_slice(&v.to_array());
+                work[at + 3..at + 6].copy_from_slice(&w.to_array());
+            }
+            let mut k = Cpu {
+                state: &mut numbers,
+                input: &[],
+                output: &mut [],
+                scratch: &mut work,
+                parameters: PerWorld(&[]),
+                links: &links,
+            };
+            if !past {
+                place(&mut k, &t);
+            }
+            measure(&mut k, &t);
+            *rates = std::array::from_fn(|row| numbers[t.axis.at(row, axis::BEGIN)]);
+        }
+        let mut value = std::array::from_fn(|row| numbers[t.axis.at(row, axis::VALUE)]);
+        let mut energy = [0.0; 2];
+        for (row, freedom) in one.freedoms.iter().enumerate() {
+            if freedom.is_some() {
+                let x = given.dof(tie, row);
+                value[row] += x[dof::REFERENCE];
+                energy[0] += 0.5 * x[dof::STIFFNESS] * (value[row] - x[dof::REST]).powi(2);
+                energy[1] += 0.5 * x[dof::ARMATURE] * rates[0][row].powi(2);
+            }
+        }
+        let vec3 = |at: usize| DVec3::from_slice(&numbers[at..at + 3]);
+        let [own_a, own_b] = one.rows.map(|body| self.pose(body as usize));
+        let quat = |at: usize| DQuat::from_slice(&numbers[at..at + 4]);
+        let turn_a = own_a.orientation * quat(joint::FRAME_A);
+        let turn_b = own_b.orientation * quat(joint::FRAME_B);
+        let inner = pose_at(self.parameters, impulse.frame.at(one.child.0, 0));
+        let frame = own_b * inner * one.child_frame;
+        let anchor = own_b.point(vec3(joint::ANCHOR_B));
+        let (torque, force) = (vec3(joint::IMPULSE), vec3(joint::IMPULSE + 3));
+        Seen {
+            value,
+            rates,
+            turn: turn_a.inverse() * turn_b,
+            impulse: [torque + (anchor - frame.position).cross(force), force],
+            energy,
+        }
+    }
+}
+
+impl Tie {
+    /// Where its coordinates and velocities are reported: row by row, coordinate, degree of freedom, and
+    /// whether the coordinate turns without end; and the first coordinate of its quaternion.
+    pub fn reported(
+        &self,
+    ) -> (
+        impl Iterator<Item = (usize, Option<usize>, usize, bool)>,
+        Option<usize>,
+    ) {
+        let rows = self.freedoms.iter().enumerate();
+        let rows = rows.filter_map(|(row, f)| {
+            let f = f.as_ref()?;
+            Some((row, f.coordinate, f.dof, f.turns))
+        });
+        (rows, self.quaternion)
+    }
+}
+
+/// The model's frame in each body's own; of a static one, in the world.
+pub(in super::super) fn inner_frames(model: &Model) -> Vec<Pose> {
+    let inner = |body: &model::Body| match body.kind {
+        BodyKind::Static => body.pose,
+        BodyKind::Dynamic => own_frame(body).1.inverse(),
+    };
+    model.bodies.iter().map(inner).collect()
+}

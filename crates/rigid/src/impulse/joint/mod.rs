@@ -1,0 +1,546 @@
+//! A joint of two bodies: what it locks, solved as one block, and what acts along its axes.
+//!
+//! A joint has six rows J: three about the gradients g of its angular coordinates, three along its linear
+//! axes f, of B's anchor as it moves against A (Featherstone 2008, chapter 3, in maximal coordinates). With
+//! u = J v, the response to impulses λ along the rows is
+//!
+//! ```text
+//! u' = u + K λ,    K = J M⁻¹ Jᵀ        M the masses and inertias of A and B
+//! ```
+//!
+//! Rows that are locked, L, are solved together, at the velocity that takes their error c out:
+//!
+//! ```text
+//! K_LL Δλ = −m (u + β c) − s K_LL λ,    m = 1/(1 + κ), s = κ/(1 + κ)
+//! κ = 1/((2πf)² (T/h + 1)),  β = 1/(T + h)
+//! ```
+//!
+//! which is a spring and a damper in proportion to K⁻¹, implicit in time (Catto, *Soft Constraints*, 2011),
+//! of f periods per small step, which closes a gap with the time constant T. When relaxing β and κ are 0. A
+//! row i that is not locked is pushed with what the locks make of it, so that they stay as they are:
+//!
+//! ```text
+//! w_i = e_i − K_LL⁻¹ K_Li,    K_i w_i the response of its rate
+//! ```
+//!
+//! and what acts along it is balanced exactly (`law`). The error of rotations and the angles are those by
+//! which the joint's own sequence of turns R(θ) misses the bodies':
+//!
+//! ```text
+//! e = log(R_AB R(θ)ᵀ),    θ ← θ + gᵀ e on free axes,  c = gᵀ e on locked ones
+//! ```
+//!
+//! where three vectors always make a basis, of free axes and of those that complete them, and the
+//! gradients are its dual: so every kind of joint is the same kernel.
+//!
+//! Impulses are kept as those on B at its anchor, in world axes. What was given again with the bodies'
+//! motion had the arms and axes of the small step before: [`solve`] gives the difference.
+
+mod law;
+mod layout;
+mod tables;
+
+pub use layout::Tied;
+pub(super) use layout::{Ties, inner_frames, is_bare};
+pub use tables::{JointTables, LAWS, PLACED, ROWS, axis, axis_link, joint, law as bounded};
+
+use super::tables::{global, row};
+use numbers::machine::{Held, Hold};
+use numbers::spatial::{Inertia, Spatial};
+use numbers::{Machine, Mat3, Quat, Real, SymMat3, Vec3};
+use tables::work;
+
+/// f: frequency of a lock's spring, per small step; `layout` says why not more.
+const FREQUENCY: f64 = 0.125;
+/// T: small steps within which a gap closes.
+const CALM: f64 = 8.0;
+/// Pivots below this are none [1/kg, 1/(kg·m²)].
+const TINY: f64 = 1e-18;
+/// Least square of the volume of three axes: nearly in one plane, as in gimbal lock.
+const FLAT: f64 = 1e-6;
+
+/// κ.
+fn softness() -> f64 {
+    let stiffness = (core::f64::consts::TAU * FREQUENCY).powi(2);
+    1.0 / (stiffness * (CALM + 1.0))
+}
+
+#[inline(always)]
+fn load_mat3<M: Machine>(k: &M, t: &JointTables, field: usize) -> Mat3<M::R> {
+    let only = k.index(0);
+    Mat3::from_columns(
+        k.vec3(t.joint, only, field),
+        k.vec3(t.joint, only, field + 3),
+        k.vec3(t.joint, only, field + 6),
+    )
+}
+
+#[inline(always)]
+fn store_mat3<M: Machine>(k: &mut M, t: &JointTables, field: usize, m: Mat3<M::R>) {
+    let only = k.index(0);
+    k.store_vec3(t.joint, only, field, m.x);
+    k.store_vec3(t.joint, only, field + 3, m.y);
+    k.store_vec3(t.joint, only, field + 6, m.z);
+}
+
+#[inline(always)]
+fn times<R: Real>(a: Spatial<R>, b: Spatial<R>) -> Spatial<R> {
+    Spatial::new(a.angular.times(b.angular), a.linear.times(b.linear))
+}
+
+/// The rows of a joint: gradients, axes, and linear axes.
+#[derive(Clone, Copy)]
+struct Rows<R> {
+    gradients: Mat3<R>,
+    axes: Mat3<R>,
+    shifts: Mat3<R>,
+}
+
+impl<R: Real> Rows<R> {
+    #[inline(always)]
+    fn load<M: Machine<R = R>>(k: &M, t: &JointTables) -> Self {
+        Self {
+            gradients: load_mat3(k, t, joint::GRADIENTS),
+            axes: load_mat3(k, t, joint::AXES),
+            shifts: load_mat3(k, t, joint::SHIFTS),
+        }
+    }
+    /// Rates of the rows.
+    #[inline(always)]
+    fn rates(&self, u: Spatial<R>) -> Spatial<R> {
+        Spatial::new(
+            self.gradients.transpose_mul(u.angular),
+            self.shifts.transpose_mul(u.linear),
+        )
+    }
+    /// The impulse on B that impulses along the rows make.
+    #[inline(always)]
+    fn wrench(&self, x: Spatial<R>) -> Spatial<R> {
+        Spatial::new(self.gradients * x.angular, self.shifts * x.linear)
+    }
+    /// Impulses along the rows that make an impulse on B.
+    #[inline(always)]
+    fn along(&self, w: Spatial<R>) -> Spatial<R> {
+        Spatial::new(
+            self.axes.transpose_mul(w.angular),
+            self.shifts.transpose_mul(w.linear),
+        )
+    }
+}
+
+/// The bodies of a joint, changed by impulses.
+struct Pair<M: Machine> {
+    masses: [M::R; 2],
+    inertia: [SymMat3<M::R>; 2],
+    arms: [Vec3<M::R>; 2],
+    a: <Spatial<M::R> as Hold<M>>::Held,
+    b: <Spatial<M::R> as Hold<M>>::Held,
+    /// All that the joint has given: see [`joint::IMPULSE`].
+    given: <Spatial<M::R> as Hold<M>>::Held,
+}
+
+#[inline(always)]
+fn motion<M: Machine>(k: &M, t: &JointTables, body: M::I) -> Spatial<M::R> {
+    Spatial::new(
+        k.vec3(t.body, body, row::SPIN),
+        k.vec3(t.body, body, row::VELOCITY),
+    )
+}
+
+#[inline(always)]
+fn arms<M: Machine>(k: &M, t: &JointTables, field: usize) -> [Vec3<M::R>; 2] {
+    let only = k.index(0);
+    [
+        k.vec3(t.joint, only, field),
+        k.vec3(t.joint, only, field + 3),
+    ]
+}
+
+impl<M: Machine> Pair<M> {
+    #[inline(always)]
+    fn load(k: &M, t: &JointTables) -> Self {
+        let only = k.index(0);
+        Self {
+            masses: k.read(t.joint, only, joint::INVERSE_MASS),
+            inertia: [
+                k.sym(t.joint, only, joint::INVERSE_INERTIA),
+                k.sym(t.joint, only, joint::INVERSE_INERTIA + 6),
+            ],
+            arms: arms(k, t, joint::ARMS),
+            a: motion(k, t, only).hold(k),
+            b: motion(k, t, k.index(1)).hold(k),
+            given: k.spatial(t.joint, only, joint::IMPULSE).hold(k),
+        }
+    }
+    #[inline(always)]
+    fn store(self, k: &mut M, t: &JointTables) {
+        let (only, second) = (k.index(0), k.index(1));
+        let (a, b) = (self.a.get(), self.b.get());
+        k.store_vec3(t.body, only, row::SPIN, a.angular);
+        k.store_vec3(t.body, only, row::VELOCITY, a.linear);
+        k.store_vec3(t.body, second, row::SPIN, b.angular);
+        k.store_vec3(t.body, second, row::VELOCITY, b.linear);
+        k.store_spatial(t.joint, only, joint::IMPULSE, self.given.get());
+    }
+    /// Motion of B's anchor against A.
+    #[inline(always)]
+    fn apart(&self) -> Spatial<M::R> {
+        let (a, b) = (self.a.get(), self.b.get());
+        let va = a.linear + a.angular.cross(self.arms[0]);
+        let vb = b.linear + b.angular.cross(self.arms[1]);
+        Spatial::new(b.angular - a.angular, vb - va)
+    }
+    /// Impulses on B through its anchor, and opposite ones on A; `turns` are further angular impulses
+    /// about the centres of A and B.
+    #[inline(always)]
+    fn shove(&mut self, w: Spatial<M::R>, turns: [Vec3<M::R>; 2]) {
+        let (mut a, mut b) = (self.a.get(), self.b.get());
+        a.linear = w.linear.fma(-self.masses[0], a.linear);
+        b.linear = w.linear.fma(self.masses[1], b.linear);
+        a.angular -= self.inertia[0] * (w.angular + self.arms[0].cross(w.linear) + turns[0]);
+        b.angular += self.inertia[1] * (w.angular + self.arms[1].cross(w.linear) + turns[1]);
+        self.a.set(a);
+        self.b.set(b);
+        self.given.set(self.given.get() + w);
+    }
+    #[inline(always)]
+    fn push(&mut self, w: Spatial<M::R>) {
+        self.shove(w, [Vec3::zero(), Vec3::zero()]);
+    }
+}
+
+/// Orientation of a body now.
+#[inline(always)]
+fn orientation<M: Machine>(k: &M, t: &JointTables, body: M::I) -> Quat<M::R> {
+    Quat::exp(k.vec3(t.body, body, row::TURN)) * k.quat(t.body, body, row::ORIENTATION)
+}
+
+/// Where the joint stands: its rows, what they are off, and how they respond.
+#[inline(always)]
+pub fn place<M: Machine>(k: &mut M, t: &JointTables) {
+    let (only, a, b) = (k.index(0), k.index(0), k.index(1));
+    let (qa, qb) = (orientation(k, t, a), orientation(k, t, b));
+    let centres = k.vec3(t.body, b, row::CENTER) - k.vec3(t.body, a, row::CENTER);
+    let shifts = k.vec3(t.body, b, row::SHIFT) - k.vec3(t.body, a, row::SHIFT);
+    let rb = qb.rotate(k.vec3(t.joint, only, joint::ANCHOR_B));
+    let ra = centres + shifts + rb;
+    let gap = ra - qa.rotate(k.vec3(t.joint, only, joint::ANCHOR_A));
+    k.store_vec3(t.joint, only, joint::ARMS, ra);
+    k.store_vec3(t.joint, only, joint::ARMS + 3, rb);
+    let (gradients, turned) = place_turns(k, t, qa, qb);
+    let (shifts, shifted) = place_shifts(k, t, qa, gap);
+    let locked = k.spatial(t.joint, only, joint::LOCKED);
+    let off = times(Spatial::new(turned, shifted), locked);
+    k.store_spatial(t.joint, only, joint::ERROR, off);
+    respond(k, t, gradients, shifts, [ra, rb]);
+}
+
+/// The linear axes, and how far B's anchor is along them.
+#[inline(always)]
+fn place_shifts<M: Machine>(
+    k: &mut M,
+    t: &JointTables,
+    qa: Quat<M::R>,
+    gap: Vec3<M::R>,
+) -> (Mat3<M::R>, Vec3<M::R>) {
+    let only = k.index(0);
+    let mut shifts = (qa * k.quat(t.joint, only, joint::LINEAR_FRAME)).to_mat3();
+    let length = k.load(t.joint, only, joint::LENGTH);
+    let rod = length.ge(M::R::zero());
+    shifts.x = Vec3::select(rod, gap.normalized_or(shifts.x), shifts.x);
+    let mut along = shifts.transpose_mul(gap);
+    along.x -= length.max(M::R::zero());
+    store_mat3(k, t, joint::SHIFTS, shifts);
+    k.store(t.axis, k.index(3), axis::VALUE, along.x);
+    k.store(t.axis, k.index(4), axis::VALUE, along.y);
+    k.store(t.axis, k.index(5), axis::VALUE, along.z);
+    (shifts, along)
+}
+
+/// The gradients of the angular coordinates, and e along them.
+#[inline(always)]
+fn place_turns<M: Machine>(
+    k: &mut M,
+    t: &JointTables,
+    qa: Quat<M::R>,
+    qb: Quat<M::R>,
+) -> (Mat3<M::R>, Vec3<M::R>) {
+    let only = k.index(0);
+    let frame = qa * k.quat(t.joint, only, joint::FRAME_A);
+    let relative = frame.conjugate() * (qb * k.quat(t.joint, only, joint::FRAME_B));
+    let angle = k.vec3(t.joint, only, joint::ANGLE);
+    let x = Vec3::new(M::R::one(), M::R::zero(), M::R::zero());
+    let second = k.vec3(t.joint, only, joint::SECOND);
+    let third = k.vec3(t.joint, only, joint::THIRD);
+    let once = Quat::from_axis_angle(x, angle.x);
+    let twice = once * Quat::from_axis_angle(second, angle.y);
+    let thrice = twice * Quat::from_axis_angle(third, angle.z);
+    let carried = k.load(t.joint, only, joint::CARRIED).gt(M::R::zero());
+    let ball = k.load(t.joint, only, joint::BALL).gt(M::R::zero());
+    let target = k.quat(t.joint, only, joint::TARGET);
+    let e = (relative * Quat::select(ball, target, thrice).conjugate()).log();
+    let own = relative.to_mat3();
+    let axes = Mat3::from_columns(
+        Vec3::select(ball, own.x, x),
+        Vec3::select(ball, own.y, once.rotate(second)),
+        Vec3::select(
+            ball,
+            own.z,
+            Quat::select(carried, twice, once).rotate(third),
+        ),
+    );
+    let gradients = dual(axes);
+    let off = gradients.transpose_mul(e);
+    let value = angle + off;
+    let locked = k.vec3(t.joint, only, joint::LOCKED);
+    for (i, (value, locked)) in value
+        .to_array()
+        .into_iter()
+        .zip(locked.to_array())
+        .enumerate()
+    {
+        let stays = ball | locked.gt(M::R::zero());
+        let angle = M::R::select(stays, M::R::zero(), value);
+        k.store(t.joint, only, joint::ANGLE + i, angle);
+        k.store(t.axis, k.index(i), axis::VALUE, value);
+    }
+    let turn = frame.to_mat3();
+    let (axes, gradients) = (turn * axes, turn * gradients);
+    store_mat3(k, t, joint::AXES, axes);
+    store_mat3(k, t, joint::GRADIENTS, gradients);
+    (gradients, off)
+}
+
+/// The dual basis, within bounds where the vectors nearly lie in a plane.
+#[inline(always)]
+fn dual<R: Real>(m: Mat3<R>) -> Mat3<R> {
+    let (x, y, z) = (m.y.cross(m.z), m.z.cross(m.x), m.x.cross(m.y));
+    let volume = m.x.dot(x);
+    let inverse = volume / volume.squared().max(R::lit(FLAT));
+    Mat3::from_columns(x * inverse, y * inverse, z * inverse)
+}
+
+/// How the rows respond to impulses along them, and what the locks make of those along the others.
+#[inline(always)]
+fn respond<M: Machine>(
+    k: &mut M,
+    t: &JointTables,
+    gradients: Mat3<M::R>,
+    shifts: Mat3<M::R>,
+    [ra, rb]: [Vec3<M::R>; 2],
+) {
+    let (only, a, b) = (k.index(0), k.index(0), k.index(1));
+    let masses = [
+        k.load(t.body, a, row::INVERSE_MASS),
+        k.load(t.body, b, row::INVERSE_MASS),
+    ];
+    let (ia, ib) = (
+        k.sym(t.body, a, row::INVERSE_INERTIA),
+        k.sym(t.body, b, row::INVERSE_INERTIA),
+    );
+    k.write(t.joint, only, joint::INVERSE_MASS, masses);
+    k.store_sym(t.joint, only, joint::INVERSE_INERTIA, ia);
+    k.store_sym(t.joint, only, joint::INVERSE_INERTIA + 6, ib);
+    // As if each joint of a body had a share of it.
+    let [na, nb] = k.read(t.joint, only, joint::SHARES);
+    let (ia, ib) = (ia.scaled(na), ib.scaled(nb));
+    let linear = arm_response(ia, ra) + arm_response(ib, rb);
+    let linear = linear + SymMat3::diagonal(masses[0] * na + masses[1] * nb);
+    let all = Inertia {
+        i: (ia + ib).rotated(gradients.transpose()),
+        h: gradients.transpose()
+            * Mat3::from_columns(
+                ia * ra.cross(shifts.x) + ib * rb.cross(shifts.x),
+                ia * ra.cross(shifts.y) + ib * rb.cross(shifts.y),
+                ia * ra.cross(shifts.z) + ib * rb.cross(shifts.z),
+            ),
+        m: linear.rotated(shifts.transpose()),
+    };
+    store_columns(k, t, &all, gradients, shifts);
+    let locked = k.spatial(t.joint, only, joint::LOCKED);
+    let block = among(&all, locked);
+    k.store_inertia(t.joint, only, joint::BLOCK, block);
+    for i in k.count(ROWS) {
+        let acts = k.link(t.links, i, axis_link::ACTS);
+        if let Some(_branch) = k.when(k.equals(acts, 1)) {
+            let column = k.spatial(t.work, i, work::COLUMN);
+            let held = block.solve(times(column, locked), M::R::lit(TINY));
+            let response = k.load(t.axis, i, axis::RESPONSE) - column.dot(held);
+            let wrench = k.spatial(t.axis, i, axis::WRENCH);
+            let back = Spatial::new(gradients * held.angular, shifts * held.linear);
+            k.store(t.axis, i, axis::RESPONSE, response);
+            k.store_spatial(t.axis, i, axis::WRENCH, wrench - back);
+        }
+    }
+}
+
+/// −r× I⁻¹ r×: response of a point at the arm r through rotation.
+#[inline(always)]
+fn arm_response<R: Real>(i: SymMat3<R>, r: Vec3<R>) -> SymMat3<R> {
+    i.rotated(Mat3::skew(r))
+}
+
+/// The rows of K, and impulses along them as the bodies see them.
+#[inline(always)]
+fn store_columns<M: Machine>(
+    k: &mut M,
+    t: &JointTables,
+    all: &Inertia<M::R>,
+    gradients: Mat3<M::R>,
+    shifts: Mat3<M::R>,
+) {
+    let (i, m) = (all.i.to_mat3(), all.m.to_mat3());
+    let (h, ht, zero) = (all.h, all.h.transpose(), Vec3::zero());
+    let columns = [
+        (Spatial::new(i.x, ht.x), all.i.xx, gradients.x, zero),
+        (Spatial::new(i.y, ht.y), all.i.yy, gradients.y, zero),
+        (Spatial::new(i.z, ht.z), all.i.zz, gradients.z, zero),
+        (Spatial::new(h.x, m.x), all.m.xx, zero, shifts.x),
+        (Spatial::new(h.y, m.y), all.m.yy, zero, shifts.y),
+        (Spatial::new(h.z, m.z), all.m.zz, zero, shifts.z),
+    ];
+    for (row, (column, response, turn, shift)) in columns.into_iter().enumerate() {
+        let row = k.index(row);
+        k.store_spatial(t.work, row, work::COLUMN, column);
+        k.store_spatial(t.axis, row, axis::WRENCH, Spatial::new(turn, shift));
+        k.store(t.axis, row, axis::RESPONSE, response);
+    }
+}
+
+/// K among the locked rows; the others are those of the unit matrix.
+#[inline(always)]
+fn among<R: Real>(all: &Inertia<R>, locked: Spatial<R>) -> Inertia<R> {
+    let (a, l) = (locked.angular, locked.linear);
+    Inertia {
+        i: masked(all.i, a),
+        h: Mat3::from_columns(
+            all.h.x.times(a) * l.x,
+            all.h.y.times(a) * l.y,
+            all.h.z.times(a) * l.z,
+        ),
+        m: masked(all.m, l),
+    }
+}
+
+#[inline(always)]
+fn masked<R: Real>(m: SymMat3<R>, l: Vec3<R>) -> SymMat3<R> {
+    let one = R::one();
+    SymMat3 {
+        xx: m.xx.fma(l.x, one - l.x),
+        yy: m.yy.fma(l.y, one - l.y),
+        zz: m.zz.fma(l.z, one - l.z),
+        xy: m.xy * l.x * l.y,
+        xz: m.xz * l.x * l.z,
+        yz: m.yz * l.y * l.z,
+    }
+}
+
+/// Rates of the axes, as armatures have them when a small step begins.
+#[inline(always)]
+pub fn measure<M: Machine>(k: &mut M, t: &JointTables) {
+    let pair = Pair::load(k, t);
+    let rates = Rows::load(k, t).rates(pair.apart());
+    for (i, rate) in rates.to_array().into_iter().enumerate() {
+        k.store(t.axis, k.index(i), axis::BEGIN, rate);
+    }
+}
+
+/// Gives the impulses that the joint had in the step before.
+#[inline(always)]
+pub fn warm_start<M: Machine>(k: &mut M, t: &JointTables) {
+    let mut pair = Pair::load(k, t);
+    let had = pair.given.get();
+    pair.given.set(Spatial::zero());
+    pair.push(had);
+    keep(k, t, pair.arms, had.linear);
+    pair.store(k, t);
+}
+
+/// Arms and impulse to give again.
+#[inline(always)]
+fn keep<M: Machine>(k: &mut M, t: &JointTables, arms: [Vec3<M::R>; 2], impulse: Vec3<M::R>) {
+    let only = k.index(0);
+    k.store_vec3(t.joint, only, joint::LAST, arms[0]);
+    k.store_vec3(t.joint, only, joint::LAST + 3, arms[1]);
+    k.store_vec3(t.joint, only, joint::LAST + 6, impulse);
+}
+
+/// One relaxation of the joint; `pushing` is 1 where it is to be pushed together, and what acts along its
+/// axes does, else 0.
+#[inline(always)]
+pub fn solve<M: Machine>(k: &mut M, t: &JointTables, pushing: M::R) {
+    let pushes = pushing.gt(M::R::zero());
+    let rows = Rows::load(k, t);
+    let mut pair = Pair::load(k, t);
+    // All lanes push, or none does.
+    if let Some(_branch) = k.if_any(pushes) {
+        mend(k, t, &rows, &mut pair);
+    }
+    hold(k, t, &rows, &mut pair, pushing);
+    if let Some(_branch) = k.if_any(pushes) {
+        act(k, t, &rows, &mut pair);
+        keep(k, t, pair.arms, pair.given.get().linear);
+    }
+    pair.store(k, t);
+}
+
+/// What was given again had other arms, and rows that have turned since.
+#[inline(always)]
+fn mend<M: Machine>(k: &mut M, t: &JointTables, rows: &Rows<M::R>, pair: &mut Pair<M>) {
+    let only = k.index(0);
+    let mut kept = k.spatial(t.joint, only, joint::LOCKED).to_array();
+    for (i, kept) in kept.iter_mut().enumerate() {
+        *kept += k.load(t.axis, k.index(i), axis::ACTS);
+    }
+    let given = pair.given.get();
+    let along = times(rows.along(given), Spatial::from_array(kept));
+    let last = arms(k, t, joint::LAST);
+    let force = k.vec3(t.joint, only, joint::LAST + 6);
+    let turns = [
+        (pair.arms[0] - last[0]).cross(force),
+        (pair.arms[1] - last[1]).cross(force),
+    ];
+    pair.shove(rows.wrench(along) - given, turns);
+}
+
+/// The locked rows.
+#[inline(always)]
+fn hold<M: Machine>(
+    k: &mut M,
+    t: &JointTables,
+    rows: &Rows<M::R>,
+    pair: &mut Pair<M>,
+    pushing: M::R,
+) {
+    let only = k.index(0);
+    let softness = softness();
+    let yields = pushing * M::R::lit(softness / (1.0 + softness));
+    let closes = pushing * k.load(t.global, only, global::RATE) * M::R::lit(1.0 / (CALM + 1.0));
+    let locked = k.spatial(t.joint, only, joint::LOCKED);
+    let block = k.inertia(t.joint, only, joint::BLOCK);
+    let off = k.spatial(t.joint, only, joint::ERROR);
+    let wrong = times(rows.rates(pair.apart()), locked) + off * closes;
+    let x = block.solve(wrong, M::R::lit(TINY));
+    let had = times(rows.along(pair.given.get()), locked);
+    let change = x * (yields - M::R::one()) - had * yields;
+    pair.push(rows.wrench(change));
+}
+
+/// What acts along the axes, one after the other.
+#[inline(always)]
+fn act<M: Machine>(k: &mut M, t: &JointTables, rows: &Rows<M::R>, pair: &mut Pair<M>) {
+    for i in k.count(ROWS) {
+        let acts = k.link(t.links, i, axis_link::ACTS);
+        if let Some(_branch) = k.when(k.equals(acts, 1)) {
+            let rates = rows.rates(pair.apart()).to_array();
+            let had = rows.along(pair.given.get()).to_array();
+            for (row, (rate, had)) in rates.into_iter().zip(had).enumerate() {
+                k.write(t.work, k.index(row), work::RATE, [rate, had]);
+            }
+            let [rate, had] = k.read(t.work, i, work::RATE);
+            let change = law::balance(k, t, i, rate, had);
+            let change = change * k.load(t.axis, i, axis::ACTS);
+            pair.push(k.spatial(t.axis, i, axis::WRENCH) * change);
+        }
+    }
+}

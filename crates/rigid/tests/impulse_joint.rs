@@ -1,0 +1,176 @@
+//! The kernels of a joint of `impulse`, in scalars: one joint, its two bodies, one relaxation.
+
+use glam::DVec3;
+use kinetarium_rigid::impulse::joint::{
+    JointTables, PLACED, ROWS, axis, axis_link, bounded, joint, place, solve,
+};
+use kinetarium_rigid::impulse::{global, row};
+use numbers::{Cpu, Shared};
+
+/// Length of a small step [s].
+const H: f64 = 1e-3;
+const MASSES: [f64; 2] = [2.0, 0.5];
+/// Moments of inertia [kg·m²] of A and B, the same about all axes.
+const MOMENTS: [f64; 2] = [0.3, 0.04];
+const CENTERS: [DVec3; 2] = [DVec3::ZERO, DVec3::new(0.5, 0.2, -0.1)];
+/// Where the joint is.
+const ANCHOR: DVec3 = DVec3::new(0.3, 0.1, 0.0);
+
+/// A joint of two bodies that move anyhow, with the given rows locked.
+struct Lane {
+    state: Vec<f64>,
+    scratch: Vec<f64>,
+    links: [u32; ROWS * axis_link::WIDTH],
+}
+
+impl Lane {
+    fn new(locked: [f64; ROWS]) -> Self {
+        let t = JointTables::new();
+        let mut lane = Self {
+            state: vec![0.0; t.length],
+            scratch: vec![0.0; JointTables::SCRATCH],
+            links: [0; ROWS * axis_link::WIDTH],
+        };
+        let identity = [0.0, 0.0, 0.0, 1.0];
+        let mut put = |field: usize, x: &[f64]| {
+            let at = t.joint.at(0, field);
+            lane.state[at..at + x.len()].copy_from_slice(x);
+        };
+        put(joint::ANCHOR_A, &(ANCHOR - CENTERS[0]).to_array());
+        put(joint::ANCHOR_B, &(ANCHOR - CENTERS[1]).to_array());
+        for frame in [
+            joint::FRAME_A,
+            joint::FRAME_B,
+            joint::LINEAR_FRAME,
+            joint::TARGET,
+        ] {
+            put(frame, &identity);
+        }
+        put(joint::LOCKED, &locked);
+        put(joint::SECOND, &[0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+        put(joint::LENGTH, &[-1.0]);
+        put(joint::SHARES, &[1.0; 2]);
+        for side in 0..2 {
+            let wave = |i: usize| (1.3 * (6 * side + i) as f64 + 0.7).sin();
+            let body = &mut lane.scratch[side * PLACED..][..PLACED];
+            for i in 0..6 {
+                body[row::VELOCITY + i] = wave(i);
+            }
+            body[row::INVERSE_MASS] = MASSES[side].recip();
+            body[row::INVERSE_INERTIA..][..3].fill(MOMENTS[side].recip());
+            body[row::CENTER..][..3].copy_from_slice(&CENTERS[side].to_array());
+            body[row::ORIENTATION..][..4].copy_from_slice(&identity);
+        }
+        lane
+    }
+
+    /// Places the joint and relaxes it.
+    fn relax(&mut self, pushing: f64) {
+        let t = JointTables::new();
+        let mut parameters = [0.0; global::WIDTH];
+        (parameters[global::STEP], parameters[global::RATE]) = (H, H.recip());
+        let mut k = Cpu {
+            state: &mut self.state,
+            input: &[],
+            output: &mut [],
+            scratch: &mut self.scratch,
+            parameters: Shared(&parameters),
+            links: &self.links,
+        };
+        place(&mut k, &t);
+        solve(&mut k, &t, pushing);
+    }
+
+    /// Velocity and spin of a body.
+    fn motion(&self, side: usize) -> [DVec3; 2] {
+        let at = side * PLACED + row::VELOCITY;
+        [0, 3].map(|i| DVec3::from_slice(&self.scratch[at + i..][..3]))
+    }
+
+    /// Of B against A: velocity of the anchor, and spin.
+    fn apart(&self) -> [DVec3; 2] {
+        let [a, b] = [0, 1].map(|side| {
+            let [v, w] = self.motion(side);
+            [v + w.cross(ANCHOR - CENTERS[side]), w]
+        });
+        [b[0] - a[0], b[1] - a[1]]
+    }
+
+    /// Linear and angular momentum.
+    fn momentum(&self) -> [DVec3; 2] {
+        let [a, b] = [0, 1].map(|side| {
+            let [v, w] = self.motion(side);
+            let p = MASSES[side] * v;
+            [p, MOMENTS[side] * w + CENTERS[side].cross(p)]
+        });
+        [a[0] + b[0], a[1] + b[1]]
+    }
+}
+
+/// What is locked stops at once, what is free goes on as impulses across it allow, and momentum stays.
+#[test]
+fn one_relaxation_solves_all_locked_rows() {
+    for bits in 0..1 << ROWS {
+        let locked: [f64; ROWS] = std::array::from_fn(|i| f64::from(bits >> i & 1));
+        let mut lane = Lane::new(locked);
+        let before = lane.momentum();
+        lane.relax(0.0);
+        let [v, w] = lane.apart();
+        let rates = [w.to_array(), v.to_array()].concat();
+        for (rate, locked) in rates.iter().zip(locked) {
+            assert!(rate.abs() * locked < 1e-13, "{locked:?}: {rates:?}");
+        }
+        let after = lane.momentum();
+        for (before, after) in before.into_iter().zip(after) {
+            assert!(before.distance(after) < 1e-13);
+        }
+    }
+}
+
+/// A drive, a stop and friction along the axis of a hinge: with the moment of inertia m that the hinge
+/// leaves, m (v − v₀) = h F(v), where F is the sum of their clamped forces; the locks stay solved.
+#[test]
+fn what_acts_along_an_axis_is_balanced_exactly() {
+    let hinge = [0.0, 1.0, 1.0, 1.0, 1.0, 1.0];
+    let t = JointTables::new();
+    let free = {
+        let mut lane = Lane::new(hinge);
+        lane.relax(0.0);
+        lane.apart()[1].x
+    };
+    let laws = [
+        [300.0, 20.0, 0.2, 0.0, -4.0, 4.0, 0.0],
+        [0.0, 1e6, 0.0, 0.0, -1.5, 1.5, 0.0],
+        [5e3, 10.0, -0.001, 0.0, -1e30, 0.0, 1.0],
+    ];
+    for count in 0..=laws.len() {
+        let mut lane = Lane::new(hinge);
+        lane.relax(0.0);
+        // Locks yield in proportion to what they have given, while they push.
+        lane.state[t.joint.at(0, joint::IMPULSE)..][..ROWS].fill(0.0);
+        lane.links[axis_link::ACTS] = 1;
+        lane.links[axis_link::END] = count as u32;
+        let passive = [1.0, 0.0, 0.3, 0.7, 0.05];
+        let at = t.axis.at(0, axis::ACTS);
+        lane.state[at..at + passive.len()].copy_from_slice(&passive);
+        lane.state[t.axis.at(0, axis::BEGIN)] = free;
+        for (i, law) in laws[..count].iter().enumerate() {
+            let at = t.law.at(i, bounded::STIFFNESS);
+            lane.state[at..at + law.len()].copy_from_slice(law);
+        }
+        lane.relax(1.0);
+        let [slip, w] = lane.apart();
+        let off = slip.length() + w.y.abs() + w.z.abs();
+        assert!(off < 1e-12, "the locks are off by {off}");
+        let v = w.x;
+        let mut force = 0.7 - 0.3 * v - 0.05 * (v - free) / H;
+        for [k, d, rest, _, low, high, stop] in &laws[..count] {
+            let reaching = (rest / H).clamp(-high, -low) * stop;
+            force += (k * (rest - H * v) - d * (v - reaching)).clamp(*low, *high);
+        }
+        let inertia = 1.0 / lane.state[t.axis.at(0, axis::RESPONSE)];
+        let left = inertia * (v - free) - H * force;
+        // Friction is steep: a rounding of v is 1e6 times as much force.
+        assert!(left.abs() < 1e-11, "{count} laws: {left}");
+    }
+}

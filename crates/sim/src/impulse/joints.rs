@@ -1,0 +1,228 @@
+//! Joints in lanes: gathered, worked on, and put back, as contacts are.
+
+use super::jobs::{BodyRows, spread};
+use numbers::dispatch::Job;
+use numbers::{Cpu, Float, Lanes, Machine, Memory, PerWorld};
+use rigid::impulse::joint::{
+    self, JointTables, PLACED, ROWS, Tied, axis, axis_link, joint as field,
+};
+use rigid::impulse::{Impulse, State, global, row};
+
+/// Memory for joints in lanes; kept from step to step, its contents are not.
+pub(super) struct JointLanes<T> {
+    numbers: Memory<T>,
+    /// Bodies A, then bodies B, of each batch.
+    bodies: Vec<u32>,
+}
+
+impl<T: Float> Default for JointLanes<T> {
+    fn default() -> Self {
+        Self {
+            numbers: Memory::new(0, 1, 1),
+            bodies: Vec::new(),
+        }
+    }
+}
+
+/// A register's worth of joints of one colour.
+pub(super) struct JointBatch<'a, T> {
+    numbers: &'a mut [T],
+    /// Bodies A, then bodies B, a lane each; row 0 where nothing moves.
+    bodies: &'a mut [u32],
+    /// Which of the joints these are.
+    members: &'a [u32],
+    links: [u32; ROWS * axis_link::WIDTH],
+}
+
+impl<T: Float> JointLanes<T> {
+    /// Room for so many batches of `width` joints.
+    pub fn make_room(&mut self, batches: usize, width: usize) {
+        let (lanes, length) = (batches * width, JointTables::new().length);
+        let fits = self.numbers.width() == width && self.numbers.length() == length;
+        if !fits || self.numbers.worlds() < lanes {
+            self.numbers = Memory::new(lanes, length, width);
+        }
+        self.bodies.resize(2 * lanes.max(self.bodies.len() / 2), 0);
+    }
+
+    /// The batches, each with its joints, and still to be filled.
+    pub fn batches<'a>(
+        &'a mut self,
+        members: impl Iterator<Item = &'a [u32]>,
+        width: usize,
+    ) -> impl Iterator<Item = JointBatch<'a, T>> {
+        let block = self.numbers.block_size();
+        let numbers = self.numbers.scalars_mut().chunks_exact_mut(block);
+        let bodies = self.bodies.chunks_exact_mut(2 * width);
+        let rooms = numbers.zip(bodies).zip(members);
+        rooms.map(|((numbers, bodies), members)| JointBatch {
+            numbers,
+            bodies,
+            members,
+            links: [0; ROWS * axis_link::WIDTH],
+        })
+    }
+
+    /// Takes back what the joints of a batch carry to the next step.
+    pub fn read(
+        &self,
+        batch: usize,
+        joints: impl Iterator<Item = usize>,
+        impulse: &Impulse,
+        state: &mut [T],
+    ) {
+        let t = JointTables::new();
+        let (numbers, width) = (self.numbers.block(batch), self.numbers.width());
+        for (lane, tie) in joints.enumerate() {
+            let fields = t.joint.at(0, field::TARGET)..t.joint.at(0, field::WRITTEN);
+            let carried = fields.map(|at| numbers[at * width + lane]);
+            impulse.keep_tied(tie, carried, state);
+        }
+    }
+}
+
+impl<T: Float> JointBatch<'_, T> {
+    /// Writes the joints into their lanes, for a step of length h [s].
+    pub fn fill(&mut self, joints: &[u32], state: &State<'_, T>, input: &[T], h: f64) {
+        let width = self.bodies.len() / 2;
+        self.bodies.fill(0);
+        let mut ends = [0; ROWS];
+        for &member in self.members {
+            let counts = state.impulse.law_counts(joints[member as usize] as usize);
+            ends = std::array::from_fn(|row| ends[row].max(counts[row]));
+        }
+        let mut next = 0;
+        for (row, end) in ends.into_iter().enumerate() {
+            let links = &mut self.links[row * axis_link::WIDTH..];
+            links[axis_link::ACTS] = 0;
+            links[axis_link::FIRST] = next;
+            next += end as u32;
+            links[axis_link::END] = next;
+        }
+        for (lane, &member) in self.members.iter().enumerate() {
+            let tie = joints[member as usize] as usize;
+            let rows = state.impulse.tied_rows(tie).unwrap_or_default();
+            for (side, row) in rows.into_iter().enumerate() {
+                self.bodies[side * width + lane] = row;
+            }
+            let tied = state.impulse.tied(tie, state, input, h);
+            self.write(lane, width, &tied);
+        }
+    }
+
+    fn write(&mut self, lane: usize, width: usize, tied: &Tied<T>) {
+        let t = JointTables::new();
+        let mut put = |at: usize, numbers: &[T]| {
+            for (i, x) in numbers.iter().enumerate() {
+                self.numbers[(at + i) * width + lane] = *x;
+            }
+        };
+        put(t.joint.at(0, 0), &tied.joint);
+        for row in 0..ROWS {
+            put(t.axis.at(row, 0), &tied.axes[row]);
+            let links = &mut self.links[row * axis_link::WIDTH..];
+            if tied.axes[row][axis::ACTS] > T::zero() {
+                links[axis_link::ACTS] = 1;
+            }
+            let laws = links[axis_link::FIRST]..links[axis_link::END];
+            for (at, law) in laws.zip(&tied.laws[row]) {
+                put(t.law.at(at as usize, 0), law);
+            }
+        }
+    }
+}
+
+/// What to do with joints.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum JointStage {
+    Place,
+    Measure,
+    WarmStart,
+    Solve { pushing: bool },
+}
+
+/// Joints in lanes.
+pub(super) struct Joints<'a, 'b, T: Float> {
+    pub rows: &'a BodyRows<T>,
+    pub batches: &'a mut [JointBatch<'b, T>],
+    pub globals: &'a [T; global::WIDTH],
+    pub stage: JointStage,
+}
+
+/// A stage as a type, as for bodies.
+trait JointWork {
+    /// Whether it needs all of the bodies, and changes nothing of them; else their motion.
+    const PLACES: bool;
+    fn run<M: Machine>(k: &mut M, t: &JointTables, pushing: M::R);
+}
+
+macro_rules! joint_work {
+    ($($name:ident($k:ident, $t:ident, $pushing:ident) = $kernel:expr, $places:literal;)+) => {
+        $(struct $name;
+        impl JointWork for $name {
+            const PLACES: bool = $places;
+            #[inline(always)]
+            fn run<M: Machine>($k: &mut M, $t: &JointTables, $pushing: M::R) {
+                $kernel
+            }
+        })+
+    };
+}
+
+joint_work! {
+    Place(k, t, _pushing) = joint::place(k, t), true;
+    Measure(k, t, _pushing) = joint::measure(k, t), false;
+    WarmStart(k, t, _pushing) = joint::warm_start(k, t), false;
+    Solve(k, t, pushing) = joint::solve(k, t, pushing), false;
+}
+
+impl<T: Float> Job for Joints<'_, '_, T> {
+    type Scalar = T;
+    type Output = ();
+    #[inline(always)]
+    fn run<R: Lanes<Scalar = T>>(self) {
+        match self.stage {
+            JointStage::Place => self.work::<R, Place>(false),
+            JointStage::Measure => self.work::<R, Measure>(false),
+            JointStage::WarmStart => self.work::<R, WarmStart>(false),
+            JointStage::Solve { pushing } => self.work::<R, Solve>(pushing),
+        }
+    }
+}
+
+impl<T: Float> Joints<'_, '_, T> {
+    #[inline(always)]
+    fn work<R: Lanes<Scalar = T>, W: JointWork>(self, pushing: bool) {
+        let t = JointTables::new();
+        let pushing = R::lit(if pushing { 1.0 } else { 0.0 });
+        let parameters: [R; global::WIDTH] = spread(self.globals);
+        let mut work = [R::zero(); JointTables::SCRATCH];
+        for batch in self.batches.iter_mut() {
+            for side in 0..2 {
+                let bodies = &batch.bodies[side * R::WIDTH..];
+                let to = &mut work[side * PLACED..];
+                if W::PLACES {
+                    self.rows.gather::<R, PLACED>(bodies, 0, to);
+                } else {
+                    self.rows.gather::<R, 6>(bodies, row::VELOCITY, to);
+                }
+            }
+            let mut k = Cpu {
+                state: bytemuck::cast_slice_mut(batch.numbers),
+                input: &[],
+                output: &mut [],
+                scratch: &mut work,
+                parameters: PerWorld(&parameters),
+                links: &batch.links,
+            };
+            W::run(&mut k, &t, pushing);
+            for side in 0..2 {
+                if !W::PLACES {
+                    let bodies = &batch.bodies[side * R::WIDTH..];
+                    let from = &work[side * PLACED..];
+                    self.rows.scatter::<R, 6>(bodies, row::VELOCITY, from);
+                }
+            }
+        }
+    }
+}
