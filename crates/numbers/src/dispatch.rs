@@ -27,6 +27,9 @@ pub trait Job {
     /// Whether one world is to be compiled for the 32 registers of AVX-512, besides the 16 of AVX2:
     /// up to a tenth faster, for a fifth more time to compile.
     const MANY_REGISTERS: bool = false;
+    /// Whether a block is to be compiled for AVX-512, besides AVX2, which gives the same bits: worth its
+    /// while to compile for what takes much of the time.
+    const WIDEST: bool = true;
     /// Does the work, reading numbers as `R`.
     fn run<R: Lanes<Scalar = Self::Scalar>>(self) -> Self::Output;
 }
@@ -194,10 +197,10 @@ pub fn run_registers<J: Job>(isa: Isa, job: J) -> J::Output {
     match isa {
         // SAFETY: an `Isa` exists only where its instructions were detected.
         #[cfg(target_arch = "x86_64")]
-        Isa::Avx512 => unsafe { entry_avx512(job) },
+        Isa::Avx512 if J::WIDEST => unsafe { entry_avx512(job) },
         // SAFETY: an `Isa` exists only where its instructions were detected.
         #[cfg(target_arch = "x86_64")]
-        Isa::Avx2 => unsafe { entry_avx2(job) },
+        Isa::Avx512 | Isa::Avx2 => unsafe { entry_avx2(job) },
         #[cfg(target_arch = "aarch64")]
         Isa::Neon => entry_neon(job),
         #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]

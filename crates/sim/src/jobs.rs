@@ -45,7 +45,7 @@ impl<T: Float> Block<'_, T> {
 }
 
 /// A job of a solver, in a module of its own: `body` with the solver, a machine, and a number; and
-/// whether it is worth its while in one world with many registers.
+/// whether it takes so much of the time that all registers of AVX-512 are worth their while.
 macro_rules! job {
     ($(#[$doc:meta])* $name:ident($kernels:ident, $cpu:ident, $number:ident), $registers:literal, $body:block) => {
         $(#[$doc])*
@@ -62,6 +62,7 @@ macro_rules! job {
                 type Scalar = T;
                 type Output = ();
                 const MANY_REGISTERS: bool = K::MANY_REGISTERS && $registers;
+                const WIDEST: bool = $registers;
                 #[inline(always)]
                 fn run<R: Lanes<Scalar = T>>(self) {
                     let ($kernels, $number) = (self.kernels, self.number);
@@ -153,6 +154,7 @@ macro_rules! pairs {
             impl<T: Float> Job for Work<'_, '_, T> {
                 type Scalar = T;
                 type Output = ();
+                const WIDEST: bool = !T::DOUBLE;
                 #[inline(always)]
                 fn run<R: Lanes<Scalar = T>>(self) {
                     self.contacts.meet::<_, kernel::$kernel>(&mut self.block.cpu::<R>());
@@ -195,6 +197,7 @@ mod meshes {
     impl<T: Float> Job for Work<'_, '_, T> {
         type Scalar = T;
         type Output = ();
+        const WIDEST: bool = false;
         #[inline(always)]
         fn run<R: Lanes<Scalar = T>>(self) {
             self.contacts.meet_meshes(&mut self.block.cpu::<R>());

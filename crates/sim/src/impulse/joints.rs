@@ -179,6 +179,7 @@ joint_work! {
 impl<T: Float> Job for Joints<'_, '_, T> {
     type Scalar = T;
     type Output = ();
+    const WIDEST: bool = false;
     #[inline(always)]
     fn run<R: Lanes<Scalar = T>>(self) {
         match self.stage {
