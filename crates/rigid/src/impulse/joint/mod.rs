@@ -293,16 +293,12 @@ fn place_turns<M: Machine>(
     let off = gradients.transpose_mul(e);
     let value = angle + off;
     let locked = k.vec3(t.joint, only, joint::LOCKED);
-    for (i, (value, locked)) in value
-        .to_array()
-        .into_iter()
-        .zip(locked.to_array())
-        .enumerate()
-    {
-        let stays = ball | locked.gt(M::R::zero());
-        let angle = M::R::select(stays, M::R::zero(), value);
+    let (value, locked) = (value.to_array(), locked.to_array());
+    for i in 0..3 {
+        let stays = ball | locked[i].gt(M::R::zero());
+        let angle = M::R::select(stays, M::R::zero(), value[i]);
         k.store(t.joint, only, joint::ANGLE + i, angle);
-        k.store(t.axis, k.index(i), axis::VALUE, value);
+        k.store(t.axis, k.index(i), axis::VALUE, value[i]);
     }
     let turn = frame.to_mat3();
     let (axes, gradients) = (turn * axes, turn * gradients);
@@ -391,20 +387,69 @@ fn store_columns<M: Machine>(
 ) {
     let (i, m) = (all.i.to_mat3(), all.m.to_mat3());
     let (h, ht, zero) = (all.h, all.h.transpose(), Vec3::zero());
-    let columns = [
-        (Spatial::new(i.x, ht.x), all.i.xx, gradients.x, zero),
-        (Spatial::new(i.y, ht.y), all.i.yy, gradients.y, zero),
-        (Spatial::new(i.z, ht.z), all.i.zz, gradients.z, zero),
-        (Spatial::new(h.x, m.x), all.m.xx, zero, shifts.x),
-        (Spatial::new(h.y, m.y), all.m.yy, zero, shifts.y),
-        (Spatial::new(h.z, m.z), all.m.zz, zero, shifts.z),
-    ];
-    for (row, (column, response, turn, shift)) in columns.into_iter().enumerate() {
-        let row = k.index(row);
-        k.store_spatial(t.work, row, work::COLUMN, column);
-        k.store_spatial(t.axis, row, axis::WRENCH, Spatial::new(turn, shift));
-        k.store(t.axis, row, axis::RESPONSE, response);
-    }
+    store_column(
+        k,
+        t,
+        0,
+        Spatial::new(i.x, ht.x),
+        Spatial::new(gradients.x, zero),
+        all.i.xx,
+    );
+    store_column(
+        k,
+        t,
+        1,
+        Spatial::new(i.y, ht.y),
+        Spatial::new(gradients.y, zero),
+        all.i.yy,
+    );
+    store_column(
+        k,
+        t,
+        2,
+        Spatial::new(i.z, ht.z),
+        Spatial::new(gradients.z, zero),
+        all.i.zz,
+    );
+    store_column(
+        k,
+        t,
+        3,
+        Spatial::new(h.x, m.x),
+        Spatial::new(zero, shifts.x),
+        all.m.xx,
+    );
+    store_column(
+        k,
+        t,
+        4,
+        Spatial::new(h.y, m.y),
+        Spatial::new(zero, shifts.y),
+        all.m.yy,
+    );
+    store_column(
+        k,
+        t,
+        5,
+        Spatial::new(h.z, m.z),
+        Spatial::new(zero, shifts.z),
+        all.m.zz,
+    );
+}
+
+#[inline(always)]
+fn store_column<M: Machine>(
+    k: &mut M,
+    t: &JointTables,
+    row: usize,
+    column: Spatial<M::R>,
+    wrench: Spatial<M::R>,
+    response: M::R,
+) {
+    let row = k.index(row);
+    k.store_spatial(t.work, row, work::COLUMN, column);
+    k.store_spatial(t.axis, row, axis::WRENCH, wrench);
+    k.store(t.axis, row, axis::RESPONSE, response);
 }
 
 /// K among the locked rows; the others are those of the unit matrix.
@@ -436,12 +481,13 @@ fn masked<R: Real>(m: SymMat3<R>, l: Vec3<R>) -> SymMat3<R> {
 }
 
 /// Rates of the axes, as armatures have them when a small step begins.
+#[allow(clippy::needless_range_loop)] // iterators of arrays are not sure to be inlined
 #[inline(always)]
 pub fn measure<M: Machine>(k: &mut M, t: &JointTables) {
     let pair = Pair::load(k, t);
-    let rates = Rows::load(k, t).rates(pair.apart());
-    for (i, rate) in rates.to_array().into_iter().enumerate() {
-        k.store(t.axis, k.index(i), axis::BEGIN, rate);
+    let rates = Rows::load(k, t).rates(pair.apart()).to_array();
+    for i in 0..ROWS {
+        k.store(t.axis, k.index(i), axis::BEGIN, rates[i]);
     }
 }
 
@@ -534,8 +580,8 @@ fn act<M: Machine>(k: &mut M, t: &JointTables, rows: &Rows<M::R>, pair: &mut Pai
         if let Some(_branch) = k.when(k.equals(acts, 1)) {
             let rates = rows.rates(pair.apart()).to_array();
             let had = rows.along(pair.given.get()).to_array();
-            for (row, (rate, had)) in rates.into_iter().zip(had).enumerate() {
-                k.write(t.work, k.index(row), work::RATE, [rate, had]);
+            for row in 0..ROWS {
+                k.write(t.work, k.index(row), work::RATE, [rates[row], had[row]]);
             }
             let [rate, had] = k.read(t.work, i, work::RATE);
             let change = law::balance(k, t, i, rate, had);
