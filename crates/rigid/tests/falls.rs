@@ -13,10 +13,10 @@
 //!   why torsos are compared up to the first time that either side is more than 5 mm deep. The ant
 //!   under controls, at its 10 ms, is 190 mm off after 0.3 s by MuJoCo's own count, against a
 //!   sixteenth of the step; the half-cheetah 33 mm; the walkers 88 and 13 mm.
-//! - Limits of joints stop what runs into them faster than MuJoCo's: the walkers' motors drive feet at
-//!   50 rad/s into theirs.
+//! - Whether a limit of a joint pushes is told, at first, as if the parent did not accelerate: the walkers'
+//!   motors drive feet at 50 rad/s into theirs.
 //! - The humanoid that is to stand up starts 15 mm within itself, and what drives it apart depends on
-//!   the contact model: its torso is compared in the passive fall to the end, to 15 mm, and at rest.
+//!   the contact model: its torso is compared in the passive fall to the end, to 20 mm, and at rest.
 
 #[allow(dead_code)] // its models are for other tests
 mod scene;
@@ -192,7 +192,7 @@ fn passive_falls_are_those_of_mujoco_to_the_end() {
         let ours = fall(&reference, &model, &reference.passive, Some(8));
         let apart = torsos_apart(&reference, &ours, &reference.passive, false);
         println!("{name}: {apart:.4} m");
-        let share = if name == OVERLAPPING { 3.0 } else { 1.0 };
+        let share = if name == OVERLAPPING { 4.0 } else { 1.0 };
         assert!(apart < share * APART, "{name}: {apart}");
     }
 }

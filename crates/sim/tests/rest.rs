@@ -210,7 +210,7 @@ fn ten_boxes_stand() {
     stands("in steps of 2 ms", &tower, 0.002, 60, measured);
 }
 
-/// Misses the goal: 4.0 mm of drift in 20 s, for that is how soft the springs of the surfaces are:
+/// Misses the goal: 4 mm of drift in 20 s, for that is how soft the springs of the surfaces are:
 /// a tower of 24 such boxes buckles. In steps of 2 ms it falls after some seconds.
 #[test]
 fn twenty_boxes_stand() {

@@ -17,21 +17,22 @@
 //! inertia, and −f⁰ to its bias force. It is solved exactly with the tree, however stiff.
 //!
 //! Normal: a spring k, a damper d and an added mass m' beyond the surface,
-//! −k (φ + h uₙ') − d uₙ' − m' (uₙ' − uₙ) / h with the velocity u before the step, have
-//! cₙ = h k + d + m' / h and u* = (m' uₙ / h − k φ) / cₙ. Where the surface is not reached yet,
+//! −k (φ + h uₙ') − d ((1 − θ) uₙ + θ uₙ') − m' (uₙ' − uₙ) / h with the velocity u before the step, have
+//! cₙ = h k + θ d + m' / h and u* = ((m' / h − (1 − θ) d) uₙ − k φ) / cₙ; θ = (3 m' + h d) / (6 m' + h d),
+//! see [`limit`](super::limit). Where the surface is not reached yet,
 //! u* = −φ / h reaches it exactly. A bounce has u* = −e uₙ and [`HARD`] m / h for cₙ.
 //!
 //! Friction: cₜ = μ fₙ / |uₜ'|, at most [`STICK`] m / h, where the point sticks; the same for both
 //! tangents, so that friction opposes the motion exactly. Which points press, and how much they
 //! rub, is settled by passes over the whole algorithm, at most `Settings::contact_passes`. cₜ is kept
-//! from step to step, so that what rests or slides needs one pass. Where fₙ or uₜ' is not known yet, it
-//! is estimated from the mass m̂ that a point shows: friction μ fₙ leaves of a speed uₜ under the friction
-//! fₜ about uₜ − h (μ fₙ − fₜ) / m̂, and a contact that begins has fₙ ≈ (u* − uₙ) / (1/cₙ + h/m̂).
+//! from step to step, so that what rests or slides needs one pass; a new contact starts without
+//! friction, so that what is not settled yet slips for a moment rather than grips.
 //!
 //! Departures from Coulomb's law: a point that sticks creeps with fₜ / cₜ, some 0.1 mm/s under its
 //! body's weight at 3 ms; in a step that needs more passes than there are, friction exceeds the cone
 //! by a few per cent, and a point may pull for that one step.
 
+use super::articulated_body::TINY;
 use super::gauss_seidel;
 use super::tables::{Tables, frame};
 use crate::contacts::{Places, pair_field, slot, slot_link};
@@ -44,8 +45,6 @@ use numbers::{Cell, Machine, Pose, Real, SymMat3, Vec3};
 const HARD: f64 = 1e4;
 /// Tangential impedance of a point that sticks, in masses per step.
 const STICK: f64 = 300.0;
-/// Mass that a point shows to a force, as a share of what the pair moves: little, for it turns as well.
-const POINT: f64 = 0.06;
 /// Approach slower than this many g h does not bounce.
 const RESTING: f64 = 2.0;
 /// Excess of the friction cone, as a share, that needs no further pass.
@@ -135,51 +134,11 @@ fn approach<M: Machine>(
     let known = kept.lt(M::R::lit(0.5 * FAR));
     let pressed = n.dot(force).gt(zero);
     let reaches = u0_n.lt(target);
-    let on = M::R::select(near & ((known & pressed) | reaches), one, zero);
+    let on = M::R::select(near & ((known & pressed) | (!known & reaches)), one, zero);
     k.store_vec3(t.load, s, load::VELOCITY_0, u0);
     k.write(t.load, s, load::TARGET, [target, c]);
-    let kept = k.load(t.grip, s, 0);
-    let rub = Rub::load(k, t, pair, h);
-    let new = rub.first(target - u0_n, c, n.fma(-u0_n, u0).length());
-    let grip = M::R::select(kept.gt(zero), kept, new);
+    let grip = k.load(t.grip, s, 0);
     press(k, t, s, on, c, grip);
-}
-
-/// What decides how much a point rubs.
-struct Rub<R> {
-    /// μ.
-    friction: R,
-    /// Impedance of what sticks.
-    stick: R,
-    /// Impedance m / h of the mass that a point shows.
-    point: R,
-}
-
-impl<R: Real> Rub<R> {
-    #[inline(always)]
-    fn load<M: Machine<R = R>>(k: &M, t: &Tables, pair: M::I, h: R) -> Self {
-        let friction = k.load(t.contacts.pair, pair, pair_field::FRICTION);
-        let c = k.load(t.contacts.pair, pair, pair_field::MASS) / h;
-        Self {
-            friction,
-            stick: c * R::lit(STICK),
-            point: c * R::lit(POINT),
-        }
-    }
-    /// cₜ for a friction of `limit` [N] on a point that slides with `speed` [m/s] under one of
-    /// `present` [N].
-    #[inline(always)]
-    fn grip(&self, limit: R, present: R, speed: R) -> R {
-        let left = speed - (limit - present) / self.point;
-        (limit / left.max(R::lit(STILL))).min(self.stick)
-    }
-    /// cₜ of a point that starts to press, and slides with `speed` [m/s]: with the force of the
-    /// impedance `c` that changes its normal velocity by `change` [m/s].
-    #[inline(always)]
-    fn first(&self, change: R, c: R, speed: R) -> R {
-        let force = change.max(R::zero()) * c * self.point / (c + self.point);
-        self.grip(self.friction * force, R::zero(), speed)
-    }
 }
 
 /// u* and cₙ of a point that comes with `speed` [m/s] along the normal.
@@ -197,8 +156,10 @@ pub(crate) fn law<M: Machine>(
         k.read(t.contacts.pair, pair, pair_field::FRICTION);
     let gravity = k.vec3(t.world, k.index(0), 0);
     let inertia = added / h;
-    let c = h.fma(stiffness, damping) + inertia;
-    let spring = stiffness.fnma(distance, inertia * speed) / c.max(M::R::lit(STILL));
+    let late = late_damping(damping, added, h);
+    let c = h.fma(stiffness, late) + inertia;
+    let kept = inertia - (damping - late);
+    let spring = stiffness.fnma(distance, kept * speed) / c.max(M::R::lit(STILL));
     let target = M::R::select(distance.gt(zero), -distance / h, spring);
     let slow = gravity.length() * h * M::R::lit(-RESTING);
     let bounces = restitution.gt(zero) & speed.lt(slow) & h.fma(speed, distance).lt(zero);
@@ -206,6 +167,14 @@ pub(crate) fn law<M: Machine>(
         M::R::select(bounces, -(restitution * speed), target),
         M::R::select(bounces, mass / h * M::R::lit(HARD), c),
     )
+}
+
+/// θ d: exponentially fitted where a mass is added, as the damping of a [limit](super::limit) is.
+#[inline(always)]
+fn late_damping<R: Real>(damping: R, added: R, h: R) -> R {
+    let three = R::lit(3.0);
+    let all = three.fma(added, h * damping);
+    damping * all / three.fma(added, all).max(R::lit(TINY))
 }
 
 /// Sets whether a point presses, and with which impedances.
@@ -279,15 +248,25 @@ fn settle_one<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) -> M::R {
     let pressed = on.gt(zero);
     let pulls = pressed & f_n.lt(zero);
     let enters = (!pressed) & u_n.lt(target);
-    let rub = Rub::load(k, t, pair, h);
-    let limit = rub.friction * f_n.max(zero);
+    let (friction, mass) = (
+        k.load(t.contacts.pair, pair, pair_field::FRICTION),
+        k.load(t.contacts.pair, pair, pair_field::MASS),
+    );
+    let stick = mass / h * M::R::lit(STICK);
+    let limit = friction * f_n.max(zero);
     let speed = u_t.length();
     let f_t = c_t * speed;
     let over = f_t.gt(limit * M::R::lit(1.0 + EXCESS));
-    let under = f_t.lt(limit * M::R::lit(1.0 - EXCESS)) & c_t.lt(rub.stick * M::R::lit(0.999));
+    let under = f_t.lt(limit * M::R::lit(1.0 - EXCESS)) & c_t.lt(stick * M::R::lit(0.999));
     let wrong = pressed & (over | under);
-    let next = M::R::select(wrong, rub.grip(limit, f_t, speed), c_t);
-    let next = M::R::select(enters, rub.first(target - u_n, c, speed), next);
+
+    // A point that sticks shows no speed to slide with: take that of before, or what the force
+    // beyond the cone gives the whole mass.
+    let u0_t = n.fma(-n.dot(u0), u0).length();
+    let breaks = u0_t.max((f_t - limit) * h / mass);
+    let speed = M::R::select(over, speed.max(breaks), speed);
+    let rubbing = (limit / speed.max(M::R::lit(STILL))).min(stick);
+    let next = M::R::select(wrong, rubbing, c_t);
     let on = M::R::select((pressed & !pulls) | enters, one, zero);
     let change = M::R::select(pulls | enters | wrong, one, zero);
     press(k, t, s, on, c, next);
