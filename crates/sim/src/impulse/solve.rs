@@ -33,7 +33,7 @@ struct Scene<'a, T: Float> {
     contacts: &'a [Cached<T>],
     joints: &'a [u32],
     state: State<'a, T>,
-    armature: bool,
+    inertia: bool,
     bounces: AtomicBool,
 }
 
@@ -98,7 +98,7 @@ impl<T: Float> Solver<'_, T> {
                 state,
                 parameters: self.parameters,
             },
-            armature: !w.joint_ends.is_empty() && self.impulse.has_armature(self.parameters),
+            inertia: !w.joint_ends.is_empty() && self.impulse.has_inertia(self.parameters),
             bounces: AtomicBool::new(false),
         };
         let members = (0..w.colours.batches.len()).map(|batch| w.colours.batch(batch));
@@ -160,7 +160,7 @@ impl<T: Float> Solver<'_, T> {
             member.stage(&shares.bodies, |index| self.bodies(scene, index, stage));
         };
         for step in 0..self.small_steps {
-            if scene.armature {
+            if scene.inertia {
                 joints(&mut member, JointStage::Measure);
             }
             bodies(&mut member, BodyStage::Advance { again: step > 0 });

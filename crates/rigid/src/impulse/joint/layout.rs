@@ -37,6 +37,7 @@ mod dof {
     pub const FRICTION: usize = 5;
     /// Lower, upper, stiffness, damping, inertia.
     pub const LIMIT: usize = 6;
+    pub const STOP_INERTIA: usize = 10;
     /// Stiffness, damping, effort limit, control time.
     pub const DRIVE: usize = 11;
     pub const WIDTH: usize = 15;
@@ -606,10 +607,10 @@ impl Impulse {
         let tie = &self.ties.list[tie];
         tie.solved.then_some(tie.rows)
     }
-    /// Whether any axis has armature.
-    pub fn has_armature<T: Float>(&self, parameters: &[T]) -> bool {
+    /// Whether anything opposes the acceleration of an axis: an armature, or the inertia of a stop.
+    pub fn has_inertia<T: Float>(&self, parameters: &[T]) -> bool {
         let rows = 0..ROWS * self.ties();
-        rows.map(|row| self.ties.dofs.at(row, dof::ARMATURE))
+        rows.flat_map(|row| [dof::ARMATURE, dof::STOP_INERTIA].map(|x| self.ties.dofs.at(row, x)))
             .any(|at| parameters[at] > T::zero())
     }
     /// Whether a controller moves a joint, or what it has set has not been reached.
