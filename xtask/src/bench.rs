@@ -138,7 +138,7 @@ fn robots(workshop: &Workshop, repetitions: usize) -> Result<String> {
         .quiet()
         .read()?;
     Ok(format!(
-        "{} MuJoCo {mujoco}.\n\n{}\n{}",
+        "{} MuJoCo {mujoco}. Repetitions: {repetitions}.\n\n{}\n{}",
         machine(workshop)?.trim_end(),
         speeds(&ours, &theirs)?,
         sizes(&ours, &theirs)?,
