@@ -140,10 +140,11 @@ pub(crate) fn narrow_phase<T: Float>(
     }
 }
 
-/// The kernels for pairs, each in a module of its own.
-macro_rules! pairs {
-    ($($name:ident $kernel:ident;)+) => {
-        $(mod $name {
+/// A job that fills the slots of some pairs, in a module of its own; and whether it is compiled for
+/// AVX-512.
+macro_rules! pair_job {
+    ($name:ident, $widest:expr, |$contacts:ident, $cpu:ident| $meet:expr) => {
+        mod $name {
             use super::*;
 
             struct Work<'a, 'b, T> {
@@ -154,10 +155,11 @@ macro_rules! pairs {
             impl<T: Float> Job for Work<'_, '_, T> {
                 type Scalar = T;
                 type Output = ();
-                const WIDEST: bool = !T::DOUBLE;
+                const WIDEST: bool = $widest;
                 #[inline(always)]
                 fn run<R: Lanes<Scalar = T>>(self) {
-                    self.contacts.meet::<_, kernel::$kernel>(&mut self.block.cpu::<R>());
+                    let ($contacts, $cpu) = (self.contacts, &mut self.block.cpu::<R>());
+                    $meet
                 }
             }
 
@@ -168,7 +170,15 @@ macro_rules! pairs {
             ) {
                 lane.run(Work { contacts, block });
             }
-        })+
+        }
+    };
+}
+
+/// The kernels for pairs.
+macro_rules! pairs {
+    ($($name:ident $kernel:ident;)+) => {
+        $(pair_job!($name, !T::DOUBLE, |contacts, cpu| contacts.meet::<_, kernel::$kernel>(cpu));)+
+        pair_job!(meshes, false, |contacts, cpu| contacts.meet_meshes(cpu));
 
         /// The pairs of one kernel.
         fn meet<T: Float>(
@@ -183,30 +193,6 @@ macro_rules! pairs {
             }
         }
     };
-}
-
-/// The pairs of a solid and a mesh, in a module of its own too.
-mod meshes {
-    use super::*;
-
-    struct Work<'a, 'b, T> {
-        contacts: &'a ContactTables,
-        block: &'a mut Block<'b, T>,
-    }
-
-    impl<T: Float> Job for Work<'_, '_, T> {
-        type Scalar = T;
-        type Output = ();
-        const WIDEST: bool = false;
-        #[inline(always)]
-        fn run<R: Lanes<Scalar = T>>(self) {
-            self.contacts.meet_meshes(&mut self.block.cpu::<R>());
-        }
-    }
-
-    pub(super) fn run<T: Float>(lane: Lane, contacts: &ContactTables, block: &mut Block<'_, T>) {
-        lane.run(Work { contacts, block });
-    }
 }
 
 pairs! {

@@ -30,10 +30,11 @@
 //!
 //! Departures from Coulomb's law: a point that sticks creeps with fₜ / cₜ, some 0.1 mm/s under its
 //! body's weight at 3 ms; in a step that needs more passes than there are, friction exceeds the cone
-//! by a few per cent, and a point may pull for that one step.
+//! by a few per cent, and a point may pull for that one step, with up to [`PULL`] weights. More would
+//! give a body that is drawn to the surface the energy of its way, so further passes let go of it.
 
-use super::articulated_body::TINY;
 use super::gauss_seidel;
+use super::limit::late_damping;
 use super::tables::{Tables, frame};
 use crate::contacts::{Places, pair_field, slot, slot_link};
 use crate::output::contact;
@@ -49,6 +50,8 @@ const STICK: f64 = 300.0;
 const RESTING: f64 = 2.0;
 /// Excess of the friction cone, as a share, that needs no further pass.
 const EXCESS: f64 = 0.02;
+/// Pull that may stand where passes run out, in weights of the mass that the contact moves.
+const PULL: f64 = 10.0;
 /// Speed [m/s] below which a division by it is no use.
 const STILL: f64 = 1e-9;
 
@@ -169,14 +172,6 @@ pub(crate) fn law<M: Machine>(
     )
 }
 
-/// θ d: exponentially fitted where a mass is added, as the damping of a [limit](super::limit) is.
-#[inline(always)]
-fn late_damping<R: Real>(damping: R, added: R, h: R) -> R {
-    let three = R::lit(3.0);
-    let all = three.fma(added, h * damping);
-    damping * all / three.fma(added, all).max(R::lit(TINY))
-}
-
 /// Sets whether a point presses, and with which impedances.
 #[inline(always)]
 fn press<M: Machine>(k: &mut M, t: &Tables, s: M::I, on: M::R, c_n: M::R, c_t: M::R) {
@@ -212,22 +207,30 @@ pub(crate) fn burden<M: Machine>(
 }
 
 /// Forces under the accelerations just found; changes what presses, sticks or slides against the
-/// laws, and counts the changes.
+/// laws, counts the changes, and finds the largest pull [m/s²] of a point.
 #[inline(always)]
-pub(crate) fn settle<M: Machine>(k: &mut M, t: &Tables, h: M::R, changes: &mut M::Cell) {
+pub(crate) fn settle<M: Machine>(
+    k: &mut M,
+    t: &Tables,
+    h: M::R,
+    changes: &mut M::Cell,
+    pull: &mut M::Cell,
+) {
+    pull.write(M::R::zero());
     for s in k.count(t.contacts.between) {
         let distance = k.load(t.contacts.slot, s, slot::DISTANCE);
         let near = distance.lt(M::R::lit(0.5 * FAR));
         if let Some(_branch) = k.if_any(near) {
-            let change = settle_one(k, t, s, h);
+            let [change, pulls] = settle_one(k, t, s, h);
             let change = M::R::select(near, change, M::R::zero());
             changes.write(changes.read() + change);
+            pull.write(M::R::select(near, pull.read().max(pulls), pull.read()));
         }
     }
 }
 
 #[inline(always)]
-fn settle_one<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) -> M::R {
+fn settle_one<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) -> [M::R; 2] {
     let (zero, one) = (M::R::zero(), M::R::one());
     let node = k.link(t.contacts.slot_links, s, slot_link::MOVER);
     let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
@@ -270,7 +273,33 @@ fn settle_one<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) -> M::R {
     let on = M::R::select((pressed & !pulls) | enters, one, zero);
     let change = M::R::select(pulls | enters | wrong, one, zero);
     press(k, t, s, on, c, next);
-    change
+    [change, -f_n / mass]
+}
+
+/// True where a point pulls by more than may stand.
+#[inline(always)]
+pub(crate) fn pulls<M: Machine>(k: &M, t: &Tables, pull: M::R) -> <M::R as Real>::Mask {
+    let gravity = k.vec3(t.world, k.index(0), 0);
+    pull.gt(gravity.length() * M::R::lit(PULL))
+}
+
+/// Lets go of the points that pull, in the lanes of `wrong`; all else is as it was when the forces
+/// were found, so that other lanes find them again.
+#[inline(always)]
+pub(crate) fn release<M: Machine>(k: &mut M, t: &Tables, wrong: <M::R as Real>::Mask) {
+    let (zero, one) = (M::R::zero(), M::R::one());
+    for s in k.count(t.contacts.between) {
+        let near = k
+            .load(t.contacts.slot, s, slot::DISTANCE)
+            .lt(M::R::lit(0.5 * FAR));
+        if let Some(_branch) = k.if_any(near) {
+            let [fx, fy, fz, c_n, c_t] = k.read(t.load, s, load::FORCE);
+            let n = k.vec3(t.contacts.slot, s, slot::NORMAL);
+            let pulls = n.dot(Vec3::new(fx, fy, fz)).lt(zero);
+            let gone = (wrong & pulls) | c_n.same(zero);
+            press(k, t, s, M::R::select(gone, zero, one), c_n, c_t);
+        }
+    }
 }
 
 /// What the forces become by the accelerations that impulses have added.

@@ -24,11 +24,13 @@ use super::report::gather;
 use super::tables::{Tables, dof};
 use crate::contacts::place_shapes;
 use numbers::functions::{finite, wrap};
-use numbers::machine::{Held, Hold};
+use numbers::machine::{Held, Hold, Index};
 use numbers::{Cell, Float, Machine, Quat, Real, Vec3};
 
 /// Coordinates beyond this are taken for diverged [m or rad].
 const FAR: f64 = 1e9;
+/// Passes at most that let go of points that pull.
+const RELEASES: usize = 4;
 
 /// The first half of a stage of a step: what comes before the contacts are found.
 #[inline(always)]
@@ -106,21 +108,41 @@ fn accelerate<M: Machine, const CONTACTS: bool>(
         if t.presses() {
             gauss_seidel::begin(k, t);
         }
-        limit::begin(k, t);
-        for _ in k.count(t.passes) {
-            articulated_body::<M, true>(k, t, h, implicit);
-            let mut changes = k.cell(M::R::zero());
-            contact::settle(k, t, h, &mut changes);
-            limit::settle(k, t, implicit, &mut changes);
-            if k.finished(changes.read().same(M::R::zero())) {
-                break;
-            }
-        }
+        settle(k, t, h, implicit);
         if t.presses() {
             gauss_seidel::gauss_seidel(k, t, h);
         }
     } else {
         articulated_body::<M, false>(k, t, h, implicit);
+    }
+}
+
+/// q̈ under contacts and limits that agree with it, as far as the passes reach; beyond them, until
+/// no point pulls too much.
+#[inline(always)]
+fn settle<M: Machine>(k: &mut M, t: &Tables, h: M::R, implicit: M::R) {
+    let zero = M::R::zero();
+    limit::begin(k, t);
+    let mut pull = k.cell(zero);
+    for i in k.count(t.passes + RELEASES) {
+        if let Some(_branch) = k.when(k.less(k.index(t.passes), i.offset(1))) {
+            let wrong = contact::pulls(k, t, pull.read());
+            contact::release(k, t, wrong);
+            limit::recall(k, t);
+        }
+        articulated_body::<M, true>(k, t, h, implicit);
+        let mut changes = k.cell(zero);
+        contact::settle(k, t, h, &mut changes, &mut pull);
+        limit::settle(k, t, implicit, &mut changes);
+
+        let pulls = contact::pulls(k, t, pull.read());
+        let mut left = k.cell(M::R::select(pulls, M::R::one(), zero));
+        if let Some(_branch) = k.when(k.less(i.offset(1), k.index(t.passes))) {
+            left.write(changes.read());
+        }
+        if k.finished(left.read().same(zero)) {
+            break;
+        }
     }
 }
 

@@ -17,10 +17,20 @@
 //! be if the parent did not accelerate. Later passes, where contacts ask for them, go by the q̈ of the
 //! pass before.
 
+use super::articulated_body::TINY;
 use super::tables::{Tables, dof};
 use crate::tables::UNBOUNDED;
 use model::Limit;
 use numbers::{Cell, Machine, Real};
+
+/// Fields of [`Tables::stop`], a row for each degree of freedom.
+pub(crate) mod stop {
+    /// Positive where the stop is taken to push back; zero before the first pass.
+    pub const ACTS: usize = 0;
+    /// The same in the pass before.
+    pub const ACTED: usize = 1;
+    pub const WIDTH: usize = 2;
+}
 
 /// Lower and upper end, k, d, θ d for steps of length `h` [s], and m; for a degree of freedom without
 /// a limit, those of one that it never reaches.
@@ -28,17 +38,16 @@ pub(crate) fn numbers(limit: Option<&Limit>, h: f64) -> [f64; 6] {
     let Some(l) = limit else {
         return [-UNBOUNDED, UNBOUNDED, 0.0, 0.0, 0.0, 0.0];
     };
-    let late = l.damping * implicit_share(h * l.damping, l.inertia);
+    let late = late_damping(l.damping, l.inertia, h);
     [l.lower, l.upper, l.stiffness, l.damping, late, l.inertia]
 }
 
-/// θ.
-fn implicit_share(damped: f64, inertia: f64) -> f64 {
-    if damped > 0.0 {
-        (3.0 * inertia + damped) / (6.0 * inertia + damped)
-    } else {
-        1.0
-    }
+/// θ d: what of a damping acts on the speed at the end of a step of length `h` [s].
+#[inline(always)]
+pub(crate) fn late_damping<R: Real>(damping: R, inertia: R, h: R) -> R {
+    let three = R::lit(3.0);
+    let all = three.fma(inertia, h * damping);
+    damping * all / three.fma(inertia, all).max(R::lit(TINY))
 }
 
 /// r of a degree of freedom's stop.
@@ -75,9 +84,9 @@ pub(crate) fn act<M: Machine, const CONTACTS: bool>(
         let [force, opposing] = law(k, t, v, r, h);
         let mut sign = (force * r).fma(d.read(), (opposing * r) * u.read());
         if CONTACTS {
-            let known = k.load(t.stop, v, 0);
+            let known = k.load(t.stop, v, stop::ACTS);
             sign = M::R::select(known.same(zero), sign, known);
-            k.store(t.stop, v, 0, sign);
+            k.store(t.stop, v, stop::ACTS, sign);
         }
         let acts = sign.gt(zero);
         u.write(u.read() - M::R::select(acts, force, zero));
@@ -89,7 +98,7 @@ pub(crate) fn act<M: Machine, const CONTACTS: bool>(
 #[inline(always)]
 pub(crate) fn begin<M: Machine>(k: &mut M, t: &Tables) {
     for v in k.count(t.forces.limits) {
-        k.store(t.stop, v, 0, M::R::zero());
+        k.store(t.stop, v, stop::ACTS, M::R::zero());
     }
 }
 
@@ -104,11 +113,24 @@ pub(crate) fn settle<M: Machine>(k: &mut M, t: &Tables, h: M::R, changes: &mut M
             let [force, opposing] = law(k, t, v, r, h);
             let acceleration = k.load(t.dof, v, dof::ACCELERATION);
             let known = opposing.fma(acceleration, force) * r;
-            let (acted, acts) = (k.load(t.stop, v, 0).gt(zero), known.gt(zero));
-            k.store(t.stop, v, 0, known);
+            let before = k.load(t.stop, v, stop::ACTS);
+            k.write(t.stop, v, stop::ACTS, [known, before]);
+            let (acted, acts) = (before.gt(zero), known.gt(zero));
             let wrong = (acts & !acted) | (acted & !acts);
             let change = M::R::select(wrong, M::R::one(), zero);
             changes.write(changes.read() + change);
+        }
+    }
+}
+
+/// Takes the stops for what they were when the accelerations were found.
+#[inline(always)]
+pub(crate) fn recall<M: Machine>(k: &mut M, t: &Tables) {
+    for v in k.count(t.forces.limits) {
+        let r = excess(k, t, v);
+        if let Some(_branch) = k.if_any(!r.same(M::R::zero())) {
+            let acted = k.load(t.stop, v, stop::ACTED);
+            k.store(t.stop, v, stop::ACTS, acted);
         }
     }
 }
@@ -131,9 +153,9 @@ mod tests {
     fn a_stop_slows_its_inertia_as_damping_does() {
         for z in [0.01, 0.1, 0.3, 1.0_f64] {
             let exact = 1.0 / (1.0 - (-z).exp()) - 1.0 / z;
-            assert!((implicit_share(z, 1.0) - exact).abs() < z.powi(2) / 72.0);
+            assert!((late_damping(z, 1.0, 1.0) / z - exact).abs() < z.powi(2) / 72.0);
         }
-        assert_eq!(implicit_share(2.0, 0.0), 1.0);
-        assert_eq!(implicit_share(0.0, 0.0), 1.0);
+        assert_eq!(late_damping(2.0, 0.0, 1.0), 2.0);
+        assert_eq!(late_damping(0.0, 0.0, 1.0), 0.0);
     }
 }

@@ -12,6 +12,7 @@ use super::contact::load;
 use super::couples::Couples;
 use super::force::{ForceRows, ForceTables, only_forces_act, wrapping};
 use super::gauss_seidel::impulse;
+use super::limit::stop;
 use crate::contacts::{ContactPlan, ContactTables, Seat as Carrier};
 use crate::output::{OutputTables, contact};
 use crate::tables::Filler;
@@ -206,8 +207,8 @@ pub struct Tables {
     pub(crate) iterations: usize,
     /// Per slot: see [`load`].
     pub(crate) load: Table<Scratch, { load::WIDTH }>,
-    /// Positive where the stop of a degree of freedom is taken to push back; zero before the first pass.
-    pub(crate) stop: Table<Scratch>,
+    /// Per degree of freedom: see [`stop`].
+    pub(crate) stop: Table<Scratch, { stop::WIDTH }>,
     /// Rows of the bodies of each slot, that of the shape that its normal points to last; one past
     /// the last body for the world.
     pub(crate) touching_links: Links<2>,
