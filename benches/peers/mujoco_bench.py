@@ -35,7 +35,7 @@ FALL_STEPS = 400
 MEASURED_SECONDS = 1.0
 
 # How exactly robots that touch the ground are simulated: their joints after so long, against finer steps.
-ERROR_WORLDS = 64
+ERROR_WORLDS = 256
 ERROR_STEPS = 100
 FINER = 16
 
@@ -74,12 +74,16 @@ def load(path: str, integrator: str, timestep: float, contacts: str = "none") ->
     return model
 
 
-def random_controls(model: mujoco.MjModel, worlds: int, steps: int) -> np.ndarray:
-    """Controls over the whole range, new ones every `ROLLOUT_STEPS`."""
+def random_controls(model: mujoco.MjModel, worlds: int, intervals: int) -> np.ndarray:
+    """Controls over the whole range, of intervals of `ROLLOUT_STEPS`."""
     low, high = model.actuator_ctrlrange.T
     rng = np.random.default_rng(1)
-    drawn = rng.uniform(low, high, size=(worlds, steps // ROLLOUT_STEPS, model.nu))
-    return np.repeat(drawn, ROLLOUT_STEPS, axis=1)
+    return rng.uniform(low, high, size=(worlds, intervals, model.nu))
+
+
+def held(controls: np.ndarray) -> np.ndarray:
+    """The controls of every step."""
+    return np.repeat(controls, ROLLOUT_STEPS, axis=1)
 
 
 def tip_position(model: mujoco.MjModel, tip: dict) -> np.ndarray:
@@ -106,12 +110,18 @@ def chain_case(links: int, out: Path) -> dict:
         "methods": ["euler", "rk4"],
         "contacts": "none",
         "tip": tip,
+        "controls": [],
     }
 
 
 def humanoid_case(name: str, contacts: str) -> dict:
-    """Gymnasium's humanoid, driven by random torques; constant ones where it touches nothing."""
+    """Gymnasium's humanoid, driven by random torques; constant ones where it touches nothing.
+
+    `controls`, by interval, world and actuator, are those under which its error is measured.
+    """
     path = Path(gymnasium.__file__).parent / "envs/mujoco/assets/humanoid.xml"
+    model = mujoco.MjModel.from_xml_path(str(path))
+    controls = random_controls(model, ERROR_WORLDS, ERROR_STEPS // ROLLOUT_STEPS)
     return {
         "case": name,
         "path": str(path),
@@ -119,6 +129,7 @@ def humanoid_case(name: str, contacts: str) -> dict:
         "methods": ["euler"],
         "contacts": contacts,
         "tip": None,
+        "controls": controls.swapaxes(0, 1).tolist() if contacts != "none" else [],
     }
 
 
@@ -159,7 +170,7 @@ def batch_speed(model: mujoco.MjModel, contacts: str) -> float:
         control = np.repeat(drawn, steps, axis=1)
     else:
         steps = FALL_STEPS
-        control = random_controls(model, WORLDS, steps)
+        control = held(random_controls(model, WORLDS, steps // ROLLOUT_STEPS))
 
     with mujoco.rollout.Rollout(nthread=THREADS) as pool:
 
@@ -177,12 +188,15 @@ def single_speed(model: mujoco.MjModel, contacts: str) -> float:
     """Steps per second of one world on one thread, stepped inside MuJoCo without returning to Python."""
     data = mujoco.MjData(model)
     steps = RESTART_STEPS if contacts == "none" else FALL_STEPS
-    control = random_controls(model, 1, steps)[0] if contacts != "none" else np.zeros((steps, model.nu))
+    intervals = steps // ROLLOUT_STEPS
+    control = random_controls(model, 1, intervals)[0]
+    if contacts == "none":
+        control = np.zeros_like(control)
 
     def run_once() -> None:
         mujoco.mj_resetData(model, data)
-        for i in range(0, steps, ROLLOUT_STEPS):
-            data.ctrl[:] = control[i]
+        for torques in control:
+            data.ctrl[:] = torques
             mujoco.mj_step(model, data, nstep=ROLLOUT_STEPS)
 
     return steps * repetitions_per_second(run_once)
@@ -193,14 +207,13 @@ def joint_error(case: dict, method: str) -> float:
     ends = []
     for finer in (1, FINER):
         model = load(case["path"], method, case["timestep"] / finer, case["contacts"])
-        control = random_controls(model, ERROR_WORLDS, ERROR_STEPS)
         data = mujoco.MjData(model)
         end = []
-        for world in range(ERROR_WORLDS):
+        for control in np.array(case["controls"]).swapaxes(0, 1):
             mujoco.mj_resetData(model, data)
-            for step in range(ERROR_STEPS):
-                data.ctrl[:] = control[world, step]
-                mujoco.mj_step(model, data, nstep=finer)
+            for torques in control:
+                data.ctrl[:] = torques
+                mujoco.mj_step(model, data, nstep=ROLLOUT_STEPS * finer)
             end.append(data.qpos.copy())
         ends.append(np.array(end))
     return float(np.median(np.sqrt(np.mean((ends[0] - ends[1]) ** 2, axis=1))))

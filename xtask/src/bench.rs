@@ -288,7 +288,7 @@ fn rate(per_second: f64) -> String {
 }
 
 fn scientific(error: Option<f64>) -> String {
-    error.map_or(String::new(), |error| format!("{error:.1e}"))
+    error.map_or(String::new(), |error| format!("{error:.2e}"))
 }
 
 /// The report with other tables between a marker and the next end.

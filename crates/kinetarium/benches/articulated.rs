@@ -21,8 +21,6 @@ const RESTART_STEPS: usize = 80;
 const FALL_STEPS: usize = 400;
 /// Steps from one random control to the next.
 const HELD_STEPS: usize = 20;
-const ERROR_WORLDS: usize = 64;
-const ERROR_STEPS: usize = 100;
 /// How much finer the steps are that an error is measured against.
 const FINER: usize = 16;
 const MEASURED: Duration = Duration::from_secs(1);
@@ -38,6 +36,8 @@ struct Case {
     methods: Vec<String>,
     contacts: Contacts,
     tip: Option<Tip>,
+    /// Those under which the error is measured: by interval, world and actuator.
+    controls: Vec<Vec<Vec<f64>>>,
 }
 
 /// What bodies touch.
@@ -237,20 +237,19 @@ fn steps_per_second(simulation: &mut Simulation<f32>, case: &Case) -> Outcome<f6
 
 /// Median over worlds of the root mean square difference [m and rad] of the joints to finer steps.
 fn joint_error(model: &Model, case: &Case, method: &str) -> Outcome<f64> {
+    let worlds = case.controls.first().map_or(0, Vec::len);
     let mut ends = Vec::new();
     for finer in [1, FINER] {
-        let mut simulation = simulation(model, case, method, ERROR_WORLDS, finer)?;
-        let mut rng = Rng::with_seed(1);
-        for _ in 0..ERROR_STEPS / HELD_STEPS {
-            drive(&mut simulation, &mut rng)?;
+        let mut simulation = simulation(model, case, method, worlds, finer)?;
+        for interval in &case.controls {
+            for (world, control) in interval.iter().enumerate() {
+                simulation.controls().set_control(world, control)?;
+            }
             simulation.step(HELD_STEPS * finer);
         }
         let outputs = simulation.outputs();
-        ends.push(
-            (0..ERROR_WORLDS)
-                .map(|w| outputs.joint_position(w))
-                .collect::<Vec<_>>(),
-        );
+        let end = (0..worlds).map(|world| outputs.joint_position(world));
+        ends.push(end.collect::<Vec<_>>());
     }
     let difference = |(a, b): (&Vec<f64>, &Vec<f64>)| {
         let squares = a.iter().zip(b).map(|(a, b)| (a - b).powi(2));
@@ -258,7 +257,7 @@ fn joint_error(model: &Model, case: &Case, method: &str) -> Outcome<f64> {
     };
     let mut errors: Vec<f64> = ends[0].iter().zip(&ends[1]).map(difference).collect();
     errors.sort_by(f64::total_cmp);
-    Ok(0.5 * (errors[ERROR_WORLDS / 2 - 1] + errors[ERROR_WORLDS / 2]))
+    Ok(0.5 * (errors[(worlds - 1) / 2] + errors[worlds / 2]))
 }
 
 /// Distance of the tip from where it must be [m], started from the model's own state at rest.

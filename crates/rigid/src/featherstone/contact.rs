@@ -19,8 +19,11 @@
 //! Normal: a spring k, a damper d and an added mass m' beyond the surface,
 //! −k (φ + h uₙ') − d ((1 − θ) uₙ + θ uₙ') − m' (uₙ' − uₙ) / h with the velocity u before the step, have
 //! cₙ = h k + θ d + m' / h and u* = ((m' / h − (1 − θ) d) uₙ − k φ) / cₙ; θ = (3 m' + h d) / (6 m' + h d),
-//! see [`limit`](super::limit). Where the surface is not reached yet,
-//! u* = −φ / h reaches it exactly. A bounce has u* = −e uₙ and [`HARD`] m / h for cₙ.
+//! see [`limit`](super::limit). Where the surface is not reached yet, spring and damper act on the part
+//! of the step's way that is beyond it, φ + h uₙ', and m' on the change of speed as ever:
+//! u* = (m' / h uₙ − (h k + θ d) φ / h) / cₙ, at most −φ / h. Without m' that reaches the surface
+//! exactly; with it, a fall is not stopped there at once by a law that yields for several steps. A bounce
+//! has u* = −e uₙ and [`HARD`] m / h for cₙ.
 //!
 //! Friction: cₜ = μ fₙ / |uₜ'|, at most [`STICK`] m / h, where the point sticks; the same for both
 //! tangents, so that friction opposes the motion exactly. Which points press, and how much they
@@ -163,7 +166,9 @@ pub(crate) fn law<M: Machine>(
     let c = h.fma(stiffness, late) + inertia;
     let kept = inertia - (damping - late);
     let spring = stiffness.fnma(distance, kept * speed) / c.max(M::R::lit(STILL));
-    let target = M::R::select(distance.gt(zero), -distance / h, spring);
+    let reach = -distance / h;
+    let enters = inertia.fma(speed, (c - inertia) * reach) / c.max(M::R::lit(STILL));
+    let target = M::R::select(distance.gt(zero), enters.min(reach), spring);
     let slow = gravity.length() * h * M::R::lit(-RESTING);
     let bounces = restitution.gt(zero) & speed.lt(slow) & h.fma(speed, distance).lt(zero);
     (
