@@ -566,7 +566,7 @@ fn a_mesh_touches_as_its_hull() {
     assert!((height - 0.1 / 3.0_f64.sqrt()).abs() < 1e-3, "{height}");
 }
 
-/// A ball in a gutter of two triangles a side, sloping by 45°, lies √2 radii above its bottom, but for the
+/// A ball in a smooth gutter of two triangles a side, sloping by 45°, lies √2 radii above its bottom, but for the
 /// millimetre by which MuJoCo's standard softness gives way; on a body that moves the gutter is refused.
 #[test]
 fn a_mesh_touches_as_it_is() {
@@ -575,7 +575,7 @@ fn a_mesh_touches_as_it_is() {
         format!(
             r#"<mujoco><asset><mesh name="gutter" file="gutter.obj"/></asset><worldbody>
             <body name="ball" pos="0.02 0 0.3"><freejoint/><geom size=".1" friction="0"/></body>
-            <body>{inside}<geom name="gutter" type="mesh" mesh="gutter"/></body>
+            <body>{inside}<geom name="gutter" type="mesh" mesh="gutter" friction="0"/></body>
             </worldbody></mujoco>"#
         )
     };

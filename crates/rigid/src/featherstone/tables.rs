@@ -11,7 +11,7 @@
 use super::contact::load;
 use super::couples::Couples;
 use super::force::{ForceRows, ForceTables, only_forces_act, wrapping};
-use super::gauss_seidel::impulse;
+use super::gauss_seidel::{impulse, response};
 use super::limit::stop;
 use crate::contacts::{ContactPlan, ContactTables, Seat as Carrier};
 use crate::output::{OutputTables, contact};
@@ -224,8 +224,10 @@ pub struct Tables {
     pub(crate) impulse: Table<Scratch, { impulse::WIDTH }>,
     /// y of the three directions, for each entry of each slot.
     pub(crate) entry: Table<Scratch, 3>,
-    /// z, per degree of freedom.
-    pub(crate) response: Table<Scratch>,
+    /// Per degree of freedom: see [`response`].
+    pub(crate) response: Table<Scratch, { response::WIDTH }>,
+    /// Per slot between bodies that move: 1 where the contact takes part in the step.
+    pub(crate) takes_part: Table<Scratch>,
     /// Wrench of the contacts with other bodies that move, per node, and per tree for the world.
     pub(crate) pressure: Table<Scratch, 6>,
     /// Saved coordinates and velocities.
@@ -724,6 +726,7 @@ impl Tables {
             impulse: Table::place(&mut t, contacts.slots),
             entry: Table::place(&mut t, couples.entries),
             response: Table::place(&mut t, if couples.slots.is_empty() { 0 } else { dofs }),
+            takes_part: Table::place(&mut t, contacts.slots),
             pressure: Table::place(&mut t, if couples.slots.is_empty() { 0 } else { rows }),
             saved_position: Table::place(&mut t, coordinates),
             saved_velocity: Table::place(&mut t, dofs),
