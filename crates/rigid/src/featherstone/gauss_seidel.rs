@@ -26,8 +26,7 @@
 //! Departures from the exact solution: as many passes as `Settings::contact_iterations`; contacts with
 //! the ground give way to what is added as springs do, but neither open nor close by it in that step;
 //! a contact that did not press takes part if the two come half of the gap nearer without impulses, or
-//! almost meet, so that one which others' impulses alone would close begins a step late. Of those that are
-//! near in any of 16 worlds, two in three are left out so.
+//! almost meet, so that one which only the impulses of others close begins a step late.
 
 use super::contact::{self, at, law, load};
 use super::tables::{Tables, couple_link, dof, frame, node_link, touch_link};
