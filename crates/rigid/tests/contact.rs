@@ -9,7 +9,7 @@ use kinetarium_rigid::{
     Settings, TouchingFeatherstone, body as of_body, contact as of_contact,
     reaction as of_reaction, total as of_total,
 };
-use model::{Builder, Geometry, Material, Model, Pose, Shape};
+use model::{Builder, Geometry, Material, Model, Pose, Shape, Softness};
 
 /// Gravity of the models [m/s²].
 const G: f64 = 9.81;
@@ -88,6 +88,47 @@ fn on_plane(geometry: Geometry, material: Material, at: DVec3, slope: f64) -> Mo
 fn cube() -> Geometry {
     Geometry::Box {
         half: DVec3::new(0.1, 0.05, 0.08),
+    }
+}
+
+/// What falls on a surface with an added mass m' is slowed by its law alone, from wherever in a step it
+/// touches. With T the time constant, ζ = 1 and μ = m + m', the depth is
+///
+/// ```text
+/// μ ẍ = −m g − μ x / T² − 2 μ ẋ / T,   x(0) = 0,   ẋ(0) = −v:
+/// x = s − (s + (s / T + v) t) e^(−t / T),   s = −(m / μ) g T²
+/// ```
+///
+/// A step of length h is off by up to v h / 2.
+#[test]
+fn a_soft_landing_follows_its_law_from_the_first_step() {
+    let (constant, impedance, radius, speed, end) = (0.02, 0.9, 0.1, 2.0, 0.03);
+    let softness = Softness::Time {
+        constant,
+        ratio: 1.0,
+        impedance,
+    };
+    let material = Material {
+        softness,
+        ..surface(0.0, 0.0)
+    };
+    for (step, phase) in [2e-3, 1e-3, 5e-4]
+        .into_iter()
+        .flat_map(|h| [0.1, 0.4, 0.7].map(|p| (h, p)))
+    {
+        let touches = (4.0 + phase) * step;
+        let height = radius + speed * touches + 0.5 * G * touches * touches;
+        let sphere = Geometry::Sphere { radius };
+        let model = on_plane(sphere, material, DVec3::Y * height, 0.0);
+        let velocity = [0.0, -speed, 0.0, 0.0, 0.0, 0.0];
+        let mut run = Run::new(&model, &velocity, &Settings::new(step));
+        run.step((end / step).round() as usize);
+
+        let (t, v) = (end - touches, speed + G * touches);
+        let sag = -(1.0 - impedance) * G * constant * constant;
+        let x = sag - (sag + (sag / constant + v) * t) * (-t / constant).exp();
+        let error = run.position().y - radius - x;
+        assert!(error.abs() < 0.5 * v * step, "{step}, {phase}: {error}");
     }
 }
 
