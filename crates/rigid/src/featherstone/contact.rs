@@ -165,10 +165,11 @@ pub(crate) fn law<M: Machine>(
     let late = late_damping(damping, added, h);
     let c = h.fma(stiffness, late) + inertia;
     let kept = inertia - (damping - late);
-    let spring = stiffness.fnma(distance, kept * speed) / c.max(M::R::lit(STILL));
-    let reach = -distance / h;
-    let enters = inertia.fma(speed, (c - inertia) * reach) / c.max(M::R::lit(STILL));
-    let target = M::R::select(distance.gt(zero), enters.min(reach), spring);
+    let (beyond, reach) = (distance.gt(zero), -distance / h);
+    let within = stiffness.fnma(distance, kept * speed);
+    let enters = inertia.fma(speed, (c - inertia) * reach);
+    let target = M::R::select(beyond, enters, within) / c.max(M::R::lit(STILL));
+    let target = M::R::select(beyond, target.min(reach), target);
     let slow = gravity.length() * h * M::R::lit(-RESTING);
     let bounces = restitution.gt(zero) & speed.lt(slow) & h.fma(speed, distance).lt(zero);
     (
@@ -223,13 +224,12 @@ pub(crate) fn settle<M: Machine>(
 ) {
     pull.write(M::R::zero());
     for s in k.count(t.contacts.between) {
-        let distance = k.load(t.contacts.slot, s, slot::DISTANCE);
-        let near = distance.lt(M::R::lit(0.5 * FAR));
+        let near = gauss_seidel::near(k, t, s);
         if let Some(_branch) = k.if_any(near) {
             let [change, pulls] = settle_one(k, t, s, h);
             let change = M::R::select(near, change, M::R::zero());
             changes.write(changes.read() + change);
-            pull.write(M::R::select(near, pull.read().max(pulls), pull.read()));
+            pull.write(pull.read().max(M::R::select(near, pulls, M::R::zero())));
         }
     }
 }
@@ -294,10 +294,7 @@ pub(crate) fn pulls<M: Machine>(k: &M, t: &Tables, pull: M::R) -> <M::R as Real>
 pub(crate) fn release<M: Machine>(k: &mut M, t: &Tables, wrong: <M::R as Real>::Mask) {
     let (zero, one) = (M::R::zero(), M::R::one());
     for s in k.count(t.contacts.between) {
-        let near = k
-            .load(t.contacts.slot, s, slot::DISTANCE)
-            .lt(M::R::lit(0.5 * FAR));
-        if let Some(_branch) = k.if_any(near) {
+        if let Some(_branch) = k.if_any(gauss_seidel::near(k, t, s)) {
             let [fx, fy, fz, c_n, c_t] = k.read(t.load, s, load::FORCE);
             let n = k.vec3(t.contacts.slot, s, slot::NORMAL);
             let pulls = n.dot(Vec3::new(fx, fy, fz)).lt(zero);
@@ -311,10 +308,7 @@ pub(crate) fn release<M: Machine>(k: &mut M, t: &Tables, wrong: <M::R as Real>::
 #[inline(always)]
 pub(crate) fn give<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     for s in k.count(t.contacts.between) {
-        if let Some(_branch) = k.if_any(
-            k.load(t.contacts.slot, s, slot::DISTANCE)
-                .lt(M::R::lit(0.5 * FAR)),
-        ) {
+        if let Some(_branch) = k.if_any(gauss_seidel::near(k, t, s)) {
             let node = k.link(t.contacts.slot_links, s, slot_link::MOVER);
             let (x, n) = (
                 k.vec3(t.contacts.slot, s, slot::POSITION),
