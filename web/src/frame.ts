@@ -1,0 +1,75 @@
+/** What changes from frame to frame, as bytes. `frame.rs` has the layout; little-endian, as are all browsers. */
+
+import { Malformed } from "./schema";
+
+/** The first four bytes: `KFRM`. */
+export const MAGIC = 0x4d52464b;
+/** Length of what every frame begins with [bytes]. */
+export const HEADER = 56;
+/** Numbers of a body's pose: position [m], orientation x, y, z, w. */
+export const POSE = 7;
+/** Numbers of a contact: row of its world, position [m], force [N] on the second shape, distance [m], two shapes. */
+export const CONTACT = 10;
+
+/** A frame. Its arrays are views of the bytes that came. */
+export interface Frame {
+  /** Which scene it is of. */
+  scene: number;
+  number: number;
+  running: boolean;
+  /** Seconds since the start. */
+  time: number;
+  steps: number;
+  /** Worlds shown. */
+  worlds: number;
+  bodies: number;
+  /** {@link POSE} numbers a body, world by world. */
+  poses: Float32Array;
+  /** {@link CONTACT} numbers a contact. */
+  contacts: Float32Array;
+  /** Joint coordinates of the first world shown. */
+  coordinates: Float32Array;
+  /** Joint velocities of the first world shown. */
+  velocities: Float32Array;
+  /** Values of the plotted quantities. */
+  quantities: Float32Array;
+  /** Positions [m] of the particles of all worlds shown. */
+  particles: Float32Array;
+}
+
+/** Reads a frame. Throws {@link Malformed} where the bytes are none. */
+export function readFrame(bytes: ArrayBuffer): Frame {
+  if (bytes.byteLength < HEADER) throw new Malformed(`a frame of ${bytes.byteLength} bytes is too short`);
+  const header = new DataView(bytes, 0, HEADER);
+  const word = (offset: number) => header.getUint32(offset, true);
+  if (word(0) !== MAGIC) throw new Malformed("not a frame: its first bytes are not KFRM");
+
+  const [worlds, bodies, contacts] = [word(28), word(32), word(36)];
+  let offset = HEADER;
+  const lengths = [POSE * worlds * bodies, CONTACT * contacts, word(40), word(44), word(48), 3 * word(52)];
+  const expected = HEADER + 4 * lengths.reduce((sum, length) => sum + length, 0);
+  if (bytes.byteLength !== expected) {
+    throw new Malformed(`a frame of ${bytes.byteLength} bytes should have ${expected}`);
+  }
+  const [poses, touches, coordinates, velocities, quantities, particles] = lengths.map((length) => {
+    const view = new Float32Array(bytes, offset, length);
+    offset += 4 * length;
+    return view;
+  });
+  if (!poses.every(Number.isFinite)) throw new Malformed("a frame has a pose that is not finite");
+  return {
+    scene: word(4),
+    number: word(8),
+    running: (word(12) & 1) === 1,
+    time: header.getFloat64(16, true),
+    steps: word(24),
+    worlds,
+    bodies,
+    poses,
+    contacts: touches,
+    coordinates,
+    velocities,
+    quantities,
+    particles,
+  };
+}

@@ -1,0 +1,114 @@
+import { Emitter } from "./emitter";
+import { type Frame, readFrame } from "./frame";
+import { type Command, type Example, readMessage, type Scene, type Status } from "./protocol";
+import { Malformed } from "./schema";
+import type { Receiver, Transport } from "./transport/transport";
+
+export interface SessionEvents {
+  connected: boolean;
+  examples: Example[];
+  scene: Scene;
+  status: Status;
+  frame: Frame;
+  /** Which worlds are shown, in order. */
+  shown: number[];
+  /** What went wrong, for people. */
+  error: string;
+}
+
+/** What the page knows of the engine: the last of everything it said. Commands go out through it. */
+export class Session extends Emitter<SessionEvents> implements Receiver {
+  examples: Example[] = [];
+  scene: Scene | null = null;
+  status: Status | null = null;
+  frame: Frame | null = null;
+  shown: number[] = [];
+  private readonly transport: Transport;
+
+  constructor(connect: (receiver: Receiver) => Transport) {
+    super();
+    this.transport = connect(this);
+  }
+
+  send(command: Command): void {
+    this.transport.send(command);
+    if (command.type === "show") this.show(command.worlds);
+  }
+
+  /** The last frame that came is on the screen. */
+  drawn(): void {
+    this.transport.drawn();
+  }
+
+  connected(connected: boolean): void {
+    this.emit("connected", connected);
+  }
+
+  text(json: string): void {
+    this.guarded(() => this.read(json));
+  }
+
+  binary(bytes: ArrayBuffer): void {
+    let frame: Frame | null = null;
+    this.guarded(() => {
+      frame = this.check(readFrame(bytes));
+    });
+    if (frame) {
+      this.frame = frame;
+      this.emit("frame", frame);
+    } else {
+      this.drawn();
+    }
+  }
+
+  failed(reason: string): void {
+    this.emit("error", reason);
+  }
+
+  private read(json: string): void {
+    const message = readMessage(json);
+    switch (message.type) {
+      case "welcome":
+        this.examples = message.examples;
+        this.emit("examples", message.examples);
+        break;
+      case "scene":
+        this.scene = message;
+        this.frame = null;
+        this.emit("scene", message);
+        this.show(message.shown);
+        break;
+      case "status":
+        this.status = message;
+        this.emit("status", message);
+        break;
+      case "error":
+        this.emit("error", message.message);
+    }
+  }
+
+  /** The frame, or null where it is of a scene that is gone. */
+  private check(frame: Frame): Frame | null {
+    const scene = this.scene;
+    if (!scene || frame.scene !== scene.id) return null;
+    if (frame.bodies !== scene.bodies.length) {
+      throw new Malformed(`a frame has ${frame.bodies} bodies, its scene ${scene.bodies.length}`);
+    }
+    return frame;
+  }
+
+  private show(worlds: number[]): void {
+    this.shown = worlds;
+    this.emit("shown", worlds);
+  }
+
+  /** A malformed message is told, and changes nothing. */
+  private guarded(read: () => void): void {
+    try {
+      read();
+    } catch (error) {
+      if (!(error instanceof Malformed)) throw error;
+      this.failed(`A message from the engine was not understood. ${error.message}`);
+    }
+  }
+}

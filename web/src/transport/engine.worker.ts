@@ -1,0 +1,70 @@
+/** The worker that the engine runs in. */
+
+import type { Command } from "../protocol";
+import { Decimator } from "./decimate";
+import { Engine } from "./engine";
+
+/** From the page to the worker. */
+export type ToWorker = { load: string } | { command: Command } | { drawn: true };
+/** From the worker to the page. */
+export type FromWorker = { ready: true } | { text: string } | { binary: ArrayBuffer } | { failed: string };
+
+/** Time between advances [ms]. */
+const TICK = 1000 / 60;
+
+function post(message: FromWorker, transfer: Transferable[] = []): void {
+  self.postMessage(message, { transfer });
+}
+
+const frames = new Decimator((binary) => post({ binary }, [binary]));
+let engine: Engine | null = null;
+
+function forward(): void {
+  for (const message of engine?.outgoing() ?? []) {
+    if (typeof message === "string") post({ text: message });
+    else frames.offer(message);
+  }
+}
+
+/** Calls what may trap; after a trap the engine's memory is not to be trusted, so it is let go. */
+function guarded(act: () => void): void {
+  try {
+    act();
+  } catch (error) {
+    engine = null;
+    post({ failed: `The engine broke down: ${(error as Error).message}. Reload the page.` });
+  }
+}
+
+function tick(): void {
+  const began = performance.now();
+  guarded(() => {
+    engine?.advance(began);
+    forward();
+  });
+  if (engine) setTimeout(tick, Math.max(0, TICK - (performance.now() - began)));
+}
+
+async function load(address: string): Promise<void> {
+  try {
+    engine = await Engine.load(address);
+  } catch (error) {
+    post({ failed: `The engine did not load: ${(error as Error).message}` });
+    return;
+  }
+  post({ ready: true });
+  tick();
+}
+
+self.onmessage = ({ data }: MessageEvent<ToWorker>) => {
+  if ("load" in data) {
+    load(data.load);
+  } else if ("command" in data) {
+    guarded(() => {
+      engine?.receive(JSON.stringify(data.command));
+      forward();
+    });
+  } else {
+    frames.drawn();
+  }
+};

@@ -1,0 +1,62 @@
+import { readFileSync } from "node:fs";
+import { beforeEach, expect, test } from "vitest";
+import type { Command } from "../src/protocol";
+import { Session } from "../src/session";
+import { writeFrame } from "./frames";
+
+const { messages } = JSON.parse(readFileSync(new URL("messages.json", import.meta.url), "utf8")) as {
+  messages: { type: string }[];
+};
+const sample = (type: string) => JSON.stringify(messages.find((m) => m.type === type));
+const still = [0, 0, 0, 0, 0, 0, 1];
+
+let session: Session;
+let sent: Command[];
+let drawn: number;
+let errors: string[];
+
+beforeEach(() => {
+  sent = [];
+  errors = [];
+  drawn = 0;
+  session = new Session(() => ({ send: (c) => sent.push(c), drawn: () => drawn++, close: () => {} }));
+  session.on("error", (e) => errors.push(e));
+});
+
+test("the last of everything is kept", () => {
+  session.text(sample("welcome"));
+  session.text(sample("scene"));
+  session.text(sample("status"));
+  session.binary(writeFrame({ scene: 1, worlds: 1, bodies: 1, poses: still, time: 0.5 }));
+  expect(session.examples.map((e) => e.name)).toEqual(["pendula"]);
+  expect(session.scene?.title).toBe("Pendula");
+  expect(session.shown).toEqual([0, 1, 2, 3]);
+  expect(session.status?.steps).toBe(625);
+  expect(session.frame?.time).toBe(0.5);
+  expect(errors).toEqual([]);
+});
+
+test("frames of another scene are dropped, and the next may come", () => {
+  session.text(sample("scene"));
+  session.binary(writeFrame({ scene: 2, worlds: 1, bodies: 1, poses: still }));
+  expect(session.frame).toBeNull();
+  expect(errors).toEqual([]);
+  expect(drawn).toBe(1);
+});
+
+test("what is malformed is told and changes nothing", () => {
+  session.text(sample("scene"));
+  session.text('{"type":"scene"}');
+  session.binary(new ArrayBuffer(3));
+  session.binary(writeFrame({ scene: 1, worlds: 1, bodies: 2, poses: [...still, ...still] }));
+  expect(session.scene?.title).toBe("Pendula");
+  expect(errors.length).toBe(3);
+  expect(errors[2]).toContain("2 bodies, its scene 1");
+  expect(drawn).toBe(2);
+});
+
+test("worlds asked for are those shown", () => {
+  session.send({ type: "show", worlds: [2] });
+  expect(sent).toEqual([{ type: "show", worlds: [2] }]);
+  expect(session.shown).toEqual([2]);
+});
