@@ -1,0 +1,32 @@
+import type { Scene } from "../protocol";
+import type { Session } from "../session";
+import { h } from "../ui/dom";
+import { short } from "../ui/format";
+
+/** What the scene is, and what to try. */
+export class Guide {
+  readonly element = h("div", { class: "guide" });
+
+  constructor(session: Session) {
+    session.on("scene", (scene) => this.show(scene));
+  }
+
+  private show(scene: Scene): void {
+    const facts: [string, string][] = [
+      ["Solver", scene.solver],
+      ["Instructions", scene.isa],
+      ["Time step", `${short(1000 * scene.time_step)} ms`],
+      ["Replicas", String(scene.worlds)],
+      ["Bodies", String(scene.bodies.length)],
+    ];
+    this.element.replaceChildren(
+      h("h2", {}, scene.title),
+      h("p", {}, scene.guide),
+      h(
+        "dl",
+        { class: "facts" },
+        ...facts.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]),
+      ),
+    );
+  }
+}

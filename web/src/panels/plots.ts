@@ -1,0 +1,137 @@
+import { Chart, LINES } from "../plots/chart";
+import { History } from "../plots/history";
+import type { Quantity } from "../protocol";
+import type { Session } from "../session";
+import { Checkbox, h, Select } from "../ui/dom";
+
+/** At most so many quantities are plotted. */
+const MOST = 16;
+const WINDOWS: [number, string][] = [
+  [2, "2 s"],
+  [10, "10 s"],
+  [60, "60 s"],
+  [Number.POSITIVE_INFINITY, "All"],
+];
+
+/** Quantities over time, those of one unit in one chart. */
+export class Plots {
+  readonly element: HTMLElement;
+  private readonly charts = h("div", { class: "charts" });
+  private readonly chooser = h("div", { class: "chooser", popover: "auto" });
+  private readonly history = new History();
+  private drawn: Chart[] = [];
+  private window = 10;
+  private stale = true;
+
+  constructor(private readonly session: Session) {
+    const choose = h("button", { type: "button", "data-help": "Which quantities are plotted." }, "Choose…");
+    choose.popoverTargetElement = this.chooser;
+    const span = new Select("Time shown", "How much of the past is shown.", WINDOWS, (window) => {
+      this.window = window;
+      this.stale = true;
+    });
+    span.value = this.window;
+    const bar = h("div", { class: "bar" }, choose, span.element);
+    this.element = h("section", { class: "plots", "aria-label": "Plots" }, bar, this.charts, this.chooser);
+    session.on("scene", ({ plots, quantities }) => {
+      this.history.clear();
+      this.list(quantities, plots.slice(0, MOST));
+      this.arrange(plots.slice(0, MOST));
+    });
+    session.on("frame", () => this.sample());
+    session.on("status", ({ running, recorded }) => {
+      if (!running) this.history.cut(recorded[1] + 1e-9);
+      this.stale = true;
+    });
+    session.on("shown", () => this.history.clear());
+    new ResizeObserver(() => {
+      this.stale = true;
+    }).observe(this.charts);
+  }
+
+  /** Draws what changed. */
+  draw(): void {
+    if (!this.stale || this.element.hidden) return;
+    this.stale = false;
+    const now = this.session.frame?.time ?? 0;
+    const last = Math.max(this.history.times.at(-1) ?? 0, now);
+    // A scrubbed time stays in view.
+    const to = Number.isFinite(this.window) ? Math.min(last, now + 0.1 * this.window) : last;
+    const from = Math.max(this.history.times[0] ?? 0, to - this.window);
+    for (const chart of this.drawn) chart.draw(from, to, now);
+  }
+
+  invalidate(): void {
+    this.stale = true;
+  }
+
+  /** Takes a sample of a frame, unless it is of a past that is being looked at. */
+  private sample(): void {
+    const { frame } = this.session;
+    if (!frame) return;
+    this.stale = true;
+    const last = this.history.times.at(-1) ?? Number.NEGATIVE_INFINITY;
+    if (frame.quantities.length !== this.history.quantities.length) return;
+    if (frame.time > last || frame.running) this.history.push(frame.time, frame.quantities);
+  }
+
+  private choose(quantities: number[]): void {
+    this.session.send({ type: "plot", quantities });
+    this.arrange(quantities);
+  }
+
+  private arrange(chosen: number[]): void {
+    const all = this.session.scene?.quantities ?? [];
+    this.history.choose(chosen);
+    const units = Map.groupBy(chosen, (quantity) => all[quantity].unit);
+    this.drawn = [...units].map(([unit, quantities]) => {
+      const lines = quantities.map((quantity) => ({
+        quantity,
+        label: all[quantity].label,
+        color: LINES[chosen.indexOf(quantity) % LINES.length],
+      }));
+      return new Chart(unit, lines, this.history, () => {
+        this.stale = true;
+      });
+    });
+    const nothing = h(
+      "p",
+      { class: "muted" },
+      "Nothing is plotted. Choose quantities to see them over time.",
+    );
+    this.charts.replaceChildren(
+      ...(this.drawn.length ? this.drawn.map((chart) => chart.element) : [nothing]),
+    );
+    this.stale = true;
+  }
+
+  private list(quantities: Quantity[], chosen: number[]): void {
+    const groups = Map.groupBy(quantities.keys(), (row) => quantities[row].group);
+    const find = h("input", {
+      type: "search",
+      placeholder: "Find a quantity",
+      "aria-label": "Find a quantity",
+    });
+    const wanted = new Set(chosen);
+    const boxes: [HTMLElement, string][] = [];
+    const sections = [...groups].map(([group, rows]) => {
+      const items = rows.map((row) => {
+        const { label, unit } = quantities[row];
+        const box: Checkbox = new Checkbox(unit ? `${label} [${unit}]` : label, "", (on) => {
+          if (on && wanted.size >= MOST) box.on = false;
+          else if (on) wanted.add(row);
+          else wanted.delete(row);
+          this.choose([...wanted]);
+        });
+        box.on = wanted.has(row);
+        boxes.push([box.element, label.toLowerCase()]);
+        return box.element;
+      });
+      return h("fieldset", {}, h("legend", {}, group), ...items);
+    });
+    find.addEventListener("input", () => {
+      for (const [element, label] of boxes) element.hidden = !label.includes(find.value.toLowerCase());
+    });
+    this.chooser.replaceChildren(find, ...sections);
+  }
+}

@@ -1,0 +1,147 @@
+import { Color } from "three";
+import type { Notice } from "../notice";
+import type { Selection } from "../selection";
+import { h, Select } from "../ui/dom";
+import { short } from "../ui/format";
+import { SKIN_FILES, skinOfFile } from "../view/skins/files";
+import { GAUGES, type GaugeName, SCALE } from "../view/skins/gauges";
+import type { Skin } from "../view/skins/skin";
+import type { View } from "../view/view";
+
+type Choice = "plain" | "replica" | "color" | GaugeName | "file";
+const CHOICES: [Choice, string][] = [
+  ["plain", "Its own colours"],
+  ["color", "One colour"],
+  ["replica", "By replica"],
+  ["speed", "By speed"],
+  ["spin", "By spin"],
+  ["force", "By contact force"],
+  ["height", "By height"],
+  ["file", "Picture or model…"],
+];
+
+/** What the picked body wears, or all of them where none is picked. */
+export class Skins {
+  readonly element: HTMLElement;
+  /** The scale of colours that follow a state, for a corner of the picture. */
+  readonly legend: HTMLElement;
+  private readonly kind: Select<Choice>;
+  private readonly color = h("input", { type: "color", value: "#4c8dd6", "aria-label": "Colour" });
+  private readonly file = h("input", { type: "file", accept: SKIN_FILES, hidden: true });
+  private readonly size: Select<boolean>;
+  private readonly who = h("span", { class: "muted" });
+  private readonly ends = [h("span"), h("span")];
+
+  constructor(
+    private readonly view: View,
+    private readonly selection: Selection,
+    private readonly notice: Notice,
+  ) {
+    this.kind = new Select("Skin", "What it looks like. The physics stays.", CHOICES, (choice) =>
+      this.choose(choice),
+    );
+    const sizes: [boolean, string][] = [
+      [true, "Fitted to the body"],
+      [false, "As in the file"],
+    ];
+    this.size = new Select("Size of the model", "How large a model is drawn.", sizes, (fitted) =>
+      this.resize(fitted),
+    );
+    this.color.addEventListener("input", () =>
+      this.dress({ kind: "color", color: new Color(this.color.value) }),
+    );
+    this.file.addEventListener("change", () => {
+      const [file] = this.file.files ?? [];
+      if (file) this.wear(file);
+      this.file.value = "";
+    });
+    this.element = h(
+      "div",
+      { class: "skins" },
+      h("div", { class: "bar" }, this.who),
+      h("div", { class: "bar" }, this.kind.element, this.color, this.size.element),
+      this.file,
+      h("p", { class: "muted" }, "A GLB model or a picture can also be dropped on a body."),
+    );
+    this.legend = h(
+      "div",
+      { class: "scale", hidden: true },
+      h("div", { class: "ramp", style: `background:${SCALE}` }),
+      ...this.ends,
+    );
+    selection.on("change", () => this.show());
+    this.show();
+  }
+
+  /** Reads the scale of what is drawn. */
+  readScale(): void {
+    const { gauge } = this.view.wardrobe;
+    this.legend.hidden = gauge === null;
+    if (!gauge || !this.view.current) return;
+    const { label, unit } = GAUGES[gauge];
+    const [low, high] = this.view.current.gauges.range;
+    this.ends[0].textContent = `${label} ${short(low, 2)}`;
+    this.ends[1].textContent = `${short(high, 2)} ${unit}`;
+  }
+
+  /** Dresses the picked body with a file. */
+  async wear(file: File, body = this.selection.now?.body): Promise<void> {
+    try {
+      this.dress(await skinOfFile(file), body);
+    } catch (error) {
+      this.notice.tell((error as Error).message);
+    }
+  }
+
+  private choose(choice: Choice): void {
+    switch (choice) {
+      case "file":
+        this.file.click();
+        break;
+      case "color":
+        this.dress({ kind: "color", color: new Color(this.color.value) });
+        break;
+      case "plain":
+      case "replica":
+        this.dress({ kind: choice });
+        break;
+      default:
+        this.dress({ kind: "gauge", gauge: choice });
+    }
+  }
+
+  private dress(skin: Skin, body = this.selection.now?.body): void {
+    if (body === undefined || body < 0) this.view.wardrobe.dressAll(skin);
+    else this.view.wardrobe.dress(body, skin);
+    this.view.dress();
+    this.show();
+    this.readScale();
+  }
+
+  private resize(fitted: boolean): void {
+    const skin = this.skin();
+    if (skin.kind === "model") this.dress({ ...skin, fitted });
+  }
+
+  private skin(): Skin {
+    const body = this.selection.now?.body;
+    return body === undefined ? this.view.wardrobe.common : this.view.wardrobe.of(body);
+  }
+
+  private show(): void {
+    const skin = this.skin();
+    const body = this.selection.now?.body;
+    const name = body === undefined ? null : this.view.current?.scene.bodies[body]?.name;
+    this.who.textContent = name === null ? "Of all bodies" : `Of ${name || "the picked body"}`;
+    this.kind.value =
+      skin.kind === "gauge"
+        ? skin.gauge
+        : skin.kind === "picture" || skin.kind === "model"
+          ? "file"
+          : skin.kind;
+    this.color.hidden = skin.kind !== "color";
+    this.size.element.hidden = skin.kind !== "model";
+    if (skin.kind === "model") this.size.value = skin.fitted;
+    if (skin.kind === "color") this.color.value = `#${skin.color.getHexString()}`;
+  }
+}

@@ -1,0 +1,76 @@
+import type { Controls } from "../controls";
+import type { Session } from "../session";
+import { h } from "../ui/dom";
+import { large, short } from "../ui/format";
+
+/** The recorded past to scrub through, and how it goes. */
+export class Timeline {
+  readonly element: HTMLElement;
+  private readonly slider: HTMLInputElement;
+  private readonly time = h("output", { class: "time", "data-help": "Simulated time since the start." });
+  private readonly steps = h("output", { class: "steps", "data-help": "Time steps since the start." });
+  private readonly pace = h("output", {
+    class: "pace",
+    "data-help": "Simulated seconds a second, and steps of all replicas a second of computing.",
+  });
+  private readonly diverged = h("output", { class: "diverged" });
+  private held = false;
+
+  constructor(
+    private readonly session: Session,
+    private readonly controls: Controls,
+  ) {
+    this.slider = h("input", {
+      type: "range",
+      min: 0,
+      max: 0,
+      value: 0,
+      step: "any",
+      "aria-label": "Time",
+      "data-help": "Goes back to what was recorded. (comma and full stop: a hundredth of it)",
+      onpointerdown: () => {
+        this.held = true;
+      },
+      oninput: () => controls.scrub(this.slider.valueAsNumber),
+      onchange: () => {
+        this.held = false;
+      },
+    });
+    this.element = h(
+      "div",
+      { class: "timeline" },
+      this.time,
+      this.steps,
+      this.slider,
+      this.diverged,
+      this.pace,
+    );
+    session.on("status", () => this.show());
+    session.on("frame", () => this.show());
+  }
+
+  /** Goes back or on by hundredths of what is recorded. */
+  leap(hundredths: number): void {
+    const { status, frame } = this.session;
+    if (!status || !frame) return;
+    const [first, last] = status.recorded;
+    const time = frame.time + (hundredths / 100) * (last - first);
+    this.controls.scrub(Math.min(Math.max(time, first), last));
+  }
+
+  private show(): void {
+    const { status, frame } = this.session;
+    const time = frame?.time ?? status?.time ?? 0;
+    this.time.textContent = `${time.toFixed(3)} s`;
+    this.steps.textContent = `${frame?.steps ?? status?.steps ?? 0} steps`;
+    if (!status) return;
+    const [first, last] = status.recorded;
+    this.slider.min = String(first);
+    this.slider.max = String(Math.max(last, status.running ? time : last));
+    if (!this.held) this.slider.value = String(time);
+    const going = status.running || status.pace > 0;
+    this.pace.textContent = going ? `${short(status.pace, 2)}× · ${large(status.rate)} steps/s` : "";
+    this.diverged.textContent = status.diverged.length ? `${status.diverged.length} diverged` : "";
+    this.diverged.dataset.help = `Replicas that left the finite numbers and stand still: ${status.diverged.join(", ")}`;
+  }
+}

@@ -1,0 +1,132 @@
+import type { Session } from "../session";
+import { keep, recall } from "../store";
+import { button, Checkbox, h, Select } from "../ui/dom";
+import type { Viewpoint } from "../view/camera_rig";
+import { VIEW_OPTIONS, type ViewOptions } from "../view/options";
+import type { TrailChoice } from "../view/overlays/trails";
+import type { View } from "../view/view";
+
+type Flag = { [K in keyof ViewOptions]: ViewOptions[K] extends boolean ? K : never }[keyof ViewOptions];
+const FLAGS: [Flag, string, string][] = [
+  ["contacts", "Contact points", "Where shapes touch."],
+  ["forces", "Contact forces", "Arrows; an ordinary body's weight is as long as the body is wide."],
+  ["joints", "Joints", "Axes and limits, with a hand where the joint is; of the first replica shown."],
+  ["frames", "Frames", "Axes of bodies: x red, y green, z blue."],
+  ["masses", "Centres of mass", "Balls in quarters."],
+  ["particles", "Particles", "Particles of fluids and soft bodies."],
+  ["grid", "Grid", "Lines on the ground."],
+  ["shadows", "Shadows", "Shadows of the sun."],
+  ["translucent", "See-through bodies", "To see what is inside."],
+  ["wireframe", "Wireframe", "Triangles only."],
+];
+const TRAILS: [TrailChoice, string][] = [
+  ["none", "No trails"],
+  ["picked", "Trail of the picked body"],
+  ["all", "Trails of all bodies"],
+];
+
+/** What is drawn, and from where. */
+export class ViewPanel {
+  readonly element: HTMLElement;
+  private readonly boxes: [Flag, Checkbox][];
+  private readonly trails: Select<TrailChoice>;
+  private readonly inset: Select<number>;
+  private readonly saved = h("div", { class: "bar" });
+
+  constructor(
+    private readonly session: Session,
+    private readonly view: View,
+  ) {
+    view.options = { ...VIEW_OPTIONS, ...recall<Partial<ViewOptions>>("view", {}), inset: -1 };
+    this.boxes = FLAGS.map(([flag, label, help]) => [
+      flag,
+      new Checkbox(label, help, (on) => this.set({ [flag]: on })),
+    ]);
+    this.trails = new Select("Trails", "The ways that centres of mass have come. (T)", TRAILS, (trails) =>
+      this.set({ trails }),
+    );
+    this.inset = new Select<number>("Inset", "What a robot's camera sees, in a corner.", [], (inset) =>
+      this.set({ inset }),
+    );
+    this.element = h(
+      "div",
+      {},
+      h("div", { class: "checks" }, ...this.boxes.map(([, box]) => box.element)),
+      h("div", { class: "bar" }, this.trails.element, this.inset.element),
+      this.saved,
+    );
+    session.on("scene", ({ cameras }) => {
+      const options = cameras.map(({ name }, row): [number, string] => [row, `Camera ${name || row}`]);
+      this.inset.setOptions([[-1, "No inset"], ...options]);
+      this.inset.element.hidden = cameras.length === 0;
+      this.set({ inset: -1 });
+      this.showSaved();
+    });
+    this.show();
+  }
+
+  set(options: Partial<ViewOptions>): void {
+    this.view.options = { ...this.view.options, ...options };
+    keep("view", this.view.options);
+    this.show();
+  }
+
+  /** Trails of none, the picked, all, in turn. */
+  turnTrails(): void {
+    const choices = TRAILS.map(([choice]) => choice);
+    this.set({ trails: choices[(choices.indexOf(this.view.options.trails) + 1) % choices.length] });
+  }
+
+  /** Keeps the viewpoint for this example, under a number from 1 to 9 or the next free one. */
+  save(place = this.places().findIndex((viewpoint) => !viewpoint)): void {
+    if (place < 0 || place > 8) return;
+    const places = this.places();
+    places[place] = this.view.rig.viewpoint;
+    keep(this.key(), places);
+    this.showSaved();
+  }
+
+  recall(place: number): void {
+    const viewpoint = this.places()[place];
+    if (!viewpoint) return;
+    this.view.mount("free");
+    this.view.rig.go(viewpoint);
+  }
+
+  private forget(): void {
+    keep(this.key(), []);
+    this.showSaved();
+  }
+
+  private places(): (Viewpoint | null)[] {
+    const kept = recall<(Viewpoint | null)[]>(this.key(), []);
+    return Array.from({ length: 9 }, (_, place) => kept[place] ?? null);
+  }
+
+  private key(): string {
+    return `viewpoints.${this.session.scene?.name}`;
+  }
+
+  private show(): void {
+    for (const [flag, box] of this.boxes) box.on = this.view.options[flag];
+    this.trails.value = this.view.options.trails;
+    this.inset.value = this.view.options.inset;
+  }
+
+  private showSaved(): void {
+    const buttons = this.places().flatMap((viewpoint, place) =>
+      viewpoint
+        ? [
+            button(String(place + 1), `Goes to viewpoint ${place + 1}. (${place + 1})`, () =>
+              this.recall(place),
+            ),
+          ]
+        : [],
+    );
+    const keepIt = button("Keep viewpoint", "Keeps the camera's place. (Shift with a digit)", () =>
+      this.save(),
+    );
+    const forget = button("Forget", "Forgets the viewpoints kept for this scene.", () => this.forget());
+    this.saved.replaceChildren(keepIt, ...buttons, ...(buttons.length ? [forget] : []));
+  }
+}

@@ -1,0 +1,70 @@
+import type { Field, Values } from "../protocol";
+import { Checkbox, h, Select } from "./dom";
+import { NumberControl } from "./number_control";
+
+interface Row {
+  element: HTMLElement;
+  set(value: number): void;
+}
+
+/** A form of an engine's fields. Its rows stay while the fields do, so that what is held is not lost. */
+export class FieldForm {
+  readonly element = h("div", { class: "form" });
+  private rows = new Map<string, Row>();
+  private kinds = "";
+
+  /** `changed` is told of each value that the user sets. */
+  constructor(private readonly changed: (name: string, value: number) => void) {}
+
+  show(fields: Field[]): void {
+    const kinds = JSON.stringify(fields.map(({ value: _, ...kind }) => kind));
+    if (kinds !== this.kinds) {
+      this.kinds = kinds;
+      this.rows = new Map(fields.map((field) => [field.name, this.row(field)]));
+      this.element.replaceChildren(...[...this.rows.values()].map((row) => row.element));
+    }
+    for (const { name, value } of fields) this.rows.get(name)?.set(value);
+  }
+
+  /** Shows other values. */
+  set(values: Values): void {
+    for (const name in values) this.rows.get(name)?.set(values[name]);
+  }
+
+  private row(field: Field): Row {
+    const { name, label, help, unit, kind } = field;
+    const change = (value: number) => this.changed(name, value);
+    switch (kind.kind) {
+      case "flag": {
+        const box = new Checkbox(label, help, (on) => change(on ? 1 : 0));
+        return {
+          element: box.element,
+          set: (value) => {
+            box.on = value !== 0;
+          },
+        };
+      }
+      case "choice": {
+        const options = kind.names.map((text, row): [number, string] => [row, text]);
+        const select = new Select(label, help, options, change);
+        return {
+          element: h("label", { class: "choice", "data-help": help }, h("span", {}, label), select.element),
+          set: (value) => {
+            select.value = value;
+          },
+        };
+      }
+      default: {
+        const integer = kind.kind === "integer";
+        const scale = { min: kind.min, max: kind.max, integer, logarithmic: !integer && kind.logarithmic };
+        const control = new NumberControl({ label, unit, help, scale }, true, { change });
+        return {
+          element: control.element,
+          set: (value) => {
+            control.value = value;
+          },
+        };
+      }
+    }
+  }
+}

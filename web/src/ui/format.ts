@@ -1,0 +1,24 @@
+/** Numbers for people. */
+
+/** With so many significant digits, without needless zeros: `0.25`, `1.2e-7`. */
+export function short(value: number, digits = 4): string {
+  if (!Number.isFinite(value)) return "–";
+  return String(Number(value.toPrecision(digits))).replace("-", "−");
+}
+
+const PREFIXES: [number, string][] = [
+  [1e9, "G"],
+  [1e6, "M"],
+  [1e3, "k"],
+];
+
+/** With a prefix for thousands: `2.5 M`. */
+export function large(value: number): string {
+  const [unit, prefix] = PREFIXES.find(([least]) => Math.abs(value) >= least) ?? [1, ""];
+  return `${short(value / unit, 3)}${prefix && ` ${prefix}`}`;
+}
+
+/** Numbers side by side: `0.1, −2, 3`. */
+export function list(values: Iterable<number>, digits = 3): string {
+  return [...values].map((value) => short(Math.abs(value) < 1e-9 ? 0 : value, digits)).join(", ");
+}

@@ -1,0 +1,45 @@
+import { h } from "./dom";
+
+/** Wait before a help shows [ms]. */
+const WAIT = 350;
+
+/** Shows the text of `data-help` beside what is pointed at or focused. */
+export function showTooltips(): void {
+  const tip = h("div", { class: "tooltip", role: "tooltip", id: "tooltip", popover: "manual" });
+  document.body.append(tip);
+  let over: HTMLElement | null = null;
+  let timer: ReturnType<typeof setTimeout> | undefined;
+
+  const hide = () => {
+    clearTimeout(timer);
+    over?.removeAttribute("aria-describedby");
+    over = null;
+    if (tip.matches(":popover-open")) tip.hidePopover();
+  };
+  const show = (element: HTMLElement) => {
+    tip.textContent = element.dataset.help ?? "";
+    element.setAttribute("aria-describedby", "tooltip");
+    tip.showPopover();
+    const [at, size] = [element.getBoundingClientRect(), tip.getBoundingClientRect()];
+    const below = at.bottom + 6 + size.height < innerHeight;
+    tip.style.top = `${below ? at.bottom + 6 : at.top - size.height - 6}px`;
+    tip.style.left = `${Math.max(8, Math.min(at.left, innerWidth - size.width - 8))}px`;
+  };
+  const enter = (event: Event) => {
+    const element = (event.target as Element).closest?.<HTMLElement>("[data-help]");
+    if (element === over) return;
+    hide();
+    if (!element?.dataset.help) return;
+    over = element;
+    timer = setTimeout(() => show(element), WAIT);
+  };
+
+  document.addEventListener("pointerover", enter);
+  document.addEventListener("focusin", enter);
+  document.addEventListener("focusout", hide);
+  document.addEventListener("pointerdown", hide);
+  document.addEventListener("scroll", hide, true);
+  document.addEventListener("keydown", (event) => {
+    if (event.key === "Escape") hide();
+  });
+}

@@ -1,0 +1,69 @@
+/** Where worlds stand that are shown side by side. */
+
+import type { Scene, Shape } from "../protocol";
+
+/** Shifts [m] of so many worlds, three numbers each, in the scene's axes: a square on the ground about its middle. */
+export function worldShifts(worlds: number, spacing: number, up: Scene["up"]): Float32Array {
+  const shifts = new Float32Array(3 * worlds);
+  const columns = Math.ceil(Math.sqrt(worlds));
+  const rows = Math.ceil(worlds / columns);
+  const depth = up === "y" ? 2 : 1;
+  // Rows come towards the viewer, who looks along −z, or +y where z is up.
+  const towards = up === "y" ? 1 : -1;
+  for (let world = 0; world < worlds; world++) {
+    const [column, row] = [world % columns, Math.floor(world / columns)];
+    shifts[3 * world] = (column - (columns - 1) / 2) * spacing;
+    shifts[3 * world + depth] = (row - (rows - 1) / 2) * spacing * towards;
+  }
+  return shifts;
+}
+
+/** Radius [m] of a ball about the body's origin that holds the shape. */
+export function reach(shape: Shape): number {
+  return Math.hypot(...shape.placement.position) + radius(shape);
+}
+
+function radius({ geometry }: Shape): number {
+  switch (geometry.kind) {
+    case "plane":
+      return geometry.half ? Math.hypot(...geometry.half) : 0;
+    case "sphere":
+      return geometry.radius;
+    case "capsule":
+      return geometry.half_height;
+    case "cylinder":
+    case "cone":
+      return Math.hypot(geometry.radius, geometry.half_height);
+    case "box":
+    case "ellipsoid":
+      return Math.hypot(...geometry.half);
+    case "mesh": {
+      let most = 0;
+      const at = geometry.positions;
+      for (let i = 0; i < at.length; i += 3) most = Math.max(most, Math.hypot(at[i], at[i + 1], at[i + 2]));
+      return most;
+    }
+  }
+}
+
+/** Sizes that drawings are measured by [m]. */
+export interface Measures {
+  /** Radius of each body. */
+  bodies: number[];
+  /** Radius of an ordinary body. */
+  body: number;
+  /** Radius of what a world holds. */
+  world: number;
+}
+
+export function measure(scene: Scene): Measures {
+  const [low, high] = scene.bounds;
+  const world = Math.max(0.5 * Math.hypot(...low.map((x, axis) => high[axis] - x)), 1e-3);
+  const bodies = scene.bodies.map(() => 0);
+  for (const shape of scene.shapes) {
+    if (shape.body >= 0) bodies[shape.body] = Math.max(bodies[shape.body], reach(shape));
+  }
+  const sizes = bodies.filter((size) => size > 0).sort((a, b) => a - b);
+  const body = Math.min(sizes.length ? sizes[sizes.length >> 1] : 0.1 * world, world);
+  return { bodies: bodies.map((size) => size || 0.5 * body), body, world };
+}

@@ -1,0 +1,170 @@
+import { Box3, Color, Group, type Intersection, Matrix4, type Raycaster, Vector3 } from "three";
+import type { Frame } from "../frame";
+import type { Scene } from "../protocol";
+import { Batches, type Part } from "./batches";
+import { type Measures, measure } from "./layout";
+import { Materials } from "./materials";
+import type { ViewOptions } from "./options";
+import { ContactForces, ContactPoints } from "./overlays/contacts";
+import { Frames } from "./overlays/frames";
+import { JointAxes } from "./overlays/joints";
+import { Masses } from "./overlays/masses";
+import type { Overlay, Picked } from "./overlays/overlay";
+import { Particles } from "./overlays/particles";
+import { Trails } from "./overlays/trails";
+import { isFloor, PartMaker, type ShapePart } from "./parts";
+import { PickedBox } from "./picked_box";
+import { Poses } from "./poses";
+import { Forms } from "./shape_geometry";
+import { Gauges } from "./skins/gauges";
+import { replicaColor, type Wardrobe } from "./skins/skin";
+
+/** Colour of what belongs to the world and has none. */
+const WORLD_COLOR: readonly number[] = [0.68, 0.7, 0.72];
+const WHITE = new Color(1, 1, 1);
+
+/** What a ray meets. */
+export interface Hit extends Picked {
+  shape: number;
+  /** In the scene's axes, world's shift included [m]. */
+  point: Vector3;
+}
+
+/** One scene, drawn: its bodies in their skins, and what is drawn over them. */
+export class SceneView {
+  readonly group = new Group();
+  readonly measures: Measures;
+  readonly poses: Poses;
+  readonly gauges: Gauges;
+  private readonly forms = new Forms();
+  private readonly materials = new Materials();
+  private readonly maker: PartMaker;
+  private batches = new Batches([]);
+  private readonly trails: Trails;
+  private readonly overlays: [overlay: Overlay, wanted: (options: ViewOptions) => boolean][];
+  private readonly box = new PickedBox();
+  private readonly color = new Color();
+  private painted = 0;
+
+  constructor(
+    readonly scene: Scene,
+    private readonly wardrobe: Wardrobe,
+    private options: ViewOptions,
+  ) {
+    this.measures = measure(scene);
+    this.poses = new Poses(scene);
+    this.gauges = new Gauges(scene);
+    this.maker = new PartMaker(scene, this.measures, this.forms, this.materials);
+    this.trails = new Trails(scene);
+    this.overlays = [
+      [new Particles(), (o) => o.particles],
+      [this.trails, (o) => o.trails !== "none"],
+      [new Frames(), (o) => o.frames],
+      [new Masses(scene, this.measures), (o) => o.masses],
+      [new JointAxes(), (o) => o.joints],
+      [new ContactPoints(), (o) => o.contacts],
+      [new ContactForces(scene), (o) => o.forces],
+    ];
+    this.group.add(...this.overlays.map(([overlay]) => overlay.object), this.box);
+    this.apply(options);
+  }
+
+  /** Height [m] of its highest floor along the axis that points up, or null. */
+  get floor(): number | null {
+    const up = this.scene.up === "y" ? 1 : 2;
+    const floors = this.scene.shapes.filter((shape) => isFloor(shape, this.scene.up));
+    return floors.length ? Math.max(...floors.map((shape) => shape.placement.position[up])) : null;
+  }
+
+  /** The box that holds all worlds shown at their start. */
+  get bounds(): Box3 {
+    const box = new Box3();
+    const [low, high] = this.scene.bounds.map((corner) => new Vector3(...corner));
+    const { shifts, worlds } = this.poses;
+    for (let world = 0; world < worlds; world++) {
+      const shift = new Vector3().fromArray(shifts, 3 * world);
+      box.expandByPoint(low.clone().add(shift)).expandByPoint(high.clone().add(shift));
+    }
+    return box.isEmpty() ? box.set(low, high) : box;
+  }
+
+  /** Takes up what is chosen. */
+  apply(options: ViewOptions): void {
+    this.options = options;
+    this.trails.choice = options.trails;
+    this.dress();
+  }
+
+  /** Makes all parts anew, in their present skins. */
+  dress(): void {
+    this.batches.dispose();
+    this.group.remove(this.batches);
+    const parts = this.maker.make(this.wardrobe, this.options);
+    this.batches = new Batches(parts);
+    this.group.add(this.batches);
+    this.painted = 0;
+  }
+
+  draw(frame: Frame, picked: Picked | null): void {
+    const gauge = this.wardrobe.gauge;
+    if (gauge) this.gauges.update(gauge, frame);
+    this.poses.update(frame);
+    this.batches.move(this.poses);
+    if (gauge || this.painted !== this.poses.worlds) this.paint();
+    const moment = { scene: this.scene, frame, poses: this.poses, measures: this.measures, picked };
+    for (const [overlay, wanted] of this.overlays) {
+      overlay.object.visible = wanted(this.options);
+      if (overlay.object.visible) overlay.draw(moment);
+    }
+    this.box.visible = picked !== null && picked.body >= 0 && picked.row < this.poses.worlds;
+    if (picked && this.box.visible) this.box.draw(this.poses, picked, this.maker.bodyBox(picked.body));
+  }
+
+  hit(ray: Raycaster): Hit | null {
+    const found = this.batches.hit(ray);
+    if (!found) return null;
+    const part = found.part as ShapePart;
+    const point = this.group.worldToLocal((found.hit as Intersection).point.clone());
+    return { row: found.world, body: part.body, shape: part.shape, point };
+  }
+
+  /** A body's map into the scene's axes. */
+  bodyMatrix({ row, body }: Picked): Matrix4 {
+    const [map, at] = this.poses.of(Math.min(row, this.poses.worlds - 1), body);
+    return new Matrix4().fromArray(map, at);
+  }
+
+  dispose(): void {
+    this.batches.dispose();
+    for (const [overlay] of this.overlays) overlay.dispose();
+    this.box.dispose();
+    this.forms.dispose();
+    this.materials.dispose();
+    this.group.removeFromParent();
+  }
+
+  private paint(): void {
+    this.painted = this.poses.worlds;
+    this.batches.paint((part, world) => this.colorOf(part, world));
+  }
+
+  private colorOf(part: Part, world: number): Color {
+    const skin = this.wardrobe.of(part.body);
+    switch (skin.kind) {
+      case "picture":
+      case "model":
+        return WHITE;
+      case "color":
+        return skin.color;
+      case "replica":
+        return replicaColor(world);
+      case "gauge":
+        return this.gauges.color(world, part.body, this.color);
+      case "plain": {
+        const shape = this.scene.shapes[(part as ShapePart).shape];
+        const [r, g, b] = shape?.color ?? this.scene.bodies[part.body]?.color ?? WORLD_COLOR;
+        return this.color.setRGB(r, g, b, "srgb");
+      }
+    }
+  }
+}

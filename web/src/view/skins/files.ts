@@ -1,0 +1,38 @@
+import { type Object3D, SRGBColorSpace, TextureLoader } from "three";
+import { GLTFLoader } from "three/examples/jsm/loaders/GLTFLoader.js";
+import type { Skin } from "./skin";
+
+/** What a file may be, for a file dialog. */
+export const SKIN_FILES = ".glb,image/*";
+
+/** Makes a skin of a picture or a GLB model. Throws an Error that says what is wrong. */
+export async function skinOfFile(file: File): Promise<Skin> {
+  if (file.name.toLowerCase().endsWith(".glb")) {
+    return { kind: "model", model: await readModel(file), fitted: true };
+  }
+  if (file.type.startsWith("image/")) return { kind: "picture", picture: await readPicture(file) };
+  throw new Error(`${file.name} is neither a picture nor a GLB file. Choose one of these.`);
+}
+
+async function readModel(file: File): Promise<Object3D> {
+  try {
+    const { scene } = await new GLTFLoader().parseAsync(await file.arrayBuffer(), "");
+    return scene;
+  } catch (error) {
+    throw new Error(`${file.name} cannot be read as GLB: ${(error as Error).message}`);
+  }
+}
+
+async function readPicture(file: File) {
+  const address = URL.createObjectURL(file);
+  try {
+    const picture = await new TextureLoader().loadAsync(address);
+    picture.colorSpace = SRGBColorSpace;
+    picture.anisotropy = 8;
+    return picture;
+  } catch {
+    throw new Error(`${file.name} is no picture that this browser can read.`);
+  } finally {
+    URL.revokeObjectURL(address);
+  }
+}

@@ -1,0 +1,48 @@
+import { Color, type Object3D, type Texture } from "three";
+import type { GaugeName } from "./gauges";
+
+/** What a body wears. None of it touches the physics. */
+export type Skin =
+  /** The colours of its shapes. */
+  | { kind: "plain" }
+  | { kind: "color"; color: Color }
+  /** A colour for each replica. */
+  | { kind: "replica" }
+  /** A colour that follows its state. */
+  | { kind: "gauge"; gauge: GaugeName }
+  | { kind: "picture"; picture: Texture }
+  /** A model instead of its shapes, as large as in its file or fitted to them. */
+  | { kind: "model"; model: Object3D; fitted: boolean };
+
+/** What all bodies wear: one skin in common, and some their own. */
+export class Wardrobe {
+  common: Skin = { kind: "plain" };
+  private readonly own = new Map<number, Skin>();
+
+  /** The skin of a body; what belongs to the world stays plain. */
+  of(body: number): Skin {
+    return body < 0 ? { kind: "plain" } : (this.own.get(body) ?? this.common);
+  }
+
+  /** Whether anything's colour follows a state, and which. */
+  get gauge(): GaugeName | null {
+    for (const skin of [...this.own.values(), this.common]) if (skin.kind === "gauge") return skin.gauge;
+    return null;
+  }
+
+  dress(body: number, skin: Skin): void {
+    this.own.set(body, skin);
+  }
+
+  /** All bodies wear the same. */
+  dressAll(skin: Skin): void {
+    this.own.clear();
+    this.common = skin;
+  }
+}
+
+/** A colour for a replica, far from those of its neighbours. */
+export function replicaColor(world: number): Color {
+  const golden = 0.618034;
+  return new Color().setHSL((0.58 + golden * world) % 1, 0.5, 0.55);
+}

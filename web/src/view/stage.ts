@@ -1,0 +1,94 @@
+import {
+  Group,
+  NeutralToneMapping,
+  PCFShadowMap,
+  type PerspectiveCamera,
+  Scene,
+  type Vector3,
+  WebGLRenderer,
+} from "three";
+import type { Scene as Model } from "../protocol";
+import type { Theme } from "../theme";
+import { Ground } from "./ground";
+import { Surroundings } from "./surroundings";
+
+/** A second picture in a corner, as a share of the first one's width. */
+const INSET = 0.28;
+/** Room around it [CSS pixels]. */
+const MARGIN = 12;
+
+/** The renderer, and what is there in every scene: sky, sun, ground. */
+export class Stage {
+  readonly renderer: WebGLRenderer;
+  readonly ground = new Ground();
+  /** Everything of the scene, in the scene's axes. */
+  readonly root = new Group();
+  private readonly scene = new Scene();
+  private readonly surroundings: Surroundings;
+
+  constructor(readonly canvas: HTMLCanvasElement) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
+    this.renderer.toneMapping = NeutralToneMapping;
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = PCFShadowMap;
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.surroundings = new Surroundings(this.renderer);
+    this.scene.add(this.surroundings, this.ground, this.root);
+  }
+
+  set theme(theme: Theme) {
+    this.surroundings.setTheme(theme, this.scene);
+    this.ground.setTheme(theme);
+  }
+
+  set shadows(on: boolean) {
+    this.surroundings.shadows = on;
+  }
+
+  /** Turns what is drawn so that the scene's up is the screen's. */
+  set up(up: Model["up"]) {
+    this.root.rotation.x = up === "z" ? -Math.PI / 2 : 0;
+    this.root.updateMatrixWorld(true);
+  }
+
+  /** Makes the picture as large as its place. Returns whether it changed. */
+  resize(camera: PerspectiveCamera): boolean {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const ratio = this.renderer.getPixelRatio();
+    const [w, h] = [Math.floor(width * ratio), Math.floor(height * ratio)];
+    if ((this.canvas.width === w && this.canvas.height === h) || !width || !height) return false;
+    this.renderer.setSize(width, height, false);
+    camera.aspect = width / height;
+    camera.updateProjectionMatrix();
+    return true;
+  }
+
+  /** Draws; shadows are sharp within `radius` [m] of the focus. */
+  render(camera: PerspectiveCamera, focus: Vector3, radius: number): void {
+    this.surroundings.follow(camera.position, focus, radius);
+    this.renderer.render(this.scene, camera);
+  }
+
+  /** Draws what another camera sees into the corner. */
+  renderInset(camera: PerspectiveCamera): void {
+    const { renderer, canvas } = this;
+    const width = Math.round(INSET * canvas.clientWidth);
+    const height = Math.round(0.75 * width);
+    const x = MARGIN;
+    camera.aspect = width / height;
+    camera.updateProjectionMatrix();
+    renderer.autoClear = false;
+    renderer.setScissorTest(true);
+    renderer.setViewport(x, MARGIN, width, height);
+    renderer.setScissor(x, MARGIN, width, height);
+    renderer.clear();
+    // Shadows are those of the first picture.
+    renderer.shadowMap.autoUpdate = false;
+    this.surroundings.surround(camera.position);
+    renderer.render(this.scene, camera);
+    renderer.shadowMap.autoUpdate = true;
+    renderer.setScissorTest(false);
+    renderer.setViewport(0, 0, canvas.clientWidth, canvas.clientHeight);
+    renderer.autoClear = true;
+  }
+}

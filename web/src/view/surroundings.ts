@@ -1,0 +1,130 @@
+import {
+  BackSide,
+  BufferAttribute,
+  Color,
+  DirectionalLight,
+  Group,
+  Mesh,
+  MeshBasicMaterial,
+  PMREMGenerator,
+  Scene,
+  SphereGeometry,
+  type Texture,
+  Vector3,
+  type WebGLRenderer,
+} from "three";
+import type { Theme } from "../theme";
+
+/** Colours of a sky, from below over the horizon to above. */
+type Sky = [ground: string, horizon: string, zenith: string];
+
+const BACKGROUND: Record<Theme, Sky> = {
+  light: ["#dfe1e3", "#eef0f1", "#cfdce8"],
+  dark: ["#15181b", "#22272c", "#12161b"],
+};
+/** What light falls from the sky; the same in both themes, dimmer in the dark one. */
+const LIGHT: Sky = ["#8d8a86", "#ffffff", "#bcd4f0"];
+const STRENGTH: Record<Theme, { sky: number; sun: number }> = {
+  light: { sky: 0.75, sun: 2.4 },
+  dark: { sky: 0.55, sun: 2.1 },
+};
+/** Towards the sun. */
+const SUN = new Vector3(0.45, 1, 0.55).normalize();
+const SHADOW_PIXELS = 2048;
+
+/** Sky, sky light and a sun with shadows. */
+export class Surroundings extends Group {
+  private readonly sun = new DirectionalLight("#fff4e6");
+  private readonly dome = new Mesh(
+    new SphereGeometry(1, 24, 32),
+    new MeshBasicMaterial({
+      side: BackSide,
+      vertexColors: true,
+      toneMapped: false,
+      depthWrite: false,
+      depthTest: false,
+    }),
+  );
+  private readonly light: Texture;
+  private shadowRadius = 0;
+
+  constructor(renderer: WebGLRenderer) {
+    super();
+    this.dome.renderOrder = -1000;
+    this.dome.frustumCulled = false;
+    this.light = skyLight(renderer);
+    this.sun.castShadow = true;
+    this.sun.shadow.mapSize.set(SHADOW_PIXELS, SHADOW_PIXELS);
+    this.sun.shadow.radius = 3;
+    this.add(this.dome, this.sun, this.sun.target);
+  }
+
+  setTheme(theme: Theme, scene: Scene): void {
+    paintSky(this.dome.geometry, BACKGROUND[theme]);
+    scene.environment = this.light;
+    scene.environmentIntensity = STRENGTH[theme].sky;
+    this.sun.intensity = STRENGTH[theme].sun;
+  }
+
+  set shadows(on: boolean) {
+    this.sun.castShadow = on;
+  }
+
+  /** Keeps the sky about the eye, and shadows about what it looks at, sharp over `radius` [m]. */
+  follow(eye: Vector3, target: Vector3, radius: number): void {
+    this.surround(eye);
+    // Steps of a quarter octave, lest shadows swim as one zooms.
+    const reach = 2 ** (Math.ceil(4 * Math.log2(radius)) / 4);
+    if (reach !== this.shadowRadius) this.cover(reach);
+    this.sun.target.position.copy(target);
+    this.sun.position
+      .copy(SUN)
+      .multiplyScalar(4 * reach)
+      .add(target);
+  }
+
+  /** Brings the sky about the eye. */
+  surround(eye: Vector3): void {
+    this.dome.position.copy(eye);
+  }
+
+  private cover(reach: number): void {
+    this.shadowRadius = reach;
+    const camera = this.sun.shadow.camera;
+    camera.left = camera.bottom = -reach;
+    camera.right = camera.top = reach;
+    camera.near = 0.5 * reach;
+    camera.far = 8 * reach;
+    camera.updateProjectionMatrix();
+    this.sun.shadow.normalBias = (2.5 * reach) / SHADOW_PIXELS;
+    this.sun.shadow.bias = -0.0002;
+  }
+}
+
+function paintSky(geometry: SphereGeometry, [ground, horizon, zenith]: Sky): void {
+  const position = geometry.getAttribute("position");
+  const colors = new BufferAttribute(new Float32Array(3 * position.count), 3);
+  const [low, middle, high] = [ground, horizon, zenith].map((name) => new Color(name));
+  const { radius } = geometry.parameters;
+  const color = new Color();
+  for (let i = 0; i < position.count; i++) {
+    const height = position.getY(i) / radius;
+    color.lerpColors(middle, height < 0 ? low : high, Math.sqrt(Math.abs(height)));
+    colors.setXYZ(i, color.r, color.g, color.b);
+  }
+  geometry.setAttribute("color", colors);
+}
+
+function skyLight(renderer: WebGLRenderer): Texture {
+  const geometry = new SphereGeometry(10, 24, 32);
+  paintSky(geometry, LIGHT);
+  const scene = new Scene();
+  const material = new MeshBasicMaterial({ side: BackSide, vertexColors: true });
+  scene.add(new Mesh(geometry, material));
+  const generator = new PMREMGenerator(renderer);
+  const { texture } = generator.fromScene(scene, 0, 0.1, 100);
+  generator.dispose();
+  geometry.dispose();
+  material.dispose();
+  return texture;
+}

@@ -1,0 +1,243 @@
+import {
+  Box3,
+  Matrix4,
+  PerspectiveCamera,
+  Plane,
+  Quaternion,
+  Raycaster,
+  Sphere,
+  Vector2,
+  Vector3,
+} from "three";
+import type { Frame } from "../frame";
+import type { Scene } from "../protocol";
+import type { Triple } from "../schema";
+import type { Theme } from "../theme";
+import { CameraRig, type Mount } from "./camera_rig";
+import { VIEW_OPTIONS, type ViewOptions } from "./options";
+import type { Picked } from "./overlays/overlay";
+import { type Hit, SceneView } from "./scene_view";
+import { Wardrobe } from "./skins/skin";
+import { Spring } from "./spring";
+import { Stage } from "./stage";
+
+/** The picture of the session: which scene, from where, with what drawn. */
+export class View {
+  readonly stage: Stage;
+  readonly rig = new CameraRig();
+  readonly wardrobe = new Wardrobe();
+  readonly spring = new Spring();
+  private readonly insetCamera = new PerspectiveCamera();
+  private shown: SceneView | null = null;
+  private frame: Frame | null = null;
+  private chosen: ViewOptions = { ...VIEW_OPTIONS };
+  private picked: Picked | null = null;
+  private carrier: Picked = { row: 0, body: 0 };
+  private stale = true;
+  /** Whether the ground is laid and the viewpoint chosen for the scene that is shown. */
+  private settled = true;
+  private keepViewpoint = false;
+
+  constructor(canvas: HTMLCanvasElement) {
+    this.stage = new Stage(canvas);
+    this.stage.root.add(this.spring);
+  }
+
+  get current(): SceneView | null {
+    return this.shown;
+  }
+
+  get options(): Readonly<ViewOptions> {
+    return this.chosen;
+  }
+
+  set options(options: ViewOptions) {
+    this.chosen = { ...options };
+    this.stage.shadows = options.shadows;
+    this.stage.ground.grid = options.grid;
+    this.shown?.apply(this.chosen);
+    this.invalidate();
+  }
+
+  set theme(theme: Theme) {
+    this.stage.theme = theme;
+    this.invalidate();
+  }
+
+  set pick(picked: Picked | null) {
+    this.picked = picked;
+    this.invalidate();
+  }
+
+  /** It is to be drawn anew. */
+  invalidate(): void {
+    this.stale = true;
+  }
+
+  /** Shows another scene; its bounds are framed with its first frame, unless a viewpoint is given before. */
+  setScene(scene: Scene, keepViewpoint: boolean): void {
+    this.shown?.dispose();
+    this.frame = null;
+    this.picked = null;
+    this.shown = new SceneView(scene, this.wardrobe, this.chosen);
+    this.stage.up = scene.up;
+    this.stage.root.add(this.shown.group);
+    this.rig.setMount("free");
+    this.spring.visible = false;
+    this.settled = false;
+    this.keepViewpoint = keepViewpoint;
+    this.invalidate();
+  }
+
+  setFrame(frame: Frame): void {
+    if (frame.worlds !== this.frame?.worlds) this.settled = false;
+    this.frame = frame;
+    this.invalidate();
+  }
+
+  /** Skins have changed. */
+  dress(): void {
+    this.shown?.dress();
+    this.invalidate();
+  }
+
+  /** Sees the whole scene, or the picked body. */
+  frameScene(atOnce = false): void {
+    if (!this.shown) return;
+    const box = this.picked ? this.boxOf(this.picked, this.shown) : this.shown.bounds;
+    this.rig.frame(box.applyMatrix4(this.stage.root.matrixWorld), atOnce);
+    this.invalidate();
+  }
+
+  /** Mounts the camera on a body. */
+  mount(mount: Mount, carrier?: Picked): void {
+    if (carrier) this.carrier = carrier;
+    // Robots of files with z up look along x; elsewhere bodies look as cameras do, along −z.
+    this.rig.setMount(mount, this.shown?.scene.up === "z" ? -Math.PI / 2 : 0);
+    this.invalidate();
+  }
+
+  get carried(): Picked {
+    return this.carrier;
+  }
+
+  /** What is at a point of the canvas [CSS pixels]. */
+  hit(x: number, y: number): Hit | null {
+    return this.shown?.hit(this.ray(x, y)) ?? null;
+  }
+
+  /** The direction in which the eye looks at a point of the canvas, in the scene's axes. */
+  direction(x: number, y: number): Triple {
+    return this.intoScene(this.ray(x, y).ray.direction).toArray();
+  }
+
+  /** Where the pointer is in the plane through `point` that faces the viewer; all in the scene's axes. */
+  across(x: number, y: number, point: Vector3): Vector3 {
+    const { root } = this.stage;
+    const facing = this.rig.camera.getWorldDirection(new Vector3());
+    const plane = new Plane().setFromNormalAndCoplanarPoint(facing, root.localToWorld(point.clone()));
+    const met = this.ray(x, y).ray.intersectPlane(plane, new Vector3());
+    return met ? root.worldToLocal(met) : point.clone();
+  }
+
+  /**
+   * Draws if anything changed, after so many seconds since the last call. Returns whether the frame given
+   * last is on the screen for the first time.
+   */
+  draw(seconds: number): boolean {
+    const { rig, stage, shown, frame } = this;
+    if (stage.resize(rig.camera)) this.stale = true;
+    const fresh = this.stale;
+    if (fresh && shown && frame) {
+      shown.draw(frame, this.picked);
+      this.settle(shown);
+    }
+    const radius = shown ? this.radius(shown) : 1;
+    const moving = rig.update(seconds, this.anchor(), radius);
+    if (!fresh && !moving) return false;
+    this.render(radius);
+    this.stale = false;
+    return fresh && frame !== null;
+  }
+
+  /** Draws at once, for a picture of what is on the screen. */
+  render(radius = this.shown ? this.radius(this.shown) : 1): void {
+    const { stage, rig } = this;
+    const reach = Math.min(radius, 2 * rig.camera.position.distanceTo(rig.focus) + 0.1 * radius);
+    stage.render(rig.camera, rig.focus, rig.mount === "ride" ? radius : reach);
+    if (this.placeInset()) stage.renderInset(this.insetCamera);
+  }
+
+  private settle(shown: SceneView): void {
+    if (this.settled) return;
+    this.settled = true;
+    this.layGround(shown);
+    if (!this.keepViewpoint) this.frameScene(true);
+    this.keepViewpoint = false;
+  }
+
+  private layGround(shown: SceneView): void {
+    const up = shown.scene.up === "y" ? 1 : 2;
+    const [low] = shown.scene.bounds;
+    const height = shown.floor ?? low[up] - 0.02 * shown.measures.world;
+    this.stage.ground.position.y = height;
+    this.stage.ground.fit(this.radius(shown), shown.floor !== null);
+  }
+
+  private radius(shown: SceneView): number {
+    return Math.max(shown.bounds.getBoundingSphere(new Sphere()).radius, 1e-3);
+  }
+
+  private boxOf(picked: Picked, shown: SceneView): Box3 {
+    const size = 4 * (shown.measures.bodies[picked.body] ?? shown.measures.world);
+    const center = new Vector3().setFromMatrixPosition(shown.bodyMatrix(picked));
+    return new Box3().setFromCenterAndSize(center, new Vector3(size, size, size));
+  }
+
+  private ray(x: number, y: number): Raycaster {
+    const { clientWidth: width, clientHeight: height } = this.stage.canvas;
+    const ray = new Raycaster();
+    ray.setFromCamera(new Vector2((2 * x) / width - 1, 1 - (2 * y) / height), this.rig.camera);
+    return ray;
+  }
+
+  private intoScene(direction: Vector3): Vector3 {
+    return direction.clone().applyQuaternion(this.stage.root.quaternion.clone().invert());
+  }
+
+  /** Where the body is that carries the camera: its eye, and how far it has turned, in the screen's world. */
+  private anchor(): Matrix4 | null {
+    const { shown, carrier, rig } = this;
+    if (!shown || rig.mount === "free" || !shown.scene.bodies[carrier.body]) return null;
+    const { root } = this.stage;
+    const matrix = shown.bodyMatrix(carrier);
+    const turn = new Quaternion().setFromRotationMatrix(matrix);
+    turn.premultiply(root.quaternion).multiply(root.quaternion.clone().invert());
+    const middle = new Vector3(...shown.scene.bodies[carrier.body].inertial.position);
+    const eye = root.localToWorld(middle.applyMatrix4(matrix));
+    if (rig.mount === "ride") {
+      eye.add(new Vector3(0, 0.5 * shown.measures.bodies[carrier.body], 0).applyQuaternion(turn));
+    }
+    return new Matrix4().compose(eye, turn, new Vector3(1, 1, 1));
+  }
+
+  /** Puts the inset's camera where the scene's is. Returns whether there is one to show. */
+  private placeInset(): boolean {
+    const { shown } = this;
+    const camera = shown?.scene.cameras[this.chosen.inset];
+    if (!shown || !camera || !this.frame) return false;
+    const place = new Matrix4().compose(
+      new Vector3(...camera.placement.position),
+      new Quaternion(...camera.placement.orientation),
+      new Vector3(1, 1, 1),
+    );
+    const row = Math.min(this.picked?.row ?? 0, shown.poses.worlds - 1);
+    place.premultiply(shown.bodyMatrix({ row, body: camera.body })).premultiply(this.stage.root.matrixWorld);
+    place.decompose(this.insetCamera.position, this.insetCamera.quaternion, this.insetCamera.scale);
+    this.insetCamera.fov = (180 / Math.PI) * camera.field_of_view;
+    this.insetCamera.near = 0.01 * shown.measures.body;
+    this.insetCamera.far = 100 * shown.measures.world;
+    this.insetCamera.updateMatrixWorld();
+    return true;
+  }
+}
