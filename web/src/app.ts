@@ -68,7 +68,7 @@ export class App {
     this.view = new View(canvas);
     this.controls = new Controls(this.session);
     // The view takes a scene first, and then what the address tells of it.
-    this.session.on("scene", (scene) => this.view.setScene(scene, this.keepsViewpoint(scene.name)));
+    this.session.on("scene", (scene) => this.view.setScene(scene));
     this.session.on("frame", (frame) => this.view.setFrame(frame));
     this.share = new Share(this.session, this.controls, this.view);
     this.grabbing = new Grabbing(this.session, this.controls, this.view);
@@ -159,11 +159,6 @@ export class App {
       this.session.drawn();
     }
     this.plots.draw();
-  }
-
-  /** A scene of the same name, or one that the address tells a viewpoint of, is seen from where one is. */
-  private keepsViewpoint(name: string): boolean {
-    return this.share.keepsViewpoint || this.view.current?.scene.name === name;
   }
 
   private moved(move: () => void): void {
@@ -272,6 +267,10 @@ export class App {
       help: () => this.help.showModal(),
       frame: () => this.moved(() => this.view.frameScene()),
       share: () => this.guarded(() => navigator.clipboard.writeText(location.href)),
+      replicas: (first: number, count: number) => {
+        if (count !== this.session.shown.length) this.view.frameNext();
+        this.controls.show(first, count);
+      },
       plots: () => this.togglePlots(),
       side: (which: "left" | "right") => this.toggleSide(which),
       tool: (tool: Tool) => {

@@ -75,8 +75,10 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
       case "scene":
         this.scene = message;
         this.frame = null;
+        this.shown = message.shown;
         this.emit("scene", message);
-        this.show(message.shown);
+        // Who hears of the scene may have asked for other worlds of it.
+        this.emit("shown", this.shown);
         break;
       case "status":
         this.status = message;

@@ -1,17 +1,20 @@
 import { type Address, emptyAddress, formatAddress, parseAddress } from "./address";
 import type { Controls } from "./controls";
-import type { Example, Field, Scene, Values } from "./protocol";
+import type { Field, Scene, Values } from "./protocol";
 import type { Session } from "./session";
 import type { View } from "./view/view";
 
 /** Time after the last change until the address tells it [ms]. */
 const WAIT = 300;
 
-/** Keeps the page's address telling what the page shows, and opens what it tells. */
+/**
+ * Keeps the page's address telling what the page shows, and opens what it tells. A scene of the example that
+ * the address names is shown as the address says; one of another example is shown as it comes.
+ */
 export class Share {
   private address: Address;
-  /** What is yet to be done with the scene that the address asked for. */
-  private asked: Address | null = null;
+  /** The example that was asked for, until its scene is here. */
+  private opening: string | null = null;
   private timer: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
@@ -20,24 +23,22 @@ export class Share {
     private readonly view: View,
   ) {
     this.address = parseAddress(location.hash);
-    session.on("examples", (examples) => this.open(examples));
+    session.on("examples", () => this.open());
     session.on("scene", (scene) => this.scene(scene));
     session.on("shown", (worlds) => this.shown(worlds));
+    session.on("error", () => {
+      this.opening = null;
+    });
     addEventListener("hashchange", () => {
       this.address = parseAddress(location.hash);
-      this.open(session.examples);
+      this.open();
     });
-  }
-
-  /** Whether the scene that comes is to be seen from the viewpoint it was shared with. */
-  get keepsViewpoint(): boolean {
-    return this.asked?.viewpoint !== null && this.asked !== null;
   }
 
   /** Opens an example as it is. */
   openExample(name: string): void {
     this.address = { ...emptyAddress(), example: name };
-    this.controls.open(name);
+    this.open();
   }
 
   /** Physics that the user has set. */
@@ -49,35 +50,43 @@ export class Share {
 
   /** The camera moved. */
   moved(): void {
+    const { rig, carried } = this.view;
+    this.address.viewpoint = rig.viewpoint;
+    this.address.mount = rig.mount === "free" ? null : { mount: rig.mount, body: carried.body };
     this.soon();
   }
 
-  private open(examples: Example[]): void {
+  private open(): void {
     const { example, build, physics } = this.address;
-    if (!examples.some(({ name }) => name === example) || example === null) return;
-    this.asked = structuredClone(this.address);
+    if (!this.session.examples.some(({ name }) => name === example) || example === null) return;
+    this.opening = example;
     this.controls.open(example, build, physics);
   }
 
   private scene(scene: Scene): void {
+    if (this.opening !== null && this.opening !== scene.name) return;
+    this.opening = null;
     const example = this.session.examples.find(({ name }) => name === scene.name);
-    if (this.address.example !== scene.name) this.address.physics = {};
-    this.address.example = example?.name ?? null;
+    if (this.address.example !== scene.name)
+      this.address = { ...emptyAddress(), example: example?.name ?? null };
     this.address.build = example ? changes(example.build, scene.build) : {};
-    const asked = this.asked;
-    if (asked?.viewpoint) this.view.rig.go(asked.viewpoint, true);
-    if (asked?.mount && scene.bodies[asked.mount.body]) {
-      this.view.mount(asked.mount.mount, { row: 0, body: asked.mount.body });
-      if (asked.viewpoint) this.view.rig.go(asked.viewpoint, true);
-    }
+    this.look(scene);
     this.soon();
   }
 
+  /** Sees a scene as the address says. */
+  private look(scene: Scene): void {
+    const { replicas, viewpoint, mount } = this.address;
+    if (replicas && !sameReplicas(scene.shown, replicas)) this.controls.show(replicas.first, replicas.count);
+    if (mount && scene.bodies[mount.body]) this.view.mount(mount.mount, { row: 0, body: mount.body });
+    if (viewpoint) this.view.lookFrom(viewpoint);
+  }
+
   private shown(worlds: number[]): void {
-    const replicas = this.asked?.replicas;
-    this.asked = null;
-    if (replicas) this.controls.show(replicas.first, replicas.count);
-    else this.address.replicas = { first: worlds[0] ?? 0, count: worlds.length };
+    if (this.opening !== null) return;
+    const replicas = { first: worlds[0] ?? 0, count: worlds.length };
+    const own = this.session.scene?.shown ?? [];
+    this.address.replicas = sameReplicas(own, replicas) ? null : replicas;
     this.soon();
   }
 
@@ -87,11 +96,12 @@ export class Share {
   }
 
   private write(): void {
-    const { rig, carried } = this.view;
-    this.address.viewpoint = this.session.scene ? rig.viewpoint : null;
-    this.address.mount = rig.mount === "free" ? null : { mount: rig.mount, body: carried.body };
     history.replaceState(null, "", `#${formatAddress(this.address)}`);
   }
+}
+
+function sameReplicas(worlds: number[], { first, count }: { first: number; count: number }): boolean {
+  return worlds.length === count && worlds.every((world, row) => world === first + row);
 }
 
 /** Values that are not the fields' own. */

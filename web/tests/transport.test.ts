@@ -38,7 +38,7 @@ describe("an engine in WebAssembly", () => {
     let [place, length] = [0, 0];
     return {
       memory,
-      start: () => void queue.push(),
+      start: () => 1,
       room: (wanted) => {
         memory.grow(1);
         place = 65536;
@@ -46,7 +46,7 @@ describe("an engine in WebAssembly", () => {
         return place;
       },
       receive: () => void queue.push(1, 2),
-      advance: () => {},
+      advance: () => 0,
       next: () => queue.shift() ?? 0,
       message: () => place,
       message_length: () => length,
@@ -60,6 +60,11 @@ describe("an engine in WebAssembly", () => {
     expect(text).toBe('{"é":"−1"}');
     expect(new TextDecoder().decode(bytes as ArrayBuffer)).toBe(text);
     expect([...engine.outgoing()]).toEqual([]);
+    expect(engine.advance()).toBe(false);
+  });
+
+  test("one that cannot start is told", () => {
+    expect(() => new Engine({ ...echo(), start: () => 0 })).toThrow("could not make its first scene");
   });
 });
 

@@ -5,7 +5,7 @@ import type { Pushing } from "../pushing";
 import type { Selection } from "../selection";
 import type { Session } from "../session";
 import { button, h, Select } from "../ui/dom";
-import { list, short } from "../ui/format";
+import { fixed, list, short } from "../ui/format";
 import { NumberControl } from "../ui/number_control";
 import type { Mount } from "../view/camera_rig";
 
@@ -105,7 +105,7 @@ export class BodyPanel {
     control.value = this.pushing.impulse;
     return h(
       "div",
-      {},
+      { class: "form" },
       control.element,
       button("Push", help, () => this.pushing.pushPicked()),
     );
@@ -127,9 +127,9 @@ export class BodyPanel {
         .divideScalar(frame.time - this.before.time);
     }
     this.before = { time: frame.time, position };
-    this.write("Position", `${list(position, 4)} m`);
-    this.write("Orientation", list(frame.poses.subarray(at + 3, at + POSE), 3));
-    this.write("Velocity", `${list(this.velocity)} m/s`);
+    this.write("Position", `${fixed(position, 4)} m`);
+    this.write("Orientation", fixed(frame.poses.subarray(at + 3, at + POSE), 3));
+    this.write("Velocity", `${fixed(this.velocity, 3)} m/s`);
   }
 
   private write(name: string, text: string): void {

@@ -29,7 +29,9 @@ export class Drives {
 
   private show(scene: Scene): void {
     this.readouts = [];
-    const dofs = scene.joints.flatMap((joint) => joint.dofs.map((dof, row) => ({ joint, dof, row })));
+    // Free joints have no drives, nor have those that close loops.
+    const driven = scene.joints.filter(({ kind, coordinate }) => kind !== "free" && coordinate >= 0);
+    const dofs = driven.flatMap((joint) => joint.dofs.map((dof, row) => ({ joint, dof, row })));
     const wanted = dofs.filter(({ dof }) => this.all || dof.sliders);
     const more = new Checkbox("All joints", "Sliders for every degree of freedom.", (on) => {
       this.all = on;
@@ -71,23 +73,31 @@ export class Drives {
       "details",
       { class: "drive", "data-dof": dof.dof },
       h("summary", {}, h("span", {}, dof.name || joint.name), readout),
-      this.slider(dof, "position", "Target", unit, "Where the drive takes the joint.", [low, high]),
-      this.slider(dof, "stiffness", "Stiffness", `${force}/${per}`, "How hard the drive holds the target.", [
-        0,
-        strong,
-      ]),
-      this.slider(
-        dof,
-        "velocity",
-        "Speed",
-        `${unit}/s`,
-        "How fast the drive moves the joint.",
-        dof.angular ? [-10, 10] : [-2, 2],
+      h(
+        "div",
+        { class: "form" },
+        this.slider(dof, "position", "Target", unit, "Where the drive takes the joint.", [low, high]),
+        this.slider(
+          dof,
+          "stiffness",
+          "Stiffness",
+          `${force}/${per}`,
+          "How hard the drive holds the target.",
+          [0, strong],
+        ),
+        this.slider(
+          dof,
+          "velocity",
+          "Speed",
+          `${unit}/s`,
+          "How fast the drive moves the joint.",
+          dof.angular ? [-10, 10] : [-2, 2],
+        ),
+        this.slider(dof, "damping", "Damping", `${force}·s/${per}`, "How hard the drive holds the speed.", [
+          0,
+          damped,
+        ]),
       ),
-      this.slider(dof, "damping", "Damping", `${force}·s/${per}`, "How hard the drive holds the speed.", [
-        0,
-        damped,
-      ]),
     );
   }
 

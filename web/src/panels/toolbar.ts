@@ -15,6 +15,7 @@ export interface PageActions {
   frame(): void;
   share(): void;
   plots(): void;
+  replicas(first: number, count: number): void;
   side(which: "left" | "right"): void;
   tool(tool: Tool): void;
 }
@@ -166,7 +167,7 @@ export class Toolbar {
   }
 
   private show(first: number, count: number): void {
-    if (Number.isInteger(first)) this.controls.show(first, count);
+    if (Number.isInteger(first)) this.page.replicas(first, count);
     else this.showReplicas();
   }
 

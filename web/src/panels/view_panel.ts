@@ -16,7 +16,7 @@ const FLAGS: [Flag, string, string][] = [
   ["particles", "Particles", "Particles of fluids and soft bodies."],
   ["grid", "Grid", "Lines on the ground."],
   ["shadows", "Shadows", "Shadows of the sun."],
-  ["translucent", "See-through bodies", "To see what is inside."],
+  ["translucent", "See-through", "Bodies are drawn so that one sees what is inside."],
   ["wireframe", "Wireframe", "Triangles only."],
 ];
 const TRAILS: [TrailChoice, string][] = [

@@ -14,6 +14,6 @@ export function ticks(low: number, high: number, count: number): number[] {
 /** A range a little wider than what it holds, never empty. */
 export function padded(low: number, high: number): [number, number] {
   if (low > high) return [0, 1];
-  const pad = 0.06 * (high - low) || Math.max(0.05 * Math.abs(low), 1e-6);
+  const pad = 0.06 * (high - low) || 0.05 * Math.abs(low) || 1;
   return [low - pad, high + pad];
 }

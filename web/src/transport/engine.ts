@@ -1,16 +1,16 @@
 /** An engine in WebAssembly, as the worker holds it. */
 
-/** What `engine.wasm` exports; it imports nothing. */
+/** What `engine.wasm` exports. */
 export interface EngineExports {
   memory: WebAssembly.Memory;
-  /** Makes the session; its first messages are then waiting. */
-  start(): void;
+  /** Makes the session; its first messages are then waiting. 1 where that went well. */
+  start(): number;
   /** Room for an incoming message of so many bytes of UTF-8. */
   room(length: number): number;
   /** Handles the message in the room. */
   receive(): void;
-  /** Steps as the clock says [ms], and queues messages. */
-  advance(now: number): void;
+  /** Steps as the clock says, and queues messages. 1 where there is more to do at once. */
+  advance(): number;
   /** Takes the next outgoing message: 0 none, 1 text, 2 binary. */
   next(): number;
   /** Where the message taken lies. */
@@ -18,18 +18,22 @@ export interface EngineExports {
   message_length(): number;
 }
 
+/** What it imports: seconds of a clock that never goes back. */
+const IMPORTS = { page: { now: () => performance.now() / 1000 } };
+
 /** A message that the engine gave. */
 export type Outgoing = string | ArrayBuffer;
 
 export class Engine {
+  /** Throws where the session cannot be made. */
   constructor(private readonly wasm: EngineExports) {
-    wasm.start();
+    if (wasm.start() !== 1) throw new Error("it could not make its first scene");
   }
 
   static async load(address: string): Promise<Engine> {
     const response = await fetch(address);
     if (!response.ok) throw new Error(`${address} cannot be had: ${response.status} ${response.statusText}`);
-    const { instance } = await WebAssembly.instantiate(await response.arrayBuffer(), {});
+    const { instance } = await WebAssembly.instantiate(await response.arrayBuffer(), IMPORTS);
     return new Engine(instance.exports as unknown as EngineExports);
   }
 
@@ -40,8 +44,9 @@ export class Engine {
     this.wasm.receive();
   }
 
-  advance(now: number): void {
-    this.wasm.advance(now);
+  /** Steps as the clock says. Returns whether there is more to do at once. */
+  advance(): boolean {
+    return this.wasm.advance() === 1;
   }
 
   /** Takes all messages that wait, in order. */

@@ -9,7 +9,7 @@ export type ToWorker = { load: string } | { command: Command } | { drawn: true }
 /** From the worker to the page. */
 export type FromWorker = { ready: true } | { text: string } | { binary: ArrayBuffer } | { failed: string };
 
-/** Time between advances [ms]. */
+/** Time between advances while there is nothing to do at once [ms]. */
 const TICK = 1000 / 60;
 
 function post(message: FromWorker, transfer: Transferable[] = []): void {
@@ -36,13 +36,19 @@ function guarded(act: () => void): void {
   }
 }
 
+/** Goes on after the commands that came meanwhile; a timer would wait for some milliseconds. */
+const onward = new MessageChannel();
+onward.port1.onmessage = tick;
+
 function tick(): void {
   const began = performance.now();
+  let more = false;
   guarded(() => {
-    engine?.advance(began);
+    more = engine?.advance() ?? false;
     forward();
   });
-  if (engine) setTimeout(tick, Math.max(0, TICK - (performance.now() - began)));
+  if (more) onward.port2.postMessage(null);
+  else if (engine) setTimeout(tick, Math.max(0, TICK - (performance.now() - began)));
 }
 
 async function load(address: string): Promise<void> {

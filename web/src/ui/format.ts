@@ -20,5 +20,11 @@ export function large(value: number): string {
 
 /** Numbers side by side: `0.1, −2, 3`. */
 export function list(values: Iterable<number>, digits = 3): string {
-  return [...values].map((value) => short(Math.abs(value) < 1e-9 ? 0 : value, digits)).join(", ");
+  return [...values].map((value) => short(value, digits)).join(", ");
+}
+
+/** Numbers side by side, each with as many decimals, so that they do not dance: `0.100, −2.000`. */
+export function fixed(values: Iterable<number>, decimals: number): string {
+  const minus = (text: string) => (Number(text) === 0 ? text.replace("-", "") : text.replace("-", "−"));
+  return [...values].map((value) => minus(value.toFixed(decimals))).join(", ");
 }

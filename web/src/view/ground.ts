@@ -46,12 +46,15 @@ export class Ground extends Mesh<PlaneGeometry, MeshStandardMaterial> {
     this.uniforms.line.value.set(COLORS[theme].line);
   }
 
-  /** Lays it out for a scene of a radius [m]; `solid` where there is a floor in it, else the grid alone. */
-  fit(radius: number, solid: boolean): void {
+  /**
+   * Lays it out under all that is shown, of a radius [m], with a grid for one world's radius; `solid` where
+   * the scene has a floor, else faint.
+   */
+  fit(radius: number, world: number, solid: boolean): void {
     const reach = 40 * radius;
     this.scale.set(reach, 1, reach);
     this.uniforms.reach.value = reach;
-    this.uniforms.cell.value = 10 ** Math.floor(Math.log10(radius / 1.2));
+    this.uniforms.cell.value = 10 ** Math.floor(Math.log10(world / 1.2));
     this.uniforms.solid.value = solid ? 1 : 0.35;
   }
 

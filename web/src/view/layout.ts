@@ -1,6 +1,7 @@
 /** Where worlds stand that are shown side by side. */
 
 import type { Scene, Shape } from "../protocol";
+import type { Triple } from "../schema";
 
 /** Shifts [m] of so many worlds, three numbers each, in the scene's axes: a square on the ground about its middle. */
 export function worldShifts(worlds: number, spacing: number, up: Scene["up"]): Float32Array {
@@ -66,4 +67,33 @@ export function measure(scene: Scene): Measures {
   const sizes = bodies.filter((size) => size > 0).sort((a, b) => a - b);
   const body = Math.min(sizes.length ? sizes[sizes.length >> 1] : 0.1 * world, world);
   return { bodies: bodies.map((size) => size || 0.5 * body), body, world };
+}
+
+/**
+ * The box [m] within which a world's bodies move, as far as one can tell: where they are at the start, and
+ * where what hangs on the world by a joint can swing.
+ */
+export function moves(scene: Scene, measures: Measures): [Triple, Triple] {
+  const [low, high] = structuredClone(scene.bounds);
+  scene.joints.forEach((joint) => {
+    if (joint.parent >= 0 || joint.kind === "free" || joint.kind === "fixed" || joint.kind === "prismatic")
+      return;
+    const anchor = joint.parent_frame.position;
+    const [from, to] = scene.bounds;
+    const farthest = Math.hypot(...anchor.map((x, axis) => Math.max(x - from[axis], to[axis] - x)));
+    const swing = Math.min(farthest, treeReach(scene, joint.child, measures));
+    anchor.forEach((x, axis) => {
+      low[axis] = Math.min(low[axis], x - swing);
+      high[axis] = Math.max(high[axis], x + swing);
+    });
+  });
+  return [low, high];
+}
+
+/** Sum of the widths of a body and all that hang on it [m]. */
+function treeReach(scene: Scene, root: number, measures: Measures): number {
+  const hung = new Set([root]);
+  // Children come after their parents.
+  for (const { parent, child } of scene.joints) if (hung.has(parent)) hung.add(child);
+  return [...hung].reduce((sum, body) => sum + 2 * (measures.bodies[body] ?? 0), 0);
 }

@@ -2,7 +2,7 @@ import { Box3, Color, Group, type Intersection, Matrix4, type Raycaster, Vector3
 import type { Frame } from "../frame";
 import type { Scene } from "../protocol";
 import { Batches, type Part } from "./batches";
-import { type Measures, measure } from "./layout";
+import { type Measures, measure, moves } from "./layout";
 import { Materials } from "./materials";
 import type { ViewOptions } from "./options";
 import { ContactForces, ContactPoints } from "./overlays/contacts";
@@ -76,10 +76,10 @@ export class SceneView {
     return floors.length ? Math.max(...floors.map((shape) => shape.placement.position[up])) : null;
   }
 
-  /** The box that holds all worlds shown at their start. */
+  /** The box within which bodies of the worlds shown move. */
   get bounds(): Box3 {
     const box = new Box3();
-    const [low, high] = this.scene.bounds.map((corner) => new Vector3(...corner));
+    const [low, high] = moves(this.scene, this.measures).map((corner) => new Vector3(...corner));
     const { shifts, worlds } = this.poses;
     for (let world = 0; world < worlds; world++) {
       const shift = new Vector3().fromArray(shifts, 3 * world);

@@ -23,7 +23,7 @@ const BACKGROUND: Record<Theme, Sky> = {
   dark: ["#15181b", "#22272c", "#12161b"],
 };
 /** What light falls from the sky; the same in both themes, dimmer in the dark one. */
-const LIGHT: Sky = ["#8d8a86", "#ffffff", "#bcd4f0"];
+const LIGHT: Sky = ["#9a9792", "#ffffff", "#d3e0f0"];
 const STRENGTH: Record<Theme, { sky: number; sun: number }> = {
   light: { sky: 0.75, sun: 2.4 },
   dark: { sky: 0.55, sun: 2.1 },

@@ -13,7 +13,7 @@ import type { Frame } from "../frame";
 import type { Scene } from "../protocol";
 import type { Triple } from "../schema";
 import type { Theme } from "../theme";
-import { CameraRig, type Mount } from "./camera_rig";
+import { CameraRig, type Mount, type Viewpoint } from "./camera_rig";
 import { VIEW_OPTIONS, type ViewOptions } from "./options";
 import type { Picked } from "./overlays/overlay";
 import { type Hit, SceneView } from "./scene_view";
@@ -34,9 +34,10 @@ export class View {
   private picked: Picked | null = null;
   private carrier: Picked = { row: 0, body: 0 };
   private stale = true;
-  /** Whether the ground is laid and the viewpoint chosen for the scene that is shown. */
-  private settled = true;
-  private keepViewpoint = false;
+  /** Worlds that the ground is laid for; 0 where it is yet to be. */
+  private laidFor = 0;
+  /** Whether the scene is to be seen whole, once its next frame is here. */
+  private framing = true;
 
   constructor(canvas: HTMLCanvasElement) {
     this.stage = new Stage(canvas);
@@ -74,8 +75,8 @@ export class View {
     this.stale = true;
   }
 
-  /** Shows another scene; its bounds are framed with its first frame, unless a viewpoint is given before. */
-  setScene(scene: Scene, keepViewpoint: boolean): void {
+  /** Shows another scene; its first frame is seen whole, unless a viewpoint is given before. */
+  setScene(scene: Scene): void {
     this.shown?.dispose();
     this.frame = null;
     this.picked = null;
@@ -84,13 +85,12 @@ export class View {
     this.stage.root.add(this.shown.group);
     this.rig.setMount("free");
     this.spring.visible = false;
-    this.settled = false;
-    this.keepViewpoint = keepViewpoint;
+    this.laidFor = 0;
+    this.framing = true;
     this.invalidate();
   }
 
   setFrame(frame: Frame): void {
-    if (frame.worlds !== this.frame?.worlds) this.settled = false;
     this.frame = frame;
     this.invalidate();
   }
@@ -99,6 +99,18 @@ export class View {
   dress(): void {
     this.shown?.dress();
     this.invalidate();
+  }
+
+  /** Sees the scene from a viewpoint. */
+  lookFrom(viewpoint: Viewpoint): void {
+    this.framing = false;
+    this.rig.go(viewpoint, true);
+    this.invalidate();
+  }
+
+  /** Sees the whole scene once its next frame is here. */
+  frameNext(): void {
+    this.framing = true;
   }
 
   /** Sees the whole scene, or the picked body. */
@@ -169,11 +181,10 @@ export class View {
   }
 
   private settle(shown: SceneView): void {
-    if (this.settled) return;
-    this.settled = true;
-    this.layGround(shown);
-    if (!this.keepViewpoint) this.frameScene(true);
-    this.keepViewpoint = false;
+    if (this.laidFor !== shown.poses.worlds) this.layGround(shown);
+    if (this.framing) this.frameScene(this.laidFor === 0);
+    this.laidFor = shown.poses.worlds;
+    this.framing = false;
   }
 
   private layGround(shown: SceneView): void {
@@ -181,7 +192,7 @@ export class View {
     const [low] = shown.scene.bounds;
     const height = shown.floor ?? low[up] - 0.02 * shown.measures.world;
     this.stage.ground.position.y = height;
-    this.stage.ground.fit(this.radius(shown), shown.floor !== null);
+    this.stage.ground.fit(this.radius(shown), shown.measures.world, shown.floor !== null);
   }
 
   private radius(shown: SceneView): number {

@@ -1,27 +1,27 @@
-import {
-  BufferAttribute,
-  BufferGeometry,
-  type Color,
-  DynamicDrawUsage,
-  LineBasicMaterial,
-  LineSegments,
-} from "three";
+import { type Color, DynamicDrawUsage, InstancedInterleavedBuffer, InterleavedBufferAttribute } from "three";
+import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
+import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
+import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
 import { IN_FRONT } from "./overlay";
 
+/** Two points, or two colours. */
+const SEGMENT = 6;
+/** [px] */
+const WIDTH = 2;
+
 /** Line segments written anew for every frame, seen through bodies. */
-export class Lines extends LineSegments<BufferGeometry, LineBasicMaterial> {
-  private points = new Float32Array(6 * 256);
-  private colors = new Float32Array(6 * 256);
+export class Lines extends LineSegments2 {
+  private points = new Float32Array(0);
+  private colors = new Float32Array(0);
   private used = 0;
 
   constructor() {
-    super(
-      new BufferGeometry(),
-      new LineBasicMaterial({ vertexColors: true, depthTest: false, transparent: true, toneMapped: false }),
-    );
+    const look = { linewidth: WIDTH, vertexColors: true, depthTest: false, transparent: true };
+    super(new LineSegmentsGeometry(), new LineMaterial(look));
+    this.material.toneMapped = false;
     this.frustumCulled = false;
     this.renderOrder = IN_FRONT;
-    this.allot();
+    this.allot(256 * SEGMENT);
   }
 
   begin(): void {
@@ -30,18 +30,19 @@ export class Lines extends LineSegments<BufferGeometry, LineBasicMaterial> {
 
   /** A segment between two points, given with the map that takes them into the scene. */
   segment(map: ArrayLike<number>, m: number, a: readonly number[], b: readonly number[], color: Color): void {
-    if (this.used + 6 > this.points.length) this.grow();
+    if (this.used + SEGMENT > this.points.length) this.allot(2 * this.points.length);
     this.point(map, m, a, color);
     this.point(map, m, b, color);
   }
 
   end(): void {
-    for (const attribute of [this.geometry.getAttribute("position"), this.geometry.getAttribute("color")]) {
-      (attribute as BufferAttribute).clearUpdateRanges();
-      (attribute as BufferAttribute).addUpdateRange(0, this.used);
-      attribute.needsUpdate = true;
+    for (const name of ["instanceStart", "instanceColorStart"]) {
+      const { data } = this.geometry.getAttribute(name) as InterleavedBufferAttribute;
+      data.clearUpdateRanges();
+      data.addUpdateRange(0, this.used);
+      data.needsUpdate = true;
     }
-    this.geometry.setDrawRange(0, this.used / 3);
+    this.geometry.instanceCount = this.used / SEGMENT;
   }
 
   override dispose(): void {
@@ -58,22 +59,22 @@ export class Lines extends LineSegments<BufferGeometry, LineBasicMaterial> {
     this.used += 3;
   }
 
-  private grow(): void {
+  private allot(length: number): void {
     const [points, colors] = [this.points, this.colors];
-    this.points = new Float32Array(2 * points.length);
+    this.points = new Float32Array(length);
     this.points.set(points);
-    this.colors = new Float32Array(2 * colors.length);
+    this.colors = new Float32Array(length);
     this.colors.set(colors);
-    this.allot();
+    this.geometry.dispose();
+    this.geometry = new LineSegmentsGeometry();
+    this.bind(this.points, "instanceStart", "instanceEnd");
+    this.bind(this.colors, "instanceColorStart", "instanceColorEnd");
   }
 
-  private allot(): void {
-    this.geometry.dispose();
-    this.geometry = new BufferGeometry();
-    for (const [name, array] of [["position", this.points] as const, ["color", this.colors] as const]) {
-      const attribute = new BufferAttribute(array, 3);
-      attribute.setUsage(DynamicDrawUsage);
-      this.geometry.setAttribute(name, attribute);
-    }
+  private bind(array: Float32Array, start: string, end: string): void {
+    const buffer = new InstancedInterleavedBuffer(array, SEGMENT, 1);
+    buffer.setUsage(DynamicDrawUsage);
+    this.geometry.setAttribute(start, new InterleavedBufferAttribute(buffer, 3, 0));
+    this.geometry.setAttribute(end, new InterleavedBufferAttribute(buffer, 3, 3));
   }
 }
