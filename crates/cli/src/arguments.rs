@@ -7,30 +7,37 @@ use kinetarium::model::examples::{SCENES, Scene, Start};
 use kinetarium::numbers::dispatch::Isa;
 use kinetarium::rigid::Integrator;
 use kinetarium::sim::SolverKind;
+use std::net::IpAddr;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  kinetarium                                       1024 pendula of three links, 5 s
+  kinetarium                                       the examples, in a browser
+  kinetarium view robot.xml                        a robot file in a browser
   kinetarium pendula --links 10 --start upright    others like them
   kinetarium example tower                         a built-in scene; `example --help` lists them
   kinetarium run robot.xml                         a MuJoCo (MJCF) or URDF file, one world
   kinetarium run robot.xml --worlds 4096 --perturb 0.05 --record 3 --out results
   kinetarium info robot.xml                        what is in a file, and which solver fits
 
-Every run writes the trajectory (.npz for numpy, .csv) and a plot (.png, .svg).";
+Every run, example and pendula writes the trajectory (.npz for numpy, .csv) and a plot (.png, .svg).";
 
 /// Simulates articulated bodies, in thousands of worlds side by side.
 #[derive(Debug, Parser)]
 #[command(name = "kinetarium", version, after_help = EXAMPLES)]
 pub struct Arguments {
-    /// What to do; without one, the built-in pendula run.
+    /// What to do; without one, the examples are shown in a browser.
     #[command(subcommand)]
     pub command: Option<Command>,
+    /// Serve no page: without a command, simulate the built-in pendula and write their files.
+    #[arg(long, global = true)]
+    pub headless: bool,
 }
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Show a robot file, or an example, in a browser.
+    View(View),
     /// Simulate a robot file: MuJoCo's MJCF or ROS's URDF.
     Run(Run),
     /// Simulate a built-in scene of bodies that touch: a tower, dominoes, a room, …
@@ -39,6 +46,27 @@ pub enum Command {
     Pendula(Pendula),
     /// Show what is in a robot file, what of it is not supported, and which solver fits.
     Info(Info),
+}
+
+#[derive(Debug, Parser)]
+pub struct View {
+    /// A robot file, or the name of an example; the first example without one.
+    #[arg(value_name = "FILE|EXAMPLE")]
+    pub what: Option<PathBuf>,
+    #[command(flatten)]
+    pub reading: Reading,
+    /// Number of worlds of a file [default: the file's].
+    #[arg(long, value_name = "N", value_parser = count(1, 4096))]
+    pub worlds: Option<usize>,
+    /// Address to listen at. One that other machines can reach wants a token, which is printed.
+    #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1")]
+    pub address: IpAddr,
+    /// Port to listen at [default: 7357, or any that is free].
+    #[arg(long, value_name = "PORT")]
+    pub port: Option<u16>,
+    /// Open no browser.
+    #[arg(long)]
+    pub no_browser: bool,
 }
 
 #[derive(Debug, Args)]
@@ -84,6 +112,13 @@ pub struct RobotFile {
     /// MJCF (.xml) or URDF (.urdf) file.
     #[arg(value_name = "FILE")]
     pub path: PathBuf,
+    #[command(flatten)]
+    pub reading: Reading,
+}
+
+/// How a robot file is read.
+#[derive(Debug, Args)]
+pub struct Reading {
     /// Go on, with a warning, where the file uses something that is not supported and changes the motion.
     #[arg(long)]
     pub lenient: bool,

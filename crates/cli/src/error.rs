@@ -3,8 +3,10 @@
 use kinetarium::formats::FormatError;
 use kinetarium::model::ModelError;
 use kinetarium::sim::SimulationError;
+use session::SessionError;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use viewer::ViewerError;
 
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -14,6 +16,12 @@ pub enum Error {
     Model(#[from] ModelError),
     #[error(transparent)]
     Simulation(#[from] SimulationError),
+    #[error(transparent)]
+    Session(#[from] SessionError),
+    #[error(transparent)]
+    Viewer(#[from] ViewerError),
+    #[error("--headless shows nothing: leave it out, or use `kinetarium run`")]
+    Headless,
     #[error(
         "--record {record} is more than the {worlds} worlds there are: lower it, or raise --worlds"
     )]

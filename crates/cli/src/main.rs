@@ -7,15 +7,15 @@ mod energy;
 mod error;
 mod npz;
 mod output;
-mod perturb;
 mod plot;
 mod robot;
 mod run;
 mod summary;
 mod table;
 mod trajectory;
+mod view;
 
-use arguments::{Arguments, Command, Pendula};
+use arguments::{Arguments, Command, Pendula, View};
 use clap::Parser;
 use error::Error;
 use std::process::ExitCode;
@@ -31,11 +31,15 @@ fn main() -> ExitCode {
 }
 
 fn execute() -> Result<(), Error> {
-    match Arguments::parse().command {
+    let arguments = Arguments::parse();
+    match arguments.command {
+        Some(Command::View(_)) if arguments.headless => Err(Error::Headless),
+        Some(Command::View(arguments)) => view::view(arguments),
         Some(Command::Run(arguments)) => run::robot(&arguments),
         Some(Command::Example(arguments)) => run::example(&arguments),
         Some(Command::Pendula(arguments)) => run::pendula(&arguments),
         Some(Command::Info(arguments)) => robot::info(&arguments),
-        None => run::pendula(&Pendula::parse_from(["kinetarium"])),
+        None if arguments.headless => run::pendula(&Pendula::parse_from(["kinetarium"])),
+        None => view::view(View::parse_from(["kinetarium"])),
     }
 }

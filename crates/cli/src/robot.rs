@@ -34,10 +34,11 @@ pub fn info(arguments: &Info) -> Result<(), Error> {
 }
 
 fn read(file: &RobotFile) -> Result<Loaded, Error> {
+    let reading = &file.reading;
     let options = Options {
-        lenient: file.lenient,
-        meshes: file.meshes.into(),
-        floating_base: file.floating_base,
+        lenient: reading.lenient,
+        meshes: reading.meshes.into(),
+        floating_base: reading.floating_base,
     };
     Ok(kinetarium::formats::load(&file.path, &options)?)
 }

@@ -4,7 +4,6 @@ use crate::arguments::{self, Example, Pendula, Precision, SolverName};
 use crate::energy::Audit;
 use crate::error::Error;
 use crate::output::{Files, print};
-use crate::perturb::perturb;
 use crate::robot;
 use crate::summary::{Effort, rate, summary};
 use crate::trajectory::Trajectory;
@@ -14,6 +13,7 @@ use kinetarium::model::{Keyframe, Model, examples};
 use kinetarium::numbers::Float;
 use kinetarium::rigid::{Integrator, Settings};
 use kinetarium::sim::{Simulation, SimulationSettings};
+use session::perturb;
 use std::time::{Duration, Instant};
 
 /// What the simulation of a model starts from, where the options leave it open.

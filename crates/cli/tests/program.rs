@@ -4,7 +4,10 @@ use assert_cmd::Command;
 use predicates::prelude::*;
 use predicates::str::contains;
 use std::fs::{self, File};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
 use std::path::Path;
+use std::process::Stdio;
 use tempfile::TempDir;
 
 const DOUBLE_PENDULUM: &str = r#"<mujoco model="double">
@@ -50,7 +53,7 @@ fn names(path: &Path, name: &str) -> Vec<String> {
 }
 
 #[test]
-fn without_arguments_the_pendula_run() {
+fn headless_and_without_a_command_the_pendula_run() {
     let folder = folder();
     let summary = [
         "1024",
@@ -60,7 +63,7 @@ fn without_arguments_the_pendula_run() {
         "energy drift",
         "kinetarium-out/pendula.npz",
     ];
-    let mut run = kinetarium(&folder).assert().success();
+    let mut run = kinetarium(&folder).arg("--headless").assert().success();
     for part in summary {
         run = run.stdout(contains(part));
     }
@@ -216,8 +219,9 @@ fn every_solver_and_integrator_runs() {
     }
 }
 
-const SCENES: [&str; 10] = [
+const SCENES: [&str; 11] = [
     "balls",
+    "billiards",
     "collide",
     "dominoes",
     "tower",
@@ -286,10 +290,10 @@ fn dominoes_fall_to_the_last() {
 fn equal_balls_change_places() {
     let folder = folder();
     kinetarium(&folder)
-        .args(["example", "collide", "--seconds", "2"])
+        .args(["example", "billiards", "--seconds", "2"])
         .assert()
         .success();
-    let npz = folder.path().join("kinetarium-out/collide.npz");
+    let npz = folder.path().join("kinetarium-out/billiards.npz");
     let names = names(&npz, "body_names");
     let velocity = array(&npz, "joint_velocity").1;
     let end = &velocity[velocity.len() - 6 * names.len()..];
@@ -329,6 +333,58 @@ fn info_tells_what_is_in_a_file() {
         .success();
     for part in parts {
         info = info.stdout(contains(part));
+    }
+}
+
+#[test]
+fn without_arguments_the_page_is_served_at_the_address_that_is_printed() {
+    let folder = folder();
+    let mut server = std::process::Command::new(env!("CARGO_BIN_EXE_kinetarium"))
+        .args(["view", "--no-browser", "--port", "0"])
+        .current_dir(&folder)
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut line = String::new();
+    let out = server.stdout.take().unwrap();
+    BufReader::new(out).read_line(&mut line).unwrap();
+    let address = line
+        .trim()
+        .trim_start_matches("http://")
+        .trim_end_matches('/');
+    let mut socket = TcpStream::connect(address).unwrap();
+    write!(
+        socket,
+        "GET / HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n"
+    )
+    .unwrap();
+    let mut answer = String::new();
+    socket.read_to_string(&mut answer).unwrap();
+    server.kill().unwrap();
+    server.wait().unwrap();
+    assert!(answer.starts_with("HTTP/1.1 200"), "{answer}");
+    assert!(answer.contains(r#"name="kinetarium-engine" content="websocket""#));
+}
+
+#[test]
+fn what_cannot_be_shown_ends_with_2_and_says_why() {
+    let folder = folder();
+    let cases: [(&[&str], &str); 5] = [
+        (&["view", "towr"], "no example `towr`; known are pendula"),
+        (&["view", "missing.xml"], "missing.xml"),
+        (&["view", "--headless"], "--headless shows nothing"),
+        (
+            &["view", "--address", "192.0.2.1", "--port", "0"],
+            "cannot listen at 192.0.2.1:0",
+        ),
+        (&["view", "--worlds", "0"], "0 is not in"),
+    ];
+    for (arguments, message) in cases {
+        kinetarium(&folder)
+            .args(arguments)
+            .assert()
+            .code(2)
+            .stderr(contains(message));
     }
 }
 
@@ -400,7 +456,7 @@ fn wrong_options_end_with_2_and_say_why() {
         ("example", "<NAME>"),
         (
             "example towr",
-            "possible values: balls, collide, dominoes, tower,",
+            "possible values: balls, billiards, collide, dominoes, tower,",
         ),
         ("example towr", "a similar value exists: 'tower'"),
         ("pendula --links 0", "0 is not in 1..=1000"),

@@ -103,7 +103,7 @@ impl Axis {
 
     /// What the axis does at coordinate `q`: a shift, or a turn about the anchor a, which takes
     /// a point p to a + R (p − a).
-    pub(crate) fn motion(&self, q: f64) -> Pose {
+    pub fn motion(&self, q: f64) -> Pose {
         let moved = q - self.reference;
         match self.kind {
             AxisKind::Linear => Pose::at(moved * self.direction),

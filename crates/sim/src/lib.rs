@@ -20,6 +20,7 @@ mod rays;
 mod settings;
 mod simulation;
 mod snapshot;
+mod threads;
 
 pub use controller::{Controller, Recorder, Recording, Replay};
 pub use controls::Controls;

@@ -312,8 +312,8 @@ impl<T: Float> Simulation<T> {
         let meshes = self.triangles(world);
         let scene = Scene::new(self.solids(world, &bodies, meshes)?)?;
         let parts = rays.par_iter().with_min_len(RAYS_AT_A_TIME);
-        self.pool
-            .install(|| parts.map(|ray| scene.first(ray)).collect())
+        self.threads
+            .run(|| parts.map(|ray| scene.first(ray)).collect())
     }
 
     /// Of each body of a world where it is now, with an orientation of unit length to double precision.

@@ -6,6 +6,7 @@ use crate::error::{MOST_MOTION, SimulationError, bounded, index, length};
 use crate::events::Watcher;
 use crate::jobs::Lane;
 use crate::meshes::Meshes;
+use crate::threads::Threads;
 use crate::{Controls, Outputs, SimulationSettings, Snapshot};
 use glam::DQuat;
 use model::{JointId, JointKind, Model, Shape};
@@ -36,7 +37,7 @@ pub struct Simulation<T: Float> {
     settings: SimulationSettings,
     pub(crate) shared: Compiled<T>,
     isa: Isa,
-    pub(crate) pool: rayon::ThreadPool,
+    pub(crate) threads: Threads,
     pub(crate) state: Memory<T>,
     pub(crate) input: Memory<T>,
     pub(crate) output: Memory<T>,
@@ -81,14 +82,14 @@ fn numbers_of<T: Float>(memory: &Memory<T>, world: usize, offsets: Range<usize>)
 }
 
 /// More than this is a slip of the keyboard.
-const MOST_BYTES: usize = 1 << 40;
+const MOST_BYTES: u64 = 1 << 40;
 
 /// Refuses worlds that no memory holds, before any of it is taken.
 fn affordable<T>(worlds: usize, numbers: usize) -> Result<(), SimulationError> {
     let bytes = worlds
         .saturating_mul(numbers)
         .saturating_mul(size_of::<T>());
-    if bytes > MOST_BYTES || Vec::<u8>::new().try_reserve_exact(bytes).is_err() {
+    if bytes as u64 > MOST_BYTES || Vec::<u8>::new().try_reserve_exact(bytes).is_err() {
         let gibibytes = bytes as f64 / f64::from(1 << 30);
         return Err(SimulationError::Memory { worlds, gibibytes });
     }
@@ -139,14 +140,7 @@ impl<T: Float> Simulation<T> {
             None => Isa::from_env()?,
         };
         let shared = Compiled::<T>::new(&model, &settings)?;
-        let threads = settings.threads;
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .map_err(|e| SimulationError::Threads {
-                threads,
-                reason: e.to_string(),
-            })?;
+        let threads = Threads::new(settings.threads)?;
         let alone = settings.worlds == 1 || shared.engine.shares_a_world();
         let single = settings.scalar || alone;
         let width = if single { 1 } else { isa.width::<T>() };
@@ -158,7 +152,7 @@ impl<T: Float> Simulation<T> {
         let memory = |n: usize| Memory::new(settings.worlds, n.max(1), width);
         let mut simulation = Self {
             isa,
-            pool,
+            threads,
             state: memory(lengths.state),
             input: memory(lengths.input),
             output: memory(lengths.output),
@@ -203,7 +197,7 @@ impl<T: Float> Simulation<T> {
     }
     /// Number of threads that run.
     pub fn threads(&self) -> usize {
-        self.pool.current_num_threads()
+        self.threads.count()
     }
     /// Time of a world [s]; a world that diverged keeps the time at which it was found.
     ///
@@ -430,7 +424,7 @@ impl<T: Float> Simulation<T> {
             isa: self.isa,
             single: self.settings.scalar || (self.state.width() == 1 && !engine.shares_a_world()),
         };
-        let threads = self.pool.current_num_threads();
+        let threads = self.threads.count();
         let shared_world = engine.shares_a_world() && self.state.blocks() == 1;
         let team = if shared_world { threads } else { 1 };
         let (input, parameters) = (&self.input, &self.parameters);
@@ -461,7 +455,7 @@ impl<T: Float> Simulation<T> {
         let (state, output) = (self.state.scalars_mut(), self.output.scalars_mut());
         if shared_world {
             let all = (state.chunks_exact_mut(s), output.chunks_exact_mut(o));
-            return self.pool.install(|| run_blocks(0, all.0, all.1));
+            return self.threads.run(|| run_blocks(0, all.0, all.1));
         }
         if blocks == 1 {
             return run_blocks(0, state.chunks_exact_mut(s), output.chunks_exact_mut(o));
@@ -471,7 +465,7 @@ impl<T: Float> Simulation<T> {
             .par_chunks_mut(s * run)
             .zip(output.par_chunks_mut(o * run))
             .enumerate();
-        self.pool.install(|| {
+        self.threads.run(|| {
             parts.for_each(|(part, (state, output))| {
                 run_blocks(
                     part * run,

@@ -4,7 +4,9 @@
 //! level at y = 0.
 
 mod arch;
+mod ball_joint;
 mod balls;
+mod billiards;
 mod bowl;
 mod card_house;
 mod chain;
@@ -13,22 +15,28 @@ mod dominoes;
 #[cfg(test)]
 mod overlap;
 mod pile;
+mod prismatic;
 mod ragdolls;
 mod room;
+mod rover;
 mod stacks;
 mod stuff;
 mod terrain;
 
 pub use arch::arch;
+pub use ball_joint::ball_joint;
 pub use balls::balls;
+pub use billiards::billiards;
 pub use bowl::bowl;
 pub use card_house::card_house;
 pub use chain::{CHAIN_LENGTH, CHAIN_LINK_MASS, Start, chain, n_pendula};
-pub use collide::collide;
+pub use collide::{Collide, Form, collide};
 pub use dominoes::dominoes;
 pub use pile::pile;
+pub use prismatic::prismatic;
 pub use ragdolls::ragdolls;
 pub use room::room;
+pub use rover::rover;
 pub use stacks::{pyramid, square_pyramid, tower, towers};
 pub use terrain::terrain;
 
@@ -67,17 +75,20 @@ impl Scene {
 }
 
 /// The scenes, each of the size that shows it best.
-pub static SCENES: [Scene; 11] = [
+pub static SCENES: [Scene; 12] = [
     Scene::new(
         "balls",
         "five balls bounce to e² of their height each, e = 0, ¼, ½, ¾, 1",
         balls,
     ),
     Scene::new(
-        "collide",
+        "billiards",
         "elastic balls on a smooth table: head-on, off centre, and five in a row",
-        collide,
+        billiards,
     ),
+    Scene::new("collide", "a pusher drives a cube against a ball", || {
+        collide(Collide::default())
+    }),
     Scene::new(
         "dominoes",
         "twenty dominoes, the first about to fall",

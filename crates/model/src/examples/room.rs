@@ -19,6 +19,12 @@ const DOOR: DVec3 = DVec3::new(0.4, 1.0, 0.02);
 /// None.
 pub fn room() -> Result<Model, ModelError> {
     let mut world = Builder::new("room");
+    furnish(&mut world);
+    world.build()
+}
+
+/// Puts the room and what is in it into a world.
+pub(super) fn furnish(world: &mut Builder) {
     let building = world.object("building");
     floor(building, STONE);
     walls(building);
@@ -34,7 +40,6 @@ pub fn room() -> Result<Model, ModelError> {
         .at(Pose::at(DVec3::new(0.7, 1.4, 0.1)))
         .shape(ball.shape(Geometry::Sphere { radius: 0.11 }));
     door(world.object("door"));
-    world.build()
 }
 
 /// A box between two corners.

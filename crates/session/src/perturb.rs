@@ -2,7 +2,7 @@
 
 use fastrand::Rng;
 use glam::{DQuat, DVec3};
-use kinetarium::model::{JointKind, Model};
+use model::{JointKind, Model};
 
 /// Joint positions that differ from the given ones by up to `size` [rad or m] each; balls and
 /// free joints turn by up to `size` about each axis.
@@ -40,7 +40,7 @@ fn turn(q: &mut [f64], next: &mut impl FnMut() -> f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kinetarium::model::examples::n_pendula;
+    use model::examples::n_pendula;
 
     #[test]
     fn positions_move_by_up_to_the_size_and_the_seed_repeats_them() {
@@ -60,7 +60,7 @@ mod tests {
 
     #[test]
     fn orientations_stay_unit_quaternions() {
-        let mut world = kinetarium::model::Builder::new("one");
+        let mut world = model::Builder::new("one");
         world
             .object("ball")
             .body("body")

@@ -1,0 +1,72 @@
+//! Models in a browser.
+
+use crate::arguments::{RobotFile, View};
+use crate::error::Error;
+use crate::output::print;
+use crate::robot;
+use session::{Session, Stage};
+use std::net::SocketAddr;
+use std::path::Path;
+use viewer::{Access, Server, clock, serve};
+
+/// Where the page is, unless something else is there.
+const PORT: u16 = 7357;
+
+/// Serves a file, an example, or the gallery, until the program is stopped.
+pub fn view(arguments: View) -> Result<(), Error> {
+    let (port, browser) = (arguments.port, !arguments.no_browser);
+    let server = listen(arguments, port)?;
+    let url = server.url();
+    print(&format!("{url}\nStop with Ctrl+C."));
+    if browser {
+        // Where there is none, the address is what the user needs.
+        let _ = open::that_detached(url);
+    }
+    Ok(server.run()?)
+}
+
+fn listen(arguments: View, port: Option<u16>) -> Result<Server, Error> {
+    let access = Access::for_address(arguments.address);
+    let at = |port| SocketAddr::new(arguments.address, port);
+    let address = at(port.unwrap_or(PORT));
+    // Looked at first, since reading a file for nothing takes longer.
+    let taken = std::net::TcpListener::bind(address).is_err();
+    let address = if taken && port.is_none() {
+        at(0)
+    } else {
+        address
+    };
+    let made = session(arguments)?;
+    Ok(serve(made, address, access)?)
+}
+
+fn session(arguments: View) -> Result<Session, Error> {
+    let Some(what) = arguments.what else {
+        return Ok(Session::gallery(clock)?);
+    };
+    if let Some(name) = example(&what) {
+        return Ok(Session::example(name, clock)?);
+    }
+    let file = RobotFile {
+        path: what,
+        reading: arguments.reading,
+    };
+    let model = robot::load(&file, false)?;
+    let stage = Stage::new(model);
+    let worlds = arguments.worlds.unwrap_or(stage.worlds);
+    let shown = worlds.min(64);
+    Ok(Session::of(
+        Stage {
+            worlds,
+            shown,
+            ..stage
+        },
+        clock,
+    )?)
+}
+
+/// A bare word that names no file is an example's name.
+fn example(what: &Path) -> Option<&str> {
+    let bare = what.extension().is_none() && what.components().count() == 1;
+    what.to_str().filter(|_| bare && !what.exists())
+}

@@ -1,0 +1,220 @@
+//! What a page is told of a model.
+
+use crate::protocol::{Actuator, Body, Dof, Geometry, Joint, Placement, Shape};
+use glam::DVec3;
+use model::{BodyId, BodyKind, JointId, JointKind, MassProperties, Material, Model, Pose};
+
+impl From<Pose> for Placement {
+    fn from(pose: Pose) -> Self {
+        Self {
+            position: pose.position.to_array(),
+            orientation: pose.orientation.to_array(),
+        }
+    }
+}
+
+/// Colours of bodies that have none of their own, one after the other (Okabe and Ito 2008, lighter).
+const COLORS: [[f32; 3]; 8] = [
+    [0.36, 0.62, 0.86],
+    [0.93, 0.66, 0.28],
+    [0.34, 0.74, 0.60],
+    [0.87, 0.50, 0.37],
+    [0.72, 0.58, 0.82],
+    [0.92, 0.85, 0.42],
+    [0.55, 0.78, 0.90],
+    [0.80, 0.56, 0.68],
+];
+
+/// Bodies, in the model's order.
+pub(crate) fn bodies(model: &Model) -> Vec<Body> {
+    let body = |(i, body): (usize, &model::Body)| {
+        let carrier = model.carrier(BodyId(i));
+        let mass = MassProperties {
+            mass: body.mass,
+            center: body.center,
+            inertia: body.inertia,
+        };
+        let (moments, axes) = mass.principal();
+        let [r, g, b] = COLORS[i % COLORS.len()];
+        Body {
+            name: body.name.clone(),
+            dynamic: body.kind == BodyKind::Dynamic,
+            mass: body.mass,
+            inertial: Pose::new(body.center, axes).into(),
+            inertia: moments.to_array(),
+            joint: carrier.map_or(-1, |joint| joint.0 as i32),
+            color: [r, g, b, 1.0],
+        }
+    };
+    model.bodies.iter().enumerate().map(body).collect()
+}
+
+/// Shapes, in the model's order; what has the colour of the default material wears its body's.
+pub(crate) fn shapes(model: &Model) -> Vec<Shape> {
+    let plain = Material::default().color;
+    let shape = |shape: &model::Shape| Shape {
+        name: shape.name.clone(),
+        body: shape.body.map_or(-1, |body| body.0 as i32),
+        placement: shape.pose.into(),
+        geometry: geometry(&shape.geometry),
+        collides: shape.collides,
+        sensor: shape.sensor,
+        color: Some(shape.material.color).filter(|color| *color != plain),
+    };
+    model.shapes.iter().map(shape).collect()
+}
+
+fn geometry(geometry: &model::Geometry) -> Geometry {
+    use model::Geometry as Is;
+    match *geometry {
+        Is::Plane { half_x, half_z } => Geometry::Plane {
+            half: (half_x > 0.0 && half_z > 0.0).then_some([half_x, half_z]),
+        },
+        Is::Sphere { radius } => Geometry::Sphere { radius },
+        Is::Capsule {
+            radius,
+            half_height,
+        } => Geometry::Capsule {
+            radius,
+            half_height,
+        },
+        Is::Cylinder {
+            radius,
+            half_height,
+        } => Geometry::Cylinder {
+            radius,
+            half_height,
+        },
+        Is::Cone {
+            radius,
+            half_height,
+        } => Geometry::Cone {
+            radius,
+            half_height,
+        },
+        Is::Box { half } => Geometry::Box {
+            half: half.to_array(),
+        },
+        Is::Ellipsoid { half } => Geometry::Ellipsoid {
+            half: half.to_array(),
+        },
+        Is::Hull(ref hull) => mesh(hull.vertices(), hull.triangles(), true),
+        Is::Mesh(ref surface) => mesh(surface.vertices(), surface.triangles(), false),
+        // Named by its file, which nobody has read: there is nothing to see.
+        Is::MeshFile { .. } => mesh(&[], &[], false),
+    }
+}
+
+fn mesh(vertices: &[DVec3], triangles: &[[u32; 3]], flat: bool) -> Geometry {
+    let numbers = vertices.iter().flat_map(|v| v.as_vec3().to_array());
+    Geometry::Mesh {
+        positions: numbers.collect(),
+        triangles: triangles.iter().flatten().copied().collect(),
+        flat,
+    }
+}
+
+/// Joints of a model, with drives as they are now. `sliders` names those whose drives have sliders.
+pub(crate) fn joints(model: &Model, now: &[model::Joint], sliders: &[String]) -> Vec<Joint> {
+    let joint = |(i, joint): (usize, &model::Joint)| {
+        let coordinates = model.coordinate_range(JointId(i));
+        let dofs = model.dof_range(JointId(i));
+        let sliders = sliders.contains(&joint.name);
+        let dof = |(k, dof): (usize, &model::Dof)| {
+            let (angular, axis, point) = axis(joint, k);
+            Dof {
+                name: dof.name.clone(),
+                dof: (dofs.start + k) as u32,
+                angular,
+                axis: axis.to_array(),
+                point: point.to_array(),
+                limit: dof.limit.map(|limit| [limit.lower, limit.upper]),
+                position: dof.drive.target_position,
+                stiffness: dof.drive.stiffness,
+                velocity: dof.drive.target_velocity,
+                damping: dof.drive.damping,
+                sliders,
+            }
+        };
+        let dofs = joint.dofs.iter().enumerate().map(dof);
+        Joint {
+            name: joint.name.clone(),
+            kind: joint.kind.name().into(),
+            parent: joint.parent.map_or(-1, |body| body.0 as i32),
+            child: joint.child.0 as i32,
+            parent_frame: joint.parent_frame.into(),
+            child_frame: joint.child_frame.into(),
+            dofs: if joint.closes_loop {
+                Vec::new()
+            } else {
+                dofs.collect()
+            },
+            coordinate: if joint.closes_loop {
+                -1
+            } else {
+                coordinates.start as i32
+            },
+            coordinates: coordinates.len() as u32,
+        }
+    };
+    now.iter().enumerate().map(joint).collect()
+}
+
+/// Whether a degree of freedom turns, its axis, and a point on it, in the joint's frame.
+fn axis(joint: &model::Joint, dof: usize) -> (bool, DVec3, DVec3) {
+    match joint.kind {
+        JointKind::Ball => (true, DVec3::AXES[dof], DVec3::ZERO),
+        JointKind::Free => (dof >= 3, DVec3::AXES[dof % 3], DVec3::ZERO),
+        _ => {
+            let axis = &joint.axes[dof];
+            let angular = axis.kind == model::AxisKind::Angular;
+            (angular, axis.direction, axis.anchor)
+        }
+    }
+}
+
+/// Range of the controls of an actuator that names none.
+const FREE_RANGE: (f64, f64) = (-1.0, 1.0);
+
+/// Actuators, in the model's order, at their controls.
+pub(crate) fn actuators(model: &Model, controls: &[f64]) -> Vec<Actuator> {
+    let actuator = |(actuator, &value): (&model::Actuator, &f64)| {
+        let (lower, upper) = actuator.control_range.unwrap_or(FREE_RANGE);
+        Actuator {
+            name: actuator.name.clone(),
+            range: [lower, upper],
+            value,
+        }
+    };
+    model.actuators.iter().zip(controls).map(actuator).collect()
+}
+
+/// Range of an actuator's controls.
+pub(crate) fn control_range(actuator: &model::Actuator) -> (f64, f64) {
+    actuator.control_range.unwrap_or(FREE_RANGE)
+}
+
+/// A box [m] that holds all that has an end, as the bodies stand in the model.
+pub(crate) fn bounds(model: &Model) -> [[f64; 3]; 2] {
+    let mut low = DVec3::INFINITY;
+    let mut high = -DVec3::INFINITY;
+    for shape in &model.shapes {
+        let body = shape
+            .body
+            .map_or(Pose::IDENTITY, |id| model.bodies[id.0].pose);
+        let pose = body * shape.pose;
+        let Some(half) = shape.geometry.half_extents() else {
+            continue;
+        };
+        let center = pose.point(shape.geometry.center());
+        let turned = DVec3::AXES.map(|axis| (pose.orientation.conjugate() * axis).abs().dot(half));
+        let reach = DVec3::from_array(turned);
+        low = low.min(center - reach);
+        high = high.max(center + reach);
+    }
+    if low.is_finite() && high.is_finite() {
+        [low.to_array(), high.to_array()]
+    } else {
+        [[-1.0; 3], [1.0; 3]]
+    }
+}

@@ -1,0 +1,104 @@
+//! What a session simulates: a model, and how it starts.
+
+use crate::SessionError;
+use crate::perturb::perturb;
+use crate::protocol::Camera;
+use fastrand::Rng;
+use model::Model;
+use rigid::{Integrator, Settings};
+use sim::{Simulation, SimulationSettings, SolverKind};
+
+/// A model, and how it is started, driven and shown at first.
+#[derive(Clone, Debug)]
+pub struct Stage {
+    /// The model.
+    pub model: Model,
+    /// Number of worlds.
+    pub worlds: usize,
+    /// Solver.
+    pub solver: SolverKind,
+    /// How a step advances the state, of `featherstone`.
+    pub integrator: Integrator,
+    /// Substeps a time step; none is 1, or 4 with `xpbd`.
+    pub substeps: Option<usize>,
+    /// How far each world but the first starts from the model's state [rad or m].
+    pub perturb: f64,
+    /// Size of random controls of the actuators, as a share of their ranges; 0: none.
+    pub wander: f64,
+    /// Joints whose drives have sliders.
+    pub sliders: Vec<String>,
+    /// Labels of the quantities that are plotted at first.
+    pub plots: Vec<String>,
+    /// Cameras that see for a robot.
+    pub cameras: Vec<Camera>,
+    /// Number of worlds that are shown at first.
+    pub shown: usize,
+}
+
+impl Stage {
+    /// A model in as many worlds as it asks for, the first of which is shown, with energies plotted.
+    pub fn new(model: Model) -> Self {
+        let plots = ["Kinetic energy", "Potential energy", "Energy"];
+        Self {
+            worlds: model.worlds,
+            model,
+            solver: SolverKind::Auto,
+            integrator: Integrator::SemiImplicitEuler,
+            substeps: None,
+            perturb: 0.0,
+            wander: 0.0,
+            sliders: Vec::new(),
+            plots: plots.map(str::to_owned).to_vec(),
+            cameras: Vec::new(),
+            shown: 1,
+        }
+    }
+
+    /// Settings of a simulation, of a solver, with so many substeps a time step [s].
+    pub(crate) fn settings(
+        &self,
+        solver: SolverKind,
+        time_step: f64,
+        substeps: usize,
+    ) -> SimulationSettings {
+        SimulationSettings {
+            solver,
+            step: Settings {
+                substeps,
+                integrator: self.integrator,
+                ..Settings::new(time_step)
+            },
+            ..SimulationSettings::new(self.worlds, time_step)
+        }
+    }
+
+    /// Substeps a time step for a solver, as long as nobody says otherwise.
+    pub(crate) fn substeps(&self, solver: SolverKind) -> usize {
+        let xpbd = solver.pick(&self.model, true) == SolverKind::Xpbd;
+        self.substeps.unwrap_or(if xpbd { 4 } else { 1 })
+    }
+
+    /// Puts all worlds at the model's first keyframe, or at its own state, and moves all but the first
+    /// apart.
+    pub(crate) fn place(&self, simulation: &mut Simulation<f32>) -> Result<(), SessionError> {
+        simulation.reset_all();
+        let keyframe = self.model.keyframes.first();
+        let at_rest = vec![0.0; self.model.degrees_of_freedom()];
+        let (position, velocity) = match keyframe {
+            Some(frame) => (frame.joint_position.clone(), &frame.joint_velocity),
+            None => (self.model.initial_position(), &at_rest),
+        };
+        let mut rng = Rng::with_seed(1);
+        for world in 0..self.worlds {
+            let near = match world {
+                0 => position.clone(),
+                _ => perturb(&self.model, &position, self.perturb, &mut rng),
+            };
+            simulation.set_joint_state(world, &near, velocity)?;
+            if let Some(frame) = keyframe.filter(|frame| !frame.control.is_empty()) {
+                simulation.controls().set_control(world, &frame.control)?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,348 @@
+//! Sessions as a page sees them.
+
+use kinetarium_session::frame::{CONTACT, HEADER};
+use kinetarium_session::protocol::{Message, Scene, Status};
+use kinetarium_session::{EXAMPLES, Outgoing, Session};
+use std::cell::Cell;
+
+thread_local! {
+    static NOW: Cell<f64> = const { Cell::new(0.0) };
+}
+
+/// A clock that goes by a millisecond whenever somebody looks at it.
+fn clock() -> f64 {
+    NOW.with(|now| {
+        now.set(now.get() + 1e-3);
+        now.get()
+    })
+}
+
+/// A session, and what it has said last.
+struct Page {
+    session: Session,
+    scene: Option<Scene>,
+    status: Option<Status>,
+    frame: Vec<u8>,
+    errors: Vec<String>,
+}
+
+impl Page {
+    fn open(example: &str) -> Self {
+        let session = Session::gallery(clock).unwrap();
+        let mut page = Self {
+            session,
+            scene: None,
+            status: None,
+            frame: Vec::new(),
+            errors: Vec::new(),
+        };
+        page.say(&format!(r#"{{"type": "open", "example": "{example}"}}"#));
+        assert!(page.errors.is_empty(), "{:?}", page.errors);
+        page
+    }
+    fn listen(&mut self) {
+        while let Some(outgoing) = self.session.outgoing() {
+            let text = match outgoing {
+                Outgoing::Frame(frame) => {
+                    self.frame = frame;
+                    continue;
+                }
+                Outgoing::Text(text) | Outgoing::Refusal(text) => text,
+            };
+            match serde_json::from_str(&text).unwrap() {
+                Message::Scene(scene) => self.scene = Some(*scene),
+                Message::Status(status) => self.status = Some(status),
+                Message::Error { message } => self.errors.push(message),
+                Message::Welcome { examples, .. } => assert_eq!(examples.len(), EXAMPLES.len()),
+            }
+        }
+    }
+    fn say(&mut self, command: &str) {
+        self.session.receive(command);
+        self.listen();
+    }
+    fn step(&mut self, steps: u32) {
+        self.say(&format!(r#"{{"type": "step", "steps": {steps}}}"#));
+        while self.session.advance() {}
+        self.listen();
+    }
+    fn run(&mut self, rounds: usize) {
+        self.say(r#"{"type": "run"}"#);
+        for _ in 0..rounds {
+            self.session.advance();
+        }
+        self.listen();
+    }
+    fn status(&self) -> &Status {
+        self.status.as_ref().unwrap()
+    }
+    fn scene(&self) -> &Scene {
+        self.scene.as_ref().unwrap()
+    }
+    fn word(&self, at: usize) -> usize {
+        u32::from_le_bytes(self.frame[at..at + 4].try_into().unwrap()) as usize
+    }
+    fn number(&self, at: usize) -> f64 {
+        f32::from_bits(self.word(at) as u32).into()
+    }
+    /// Position of a body of the first world shown [m].
+    fn position(&self, body: usize) -> [f64; 3] {
+        [0, 1, 2].map(|i| self.number(HEADER + 4 * (7 * body + i)))
+    }
+    /// A coordinate of the first world shown.
+    fn coordinate(&self, i: usize) -> f64 {
+        let poses = 7 * self.word(28) * self.word(32);
+        self.number(HEADER + 4 * (poses + CONTACT * self.word(36) + i))
+    }
+    fn body(&self, name: &str) -> usize {
+        let bodies = &self.scene().bodies;
+        bodies.iter().position(|body| body.name == name).unwrap()
+    }
+    /// Refuses a command with a message that holds these words, and goes on as before.
+    fn refuses(&mut self, command: &str, words: &str) {
+        let before = (self.session.frame().poses, self.status.clone());
+        self.say(command);
+        let error = self
+            .errors
+            .pop()
+            .unwrap_or_else(|| panic!("{command} was done"));
+        assert!(error.contains(words), "{command}: {error}");
+        assert_eq!(before.0, self.session.frame().poses);
+        assert_eq!(before.1, self.status);
+    }
+}
+
+#[test]
+fn every_example_steps_and_no_world_diverges() {
+    for example in &EXAMPLES {
+        let mut page = Page::open(example.name);
+        page.step(100);
+        let status = page.status();
+        assert_eq!(
+            (status.steps, status.running),
+            (100, false),
+            "{}",
+            example.name
+        );
+        assert!(status.diverged.is_empty(), "{}", example.name);
+        let numbers = page.frame[HEADER..].chunks_exact(4);
+        let mut numbers = numbers.map(|b| f32::from_le_bytes(b.try_into().unwrap()));
+        assert!(numbers.all(f32::is_finite), "{}", example.name);
+    }
+}
+
+#[test]
+fn a_run_keeps_pace_with_the_clock() {
+    let mut page = Page::open("pendula");
+    page.run(10);
+    let (start, steps) = (clock(), page.status().time);
+    page.run(400);
+    page.say(r#"{"type": "stop"}"#);
+    let (passed, simulated) = (clock() - start, page.status().time - steps);
+    assert!(
+        (simulated / passed - 1.0).abs() < 0.05,
+        "{simulated} s in {passed} s"
+    );
+    assert!(!page.status().running);
+}
+
+#[test]
+fn half_speed_is_half_as_fast() {
+    let mut page = Page::open("prismatic");
+    page.say(r#"{"type": "speed", "factor": 0.5}"#);
+    let start = clock();
+    page.run(400);
+    page.say(r#"{"type": "stop"}"#);
+    let pace = page.status().time / (clock() - start);
+    assert!((pace - 0.5).abs() < 0.03, "{pace}");
+}
+
+#[test]
+fn restart_returns_to_the_same_bits() {
+    let mut page = Page::open("ragdolls");
+    let start = page.session.frame().poses;
+    page.step(200);
+    let once = page.session.frame().poses;
+    page.say(r#"{"type": "restart"}"#);
+    assert_eq!(page.session.frame().poses, start);
+    page.step(200);
+    assert_eq!(page.session.frame().poses, once);
+    assert_ne!(start, once);
+}
+
+#[test]
+fn scrubbing_returns_to_the_past_to_the_bit_and_runs_on_from_there() {
+    let mut page = Page::open("dominoes");
+    let every = (1.0 / 30.0 / page.scene().time_step).round() as u32;
+    page.step(3 * every);
+    let then = page.session.frame().poses;
+    let time = page.status().time;
+    page.step(5 * every);
+    let end = page.session.frame().poses;
+    page.say(&format!(r#"{{"type": "scrub", "time": {time}}}"#));
+    assert_eq!(page.session.frame().poses, then);
+    assert_eq!(
+        page.status().recorded[1],
+        8.0 * f64::from(every) * page.scene().time_step
+    );
+    page.step(5 * every);
+    assert_eq!(page.session.frame().poses, end);
+}
+
+#[test]
+fn a_target_is_followed_and_stiffness_changes_without_a_jump() {
+    let mut page = Page::open("prismatic");
+    page.say(r#"{"type": "joint", "dof": 0, "position": -0.25}"#);
+    page.step(5000);
+    assert!(
+        (page.coordinate(0) + 0.25).abs() < 1e-3,
+        "{}",
+        page.coordinate(0)
+    );
+    let before = page.position(0);
+    page.say(r#"{"type": "joint", "dof": 0, "position": 0.4, "stiffness": 500, "damping": 60}"#);
+    assert!(page.errors.is_empty(), "{:?}", page.errors);
+    page.step(1);
+    assert!((page.position(0)[0] - before[0]).abs() < 0.01);
+    page.step(3000);
+    assert!(
+        (page.coordinate(0) - 0.4).abs() < 1e-3,
+        "{}",
+        page.coordinate(0)
+    );
+}
+
+#[test]
+fn a_rebuilt_chain_has_as_many_links_as_asked() {
+    let mut page = Page::open("pendula");
+    let first = page.scene().id;
+    page.say(r#"{"type": "rebuild", "build": {"links": 7}}"#);
+    assert_eq!(page.scene().bodies.len(), 7);
+    assert_eq!(page.scene().id, first + 1);
+    page.step(10);
+    assert_eq!((page.word(4), page.word(32)), (first as usize + 1, 7));
+}
+
+#[test]
+fn a_body_is_drawn_to_the_hand_and_falls_when_let_go() {
+    let mut page = Page::open("humanoid");
+    let torso = page.body("torso");
+    let to = [0.0, 0.0, 1.6];
+    page.say(&format!(
+        r#"{{"type": "grab", "world": 0, "body": {torso}, "point": [0, 0, 0.2], "to": {to:?}}}"#
+    ));
+    page.step(2000);
+    let height = page.position(torso)[2];
+    // It hangs where the spring ω² M carries its weight: g/ω² = 68 mm below the hand.
+    assert!(
+        (height + 0.2 - (1.6 - 9.81 / 144.0)).abs() < 0.02,
+        "{height}"
+    );
+    page.say(r#"{"type": "release"}"#);
+    page.step(500);
+    assert!(page.position(torso)[2] < height - 0.3);
+}
+
+#[test]
+fn a_blow_gives_its_momentum() {
+    let mut page = Page::open("billiards");
+    let ball = page.body("oblique_hit");
+    page.say(&format!(
+        r#"{{"type": "push", "world": 0, "body": {ball}, "point": [0, 0, 0], "impulse": [0, 0, -0.1]}}"#
+    ));
+    let mass = page.scene().bodies[ball].mass;
+    page.step(1);
+    let start = page.position(ball)[2];
+    page.step(100);
+    let speed = (page.position(ball)[2] - start) / 0.1;
+    assert!((speed + 0.1 / mass).abs() < 0.01 * 0.1 / mass, "{speed}");
+}
+
+#[test]
+fn physics_changes_while_the_state_stays_or_the_scene_begins_anew() {
+    let mut page = Page::open("tower");
+    page.step(50);
+    let before = page.session.frame().poses;
+    page.say(r#"{"type": "physics", "values": {"gravity": 1.62}}"#);
+    assert_eq!(page.session.frame().poses, before);
+    let id = page.scene().id;
+    page.say(r#"{"type": "physics", "values": {"solver": 2}}"#);
+    assert_eq!(
+        (page.scene().id, page.scene().solver.as_str()),
+        (id + 1, "xpbd")
+    );
+    let gravity = page.scene().physics.iter().find(|f| f.name == "gravity");
+    assert_eq!(gravity.unwrap().value, 1.62);
+}
+
+#[test]
+fn replicas_are_shown_as_asked() {
+    let mut page = Page::open("grid");
+    page.step(20);
+    assert_eq!(page.word(28), 64);
+    let bodies = page.word(32);
+    let all = page.session.frame().poses;
+    page.say(r#"{"type": "show", "worlds": [5]}"#);
+    let one = page.session.frame().poses;
+    assert_eq!(one, all[5 * 7 * bodies..6 * 7 * bodies]);
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_and_changes_nothing() {
+    let mut page = Page::open("pendula");
+    page.step(10);
+    page.refuses("", "no command");
+    page.refuses("[1, 2", "no command");
+    page.refuses(r#"{"type": "fly"}"#, "unknown variant");
+    page.refuses(r#"{"type": "run", "fast": 1}"#, "unknown field");
+    page.refuses(
+        r#"{"type": "open", "example": "moon"}"#,
+        "no example `moon`",
+    );
+    page.refuses(
+        r#"{"type": "rebuild", "build": {"links": 1e9}}"#,
+        "from 1 to 30",
+    );
+    page.refuses(
+        r#"{"type": "rebuild", "build": {"legs": 2}}"#,
+        "no field `legs`",
+    );
+    page.refuses(r#"{"type": "step", "steps": 0}"#, "from 1 to 100000");
+    page.refuses(r#"{"type": "step", "steps": -1}"#, "no command");
+    page.refuses(r#"{"type": "speed", "factor": 0}"#, "from 0.001");
+    page.refuses(r#"{"type": "show", "worlds": []}"#, "from 1 to 256");
+    page.refuses(r#"{"type": "show", "worlds": [99]}"#, "no world 99");
+    page.refuses(
+        r#"{"type": "joint", "dof": 3, "position": 1}"#,
+        "there are 3",
+    );
+    page.refuses(
+        r#"{"type": "joint", "dof": 0, "position": 1e300}"#,
+        "target position",
+    );
+    page.refuses(
+        r#"{"type": "joint", "dof": 0, "stiffness": -1}"#,
+        "stiffness",
+    );
+    page.refuses(
+        r#"{"type": "control", "actuator": 0, "value": 1}"#,
+        "no actuator 0",
+    );
+    page.refuses(
+        r#"{"type": "plot", "quantities": [9999]}"#,
+        "no quantity 9999",
+    );
+    page.refuses(r#"{"type": "scrub", "time": -1}"#, "time");
+    page.refuses(
+        r#"{"type": "grab", "world": 0, "body": 7, "point": [0,0,0], "to": [0,0,0]}"#,
+        "no body 7",
+    );
+    page.refuses(
+        r#"{"type": "push", "world": 0, "body": 0, "point": [0,0,0], "impulse": [1e300,0,0]}"#,
+        "impulse",
+    );
+    page.refuses(
+        r#"{"type": "physics", "values": {"time_step": 0}}"#,
+        "time_step",
+    );
+}

@@ -1,0 +1,143 @@
+//! The thread on which the session runs, and what it shares with the pages.
+
+use axum::body::Bytes;
+use session::{Outgoing, Session};
+use std::io;
+use std::sync::OnceLock;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::thread;
+use std::time::{Duration, Instant};
+use tokio::sync::{mpsc, watch};
+
+/// Messages that wait for a page; one that does not take them is let go, and may come again.
+const WAITING: usize = 64;
+/// Commands that wait for the session, of all pages together.
+const COMMANDS: usize = 256;
+/// Commands between two advances of the session, so that no page can stop it by talking.
+const AT_ONCE: usize = 32;
+/// How long to wait for a command where there is nothing to do.
+const PAUSE: Duration = Duration::from_millis(4);
+
+/// What a page is sent.
+#[derive(Clone, Debug)]
+pub(crate) enum Note {
+    Text(String),
+    Frame(Bytes),
+}
+
+/// What pages say to the engine.
+pub(crate) enum Said {
+    /// A page has come, and is to be greeted.
+    Hello(mpsc::Sender<Note>),
+    /// A page wants something; what is refused is told to it alone.
+    Command(String, mpsc::Sender<Note>),
+}
+
+/// The engine, as the pages' connections know it.
+#[derive(Clone)]
+pub(crate) struct Engine {
+    pub said: SyncSender<Said>,
+    /// The last frame: who is slow misses some.
+    pub frames: watch::Receiver<Bytes>,
+}
+
+/// Seconds since the first question.
+pub fn clock() -> f64 {
+    static START: OnceLock<Instant> = OnceLock::new();
+    START.get_or_init(Instant::now).elapsed().as_secs_f64()
+}
+
+/// Room for a page's messages.
+pub(crate) fn mailbox() -> (mpsc::Sender<Note>, mpsc::Receiver<Note>) {
+    mpsc::channel(WAITING)
+}
+
+/// Starts the thread; it ends when the server is gone.
+pub(crate) fn start(session: Session) -> io::Result<Engine> {
+    let (said, heard) = sync_channel(COMMANDS);
+    let (show, frames) = watch::channel(Bytes::new());
+    let work = move || Work::new(session, show).run(&heard);
+    thread::Builder::new().name("session".into()).spawn(work)?;
+    Ok(Engine { said, frames })
+}
+
+struct Work {
+    session: Session,
+    frames: watch::Sender<Bytes>,
+    pages: Vec<mpsc::Sender<Note>>,
+}
+
+impl Work {
+    fn new(session: Session, frames: watch::Sender<Bytes>) -> Self {
+        Self {
+            session,
+            frames,
+            pages: Vec::new(),
+        }
+    }
+
+    fn run(mut self, heard: &Receiver<Said>) {
+        // The first page is greeted as all others are.
+        while self.session.outgoing().is_some() {}
+        loop {
+            let busy = self.session.advance();
+            self.tell(None);
+            let pause = if busy { Duration::ZERO } else { PAUSE };
+            match heard.recv_timeout(pause) {
+                Ok(said) => self.hear(said),
+                Err(RecvTimeoutError::Timeout) => continue,
+                Err(RecvTimeoutError::Disconnected) => return,
+            }
+            for said in heard.try_iter().take(AT_ONCE) {
+                self.hear(said);
+            }
+        }
+    }
+
+    fn hear(&mut self, said: Said) {
+        match said {
+            Said::Hello(page) => {
+                let greeting = self.session.greeting();
+                if greeting
+                    .into_iter()
+                    .all(|o| page.try_send(o.into()).is_ok())
+                {
+                    self.pages.push(page);
+                }
+            }
+            Said::Command(text, page) => {
+                self.session.receive(&text);
+                self.tell(Some(&page));
+            }
+        }
+    }
+
+    /// Sends what the session has to say; refusals to the page that asked.
+    fn tell(&mut self, asked: Option<&mpsc::Sender<Note>>) {
+        while let Some(outgoing) = self.session.outgoing() {
+            match (outgoing, asked) {
+                (Outgoing::Frame(bytes), _) => {
+                    self.frames.send_replace(bytes.into());
+                }
+                (refusal @ Outgoing::Refusal(_), Some(page)) => {
+                    // A page that does not listen need not know.
+                    let _ = page.try_send(refusal.into());
+                }
+                (text, _) => {
+                    let note = Note::from(text);
+                    self.pages
+                        .retain(|page| page.try_send(note.clone()).is_ok());
+                }
+            }
+        }
+    }
+}
+
+impl From<Outgoing> for Note {
+    fn from(outgoing: Outgoing) -> Self {
+        match outgoing {
+            Outgoing::Text(text) | Outgoing::Refusal(text) => Self::Text(text),
+            Outgoing::Frame(bytes) => Self::Frame(bytes.into()),
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! The server: a page, and a WebSocket.
+
+use crate::access::Access;
+use crate::client::{LONGEST, attend};
+use crate::engine::{Engine, start};
+use crate::error::ViewerError;
+use axum::Router;
+use axum::extract::{Query, State, WebSocketUpgrade};
+use axum::http::{HeaderMap, StatusCode, header};
+use axum::response::{Html, IntoResponse, Response};
+use axum::routing::get;
+use session::Session;
+use std::collections::HashMap;
+use std::net::SocketAddr;
+use std::sync::Arc;
+use tokio::net::TcpListener;
+use tokio::runtime::{Builder, Runtime};
+
+/// The page, with all it needs.
+const PAGE: &str = include_str!("../../../web/dist/index.html");
+/// By this the page knows that its engine is a server, not a worker of its own.
+const ENGINE: [&str; 2] = [
+    r#"name="kinetarium-engine" content="worker""#,
+    r#"name="kinetarium-engine" content="websocket""#,
+];
+
+/// A server that is ready: it listens, and [`run`](Server::run) answers.
+#[derive(Debug)]
+pub struct Server {
+    runtime: Runtime,
+    listener: TcpListener,
+    router: Router,
+    address: SocketAddr,
+    access: Access,
+}
+
+/// Makes ready to serve a session, whose clock is [`clock`](crate::clock), at an address; port 0 is any that
+/// is free.
+///
+/// # Errors
+/// The address cannot be listened at.
+pub fn serve(session: Session, address: SocketAddr, access: Access) -> Result<Server, ViewerError> {
+    let runtime = Builder::new_current_thread().enable_all().build()?;
+    let listen = runtime.block_on(TcpListener::bind(address));
+    let listener = listen.map_err(|source| ViewerError::Listen { address, source })?;
+    let shared = Shared {
+        engine: start(session)?,
+        access: Arc::new(access.clone()),
+        page: PAGE.replace(ENGINE[0], ENGINE[1]).into(),
+    };
+    let router = Router::new()
+        .route("/", get(page))
+        .route("/session", get(connect))
+        .with_state(shared);
+    Ok(Server {
+        address: listener.local_addr()?,
+        runtime,
+        listener,
+        router,
+        access,
+    })
+}
+
+impl Server {
+    /// Where it listens.
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+    /// What to open in a browser, with the token, if one is needed.
+    pub fn url(&self) -> String {
+        match self.access.token() {
+            Some(token) => format!("http://{}/?token={token}", self.address),
+            None => format!("http://{}/", self.address),
+        }
+    }
+    /// Answers, until the program ends.
+    ///
+    /// # Errors
+    /// The system takes the socket away.
+    pub fn run(self) -> Result<(), ViewerError> {
+        let serving = axum::serve(self.listener, self.router);
+        Ok(self.runtime.block_on(async { serving.await })?)
+    }
+}
+
+#[derive(Clone)]
+struct Shared {
+    engine: Engine,
+    access: Arc<Access>,
+    page: Arc<str>,
+}
+
+impl Shared {
+    /// Why a request may not pass, if it may not.
+    fn refusal(&self, headers: &HeaderMap, query: &Parameters) -> Option<Response> {
+        let token = query.get("token").map(String::as_str);
+        let why = self.access.check(headers, token).err()?;
+        Some((StatusCode::FORBIDDEN, why).into_response())
+    }
+}
+
+type Parameters = HashMap<String, String>;
+
+async fn page(
+    State(shared): State<Shared>,
+    Query(query): Query<Parameters>,
+    headers: HeaderMap,
+) -> Response {
+    if let Some(refusal) = shared.refusal(&headers, &query) {
+        return refusal;
+    }
+    let fresh = [(header::CACHE_CONTROL, "no-store")];
+    (fresh, Html(shared.page.to_string())).into_response()
+}
+
+async fn connect(
+    State(shared): State<Shared>,
+    Query(query): Query<Parameters>,
+    headers: HeaderMap,
+    upgrade: WebSocketUpgrade,
+) -> Response {
+    if let Some(refusal) = shared.refusal(&headers, &query) {
+        return refusal;
+    }
+    let engine = shared.engine.clone();
+    upgrade
+        .max_message_size(LONGEST)
+        .max_frame_size(LONGEST)
+        .on_upgrade(|socket| attend(socket, engine))
+}
