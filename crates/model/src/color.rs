@@ -3,7 +3,7 @@
 use crate::BodyId;
 
 /// What belongs to the world.
-const WORLD: [f32; 3] = [0.70, 0.70, 0.68];
+const WORLD: [f32; 3] = [0.80, 0.80, 0.79];
 
 /// Twelve hues of like lightness and saturation (OKLCH: lightness 0.66 to 0.74, chroma 0.115, hues 30°
 /// apart), five steps of hue from each to the next, so that neighbours differ most.

@@ -22,6 +22,11 @@ pub(super) const WOOD: Stuff = Stuff {
     restitution: 0.0,
     color: Some([0.76, 0.58, 0.38]),
 };
+/// The same wood, painted so that bodies are told apart.
+pub(super) const PAINTED: Stuff = Stuff {
+    color: None,
+    ..WOOD
+};
 /// Cardboard, as of beer mats.
 pub(super) const CARD: Stuff = Stuff {
     density: 600.0,
@@ -41,7 +46,7 @@ pub(super) const STONE: Stuff = Stuff {
     density: 2300.0,
     friction: 0.6,
     restitution: 0.0,
-    color: Some([0.62, 0.62, 0.60]),
+    color: None,
 };
 
 /// Nothing in particular: as dense as water, the default surface.
