@@ -3,6 +3,7 @@
 use kinetarium::formats::FormatError;
 use kinetarium::model::ModelError;
 use kinetarium::sim::SimulationError;
+use render::RenderError;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -14,6 +15,15 @@ pub enum Error {
     Model(#[from] ModelError),
     #[error(transparent)]
     Simulation(#[from] SimulationError),
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    #[error(
+        "there is no scene named \"{name}\", and it has not the ending of a file: give one of {scenes}, or an \
+         .xml or .urdf file"
+    )]
+    NoScene { name: String, scenes: String },
+    #[error("--time {seconds} are too many time steps of {time_step} s: lower it")]
+    ShotTime { seconds: f64, time_step: f64 },
     #[error(
         "--record {record} is more than the {worlds} worlds there are: lower it, or raise --worlds"
     )]

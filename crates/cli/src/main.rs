@@ -11,6 +11,7 @@ mod perturb;
 mod plot;
 mod robot;
 mod run;
+mod shot;
 mod summary;
 mod table;
 mod trajectory;
@@ -36,6 +37,7 @@ fn execute() -> Result<(), Error> {
         Some(Command::Example(arguments)) => run::example(&arguments),
         Some(Command::Pendula(arguments)) => run::pendula(&arguments),
         Some(Command::Info(arguments)) => robot::info(&arguments),
+        Some(Command::Shot(arguments)) => shot::shot(&arguments),
         None => run::pendula(&Pendula::parse_from(["kinetarium"])),
     }
 }
