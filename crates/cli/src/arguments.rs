@@ -2,6 +2,7 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use glam::DVec3;
 use kinetarium::formats::Meshes;
 use kinetarium::model::examples::{SCENES, Scene, Start};
 use kinetarium::numbers::dispatch::Isa;
@@ -19,6 +20,7 @@ Examples:
   kinetarium run robot.xml                         a MuJoCo (MJCF) or URDF file, one world
   kinetarium run robot.xml --worlds 4096 --perturb 0.05 --record 3 --out results
   kinetarium info robot.xml                        what is in a file, and which solver fits
+  kinetarium shot room --time 2 --out room.png     a picture of it after two seconds
 
 Every run, example and pendula writes the trajectory (.npz for numpy, .csv) and a plot (.png, .svg).";
 
@@ -46,6 +48,8 @@ pub enum Command {
     Pendula(Pendula),
     /// Show what is in a robot file, what of it is not supported, and which solver fits.
     Info(Info),
+    /// Draw a scene or a robot file into a picture, without a window or a graphics card.
+    Shot(Shot),
 }
 
 #[derive(Debug, Parser)]
@@ -55,6 +59,9 @@ pub struct View {
     pub what: Option<PathBuf>,
     #[command(flatten)]
     pub reading: Reading,
+    /// Start a file from this keyframe.
+    #[arg(long, value_name = "NAME")]
+    pub keyframe: Option<String>,
     /// Number of worlds of a file [default: the file's].
     #[arg(long, value_name = "N", value_parser = count(1, 4096))]
     pub worlds: Option<usize>,
@@ -108,6 +115,34 @@ pub struct Info {
 }
 
 #[derive(Debug, Args)]
+pub struct Shot {
+    /// A robot file, or the name of an example.
+    #[arg(value_name = "FILE|EXAMPLE")]
+    pub scene: PathBuf,
+    /// Picture to write, as PNG.
+    #[arg(long, value_name = "FILE", default_value = "picture.png")]
+    pub out: PathBuf,
+    /// Pixels of a row, and rows.
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1280x720", value_parser = size)]
+    pub size: (usize, usize),
+    /// Time [s] to simulate before the picture is taken.
+    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = not_negative, allow_negative_numbers = true)]
+    pub time: f64,
+    /// Where the camera is, and a point in the middle of the image [m] [default: so that everything
+    /// that can move is seen].
+    #[arg(long, value_name = "X,Y,Z:X,Y,Z", value_parser = camera, allow_hyphen_values = true)]
+    pub camera: Option<[DVec3; 2]>,
+    /// Samples along each edge of a pixel.
+    #[arg(long, value_name = "N", default_value = "4", value_parser = count(1, 64))]
+    pub samples: usize,
+    /// Start from this keyframe of the file.
+    #[arg(long, value_name = "NAME")]
+    pub keyframe: Option<String>,
+    #[command(flatten)]
+    pub reading: Reading,
+}
+
+#[derive(Debug, Args)]
 pub struct RobotFile {
     /// MJCF (.xml) or URDF (.urdf) file.
     #[arg(value_name = "FILE")]
@@ -117,7 +152,7 @@ pub struct RobotFile {
 }
 
 /// How a robot file is read.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct Reading {
     /// Go on, with a warning, where the file uses something that is not supported and changes the motion.
     #[arg(long)]
@@ -279,6 +314,26 @@ fn scene() -> impl TypedValueParser<Value = &'static Scene> {
         .iter()
         .map(|s| PossibleValue::new(s.name).help(s.about));
     PossibleValuesParser::new(values).try_map(|name| Scene::find(&name).ok_or("no such scene"))
+}
+
+/// Two numbers of pixels.
+fn size(text: &str) -> Result<(usize, usize), String> {
+    let numbers = text.split_once('x');
+    let numbers = numbers.and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+    numbers.ok_or_else(|| "write two numbers of pixels, as 1280x720".into())
+}
+
+/// Two points.
+fn camera(text: &str) -> Result<[DVec3; 2], String> {
+    let wrong = || "write two points, as 3,2,5:0,0.5,0".to_owned();
+    let point = |text: &str| {
+        let numbers = text.split(',').map(number).collect::<Result<Vec<_>, _>>();
+        let numbers: [f64; 3] = numbers.ok()?.try_into().ok()?;
+        Some(DVec3::from_array(numbers))
+    };
+    let (eye, target) = text.split_once(':').ok_or_else(wrong)?;
+    let points = point(eye).zip(point(target)).ok_or_else(wrong)?;
+    Ok(points.into())
 }
 
 fn number(text: &str) -> Result<f64, String> {

@@ -3,6 +3,7 @@
 use kinetarium::formats::FormatError;
 use kinetarium::model::ModelError;
 use kinetarium::sim::SimulationError;
+use render::RenderError;
 use session::SessionError;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -22,6 +23,10 @@ pub enum Error {
     Viewer(#[from] ViewerError),
     #[error("--headless shows nothing: leave it out, or use `kinetarium run`")]
     Headless,
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    #[error("--time {seconds} are too many time steps of {time_step} s: lower it")]
+    ShotTime { seconds: f64, time_step: f64 },
     #[error(
         "--record {record} is more than the {worlds} worlds there are: lower it, or raise --worlds"
     )]

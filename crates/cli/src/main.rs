@@ -10,6 +10,7 @@ mod output;
 mod plot;
 mod robot;
 mod run;
+mod shot;
 mod summary;
 mod table;
 mod trajectory;
@@ -39,6 +40,7 @@ fn execute() -> Result<(), Error> {
         Some(Command::Example(arguments)) => run::example(&arguments),
         Some(Command::Pendula(arguments)) => run::pendula(&arguments),
         Some(Command::Info(arguments)) => robot::info(&arguments),
+        Some(Command::Shot(arguments)) => shot::shot(&arguments),
         None if arguments.headless => run::pendula(&Pendula::parse_from(["kinetarium"])),
         None => view::view(View::parse_from(["kinetarium"])),
     }

@@ -1,16 +1,19 @@
 //! Models in a browser.
 
-use crate::arguments::{RobotFile, View};
+use crate::arguments::{Reading, RobotFile, View};
 use crate::error::Error;
 use crate::output::print;
 use crate::robot;
-use session::{Session, Stage};
+use session::protocol::Values;
+use session::{Example, Session, Stage};
 use std::net::SocketAddr;
 use std::path::Path;
 use viewer::{Access, Server, clock, serve};
 
 /// Where the page is, unless something else is there.
 const PORT: u16 = 7357;
+/// Worlds of a file that are shown at first.
+const MOST_SHOWN: usize = 64;
 
 /// Serves a file, an example, or the gallery, until the program is stopped.
 pub fn view(arguments: View) -> Result<(), Error> {
@@ -41,28 +44,31 @@ fn listen(arguments: View, port: Option<u16>) -> Result<Server, Error> {
 }
 
 fn session(arguments: View) -> Result<Session, Error> {
-    let Some(what) = arguments.what else {
+    let Some(what) = &arguments.what else {
         return Ok(Session::gallery(clock)?);
     };
-    if let Some(name) = example(&what) {
+    if let Some(name) = example(what) {
         return Ok(Session::example(name, clock)?);
     }
+    let mut stage = stage(what, &arguments.reading)?;
+    if let Some(name) = &arguments.keyframe {
+        stage.keyframe = Some(stage.model.keyframe(name)?.clone());
+    }
+    stage.worlds = arguments.worlds.unwrap_or(stage.worlds);
+    stage.shown = stage.worlds.min(MOST_SHOWN);
+    Ok(Session::of(stage, clock)?)
+}
+
+/// An example by its name, or a robot file.
+pub fn stage(what: &Path, reading: &Reading) -> Result<Stage, Error> {
+    if let Some(name) = example(what) {
+        return Ok(Example::find(name)?.stage(&Values::new())?);
+    }
     let file = RobotFile {
-        path: what,
-        reading: arguments.reading,
+        path: what.into(),
+        reading: reading.clone(),
     };
-    let model = robot::load(&file, false)?;
-    let stage = Stage::new(model);
-    let worlds = arguments.worlds.unwrap_or(stage.worlds);
-    let shown = worlds.min(64);
-    Ok(Session::of(
-        Stage {
-            worlds,
-            shown,
-            ..stage
-        },
-        clock,
-    )?)
+    Ok(Stage::new(robot::load(&file, false)?))
 }
 
 /// A bare word that names no file is an example's name.

@@ -666,3 +666,67 @@ fn a_mesh_touches_as_it_is() {
         "{last:?}"
     );
 }
+
+/// Width, height and pixels of a picture.
+fn picture(path: &Path) -> (u32, u32, Vec<u8>) {
+    let file = std::io::BufReader::new(File::open(path).unwrap());
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    (info.width, info.height, pixels)
+}
+
+#[test]
+fn a_shot_is_a_picture_of_the_scene_at_its_time() {
+    let folder = folder();
+    let mut shots = Vec::new();
+    for options in [
+        "shot dominoes",
+        "shot dominoes --time 0.2",
+        "shot double.xml --keyframe raised",
+        "shot pendula --camera 0,-1,9:0,-1,0",
+    ] {
+        kinetarium(&folder)
+            .args(options.split_whitespace())
+            .args("--size 64x40 --samples 1 --out shot.png".split_whitespace())
+            .assert()
+            .success()
+            .stdout(contains("64 × 40: shot.png"));
+        let (width, height, pixels) = picture(&folder.path().join("shot.png"));
+        assert_eq!((width, height, pixels.len()), (64, 40, 3 * 64 * 40));
+        let colors: std::collections::HashSet<_> = pixels.chunks(3).collect();
+        assert!(colors.len() > 20, "{options}: {}", colors.len());
+        shots.push(pixels);
+    }
+    assert_ne!(shots[0], shots[1], "dominoes fall");
+}
+
+#[test]
+fn a_shot_of_nothing_is_refused() {
+    let folder = folder();
+    for (options, message) in [
+        ("shot domino", "no example `domino`; known are pendula"),
+        ("shot none.xml", "none.xml: cannot be read"),
+        ("shot tower --size 9", "write two numbers of pixels"),
+        ("shot tower --size 0x9", "the camera's width is 0"),
+        ("shot tower --camera 1,2,3", "write two points"),
+        ("shot tower --time -1", "it must not be negative"),
+        (
+            "shot double.xml --keyframe low",
+            "there is no keyframe named \"low\"",
+        ),
+    ] {
+        let arguments = options.split_whitespace();
+        kinetarium(&folder)
+            .args(arguments)
+            .assert()
+            .code(2)
+            .stderr(contains(message));
+    }
+    let mut command = kinetarium(&folder);
+    let unwritable = command.args("shot tower --size 9x9 --out none/shot.png".split_whitespace());
+    unwritable
+        .assert()
+        .code(1)
+        .stderr(contains("none/shot.png"));
+}

@@ -325,20 +325,28 @@ fn geoms_have_colours_friction_and_collide() {
     let model = read(
         r#"<mujoco>
              <asset><material name="red" rgba="1 0 0 1"/></asset>
-             <default><geom condim="6" friction="0.7 0.02"/></default>
+             <default><geom condim="6" friction="0.7 0.02"/>
+               <default class="blue"><geom rgba="0 0 1 1"/></default>
+               <default class="hidden"><geom group="3"/></default>
+             </default>
              <worldbody>
                <geom size="1" material="red"/>
                <geom size="1" material="red" rgba="0 1 0 0.5" contype="0" conaffinity="0"/>
                <geom type="plane" size="3 4 0.1"/>
+               <geom size="1" class="blue"/>
+               <geom size="1" material="red" class="hidden"/>
              </worldbody>
            </mujoco>"#,
     )
     .model;
-    let [ball, ghost, plane] = &model.shapes[..] else {
-        panic!("three shapes")
+    let [ball, ghost, plane, inherited, hidden] = &model.shapes[..] else {
+        panic!("five shapes")
     };
-    assert_eq!(ball.material.color, [1.0, 0.0, 0.0, 1.0]);
-    assert_eq!(ghost.material.color, [0.0, 1.0, 0.0, 0.5]);
+    assert_eq!(ball.color, Some([1.0, 0.0, 0.0, 1.0]));
+    assert_eq!(ghost.color, Some([0.0, 1.0, 0.0, 0.5]));
+    assert_eq!(plane.color, None);
+    assert_eq!(inherited.color, Some([0.0, 0.0, 1.0, 1.0]));
+    assert_eq!(hidden.color.map(|c| c[3]), Some(0.0));
     assert_eq!((ball.collides, ghost.collides), (true, false));
     let m = ball.material;
     let friction = [m.friction, m.torsional_friction, m.rolling_friction];

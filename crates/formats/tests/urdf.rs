@@ -137,7 +137,10 @@ fn shapes() {
             scale: DVec3::splat(0.001)
         }
     );
-    assert_eq!(mesh.material.color, [0.0, 0.0, 1.0, 1.0]);
+    assert_eq!(mesh.color, Some([0.0, 0.0, 1.0, 1.0]));
+    let unseen = Some([0.0; 4]);
+    assert_eq!(cuboid.color, unseen, "its link has a visual");
+    assert_eq!(cylinder.color, None, "its link has none");
     assert_eq!(
         cuboid.geometry,
         Geometry::Box {

@@ -10,8 +10,8 @@ use crate::{Material, ShapeId};
 pub struct ContactPair {
     /// The shapes, in any order.
     pub shapes: (ShapeId, ShapeId),
-    /// Surface, instead of the combination of both shapes' own; its colour and its
-    /// [`combine`](Material::combine) do not matter.
+    /// Surface, instead of the combination of both shapes' own; its
+    /// [`combine`](Material::combine) does not matter.
     pub material: Material,
 }
 

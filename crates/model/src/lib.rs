@@ -11,6 +11,7 @@
 mod actuator;
 mod body;
 mod builder;
+mod color;
 mod contact_pair;
 mod error;
 pub mod examples;
@@ -31,6 +32,7 @@ pub use builder::{
     ActuatorDraft, BodyDraft, BodyHandle, Builder, JointDraft, JointHandle, Object, ObjectId,
     Placement,
 };
+pub use color::default_color;
 pub use contact_pair::ContactPair;
 pub use error::ModelError;
 pub use filter::CollisionFilter;

@@ -1,6 +1,6 @@
 //! Surfaces, and what two of them make of a contact.
 
-/// Surface and colour of a shape.
+/// Surface of a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
     /// Coulomb friction coefficient.
@@ -20,13 +20,11 @@ pub struct Material {
     /// How friction and restitution of two surfaces combine; of two rules the later in
     /// [`Combine`] holds.
     pub combine: Combine,
-    /// Colour: red, green, blue, opacity, each 0 to 1.
-    pub color: [f32; 4],
 }
 
 impl Default for Material {
     /// Friction 0.5, no rolling or torsional friction, no restitution, the standard softness,
-    /// averages, grey.
+    /// averages.
     fn default() -> Self {
         Self {
             friction: 0.5,
@@ -36,7 +34,6 @@ impl Default for Material {
             softness: Softness::default(),
             margin: 0.0,
             combine: Combine::Average,
-            color: [0.7, 0.7, 0.7, 1.0],
         }
     }
 }
@@ -175,7 +172,7 @@ impl Combine {
 }
 
 impl Material {
-    /// The surface that a contact of two has; symmetric but for the colour.
+    /// The surface that a contact of two has, whichever comes first.
     pub fn with(&self, other: &Self) -> Self {
         let combine = self.combine.max(other.combine);
         Self {
@@ -186,7 +183,6 @@ impl Material {
             softness: self.softness.with(other.softness),
             margin: self.margin + other.margin,
             combine,
-            color: self.color,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Shapes: what a body looks and collides like.
 
-use crate::{BodyId, Hull, Material, Pose, TriangleMesh};
+use crate::{BodyId, Hull, Material, Pose, TriangleMesh, default_color};
 use glam::DVec3;
 
 /// Row of a shape in [`Parts::shapes`](crate::Parts::shapes).
@@ -120,6 +120,9 @@ pub struct Shape {
     pub density: f64,
     /// Surface.
     pub material: Material,
+    /// Colour in sRGB and opacity, each 0 to 1; only seen. Of opacity 0 it is not seen at all. `None` is
+    /// the [default colour](crate::default_color) of its body.
+    pub color: Option<[f32; 4]>,
     /// True: takes part in contacts. False: only seen.
     pub collides: bool,
     /// True: where it collides, it touches but never pushes; of the solver `impulse`. False: solid.
@@ -140,6 +143,7 @@ impl Shape {
             pose: Pose::IDENTITY,
             density: 1000.0,
             material: Material::default(),
+            color: None,
             collides: true,
             sensor: false,
             membership: 1,
@@ -164,6 +168,15 @@ impl Shape {
     /// The same, of another material.
     pub fn with_material(self, material: Material) -> Self {
         Self { material, ..self }
+    }
+    /// The same, of a colour: red, green, blue in sRGB and opacity, each 0 to 1.
+    pub fn with_color(self, color: [f32; 4]) -> Self {
+        let color = Some(color);
+        Self { color, ..self }
+    }
+    /// Colour in sRGB and opacity that it is drawn with: its own, or else its body's default.
+    pub fn drawn_color(&self) -> [f32; 4] {
+        self.color.unwrap_or_else(|| default_color(self.body))
     }
     /// The same, of other kinds, and colliding with other kinds; a bit each.
     pub fn with_masks(self, membership: u32, collides_with: u32) -> Self {

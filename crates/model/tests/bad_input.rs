@@ -345,8 +345,12 @@ fn shapes() {
             "shape \"knob\": margin [m] is inf; give a finite number",
         ),
         (
-            |p| p.shapes[0].material.color[3] = 2.0,
+            |p| p.shapes[0].color = Some([0.5, 0.5, 0.5, 2.0]),
             "shape \"knob\": colour is 2; it must lie from 0 to 1",
+        ),
+        (
+            |p| p.shapes[0].color = Some([f32::NAN, 0.5, 0.5, 1.0]),
+            "shape \"knob\": colour is NaN; give a finite number",
         ),
     ]);
 }

@@ -2,7 +2,7 @@
 
 use crate::protocol::{Actuator, Body, Dof, Geometry, Joint, Placement, Shape};
 use glam::DVec3;
-use model::{BodyId, BodyKind, JointId, JointKind, MassProperties, Material, Model, Pose};
+use model::{BodyId, BodyKind, JointId, JointKind, MassProperties, Model, Pose, default_color};
 
 impl From<Pose> for Placement {
     fn from(pose: Pose) -> Self {
@@ -12,18 +12,6 @@ impl From<Pose> for Placement {
         }
     }
 }
-
-/// Colours of bodies that have none of their own, one after the other (Okabe and Ito 2008, lighter).
-const COLORS: [[f32; 3]; 8] = [
-    [0.36, 0.62, 0.86],
-    [0.93, 0.66, 0.28],
-    [0.34, 0.74, 0.60],
-    [0.87, 0.50, 0.37],
-    [0.72, 0.58, 0.82],
-    [0.92, 0.85, 0.42],
-    [0.55, 0.78, 0.90],
-    [0.80, 0.56, 0.68],
-];
 
 /// Bodies, in the model's order.
 pub(crate) fn bodies(model: &Model) -> Vec<Body> {
@@ -35,7 +23,6 @@ pub(crate) fn bodies(model: &Model) -> Vec<Body> {
             inertia: body.inertia,
         };
         let (moments, axes) = mass.principal();
-        let [r, g, b] = COLORS[i % COLORS.len()];
         Body {
             name: body.name.clone(),
             dynamic: body.kind == BodyKind::Dynamic,
@@ -43,15 +30,14 @@ pub(crate) fn bodies(model: &Model) -> Vec<Body> {
             inertial: Pose::new(body.center, axes).into(),
             inertia: moments.to_array(),
             joint: carrier.map_or(-1, |joint| joint.0 as i32),
-            color: [r, g, b, 1.0],
+            color: default_color(Some(BodyId(i))),
         }
     };
     model.bodies.iter().enumerate().map(body).collect()
 }
 
-/// Shapes, in the model's order; what has the colour of the default material wears its body's.
+/// Shapes, in the model's order.
 pub(crate) fn shapes(model: &Model) -> Vec<Shape> {
-    let plain = Material::default().color;
     let shape = |shape: &model::Shape| Shape {
         name: shape.name.clone(),
         body: shape.body.map_or(-1, |body| body.0 as i32),
@@ -59,7 +45,7 @@ pub(crate) fn shapes(model: &Model) -> Vec<Shape> {
         geometry: geometry(&shape.geometry),
         collides: shape.collides,
         sensor: shape.sensor,
-        color: Some(shape.material.color).filter(|color| *color != plain),
+        color: shape.color,
     };
     model.shapes.iter().map(shape).collect()
 }

@@ -4,7 +4,7 @@ use crate::SessionError;
 use crate::perturb::perturb;
 use crate::protocol::Camera;
 use fastrand::Rng;
-use model::Model;
+use model::{Keyframe, Model};
 use rigid::{Integrator, Settings};
 use sim::{Simulation, SimulationSettings, SolverKind};
 
@@ -13,6 +13,8 @@ use sim::{Simulation, SimulationSettings, SolverKind};
 pub struct Stage {
     /// The model.
     pub model: Model,
+    /// Where it starts; none is the model's own state.
+    pub keyframe: Option<Keyframe>,
     /// Number of worlds.
     pub worlds: usize,
     /// Solver.
@@ -40,6 +42,7 @@ impl Stage {
     pub fn new(model: Model) -> Self {
         let plots = ["Kinetic energy", "Potential energy", "Energy"];
         Self {
+            keyframe: None,
             worlds: model.worlds,
             model,
             solver: SolverKind::Auto,
@@ -52,6 +55,26 @@ impl Stage {
             cameras: Vec::new(),
             shown: 1,
         }
+    }
+
+    /// The same, starting from the model's first keyframe, if it has one.
+    pub fn at_first_keyframe(self) -> Self {
+        Self {
+            keyframe: self.model.keyframes.first().cloned(),
+            ..self
+        }
+    }
+
+    /// Its worlds at their start.
+    ///
+    /// # Errors
+    /// A model that the solver does not take.
+    pub fn simulation(&self) -> Result<Simulation<f32>, SessionError> {
+        let (solver, time_step) = (self.solver, self.model.time_step);
+        let settings = self.settings(solver, time_step, self.substeps(solver));
+        let mut simulation = Simulation::new(self.model.clone(), settings)?;
+        self.place(&mut simulation)?;
+        Ok(simulation)
     }
 
     /// Settings of a simulation, of a solver, with so many substeps a time step [s].
@@ -78,11 +101,10 @@ impl Stage {
         self.substeps.unwrap_or(if xpbd { 4 } else { 1 })
     }
 
-    /// Puts all worlds at the model's first keyframe, or at its own state, and moves all but the first
-    /// apart.
+    /// Puts all worlds at the start, and moves all but the first apart.
     pub(crate) fn place(&self, simulation: &mut Simulation<f32>) -> Result<(), SessionError> {
         simulation.reset_all();
-        let keyframe = self.model.keyframes.first();
+        let keyframe = self.keyframe.as_ref();
         let at_rest = vec![0.0; self.model.degrees_of_freedom()];
         let (position, velocity) = match keyframe {
             Some(frame) => (frame.joint_position.clone(), &frame.joint_velocity),

@@ -1,22 +1,18 @@
 //! What a ray meets first.
 //!
-//! Solids are met exactly, in double precision ([`line`]), and so are the triangles of meshes
-//! ([`triangle`]); boxes about them, in single precision and grown by its error, tell which to try.
-
-mod line;
-mod triangle;
+//! Solids and the triangles of meshes are met exactly, in double precision ([`collide::ray`]); boxes
+//! about them, in single precision and grown by its error, tell which to try.
 
 use crate::Simulation;
 use crate::error::{MOST_MOTION, SimulationError, index};
 use crate::meshes::Triangles;
+use collide::ray::{Line, Sheared};
 use glam::{DVec3, Vec3};
-use line::Line;
 use model::{BodyId, Geometry, Pose, Shape, ShapeId};
 use numbers::Float;
 use rayon::prelude::*;
 use space::{Aabb, Bvh, Cast, Space};
 use std::sync::Arc;
-use triangle::Sheared;
 
 /// A ray in a world.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,7 @@
 //! A snapshot brings back every bit, in lanes of any width, and refuses what does not fit.
 
 use kinetarium_sim::{Simulation, SimulationError, SimulationSettings, Snapshot, SnapshotError};
+use model::Model;
 use model::examples::n_pendula;
 use numbers::Float;
 
@@ -118,6 +119,20 @@ fn what_does_not_fit_is_refused_and_changes_nothing() {
         error.contains("of f32 numbers, but the simulation computes in f64"),
         "{error}"
     );
+}
+
+#[test]
+fn colours_are_no_part_of_a_state_or_of_a_structure() {
+    let mut plain = moved::<f32>(settings());
+    let mut parts = n_pendula(3).unwrap().into_parts();
+    parts.shapes[0].color = Some([1.0, 0.0, 0.0, 0.5]);
+    let painted = Model::new(parts).unwrap();
+    let mut simulation = Simulation::<f32>::new(painted.clone(), settings()).unwrap();
+    simulation.restore(&plain.snapshot()).unwrap();
+    simulation.set_world_model(3, &painted).unwrap();
+    plain.step(10);
+    simulation.step(10);
+    assert_eq!(seen(&mut simulation), seen(&mut plain));
 }
 
 #[test]

@@ -195,10 +195,7 @@ pub(super) fn mix(
     for (a, b) in CollisionFilter::new(&model).pairs() {
         let usual = model.contact_material(a, b);
         let surface = surfaces[a.0].with(&surfaces[b.0]);
-        let material = Material {
-            color: usual.color,
-            ..surface.material(context.physics.least_time())
-        };
+        let material = surface.material(context.physics.least_time());
         if !alike(&material, &usual) && !named.contains(&(a, b)) && !named.contains(&(b, a)) {
             let shapes = (a, b);
             pairs.push(ContactPair { shapes, material });

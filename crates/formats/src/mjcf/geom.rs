@@ -10,7 +10,7 @@ use crate::error::FormatError;
 use crate::report::Report;
 use crate::xml::Element;
 use glam::{DQuat, DVec3};
-use model::{Geometry, MassProperties, Material, Pose, Shape};
+use model::{Geometry, MassProperties, Pose, Shape};
 use std::f64::consts::FRAC_1_SQRT_2;
 
 const KNOWN: &[&str] = &[
@@ -66,6 +66,9 @@ const TYPES: &[&str] = &[
 /// MuJoCo's solids and planes stand along z, the model's along y: a rotation about x from y to z.
 const Y_TO_Z: DQuat = DQuat::from_xyzw(FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2);
 
+/// MuJoCo's viewer shows groups 0 to 2 at first (modeling guide, "Visualization": `mjvOption.geomgroup`).
+const LAST_SHOWN_GROUP: i64 = 2;
+
 /// A geom of a body, in the body's frame.
 pub(super) struct Geom {
     pub shape: Shape,
@@ -106,10 +109,8 @@ pub(super) fn read(
         name: element.get("name").unwrap_or_default().to_owned(),
         pose: frame * local,
         density: 0.0,
-        material: Material {
-            color: own_color(element, context)?,
-            ..surface.material(context.physics.least_time())
-        },
+        material: surface.material(context.physics.least_time()),
+        color: own_color(element, context)?,
         collides: (membership, collides_with) != (0, 0) && context.physics.on("contact"),
         membership,
         collides_with,
@@ -319,14 +320,15 @@ fn height_field(
     Ok((Geometry::Mesh(mesh), local))
 }
 
-/// Its own colour, or its material's, or grey.
-fn own_color(element: &Element, context: &Context<'_>) -> Result<[f32; 4], FormatError> {
+/// Its own colour, or its material's. What is in a group that MuJoCo's viewer does not show is not seen.
+fn own_color(element: &Element, context: &Context<'_>) -> Result<Option<[f32; 4]>, FormatError> {
+    if element.integer("group")?.unwrap_or(0) > LAST_SHOWN_GROUP {
+        return Ok(Some([0.0; 4]));
+    }
     let of_material = element
         .get("material")
         .and_then(|name| context.assets.colors.get(name));
-    Ok(color(element)?
-        .or(of_material.copied())
-        .unwrap_or([0.5, 0.5, 0.5, 1.0]))
+    Ok(color(element)?.or(of_material.copied()))
 }
 
 /// Mass properties in the body's frame; `mass` decides, or else `density`, per volume or per area.

@@ -5,7 +5,7 @@ use crate::meshes::MeshReader;
 use crate::report::Report;
 use crate::xml::Element;
 use glam::{DQuat, DVec3};
-use model::{Geometry, Material, Pose, Shape};
+use model::{Geometry, Pose, Shape};
 use std::collections::HashMap;
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -102,13 +102,11 @@ pub(super) fn shape(
         }
         _ => frame,
     };
-    let mut material = Material::default();
-    material.color = looks.colors.of(element)?.unwrap_or(material.color);
     Ok(Some(Shape {
         name: element.get("name").unwrap_or_default().to_owned(),
         pose,
         density: 0.0,
-        material,
+        color: looks.colors.of(element)?,
         collides,
         ..Shape::new(geometry)
     }))

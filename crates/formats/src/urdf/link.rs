@@ -51,7 +51,10 @@ fn child<'a>(element: &'a Element, name: &str) -> Result<&'a Element, FormatErro
         .ok_or_else(|| element.invalid(&format!("it has no <{name}>"), &format!("add <{name} …/>")))
 }
 
-/// The visual and collision shapes of a link.
+/// Of opacity zero.
+const UNSEEN: [f32; 4] = [0.0; 4];
+
+/// The visual and collision shapes of a link. Only the visual ones are seen, if there are any.
 pub(super) fn shapes(
     link: &Element,
     looks: &Looks<'_>,
@@ -65,6 +68,10 @@ pub(super) fn shapes(
             "visual" | "collision" => shapes.extend(shape(child, looks, report)?),
             _ => report.note(child, "extension", "not read"),
         }
+    }
+    if shapes.iter().any(|shape| !shape.collides) {
+        let collision = shapes.iter_mut().filter(|shape| shape.collides);
+        collision.for_each(|shape| shape.color = Some(UNSEEN));
     }
     Ok(shapes)
 }

@@ -9,7 +9,7 @@ const RESIN: Stuff = Stuff {
     density: 1700.0,
     friction: 0.0,
     restitution: 1.0,
-    color: [0.95, 0.93, 0.85],
+    color: None,
 };
 /// Of a billiard ball [m].
 const RADIUS: f64 = 0.0286;

@@ -1,7 +1,7 @@
 //! Dominoes in a row.
 
 use super::countable;
-use super::stuff::{STONE, WOOD, floor};
+use super::stuff::{PAINTED, STONE, floor};
 use crate::{Builder, Geometry, Model, ModelError, Pose};
 use glam::{DQuat, DVec3};
 
@@ -31,7 +31,7 @@ pub fn dominoes(count: usize) -> Result<Model, ModelError> {
         let place = edge + turn * (DVec3::Y * HALF.y - edge) + DVec3::X * (SPACING * i as f64);
         row.body(format!("domino_{i}"))
             .at(Pose::new(place, turn))
-            .shape(WOOD.shape(Geometry::Box { half: HALF }));
+            .shape(PAINTED.shape(Geometry::Box { half: HALF }));
     }
     world.build()
 }

@@ -2,7 +2,7 @@
 
 use super::bowl::{Slopes, slopes};
 use super::countable;
-use super::stuff::{RUBBER, STONE, Stuff, WOOD, floor};
+use super::stuff::{PAINTED, RUBBER, STONE, Stuff, floor};
 use crate::{Builder, Geometry, Model, ModelError, Pose};
 use glam::{DQuat, DVec3};
 
@@ -29,7 +29,7 @@ pub fn pile(count: usize) -> Result<Model, ModelError> {
     slopes(ground, &SLOPES, STONE);
     let solids = world.object("solids");
     let stuffs = [
-        WOOD,
+        PAINTED,
         STONE,
         Stuff {
             restitution: 0.5,

@@ -1,7 +1,7 @@
 //! Boxes on boxes.
 
 use super::countable;
-use super::stuff::{PLAIN, STONE, Stuff, WOOD, floor};
+use super::stuff::{PAINTED, PLAIN, STONE, Stuff, floor};
 use crate::{Builder, Geometry, Model, ModelError, Object, Pose};
 use glam::DVec3;
 
@@ -23,7 +23,7 @@ pub fn tower(boxes: usize, gap: f64) -> Result<Model, ModelError> {
     let tower = world.object("tower");
     for i in 0..boxes {
         let place = DVec3::Y * height(i, gap);
-        cube(tower, format!("box_{i}"), place, WOOD);
+        cube(tower, format!("box_{i}"), place, PAINTED);
     }
     world.build()
 }
@@ -69,7 +69,7 @@ pub fn pyramid(rows: usize) -> Result<Model, ModelError> {
         for i in 0..width {
             let x = SPACING * (i as f64 - 0.5 * (width - 1) as f64);
             let place = DVec3::new(x, EDGE * (row as f64 + 0.5), 0.0);
-            cube(wall, format!("box_{row}_{i}"), place, WOOD);
+            cube(wall, format!("box_{row}_{i}"), place, PAINTED);
         }
     }
     world.build()

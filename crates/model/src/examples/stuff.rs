@@ -11,8 +11,8 @@ pub(super) struct Stuff {
     pub friction: f64,
     /// Against itself.
     pub restitution: f64,
-    /// Red, green, blue.
-    pub color: [f32; 3],
+    /// Red, green, blue in sRGB; `None` tells bodies apart instead.
+    pub color: Option<[f32; 3]>,
 }
 
 /// Beech, planed.
@@ -20,28 +20,33 @@ pub(super) const WOOD: Stuff = Stuff {
     density: 700.0,
     friction: 0.5,
     restitution: 0.0,
-    color: [0.76, 0.58, 0.38],
+    color: Some([0.76, 0.58, 0.38]),
+};
+/// The same wood, painted so that bodies are told apart.
+pub(super) const PAINTED: Stuff = Stuff {
+    color: None,
+    ..WOOD
 };
 /// Cardboard, as of beer mats.
 pub(super) const CARD: Stuff = Stuff {
     density: 600.0,
     friction: 0.6,
     restitution: 0.0,
-    color: [0.90, 0.88, 0.80],
+    color: Some([0.90, 0.88, 0.80]),
 };
 /// Rubber, as of a ball that bounces well.
 pub(super) const RUBBER: Stuff = Stuff {
     density: 1100.0,
     friction: 0.9,
     restitution: 0.8,
-    color: [0.80, 0.25, 0.20],
+    color: Some([0.80, 0.25, 0.20]),
 };
 /// Screed, as of a floor.
 pub(super) const STONE: Stuff = Stuff {
     density: 2300.0,
     friction: 0.6,
     restitution: 0.0,
-    color: [0.62, 0.62, 0.60],
+    color: None,
 };
 
 /// Nothing in particular: as dense as water, the default surface.
@@ -49,22 +54,24 @@ pub(super) const PLAIN: Stuff = Stuff {
     density: 1000.0,
     friction: 0.5,
     restitution: 0.0,
-    color: [0.80, 0.72, 0.55],
+    color: None,
 };
 
 impl Stuff {
     /// A solid of it.
     pub fn shape(self, geometry: Geometry) -> Shape {
-        let [red, green, blue] = self.color;
         let material = Material {
             friction: self.friction,
             restitution: self.restitution,
-            color: [red, green, blue, 1.0],
             ..Material::default()
         };
-        Shape::new(geometry)
+        let shape = Shape::new(geometry)
             .with_density(self.density)
-            .with_material(material)
+            .with_material(material);
+        match self.color {
+            Some([red, green, blue]) => shape.with_color([red, green, blue, 1.0]),
+            None => shape,
+        }
     }
 }
 

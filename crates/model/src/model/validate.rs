@@ -152,7 +152,11 @@ fn shape(shape: &Shape, bodies: usize) -> Result<(), ModelError> {
     subject.pose("pose", &shape.pose)?;
     subject.not_negative("density [kg/m³]", shape.density)?;
     geometry(&subject, &shape.geometry)?;
-    material(&subject, &shape.material)
+    material(&subject, &shape.material)?;
+    let color = shape.color.iter().flatten();
+    color
+        .map(|&part| f64::from(part))
+        .try_for_each(|part| subject.within("colour", part, 0.0, 1.0))
 }
 
 fn geometry(subject: &Subject, geometry: &Geometry) -> Result<(), ModelError> {
@@ -231,11 +235,7 @@ fn material(subject: &Subject, material: &Material) -> Result<(), ModelError> {
     subject.not_negative("rolling friction [m]", material.rolling_friction)?;
     subject.within("restitution", material.restitution, 0.0, 1.0)?;
     softness(subject, material.softness)?;
-    subject.finite("margin [m]", material.margin)?;
-    material
-        .color
-        .iter()
-        .try_for_each(|&c| subject.within("colour", f64::from(c), 0.0, 1.0))
+    subject.finite("margin [m]", material.margin)
 }
 
 fn exclusions(parts: &Parts) -> Result<(), ModelError> {

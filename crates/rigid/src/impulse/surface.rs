@@ -142,6 +142,5 @@ fn material<T: Float>(numbers: &[T]) -> Material {
         margin: x(4),
         softness,
         combine: rules[x(field::COMBINE) as usize & 3],
-        ..Material::default()
     }
 }

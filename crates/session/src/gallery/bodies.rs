@@ -28,7 +28,7 @@ pub(super) const BILLIARDS: Example = Example {
     guide: "Run slowly. Head-on, equal balls change places; off centre, they part at a right angle; in the row of \
             five the impact runs through, and the last one leaves. The kinetic energy stays.",
     build: no_fields,
-    make: |_| Ok(Stage::new(examples::billiards()?)),
+    make: |_| Ok(Stage::new(examples::billiards()?).at_first_keyframe()),
 };
 
 pub(super) const COLLIDE: Example = Example {

@@ -92,7 +92,7 @@ pub(super) const ANT: Example = Example {
         Ok(Stage {
             wander: form.number("wander"),
             plots: vec!["torso height".into(), "Contact force".into()],
-            ..Stage::new(model)
+            ..Stage::new(model).at_first_keyframe()
         })
     },
 };

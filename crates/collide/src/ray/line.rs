@@ -9,7 +9,8 @@ use model::{Geometry, Hull};
 
 /// A line in a solid's frame.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Line {
+pub struct Line {
+    /// A point of it [m]: that at t = 0.
     pub origin: DVec3,
     /// Of unit length.
     pub direction: DVec3,
@@ -17,8 +18,10 @@ pub(super) struct Line {
 
 /// The part of a line that is inside.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Span {
+pub struct Span {
+    /// Where it enters [m], from the line's origin; may be infinite.
     pub enter: f64,
+    /// Where it leaves [m]; not before it enters.
     pub leave: f64,
     /// Outwards where the line enters, of any length; anything where it enters nowhere.
     pub normal: DVec3,
@@ -43,6 +46,17 @@ impl Span {
             ..self
         }
     }
+}
+
+/// A half space n · p ≤ h: a unit vector out of it, and its height along that [m].
+pub type Face = (DVec3, f64);
+
+/// The half spaces that a hull is all of.
+pub fn faces(hull: &Hull) -> impl Iterator<Item = Face> {
+    hull.faces().map(|[a, b, c]| {
+        let n = (b - a).cross(c - a).normalize_or_zero();
+        (n, n.dot(a))
+    })
 }
 
 /// Directions so near to an axis are along it.
@@ -71,7 +85,7 @@ impl Line {
                 let [x, y, z] = DVec3::AXES.map(|axis| self.slab(axis, half.dot(axis)));
                 x?.and(y?)?.and(z?)
             }
-            Geometry::Hull(ref hull) => self.polyhedron(hull),
+            Geometry::Hull(ref hull) => self.behind(faces(hull)),
             Geometry::Mesh(_) | Geometry::MeshFile { .. } => None,
         }
     }
@@ -104,13 +118,14 @@ impl Line {
         self.half_space(n, h)?.and(self.half_space(-n, h)?)
     }
 
-    /// In front of no face: (p − a) · n ≤ 0 for all of them.
-    fn polyhedron(&self, hull: &Hull) -> Option<Span> {
-        let spans = hull.faces().map(|[a, b, c]| {
-            let n = (b - a).cross(c - a).normalize_or_zero();
-            self.half_space(n, n.dot(a))
-        });
-        spans.reduce(|span, other| span?.and(other?)).flatten()
+    /// In front of no face: n · p ≤ h for all of them.
+    pub fn behind(&self, mut faces: impl Iterator<Item = Face>) -> Option<Span> {
+        let whole = Span {
+            enter: f64::NEG_INFINITY,
+            leave: f64::INFINITY,
+            normal: DVec3::ZERO,
+        };
+        faces.try_fold(whole, |span, (n, h)| span.and(self.half_space(n, h)?))
     }
 
     /// Σ (pᵢ/aᵢ)² ≤ 1: with u = o/a and w = d/a a unit ball. Normal: the gradient pᵢ/aᵢ².

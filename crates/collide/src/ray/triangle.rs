@@ -17,7 +17,7 @@ use glam::{DVec2, DVec3};
 
 /// A line as triangles see it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sheared {
+pub struct Sheared {
     origin: DVec3,
     /// The axes that are called x, y and z.
     axes: [usize; 3],
@@ -25,6 +25,7 @@ pub(super) struct Sheared {
 }
 
 impl Sheared {
+    /// Of a line whose direction has unit length.
     pub fn new(line: &Line) -> Self {
         let d = line.direction;
         let z = d.abs().max_position();
@@ -37,7 +38,7 @@ impl Sheared {
         }
     }
 
-    /// The distance along the line at which it crosses a triangle, from either side; edges count.
+    /// The distance [m] along the line at which it crosses a triangle, from either side; edges count.
     pub fn crosses(&self, corners: [DVec3; 3]) -> Option<f64> {
         let seen = corners.map(|p| {
             let p = p - self.origin;

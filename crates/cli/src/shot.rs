@@ -1,0 +1,83 @@
+//! A picture of a scene, without a window.
+
+use crate::arguments::Shot;
+use crate::error::Error;
+use crate::output::print;
+use crate::view;
+use kinetarium::model::{BodyId, Pose};
+use render::{Camera, RenderError, View, ray_caster};
+use session::Stage;
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::Path;
+
+/// Rays of a pixel, at least, that tell how much of the sky is seen.
+const SKY_RAYS: usize = 16;
+
+/// Simulates to a time and draws what is there then.
+pub fn shot(arguments: &Shot) -> Result<(), Error> {
+    let stage = stage(arguments)?;
+    let poses = poses(&stage, arguments.time)?;
+    let scene = render::Scene::new(&stage.model)?;
+    let (width, height) = arguments.size;
+    let framed = Camera::framing(&scene, &poses, width, height);
+    let camera = arguments.camera.map_or(framed, |[eye, target]| {
+        framed.looking(eye, target, scene.up())
+    });
+    let samples = arguments.samples;
+    let view = View::new(camera)
+        .with_samples(samples)
+        .with_occlusion(SKY_RAYS.div_ceil(samples * samples));
+    let images = ray_caster::render(&scene, &view, &[&poses])?;
+    write(
+        &arguments.out,
+        &images.rgb.unwrap_or_default(),
+        (width, height),
+    )?;
+    let (name, time, out) = (&stage.model.name, arguments.time, arguments.out.display());
+    print(&format!("{name} at {time} s, {width} × {height}: {out}\n"));
+    Ok(())
+}
+
+/// What is to be seen, in one world.
+fn stage(arguments: &Shot) -> Result<Stage, Error> {
+    let mut stage = view::stage(&arguments.scene, &arguments.reading)?;
+    if let Some(name) = &arguments.keyframe {
+        stage.keyframe = Some(stage.model.keyframe(name)?.clone());
+    }
+    stage.worlds = 1;
+    Ok(stage)
+}
+
+/// Where the bodies are at a time [s].
+fn poses(stage: &Stage, time: f64) -> Result<Vec<Pose>, Error> {
+    let time_step = stage.model.time_step;
+    let steps = (time / time_step).round();
+    if steps > MOST_STEPS {
+        let seconds = time;
+        return Err(Error::ShotTime { seconds, time_step });
+    }
+    let mut simulation = stage.simulation()?;
+    simulation.step(steps as usize);
+    if let Some(diverged) = simulation.diverged().first() {
+        let time = diverged.time;
+        return Err(Error::AllDiverged { worlds: 1, time });
+    }
+    let outputs = simulation.outputs();
+    let bodies = (0..stage.model.bodies.len()).map(BodyId);
+    Ok(bodies.map(|body| outputs.body_pose(0, body)).collect())
+}
+
+/// Most time steps before the picture.
+const MOST_STEPS: f64 = 1e9;
+
+fn write(path: &Path, rgb: &[u8], (width, height): (usize, usize)) -> Result<(), Error> {
+    let written = || -> Result<(), RenderError> {
+        let file = File::create(path).map_err(|e| RenderError::Picture(e.into()))?;
+        render::write_png(BufWriter::new(file), rgb, width, height)
+    };
+    written().map_err(|reason| Error::Write {
+        path: path.to_owned(),
+        reason: reason.into(),
+    })
+}

@@ -1,0 +1,249 @@
+//! What light makes of what a ray meets.
+//!
+//! A surface scatters light evenly (Lambert), and shines a little where it faces half way between
+//! the sun and the eye (Blinn). Colours are linear until they are encoded.
+
+use super::placed::Ray;
+use super::sampling::{disc, hemisphere, turn};
+use super::tile::Tile;
+use super::world::{Hit, Seen};
+use crate::scene::Form;
+use glam::{DVec2, DVec3, Vec3};
+use std::sync::LazyLock;
+
+/// Brightness of the middle of the sun's reflection, against the sun.
+const SHINE: f32 = 0.12;
+/// Of every other square of a checker pattern, against the colour of the plane.
+const DARKER: f32 = 0.86;
+/// Where rays are steeper than this sine, endless planes are seen as they are; the flatter, the more
+/// they look like the horizon.
+const FLAT: f64 = 0.08;
+/// Share of the scene's size up to which things keep the sky from each other.
+const OCCLUSION_REACH: f64 = 0.5;
+
+/// The light on what one sample of each pixel of a tile meets.
+pub(super) struct Lit<'a> {
+    tile: &'a Tile<'a>,
+    /// What may be between the points and the sun.
+    casters: Vec<usize>,
+    /// What may be between the points and the sky.
+    occluders: Vec<usize>,
+    part: usize,
+    reach: f64,
+    /// To the middle of the sun, a unit vector.
+    sun: DVec3,
+}
+
+impl<'a> Lit<'a> {
+    pub fn new(
+        tile: &'a Tile<'a>,
+        points: impl Iterator<Item = DVec3> + Clone,
+        part: usize,
+    ) -> Self {
+        let world = tile.world;
+        let reach = OCCLUSION_REACH * world.scene.extent;
+        let any = points.clone().next().is_some();
+        let of = |wanted: bool, counts: &dyn Fn(&Seen) -> bool| {
+            let counted = world
+                .shapes
+                .iter()
+                .enumerate()
+                .filter(|(_, seen)| counts(seen));
+            if wanted && any {
+                counted.map(|(i, _)| i).collect()
+            } else {
+                Vec::new()
+            }
+        };
+        let lit = Tile::around(points.clone().map(|p| world.sun * p));
+        let shadows = |seen: &Seen| seen.shadows(lit, world.sun_spread());
+        let around = Tile::around(points);
+        let near = |seen: &Seen| seen.is_near(around, reach);
+        Self {
+            tile,
+            casters: of(world.scene.light.shadows, &shadows),
+            occluders: of(world.view.occlusion > 0, &near),
+            part,
+            reach,
+            sun: world.sun.row(2),
+        }
+    }
+
+    /// What is seen along a ray of a pixel (column, row) that first meets this.
+    pub fn color(&self, ray: &Ray, hit: Option<&Hit>, pixel: (usize, usize)) -> Vec3 {
+        let (scene, world) = (self.tile.world.scene, self.tile.world);
+        let Some(hit) = hit else {
+            return scene.light.background(ray.direction, scene.up);
+        };
+        let item = world.shapes[hit.shape].placed.item;
+        let front = self.surface(ray, hit, pixel);
+        if item.opacity == 1.0 {
+            return front;
+        }
+        let rest = Ray {
+            from: hit.distance,
+            ..*ray
+        };
+        let behind = world.first(&rest, &self.tile.shapes);
+        let point = behind.as_ref().map(|hit| ray.at(hit.distance));
+        let lit = Self::new(self.tile, point.into_iter(), self.part);
+        lit.color(&rest, behind.as_ref(), pixel)
+            .lerp(front, item.opacity)
+    }
+
+    fn surface(&self, ray: &Ray, hit: &Hit, pixel: (usize, usize)) -> Vec3 {
+        let world = self.tile.world;
+        let light = &world.scene.light;
+        let seen = &world.shapes[hit.shape];
+        let point = ray.at(hit.distance);
+        let open = self.open_sky(hit, point, pixel);
+        let mut arriving = open * light.ambient(hit.normal, world.scene.up);
+        let mut shine = Vec3::ZERO;
+        let to_sun = self.to_sun(pixel);
+        let facing = hit.normal.dot(to_sun);
+        if facing > 0.0 && light.sun != Vec3::ZERO {
+            let sun = self.sunlight(hit, point, to_sun) * light.sun;
+            arriving += facing as f32 * sun;
+            if !matches!(seen.placed.item.form, Form::Plane) {
+                let half_way = (to_sun - ray.direction).normalize();
+                shine = SHINE * (hit.normal.dot(half_way) as f32).powi(48) * sun;
+            }
+        }
+        match seen.placed.item.form {
+            Form::Plane => self.plane(ray, hit, point, arriving),
+            _ => seen.placed.item.color * arriving + shine,
+        }
+    }
+
+    fn plane(&self, ray: &Ray, hit: &Hit, point: DVec3, arriving: Vec3) -> Vec3 {
+        let scene = self.tile.world.scene;
+        let placed = &self.tile.world.shapes[hit.shape].placed;
+        let steep = -ray.direction.dot(hit.normal);
+        let mut color = placed.item.color * arriving;
+        if scene.checker > 0.0 {
+            let view = self.tile.world.view;
+            let p = placed.inside(point);
+            let width = hit.distance * self.tile.world.pixel / view.samples as f64;
+            let slant = placed.along(ray.direction).abs() / steep;
+            let width = width * (DVec2::ONE + DVec2::new(slant.x, slant.z));
+            let dark = checker(DVec2::new(p.x, p.z) / scene.checker, width / scene.checker);
+            color *= 1.0 - dark as f32 * (1.0 - DARKER);
+        }
+        if placed.radius.is_finite() {
+            return color;
+        }
+        let x = (steep / FLAT).min(1.0);
+        scene
+            .light
+            .horizon
+            .lerp(color, (x * x * (3.0 - 2.0 * x)) as f32)
+    }
+
+    /// Towards a point of the sun; towards its middle for a single sample.
+    fn to_sun(&self, pixel: (usize, usize)) -> DVec3 {
+        let world = self.tile.world;
+        let parts = world.view.samples * world.view.samples;
+        if parts == 1 {
+            return self.sun;
+        }
+        let p = world.sun_spread() * disc(self.part, parts, turn(pixel));
+        (world.sun.transpose() * p.extend(1.0)).normalize()
+    }
+
+    /// Share of the sun's light that arrives.
+    fn sunlight(&self, hit: &Hit, point: DVec3, to_sun: DVec3) -> f32 {
+        let world = self.tile.world;
+        let ray = off_surface(hit, point, to_sun, f64::INFINITY);
+        let point = world.sun * point;
+        let convex = world.shapes[hit.shape].placed.item.is_convex();
+        let mut light = 1.0;
+        for &i in &self.casters {
+            let seen = &world.shapes[i];
+            let itself = convex && i == hit.shape;
+            if !itself && seen.shadows([point; 2], world.sun_spread()) && seen.placed.blocks(&ray) {
+                light *= 1.0 - seen.placed.item.opacity;
+            }
+            if light == 0.0 {
+                break;
+            }
+        }
+        light
+    }
+
+    /// Share of the sky that a surface sees; what is far keeps less from it.
+    fn open_sky(&self, hit: &Hit, point: DVec3, pixel: (usize, usize)) -> f32 {
+        let world = self.tile.world;
+        let rays = world.view.occlusion;
+        if rays == 0 {
+            return 1.0;
+        }
+        let count = rays * world.view.samples * world.view.samples;
+        let open = (0..rays).map(|i| {
+            let direction = hemisphere(hit.normal, self.part * rays + i, count, turn(pixel));
+            let ray = off_surface(hit, point, direction, self.reach);
+            let met = self
+                .occluders
+                .iter()
+                .filter_map(|i| world.shapes[*i].placed.meet(&ray));
+            let nearest = met.map(|(distance, _)| distance).fold(self.reach, f64::min);
+            nearest / self.reach
+        });
+        (open.sum::<f64>() / rays as f64) as f32
+    }
+}
+
+/// From just above a surface.
+fn off_surface(hit: &Hit, point: DVec3, direction: DVec3, to: f64) -> Ray {
+    let above = 1e-6 * hit.distance;
+    Ray {
+        origin: point + above * hit.normal,
+        direction,
+        from: 0.0,
+        to,
+    }
+}
+
+/// Share of a rectangle of a size about a point that odd squares of edge 1 cover: the product of the
+/// means of square waves (Quilez, Filterable procedurals, 2017).
+fn checker(middle: DVec2, size: DVec2) -> f64 {
+    let wave = |x: f64| 2.0 * (fraction(0.5 * x) - 0.5).abs();
+    let mean = |x: f64, w: f64| (wave(x - 0.5 * w) - wave(x + 0.5 * w)) / w;
+    0.5 - 0.5 * mean(middle.x, size.x) * mean(middle.y, size.y)
+}
+
+/// What x is above the whole number below it; for numbers of any use, faster than the library's.
+fn fraction(x: f64) -> f64 {
+    let fraction = x - (x as i64) as f64;
+    if fraction < 0.0 {
+        fraction + 1.0
+    } else {
+        fraction
+    }
+}
+
+/// Steps of the square root of a part of a colour.
+const STEPS: usize = 4096;
+
+/// In sRGB, by the square root.
+static ENCODED: LazyLock<Vec<u8>> = LazyLock::new(|| {
+    let of = |i: usize| {
+        let x = (i as f32 / STEPS as f32).powi(2);
+        let encoded = if x <= 0.0031308 {
+            12.92 * x
+        } else {
+            1.055 * x.powf(1.0 / 2.4) - 0.055
+        };
+        (255.0 * encoded).round() as u8
+    };
+    (0..=STEPS).map(of).collect()
+});
+
+/// As bytes in sRGB. What is brighter than 0.8 is drawn towards 1, which nothing exceeds.
+#[inline]
+pub(super) fn encode(color: Vec3) -> [u8; 3] {
+    let part = |x: f32| {
+        let x = if x > 0.8 { 1.0 - 0.04 / (x - 0.6) } else { x };
+        ENCODED[(x.max(0.0).sqrt() * STEPS as f32 + 0.5) as usize]
+    };
+    [part(color.x), part(color.y), part(color.z)]
+}
