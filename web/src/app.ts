@@ -111,7 +111,7 @@ export class App {
     );
     left.hidden = right.hidden = innerWidth < NARROW;
     this.plots.element.hidden = innerHeight < 600 || innerWidth < NARROW;
-    this.picture.append(this.skins.legend, this.notice.element);
+    this.picture.append(this.viewPanel.inset, this.skins.legend, this.notice.element);
     document.body.append(
       this.toolbar.element,
       h(

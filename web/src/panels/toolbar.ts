@@ -105,7 +105,7 @@ export class Toolbar {
     for (const tool of ["grab", "push"] as const) this.tools.set(tool, this.toolButton(tool));
     return h(
       "header",
-      { class: "toolbar", role: "toolbar", "aria-label": "Simulation" },
+      { class: "toolbar", "aria-label": "Simulation" },
       this.button("left", "Scene", "Shows or hides the scene's panel. (Shift+E)", () => page.side("left")),
       h("strong", { class: "brand" }, "Kinetarium"),
       group(
