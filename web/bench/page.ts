@@ -1,5 +1,5 @@
-import { App } from "../src/app";
-import type { Command } from "../src/protocol";
+import { Page } from "../src/page";
+import { Session } from "../src/session";
 import "../src/style.css";
 import type { Receiver } from "../src/transport/transport";
 import { humanoids, particles, type Synthetic, zoo } from "./scenes";
@@ -25,29 +25,29 @@ declare global {
 }
 
 let receiver: Receiver | undefined;
-const commands: Command[] = [];
-const app = new App((to) => {
-  receiver = to;
-  return { send: (command) => commands.push(command), drawn: () => {}, close: () => {} };
-});
+const { view, session } = new Page(
+  new Session((to) => {
+    receiver = to;
+    return { send: () => {}, drawn: () => {}, close: () => {} };
+  }),
+);
 
 function show(name: string): Synthetic {
   const synthetic = SCENES[name]();
   receiver?.text(JSON.stringify(synthetic.scene));
   receiver?.binary(synthetic.frame(0, 0));
-  app.view.draw(0);
+  view.draw(0);
   return synthetic;
 }
 
 /** Waits for the graphics card, by asking it for a pixel. */
 function finish(): void {
-  const gl = app.view.stage.renderer.getContext();
+  const gl = view.stage.renderer.getContext();
   gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
 }
 
 window.bench = (name, count) => {
   const synthetic = show(name);
-  const { session, view } = app;
   const frames = Array.from({ length: count + 3 }, (_, i) => synthetic.frame(i / 60, i + 1));
   const update: number[] = [];
   const whole: number[] = [];

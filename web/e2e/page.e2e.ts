@@ -321,7 +321,7 @@ test("skins", async () => {
   expect(await poses()).toEqual(before);
   await file.setInputFiles({ name: "broken.glb", mimeType: "model/gltf-binary", buffer: Buffer.from("no") });
   await page.waitForSelector(".notice:not([hidden])");
-  expect(await page.locator(".notice").textContent()).toContain("broken.glb cannot be read as GLB");
+  expect(await page.locator(".notice").textContent()).toContain("broken.glb is no GLB file");
 });
 
 test("what is drawn over the bodies", async () => {

@@ -27,8 +27,8 @@ mkdirSync(new URL("out/", import.meta.url), { recursive: true });
 const vitest = await startVitest("test", [], {
   root: fileURLToPath(new URL("..", import.meta.url)),
   include: ["e2e/**/*.e2e.ts"],
-  testTimeout: 60_000,
-  hookTimeout: 60_000,
+  testTimeout: 180_000,
+  hookTimeout: 180_000,
   watch: false,
   ...(values.only && { testNamePattern: values.only }),
 });

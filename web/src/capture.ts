@@ -1,50 +1,64 @@
-/** Pictures and films of the canvas, saved as files. */
+/** Pictures and films of what is drawn, saved as files. */
 
-/** Frames a second of a film. */
-const RATE = 60;
+import { Emitter } from "./emitter";
+import type { Notice } from "./notice";
+import type { Session } from "./session";
+import type { View } from "./view/view";
+
+/** Frames a second of a film, and bits a second. */
+const [RATE, BITS] = [60, 12e6];
 const FORMATS = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"];
 
-export async function savePicture(canvas: HTMLCanvasElement, name: string): Promise<void> {
-  const picture = await new Promise<Blob | null>((done) => canvas.toBlob(done, "image/png"));
-  if (!picture) throw new Error("The browser made no picture of the canvas.");
-  save(picture, `${name}.png`);
-}
+/** Saves pictures, and records films to WebM. */
+export class Capture extends Emitter<{ recording: boolean }> {
+  private film: MediaRecorder | null = null;
 
-/** Records the canvas to a WebM file. */
-export class Recorder {
-  private recorder: MediaRecorder | null = null;
-  private pieces: Blob[] = [];
-
-  constructor(private readonly canvas: HTMLCanvasElement) {}
-
-  get recording(): boolean {
-    return this.recorder !== null;
+  constructor(
+    private readonly session: Session,
+    private readonly view: View,
+    private readonly notice: Notice,
+  ) {
+    super();
   }
 
-  start(): void {
+  savePicture(): void {
+    // The canvas is empty after the browser has shown it, so it is drawn in the same turn.
+    this.view.render();
+    this.view.stage.canvas.toBlob((picture) => {
+      if (picture) save(picture, `${this.name}.png`);
+      else this.notice.tell("The browser made no picture of the canvas.");
+    }, "image/png");
+  }
+
+  /** Begins a film, or ends and saves it. */
+  toggleFilm(): void {
+    if (this.film) this.film.stop();
+    else this.begin();
+    this.emit("recording", this.film?.state === "recording");
+  }
+
+  private begin(): void {
     const mimeType = FORMATS.find((format) => MediaRecorder.isTypeSupported(format));
-    if (!mimeType) throw new Error("This browser cannot record WebM.");
-    const recorder = new MediaRecorder(this.canvas.captureStream(RATE), {
-      mimeType,
-      videoBitsPerSecond: 12e6,
-    });
+    if (!mimeType) {
+      this.notice.tell("This browser cannot record WebM.");
+      return;
+    }
+    const stream = this.view.stage.canvas.captureStream(RATE);
+    const recorder = new MediaRecorder(stream, { mimeType, videoBitsPerSecond: BITS });
     const pieces: Blob[] = [];
     recorder.ondataavailable = ({ data }) => pieces.push(data);
+    recorder.onstop = () => {
+      this.film = null;
+      save(new Blob(pieces, { type: "video/webm" }), `${this.name}.webm`);
+    };
     recorder.start(1000);
-    this.pieces = pieces;
-    this.recorder = recorder;
+    this.film = recorder;
   }
 
-  /** Ends the film and saves it. */
-  async stop(name: string): Promise<void> {
-    const { recorder, pieces } = this;
-    if (!recorder) return;
-    this.recorder = null;
-    await new Promise((done) => {
-      recorder.onstop = done;
-      recorder.stop();
-    });
-    save(new Blob(pieces, { type: "video/webm" }), `${name}.webm`);
+  /** Of the files: the scene and its time. */
+  private get name(): string {
+    const time = this.session.frame?.time ?? 0;
+    return `${this.session.scene?.name ?? "kinetarium"}-${time.toFixed(3)}s`;
   }
 }
 

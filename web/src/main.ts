@@ -1,6 +1,7 @@
-import { App } from "./app";
 import type { Frame } from "./frame";
+import { Page } from "./page";
 import type { Scene, Status } from "./protocol";
+import { Session } from "./session";
 import "./style.css";
 import { connect } from "./transport/connect";
 
@@ -16,7 +17,8 @@ declare global {
   }
 }
 
-const { session } = new App(connect);
+const session = new Session(connect);
+new Page(session);
 Object.defineProperty(window, "kinetarium", {
   get: () => ({ scene: session.scene, status: session.status, frame: session.frame, shown: session.shown }),
 });

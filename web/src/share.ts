@@ -1,5 +1,6 @@
 import { type Address, emptyAddress, formatAddress, parseAddress } from "./address";
 import type { Controls } from "./controls";
+import type { Notice } from "./notice";
 import type { Field, Scene, Values } from "./protocol";
 import type { Session } from "./session";
 import type { View } from "./view/view";
@@ -21,6 +22,7 @@ export class Share {
     private readonly session: Session,
     private readonly controls: Controls,
     private readonly view: View,
+    private readonly notice: Notice,
   ) {
     this.address = parseAddress(location.hash);
     session.on("examples", () => this.open());
@@ -54,6 +56,16 @@ export class Share {
     this.address.viewpoint = rig.viewpoint;
     this.address.mount = rig.mount === "free" ? null : { mount: rig.mount, body: carried.body };
     this.soon();
+  }
+
+  /** Puts the address into the clipboard. */
+  async copy(): Promise<void> {
+    this.write();
+    try {
+      await navigator.clipboard.writeText(location.href);
+    } catch {
+      this.notice.tell("The browser lets no page write to the clipboard here; copy the address by hand.");
+    }
   }
 
   private open(): void {

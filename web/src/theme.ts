@@ -1,29 +1,30 @@
 import { Emitter } from "./emitter";
+import { keep, recall } from "./store";
 
 export type Theme = "light" | "dark";
-export type ThemeChoice = Theme | "system";
+
+const CHOICES = ["system", "light", "dark"] as const;
 
 /** Light or dark: as the system says, unless chosen on the page. */
 export class Themes extends Emitter<{ change: Theme }> {
   private readonly system = matchMedia("(prefers-color-scheme: dark)");
+  private choice = recall<(typeof CHOICES)[number]>("theme", "system");
 
-  constructor(private picked: ThemeChoice) {
+  constructor() {
     super();
     this.system.addEventListener("change", () => this.apply());
     this.apply();
   }
 
   get now(): Theme {
-    if (this.picked !== "system") return this.picked;
+    if (this.choice !== "system") return this.choice;
     return this.system.matches ? "dark" : "light";
   }
 
-  get choice(): ThemeChoice {
-    return this.picked;
-  }
-
-  set choice(choice: ThemeChoice) {
-    this.picked = choice;
+  /** As the system says, light, dark, in turn. */
+  turn(): void {
+    this.choice = CHOICES[(CHOICES.indexOf(this.choice) + 1) % CHOICES.length];
+    keep("theme", this.choice);
     this.apply();
   }
 

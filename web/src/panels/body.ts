@@ -1,5 +1,6 @@
 import { Vector3 } from "three";
 import { type Frame, POSE } from "../frame";
+import type { Navigation } from "../navigation";
 import type { Body, Scene } from "../protocol";
 import type { Pushing } from "../pushing";
 import type { Selection } from "../selection";
@@ -7,7 +8,6 @@ import type { Session } from "../session";
 import { button, h, Select } from "../ui/dom";
 import { fixed, list, short } from "../ui/format";
 import { NumberControl } from "../ui/number_control";
-import type { Mount } from "../view/camera_rig";
 
 /** Time between two readings of the state [s]. */
 const READ = 0.1;
@@ -24,7 +24,7 @@ export class BodyPanel {
     private readonly session: Session,
     private readonly selection: Selection,
     private readonly pushing: Pushing,
-    private readonly mount: (mount: Mount) => void,
+    private readonly navigation: Navigation,
   ) {
     selection.on("change", () => this.show());
     session.on("scene", () => this.show());
@@ -57,9 +57,9 @@ export class BodyPanel {
       h(
         "div",
         { class: "bar" },
-        button("Follow", "The camera keeps it in the middle. (C)", () => this.mount("follow")),
-        button("First person", "Sees with its eyes. (V)", () => this.mount("ride")),
-        button("Let go", "The camera stands still again. (X)", () => this.mount("free")),
+        button("Follow", "The camera keeps it in the middle. (C)", () => this.navigation.mount("follow")),
+        button("First person", "Sees with its eyes. (V)", () => this.navigation.mount("ride")),
+        button("Let go", "The camera stands still again. (X)", () => this.navigation.mount("free")),
       ),
       ...(body.dynamic ? [this.pusher()] : []),
     );

@@ -38,7 +38,10 @@ export class Gallery {
 
   private mark(): void {
     for (const item of this.element.querySelectorAll<HTMLElement>(".example")) {
-      item.setAttribute("aria-current", String(item.dataset.name === this.session.scene?.name));
+      const current = item.dataset.name === this.session.scene?.name;
+      item.setAttribute("aria-current", String(current));
+      // Not scrollIntoView, which would scroll the panel, too.
+      if (current) this.element.scrollTop = item.offsetTop - this.element.clientHeight / 2;
     }
   }
 }

@@ -1,3 +1,4 @@
+import type { Navigation } from "../navigation";
 import type { Session } from "../session";
 import { keep, recall } from "../store";
 import { button, Checkbox, h, Select } from "../ui/dom";
@@ -38,6 +39,7 @@ export class ViewPanel {
   constructor(
     private readonly session: Session,
     private readonly view: View,
+    private readonly navigation: Navigation,
   ) {
     view.options = { ...VIEW_OPTIONS, ...recall<Partial<ViewOptions>>("view", {}), inset: -1 };
     this.boxes = FLAGS.map(([flag, label, help]) => [
@@ -93,9 +95,7 @@ export class ViewPanel {
 
   recall(place: number): void {
     const viewpoint = this.places()[place];
-    if (!viewpoint) return;
-    this.view.mount("free");
-    this.view.rig.go(viewpoint);
+    if (viewpoint) this.navigation.go(viewpoint);
   }
 
   private forget(): void {

@@ -35,7 +35,10 @@ export function showTooltips(): void {
   };
 
   document.addEventListener("pointerover", enter);
-  document.addEventListener("focusin", enter);
+  document.addEventListener("focusin", (event) => {
+    // What a mouse has focused is pointed at anyway.
+    if ((event.target as Element).matches(":focus-visible")) enter(event);
+  });
   document.addEventListener("focusout", hide);
   document.addEventListener("pointerdown", hide);
   document.addEventListener("scroll", hide, true);

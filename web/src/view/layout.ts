@@ -1,6 +1,7 @@
 /** Where worlds stand that are shown side by side. */
 
-import type { Scene, Shape } from "../protocol";
+import { Quaternion, Vector3 } from "three";
+import type { Joint, Scene, Shape } from "../protocol";
 import type { Triple } from "../schema";
 
 /** Shifts [m] of so many worlds, three numbers each, in the scene's axes: a square on the ground about its middle. */
@@ -82,12 +83,23 @@ export function moves(scene: Scene, measures: Measures): [Triple, Triple] {
     const [from, to] = scene.bounds;
     const farthest = Math.hypot(...anchor.map((x, axis) => Math.max(x - from[axis], to[axis] - x)));
     const swing = Math.min(farthest, treeReach(scene, joint.child, measures));
+    const across = swingsAcross(joint);
     anchor.forEach((x, axis) => {
-      low[axis] = Math.min(low[axis], x - swing);
-      high[axis] = Math.max(high[axis], x + swing);
+      low[axis] = Math.min(low[axis], x - swing * across[axis]);
+      high[axis] = Math.max(high[axis], x + swing * across[axis]);
     });
   });
   return [low, high];
+}
+
+/** How far what hangs on a joint gets along each axis, as a share: a hinge swings in its plane alone. */
+function swingsAcross({ dofs, parent_frame }: Joint): number[] {
+  if (dofs.length !== 1) return [1, 1, 1];
+  const axis = new Vector3(...dofs[0].axis).applyQuaternion(new Quaternion(...parent_frame.orientation));
+  return axis
+    .normalize()
+    .toArray()
+    .map((share) => Math.sqrt(Math.max(0, 1 - share * share)));
 }
 
 /** Sum of the widths of a body and all that hang on it [m]. */

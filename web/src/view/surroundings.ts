@@ -29,7 +29,7 @@ const STRENGTH: Record<Theme, { sky: number; sun: number }> = {
   dark: { sky: 0.55, sun: 2.1 },
 };
 /** Towards the sun. */
-const SUN = new Vector3(0.45, 1, 0.55).normalize();
+const SUN = new Vector3(0.75, 1.1, 0.25).normalize();
 const SHADOW_PIXELS = 2048;
 
 /** Sky, sky light and a sun with shadows. */

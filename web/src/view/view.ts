@@ -12,6 +12,7 @@ import {
 import type { Frame } from "../frame";
 import type { Scene } from "../protocol";
 import type { Triple } from "../schema";
+import type { Session } from "../session";
 import type { Theme } from "../theme";
 import { CameraRig, type Mount, type Viewpoint } from "./camera_rig";
 import { VIEW_OPTIONS, type ViewOptions } from "./options";
@@ -39,9 +40,11 @@ export class View {
   /** Whether the scene is to be seen whole, once its next frame is here. */
   private framing = true;
 
-  constructor(canvas: HTMLCanvasElement) {
+  constructor(canvas: HTMLCanvasElement, session: Session) {
     this.stage = new Stage(canvas);
     this.stage.root.add(this.spring);
+    session.on("scene", (scene) => this.setScene(scene));
+    session.on("frame", (frame) => this.setFrame(frame));
   }
 
   get current(): SceneView | null {
@@ -73,26 +76,6 @@ export class View {
   /** It is to be drawn anew. */
   invalidate(): void {
     this.stale = true;
-  }
-
-  /** Shows another scene; its first frame is seen whole, unless a viewpoint is given before. */
-  setScene(scene: Scene): void {
-    this.shown?.dispose();
-    this.frame = null;
-    this.picked = null;
-    this.shown = new SceneView(scene, this.wardrobe, this.chosen);
-    this.stage.up = scene.up;
-    this.stage.root.add(this.shown.group);
-    this.rig.setMount("free");
-    this.spring.visible = false;
-    this.laidFor = 0;
-    this.framing = true;
-    this.invalidate();
-  }
-
-  setFrame(frame: Frame): void {
-    this.frame = frame;
-    this.invalidate();
   }
 
   /** Skins have changed. */
@@ -178,6 +161,26 @@ export class View {
     const reach = Math.min(radius, 2 * rig.camera.position.distanceTo(rig.focus) + 0.1 * radius);
     stage.render(rig.camera, rig.focus, rig.mount === "ride" ? radius : reach);
     if (this.placeInset()) stage.renderInset(this.insetCamera);
+  }
+
+  /** Shows another scene; its first frame is seen whole, unless a viewpoint is given before. */
+  private setScene(scene: Scene): void {
+    this.shown?.dispose();
+    this.frame = null;
+    this.picked = null;
+    this.shown = new SceneView(scene, this.wardrobe, this.chosen);
+    this.stage.up = scene.up;
+    this.stage.root.add(this.shown.group);
+    this.rig.setMount("free");
+    this.spring.visible = false;
+    this.laidFor = 0;
+    this.framing = true;
+    this.invalidate();
+  }
+
+  private setFrame(frame: Frame): void {
+    this.frame = frame;
+    this.invalidate();
   }
 
   private settle(shown: SceneView): void {

@@ -33,6 +33,7 @@ export class JointAxes implements Overlay {
   draw({ scene, frame, poses, measures }: Moment): void {
     this.object.begin();
     for (const joint of poses.worlds ? scene.joints : []) {
+      if (joint.kind === "free") continue;
       const size = 0.9 * Math.max(measures.bodies[joint.child] ?? 0, 0.6 * measures.body);
       const [parent, p] = poses.of(0, joint.parent);
       multiply(this.map, 0, parent, p, placed(joint.parent_frame), 0);

@@ -15,8 +15,12 @@ export async function skinOfFile(file: File): Promise<Skin> {
 }
 
 async function readModel(file: File): Promise<Object3D> {
+  const bytes = await file.arrayBuffer();
+  if (!new TextDecoder().decode(bytes.slice(0, 4)).startsWith("glTF")) {
+    throw new Error(`${file.name} is no GLB file: its first bytes are not glTF.`);
+  }
   try {
-    const { scene } = await new GLTFLoader().parseAsync(await file.arrayBuffer(), "");
+    const { scene } = await new GLTFLoader().parseAsync(bytes, "");
     return scene;
   } catch (error) {
     throw new Error(`${file.name} cannot be read as GLB: ${(error as Error).message}`);

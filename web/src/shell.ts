@@ -1,0 +1,68 @@
+import { Emitter } from "./emitter";
+import { h, section } from "./ui/dom";
+
+/** Narrower than this, a panel lies over the picture [px]. */
+const NARROW = 900;
+/** Lower than this, plots are hidden at first [px]. */
+const LOW = 600;
+
+/** What the page is made of. */
+export interface Parts {
+  toolbar: HTMLElement;
+  /** Sections of the panels, by their titles. */
+  left: Record<string, HTMLElement>;
+  right: Record<string, HTMLElement>;
+  canvas: HTMLElement;
+  /** What lies over the picture. */
+  over: HTMLElement[];
+  plots: HTMLElement;
+  timeline: HTMLElement;
+  help: HTMLDialogElement;
+}
+
+export type Side = "left" | "right";
+
+/** Arranges the page, and shows or hides its sides. */
+export class Shell extends Emitter<{ plots: boolean }> {
+  private readonly sides: Record<Side, HTMLElement>;
+
+  constructor(private readonly parts: Parts) {
+    super();
+    this.sides = {
+      left: side("left", "Scene", parts.left),
+      right: side("right", "Inspect", parts.right),
+    };
+    this.sides.left.hidden = this.sides.right.hidden = innerWidth < NARROW;
+    parts.plots.hidden = innerHeight < LOW || innerWidth < NARROW;
+    const picture = h("main", { class: "picture" }, parts.canvas, ...parts.over);
+    const center = h("div", { class: "center" }, picture, parts.plots);
+    document.body.append(
+      parts.toolbar,
+      h("div", { class: "middle" }, this.sides.left, center, this.sides.right),
+      parts.timeline,
+      parts.help,
+    );
+  }
+
+  /** Shows or hides a side; where there is room for one, the other goes. */
+  toggleSide(which: Side): void {
+    const { left, right } = this.sides;
+    const [wanted, other] = which === "left" ? [left, right] : [right, left];
+    wanted.hidden = !wanted.hidden;
+    if (innerWidth < NARROW) other.hidden = true;
+  }
+
+  togglePlots(): void {
+    this.parts.plots.hidden = !this.parts.plots.hidden;
+    this.emit("plots", !this.parts.plots.hidden);
+  }
+
+  help(): void {
+    this.parts.help.showModal();
+  }
+}
+
+function side(which: Side, label: string, sections: Record<string, HTMLElement>): HTMLElement {
+  const parts = Object.entries(sections).map(([title, content]) => section(title, true, content));
+  return h("aside", { class: `side ${which}`, "aria-label": label }, ...parts);
+}
