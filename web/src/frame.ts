@@ -5,7 +5,7 @@ import { Malformed } from "./schema";
 /** The first four bytes: `KFRM`. */
 export const MAGIC = 0x4d52464b;
 /** Length of what every frame begins with [bytes]. */
-export const HEADER = 56;
+export const HEADER = 60;
 /** Numbers of a body's pose: position [m], orientation x, y, z, w. */
 export const POSE = 7;
 /** Numbers of a contact: row of its world, position [m], force [N] on the second shape, distance [m], two shapes. */
@@ -35,6 +35,8 @@ export interface Frame {
   quantities: Float32Array;
   /** Positions [m] of the particles of all worlds shown. */
   particles: Float32Array;
+  /** Of each earlier sample since the frame before: its age [s], and the values of the plotted quantities. */
+  past: Float32Array;
 }
 
 /** Reads a frame. Throws {@link Malformed} where the bytes are none. */
@@ -46,12 +48,21 @@ export function readFrame(bytes: ArrayBuffer): Frame {
 
   const [worlds, bodies, contacts] = [word(28), word(32), word(36)];
   let offset = HEADER;
-  const lengths = [POSE * worlds * bodies, CONTACT * contacts, word(40), word(44), word(48), 3 * word(52)];
+  const sample = 1 + word(48);
+  const lengths = [
+    POSE * worlds * bodies,
+    CONTACT * contacts,
+    word(40),
+    word(44),
+    word(48),
+    3 * word(52),
+    sample * word(56),
+  ];
   const expected = HEADER + 4 * lengths.reduce((sum, length) => sum + length, 0);
   if (bytes.byteLength !== expected) {
     throw new Malformed(`a frame of ${bytes.byteLength} bytes should have ${expected}`);
   }
-  const [poses, touches, coordinates, velocities, quantities, particles] = lengths.map((length) => {
+  const [poses, touches, coordinates, velocities, quantities, particles, past] = lengths.map((length) => {
     const view = new Float32Array(bytes, offset, length);
     offset += 4 * length;
     return view;
@@ -71,5 +82,6 @@ export function readFrame(bytes: ArrayBuffer): Frame {
     velocities,
     quantities,
     particles,
+    past,
   };
 }

@@ -17,6 +17,7 @@ const contents = {
   velocities: [-1],
   quantities: [4, 5, 6],
   particles: [0, 1, 0, 0, 2, 0],
+  past: [0.5, 1, 2, 3, 0.25, 2, 3, 4],
 };
 
 test("a frame is read as it was written", () => {

@@ -15,6 +15,7 @@ export interface Contents {
   velocities?: ArrayLike<number>;
   quantities?: ArrayLike<number>;
   particles?: ArrayLike<number>;
+  past?: ArrayLike<number>;
 }
 
 /** A frame as an engine writes it. */
@@ -26,8 +27,9 @@ export function writeFrame(contents: Contents): ArrayBuffer {
     velocities = [],
     quantities = [],
     particles = [],
+    past = [],
   } = contents;
-  const parts = [poses, contacts, coordinates, velocities, quantities, particles];
+  const parts = [poses, contacts, coordinates, velocities, quantities, particles, past];
   const bytes = new ArrayBuffer(HEADER + 4 * parts.reduce((sum, part) => sum + part.length, 0));
   const header = new DataView(bytes);
   const words: [number, number][] = [
@@ -43,6 +45,7 @@ export function writeFrame(contents: Contents): ArrayBuffer {
     [44, velocities.length],
     [48, quantities.length],
     [52, particles.length / 3],
+    [56, past.length / (1 + quantities.length)],
   ];
   for (const [offset, word] of words) header.setUint32(offset, word, true);
   header.setFloat64(16, contents.time ?? 0, true);

@@ -3,6 +3,7 @@
 
 mod asm;
 mod bench;
+mod page;
 mod stages;
 mod test;
 mod workshop;

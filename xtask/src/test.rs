@@ -5,6 +5,7 @@ use serde::Deserialize;
 use xshell::cmd;
 
 use crate::asm;
+use crate::page;
 use crate::stages::{self, Stage};
 use crate::workshop::Workshop;
 
@@ -49,8 +50,18 @@ const STAGES: &[Stage] = &[
     },
     Stage {
         name: "wasm",
-        purpose: "numbers on wasm32 with simd128 under Node",
+        purpose: "numbers on wasm32 with simd128 under Node; the engine for browsers, bit for bit",
         run: wasm,
+    },
+    Stage {
+        name: "page",
+        purpose: "lints and tests of the page; what is committed is what is built",
+        run: page::check,
+    },
+    Stage {
+        name: "browser",
+        purpose: "the page in Chromium, before a server and with an engine of its own",
+        run: page::browse,
     },
     Stage {
         name: "asm",
@@ -82,9 +93,12 @@ pub fn run(workshop: &Workshop, names: &[&str]) -> Result<()> {
 fn tools(workshop: &Workshop) -> Result<()> {
     workshop.need_program("qemu-aarch64", "qemu-user")?;
     workshop.need_program("node", "nodejs")?;
+    workshop.need_program("npm", "npm")?;
+    workshop.need_program("chromium", "chromium")?;
     workshop.need_program("objdump", "binutils")?;
     workshop.need_rust_target(NEON)?;
     workshop.need_rust_target(WASM)?;
+    workshop.need_rust_target(page::BROWSER)?;
     workshop.peers_python()?;
     Ok(())
 }
@@ -161,7 +175,7 @@ fn wasm(workshop: &Workshop) -> Result<()> {
         "node --no-warnings {}",
         workshop.root.join("xtask/wasi.mjs").display()
     );
-    Ok(cmd!(
+    cmd!(
         workshop.sh,
         "cargo test --quiet --package kinetarium-numbers --lib --tests --target {WASM} -- --nocapture"
     )
@@ -170,7 +184,8 @@ fn wasm(workshop: &Workshop) -> Result<()> {
         "CARGO_TARGET_WASM32_WASIP1_RUSTFLAGS",
         "-Ctarget-feature=+simd128",
     )
-    .run()?)
+    .run()?;
+    page::same_bits(workshop)
 }
 
 /// Runs the program as a newcomer would, in an empty folder, and expects its files and exit codes.
@@ -187,7 +202,12 @@ fn program(workshop: &Workshop) -> Result<()> {
     sh.remove_path(&folder)?;
     let folder = sh.create_dir(folder)?;
     let _inside = sh.push_dir(&folder);
-    cmd!(sh, "{kinetarium}").run()?;
+    cmd!(sh, "{kinetarium} --headless").run()?;
+    cmd!(
+        sh,
+        "{kinetarium} shot {humanoid} --time 0.3 --out humanoid.png"
+    )
+    .run()?;
     cmd!(
         sh,
         "{kinetarium} run {humanoid} --worlds 64 --seconds 1 --solver featherstone --threads 2"

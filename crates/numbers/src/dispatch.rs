@@ -183,9 +183,10 @@ impl FromStr for Isa {
 /// Runs a job with [`Float::BLOCK`] worlds side by side, in arrays where registers are not so wide.
 #[inline]
 pub fn run_block<J: Job>(isa: Isa, job: J) -> J::Output {
-    match isa {
-        Isa::Portable => entry_portable(job),
-        _ => run_registers(isa, job),
+    if isa == Isa::Portable {
+        entry_portable(job)
+    } else {
+        run_registers(isa, job)
     }
 }
 

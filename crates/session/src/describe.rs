@@ -147,7 +147,7 @@ pub(crate) fn joints(model: &Model, now: &[model::Joint], sliders: &[String]) ->
 }
 
 /// Whether a degree of freedom turns, its axis, and a point on it, in the joint's frame.
-fn axis(joint: &model::Joint, dof: usize) -> (bool, DVec3, DVec3) {
+pub(crate) fn axis(joint: &model::Joint, dof: usize) -> (bool, DVec3, DVec3) {
     match joint.kind {
         JointKind::Ball => (true, DVec3::AXES[dof], DVec3::ZERO),
         JointKind::Free => (dof >= 3, DVec3::AXES[dof % 3], DVec3::ZERO),

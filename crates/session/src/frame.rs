@@ -17,17 +17,19 @@
 //! | 44 | u32 | D, degrees of freedom |
 //! | 48 | u32 | Q, plotted quantities |
 //! | 52 | u32 | P, particles of all worlds shown |
-//! | 56 | f32 × 7 × W × B | position [m] and orientation x, y, z, w of each body's frame, world by world |
+//! | 56 | u32 | S, earlier samples of the plotted quantities, since the frame before |
+//! | 60 | f32 × 7 × W × B | position [m] and orientation x, y, z, w of each body's frame, world by world |
 //! | | f32 × 10 × C | row of its world among those shown, position [m], force [N] on the second shape, distance [m], the two shapes |
 //! | | f32 × J | joint coordinates |
 //! | | f32 × D | joint velocities |
 //! | | f32 × Q | values of the plotted quantities |
 //! | | f32 × 3 × P | positions of particles [m] |
+//! | | f32 × (1 + Q) × S | how long before this frame a sample was taken [s], and the values, in order of time |
 
 /// The first four bytes: `KFRM`.
 pub const MAGIC: u32 = u32::from_le_bytes(*b"KFRM");
 /// Length of what every frame begins with [bytes].
-pub const HEADER: usize = 56;
+pub const HEADER: usize = 60;
 
 /// What a frame says, but for its first numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -58,6 +60,8 @@ pub struct Frame {
     pub plots: Vec<f32>,
     /// Three numbers for each particle.
     pub particles: Vec<f32>,
+    /// For each earlier sample of the plotted quantities: its age [s], and their values.
+    pub past: Vec<f32>,
 }
 
 /// Numbers of a contact.
@@ -73,6 +77,7 @@ impl Frame {
             &self.velocities,
             &self.plots,
             &self.particles,
+            &self.past,
         ];
         let numbers: usize = lists.iter().map(|list| list.len()).sum();
         let mut bytes = Vec::with_capacity(HEADER + 4 * numbers);
@@ -88,6 +93,7 @@ impl Frame {
             self.velocities.len() as u32,
             self.plots.len() as u32,
             (self.particles.len() / 3) as u32,
+            (self.past.len() / (1 + self.plots.len())) as u32,
         ];
         bytes.extend(counts.iter().flat_map(|x| x.to_le_bytes()));
         for list in lists {
@@ -114,19 +120,20 @@ mod tests {
             poses: vec![1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0],
             contacts: vec![0.5; 2 * CONTACT],
             plots: vec![9.0],
+            past: vec![0.1, 8.0],
             ..Frame::default()
         };
         let bytes = frame.to_bytes();
-        assert_eq!(bytes.len(), HEADER + 4 * (7 + 2 * CONTACT + 1));
+        assert_eq!(bytes.len(), HEADER + 4 * (7 + 2 * CONTACT + 1 + 2));
         let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
         assert_eq!(&bytes[..4], b"KFRM");
         assert_eq!([4, 8, 12, 24].map(word), [3, 7, 1, 750]);
         assert_eq!(bytes[16..24], 1.5_f64.to_le_bytes());
         assert_eq!(
-            [28, 32, 36, 40, 44, 48, 52].map(word),
-            [1, 1, 2, 0, 0, 1, 0]
+            [28, 32, 36, 40, 44, 48, 52, 56].map(word),
+            [1, 1, 2, 0, 0, 1, 0, 1]
         );
         assert_eq!(word(HEADER + 8), 3.0_f32.to_bits());
-        assert_eq!(word(bytes.len() - 4), 9.0_f32.to_bits());
+        assert_eq!(word(bytes.len() - 12), 9.0_f32.to_bits());
     }
 }

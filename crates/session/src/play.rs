@@ -227,10 +227,16 @@ impl Play {
         let single = |x: Vec<f64>| x.into_iter().map(|x| x as f32).collect();
         frame.positions = single(outputs.joint_position(shown[0]));
         frame.velocities = single(outputs.joint_velocity(shown[0]));
-        let plots = plots.iter();
-        let plots = plots.map(|m| m.of(&model, &outputs, shown[0]) as f32);
-        frame.plots = plots.collect();
+        frame.plots = self.measure(plots, shown[0]);
         frame
+    }
+
+    /// Values of some quantities of a world.
+    pub fn measure(&mut self, plots: &[Measure], world: usize) -> Vec<f32> {
+        let model = self.simulation.model().clone();
+        let outputs = self.simulation.outputs();
+        let values = plots.iter().map(|m| m.of(&model, &outputs, world) as f32);
+        values.collect()
     }
 
     /// What a page is told of it; what the session knows is left open.

@@ -18,6 +18,10 @@ use std::collections::VecDeque;
 const SLICE: f64 = 0.012;
 /// From one frame to the next [s].
 const FRAME: f64 = 1.0 / 60.0;
+/// From one sample of the plotted quantities to the next, in simulated seconds.
+const SAMPLE: f64 = 1.0 / 60.0;
+/// Samples that wait for a frame; older ones go.
+const MOST_SAMPLES: usize = 2048;
 /// From one status to the next while running [s].
 const STATUS: f64 = 0.25;
 /// Frames show no more worlds than this.
@@ -49,6 +53,8 @@ pub struct Session {
     pushes: Vec<Push>,
     shown: Vec<usize>,
     plots: Vec<Measure>,
+    /// Samples of the plotted quantities since the last frame: when [s], and what.
+    samples: VecDeque<(f64, Vec<f32>)>,
     running: bool,
     /// Simulated seconds a second of the clock.
     speed: Option<f64>,
@@ -109,6 +115,7 @@ impl Session {
             pushes: Vec::new(),
             shown: Vec::new(),
             plots: Vec::new(),
+            samples: VecDeque::new(),
             running: false,
             speed: Some(1.0),
             owed: 0.0,
@@ -457,6 +464,9 @@ impl Session {
             if self.play.history.due(self.play.steps) == 0 {
                 self.play.record();
             }
+            if self.until_sample() == self.sample_every() {
+                self.sample();
+            }
             let now = (self.clock)();
             self.pace.computing += now - before;
             if self.owed < 1.0 || now - start > SLICE {
@@ -474,7 +484,25 @@ impl Session {
             return 1;
         }
         let due = self.play.history.due(self.play.steps).max(1);
+        let due = due.min(self.until_sample());
         most.min(due).min(self.owed as u64).max(1)
+    }
+
+    /// Time steps from one sample to the next.
+    fn sample_every(&self) -> u64 {
+        ((SAMPLE / self.play.time_step()).round() as u64).max(1)
+    }
+    /// Time steps from now to the next sample.
+    fn until_sample(&self) -> u64 {
+        let every = self.sample_every();
+        every - self.play.steps % every
+    }
+    fn sample(&mut self) {
+        if self.samples.len() == MOST_SAMPLES {
+            self.samples.pop_front();
+        }
+        let values = self.play.measure(&self.plots, self.shown[0]);
+        self.samples.push_back((self.play.time(), values));
     }
 
     /// Sets the forces of hand and blows for the next step; answers the worlds that have some.
@@ -565,6 +593,12 @@ impl Session {
         let mut frame = self.play.frame(&self.shown, &self.plots);
         (frame.scene, frame.number, frame.running) = (self.scenes, self.frames, self.running);
         self.frames = self.frames.wrapping_add(1);
+        for (time, values) in self.samples.drain(..) {
+            if time < frame.time && values.len() == frame.plots.len() {
+                frame.past.push((frame.time - time) as f32);
+                frame.past.extend(values);
+            }
+        }
         frame
     }
 

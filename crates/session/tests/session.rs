@@ -23,6 +23,8 @@ struct Page {
     scene: Option<Scene>,
     status: Option<Status>,
     frame: Vec<u8>,
+    /// When [s], and the first plotted quantity.
+    samples: Vec<(f64, f64)>,
     errors: Vec<String>,
 }
 
@@ -34,6 +36,7 @@ impl Page {
             scene: None,
             status: None,
             frame: Vec::new(),
+            samples: Vec::new(),
             errors: Vec::new(),
         };
         page.say(&format!(r#"{{"type": "open", "example": "{example}"}}"#));
@@ -45,6 +48,7 @@ impl Page {
             let text = match outgoing {
                 Outgoing::Frame(frame) => {
                     self.frame = frame;
+                    self.take_samples();
                     continue;
                 }
                 Outgoing::Text(text) | Outgoing::Refusal(text) => text,
@@ -56,6 +60,18 @@ impl Page {
                 Message::Welcome { examples, .. } => assert_eq!(examples.len(), EXAMPLES.len()),
             }
         }
+    }
+    fn take_samples(&mut self) {
+        let [plots, samples] = [48, 56].map(|at| self.word(at));
+        let time = f64::from_le_bytes(self.frame[16..24].try_into().unwrap());
+        let past = self.frame.len() - 4 * (1 + plots) * samples;
+        for at in (0..samples).map(|i| past + 4 * (1 + plots) * i) {
+            self.samples
+                .push((time - self.number(at), self.number(at + 4)));
+        }
+        let particles = 12 * self.word(52);
+        self.samples
+            .push((time, self.number(past - particles - 4 * plots)));
     }
     fn say(&mut self, command: &str) {
         self.session.receive(command);
@@ -129,6 +145,25 @@ fn every_example_steps_and_no_world_diverges() {
         let mut numbers = numbers.map(|b| f32::from_le_bytes(b.try_into().unwrap()));
         assert!(numbers.all(f32::is_finite), "{}", example.name);
     }
+}
+
+#[test]
+fn many_steps_at_once_bring_samples_of_what_is_plotted() {
+    let mut page = Page::open("prismatic");
+    page.samples.clear();
+    page.step(1000);
+    // Sixty a second of 2 s, and the frames themselves.
+    let samples = &page.samples;
+    assert!((120..=140).contains(&samples.len()), "{}", samples.len());
+    let gaps = samples.windows(2).map(|pair| pair[1].0 - pair[0].0);
+    assert!(
+        gaps.into_iter().all(|gap| (1e-4..0.034).contains(&gap)),
+        "{samples:?}"
+    );
+    // The carriage overshoots its target of 0.5 m, and comes to rest there.
+    let most = samples.iter().map(|s| s.1).fold(f64::MIN, f64::max);
+    let last = samples.last().unwrap().1;
+    assert!(most > 0.7 && (last - 0.5).abs() < 0.1, "{most}, {last}");
 }
 
 #[test]

@@ -66,14 +66,19 @@ export class Plots {
     this.stale = true;
   }
 
-  /** Takes a sample of a frame, unless it is of a past that is being looked at. */
+  /** Takes the samples of a frame, unless it is of a past that is being looked at. */
   private sample(): void {
     const { frame } = this.session;
     if (!frame) return;
     this.stale = true;
     const last = this.history.times.at(-1) ?? Number.NEGATIVE_INFINITY;
     if (frame.quantities.length !== this.history.quantities.length) return;
-    if (frame.time > last || frame.running) this.history.push(frame.time, frame.quantities);
+    if (frame.time <= last && !frame.running) return;
+    const { past, quantities, time } = frame;
+    for (let row = 0; row < past.length; row += 1 + quantities.length) {
+      this.history.push(time - past[row], past.subarray(row + 1, row + 1 + quantities.length));
+    }
+    this.history.push(time, quantities);
   }
 
   private choose(quantities: number[]): void {
