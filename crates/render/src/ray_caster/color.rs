@@ -122,11 +122,13 @@ impl<'a> Lit<'a> {
         let mut color = placed.item.color * arriving;
         if scene.checker > 0.0 {
             let view = self.tile.world.view;
-            let p = placed.inside(point);
-            let width = hit.distance * self.tile.world.pixel / view.samples as f64;
-            let slant = placed.along(ray.direction).abs() / steep;
-            let width = width * (DVec2::ONE + DVec2::new(slant.x, slant.z));
-            let dark = checker(DVec2::new(p.x, p.z) / scene.checker, width / scene.checker);
+            // In squares.
+            let scale = 1.0 / scene.checker;
+            let p = scale * placed.inside(point);
+            let width = scale * hit.distance * self.tile.world.pixel / view.samples as f64;
+            let slant = (1.0 / steep) * placed.along(ray.direction).abs();
+            let size = width * (DVec2::ONE + DVec2::new(slant.x, slant.z));
+            let dark = checker(DVec2::new(p.x, p.z), size);
             color *= 1.0 - dark as f32 * (1.0 - DARKER);
         }
         if placed.radius.is_finite() {
@@ -152,6 +154,9 @@ impl<'a> Lit<'a> {
 
     /// Share of the sun's light that arrives.
     fn sunlight(&self, hit: &Hit, point: DVec3, to_sun: DVec3) -> f32 {
+        if self.casters.is_empty() {
+            return 1.0;
+        }
         let world = self.tile.world;
         let ray = off_surface(hit, point, to_sun, f64::INFINITY);
         let point = world.sun * point;
