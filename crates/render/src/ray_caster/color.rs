@@ -252,3 +252,34 @@ pub(super) fn encode(color: Vec3) -> [u8; 3] {
     };
     [part(color.x), part(color.y), part(color.z)]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn checkers_cover_what_points_counted_in_a_rectangle_do() {
+        let odd = |p: DVec2| (p.x.floor() + p.y.floor()).rem_euclid(2.0);
+        for (middle, size) in [
+            (DVec2::new(0.3, 0.4), DVec2::new(0.1, 0.2)),
+            (DVec2::new(-1.1, 2.6), DVec2::new(0.7, 1.3)),
+            (DVec2::new(5.9, -7.2), DVec2::new(3.1, 0.4)),
+        ] {
+            let n = 200;
+            let at = |i: usize| DVec2::new((i % n) as f64, (i / n) as f64) + 0.5;
+            let points = (0..n * n).map(|i| middle + size * (at(i) / n as f64 - 0.5));
+            let counted = points.map(odd).sum::<f64>() / (n * n) as f64;
+            let covered = checker(middle, size);
+            assert!((covered - counted).abs() < 0.01, "{covered} {counted}");
+        }
+    }
+
+    #[test]
+    fn colours_are_encoded_as_srgb_and_never_wrap() {
+        // 0.5 in sRGB is 0.2140 in linear light (IEC 61966-2-1).
+        assert_eq!(encode(Vec3::new(0.0, 0.2140, 0.00304)), [0, 128, 10]);
+        let bright = [0.8, 0.9, 1.0, 3.0, f32::INFINITY].map(|x| encode(Vec3::splat(x))[0]);
+        assert!(bright.is_sorted() && bright[4] == 255, "{bright:?}");
+        assert_eq!(encode(Vec3::splat(f32::NAN)), [0; 3]);
+    }
+}
