@@ -46,36 +46,36 @@ impl Triangles {
     /// Where a line from the middle's neighbourhood first crosses a triangle's front between two
     /// distances [m], and the front's normal.
     pub fn first(&self, line: &Line, from: f64, to: f64) -> Option<(f64, DVec3)> {
-        let front = |t: usize| self.normals[t].dot(line.direction) < 0.0;
-        let (triangle, distance) = self.nearest(line, from, to, front)?;
-        Some((distance, self.normals[triangle]))
+        let sheared = Sheared::new(line);
+        let crosses = |triangle: usize| {
+            let distance = sheared.crosses(self.corners[triangle])?;
+            let front = self.normals[triangle].dot(line.direction) < 0.0;
+            (distance > from && distance < to && front).then_some(distance)
+        };
+        let test = |t: u32, _: &Cast, _: f32| Some((crosses(t as usize)? - from) as f32);
+        let hit = self.tree.cast(&self.cast(line, from, to)?, &test)?;
+        let triangle = hit.object as usize;
+        Some((crosses(triangle)?, self.normals[triangle]))
     }
 
     /// Whether a line crosses any triangle, from either side, between two distances [m].
     pub fn any(&self, line: &Line, from: f64, to: f64) -> bool {
-        self.nearest(line, from, to, |_| true).is_some()
+        let sheared = Sheared::new(line);
+        let crosses = |triangle: u32, _: &Cast, _: f32| {
+            let distance = sheared.crosses(self.corners[triangle as usize])?;
+            // At the start, so that none is looked for before it.
+            (distance > from && distance < to).then_some(0.0)
+        };
+        let cast = self.cast(line, from, to);
+        cast.is_some_and(|cast| self.tree.cast(&cast, &crosses).is_some())
     }
 
-    fn nearest(
-        &self,
-        line: &Line,
-        from: f64,
-        to: f64,
-        counts: impl Fn(usize) -> bool + Sync,
-    ) -> Option<(usize, f64)> {
-        let sheared = Sheared::new(line);
+    /// What finds the triangles that may be crossed; its time is from the first distance on.
+    fn cast(&self, line: &Line, from: f64, to: f64) -> Option<Cast> {
         let origin = line.origin + from * line.direction;
         let slack = ROUNDING * (origin.abs().max_element() + self.reach);
         let (start, direction) = (origin.as_vec3(), line.direction.as_vec3());
         let cast = Cast::aabb(start, Vec3::splat(slack as f32), direction).ok()?;
-        let crosses = |triangle: usize| {
-            let distance = sheared.crosses(self.corners[triangle])?;
-            (distance > from && distance < to && counts(triangle)).then_some(distance)
-        };
-        let test =
-            |triangle: u32, _: &Cast, _: f32| Some((crosses(triangle as usize)? - from) as f32);
-        let cast = cast.until(((to - from) as f32).next_up());
-        let triangle = self.tree.cast(&cast, &test)?.object as usize;
-        Some((triangle, crosses(triangle)?))
+        Some(cast.until(((to - from) as f32).next_up()))
     }
 }

@@ -76,14 +76,14 @@ impl Line {
             Geometry::Cylinder {
                 radius,
                 half_height,
-            } => self.tube(radius)?.and(self.slab(DVec3::Y, half_height)?),
+            } => self.tube(radius)?.and(self.slab(1, half_height)?),
             Geometry::Cone {
                 radius,
                 half_height,
             } => self.cone(radius, half_height),
             Geometry::Box { half } => {
-                let [x, y, z] = DVec3::AXES.map(|axis| self.slab(axis, half.dot(axis)));
-                x?.and(y?)?.and(z?)
+                let across = self.slab(0, half.x)?.and(self.slab(1, half.y)?)?;
+                across.and(self.slab(2, half.z)?)
             }
             Geometry::Hull(ref hull) => self.behind(faces(hull)),
             Geometry::Mesh(_) | Geometry::MeshFile { .. } => None,
@@ -113,9 +113,23 @@ impl Line {
         })
     }
 
-    /// |n · p| ≤ h.
-    fn slab(&self, n: DVec3, h: f64) -> Option<Span> {
-        self.half_space(n, h)?.and(self.half_space(-n, h)?)
+    /// |pᵢ| ≤ h: t = (∓h − oᵢ) / dᵢ.
+    fn slab(&self, axis: usize, h: f64) -> Option<Span> {
+        let (o, d) = (self.origin[axis], self.direction[axis]);
+        let (enter, leave) = if d != 0.0 {
+            let reach = h.copysign(d);
+            ((-reach - o) / d, (reach - o) / d)
+        } else if o.abs() <= h {
+            (f64::NEG_INFINITY, f64::INFINITY)
+        } else {
+            return None;
+        };
+        let normal = -d.signum() * DVec3::AXES[axis];
+        Some(Span {
+            enter,
+            leave,
+            normal,
+        })
     }
 
     /// In front of no face: n · p ≤ h for all of them.
@@ -163,7 +177,7 @@ impl Line {
             Self { origin, ..*self }.ellipsoid(DVec3::splat(r))
         };
         let tube = self.tube(r);
-        let cylinder = tube.and_then(|tube| tube.and(self.slab(DVec3::Y, h)?));
+        let cylinder = tube.and_then(|tube| tube.and(self.slab(1, h)?));
         let parts = [ball(-h), cylinder, ball(h)];
         let span = parts.into_iter().flatten().reduce(Span::or)?;
         let p = self.at(span.enter);
@@ -200,7 +214,7 @@ impl Line {
             leave,
             normal: normal.try_normalize().unwrap_or(DVec3::Y),
         };
-        side.and(self.slab(DVec3::Y, h)?)
+        side.and(self.slab(1, h)?)
     }
 }
 

@@ -10,7 +10,7 @@
 //!
 //! Against the ray-caster: the colours are the same but for the edges of shadows, which are as fine as
 //! the sun's image, and are softened by that. What is seen through is drawn after all else, the farthest
-//! shape first.
+//! shape first, and throws no shadow.
 
 mod device;
 mod pipelines;

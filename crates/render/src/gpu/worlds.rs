@@ -53,6 +53,20 @@ const STRIDE: usize = 512;
 /// Edge of the sun's images of all worlds together [texel], about; and of one at most.
 const SUN_TEXELS: usize = 4096;
 const MOST_SUN_TEXELS: usize = 2048;
+/// Texels of the sun's image for each pixel of the camera's, along an edge, and no fewer than these.
+const SUN_DETAIL: usize = 3;
+const LEAST_SUN_TEXELS: usize = 256;
+
+/// Edge of the sun's image of each of so many worlds [texel].
+fn sun_texels(view: &View, worlds: usize) -> usize {
+    if !view.channels.rgb {
+        return 1;
+    }
+    let detail = SUN_DETAIL * view.camera.width.max(view.camera.height);
+    let room = SUN_TEXELS / (worlds as f64).sqrt().ceil() as usize;
+    let wanted = detail.clamp(LEAST_SUN_TEXELS, MOST_SUN_TEXELS);
+    wanted.min(room).max(16)
+}
 
 impl Worlds {
     pub fn new(
@@ -62,12 +76,7 @@ impl Worlds {
         view: &View,
         worlds: &[&[Pose]],
     ) -> Self {
-        let edge = SUN_TEXELS / (worlds.len() as f64).sqrt().ceil() as usize;
-        let edge = if view.channels.rgb {
-            edge.clamp(16, MOST_SUN_TEXELS)
-        } else {
-            1
-        };
+        let edge = sun_texels(view, worlds.len());
         let grid = Grid::of(worlds.len(), (edge, edge), gpu);
         let (mut numbers, mut words, mut all) = (Vec::new(), Vec::new(), Vec::new());
         for ((i, bodies), tile) in worlds.iter().enumerate().zip(grid.shares()) {

@@ -122,11 +122,13 @@ impl<'a> Lit<'a> {
         let mut color = placed.item.color * arriving;
         if scene.checker > 0.0 {
             let view = self.tile.world.view;
-            let p = placed.inside(point);
-            let width = hit.distance * self.tile.world.pixel / view.samples as f64;
-            let slant = placed.along(ray.direction).abs() / steep;
-            let width = width * (DVec2::ONE + DVec2::new(slant.x, slant.z));
-            let dark = checker(DVec2::new(p.x, p.z) / scene.checker, width / scene.checker);
+            // In squares.
+            let scale = 1.0 / scene.checker;
+            let p = scale * placed.inside(point);
+            let width = scale * hit.distance * self.tile.world.pixel / view.samples as f64;
+            let slant = (1.0 / steep) * placed.along(ray.direction).abs();
+            let size = width * (DVec2::ONE + DVec2::new(slant.x, slant.z));
+            let dark = checker(DVec2::new(p.x, p.z), size);
             color *= 1.0 - dark as f32 * (1.0 - DARKER);
         }
         if placed.radius.is_finite() {
@@ -152,6 +154,9 @@ impl<'a> Lit<'a> {
 
     /// Share of the sun's light that arrives.
     fn sunlight(&self, hit: &Hit, point: DVec3, to_sun: DVec3) -> f32 {
+        if self.casters.is_empty() {
+            return 1.0;
+        }
         let world = self.tile.world;
         let ray = off_surface(hit, point, to_sun, f64::INFINITY);
         let point = world.sun * point;
@@ -246,4 +251,35 @@ pub(super) fn encode(color: Vec3) -> [u8; 3] {
         ENCODED[(x.max(0.0).sqrt() * STEPS as f32 + 0.5) as usize]
     };
     [part(color.x), part(color.y), part(color.z)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn checkers_cover_what_points_counted_in_a_rectangle_do() {
+        let odd = |p: DVec2| (p.x.floor() + p.y.floor()).rem_euclid(2.0);
+        for (middle, size) in [
+            (DVec2::new(0.3, 0.4), DVec2::new(0.1, 0.2)),
+            (DVec2::new(-1.1, 2.6), DVec2::new(0.7, 1.3)),
+            (DVec2::new(5.9, -7.2), DVec2::new(3.1, 0.4)),
+        ] {
+            let n = 200;
+            let at = |i: usize| DVec2::new((i % n) as f64, (i / n) as f64) + 0.5;
+            let points = (0..n * n).map(|i| middle + size * (at(i) / n as f64 - 0.5));
+            let counted = points.map(odd).sum::<f64>() / (n * n) as f64;
+            let covered = checker(middle, size);
+            assert!((covered - counted).abs() < 0.01, "{covered} {counted}");
+        }
+    }
+
+    #[test]
+    fn colours_are_encoded_as_srgb_and_never_wrap() {
+        // 0.5 in sRGB is 0.2140 in linear light (IEC 61966-2-1).
+        assert_eq!(encode(Vec3::new(0.0, 0.2140, 0.00304)), [0, 128, 10]);
+        let bright = [0.8, 0.9, 1.0, 3.0, f32::INFINITY].map(|x| encode(Vec3::splat(x))[0]);
+        assert!(bright.is_sorted() && bright[4] == 255, "{bright:?}");
+        assert_eq!(encode(Vec3::splat(f32::NAN)), [0; 3]);
+    }
 }

@@ -31,3 +31,25 @@ pub(super) fn turn((column, row): (usize, usize)) -> f64 {
     let mixed = 0.06711056 * column as f64 + 0.00583715 * row as f64;
     TAU * (52.9829189 * mixed.fract()).fract()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Evenly lit from above, a sheet receives as much from each ray: their mean along the normal is ⅔.
+    #[test]
+    fn directions_are_as_dense_as_their_cosine() {
+        let normal = DVec3::new(0.6, 0.0, 0.8);
+        let n = 1000;
+        let mean =
+            (0..n).map(|i| hemisphere(normal, i, n, 0.3)).sum::<DVec3>() / f64::from(n as u32);
+        assert!(mean.abs_diff_eq(normal * 2.0 / 3.0, 0.01), "{mean}");
+        assert!((0..n).all(|i| hemisphere(normal, i, n, 0.3).is_normalized()));
+    }
+
+    #[test]
+    fn samples_of_a_pixel_are_the_middles_of_its_parts() {
+        assert_eq!(within_pixel(0, 1), DVec2::splat(0.5));
+        assert_eq!(within_pixel(3, 2), DVec2::splat(0.75));
+    }
+}

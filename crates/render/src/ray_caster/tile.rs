@@ -105,7 +105,7 @@ impl Band {
         };
         let item = tile.world.shapes[hit.shape].placed.item;
         if let Some(depth) = self.depth.get_mut(place) {
-            *depth = (hit.distance * sample.towards.1) as f32;
+            *depth = (hit.distance / sample.towards.1) as f32;
         }
         if let Some(body) = self.body.get_mut(place) {
             *body = item.body.map_or(-1, |body| body.0 as i32);
@@ -121,7 +121,7 @@ impl Band {
 
 /// A ray of a pixel and what it meets.
 struct Sample {
-    /// Unit vector from the camera, and the depth [m] of what is a metre along it.
+    /// Unit vector from the camera, and how far along it [m] depth is 1 m.
     towards: (DVec3, f64),
     hit: Option<Hit>,
 }

@@ -114,48 +114,48 @@ impl<'a> World<'a> {
         }
     }
 
-    /// From the camera to a point of the image [pixel]: a unit vector, and the depth [m] of what is a
-    /// metre along it.
+    /// From the camera to a point of the image [pixel]: a unit vector, and how far along it [m] depth is
+    /// 1 m.
     pub fn towards(&self, pixel: DVec2) -> (DVec3, f64) {
         let way = self.corner + pixel.x * self.right + pixel.y * self.down;
-        let along = 1.0 / way.length();
-        (along * way, along)
+        let length = way.length();
+        (way / length, length)
     }
 
     /// The ray along such a direction.
-    pub fn ray(&self, (direction, along): (DVec3, f64)) -> Ray {
+    pub fn ray(&self, (direction, length): (DVec3, f64)) -> Ray {
         let camera = &self.view.camera;
         Ray {
             origin: self.eye,
             direction,
-            from: camera.near / along,
-            to: camera.far / along,
+            from: camera.near * length,
+            to: camera.far * length,
         }
     }
 
     /// What a ray meets first of some shapes, which are in their order here. Of equally near shapes the
     /// first of the model.
     pub fn first(&self, ray: &Ray, shapes: &[usize]) -> Option<Hit> {
-        let mut best: Option<Hit> = None;
+        let row = |shape: usize| self.shapes[shape].placed.item.shape;
+        let (mut nearest, mut best, mut normal) = (f64::INFINITY, None, DVec3::ZERO);
         for &shape in shapes {
             let seen = &self.shapes[shape];
-            if best.is_some_and(|best| best.distance < seen.nearest) {
+            if nearest < seen.nearest {
                 break;
             }
-            let Some((distance, normal)) = seen.placed.meet(ray) else {
+            let Some((distance, outwards)) = seen.placed.meet(ray) else {
                 continue;
             };
-            let row = |shape: usize| self.shapes[shape].placed.item.shape;
-            let before = |best: Hit| (distance, row(shape)) < (best.distance, row(best.shape));
-            if best.is_none_or(before) {
-                best = Some(Hit {
-                    shape,
-                    distance,
-                    normal,
-                });
+            let before = |best| distance == nearest && row(shape) < row(best);
+            if distance < nearest || best.is_some_and(before) {
+                (nearest, best, normal) = (distance, Some(shape), outwards);
             }
         }
-        best
+        best.map(|shape| Hit {
+            shape,
+            distance: nearest,
+            normal,
+        })
     }
 }
 
