@@ -16,6 +16,8 @@ export class Share {
   private address: Address;
   /** The example that was asked for, until its scene is here. */
   private opening: string | null = null;
+  /** The scene that is shown. */
+  private showing: string | null = null;
   private timer: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
@@ -79,9 +81,15 @@ export class Share {
     if (this.opening !== null && this.opening !== scene.name) return;
     this.opening = null;
     const example = this.session.examples.find(({ name }) => name === scene.name);
-    if (this.address.example !== scene.name)
-      this.address = { ...emptyAddress(), example: example?.name ?? null };
+    const first = this.showing === null;
+    const told = this.address.example ?? this.showing ?? scene.name;
+    this.showing = scene.name;
+    if (told !== scene.name) this.address = emptyAddress();
+    this.address.example = example?.name ?? null;
     this.address.build = example ? changes(example.build, scene.build) : {};
+    // A file is not opened by its name, but its physics can be set.
+    const { physics } = this.address;
+    if (first && !example && Object.keys(physics).length) this.controls.physics(physics);
     this.look(scene);
     this.soon();
   }

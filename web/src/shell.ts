@@ -2,7 +2,7 @@ import { Emitter } from "./emitter";
 import { h, section } from "./ui/dom";
 
 /** Narrower than this, a panel lies over the picture [px]. */
-const NARROW = 900;
+const NARROW = 1100;
 /** Lower than this, plots are hidden at first [px]. */
 const LOW = 600;
 

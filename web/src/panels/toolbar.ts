@@ -14,7 +14,7 @@ const SPEEDS: [number | null, string][] = [
   [2, "2 ×"],
   [10, "10 ×"],
   [100, "100 ×"],
-  [null, "As fast as possible"],
+  [null, "fastest"],
 ];
 
 /** Runs, stops, steps; which replicas; pictures; the page itself. */
@@ -29,7 +29,7 @@ export class Toolbar {
     const { session, controls, capture, pointing, view } = page;
     this.run = iconButton("run", "Run", "Runs or stops. (Space)", () => controls.toggle());
     this.run.classList.add("primary", "run");
-    const help = "Simulated seconds a second.";
+    const help = "Simulated seconds a second; the fastest is what the machine can.";
     this.speed = new Select("Speed", help, SPEEDS, (factor) => controls.speed(factor));
     this.speed.value = 1;
     const grab = "Drags bodies by a spring; also with Ctrl and the mouse. (G)";

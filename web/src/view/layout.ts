@@ -76,13 +76,16 @@ export function measure(scene: Scene): Measures {
  */
 export function moves(scene: Scene, measures: Measures): [Triple, Triple] {
   const [low, high] = structuredClone(scene.bounds);
-  scene.joints.forEach((joint) => {
+  const reaches = treeReaches(scene, measures);
+  scene.joints.forEach((joint, row) => {
     if (joint.parent >= 0 || joint.kind === "free" || joint.kind === "fixed" || joint.kind === "prismatic")
       return;
     const anchor = joint.parent_frame.position;
     const [from, to] = scene.bounds;
-    const farthest = Math.hypot(...anchor.map((x, axis) => Math.max(x - from[axis], to[axis] - x)));
-    const swing = Math.min(farthest, treeReach(scene, joint.child, measures));
+    const farthest = Math.hypot(
+      ...anchor.map((x, axis) => Math.max(Math.abs(x - from[axis]), Math.abs(to[axis] - x))),
+    );
+    const swing = Math.min(farthest, reaches[row]);
     const across = swingsAcross(joint);
     anchor.forEach((x, axis) => {
       low[axis] = Math.min(low[axis], x - swing * across[axis]);
@@ -102,10 +105,21 @@ function swingsAcross({ dofs, parent_frame }: Joint): number[] {
     .map((share) => Math.sqrt(Math.max(0, 1 - share * share)));
 }
 
-/** Sum of the widths of a body and all that hang on it [m]. */
-function treeReach(scene: Scene, root: number, measures: Measures): number {
-  const hung = new Set([root]);
+/** How far from each joint what hangs on it can reach [m]. */
+function treeReaches({ joints }: Scene, measures: Measures): number[] {
+  const reaches = joints.map(() => 0);
+  const hung = new Map<number, number[]>();
   // Children come after their parents.
-  for (const { parent, child } of scene.joints) if (hung.has(parent)) hung.add(child);
-  return [...hung].reduce((sum, body) => sum + 2 * (measures.bodies[body] ?? 0), 0);
+  for (let i = joints.length - 1; i >= 0; i--) {
+    const { parent, child, child_frame: own, coordinate } = joints[i];
+    reaches[i] = Math.hypot(...own.position) + (measures.bodies[child] ?? 0);
+    for (const k of hung.get(child) ?? []) {
+      const [from, to] = [own.position, joints[k].parent_frame.position];
+      const between = Math.hypot(...to.map((x, axis) => x - from[axis]));
+      reaches[i] = Math.max(reaches[i], between + reaches[k]);
+    }
+    // What closes a loop carries nothing.
+    if (coordinate >= 0) hung.set(parent, [...(hung.get(parent) ?? []), i]);
+  }
+  return reaches;
 }

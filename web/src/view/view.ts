@@ -192,8 +192,8 @@ export class View {
 
   private layGround(shown: SceneView): void {
     const up = shown.scene.up === "y" ? 1 : 2;
-    const [low] = shown.scene.bounds;
-    const height = shown.floor ?? low[up] - 0.02 * shown.measures.world;
+    // Without a floor of its own, below all that moves.
+    const height = shown.floor ?? shown.bounds.min.getComponent(up) - 0.02 * shown.measures.world;
     this.stage.ground.position.y = height;
     this.stage.ground.fit(this.radius(shown), shown.measures.world, shown.floor !== null);
   }
