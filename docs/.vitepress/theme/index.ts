@@ -1,0 +1,23 @@
+import type { Theme } from "vitepress";
+import DefaultTheme from "vitepress/theme-without-fonts";
+import Live from "./Live.vue";
+import "./style.css";
+
+export default {
+  extends: DefaultTheme,
+  enhanceApp({ app }) {
+    app.component("Live", Live);
+    if (!import.meta.env.SSR) settle();
+  },
+} satisfies Theme;
+
+/**
+ * Makes relative addresses absolute. The menus stay when another page is shown without loading it, and it
+ * may lie in another folder.
+ */
+function settle(): void {
+  for (const link of document.querySelectorAll<HTMLAnchorElement>('a[href]:not([href^="#"])')) {
+    link.href = String(link.href);
+  }
+  for (const image of document.querySelectorAll("img")) image.src = String(image.src);
+}
