@@ -43,7 +43,10 @@ export default defineConfig({
   srcExclude: ["e2e/**"],
   // Beside the site when it is complete; `npm run e2e` looks whether they are there.
   ignoreDeadLinks: [/\/api\//, /\/live\//],
-  head: [["meta", { name: "color-scheme", content: "light dark" }]],
+  head: [
+    ["meta", { name: "color-scheme", content: "light dark" }],
+    ["link", { rel: "icon", href: `${BASE}logo.svg` }],
+  ],
   markdown: {
     codeTransformers: [{ preprocess: (code, { lang }) => (lang === "rust" ? withoutHidden(code) : code) }],
   },

@@ -12,7 +12,7 @@ export function brokenLinks(site) {
     const html = readFileSync(page, "utf8");
     const addresses = [...html.matchAll(/\s(?:href|src)="([^"]*)"/g)].map(([, address]) => address);
     const broken = addresses.filter((address) => !resolves(site, page, address.replaceAll("&amp;", "&")));
-    return broken.map((address) => `${relative(site, page)}: ${address}`);
+    return [...new Set(broken)].map((address) => `${relative(site, page)}: ${address}`);
   });
 }
 

@@ -8,7 +8,6 @@ macro_rules! pages {
 }
 
 pages! {
-    FirstPicture: "guide/first-picture.md",
     RobotFile: "guide/robot-file.md",
     Worlds: "guide/worlds.md",
     Controls: "guide/controls.md",

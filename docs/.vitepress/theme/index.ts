@@ -12,11 +12,12 @@ export default {
 } satisfies Theme;
 
 /**
- * Makes relative addresses absolute. The menus stay when another page is shown without loading it, and it
- * may lie in another folder.
+ * Makes relative addresses absolute. Menus and the icon stay when another page is shown without loading it,
+ * and it may lie in another folder.
  */
 function settle(): void {
-  for (const link of document.querySelectorAll<HTMLAnchorElement>('a[href]:not([href^="#"])')) {
+  const links = 'a[href]:not([href^="#"]), link[rel="icon"]';
+  for (const link of document.querySelectorAll<HTMLAnchorElement | HTMLLinkElement>(links)) {
     link.href = String(link.href);
   }
   for (const image of document.querySelectorAll("img")) image.src = String(image.src);
