@@ -11,6 +11,8 @@ const FLAGS = [
   "--disable-component-update",
   "--disable-sync",
   "--enable-unsafe-swiftshader",
+  // A page whose text a test gives may reach this machine, too.
+  "--disable-features=LocalNetworkAccessChecks",
 ];
 
 /** The browser of `CHROMIUM`, or the system's. */

@@ -32,6 +32,7 @@ import { View } from "./view/view";
 /** Turns of the view by a drag over the canvas's height, and by a key [rad]. */
 const [DRAG_TURN, KEY_TURN] = [Math.PI, Math.PI / 24];
 const THEMES: ThemeChoice[] = ["system", "light", "dark"];
+const AWAY = "The engine is away; the page goes on when it is back.";
 /** Narrower than this, a panel lies over the picture [px]. */
 const NARROW = 900;
 
@@ -109,8 +110,8 @@ export class App {
       section("Skin", true, this.skins.element),
     );
     left.hidden = right.hidden = innerWidth < NARROW;
-    this.plots.element.hidden = innerHeight < 600;
-    this.picture.append(this.skins.legend, this.notice.element);
+    this.plots.element.hidden = innerHeight < 600 || innerWidth < NARROW;
+    this.picture.append(this.viewPanel.inset, this.skins.legend, this.notice.element);
     document.body.append(
       this.toolbar.element,
       h(
@@ -129,8 +130,8 @@ export class App {
     const { session, view, selection, themes } = this;
     session.on("error", (reason) => this.notice.tell(reason));
     session.on("connected", (connected) => {
-      if (connected) this.notice.clear();
-      else this.notice.tell("The engine is away; the page goes on when it is back.");
+      if (connected) this.notice.clear(AWAY);
+      else this.notice.tell(AWAY);
     });
     session.on("scene", () => {
       selection.now = null;
@@ -319,7 +320,7 @@ export class App {
       { keys: arrows, help: "Turn the view", act: (key) => this.turn(key) },
       { keys: arrows.map((key) => `Shift+${key}`), help: "Move the view", act: (key) => this.pan(key) },
       {
-        keys: ["+", "=", "-"],
+        keys: ["+", "-"],
         help: "Comes closer, or goes away",
         act: (key) => this.moved(() => this.view.rig.zoom(key === "-" ? 1.15 : 1 / 1.15)),
       },

@@ -15,7 +15,8 @@ export class Notice {
     this.element.hidden = false;
   }
 
-  clear(): void {
-    this.element.hidden = true;
+  /** Takes the line away; if a text is given, only where it says that. */
+  clear(text = this.text.textContent): void {
+    if (text === this.text.textContent) this.element.hidden = true;
   }
 }

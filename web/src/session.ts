@@ -24,6 +24,8 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
   frame: Frame | null = null;
   shown: number[] = [];
   private readonly transport: Transport;
+  /** Whether a frame came that is not yet on the screen. */
+  private undrawn = false;
 
   constructor(connect: (receiver: Receiver) => Transport) {
     super();
@@ -37,6 +39,7 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
 
   /** The last frame that came is on the screen. */
   drawn(): void {
+    this.undrawn = false;
     this.transport.drawn();
   }
 
@@ -55,6 +58,7 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
     });
     if (frame) {
       this.frame = frame;
+      this.undrawn = true;
       this.emit("frame", frame);
     } else {
       this.drawn();
@@ -75,6 +79,8 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
       case "scene":
         this.scene = message;
         this.frame = null;
+        // What was to be drawn of the last scene never will be.
+        if (this.undrawn) this.drawn();
         this.shown = message.shown;
         this.emit("scene", message);
         // Who hears of the scene may have asked for other worlds of it.

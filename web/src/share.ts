@@ -83,10 +83,9 @@ export class Share {
   }
 
   private shown(worlds: number[]): void {
-    if (this.opening !== null) return;
-    const replicas = { first: worlds[0] ?? 0, count: worlds.length };
-    const own = this.session.scene?.shown ?? [];
-    this.address.replicas = sameReplicas(own, replicas) ? null : replicas;
+    // Those that a scene comes with are nobody's choice.
+    if (this.opening !== null || worlds === this.session.scene?.shown) return;
+    this.address.replicas = { first: worlds[0] ?? 0, count: worlds.length };
     this.soon();
   }
 

@@ -17,13 +17,15 @@ const NAMES: Record<string, string> = {
 };
 
 export function keyName(key: string): string {
-  return key.replace(/[^+]+$|^\+$/, (last) => NAMES[last] ?? (last.length === 1 ? last.toUpperCase() : last));
+  return key.replace(/[^+]+$/, (last) => NAMES[last] ?? (last.length === 1 ? last.toUpperCase() : last));
 }
 
 /** The name of the key of an event, as {@link Shortcut.keys} has it. */
 export function keyOf(event: Pick<KeyboardEvent, "key" | "code" | "shiftKey">): string {
   // A shifted digit is another sign on most keyboards.
   if (event.shiftKey && /^Digit\d$/.test(event.code)) return `Shift+${event.code.slice(5)}`;
+  // The plus sign without the shift that most keyboards want for it.
+  if (event.key === "=") return "+";
   const letter = event.key.length === 1 && event.key.toLowerCase() !== event.key.toUpperCase();
   const name = letter ? event.key.toLowerCase() : event.key;
   return event.shiftKey && (letter || event.key.startsWith("Arrow")) ? `Shift+${name}` : name;

@@ -44,6 +44,16 @@ test("frames of another scene are dropped, and the next may come", () => {
   expect(drawn).toBe(1);
 });
 
+test("a new scene frees the way for its frames", () => {
+  session.text(sample("scene"));
+  session.binary(writeFrame({ scene: 1, worlds: 1, bodies: 1, poses: still }));
+  expect(drawn).toBe(0);
+  session.text(sample("scene"));
+  expect(drawn).toBe(1);
+  session.text(sample("scene"));
+  expect(drawn).toBe(1);
+});
+
 test("what is malformed is told and changes nothing", () => {
   session.text(sample("scene"));
   session.text('{"type":"scene"}');

@@ -31,6 +31,7 @@
 //! |---|---|
 //! | [`camera`] | pinhole cameras, their intrinsics, where they are |
 //! | [`ray_caster`] | the renderer that runs everywhere, and is the reference |
+//! | `gpu` | the same images from a graphics card; with the feature `gpu` |
 //!
 //! # Limits
 //! - All worlds show one model: sizes that `set_world_model` gave a world of its own are not seen.
@@ -42,6 +43,8 @@
 pub mod camera;
 mod error;
 mod framing;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 mod light;
 mod mesh;
 mod picture;

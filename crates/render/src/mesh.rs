@@ -34,6 +34,15 @@ impl Triangles {
         }
     }
 
+    /// Corners [m], from the middle of the mesh, and the unit vector out of each triangle.
+    #[cfg(feature = "gpu")]
+    pub fn all(&self) -> impl Iterator<Item = ([DVec3; 3], DVec3)> {
+        self.corners
+            .iter()
+            .copied()
+            .zip(self.normals.iter().copied())
+    }
+
     /// Where a line from the middle's neighbourhood first crosses a triangle's front between two
     /// distances [m], and the front's normal.
     pub fn first(&self, line: &Line, from: f64, to: f64) -> Option<(f64, DVec3)> {

@@ -50,7 +50,11 @@ pub(crate) enum Form {
     /// Seen from outside.
     Solid(Geometry),
     /// What is behind all of these faces, seen from outside.
-    Hull(Arc<[Face]>),
+    Hull {
+        faces: Arc<[Face]>,
+        #[cfg(feature = "gpu")]
+        hull: model::Hull,
+    },
     /// Seen from above: at y = 0, within the item's box.
     Plane,
     /// Seen from the front.
@@ -159,7 +163,13 @@ fn item(
             item.half = DVec3::new(size(*half_x), 0.0, size(*half_z));
             item.form = Form::Plane;
         }
-        Geometry::Hull(hull) => item.form = Form::Hull(faces(hull).collect()),
+        Geometry::Hull(hull) => {
+            item.form = Form::Hull {
+                faces: faces(hull).collect(),
+                #[cfg(feature = "gpu")]
+                hull: hull.clone(),
+            }
+        }
         Geometry::Mesh(mesh) => item.form = Form::Mesh(triangles(mesh, meshes)),
         Geometry::MeshFile { file, scale } => {
             let mesh = collide::mesh::load(file, *scale).map_err(|source| RenderError::Mesh {

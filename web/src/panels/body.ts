@@ -80,7 +80,7 @@ export class BodyPanel {
     const facts: [string, string][] = [
       ["Mass", body.dynamic ? `${short(body.mass)} kg` : "does not move"],
       ["Inertia", `${list(body.inertia)} kg·m²`],
-      ["Centre of mass", `${list(body.inertial.position)} m`],
+      ["Centre", `${list(body.inertial.position)} m`],
     ];
     if (joint) facts.push(["Joint", `${joint.name} (${joint.kind})`]);
     return facts.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]);
@@ -127,7 +127,7 @@ export class BodyPanel {
         .divideScalar(frame.time - this.before.time);
     }
     this.before = { time: frame.time, position };
-    this.write("Position", `${fixed(position, 4)} m`);
+    this.write("Position", `${fixed(position, 3)} m`);
     this.write("Orientation", fixed(frame.poses.subarray(at + 3, at + POSE), 3));
     this.write("Velocity", `${fixed(this.velocity, 3)} m/s`);
   }

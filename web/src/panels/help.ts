@@ -3,7 +3,7 @@ import { h } from "../ui/dom";
 
 const POINTER: [string, string][] = [
   ["Drag", "Turns the view; one finger does, too."],
-  ["Right drag, Shift+drag", "Moves the view; so do two fingers."],
+  ["Shift+drag", "Moves the view; so do the right button and two fingers."],
   ["Wheel, pinch", "Comes closer, or goes away."],
   ["Click", "Picks a body."],
   ["Ctrl+drag", "Drags a body by a spring."],
@@ -40,8 +40,9 @@ export function helpDialog(shortcuts: Shortcut[]): HTMLDialogElement {
   return dialog;
 }
 
-/** Several digits are told as a range. */
+/** `Shift+1 … 9` for many keys, `J  K` for a few. */
 function describe(keys: string[]): string {
-  const names = keys.map(keyName);
-  return names.length > 4 ? `${names[0]} … ${names[names.length - 1]}` : names.join("  ");
+  const [, shift] = /^(Shift\+)?/.exec(keys[0]) ?? [];
+  const names = keys.map((key) => keyName(shift ? key.slice(shift.length) : key));
+  return (shift ?? "") + (names.length > 4 ? `${names[0]} … ${names[names.length - 1]}` : names.join("  "));
 }

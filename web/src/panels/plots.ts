@@ -39,8 +39,9 @@ export class Plots {
       this.arrange(plots.slice(0, MOST));
     });
     session.on("frame", () => this.sample());
-    session.on("status", ({ running, recorded }) => {
-      if (!running) this.history.cut(recorded[1] + 1e-9);
+    session.on("status", ({ running, time, recorded }) => {
+      // Not every step is recorded; the present one is told in any case.
+      if (!running) this.history.cut(Math.max(recorded[1], time) + 1e-9);
       this.stale = true;
     });
     session.on("shown", () => this.history.clear());

@@ -66,7 +66,7 @@ export class Timeline {
     if (!status) return;
     const [first, last] = status.recorded;
     this.slider.min = String(first);
-    this.slider.max = String(Math.max(last, status.running ? time : last));
+    this.slider.max = String(Math.max(last, time));
     if (!this.held) this.slider.value = String(time);
     const going = status.running || status.pace > 0;
     this.pace.textContent = going ? `${short(status.pace, 2)}× · ${large(status.rate)} steps/s` : "";

@@ -105,14 +105,8 @@ export class Toolbar {
     for (const tool of ["grab", "push"] as const) this.tools.set(tool, this.toolButton(tool));
     return h(
       "header",
-      { class: "toolbar", role: "toolbar", "aria-label": "Simulation" },
-      this.button(
-        "left",
-        "Scene",
-        "Shows or hides the scene's panel. (Shift+E)",
-        () => page.side("left"),
-        "side",
-      ),
+      { class: "toolbar", "aria-label": "Simulation" },
+      this.button("left", "Scene", "Shows or hides the scene's panel. (Shift+E)", () => page.side("left")),
       h("strong", { class: "brand" }, "Kinetarium"),
       group(
         this.run,
@@ -131,12 +125,8 @@ export class Toolbar {
         this.button("link", "Copy link", "Copies an address that shows the same.", () => page.share()),
         this.button("theme", "Theme", "Light, dark, or as the system says. (L)", () => page.theme()),
         this.button("help", "Help", "Keys and mouse. (?)", () => page.help()),
-        this.button(
-          "right",
-          "Inspect",
-          "Shows or hides the panel of bodies. (Shift+I)",
-          () => page.side("right"),
-          "side",
+        this.button("right", "Inspect", "Shows or hides the panel of bodies. (Shift+I)", () =>
+          page.side("right"),
         ),
       ),
     );
@@ -158,10 +148,10 @@ export class Toolbar {
     this.tools.get(tool)?.click();
   }
 
-  private button(name: IconName, label: string, help: string, act: () => void, kind = ""): HTMLButtonElement {
+  private button(name: IconName, label: string, help: string, act: () => void): HTMLButtonElement {
     return h(
       "button",
-      { type: "button", class: `with-icon ${kind}`, "aria-label": label, "data-help": help, onclick: act },
+      { type: "button", class: "with-icon", "aria-label": label, "data-help": help, onclick: act },
       icon(name),
     );
   }

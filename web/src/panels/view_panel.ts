@@ -30,7 +30,9 @@ export class ViewPanel {
   readonly element: HTMLElement;
   private readonly boxes: [Flag, Checkbox][];
   private readonly trails: Select<TrailChoice>;
-  private readonly inset: Select<number>;
+  private readonly cameras: Select<number>;
+  /** The frame of the inset, for the picture. */
+  readonly inset = h("div", { class: "inset", hidden: true });
   private readonly saved = h("div", { class: "bar" });
 
   constructor(
@@ -45,21 +47,21 @@ export class ViewPanel {
     this.trails = new Select("Trails", "The ways that centres of mass have come. (T)", TRAILS, (trails) =>
       this.set({ trails }),
     );
-    this.inset = new Select<number>("Inset", "What a robot's camera sees, in a corner.", [], (inset) =>
+    this.cameras = new Select<number>("Inset", "What a robot's camera sees, in a corner.", [], (inset) =>
       this.set({ inset }),
     );
     this.element = h(
       "div",
       {},
       h("div", { class: "checks" }, ...this.boxes.map(([, box]) => box.element)),
-      h("div", { class: "bar" }, this.trails.element, this.inset.element),
+      h("div", { class: "bar" }, this.trails.element, this.cameras.element),
       this.saved,
     );
     session.on("scene", ({ cameras }) => {
       const options = cameras.map(({ name }, row): [number, string] => [row, `Camera ${name || row}`]);
-      this.inset.setOptions([[-1, "No inset"], ...options]);
-      this.inset.element.hidden = cameras.length === 0;
-      this.set({ inset: -1 });
+      this.cameras.setOptions([[-1, "No inset"], ...options]);
+      this.cameras.element.hidden = cameras.length === 0;
+      this.set({ inset: cameras.length ? 0 : -1 });
       this.showSaved();
     });
     this.show();
@@ -67,6 +69,9 @@ export class ViewPanel {
 
   set(options: Partial<ViewOptions>): void {
     this.view.options = { ...this.view.options, ...options };
+    const camera = this.session.scene?.cameras[this.view.options.inset];
+    this.inset.hidden = !camera;
+    this.inset.textContent = camera?.name ?? "";
     keep("view", this.view.options);
     this.show();
   }
@@ -110,7 +115,7 @@ export class ViewPanel {
   private show(): void {
     for (const [flag, box] of this.boxes) box.on = this.view.options[flag];
     this.trails.value = this.view.options.trails;
-    this.inset.value = this.view.options.inset;
+    this.cameras.value = this.view.options.inset;
   }
 
   private showSaved(): void {

@@ -1,9 +1,11 @@
 /** Numbers for people. */
 
-/** With so many significant digits, without needless zeros: `0.25`, `1.2e-7`. */
+/** With so many significant digits, without needless zeros: `0.25`, `1.2e−7`. */
 export function short(value: number, digits = 4): string {
   if (!Number.isFinite(value)) return "–";
-  return String(Number(value.toPrecision(digits))).replace("-", "−");
+  const rounded = Number(value.toPrecision(digits));
+  const small = rounded !== 0 && Math.abs(rounded) < 1e-3;
+  return (small ? rounded.toExponential() : String(rounded)).replaceAll("-", "−");
 }
 
 const PREFIXES: [number, string][] = [

@@ -1,5 +1,5 @@
 import { h, identity } from "./dom";
-import { fromShare, type Scale, toShare } from "./scale";
+import { fromShare, type Scale, toShare, written } from "./scale";
 
 /** What a {@link NumberControl} is of. */
 export interface NumberSpec {
@@ -59,7 +59,7 @@ export class NumberControl {
 
   set value(value: number) {
     this.current = value;
-    this.digits.value = String(Number(value.toPrecision(6)));
+    this.digits.value = written(this.spec.scale, value);
     this.slider.value = String(Math.round(toShare(this.spec.scale, value) * Number(this.slider.max)));
   }
 
@@ -69,7 +69,7 @@ export class NumberControl {
 
   private slide(kind: "input" | "change"): void {
     this.current = fromShare(this.spec.scale, Number(this.slider.value) / Number(this.slider.max));
-    this.digits.value = String(Number(this.current.toPrecision(6)));
+    this.digits.value = written(this.spec.scale, this.current);
     this.told[kind]?.(this.current);
   }
 

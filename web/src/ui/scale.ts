@@ -38,3 +38,10 @@ export function fromShare(scale: Scale, share: number): number {
   }
   return Math.min(Math.max(integer ? Math.round(value) : value, min), max);
 }
+
+/** A value as digits, as fine as its scale wants. */
+export function written({ min, max, logarithmic }: Scale, value: number): string {
+  if (logarithmic || !(max > min)) return String(Number(value.toPrecision(5)));
+  const decimals = Math.min(Math.max(4 - Math.ceil(Math.log10(max - min)), 0), 12);
+  return String(Number(value.toFixed(decimals)));
+}

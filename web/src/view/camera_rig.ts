@@ -25,7 +25,7 @@ export class CameraRig {
   readonly camera = new PerspectiveCamera(FIELD_OF_VIEW);
   /** Where it looks from a body: turns from straight ahead [rad]. */
   private readonly gaze = { yaw: 0, pitch: 0 };
-  private goal: Viewpoint = { target: [0, 0, 0], yaw: 0.6, pitch: 0.35, distance: 5 };
+  private goal: Viewpoint = { target: [0, 0, 0], yaw: 0.6, pitch: 0.42, distance: 5 };
   private now: Viewpoint = structuredClone(this.goal);
   private mounted: Mount = "free";
   private readonly still = matchMedia("(prefers-reduced-motion: reduce)").matches;

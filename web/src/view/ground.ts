@@ -7,8 +7,8 @@ const COLORS: Record<Theme, { floor: string; line: string }> = {
 };
 
 /**
- * A level floor with a grid of two widths, which fades with the distance. Lines are drawn in the shader, as
- * wide as a pixel at any distance, after Golus, "The best darn grid shader", 2023.
+ * A level floor with a grid of two widths, which fades with the distance. Lines are drawn in the shader, a
+ * pixel wide at least, and fade where they come too close together, after Golus, "The best darn grid shader", 2023.
  */
 export class Ground extends Mesh<PlaneGeometry, MeshStandardMaterial> {
   private readonly uniforms = {
@@ -71,16 +71,16 @@ float gridLines(vec2 at, float width) {
   vec2 step = fwidth(at);
   vec2 drawn = clamp(vec2(width), step, vec2(0.5));
   vec2 edge = abs(fract(at - 0.5) - 0.5);
-  vec2 ink = smoothstep(drawn + step, drawn - step, edge) * clamp(width / drawn, 0.0, 1.0);
-  ink = mix(ink, vec2(width), clamp(2.0 * step - 1.0, 0.0, 1.0));
+  vec2 ink = smoothstep(drawn + step, drawn - step, edge) * clamp(width / drawn, 0.35, 1.0);
+  ink *= 1.0 - smoothstep(0.12, 0.5, step);
   return mix(ink.x, 1.0, ink.y);
 }
 `;
 
 const PAINT = /* glsl */ `
 #include <color_fragment>
-float fine = gridLines(vPlace.xz / cell, 0.006);
-float coarse = gridLines(vPlace.xz / (10.0 * cell), 0.0012);
+float fine = gridLines(vPlace.xz / cell, 0.008);
+float coarse = gridLines(vPlace.xz / (10.0 * cell), 0.002);
 float ink = lined * max(0.55 * fine, coarse);
 float fade = 1.0 - smoothstep(0.05, 0.9, length(vPlace.xz) / reach);
 diffuseColor.rgb = mix(diffuseColor.rgb, line, ink);

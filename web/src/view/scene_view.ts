@@ -15,7 +15,7 @@ import { Trails } from "./overlays/trails";
 import { isFloor, PartMaker, type ShapePart } from "./parts";
 import { PickedBox } from "./picked_box";
 import { Poses } from "./poses";
-import { Forms } from "./shape_geometry";
+import { Forms, sides } from "./shape_geometry";
 import { Gauges } from "./skins/gauges";
 import { replicaColor, type Wardrobe } from "./skins/skin";
 
@@ -36,9 +36,9 @@ export class SceneView {
   readonly measures: Measures;
   readonly poses: Poses;
   readonly gauges: Gauges;
-  private readonly forms = new Forms();
+  private forms: Forms;
   private readonly materials = new Materials();
-  private readonly maker: PartMaker;
+  private maker: PartMaker;
   private batches = new Batches([]);
   private readonly trails: Trails;
   private readonly overlays: [overlay: Overlay, wanted: (options: ViewOptions) => boolean][];
@@ -54,6 +54,7 @@ export class SceneView {
     this.measures = measure(scene);
     this.poses = new Poses(scene);
     this.gauges = new Gauges(scene);
+    this.forms = new Forms(sides(scene.shapes.length * scene.shown.length));
     this.maker = new PartMaker(scene, this.measures, this.forms, this.materials);
     this.trails = new Trails(scene);
     this.overlays = [
@@ -109,6 +110,7 @@ export class SceneView {
     const gauge = this.wardrobe.gauge;
     if (gauge) this.gauges.update(gauge, frame);
     this.poses.update(frame);
+    this.refine();
     this.batches.move(this.poses);
     if (gauge || this.painted !== this.poses.worlds) this.paint();
     const moment = { scene: this.scene, frame, poses: this.poses, measures: this.measures, picked };
@@ -141,6 +143,16 @@ export class SceneView {
     this.forms.dispose();
     this.materials.dispose();
     this.group.removeFromParent();
+  }
+
+  /** Makes round forms as fine as the number of shapes allows. */
+  private refine(): void {
+    const wanted = sides(this.scene.shapes.length * this.poses.worlds);
+    if (wanted === this.forms.sides) return;
+    this.forms.dispose();
+    this.forms = new Forms(wanted);
+    this.maker = new PartMaker(this.scene, this.measures, this.forms, this.materials);
+    this.dress();
   }
 
   private paint(): void {

@@ -16,9 +16,17 @@ export interface Form {
   scale: [number, number, number];
 }
 
+/** Sides of round forms where so many are drawn: fewer where there are many, and each is small. */
+export function sides(shapes: number): number {
+  return shapes <= 200 ? 32 : shapes <= 800 ? 20 : 12;
+}
+
 /** Triangles of forms; forms that differ by a scaling alone share theirs. */
 export class Forms {
   private readonly made = new Map<string | Geometry, BufferGeometry>();
+
+  /** Round forms have so many sides; see {@link sides}. */
+  constructor(readonly sides: number) {}
 
   /** The form, where a plane without end has the half extents `endless` [m]. */
   of(form: Geometry, endless: number): Form {
@@ -38,12 +46,12 @@ export class Forms {
         return { geometry: this.get("box", () => new BoxGeometry(2, 2, 2)), scale: form.half };
       case "cylinder":
         return {
-          geometry: this.get("cylinder", () => new CylinderGeometry(1, 1, 2, 32)),
+          geometry: this.get("cylinder", () => new CylinderGeometry(1, 1, 2, this.sides)),
           scale: [form.radius, form.half_height, form.radius],
         };
       case "cone":
         return {
-          geometry: this.get("cone", () => new ConeGeometry(1, 2, 32)),
+          geometry: this.get("cone", () => new ConeGeometry(1, 2, this.sides)),
           scale: [form.radius, form.half_height, form.radius],
         };
       case "capsule": {
@@ -51,7 +59,10 @@ export class Forms {
         const middle = (2 * (form.half_height - form.radius)) / form.radius;
         const key = `capsule ${middle.toPrecision(5)}`;
         return {
-          geometry: this.get(key, () => new CapsuleGeometry(1, Math.max(middle, 0), 8, 24)),
+          geometry: this.get(
+            key,
+            () => new CapsuleGeometry(1, Math.max(middle, 0), this.sides / 4, this.sides),
+          ),
           scale: [form.radius, form.radius, form.radius],
         };
       }
@@ -65,7 +76,7 @@ export class Forms {
   }
 
   private sphere(): BufferGeometry {
-    return this.get("sphere", () => new SphereGeometry(1, 32, 20));
+    return this.get("sphere", () => new SphereGeometry(1, this.sides, this.sides / 2));
   }
 
   private get(key: string | Geometry, make: () => BufferGeometry): BufferGeometry {

@@ -12,7 +12,7 @@ import type { Theme } from "../theme";
 import { Ground } from "./ground";
 import { Surroundings } from "./surroundings";
 
-/** A second picture in a corner, as a share of the first one's width. */
+/** A second picture in a corner, as a share of the first one's width; the style sheet has a frame for it. */
 const INSET = 0.28;
 /** Room around it [CSS pixels]. */
 const MARGIN = 12;

@@ -96,7 +96,7 @@ export class Surroundings extends Group {
     camera.near = 0.5 * reach;
     camera.far = 8 * reach;
     camera.updateProjectionMatrix();
-    this.sun.shadow.normalBias = (2.5 * reach) / SHADOW_PIXELS;
+    this.sun.shadow.normalBias = (6 * reach) / SHADOW_PIXELS;
     this.sun.shadow.bias = -0.0002;
   }
 }

@@ -83,7 +83,7 @@ impl<'a> Placed<'a> {
                 let span = line.within(geometry)?;
                 (foot + span.enter, span.normal.normalize())
             }
-            Form::Hull(faces) => {
+            Form::Hull { faces, .. } => {
                 let span = line.behind(faces.iter().copied())?;
                 (foot + span.enter, span.normal)
             }
@@ -129,7 +129,7 @@ impl<'a> Placed<'a> {
         };
         match &self.item.form {
             Form::Solid(geometry) => passes(line.within(geometry)),
-            Form::Hull(faces) => passes(line.behind(faces.iter().copied())),
+            Form::Hull { faces, .. } => passes(line.behind(faces.iter().copied())),
             Form::Plane => {
                 let distance = foot - line.origin.y / line.direction.y;
                 let crossed = distance > ray.from && distance < ray.to;

@@ -79,7 +79,10 @@ pub fn medley(seed: u64) -> (Model, Vec<Pose>) {
     ground.scenery(Shape::new(plane(0.5, 0.8)).at(tilted));
     let things = world.object("things");
     for (i, geometry) in solids().into_iter().chain(solids()).enumerate() {
-        let shape = Shape::new(geometry).at(anywhere(&mut rng, DVec3::splat(0.05)));
+        let mut shape = Shape::new(geometry).at(anywhere(&mut rng, DVec3::splat(0.05)));
+        if i % 5 == 2 {
+            shape = shape.with_color([0.9, 0.4, 0.1, 0.6]);
+        }
         things.body(format!("thing_{i}")).shape(shape);
     }
     let model = world.build().unwrap();

@@ -1,0 +1,390 @@
+import { readFileSync } from "node:fs";
+import type { Browser, Page } from "playwright-core";
+import { afterAll, afterEach, beforeAll, beforeEach, expect, test } from "vitest";
+import { HEADER, POSE } from "../src/frame";
+import { launch } from "./browser.mjs";
+import { type Reference, reference } from "./reference";
+
+const ADDRESS = process.env.KINETARIUM_PAGE ?? "";
+const OUT = new URL("out/", import.meta.url).pathname;
+
+let browser: Browser;
+let page: Page;
+let broken: string[];
+
+beforeAll(async () => {
+  browser = await launch();
+});
+afterAll(() => browser.close());
+
+beforeEach(async () => {
+  const context = await browser.newContext({ viewport: { width: 1400, height: 860 }, acceptDownloads: true });
+  page = await context.newPage();
+  broken = [];
+  page.on("pageerror", (error) => broken.push(String(error.stack)));
+});
+afterEach(async ({ task }) => {
+  await page.screenshot({ path: `${OUT}${task.name.replace(/\W+/g, "_")}.png` });
+  await page.context().close();
+  expect(broken, "errors of the page").toEqual([]);
+});
+
+/** Opens the page with an example, and waits for its first frame. */
+async function open(hash: string): Promise<void> {
+  await page.goto(`${ADDRESS}#${hash}`);
+  const example = new URLSearchParams(hash).get("example");
+  await page.waitForFunction((name) => {
+    const { scene, frame } = window.kinetarium ?? {};
+    return frame && (name === null || scene?.name === name);
+  }, example);
+  // A session shared with others may be at any time.
+  await page.getByRole("button", { name: "Restart" }).click();
+  await page.waitForFunction(() => window.kinetarium.frame?.steps === 0);
+}
+
+async function step(steps: number): Promise<void> {
+  const before = await page.evaluate(() => window.kinetarium.frame?.steps ?? 0);
+  await page.getByRole("button", { name: String(steps), exact: true }).click();
+  await page.waitForFunction((after) => window.kinetarium.frame?.steps === after, before + steps);
+}
+
+const poses = () => page.evaluate(() => [...(window.kinetarium.frame?.poses ?? [])]);
+const coordinates = () => page.evaluate(() => [...(window.kinetarium.frame?.coordinates ?? [])]);
+const time = () => page.evaluate(() => window.kinetarium.frame?.time ?? -1);
+
+/** Where a body is on the screen. */
+async function onScreen(): Promise<{ x: number; y: number }> {
+  const box = await page.locator(".stage").boundingBox();
+  if (!box) throw new Error("The picture is not to be seen.");
+  return { x: box.x + box.width / 2, y: box.y + box.height / 2 };
+}
+
+test("load", async () => {
+  await open("example=humanoid");
+  expect(await page.title()).toBe("Humanoid – Kinetarium");
+  expect(await page.locator(".example").count()).toBeGreaterThan(5);
+  expect(await page.locator(".notice").isVisible()).toBe(false);
+});
+
+test("a hundred steps are those of another connection", async () => {
+  const other: Reference = await reference(ADDRESS, browser);
+  await open("example=pendula");
+  await step(100);
+  const mine = await poses();
+  const bytes = await other.frame({ type: "open", example: "pendula" }, { type: "step", steps: 100 });
+  const header = new DataView(bytes.buffer);
+  const count = header.getUint32(28, true) * header.getUint32(32, true);
+  const theirs = [...new Float32Array(bytes.buffer, HEADER, POSE * count)];
+  await other.close();
+  expect(header.getUint32(24, true)).toBe(100);
+  expect(mine.length).toBeGreaterThan(0);
+  expect(mine).toEqual(theirs);
+});
+
+test("a joint follows its slider", async () => {
+  await open("example=prismatic");
+  const drive = page.locator("details.drive").first();
+  await drive.locator("summary").click();
+  const digits = drive.locator('input[type="number"]').first();
+  const target = await digits.evaluate((input: HTMLInputElement) => Number(input.value) + 0.25);
+  const [before] = await coordinates();
+  await digits.fill(String(target));
+  await digits.press("Enter");
+  await step(1000);
+  await step(1000);
+  const [after] = await coordinates();
+  expect(Math.abs(after - target)).toBeLessThan(0.3 * Math.abs(before - target));
+  const slider = drive.locator('input[type="range"]').first();
+  expect(await slider.getAttribute("aria-label")).toBe("Target");
+});
+
+test("restart", async () => {
+  await open("example=dominoes");
+  const before = await poses();
+  await step(100);
+  expect(await poses()).not.toEqual(before);
+  await page.getByRole("button", { name: "Restart" }).click();
+  await page.waitForFunction(() => window.kinetarium.frame?.steps === 0);
+  expect(await poses()).toEqual(before);
+});
+
+test("rebuild with another number", async () => {
+  await open("example=pendula");
+  const links = page.getByRole("spinbutton", { name: "Links" });
+  await links.fill("5");
+  await links.press("Enter");
+  await page.getByRole("button", { name: "Rebuild" }).click();
+  await page.waitForFunction(() => window.kinetarium.scene?.bodies.length === 5);
+  await page.waitForFunction(() => location.hash.includes("build.links=5"));
+});
+
+test("replicas", async () => {
+  await open("example=pendula");
+  await page.getByRole("spinbutton", { name: "Replica" }).fill("3");
+  await page.keyboard.press("Enter");
+  await page.waitForFunction(() => window.kinetarium.shown[0] === 3);
+  await page.getByRole("combobox", { name: "Replicas shown" }).selectOption("4 side by side");
+  await page.waitForFunction(() => window.kinetarium.frame?.worlds === 4);
+  expect(await page.evaluate(() => window.kinetarium.shown)).toEqual([3, 4, 5, 6]);
+});
+
+test("physics", async () => {
+  await open("example=balls");
+  const gravity = page.getByRole("spinbutton", { name: "Gravity" });
+  await gravity.fill("1.62");
+  await gravity.press("Enter");
+  await page.waitForFunction(() => location.hash.includes("physics.gravity=1.62"));
+  const height = async () => (await poses())[await up()];
+  const up = () => page.evaluate(() => (window.kinetarium.scene?.up === "z" ? 2 : 1));
+  const before = await height();
+  await step(100);
+  const fallen = before - (await height());
+  const seconds = await time();
+  // ½ g t², to the order of the step.
+  expect(fallen).toBeGreaterThan(0.5 * 1.62 * seconds ** 2 * 0.97);
+  expect(fallen).toBeLessThan(0.5 * 1.62 * seconds ** 2 * 1.05);
+});
+
+test("scrub", async () => {
+  await open("example=pyramid");
+  await step(1000);
+  const end = await time();
+  const slider = page.getByRole("slider", { name: "Time", exact: true });
+  await slider.evaluate((input: HTMLInputElement, half) => {
+    input.value = String(half);
+    input.dispatchEvent(new Event("input"));
+    input.dispatchEvent(new Event("change"));
+  }, end / 2);
+  await page.waitForFunction(
+    (half) => Math.abs((window.kinetarium.frame?.time ?? 0) - half) < 0.1 * half,
+    end / 2,
+  );
+  const { recorded } = await page.evaluate(() => window.kinetarium.status ?? { recorded: [0, 0] });
+  expect(recorded[1]).toBeGreaterThan(0.95 * end);
+});
+
+test("save picture", async () => {
+  await open("example=arch");
+  const coming = page.waitForEvent("download");
+  await page.getByRole("button", { name: "Save picture" }).click();
+  const picture = await coming;
+  expect(picture.suggestedFilename()).toBe("arch-0.000s.png");
+  await picture.saveAs(`${OUT}picture.png`);
+  const data = readFileSync(`${OUT}picture.png`).toString("base64");
+  const colors = await page.evaluate(async (base64) => {
+    const image = new Image();
+    image.src = `data:image/png;base64,${base64}`;
+    await image.decode();
+    const canvas = new OffscreenCanvas(image.width, image.height);
+    const context = canvas.getContext("2d");
+    context?.drawImage(image, 0, 0);
+    const pixels = context?.getImageData(0, 0, image.width, image.height).data ?? [];
+    return new Set(Array.from({ length: 4000 }, (_, i) => pixels.slice(400 * i, 400 * i + 3).join())).size;
+  }, data);
+  expect(colors).toBeGreaterThan(50);
+});
+
+test("record a film", async () => {
+  await open("example=dominoes");
+  await page.getByRole("button", { name: "Record" }).click();
+  await page.getByRole("button", { name: "Run" }).click();
+  await page.waitForTimeout(1500);
+  const coming = page.waitForEvent("download");
+  await page.getByRole("button", { name: "Record" }).click();
+  const film = await coming;
+  expect(film.suggestedFilename()).toMatch(/^dominoes-.*\.webm$/);
+  await film.saveAs(`${OUT}film.webm`);
+  const bytes = readFileSync(`${OUT}film.webm`);
+  // EBML, as all of Matroska.
+  expect(bytes.readUInt32BE(0)).toBe(0x1a45dfa3);
+  expect(bytes.length).toBeGreaterThan(10_000);
+});
+
+test("reload from the address", async () => {
+  await open("example=pendula&build.links=4&replicas=2,4");
+  await page.waitForFunction(() => window.kinetarium.frame?.worlds === 4);
+  await page.locator(".stage").focus();
+  for (let i = 0; i < 4; i++) await page.keyboard.press("ArrowRight");
+  await page.waitForFunction(() => location.hash.includes("view="));
+  const { hash, shown } = await page.evaluate(() => ({
+    hash: location.hash,
+    shown: window.kinetarium.shown,
+  }));
+  await page.reload();
+  await page.waitForFunction(
+    () => window.kinetarium?.scene?.bodies.length === 4 && window.kinetarium.frame?.worlds === 4,
+  );
+  await page.waitForTimeout(600);
+  expect(await page.evaluate(() => window.kinetarium.shown)).toEqual(shown);
+  expect(await page.evaluate(() => location.hash)).toBe(hash);
+});
+
+test("keyboard alone", async () => {
+  await open("example=dominoes");
+  await page.locator(".stage").focus();
+  await page.keyboard.press("n");
+  await page.waitForFunction(() => window.kinetarium.frame?.steps === 1);
+  await page.keyboard.press("Space");
+  await page.waitForFunction(() => (window.kinetarium.frame?.steps ?? 0) > 20);
+  await page.keyboard.press("Space");
+  await page.waitForFunction(() => window.kinetarium.status?.running === false);
+  await page.keyboard.press("j");
+  await page.keyboard.press("j");
+  expect(await page.locator(".body-panel select").evaluate((s: HTMLSelectElement) => s.selectedIndex)).toBe(
+    1,
+  );
+  await page.keyboard.press("r");
+  await page.waitForFunction(() => window.kinetarium.frame?.steps === 0);
+  const before = await poses();
+  await page.keyboard.press("u");
+  await page.keyboard.press("Shift+N");
+  await page.waitForFunction(() => window.kinetarium.frame?.steps === 100);
+  expect(await poses()).not.toEqual(before);
+  await page.keyboard.press("?");
+  expect(await page.getByRole("dialog", { name: "Help" }).isVisible()).toBe(true);
+  await page.keyboard.press("Escape");
+  expect(await page.getByRole("dialog", { name: "Help" }).isVisible()).toBe(false);
+  // Tab goes through all that can be pressed.
+  await page.locator(".toolbar button").first().focus();
+  const seen = new Set<string | null>();
+  for (let i = 0; i < 60; i++) {
+    await page.keyboard.press("Tab");
+    seen.add(await page.evaluate(() => document.activeElement?.getAttribute("aria-label") ?? null));
+  }
+  for (const name of ["Run", "Restart", "Save picture", "Help"]) expect(seen).toContain(name);
+});
+
+test("pick, drag by a spring, push", async () => {
+  await open("example=tower");
+  const { x, y } = await onScreen();
+  await page.mouse.click(x, y);
+  await page.waitForSelector(".body-panel select");
+  await page.getByRole("button", { name: "Run" }).click();
+  await page.keyboard.down("Control");
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  for (let i = 1; i <= 10; i++) await page.mouse.move(x + 16 * i, y - 4 * i);
+  await page.waitForTimeout(700);
+  await page.screenshot({ path: `${OUT}spring.png` });
+  await page.mouse.up();
+  await page.keyboard.up("Control");
+  const moved = await page.evaluate(() => {
+    const { frame, scene } = window.kinetarium;
+    const at = frame?.poses ?? [];
+    return Math.max(...(scene?.bodies ?? []).map((_, body) => Math.hypot(at[7 * body], at[7 * body + 2])));
+  });
+  expect(moved).toBeGreaterThan(0.02);
+  await page.getByRole("button", { name: "Push", exact: true }).last().click();
+  expect(await page.locator(".notice").isVisible()).toBe(false);
+});
+
+/** A GLB of one triangle. */
+function triangle(): Buffer {
+  const points = Buffer.from(new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0]).buffer);
+  const json = JSON.stringify({
+    asset: { version: "2.0" },
+    scene: 0,
+    scenes: [{ nodes: [0] }],
+    nodes: [{ mesh: 0 }],
+    meshes: [{ primitives: [{ attributes: { POSITION: 0 } }] }],
+    accessors: [
+      { bufferView: 0, componentType: 5126, count: 3, type: "VEC3", min: [0, 0, 0], max: [1, 1, 0] },
+    ],
+    bufferViews: [{ buffer: 0, byteLength: 36 }],
+    buffers: [{ byteLength: 36 }],
+  });
+  const text = Buffer.from(json.padEnd(Math.ceil(json.length / 4) * 4));
+  const word = (...values: number[]) => Buffer.from(new Uint32Array(values).buffer);
+  return Buffer.concat([
+    word(0x46546c67, 2, 28 + text.length + 36, text.length, 0x4e4f534a),
+    text,
+    word(36, 0x004e4942),
+    points,
+  ]);
+}
+
+test("skins", async () => {
+  await open("example=tower");
+  const before = await poses();
+  const picture = () => page.locator(".stage").screenshot();
+  const plain = await picture();
+  const file = page.locator('.skins input[type="file"]');
+  await file.setInputFiles({ name: "triangle.glb", mimeType: "model/gltf-binary", buffer: triangle() });
+  await page.waitForSelector('select[aria-label="Size of the model"]:not([hidden])');
+  await page.waitForTimeout(300);
+  expect((await picture()).equals(plain)).toBe(false);
+  await page.getByRole("combobox", { name: "Skin" }).selectOption("By contact force");
+  await step(10);
+  expect(await page.locator(".scale").isVisible()).toBe(true);
+  await page.getByRole("button", { name: "Restart" }).click();
+  await page.waitForFunction(() => window.kinetarium.frame?.steps === 0);
+  expect(await poses()).toEqual(before);
+  await file.setInputFiles({ name: "broken.glb", mimeType: "model/gltf-binary", buffer: Buffer.from("no") });
+  await page.waitForSelector(".notice:not([hidden])");
+  expect(await page.locator(".notice").textContent()).toContain("broken.glb cannot be read as GLB");
+});
+
+test("what is drawn over the bodies", async () => {
+  await open("example=humanoid");
+  await step(100);
+  await page.locator(".stage").focus();
+  await page.keyboard.press("j");
+  const names = ["Contact points", "Contact forces", "Joints", "Frames", "Centres of mass", "See-through"];
+  const picture = () => page.locator(".stage").screenshot();
+  let last = await picture();
+  for (const name of names) {
+    await page.getByRole("checkbox", { name, exact: true }).check();
+    await page.waitForTimeout(250);
+    const next = await picture();
+    // Contacts are there when it has fallen.
+    if (!name.startsWith("Contact")) expect(next.equals(last), name).toBe(false);
+    last = next;
+  }
+  await page.keyboard.press("v");
+  await page.waitForTimeout(250);
+  expect((await picture()).equals(last)).toBe(false);
+});
+
+test("a small screen, in the dark", async () => {
+  await page.setViewportSize({ width: 400, height: 780 });
+  await page.emulateMedia({ colorScheme: "dark" });
+  await open("example=humanoid");
+  expect(await page.evaluate(() => document.documentElement.dataset.theme)).toBe("dark");
+  expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBe(400);
+  await page.getByRole("button", { name: "Inspect" }).click();
+  expect(await page.getByRole("complementary", { name: "Inspect" }).isVisible()).toBe(true);
+});
+
+test("malformed messages are told, and change nothing", async () => {
+  await page.addInitScript(() => {
+    // Whatever the transport, its first frame is followed by nonsense.
+    const garbage = ["{", '{"type":"scene"}', new ArrayBuffer(7), new ArrayBuffer(80)];
+    const disturb = (
+      target: { onmessage: ((event: never) => void) | null },
+      wrap: (data: unknown) => unknown,
+    ) => {
+      for (const data of garbage) target.onmessage?.({ data: wrap(data) } as never);
+    };
+    const [NativeSocket, NativeWorker] = [window.WebSocket, window.Worker];
+    window.WebSocket = class extends NativeSocket {
+      constructor(address: string) {
+        super(address);
+        setTimeout(() => disturb(this, (data) => data), 1500);
+      }
+    } as never;
+    window.Worker = class extends NativeWorker {
+      constructor(address: string, options?: WorkerOptions) {
+        super(address, options);
+        setTimeout(
+          () => disturb(this, (data) => (typeof data === "string" ? { text: data } : { binary: data })),
+          1500,
+        );
+      }
+    } as never;
+  });
+  await open("example=dominoes");
+  await page.waitForSelector(".notice:not([hidden])");
+  expect(await page.locator(".notice").textContent()).toContain("was not understood");
+  await step(10);
+  expect(await page.evaluate(() => window.kinetarium.scene?.name)).toBe("dominoes");
+});

@@ -1,0 +1,32 @@
+import { expect, test } from "vitest";
+import { type Address, emptyAddress, formatAddress, parseAddress } from "../src/address";
+
+const full: Address = {
+  example: "pendula",
+  build: { links: 5 },
+  physics: { gravity: -1.62, substeps: 4 },
+  replicas: { first: 3, count: 4 },
+  viewpoint: { target: [0, 1.5, -0.25], yaw: 0.6, pitch: 0.35, distance: 7.5 },
+  mount: { mount: "follow", body: 2 },
+};
+
+test("an address is read as it was written", () => {
+  const hash = formatAddress(full);
+  expect(hash).toBe(
+    "example=pendula&build.links=5&physics.gravity=-1.62&physics.substeps=4&replicas=3,4" +
+      "&view=0,1.5,-0.25,0.6,0.35,7.5&follow=2",
+  );
+  expect(parseAddress(`#${hash}`)).toEqual(full);
+});
+
+test("names may hold what addresses do not", () => {
+  const address = { ...emptyAddress(), example: "a&b=c d,e", build: { "x.y": 1 } };
+  expect(parseAddress(formatAddress(address))).toEqual(address);
+});
+
+test("what is not understood is left out", () => {
+  const hash =
+    "#build.links=many&physics.=1&replicas=-1,2&replicas=1&view=1,2,3,4,5,0&ride=x&follow=1.5&new=1";
+  expect(parseAddress(hash)).toEqual(emptyAddress());
+  expect(parseAddress("")).toEqual(emptyAddress());
+});

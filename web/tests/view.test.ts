@@ -1,0 +1,151 @@
+import { readFileSync } from "node:fs";
+import { Color, Matrix4, Quaternion, Vector3 } from "three";
+import { describe, expect, test } from "vitest";
+import { readFrame } from "../src/frame";
+import { readMessage, type Scene } from "../src/protocol";
+import { multiply, placed, writePose } from "../src/view/affine";
+import { measure, moves, reach, worldShifts } from "../src/view/layout";
+import { Materials } from "../src/view/materials";
+import { isFloor, PartMaker } from "../src/view/parts";
+import { Poses } from "../src/view/poses";
+import { Forms, sides } from "../src/view/shape_geometry";
+import { Gauges, viridis } from "../src/view/skins/gauges";
+import { Wardrobe } from "../src/view/skins/skin";
+import { writeFrame } from "./frames";
+
+const { messages } = JSON.parse(readFileSync(new URL("messages.json", import.meta.url), "utf8")) as {
+  messages: { type: string }[];
+};
+const scene = () => readMessage(JSON.stringify(messages.find((m) => m.type === "scene"))) as Scene;
+const turned = new Quaternion().setFromAxisAngle(new Vector3(1, 2, 3).normalize(), 0.7);
+const pose = [1, 2, 3, ...turned.toArray()];
+
+function expectClose(got: ArrayLike<number>, wanted: ArrayLike<number>): void {
+  expect(got.length).toBe(wanted.length);
+  for (let i = 0; i < wanted.length; i++) expect(got[i]).toBeCloseTo(wanted[i], 5);
+}
+
+describe("maps", () => {
+  const reference = new Matrix4().compose(new Vector3(1, 2, 3), turned, new Vector3(1, 1, 1));
+
+  test("of a pose, moved", () => {
+    const out = new Float32Array(16);
+    writePose(out, 0, pose, 0, [10, 0, -1], 0);
+    expectClose(out, new Matrix4().makeTranslation(10, 0, -1).multiply(reference).elements);
+  });
+  test("products", () => {
+    const out = new Float32Array(16);
+    multiply(out, 0, reference.elements, 0, reference.elements, 0);
+    expectClose(out, reference.clone().multiply(reference).elements);
+  });
+  test("of a placement, scaled", () => {
+    const placement = { position: [1, 2, 3] as [number, number, number], orientation: turned.toArray() };
+    const scaled = new Matrix4().compose(new Vector3(1, 2, 3), turned, new Vector3(2, 3, 4));
+    expectClose(placed(placement, [2, 3, 4]), scaled.elements);
+  });
+});
+
+describe("layout", () => {
+  test("one world stands in the middle", () => {
+    expect([...worldShifts(1, 2, "y")]).toEqual([0, 0, 0]);
+  });
+  test("worlds stand on the ground, about the middle, a spacing apart", () => {
+    expect([...worldShifts(4, 2, "y")]).toEqual([-1, 0, -1, 1, 0, -1, -1, 0, 1, 1, 0, 1]);
+    const shifts = worldShifts(4, 2, "z");
+    expect([2, 5, 8, 11].map((i) => shifts[i])).toEqual([0, 0, 0, 0]);
+    expect([...shifts.slice(0, 3)]).toEqual([-1, 1, 0]);
+  });
+  test("reach of a shape holds its offset", () => {
+    const shape = scene().shapes[3];
+    expect(reach(shape)).toBeCloseTo(0.5 + 0.125);
+  });
+  test("what hangs on the world may swing all about", () => {
+    const model = scene();
+    model.bounds = [
+      [0, -0.1, -0.1],
+      [0.5, 0.1, 0.1],
+    ];
+    const [low, high] = moves(model, measure(model));
+    expect(low[0]).toBeCloseTo(-high[0]);
+    expect(low[1]).toBeLessThanOrEqual(-0.5);
+  });
+  test("fewer sides where there are more shapes", () => {
+    expect([1, 500, 5000].map(sides)).toEqual([32, 20, 12]);
+  });
+});
+
+test("poses of worlds are beside each other", () => {
+  const poses = new Poses(scene());
+  poses.update(readFrame(writeFrame({ worlds: 2, bodies: 1, poses: [...pose, ...pose] })));
+  const [matrices, second] = poses.of(1, 0);
+  const [, first] = poses.of(0, 0);
+  expect(matrices[second + 12] - matrices[first + 12]).toBeCloseTo(2.5);
+  const [origins, world] = poses.of(1, -1);
+  expect(origins[world + 12]).toBeCloseTo(1.25);
+});
+
+describe("parts", () => {
+  const maker = (model: Scene) => new PartMaker(model, measure(model), new Forms(12), new Materials());
+  const style = { translucent: false, wireframe: false };
+
+  test("all shapes but the floor, which is drawn apart", () => {
+    const model = scene();
+    expect(model.shapes.map((shape) => isFloor(shape, "y"))).toEqual(model.shapes.map((_, row) => row === 0));
+    const parts = maker(model).make(new Wardrobe(), style);
+    expect(parts.map((part) => part.shape)).toEqual([1, 2, 3, 4, 5, 6, 7, 8]);
+  });
+  test("a skin of its own for one body leaves the world's shapes alone", () => {
+    const wardrobe = new Wardrobe();
+    wardrobe.dressAll({ kind: "gauge", gauge: "speed" });
+    wardrobe.dress(0, { kind: "color", color: new Color("red") });
+    expect(wardrobe.of(0).kind).toBe("color");
+    expect(wardrobe.of(1).kind).toBe("gauge");
+    expect(wardrobe.of(-1).kind).toBe("plain");
+    expect(wardrobe.gauge).toBe("speed");
+  });
+  test("forms that differ by a scaling share their triangles", () => {
+    const forms = new Forms(12);
+    const small = forms.of({ kind: "sphere", radius: 1 }, 1);
+    const large = forms.of({ kind: "ellipsoid", half: [1, 2, 3] }, 1);
+    expect(large.geometry).toBe(small.geometry);
+    const capsule = (radius: number) =>
+      forms.of({ kind: "capsule", radius, half_height: 2 * radius }, 1).geometry;
+    expect(capsule(1)).toBe(capsule(3));
+  });
+  test("a capsule is as high as its half height says, ends included", () => {
+    const { geometry, scale } = new Forms(12).of({ kind: "capsule", radius: 0.1, half_height: 0.4 }, 1);
+    geometry.computeBoundingBox();
+    expect((geometry.boundingBox?.max.y ?? 0) * scale[1]).toBeCloseTo(0.4);
+    expect((geometry.boundingBox?.max.x ?? 0) * scale[0]).toBeCloseTo(0.1);
+  });
+  test("a cone's apex points along +y", () => {
+    const { geometry } = new Forms(12).of({ kind: "cone", radius: 1, half_height: 1 }, 1);
+    const position = geometry.getAttribute("position");
+    const top = Array.from({ length: position.count }, (_, i) => i).filter((i) => position.getY(i) > 0.99);
+    for (const i of top) expect(Math.hypot(position.getX(i), position.getZ(i))).toBeLessThan(1e-6);
+  });
+});
+
+describe("gauges", () => {
+  const at = (x: number, time: number) =>
+    readFrame(writeFrame({ worlds: 1, bodies: 1, poses: [x, 0.5, 0, 0, 0, 0, 1], time }));
+
+  test("speed is the way between frames, by the time", () => {
+    const gauges = new Gauges(scene());
+    gauges.update("speed", at(0, 0));
+    gauges.update("speed", at(0.5, 0.25));
+    expect(gauges.range).toEqual([0, 2]);
+    expect(gauges.color(0, 0, new Color()).getHexString()).toBe("fde725");
+  });
+  test("force is the sum of a body's contacts", () => {
+    const gauges = new Gauges(scene());
+    const contact = [0, 0, 0, 0, 3, 4, 0, 0, 0, 2];
+    const frame = writeFrame({ worlds: 1, bodies: 1, poses: pose, contacts: [...contact, ...contact] });
+    gauges.update("force", readFrame(frame));
+    expect(gauges.range[1]).toBeCloseTo(10);
+  });
+  test("the scale goes from dark to bright", () => {
+    expect(viridis(-1, new Color()).getHexString()).toBe("440154");
+    expect(viridis(2, new Color()).getHexString()).toBe("fde725");
+  });
+});
