@@ -3,6 +3,7 @@
 
 mod asm;
 mod bench;
+mod docs;
 mod page;
 mod stages;
 mod test;
@@ -22,6 +23,7 @@ Usage: cargo xtask COMMAND
                            measure robots beside MuJoCo and piles beside Rapier, or one of the two, and
                            rewrite the tables in BENCHMARKS.md
   asm                      disassemble the SIMD entries of the release program; fail on stray calls
+  docs [--check]           build the documentation into target/site, with live examples; look at it in Chromium
   peers                    write MuJoCo's reference dynamics to target/peers
   help                     print this text";
 
@@ -56,6 +58,8 @@ fn run(arguments: &[&str]) -> Result<()> {
             bench::run(&workshop, groups, repetitions)?;
         }
         ["asm"] => asm::check(&workshop)?,
+        ["docs"] => println!("{}", docs::build(&workshop)?.display()),
+        ["docs", "--check"] => docs::check(&workshop, &docs::build(&workshop)?)?,
         ["peers"] => println!("{}", workshop.write_peers()?.display()),
         ["help" | "--help" | "-h"] | [] => println!("{HELP}"),
         other => bail!("unknown command `{}`\n\n{HELP}", other.join(" ")),

@@ -8,10 +8,11 @@ use std::process::{Child, Command, Stdio};
 use xshell::cmd;
 
 /// Rust's name for a browser.
-pub const BROWSER: &str = "wasm32-unknown-unknown";
+const BROWSER: &str = "wasm32-unknown-unknown";
 
 /// Builds the engine for browsers; returns where it is.
 pub fn engine(workshop: &Workshop) -> Result<PathBuf> {
+    workshop.need_rust_target(BROWSER)?;
     cmd!(
         workshop.sh,
         "cargo build --quiet --release --package kinetarium-wasm --target {BROWSER}"
@@ -74,7 +75,7 @@ pub fn install(workshop: &Workshop) -> Result<()> {
         "npm install --silent --no-save --no-audit --no-fund"
     )
     .run()
-    .context("the page's packages could not be installed; is the package index reachable?")
+    .context("npm packages could not be installed; is the package index reachable?")
 }
 
 /// `kinetarium view`, until it is dropped.

@@ -98,7 +98,6 @@ fn tools(workshop: &Workshop) -> Result<()> {
     workshop.need_program("objdump", "binutils")?;
     workshop.need_rust_target(NEON)?;
     workshop.need_rust_target(WASM)?;
-    workshop.need_rust_target(page::BROWSER)?;
     workshop.peers_python()?;
     Ok(())
 }

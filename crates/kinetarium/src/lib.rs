@@ -37,6 +37,9 @@ pub use numbers;
 pub use rigid;
 pub use sim;
 
+#[cfg(doctest)]
+mod documentation;
+
 /// What most programs need.
 pub mod prelude {
     pub use formats::{Loaded, Meshes, Options};

@@ -1,0 +1,5 @@
+import { gallery } from "../.vitepress/gallery";
+
+export default {
+  paths: () => gallery.map((example) => ({ params: example })),
+};
