@@ -74,17 +74,28 @@ pub enum Group {
     Robots,
     /// Heaps of free bodies, beside Rapier.
     Piles,
+    /// Cameras, on the CPU and, where there is one, on a graphics card.
+    Cameras,
+    /// The page in Chromium, drawing in software.
+    Page,
 }
 
 impl Group {
-    pub const ALL: [Self; 2] = [Self::Robots, Self::Piles];
+    pub const ALL: [Self; 4] = [Self::Robots, Self::Piles, Self::Cameras, Self::Page];
 
-    /// Where its tables begin in the report.
-    fn marker(self) -> &'static str {
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
         match self {
-            Self::Robots => "<!-- written by `cargo xtask bench robots` from here -->",
-            Self::Piles => "<!-- written by `cargo xtask bench piles` from here -->",
+            Self::Robots => "robots",
+            Self::Piles => "piles",
+            Self::Cameras => "cameras",
+            Self::Page => "page",
         }
+    }
+    /// Where its tables begin in the report.
+    fn marker(self) -> String {
+        let name = self.name();
+        format!("<!-- written by `cargo xtask bench {name}` from here -->")
     }
 }
 
@@ -95,12 +106,14 @@ pub fn run(workshop: &Workshop, groups: &[Group], repetitions: usize) -> Result<
         let tables = match group {
             Group::Robots => robots(workshop, repetitions)?,
             Group::Piles => format!("{}\n{}", machine(workshop)?, piles(workshop)?),
+            Group::Cameras => format!("{}\n{}\n", machine(workshop)?, cameras(workshop)?),
+            Group::Page => format!("{}\n{}\n", machine(workshop)?, page(workshop)?),
         };
         println!("\n{tables}");
         let report = workshop.sh.read_file(REPORT)?;
         workshop
             .sh
-            .write_file(REPORT, rewritten(&report, group.marker(), &tables)?)?;
+            .write_file(REPORT, rewritten(&report, &group.marker(), &tables)?)?;
     }
     Ok(())
 }
@@ -249,6 +262,26 @@ fn piles(workshop: &Workshop) -> Result<String> {
     Ok(format!("{table}\n"))
 }
 
+/// The table of cameras; compiled as the program is.
+fn cameras(workshop: &Workshop) -> Result<String> {
+    crate::page::need_vulkan(workshop)?;
+    let bench = cmd!(
+        workshop.sh,
+        "cargo bench --quiet --profile release --package kinetarium-render --bench frames --features gpu"
+    );
+    Ok(bench.read()?)
+}
+
+/// The page's lines, as a list.
+fn page(workshop: &Workshop) -> Result<String> {
+    let sh = &workshop.sh;
+    let _inside = sh.push_dir("web");
+    crate::page::install(workshop)?;
+    let lines = cmd!(sh, "npm run --silent bench").read()?;
+    let lines = lines.lines().filter(|line| line.contains(':'));
+    Ok(lines.map(|line| format!("- {line}\n")).collect())
+}
+
 /// Median world-steps per second, and the error where the case has one.
 fn speed(records: &[Record], case: &str, method: &str, worlds: u32) -> Result<(f64, Option<f64>)> {
     let wanted = |record: &Record| match record {
@@ -328,13 +361,13 @@ mod tests {
 
     #[test]
     fn each_group_has_its_own_place_in_the_report() {
-        let [robots, piles] = Group::ALL.map(Group::marker);
+        let [robots, piles, ..] = Group::ALL.map(Group::marker);
         let report =
             format!("a\n{robots}\nold\n<!-- to here -->\nb\n{piles}\nold\n<!-- to here -->\nc");
-        let report = rewritten(&report, piles, "new\n").unwrap();
+        let report = rewritten(&report, &piles, "new\n").unwrap();
         let wanted =
             format!("a\n{robots}\nold\n<!-- to here -->\nb\n{piles}\nnew\n<!-- to here -->\nc");
         assert_eq!(report, wanted);
-        assert!(rewritten("nothing", piles, "new").is_err());
+        assert!(rewritten("nothing", &piles, "new").is_err());
     }
 }

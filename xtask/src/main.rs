@@ -19,9 +19,9 @@ const HELP: &str = "\
 Usage: cargo xtask COMMAND
 
   test [--list] [STAGE…]   install what is missing, then run every stage (or only those named)
-  bench [robots|piles] [--repetitions N]
-                           measure robots beside MuJoCo and piles beside Rapier, or one of the two, and
-                           rewrite the tables in BENCHMARKS.md
+  bench [robots|piles|cameras|page] [--repetitions N]
+                           measure robots beside MuJoCo, piles beside Rapier, cameras, and the page, or one
+                           of them, and rewrite the tables in BENCHMARKS.md
   asm                      disassemble the SIMD entries of the release program; fail on stray calls
   docs [--check]           build the documentation into target/site, with live examples; look at it in Chromium
   peers                    write MuJoCo's reference dynamics to target/peers
@@ -45,17 +45,19 @@ fn run(arguments: &[&str]) -> Result<()> {
         ["test", "--list"] => test::list(),
         ["test", names @ ..] => test::run(&workshop, names)?,
         ["bench", options @ ..] => {
-            let (groups, rest): (&[Group], _) = match options {
-                ["robots", rest @ ..] => (&[Group::Robots], rest),
-                ["piles", rest @ ..] => (&[Group::Piles], rest),
-                rest => (&Group::ALL, rest),
+            let named = |name: &str| Group::ALL.into_iter().find(|group| group.name() == name);
+            let (groups, rest) = match options {
+                [name, rest @ ..] if named(name).is_some() => {
+                    (named(name).into_iter().collect(), rest)
+                }
+                rest => (Group::ALL.to_vec(), rest),
             };
             let repetitions = match rest {
                 [] => bench::DEFAULT_REPETITIONS,
                 ["--repetitions", count] => count.parse()?,
                 other => bail!("unknown options `{}` of bench\n\n{HELP}", other.join(" ")),
             };
-            bench::run(&workshop, groups, repetitions)?;
+            bench::run(&workshop, &groups, repetitions)?;
         }
         ["asm"] => asm::check(&workshop)?,
         ["docs"] => println!("{}", docs::build(&workshop)?.display()),

@@ -3,7 +3,7 @@
 use crate::workshop::Workshop;
 use anyhow::{Context, Result, ensure};
 use std::io::{BufRead, BufReader};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use xshell::cmd;
 
@@ -76,6 +76,15 @@ pub fn install(workshop: &Workshop) -> Result<()> {
     )
     .run()
     .context("npm packages could not be installed; is the package index reachable?")
+}
+
+/// Makes sure that there is a Vulkan driver, if only Mesa's that computes on the CPU.
+pub fn need_vulkan(workshop: &Workshop) -> Result<()> {
+    let drivers = Path::new("/usr/share/vulkan/icd.d");
+    if std::fs::read_dir(drivers).is_ok_and(|mut found| found.next().is_some()) {
+        return Ok(());
+    }
+    workshop.install("mesa-vulkan-drivers")
 }
 
 /// `kinetarium view`, until it is dropped.

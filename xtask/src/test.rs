@@ -5,6 +5,7 @@ use serde::Deserialize;
 use xshell::cmd;
 
 use crate::asm;
+use crate::docs;
 use crate::page;
 use crate::stages::{self, Stage};
 use crate::workshop::Workshop;
@@ -59,6 +60,11 @@ const STAGES: &[Stage] = &[
         run: page::check,
     },
     Stage {
+        name: "cameras",
+        purpose: "a graphics card sees what rays see, if only Mesa's on the CPU",
+        run: cameras,
+    },
+    Stage {
         name: "browser",
         purpose: "the page in Chromium, before a server and with an engine of its own",
         run: page::browse,
@@ -67,6 +73,11 @@ const STAGES: &[Stage] = &[
         name: "asm",
         purpose: "no stray call in the SIMD entries",
         run: asm::check,
+    },
+    Stage {
+        name: "docs",
+        purpose: "the documentation is built, its links hold, and its examples run in Chromium",
+        run: docs,
     },
     Stage {
         name: "program",
@@ -185,6 +196,21 @@ fn wasm(workshop: &Workshop) -> Result<()> {
     )
     .run()?;
     page::same_bits(workshop)
+}
+
+fn cameras(workshop: &Workshop) -> Result<()> {
+    page::need_vulkan(workshop)?;
+    Ok(cmd!(
+        workshop.sh,
+        "cargo test --quiet --release --package kinetarium-render --features gpu --tests"
+    )
+    .env("KINETARIUM_GPU", "1")
+    .run()?)
+}
+
+fn docs(workshop: &Workshop) -> Result<()> {
+    let site = docs::build(workshop)?;
+    docs::check(workshop, &site)
 }
 
 /// Runs the program as a newcomer would, in an empty folder, and expects its files and exit codes.

@@ -110,7 +110,7 @@ impl Workshop {
             .is_ok()
     }
 
-    fn install(&self, package: &str) -> Result<()> {
+    pub fn install(&self, package: &str) -> Result<()> {
         if !self.has("apt-get") {
             bail!("there is no apt-get here");
         }
