@@ -149,7 +149,6 @@ const joint = object({
 export type Joint = Checked<typeof joint>;
 
 const actuator = object({ name: text, range: pair, value: number });
-export type Actuator = Checked<typeof actuator>;
 
 const camera = object({ name: text, body: integer, placement, field_of_view: number });
 /** A camera that looks along its −z, with +y up. */

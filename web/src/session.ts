@@ -1,6 +1,14 @@
 import { Emitter } from "./emitter";
 import { type Frame, readFrame } from "./frame";
-import { type Command, type Example, readMessage, type Scene, type Status } from "./protocol";
+import {
+  type Command,
+  type Example,
+  type Field,
+  readMessage,
+  type Scene,
+  type Status,
+  type Values,
+} from "./protocol";
 import { Malformed } from "./schema";
 import type { Receiver, Transport } from "./transport/transport";
 
@@ -12,6 +20,8 @@ export interface SessionEvents {
   frame: Frame;
   /** Which worlds are shown, in order. */
   shown: number[];
+  /** The physics as it was last set. */
+  physics: Field[];
   /** What went wrong, for people. */
   error: string;
 }
@@ -34,7 +44,9 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
 
   send(command: Command): void {
     this.transport.send(command);
+    // The engine does not tell these again.
     if (command.type === "show") this.show(command.worlds);
+    if (command.type === "physics") this.setPhysics(command.values);
   }
 
   /** The last frame that came is on the screen. */
@@ -83,6 +95,7 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
         if (this.undrawn) this.drawn();
         this.shown = message.shown;
         this.emit("scene", message);
+        this.emit("physics", message.physics);
         // Who hears of the scene may have asked for other worlds of it.
         this.emit("shown", this.shown);
         break;
@@ -103,6 +116,12 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
       throw new Malformed(`a frame has ${frame.bodies} bodies, its scene ${scene.bodies.length}`);
     }
     return frame;
+  }
+
+  private setPhysics(values: Values): void {
+    if (!this.scene) return;
+    for (const field of this.scene.physics) field.value = values[field.name] ?? field.value;
+    this.emit("physics", this.scene.physics);
   }
 
   private show(worlds: number[]): void {

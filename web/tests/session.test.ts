@@ -65,6 +65,14 @@ test("what is malformed is told and changes nothing", () => {
   expect(drawn).toBe(2);
 });
 
+test("physics that is set is what forms show", () => {
+  session.text(sample("scene"));
+  const shown: number[][] = [];
+  session.on("physics", (fields) => shown.push(fields.map((field) => field.value)));
+  session.send({ type: "physics", values: { gravity: -1.62 } });
+  expect(shown).toEqual([[-1.62, 0, 1]]);
+});
+
 test("worlds asked for are those shown", () => {
   session.send({ type: "show", worlds: [2] });
   expect(sent).toEqual([{ type: "show", worlds: [2] }]);

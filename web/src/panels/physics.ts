@@ -10,6 +10,6 @@ export class Physics {
   constructor(session: Session, share: Share) {
     const form = new FieldForm((name, value) => share.setPhysics({ [name]: value }));
     this.element = h("div", {}, form.element);
-    session.on("scene", ({ physics }) => form.show(physics));
+    session.on("physics", (fields) => form.show(fields));
   }
 }

@@ -1,4 +1,4 @@
-import type { Field, Values } from "../protocol";
+import type { Field } from "../protocol";
 import { Checkbox, h, Select } from "./dom";
 import { NumberControl } from "./number_control";
 
@@ -24,11 +24,6 @@ export class FieldForm {
       this.element.replaceChildren(...[...this.rows.values()].map((row) => row.element));
     }
     for (const { name, value } of fields) this.rows.get(name)?.set(value);
-  }
-
-  /** Shows other values. */
-  set(values: Values): void {
-    for (const name in values) this.rows.get(name)?.set(values[name]);
   }
 
   private row(field: Field): Row {

@@ -53,18 +53,10 @@ export class NumberControl {
     );
   }
 
-  get value(): number {
-    return this.current;
-  }
-
   set value(value: number) {
     this.current = value;
     this.digits.value = written(this.spec.scale, value);
     this.slider.value = String(Math.round(toShare(this.spec.scale, value) * Number(this.slider.max)));
-  }
-
-  set disabled(disabled: boolean) {
-    this.slider.disabled = this.digits.disabled = disabled;
   }
 
   private slide(kind: "input" | "change"): void {
