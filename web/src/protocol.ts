@@ -194,6 +194,8 @@ const status = {
   pace: number,
   rate: number,
   diverged: array(count),
+  shown: array(count),
+  plots: array(count),
   recorded: pair,
 };
 

@@ -44,7 +44,7 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
 
   send(command: Command): void {
     this.transport.send(command);
-    // The engine does not tell these again.
+    // Not to wait for the engine's answer.
     if (command.type === "show") this.show(command.worlds);
     if (command.type === "physics") this.setPhysics(command.values);
   }
@@ -101,6 +101,7 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
         break;
       case "status":
         this.status = message;
+        if (!same(message.shown, this.shown)) this.show(message.shown);
         this.emit("status", message);
         break;
       case "error":
@@ -138,4 +139,9 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
       this.failed(`A message from the engine was not understood. ${error.message}`);
     }
   }
+}
+
+/** Whether two lists hold the same. */
+export function same(a: readonly number[], b: readonly number[]): boolean {
+  return a.length === b.length && a.every((x, i) => x === b[i]);
 }

@@ -198,7 +198,7 @@ impl Play {
     }
 
     /// The present state of some worlds; what the session knows is left open.
-    pub fn frame(&mut self, shown: &[usize], plots: &[Measure]) -> Frame {
+    pub fn frame(&mut self, shown: &[usize], plots: &[usize]) -> Frame {
         let time = self.time();
         let model = self.simulation.model().clone();
         let outputs = self.simulation.outputs();
@@ -231,11 +231,13 @@ impl Play {
         frame
     }
 
-    /// Values of some quantities of a world.
-    pub fn measure(&mut self, plots: &[Measure], world: usize) -> Vec<f32> {
+    /// Values of some quantities, by their rows, of a world.
+    pub fn measure(&mut self, plots: &[usize], world: usize) -> Vec<f32> {
         let model = self.simulation.model().clone();
         let outputs = self.simulation.outputs();
-        let values = plots.iter().map(|m| m.of(&model, &outputs, world) as f32);
+        let values = plots
+            .iter()
+            .map(|&i| self.measures[i].of(&model, &outputs, world) as f32);
         values.collect()
     }
 

@@ -459,6 +459,10 @@ pub struct Status {
     pub rate: f64,
     /// Worlds that diverged and stand still.
     pub diverged: Vec<u32>,
+    /// Worlds that frames show, in this order: any page may have chosen them.
+    pub shown: Vec<u32>,
+    /// Rows of [`Scene::quantities`] that frames carry, in this order.
+    pub plots: Vec<u32>,
     /// First and last time [s] to which [`Command::Scrub`] can return.
     pub recorded: [f64; 2],
 }

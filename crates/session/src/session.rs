@@ -8,7 +8,6 @@ use crate::physics::Physics;
 use crate::play::Play;
 use crate::protocol::{Command, Field, Message, PROTOCOL, Scene, Status, Values};
 use crate::pull::{Grab, Push, add_force};
-use crate::quantity::Measure;
 use crate::stage::Stage;
 use glam::DVec3;
 use model::{BodyId, BodyKind, JointId, JointKind};
@@ -52,7 +51,8 @@ pub struct Session {
     grab: Option<Grab>,
     pushes: Vec<Push>,
     shown: Vec<usize>,
-    plots: Vec<Measure>,
+    /// Rows of the quantities that are plotted.
+    plots: Vec<usize>,
     /// Samples of the plotted quantities since the last frame: when [s], and what.
     samples: VecDeque<(f64, Vec<f32>)>,
     running: bool,
@@ -250,11 +250,7 @@ impl Session {
         (self.grab, self.owed) = (None, 0.0);
         self.pushes.clear();
         self.shown = (0..self.play.stage.shown.min(self.play.worlds())).collect();
-        self.plots = self
-            .play
-            .first_plots()
-            .map(|i| self.play.measures[i])
-            .collect();
+        self.plots = self.play.first_plots().collect();
         let scene = self.scene();
         self.outbox
             .push_back(text(&Message::Scene(Box::new(scene))));
@@ -329,12 +325,9 @@ impl Session {
     }
     fn plot(&mut self, rows: &[u32]) -> Result<(), SessionError> {
         count("quantities to plot", rows.len(), [0, MOST_PLOTS])?;
-        let measures = &self.play.measures;
-        let plots = rows.iter().map(|&i| {
-            let i = row("quantity", i as usize, measures.len())?;
-            Ok(measures[i])
-        });
-        self.plots = plots.collect::<Result<_, SessionError>>()?;
+        let all = self.play.measures.len();
+        let plots = rows.iter().map(|&i| row("quantity", i as usize, all));
+        self.plots = plots.collect::<Result<_, _>>()?;
         Ok(())
     }
 
@@ -584,6 +577,8 @@ impl Session {
             pace: if self.running { self.pace.pace } else { 0.0 },
             rate: self.pace.rate,
             diverged: diverged.collect(),
+            shown: self.shown.iter().map(|&w| w as u32).collect(),
+            plots: self.plots.iter().map(|&i| i as u32).collect(),
             recorded: play.history.range().map(seconds),
         }
     }

@@ -1,7 +1,7 @@
 import { Chart, LINES } from "../plots/chart";
 import { History } from "../plots/history";
 import type { Quantity } from "../protocol";
-import type { Session } from "../session";
+import { type Session, same } from "../session";
 import { Checkbox, h, Select } from "../ui/dom";
 
 /** At most so many quantities are plotted. */
@@ -39,7 +39,13 @@ export class Plots {
       this.arrange(plots.slice(0, MOST));
     });
     session.on("frame", () => this.sample());
-    session.on("status", ({ running, time, recorded }) => {
+    session.on("status", ({ running, time, recorded, plots }) => {
+      const { scene } = session;
+      // Another page may have chosen them.
+      if (scene && !same(plots, this.history.quantities)) {
+        this.list(scene.quantities, plots);
+        this.arrange(plots);
+      }
       // Not every step is recorded; the present one is told in any case.
       if (!running) this.history.cut(Math.max(recorded[1], time) + 1e-9);
       this.stale = true;
