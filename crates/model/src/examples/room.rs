@@ -10,6 +10,9 @@ const ROOM: DVec3 = DVec3::new(2.0, 1.25, 1.5);
 /// Half sizes of the door [m]: width, height, thickness.
 const DOOR: DVec3 = DVec3::new(0.4, 1.0, 0.02);
 
+/// Of the walls, so that the room can be seen from outside.
+const GLASS: [f32; 4] = [0.72, 0.76, 0.80, 0.25];
+
 /// A room of 4 m × 3 m with a table, a chair, a ball, and a door on a hinge that closes by itself.
 ///
 /// To see: the ball falls on the edge of the table, and on, and rolls along the floor to the wall.
@@ -62,7 +65,8 @@ fn walls(building: &mut Object) {
     ];
     for ([x0, z0], [x1, z1]) in walls {
         let (from, to) = (DVec3::new(x0, 0.0, z0), DVec3::new(x1, high, z1));
-        building.scenery(block(STONE, from, to).named("wall"));
+        let wall = block(STONE, from, to).with_color(GLASS);
+        building.scenery(wall.named("wall"));
     }
 }
 

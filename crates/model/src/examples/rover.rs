@@ -5,6 +5,9 @@ use super::stuff::{PLAIN, RUBBER};
 use crate::{Axis, BodyHandle, Builder, Drive, Geometry, Model, ModelError, Pose, Shape};
 use glam::DVec3;
 
+/// Towards the table [rad].
+const TURN: f64 = 2.2;
+
 /// The [`room`](super::room) with a robot in it: a cart of 30 cm that drives and turns as its motors' speeds
 /// say, with a head that looks along the body `head`'s −z.
 ///
@@ -29,7 +32,7 @@ pub fn rover() -> Result<Model, ModelError> {
     let wheels = robot.plane_xz("wheels", cart);
     wheels
         .frames(place, Pose::IDENTITY)
-        .initial(&[0.0, 0.0, 0.9]);
+        .initial(&[0.0, 0.0, TURN]);
     for (dof, damping) in wheels.dofs_mut().iter_mut().zip([400.0, 400.0, 20.0]) {
         dof.drive = Drive {
             damping,
