@@ -80,6 +80,13 @@ impl Work {
         // The first page is greeted as all others are.
         while self.session.outgoing().is_some() {}
         loop {
+            if self.pages.is_empty() {
+                // What nobody sees stands still.
+                match heard.recv() {
+                    Ok(said) => self.hear(said),
+                    Err(_) => return,
+                }
+            }
             let busy = self.session.advance();
             self.tell(None);
             let pause = if busy { Duration::ZERO } else { PAUSE };

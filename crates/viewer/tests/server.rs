@@ -100,6 +100,18 @@ fn pages_share_the_worlds_and_refusals_go_to_who_asked() {
 }
 
 #[test]
+fn what_nobody_sees_stands_still() {
+    let address = server("balls", open());
+    let mut first = page(address);
+    say(&mut first, r#"{"type": "run"}"#);
+    while hear(&mut first, "status")["time"].as_f64().unwrap() < 0.1 {}
+    drop(first);
+    thread::sleep(Duration::from_secs(2));
+    let time = hear(&mut page(address), "status")["time"].as_f64().unwrap();
+    assert!((0.1..1.2).contains(&time), "{time} s");
+}
+
+#[test]
 fn strangers_are_refused() {
     let address = server("balls", open());
     assert_eq!(
