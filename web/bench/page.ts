@@ -16,6 +16,8 @@ export interface Times {
   update: number;
   /** From a frame's bytes to its picture, the graphics card's part included. */
   frame: number;
+  /** Length of a frame [bytes]. */
+  bytes: number;
 }
 
 declare global {
@@ -62,7 +64,8 @@ window.bench = (name, count) => {
     whole.push(performance.now() - began);
   }
   // The first ones compile shaders.
-  return { update: median(update.slice(3)), frame: median(whole.slice(3)) };
+  const bytes = frames[count].byteLength;
+  return { update: median(update.slice(3)), frame: median(whole.slice(3)), bytes };
 };
 
 function median(values: number[]): number {

@@ -17,9 +17,10 @@ try {
   await page.goto(`${address}bench/index.html`);
   await page.waitForFunction(() => "bench" in window);
   for (const [name, title, frames] of CASES) {
-    const { update, frame } = await page.evaluate(([n, f]) => window.bench(n, f), [name, frames]);
+    const { update, frame, bytes } = await page.evaluate(([n, f]) => window.bench(n, f), [name, frames]);
     console.log(
-      `${title}: ${update.toFixed(2)} ms to read and place, ${frame.toFixed(1)} ms with its picture`,
+      `${title}: ${update.toFixed(2)} ms to read and place, ${frame.toFixed(1)} ms with its picture;`,
+      `${(1e-3 * bytes).toFixed(1)} kB a frame, ${(60e-6 * bytes).toFixed(1)} MB/s at 60 frames a second`,
     );
   }
 } finally {

@@ -204,7 +204,7 @@ export const message = tagged("type", {
   welcome: { protocol: count, examples: array(example) },
   scene,
   status,
-  error: { message: text },
+  error: { message: text, refused: nullable(text) },
 });
 export type Message = Checked<typeof message>;
 /** All of a model that the page shows. */

@@ -24,6 +24,8 @@ export interface SessionEvents {
   physics: Field[];
   /** What went wrong, for people. */
   error: string;
+  /** The type of a command that was refused. */
+  refused: string;
 }
 
 /** What the page knows of the engine: the last of everything it said. Commands go out through it. */
@@ -36,6 +38,8 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
   private readonly transport: Transport;
   /** Whether a frame came that is not yet on the screen. */
   private undrawn = false;
+  /** The physics before what was asked for and not yet answered. */
+  private accepted: Values | null = null;
 
   constructor(connect: (receiver: Receiver) => Transport) {
     super();
@@ -46,7 +50,11 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
     this.transport.send(command);
     // Not to wait for the engine's answer.
     if (command.type === "show") this.show(command.worlds);
-    if (command.type === "physics") this.setPhysics(command.values);
+    if (command.type === "physics") {
+      this.accepted ??= Object.fromEntries(this.scene?.physics.map(({ name, value }) => [name, value]) ?? []);
+      this.setPhysics(command.values);
+    }
+    if (command.type === "joint" || command.type === "control") this.setDrive(command);
   }
 
   /** The last frame that came is on the screen. */
@@ -101,10 +109,13 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
         break;
       case "status":
         this.status = message;
+        this.accepted = null;
         if (!same(message.shown, this.shown)) this.show(message.shown);
         this.emit("status", message);
         break;
       case "error":
+        if (message.refused === "physics" && this.accepted) this.setPhysics(this.accepted);
+        if (message.refused !== null) this.emit("refused", message.refused);
         this.emit("error", message.message);
     }
   }
@@ -123,6 +134,22 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
     if (!this.scene) return;
     for (const field of this.scene.physics) field.value = values[field.name] ?? field.value;
     this.emit("physics", this.scene.physics);
+  }
+
+  /** The scene says how drives are, for who looks at it later. */
+  private setDrive(command: Command): void {
+    if (command.type === "control") {
+      const actuator = this.scene?.actuators[command.actuator];
+      if (actuator) actuator.value = command.value;
+    } else if (command.type === "joint") {
+      const dofs = this.scene?.joints.flatMap((joint) => joint.dofs) ?? [];
+      const own = dofs.find(({ dof }) => dof === command.dof);
+      if (!own) return;
+      own.position = command.position ?? own.position;
+      own.stiffness = command.stiffness ?? own.stiffness;
+      own.velocity = command.velocity ?? own.velocity;
+      own.damping = command.damping ?? own.damping;
+    }
   }
 
   private show(worlds: number[]): void {

@@ -30,6 +30,7 @@ export class Share {
     session.on("examples", () => this.open());
     session.on("scene", (scene) => this.scene(scene));
     session.on("shown", (worlds) => this.shown(worlds));
+    session.on("refused", (type) => this.refused(type));
     session.on("error", () => {
       this.opening = null;
     });
@@ -50,6 +51,20 @@ export class Share {
     Object.assign(this.address.physics, values);
     this.controls.physics(values);
     this.soon();
+  }
+
+  /** The address says what is, not what was refused. */
+  private refused(type: string): void {
+    const { physics, build, example } = this.address;
+    if (type === "physics") {
+      for (const { name, value } of this.session.scene?.physics ?? []) {
+        if (name in physics) physics[name] = value;
+      }
+      this.soon();
+    } else if (type === "open" && example !== null && this.opening === example) {
+      // An example that was to be built in a way it is not comes as it is.
+      if (Object.keys({ ...physics, ...build }).length) this.openExample(example);
+    }
   }
 
   /** The camera moved. */

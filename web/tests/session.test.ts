@@ -78,3 +78,18 @@ test("worlds asked for are those shown", () => {
   expect(sent).toEqual([{ type: "show", worlds: [2] }]);
   expect(session.shown).toEqual([2]);
 });
+
+test("physics that is refused is as before", () => {
+  session.text(sample("scene"));
+  const refused: string[] = [];
+  session.on("refused", (type) => refused.push(type));
+  const [field] = session.scene?.physics ?? [];
+  const before = field.value;
+  session.send({ type: "physics", values: { [field.name]: before + 1 } });
+  session.send({ type: "physics", values: { [field.name]: before + 2 } });
+  expect(field.value).toBe(before + 2);
+  session.text('{"type":"error","message":"no","refused":"physics"}');
+  expect(field.value).toBe(before);
+  expect(refused).toEqual(["physics"]);
+  expect(errors).toEqual(["no"]);
+});

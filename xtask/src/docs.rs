@@ -14,6 +14,8 @@ pub fn build(workshop: &Workshop) -> Result<PathBuf> {
     let engine = engine(workshop)?;
     let api = api(workshop)?;
     let site = workshop.target().join("site");
+    // What is no page any more would stay.
+    workshop.sh.remove_path(&site)?;
     pages(workshop, &engine, &site)?;
 
     let sh = &workshop.sh;

@@ -116,7 +116,7 @@ pub struct Info {
 
 #[derive(Debug, Args)]
 pub struct Shot {
-    /// A robot file, or the name of an example.
+    /// A robot file, or the name of an example, whose random motors rest.
     #[arg(value_name = "FILE|EXAMPLE")]
     pub scene: PathBuf,
     /// Picture to write, as PNG.

@@ -23,6 +23,10 @@ pub enum Error {
     Viewer(#[from] ViewerError),
     #[error("--headless shows nothing: leave it out, or use `kinetarium run`")]
     Headless,
+    #[error(
+        "--worlds and --keyframe are for files: `{name}` is an example, which is built on the page"
+    )]
+    FilesOnly { name: String },
     #[error(transparent)]
     Render(#[from] RenderError),
     #[error("--time {seconds} are too many time steps of {time_step} s: lower it")]

@@ -8,7 +8,7 @@ use session::protocol::Values;
 use session::{Example, Session, Stage};
 use std::net::SocketAddr;
 use std::path::Path;
-use viewer::{Access, Server, clock, serve};
+use viewer::{Access, Server, ViewerError, clock, serve};
 
 /// Where the page is, unless something else is there.
 const PORT: u16 = 7357;
@@ -21,6 +21,14 @@ pub fn view(arguments: View) -> Result<(), Error> {
     let server = listen(arguments, port)?;
     let url = server.url();
     print(&format!("{url}\nStop with Ctrl+C."));
+    let at = server.address();
+    if at.ip().is_unspecified() {
+        let host = format!("NAME:{}", at.port());
+        print(&format!(
+            "From elsewhere, with this machine's name or address for NAME: {}",
+            server.url_at(&host)
+        ));
+    }
     if browser {
         // Where there is none, the address is what the user needs.
         let _ = open::that_detached(url);
@@ -29,7 +37,7 @@ pub fn view(arguments: View) -> Result<(), Error> {
 }
 
 fn listen(arguments: View, port: Option<u16>) -> Result<Server, Error> {
-    let access = Access::for_address(arguments.address);
+    let access = Access::for_address(arguments.address).map_err(ViewerError::from)?;
     let at = |port| SocketAddr::new(arguments.address, port);
     let address = at(port.unwrap_or(PORT));
     // Looked at first, since reading a file for nothing takes longer.
@@ -48,6 +56,9 @@ fn session(arguments: View) -> Result<Session, Error> {
         return Ok(Session::gallery(clock)?);
     };
     if let Some(name) = example(what) {
+        if arguments.worlds.is_some() || arguments.keyframe.is_some() {
+            return Err(Error::FilesOnly { name: name.into() });
+        }
         return Ok(Session::example(name, clock)?);
     }
     let mut stage = stage(what, &arguments.reading)?;

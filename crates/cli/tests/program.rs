@@ -369,10 +369,11 @@ fn without_arguments_the_page_is_served_at_the_address_that_is_printed() {
 #[test]
 fn what_cannot_be_shown_ends_with_2_and_says_why() {
     let folder = folder();
-    let cases: [(&[&str], &str); 5] = [
+    let cases: [(&[&str], &str); 6] = [
         (&["view", "towr"], "no example `towr`; known are pendula"),
         (&["view", "missing.xml"], "missing.xml"),
         (&["view", "--headless"], "--headless shows nothing"),
+        (&["view", "tower", "--worlds", "8"], "are for files"),
         (
             &["view", "--address", "192.0.2.1", "--port", "0"],
             "cannot listen at 192.0.2.1:0",

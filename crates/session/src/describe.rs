@@ -54,7 +54,7 @@ fn geometry(geometry: &model::Geometry) -> Geometry {
     use model::Geometry as Is;
     match *geometry {
         Is::Plane { half_x, half_z } => Geometry::Plane {
-            half: (half_x > 0.0 && half_z > 0.0).then_some([half_x, half_z]),
+            half: (half_x > 0.0 || half_z > 0.0).then_some([half_x, half_z].map(to_horizon)),
         },
         Is::Sphere { radius } => Geometry::Sphere { radius },
         Is::Capsule {
@@ -89,6 +89,11 @@ fn geometry(geometry: &model::Geometry) -> Geometry {
         // Named by its file, which nobody has read: there is nothing to see.
         Is::MeshFile { .. } => mesh(&[], &[], false),
     }
+}
+
+/// Half of what is drawn of a plane along an axis [m], along which it may be endless.
+fn to_horizon(half: f64) -> f64 {
+    if half > 0.0 { half } else { 1000.0 }
 }
 
 fn mesh(vertices: &[DVec3], triangles: &[[u32; 3]], flat: bool) -> Geometry {

@@ -9,7 +9,7 @@
 //! | 8 | u32 | number of the frame, from 0 |
 //! | 12 | u32 | bit 0: running |
 //! | 16 | f64 | time [s] since the start |
-//! | 24 | u32 | steps since the start |
+//! | 24 | u32 | steps since the start, modulo 2³² |
 //! | 28 | u32 | W, worlds shown |
 //! | 32 | u32 | B, bodies |
 //! | 36 | u32 | C, contacts of all worlds shown |

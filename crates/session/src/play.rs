@@ -28,8 +28,8 @@ pub(crate) struct Play {
     pub physics: Physics,
     /// The stage's model, with gravity and drives as the page has set them.
     pub parts: Parts,
-    /// Controls of the actuators, once the page has set one.
-    pub control: Option<Vec<f64>>,
+    /// Of each actuator, the control that the page has set, if it has.
+    pub control: Vec<Option<f64>>,
     pub simulation: Simulation<f32>,
     pub measures: Vec<Measure>,
     pub steps: u64,
@@ -75,6 +75,7 @@ impl Play {
         let mut parts = stage.model.clone().into_parts();
         physics.change(&mut parts);
         let simulation = simulate(&parts, &stage, &physics)?;
+        let actuators = stage.model.actuators.len();
         let measures = quantities(&stage.model)
             .into_iter()
             .map(|(m, _)| m)
@@ -89,7 +90,7 @@ impl Play {
             stage,
             physics,
             parts,
-            control: None,
+            control: vec![None; actuators],
             simulation,
             measures,
             steps: 0,
@@ -157,17 +158,19 @@ impl Play {
                 }
             }
         }
-        let Some(control) = &self.control else {
-            return Ok(());
-        };
-        let mut controls = self.simulation.controls();
-        (0..controls.worlds()).try_for_each(|world| controls.set_control(world, control))
+        for world in 0..self.worlds() {
+            let present = self.controls(world)?;
+            let set = self.control.iter().zip(present);
+            let control: Vec<f64> = set.map(|(set, now)| set.unwrap_or(now)).collect();
+            self.simulation.controls().set_control(world, &control)?;
+        }
+        Ok(())
     }
 
-    /// Controls of the first world's actuators.
-    pub fn controls(&mut self) -> Result<Vec<f64>, SimulationError> {
+    /// Controls of a world's actuators.
+    pub fn controls(&mut self, world: usize) -> Result<Vec<f64>, SimulationError> {
         let actuators = self.simulation.model().actuators.len();
-        let numbers = self.simulation.controls().of_world(0)?;
+        let numbers = self.simulation.controls().of_world(world)?;
         Ok(numbers[numbers.len() - actuators..].to_vec())
     }
 
@@ -178,7 +181,7 @@ impl Play {
         });
     }
 
-    /// New random controls of all actuators, if it is time.
+    /// New random controls of all actuators that the page has not set, if it is time.
     pub fn wander(&mut self) -> Result<(), SimulationError> {
         let every = (WANDER / self.time_step()).round().max(1.0) as u64;
         if self.stage.wander == 0.0 || !self.steps.is_multiple_of(every) {
@@ -186,12 +189,14 @@ impl Play {
         }
         let model = self.simulation.model().clone();
         for world in 0..self.worlds() {
-            let control = |actuator: &model::Actuator| {
+            let control = |(actuator, set): (&model::Actuator, &Option<f64>)| {
                 let (lower, upper) = describe::control_range(actuator);
                 let (middle, half) = (0.5 * (lower + upper), 0.5 * (upper - lower));
-                middle + self.stage.wander * half * (2.0 * self.rng.f64() - 1.0)
+                let drawn = middle + self.stage.wander * half * (2.0 * self.rng.f64() - 1.0);
+                set.unwrap_or(drawn)
             };
-            let control: Vec<f64> = model.actuators.iter().map(control).collect();
+            let controls = model.actuators.iter().zip(&self.control);
+            let control: Vec<f64> = controls.map(control).collect();
             self.simulation.controls().set_control(world, &control)?;
         }
         Ok(())
@@ -245,7 +250,7 @@ impl Play {
     pub fn scene(&mut self) -> Scene {
         let model = self.simulation.model().clone();
         let none = || vec![0.0; model.actuators.len()];
-        let controls = self.controls().unwrap_or_else(|_| none());
+        let controls = self.controls(0).unwrap_or_else(|_| none());
         let bounds = describe::bounds(&model);
         let wide = (0..3).map(|i| bounds[1][i] - bounds[0][i]);
         Scene {

@@ -138,10 +138,12 @@ pub enum Message {
     Scene(Box<Scene>),
     /// How it goes; after every command, and a few times a second while it runs.
     Status(Status),
-    /// A command was refused; all is as before it.
+    /// A command was refused, and all is as before it; or a step could not be made, and the session has stopped.
     Error {
         /// What is wrong, and the remedy.
         message: String,
+        /// The `type` of the command that was refused, if one was.
+        refused: Option<String>,
     },
 }
 
@@ -249,7 +251,7 @@ pub struct Scene {
     pub shown: Vec<u32>,
     /// Distance [m] from world to world where several are shown side by side.
     pub spacing: f64,
-    /// A box that holds the bodies at the start: two corners [m].
+    /// A box that holds the bodies as they stand in the model: two corners [m].
     pub bounds: [[f64; 3]; 2],
 }
 
@@ -445,7 +447,7 @@ pub struct Quantity {
 /// How it goes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Status {
-    /// Whether it goes on by itself.
+    /// Whether it goes on by itself, or has steps to make.
     pub running: bool,
     /// Simulated seconds since the start.
     pub time: f64,

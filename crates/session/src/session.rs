@@ -15,6 +15,12 @@ use std::collections::VecDeque;
 
 /// Longest stretch of computing between two looks at what the page says [s].
 const SLICE: f64 = 0.012;
+/// Steps between two looks at the clock, at most.
+const MOST_AT_ONCE: u64 = 1 << 16;
+/// Blows that wait for the next step, at most.
+const MOST_PUSHES: usize = 256;
+/// Largest stiffness and damping of a drive, in SI units.
+const STIFFEST: f64 = 1e9;
 /// From one frame to the next [s].
 const FRAME: f64 = 1.0 / 60.0;
 /// From one sample of the plotted quantities to the next, in simulated seconds.
@@ -153,20 +159,26 @@ impl Session {
     /// Does what a page says, a [`Command`] as JSON. What is refused is answered by a
     /// [`Message::Error`], and changes nothing.
     pub fn receive(&mut self, command: &str) {
-        let command = serde_json::from_str(command).map_err(|e| SessionError::Command {
+        let kind = |command: &Command| {
+            let value = serde_json::to_value(command).ok()?;
+            Some(value.get("type")?.as_str()?.to_owned())
+        };
+        let read = serde_json::from_str(command).map_err(|e| SessionError::Command {
             reason: e.to_string(),
         });
-        let done = command.and_then(|command| self.perform(command));
-        match done {
+        let asked = read.as_ref().ok().and_then(kind);
+        match read.and_then(|command| self.perform(command)) {
             Ok(()) => {
                 self.stale = true;
                 let status = Message::Status(self.status());
                 self.outbox.push_back(text(&status));
             }
             Err(error) => {
-                let message = error.to_string();
-                let refusal = Outgoing::Refusal(json(&Message::Error { message }));
-                self.outbox.push_back(refusal);
+                let refusal = Message::Error {
+                    message: error.to_string(),
+                    refused: asked,
+                };
+                self.outbox.push_back(Outgoing::Refusal(json(&refusal)));
             }
         }
     }
@@ -189,6 +201,7 @@ impl Session {
             Command::Step { steps } => self.step(steps)?,
             Command::Restart {} => {
                 self.stop();
+                self.forget();
                 self.play.restart()?;
             }
             Command::Speed { factor } => self.set_speed(factor)?,
@@ -226,6 +239,7 @@ impl Session {
             } => {
                 let (world, body, point) = self.moving_point(world, body, point)?;
                 let impulse = finite("impulse", impulse)?;
+                count("pushes that wait", self.pushes.len() + 1, [0, MOST_PUSHES])?;
                 self.pushes.push(Push {
                     world,
                     body,
@@ -244,12 +258,18 @@ impl Session {
         self.play = play;
         self.opened();
     }
+    /// Forgets what belongs to another state: blows that wait, and samples.
+    fn forget(&mut self) {
+        self.pushes.clear();
+        self.samples.clear();
+    }
     /// Begins with what is simulated now.
     fn opened(&mut self) {
         self.scenes += 1;
         (self.grab, self.owed) = (None, 0.0);
-        self.pushes.clear();
-        self.shown = (0..self.play.stage.shown.min(self.play.worlds())).collect();
+        self.forget();
+        let shown = self.play.stage.shown.clamp(1, MOST_SHOWN);
+        self.shown = (0..shown.min(self.play.worlds())).collect();
         self.plots = self.play.first_plots().collect();
         let scene = self.scene();
         self.outbox
@@ -298,6 +318,10 @@ impl Session {
         self.looked = (self.clock)();
         self.play.history.branch(self.play.steps);
     }
+    /// Whether it goes on by itself, or has steps to make.
+    fn busy(&self) -> bool {
+        self.running || self.owed >= 1.0
+    }
     fn stop(&mut self) {
         (self.running, self.owed) = (false, 0.0);
     }
@@ -313,7 +337,9 @@ impl Session {
             within("speed", factor, 0.001, 1000.0)?;
         }
         self.speed = factor;
-        self.owed = 0.0;
+        if self.running {
+            self.owed = 0.0;
+        }
         Ok(())
     }
     fn show(&mut self, worlds: &[u32]) -> Result<(), SessionError> {
@@ -321,6 +347,7 @@ impl Session {
         let all = self.play.worlds();
         let worlds = worlds.iter().map(|&w| row("world", w as usize, all));
         self.shown = worlds.collect::<Result<_, _>>()?;
+        self.samples.clear();
         Ok(())
     }
     fn plot(&mut self, rows: &[u32]) -> Result<(), SessionError> {
@@ -328,6 +355,7 @@ impl Session {
         let all = self.play.measures.len();
         let plots = rows.iter().map(|&i| row("quantity", i as usize, all));
         self.plots = plots.collect::<Result<_, _>>()?;
+        self.samples.clear();
         Ok(())
     }
 
@@ -357,6 +385,8 @@ impl Session {
         let drive = *drive;
         within("target position", drive.target_position, -1e9, 1e9)?;
         within("target velocity", drive.target_velocity, -1e9, 1e9)?;
+        within("stiffness", drive.stiffness, 0.0, STIFFEST)?;
+        within("damping", drive.damping, 0.0, STIFFEST)?;
         if gains == (drive.stiffness, drive.damping) {
             self.play.parts = parts;
             return Ok(self.play.aim()?);
@@ -374,12 +404,7 @@ impl Session {
         row("actuator", actuator, model.actuators.len())?;
         let (lower, upper) = control_range(&model.actuators[actuator]);
         within(&model.actuators[actuator].name, value, lower, upper)?;
-        let mut control = match &self.play.control {
-            Some(control) => control.clone(),
-            None => self.play.controls()?,
-        };
-        control[actuator] = value;
-        self.play.control = Some(control);
+        self.play.control[actuator] = Some(value);
         Ok(self.play.aim()?)
     }
 
@@ -403,6 +428,7 @@ impl Session {
     fn scrub(&mut self, time: f64) -> Result<(), SessionError> {
         within("time", time, 0.0, f64::MAX)?;
         self.stop();
+        self.forget();
         let steps = (time / self.play.time_step()).round() as u64;
         if let Some(moment) = self.play.history.nearest(steps) {
             self.play.simulation.restore(&moment.snapshot)?;
@@ -427,8 +453,11 @@ impl Session {
         if behind {
             if let Err(error) = self.work(now) {
                 self.stop();
-                let message = error.to_string();
-                self.outbox.push_back(text(&Message::Error { message }));
+                let failure = Message::Error {
+                    message: error.to_string(),
+                    refused: None,
+                };
+                self.outbox.push_back(text(&failure));
             }
             self.stale = true;
         }
@@ -447,10 +476,15 @@ impl Session {
         loop {
             let before = (self.clock)();
             let steps = self.uninterrupted(most);
-            let pulled = self.pull()?;
-            self.play.wander()?;
-            self.play.simulation.step(steps as usize);
+            let pulled = self.pulled();
+            let ready = self
+                .pull(&pulled)
+                .and(self.play.wander().map_err(Into::into));
+            if ready.is_ok() {
+                self.play.simulation.step(steps as usize);
+            }
             self.let_go(&pulled)?;
+            ready?;
             self.play.steps += steps;
             self.owed -= steps as f64;
             self.pace.steps += steps;
@@ -466,7 +500,7 @@ impl Session {
                 return Ok(());
             }
             if now - before < 0.1 * SLICE {
-                most *= 2;
+                most = (2 * most).min(MOST_AT_ONCE);
             }
         }
     }
@@ -498,16 +532,21 @@ impl Session {
         self.samples.push_back((self.play.time(), values));
     }
 
-    /// Sets the forces of hand and blows for the next step; answers the worlds that have some.
-    fn pull(&mut self) -> Result<Vec<usize>, SessionError> {
-        let pushes = std::mem::take(&mut self.pushes);
-        let mut worlds: Vec<_> = pushes.iter().map(|p| p.world).collect();
+    /// Worlds in which a hand or a blow acts in the next step.
+    fn pulled(&self) -> Vec<usize> {
+        let mut worlds: Vec<_> = self.pushes.iter().map(|p| p.world).collect();
         worlds.extend(self.grab.map(|g| g.world));
         worlds.sort_unstable();
         worlds.dedup();
+        worlds
+    }
+
+    /// Sets the forces of hand and blows on these worlds for the next step.
+    fn pull(&mut self, worlds: &[usize]) -> Result<(), SessionError> {
+        let pushes = std::mem::take(&mut self.pushes);
         let model = self.play.simulation.model().clone();
         let h = self.play.time_step();
-        for &world in &worlds {
+        for &world in worlds {
             let mut forces = vec![0.0; model.degrees_of_freedom()];
             let outputs = self.play.simulation.outputs();
             let mut add = |body, point, force| {
@@ -521,7 +560,7 @@ impl Session {
             }
             self.play.simulation.controls().set_force(world, &forces)?;
         }
-        Ok(worlds)
+        Ok(())
     }
 
     /// No force from outside on these worlds any more.
@@ -544,8 +583,9 @@ impl Session {
                 *status = now;
             }
             self.stale = false;
-            let bytes = self.frame().to_bytes();
-            self.outbox.push_back(Outgoing::Frame(bytes));
+            let mut frame = self.frame();
+            self.add_samples(&mut frame);
+            self.outbox.push_back(Outgoing::Frame(frame.to_bytes()));
         } else if tell {
             *status = now;
         }
@@ -570,7 +610,7 @@ impl Session {
         let diverged = play.simulation.diverged().iter().map(|d| d.world as u32);
         let seconds = |steps: u64| steps as f64 * play.time_step();
         Status {
-            running: self.running,
+            running: self.busy(),
             time: play.time(),
             steps: play.steps,
             speed: self.speed,
@@ -586,15 +626,19 @@ impl Session {
     /// The present state, of the worlds that are shown.
     pub fn frame(&mut self) -> Frame {
         let mut frame = self.play.frame(&self.shown, &self.plots);
-        (frame.scene, frame.number, frame.running) = (self.scenes, self.frames, self.running);
+        (frame.scene, frame.number, frame.running) = (self.scenes, self.frames, self.busy());
         self.frames = self.frames.wrapping_add(1);
+        frame
+    }
+
+    /// Moves the samples since the last frame into this one.
+    fn add_samples(&mut self, frame: &mut Frame) {
         for (time, values) in self.samples.drain(..) {
             if time < frame.time && values.len() == frame.plots.len() {
                 frame.past.push((frame.time - time) as f32);
                 frame.past.extend(values);
             }
         }
-        frame
     }
 
     fn scene(&mut self) -> Scene {

@@ -56,7 +56,7 @@ impl Page {
             match serde_json::from_str(&text).unwrap() {
                 Message::Scene(scene) => self.scene = Some(*scene),
                 Message::Status(status) => self.status = Some(status),
-                Message::Error { message } => self.errors.push(message),
+                Message::Error { message, .. } => self.errors.push(message),
                 Message::Welcome { examples, .. } => assert_eq!(examples.len(), EXAMPLES.len()),
             }
         }
@@ -294,6 +294,42 @@ fn a_blow_gives_its_momentum() {
 }
 
 #[test]
+fn blows_that_wait_are_few_and_do_not_outlive_a_restart() {
+    let mut page = Page::open("billiards");
+    let push =
+        r#"{"type": "push", "world": 0, "body": 0, "point": [0, 0, 0], "impulse": [0, 0, 1]}"#;
+    for _ in 0..256 {
+        page.say(push);
+    }
+    page.refuses(push, "pushes that wait");
+    page.say(r#"{"type": "restart"}"#);
+    page.step(10);
+    let pushed = page.session.frame().poses;
+    let mut calm = Page::open("billiards");
+    calm.step(10);
+    assert_eq!(pushed, calm.session.frame().poses);
+}
+
+#[test]
+fn a_long_step_is_told_as_running_and_can_be_stopped() {
+    let mut page = Page::open("grid");
+    page.say(r#"{"type": "step", "steps": 100000}"#);
+    assert!(page.status().running);
+    page.session.advance();
+    page.say(r#"{"type": "stop"}"#);
+    assert!(!page.status().running && page.status().steps < 100_000);
+}
+
+#[test]
+fn a_control_that_is_set_stays_among_random_ones() {
+    let mut page = Page::open("grid");
+    page.say(r#"{"type": "control", "actuator": 3, "value": 0.75}"#);
+    page.step(200);
+    page.say(r#"{"type": "physics", "values": {"solver": 2}}"#);
+    assert_eq!(page.scene().actuators[3].value, 0.75);
+}
+
+#[test]
 fn physics_changes_while_the_state_stays_or_the_scene_begins_anew() {
     let mut page = Page::open("tower");
     page.step(50);
@@ -357,6 +393,10 @@ fn what_makes_no_sense_is_refused_and_changes_nothing() {
     );
     page.refuses(
         r#"{"type": "joint", "dof": 0, "stiffness": -1}"#,
+        "stiffness",
+    );
+    page.refuses(
+        r#"{"type": "joint", "dof": 0, "stiffness": 1e300}"#,
         "stiffness",
     );
     page.refuses(

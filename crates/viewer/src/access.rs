@@ -1,7 +1,7 @@
 //! Who may see and steer.
 
 use axum::http::{HeaderMap, header};
-use std::iter::repeat_with;
+use std::io;
 use std::net::IpAddr;
 
 /// Who may connect: programs and browsers of this machine, or whoever knows a token.
@@ -13,11 +13,17 @@ pub struct Access {
 impl Access {
     /// What an address to listen at asks for: none where only this machine can reach it, a random token of
     /// 128 bits elsewhere.
-    pub fn for_address(address: IpAddr) -> Self {
-        let token = || repeat_with(fastrand::alphanumeric).take(22).collect();
-        Self {
-            token: (!address.is_loopback()).then(token),
+    ///
+    /// # Errors
+    /// The system has no random numbers.
+    pub fn for_address(address: IpAddr) -> io::Result<Self> {
+        if address.is_loopback() {
+            return Ok(Self { token: None });
         }
+        let mut bits = [0; 16];
+        getrandom::fill(&mut bits)?;
+        let token = format!("{:032x}", u128::from_le_bytes(bits));
+        Ok(Self { token: Some(token) })
     }
     /// Whoever knows this token.
     pub fn with_token(token: impl Into<String>) -> Self {
@@ -41,7 +47,8 @@ impl Access {
     ) -> Result<(), &'static str> {
         let text = |name| headers.get(name).and_then(|value| value.to_str().ok());
         let host = text(header::HOST).unwrap_or_default();
-        if let Some(origin) = text(header::ORIGIN) {
+        if headers.contains_key(header::ORIGIN) {
+            let origin = text(header::ORIGIN).unwrap_or_default();
             let from = origin.split_once("://").map(|(_, host)| host);
             if from != Some(host) {
                 return Err("this page is not of this server: open the address that it printed");
@@ -96,7 +103,7 @@ mod tests {
 
     #[test]
     fn without_a_token_only_pages_of_this_server_pass() {
-        let access = Access::for_address(IpAddr::from([127, 0, 0, 1]));
+        let access = Access::for_address(IpAddr::from([127, 0, 0, 1])).unwrap();
         assert_eq!(access.token(), None);
         assert!(passes(&access, "localhost:8080", None, ""));
         assert!(passes(
@@ -123,9 +130,9 @@ mod tests {
 
     #[test]
     fn elsewhere_a_token_is_needed_and_each_server_has_its_own() {
-        let access = Access::for_address(IpAddr::from([0, 0, 0, 0]));
+        let access = Access::for_address(IpAddr::from([0, 0, 0, 0])).unwrap();
         let token = access.token().unwrap().to_owned();
-        assert_eq!(token.len(), 22);
+        assert_eq!(token.len(), 32);
         assert!(passes(
             &access,
             "robot.lab:8080",
@@ -135,6 +142,9 @@ mod tests {
         assert!(!passes(&access, "robot.lab:8080", None, ""));
         assert!(!passes(&access, "robot.lab:8080", None, &token[1..]));
         assert!(!passes(&access, "localhost:8080", None, "wrong"));
-        assert_ne!(Access::for_address(IpAddr::from([0, 0, 0, 0])), access);
+        assert_ne!(
+            Access::for_address(IpAddr::from([0, 0, 0, 0])).unwrap(),
+            access
+        );
     }
 }

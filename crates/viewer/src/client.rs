@@ -11,11 +11,16 @@ pub(crate) const LONGEST: usize = 1 << 16;
 /// How long to wait where the session has more commands than it can take.
 const PATIENCE: Duration = Duration::from_millis(2);
 
-/// Carries messages both ways until either side goes.
+/// How long a page may take to accept a message.
+const LONGEST_SEND: Duration = Duration::from_secs(10);
+
+/// Carries messages both ways until either side goes, or the session lets go of the page, which holds its
+/// only mailbox.
 pub(crate) async fn attend(mut socket: WebSocket, mut engine: Engine) {
     let (page, mut notes) = mailbox();
+    let me = page.downgrade();
     engine.frames.mark_unchanged();
-    if !say(&engine, || Said::Hello(page.clone())).await {
+    if !say(&engine, Said::Hello(page)).await {
         return;
     }
     loop {
@@ -26,7 +31,7 @@ pub(crate) async fn attend(mut socket: WebSocket, mut engine: Engine) {
                 None => false,
             },
             message = socket.recv() => match message {
-                Some(Ok(message)) => hear(message, &engine, &page).await,
+                Some(Ok(message)) => hear(message, &engine, &me).await,
                 _ => false,
             },
             changed = engine.frames.changed() => match changed {
@@ -43,16 +48,18 @@ pub(crate) async fn attend(mut socket: WebSocket, mut engine: Engine) {
     }
 }
 
+/// Sends a message; false where the page does not take it.
 async fn send(socket: &mut WebSocket, note: Note) -> bool {
     let message = match note {
         Note::Text(text) => Message::Text(text.into()),
         Note::Frame(bytes) => Message::Binary(bytes),
     };
-    socket.send(message).await.is_ok()
+    let sent = tokio::time::timeout(LONGEST_SEND, socket.send(message)).await;
+    matches!(sent, Ok(Ok(())))
 }
 
-/// Takes what the page says; false where it goes.
-async fn hear(message: Message, engine: &Engine, page: &mpsc::Sender<Note>) -> bool {
+/// Takes what the page says; false where it goes, or has been let go.
+async fn hear(message: Message, engine: &Engine, me: &mpsc::WeakSender<Note>) -> bool {
     let text = match message {
         Message::Text(text) => text.to_string(),
         // No command is: the session says so.
@@ -60,16 +67,20 @@ async fn hear(message: Message, engine: &Engine, page: &mpsc::Sender<Note>) -> b
         Message::Ping(_) | Message::Pong(_) => return true,
         Message::Close(_) => return false,
     };
-    say(engine, || Said::Command(text.clone(), page.clone())).await
+    match me.upgrade() {
+        Some(page) => say(engine, Said::Command(text, page)).await,
+        None => false,
+    }
 }
 
 /// Hands something to the session as soon as it has room; false where it is gone.
-async fn say(engine: &Engine, said: impl Fn() -> Said) -> bool {
+async fn say(engine: &Engine, mut said: Said) -> bool {
     loop {
-        match engine.said.try_send(said()) {
+        said = match engine.said.try_send(said) {
             Ok(()) => return true,
-            Err(TrySendError::Full(_)) => tokio::time::sleep(PATIENCE).await,
+            Err(TrySendError::Full(said)) => said,
             Err(TrySendError::Disconnected(_)) => return false,
-        }
+        };
+        tokio::time::sleep(PATIENCE).await;
     }
 }

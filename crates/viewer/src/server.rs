@@ -11,7 +11,7 @@ use axum::response::{Html, IntoResponse, Response};
 use axum::routing::get;
 use session::Session;
 use std::collections::HashMap;
-use std::net::SocketAddr;
+use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::Arc;
 use tokio::net::TcpListener;
 use tokio::runtime::{Builder, Runtime};
@@ -66,11 +66,19 @@ impl Server {
     pub fn address(&self) -> SocketAddr {
         self.address
     }
-    /// What to open in a browser, with the token, if one is needed.
+    /// What to open in a browser on this machine, with the token, if one is needed.
     pub fn url(&self) -> String {
+        let mut address = self.address;
+        if address.ip().is_unspecified() {
+            address.set_ip(Ipv4Addr::LOCALHOST.into());
+        }
+        self.url_at(&address.to_string())
+    }
+    /// What to open elsewhere, where `host` is a name and port by which this machine is known there.
+    pub fn url_at(&self, host: &str) -> String {
         match self.access.token() {
-            Some(token) => format!("http://{}/?token={token}", self.address),
-            None => format!("http://{}/", self.address),
+            Some(token) => format!("http://{host}/?token={token}"),
+            None => format!("http://{host}/"),
         }
     }
     /// Answers, until the program ends.

@@ -23,7 +23,7 @@ fn server(example: &str, access: Access) -> SocketAddr {
 }
 
 fn open() -> Access {
-    Access::for_address([127, 0, 0, 1].into())
+    Access::for_address([127, 0, 0, 1].into()).unwrap()
 }
 
 fn page(address: SocketAddr) -> Page {
@@ -109,6 +109,27 @@ fn what_nobody_sees_stands_still() {
     thread::sleep(Duration::from_secs(2));
     let time = hear(&mut page(address), "status")["time"].as_f64().unwrap();
     assert!((0.1..1.2).contains(&time), "{time} s");
+}
+
+#[test]
+fn a_page_that_takes_nothing_for_long_is_let_go() {
+    let address = server("grid", open());
+    let mut deaf = page(address);
+    let mut talker = page(address);
+    say(&mut talker, r#"{"type": "run"}"#);
+    let end = Instant::now() + Duration::from_secs(16);
+    while Instant::now() < end {
+        say(&mut talker, r#"{"type": "speed", "factor": 1}"#);
+        hear(&mut talker, "status");
+    }
+    // What was on its way comes, and then nothing more.
+    while deaf.read().is_ok() {
+        assert!(
+            Instant::now() < end + Duration::from_secs(20),
+            "still connected"
+        );
+    }
+    hear(&mut talker, "status");
 }
 
 #[test]

@@ -39,6 +39,7 @@ export class BodyPanel {
     const body = selected && scene?.bodies[selected.body];
     this.state.clear();
     this.before = null;
+    this.velocity.set(0, 0, 0);
     this.readAt = 0;
     if (!selected || !scene || !body) {
       this.element.replaceChildren(
@@ -116,10 +117,15 @@ export class BodyPanel {
     if (!selected || this.state.size === 0) return;
     if (performance.now() / 1000 - this.readAt < READ && frame.running) return;
     this.readAt = performance.now() / 1000;
-    const row = Math.max(this.session.shown.indexOf(selected.world), 0);
+    const row = this.session.shown.indexOf(selected.world);
+    if (row < 0) {
+      for (const name of this.state.keys()) this.write(name, "not shown");
+      return;
+    }
     const at = POSE * (row * frame.bodies + selected.body);
     if (at >= frame.poses.length) return;
     const position = new Vector3().fromArray(frame.poses, at);
+    if (this.before && frame.time < this.before.time) this.velocity.set(0, 0, 0);
     if (this.before && frame.time > this.before.time) {
       this.velocity = position
         .clone()

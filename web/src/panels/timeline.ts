@@ -35,6 +35,12 @@ export class Timeline {
       onchange: () => {
         this.held = false;
       },
+      onlostpointercapture: () => {
+        this.held = false;
+      },
+      onpointerup: () => {
+        this.held = false;
+      },
     });
     this.element = h(
       "div",

@@ -33,7 +33,7 @@ export class WebSocketTransport implements Transport {
     if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(command));
   }
 
-  /** Frames are held back by TCP where the page is slow. */
+  /** The server does not ask: frames that a connection has not taken yet are overwritten there. */
   drawn(): void {}
 
   close(): void {
