@@ -117,10 +117,9 @@ fn a_page_that_takes_nothing_for_long_is_let_go() {
     let mut deaf = page(address);
     let mut talker = page(address);
     say(&mut talker, r#"{"type": "run"}"#);
-    let end = Instant::now() + Duration::from_secs(16);
+    let end = Instant::now() + Duration::from_secs(14);
     while Instant::now() < end {
-        say(&mut talker, r#"{"type": "speed", "factor": 1}"#);
-        hear(&mut talker, "status");
+        talker.read().unwrap();
     }
     // What was on its way comes, and then nothing more.
     while deaf.read().is_ok() {
