@@ -2,7 +2,7 @@
 //!
 //! [`serve`] answers `/` with the page and `/session` with a WebSocket that speaks
 //! [`session::protocol`]. One session has any number of pages: all see the same worlds, and each may steer.
-//! The session runs on a thread of its own ([`engine`](mod@engine)), so that nothing a page does, or fails to
+//! The session runs on a thread of its own (`engine.rs`), so that nothing a page does, or fails to
 //! do, holds it up.
 
 #![forbid(unsafe_code)]
