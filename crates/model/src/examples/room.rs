@@ -10,9 +10,6 @@ const ROOM: DVec3 = DVec3::new(2.0, 1.25, 1.5);
 /// Half sizes of the door [m]: width, height, thickness.
 const DOOR: DVec3 = DVec3::new(0.4, 1.0, 0.02);
 
-/// Of the walls, so that the room can be seen from outside.
-const GLASS: [f32; 4] = [0.72, 0.76, 0.80, 0.25];
-
 /// A room of 4 m × 3 m with a table, a chair, a ball, and a door on a hinge that closes by itself.
 ///
 /// To see: the ball falls on the edge of the table, and on, and rolls along the floor to the wall.
@@ -22,15 +19,15 @@ const GLASS: [f32; 4] = [0.72, 0.76, 0.80, 0.25];
 /// None.
 pub fn room() -> Result<Model, ModelError> {
     let mut world = Builder::new("room");
-    furnish(&mut world);
+    furnish(&mut world, None);
     world.build()
 }
 
-/// Puts the room and what is in it into a world.
-pub(super) fn furnish(world: &mut Builder) {
+/// Puts the room, with walls of a colour, and what is in it into a world.
+pub(super) fn furnish(world: &mut Builder, walls: Option<[f32; 4]>) {
     let building = world.object("building");
     floor(building, STONE);
-    walls(building);
+    build_walls(building, walls);
     table(world.object("table"));
     chair(world.object("chair"));
     let ball = Stuff {
@@ -53,7 +50,7 @@ fn block(stuff: Stuff, from: DVec3, to: DVec3) -> Shape {
 }
 
 /// Four walls of 10 cm, with a doorway in the one at −x.
-fn walls(building: &mut Object) {
+fn build_walls(building: &mut Object, color: Option<[f32; 4]>) {
     let (thick, high) = (0.1, 2.0 * ROOM.y);
     let (x, z, gap) = (ROOM.x, ROOM.z, DOOR.x + 0.01);
     let walls = [
@@ -65,8 +62,9 @@ fn walls(building: &mut Object) {
     ];
     for ([x0, z0], [x1, z1]) in walls {
         let (from, to) = (DVec3::new(x0, 0.0, z0), DVec3::new(x1, high, z1));
-        let wall = block(STONE, from, to).with_color(GLASS);
-        building.scenery(wall.named("wall"));
+        let wall = block(STONE, from, to).named("wall");
+        let color = color.or(wall.color);
+        building.scenery(Shape { color, ..wall });
     }
 }
 

@@ -5,6 +5,8 @@ use super::stuff::{PLAIN, RUBBER};
 use crate::{Axis, BodyHandle, Builder, Drive, Geometry, Model, ModelError, Pose, Shape};
 use glam::DVec3;
 
+/// Of the walls, so that the room can be seen from outside.
+const GLASS: [f32; 4] = [0.72, 0.76, 0.80, 0.25];
 /// Towards the table [rad].
 const TURN: f64 = 2.2;
 
@@ -17,7 +19,7 @@ const TURN: f64 = 2.2;
 /// None.
 pub fn rover() -> Result<Model, ModelError> {
     let mut world = Builder::new("rover");
-    furnish(&mut world);
+    furnish(&mut world, Some(GLASS));
     let robot = world.object("robot");
     let cart = robot
         .body("cart")
