@@ -170,7 +170,7 @@ const FREE_RANGE: (f64, f64) = (-1.0, 1.0);
 /// Actuators, in the model's order, at their controls.
 pub(crate) fn actuators(model: &Model, controls: &[f64]) -> Vec<Actuator> {
     let actuator = |(actuator, &value): (&model::Actuator, &f64)| {
-        let (lower, upper) = actuator.control_range.unwrap_or(FREE_RANGE);
+        let (lower, upper) = control_range(actuator);
         Actuator {
             name: actuator.name.clone(),
             range: [lower, upper],

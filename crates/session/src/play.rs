@@ -49,10 +49,9 @@ impl std::fmt::Debug for Play {
 impl Play {
     pub fn of_example(
         example: &'static Example,
-        build: &Values,
+        build: Form,
         physics: &Values,
     ) -> Result<Self, SessionError> {
-        let build = Form::new((example.build)()).with(build)?;
         let stage = (example.make)(&build)?;
         let guide = example.guide.to_owned();
         let names = (example.name.to_owned(), example.title.to_owned(), guide);

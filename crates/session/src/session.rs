@@ -6,7 +6,7 @@ use crate::frame::Frame;
 use crate::gallery::{EXAMPLES, Example};
 use crate::physics::Physics;
 use crate::play::Play;
-use crate::protocol::{Command, Field, Message, PROTOCOL, Scene, Status, Values};
+use crate::protocol::{Command, Message, PROTOCOL, Scene, Status, Values};
 use crate::pull::{Grab, Push, add_force};
 use crate::stage::Stage;
 use glam::DVec3;
@@ -101,7 +101,8 @@ impl Session {
     /// # Errors
     /// There is none of that name.
     pub fn example(name: &str, clock: fn() -> f64) -> Result<Self, SessionError> {
-        let play = Play::of_example(Example::find(name)?, &Values::new(), &Values::new())?;
+        let example = Example::find(name)?;
+        let play = Play::of_example(example, example.form(), &Values::new())?;
         Ok(Self::new(play, clock))
     }
     /// A stage of one's own, stopped. `clock` tells seconds.
@@ -189,11 +190,11 @@ impl Session {
                 example,
                 build,
                 physics,
-            } => self.open(Play::of_example(
-                Example::find(&example)?,
-                &build,
-                &physics,
-            )?),
+            } => {
+                let example = Example::find(&example)?;
+                let form = example.form().with(&build)?;
+                self.open(Play::of_example(example, form, &physics)?);
+            }
             Command::Rebuild { build } => self.rebuild(&build)?,
             Command::Physics { values } => self.set_physics(&values)?,
             Command::Run {} => self.run(),
@@ -284,11 +285,6 @@ impl Session {
             });
         };
         let form = self.play.build.clone().with(build)?;
-        let values = |fields: &[Field]| {
-            let pairs = fields.iter().map(|f| (f.name.clone(), f.value));
-            pairs.collect::<Values>()
-        };
-        let stage = (example.make)(&form)?;
         // What the page has changed stays; what follows from the model follows the new one.
         let was = Physics::new(&self.play.stage);
         let kept = self.play.physics.fields().iter().zip(was.fields());
@@ -296,8 +292,7 @@ impl Session {
         let physics: Values = changed
             .map(|(now, _)| (now.name.clone(), now.value))
             .collect();
-        Physics::new(&stage).with(&physics)?;
-        self.open(Play::of_example(example, &values(form.fields()), &physics)?);
+        self.open(Play::of_example(example, form, &physics)?);
         Ok(())
     }
 

@@ -67,12 +67,16 @@ impl Example {
             known: EXAMPLES.map(|example| example.name).join(", "),
         })
     }
+    /// What it can be built with, at its defaults.
+    pub(crate) fn form(&self) -> Form {
+        Form::new((self.build)())
+    }
     /// Builds it, with its defaults but for the values given.
     ///
     /// # Errors
     /// Values that it does not take.
     pub fn stage(&self, values: &protocol::Values) -> Result<Stage, SessionError> {
-        (self.make)(&Form::new((self.build)()).with(values)?)
+        (self.make)(&self.form().with(values)?)
     }
     /// What a page is told of it.
     pub(crate) fn describe(&self) -> protocol::Example {
