@@ -1,13 +1,14 @@
 //! Actuators: named control inputs that act on a degree of freedom.
 
 use crate::JointId;
+use serde::{Deserialize, Serialize};
 
 /// Force = gain · u + bias₀ + bias₁ · l + bias₂ · l̇ with l = gear · q, clamped to
 /// the force range; it acts on the degree of freedom times `gear`.
 ///
 /// A motor has gain 1 and no bias; a position servo of stiffness k has gain k and
 /// bias (0, −k, 0); a velocity servo of damping d has gain d and bias (0, 0, −d).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Actuator {
     /// Unique in the model.
     pub name: String,

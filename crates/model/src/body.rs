@@ -2,13 +2,14 @@
 
 use crate::Pose;
 use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// Row of a body in [`Parts::bodies`](crate::Parts::bodies).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct BodyId(pub usize);
 
 /// Whether a body moves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum BodyKind {
     /// Stays where it is, whatever acts on it; its mass is not read.
     Static,
@@ -18,7 +19,7 @@ pub enum BodyKind {
 }
 
 /// A rigid body.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Body {
     /// Unique in the model.
     pub name: String,

@@ -1,12 +1,13 @@
 //! Two shapes whose contact is said by itself.
 
 use crate::{Material, ShapeId};
+use serde::{Deserialize, Serialize};
 
 /// Two shapes that touch, and the surface that their contact has.
 ///
 /// They touch whatever masks, groups, joints and exclusions say, and whether or not they collide
 /// with others; but not where neither moves, nor where both are of one body.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContactPair {
     /// The shapes, in any order.
     pub shapes: (ShapeId, ShapeId),

@@ -11,15 +11,17 @@
 
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
+use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::sync::Arc;
 use thiserror::Error;
 
 /// The convex hull of points, in the frame of its shape. Copies share their corners.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Surface", into = "Surface")]
 pub struct Hull(Arc<Surface>);
 
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Surface {
     vertices: Vec<DVec3>,
     triangles: Vec<[u32; 3]>,
@@ -83,6 +85,31 @@ const FARTHEST: f64 = 1e9;
 const NEAR: f64 = 1e-6;
 /// Most corners.
 const MOST_CORNERS: usize = 4096;
+
+impl From<Hull> for Surface {
+    fn from(hull: Hull) -> Self {
+        Arc::unwrap_or_clone(hull.0)
+    }
+}
+
+/// What was written comes back as it was, if it can have been a hull.
+impl TryFrom<Surface> for Hull {
+    type Error = HullError;
+    fn try_from(surface: Surface) -> Result<Self, HullError> {
+        let hull = Self::new(&surface.vertices)?;
+        let corners = 0..surface.vertices.len() as u32;
+        let corners_exist = surface
+            .triangles
+            .iter()
+            .flatten()
+            .all(|v| corners.contains(v));
+        Ok(if corners_exist && surface.center.is_finite() {
+            Self(Arc::new(surface))
+        } else {
+            hull
+        })
+    }
+}
 
 impl Hull {
     /// Of points [m]; those inside are dropped.

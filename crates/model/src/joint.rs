@@ -12,13 +12,14 @@
 
 use crate::{BodyId, Pose};
 use glam::{DQuat, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// Row of a joint in [`Parts::joints`](crate::Parts::joints).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct JointId(pub usize);
 
 /// The kinds of joint.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum JointKind {
     /// No relative motion.
     Fixed,
@@ -59,7 +60,7 @@ impl JointKind {
 }
 
 /// What an axis does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum AxisKind {
     /// Translates; coordinate in metres.
     Linear,
@@ -70,7 +71,7 @@ pub enum AxisKind {
 /// One axis of a `revolute`, `prismatic`, `d6` or `plane_xz` joint.
 ///
 /// Axes act in turn: each is fixed in the frame that the ones before it have moved.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Axis {
     /// Along, or about.
     pub kind: AxisKind,
@@ -119,7 +120,7 @@ impl Axis {
 ///
 /// Beyond an end the force is −stiffness · excess − damping · velocity − inertia · acceleration, where
 /// the first two push back; a limit never pulls.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Limit {
     /// Lower end [m or rad].
     pub lower: f64,
@@ -136,7 +137,7 @@ pub struct Limit {
 
 /// A motor that pulls a coordinate to targets:
 /// stiffness · (target − q) + damping · (target velocity − q̇), within ± effort limit.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Drive {
     /// Stiffness [N/m or N·m/rad]; 0: no position target.
     pub stiffness: f64,
@@ -168,7 +169,7 @@ impl Default for Drive {
 }
 
 /// What acts along one degree of freedom. All zero by default.
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Dof {
     /// Unique in the model; the joint's name where it has one degree of freedom.
     pub name: String,
@@ -189,7 +190,7 @@ pub struct Dof {
 }
 
 /// A joint between two bodies, or between the world and a body.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Joint {
     /// Unique in the model.
     pub name: String,
@@ -328,7 +329,7 @@ impl Joint {
 
 /// A linear relation of two coordinates, as of gears or of a URDF mimic:
 /// q(joint) = offset + ratio · q(other). Taken by `xpbd`.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Coupling {
     /// Unique in the model.
     pub name: String,

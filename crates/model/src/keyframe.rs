@@ -1,7 +1,9 @@
 //! Named states.
 
+use serde::{Deserialize, Serialize};
+
 /// A named state, in the order of the model's coordinates, velocities and actuators.
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Keyframe {
     /// Unique in the model.
     pub name: String,

@@ -1,7 +1,9 @@
 //! Surfaces, and what two of them make of a contact.
 
+use serde::{Deserialize, Serialize};
+
 /// Surface of a shape.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Material {
     /// Coulomb friction coefficient.
     pub friction: f64,
@@ -39,7 +41,7 @@ impl Default for Material {
 }
 
 /// Resistance of a surface to being pressed in: a spring and a damper at each point of contact.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Softness {
     /// What brings the touching masses m to rest so, with an added mass m' = m d / (1 − d):
     /// stiffness (m + m') / (T ζ)², damping 2 (m + m') / T, and the force −m' a against the
@@ -146,7 +148,7 @@ impl Softness {
 }
 
 /// How two coefficients become one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
 pub enum Combine {
     /// Their mean.
     #[default]

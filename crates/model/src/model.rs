@@ -12,13 +12,14 @@ use crate::{
     Material, ModelError, Shape, ShapeId,
 };
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
 pub(crate) use check::Subject;
 pub(crate) use validate::MOST_ROWS;
 
 /// Which axis points up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum UpAxis {
     /// As in USD and glTF.
     #[default]
@@ -38,7 +39,7 @@ impl UpAxis {
 }
 
 /// Everything a [`Model`] is made of, not yet checked.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Parts {
     /// Name of the model.
     pub name: String,
@@ -94,7 +95,8 @@ impl Default for Parts {
 ///
 /// Reads as its [`Parts`]. In addition it knows where each joint's coordinates
 /// and velocities lie, and which joint carries which body.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Parts", into = "Parts")]
 pub struct Model {
     parts: Parts,
     coordinate_start: Vec<usize>,
@@ -103,6 +105,19 @@ pub struct Model {
     order: Vec<BodyId>,
     /// Row of each contact pair, by the rows of its shapes, the lower first.
     pair_row: HashMap<(usize, usize), usize>,
+}
+
+impl From<Model> for Parts {
+    fn from(model: Model) -> Self {
+        model.parts
+    }
+}
+
+impl TryFrom<Parts> for Model {
+    type Error = ModelError;
+    fn try_from(parts: Parts) -> Result<Self, ModelError> {
+        Self::new(parts)
+    }
 }
 
 impl std::ops::Deref for Model {

@@ -1,10 +1,11 @@
 //! Placement of one frame in another.
 
 use glam::{DQuat, DVec3};
+use serde::{Deserialize, Serialize};
 use std::ops::Mul;
 
 /// A rigid placement: rotate by `orientation`, then translate by `position`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pose {
     /// Position [m].
     pub position: DVec3,

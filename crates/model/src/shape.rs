@@ -2,14 +2,15 @@
 
 use crate::{BodyId, Hull, Material, Pose, TriangleMesh, default_color};
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// Row of a shape in [`Parts::shapes`](crate::Parts::shapes).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct ShapeId(pub usize);
 
 /// A solid, centred at the origin of its own frame unless it is a hull, or a surface. Sizes are half
 /// sizes [m].
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Geometry {
     /// The half space below y = 0 of the shape's frame; drawn as a rectangle,
     /// endless where `half_x` and `half_z` are zero.
@@ -106,7 +107,7 @@ impl Geometry {
 }
 
 /// A solid fixed to a body (or to the world), with its material.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Shape {
     /// Name; may be empty.
     pub name: String,

@@ -81,10 +81,65 @@ impl<T: Float> Memory<T> {
         let i = self.position(world, offset);
         self.scalars_mut()[i] = x;
     }
+    /// The numbers at these offsets of every world, world after world: `out[world][offset]`.
+    ///
+    /// Panics where `out` has another length than worlds times offsets.
+    pub fn gather(&self, offsets: &[usize], out: &mut [T]) {
+        assert_eq!(out.len(), self.worlds * offsets.len());
+        if offsets.is_empty() {
+            return;
+        }
+        for (world, row) in out.chunks_exact_mut(offsets.len()).enumerate() {
+            let (block, lane) = (self.block(world / self.width), world % self.width);
+            for (x, offset) in row.iter_mut().zip(offsets) {
+                *x = block[offset * self.width + lane];
+            }
+        }
+    }
+    /// Sets what [`gather`](Memory::gather) gives.
+    ///
+    /// Panics where `numbers` has another length than worlds times offsets.
+    pub fn scatter(&mut self, offsets: &[usize], numbers: &[T]) {
+        assert_eq!(numbers.len(), self.worlds * offsets.len());
+        if offsets.is_empty() {
+            return;
+        }
+        let (width, size) = (self.width, self.block_size());
+        let blocks = self.scalars_mut();
+        for (world, row) in numbers.chunks_exact(offsets.len()).enumerate() {
+            let block = &mut blocks[world / width * size..][..size];
+            for (x, offset) in row.iter().zip(offsets) {
+                block[offset * width + world % width] = *x;
+            }
+        }
+    }
     /// Sets the number at `offset` of every world, and of the spare lanes.
     pub fn fill(&mut self, offset: usize, x: T) {
         for world in 0..self.blocks() * self.width {
             self.set(world, offset, x);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_scattered_is_gathered() {
+        for (worlds, width) in [(1, 1), (5, 4), (8, 4), (3, 16)] {
+            let mut memory = Memory::<f32>::new(worlds, 7, width);
+            let offsets = [6, 1, 2];
+            let numbers: Vec<_> = (0..worlds * 3).map(|i| 1.0 + i as f32).collect();
+            memory.scatter(&offsets, &numbers);
+            let mut found = vec![0.0; numbers.len()];
+            memory.gather(&offsets, &mut found);
+            assert_eq!(found, numbers);
+            for world in 0..worlds {
+                assert_eq!(memory.get(world, 6), numbers[3 * world]);
+                assert_eq!(memory.get(world, 2), numbers[3 * world + 2]);
+                assert_eq!(memory.get(world, 0), 0.0);
+            }
         }
     }
 }

@@ -59,6 +59,14 @@ pub enum SimulationError {
         /// The number.
         value: f64,
     },
+    /// What one world is given is refused.
+    #[error("world {world}: {why}")]
+    InWorld {
+        /// Which world.
+        world: usize,
+        /// Why.
+        why: Box<SimulationError>,
+    },
     /// A number is too large to compute with.
     #[error("{what}[{index}] is {value:e}: it must be from -{most:e} to {most:e}")]
     TooLarge {

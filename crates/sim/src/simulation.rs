@@ -44,9 +44,7 @@ pub struct Simulation<T: Float> {
     /// The constants of the model: one block for all worlds, or one for each.
     parameters: Memory<T>,
     /// Of the worlds that have numbers of their own.
-    own: HashMap<usize, Compiled<T>>,
-    /// Of those whose shapes differ from the model's.
-    own_shapes: HashMap<usize, Vec<Shape>>,
+    own: HashMap<usize, Own<T>>,
     pub(crate) input_tables: InputTables,
     pub(crate) output_tables: OutputTables,
     pub(crate) time: Vec<f64>,
@@ -55,6 +53,12 @@ pub struct Simulation<T: Float> {
     pub(crate) watcher: Option<Watcher>,
     /// Of the shapes that rays were cast at.
     pub(crate) meshes: Meshes,
+}
+
+/// A model that one world has for itself.
+struct Own<T> {
+    model: Arc<Model>,
+    compiled: Compiled<T>,
 }
 
 impl<T: Float> std::fmt::Debug for Simulation<T> {
@@ -158,7 +162,6 @@ impl<T: Float> Simulation<T> {
             output: memory(lengths.output),
             parameters: in_lanes(shared.engine.parameters(), width, width),
             own: HashMap::new(),
-            own_shapes: HashMap::new(),
             input_tables: InputTables::new(&model),
             output_tables: shared.engine.outputs(),
             time: vec![0.0; settings.worlds],
@@ -234,11 +237,20 @@ impl<T: Float> Simulation<T> {
         }
     }
     fn compiled(&self, world: usize) -> &Compiled<T> {
-        self.own.get(&world).unwrap_or(&self.shared)
+        let own = self.own.get(&world);
+        own.map_or(&self.shared, |own| &own.compiled)
+    }
+    /// The model of a world: that of the simulation, or what
+    /// [`set_world_model`](Simulation::set_world_model) gave it.
+    ///
+    /// Panics where the world does not exist, as an array would.
+    pub fn world_model(&self, world: usize) -> &Arc<Model> {
+        assert!(world < self.worlds(), "world {world} of {}", self.worlds());
+        self.own.get(&world).map_or(&self.model, |own| &own.model)
     }
     /// The shapes of a world, in the order of its model.
     pub(crate) fn shapes(&self, world: usize) -> &[Shape] {
-        self.own_shapes.get(&world).unwrap_or(&self.model.shapes)
+        &self.world_model(world).shapes
     }
 
     /// Sets a world's joint coordinates and velocities; its time starts at 0 again, with the
@@ -255,6 +267,35 @@ impl<T: Float> Simulation<T> {
         position: &[f64],
         velocity: &[f64],
     ) -> Result<(), SimulationError> {
+        let state = self.state_at(world, position, velocity)?;
+        self.begin(world, &state);
+        Ok(())
+    }
+
+    /// As [`set_joint_state`](Simulation::set_joint_state), but the world keeps its time and its
+    /// controls; one that diverged runs again.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn move_joints(
+        &mut self,
+        world: usize,
+        position: &[f64],
+        velocity: &[f64],
+    ) -> Result<(), SimulationError> {
+        let state = self.state_at(world, position, velocity)?;
+        self.write_state(world, &state);
+        self.diverged.retain(|d| d.world != world);
+        self.take_for_granted(world);
+        Ok(())
+    }
+
+    fn state_at(
+        &self,
+        world: usize,
+        position: &[f64],
+        velocity: &[f64],
+    ) -> Result<Vec<f64>, SimulationError> {
         index("world", world, self.worlds())?;
         length("joint position", position.len(), self.model.coordinates())?;
         length(
@@ -265,9 +306,7 @@ impl<T: Float> Simulation<T> {
         bounded("joint position", position, MOST_MOTION)?;
         bounded("joint velocity", velocity, MOST_MOTION)?;
         let position = with_unit_quaternions(&self.model, position)?;
-        let state = self.compiled(world).state_at(&position, velocity);
-        self.begin(world, &state);
-        Ok(())
+        Ok(self.compiled(world).state_at(&position, velocity))
     }
 
     fn write_state(&mut self, world: usize, state: &[f64]) {
@@ -280,7 +319,8 @@ impl<T: Float> Simulation<T> {
     /// A state at time 0, with the model's controls.
     fn begin(&mut self, world: usize, state: &[f64]) {
         self.write_state(world, state);
-        let compiled = self.own.get(&world).unwrap_or(&self.shared);
+        let own = self.own.get(&world);
+        let compiled = own.map_or(&self.shared, |own| &own.compiled);
         for (i, &x) in compiled.input.iter().enumerate() {
             self.input.set(world, i, T::from_f64(x));
         }
@@ -328,12 +368,12 @@ impl<T: Float> Simulation<T> {
         }
         let mut state = numbers_of(&self.state, world, 0..own.state.len());
         own.engine.take_over(&bodies, &mut state);
+        let model = Arc::new(model.clone());
+        let own = Own {
+            model,
+            compiled: own,
+        };
         self.own.insert(world, own);
-        if model.shapes == self.model.shapes {
-            self.own_shapes.remove(&world);
-        } else {
-            self.own_shapes.insert(world, model.shapes.clone());
-        }
         self.write_state(world, &state);
         Ok(())
     }

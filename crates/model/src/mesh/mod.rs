@@ -8,13 +8,38 @@ pub use height_field::HeightFieldError;
 
 use crate::{Hull, HullError};
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Triangles over shared vertices, counter-clockwise as seen from outside, in the frame of their shape.
 /// Copies share them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(try_from = "Triangles", into = "Triangles")]
 pub struct TriangleMesh(Arc<Surface>);
+
+/// As it is written.
+#[derive(Serialize, Deserialize)]
+struct Triangles {
+    vertices: Vec<DVec3>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl From<TriangleMesh> for Triangles {
+    fn from(mesh: TriangleMesh) -> Self {
+        Self {
+            vertices: mesh.vertices().to_vec(),
+            triangles: mesh.triangles().to_vec(),
+        }
+    }
+}
+
+impl TryFrom<Triangles> for TriangleMesh {
+    type Error = MeshError;
+    fn try_from(written: Triangles) -> Result<Self, MeshError> {
+        Self::new(&written.vertices, &written.triangles)
+    }
+}
 
 impl PartialEq for TriangleMesh {
     fn eq(&self, other: &Self) -> bool {

@@ -1,0 +1,47 @@
+//! Errors of the engine as the exceptions of `kinetarium.errors`, with the same messages.
+
+use kinetarium::formats::FormatError;
+use kinetarium::model::ModelError;
+use kinetarium::sim::SimulationError;
+use pyo3::prelude::*;
+
+/// An exception of `kinetarium.errors`.
+pub fn raise(class: &str, message: String) -> PyErr {
+    Python::attach(|py| {
+        let found = py
+            .import("kinetarium.errors")
+            .and_then(|m| m.getattr(class));
+        match found.and_then(|class| class.call1((message,))) {
+            Ok(exception) => PyErr::from_value(exception),
+            Err(error) => error,
+        }
+    })
+}
+
+/// A model that is refused, or a name that it does not have.
+pub fn model(error: ModelError) -> PyErr {
+    let class = match error {
+        ModelError::UnknownName { .. } => "UnknownNameError",
+        _ => "ModelError",
+    };
+    raise(class, error.to_string())
+}
+
+/// A file that cannot be read.
+pub fn file(error: FormatError) -> PyErr {
+    raise("FileError", error.to_string())
+}
+
+/// A simulation that refuses a call.
+pub fn simulation(error: SimulationError) -> PyErr {
+    match error {
+        SimulationError::Model(error) => model(error),
+        SimulationError::Index { .. } => raise("OutOfRangeError", error.to_string()),
+        _ => raise("SimulationError", error.to_string()),
+    }
+}
+
+/// A value that makes no sense.
+pub fn value(message: String) -> PyErr {
+    raise("ModelError", message)
+}

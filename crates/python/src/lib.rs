@@ -1,0 +1,36 @@
+//! The module `kinetarium._engine`: the engine in Python.
+//!
+//! It translates and has no logic of its own: numbers, names and errors go through, arrays are copied to and
+//! from the blocks in which worlds lie. What users see of a simulation is the class `kinetarium.Simulation`
+//! (`python/kinetarium`), which keeps the arrays.
+
+#![forbid(unsafe_code)]
+
+mod builder;
+mod error;
+mod examples;
+mod geometry;
+mod joint;
+mod model;
+mod simulation;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+mod _engine {
+    #[pymodule_export]
+    use crate::builder::{Body, Builder, Joint, Object, Replica};
+    #[pymodule_export]
+    use crate::examples::{
+        arch, ball_joint, balls, billiards, card_house, dominoes, n_pendula, pile, prismatic,
+        pyramid, ragdolls, room, rover,
+    };
+    #[pymodule_export]
+    use crate::geometry::{Geometry, Material, Shape, Softness};
+    #[pymodule_export]
+    use crate::joint::{Axis, Drive, Limit};
+    #[pymodule_export]
+    use crate::model::{Model, load, parse};
+    #[pymodule_export]
+    use crate::simulation::Engine;
+}

@@ -1,0 +1,358 @@
+//! Models, made by files or builders.
+
+use crate::error;
+use kinetarium::formats::{self, Files, InMemory, Loaded, Meshes, Options};
+use kinetarium::model::{self, BodyId, JointId};
+use kinetarium::sim::Parameter;
+use numpy::{PyArray1, PyArray2, PyArrayMethods, ToPyArray};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict, PyType};
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A checked, immutable model of one world, shared by all worlds of a simulation.
+///
+/// Made by `load`, `parse` or a `Builder`. Names index its tables: `model.body("torso")` is a row of
+/// `model.body_names`.
+#[pyclass(frozen, eq, module = "kinetarium._engine")]
+#[derive(PartialEq)]
+pub struct Model {
+    pub model: Arc<model::Model>,
+    warnings: Vec<String>,
+}
+
+impl From<model::Model> for Model {
+    fn from(model: model::Model) -> Self {
+        Self {
+            model: Arc::new(model),
+            warnings: Vec::new(),
+        }
+    }
+}
+
+impl From<Loaded> for Model {
+    fn from(loaded: Loaded) -> Self {
+        let warnings = loaded.warnings.iter().map(ToString::to_string).collect();
+        Self {
+            model: Arc::new(loaded.model),
+            warnings,
+        }
+    }
+}
+
+fn options(lenient: bool, meshes: &str, floating_base: bool) -> PyResult<Options> {
+    let meshes = match meshes {
+        "named" => Meshes::Named,
+        "exact" => Meshes::Exact,
+        "hull" => Meshes::ConvexHull,
+        other => {
+            let known = "known are named, exact, hull";
+            let message = format!("unknown treatment of meshes \"{other}\"; {known}");
+            return Err(error::raise("FileError", message));
+        }
+    };
+    Ok(Options {
+        lenient,
+        meshes,
+        floating_base,
+    })
+}
+
+/// Reads a robot file: MJCF (`<mujoco>`) or URDF (`<robot>`).
+///
+/// `meshes`: what becomes of meshes that collide: "named" (refused by the solvers), "exact" (surfaces that do not
+/// move) or "hull" (their convex hulls). `lenient`: what is not supported and would change the motion is left out
+/// with a warning instead of an error. `floating_base`: the root link of a URDF floats. What was left out is in
+/// `Model.warnings`.
+///
+/// Raises `FileError` with file and line.
+#[pyfunction]
+#[pyo3(signature = (path, *, meshes="named", lenient=false, floating_base=false))]
+pub fn load(path: PathBuf, meshes: &str, lenient: bool, floating_base: bool) -> PyResult<Model> {
+    let options = options(lenient, meshes, floating_base)?;
+    Ok(formats::load(&path, &options).map_err(error::file)?.into())
+}
+
+/// Reads a text as `load` reads a file; `files` are the texts of those that it includes, by their names.
+#[pyfunction]
+#[pyo3(signature = (text, *, files=HashMap::new(), meshes="named", lenient=false, floating_base=false))]
+pub fn parse(
+    text: &str,
+    files: HashMap<String, String>,
+    meshes: &str,
+    lenient: bool,
+    floating_base: bool,
+) -> PyResult<Model> {
+    let options = options(lenient, meshes, floating_base)?;
+    let files = InMemory::new(files);
+    let files: &dyn Files = &files;
+    let loaded = formats::parse(text, "text", files, &options).map_err(error::file)?;
+    Ok(loaded.into())
+}
+
+/// The name of a parameter in Python.
+pub fn parameter(name: &str) -> PyResult<Parameter> {
+    Ok(match name {
+        "gravity" => Parameter::Gravity,
+        "body_mass" => Parameter::BodyMass,
+        "body_center" => Parameter::BodyCenter,
+        "body_inertia" => Parameter::BodyInertia,
+        "armature" => Parameter::Armature,
+        "damping" => Parameter::Damping,
+        "stiffness" => Parameter::Stiffness,
+        "rest" => Parameter::Rest,
+        "friction_loss" => Parameter::FrictionLoss,
+        "drive_stiffness" => Parameter::DriveStiffness,
+        "drive_damping" => Parameter::DriveDamping,
+        "effort_limit" => Parameter::EffortLimit,
+        "friction" => Parameter::Friction,
+        "restitution" => Parameter::Restitution,
+        "gear" => Parameter::Gear,
+        "gain" => Parameter::Gain,
+        "bias" => Parameter::Bias,
+        other => {
+            return Err(error::raise(
+                "UnknownNameError",
+                format!("there is no parameter \"{other}\""),
+            ));
+        }
+    })
+}
+
+fn names<'a>(names: impl Iterator<Item = &'a String>) -> Vec<String> {
+    names.cloned().collect()
+}
+
+#[pymethods]
+impl Model {
+    /// Name of the model.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.model.name
+    }
+    /// What of its file was left out, each with its line.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.warnings.clone()
+    }
+    /// Recommended time step [s].
+    #[getter]
+    fn time_step(&self) -> f64 {
+        self.model.time_step
+    }
+    /// The direction that is up: "y" or "z".
+    #[getter]
+    fn up_axis(&self) -> &'static str {
+        match self.model.up_axis {
+            model::UpAxis::Y => "y",
+            model::UpAxis::Z => "z",
+        }
+    }
+    /// Number of worlds that the model asks for.
+    #[getter]
+    fn worlds(&self) -> usize {
+        self.model.worlds
+    }
+    /// Number of joint coordinates: columns of `state.joint_position`.
+    #[getter]
+    fn coordinates(&self) -> usize {
+        self.model.coordinates()
+    }
+    /// Number of degrees of freedom: columns of `state.joint_velocity` and `controls.force`.
+    #[getter]
+    fn degrees_of_freedom(&self) -> usize {
+        self.model.degrees_of_freedom()
+    }
+    /// Mass of everything that moves [kg].
+    #[getter]
+    fn total_mass(&self) -> f64 {
+        self.model.total_mass()
+    }
+    /// Names of the bodies.
+    #[getter]
+    fn body_names(&self) -> Vec<String> {
+        names(self.model.bodies.iter().map(|b| &b.name))
+    }
+    /// Names of the joints.
+    #[getter]
+    fn joint_names(&self) -> Vec<String> {
+        names(self.model.joints.iter().map(|j| &j.name))
+    }
+    /// Kinds of the joints, such as "revolute".
+    #[getter]
+    fn joint_kinds(&self) -> Vec<&'static str> {
+        self.model.joints.iter().map(|j| j.kind.name()).collect()
+    }
+    /// Names of the shapes; some may be empty.
+    #[getter]
+    fn shape_names(&self) -> Vec<String> {
+        names(self.model.shapes.iter().map(|s| &s.name))
+    }
+    /// The body of each shape, −1 for the world's.
+    #[getter]
+    fn shape_bodies(&self) -> Vec<i64> {
+        let shapes = self.model.shapes.iter();
+        shapes.map(|s| s.body.map_or(-1, |b| b.0 as i64)).collect()
+    }
+    /// Names of the degrees of freedom.
+    #[getter]
+    fn dof_names(&self) -> Vec<String> {
+        self.model.dof_names().map(str::to_owned).collect()
+    }
+    /// Names of the joint coordinates.
+    #[getter]
+    fn coordinate_names(&self) -> Vec<String> {
+        self.model.coordinate_names()
+    }
+    /// Names of the actuators.
+    #[getter]
+    fn actuator_names(&self) -> Vec<String> {
+        names(self.model.actuators.iter().map(|a| &a.name))
+    }
+    /// Names of the keyframes.
+    #[getter]
+    fn keyframe_names(&self) -> Vec<String> {
+        names(self.model.keyframes.iter().map(|k| &k.name))
+    }
+
+    /// Row of a body. Raises `UnknownNameError`, as all that look up names do.
+    fn body(&self, name: &str) -> PyResult<usize> {
+        Ok(self.model.body(name).map_err(error::model)?.0)
+    }
+    /// Row of a joint.
+    fn joint(&self, name: &str) -> PyResult<usize> {
+        Ok(self.model.joint(name).map_err(error::model)?.0)
+    }
+    /// Row of a degree of freedom.
+    fn dof(&self, name: &str) -> PyResult<usize> {
+        self.model.dof(name).map_err(error::model)
+    }
+    /// Row of an actuator.
+    fn actuator(&self, name: &str) -> PyResult<usize> {
+        self.model.actuator(name).map_err(error::model)
+    }
+    /// The coordinates of a joint: rows of `state.joint_position`.
+    fn joint_coordinates(&self, name: &str) -> PyResult<(usize, usize)> {
+        let range = self
+            .model
+            .coordinate_range(self.model.joint(name).map_err(error::model)?);
+        Ok((range.start, range.end))
+    }
+    /// The degrees of freedom of a joint: rows of `state.joint_velocity`.
+    fn joint_dofs(&self, name: &str) -> PyResult<(usize, usize)> {
+        let range = self
+            .model
+            .dof_range(self.model.joint(name).map_err(error::model)?);
+        Ok((range.start, range.end))
+    }
+    /// A named state: joint coordinates, joint velocities, actuator controls.
+    #[expect(clippy::type_complexity, reason = "three arrays")]
+    fn keyframe<'py>(
+        &self,
+        py: Python<'py>,
+        name: &str,
+    ) -> PyResult<(
+        Bound<'py, PyArray1<f64>>,
+        Bound<'py, PyArray1<f64>>,
+        Bound<'py, PyArray1<f64>>,
+    )> {
+        let k = self.model.keyframe(name).map_err(error::model)?;
+        let [position, velocity, control] =
+            [&k.joint_position, &k.joint_velocity, &k.control].map(|x| x.to_pyarray(py));
+        Ok((position, velocity, control))
+    }
+    /// The parent body of each body's joint, −1 for the world and for bodies that do not move.
+    #[getter]
+    fn body_parents(&self) -> Vec<i64> {
+        let parent = |body| {
+            let JointId(joint) = self.model.carrier(body)?;
+            self.model.joints[joint].parent
+        };
+        let bodies = (0..self.model.bodies.len()).map(BodyId);
+        bodies
+            .map(|b| parent(b).map_or(-1, |p| p.0 as i64))
+            .collect()
+    }
+    /// Joint coordinates at the start, shape (coordinates,).
+    #[getter]
+    fn initial_position<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.model.initial_position().to_pyarray(py)
+    }
+    /// Lower and upper end of each actuator's control, shape (actuators, 2); infinite where there is none.
+    #[getter]
+    fn control_range<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let open = (f64::NEG_INFINITY, f64::INFINITY);
+        let ranges = self.model.actuators.iter();
+        let flat: Vec<f64> = ranges
+            .map(|a| a.control_range.unwrap_or(open))
+            .flat_map(|(lower, upper)| [lower, upper])
+            .collect();
+        flat.to_pyarray(py).reshape([flat.len() / 2, 2])
+    }
+    /// Lower and upper end of each degree of freedom's range [m or rad], shape (degrees of freedom, 2); infinite
+    /// where there is none.
+    #[getter]
+    fn dof_range<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let open = [f64::NEG_INFINITY, f64::INFINITY];
+        let joints = self.model.joints.iter().filter(|j| !j.closes_loop);
+        let flat: Vec<f64> = joints
+            .flat_map(|j| &j.dofs)
+            .flat_map(|d| d.limit.map_or(open, |l| [l.lower, l.upper]))
+            .collect();
+        flat.to_pyarray(py).reshape([flat.len() / 2, 2])
+    }
+    /// A parameter of the model by the name that it has in `Simulation.parameters`, shape (rows, numbers).
+    fn parameter<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let parameter = parameter(name)?;
+        let numbers = parameter.of(&self.model);
+        let rows = numbers.len() / parameter.width();
+        numbers.to_pyarray(py).reshape([rows, parameter.width()])
+    }
+
+    fn __repr__(&self) -> String {
+        let m = &self.model;
+        format!(
+            "<Model {:?}: {} bodies, {} joints, {} degrees of freedom, {} actuators>",
+            m.name,
+            m.bodies.len(),
+            m.joints.len(),
+            m.degrees_of_freedom(),
+            m.actuators.len()
+        )
+    }
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+        let this = slf.get();
+        let written = postcard::to_stdvec(&(&*this.model, &this.warnings));
+        let written =
+            written.map_err(|e| error::value(format!("the model cannot be written: {e}")))?;
+        let class: Bound<'py, PyType> = slf.get_type();
+        Ok((
+            class.getattr("_from_bytes")?,
+            (PyBytes::new(slf.py(), &written),),
+        ))
+    }
+    /// A model as it was pickled.
+    #[staticmethod]
+    fn _from_bytes(bytes: &[u8]) -> PyResult<Self> {
+        let read = postcard::from_bytes::<(model::Model, Vec<String>)>(bytes);
+        let (model, warnings) = read
+            .map_err(|e| error::value(format!("these bytes hold no model of this release: {e}")))?;
+        Ok(Self {
+            model: Arc::new(model),
+            warnings,
+        })
+    }
+    fn __copy__(&self) -> Self {
+        Self {
+            model: self.model.clone(),
+            warnings: self.warnings.clone(),
+        }
+    }
+    fn __deepcopy__(&self, _memo: &Bound<'_, PyDict>) -> Self {
+        // Immutable: a copy may share it.
+        self.__copy__()
+    }
+}

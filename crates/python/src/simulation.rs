@@ -1,0 +1,622 @@
+//! The simulation, as `kinetarium.Simulation` uses it.
+
+use crate::error;
+use crate::model::{Model, parameter};
+use glam::DVec3;
+use kinetarium::model::BodyId;
+use kinetarium::rigid::{Integrator, Settings};
+use kinetarium::sim::{
+    Control, EventKind, Parameter, Quantity, Ray, Simulation, SimulationError, SimulationSettings,
+    Snapshot, SolverKind, Watch,
+};
+use numpy::{
+    Element, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
+    ToPyArray,
+};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use std::sync::{Mutex, TryLockError};
+
+/// A simulation in the precision that was asked for.
+enum Precise {
+    Single(Simulation<f32>),
+    Double(Simulation<f64>),
+}
+
+/// The same text for both precisions.
+macro_rules! each {
+    ($precise:expr, $simulation:ident => $body:expr) => {
+        match $precise {
+            Precise::Single($simulation) => $body,
+            Precise::Double($simulation) => $body,
+        }
+    };
+}
+
+/// W worlds of one model. All calls copy between arrays and the blocks in which worlds lie, and leave Python's lock
+/// free while they compute; arrays are contiguous and of the simulation's precision.
+#[pyclass(frozen, module = "kinetarium._engine")]
+pub struct Engine {
+    simulation: Mutex<Option<Precise>>,
+}
+
+impl Engine {
+    /// Does something with the simulation, without Python's lock.
+    fn with<R: Send>(
+        &self,
+        py: Python<'_>,
+        act: impl FnOnce(&mut Precise) -> Result<R, SimulationError> + Send,
+    ) -> PyResult<R> {
+        let mut simulation = match self.simulation.try_lock() {
+            Ok(simulation) => simulation,
+            Err(TryLockError::WouldBlock) => {
+                let message = "another thread is using this simulation: one call at a time, or a simulation \
+                               for each thread";
+                return Err(error::raise("BusyError", message.into()));
+            }
+            Err(TryLockError::Poisoned(_)) => {
+                let message = "the simulation failed in an earlier call: make it anew";
+                return Err(error::raise("ClosedError", message.into()));
+            }
+        };
+        let Some(simulation) = simulation.as_mut() else {
+            let message = "the simulation is closed: make it anew";
+            return Err(error::raise("ClosedError", message.into()));
+        };
+        py.detach(|| act(simulation)).map_err(error::simulation)
+    }
+}
+
+fn quantity(name: &str) -> PyResult<Quantity> {
+    Ok(match name {
+        "body_position" => Quantity::BodyPosition,
+        "body_orientation" => Quantity::BodyOrientation,
+        "body_velocity" => Quantity::BodyVelocity,
+        "body_angular_velocity" => Quantity::BodyAngularVelocity,
+        "joint_position" => Quantity::JointPosition,
+        "joint_velocity" => Quantity::JointVelocity,
+        "joint_acceleration" => Quantity::JointAcceleration,
+        "reaction_force" => Quantity::ReactionForce,
+        "reaction_torque" => Quantity::ReactionTorque,
+        "kinetic_energy" => Quantity::KineticEnergy,
+        "potential_energy" => Quantity::PotentialEnergy,
+        "momentum" => Quantity::Momentum,
+        "angular_momentum" => Quantity::AngularMomentum,
+        other => return Err(unknown("quantity", other)),
+    })
+}
+
+fn control(name: &str) -> PyResult<Control> {
+    Ok(match name {
+        "force" => Control::Force,
+        "target_position" => Control::TargetPosition,
+        "target_velocity" => Control::TargetVelocity,
+        "actuator" => Control::Actuator,
+        other => return Err(unknown("control", other)),
+    })
+}
+
+fn unknown(kind: &str, name: &str) -> PyErr {
+    error::raise("UnknownNameError", format!("there is no {kind} \"{name}\""))
+}
+
+/// An array of the simulation's precision.
+fn array<'a, 'py, T: Element>(x: &'a Bound<'py, PyAny>) -> PyResult<&'a Bound<'py, PyArrayDyn<T>>> {
+    x.cast::<PyArrayDyn<T>>().map_err(|_| {
+        let message = "the array must be of the simulation's dtype";
+        error::raise("ShapeError", message.into())
+    })
+}
+
+fn contiguous<E>(_: E) -> PyErr {
+    error::raise(
+        "ShapeError",
+        "the array must be contiguous, in the order of C".into(),
+    )
+}
+
+fn read_only<E: std::fmt::Display>(why: E) -> PyErr {
+    error::raise(
+        "ShapeError",
+        format!("the array cannot be written to: {why}"),
+    )
+}
+
+#[expect(clippy::too_many_arguments, reason = "keywords in Python")]
+fn settings(
+    worlds: usize,
+    time_step: f64,
+    solver: SolverKind,
+    substeps: usize,
+    iterations: usize,
+    integrator: &str,
+    contacts: bool,
+    contact_passes: usize,
+    contact_iterations: usize,
+    speed_limit: f64,
+    sleep_speed: f64,
+    threads: usize,
+) -> PyResult<SimulationSettings> {
+    let refuse = |message| error::raise("SimulationError", message);
+    let integrator = match integrator {
+        "semi_implicit_euler" => Integrator::SemiImplicitEuler,
+        "explicit_euler" => Integrator::ExplicitEuler,
+        "verlet" => Integrator::Verlet,
+        "runge_kutta_4" => Integrator::RungeKutta4,
+        other => {
+            let known = "known are semi_implicit_euler, explicit_euler, verlet, runge_kutta_4";
+            return Err(refuse(format!("unknown integrator \"{other}\"; {known}")));
+        }
+    };
+    Ok(SimulationSettings {
+        solver,
+        contacts,
+        threads,
+        step: Settings {
+            substeps,
+            iterations,
+            integrator,
+            contact_passes,
+            contact_iterations,
+            speed_limit,
+            sleep_speed,
+            ..Settings::new(time_step)
+        },
+        ..SimulationSettings::new(worlds, time_step)
+    })
+}
+
+#[pymethods]
+impl Engine {
+    #[new]
+    #[pyo3(signature = (model, *, worlds, time_step, solver, substeps, iterations, integrator, contacts,
+        contact_passes, contact_iterations, speed_limit, sleep_speed, threads, double))]
+    #[expect(clippy::too_many_arguments, reason = "keywords in Python")]
+    fn new(
+        py: Python<'_>,
+        model: &Bound<'_, Model>,
+        worlds: usize,
+        time_step: f64,
+        solver: &str,
+        substeps: Option<usize>,
+        iterations: usize,
+        integrator: &str,
+        contacts: bool,
+        contact_passes: usize,
+        contact_iterations: usize,
+        speed_limit: f64,
+        sleep_speed: f64,
+        threads: usize,
+        double: bool,
+    ) -> PyResult<Self> {
+        let model = model.get().model.clone();
+        let kind: SolverKind = solver
+            .parse()
+            .map_err(|e| error::raise("SimulationError", e))?;
+        let xpbd = kind.pick(&model, contacts) == SolverKind::Xpbd;
+        let substeps = substeps.unwrap_or(if xpbd { 4 } else { 1 });
+        let settings = settings(
+            worlds,
+            time_step,
+            kind,
+            substeps,
+            iterations,
+            integrator,
+            contacts,
+            contact_passes,
+            contact_iterations,
+            speed_limit,
+            sleep_speed,
+            threads,
+        )?;
+        let make = || {
+            Ok(if double {
+                Precise::Double(Simulation::new(model, settings)?)
+            } else {
+                Precise::Single(Simulation::new(model, settings)?)
+            })
+        };
+        let simulation = py.detach(make).map_err(error::simulation)?;
+        Ok(Self {
+            simulation: Mutex::new(Some(simulation)),
+        })
+    }
+    /// Frees the worlds; later calls raise `ClosedError`.
+    fn close(&self, py: Python<'_>) -> PyResult<()> {
+        self.with(py, |_| Ok(()))?;
+        if let Ok(mut simulation) = self.simulation.try_lock() {
+            *simulation = None;
+        }
+        Ok(())
+    }
+    /// Name of the solver, name of the instruction set, number of threads.
+    fn describe(&self, py: Python<'_>) -> PyResult<(&'static str, String, usize)> {
+        self.with(py, |s| {
+            Ok(each!(s, s => (s.solver(), s.isa().to_string(), s.threads())))
+        })
+    }
+
+    /// Advances all worlds; the worlds that diverged meanwhile.
+    fn step(&self, py: Python<'_>, steps: usize) -> PyResult<Vec<usize>> {
+        self.with(py, |s| {
+            Ok(each!(s, s => s.step(steps).iter().map(|d| d.world).collect()))
+        })
+    }
+    /// Time of every world [s].
+    fn times<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let times: Vec<f64> = self.with(py, |s| {
+            Ok(each!(s, s => (0..s.worlds()).map(|w| s.time(w)).collect()))
+        })?;
+        Ok(times.to_pyarray(py))
+    }
+    /// The worlds that have diverged, and when [s].
+    fn diverged(&self, py: Python<'_>) -> PyResult<Vec<(usize, f64)>> {
+        self.with(py, |s| {
+            Ok(each!(s, s => s.diverged().iter().map(|d| (d.world, d.time)).collect()))
+        })
+    }
+    /// Rows of a quantity in each world, and numbers in each row.
+    fn shape(&self, py: Python<'_>, quantity: &str) -> PyResult<[usize; 2]> {
+        let quantity = self::quantity(quantity)?;
+        self.with(py, |s| Ok(each!(s, s => s.outputs().shape(quantity))))
+    }
+    /// Copies a quantity of all worlds into an array.
+    fn read(&self, py: Python<'_>, quantity: &str, out: &Bound<'_, PyAny>) -> PyResult<()> {
+        let quantity = self::quantity(quantity)?;
+        fill(
+            self,
+            py,
+            out,
+            |s, out| s.outputs().read(quantity, out),
+            |s, out| s.outputs().read(quantity, out),
+        )
+    }
+    /// Copies a control of all worlds into an array.
+    fn read_control(&self, py: Python<'_>, control: &str, out: &Bound<'_, PyAny>) -> PyResult<()> {
+        let control = self::control(control)?;
+        fill(
+            self,
+            py,
+            out,
+            |s, out| s.controls().read(control, out),
+            |s, out| s.controls().read(control, out),
+        )
+    }
+    /// Sets a control of all worlds from an array.
+    fn write_control(
+        &self,
+        py: Python<'_>,
+        control: &str,
+        numbers: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        let control = self::control(control)?;
+        if let Ok(numbers) = numbers.cast::<PyArrayDyn<f32>>() {
+            let numbers = numbers.readonly();
+            let numbers = numbers.as_slice().map_err(contiguous)?;
+            return self.with(py, |s| match s {
+                Precise::Single(s) => s.controls().write(control, numbers),
+                Precise::Double(_) => Err(other_precision("controls")),
+            });
+        }
+        let numbers = array::<f64>(numbers)?.readonly();
+        let numbers = numbers.as_slice().map_err(contiguous)?;
+        self.with(py, |s| match s {
+            Precise::Double(s) => s.controls().write(control, numbers),
+            Precise::Single(_) => Err(other_precision("controls")),
+        })
+    }
+    /// Sets joint coordinates and velocities of some worlds, a row for each; with `keep` they keep their times and
+    /// controls.
+    fn set_joint_state(
+        &self,
+        py: Python<'_>,
+        worlds: PyReadonlyArray1<'_, i64>,
+        position: PyReadonlyArray2<'_, f64>,
+        velocity: PyReadonlyArray2<'_, f64>,
+        keep: bool,
+    ) -> PyResult<()> {
+        let columns = [position.as_array().ncols(), velocity.as_array().ncols()];
+        let worlds = worlds.as_slice().map_err(contiguous)?;
+        let position = position.as_slice().map_err(contiguous)?;
+        let velocity = velocity.as_slice().map_err(contiguous)?;
+        self.with(py, |s| {
+            for (i, &world) in worlds.iter().enumerate() {
+                let q = &position[i * columns[0]..][..columns[0]];
+                let v = &velocity[i * columns[1]..][..columns[1]];
+                let world = world as usize;
+                each!(s, s => if keep {
+                    s.move_joints(world, q, v)
+                } else {
+                    s.set_joint_state(world, q, v)
+                })?;
+            }
+            Ok(())
+        })
+    }
+    /// Brings some worlds to their initial state.
+    fn reset(&self, py: Python<'_>, worlds: PyReadonlyArray1<'_, i64>) -> PyResult<()> {
+        let worlds = worlds.as_slice().map_err(contiguous)?;
+        let worlds: Vec<usize> = worlds.iter().map(|&w| w as usize).collect();
+        self.with(py, |s| each!(s, s => s.reset(&worlds)))
+    }
+    /// The whole state of all worlds, to the bit.
+    fn snapshot<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = self.with(py, |s| Ok(each!(s, s => s.snapshot().to_bytes())))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+    /// Returns to a snapshot.
+    fn restore(&self, py: Python<'_>, bytes: &[u8]) -> PyResult<()> {
+        self.with(py, |s| {
+            let snapshot = Snapshot::from_bytes(bytes)?;
+            each!(s, s => s.restore(&snapshot))
+        })
+    }
+    /// Which bodies of a world sleep.
+    fn asleep(&self, py: Python<'_>, world: usize) -> PyResult<Vec<bool>> {
+        self.with(py, |s| {
+            each!(s, s => {
+                exists(world, s.worlds())?;
+                let bodies = s.model().bodies.len();
+                let outputs = s.outputs();
+                Ok((0..bodies).map(|b| outputs.asleep(world, BodyId(b))).collect())
+            })
+        })
+    }
+    /// The contacts of the last step in a world, as a dictionary of arrays with a row for each.
+    fn contacts<'py>(&self, py: Python<'py>, world: usize) -> PyResult<Bound<'py, PyDict>> {
+        let contacts = self.with(py, |s| {
+            each!(s, s => {
+                exists(world, s.worlds())?;
+                Ok(s.outputs().contacts(world).collect::<Vec<_>>())
+            })
+        })?;
+        let n = contacts.len();
+        let rows = |of: fn(&kinetarium::sim::Contact) -> DVec3| {
+            let flat: Vec<f64> = contacts.iter().flat_map(|c| of(c).to_array()).collect();
+            flat.to_pyarray(py).reshape([n, 3])
+        };
+        let shapes: Vec<i64> = contacts
+            .iter()
+            .flat_map(|c| c.shapes.map(|s| s.0 as i64))
+            .collect();
+        let distance: Vec<f64> = contacts.iter().map(|c| c.distance).collect();
+        let feature: Vec<u32> = contacts.iter().map(|c| c.feature).collect();
+        let found = PyDict::new(py);
+        found.set_item("shapes", shapes.to_pyarray(py).reshape([n, 2])?)?;
+        found.set_item("position", rows(|c| c.position)?)?;
+        found.set_item("normal", rows(|c| c.normal)?)?;
+        found.set_item("distance", distance.to_pyarray(py))?;
+        found.set_item("force", rows(|c| c.force)?)?;
+        found.set_item("feature", feature.to_pyarray(py))?;
+        Ok(found)
+    }
+    /// What rays meet in a world: distances [m] (infinite where nothing), shapes (−1 where none), positions, normals.
+    #[expect(clippy::type_complexity, reason = "four arrays")]
+    fn cast_rays<'py>(
+        &self,
+        py: Python<'py>,
+        world: usize,
+        origins: PyReadonlyArray2<'_, f64>,
+        directions: PyReadonlyArray2<'_, f64>,
+        max_distance: f64,
+    ) -> PyResult<(
+        Bound<'py, PyArray1<f64>>,
+        Bound<'py, PyArray1<i64>>,
+        Bound<'py, PyArray2<f64>>,
+        Bound<'py, PyArray2<f64>>,
+    )> {
+        let origins = origins.as_slice().map_err(contiguous)?;
+        let directions = directions.as_slice().map_err(contiguous)?;
+        let (origins, directions) = (origins.chunks_exact(3), directions.chunks_exact(3));
+        let rays: Vec<_> = origins
+            .zip(directions)
+            .map(|(origin, direction)| Ray {
+                origin: DVec3::from_slice(origin),
+                direction: DVec3::from_slice(direction),
+                max_distance,
+            })
+            .collect();
+        let hits = self.with(py, |s| each!(s, s => s.cast_rays(world, &rays)))?;
+        let n = hits.len();
+        let distance: Vec<f64> = hits
+            .iter()
+            .map(|hit| hit.map_or(f64::INFINITY, |hit| hit.distance))
+            .collect();
+        let shape: Vec<i64> = hits
+            .iter()
+            .map(|hit| hit.map_or(-1, |hit| hit.shape.0 as i64))
+            .collect();
+        let position: Vec<f64> = hits
+            .iter()
+            .flat_map(|hit| hit.map_or([f64::NAN; 3], |hit| hit.position.to_array()))
+            .collect();
+        let normal: Vec<f64> = hits
+            .iter()
+            .flat_map(|hit| hit.map_or([f64::NAN; 3], |hit| hit.normal.to_array()))
+            .collect();
+        Ok((
+            distance.to_pyarray(py),
+            shape.to_pyarray(py),
+            position.to_pyarray(py).reshape([n, 3])?,
+            normal.to_pyarray(py).reshape([n, 3])?,
+        ))
+    }
+
+    /// A parameter of some worlds, shape (worlds, rows · numbers).
+    fn read_parameter<'py>(
+        &self,
+        py: Python<'py>,
+        name: &str,
+        worlds: PyReadonlyArray1<'_, i64>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let parameter = parameter(name)?;
+        let worlds = worlds.as_slice().map_err(contiguous)?;
+        let numbers = self.with(py, |s| {
+            each!(s, s => {
+                let shared = parameter.of(s.model());
+                let of = |&world: &i64| {
+                    let model = s.world_model(world as usize);
+                    if std::sync::Arc::ptr_eq(model, s.model()) {
+                        shared.clone()
+                    } else {
+                        parameter.of(model)
+                    }
+                };
+                Ok(worlds.iter().flat_map(of).collect::<Vec<_>>())
+            })
+        })?;
+        let columns = numbers.len() / worlds.len().max(1);
+        numbers.to_pyarray(py).reshape([worlds.len(), columns])
+    }
+    /// Gives some worlds other numbers of a parameter, a row for each world.
+    fn write_parameter(
+        &self,
+        py: Python<'_>,
+        name: &str,
+        worlds: PyReadonlyArray1<'_, i64>,
+        numbers: PyReadonlyArray2<'_, f64>,
+    ) -> PyResult<()> {
+        let parameter: Parameter = parameter(name)?;
+        let columns = numbers.as_array().ncols();
+        let worlds = worlds.as_slice().map_err(contiguous)?;
+        let numbers = numbers.as_slice().map_err(contiguous)?;
+        self.with(py, |s| {
+            for (i, &world) in worlds.iter().enumerate() {
+                let row = &numbers[i * columns..][..columns];
+                each!(s, s => s.set_parameters(world as usize, &[(parameter, row)])).map_err(
+                    |why| SimulationError::InWorld {
+                        world: world as usize,
+                        why: Box::new(why),
+                    },
+                )?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Chooses which events are told.
+    #[expect(clippy::fn_params_excessive_bools, reason = "keywords in Python")]
+    #[pyo3(signature = (*, contacts, persisting_contacts, sensors, limits, sleep, divergence))]
+    #[expect(clippy::too_many_arguments, reason = "keywords in Python")]
+    fn watch(
+        &self,
+        py: Python<'_>,
+        contacts: bool,
+        persisting_contacts: bool,
+        sensors: bool,
+        limits: bool,
+        sleep: bool,
+        divergence: bool,
+    ) -> PyResult<()> {
+        let watch = Watch {
+            contacts,
+            persisting_contacts,
+            sensors,
+            limits,
+            sleep,
+            divergence,
+        };
+        self.with(py, |s| {
+            each!(s, s => s.watch(watch));
+            Ok(())
+        })
+    }
+    /// The events since the last call: world, time [s], kind, and what belongs to the kind.
+    fn drain_events<'py>(&self, py: Python<'py>) -> PyResult<Vec<Event<'py>>> {
+        let events = self.with(py, |s| Ok(each!(s, s => s.drain_events())))?;
+        let told = |event: kinetarium::sim::Event| {
+            let (kind, details) = tell(py, event.kind)?;
+            Ok((event.world, event.time, kind, details))
+        };
+        events.into_iter().map(told).collect()
+    }
+}
+
+type Event<'py> = (usize, f64, &'static str, Bound<'py, PyDict>);
+
+/// An event's kind, and its details by name.
+fn tell(py: Python<'_>, kind: EventKind) -> PyResult<(&'static str, Bound<'_, PyDict>)> {
+    let details = PyDict::new(py);
+    let name = match kind {
+        EventKind::ContactBegins { shapes, impulse } => {
+            details.set_item("shapes", shapes.map(|s| s.0))?;
+            details.set_item("impulse", impulse.to_array())?;
+            "contact_begins"
+        }
+        EventKind::ContactPersists { shapes, impulse } => {
+            details.set_item("shapes", shapes.map(|s| s.0))?;
+            details.set_item("impulse", impulse.to_array())?;
+            "contact_persists"
+        }
+        EventKind::ContactEnds { shapes } => {
+            details.set_item("shapes", shapes.map(|s| s.0))?;
+            "contact_ends"
+        }
+        EventKind::SensorBegins { shapes } => {
+            details.set_item("shapes", shapes.map(|s| s.0))?;
+            "sensor_begins"
+        }
+        EventKind::SensorEnds { shapes } => {
+            details.set_item("shapes", shapes.map(|s| s.0))?;
+            "sensor_ends"
+        }
+        EventKind::LimitReached { dof, upper } => {
+            details.set_item("dof", dof)?;
+            details.set_item("upper", upper)?;
+            "limit_reached"
+        }
+        EventKind::FallsAsleep { body } => {
+            details.set_item("body", body.0)?;
+            "falls_asleep"
+        }
+        EventKind::Wakes { body } => {
+            details.set_item("body", body.0)?;
+            "wakes"
+        }
+        EventKind::Diverged => "diverged",
+    };
+    Ok((name, details))
+}
+
+fn exists(world: usize, count: usize) -> Result<(), SimulationError> {
+    if world < count {
+        return Ok(());
+    }
+    Err(SimulationError::Index {
+        what: "world",
+        index: world,
+        count,
+    })
+}
+
+fn other_precision(what: &'static str) -> SimulationError {
+    SimulationError::Setting {
+        what,
+        value: "of another precision".into(),
+        remedy: "an array of the simulation's dtype",
+    }
+}
+
+/// Fills an array of the simulation's precision.
+fn fill(
+    engine: &Engine,
+    py: Python<'_>,
+    out: &Bound<'_, PyAny>,
+    single: impl FnOnce(&mut Simulation<f32>, &mut [f32]) -> Result<(), SimulationError> + Send,
+    double: impl FnOnce(&mut Simulation<f64>, &mut [f64]) -> Result<(), SimulationError> + Send,
+) -> PyResult<()> {
+    if let Ok(out) = out.cast::<PyArrayDyn<f32>>() {
+        let mut out = out.try_readwrite().map_err(read_only)?;
+        let out = out.as_slice_mut().map_err(contiguous)?;
+        return engine.with(py, |s| match s {
+            Precise::Single(s) => single(s, out),
+            Precise::Double(_) => Err(other_precision("the array")),
+        });
+    }
+    let mut out = array::<f64>(out)?.try_readwrite().map_err(read_only)?;
+    let out = out.as_slice_mut().map_err(contiguous)?;
+    engine.with(py, |s| match s {
+        Precise::Double(s) => double(s, out),
+        Precise::Single(_) => Err(other_precision("the array")),
+    })
+}

@@ -1,0 +1,62 @@
+"""Kinetarium: a physics engine for actions, with thousands of worlds side by side.
+
+>>> import kinetarium as kn
+>>> model = kn.examples.n_pendula(3)  # or kn.load("robot.xml"), or kn.Builder(...)
+>>> sim = kn.Simulation(model, worlds=64, dt=0.002)
+>>> sim.controls.force[:, sim.dof("hinge0")] = 0.2
+>>> worlds_lost = sim.step(100)
+>>> sim.state.body_position[:, "link2"].shape
+(64, 3)
+
+SI units; angles in radians; right-handed; quaternions x, y, z, w; sizes of shapes are half sizes.
+"""
+
+from kinetarium import errors, examples
+from kinetarium._engine import (
+    Axis,
+    Body,
+    Builder,
+    Drive,
+    Geometry,
+    Joint,
+    Limit,
+    Material,
+    Model,
+    Object,
+    Replica,
+    Shape,
+    Softness,
+    load,
+    parse,
+)
+from kinetarium.arrays import NamedArray
+from kinetarium.errors import KinetariumError
+from kinetarium.simulation import Contacts, Event, RayHits, Simulation
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "Axis",
+    "Body",
+    "Builder",
+    "Contacts",
+    "Drive",
+    "Event",
+    "Geometry",
+    "Joint",
+    "KinetariumError",
+    "Limit",
+    "Material",
+    "Model",
+    "NamedArray",
+    "Object",
+    "RayHits",
+    "Replica",
+    "Shape",
+    "Simulation",
+    "Softness",
+    "errors",
+    "examples",
+    "load",
+    "parse",
+]

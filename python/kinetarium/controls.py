@@ -1,0 +1,102 @@
+"""What a controller sets, in all worlds at once."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kinetarium.arrays import NamedArray, checked
+
+if TYPE_CHECKING:
+    from kinetarium.simulation import Simulation
+
+_NAMES = {
+    "force": "dof_names",
+    "target_position": "dof_names",
+    "target_velocity": "dof_names",
+    "actuator": "actuator_names",
+}
+
+
+class Controls:
+    """Controls of all worlds, as arrays that are written in place and hold until they are written again.
+
+    Each is one array of the simulation's dtype that lives as long as the simulation: what stands in it when
+    `Simulation.step` is called is what acts. Arrays that were never asked for are not copied. torch and jax
+    take them without a copy, as they are plain numpy memory.
+
+    >>> import kinetarium as kn
+    >>> sim = kn.Simulation(kn.examples.n_pendula(3), worlds=2)
+    >>> sim.controls.force[:, "hinge1"] = 2.0
+    >>> sim.controls.force
+    NamedArray([[0., 2., 0.],
+                [0., 2., 0.]], dtype=float32)
+    """
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self._arrays: dict[str, NamedArray] = {}
+
+    def _array(self, name: str) -> NamedArray:
+        array = self._arrays.get(name)
+        if array is None:
+            sim = self._simulation
+            names = tuple(getattr(sim.model, _NAMES[name]))
+            numbers = np.empty((sim.worlds, len(names)), sim.dtype)
+            sim._engine.read_control(name, numbers)
+            array = self._arrays[name] = NamedArray.of(numbers, (None, names))
+        return array
+
+    def _set(self, name: str, value: np.ndarray) -> None:
+        array = self._array(name)
+        if value is not array:  # `force += 1` has done it already
+            array[...] = checked(name, value, array.shape, array.dtype)
+
+    def _send(self) -> None:
+        """Gives the engine what stands in the arrays."""
+        for name, array in self._arrays.items():
+            self._simulation._engine.write_control(name, array)
+
+    def _fetch(self) -> None:
+        """Takes what the engine has, after a reset or a restore."""
+        for name, array in self._arrays.items():
+            self._simulation._engine.read_control(name, array)
+
+    @property
+    def force(self) -> NamedArray:
+        """Generalised forces [N or N·m], shape (worlds, degrees of freedom); zero at first."""
+        return self._array("force")
+
+    @force.setter
+    def force(self, value: np.ndarray) -> None:
+        self._set("force", value)
+
+    @property
+    def target_position(self) -> NamedArray:
+        """Position targets of the drives [m or rad], shape (worlds, degrees of freedom); the model's at first."""
+        return self._array("target_position")
+
+    @target_position.setter
+    def target_position(self, value: np.ndarray) -> None:
+        self._set("target_position", value)
+
+    @property
+    def target_velocity(self) -> NamedArray:
+        """Velocity targets of the drives [m/s or rad/s], shape (worlds, degrees of freedom); the model's at
+        first."""
+        return self._array("target_velocity")
+
+    @target_velocity.setter
+    def target_velocity(self, value: np.ndarray) -> None:
+        self._set("target_velocity", value)
+
+    @property
+    def actuator(self) -> NamedArray:
+        """Controls of the actuators, shape (worlds, actuators); zero at first. Those beyond an actuator's range
+        act as its ends."""
+        return self._array("actuator")
+
+    @actuator.setter
+    def actuator(self, value: np.ndarray) -> None:
+        self._set("actuator", value)

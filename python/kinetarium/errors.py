@@ -1,0 +1,37 @@
+"""What can go wrong. All messages name the place and the remedy, and are the same as in Rust."""
+
+
+class KinetariumError(Exception):
+    """Base of all exceptions of this package."""
+
+
+class ModelError(KinetariumError, ValueError):
+    """A model that cannot be, such as a body of negative mass."""
+
+
+class FileError(KinetariumError, ValueError):
+    """A file that cannot be read, is malformed, or uses what is not supported; with file and line."""
+
+
+class SimulationError(KinetariumError, ValueError):
+    """A setting that makes no sense, a number that is not finite, a snapshot that does not fit."""
+
+
+class ShapeError(KinetariumError, ValueError):
+    """An array of the wrong shape, dtype or memory order."""
+
+
+class OutOfRangeError(KinetariumError, IndexError):
+    """An index beyond the end: a world, a degree of freedom."""
+
+
+class UnknownNameError(KinetariumError, LookupError):
+    """A name that nothing has; the message suggests one that exists."""
+
+
+class BusyError(KinetariumError, RuntimeError):
+    """Another thread is using the simulation."""
+
+
+class ClosedError(KinetariumError, RuntimeError):
+    """The simulation was closed."""

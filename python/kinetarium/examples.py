@@ -1,0 +1,38 @@
+"""Scenes that need no file: functions that make models.
+
+>>> from kinetarium import examples
+>>> examples.dominoes(count=5)
+<Model "dominoes": 5 bodies, 5 joints, 30 degrees of freedom, 0 actuators>
+"""
+
+from kinetarium._engine import (
+    arch,
+    ball_joint,
+    balls,
+    billiards,
+    card_house,
+    dominoes,
+    n_pendula,
+    pile,
+    prismatic,
+    pyramid,
+    ragdolls,
+    room,
+    rover,
+)
+
+__all__ = [
+    "arch",
+    "ball_joint",
+    "balls",
+    "billiards",
+    "card_house",
+    "dominoes",
+    "n_pendula",
+    "pile",
+    "prismatic",
+    "pyramid",
+    "ragdolls",
+    "room",
+    "rover",
+]

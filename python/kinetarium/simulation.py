@@ -1,0 +1,435 @@
+"""W worlds of one model, stepped together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike
+
+from kinetarium._engine import Engine, Model
+from kinetarium.arrays import checked
+from kinetarium.controls import Controls
+from kinetarium.errors import ClosedError, OutOfRangeError, ShapeError, SimulationError, UnknownNameError
+from kinetarium.parameters import Parameters
+from kinetarium.state import State
+
+Solver = Literal["auto", "featherstone", "xpbd", "impulse"]
+Integrator = Literal["semi_implicit_euler", "explicit_euler", "verlet", "runge_kutta_4"]
+EventKind = Literal[
+    "contact_begins",
+    "contact_persists",
+    "contact_ends",
+    "sensor_begins",
+    "sensor_ends",
+    "limit_reached",
+    "falls_asleep",
+    "wakes",
+    "diverged",
+]
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """The contacts of a world, a row for each; those that do not press have no force."""
+
+    shapes: np.ndarray
+    """Rows of the two shapes; the second one moves. int64, shape (contacts, 2)."""
+    position: np.ndarray
+    """Midway between the surfaces [m], world axes, shape (contacts, 3)."""
+    normal: np.ndarray
+    """Unit vectors from the first shape to the second, shape (contacts, 3)."""
+    distance: np.ndarray
+    """Gaps less margins [m], negative where shapes overlap, shape (contacts,)."""
+    force: np.ndarray
+    """Forces of the first shape on the second [N], world axes, shape (contacts, 3)."""
+    feature: np.ndarray
+    """Numbers that stay the same from step to step while the same features touch, shape (contacts,)."""
+
+    def __len__(self) -> int:
+        return len(self.distance)
+
+
+@dataclass(frozen=True)
+class RayHits:
+    """What rays meet first, a row for each ray."""
+
+    distance: np.ndarray
+    """From the origin [m], infinite where nothing is met, shape (rays,)."""
+    shape: np.ndarray
+    """Rows of the shapes, −1 where nothing is met, shape (rays,)."""
+    position: np.ndarray
+    """The points [m], world axes, NaN where nothing is met, shape (rays, 3)."""
+    normal: np.ndarray
+    """Unit vectors out of the surfaces, NaN where nothing is met, shape (rays, 3)."""
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that happened in a world."""
+
+    world: int
+    """Which world."""
+    time: float
+    """End [s] of the substep in which it happened."""
+    kind: EventKind
+    """What."""
+    details: dict[str, Any] = field(default_factory=dict)
+    """By kind: `shapes` (rows of both), `impulse` [N·s]; `dof` and `upper`; `body`."""
+
+
+class Simulation:
+    """W worlds of one model, advanced together.
+
+    Parameters
+    ----------
+    model:
+        What exists: from `load`, `parse` or a `Builder`.
+    worlds:
+        Number of worlds.
+    dt:
+        Time step [s]; by default what the model recommends.
+    solver:
+        "featherstone" (reduced coordinates: accurate, trees only), "xpbd" (maximal coordinates: loops, compliance),
+        "impulse" (bodies by the thousand in one world), or "auto", which picks; `solver` tells what runs.
+    substeps:
+        Parts of a time step; by default 4 for xpbd, else 1.
+    integrator:
+        Of featherstone: "semi_implicit_euler", "explicit_euler", "verlet" or "runge_kutta_4".
+    contacts:
+        Whether shapes touch.
+    dtype:
+        "float32" (16 worlds in a register where the machine has 512 bits) or "float64" (8).
+    threads:
+        Number of threads; 0 is one per processor. Results do not depend on it.
+    iterations, contact_passes, contact_iterations, speed_limit, sleep_speed:
+        As `Settings` in Rust: passes over all constraints (xpbd), passes over contacts (featherstone), passes of
+        projected Gauss-Seidel, the speed [m/s or rad/s] beyond which a world has diverged, the speed [m/s] below
+        which bodies sleep (impulse).
+
+    Raises `SimulationError` for settings out of range and models that the solver cannot take. Calls that fail leave
+    the simulation as it was. One thread at a time may call it: others get `BusyError`. While the engine computes,
+    Python's lock is free. It can be pickled and copied: model, settings, states, controls and parameters come along.
+
+    >>> import kinetarium as kn
+    >>> sim = kn.Simulation(kn.examples.n_pendula(3), worlds=64, dt=0.002)
+    >>> sim.controls.force[:, "hinge0"] = 0.1
+    >>> sim.step(500)
+    array([], dtype=int64)
+    >>> sim.state.time[7]
+    1.0
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        worlds: int = 1,
+        *,
+        dt: float | None = None,
+        solver: Solver = "auto",
+        substeps: int | None = None,
+        integrator: Integrator = "semi_implicit_euler",
+        contacts: bool = True,
+        dtype: DTypeLike = "float32",
+        threads: int = 0,
+        iterations: int = 1,
+        contact_passes: int = 2,
+        contact_iterations: int = 8,
+        speed_limit: float = 1e5,
+        sleep_speed: float = 0.01,
+    ) -> None:
+        if not isinstance(model, Model):
+            raise TypeError(f"the model is a {type(model).__name__}: give a Model, as load and Builder make")
+        precision = np.dtype(dtype)
+        if precision not in (np.dtype("float32"), np.dtype("float64")):
+            raise SimulationError(f"dtype is {precision}: it must be float32 or float64")
+        settings = {
+            "dt": model.time_step if dt is None else float(dt),
+            "solver": solver,
+            "substeps": substeps,
+            "integrator": integrator,
+            "contacts": contacts,
+            "threads": threads,
+            "iterations": iterations,
+            "contact_passes": contact_passes,
+            "contact_iterations": contact_iterations,
+            "speed_limit": speed_limit,
+            "sleep_speed": sleep_speed,
+        }
+        for name, value in {"worlds": worlds, "threads": threads}.items():
+            if value < 0:
+                raise SimulationError(f"{name} is {value}: it must not be negative")
+        self._settings = settings
+        self._model = model
+        self._worlds = worlds
+        self._dtype = precision
+        self._engine = self._make()
+        self._solver, self._isa, self._threads = self._engine.describe()
+        self._closed = False
+        self._controls = Controls(self)
+        self._state = State(self)
+        self._parameters = Parameters(self)
+
+    def _make(self) -> Engine:
+        keywords = dict(self._settings)
+        return Engine(
+            self._model,
+            worlds=self._worlds,
+            time_step=keywords.pop("dt"),
+            double=self._dtype == np.float64,
+            **keywords,
+        )
+
+    @property
+    def model(self) -> Model:
+        """The model."""
+        return self._model
+
+    @property
+    def worlds(self) -> int:
+        """Number of worlds."""
+        return self._worlds
+
+    @property
+    def dt(self) -> float:
+        """Time step [s]."""
+        return self._settings["dt"]
+
+    @property
+    def dtype(self) -> np.dtype:
+        """Precision of all numbers: float32 or float64."""
+        return self._dtype
+
+    @property
+    def solver(self) -> str:
+        """Name of the solver that runs: what "auto" picked."""
+        return self._solver
+
+    @property
+    def isa(self) -> str:
+        """Instruction set that runs."""
+        return self._isa
+
+    @property
+    def threads(self) -> int:
+        """Number of threads that run."""
+        return self._threads
+
+    @property
+    def controls(self) -> Controls:
+        """Forces, targets and actuator controls, to be written in place."""
+        return self._controls
+
+    @property
+    def state(self) -> State:
+        """Joints, bodies, energies, times, as arrays."""
+        return self._state
+
+    @property
+    def parameters(self) -> Parameters:
+        """Masses, gravity, friction and other numbers of the model, in each world."""
+        return self._parameters
+
+    @property
+    def time(self) -> np.ndarray:
+        """Times of the worlds [s], shape (worlds,)."""
+        return self._state.time
+
+    def body(self, name: str) -> int:
+        """Row of a body."""
+        return self._model.body(name)
+
+    def joint(self, name: str) -> int:
+        """Row of a joint."""
+        return self._model.joint(name)
+
+    def dof(self, name: str) -> int:
+        """Row of a degree of freedom: a column of `controls.force` and `state.joint_velocity`."""
+        return self._model.dof(name)
+
+    def actuator(self, name: str) -> int:
+        """Row of an actuator: a column of `controls.actuator`."""
+        return self._model.actuator(name)
+
+    def step(self, steps: int = 1) -> np.ndarray:
+        """Advances all worlds by time steps, under the controls as they stand.
+
+        Returns the worlds that diverged meanwhile, int64; they stay at their last good state, and the others go on.
+        """
+        if steps < 0:
+            raise SimulationError(f"steps is {steps}: it must not be negative")
+        self._controls._send()
+        return np.array(self._engine.step(steps), np.int64)
+
+    def _rows(self, worlds: ArrayLike | None) -> np.ndarray:
+        """Worlds as numbers: all, or those of a mask, or those of a list."""
+        if worlds is None:
+            return np.arange(self._worlds)
+        rows = np.atleast_1d(np.asarray(worlds))
+        if rows.dtype == bool:
+            if rows.shape != (self._worlds,):
+                raise ShapeError(
+                    f"the mask of worlds has the shape {rows.shape}: it must be ({self._worlds},)"
+                )
+            return np.flatnonzero(rows)
+        if rows.size == 0:
+            return np.empty(0, np.int64)
+        if rows.dtype.kind not in "iu" or rows.ndim != 1:
+            raise ShapeError("worlds must be a mask or a list of whole numbers")
+        wrong = rows[(rows < 0) | (rows >= self._worlds)]
+        if wrong.size:
+            raise OutOfRangeError(
+                f"world {wrong[0]} does not exist: there are {self._worlds}, counted from 0"
+            )
+        return np.ascontiguousarray(rows, dtype=np.int64)
+
+    def reset(self, worlds: ArrayLike | None = None, *, keyframe: str | None = None) -> None:
+        """Brings worlds (a mask, a list of rows, or all) to the model's initial state at time 0, or to one of its
+        keyframes, with the model's controls."""
+        rows = self._rows(worlds)
+        self._engine.reset(rows)
+        if keyframe is not None:
+            position, velocity, control = self._model.keyframe(keyframe)
+            self.set_state(position, velocity, worlds=rows)
+            if control.size:
+                self._controls.actuator[rows] = control
+                return
+        self._controls._fetch()
+
+    def set_state(
+        self,
+        joint_position: ArrayLike,
+        joint_velocity: ArrayLike = 0.0,
+        *,
+        worlds: ArrayLike | None = None,
+    ) -> None:
+        """Puts worlds at joint coordinates and velocities, at time 0, with the model's controls.
+
+        The arrays broadcast to (worlds given, coordinates) and (worlds given, degrees of freedom). Quaternions are
+        scaled to unit length. To change a state as it runs, set items of `state.joint_position`.
+
+        Raises `ShapeError`, `OutOfRangeError`, and `SimulationError` for numbers that are not finite.
+        """
+        rows = self._rows(worlds)
+        position = checked("joint_position", joint_position, (len(rows), self._model.coordinates))
+        velocity = checked("joint_velocity", joint_velocity, (len(rows), self._model.degrees_of_freedom))
+        self._engine.set_joint_state(rows, position, velocity, False)
+        self._controls._fetch()
+
+    def snapshot(self) -> bytes:
+        """States, controls and times of all worlds, to the bit."""
+        self._controls._send()
+        return self._engine.snapshot()
+
+    def restore(self, snapshot: bytes) -> None:
+        """Returns to a snapshot of the same model, solver, dtype and number of worlds."""
+        self._engine.restore(snapshot)
+        self._controls._fetch()
+
+    def save(self, path: str | Path) -> None:
+        """Writes a snapshot to a file."""
+        Path(path).write_bytes(self.snapshot())
+
+    def load(self, path: str | Path) -> None:
+        """Returns to a snapshot that `save` wrote."""
+        self.restore(Path(path).read_bytes())
+
+    def contacts(self, world: int = 0) -> Contacts:
+        """The contacts of a world in the last step, in an order that does not change from step to step."""
+        return Contacts(**self._engine.contacts(self._world(world)))
+
+    def asleep(self, world: int = 0) -> np.ndarray:
+        """Which bodies of a world sleep, bool of shape (bodies,); `impulse` only."""
+        return np.array(self._engine.asleep(self._world(world)), bool)
+
+    def _world(self, world: int) -> int:
+        return int(self._rows([world])[0])
+
+    def cast_rays(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        *,
+        world: int = 0,
+        max_distance: float = np.inf,
+    ) -> RayHits:
+        """What rays meet first in a world, up to a distance [m].
+
+        Origins [m] and directions (of any length but zero) broadcast to (rays, 3), world axes. Rays meet all shapes
+        but sensors, those that are only seen, too.
+        """
+        try:
+            shape = np.broadcast_shapes(np.shape(origins), np.shape(directions), (1, 3))
+        except ValueError:
+            raise ShapeError(
+                f"origins {np.shape(origins)} and directions {np.shape(directions)} do not broadcast to (rays, 3)"
+            ) from None
+        origins, directions = checked("origins", origins, shape), checked("directions", directions, shape)
+        return RayHits(*self._engine.cast_rays(self._world(world), origins, directions, max_distance))
+
+    def watch(self, *events: Literal["contacts", "persisting_contacts", "sensors", "limits", "sleep", "divergence"]) -> None:
+        """Chooses which events are told from now on, by kind; none to begin with, and none without arguments.
+
+        Watching costs a report of every substep.
+        """
+        kinds = ("contacts", "persisting_contacts", "sensors", "limits", "sleep", "divergence")
+        for event in events:
+            if event not in kinds:
+                raise UnknownNameError(f'there are no events "{event}"; known are {", ".join(kinds)}')
+        self._engine.watch(**{kind: kind in events for kind in kinds})
+
+    def events(self) -> list[Event]:
+        """The events since the last call, in an order that does not depend on threads."""
+        return [Event(*event) for event in self._engine.drain_events()]
+
+    def close(self) -> None:
+        """Frees the worlds now rather than with the object; later calls raise `ClosedError`."""
+        if not self._closed:
+            self._engine.close()
+            self._closed = True
+
+    def __enter__(self) -> Simulation:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        if self._closed:
+            return f"<Simulation of {self._model.name!r}, closed>"
+        return (
+            f"<Simulation of {self._model.name!r}: {self._worlds} worlds, {self._solver}, dt {self.dt:g} s, "
+            f"{self._dtype}, {self._isa}, {self._threads} threads>"
+        )
+
+    def __getstate__(self) -> dict[str, Any]:
+        if self._closed:
+            raise ClosedError("the simulation is closed: it has nothing to be copied")
+        own = {name: np.asarray(getattr(self._parameters, name)) for name in self._own_parameters()}
+        return {
+            "model": self._model,
+            "worlds": self._worlds,
+            "dtype": self._dtype.name,
+            "settings": self._settings,
+            "parameters": own,
+            "snapshot": self.snapshot(),
+        }
+
+    def _own_parameters(self) -> list[str]:
+        """Names of the parameters in which a world differs from the model."""
+        names = [name for name, value in vars(Parameters).items() if hasattr(value, "_write")]
+        return [name for name in names if self._differs(name)]
+
+    def _differs(self, name: str) -> bool:
+        numbers = self._engine.read_parameter(name, np.arange(self._worlds))
+        return bool((numbers != self._model.parameter(name).ravel()).any())
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__init__(  # type: ignore[misc]
+            state["model"], state["worlds"], dtype=state["dtype"], **state["settings"]
+        )
+        for name, numbers in state["parameters"].items():
+            setattr(self._parameters, name, numbers)
+        self.restore(state["snapshot"])

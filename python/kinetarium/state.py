@@ -1,0 +1,203 @@
+"""What the worlds look like, as arrays."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kinetarium.arrays import NamedArray, Names, checked
+from kinetarium.errors import ShapeError, UnknownNameError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kinetarium.simulation import Simulation
+
+# What names the rows of a quantity, and how many numbers a row has; 0: the rows are the numbers.
+_QUANTITIES: dict[str, tuple[str | None, int]] = {
+    "joint_position": ("coordinate_names", 0),
+    "joint_velocity": ("dof_names", 0),
+    "joint_acceleration": ("dof_names", 0),
+    "body_position": ("body_names", 3),
+    "body_orientation": ("body_names", 4),
+    "body_velocity": ("body_names", 3),
+    "body_angular_velocity": ("body_names", 3),
+    "reaction_force": ("joint_names", 3),
+    "reaction_torque": ("joint_names", 3),
+    "kinetic_energy": (None, 0),
+    "potential_energy": (None, 0),
+    "momentum": (None, 3),
+    "angular_momentum": (None, 3),
+}
+
+
+class State:
+    """The state of all worlds.
+
+    Each attribute is a fresh array of the simulation's dtype, contiguous and yours to keep: one transposing copy
+    from the blocks in which worlds lie side by side (about the time of 1 % of a step of a humanoid for its joint
+    positions). Take it once, not once per world; `read` fills an array of yours. torch and jax take it without
+    a further copy.
+
+    Items of `joint_position` and `joint_velocity` can be set, which changes the simulation; those of other
+    quantities follow from them. Names index bodies, joints, coordinates and degrees of freedom.
+
+    >>> import kinetarium as kn
+    >>> sim = kn.Simulation(kn.examples.n_pendula(3), worlds=2, dtype="float64")
+    >>> sim.state.joint_position[1, "hinge0"] = 0.5
+    >>> sim.state.joint_position
+    NamedArray([[0. , 0. , 0. ],
+                [0.5, 0. , 0. ]])
+    >>> sim.state.body_position[:, "link2"].shape
+    (2, 3)
+    """
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self._named: dict[str, tuple[tuple[int, ...], tuple[Names, ...]]] = {}
+
+    def _layout(self, quantity: str) -> tuple[tuple[int, ...], tuple[Names, ...]]:
+        """Shape and names of a quantity's array."""
+        layout = self._named.get(quantity)
+        if layout is None:
+            try:
+                table, width = _QUANTITIES[quantity]
+            except KeyError:
+                known = ", ".join(_QUANTITIES)
+                raise UnknownNameError(f'there is no quantity "{quantity}"; known are {known}') from None
+            names = None if table is None else tuple(getattr(self._simulation.model, table))
+            rows = () if names is None else (len(names),)
+            numbers = (width,) if width else ()
+            shape = (self._simulation.worlds, *rows, *numbers)
+            layout = (shape, (None, names) if names is not None else ())
+            self._named[quantity] = layout
+        return layout
+
+    def read(self, quantity: str, out: np.ndarray | None = None) -> np.ndarray:
+        """A quantity of all worlds by name, as the attribute of that name; into `out`, if given, which must be
+        of the same shape and of the simulation's dtype, C-contiguous and writeable.
+
+        Raises `ShapeError` and `UnknownNameError`.
+        """
+        sim = self._simulation
+        shape, _ = self._layout(quantity)
+        if out is None:
+            out = np.empty(shape, sim.dtype)
+        elif not isinstance(out, np.ndarray) or out.shape != shape or out.dtype != sim.dtype:
+            found = f"{out.dtype} of {out.shape}" if isinstance(out, np.ndarray) else type(out).__name__
+            raise ShapeError(f"out is {found}: it must be an array, {sim.dtype} of {shape}")
+        sim._engine.read(quantity, out)
+        return out
+
+    def _get(self, quantity: str, assign: Callable[[np.ndarray], None] | None = None) -> NamedArray:
+        def refuse(_: np.ndarray) -> None:
+            raise ShapeError(
+                f"{quantity} follows from the joints: set joint_position and joint_velocity, or copy the array"
+            )
+
+        _, names = self._layout(quantity)
+        return NamedArray.of(self.read(quantity), names, assign or refuse)
+
+    def _move(self, position: np.ndarray | None, velocity: np.ndarray | None) -> None:
+        """Gives all worlds other coordinates or velocities; those that stay the same are left alone."""
+        sim = self._simulation
+        now = self.read("joint_position"), self.read("joint_velocity")
+        new = now[0] if position is None else position, now[1] if velocity is None else velocity
+        changed = (new[0] != now[0]).any(axis=1) | (new[1] != now[1]).any(axis=1)
+        worlds = np.flatnonzero(changed)
+        q, v = (np.ascontiguousarray(x[worlds], dtype=np.float64) for x in new)
+        sim._engine.set_joint_state(worlds, q, v, True)
+
+    @property
+    def joint_position(self) -> NamedArray:
+        """Coordinates of the joints [m, rad, quaternions x, y, z, w], shape (worlds, coordinates).
+
+        Angles of axes that turn without end are in [−π, π]. Items can be set; quaternions are scaled to unit
+        length then.
+        """
+        return self._get("joint_position", lambda q: self._move(q, None))
+
+    @joint_position.setter
+    def joint_position(self, value: np.ndarray) -> None:
+        shape, _ = self._layout("joint_position")
+        self._move(checked("joint_position", value, shape), None)
+
+    @property
+    def joint_velocity(self) -> NamedArray:
+        """Velocities of the joints [m/s or rad/s], shape (worlds, degrees of freedom). Items can be set."""
+        return self._get("joint_velocity", lambda v: self._move(None, v))
+
+    @joint_velocity.setter
+    def joint_velocity(self, value: np.ndarray) -> None:
+        shape, _ = self._layout("joint_velocity")
+        self._move(None, checked("joint_velocity", value, shape))
+
+    @property
+    def joint_acceleration(self) -> NamedArray:
+        """Accelerations of the joints [m/s² or rad/s²], shape (worlds, degrees of freedom)."""
+        return self._get("joint_acceleration")
+
+    @property
+    def body_position(self) -> NamedArray:
+        """Positions of the bodies' frames [m], world axes, shape (worlds, bodies, 3)."""
+        return self._get("body_position")
+
+    @property
+    def body_orientation(self) -> NamedArray:
+        """Orientations of the bodies' frames, x, y, z, w, shape (worlds, bodies, 4)."""
+        return self._get("body_orientation")
+
+    @property
+    def body_velocity(self) -> NamedArray:
+        """Velocities of the origins of the bodies' frames [m/s], world axes, shape (worlds, bodies, 3)."""
+        return self._get("body_velocity")
+
+    @property
+    def body_angular_velocity(self) -> NamedArray:
+        """Angular velocities of the bodies [rad/s], world axes, shape (worlds, bodies, 3)."""
+        return self._get("body_angular_velocity")
+
+    @property
+    def reaction_force(self) -> NamedArray:
+        """Forces of the joints on their children [N], world axes, shape (worlds, joints, 3)."""
+        return self._get("reaction_force")
+
+    @property
+    def reaction_torque(self) -> NamedArray:
+        """Torques of the joints on their children about the child's joint frame [N·m], world axes, shape
+        (worlds, joints, 3)."""
+        return self._get("reaction_torque")
+
+    @property
+    def kinetic_energy(self) -> NamedArray:
+        """Kinetic energy [J], shape (worlds,)."""
+        return self._get("kinetic_energy")
+
+    @property
+    def potential_energy(self) -> NamedArray:
+        """Potential energy [J] of weight and passive springs, shape (worlds,)."""
+        return self._get("potential_energy")
+
+    @property
+    def momentum(self) -> NamedArray:
+        """Linear momentum [kg·m/s], shape (worlds, 3)."""
+        return self._get("momentum")
+
+    @property
+    def angular_momentum(self) -> NamedArray:
+        """Angular momentum [kg·m²/s] about the world's origin, shape (worlds, 3)."""
+        return self._get("angular_momentum")
+
+    @property
+    def time(self) -> np.ndarray:
+        """Times [s], float64 of shape (worlds,); a world that diverged keeps the time at which it was found."""
+        return self._simulation._engine.times()
+
+    @property
+    def diverged(self) -> np.ndarray:
+        """Which worlds left the finite numbers, bool of shape (worlds,). They stay at their last good state until
+        they are reset."""
+        diverged = np.zeros(self._simulation.worlds, bool)
+        diverged[[world for world, _ in self._simulation._engine.diverged()]] = True
+        return diverged
