@@ -255,11 +255,6 @@ impl Engine {
             Ok(each!(s, s => s.diverged().iter().map(|d| (d.world, d.time)).collect()))
         })
     }
-    /// Rows of a quantity in each world, and numbers in each row.
-    fn shape(&self, py: Python<'_>, quantity: &str) -> PyResult<[usize; 2]> {
-        let quantity = self::quantity(quantity)?;
-        self.with(py, |s| Ok(each!(s, s => s.outputs().shape(quantity))))
-    }
     /// Copies a quantity of all worlds into an array.
     fn read(&self, py: Python<'_>, quantity: &str, out: &Bound<'_, PyAny>) -> PyResult<()> {
         let quantity = self::quantity(quantity)?;
@@ -267,8 +262,8 @@ impl Engine {
             self,
             py,
             out,
-            |s, out| s.outputs().read(quantity, out),
-            |s, out| s.outputs().read(quantity, out),
+            |s, out| s.read(quantity, out),
+            |s, out| s.read(quantity, out),
         )
     }
     /// Copies a control of all worlds into an array.

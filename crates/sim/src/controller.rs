@@ -1,6 +1,7 @@
 //! Who drives the worlds, and how a drive is recorded and played back.
 
 use crate::error::length;
+use crate::simulation::Reported;
 use crate::{Controls, Diverged, Outputs, Simulation, SimulationError};
 use numbers::Float;
 
@@ -76,7 +77,7 @@ impl<T: Float> Simulation<T> {
         let time = self.time.iter().copied().fold(0.0, f64::max);
         self.outputs();
         // New controls change the accelerations that were just reported.
-        self.reported = false;
+        self.reported = Reported::Nothing;
         let outputs = Outputs {
             memory: &self.output,
             tables: &self.output_tables,

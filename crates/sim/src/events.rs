@@ -2,6 +2,7 @@
 //! joints reach their limits, bodies fall asleep, worlds diverge.
 
 use crate::engine::Task;
+use crate::simulation::Reported;
 use crate::{Outputs, Simulation};
 use glam::DVec3;
 use model::{BodyId, JointId, Model, ShapeId};
@@ -371,7 +372,7 @@ impl<T: Float> Simulation<T> {
         }
         for i in 1..=substeps {
             self.perform(Task::Step(1));
-            self.reported = false;
+            self.reported = Reported::Nothing;
             let runs = self.running();
             let outputs = self.outputs();
             for (world, begin) in times.iter().enumerate() {

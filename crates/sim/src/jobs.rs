@@ -125,6 +125,10 @@ job! {
     }
 }
 job! {
+    /// Where bodies and joints are, and how they move, from the state.
+    motion(kernels, cpu, _none), false, { kernels.report_motion(cpu) }
+}
+job! {
     /// The output from the state.
     report(kernels, cpu, _none), false, { kernels.report(cpu) }
 }

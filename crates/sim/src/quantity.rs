@@ -2,11 +2,11 @@
 
 use crate::error::{MOST_FORCE, MOST_MOTION, SimulationError, bounded, length};
 use crate::{Controls, Outputs};
+use model::Model;
 use numbers::{Float, Table};
 use rigid::{OutputTables, body, reaction, total};
 
-/// A reported quantity of every world. Its array has the shape (worlds, rows, numbers), of which
-/// [`shape`](Quantity::shape) tells the last two.
+/// A reported quantity of every world, as [`Simulation::read`](crate::Simulation::read) copies it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Positions of the bodies' frames [m]: a row of 3 for each body.
@@ -64,6 +64,23 @@ impl Rows {
 }
 
 impl Quantity {
+    /// Rows of it in each world, and numbers in each row.
+    pub fn shape(self, model: &Model) -> [usize; 2] {
+        let rows = self.rows(&OutputTables::new(model));
+        [rows.count, rows.width]
+    }
+    /// Whether it tells where bodies or joints are, or how they move, and nothing of forces.
+    pub(crate) fn is_motion(self) -> bool {
+        matches!(
+            self,
+            Self::BodyPosition
+                | Self::BodyOrientation
+                | Self::BodyVelocity
+                | Self::BodyAngularVelocity
+                | Self::JointPosition
+                | Self::JointVelocity
+        )
+    }
     fn rows(self, t: &OutputTables) -> Rows {
         let bodies = (t.reaction.start() - t.body.start()) / body::WIDTH;
         // A last row is of no joint.
@@ -89,16 +106,8 @@ impl Quantity {
 }
 
 impl<T: Float> Outputs<'_, T> {
-    /// Rows of a quantity in each world, and numbers in each row.
-    pub fn shape(&self, quantity: Quantity) -> [usize; 2] {
-        let rows = quantity.rows(self.tables);
-        [rows.count, rows.width]
-    }
     /// Copies a quantity of all worlds: `out[world][row][number]`.
-    ///
-    /// # Errors
-    /// An array of the wrong length.
-    pub fn read(&self, quantity: Quantity, out: &mut [T]) -> Result<(), SimulationError> {
+    pub(crate) fn read(&self, quantity: Quantity, out: &mut [T]) -> Result<(), SimulationError> {
         let offsets = quantity.rows(self.tables).offsets();
         length("the array", out.len(), self.worlds() * offsets.len())?;
         self.memory.gather(&offsets, out);

@@ -7,7 +7,7 @@ use crate::events::Watcher;
 use crate::jobs::Lane;
 use crate::meshes::Meshes;
 use crate::threads::Threads;
-use crate::{Controls, Outputs, SimulationSettings, Snapshot};
+use crate::{Controls, Outputs, Quantity, SimulationSettings, Snapshot};
 use glam::DQuat;
 use model::{JointId, JointKind, Model, Shape};
 use numbers::dispatch::Isa;
@@ -48,11 +48,19 @@ pub struct Simulation<T: Float> {
     pub(crate) input_tables: InputTables,
     pub(crate) output_tables: OutputTables,
     pub(crate) time: Vec<f64>,
-    pub(crate) reported: bool,
+    pub(crate) reported: Reported,
     pub(crate) diverged: Vec<Diverged>,
     pub(crate) watcher: Option<Watcher>,
     /// Of the shapes that rays were cast at.
     pub(crate) meshes: Meshes,
+}
+
+/// How much of the output is of the present state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Reported {
+    Nothing,
+    Motion,
+    Everything,
 }
 
 /// A model that one world has for itself.
@@ -165,7 +173,7 @@ impl<T: Float> Simulation<T> {
             input_tables: InputTables::new(&model),
             output_tables: shared.engine.outputs(),
             time: vec![0.0; settings.worlds],
-            reported: false,
+            reported: Reported::Nothing,
             diverged: Vec::new(),
             watcher: None,
             meshes: Meshes::default(),
@@ -313,7 +321,7 @@ impl<T: Float> Simulation<T> {
         for (i, &x) in state.iter().enumerate() {
             self.state.set(world, i, T::from_f64(x));
         }
-        self.reported = false;
+        self.reported = Reported::Nothing;
     }
 
     /// A state at time 0, with the model's controls.
@@ -380,7 +388,7 @@ impl<T: Float> Simulation<T> {
 
     /// The controls of all worlds, to be set.
     pub fn controls(&mut self) -> Controls<'_, T> {
-        self.reported = false;
+        self.reported = Reported::Nothing;
         Controls {
             memory: &mut self.input,
             tables: &self.input_tables,
@@ -394,7 +402,7 @@ impl<T: Float> Simulation<T> {
             Some(watcher) => self.step_watched(watcher, substeps),
             None => self.perform(Task::Step(substeps)),
         }
-        self.reported = false;
+        self.reported = Reported::Nothing;
         let known = self.diverged.len();
         let passed = steps as f64 * self.settings.step.time_step;
         let mut found = Vec::new();
@@ -425,9 +433,32 @@ impl<T: Float> Simulation<T> {
 
     /// Placements, velocities, reactions, energies of all worlds at the present state.
     pub fn outputs(&mut self) -> Outputs<'_, T> {
-        if !self.reported {
-            self.perform(Task::Report);
-            self.reported = true;
+        self.report(Reported::Everything)
+    }
+
+    /// Copies a quantity of all worlds at the present state, `out[world][row][number]`; see
+    /// [`Quantity::shape`]. What tells where bodies and joints are, and how they move, takes a fraction of
+    /// the time that all [`outputs`](Simulation::outputs) take.
+    ///
+    /// # Errors
+    /// An array of the wrong length.
+    pub fn read(&mut self, quantity: Quantity, out: &mut [T]) -> Result<(), SimulationError> {
+        let needed = if quantity.is_motion() {
+            Reported::Motion
+        } else {
+            Reported::Everything
+        };
+        self.report(needed).read(quantity, out)
+    }
+
+    /// The outputs, of which at least what is needed is of the present state.
+    fn report(&mut self, needed: Reported) -> Outputs<'_, T> {
+        if self.reported < needed {
+            self.perform(match needed {
+                Reported::Everything => Task::Report,
+                _ => Task::Motion,
+            });
+            self.reported = needed;
         }
         Outputs {
             memory: &self.output,
@@ -446,7 +477,7 @@ impl<T: Float> Simulation<T> {
     /// The snapshot does not fit.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SimulationError> {
         snapshot.put_back(self)?;
-        self.reported = false;
+        self.reported = Reported::Nothing;
         for world in 0..self.worlds() {
             self.take_for_granted(world);
         }

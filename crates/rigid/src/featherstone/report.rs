@@ -34,6 +34,7 @@ pub(crate) fn report<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
     }
     articulated_body::<M, CONTACTS>(k, t, now, now);
     coordinates(k, t);
+    accelerations(k, t);
     bodies(k, t);
     wrenches(k, t);
     if CONTACTS {
@@ -41,6 +42,14 @@ pub(crate) fn report<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
     }
     reactions(k, t);
     energies(k, t);
+}
+
+/// Placements and velocities of bodies and joints only.
+#[inline(always)]
+pub(crate) fn motion<M: Machine>(k: &mut M, t: &Tables) {
+    kinematics(k, t);
+    coordinates(k, t);
+    bodies(k, t);
 }
 
 #[inline(always)]
@@ -57,6 +66,12 @@ fn coordinates<M: Machine>(k: &mut M, t: &Tables) {
     for v in k.count(t.dofs) {
         let x = k.load(t.velocity, v, 0);
         k.store(t.output.velocity, v, 0, x);
+    }
+}
+
+#[inline(always)]
+fn accelerations<M: Machine>(k: &mut M, t: &Tables) {
+    for v in k.count(t.dofs) {
         let x = k.load(t.dof, v, dof::ACCELERATION);
         k.store(t.output.acceleration, v, 0, x);
     }

@@ -189,6 +189,11 @@ impl Kernels for Xpbd {
         substep(k, &tables);
     }
     #[inline(always)]
+    fn report_motion<M: Machine>(&self, k: &mut M) {
+        let tables = self.tables;
+        report::motion(k, &tables);
+    }
+    #[inline(always)]
     fn report<M: Machine>(&self, k: &mut M) {
         let tables = self.tables;
         report::report(k, &tables);

@@ -16,15 +16,21 @@ use numbers::{Cell, Machine, Real, Vec3};
 /// Fills the output of every lane from its state. Changes no state.
 #[inline(always)]
 pub(crate) fn report<M: Machine>(k: &mut M, t: &Tables) {
-    bodies(k, t);
-    axes(k, t);
-    balls(k, t);
-    frees(k, t);
+    motion(k, t);
     reactions(k, t);
     sums(k, t);
     if t.touches() {
         contact::report(k, t);
     }
+}
+
+/// Placements and velocities of bodies and joints only.
+#[inline(always)]
+pub(crate) fn motion<M: Machine>(k: &mut M, t: &Tables) {
+    bodies(k, t);
+    axes(k, t);
+    balls(k, t);
+    frees(k, t);
 }
 
 #[inline(always)]
