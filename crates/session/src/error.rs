@@ -78,6 +78,12 @@ pub enum SessionError {
         /// Its name.
         dof: String,
     },
+    /// A page asks for what is the program's to change.
+    #[error("{what} cannot be changed here: the simulation is a program's; change it there")]
+    Program {
+        /// What was to be changed.
+        what: &'static str,
+    },
     /// The model cannot be made.
     #[error(transparent)]
     Model(#[from] ModelError),

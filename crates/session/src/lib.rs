@@ -31,7 +31,9 @@ pub mod protocol;
 mod pull;
 mod quantity;
 mod session;
+mod shared;
 mod stage;
+mod steering;
 
 pub use error::SessionError;
 pub use form::Form;
@@ -39,4 +41,5 @@ pub use frame::Frame;
 pub use gallery::{EXAMPLES, Example};
 pub use perturb::perturb;
 pub use session::{Outgoing, Session};
+pub use shared::{Guard, Shared};
 pub use stage::Stage;
