@@ -118,3 +118,20 @@ pub(crate) fn within(name: &str, value: f64, least: f64, most: f64) -> Result<f6
         range: format!("from {least} to {most}"),
     })
 }
+
+/// Refuses lists that are too short or too long.
+pub(crate) fn count(
+    what: &'static str,
+    count: usize,
+    [least, most]: [usize; 2],
+) -> Result<(), SessionError> {
+    if (least..=most).contains(&count) {
+        return Ok(());
+    }
+    Err(SessionError::Count {
+        what,
+        least,
+        most,
+        count,
+    })
+}

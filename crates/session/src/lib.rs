@@ -23,6 +23,7 @@ mod error;
 mod form;
 pub mod frame;
 mod gallery;
+mod hands;
 mod history;
 mod perturb;
 mod physics;

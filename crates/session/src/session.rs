@@ -3,12 +3,14 @@
 use crate::SessionError;
 use crate::frame::Frame;
 use crate::gallery::{EXAMPLES, Example};
+use crate::hands::Subject;
 use crate::play::Play;
 use crate::protocol::{Message, Values};
-use crate::shared::{Guard, Shared};
+use crate::shared::Shared;
 use crate::stage::Stage;
 use crate::steering::Steering;
 use numbers::Float;
+use parking_lot::MutexGuard;
 use sim::Simulation;
 use std::fmt;
 use std::sync::{Arc, Weak};
@@ -35,13 +37,13 @@ pub enum Outgoing {
 /// transport and no clock of its own: `clock` tells seconds since any moment.
 #[derive(Debug)]
 pub struct Session<T: Float = f32> {
-    subject: Subject<T>,
+    source: Source<T>,
     steering: Steering,
 }
 
 /// Whose the simulation is.
-enum Subject<T: Float> {
-    Own(Box<Simulation<T>>),
+enum Source<T: Float> {
+    Own(Box<Subject<T>>),
     Program(Weak<Shared<T>>),
 }
 
@@ -72,7 +74,7 @@ impl Session {
     fn own((play, simulation): (Play, Simulation<f32>), clock: fn() -> f64) -> Self {
         Self {
             steering: Steering::new(play, &simulation, SLICE, clock),
-            subject: Subject::Own(Box::new(simulation)),
+            source: Source::Own(Box::new(Subject::new(simulation))),
         }
     }
 }
@@ -89,7 +91,7 @@ impl<T: Float> Session<T> {
         let play = Play::of_program(&mut simulation);
         Self {
             steering: Steering::new(play, &simulation, LENT, clock),
-            subject: Subject::Program(Arc::downgrade(shared)),
+            source: Source::Program(Arc::downgrade(shared)),
         }
     }
 
@@ -100,8 +102,9 @@ impl<T: Float> Session<T> {
 
     /// What a page that comes now must know, be it the first or another.
     pub fn greeting(&mut self) -> Vec<Outgoing> {
-        let Self { subject, steering } = self;
-        let Some((messages, frame)) = subject.with(|simulation| steering.greeting(simulation))
+        let Self { source, steering } = self;
+        let Some((messages, frame)) =
+            source.with(|subject| steering.greeting(&mut subject.simulation))
         else {
             return vec![last(GONE)];
         };
@@ -113,34 +116,39 @@ impl<T: Float> Session<T> {
     /// Does what a page says, a [`Command`](crate::protocol::Command) as JSON. What is refused is answered by a
     /// [`Message::Error`], and changes nothing.
     pub fn receive(&mut self, command: &str) {
-        let Self { subject, steering } = self;
-        let changes = subject.changes();
-        subject.with(|simulation| {
-            steering.notice(simulation, changes);
-            steering.receive(simulation, command);
+        let Self { source, steering } = self;
+        let changes = source.changes();
+        source.with(|subject| {
+            steering.notice(&subject.simulation, changes);
+            steering.receive(subject, command);
         });
     }
 
     /// Steps as the clock and the page say, for a hundredth of a second at most, and makes frames.
     /// To be called again and again; true where there is more to do at once.
     pub fn advance(&mut self) -> bool {
-        let Self { subject, steering } = self;
-        let changes = subject.changes();
+        let Self { source, steering } = self;
+        let changes = source.changes();
         if !steering.wants(changes) {
             return false;
         }
-        let more = subject.with(|simulation| {
-            steering.notice(simulation, changes);
-            steering.advance(simulation)
+        let more = source.with(|subject| {
+            steering.notice(&subject.simulation, changes);
+            steering.advance(subject)
         });
         more.unwrap_or(false)
     }
 
+    /// A page has gone: what is drawn is let go, whoever draws it.
+    pub fn release(&mut self) {
+        self.source.with(|subject| subject.hands.grab = None);
+    }
+
     /// Whether the program has let go of its simulation: there is nothing more to show.
     pub fn over(&self) -> bool {
-        match &self.subject {
-            Subject::Own(_) => false,
-            Subject::Program(shared) => shared.strong_count() == 0,
+        match &self.source {
+            Source::Own(_) => false,
+            Source::Program(shared) => shared.strong_count() == 0,
         }
     }
 
@@ -152,23 +160,23 @@ impl<T: Float> Session<T> {
 
     /// The present state, of the worlds that are shown; empty where the session is over.
     pub fn frame(&mut self) -> Frame {
-        let Self { subject, steering } = self;
-        let frame = subject.with(|simulation| steering.frame(simulation));
+        let Self { source, steering } = self;
+        let frame = source.with(|subject| steering.frame(&mut subject.simulation));
         frame.unwrap_or_default()
     }
 }
 
-impl<T: Float> Subject<T> {
+impl<T: Float> Source<T> {
     /// Takes the simulation for a moment, if there still is one.
-    fn with<R>(&mut self, act: impl FnOnce(&mut Simulation<T>) -> R) -> Option<R> {
+    fn with<R>(&mut self, act: impl FnOnce(&mut Subject<T>) -> R) -> Option<R> {
         match self {
-            Self::Own(simulation) => Some(act(simulation)),
+            Self::Own(subject) => Some(act(subject)),
             Self::Program(shared) => {
                 let shared = shared.upgrade()?;
-                let mut simulation = shared.read();
-                let result = act(&mut simulation);
+                let mut subject = shared.lock();
+                let result = act(&mut subject);
                 // The program goes first if it waits.
-                Guard::unlock_fair(simulation);
+                MutexGuard::unlock_fair(subject);
                 Some(result)
             }
         }
@@ -182,7 +190,7 @@ impl<T: Float> Subject<T> {
     }
 }
 
-impl<T: Float> fmt::Debug for Subject<T> {
+impl<T: Float> fmt::Debug for Source<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Own(_) => "Own",

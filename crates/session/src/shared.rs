@@ -1,9 +1,11 @@
 //! A simulation of a program, which pages watch and steer while the program goes on with it.
 
+use crate::hands::Subject;
 use numbers::Float;
 use parking_lot::{Mutex, MutexGuard};
-use sim::Simulation;
+use sim::{Diverged, Simulation};
 use std::fmt;
+use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
@@ -27,34 +29,64 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Shared<T: Float> {
-    simulation: Mutex<Simulation<T>>,
+    subject: Mutex<Subject<T>>,
     changes: AtomicU64,
 }
 
 /// A shared simulation, for as long as this value lives. Nobody else has it meanwhile.
-pub type Guard<'a, T> = MutexGuard<'a, Simulation<T>>;
+pub struct Guard<'a, T: Float>(MutexGuard<'a, Subject<T>>);
 
 impl<T: Float> Shared<T> {
     /// Shares a simulation.
     pub fn new(simulation: Simulation<T>) -> Arc<Self> {
         Arc::new(Self {
-            simulation: Mutex::new(simulation),
+            subject: Mutex::new(Subject::new(simulation)),
             changes: AtomicU64::new(0),
         })
     }
     /// The simulation, to be stepped or set. What has changed is shown once the guard is dropped.
     pub fn change(&self) -> Guard<'_, T> {
-        let guard = self.simulation.lock();
+        let guard = self.read();
         self.changes.fetch_add(1, Relaxed);
         guard
     }
     /// The simulation, to be read: pages are shown nothing new.
     pub fn read(&self) -> Guard<'_, T> {
-        self.simulation.lock()
+        Guard(self.subject.lock())
+    }
+    /// For the session.
+    pub(crate) fn lock(&self) -> MutexGuard<'_, Subject<T>> {
+        self.subject.lock()
     }
     /// How often it has been taken to be changed.
     pub(crate) fn changes(&self) -> u64 {
         self.changes.load(Relaxed)
+    }
+}
+
+impl<T: Float> Guard<'_, T> {
+    /// As [`Simulation::step`], under the hands of those who draw and push bodies on a page.
+    pub fn step(&mut self, steps: usize) -> &[Diverged] {
+        self.0.step(steps)
+    }
+}
+
+impl<T: Float> Deref for Guard<'_, T> {
+    type Target = Simulation<T>;
+    fn deref(&self) -> &Simulation<T> {
+        &self.0.simulation
+    }
+}
+
+impl<T: Float> DerefMut for Guard<'_, T> {
+    fn deref_mut(&mut self) -> &mut Simulation<T> {
+        &mut self.0.simulation
+    }
+}
+
+impl<T: Float> fmt::Debug for Guard<'_, T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.simulation.fmt(f)
     }
 }
 

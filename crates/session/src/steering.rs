@@ -1,13 +1,14 @@
 //! What pages ask of a simulation, and what they are told of it.
 
 use crate::describe::control_range;
-use crate::error::{SessionError, row, within};
+use crate::error::{SessionError, count, row, within};
 use crate::frame::Frame;
 use crate::gallery::{EXAMPLES, Example};
+use crate::hands::{Hands, Subject};
 use crate::physics::Physics;
 use crate::play::{Origin, Play, steps, time_step};
 use crate::protocol::{Command, Message, PROTOCOL, Scene, Status, Values};
-use crate::pull::{Grab, Push, add_force};
+use crate::pull::{Grab, Push};
 use crate::session::Outgoing;
 use glam::DVec3;
 use model::{BodyId, BodyKind, JointId, JointKind, Parts};
@@ -17,8 +18,6 @@ use std::collections::VecDeque;
 
 /// Steps between two looks at the clock, at most.
 const MOST_AT_ONCE: u64 = 1 << 16;
-/// Blows that wait for the next step, at most.
-const MOST_PUSHES: usize = 256;
 /// Largest stiffness and damping of a drive, in SI units.
 const STIFFEST: f64 = 1e9;
 /// From one frame to the next [s].
@@ -38,15 +37,13 @@ const MOST_PLOTS: usize = 16;
 /// Steps that one command may ask for.
 const MOST_STEPS: u32 = 100_000;
 
-/// All of a session but its simulation, which is handed in.
+/// All of a session but its subject, which is handed in.
 #[derive(Debug)]
 pub(crate) struct Steering {
     clock: fn() -> f64,
     /// Longest stretch of computing at once [s].
     slice: f64,
     play: Play,
-    grab: Option<Grab>,
-    pushes: Vec<Push>,
     shown: Vec<usize>,
     /// Rows of the quantities that are plotted.
     plots: Vec<usize>,
@@ -98,8 +95,6 @@ impl Steering {
             clock,
             slice,
             play,
-            grab: None,
-            pushes: Vec::new(),
             shown: Vec::new(),
             plots: Vec::new(),
             samples: VecDeque::new(),
@@ -140,7 +135,7 @@ impl Steering {
     }
 
     /// Does what a page says; what is refused is answered.
-    pub fn receive<T: Float>(&mut self, simulation: &mut Simulation<T>, command: &str) {
+    pub fn receive<T: Float>(&mut self, subject: &mut Subject<T>, command: &str) {
         let kind = |command: &Command| {
             let value = serde_json::to_value(command).ok()?;
             Some(value.get("type")?.as_str()?.to_owned())
@@ -149,10 +144,10 @@ impl Steering {
             reason: e.to_string(),
         });
         let asked = read.as_ref().ok().and_then(kind);
-        match read.and_then(|command| self.perform(simulation, command)) {
+        match read.and_then(|command| self.perform(subject, command)) {
             Ok(()) => {
                 self.stale = true;
-                self.tell_status(simulation);
+                self.tell_status(&subject.simulation);
             }
             Err(error) => {
                 let refusal = Message::Error {
@@ -166,9 +161,10 @@ impl Steering {
 
     fn perform<T: Float>(
         &mut self,
-        simulation: &mut Simulation<T>,
+        subject: &mut Subject<T>,
         command: Command,
     ) -> Result<(), SessionError> {
+        let Subject { simulation, hands } = subject;
         match command {
             Command::Open {
                 example,
@@ -178,16 +174,17 @@ impl Steering {
                 self.play.not_of_program("what is simulated")?;
                 let example = Example::find(&example)?;
                 let form = example.form().with(&build)?;
-                self.open(simulation, Play::of_example(example, form, &physics)?);
+                self.open(subject, Play::of_example(example, form, &physics)?);
             }
-            Command::Rebuild { build } => self.rebuild(simulation, &build)?,
-            Command::Physics { values } => self.set_physics(simulation, &values)?,
+            Command::Rebuild { build } => self.rebuild(subject, &build)?,
+            Command::Physics { values } => self.set_physics(subject, &values)?,
             Command::Run {} => self.run(),
             Command::Stop {} => self.stop(),
             Command::Step { steps } => self.step(steps)?,
             Command::Restart {} => {
                 self.stop();
-                self.forget();
+                self.samples.clear();
+                hands.forget();
                 self.play.restart(simulation)?;
             }
             Command::Speed { factor } => self.set_speed(factor)?,
@@ -200,7 +197,7 @@ impl Steering {
                 damping,
             } => {
                 let values = [position, stiffness, velocity, damping];
-                self.set_drive(simulation, dof as usize, values)?;
+                self.set_drive(subject, dof as usize, values)?;
             }
             Command::Control { actuator, value } => {
                 self.set_control(simulation, actuator as usize, value)?;
@@ -213,15 +210,14 @@ impl Steering {
             } => {
                 let (world, body, point) = moving_point(simulation, world, body, point)?;
                 let to = finite("the point to draw to", to)?;
-                let grab = Grab {
+                hands.grab = Some(Grab {
                     world,
                     body,
                     point,
                     to,
-                };
-                self.grab = Some(grab);
+                });
             }
-            Command::Release {} => self.grab = None,
+            Command::Release {} => hands.grab = None,
             Command::Push {
                 world,
                 body,
@@ -230,53 +226,44 @@ impl Steering {
             } => {
                 let (world, body, point) = moving_point(simulation, world, body, point)?;
                 let impulse = finite("impulse", impulse)?;
-                count("pushes that wait", self.pushes.len() + 1, [0, MOST_PUSHES])?;
-                self.pushes.push(Push {
+                hands.push(Push {
                     world,
                     body,
                     point,
                     impulse,
-                });
+                })?;
             }
             Command::Plot { quantities } => self.plot(&quantities)?,
-            Command::Scrub { time } => self.scrub(simulation, time)?,
+            Command::Scrub { time } => self.scrub(subject, time)?,
         }
         Ok(())
     }
 
-    fn open<T: Float>(
-        &mut self,
-        simulation: &mut Simulation<T>,
-        (play, made): (Play, Simulation<T>),
-    ) {
+    fn open<T: Float>(&mut self, subject: &mut Subject<T>, (play, made): (Play, Simulation<T>)) {
         self.stop();
-        (self.play, *simulation) = (play, made);
-        self.opened(simulation);
-    }
-    /// Forgets what belongs to another state: blows that wait, and samples.
-    fn forget(&mut self) {
-        self.pushes.clear();
-        self.samples.clear();
+        (self.play, subject.simulation) = (play, made);
+        self.opened(subject);
     }
     /// Begins with what is simulated now.
     fn begin<T: Float>(&mut self, simulation: &Simulation<T>) {
         self.scenes += 1;
-        (self.grab, self.owed) = (None, 0.0);
-        self.forget();
+        self.owed = 0.0;
+        self.samples.clear();
         let shown = self.play.stage.shown.clamp(1, MOST_SHOWN);
         self.shown = (0..shown.min(simulation.worlds())).collect();
         self.plots = self.play.first_plots().collect();
         self.stale = true;
     }
     /// Begins with it, and tells pages of it.
-    fn opened<T: Float>(&mut self, simulation: &mut Simulation<T>) {
-        self.begin(simulation);
-        let scene = Message::Scene(Box::new(self.scene(simulation)));
+    fn opened<T: Float>(&mut self, subject: &mut Subject<T>) {
+        subject.hands = Hands::default();
+        self.begin(&subject.simulation);
+        let scene = Message::Scene(Box::new(self.scene(&mut subject.simulation)));
         self.outbox.push_back(Outgoing::text(&scene));
     }
     fn rebuild<T: Float>(
         &mut self,
-        simulation: &mut Simulation<T>,
+        subject: &mut Subject<T>,
         build: &Values,
     ) -> Result<(), SessionError> {
         self.play.not_of_program("its model")?;
@@ -294,31 +281,31 @@ impl Steering {
         let physics: Values = changed
             .map(|(now, _)| (now.name.clone(), now.value))
             .collect();
-        self.open(simulation, Play::of_example(example, form, &physics)?);
+        self.open(subject, Play::of_example(example, form, &physics)?);
         Ok(())
     }
 
     fn set_physics<T: Float>(
         &mut self,
-        simulation: &mut Simulation<T>,
+        subject: &mut Subject<T>,
         values: &Values,
     ) -> Result<(), SessionError> {
         self.play.not_of_program("its physics")?;
         let physics = self.play.physics.clone().with(values)?;
         let mut parts = self.play.parts.clone();
         physics.change(&mut parts);
-        self.change(simulation, parts, physics)
+        self.change(subject, parts, physics)
     }
     /// Goes on with other numbers of the model or the settings, or starts again with them.
     fn change<T: Float>(
         &mut self,
-        simulation: &mut Simulation<T>,
+        subject: &mut Subject<T>,
         parts: Parts,
         physics: Physics,
     ) -> Result<(), SessionError> {
-        if !self.play.change(simulation, parts, physics)? {
+        if !self.play.change(&mut subject.simulation, parts, physics)? {
             self.stop();
-            self.opened(simulation);
+            self.opened(subject);
         }
         Ok(())
     }
@@ -372,11 +359,11 @@ impl Steering {
     /// Sets target position, stiffness, target velocity and damping of a drive, where given.
     fn set_drive<T: Float>(
         &mut self,
-        simulation: &mut Simulation<T>,
+        subject: &mut Subject<T>,
         dof: usize,
         [position, stiffness, velocity, damping]: [Option<f64>; 4],
     ) -> Result<(), SessionError> {
-        let model = simulation.model().clone();
+        let model = subject.simulation.model().clone();
         row("degree of freedom", dof, model.degrees_of_freedom())?;
         let joints = (0..model.joints.len()).map(JointId);
         let mut holds = joints
@@ -406,9 +393,9 @@ impl Steering {
         let before = self.play.targets[dof];
         self.play.targets[dof] = [position.or(before[0]), velocity.or(before[1])];
         if stays {
-            return Ok(self.play.aim_drive(simulation, dof)?);
+            return Ok(self.play.aim_drive(&mut subject.simulation, dof)?);
         }
-        let changed = self.change(simulation, parts, self.play.physics.clone());
+        let changed = self.change(subject, parts, self.play.physics.clone());
         if changed.is_err() {
             self.play.targets[dof] = before;
         }
@@ -431,12 +418,13 @@ impl Steering {
 
     fn scrub<T: Float>(
         &mut self,
-        simulation: &mut Simulation<T>,
+        Subject { simulation, hands }: &mut Subject<T>,
         time: f64,
     ) -> Result<(), SessionError> {
         within("time", time, 0.0, f64::MAX)?;
         self.stop();
-        self.forget();
+        self.samples.clear();
+        hands.forget();
         let steps = (time / time_step(simulation)).round() as u64;
         if let Some(moment) = self.play.history.nearest(steps) {
             simulation.restore(&moment.snapshot)?;
@@ -480,19 +468,19 @@ impl Steering {
 
     /// Makes the steps that are owed, for a slice of time at most, and frames. True where there is more to do
     /// at once.
-    pub fn advance<T: Float>(&mut self, simulation: &mut Simulation<T>) -> bool {
+    pub fn advance<T: Float>(&mut self, subject: &mut Subject<T>) -> bool {
         let now = (self.clock)();
         let elapsed = (now - self.looked).clamp(0.0, 0.1);
         self.looked = now;
         if self.running {
             let steps = self
                 .speed
-                .map(|speed| speed * elapsed / time_step(simulation));
+                .map(|speed| speed * elapsed / time_step(&subject.simulation));
             self.owed = steps.map_or(f64::INFINITY, |steps| self.owed + steps);
         }
         let behind = self.owed >= 1.0;
         if behind {
-            if let Err(error) = self.work(simulation, now) {
+            if let Err(error) = self.work(subject, now) {
                 self.stop();
                 let failure = Message::Error {
                     message: error.to_string(),
@@ -507,31 +495,20 @@ impl Steering {
             // What is not done in time is not made up for: the simulation is slower than asked.
             self.owed = self.owed.min(1.0_f64.max(self.owed.fract()));
         }
-        self.report(simulation, now, behind);
+        self.report(&mut subject.simulation, now, behind);
         behind && self.owed >= 1.0
     }
 
     /// Makes steps that are owed, until the slice of time is over.
-    fn work<T: Float>(
-        &mut self,
-        simulation: &mut Simulation<T>,
-        start: f64,
-    ) -> Result<(), SessionError> {
+    fn work<T: Float>(&mut self, subject: &mut Subject<T>, start: f64) -> Result<(), SessionError> {
         let mut most = 1;
         loop {
             let before = (self.clock)();
-            let steps = self.uninterrupted(most, time_step(simulation));
-            let forces = self.forces_outside(simulation)?;
-            let ready = self
-                .pull(simulation, &forces)
-                .and(self.play.wander(simulation).map_err(Into::into));
-            if ready.is_ok() {
-                simulation.step(steps as usize);
-            }
-            for (world, forces) in &forces {
-                simulation.controls().set_force(*world, forces)?;
-            }
-            ready?;
+            let most_now = if subject.hands.rest() { most } else { 1 };
+            let steps = self.uninterrupted(most_now, time_step(&subject.simulation));
+            self.play.wander(&mut subject.simulation)?;
+            subject.step(steps as usize);
+            let simulation = &mut subject.simulation;
             self.play.steps += steps;
             self.owed -= steps as f64;
             self.pace.steps += steps;
@@ -558,7 +535,7 @@ impl Steering {
 
     /// How many of the steps owed can be made at once, at most so many.
     fn uninterrupted(&self, most: u64, time_step: f64) -> u64 {
-        if self.grab.is_some() || !self.pushes.is_empty() || self.play.stage.wander > 0.0 {
+        if self.play.stage.wander > 0.0 {
             return 1;
         }
         let due = self.play.history.due(self.play.steps).max(1);
@@ -573,51 +550,6 @@ impl Steering {
         }
         let values = self.play.measure(simulation, &self.plots, self.shown[0]);
         self.samples.push_back((self.play.time(simulation), values));
-    }
-
-    /// The forces on degrees of freedom that are set in each world in which a hand or a blow acts in the next
-    /// step.
-    fn forces_outside<T: Float>(
-        &self,
-        simulation: &mut Simulation<T>,
-    ) -> Result<Vec<(usize, Vec<f64>)>, SessionError> {
-        let mut worlds: Vec<_> = self.pushes.iter().map(|p| p.world).collect();
-        worlds.extend(self.grab.map(|g| g.world));
-        worlds.sort_unstable();
-        worlds.dedup();
-        let dofs = simulation.model().degrees_of_freedom();
-        let forces = |world| {
-            let mut numbers = simulation.controls().of_world(world)?;
-            numbers.truncate(dofs);
-            Ok((world, numbers))
-        };
-        worlds.into_iter().map(forces).collect()
-    }
-
-    /// Adds those of hand and blows to the forces that are set, for the next step.
-    fn pull<T: Float>(
-        &mut self,
-        simulation: &mut Simulation<T>,
-        set: &[(usize, Vec<f64>)],
-    ) -> Result<(), SessionError> {
-        let pushes = std::mem::take(&mut self.pushes);
-        let model = simulation.model().clone();
-        let h = time_step(simulation);
-        for (world, set) in set {
-            let (world, mut forces) = (*world, set.clone());
-            let outputs = simulation.outputs();
-            let mut add = |body, point, force| {
-                add_force(&model, &outputs, (world, body, point), force, &mut forces);
-            };
-            if let Some(g) = self.grab.filter(|g| g.world == world) {
-                add(g.body, g.point, g.force(&model, &outputs, h));
-            }
-            for p in pushes.iter().filter(|p| p.world == world) {
-                add(p.body, p.point, p.impulse / h);
-            }
-            simulation.controls().set_force(world, &forces)?;
-        }
-        Ok(())
     }
 
     /// Sends a frame and a status, if it is time.
@@ -733,16 +665,4 @@ fn finite(name: &str, numbers: [f64; 3]) -> Result<DVec3, SessionError> {
         within(name, number, -1e9, 1e9)?;
     }
     Ok(DVec3::from_array(numbers))
-}
-
-fn count(what: &'static str, count: usize, [least, most]: [usize; 2]) -> Result<(), SessionError> {
-    if (least..=most).contains(&count) {
-        return Ok(());
-    }
-    Err(SessionError::Count {
-        what,
-        least,
-        most,
-        count,
-    })
 }

@@ -482,6 +482,44 @@ fn a_program_s_forces_and_targets_outlive_what_the_page_does() {
     }
 }
 
+/// A blow J on a ball of mass m, and nothing else along it: a speed J/m, in the program's steps, too.
+#[test]
+fn hands_act_while_the_program_steps() {
+    let (shared, mut session) = of_program(examples::billiards().unwrap());
+    let model = shared.read().model().clone();
+    let ball = model.body("oblique_hit").unwrap();
+    ask(
+        &mut session,
+        &format!(
+            r#"{{"type": "push", "world": 1, "body": {}, "point": [0, 0, 0], "impulse": [0, 0, -0.1]}}"#,
+            ball.0
+        ),
+    );
+    shared.change().step(10);
+    let speed = |world| shared.read().outputs().body_velocity(world, ball).z;
+    let expected = -0.1 / model.bodies[ball.0].mass;
+    assert!(
+        (speed(1) - speed(0) - expected).abs() < 1e-3 * expected.abs(),
+        "{}",
+        speed(1)
+    );
+    let to = [0.0, 3.0, 0.0];
+    ask(
+        &mut session,
+        &format!(
+            r#"{{"type": "grab", "world": 0, "body": {}, "point": [0, 0, 0], "to": {to:?}}}"#,
+            ball.0
+        ),
+    );
+    shared.change().step(2000);
+    // It hangs g/ω² = 68 mm below the hand.
+    let height = shared.read().outputs().body_position(0, ball).y;
+    assert!((height - (3.0 - 9.81 / 144.0)).abs() < 0.02, "{height}");
+    session.release();
+    shared.change().step(500);
+    assert!(shared.read().outputs().body_position(0, ball).y < 2.0);
+}
+
 #[test]
 fn what_the_page_has_not_set_of_a_program_s_simulation_stays_as_the_program_set_it_last() {
     let (shared, mut session) = of_program(examples::chain(2, Start::Horizontal).unwrap());

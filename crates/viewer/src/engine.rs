@@ -90,6 +90,7 @@ impl<T: Float> Work<T> {
 
     /// Advances the session and does what pages say; false where there is no more to do.
     fn round(&mut self, heard: &Receiver<Said>) -> bool {
+        self.keep(|page| !page.is_closed());
         if self.pages.is_empty() {
             // What nobody sees stands still.
             return heard.recv().is_ok_and(|said| self.hear(said));
@@ -153,10 +154,18 @@ impl<T: Float> Work<T> {
                 }
                 (text, _) => {
                     let note = Note::from(text);
-                    self.pages
-                        .retain(|page| page.try_send(note.clone()).is_ok());
+                    self.keep(|page| page.try_send(note.clone()).is_ok());
                 }
             }
+        }
+    }
+
+    /// Forgets the other pages, and lets go of what they held.
+    fn keep(&mut self, stays: impl Fn(&mpsc::Sender<Note>) -> bool) {
+        let before = self.pages.len();
+        self.pages.retain(stays);
+        if self.pages.len() < before {
+            self.session.release();
         }
     }
 }

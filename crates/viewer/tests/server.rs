@@ -339,6 +339,30 @@ fn a_program_that_never_rests_is_seen() {
 }
 
 #[test]
+fn a_page_that_goes_lets_go() {
+    let shared = pendulum::<f64>();
+    let viewer = show(&shared, None, None).unwrap();
+    let (mut holder, mut watcher) = (page(viewer.address()), page(viewer.address()));
+    say(
+        &mut holder,
+        r#"{"type": "grab", "world": 0, "body": 0, "point": [0, 0, 0], "to": [0, 9, 0]}"#,
+    );
+    let energy = |shared: &Shared<f64>| shared.read().outputs().energy(0);
+    let rest = energy(&shared);
+    hear(&mut holder, "status");
+    hear(&mut holder, "status");
+    shared.change().step(50);
+    assert!(energy(&shared) > rest + 1.0, "not held");
+    drop(holder);
+    say(&mut watcher, r#"{"type": "restart"}"#);
+    thread::sleep(Duration::from_millis(100));
+    shared.change().reset_all();
+    shared.change().step(50);
+    // What falls freely keeps its energy, but for the error of the step.
+    assert!((energy(&shared) - rest).abs() < 0.1, "{}", energy(&shared));
+}
+
+#[test]
 fn what_stands_still_sends_no_frames() {
     let shared = pendulum::<f32>();
     let viewer = show(&shared, None, None).unwrap();
