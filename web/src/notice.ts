@@ -10,6 +10,10 @@ export class Notice {
     this.element = h("div", { class: "notice", role: "status", hidden: true }, this.text, close);
   }
 
+  get shown(): boolean {
+    return !this.element.hidden;
+  }
+
   tell(text: string): void {
     this.text.textContent = text;
     this.element.hidden = false;

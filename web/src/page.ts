@@ -122,7 +122,8 @@ export class Page {
     session.on("error", (reason) => notice.tell(reason));
     session.on("connected", (connected) => {
       if (connected) notice.clear(AWAY);
-      else notice.tell(AWAY);
+      // The engine's last words say more.
+      else if (!notice.shown) notice.tell(AWAY);
     });
     const dress = () => {
       view.theme = themes.now;

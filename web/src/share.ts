@@ -102,9 +102,10 @@ export class Share {
     if (told !== scene.name) this.address = emptyAddress();
     this.address.example = example?.name ?? null;
     this.address.build = example ? changes(example.build, scene.build) : {};
-    // A file is not opened by its name, but its physics can be set.
+    // A file is not opened by its name, but its physics can be set; not so that of a program.
     const { physics } = this.address;
-    if (first && !example && Object.keys(physics).length) this.controls.physics(physics);
+    const known = scene.physics.some(({ name }) => name in physics);
+    if (first && !example && known) this.controls.physics(physics);
     this.look(scene);
     this.soon();
   }

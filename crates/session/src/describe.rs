@@ -105,29 +105,35 @@ fn mesh(vertices: &[DVec3], triangles: &[[u32; 3]], flat: bool) -> Geometry {
     }
 }
 
-/// Joints of a model, with drives as they are now. `sliders` names those whose drives have sliders.
-pub(crate) fn joints(model: &Model, now: &[model::Joint], sliders: &[String]) -> Vec<Joint> {
+/// Joints of a model, with the target positions and velocities of their degrees of freedom. `sliders` names
+/// those whose drives have sliders.
+pub(crate) fn joints(model: &Model, targets: &[[f64; 2]], sliders: &[String]) -> Vec<Joint> {
     let joint = |(i, joint): (usize, &model::Joint)| {
         let coordinates = model.coordinate_range(JointId(i));
-        let dofs = model.dof_range(JointId(i));
+        let rows = model.dof_range(JointId(i));
         let sliders = sliders.contains(&joint.name);
         let dof = |(k, dof): (usize, &model::Dof)| {
             let (angular, axis, point) = axis(joint, k);
+            let [position, velocity] = targets[rows.start + k];
             Dof {
                 name: dof.name.clone(),
-                dof: (dofs.start + k) as u32,
+                dof: (rows.start + k) as u32,
                 angular,
                 axis: axis.to_array(),
                 point: point.to_array(),
                 limit: dof.limit.map(|limit| [limit.lower, limit.upper]),
-                position: dof.drive.target_position,
+                position,
                 stiffness: dof.drive.stiffness,
-                velocity: dof.drive.target_velocity,
+                velocity,
                 damping: dof.drive.damping,
                 sliders,
             }
         };
-        let dofs = joint.dofs.iter().enumerate().map(dof);
+        let dofs = if joint.closes_loop {
+            Vec::new()
+        } else {
+            joint.dofs.iter().enumerate().map(dof).collect()
+        };
         Joint {
             name: joint.name.clone(),
             kind: joint.kind.name().into(),
@@ -135,11 +141,7 @@ pub(crate) fn joints(model: &Model, now: &[model::Joint], sliders: &[String]) ->
             child: joint.child.0 as i32,
             parent_frame: joint.parent_frame.into(),
             child_frame: joint.child_frame.into(),
-            dofs: if joint.closes_loop {
-                Vec::new()
-            } else {
-                dofs.collect()
-            },
+            dofs,
             coordinate: if joint.closes_loop {
                 -1
             } else {
@@ -148,7 +150,7 @@ pub(crate) fn joints(model: &Model, now: &[model::Joint], sliders: &[String]) ->
             coordinates: coordinates.len() as u32,
         }
     };
-    now.iter().enumerate().map(joint).collect()
+    model.joints.iter().enumerate().map(joint).collect()
 }
 
 /// Whether a degree of freedom turns, its axis, and a point on it, in the joint's frame.

@@ -78,6 +78,12 @@ pub enum SessionError {
         /// Its name.
         dof: String,
     },
+    /// A page asks for what is the program's to change.
+    #[error("{what} cannot be changed here: the simulation is a program's; change it there")]
+    Program {
+        /// What was to be changed.
+        what: &'static str,
+    },
     /// The model cannot be made.
     #[error(transparent)]
     Model(#[from] ModelError),
@@ -110,5 +116,22 @@ pub(crate) fn within(name: &str, value: f64, least: f64, most: f64) -> Result<f6
         name: name.into(),
         value,
         range: format!("from {least} to {most}"),
+    })
+}
+
+/// Refuses lists that are too short or too long.
+pub(crate) fn count(
+    what: &'static str,
+    count: usize,
+    [least, most]: [usize; 2],
+) -> Result<(), SessionError> {
+    if (least..=most).contains(&count) {
+        return Ok(());
+    }
+    Err(SessionError::Count {
+        what,
+        least,
+        most,
+        count,
     })
 }

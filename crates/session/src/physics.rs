@@ -46,6 +46,12 @@ impl Physics {
             form: Form::new(fields),
         }
     }
+    /// None: a program has chosen them.
+    pub fn of_program() -> Self {
+        Self {
+            form: Form::new(Vec::new()),
+        }
+    }
     /// The same with other values.
     pub fn with(self, values: &Values) -> Result<Self, SessionError> {
         Ok(Self {

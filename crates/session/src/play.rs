@@ -11,30 +11,43 @@ use crate::protocol::{Scene, Values};
 use crate::quantity::{Measure, quantities};
 use crate::stage::Stage;
 use fastrand::Rng;
-use model::{BodyId, JointId, Model, Parts};
-use sim::{Simulation, SimulationError};
+use model::{BodyId, Model, Parts};
+use numbers::Float;
+use sim::{Simulation, SimulationError, Snapshot};
 
 /// From one random control to the next [s].
 const WANDER: f64 = 0.1;
+/// Worlds of a program that are shown at first.
+const MOST_SHOWN: usize = 64;
 
-/// What is simulated.
+/// What is simulated, but for the simulation.
 pub(crate) struct Play {
     pub name: String,
     pub title: String,
     pub guide: String,
-    pub example: Option<&'static Example>,
+    pub origin: Origin,
     pub build: Form,
     pub stage: Stage,
     pub physics: Physics,
-    /// The stage's model, with gravity and drives as the page has set them.
+    /// The stage's model, with gravity and gains of drives as the page has set them.
     pub parts: Parts,
+    /// Of each degree of freedom, the target position and velocity that the page has set, if it has.
+    pub targets: Vec<[Option<f64>; 2]>,
     /// Of each actuator, the control that the page has set, if it has.
     pub control: Vec<Option<f64>>,
-    pub simulation: Simulation<f32>,
     pub measures: Vec<Measure>,
+    /// Since the start.
     pub steps: u64,
     pub history: History,
     pub rng: Rng,
+}
+
+/// Where it comes from.
+pub(crate) enum Origin {
+    Example(&'static Example),
+    File,
+    /// A program, which steps it, too; and the state in which the session found it.
+    Program(Snapshot),
 }
 
 impl std::fmt::Debug for Play {
@@ -46,148 +59,200 @@ impl std::fmt::Debug for Play {
     }
 }
 
+/// Length of a time step [s].
+pub(crate) fn time_step<T: Float>(simulation: &Simulation<T>) -> f64 {
+    simulation.settings().step.time_step
+}
+
+/// Steps since the start of what may be stepped by others.
+pub(crate) fn steps<T: Float>(simulation: &Simulation<T>) -> u64 {
+    (simulation.time(0) / time_step(simulation)).round() as u64
+}
+
 impl Play {
-    pub fn of_example(
+    pub fn of_example<T: Float>(
         example: &'static Example,
         build: Form,
         physics: &Values,
-    ) -> Result<Self, SessionError> {
+    ) -> Result<(Self, Simulation<T>), SessionError> {
         let stage = (example.make)(&build)?;
-        let guide = example.guide.to_owned();
-        let names = (example.name.to_owned(), example.title.to_owned(), guide);
-        Self::new(names, Some(example), build, stage, physics)
-    }
-    pub fn of_model(stage: Stage) -> Result<Self, SessionError> {
-        let name = stage.model.name.clone();
-        let names = (name.clone(), name, String::new());
-        Self::new(names, None, Form::new(Vec::new()), stage, &Values::new())
-    }
-
-    fn new(
-        (name, title, guide): (String, String, String),
-        example: Option<&'static Example>,
-        build: Form,
-        stage: Stage,
-        physics: &Values,
-    ) -> Result<Self, SessionError> {
         let physics = Physics::new(&stage).with(physics)?;
-        let mut parts = stage.model.clone().into_parts();
-        physics.change(&mut parts);
-        let simulation = simulate(&parts, &stage, &physics)?;
-        let actuators = stage.model.actuators.len();
-        let measures = quantities(&stage.model)
-            .into_iter()
-            .map(|(m, _)| m)
-            .collect();
-        let mut play = Self {
-            history: history(&simulation),
-            name,
-            title,
-            guide,
-            example,
+        let play = Self {
+            name: example.name.into(),
+            title: example.title.into(),
+            guide: example.guide.into(),
             build,
-            stage,
-            physics,
-            parts,
-            control: vec![None; actuators],
-            simulation,
-            measures,
-            steps: 0,
-            rng: Rng::with_seed(1),
+            ..Self::new(Origin::Example(example), stage, physics)
         };
-        play.restart()?;
-        Ok(play)
+        play.simulated()
+    }
+    pub fn of_model<T: Float>(stage: Stage) -> Result<(Self, Simulation<T>), SessionError> {
+        let physics = Physics::new(&stage);
+        Self::new(Origin::File, stage, physics).simulated()
+    }
+    pub fn of_program<T: Float>(simulation: &mut Simulation<T>) -> Self {
+        let worlds = simulation.worlds();
+        let stage = Stage {
+            worlds,
+            shown: worlds.min(MOST_SHOWN),
+            ..Stage::new(simulation.model().as_ref().clone())
+        };
+        let origin = Origin::Program(simulation.snapshot());
+        let mut play = Self::new(origin, stage, Physics::of_program());
+        play.steps = steps(simulation);
+        play.begin_history(simulation);
+        play
     }
 
-    pub fn model(&self) -> &Model {
-        self.simulation.model()
+    /// Named as its model, and not yet simulated.
+    fn new(origin: Origin, stage: Stage, physics: Physics) -> Self {
+        let model = &stage.model;
+        let measures = quantities(model).into_iter().map(|(m, _)| m);
+        Self {
+            name: model.name.clone(),
+            title: model.name.clone(),
+            guide: String::new(),
+            origin,
+            build: Form::new(Vec::new()),
+            physics,
+            parts: model.clone().into_parts(),
+            targets: vec![[None; 2]; model.degrees_of_freedom()],
+            control: vec![None; model.actuators.len()],
+            measures: measures.collect(),
+            steps: 0,
+            history: History::new(1.0, 0),
+            rng: Rng::with_seed(1),
+            stage,
+        }
     }
-    pub fn worlds(&self) -> usize {
-        self.simulation.worlds()
-    }
-    pub fn time_step(&self) -> f64 {
-        self.simulation.settings().step.time_step
-    }
-    pub fn time(&self) -> f64 {
-        self.steps as f64 * self.time_step()
+    /// With a simulation of it, at its start.
+    fn simulated<T: Float>(mut self) -> Result<(Self, Simulation<T>), SessionError> {
+        self.physics.change(&mut self.parts);
+        let mut simulation = simulate(&self.parts, &self.stage, &self.physics)?;
+        self.restart(&mut simulation)?;
+        Ok((self, simulation))
     }
 
-    /// The initial state, with the targets of the drives as they are now.
-    pub fn restart(&mut self) -> Result<(), SessionError> {
-        self.stage.place(&mut self.simulation)?;
-        self.aim()?;
-        self.steps = 0;
+    /// Refuses what only a program may do where the simulation is its own.
+    pub fn not_of_program(&self, what: &'static str) -> Result<(), SessionError> {
+        match self.origin {
+            Origin::Program(_) => Err(SessionError::Program { what }),
+            Origin::Example(_) | Origin::File => Ok(()),
+        }
+    }
+    /// Simulated seconds since the start.
+    pub fn time<T: Float>(&self, simulation: &Simulation<T>) -> f64 {
+        self.steps as f64 * time_step(simulation)
+    }
+
+    /// The initial state, with what the page has set.
+    pub fn restart<T: Float>(
+        &mut self,
+        simulation: &mut Simulation<T>,
+    ) -> Result<(), SessionError> {
+        match &self.origin {
+            Origin::Program(start) => simulation.restore(start)?,
+            Origin::Example(_) | Origin::File => self.stage.place(simulation)?,
+        }
+        self.aim(simulation)?;
+        self.steps = steps(simulation);
         self.rng = Rng::with_seed(1);
-        self.history = history(&self.simulation);
-        self.record();
+        self.begin_history(simulation);
         Ok(())
     }
 
     /// Goes on with other numbers of the model or the settings. The state stays where it fits; where it
     /// does not, answers false and starts again.
-    pub fn change(&mut self, parts: Parts, physics: Physics) -> Result<bool, SessionError> {
-        let mut simulation = simulate(&parts, &self.stage, &physics)?;
-        let time = self.time();
-        let stays = simulation.restore(&self.simulation.snapshot()).is_ok();
+    pub fn change<T: Float>(
+        &mut self,
+        simulation: &mut Simulation<T>,
+        parts: Parts,
+        physics: Physics,
+    ) -> Result<bool, SessionError> {
+        let mut changed = simulate(&parts, &self.stage, &physics)?;
+        let time = self.time(simulation);
+        let stays = changed.restore(&simulation.snapshot()).is_ok();
         if !stays {
-            self.stage.place(&mut simulation)?;
+            self.stage.place(&mut changed)?;
         }
-        (self.simulation, self.parts, self.physics) = (simulation, parts, physics);
-        self.aim()?;
+        (*simulation, self.parts, self.physics) = (changed, parts, physics);
+        self.aim(simulation)?;
         self.steps = if stays {
-            (time / self.time_step()).round() as u64
+            (time / time_step(simulation)).round() as u64
         } else {
             0
         };
-        self.history = history(&self.simulation);
-        self.record();
+        self.begin_history(simulation);
         Ok(stays)
     }
 
     /// Gives drives and actuators what the page has set last.
-    pub fn aim(&mut self) -> Result<(), SimulationError> {
-        let model = self.simulation.model().clone();
-        let joints = (0..model.joints.len()).map(JointId);
-        for id in joints.filter(|id| !model.joints[id.0].closes_loop) {
-            for (dof, row) in self.parts.joints[id.0].dofs.iter().zip(model.dof_range(id)) {
-                for world in 0..self.simulation.worlds() {
-                    let mut controls = self.simulation.controls();
-                    controls.set_target(world, row, dof.drive.target_position)?;
-                    controls.set_target_velocity(world, row, dof.drive.target_velocity)?;
-                }
+    pub fn aim<T: Float>(&self, simulation: &mut Simulation<T>) -> Result<(), SimulationError> {
+        let set = |row: &usize| self.targets[*row].iter().any(Option::is_some);
+        for dof in (0..self.targets.len()).filter(set) {
+            self.aim_drive(simulation, dof)?;
+        }
+        let set = |row: &usize| self.control[*row].is_some();
+        for actuator in (0..self.control.len()).filter(set) {
+            self.aim_actuator(simulation, actuator)?;
+        }
+        Ok(())
+    }
+    /// Gives a drive the targets that the page has set last, in all worlds.
+    pub fn aim_drive<T: Float>(
+        &self,
+        simulation: &mut Simulation<T>,
+        dof: usize,
+    ) -> Result<(), SimulationError> {
+        let [position, velocity] = self.targets[dof];
+        for world in 0..simulation.worlds() {
+            let mut controls = simulation.controls();
+            if let Some(position) = position {
+                controls.set_target(world, dof, position)?;
+            }
+            if let Some(velocity) = velocity {
+                controls.set_target_velocity(world, dof, velocity)?;
             }
         }
-        for world in 0..self.worlds() {
-            let present = self.controls(world)?;
-            let set = self.control.iter().zip(present);
-            let control: Vec<f64> = set.map(|(set, now)| set.unwrap_or(now)).collect();
-            self.simulation.controls().set_control(world, &control)?;
+        Ok(())
+    }
+    /// Gives an actuator the control that the page has set last, in all worlds.
+    pub fn aim_actuator<T: Float>(
+        &self,
+        simulation: &mut Simulation<T>,
+        actuator: usize,
+    ) -> Result<(), SimulationError> {
+        for world in 0..simulation.worlds() {
+            let mut control = Numbers::of(simulation, world)?.control;
+            control[actuator] = self.control[actuator].unwrap_or(control[actuator]);
+            simulation.controls().set_control(world, &control)?;
         }
         Ok(())
     }
 
-    /// Controls of a world's actuators.
-    pub fn controls(&mut self, world: usize) -> Result<Vec<f64>, SimulationError> {
-        let actuators = self.simulation.model().actuators.len();
-        let numbers = self.simulation.controls().of_world(world)?;
-        Ok(numbers[numbers.len() - actuators..].to_vec())
+    fn begin_history<T: Float>(&mut self, simulation: &Simulation<T>) {
+        let bytes = simulation.bytes_per_world() * simulation.worlds();
+        self.history = History::new(time_step(simulation), bytes);
+        self.record(simulation);
     }
-
-    pub fn record(&mut self) {
+    pub fn record<T: Float>(&mut self, simulation: &Simulation<T>) {
         self.history.record(Moment {
             steps: self.steps,
-            snapshot: self.simulation.snapshot(),
+            snapshot: simulation.snapshot(),
         });
     }
 
     /// New random controls of all actuators that the page has not set, if it is time.
-    pub fn wander(&mut self) -> Result<(), SimulationError> {
-        let every = (WANDER / self.time_step()).round().max(1.0) as u64;
+    pub fn wander<T: Float>(
+        &mut self,
+        simulation: &mut Simulation<T>,
+    ) -> Result<(), SimulationError> {
+        let every = (WANDER / time_step(simulation)).round().max(1.0) as u64;
         if self.stage.wander == 0.0 || !self.steps.is_multiple_of(every) {
             return Ok(());
         }
-        let model = self.simulation.model().clone();
-        for world in 0..self.worlds() {
+        let model = simulation.model().clone();
+        for world in 0..simulation.worlds() {
             let control = |(actuator, set): (&model::Actuator, &Option<f64>)| {
                 let (lower, upper) = describe::control_range(actuator);
                 let (middle, half) = (0.5 * (lower + upper), 0.5 * (upper - lower));
@@ -196,16 +261,21 @@ impl Play {
             };
             let controls = model.actuators.iter().zip(&self.control);
             let control: Vec<f64> = controls.map(control).collect();
-            self.simulation.controls().set_control(world, &control)?;
+            simulation.controls().set_control(world, &control)?;
         }
         Ok(())
     }
 
     /// The present state of some worlds; what the session knows is left open.
-    pub fn frame(&mut self, shown: &[usize], plots: &[usize]) -> Frame {
-        let time = self.time();
-        let model = self.simulation.model().clone();
-        let outputs = self.simulation.outputs();
+    pub fn frame<T: Float>(
+        &self,
+        simulation: &mut Simulation<T>,
+        shown: &[usize],
+        plots: &[usize],
+    ) -> Frame {
+        let time = self.time(simulation);
+        let model = simulation.model().clone();
+        let outputs = simulation.outputs();
         let mut frame = Frame {
             time,
             steps: self.steps as u32,
@@ -231,14 +301,19 @@ impl Play {
         let single = |x: Vec<f64>| x.into_iter().map(|x| x as f32).collect();
         frame.positions = single(outputs.joint_position(shown[0]));
         frame.velocities = single(outputs.joint_velocity(shown[0]));
-        frame.plots = self.measure(plots, shown[0]);
+        frame.plots = self.measure(simulation, plots, shown[0]);
         frame
     }
 
     /// Values of some quantities, by their rows, of a world.
-    pub fn measure(&mut self, plots: &[usize], world: usize) -> Vec<f32> {
-        let model = self.simulation.model().clone();
-        let outputs = self.simulation.outputs();
+    pub fn measure<T: Float>(
+        &self,
+        simulation: &mut Simulation<T>,
+        plots: &[usize],
+        world: usize,
+    ) -> Vec<f32> {
+        let model = simulation.model().clone();
+        let outputs = simulation.outputs();
         let values = plots
             .iter()
             .map(|&i| self.measures[i].of(&model, &outputs, world) as f32);
@@ -246,10 +321,9 @@ impl Play {
     }
 
     /// What a page is told of it; what the session knows is left open.
-    pub fn scene(&mut self) -> Scene {
-        let model = self.simulation.model().clone();
-        let none = || vec![0.0; model.actuators.len()];
-        let controls = self.controls(0).unwrap_or_else(|_| none());
+    pub fn scene<T: Float>(&self, simulation: &mut Simulation<T>) -> Scene {
+        let model = simulation.model().clone();
+        let numbers = Numbers::of(simulation, 0).expect("there is a first world");
         let bounds = describe::bounds(&model);
         let wide = (0..3).map(|i| bounds[1][i] - bounds[0][i]);
         Scene {
@@ -261,16 +335,16 @@ impl Play {
                 model::UpAxis::Y => 'y',
                 model::UpAxis::Z => 'z',
             },
-            time_step: self.time_step(),
-            worlds: self.worlds() as u32,
-            solver: self.simulation.solver().into(),
-            isa: self.simulation.isa().to_string(),
+            time_step: time_step(simulation),
+            worlds: simulation.worlds() as u32,
+            solver: simulation.solver().into(),
+            isa: simulation.isa().to_string(),
             build: self.build.fields().to_vec(),
             physics: self.physics.fields().to_vec(),
             bodies: describe::bodies(&model),
             shapes: describe::shapes(&model),
-            joints: describe::joints(&model, &self.parts.joints, &self.stage.sliders),
-            actuators: describe::actuators(&model, &controls),
+            joints: describe::joints(&model, &numbers.targets, &self.stage.sliders),
+            actuators: describe::actuators(&model, &numbers.control),
             cameras: self.stage.cameras.clone(),
             quantities: quantities(&model).into_iter().map(|(_, q)| q).collect(),
             plots: self.first_plots().map(|i| i as u32).collect(),
@@ -289,16 +363,33 @@ impl Play {
     }
 }
 
-fn simulate(
+fn simulate<T: Float>(
     parts: &Parts,
     stage: &Stage,
     physics: &Physics,
-) -> Result<Simulation<f32>, SessionError> {
+) -> Result<Simulation<T>, SessionError> {
     let model = Model::new(parts.clone())?;
     Ok(Simulation::new(model, physics.settings(stage))?)
 }
 
-fn history(simulation: &Simulation<f32>) -> History {
-    let bytes = simulation.bytes_per_world() * simulation.worlds();
-    History::new(simulation.settings().step.time_step, bytes)
+/// The controls of a world.
+struct Numbers {
+    /// Target position and velocity of each degree of freedom.
+    targets: Vec<[f64; 2]>,
+    /// Of each actuator.
+    control: Vec<f64>,
+}
+
+impl Numbers {
+    fn of<T: Float>(simulation: &mut Simulation<T>, world: usize) -> Result<Self, SimulationError> {
+        let dofs = simulation.model().degrees_of_freedom();
+        let numbers = simulation.controls().of_world(world)?;
+        let (targets, control) = numbers[dofs..].split_at(2 * dofs);
+        let (position, velocity) = targets.split_at(dofs);
+        let targets = position.iter().zip(velocity).map(|(&q, &v)| [q, v]);
+        Ok(Self {
+            targets: targets.collect(),
+            control: control.to_vec(),
+        })
+    }
 }

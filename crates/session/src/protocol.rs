@@ -131,7 +131,7 @@ pub enum Message {
     Welcome {
         /// [`PROTOCOL`].
         protocol: u32,
-        /// What can be opened.
+        /// What can be opened: nothing where a program owns the simulation.
         examples: Vec<Example>,
     },
     /// What is simulated from now on.
@@ -231,7 +231,8 @@ pub struct Scene {
     pub isa: String,
     /// What it was built with.
     pub build: Vec<Field>,
-    /// How it is simulated.
+    /// How it is simulated; empty where a program owns the simulation, where neither can stiffness and damping
+    /// of drives be changed.
     pub physics: Vec<Field>,
     /// Bodies, in the order of the frames.
     pub bodies: Vec<Body>,

@@ -2,6 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use model::{AxisKind, BodyId, JointId, JointKind, Model, Pose};
+use numbers::Float;
 use sim::Outputs;
 
 /// A point of a body that is drawn to a point of the world.
@@ -35,7 +36,7 @@ impl Grab {
     /// A spring k and a damper c on the body's mass m, implicit in the step, so that no k shakes it:
     /// F = (k (x* − x) − (c + h k) v) / (1 + (h c + h² k) / m), with k of the whole mass M that hangs
     /// together, ω² M, and c = 2 ω √(m M).
-    pub fn force(&self, model: &Model, outputs: &Outputs<'_, f32>, h: f64) -> DVec3 {
+    pub fn force<T: Float>(&self, model: &Model, outputs: &Outputs<'_, T>, h: f64) -> DVec3 {
         let m = model.bodies[self.body.0].mass;
         let whole = mass_of_tree(model, self.body);
         let k = FREQUENCY * FREQUENCY * whole;
@@ -71,9 +72,9 @@ fn parent(model: &Model, body: BodyId) -> Option<BodyId> {
 
 /// Adds Jᵀ F, the generalised forces [N or N·m] of a force [N, world axes] on a point of a body [m, its
 /// frame], to those of all degrees of freedom.
-pub(crate) fn add_force(
+pub(crate) fn add_force<T: Float>(
     model: &Model,
-    outputs: &Outputs<'_, f32>,
+    outputs: &Outputs<'_, T>,
     grab: (usize, BodyId, DVec3),
     force: DVec3,
     generalised: &mut [f64],
@@ -101,9 +102,9 @@ pub(crate) fn add_force(
 
 /// What the force F at x does along the degrees of freedom of one joint: n·F along an axis n,
 /// n·((x − p) × F) about one through p.
-fn add_at_joint(
+fn add_at_joint<T: Float>(
     model: &Model,
-    outputs: &Outputs<'_, f32>,
+    outputs: &Outputs<'_, T>,
     (world, id): (usize, JointId),
     (x, f): (DVec3, DVec3),
     coordinates: &[f64],

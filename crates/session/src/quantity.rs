@@ -3,6 +3,7 @@
 use crate::describe::axis;
 use crate::protocol::Quantity;
 use model::{BodyId, JointId, JointKind, Model};
+use numbers::Float;
 use sim::Outputs;
 
 /// Bodies and coordinates beyond this many are not offered, so that the list stays readable.
@@ -25,7 +26,7 @@ pub(crate) enum Measure {
 
 impl Measure {
     /// Its value.
-    pub fn of(self, model: &Model, outputs: &Outputs<'_, f32>, world: usize) -> f64 {
+    pub fn of<T: Float>(self, model: &Model, outputs: &Outputs<'_, T>, world: usize) -> f64 {
         match self {
             Self::KineticEnergy => outputs.kinetic_energy(world),
             Self::PotentialEnergy => outputs.potential_energy(world),

@@ -5,6 +5,7 @@ use crate::perturb::perturb;
 use crate::protocol::Camera;
 use fastrand::Rng;
 use model::{Keyframe, Model};
+use numbers::Float;
 use rigid::{Integrator, Settings};
 use sim::{Simulation, SimulationSettings, SolverKind};
 
@@ -102,7 +103,10 @@ impl Stage {
     }
 
     /// Puts all worlds at the start, and moves all but the first apart.
-    pub(crate) fn place(&self, simulation: &mut Simulation<f32>) -> Result<(), SessionError> {
+    pub(crate) fn place<T: Float>(
+        &self,
+        simulation: &mut Simulation<T>,
+    ) -> Result<(), SessionError> {
         simulation.reset_all();
         let keyframe = self.keyframe.as_ref();
         let at_rest = vec![0.0; self.model.degrees_of_freedom()];

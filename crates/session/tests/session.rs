@@ -2,8 +2,12 @@
 
 use kinetarium_session::frame::{CONTACT, HEADER};
 use kinetarium_session::protocol::{Message, Scene, Status};
-use kinetarium_session::{EXAMPLES, Outgoing, Session};
+use kinetarium_session::{EXAMPLES, Outgoing, Session, Shared};
+use model::Model;
+use model::examples::{self, Start};
+use sim::{Simulation, SimulationSettings};
 use std::cell::Cell;
+use std::sync::Arc;
 
 thread_local! {
     static NOW: Cell<f64> = const { Cell::new(0.0) };
@@ -420,4 +424,167 @@ fn what_makes_no_sense_is_refused_and_changes_nothing() {
         r#"{"type": "physics", "values": {"time_step": 0}}"#,
         "time_step",
     );
+}
+
+/// A program's simulation with its own forces and targets, and a session about it.
+fn of_program(model: Model) -> (Arc<Shared<f64>>, Session<f64>) {
+    let simulation = Simulation::new(model, SimulationSettings::new(2, 0.002)).unwrap();
+    let shared = Shared::new(simulation);
+    let session = Session::of_program(&shared, clock);
+    (shared, session)
+}
+
+/// Says something that is not refused, and lets the session do it.
+fn ask(session: &mut Session<f64>, command: &str) {
+    session.receive(command);
+    for _ in 0..100 {
+        session.advance();
+    }
+    while let Some(outgoing) = session.outgoing() {
+        assert!(!matches!(outgoing, Outgoing::Refusal(_)), "{outgoing:?}");
+    }
+}
+
+fn refused(session: &mut Session<f64>, command: &str) -> String {
+    session.receive(command);
+    loop {
+        match session.outgoing() {
+            Some(Outgoing::Refusal(text)) => return text,
+            Some(_) => {}
+            None => panic!("{command} was done"),
+        }
+    }
+}
+
+#[test]
+fn a_program_s_forces_and_targets_outlive_what_the_page_does() {
+    let (shared, mut session) = of_program(examples::prismatic().unwrap());
+    {
+        let mut simulation = shared.change();
+        simulation.controls().set_dof_force(0, 0, 0.25).unwrap();
+        simulation.controls().set_target(1, 0, 0.125).unwrap();
+    }
+    let before = shared.read().controls().of_world(0).unwrap();
+    ask(
+        &mut session,
+        r#"{"type": "grab", "world": 0, "body": 0, "point": [0, 0, 0], "to": [1, 0, 0]}"#,
+    );
+    ask(&mut session, r#"{"type": "step", "steps": 10}"#);
+    assert_eq!(shared.read().controls().of_world(0).unwrap(), before);
+    ask(&mut session, r#"{"type": "restart"}"#);
+    assert_eq!(shared.read().time(0), 0.0);
+    ask(
+        &mut session,
+        r#"{"type": "joint", "dof": 0, "position": 0.5}"#,
+    );
+    for world in 0..2 {
+        assert_eq!(shared.read().controls().of_world(world).unwrap()[1], 0.5);
+    }
+}
+
+/// A blow J on a ball of mass m, and nothing else along it: a speed J/m, in the program's steps, too.
+#[test]
+fn hands_act_while_the_program_steps() {
+    let (shared, mut session) = of_program(examples::billiards().unwrap());
+    let model = shared.read().model().clone();
+    let ball = model.body("oblique_hit").unwrap();
+    ask(
+        &mut session,
+        &format!(
+            r#"{{"type": "push", "world": 1, "body": {}, "point": [0, 0, 0], "impulse": [0, 0, -0.1]}}"#,
+            ball.0
+        ),
+    );
+    shared.change().step(10);
+    let speed = |world| shared.read().outputs().body_velocity(world, ball).z;
+    let expected = -0.1 / model.bodies[ball.0].mass;
+    assert!(
+        (speed(1) - speed(0) - expected).abs() < 1e-3 * expected.abs(),
+        "{}",
+        speed(1)
+    );
+    let to = [0.0, 3.0, 0.0];
+    ask(
+        &mut session,
+        &format!(
+            r#"{{"type": "grab", "world": 0, "body": {}, "point": [0, 0, 0], "to": {to:?}}}"#,
+            ball.0
+        ),
+    );
+    shared.change().step(2000);
+    // It hangs g/ω² = 68 mm below the hand.
+    let height = shared.read().outputs().body_position(0, ball).y;
+    assert!((height - (3.0 - 9.81 / 144.0)).abs() < 0.02, "{height}");
+    session.release();
+    shared.change().step(500);
+    assert!(shared.read().outputs().body_position(0, ball).y < 2.0);
+}
+
+#[test]
+fn what_the_page_has_not_set_of_a_program_s_simulation_stays_as_the_program_set_it_last() {
+    let (shared, mut session) = of_program(examples::chain(2, Start::Horizontal).unwrap());
+    shared.change().controls().set_target(0, 1, -0.5).unwrap();
+    ask(
+        &mut session,
+        r#"{"type": "joint", "dof": 0, "position": 0.5}"#,
+    );
+    shared.change().controls().set_target(0, 0, 0.75).unwrap();
+    ask(
+        &mut session,
+        r#"{"type": "joint", "dof": 1, "velocity": 2}"#,
+    );
+    let numbers = shared.read().controls().of_world(0).unwrap();
+    assert_eq!(numbers[2..6], [0.75, -0.5, 0.0, 2.0]);
+}
+
+#[test]
+fn a_program_s_steps_are_recorded_and_its_page_returns_to_them() {
+    let (shared, mut session) = of_program(examples::chain(2, Start::Horizontal).unwrap());
+    shared.change().step(7);
+    let start = shared.read().snapshot();
+    let mut session_of_later = Session::of_program(&shared, clock);
+    let mut middle = None;
+    for round in 0..10 {
+        shared.change().step(50);
+        ask(&mut session, r#"{"type": "release"}"#);
+        if round == 4 {
+            middle = Some(shared.read().snapshot());
+        }
+    }
+    ask(&mut session, r#"{"type": "scrub", "time": 0.514}"#);
+    assert_eq!(Some(shared.read().snapshot()), middle);
+    // Restart returns to where the session found it.
+    ask(&mut session_of_later, r#"{"type": "restart"}"#);
+    assert_eq!(shared.read().snapshot(), start);
+    assert_eq!(session_of_later.frame().steps, 7);
+}
+
+#[test]
+fn what_is_the_program_s_is_refused() {
+    let (_shared, mut session) = of_program(examples::prismatic().unwrap());
+    for command in [
+        r#"{"type": "open", "example": "tower"}"#,
+        r#"{"type": "rebuild", "build": {}}"#,
+        r#"{"type": "physics", "values": {}}"#,
+        r#"{"type": "joint", "dof": 0, "stiffness": 7}"#,
+    ] {
+        let message = refused(&mut session, command);
+        assert!(message.contains("is a program's"), "{message}");
+    }
+    refused(
+        &mut session,
+        r#"{"type": "joint", "dof": 0, "position": 1e300}"#,
+    );
+}
+
+#[test]
+fn a_session_whose_program_has_gone_is_over() {
+    let (shared, mut session) = of_program(examples::prismatic().unwrap());
+    ask(&mut session, r#"{"type": "run"}"#);
+    assert!(!session.over());
+    drop(shared);
+    assert!(session.over() && !session.advance());
+    session.receive(r#"{"type": "step", "steps": 1}"#);
+    assert_eq!(session.greeting().len(), 1);
+    assert!(session.frame().poses.is_empty());
 }

@@ -27,7 +27,10 @@ pub(crate) async fn attend(mut socket: WebSocket, mut engine: Engine) {
         let going = tokio::select! {
             biased;
             note = notes.recv() => match note {
-                Some(note) => send(&mut socket, note).await,
+                Some(note) => {
+                    let last = matches!(note, Note::End);
+                    send(&mut socket, note).await && !last
+                }
                 None => false,
             },
             message = socket.recv() => match message {
@@ -53,6 +56,7 @@ async fn send(socket: &mut WebSocket, note: Note) -> bool {
     let message = match note {
         Note::Text(text) => Message::Text(text.into()),
         Note::Frame(bytes) => Message::Binary(bytes),
+        Note::End => Message::Close(None),
     };
     let sent = tokio::time::timeout(LONGEST_SEND, socket.send(message)).await;
     matches!(sent, Ok(Ok(())))

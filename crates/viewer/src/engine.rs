@@ -1,12 +1,13 @@
 //! The thread on which the session runs, and what it shares with the pages.
 
 use axum::body::Bytes;
+use numbers::Float;
 use session::{Outgoing, Session};
-use std::io;
 use std::sync::OnceLock;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
-use std::thread;
+use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
+use std::{io, iter};
 use tokio::sync::{mpsc, watch};
 
 /// Messages that wait for a page; one that does not take them is let go, and may come again.
@@ -17,12 +18,16 @@ const COMMANDS: usize = 256;
 const AT_ONCE: usize = 32;
 /// How long to wait for a command where there is nothing to do.
 const PAUSE: Duration = Duration::from_millis(4);
+/// How long pages may take to hear that it is over, and between two looks at whether they have.
+const FAREWELL: [Duration; 2] = [Duration::from_secs(1), Duration::from_millis(2)];
 
 /// What a page is sent.
 #[derive(Clone, Debug)]
 pub(crate) enum Note {
     Text(String),
     Frame(Bytes),
+    /// There is nothing more to come.
+    End,
 }
 
 /// What pages say to the engine.
@@ -31,13 +36,15 @@ pub(crate) enum Said {
     Hello(mpsc::Sender<Note>),
     /// A page wants something; what is refused is told to it alone.
     Command(String, mpsc::Sender<Note>),
+    /// The program shows it no longer.
+    End,
 }
 
 /// The engine, as the pages' connections know it.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub(crate) struct Engine {
     pub said: SyncSender<Said>,
-    /// The last frame: who is slow misses some.
+    /// The last frame: who is slow misses some. Closed when the session is over.
     pub frames: watch::Receiver<Bytes>,
 }
 
@@ -52,23 +59,23 @@ pub(crate) fn mailbox() -> (mpsc::Sender<Note>, mpsc::Receiver<Note>) {
     mpsc::channel(WAITING)
 }
 
-/// Starts the thread; it ends when the server is gone.
-pub(crate) fn start(session: Session) -> io::Result<Engine> {
+/// Starts the thread; it ends when the session is over, or the server is gone.
+pub(crate) fn start<T: Float>(session: Session<T>) -> io::Result<(Engine, JoinHandle<()>)> {
     let (said, heard) = sync_channel(COMMANDS);
     let (show, frames) = watch::channel(Bytes::new());
     let work = move || Work::new(session, show).run(&heard);
-    thread::Builder::new().name("session".into()).spawn(work)?;
-    Ok(Engine { said, frames })
+    let thread = thread::Builder::new().name("session".into()).spawn(work)?;
+    Ok((Engine { said, frames }, thread))
 }
 
-struct Work {
-    session: Session,
+struct Work<T: Float> {
+    session: Session<T>,
     frames: watch::Sender<Bytes>,
     pages: Vec<mpsc::Sender<Note>>,
 }
 
-impl Work {
-    fn new(session: Session, frames: watch::Sender<Bytes>) -> Self {
+impl<T: Float> Work<T> {
+    fn new(session: Session<T>, frames: watch::Sender<Bytes>) -> Self {
         Self {
             session,
             frames,
@@ -77,32 +84,46 @@ impl Work {
     }
 
     fn run(mut self, heard: &Receiver<Said>) {
-        // The first page is greeted as all others are.
-        while self.session.outgoing().is_some() {}
-        loop {
-            if self.pages.is_empty() {
-                // What nobody sees stands still.
-                match heard.recv() {
-                    Ok(said) => self.hear(said),
-                    Err(_) => return,
-                }
+        while self.round(heard) && !self.session.over() {}
+        self.part();
+    }
+
+    /// Advances the session and does what pages say; false where there is no more to do.
+    fn round(&mut self, heard: &Receiver<Said>) -> bool {
+        self.keep(|page| !page.is_closed());
+        if self.pages.is_empty() {
+            // What nobody sees stands still.
+            return heard.recv().is_ok_and(|said| self.hear(said));
+        }
+        let busy = self.session.advance();
+        self.tell(None);
+        let pause = if busy { Duration::ZERO } else { PAUSE };
+        match heard.recv_timeout(pause) {
+            Ok(said) => {
+                let more = heard.try_iter().take(AT_ONCE);
+                iter::once(said).chain(more).all(|said| self.hear(said))
             }
-            let busy = self.session.advance();
-            self.tell(None);
-            let pause = if busy { Duration::ZERO } else { PAUSE };
-            match heard.recv_timeout(pause) {
-                Ok(said) => self.hear(said),
-                Err(RecvTimeoutError::Timeout) => continue,
-                Err(RecvTimeoutError::Disconnected) => return,
-            }
-            for said in heard.try_iter().take(AT_ONCE) {
-                self.hear(said);
-            }
+            Err(RecvTimeoutError::Timeout) => true,
+            Err(RecvTimeoutError::Disconnected) => false,
         }
     }
 
-    fn hear(&mut self, said: Said) {
+    /// Lets go of all pages, once they have heard what they were told.
+    fn part(mut self) {
+        self.session.end();
+        self.tell(None);
+        self.pages.retain(|page| page.try_send(Note::End).is_ok());
+        let [longest, pause] = FAREWELL;
+        let end = Instant::now() + longest;
+        while self.pages.iter().any(|page| !page.is_closed()) && Instant::now() < end {
+            thread::sleep(pause);
+        }
+    }
+
+    /// False where the program shows it no longer.
+    fn hear(&mut self, said: Said) -> bool {
         match said {
+            Said::End => return false,
             Said::Hello(page) => {
                 let greeting = self.session.greeting();
                 if greeting
@@ -117,6 +138,7 @@ impl Work {
                 self.tell(Some(&page));
             }
         }
+        true
     }
 
     /// Sends what the session has to say; refusals to the page that asked.
@@ -132,10 +154,18 @@ impl Work {
                 }
                 (text, _) => {
                     let note = Note::from(text);
-                    self.pages
-                        .retain(|page| page.try_send(note.clone()).is_ok());
+                    self.keep(|page| page.try_send(note.clone()).is_ok());
                 }
             }
+        }
+    }
+
+    /// Forgets the other pages, and lets go of what they held.
+    fn keep(&mut self, stays: impl Fn(&mpsc::Sender<Note>) -> bool) {
+        let before = self.pages.len();
+        self.pages.retain(stays);
+        if self.pages.len() < before {
+            self.session.release();
         }
     }
 }

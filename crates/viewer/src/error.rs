@@ -7,9 +7,7 @@ use std::net::SocketAddr;
 #[derive(Debug, thiserror::Error)]
 pub enum ViewerError {
     /// The address is taken, or not this machine's.
-    #[error(
-        "cannot listen at {address}: {source}; give another `--port`, or 0 for any that is free"
-    )]
+    #[error("cannot listen at {address}: {source}; give another port, or 0 for any that is free")]
     Listen {
         /// What was asked for.
         address: SocketAddr,

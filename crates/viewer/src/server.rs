@@ -4,17 +4,23 @@ use crate::access::Access;
 use crate::client::{LONGEST, attend};
 use crate::engine::{Engine, start};
 use crate::error::ViewerError;
+use crate::viewer::Viewer;
 use axum::Router;
+use axum::body::Bytes;
 use axum::extract::{Query, State, WebSocketUpgrade};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{Html, IntoResponse, Response};
 use axum::routing::get;
+use numbers::Float;
 use session::Session;
 use std::collections::HashMap;
+use std::io;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::Arc;
+use std::thread::{self, JoinHandle};
 use tokio::net::TcpListener;
 use tokio::runtime::{Builder, Runtime};
+use tokio::sync::watch;
 
 /// The page, with all it needs.
 const PAGE: &str = include_str!("../../../web/dist/index.html");
@@ -27,11 +33,19 @@ const ENGINE: [&str; 2] = [
 /// A server that is ready: it listens, and [`run`](Server::run) answers.
 #[derive(Debug)]
 pub struct Server {
+    engine: Engine,
+    session: JoinHandle<()>,
+    answering: Answering,
+    address: SocketAddr,
+    access: Access,
+}
+
+/// What a server answers with.
+#[derive(Debug)]
+struct Answering {
     runtime: Runtime,
     listener: TcpListener,
     router: Router,
-    address: SocketAddr,
-    access: Access,
 }
 
 /// Makes ready to serve a session, whose clock is [`clock`](crate::clock), at an address; port 0 is any that
@@ -39,12 +53,17 @@ pub struct Server {
 ///
 /// # Errors
 /// The address cannot be listened at.
-pub fn serve(session: Session, address: SocketAddr, access: Access) -> Result<Server, ViewerError> {
+pub fn serve<T: Float>(
+    session: Session<T>,
+    address: SocketAddr,
+    access: Access,
+) -> Result<Server, ViewerError> {
     let runtime = Builder::new_current_thread().enable_all().build()?;
     let listen = runtime.block_on(TcpListener::bind(address));
     let listener = listen.map_err(|source| ViewerError::Listen { address, source })?;
+    let (engine, session) = start(session)?;
     let shared = Shared {
-        engine: start(session)?,
+        engine: engine.clone(),
         access: Arc::new(access.clone()),
         page: PAGE.replace(ENGINE[0], ENGINE[1]).into(),
     };
@@ -53,10 +72,14 @@ pub fn serve(session: Session, address: SocketAddr, access: Access) -> Result<Se
         .route("/session", get(connect))
         .with_state(shared);
     Ok(Server {
+        engine,
+        session,
         address: listener.local_addr()?,
-        runtime,
-        listener,
-        router,
+        answering: Answering {
+            runtime,
+            listener,
+            router,
+        },
         access,
     })
 }
@@ -81,13 +104,39 @@ impl Server {
             None => format!("http://{host}/"),
         }
     }
-    /// Answers, until the program ends.
+    /// Answers, until the session is over.
     ///
     /// # Errors
     /// The system takes the socket away.
     pub fn run(self) -> Result<(), ViewerError> {
-        let serving = axum::serve(self.listener, self.router);
-        Ok(self.runtime.block_on(async { serving.await })?)
+        Ok(self.answering.run(self.engine.frames)?)
+    }
+    /// Answers on a thread of its own, until what it returns is closed or dropped, or the session is over.
+    ///
+    /// # Errors
+    /// No thread can be had.
+    pub fn in_background(self) -> Result<Viewer, ViewerError> {
+        let (address, url) = (self.address, self.url());
+        let Engine { said, frames } = self.engine;
+        let answer = move || {
+            // Nobody is left to be told of a socket that is gone.
+            let _ = self.answering.run(frames);
+        };
+        let answering = thread::Builder::new().name("page".into()).spawn(answer)?;
+        Ok(Viewer::new(address, url, said, [self.session, answering]))
+    }
+}
+
+impl Answering {
+    /// Answers until the last frame was sent.
+    fn run(self, mut frames: watch::Receiver<Bytes>) -> io::Result<()> {
+        self.runtime.block_on(async {
+            let over = async { while frames.changed().await.is_ok() {} };
+            tokio::select! {
+                served = axum::serve(self.listener, self.router) => served,
+                () = over => Ok(()),
+            }
+        })
     }
 }
 

@@ -1,9 +1,16 @@
 //! The server as browsers and strangers see it.
 
-use kinetarium_viewer::{Access, clock, serve};
+use kinetarium_viewer::{Access, clock, serve, show};
+use model::BodyId;
+use model::examples::Start;
+use numbers::Float;
 use serde_json::Value;
-use session::Session;
+use session::frame::HEADER;
+use session::{Session, Shared};
+use sim::{Simulation, SimulationSettings};
 use std::net::{SocketAddr, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 use tungstenite::client::IntoClientRequest;
@@ -214,4 +221,206 @@ fn a_page_that_does_not_read_slows_nobody() {
     // 64 humanoids, 150 kB a frame: sockets of the deaf page are full after a few.
     assert!(frames > 20, "{frames} frames");
     assert!(last > 0.2, "{last} s");
+}
+
+/// A pendulum of four worlds that a program holds.
+fn pendulum<T: Float>() -> Arc<Shared<T>> {
+    let model = model::examples::chain(1, Start::Horizontal).unwrap();
+    Shared::new(Simulation::new(model, SimulationSettings::new(4, 0.002)).unwrap())
+}
+
+/// The next frame's time [s] and where its first body is [m], at least so late.
+fn frame(page: &mut Page, least: f64) -> (f64, [f32; 3]) {
+    loop {
+        let Message::Binary(bytes) = page.read().unwrap() else {
+            continue;
+        };
+        let time = f64::from_le_bytes(bytes[16..24].try_into().unwrap());
+        if time >= least - 1e-9 {
+            let number = |at: usize| f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
+            return (time, [0, 4, 8].map(|at| number(HEADER + at)));
+        }
+    }
+}
+
+/// What a page is told last, before the server ends the connection.
+fn last_words(mut page: Page) -> String {
+    let mut last = String::new();
+    loop {
+        match page.read() {
+            Ok(Message::Text(text)) => last = text.to_string(),
+            Ok(_) => {}
+            Err(Error::ConnectionClosed) => return last,
+            Err(error) => panic!("not closed as it should be: {error}"),
+        }
+    }
+}
+
+fn a_program_and_its_pages_see_what_each_other_do<T: Float>() {
+    let shared = pendulum::<T>();
+    let viewer = show(&shared, None, None).unwrap();
+    assert!(viewer.url().starts_with("http://127.0.0.1:"));
+    let (mut first, mut second) = (page(viewer.address()), page(viewer.address()));
+    for page in [&mut first, &mut second] {
+        assert_eq!(hear(page, "welcome")["examples"], Value::Array(Vec::new()));
+        let scene = hear(page, "scene");
+        assert_eq!(scene["physics"], Value::Array(Vec::new()));
+        assert_eq!(scene["build"], Value::Array(Vec::new()));
+        assert_eq!(frame(page, 0.0).0, 0.0);
+    }
+    shared.change().step(100);
+    let at = shared.read().outputs().body_position(0, BodyId(0));
+    for page in [&mut first, &mut second] {
+        assert_eq!(frame(page, 0.2).1, at.as_vec3().to_array());
+    }
+    say(&mut second, r#"{"type": "step", "steps": 50}"#);
+    frame(&mut first, 0.3);
+    assert!((shared.read().time(3) - 0.3).abs() < 1e-9);
+    // What the program resets, pages see begin again.
+    shared.change().reset_all();
+    while frame(&mut first, 0.0).0 > 0.0 {}
+    say(
+        &mut first,
+        r#"{"type": "physics", "values": {"gravity": 1.62}}"#,
+    );
+    let refusal = hear(&mut first, "error");
+    assert!(refusal["message"].as_str().unwrap().contains("a program's"));
+}
+
+#[test]
+fn a_program_and_its_pages_see_what_each_other_do_in_single_precision() {
+    a_program_and_its_pages_see_what_each_other_do::<f32>();
+}
+
+#[test]
+fn a_program_and_its_pages_see_what_each_other_do_in_double_precision() {
+    a_program_and_its_pages_see_what_each_other_do::<f64>();
+}
+
+#[test]
+fn a_page_that_runs_a_program_s_simulation_lets_the_program_in() {
+    let shared = pendulum::<f32>();
+    let viewer = show(&shared, None, None).unwrap();
+    let mut page = page(viewer.address());
+    say(&mut page, r#"{"type": "speed", "factor": null}"#);
+    say(&mut page, r#"{"type": "run"}"#);
+    frame(&mut page, 0.1);
+    let mut longest = Duration::ZERO;
+    for _ in 0..200 {
+        let start = Instant::now();
+        drop(shared.change());
+        longest = longest.max(start.elapsed());
+        thread::sleep(Duration::from_micros(300));
+    }
+    // Slices of 4 ms, on a machine that may be busy with other things.
+    assert!(longest < Duration::from_millis(100), "{longest:?}");
+}
+
+#[test]
+fn a_program_that_never_rests_is_seen() {
+    let shared = pendulum::<f32>();
+    let viewer = show(&shared, None, None).unwrap();
+    let mut page = page(viewer.address());
+    let stop = Arc::new(AtomicBool::new(false));
+    let program = thread::spawn({
+        let (shared, stop) = (shared.clone(), stop.clone());
+        move || {
+            while !stop.load(Ordering::Relaxed) {
+                shared.change().step(10);
+            }
+        }
+    });
+    let start = Instant::now();
+    let times: Vec<_> = (0..30).map(|_| frame(&mut page, 0.0).0).collect();
+    stop.store(true, Ordering::Relaxed);
+    program.join().unwrap();
+    assert!(times.windows(2).all(|pair| pair[0] < pair[1]), "{times:?}");
+    assert!(start.elapsed() < Duration::from_secs(10));
+}
+
+#[test]
+fn a_page_that_goes_lets_go() {
+    let shared = pendulum::<f64>();
+    let viewer = show(&shared, None, None).unwrap();
+    let (mut holder, mut watcher) = (page(viewer.address()), page(viewer.address()));
+    say(
+        &mut holder,
+        r#"{"type": "grab", "world": 0, "body": 0, "point": [0, 0, 0], "to": [0, 9, 0]}"#,
+    );
+    let energy = |shared: &Shared<f64>| shared.read().outputs().energy(0);
+    let rest = energy(&shared);
+    hear(&mut holder, "status");
+    hear(&mut holder, "status");
+    shared.change().step(50);
+    assert!(energy(&shared) > rest + 1.0, "not held");
+    drop(holder);
+    say(&mut watcher, r#"{"type": "restart"}"#);
+    thread::sleep(Duration::from_millis(100));
+    shared.change().reset_all();
+    shared.change().step(50);
+    // What falls freely keeps its energy, but for the error of the step.
+    assert!((energy(&shared) - rest).abs() < 0.1, "{}", energy(&shared));
+}
+
+#[test]
+fn what_stands_still_sends_no_frames() {
+    let shared = pendulum::<f32>();
+    let viewer = show(&shared, None, None).unwrap();
+    let mut page = page(viewer.address());
+    frame(&mut page, 0.0);
+    thread::sleep(Duration::from_millis(200));
+    // Nor does looking.
+    shared.read().outputs();
+    thread::sleep(Duration::from_millis(200));
+    say(&mut page, "none");
+    loop {
+        match page.read().unwrap() {
+            Message::Text(text) if text.contains("no command") => return,
+            Message::Binary(_) => panic!("a frame of nothing new"),
+            _ => {}
+        }
+    }
+}
+
+#[test]
+fn pages_are_told_when_a_program_drops_its_simulation() {
+    let shared = pendulum::<f32>();
+    let viewer = show(&shared, None, None).unwrap();
+    let (mut first, second) = (page(viewer.address()), page(viewer.address()));
+    say(&mut first, r#"{"type": "run"}"#);
+    frame(&mut first, 0.01);
+    drop(shared);
+    for page in [first, second] {
+        assert!(last_words(page).contains("ended this simulation"));
+    }
+    let end = Instant::now() + Duration::from_secs(10);
+    while viewer.is_open() {
+        assert!(Instant::now() < end, "still open");
+        thread::sleep(Duration::from_millis(2));
+    }
+    TcpStream::connect(viewer.address()).unwrap_err();
+}
+
+#[test]
+fn pages_are_told_when_a_program_closes_the_view_and_nothing_steps_after_that() {
+    let shared = pendulum::<f32>();
+    let viewer = show(&shared, None, None).unwrap();
+    let address = viewer.address();
+    let mut page = page(address);
+    say(&mut page, r#"{"type": "run"}"#);
+    frame(&mut page, 0.01);
+    viewer.close();
+    let time = shared.read().time(0);
+    assert!(last_words(page).contains("closed this view"));
+    assert_eq!(shared.read().time(0), time);
+    TcpStream::connect(address).unwrap_err();
+    drop(show(&shared, Some(address), None).unwrap());
+}
+
+#[test]
+fn a_program_may_ask_for_a_token() {
+    let shared = pendulum::<f32>();
+    let viewer = show(&shared, None, Some("secret")).unwrap();
+    assert!(viewer.url().ends_with("/?token=secret"));
+    assert_eq!(refusal(viewer.address(), "/session", None), 403);
 }

@@ -11,6 +11,7 @@
 
 use session::{Outgoing, Session};
 use std::cell::RefCell;
+use std::collections::VecDeque;
 
 #[link(wasm_import_module = "page")]
 unsafe extern "C" {
@@ -22,6 +23,8 @@ unsafe extern "C" {
 #[derive(Default)]
 struct Engine {
     session: Option<Session>,
+    /// What the page is told at first.
+    greeting: VecDeque<Outgoing>,
     /// The command that comes in.
     room: Vec<u8>,
     /// The message that goes out.
@@ -41,6 +44,8 @@ fn clock() -> f64 {
 pub extern "C" fn start() -> u32 {
     ENGINE.with_borrow_mut(|engine| {
         engine.session = Session::gallery(clock).ok();
+        let greeting = engine.session.as_mut().map(Session::greeting);
+        engine.greeting = greeting.unwrap_or_default().into();
         u32::from(engine.session.is_some())
     })
 }
@@ -81,7 +86,9 @@ pub extern "C" fn advance() -> u32 {
 #[unsafe(no_mangle)]
 pub extern "C" fn next() -> u32 {
     ENGINE.with_borrow_mut(|engine| {
-        let (kind, message) = match engine.session.as_mut().and_then(Session::outgoing) {
+        let greeting = engine.greeting.pop_front();
+        let outgoing = || engine.session.as_mut().and_then(Session::outgoing);
+        let (kind, message) = match greeting.or_else(outgoing) {
             None => (0, Vec::new()),
             Some(Outgoing::Text(text) | Outgoing::Refusal(text)) => (1, text.into_bytes()),
             Some(Outgoing::Frame(bytes)) => (2, bytes),

@@ -18,13 +18,11 @@ export class Build {
   ) {
     this.apply = h("button", { type: "button", onclick: () => this.rebuild() }, icon("rebuild"), "Rebuild");
     this.apply.dataset.help = "Builds the scene with these values, and starts anew. (B)";
-    const none = h("p", { class: "muted" }, "This scene has none.");
-    this.element = h("div", {}, this.form.element, none, this.apply);
+    this.element = h("div", {}, this.form.element, this.apply);
     session.on("scene", ({ build }) => {
       this.staged = {};
       this.form.show(build);
-      none.hidden = build.length > 0;
-      this.apply.hidden = build.length === 0;
+      this.element.hidden = build.length === 0;
       this.apply.classList.remove("primary");
     });
   }

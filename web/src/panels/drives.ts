@@ -58,7 +58,7 @@ export class Drives {
     const none = driven.length + scene.actuators.length === 0;
     this.element.replaceChildren(
       ...scene.actuators.map((_, row) => this.actuator(scene, row)),
-      ...wanted.map((each) => this.dof(each)),
+      ...wanted.map((each) => this.dof(each, hasGains(scene))),
       ...(some ? [more.element] : []),
       ...(none ? [h("p", { class: "muted" }, "Nothing here can be driven.")] : []),
     );
@@ -75,7 +75,7 @@ export class Drives {
     return h("div", { class: "drive" }, control.element);
   }
 
-  private dof(driven: Driven): HTMLElement {
+  private dof(driven: Driven, gains: boolean): HTMLElement {
     const { joint, dof } = driven;
     const readout = h("output", { "data-help": "The coordinate now, in the first replica shown." });
     if (driven.coordinate >= 0) this.readouts.push([readout, driven]);
@@ -83,21 +83,21 @@ export class Drives {
     const range = dof.limit ?? (dof.angular ? [-Math.PI, Math.PI] : [-1, 1]);
     const fastest = dof.angular ? 10 : 2;
     const [strong, damped] = [Math.max(100, 10 * dof.stiffness), Math.max(10, 10 * dof.damping)];
-    const sliders = [
-      this.slider(dof, "position", "Target", unit, "Where the drive takes the joint.", range),
-      this.slider(dof, "stiffness", "Stiffness", `${force}/${per}`, "How hard the drive holds the target.", [
+    const slider = (drive: Drive, label: string, unit: string, help: string, range: number[]) =>
+      this.slider(dof, drive, label, unit, help, range);
+    const target = slider("position", "Target", unit, "Where the drive takes the joint.", range);
+    const speed = slider("velocity", "Speed", `${unit}/s`, "How fast the drive moves the joint.", [
+      -fastest,
+      fastest,
+    ]);
+    const stiffness = () =>
+      slider("stiffness", "Stiffness", `${force}/${per}`, "How hard the drive holds the target.", [
         0,
         strong,
-      ]),
-      this.slider(dof, "velocity", "Speed", `${unit}/s`, "How fast the drive moves the joint.", [
-        -fastest,
-        fastest,
-      ]),
-      this.slider(dof, "damping", "Damping", `${force}·s/${per}`, "How hard the drive holds the speed.", [
-        0,
-        damped,
-      ]),
-    ];
+      ]);
+    const damping = () =>
+      slider("damping", "Damping", `${force}·s/${per}`, "How hard the drive holds the speed.", [0, damped]);
+    const sliders = gains ? [target, stiffness(), speed, damping()] : [target, speed];
     return h(
       "details",
       { class: "drive" },
@@ -150,8 +150,19 @@ function findDof(scene: Scene, dof: number): Dof | undefined {
   return scene.joints.flatMap(({ dofs }) => dofs).find((each) => each.dof === dof);
 }
 
+/** Whether stiffness and damping can be set: they are not where a program owns the simulation. */
+function hasGains({ physics }: Scene): boolean {
+  return physics.length > 0;
+}
+
 /** What of a scene's joints and actuators is not a value that sliders set. */
-function structureOf({ name, joints, actuators }: Scene): string {
+function structureOf(scene: Scene): string {
+  const { name, joints, actuators } = scene;
   const dofs = joints.map((joint) => joint.dofs.map((dof) => [dof.name, dof.dof, dof.limit, dof.sliders]));
-  return JSON.stringify([name, dofs, actuators.map((actuator) => [actuator.name, actuator.range])]);
+  return JSON.stringify([
+    name,
+    hasGains(scene),
+    dofs,
+    actuators.map((actuator) => [actuator.name, actuator.range]),
+  ]);
 }

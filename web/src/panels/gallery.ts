@@ -33,6 +33,7 @@ export class Gallery {
       ),
     );
     this.element.replaceChildren(...items);
+    this.element.hidden = items.length === 0;
     this.mark();
   }
 

@@ -10,6 +10,9 @@ export class Physics {
   constructor(session: Session, share: Share) {
     const form = new FieldForm((name, value) => share.setPhysics({ [name]: value }));
     this.element = h("div", {}, form.element);
-    session.on("physics", (fields) => form.show(fields));
+    session.on("physics", (fields) => {
+      form.show(fields);
+      this.element.hidden = fields.length === 0;
+    });
   }
 }

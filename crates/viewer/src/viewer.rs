@@ -1,0 +1,101 @@
+//! A page beside a program that goes on.
+
+use crate::engine::{Said, clock};
+use crate::{Access, Server, ViewerError, serve};
+use numbers::Float;
+use session::{Session, Shared};
+use std::net::{Ipv4Addr, SocketAddr};
+use std::sync::Arc;
+use std::sync::mpsc::SyncSender;
+use std::thread::JoinHandle;
+
+/// Pages that watch and steer a program's simulation, until this is closed or dropped, or the simulation is.
+///
+/// Whoever closes it waits until the session has let go of the simulation, so must not hold it. Pages are told.
+#[derive(Debug)]
+pub struct Viewer {
+    address: SocketAddr,
+    url: String,
+    said: SyncSender<Said>,
+    /// Of the session, and of what answers pages.
+    threads: Vec<JoinHandle<()>>,
+}
+
+/// Shows a simulation that the program goes on stepping: at `address`, or at any free port of this machine that
+/// nobody else can reach; to those who know `token`, where one is given or others can reach the address.
+///
+/// ```
+/// use session::Shared;
+/// use sim::{Simulation, SimulationSettings};
+///
+/// let model = model::examples::room()?;
+/// let simulation = Simulation::<f32>::new(model, SimulationSettings::new(1, 0.002))?;
+/// let shared = Shared::new(simulation);
+/// let viewer = kinetarium_viewer::show(&shared, None, None)?;
+/// println!("open {}", viewer.url());
+/// for _ in 0..100 {
+///     shared.change().step(1); // pages see it
+/// }
+/// let time = shared.read().time(0); // pages may have stepped it, too
+/// viewer.close();
+/// # assert!((time - 0.2).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// The address cannot be listened at; no thread or random number can be had.
+pub fn show<T: Float>(
+    shared: &Arc<Shared<T>>,
+    address: Option<SocketAddr>,
+    token: Option<&str>,
+) -> Result<Viewer, ViewerError> {
+    let address = address.unwrap_or((Ipv4Addr::LOCALHOST, 0).into());
+    let access = match token {
+        Some(token) => Access::with_token(token),
+        None => Access::for_address(address.ip())?,
+    };
+    serve(Session::of_program(shared, clock), address, access).and_then(Server::in_background)
+}
+
+impl Viewer {
+    pub(crate) fn new(
+        address: SocketAddr,
+        url: String,
+        said: SyncSender<Said>,
+        threads: [JoinHandle<()>; 2],
+    ) -> Self {
+        Self {
+            address,
+            url,
+            said,
+            threads: threads.into(),
+        }
+    }
+    /// Where it listens.
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+    /// What to open in a browser on this machine, with the token, if one is needed.
+    pub fn url(&self) -> &str {
+        &self.url
+    }
+    /// Whether it still shows the simulation: false once that is dropped.
+    pub fn is_open(&self) -> bool {
+        self.threads.iter().all(|thread| !thread.is_finished())
+    }
+    /// Tells pages, and ends. Within a second, and what the simulation is doing at the time.
+    pub fn close(self) {
+        drop(self);
+    }
+}
+
+impl Drop for Viewer {
+    fn drop(&mut self) {
+        // Where nobody listens any more, it has ended.
+        let _ = self.said.send(Said::End);
+        for thread in self.threads.drain(..) {
+            // A thread that panicked has said so itself.
+            let _ = thread.join();
+        }
+    }
+}
