@@ -29,5 +29,5 @@ pub use events::{Event, EventKind, Watch};
 pub use outputs::{Contact, Outputs};
 pub use rays::{Ray, RayHit};
 pub use settings::{SimulationSettings, SolverKind};
-pub use simulation::{Diverged, Simulation};
+pub use simulation::{Diverged, Simulation, WorldNumbers};
 pub use snapshot::{Snapshot, SnapshotError};
