@@ -1,18 +1,16 @@
-//! A world's step in dual numbers, eight directions side by side.
+//! A world's step in dual numbers, several directions side by side.
 //!
 //! A register of lanes holds one direction a lane: `Dual<lanes>` has the world's numbers as its value, the
-//! same in all lanes, and eight slopes. So the value is to the bit what the simulation steps to, and all
+//! same in all lanes, and a slope in each. So the value is to the bit what the simulation steps to, and all
 //! lanes take the branches that it takes.
 
 use crate::tangent::Coordinate;
+use crate::touching;
 use numbers::dispatch::{Isa, Job, run_registers};
-use numbers::{Cpu, Dual, Float, Lanes, Shared};
-use rigid::{Kernels, Lengths};
+use numbers::{Cpu, Dual, Lanes, Shared};
+use rigid::{Featherstone, Kernels, Lengths, TouchingFeatherstone};
 use sim::WorldNumbers;
 use std::any::Any;
-
-/// Directions that are taken at once.
-pub(crate) const DIRECTIONS: usize = f64::BLOCK;
 
 /// One direction: offsets in state and input, and the slopes there; zero elsewhere.
 #[derive(Clone, Debug)]
@@ -51,7 +49,7 @@ pub(crate) struct Layout {
 }
 
 /// The memories of one world.
-struct Memories<R> {
+pub(crate) struct Memories<R> {
     state: Vec<Dual<R>>,
     input: Vec<Dual<R>>,
     output: Vec<Dual<R>>,
@@ -59,42 +57,73 @@ struct Memories<R> {
 }
 
 /// The memories of one world, in whichever registers the instruction set has.
-pub(crate) struct World {
+///
+/// Where bodies touch, those are of AVX2 at most: the kernels for pairs are large, and AVX-512 would add
+/// half to the time in which this crate is compiled, for steps that are a third faster.
+pub(crate) struct World<const CONTACTS: bool> {
     isa: Isa,
     memories: Box<dyn Any>,
 }
 
-impl World {
+impl<const CONTACTS: bool> World<CONTACTS> {
     pub fn new(isa: Isa, lengths: Lengths) -> Self {
-        let memories = run_registers(isa, Allocate(lengths));
+        let memories = run_registers(isa, Allocate::<CONTACTS>(lengths));
         Self { isa, memories }
+    }
+    /// How many directions are taken at once.
+    pub fn directions(&self) -> usize {
+        self.isa.width::<f64>()
     }
     /// Puts the world's numbers in, with a direction in each lane.
     pub fn begin(&mut self, numbers: &WorldNumbers, directions: &[Direction]) {
-        let memories = &mut *self.memories;
-        let begin = Begin {
+        let begin = Begin::<CONTACTS> {
             numbers,
             directions,
-            memories,
+            memories: &mut *self.memories,
         };
         run_registers(self.isa, begin);
     }
+    /// Changes of the state of the joints, a row of [`directions`](Self::directions) for each of its
+    /// numbers; none where the world has diverged.
+    pub fn end(&self, layout: &Layout) -> Option<Vec<f64>> {
+        let end = End::<CONTACTS> {
+            layout,
+            memories: &*self.memories,
+        };
+        run_registers(self.isa, end)
+    }
+}
+
+impl World<false> {
     /// Advances by a substep.
-    pub fn step(&mut self, kernels: &impl Kernels) {
+    pub fn step(&mut self, kernels: &Featherstone) {
         let memories = &mut *self.memories;
         run_registers(self.isa, Step { kernels, memories });
     }
-    /// Changes of the state of the joints, one row of directions for each of its numbers; none where the
-    /// world has diverged.
-    pub fn end(&self, layout: &Layout) -> Option<Vec<[f64; DIRECTIONS]>> {
-        let memories = &*self.memories;
-        run_registers(self.isa, End { layout, memories })
+}
+
+impl World<true> {
+    /// Advances by a substep, each kernel for pairs a function of its own: see [`Kernels`].
+    pub fn step(&mut self, kernels: &TouchingFeatherstone) {
+        let (isa, memories) = (self.isa, &mut *self.memories);
+        for stage in 0..kernels.stages() {
+            touching::begin(isa, kernels, memories, stage);
+            if let Some(contacts) = kernels.contacts() {
+                for route in contacts.routes() {
+                    touching::meet(isa, (kernels, contacts), memories, route);
+                }
+            }
+            touching::finish(isa, kernels, memories, stage);
+        }
     }
 }
 
 impl<R: Lanes<Scalar = f64>> Memories<R> {
     #[inline(always)]
-    fn cpu<'a>(&'a mut self, kernels: &'a impl Kernels) -> Cpu<'a, Dual<R>, Shared<'a, Dual<R>>> {
+    pub fn cpu<'a>(
+        &'a mut self,
+        kernels: &'a impl Kernels,
+    ) -> Cpu<'a, Dual<R>, Shared<'a, Dual<R>>> {
         Cpu {
             state: &mut self.state,
             input: &self.input,
@@ -106,10 +135,11 @@ impl<R: Lanes<Scalar = f64>> Memories<R> {
     }
 }
 
-struct Allocate(Lengths);
+struct Allocate<const CONTACTS: bool>(Lengths);
 
-impl Job for Allocate {
+impl<const CONTACTS: bool> Job for Allocate<CONTACTS> {
     type Scalar = f64;
+    const WIDEST: bool = !CONTACTS;
     type Output = Box<dyn Any>;
     #[inline(always)]
     fn run<R: Lanes<Scalar = f64>>(self) -> Box<dyn Any> {
@@ -123,14 +153,15 @@ impl Job for Allocate {
     }
 }
 
-struct Begin<'a> {
+struct Begin<'a, const CONTACTS: bool> {
     numbers: &'a WorldNumbers,
     directions: &'a [Direction],
     memories: &'a mut dyn Any,
 }
 
-impl Job for Begin<'_> {
+impl<const CONTACTS: bool> Job for Begin<'_, CONTACTS> {
     type Scalar = f64;
+    const WIDEST: bool = !CONTACTS;
     type Output = ();
     #[inline(always)]
     fn run<R: Lanes<Scalar = f64>>(self) {
@@ -144,12 +175,12 @@ impl Job for Begin<'_> {
     }
 }
 
-struct Step<'a, K> {
-    kernels: &'a K,
+struct Step<'a> {
+    kernels: &'a Featherstone,
     memories: &'a mut dyn Any,
 }
 
-impl<K: Kernels> Job for Step<'_, K> {
+impl Job for Step<'_> {
     type Scalar = f64;
     type Output = ();
     #[inline(always)]
@@ -159,14 +190,15 @@ impl<K: Kernels> Job for Step<'_, K> {
     }
 }
 
-struct End<'a> {
+struct End<'a, const CONTACTS: bool> {
     layout: &'a Layout,
     memories: &'a dyn Any,
 }
 
-impl Job for End<'_> {
+impl<const CONTACTS: bool> Job for End<'_, CONTACTS> {
     type Scalar = f64;
-    type Output = Option<Vec<[f64; DIRECTIONS]>>;
+    const WIDEST: bool = !CONTACTS;
+    type Output = Option<Vec<f64>>;
     #[inline(always)]
     fn run<R: Lanes<Scalar = f64>>(self) -> Self::Output {
         let memories: Option<&Memories<R>> = self.memories.downcast_ref();
@@ -177,21 +209,21 @@ impl Job for End<'_> {
             ref coordinates,
             alive,
         } = *self.layout;
-        let mut rows = Vec::with_capacity(2 * coordinates.len());
+        let mut rows = Vec::with_capacity(2 * coordinates.len() * R::WIDTH);
         for coordinate in coordinates {
-            rows.push(lanes(coordinate.change(&state[position..])));
+            rows.extend_from_slice(lanes(&coordinate.change(&state[position..])));
         }
         for speed in &state[velocity..][..coordinates.len()] {
-            rows.push(lanes(speed.slope));
+            rows.extend_from_slice(lanes(&speed.slope));
         }
-        (lanes(state[alive].value)[0] != 0.0).then_some(rows)
+        (lanes(&state[alive].value)[0] != 0.0).then_some(rows)
     }
 }
 
 const SAME_REGISTERS: &str = "memories are of the instruction set that they were made for";
 
 #[inline(always)]
-fn registers_mut<R: Lanes>(memories: &mut dyn Any) -> &mut Memories<R> {
+pub(crate) fn registers_mut<R: Lanes>(memories: &mut dyn Any) -> &mut Memories<R> {
     memories.downcast_mut().expect(SAME_REGISTERS)
 }
 
@@ -214,8 +246,6 @@ fn seed<R: Lanes<Scalar = f64>>(memory: &mut [Dual<R>], slopes: &[(usize, f64)],
 
 /// The numbers of a register, lane by lane.
 #[inline(always)]
-fn lanes<R: Lanes<Scalar = f64>>(register: R) -> [f64; DIRECTIONS] {
-    let mut lanes = [0.0; DIRECTIONS];
-    lanes.copy_from_slice(bytemuck::cast_slice(&[register]));
-    lanes
+fn lanes<R: Lanes<Scalar = f64>>(register: &R) -> &[f64] {
+    bytemuck::cast_slice(std::slice::from_ref(register))
 }

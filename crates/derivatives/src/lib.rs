@@ -24,6 +24,7 @@ mod error;
 mod jobs;
 mod linearization;
 mod tangent;
+mod touching;
 
 pub use error::LinearizeError;
 pub use linearization::{Linearization, linearize};

@@ -7,13 +7,15 @@
 //! takes differences: see [`Linearization`].
 
 use crate::LinearizeError;
-use crate::jobs::{DIRECTIONS, Direction, Layout, World};
+use crate::jobs::{Direction, Layout, World};
 use crate::tangent::{Coordinate, coordinates};
 use model::Model;
 use numbers::dispatch::Isa;
 use numbers::machine::space::Input;
 use numbers::{Float, Table};
-use rigid::{Featherstone, InputTables, Kernels, Settings};
+use rigid::{
+    ArticulatedBodies, Featherstone, InputTables, Kernels, Settings, TouchingFeatherstone,
+};
 use sim::{Simulation, WorldNumbers};
 use std::ops::Range;
 
@@ -26,8 +28,9 @@ use std::ops::Range;
 /// is differentiated with respect to. Matrices are row-major: the entry of row i and column j of an
 /// m × n matrix is at i·n + j.
 ///
-/// What is held constant is all else that the solver carries from step to step: drive targets as far
-/// as they are smoothed (`control_time`).
+/// What is held constant is all else that a world carries from step to step: drive targets as far as
+/// they are smoothed (`control_time`), and the forces of the last step's contacts, from which those of
+/// this one are iterated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Linearization {
     /// Degrees of freedom, n.
@@ -49,30 +52,38 @@ pub struct Linearization {
 
 /// Linearises one time step of a world at its present state and controls, in double precision.
 ///
-/// Exact for the step that the simulation takes: its time step, integrator and substeps. The number
-/// of the simulation may be `f32`: then its state is widened, and the step is that of `f64`. Where a
-/// law has a kink (limits, ranges of controls and forces) the derivative is that of the side taken.
+/// Exact for the step that the simulation takes, with its integrator and all its substeps. A simulation in
+/// `f32` is linearised at its state, but in `f64`: as if it stepped in that.
+///
+/// Where a law has a kink the derivative is that of the side taken: limits, ranges of controls and forces,
+/// contacts. A contact that the step makes, keeps, breaks, or lets slide is taken as it is in this step;
+/// nothing is known beyond. Where contacts are iterated, it is the derivative of the passes made.
+///
+/// It takes a run through the step for every eight columns (for every one, where the instruction set is
+/// `portable`).
 ///
 /// # Errors
 /// A world that does not exist or has diverged, or diverges in this step; a solver other than
-/// `featherstone`; contacts.
+/// `featherstone`.
 pub fn linearize<T: Float>(
     simulation: &Simulation<T>,
     world: usize,
 ) -> Result<Linearization, LinearizeError> {
-    let numbers = simulation.numbers_of_world(world)?;
-    let Some(kernels) = simulation.kernels::<Featherstone>(world)? else {
-        let solver = simulation.solver();
-        return Err(LinearizeError::Solver { solver });
-    };
     let step = Step {
         world,
         model: simulation.model(),
         settings: &simulation.settings().step,
         isa: simulation.isa(),
-        numbers,
+        numbers: simulation.numbers_of_world(world)?,
     };
-    step.linearize(kernels)
+    if let Some(kernels) = simulation.kernels(world)? {
+        step.apart(kernels)
+    } else if let Some(kernels) = simulation.kernels(world)? {
+        step.touching(kernels)
+    } else {
+        let solver = simulation.solver();
+        Err(LinearizeError::Solver { solver })
+    }
 }
 
 /// A step to be linearised. What it does is not generic, so that its kernels are compiled here, and not
@@ -86,7 +97,18 @@ struct Step<'a> {
 }
 
 impl Step<'_> {
-    fn linearize(&self, kernels: &Featherstone) -> Result<Linearization, LinearizeError> {
+    /// Of what touches nothing.
+    fn apart(&self, kernels: &Featherstone) -> Result<Linearization, LinearizeError> {
+        self.linearize(kernels, World::<false>::step)
+    }
+    fn touching(&self, kernels: &TouchingFeatherstone) -> Result<Linearization, LinearizeError> {
+        self.linearize(kernels, World::<true>::step)
+    }
+    fn linearize<const CONTACTS: bool>(
+        &self,
+        kernels: &ArticulatedBodies<CONTACTS>,
+        substep: fn(&mut World<CONTACTS>, &ArticulatedBodies<CONTACTS>),
+    ) -> Result<Linearization, LinearizeError> {
         let layout = Layout {
             position: kernels.position_table().start(),
             velocity: kernels.velocity_table().start(),
@@ -100,17 +122,17 @@ impl Step<'_> {
         let variables = Variables::new(self.model);
         let directions = variables.directions(self.model, &layout, &self.numbers);
         let mut columns = Columns::new(2 * layout.coordinates.len(), variables.count());
-        let mut dual = World::new(self.isa, kernels.lengths());
-        for directions in directions.chunks(DIRECTIONS) {
+        let mut dual = World::<CONTACTS>::new(self.isa, kernels.lengths());
+        for directions in directions.chunks(dual.directions()) {
             dual.begin(&self.numbers, directions);
             for _ in 0..self.settings.substeps {
-                dual.step(kernels);
+                substep(&mut dual, kernels);
             }
             let Some(rows) = dual.end(&layout) else {
                 let limit = self.settings.speed_limit;
                 return Err(LinearizeError::Diverges { world, limit });
             };
-            columns.write(directions, &rows);
+            columns.write(directions, rows.chunks(dual.directions()));
         }
         Ok(variables.divide(&columns))
     }
@@ -211,8 +233,8 @@ impl Columns {
             numbers: vec![0.0; rows * count],
         }
     }
-    /// Writes what stands side by side in `rows` to the columns of these directions.
-    fn write(&mut self, directions: &[Direction], rows: &[[f64; DIRECTIONS]]) {
+    /// Writes what stands side by side in each row to the columns of these directions.
+    fn write<'a>(&mut self, directions: &[Direction], rows: impl Iterator<Item = &'a [f64]>) {
         for (row, lanes) in self.numbers.chunks_exact_mut(self.count).zip(rows) {
             for (direction, &x) in directions.iter().zip(lanes) {
                 row[direction.column] = x;

@@ -9,9 +9,13 @@ mod scene;
 use fastrand::Rng;
 use glam::{DQuat, DVec3};
 use kinetarium_derivatives::{Linearization, linearize};
-use model::{Model, ModelError};
-use scene::{INTEGRATORS, State, models, put, quaternions, random, settings};
-use sim::Simulation;
+use model::Model;
+use rigid::Integrator;
+use scene::{
+    INTEGRATORS, State, chain_of_everything, models, pendulum, put, quaternions, random, settings,
+    touching,
+};
+use sim::{Simulation, SimulationSettings};
 use std::f64::consts::TAU;
 
 /// Difference of entries allowed, relative to the largest of their column and to 1.
@@ -99,12 +103,17 @@ fn way(model: &Model, [q0, v0]: &[Vec<f64>; 2], [q1, v1]: &[Vec<f64>; 2]) -> Vec
 }
 
 /// A column of differences.
-fn difference(simulation: &mut Simulation<f64>, state: &State, variable: Variable) -> Vec<f64> {
+fn difference(
+    simulation: &mut Simulation<f64>,
+    state: &State,
+    variable: Variable,
+    width: f64,
+) -> Vec<f64> {
     let model = simulation.model().clone();
     let mut at = |by: f64| next(simulation, &moved(&model, state, variable, by));
-    let near = way(&model, &at(-WIDTH), &at(WIDTH));
-    let far = way(&model, &at(-2.0 * WIDTH), &at(2.0 * WIDTH));
-    let slope = |(near, far): (&f64, &f64)| (8.0 * near - far) / (12.0 * WIDTH);
+    let near = way(&model, &at(-width), &at(width));
+    let far = way(&model, &at(-2.0 * width), &at(2.0 * width));
+    let slope = |(near, far): (&f64, &f64)| (8.0 * near - far) / (12.0 * width);
     near.iter().zip(&far).map(slope).collect()
 }
 
@@ -131,11 +140,11 @@ fn columns(step: &Linearization) -> Vec<(Variable, Vec<f64>)> {
     all
 }
 
-fn check(simulation: &mut Simulation<f64>, state: &State) {
+fn check(simulation: &mut Simulation<f64>, state: &State, width: f64) {
     put(simulation, state);
     let step = linearize(simulation, 0).expect("a linearisation");
     for (variable, found) in columns(&step) {
-        let expected = difference(simulation, state, variable);
+        let expected = difference(simulation, state, variable, width);
         let size = expected.iter().fold(1.0, |m: f64, x| x.abs().max(m));
         for (row, (a, b)) in found.iter().zip(&expected).enumerate() {
             let name = &simulation.model().name;
@@ -148,21 +157,97 @@ fn check(simulation: &mut Simulation<f64>, state: &State) {
     }
 }
 
+/// A simulation of one world.
+fn simulation(model: &Model, settings: SimulationSettings) -> Simulation<f64> {
+    Simulation::new(model.clone(), settings).expect("a simulation")
+}
+
 #[test]
-fn derivatives_are_those_of_differences() -> Result<(), ModelError> {
+fn derivatives_are_those_of_differences() {
     let mut rng = Rng::with_seed(7);
     for model in models() {
         for integrator in INTEGRATORS {
             for substeps in [1, 4] {
-                let settings = settings(integrator, substeps);
-                let simulation = Simulation::<f64>::new(model.clone(), settings);
-                let mut simulation = simulation.expect("a simulation");
+                let mut simulation = simulation(&model, settings(integrator, substeps));
                 for _ in 0..STATES {
                     let state = random(&model, &mut rng);
-                    check(&mut simulation, &state);
+                    check(&mut simulation, &state, WIDTH);
                 }
             }
         }
     }
-    Ok(())
+}
+
+#[test]
+fn per_world_numbers_are_those_of_the_world() {
+    let model = pendulum().expect("a model");
+    let mut settings = settings(Integrator::SemiImplicitEuler, 1);
+    settings.worlds = 2;
+    let mut simulation = simulation(&model, settings);
+    let mut parts = model.clone().into_parts();
+    parts.gravity *= 2.0;
+    let heavier = Model::new(parts).expect("a model");
+    simulation.set_world_model(1, &heavier).expect("a world");
+    let slope = |world| {
+        linearize(&simulation, world)
+            .expect("a linearisation")
+            .state[2]
+    };
+    assert!((slope(1) - 2.0 * slope(0)).abs() < 1e-12 * slope(0).abs());
+}
+
+/// Single precision rounds the state, to 6e-8 of it; derivatives of that state are in double.
+#[test]
+fn single_precision_is_linearised_in_double() {
+    let model = chain_of_everything().expect("a model");
+    let state = random(&model, &mut Rng::with_seed(3));
+    let settings = settings(Integrator::SemiImplicitEuler, 1);
+    let mut single = Simulation::<f32>::new(model.clone(), settings).expect("a simulation");
+    let set = single.set_joint_state(0, &state.position, &state.velocity);
+    set.expect("a state");
+    let set = single.controls().set_world(0, &state.input);
+    set.expect("controls");
+    let mut double = simulation(&model, settings);
+    put(&mut double, &state);
+    let [a, b] =
+        [linearize(&single, 0), linearize(&double, 0)].map(|step| step.expect("a step").state);
+    let size = b.iter().fold(0.0, |m: f64, x| x.abs().max(m));
+    let apart = a
+        .iter()
+        .zip(&b)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max);
+    assert!(apart > 0.0 && apart < 1e-5 * size, "{apart:e} of {size}");
+}
+
+/// What the integrator does with bodies that lie on the ground and on each other: the branches taken
+/// stay the same within the width of the differences.
+#[test]
+fn contacts_that_last_have_derivatives() {
+    let model = touching().expect("a model");
+    let mut rng = Rng::with_seed(11);
+    for (integrator, substeps) in [
+        (Integrator::SemiImplicitEuler, 1),
+        (Integrator::SemiImplicitEuler, 4),
+        (Integrator::RungeKutta4, 1),
+    ] {
+        let mut settings = settings(integrator, substeps);
+        settings.contacts = true;
+        let mut simulation = simulation(&model, settings);
+        let mut pressing = 0;
+        for _ in 0..4 {
+            let mut state = random(&model, &mut rng);
+            state.position = model.initial_position();
+            state.velocity.iter_mut().for_each(|v| *v *= 0.1);
+            put(&mut simulation, &state);
+            simulation.step(1);
+            let presses = |contact: &sim::Contact| contact.force.length() > 0.0;
+            pressing += simulation.outputs().contacts(0).filter(presses).count();
+            check(&mut simulation, &state, 1e-6);
+        }
+        assert!(
+            pressing > 8,
+            "{pressing} contacts that press in four states"
+        );
+    }
 }

@@ -8,7 +8,7 @@ use glam::{DQuat, DVec3};
 use kinetarium_derivatives::Linearization;
 use model::{
     Axis, BodyHandle, Builder, Drive, Geometry, JointId, JointKind, Limit, Model, ModelError,
-    Object, Pose,
+    Object, Pose, Shape,
 };
 use rigid::Integrator;
 use sim::{Simulation, SimulationSettings, SolverKind};
@@ -83,6 +83,28 @@ pub fn double_pendulum_on_a_cart() -> Result<Model, ModelError> {
     world.build()
 }
 
+/// Two rods upright on a cart, which alone is pushed.
+pub fn inverted_double_pendulum() -> Result<Model, ModelError> {
+    let mut world = Builder::new("inverted_double_pendulum");
+    let object = world.object("cart");
+    let half = DVec3::new(0.1, 0.05, 0.05);
+    let cart = object
+        .body("cart")
+        .shape(Geometry::Box { half })
+        .mass(2.0)
+        .handle();
+    let [lower, upper] = ["lower", "upper"].map(|name| rod(object, name, 0.5));
+    let slide = object.prismatic("slide", cart, DVec3::X).handle();
+    let first = object.revolute("first", lower, DVec3::Z).parent(cart);
+    first.frames(Pose::IDENTITY, BOTTOM);
+    object
+        .revolute("second", upper, DVec3::Z)
+        .parent(lower)
+        .frames(TOP, BOTTOM);
+    object.motor("push", slide);
+    world.build()
+}
+
 /// Rods on ball joints, hinges and a slider: with springs, dampers, drives (one of which follows its
 /// target slowly), and limits; nothing of it at its bounds.
 pub fn chain_of_everything() -> Result<Model, ModelError> {
@@ -148,7 +170,34 @@ pub fn floating() -> Result<Model, ModelError> {
     world.build()
 }
 
-/// All of them.
+/// A ball, a block and a leg of two rods, each a little within the ground or within what it lies on.
+pub fn touching() -> Result<Model, ModelError> {
+    let mut world = Builder::new("touching");
+    let plane = Geometry::Plane {
+        half_x: 0.0,
+        half_z: 0.0,
+    };
+    world.object("ground").scenery(Shape::new(plane));
+    let bodies = world.object("bodies");
+    let half = DVec3::new(0.15, 0.1, 0.2);
+    let block = bodies.body("block").shape(Geometry::Box { half }).mass(2.0);
+    block.at(Pose::at(DVec3::Y * 0.0995));
+    let ball = bodies
+        .body("ball")
+        .shape(Geometry::Sphere { radius: 0.1 })
+        .mass(0.7);
+    ball.at(Pose::at(DVec3::new(0.05, 0.299, 0.03)));
+    let (thigh, shank) = (rod(bodies, "thigh", 1.0), rod(bodies, "shank", 0.8));
+    let lying = DQuat::from_rotation_z(1.3);
+    let hip = bodies.free("hip", thigh);
+    let lying = lying.to_array();
+    hip.initial(&[&[1.0, 0.4, 0.0][..], &lying].concat());
+    let knee = bodies.revolute("knee", shank, DVec3::Z).parent(thigh);
+    knee.frames(BOTTOM, TOP).initial(&[-0.9]).damping(0.1);
+    world.build()
+}
+
+/// All that touch nothing.
 pub fn models() -> [Model; 4] {
     [
         pendulum(),
