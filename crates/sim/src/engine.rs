@@ -4,6 +4,7 @@ use crate::jobs::{Lane, begin, finish, motion, narrow_phase, report, steps};
 use model::{Model, ShapeId};
 use numbers::Float;
 use rigid::{Kernels, Lengths, OutputTables};
+use std::any::Any;
 
 /// What to do with a block.
 #[derive(Clone, Copy, Debug)]
@@ -30,6 +31,8 @@ pub(crate) struct Block<'a, T> {
 /// A solver at a precision, with its lane type still to be chosen.
 pub(crate) trait Engine<T: Float>: Send + Sync {
     fn name(&self) -> &'static str;
+    /// The solver itself.
+    fn as_any(&self) -> &dyn Any;
     fn lengths(&self) -> Lengths;
     fn outputs(&self) -> OutputTables;
     fn contact_shapes(&self) -> &[[ShapeId; 2]];
@@ -50,6 +53,9 @@ pub(crate) trait Engine<T: Float>: Send + Sync {
 impl<K: Kernels, T: Float> Engine<T> for K {
     fn name(&self) -> &'static str {
         Kernels::name(self)
+    }
+    fn as_any(&self) -> &dyn Any {
+        self
     }
     fn lengths(&self) -> Lengths {
         Kernels::lengths(self)

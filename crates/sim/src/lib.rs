@@ -33,5 +33,5 @@ pub use parameter::Parameter;
 pub use quantity::{Control, Quantity};
 pub use rays::{Ray, RayHit};
 pub use settings::{SimulationSettings, SolverKind};
-pub use simulation::{Diverged, Simulation};
+pub use simulation::{Diverged, Simulation, WorldNumbers};
 pub use snapshot::{Snapshot, SnapshotError};

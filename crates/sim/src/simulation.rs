@@ -13,7 +13,7 @@ use model::{JointId, JointKind, Model, Shape};
 use numbers::dispatch::Isa;
 use numbers::{Float, Memory};
 use rayon::prelude::*;
-use rigid::{InputTables, OutputTables};
+use rigid::{InputTables, Kernels, OutputTables};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -25,6 +25,15 @@ pub struct Diverged {
     pub world: usize,
     /// End [s] of the call of `step` in which it happened.
     pub time: f64,
+}
+
+/// What a world carries along, and what was set: see [`Simulation::numbers_of_world`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct WorldNumbers {
+    /// In the layout of the solver.
+    pub state: Vec<f64>,
+    /// In the layout of [`InputTables`].
+    pub input: Vec<f64>,
 }
 
 /// W worlds of one model, advanced together.
@@ -419,6 +428,29 @@ impl<T: Float> Simulation<T> {
         }
         self.diverged.extend(found);
         &self.diverged[known..]
+    }
+
+    /// The kernels that step a world, with the constants of its model in double precision, where its
+    /// solver is of this type: [`rigid::Featherstone`], [`rigid::TouchingFeatherstone`] or
+    /// [`rigid::Xpbd`]. With [`numbers_of_world`](Self::numbers_of_world), what it takes to run them on
+    /// numbers of another sort.
+    ///
+    /// # Errors
+    /// A world that does not exist.
+    pub fn kernels<K: Kernels>(&self, world: usize) -> Result<Option<&K>, SimulationError> {
+        index("world", world, self.worlds())?;
+        Ok(self.compiled(world).engine.as_any().downcast_ref())
+    }
+    /// A world's state and controls, as its [`kernels`](Self::kernels) read them.
+    ///
+    /// # Errors
+    /// A world that does not exist.
+    pub fn numbers_of_world(&self, world: usize) -> Result<WorldNumbers, SimulationError> {
+        index("world", world, self.worlds())?;
+        Ok(WorldNumbers {
+            state: numbers_of(&self.state, world, 0..self.state.length()),
+            input: numbers_of(&self.input, world, 0..self.input.length()),
+        })
     }
 
     /// Whether a world has not diverged.

@@ -30,7 +30,8 @@ use crate::{ContactTables, Kernels, Lengths, OutputTables, Settings, SolverError
 use collide::FAR;
 pub use force::FRICTION_SPEED;
 use model::{Model, ShapeId};
-use numbers::{Cpu, Machine, Shared};
+use numbers::machine::space::State;
+use numbers::{Cpu, Machine, Shared, Table};
 use tables::NAME;
 pub use tables::Tables;
 
@@ -112,6 +113,15 @@ impl<const CONTACTS: bool> ArticulatedBodies<CONTACTS> {
             links: filler.links,
             contact_shapes,
         })
+    }
+
+    /// Where the joint coordinates lie in a world's state, in the model's order.
+    pub fn position_table(&self) -> Table<State> {
+        self.tables.position
+    }
+    /// Where the joint velocities lie in a world's state, in the model's order.
+    pub fn velocity_table(&self) -> Table<State> {
+        self.tables.velocity
     }
 
     /// Placements and velocities of all bodies for given joint coordinates and

@@ -26,6 +26,7 @@ use narrow_phase::NarrowPhase;
 use numbers::Float;
 use rigid::impulse::{Collider, Impulse, State};
 use rigid::{Lengths, OutputTables, SolverError};
+use std::any::Any;
 use std::sync::{Arc, Mutex, PoisonError};
 use world::{Workspace, World};
 
@@ -91,6 +92,9 @@ impl<T: Float> Piles<T> {
 impl<T: Float> Engine<T> for Piles<T> {
     fn name(&self) -> &'static str {
         self.impulse.name()
+    }
+    fn as_any(&self) -> &dyn Any {
+        self
     }
     fn lengths(&self) -> Lengths {
         self.impulse.lengths()
