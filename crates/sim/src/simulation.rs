@@ -7,7 +7,7 @@ use crate::events::Watcher;
 use crate::jobs::Lane;
 use crate::meshes::Meshes;
 use crate::threads::Threads;
-use crate::{Controls, Outputs, SimulationSettings, Snapshot};
+use crate::{Controls, Inputs, Outputs, SimulationSettings, Snapshot};
 use glam::DQuat;
 use model::{JointId, JointKind, Model, Shape};
 use numbers::dispatch::Isa;
@@ -45,11 +45,13 @@ pub struct Simulation<T: Float> {
     parameters: Memory<T>,
     /// Of the worlds that have numbers of their own.
     own: HashMap<usize, Compiled<T>>,
-    /// Of those whose shapes differ from the model's.
-    own_shapes: HashMap<usize, Vec<Shape>>,
+    /// Their models.
+    own_models: HashMap<usize, Model>,
     pub(crate) input_tables: InputTables,
     pub(crate) output_tables: OutputTables,
     pub(crate) time: Vec<f64>,
+    /// How often each world was set, reset or restored.
+    begun: Vec<u64>,
     pub(crate) reported: bool,
     pub(crate) diverged: Vec<Diverged>,
     pub(crate) watcher: Option<Watcher>,
@@ -158,7 +160,8 @@ impl<T: Float> Simulation<T> {
             output: memory(lengths.output),
             parameters: in_lanes(shared.engine.parameters(), width, width),
             own: HashMap::new(),
-            own_shapes: HashMap::new(),
+            own_models: HashMap::new(),
+            begun: vec![0; settings.worlds],
             input_tables: InputTables::new(&model),
             output_tables: shared.engine.outputs(),
             time: vec![0.0; settings.worlds],
@@ -205,6 +208,13 @@ impl<T: Float> Simulation<T> {
     pub fn time(&self, world: usize) -> f64 {
         self.time[world]
     }
+    /// How often a world was set, reset or restored since the simulation was made: where this number is
+    /// the same, the world has only been stepped meanwhile.
+    ///
+    /// Panics where the world does not exist, as an array would.
+    pub fn begun(&self, world: usize) -> u64 {
+        self.begun[world]
+    }
     /// Bytes of state and controls per world.
     pub fn bytes_per_world(&self) -> usize {
         (self.state.length() + self.input.length()) * size_of::<T>()
@@ -238,7 +248,11 @@ impl<T: Float> Simulation<T> {
     }
     /// The shapes of a world, in the order of its model.
     pub(crate) fn shapes(&self, world: usize) -> &[Shape] {
-        self.own_shapes.get(&world).unwrap_or(&self.model.shapes)
+        &self.world_model(world).shapes
+    }
+    /// The model of a world: its own, if it was given one.
+    pub fn world_model(&self, world: usize) -> &Model {
+        self.own_models.get(&world).unwrap_or(&self.model)
     }
 
     /// Sets a world's joint coordinates and velocities; its time starts at 0 again, with the
@@ -285,6 +299,7 @@ impl<T: Float> Simulation<T> {
             self.input.set(world, i, T::from_f64(x));
         }
         self.time[world] = 0.0;
+        self.begun[world] += 1;
         self.diverged.retain(|d| d.world != world);
         self.take_for_granted(world);
     }
@@ -329,11 +344,7 @@ impl<T: Float> Simulation<T> {
         let mut state = numbers_of(&self.state, world, 0..own.state.len());
         own.engine.take_over(&bodies, &mut state);
         self.own.insert(world, own);
-        if model.shapes == self.model.shapes {
-            self.own_shapes.remove(&world);
-        } else {
-            self.own_shapes.insert(world, model.shapes.clone());
-        }
+        self.own_models.insert(world, model.clone());
         self.write_state(world, &state);
         Ok(())
     }
@@ -343,6 +354,14 @@ impl<T: Float> Simulation<T> {
         self.reported = false;
         Controls {
             memory: &mut self.input,
+            tables: &self.input_tables,
+        }
+    }
+
+    /// The controls of all worlds, to be read.
+    pub fn inputs(&self) -> Inputs<'_, T> {
+        Inputs {
+            memory: &self.input,
             tables: &self.input_tables,
         }
     }
@@ -396,6 +415,18 @@ impl<T: Float> Simulation<T> {
         }
     }
 
+    /// Looks at the [`outputs`](Simulation::outputs) and at all else that can be read, in the threads of the
+    /// simulation: what rayon shares out among threads meanwhile is theirs.
+    pub fn observe<R: Send>(&mut self, look: impl FnOnce(&Self, &Outputs<'_, T>) -> R + Send) -> R {
+        self.outputs();
+        let outputs = Outputs {
+            memory: &self.output,
+            tables: &self.output_tables,
+            shapes: self.shared.engine.contact_shapes(),
+        };
+        self.threads.run(|| look(self, &outputs))
+    }
+
     /// The whole state of all worlds, to the bit.
     pub fn snapshot(&self) -> Snapshot {
         Snapshot::take(self)
@@ -408,6 +439,7 @@ impl<T: Float> Simulation<T> {
         snapshot.put_back(self)?;
         self.reported = false;
         for world in 0..self.worlds() {
+            self.begun[world] += 1;
             self.take_for_granted(world);
         }
         Ok(())
