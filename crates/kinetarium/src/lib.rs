@@ -24,6 +24,7 @@
 //! | [`model`] | what exists: bodies, shapes, joints, drives, actuators; the builder |
 //! | [`formats`] | readers of MJCF and URDF files |
 //! | [`sim`] | many worlds of one model: step, control, observe, snapshot |
+//! | [`sensors`] | what robots measure: joints, inertial units, forces, rays, cameras, with noise |
 //! | [`rigid`] | the solvers, as kernels over any machine |
 //! | [`numbers`] | the numbers and machines that kernels are written over |
 //!
@@ -35,6 +36,7 @@ pub use formats;
 pub use model;
 pub use numbers;
 pub use rigid;
+pub use sensors;
 pub use sim;
 
 #[cfg(doctest)]
@@ -47,6 +49,7 @@ pub mod prelude {
         BodyId, Builder, Geometry, Hull, JointId, Model, Pose, TriangleMesh, examples,
     };
     pub use rigid::{Integrator, Settings};
+    pub use sensors::{Mount, Noise, Sensor, SensorKind, Sensors};
     pub use sim::{
         Contact, Controller, Controls, Diverged, Event, EventKind, Outputs, Ray, RayHit, Recorder,
         Recording, Replay, Simulation, SimulationError, SimulationSettings, Snapshot, SolverKind,

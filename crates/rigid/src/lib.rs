@@ -20,6 +20,6 @@ pub use contacts::ContactTables;
 pub use featherstone::dynamics::{Dynamics, DynamicsError, DynamicsKernels, Totals};
 pub use featherstone::{ArticulatedBodies, Featherstone, Integrator, TouchingFeatherstone};
 pub use input::InputTables;
-pub use output::{OutputTables, body, contact, reaction, total};
+pub use output::{OutputTables, body, body_acceleration, contact, reaction, total};
 pub use solver::{Kernels, Lengths, Settings, SolverError};
 pub use xpbd::Xpbd;

@@ -17,6 +17,16 @@ pub mod body {
     pub const WIDTH: usize = 13;
 }
 
+/// Fields of a row of [`OutputTables::body_acceleration`].
+pub mod body_acceleration {
+    /// Acceleration of the body frame's origin [m/s²], world axes, 3.
+    pub const LINEAR: usize = 0;
+    /// Angular acceleration [rad/s²], world axes, 3.
+    pub const ANGULAR: usize = 3;
+    /// Numbers in a row.
+    pub const WIDTH: usize = 6;
+}
+
 /// Fields of a row of [`OutputTables::reaction`].
 pub mod reaction {
     /// Force [N] of the joint on its child, world axes, 3.
@@ -66,6 +76,9 @@ pub mod contact {
 pub struct OutputTables {
     /// One row per body of the model: see [`body`].
     pub body: Table<Output, { body::WIDTH }>,
+    /// One row per body of the model: see [`body_acceleration`]; the mean over the last substep where the
+    /// solver has no closed form.
+    pub body_acceleration: Table<Output, { body_acceleration::WIDTH }>,
     /// One row per joint of the model: see [`reaction`]. A last row is of no joint.
     pub reaction: Table<Output, { reaction::WIDTH }>,
     /// Joint coordinates, the model's order; axes that turn freely are wrapped to (−π, π].
@@ -93,6 +106,7 @@ impl OutputTables {
     pub fn new(model: &model::Model) -> Self {
         let mut end = 0;
         let body = Table::place(&mut end, model.bodies.len());
+        let body_acceleration = Table::place(&mut end, model.bodies.len());
         let reaction = Table::place(&mut end, model.joints.len() + 1);
         let position = Table::place(&mut end, model.coordinates());
         let velocity = Table::place(&mut end, model.degrees_of_freedom());
@@ -101,6 +115,7 @@ impl OutputTables {
         let contact = Table::place(&mut end, 0);
         Self {
             body,
+            body_acceleration,
             reaction,
             position,
             velocity,

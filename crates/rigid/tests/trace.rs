@@ -200,7 +200,7 @@ fn keeps_the_bits(kernels: &impl Kernels, model: &Model, steps: usize) {
 /// A world that diverges within a step, by way of NaN, leaves the bodies where they were.
 fn stays_when_it_diverges(kernels: &impl Kernels, model: &Model) {
     let outputs = OutputTables::new(model);
-    let bodies = outputs.body.start()..outputs.reaction.start();
+    let bodies = outputs.body.start()..outputs.body_acceleration.start();
     let (parameters, links) = (parameters(kernels), kernels.links());
     let mut start = World::<f32>::new(kernels, model);
     kernels.report(&mut start.cpu(&parameters, links));

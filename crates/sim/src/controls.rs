@@ -15,6 +15,42 @@ pub struct Controls<'a, T> {
     pub(crate) tables: &'a InputTables,
 }
 
+/// The controls of all worlds, to be read.
+///
+/// Panics where a world, degree of freedom or actuator does not exist, as an array would.
+#[derive(Clone, Copy, Debug)]
+pub struct Inputs<'a, T> {
+    pub(crate) memory: &'a Memory<T>,
+    pub(crate) tables: &'a InputTables,
+}
+
+impl<T: Float> Inputs<'_, T> {
+    /// Generalised force of a degree of freedom [N or N·m].
+    pub fn force(&self, world: usize, dof: usize) -> f64 {
+        self.number(self.tables.force, world, dof)
+    }
+    /// Position target of a degree of freedom's drive [m or rad].
+    pub fn target(&self, world: usize, dof: usize) -> f64 {
+        self.number(self.tables.target_position, world, dof)
+    }
+    /// Velocity target of a degree of freedom's drive [m/s or rad/s].
+    pub fn target_velocity(&self, world: usize, dof: usize) -> f64 {
+        self.number(self.tables.target_velocity, world, dof)
+    }
+    /// Control of an actuator.
+    pub fn control(&self, world: usize, actuator: usize) -> f64 {
+        self.number(self.tables.control, world, actuator)
+    }
+    fn number(&self, table: Table<Input>, world: usize, row: usize) -> f64 {
+        assert!(
+            world < self.memory.worlds(),
+            "world {world} of {}",
+            self.memory.worlds()
+        );
+        self.memory.get(world, table.at(row, 0)).to_f64()
+    }
+}
+
 impl<T: Float> Controls<'_, T> {
     /// Number of worlds.
     pub fn worlds(&self) -> usize {

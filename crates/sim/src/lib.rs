@@ -25,7 +25,7 @@ mod snapshot;
 mod threads;
 
 pub use controller::{Controller, Recorder, Recording, Replay};
-pub use controls::Controls;
+pub use controls::{Controls, Inputs};
 pub use error::SimulationError;
 pub use events::{Event, EventKind, Watch};
 pub use outputs::{Contact, Outputs};

@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3};
 use model::{BodyId, JointId, Pose, ShapeId};
 use numbers::machine::space::Output;
 use numbers::{Float, Memory, Table};
-use rigid::{OutputTables, body, contact, reaction, total};
+use rigid::{OutputTables, body, body_acceleration, contact, reaction, total};
 
 /// The reported quantities of all worlds at one time.
 ///
@@ -63,6 +63,19 @@ impl<T: Float> Outputs<'_, T> {
     pub fn body_angular_velocity(&self, world: usize, id: BodyId) -> DVec3 {
         self.vec3(world, self.tables.body, id.0, body::ANGULAR_VELOCITY)
     }
+    /// Acceleration of a body frame's origin [m/s²], world axes. Of `featherstone` the one at this moment
+    /// under the contact forces of the last step; of the other solvers the mean over the last substep, so
+    /// zero in a world that has just been set.
+    pub fn body_acceleration(&self, world: usize, id: BodyId) -> DVec3 {
+        let table = self.tables.body_acceleration;
+        self.vec3(world, table, id.0, body_acceleration::LINEAR)
+    }
+    /// Angular acceleration of a body [rad/s²], world axes; as
+    /// [`body_acceleration`](Outputs::body_acceleration).
+    pub fn body_angular_acceleration(&self, world: usize, id: BodyId) -> DVec3 {
+        let table = self.tables.body_acceleration;
+        self.vec3(world, table, id.0, body_acceleration::ANGULAR)
+    }
     /// Whether a body sleeps: it stays where it is until something touches it. False for what never
     /// moves, and for solvers that let no body sleep: all but `impulse`.
     pub fn asleep(&self, world: usize, id: BodyId) -> bool {
@@ -73,6 +86,14 @@ impl<T: Float> Outputs<'_, T> {
     /// axes that turn without end are in [−π, π].
     pub fn joint_position(&self, world: usize) -> Vec<f64> {
         self.rows(world, self.tables.position, self.tables.velocity)
+    }
+    /// One of the numbers of [`joint_position`](Outputs::joint_position).
+    pub fn coordinate(&self, world: usize, row: usize) -> f64 {
+        self.number(world, self.tables.position, row, 0)
+    }
+    /// One of the numbers of [`joint_velocity`](Outputs::joint_velocity).
+    pub fn dof_velocity(&self, world: usize, dof: usize) -> f64 {
+        self.number(world, self.tables.velocity, dof, 0)
     }
     /// Joint velocities in the model's order [m/s or rad/s].
     pub fn joint_velocity(&self, world: usize) -> Vec<f64> {

@@ -66,7 +66,7 @@ impl Rows {
 impl Quantity {
     /// Rows of it in each world, and numbers in each row.
     pub fn shape(self, model: &Model) -> [usize; 2] {
-        let rows = self.rows(&OutputTables::new(model));
+        let rows = self.rows(&OutputTables::new(model), model);
         [rows.count, rows.width]
     }
     /// Whether it tells where bodies or joints are, or how they move, and nothing of forces.
@@ -81,12 +81,9 @@ impl Quantity {
                 | Self::JointVelocity
         )
     }
-    fn rows(self, t: &OutputTables) -> Rows {
-        let bodies = (t.reaction.start() - t.body.start()) / body::WIDTH;
-        // A last row is of no joint.
-        let joints = (t.position.start() - t.reaction.start()) / reaction::WIDTH - 1;
-        let coordinates = t.velocity.start() - t.position.start();
-        let dofs = t.acceleration.start() - t.velocity.start();
+    fn rows(self, t: &OutputTables, model: &Model) -> Rows {
+        let (bodies, joints) = (model.bodies.len(), model.joints.len());
+        let (coordinates, dofs) = (model.coordinates(), model.degrees_of_freedom());
         match self {
             Self::BodyPosition => Rows::of(t.body, bodies, body::POSITION, 3),
             Self::BodyOrientation => Rows::of(t.body, bodies, body::ORIENTATION, 4),
@@ -107,8 +104,13 @@ impl Quantity {
 
 impl<T: Float> Outputs<'_, T> {
     /// Copies a quantity of all worlds: `out[world][row][number]`.
-    pub(crate) fn read(&self, quantity: Quantity, out: &mut [T]) -> Result<(), SimulationError> {
-        let offsets = quantity.rows(self.tables).offsets();
+    pub(crate) fn read(
+        &self,
+        model: &Model,
+        quantity: Quantity,
+        out: &mut [T],
+    ) -> Result<(), SimulationError> {
+        let offsets = quantity.rows(self.tables, model).offsets();
         length("the array", out.len(), self.worlds() * offsets.len())?;
         self.memory.gather(&offsets, out);
         Ok(())

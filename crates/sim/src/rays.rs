@@ -4,7 +4,7 @@
 //! about them, in single precision and grown by its error, tell which to try.
 
 use crate::Simulation;
-use crate::error::{MOST_MOTION, SimulationError, index};
+use crate::error::{MOST_MOTION, SimulationError, index, length};
 use crate::meshes::Triangles;
 use collide::ray::{Line, Sheared};
 use glam::{DVec3, Vec3};
@@ -285,7 +285,7 @@ impl<T: Float> Simulation<T> {
         let ray = ray.checked(0)?;
         let bodies = self.placements(world);
         let meshes = self.triangles(world);
-        let solids = self.solids(world, &bodies, meshes)?;
+        let solids = self.solids(world, &bodies, meshes, None)?;
         let hits = solids.iter().filter_map(|s| s.meet(&ray).transpose());
         let hits = hits.collect::<Result<Vec<_>, _>>()?;
         Ok(hits.into_iter().reduce(nearer))
@@ -306,10 +306,46 @@ impl<T: Float> Simulation<T> {
         let rays = rays.collect::<Result<Vec<_>, _>>()?;
         let bodies = self.placements(world);
         let meshes = self.triangles(world);
-        let scene = Scene::new(self.solids(world, &bodies, meshes)?)?;
+        let scene = Scene::new(self.solids(world, &bodies, meshes, None)?)?;
         let parts = rays.par_iter().with_min_len(RAYS_AT_A_TIME);
         self.threads
             .run(|| parts.map(|ray| scene.first(ray)).collect())
+    }
+
+    /// As [`cast_rays`](Simulation::cast_rays) in many worlds at once, which threads share: the rays of
+    /// `worlds[i]` are the i-th of as many equal parts of `rays`. They pass through the shapes of
+    /// `except`, as those of a sensor do through the body that it is mounted on.
+    ///
+    /// # Errors
+    /// As [`cast_rays`](Simulation::cast_rays); a number of rays that is no multiple of that of the worlds.
+    pub fn cast_rays_in_worlds(
+        &mut self,
+        worlds: &[usize],
+        rays: &[Ray],
+        except: Option<BodyId>,
+    ) -> Result<Vec<Option<RayHit>>, SimulationError> {
+        let count = self.worlds();
+        worlds.iter().try_for_each(|&w| index("world", w, count))?;
+        let each = rays.len() / worlds.len().max(1);
+        length("rays of the worlds", rays.len(), each * worlds.len())?;
+        if each == 0 {
+            return Ok(Vec::new());
+        }
+        let rays = rays.iter().enumerate().map(|(i, ray)| ray.checked(i));
+        let rays = rays.collect::<Result<Vec<_>, _>>()?;
+        let placed: Vec<_> = worlds
+            .iter()
+            .map(|&world| (world, self.placements(world), self.triangles(world)))
+            .collect();
+        let cast = |((world, bodies, meshes), rays): ((usize, Vec<Pose>, _), &[Ray])| {
+            let scene = Scene::new(self.solids(world, &bodies, meshes, except)?)?;
+            rays.iter()
+                .map(|ray| scene.first(ray))
+                .collect::<Result<Vec<_>, SimulationError>>()
+        };
+        let parts = placed.into_par_iter().zip(rays.par_chunks(each));
+        let hits: Result<Vec<_>, _> = self.threads.run(|| parts.map(cast).collect());
+        Ok(hits?.concat())
     }
 
     /// Of each body of a world where it is now, with an orientation of unit length to double precision.
@@ -332,16 +368,17 @@ impl<T: Float> Simulation<T> {
         triangles
     }
 
-    /// The shapes of a world, on bodies that are placed so.
+    /// The shapes of a world but those of one body, on bodies that are placed so.
     fn solids(
         &self,
         world: usize,
         bodies: &[Pose],
         meshes: Vec<Option<Arc<Triangles>>>,
+        except: Option<BodyId>,
     ) -> Result<Vec<Solid<'_>>, SimulationError> {
         let shapes = self.shapes(world).iter().zip(meshes).enumerate();
         shapes
-            .filter(|(_, (shape, _))| !shape.sensor)
+            .filter(|(_, (shape, _))| !shape.sensor && (except.is_none() || shape.body != except))
             .map(|(i, (shape, mesh))| Solid::new(ShapeId(i), shape, mesh, bodies))
             .collect()
     }

@@ -7,7 +7,7 @@ use crate::events::Watcher;
 use crate::jobs::Lane;
 use crate::meshes::Meshes;
 use crate::threads::Threads;
-use crate::{Controls, Outputs, Quantity, SimulationSettings, Snapshot};
+use crate::{Controls, Inputs, Outputs, Quantity, SimulationSettings, Snapshot};
 use glam::DQuat;
 use model::{JointId, JointKind, Model, Shape};
 use numbers::dispatch::Isa;
@@ -57,6 +57,8 @@ pub struct Simulation<T: Float> {
     pub(crate) input_tables: InputTables,
     pub(crate) output_tables: OutputTables,
     pub(crate) time: Vec<f64>,
+    /// How often each world was set, reset or restored.
+    begun: Vec<u64>,
     pub(crate) reported: Reported,
     pub(crate) diverged: Vec<Diverged>,
     pub(crate) watcher: Option<Watcher>,
@@ -179,6 +181,7 @@ impl<T: Float> Simulation<T> {
             output: memory(lengths.output),
             parameters: in_lanes(shared.engine.parameters(), width, width),
             own: HashMap::new(),
+            begun: vec![0; settings.worlds],
             input_tables: InputTables::new(&model),
             output_tables: shared.engine.outputs(),
             time: vec![0.0; settings.worlds],
@@ -224,6 +227,13 @@ impl<T: Float> Simulation<T> {
     /// Panics where the world does not exist, as an array would.
     pub fn time(&self, world: usize) -> f64 {
         self.time[world]
+    }
+    /// How often a world was set, reset or restored since the simulation was made: where this number is
+    /// the same, the world has only been stepped meanwhile.
+    ///
+    /// Panics where the world does not exist, as an array would.
+    pub fn begun(&self, world: usize) -> u64 {
+        self.begun[world]
     }
     /// Bytes of state and controls per world.
     pub fn bytes_per_world(&self) -> usize {
@@ -342,6 +352,7 @@ impl<T: Float> Simulation<T> {
             self.input.set(world, i, T::from_f64(x));
         }
         self.time[world] = 0.0;
+        self.begun[world] += 1;
         self.diverged.retain(|d| d.world != world);
         self.take_for_granted(world);
     }
@@ -400,6 +411,14 @@ impl<T: Float> Simulation<T> {
         self.reported = Reported::Nothing;
         Controls {
             memory: &mut self.input,
+            tables: &self.input_tables,
+        }
+    }
+
+    /// The controls of all worlds, to be read.
+    pub fn inputs(&self) -> Inputs<'_, T> {
+        Inputs {
+            memory: &self.input,
             tables: &self.input_tables,
         }
     }
@@ -480,7 +499,8 @@ impl<T: Float> Simulation<T> {
         } else {
             Reported::Everything
         };
-        self.report(needed).read(quantity, out)
+        let model = self.model.clone();
+        self.report(needed).read(&model, quantity, out)
     }
 
     /// The outputs, of which at least what is needed is of the present state.
@@ -499,6 +519,18 @@ impl<T: Float> Simulation<T> {
         }
     }
 
+    /// Looks at the [`outputs`](Simulation::outputs) and at all else that can be read, in the threads of the
+    /// simulation: what rayon shares out among threads meanwhile is theirs.
+    pub fn observe<R: Send>(&mut self, look: impl FnOnce(&Self, &Outputs<'_, T>) -> R + Send) -> R {
+        self.outputs();
+        let outputs = Outputs {
+            memory: &self.output,
+            tables: &self.output_tables,
+            shapes: self.shared.engine.contact_shapes(),
+        };
+        self.threads.run(|| look(self, &outputs))
+    }
+
     /// The whole state of all worlds, to the bit.
     pub fn snapshot(&self) -> Snapshot {
         Snapshot::take(self)
@@ -511,6 +543,7 @@ impl<T: Float> Simulation<T> {
         snapshot.put_back(self)?;
         self.reported = Reported::Nothing;
         for world in 0..self.worlds() {
+            self.begun[world] += 1;
             self.take_for_granted(world);
         }
         Ok(())

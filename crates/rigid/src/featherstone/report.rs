@@ -11,7 +11,7 @@ use super::gauss_seidel;
 use super::kinematics::{kinematics, momentum, newton_euler, world_inertia};
 use super::limit;
 use super::tables::{Tables, body_field, body_link, dof, frame};
-use crate::output::{body, contact, reaction, total};
+use crate::output::{body, body_acceleration, contact, reaction, total};
 use collide::FAR;
 use numbers::functions::wrap;
 use numbers::machine::{Held, Hold};
@@ -36,6 +36,7 @@ pub(crate) fn report<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
     coordinates(k, t);
     accelerations(k, t);
     bodies(k, t);
+    body_accelerations(k, t);
     wrenches(k, t);
     if CONTACTS {
         relieve(k, t);
@@ -102,6 +103,35 @@ pub(crate) fn bodies<M: Machine>(k: &mut M, t: &Tables) {
             v.linear + v.angular.cross(at.p),
         );
         k.store_vec3(t.output.body, id, body::ANGULAR_VELOCITY, v.angular);
+    }
+}
+
+/// Accelerations of all bodies. A spatial acceleration (α, a) about O, plus gravity, is that of the point
+/// of the body at O less ω × v there (Featherstone 2008, eq. 2.47), so that a point p of it has
+/// a + α × p + ω × (v + ω × p).
+#[inline(always)]
+fn body_accelerations<M: Machine>(k: &mut M, t: &Tables) {
+    let gravity = k.vec3(t.world, k.index(0), 0);
+    for row in k.count(t.bodies) {
+        let id = k.link(t.body_links, row, body_link::BODY);
+        let n = k.link(t.body_links, row, body_link::NODE);
+        let at = placement(k, t, row).p;
+        let v = k.spatial(t.frame, n, frame::TWIST);
+        let a = k.spatial(t.frame, n, frame::BIAS) + k.spatial(t.frame, n, frame::ACCELERATION);
+        let passing = v.linear + v.angular.cross(at);
+        let linear = a.linear + gravity + a.angular.cross(at) + v.angular.cross(passing);
+        k.store_vec3(
+            t.output.body_acceleration,
+            id,
+            body_acceleration::LINEAR,
+            linear,
+        );
+        k.store_vec3(
+            t.output.body_acceleration,
+            id,
+            body_acceleration::ANGULAR,
+            a.angular,
+        );
     }
 }
 

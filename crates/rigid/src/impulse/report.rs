@@ -3,7 +3,7 @@
 use super::layout::{Impulse, State, WORLD, pose_at};
 use super::memory::{Cached, CachedPoint};
 use super::tables::mass;
-use crate::output::{body, contact, reaction, total};
+use crate::output::{body, body_acceleration, contact, reaction, total};
 use collide::FAR;
 use glam::DVec3;
 use numbers::Float;
@@ -20,21 +20,30 @@ impl Impulse {
     }
 
     fn report_bodies<T: Float>(&self, state: &State<'_, T>, output: &mut [T]) {
+        let long = self.settings.substep();
         for (id, &row) in self.rows.iter().enumerate() {
             let frame = pose_at(state.parameters, self.frame.at(id, 0));
-            let (pose, [v, w]) = if row == WORLD {
-                (frame, [DVec3::ZERO; 2])
+            let (pose, [v, w], [a, turning]) = if row == WORLD {
+                (frame, [DVec3::ZERO; 2], [DVec3::ZERO; 2])
             } else {
                 let own = state.pose(row as usize);
                 let [v, w] = state.velocity(row as usize);
+                let [past_v, past_w] = state.before(row as usize);
                 let pose = own * frame;
-                (pose, [v + w.cross(pose.position - own.position), w])
+                let arm = pose.position - own.position;
+                // Changes of velocity over the last step, and what draws the frame inwards.
+                let [a, turning] = [v - past_v, w - past_w].map(|change| change / long);
+                let a = a + turning.cross(arm) + w.cross(w.cross(arm));
+                (pose, [v + w.cross(arm), w], [a, turning])
             };
             let at = self.output.body.at(id, 0);
             put(output, at + body::POSITION, pose.position.to_array());
             put(output, at + body::ORIENTATION, pose.orientation.to_array());
             put(output, at + body::VELOCITY, v.to_array());
             put(output, at + body::ANGULAR_VELOCITY, w.to_array());
+            let at = self.output.body_acceleration.at(id, 0);
+            put(output, at + body_acceleration::LINEAR, a.to_array());
+            put(output, at + body_acceleration::ANGULAR, turning.to_array());
             if let Some(asleep) = self.output.asleep {
                 let sleeps = f64::from(u8::from(state.sleeps(row as usize)));
                 put(output, asleep.at(id, 0), [sleeps]);

@@ -7,7 +7,7 @@ use super::reaction::{clear, through};
 use super::tables::{
     Tables, axis_field, axis_link, body_link, global, inbound, joint_link, mass, row_link,
 };
-use crate::output::{body, reaction, total};
+use crate::output::{body, body_acceleration, reaction, total};
 use numbers::functions::wrap;
 use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::Spatial;
@@ -17,6 +17,7 @@ use numbers::{Cell, Machine, Real, Vec3};
 #[inline(always)]
 pub(crate) fn report<M: Machine>(k: &mut M, t: &Tables) {
     motion(k, t);
+    body_accelerations(k, t);
     reactions(k, t);
     sums(k, t);
     if t.touches() {
@@ -45,6 +46,34 @@ fn bodies<M: Machine>(k: &mut M, t: &Tables) {
         k.store_quat(t.output.body, id, body::ORIENTATION, pose.q);
         k.store_vec3(t.output.body, id, body::VELOCITY, v);
         k.store_vec3(t.output.body, id, body::ANGULAR_VELOCITY, twist.angular);
+    }
+}
+
+/// Accelerations of all bodies: change of velocity over the last substep, and ω × (ω × r) at the arm r of
+/// the body's frame.
+#[inline(always)]
+fn body_accelerations<M: Machine>(k: &mut M, t: &Tables) {
+    let per = k.load(t.global, k.index(0), global::STEP).recip();
+    for i in k.count(t.bodies) {
+        let id = k.link(t.body_links, i, body_link::BODY);
+        let row = k.link(t.body_links, i, body_link::ROW);
+        let (own, twist) = (k.pose(t.pose, row, 0), k.spatial(t.twist, row, 0));
+        let change = (twist - k.spatial(t.before, row, 0)) * per;
+        let arm = own.q.rotate(k.pose(t.body, i, 0).p);
+        let inward = twist.angular.cross(twist.angular.cross(arm));
+        let linear = change.linear + change.angular.cross(arm) + inward;
+        k.store_vec3(
+            t.output.body_acceleration,
+            id,
+            body_acceleration::LINEAR,
+            linear,
+        );
+        k.store_vec3(
+            t.output.body_acceleration,
+            id,
+            body_acceleration::ANGULAR,
+            change.angular,
+        );
     }
 }
 

@@ -1,0 +1,220 @@
+//! Errors that are added to what is measured.
+//!
+//! Of a number x of a sensor, at sample k of a world, Δt after the one before:
+//!
+//! ```text
+//! w ← w + σ_walk √Δt z_k          random walk, 0 at a world's first sample
+//! y = x + σ_bias z + w + σ z'_k    bias, drawn once per world; white noise
+//! reading = step · round(y / step)
+//! ```
+//!
+//! with z, z', … independent normal numbers (IEEE Std 952, annex C, names these terms of gyroscopes: bias,
+//! rate random walk, angle random walk, quantisation).
+
+use crate::SensorError;
+use crate::random::{Draw, Purpose, Source};
+use numbers::Float;
+
+/// A number for all numbers of a sensor, or one for each.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Level {
+    /// The same for all.
+    All(f64),
+    /// For each number in the order of the reading.
+    Each(Vec<f64>),
+}
+
+impl Default for Level {
+    /// None.
+    fn default() -> Self {
+        Self::All(0.0)
+    }
+}
+
+impl From<f64> for Level {
+    fn from(level: f64) -> Self {
+        Self::All(level)
+    }
+}
+
+impl From<Vec<f64>> for Level {
+    fn from(levels: Vec<f64>) -> Self {
+        Self::Each(levels)
+    }
+}
+
+/// What is added to the numbers of a sensor, in their units; nothing by default.
+///
+/// Among quaternions noise is added to x, y, z, w, which are then scaled to unit length: a standard
+/// deviation s of these is one of 2 s [rad] about each axis. Distances that met nothing stay at the largest
+/// range, and none gets above it or below 0.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Noise {
+    /// Standard deviation of each sample.
+    pub deviation: Level,
+    /// Standard deviation of a bias that each world draws once, for good.
+    pub bias: Level,
+    /// By how much a second bias wanders: its standard deviation after 1 s [unit/√s]. It starts from 0
+    /// where a world begins anew.
+    pub walk: Level,
+    /// Readings are whole multiples of this; 0: of any size.
+    pub step: Level,
+}
+
+impl Noise {
+    /// White noise of this standard deviation.
+    pub fn white(deviation: impl Into<Level>) -> Self {
+        Self {
+            deviation: deviation.into(),
+            ..Self::default()
+        }
+    }
+    /// Whether it adds nothing.
+    pub fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// The noise of a sensor, number by number. What adds nothing is empty.
+#[derive(Clone, Debug)]
+pub(crate) struct Errors {
+    source: Source,
+    deviation: Vec<f64>,
+    bias: Vec<f64>,
+    walk: Vec<f64>,
+    step: Vec<f64>,
+    /// First numbers of quaternions.
+    quaternions: Vec<usize>,
+    /// Numbers from 0 to this, which stands for nothing.
+    range: Option<f64>,
+}
+
+impl Errors {
+    /// Of n numbers in a world.
+    pub fn new(
+        noise: &Noise,
+        source: Source,
+        (sensor, n): (&str, usize),
+        quaternions: Vec<usize>,
+        range: Option<f64>,
+    ) -> Result<Self, SensorError> {
+        let level = |what, level: &Level| expand(what, level, sensor, n);
+        Ok(Self {
+            source,
+            deviation: level("the standard deviation of its noise", &noise.deviation)?,
+            bias: level("the standard deviation of its bias", &noise.bias)?,
+            walk: level("the random walk of its bias", &noise.walk)?,
+            step: level("the step of its readings", &noise.step)?,
+            quaternions,
+            range,
+        })
+    }
+    /// Whether it keeps a random walk.
+    pub fn walks(&self) -> bool {
+        !self.walk.is_empty()
+    }
+    fn adds(&self) -> bool {
+        !(self.deviation.is_empty() && self.bias.is_empty() && self.walk.is_empty())
+    }
+
+    /// Turns the numbers x of a sample, `elapsed` [s] after the one before, into what is read. `walk` are
+    /// the biases that wander, if any does.
+    pub fn apply<T: Float>(&self, draw: Draw, elapsed: f64, walk: &mut [f64], x: &mut [T]) {
+        if self.adds() {
+            self.add(draw, elapsed, walk, x);
+            for &first in &self.quaternions {
+                normalize(&mut x[first..first + 4]);
+            }
+        }
+        for (x, &step) in x.iter_mut().zip(&self.step) {
+            if step > 0.0 && !self.is_nothing(*x) {
+                *x = T::from_f64((x.to_f64() / step).round() * step);
+            }
+        }
+    }
+
+    fn add<T: Float>(&self, draw: Draw, elapsed: f64, walk: &mut [f64], x: &mut [T]) {
+        let n = x.len();
+        if self.walks() {
+            let spread = elapsed.sqrt();
+            self.source.each(Purpose::Walk, draw, n, |i, z| {
+                walk[i] += self.walk[i] * spread * z;
+            });
+            self.sum(x, |i| walk[i]);
+        }
+        if !self.bias.is_empty() {
+            let once = Draw {
+                sample: 0,
+                episode: 0,
+                ..draw
+            };
+            let each = |i: usize, z: f64| self.shift(&mut x[i], self.bias[i] * z);
+            self.source.each(Purpose::Bias, once, n, each);
+        }
+        if !self.deviation.is_empty() {
+            let each = |i: usize, z: f64| self.shift(&mut x[i], self.deviation[i] * z);
+            self.source.each(Purpose::White, draw, n, each);
+        }
+    }
+    fn sum<T: Float>(&self, x: &mut [T], by: impl Fn(usize) -> f64) {
+        for (i, x) in x.iter_mut().enumerate() {
+            self.shift(x, by(i));
+        }
+    }
+    fn shift<T: Float>(&self, x: &mut T, by: f64) {
+        if !self.is_nothing(*x) {
+            let moved = x.to_f64() + by;
+            let most = self.range.unwrap_or(f64::INFINITY);
+            let least = if self.range.is_some() { 0.0 } else { -most };
+            *x = T::from_f64(moved.clamp(least, most));
+        }
+    }
+    /// A distance to nothing.
+    fn is_nothing<T: Float>(&self, x: T) -> bool {
+        self.range.is_some_and(|range| x >= T::from_f64(range))
+    }
+}
+
+/// A level for each number, or none where all are 0.
+fn expand(
+    what: &'static str,
+    level: &Level,
+    sensor: &str,
+    n: usize,
+) -> Result<Vec<f64>, SensorError> {
+    let levels = match level {
+        Level::All(level) => vec![*level; n],
+        Level::Each(levels) => levels.clone(),
+    };
+    if levels.len() != n {
+        return Err(SensorError::Length {
+            sensor: sensor.into(),
+            what,
+            found: levels.len(),
+            expected: n,
+        });
+    }
+    match levels.iter().find(|x| !(0.0..=1e9).contains(*x)) {
+        Some(bad) => Err(SensorError::OutOfRange {
+            sensor: sensor.into(),
+            what,
+            value: bad.to_string(),
+            must: "from 0 to 1e9, in the reading's unit",
+        }),
+        None if levels.iter().all(|x| *x == 0.0) => Ok(Vec::new()),
+        None => Ok(levels),
+    }
+}
+
+/// Scales a quaternion to unit length.
+fn normalize<T: Float>(q: &mut [T]) {
+    let length = q
+        .iter()
+        .map(|x| x.to_f64().powi(2))
+        .sum::<f64>()
+        .sqrt()
+        .max(1e-30);
+    for x in q {
+        *x = T::from_f64(x.to_f64() / length);
+    }
+}

@@ -1,0 +1,519 @@
+//! The sensors of all worlds of a simulation.
+
+use crate::SensorError;
+use crate::check::{self, Check};
+use crate::clock::Clock;
+use crate::images::Camera;
+use crate::measure::Look;
+use crate::noise::Errors;
+use crate::random::{Draw, Source};
+use crate::sensor::{Mount, Sensor, SensorKind, directions};
+use glam::DVec3;
+use model::{BodyId, Model, Pose};
+use numbers::Float;
+use rayon::prelude::*;
+use render::Images;
+use sim::{Diverged, Ray, Simulation};
+use std::sync::Arc;
+
+/// What sensors measure in all worlds of a simulation.
+///
+/// Readings hold from sample to sample. A sample of rate r that is due at time k/r of a world is taken when
+/// [`update`](Self::update) is called at or after it; [`step`](Self::step) calls it at the first step
+/// at or after. Where several are due at once, one is taken. Each world has its own time: one that is set,
+/// reset or restored is sampled anew, and one that diverged keeps what was measured last.
+///
+/// Noise is a function of the seed, the sensor's name, the world, how often that has begun anew, and the
+/// sample: whatever the number of worlds and threads.
+#[derive(Clone, Debug)]
+pub struct Sensors<T: Float> {
+    pub(crate) model: Arc<Model>,
+    pub(crate) seed: u64,
+    pub(crate) channels: Vec<Channel<T>>,
+    pub(crate) worlds: Vec<World>,
+}
+
+/// What is remembered of a world.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct World {
+    /// [`Simulation::begun`] when it was last looked at; `None`: it may be anything.
+    pub begun: Option<u64>,
+    /// How often it has begun anew since the sensors were made.
+    pub episode: u32,
+    /// It has not diverged.
+    runs: bool,
+}
+
+impl World {
+    /// That has begun anew so often, and may have been set meanwhile.
+    pub fn new(episode: u32) -> Self {
+        Self {
+            begun: None,
+            episode,
+            runs: true,
+        }
+    }
+}
+
+/// A sensor in all worlds.
+#[derive(Clone, Debug)]
+pub(crate) struct Channel<T> {
+    pub sensor: Sensor,
+    clock: Clock,
+    errors: Errors,
+    /// Worlds, then those of one world.
+    pub shape: Vec<usize>,
+    /// Of each world.
+    pub samples: Vec<Sampled>,
+    /// Time of each world's last sample [s].
+    pub time: Vec<f64>,
+    /// World after world.
+    pub numbers: Vec<T>,
+    /// Biases that wander, world after world.
+    pub walk: Vec<f64>,
+    /// Of a sensor that casts rays: their directions in its mount's axes.
+    rays: Vec<DVec3>,
+    pub camera: Option<Camera>,
+}
+
+/// The samples that a sensor has taken in a world.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Sampled {
+    /// The last one, counted from 0 at the world's time 0; `None` before the first.
+    pub last: Option<u64>,
+    /// The one to be taken now, if any.
+    due: Option<u64>,
+    /// Time since the one before [s].
+    elapsed: f64,
+}
+
+/// Numbers of a sensor in all worlds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading<'a, T> {
+    /// World after world, each as its [`SensorKind`] says.
+    pub numbers: &'a [T],
+    /// Number of worlds, then the shape of a world's numbers.
+    pub shape: &'a [usize],
+    /// Time of each world's last sample [s].
+    pub time: &'a [f64],
+}
+
+/// Images of a camera in all worlds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImageReading<'a> {
+    /// One image of each channel and world.
+    pub images: &'a Images,
+    /// Time of each world's last sample [s].
+    pub time: &'a [f64],
+}
+
+impl<T: Float> Sensors<T> {
+    /// Sensors for a simulation, sampled for the first time.
+    ///
+    /// # Errors
+    /// The first fault found: names that are empty or not unique; bodies and joints that do not exist;
+    /// numbers that are not finite or out of range; noise of the wrong length; what the kind does not take.
+    pub fn new(
+        simulation: &mut Simulation<T>,
+        sensors: Vec<Sensor>,
+        seed: u64,
+    ) -> Result<Self, SensorError> {
+        check::names(&sensors)?;
+        let model = Arc::clone(simulation.model());
+        let worlds = simulation.worlds();
+        let channel = |sensor| Channel::new(sensor, &model, worlds, seed);
+        let channels = sensors.into_iter().map(channel).collect::<Result<_, _>>()?;
+        let mut sensors = Self {
+            model,
+            seed,
+            channels,
+            worlds: vec![World::new(0); worlds],
+        };
+        sensors.update(simulation)?;
+        Ok(sensors)
+    }
+
+    /// The sensors, in the order they were given.
+    pub fn sensors(&self) -> impl ExactSizeIterator<Item = &Sensor> {
+        self.channels.iter().map(|channel| &channel.sensor)
+    }
+    /// Number of worlds.
+    pub fn worlds(&self) -> usize {
+        self.worlds.len()
+    }
+    /// Row of the sensor of this name.
+    ///
+    /// # Errors
+    /// There is none; says which there are.
+    pub fn row(&self, name: &str) -> Result<usize, SensorError> {
+        let found = self.sensors().position(|sensor| sensor.name == name);
+        found.ok_or_else(|| SensorError::UnknownName {
+            name: name.into(),
+            known: self.known(),
+        })
+    }
+    fn known(&self) -> String {
+        let names: Vec<_> = self.sensors().map(|s| format!("`{}`", s.name)).collect();
+        if names.is_empty() {
+            "none".into()
+        } else {
+            names.join(", ")
+        }
+    }
+    fn channel(&self, row: usize) -> Result<&Channel<T>, SensorError> {
+        let count = self.channels.len();
+        let channel = self.channels.get(row);
+        channel.ok_or(SensorError::NoSuchRow { row, count })
+    }
+
+    /// What the sensor of this name measured last.
+    ///
+    /// # Errors
+    /// There is none, or it is a camera.
+    pub fn reading(&self, name: &str) -> Result<Reading<'_, T>, SensorError> {
+        self.reading_at(self.row(name)?)
+    }
+    /// What the sensor in this row measured last.
+    ///
+    /// # Errors
+    /// There is none, or it is a camera.
+    pub fn reading_at(&self, row: usize) -> Result<Reading<'_, T>, SensorError> {
+        let channel = self.channel(row)?;
+        if channel.camera.is_some() {
+            return Err(SensorError::OtherReading {
+                sensor: channel.sensor.name.clone(),
+                is: "a camera",
+                call: "images",
+            });
+        }
+        Ok(Reading {
+            numbers: &channel.numbers,
+            shape: &channel.shape,
+            time: &channel.time,
+        })
+    }
+    /// What the camera of this name saw last.
+    ///
+    /// # Errors
+    /// There is none, or it is no camera.
+    pub fn images(&self, name: &str) -> Result<ImageReading<'_>, SensorError> {
+        self.images_at(self.row(name)?)
+    }
+    /// What the camera in this row saw last.
+    ///
+    /// # Errors
+    /// There is none, or it is no camera.
+    pub fn images_at(&self, row: usize) -> Result<ImageReading<'_>, SensorError> {
+        let channel = self.channel(row)?;
+        let Some(camera) = &channel.camera else {
+            return Err(SensorError::OtherReading {
+                sensor: channel.sensor.name.clone(),
+                is: "no camera",
+                call: "reading",
+            });
+        };
+        Ok(ImageReading {
+            images: &camera.images,
+            time: &channel.time,
+        })
+    }
+
+    /// Advances the simulation by `steps` time steps and misses no sample; returns the worlds that diverged
+    /// meanwhile, which keep what was measured last.
+    ///
+    /// # Errors
+    /// As [`update`](Self::update); the simulation then stands at the sample that failed.
+    pub fn step(
+        &mut self,
+        simulation: &mut Simulation<T>,
+        steps: usize,
+    ) -> Result<Vec<Diverged>, SensorError> {
+        let mut diverged = Vec::new();
+        let mut left = steps;
+        self.update(simulation)?;
+        while left > 0 {
+            let slice = self.steps_until_next(simulation).min(left);
+            diverged.extend_from_slice(simulation.step(slice));
+            left -= slice;
+            self.update(simulation)?;
+        }
+        Ok(diverged)
+    }
+
+    /// Takes all samples that are due at the time of each world.
+    ///
+    /// # Errors
+    /// The simulation is of another model or number of worlds; a mesh that rays do not meet; an image that
+    /// cannot be drawn. The sensors before the one at fault have been sampled; it and all others are as
+    /// before.
+    pub fn update(&mut self, simulation: &mut Simulation<T>) -> Result<(), SensorError> {
+        self.recognise(simulation)?;
+        self.look_at_worlds(simulation);
+        let h = simulation.settings().step.time_step;
+        for channel in &mut self.channels {
+            if channel.find_due(simulation, h, &self.worlds) {
+                channel.sample(simulation, &self.worlds)?;
+                channel.note(simulation);
+            }
+        }
+        Ok(())
+    }
+
+    /// Models are compared once, where they are not the same in memory.
+    fn recognise(&mut self, simulation: &Simulation<T>) -> Result<(), SensorError> {
+        let model = simulation.model();
+        if simulation.worlds() != self.worlds() {
+            return Err(SensorError::OtherSimulation);
+        }
+        if !Arc::ptr_eq(model, &self.model) {
+            if **model != *self.model {
+                return Err(SensorError::OtherSimulation);
+            }
+            self.model = Arc::clone(model);
+        }
+        Ok(())
+    }
+
+    /// Finds which worlds run, and forgets the samples of those that were set meanwhile.
+    fn look_at_worlds(&mut self, simulation: &Simulation<T>) {
+        self.worlds.iter_mut().for_each(|world| world.runs = true);
+        for diverged in simulation.diverged() {
+            self.worlds[diverged.world].runs = false;
+        }
+        for (index, world) in self.worlds.iter_mut().enumerate() {
+            let now = simulation.begun(index);
+            if world.begun.replace(now).is_some_and(|begun| begun != now) {
+                world.episode = world.episode.wrapping_add(1);
+                for channel in &mut self.channels {
+                    channel.forget(index);
+                }
+            }
+        }
+    }
+
+    /// How many steps until any sensor is due in any world that runs, as of the last update.
+    fn steps_until_next(&self, simulation: &Simulation<T>) -> usize {
+        let h = simulation.settings().step.time_step;
+        let running = || (0..self.worlds()).filter(|&world| self.worlds[world].runs);
+        let next = self.channels.iter().flat_map(|channel| {
+            running().map(|world| {
+                let last = channel.samples[world].last.unwrap_or(0);
+                let time = simulation.time(world);
+                channel.clock.steps_until_next(time, h, last)
+            })
+        });
+        next.min().unwrap_or(usize::MAX)
+    }
+}
+
+/// Threads take so many worlds at a time.
+const WORLDS_AT_A_TIME: usize = 64;
+
+impl<T: Float> Channel<T> {
+    fn new(sensor: Sensor, model: &Model, worlds: usize, seed: u64) -> Result<Self, SensorError> {
+        let check = Check {
+            sensor: &sensor,
+            model,
+        };
+        let (of_world, quaternions) = check.layout()?;
+        let n: usize = of_world.iter().product();
+        let range = match &sensor.kind {
+            SensorKind::Rangefinder { max_range, .. } | SensorKind::Lidar { max_range, .. } => {
+                Some(*max_range)
+            }
+            _ => None,
+        };
+        let source = Source::new(seed, &sensor.name);
+        let size = (sensor.name.as_str(), n);
+        let errors = Errors::new(&sensor.noise, source, size, quaternions, range)?;
+        let camera = match &sensor.kind {
+            SensorKind::Camera { view } => Some(Camera::new(&sensor.name, *view, model, worlds)?),
+            _ => None,
+        };
+        Ok(Self {
+            clock: Clock { rate: sensor.rate },
+            shape: [vec![worlds], of_world].concat(),
+            samples: vec![Sampled::default(); worlds],
+            time: vec![0.0; worlds],
+            numbers: vec![T::zero(); worlds * n],
+            walk: vec![0.0; if errors.walks() { worlds * n } else { 0 }],
+            rays: directions(&sensor.kind),
+            errors,
+            camera,
+            sensor,
+        })
+    }
+
+    /// Numbers in a world.
+    fn each(&self) -> usize {
+        self.shape[1..].iter().product()
+    }
+    fn forget(&mut self, world: usize) {
+        self.samples[world].last = None;
+        if !self.walk.is_empty() {
+            let n = self.each();
+            self.walk[world * n..][..n].fill(0.0);
+        }
+    }
+
+    /// Finds which samples are due now; whether there are any.
+    fn find_due(&mut self, simulation: &Simulation<T>, h: f64, worlds: &[World]) -> bool {
+        let mut any = false;
+        for (world, sampled) in self.samples.iter_mut().enumerate() {
+            let now = self.clock.sample(simulation.time(world), h);
+            let due = worlds[world].runs && sampled.last != Some(now);
+            sampled.due = due.then_some(now);
+            let passed = sampled.last.map_or(0, |last| now.saturating_sub(last));
+            sampled.elapsed = passed as f64 * self.clock.period(h);
+            any |= sampled.due.is_some();
+        }
+        any
+    }
+    fn due(&self) -> Vec<usize> {
+        let due = |world: &usize| self.samples[*world].due.is_some();
+        (0..self.samples.len()).filter(due).collect()
+    }
+    /// Those that were due have been taken.
+    fn note(&mut self, simulation: &Simulation<T>) {
+        for (world, sampled) in self.samples.iter_mut().enumerate() {
+            if let Some(now) = sampled.due.take() {
+                sampled.last = Some(now);
+                self.time[world] = simulation.time(world);
+            }
+        }
+    }
+
+    /// Takes the samples that are due.
+    fn sample(
+        &mut self,
+        simulation: &mut Simulation<T>,
+        worlds: &[World],
+    ) -> Result<(), SensorError> {
+        match &self.sensor.kind {
+            SensorKind::Camera { .. } => return self.draw(simulation),
+            SensorKind::Rangefinder { mount, max_range }
+            | SensorKind::Lidar {
+                mount, max_range, ..
+            } => {
+                let (mount, max_range) = (*mount, *max_range);
+                self.cast(simulation, &mount, max_range)?;
+            }
+            kind => {
+                let n = self.shape[1];
+                let (samples, numbers) = (&self.samples, &mut self.numbers);
+                simulation.observe(|simulation, outputs| {
+                    for_due(samples, n, (numbers, &mut []), |world, numbers, _| {
+                        let look = Look {
+                            simulation,
+                            outputs,
+                            world,
+                        };
+                        look.measure(kind, numbers);
+                    });
+                });
+            }
+        }
+        self.add_errors(simulation, worlds);
+        Ok(())
+    }
+
+    fn add_errors(&mut self, simulation: &mut Simulation<T>, worlds: &[World]) {
+        if self.sensor.noise.is_none() {
+            return;
+        }
+        let n = self.each();
+        let (samples, errors) = (&self.samples, &self.errors);
+        let memories = (&mut self.numbers[..], &mut self.walk[..]);
+        simulation.observe(|_, _| {
+            for_due(samples, n, memories, |world, numbers, walk| {
+                let sampled = &samples[world];
+                let draw = Draw {
+                    world,
+                    episode: worlds[world].episode,
+                    sample: sampled.due.unwrap_or(0),
+                };
+                errors.apply(draw, sampled.elapsed, walk, numbers);
+            });
+        });
+    }
+
+    fn cast(
+        &mut self,
+        simulation: &mut Simulation<T>,
+        mount: &Mount,
+        max_range: f64,
+    ) -> Result<(), SensorError> {
+        let due = self.due();
+        let directions = &self.rays;
+        let rays: Vec<Ray> = simulation.observe(|simulation, outputs| {
+            let of = |&world: &usize| {
+                let at = Look {
+                    simulation,
+                    outputs,
+                    world,
+                }
+                .placed(mount);
+                directions.iter().map(move |&d| Ray {
+                    origin: at.position,
+                    direction: at.direction(d),
+                    max_distance: max_range,
+                })
+            };
+            due.iter().flat_map(of).collect()
+        });
+        let hits = simulation
+            .cast_rays_in_worlds(&due, &rays, mount.body)
+            .map_err(|source| SensorError::Rays {
+                sensor: self.sensor.name.clone(),
+                source,
+            })?;
+        let n = self.each();
+        for (hits, world) in hits.chunks_exact(n).zip(due) {
+            let numbers = &mut self.numbers[world * n..][..n];
+            for (number, hit) in numbers.iter_mut().zip(hits) {
+                *number = T::from_f64(hit.map_or(max_range, |hit| hit.distance));
+            }
+        }
+        Ok(())
+    }
+
+    fn draw(&mut self, simulation: &mut Simulation<T>) -> Result<(), SensorError> {
+        let due = self.due();
+        let Some(camera) = &mut self.camera else {
+            return Ok(());
+        };
+        simulation.observe(|simulation, outputs| {
+            let bodies = simulation.model().bodies.len();
+            let of = |&world: &usize| -> Vec<Pose> {
+                let pose = |body| outputs.body_pose(world, BodyId(body));
+                (0..bodies).map(pose).collect()
+            };
+            let poses: Vec<_> = due.iter().map(of).collect();
+            camera.draw(&due, &poses)
+        })
+    }
+}
+
+/// Runs through the worlds that are due, which threads share, with n numbers and what of their biases
+/// wanders, if any does.
+fn for_due<T: Float>(
+    samples: &[Sampled],
+    n: usize,
+    (numbers, walk): (&mut [T], &mut [f64]),
+    work: impl Fn(usize, &mut [T], &mut [f64]) + Sync,
+) {
+    let due = |world: usize| samples[world].due.is_some();
+    let numbers = numbers.par_chunks_exact_mut(n);
+    if walk.is_empty() {
+        let worlds = numbers.enumerate().with_min_len(WORLDS_AT_A_TIME);
+        worlds
+            .filter(|(world, _)| due(*world))
+            .for_each(|(world, numbers)| work(world, numbers, &mut []));
+    } else {
+        let worlds = numbers.zip(walk.par_chunks_exact_mut(n)).enumerate();
+        worlds
+            .with_min_len(WORLDS_AT_A_TIME)
+            .filter(|(world, _)| due(*world))
+            .for_each(|(world, (numbers, walk))| work(world, numbers, walk));
+    }
+}
