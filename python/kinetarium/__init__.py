@@ -11,7 +11,7 @@
 SI units; angles in radians; right-handed; quaternions x, y, z, w; sizes of shapes are half sizes.
 """
 
-from kinetarium import errors, examples
+from kinetarium import errors, examples, sensors
 from kinetarium._engine import (
     Axis,
     Body,
@@ -30,8 +30,10 @@ from kinetarium._engine import (
     parse,
 )
 from kinetarium.arrays import NamedArray
+from kinetarium.cameras import Camera, Images
 from kinetarium.errors import KinetariumError
-from kinetarium.simulation import Contacts, Event, RayHits, Simulation
+from kinetarium.simulation import Contacts, Event, Linearization, RayHits, Simulation
+from kinetarium.view import View
 
 __version__ = "0.1.0"
 
@@ -39,13 +41,16 @@ __all__ = [
     "Axis",
     "Body",
     "Builder",
+    "Camera",
     "Contacts",
     "Drive",
     "Event",
     "Geometry",
+    "Images",
     "Joint",
     "KinetariumError",
     "Limit",
+    "Linearization",
     "Material",
     "Model",
     "NamedArray",
@@ -55,8 +60,10 @@ __all__ = [
     "Shape",
     "Simulation",
     "Softness",
+    "View",
     "errors",
     "examples",
     "load",
     "parse",
+    "sensors",
 ]

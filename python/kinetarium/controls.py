@@ -58,10 +58,12 @@ class Controls:
         for name, array in self._arrays.items():
             self._simulation._engine.write_control(name, array)
 
-    def _fetch(self) -> None:
-        """Takes what the engine has, after a reset or a restore."""
+    def _fetch(self, worlds: np.ndarray) -> None:
+        """Takes what the engine has of worlds that were set; what was written for others stays."""
         for name, array in self._arrays.items():
-            self._simulation._engine.read_control(name, array)
+            numbers = np.empty(array.shape, array.dtype)
+            self._simulation._engine.read_control(name, numbers)
+            np.asarray(array)[worlds] = numbers[worlds]
 
     @property
     def force(self) -> NamedArray:

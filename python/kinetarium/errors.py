@@ -35,3 +35,15 @@ class BusyError(KinetariumError, RuntimeError):
 
 class ClosedError(KinetariumError, RuntimeError):
     """The simulation was closed."""
+
+
+class SensorError(KinetariumError, ValueError):
+    """A sensor that cannot be, such as one of a negative rate."""
+
+
+class RenderError(KinetariumError, ValueError):
+    """A camera that cannot be, or a scene that cannot be drawn."""
+
+
+class ViewerError(KinetariumError, OSError):
+    """A page that cannot be served, as where the address is taken."""

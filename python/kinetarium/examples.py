@@ -2,7 +2,7 @@
 
 >>> from kinetarium import examples
 >>> examples.dominoes(count=5)
-<Model "dominoes": 5 bodies, 5 joints, 30 degrees of freedom, 0 actuators>
+<Model "dominoes_5": 5 bodies, 5 joints, 30 degrees of freedom, 0 actuators>
 """
 
 from kinetarium._engine import (

@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from kinetarium._engine import Engine, Model
+from kinetarium._engine import Engine, Model, framing, render_view, show
 from kinetarium.arrays import checked
+from kinetarium.cameras import Camera, Images
 from kinetarium.controls import Controls
 from kinetarium.errors import ClosedError, OutOfRangeError, ShapeError, SimulationError, UnknownNameError
 from kinetarium.parameters import Parameters
+from kinetarium.sensors import Custom, Sensor, Sensors
 from kinetarium.state import State
+from kinetarium.view import View, in_notebook, open_browser
 
 Solver = Literal["auto", "featherstone", "xpbd", "impulse"]
 Integrator = Literal["semi_implicit_euler", "explicit_euler", "verlet", "runge_kutta_4"]
+Watched = Literal["contacts", "persisting_contacts", "sensors", "limits", "sleep", "divergence"]
 EventKind = Literal[
     "contact_begins",
     "contact_persists",
@@ -80,6 +85,26 @@ class Event:
     """By kind: `shapes` (rows of both), `impulse` [N·s]; `dof` and `upper`; `body`."""
 
 
+@dataclass(frozen=True)
+class Linearization:
+    """A time step about a state: δx' = state δx + control δu + force δf + …, float64.
+
+    x is (δq, q̇), of n degrees of freedom each; δq are increments in the directions of the velocities, as MuJoCo's
+    `mjd_transitionFD` has them.
+    """
+
+    state: np.ndarray
+    """A = ∂x'/∂x, shape (2n, 2n)."""
+    control: np.ndarray
+    """B = ∂x'/∂u by the controls of the actuators, shape (2n, actuators)."""
+    force: np.ndarray
+    """By the generalised forces, shape (2n, n)."""
+    target_position: np.ndarray
+    """By the drives' position targets, shape (2n, n)."""
+    target_velocity: np.ndarray
+    """By the drives' velocity targets, shape (2n, n)."""
+
+
 class Simulation:
     """W worlds of one model, advanced together.
 
@@ -109,6 +134,9 @@ class Simulation:
         projected Gauss-Seidel, the speed [m/s or rad/s] beyond which a world has diverged, the speed [m/s] below
         which bodies sleep (impulse).
 
+    sensors, seed:
+        What robots measure (see `kinetarium.sensors`), and the seed of its noise.
+
     Raises `SimulationError` for settings out of range and models that the solver cannot take. Calls that fail leave
     the simulation as it was. One thread at a time may call it: others get `BusyError`. While the engine computes,
     Python's lock is free. It can be pickled and copied: model, settings, states, controls and parameters come along.
@@ -118,7 +146,7 @@ class Simulation:
     >>> sim.controls.force[:, "hinge0"] = 0.1
     >>> sim.step(500)
     array([], dtype=int64)
-    >>> sim.state.time[7]
+    >>> float(sim.state.time[7])
     1.0
     """
 
@@ -139,6 +167,8 @@ class Simulation:
         contact_iterations: int = 8,
         speed_limit: float = 1e5,
         sleep_speed: float = 0.01,
+        sensors: Sequence[Sensor | Custom] = (),
+        seed: int = 0,
     ) -> None:
         if not isinstance(model, Model):
             raise TypeError(f"the model is a {type(model).__name__}: give a Model, as load and Builder make")
@@ -171,6 +201,9 @@ class Simulation:
         self._controls = Controls(self)
         self._state = State(self)
         self._parameters = Parameters(self)
+        self._view: View | None = None
+        self._sensors = Sensors(self, sensors, seed)
+        self._sensors._update(self)
 
     def _make(self) -> Engine:
         keywords = dict(self._settings)
@@ -233,6 +266,11 @@ class Simulation:
         return self._parameters
 
     @property
+    def sensors(self) -> Sensors:
+        """Readings of the sensors by name: `sim.sensors["imu"]`."""
+        return self._sensors
+
+    @property
     def time(self) -> np.ndarray:
         """Times of the worlds [s], shape (worlds,)."""
         return self._state.time
@@ -261,7 +299,11 @@ class Simulation:
         if steps < 0:
             raise SimulationError(f"steps is {steps}: it must not be negative")
         self._controls._send()
-        return np.array(self._engine.step(steps), np.int64)
+        if self._sensors:
+            diverged = self._sensors._step(self, self._engine, steps)
+        else:
+            diverged = self._engine.step(steps)
+        return np.array(diverged, np.int64)
 
     def _rows(self, worlds: ArrayLike | None) -> np.ndarray:
         """Worlds as numbers: all, or those of a mask, or those of a list."""
@@ -295,8 +337,14 @@ class Simulation:
             self.set_state(position, velocity, worlds=rows)
             if control.size:
                 self._controls.actuator[rows] = control
-                return
-        self._controls._fetch()
+            return
+        self._begun(rows)
+
+    def _begun(self, rows: np.ndarray) -> None:
+        """Takes over what the engine has of worlds that were set: controls, and what sensors read."""
+        self._controls._fetch(rows)
+        if self._sensors:
+            self._sensors._update(self)
 
     def set_state(
         self,
@@ -316,17 +364,18 @@ class Simulation:
         position = checked("joint_position", joint_position, (len(rows), self._model.coordinates))
         velocity = checked("joint_velocity", joint_velocity, (len(rows), self._model.degrees_of_freedom))
         self._engine.set_joint_state(rows, position, velocity, False)
-        self._controls._fetch()
+        self._begun(rows)
 
     def snapshot(self) -> bytes:
-        """States, controls and times of all worlds, to the bit."""
+        """States, controls and times of all worlds, to the bit; not what sensors carry along (pickle the simulation
+        for that)."""
         self._controls._send()
         return self._engine.snapshot()
 
     def restore(self, snapshot: bytes) -> None:
         """Returns to a snapshot of the same model, solver, dtype and number of worlds."""
         self._engine.restore(snapshot)
-        self._controls._fetch()
+        self._begun(np.arange(self._worlds))
 
     def save(self, path: str | Path) -> None:
         """Writes a snapshot to a file."""
@@ -369,12 +418,63 @@ class Simulation:
         origins, directions = checked("origins", origins, shape), checked("directions", directions, shape)
         return RayHits(*self._engine.cast_rays(self._world(world), origins, directions, max_distance))
 
-    def watch(self, *events: Literal["contacts", "persisting_contacts", "sensors", "limits", "sleep", "divergence"]) -> None:
+    def linearize(self, world: int = 0) -> Linearization:
+        """A time step linearised about the state of a world: exact derivatives of the solver's own step in float64,
+        with the controls as they stand. `featherstone` only; others raise `SimulationError`.
+
+        >>> import kinetarium as kn
+        >>> step = kn.Simulation(kn.examples.n_pendula(2), dt=0.01).linearize()
+        >>> step.state.shape, step.force.shape
+        ((4, 4), (4, 2))
+        """
+        self._controls._send()
+        return Linearization(**self._engine.linearize(self._world(world)))
+
+    def render(self, camera: Camera | None = None, *, worlds: ArrayLike | None = None) -> Images:
+        """What a camera sees in some worlds (all by default), on the CPU, without a window.
+
+        Without a camera: colours, 640 × 480, of the first world given, from where all its bodies are in the image.
+        Raises `RenderError`.
+        """
+        rows = self._rows(worlds)
+        if camera is None:
+            rows = rows[:1]
+            camera = Camera(samples=2)
+            place = framing(self._engine, self._model, int(rows[0]), camera.width, camera.height)
+            position, orientation, angle = place
+            camera = replace(
+                camera, position=tuple(position), orientation=tuple(orientation), field_of_view=angle
+            )
+        view = camera._view(self._model)
+        return Images(**render_view(self._engine, self._model, view, rows))
+
+    def view(
+        self,
+        *,
+        address: str | None = None,
+        token: str | None = None,
+        browser: bool = True,
+        height: int = 600,
+    ) -> View:
+        """Shows the worlds on a page while the program goes on: in a browser where there is one, in a frame of the
+        given height [pixel] in a notebook; where there is neither, the address is printed.
+
+        The page watches what `step` does, and steers: run, step, drag bodies, set targets, plot, look back. It is
+        served at a free port of the loopback address, or at `address` ("0.0.0.0:7357"), which wants a `token`.
+        It stays until `View.close`, or until the simulation is gone. Raises `ViewerError`.
+        """
+        if self._view is None or not self._view.is_open:
+            self._view = View(show(self._engine, address, token), height)
+        if not in_notebook() and not (browser and open_browser(self._view.url)):
+            print(self._view.url, flush=True)
+        return self._view
+
+    def watch(self, *events: Watched) -> None:
         """Chooses which events are told from now on, by kind; none to begin with, and none without arguments.
 
         Watching costs a report of every substep.
         """
-        kinds = ("contacts", "persisting_contacts", "sensors", "limits", "sleep", "divergence")
+        kinds = get_args(Watched)
         for event in events:
             if event not in kinds:
                 raise UnknownNameError(f'there are no events "{event}"; known are {", ".join(kinds)}')
@@ -387,6 +487,8 @@ class Simulation:
     def close(self) -> None:
         """Frees the worlds now rather than with the object; later calls raise `ClosedError`."""
         if not self._closed:
+            if self._view is not None:
+                self._view.close()
             self._engine.close()
             self._closed = True
 
@@ -415,6 +517,9 @@ class Simulation:
             "settings": self._settings,
             "parameters": own,
             "snapshot": self.snapshot(),
+            "sensors": self._sensors.list,
+            "seed": self._sensors.seed,
+            "readings": self._sensors._save(),
         }
 
     def _own_parameters(self) -> list[str]:
@@ -428,8 +533,14 @@ class Simulation:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__init__(  # type: ignore[misc]
-            state["model"], state["worlds"], dtype=state["dtype"], **state["settings"]
+            state["model"],
+            state["worlds"],
+            dtype=state["dtype"],
+            sensors=state["sensors"],
+            seed=state["seed"],
+            **state["settings"],
         )
         for name, numbers in state["parameters"].items():
             setattr(self._parameters, name, numbers)
         self.restore(state["snapshot"])
+        self._sensors._restore(state["readings"])

@@ -46,9 +46,9 @@ class State:
     >>> import kinetarium as kn
     >>> sim = kn.Simulation(kn.examples.n_pendula(3), worlds=2, dtype="float64")
     >>> sim.state.joint_position[1, "hinge0"] = 0.5
-    >>> sim.state.joint_position
-    NamedArray([[0. , 0. , 0. ],
-                [0.5, 0. , 0. ]])
+    >>> sim.state.joint_position.round(3)
+    array([[1.571, 0.   , 0.   ],
+           [0.5  , 0.   , 0.   ]])
     >>> sim.state.body_position[:, "link2"].shape
     (2, 3)
     """

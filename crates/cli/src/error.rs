@@ -6,7 +6,6 @@ use kinetarium::sim::SimulationError;
 use render::RenderError;
 use session::SessionError;
 use std::path::PathBuf;
-use std::process::ExitCode;
 use viewer::ViewerError;
 
 #[derive(Debug, thiserror::Error)]
@@ -67,10 +66,10 @@ pub enum Error {
 
 impl Error {
     /// 2 where options or files are wrong, 1 where the work failed.
-    pub fn exit_code(&self) -> ExitCode {
+    pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Write { .. } | Self::AllDiverged { .. } => ExitCode::from(1),
-            _ => ExitCode::from(2),
+            Self::Write { .. } | Self::AllDiverged { .. } => 1,
+            _ => 2,
         }
     }
 }

@@ -34,10 +34,15 @@ pub fn file(error: FormatError) -> PyErr {
 
 /// A simulation that refuses a call.
 pub fn simulation(error: SimulationError) -> PyErr {
+    raise(class(&error), error.to_string())
+}
+
+fn class(error: &SimulationError) -> &'static str {
     match error {
-        SimulationError::Model(error) => model(error),
-        SimulationError::Index { .. } => raise("OutOfRangeError", error.to_string()),
-        _ => raise("SimulationError", error.to_string()),
+        SimulationError::InWorld { why, .. } => class(why),
+        SimulationError::Model(_) => "ModelError",
+        SimulationError::Index { .. } => "OutOfRangeError",
+        _ => "SimulationError",
     }
 }
 

@@ -7,12 +7,15 @@
 #![forbid(unsafe_code)]
 
 mod builder;
+mod camera;
 mod error;
 mod examples;
 mod geometry;
 mod joint;
 mod model;
+mod sensors;
 mod simulation;
+mod viewer;
 
 use pyo3::prelude::*;
 
@@ -20,6 +23,8 @@ use pyo3::prelude::*;
 mod _engine {
     #[pymodule_export]
     use crate::builder::{Body, Builder, Joint, Object, Replica};
+    #[pymodule_export]
+    use crate::camera::{View, framing, looking, render_view};
     #[pymodule_export]
     use crate::examples::{
         arch, ball_joint, balls, billiards, card_house, dominoes, n_pendula, pile, prismatic,
@@ -32,5 +37,9 @@ mod _engine {
     #[pymodule_export]
     use crate::model::{Model, load, parse};
     #[pymodule_export]
+    use crate::sensors::{Measurement, SensorArray};
+    #[pymodule_export]
     use crate::simulation::Engine;
+    #[pymodule_export]
+    use crate::viewer::{Viewer, run_program, show};
 }

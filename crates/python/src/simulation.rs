@@ -2,6 +2,7 @@
 
 use crate::error;
 use crate::model::{Model, parameter};
+use derivatives::{LinearizeError, linearize};
 use glam::DVec3;
 use kinetarium::model::BodyId;
 use kinetarium::rigid::{Integrator, Settings};
@@ -9,29 +10,41 @@ use kinetarium::sim::{
     Control, EventKind, Parameter, Quantity, Ray, Simulation, SimulationError, SimulationSettings,
     Snapshot, SolverKind, Watch,
 };
+use numpy::ndarray::Dimension;
 use numpy::{
-    Element, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
-    ToPyArray,
+    Element, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray, PyReadonlyArray1,
+    PyReadonlyArray2, PyReadwriteArrayDyn, PyUntypedArrayMethods, ToPyArray,
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use std::sync::{Mutex, TryLockError};
+use session::Shared;
+use std::sync::{Arc, Mutex, TryLockError};
 
-/// A simulation in the precision that was asked for.
-enum Precise {
-    Single(Simulation<f32>),
-    Double(Simulation<f64>),
+/// A simulation in the precision that was asked for, which a page may be watching.
+#[derive(Clone)]
+pub enum Precise {
+    Single(Arc<Shared<f32>>),
+    Double(Arc<Shared<f64>>),
 }
 
-/// The same text for both precisions.
+/// The same text for both precisions: the simulation as it is taken by `read` or `change`.
 macro_rules! each {
-    ($precise:expr, $simulation:ident => $body:expr) => {
+    ($precise:expr, $take:ident, $simulation:ident => $body:expr) => {
         match $precise {
-            Precise::Single($simulation) => $body,
-            Precise::Double($simulation) => $body,
+            Precise::Single(shared) => {
+                let mut guard = shared.$take();
+                let $simulation = &mut guard;
+                $body
+            }
+            Precise::Double(shared) => {
+                let mut guard = shared.$take();
+                let $simulation = &mut guard;
+                $body
+            }
         }
     };
 }
+pub(crate) use each;
 
 /// W worlds of one model. All calls copy between arrays and the blocks in which worlds lie, and leave Python's lock
 /// free while they compute; arrays are contiguous and of the simulation's precision.
@@ -42,12 +55,21 @@ pub struct Engine {
 
 impl Engine {
     /// Does something with the simulation, without Python's lock.
-    fn with<R: Send>(
+    pub fn with<R: Send>(
         &self,
         py: Python<'_>,
-        act: impl FnOnce(&mut Precise) -> Result<R, SimulationError> + Send,
+        act: impl FnOnce(&Precise) -> Result<R, SimulationError> + Send,
     ) -> PyResult<R> {
-        let mut simulation = match self.simulation.try_lock() {
+        self.attempt(py, |s| act(s).map_err(error::simulation))
+    }
+
+    /// The same for what fails in other ways.
+    pub fn attempt<R: Send>(
+        &self,
+        py: Python<'_>,
+        act: impl FnOnce(&Precise) -> PyResult<R> + Send,
+    ) -> PyResult<R> {
+        let simulation = match self.simulation.try_lock() {
             Ok(simulation) => simulation,
             Err(TryLockError::WouldBlock) => {
                 let message = "another thread is using this simulation: one call at a time, or a simulation \
@@ -59,11 +81,11 @@ impl Engine {
                 return Err(error::raise("ClosedError", message.into()));
             }
         };
-        let Some(simulation) = simulation.as_mut() else {
+        let Some(precise) = &*simulation else {
             let message = "the simulation is closed: make it anew";
             return Err(error::raise("ClosedError", message.into()));
         };
-        py.detach(|| act(simulation)).map_err(error::simulation)
+        py.detach(|| act(precise))
     }
 }
 
@@ -108,11 +130,27 @@ fn array<'a, 'py, T: Element>(x: &'a Bound<'py, PyAny>) -> PyResult<&'a Bound<'p
     })
 }
 
-fn contiguous<E>(_: E) -> PyErr {
-    error::raise(
-        "ShapeError",
-        "the array must be contiguous, in the order of C".into(),
-    )
+/// The numbers of an array in the order of C.
+fn slice<'a, T: Element, D: Dimension>(array: &'a PyReadonlyArray<'_, T, D>) -> PyResult<&'a [T]> {
+    if array.is_c_contiguous() {
+        array.as_slice().map_err(|_| not_contiguous())
+    } else {
+        Err(not_contiguous())
+    }
+}
+
+fn not_contiguous() -> PyErr {
+    let message = "the array must be contiguous, in the order of C";
+    error::raise("ShapeError", message.into())
+}
+
+/// The same, to be written to.
+fn contiguous<'a, T: Element>(array: &'a mut PyReadwriteArrayDyn<'_, T>) -> PyResult<&'a mut [T]> {
+    if array.is_c_contiguous() {
+        array.as_slice_mut().map_err(|_| not_contiguous())
+    } else {
+        Err(not_contiguous())
+    }
 }
 
 fn read_only<E: std::fmt::Display>(why: E) -> PyErr {
@@ -211,9 +249,9 @@ impl Engine {
         )?;
         let make = || {
             Ok(if double {
-                Precise::Double(Simulation::new(model, settings)?)
+                Precise::Double(Shared::new(Simulation::new(model, settings)?))
             } else {
-                Precise::Single(Simulation::new(model, settings)?)
+                Precise::Single(Shared::new(Simulation::new(model, settings)?))
             })
         };
         let simulation = py.detach(make).map_err(error::simulation)?;
@@ -232,27 +270,27 @@ impl Engine {
     /// Name of the solver, name of the instruction set, number of threads.
     fn describe(&self, py: Python<'_>) -> PyResult<(&'static str, String, usize)> {
         self.with(py, |s| {
-            Ok(each!(s, s => (s.solver(), s.isa().to_string(), s.threads())))
+            Ok(each!(s, read, s => (s.solver(), s.isa().to_string(), s.threads())))
         })
     }
 
     /// Advances all worlds; the worlds that diverged meanwhile.
     fn step(&self, py: Python<'_>, steps: usize) -> PyResult<Vec<usize>> {
         self.with(py, |s| {
-            Ok(each!(s, s => s.step(steps).iter().map(|d| d.world).collect()))
+            Ok(each!(s, change, s => s.step(steps).iter().map(|d| d.world).collect()))
         })
     }
     /// Time of every world [s].
     fn times<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let times: Vec<f64> = self.with(py, |s| {
-            Ok(each!(s, s => (0..s.worlds()).map(|w| s.time(w)).collect()))
+            Ok(each!(s, read, s => (0..s.worlds()).map(|w| s.time(w)).collect()))
         })?;
         Ok(times.to_pyarray(py))
     }
     /// The worlds that have diverged, and when [s].
     fn diverged(&self, py: Python<'_>) -> PyResult<Vec<(usize, f64)>> {
         self.with(py, |s| {
-            Ok(each!(s, s => s.diverged().iter().map(|d| (d.world, d.time)).collect()))
+            Ok(each!(s, read, s => s.diverged().iter().map(|d| (d.world, d.time)).collect()))
         })
     }
     /// Copies a quantity of all worlds into an array.
@@ -287,16 +325,16 @@ impl Engine {
         let control = self::control(control)?;
         if let Ok(numbers) = numbers.cast::<PyArrayDyn<f32>>() {
             let numbers = numbers.readonly();
-            let numbers = numbers.as_slice().map_err(contiguous)?;
+            let numbers = slice(&numbers)?;
             return self.with(py, |s| match s {
-                Precise::Single(s) => s.controls().write(control, numbers),
+                Precise::Single(s) => s.change().controls().write(control, numbers),
                 Precise::Double(_) => Err(other_precision("controls")),
             });
         }
         let numbers = array::<f64>(numbers)?.readonly();
-        let numbers = numbers.as_slice().map_err(contiguous)?;
+        let numbers = slice(&numbers)?;
         self.with(py, |s| match s {
-            Precise::Double(s) => s.controls().write(control, numbers),
+            Precise::Double(s) => s.change().controls().write(control, numbers),
             Precise::Single(_) => Err(other_precision("controls")),
         })
     }
@@ -311,45 +349,46 @@ impl Engine {
         keep: bool,
     ) -> PyResult<()> {
         let columns = [position.as_array().ncols(), velocity.as_array().ncols()];
-        let worlds = worlds.as_slice().map_err(contiguous)?;
-        let position = position.as_slice().map_err(contiguous)?;
-        let velocity = velocity.as_slice().map_err(contiguous)?;
+        let worlds = slice(&worlds)?;
+        let position = slice(&position)?;
+        let velocity = slice(&velocity)?;
         self.with(py, |s| {
-            for (i, &world) in worlds.iter().enumerate() {
-                let q = &position[i * columns[0]..][..columns[0]];
-                let v = &velocity[i * columns[1]..][..columns[1]];
-                let world = world as usize;
-                each!(s, s => if keep {
-                    s.move_joints(world, q, v)
-                } else {
-                    s.set_joint_state(world, q, v)
-                })?;
-            }
-            Ok(())
+            each!(s, change, s => {
+                for (i, &world) in worlds.iter().enumerate() {
+                    let q = &position[i * columns[0]..][..columns[0]];
+                    let v = &velocity[i * columns[1]..][..columns[1]];
+                    if keep {
+                        s.move_joints(world as usize, q, v)?;
+                    } else {
+                        s.set_joint_state(world as usize, q, v)?;
+                    }
+                }
+                Ok(())
+            })
         })
     }
     /// Brings some worlds to their initial state.
     fn reset(&self, py: Python<'_>, worlds: PyReadonlyArray1<'_, i64>) -> PyResult<()> {
-        let worlds = worlds.as_slice().map_err(contiguous)?;
+        let worlds = slice(&worlds)?;
         let worlds: Vec<usize> = worlds.iter().map(|&w| w as usize).collect();
-        self.with(py, |s| each!(s, s => s.reset(&worlds)))
+        self.with(py, |s| each!(s, change, s => s.reset(&worlds)))
     }
     /// The whole state of all worlds, to the bit.
     fn snapshot<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = self.with(py, |s| Ok(each!(s, s => s.snapshot().to_bytes())))?;
+        let bytes = self.with(py, |s| Ok(each!(s, read, s => s.snapshot().to_bytes())))?;
         Ok(PyBytes::new(py, &bytes))
     }
     /// Returns to a snapshot.
     fn restore(&self, py: Python<'_>, bytes: &[u8]) -> PyResult<()> {
         self.with(py, |s| {
             let snapshot = Snapshot::from_bytes(bytes)?;
-            each!(s, s => s.restore(&snapshot))
+            each!(s, change, s => s.restore(&snapshot))
         })
     }
     /// Which bodies of a world sleep.
     fn asleep(&self, py: Python<'_>, world: usize) -> PyResult<Vec<bool>> {
         self.with(py, |s| {
-            each!(s, s => {
+            each!(s, read, s => {
                 exists(world, s.worlds())?;
                 let bodies = s.model().bodies.len();
                 let outputs = s.outputs();
@@ -360,7 +399,7 @@ impl Engine {
     /// The contacts of the last step in a world, as a dictionary of arrays with a row for each.
     fn contacts<'py>(&self, py: Python<'py>, world: usize) -> PyResult<Bound<'py, PyDict>> {
         let contacts = self.with(py, |s| {
-            each!(s, s => {
+            each!(s, read, s => {
                 exists(world, s.worlds())?;
                 Ok(s.outputs().contacts(world).collect::<Vec<_>>())
             })
@@ -400,8 +439,8 @@ impl Engine {
         Bound<'py, PyArray2<f64>>,
         Bound<'py, PyArray2<f64>>,
     )> {
-        let origins = origins.as_slice().map_err(contiguous)?;
-        let directions = directions.as_slice().map_err(contiguous)?;
+        let origins = slice(&origins)?;
+        let directions = slice(&directions)?;
         let (origins, directions) = (origins.chunks_exact(3), directions.chunks_exact(3));
         let rays: Vec<_> = origins
             .zip(directions)
@@ -411,7 +450,7 @@ impl Engine {
                 max_distance,
             })
             .collect();
-        let hits = self.with(py, |s| each!(s, s => s.cast_rays(world, &rays)))?;
+        let hits = self.with(py, |s| each!(s, read, s => s.cast_rays(world, &rays)))?;
         let n = hits.len();
         let distance: Vec<f64> = hits
             .iter()
@@ -445,9 +484,9 @@ impl Engine {
         worlds: PyReadonlyArray1<'_, i64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let parameter = parameter(name)?;
-        let worlds = worlds.as_slice().map_err(contiguous)?;
+        let worlds = slice(&worlds)?;
         let numbers = self.with(py, |s| {
-            each!(s, s => {
+            each!(s, read, s => {
                 let shared = parameter.of(s.model());
                 let of = |&world: &i64| {
                     let model = s.world_model(world as usize);
@@ -473,20 +512,46 @@ impl Engine {
     ) -> PyResult<()> {
         let parameter: Parameter = parameter(name)?;
         let columns = numbers.as_array().ncols();
-        let worlds = worlds.as_slice().map_err(contiguous)?;
-        let numbers = numbers.as_slice().map_err(contiguous)?;
+        let worlds = slice(&worlds)?;
+        let numbers = slice(&numbers)?;
         self.with(py, |s| {
-            for (i, &world) in worlds.iter().enumerate() {
-                let row = &numbers[i * columns..][..columns];
-                each!(s, s => s.set_parameters(world as usize, &[(parameter, row)])).map_err(
-                    |why| SimulationError::InWorld {
-                        world: world as usize,
+            each!(s, change, s => {
+                for (i, &world) in worlds.iter().enumerate() {
+                    let world = world as usize;
+                    let row = &numbers[i * columns..][..columns];
+                    let set = s.set_parameters(world, &[(parameter, row)]);
+                    set.map_err(|why| SimulationError::InWorld {
+                        world,
                         why: Box::new(why),
-                    },
-                )?;
-            }
-            Ok(())
+                    })?;
+                }
+                Ok(())
+            })
         })
+    }
+
+    /// A time step linearised at the state of a world: arrays by name.
+    fn linearize<'py>(&self, py: Python<'py>, world: usize) -> PyResult<Bound<'py, PyDict>> {
+        let step = self.attempt(py, |s| {
+            each!(s, read, s => {
+                linearize(&**s, world).map_err(|e| match e {
+                    LinearizeError::Simulation(e) => error::simulation(e),
+                    other => error::raise("SimulationError", other.to_string()),
+                })
+            })
+        })?;
+        let (n, m) = (step.dofs, step.controls);
+        let found = PyDict::new(py);
+        for (name, numbers, columns) in [
+            ("state", &step.state, 2 * n),
+            ("control", &step.control, m),
+            ("force", &step.force, n),
+            ("target_position", &step.target_position, n),
+            ("target_velocity", &step.target_velocity, n),
+        ] {
+            found.set_item(name, numbers.to_pyarray(py).reshape([2 * n, columns])?)?;
+        }
+        Ok(found)
     }
 
     /// Chooses which events are told.
@@ -512,13 +577,13 @@ impl Engine {
             divergence,
         };
         self.with(py, |s| {
-            each!(s, s => s.watch(watch));
+            each!(s, change, s => s.watch(watch));
             Ok(())
         })
     }
     /// The events since the last call: world, time [s], kind, and what belongs to the kind.
     fn drain_events<'py>(&self, py: Python<'py>) -> PyResult<Vec<Event<'py>>> {
-        let events = self.with(py, |s| Ok(each!(s, s => s.drain_events())))?;
+        let events = self.with(py, |s| Ok(each!(s, read, s => s.drain_events())))?;
         let told = |event: kinetarium::sim::Event| {
             let (kind, details) = tell(py, event.kind)?;
             Ok((event.world, event.time, kind, details))
@@ -602,16 +667,16 @@ fn fill(
 ) -> PyResult<()> {
     if let Ok(out) = out.cast::<PyArrayDyn<f32>>() {
         let mut out = out.try_readwrite().map_err(read_only)?;
-        let out = out.as_slice_mut().map_err(contiguous)?;
+        let out = contiguous(&mut out)?;
         return engine.with(py, |s| match s {
-            Precise::Single(s) => single(s, out),
+            Precise::Single(s) => single(&mut s.read(), out),
             Precise::Double(_) => Err(other_precision("the array")),
         });
     }
     let mut out = array::<f64>(out)?.try_readwrite().map_err(read_only)?;
-    let out = out.as_slice_mut().map_err(contiguous)?;
+    let out = contiguous(&mut out)?;
     engine.with(py, |s| match s {
-        Precise::Double(s) => double(s, out),
+        Precise::Double(s) => double(&mut s.read(), out),
         Precise::Single(_) => Err(other_precision("the array")),
     })
 }

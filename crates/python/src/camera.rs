@@ -1,0 +1,169 @@
+//! Images, without a window.
+
+use crate::error;
+use crate::geometry::pose;
+use crate::model::Model;
+use crate::simulation::{Engine, Precise, each};
+use glam::{DVec2, DVec3};
+use kinetarium::model::{BodyId, Pose};
+use numpy::{PyArrayMethods, PyReadonlyArray1, ToPyArray};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use render::{Camera, Channels, Images, Lens, RenderError, Scene, ray_caster};
+
+fn failed(error: RenderError) -> PyErr {
+    error::raise("RenderError", error.to_string())
+}
+
+/// A camera, and what is wanted of it.
+#[pyclass(frozen, from_py_object, module = "kinetarium._engine")]
+#[derive(Clone)]
+pub struct View(pub render::View);
+
+#[pymethods]
+impl View {
+    #[new]
+    #[pyo3(signature = (model, *, width, height, field_of_view, focal, principal, near, far, body, position, orientation,
+        channels, samples, occlusion))]
+    #[expect(clippy::too_many_arguments, reason = "keywords in Python")]
+    fn new(
+        model: &Bound<'_, Model>,
+        width: usize,
+        height: usize,
+        field_of_view: f64,
+        focal: Option<[f64; 2]>,
+        principal: Option<[f64; 2]>,
+        near: f64,
+        far: f64,
+        body: Option<&str>,
+        position: [f64; 3],
+        orientation: [f64; 4],
+        channels: Vec<String>,
+        samples: usize,
+        occlusion: usize,
+    ) -> PyResult<Self> {
+        let mut camera = Camera::new(width, height, field_of_view).at(pose(position, orientation));
+        if let Some(focal) = focal {
+            let middle = [0.5 * width as f64, 0.5 * height as f64];
+            camera.lens = Lens::Pixels {
+                focal: DVec2::from_array(focal),
+                principal: DVec2::from_array(principal.unwrap_or(middle)),
+            };
+        }
+        (camera.near, camera.far) = (near, far);
+        if let Some(body) = body {
+            camera = camera.on(model.get().model.body(body).map_err(error::model)?);
+        }
+        let view = render::View::new(camera).with_channels(self::channels(&channels)?);
+        Ok(Self(view.with_samples(samples).with_occlusion(occlusion)))
+    }
+}
+
+fn channels(names: &[String]) -> PyResult<Channels> {
+    let mut channels = Channels::NONE;
+    for name in names {
+        match name.as_str() {
+            "rgb" => channels.rgb = true,
+            "depth" => channels.depth = true,
+            "body" => channels.body = true,
+            "shape" => channels.shape = true,
+            "normal" => channels.normal = true,
+            other => {
+                let known = "known are rgb, depth, body, shape, normal";
+                let message = format!("there is no channel \"{other}\"; {known}");
+                return Err(error::raise("UnknownNameError", message));
+            }
+        }
+    }
+    Ok(channels)
+}
+
+/// Images as arrays of the shape (worlds, height, width) or (worlds, height, width, 3), by channel.
+pub fn images<'py>(py: Python<'py>, made: &Images) -> PyResult<Bound<'py, PyDict>> {
+    let pixels = [made.worlds, made.height, made.width];
+    let colors = [made.worlds, made.height, made.width, 3];
+    let found = PyDict::new(py);
+    if let Some(rgb) = &made.rgb {
+        found.set_item("rgb", rgb.to_pyarray(py).reshape(colors)?)?;
+    }
+    if let Some(depth) = &made.depth {
+        found.set_item("depth", depth.to_pyarray(py).reshape(pixels)?)?;
+    }
+    if let Some(body) = &made.body {
+        found.set_item("body", body.to_pyarray(py).reshape(pixels)?)?;
+    }
+    if let Some(shape) = &made.shape {
+        found.set_item("shape", shape.to_pyarray(py).reshape(pixels)?)?;
+    }
+    if let Some(normal) = &made.normal {
+        found.set_item("normal", normal.to_pyarray(py).reshape(colors)?)?;
+    }
+    Ok(found)
+}
+
+/// Where the bodies of some worlds are.
+fn placements(py: Python<'_>, engine: &Engine, worlds: &[i64]) -> PyResult<Vec<Vec<Pose>>> {
+    engine.with(py, |s| {
+        each!(s, read, s => {
+            let bodies = s.model().bodies.len();
+            let outputs = s.outputs();
+            let of = |&world: &i64| {
+                let bodies = (0..bodies).map(BodyId);
+                bodies.map(|body| outputs.body_pose(world as usize, body)).collect()
+            };
+            Ok(worlds.iter().map(of).collect())
+        })
+    })
+}
+
+/// What a camera sees in some worlds, by channel.
+#[pyfunction]
+pub fn render_view<'py>(
+    py: Python<'py>,
+    engine: &Bound<'py, Engine>,
+    model: &Bound<'py, Model>,
+    view: View,
+    worlds: PyReadonlyArray1<'py, i64>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let placed = placements(py, engine.get(), worlds.as_array().to_vec().as_slice())?;
+    let model = model.get().model.clone();
+    let made = py.detach(|| {
+        let scene = Scene::new(&model)?;
+        let poses: Vec<&[Pose]> = placed.iter().map(Vec::as_slice).collect();
+        ray_caster::render(&scene, &view.0, &poses)
+    });
+    images(py, &made.map_err(failed)?)
+}
+
+/// Position [m] and orientation of a free camera that has all bodies of a world in its image.
+#[pyfunction]
+pub fn framing(
+    py: Python<'_>,
+    engine: &Bound<'_, Engine>,
+    model: &Bound<'_, Model>,
+    world: i64,
+    width: usize,
+    height: usize,
+) -> PyResult<([f64; 3], [f64; 4], f64)> {
+    let placed = placements(py, engine.get(), &[world])?;
+    let scene = Scene::new(&model.get().model).map_err(failed)?;
+    let camera = Camera::framing(&scene, &placed[0], width, height);
+    let Lens::FieldOfView { vertical } = camera.lens else {
+        let message = "a framing camera has a field of view".to_owned();
+        return Err(error::raise("RenderError", message));
+    };
+    let pose = camera.pose;
+    Ok((
+        pose.position.to_array(),
+        pose.orientation.to_array(),
+        vertical,
+    ))
+}
+
+/// Orientation of a camera at `eye` that has `target` in the middle of its image and `up` upwards.
+#[pyfunction]
+pub fn looking(eye: [f64; 3], target: [f64; 3], up: [f64; 3]) -> [f64; 4] {
+    let [eye, target, up] = [eye, target, up].map(DVec3::from_array);
+    let camera = Camera::new(1, 1, 1.0).looking(eye, target, up);
+    camera.pose.orientation.to_array()
+}

@@ -1,0 +1,312 @@
+//! Sensors, as `kinetarium.sensors` uses them.
+
+use crate::camera::{View, images};
+use crate::error;
+use crate::geometry::pose;
+use crate::model::Model;
+use crate::simulation::{Engine, Precise};
+use kinetarium::model::{self, BodyId, JointId};
+use kinetarium::sensors::{Axes, Level, Mount, Noise, Sensor, SensorError, SensorKind, Sensors};
+use numpy::{PyArrayDyn, PyArrayMethods, ToPyArray};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+
+fn failed(error: SensorError) -> PyErr {
+    let class = match error {
+        SensorError::UnknownName { .. } => "UnknownNameError",
+        _ => "SensorError",
+    };
+    error::raise(class, error.to_string())
+}
+
+/// What a sensor measures, of a model whose names it was given.
+#[pyclass(frozen, from_py_object, module = "kinetarium._engine")]
+#[derive(Clone)]
+pub struct Measurement(SensorKind);
+
+/// Rows of joints by name; all that have coordinates where no names are given.
+fn joints(model: &model::Model, names: Option<Vec<String>>) -> PyResult<Vec<JointId>> {
+    let Some(names) = names else {
+        return Ok(SensorKind::all_joints(model));
+    };
+    let joint = |name: &String| model.joint(name).map_err(error::model);
+    names.iter().map(joint).collect()
+}
+
+fn body(model: &model::Model, name: Option<&str>) -> PyResult<Option<BodyId>> {
+    let body = name.map(|name| model.body(name).map_err(error::model));
+    body.transpose()
+}
+
+/// A name of a body, or none for the world; a position [m] and a quaternion x, y, z, w.
+type Place<'a> = (Option<String>, [f64; 3], [f64; 4]);
+
+fn mount(model: &model::Model, (name, position, orientation): &Place<'_>) -> PyResult<Mount> {
+    let body = body(model, name.as_deref())?;
+    Ok(Mount {
+        body,
+        pose: pose(*position, *orientation),
+    })
+}
+
+fn axes(name: &str) -> PyResult<Axes> {
+    match name {
+        "world" => Ok(Axes::World),
+        "own" => Ok(Axes::Own),
+        other => {
+            let message = format!("unknown axes \"{other}\"; known are world, own");
+            Err(error::raise("SensorError", message))
+        }
+    }
+}
+
+#[pymethods]
+impl Measurement {
+    #[staticmethod]
+    fn joint_position(model: &Bound<'_, Model>, names: Option<Vec<String>>) -> PyResult<Self> {
+        let joints = joints(&model.get().model, names)?;
+        Ok(Self(SensorKind::JointPosition { joints }))
+    }
+    #[staticmethod]
+    fn joint_velocity(model: &Bound<'_, Model>, names: Option<Vec<String>>) -> PyResult<Self> {
+        let joints = joints(&model.get().model, names)?;
+        Ok(Self(SensorKind::JointVelocity { joints }))
+    }
+    #[staticmethod]
+    fn joint_effort(model: &Bound<'_, Model>, names: Option<Vec<String>>) -> PyResult<Self> {
+        let joints = joints(&model.get().model, names)?;
+        Ok(Self(SensorKind::JointEffort { joints }))
+    }
+    #[staticmethod]
+    fn imu(model: &Bound<'_, Model>, place: Place<'_>) -> PyResult<Self> {
+        let mount = mount(&model.get().model, &place)?;
+        Ok(Self(SensorKind::Imu { mount }))
+    }
+    #[staticmethod]
+    fn force_torque(
+        model: &Bound<'_, Model>,
+        joint: &str,
+        frame: Option<([f64; 3], [f64; 4])>,
+    ) -> PyResult<Self> {
+        let joint = model.get().model.joint(joint).map_err(error::model)?;
+        let frame = frame.map(|(position, orientation)| pose(position, orientation));
+        Ok(Self(SensorKind::ForceTorque { joint, frame }))
+    }
+    #[staticmethod]
+    fn touch(model: &Bound<'_, Model>, body: &str) -> PyResult<Self> {
+        let body = model.get().model.body(body).map_err(error::model)?;
+        Ok(Self(SensorKind::Touch { body }))
+    }
+    #[staticmethod]
+    fn contact_force(model: &Bound<'_, Model>, body: &str, axes: &str) -> PyResult<Self> {
+        let body = model.get().model.body(body).map_err(error::model)?;
+        let axes = self::axes(axes)?;
+        Ok(Self(SensorKind::ContactForce { body, axes }))
+    }
+    #[staticmethod]
+    fn frame_pose(
+        model: &Bound<'_, Model>,
+        place: Place<'_>,
+        relative_to: Option<&str>,
+    ) -> PyResult<Self> {
+        let mount = mount(&model.get().model, &place)?;
+        let relative_to = body(&model.get().model, relative_to)?;
+        Ok(Self(SensorKind::FramePose { mount, relative_to }))
+    }
+    #[staticmethod]
+    fn frame_velocity(model: &Bound<'_, Model>, place: Place<'_>, axes: &str) -> PyResult<Self> {
+        let mount = mount(&model.get().model, &place)?;
+        let axes = self::axes(axes)?;
+        Ok(Self(SensorKind::FrameVelocity { mount, axes }))
+    }
+    #[staticmethod]
+    fn rangefinder(model: &Bound<'_, Model>, place: Place<'_>, max_range: f64) -> PyResult<Self> {
+        let mount = mount(&model.get().model, &place)?;
+        Ok(Self(SensorKind::Rangefinder { mount, max_range }))
+    }
+    #[staticmethod]
+    fn lidar(
+        model: &Bound<'_, Model>,
+        place: Place<'_>,
+        azimuths: Vec<f64>,
+        elevations: Vec<f64>,
+        max_range: f64,
+    ) -> PyResult<Self> {
+        let mount = mount(&model.get().model, &place)?;
+        Ok(Self(SensorKind::Lidar {
+            mount,
+            azimuths,
+            elevations,
+            max_range,
+        }))
+    }
+    #[staticmethod]
+    fn camera(view: View) -> Self {
+        Self(SensorKind::Camera { view: view.0 })
+    }
+}
+
+enum Precision {
+    Single(Sensors<f32>),
+    Double(Sensors<f64>),
+}
+
+/// The sensors of one simulation.
+#[pyclass(module = "kinetarium._engine")]
+pub struct SensorArray {
+    sensors: Precision,
+}
+
+/// A level of noise for all numbers of a reading, or for each.
+#[derive(FromPyObject)]
+pub enum AnyLevel {
+    All(f64),
+    Each(Vec<f64>),
+}
+
+impl From<AnyLevel> for Level {
+    fn from(level: AnyLevel) -> Self {
+        match level {
+            AnyLevel::All(x) => Self::All(x),
+            AnyLevel::Each(x) => Self::Each(x),
+        }
+    }
+}
+
+/// Name, measurement, rate [Hz], and noise: standard deviation, bias, walk, step.
+type Draft = (String, Measurement, Option<f64>, [AnyLevel; 4]);
+
+fn sensor((name, measurement, rate, levels): Draft) -> Sensor {
+    let [deviation, bias, walk, step] = levels.map(Level::from);
+    Sensor {
+        name,
+        kind: measurement.0,
+        rate,
+        noise: Noise {
+            deviation,
+            bias,
+            walk,
+            step,
+        },
+    }
+}
+
+fn other_simulation() -> PyErr {
+    let message = "the sensors are of a simulation of another dtype";
+    error::raise("SensorError", message.into())
+}
+
+#[pymethods]
+impl SensorArray {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        engine: &Bound<'_, Engine>,
+        sensors: Vec<Draft>,
+        seed: u64,
+    ) -> PyResult<Self> {
+        let list: Vec<_> = sensors.into_iter().map(sensor).collect();
+        let sensors = engine.get().attempt(py, |s| match s {
+            Precise::Single(s) => {
+                let made = Sensors::new(&mut s.read(), list, seed).map_err(failed)?;
+                Ok(Precision::Single(made))
+            }
+            Precise::Double(s) => {
+                let made = Sensors::new(&mut s.read(), list, seed).map_err(failed)?;
+                Ok(Precision::Double(made))
+            }
+        })?;
+        Ok(Self { sensors })
+    }
+    /// Advances the simulation and misses no sample; the worlds that diverged meanwhile.
+    fn step(
+        &mut self,
+        py: Python<'_>,
+        engine: &Bound<'_, Engine>,
+        steps: usize,
+    ) -> PyResult<Vec<usize>> {
+        let sensors = &mut self.sensors;
+        engine.get().attempt(py, |s| {
+            let diverged = match (s, sensors) {
+                (Precise::Single(s), Precision::Single(own)) => own.step(&mut s.change(), steps),
+                (Precise::Double(s), Precision::Double(own)) => own.step(&mut s.change(), steps),
+                _ => return Err(other_simulation()),
+            };
+            let diverged = diverged.map_err(failed)?;
+            Ok(diverged.iter().map(|d| d.world).collect())
+        })
+    }
+    /// Samples what is due now, as after a reset.
+    fn update(&mut self, py: Python<'_>, engine: &Bound<'_, Engine>) -> PyResult<()> {
+        let sensors = &mut self.sensors;
+        engine.get().attempt(py, |s| match (s, sensors) {
+            (Precise::Single(s), Precision::Single(own)) => {
+                own.update(&mut s.read()).map_err(failed)
+            }
+            (Precise::Double(s), Precision::Double(own)) => {
+                own.update(&mut s.read()).map_err(failed)
+            }
+            _ => Err(other_simulation()),
+        })
+    }
+    /// The reading of a sensor, shape (worlds, …), and the time of each world's sample [s].
+    fn reading<'py>(
+        &self,
+        py: Python<'py>,
+        name: &str,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+        fn shaped<'py, T: numpy::Element>(
+            py: Python<'py>,
+            numbers: &[T],
+            shape: &[usize],
+        ) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+            numbers.to_pyarray(py).reshape(shape.to_vec())
+        }
+        match &self.sensors {
+            Precision::Single(own) => {
+                let reading = own.reading(name).map_err(failed)?;
+                let numbers = shaped(py, reading.numbers, reading.shape)?;
+                Ok((numbers.into_any(), reading.time.to_pyarray(py).into_any()))
+            }
+            Precision::Double(own) => {
+                let reading = own.reading(name).map_err(failed)?;
+                let numbers = shaped(py, reading.numbers, reading.shape)?;
+                Ok((numbers.into_any(), reading.time.to_pyarray(py).into_any()))
+            }
+        }
+    }
+    /// The images of a camera by channel, and the time of each world's image [s].
+    fn images<'py>(
+        &self,
+        py: Python<'py>,
+        name: &str,
+    ) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyAny>)> {
+        let (made, time) = match &self.sensors {
+            Precision::Single(own) => {
+                let reading = own.images(name).map_err(failed)?;
+                (reading.images, reading.time)
+            }
+            Precision::Double(own) => {
+                let reading = own.images(name).map_err(failed)?;
+                (reading.images, reading.time)
+            }
+        };
+        Ok((images(py, made)?, time.to_pyarray(py).into_any()))
+    }
+    /// What the sensors carry along, beside a snapshot of their simulation.
+    fn save<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        let bytes = match &self.sensors {
+            Precision::Single(own) => own.save(),
+            Precision::Double(own) => own.save(),
+        };
+        PyBytes::new(py, &bytes)
+    }
+    /// Puts back what `save` gave.
+    fn restore(&mut self, bytes: &[u8]) -> PyResult<()> {
+        match &mut self.sensors {
+            Precision::Single(own) => own.restore(bytes),
+            Precision::Double(own) => own.restore(bytes),
+        }
+        .map_err(failed)
+    }
+}

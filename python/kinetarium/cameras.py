@@ -1,0 +1,98 @@
+"""Cameras: colours, depth, segmentation and normals as arrays, without a window."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from math import inf, pi
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kinetarium._engine import Model, View, looking
+
+Vector = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A pinhole camera, free or on a body. It looks along −z of its frame, y is up in the image.
+
+    >>> import kinetarium as kn
+    >>> sim = kn.Simulation(kn.examples.n_pendula(3), worlds=2)
+    >>> camera = kn.Camera(64, 48, channels=("rgb", "depth")).looking(eye=(0, -1, 4), target=(0, -1, 0))
+    >>> images = sim.render(camera)
+    >>> images.rgb.shape, images.depth.shape
+    ((2, 48, 64, 3), (2, 48, 64))
+    """
+
+    width: int = 640
+    """Pixels of a row, 1 to 16384."""
+    height: int = 480
+    """Rows, 1 to 16384."""
+    field_of_view: float = pi / 4
+    """Angle from the upper to the lower edge [rad], above 0 and below π."""
+    focal: tuple[float, float] | None = None
+    """Focal lengths fx, fy [pixel], in place of the field of view."""
+    principal: tuple[float, float] | None = None
+    """Where the optical axis meets the image, cx, cy [pixel], with `focal`; its middle by default."""
+    near: float = 0.01
+    """Depth [m] from which on things are seen."""
+    far: float = inf
+    """Depth [m] up to which things are seen."""
+    body: str | None = None
+    """Name of the body that it is on; none is the world."""
+    position: Vector = (0.0, 0.0, 0.0)
+    """In the frame of its body, or in the world [m]."""
+    orientation: Quaternion = (0.0, 0.0, 0.0, 1.0)
+    """In the frame of its body, or in the world, x, y, z, w."""
+    channels: Sequence[str] = field(default=("rgb",))
+    """Which images are made: "rgb", "depth", "body", "shape", "normal"."""
+    samples: int = 1
+    """Samples along each edge of a pixel for its colour, 1 to 64."""
+    occlusion: int = 0
+    """Rays that tell how much of the sky each sample sees, 0 to 64."""
+
+    def looking(self, eye: Vector, target: Vector, up: Vector = (0.0, 1.0, 0.0)) -> Camera:
+        """The same at `eye` [m], with `target` [m] in the middle of its image and `up` upwards in it, in its body's
+        frame or in the world."""
+        eye = tuple(map(float, eye))  # type: ignore[assignment]
+        return replace(self, position=eye, orientation=tuple(looking(eye, target, up)))
+
+    def _view(self, model: Model) -> View:
+        return View(
+            model,
+            width=self.width,
+            height=self.height,
+            field_of_view=self.field_of_view,
+            focal=self.focal,
+            principal=self.principal,
+            near=self.near,
+            far=self.far,
+            body=self.body,
+            position=self.position,
+            orientation=self.orientation,
+            channels=list(self.channels),
+            samples=self.samples,
+            occlusion=self.occlusion,
+        )
+
+
+@dataclass(frozen=True)
+class Images:
+    """One image of each world and channel, row by row from the upper left corner; channels that were not asked for
+    are `None`."""
+
+    rgb: np.ndarray | None = None
+    """Red, green, blue in sRGB, uint8 of shape (worlds, height, width, 3)."""
+    depth: np.ndarray | None = None
+    """Depth along the optical axis [m], float32 of shape (worlds, height, width); infinite where nothing is seen."""
+    body: np.ndarray | None = None
+    """Rows of bodies, int32 of shape (worlds, height, width); −1 for the world's shapes and where nothing is seen."""
+    shape: np.ndarray | None = None
+    """Rows of shapes, int32 of shape (worlds, height, width); −1 where nothing is seen."""
+    normal: np.ndarray | None = None
+    """Unit vectors out of the surfaces, world axes, float32 of shape (worlds, height, width, 3)."""
+    time: ArrayLike | None = None
+    """Time of each world's image [s], where a sensor made it."""

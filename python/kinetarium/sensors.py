@@ -1,0 +1,357 @@
+"""What robots measure, in all worlds at once, with rates and noise of their own.
+
+>>> import kinetarium as kn
+>>> from kinetarium import sensors
+>>> sim = kn.Simulation(
+...     kn.examples.n_pendula(2),
+...     worlds=64,
+...     sensors=[
+...         sensors.JointPosition("angles"),
+...         sensors.Imu("imu", "link1", position=(0, -0.5, 0), rate=100, noise=sensors.Noise(deviation=0.02)),
+...         sensors.Custom("height", lambda sim: sim.state.body_position[:, "link1", 1], rate=50),
+...     ],
+...     seed=1,
+... )
+>>> _ = sim.step(50)  # 0.1 s at 2 ms, in which the imu is sampled ten times
+>>> sim.sensors["imu"].shape, sim.sensors["angles"].shape, sim.sensors["height"].shape
+((64, 6), (64, 2), (64,))
+>>> round(float(sim.sensors.time("imu")[0]), 6)
+0.1
+
+Readings hold from one sample to the next. A sensor with a rate is sampled at the first step at or after its time
+is due. Noise is a function of seed, sensor, world and sample: the same whatever the number of worlds and threads.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from math import floor, inf
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from kinetarium._engine import Engine, Measurement, Model, SensorArray
+from kinetarium.cameras import Camera as Pinhole
+from kinetarium.cameras import Images, Quaternion, Vector
+from kinetarium.errors import SensorError, ShapeError, UnknownNameError
+
+if TYPE_CHECKING:
+    from kinetarium.simulation import Simulation
+
+Level = float | Sequence[float]
+"""One number for all of a reading, or one for each."""
+Axes = Literal["world", "own"]
+
+
+@dataclass(frozen=True)
+class Noise:
+    """What a sensor adds to the truth, in the unit of its reading; nothing by default."""
+
+    deviation: Level = 0.0
+    """Standard deviation of white noise."""
+    bias: Level = 0.0
+    """Standard deviation of an offset that is drawn once for each world, at each of its resets."""
+    walk: Level = 0.0
+    """Standard deviation of a random walk after one second."""
+    step: Level = 0.0
+    """What readings are rounded to multiples of; 0 is not at all."""
+
+
+@dataclass(frozen=True)
+class Sensor(ABC):
+    """What every sensor has."""
+
+    name: str
+    """Unique among the sensors."""
+    rate: float | None = field(default=None, kw_only=True)
+    """Samples a second; none: every step."""
+    noise: Noise = field(default_factory=Noise, kw_only=True)
+    """What is added to the truth."""
+
+    @abstractmethod
+    def _measurement(self, model: Model) -> Measurement: ...
+
+
+@dataclass(frozen=True)
+class JointPosition(Sensor):
+    """Coordinates of joints [m, rad, quaternions], shape (worlds, coordinates); of all that have any by default."""
+
+    joints: Sequence[str] | None = None
+
+    def _measurement(self, model: Model) -> Measurement:
+        return Measurement.joint_position(model, _listed(self.joints))
+
+
+@dataclass(frozen=True)
+class JointVelocity(Sensor):
+    """Velocities of joints [m/s or rad/s], shape (worlds, degrees of freedom); of all by default."""
+
+    joints: Sequence[str] | None = None
+
+    def _measurement(self, model: Model) -> Measurement:
+        return Measurement.joint_velocity(model, _listed(self.joints))
+
+
+@dataclass(frozen=True)
+class JointEffort(Sensor):
+    """Forces of drives, actuators and controls along degrees of freedom [N or N·m], shape (worlds, degrees of
+    freedom)."""
+
+    joints: Sequence[str] | None = None
+
+    def _measurement(self, model: Model) -> Measurement:
+        return Measurement.joint_effort(model, _listed(self.joints))
+
+
+def _listed(names: Sequence[str] | None) -> list[str] | None:
+    return None if names is None else list(names)
+
+
+@dataclass(frozen=True)
+class _Mounted(Sensor):
+    """A sensor with a place on a body, or in the world where `body` is none."""
+
+    body: str | None = None
+    position: Vector = field(default=(0.0, 0.0, 0.0), kw_only=True)
+    """In the body's frame, or in the world [m]."""
+    orientation: Quaternion = field(default=(0.0, 0.0, 0.0, 1.0), kw_only=True)
+    """In the body's frame, or in the world, x, y, z, w."""
+
+    def _place(self) -> tuple[str | None, Vector, Quaternion]:
+        return self.body, self.position, self.orientation
+
+
+@dataclass(frozen=True)
+class Imu(_Mounted):
+    """An inertial unit: acceleration less gravity [m/s²] (at rest it reads 9.81 upwards), then angular velocity
+    [rad/s], in its own axes, shape (worlds, 6)."""
+
+    def _measurement(self, model: Model) -> Measurement:
+        return Measurement.imu(model, self._place())
+
+
+@dataclass(frozen=True)
+class ForceTorque(Sensor):
+    """Force [N] and torque [N·m] of a joint on its child, shape (worlds, 6), in a frame of the child (position,
+    orientation), by default the joint's."""
+
+    joint: str = ""
+    frame: tuple[Vector, Quaternion] | None = field(default=None, kw_only=True)
+
+    def _measurement(self, model: Model) -> Measurement:
+        return Measurement.force_torque(model, self.joint, self.frame)
+
+
+@dataclass(frozen=True)
+class Touch(Sensor):
+    """Sum of the normal forces of contacts on a body [N], shape (worlds, 1)."""
+
+    body: str = ""
+
+    def _measurement(self, model: Model) -> Measurement:
+        return Measurement.touch(model, self.body)
+
+
+@dataclass(frozen=True)
+class ContactForce(Sensor):
+    """Sum of the contact forces on a body [N], in its own axes or the world's, shape (worlds, 3)."""
+
+    body: str = ""
+    axes: Axes = field(default="own", kw_only=True)
+
+    def _measurement(self, model: Model) -> Measurement:
+        return Measurement.contact_force(model, self.body, self.axes)
+
+
+@dataclass(frozen=True)
+class FramePose(_Mounted):
+    """Position [m] and quaternion x, y, z, w, in the world or relative to a body, shape (worlds, 7)."""
+
+    relative_to: str | None = field(default=None, kw_only=True)
+
+    def _measurement(self, model: Model) -> Measurement:
+        return Measurement.frame_pose(model, self._place(), self.relative_to)
+
+
+@dataclass(frozen=True)
+class FrameVelocity(_Mounted):
+    """Velocity [m/s] and angular velocity [rad/s], in its own axes or the world's, shape (worlds, 6)."""
+
+    axes: Axes = field(default="own", kw_only=True)
+
+    def _measurement(self, model: Model) -> Measurement:
+        return Measurement.frame_velocity(model, self._place(), self.axes)
+
+
+@dataclass(frozen=True)
+class Rangefinder(_Mounted):
+    """Distance [m] along x of its frame to what is there, at most `max_range`, which also stands for nothing; shape
+    (worlds, 1)."""
+
+    max_range: float = field(default=inf, kw_only=True)
+
+    def _measurement(self, model: Model) -> Measurement:
+        return Measurement.rangefinder(model, self._place(), self.max_range)
+
+
+@dataclass(frozen=True)
+class Lidar(_Mounted):
+    """Distances [m] along a fan of rays, shape (worlds, elevations, azimuths); `max_range` where nothing is met.
+
+    The ray of azimuth α and elevation ε [rad] goes along (cos ε cos α, cos ε sin α, sin ε) in its frame: x forwards,
+    y to the left, z upwards. It does not see its own body.
+    """
+
+    azimuths: Sequence[float] = field(default=(0.0,), kw_only=True)
+    elevations: Sequence[float] = field(default=(0.0,), kw_only=True)
+    max_range: float = field(default=inf, kw_only=True)
+
+    def _measurement(self, model: Model) -> Measurement:
+        azimuths, elevations = ([float(a) for a in angles] for angles in (self.azimuths, self.elevations))
+        return Measurement.lidar(model, self._place(), azimuths, elevations, self.max_range)
+
+
+@dataclass(frozen=True)
+class Camera(Sensor):
+    """Images of a `kinetarium.Camera`; its reading is an `Images`. It has no noise."""
+
+    camera: Pinhole = field(default_factory=Pinhole)
+
+    def _measurement(self, model: Model) -> Measurement:
+        return Measurement.camera(self.camera._view(model))
+
+
+@dataclass(frozen=True)
+class Custom:
+    """A sensor of one's own: a function of the simulation that gives an array with a row for each world.
+
+    It is sampled in all worlds together, after the step at or after its time is due, counted in steps of the
+    simulation, and again when worlds are reset.
+    """
+
+    name: str
+    measure: Callable[[Simulation], np.ndarray]
+    rate: float | None = field(default=None, kw_only=True)
+    """Samples a second; none: every step, which makes steps one at a time."""
+
+
+class Sensors(Mapping[str, "np.ndarray | Images"]):
+    """The sensors of a simulation: readings by name, as arrays of their own."""
+
+    def __init__(self, simulation: Simulation, sensors: Sequence[Sensor | Custom], seed: int) -> None:
+        for sensor in sensors:
+            if not isinstance(sensor, Sensor | Custom):
+                raise SensorError(f"{sensor!r} is no sensor: give those of kinetarium.sensors")
+        self.list = tuple(sensors)
+        """The sensors as they were given."""
+        self.seed = seed
+        """Seed of the noise."""
+        names = [s.name for s in sensors]
+        for name in names:
+            if names.count(name) > 1:
+                raise SensorError(f'two sensors are named "{name}"; rename one')
+        drafts = [self._draft(s, simulation.model) for s in sensors if isinstance(s, Sensor)]
+        self._array = SensorArray(simulation._engine, drafts, seed) if drafts else None
+        self._cameras = {s.name for s in sensors if isinstance(s, Camera)}
+        self._custom = {s.name: s for s in sensors if isinstance(s, Custom)}
+        for s in self._custom.values():
+            if s.rate is not None and not 0 < s.rate < inf:
+                raise SensorError(f'the rate of sensor "{s.name}" is {s.rate}: it must be above 0 and finite')
+        self._readings: dict[str, np.ndarray] = {}
+        self._times: dict[str, np.ndarray] = {}
+        self._steps = 0
+
+    @staticmethod
+    def _draft(sensor: Sensor, model: Model) -> tuple:
+        noise = sensor.noise
+        levels = [noise.deviation, noise.bias, noise.walk, noise.step]
+        levels = [float(x) if np.ndim(x) == 0 else [float(v) for v in x] for x in levels]  # type: ignore
+        return sensor.name, sensor._measurement(model), sensor.rate, levels
+
+    def _sample(self, simulation: Simulation, sensor: Custom) -> None:
+        reading = np.array(sensor.measure(simulation))
+        if reading.ndim == 0 or len(reading) != simulation.worlds:
+            raise ShapeError(
+                f'sensor "{sensor.name}" gave the shape {reading.shape}: it must have {simulation.worlds} rows, '
+                "one for each world"
+            )
+        self._readings[sensor.name] = reading
+        self._times[sensor.name] = simulation.time
+
+    def _count(self, sensor: Custom, steps: int, dt: float) -> int:
+        """How many samples are due after so many steps."""
+        return steps if sensor.rate is None else floor(steps * dt * sensor.rate * (1 + 1e-12) + 1e-9)
+
+    def _until_due(self, dt: float, steps: int) -> int:
+        """Steps to the next sample of a sensor of one's own, at most so many."""
+        until = steps
+        for sensor in self._custom.values():
+            done = self._count(sensor, self._steps, dt)
+            if sensor.rate is None:
+                return 1
+            ahead = max(1, int(np.ceil((done + 1) / (sensor.rate * dt) - self._steps - 1e-6)))
+            until = min(until, ahead)
+        return until
+
+    def _step(self, simulation: Simulation, engine: Engine, steps: int) -> list[int]:
+        diverged: list[int] = []
+        while steps > 0:
+            part = self._until_due(simulation.dt, steps)
+            if self._array is None:
+                diverged += engine.step(part)
+            else:
+                diverged += self._array.step(engine, part)
+            before, self._steps = self._steps, self._steps + part
+            for sensor in self._custom.values():
+                counts = (self._count(sensor, n, simulation.dt) for n in (before, self._steps))
+                if len(set(counts)) > 1:
+                    self._sample(simulation, sensor)
+            steps -= part
+        return diverged
+
+    def _update(self, simulation: Simulation) -> None:
+        """Samples anew what was set or reset."""
+        if self._array is not None:
+            self._array.update(simulation._engine)
+        for sensor in self._custom.values():
+            self._sample(simulation, sensor)
+
+    def _save(self) -> dict:
+        return {
+            "array": None if self._array is None else self._array.save(),
+            "readings": dict(self._readings),
+            "times": dict(self._times),
+            "steps": self._steps,
+        }
+
+    def _restore(self, saved: dict) -> None:
+        if self._array is not None:
+            self._array.restore(saved["array"])
+        self._readings, self._times = dict(saved["readings"]), dict(saved["times"])
+        self._steps = saved["steps"]
+
+    def _read(self, name: str) -> tuple:
+        if name in self._custom:
+            return self._readings[name].copy(), self._times[name].copy()
+        if self._array is None:
+            known = ", ".join(s.name for s in self.list) or "none"
+            raise UnknownNameError(f'there is no sensor named "{name}"; there are {known}')
+        if name in self._cameras:
+            images, time = self._array.images(name)
+            return Images(**images, time=time), time
+        return self._array.reading(name)
+
+    def __getitem__(self, name: str) -> np.ndarray | Images:
+        return self._read(name)[0]
+
+    def time(self, name: str) -> np.ndarray:
+        """When each world's reading of a sensor was taken [s], shape (worlds,)."""
+        return self._read(name)[1]
+
+    def __iter__(self) -> Iterator[str]:
+        return (sensor.name for sensor in self.list)
+
+    def __len__(self) -> int:
+        return len(self.list)

@@ -1,0 +1,158 @@
+"""Sensors against closed forms, their rates, their noise, and what is refused."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+import kinetarium as kn
+from kinetarium import sensors
+from kinetarium.errors import SensorError, ShapeError, UnknownNameError
+
+
+def box_on_floor():
+    world = kn.Builder("box")
+    room = world.object("room")
+    room.scenery(kn.Geometry.plane())
+    room.body("box", [kn.Geometry.box((0.1, 0.1, 0.1))], position=(0, 0.1, 0), mass=2.0)
+    return world.build()
+
+
+def test_a_box_at_rest_feels_its_weight():
+    sim = kn.Simulation(
+        box_on_floor(),
+        worlds=3,
+        solver="featherstone",
+        sensors=[
+            sensors.Imu("imu", "box"),
+            sensors.Touch("touch", "box"),
+            sensors.ContactForce("contact", "box", axes="world"),
+            sensors.FramePose("pose", "box", position=(0, 0.1, 0)),
+            sensors.Rangefinder("range", None, position=(-1, 0.1, 0), max_range=5.0),
+            sensors.Lidar(
+                "lidar",
+                None,
+                position=(0, 1, 0),
+                orientation=(-np.sqrt(0.5), 0, 0, np.sqrt(0.5)),  # its z is up
+                azimuths=(0.0, 1.0),
+                elevations=(-np.pi / 2, 1.0),
+                max_range=7,
+            ),
+        ],
+    )
+    sim.step(1000)
+    read = sim.sensors
+    assert read["imu"].shape == (3, 6)
+    # At rest the proper acceleration is +g upwards, and nothing turns.
+    np.testing.assert_allclose(read["imu"], [[0, 9.81, 0, 0, 0, 0]] * 3, atol=2e-2)
+    np.testing.assert_allclose(read["touch"], [[2.0 * 9.81]] * 3, rtol=1e-2)
+    np.testing.assert_allclose(read["contact"], [[0, 2.0 * 9.81, 0]] * 3, atol=0.2)
+    np.testing.assert_allclose(read["pose"], [[0, 0.2, 0, 0, 0, 0, 1]] * 3, atol=1e-3)
+    np.testing.assert_allclose(read["range"], [[0.9]] * 3, atol=1e-3)
+    assert read["lidar"].shape == (3, 2, 2)
+    np.testing.assert_allclose(read["lidar"][:, 0], 0.8, atol=1e-3)
+    np.testing.assert_allclose(read["lidar"][:, 1], 7.0)
+
+
+def test_rates_hold_from_sample_to_sample():
+    sim = kn.Simulation(
+        kn.examples.n_pendula(2),
+        worlds=2,
+        dt=0.002,
+        sensors=[
+            sensors.JointPosition("slow", rate=50),
+            sensors.JointPosition("fast"),
+            sensors.Custom("own", lambda s: s.state.joint_position[:, 0], rate=50),
+            sensors.Custom("each", lambda s: s.time),
+        ],
+    )
+    slow, own = [], []
+    for _ in range(40):
+        sim.step()
+        slow.append(sim.sensors["slow"][0, 0])
+        own.append(sim.sensors["own"][0])
+        assert sim.sensors["fast"][0, 0] == sim.state.joint_position[0, 0]
+        assert (sim.sensors["each"] == sim.time).all()
+    changes = np.flatnonzero(np.diff(slow)) + 2  # steps done when the reading changed
+    assert changes.tolist() == [10, 20, 30, 40]
+    assert (np.flatnonzero(np.diff(own)) + 2).tolist() == [10, 20, 30, 40]
+    assert sim.sensors.time("slow")[0] == pytest.approx(0.08)
+    whole = kn.Simulation(kn.examples.n_pendula(2), worlds=2, dt=0.002, sensors=sim.sensors.list)
+    whole.step(40)
+    for name in sim.sensors:
+        assert (whole.sensors[name] == sim.sensors[name]).all(), name
+
+
+def test_noise_is_seeded_and_as_large_as_stated():
+    noise = sensors.Noise(deviation=0.1, bias=0.5)
+
+    def readings(worlds, threads=0, seed=3):
+        sim = kn.Simulation(
+            box_on_floor(),
+            worlds=worlds,
+            threads=threads,
+            solver="featherstone",
+            sensors=[sensors.FramePose("pose", "box", noise=noise)],
+            seed=seed,
+        )
+        found = []
+        for _ in range(200):
+            sim.step()
+            found.append(sim.sensors["pose"][:, 0])
+        return np.array(found)
+
+    many = readings(64)
+    assert (readings(4, threads=1) == many[:, :4]).all()
+    assert (readings(4, seed=4) != many[:, :4]).any()
+    # 200 · 64 samples: the deviation is known to 1/√(2 · 12800) = 0.6 %, the bias's of 64 draws to 9 %.
+    within = (many - many.mean(axis=0)).std()
+    assert within == pytest.approx(0.1, rel=0.03)
+    assert many.mean(axis=0).std() == pytest.approx(0.5, rel=0.4)
+
+
+def test_cameras_and_copies():
+    camera = kn.Camera(32, 24, channels=("depth", "body")).looking((0, 0.1, 3), (0, 0.1, 0))
+    sim = kn.Simulation(
+        box_on_floor(),
+        worlds=2,
+        sensors=[sensors.Camera("eye", camera=camera, rate=25), sensors.Touch("touch", "box")],
+    )
+    sim.step(50)
+    images = sim.sensors["eye"]
+    assert images.depth.shape == (2, 24, 32) and images.rgb is None
+    assert images.depth[0, 12, 16] == pytest.approx(2.9, abs=1e-2)
+    assert images.body[0, 12, 16] == 0 and images.body[0, 0, 0] == -1
+    # The measurements themselves cannot be pickled with a function in them, but these can.
+    twin = pickle.loads(pickle.dumps(sim))
+    assert (twin.sensors["eye"].depth == images.depth).all()
+    twin.step(7)
+    sim.step(7)
+    assert (twin.sensors["touch"] == sim.sensors["touch"]).all()
+
+
+@pytest.mark.parametrize(
+    ("list_of", "error", "message"),
+    [
+        ([sensors.Touch("a", "box"), sensors.Touch("a", "box")], SensorError, '"a"'),
+        ([sensors.Touch("a", "bax")], UnknownNameError, 'did you mean "box"'),
+        ([sensors.Touch("", "box")], SensorError, "name"),
+        ([sensors.Touch("a", "box", rate=-1.0)], SensorError, "rate"),
+        ([sensors.Touch("a", "box", noise=sensors.Noise(deviation=-1))], SensorError, "deviation"),
+        ([sensors.Imu("a", "box", noise=sensors.Noise(bias=[1.0, 2.0]))], SensorError, "6"),
+        ([sensors.Rangefinder("a", "box", max_range=-1)], SensorError, "range"),
+        ([sensors.Custom("a", lambda s: 1.0)], ShapeError, "1 rows"),
+        ([sensors.Custom("a", lambda s: s.time, rate=0)], SensorError, "rate"),
+        (["touch"], SensorError, "no sensor"),
+        ([sensors.ForceTorque("a", "hinge")], UnknownNameError, "hinge"),
+    ],
+)
+def test_bad_sensors_are_refused(list_of, error, message):
+    with pytest.raises(error, match=message):
+        kn.Simulation(box_on_floor(), sensors=list_of)
+
+
+def test_unknown_readings_are_told():
+    sim = kn.Simulation(box_on_floor(), sensors=[sensors.Touch("touch", "box")])
+    with pytest.raises(UnknownNameError, match="tuch"):
+        sim.sensors["tuch"]
+    assert list(sim.sensors) == ["touch"] and len(sim.sensors) == 1

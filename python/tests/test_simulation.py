@@ -1,0 +1,275 @@
+"""Simulations as arrays: what goes in comes out, and is the same as in Rust."""
+
+import copy
+import pickle
+import threading
+
+import numpy as np
+import pytest
+
+import kinetarium as kn
+from kinetarium.errors import (
+    BusyError,
+    ClosedError,
+    OutOfRangeError,
+    ShapeError,
+    SimulationError,
+    UnknownNameError,
+)
+
+
+@pytest.fixture(params=["float32", "float64"])
+def sim(request):
+    return kn.Simulation(kn.examples.n_pendula(3), worlds=20, dt=0.002, dtype=request.param)
+
+
+def test_a_pendulum_falls_as_the_closed_form_says():
+    # A rod of half length l on a hinge, from rest at angle 0: θ'' = −(3 g / 4 l) cos θ along the arc, so that the
+    # energy ½ I θ'² = m g l (1 − cos θ)-like sums stay: total energy is constant to the order of the step.
+    sim = kn.Simulation(kn.examples.n_pendula(1), dt=1e-4, dtype="float64")
+    energy = sim.state.kinetic_energy + sim.state.potential_energy
+    sim.step(5000)
+    now = sim.state.kinetic_energy + sim.state.potential_energy
+    assert sim.state.kinetic_energy[0] > 0.1
+    assert np.abs(now - energy).max() < 1e-3 * sim.state.kinetic_energy[0]
+
+
+def test_shapes_and_dtypes(sim):
+    model = sim.model
+    shapes = {
+        "joint_position": (20, 3),
+        "joint_velocity": (20, 3),
+        "joint_acceleration": (20, 3),
+        "body_position": (20, 3, 3),
+        "body_orientation": (20, 3, 4),
+        "body_velocity": (20, 3, 3),
+        "body_angular_velocity": (20, 3, 3),
+        "reaction_force": (20, len(model.joint_names), 3),
+        "reaction_torque": (20, len(model.joint_names), 3),
+        "kinetic_energy": (20,),
+        "potential_energy": (20,),
+        "momentum": (20, 3),
+        "angular_momentum": (20, 3),
+    }
+    sim.step(3)
+    for name, shape in shapes.items():
+        array = getattr(sim.state, name)
+        assert array.shape == shape, name
+        assert array.dtype == sim.dtype and array.flags.c_contiguous and np.isfinite(array).all(), name
+        out = np.full(shape, np.nan, sim.dtype)
+        assert sim.state.read(name, out) is out
+        assert (out == array).all(), name
+
+
+def test_names_index_and_suggest(sim):
+    assert (sim.state.body_position[:, "link2"] == sim.state.body_position[:, 2]).all()
+    assert (sim.state.joint_position[3, ["hinge2", "hinge0"]] == sim.state.joint_position[3, [2, 0]]).all()
+    assert sim.dof("hinge1") == 1
+    with pytest.raises(UnknownNameError, match='did you mean "hinge1"'):
+        sim.dof("hinge_1")
+    with pytest.raises(UnknownNameError, match='"link2"'):
+        sim.state.body_position[:, "link2_"]
+    with pytest.raises(UnknownNameError, match="axis 2 has no names"):
+        sim.state.body_position[0, 0, "x"]
+
+
+def test_worlds_differ_by_what_they_are_given(sim):
+    sim.controls.force[5:, "hinge0"] = 3.0
+    sim.step(10)
+    v = sim.state.joint_velocity
+    assert (v[:5] == v[0]).all() and (v[5:] == v[5]).all() and (v[0] != v[5]).all()
+    sim.controls.force = 0.0
+    assert not sim.controls.force.any()
+    sim.controls.force += 1.0
+    assert (sim.controls.force == 1.0).all()
+    sim.reset(np.arange(20) < 7)
+    assert (sim.controls.force[:7] == 0).all() and (sim.controls.force[7:] == 1).all()
+    assert (sim.time[:7] == 0).all() and (sim.time[7:] > 0).all()
+
+
+def test_items_of_the_state_are_written_through(sim):
+    sim.step(4)
+    time = sim.time
+    q = sim.state.joint_position
+    q[2, "hinge1"] = 0.25
+    assert sim.state.joint_position[2, 1] == 0.25
+    sim.state.joint_velocity[:, 0] = 1.5
+    assert (sim.state.joint_velocity[:, 0] == 1.5).all()
+    assert (sim.time == time).all()
+    with pytest.raises(ShapeError, match="follows from the joints"):
+        sim.state.body_position[0] = 1.0
+
+
+def test_a_step_does_not_depend_on_threads_or_worlds():
+    model = kn.examples.n_pendula(3)
+    few = kn.Simulation(model, worlds=2, threads=1)
+    many = kn.Simulation(model, worlds=40, threads=2)
+    for sim in (few, many):
+        sim.state.joint_velocity[1] = (0.1, 0.2, 0.3)
+        sim.step(100)
+    assert (few.state.joint_position == many.state.joint_position[:2]).all()
+
+
+def test_copies_and_pickles_go_on_alike(sim):
+    sim.controls.force[:, 1] = np.linspace(0, 1, 20)
+    sim.parameters.gravity[3] = (0, -1.6, 0)
+    sim.step(20)
+    twins = [copy.deepcopy(sim), pickle.loads(pickle.dumps(sim))]
+    for one in (sim, *twins):
+        one.step(30)
+    for twin in twins:
+        assert (twin.state.joint_position == sim.state.joint_position).all()
+        assert (twin.time == sim.time).all()
+        assert (twin.parameters.gravity == sim.parameters.gravity).all()
+    assert pickle.loads(pickle.dumps(sim.model)) == sim.model
+
+
+def test_save_and_load(sim, tmp_path):
+    sim.step(10)
+    sim.save(tmp_path / "s.kin")
+    sim.step(10)
+    later = sim.state.joint_position
+    sim.load(tmp_path / "s.kin")
+    assert (sim.time == 10 * 0.002).all()
+    sim.step(10)
+    assert (sim.state.joint_position == later).all()
+    with pytest.raises(SimulationError, match="cut off"):
+        sim.restore(sim.snapshot()[:-10])
+    with pytest.raises(SimulationError, match="no snapshot"):
+        sim.restore(b"x" * 200)
+
+
+def test_parameters_of_one_world(sim):
+    mass = sim.parameters.body_mass
+    mass[4, "link1"] = 2 * mass[4, "link1"]
+    sim.step(50)
+    v = sim.state.joint_velocity
+    assert (v[4] != v[0]).any() and (v[5] == v[0]).all()
+    sim.parameters.gravity = np.zeros((20, 3))
+    assert (sim.parameters.gravity == 0).all()
+    with pytest.raises(kn.errors.ModelError, match="mass"):
+        sim.parameters.body_mass[3, 0] = -1.0
+    assert (sim.parameters.body_mass[3] == sim.model.parameter("body_mass")[:, 0]).all()
+
+
+def test_contacts_rays_and_events():
+    sim = kn.Simulation(kn.examples.dominoes(3))
+    sim.watch("contacts", "sleep")
+    sim.step(100)
+    contacts = sim.contacts()
+    assert len(contacts) > 0 and contacts.force.shape == (len(contacts), 3)
+    weight = 9.81 * sim.model.total_mass
+    assert contacts.force[:, 1].sum() == pytest.approx(weight, rel=0.5)
+    kinds = {event.kind for event in sim.events()}
+    assert "contact_begins" in kinds
+    assert sim.events() == []
+    hits = sim.cast_rays([[0, 5, 0], [0, 5, 50]], (0, -1, 0))
+    assert hits.distance.shape == (2,) and hits.distance[1] == pytest.approx(5.0, abs=1e-6)
+    missed = sim.cast_rays((0, 5, 0), (0, 1, 0))
+    assert missed.shape[0] == -1 and np.isinf(missed.distance[0])
+
+
+def test_diverged_worlds_harm_no_other():
+    sim = kn.Simulation(kn.examples.n_pendula(2), worlds=20, speed_limit=50.0)
+    sim.controls.force[7] = 1e20
+    lost = sim.step(10)
+    assert lost.tolist() == [7]
+    assert sim.state.diverged.sum() == 1 and np.isfinite(sim.state.joint_position).all()
+    sim.controls.force[7] = 0
+    sim.reset([7])
+    assert sim.step(10).size == 0 and not sim.state.diverged.any()
+
+
+@pytest.mark.parametrize(
+    ("wrong", "error", "message"),
+    [
+        (
+            lambda s: s.controls.force.__setitem__((0, 0), np.nan) or s.step(),
+            SimulationError,
+            "world 0: force",
+        ),
+        (lambda s: setattr(s.controls, "force", np.zeros((3, 3))), ShapeError, "does not broadcast"),
+        (lambda s: setattr(s.controls, "force", "much"), ShapeError, "real numbers"),
+        (lambda s: s.set_state(np.zeros(7)), ShapeError, "joint_position"),
+        (lambda s: s.set_state([np.inf, 0, 0]), SimulationError, "finite"),
+        (lambda s: s.reset([20]), OutOfRangeError, "world 20 does not exist"),
+        (lambda s: s.reset([-1]), OutOfRangeError, "world -1"),
+        (lambda s: s.reset(np.zeros(3, bool)), ShapeError, "mask"),
+        (lambda s: s.reset([0.5]), ShapeError, "whole numbers"),
+        (lambda s: s.step(-1), SimulationError, "negative"),
+        (lambda s: s.state.read("joint_positon"), UnknownNameError, "known are"),
+        (lambda s: s.state.read("momentum", np.zeros((20, 3), int)), ShapeError, "out is int64"),
+        (lambda s: s.state.read("momentum", np.zeros((3, 20), s.dtype).T), ShapeError, "contiguous"),
+        (lambda s: s.state.read("momentum", _read_only((20, 3), s.dtype)), ShapeError, "written"),
+        (lambda s: s.contacts(99), OutOfRangeError, "world 99"),
+        (lambda s: s.cast_rays((0, 0, 0), (0, 0, 0)), SimulationError, "direction"),
+        (lambda s: s.watch("contact"), UnknownNameError, "known are"),
+        (lambda s: s.linearize(50), OutOfRangeError, "world 50"),
+    ],
+)
+def test_bad_input_is_refused_and_nothing_is_lost(sim, wrong, error, message):
+    sim.step(5)
+    before = sim.snapshot()
+    with pytest.raises(error, match=message):
+        wrong(sim)
+    sim.controls.force[...] = 0.0
+    assert sim.snapshot() == before
+
+
+def _read_only(shape, dtype):
+    array = np.zeros(shape, dtype)
+    array.flags.writeable = False
+    return array
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"worlds": 0}, "worlds is 0"),
+        ({"worlds": -3}, "worlds is -3"),
+        ({"dt": 0.0}, "time step"),
+        ({"dt": np.nan}, "time step"),
+        ({"solver": "magic"}, "unknown solver"),
+        ({"integrator": "euler"}, "unknown integrator"),
+        ({"dtype": "int32"}, "float32 or float64"),
+        ({"worlds": 10**9}, "worlds"),
+    ],
+)
+def test_bad_settings(settings, message):
+    with pytest.raises(SimulationError, match=message):
+        kn.Simulation(kn.examples.n_pendula(1), **settings)
+    with pytest.raises(TypeError, match="give a Model"):
+        kn.Simulation("humanoid.xml")
+
+
+def test_use_after_close(sim):
+    sim.close()
+    sim.close()
+    for use in (sim.step, sim.snapshot, lambda: sim.state.joint_position, lambda: pickle.dumps(sim)):
+        with pytest.raises(ClosedError, match="closed"):
+            use()
+    assert "closed" in repr(sim)
+
+
+def test_two_threads_on_one_simulation():
+    sim = kn.Simulation(kn.examples.n_pendula(20), worlds=2000)
+    begun, told = threading.Event(), []
+
+    def steps():
+        begun.set()
+        try:
+            sim.step(2000)
+        except BusyError as error:
+            told.append(error)
+
+    thread = threading.Thread(target=steps)
+    thread.start()
+    begun.wait()
+    while thread.is_alive() and not told:
+        try:
+            _ = sim.state.joint_position
+        except BusyError as error:
+            told.append(error)
+    thread.join()
+    assert told and "another thread" in str(told[0])
+    assert np.isfinite(sim.state.joint_position).all()

@@ -1,0 +1,80 @@
+"""The page, pictures, plots and the program, as Python starts them."""
+
+import subprocess
+import sys
+import urllib.request
+
+import numpy as np
+import pytest
+
+import kinetarium as kn
+from kinetarium.errors import RenderError, UnknownNameError, ViewerError
+
+
+def test_a_page_is_served_until_it_is_closed(capsys):
+    sim = kn.Simulation(kn.examples.n_pendula(3), worlds=4, dtype="float64")
+    view = sim.view(browser=False)
+    assert view.url in capsys.readouterr().out
+    with urllib.request.urlopen(view.url) as page:
+        assert b"<html" in page.read()
+    assert f'src="{view.url}"' in view._repr_html_()
+    sim.step(10)
+    assert sim.view(browser=False) is view
+    view.close()
+    assert not view.is_open
+    with pytest.raises(OSError):
+        urllib.request.urlopen(view.url, timeout=5)
+    assert sim.step(10).size == 0
+    again = sim.view(browser=False)
+    sim.close()
+    assert not again.is_open
+
+
+def test_addresses_are_checked():
+    sim = kn.Simulation(kn.examples.n_pendula(1))
+    with pytest.raises(ViewerError, match=r"give one as 127\.0\.0\.1:7357"):
+        sim.view(address="localhost", browser=False)
+
+
+def test_pictures():
+    sim = kn.Simulation(kn.examples.n_pendula(3), worlds=3)
+    picture = sim.render()
+    assert picture.rgb.shape == (1, 480, 640, 3) and picture.rgb.dtype == np.uint8
+    assert picture.rgb.std() > 5
+    camera = kn.Camera(40, 30, channels=("rgb", "depth", "body", "shape", "normal"), body="link0")
+    images = sim.render(camera, worlds=[2, 0])
+    assert images.normal.shape == (2, 30, 40, 3) and images.depth.dtype == np.float32
+    with pytest.raises(UnknownNameError, match="heat"):
+        sim.render(kn.Camera(channels=("heat",)))
+    with pytest.raises(RenderError, match="field of view"):
+        sim.render(kn.Camera(field_of_view=4.0))
+    with pytest.raises(UnknownNameError, match="link9"):
+        sim.render(kn.Camera(body="link9"))
+
+
+def test_the_program_is_the_same(tmp_path):
+    program = [sys.executable, "-m", "kinetarium"]
+    told = subprocess.run([*program, "--version"], capture_output=True, text=True, check=True)
+    assert told.stdout == f"kinetarium {kn.__version__}\n"
+    wrong = subprocess.run([*program, "run", "missing.xml"], capture_output=True, text=True, cwd=tmp_path)
+    assert wrong.returncode == 2 and "missing.xml" in wrong.stderr
+
+
+def test_import_brings_no_more_than_numpy():
+    code = (
+        "import kinetarium, sys; print([m for m in ('gymnasium', 'matplotlib', 'torch') if m in sys.modules])"
+    )
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert told.stdout == "[]\n"
+
+
+def test_plots(tmp_path):
+    pytest.importorskip("matplotlib")
+    from kinetarium import plot
+
+    sim = kn.Simulation(kn.examples.n_pendula(3), worlds=2)
+    track = plot.record(sim, {"joint_position": None, "kinetic_energy": None}, seconds=0.1)
+    assert track["time"].shape == (51,) and track["joint_position"].shape == (51, 2, 3)
+    figure = plot.over_time(track, "joint_position", names=sim.model.coordinate_names, world=1)
+    figure.savefig(tmp_path / "joints.png")
+    assert (tmp_path / "joints.png").stat().st_size > 5000
