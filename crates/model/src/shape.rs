@@ -126,7 +126,7 @@ pub struct Shape {
     pub color: Option<[f32; 4]>,
     /// True: takes part in contacts. False: only seen.
     pub collides: bool,
-    /// True: where it collides, it touches but never pushes; of the solver `impulse`. False: solid.
+    /// True: where it collides, it touches but never pushes. False: solid.
     pub sensor: bool,
     /// Kinds the shape is of, a bit each; 1 by default.
     pub membership: u32,

@@ -42,13 +42,12 @@ pub enum EventKind {
         /// The shapes; the second one moves.
         shapes: [ShapeId; 2],
     },
-    /// Two shapes overlap, of which one or both are sensors, and did not in the substep before;
-    /// `impulse` only.
+    /// Two shapes overlap, of which one or both are sensors, and did not in the substep before.
     SensorBegins {
         /// The shapes; the second one moves.
         shapes: [ShapeId; 2],
     },
-    /// Two shapes overlap no more, of which one or both are sensors; `impulse` only.
+    /// Two shapes overlap no more, of which one or both are sensors.
     SensorEnds {
         /// The shapes; the second one moves.
         shapes: [ShapeId; 2],

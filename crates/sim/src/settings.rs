@@ -9,8 +9,8 @@ use rigid::impulse::suits;
 /// Which solver advances the worlds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum SolverKind {
-    /// `impulse` for several things that touch and that nothing drives, or for sensors; `featherstone`
-    /// for other trees, `xpbd` otherwise.
+    /// `impulse` for several things that touch and that nothing drives; `featherstone` for other trees,
+    /// `xpbd` otherwise.
     #[default]
     Auto,
     /// Reduced coordinates: accurate, no drift; trees only.

@@ -299,14 +299,20 @@ fn a_world_diverges_once() {
     }
 }
 
-/// In a scene of its own, by `impulse`; `build` adds the shapes and bodies.
-fn piles(build: impl FnOnce(&mut Builder)) -> Simulation<f32> {
+const SOLVERS: [SolverKind; 3] = [
+    SolverKind::Featherstone,
+    SolverKind::Xpbd,
+    SolverKind::Impulse,
+];
+
+/// Worlds of a scene of its own; `build` adds the shapes and bodies.
+fn sensing(solver: SolverKind, worlds: usize, build: impl FnOnce(&mut Builder)) -> Simulation<f32> {
     let mut world = Builder::new("sensors");
     build(&mut world);
     let settings = SimulationSettings {
-        solver: SolverKind::Impulse,
+        solver,
         threads: 1,
-        ..SimulationSettings::new(1, H)
+        ..SimulationSettings::new(worlds, H)
     };
     Simulation::new(world.build().unwrap(), settings).unwrap()
 }
@@ -324,42 +330,55 @@ fn zone(half: f64) -> Shape {
 /// nothing were there.
 #[test]
 fn a_ball_falls_through_a_sensor() {
-    let mut simulation = piles(|world| {
+    for solver in SOLVERS {
+        for worlds in [1, 3] {
+            falls_through_a_sensor(solver, worlds);
+        }
+    }
+}
+
+fn falls_through_a_sensor(solver: SolverKind, worlds: usize) {
+    let mut simulation = sensing(solver, worlds, |world| {
         let zone = zone(0.2).at(Pose::at(DVec3::Y));
         world.object("zone").scenery(zone);
         let things = world.object("things");
         let high = Pose::at(2.0 * DVec3::Y);
         things.body("ball").at(high).shape(ball());
     });
+    let last = worlds - 1;
     simulation.watch(Watch::ALL);
     let mut touched = 0;
     for _ in 0..300 {
         simulation.step(1);
         let outputs = simulation.outputs();
-        touched += outputs.contacts(0).filter(|c| c.distance < 0.0).count();
-        assert!(outputs.contacts(0).all(|c| c.force == DVec3::ZERO));
+        touched += outputs.contacts(last).filter(|c| c.distance < 0.0).count();
+        assert!(outputs.contacts(last).all(|c| c.force == DVec3::ZERO));
     }
     let told = simulation.drain_events();
+    let told: Vec<_> = told.iter().filter(|e| e.world == last).collect();
     let shapes = [ShapeId(0), ShapeId(1)];
     let kinds = [
         EventKind::SensorBegins { shapes },
         EventKind::SensorEnds { shapes },
     ];
-    assert!(told.iter().map(|e| &e.kind).eq(&kinds), "{told:?}");
+    assert!(
+        told.iter().map(|e| &e.kind).eq(&kinds),
+        "{solver:?}: {told:?}"
+    );
     for (event, way) in told.iter().zip([0.7, 1.3]) {
         let time = f64::sqrt(2.0 * way / 9.81);
         assert!((event.time - time).abs() < 2.0 * H, "{event:?}, not {time}");
     }
-    assert!(touched > 60, "{touched}");
-    let (time, outputs) = (simulation.time(0), simulation.outputs());
-    assert!((outputs.body_velocity(0, BodyId(0)).y + 9.81 * time).abs() < 1e-4);
+    assert!(touched > 60, "{solver:?}: {touched}");
+    let (time, outputs) = (simulation.time(last), simulation.outputs());
+    assert!((outputs.body_velocity(last, BodyId(0)).y + 9.81 * time).abs() < 1e-4);
 }
 
 /// A ghost falls through a cube that sleeps in a zone, and on through the ground: the cube sleeps on,
 /// and stays in the zone.
 #[test]
 fn sensors_wake_nobody() {
-    let mut simulation = piles(|world| {
+    let mut simulation = sensing(SolverKind::Impulse, 1, |world| {
         let plane = Geometry::Plane {
             half_x: 0.0,
             half_z: 0.0,
@@ -407,26 +426,124 @@ fn sensors_wake_nobody() {
     assert!(simulation.outputs().asleep(0, BodyId(0)));
 }
 
-#[test]
-fn other_solvers_refuse_sensors() {
-    let mut world = Builder::new("zone");
+/// A motor turns an arm about an upright axis past a cube that lies on the ground. With `sensors`, there
+/// is a zone about the cube, and a ball at the arm's hand that both pass through.
+fn sweep(sensors: bool) -> Model {
+    let mut world = Builder::new("sweep");
+    let plane = Geometry::Plane {
+        half_x: 0.0,
+        half_z: 0.0,
+    };
+    let place = Pose::at(DVec3::new(0.0, 0.1, -0.6));
+    let ground = world.object("ground").scenery(Shape::new(plane));
+    if sensors {
+        ground.scenery(zone(0.15).at(place));
+    }
     let things = world.object("things");
-    things.scenery(zone(0.2));
-    things.body("ball").shape(ball());
-    let model = world.build().unwrap();
-    for (name, solver) in [
-        ("featherstone", SolverKind::Featherstone),
-        ("xpbd", SolverKind::Xpbd),
-    ] {
+    let cube = Shape::new(Geometry::Box {
+        half: DVec3::splat(0.1),
+    });
+    things.body("cube").at(place).shape(cube).mass(1.0);
+    let arm = Geometry::Capsule {
+        radius: 0.04,
+        half_height: 0.3,
+    };
+    let height = Pose::at(DVec3::Y * 0.26);
+    let lying = Pose::new(
+        DVec3::X * 0.3,
+        glam::DQuat::from_rotation_z(std::f64::consts::FRAC_PI_2),
+    );
+    let arm = things
+        .body("arm")
+        .at(height)
+        .shape(Shape::new(arm).at(lying))
+        .mass(1.0);
+    if sensors {
+        let hand = ball().at(Pose::at(DVec3::X * 0.6)).as_sensor();
+        arm.shape(hand.with_density(0.0));
+    }
+    let arm = arm.handle();
+    let hinge = things.revolute("hinge", arm, DVec3::Y);
+    let hinge = hinge.at(height).damping(0.1).handle();
+    things.motor("motor", hinge);
+    world.build().unwrap()
+}
+
+/// The hand enters zone and cube, and leaves them; the cube lies in the zone, and all else is to the bit
+/// as without sensors.
+#[test]
+fn sensors_of_robots_change_nothing() {
+    assert_eq!(
+        SolverKind::Auto.pick(&sweep(true), true),
+        SolverKind::Featherstone
+    );
+    for solver in [SolverKind::Featherstone, SolverKind::Xpbd] {
         let settings = SimulationSettings {
             solver,
-            ..SimulationSettings::new(1, H)
+            threads: 1,
+            ..SimulationSettings::new(3, H)
         };
-        let refused = Simulation::<f32>::new(model.clone(), settings).unwrap_err();
-        let message = format!(
-            "{name} does not support contacts of the sensor of `zone`: \
-             use the solver `impulse`, or let the shape not collide"
-        );
-        assert_eq!(refused.to_string(), message);
+        let run = |sensors| {
+            let mut simulation = Simulation::<f64>::new(sweep(sensors), settings).unwrap();
+            let watch = Watch {
+                sensors: true,
+                ..Watch::default()
+            };
+            simulation.watch(watch);
+            for world in 0..3 {
+                let push = 0.3 + 0.02 * world as f64;
+                simulation.controls().set_control(world, &[push]).unwrap();
+            }
+            simulation.step(1000);
+            let outputs = simulation.outputs();
+            let state = [outputs.joint_position(1), outputs.joint_velocity(1)].concat();
+            let pressing = outputs
+                .contacts(1)
+                .filter(|c| c.force != DVec3::ZERO)
+                .count();
+            (state, pressing, simulation.drain_events())
+        };
+        let (plain, sensing) = (run(false), run(true));
+        assert_eq!((&plain.0, plain.1), (&sensing.0, sensing.1), "{solver:?}");
+        assert!(plain.1 > 0, "the cube lies on the ground");
+        let [cube, hand] = sensing_shapes(&sweep(true));
+        let zone = ShapeId(1);
+        let count = |begins: bool, pair: [ShapeId; 2]| {
+            let same = |shapes: &[ShapeId; 2]| pair.iter().all(|shape| shapes.contains(shape));
+            let of = |e: &&Event| match &e.kind {
+                EventKind::SensorBegins { shapes } => begins && same(shapes),
+                EventKind::SensorEnds { shapes } => !begins && same(shapes),
+                _ => false,
+            };
+            let told = sensing.2.iter().filter(|e| e.world == 1);
+            told.filter(of).count()
+        };
+        for pair in [[zone, hand], [cube, hand]] {
+            assert!(
+                count(true, pair) > 0,
+                "{solver:?}: {pair:?}: {:?}",
+                sensing.2
+            );
+            assert!(
+                count(false, pair) > 0,
+                "{solver:?}: {pair:?}: {:?}",
+                sensing.2
+            );
+        }
+        let lies = [true, false].map(|begins| count(begins, [zone, cube]));
+        assert_eq!(lies, [1, 0], "{solver:?}: it stays");
     }
+}
+
+/// The shape of the cube, and that of the hand.
+fn sensing_shapes(model: &Model) -> [ShapeId; 2] {
+    let cube = model.body("cube").unwrap();
+    let row = model
+        .shapes
+        .iter()
+        .position(|s| s.body == Some(cube))
+        .unwrap();
+    let moves = |s: &Shape| s.sensor && s.body.is_some();
+    let hand = model.shapes.iter().position(moves).unwrap();
+    [ShapeId(row), ShapeId(hand)]
 }

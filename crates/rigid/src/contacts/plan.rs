@@ -36,6 +36,8 @@ pub(super) struct Pair {
     pub rows: [usize; 2],
     /// The seat that its slots belong to.
     pub mover: Seat,
+    /// One is a sensor, or both: told, and never solved.
+    senses: bool,
     /// Both move.
     between: bool,
     /// A moves and B does not.
@@ -62,6 +64,7 @@ pub(crate) struct ContactPlan {
     /// Carrier of each slot.
     movers: Vec<usize>,
     pub(super) between: usize,
+    pub(super) sensed: usize,
     pub(super) corners: Corners,
     pub(super) meshes: Meshes,
 }
@@ -75,6 +78,7 @@ impl ContactPlan {
             slots: Vec::new(),
             movers: Vec::new(),
             between: 0,
+            sensed: 0,
             corners: Corners::default(),
             meshes: Meshes::default(),
         }
@@ -83,7 +87,7 @@ impl ContactPlan {
     /// Finds the pairs; `seat` tells who carries a shape.
     ///
     /// # Errors
-    /// A shape that no kernel collides, a mesh that moves, a sensor.
+    /// A shape that no kernel collides, a mesh that moves.
     pub(crate) fn new(
         model: &Model,
         solver: &'static str,
@@ -92,14 +96,7 @@ impl ContactPlan {
         let mut plan = Self::empty();
         for (a, b) in CollisionFilter::new(model).pairs() {
             let shapes = [a, b].map(|s| &model.shapes[s.0]);
-            if let Some(sensor) = shapes.into_iter().find(|s| s.sensor) {
-                return Err(SolverError::Unsupported {
-                    solver,
-                    what: "contacts of the sensor",
-                    name: sensor.name.clone(),
-                    remedy: "use the solver `impulse`, or let the shape not collide",
-                });
-            }
+            let senses = shapes.iter().any(|shape| shape.sensor);
             let [first, second] = shapes.map(|shape| Solid::new(shape, solver));
             let kinds = [first?.kind, second?.kind];
             let Some(route) = Route::of(kinds[0], kinds[1]) else {
@@ -110,7 +107,7 @@ impl ContactPlan {
             for (id, seat) in [a, b].into_iter().zip(&seats) {
                 check_stands(&model.shapes[id.0], seat.moves(), solver)?;
             }
-            plan.add(route, [a, b], seats);
+            plan.add(route, [a, b], seats, senses);
         }
         plan.assign_slots();
         let shapes = plan.sights.iter().map(|s| &model.shapes[s.shape.0]);
@@ -119,7 +116,7 @@ impl ContactPlan {
         Ok(plan)
     }
 
-    fn add(&mut self, route: Route, shapes: [ShapeId; 2], mut seats: [Seat; 2]) {
+    fn add(&mut self, route: Route, shapes: [ShapeId; 2], mut seats: [Seat; 2], senses: bool) {
         let [a, b] = seats;
         let (flip, mover) = match (a.moves(), b.moves()) {
             (false, false) => return,
@@ -145,6 +142,7 @@ impl ContactPlan {
             shapes,
             rows,
             mover,
+            senses,
             between: a.moves() && b.moves(),
             flip,
             mass,
@@ -161,15 +159,19 @@ impl ContactPlan {
         })
     }
 
-    /// Slots carrier by carrier, pairs kernel by kernel.
+    /// Slots carrier by carrier, those of sensors last; pairs kernel by kernel.
     fn assign_slots(&mut self) {
-        self.pairs.sort_by_key(|p| (p.between, p.mover.row));
+        self.pairs
+            .sort_by_key(|p| (p.senses, p.between, p.mover.row));
         let mut end = 0;
         for pair in &mut self.pairs {
             pair.slot = end;
             end += pair.route.points();
-            if !pair.between {
-                self.between = end;
+            if !pair.senses {
+                self.sensed = end;
+                if !pair.between {
+                    self.between = end;
+                }
             }
             self.movers.resize(end, pair.mover.row);
         }
@@ -203,9 +205,9 @@ impl ContactPlan {
                     .count()
     }
 
-    /// The slots of pairs of which both move, with the carriers of A and B.
+    /// The slots of solid pairs of which both move, with the carriers of A and B.
     pub(crate) fn between_slots(&self) -> impl Iterator<Item = (usize, Seat, Seat)> {
-        (self.between..self.slots.len()).map(|slot| {
+        (self.between..self.sensed).map(|slot| {
             let [a, b] = self.pairs[self.slots[slot]].rows;
             (slot, self.sights[a].seat, self.sights[b].seat)
         })

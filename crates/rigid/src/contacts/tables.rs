@@ -104,6 +104,8 @@ pub struct ContactTables {
     pub(crate) slots: usize,
     /// Slots from here on are of pairs of which both move.
     pub(crate) between: usize,
+    /// Slots from here on are of sensors, which are told and never solved.
+    pub(crate) sensed: usize,
     /// First pair of each kernel, and one past the last.
     pub(crate) routes: [usize; Route::ALL.len() + 1],
     pub(crate) shape: Table<Parameter, { shape_field::WIDTH }>,
@@ -210,6 +212,7 @@ impl ContactTables {
             shapes,
             slots,
             between: plan.between,
+            sensed: plan.sensed,
             routes,
             shape: Table::place(parameters, shapes),
             shape_links: Links::place(links, shapes),

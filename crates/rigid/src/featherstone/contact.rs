@@ -39,7 +39,7 @@
 use super::gauss_seidel;
 use super::limit::late_damping;
 use super::tables::{Tables, frame};
-use crate::contacts::{Places, pair_field, slot, slot_link};
+use crate::contacts::{Places, pair_field, sense, slot, slot_link};
 use crate::output::contact;
 use collide::FAR;
 use numbers::spatial::{Inertia, Spatial};
@@ -332,7 +332,8 @@ pub(crate) fn keep<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
             k.store_vec3(t.load, s, load::FORCE, force);
         }
     }
-    for s in k.count(t.contacts.slots) {
+    sense(k, &t.contacts, t, t.touch);
+    for s in k.count(t.contacts.sensed) {
         let distance = k.load(t.contacts.slot, s, slot::DISTANCE);
         let kept = k.load(t.touch, s, contact::DISTANCE);
         let near = distance.min(kept).lt(M::R::lit(0.5 * FAR));
@@ -369,8 +370,10 @@ pub(crate) fn keep<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
 /// Forgets the contacts of the lanes of `lost`.
 #[inline(always)]
 pub(crate) fn forget<M: Machine>(k: &mut M, t: &Tables, lost: <M::R as Real>::Mask) {
-    for s in k.count(t.contacts.slots) {
+    for s in k.count(t.contacts.sensed) {
         k.store_where(lost, t.grip, s, 0, M::R::zero());
+    }
+    for s in k.count(t.contacts.slots) {
         let mut none = [0.0; contact::WIDTH];
         none[contact::DISTANCE] = FAR;
         for (field, number) in none.into_iter().enumerate() {
@@ -383,7 +386,7 @@ pub(crate) fn forget<M: Machine>(k: &mut M, t: &Tables, lost: <M::R as Real>::Ma
 #[inline(always)]
 pub(crate) fn recall<M: Machine>(k: &mut M, t: &Tables) {
     let zero = M::R::zero();
-    for s in k.count(t.contacts.slots) {
+    for s in k.count(t.contacts.sensed) {
         let [x, y, z, l, m, n, distance, _, fx, fy, fz] = k.read(t.touch, s, 0);
         let origin = k.vec3(
             t.point,

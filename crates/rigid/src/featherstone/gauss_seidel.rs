@@ -213,7 +213,7 @@ fn iterate<M: Machine>(k: &mut M, t: &Tables) {
 /// The slots between bodies that move.
 #[inline(always)]
 pub(crate) fn between<M: Machine>(k: &M, t: &Tables) -> M::Rounds {
-    k.range(k.index(t.contacts.between), k.index(t.contacts.slots))
+    k.range(k.index(t.contacts.between), k.index(t.contacts.sensed))
 }
 
 /// Velocities without impulses, u* and softness of a contact that is near; 1 where it takes part.

@@ -157,7 +157,7 @@ fn wrenches<M: Machine>(k: &mut M, t: &Tables) {
 /// Takes off the wrenches what the contacts of the last step carry.
 #[inline(always)]
 fn relieve<M: Machine>(k: &mut M, t: &Tables) {
-    for s in k.count(t.contacts.slots) {
+    for s in k.count(t.contacts.sensed) {
         let near = k
             .load(t.touch, s, contact::DISTANCE)
             .lt(M::R::lit(0.5 * FAR));

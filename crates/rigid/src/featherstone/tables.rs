@@ -637,7 +637,7 @@ impl Tables {
 
     /// Whether bodies that move may touch each other.
     pub(crate) fn presses(&self) -> bool {
-        self.contacts.between < self.contacts.slots
+        self.contacts.between < self.contacts.sensed
     }
 
     fn layout(
@@ -666,7 +666,7 @@ impl Tables {
         let forces = ForceTables::place(&ForceRows::count(model), dofs, &mut s, &mut p, &mut l);
         let contacts = ContactTables::place(plan, &mut p, &mut l, &mut t);
         let touch = Table::place(&mut s, contacts.slots);
-        let grip = Table::place(&mut s, contacts.slots);
+        let grip = Table::place(&mut s, contacts.sensed);
         Self {
             trees,
             nodes,
@@ -675,7 +675,7 @@ impl Tables {
             motions,
             bodies,
             contacts,
-            passes: if contacts.slots > 0 {
+            passes: if contacts.sensed > 0 {
                 settings.contact_passes
             } else {
                 1
@@ -716,17 +716,17 @@ impl Tables {
             half_angle: Table::place(&mut t, motions),
             frame: Table::place(&mut t, rows),
             dof: Table::place(&mut t, dofs),
-            load: Table::place(&mut t, contacts.slots),
+            load: Table::place(&mut t, contacts.sensed),
             stop: Table::place(&mut t, dofs),
             touching_links: Links::place(&mut l, contacts.slots),
-            touch_links: Links::place(&mut l, contacts.slots),
+            touch_links: Links::place(&mut l, contacts.sensed),
             couple_links: Links::place(&mut l, couples.couples.len()),
             path_links: Links::place(&mut l, couples.paths.len()),
             entry_links: Links::place(&mut l, couples.names.len()),
-            impulse: Table::place(&mut t, contacts.slots),
+            impulse: Table::place(&mut t, contacts.sensed),
             entry: Table::place(&mut t, couples.entries),
             response: Table::place(&mut t, if couples.slots.is_empty() { 0 } else { dofs }),
-            takes_part: Table::place(&mut t, contacts.slots),
+            takes_part: Table::place(&mut t, contacts.sensed),
             pressure: Table::place(&mut t, if couples.slots.is_empty() { 0 } else { rows }),
             saved_position: Table::place(&mut t, coordinates),
             saved_velocity: Table::place(&mut t, dofs),
@@ -794,7 +794,7 @@ impl Tables {
             let turned = n.place.orientation != DQuat::IDENTITY;
             f.link(self.node_links, row, node_link::TURNED, usize::from(turned));
             // Impulses between bodies need the factor of every degree of freedom.
-            let floats = n.floats && self.contacts.between == self.contacts.slots;
+            let floats = n.floats && !self.presses();
             let (eliminated, from) = if floats { (0, row) } else { (n.dofs(), parent) };
             f.link(self.node_links, row, node_link::FLOATS, usize::from(floats));
             f.link(self.node_links, row, node_link::ELIMINATED, eliminated);

@@ -139,8 +139,7 @@ pub(super) fn unsupported(what: &'static str, name: &str, remedy: &'static str) 
     }
 }
 
-/// Whether a model is what this solver is for: several things that touch, free or of passive joints, or
-/// sensors, which no other solver has.
+/// Whether a model is what this solver is for: several things that touch, free or of passive joints.
 pub fn suits(model: &Model) -> bool {
     let moves = |shape: &model::Shape| {
         let body = shape.body.map(|id| model.bodies[id.0].kind);
@@ -150,12 +149,11 @@ pub fn suits(model: &Model) -> bool {
         Solid::new(shape, NAME).is_ok() && check_stands(shape, moves(shape), NAME).is_ok()
     };
     let mut touching = model.shapes.iter().filter(|shape| shape.collides);
-    let senses = touching.clone().any(|shape| shape.sensor);
     let drives = |dof: &model::Dof| dof.drive.stiffness > 0.0 || dof.drive.damping > 0.0;
     let driven = model.joints.iter().flat_map(|j| &j.dofs).any(drives);
     let passive = !driven && model.actuators.is_empty();
     let known = check(model).is_ok() && Ties::of(model).is_ok();
-    (senses || passive && several(model)) && known && touching.all(solid)
+    passive && several(model) && known && touching.all(solid)
 }
 
 /// Whether several things move on their own, bodies or what joints make of them, and may touch.

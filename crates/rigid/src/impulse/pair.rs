@@ -173,6 +173,7 @@ impl PairTables {
             shapes: 2,
             slots: points,
             between: 0,
+            sensed: points,
             routes,
             shape: Table::place(&mut parameters, 2),
             shape_links: Links::place(&mut links, 2),

@@ -232,7 +232,7 @@ fn near<M: Machine>(k: &M, t: &Tables, s: M::I) -> <M::R as Real>::Mask {
 pub(crate) fn meet<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     inverse_inertias(k, t);
     save(k, t);
-    for s in k.count(t.contacts.slots) {
+    for s in k.count(t.contacts.sensed) {
         k.write(t.touching, s, touching::LAMBDA, [M::R::zero(); 4]);
         if t.grips {
             k.store_vec3(t.grip, s, grip::LAMBDA, Vec3::zero());
@@ -408,7 +408,7 @@ fn within<R: Real>(v: Vec3<R>, most: R) -> Vec3<R> {
 pub(crate) fn sweeps<M: Machine>(k: &mut M, t: &Tables, h: M::R, ending: M::R) {
     let ending = ending.gt(M::R::zero());
     for _ in k.count(t.sweeps) {
-        for s in k.count(t.contacts.slots) {
+        for s in k.count(t.contacts.sensed) {
             let near = near(k, t, s);
             if let Some(_branch) = k.if_any(near) {
                 let [bounces, pressed] = k.read(t.touching, s, touching::BOUNCE + 1);
@@ -493,7 +493,7 @@ pub(crate) fn drift<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
 /// next one with.
 #[inline(always)]
 pub(crate) fn keep<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
-    for s in k.count(t.contacts.slots) {
+    for s in k.count(t.contacts.sensed) {
         let kept = k.load(t.touch, s, contact::DISTANCE);
         let on = near(k, t, s);
         let was = kept.lt(M::R::lit(0.5 * FAR));
@@ -525,7 +525,9 @@ pub(crate) fn forget<M: Machine>(k: &mut M, t: &Tables, lost: <M::R as Real>::Ma
         for (field, number) in none.into_iter().enumerate() {
             k.store_where(lost, t.touch, s, field, M::R::lit(number));
         }
-        if t.grips {
+    }
+    if t.grips {
+        for s in k.count(t.contacts.sensed) {
             for field in 0..3 {
                 k.store_where(lost, t.gripped, s, field, M::R::zero());
             }

@@ -55,7 +55,7 @@ mod tables;
 mod topology;
 mod tree;
 
-use crate::contacts::place_shapes;
+use crate::contacts::{place_shapes, sense};
 use crate::output::contact as touch;
 use crate::{ContactTables, Featherstone, Kernels, Lengths, OutputTables, Settings, SolverError};
 use collide::FAR;
@@ -218,7 +218,7 @@ fn substep<M: Machine>(k: &mut M, t: &Tables) {
 /// first pass lets them pass on what the contacts start with, before these are asked for more.
 #[inline(always)]
 fn passes<M: Machine>(k: &mut M, t: &Tables, h: M::R, survey: &mut Survey<M>) {
-    let touching = t.touches();
+    let touching = t.presses();
     let mut fresh = k.cell(M::R::one());
     if touching {
         contact::meet(k, t, h);
@@ -243,6 +243,7 @@ fn passes<M: Machine>(k: &mut M, t: &Tables, h: M::R, survey: &mut Survey<M>) {
         contact::keep(k, t, h);
         survey.repeat(k, t);
     }
+    sense(k, &t.contacts, t, t.touch);
 }
 
 /// Sweeps over the contacts, before the joints of a round or, where none `joins`, last of all.

@@ -399,6 +399,11 @@ impl Tables {
         self.contacts.slots > 0
     }
 
+    /// Whether any of what touches pushes: not all are sensors.
+    pub(crate) fn presses(&self) -> bool {
+        self.contacts.sensed > 0
+    }
+
     /// Lays out a model and fills its parameters and links; with the shapes of each contact.
     ///
     /// # Errors
@@ -470,8 +475,8 @@ impl Tables {
         let (mut s, mut p, mut l, mut t) = (0, 0, 0, 0);
         let laws = LawTables::place(model, &mut s, &mut p, &mut l, &mut t);
         let contacts = ContactTables::place(plan, &mut p, &mut l, &mut t);
-        let (touches, jointed) = (contacts.slots > 0, jointed(model));
-        let grips = plan.shapes().iter().any(|&[a, b]| {
+        let (presses, jointed) = (contacts.sensed > 0, jointed(model));
+        let grips = plan.shapes()[..contacts.sensed].iter().any(|&[a, b]| {
             let surface = model.contact_material(a, b);
             surface.torsional_friction > 0.0 || surface.rolling_friction > 0.0
         });
@@ -486,7 +491,7 @@ impl Tables {
             tracked: groups.iter().filter(|g| g.tracked).count(),
             balls,
             frees,
-            iterations: settings.iterations + usize::from(touches && jointed),
+            iterations: settings.iterations + usize::from(presses && jointed),
             sweeps: settings.contact_iterations,
             jointed,
             grips,
@@ -501,7 +506,7 @@ impl Tables {
             capped: Table::place(&mut s, 1),
             laws,
             touch: Table::place(&mut s, contacts.slots),
-            gripped: Table::place(&mut s, if grips { contacts.slots } else { 0 }),
+            gripped: Table::place(&mut s, if grips { contacts.sensed } else { 0 }),
             state_length: s,
             input: InputTables::new(model),
             output: OutputTables::new(model).with_contacts(contacts.slots),
@@ -520,7 +525,7 @@ impl Tables {
             free_links: Links::place(&mut l, frees),
             body_links: Links::place(&mut l, model.bodies.len()),
             carrier_links: Links::place(&mut l, carriers),
-            touch_links: Links::place(&mut l, contacts.slots),
+            touch_links: Links::place(&mut l, contacts.sensed),
             link_length: l,
             inverse_inertia: Table::place(&mut t, rows),
             axis: Table::place(&mut t, axes),
@@ -534,9 +539,9 @@ impl Tables {
             share: Table::place(&mut t, rows),
             load: Table::place(&mut t, rows),
             contacts,
-            touching: Table::place(&mut t, contacts.slots),
-            grip: Table::place(&mut t, if grips { contacts.slots } else { 0 }),
-            unpushed: Table::place(&mut t, if touches { rows } else { 0 }),
+            touching: Table::place(&mut t, contacts.sensed),
+            grip: Table::place(&mut t, if grips { contacts.sensed } else { 0 }),
+            unpushed: Table::place(&mut t, if presses { rows } else { 0 }),
             scratch_length: t,
         }
     }
