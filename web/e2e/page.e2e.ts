@@ -145,6 +145,32 @@ test("physics", async () => {
   expect(fallen).toBeLessThan(0.5 * 1.62 * seconds ** 2 * 1.05);
 });
 
+test("two pages show what one of them sets", async ({ skip }) => {
+  await open("example=prismatic");
+  // A worker has one page.
+  const engine = await page.locator('meta[name="kinetarium-engine"]').getAttribute("content");
+  skip(engine === "worker");
+  const other = await page.context().newPage();
+  other.on("pageerror", (error) => broken.push(String(error.stack)));
+  await other.goto(ADDRESS);
+  await other.waitForFunction(() => window.kinetarium?.frame);
+  const gravity = (of: Page) => of.getByRole("spinbutton", { name: "Gravity" });
+  const target = (of: Page) => of.locator('details.drive input[type="number"]').first();
+  for (const each of [page, other]) await each.locator("details.drive summary").first().click();
+  await gravity(page).fill("1.62");
+  await gravity(page).press("Enter");
+  await target(other).fill("-0.25");
+  await target(other).press("Enter");
+  await expect.poll(() => gravity(other).inputValue()).toBe("1.62");
+  await expect.poll(() => target(page).inputValue()).toBe("-0.25");
+  await other.waitForFunction(() => location.hash.includes("physics.gravity=1.62"));
+  // The one who hears says nothing back, so that the last word stays.
+  await page.waitForTimeout(300);
+  expect(await gravity(page).inputValue()).toBe("1.62");
+  expect(await target(other).inputValue()).toBe("-0.25");
+  await other.close();
+});
+
 test("scrub", async () => {
   await open("example=pyramid");
   await step(1000);

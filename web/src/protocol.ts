@@ -33,17 +33,9 @@ const values = record(number);
 /** Values of a form by the names of its fields. A flag is 0 or 1, a choice the row of its name. */
 export type Values = Checked<typeof values>;
 
-/** From the page to the engine. */
-export const command = tagged("type", {
-  open: { example: text, build: optional(values), physics: optional(values) },
-  rebuild: { build: values },
+/** What forms and sliders of all pages show. */
+const settings = {
   physics: { values },
-  run: {},
-  stop: {},
-  step: { steps: count },
-  restart: {},
-  speed: { factor: nullable(number) },
-  show: { worlds: array(count) },
   joint: {
     dof: count,
     position: optional(number),
@@ -52,6 +44,19 @@ export const command = tagged("type", {
     damping: optional(number),
   },
   control: { actuator: count, value: number },
+};
+
+/** From the page to the engine. */
+export const command = tagged("type", {
+  open: { example: text, build: optional(values), physics: optional(values) },
+  rebuild: { build: values },
+  run: {},
+  stop: {},
+  step: { steps: count },
+  restart: {},
+  speed: { factor: nullable(number) },
+  show: { worlds: array(count) },
+  ...settings,
   grab: { world: count, body: count, point: triple, to: triple },
   release: {},
   push: { world: count, body: count, point: triple, impulse: triple },
@@ -59,6 +64,10 @@ export const command = tagged("type", {
   scrub: { time: number },
 });
 export type Command = Checked<typeof command>;
+
+const setting = tagged("type", settings);
+/** A command that sets physics, a drive or an actuator. */
+export type Setting = Checked<typeof setting>;
 
 const field = object({
   name: text,
@@ -204,6 +213,7 @@ export const message = tagged("type", {
   welcome: { protocol: count, examples: array(example) },
   scene,
   status,
+  changed: { command: setting },
   error: { message: text, refused: nullable(text) },
 });
 export type Message = Checked<typeof message>;

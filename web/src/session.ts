@@ -6,6 +6,7 @@ import {
   type Field,
   readMessage,
   type Scene,
+  type Setting,
   type Status,
   type Values,
 } from "./protocol";
@@ -20,6 +21,8 @@ export interface SessionEvents {
   frame: Frame;
   /** Which worlds are shown, in order. */
   shown: number[];
+  /** What another page has set. */
+  changed: Setting;
   /** The physics as it was last set. */
   physics: Field[];
   /** What went wrong, for people. */
@@ -55,6 +58,17 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
       this.setPhysics(command.values);
     }
     if (command.type === "joint" || command.type === "control") this.setDrive(command);
+  }
+
+  /** Takes over what another page has set. */
+  private change(setting: Setting): void {
+    if (setting.type === "physics") {
+      if (this.accepted) Object.assign(this.accepted, setting.values);
+      this.setPhysics(setting.values);
+    } else {
+      this.setDrive(setting);
+    }
+    this.emit("changed", setting);
   }
 
   /** The last frame that came is on the screen. */
@@ -113,6 +127,9 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
         if (!same(message.shown, this.shown)) this.show(message.shown);
         this.emit("status", message);
         break;
+      case "changed":
+        this.change(message.command);
+        break;
       case "error":
         if (message.refused === "physics" && this.accepted) this.setPhysics(this.accepted);
         if (message.refused !== null) this.emit("refused", message.refused);
@@ -137,11 +154,11 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
   }
 
   /** The scene says how drives are, for who looks at it later. */
-  private setDrive(command: Command): void {
+  private setDrive(command: Exclude<Setting, { type: "physics" }>): void {
     if (command.type === "control") {
       const actuator = this.scene?.actuators[command.actuator];
       if (actuator) actuator.value = command.value;
-    } else if (command.type === "joint") {
+    } else {
       const dofs = this.scene?.joints.flatMap((joint) => joint.dofs) ?? [];
       const own = dofs.find(({ dof }) => dof === command.dof);
       if (!own) return;

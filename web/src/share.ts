@@ -31,6 +31,9 @@ export class Share {
     session.on("scene", (scene) => this.scene(scene));
     session.on("shown", (worlds) => this.shown(worlds));
     session.on("refused", (type) => this.refused(type));
+    session.on("changed", (setting) => {
+      if (setting.type === "physics") this.tellPhysics(setting.values);
+    });
     session.on("error", () => {
       this.opening = null;
     });
@@ -48,8 +51,12 @@ export class Share {
 
   /** Physics that the user has set. */
   setPhysics(values: Values): void {
-    Object.assign(this.address.physics, values);
     this.controls.physics(values);
+    this.tellPhysics(values);
+  }
+
+  private tellPhysics(values: Values): void {
+    Object.assign(this.address.physics, values);
     this.soon();
   }
 

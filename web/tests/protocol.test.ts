@@ -35,7 +35,9 @@ describe("messages", () => {
   test("what is malformed is named with its place", () => {
     expect(() => readMessage("{")).toThrow("not JSON");
     expect(() => readMessage("[]")).toThrow("not an object");
-    expect(() => readMessage('{"type":"hello"}')).toThrow("type: not one of welcome, scene, status, error");
+    expect(() => readMessage('{"type":"hello"}')).toThrow(
+      "type: not one of welcome, scene, status, changed, error",
+    );
     expect(broken("status", (m) => delete m.pace)).toThrow("pace: not a finite number");
     expect(broken("status", (m) => Object.assign(m, { mood: 1 }))).toThrow("mood: unknown field");
     expect(

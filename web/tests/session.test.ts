@@ -73,6 +73,29 @@ test("physics that is set is what forms show", () => {
   expect(shown).toEqual([[-1.62, 0, 1]]);
 });
 
+test("what another page sets is shown, and not said again", () => {
+  session.text(sample("scene"));
+  const physics: number[][] = [];
+  const changed: string[] = [];
+  session.on("physics", (fields) => physics.push(fields.map((field) => field.value)));
+  session.on("changed", ({ type }) => changed.push(type));
+  for (const message of messages.filter((m) => m.type === "changed")) session.text(JSON.stringify(message));
+  expect(physics).toEqual([[-1.62, 0, 1]]);
+  expect(session.scene?.joints[0].dofs[0].position).toBe(0.5);
+  expect(session.scene?.actuators[0].value).toBe(-0.4);
+  expect(changed).toEqual(["physics", "joint", "control"]);
+  expect(sent).toEqual([]);
+  expect(errors).toEqual([]);
+});
+
+test("physics that is refused is as another page has set it since", () => {
+  session.text(sample("scene"));
+  session.send({ type: "physics", values: { gravity: 5 } });
+  session.text('{"type":"changed","command":{"type":"physics","values":{"gravity":-3}}}');
+  session.text('{"type":"error","message":"no","refused":"physics"}');
+  expect(session.scene?.physics.find(({ name }) => name === "gravity")?.value).toBe(-3);
+});
+
 test("worlds asked for are those shown", () => {
   session.send({ type: "show", worlds: [2] });
   expect(sent).toEqual([{ type: "show", worlds: [2] }]);

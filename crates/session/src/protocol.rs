@@ -123,6 +123,16 @@ pub enum Command {
     },
 }
 
+impl Command {
+    /// Whether it sets what forms and sliders of all pages show.
+    pub(crate) fn sets(&self) -> bool {
+        matches!(
+            self,
+            Self::Physics { .. } | Self::Joint { .. } | Self::Control { .. }
+        )
+    }
+}
+
 /// From the engine to the page, as text.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
@@ -138,6 +148,11 @@ pub enum Message {
     Scene(Box<Scene>),
     /// How it goes; after every command, and a few times a second while it runs.
     Status(Status),
+    /// Another page has set physics, a drive or an actuator.
+    Changed {
+        /// What it said: [`Command::Physics`], [`Command::Joint`] or [`Command::Control`].
+        command: Command,
+    },
     /// A command was refused, and all is as before it; or a step could not be made, and the session has stopped.
     Error {
         /// What is wrong, and the remedy.

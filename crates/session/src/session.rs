@@ -27,6 +27,8 @@ pub enum Outgoing {
     Text(String),
     /// A [`Message::Error`] as JSON: an answer to what the page has just said.
     Refusal(String),
+    /// A [`Message::Changed`] as JSON: what the page has just said, for all other pages.
+    News(String),
     /// A [`Frame`] as bytes.
     Frame(Vec<u8>),
 }

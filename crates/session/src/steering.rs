@@ -144,10 +144,14 @@ impl Steering {
             reason: e.to_string(),
         });
         let asked = read.as_ref().ok().and_then(kind);
+        let news = read.as_ref().ok().filter(|command| command.sets()).cloned();
         match read.and_then(|command| self.perform(subject, command)) {
             Ok(()) => {
                 self.stale = true;
                 self.tell_status(&subject.simulation);
+                let news = news.map(|command| Message::Changed { command });
+                let news = news.map(|message| Outgoing::News(message.to_json()));
+                self.outbox.extend(news);
             }
             Err(error) => {
                 let refusal = Message::Error {

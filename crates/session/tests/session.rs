@@ -30,6 +30,8 @@ struct Page {
     /// When [s], and the first plotted quantity.
     samples: Vec<(f64, f64)>,
     errors: Vec<String>,
+    /// What other pages would be told.
+    news: Vec<String>,
 }
 
 impl Page {
@@ -42,6 +44,7 @@ impl Page {
             frame: Vec::new(),
             samples: Vec::new(),
             errors: Vec::new(),
+            news: Vec::new(),
         };
         page.say(&format!(r#"{{"type": "open", "example": "{example}"}}"#));
         assert!(page.errors.is_empty(), "{:?}", page.errors);
@@ -56,11 +59,16 @@ impl Page {
                     continue;
                 }
                 Outgoing::Text(text) | Outgoing::Refusal(text) => text,
+                Outgoing::News(text) => {
+                    self.news.push(text);
+                    continue;
+                }
             };
             match serde_json::from_str(&text).unwrap() {
                 Message::Scene(scene) => self.scene = Some(*scene),
                 Message::Status(status) => self.status = Some(status),
                 Message::Error { message, .. } => self.errors.push(message),
+                Message::Changed { .. } => panic!("told to the page that asked"),
                 Message::Welcome { examples, .. } => assert_eq!(examples.len(), EXAMPLES.len()),
             }
         }
@@ -348,6 +356,22 @@ fn physics_changes_while_the_state_stays_or_the_scene_begins_anew() {
     );
     let gravity = page.scene().physics.iter().find(|f| f.name == "gravity");
     assert_eq!(gravity.unwrap().value, 1.62);
+}
+
+#[test]
+fn what_one_page_sets_is_news_to_others_unless_it_is_refused() {
+    let mut page = Page::open("prismatic");
+    for command in [
+        r#"{"type":"physics","values":{"gravity":1.62}}"#,
+        r#"{"type":"joint","dof":0,"position":0.25,"stiffness":null,"velocity":null,"damping":null}"#,
+    ] {
+        page.say(command);
+        let news = page.news.pop().unwrap();
+        assert_eq!(news, format!(r#"{{"type":"changed","command":{command}}}"#));
+    }
+    page.say(r#"{"type": "run"}"#);
+    page.say(r#"{"type": "joint", "dof": 0, "stiffness": -1}"#);
+    assert!(page.news.is_empty(), "{:?}", page.news);
 }
 
 #[test]

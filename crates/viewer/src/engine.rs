@@ -141,7 +141,7 @@ impl<T: Float> Work<T> {
         true
     }
 
-    /// Sends what the session has to say; refusals to the page that asked.
+    /// Sends what the session has to say; refusals to the page that asked, news to the others.
     fn tell(&mut self, asked: Option<&mpsc::Sender<Note>>) {
         while let Some(outgoing) = self.session.outgoing() {
             match (outgoing, asked) {
@@ -151,6 +151,12 @@ impl<T: Float> Work<T> {
                 (refusal @ Outgoing::Refusal(_), Some(page)) => {
                     // A page that does not listen need not know.
                     let _ = page.try_send(refusal.into());
+                }
+                (news @ Outgoing::News(_), Some(asked)) => {
+                    let note = Note::from(news);
+                    self.keep(|page| {
+                        page.same_channel(asked) || page.try_send(note.clone()).is_ok()
+                    });
                 }
                 (text, _) => {
                     let note = Note::from(text);
@@ -173,7 +179,9 @@ impl<T: Float> Work<T> {
 impl From<Outgoing> for Note {
     fn from(outgoing: Outgoing) -> Self {
         match outgoing {
-            Outgoing::Text(text) | Outgoing::Refusal(text) => Self::Text(text),
+            Outgoing::Text(text) | Outgoing::Refusal(text) | Outgoing::News(text) => {
+                Self::Text(text)
+            }
             Outgoing::Frame(bytes) => Self::Frame(bytes.into()),
         }
     }

@@ -107,6 +107,32 @@ fn pages_share_the_worlds_and_refusals_go_to_who_asked() {
 }
 
 #[test]
+fn what_one_page_sets_is_told_to_the_others() {
+    let address = server("balls", open());
+    let (mut first, mut second) = (page(address), page(address));
+    hear(&mut first, "status");
+    hear(&mut second, "status");
+    say(
+        &mut first,
+        r#"{"type": "physics", "values": {"gravity": 1.62}}"#,
+    );
+    assert_eq!(
+        hear(&mut second, "changed")["command"]["values"]["gravity"],
+        1.62
+    );
+    say(&mut second, r#"{"type": "step", "steps": 3}"#);
+    loop {
+        if let Message::Text(text) = first.read().unwrap() {
+            let message: Value = serde_json::from_str(&text).unwrap();
+            assert_ne!(message["type"], "changed", "an echo");
+            if message["steps"] == 3 {
+                return;
+            }
+        }
+    }
+}
+
+#[test]
 fn what_nobody_sees_stands_still() {
     let address = server("balls", open());
     let mut first = page(address);

@@ -87,10 +87,18 @@ pub extern "C" fn advance() -> u32 {
 pub extern "C" fn next() -> u32 {
     ENGINE.with_borrow_mut(|engine| {
         let greeting = engine.greeting.pop_front();
-        let outgoing = || engine.session.as_mut().and_then(Session::outgoing);
-        let (kind, message) = match greeting.or_else(outgoing) {
+        // There is one page, to which nothing that it says is news.
+        let mut outgoing = || loop {
+            match engine.session.as_mut()?.outgoing() {
+                Some(Outgoing::News(_)) => {}
+                other => return other,
+            }
+        };
+        let (kind, message) = match greeting.or_else(&mut outgoing) {
             None => (0, Vec::new()),
-            Some(Outgoing::Text(text) | Outgoing::Refusal(text)) => (1, text.into_bytes()),
+            Some(Outgoing::Text(text) | Outgoing::Refusal(text) | Outgoing::News(text)) => {
+                (1, text.into_bytes())
+            }
             Some(Outgoing::Frame(bytes)) => (2, bytes),
         };
         engine.message = message;

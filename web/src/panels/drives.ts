@@ -30,6 +30,7 @@ export class Drives {
     private readonly controls: Controls,
   ) {
     session.on("scene", (scene) => this.show(scene));
+    session.on("changed", () => this.set(session.scene));
     session.on("frame", (frame) => this.read(frame));
   }
 
@@ -40,6 +41,12 @@ export class Drives {
       this.all = false;
       this.make(scene);
     }
+    this.set(scene);
+  }
+
+  /** Sliders say what the scene does. */
+  private set(scene: Scene | null): void {
+    if (!scene) return;
     for (const [control, read] of this.shown) control.value = read(scene);
   }
 
