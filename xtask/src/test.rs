@@ -31,7 +31,7 @@ const STAGES: &[Stage] = &[
     },
     Stage {
         name: "peers",
-        purpose: "loading, dynamics and falls of gymnasium's models, against MuJoCo",
+        purpose: "loading, dynamics, falls and sensors of gymnasium's models, against MuJoCo",
         run: peers,
     },
     Stage {
@@ -137,6 +137,7 @@ fn peers(workshop: &Workshop) -> Result<()> {
         ("kinetarium-rigid", "mujoco"),
         ("kinetarium-rigid", "falls"),
         ("kinetarium-sim", "endurance"),
+        ("kinetarium-sensors", "mujoco"),
     ] {
         cmd!(
             workshop.sh,

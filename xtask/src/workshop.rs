@@ -83,8 +83,8 @@ impl Workshop {
         Ok(python)
     }
 
-    /// Writes MuJoCo's reference dynamics, one JSON file a model, and its falls, into a folder of
-    /// their own; returns the folder of both.
+    /// Writes MuJoCo's reference dynamics, one JSON file a model, and its falls and sensors, into folders of
+    /// their own; returns the folder of all.
     pub fn write_peers(&self) -> Result<PathBuf> {
         let python = self.peers_python()?;
         let folder = self.root.join("target/peers");
@@ -96,6 +96,11 @@ impl Workshop {
         cmd!(
             self.sh,
             "{python} tests/peers/falls.py --out {folder}/falls"
+        )
+        .run()?;
+        cmd!(
+            self.sh,
+            "{python} tests/peers/sensors.py --out {folder}/sensors"
         )
         .run()?;
         Ok(folder)
