@@ -2,15 +2,54 @@
 
 from collections.abc import Mapping, Sequence
 from os import PathLike
-from typing import Any, Literal, TypedDict, final
+from typing import Any, Literal, final
 
 import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import Self, Unpack
 
-Vector = Sequence[float] | NDArray[Any]
-Frame = tuple[Vector, Vector]
-Meshes = Literal["named", "exact", "hull"]
+from kinetarium.types import Frame, JointOptions, Meshes, Place, Vector
+
+__all__ = [
+    "Axis",
+    "Body",
+    "Builder",
+    "Drive",
+    "Engine",
+    "Geometry",
+    "Joint",
+    "Limit",
+    "Material",
+    "Measurement",
+    "Model",
+    "Object",
+    "Replica",
+    "SensorArray",
+    "Shape",
+    "Softness",
+    "View",
+    "Viewer",
+    "arch",
+    "ball_joint",
+    "balls",
+    "billiards",
+    "card_house",
+    "dominoes",
+    "framing",
+    "load",
+    "looking",
+    "n_pendula",
+    "parse",
+    "pile",
+    "prismatic",
+    "pyramid",
+    "ragdolls",
+    "render_view",
+    "room",
+    "rover",
+    "run_program",
+    "show",
+]
 
 @final
 class Model:
@@ -207,35 +246,6 @@ class Joint:
     def __eq__(self, value: object, /) -> bool: ...
     def __ne__(self, value: object, /) -> bool: ...
 
-class JointOptions(TypedDict, total=False):
-    """What every joint may be given.
-
-    `position` and `orientation` place its frame in the object; or else `parent_frame` and `child_frame`, each a
-    position and a quaternion, in both bodies. Without `parent`, the parent is the world. What acts along its degrees
-    of freedom, in N/m, N·s/m, kg, N or N·m/rad, N·m·s/rad, kg·m², N·m: `limit`, `drive`, `damping`, `stiffness` of a
-    spring that rests at `rest`, `armature`, `friction_loss`. `initial` are its coordinates at the start.
-    `linear_compliance` [m/N] and `angular_compliance` [rad/(N·m)] let the locked directions give (`xpbd`).
-    """
-
-    parent: Body | None
-    position: Vector
-    orientation: Vector
-    parent_frame: Frame
-    child_frame: Frame
-    initial: float | Vector
-    limit: Limit
-    drive: Drive
-    damping: float
-    stiffness: float
-    rest: float
-    armature: float
-    friction_loss: float
-    linear_compliance: float
-    angular_compliance: float
-    closes_loop: bool
-    bodies_collide: bool
-    enabled: bool
-
 @final
 class Builder:
     def __new__(
@@ -288,9 +298,7 @@ class Object:
     def d6(self, name: str, child: Body, axes: Sequence[Axis], **options: Unpack[JointOptions]) -> Joint: ...
     def plane_xz(self, name: str, child: Body, **options: Unpack[JointOptions]) -> Joint: ...
     def exclude(self, body: Body, other: Body | None = None) -> None: ...
-    def couple(
-        self, name: str, joint: Joint, other: Joint, *, ratio: float = 1.0, offset: float = 0.0
-    ) -> None: ...
+    def couple(self, name: str, joint: Joint, other: Joint, *, ratio: float = 1.0, offset: float = 0.0) -> None: ...
     def motor(
         self,
         name: str,
@@ -399,8 +407,6 @@ class Engine:
     ) -> None: ...
     def drain_events(self) -> list[tuple[int, float, Any, dict[str, Any]]]: ...
 
-Place = tuple[str | None, Vector, Vector]
-
 @final
 class Measurement:
     @staticmethod
@@ -461,9 +467,7 @@ class View:
         occlusion: int,
     ) -> Self: ...
 
-def render_view(
-    engine: Engine, model: Model, view: View, worlds: NDArray[np.int64]
-) -> dict[str, NDArray[Any]]: ...
+def render_view(engine: Engine, model: Model, view: View, worlds: NDArray[np.int64]) -> dict[str, NDArray[Any]]: ...
 def framing(
     engine: Engine, model: Model, world: int, width: int, height: int
 ) -> tuple[list[float], list[float], float]: ...
@@ -479,16 +483,16 @@ class Viewer:
 
 def show(engine: Engine, address: str | None = None, token: str | None = None) -> Viewer: ...
 def run_program(arguments: Sequence[str]) -> int: ...
-def n_pendula(links: int = 3) -> Model: ...
+def n_pendula(links: int = ...) -> Model: ...
 def ball_joint() -> Model: ...
 def prismatic() -> Model: ...
 def balls() -> Model: ...
 def billiards() -> Model: ...
-def dominoes(count: int = 20) -> Model: ...
-def pyramid(rows: int = 10) -> Model: ...
-def pile(count: int = 50) -> Model: ...
-def card_house(storeys: int = 3) -> Model: ...
-def arch(stones: int = 9) -> Model: ...
-def ragdolls(people: int = 8) -> Model: ...
+def dominoes(count: int = ...) -> Model: ...
+def pyramid(rows: int = ...) -> Model: ...
+def pile(count: int = ...) -> Model: ...
+def card_house(storeys: int = ...) -> Model: ...
+def arch(stones: int = ...) -> Model: ...
+def ragdolls(people: int = ...) -> Model: ...
 def room() -> Model: ...
 def rover() -> Model: ...

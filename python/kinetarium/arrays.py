@@ -26,9 +26,7 @@ def _row(name: str, axis: int, names: Sequence[str]) -> int:
 
 def _named(key: Any) -> bool:
     """Whether a part of an index holds names."""
-    return isinstance(key, str) or (
-        isinstance(key, list) and len(key) > 0 and all(isinstance(k, str) for k in key)
-    )
+    return isinstance(key, str) or (isinstance(key, list) and len(key) > 0 and all(isinstance(k, str) for k in key))
 
 
 class NamedArray(np.ndarray):
@@ -123,7 +121,5 @@ def checked(what: str, array: Any, shape: tuple[int, ...], dtype: Any = np.float
     try:
         numbers = np.broadcast_to(numbers, shape)
     except ValueError:
-        raise ShapeError(
-            f"{what} has the shape {numbers.shape}, which does not broadcast to {shape}"
-        ) from None
+        raise ShapeError(f"{what} has the shape {numbers.shape}, which does not broadcast to {shape}") from None
     return np.ascontiguousarray(numbers, dtype=dtype)

@@ -82,16 +82,10 @@ class Parameters:
     armature = Parameter("dof_names", (), "Reflected inertias of motors [kg or kg·m²], shape (worlds, dofs).")
     damping = Parameter("dof_names", (), "Viscous damping [N·s/m or N·m·s/rad], shape (worlds, dofs).")
     stiffness = Parameter("dof_names", (), "Stiffness of springs [N/m or N·m/rad], shape (worlds, dofs).")
-    rest = Parameter(
-        "dof_names", (), "Coordinates at which springs are slack [m or rad], shape (worlds, dofs)."
-    )
+    rest = Parameter("dof_names", (), "Coordinates at which springs are slack [m or rad], shape (worlds, dofs).")
     friction_loss = Parameter("dof_names", (), "Dry friction [N or N·m], shape (worlds, dofs).")
-    drive_stiffness = Parameter(
-        "dof_names", (), "Stiffness of drives [N/m or N·m/rad], shape (worlds, dofs)."
-    )
-    drive_damping = Parameter(
-        "dof_names", (), "Damping of drives [N·s/m or N·m·s/rad], shape (worlds, dofs)."
-    )
+    drive_stiffness = Parameter("dof_names", (), "Stiffness of drives [N/m or N·m/rad], shape (worlds, dofs).")
+    drive_damping = Parameter("dof_names", (), "Damping of drives [N·s/m or N·m·s/rad], shape (worlds, dofs).")
     effort_limit = Parameter("dof_names", (), "Largest efforts of drives [N or N·m], shape (worlds, dofs).")
     friction = Parameter("shape_names", (), "Coulomb friction coefficients, shape (worlds, shapes).")
     restitution = Parameter("shape_names", (), "Restitutions, shape (worlds, shapes).")

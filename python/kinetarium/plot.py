@@ -45,9 +45,7 @@ def record(
         sim.step(every)
         samples.append(sample())
         times.append(sim.time[0])
-    track = {
-        name: np.stack(values) for name, values in zip(quantities, zip(*samples, strict=True), strict=True)
-    }
+    track = {name: np.stack(values) for name, values in zip(quantities, zip(*samples, strict=True), strict=True)}
     return {"time": np.array(times), **track}
 
 

@@ -312,9 +312,7 @@ class Simulation:
         rows = np.atleast_1d(np.asarray(worlds))
         if rows.dtype == bool:
             if rows.shape != (self._worlds,):
-                raise ShapeError(
-                    f"the mask of worlds has the shape {rows.shape}: it must be ({self._worlds},)"
-                )
+                raise ShapeError(f"the mask of worlds has the shape {rows.shape}: it must be ({self._worlds},)")
             return np.flatnonzero(rows)
         if rows.size == 0:
             return np.empty(0, np.int64)
@@ -322,9 +320,7 @@ class Simulation:
             raise ShapeError("worlds must be a mask or a list of whole numbers")
         wrong = rows[(rows < 0) | (rows >= self._worlds)]
         if wrong.size:
-            raise OutOfRangeError(
-                f"world {wrong[0]} does not exist: there are {self._worlds}, counted from 0"
-            )
+            raise OutOfRangeError(f"world {wrong[0]} does not exist: there are {self._worlds}, counted from 0")
         return np.ascontiguousarray(rows, dtype=np.int64)
 
     def reset(self, worlds: ArrayLike | None = None, *, keyframe: str | None = None) -> None:
@@ -442,9 +438,7 @@ class Simulation:
             camera = Camera(samples=2)
             place = framing(self._engine, self._model, int(rows[0]), camera.width, camera.height)
             position, orientation, angle = place
-            camera = replace(
-                camera, position=tuple(position), orientation=tuple(orientation), field_of_view=angle
-            )
+            camera = replace(camera, position=tuple(position), orientation=tuple(orientation), field_of_view=angle)
         view = camera._view(self._model)
         return Images(**render_view(self._engine, self._model, view, rows))
 

@@ -45,7 +45,7 @@ def test_a_file_is_read_with_its_names(tmp_path):
 def test_broken_files_name_the_place(text, message):
     with pytest.raises(FileError, match=message):
         kn.parse(text)
-    with pytest.raises(FileError, match="missing.xml"):
+    with pytest.raises(FileError, match=r"missing\.xml"):
         kn.load("missing.xml")
     with pytest.raises(FileError, match="known are named, exact, hull"):
         kn.parse(HOPPER, meshes="some")

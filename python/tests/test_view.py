@@ -61,9 +61,7 @@ def test_the_program_is_the_same(tmp_path):
 
 
 def test_import_brings_no_more_than_numpy():
-    code = (
-        "import kinetarium, sys; print([m for m in ('gymnasium', 'matplotlib', 'torch') if m in sys.modules])"
-    )
+    code = "import kinetarium, sys; print([m for m in ('gymnasium', 'matplotlib', 'torch') if m in sys.modules])"
     told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert told.stdout == "[]\n"
 

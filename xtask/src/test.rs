@@ -31,7 +31,7 @@ const STAGES: &[Stage] = &[
     },
     Stage {
         name: "peers",
-        purpose: "loading, dynamics, derivatives and falls of gymnasium's models, against MuJoCo",
+        purpose: "loading, dynamics, derivatives, falls and sensors of gymnasium's models, against MuJoCo",
         run: peers,
     },
     Stage {
@@ -138,6 +138,7 @@ fn peers(workshop: &Workshop) -> Result<()> {
         ("kinetarium-rigid", "falls"),
         ("kinetarium-sim", "endurance"),
         ("kinetarium-derivatives", "mujoco"),
+        ("kinetarium-sensors", "mujoco"),
     ] {
         cmd!(
             workshop.sh,

@@ -84,7 +84,7 @@ impl Workshop {
     }
 
     /// Writes MuJoCo's reference dynamics, one JSON file a model, and, in folders of their own, its
-    /// falls and its derivatives of a step; returns the folder of all.
+    /// falls, its derivatives of a step and its sensors; returns the folder of all.
     pub fn write_peers(&self) -> Result<PathBuf> {
         let python = self.peers_python()?;
         let folder = self.root.join("target/peers");
@@ -101,6 +101,11 @@ impl Workshop {
         cmd!(
             self.sh,
             "{python} tests/peers/transitions.py --out {folder}/transitions"
+        )
+        .run()?;
+        cmd!(
+            self.sh,
+            "{python} tests/peers/sensors.py --out {folder}/sensors"
         )
         .run()?;
         Ok(folder)

@@ -14,6 +14,7 @@ pages! {
     Building: "guide/building.md",
     Contacts: "guide/contacts.md",
     Events: "guide/events.md",
+    Sensors: "guide/sensors.md",
     Snapshots: "guide/snapshots.md",
     Cameras: "guide/cameras.md",
     Kernels: "concepts/kernels.md",

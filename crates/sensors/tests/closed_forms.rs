@@ -10,7 +10,7 @@ use glam::{DQuat, DVec3};
 use kinetarium_sensors::{Axes, Mount, Sensor, SensorKind, Sensors};
 use model::{Actuator, BodyId, Builder, Drive, Geometry, JointId, Pose, Shape};
 use rigid::Dynamics;
-use sim::{Simulation, SolverKind};
+use sim::{Simulation, SimulationSettings, SolverKind};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 fn imu(body: BodyId, pose: Pose) -> SensorKind {
@@ -34,6 +34,42 @@ fn an_accelerometer_at_rest_reads_g_upwards() {
     let mount = Mount::in_world(askew());
     let [a, _] = two(&read(&mut simulation, SensorKind::Imu { mount }));
     near("in the world", a, up, 1e-14);
+}
+
+/// A world with a gravity of its own: what hangs at rest there reads that.
+#[test]
+fn an_accelerometer_knows_the_gravity_of_its_world() {
+    let mut parts = pendulum().into_parts();
+    parts.gravity = DVec3::new(0.0, -1.6, 0.0);
+    let moon = model::Model::new(parts).unwrap();
+    for solver in SOLVERS {
+        let mut simulation = simulate::<f64>(&pendulum(), solver, 2, 0.001);
+        simulation.set_world_model(1, &moon).unwrap();
+        simulation.step(3);
+        let found = read(&mut simulation, imu(BodyId(0), Pose::IDENTITY));
+        for (world, g) in [G, 1.6].into_iter().enumerate() {
+            let [a, _] = two(&found[6 * world..]);
+            near(solver.name(), a, DVec3::new(0.0, g, 0.0), 1e-9);
+        }
+    }
+}
+
+/// What sleeps is at rest.
+#[test]
+fn what_sleeps_is_felt_as_what_rests() {
+    let settings = SimulationSettings {
+        threads: 1,
+        solver: SolverKind::Impulse,
+        ..SimulationSettings::new(1, 0.002)
+    };
+    let mut simulation = Simulation::<f64>::new(resting(), settings).unwrap();
+    simulation.step(1500);
+    let body = BodyId(0);
+    assert!(simulation.outputs().asleep(0, body));
+    let [a, _] = two(&read(&mut simulation, imu(body, Pose::IDENTITY)));
+    near("asleep", a, DVec3::new(0.0, G, 0.0), 1e-9);
+    let touch = read(&mut simulation, SensorKind::Touch { body });
+    close("asleep", touch[0], BOX * G, 1e-3 * BOX * G);
 }
 
 /// In free fall a = g: an accelerometer at the centre of mass reads 0, spinning or not.
