@@ -57,8 +57,8 @@ class Camera:
     def looking(self, eye: Vector, target: Vector, up: Vector = (0.0, 1.0, 0.0)) -> Camera:
         """The same at `eye` [m], with `target` [m] in the middle of its image and `up` upwards in it, in its body's
         frame or in the world."""
-        eye = tuple(map(float, eye))  # type: ignore[assignment]
-        return replace(self, position=eye, orientation=tuple(looking(eye, target, up)))
+        x, y, z, w = looking(eye, target, up)
+        return replace(self, position=eye, orientation=(x, y, z, w))
 
     def _view(self, model: Model) -> View:
         return View(

@@ -175,7 +175,7 @@ class Simulation:
         precision = np.dtype(dtype)
         if precision not in (np.dtype("float32"), np.dtype("float64")):
             raise SimulationError(f"dtype is {precision}: it must be float32 or float64")
-        settings = {
+        settings: dict[str, Any] = {
             "dt": model.time_step if dt is None else float(dt),
             "solver": solver,
             "substeps": substeps,
@@ -299,10 +299,8 @@ class Simulation:
         if steps < 0:
             raise SimulationError(f"steps is {steps}: it must not be negative")
         self._controls._send()
-        if self._sensors:
-            diverged = self._sensors._step(self, self._engine, steps)
-        else:
-            diverged = self._engine.step(steps)
+        sensing = bool(self._sensors)
+        diverged = self._sensors._step(self, self._engine, steps) if sensing else self._engine.step(steps)
         return np.array(diverged, np.int64)
 
     def _rows(self, worlds: ArrayLike | None) -> np.ndarray:
@@ -437,8 +435,8 @@ class Simulation:
             rows = rows[:1]
             camera = Camera(samples=2)
             place = framing(self._engine, self._model, int(rows[0]), camera.width, camera.height)
-            position, orientation, angle = place
-            camera = replace(camera, position=tuple(position), orientation=tuple(orientation), field_of_view=angle)
+            (x, y, z), (i, j, k, w), angle = place
+            camera = replace(camera, position=(x, y, z), orientation=(i, j, k, w), field_of_view=angle)
         view = camera._view(self._model)
         return Images(**render_view(self._engine, self._model, view, rows))
 

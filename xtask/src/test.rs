@@ -80,6 +80,11 @@ const STAGES: &[Stage] = &[
         run: docs,
     },
     Stage {
+        name: "python",
+        purpose: "`pip install .`, its tests, its docstrings' examples, its types",
+        run: python,
+    },
+    Stage {
         name: "program",
         purpose: "the built-in example, and a file it has not seen",
         run: program,
@@ -213,6 +218,25 @@ fn cameras(workshop: &Workshop) -> Result<()> {
 fn docs(workshop: &Workshop) -> Result<()> {
     let site = docs::build(workshop)?;
     docs::check(workshop, &site)
+}
+
+/// The package as users install it, from the folder of this repository.
+fn python(workshop: &Workshop) -> Result<()> {
+    let sh = &workshop.sh;
+    let python = workshop.peers_python()?;
+    cmd!(
+        sh,
+        "{python} -m pip install --quiet --disable-pip-version-check --force-reinstall --no-deps ."
+    )
+    .run()?;
+    cmd!(sh, "{python} -m pytest --quiet python/tests").run()?;
+    cmd!(
+        sh,
+        "{python} -m pytest --quiet --doctest-modules --pyargs kinetarium"
+    )
+    .run()?;
+    cmd!(sh, "{python} -m mypy.stubtest kinetarium._engine").run()?;
+    Ok(cmd!(sh, "{python} -m mypy python/kinetarium").run()?)
 }
 
 /// Runs the program as a newcomer would, in an empty folder, and expects its files and exit codes.
