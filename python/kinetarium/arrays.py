@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,8 @@ def _row(name: str, axis: int, names: Sequence[str]) -> int:
     try:
         return names.index(name)
     except ValueError:
+        from difflib import get_close_matches  # seldom needed, and slow to import
+
         alike = get_close_matches(name, names, n=1)
         some = ", ".join(names[:8]) + (", …" if len(names) > 8 else "")
         hint = f'did you mean "{alike[0]}"?' if alike else f"there are {some or 'none'}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import webbrowser
 from typing import Any
 
 from kinetarium._engine import Viewer
@@ -50,6 +49,8 @@ def in_notebook() -> bool:
 
 def open_browser(url: str) -> bool:
     """Opens a page where there is a browser with a window; tells whether there is one."""
+    import webbrowser  # seldom needed, and slow to import
+
     try:
         browser = webbrowser.get()
     except webbrowser.Error:

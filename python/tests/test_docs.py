@@ -1,5 +1,6 @@
-"""What the documentation shows in Python runs."""
+"""What documentation and notebooks show in Python runs."""
 
+import json
 import re
 from pathlib import Path
 
@@ -12,6 +13,19 @@ SNIPPETS = [
     for i, text in enumerate(re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S))
     if "import kinetarium" in text or "gymnasium" in text
 ]
+
+
+NOTEBOOKS = sorted((Path(__file__).parents[1] / "examples").glob("*.ipynb"))
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_notebook(path, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+    names = {"__name__": "notebook"}
+    for cell in cells:
+        if cell["cell_type"] == "code":
+            exec(compile("".join(cell["source"]), path.name, "exec"), names)
 
 
 @pytest.mark.parametrize("text", SNIPPETS)
