@@ -451,4 +451,8 @@ fn a_program_may_ask_for_a_token() {
     let viewer = show(&shared, None, Some("secret")).unwrap();
     assert!(viewer.url().ends_with("/?token=secret"));
     assert_eq!(refusal(viewer.address(), "/session", None), 403);
+    for token in ["", "a b", "a&b=c"] {
+        let error = show(&shared, None, Some(token)).unwrap_err().to_string();
+        assert!(error.contains("letters, digits"), "{error}");
+    }
 }
