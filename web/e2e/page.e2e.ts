@@ -371,6 +371,20 @@ test("what is drawn over the bodies", async () => {
   expect((await picture()).equals(last)).toBe(false);
 });
 
+test("nothing of the toolbar is lost in a narrow window", async () => {
+  await open("example=humanoid");
+  for (const width of [400, 700, 900]) {
+    await page.setViewportSize({ width, height: 780 });
+    await page.screenshot({ path: `${OUT}toolbar_${width}.png` });
+    const outside = await page.evaluate(() => {
+      const things = document.querySelectorAll(".toolbar button, .toolbar select, .toolbar input");
+      const corners = [...things].map((thing) => thing.getBoundingClientRect());
+      return corners.filter(({ left, right }) => left < 0 || right > innerWidth).length;
+    });
+    expect(outside, `${width} px`).toBe(0);
+  }
+});
+
 test("a small screen, in the dark", async () => {
   await page.setViewportSize({ width: 400, height: 780 });
   await page.emulateMedia({ colorScheme: "dark" });

@@ -17,6 +17,8 @@ export interface Frame {
   scene: number;
   number: number;
   running: boolean;
+  /** How often other worlds were chosen to be shown. */
+  choices: number;
   /** Seconds since the start. */
   time: number;
   steps: number;
@@ -72,6 +74,7 @@ export function readFrame(bytes: ArrayBuffer): Frame {
     scene: word(4),
     number: word(8),
     running: (word(12) & 1) === 1,
+    choices: word(12) >>> 1,
     time: header.getFloat64(16, true),
     steps: word(24),
     worlds,

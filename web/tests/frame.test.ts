@@ -7,6 +7,7 @@ const contents = {
   scene: 3,
   number: 7,
   running: true,
+  choices: 5,
   time: 1.25,
   steps: 625,
   worlds: 2,

@@ -5,6 +5,7 @@ export interface Contents {
   scene?: number;
   number?: number;
   running?: boolean;
+  choices?: number;
   time?: number;
   steps?: number;
   worlds?: number;
@@ -36,7 +37,7 @@ export function writeFrame(contents: Contents): ArrayBuffer {
     [0, MAGIC],
     [4, contents.scene ?? 0],
     [8, contents.number ?? 0],
-    [12, contents.running ? 1 : 0],
+    [12, (contents.running ? 1 : 0) + 2 * (contents.choices ?? 0)],
     [24, contents.steps ?? 0],
     [28, contents.worlds ?? 0],
     [32, contents.bodies ?? 0],

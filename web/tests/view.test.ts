@@ -1,11 +1,12 @@
 import { readFileSync } from "node:fs";
-import { Color, Matrix4, Quaternion, Vector3 } from "three";
+import { Color, type Line, Matrix4, Quaternion, Vector3 } from "three";
 import { describe, expect, test } from "vitest";
 import { readFrame } from "../src/frame";
 import { readMessage, type Scene } from "../src/protocol";
 import { multiply, placed, writePose } from "../src/view/affine";
 import { measure, moves, reach, worldShifts } from "../src/view/layout";
 import { Materials } from "../src/view/materials";
+import { Trails } from "../src/view/overlays/trails";
 import { isFloor, PartMaker } from "../src/view/parts";
 import { Poses } from "../src/view/poses";
 import { Forms, sides } from "../src/view/shape_geometry";
@@ -126,6 +127,20 @@ describe("parts", () => {
     const top = Array.from({ length: position.count }, (_, i) => i).filter((i) => position.getY(i) > 0.99);
     for (const i of top) expect(Math.hypot(position.getX(i), position.getZ(i))).toBeLessThan(1e-6);
   });
+});
+
+test("trails begin anew where other worlds are shown", () => {
+  const model = scene();
+  const [trails, poses] = [new Trails(model), new Poses(model)];
+  trails.choice = "all";
+  const lengths = [0, 0, 1, 1].map((choices, time) => {
+    const frame = readFrame(writeFrame({ worlds: 1, bodies: 1, poses: pose, time, choices }));
+    poses.update(frame);
+    trails.draw({ scene: model, frame, poses, measures: measure(model), picked: null });
+    const [line] = trails.object.children as Line[];
+    return line.geometry.drawRange.count;
+  });
+  expect(lengths).toEqual([1, 2, 1, 2]);
 });
 
 describe("gauges", () => {

@@ -180,7 +180,7 @@ pub struct Simulation {
     /// Time step [s] [default: the file's].
     #[arg(long, value_name = "SECONDS", value_parser = positive, allow_negative_numbers = true)]
     pub time_step: Option<f64>,
-    /// Substeps per time step [default: 1 with featherstone, 4 with xpbd].
+    /// Substeps per time step [default: 4 with xpbd, else 1].
     #[arg(long, value_name = "N", value_parser = count(1, 10_000))]
     pub substeps: Option<usize>,
     /// Passes over all constraints per substep; xpbd only.

@@ -1,6 +1,6 @@
 //! A run from the model to the files.
 
-use crate::arguments::{self, Example, Pendula, Precision, SolverName};
+use crate::arguments::{self, Example, Pendula, Precision};
 use crate::energy::Audit;
 use crate::error::Error;
 use crate::output::{Files, print};
@@ -12,7 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use kinetarium::model::{Keyframe, Model, examples};
 use kinetarium::numbers::Float;
 use kinetarium::rigid::{Integrator, Settings};
-use kinetarium::sim::{Simulation, SimulationSettings};
+use kinetarium::sim::{Simulation, SimulationSettings, SolverKind};
 use session::perturb;
 use std::time::{Duration, Instant};
 
@@ -78,22 +78,18 @@ fn simulate(model: Model, start: &Start, options: &arguments::Simulation) -> Res
 }
 
 fn settings(model: &Model, start: &Start, options: &arguments::Simulation) -> SimulationSettings {
-    let loops = options.solver == SolverName::Auto && !model.is_tree();
-    let substeps = if loops || options.solver == SolverName::Xpbd {
-        4
-    } else {
-        1
-    };
+    let (solver, contacts) = (SolverKind::from(options.solver), !options.no_contacts);
+    let substeps = || solver.usual_substeps(model, contacts);
     let step = Settings {
-        substeps: options.substeps.unwrap_or(substeps),
+        substeps: options.substeps.unwrap_or_else(substeps),
         iterations: options.iterations,
         integrator: options.integrator.map_or(start.integrator, Into::into),
         ..Settings::new(options.time_step.unwrap_or(model.time_step))
     };
     SimulationSettings {
         worlds: options.worlds.unwrap_or(start.worlds),
-        solver: options.solver.into(),
-        contacts: !options.no_contacts,
+        solver,
+        contacts,
         step,
         threads: options.threads,
         isa: options.isa,

@@ -58,7 +58,7 @@ fn poses(stage: &Stage, time: f64) -> Result<Vec<Pose>, Error> {
         return Err(Error::ShotTime { seconds, time_step });
     }
     let mut simulation = stage.simulation()?;
-    simulation.step(steps as usize);
+    stage.run(&mut simulation, steps as u64)?;
     if let Some(diverged) = simulation.diverged().first() {
         let time = diverged.time;
         return Err(Error::AllDiverged { worlds: 1, time });

@@ -686,6 +686,8 @@ fn a_shot_is_a_picture_of_the_scene_at_its_time() {
         "shot dominoes --time 0.2",
         "shot double.xml --keyframe raised",
         "shot pendula --camera 0,-1,9:0,-1,0",
+        "shot humanoid --time 0.3",
+        "shot grid --time 0.3",
     ] {
         kinetarium(&folder)
             .args(options.split_whitespace())
@@ -700,6 +702,8 @@ fn a_shot_is_a_picture_of_the_scene_at_its_time() {
         shots.push(pixels);
     }
     assert_ne!(shots[0], shots[1], "dominoes fall");
+    // A world of the grid is the humanoid with random motors.
+    assert_ne!(shots[4], shots[5], "motors move");
 }
 
 #[test]

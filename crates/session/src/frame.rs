@@ -7,7 +7,7 @@
 //! | 0 | u32 | [`MAGIC`] |
 //! | 4 | u32 | [`Scene::id`](crate::protocol::Scene::id) |
 //! | 8 | u32 | number of the frame, from 0 |
-//! | 12 | u32 | bit 0: running |
+//! | 12 | u32 | bit 0: running; above: how often other worlds were chosen to be shown, modulo 2³¹ |
 //! | 16 | f64 | time [s] since the start |
 //! | 24 | u32 | steps since the start, modulo 2³² |
 //! | 28 | u32 | W, worlds shown |
@@ -40,6 +40,8 @@ pub struct Frame {
     pub number: u32,
     /// Whether the session goes on by itself.
     pub running: bool,
+    /// How often other worlds were chosen to be shown.
+    pub choices: u32,
     /// [s] since the start.
     pub time: f64,
     /// Since the start.
@@ -81,7 +83,8 @@ impl Frame {
         ];
         let numbers: usize = lists.iter().map(|list| list.len()).sum();
         let mut bytes = Vec::with_capacity(HEADER + 4 * numbers);
-        let head = [MAGIC, self.scene, self.number, u32::from(self.running)];
+        let flags = u32::from(self.running) | self.choices << 1;
+        let head = [MAGIC, self.scene, self.number, flags];
         bytes.extend(head.iter().flat_map(|x| x.to_le_bytes()));
         bytes.extend(self.time.to_le_bytes());
         let counts = [
@@ -113,6 +116,7 @@ mod tests {
             scene: 3,
             number: 7,
             running: true,
+            choices: 5,
             time: 1.5,
             steps: 750,
             worlds: 1,
@@ -127,7 +131,7 @@ mod tests {
         assert_eq!(bytes.len(), HEADER + 4 * (7 + 2 * CONTACT + 1 + 2));
         let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
         assert_eq!(&bytes[..4], b"KFRM");
-        assert_eq!([4, 8, 12, 24].map(word), [3, 7, 1, 750]);
+        assert_eq!([4, 8, 12, 24].map(word), [3, 7, 11, 750]);
         assert_eq!(bytes[16..24], 1.5_f64.to_le_bytes());
         assert_eq!(
             [28, 32, 36, 40, 44, 48, 52, 56].map(word),

@@ -35,6 +35,7 @@ mod session;
 mod shared;
 mod stage;
 mod steering;
+mod wander;
 
 pub use error::SessionError;
 pub use form::Form;

@@ -10,13 +10,11 @@ use crate::physics::Physics;
 use crate::protocol::{Scene, Values};
 use crate::quantity::{Measure, quantities};
 use crate::stage::Stage;
-use fastrand::Rng;
+use crate::wander::Wander;
 use model::{BodyId, Model, Parts};
 use numbers::Float;
 use sim::{Simulation, SimulationError, Snapshot};
 
-/// From one random control to the next [s].
-const WANDER: f64 = 0.1;
 /// Worlds of a program that are shown at first.
 const MOST_SHOWN: usize = 64;
 
@@ -39,7 +37,7 @@ pub(crate) struct Play {
     /// Since the start.
     pub steps: u64,
     pub history: History,
-    pub rng: Rng,
+    pub wander: Wander,
 }
 
 /// Where it comes from.
@@ -121,7 +119,7 @@ impl Play {
             measures: measures.collect(),
             steps: 0,
             history: History::new(1.0, 0),
-            rng: Rng::with_seed(1),
+            wander: Wander::new(stage.wander),
             stage,
         }
     }
@@ -156,7 +154,7 @@ impl Play {
         }
         self.aim(simulation)?;
         self.steps = steps(simulation);
-        self.rng = Rng::with_seed(1);
+        self.wander = Wander::new(self.stage.wander);
         self.begin_history(simulation);
         Ok(())
     }
@@ -240,30 +238,6 @@ impl Play {
             steps: self.steps,
             snapshot: simulation.snapshot(),
         });
-    }
-
-    /// New random controls of all actuators that the page has not set, if it is time.
-    pub fn wander<T: Float>(
-        &mut self,
-        simulation: &mut Simulation<T>,
-    ) -> Result<(), SimulationError> {
-        let every = (WANDER / time_step(simulation)).round().max(1.0) as u64;
-        if self.stage.wander == 0.0 || !self.steps.is_multiple_of(every) {
-            return Ok(());
-        }
-        let model = simulation.model().clone();
-        for world in 0..simulation.worlds() {
-            let control = |(actuator, set): (&model::Actuator, &Option<f64>)| {
-                let (lower, upper) = describe::control_range(actuator);
-                let (middle, half) = (0.5 * (lower + upper), 0.5 * (upper - lower));
-                let drawn = middle + self.stage.wander * half * (2.0 * self.rng.f64() - 1.0);
-                set.unwrap_or(drawn)
-            };
-            let controls = model.actuators.iter().zip(&self.control);
-            let control: Vec<f64> = controls.map(control).collect();
-            simulation.controls().set_control(world, &control)?;
-        }
-        Ok(())
     }
 
     /// The present state of some worlds; what the session knows is left open.

@@ -3,6 +3,7 @@
 use crate::SessionError;
 use crate::perturb::perturb;
 use crate::protocol::Camera;
+use crate::wander::Wander;
 use fastrand::Rng;
 use model::{Keyframe, Model};
 use numbers::Float;
@@ -22,7 +23,7 @@ pub struct Stage {
     pub solver: SolverKind,
     /// How a step advances the state, of `featherstone`.
     pub integrator: Integrator,
-    /// Substeps a time step; none is 1, or 4 with `xpbd`.
+    /// Substeps a time step; none are those that the solver usually takes.
     pub substeps: Option<usize>,
     /// How far each world but the first starts from the model's state [rad or m].
     pub perturb: f64,
@@ -78,6 +79,22 @@ impl Stage {
         Ok(simulation)
     }
 
+    /// Makes so many steps of a simulation at its start, under the stage's random controls.
+    ///
+    /// # Errors
+    /// A simulation of another model.
+    pub fn run(&self, simulation: &mut Simulation<f32>, steps: u64) -> Result<(), SessionError> {
+        let mut wander = Wander::new(self.wander);
+        let unset = vec![None; self.model.actuators.len()];
+        let mut done = 0;
+        while done < steps {
+            let next = wander.steer(simulation, done, &unset)?.min(steps - done);
+            simulation.step(next as usize);
+            done += next;
+        }
+        Ok(())
+    }
+
     /// Settings of a simulation, of a solver, with so many substeps a time step [s].
     pub(crate) fn settings(
         &self,
@@ -98,8 +115,8 @@ impl Stage {
 
     /// Substeps a time step for a solver, as long as nobody says otherwise.
     pub(crate) fn substeps(&self, solver: SolverKind) -> usize {
-        let xpbd = solver.pick(&self.model, true) == SolverKind::Xpbd;
-        self.substeps.unwrap_or(if xpbd { 4 } else { 1 })
+        let usual = || solver.usual_substeps(&self.model, true);
+        self.substeps.unwrap_or_else(usual)
     }
 
     /// Puts all worlds at the start, and moves all but the first apart.

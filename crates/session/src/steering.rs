@@ -62,6 +62,8 @@ pub(crate) struct Steering {
     pace: Pace,
     scenes: u32,
     frames: u32,
+    /// How often other worlds were chosen to be shown.
+    choices: u32,
     /// Whether something has changed since the last frame.
     stale: bool,
     /// How often the program had taken its simulation when it was last looked at.
@@ -107,6 +109,7 @@ impl Steering {
             pace: Pace::default(),
             scenes: 0,
             frames: 0,
+            choices: 0,
             stale: true,
             changes: 0,
             untold: false,
@@ -348,6 +351,7 @@ impl Steering {
         count("worlds to show", worlds.len(), [1, MOST_SHOWN])?;
         let worlds = worlds.iter().map(|&w| row("world", w as usize, all));
         self.shown = worlds.collect::<Result<_, _>>()?;
+        self.choices = self.choices.wrapping_add(1);
         self.samples.clear();
         Ok(())
     }
@@ -508,9 +512,11 @@ impl Steering {
         let mut most = 1;
         loop {
             let before = (self.clock)();
-            let most_now = if subject.hands.rest() { most } else { 1 };
-            let steps = self.uninterrupted(most_now, time_step(&subject.simulation));
-            self.play.wander(&mut subject.simulation)?;
+            let simulation = &mut subject.simulation;
+            let (play, h) = (&mut self.play, time_step(simulation));
+            let until = play.wander.steer(simulation, play.steps, &play.control)?;
+            let at_once = if subject.hands.rest() { most } else { 1 };
+            let steps = self.uninterrupted(at_once.min(until), h);
             subject.step(steps as usize);
             let simulation = &mut subject.simulation;
             self.play.steps += steps;
@@ -539,9 +545,6 @@ impl Steering {
 
     /// How many of the steps owed can be made at once, at most so many.
     fn uninterrupted(&self, most: u64, time_step: f64) -> u64 {
-        if self.play.stage.wander > 0.0 {
-            return 1;
-        }
         let due = self.play.history.due(self.play.steps).max(1);
         let every = sample_every(time_step);
         let due = due.min(every - self.play.steps % every);
@@ -618,6 +621,7 @@ impl Steering {
     pub fn frame<T: Float>(&mut self, simulation: &mut Simulation<T>) -> Frame {
         let mut frame = self.play.frame(simulation, &self.shown, &self.plots);
         (frame.scene, frame.number, frame.running) = (self.scenes, self.frames, self.busy());
+        frame.choices = self.choices;
         self.frames = self.frames.wrapping_add(1);
         frame
     }

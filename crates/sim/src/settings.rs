@@ -35,6 +35,13 @@ impl SolverKind {
             named => named,
         }
     }
+    /// Substeps a time step for a model, where nobody says otherwise: 4 of `xpbd`, else 1.
+    pub fn usual_substeps(self, model: &Model, contacts: bool) -> usize {
+        match self.pick(model, contacts) {
+            Self::Xpbd => 4,
+            _ => 1,
+        }
+    }
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {
@@ -156,5 +163,44 @@ impl SimulationSettings {
             return refuse("force cap", s.force_cap, "above zero, in newtons");
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use model::{Builder, Geometry};
+
+    /// Balls on ropes, which are no trees.
+    fn hanging(balls: usize) -> Model {
+        let mut world = Builder::new("balls");
+        let object = world.object("balls");
+        for i in 0..balls {
+            let sphere = Geometry::Sphere { radius: 0.1 };
+            let ball = object.body(format!("ball {i}")).shape(sphere).handle();
+            object.distance(format!("rope {i}"), ball, 1.0);
+        }
+        world.build().unwrap()
+    }
+
+    #[test]
+    fn substeps_are_those_of_the_solver_that_is_picked() {
+        let (one, two) = (hanging(1), hanging(2));
+        assert!(!one.is_tree() && !two.is_tree());
+        for (solver, model, contacts, substeps) in [
+            (SolverKind::Auto, &one, true, 4),
+            // Several things that touch: `impulse`.
+            (SolverKind::Auto, &two, true, 1),
+            (SolverKind::Auto, &two, false, 4),
+            (SolverKind::Xpbd, &two, true, 4),
+        ] {
+            let found = solver.usual_substeps(model, contacts);
+            assert_eq!(
+                found,
+                substeps,
+                "{solver:?} of {} balls",
+                model.bodies.len()
+            );
+        }
     }
 }

@@ -14,6 +14,11 @@ pub enum ViewerError {
         /// What the system says.
         source: io::Error,
     },
+    /// A token that cannot stand in an address as it is, or that everybody knows.
+    #[error(
+        "a token must be letters, digits, `-` and `_`, at least one; leave it out for a random one, or none"
+    )]
+    Token,
     /// No thread, or no socket, can be had.
     #[error("the server cannot run: {0}")]
     Run(#[from] io::Error),

@@ -43,7 +43,8 @@ pub struct Viewer {
 /// ```
 ///
 /// # Errors
-/// The address cannot be listened at; no thread or random number can be had.
+/// The address cannot be listened at; the token is empty, or more than letters, digits, `-` and `_`; no thread or
+/// random number can be had.
 pub fn show<T: Float>(
     shared: &Arc<Shared<T>>,
     address: Option<SocketAddr>,
@@ -51,10 +52,17 @@ pub fn show<T: Float>(
 ) -> Result<Viewer, ViewerError> {
     let address = address.unwrap_or((Ipv4Addr::LOCALHOST, 0).into());
     let access = match token {
+        Some(token) if !can_be_sent(token) => return Err(ViewerError::Token),
         Some(token) => Access::with_token(token),
         None => Access::for_address(address.ip())?,
     };
     serve(Session::of_program(shared, clock), address, access).and_then(Server::in_background)
+}
+
+/// Whether a token can stand in an address as it is.
+fn can_be_sent(token: &str) -> bool {
+    let plain = |b: u8| b.is_ascii_alphanumeric() || matches!(b, b'-' | b'_');
+    !token.is_empty() && token.bytes().all(plain)
 }
 
 impl Viewer {

@@ -331,15 +331,17 @@ fn a_page_that_runs_a_program_s_simulation_lets_the_program_in() {
     say(&mut page, r#"{"type": "speed", "factor": null}"#);
     say(&mut page, r#"{"type": "run"}"#);
     frame(&mut page, 0.1);
-    let mut longest = Duration::ZERO;
-    for _ in 0..200 {
-        let start = Instant::now();
-        drop(shared.change());
-        longest = longest.max(start.elapsed());
-        thread::sleep(Duration::from_micros(300));
-    }
-    // Slices of 4 ms, on a machine that may be busy with other things.
-    assert!(longest < Duration::from_millis(100), "{longest:?}");
+    let mut waits: Vec<_> = (0..200)
+        .map(|_| {
+            thread::sleep(Duration::from_micros(300));
+            let start = Instant::now();
+            drop(shared.change());
+            start.elapsed()
+        })
+        .collect();
+    waits.sort();
+    // Slices of 4 ms; some are longer on a machine that is busy with other things.
+    assert!(waits[100] < Duration::from_millis(50), "{waits:?}");
 }
 
 #[test]
@@ -449,4 +451,8 @@ fn a_program_may_ask_for_a_token() {
     let viewer = show(&shared, None, Some("secret")).unwrap();
     assert!(viewer.url().ends_with("/?token=secret"));
     assert_eq!(refusal(viewer.address(), "/session", None), 403);
+    for token in ["", "a b", "a&b=c"] {
+        let error = show(&shared, None, Some(token)).unwrap_err().to_string();
+        assert!(error.contains("letters, digits"), "{error}");
+    }
 }

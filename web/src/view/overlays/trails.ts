@@ -54,8 +54,9 @@ export class Trails implements Overlay {
     this.material.dispose();
   }
 
-  private choose({ poses, picked }: Moment): void {
-    const key = `${this.choice} ${poses.worlds} ${this.choice === "picked" ? JSON.stringify(picked) : ""}`;
+  private choose({ frame, poses, picked }: Moment): void {
+    const body = this.choice === "picked" ? picked : null;
+    const key = JSON.stringify([this.choice, frame.choices, poses.worlds, body]);
     if (key === this.of) return;
     this.of = key;
     this.time = Number.NEGATIVE_INFINITY;
