@@ -78,6 +78,7 @@ fn quantity(name: &str) -> PyResult<Quantity> {
         "joint_acceleration" => Quantity::JointAcceleration,
         "reaction_force" => Quantity::ReactionForce,
         "reaction_torque" => Quantity::ReactionTorque,
+        "contact_wrench" => Quantity::ContactWrench,
         "kinetic_energy" => Quantity::KineticEnergy,
         "potential_energy" => Quantity::PotentialEnergy,
         "momentum" => Quantity::Momentum,
