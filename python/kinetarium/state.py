@@ -25,6 +25,7 @@ _QUANTITIES: dict[str, tuple[str | None, int]] = {
     "body_angular_velocity": ("body_names", 3),
     "reaction_force": ("joint_names", 3),
     "reaction_torque": ("joint_names", 3),
+    "contact_wrench": ("body_names", 6),
     "kinetic_energy": (None, 0),
     "potential_energy": (None, 0),
     "momentum": (None, 3),
@@ -168,6 +169,12 @@ class State:
         """Torques of the joints on their children about the child's joint frame [N·m], world axes, shape
         (worlds, joints, 3)."""
         return self._get("reaction_torque")
+
+    @property
+    def contact_wrench(self) -> NamedArray:
+        """Forces [N] and torques about the world's origin [N·m] of the contacts of the last step on the bodies, world
+        axes, shape (worlds, bodies, 6): force, then torque. Zero before the first step."""
+        return self._get("contact_wrench")
 
     @property
     def kinetic_energy(self) -> NamedArray:

@@ -100,6 +100,7 @@ fn quantity(name: &str) -> PyResult<Quantity> {
         "joint_acceleration" => Quantity::JointAcceleration,
         "reaction_force" => Quantity::ReactionForce,
         "reaction_torque" => Quantity::ReactionTorque,
+        "contact_wrench" => Quantity::ContactWrench,
         "kinetic_energy" => Quantity::KineticEnergy,
         "potential_energy" => Quantity::PotentialEnergy,
         "momentum" => Quantity::Momentum,
@@ -231,8 +232,7 @@ impl Engine {
         let kind: SolverKind = solver
             .parse()
             .map_err(|e| error::raise("SimulationError", e))?;
-        let xpbd = kind.pick(&model, contacts) == SolverKind::Xpbd;
-        let substeps = substeps.unwrap_or(if xpbd { 4 } else { 1 });
+        let substeps = substeps.unwrap_or_else(|| kind.usual_substeps(&model, contacts));
         let settings = settings(
             worlds,
             time_step,

@@ -166,6 +166,8 @@ pub trait Kernels: Clone + Send + Sync + 'static {
     }
     /// Fills in where bodies and joints are and how they move; of the rest of the output nothing is said.
     fn report_motion<M: Machine>(&self, k: &mut M);
+    /// The same, and the contacts of the last step.
+    fn report_contacts<M: Machine>(&self, k: &mut M);
     /// Fills the output from the state.
     fn report<M: Machine>(&self, k: &mut M);
 }

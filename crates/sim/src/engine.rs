@@ -1,6 +1,6 @@
 //! From a block of worlds in memory to a kernel on a machine.
 
-use crate::jobs::{Lane, begin, finish, motion, narrow_phase, report, steps};
+use crate::jobs::{Lane, begin, contacts, finish, motion, narrow_phase, report, steps};
 use model::{Model, ShapeId};
 use numbers::Float;
 use rigid::{Kernels, Lengths, OutputTables};
@@ -13,6 +13,8 @@ pub(crate) enum Task {
     Step(usize),
     /// Fill in where bodies and joints are, and how they move.
     Motion,
+    /// The same, and the contacts of the last step.
+    Contacts,
     /// Fill the output.
     Report,
 }
@@ -87,6 +89,7 @@ impl<K: Kernels, T: Float> Engine<T> for K {
     fn run(&self, lane: Lane, _: usize, mut block: Block<'_, T>, task: Task) {
         match task {
             Task::Motion => motion::run(lane, self, &mut block, 0),
+            Task::Contacts => contacts::run(lane, self, &mut block, 0),
             Task::Report => report::run(lane, self, &mut block, 0),
             Task::Step(substeps) => {
                 if K::TOUCHES {

@@ -129,6 +129,10 @@ job! {
     motion(kernels, cpu, _none), false, { kernels.report_motion(cpu) }
 }
 job! {
+    /// The same, and the contacts of the last step.
+    contacts(kernels, cpu, _none), false, { kernels.report_contacts(cpu) }
+}
+job! {
     /// The output from the state.
     report(kernels, cpu, _none), false, { kernels.report(cpu) }
 }

@@ -125,7 +125,7 @@ impl<T: Float> Outputs<'_, T> {
         })
     }
     /// The shapes of a row of contacts.
-    fn touching(&self, world: usize, row: usize) -> [ShapeId; 2] {
+    pub(crate) fn touching(&self, world: usize, row: usize) -> [ShapeId; 2] {
         self.shapes.get(row).copied().unwrap_or_else(|| {
             let shape = |i| self.number(world, self.tables.touching, row, i) as usize;
             [ShapeId(shape(0)), ShapeId(shape(1))]

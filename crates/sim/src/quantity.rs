@@ -1,10 +1,11 @@
 //! Tables of all worlds at once, as plain arrays: what is reported, and what a controller sets.
 
 use crate::error::{MOST_FORCE, MOST_MOTION, SimulationError, bounded, length};
+use crate::simulation::Reported;
 use crate::{Controls, Outputs};
-use model::Model;
+use model::{Model, Shape};
 use numbers::{Float, Table};
-use rigid::{OutputTables, body, reaction, total};
+use rigid::{OutputTables, body, contact, reaction, total};
 
 /// A reported quantity of every world, as [`Simulation::read`](crate::Simulation::read) copies it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +29,9 @@ pub enum Quantity {
     /// Torques of the joints on their children about the joint's frame [N·m], world axes: a row of 3 for
     /// each joint.
     ReactionTorque,
+    /// Force [N] and torque [N·m] about the world's origin of the contacts of the last step on each body, world
+    /// axes: a row of 6 for each body, zero before the first step.
+    ContactWrench,
     /// Kinetic energy [J], one row.
     KineticEnergy,
     /// Potential energy [J] of weight and passive springs, one row.
@@ -37,6 +41,9 @@ pub enum Quantity {
     /// Angular momentum [kg·m²/s] about the world's origin, one row of 3.
     AngularMomentum,
 }
+
+/// Numbers of a force and a torque.
+const WRENCH: usize = 6;
 
 /// Rows of numbers among others: where the first begins, how many there are, how far each is from the
 /// next, and how many numbers of each are meant.
@@ -66,25 +73,29 @@ impl Rows {
 impl Quantity {
     /// Rows of it in each world, and numbers in each row.
     pub fn shape(self, model: &Model) -> [usize; 2] {
-        let rows = self.rows(&OutputTables::new(model), model);
-        [rows.count, rows.width]
+        match self.rows(&OutputTables::new(model), model) {
+            Some(rows) => [rows.count, rows.width],
+            None => [model.bodies.len(), WRENCH],
+        }
     }
-    /// Whether it tells where bodies or joints are, or how they move, and nothing of forces.
-    pub(crate) fn is_motion(self) -> bool {
-        matches!(
-            self,
+    /// How much of the output has to be of the present state.
+    pub(crate) fn needs(self) -> Reported {
+        match self {
             Self::BodyPosition
-                | Self::BodyOrientation
-                | Self::BodyVelocity
-                | Self::BodyAngularVelocity
-                | Self::JointPosition
-                | Self::JointVelocity
-        )
+            | Self::BodyOrientation
+            | Self::BodyVelocity
+            | Self::BodyAngularVelocity
+            | Self::JointPosition
+            | Self::JointVelocity => Reported::Motion,
+            Self::ContactWrench => Reported::Contacts,
+            _ => Reported::Everything,
+        }
     }
-    fn rows(self, t: &OutputTables, model: &Model) -> Rows {
+    /// Where it lies in the output; nowhere, if it is summed as it is read.
+    fn rows(self, t: &OutputTables, model: &Model) -> Option<Rows> {
         let (bodies, joints) = (model.bodies.len(), model.joints.len());
         let (coordinates, dofs) = (model.coordinates(), model.degrees_of_freedom());
-        match self {
+        Some(match self {
             Self::BodyPosition => Rows::of(t.body, bodies, body::POSITION, 3),
             Self::BodyOrientation => Rows::of(t.body, bodies, body::ORIENTATION, 4),
             Self::BodyVelocity => Rows::of(t.body, bodies, body::VELOCITY, 3),
@@ -94,26 +105,65 @@ impl Quantity {
             Self::JointAcceleration => Rows::of(t.acceleration, dofs, 0, 1),
             Self::ReactionForce => Rows::of(t.reaction, joints, reaction::FORCE, 3),
             Self::ReactionTorque => Rows::of(t.reaction, joints, reaction::TORQUE, 3),
+            Self::ContactWrench => return None,
             Self::KineticEnergy => Rows::of(t.total, 1, total::KINETIC, 1),
             Self::PotentialEnergy => Rows::of(t.total, 1, total::POTENTIAL, 1),
             Self::Momentum => Rows::of(t.total, 1, total::MOMENTUM, 3),
             Self::AngularMomentum => Rows::of(t.total, 1, total::ANGULAR_MOMENTUM, 3),
-        }
+        })
     }
 }
 
 impl<T: Float> Outputs<'_, T> {
-    /// Copies a quantity of all worlds: `out[world][row][number]`.
+    /// Copies a quantity of all worlds of a model: `out[world][row][number]`.
     pub(crate) fn read(
         &self,
         model: &Model,
         quantity: Quantity,
         out: &mut [T],
     ) -> Result<(), SimulationError> {
-        let offsets = quantity.rows(self.tables, model).offsets();
-        length("the array", out.len(), self.worlds() * offsets.len())?;
-        self.memory.gather(&offsets, out);
+        let [rows, width] = quantity.shape(model);
+        length("the array", out.len(), self.worlds() * rows * width)?;
+        match quantity.rows(self.tables, model) {
+            Some(rows) => self.memory.gather(&rows.offsets(), out),
+            None => self.sum_contacts(&model.shapes, rows, out),
+        }
         Ok(())
+    }
+    /// What all contacts do to the bodies of both shapes.
+    fn sum_contacts(&self, shapes: &[Shape], bodies: usize, out: &mut [T]) {
+        out.fill(T::zero());
+        let (table, width) = (self.tables.contact, self.memory.width());
+        let far = T::from_f64(0.5 * collide::FAR);
+        for first in (0..self.worlds()).step_by(width) {
+            let block = self.memory.block(first / width);
+            let lanes = width.min(self.worlds() - first);
+            for row in 0..self.tables.contacts {
+                let distances = &block[table.at(row, contact::DISTANCE) * width..][..lanes];
+                for (lane, _) in distances.iter().enumerate().filter(|(_, x)| **x < far) {
+                    let world = first + lane;
+                    let sums = &mut out[world * bodies * WRENCH..][..bodies * WRENCH];
+                    self.add_contact(shapes, world, row, sums);
+                }
+            }
+        }
+    }
+    /// Adds the force f and the torque x × f of a contact, that on the first shape with the other sign.
+    fn add_contact(&self, shapes: &[Shape], world: usize, row: usize, sums: &mut [T]) {
+        let number = |field| self.memory.get(world, self.tables.contact.at(row, field));
+        let [fx, fy, fz] = [0, 1, 2].map(|i| number(contact::FORCE + i));
+        let [x, y, z] = [0, 1, 2].map(|i| number(contact::POSITION + i));
+        let torque = [y * fz - z * fy, z * fx - x * fz, x * fy - y * fx];
+        let wrench = [fx, fy, fz].into_iter().chain(torque);
+        let ends = self.touching(world, row);
+        for (shape, sign) in ends.into_iter().zip([-T::one(), T::one()]) {
+            if let Some(body) = shapes[shape.0].body {
+                let row = &mut sums[body.0 * WRENCH..][..WRENCH];
+                for (sum, x) in row.iter_mut().zip(wrench.clone()) {
+                    *sum += sign * x;
+                }
+            }
+        }
     }
 }
 

@@ -71,6 +71,7 @@ pub struct Simulation<T: Float> {
 pub(crate) enum Reported {
     Nothing,
     Motion,
+    Contacts,
     Everything,
 }
 
@@ -488,19 +489,14 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Copies a quantity of all worlds at the present state, `out[world][row][number]`; see
-    /// [`Quantity::shape`]. What tells where bodies and joints are, and how they move, takes a fraction of
-    /// the time that all [`outputs`](Simulation::outputs) take.
+    /// [`Quantity::shape`]. What tells where bodies and joints are, how they move, and what touches them takes a
+    /// fraction of the time that all [`outputs`](Simulation::outputs) take.
     ///
     /// # Errors
     /// An array of the wrong length.
     pub fn read(&mut self, quantity: Quantity, out: &mut [T]) -> Result<(), SimulationError> {
-        let needed = if quantity.is_motion() {
-            Reported::Motion
-        } else {
-            Reported::Everything
-        };
         let model = self.model.clone();
-        self.report(needed).read(&model, quantity, out)
+        self.report(quantity.needs()).read(&model, quantity, out)
     }
 
     /// The outputs, of which at least what is needed is of the present state.
@@ -508,7 +504,8 @@ impl<T: Float> Simulation<T> {
         if self.reported < needed {
             self.perform(match needed {
                 Reported::Everything => Task::Report,
-                _ => Task::Motion,
+                Reported::Contacts => Task::Contacts,
+                Reported::Motion | Reported::Nothing => Task::Motion,
             });
             self.reported = needed;
         }

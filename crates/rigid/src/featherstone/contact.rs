@@ -401,11 +401,15 @@ pub(crate) fn recall<M: Machine>(k: &mut M, t: &Tables) {
     }
 }
 
-/// Copies the contacts of the last step to the output.
+/// Copies the contacts of the last step to the output; of slots that are free, only that they are.
 #[inline(always)]
 pub(crate) fn report<M: Machine>(k: &mut M, t: &Tables) {
     for s in k.count(t.contacts.slots) {
-        let row = k.read::<_, _, { contact::WIDTH }>(t.touch, s, 0);
-        k.write(t.output.contact, s, 0, row);
+        let distance = k.load(t.touch, s, contact::DISTANCE);
+        k.store(t.output.contact, s, contact::DISTANCE, distance);
+        if let Some(_branch) = k.if_any(distance.lt(M::R::lit(0.5 * FAR))) {
+            let row = k.read::<_, _, { contact::WIDTH }>(t.touch, s, 0);
+            k.write(t.output.contact, s, 0, row);
+        }
     }
 }

@@ -214,6 +214,11 @@ impl<const CONTACTS: bool> Kernels for ArticulatedBodies<CONTACTS> {
         report::motion(k, &tables);
     }
     #[inline(always)]
+    fn report_contacts<M: Machine>(&self, k: &mut M) {
+        let tables = self.tables;
+        report::contacts::<M, CONTACTS>(k, &tables);
+    }
+    #[inline(always)]
     fn report<M: Machine>(&self, k: &mut M) {
         let tables = self.tables;
         report::report::<M, CONTACTS>(k, &tables);

@@ -53,6 +53,15 @@ pub(crate) fn motion<M: Machine>(k: &mut M, t: &Tables) {
     bodies(k, t);
 }
 
+/// The same, and the contacts of the last step.
+#[inline(always)]
+pub(crate) fn contacts<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
+    motion(k, t);
+    if CONTACTS {
+        touches::report(k, t);
+    }
+}
+
 #[inline(always)]
 fn coordinates<M: Machine>(k: &mut M, t: &Tables) {
     for q in k.count(t.coordinates) {

@@ -194,6 +194,11 @@ impl Kernels for Xpbd {
         report::motion(k, &tables);
     }
     #[inline(always)]
+    fn report_contacts<M: Machine>(&self, k: &mut M) {
+        let tables = self.tables;
+        report::contacts(k, &tables);
+    }
+    #[inline(always)]
     fn report<M: Machine>(&self, k: &mut M) {
         let tables = self.tables;
         report::report(k, &tables);

@@ -16,13 +16,10 @@ use numbers::{Cell, Machine, Real, Vec3};
 /// Fills the output of every lane from its state. Changes no state.
 #[inline(always)]
 pub(crate) fn report<M: Machine>(k: &mut M, t: &Tables) {
-    motion(k, t);
+    contacts(k, t);
     body_accelerations(k, t);
     reactions(k, t);
     sums(k, t);
-    if t.touches() {
-        contact::report(k, t);
-    }
 }
 
 /// Placements and velocities of bodies and joints only.
@@ -32,6 +29,15 @@ pub(crate) fn motion<M: Machine>(k: &mut M, t: &Tables) {
     axes(k, t);
     balls(k, t);
     frees(k, t);
+}
+
+/// The same, and the contacts of the last step.
+#[inline(always)]
+pub(crate) fn contacts<M: Machine>(k: &mut M, t: &Tables) {
+    motion(k, t);
+    if t.touches() {
+        contact::report(k, t);
+    }
 }
 
 #[inline(always)]

@@ -1,0 +1,242 @@
+"""What a robot has to do, in many worlds at once."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+from abc import ABC, abstractmethod
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar
+
+import gymnasium
+import numpy as np
+
+import kinetarium as kn
+from kinetarium.envs import spatial
+from kinetarium.simulation import Integrator
+
+Array = np.ndarray[Any, np.dtype[Any]]
+
+
+def model_file(name: str) -> Path:
+    """Where a robot's file is: a path, or the name of one of those that come with Gymnasium."""
+    path = Path(name)
+    if path.exists():
+        return path
+    spec = importlib.util.find_spec("gymnasium.envs")
+    assert spec is not None and spec.origin is not None
+    shipped = Path(spec.origin).parent / "mujoco" / "assets" / name
+    if not shipped.exists():
+        raise FileNotFoundError(f'there is no file "{name}", neither here nor at {shipped.parent}')
+    return shipped
+
+
+class Seen:
+    """All worlds at one time, in MuJoCo's conventions; what is not asked for is not computed.
+
+    Ask before the next step: what has not been read by then is no longer of this time.
+    """
+
+    position: Array
+    """Joint coordinates, quaternions w first, float64, shape (worlds, coordinates)."""
+
+    def __init__(self, task: Task) -> None:
+        self._task = task
+        self._state = task.simulation.state
+        position = self._state.read("joint_position")
+        self.position = np.take(position, task.to_mujoco, axis=1).astype(np.float64)
+
+    @cached_property
+    def velocity(self) -> Array:
+        """Joint velocities, shape (worlds, degrees of freedom)."""
+        return self._state.read("joint_velocity").astype(np.float64)
+
+    @cached_property
+    def body_position(self) -> Array:
+        """Positions of the bodies [m], shape (worlds, bodies, 3)."""
+        return self._state.read("body_position")
+
+    @cached_property
+    def bodies(self) -> spatial.Bodies:
+        """The bodies about the centre of mass of all of them."""
+        return spatial.Bodies(self._task.masses, self._state)
+
+    @cached_property
+    def contact_force(self) -> Array:
+        """`cfrc_ext` but for the world's row: torque about the centre of mass of all bodies and force [N·m,
+        N] of the contacts of the last step on each body, world axes, shape (worlds, bodies, 6)."""
+        return self.bodies.about_center(self._state.read("contact_wrench"))
+
+    @cached_property
+    def motor_force(self) -> Array:
+        """Forces of the motors that acted [N or N·m], zero after a reset, shape (worlds, actuators)."""
+        return np.asarray(self._task.simulation.controls.actuator) * self._task.gear
+
+    @cached_property
+    def joint_force(self) -> Array:
+        """Forces of the joints on their bodies [N], world axes, shape (worlds, joints, 3)."""
+        return self._state.read("reaction_force")
+
+
+class Task(ABC):
+    """A robot, what it observes, what it is paid for, when it fails, and where it begins; in all worlds at
+    once.
+
+    A subclass says what is particular. Parameters that all have:
+
+    worlds:
+        Number of worlds.
+    xml_file:
+        The robot's file: a path, or a name among Gymnasium's.
+    frame_skip:
+        Time steps of one action.
+    integrator, substeps, dtype, threads:
+        As of `kinetarium.Simulation`. Runge–Kutta is what most of Gymnasium's files ask for; semi-implicit
+        Euler takes a third of the time.
+    """
+
+    file: ClassVar[str]
+    """Name of the robot's file."""
+    frame_skip: ClassVar[int]
+    """Time steps of one action, unless told otherwise."""
+    turning: ClassVar[tuple[str, ...]] = ()
+    """Coordinates that count whole turns, which the simulation does not."""
+
+    def __init__(
+        self,
+        worlds: int = 1,
+        *,
+        xml_file: str | None = None,
+        frame_skip: int | None = None,
+        integrator: Integrator = "runge_kutta_4",
+        substeps: int = 1,
+        dtype: str = "float32",
+        threads: int = 0,
+    ) -> None:
+        model = kn.load(str(model_file(xml_file or self.file)))
+        self.simulation = kn.Simulation(
+            model,
+            worlds,
+            solver="featherstone",
+            integrator=integrator,
+            substeps=substeps,
+            dtype=dtype,
+            threads=threads,
+        )
+        self.worlds = worlds
+        self.model = model
+        self.steps = self.frame_skip if frame_skip is None else frame_skip
+        self.dt = model.time_step * self.steps
+        self.to_mujoco, self.from_mujoco = spatial.coordinate_orders(model)
+        self.init_position = np.asarray(model.initial_position)[self.to_mujoco]
+        self.masses = spatial.Masses(model, self.simulation.dtype)
+        self.gear = (model.parameter("gear") * model.parameter("gain")).ravel()
+        low, high = np.asarray(model.control_range).T
+        self._range = low.astype(self.simulation.dtype), high.astype(self.simulation.dtype)
+        self.action_space = gymnasium.spaces.Box(low.astype(np.float32), high.astype(np.float32))
+        self._turning = [model.coordinate_names.index(name) for name in self.turning]
+        self._turned = np.zeros((worlds, len(self._turning)))
+        self._lost = np.zeros(worlds, bool)
+        self._look()
+        width = sum(part[0].size for part in self.observation(self.seen))
+        self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (width,), np.float64)
+
+    @abstractmethod
+    def observation(self, seen: Seen) -> list[Array]:
+        """What is observed, part by part, each of shape (worlds, …)."""
+
+    @abstractmethod
+    def outcome(self, seen: Seen, action: Array, velocity: Array) -> tuple[Array, Array, dict[str, Array]]:
+        """Rewards, which worlds failed, and what to tell besides, of shape (worlds,) each.
+
+        `velocity` [m/s] is how far `place` moved in the step, by its time.
+        """
+
+    @abstractmethod
+    def draw(self, random: np.random.Generator) -> tuple[Array, Array]:
+        """Coordinates and velocities in which one world begins, in MuJoCo's conventions."""
+
+    def place(self, seen: Seen) -> Array:
+        """The point whose velocity is paid for [m], shape (worlds, numbers)."""
+        return np.zeros((self.worlds, 0))
+
+    def whereabouts(self, seen: Seen) -> dict[str, Array]:
+        """What to tell after a reset, too."""
+        return {}
+
+    def noise(
+        self, random: np.random.Generator, scale: float, *, normal_velocity: bool = False
+    ) -> tuple[Array, Array]:
+        """The initial state with noise: uniform within ± scale, or velocities of that standard deviation."""
+        n, m = self.model.coordinates, self.model.degrees_of_freedom
+        position = self.init_position + random.uniform(low=-scale, high=scale, size=n)
+        if normal_velocity:
+            return position, scale * random.standard_normal(m)
+        return position, random.uniform(low=-scale, high=scale, size=m)
+
+    def begin(self, worlds: Array, generators: list[np.random.Generator]) -> None:
+        """Draws new states for some worlds."""
+        if len(worlds) == 0:
+            return
+        position, velocity = (np.array(x) for x in zip(*map(self.draw, generators), strict=True))
+        self.set_state(position, velocity, worlds)
+
+    def set_state(self, position: Array, velocity: Array, worlds: Array | None = None) -> None:
+        """Puts some worlds, or all, into states in MuJoCo's conventions."""
+        rows = np.arange(self.worlds) if worlds is None else worlds
+        self.simulation.set_state(position[:, self.from_mujoco], velocity, worlds=rows)
+        self._turned[rows] = position[:, self._turning]
+        self._lost[rows] = False
+        self._look()
+
+    def act(self, action: Array) -> tuple[Array, Array, dict[str, Array]]:
+        """One step of all worlds: rewards, which worlds failed, and what to tell.
+
+        A world that diverged has failed, and stays at its last good state. Raises `ValueError` for actions
+        of the wrong shape or that are not finite.
+        """
+        self._apply(action)
+        before = self._place
+        self._lost[self.simulation.step(self.steps)] = True
+        self._look()
+        velocity = (self._place - before) / self.dt
+        reward, failed, info = self.outcome(self.seen, action, velocity)
+        return reward, failed | self._lost, self.whereabouts(self.seen) | info
+
+    def observe(self) -> Array:
+        """What all worlds observe, float64, shape (worlds, numbers); yours to keep."""
+        observed = np.empty((self.worlds, *self.observation_space.shape))
+        column = 0
+        for part in self.observation(self.seen):
+            width = part[0].size
+            observed[:, column : column + width].reshape(part.shape)[...] = part
+            column += width
+        return observed
+
+    def _apply(self, action: Array) -> None:
+        if action.shape != (self.worlds, *self.action_space.shape):
+            expected = (self.worlds, *self.action_space.shape)
+            raise ValueError(f"the actions have the shape {action.shape}: it must be {expected}")
+        wrong = np.flatnonzero(~np.isfinite(action).all(axis=1))
+        if wrong.size:
+            raise ValueError(f"the action of world {wrong[0]} is not finite: {action[wrong[0]]}")
+        self.simulation.controls.actuator = np.clip(action, *self._range)
+
+    def _look(self) -> None:
+        seen = Seen(self)
+        if self._turning:
+            angle = seen.position[:, self._turning]
+            angle += 2 * np.pi * np.round((self._turned - angle) / (2 * np.pi))
+            seen.position[:, self._turning] = self._turned = angle
+        self.seen = seen
+        self._place = self.place(seen)
+
+
+def make_task(task: str | type[Task], worlds: int, **options: Any) -> Task:
+    """The task of a class, or of one named "module:Class"."""
+    if not isinstance(task, str):
+        return task(worlds, **options)
+    module, name = task.split(":")
+    made: Task = getattr(importlib.import_module(module), name)(worlds, **options)
+    return made

@@ -1,0 +1,178 @@
+"""Many worlds of a task, as Gymnasium's `VectorEnv`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.utils import seeding
+from gymnasium.vector import AutoresetMode
+from gymnasium.vector.utils import batch_space
+
+from kinetarium.envs.single import refuse_to_render
+from kinetarium.envs.task import Array, Task, make_task
+
+Info = dict[str, Any]
+
+
+class VectorTask(gymnasium.vector.VectorEnv[Array, Array, Array]):
+    """A task with many worlds in one simulation: what `gymnasium.make_vec("kinetarium/…")` gives.
+
+    Parameters
+    ----------
+    task:
+        A class derived from `Task`, or its name "module:Class".
+    num_envs:
+        Number of worlds.
+    max_episode_steps:
+        Steps after which an episode is truncated; never, if none.
+    autoreset_mode:
+        "NextStep": the step after the end of an episode begins a new one instead, with reward 0. "SameStep":
+        the step that ends an episode begins a new one, too; the end is in `infos["final_obs"]` and
+        `infos["final_info"]`. "Disabled": `reset` with a mask `options["reset_mask"]`.
+
+    Other keywords are the task's options. World k draws from a generator of its own, seeded with `seed` + k,
+    as `gymnasium.vector.SyncVectorEnv` does: it does the same whatever the number of worlds.
+    """
+
+    def __init__(
+        self,
+        task: str | type[Task],
+        num_envs: int = 1,
+        *,
+        max_episode_steps: int | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        render_mode: str | None = None,
+        **options: Any,
+    ) -> None:
+        refuse_to_render(render_mode)
+        self.task = make_task(task, num_envs, **options)
+        self.num_envs = num_envs
+        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        self.metadata = {
+            "render_modes": [],
+            "render_fps": round(1 / self.task.dt),
+            "autoreset_mode": self.autoreset_mode,
+        }
+        self.single_observation_space = self.task.observation_space
+        self.single_action_space = self.task.action_space
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self._limit = np.iinfo(np.int64).max if max_episode_steps is None else max_episode_steps
+        self._elapsed = np.zeros(num_envs, np.int64)
+        self._ended = np.zeros(num_envs, bool)
+        self._generators: list[np.random.Generator] = []
+
+    def reset(
+        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Array, Info]:
+        """New episodes in all worlds, or in those of a mask `options["reset_mask"]`.
+
+        World k's generator begins with `seed` + k, or with the k-th of a list, if given.
+        """
+        mask = np.ones(self.num_envs, bool)
+        if options is not None and "reset_mask" in options:
+            mask = np.asarray(options["reset_mask"])
+            if mask.shape != (self.num_envs,) or mask.dtype != bool or not mask.any():
+                raise ValueError(
+                    f"the mask of worlds to reset must be bool of shape ({self.num_envs},), not all false"
+                )
+        self._seed(seed, mask)
+        self._begin(mask)
+        info = self.task.whereabouts(self.task.seen)
+        return self.task.observe(), {} | _masked(info, mask)
+
+    def step(self, actions: Array) -> tuple[Array, Array, Array, Array, Info]:
+        """One action in each world, shape (num_envs, numbers): observations, rewards, which episodes ended by
+        failing and which by time, infos, as arrays with a row for each world.
+
+        Raises `ValueError` for actions that are not finite; those out of range act as its ends.
+        """
+        if not self._generators:
+            raise gymnasium.error.ResetNeeded("call reset before step")
+        begins = self._ended
+        reward, failed, info = self.task.act(np.asarray(actions))
+        self._elapsed += 1
+        truncated = self._elapsed >= self._limit
+        if self.autoreset_mode is AutoresetMode.NEXT_STEP and begins.any():
+            return self._begun(begins, reward, failed, truncated, info)
+        self._ended = failed | truncated
+        if self.autoreset_mode is AutoresetMode.SAME_STEP and self._ended.any():
+            return self._ended_and_begun(reward, failed, truncated, info)
+        return self.task.observe(), reward, failed, truncated, _masked(info, np.ones(self.num_envs, bool))
+
+    def _begun(
+        self, begins: Array, reward: Array, failed: Array, truncated: Array, info: Info
+    ) -> tuple[Array, Array, Array, Array, Info]:
+        """A step of which some worlds began an episode instead."""
+        self._begin(begins)
+        reward, failed, truncated = (
+            np.where(begins, 0, x).astype(x.dtype) for x in (reward, failed, truncated)
+        )
+        self._ended = failed | truncated
+        infos = _masked(info, ~begins) | self._whereabouts(info, begins)
+        return self.task.observe(), reward, failed, truncated, infos
+
+    def _ended_and_begun(
+        self, reward: Array, failed: Array, truncated: Array, info: Info
+    ) -> tuple[Array, Array, Array, Array, Info]:
+        """A step after which some worlds began another episode."""
+        ended = self._ended
+        last = self.task.observe()
+        final = np.full(self.num_envs, None, dtype=object)
+        for world in np.flatnonzero(ended):
+            final[world] = last[world]
+        infos = _masked(info, ~ended)
+        self._begin(ended)
+        infos |= self._whereabouts(info, ended)
+        infos |= {
+            "final_obs": final,
+            "_final_obs": ended,
+            "final_info": _masked(info, ended),
+            "_final_info": ended,
+        }
+        return self.task.observe(), reward, failed, truncated, infos
+
+    def _whereabouts(self, info: Info, begins: Array) -> Info:
+        """What is told after a reset, too: of worlds that began, as they are now."""
+        now = self.task.whereabouts(self.task.seen)
+        told = {name: np.where(begins, now[name], info[name]) for name in now}
+        return _masked(told, np.ones(self.num_envs, bool))
+
+    def _begin(self, mask: Array) -> None:
+        worlds = np.flatnonzero(mask)
+        self.task.begin(worlds, [self._generators[k] for k in worlds])
+        self._elapsed[worlds] = 0
+        self._ended = self._ended & ~mask
+
+    def _seed(self, seed: int | list[int | None] | None, mask: Array) -> None:
+        if seed is None and self._generators:
+            return
+        if seed is None or isinstance(seed, (int, np.integer)):
+            self._np_random, first = seeding.np_random(None if seed is None else int(seed))
+            self._np_random_seed = first
+            seeds: list[int | None] = [first + k for k in range(self.num_envs)]
+        else:
+            seeds = list(seed)
+        if len(seeds) != self.num_envs:
+            raise ValueError(f"there are {len(seeds)} seeds for {self.num_envs} worlds")
+        new = [mask[k] or not self._generators for k in range(self.num_envs)]
+        self._generators = [
+            seeding.np_random(seeds[k])[0] if new[k] else self._generators[k] for k in range(self.num_envs)
+        ]
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Frees the worlds."""
+        self.task.simulation.close()
+
+
+def _masked(info: Info, mask: Array) -> Info:
+    """Values with, under the same name after a `_`, for which worlds they are; nothing, if for none."""
+    told: Info = {}
+    if not mask.any():
+        return told
+    for name, values in info.items():
+        told[name] = values if mask.all() else np.where(mask, values, 0)
+        told[f"_{name}"] = mask.copy()
+    return told

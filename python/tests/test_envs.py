@@ -1,0 +1,328 @@
+"""Gymnasium environments: the interface, and Gymnasium's own environments as the measure."""
+
+import warnings
+
+import gymnasium
+import kinetarium.envs
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+from gymnasium.vector import AutoresetMode
+from kinetarium.envs import ROBOTS
+from kinetarium.envs.task import make_task
+
+mujoco = pytest.importorskip("mujoco", reason="Gymnasium's own environments need mujoco")
+pytest.importorskip("imageio", reason="gymnasium.envs.mujoco imports imageio")
+
+WALKS = ("Hopper", "HalfCheetah", "Walker2d")
+FLOATS = ("Ant", "Humanoid", "HumanoidStandup")
+
+robots = pytest.mark.parametrize("robot", ROBOTS)
+
+
+def gymnasiums(robot):
+    """Gymnasium's environment, with the integrator that the others use."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        env = gymnasium.make(f"{robot}-v5").unwrapped
+    env.model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    return env
+
+
+def states(robot, model, count, seed):
+    """States in which nothing touches and no limit is near: joints well within their ranges, robots in the
+    air, the pusher's cylinder out of reach and everything but the arm at rest."""
+    random = np.random.default_rng(seed)
+    for _ in range(count):
+        q = model.qpos0 + random.uniform(-0.1, 0.1, model.nq)
+        v = random.normal(0, 0.5, model.nv)
+        for joint in np.flatnonzero(model.jnt_limited):
+            low, high = model.jnt_range[joint]
+            reach = 0.25 * (high - low)
+            address = model.jnt_qposadr[joint]
+            q[address] = np.clip(q[address], (low + high) / 2 - reach, (low + high) / 2 + reach)
+        if robot in WALKS:
+            q[1] += 3
+        if robot in FLOATS:
+            q[2] += 3
+            q[3:7] /= np.linalg.norm(q[3:7])
+        if robot == "HumanoidStandup":  # hands off the hips
+            q[18], q[21] = q[18] - 0.6, q[21] + 0.6
+        if robot == "Pusher":
+            q[-4:] = [-0.3, 0.2, 0, 0]
+        if robot in ("Pusher", "Reacher"):
+            v[-4 if robot == "Pusher" else -2 :] = 0
+        yield q, v
+
+
+@robots
+@pytest.mark.filterwarnings("ignore:.*Box observation space m.* value is.*infinity")
+@pytest.mark.filterwarnings("ignore:.*we recommend using a symmetric and normalized space")
+@pytest.mark.filterwarnings("error")
+def test_gymnasiums_checker_is_content(robot):
+    env = gymnasium.make(f"kinetarium/{robot}-v0", disable_env_checker=True)
+    check_env(env.unwrapped, skip_render_check=True)
+    assert env.spec.max_episode_steps == gymnasium.spec(f"{robot}-v5").max_episode_steps
+    assert env.spec.reward_threshold == gymnasium.spec(f"{robot}-v5").reward_threshold
+
+
+@robots
+def test_spaces_steps_and_resets_are_gymnasiums(robot):
+    own, other = gymnasium.make(f"kinetarium/{robot}-v0").unwrapped, gymnasiums(robot)
+    assert own.observation_space == other.observation_space
+    assert own.action_space == other.action_space
+    assert own.dt == pytest.approx(other.dt)
+    found, info = own.reset(seed=5)
+    expected, expected_info = other.reset(seed=5)
+    if robot in FLOATS:
+        # Gymnasium's quaternion is of unit length only after the first step, and what follows from it is
+        # scaled.
+        kept = np.r_[0, 5:22] if robot == "Ant" else np.r_[0, 5:45]
+        found, expected = found[kept], expected[kept]
+    # Numbers are drawn alike; then they are rounded to float32.
+    np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-6)
+    assert set(info) == {name for name in expected_info if not name.startswith("tendon")}
+
+
+@robots
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+def test_states_and_flights_are_gymnasiums(robot, dtype):
+    other = gymnasiums(robot)
+    other.reset(seed=0)
+    task = gymnasium.make(f"kinetarium/{robot}-v0", dtype=dtype).unwrapped.task
+    random = np.random.default_rng(1)
+    # Rounding, u = 2⁻²⁴: an observation takes some tens of operations on numbers of its own size, or of the
+    # size of what cancels in them, such as m d² at 3 m; a step adds 5 × 4 stages of accelerations up to 10⁴,
+    # times 10 ms, each known to some u of itself: 20 · 10² · 10 u = 1e-3 at most. In float64, 10⁻⁹ of these.
+    seen_to, moved_to = (1e-4, 1e-3) if dtype == "float32" else (1e-9, 1e-8)
+    flights = 0
+    for q, v in states(robot, other.model, 12, seed=2):
+        mujoco.mj_resetData(other.model, other.data)
+        other.set_state(q, v)
+        task.set_state(q[None], v[None])
+        expected = other._get_obs()
+        scale = max(1.0, np.abs(expected).max() / 100)
+        np.testing.assert_allclose(task.observe()[0], expected, atol=seen_to * scale)
+
+        action = random.uniform(other.action_space.low, other.action_space.high).astype(np.float32)
+        touches = other.data.ncon
+        _, reward, failed, _, info = other.step(action)
+        if (touches or other.data.ncon) and robot != "Pusher":  # whose cylinder always touches the table
+            continue
+        flights += 1
+        # What Gymnasium observes of bodies is of the last stage of the step; bring it to the end.
+        mujoco.mj_forward(other.model, other.data)
+        found, found_failed, found_info = task.act(action[None])
+        np.testing.assert_allclose(task.observe()[0], other._get_obs(), atol=moved_to * scale)
+        assert found_failed[0] == failed
+        # Speeds of bodies from the last stage, not the end: about a h² / h of 10 m/s² and up to 10 ms, where
+        # they are paid for; HumanoidStandup divides a height by 3 ms.
+        slack = 1e-4 + 1e-3 * abs(reward) if robot not in ("Ant", "Humanoid") else 2e-2
+        assert found[0] == pytest.approx(reward, abs=slack)
+        assert set(found_info) == {name for name in info if not name.startswith("tendon")}
+    assert flights >= 4
+
+
+def test_cart_feels_the_end_of_its_rail():
+    # The last number of the observation is the force of the limit, up to 10 N; margins of 1 cm.
+    other = gymnasiums("InvertedDoublePendulum")
+    other.reset(seed=0)
+    task = make_task("kinetarium.envs.inverted_double_pendulum:InvertedDoublePendulum", 1, dtype="float64")
+    for x, v in [(0.0, 0.0), (0.992, -0.1), (0.9905, 0.0), (0.995, 0.3), (-0.995, 0.1)]:
+        q, v = np.array([x, 0.05, -0.02]), np.array([v, 0.2, 0.1])
+        other.set_state(q, v)
+        task.set_state(q[None], v[None])
+        np.testing.assert_allclose(task.observe()[0], other._get_obs(), rtol=1e-6, atol=1e-6)
+
+
+def test_contact_forces_carry_the_ant():
+    # At rest, contacts carry the weight, and their torques about the centre of mass cancel.
+    task = make_task("kinetarium.envs.ant:Ant", 2)
+    task.begin(np.arange(2), [np.random.default_rng(k) for k in range(2)])
+    assert (task.seen.contact_force == 0).all()
+    for _ in range(200):
+        task.act(np.zeros((2, 8), np.float32))
+    weight = 9.81 * task.model.total_mass
+    torque, force = np.split(task.seen.contact_force.sum(axis=1), 2, axis=1)
+    np.testing.assert_allclose(force, [[0, 0, weight]] * 2, atol=0.02 * weight)
+    np.testing.assert_allclose(torque, 0, atol=0.02 * weight)
+    # Clipped in what is observed.
+    assert np.abs(task.observe()[:, -78:]).max() <= 1
+
+
+def rollout(envs, steps, seed, scale=1.0):
+    """What `step` gives under random actions, the same in each world whatever their number."""
+    told = [(*envs.reset(seed=seed)[:1], None, None, None, None)]
+    randoms = [np.random.default_rng(100 + k) for k in range(envs.num_envs)]
+    low, high = envs.single_action_space.low, envs.single_action_space.high
+    for _ in range(steps):
+        actions = np.array([scale * r.uniform(low, high) for r in randoms], np.float32)
+        told.append(envs.step(actions))
+    return told
+
+
+@robots
+def test_worlds_do_the_same_whatever_their_number(robot):
+    few, many = (
+        rollout(gymnasium.make_vec(f"kinetarium/{robot}-v0", num_envs=n, max_episode_steps=20), 45, seed=7)
+        for n in (3, 21)
+    )
+    for some, all_ in zip(few, many, strict=True):
+        for a, b in zip(some[:4], all_[:4], strict=True):
+            np.testing.assert_array_equal(a, None if b is None else b[:3])
+
+
+@robots
+def test_a_world_is_the_single_environment(robot):
+    # NextStep: the step after an end is a reset, as SyncVectorEnv does it on single environments.
+    kwargs = {"num_envs": 3, "max_episode_steps": 15}
+    native = rollout(gymnasium.make_vec(f"kinetarium/{robot}-v0", **kwargs), 40, seed=3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        singles = gymnasium.make_vec(f"kinetarium/{robot}-v0", vectorization_mode="sync", **kwargs)
+        singles = rollout(singles, 40, seed=3)
+    for found, expected in zip(native, singles, strict=True):
+        for a, b in zip(found[:4], expected[:4], strict=True):
+            np.testing.assert_array_equal(a, b)
+        if found[4] is not None:
+            assert set(found[4]) == set(expected[4])
+            for name in found[4]:
+                np.testing.assert_array_equal(found[4][name], expected[4][name], err_msg=name)
+
+
+@pytest.mark.parametrize("robot", ["Hopper", "Reacher", "Humanoid"])
+def test_same_step_resets_tell_of_the_end(robot):
+    kwargs = {"num_envs": 4, "max_episode_steps": 12}
+    mode = AutoresetMode.SAME_STEP
+    native = gymnasium.make_vec(f"kinetarium/{robot}-v0", autoreset_mode=mode, **kwargs)
+    assert native.metadata["autoreset_mode"] is mode
+    native = rollout(native, 30, seed=3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        singles = gymnasium.make_vec(
+            f"kinetarium/{robot}-v0",
+            vectorization_mode="sync",
+            vector_kwargs={"autoreset_mode": mode},
+            **kwargs,
+        )
+        singles = rollout(singles, 30, seed=3)
+    ends = 0
+    for found, expected in zip(native[1:], singles[1:], strict=True):
+        for a, b in zip(found[:4], expected[:4], strict=True):
+            np.testing.assert_array_equal(a, b)
+        ended = found[2] | found[3]
+        ends += ended.sum()
+        assert ("final_obs" in found[4]) == ended.any()
+        if ended.any():
+            np.testing.assert_array_equal(found[4]["_final_obs"], ended)
+            for k in np.flatnonzero(ended):
+                np.testing.assert_array_equal(found[4]["final_obs"][k], expected[4]["final_obs"][k])
+            for name, values in expected[4]["final_info"].items():
+                np.testing.assert_array_equal(found[4]["final_info"][name], values, err_msg=name)
+    assert ends >= 8
+
+
+def test_resets_of_a_mask():
+    envs = gymnasium.make_vec("kinetarium/Hopper-v0", num_envs=4, autoreset_mode="Disabled")
+    envs.reset(seed=0)
+    before = envs.step(np.ones((4, 3), np.float32))[0]
+    mask = np.array([False, True, False, True])
+    after, _ = envs.reset(options={"reset_mask": mask})
+    np.testing.assert_array_equal((before != after).any(axis=1), mask)
+    with pytest.raises(ValueError, match="mask of worlds"):
+        envs.reset(options={"reset_mask": np.zeros(4, bool)})
+
+
+def test_time_runs_out():
+    envs = gymnasium.make_vec("kinetarium/HalfCheetah-v0", num_envs=2, max_episode_steps=5)
+    envs.reset(seed=0)
+    actions = np.zeros((2, 6), np.float32)
+    truncated = [envs.step(actions)[3].all() for _ in range(12)]
+    # After the fifth step, then one that begins anew, and five more.
+    assert np.flatnonzero(truncated).tolist() == [4, 10]
+
+
+@robots
+def test_actions_that_are_not_finite_are_refused(robot):
+    envs = gymnasium.make_vec(f"kinetarium/{robot}-v0", num_envs=3)
+    envs.reset(seed=0)
+    actions = np.zeros(envs.action_space.shape, np.float32)
+    actions[1, 0] = np.nan
+    with pytest.raises(ValueError, match="action of world 1 is not finite"):
+        envs.step(actions)
+    with pytest.raises(ValueError, match="shape"):
+        envs.step(actions[:, :0])
+
+
+@robots
+def test_actions_out_of_range_act_as_its_ends(robot):
+    def after(factor):
+        env = gymnasium.make(f"kinetarium/{robot}-v0", disable_env_checker=True).unwrapped
+        env.reset(seed=0)
+        return env.step(factor * env.action_space.high)[0]
+
+    np.testing.assert_array_equal(after(1.0), after(3.0))
+    assert (after(1.0) != after(0.5)).any()
+
+
+def test_a_world_that_diverges_fails_and_begins_anew():
+    envs = gymnasium.make_vec("kinetarium/HalfCheetah-v0", num_envs=3)
+    envs.reset(seed=0)
+    task = envs.unwrapped.task
+    position, velocity = task.seen.position.copy(), task.seen.velocity.copy()
+    velocity[1] = 1e4
+    task.set_state(position, velocity)
+    ends = np.zeros(3, bool)
+    for _ in range(5):
+        observed, reward, failed, truncated, _ = envs.step(np.zeros((3, 6), np.float32))
+        ends |= failed
+        assert np.isfinite(observed).all() and np.isfinite(reward).all() and not truncated.any()
+    assert ends.tolist() == [False, True, False]
+    assert np.abs(observed[1]).max() < 10
+
+
+def test_whole_turns_are_counted():
+    # In the air with no torque about its hinges to speak of, the cheetah's pitch goes on beyond π.
+    task = make_task("kinetarium.envs.half_cheetah:HalfCheetah", 1)
+    position, velocity = task.init_position.copy(), np.zeros(9)
+    position[1], velocity[1], velocity[2] = 100, 5, 10
+    task.set_state(position[None], velocity[None])
+    angles = []
+    for _ in range(30):
+        task.act(np.zeros((1, 6), np.float32))
+        angles.append(task.seen.position[0, 2])
+    assert (np.diff(angles) > 0).all() and angles[-1] > 2 * np.pi
+
+
+def test_options_are_gymnasiums():
+    options = {
+        "include_cinert_in_observation": False,
+        "include_cfrc_ext_in_observation": False,
+        "exclude_current_positions_from_observation": False,
+        "frame_skip": 2,
+    }
+    own = gymnasium.make("kinetarium/Humanoid-v0", **options)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        other = gymnasium.make("Humanoid-v5", **options)
+    assert own.observation_space == other.observation_space
+    assert own.unwrapped.dt == pytest.approx(other.unwrapped.dt)
+    with pytest.raises(ValueError, match="no pictures"):
+        gymnasium.make("kinetarium/Hopper-v0", render_mode="rgb_array")
+    with pytest.raises(FileNotFoundError, match="no file"):
+        gymnasium.make("kinetarium/Hopper-v0", xml_file="centipede.xml")
+
+
+def test_an_id_brings_its_module():
+    assert gymnasium.make("kinetarium.envs:kinetarium/Reacher-v0").unwrapped.task.dt == pytest.approx(0.02)
+    assert kinetarium.envs.ROBOTS.keys() == set(ROBOTS)
+
+
+def test_stable_baselines_learns_from_it():
+    sb3 = pytest.importorskip("stable_baselines3", reason="stable-baselines3 and torch are not installed")
+    from stable_baselines3.common.env_util import make_vec_env
+
+    one = gymnasium.make("kinetarium/Hopper-v0")
+    assert sb3.PPO("MlpPolicy", one, n_steps=128, device="cpu", seed=0).learn(256).num_timesteps == 256
+    some = make_vec_env("kinetarium/InvertedPendulum-v0", n_envs=3, seed=0)
+    assert sb3.PPO("MlpPolicy", some, n_steps=64, device="cpu", seed=0).learn(384).num_timesteps == 384
