@@ -100,8 +100,8 @@ pub enum SensorError {
     },
     /// The simulation is not the one that the sensors were made for.
     #[error(
-        "the simulation has another model or number of worlds than the one that the sensors were made for: \
-         make sensors for it"
+        "the simulation has another model, solver or number of worlds than the one that the sensors were made \
+         for: make sensors for it"
     )]
     OtherSimulation,
     /// A saved state does not fit.

@@ -33,8 +33,9 @@ impl<T: Float> Writer<'_, T> {
 }
 
 impl<T: Float> Look<'_, T> {
-    /// Fills `numbers` with what a sensor of joints, bodies or contacts measures.
-    pub fn measure(&self, kind: &SensorKind, numbers: &mut [T]) {
+    /// Fills `numbers` with what a sensor of joints, bodies or contacts measures; contacts of its body
+    /// stand in `rows`.
+    pub fn measure(&self, kind: &SensorKind, rows: &[usize], numbers: &mut [T]) {
         let mut out = Writer(numbers.iter_mut());
         let model = self.simulation.model();
         match kind {
@@ -55,10 +56,10 @@ impl<T: Float> Look<'_, T> {
             SensorKind::ForceTorque { joint, frame } => {
                 self.force_torque(*joint, frame.as_ref(), &mut out);
             }
-            SensorKind::Touch { body } => out.number(self.touch(*body)),
+            SensorKind::Touch { body } => out.number(self.touch(*body, rows)),
             SensorKind::ContactForce { body, axes } => {
                 let turn = self.turn(*axes, || self.pose(*body));
-                out.vector(turn * self.contact_force(*body));
+                out.vector(turn * self.contact_force(*body, rows));
             }
             SensorKind::FramePose { mount, relative_to } => {
                 let pose = self.placed(mount);
@@ -139,26 +140,27 @@ impl<T: Float> Look<'_, T> {
     }
 
     /// Of each contact of a body: its normal, and its force on the body.
-    fn contacts(&self, body: BodyId) -> impl Iterator<Item = (DVec3, DVec3)> {
+    fn contacts(&self, body: BodyId, rows: &[usize]) -> impl Iterator<Item = (DVec3, DVec3)> {
         let shapes = &self.simulation.model().shapes;
-        self.outputs
-            .contacts(self.world)
-            .filter_map(move |contact| {
-                let [first, second] = contact.shapes.map(|shape| shapes[shape.0].body);
-                let sign = match Some(body) {
-                    of if of == second => 1.0,
-                    of if of == first => -1.0,
-                    _ => return None,
-                };
-                Some((contact.normal, sign * contact.force))
-            })
+        let now = rows
+            .iter()
+            .filter_map(|&row| self.outputs.contact(self.world, row));
+        now.filter_map(move |contact| {
+            let [first, second] = contact.shapes.map(|shape| shapes[shape.0].body);
+            let sign = match Some(body) {
+                of if of == second => 1.0,
+                of if of == first => -1.0,
+                _ => return None,
+            };
+            Some((contact.normal, sign * contact.force))
+        })
     }
-    fn touch(&self, body: BodyId) -> f64 {
-        self.contacts(body)
+    fn touch(&self, body: BodyId, rows: &[usize]) -> f64 {
+        self.contacts(body, rows)
             .map(|(normal, force)| normal.dot(force).abs())
             .sum()
     }
-    fn contact_force(&self, body: BodyId) -> DVec3 {
-        self.contacts(body).map(|(_, force)| force).sum()
+    fn contact_force(&self, body: BodyId, rows: &[usize]) -> DVec3 {
+        self.contacts(body, rows).map(|(_, force)| force).sum()
     }
 }

@@ -14,6 +14,7 @@
 use crate::SensorError;
 use crate::random::{Draw, Purpose, Source};
 use numbers::Float;
+use numbers::dispatch::Isa;
 
 /// A number for all numbers of a sensor, or one for each.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,6 +76,16 @@ impl Noise {
     }
 }
 
+/// Some worlds, one after the other.
+pub(crate) struct Part<'a, T> {
+    /// The first of them.
+    pub first: usize,
+    /// World after world.
+    pub numbers: &'a mut [T],
+    /// As many, or none where nothing wanders.
+    pub walk: &'a mut [f64],
+}
+
 /// The noise of a sensor, number by number. What adds nothing is empty.
 #[derive(Clone, Debug)]
 pub(crate) struct Errors {
@@ -117,11 +128,53 @@ impl Errors {
         !(self.deviation.is_empty() && self.bias.is_empty() && self.walk.is_empty())
     }
 
-    /// Turns the numbers x of a sample, `elapsed` [s] after the one before, into what is read. `walk` are
-    /// the biases that wander, if any does.
-    pub fn apply<T: Float>(&self, draw: Draw, elapsed: f64, walk: &mut [f64], x: &mut [T]) {
+    /// Turns what was measured in a part of the worlds, from the first of it on, into what is read where a
+    /// sample is due. `walk` are the biases that wander, if any does.
+    pub fn apply<T: Float>(
+        &self,
+        isa: Isa,
+        due: impl Iterator<Item = Draw> + Clone,
+        n: usize,
+        part: Part<'_, T>,
+    ) {
+        let Part {
+            first,
+            numbers,
+            walk,
+        } = part;
+        let at = |draw: &Draw, i: usize| (draw.world - first) * n + i;
+        if self.walks() {
+            let each = |draw: &Draw, i: usize, z: f64| {
+                walk[at(draw, i)] += self.walk[i] * draw.elapsed.sqrt() * z;
+                self.shift(&mut numbers[at(draw, i)], walk[at(draw, i)]);
+            };
+            self.source.each(isa, Purpose::Walk, due.clone(), n, each);
+        }
+        if !self.bias.is_empty() {
+            let once = due.clone().map(|draw| Draw {
+                sample: 0,
+                episode: 0,
+                ..draw
+            });
+            let each = |draw: &Draw, i: usize, z: f64| {
+                self.shift(&mut numbers[at(draw, i)], self.bias[i] * z);
+            };
+            self.source.each(isa, Purpose::Bias, once, n, each);
+        }
+        if !self.deviation.is_empty() {
+            let each = |draw: &Draw, i: usize, z: f64| {
+                self.shift(&mut numbers[at(draw, i)], self.deviation[i] * z);
+            };
+            self.source.each(isa, Purpose::White, due.clone(), n, each);
+        }
+        for draw in due {
+            self.finish(&mut numbers[at(&draw, 0)..][..n]);
+        }
+    }
+
+    /// Quaternions of unit length; multiples of the step.
+    fn finish<T: Float>(&self, x: &mut [T]) {
         if self.adds() {
-            self.add(draw, elapsed, walk, x);
             for &first in &self.quaternions {
                 normalize(&mut x[first..first + 4]);
             }
@@ -132,41 +185,10 @@ impl Errors {
             }
         }
     }
-
-    fn add<T: Float>(&self, draw: Draw, elapsed: f64, walk: &mut [f64], x: &mut [T]) {
-        let n = x.len();
-        if self.walks() {
-            let spread = elapsed.sqrt();
-            self.source.each(Purpose::Walk, draw, n, |i, z| {
-                walk[i] += self.walk[i] * spread * z;
-            });
-            self.sum(x, |i| walk[i]);
-        }
-        if !self.bias.is_empty() {
-            let once = Draw {
-                sample: 0,
-                episode: 0,
-                ..draw
-            };
-            let each = |i: usize, z: f64| self.shift(&mut x[i], self.bias[i] * z);
-            self.source.each(Purpose::Bias, once, n, each);
-        }
-        if !self.deviation.is_empty() {
-            let each = |i: usize, z: f64| self.shift(&mut x[i], self.deviation[i] * z);
-            self.source.each(Purpose::White, draw, n, each);
-        }
-    }
-    fn sum<T: Float>(&self, x: &mut [T], by: impl Fn(usize) -> f64) {
-        for (i, x) in x.iter_mut().enumerate() {
-            self.shift(x, by(i));
-        }
-    }
     fn shift<T: Float>(&self, x: &mut T, by: f64) {
         if !self.is_nothing(*x) {
             let moved = x.to_f64() + by;
-            let most = self.range.unwrap_or(f64::INFINITY);
-            let least = if self.range.is_some() { 0.0 } else { -most };
-            *x = T::from_f64(moved.clamp(least, most));
+            *x = T::from_f64(self.range.map_or(moved, |range| moved.clamp(0.0, range)));
         }
     }
     /// A distance to nothing.

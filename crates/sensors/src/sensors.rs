@@ -5,7 +5,7 @@ use crate::check::{self, Check};
 use crate::clock::Clock;
 use crate::images::Camera;
 use crate::measure::Look;
-use crate::noise::Errors;
+use crate::noise::{Errors, Part};
 use crate::random::{Draw, Source};
 use crate::sensor::{Mount, Sensor, SensorKind, directions};
 use glam::DVec3;
@@ -13,7 +13,7 @@ use model::{BodyId, Model, Pose};
 use numbers::Float;
 use rayon::prelude::*;
 use render::Images;
-use sim::{Diverged, Ray, Simulation};
+use sim::{Diverged, Outputs, Ray, Simulation};
 use std::sync::Arc;
 
 /// What sensors measure in all worlds of a simulation.
@@ -28,6 +28,8 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct Sensors<T: Float> {
     pub(crate) model: Arc<Model>,
+    /// Its name, and whether shapes touch: on both depends where contacts stand.
+    solver: (&'static str, bool),
     pub(crate) seed: u64,
     pub(crate) channels: Vec<Channel<T>>,
     pub(crate) worlds: Vec<World>,
@@ -73,6 +75,8 @@ pub(crate) struct Channel<T> {
     pub walk: Vec<f64>,
     /// Of a sensor that casts rays: their directions in its mount's axes.
     rays: Vec<DVec3>,
+    /// Of a sensor of contacts: the rows of contacts that may be of its body.
+    rows: Vec<usize>,
     pub camera: Option<Camera>,
 }
 
@@ -122,9 +126,15 @@ impl<T: Float> Sensors<T> {
         let model = Arc::clone(simulation.model());
         let worlds = simulation.worlds();
         let channel = |sensor| Channel::new(sensor, &model, worlds, seed);
-        let channels = sensors.into_iter().map(channel).collect::<Result<_, _>>()?;
+        let channels = sensors.into_iter().map(channel);
+        let mut channels = channels.collect::<Result<Vec<_>, _>>()?;
+        let outputs = simulation.outputs();
+        for channel in &mut channels {
+            channel.rows = contact_rows(&channel.sensor.kind, &model, &outputs);
+        }
         let mut sensors = Self {
             model,
+            solver: (simulation.solver(), simulation.settings().contacts),
             seed,
             channels,
             worlds: vec![World::new(0); worlds],
@@ -243,7 +253,7 @@ impl<T: Float> Sensors<T> {
     /// Takes all samples that are due at the time of each world.
     ///
     /// # Errors
-    /// The simulation is of another model or number of worlds; a mesh that rays do not meet; an image that
+    /// The simulation is of another model, solver or number of worlds; a mesh that rays do not meet; an image that
     /// cannot be drawn. The sensors before the one at fault have been sampled; it and all others are as
     /// before.
     pub fn update(&mut self, simulation: &mut Simulation<T>) -> Result<(), SensorError> {
@@ -262,7 +272,8 @@ impl<T: Float> Sensors<T> {
     /// Models are compared once, where they are not the same in memory.
     fn recognise(&mut self, simulation: &Simulation<T>) -> Result<(), SensorError> {
         let model = simulation.model();
-        if simulation.worlds() != self.worlds() {
+        let solver = (simulation.solver(), simulation.settings().contacts);
+        if simulation.worlds() != self.worlds() || solver != self.solver {
             return Err(SensorError::OtherSimulation);
         }
         if !Arc::ptr_eq(model, &self.model) {
@@ -338,6 +349,7 @@ impl<T: Float> Channel<T> {
             numbers: vec![T::zero(); worlds * n],
             walk: vec![0.0; if errors.walks() { worlds * n } else { 0 }],
             rays: directions(&sensor.kind),
+            rows: Vec::new(),
             errors,
             camera,
             sensor,
@@ -399,16 +411,22 @@ impl<T: Float> Channel<T> {
                 self.cast(simulation, &mount, max_range)?;
             }
             kind => {
-                let n = self.shape[1];
-                let (samples, numbers) = (&self.samples, &mut self.numbers);
+                let n = self.each();
+                let (samples, rows) = (&self.samples, &self.rows[..]);
+                let numbers = &mut self.numbers;
                 simulation.observe(|simulation, outputs| {
-                    for_due(samples, n, (numbers, &mut []), |world, numbers, _| {
-                        let look = Look {
-                            simulation,
-                            outputs,
-                            world,
-                        };
-                        look.measure(kind, numbers);
+                    in_parts(n, (numbers, &mut []), |part| {
+                        for (i, numbers) in part.numbers.chunks_exact_mut(n).enumerate() {
+                            let world = part.first + i;
+                            let look = Look {
+                                simulation,
+                                outputs,
+                                world,
+                            };
+                            if samples[world].due.is_some() {
+                                look.measure(kind, rows, numbers);
+                            }
+                        }
                     });
                 });
             }
@@ -423,16 +441,20 @@ impl<T: Float> Channel<T> {
         }
         let n = self.each();
         let (samples, errors) = (&self.samples, &self.errors);
+        let draw = |world: usize| {
+            let sampled = &samples[world];
+            sampled.due.map(|sample| Draw {
+                world,
+                episode: worlds[world].episode,
+                sample,
+                elapsed: sampled.elapsed,
+            })
+        };
         let memories = (&mut self.numbers[..], &mut self.walk[..]);
-        simulation.observe(|_, _| {
-            for_due(samples, n, memories, |world, numbers, walk| {
-                let sampled = &samples[world];
-                let draw = Draw {
-                    world,
-                    episode: worlds[world].episode,
-                    sample: sampled.due.unwrap_or(0),
-                };
-                errors.apply(draw, sampled.elapsed, walk, numbers);
+        simulation.observe(|simulation, _| {
+            in_parts(n, memories, |part| {
+                let worlds = part.first..part.first + part.numbers.len() / n;
+                errors.apply(simulation.isa(), worlds.filter_map(draw), n, part);
             });
         });
     }
@@ -494,26 +516,40 @@ impl<T: Float> Channel<T> {
     }
 }
 
-/// Runs through the worlds that are due, which threads share, with n numbers and what of their biases
-/// wanders, if any does.
-fn for_due<T: Float>(
-    samples: &[Sampled],
+/// Where contacts of a sensor's body may stand.
+fn contact_rows<T: Float>(
+    kind: &SensorKind,
+    model: &Model,
+    outputs: &Outputs<'_, T>,
+) -> Vec<usize> {
+    match kind {
+        SensorKind::Touch { body } | SensorKind::ContactForce { body, .. } => {
+            outputs.contact_rows(|shape| model.shapes[shape.0].body == Some(*body))
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// Works on parts of the worlds, of n numbers each, which threads share.
+fn in_parts<T: Float>(
     n: usize,
     (numbers, walk): (&mut [T], &mut [f64]),
-    work: impl Fn(usize, &mut [T], &mut [f64]) + Sync,
+    work: impl Fn(Part<'_, T>) + Sync,
 ) {
-    let due = |world: usize| samples[world].due.is_some();
-    let numbers = numbers.par_chunks_exact_mut(n);
+    let size = n * WORLDS_AT_A_TIME;
+    let one = |i: usize, numbers, walk| {
+        work(Part {
+            first: i * WORLDS_AT_A_TIME,
+            numbers,
+            walk,
+        });
+    };
+    let numbers = numbers.par_chunks_mut(size);
     if walk.is_empty() {
-        let worlds = numbers.enumerate().with_min_len(WORLDS_AT_A_TIME);
-        worlds
-            .filter(|(world, _)| due(*world))
-            .for_each(|(world, numbers)| work(world, numbers, &mut []));
+        let parts = numbers.enumerate();
+        parts.for_each(|(i, numbers)| one(i, numbers, &mut []));
     } else {
-        let worlds = numbers.zip(walk.par_chunks_exact_mut(n)).enumerate();
-        worlds
-            .with_min_len(WORLDS_AT_A_TIME)
-            .filter(|(world, _)| due(*world))
-            .for_each(|(world, (numbers, walk))| work(world, numbers, walk));
+        let parts = numbers.zip(walk.par_chunks_mut(size)).enumerate();
+        parts.for_each(|(i, (numbers, walk))| one(i, numbers, walk));
     }
 }

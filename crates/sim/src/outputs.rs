@@ -111,18 +111,31 @@ impl<T: Float> Outputs<'_, T> {
     }
     /// The contacts of the last step, in an order that does not change from step to step.
     pub fn contacts(&self, world: usize) -> impl Iterator<Item = Contact> {
+        (0..self.tables.contacts).filter_map(move |row| self.contact(world, row))
+    }
+    /// The contact in a row of the table that [`contacts`](Outputs::contacts) goes through, if there is
+    /// one now.
+    pub fn contact(&self, world: usize, row: usize) -> Option<Contact> {
         let table = self.tables.contact;
-        (0..self.tables.contacts).filter_map(move |row| {
-            let distance = self.number(world, table, row, contact::DISTANCE);
-            (distance < 0.5 * collide::FAR).then(|| Contact {
-                shapes: self.touching(world, row),
-                position: self.vec3(world, table, row, contact::POSITION),
-                normal: self.vec3(world, table, row, contact::NORMAL),
-                distance,
-                force: self.vec3(world, table, row, contact::FORCE),
-                feature: self.number(world, table, row, contact::FEATURE) as u32,
-            })
+        let distance = self.number(world, table, row, contact::DISTANCE);
+        (distance < 0.5 * collide::FAR).then(|| Contact {
+            shapes: self.touching(world, row),
+            position: self.vec3(world, table, row, contact::POSITION),
+            normal: self.vec3(world, table, row, contact::NORMAL),
+            distance,
+            force: self.vec3(world, table, row, contact::FORCE),
+            feature: self.number(world, table, row, contact::FEATURE) as u32,
         })
+    }
+    /// The rows in which a contact of these shapes may stand: fewer than all where the solver has rows of
+    /// its own for each pair of shapes, as all but `impulse` have.
+    pub fn contact_rows(&self, of: impl Fn(ShapeId) -> bool) -> Vec<usize> {
+        let of_pair = |row: &usize| {
+            self.shapes
+                .get(*row)
+                .is_none_or(|pair| pair.iter().any(|s| of(*s)))
+        };
+        (0..self.tables.contacts).filter(of_pair).collect()
     }
     /// The shapes of a row of contacts.
     pub(crate) fn touching(&self, world: usize, row: usize) -> [ShapeId; 2] {
