@@ -18,6 +18,8 @@ const guide: DefaultTheme.SidebarItem[] = [
   { text: "Events", link: "/guide/events" },
   { text: "Snapshots", link: "/guide/snapshots" },
   { text: "Cameras", link: "/guide/cameras" },
+  { text: "Gymnasium", link: "/guide/gymnasium" },
+  { text: "Learning", link: "/guide/learning" },
 ];
 
 const concepts: DefaultTheme.SidebarItem[] = [

@@ -44,10 +44,8 @@ class Masses:
 
 
 def _rows(array: Array) -> Array:
-    """(worlds, bodies, numbers) → (numbers, bodies, worlds), contiguous: worlds side by side.
-
-    So numpy's loops are long.
-    """
+    """(worlds, bodies, numbers) → (numbers, bodies, worlds), contiguous: worlds side by side, for long
+    loops."""
     return np.ascontiguousarray(array.transpose(2, 1, 0))
 
 
@@ -130,4 +128,7 @@ class Bodies:
         rows = _rows(wrench)
         force, torque = rows[:3], rows[3:]
         torque -= _cross(self.center_of_all[:, None], force)
-        return np.ascontiguousarray(np.concatenate([torque, force]).transpose(2, 1, 0))
+        about = np.empty_like(wrench)
+        about[..., :3] = torque.transpose(2, 1, 0)
+        about[..., 3:] = force.transpose(2, 1, 0)
+        return about
