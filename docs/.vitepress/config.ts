@@ -20,6 +20,8 @@ const guide: DefaultTheme.SidebarItem[] = [
   { text: "Sensors", link: "/guide/sensors" },
   { text: "Snapshots", link: "/guide/snapshots" },
   { text: "Cameras", link: "/guide/cameras" },
+  { text: "Gymnasium", link: "/guide/gymnasium" },
+  { text: "Learning", link: "/guide/learning" },
 ];
 
 const concepts: DefaultTheme.SidebarItem[] = [

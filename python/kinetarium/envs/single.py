@@ -53,9 +53,10 @@ def _first(info: dict[str, Array]) -> dict[str, Any]:
 
 
 def refuse_to_render(mode: str | None) -> None:
-    """`ValueError` for any mode: there are no pictures yet."""
+    """`TypeError` for any mode: there are no pictures yet. Libraries that ask for them go on without at
+    that."""
     if mode is not None:
-        raise ValueError(
+        raise TypeError(
             f'render_mode is "{mode}": there are no pictures from Python yet; leave it out, and look at a '
             "robot's file with the program `kinetarium`"
         )

@@ -44,10 +44,8 @@ class Masses:
 
 
 def _rows(array: Array) -> Array:
-    """(worlds, bodies, numbers) → (numbers, bodies, worlds), contiguous: worlds side by side.
-
-    So numpy's loops are long.
-    """
+    """(worlds, bodies, numbers) → (numbers, bodies, worlds), contiguous: worlds side by side, for long
+    loops."""
     return np.ascontiguousarray(array.transpose(2, 1, 0))
 
 
@@ -68,9 +66,7 @@ class Bodies:
         position = _rows(state.read("body_position"))
         r, c = self.rotation, masses.center
         self.position = position
-        self.center = np.stack(
-            [position[i] + r[i][0] * c[0] + r[i][1] * c[1] + r[i][2] * c[2] for i in range(3)]
-        )
+        self.center = np.stack([position[i] + r[i][0] * c[0] + r[i][1] * c[1] + r[i][2] * c[2] for i in range(3)])
 
     @cached_property
     def rotation(self) -> list[list[Array]]:
@@ -90,9 +86,7 @@ class Bodies:
         """C [m], shape (3, worlds)."""
         share = self._masses.mass / self._masses.mass.sum()
         center = np.zeros((3, self.center.shape[2]), self.center.dtype)
-        for body, part in enumerate(
-            share
-        ):  # in this order for any number of worlds, which a sum of numpy is not
+        for body, part in enumerate(share):  # in this order for any number of worlds, which a sum of numpy is not
             center += part * self.center[:, body]
         return center
 
@@ -130,4 +124,7 @@ class Bodies:
         rows = _rows(wrench)
         force, torque = rows[:3], rows[3:]
         torque -= _cross(self.center_of_all[:, None], force)
-        return np.ascontiguousarray(np.concatenate([torque, force]).transpose(2, 1, 0))
+        about = np.empty_like(wrench)
+        about[..., :3] = torque.transpose(2, 1, 0)
+        about[..., 3:] = force.transpose(2, 1, 0)
+        return about

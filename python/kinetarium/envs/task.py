@@ -177,28 +177,28 @@ class Task(ABC):
 
     def begin(self, worlds: Array, generators: list[np.random.Generator]) -> None:
         """Draws new states for some worlds."""
-        if len(worlds) == 0:
-            return
-        position, velocity = (np.array(x) for x in zip(*map(self.draw, generators), strict=True))
-        self.set_state(position, velocity, worlds)
-
-    def set_state(self, position: Array, velocity: Array, worlds: Array | None = None) -> None:
-        """Puts some worlds, or all, into states in MuJoCo's conventions."""
-        rows = np.arange(self.worlds) if worlds is None else worlds
-        self.simulation.set_state(position[:, self.from_mujoco], velocity, worlds=rows)
-        self._turned[rows] = position[:, self._turning]
-        self._lost[rows] = False
+        self._draw(worlds, generators)
         self._look()
 
-    def act(self, action: Array) -> tuple[Array, Array, dict[str, Array]]:
+    def set_state(self, position: Array, velocity: Array) -> None:
+        """Puts all worlds into states in MuJoCo's conventions."""
+        self._set(position, velocity, np.arange(self.worlds))
+        self._look()
+
+    def act(
+        self, action: Array, begins: Array | None = None, generators: list[np.random.Generator] | None = None
+    ) -> tuple[Array, Array, dict[str, Array]]:
         """One step of all worlds: rewards, which worlds failed, and what to tell.
 
-        A world that diverged has failed, and stays at its last good state. Raises `ValueError` for actions
-        of the wrong shape or that are not finite.
+        A world that diverged has failed, and stays at its last good state. Worlds that are to begin anew do
+        that instead; their numbers mean nothing. Raises `ValueError` for actions of the wrong shape or that
+        are not finite.
         """
         self._apply(action)
         before = self._place
         self._lost[self.simulation.step(self.steps)] = True
+        if begins is not None and generators is not None:
+            self._draw(begins, generators)
         self._look()
         velocity = (self._place - before) / self.dt
         reward, failed, info = self.outcome(self.seen, action, velocity)
@@ -213,6 +213,16 @@ class Task(ABC):
             observed[:, column : column + width].reshape(part.shape)[...] = part
             column += width
         return observed
+
+    def _draw(self, worlds: Array, generators: list[np.random.Generator]) -> None:
+        if len(worlds) > 0:
+            position, velocity = zip(*map(self.draw, generators), strict=True)
+            self._set(np.array(position), np.array(velocity), worlds)
+
+    def _set(self, position: Array, velocity: Array, worlds: Array) -> None:
+        self.simulation.set_state(position[:, self.from_mujoco], velocity, worlds=worlds)
+        self._turned[worlds] = position[:, self._turning]
+        self._lost[worlds] = False
 
     def _apply(self, action: Array) -> None:
         if action.shape != (self.worlds, *self.action_space.shape):

@@ -81,7 +81,7 @@ class VectorTask(gymnasium.vector.VectorEnv[Array, Array, Array]):
         self._seed(seed, mask)
         self._begin(mask)
         info = self.task.whereabouts(self.task.seen)
-        return self.task.observe(), {} | _masked(info, mask)
+        return self.task.observe(), _masked(info, mask)
 
     def step(self, actions: Array) -> tuple[Array, Array, Array, Array, Info]:
         """One action in each world, shape (num_envs, numbers): observations, rewards, which episodes ended by
@@ -91,28 +91,15 @@ class VectorTask(gymnasium.vector.VectorEnv[Array, Array, Array]):
         """
         if not self._generators:
             raise gymnasium.error.ResetNeeded("call reset before step")
-        begins = self._ended
-        reward, failed, info = self.task.act(np.asarray(actions))
-        self._elapsed += 1
-        truncated = self._elapsed >= self._limit
-        if self.autoreset_mode is AutoresetMode.NEXT_STEP and begins.any():
-            return self._begun(begins, reward, failed, truncated, info)
+        begins = self._ended & (self.autoreset_mode is AutoresetMode.NEXT_STEP)
+        reward, failed, info = self.task.act(np.asarray(actions), *self._beginners(begins))
+        self._elapsed = np.where(begins, 0, self._elapsed + 1)
+        reward, failed = np.where(begins, 0.0, reward), failed & ~begins
+        truncated = (self._elapsed >= self._limit) & ~begins
         self._ended = failed | truncated
         if self.autoreset_mode is AutoresetMode.SAME_STEP and self._ended.any():
             return self._ended_and_begun(reward, failed, truncated, info)
-        return self.task.observe(), reward, failed, truncated, _masked(info, np.ones(self.num_envs, bool))
-
-    def _begun(
-        self, begins: Array, reward: Array, failed: Array, truncated: Array, info: Info
-    ) -> tuple[Array, Array, Array, Array, Info]:
-        """A step of which some worlds began an episode instead."""
-        self._begin(begins)
-        reward, failed, truncated = (
-            np.where(begins, 0, x).astype(x.dtype) for x in (reward, failed, truncated)
-        )
-        self._ended = failed | truncated
-        infos = _masked(info, ~begins) | self._whereabouts(info, begins)
-        return self.task.observe(), reward, failed, truncated, infos
+        return self.task.observe(), reward, failed, truncated, self._told(info, ~begins)
 
     def _ended_and_begun(
         self, reward: Array, failed: Array, truncated: Array, info: Info
@@ -123,10 +110,8 @@ class VectorTask(gymnasium.vector.VectorEnv[Array, Array, Array]):
         final = np.full(self.num_envs, None, dtype=object)
         for world in np.flatnonzero(ended):
             final[world] = last[world]
-        infos = _masked(info, ~ended)
         self._begin(ended)
-        infos |= self._whereabouts(info, ended)
-        infos |= {
+        infos = self._told(info, ~ended) | {
             "final_obs": final,
             "_final_obs": ended,
             "final_info": _masked(info, ended),
@@ -134,16 +119,18 @@ class VectorTask(gymnasium.vector.VectorEnv[Array, Array, Array]):
         }
         return self.task.observe(), reward, failed, truncated, infos
 
-    def _whereabouts(self, info: Info, begins: Array) -> Info:
-        """What is told after a reset, too: of worlds that began, as they are now."""
+    def _told(self, info: Info, stepped: Array) -> Info:
+        """What a step told of the worlds that it stepped, and where all are now."""
         now = self.task.whereabouts(self.task.seen)
-        told = {name: np.where(begins, now[name], info[name]) for name in now}
-        return _masked(told, np.ones(self.num_envs, bool))
+        return _masked(info, stepped) | _masked(now, np.ones(self.num_envs, bool))
+
+    def _beginners(self, mask: Array) -> tuple[Array, list[np.random.Generator]]:
+        worlds = np.flatnonzero(mask)
+        return worlds, [self._generators[k] for k in worlds]
 
     def _begin(self, mask: Array) -> None:
-        worlds = np.flatnonzero(mask)
-        self.task.begin(worlds, [self._generators[k] for k in worlds])
-        self._elapsed[worlds] = 0
+        self.task.begin(*self._beginners(mask))
+        self._elapsed[mask] = 0
         self._ended = self._ended & ~mask
 
     def _seed(self, seed: int | list[int | None] | None, mask: Array) -> None:

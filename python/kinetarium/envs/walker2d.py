@@ -21,9 +21,7 @@ class Walker2d(Hopper):
         healthy_angle_range: Range = (-1.0, 1.0),
         **options: Any,
     ) -> None:
-        super().__init__(
-            worlds, healthy_z_range=healthy_z_range, healthy_angle_range=healthy_angle_range, **options
-        )
+        super().__init__(worlds, healthy_z_range=healthy_z_range, healthy_angle_range=healthy_angle_range, **options)
 
     def healthy(self, seen: Seen) -> Array:
         upright = within(seen.position[:, 1], self._healthy_z_range)
