@@ -424,6 +424,12 @@ class Simulation:
         self._controls._send()
         return Linearization(**self._engine.linearize(self._world(world)))
 
+    def framing(self, world: int = 0, *, width: int = 640, height: int = 480) -> Camera:
+        """A free camera that has all bodies of a world, as they are now, in its image [pixel]."""
+        row = self._world(world)
+        (x, y, z), (i, j, k, w), angle = framing(self._engine, self._model, row, width, height)
+        return Camera(width, height, angle, position=(x, y, z), orientation=(i, j, k, w))
+
     def render(self, camera: Camera | None = None, *, worlds: ArrayLike | None = None) -> Images:
         """What a camera sees in some worlds (all by default), on the CPU, without a window.
 
@@ -433,10 +439,7 @@ class Simulation:
         rows = self._rows(worlds)
         if camera is None:
             rows = rows[:1]
-            camera = Camera(samples=2)
-            place = framing(self._engine, self._model, int(rows[0]), camera.width, camera.height)
-            (x, y, z), (i, j, k, w), angle = place
-            camera = replace(camera, position=(x, y, z), orientation=(i, j, k, w), field_of_view=angle)
+            camera = replace(self.framing(int(rows[0])), samples=2)
         view = camera._view(self._model)
         return Images(**render_view(self._engine, self._model, view, rows))
 

@@ -308,10 +308,29 @@ def test_options_are_gymnasiums():
         other = gymnasium.make("Humanoid-v5", **options)
     assert own.observation_space == other.observation_space
     assert own.unwrapped.dt == pytest.approx(other.unwrapped.dt)
-    with pytest.raises(TypeError, match="no pictures"):
-        gymnasium.make("kinetarium/Hopper-v0", render_mode="rgb_array")
+    with pytest.raises(ValueError, match="rgb_array"):
+        kinetarium.envs.SingleTask("kinetarium.envs.hopper:Hopper", render_mode="human")
     with pytest.raises(FileNotFoundError, match="no file"):
         gymnasium.make("kinetarium/Hopper-v0", xml_file="centipede.xml")
+
+
+def test_pictures_go_along_with_the_robot():
+    env = gymnasium.make("kinetarium/Hopper-v0", render_mode="rgb_array")
+    env.reset(seed=0)
+    first = env.render()
+    assert first.shape == (480, 480, 3) and first.dtype == np.uint8 and first.std() > 5
+    task = env.unwrapped.task
+    q = task.seen.position.copy()
+    q[:, 0] += 3.0  # [m] along its way: the robot stays in the image, at the same place
+    task.set_state(q, task.seen.velocity)
+    moved = env.render()
+    robot = np.abs(first.astype(int) - first[0, 0]).sum(axis=2) > 150
+    again = np.abs(moved.astype(int) - moved[0, 0]).sum(axis=2) > 150
+    assert robot.sum() > 2000 and (robot & again).sum() > 0.9 * robot.sum()
+    vectors = gymnasium.make_vec("kinetarium/Reacher-v0", num_envs=2, render_mode="rgb_array")
+    vectors.reset(seed=0)
+    assert [picture.shape for picture in vectors.render()] == [(480, 480, 3)] * 2
+    vectors.close()
 
 
 def test_an_id_brings_its_module():

@@ -9,6 +9,8 @@ import numpy as np
 
 from kinetarium.envs.task import Array, Task, make_task
 
+RENDER_MODES = ["rgb_array"]
+
 
 class SingleTask(gymnasium.Env[Array, Array]):
     """A task with one world: what `gymnasium.make("kinetarium/…")` gives, within its wrappers.
@@ -16,13 +18,15 @@ class SingleTask(gymnasium.Env[Array, Array]):
     `task` is a class derived from `Task`, or its name "module:Class"; other keywords are the task's options.
     """
 
+    metadata = {"render_modes": RENDER_MODES}  # noqa: RUF012 — as Gymnasium declares it
+
     def __init__(self, task: str | type[Task], *, render_mode: str | None = None, **options: Any) -> None:
-        refuse_to_render(render_mode)
+        check_render_mode(render_mode)
         self.task = make_task(task, 1, **options)
-        self.metadata = {"render_modes": [], "render_fps": round(1 / self.task.dt)}
+        self.metadata = {"render_modes": RENDER_MODES, "render_fps": round(1 / self.task.dt)}
         self.observation_space = self.task.observation_space
         self.action_space = self.task.action_space
-        self.render_mode = None
+        self.render_mode = render_mode
 
     @property
     def dt(self) -> float:
@@ -43,6 +47,11 @@ class SingleTask(gymnasium.Env[Array, Array]):
         reward, failed, info = self.task.act(np.asarray(action)[None])
         return self.task.observe()[0], float(reward[0]), bool(failed[0]), False, _first(info)
 
+    def render(self) -> Array | None:  # type: ignore[override]
+        """Colours, uint8 of shape (480, 480, 3), from a camera that goes along with the robot; `None` without
+        `render_mode`."""
+        return self.task.picture(0) if self.render_mode == "rgb_array" else None
+
     def close(self) -> None:
         """Frees the world."""
         self.task.simulation.close()
@@ -52,11 +61,7 @@ def _first(info: dict[str, Array]) -> dict[str, Any]:
     return {name: values[0] for name, values in info.items()}
 
 
-def refuse_to_render(mode: str | None) -> None:
-    """`TypeError` for any mode: there are no pictures yet. Libraries that ask for them go on without at
-    that."""
-    if mode is not None:
-        raise TypeError(
-            f'render_mode is "{mode}": there are no pictures from Python yet; leave it out, and look at a '
-            "robot's file with the program `kinetarium`"
-        )
+def check_render_mode(mode: str | None) -> None:
+    """`ValueError` for a mode that there is not."""
+    if mode is not None and mode not in RENDER_MODES:
+        raise ValueError(f'render_mode is "{mode}": it must be "rgb_array", or be left out')

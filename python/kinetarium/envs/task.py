@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import importlib.util
 from abc import ABC, abstractmethod
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
@@ -138,6 +139,7 @@ class Task(ABC):
         self._turning = [model.coordinate_names.index(name) for name in self.turning]
         self._turned = np.zeros((worlds, len(self._turning)))
         self._lost = np.zeros(worlds, bool)
+        self._camera: tuple[kn.Camera, Array] | None = None
         self._look()
         width = sum(part[0].size for part in self.observation(self.seen))
         self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (width,), np.float64)
@@ -213,6 +215,18 @@ class Task(ABC):
             observed[:, column : column + width].reshape(part.shape)[...] = part
             column += width
         return observed
+
+    def picture(self, world: int, size: int = 480) -> Array:
+        """Colours of a world, uint8 of shape (size, size, 3), from a camera that goes along with the robot."""
+        middle = self.simulation.state.body_position[world].mean(axis=0)
+        if self._camera is None:
+            framed = self.simulation.framing(world, width=size, height=size)
+            self._camera = framed, np.subtract(framed.position, middle)
+        camera, arm = self._camera
+        x, y, z = (float(number) for number in middle + arm)
+        images = self.simulation.render(replace(camera, position=(x, y, z)), worlds=[world])
+        picture: Array = images.rgb[0] if images.rgb is not None else np.zeros((size, size, 3), np.uint8)
+        return picture
 
     def _draw(self, worlds: Array, generators: list[np.random.Generator]) -> None:
         if len(worlds) > 0:

@@ -10,7 +10,7 @@ from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 
-from kinetarium.envs.single import refuse_to_render
+from kinetarium.envs.single import RENDER_MODES, check_render_mode
 from kinetarium.envs.task import Array, Task, make_task
 
 Info = dict[str, Any]
@@ -36,6 +36,8 @@ class VectorTask(gymnasium.vector.VectorEnv[Array, Array, Array]):
     as `gymnasium.vector.SyncVectorEnv` does: it does the same whatever the number of worlds.
     """
 
+    metadata = {"render_modes": RENDER_MODES}  # noqa: RUF012 — as Gymnasium declares it
+
     def __init__(
         self,
         task: str | type[Task],
@@ -46,12 +48,13 @@ class VectorTask(gymnasium.vector.VectorEnv[Array, Array, Array]):
         render_mode: str | None = None,
         **options: Any,
     ) -> None:
-        refuse_to_render(render_mode)
+        check_render_mode(render_mode)
+        self.render_mode = render_mode
         self.task = make_task(task, num_envs, **options)
         self.num_envs = num_envs
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.metadata = {
-            "render_modes": [],
+            "render_modes": RENDER_MODES,
             "render_fps": round(1 / self.task.dt),
             "autoreset_mode": self.autoreset_mode,
         }
@@ -148,6 +151,13 @@ class VectorTask(gymnasium.vector.VectorEnv[Array, Array, Array]):
         self._generators = [
             seeding.np_random(seeds[k])[0] if new[k] else self._generators[k] for k in range(self.num_envs)
         ]
+
+    def render(self) -> tuple[Array, ...] | None:
+        """Colours of each world, uint8 of shape (480, 480, 3), from cameras that go along with the robots; `None`
+        without `render_mode`."""
+        if self.render_mode is None:
+            return None
+        return tuple(self.task.picture(world) for world in range(self.num_envs))
 
     def close_extras(self, **kwargs: Any) -> None:
         """Frees the worlds."""
