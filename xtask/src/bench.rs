@@ -78,10 +78,18 @@ pub enum Group {
     Cameras,
     /// The page in Chromium, drawing in software.
     Page,
+    /// The Python package, beside Gymnasium's own environments.
+    Python,
 }
 
 impl Group {
-    pub const ALL: [Self; 4] = [Self::Robots, Self::Piles, Self::Cameras, Self::Page];
+    pub const ALL: [Self; 5] = [
+        Self::Robots,
+        Self::Piles,
+        Self::Cameras,
+        Self::Page,
+        Self::Python,
+    ];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
@@ -90,6 +98,7 @@ impl Group {
             Self::Piles => "piles",
             Self::Cameras => "cameras",
             Self::Page => "page",
+            Self::Python => "python",
         }
     }
     /// Where its tables begin in the report.
@@ -108,6 +117,7 @@ pub fn run(workshop: &Workshop, groups: &[Group], repetitions: usize) -> Result<
             Group::Piles => format!("{}\n{}", machine(workshop)?, piles(workshop)?),
             Group::Cameras => format!("{}\n{}\n", machine(workshop)?, cameras(workshop)?),
             Group::Page => format!("{}\n{}\n", machine(workshop)?, page(workshop)?),
+            Group::Python => format!("{}\n{}\n", machine(workshop)?, python(workshop)?),
         };
         println!("\n{tables}");
         let report = workshop.sh.read_file(REPORT)?;
@@ -280,6 +290,15 @@ fn page(workshop: &Workshop) -> Result<String> {
     let lines = cmd!(sh, "npm run --silent bench").read()?;
     let lines = lines.lines().filter(|line| line.contains(':'));
     Ok(lines.map(|line| format!("- {line}\n")).collect())
+}
+
+/// How fast Python gets going, and the environments.
+fn python(workshop: &Workshop) -> Result<String> {
+    let sh = &workshop.sh;
+    let python = workshop.python_with_package()?;
+    let start = cmd!(sh, "{python} benches/peers/python_start.py").read()?;
+    let steps = cmd!(sh, "{python} benches/peers/python_bench.py").read()?;
+    Ok(format!("{start}\n\n{steps}\n"))
 }
 
 /// Median world-steps per second, and the error where the case has one.

@@ -223,12 +223,7 @@ fn docs(workshop: &Workshop) -> Result<()> {
 /// The package as users install it, from the folder of this repository.
 fn python(workshop: &Workshop) -> Result<()> {
     let sh = &workshop.sh;
-    let python = workshop.peers_python()?;
-    cmd!(
-        sh,
-        "{python} -m pip install --quiet --disable-pip-version-check --force-reinstall --no-deps ."
-    )
-    .run()?;
+    let python = workshop.python_with_package()?;
     cmd!(sh, "{python} -m pytest --quiet python/tests").run()?;
     cmd!(
         sh,

@@ -83,6 +83,18 @@ impl Workshop {
         Ok(python)
     }
 
+    /// The same Python with the package of this repository, as users install it.
+    pub fn python_with_package(&self) -> Result<PathBuf> {
+        let python = self.peers_python()?;
+        let quietly = ["--quiet", "--disable-pip-version-check"];
+        cmd!(
+            self.sh,
+            "{python} -m pip install {quietly...} --force-reinstall --no-deps ."
+        )
+        .run()?;
+        Ok(python)
+    }
+
     /// Writes MuJoCo's reference dynamics, one JSON file a model, and, in folders of their own, its
     /// falls, its derivatives of a step and its sensors; returns the folder of all.
     pub fn write_peers(&self) -> Result<PathBuf> {

@@ -230,6 +230,7 @@ impl Shape {
 
 /// A shape, or a geometry that stands for a shape of the default material.
 #[derive(FromPyObject)]
+#[expect(clippy::large_enum_variant, reason = "an argument, unpacked at once")]
 pub enum AnyShape {
     Shape(Shape),
     Geometry(Geometry),
