@@ -26,6 +26,7 @@ from kinetarium._engine import (
     Replica,
     Shape,
     Softness,
+    __version__,
     load,
     parse,
 )
@@ -34,8 +35,6 @@ from kinetarium.cameras import Camera, Images
 from kinetarium.errors import KinetariumError
 from kinetarium.simulation import Contacts, Event, Linearization, RayHits, Simulation
 from kinetarium.view import View
-
-__version__ = "0.1.0"
 
 __all__ = [
     "Axis",

@@ -10,6 +10,8 @@ from typing_extensions import Self, Unpack
 
 from kinetarium.types import Frame, JointOptions, Meshes, Place, Vector
 
+__version__: str
+
 __all__ = [
     "Axis",
     "Body",

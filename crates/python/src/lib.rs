@@ -21,6 +21,8 @@ use pyo3::prelude::*;
 
 #[pymodule]
 mod _engine {
+    use super::*;
+
     #[pymodule_export]
     use crate::builder::{Body, Builder, Joint, Object, Replica};
     #[pymodule_export]
@@ -42,4 +44,9 @@ mod _engine {
     use crate::simulation::Engine;
     #[pymodule_export]
     use crate::viewer::{Viewer, run_program, show};
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
 }

@@ -10,6 +10,7 @@ use kinetarium::sensors::{Axes, Level, Mount, Noise, Sensor, SensorError, Sensor
 use numpy::{PyArrayDyn, PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
+use std::sync::{Mutex, MutexGuard};
 
 fn failed(error: SensorError) -> PyErr {
     let class = match error {
@@ -152,9 +153,18 @@ enum Precision {
 }
 
 /// The sensors of one simulation.
-#[pyclass(module = "kinetarium._engine")]
+#[pyclass(frozen, module = "kinetarium._engine")]
 pub struct SensorArray {
-    sensors: Precision,
+    sensors: Mutex<Precision>,
+}
+
+impl SensorArray {
+    fn lock(&self) -> PyResult<MutexGuard<'_, Precision>> {
+        self.sensors.try_lock().map_err(|_| {
+            let message = "another thread is using these sensors: one call at a time";
+            error::raise("BusyError", message.into())
+        })
+    }
 }
 
 /// A level of noise for all numbers of a reading, or for each.
@@ -216,16 +226,18 @@ impl SensorArray {
                 Ok(Precision::Double(made))
             }
         })?;
-        Ok(Self { sensors })
+        Ok(Self {
+            sensors: Mutex::new(sensors),
+        })
     }
     /// Advances the simulation and misses no sample; the worlds that diverged meanwhile.
     fn step(
-        &mut self,
+        &self,
         py: Python<'_>,
         engine: &Bound<'_, Engine>,
         steps: usize,
     ) -> PyResult<Vec<usize>> {
-        let sensors = &mut self.sensors;
+        let sensors = &mut *self.lock()?;
         engine.get().attempt(py, |s| {
             let diverged = match (s, sensors) {
                 (Precise::Single(s), Precision::Single(own)) => own.step(&mut s.change(), steps),
@@ -237,8 +249,8 @@ impl SensorArray {
         })
     }
     /// Samples what is due now, as after a reset.
-    fn update(&mut self, py: Python<'_>, engine: &Bound<'_, Engine>) -> PyResult<()> {
-        let sensors = &mut self.sensors;
+    fn update(&self, py: Python<'_>, engine: &Bound<'_, Engine>) -> PyResult<()> {
+        let sensors = &mut *self.lock()?;
         engine.get().attempt(py, |s| match (s, sensors) {
             (Precise::Single(s), Precision::Single(own)) => {
                 own.update(&mut s.read()).map_err(failed)
@@ -262,7 +274,7 @@ impl SensorArray {
         ) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
             numbers.to_pyarray(py).reshape(shape.to_vec())
         }
-        match &self.sensors {
+        match &*self.lock()? {
             Precision::Single(own) => {
                 let reading = own.reading(name).map_err(failed)?;
                 let numbers = shaped(py, reading.numbers, reading.shape)?;
@@ -281,7 +293,8 @@ impl SensorArray {
         py: Python<'py>,
         name: &str,
     ) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyAny>)> {
-        let (made, time) = match &self.sensors {
+        let own = self.lock()?;
+        let (made, time) = match &*own {
             Precision::Single(own) => {
                 let reading = own.images(name).map_err(failed)?;
                 (reading.images, reading.time)
@@ -294,16 +307,16 @@ impl SensorArray {
         Ok((images(py, made)?, time.to_pyarray(py).into_any()))
     }
     /// What the sensors carry along, beside a snapshot of their simulation.
-    fn save<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
-        let bytes = match &self.sensors {
+    fn save<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = match &*self.lock()? {
             Precision::Single(own) => own.save(),
             Precision::Double(own) => own.save(),
         };
-        PyBytes::new(py, &bytes)
+        Ok(PyBytes::new(py, &bytes))
     }
     /// Puts back what `save` gave.
-    fn restore(&mut self, bytes: &[u8]) -> PyResult<()> {
-        match &mut self.sensors {
+    fn restore(&self, bytes: &[u8]) -> PyResult<()> {
+        match &mut *self.lock()? {
             Precision::Single(own) => own.restore(bytes),
             Precision::Double(own) => own.restore(bytes),
         }
