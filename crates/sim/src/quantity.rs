@@ -3,7 +3,7 @@
 use crate::error::{MOST_FORCE, MOST_MOTION, SimulationError, bounded, length};
 use crate::simulation::Reported;
 use crate::{Controls, Outputs};
-use model::{Model, Shape};
+use model::{BodyId, Model, Shape};
 use numbers::{Float, Table};
 use rigid::{OutputTables, body, contact, reaction, total};
 
@@ -139,29 +139,40 @@ impl<T: Float> Outputs<'_, T> {
             let block = self.memory.block(first / width);
             let lanes = width.min(self.worlds() - first);
             for row in 0..self.tables.contacts {
-                let distances = &block[table.at(row, contact::DISTANCE) * width..][..lanes];
+                let fields = &block[table.at(row, 0) * width..][..contact::WIDTH * width];
+                let distances = &fields[contact::DISTANCE * width..][..lanes];
+                // A sum of bits, not a search, so that it takes a register at a time.
+                if distances.iter().map(|x| u32::from(*x < far)).sum::<u32>() == 0 {
+                    continue;
+                }
                 for (lane, _) in distances.iter().enumerate().filter(|(_, x)| **x < far) {
                     let world = first + lane;
+                    let ends = self.touching(world, row).map(|shape| shapes[shape.0].body);
                     let sums = &mut out[world * bodies * WRENCH..][..bodies * WRENCH];
-                    self.add_contact(shapes, world, row, sums);
+                    add_contact(ends, |field| fields[field * width + lane], sums);
                 }
             }
         }
     }
-    /// Adds the force f and the torque x × f of a contact, that on the first shape with the other sign.
-    fn add_contact(&self, shapes: &[Shape], world: usize, row: usize, sums: &mut [T]) {
-        let number = |field| self.memory.get(world, self.tables.contact.at(row, field));
-        let [fx, fy, fz] = [0, 1, 2].map(|i| number(contact::FORCE + i));
-        let [x, y, z] = [0, 1, 2].map(|i| number(contact::POSITION + i));
-        let torque = [y * fz - z * fy, z * fx - x * fz, x * fy - y * fx];
-        let wrench = [fx, fy, fz].into_iter().chain(torque);
-        let ends = self.touching(world, row);
-        for (shape, sign) in ends.into_iter().zip([-T::one(), T::one()]) {
-            if let Some(body) = shapes[shape.0].body {
-                let row = &mut sums[body.0 * WRENCH..][..WRENCH];
-                for (sum, x) in row.iter_mut().zip(wrench.clone()) {
-                    *sum += sign * x;
-                }
+}
+
+/// Adds the force f and the torque x × f of a contact to those of two bodies, of the first with the other sign.
+fn add_contact<T: Float>(ends: [Option<BodyId>; 2], number: impl Fn(usize) -> T, sums: &mut [T]) {
+    let [fx, fy, fz] = [0, 1, 2].map(|i| number(contact::FORCE + i));
+    let [x, y, z] = [0, 1, 2].map(|i| number(contact::POSITION + i));
+    let wrench = [
+        fx,
+        fy,
+        fz,
+        y * fz - z * fy,
+        z * fx - x * fz,
+        x * fy - y * fx,
+    ];
+    for (body, sign) in ends.into_iter().zip([-T::one(), T::one()]) {
+        if let Some(body) = body {
+            let row = &mut sums[body.0 * WRENCH..][..WRENCH];
+            for (sum, x) in row.iter_mut().zip(wrench) {
+                *sum += sign * x;
             }
         }
     }

@@ -95,7 +95,7 @@ fn two_boxes() -> Model {
         let body = boxes.body(name).shape(cube).mass(MASS).handle();
         let y = 0.1 + 0.2 * i as f64;
         boxes
-            .free(&format!("{name} float"), body)
+            .free(format!("{name} float"), body)
             .initial(&[0.3, y, 0.2, 0.0, 0.0, 0.0, 1.0]);
     }
     world.build().unwrap()
