@@ -1,0 +1,160 @@
+//! Tables of all worlds at once are what is told of each world; parameters of one world are its own.
+
+use kinetarium_sim::{
+    Control, Parameter, Quantity, Simulation, SimulationError, SimulationSettings, SolverKind,
+};
+use model::{BodyId, JointId, Model, ModelError, examples};
+
+const WORLDS: usize = 19;
+const SOLVERS: [SolverKind; 3] = [
+    SolverKind::Featherstone,
+    SolverKind::Xpbd,
+    SolverKind::Impulse,
+];
+
+/// Worlds that differ by the velocity of a joint, after some steps.
+fn simulation(model: &Model, solver: SolverKind) -> Simulation<f32> {
+    let settings = SimulationSettings {
+        solver,
+        ..SimulationSettings::new(WORLDS, 0.002)
+    };
+    let mut sim = Simulation::new(model.clone(), settings).unwrap();
+    let dofs = model.degrees_of_freedom();
+    for world in 0..WORLDS {
+        let mut velocity = vec![0.0; dofs];
+        velocity[0] = 0.1 * world as f64;
+        sim.set_joint_state(world, &model.initial_position(), &velocity)
+            .unwrap();
+    }
+    sim.step(5);
+    sim
+}
+
+fn read(sim: &mut Simulation<f32>, quantity: Quantity) -> Vec<Vec<f32>> {
+    let [rows, width] = quantity.shape(sim.model());
+    let mut out = vec![f32::NAN; WORLDS * rows * width];
+    sim.read(quantity, &mut out).unwrap();
+    out.chunks(rows * width).map(<[f32]>::to_vec).collect()
+}
+
+#[test]
+fn quantities_are_what_is_told_of_each_world() {
+    let model = examples::n_pendula(3).unwrap();
+    for solver in SOLVERS {
+        let mut sim = simulation(&model, solver);
+        let single = |x: Vec<f64>| x.into_iter().map(|x| x as f32).collect::<Vec<_>>();
+        // Motion first: it is reported by itself.
+        let positions = read(&mut sim, Quantity::JointPosition);
+        let bodies = read(&mut sim, Quantity::BodyPosition);
+        let forces = read(&mut sim, Quantity::ReactionForce);
+        let orientations = read(&mut sim, Quantity::BodyOrientation);
+        let energies = read(&mut sim, Quantity::KineticEnergy);
+        let accelerations = read(&mut sim, Quantity::JointAcceleration);
+        let outputs = sim.outputs();
+        for world in 0..WORLDS {
+            assert_eq!(positions[world], single(outputs.joint_position(world)));
+            assert_eq!(
+                accelerations[world],
+                single(outputs.joint_acceleration(world))
+            );
+            assert_eq!(energies[world], [outputs.kinetic_energy(world) as f32]);
+            for b in 0..3 {
+                let (at, turn) = (&bodies[world][3 * b..], &orientations[world][4 * b..]);
+                let pose = outputs.body_pose(world, BodyId(b));
+                assert_eq!(at[..3], pose.position.as_vec3().to_array());
+                assert_eq!(turn[..4], pose.orientation.as_quat().to_array());
+            }
+            for j in 0..3 {
+                let force = outputs.reaction(world, JointId(j)).0.as_vec3();
+                assert_eq!(forces[world][3 * j..][..3], force.to_array());
+            }
+        }
+        assert_ne!(bodies[0], bodies[1]);
+    }
+}
+
+#[test]
+fn controls_are_written_as_they_are_read() {
+    let model = examples::n_pendula(3).unwrap();
+    let mut sim = simulation(&model, SolverKind::Featherstone);
+    let force: Vec<f32> = (0..3 * WORLDS).map(|i| i as f32).collect();
+    let mut controls = sim.controls();
+    assert_eq!(controls.count(Control::Force), 3);
+    assert_eq!(controls.count(Control::Actuator), 0);
+    controls.write(Control::Force, &force).unwrap();
+    let mut found = vec![0.0; force.len()];
+    controls.read(Control::Force, &mut found).unwrap();
+    assert_eq!(found, force);
+    assert_eq!(controls.of_world(7).unwrap()[..3], [21.0, 22.0, 23.0]);
+    let mut wrong = force.clone();
+    wrong[3 * 11 + 1] = f32::NAN;
+    let error = controls.write(Control::Force, &wrong).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "world 11: force[1] is NaN: it must be a finite number"
+    );
+    wrong[3 * 11 + 1] = 1e10;
+    assert!(controls.write(Control::TargetPosition, &wrong).is_err());
+    assert!(controls.write(Control::Force, &force[1..]).is_err());
+    controls.read(Control::Force, &mut found).unwrap();
+    assert_eq!(found, force, "what is refused changes nothing");
+}
+
+#[test]
+fn parameters_are_a_worlds_own() {
+    let model = examples::n_pendula(3).unwrap();
+    let mut sim = simulation(&model, SolverKind::Featherstone);
+    let mut twin = simulation(&model, SolverKind::Featherstone);
+    let masses = Parameter::BodyMass.of(&model);
+    let heavy: Vec<f64> = masses.iter().map(|m| 2.0 * m).collect();
+    let moon = [0.0, -1.62, 0.0];
+    sim.set_parameters(
+        4,
+        &[(Parameter::BodyMass, &heavy), (Parameter::Gravity, &moon)],
+    )
+    .unwrap();
+    assert_eq!(Parameter::BodyMass.of(sim.world_model(4)), heavy);
+    assert_eq!(Parameter::Gravity.of(sim.world_model(4)), moon);
+    assert_eq!(Parameter::BodyMass.of(sim.world_model(5)), masses);
+    sim.step(50);
+    twin.step(50);
+    let (own, shared) = (
+        read(&mut sim, Quantity::JointPosition),
+        read(&mut twin, Quantity::JointPosition),
+    );
+    assert_ne!(own[4], shared[4]);
+    assert_eq!(own[5], shared[5]);
+
+    let refused = sim.set_parameters(4, &[(Parameter::BodyMass, &[-1.0; 3])]);
+    let negative = SimulationError::Model(ModelError::NotPositive {
+        what: "body \"link0\"".into(),
+        quantity: "mass [kg]",
+        value: -1.0,
+    });
+    assert_eq!(refused.unwrap_err().to_string(), negative.to_string());
+    assert!(
+        sim.set_parameters(4, &[(Parameter::Gravity, &[1.0])])
+            .is_err()
+    );
+    assert!(sim.set_parameters(WORLDS, &[]).is_err());
+    assert_eq!(Parameter::BodyMass.of(sim.world_model(4)), heavy);
+}
+
+#[test]
+fn joints_are_moved_within_time_and_controls() {
+    let model = examples::n_pendula(3).unwrap();
+    for solver in SOLVERS {
+        let mut sim = simulation(&model, solver);
+        sim.controls().set_dof_force(3, 1, 2.0).unwrap();
+        let time = sim.time(3);
+        sim.move_joints(3, &[0.1, 0.2, 0.3], &[1.0, 0.0, -1.0])
+            .unwrap();
+        assert_eq!(sim.time(3), time);
+        assert_eq!(sim.controls().of_world(3).unwrap()[1], 2.0);
+        for (found, set) in sim.outputs().joint_position(3).iter().zip([0.1, 0.2, 0.3]) {
+            assert!((found - set).abs() < 1e-6);
+        }
+        assert!(sim.move_joints(3, &[f64::NAN; 3], &[0.0; 3]).is_err());
+        assert!(sim.move_joints(WORLDS, &[0.0; 3], &[0.0; 3]).is_err());
+    }
+}
