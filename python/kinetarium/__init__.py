@@ -60,6 +60,7 @@ __all__ = [
     "Simulation",
     "Softness",
     "View",
+    "__version__",
     "errors",
     "examples",
     "load",
