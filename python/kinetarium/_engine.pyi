@@ -13,6 +13,7 @@ from kinetarium.types import Frame, JointOptions, Meshes, Place, Vector
 __version__: str
 
 __all__ = [
+    "__version__",
     "Axis",
     "Body",
     "Builder",
