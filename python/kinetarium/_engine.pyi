@@ -13,7 +13,6 @@ from kinetarium.types import Frame, JointOptions, Meshes, Place, Vector
 __version__: str
 
 __all__ = [
-    "__version__",
     "Axis",
     "Body",
     "Builder",
@@ -32,6 +31,7 @@ __all__ = [
     "Softness",
     "View",
     "Viewer",
+    "__version__",
     "arch",
     "ball_joint",
     "balls",
