@@ -161,47 +161,17 @@ fn read_only<E: std::fmt::Display>(why: E) -> PyErr {
     )
 }
 
-#[expect(clippy::too_many_arguments, reason = "keywords in Python")]
-fn settings(
-    worlds: usize,
-    time_step: f64,
-    solver: SolverKind,
-    substeps: usize,
-    iterations: usize,
-    integrator: &str,
-    contacts: bool,
-    contact_passes: usize,
-    contact_iterations: usize,
-    speed_limit: f64,
-    sleep_speed: f64,
-    threads: usize,
-) -> PyResult<SimulationSettings> {
-    let refuse = |message| error::raise("SimulationError", message);
-    let integrator = match integrator {
+fn integrator(name: &str) -> PyResult<Integrator> {
+    Ok(match name {
         "semi_implicit_euler" => Integrator::SemiImplicitEuler,
         "explicit_euler" => Integrator::ExplicitEuler,
         "verlet" => Integrator::Verlet,
         "runge_kutta_4" => Integrator::RungeKutta4,
         other => {
             let known = "known are semi_implicit_euler, explicit_euler, verlet, runge_kutta_4";
-            return Err(refuse(format!("unknown integrator \"{other}\"; {known}")));
+            let message = format!("unknown integrator \"{other}\"; {known}");
+            return Err(error::raise("SimulationError", message));
         }
-    };
-    Ok(SimulationSettings {
-        solver,
-        contacts,
-        threads,
-        step: Settings {
-            substeps,
-            iterations,
-            integrator,
-            contact_passes,
-            contact_iterations,
-            speed_limit,
-            sleep_speed,
-            ..Settings::new(time_step)
-        },
-        ..SimulationSettings::new(worlds, time_step)
     })
 }
 
@@ -229,24 +199,25 @@ impl Engine {
         double: bool,
     ) -> PyResult<Self> {
         let model = model.get().model.clone();
-        let kind: SolverKind = solver
+        let solver: SolverKind = solver
             .parse()
             .map_err(|e| error::raise("SimulationError", e))?;
-        let substeps = substeps.unwrap_or_else(|| kind.usual_substeps(&model, contacts));
-        let settings = settings(
-            worlds,
-            time_step,
-            kind,
-            substeps,
-            iterations,
-            integrator,
+        let settings = SimulationSettings {
+            solver,
             contacts,
-            contact_passes,
-            contact_iterations,
-            speed_limit,
-            sleep_speed,
             threads,
-        )?;
+            step: Settings {
+                substeps: substeps.unwrap_or_else(|| solver.usual_substeps(&model, contacts)),
+                iterations,
+                integrator: self::integrator(integrator)?,
+                contact_passes,
+                contact_iterations,
+                speed_limit,
+                sleep_speed,
+                ..Settings::new(time_step)
+            },
+            ..SimulationSettings::new(worlds, time_step)
+        };
         let make = || {
             Ok(if double {
                 Precise::Double(Shared::new(Simulation::new(model, settings)?))

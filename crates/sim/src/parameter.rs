@@ -1,9 +1,10 @@
 //! Numbers of the model that may differ from world to world, by name.
 
 use crate::Simulation;
-use crate::error::{SimulationError, length};
+use crate::error::{SimulationError, index, length};
 use model::{Dof, Joint, Model, Parts};
 use numbers::Float;
+use std::sync::Arc;
 
 /// A number of every body, shape, degree of freedom or actuator that a world may have for itself: a row for
 /// each, of [`width`](Parameter::width) numbers.
@@ -127,7 +128,7 @@ impl<T: Float> Simulation<T> {
         world: usize,
         parameters: &[(Parameter, &[f64])],
     ) -> Result<(), SimulationError> {
-        crate::error::index("world", world, self.worlds())?;
+        index("world", world, self.worlds())?;
         let mut parts = (***self.world_model(world)).clone();
         for (parameter, numbers) in parameters {
             let places = parameter.places(&mut parts);
@@ -136,6 +137,6 @@ impl<T: Float> Simulation<T> {
                 *place = *x;
             }
         }
-        self.set_world_model(world, &Model::new(parts)?)
+        self.give_model(world, Arc::new(Model::new(parts)?))
     }
 }

@@ -230,7 +230,8 @@ impl<T: Float> Simulation<T> {
         self.time[world]
     }
     /// How often a world was set, reset or restored since the simulation was made: where this number is
-    /// the same, the world has only been stepped meanwhile.
+    /// the same, its time has only gone on meanwhile, by steps. [Moving joints](Simulation::move_joints) does not
+    /// count.
     ///
     /// Panics where the world does not exist, as an array would.
     pub fn begun(&self, world: usize) -> u64 {
@@ -379,8 +380,16 @@ impl<T: Float> Simulation<T> {
     /// # Errors
     /// A world that does not exist; a model of another structure.
     pub fn set_world_model(&mut self, world: usize, model: &Model) -> Result<(), SimulationError> {
+        self.give_model(world, Arc::new(model.clone()))
+    }
+
+    pub(crate) fn give_model(
+        &mut self,
+        world: usize,
+        model: Arc<Model>,
+    ) -> Result<(), SimulationError> {
         index("world", world, self.worlds())?;
-        let own = Compiled::<T>::new(model, &self.settings)?;
+        let own = Compiled::<T>::new(&model, &self.settings)?;
         if own.fingerprint() != self.shared.fingerprint() {
             return Err(SimulationError::Structure { world });
         }
@@ -397,7 +406,6 @@ impl<T: Float> Simulation<T> {
         }
         let mut state = numbers_of(&self.state, world, 0..own.state.len());
         own.engine.take_over(&bodies, &mut state);
-        let model = Arc::new(model.clone());
         let own = Own {
             model,
             compiled: own,
