@@ -26,6 +26,10 @@ _QUANTITIES: dict[str, tuple[str | None, int]] = {
     "reaction_force": ("joint_names", 3),
     "reaction_torque": ("joint_names", 3),
     "contact_wrench": ("body_names", 6),
+    "center_of_mass": (None, 3),
+    "spatial_inertia": ("body_names", 10),
+    "spatial_velocity": ("body_names", 6),
+    "spatial_contact_force": ("body_names", 6),
     "kinetic_energy": (None, 0),
     "potential_energy": (None, 0),
     "momentum": (None, 3),
@@ -175,6 +179,35 @@ class State:
         """Forces [N] and torques about the world's origin [N·m] of the contacts of the last step on the bodies, world
         axes, shape (worlds, bodies, 6): force, then torque. Zero before the first step."""
         return self._get("contact_wrench")
+
+    @property
+    def center_of_mass(self) -> NamedArray:
+        """Centres of mass of all bodies that are not static [m], world axes, shape (worlds, 3)."""
+        return self._get("center_of_mass")
+
+    @property
+    def spatial_inertia(self) -> NamedArray:
+        """Inertias of the bodies about the centre of mass C of their tree, along the world's axes, shape (worlds,
+        bodies, 10): Ixx, Iyy, Izz, Ixy, Ixz, Iyz [kg·m²], m (c − C) [kg·m], m [kg], with the body's own centre c.
+        MuJoCo's `cinert`.
+
+        A tree is all that joints carry from one body on that hangs on the world or on a static body. Static bodies
+        have no mass, here.
+        """
+        return self._get("spatial_inertia")
+
+    @property
+    def spatial_velocity(self) -> NamedArray:
+        """Angular velocities of the bodies [rad/s] and the velocities [m/s] that they have at the centre of mass of
+        their tree, world axes, shape (worlds, bodies, 6). MuJoCo's `cvel`."""
+        return self._get("spatial_velocity")
+
+    @property
+    def spatial_contact_force(self) -> NamedArray:
+        """Torques [N·m] about the centre of mass of their tree and forces [N] of the contacts of the last step on the
+        bodies, world axes, shape (worlds, bodies, 6): torque, then force. MuJoCo's `cfrc_ext`, as far as contacts
+        go."""
+        return self._get("spatial_contact_force")
 
     @property
     def kinetic_energy(self) -> NamedArray:

@@ -81,22 +81,25 @@ impl<T: Float> Memory<T> {
         let i = self.position(world, offset);
         self.scalars_mut()[i] = x;
     }
-    /// The numbers at these offsets of every world, world after world: `out[world][offset]`.
+    /// The numbers at these offsets of worlds from the first on, world after world: `out[world − first][offset]`,
+    /// of as many as `out` has room for.
     ///
-    /// Panics where `out` has another length than worlds times offsets.
-    pub fn gather(&self, offsets: &[usize], out: &mut [T]) {
-        assert_eq!(out.len(), self.worlds * offsets.len());
+    /// Panics where `out` has room for no whole number of worlds, or for more than there are.
+    pub fn gather(&self, first: usize, offsets: &[usize], out: &mut [T]) {
         if offsets.is_empty() {
             return;
         }
-        for (world, row) in out.chunks_exact_mut(offsets.len()).enumerate() {
+        assert_eq!(out.len() % offsets.len(), 0);
+        assert!(first + out.len() / offsets.len() <= self.worlds);
+        for (i, row) in out.chunks_exact_mut(offsets.len()).enumerate() {
+            let world = first + i;
             let (block, lane) = (self.block(world / self.width), world % self.width);
             for (x, offset) in row.iter_mut().zip(offsets) {
                 *x = block[offset * self.width + lane];
             }
         }
     }
-    /// Sets what [`gather`](Memory::gather) gives.
+    /// Sets what [`gather`](Memory::gather) gives of all worlds.
     ///
     /// Panics where `numbers` has another length than worlds times offsets.
     pub fn scatter(&mut self, offsets: &[usize], numbers: &[T]) {
@@ -133,8 +136,12 @@ mod tests {
             let numbers: Vec<_> = (0..worlds * 3).map(|i| 1.0 + i as f32).collect();
             memory.scatter(&offsets, &numbers);
             let mut found = vec![0.0; numbers.len()];
-            memory.gather(&offsets, &mut found);
+            memory.gather(0, &offsets, &mut found);
             assert_eq!(found, numbers);
+            memory.gather(worlds / 2, &offsets, &mut found[worlds / 2 * 3..]);
+            assert_eq!(found, numbers);
+            memory.gather(worlds - 1, &offsets, &mut found[..3]);
+            assert_eq!(found[..3], numbers[(worlds - 1) * 3..]);
             for world in 0..worlds {
                 assert_eq!(memory.get(world, 6), numbers[3 * world]);
                 assert_eq!(memory.get(world, 2), numbers[3 * world + 2]);

@@ -22,6 +22,7 @@ mod rays;
 mod settings;
 mod simulation;
 mod snapshot;
+mod spatial;
 mod threads;
 
 pub use controller::{Controller, Recorder, Recording, Replay};

@@ -1,10 +1,12 @@
 //! Tables of all worlds at once, as plain arrays: what is reported, and what a controller sets.
 
 use crate::error::{MOST_FORCE, MOST_MOTION, SimulationError, bounded, length};
-use crate::simulation::Reported;
-use crate::{Controls, Outputs};
+use crate::simulation::{RUNS_PER_THREAD, Reported};
+use crate::spatial::{Spatial, Trees};
+use crate::{Controls, Outputs, Simulation};
 use model::{BodyId, Model, Shape};
 use numbers::{Float, Table};
+use rayon::prelude::*;
 use rigid::{OutputTables, body, contact, reaction, total};
 
 /// A reported quantity of every world, as [`Simulation::read`](crate::Simulation::read) copies it.
@@ -32,6 +34,22 @@ pub enum Quantity {
     /// Force [N] and torque [N·m] about the world's origin of the contacts of the last step on each body, world
     /// axes: a row of 6 for each body, zero before the first step.
     ContactWrench,
+    /// Centre of mass [m] of all dynamic bodies, world axes, one row of 3; the origin where there are none.
+    CenterOfMass,
+    /// Inertia of each body about the centre of mass C of its tree, along the world's axes: a row of 10 for each
+    /// body, Ixx, Iyy, Izz, Ixy, Ixz, Iyz [kg·m²], m (c − C) [kg·m], m [kg], with the body's own centre c. MuJoCo's
+    /// `cinert`.
+    ///
+    /// A tree is all that joints carry from one body on that hangs on the world or on a static body. Static bodies
+    /// have no mass, here.
+    SpatialInertia,
+    /// Angular velocity [rad/s] of each body and the velocity [m/s] that it has at the centre of mass of its tree,
+    /// world axes: a row of 6 for each body. MuJoCo's `cvel`.
+    SpatialVelocity,
+    /// Torque [N·m] about the centre of mass of its tree and force [N] of the contacts of the last step on each
+    /// body, world axes: a row of 6 for each body, zero before the first step. MuJoCo's `cfrc_ext`, as far as
+    /// contacts go.
+    SpatialContactForce,
     /// Kinetic energy [J], one row.
     KineticEnergy,
     /// Potential energy [J] of weight and passive springs, one row.
@@ -70,12 +88,28 @@ impl Rows {
     }
 }
 
+/// Where a quantity comes from.
+#[derive(Clone, Copy, Debug)]
+enum Source {
+    /// It lies in the output.
+    Output(Rows),
+    /// Contacts, summed for each body.
+    Contacts,
+    /// The same, about the centre of mass of the body's tree.
+    SpatialContacts,
+    /// The bodies' motion and masses.
+    Spatial(Spatial),
+}
+
 impl Quantity {
     /// Rows of it in each world, and numbers in each row.
     pub fn shape(self, model: &Model) -> [usize; 2] {
-        match self.rows(&OutputTables::new(model), model) {
-            Some(rows) => [rows.count, rows.width],
-            None => [model.bodies.len(), WRENCH],
+        let bodies = model.bodies.len();
+        match self.source(&OutputTables::new(model), model) {
+            Source::Output(rows) => [rows.count, rows.width],
+            Source::Contacts | Source::SpatialContacts => [bodies, WRENCH],
+            Source::Spatial(Spatial::Center) => [1, Spatial::Center.width()],
+            Source::Spatial(of_body) => [bodies, of_body.width()],
         }
     }
     /// How much of the output has to be of the present state.
@@ -85,17 +119,19 @@ impl Quantity {
             | Self::BodyOrientation
             | Self::BodyVelocity
             | Self::BodyAngularVelocity
+            | Self::CenterOfMass
+            | Self::SpatialInertia
+            | Self::SpatialVelocity
             | Self::JointPosition
             | Self::JointVelocity => Reported::Motion,
-            Self::ContactWrench => Reported::Contacts,
+            Self::ContactWrench | Self::SpatialContactForce => Reported::Contacts,
             _ => Reported::Everything,
         }
     }
-    /// Where it lies in the output; nowhere, if it is summed as it is read.
-    fn rows(self, t: &OutputTables, model: &Model) -> Option<Rows> {
+    fn source(self, t: &OutputTables, model: &Model) -> Source {
         let (bodies, joints) = (model.bodies.len(), model.joints.len());
         let (coordinates, dofs) = (model.coordinates(), model.degrees_of_freedom());
-        Some(match self {
+        Source::Output(match self {
             Self::BodyPosition => Rows::of(t.body, bodies, body::POSITION, 3),
             Self::BodyOrientation => Rows::of(t.body, bodies, body::ORIENTATION, 4),
             Self::BodyVelocity => Rows::of(t.body, bodies, body::VELOCITY, 3),
@@ -105,39 +141,88 @@ impl Quantity {
             Self::JointAcceleration => Rows::of(t.acceleration, dofs, 0, 1),
             Self::ReactionForce => Rows::of(t.reaction, joints, reaction::FORCE, 3),
             Self::ReactionTorque => Rows::of(t.reaction, joints, reaction::TORQUE, 3),
-            Self::ContactWrench => return None,
             Self::KineticEnergy => Rows::of(t.total, 1, total::KINETIC, 1),
             Self::PotentialEnergy => Rows::of(t.total, 1, total::POTENTIAL, 1),
             Self::Momentum => Rows::of(t.total, 1, total::MOMENTUM, 3),
             Self::AngularMomentum => Rows::of(t.total, 1, total::ANGULAR_MOMENTUM, 3),
+            Self::ContactWrench => return Source::Contacts,
+            Self::SpatialContactForce => return Source::SpatialContacts,
+            Self::CenterOfMass => return Source::Spatial(Spatial::Center),
+            Self::SpatialInertia => return Source::Spatial(Spatial::Inertia),
+            Self::SpatialVelocity => return Source::Spatial(Spatial::Velocity),
         })
     }
 }
 
-impl<T: Float> Outputs<'_, T> {
-    /// Copies a quantity of all worlds of a model: `out[world][row][number]`.
-    pub(crate) fn read(
-        &self,
-        model: &Model,
-        quantity: Quantity,
-        out: &mut [T],
-    ) -> Result<(), SimulationError> {
-        let [rows, width] = quantity.shape(model);
+/// Numbers from which on threads share the copying: fewer are copied sooner than threads wake.
+const SHARED: usize = 1 << 15;
+
+impl<T: Float> Simulation<T> {
+    /// Copies a quantity of what was last reported: `out[world][row][number]`.
+    pub(crate) fn copy(&self, quantity: Quantity, out: &mut [T]) -> Result<(), SimulationError> {
+        let [rows, width] = quantity.shape(self.model());
+        let (blocks, lanes) = (self.output.blocks(), self.output.width());
         length("the array", out.len(), self.worlds() * rows * width)?;
-        match quantity.rows(self.tables, model) {
-            Some(rows) => self.memory.gather(&rows.offsets(), out),
-            None => self.sum_contacts(&model.shapes, rows, out),
+        let source = quantity.source(&self.output_tables, self.model());
+        if out.len() < SHARED || blocks == 1 {
+            self.copy_from(source, 0, out);
+            return Ok(());
         }
+        let run = lanes * blocks.div_ceil(self.threads() * RUNS_PER_THREAD);
+        let parts = out.par_chunks_mut(run * rows * width).enumerate();
+        self.threads
+            .run(|| parts.for_each(|(part, out)| self.copy_from(source, part * run, out)));
         Ok(())
     }
-    /// What all contacts do to the bodies of both shapes.
-    fn sum_contacts(&self, shapes: &[Shape], bodies: usize, out: &mut [T]) {
+    /// The same of the worlds from the first of a block on, of as many as there is room for.
+    fn copy_from(&self, source: Source, first: usize, out: &mut [T]) {
+        let bodies = self.model().bodies.len();
+        match source {
+            Source::Output(rows) => self.output.gather(first, &rows.offsets(), out),
+            Source::Contacts => {
+                self.last_reported()
+                    .sum_contacts(&self.model().shapes, bodies, first, out);
+            }
+            Source::SpatialContacts => {
+                self.copy_from(Source::Contacts, first, out);
+                let mut centers = vec![T::zero(); out.len() / WRENCH * 3];
+                let trees = Trees::of_each_body(self.model());
+                self.work_out(Spatial::Center, &trees, first, &mut centers);
+                for (row, center) in out.chunks_exact_mut(WRENCH).zip(centers.chunks_exact(3)) {
+                    about(center, row);
+                }
+            }
+            Source::Spatial(Spatial::Center) => {
+                self.work_out(Spatial::Center, &Trees::one(self.model()), first, out);
+            }
+            Source::Spatial(of_body) => {
+                self.work_out(of_body, &Trees::of_each_body(self.model()), first, out);
+            }
+        }
+    }
+}
+
+/// From a force f and a torque t about the world's origin to the torque t − C × f about C, and f.
+fn about<T: Float>(center: &[T], row: &mut [T]) {
+    let (force, torque) = row.split_at_mut(3);
+    let [x, y, z] = [center[0], center[1], center[2]];
+    let [fx, fy, fz] = [force[0], force[1], force[2]];
+    torque[0] -= y * fz - z * fy;
+    torque[1] -= z * fx - x * fz;
+    torque[2] -= x * fy - y * fx;
+    force.swap_with_slice(torque);
+}
+
+impl<T: Float> Outputs<'_, T> {
+    /// What all contacts do to the bodies of both shapes, in the worlds from the first of a block on.
+    fn sum_contacts(&self, shapes: &[Shape], bodies: usize, first: usize, out: &mut [T]) {
         out.fill(T::zero());
         let (table, width) = (self.tables.contact, self.memory.width());
         let far = T::from_f64(0.5 * collide::FAR);
-        for first in (0..self.worlds()).step_by(width) {
-            let block = self.memory.block(first / width);
-            let lanes = width.min(self.worlds() - first);
+        for (i, out) in out.chunks_mut(width * bodies * WRENCH).enumerate() {
+            let start = first + i * width;
+            let block = self.memory.block(start / width);
+            let lanes = out.len() / (bodies * WRENCH);
             for row in 0..self.tables.contacts {
                 let fields = &block[table.at(row, 0) * width..][..contact::WIDTH * width];
                 let distances = &fields[contact::DISTANCE * width..][..lanes];
@@ -146,9 +231,9 @@ impl<T: Float> Outputs<'_, T> {
                     continue;
                 }
                 for (lane, _) in distances.iter().enumerate().filter(|(_, x)| **x < far) {
-                    let world = first + lane;
-                    let ends = self.touching(world, row).map(|shape| shapes[shape.0].body);
-                    let sums = &mut out[world * bodies * WRENCH..][..bodies * WRENCH];
+                    let ends = self.touching(start + lane, row);
+                    let ends = ends.map(|shape| shapes[shape.0].body);
+                    let sums = &mut out[lane * bodies * WRENCH..][..bodies * WRENCH];
                     add_contact(ends, |field| fields[field * width + lane], sums);
                 }
             }
@@ -221,7 +306,7 @@ impl<T: Float> Controls<'_, T> {
     pub fn read(&self, control: Control, out: &mut [T]) -> Result<(), SimulationError> {
         let offsets = self.offsets(control);
         length("the array", out.len(), self.worlds() * offsets.len())?;
-        self.memory.gather(&offsets, out);
+        self.memory.gather(0, &offsets, out);
         Ok(())
     }
     /// Sets these in all worlds: `numbers[world][row]`.

@@ -45,7 +45,7 @@ pub struct Simulation<T: Float> {
     model: Arc<Model>,
     settings: SimulationSettings,
     pub(crate) shared: Compiled<T>,
-    isa: Isa,
+    pub(crate) isa: Isa,
     pub(crate) threads: Threads,
     pub(crate) state: Memory<T>,
     pub(crate) input: Memory<T>,
@@ -277,6 +277,10 @@ impl<T: Float> Simulation<T> {
         assert!(world < self.worlds(), "world {world} of {}", self.worlds());
         self.own.get(&world).map_or(&self.model, |own| &own.model)
     }
+    /// Whether any world has a model of its own.
+    pub(crate) fn has_own_models(&self) -> bool {
+        !self.own.is_empty()
+    }
     /// The shapes of a world, in the order of its model.
     pub(crate) fn shapes(&self, world: usize) -> &[Shape] {
         &self.world_model(world).shapes
@@ -496,15 +500,15 @@ impl<T: Float> Simulation<T> {
         self.report(Reported::Everything)
     }
 
-    /// Copies a quantity of all worlds at the present state, `out[world][row][number]`; see
-    /// [`Quantity::shape`]. What tells where bodies and joints are, how they move, and what touches them takes a
+    /// Copies a quantity of all worlds at the present state, `out[world][row][number]`, in the threads of the
+    /// simulation; see [`Quantity::shape`]. What tells where bodies and joints are, how they move, and what touches them takes a
     /// fraction of the time that all [`outputs`](Simulation::outputs) take.
     ///
     /// # Errors
     /// An array of the wrong length.
     pub fn read(&mut self, quantity: Quantity, out: &mut [T]) -> Result<(), SimulationError> {
-        let model = self.model.clone();
-        self.report(quantity.needs()).read(&model, quantity, out)
+        self.report(quantity.needs());
+        self.copy(quantity, out)
     }
 
     /// The outputs, of which at least what is needed is of the present state.
@@ -517,6 +521,11 @@ impl<T: Float> Simulation<T> {
             });
             self.reported = needed;
         }
+        self.last_reported()
+    }
+
+    /// The outputs as they were last reported.
+    pub(crate) fn last_reported(&self) -> Outputs<'_, T> {
         Outputs {
             memory: &self.output,
             tables: &self.output_tables,
@@ -528,12 +537,7 @@ impl<T: Float> Simulation<T> {
     /// simulation: what rayon shares out among threads meanwhile is theirs.
     pub fn observe<R: Send>(&mut self, look: impl FnOnce(&Self, &Outputs<'_, T>) -> R + Send) -> R {
         self.outputs();
-        let outputs = Outputs {
-            memory: &self.output,
-            tables: &self.output_tables,
-            shapes: self.shared.engine.contact_shapes(),
-        };
-        self.threads.run(|| look(self, &outputs))
+        self.threads.run(|| look(self, &self.last_reported()))
     }
 
     /// The whole state of all worlds, to the bit.
@@ -619,7 +623,7 @@ impl<T: Float> Simulation<T> {
 }
 
 /// Runs of blocks per thread: enough to share the load evenly, few enough to keep scratch warm.
-const RUNS_PER_THREAD: usize = 4;
+pub(crate) const RUNS_PER_THREAD: usize = 4;
 
 /// Consecutive blocks of one memory.
 type Blocks<'a, T> = std::slice::ChunksExactMut<'a, T>;

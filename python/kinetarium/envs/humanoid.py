@@ -40,9 +40,9 @@ class HumanoidTask(Task):
     def observation(self, seen: Seen) -> list[Array]:
         parts = [seen.position[:, self._hidden :], seen.velocity]
         if self._include_cinert:
-            parts.append(seen.bodies.inertia())
+            parts.append(seen.spatial_inertia)
         if self._include_cvel:
-            parts.append(seen.bodies.velocity())
+            parts.append(seen.spatial_velocity)
         if self._include_qfrc_actuator:
             parts.append(self.actuator_force(seen))
         if self._include_cfrc_ext:
@@ -95,7 +95,7 @@ class Humanoid(HumanoidTask):
         super().__init__(worlds, **options)
 
     def place(self, seen: Seen) -> Array:
-        return seen.bodies.center_of_all[:2].T.astype(np.float64)
+        return seen.center_of_mass[:, :2].astype(np.float64)
 
     def whereabouts(self, seen: Seen) -> dict[str, Array]:
         x, y = seen.position[:, :2].T

@@ -14,7 +14,6 @@ import gymnasium
 import numpy as np
 
 import kinetarium as kn
-from kinetarium.envs import spatial
 from kinetarium.simulation import Integrator
 
 Array = np.ndarray[Any, np.dtype[Any]]
@@ -31,6 +30,20 @@ def model_file(name: str) -> Path:
     if not shipped.exists():
         raise FileNotFoundError(f'there is no file "{name}", neither here nor at {shipped.parent}')
     return shipped
+
+
+def coordinate_orders(model: kn.Model) -> tuple[Array, Array]:
+    """Which of kinetarium's coordinates each of MuJoCo's is, and the other way round.
+
+    They differ in quaternions: w is first in MuJoCo's, last in kinetarium's.
+    """
+    order = np.arange(model.coordinates)
+    for name in model.joint_names:
+        _, end = model.joint_coordinates(name)
+        kind = model.joint_kinds[model.joint(name)]
+        if kind in ("free", "ball"):
+            order[end - 4 : end] = [end - 1, end - 4, end - 3, end - 2]
+    return order, np.argsort(order)
 
 
 class Seen:
@@ -59,15 +72,25 @@ class Seen:
         return self._state.read("body_position")
 
     @cached_property
-    def bodies(self) -> spatial.Bodies:
-        """The bodies about the centre of mass of all of them."""
-        return spatial.Bodies(self._task.masses, self._state)
+    def center_of_mass(self) -> Array:
+        """Centre of mass of all bodies [m], shape (worlds, 3)."""
+        return self._state.read("center_of_mass")
+
+    @cached_property
+    def spatial_inertia(self) -> Array:
+        """`cinert` but for the world's row, shape (worlds, bodies, 10)."""
+        return self._state.read("spatial_inertia")
+
+    @cached_property
+    def spatial_velocity(self) -> Array:
+        """`cvel` but for the world's row, shape (worlds, bodies, 6)."""
+        return self._state.read("spatial_velocity")
 
     @cached_property
     def contact_force(self) -> Array:
-        """`cfrc_ext` but for the world's row: torque about the centre of mass of all bodies and force [N·m,
-        N] of the contacts of the last step on each body, world axes, shape (worlds, bodies, 6)."""
-        return self.bodies.about_center(self._state.read("contact_wrench"))
+        """`cfrc_ext` but for the world's row: torque about the centre of mass of its tree and force [N·m, N] of
+        the contacts of the last step on each body, world axes, shape (worlds, bodies, 6)."""
+        return self._state.read("spatial_contact_force")
 
     @cached_property
     def motor_force(self) -> Array:
@@ -129,9 +152,8 @@ class Task(ABC):
         self.model = model
         self.steps = self.frame_skip if frame_skip is None else frame_skip
         self.dt = model.time_step * self.steps
-        self.to_mujoco, self.from_mujoco = spatial.coordinate_orders(model)
+        self.to_mujoco, self.from_mujoco = coordinate_orders(model)
         self.init_position = np.asarray(model.initial_position)[self.to_mujoco]
-        self.masses = spatial.Masses(model, self.simulation.dtype)
         self.gear = (model.parameter("gear") * model.parameter("gain")).ravel()
         low, high = np.asarray(model.control_range).T
         self._range = low.astype(self.simulation.dtype), high.astype(self.simulation.dtype)
