@@ -69,6 +69,8 @@ class Sensor(ABC):
     """Samples a second; none: every step."""
     noise: Noise = field(default_factory=Noise, kw_only=True)
     """What is added to the truth."""
+    cutoff: float | None = field(default=None, kw_only=True)
+    """Readings are kept within ± this, noise included; none: of any size."""
 
     @abstractmethod
     def _measurement(self, model: Model) -> Measurement: ...
@@ -103,6 +105,16 @@ class JointEffort(Sensor):
 
     def _measurement(self, model: Model) -> Measurement:
         return Measurement.joint_effort(model, _listed(self.joints))
+
+
+@dataclass(frozen=True)
+class ActuatorForce(Sensor):
+    """Forces of actuators before their gears [N or N·m], shape (worlds, actuators); of all by default."""
+
+    actuators: Sequence[str] | None = None
+
+    def _measurement(self, model: Model) -> Measurement:
+        return Measurement.actuator_force(model, _listed(self.actuators))
 
 
 def _listed(names: Sequence[str] | None) -> list[str] | None:
@@ -172,7 +184,8 @@ class FramePose(_Mounted):
     relative_to: str | None = field(default=None, kw_only=True)
 
     def _measurement(self, model: Model) -> Measurement:
-        return Measurement.frame_pose(model, self._place(), self.relative_to)
+        reference = (self.relative_to, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+        return Measurement.frame_pose(model, self._place(), reference)
 
 
 @dataclass(frozen=True)
@@ -183,6 +196,17 @@ class FrameVelocity(_Mounted):
 
     def _measurement(self, model: Model) -> Measurement:
         return Measurement.frame_velocity(model, self._place(), self.axes)
+
+
+@dataclass(frozen=True)
+class CenterOfMass(Sensor):
+    """Centre of mass of a body and all that joints carry from it on, or of all bodies [m], world axes, shape (worlds,
+    3). Static bodies have no mass."""
+
+    body: str | None = None
+
+    def _measurement(self, model: Model) -> Measurement:
+        return Measurement.center_of_mass(model, self.body)
 
 
 @dataclass(frozen=True)
@@ -221,6 +245,32 @@ class Camera(Sensor):
 
     def _measurement(self, model: Model) -> Measurement:
         return Measurement.camera(self.camera._view(model))
+
+
+@dataclass(frozen=True)
+class Described(Sensor):
+    """A sensor that the model's file describes, by its name there, which is its own by default; see `from_model`."""
+
+    source: str | None = None
+
+    def _measurement(self, model: Model) -> Measurement:
+        return Measurement.described(model, self.source or self.name)
+
+
+def from_model(model: Model) -> list[Sensor]:
+    """The sensors that the model's file describes (MJCF's `<sensor>`), with their rates, cutoffs and noise:
+
+        model = kn.load("robot.xml")
+        sim = kn.Simulation(model, worlds=64, sensors=kn.sensors.from_model(model))
+
+    They are as others: to be left out, changed by `dataclasses.replace`, and given beside others. Readings are
+    MuJoCo's `sensordata`, but for the order of quaternions, x, y, z, w; for rangefinders that meet nothing, which
+    read their cutoff, or infinity; and for noise, which MuJoCo does not add.
+    """
+    return [
+        Described(name, rate=rate, noise=Noise(deviation=noise), cutoff=cutoff)
+        for name, rate, noise, cutoff in model.sensors
+    ]
 
 
 @dataclass(frozen=True)
@@ -268,7 +318,7 @@ class Sensors(Mapping[str, "np.ndarray | Images"]):
         noise = sensor.noise
         levels = [noise.deviation, noise.bias, noise.walk, noise.step]
         levels = [float(x) if np.ndim(x) == 0 else [float(v) for v in x] for x in levels]  # type: ignore
-        return sensor.name, sensor._measurement(model), sensor.rate, levels
+        return sensor.name, sensor._measurement(model), sensor.rate, sensor.cutoff, levels
 
     def _sample(self, simulation: Simulation, sensor: Custom) -> None:
         reading = np.array(sensor.measure(simulation))

@@ -55,6 +55,7 @@ fn describe(loaded: &Loaded) -> String {
     line("gravity", format!("{} m/s²", model.gravity));
     line("time step", format!("{} s", model.time_step));
     line("actuators", model.actuators.len().to_string());
+    line("sensors", model.sensors.len().to_string());
     line(
         "keyframes",
         if keyframes.is_empty() {

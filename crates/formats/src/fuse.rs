@@ -46,6 +46,11 @@ impl Fusion {
         Ok(Self { into })
     }
 
+    /// Whether a body is taken up by another.
+    pub fn takes_up(&self, body: BodyId) -> bool {
+        self.into[body.0] != body.0
+    }
+
     /// Carries the plan out.
     pub fn apply(&self, parts: &mut Parts) {
         if self.into.iter().enumerate().all(|(i, into)| i == *into) {
@@ -86,6 +91,17 @@ impl Fusion {
             }
             joint.child_frame = placed[joint.child.0] * joint.child_frame;
             joint.child.0 = self.into[joint.child.0];
+        }
+        for sensor in &mut parts.sensors {
+            for mount in sensor.measurand.mounts_mut() {
+                if let Some(body) = &mut mount.body {
+                    mount.pose = placed[body.0] * mount.pose;
+                    body.0 = self.into[body.0];
+                }
+            }
+            if let Some(body) = sensor.measurand.body_mut() {
+                body.0 = self.into[body.0];
+            }
         }
         for (other, body) in &mut parts.exclusions {
             *other = other.map(|id| BodyId(self.into[id.0]));
@@ -131,6 +147,17 @@ impl Fusion {
         }
         for actuator in &mut parts.actuators {
             actuator.joint = to_joint(actuator.joint);
+        }
+        for sensor in &mut parts.sensors {
+            for mount in sensor.measurand.mounts_mut() {
+                mount.body = mount.body.map(to_body);
+            }
+            if let Some(body) = sensor.measurand.body_mut() {
+                *body = to_body(*body);
+            }
+            if let Some(joint) = sensor.measurand.joint_mut() {
+                *joint = to_joint(*joint);
+            }
         }
     }
 }

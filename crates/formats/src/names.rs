@@ -5,15 +5,15 @@ use std::collections::HashSet;
 
 /// Names that are taken.
 #[derive(Default)]
-struct Taken(HashSet<String>);
+pub(crate) struct Taken(HashSet<String>);
 
 impl Taken {
-    fn by<'a>(names: impl Iterator<Item = &'a String>) -> Self {
+    pub fn by<'a>(names: impl Iterator<Item = &'a String>) -> Self {
         Self(names.filter(|name| !name.is_empty()).cloned().collect())
     }
 
     /// Fills an empty name with `wish`, with a number behind it where that is taken.
-    fn fill(&mut self, name: &mut String, wish: &str) {
+    pub fn fill(&mut self, name: &mut String, wish: &str) {
         if name.is_empty() {
             let numbered = (2..).map(|i| format!("{wish}_{i}"));
             let mut wishes = std::iter::once(wish.to_owned()).chain(numbered);

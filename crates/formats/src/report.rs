@@ -44,6 +44,10 @@ impl Report {
         }
     }
 
+    pub fn is_lenient(&self) -> bool {
+        self.lenient
+    }
+
     /// Notes that `what` of an element is left out, the first time that this kind of thing is met.
     pub fn note(&mut self, element: &Element, what: &str, meaning: &str) {
         self.note_at(&element.place, element, what, meaning);

@@ -53,7 +53,7 @@ fn unused_things_are_listed_once_with_their_first_line() {
             "robot.xml:4: <light>: lights: only for seeing; not read",
             "robot.xml:6: <camera>: cameras: only for seeing; not read",
             "robot.xml:7: <joint>: attribute `solimpfriction`: dry friction is not softened",
-            "robot.xml:10: <sensor>: sensors: not read",
+            "robot.xml:10: <clock>: sensors of this kind: not read",
         ]
     );
 }

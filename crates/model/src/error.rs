@@ -162,6 +162,16 @@ pub enum ModelError {
         /// Rows there are.
         count: usize,
     },
+    /// A sensor is of a joint of another kind than it can measure.
+    #[error(
+        "sensor \"{sensor}\": joint \"{joint}\" has not what it measures; orientations and angular velocities are of ball joints, forces and torques of all but free ones"
+    )]
+    SensorJoint {
+        /// The sensor.
+        sensor: String,
+        /// The joint.
+        joint: String,
+    },
     /// An inertia matrix is not symmetric.
     #[error(
         "body \"{body}\": its inertia matrix is not symmetric (entries differ by {difference}); write equal products of inertia on both sides"

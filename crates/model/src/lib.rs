@@ -24,6 +24,7 @@ mod material;
 mod mesh;
 mod model;
 mod pose;
+mod sensor;
 mod shape;
 
 pub use actuator::Actuator;
@@ -42,6 +43,7 @@ pub use keyframe::Keyframe;
 pub use mass::MassProperties;
 pub use material::{Combine, Material, Softness};
 pub use mesh::{DistanceFieldError, HeightFieldError, MeshError, TriangleMesh};
-pub use model::{Model, Parts, UpAxis};
+pub use model::{Model, Parts, UpAxis, similar_name};
 pub use pose::Pose;
+pub use sensor::{Axes, Measurand, Mount, Sensor};
 pub use shape::{Geometry, Shape, ShapeId};

@@ -9,13 +9,14 @@ mod validate;
 use crate::contact_pair::key;
 use crate::{
     Actuator, Body, BodyId, BodyKind, ContactPair, Coupling, Joint, JointId, JointKind, Keyframe,
-    Material, ModelError, Shape, ShapeId,
+    Material, ModelError, Sensor, Shape, ShapeId,
 };
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
 pub(crate) use check::Subject;
+pub use lookup::similar_name;
 pub(crate) use validate::MOST_ROWS;
 
 /// Which axis points up.
@@ -64,6 +65,8 @@ pub struct Parts {
     pub couplings: Vec<Coupling>,
     /// Control inputs.
     pub actuators: Vec<Actuator>,
+    /// What the robot's file says of its sensors.
+    pub sensors: Vec<Sensor>,
     /// Named states.
     pub keyframes: Vec<Keyframe>,
     /// Number of worlds the author asks for.
@@ -85,6 +88,7 @@ impl Default for Parts {
             contact_pairs: Vec::new(),
             couplings: Vec::new(),
             actuators: Vec::new(),
+            sensors: Vec::new(),
             keyframes: Vec::new(),
             worlds: 1,
         }

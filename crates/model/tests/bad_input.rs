@@ -3,8 +3,8 @@
 use glam::{DMat3, DQuat, DVec3};
 use kinetarium_model::{
     Actuator, Axis, Body, BodyId, BodyKind, Builder, ContactPair, Coupling, Drive, Geometry, Joint,
-    JointId, JointKind, Keyframe, Limit, Material, Model, ModelError, Parts, Pose, Shape, ShapeId,
-    Softness, examples,
+    JointId, JointKind, Keyframe, Limit, Material, Measurand, Model, ModelError, Mount, Parts,
+    Pose, Sensor, Shape, ShapeId, Softness, examples,
 };
 
 /// A base, two links on a hinge and a slider, a loop to close, and one of everything else.
@@ -1059,4 +1059,80 @@ fn poses_with_nan_are_invalid() {
     assert!(Pose::IDENTITY.is_valid());
     assert!(!Pose::at(DVec3::new(0.0, f64::NAN, 0.0)).is_valid());
     assert!(!Pose::new(DVec3::ZERO, DQuat::from_xyzw(0.0, 0.0, 0.0, 1.1)).is_valid());
+}
+
+#[test]
+fn sensors() {
+    fn sensor(parts: &mut Parts, measurand: Measurand) -> &mut Sensor {
+        parts.sensors.push(Sensor::new("eye", measurand));
+        &mut parts.sensors[0]
+    }
+    const MOUNT: Mount = Mount {
+        body: Some(BodyId(1)),
+        pose: Pose::IDENTITY,
+    };
+    const FALL: Measurand = Measurand::Acceleration { mount: MOUNT };
+    const JOINT: JointId = JointId(0);
+    let mut parts = sound();
+    sensor(&mut parts, FALL);
+    Model::new(parts).unwrap();
+    refuses(&[
+        (
+            |p| {
+                sensor(p, FALL);
+                sensor(p, FALL);
+            },
+            "two of kind sensor are named \"eye\"; rename one",
+        ),
+        (
+            |p| sensor(p, FALL).noise = -1.0,
+            "sensor \"eye\": noise is -1; it must not be negative",
+        ),
+        (
+            |p| sensor(p, FALL).rate = Some(0.0),
+            "sensor \"eye\": rate [Hz] is 0; it must be above zero",
+        ),
+        (
+            |p| sensor(p, FALL).cutoff = Some(f64::NAN),
+            "sensor \"eye\": cutoff is NaN; give a finite number",
+        ),
+        (
+            |p| {
+                let body = Some(BodyId(7));
+                sensor(p, Measurand::CenterOfMass { body });
+            },
+            "sensor \"eye\": its body is number 7, but the model has 3, numbered from 0; use a number below 3",
+        ),
+        (
+            |p| {
+                let mount = Mount::on(BodyId(7));
+                sensor(p, Measurand::Distance { mount });
+            },
+            "sensor \"eye\": its body is number 7, but the model has 3, numbered from 0; use a number below 3",
+        ),
+        (
+            |p| {
+                sensor(p, Measurand::ActuatorForce { actuator: 1 });
+            },
+            "sensor \"eye\": its actuator is number 1, but the model has 1, numbered from 0; use a number below 1",
+        ),
+        (
+            |p| {
+                sensor(
+                    p,
+                    Measurand::JointPosition {
+                        joint: JOINT,
+                        axis: 1,
+                    },
+                );
+            },
+            "sensor \"eye\": its axis is number 1, but the model has 1, numbered from 0; use a number below 1",
+        ),
+        (
+            |p| {
+                sensor(p, Measurand::BallVelocity { joint: JOINT });
+            },
+            "sensor \"eye\": joint \"hinge\" has not what it measures; orientations and angular velocities are of ball joints, forces and torques of all but free ones",
+        ),
+    ]);
 }

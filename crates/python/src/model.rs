@@ -41,6 +41,9 @@ impl From<Loaded> for Model {
     }
 }
 
+/// Name, rate, noise, cutoff.
+type Described = (String, Option<f64>, f64, Option<f64>);
+
 fn options(lenient: bool, meshes: &str, floating_base: bool) -> PyResult<Options> {
     let meshes = match meshes {
         "named" => Meshes::Named,
@@ -211,6 +214,15 @@ impl Model {
         names(self.model.actuators.iter().map(|a| &a.name))
     }
     /// Names of the keyframes.
+    /// Of each sensor that the file describes: name, samples a second (none: at every step), standard deviation of
+    /// its noise, and cutoff, if any. `kinetarium.sensors.from_model` makes sensors of them.
+    #[getter]
+    fn sensors(&self) -> Vec<Described> {
+        let sensors = self.model.sensors.iter();
+        sensors
+            .map(|s| (s.name.clone(), s.rate, s.noise, s.cutoff))
+            .collect()
+    }
     #[getter]
     fn keyframe_names(&self) -> Vec<String> {
         names(self.model.keyframes.iter().map(|k| &k.name))

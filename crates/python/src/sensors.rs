@@ -10,6 +10,7 @@ use kinetarium::sensors::{Axes, Level, Mount, Noise, Sensor, SensorError, Sensor
 use numpy::{PyArrayDyn, PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
+use std::ops::Range;
 use std::sync::{Mutex, MutexGuard};
 
 fn failed(error: SensorError) -> PyErr {
@@ -23,7 +24,17 @@ fn failed(error: SensorError) -> PyErr {
 /// What a sensor measures, of a model whose names it was given.
 #[pyclass(frozen, from_py_object, module = "kinetarium._engine")]
 #[derive(Clone)]
-pub struct Measurement(SensorKind);
+pub struct Measurement {
+    kind: SensorKind,
+    /// Which of its numbers are told, if not all.
+    part: Option<Range<usize>>,
+}
+
+impl From<SensorKind> for Measurement {
+    fn from(kind: SensorKind) -> Self {
+        Self { kind, part: None }
+    }
+}
 
 /// Rows of joints by name; all that have coordinates where no names are given.
 fn joints(model: &model::Model, names: Option<Vec<String>>) -> PyResult<Vec<JointId>> {
@@ -66,22 +77,56 @@ impl Measurement {
     #[staticmethod]
     fn joint_position(model: &Bound<'_, Model>, names: Option<Vec<String>>) -> PyResult<Self> {
         let joints = joints(&model.get().model, names)?;
-        Ok(Self(SensorKind::JointPosition { joints }))
+        Ok(SensorKind::JointPosition { joints }.into())
     }
     #[staticmethod]
     fn joint_velocity(model: &Bound<'_, Model>, names: Option<Vec<String>>) -> PyResult<Self> {
         let joints = joints(&model.get().model, names)?;
-        Ok(Self(SensorKind::JointVelocity { joints }))
+        Ok(SensorKind::JointVelocity { joints }.into())
     }
     #[staticmethod]
     fn joint_effort(model: &Bound<'_, Model>, names: Option<Vec<String>>) -> PyResult<Self> {
         let joints = joints(&model.get().model, names)?;
-        Ok(Self(SensorKind::JointEffort { joints }))
+        Ok(SensorKind::JointEffort { joints }.into())
+    }
+    #[staticmethod]
+    fn actuator_force(model: &Bound<'_, Model>, names: Option<Vec<String>>) -> PyResult<Self> {
+        let model = &model.get().model;
+        let actuator = |name: &String| model.actuator(name).map_err(error::model);
+        let actuators = match names {
+            Some(names) => names.iter().map(actuator).collect::<PyResult<_>>()?,
+            None => (0..model.actuators.len()).collect(),
+        };
+        Ok(SensorKind::ActuatorForce { actuators }.into())
+    }
+    #[staticmethod]
+    fn center_of_mass(model: &Bound<'_, Model>, body: Option<&str>) -> PyResult<Self> {
+        let body = self::body(&model.get().model, body)?;
+        Ok(SensorKind::CenterOfMass { body }.into())
+    }
+    /// What a sensor of the model's file measures.
+    #[staticmethod]
+    fn described(model: &Bound<'_, Model>, name: &str) -> PyResult<Self> {
+        let sensors = Sensor::from_model(&model.get().model);
+        let known: Vec<_> = sensors.iter().map(|s| s.name.clone()).collect();
+        let Some(sensor) = sensors.into_iter().find(|s| s.name == name) else {
+            let known = if known.is_empty() {
+                "none".into()
+            } else {
+                known.join(", ")
+            };
+            let message = format!("the model describes no sensor \"{name}\"; there are {known}");
+            return Err(error::raise("UnknownNameError", message));
+        };
+        Ok(Self {
+            kind: sensor.kind,
+            part: sensor.part,
+        })
     }
     #[staticmethod]
     fn imu(model: &Bound<'_, Model>, place: Place<'_>) -> PyResult<Self> {
         let mount = mount(&model.get().model, &place)?;
-        Ok(Self(SensorKind::Imu { mount }))
+        Ok(SensorKind::Imu { mount }.into())
     }
     #[staticmethod]
     fn force_torque(
@@ -91,39 +136,39 @@ impl Measurement {
     ) -> PyResult<Self> {
         let joint = model.get().model.joint(joint).map_err(error::model)?;
         let frame = frame.map(|(position, orientation)| pose(position, orientation));
-        Ok(Self(SensorKind::ForceTorque { joint, frame }))
+        Ok(SensorKind::ForceTorque { joint, frame }.into())
     }
     #[staticmethod]
     fn touch(model: &Bound<'_, Model>, body: &str) -> PyResult<Self> {
         let body = model.get().model.body(body).map_err(error::model)?;
-        Ok(Self(SensorKind::Touch { body }))
+        Ok(SensorKind::Touch { body }.into())
     }
     #[staticmethod]
     fn contact_force(model: &Bound<'_, Model>, body: &str, axes: &str) -> PyResult<Self> {
         let body = model.get().model.body(body).map_err(error::model)?;
         let axes = self::axes(axes)?;
-        Ok(Self(SensorKind::ContactForce { body, axes }))
+        Ok(SensorKind::ContactForce { body, axes }.into())
     }
     #[staticmethod]
     fn frame_pose(
         model: &Bound<'_, Model>,
         place: Place<'_>,
-        relative_to: Option<&str>,
+        relative_to: Place<'_>,
     ) -> PyResult<Self> {
-        let mount = mount(&model.get().model, &place)?;
-        let relative_to = body(&model.get().model, relative_to)?;
-        Ok(Self(SensorKind::FramePose { mount, relative_to }))
+        let model = &model.get().model;
+        let (mount, relative_to) = (mount(model, &place)?, self::mount(model, &relative_to)?);
+        Ok(SensorKind::FramePose { mount, relative_to }.into())
     }
     #[staticmethod]
     fn frame_velocity(model: &Bound<'_, Model>, place: Place<'_>, axes: &str) -> PyResult<Self> {
         let mount = mount(&model.get().model, &place)?;
         let axes = self::axes(axes)?;
-        Ok(Self(SensorKind::FrameVelocity { mount, axes }))
+        Ok(SensorKind::FrameVelocity { mount, axes }.into())
     }
     #[staticmethod]
     fn rangefinder(model: &Bound<'_, Model>, place: Place<'_>, max_range: f64) -> PyResult<Self> {
         let mount = mount(&model.get().model, &place)?;
-        Ok(Self(SensorKind::Rangefinder { mount, max_range }))
+        Ok(SensorKind::Rangefinder { mount, max_range }.into())
     }
     #[staticmethod]
     fn lidar(
@@ -134,16 +179,17 @@ impl Measurement {
         max_range: f64,
     ) -> PyResult<Self> {
         let mount = mount(&model.get().model, &place)?;
-        Ok(Self(SensorKind::Lidar {
+        let lidar = SensorKind::Lidar {
             mount,
             azimuths,
             elevations,
             max_range,
-        }))
+        };
+        Ok(lidar.into())
     }
     #[staticmethod]
     fn camera(view: View) -> Self {
-        Self(SensorKind::Camera { view: view.0 })
+        SensorKind::Camera { view: view.0 }.into()
     }
 }
 
@@ -183,15 +229,17 @@ impl From<AnyLevel> for Level {
     }
 }
 
-/// Name, measurement, rate [Hz], and noise: standard deviation, bias, walk, step.
-type Draft = (String, Measurement, Option<f64>, [AnyLevel; 4]);
+/// Name, measurement, rate [Hz], cutoff, and noise: standard deviation, bias, walk, step.
+type Draft = (String, Measurement, Option<f64>, Option<f64>, [AnyLevel; 4]);
 
-fn sensor((name, measurement, rate, levels): Draft) -> Sensor {
+fn sensor((name, measurement, rate, cutoff, levels): Draft) -> Sensor {
     let [deviation, bias, walk, step] = levels.map(Level::from);
     Sensor {
         name,
-        kind: measurement.0,
+        kind: measurement.kind,
+        part: measurement.part,
         rate,
+        cutoff,
         noise: Noise {
             deviation,
             bias,

@@ -1,8 +1,9 @@
 //! What a sensor must fulfil, and how many numbers it has.
 
 use crate::SensorError;
-use crate::sensor::{Mount, Sensor, SensorKind};
-use model::{BodyId, Joint, JointId, JointKind, Model, Pose};
+use crate::sensor::{Sensor, SensorKind};
+use model::{BodyId, Joint, JointId, JointKind, Model, Mount, Pose};
+use std::ops::Range;
 
 /// Most rays of a sensor.
 const MOST_RAYS: usize = 1 << 20;
@@ -26,6 +27,18 @@ pub(crate) fn names(sensors: &[Sensor]) -> Result<(), SensorError> {
     Ok(())
 }
 
+/// What is measured of a world, and which of it is told.
+pub(crate) struct Layout {
+    /// Of a reading in one world.
+    pub shape: Vec<usize>,
+    /// First numbers of the quaternions in it.
+    pub quaternions: Vec<usize>,
+    /// How many numbers are measured.
+    pub measured: usize,
+    /// Those of them that are told.
+    pub part: Range<usize>,
+}
+
 /// A sensor, to be checked against a model.
 #[derive(Clone, Copy)]
 pub(crate) struct Check<'a> {
@@ -34,9 +47,42 @@ pub(crate) struct Check<'a> {
 }
 
 impl Check<'_> {
-    /// Checks all but the noise and what is drawn. Returns the shape of a reading in one world, and the
-    /// first numbers of the quaternions in it.
-    pub fn layout(self) -> Result<(Vec<usize>, Vec<usize>), SensorError> {
+    /// Checks all but the noise and what is drawn.
+    pub fn layout(self) -> Result<Layout, SensorError> {
+        let (shape, quaternions) = self.measured()?;
+        let measured = shape.iter().product();
+        let cutoff = self.sensor.cutoff.unwrap_or(f64::INFINITY);
+        self.require(cutoff > 0.0, "its cutoff", cutoff, "above 0")?;
+        let Some(part) = self.sensor.part.clone() else {
+            let part = 0..measured;
+            return Ok(Layout {
+                shape,
+                quaternions,
+                measured,
+                part,
+            });
+        };
+        let remedy = "read it whole";
+        self.support(
+            shape.len() == 1 && measured > 0,
+            "part of its numbers",
+            remedy,
+        )?;
+        let valid = !part.is_empty() && part.end <= measured;
+        let must = "some of its numbers, counted from 0";
+        self.require(valid, "its part", format!("{part:?}"), must)?;
+        let whole = |q: &usize| part.start <= *q && q + 4 <= part.end;
+        let quaternions = quaternions.into_iter().filter(whole);
+        Ok(Layout {
+            shape: vec![part.len()],
+            quaternions: quaternions.map(|q| q - part.start).collect(),
+            measured,
+            part,
+        })
+    }
+
+    /// The shape of what is measured in one world, and the first numbers of the quaternions in it.
+    fn measured(self) -> Result<(Vec<usize>, Vec<usize>), SensorError> {
         if let Some(rate) = self.sensor.rate {
             let valid = rate > 0.0 && rate <= MOST_RATE;
             self.require(valid, "its rate", rate, "above 0 and at most 1e9, in Hz")?;
@@ -47,6 +93,23 @@ impl Check<'_> {
             SensorKind::JointEffort { joints } => {
                 joints.iter().try_for_each(|&joint| self.effort(joint))?;
                 self.dofs(joints)
+            }
+            SensorKind::ActuatorForce { actuators } => {
+                let count = self.model.actuators.len();
+                self.require(
+                    !actuators.is_empty(),
+                    "its list of actuators",
+                    "empty",
+                    "one actuator or more",
+                )?;
+                actuators
+                    .iter()
+                    .try_for_each(|&row| self.row("actuator", row, count))?;
+                Ok((vec![actuators.len()], vec![]))
+            }
+            SensorKind::CenterOfMass { body } => {
+                body.iter().try_for_each(|&body| self.body(body))?;
+                Ok((vec![3], vec![]))
             }
             SensorKind::Imu { mount } | SensorKind::FrameVelocity { mount, .. } => {
                 self.mount(mount)?;
@@ -63,7 +126,7 @@ impl Check<'_> {
             }
             SensorKind::FramePose { mount, relative_to } => {
                 self.mount(mount)?;
-                relative_to.iter().try_for_each(|&body| self.body(body))?;
+                self.mount(relative_to)?;
                 Ok((vec![7], vec![3]))
             }
             SensorKind::Rangefinder { mount, max_range } => {

@@ -23,14 +23,7 @@ pub(crate) fn effort<T: Float>(look: &Look<'_, T>, id: JointId, mut take: impl F
     let ball = ball_drive(look, joint, id).to_array();
     for (axis, dof) in model.dof_range(id).enumerate() {
         let speed = look.outputs.dof_velocity(look.world, dof);
-        let shifts = joint.kind == JointKind::Free && axis < 3;
-        // Rotations of balls and free joints have no coordinate, and their servos no position term.
-        let value = if shifts || axis < joint.axes.len() {
-            let row = model.coordinate_range(id).start + axis;
-            look.outputs.coordinate(look.world, row)
-        } else {
-            0.0
-        };
+        let value = value(look, joint, id, axis);
         let drive = match joint.kind {
             JointKind::Ball => ball[axis],
             JointKind::Free => 0.0,
@@ -41,10 +34,33 @@ pub(crate) fn effort<T: Float>(look: &Look<'_, T>, id: JointId, mut take: impl F
             .filter(|(_, a)| a.joint == id && a.dof == axis)
             .map(|(row, a)| {
                 let control = look.simulation.inputs().control(look.world, row);
-                actuator(a, control, [value, speed])
+                a.gear * actuator(a, control, [value, speed])
             });
         let applied = look.simulation.inputs().force(look.world, dof);
         take(applied + drive + forces.sum::<f64>());
+    }
+}
+
+/// The force of an actuator before its gear [N or N·m].
+pub(crate) fn actuator_force<T: Float>(look: &Look<'_, T>, row: usize) -> f64 {
+    let model = look.simulation.world_model(look.world);
+    let a = &model.actuators[row];
+    let value = value(look, &model.joints[a.joint.0], a.joint, a.dof);
+    let dof = model.dof_range(a.joint).start + a.dof;
+    let speed = look.outputs.dof_velocity(look.world, dof);
+    let control = look.simulation.inputs().control(look.world, row);
+    actuator(a, control, [value, speed])
+}
+
+/// The coordinate of a degree of freedom. Rotations of balls and free joints have none, and their servos no
+/// position term.
+fn value<T: Float>(look: &Look<'_, T>, joint: &Joint, id: JointId, axis: usize) -> f64 {
+    let shifts = joint.kind == JointKind::Free && axis < 3;
+    if shifts || axis < joint.axes.len() {
+        let row = look.simulation.model().coordinate_range(id).start + axis;
+        look.outputs.coordinate(look.world, row)
+    } else {
+        0.0
     }
 }
 
@@ -89,7 +105,7 @@ fn ball_drive<T: Float>(look: &Look<'_, T>, joint: &Joint, id: JointId) -> DVec3
     force.clamp_length_max(d.effort_limit)
 }
 
-/// Of an actuator with this control, at its coordinate's value and speed.
+/// Of an actuator with this control, at its coordinate's value and speed, before its gear.
 fn actuator(a: &Actuator, control: f64, [value, speed]: [f64; 2]) -> f64 {
     let within = |x: f64, range: Option<(f64, f64)>| match range {
         Some((low, high)) => x.clamp(low, high),
@@ -98,5 +114,5 @@ fn actuator(a: &Actuator, control: f64, [value, speed]: [f64; 2]) -> f64 {
     let control = within(control, a.control_range);
     let [constant, position, velocity] = a.bias;
     let force = a.gain * control + constant + a.gear * (position * value + velocity * speed);
-    a.gear * within(force, a.force_range)
+    within(force, a.force_range)
 }

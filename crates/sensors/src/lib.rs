@@ -41,6 +41,7 @@ mod check;
 mod clock;
 mod effort;
 mod error;
+mod from_model;
 mod images;
 mod measure;
 mod noise;
@@ -50,7 +51,8 @@ mod sensors;
 mod state;
 
 pub use error::SensorError;
+pub use model::{Axes, Mount};
 pub use noise::{Level, Noise};
 pub use render::{Camera, Channels, Images, Lens, View};
-pub use sensor::{Axes, Mount, Sensor, SensorKind};
+pub use sensor::{Sensor, SensorKind};
 pub use sensors::{ImageReading, Reading, Sensors};

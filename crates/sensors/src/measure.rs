@@ -1,9 +1,9 @@
 //! Sensors of joints, bodies and contacts, in one world.
 
-use crate::effort::effort;
-use crate::sensor::{Axes, Mount, SensorKind};
+use crate::effort::{actuator_force, effort};
+use crate::sensor::SensorKind;
 use glam::{DQuat, DVec3};
-use model::{BodyId, JointId, Pose};
+use model::{Axes, BodyId, BodyKind, JointId, Mount, Pose};
 use numbers::Float;
 use sim::{Outputs, Simulation};
 
@@ -52,6 +52,10 @@ impl<T: Float> Look<'_, T> {
                     effort(self, joint, |force| out.number(force));
                 }
             }
+            SensorKind::ActuatorForce { actuators } => {
+                let forces = actuators.iter().map(|&row| actuator_force(self, row));
+                forces.for_each(|force| out.number(force));
+            }
             SensorKind::Imu { mount } => self.imu(mount, &mut out),
             SensorKind::ForceTorque { joint, frame } => {
                 self.force_torque(*joint, frame.as_ref(), &mut out);
@@ -62,8 +66,7 @@ impl<T: Float> Look<'_, T> {
                 out.vector(turn * self.contact_force(*body, rows));
             }
             SensorKind::FramePose { mount, relative_to } => {
-                let pose = self.placed(mount);
-                let pose = relative_to.map_or(pose, |body| self.pose(body).inverse() * pose);
+                let pose = self.placed(relative_to).inverse() * self.placed(mount);
                 out.vector(pose.position);
                 out.quaternion(pose.orientation);
             }
@@ -73,6 +76,7 @@ impl<T: Float> Look<'_, T> {
                 out.vector(turn * linear);
                 out.vector(turn * angular);
             }
+            SensorKind::CenterOfMass { body } => out.vector(self.center_of_mass(*body)),
             SensorKind::Rangefinder { .. }
             | SensorKind::Lidar { .. }
             | SensorKind::Camera { .. } => {}
@@ -137,6 +141,27 @@ impl<T: Float> Look<'_, T> {
         let to_own = at.orientation.conjugate();
         out.vector(to_own * force);
         out.vector(to_own * (torque + arm.cross(force)));
+    }
+
+    /// C = Σ m c / Σ m, of a body and all that it carries, or of all; where nothing has mass, the body's origin, or
+    /// the world's.
+    fn center_of_mass(&self, of: Option<BodyId>) -> DVec3 {
+        let model = self.simulation.world_model(self.world);
+        let mut carried = vec![of.is_none(); model.bodies.len()];
+        let (mut mass, mut sum) = (0.0, DVec3::ZERO);
+        for &id in model.order() {
+            let parent = model.carrier(id).and_then(|j| model.joints[j.0].parent);
+            carried[id.0] |= of == Some(id) || parent.is_some_and(|parent| carried[parent.0]);
+            let body = &model.bodies[id.0];
+            if carried[id.0] && body.kind == BodyKind::Dynamic {
+                mass += body.mass;
+                sum += body.mass * self.pose(id).point(body.center);
+            }
+        }
+        if mass > 0.0 {
+            return sum / mass;
+        }
+        of.map_or(DVec3::ZERO, |body| self.pose(body).position)
     }
 
     /// Of each contact of a body: its normal, and its force on the body.

@@ -5,7 +5,7 @@
 //! ```text
 //! w ← w + σ_walk √Δt z_k          random walk, 0 at a world's first sample
 //! y = x + σ_bias z + w + σ z'_k    bias, drawn once per world; white noise
-//! reading = step · round(y / step)
+//! reading = clamp(step · round(y / step), ± cutoff)
 //! ```
 //!
 //! with z, z', … independent normal numbers (IEEE Std 952, annex C, names these terms of gyroscopes: bias,
@@ -13,6 +13,7 @@
 
 use crate::SensorError;
 use crate::random::{Draw, Purpose, Source};
+use crate::sensor::{Sensor, SensorKind};
 use numbers::Float;
 use numbers::dispatch::Isa;
 
@@ -98,18 +99,26 @@ pub(crate) struct Errors {
     quaternions: Vec<usize>,
     /// Numbers from 0 to this, which stands for nothing.
     range: Option<f64>,
+    /// Largest size of a reading.
+    cutoff: f64,
 }
 
 impl Errors {
-    /// Of n numbers in a world.
+    /// Of so many numbers in a world.
     pub fn new(
-        noise: &Noise,
+        sensor: &Sensor,
         source: Source,
-        (sensor, n): (&str, usize),
+        n: usize,
         quaternions: Vec<usize>,
-        range: Option<f64>,
     ) -> Result<Self, SensorError> {
-        let level = |what, level: &Level| expand(what, level, sensor, n);
+        let noise = &sensor.noise;
+        let level = |what, level: &Level| expand(what, level, &sensor.name, n);
+        let range = match &sensor.kind {
+            SensorKind::Rangefinder { max_range, .. } | SensorKind::Lidar { max_range, .. } => {
+                Some(*max_range)
+            }
+            _ => None,
+        };
         Ok(Self {
             source,
             deviation: level("the standard deviation of its noise", &noise.deviation)?,
@@ -118,7 +127,12 @@ impl Errors {
             step: level("the step of its readings", &noise.step)?,
             quaternions,
             range,
+            cutoff: sensor.cutoff.unwrap_or(f64::INFINITY),
         })
+    }
+    /// Whether readings are what is measured.
+    pub fn are_none(&self) -> bool {
+        !self.adds() && self.step.is_empty() && self.cutoff.is_infinite()
     }
     /// Whether it keeps a random walk.
     pub fn walks(&self) -> bool {
@@ -172,7 +186,7 @@ impl Errors {
         }
     }
 
-    /// Quaternions of unit length; multiples of the step.
+    /// Quaternions of unit length; multiples of the step; within the cutoff.
     fn finish<T: Float>(&self, x: &mut [T]) {
         if self.adds() {
             for &first in &self.quaternions {
@@ -182,6 +196,11 @@ impl Errors {
         for (x, &step) in x.iter_mut().zip(&self.step) {
             if step > 0.0 && !self.is_nothing(*x) {
                 *x = T::from_f64((x.to_f64() / step).round() * step);
+            }
+        }
+        if self.cutoff.is_finite() {
+            for x in x {
+                *x = T::from_f64(x.to_f64().clamp(-self.cutoff, self.cutoff));
             }
         }
     }

@@ -2,8 +2,9 @@
 
 use crate::Noise;
 use glam::{DQuat, DVec3};
-use model::{BodyId, JointId, Model, Pose};
+use model::{Axes, BodyId, JointId, Model, Mount, Pose};
 use render::View;
+use std::ops::Range;
 
 /// A sensor: the same in every world.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,8 +13,12 @@ pub struct Sensor {
     pub name: String,
     /// What it measures.
     pub kind: SensorKind,
+    /// Which of its numbers are told, such as `3..6` of an [`Imu`](SensorKind::Imu) for a gyroscope; `None`: all.
+    pub part: Option<Range<usize>>,
     /// Samples per second [Hz] of a world's own time, the first at time 0; `None`: one at every step.
     pub rate: Option<f64>,
+    /// Readings are kept within ± this, after noise was added; `None`: of any size.
+    pub cutoff: Option<f64>,
     /// What is added to what it measures; nothing by default.
     pub noise: Noise,
 }
@@ -24,9 +29,21 @@ impl Sensor {
         Self {
             name: name.into(),
             kind,
+            part: None,
             rate: None,
+            cutoff: None,
             noise: Noise::default(),
         }
+    }
+    /// The same, of which these numbers are told.
+    pub fn with_part(self, part: Range<usize>) -> Self {
+        let part = Some(part);
+        Self { part, ..self }
+    }
+    /// The same, with readings kept within ± this.
+    pub fn with_cutoff(self, cutoff: f64) -> Self {
+        let cutoff = Some(cutoff);
+        Self { cutoff, ..self }
     }
     /// The same, with so many samples per second [Hz].
     pub fn with_rate(self, rate: f64) -> Self {
@@ -37,43 +54,6 @@ impl Sensor {
     pub fn with_noise(self, noise: Noise) -> Self {
         Self { noise, ..self }
     }
-}
-
-/// A frame on a body, or in the world.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Mount {
-    /// What carries it; `None`, the default, is the world.
-    pub body: Option<BodyId>,
-    /// Placement in the body's frame, or in the world; the origin by default.
-    pub pose: Pose,
-}
-
-impl Mount {
-    /// The frame of a body itself.
-    pub fn on(body: BodyId) -> Self {
-        Self {
-            body: Some(body),
-            pose: Pose::IDENTITY,
-        }
-    }
-    /// A frame that stands in the world.
-    pub fn in_world(pose: Pose) -> Self {
-        Self { body: None, pose }
-    }
-    /// The same, at a placement in the frame of what carries it.
-    pub fn at(self, pose: Pose) -> Self {
-        Self { pose, ..self }
-    }
-}
-
-/// Along which axes a vector is told.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Axes {
-    /// Those of the world.
-    World,
-    /// Those of the sensor's own frame: its mount's or body's.
-    #[default]
-    Own,
 }
 
 /// What a sensor measures. n is how many numbers it has in a world.
@@ -96,6 +76,12 @@ pub enum SensorKind {
     JointEffort {
         /// Joints that have degrees of freedom, and no drive with a control time.
         joints: Vec<JointId>,
+    },
+    /// Forces of actuators, before their gears [N or N·m], by the model's laws at this state under the present
+    /// controls. n: how many.
+    ActuatorForce {
+        /// Rows of the actuators.
+        actuators: Vec<usize>,
     },
     /// An accelerometer and a gyroscope. n = 6: proper acceleration of the mount's origin [m/s²], which at
     /// rest is g upwards and in free fall 0; angular velocity [rad/s]; both in the mount's axes.
@@ -133,8 +119,8 @@ pub enum SensorKind {
     FramePose {
         /// The frame.
         mount: Mount,
-        /// The body in whose frame it is told; `None` is the world.
-        relative_to: Option<BodyId>,
+        /// The frame in which it is told; the world by default.
+        relative_to: Mount,
     },
     /// How a frame moves in the world. n = 6: velocity of its origin [m/s], angular velocity [rad/s].
     FrameVelocity {
@@ -142,6 +128,11 @@ pub enum SensorKind {
         mount: Mount,
         /// Axes of the world, or of the frame.
         axes: Axes,
+    },
+    /// Centre of mass of a body and all that joints carry from it on [m], world axes; static bodies have no mass. n = 3.
+    CenterOfMass {
+        /// The body; `None`: all bodies.
+        body: Option<BodyId>,
     },
     /// Distance to what is first met along the mount's x axis [m]. n = 1.
     ///
@@ -193,12 +184,14 @@ impl SensorKind {
             Self::JointPosition { .. } => "joint position",
             Self::JointVelocity { .. } => "joint velocity",
             Self::JointEffort { .. } => "joint effort",
+            Self::ActuatorForce { .. } => "actuator force",
             Self::Imu { .. } => "imu",
             Self::ForceTorque { .. } => "force/torque",
             Self::Touch { .. } => "touch",
             Self::ContactForce { .. } => "contact force",
             Self::FramePose { .. } => "frame pose",
             Self::FrameVelocity { .. } => "frame velocity",
+            Self::CenterOfMass { .. } => "centre of mass",
             Self::Rangefinder { .. } => "rangefinder",
             Self::Lidar { .. } => "lidar",
             Self::Camera { .. } => "camera",

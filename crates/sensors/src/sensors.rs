@@ -7,13 +7,14 @@ use crate::images::Camera;
 use crate::measure::Look;
 use crate::noise::{Errors, Part};
 use crate::random::{Draw, Source};
-use crate::sensor::{Mount, Sensor, SensorKind, directions};
+use crate::sensor::{Sensor, SensorKind, directions};
 use glam::DVec3;
-use model::{BodyId, Model, Pose};
+use model::{BodyId, Model, Mount, Pose};
 use numbers::Float;
 use rayon::prelude::*;
 use render::Images;
 use sim::{Diverged, Outputs, Ray, Simulation};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// What sensors measure in all worlds of a simulation.
@@ -65,6 +66,10 @@ pub(crate) struct Channel<T> {
     errors: Errors,
     /// Worlds, then those of one world.
     pub shape: Vec<usize>,
+    /// How many numbers are measured in a world.
+    measured: usize,
+    /// Those of them that are told.
+    part: Range<usize>,
     /// Of each world.
     pub samples: Vec<Sampled>,
     /// Time of each world's last sample [s].
@@ -326,24 +331,19 @@ impl<T: Float> Channel<T> {
             sensor: &sensor,
             model,
         };
-        let (of_world, quaternions) = check.layout()?;
-        let n: usize = of_world.iter().product();
-        let range = match &sensor.kind {
-            SensorKind::Rangefinder { max_range, .. } | SensorKind::Lidar { max_range, .. } => {
-                Some(*max_range)
-            }
-            _ => None,
-        };
+        let layout = check.layout()?;
+        let n = layout.part.len();
         let source = Source::new(seed, &sensor.name);
-        let size = (sensor.name.as_str(), n);
-        let errors = Errors::new(&sensor.noise, source, size, quaternions, range)?;
+        let errors = Errors::new(&sensor, source, n, layout.quaternions)?;
         let camera = match &sensor.kind {
             SensorKind::Camera { view } => Some(Camera::new(&sensor.name, *view, model, worlds)?),
             _ => None,
         };
         Ok(Self {
             clock: Clock { rate: sensor.rate },
-            shape: [vec![worlds], of_world].concat(),
+            shape: [vec![worlds], layout.shape].concat(),
+            measured: layout.measured,
+            part: layout.part,
             samples: vec![Sampled::default(); worlds],
             time: vec![0.0; worlds],
             numbers: vec![T::zero(); worlds * n],
@@ -413,9 +413,10 @@ impl<T: Float> Channel<T> {
             kind => {
                 let n = self.each();
                 let (samples, rows) = (&self.samples, &self.rows[..]);
-                let numbers = &mut self.numbers;
+                let (numbers, measured, told) = (&mut self.numbers, self.measured, &self.part);
                 simulation.observe(|simulation, outputs| {
                     in_parts(n, (numbers, &mut []), |part| {
+                        let mut whole = vec![T::zero(); measured];
                         for (i, numbers) in part.numbers.chunks_exact_mut(n).enumerate() {
                             let world = part.first + i;
                             let look = Look {
@@ -424,7 +425,8 @@ impl<T: Float> Channel<T> {
                                 world,
                             };
                             if samples[world].due.is_some() {
-                                look.measure(kind, rows, numbers);
+                                look.measure(kind, rows, &mut whole);
+                                numbers.copy_from_slice(&whole[told.clone()]);
                             }
                         }
                     });
@@ -436,7 +438,7 @@ impl<T: Float> Channel<T> {
     }
 
     fn add_errors(&mut self, simulation: &mut Simulation<T>, worlds: &[World]) {
-        if self.sensor.noise.is_none() {
+        if self.errors.are_none() {
             return;
         }
         let n = self.each();

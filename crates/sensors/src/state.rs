@@ -5,7 +5,7 @@
 //! ```text
 //! magic            8 bytes, "KNTRMSNS"
 //! version          u32
-//! fingerprint      u64, of precision, worlds, seed, and each sensor's name, kind, rate and noise
+//! fingerprint      u64, of precision, worlds, seed, and each sensor's name, kind, part, rate, cutoff and noise
 //! worlds           each: u32, how often it has begun anew
 //! sensors          each, of every world: u64 last sample + 1, or 0; f64 its time [s]; then biases that
 //!                  wander (f64), numbers, and images (rgb u8; depth, normal f32; body, shape i32)

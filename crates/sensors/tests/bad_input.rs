@@ -75,9 +75,9 @@ fn bodies_and_joints_exist() {
     let axes = Axes::Own;
     refused(SensorKind::ContactForce { body, axes }, &no_body);
     refused(SensorKind::FrameVelocity { mount, axes }, &no_body);
-    let relative_to = None;
+    let relative_to = Mount::default();
     refused(SensorKind::FramePose { mount, relative_to }, &no_body);
-    let (mount, relative_to) = (Mount::default(), Some(body));
+    let (mount, relative_to) = (Mount::default(), Mount::on(body));
     refused(SensorKind::FramePose { mount, relative_to }, &no_body);
     refused(SensorKind::JointPosition { joints: joints() }, &no_joint);
     refused(SensorKind::JointVelocity { joints: joints() }, &no_joint);
@@ -137,6 +137,39 @@ fn numbers_make_sense() {
     refused(lidar(vec![0.0; 2000], vec![0.0; 2000]), &["number of rays"]);
     let view = View::new(Camera::new(0, 4, 1.0));
     refused(SensorKind::Camera { view }, &["width"]);
+}
+
+#[test]
+fn parts_and_cutoffs_make_sense() {
+    for part in [0..0, 4..7, 6..7] {
+        refused_sensor(Sensor::new("s", imu()).with_part(part), &["its part is"]);
+    }
+    for cutoff in [0.0, -1.0, f64::NAN] {
+        refused_sensor(Sensor::new("s", imu()).with_cutoff(cutoff), &["its cutoff"]);
+    }
+    let lidar = SensorKind::Lidar {
+        mount: Mount::on(BodyId(0)),
+        azimuths: vec![0.0, 1.0],
+        elevations: vec![0.0],
+        max_range: 1.0,
+    };
+    let message = ["a lidar sensor takes no part of its numbers: read it whole"];
+    refused_sensor(Sensor::new("s", lidar).with_part(0..1), &message);
+    let actuators = vec![0];
+    refused(
+        SensorKind::ActuatorForce { actuators },
+        &["actuator 0 does not exist"],
+    );
+    let actuators = vec![];
+    refused(
+        SensorKind::ActuatorForce { actuators },
+        &["list of actuators is empty"],
+    );
+    let body = Some(BodyId(1));
+    refused(
+        SensorKind::CenterOfMass { body },
+        &["body 1 does not exist"],
+    );
 }
 
 #[test]

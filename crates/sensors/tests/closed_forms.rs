@@ -7,7 +7,7 @@ use common::{
     simulate, two,
 };
 use glam::{DQuat, DVec3};
-use kinetarium_sensors::{Axes, Mount, Sensor, SensorKind, Sensors};
+use kinetarium_sensors::{Axes, Mount, Noise, Sensor, SensorKind, Sensors};
 use model::{Actuator, BodyId, Builder, Drive, Geometry, JointId, Pose, Shape};
 use rigid::Dynamics;
 use sim::{Simulation, SimulationSettings, SolverKind};
@@ -235,10 +235,10 @@ fn frames_are_where_their_bodies_carry_them() {
             );
             Pose::new(DVec3::from_slice(&found), DQuat::from_slice(&found[3..]))
         };
-        let found = pose(None);
+        let found = pose(Mount::default());
         near(solver.name(), found.position, expected.position, 1e-12);
         assert!(found.orientation.dot(expected.orientation).abs() > 1.0 - 1e-12);
-        let found = pose(Some(BodyId(0)));
+        let found = pose(Mount::on(BodyId(0)));
         near(solver.name(), found.position, askew().position, 1e-12);
         assert!(found.orientation.dot(askew().orientation).abs() > 1.0 - 1e-12);
 
@@ -516,4 +516,106 @@ fn a_camera_draws_each_world_when_it_is_due() {
     assert_eq!(*after.images, draw(&mut simulation));
     assert_ne!(*after.images, before);
     assert!(after.time.iter().all(|t| (t - 0.1).abs() < 1e-9));
+}
+
+/// Of gear · clamp(gain · u + bias · (1, l, l̇), range) what stands behind the gear, l = gear · q.
+#[test]
+fn actuators_tell_their_force_before_the_gear() {
+    let model = driven();
+    let mut simulation = simulate::<f64>(&model, SolverKind::Featherstone, 1, 0.001);
+    let velocity = [0.1, 0.2, -0.7, 0.4, 0.0, 0.0, 0.0];
+    simulation
+        .set_joint_state(0, &moved(&model), &velocity)
+        .unwrap();
+    set_controls(&mut simulation);
+    let actuators = vec![0, 1, 2];
+    let found = read(&mut simulation, SensorKind::ActuatorForce { actuators });
+    // The control 3 is clamped to 1; 4 (0.2 − 1.5 · 0.9) − 0.3 · 1.5 · 0.4; 3 (−0.5 + 0.7) = 0.6, clamped to 0.4.
+    let expected = [1.0, 4.0 * (0.2 - 1.5 * 0.9) - 0.3 * 1.5 * 0.4, 0.4];
+    for (found, expected) in found.iter().zip(expected) {
+        close("actuator", *found, expected, 1e-14);
+    }
+}
+
+/// C = Σ m c / Σ m over a body and what it carries, with each world's own masses.
+#[test]
+fn centers_of_mass_are_of_what_a_body_carries() {
+    let mut world = Builder::new("arm");
+    let object = world.object("");
+    let link = |object: &mut model::Object, name| {
+        body(object, name, 1.0, 0.5 * DVec3::X, DVec3::splat(0.1))
+    };
+    let (upper, lower) = (link(object, "upper"), link(object, "lower"));
+    object.revolute("shoulder", upper, DVec3::Z);
+    let elbow = object.revolute("elbow", lower, DVec3::Z).parent(upper);
+    elbow.frames(Pose::at(DVec3::X), Pose::IDENTITY);
+    let model = world.build().unwrap();
+    let mut parts = model.clone().into_parts();
+    parts.bodies[1].mass = 3.0;
+    let heavy = model::Model::new(parts).unwrap();
+    for solver in SOLVERS {
+        let mut simulation = simulate::<f64>(&model, solver, 2, 0.001);
+        simulation.set_world_model(1, &heavy).unwrap();
+        for world in 0..2 {
+            // Along x, then down.
+            let bent = [0.0, -FRAC_PI_2];
+            simulation.set_joint_state(world, &bent, &[0.0; 2]).unwrap();
+        }
+        let (first, second) = (DVec3::new(0.5, 0.0, 0.0), DVec3::new(1.0, -0.5, 0.0));
+        let found = read(&mut simulation, SensorKind::CenterOfMass { body: None });
+        near(
+            "light",
+            DVec3::from_slice(&found),
+            0.5 * (first + second),
+            1e-12,
+        );
+        let all = 0.25 * first + 0.75 * second;
+        near("heavy", DVec3::from_slice(&found[3..]), all, 1e-12);
+        for (body, expected) in [(0, all), (1, second)] {
+            let body = Some(BodyId(body));
+            let found = read(&mut simulation, SensorKind::CenterOfMass { body });
+            near("part", DVec3::from_slice(&found[3..]), expected, 1e-12);
+        }
+    }
+}
+
+/// A part of a sensor's numbers, cut off.
+#[test]
+fn parts_are_told_alone_and_cut_off() {
+    let mut simulation = simulate::<f64>(&floating(), SolverKind::Featherstone, 3, 0.001);
+    let position = [1.0, -2.0, 0.5, 0.0, 0.0, 0.6, 0.8];
+    let velocity = [0.0, 0.0, 0.0, 3.0, -0.25, -9.0];
+    for world in 0..3 {
+        simulation
+            .set_joint_state(world, &position, &velocity)
+            .unwrap();
+    }
+    let (mount, relative_to) = (Mount::on(BodyId(0)), Mount::default());
+    let pose = SensorKind::FramePose { mount, relative_to };
+    let list = vec![
+        Sensor::new("gyro", SensorKind::Imu { mount })
+            .with_part(3..6)
+            .with_cutoff(2.0),
+        Sensor::new("turn", pose)
+            .with_part(3..7)
+            .with_noise(Noise::white(0.1)),
+    ];
+    let sensors = Sensors::new(&mut simulation, list, 0).unwrap();
+    let gyro = sensors.reading("gyro").unwrap();
+    assert_eq!(gyro.shape, [3, 3]);
+    for spin in gyro.numbers.chunks(3) {
+        near(
+            "gyro",
+            DVec3::from_slice(spin),
+            DVec3::new(2.0, -0.25, -2.0),
+            1e-14,
+        );
+    }
+    let turn = sensors.reading("turn").unwrap();
+    assert_eq!(turn.shape, [3, 4]);
+    for q in turn.numbers.chunks(4) {
+        let q = DQuat::from_slice(q);
+        close("length", q.length(), 1.0, 1e-14);
+        assert!(q.dot(DQuat::from_slice(&position[3..])) > 0.8 && q.x != 0.0);
+    }
 }

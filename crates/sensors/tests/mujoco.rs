@@ -96,7 +96,7 @@ impl Described {
             frame: Some(mount.pose),
         };
         let moves = |axes| SensorKind::FrameVelocity { mount, axes };
-        let relative_to = None;
+        let relative_to = Mount::default();
         let pose = SensorKind::FramePose { mount, relative_to };
         match self.kind.as_str() {
             "accelerometer" => (SensorKind::Imu { mount }, 0..3),

@@ -275,7 +275,7 @@ fn an_episode_has_noise_of_its_own_and_the_bias_of_its_world() {
 #[test]
 fn noisy_quaternions_have_unit_length() {
     let mut simulation = hanging(3000);
-    let (mount, relative_to) = (Mount::on(BodyId(0)), None);
+    let (mount, relative_to) = (Mount::on(BodyId(0)), Mount::default());
     let sensor = Sensor::new("pose", SensorKind::FramePose { mount, relative_to });
     let sensor = sensor.with_noise(Noise::white(0.01));
     let sensors = Sensors::new(&mut simulation, vec![sensor], 5).unwrap();

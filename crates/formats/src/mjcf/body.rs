@@ -174,7 +174,6 @@ fn read_others(
         match element.name.as_str() {
             "body" | "geom" | "joint" | "freejoint" | "inertial" => {}
             "site" => {
-                report.note(element, "sites", "used by equality constraints only");
                 let site = context.defaults.apply(element, content.class, &["site"])?;
                 if let Some(name) = site.get("name") {
                     let pose = content.frame * pose(&site, &context.compiler)?;

@@ -18,6 +18,8 @@
 //!   the world; `<exclude>` and `<pair>` hold. Contacts have MuJoCo's friction and margins, and the
 //!   softness of `solref` and `solimp`, per mass of what touches; where `condim`, `priority` or `solmix` make
 //!   them differ from what two materials make of each other, the model names the pair.
+//! - Sensors of joints, actuators, frames and subtrees' centres, inertial units, forces, torques, touch and
+//!   rangefinders are in the model's list ([`Parts::sensors`]), with their noise, cutoff and interval.
 //! - Equality constraints `connect` and `weld` become joints that close a loop, `joint` a coupling.
 //!
 //! # Limitations
@@ -34,6 +36,9 @@
 //!   and other actuators with a state, plugins, flexible bodies, polynomial springs, `<replicate>`,
 //!   `<attach>` and the like, and mass from the volume of a mesh that does not become its hull
 //!   ([`Options::meshes`]). MuJoCo's own mass of a mesh is that of its surface's inside, not of its hull.
+//! - `touch` is of all contacts of the site's body. What other sensors measure, and of rangefinders other `data` than
+//!   the distance, is not read, and listed.
+//! - A rangefinder in the world sees what else is in the world; MuJoCo's sees bodies alone.
 //! - A height field is its surface; MuJoCo's is solid down to its base.
 
 mod actuator;
@@ -53,6 +58,7 @@ mod keyframe;
 mod option;
 mod orientation;
 mod sections;
+mod sensor;
 mod servo;
 mod shell;
 mod softening;
@@ -121,6 +127,7 @@ pub(crate) fn read(
     let motors = actuator::read(&root, &mut tree, &context, &mut report)?;
     softening::apply(&mut tree, &motors, &context);
     keyframe::read(&root, &mut tree, &motors, &mut report)?;
+    sensor::read(&root, &mut tree, &fusion, &context, &mut report)?;
     equality::read(&root, &mut tree, &context, &mut report)?;
 
     let mut parts = tree.parts;

@@ -15,6 +15,7 @@ const READ: &[&str] = &[
     "equality",
     "tendon",
     "actuator",
+    "sensor",
     "keyframe",
 ];
 /// Sections that say nothing about the motion: memory, drawing, and what users store for themselves.
@@ -25,7 +26,6 @@ pub(super) fn check(root: &Element, report: &mut Report) -> Result<(), FormatErr
     for section in &root.children {
         match section.name.as_str() {
             name if READ.contains(&name) || SILENT.contains(&name) => {}
-            "sensor" => report.note(section, "sensors", "not read"),
             "deformable" => {
                 report.refuse(section, "a flexible body", "remove it from the file")?;
             }

@@ -5,8 +5,8 @@ use super::joint::FileJoint;
 use super::surface::Surface;
 use crate::error::FormatError;
 use crate::xml::Element;
-use model::{Body, BodyId, BodyKind, Joint, JointId, Parts, Pose, ShapeId};
-use std::collections::HashMap;
+use model::{Body, BodyId, BodyKind, Joint, JointId, Parts, Pose, ShapeId, similar_name};
+use std::collections::{BTreeSet, HashMap};
 
 /// The tree of a file.
 pub(super) struct Tree {
@@ -112,23 +112,26 @@ impl Tree {
     /// The joint that an attribute of an element names.
     pub fn joint(&self, element: &Element, attribute: &str) -> Result<&TreeJoint, FormatError> {
         let row = self.joint_names.get(element.require(attribute)?);
-        let row = row.ok_or_else(|| unknown(element, attribute, "joint"))?;
+        let names = self.joint_names.keys().map(String::as_str);
+        let row = row.ok_or_else(|| unknown(element, attribute, "joint", names))?;
         Ok(&self.joints[*row])
     }
 
     /// The body that an attribute names; `None` is the world.
     pub fn body(&self, element: &Element, attribute: &str) -> Result<Option<BodyId>, FormatError> {
         let body = self.body_names.get(element.require(attribute)?);
+        let names = self.body_names.keys().map(String::as_str);
         body.copied()
-            .ok_or_else(|| unknown(element, attribute, "body"))
+            .ok_or_else(|| unknown(element, attribute, "body", names))
     }
 
     /// The shape of the geom that an attribute names.
     pub fn geom(&self, element: &Element, attribute: &str) -> Result<ShapeId, FormatError> {
         let shape = self.geom_names.get(element.require(attribute)?);
+        let names = self.geom_names.keys().map(String::as_str);
         shape
             .copied()
-            .ok_or_else(|| unknown(element, attribute, "geom"))
+            .ok_or_else(|| unknown(element, attribute, "geom", names))
     }
 
     /// The site that an attribute names: its body, and its pose there.
@@ -138,8 +141,9 @@ impl Tree {
         attribute: &str,
     ) -> Result<(Option<BodyId>, Pose), FormatError> {
         let site = self.sites.get(element.require(attribute)?);
+        let names = self.sites.keys().map(String::as_str);
         site.copied()
-            .ok_or_else(|| unknown(element, attribute, "site"))
+            .ok_or_else(|| unknown(element, attribute, "site", names))
     }
 
     /// The pose of a body, or of the world.
@@ -153,13 +157,22 @@ impl Tree {
     }
 }
 
-fn unknown(element: &Element, attribute: &str, kind: &str) -> FormatError {
+/// No such name among those that there are.
+pub(super) fn unknown<'a>(
+    element: &Element,
+    attribute: &str,
+    kind: &str,
+    names: impl Iterator<Item = &'a str>,
+) -> FormatError {
     let name = element.get(attribute).unwrap_or_default();
-    element.invalid_attribute(
-        attribute,
-        &format!("names `{name}`, but no {kind} has this name"),
-        "correct the name",
-    )
+    // In an order of their own, so that of several equally alike names the same is offered each time.
+    let names: BTreeSet<&str> = names.collect();
+    let remedy = match similar_name(name, names) {
+        Some(alike) => format!("did you mean `{alike}`?"),
+        None => "correct the name".to_owned(),
+    };
+    let problem = format!("names `{name}`, but no {kind} has this name");
+    element.invalid_attribute(attribute, &problem, &remedy)
 }
 
 fn taken(element: &Element, kind: &str, name: &str) -> FormatError {

@@ -102,14 +102,21 @@ fn find<'a>(
     }
 }
 
+/// The name that is most alike, where one is alike enough to be meant.
+pub fn similar_name<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let rated = names
+        .into_iter()
+        .map(|n| (strsim::jaro_winkler(name, n), n));
+    let best = rated.max_by(|a, b| a.0.total_cmp(&b.0));
+    best.filter(|(alike, _)| *alike > ALIKE).map(|(_, n)| n)
+}
+
 /// The name that is most alike; else all of them, where they are few.
 fn hint(name: &str, names: &[&str]) -> String {
-    let alike = |n: &&&str| strsim::jaro_winkler(name, n);
-    let best = names.iter().max_by(|a, b| alike(a).total_cmp(&alike(b)));
-    match best {
-        None => "there are none".into(),
-        Some(best) if alike(&best) > ALIKE => format!("did you mean \"{best}\"?"),
-        Some(_) if names.len() <= MOST_LISTED => format!("there are {}", names.join(", ")),
-        Some(_) => format!("there are {} with other names", names.len()),
+    match similar_name(name, names.iter().copied()) {
+        Some(best) => format!("did you mean \"{best}\"?"),
+        None if names.is_empty() => "there are none".into(),
+        None if names.len() <= MOST_LISTED => format!("there are {}", names.join(", ")),
+        None => format!("there are {} with other names", names.len()),
     }
 }

@@ -4,8 +4,8 @@ use super::check::{Subject, names};
 use super::joints;
 use crate::mass::principal_moments;
 use crate::{
-    Actuator, Body, BodyKind, Coupling, Geometry, Keyframe, Material, ModelError, Parts, Shape,
-    Softness,
+    Actuator, Body, BodyKind, Coupling, Geometry, JointId, JointKind, Keyframe, Material,
+    Measurand, ModelError, Parts, Sensor, Shape, Softness,
 };
 use glam::DMat3;
 use std::collections::HashMap;
@@ -41,7 +41,11 @@ pub(super) fn parts(parts: &Parts) -> Result<(), ModelError> {
         .couplings
         .iter()
         .try_for_each(|c| coupling(c, parts))?;
-    parts.actuators.iter().try_for_each(|a| actuator(a, parts))
+    parts
+        .actuators
+        .iter()
+        .try_for_each(|a| actuator(a, parts))?;
+    parts.sensors.iter().try_for_each(|s| sensor(s, parts))
 }
 
 fn counts(parts: &Parts) -> Result<(), ModelError> {
@@ -53,6 +57,7 @@ fn counts(parts: &Parts) -> Result<(), ModelError> {
         ("contact pairs", parts.contact_pairs.len(), MOST_ROWS),
         ("couplings", parts.couplings.len(), MOST_ROWS),
         ("actuators", parts.actuators.len(), MOST_ROWS),
+        ("sensors", parts.sensors.len(), MOST_ROWS),
         ("keyframes", parts.keyframes.len(), MOST_ROWS),
         ("worlds", parts.worlds, MOST_WORLDS),
     ];
@@ -82,6 +87,7 @@ fn all_names(parts: &Parts) -> Result<(), ModelError> {
     names("degree of freedom", dofs.map(|d| d.name.as_str()))?;
     names("coupling", parts.couplings.iter().map(|c| c.name.as_str()))?;
     names("actuator", parts.actuators.iter().map(|a| a.name.as_str()))?;
+    names("sensor", parts.sensors.iter().map(|s| s.name.as_str()))?;
     names("keyframe", parts.keyframes.iter().map(|k| k.name.as_str()))
 }
 
@@ -337,6 +343,69 @@ fn actuator(actuator: &Actuator, parts: &Parts) -> Result<(), ModelError> {
     actuator
         .force_range
         .map_or(Ok(()), |r| subject.range("force range", r))
+}
+
+fn sensor(sensor: &Sensor, parts: &Parts) -> Result<(), ModelError> {
+    let subject = Subject {
+        kind: "sensor",
+        name: &sensor.name,
+    };
+    subject.not_negative("noise", sensor.noise)?;
+    let (rate, cutoff) = (sensor.rate, sensor.cutoff);
+    rate.map_or(Ok(()), |rate| subject.positive("rate [Hz]", rate))?;
+    cutoff.map_or(Ok(()), |cutoff| subject.positive("cutoff", cutoff))?;
+    let (bodies, mut measurand) = (parts.bodies.len(), sensor.measurand);
+    for mount in measurand.mounts_mut() {
+        mount
+            .body
+            .map_or(Ok(()), |body| subject.row("body", body.0, bodies))?;
+        subject.pose("frame", &mount.pose)?;
+    }
+    if let Some(body) = measurand.body_mut() {
+        subject.row("body", body.0, bodies)?;
+    }
+    match sensor.measurand {
+        Measurand::Force { frame, .. } | Measurand::Torque { frame, .. } => {
+            subject.pose("frame", &frame)?;
+        }
+        Measurand::ActuatorForce { actuator } => {
+            subject.row("actuator", actuator, parts.actuators.len())?;
+        }
+        _ => {}
+    }
+    match measurand.joint_mut() {
+        Some(joint) => sensor_joint(&subject, &sensor.measurand, *joint, parts),
+        None => Ok(()),
+    }
+}
+
+/// The joint of a sensor has what is measured of it.
+fn sensor_joint(
+    subject: &Subject<'_>,
+    measurand: &Measurand,
+    joint: JointId,
+    parts: &Parts,
+) -> Result<(), ModelError> {
+    subject.row("joint", joint.0, parts.joints.len())?;
+    let joint = &parts.joints[joint.0];
+    let fits = match *measurand {
+        Measurand::JointPosition { axis, .. }
+        | Measurand::JointVelocity { axis, .. }
+        | Measurand::JointEffort { axis, .. } => {
+            return subject.row("axis", axis, joint.axes.len());
+        }
+        Measurand::BallOrientation { .. } | Measurand::BallVelocity { .. } => {
+            joint.kind == JointKind::Ball
+        }
+        _ => joint.kind != JointKind::Free,
+    };
+    if fits {
+        return Ok(());
+    }
+    Err(ModelError::SensorJoint {
+        sensor: subject.name.to_owned(),
+        joint: joint.name.clone(),
+    })
 }
 
 /// Checks a keyframe against the finished joints: numbers of entries, and quaternions.

@@ -1,0 +1,231 @@
+//! Sensors of MJCF files: what they become, what is left out, and what is refused. Readings are compared with
+//! MuJoCo's in `python/tests/test_file_sensors.py`.
+
+use glam::{DQuat, DVec3};
+use kinetarium_formats::{InMemory, Loaded, Options, parse};
+use model::{Axes, BodyId, JointId, Measurand, Mount, Pose, Sensor};
+
+/// An arm of two joints, with a massless mount on the hand, and a ball that floats.
+const ROBOT: &str = r#"
+  <worldbody>
+    <site name="origin"/>
+    <body name="arm">
+      <joint name="swing"/><joint name="twist" axis="1 0 0"/>
+      <geom name="bone" size="0.1" pos="0 0 0.5"/>
+      <body name="mount" pos="0 0 1"><site name="palm" pos="0 0.5 0" euler="0 0 90"/></body>
+    </body>
+    <body name="ball"><freejoint name="float"/><geom size="0.1"/><site name="shell"/></body>
+  </worldbody>
+  <actuator><motor name="motor" joint="twist"/></actuator>"#;
+
+fn try_read(sensors: &str, lenient: bool) -> Result<Loaded, String> {
+    let text = format!("<mujoco>{ROBOT}\n<sensor>{sensors}</sensor></mujoco>");
+    let options = Options {
+        lenient,
+        ..Options::default()
+    };
+    parse(&text, "robot.xml", &InMemory::default(), &options).map_err(|error| error.to_string())
+}
+
+fn read(sensors: &str) -> Vec<Sensor> {
+    let loaded = try_read(sensors, false).unwrap();
+    assert_eq!(loaded.warnings, []);
+    loaded.model.sensors.clone()
+}
+
+#[test]
+fn sensors_are_of_what_they_name() {
+    let [a, b, c] = &read(
+        r#"<jointpos joint="twist" noise="0.1" interval="0.02"/>
+           <jointpos name="jointpos" joint="swing" cutoff="3" interval="0 0"/>
+           <actuatorfrc actuator="motor"/>"#,
+    )[..] else {
+        panic!("three sensors")
+    };
+    // Two joints of a body are one joint of two axes.
+    let joint = JointId(0);
+    let twist = Measurand::JointPosition { joint, axis: 1 };
+    assert_eq!(
+        *a,
+        Sensor {
+            rate: Some(50.0),
+            noise: 0.1,
+            ..Sensor::new("jointpos_2", twist)
+        }
+    );
+    let swing = Measurand::JointPosition { joint, axis: 0 };
+    assert_eq!(
+        *b,
+        Sensor {
+            cutoff: Some(3.0),
+            ..Sensor::new("jointpos", swing)
+        }
+    );
+    assert_eq!(c.measurand, Measurand::ActuatorForce { actuator: 0 });
+}
+
+/// A site is placed in its body, and in what that is fused with.
+#[test]
+fn frames_go_along_with_fused_bodies() {
+    let sensors = read(
+        r#"<gyro name="g" site="palm"/>
+           <framepos name="p" objtype="xbody" objname="mount" reftype="site" refname="palm"/>
+           <framelinvel name="v" objtype="geom" objname="bone"/>
+           <framequat name="q" objtype="site" objname="origin" cutoff="0.1"/>"#,
+    );
+    let turn = DQuat::from_rotation_z(std::f64::consts::FRAC_PI_2);
+    let at = |mount: Mount, position: DVec3, turn: DQuat| {
+        assert_eq!(mount.body, Some(BodyId(0)));
+        assert!((mount.pose.position - position).length() < 1e-15);
+        assert!(mount.pose.orientation.dot(turn).abs() > 1.0 - 1e-15);
+    };
+    let palm = DVec3::new(0.0, 0.5, 1.0);
+    let Measurand::AngularVelocity { mount, axes } = sensors[0].measurand else {
+        panic!("{:?}", sensors[0]);
+    };
+    assert_eq!(axes, Axes::Own);
+    at(mount, palm, turn);
+    let Measurand::Position { mount, relative_to } = sensors[1].measurand else {
+        panic!("{:?}", sensors[1]);
+    };
+    at(mount, DVec3::Z, DQuat::IDENTITY);
+    at(relative_to, palm, turn);
+    let Measurand::Velocity { mount, axes } = sensors[2].measurand else {
+        panic!("{:?}", sensors[2]);
+    };
+    assert_eq!(axes, Axes::World);
+    at(mount, DVec3::new(0.0, 0.0, 0.5), DQuat::IDENTITY);
+    let world = Mount::in_world(Pose::IDENTITY);
+    let still = Measurand::Orientation {
+        mount: world,
+        relative_to: world,
+    };
+    // What is of unit length is not cut off.
+    assert_eq!(sensors[3], Sensor::new("q", still));
+}
+
+#[test]
+fn what_is_not_read_is_listed() {
+    let cases = [
+        (
+            "<magnetometer site='palm'/>",
+            "<magnetometer>: sensors of this kind: not read",
+        ),
+        (
+            "<force site='palm'/>",
+            "<force>: at a massless body, which is fused with its parent: not read",
+        ),
+        (
+            "<torque site='shell'/>",
+            "<torque>: at a body that no joint holds: not read",
+        ),
+        (
+            "<force site='origin'/>",
+            "<force>: at a body that no joint holds: not read",
+        ),
+        (
+            "<touch site='origin'/>",
+            "<touch>: at a site of the world: not read",
+        ),
+        (
+            "<subtreecom body='mount'/>",
+            "<subtreecom>: of a body that is fused with its parent: not read",
+        ),
+        (
+            "<rangefinder site='palm' data='dist normal'/>",
+            "<rangefinder>: rangefinders that tell more than one distance: not read",
+        ),
+        (
+            "<framequat objtype='body' objname='arm'/>",
+            "<framequat>: the orientation of a geom or of principal axes: not read",
+        ),
+        (
+            "<framepos objtype='site' objname='palm' reftype='geom' refname='bone'/>",
+            "<framepos>: a frame of reference that is a geom's or along principal axes: not read",
+        ),
+        (
+            "<frameangvel objtype='site' objname='palm' reftype='site' refname='shell'/>",
+            "<frameangvel>: a velocity relative to a frame: not read",
+        ),
+        (
+            "<framepos objtype='camera' objname='eye'/>",
+            "<framepos>: the frame of a camera: not read",
+        ),
+    ];
+    for (sensor, warning) in cases {
+        let loaded = try_read(sensor, false).unwrap();
+        assert_eq!(loaded.model.sensors, [], "{sensor}");
+        let [found] = &loaded.warnings[..] else {
+            panic!("{sensor}: {:?}", loaded.warnings);
+        };
+        assert_eq!(found.to_string(), format!("robot.xml:12: {warning}"));
+    }
+    let loaded = try_read("<gyro site='palm' delay='1'/>", false).unwrap();
+    assert_eq!(loaded.model.sensors.len(), 1);
+    let warning = "robot.xml:12: <gyro>: attribute `delay`: readings are told at once";
+    assert_eq!(loaded.warnings[0].to_string(), warning);
+    let off = ROBOT.replace(
+        "<worldbody>",
+        "<option><flag sensor='disable'/></option><worldbody>",
+    );
+    let text = format!("<mujoco>{off}<sensor><gyro site='palm'/></sensor></mujoco>");
+    let loaded = parse(
+        &text,
+        "robot.xml",
+        &InMemory::default(),
+        &Options::default(),
+    )
+    .unwrap();
+    assert_eq!(loaded.model.sensors, []);
+}
+
+#[test]
+fn bad_sensors_are_refused() {
+    let cases = [
+        (
+            "<gyro site='plam'/>",
+            "<gyro>: attribute `site` names `plam`, but no site has this name; did you mean `palm`?",
+        ),
+        (
+            "<gyro/>",
+            "<gyro>: attribute `site` is missing; write site=\"…\"",
+        ),
+        (
+            "<jointpos joint='float'/>",
+            "<jointpos>: attribute `joint` names a joint of another kind than is measured; name a hinge or slide joint",
+        ),
+        (
+            "<ballquat joint='swing'/>",
+            "<ballquat>: attribute `joint` names a joint of another kind than is measured; name a ball joint",
+        ),
+        (
+            "<actuatorfrc actuator='mtor'/>",
+            "<actuatorfrc>: attribute `actuator` names `mtor`, but no actuator has this name; did you mean `motor`?",
+        ),
+        (
+            "<gyros site='palm'/>",
+            "<gyros>: this is no sensor; correct its spelling, or remove it",
+        ),
+        (
+            "<gyro site='palm' noise='-1'/>",
+            "<gyro>: attribute `noise` is -1, below zero; write zero or a positive number",
+        ),
+        (
+            "<gyro name='a' site='palm'/><gyro name='a' site='palm'/>",
+            "<gyro>: attribute `name` is `a`, the name of another sensor; rename one of them",
+        ),
+        (
+            "<framepos objtype='tendon' objname='a'/>",
+            "<framepos>: attribute `objtype` is `tendon`; write one of: body, xbody, geom, site, camera",
+        ),
+    ];
+    for (sensor, message) in cases {
+        let error = try_read(sensor, false).unwrap_err();
+        assert!(
+            error.starts_with("robot.xml:12:") && error.ends_with(message),
+            "{error}"
+        );
+    }
+    let loaded = try_read("<actuatorfrc actuator='left out'/>", true).unwrap();
+    assert_eq!(loaded.model.sensors, []);
+}
