@@ -239,12 +239,17 @@ class Lidar(_Mounted):
 
 @dataclass(frozen=True)
 class Camera(Sensor):
-    """Images of a `kinetarium.Camera`; its reading is an `Images`. It has no noise."""
+    """Images of a `kinetarium.Camera`; its reading is an `Images`. Its noise is that of its images: normal numbers,
+    independent from pixel to pixel and image to image, the same for the same `seed`."""
 
     camera: Pinhole = field(default_factory=Pinhole)
+    rgb_noise: float = field(default=0.0, kw_only=True)
+    """Standard deviation of red, green and blue, each in its sRGB value from 0 to 1."""
+    depth_noise: float = field(default=0.0, kw_only=True)
+    """Standard deviation of depth [m]; what is infinitely far stays there."""
 
     def _measurement(self, model: Model) -> Measurement:
-        return Measurement.camera(self.camera._view(model))
+        return Measurement.camera(self.camera._view(model), self.rgb_noise, self.depth_noise)
 
 
 @dataclass(frozen=True)

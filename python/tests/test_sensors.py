@@ -130,6 +130,26 @@ def test_cameras_and_copies():
     assert (twin.sensors["touch"] == sim.sensors["touch"]).all()
 
 
+def test_images_have_seeded_noise():
+    camera = kn.Camera(32, 24, channels=("rgb", "depth")).looking((0, 0.1, 3), (0, 0.1, 0))
+
+    def images(seed=0, **noise):
+        eye = sensors.Camera("eye", camera=camera, **noise)
+        return kn.Simulation(box_on_floor(), worlds=2, sensors=[eye], seed=seed).sensors["eye"]
+
+    exact, noisy = images(), images(rgb_noise=0.02, depth_noise=0.1)
+    seen = np.isfinite(exact.depth)
+    # The standard deviation of some hundreds of numbers is known to 4 %.
+    assert (noisy.depth - exact.depth)[seen].std() == pytest.approx(0.1, rel=0.2)
+    off = noisy.rgb.astype(float) - exact.rgb
+    assert off[(exact.rgb > 20) & (exact.rgb < 235)].std() == pytest.approx(255 * 0.02, rel=0.2)
+    assert (np.isfinite(noisy.depth) == seen).all()
+    assert (images(rgb_noise=0.02).rgb == noisy.rgb).all()
+    assert (images(seed=1, rgb_noise=0.02).rgb != noisy.rgb).any()
+    with pytest.raises(SensorError, match="noise of its depth"):
+        images(depth_noise=-1.0)
+
+
 @pytest.mark.parametrize(
     ("list_of", "error", "message"),
     [

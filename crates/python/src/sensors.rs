@@ -6,7 +6,9 @@ use crate::geometry::pose;
 use crate::model::Model;
 use crate::simulation::{Engine, Precise};
 use kinetarium::model::{self, BodyId, JointId};
-use kinetarium::sensors::{Axes, Level, Mount, Noise, Sensor, SensorError, SensorKind, Sensors};
+use kinetarium::sensors::{
+    Axes, ImageNoise, Level, Mount, Noise, Sensor, SensorError, SensorKind, Sensors,
+};
 use numpy::{PyArrayDyn, PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -188,8 +190,13 @@ impl Measurement {
         Ok(lidar.into())
     }
     #[staticmethod]
-    fn camera(view: View) -> Self {
-        SensorKind::Camera { view: view.0 }.into()
+    fn camera(view: View, rgb_noise: f64, depth_noise: f64) -> Self {
+        let noise = ImageNoise {
+            rgb: rgb_noise,
+            depth: depth_noise,
+        };
+        let view = view.0;
+        SensorKind::Camera { view, noise }.into()
     }
 }
 

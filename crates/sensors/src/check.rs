@@ -148,9 +148,25 @@ impl Check<'_> {
                 self.require(rays <= MOST_RAYS, "its number of rays", rays, most)?;
                 Ok((vec![rows, columns], vec![]))
             }
-            SensorKind::Camera { .. } => {
-                let remedy = "add it to the images that are read";
-                self.support(self.sensor.noise.is_none(), "noise", remedy)?;
+            SensorKind::Camera { noise, .. } => {
+                let remedy = "give it to the kind, for its images";
+                self.support(self.sensor.noise.is_none(), "noise of numbers", remedy)?;
+                let remedy = "leave it out";
+                self.support(self.sensor.cutoff.is_none(), "cutoff", remedy)?;
+                let must = "from 0 to 1e9";
+                let small = |level: f64| (0.0..=1e9).contains(&level);
+                self.require(
+                    small(noise.rgb),
+                    "the noise of its colours",
+                    noise.rgb,
+                    must,
+                )?;
+                self.require(
+                    small(noise.depth),
+                    "the noise of its depth",
+                    noise.depth,
+                    must,
+                )?;
                 Ok((vec![0], vec![]))
             }
         }

@@ -1,7 +1,10 @@
 //! Cameras: images of those worlds that are due.
 
-use crate::SensorError;
+use crate::random::{Draw, Purpose, Source};
+use crate::{ImageNoise, SensorError};
 use model::{Model, Pose};
+use numbers::dispatch::Isa;
+use rayon::prelude::*;
 use render::{Images, Scene, View, ray_caster};
 
 /// A camera in every world, with its last images.
@@ -41,31 +44,95 @@ impl Camera {
         })
     }
 
-    /// Draws these worlds, whose bodies are placed so.
-    pub fn draw(&mut self, worlds: &[usize], poses: &[Vec<Pose>]) -> Result<(), SensorError> {
+    /// Takes these samples, of worlds whose bodies are placed so.
+    pub fn draw(
+        &mut self,
+        draws: &[Draw],
+        poses: &[Vec<Pose>],
+        errors: &ImageErrors,
+    ) -> Result<(), SensorError> {
         let poses: Vec<&[Pose]> = poses.iter().map(Vec::as_slice).collect();
         let new = ray_caster::render(&self.scene, &self.view, &poses);
-        let new = new.map_err(|source| SensorError::Render {
+        let mut new = new.map_err(|source| SensorError::Render {
             sensor: self.name.clone(),
             source,
         })?;
+        errors.add(draws, &mut new);
         let to = &mut self.images;
-        scatter(worlds, new.rgb, &mut to.rgb);
-        scatter(worlds, new.depth, &mut to.depth);
-        scatter(worlds, new.body, &mut to.body);
-        scatter(worlds, new.shape, &mut to.shape);
-        scatter(worlds, new.normal, &mut to.normal);
+        scatter(draws, new.rgb, &mut to.rgb);
+        scatter(draws, new.depth, &mut to.depth);
+        scatter(draws, new.body, &mut to.body);
+        scatter(draws, new.shape, &mut to.shape);
+        scatter(draws, new.normal, &mut to.normal);
         Ok(())
     }
 }
 
-/// The image of `worlds[i]` is the i-th that is new.
-fn scatter<P: Copy>(worlds: &[usize], new: Option<Vec<P>>, all: &mut Option<Vec<P>>) {
+/// Noise of images, as a function of seed, camera, world, sample and pixel.
+pub(crate) struct ImageErrors {
+    pub noise: ImageNoise,
+    pub source: Source,
+    pub isa: Isa,
+}
+
+impl ImageErrors {
+    /// Adds it to the new images, those of these samples; threads share the worlds.
+    pub fn add(&self, draws: &[Draw], images: &mut Images) {
+        let brightest = f64::from(u8::MAX);
+        self.shift(
+            Purpose::White,
+            self.noise.rgb,
+            draws,
+            &mut images.rgb,
+            |x, by| {
+                let moved = f64::from(*x) + brightest * by;
+                *x = moved.round().clamp(0.0, brightest) as u8;
+            },
+        );
+        self.shift(
+            Purpose::Depth,
+            self.noise.depth,
+            draws,
+            &mut images.depth,
+            |x, by| {
+                if x.is_finite() {
+                    *x = (f64::from(*x) + by).max(0.0) as f32;
+                }
+            },
+        );
+    }
+
+    fn shift<P: Send>(
+        &self,
+        purpose: Purpose,
+        deviation: f64,
+        draws: &[Draw],
+        images: &mut Option<Vec<P>>,
+        move_by: impl Fn(&mut P, f64) + Sync,
+    ) {
+        let Some(images) = images
+            .as_mut()
+            .filter(|_| deviation > 0.0 && !draws.is_empty())
+        else {
+            return;
+        };
+        let n = images.len() / draws.len();
+        let each = images.par_chunks_exact_mut(n).zip(draws);
+        each.for_each(|(image, draw)| {
+            let take = |_: &Draw, i: usize, z: f64| move_by(&mut image[i], deviation * z);
+            self.source
+                .each(self.isa, purpose, std::iter::once(*draw), n, take);
+        });
+    }
+}
+
+/// The image of the i-th sample is the i-th that is new.
+fn scatter<P: Copy>(draws: &[Draw], new: Option<Vec<P>>, all: &mut Option<Vec<P>>) {
     let (Some(new), Some(all)) = (new, all) else {
         return;
     };
-    let size = new.len() / worlds.len().max(1);
-    for (image, &world) in new.chunks_exact(size.max(1)).zip(worlds) {
-        all[world * size..][..size].copy_from_slice(image);
+    let size = new.len() / draws.len().max(1);
+    for (image, draw) in new.chunks_exact(size.max(1)).zip(draws) {
+        all[draw.world * size..][..size].copy_from_slice(image);
     }
 }

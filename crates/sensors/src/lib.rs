@@ -33,7 +33,7 @@
 //! - Contact forces are those of the last step. Accelerations are of the last substep but with
 //!   `featherstone`.
 //! - `JointEffort` takes no drives with a control time: how far their targets have got only the solver knows.
-//! - Cameras show the model of the simulation, whatever sizes a world's own model has, and have no noise.
+//! - Cameras show the model of the simulation, whatever sizes a world's own model has.
 
 #![forbid(unsafe_code)]
 
@@ -52,7 +52,7 @@ mod state;
 
 pub use error::SensorError;
 pub use model::{Axes, Mount};
-pub use noise::{Level, Noise};
+pub use noise::{ImageNoise, Level, Noise};
 pub use render::{Camera, Channels, Images, Lens, View};
 pub use sensor::{Sensor, SensorKind};
 pub use sensors::{ImageReading, Reading, Sensors};

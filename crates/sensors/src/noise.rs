@@ -77,6 +77,16 @@ impl Noise {
     }
 }
 
+/// What is added to the images of a camera: normal numbers, independent of pixel to pixel and image to image;
+/// nothing by default. Bodies, shapes and normals are seen as they are.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ImageNoise {
+    /// Standard deviation of red, green and blue, each in its sRGB value from 0 to 1.
+    pub rgb: f64,
+    /// Standard deviation of depth [m]. What is seen stays at 0 or beyond, and nothing infinitely far.
+    pub depth: f64,
+}
+
 /// Some worlds, one after the other.
 pub(crate) struct Part<'a, T> {
     /// The first of them.
@@ -133,6 +143,10 @@ impl Errors {
     /// Whether readings are what is measured.
     pub fn are_none(&self) -> bool {
         !self.adds() && self.step.is_empty() && self.cutoff.is_infinite()
+    }
+    /// Where its random numbers come from.
+    pub fn source(&self) -> &Source {
+        &self.source
     }
     /// Whether it keeps a random walk.
     pub fn walks(&self) -> bool {

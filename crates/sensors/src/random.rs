@@ -47,6 +47,8 @@ pub(crate) enum Purpose {
     White = 0,
     Walk = 1,
     Bias = 2,
+    /// White noise of depth, beside that of colours.
+    Depth = 3,
 }
 
 /// Which sample of which world.

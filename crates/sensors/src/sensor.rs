@@ -1,6 +1,6 @@
 //! What can be measured, where, and how often.
 
-use crate::Noise;
+use crate::{ImageNoise, Noise};
 use glam::{DQuat, DVec3};
 use model::{Axes, BodyId, JointId, Model, Mount, Pose};
 use render::View;
@@ -159,11 +159,13 @@ pub enum SensorKind {
         /// Largest distance [m], read where nothing is met; may be infinite.
         max_range: f64,
     },
-    /// Images by the ray-caster on the processors: see [`Sensors::images`](crate::Sensors::images). Takes no
-    /// noise.
+    /// Images by the ray-caster on the processors: see [`Sensors::images`](crate::Sensors::images). Its noise is
+    /// that of its images.
     Camera {
         /// The camera, with its mount, and which images are made.
         view: View,
+        /// What is added to them.
+        noise: ImageNoise,
     },
 }
 

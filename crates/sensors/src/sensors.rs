@@ -1,13 +1,13 @@
 //! The sensors of all worlds of a simulation.
 
-use crate::SensorError;
 use crate::check::{self, Check};
 use crate::clock::Clock;
-use crate::images::Camera;
+use crate::images::{Camera, ImageErrors};
 use crate::measure::Look;
 use crate::noise::{Errors, Part};
 use crate::random::{Draw, Source};
 use crate::sensor::{Sensor, SensorKind, directions};
+use crate::{ImageNoise, SensorError};
 use glam::DVec3;
 use model::{BodyId, Model, Mount, Pose};
 use numbers::Float;
@@ -94,6 +94,18 @@ pub(crate) struct Sampled {
     due: Option<u64>,
     /// Time since the one before [s].
     elapsed: f64,
+}
+
+impl Sampled {
+    /// What the noise of the sample that is due depends on.
+    fn draw(&self, world: usize, episode: u32) -> Option<Draw> {
+        self.due.map(|sample| Draw {
+            world,
+            episode,
+            sample,
+            elapsed: self.elapsed,
+        })
+    }
 }
 
 /// Numbers of a sensor in all worlds.
@@ -336,7 +348,9 @@ impl<T: Float> Channel<T> {
         let source = Source::new(seed, &sensor.name);
         let errors = Errors::new(&sensor, source, n, layout.quaternions)?;
         let camera = match &sensor.kind {
-            SensorKind::Camera { view } => Some(Camera::new(&sensor.name, *view, model, worlds)?),
+            SensorKind::Camera { view, .. } => {
+                Some(Camera::new(&sensor.name, *view, model, worlds)?)
+            }
             _ => None,
         };
         Ok(Self {
@@ -402,7 +416,10 @@ impl<T: Float> Channel<T> {
         worlds: &[World],
     ) -> Result<(), SensorError> {
         match &self.sensor.kind {
-            SensorKind::Camera { .. } => return self.draw(simulation),
+            SensorKind::Camera { noise, .. } => {
+                let noise = *noise;
+                return self.draw(simulation, worlds, noise);
+            }
             SensorKind::Rangefinder { mount, max_range }
             | SensorKind::Lidar {
                 mount, max_range, ..
@@ -443,15 +460,7 @@ impl<T: Float> Channel<T> {
         }
         let n = self.each();
         let (samples, errors) = (&self.samples, &self.errors);
-        let draw = |world: usize| {
-            let sampled = &samples[world];
-            sampled.due.map(|sample| Draw {
-                world,
-                episode: worlds[world].episode,
-                sample,
-                elapsed: sampled.elapsed,
-            })
-        };
+        let draw = |world: usize| samples[world].draw(world, worlds[world].episode);
         let memories = (&mut self.numbers[..], &mut self.walk[..]);
         simulation.observe(|simulation, _| {
             in_parts(n, memories, |part| {
@@ -501,19 +510,28 @@ impl<T: Float> Channel<T> {
         Ok(())
     }
 
-    fn draw(&mut self, simulation: &mut Simulation<T>) -> Result<(), SensorError> {
-        let due = self.due();
+    fn draw(
+        &mut self,
+        simulation: &mut Simulation<T>,
+        worlds: &[World],
+        noise: ImageNoise,
+    ) -> Result<(), SensorError> {
+        let draw = |world: usize| self.samples[world].draw(world, worlds[world].episode);
+        let due: Vec<Draw> = (0..worlds.len()).filter_map(draw).collect();
         let Some(camera) = &mut self.camera else {
             return Ok(());
         };
+        let source = *self.errors.source();
         simulation.observe(|simulation, outputs| {
             let bodies = simulation.model().bodies.len();
-            let of = |&world: &usize| -> Vec<Pose> {
-                let pose = |body| outputs.body_pose(world, BodyId(body));
+            let of = |draw: &Draw| -> Vec<Pose> {
+                let pose = |body| outputs.body_pose(draw.world, BodyId(body));
                 (0..bodies).map(pose).collect()
             };
             let poses: Vec<_> = due.iter().map(of).collect();
-            camera.draw(&due, &poses)
+            let isa = simulation.isa();
+            let errors = ImageErrors { noise, source, isa };
+            camera.draw(&due, &poses, &errors)
         })
     }
 }

@@ -5,7 +5,7 @@ mod common;
 use common::{floating, pendulum, simulate};
 use glam::DVec3;
 use kinetarium_sensors::{
-    Axes, Camera, Level, Mount, Noise, Sensor, SensorError, SensorKind, Sensors, View,
+    Axes, Camera, ImageNoise, Level, Mount, Noise, Sensor, SensorError, SensorKind, Sensors, View,
 };
 use model::{BodyId, Builder, Drive, JointId, Pose};
 use sim::{Simulation, SolverKind};
@@ -58,7 +58,8 @@ fn sensors_that_are_not_there_are_not_read() {
     let error = sensors.images("a").unwrap_err().to_string();
     assert!(error.contains("no camera"), "{error}");
     let view = View::new(Camera::new(4, 4, 1.0));
-    let sensors = make(vec![Sensor::new("eye", SensorKind::Camera { view })]).unwrap();
+    let noise = ImageNoise::default();
+    let sensors = make(vec![Sensor::new("eye", SensorKind::Camera { view, noise })]).unwrap();
     let error = sensors.reading("eye").unwrap_err().to_string();
     assert!(error.contains("call `images`"), "{error}");
 }
@@ -85,7 +86,8 @@ fn bodies_and_joints_exist() {
     let frame = None;
     refused(SensorKind::ForceTorque { joint, frame }, &no_joint);
     let view = View::new(Camera::new(4, 4, 1.0).on(body));
-    refused(SensorKind::Camera { view }, &["on body 1"]);
+    let noise = ImageNoise::default();
+    refused(SensorKind::Camera { view, noise }, &["on body 1"]);
     let joints = vec![];
     refused(
         SensorKind::JointPosition { joints },
@@ -136,7 +138,8 @@ fn numbers_make_sense() {
     refused(lidar(vec![0.0, f64::NAN], vec![0.0]), &["azimuth is NaN"]);
     refused(lidar(vec![0.0; 2000], vec![0.0; 2000]), &["number of rays"]);
     let view = View::new(Camera::new(0, 4, 1.0));
-    refused(SensorKind::Camera { view }, &["width"]);
+    let noise = ImageNoise::default();
+    refused(SensorKind::Camera { view, noise }, &["width"]);
 }
 
 #[test]
@@ -175,8 +178,29 @@ fn parts_and_cutoffs_make_sense() {
 #[test]
 fn what_a_kind_does_not_take_is_refused() {
     let view = View::new(Camera::new(4, 4, 1.0));
-    let noisy = Sensor::new("s", SensorKind::Camera { view }).with_noise(Noise::white(1.0));
+    let noise = ImageNoise::default();
+    let noisy = Sensor::new("s", SensorKind::Camera { view, noise }).with_noise(Noise::white(1.0));
     refused_sensor(noisy, &["camera", "noise"]);
+    let cut = Sensor::new("s", SensorKind::Camera { view, noise }).with_cutoff(1.0);
+    refused_sensor(cut, &["camera", "cutoff"]);
+    for level in [-0.1, f64::NAN, f64::INFINITY] {
+        let rgb = ImageNoise {
+            rgb: level,
+            ..noise
+        };
+        refused(
+            SensorKind::Camera { view, noise: rgb },
+            &["noise of its colours"],
+        );
+        let depth = ImageNoise {
+            depth: level,
+            ..noise
+        };
+        refused(
+            SensorKind::Camera { view, noise: depth },
+            &["noise of its depth"],
+        );
+    }
 
     let mut simulation = simulate::<f64>(&floating(), SolverKind::Featherstone, 1, 0.01);
     let (joint, frame) = (JointId(0), None);

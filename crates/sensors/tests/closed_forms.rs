@@ -488,7 +488,7 @@ fn joints_are_read_in_the_order_asked_for() {
 /// A camera sees what the ray-caster draws, and its images hold from sample to sample.
 #[test]
 fn a_camera_draws_each_world_when_it_is_due() {
-    use kinetarium_sensors::{Camera, Channels, View};
+    use kinetarium_sensors::{Camera, Channels, ImageNoise, View};
     let model = resting();
     let mut simulation = simulate::<f32>(&model, SolverKind::Featherstone, 2, 0.01);
     let eye = DVec3::new(0.0, 0.5, 2.0);
@@ -497,7 +497,8 @@ fn a_camera_draws_each_world_when_it_is_due() {
     let mut lifted = model.initial_position();
     lifted[1] += 0.2;
     simulation.set_joint_state(1, &lifted, &[0.0; 6]).unwrap();
-    let sensor = Sensor::new("eye", SensorKind::Camera { view }).with_rate(10.0);
+    let noise = ImageNoise::default();
+    let sensor = Sensor::new("eye", SensorKind::Camera { view, noise }).with_rate(10.0);
     let mut sensors = Sensors::new(&mut simulation, vec![sensor], 0).unwrap();
     let before = sensors.images("eye").unwrap().images.clone();
 

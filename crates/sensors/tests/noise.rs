@@ -3,8 +3,11 @@
 mod common;
 
 use common::{close, pendulum, simulate};
-use kinetarium_sensors::{Level, Mount, Noise, Sensor, SensorKind, Sensors};
-use model::{BodyId, JointId};
+use glam::DVec3;
+use kinetarium_sensors::{
+    Camera, Channels, ImageNoise, Images, Level, Mount, Noise, Sensor, SensorKind, Sensors, View,
+};
+use model::{BodyId, Builder, Geometry, JointId, Pose, Shape};
 use sim::{Simulation, SimulationSettings, SolverKind};
 
 fn angle() -> SensorKind {
@@ -288,4 +291,76 @@ fn noisy_quaternions_have_unit_length() {
         })
         .collect();
     normal("turn about x", &turns, 0.02);
+}
+
+/// Images of a grey wall 2 m away, and of nothing beside it, in so many worlds.
+fn noisy_images(worlds: usize, threads: usize, steps: usize) -> Images {
+    let mut world = Builder::new("wall");
+    let half = DVec3::new(0.5, 10.0, 0.1);
+    let wall = Shape::new(Geometry::Box { half });
+    let mut grey = wall.at(Pose::at(DVec3::new(0.5, 0.0, -2.1)));
+    grey.color = Some([0.5, 0.5, 0.5, 1.0]);
+    world.object("").scenery(grey);
+    let settings = SimulationSettings {
+        threads,
+        ..SimulationSettings::new(worlds, 0.01)
+    };
+    let mut simulation = Simulation::<f32>::new(world.build().unwrap(), settings).unwrap();
+    let camera = Camera::new(40, 30, 0.5).looking(DVec3::ZERO, -DVec3::Z, DVec3::Y);
+    let view = View::new(camera).with_channels(Channels::ALL);
+    let noise = ImageNoise {
+        rgb: 0.03,
+        depth: 0.05,
+    };
+    let sensor = Sensor::new("eye", SensorKind::Camera { view, noise });
+    let mut sensors = Sensors::new(&mut simulation, vec![sensor], 7).unwrap();
+    sensors.step(&mut simulation, steps).unwrap();
+    sensors.images("eye").unwrap().images.clone()
+}
+
+/// Colours and depth of what is seen, 600 pixels in each of 20 worlds: of 12 000 numbers the deviation is known to
+/// 0.65 %, and as [`normal`] allows.
+#[test]
+fn images_have_the_noise_that_is_asked_for() {
+    let images = noisy_images(20, 2, 0);
+    let (rgb, depth, body) = (
+        images.rgb.unwrap(),
+        images.depth.unwrap(),
+        images.shape.unwrap(),
+    );
+    let seen = |pixel: &usize| body[*pixel] >= 0;
+    let pixels: Vec<usize> = (0..depth.len()).filter(seen).collect();
+    assert!((11_000..=12_000).contains(&pixels.len()));
+    let off: Vec<f64> = pixels.iter().map(|p| f64::from(depth[*p]) - 2.0).collect();
+    normal("depth", &off, 0.05);
+    let infinite = (0..depth.len()).filter(|p| !seen(p));
+    infinite.for_each(|p| assert!(depth[p].is_infinite()));
+    for channel in 0..3 {
+        let values: Vec<f64> = pixels
+            .iter()
+            .map(|p| f64::from(rgb[3 * p + channel]))
+            .collect();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        assert!(
+            (40.0..215.0).contains(&mean),
+            "no value is at an end: {mean}"
+        );
+        // Rounding to whole numbers adds a variance of 1/12.
+        let expected = ((255.0_f64 * 0.03).powi(2) + 1.0 / 12.0).sqrt();
+        let off: Vec<f64> = values.iter().map(|x| x - mean).collect();
+        normal("colour", &off, expected);
+    }
+}
+
+#[test]
+fn noise_of_images_is_a_function_of_world_and_sample() {
+    let many = noisy_images(5, 3, 2);
+    assert_eq!(many, noisy_images(5, 1, 2));
+    let (one, later) = (noisy_images(1, 1, 2), noisy_images(1, 1, 3));
+    let first = |images: &Images| images.rgb.as_ref().unwrap()[..3 * 40 * 30].to_vec();
+    assert_eq!(first(&many), first(&one));
+    assert_ne!(first(&later), first(&one));
+    let all = many.depth.unwrap();
+    assert_ne!(all[..1200], all[1200..2400]);
+    assert_eq!(all[..1200], one.depth.unwrap());
 }
