@@ -140,7 +140,7 @@ def test_images_have_seeded_noise():
     exact, noisy = images(), images(rgb_noise=0.02, depth_noise=0.1)
     seen = np.isfinite(exact.depth)
     # The standard deviation of some hundreds of numbers is known to 4 %.
-    assert (noisy.depth - exact.depth)[seen].std() == pytest.approx(0.1, rel=0.2)
+    assert (noisy.depth[seen] - exact.depth[seen]).std() == pytest.approx(0.1, rel=0.2)
     off = noisy.rgb.astype(float) - exact.rgb
     assert off[(exact.rgb > 20) & (exact.rgb < 235)].std() == pytest.approx(255 * 0.02, rel=0.2)
     assert (np.isfinite(noisy.depth) == seen).all()
