@@ -177,11 +177,19 @@ impl<T: Float> Job for Work<'_, T> {
         for (b, row) in rows {
             let center = vector(centers, self.root[b] * CENTER_WIDTH);
             match self.what {
-                Spatial::Center => row.copy_from_slice(&center.to_array()),
-                Spatial::Inertia => row.copy_from_slice(&placed.inertia(b, center)),
-                Spatial::Velocity => row.copy_from_slice(&placed.velocity(b, center)),
+                Spatial::Center => put(row, center.to_array()),
+                Spatial::Inertia => put(row, placed.inertia(b, center)),
+                Spatial::Velocity => put(row, placed.velocity(b, center)),
             }
         }
+    }
+}
+
+/// Writes the first numbers of a row. A loop, for what copies slices is a function that is not inlined.
+#[inline(always)]
+fn put<R: Copy, const N: usize>(row: &mut [R], numbers: [R; N]) {
+    for (to, x) in row[..N].iter_mut().zip(numbers) {
+        *to = x;
     }
 }
 
@@ -198,13 +206,13 @@ fn find_centers<R: Real>(placed: &Placed<'_, R>, root: &[usize], centers: &mut [
         let sum = &mut centers[root * CENTER_WIDTH..][..CENTER_WIDTH];
         let m = placed.mass(b);
         let c = placed.center(b).fma(m, vector(sum, 0));
-        sum.copy_from_slice(&[c.x, c.y, c.z, sum[3] + m]);
+        put(sum, [c.x, c.y, c.z, sum[3] + m]);
     }
     for sum in centers.chunks_exact_mut(CENTER_WIDTH) {
         let m = sum[3];
         let share = R::select(m.gt(R::zero()), m.recip(), R::zero());
         let c = vector(sum, 0) * share;
-        sum[..3].copy_from_slice(&c.to_array());
+        put(sum, c.to_array());
     }
 }
 
