@@ -201,7 +201,9 @@ fn vector<R: Real>(numbers: &[R], at: usize) -> Vec3<R> {
 /// C of every tree; the origin where nothing of it has mass.
 #[inline(always)]
 fn find_centers<R: Real>(placed: &Placed<'_, R>, root: &[usize], centers: &mut [R]) {
-    centers.fill(R::zero());
+    for number in centers.iter_mut() {
+        *number = R::zero();
+    }
     for (b, root) in root.iter().enumerate() {
         let sum = &mut centers[root * CENTER_WIDTH..][..CENTER_WIDTH];
         let m = placed.mass(b);
