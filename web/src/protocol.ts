@@ -49,6 +49,7 @@ const settings = {
 /** From the page to the engine. */
 export const command = tagged("type", {
   open: { example: text, build: optional(values), physics: optional(values) },
+  file: { name: text, text },
   rebuild: { build: values },
   run: {},
   stop: {},
@@ -213,7 +214,7 @@ export const message = tagged("type", {
   welcome: { protocol: count, examples: array(example) },
   scene,
   status,
-  changed: { command: setting },
+  changed: { commands: array(setting) },
   error: { message: text, refused: nullable(text) },
 });
 export type Message = Checked<typeof message>;
