@@ -1,10 +1,11 @@
 import { writeFileSync } from "node:fs";
 import { expect, test } from "vitest";
+import { parseAddress } from "../src/address";
 import { ADDRESS, middle, OUT, open, page, pages, poses, step, triangle } from "./harness";
 
 pages();
 
-const CART = `<mujoco model="cart"><worldbody><light pos="0 0 3"/><body name="cart" pos="0 0 1">
+const CART = `<mujoco model="cart"><worldbody><light pos="0 0 3"/><camera name="eye" pos="0 -3 1" xyaxes="1 0 0 0 0 1" fovy="50"/><body name="cart" pos="0 0 1">
   <joint name="x" type="slide" axis="1 0 0"/><geom type="box" size=".1 .1 .1"/></body></worldbody></mujoco>`;
 const ARM = `<robot name="arm"><link name="base"/><link name="tip"><inertial><mass value="1"/>
   <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial><visual><geometry><sphere radius="0.1"/>
@@ -42,6 +43,24 @@ test("a robot file that is dropped on the picture opens", async () => {
   expect(await notice().isVisible()).toBe(false);
   await page.locator(".example").first().click();
   await page.waitForFunction(() => window.kinetarium.scene?.name !== "cart.xml");
+});
+
+test("a camera of a file is seen through, and gone to", async () => {
+  await open("example=tower");
+  await drop("cart.xml", CART, await middle());
+  await shown("cart.xml");
+  // Its picture is in a corner.
+  expect(await page.locator(".inset").textContent()).toBe("eye");
+  await page.getByRole("button", { name: "eye", exact: true }).click();
+  await page.waitForFunction(() => location.hash.includes("view="));
+  const { viewpoint } = parseAddress(await page.evaluate(() => location.hash));
+  // At (0, −3, 1), level, towards +y, which is −z of the screen: towards the cart, 3 m away.
+  expect(viewpoint?.yaw).toBeCloseTo(0, 4);
+  expect(viewpoint?.pitch).toBeCloseTo(0, 4);
+  expect(viewpoint?.distance).toBeCloseTo(3, 3);
+  viewpoint?.target.forEach((x, i) => {
+    expect(x).toBeCloseTo([0, 1, 0][i], 3);
+  });
 });
 
 test("so it does anywhere else on the page, and from the file dialog", async () => {

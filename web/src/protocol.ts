@@ -160,8 +160,14 @@ export type Joint = Checked<typeof joint>;
 
 const actuator = object({ name: text, range: pair, value: number });
 
-const camera = object({ name: text, body: integer, placement, field_of_view: number });
-/** A camera that looks along its −z, with +y up. */
+const camera = object({
+  name: text,
+  body: integer,
+  mode: oneOf("fixed", "track"),
+  placement,
+  field_of_view: number,
+});
+/** A camera that looks along its −z, with +y up; one that tracks goes along with its body and does not turn. */
 export type Camera = Checked<typeof camera>;
 
 const quantity = object({ label: text, unit: text, group: text });

@@ -8,8 +8,8 @@ mod validate;
 
 use crate::contact_pair::key;
 use crate::{
-    Actuator, Body, BodyId, BodyKind, ContactPair, Coupling, Joint, JointId, JointKind, Keyframe,
-    Material, ModelError, Shape, ShapeId,
+    Actuator, Body, BodyId, BodyKind, Camera, ContactPair, Coupling, Joint, JointId, JointKind,
+    Keyframe, Material, ModelError, Shape, ShapeId,
 };
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -66,6 +66,8 @@ pub struct Parts {
     pub actuators: Vec<Actuator>,
     /// Named states.
     pub keyframes: Vec<Keyframe>,
+    /// Cameras with names.
+    pub cameras: Vec<Camera>,
     /// Number of worlds the author asks for.
     pub worlds: usize,
 }
@@ -86,6 +88,7 @@ impl Default for Parts {
             couplings: Vec::new(),
             actuators: Vec::new(),
             keyframes: Vec::new(),
+            cameras: Vec::new(),
             worlds: 1,
         }
     }

@@ -452,7 +452,9 @@ pub struct Camera {
     pub name: String,
     /// Body that carries it, or −1.
     pub body: i32,
-    /// Where it is in that body's frame.
+    /// Whether it turns with its body, or only goes along with its origin.
+    pub mode: model::CameraMode,
+    /// Where it is: in that body's frame, or from its origin along world axes.
     pub placement: Placement,
     /// Vertical field of view [rad].
     pub field_of_view: f64,

@@ -1,8 +1,8 @@
 //! Sessions as a page sees them.
 
 use kinetarium_session::frame::{CONTACT, HEADER};
-use kinetarium_session::protocol::{Command, Message, Scene, Status};
-use kinetarium_session::{EXAMPLES, Outgoing, Session, Shared};
+use kinetarium_session::protocol::{Command, Geometry, Message, Scene, Status};
+use kinetarium_session::{EXAMPLES, Outgoing, Session, Shared, Stage};
 use model::Model;
 use model::examples::{self, Start};
 use sim::{Simulation, SimulationSettings};
@@ -423,6 +423,40 @@ fn a_robot_file_opens_and_what_it_cannot_say_is_told() {
     page.refuses(&file("cart.xml", "<mujoco><worldbody>"), "cart.xml");
     page.refuses(&file("notes.xml", "<notes/>"), "<mujoco>, URDF");
     assert_eq!(page.scene().name, "cart.xml");
+}
+
+#[test]
+fn a_mesh_of_a_file_is_seen_where_it_can_be_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("leaf.obj");
+    std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let scene = |file: &std::path::Path| {
+        let mut world = model::Builder::new("leaf");
+        let file = file.to_str().unwrap().to_owned();
+        let scale = glam::DVec3::splat(2.0);
+        let leaf = model::Geometry::MeshFile { file, scale };
+        let leaf = model::Shape::new(leaf).without_contact();
+        world.object("leaf").scenery(leaf);
+        let mut session = Session::of(Stage::new(world.build().unwrap()), clock).unwrap();
+        let greeting = session.greeting();
+        let Outgoing::Text(scene) = &greeting[1] else {
+            panic!("{greeting:?}")
+        };
+        let Message::Scene(scene) = serde_json::from_str(scene).unwrap() else {
+            panic!("{scene}")
+        };
+        scene.shapes[0].geometry.clone()
+    };
+    let seen = Geometry::Mesh {
+        positions: vec![0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 2.0, 0.0],
+        triangles: vec![0, 1, 2],
+        flat: false,
+    };
+    assert_eq!(scene(&path), seen);
+    let Geometry::Mesh { triangles, .. } = scene(&folder.path().join("none.obj")) else {
+        panic!("no mesh")
+    };
+    assert!(triangles.is_empty());
 }
 
 /// Motors that nobody has set are moved by chance, and sliders with them, a few times a second.

@@ -18,6 +18,8 @@
 //!   the world; `<exclude>` and `<pair>` hold. Contacts have MuJoCo's friction and margins, and the
 //!   softness of `solref` and `solimp`, per mass of what touches; where `condim`, `priority` or `solmix` make
 //!   them differ from what two materials make of each other, the model names the pair.
+//! - Cameras keep their names, places and fields of view; those of mode `track` go along with their body and do
+//!   not turn with it.
 //! - Equality constraints `connect` and `weld` become joints that close a loop, `joint` a coupling.
 //!
 //! # Limitations
@@ -34,11 +36,14 @@
 //!   and other actuators with a state, plugins, flexible bodies, polynomial springs, `<replicate>`,
 //!   `<attach>` and the like, and mass from the volume of a mesh that does not become its hull
 //!   ([`Options::meshes`]). MuJoCo's own mass of a mesh is that of its surface's inside, not of its hull.
+//! - Cameras of mode `trackcom` go along with their body's origin; those that aim at a body, and orthographic ones,
+//!   are left out.
 //! - A height field is its surface; MuJoCo's is solid down to its base.
 
 mod actuator;
 mod assets;
 mod body;
+mod camera;
 mod compiler;
 mod contact;
 mod content;
