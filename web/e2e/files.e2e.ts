@@ -49,7 +49,9 @@ test("a camera of a file is seen through, and gone to", async () => {
   await open("example=tower");
   await drop("cart.xml", CART, await middle());
   await shown("cart.xml");
-  // Its picture is in a corner.
+  // No robot's eye, it is not shown at first.
+  expect(await page.locator(".inset").isVisible()).toBe(false);
+  await page.getByRole("combobox", { name: "Inset" }).selectOption("Camera eye");
   expect(await page.locator(".inset").textContent()).toBe("eye");
   await page.getByRole("button", { name: "eye", exact: true }).click();
   await page.waitForFunction(() => location.hash.includes("view="));

@@ -64,7 +64,8 @@ export class ViewPanel {
       const options = cameras.map(({ name }, row): [number, string] => [row, `Camera ${name || row}`]);
       this.cameras.setOptions([[-1, "No inset"], ...options]);
       this.cameras.element.hidden = cameras.length === 0;
-      this.set({ inset: cameras.length ? 0 : -1 });
+      // What a robot sees with its own eyes is shown at first.
+      this.set({ inset: cameras.findIndex(({ body, mode }) => body >= 0 && mode === "fixed") });
       this.showSaved();
     });
     this.show();
