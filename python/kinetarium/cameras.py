@@ -43,10 +43,12 @@ class Camera:
     """Depth [m] up to which things are seen."""
     body: str | None = None
     """Name of the body that it is on; none is the world."""
+    mode: str = "fixed"
+    """"fixed": it moves and turns with its body. "track": it moves with its body's origin and does not turn."""
     position: Vector = (0.0, 0.0, 0.0)
-    """In the frame of its body, or in the world [m]."""
+    """In the frame of its body, or in the world [m]; of one that tracks, from its body's origin along world axes."""
     orientation: Quaternion = (0.0, 0.0, 0.0, 1.0)
-    """In the frame of its body, or in the world, x, y, z, w."""
+    """In the frame of its body, or in the world, x, y, z, w; of one that tracks, in world axes."""
     channels: Sequence[str] = field(default=("rgb",))
     """Which images are made: "rgb", "depth", "body", "shape", "normal"."""
     samples: int = 1
@@ -60,6 +62,12 @@ class Camera:
         x, y, z, w = looking(eye, target, up)
         return replace(self, position=eye, orientation=(x, y, z, w))
 
+    @classmethod
+    def of(cls, model: Model, name: str) -> Camera:
+        """A camera that the model's file names, of the size that it has there, or of 640 × 480. With another size, or
+        other channels: `dataclasses.replace`. Raises `UnknownNameError`."""
+        return cls(**model.camera(name))
+
     def _view(self, model: Model) -> View:
         return View(
             model,
@@ -71,6 +79,7 @@ class Camera:
             near=self.near,
             far=self.far,
             body=self.body,
+            mode=self.mode,
             position=self.position,
             orientation=self.orientation,
             channels=list(self.channels),

@@ -430,16 +430,19 @@ class Simulation:
         (x, y, z), (i, j, k, w), angle = framing(self._engine, self._model, row, width, height)
         return Camera(width, height, angle, position=(x, y, z), orientation=(i, j, k, w))
 
-    def render(self, camera: Camera | None = None, *, worlds: ArrayLike | None = None) -> Images:
-        """What a camera sees in some worlds (all by default), on the CPU, without a window.
+    def render(self, camera: Camera | str | None = None, *, worlds: ArrayLike | None = None) -> Images:
+        """What a camera sees in some worlds (all by default), on the CPU, without a window. The model's cameras
+        (`model.camera_names`) go by their names.
 
         Without a camera: colours, 640 × 480, of the first world given, from where all its bodies are in the image.
-        Raises `RenderError`.
+        Raises `RenderError`, and `UnknownNameError` for a camera that the model has not.
         """
         rows = self._rows(worlds)
         if camera is None:
             rows = rows[:1]
             camera = replace(self.framing(int(rows[0])), samples=2)
+        elif isinstance(camera, str):
+            camera = Camera.of(self._model, camera)
         view = camera._view(self._model)
         return Images(**render_view(self._engine, self._model, view, rows))
 

@@ -117,6 +117,7 @@ export function humanoids(worlds: number): Synthetic {
     {
       name: "eye",
       body: 1,
+      mode: "fixed",
       placement: { position: [0, 0, 0.2], orientation: [0, 1, 0, 0] },
       field_of_view: 1,
     },

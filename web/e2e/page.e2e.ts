@@ -1,63 +1,14 @@
 import { readFileSync } from "node:fs";
-import type { Browser, Page } from "playwright-core";
-import { afterAll, afterEach, beforeAll, beforeEach, expect, test } from "vitest";
+import type { Page } from "playwright-core";
+import { expect, test } from "vitest";
 import { HEADER, POSE } from "../src/frame";
-import { launch } from "./browser.mjs";
+import { ADDRESS, broken, browser, middle, OUT, open, page, pages, poses, step, triangle } from "./harness";
 import { type Reference, reference } from "./reference";
 
-const ADDRESS = process.env.KINETARIUM_PAGE ?? "";
-const OUT = new URL("out/", import.meta.url).pathname;
+pages();
 
-let browser: Browser;
-let page: Page;
-let broken: string[];
-
-beforeAll(async () => {
-  browser = await launch();
-});
-afterAll(() => browser.close());
-
-beforeEach(async () => {
-  const context = await browser.newContext({ viewport: { width: 1400, height: 860 }, acceptDownloads: true });
-  page = await context.newPage();
-  broken = [];
-  page.on("pageerror", (error) => broken.push(String(error.stack)));
-});
-afterEach(async ({ task }) => {
-  await page.screenshot({ path: `${OUT}${task.name.replace(/\W+/g, "_")}.png` });
-  await page.context().close();
-  expect(broken, "errors of the page").toEqual([]);
-});
-
-/** Opens the page with an example, and waits for its first frame. */
-async function open(hash: string): Promise<void> {
-  await page.goto(`${ADDRESS}#${hash}`);
-  const example = new URLSearchParams(hash).get("example");
-  await page.waitForFunction((name) => {
-    const { scene, frame } = window.kinetarium ?? {};
-    return frame && (name === null || scene?.name === name);
-  }, example);
-  // A session shared with others may be at any time.
-  await page.getByRole("button", { name: "Restart" }).click();
-  await page.waitForFunction(() => window.kinetarium.frame?.steps === 0);
-}
-
-async function step(steps: number): Promise<void> {
-  const before = await page.evaluate(() => window.kinetarium.frame?.steps ?? 0);
-  await page.getByRole("button", { name: String(steps), exact: true }).click();
-  await page.waitForFunction((after) => window.kinetarium.frame?.steps === after, before + steps);
-}
-
-const poses = () => page.evaluate(() => [...(window.kinetarium.frame?.poses ?? [])]);
 const coordinates = () => page.evaluate(() => [...(window.kinetarium.frame?.coordinates ?? [])]);
 const time = () => page.evaluate(() => window.kinetarium.frame?.time ?? -1);
-
-/** Where a body is on the screen. */
-async function onScreen(): Promise<{ x: number; y: number }> {
-  const box = await page.locator(".stage").boundingBox();
-  if (!box) throw new Error("The picture is not to be seen.");
-  return { x: box.x + box.width / 2, y: box.y + box.height / 2 };
-}
 
 test("load", async () => {
   await open("example=humanoid");
@@ -282,7 +233,7 @@ test("keyboard alone", async () => {
 
 test("pick, drag by a spring, push", async () => {
   await open("example=tower");
-  const { x, y } = await onScreen();
+  const { x, y } = await middle();
   await page.mouse.click(x, y);
   await page.waitForSelector(".body-panel select");
   await page.getByRole("button", { name: "Run" }).click();
@@ -303,31 +254,6 @@ test("pick, drag by a spring, push", async () => {
   await page.getByRole("button", { name: "Push", exact: true }).last().click();
   expect(await page.locator(".notice").isVisible()).toBe(false);
 });
-
-/** A GLB of one triangle. */
-function triangle(): Buffer {
-  const points = Buffer.from(new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0]).buffer);
-  const json = JSON.stringify({
-    asset: { version: "2.0" },
-    scene: 0,
-    scenes: [{ nodes: [0] }],
-    nodes: [{ mesh: 0 }],
-    meshes: [{ primitives: [{ attributes: { POSITION: 0 } }] }],
-    accessors: [
-      { bufferView: 0, componentType: 5126, count: 3, type: "VEC3", min: [0, 0, 0], max: [1, 1, 0] },
-    ],
-    bufferViews: [{ buffer: 0, byteLength: 36 }],
-    buffers: [{ byteLength: 36 }],
-  });
-  const text = Buffer.from(json.padEnd(Math.ceil(json.length / 4) * 4));
-  const word = (...values: number[]) => Buffer.from(new Uint32Array(values).buffer);
-  return Buffer.concat([
-    word(0x46546c67, 2, 28 + text.length + 36, text.length, 0x4e4f534a),
-    text,
-    word(36, 0x004e4942),
-    points,
-  ]);
-}
 
 test("skins", async () => {
   await open("example=tower");
@@ -427,4 +353,18 @@ test("malformed messages are told, and change nothing", async () => {
   expect(await page.locator(".notice").textContent()).toContain("was not understood");
   await step(10);
   expect(await page.evaluate(() => window.kinetarium.scene?.name)).toBe("dominoes");
+});
+
+test("sliders follow random motors, but for those that are set", async () => {
+  await open("example=ant&build.wander=1");
+  await page.waitForFunction(() => window.kinetarium.scene?.build[0].value === 1);
+  const control = (row: number) => page.locator("div.drive").nth(row).locator('input[type="number"]');
+  await control(1).fill("0.5");
+  await control(1).press("Enter");
+  await step(100);
+  const first = await control(0).inputValue();
+  expect(Number(first)).not.toBe(0);
+  await step(100);
+  await expect.poll(() => control(0).inputValue()).not.toBe(first);
+  expect(await control(1).inputValue()).toBe("0.5");
 });

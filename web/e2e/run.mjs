@@ -27,6 +27,8 @@ mkdirSync(new URL("out/", import.meta.url), { recursive: true });
 const vitest = await startVitest("test", [], {
   root: fileURLToPath(new URL("..", import.meta.url)),
   include: ["e2e/**/*.e2e.ts"],
+  // They may share a session, and do share the processor.
+  fileParallelism: false,
   testTimeout: 180_000,
   hookTimeout: 180_000,
   watch: false,

@@ -1,5 +1,6 @@
 import { Capture } from "./capture";
 import { Controls } from "./controls";
+import { Files } from "./files";
 import { Grabbing } from "./grabbing";
 import { keys } from "./keys";
 import { Navigation } from "./navigation";
@@ -42,6 +43,7 @@ export class Page {
   readonly pushing: Pushing;
   readonly skins: Skins;
   readonly pointing: Pointing;
+  readonly files: Files;
   readonly capture: Capture;
   readonly viewPanel: ViewPanel;
   readonly build: Build;
@@ -61,14 +63,8 @@ export class Page {
     this.pushing = new Pushing(session, this.selection, this.view);
     this.skins = new Skins(this.view, this.selection, this.notice);
     const grabbing = new Grabbing(session, this.controls, this.view);
-    this.pointing = new Pointing(
-      this.view,
-      this.navigation,
-      this.selection,
-      grabbing,
-      this.pushing,
-      this.skins,
-    );
+    this.pointing = new Pointing(this.view, this.navigation, this.selection, grabbing, this.pushing);
+    this.files = new Files(session, this.view, this.selection, this.skins, this.notice);
     this.capture = new Capture(session, this.view, this.notice);
     this.viewPanel = new ViewPanel(session, this.view, this.navigation);
     this.build = new Build(session, this.controls);
@@ -94,7 +90,7 @@ export class Page {
     const { session, controls, share } = this;
     return {
       left: {
-        Examples: new Gallery(session, share).element,
+        Examples: new Gallery(session, share, this.files).element,
         Guide: new Guide(session).element,
         Build: this.build.element,
         Physics: new Physics(session, share).element,

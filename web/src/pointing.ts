@@ -1,7 +1,6 @@
 import { Emitter } from "./emitter";
 import type { Grabbing } from "./grabbing";
 import type { Navigation } from "./navigation";
-import type { Skins } from "./panels/skins";
 import type { Pushing } from "./pushing";
 import type { Selection } from "./selection";
 import { Gestures, type Hold } from "./view/gestures";
@@ -10,7 +9,7 @@ import type { View } from "./view/view";
 /** What the pointer does on a body, besides picking it. */
 export type Tool = "look" | "grab" | "push";
 
-/** The pointer on the picture: it looks about, picks, grabs, pushes, and drops files. */
+/** The pointer on the picture: it looks about, picks, grabs and pushes. */
 export class Pointing extends Emitter<{ tool: Tool }> {
   private chosen: Tool = "look";
 
@@ -20,7 +19,6 @@ export class Pointing extends Emitter<{ tool: Tool }> {
     private readonly selection: Selection,
     private readonly grabbing: Grabbing,
     private readonly pushing: Pushing,
-    private readonly skins: Skins,
   ) {
     super();
     const { canvas } = view.stage;
@@ -31,8 +29,6 @@ export class Pointing extends Emitter<{ tool: Tool }> {
       click: (x, y) => this.click(x, y),
       press: (x, y, held) => this.press(x, y, held),
     });
-    canvas.addEventListener("dragover", (event) => event.preventDefault());
-    canvas.addEventListener("drop", (event) => this.drop(event));
   }
 
   set tool(tool: Tool) {
@@ -56,12 +52,5 @@ export class Pointing extends Emitter<{ tool: Tool }> {
     if (!held && this.chosen !== "grab") return null;
     const hit = this.view.hit(x, y);
     return hit && this.grabbing.take(hit);
-  }
-
-  private drop(event: DragEvent): void {
-    event.preventDefault();
-    const [file] = event.dataTransfer?.files ?? [];
-    const hit = this.view.hit(event.offsetX, event.offsetY);
-    if (file) this.skins.wear(file, hit?.body ?? this.selection.now?.body);
   }
 }

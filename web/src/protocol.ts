@@ -49,6 +49,7 @@ const settings = {
 /** From the page to the engine. */
 export const command = tagged("type", {
   open: { example: text, build: optional(values), physics: optional(values) },
+  file: { name: text, text },
   rebuild: { build: values },
   run: {},
   stop: {},
@@ -159,8 +160,14 @@ export type Joint = Checked<typeof joint>;
 
 const actuator = object({ name: text, range: pair, value: number });
 
-const camera = object({ name: text, body: integer, placement, field_of_view: number });
-/** A camera that looks along its −z, with +y up. */
+const camera = object({
+  name: text,
+  body: integer,
+  mode: oneOf("fixed", "track"),
+  placement,
+  field_of_view: number,
+});
+/** A camera that looks along its −z, with +y up; one that tracks goes along with its body and does not turn. */
 export type Camera = Checked<typeof camera>;
 
 const quantity = object({ label: text, unit: text, group: text });
@@ -213,7 +220,7 @@ export const message = tagged("type", {
   welcome: { protocol: count, examples: array(example) },
   scene,
   status,
-  changed: { command: setting },
+  changed: { commands: array(setting) },
   error: { message: text, refused: nullable(text) },
 });
 export type Message = Checked<typeof message>;

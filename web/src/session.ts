@@ -21,8 +21,8 @@ export interface SessionEvents {
   frame: Frame;
   /** Which worlds are shown, in order. */
   shown: number[];
-  /** What another page has set. */
-  changed: Setting;
+  /** What somebody else has set: another page, or the program. */
+  changed: Setting[];
   /** The physics as it was last set. */
   physics: Field[];
   /** What went wrong, for people. */
@@ -60,7 +60,7 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
     if (command.type === "joint" || command.type === "control") this.setDrive(command);
   }
 
-  /** Takes over what another page has set. */
+  /** Takes over what somebody else has set. */
   private change(setting: Setting): void {
     if (setting.type === "physics") {
       if (this.accepted) Object.assign(this.accepted, setting.values);
@@ -68,7 +68,6 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
     } else {
       this.setDrive(setting);
     }
-    this.emit("changed", setting);
   }
 
   /** The last frame that came is on the screen. */
@@ -128,7 +127,8 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
         this.emit("status", message);
         break;
       case "changed":
-        this.change(message.command);
+        for (const setting of message.commands) this.change(setting);
+        this.emit("changed", message.commands);
         break;
       case "error":
         if (message.refused === "physics" && this.accepted) this.setPhysics(this.accepted);

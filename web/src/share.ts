@@ -8,6 +8,8 @@ import type { View } from "./view/view";
 /** Time after the last change until the address tells it [ms]. */
 const WAIT = 300;
 
+const COPIED = "The address is copied.";
+
 /**
  * Keeps the page's address telling what the page shows, and opens what it tells. A scene of the example that
  * the address names is shown as the address says; one of another example is shown as it comes.
@@ -31,8 +33,8 @@ export class Share {
     session.on("scene", (scene) => this.scene(scene));
     session.on("shown", (worlds) => this.shown(worlds));
     session.on("refused", (type) => this.refused(type));
-    session.on("changed", (setting) => {
-      if (setting.type === "physics") this.tellPhysics(setting.values);
+    session.on("changed", (settings) => {
+      for (const setting of settings) if (setting.type === "physics") this.tellPhysics(setting.values);
     });
     session.on("error", () => {
       this.opening = null;
@@ -87,6 +89,8 @@ export class Share {
     this.write();
     try {
       await navigator.clipboard.writeText(location.href);
+      this.notice.tell(COPIED);
+      setTimeout(() => this.notice.clear(COPIED), 4000);
     } catch {
       this.notice.tell("The browser lets no page write to the clipboard here; copy the address by hand.");
     }

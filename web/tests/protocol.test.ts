@@ -21,7 +21,19 @@ describe("commands", () => {
   });
 
   test("one of every kind is among the samples", () => {
-    const kinds = ["open", "rebuild", "physics", "run", "stop", "step", "restart", "speed", "show", "joint"];
+    const kinds = [
+      "open",
+      "file",
+      "rebuild",
+      "physics",
+      "run",
+      "stop",
+      "step",
+      "restart",
+      "speed",
+      "show",
+      "joint",
+    ];
     kinds.push("control", "grab", "release", "push", "plot", "scrub");
     expect([...new Set(samples.commands.map((c) => c.type))]).toEqual(kinds);
   });

@@ -76,14 +76,14 @@ test("physics that is set is what forms show", () => {
 test("what another page sets is shown, and not said again", () => {
   session.text(sample("scene"));
   const physics: number[][] = [];
-  const changed: string[] = [];
+  const changed: string[][] = [];
   session.on("physics", (fields) => physics.push(fields.map((field) => field.value)));
-  session.on("changed", ({ type }) => changed.push(type));
+  session.on("changed", (settings) => changed.push(settings.map(({ type }) => type)));
   for (const message of messages.filter((m) => m.type === "changed")) session.text(JSON.stringify(message));
   expect(physics).toEqual([[-1.62, 0, 1]]);
   expect(session.scene?.joints[0].dofs[0].position).toBe(0.5);
   expect(session.scene?.actuators[0].value).toBe(-0.4);
-  expect(changed).toEqual(["physics", "joint", "control"]);
+  expect(changed).toEqual([["physics"], ["joint", "control"]]);
   expect(sent).toEqual([]);
   expect(errors).toEqual([]);
 });
@@ -91,7 +91,7 @@ test("what another page sets is shown, and not said again", () => {
 test("physics that is refused is as another page has set it since", () => {
   session.text(sample("scene"));
   session.send({ type: "physics", values: { gravity: 5 } });
-  session.text('{"type":"changed","command":{"type":"physics","values":{"gravity":-3}}}');
+  session.text('{"type":"changed","commands":[{"type":"physics","values":{"gravity":-3}}]}');
   session.text('{"type":"error","message":"no","refused":"physics"}');
   expect(session.scene?.physics.find(({ name }) => name === "gravity")?.value).toBe(-3);
 });

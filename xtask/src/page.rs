@@ -65,7 +65,7 @@ pub fn browse(workshop: &Workshop) -> Result<()> {
     let server = Server::start(&program)?;
     let url = &server.url;
     // The page is the same; what differs is how it is connected.
-    let only = "load|hundred|replicas|two pages|scrub|malformed";
+    let only = "load|hundred|replicas|two pages|scrub|malformed|robot";
     Ok(cmd!(sh, "npm run --silent e2e -- --url {url} --only {only}").run()?)
 }
 

@@ -128,10 +128,10 @@ pub struct Shot {
     /// Time [s] to simulate before the picture is taken.
     #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = not_negative, allow_negative_numbers = true)]
     pub time: f64,
-    /// Where the camera is, and a point in the middle of the image [m] [default: so that everything
-    /// that can move is seen].
-    #[arg(long, value_name = "X,Y,Z:X,Y,Z", value_parser = camera, allow_hyphen_values = true)]
-    pub camera: Option<[DVec3; 2]>,
+    /// Where the camera is, and a point in the middle of the image [m], or the name of a camera of the file
+    /// [default: so that everything that can move is seen].
+    #[arg(long, value_name = "X,Y,Z:X,Y,Z|NAME", value_parser = camera, allow_hyphen_values = true)]
+    pub camera: Option<Viewpoint>,
     /// Samples along each edge of a pixel.
     #[arg(long, value_name = "N", default_value = "4", value_parser = count(1, 64))]
     pub samples: usize,
@@ -140,6 +140,15 @@ pub struct Shot {
     pub keyframe: Option<String>,
     #[command(flatten)]
     pub reading: Reading,
+}
+
+/// From where a picture is taken.
+#[derive(Clone, Debug)]
+pub enum Viewpoint {
+    /// From a point towards another [m].
+    Points([DVec3; 2]),
+    /// From a camera of the model.
+    Named(String),
 }
 
 #[derive(Debug, Args)]
@@ -323,9 +332,12 @@ fn size(text: &str) -> Result<(usize, usize), String> {
     numbers.ok_or_else(|| "write two numbers of pixels, as 1280x720".into())
 }
 
-/// Two points.
-fn camera(text: &str) -> Result<[DVec3; 2], String> {
-    let wrong = || "write two points, as 3,2,5:0,0.5,0".to_owned();
+/// Two points, or a name: what has a comma is none.
+fn camera(text: &str) -> Result<Viewpoint, String> {
+    if !text.contains(',') {
+        return Ok(Viewpoint::Named(text.into()));
+    }
+    let wrong = || "write two points, as 3,2,5:0,0.5,0, or a camera's name".to_owned();
     let point = |text: &str| {
         let numbers = text.split(',').map(number).collect::<Result<Vec<_>, _>>();
         let numbers: [f64; 3] = numbers.ok()?.try_into().ok()?;
@@ -333,7 +345,7 @@ fn camera(text: &str) -> Result<[DVec3; 2], String> {
     };
     let (eye, target) = text.split_once(':').ok_or_else(wrong)?;
     let points = point(eye).zip(point(target)).ok_or_else(wrong)?;
-    Ok(points.into())
+    Ok(Viewpoint::Points(points.into()))
 }
 
 fn number(text: &str) -> Result<f64, String> {

@@ -46,7 +46,12 @@ fn read(file: &RobotFile) -> Result<Loaded, Error> {
 fn describe(loaded: &Loaded) -> String {
     let model = &loaded.model;
     let solver = SolverKind::Auto.pick(model, true).name();
-    let keyframes: Vec<&str> = model.keyframes.iter().map(|k| k.name.as_str()).collect();
+    let names = |names: Vec<&str>| match names.is_empty() {
+        true => "none".to_owned(),
+        false => names.join(", "),
+    };
+    let keyframes = model.keyframes.iter().map(|k| k.name.as_str()).collect();
+    let cameras = model.cameras.iter().map(|c| c.name.as_str()).collect();
     let mut text = format!("{}\n", contents(model));
     let mut line = |name: &str, value: String| {
         let _ = writeln!(text, "  {name:<18}{value}");
@@ -56,14 +61,8 @@ fn describe(loaded: &Loaded) -> String {
     line("time step", format!("{} s", model.time_step));
     line("actuators", model.actuators.len().to_string());
     line("sensors", model.sensors.len().to_string());
-    line(
-        "keyframes",
-        if keyframes.is_empty() {
-            "none".into()
-        } else {
-            keyframes.join(", ")
-        },
-    );
+    line("keyframes", names(keyframes));
+    line("cameras", names(cameras));
     line(
         "solver",
         format!("{solver} (auto: {})", reason(model, true)),

@@ -1,6 +1,6 @@
 //! A picture of a scene, without a window.
 
-use crate::arguments::Shot;
+use crate::arguments::{Shot, Viewpoint};
 use crate::error::Error;
 use crate::output::print;
 use crate::view;
@@ -21,9 +21,11 @@ pub fn shot(arguments: &Shot) -> Result<(), Error> {
     let scene = render::Scene::new(&stage.model)?;
     let (width, height) = arguments.size;
     let framed = Camera::framing(&scene, &poses, width, height);
-    let camera = arguments.camera.map_or(framed, |[eye, target]| {
-        framed.looking(eye, target, scene.up())
-    });
+    let camera = match &arguments.camera {
+        None => framed,
+        Some(Viewpoint::Points([eye, target])) => framed.looking(*eye, *target, scene.up()),
+        Some(Viewpoint::Named(name)) => Camera::of(stage.model.camera(name)?, width, height),
+    };
     let samples = arguments.samples;
     let view = View::new(camera)
         .with_samples(samples)

@@ -7,7 +7,7 @@
 
 use crate::error::FormatError;
 use crate::xml::Element;
-use model::{Body, BodyId, BodyKind, JointId, JointKind, MassProperties, Parts, Pose};
+use model::{Body, BodyId, BodyKind, CameraMode, JointId, JointKind, MassProperties, Parts, Pose};
 
 /// For each body of a model, whether it was fused, and with which. Bodies stand after their parents.
 pub(crate) struct Fusion {
@@ -84,6 +84,20 @@ impl Fusion {
                 body.0 = self.into[body.0];
             }
         }
+        for camera in &mut parts.cameras {
+            if let Some(body) = &mut camera.body {
+                let onto = parts.bodies[self.into[body.0]].pose;
+                camera.pose = match camera.mode {
+                    CameraMode::Fixed => placed[body.0] * camera.pose,
+                    // As far from the other body's origin as at first.
+                    CameraMode::Track => {
+                        let arm = onto.orientation * placed[body.0].position;
+                        Pose::new(arm + camera.pose.position, camera.pose.orientation)
+                    }
+                };
+                body.0 = self.into[body.0];
+            }
+        }
         for joint in &mut parts.joints {
             if let Some(parent) = &mut joint.parent {
                 joint.parent_frame = placed[parent.0] * joint.parent_frame;
@@ -133,6 +147,9 @@ impl Fusion {
             .retain(|_| stays.next().is_some_and(|stays| *stays));
         for shape in &mut parts.shapes {
             shape.body = shape.body.map(to_body);
+        }
+        for camera in &mut parts.cameras {
+            camera.body = camera.body.map(to_body);
         }
         for joint in &mut parts.joints {
             joint.parent = joint.parent.map(to_body);

@@ -3,7 +3,7 @@
 use crate::files::Files;
 use model::{Geometry, Parts};
 
-/// Resolves the path of every mesh. URLs such as `package://…` stay as they are.
+/// Resolves the path of every mesh. URLs of packages that are not found stay as they are.
 pub(crate) fn resolve(parts: &mut Parts, files: &dyn Files) {
     for shape in &mut parts.shapes {
         if let Geometry::MeshFile { file, .. } = &mut shape.geometry

@@ -3,6 +3,7 @@
 use crate::Meshes;
 use crate::error::FormatError;
 use crate::files::Files;
+use crate::report::Report;
 use crate::xml::Element;
 use collide::mesh;
 use glam::DVec3;
@@ -12,6 +13,13 @@ use std::collections::HashMap;
 
 /// How far above its file a package is looked for.
 const MOST_FOLDERS: usize = 8;
+/// What is said of a file whose package is not found.
+const NOWHERE: &str = "lies in no folder beside this file or above";
+
+/// Where a path in a package may be: the package beside the file, or above.
+fn beside(inside: &str) -> impl Iterator<Item = String> + '_ {
+    (0..=MOST_FOLDERS).map(|above| "../".repeat(above) + inside)
+}
 
 /// What becomes of a file's meshes; each is read once.
 pub(crate) struct MeshReader<'a> {
@@ -73,7 +81,7 @@ impl<'a> MeshReader<'a> {
             };
             return Ok((path(name), self.files.bytes(name).map_err(unread)?));
         };
-        let mut beside = (0..=MOST_FOLDERS).map(|above| "../".repeat(above) + inside);
+        let mut beside = beside(inside);
         let read = |file: String| Some((path(&file), self.files.bytes(&file).ok()?));
         let found = if scheme == "package" {
             beside.find_map(read)
@@ -82,8 +90,24 @@ impl<'a> MeshReader<'a> {
         };
         found.ok_or_else(|| {
             let remedy = "write its path, relative to this file";
-            format!("the {thing} {name} lies in no folder beside this file or above; {remedy}")
+            format!("the {thing} {name} {NOWHERE}; {remedy}")
         })
+    }
+
+    /// Gives a mesh that is named by its package the name that it has from here; notes one that is not found.
+    pub fn locate(&self, element: &Element, mesh: &mut Geometry, report: &mut Report) {
+        let Geometry::MeshFile { file, .. } = mesh else {
+            return;
+        };
+        let Some((scheme, inside)) = file.split_once("://") else {
+            return;
+        };
+        let there = |file: &String| scheme == "package" && self.files.bytes(file).is_ok();
+        let found = beside(inside).find(there);
+        match found {
+            Some(found) => *file = found,
+            None => report.note(element, &format!("mesh {file}"), NOWHERE),
+        }
     }
 }
 

@@ -26,7 +26,7 @@ impl Taken {
 }
 
 /// Fills every empty name. A body is called by its row, a joint after its child, a degree of
-/// freedom after its joint, an actuator after what it drives, a keyframe by its row.
+/// freedom after its joint, an actuator after what it drives, a keyframe and a camera by its row.
 pub(crate) fn complete(parts: &mut Parts) {
     let mut taken = Taken::by(parts.bodies.iter().map(|b| &b.name));
     for (i, body) in parts.bodies.iter_mut().enumerate() {
@@ -45,6 +45,10 @@ pub(crate) fn complete(parts: &mut Parts) {
     let mut taken = Taken::by(parts.keyframes.iter().map(|k| &k.name));
     for (i, keyframe) in parts.keyframes.iter_mut().enumerate() {
         taken.fill(&mut keyframe.name, &format!("key_{i}"));
+    }
+    let mut taken = Taken::by(parts.cameras.iter().map(|c| &c.name));
+    for (i, camera) in parts.cameras.iter_mut().enumerate() {
+        taken.fill(&mut camera.name, &format!("camera_{i}"));
     }
 }
 

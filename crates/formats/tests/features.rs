@@ -221,6 +221,38 @@ fn compare_joint(dof: &Dof, reference: &Value, joint: usize, inverse_inertia: f6
     close(limit.inertia * inverse_inertia, d / (1.0 - d), &dof.name);
 }
 
+/// Where MuJoCo has each camera, in all states; x, y, z of its frame are the columns of `cam_xmat`.
+#[test]
+fn cameras() {
+    let (model, reference) = load("cameras");
+    let names: Vec<_> = model.cameras.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(reference["cam_name"], serde_json::json!(names));
+    for (row, camera) in model.cameras.iter().enumerate() {
+        let angle = number(&reference["cam_fovy"][row]).to_radians();
+        close(camera.field_of_view, angle, &camera.name);
+        let size = &reference["cam_resolution"][row];
+        let given = camera.size.unwrap_or([1, 1]);
+        assert_eq!(*size, serde_json::json!(given), "{}", camera.name);
+    }
+    for state in reference["states"].as_array().unwrap() {
+        let poses = poses(&model, &coordinates(&model, &state["qpos"]));
+        for (row, camera) in model.cameras.iter().enumerate() {
+            let body = camera.body.map_or(Pose::IDENTITY, |id| poses[id.0]);
+            let placed = camera.mode.placed(&body, &camera.pose);
+            let at = vector(&state["cam_xpos"][row]);
+            assert!(
+                placed.position.abs_diff_eq(at, TOLERANCE),
+                "{}",
+                camera.name
+            );
+            let numbers: Vec<_> = (0..9).map(|i| number(&state["cam_xmat"][row][i])).collect();
+            let turn = DMat3::from_cols_slice(&numbers).transpose();
+            let own = DMat3::from_quat(placed.orientation);
+            assert!(own.abs_diff_eq(turn, TOLERANCE), "{}", camera.name);
+        }
+    }
+}
+
 #[test]
 fn keyframes() {
     let (model, reference) = load("joints");

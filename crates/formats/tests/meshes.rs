@@ -145,6 +145,24 @@ fn packages_are_found_on_disk() {
     fs::write(&robot, urdf("package://arm_description/meshes/cube.obj")).unwrap();
     let loaded = kinetarium_formats::load(&robot, &HULLS).unwrap();
     assert_eq!(hull(shape(&loaded, "solid")).vertices().len(), 8);
+    // What is only seen is named so that it can be read.
+    for loaded in [
+        loaded,
+        kinetarium_formats::load(&robot, &Options::default()).unwrap(),
+    ] {
+        let Geometry::MeshFile { file, .. } = &shape(&loaded, "seen").geometry else {
+            panic!("a mesh that is seen")
+        };
+        assert_eq!(fs::read_to_string(file).unwrap(), CUBE);
+        assert_eq!(loaded.warnings, []);
+    }
+    fs::write(&robot, urdf("package://elsewhere/cube.obj")).unwrap();
+    let loaded = kinetarium_formats::load(&robot, &Options::default()).unwrap();
+    let [warning] = &loaded.warnings[..] else {
+        panic!("{:?}", loaded.warnings)
+    };
+    let told = "mesh package://elsewhere/cube.obj: lies in no folder beside this file or above";
+    assert_eq!(warning.message, told);
 }
 
 #[test]

@@ -38,7 +38,7 @@ fn unused_things_are_listed_once_with_their_first_line() {
              <worldbody>
                <light pos="0 0 3"/>
                <light pos="0 0 4"/>
-               <camera/>
+               <camera mode="targetbody"/>
                <body><joint solimpfriction="0.8"/><geom size="1"/></body>
                <body><joint solimpfriction="0.9"/><geom size="1"/></body>
              </worldbody>
@@ -51,7 +51,7 @@ fn unused_things_are_listed_once_with_their_first_line() {
             "robot.xml:2: <option>: attribute `integrator`: the integrator is chosen when the \
              simulation is made",
             "robot.xml:4: <light>: lights: only for seeing; not read",
-            "robot.xml:6: <camera>: cameras: only for seeing; not read",
+            "robot.xml:6: <camera>: cameras of mode `targetbody`: not read: cameras do not turn by themselves",
             "robot.xml:7: <joint>: attribute `solimpfriction`: dry friction is not softened",
             "robot.xml:10: <clock>: sensors of this kind: not read",
         ]
@@ -535,4 +535,78 @@ fn deep_chains_are_read() {
         error.contains("nested more than 500 deep; make the tree of elements flatter"),
         "{error}"
     );
+}
+
+/// A mount without mass becomes part of its body, and its cameras go there, too.
+#[test]
+fn cameras_of_a_massless_body_are_its_carrier_s() {
+    let model = |inner: &str| {
+        let text = format!(
+            r#"<mujoco><worldbody><body pos="1 2 3" euler="10 20 30"><freejoint/><geom size="0.1"/>
+                 {inner}
+               </body></worldbody></mujoco>"#
+        );
+        read(&text).model
+    };
+    let cameras = r#"<camera name="a" pos="1 0 0" euler="0 0 40"/><camera name="b" mode="track" pos="0 1 0"/>"#;
+    let fused = model(&format!(
+        r#"<body pos="0 0 1" euler="50 0 0">{cameras}</body>"#
+    ));
+    let framed = model(&format!(
+        r#"<frame pos="0 0 1" euler="50 0 0">{cameras}</frame>"#
+    ));
+    assert_eq!((fused.bodies.len(), fused.cameras.len()), (1, 2));
+    for (one, other) in fused.cameras.iter().zip(&framed.cameras) {
+        assert_eq!((one.body, one.mode), (other.body, other.mode));
+        assert!(
+            one.pose.position.abs_diff_eq(other.pose.position, 1e-12),
+            "{one:?} {other:?}"
+        );
+        assert!(
+            one.pose
+                .orientation
+                .abs_diff_eq(other.pose.orientation, 1e-12),
+            "{one:?} {other:?}"
+        );
+    }
+}
+
+#[test]
+fn cameras_that_cannot_be_had_are_told() {
+    let loaded = read(
+        r#"<mujoco><worldbody>
+             <camera name="a" projection="orthographic" fovy="2"/>
+             <camera name="b" mode="trackcom" principal="0.1 0"/>
+             <camera/>
+           </worldbody></mujoco>"#,
+    );
+    let names: Vec<_> = loaded
+        .model
+        .cameras
+        .iter()
+        .map(|c| c.name.as_str())
+        .collect();
+    assert_eq!(names, ["b", "camera_1"]);
+    assert_eq!(
+        lines(&loaded.warnings),
+        [
+            "robot.xml:2: <camera>: orthographic cameras: not read",
+            "robot.xml:3: <camera>: attribute `principal`: the optical axis is in the middle of the image",
+            "robot.xml:3: <camera>: mode `trackcom`: it goes along with its body's origin, not with the centre of mass",
+        ]
+    );
+    let broken = |camera: &str| {
+        let text = format!("<mujoco><worldbody>{camera}</worldbody></mujoco>");
+        let read = parse(
+            &text,
+            "robot.xml",
+            &InMemory::default(),
+            &Options::default(),
+        );
+        read.expect_err(camera).to_string()
+    };
+    assert!(broken(r#"<camera mode="ride"/>"#).contains("ride"));
+    assert!(broken(r#"<camera sensorsize="1 1"/>"#).contains("give `focal` or `focalpixel`"));
+    assert!(broken(r#"<camera fovy="180"/>"#).contains("field of view"));
+    assert!(broken(r#"<camera resolution="-1 5"/>"#).contains("size [pixel]"));
 }

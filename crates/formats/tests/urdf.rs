@@ -161,6 +161,7 @@ fn warnings() {
     let expected = [
         ("limit", 22),
         ("safety_controller", 24),
+        ("mesh", 34),
         ("transmission", 93),
         ("gazebo", 94),
     ];

@@ -11,6 +11,7 @@
 mod actuator;
 mod body;
 mod builder;
+mod camera;
 mod color;
 mod contact_pair;
 mod error;
@@ -33,6 +34,7 @@ pub use builder::{
     ActuatorDraft, BodyDraft, BodyHandle, Builder, JointDraft, JointHandle, Object, ObjectId,
     Placement,
 };
+pub use camera::{Camera, CameraMode};
 pub use color::default_color;
 pub use contact_pair::ContactPair;
 pub use error::ModelError;

@@ -8,8 +8,8 @@ mod validate;
 
 use crate::contact_pair::key;
 use crate::{
-    Actuator, Body, BodyId, BodyKind, ContactPair, Coupling, Joint, JointId, JointKind, Keyframe,
-    Material, ModelError, Sensor, Shape, ShapeId,
+    Actuator, Body, BodyId, BodyKind, Camera, ContactPair, Coupling, Joint, JointId, JointKind,
+    Keyframe, Material, ModelError, Sensor, Shape, ShapeId,
 };
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -69,6 +69,8 @@ pub struct Parts {
     pub sensors: Vec<Sensor>,
     /// Named states.
     pub keyframes: Vec<Keyframe>,
+    /// Cameras with names.
+    pub cameras: Vec<Camera>,
     /// Number of worlds the author asks for.
     pub worlds: usize,
 }
@@ -90,6 +92,7 @@ impl Default for Parts {
             actuators: Vec::new(),
             sensors: Vec::new(),
             keyframes: Vec::new(),
+            cameras: Vec::new(),
             worlds: 1,
         }
     }

@@ -2,9 +2,9 @@
 
 use glam::{DMat3, DQuat, DVec3};
 use kinetarium_model::{
-    Actuator, Axis, Body, BodyId, BodyKind, Builder, ContactPair, Coupling, Drive, Geometry, Joint,
-    JointId, JointKind, Keyframe, Limit, Material, Measurand, Model, ModelError, Mount, Parts,
-    Pose, Sensor, Shape, ShapeId, Softness, examples,
+    Actuator, Axis, Body, BodyId, BodyKind, Builder, Camera, CameraMode, ContactPair, Coupling,
+    Drive, Geometry, Joint, JointId, JointKind, Keyframe, Limit, Material, Measurand, Model,
+    ModelError, Mount, Parts, Pose, Sensor, Shape, ShapeId, Softness, examples,
 };
 
 /// A base, two links on a hinge and a slider, a loop to close, and one of everything else.
@@ -42,6 +42,14 @@ fn sound() -> Parts {
             joint_position: vec![0.0; 2],
             joint_velocity: vec![0.0; 2],
             control: vec![0.0],
+        }],
+        cameras: vec![Camera {
+            name: "eye".into(),
+            body: Some(BodyId(2)),
+            mode: CameraMode::Fixed,
+            pose: Pose::IDENTITY,
+            field_of_view: 1.0,
+            size: Some([640, 480]),
         }],
         ..Parts::default()
     }
@@ -792,6 +800,32 @@ fn couplings_and_actuators() {
         (
             |p| p.actuators[0].force_range = Some((0.0, f64::NAN)),
             "actuator \"motor\": force range is NaN; give a finite number",
+        ),
+    ]);
+}
+
+#[test]
+fn cameras() {
+    refuses(&[
+        (
+            |p| p.cameras.push(p.cameras[0].clone()),
+            "two of kind camera are named \"eye\"; rename one",
+        ),
+        (
+            |p| p.cameras[0].body = Some(BodyId(3)),
+            "camera \"eye\": its body is number 3, but the model has 3, numbered from 0; use a number below 3",
+        ),
+        (
+            |p| p.cameras[0].pose.position.y = f64::INFINITY,
+            "camera \"eye\": pose is inf; give a finite number",
+        ),
+        (
+            |p| p.cameras[0].field_of_view = 3.2,
+            "camera \"eye\": field of view [rad] is 3.2; it must lie from 0.000001 to 3.141591653589793",
+        ),
+        (
+            |p| p.cameras[0].size = Some([640, 0]),
+            "camera \"eye\": size [pixel] is 0; it must lie from 1 to 16384",
         ),
     ]);
 }

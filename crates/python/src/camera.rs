@@ -5,7 +5,7 @@ use crate::geometry::pose;
 use crate::model::Model;
 use crate::simulation::{Engine, Precise, each};
 use glam::{DVec2, DVec3};
-use kinetarium::model::{BodyId, Pose};
+use kinetarium::model::{BodyId, CameraMode, Pose};
 use numpy::{PyArrayMethods, PyReadonlyArray1, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -23,8 +23,8 @@ pub struct View(pub render::View);
 #[pymethods]
 impl View {
     #[new]
-    #[pyo3(signature = (model, *, width, height, field_of_view, focal, principal, near, far, body, position, orientation,
-        channels, samples, occlusion))]
+    #[pyo3(signature = (model, *, width, height, field_of_view, focal, principal, near, far, body, mode, position,
+        orientation, channels, samples, occlusion))]
     #[expect(clippy::too_many_arguments, reason = "keywords in Python")]
     fn new(
         model: &Bound<'_, Model>,
@@ -36,6 +36,7 @@ impl View {
         near: f64,
         far: f64,
         body: Option<&str>,
+        mode: &str,
         position: [f64; 3],
         orientation: [f64; 4],
         channels: Vec<String>,
@@ -54,8 +55,28 @@ impl View {
         if let Some(body) = body {
             camera = camera.on(model.get().model.body(body).map_err(error::model)?);
         }
+        camera.mode = self::mode(mode)?;
         let view = render::View::new(camera).with_channels(self::channels(&channels)?);
         Ok(Self(view.with_samples(samples).with_occlusion(occlusion)))
+    }
+}
+
+fn mode(name: &str) -> PyResult<CameraMode> {
+    match name {
+        "fixed" => Ok(CameraMode::Fixed),
+        "track" => Ok(CameraMode::Track),
+        other => {
+            let message =
+                format!("there is no mode \"{other}\" of cameras; known are fixed, track");
+            Err(error::raise("UnknownNameError", message))
+        }
+    }
+}
+
+pub fn mode_name(mode: CameraMode) -> &'static str {
+    match mode {
+        CameraMode::Fixed => "fixed",
+        CameraMode::Track => "track",
     }
 }
 

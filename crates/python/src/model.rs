@@ -1,5 +1,6 @@
 //! Models, made by files or builders.
 
+use crate::camera::mode_name;
 use crate::error;
 use kinetarium::formats::{self, Files, InMemory, Loaded, Meshes, Options};
 use kinetarium::model::{self, BodyId, JointId};
@@ -227,6 +228,11 @@ impl Model {
     fn keyframe_names(&self) -> Vec<String> {
         names(self.model.keyframes.iter().map(|k| &k.name))
     }
+    /// Names of the cameras.
+    #[getter]
+    fn camera_names(&self) -> Vec<String> {
+        names(self.model.cameras.iter().map(|c| &c.name))
+    }
 
     /// Row of a body. Raises `UnknownNameError`, as all that look up names do.
     fn body(&self, name: &str) -> PyResult<usize> {
@@ -273,6 +279,22 @@ impl Model {
         let [position, velocity, control] =
             [&k.joint_position, &k.joint_velocity, &k.control].map(|x| x.to_pyarray(py));
         Ok((position, velocity, control))
+    }
+    /// A camera: what `kinetarium.Camera` takes, by name.
+    fn camera<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyDict>> {
+        let camera = self.model.camera(name).map_err(error::model)?;
+        let body = camera.body.map(|body| &self.model.bodies[body.0].name);
+        let fields = PyDict::new(py);
+        fields.set_item("body", body)?;
+        fields.set_item("mode", mode_name(camera.mode))?;
+        fields.set_item("position", camera.pose.position.to_array())?;
+        fields.set_item("orientation", camera.pose.orientation.to_array())?;
+        fields.set_item("field_of_view", camera.field_of_view)?;
+        if let Some([width, height]) = camera.size {
+            fields.set_item("width", width)?;
+            fields.set_item("height", height)?;
+        }
+        Ok(fields)
     }
     /// The parent body of each body's joint, −1 for the world and for bodies that do not move.
     #[getter]

@@ -12,7 +12,7 @@
 
 use crate::error::{RenderError, require};
 use glam::{DMat3, DQuat, DVec2, DVec3};
-use model::{BodyId, Pose};
+use model::{BodyId, CameraMode, Pose};
 use std::f64::consts::PI;
 
 /// How points are spread over the image.
@@ -47,7 +47,9 @@ pub struct Camera {
     pub far: f64,
     /// What it is mounted on; `None`, the default, is the world.
     pub body: Option<BodyId>,
-    /// Placement in the frame of its body, or in the world; the origin by default.
+    /// How it goes along with its body; fixed to it by default.
+    pub mode: CameraMode,
+    /// Placement in the frame of its body as its mode says, or in the world; the origin by default.
     pub pose: Pose,
 }
 
@@ -64,7 +66,17 @@ impl Camera {
             near: 0.01,
             far: f64::INFINITY,
             body: None,
+            mode: CameraMode::Fixed,
             pose: Pose::IDENTITY,
+        }
+    }
+    /// One that a model names, where it is and as wide as it sees; of a size [pixel], whatever its own.
+    pub fn of(camera: &model::Camera, width: usize, height: usize) -> Self {
+        Self {
+            body: camera.body,
+            mode: camera.mode,
+            pose: camera.pose,
+            ..Self::new(width, height, camera.field_of_view)
         }
     }
     /// The same, at a place in its body's frame, or in the world.
@@ -120,7 +132,7 @@ impl Camera {
     /// If its body has no pose.
     pub fn placed(&self, bodies: &[Pose]) -> Pose {
         let carrier = self.body.map_or(Pose::IDENTITY, |body| bodies[body.0]);
-        carrier * self.pose
+        self.mode.placed(&carrier, &self.pose)
     }
 
     pub(crate) fn check(&self, bodies: usize) -> Result<(), RenderError> {

@@ -1,6 +1,6 @@
 //! What a page is told of a model.
 
-use crate::protocol::{Actuator, Body, Dof, Geometry, Joint, Placement, Shape};
+use crate::protocol::{Actuator, Body, Camera, Dof, Geometry, Joint, Placement, Shape};
 use glam::DVec3;
 use model::{BodyId, BodyKind, JointId, JointKind, MassProperties, Model, Pose, default_color};
 
@@ -86,8 +86,11 @@ fn geometry(geometry: &model::Geometry) -> Geometry {
         },
         Is::Hull(ref hull) => mesh(hull.vertices(), hull.triangles(), true),
         Is::Mesh(ref surface) => mesh(surface.vertices(), surface.triangles(), false),
-        // Named by its file, which nobody has read: there is nothing to see.
-        Is::MeshFile { .. } => mesh(&[], &[], false),
+        // Of a file that cannot be read there is nothing to see.
+        Is::MeshFile { ref file, scale } => match collide::mesh::load(file, scale) {
+            Ok(surface) => mesh(surface.vertices(), surface.triangles(), false),
+            Err(_) => mesh(&[], &[], false),
+        },
     }
 }
 
@@ -185,6 +188,18 @@ pub(crate) fn actuators(model: &Model, controls: &[f64]) -> Vec<Actuator> {
 /// Range of an actuator's controls.
 pub(crate) fn control_range(actuator: &model::Actuator) -> (f64, f64) {
     actuator.control_range.unwrap_or(FREE_RANGE)
+}
+
+/// Cameras that the model names.
+pub(crate) fn cameras(model: &Model) -> Vec<Camera> {
+    let camera = |camera: &model::Camera| Camera {
+        name: camera.name.clone(),
+        body: camera.body.map_or(-1, |body| body.0 as i32),
+        mode: camera.mode,
+        placement: camera.pose.into(),
+        field_of_view: camera.field_of_view,
+    };
+    model.cameras.iter().map(camera).collect()
 }
 
 /// A box [m] that holds all that has an end, as the bodies stand in the model.

@@ -7,13 +7,15 @@ use crate::frame::Frame;
 use crate::gallery::Example;
 use crate::history::{History, Moment};
 use crate::physics::Physics;
-use crate::protocol::{Scene, Values};
+use crate::protocol::{Command, Scene, Values};
 use crate::quantity::{Measure, quantities};
 use crate::stage::Stage;
 use crate::wander::Wander;
+use formats::{Files, Loaded, Meshes, Options};
 use model::{BodyId, Model, Parts};
 use numbers::Float;
 use sim::{Simulation, SimulationError, Snapshot};
+use std::io;
 
 /// Worlds of a program that are shown at first.
 const MOST_SHOWN: usize = 64;
@@ -57,6 +59,22 @@ impl std::fmt::Debug for Play {
     }
 }
 
+/// What a robot file of a page may name: nothing.
+struct Alone;
+
+impl Files for Alone {
+    fn read(&self, _: &str) -> io::Result<String> {
+        let why = "a page gives one file; open it with `kinetarium view`, which finds others";
+        Err(io::Error::new(io::ErrorKind::NotFound, why))
+    }
+    fn bytes(&self, name: &str) -> io::Result<Vec<u8>> {
+        Ok(self.read(name)?.into_bytes())
+    }
+    fn path(&self, name: &str) -> String {
+        name.to_owned()
+    }
+}
+
 /// Length of a time step [s].
 pub(crate) fn time_step<T: Float>(simulation: &Simulation<T>) -> f64 {
     simulation.settings().step.time_step
@@ -87,6 +105,26 @@ impl Play {
     pub fn of_model<T: Float>(stage: Stage) -> Result<(Self, Simulation<T>), SessionError> {
         let physics = Physics::new(&stage);
         Self::new(Origin::File, stage, physics).simulated()
+    }
+    /// A robot file, without the files that it may name.
+    pub fn of_file<T: Float>(
+        name: &str,
+        text: &str,
+    ) -> Result<(Self, Simulation<T>), SessionError> {
+        let options = Options {
+            meshes: Meshes::ConvexHull,
+            ..Options::default()
+        };
+        let read = formats::parse(text, name, &Alone, &options);
+        let Loaded { model, warnings } = read.map_err(Box::new)?;
+        let (mut play, simulation) = Self::of_model(Stage::new(model))?;
+        // Not the model's, which an example may have, too.
+        play.name = name.into();
+        let lines = warnings.iter().map(|warning| format!("\n{warning}"));
+        if !warnings.is_empty() {
+            play.guide = String::from("Not supported, and left out:") + &lines.collect::<String>();
+        }
+        Ok((play, simulation))
     }
     pub fn of_program<T: Float>(simulation: &mut Simulation<T>) -> Self {
         let worlds = simulation.worlds();
@@ -295,9 +333,10 @@ impl Play {
     }
 
     /// What a page is told of it; what the session knows is left open.
-    pub fn scene<T: Float>(&self, simulation: &mut Simulation<T>) -> Scene {
+    /// What drives it is that of a world.
+    pub fn scene<T: Float>(&self, simulation: &mut Simulation<T>, world: usize) -> Scene {
         let model = simulation.model().clone();
-        let numbers = Numbers::of(simulation, 0).expect("there is a first world");
+        let numbers = Numbers::of(simulation, world).expect("the worlds shown are there");
         let bounds = describe::bounds(&model);
         let wide = (0..3).map(|i| bounds[1][i] - bounds[0][i]);
         Scene {
@@ -347,7 +386,8 @@ fn simulate<T: Float>(
 }
 
 /// The controls of a world.
-struct Numbers {
+#[derive(Debug)]
+pub(crate) struct Numbers {
     /// Target position and velocity of each degree of freedom.
     targets: Vec<[f64; 2]>,
     /// Of each actuator.
@@ -355,7 +395,10 @@ struct Numbers {
 }
 
 impl Numbers {
-    fn of<T: Float>(simulation: &mut Simulation<T>, world: usize) -> Result<Self, SimulationError> {
+    pub fn of<T: Float>(
+        simulation: &mut Simulation<T>,
+        world: usize,
+    ) -> Result<Self, SimulationError> {
         let dofs = simulation.model().degrees_of_freedom();
         let numbers = simulation.controls().of_world(world)?;
         let (targets, control) = numbers[dofs..].split_at(2 * dofs);
@@ -365,5 +408,34 @@ impl Numbers {
             targets: targets.collect(),
             control: control.to_vec(),
         })
+    }
+    /// Commands that make these of others.
+    pub fn beside(&self, others: &Self) -> Vec<Command> {
+        let targets = self.targets.iter().zip(&others.targets).enumerate();
+        let moved = targets.filter(|(_, (own, other))| own != other);
+        let joints = moved.map(|(dof, (&[position, velocity], _))| Command::Joint {
+            dof: dof as u32,
+            position: Some(position),
+            stiffness: None,
+            velocity: Some(velocity),
+            damping: None,
+        });
+        let control = self.control.iter().zip(&others.control).enumerate();
+        let moved = control.filter(|(_, (own, other))| own != other);
+        let controls = moved.map(|(actuator, (&value, _))| Command::Control {
+            actuator: actuator as u32,
+            value,
+        });
+        joints.chain(controls).collect()
+    }
+    /// Takes from others what a command sets.
+    pub fn take(&mut self, command: &Command, others: &Self) {
+        match *command {
+            Command::Joint { dof, .. } => self.targets[dof as usize] = others.targets[dof as usize],
+            Command::Control { actuator, .. } => {
+                self.control[actuator as usize] = others.control[actuator as usize];
+            }
+            _ => {}
+        }
     }
 }

@@ -31,6 +31,14 @@ pub enum Command {
         #[serde(default)]
         physics: Values,
     },
+    /// Opens a robot file, MJCF or URDF, stopped at its initial state. Answered by [`Message::Scene`], whose
+    /// guide says what of the file was left out. Other files that it names are not there.
+    File {
+        /// Its name, for messages.
+        name: String,
+        /// What is in it.
+        text: String,
+    },
     /// Builds the present example again with other build parameters. Answered by [`Message::Scene`].
     Rebuild {
         /// Values of its build parameters; those not given stay.
@@ -148,10 +156,11 @@ pub enum Message {
     Scene(Box<Scene>),
     /// How it goes; after every command, and a few times a second while it runs.
     Status(Status),
-    /// Another page has set physics, a drive or an actuator.
+    /// Somebody else has set physics, drives or actuators: another page, or the program, whose settings are told
+    /// as the first world shown has them, a few times a second.
     Changed {
-        /// What it said: [`Command::Physics`], [`Command::Joint`] or [`Command::Control`].
-        command: Command,
+        /// What it said, or would have to say: [`Command::Physics`], [`Command::Joint`] and [`Command::Control`].
+        commands: Vec<Command>,
     },
     /// A command was refused, and all is as before it; or a step could not be made, and the session has stopped.
     Error {
@@ -443,7 +452,9 @@ pub struct Camera {
     pub name: String,
     /// Body that carries it, or −1.
     pub body: i32,
-    /// Where it is in that body's frame.
+    /// Whether it turns with its body, or only goes along with its origin.
+    pub mode: model::CameraMode,
+    /// Where it is: in that body's frame, or from its origin along world axes.
     pub placement: Placement,
     /// Vertical field of view [rad].
     pub field_of_view: f64,

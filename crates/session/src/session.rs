@@ -27,7 +27,8 @@ pub enum Outgoing {
     Text(String),
     /// A [`Message::Error`] as JSON: an answer to what the page has just said.
     Refusal(String),
-    /// A [`Message::Changed`] as JSON: what the page has just said, for all other pages.
+    /// A [`Message::Changed`] as JSON: what the page has just said, for all other pages. Where nobody has said it,
+    /// it is a [`Text`](Outgoing::Text).
     News(String),
     /// A [`Frame`] as bytes.
     Frame(Vec<u8>),
@@ -73,9 +74,9 @@ impl Session {
     pub fn of(stage: Stage, clock: fn() -> f64) -> Result<Self, SessionError> {
         Ok(Self::own(Play::of_model(stage)?, clock))
     }
-    fn own((play, simulation): (Play, Simulation<f32>), clock: fn() -> f64) -> Self {
+    fn own((play, mut simulation): (Play, Simulation<f32>), clock: fn() -> f64) -> Self {
         Self {
-            steering: Steering::new(play, &simulation, SLICE, clock),
+            steering: Steering::new(play, &mut simulation, SLICE, clock),
             source: Source::Own(Box::new(Subject::new(simulation))),
         }
     }
@@ -92,7 +93,7 @@ impl<T: Float> Session<T> {
         let mut simulation = shared.read();
         let play = Play::of_program(&mut simulation);
         Self {
-            steering: Steering::new(play, &simulation, LENT, clock),
+            steering: Steering::new(play, &mut simulation, LENT, clock),
             source: Source::Program(Arc::downgrade(shared)),
         }
     }

@@ -1,6 +1,7 @@
 //! What a session simulates: a model, and how it starts.
 
 use crate::SessionError;
+use crate::describe;
 use crate::perturb::perturb;
 use crate::protocol::Camera;
 use crate::wander::Wander;
@@ -33,7 +34,7 @@ pub struct Stage {
     pub sliders: Vec<String>,
     /// Labels of the quantities that are plotted at first.
     pub plots: Vec<String>,
-    /// Cameras that see for a robot.
+    /// Cameras that see for a robot: the model's at first.
     pub cameras: Vec<Camera>,
     /// Number of worlds that are shown at first.
     pub shown: usize,
@@ -45,6 +46,7 @@ impl Stage {
         let plots = ["Kinetic energy", "Potential energy", "Energy"];
         Self {
             keyframe: None,
+            cameras: describe::cameras(&model),
             worlds: model.worlds,
             model,
             solver: SolverKind::Auto,
@@ -54,7 +56,6 @@ impl Stage {
             wander: 0.0,
             sliders: Vec::new(),
             plots: plots.map(str::to_owned).to_vec(),
-            cameras: Vec::new(),
             shown: 1,
         }
     }

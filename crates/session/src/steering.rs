@@ -6,7 +6,7 @@ use crate::frame::Frame;
 use crate::gallery::{EXAMPLES, Example};
 use crate::hands::{Hands, Subject};
 use crate::physics::Physics;
-use crate::play::{Origin, Play, steps, time_step};
+use crate::play::{Numbers, Origin, Play, steps, time_step};
 use crate::protocol::{Command, Message, PROTOCOL, Scene, Status, Values};
 use crate::pull::{Grab, Push};
 use crate::session::Outgoing;
@@ -45,6 +45,8 @@ pub(crate) struct Steering {
     slice: f64,
     play: Play,
     shown: Vec<usize>,
+    /// Controls of the first world shown, as pages know them.
+    known: Numbers,
     /// Rows of the quantities that are plotted.
     plots: Vec<usize>,
     /// Samples of the plotted quantities since the last frame: when [s], and what.
@@ -88,7 +90,7 @@ struct Pace {
 impl Steering {
     pub fn new<T: Float>(
         play: Play,
-        simulation: &Simulation<T>,
+        simulation: &mut Simulation<T>,
         slice: f64,
         clock: fn() -> f64,
     ) -> Self {
@@ -98,6 +100,7 @@ impl Steering {
             slice,
             play,
             shown: Vec::new(),
+            known: controls(simulation, 0),
             plots: Vec::new(),
             samples: VecDeque::new(),
             running: false,
@@ -152,9 +155,10 @@ impl Steering {
             Ok(()) => {
                 self.stale = true;
                 self.tell_status(&subject.simulation);
-                let news = news.map(|command| Message::Changed { command });
-                let news = news.map(|message| Outgoing::News(message.to_json()));
-                self.outbox.extend(news);
+                match news {
+                    Some(command) => self.tell_others(&mut subject.simulation, command),
+                    None => self.tell_controls(&mut subject.simulation),
+                }
             }
             Err(error) => {
                 let refusal = Message::Error {
@@ -182,6 +186,10 @@ impl Steering {
                 let example = Example::find(&example)?;
                 let form = example.form().with(&build)?;
                 self.open(subject, Play::of_example(example, form, &physics)?);
+            }
+            Command::File { name, text } => {
+                self.play.not_of_program("what is simulated")?;
+                self.open(subject, Play::of_file(&name, &text)?);
             }
             Command::Rebuild { build } => self.rebuild(subject, &build)?,
             Command::Physics { values } => self.set_physics(subject, &values)?,
@@ -252,19 +260,20 @@ impl Steering {
         self.opened(subject);
     }
     /// Begins with what is simulated now.
-    fn begin<T: Float>(&mut self, simulation: &Simulation<T>) {
+    fn begin<T: Float>(&mut self, simulation: &mut Simulation<T>) {
         self.scenes += 1;
         self.owed = 0.0;
         self.samples.clear();
         let shown = self.play.stage.shown.clamp(1, MOST_SHOWN);
         self.shown = (0..shown.min(simulation.worlds())).collect();
+        self.known = controls(simulation, self.shown[0]);
         self.plots = self.play.first_plots().collect();
         self.stale = true;
     }
     /// Begins with it, and tells pages of it.
     fn opened<T: Float>(&mut self, subject: &mut Subject<T>) {
         subject.hands = Hands::default();
-        self.begin(&subject.simulation);
+        self.begin(&mut subject.simulation);
         let scene = Message::Scene(Box::new(self.scene(&mut subject.simulation)));
         self.outbox.push_back(Outgoing::text(&scene));
     }
@@ -574,6 +583,7 @@ impl Steering {
             (self.told, self.untold) = (now, false);
             self.measure_pace(simulation, now);
             self.tell_status(simulation);
+            self.tell_controls(simulation);
         }
     }
 
@@ -598,6 +608,24 @@ impl Steering {
     fn tell_status<T: Float>(&mut self, simulation: &Simulation<T>) {
         let status = Message::Status(self.status(simulation));
         self.outbox.push_back(Outgoing::text(&status));
+    }
+    /// Tells all other pages what one has said.
+    fn tell_others<T: Float>(&mut self, simulation: &mut Simulation<T>, command: Command) {
+        let now = controls(simulation, self.shown[0]);
+        self.known.take(&command, &now);
+        let commands = vec![command];
+        let news = Message::Changed { commands }.to_json();
+        self.outbox.push_back(Outgoing::News(news));
+    }
+    /// Tells all pages of controls that none of them has set.
+    fn tell_controls<T: Float>(&mut self, simulation: &mut Simulation<T>) {
+        let now = controls(simulation, self.shown[0]);
+        let commands = now.beside(&self.known);
+        if !commands.is_empty() {
+            self.known = now;
+            let news = Message::Changed { commands };
+            self.outbox.push_back(Outgoing::text(&news));
+        }
     }
     fn status<T: Float>(&self, simulation: &Simulation<T>) -> Status {
         let play = &self.play;
@@ -640,9 +668,14 @@ impl Steering {
         Scene {
             id: self.scenes,
             shown: self.shown.iter().map(|&w| w as u32).collect(),
-            ..self.play.scene(simulation)
+            ..self.play.scene(simulation, self.shown[0])
         }
     }
+}
+
+/// Controls of a world that is shown.
+fn controls<T: Float>(simulation: &mut Simulation<T>, world: usize) -> Numbers {
+    Numbers::of(simulation, world).expect("the worlds shown are there")
 }
 
 /// A point [m] of a body that can move, in its frame.

@@ -1,8 +1,8 @@
 //! Sessions as a page sees them.
 
 use kinetarium_session::frame::{CONTACT, HEADER};
-use kinetarium_session::protocol::{Message, Scene, Status};
-use kinetarium_session::{EXAMPLES, Outgoing, Session, Shared};
+use kinetarium_session::protocol::{Command, Geometry, Message, Scene, Status};
+use kinetarium_session::{EXAMPLES, Outgoing, Session, Shared, Stage};
 use model::Model;
 use model::examples::{self, Start};
 use sim::{Simulation, SimulationSettings};
@@ -32,6 +32,8 @@ struct Page {
     errors: Vec<String>,
     /// What other pages would be told.
     news: Vec<String>,
+    /// What somebody else has set.
+    changed: Vec<Command>,
 }
 
 impl Page {
@@ -45,6 +47,7 @@ impl Page {
             samples: Vec::new(),
             errors: Vec::new(),
             news: Vec::new(),
+            changed: Vec::new(),
         };
         page.say(&format!(r#"{{"type": "open", "example": "{example}"}}"#));
         assert!(page.errors.is_empty(), "{:?}", page.errors);
@@ -68,7 +71,7 @@ impl Page {
                 Message::Scene(scene) => self.scene = Some(*scene),
                 Message::Status(status) => self.status = Some(status),
                 Message::Error { message, .. } => self.errors.push(message),
-                Message::Changed { .. } => panic!("told to the page that asked"),
+                Message::Changed { commands } => self.changed.extend(commands),
                 Message::Welcome { examples, .. } => assert_eq!(examples.len(), EXAMPLES.len()),
             }
         }
@@ -367,11 +370,113 @@ fn what_one_page_sets_is_news_to_others_unless_it_is_refused() {
     ] {
         page.say(command);
         let news = page.news.pop().unwrap();
-        assert_eq!(news, format!(r#"{{"type":"changed","command":{command}}}"#));
+        assert_eq!(
+            news,
+            format!(r#"{{"type":"changed","commands":[{command}]}}"#)
+        );
     }
+    // What a page has set is told to nobody as set by somebody else.
+    page.step(10);
+    assert_eq!(page.changed, []);
     page.say(r#"{"type": "run"}"#);
     page.say(r#"{"type": "joint", "dof": 0, "stiffness": -1}"#);
     assert!(page.news.is_empty(), "{:?}", page.news);
+}
+
+/// A cart on springs in a file that has a light, too, which is not read.
+const CART: &str = r#"<mujoco model="cart"><worldbody><light pos="0 0 3"/><body name="cart" pos="0 0 1">
+  <joint name="x" type="slide" axis="1 0 0" stiffness="10"/><geom type="box" size=".1 .1 .1"/>
+</body></worldbody></mujoco>"#;
+
+fn file(name: &str, text: &str) -> String {
+    serde_json::json!({"type": "file", "name": name, "text": text}).to_string()
+}
+
+#[test]
+fn a_robot_file_opens_and_what_it_cannot_say_is_told() {
+    let mut page = Page::open("tower");
+    page.say(&file("cart.xml", CART));
+    let scene = page.scene();
+    assert_eq!(
+        (scene.name.as_str(), scene.title.as_str(), scene.up),
+        ("cart.xml", "cart", 'z')
+    );
+    assert_eq!((scene.bodies.len(), scene.build.len()), (1, 0));
+    assert!(
+        scene.guide.contains("cart.xml:1: <light>"),
+        "{}",
+        scene.guide
+    );
+    page.step(10);
+    assert_eq!(page.word(24), 10);
+    page.say(r#"{"type": "restart"}"#);
+    assert_eq!(page.errors, [""; 0]);
+    let meshes = CART.replace(
+        "</mujoco>",
+        r#"<asset><mesh name="m" file="m.obj"/></asset></mujoco>"#,
+    );
+    let meshes = meshes.replace(r#"type="box" size=".1 .1 .1""#, r#"type="mesh" mesh="m""#);
+    page.refuses(
+        &file("cart.xml", &meshes),
+        "m.obj cannot be read (a page gives one file",
+    );
+    page.refuses(&file("cart.xml", "<mujoco><worldbody>"), "cart.xml");
+    page.refuses(&file("notes.xml", "<notes/>"), "<mujoco>, URDF");
+    assert_eq!(page.scene().name, "cart.xml");
+}
+
+#[test]
+fn a_mesh_of_a_file_is_seen_where_it_can_be_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("leaf.obj");
+    std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let scene = |file: &std::path::Path| {
+        let mut world = model::Builder::new("leaf");
+        let file = file.to_str().unwrap().to_owned();
+        let scale = glam::DVec3::splat(2.0);
+        let leaf = model::Geometry::MeshFile { file, scale };
+        let leaf = model::Shape::new(leaf).without_contact();
+        world.object("leaf").scenery(leaf);
+        let mut session = Session::of(Stage::new(world.build().unwrap()), clock).unwrap();
+        let greeting = session.greeting();
+        let Outgoing::Text(scene) = &greeting[1] else {
+            panic!("{greeting:?}")
+        };
+        let Message::Scene(scene) = serde_json::from_str(scene).unwrap() else {
+            panic!("{scene}")
+        };
+        scene.shapes[0].geometry.clone()
+    };
+    let seen = Geometry::Mesh {
+        positions: vec![0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 2.0, 0.0],
+        triangles: vec![0, 1, 2],
+        flat: false,
+    };
+    assert_eq!(scene(&path), seen);
+    let Geometry::Mesh { triangles, .. } = scene(&folder.path().join("none.obj")) else {
+        panic!("no mesh")
+    };
+    assert!(triangles.is_empty());
+}
+
+/// Motors that nobody has set are moved by chance, and sliders with them, a few times a second.
+#[test]
+fn random_controls_are_told_and_those_that_are_set_are_not() {
+    let mut page = Page::open("ant");
+    page.say(r#"{"type": "rebuild", "build": {"wander": 1}}"#);
+    page.say(r#"{"type": "control", "actuator": 3, "value": 0.5}"#);
+    page.run(3000);
+    let told = |actuator: u32| {
+        let of = |command: &&Command| matches!(command, Command::Control { actuator: a, .. } if *a == actuator);
+        page.changed.iter().filter(of).count()
+    };
+    assert_eq!(told(3), 0);
+    let seconds = page.status().time;
+    assert!(
+        (4..=(4.0 * seconds) as usize + 2).contains(&told(2)),
+        "{} in {seconds} s",
+        told(2)
+    );
 }
 
 #[test]
@@ -559,6 +664,62 @@ fn what_the_page_has_not_set_of_a_program_s_simulation_stays_as_the_program_set_
     );
     let numbers = shared.read().controls().of_world(0).unwrap();
     assert_eq!(numbers[2..6], [0.75, -0.5, 0.0, 2.0]);
+}
+
+/// Pages follow what the program sets, in few messages, the last of which has the last word.
+#[test]
+fn what_the_program_sets_is_told() {
+    let (shared, mut session) = of_program(examples::chain(2, Start::Horizontal).unwrap());
+    let told = |session: &mut Session<f64>| {
+        let mut told = Vec::new();
+        while let Some(outgoing) = session.outgoing() {
+            let Outgoing::Text(text) = outgoing else {
+                continue;
+            };
+            if let Message::Changed { commands } = serde_json::from_str(&text).unwrap() {
+                told.push(commands);
+            }
+        }
+        told
+    };
+    ask(&mut session, r#"{"type": "stop"}"#);
+    for i in 1..=1000 {
+        let mut simulation = shared.change();
+        simulation
+            .controls()
+            .set_target(0, 1, 1e-3 * f64::from(i))
+            .unwrap();
+        // Of a world that is not shown first.
+        simulation
+            .controls()
+            .set_target(1, 0, 1e-3 * f64::from(i))
+            .unwrap();
+        drop(simulation);
+        session.advance();
+    }
+    for _ in 0..300 {
+        session.advance();
+    }
+    let all = told(&mut session);
+    // The clock goes on by at least 1 ms a round.
+    assert!((4..50).contains(&all.len()), "{}", all.len());
+    let last = |position| Command::Joint {
+        dof: 1,
+        position: Some(position),
+        stiffness: None,
+        velocity: Some(0.0),
+        damping: None,
+    };
+    assert_eq!(all.last().unwrap(), &[last(1.0)]);
+    assert!(all.windows(2).all(|pair| pair[0] != pair[1]));
+    // A page that sets something else meanwhile hears of both.
+    shared.change().controls().set_target(0, 1, 2.0).unwrap();
+    session.receive(r#"{"type": "joint", "dof": 0, "position": 0.5}"#);
+    session.receive(r#"{"type": "show", "worlds": [0]}"#);
+    assert_eq!(told(&mut session), [[last(2.0)]]);
+    // Another world has other controls.
+    session.receive(r#"{"type": "show", "worlds": [1]}"#);
+    assert_eq!(told(&mut session), [[last(0.0)]]);
 }
 
 #[test]

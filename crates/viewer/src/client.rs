@@ -6,8 +6,9 @@ use std::sync::mpsc::TrySendError;
 use std::time::Duration;
 use tokio::sync::mpsc;
 
-/// Commands are shorter than this; longer ones end the connection [bytes].
-pub(crate) const LONGEST: usize = 1 << 16;
+/// Commands are shorter than this, robot files among them; longer ones end the connection [bytes].
+/// `web/src/files.ts` knows it.
+pub(crate) const LONGEST: usize = 1 << 20;
 /// How long to wait where the session has more commands than it can take.
 const PATIENCE: Duration = Duration::from_millis(2);
 

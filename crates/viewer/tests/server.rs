@@ -117,7 +117,7 @@ fn what_one_page_sets_is_told_to_the_others() {
         r#"{"type": "physics", "values": {"gravity": 1.62}}"#,
     );
     assert_eq!(
-        hear(&mut second, "changed")["command"]["values"]["gravity"],
+        hear(&mut second, "changed")["commands"][0]["values"]["gravity"],
         1.62
     );
     say(&mut second, r#"{"type": "step", "steps": 3}"#);
@@ -266,6 +266,22 @@ fn frame(page: &mut Page, least: f64) -> (f64, [f32; 3]) {
             let number = |at: usize| f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
             return (time, [0, 4, 8].map(|at| number(HEADER + at)));
         }
+    }
+}
+
+#[test]
+fn what_the_program_sets_is_told_to_all_pages() {
+    let shared = pendulum::<f32>();
+    let viewer = show(&shared, None, None).unwrap();
+    let mut pages = [page(viewer.address()), page(viewer.address())];
+    for page in &mut pages {
+        hear(page, "status");
+    }
+    let set = |target| shared.change().controls().set_target(0, 0, target).unwrap();
+    (0..100).for_each(|i| set(f64::from(i)));
+    set(0.5);
+    for page in &mut pages {
+        while hear(page, "changed")["commands"][0]["position"] != 0.5 {}
     }
 }
 

@@ -1,15 +1,27 @@
+import { type Files, ROBOT_FILES } from "../files";
 import type { Session } from "../session";
 import type { Share } from "../share";
-import { h } from "../ui/dom";
+import { button, h } from "../ui/dom";
 
-/** What can be opened. */
+/** What can be opened: examples, and robots of files. */
 export class Gallery {
-  readonly element = h("ul", { class: "gallery", "aria-label": "Examples" });
+  readonly element: HTMLElement;
+  private readonly list = h("ul", { class: "gallery", "aria-label": "Examples" });
 
   constructor(
     private readonly session: Session,
     private readonly share: Share,
+    files: Files,
   ) {
+    const input = h("input", { type: "file", accept: ROBOT_FILES, hidden: true });
+    input.addEventListener("change", () => {
+      const [file] = input.files ?? [];
+      if (file) files.open(file);
+      input.value = "";
+    });
+    const help = "A robot in MJCF or URDF, without meshes of its own. It can also be dropped on the page.";
+    const choose = button("Open a robot file…", help, () => input.click());
+    this.element = h("div", {}, this.list, h("div", { class: "bar" }, choose, input));
     session.on("examples", () => this.show());
     session.on("scene", () => this.mark());
   }
@@ -32,17 +44,17 @@ export class Gallery {
         ),
       ),
     );
-    this.element.replaceChildren(...items);
+    this.list.replaceChildren(...items);
     this.element.hidden = items.length === 0;
     this.mark();
   }
 
   private mark(): void {
-    for (const item of this.element.querySelectorAll<HTMLElement>(".example")) {
+    for (const item of this.list.querySelectorAll<HTMLElement>(".example")) {
       const current = item.dataset.name === this.session.scene?.name;
       item.setAttribute("aria-current", String(current));
       // Not scrollIntoView, which would scroll the panel, too.
-      if (current) this.element.scrollTop = item.offsetTop - this.element.clientHeight / 2;
+      if (current) this.list.scrollTop = item.offsetTop - this.list.clientHeight / 2;
     }
   }
 }

@@ -6,8 +6,8 @@ const POINTER: [string, string][] = [
   ["Shift+drag", "Moves the view; so do the right button and two fingers."],
   ["Wheel, pinch", "Comes closer, or goes away."],
   ["Click", "Picks a body."],
-  ["Ctrl+drag", "Drags a body by a spring."],
-  ["Drop a file", "Dresses a body in a picture or a GLB model."],
+  ["Ctrl+drag", "Drags a body by a spring; a finger does with the tool Grab."],
+  ["Drop a file", "Opens a robot (MJCF, URDF); dresses a body in a picture or a GLB model."],
 ];
 
 /** Keys and mouse, in a dialog. */

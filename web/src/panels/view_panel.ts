@@ -1,4 +1,5 @@
 import type { Navigation } from "../navigation";
+import type { Camera } from "../protocol";
 import type { Session } from "../session";
 import { keep, recall } from "../store";
 import { button, Checkbox, h, Select } from "../ui/dom";
@@ -63,7 +64,8 @@ export class ViewPanel {
       const options = cameras.map(({ name }, row): [number, string] => [row, `Camera ${name || row}`]);
       this.cameras.setOptions([[-1, "No inset"], ...options]);
       this.cameras.element.hidden = cameras.length === 0;
-      this.set({ inset: cameras.length ? 0 : -1 });
+      // What a robot sees with its own eyes is shown at first.
+      this.set({ inset: cameras.findIndex(({ body, mode }) => body >= 0 && mode === "fixed") });
       this.showSaved();
     });
     this.show();
@@ -131,7 +133,15 @@ export class ViewPanel {
     const keepIt = button("Keep viewpoint", "Keeps the camera's place. (Shift with a digit)", () =>
       this.save(),
     );
+    const cameras = this.session.scene?.cameras.map((camera) => this.cameraButton(camera)) ?? [];
     const forget = button("Forget", "Forgets the viewpoints kept for this scene.", () => this.forget());
-    this.saved.replaceChildren(keepIt, ...buttons, ...(buttons.length ? [forget] : []));
+    this.saved.replaceChildren(keepIt, ...buttons, ...(buttons.length ? [forget] : []), ...cameras);
+  }
+
+  private cameraButton(camera: Camera): HTMLButtonElement {
+    return button(camera.name, `Goes to where the camera ${camera.name} is now.`, () => {
+      const viewpoint = this.view.viewpointOf(camera);
+      if (viewpoint) this.navigation.go(viewpoint);
+    });
   }
 }

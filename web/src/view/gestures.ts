@@ -21,8 +21,8 @@ interface Pointer {
   y: number;
 }
 
-/** Within so many pixels, a press is a click. */
-const CLICK = 4;
+/** Within so many pixels, a press is a click; a finger trembles more than a mouse. */
+const [CLICK, TAP] = [4, 12];
 
 export class Gestures {
   private readonly pointers = new Map<number, Pointer>();
@@ -46,6 +46,8 @@ export class Gestures {
     this.pointers.set(event.pointerId, { x: event.offsetX, y: event.offsetY });
     if (this.pointers.size > 1) {
       this.letGo();
+      // Two fingers mean the view, however short they touch.
+      this.travelled = Number.POSITIVE_INFINITY;
       return;
     }
     this.travelled = 0;
@@ -81,7 +83,8 @@ export class Gestures {
     if (!this.pointers.delete(event.pointerId)) return;
     const held = this.hold !== null;
     this.letGo();
-    const clicked = meant && event.button === 0 && this.travelled < CLICK && this.pointers.size === 0;
+    const still = this.travelled < (event.pointerType === "touch" ? TAP : CLICK);
+    const clicked = meant && event.button === 0 && still && this.pointers.size === 0;
     if (clicked && !held) this.actions.click(event.offsetX, event.offsetY);
   }
 

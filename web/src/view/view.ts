@@ -10,7 +10,7 @@ import {
   Vector3,
 } from "three";
 import type { Frame } from "../frame";
-import type { Scene } from "../protocol";
+import type { Camera, Scene } from "../protocol";
 import type { Triple } from "../schema";
 import type { Session } from "../session";
 import type { Theme } from "../theme";
@@ -89,6 +89,23 @@ export class View {
     this.framing = false;
     this.rig.go(viewpoint, true);
     this.invalidate();
+  }
+
+  /** The viewpoint of a camera of the scene, upright; null where there is nothing to be seen yet. */
+  viewpointOf(camera: Camera): Viewpoint | null {
+    const { shown, frame } = this;
+    if (!shown || !frame) return null;
+    const place = this.placeOf(camera, shown);
+    const eye = new Vector3().setFromMatrixPosition(place);
+    const back = new Vector3().setFromMatrixColumn(place, 2);
+    const middle = shown.bounds.applyMatrix4(this.stage.root.matrixWorld).getCenter(new Vector3());
+    const distance = Math.max(eye.distanceTo(middle), 1e-3);
+    return {
+      target: eye.addScaledVector(back, -distance).toArray(),
+      yaw: Math.atan2(back.x, back.z),
+      pitch: Math.asin(Math.min(1, Math.max(-1, back.y))),
+      distance,
+    };
   }
 
   /** Sees the whole scene once its next frame is here. */
@@ -235,18 +252,24 @@ export class View {
     return new Matrix4().compose(eye, turn, new Vector3(1, 1, 1));
   }
 
+  /** Where a camera of the scene is, in the screen's world. */
+  private placeOf({ body, mode, placement }: Camera, shown: SceneView): Matrix4 {
+    const row = Math.min(this.picked?.row ?? 0, shown.poses.worlds - 1);
+    const carrier = shown.bodyMatrix({ row, body });
+    // Of a body whose turns it does not follow, only the place matters.
+    if (mode === "track") carrier.copy(new Matrix4().copyPosition(carrier));
+    const position = new Vector3(...placement.position);
+    const orientation = new Quaternion(...placement.orientation);
+    const place = new Matrix4().compose(position, orientation, new Vector3(1, 1, 1));
+    return place.premultiply(carrier).premultiply(this.stage.root.matrixWorld);
+  }
+
   /** Puts the inset's camera where the scene's is. Returns whether there is one to show. */
   private placeInset(): boolean {
     const { shown } = this;
     const camera = shown?.scene.cameras[this.chosen.inset];
     if (!shown || !camera || !this.frame) return false;
-    const place = new Matrix4().compose(
-      new Vector3(...camera.placement.position),
-      new Quaternion(...camera.placement.orientation),
-      new Vector3(1, 1, 1),
-    );
-    const row = Math.min(this.picked?.row ?? 0, shown.poses.worlds - 1);
-    place.premultiply(shown.bodyMatrix({ row, body: camera.body })).premultiply(this.stage.root.matrixWorld);
+    const place = this.placeOf(camera, shown);
     place.decompose(this.insetCamera.position, this.insetCamera.quaternion, this.insetCamera.scale);
     this.insetCamera.fov = (180 / Math.PI) * camera.field_of_view;
     this.insetCamera.near = 0.01 * shown.measures.body;

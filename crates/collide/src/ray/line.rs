@@ -38,14 +38,6 @@ impl Span {
         let leave = self.leave.min(other.leave);
         (later.enter <= leave).then_some(Self { leave, ..later })
     }
-    /// What is in one of two that overlap.
-    fn or(self, other: Self) -> Self {
-        Self {
-            enter: self.enter.min(other.enter),
-            leave: self.leave.max(other.leave),
-            ..self
-        }
-    }
 }
 
 /// A half space n · p ≤ h: a unit vector out of it, and its height along that [m].
@@ -64,10 +56,11 @@ const ALONG: f64 = 1e-15;
 
 impl Line {
     /// The span inside a solid; surfaces count. Meshes have no inside.
+    #[inline]
     pub fn within(&self, geometry: &Geometry) -> Option<Span> {
         match *geometry {
             Geometry::Plane { .. } => self.half_space(DVec3::Y, 0.0),
-            Geometry::Sphere { radius } => self.ellipsoid(DVec3::splat(radius)),
+            Geometry::Sphere { radius } => self.ball(0.0, radius),
             Geometry::Ellipsoid { half } => self.ellipsoid(half),
             Geometry::Capsule {
                 radius,
@@ -153,36 +146,68 @@ impl Line {
         })
     }
 
-    /// x² + z² ≤ r²: a unit ball in the plane across the axis.
+    /// x² + z² ≤ r²: as a ball, in the plane across the axis.
     fn tube(&self, r: f64) -> Option<Span> {
-        let across = |v: DVec3| DVec3::new(v.x, 0.0, v.z);
-        let mut d = across(self.direction);
-        if d.length() < ALONG {
-            d = DVec3::ZERO;
+        let [o, d] = [self.origin, self.direction].map(|v| DVec2::new(v.x, v.z));
+        let dd = d.length_squared();
+        if dd < ALONG * ALONG {
+            return (o.length_squared() <= r * r).then_some(Span {
+                enter: f64::NEG_INFINITY,
+                leave: f64::INFINITY,
+                normal: DVec3::new(o.x, 0.0, o.y),
+            });
         }
-        let (enter, leave) = unit_ball(across(self.origin) / r, d / r)?;
-        let normal = across(self.at(enter));
+        let middle = -o.dot(d) / dd;
+        let foot = o + middle * d;
+        let rest = r * r - foot.length_squared();
+        if rest < 0.0 {
+            return None;
+        }
+        let half = (rest / dd).sqrt();
+        let normal = foot - half * d;
         Some(Span {
-            enter,
-            leave,
-            normal,
+            enter: middle - half,
+            leave: middle + half,
+            normal: DVec3::new(normal.x, 0.0, normal.y),
         })
     }
 
-    /// Within r of the segment |y| ≤ h: a cylinder or one of two balls, which together are convex.
-    /// Normal: from the nearest point of the segment.
+    /// |p − c| ≤ r with c = (0, y, 0): about the foot o − c − ((o − c)·d) d, half of the chord is √(r² − foot²).
+    fn ball(&self, y: f64, r: f64) -> Option<Span> {
+        let o = self.origin - y * DVec3::Y;
+        let middle = -o.dot(self.direction);
+        let foot = o + middle * self.direction;
+        let rest = r * r - foot.length_squared();
+        if rest < 0.0 {
+            return None;
+        }
+        let half = rest.sqrt();
+        Some(Span {
+            enter: middle - half,
+            leave: middle + half,
+            normal: foot - half * self.direction,
+        })
+    }
+
+    /// Within r of the segment |y| ≤ h: a tube, closed by balls. Where the line enters the tube between its
+    /// ends, it enters the capsule; where beyond one, it enters there by that end's ball, or not at all, for
+    /// where it comes to the end inside the tube, it is inside the ball. So it leaves. Normal: from the nearest
+    /// point of the segment.
     fn capsule(&self, r: f64, h: f64) -> Option<Span> {
-        let ball = |y: f64| {
-            let origin = self.origin - y * DVec3::Y;
-            Self { origin, ..*self }.ellipsoid(DVec3::splat(r))
+        let tube = self.tube(r)?;
+        let height = |t: f64| self.origin.y + t * self.direction.y;
+        let (first, last) = (height(tube.enter), height(tube.leave));
+        let entry = if first.abs() <= h {
+            tube
+        } else {
+            self.ball(h.copysign(first), r)?
         };
-        let tube = self.tube(r);
-        let cylinder = tube.and_then(|tube| tube.and(self.slab(1, h)?));
-        let parts = [ball(-h), cylinder, ball(h)];
-        let span = parts.into_iter().flatten().reduce(Span::or)?;
-        let p = self.at(span.enter);
-        let normal = p - p.y.clamp(-h, h) * DVec3::Y;
-        Some(Span { normal, ..span })
+        let leave = if last.abs() <= h {
+            tube.leave
+        } else {
+            self.ball(h.copysign(last), r)?.leave
+        };
+        Some(Span { leave, ..entry })
     }
 
     /// x² + z² ≤ k² s², where s = h − y is the depth below the apex and k = r / 2h. That is
@@ -222,10 +247,6 @@ impl Line {
 /// chord is √((1 − foot²) / w²).
 fn unit_ball(u: DVec3, w: DVec3) -> Option<(f64, f64)> {
     let ww = w.length_squared();
-    if ww == 0.0 {
-        let all = (f64::NEG_INFINITY, f64::INFINITY);
-        return (u.length_squared() <= 1.0).then_some(all);
-    }
     let middle = -u.dot(w) / ww;
     let rest = 1.0 - (u + middle * w).length_squared();
     let half = (rest / ww).sqrt();
@@ -244,4 +265,55 @@ fn roots(a: f64, b: f64, c: f64, square: f64) -> Option<(f64, f64)> {
     }
     let (x, y) = (q / a, c / q);
     Some((x.min(y), x.max(y)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A capsule is all within r of a segment: spans hold the points that are, and no others.
+    #[test]
+    fn a_line_is_in_a_capsule_where_it_is_near_the_segment() {
+        let (r, h) = (0.3, 0.5);
+        let capsule = Geometry::Capsule {
+            radius: r,
+            half_height: h + r,
+        };
+        let apart = |p: DVec3| p.distance(DVec3::Y * p.y.clamp(-h, h)) - r;
+        let mut random = fastrand::Rng::with_seed(5);
+        let mut point = || DVec3::from_array([0; 3].map(|_| random.f64() - 0.5));
+        let (mut met, mut missed) = (0, 0);
+        for i in 0..4000 {
+            let mut direction = point();
+            match i % 10 {
+                // Along the axis, and across it.
+                0 => direction = DVec3::Y,
+                1 => direction.y = 0.0,
+                _ => {}
+            }
+            let line = Line {
+                origin: 1.5 * point(),
+                direction: direction.normalize(),
+            };
+            match line.within(&capsule) {
+                Some(span) => {
+                    met += 1;
+                    assert!(apart(line.at(span.enter)).abs() < 1e-12);
+                    assert!(apart(line.at(span.leave)).abs() < 1e-12);
+                    let middle = line.at(0.5 * (span.enter + span.leave));
+                    assert!(span.enter <= span.leave && apart(middle) < 1e-12);
+                    // The gradient of the distance.
+                    let p = line.at(span.enter);
+                    let outwards = (p - DVec3::Y * p.y.clamp(-h, h)) / r;
+                    assert!(span.normal.normalize().abs_diff_eq(outwards, 1e-9));
+                }
+                None => {
+                    missed += 1;
+                    let points = (-200..=200).map(|i| line.at(0.01 * f64::from(i)));
+                    assert!(points.map(apart).fold(1.0, f64::min) > 0.0);
+                }
+            }
+        }
+        assert!(met > 1000 && missed > 300, "{met} {missed}");
+    }
 }

@@ -1,6 +1,7 @@
 //! `<worldbody>` and `<body>`: the kinematic tree (XML reference, "(world)body").
 
 use super::Context;
+use super::camera;
 use super::content::{self, Content};
 use super::geom::{Geom, Weight};
 use super::inertial;
@@ -161,7 +162,7 @@ fn weigh(
     Ok((mass, geoms))
 }
 
-/// Reads sites, and notes or refuses what else a body holds.
+/// Reads sites and cameras, and notes or refuses what else a body holds.
 fn read_others(
     contents: &[Content],
     body: Option<BodyId>,
@@ -180,7 +181,7 @@ fn read_others(
                     tree.add_site(name, body, pose);
                 }
             }
-            "camera" => report.note(element, "cameras", "only for seeing; not read"),
+            "camera" => camera::read(content, body, tree, context, report)?,
             "light" => report.note(element, "lights", "only for seeing; not read"),
             name if GENERATORS.contains(&name) => {
                 let remedy = "load the file with MuJoCo and save it: that writes it out";

@@ -20,6 +20,8 @@
 //!   them differ from what two materials make of each other, the model names the pair.
 //! - Sensors of joints, actuators, frames and subtrees' centres, inertial units, forces, torques, touch and
 //!   rangefinders are in the model's list ([`Parts::sensors`]), with their noise, cutoff and interval.
+//! - Cameras keep their names, places and fields of view; those of mode `track` go along with their body and do
+//!   not turn with it.
 //! - Equality constraints `connect` and `weld` become joints that close a loop, `joint` a coupling.
 //!
 //! # Limitations
@@ -39,11 +41,14 @@
 //! - `touch` is of all contacts of the site's body. What other sensors measure, and of rangefinders other `data` than
 //!   the distance, is not read, and listed.
 //! - A rangefinder in the world sees what else is in the world; MuJoCo's sees bodies alone.
+//! - Cameras of mode `trackcom` go along with their body's origin; those that aim at a body, and orthographic ones,
+//!   are left out.
 //! - A height field is its surface; MuJoCo's is solid down to its base.
 
 mod actuator;
 mod assets;
 mod body;
+mod camera;
 mod compiler;
 mod contact;
 mod content;

@@ -96,6 +96,7 @@ pub(super) fn shape(
     if collides && let Some(read) = looks.meshes.of(inner, &geometry)? {
         geometry = read;
     }
+    looks.meshes.locate(inner, &mut geometry, report);
     let pose = match geometry {
         Geometry::Cylinder { .. } | Geometry::Capsule { .. } => {
             frame * Pose::new(DVec3::ZERO, Y_TO_Z)

@@ -13,8 +13,8 @@
 //! - `effort` limits the joint's drive; `mimic` becomes a coupling.
 //! - Links without mass that are fixed to others are fused with them.
 //! - Collision geometry collides, visual geometry is only seen. Mesh files are named, not read, unless
-//!   those that collide are asked for, exact or as hulls ([`Options::meshes`]); `package://` paths stay as
-//!   they are.
+//!   those that collide are asked for, exact or as hulls ([`Options::meshes`]). The package of a `package://`
+//!   path is a folder of its name, beside the file or above; where there is none, the path stays, with a warning.
 
 mod geometry;
 mod joint;

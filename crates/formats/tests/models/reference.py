@@ -38,6 +38,8 @@ def states(model: mujoco.MjModel) -> list:
     for i in range(STATES):
         data.qpos[:] = model.qpos0 if i == 0 else random_coordinates(model, rng)
         mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_camlight(model, data)
         row = {
             "qpos": data.qpos,
             "xpos": data.xpos,
@@ -45,6 +47,8 @@ def states(model: mujoco.MjModel) -> list:
             "geom_xpos": data.geom_xpos,
             "geom_xmat": data.geom_xmat,
         }
+        if model.ncam:
+            row |= {"cam_xpos": data.cam_xpos, "cam_xmat": data.cam_xmat}
         rows.append({name: np.array(value).tolist() for name, value in row.items()})
     return rows
 
@@ -89,6 +93,9 @@ def describe(model: mujoco.MjModel) -> dict:
     table["body_inertia"] = [body_inertia(model, i) for i in range(model.nbody)]
     table["joint_name"] = [model.joint(i).name for i in range(model.njnt)]
     table["body_name"] = [model.body(i).name for i in range(model.nbody)]
+    if model.ncam:
+        table["cam_name"] = [model.cam(i).name for i in range(model.ncam)]
+        table["cam_fovy"], table["cam_resolution"] = model.cam_fovy.tolist(), model.cam_resolution.tolist()
     table["states"] = states(model)
     table["contacts"] = contacts(model)
     return table

@@ -1,7 +1,7 @@
 //! Finding things by name.
 
 use super::Model;
-use crate::{BodyId, Joint, JointId, JointKind, Keyframe, ModelError};
+use crate::{BodyId, Camera, Joint, JointId, JointKind, Keyframe, ModelError};
 
 /// How alike two names must be (Jaro–Winkler, 0 to 1) for one to be offered in place of the other.
 const ALIKE: f64 = 0.75;
@@ -52,6 +52,14 @@ impl Model {
             self.keyframes.iter().map(|k| k.name.as_str()),
         )?;
         Ok(&self.keyframes[row])
+    }
+    /// The camera of this name.
+    ///
+    /// # Errors
+    /// [`ModelError::UnknownName`], with a name that is alike.
+    pub fn camera(&self, name: &str) -> Result<&Camera, ModelError> {
+        let row = find("camera", name, self.cameras.iter().map(|c| c.name.as_str()))?;
+        Ok(&self.cameras[row])
     }
 
     /// Names of the velocities of a state, in their order.

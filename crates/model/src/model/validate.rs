@@ -4,7 +4,7 @@ use super::check::{Subject, names};
 use super::joints;
 use crate::mass::principal_moments;
 use crate::{
-    Actuator, Body, BodyKind, Coupling, Geometry, JointId, JointKind, Keyframe, Material,
+    Actuator, Body, BodyKind, Camera, Coupling, Geometry, JointId, JointKind, Keyframe, Material,
     Measurand, ModelError, Parts, Sensor, Shape, Softness,
 };
 use glam::DMat3;
@@ -16,6 +16,10 @@ pub(crate) const MOST_ROWS: usize = 1_000_000;
 const MOST_WORLDS: usize = 10_000_000;
 /// Largest impedance of a contact: an added mass of ten thousand masses.
 const MOST_IMPEDANCE: f64 = 0.9999;
+/// Angles that a camera's image may have [rad].
+const FIELDS_OF_VIEW: [f64; 2] = [1e-6, std::f64::consts::PI - 1e-6];
+/// Most pixels of a row of a camera's image, and most rows.
+const MOST_PIXELS: f64 = 16384.0;
 /// Relative slack for inertia matrices, which files give with few digits.
 const INERTIA_TOLERANCE: f64 = 1e-6;
 /// A principal moment below this share of the largest counts as zero.
@@ -45,7 +49,11 @@ pub(super) fn parts(parts: &Parts) -> Result<(), ModelError> {
         .actuators
         .iter()
         .try_for_each(|a| actuator(a, parts))?;
-    parts.sensors.iter().try_for_each(|s| sensor(s, parts))
+    parts.sensors.iter().try_for_each(|s| sensor(s, parts))?;
+    parts
+        .cameras
+        .iter()
+        .try_for_each(|c| camera(c, parts.bodies.len()))
 }
 
 fn counts(parts: &Parts) -> Result<(), ModelError> {
@@ -59,6 +67,7 @@ fn counts(parts: &Parts) -> Result<(), ModelError> {
         ("actuators", parts.actuators.len(), MOST_ROWS),
         ("sensors", parts.sensors.len(), MOST_ROWS),
         ("keyframes", parts.keyframes.len(), MOST_ROWS),
+        ("cameras", parts.cameras.len(), MOST_ROWS),
         ("worlds", parts.worlds, MOST_WORLDS),
     ];
     match tables.into_iter().find(|&(_, count, most)| count > most) {
@@ -88,7 +97,28 @@ fn all_names(parts: &Parts) -> Result<(), ModelError> {
     names("coupling", parts.couplings.iter().map(|c| c.name.as_str()))?;
     names("actuator", parts.actuators.iter().map(|a| a.name.as_str()))?;
     names("sensor", parts.sensors.iter().map(|s| s.name.as_str()))?;
-    names("keyframe", parts.keyframes.iter().map(|k| k.name.as_str()))
+    names("keyframe", parts.keyframes.iter().map(|k| k.name.as_str()))?;
+    names("camera", parts.cameras.iter().map(|c| c.name.as_str()))
+}
+
+fn camera(camera: &Camera, bodies: usize) -> Result<(), ModelError> {
+    let subject = Subject {
+        kind: "camera",
+        name: &camera.name,
+    };
+    if let Some(body) = camera.body {
+        subject.row("body", body.0, bodies)?;
+    }
+    subject.pose("pose", &camera.pose)?;
+    let [narrowest, widest] = FIELDS_OF_VIEW;
+    subject.within(
+        "field of view [rad]",
+        camera.field_of_view,
+        narrowest,
+        widest,
+    )?;
+    let mut sides = camera.size.into_iter().flatten().map(f64::from);
+    sides.try_for_each(|side| subject.within("size [pixel]", side, 1.0, MOST_PIXELS))
 }
 
 fn body(body: &Body) -> Result<(), ModelError> {

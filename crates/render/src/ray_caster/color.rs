@@ -43,26 +43,25 @@ impl<'a> Lit<'a> {
         let world = tile.world;
         let reach = OCCLUSION_REACH * world.scene.extent;
         let any = points.clone().next().is_some();
-        let of = |wanted: bool, counts: &dyn Fn(&Seen) -> bool| {
-            let counted = world
-                .shapes
-                .iter()
-                .enumerate()
-                .filter(|(_, seen)| counts(seen));
-            if wanted && any {
-                counted.map(|(i, _)| i).collect()
-            } else {
-                Vec::new()
-            }
+        let those = |counts: &dyn Fn(&Seen) -> bool| {
+            let shapes = world.shapes.iter().enumerate();
+            let counted = shapes.filter(|(_, seen)| counts(seen));
+            counted.map(|(i, _)| i).collect()
         };
-        let lit = Tile::around(points.clone().map(|p| world.sun * p));
-        let shadows = |seen: &Seen| seen.shadows(lit, world.sun_spread());
-        let around = Tile::around(points);
-        let near = |seen: &Seen| seen.is_near(around, reach);
+        let mut casters = Vec::new();
+        if any && world.scene.light.shadows {
+            let lit = Tile::around(points.clone().map(|p| world.sun * p));
+            casters = those(&|seen| seen.shadows(lit, world.sun_spread()));
+        }
+        let mut occluders = Vec::new();
+        if any && world.view.occlusion > 0 {
+            let around = Tile::around(points);
+            occluders = those(&|seen| seen.is_near(around, reach));
+        }
         Self {
             tile,
-            casters: of(world.scene.light.shadows, &shadows),
-            occluders: of(world.view.occlusion > 0, &near),
+            casters,
+            occluders,
             part,
             reach,
             sun: world.sun.row(2),

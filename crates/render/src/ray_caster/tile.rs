@@ -175,8 +175,11 @@ impl<'a> Tile<'a> {
 
     /// Lower and upper corner of the box about points.
     pub fn around(points: impl Iterator<Item = DVec3>) -> [DVec3; 2] {
-        points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| {
-            [low.min(p), high.max(p)]
-        })
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for point in points {
+            low = low.min(point);
+            high = high.max(point);
+        }
+        [low, high]
     }
 }

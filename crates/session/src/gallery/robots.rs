@@ -5,7 +5,7 @@ use crate::SessionError;
 use crate::protocol::{Camera, Field, Placement};
 use crate::stage::Stage;
 use formats::{InMemory, Options};
-use model::{Model, examples};
+use model::{CameraMode, Model, examples};
 
 /// Reads a model of this program.
 fn read(name: &str, text: &str) -> Result<Model, SessionError> {
@@ -48,6 +48,7 @@ pub(super) const ROOM: Example = Example {
         let eye = Camera {
             name: "Robot".into(),
             body: head.0 as i32,
+            mode: CameraMode::Fixed,
             placement: Placement {
                 position: [0.0, 0.0, -0.09],
                 orientation: [0.0, 0.0, 0.0, 1.0],

@@ -11,7 +11,7 @@ export async function skinOfFile(file: File): Promise<Skin> {
     return { kind: "model", model: await readModel(file), fitted: true };
   }
   if (file.type.startsWith("image/")) return { kind: "picture", picture: await readPicture(file) };
-  throw new Error(`${file.name} is neither a picture nor a GLB file. Choose one of these.`);
+  throw new Error(`${file.name} is no picture, GLB model or robot file (.xml, .urdf). Choose one of these.`);
 }
 
 async function readModel(file: File): Promise<Object3D> {

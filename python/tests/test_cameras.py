@@ -1,0 +1,54 @@
+"""Cameras that a file names."""
+
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+import pytest
+
+import kinetarium as kn
+from kinetarium.errors import UnknownNameError
+
+ROBOT = """
+<mujoco><worldbody>
+  <geom name="floor" type="plane" size="50 50 1"/>
+  <camera name="above" pos="0 0 5" fovy="60" resolution="32 24"/>
+  <body name="arm" pos="0 0 2">
+    <joint type="hinge" axis="0 0 1"/>
+    <geom name="rod" type="box" size="1 .1 .1"/>
+    <camera name="hand" pos="0 0 1" quat="1 0 0 0"/>
+    <camera name="beside" mode="track" pos="0 0 1"/>
+  </body>
+</worldbody></mujoco>
+"""
+
+
+@pytest.fixture
+def sim():
+    return kn.Simulation(kn.parse(ROBOT), worlds=2)
+
+
+def test_the_model_s_cameras_go_by_their_names(sim):
+    assert sim.model.camera_names == ["above", "hand", "beside"]
+    above = kn.Camera.of(sim.model, "above")
+    assert (above.width, above.height, above.body, above.mode) == (32, 24, None, "fixed")
+    assert above.field_of_view == pytest.approx(pi / 3)
+    assert (above.position, above.orientation) == ([0, 0, 5], [0, 0, 0, 1])
+    assert sim.render("above").rgb.shape == (2, 24, 32, 3)
+    # 5 m above the floor, beside the rod, whose upper face is 2.9 m below.
+    depth = sim.render(replace(above, channels=("depth",))).depth
+    assert depth[0, 0, 0] == pytest.approx(5.0, abs=1e-5)
+    assert depth[0, 12, 16] == pytest.approx(2.9, abs=1e-5)
+    with pytest.raises(UnknownNameError, match='did you mean "above"'):
+        sim.render("abov")
+
+
+def test_a_camera_turns_with_its_body_or_tracks_it(sim):
+    sim.set_state(joint_position=np.array([[0.0], [0.7]]))
+    views = {name: replace(kn.Camera.of(sim.model, name), channels=("shape",)) for name in ("hand", "beside")}
+    hand, beside = (sim.render(view).shape for view in views.values())
+    # Seen from the hand, the rod stands still, whose image the other camera sees turn.
+    assert (hand[0] == hand[1]).all() and (hand[0] == beside[0]).all()
+    assert (beside[0] != beside[1]).any()
+    with pytest.raises(UnknownNameError, match='no mode "ride"'):
+        sim.render(replace(views["hand"], mode="ride"))
