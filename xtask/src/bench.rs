@@ -282,6 +282,21 @@ fn cameras(workshop: &Workshop) -> Result<String> {
     Ok(bench.read()?)
 }
 
+/// The table of a graphics card. Cargo tells where the program is.
+pub fn gpu(workshop: &Workshop, options: &[&str]) -> Result<()> {
+    let sh = &workshop.sh;
+    let bench = [
+        "--profile",
+        "release",
+        "--package",
+        "kinetarium-gpu",
+        "--bench",
+        "worlds",
+    ];
+    cmd!(sh, "cargo bench {bench...} --no-run").run()?;
+    Ok(cmd!(sh, "cargo bench --quiet {bench...} -- {options...}").run()?)
+}
+
 /// The page's lines, as a list.
 fn page(workshop: &Workshop) -> Result<String> {
     let sh = &workshop.sh;

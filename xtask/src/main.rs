@@ -22,6 +22,8 @@ Usage: cargo xtask COMMAND
   bench [robots|piles|cameras|page] [--repetitions N]
                            measure robots beside MuJoCo, piles beside Rapier, cameras, and the page, or one
                            of them, and rewrite the tables in BENCHMARKS.md
+  gpu-bench [--card NAME] [--most WORLDS]
+                           measure a graphics card, and tell where the program is that another machine can run
   asm                      disassemble the SIMD entries of the release program; fail on stray calls
   docs [--check]           build the documentation into target/site, with live examples; look at it in Chromium
   peers                    write MuJoCo's reference dynamics to target/peers
@@ -44,6 +46,7 @@ fn run(arguments: &[&str]) -> Result<()> {
     match arguments {
         ["test", "--list"] => test::list(),
         ["test", names @ ..] => test::run(&workshop, names)?,
+        ["gpu-bench", options @ ..] => bench::gpu(&workshop, options)?,
         ["bench", options @ ..] => {
             let named = |name: &str| Group::ALL.into_iter().find(|group| group.name() == name);
             let (groups, rest) = match options {

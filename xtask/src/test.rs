@@ -65,6 +65,11 @@ const STAGES: &[Stage] = &[
         run: cameras,
     },
     Stage {
+        name: "gpu",
+        purpose: "a graphics card steps worlds as the CPU does, if only Mesa's on the CPU",
+        run: gpu,
+    },
+    Stage {
         name: "browser",
         purpose: "the page in Chromium, before a server and with an engine of its own",
         run: page::browse,
@@ -212,6 +217,17 @@ fn cameras(workshop: &Workshop) -> Result<()> {
         "cargo test --quiet --release --package kinetarium-render --features gpu --tests"
     )
     .env("KINETARIUM_GPU", "1")
+    .run()?)
+}
+
+/// On the one card that every machine has.
+fn gpu(workshop: &Workshop) -> Result<()> {
+    page::need_vulkan(workshop)?;
+    Ok(cmd!(
+        workshop.sh,
+        "cargo test --quiet --release --package kinetarium-gpu --test cards -- --ignored"
+    )
+    .env("KINETARIUM_GPU", "llvmpipe")
     .run()?)
 }
 

@@ -1,6 +1,6 @@
 //! What every solver is.
 
-use crate::contacts::narrow_phase;
+use crate::contacts::{narrow_phase, narrow_phase_in_parts};
 use crate::{ContactTables, Integrator, OutputTables};
 use model::{Model, ShapeId};
 use numbers::Machine;
@@ -162,6 +162,27 @@ pub trait Kernels: Clone + Send + Sync + 'static {
                 narrow_phase(k, tables);
             }
             self.finish(k, stage);
+        }
+    }
+    /// As [`step`](Kernels::step), in parts that are called: compiled in seconds, where the other takes
+    /// minutes, for machines that record and need not be fast.
+    fn step_in_parts<M: Machine>(&self, k: &mut M) {
+        #[inline(never)]
+        fn begin<K: Kernels, M: Machine>(kernels: &K, k: &mut M, stage: M::I) {
+            kernels.begin(k, stage);
+        }
+        #[inline(never)]
+        fn finish<K: Kernels, M: Machine>(kernels: &K, k: &mut M, stage: M::I) {
+            kernels.finish(k, stage);
+        }
+        for stage in k.count(self.stages()) {
+            begin(self, k, stage);
+            if Self::TOUCHES
+                && let Some(tables) = self.contacts()
+            {
+                narrow_phase_in_parts(k, tables);
+            }
+            finish(self, k, stage);
         }
     }
     /// Fills in where bodies and joints are and how they move; of the rest of the output nothing is said.

@@ -5,14 +5,11 @@ mod scene;
 #[path = "../../collide/tests/shader/mod.rs"]
 mod shader;
 
-use collide::kernel;
 use kinetarium_rigid::{
-    ContactTables, Featherstone, Integrator, Kernels, OutputTables, Settings, TouchingFeatherstone,
-    Xpbd,
+    Featherstone, Integrator, Kernels, OutputTables, Settings, TouchingFeatherstone, Xpbd,
 };
 use model::Model;
 use model::examples::{Start, chain};
-use numbers::Machine;
 use numbers::trace::{self, Operations, Program, WgslOptions};
 use scene::{World, heap, looped, mixed, parameters};
 
@@ -54,59 +51,10 @@ struct Records {
     report: Program,
 }
 
-#[inline(never)]
-fn begin<K: Kernels, M: Machine>(kernels: &K, k: &mut M, stage: M::I) {
-    kernels.begin(k, stage);
-}
-
-#[inline(never)]
-fn finish<K: Kernels, M: Machine>(kernels: &K, k: &mut M, stage: M::I) {
-    kernels.finish(k, stage);
-}
-
-#[inline(never)]
-fn meet<M: Machine, P: collide::Kernel>(t: &ContactTables, k: &mut M) {
-    t.meet::<M, P>(k);
-}
-
-#[inline(never)]
-fn meet_meshes<M: Machine>(t: &ContactTables, k: &mut M) {
-    t.meet_meshes(k);
-}
-
-/// A step as [`Kernels::step`] takes it, in parts: as one function it would take minutes to compile.
-fn step<K: Kernels, M: Machine>(kernels: &K, k: &mut M) {
-    for stage in k.count(kernels.stages()) {
-        begin(kernels, k, stage);
-        if K::TOUCHES
-            && let Some(t) = kernels.contacts()
-        {
-            meet::<M, kernel::PlaneSphere>(t, k);
-            meet::<M, kernel::PlaneCapsule>(t, k);
-            meet::<M, kernel::PlaneCylinder>(t, k);
-            meet::<M, kernel::PlaneCone>(t, k);
-            meet::<M, kernel::PlaneBox>(t, k);
-            meet::<M, kernel::PlaneEllipsoid>(t, k);
-            meet::<M, kernel::PlaneHull>(t, k);
-            meet::<M, kernel::SphereSphere>(t, k);
-            meet::<M, kernel::SphereCapsule>(t, k);
-            meet::<M, kernel::SphereCylinder>(t, k);
-            meet::<M, kernel::SphereCone>(t, k);
-            meet::<M, kernel::SphereBox>(t, k);
-            meet::<M, kernel::CapsuleCapsule>(t, k);
-            meet::<M, kernel::BoxBox>(t, k);
-            meet::<M, kernel::SphereConvex>(t, k);
-            meet::<M, kernel::Convex>(t, k);
-            meet_meshes(t, k);
-        }
-        finish(kernels, k, stage);
-    }
-}
-
 impl Records {
     fn new(kernels: &impl Kernels) -> Self {
         Self {
-            step: trace::record(|k| step(kernels, k)).unwrap(),
+            step: trace::record(|k| kernels.step_in_parts(k)).unwrap(),
             report: trace::record(|k| kernels.report(k)).unwrap(),
         }
     }
@@ -142,7 +90,7 @@ fn run(kernels: &impl Kernels, mut world: World<f32>, steps: usize) -> World<f32
     let (parameters, links) = (parameters(kernels), kernels.links());
     let mut copy = world.clone();
     for round in 0..steps {
-        step(kernels, &mut world.cpu(&parameters, links));
+        kernels.step_in_parts(&mut world.cpu(&parameters, links));
         records
             .step
             .interpret(&mut copy.cpu(&parameters, links))

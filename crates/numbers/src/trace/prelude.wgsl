@@ -6,7 +6,13 @@
 @group(0) @binding(3) var<storage, read_write> scratch: array<f32>;
 @group(0) @binding(4) var<storage, read> parameters: array<f32>;
 @group(0) @binding(5) var<storage, read> links: array<u32>;
-@group(0) @binding(6) var<uniform> worlds: u32;
+@group(0) @binding(6) var<uniform> launch: Launch;
+
+struct Launch {
+    worlds: u32,
+    // How often each invocation runs the kernel.
+    rounds: u32,
+}
 
 fn lesser(a: f32, b: f32) -> f32 {
     return select(b, a, a < b);

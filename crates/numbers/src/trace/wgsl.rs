@@ -40,8 +40,9 @@ impl Program {
     ///
     /// One invocation runs one world, `global_invocation_id.x`. In group 0 it
     /// binds state (0), input (1), output (2), scratch (3), parameters (4) and
-    /// links (5) as storage buffers (1, 4 and 5 read-only) and the number of
-    /// worlds (6) as a uniform `u32`. All seven are declared whether used or
+    /// links (5) as storage buffers (1, 4 and 5 read-only) and, as a uniform of two
+    /// `u32` (6), the number of worlds and how often the kernel runs, one time
+    /// after the other. All seven are declared whether used or
     /// not; a pipeline needs an explicit layout, as one derived from the shader
     /// leaves out the unused. A world's number at `offset` lies at
     /// `offset · worlds + world`.
@@ -55,17 +56,19 @@ impl Program {
             "{PRELUDE}\n@compute @workgroup_size({})\n\
              fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {{\n    \
              let world = invocation.x;\n    \
-             if (world >= worlds) {{ return; }}\n",
+             let worlds = launch.worlds;\n    \
+             if (world >= worlds) {{ return; }}\n    \
+             for (var nth = 0u; nth < launch.rounds; nth++) {{\n",
             options.workgroup_size
         );
         let mut printer = Printer {
             instructions,
             options,
             text,
-            depth: 1,
+            depth: 2,
         };
         printer.block(0..instructions.len())?;
-        printer.text.push_str("}\n");
+        printer.text.push_str("    }\n}\n");
         Ok(printer.text)
     }
 }

@@ -15,7 +15,9 @@ pub(crate) mod tables;
 
 pub(crate) use corners::Corners;
 use meshes::Meshes;
-pub(crate) use narrow_phase::{Places, narrow_phase, place_shapes, store_placed};
+pub(crate) use narrow_phase::{
+    Places, narrow_phase, narrow_phase_in_parts, place_shapes, store_placed,
+};
 pub(crate) use plan::{ContactPlan, Seat};
 pub(crate) use sensors::sense;
 pub use tables::ContactTables;

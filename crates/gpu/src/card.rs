@@ -1,0 +1,158 @@
+//! A card, ready to compute.
+
+use crate::{Choice, GpuError};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// A graphics card. Clones are the same card, and share what was compiled for it.
+#[derive(Clone, Debug)]
+pub struct Gpu(Arc<Card>);
+
+#[derive(Debug)]
+struct Card {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    name: String,
+    layout: wgpu::BindGroupLayout,
+    /// What was compiled, by its text.
+    pipelines: Mutex<HashMap<String, wgpu::ComputePipeline>>,
+    /// What went wrong first, which cards tell late.
+    failure: Arc<Mutex<Option<String>>>,
+}
+
+/// What a kernel reads and writes, in the order of its bindings.
+pub(crate) const BINDINGS: usize = 7;
+
+impl Gpu {
+    /// Opens a card, with all that it is able to take.
+    ///
+    /// # Errors
+    /// There is no such card, with a list of those that there are; or it refuses.
+    pub fn open(choice: &Choice) -> Result<Self, GpuError> {
+        let adapter = choice.adapter()?;
+        let descriptor = wgpu::DeviceDescriptor {
+            required_limits: adapter.limits(),
+            ..Default::default()
+        };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))?;
+        let failure = Arc::new(Mutex::new(None));
+        let note = |failure: &Arc<Mutex<Option<String>>>| {
+            let failure = Arc::clone(failure);
+            move |what: String| {
+                lock(&failure).get_or_insert(what);
+            }
+        };
+        let (wrong, gone) = (note(&failure), note(&failure));
+        device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| wrong(e.to_string())));
+        device.set_device_lost_callback(move |why, message| {
+            gone(format!("it is lost ({why:?}): {message}"));
+        });
+        let info = adapter.get_info();
+        let name = format!("{} ({})", info.name, info.backend);
+        let layout = layout(&device);
+        Ok(Self(Arc::new(Card {
+            device,
+            queue,
+            name,
+            layout,
+            pipelines: Mutex::default(),
+            failure,
+        })))
+    }
+
+    /// Name of the card, and of what drives it.
+    pub fn name(&self) -> &str {
+        &self.0.name
+    }
+    /// Most bytes of a buffer that a kernel sees.
+    pub fn most_bytes(&self) -> u64 {
+        let limits = self.0.device.limits();
+        limits
+            .max_storage_buffer_binding_size
+            .min(limits.max_buffer_size)
+    }
+    /// How many kernels are compiled for it so far.
+    pub fn compiled(&self) -> usize {
+        lock(&self.0.pipelines).len()
+    }
+
+    pub(crate) fn device(&self) -> &wgpu::Device {
+        &self.0.device
+    }
+    pub(crate) fn queue(&self) -> &wgpu::Queue {
+        &self.0.queue
+    }
+    pub(crate) fn layout(&self) -> &wgpu::BindGroupLayout {
+        &self.0.layout
+    }
+    pub(crate) fn pipelines(&self) -> MutexGuard<'_, HashMap<String, wgpu::ComputePipeline>> {
+        lock(&self.0.pipelines)
+    }
+
+    /// What a card says failed.
+    pub(crate) fn failed(&self, reason: impl ToString) -> GpuError {
+        GpuError::Failed {
+            card: self.0.name.clone(),
+            reason: reason.to_string(),
+        }
+    }
+    /// An error if anything has gone wrong; it stays, as what the card holds may be wrong.
+    pub(crate) fn check(&self) -> Result<(), GpuError> {
+        let failure = lock(&self.0.failure).clone();
+        failure.map_or(Ok(()), |reason| Err(self.failed(reason)))
+    }
+    /// Waits until all that was asked of the card is done.
+    pub(crate) fn wait(&self) -> Result<(), GpuError> {
+        let waited = self.0.device.poll(wgpu::PollType::wait_indefinitely());
+        waited.map_err(|e| self.failed(e))?;
+        self.check()
+    }
+    /// An error of one sort that some calls met.
+    pub(crate) fn scoped<R>(
+        &self,
+        filter: wgpu::ErrorFilter,
+        calls: impl FnOnce() -> R,
+    ) -> (R, Option<wgpu::Error>) {
+        let scope = self.0.device.push_error_scope(filter);
+        let result = calls();
+        (result, pollster::block_on(scope.pop()))
+    }
+}
+
+/// Whatever a thread that panicked left, each of these holds whole values.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// State, input, output, scratch, parameters, links, launch: see
+/// [`to_wgsl`](numbers::trace::Program::to_wgsl).
+fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
+    let kinds: [_; BINDINGS] = [
+        storage(false),
+        storage(true),
+        storage(false),
+        storage(false),
+        storage(true),
+        storage(true),
+        wgpu::BufferBindingType::Uniform,
+    ];
+    let entries = kinds.map(|ty| wgpu::BindGroupLayoutEntry {
+        binding: 0,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        count: None,
+    });
+    let numbered = entries.into_iter().zip(0..);
+    let entries: Vec<_> = numbered
+        .map(|(entry, binding)| wgpu::BindGroupLayoutEntry { binding, ..entry })
+        .collect();
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("kernel"),
+        entries: &entries,
+    })
+}

@@ -1,0 +1,59 @@
+//! What can go wrong on a card.
+
+use numbers::trace::{TraceError, WgslError};
+use thiserror::Error;
+
+/// Why worlds do not run on a card.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum GpuError {
+    /// No card suits the choice.
+    #[error(
+        "no graphics card {wanted}; found: {found}. Install its Vulkan driver, name one of those, or run on the CPU"
+    )]
+    NoCard {
+        /// What was asked for.
+        wanted: String,
+        /// What there is.
+        found: String,
+    },
+    /// The card refuses.
+    #[error("the graphics card cannot be used: {0}; run on the CPU")]
+    Refused(#[from] wgpu::RequestDeviceError),
+    /// The kernel cannot be recorded.
+    #[error("the solver's kernel cannot be recorded: {0}")]
+    Record(#[from] TraceError),
+    /// The record has no WGSL.
+    #[error("the solver's kernel cannot be written in WGSL: {0}")]
+    Wgsl(#[from] WgslError),
+    /// One world is too large.
+    #[error(
+        "a world needs {bytes} bytes in one buffer, of which the card `{card}` takes {most}: run on the CPU"
+    )]
+    TooLarge {
+        /// What a world needs.
+        bytes: u64,
+        /// What the card takes.
+        most: u64,
+        /// Its name.
+        card: String,
+    },
+    /// The card's memory is full.
+    #[error(
+        "the memory of the card `{card}` does not hold {bytes} bytes more: simulate fewer worlds"
+    )]
+    Memory {
+        /// What was asked for.
+        bytes: u64,
+        /// Its name.
+        card: String,
+    },
+    /// The card failed or is gone; what it held is lost.
+    #[error("the card `{card}` failed: {reason}; go back to a snapshot in a new simulation")]
+    Failed {
+        /// Its name.
+        card: String,
+        /// What it said.
+        reason: String,
+    },
+}

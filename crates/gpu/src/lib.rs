@@ -1,0 +1,30 @@
+//! The kernels of the solvers on graphics cards of any maker.
+//!
+//! There is no physics here. A [`Solver`](rigid::Kernels) is run once over the machine that
+//! [records](numbers::trace), the record is printed as WGSL, and wgpu compiles it for the card: what runs
+//! there is what runs on the CPU, operation by operation.
+//!
+//! [`Gpu`] is a card, found by [`Choice`]. [`Worlds`] are W worlds of one solver in its memory: their
+//! numbers stay there from step to step, and come back when they are asked for. One invocation steps one
+//! world, so that a card is busy from some ten thousand worlds on.
+//!
+//! # Limitations
+//! Numbers are `f32`. Results agree with the CPU's to rounding, not to the bit: shading languages leave the
+//! last bits of division, square root and fused multiply-add to the card. Sequential impulses, whose worlds
+//! are shared by threads, do not run here.
+
+#![forbid(unsafe_code)]
+
+mod adapter;
+mod card;
+mod error;
+mod memory;
+mod pipeline;
+mod record;
+mod worlds;
+
+pub use adapter::Choice;
+pub use card::Gpu;
+pub use error::GpuError;
+pub use record::Programs;
+pub use worlds::{Report, Worlds};
