@@ -579,17 +579,20 @@ fn prints_as_one_line_an_instruction() {
     let expected = "\
 fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
     let world = invocation.x;
+    let worlds = launch.worlds;
     if (world >= worlds) { return; }
-    for (var i0 = 4u - 1u; i0 < 4u; i0--) {
-        let x1 = state[(7u + i0 * 3u) * worlds + world];
-        let m2 = 0x1.99999ap-4f < x1;
-        let x3 = parameters[2u];
-        let x4 = x1 * x3;
-        let x5 = x4 + (-1.5f);
-        let x6 = state[(7u + i0 * 3u) * worlds + world];
-        let x7 = select(x6, x5, m2);
-        state[(7u + i0 * 3u) * worlds + world] = x7;
-        if (m2) { break; }
+    for (var nth = 0u; nth < launch.rounds; nth++) {
+        for (var i0 = 4u - 1u; i0 < 4u; i0--) {
+            let x1 = state[(7u + i0 * 3u) * worlds + world];
+            let m2 = 0x1.99999ap-4f < x1;
+            let x3 = parameters[2u];
+            let x4 = x1 * x3;
+            let x5 = x4 + (-1.5f);
+            let x6 = state[(7u + i0 * 3u) * worlds + world];
+            let x7 = select(x6, x5, m2);
+            state[(7u + i0 * 3u) * worlds + world] = x7;
+            if (m2) { break; }
+        }
     }
 }
 ";
@@ -643,17 +646,22 @@ fn infinities_have_no_wgsl() {
 /// The value stored by a program whose one statement stores a literal, as read
 /// by naga.
 fn read_back(program: &Program) -> f32 {
-    use naga::{Expression, Literal, Statement};
     let module = validate(&program.to_wgsl(&WgslOptions::default()).unwrap());
     let main = &module.entry_points[0].function;
-    let stored = main.body.iter().find_map(|statement| match statement {
-        Statement::Store { value, .. } => Some(&main.expressions[*value]),
+    stored(&main.body, main).expect("a store of a number")
+}
+
+/// The first literal number that a block of a function stores.
+fn stored(block: &naga::Block, function: &naga::Function) -> Option<f32> {
+    use naga::{Expression, Literal, Statement};
+    block.iter().find_map(|statement| match statement {
+        Statement::Store { value, .. } => match &function.expressions[*value] {
+            Expression::Literal(Literal::F32(x)) => Some(*x),
+            _ => None,
+        },
+        Statement::Loop { body, .. } | Statement::Block(body) => stored(body, function),
         _ => None,
-    });
-    match stored.expect("a store") {
-        Expression::Literal(Literal::F32(x)) => *x,
-        other => panic!("not a literal: {other:?}"),
-    }
+    })
 }
 
 /// Straight-line expressions: each step takes three earlier values.
