@@ -9,7 +9,7 @@
 //! use sim::{Simulation, SimulationSettings};
 //!
 //! let simulation = Simulation::<f64>::new(n_pendula(2)?, SimulationSettings::new(1, 0.002))?;
-//! let step = linearize(&simulation, 0)?;
+//! let step = linearize(&mut simulation, 0)?;
 //! let (n, a) = (step.dofs, &step.state);
 //! // Semi-implicit Euler: q' = q + h q̇', hence ∂q'/∂q̇ = h ∂q̇'/∂q̇.
 //! assert!((a[n] - 0.002 * a[n * 2 * n + n]).abs() < 1e-15);

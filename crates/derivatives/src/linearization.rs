@@ -66,15 +66,16 @@ pub struct Linearization {
 /// A world that does not exist or has diverged, or diverges in this step; a solver other than
 /// `featherstone`.
 pub fn linearize<T: Float>(
-    simulation: &Simulation<T>,
+    simulation: &mut Simulation<T>,
     world: usize,
 ) -> Result<Linearization, LinearizeError> {
+    let numbers = simulation.numbers_of_world(world)?;
     let step = Step {
         world,
         model: simulation.model(),
         settings: &simulation.settings().step,
         isa: simulation.isa(),
-        numbers: simulation.numbers_of_world(world)?,
+        numbers,
     };
     if let Some(kernels) = simulation.kernels(world)? {
         step.apart(kernels)

@@ -49,7 +49,7 @@ fn a_pendulum_has_the_derivatives_of_its_equation() {
         simulation
             .set_joint_state(0, &[q], &[1.5])
             .expect("a state");
-        let step = linearize(&simulation, 0).expect("a linearisation");
+        let step = linearize(&mut simulation, 0).expect("a linearisation");
         let c = h / (inertia + h * d);
         let (a, b) = (-c * weight * f64::cos(q), inertia / (inertia + h * d));
         let expected = Matrix::new(2, 2, vec![1.0 + h * a, h * b, a, b]);
@@ -69,7 +69,7 @@ fn semi_implicit_euler_keeps_the_areas_of_a_pendulum() {
     simulation
         .set_joint_state(0, &[0.4], &[3.0])
         .expect("a state");
-    let step = linearize(&simulation, 0).expect("a linearisation");
+    let step = linearize(&mut simulation, 0).expect("a linearisation");
     let a = state_matrix(&step);
     let determinant = a.at(0, 0) * a.at(1, 1) - a.at(0, 1) * a.at(1, 0);
     assert!((determinant - 1.0).abs() < 1e-12, "{determinant}");
@@ -85,14 +85,14 @@ fn substeps_multiply() {
             let state = random(&model, &mut rng);
             let mut whole = simulation(&model, integrator, STEP, SUBSTEPS);
             put(&mut whole, &state);
-            let whole = linearize(&whole, 0).expect("a linearisation");
+            let whole = linearize(&mut whole, 0).expect("a linearisation");
             let mut part = simulation(&model, integrator, STEP / SUBSTEPS as f64, 1);
             put(&mut part, &state);
             let n = 2 * whole.dofs;
             let mut a = Matrix::of(n, n, |i, j| f64::from(u8::from(i == j)));
             let mut b = Matrix::of(n, whole.controls, |_, _| 0.0);
             for _ in 0..SUBSTEPS {
-                let step = linearize(&part, 0).expect("a linearisation");
+                let step = linearize(&mut part, 0).expect("a linearisation");
                 let next = state_matrix(&step);
                 a = next.times(&a);
                 b = next.times(&b).plus(1.0, &control_matrix(&step));
@@ -148,7 +148,7 @@ fn symplectic_defect(integrator: Integrator, h: f64) -> f64 {
     let mut simulation = simulation(&model, integrator, h, 1);
     let (q, v) = ([0.4, -0.9, 1.3, 0.2], [1.0, -2.0, 0.5, 1.5]);
     simulation.set_joint_state(0, &q, &v).expect("a state");
-    let a = state_matrix(&linearize(&simulation, 0).expect("a linearisation"));
+    let a = state_matrix(&linearize(&mut simulation, 0).expect("a linearisation"));
     let before = momenta(&dynamics, &q, &v);
     simulation.step(1);
     let outputs = simulation.outputs();
@@ -196,7 +196,7 @@ fn a_shift_of_a_floating_body_stays_a_shift() {
         let mut simulation = simulation(&model, integrator, STEP, 1);
         let state: State = random(&model, &mut Rng::with_seed(9));
         put(&mut simulation, &state);
-        let a = state_matrix(&linearize(&simulation, 0).expect("a linearisation"));
+        let a = state_matrix(&linearize(&mut simulation, 0).expect("a linearisation"));
         for j in 0..3 {
             let shift = |i: usize| (a.at(i, j) - f64::from(u8::from(i == j))).abs();
             assert!((0..a.rows).all(|i| shift(i) < 1e-12), "{integrator:?}");

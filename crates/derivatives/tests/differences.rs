@@ -188,8 +188,8 @@ fn per_world_numbers_are_those_of_the_world() {
     parts.gravity *= 2.0;
     let heavier = Model::new(parts).expect("a model");
     simulation.set_world_model(1, &heavier).expect("a world");
-    let slope = |world| {
-        linearize(&simulation, world)
+    let mut slope = |world| {
+        linearize(&mut simulation, world)
             .expect("a linearisation")
             .state[2]
     };
@@ -209,8 +209,8 @@ fn single_precision_is_linearised_in_double() {
     set.expect("controls");
     let mut double = simulation(&model, settings);
     put(&mut double, &state);
-    let [a, b] =
-        [linearize(&single, 0), linearize(&double, 0)].map(|step| step.expect("a step").state);
+    let [a, b] = [linearize(&mut single, 0), linearize(&mut double, 0)]
+        .map(|step| step.expect("a step").state);
     let size = b.iter().fold(0.0, |m: f64, x| x.abs().max(m));
     let apart = a
         .iter()

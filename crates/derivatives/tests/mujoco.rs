@@ -100,7 +100,7 @@ fn check(reference: &Reference) {
         let set = simulation.controls().set_control(0, &state.ctrl);
         set.expect("controls");
         let start = Instant::now();
-        let step: Linearization = linearize(&simulation, 0).expect("a linearisation");
+        let step: Linearization = linearize(&mut simulation, 0).expect("a linearisation");
         seconds.push(start.elapsed().as_secs_f64());
         let (a, b) = (
             apart(&step.state, &state.a, 2 * step.dofs),

@@ -67,7 +67,7 @@ fn a_double_pendulum_is_balanced_by_the_derivatives_of_its_step() -> Result<(), 
     let settings = settings(Integrator::SemiImplicitEuler, 1);
     let simulation = Simulation::<f64>::new(inverted_double_pendulum()?, settings);
     let mut simulation = simulation.expect("a simulation");
-    let step = linearize(&simulation, 0).expect("a linearisation");
+    let step = linearize(&mut simulation, 0).expect("a linearisation");
     let gain = gain(&state_matrix(&step), &control_matrix(&step));
 
     let (fallen, _) = lean(&mut simulation, None);

@@ -38,6 +38,19 @@ pub enum GpuError {
         /// Its name.
         card: String,
     },
+    /// Constants of each world do not fit.
+    #[error(
+        "worlds with constants of their own need {bytes} bytes in one buffer, of which the card `{card}` takes {most}: \
+         simulate fewer worlds"
+    )]
+    Parameters {
+        /// What they need.
+        bytes: u64,
+        /// What the card takes.
+        most: u64,
+        /// Its name.
+        card: String,
+    },
     /// The card's memory is full.
     #[error(
         "the memory of the card `{card}` does not hold {bytes} bytes more: simulate fewer worlds"

@@ -1,23 +1,35 @@
 //! Numbers in a card's memory.
+//!
+//! There, a world's number at `offset` lies at `offset · width + world`: neighbouring invocations read neighbouring
+//! words. On the host, worlds lie in the blocks of a [`Memory`].
 
 use crate::{Gpu, GpuError};
 use bytemuck::NoUninit;
+use numbers::Memory;
 use std::ops::Range;
 use std::sync::mpsc;
 
 /// Bytes of a number.
 pub(crate) const NUMBER: u64 = size_of::<f32>() as u64;
 
-/// A buffer of so many numbers; of one where there is none, as cards have no empty buffers.
+const STORAGE: wgpu::BufferUsages = wgpu::BufferUsages::STORAGE
+    .union(wgpu::BufferUsages::COPY_SRC)
+    .union(wgpu::BufferUsages::COPY_DST);
+const STAGING: wgpu::BufferUsages =
+    wgpu::BufferUsages::MAP_READ.union(wgpu::BufferUsages::COPY_DST);
+
+/// A buffer of so many numbers; of two where there are none, as cards have no empty buffers.
 pub(crate) fn buffer(gpu: &Gpu, numbers: u64) -> Result<wgpu::Buffer, GpuError> {
-    let size = numbers.max(2) * NUMBER;
+    allocate(gpu, numbers.max(2), STORAGE)
+}
+
+fn allocate(gpu: &Gpu, numbers: u64, usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, GpuError> {
+    let size = numbers * NUMBER;
     let (buffer, full) = gpu.scoped(wgpu::ErrorFilter::OutOfMemory, || {
         gpu.device().create_buffer(&wgpu::BufferDescriptor {
             label: None,
             size,
-            usage: wgpu::BufferUsages::STORAGE
-                | wgpu::BufferUsages::COPY_SRC
-                | wgpu::BufferUsages::COPY_DST,
+            usage,
             mapped_at_creation: false,
         })
     });
@@ -33,48 +45,149 @@ pub(crate) fn buffer(gpu: &Gpu, numbers: u64) -> Result<wgpu::Buffer, GpuError> 
 /// A buffer that holds this.
 pub(crate) fn filled<T: NoUninit>(gpu: &Gpu, numbers: &[T]) -> Result<wgpu::Buffer, GpuError> {
     let buffer = buffer(gpu, numbers.len() as u64)?;
-    gpu.queue()
-        .write_buffer(&buffer, 0, bytemuck::cast_slice(numbers));
+    let bytes = bytemuck::cast_slice(numbers);
+    gpu.queue().write_buffer(&buffer, 0, bytes);
     Ok(buffer)
 }
 
-/// Copies a range of a buffer's numbers into `out`. Waits for all that was asked of the card before.
-pub(crate) fn read(
-    gpu: &Gpu,
-    buffer: &wgpu::Buffer,
-    range: Range<usize>,
-    out: &mut [f32],
-) -> Result<(), GpuError> {
-    let size = range.len() as u64 * NUMBER;
-    if size == 0 {
-        return Ok(());
+/// Worlds `first` to `first + count` of a memory, as they lie in blocks: of each block which one, where in it they
+/// begin, and where in a row of theirs.
+fn runs(
+    memory: &Memory<f32>,
+    first: usize,
+    count: usize,
+) -> impl Iterator<Item = (usize, Range<usize>, usize)> {
+    let (width, end) = (memory.width(), first + count);
+    (first / width..end.div_ceil(width)).map(move |block| {
+        let begin = (block * width).max(first);
+        let lanes = begin - block * width..end.min((block + 1) * width) - block * width;
+        (block, lanes, begin - first)
+    })
+}
+
+/// These numbers of worlds from the first on, `[number][world]`, with rows of the width of a part.
+pub(crate) fn rows(
+    memory: &Memory<f32>,
+    numbers: Range<usize>,
+    worlds: Range<usize>,
+    width: usize,
+) -> Vec<f32> {
+    let mut out = vec![0.0; numbers.len() * width];
+    for (block, lanes, at) in runs(memory, worlds.start, worlds.len()) {
+        let block = memory.block(block);
+        for (row, number) in out.chunks_exact_mut(width).zip(numbers.clone()) {
+            let from = &block[number * memory.width()..][lanes.clone()];
+            row[at..][..from.len()].copy_from_slice(from);
+        }
     }
-    let (staging, full) = gpu.scoped(wgpu::ErrorFilter::OutOfMemory, || {
-        gpu.device().create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size,
-            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        })
-    });
-    if full.is_some() {
-        return Err(GpuError::Memory {
-            bytes: size,
-            card: gpu.name().to_owned(),
+    out
+}
+
+/// Puts back what [`rows`] gives.
+pub(crate) fn put_rows(
+    memory: &mut Memory<f32>,
+    numbers: Range<usize>,
+    worlds: Range<usize>,
+    rows: &[f32],
+) {
+    let width = rows.len() / numbers.len().max(1);
+    let (lanes_of_block, size) = (memory.width(), memory.block_size());
+    let runs: Vec<_> = runs(memory, worlds.start, worlds.len()).collect();
+    for (block, lanes, at) in runs {
+        let block = &mut memory.scalars_mut()[block * size..][..size];
+        for (row, number) in rows.chunks_exact(width).zip(numbers.clone()) {
+            let to = &mut block[number * lanes_of_block..][lanes.clone()];
+            to.copy_from_slice(&row[at..][..to.len()]);
+        }
+    }
+}
+
+/// Where numbers wait on their way to the host. It grows, and is kept.
+#[derive(Debug, Default)]
+pub(crate) struct Staging(Option<wgpu::Buffer>);
+
+impl Staging {
+    /// Asks for these ranges of a buffer's numbers, one after the other.
+    pub fn ask(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        buffer: &wgpu::Buffer,
+        ranges: impl Iterator<Item = Range<usize>> + Clone,
+    ) -> Result<(), GpuError> {
+        let numbers: usize = ranges.clone().map(|range| range.len()).sum();
+        let size = numbers as u64 * NUMBER;
+        if self.0.as_ref().is_none_or(|own| own.size() < size) {
+            self.0 = Some(allocate(gpu, numbers as u64, STAGING)?);
+        }
+        let Some(staging) = &self.0 else {
+            return Ok(());
+        };
+        let mut end = 0;
+        for range in ranges {
+            let (from, size) = (range.start as u64 * NUMBER, range.len() as u64 * NUMBER);
+            encoder.copy_buffer_to_buffer(buffer, from, staging, end, size);
+            end += size;
+        }
+        Ok(())
+    }
+    /// Begins to fetch what was asked for; to be called once the questions are submitted.
+    pub fn map(&self) -> Option<Mapping<'_>> {
+        let buffer = self.0.as_ref()?;
+        let (sender, receiver) = mpsc::channel();
+        buffer.map_async(wgpu::MapMode::Read, .., move |result| {
+            // The receiver goes only where the reader gave up.
+            let _ = sender.send(result);
         });
+        Some(Mapping { buffer, receiver })
     }
-    let mut encoder = gpu.device().create_command_encoder(&Default::default());
-    encoder.copy_buffer_to_buffer(buffer, range.start as u64 * NUMBER, &staging, 0, size);
-    gpu.queue().submit([encoder.finish()]);
-    let (sender, mapped) = mpsc::channel();
-    staging.map_async(wgpu::MapMode::Read, .., move |result| {
-        // The receiver waits below.
-        let _ = sender.send(result);
-    });
-    gpu.wait()?;
-    let mapped = mapped.recv().map_err(|e| gpu.failed(e))?;
-    mapped.map_err(|e| gpu.failed(e))?;
-    let bytes = staging.get_mapped_range(..).map_err(|e| gpu.failed(e))?;
-    out.copy_from_slice(bytemuck::cast_slice(&bytes));
-    Ok(())
+}
+
+/// Numbers on their way.
+pub(crate) struct Mapping<'a> {
+    buffer: &'a wgpu::Buffer,
+    receiver: mpsc::Receiver<Result<(), wgpu::BufferAsyncError>>,
+}
+
+impl Mapping<'_> {
+    /// Reads what was asked for, after the card was waited for.
+    pub fn read(self, gpu: &Gpu, read: impl FnOnce(&[f32])) -> Result<(), GpuError> {
+        let mapped = self.receiver.recv().map_err(|e| gpu.failed(e))?;
+        mapped.map_err(|e| gpu.failed(e))?;
+        let bytes = self.buffer.get_mapped_range(..);
+        let bytes = bytes.map_err(|e| gpu.failed(e))?;
+        read(bytemuck::cast_slice(&bytes));
+        drop(bytes);
+        self.buffer.unmap();
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_goes_to_a_card_comes_back() {
+        for (width, count) in [(1, 7), (4, 7), (16, 7), (7, 7), (4, 8)] {
+            let mut memory = Memory::<f32>::new(count, 3, width);
+            for world in 0..count {
+                for number in 0..3 {
+                    memory.set(world, number, (10 * number + world) as f32);
+                }
+            }
+            // Parts of 5 and the rest, with rows of 5.
+            let mut back = Memory::<f32>::new(count, 3, width);
+            for worlds in [0..5, 5..count] {
+                let sent = rows(&memory, 1..3, worlds.clone(), 5);
+                assert_eq!(sent[5], 20.0 + worlds.start as f32);
+                put_rows(&mut back, 1..3, worlds, &sent);
+            }
+            for world in 0..count {
+                assert_eq!(back.get(world, 0), 0.0);
+                assert_eq!(back.get(world, 1), (10 + world) as f32);
+                assert_eq!(back.get(world, 2), (20 + world) as f32);
+            }
+        }
+    }
 }

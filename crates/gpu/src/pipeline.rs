@@ -1,4 +1,4 @@
-//! From a record to what a card runs.
+//! From WGSL to what a card runs.
 
 use crate::{Gpu, GpuError};
 use numbers::trace::{Program, WgslOptions};
@@ -6,44 +6,94 @@ use numbers::trace::{Program, WgslOptions};
 /// Invocations in a workgroup.
 pub(crate) const WORKGROUP: u32 = 64;
 
-/// Compiles a record, or finds what was compiled from the same text.
-pub(crate) fn pipeline(
-    gpu: &Gpu,
-    program: &Program,
-    parameters_per_world: bool,
-) -> Result<wgpu::ComputePipeline, GpuError> {
-    let options = WgslOptions {
-        workgroup_size: WORKGROUP,
-        parameters_per_world,
-    };
-    let text = program.to_wgsl(&options)?;
-    if let Some(known) = gpu.pipelines().get(&text) {
-        return Ok(known.clone());
+impl Gpu {
+    /// Compiles a record, or finds what was compiled from the same text.
+    pub(crate) fn kernel(
+        &self,
+        program: &Program,
+        parameters_per_world: bool,
+    ) -> Result<wgpu::ComputePipeline, GpuError> {
+        let options = WgslOptions {
+            workgroup_size: WORKGROUP,
+            parameters_per_world,
+        };
+        self.pipeline(&program.to_wgsl(&options)?, Some(self.layout()))
     }
-    let (compiled, wrong) = gpu.scoped(wgpu::ErrorFilter::Validation, || compile(gpu, &text));
-    if let Some(wrong) = wrong {
-        return Err(gpu.failed(wrong));
-    }
-    gpu.pipelines().insert(text, compiled.clone());
-    Ok(compiled)
-}
 
-fn compile(gpu: &Gpu, text: &str) -> wgpu::ComputePipeline {
-    let device = gpu.device();
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some("kernel"),
-        source: wgpu::ShaderSource::Wgsl(text.into()),
-    });
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        bind_group_layouts: &[Some(gpu.layout())],
-        ..Default::default()
-    });
-    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some("kernel"),
-        layout: Some(&layout),
-        module: &module,
-        entry_point: Some("main"),
-        compilation_options: Default::default(),
-        cache: None,
-    })
+    /// Compiles a text, or finds what was compiled from it; with the bindings that it names where none are given.
+    pub(crate) fn pipeline(
+        &self,
+        text: &str,
+        bindings: Option<&wgpu::BindGroupLayout>,
+    ) -> Result<wgpu::ComputePipeline, GpuError> {
+        if let Some(known) = self.pipelines().get(text) {
+            return Ok(known.clone());
+        }
+        let compile = || self.compile(text, bindings);
+        let (compiled, wrong) = self.scoped(wgpu::ErrorFilter::Validation, compile);
+        if let Some(wrong) = wrong {
+            return Err(self.failed(wrong));
+        }
+        self.pipelines().insert(text.to_owned(), compiled.clone());
+        Ok(compiled)
+    }
+
+    fn compile(
+        &self,
+        text: &str,
+        bindings: Option<&wgpu::BindGroupLayout>,
+    ) -> wgpu::ComputePipeline {
+        let device = self.device();
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("kernel"),
+            source: wgpu::ShaderSource::Wgsl(text.into()),
+        });
+        let layout = bindings.map(|bindings| {
+            device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                bind_group_layouts: &[Some(bindings)],
+                ..Default::default()
+            })
+        });
+        device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some("kernel"),
+            layout: layout.as_ref(),
+            module: &module,
+            entry_point: Some("main"),
+            compilation_options: Default::default(),
+            cache: None,
+        })
+    }
+
+    /// Numbers that all invocations of a launch see.
+    pub(crate) fn uniform(&self, numbers: &[u32]) -> wgpu::Buffer {
+        let buffer = self.device().create_buffer(&wgpu::BufferDescriptor {
+            label: Some("launch"),
+            size: size_of_val(numbers) as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let bytes = bytemuck::cast_slice(numbers);
+        self.queue().write_buffer(&buffer, 0, bytes);
+        buffer
+    }
+
+    /// Binds buffers in the order of their numbers.
+    pub(crate) fn bindings(
+        &self,
+        layout: &wgpu::BindGroupLayout,
+        buffers: &[&wgpu::Buffer],
+    ) -> wgpu::BindGroup {
+        let numbered = buffers.iter().zip(0..);
+        let entries: Vec<_> = numbered
+            .map(|(buffer, binding)| wgpu::BindGroupEntry {
+                binding,
+                resource: buffer.as_entire_binding(),
+            })
+            .collect();
+        self.device().create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout,
+            entries: &entries,
+        })
+    }
 }

@@ -1,37 +1,26 @@
 //! W worlds of one solver in a card's memory.
 //!
 //! A binding of a card has a largest size, so that worlds lie in *parts* of equal size, each with buffers of its
-//! own; scratch is shared, since the parts are stepped one after the other. In a part, a world's number at
-//! `offset` lies at `offset · width + world`: the layout of a [`Memory`] of that width.
+//! own; scratch is shared, since the parts are stepped one after the other.
 
-use crate::memory::{self, NUMBER, buffer, filled};
-use crate::pipeline::{WORKGROUP, pipeline};
-use crate::{Gpu, GpuError, Programs};
+use crate::memory::{NUMBER, Staging, buffer, filled, put_rows, rows};
+use crate::pipeline::WORKGROUP;
+use crate::placement::Placement;
+use crate::{Gpu, GpuError};
 use numbers::Memory;
-use rigid::{Kernels, Lengths};
+use rigid::{Lengths, Programs, Report};
+use sim::{Device, DeviceError, DeviceWorlds, Solver};
 use std::ops::Range;
 
 /// Substeps of one launch: many, as a launch costs some microseconds, and few enough that a card that also
 /// draws a desktop is not taken for hung.
 const ROUNDS: usize = 16;
 
-/// How much is reported.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Report {
-    /// Where bodies and joints are, and how they move.
-    Motion,
-    /// The same, and the contacts of the last step.
-    Contacts,
-    /// Everything.
-    Everything,
-}
-
 /// Worlds on a card. Reading waits for what was asked before; nothing else does.
 #[derive(Debug)]
 pub struct Worlds {
     gpu: Gpu,
     programs: Programs,
-    lengths: Lengths,
     worlds: usize,
     width: usize,
     parts: Vec<Part>,
@@ -44,193 +33,181 @@ pub struct Worlds {
 /// Some of the worlds.
 #[derive(Debug)]
 struct Part {
+    worlds: Range<usize>,
     state: wgpu::Buffer,
     input: wgpu::Buffer,
     output: wgpu::Buffer,
     /// Where worlds have parameters of their own.
     parameters: Option<wgpu::Buffer>,
+    staging: Staging,
+}
+
+impl Device<f32> for Gpu {
+    fn name(&self) -> String {
+        Gpu::name(self).to_owned()
+    }
+    fn place(
+        &self,
+        solver: Solver<'_>,
+        worlds: usize,
+    ) -> Result<Box<dyn DeviceWorlds<f32>>, DeviceError> {
+        let programs = solver.record().map_err(GpuError::from)?;
+        Ok(Box::new(Worlds::new(self, programs, worlds)?))
+    }
+}
+
+impl From<GpuError> for DeviceError {
+    fn from(error: GpuError) -> Self {
+        Self::new(error)
+    }
 }
 
 impl Worlds {
     /// Takes memory for worlds of a solver. What they hold is zero until it is written.
     ///
     /// # Errors
-    /// The kernel cannot be recorded; one world is larger than a buffer of the card; its memory is full.
-    pub fn new(gpu: &Gpu, kernels: &impl Kernels, worlds: usize) -> Result<Self, GpuError> {
-        let programs = Programs::record(kernels)?;
-        let lengths = kernels.lengths();
+    /// One world is larger than a buffer of the card; its memory is full.
+    pub fn new(gpu: &Gpu, programs: Programs, worlds: usize) -> Result<Self, GpuError> {
+        let lengths = programs.lengths;
         let width = width(gpu, lengths, worlds)?;
         let of = |numbers: usize| buffer(gpu, numbers as u64 * width as u64);
-        let parts = (0..worlds.div_ceil(width)).map(|_| {
+        let parts = (0..worlds.div_ceil(width)).map(|part| {
             Ok(Part {
+                worlds: part * width..worlds.min((part + 1) * width),
                 state: of(lengths.state)?,
                 input: of(lengths.input)?,
                 output: of(lengths.output)?,
                 parameters: None,
+                staging: Staging::default(),
             })
         });
-        let numbers: Vec<_> = kernels.parameters().iter().map(|x| *x as f32).collect();
+        let numbers: Vec<_> = programs.parameters.iter().map(|x| *x as f32).collect();
         Ok(Self {
             parts: parts.collect::<Result<_, GpuError>>()?,
             scratch: of(lengths.scratch)?,
-            links: filled(gpu, kernels.links())?,
+            links: filled(gpu, &programs.links)?,
             parameters: filled(gpu, &numbers)?,
             gpu: gpu.clone(),
             programs,
-            lengths,
             worlds,
             width,
         })
     }
 
-    /// Number of worlds.
-    pub fn worlds(&self) -> usize {
-        self.worlds
-    }
-    /// Worlds of a part: the width of every [`Memory`] that is written or read.
+    /// Worlds that lie side by side in one buffer.
     pub fn width(&self) -> usize {
         self.width
     }
     /// Bytes taken of the card's memory.
     pub fn bytes(&self) -> u64 {
-        let l = self.lengths;
+        let l = self.programs.lengths;
         let each = (l.state + l.input + l.output) * self.parts.len() + l.scratch;
         (each * self.width) as u64 * NUMBER + self.parameters.size() + self.links.size()
     }
 
-    /// Sets the state of all worlds.
-    pub fn write_state(&mut self, state: &Memory<f32>) {
-        self.write(state, |part| &part.state);
-    }
-    /// Sets the controls of all worlds.
-    pub fn write_input(&mut self, input: &Memory<f32>) {
-        self.write(input, |part| &part.input);
-    }
-    /// Gives each world constants of its own.
-    ///
-    /// # Errors
-    /// The card's memory is full, or one world's constants are larger than a buffer; worlds keep what they had.
-    pub fn write_parameters(&mut self, parameters: &Memory<f32>) -> Result<(), GpuError> {
-        let numbers = parameters.block_size() as u64;
+    /// Takes room for constants of each world.
+    fn differ(&mut self) -> Result<(), GpuError> {
+        let numbers = (self.programs.parameters.len() * self.width) as u64;
         let (bytes, most) = (numbers * NUMBER, self.gpu.most_bytes());
         if bytes > most {
-            let (card, each) = (self.gpu.name().to_owned(), parameters.length() as u64);
-            return Err(GpuError::TooLarge {
-                bytes: each * NUMBER,
+            return Err(GpuError::Parameters {
+                bytes,
                 most,
-                card,
+                card: self.gpu.name().to_owned(),
             });
         }
-        if self.parts.iter().any(|part| part.parameters.is_none()) {
-            let buffers = self.parts.iter().map(|_| buffer(&self.gpu, numbers));
-            let buffers: Vec<_> = buffers.collect::<Result<_, _>>()?;
-            for (part, buffer) in self.parts.iter_mut().zip(buffers) {
-                part.parameters = Some(buffer);
-            }
+        let buffers = self.parts.iter().map(|_| buffer(&self.gpu, numbers));
+        let buffers: Vec<_> = buffers.collect::<Result<_, _>>()?;
+        for (part, buffer) in self.parts.iter_mut().zip(buffers) {
+            part.parameters = Some(buffer);
         }
-        self.write(parameters, |part| {
-            part.parameters.as_ref().unwrap_or(&self.parameters)
-        });
         Ok(())
     }
-    fn write<'a>(&'a self, memory: &Memory<f32>, buffer: impl Fn(&'a Part) -> &'a wgpu::Buffer) {
-        self.same_shape(memory);
-        for (i, part) in self.parts.iter().enumerate() {
-            let numbers = bytemuck::cast_slice(memory.block(i));
-            self.gpu.queue().write_buffer(buffer(part), 0, numbers);
+    fn differing(&self) -> bool {
+        self.parts.iter().any(|part| part.parameters.is_some())
+    }
+
+    /// Writes these numbers of all worlds.
+    fn write<'a>(
+        &'a self,
+        numbers: Range<usize>,
+        memory: &Memory<f32>,
+        buffer: impl Fn(&'a Part) -> &'a wgpu::Buffer,
+    ) {
+        assert_eq!(memory.worlds(), self.worlds, "worlds of a memory");
+        let at = (numbers.start * self.width) as u64 * NUMBER;
+        for part in &self.parts {
+            let rows = rows(memory, numbers.clone(), part.worlds.clone(), self.width);
+            let bytes = bytemuck::cast_slice(&rows);
+            self.gpu.queue().write_buffer(buffer(part), at, bytes);
         }
     }
 
-    /// Copies these rows of the state of all worlds; the others of `state` stay.
-    ///
-    /// # Errors
-    /// The card failed.
-    pub fn read_state(&self, rows: Range<usize>, state: &mut Memory<f32>) -> Result<(), GpuError> {
-        self.read(rows, state, |part| &part.state)
-    }
-    /// Copies these rows of the output of all worlds; the others of `output` stay.
-    ///
-    /// # Errors
-    /// The card failed.
-    pub fn read_output(
-        &self,
-        rows: Range<usize>,
-        output: &mut Memory<f32>,
-    ) -> Result<(), GpuError> {
-        self.read(rows, output, |part| &part.output)
-    }
+    /// Reads these numbers of all worlds, of all parts at once.
     fn read(
-        &self,
-        rows: Range<usize>,
+        &mut self,
+        numbers: &[Range<usize>],
         memory: &mut Memory<f32>,
         buffer: impl Fn(&Part) -> &wgpu::Buffer,
     ) -> Result<(), GpuError> {
-        self.same_shape(memory);
-        let size = memory.block_size();
-        let range = rows.start * self.width..rows.end * self.width;
-        assert!(range.end <= size, "rows {rows:?} of {}", memory.length());
-        for (i, part) in self.parts.iter().enumerate() {
-            let numbers = &mut memory.scalars_mut()[i * size..][range.clone()];
-            memory::read(&self.gpu, buffer(part), range.clone(), numbers)?;
+        assert_eq!(memory.worlds(), self.worlds, "worlds of a memory");
+        let (gpu, width) = (&self.gpu, self.width);
+        let numbers = numbers.iter().filter(|range| !range.is_empty());
+        if numbers.clone().next().is_none() {
+            return Ok(());
+        }
+        let ranges = numbers.clone();
+        let ranges = ranges.map(|range| range.start * width..range.end * width);
+        let mut encoder = gpu.device().create_command_encoder(&Default::default());
+        for part in &mut self.parts {
+            let mut staging = std::mem::take(&mut part.staging);
+            let asked = staging.ask(gpu, &mut encoder, buffer(part), ranges.clone());
+            part.staging = staging;
+            asked?;
+        }
+        gpu.queue().submit([encoder.finish()]);
+        let mappings = self.parts.iter().filter_map(|part| part.staging.map());
+        let mappings: Vec<_> = mappings.collect();
+        gpu.wait()?;
+        for (mapping, part) in mappings.into_iter().zip(&self.parts) {
+            mapping.read(gpu, |mut read| {
+                for range in numbers.clone() {
+                    let (own, rest) = read.split_at(range.len() * width);
+                    put_rows(memory, range.clone(), part.worlds.clone(), own);
+                    read = rest;
+                }
+            })?;
         }
         Ok(())
-    }
-
-    /// Panics where a memory is laid out otherwise.
-    fn same_shape(&self, memory: &Memory<f32>) {
-        let (own, other) = ((self.worlds, self.width), (memory.worlds(), memory.width()));
-        assert_eq!(own, other, "worlds and width");
-    }
-
-    /// Advances all worlds by so many substeps.
-    ///
-    /// # Errors
-    /// The kernel cannot be compiled, the card failed.
-    pub fn step(&mut self, substeps: usize) -> Result<(), GpuError> {
-        let pipeline = pipeline(&self.gpu, &self.programs.step, self.differ())?;
-        let (full, rest) = (substeps / ROUNDS, substeps % ROUNDS);
-        self.launch(&pipeline, ROUNDS, full)?;
-        self.launch(&pipeline, rest, usize::from(rest > 0))
-    }
-    /// Fills the output of all worlds from their state.
-    ///
-    /// # Errors
-    /// As [`step`](Self::step).
-    pub fn report(&mut self, report: Report) -> Result<(), GpuError> {
-        let program = match report {
-            Report::Motion => &self.programs.motion,
-            Report::Contacts => &self.programs.contacts,
-            Report::Everything => &self.programs.report,
-        };
-        let pipeline = pipeline(&self.gpu, program, self.differ())?;
-        self.launch(&pipeline, 1, 1)
-    }
-
-    /// Whether worlds have constants of their own.
-    fn differ(&self) -> bool {
-        self.parts.iter().any(|part| part.parameters.is_some())
     }
 
     /// Runs a kernel on every part, `rounds` times in each of so many launches.
     fn launch(
         &self,
-        pipeline: &wgpu::ComputePipeline,
+        kernel: &wgpu::ComputePipeline,
         rounds: usize,
         launches: usize,
     ) -> Result<(), GpuError> {
         if launches == 0 {
             return Ok(());
         }
-        let launch = self.uniform([self.width as u32, rounds as u32]);
+        let launch = self.gpu.uniform(&[self.width as u32, rounds as u32]);
         let groups = (self.width as u32).div_ceil(WORKGROUP);
-        let mut encoder = self
-            .gpu
-            .device()
-            .create_command_encoder(&Default::default());
+        let device = self.gpu.device();
+        let mut encoder = device.create_command_encoder(&Default::default());
         for part in &self.parts {
-            let bindings = self.bindings(part, &launch);
+            let buffers = [
+                &part.state,
+                &part.input,
+                &part.output,
+                &self.scratch,
+                part.parameters.as_ref().unwrap_or(&self.parameters),
+                &self.links,
+                &launch,
+            ];
+            let bindings = self.gpu.bindings(self.gpu.layout(), &buffers);
             let mut pass = encoder.begin_compute_pass(&Default::default());
-            pass.set_pipeline(pipeline);
+            pass.set_pipeline(kernel);
             pass.set_bind_group(0, &bindings, &[]);
             for _ in 0..launches {
                 pass.dispatch_workgroups(groups, 1, 1);
@@ -239,44 +216,77 @@ impl Worlds {
         self.gpu.queue().submit([encoder.finish()]);
         self.gpu.check()
     }
+}
 
-    fn uniform(&self, numbers: [u32; 2]) -> wgpu::Buffer {
-        let buffer = self.gpu.device().create_buffer(&wgpu::BufferDescriptor {
-            label: Some("launch"),
-            size: size_of_val(&numbers) as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let bytes = bytemuck::bytes_of(&numbers);
-        self.gpu.queue().write_buffer(&buffer, 0, bytes);
-        buffer
+impl DeviceWorlds<f32> for Worlds {
+    fn write_state(&mut self, state: &Memory<f32>) -> Result<(), DeviceError> {
+        let all = 0..self.programs.lengths.state;
+        self.write(all, state, |part| &part.state);
+        Ok(self.gpu.check()?)
     }
-
-    fn bindings(&self, part: &Part, launch: &wgpu::Buffer) -> wgpu::BindGroup {
-        let parameters = part.parameters.as_ref().unwrap_or(&self.parameters);
-        let buffers = [
-            &part.state,
-            &part.input,
-            &part.output,
-            &self.scratch,
-            parameters,
-            &self.links,
-            launch,
-        ];
-        let numbered = buffers.into_iter().zip(0..);
-        let entries: Vec<_> = numbered
-            .map(|(buffer, binding)| wgpu::BindGroupEntry {
-                binding,
-                resource: buffer.as_entire_binding(),
-            })
-            .collect();
-        self.gpu
-            .device()
-            .create_bind_group(&wgpu::BindGroupDescriptor {
-                label: None,
-                layout: self.gpu.layout(),
-                entries: &entries,
-            })
+    fn write_worlds(&mut self, worlds: &[usize], state: &Memory<f32>) -> Result<(), DeviceError> {
+        let numbers = self.programs.lengths.state;
+        for part in &self.parts {
+            let of_part = worlds.iter().filter(|w| part.worlds.contains(w));
+            let of_part: Vec<_> = of_part.copied().collect();
+            if of_part.is_empty() {
+                continue;
+            }
+            let number = |i| of_part.iter().map(move |w| state.get(*w, i));
+            let columns: Vec<_> = (0..numbers).flat_map(number).collect();
+            let within = of_part.iter().map(|w| (w - part.worlds.start) as u32);
+            let placement = Placement {
+                worlds: &within.collect::<Vec<_>>(),
+                columns: &columns,
+                width: self.width,
+            };
+            placement.write(&self.gpu, &part.state)?;
+        }
+        Ok(())
+    }
+    fn write_input(
+        &mut self,
+        numbers: Range<usize>,
+        input: &Memory<f32>,
+    ) -> Result<(), DeviceError> {
+        let numbers = numbers.start..numbers.end.min(self.programs.lengths.input);
+        self.write(numbers, input, |part| &part.input);
+        Ok(self.gpu.check()?)
+    }
+    fn write_parameters(&mut self, parameters: &Memory<f32>) -> Result<(), DeviceError> {
+        if !self.differing() {
+            self.differ()?;
+        }
+        let all = 0..self.programs.parameters.len();
+        self.write(all, parameters, |part| {
+            part.parameters.as_ref().unwrap_or(&self.parameters)
+        });
+        Ok(self.gpu.check()?)
+    }
+    fn step(&mut self, substeps: usize) -> Result<(), DeviceError> {
+        let kernel = self.gpu.kernel(&self.programs.step, self.differing())?;
+        let (full, rest) = (substeps / ROUNDS, substeps % ROUNDS);
+        self.launch(&kernel, ROUNDS, full)?;
+        Ok(self.launch(&kernel, rest, usize::from(rest > 0))?)
+    }
+    fn report(&mut self, report: Report) -> Result<(), DeviceError> {
+        let program = self.programs.report(report);
+        let kernel = self.gpu.kernel(program, self.differing())?;
+        Ok(self.launch(&kernel, 1, 1)?)
+    }
+    fn read_state(
+        &mut self,
+        numbers: &[Range<usize>],
+        state: &mut Memory<f32>,
+    ) -> Result<(), DeviceError> {
+        Ok(self.read(numbers, state, |part| &part.state)?)
+    }
+    fn read_output(
+        &mut self,
+        numbers: &[Range<usize>],
+        output: &mut Memory<f32>,
+    ) -> Result<(), DeviceError> {
+        Ok(self.read(numbers, output, |part| &part.output)?)
     }
 }
 

@@ -127,7 +127,7 @@ fn placements(py: Python<'_>, engine: &Engine, worlds: &[i64]) -> PyResult<Vec<V
     engine.with(py, |s| {
         each!(s, read, s => {
             let bodies = s.model().bodies.len();
-            let outputs = s.outputs();
+            let outputs = s.try_outputs()?;
             let of = |&world: &i64| {
                 let bodies = (0..bodies).map(BodyId);
                 bodies.map(|body| outputs.body_pose(world as usize, body)).collect()

@@ -251,9 +251,10 @@ impl Engine {
 
     /// Advances all worlds; the worlds that diverged meanwhile.
     fn step(&self, py: Python<'_>, steps: usize) -> PyResult<Vec<usize>> {
-        self.with(py, |s| {
-            Ok(each!(s, change, s => s.step(steps).iter().map(|d| d.world).collect()))
-        })
+        self.with(
+            py,
+            |s| each!(s, change, s => Ok(s.try_step(steps)?.iter().map(|d| d.world).collect())),
+        )
     }
     /// Time of every world [s].
     fn times<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
@@ -350,7 +351,10 @@ impl Engine {
     }
     /// The whole state of all worlds, to the bit.
     fn snapshot<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = self.with(py, |s| Ok(each!(s, read, s => s.snapshot().to_bytes())))?;
+        let bytes = self.with(
+            py,
+            |s| each!(s, read, s => Ok(s.try_snapshot()?.to_bytes())),
+        )?;
         Ok(PyBytes::new(py, &bytes))
     }
     /// Returns to a snapshot.
@@ -366,7 +370,7 @@ impl Engine {
             each!(s, read, s => {
                 exists(world, s.worlds())?;
                 let bodies = s.model().bodies.len();
-                let outputs = s.outputs();
+                let outputs = s.try_outputs()?;
                 Ok((0..bodies).map(|b| outputs.asleep(world, BodyId(b))).collect())
             })
         })
@@ -376,7 +380,7 @@ impl Engine {
         let contacts = self.with(py, |s| {
             each!(s, read, s => {
                 exists(world, s.worlds())?;
-                Ok(s.outputs().contacts(world).collect::<Vec<_>>())
+                Ok(s.try_outputs()?.contacts(world).collect::<Vec<_>>())
             })
         })?;
         let n = contacts.len();
@@ -509,7 +513,7 @@ impl Engine {
     fn linearize<'py>(&self, py: Python<'py>, world: usize) -> PyResult<Bound<'py, PyDict>> {
         let step = self.attempt(py, |s| {
             each!(s, read, s => {
-                linearize(&**s, world).map_err(|e| match e {
+                linearize(&mut **s, world).map_err(|e| match e {
                     LinearizeError::Simulation(e) => error::simulation(e),
                     other => error::raise("SimulationError", other.to_string()),
                 })

@@ -12,6 +12,7 @@ pub mod featherstone;
 pub mod impulse;
 mod input;
 mod output;
+mod record;
 mod solver;
 mod tables;
 pub mod xpbd;
@@ -21,5 +22,6 @@ pub use featherstone::dynamics::{Dynamics, DynamicsError, DynamicsKernels, Total
 pub use featherstone::{ArticulatedBodies, Featherstone, Integrator, TouchingFeatherstone};
 pub use input::InputTables;
 pub use output::{OutputTables, body, body_acceleration, contact, reaction, total};
+pub use record::{Programs, Report};
 pub use solver::{Kernels, Lengths, Settings, SolverError};
 pub use xpbd::Xpbd;

@@ -107,6 +107,9 @@ pub enum SensorError {
     /// A saved state does not fit.
     #[error("the state of the sensors cannot be restored: {0}")]
     State(&'static str),
+    /// The device that the worlds are on fails.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
     /// A camera makes no sense, or cannot be drawn.
     #[error("sensor `{sensor}`: {source}")]
     Render {

@@ -145,7 +145,7 @@ impl<T: Float> Sensors<T> {
         let channel = |sensor| Channel::new(sensor, &model, worlds, seed);
         let channels = sensors.into_iter().map(channel);
         let mut channels = channels.collect::<Result<Vec<_>, _>>()?;
-        let outputs = simulation.outputs();
+        let outputs = simulation.try_outputs()?;
         for channel in &mut channels {
             channel.rows = contact_rows(&channel.sensor.kind, &model, &outputs);
         }
@@ -260,7 +260,7 @@ impl<T: Float> Sensors<T> {
         self.update(simulation)?;
         while left > 0 {
             let slice = self.steps_until_next(simulation).min(left);
-            diverged.extend_from_slice(simulation.step(slice));
+            diverged.extend_from_slice(simulation.try_step(slice)?);
             left -= slice;
             self.update(simulation)?;
         }
@@ -447,16 +447,19 @@ impl<T: Float> Channel<T> {
                             }
                         }
                     });
-                });
+                })?;
             }
         }
-        self.add_errors(simulation, worlds);
-        Ok(())
+        self.add_errors(simulation, worlds)
     }
 
-    fn add_errors(&mut self, simulation: &mut Simulation<T>, worlds: &[World]) {
+    fn add_errors(
+        &mut self,
+        simulation: &mut Simulation<T>,
+        worlds: &[World],
+    ) -> Result<(), SensorError> {
         if self.errors.are_none() {
-            return;
+            return Ok(());
         }
         let n = self.each();
         let (samples, errors) = (&self.samples, &self.errors);
@@ -467,7 +470,8 @@ impl<T: Float> Channel<T> {
                 let worlds = part.first..part.first + part.numbers.len() / n;
                 errors.apply(simulation.isa(), worlds.filter_map(draw), n, part);
             });
-        });
+        })?;
+        Ok(())
     }
 
     fn cast(
@@ -493,7 +497,7 @@ impl<T: Float> Channel<T> {
                 })
             };
             due.iter().flat_map(of).collect()
-        });
+        })?;
         let hits = simulation
             .cast_rays_in_worlds(&due, &rays, mount.body)
             .map_err(|source| SensorError::Rays {
@@ -532,7 +536,7 @@ impl<T: Float> Channel<T> {
             let isa = simulation.isa();
             let errors = ImageErrors { noise, source, isa };
             camera.draw(&due, &poses, &errors)
-        })
+        })?
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::error::{SessionError, count};
 use crate::pull::{Grab, Push, add_force};
 use numbers::Float;
-use sim::{Diverged, Simulation};
+use sim::{Diverged, Simulation, SimulationError};
 
 /// Blows that wait for the next step, at most.
 const MOST_PUSHES: usize = 256;
@@ -32,23 +32,28 @@ impl Hands {
     }
 
     /// Steps with them. Forces that were set stay, and those of hands are added while they act.
-    pub fn step<T: Float>(&mut self, simulation: &mut Simulation<T>, steps: usize) {
+    pub fn step<T: Float>(
+        &mut self,
+        simulation: &mut Simulation<T>,
+        steps: usize,
+    ) -> Result<(), SimulationError> {
         for done in 0..steps {
             if self.rest() {
-                simulation.step(steps - done);
-                return;
+                simulation.try_step(steps - done)?;
+                return Ok(());
             }
             let before = self.forces(simulation);
             for (world, forces) in &before {
-                let pulled = self.pulled(simulation, *world, forces);
+                let pulled = self.pulled(simulation, *world, forces)?;
                 set(simulation, *world, &pulled);
             }
             self.pushes.clear();
-            simulation.step(1);
+            simulation.try_step(1)?;
             for (world, forces) in &before {
                 set(simulation, *world, forces);
             }
         }
+        Ok(())
     }
 
     /// The forces that are set on degrees of freedom, in each world where a hand or a blow acts.
@@ -72,10 +77,10 @@ impl Hands {
         simulation: &mut Simulation<T>,
         world: usize,
         set: &[f64],
-    ) -> Vec<f64> {
+    ) -> Result<Vec<f64>, SimulationError> {
         let model = simulation.model().clone();
         let h = simulation.settings().step.time_step;
-        let outputs = simulation.outputs();
+        let outputs = simulation.try_outputs()?;
         let mut forces = set.to_vec();
         let mut add = |body, point, force| {
             add_force(&model, &outputs, (world, body, point), force, &mut forces);
@@ -86,7 +91,7 @@ impl Hands {
         for p in self.pushes.iter().filter(|p| p.world == world) {
             add(p.body, p.point, p.impulse / h);
         }
-        forces
+        Ok(forces)
     }
 }
 
@@ -109,9 +114,9 @@ impl<T: Float> Subject<T> {
         }
     }
     /// Steps under the hands; returns the worlds that diverged meanwhile.
-    pub fn step(&mut self, steps: usize) -> &[Diverged] {
+    pub fn step(&mut self, steps: usize) -> Result<&[Diverged], SimulationError> {
         let known = self.simulation.diverged().len();
-        self.hands.step(&mut self.simulation, steps);
-        &self.simulation.diverged()[known..]
+        self.hands.step(&mut self.simulation, steps)?;
+        Ok(&self.simulation.diverged()[known..])
     }
 }

@@ -266,12 +266,12 @@ impl Play {
         Ok(())
     }
 
-    fn begin_history<T: Float>(&mut self, simulation: &Simulation<T>) {
+    fn begin_history<T: Float>(&mut self, simulation: &mut Simulation<T>) {
         let bytes = simulation.bytes_per_world() * simulation.worlds();
         self.history = History::new(time_step(simulation), bytes);
         self.record(simulation);
     }
-    pub fn record<T: Float>(&mut self, simulation: &Simulation<T>) {
+    pub fn record<T: Float>(&mut self, simulation: &mut Simulation<T>) {
         self.history.record(Moment {
             steps: self.steps,
             snapshot: simulation.snapshot(),

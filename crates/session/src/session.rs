@@ -122,7 +122,7 @@ impl<T: Float> Session<T> {
         let Self { source, steering } = self;
         let changes = source.changes();
         source.with(|subject| {
-            steering.notice(&subject.simulation, changes);
+            steering.notice(&mut subject.simulation, changes);
             steering.receive(subject, command);
         });
     }
@@ -136,7 +136,7 @@ impl<T: Float> Session<T> {
             return false;
         }
         let more = source.with(|subject| {
-            steering.notice(&subject.simulation, changes);
+            steering.notice(&mut subject.simulation, changes);
             steering.advance(subject)
         });
         more.unwrap_or(false)

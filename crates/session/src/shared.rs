@@ -3,7 +3,7 @@
 use crate::hands::Subject;
 use numbers::Float;
 use parking_lot::{Mutex, MutexGuard};
-use sim::{Diverged, Simulation};
+use sim::{Diverged, Simulation, SimulationError};
 use std::fmt;
 use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
@@ -67,6 +67,14 @@ impl<T: Float> Shared<T> {
 impl<T: Float> Guard<'_, T> {
     /// As [`Simulation::step`], under the hands of those who draw and push bodies on a page.
     pub fn step(&mut self, steps: usize) -> &[Diverged] {
+        let stepped = self.try_step(steps);
+        stepped.unwrap_or_else(|error| panic!("{error}"))
+    }
+    /// As [`Simulation::try_step`], likewise.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn try_step(&mut self, steps: usize) -> Result<&[Diverged], SimulationError> {
         self.0.step(steps)
     }
 }

@@ -83,14 +83,14 @@ impl Stage {
     /// Makes so many steps of a simulation at its start, under the stage's random controls.
     ///
     /// # Errors
-    /// A simulation of another model.
+    /// A simulation of another model; a device that fails.
     pub fn run(&self, simulation: &mut Simulation<f32>, steps: u64) -> Result<(), SessionError> {
         let mut wander = Wander::new(self.wander);
         let unset = vec![None; self.model.actuators.len()];
         let mut done = 0;
         while done < steps {
             let next = wander.steer(simulation, done, &unset)?.min(steps - done);
-            simulation.step(next as usize);
+            simulation.try_step(next as usize)?;
             done += next;
         }
         Ok(())

@@ -461,7 +461,7 @@ impl Steering {
     }
 
     /// Takes over what a program has done to its simulation, which it has taken so often.
-    pub fn notice<T: Float>(&mut self, simulation: &Simulation<T>, changes: u64) {
+    pub fn notice<T: Float>(&mut self, simulation: &mut Simulation<T>, changes: u64) {
         if changes == self.changes {
             return;
         }
@@ -526,7 +526,7 @@ impl Steering {
             let until = play.wander.steer(simulation, play.steps, &play.control)?;
             let at_once = if subject.hands.rest() { most } else { 1 };
             let steps = self.uninterrupted(at_once.min(until), h);
-            subject.step(steps as usize);
+            subject.step(steps as usize)?;
             let simulation = &mut subject.simulation;
             self.play.steps += steps;
             self.owed -= steps as f64;

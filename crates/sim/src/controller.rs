@@ -1,7 +1,6 @@
 //! Who drives the worlds, and how a drive is recorded and played back.
 
 use crate::error::length;
-use crate::simulation::Reported;
 use crate::{Controls, Diverged, Outputs, Simulation, SimulationError};
 use numbers::Float;
 
@@ -45,8 +44,8 @@ impl<T: Float> Simulation<T> {
     /// The controller is called before the first step, and then every `period` seconds.
     ///
     /// # Errors
-    /// A time that is no positive number, a period that is no whole number of time steps, and
-    /// what the controller returns; the worlds then stay where they were at that call.
+    /// A time that is no positive number, a period that is no whole number of time steps, a device that fails,
+    /// and what the controller returns; the worlds then stay where they were at that call.
     pub fn run(
         &mut self,
         seconds: f64,
@@ -67,7 +66,7 @@ impl<T: Float> Simulation<T> {
         while left > 0 {
             self.consult(controller)?;
             let next = each.min(left);
-            self.step(next);
+            self.try_step(next)?;
             left -= next;
         }
         Ok(&self.diverged[known..])
@@ -75,9 +74,9 @@ impl<T: Float> Simulation<T> {
 
     fn consult(&mut self, controller: &mut impl Controller<T>) -> Result<(), SimulationError> {
         let time = self.time.iter().copied().fold(0.0, f64::max);
-        self.outputs();
+        self.try_outputs()?;
         // New controls change the accelerations that were just reported.
-        self.reported = Reported::Nothing;
+        self.sets_controls();
         let outputs = Outputs {
             memory: &self.output,
             tables: &self.output_tables,

@@ -3,7 +3,7 @@
 use crate::jobs::{Lane, begin, contacts, finish, motion, narrow_phase, report, steps};
 use model::{Model, ShapeId};
 use numbers::Float;
-use rigid::{Kernels, Lengths, OutputTables};
+use rigid::{Kernels, Lengths, OutputTables, Report};
 use std::any::Any;
 
 /// What to do with a block.
@@ -11,12 +11,8 @@ use std::any::Any;
 pub(crate) enum Task {
     /// Advance by so many substeps.
     Step(usize),
-    /// Fill in where bodies and joints are, and how they move.
-    Motion,
-    /// The same, and the contacts of the last step.
-    Contacts,
     /// Fill the output.
-    Report,
+    Report(Report),
 }
 
 /// One block of worlds: as many as a register has lanes, or one.
@@ -88,9 +84,9 @@ impl<K: Kernels, T: Float> Engine<T> for K {
     }
     fn run(&self, lane: Lane, _: usize, mut block: Block<'_, T>, task: Task) {
         match task {
-            Task::Motion => motion::run(lane, self, &mut block, 0),
-            Task::Contacts => contacts::run(lane, self, &mut block, 0),
-            Task::Report => report::run(lane, self, &mut block, 0),
+            Task::Report(Report::Motion) => motion::run(lane, self, &mut block, 0),
+            Task::Report(Report::Contacts) => contacts::run(lane, self, &mut block, 0),
+            Task::Report(Report::Everything) => report::run(lane, self, &mut block, 0),
             Task::Step(substeps) => {
                 if K::TOUCHES {
                     for _ in 0..substeps {

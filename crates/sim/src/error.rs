@@ -1,6 +1,6 @@
 //! What can be wrong with a call.
 
-use crate::SnapshotError;
+use crate::{DeviceError, SnapshotError};
 use numbers::dispatch::IsaError;
 use rigid::SolverError;
 
@@ -131,6 +131,19 @@ pub enum SimulationError {
     /// Shapes are nowhere, or too many.
     #[error(transparent)]
     Space(#[from] space::SpaceError),
+    /// The device cannot take the worlds, or has failed.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+    /// The solver needs what devices do not have.
+    #[error(
+        "the solver `{solver}` does not run on {device}: take `featherstone` or `xpbd`, or run on the processor"
+    )]
+    NotOnDevice {
+        /// Its name.
+        solver: &'static str,
+        /// Name of the device.
+        device: String,
+    },
     /// The threads cannot be started.
     #[error("cannot start {threads} threads: {reason}")]
     Threads {

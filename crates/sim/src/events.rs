@@ -2,8 +2,7 @@
 //! joints reach their limits, bodies fall asleep, worlds diverge.
 
 use crate::engine::Task;
-use crate::simulation::Reported;
-use crate::{Outputs, Simulation};
+use crate::{Outputs, Simulation, SimulationError};
 use glam::DVec3;
 use model::{BodyId, JointId, Model, ShapeId};
 use numbers::Float;
@@ -361,19 +360,22 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Makes so many substeps, and tells what happens in each.
-    pub(crate) fn step_watched(&mut self, mut watcher: Watcher, substeps: usize) {
+    pub(crate) fn step_watched(
+        &mut self,
+        mut watcher: Watcher,
+        substeps: usize,
+    ) -> Result<(), SimulationError> {
         let substep = self.settings().step.substep();
         let times = self.time.clone();
         let runs = self.running();
-        let outputs = self.outputs();
+        let outputs = self.try_outputs()?;
         for world in std::mem::take(&mut watcher.set) {
             watcher.look(&outputs, world, runs[world], None);
         }
         for i in 1..=substeps {
-            self.perform(Task::Step(1));
-            self.reported = Reported::Nothing;
+            self.perform(Task::Step(1))?;
             let runs = self.running();
-            let outputs = self.outputs();
+            let outputs = self.try_outputs()?;
             for (world, begin) in times.iter().enumerate() {
                 let time = begin + i as f64 * substep;
                 let told = Some(Told { time, substep });
@@ -381,5 +383,6 @@ impl<T: Float> Simulation<T> {
             }
         }
         self.watcher = Some(watcher);
+        Ok(())
     }
 }

@@ -9,6 +9,7 @@
 mod compile;
 mod controller;
 mod controls;
+mod device;
 mod engine;
 mod error;
 mod events;
@@ -27,6 +28,7 @@ mod threads;
 
 pub use controller::{Controller, Recorder, Recording, Replay};
 pub use controls::{Controls, Inputs};
+pub use device::{Device, DeviceError, DeviceWorlds, Solver};
 pub use error::SimulationError;
 pub use events::{Event, EventKind, Watch};
 pub use outputs::{Contact, Outputs};

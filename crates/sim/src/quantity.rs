@@ -1,13 +1,14 @@
 //! Tables of all worlds at once, as plain arrays: what is reported, and what a controller sets.
 
 use crate::error::{MOST_FORCE, MOST_MOTION, SimulationError, bounded, length};
-use crate::simulation::{RUNS_PER_THREAD, Reported};
+use crate::simulation::RUNS_PER_THREAD;
 use crate::spatial::{Spatial, Trees};
 use crate::{Controls, Outputs, Simulation};
 use model::{BodyId, Model, Shape};
 use numbers::{Float, Table};
 use rayon::prelude::*;
-use rigid::{OutputTables, body, contact, reaction, total};
+use rigid::{OutputTables, Report, body, contact, reaction, total};
+use std::ops::Range;
 
 /// A reported quantity of every world, as [`Simulation::read`](crate::Simulation::read) copies it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,6 +87,14 @@ impl Rows {
         let rows = (0..self.count).map(|row| self.start + row * self.stride);
         rows.flat_map(|row| row..row + self.width).collect()
     }
+    /// The same, as few ranges as that can be.
+    fn ranges(self) -> Vec<Range<usize>> {
+        if self.width == self.stride {
+            return vec![self.start..self.start + self.count * self.stride];
+        }
+        let rows = (0..self.count).map(|row| self.start + row * self.stride);
+        rows.map(|row| row..row + self.width).collect()
+    }
 }
 
 /// Where a quantity comes from.
@@ -113,7 +122,7 @@ impl Quantity {
         }
     }
     /// How much of the output has to be of the present state.
-    pub(crate) fn needs(self) -> Reported {
+    pub(crate) fn needs(self) -> Report {
         match self {
             Self::BodyPosition
             | Self::BodyOrientation
@@ -123,9 +132,20 @@ impl Quantity {
             | Self::SpatialInertia
             | Self::SpatialVelocity
             | Self::JointPosition
-            | Self::JointVelocity => Reported::Motion,
-            Self::ContactWrench | Self::SpatialContactForce => Reported::Contacts,
-            _ => Reported::Everything,
+            | Self::JointVelocity => Report::Motion,
+            Self::ContactWrench | Self::SpatialContactForce => Report::Contacts,
+            _ => Report::Everything,
+        }
+    }
+    /// The numbers of the output that it is made of.
+    pub(crate) fn made_of(self, t: &OutputTables, model: &Model) -> Vec<Range<usize>> {
+        let bodies = t.body.start()..t.body_acceleration.start();
+        let contacts = t.contact.start()..t.length;
+        match self.source(t, model) {
+            Source::Output(rows) => rows.ranges(),
+            Source::Contacts => vec![contacts],
+            Source::SpatialContacts => vec![bodies, contacts],
+            Source::Spatial(_) => vec![bodies],
         }
     }
     fn source(self, t: &OutputTables, model: &Model) -> Source {

@@ -283,7 +283,7 @@ impl<T: Float> Simulation<T> {
         };
         index("world", world, self.worlds())?;
         let ray = ray.checked(0)?;
-        let bodies = self.placements(world);
+        let bodies = self.placements(world)?;
         let meshes = self.triangles(world);
         let solids = self.solids(world, &bodies, meshes, None)?;
         let hits = solids.iter().filter_map(|s| s.meet(&ray).transpose());
@@ -304,7 +304,7 @@ impl<T: Float> Simulation<T> {
         index("world", world, self.worlds())?;
         let rays = rays.iter().enumerate().map(|(i, ray)| ray.checked(i));
         let rays = rays.collect::<Result<Vec<_>, _>>()?;
-        let bodies = self.placements(world);
+        let bodies = self.placements(world)?;
         let meshes = self.triangles(world);
         let scene = Scene::new(self.solids(world, &bodies, meshes, None)?)?;
         let parts = rays.par_iter().with_min_len(RAYS_AT_A_TIME);
@@ -333,10 +333,10 @@ impl<T: Float> Simulation<T> {
         }
         let rays = rays.iter().enumerate().map(|(i, ray)| ray.checked(i));
         let rays = rays.collect::<Result<Vec<_>, _>>()?;
-        let placed: Vec<_> = worlds
+        let placed: Vec<(usize, Vec<Pose>, _)> = worlds
             .iter()
-            .map(|&world| (world, self.placements(world), self.triangles(world)))
-            .collect();
+            .map(|&world| Ok((world, self.placements(world)?, self.triangles(world))))
+            .collect::<Result<_, SimulationError>>()?;
         let cast = |((world, bodies, meshes), rays): ((usize, Vec<Pose>, _), &[Ray])| {
             let scene = Scene::new(self.solids(world, &bodies, meshes, except)?)?;
             rays.iter()
@@ -349,14 +349,14 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Of each body of a world where it is now, with an orientation of unit length to double precision.
-    fn placements(&mut self, world: usize) -> Vec<Pose> {
+    fn placements(&mut self, world: usize) -> Result<Vec<Pose>, SimulationError> {
         let bodies = (0..self.model().bodies.len()).map(BodyId);
-        let outputs = self.outputs();
+        let outputs = self.try_outputs()?;
         let placed = |body| {
             let orientation = outputs.body_orientation(world, body).normalize();
             Pose::new(outputs.body_position(world, body), orientation)
         };
-        bodies.map(placed).collect()
+        Ok(bodies.map(placed).collect())
     }
 
     /// Of the shapes of a world that are meshes.

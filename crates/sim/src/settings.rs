@@ -26,13 +26,19 @@ impl SolverKind {
     /// All of them.
     const ALL: [Self; 4] = [Self::Auto, Self::Featherstone, Self::Xpbd, Self::Impulse];
 
-    /// What `auto` takes for a model; any other takes itself.
-    pub fn pick(self, model: &Model, contacts: bool) -> Self {
+    /// What `auto` takes for a model on a device, where `impulse` does not run; any other takes itself.
+    pub fn on_device(self, model: &Model) -> Self {
         match self {
-            Self::Auto if contacts && suits(model) => Self::Impulse,
             Self::Auto if model.is_tree() => Self::Featherstone,
             Self::Auto => Self::Xpbd,
             named => named,
+        }
+    }
+    /// What `auto` takes for a model on the processor; any other takes itself.
+    pub fn pick(self, model: &Model, contacts: bool) -> Self {
+        match self {
+            Self::Auto if contacts && suits(model) => Self::Impulse,
+            other => other.on_device(model),
         }
     }
     /// Substeps a time step for a model, where nobody says otherwise: 4 of `xpbd`, else 1.

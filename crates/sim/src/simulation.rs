@@ -1,19 +1,20 @@
 //! W worlds of one model.
 
 use crate::compile::Compiled;
+use crate::device::{Host, Remote};
 use crate::engine::{Block, Task};
 use crate::error::{MOST_MOTION, SimulationError, bounded, index, length};
 use crate::events::Watcher;
 use crate::jobs::Lane;
 use crate::meshes::Meshes;
 use crate::threads::Threads;
-use crate::{Controls, Inputs, Outputs, Quantity, SimulationSettings, Snapshot};
+use crate::{Controls, Device, Inputs, Outputs, Quantity, SimulationSettings, Snapshot, Solver};
 use glam::DQuat;
 use model::{JointId, JointKind, Model, Shape};
 use numbers::dispatch::Isa;
 use numbers::{Float, Memory};
 use rayon::prelude::*;
-use rigid::{InputTables, Kernels, OutputTables};
+use rigid::{InputTables, Kernels, OutputTables, Report};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -59,20 +60,14 @@ pub struct Simulation<T: Float> {
     pub(crate) time: Vec<f64>,
     /// How often each world was set, reset or restored.
     begun: Vec<u64>,
-    pub(crate) reported: Reported,
+    /// How much of the output is of the present state.
+    pub(crate) reported: Option<Report>,
     pub(crate) diverged: Vec<Diverged>,
     pub(crate) watcher: Option<Watcher>,
     /// Of the shapes that rays were cast at.
     pub(crate) meshes: Meshes,
-}
-
-/// How much of the output is of the present state.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Reported {
-    Nothing,
-    Motion,
-    Contacts,
-    Everything,
+    /// The worlds, where they are in the memory of a device.
+    remote: Option<Remote<T>>,
 }
 
 /// A model that one world has for itself.
@@ -157,7 +152,35 @@ impl<T: Float> Simulation<T> {
         model: impl Into<Arc<Model>>,
         settings: SimulationSettings,
     ) -> Result<Self, SimulationError> {
+        Self::made(None, model.into(), settings)
+    }
+    /// Makes W worlds in the memory of a device, which keeps them from step to step: controls go there when they
+    /// were set, and what is read comes back.
+    ///
+    /// Results are those of the processor to rounding, not to the bit. Threads and instruction set are of the
+    /// work that remains on the processor. Once the device has failed, what it held is lost: [`restore`](Self::restore)
+    /// a [`snapshot`](Self::snapshot) into a new simulation.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); the solver `impulse`, which runs on processors only; what the device refuses.
+    pub fn on(
+        device: &dyn Device<T>,
+        model: impl Into<Arc<Model>>,
+        settings: SimulationSettings,
+    ) -> Result<Self, SimulationError> {
         let model = model.into();
+        let solver = settings.solver.on_device(&model);
+        Self::made(
+            Some(device),
+            model,
+            SimulationSettings { solver, ..settings },
+        )
+    }
+    fn made(
+        device: Option<&dyn Device<T>>,
+        model: Arc<Model>,
+        settings: SimulationSettings,
+    ) -> Result<Self, SimulationError> {
         settings.check()?;
         let isa = match settings.isa {
             Some(isa) => isa,
@@ -186,17 +209,29 @@ impl<T: Float> Simulation<T> {
             input_tables: InputTables::new(&model),
             output_tables: shared.engine.outputs(),
             time: vec![0.0; settings.worlds],
-            reported: Reported::Nothing,
+            reported: None,
             diverged: Vec::new(),
             watcher: None,
             meshes: Meshes::default(),
+            remote: None,
             shared,
             settings,
             model,
         };
         simulation.fill_spare_lanes();
         simulation.reset_all();
+        if let Some(device) = device {
+            simulation.remote = Some(simulation.placed_on(device)?);
+        }
         Ok(simulation)
+    }
+    fn placed_on(&self, device: &dyn Device<T>) -> Result<Remote<T>, SimulationError> {
+        let engine = &self.shared.engine;
+        let solver = Solver::of(engine.as_any()).ok_or_else(|| SimulationError::NotOnDevice {
+            solver: engine.name(),
+            device: device.name(),
+        })?;
+        Ok(Remote::new(device, solver, &self.input)?)
     }
 
     /// The model.
@@ -218,6 +253,10 @@ impl<T: Float> Simulation<T> {
     /// Instruction set that runs.
     pub fn isa(&self) -> Isa {
         self.isa
+    }
+    /// Name of the device that runs, if it is not the processor.
+    pub fn device(&self) -> Option<&str> {
+        self.remote.as_ref().map(Remote::name)
     }
     /// Number of threads that run.
     pub fn threads(&self) -> usize {
@@ -346,7 +385,10 @@ impl<T: Float> Simulation<T> {
         for (i, &x) in state.iter().enumerate() {
             self.state.set(world, i, T::from_f64(x));
         }
-        self.reported = Reported::Nothing;
+        if let Some(remote) = &mut self.remote {
+            remote.sets_state(world);
+        }
+        self.reported = None;
     }
 
     /// A state at time 0, with the model's controls.
@@ -357,10 +399,19 @@ impl<T: Float> Simulation<T> {
         for (i, &x) in compiled.input.iter().enumerate() {
             self.input.set(world, i, T::from_f64(x));
         }
+        self.sets_controls();
         self.time[world] = 0.0;
         self.begun[world] += 1;
         self.diverged.retain(|d| d.world != world);
         self.take_for_granted(world);
+    }
+
+    /// Controls are to be set, or were.
+    pub(crate) fn sets_controls(&mut self) {
+        self.reported = None;
+        if let Some(remote) = &mut self.remote {
+            remote.sets_controls(0..self.input.length());
+        }
     }
 
     /// Lanes without a world run the model's initial state, so that they stay finite.
@@ -397,7 +448,8 @@ impl<T: Float> Simulation<T> {
         if own.fingerprint() != self.shared.fingerprint() {
             return Err(SimulationError::Structure { world });
         }
-        self.outputs();
+        self.try_outputs()?;
+        self.fetch_state()?;
         let bodies = self.output_tables.body;
         let bodies = bodies.start()..bodies.at(self.model.bodies.len(), 0);
         let bodies = numbers_of(&self.output, world, bodies);
@@ -407,6 +459,9 @@ impl<T: Float> Simulation<T> {
         }
         for (i, &x) in own.engine.parameters().iter().enumerate() {
             self.parameters.set(world, i, T::from_f64(x));
+        }
+        if let Some(remote) = &mut self.remote {
+            remote.sets_parameters();
         }
         let mut state = numbers_of(&self.state, world, 0..own.state.len());
         own.engine.take_over(&bodies, &mut state);
@@ -421,7 +476,7 @@ impl<T: Float> Simulation<T> {
 
     /// The controls of all worlds, to be set.
     pub fn controls(&mut self) -> Controls<'_, T> {
-        self.reported = Reported::Nothing;
+        self.sets_controls();
         Controls {
             memory: &mut self.input,
             tables: &self.input_tables,
@@ -437,13 +492,22 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Advances all worlds by `steps` time steps; returns the worlds that diverged meanwhile.
+    ///
+    /// Panics where worlds are on a device that fails; [`try_step`](Self::try_step) tells.
     pub fn step(&mut self, steps: usize) -> &[Diverged] {
+        let stepped = self.try_step(steps);
+        stepped.unwrap_or_else(|error| panic!("{error}"))
+    }
+    /// As [`step`](Self::step).
+    ///
+    /// # Errors
+    /// Worlds are on a device, and it fails.
+    pub fn try_step(&mut self, steps: usize) -> Result<&[Diverged], SimulationError> {
         let substeps = steps.saturating_mul(self.settings.step.substeps);
         match self.watcher.take() {
-            Some(watcher) => self.step_watched(watcher, substeps),
-            None => self.perform(Task::Step(substeps)),
+            Some(watcher) => self.step_watched(watcher, substeps)?,
+            None => self.perform(Task::Step(substeps))?,
         }
-        self.reported = Reported::Nothing;
         let known = self.diverged.len();
         let passed = steps as f64 * self.settings.step.time_step;
         let mut found = Vec::new();
@@ -459,7 +523,7 @@ impl<T: Float> Simulation<T> {
             }
         }
         self.diverged.extend(found);
-        &self.diverged[known..]
+        Ok(&self.diverged[known..])
     }
 
     /// The kernels that step a world, with the constants of its model in double precision, where its
@@ -476,9 +540,10 @@ impl<T: Float> Simulation<T> {
     /// A world's state and controls, as its [`kernels`](Self::kernels) read them.
     ///
     /// # Errors
-    /// A world that does not exist.
-    pub fn numbers_of_world(&self, world: usize) -> Result<WorldNumbers, SimulationError> {
+    /// A world that does not exist; a device that fails.
+    pub fn numbers_of_world(&mut self, world: usize) -> Result<WorldNumbers, SimulationError> {
         index("world", world, self.worlds())?;
+        self.fetch_state()?;
         Ok(WorldNumbers {
             state: numbers_of(&self.state, world, 0..self.state.length()),
             input: numbers_of(&self.input, world, 0..self.input.length()),
@@ -496,8 +561,28 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Placements, velocities, reactions, energies of all worlds at the present state.
+    ///
+    /// Panics where worlds are on a device that fails; [`try_outputs`](Self::try_outputs) tells.
     pub fn outputs(&mut self) -> Outputs<'_, T> {
-        self.report(Reported::Everything)
+        let reported = self.report_everything();
+        reported.unwrap_or_else(|error| panic!("{error}"));
+        self.last_reported()
+    }
+    /// As [`outputs`](Self::outputs).
+    ///
+    /// # Errors
+    /// Worlds are on a device, and it fails.
+    pub fn try_outputs(&mut self) -> Result<Outputs<'_, T>, SimulationError> {
+        self.report_everything()?;
+        Ok(self.last_reported())
+    }
+    fn report_everything(&mut self) -> Result<(), SimulationError> {
+        self.report(Report::Everything)?;
+        if let Some(remote) = &mut self.remote {
+            let all = 0..self.output.length();
+            remote.read_output(&[all], &mut self.output)?;
+        }
+        Ok(())
     }
 
     /// Copies a quantity of all worlds at the present state, `out[world][row][number]`, in the threads of the
@@ -505,23 +590,23 @@ impl<T: Float> Simulation<T> {
     /// fraction of the time that all [`outputs`](Simulation::outputs) take.
     ///
     /// # Errors
-    /// An array of the wrong length.
+    /// An array of the wrong length; a device that fails.
     pub fn read(&mut self, quantity: Quantity, out: &mut [T]) -> Result<(), SimulationError> {
-        self.report(quantity.needs());
+        self.report(quantity.needs())?;
+        if let Some(remote) = &mut self.remote {
+            let rows = quantity.made_of(&self.output_tables, &self.model);
+            remote.read_output(&rows, &mut self.output)?;
+        }
         self.copy(quantity, out)
     }
 
-    /// The outputs, of which at least what is needed is of the present state.
-    fn report(&mut self, needed: Reported) -> Outputs<'_, T> {
-        if self.reported < needed {
-            self.perform(match needed {
-                Reported::Everything => Task::Report,
-                Reported::Contacts => Task::Contacts,
-                Reported::Motion | Reported::Nothing => Task::Motion,
-            });
-            self.reported = needed;
+    /// Brings at least what is needed of the output to the present state, where the worlds are.
+    fn report(&mut self, needed: Report) -> Result<(), SimulationError> {
+        if self.reported < Some(needed) {
+            self.perform(Task::Report(needed))?;
+            self.reported = Some(needed);
         }
-        self.last_reported()
+        Ok(())
     }
 
     /// The outputs as they were last reported.
@@ -535,14 +620,31 @@ impl<T: Float> Simulation<T> {
 
     /// Looks at the [`outputs`](Simulation::outputs) and at all else that can be read, in the threads of the
     /// simulation: what rayon shares out among threads meanwhile is theirs.
-    pub fn observe<R: Send>(&mut self, look: impl FnOnce(&Self, &Outputs<'_, T>) -> R + Send) -> R {
-        self.outputs();
-        self.threads.run(|| look(self, &self.last_reported()))
+    ///
+    /// # Errors
+    /// Worlds are on a device, and it fails.
+    pub fn observe<R: Send>(
+        &mut self,
+        look: impl FnOnce(&Self, &Outputs<'_, T>) -> R + Send,
+    ) -> Result<R, SimulationError> {
+        self.report_everything()?;
+        Ok(self.threads.run(|| look(self, &self.last_reported())))
     }
 
     /// The whole state of all worlds, to the bit.
-    pub fn snapshot(&self) -> Snapshot {
-        Snapshot::take(self)
+    ///
+    /// Panics where worlds are on a device that fails; [`try_snapshot`](Self::try_snapshot) tells.
+    pub fn snapshot(&mut self) -> Snapshot {
+        let taken = self.try_snapshot();
+        taken.unwrap_or_else(|error| panic!("{error}"))
+    }
+    /// As [`snapshot`](Self::snapshot).
+    ///
+    /// # Errors
+    /// Worlds are on a device, and it fails.
+    pub fn try_snapshot(&mut self) -> Result<Snapshot, SimulationError> {
+        self.fetch_state()?;
+        Ok(Snapshot::take(self))
     }
     /// Returns to a snapshot of the same model, solver and number of worlds.
     ///
@@ -550,8 +652,11 @@ impl<T: Float> Simulation<T> {
     /// The snapshot does not fit.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SimulationError> {
         snapshot.put_back(self)?;
-        self.reported = Reported::Nothing;
+        self.sets_controls();
         for world in 0..self.worlds() {
+            if let Some(remote) = &mut self.remote {
+                remote.sets_state(world);
+            }
             self.begun[world] += 1;
             self.take_for_granted(world);
         }
@@ -562,8 +667,44 @@ impl<T: Float> Simulation<T> {
         self.shared.fingerprint()
     }
 
+    /// Performs a task where the worlds are.
+    pub(crate) fn perform(&mut self, task: Task) -> Result<(), SimulationError> {
+        let steps = matches!(task, Task::Step(_));
+        if steps {
+            self.reported = None;
+        }
+        let Some(remote) = &mut self.remote else {
+            self.perform_here(task);
+            return Ok(());
+        };
+        let host = Host {
+            state: &self.state,
+            input: &self.input,
+            parameters: &self.parameters,
+        };
+        remote.perform(task, &host)?;
+        if steps {
+            let alive = self.shared.engine.alive();
+            remote.read_state(alive..alive + 1, &mut self.state)?;
+        }
+        Ok(())
+    }
+    /// Makes the state of all worlds known.
+    fn fetch_state(&mut self) -> Result<(), SimulationError> {
+        let Some(remote) = &mut self.remote else {
+            return Ok(());
+        };
+        let host = Host {
+            state: &self.state,
+            input: &self.input,
+            parameters: &self.parameters,
+        };
+        remote.tell(&host)?;
+        Ok(remote.read_state(0..self.state.length(), &mut self.state)?)
+    }
+
     /// Runs a task on all blocks, a run of blocks per thread, each with its own scratch.
-    pub(crate) fn perform(&mut self, task: Task) {
+    fn perform_here(&mut self, task: Task) {
         let engine = &*self.shared.engine;
         let lane = Lane {
             isa: self.isa,

@@ -129,7 +129,7 @@ impl<T: Float> Engine<T> for Piles<T> {
     fn run(&self, lane: Lane, team: usize, mut block: Block<'_, T>, task: Task) {
         match task {
             Task::Step(steps) => self.step(lane, team, &mut block, steps),
-            Task::Motion | Task::Contacts | Task::Report => {
+            Task::Report(_) => {
                 let state = State {
                     impulse: &self.impulse,
                     state: block.state,

@@ -1,0 +1,57 @@
+//! A solver's kernels, recorded: what other machines than processors are to run.
+
+use crate::{Kernels, Lengths};
+use numbers::trace::{self, Program, TraceError};
+
+/// How much of the output is worked out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Report {
+    /// Where bodies and joints are, and how they move.
+    Motion,
+    /// The same, and the contacts of the last step.
+    Contacts,
+    /// Everything.
+    Everything,
+}
+
+/// What a solver does to a world, as records; and all they need but the world's own numbers.
+#[derive(Clone, Debug)]
+pub struct Programs {
+    /// A substep.
+    pub step: Program,
+    motion: Program,
+    contacts: Program,
+    everything: Program,
+    /// Numbers of each world.
+    pub lengths: Lengths,
+    /// The constants of the model.
+    pub parameters: Vec<f64>,
+    /// The structure of the model.
+    pub links: Vec<u32>,
+}
+
+impl Programs {
+    /// Records a solver. Kernels for pairs of shapes that the model has none of are not part of it.
+    ///
+    /// # Errors
+    /// The kernel does what a record cannot express.
+    pub fn record(kernels: &impl Kernels) -> Result<Self, TraceError> {
+        Ok(Self {
+            step: trace::record(|k| kernels.step_in_parts(k))?,
+            motion: trace::record(|k| kernels.report_motion(k))?,
+            contacts: trace::record(|k| kernels.report_contacts(k))?,
+            everything: trace::record(|k| kernels.report(k))?,
+            lengths: kernels.lengths(),
+            parameters: kernels.parameters().to_vec(),
+            links: kernels.links().to_vec(),
+        })
+    }
+    /// What fills the output from the state.
+    pub fn report(&self, report: Report) -> &Program {
+        match report {
+            Report::Motion => &self.motion,
+            Report::Contacts => &self.contacts,
+            Report::Everything => &self.everything,
+        }
+    }
+}

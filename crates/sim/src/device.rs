@@ -1,0 +1,227 @@
+//! Worlds in the memory of a device, such as a graphics card.
+//!
+//! A device runs the kernels of a solver from their records. It keeps the state from step to step; controls
+//! go there when they have changed, and what is read comes back when it is asked for. Which numbers are known on
+//! both sides is kept here.
+
+use crate::engine::Task;
+use numbers::trace::TraceError;
+use numbers::{Float, Memory};
+use rigid::{Featherstone, Programs, Report, TouchingFeatherstone, Xpbd};
+use std::any::Any;
+use std::ops::Range;
+
+/// What runs the kernels of solvers in a memory of its own.
+pub trait Device<T: Float>: Send + Sync {
+    /// Its name.
+    fn name(&self) -> String;
+    /// Takes memory for worlds of a solver. What they hold is not known until it is written.
+    ///
+    /// # Errors
+    /// Whatever keeps the device from it: too little memory, a kernel that it does not take.
+    fn place(
+        &self,
+        solver: Solver<'_>,
+        worlds: usize,
+    ) -> Result<Box<dyn DeviceWorlds<T>>, DeviceError>;
+}
+
+/// Worlds of one solver on a device.
+///
+/// Numbers go to and fro in memories of all worlds, of any width. Calls take effect in the order in which they
+/// are made. Whatever fails: the device has failed as a whole, and what it held is lost.
+pub trait DeviceWorlds<T: Float>: Send + Sync {
+    /// Sets the state of all worlds.
+    fn write_state(&mut self, state: &Memory<T>) -> Result<(), DeviceError>;
+    /// Sets the state of some worlds, none of them twice, from that of all.
+    fn write_worlds(&mut self, worlds: &[usize], state: &Memory<T>) -> Result<(), DeviceError>;
+    /// Sets some numbers of the controls of all worlds.
+    fn write_input(&mut self, rows: Range<usize>, input: &Memory<T>) -> Result<(), DeviceError>;
+    /// Gives each world constants of its own, in place of those of the solver.
+    fn write_parameters(&mut self, parameters: &Memory<T>) -> Result<(), DeviceError>;
+    /// Advances all worlds by so many substeps.
+    fn step(&mut self, substeps: usize) -> Result<(), DeviceError>;
+    /// Fills the output of all worlds from their state and controls.
+    fn report(&mut self, report: Report) -> Result<(), DeviceError>;
+    /// Copies these numbers of the state of all worlds; the others of `state` stay.
+    fn read_state(
+        &mut self,
+        rows: &[Range<usize>],
+        state: &mut Memory<T>,
+    ) -> Result<(), DeviceError>;
+    /// Copies these numbers of the output of all worlds; the others of `output` stay.
+    fn read_output(
+        &mut self,
+        rows: &[Range<usize>],
+        output: &mut Memory<T>,
+    ) -> Result<(), DeviceError>;
+}
+
+/// What a device says went wrong.
+#[derive(Debug, thiserror::Error)]
+#[error(transparent)]
+pub struct DeviceError(Box<dyn std::error::Error + Send + Sync>);
+
+impl DeviceError {
+    /// From what the device says.
+    pub fn new(error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Self {
+        Self(error.into())
+    }
+}
+
+/// A solver that devices can run, with the constants of a model.
+#[derive(Clone, Copy, Debug)]
+pub enum Solver<'a> {
+    /// Trees without contacts.
+    Featherstone(&'a Featherstone),
+    /// Trees with contacts.
+    TouchingFeatherstone(&'a TouchingFeatherstone),
+    /// Bodies in maximal coordinates.
+    Xpbd(&'a Xpbd),
+}
+
+impl<'a> Solver<'a> {
+    pub(crate) fn of(engine: &'a dyn Any) -> Option<Self> {
+        let plain = || engine.downcast_ref().map(Self::Featherstone);
+        let touching = || engine.downcast_ref().map(Self::TouchingFeatherstone);
+        let maximal = || engine.downcast_ref().map(Self::Xpbd);
+        plain().or_else(touching).or_else(maximal)
+    }
+    /// Its kernels, recorded.
+    ///
+    /// # Errors
+    /// The kernels do what a record cannot express.
+    // To be compiled by who calls it: the kernels take long.
+    #[inline]
+    pub fn record(self) -> Result<Programs, TraceError> {
+        match self {
+            Self::Featherstone(kernels) => Programs::record(kernels),
+            Self::TouchingFeatherstone(kernels) => Programs::record(kernels),
+            Self::Xpbd(kernels) => Programs::record(kernels),
+        }
+    }
+}
+
+/// The device's worlds of a simulation, and what the host knows of them or has not told them yet.
+pub(crate) struct Remote<T> {
+    name: String,
+    worlds: Box<dyn DeviceWorlds<T>>,
+    /// Worlds whose state the host has set since it was last told.
+    set: Vec<usize>,
+    /// Whether the host's state is that of all worlds.
+    state_known: bool,
+    /// Controls that may have been set.
+    controls: Range<usize>,
+    parameters_set: bool,
+    /// Whether all that the device has reported is known.
+    output_known: bool,
+}
+
+impl<T: Float> Remote<T> {
+    /// Of a simulation with this state and these controls, to be told yet.
+    pub fn new(
+        device: &dyn Device<T>,
+        solver: Solver<'_>,
+        input: &Memory<T>,
+    ) -> Result<Self, DeviceError> {
+        let worlds = input.worlds();
+        Ok(Self {
+            name: device.name(),
+            worlds: device.place(solver, worlds)?,
+            set: (0..worlds).collect(),
+            state_known: true,
+            controls: 0..input.length(),
+            parameters_set: false,
+            output_known: false,
+        })
+    }
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+    /// The host has set the state of a world.
+    pub fn sets_state(&mut self, world: usize) {
+        self.set.push(world);
+    }
+    /// The host may set these numbers of the controls.
+    pub fn sets_controls(&mut self, rows: Range<usize>) {
+        self.controls = if self.controls.is_empty() {
+            rows
+        } else {
+            self.controls.start.min(rows.start)..self.controls.end.max(rows.end)
+        };
+    }
+    /// The host has set constants.
+    pub fn sets_parameters(&mut self) {
+        self.parameters_set = true;
+    }
+
+    /// Tells the device what the host has set.
+    pub fn tell(&mut self, host: &Host<'_, T>) -> Result<(), DeviceError> {
+        if self.parameters_set {
+            self.worlds.write_parameters(host.parameters)?;
+            self.parameters_set = false;
+        }
+        if !self.controls.is_empty() {
+            self.worlds.write_input(self.controls.clone(), host.input)?;
+            self.controls = 0..0;
+        }
+        self.set.sort_unstable();
+        self.set.dedup();
+        if self.set.len() == host.input.worlds() {
+            self.worlds.write_state(host.state)?;
+            self.state_known = true;
+        } else if !self.set.is_empty() {
+            self.worlds.write_worlds(&self.set, host.state)?;
+        }
+        self.set.clear();
+        Ok(())
+    }
+    /// Performs a task on all worlds.
+    pub fn perform(&mut self, task: Task, host: &Host<'_, T>) -> Result<(), DeviceError> {
+        self.tell(host)?;
+        match task {
+            Task::Step(substeps) => {
+                self.state_known = false;
+                self.worlds.step(substeps)
+            }
+            Task::Report(report) => {
+                self.output_known = false;
+                self.worlds.report(report)
+            }
+        }
+    }
+    /// Makes some numbers of the state of all worlds known to the host, which has told all it has set.
+    pub fn read_state(
+        &mut self,
+        rows: Range<usize>,
+        state: &mut Memory<T>,
+    ) -> Result<(), DeviceError> {
+        debug_assert!(self.set.is_empty());
+        if self.state_known {
+            return Ok(());
+        }
+        let all = 0..state.length();
+        self.worlds.read_state(std::slice::from_ref(&rows), state)?;
+        self.state_known = rows == all;
+        Ok(())
+    }
+    /// The same of the output.
+    pub fn read_output(
+        &mut self,
+        rows: &[Range<usize>],
+        output: &mut Memory<T>,
+    ) -> Result<(), DeviceError> {
+        if !self.output_known {
+            self.worlds.read_output(rows, output)?;
+            self.output_known = rows == [0..output.length()];
+        }
+        Ok(())
+    }
+}
+
+/// The numbers of a simulation on the host.
+pub(crate) struct Host<'a, T> {
+    pub state: &'a Memory<T>,
+    pub input: &'a Memory<T>,
+    pub parameters: &'a Memory<T>,
+}
