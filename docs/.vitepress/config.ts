@@ -13,6 +13,7 @@ const guide: DefaultTheme.SidebarItem[] = [
   { text: "Python", link: "/guide/python" },
   { text: "A robot file", link: "/guide/robot-file" },
   { text: "Thousands of worlds", link: "/guide/worlds" },
+  { text: "On a graphics card", link: "/guide/graphics-card" },
   { text: "Controls and outputs", link: "/guide/controls" },
   { text: "Building a model", link: "/guide/building" },
   { text: "Contacts and materials", link: "/guide/contacts" },

@@ -17,6 +17,10 @@ class SimulationError(KinetariumError, ValueError):
     """A setting that makes no sense, a number that is not finite, a snapshot that does not fit."""
 
 
+class DeviceError(KinetariumError, RuntimeError):
+    """A device that is not there, does not take a simulation, or has failed."""
+
+
 class ShapeError(KinetariumError, ValueError):
     """An array of the wrong shape, dtype or memory order."""
 

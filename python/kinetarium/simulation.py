@@ -129,6 +129,10 @@ class Simulation:
         "float32" (16 worlds in a register where the machine has 512 bits) or "float64" (8).
     threads:
         Number of threads; 0 is one per processor. Results do not depend on it.
+    device:
+        Where worlds run: "cpu", "gpu" (a graphics card), "gpu:NAME" with a part of its name, or "auto", which takes a
+        card where there is one. Cards compute in float32, with featherstone or xpbd, and agree with the processor to
+        rounding; states stay there, and what is read is copied. Raises `DeviceError` where there is no such card.
     iterations, contact_passes, contact_iterations, speed_limit, sleep_speed:
         As `Settings` in Rust: passes over all constraints (xpbd), passes over contacts (featherstone), passes of
         projected Gauss-Seidel, the speed [m/s or rad/s] beyond which a world has diverged, the speed [m/s] below
@@ -162,6 +166,7 @@ class Simulation:
         contacts: bool = True,
         dtype: DTypeLike = "float32",
         threads: int = 0,
+        device: str = "cpu",
         iterations: int = 1,
         contact_passes: int = 2,
         contact_iterations: int = 8,
@@ -182,6 +187,7 @@ class Simulation:
             "integrator": integrator,
             "contacts": contacts,
             "threads": threads,
+            "device": device,
             "iterations": iterations,
             "contact_passes": contact_passes,
             "contact_iterations": contact_iterations,
@@ -196,7 +202,7 @@ class Simulation:
         self._worlds = worlds
         self._dtype = precision
         self._engine = self._make()
-        self._solver, self._isa, self._threads = self._engine.describe()
+        self._solver, self._isa, self._threads, self._device = self._engine.describe()
         self._closed = False
         self._controls = Controls(self)
         self._state = State(self)
@@ -249,6 +255,11 @@ class Simulation:
     def threads(self) -> int:
         """Number of threads that run."""
         return self._threads
+
+    @property
+    def device(self) -> str:
+        """Where the worlds run: "cpu", or the name of a graphics card."""
+        return self._device
 
     @property
     def controls(self) -> Controls:
@@ -499,9 +510,10 @@ class Simulation:
     def __repr__(self) -> str:
         if self._closed:
             return f"<Simulation of {self._model.name!r}, closed>"
+        place = f"{self._isa}, {self._threads} threads" if self._device == "cpu" else self._device
         return (
             f"<Simulation of {self._model.name!r}: {self._worlds} worlds, {self._solver}, dt {self.dt:g} s, "
-            f"{self._dtype}, {self._isa}, {self._threads} threads>"
+            f"{self._dtype}, {place}>"
         )
 
     def __getstate__(self) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 use clap::builder::{PossibleValue, PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::DVec3;
+use kinetarium::DeviceChoice;
 use kinetarium::formats::Meshes;
 use kinetarium::model::examples::{SCENES, Scene, Start};
 use kinetarium::numbers::dispatch::Isa;
@@ -19,6 +20,7 @@ Examples:
   kinetarium example tower                         a built-in scene; `example --help` lists them
   kinetarium run robot.xml                         a MuJoCo (MJCF) or URDF file, one world
   kinetarium run robot.xml --worlds 4096 --perturb 0.05 --record 3 --out results
+  kinetarium run robot.xml --worlds 65536 --device gpu
   kinetarium info robot.xml                        what is in a file, and which solver fits
   kinetarium shot room --time 2 --out room.png     a picture of it after two seconds
 
@@ -210,6 +212,10 @@ pub struct Simulation {
     /// Instruction set: avx512, avx2, neon, simd128 or portable [default: the fastest here].
     #[arg(long, value_name = "NAME")]
     pub isa: Option<Isa>,
+    /// Where worlds run: cpu, gpu (a graphics card), gpu:NAME with a part of its name, or auto, which takes a card
+    /// where there is one. Cards take the solvers featherstone and xpbd.
+    #[arg(long, value_name = "DEVICE", default_value = "cpu")]
+    pub device: DeviceChoice,
     /// Start each world but the first a little apart: joint positions differ at random by up to
     /// this much [rad or m] [default: 0; 0.01 for the pendula].
     #[arg(long, value_name = "SIZE", value_parser = not_negative, allow_negative_numbers = true)]

@@ -1,5 +1,6 @@
 //! What can go wrong, and the exit code it ends with.
 
+use kinetarium::DeviceChoiceError;
 use kinetarium::formats::FormatError;
 use kinetarium::model::ModelError;
 use kinetarium::sim::SimulationError;
@@ -16,6 +17,8 @@ pub enum Error {
     Model(#[from] ModelError),
     #[error(transparent)]
     Simulation(#[from] SimulationError),
+    #[error(transparent)]
+    Device(#[from] DeviceChoiceError),
     #[error(transparent)]
     Session(#[from] SessionError),
     #[error(transparent)]

@@ -70,15 +70,26 @@ pub fn pendula(arguments: &Pendula) -> Result<(), Error> {
 }
 
 fn simulate(model: Model, start: &Start, options: &arguments::Simulation) -> Result<(), Error> {
-    let settings = settings(&model, start, options);
-    match options.precision {
-        Precision::F32 => run(Simulation::<f32>::new(model, settings)?, start, options),
-        Precision::F64 => run(Simulation::<f64>::new(model, settings)?, start, options),
-    }
+    let solver = SolverKind::from(options.solver);
+    let double = options.precision == Precision::F64;
+    let Some(card) = options.device.open_for(solver, double)? else {
+        let settings = settings(&model, solver, start, options);
+        return match options.precision {
+            Precision::F32 => run(Simulation::<f32>::new(model, settings)?, start, options),
+            Precision::F64 => run(Simulation::<f64>::new(model, settings)?, start, options),
+        };
+    };
+    let settings = settings(&model, solver.on_device(&model), start, options);
+    run(Simulation::on(&*card, model, settings)?, start, options)
 }
 
-fn settings(model: &Model, start: &Start, options: &arguments::Simulation) -> SimulationSettings {
-    let (solver, contacts) = (SolverKind::from(options.solver), !options.no_contacts);
+fn settings(
+    model: &Model,
+    solver: SolverKind,
+    start: &Start,
+    options: &arguments::Simulation,
+) -> SimulationSettings {
+    let contacts = !options.no_contacts;
     let substeps = || solver.usual_substeps(model, contacts);
     let step = Settings {
         substeps: options.substeps.unwrap_or_else(substeps),
@@ -116,7 +127,7 @@ fn run<T: Float>(
     } else {
         progress_bar(schedule)
     };
-    let (trajectory, audit, wall) = step(&mut simulation, schedule, trajectory, &bar);
+    let (trajectory, audit, wall) = step(&mut simulation, schedule, trajectory, &bar)?;
     bar.finish_and_clear();
 
     files.write(&heading(&simulation), &trajectory)?;
@@ -199,18 +210,20 @@ fn step<T: Float>(
     schedule: Schedule,
     mut trajectory: Trajectory,
     bar: &ProgressBar,
-) -> (Trajectory, Audit, Duration) {
-    let mut audit = Audit::new(&simulation.outputs());
-    trajectory.record(0.0, &simulation.outputs());
+) -> Result<(Trajectory, Audit, Duration), Error> {
+    let mut audit = Audit::new(&simulation.try_outputs()?);
+    trajectory.record(0.0, &simulation.try_outputs()?);
+    // A device compiles its kernels before the first step.
+    simulation.try_step(0)?;
     let (mut done, mut wall) = (0, Duration::ZERO);
     while done < schedule.steps {
         let next = schedule.every.min(schedule.steps - done);
         let begin = Instant::now();
-        simulation.step(next);
+        simulation.try_step(next)?;
         wall += begin.elapsed();
         done += next;
 
-        let outputs = simulation.outputs();
+        let outputs = simulation.try_outputs()?;
         audit.update(&outputs);
         trajectory.record(done as f64 * schedule.time_step, &outputs);
         let world_steps = (done * outputs.worlds()) as f64;
@@ -220,7 +233,7 @@ fn step<T: Float>(
         ));
         bar.set_position(done as u64);
     }
-    (trajectory, audit, wall)
+    Ok((trajectory, audit, wall))
 }
 
 fn progress_bar(schedule: Schedule) -> ProgressBar {

@@ -43,11 +43,14 @@ pub fn summary<T: Float>(
     line("solver", format!("{}{picked}", simulation.solver()));
     line(
         "computed with",
-        format!(
-            "{precision}, {}, {}",
-            simulation.isa(),
-            threads(simulation.threads())
-        ),
+        match simulation.device() {
+            Some(device) => format!("{precision}, {device}"),
+            None => format!(
+                "{precision}, {}, {}",
+                simulation.isa(),
+                threads(simulation.threads())
+            ),
+        },
     );
     line(
         "simulated",

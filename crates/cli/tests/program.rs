@@ -443,6 +443,10 @@ fn wrong_options_end_with_2_and_say_why() {
             "possible values: f32, f64",
         ),
         ("run double.xml --isa mmx", "unknown instruction set `mmx`"),
+        (
+            "run double.xml --device tpu",
+            "unknown device `tpu`; known are cpu, auto, gpu",
+        ),
         ("run double.xml --threads 100000", "is not in 0..=1024"),
         ("run double.xml --substeps 0", "is not in 1..=10000"),
         ("run double.xml --perturb -0.1", "it must not be negative"),

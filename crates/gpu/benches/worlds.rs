@@ -4,11 +4,13 @@
 //! `worlds [--card NAME] [--most WORLDS]`. Without a name any card is taken, but no program that stands in for one.
 
 use formats::{InMemory, Options};
-use kinetarium_gpu::{Choice, Gpu, GpuError, Report, Worlds};
+use kinetarium_gpu::{Choice, Gpu};
 use model::Model;
 use model::examples::{Start, chain};
-use numbers::Memory;
-use rigid::{Featherstone, InputTables, Kernels, Settings, TouchingFeatherstone};
+use numbers::trace::Work;
+use numbers::{Cpu, Shared};
+use rigid::{Featherstone, Programs, Settings, TouchingFeatherstone};
+use sim::{Control, Quantity, Simulation, SimulationError, SimulationSettings, SolverKind};
 use std::error::Error;
 use std::time::Instant;
 
@@ -32,109 +34,129 @@ fn main() -> Result<(), Box<dyn Error>> {
         card.name()
     );
     println!(
-        "| scene | worlds | steps | first step | bytes a world | reports, of motion | of everything |"
+        "| scene | worlds | many steps a call | one, torques set, joints read | reports of everything, read \
+         | first step | bytes a world | operations a step | bytes moved a step | GB/s |"
     );
-    println!("|---|--:|--:|--:|--:|--:|--:|");
+    println!("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|");
     for links in [10, 30] {
-        let model = chain(links, Start::Horizontal)?;
-        let kernels = Featherstone::new(&model, &Settings::new(0.002))?;
-        table(&card, &model, &kernels, most)?;
+        table(&card, &chain(links, Start::Horizontal)?, 0.002, most)?;
     }
     let files = InMemory::new([("humanoid.xml", HUMANOID)]);
     let humanoid = formats::parse(HUMANOID, "humanoid.xml", &files, &Options::default())?.model;
-    let kernels = TouchingFeatherstone::new(&humanoid, &Settings::new(0.003))?;
-    table(&card, &humanoid, &kernels, most)?;
-    Ok(())
+    table(&card, &humanoid, 0.003, most)
 }
 
-fn table(
-    card: &Gpu,
-    model: &Model,
-    kernels: &impl Kernels,
-    most: usize,
-) -> Result<(), Box<dyn Error>> {
+fn table(card: &Gpu, model: &Model, time_step: f64, most: usize) -> Result<(), Box<dyn Error>> {
     for count in WORLDS.into_iter().filter(|count| *count <= most) {
-        let mut worlds = started(card, model, kernels, count)?;
+        let mut worlds = started(card, model, &Settings::new(time_step), count)?;
         let begin = Instant::now();
-        worlds.step(1)?;
-        finish(&worlds, kernels)?;
+        worlds.try_step(1)?;
         let first = begin.elapsed().as_secs_f64();
-        let steps = rate(&mut worlds, kernels, |worlds, n| worlds.step(n))?;
-        let mut reported = |report| {
-            let each = |worlds: &mut Worlds, n| (0..n).try_for_each(|_| worlds.report(report));
-            rate(&mut worlds, kernels, each)
-        };
-        let (motion, everything) = (reported(Report::Motion)?, reported(Report::Everything)?);
+        let steps = rate(&mut worlds, |worlds, n| worlds.try_step(n).map(|_| ()))?;
+        let torques = torques(model, count);
+        let mut positions = vec![0.0; count * model.coordinates()];
+        let mut velocities = torques.clone();
+        let learned = rate(&mut worlds, |worlds, n| {
+            (0..n).try_for_each(|_| {
+                worlds.controls().write(Control::Force, &torques)?;
+                worlds.try_step(1)?;
+                worlds.read(Quantity::JointPosition, &mut positions)?;
+                worlds.read(Quantity::JointVelocity, &mut velocities)
+            })
+        })?;
+        let reports = rate(&mut worlds, |worlds, n| {
+            (0..n).try_for_each(|_| {
+                worlds.controls();
+                worlds.try_outputs().map(|_| ())
+            })
+        })?;
+        let (bytes, work) = work(&mut worlds)?;
+        let moved = (work.loads + work.stores) * size_of::<f32>() as u64;
         println!(
-            "| {} | {count} | {:.3e} | {first:.2} s | {} | {:.3e} | {:.3e} |",
+            "| {} | {count} | {:.3e} | {:.3e} | {:.3e} | {first:.2} s | {bytes} | {} | {moved} | {:.1} |",
             model.name,
             steps * count as f64,
-            worlds.bytes() / count as u64,
-            motion * count as f64,
-            everything * count as f64,
+            learned * count as f64,
+            reports * count as f64,
+            work.operations,
+            steps * count as f64 * moved as f64 * 1e-9,
         );
     }
     Ok(())
+}
+
+/// Bytes of a world in the card's memory; and what a step of world 0 takes, as it is now.
+fn work(worlds: &mut Simulation<f32>) -> Result<(usize, Work), Box<dyn Error>> {
+    let numbers = worlds.numbers_of_world(0)?;
+    let plain = worlds.kernels::<Featherstone>(0)?.map(Programs::record);
+    let touching = worlds.kernels::<TouchingFeatherstone>(0)?;
+    let programs = plain.or_else(|| touching.map(Programs::record));
+    let programs = programs.ok_or("the solver has no record")??;
+    let l = programs.lengths;
+    let single = |x: &[f64]| x.iter().map(|x| *x as f32).collect::<Vec<_>>();
+    let mut memory = [
+        single(&numbers.state),
+        vec![0.0; l.output],
+        vec![0.0; l.scratch],
+    ];
+    let [state, output, scratch] = &mut memory;
+    let work = programs.step.work(&mut Cpu {
+        state,
+        input: &single(&numbers.input),
+        output,
+        scratch,
+        parameters: Shared(&single(&programs.parameters)),
+        links: &programs.links,
+    })?;
+    Ok((
+        (l.state + l.input + l.output + l.scratch) * size_of::<f32>(),
+        work,
+    ))
+}
+
+/// Of all degrees of freedom of all worlds [N or N·m], all different.
+fn torques(model: &Model, worlds: usize) -> Vec<f32> {
+    let dofs = model.degrees_of_freedom();
+    let of_world = |world| (0..dofs).map(move |dof| (world as f32 + 0.7 * dof as f32).sin());
+    (0..worlds).flat_map(of_world).collect()
 }
 
 /// Worlds that begin alike, with torques that differ.
 fn started(
     card: &Gpu,
     model: &Model,
-    kernels: &impl Kernels,
-    count: usize,
-) -> Result<Worlds, GpuError> {
-    let mut worlds = Worlds::new(card, kernels, count)?;
-    let (lengths, width) = (kernels.lengths(), worlds.width());
-    let at_rest = vec![0.0; model.degrees_of_freedom()];
-    let start = kernels.initial(model, &model.initial_position(), &at_rest);
-    let mut state = Memory::new(count, lengths.state, width);
-    for (i, x) in start.iter().enumerate() {
-        state.fill(i, *x as f32);
-    }
-    let tables = InputTables::new(model);
-    let mut input = Memory::new(count, lengths.input.max(1), width);
-    for (i, x) in tables.initial(model).iter().enumerate() {
-        input.fill(i, *x as f32);
-    }
-    for world in 0..count {
-        for dof in 0..model.degrees_of_freedom() {
-            let torque = (world as f32 + 0.7 * dof as f32).sin();
-            input.set(world, tables.force.at(dof, 0), torque);
-        }
-    }
-    worlds.write_state(&state);
-    worlds.write_input(&input);
-    Ok(worlds)
-}
-
-/// Waits until the card has done all that it was asked for.
-fn finish(worlds: &Worlds, kernels: &impl Kernels) -> Result<(), GpuError> {
-    let length = kernels.lengths().state;
-    let mut state = Memory::new(worlds.worlds(), length, worlds.width());
-    let alive = kernels.alive();
-    worlds.read_state(alive..alive + 1, &mut state)
+    settings: &Settings,
+    worlds: usize,
+) -> Result<Simulation<f32>, SimulationError> {
+    let settings = SimulationSettings {
+        solver: SolverKind::Featherstone,
+        step: *settings,
+        ..SimulationSettings::new(worlds, settings.time_step)
+    };
+    let mut simulation = Simulation::on(card, model.clone(), settings)?;
+    simulation
+        .controls()
+        .write(Control::Force, &torques(model, worlds))?;
+    Ok(simulation)
 }
 
 /// Median number of calls' work per second.
 fn rate(
-    worlds: &mut Worlds,
-    kernels: &impl Kernels,
-    mut run: impl FnMut(&mut Worlds, usize) -> Result<(), GpuError>,
-) -> Result<f64, GpuError> {
-    let mut timed = |worlds: &mut Worlds, n: usize| -> Result<f64, GpuError> {
+    simulation: &mut Simulation<f32>,
+    mut run: impl FnMut(&mut Simulation<f32>, usize) -> Result<(), SimulationError>,
+) -> Result<f64, SimulationError> {
+    let mut timed = |simulation: &mut Simulation<f32>, n: usize| {
         let begin = Instant::now();
-        run(worlds, n)?;
-        finish(worlds, kernels)?;
-        Ok(begin.elapsed().as_secs_f64())
+        run(simulation, n)?;
+        Ok::<_, SimulationError>(begin.elapsed().as_secs_f64())
     };
     let mut n = 1;
-    while timed(worlds, n)? < SECONDS {
+    while timed(simulation, n)? < SECONDS {
         n *= 2;
     }
     let mut rates = Vec::new();
     for _ in 0..REPETITIONS {
-        rates.push(n as f64 / timed(worlds, n)?);
+        rates.push(n as f64 / timed(simulation, n)?);
     }
     rates.sort_by(f64::total_cmp);
     Ok(rates[REPETITIONS / 2])

@@ -28,6 +28,8 @@ pub struct Worlds {
     links: wgpu::Buffer,
     /// One set for all worlds; each part has its own where worlds differ.
     parameters: wgpu::Buffer,
+    /// Of the step, then of each report, once they were wanted.
+    kernels: [Option<wgpu::ComputePipeline>; 4],
 }
 
 /// Some of the worlds.
@@ -66,8 +68,9 @@ impl Worlds {
     /// Takes memory for worlds of a solver. What they hold is zero until it is written.
     ///
     /// # Errors
-    /// One world is larger than a buffer of the card; its memory is full.
+    /// One world is larger than a buffer of the card; its memory is full; it has failed before.
     pub fn new(gpu: &Gpu, programs: Programs, worlds: usize) -> Result<Self, GpuError> {
+        gpu.check()?;
         let lengths = programs.lengths;
         let width = width(gpu, lengths, worlds)?;
         let of = |numbers: usize| buffer(gpu, numbers as u64 * width as u64);
@@ -87,6 +90,7 @@ impl Worlds {
             scratch: of(lengths.scratch)?,
             links: filled(gpu, &programs.links)?,
             parameters: filled(gpu, &numbers)?,
+            kernels: Default::default(),
             gpu: gpu.clone(),
             programs,
             worlds,
@@ -121,10 +125,24 @@ impl Worlds {
         for (part, buffer) in self.parts.iter_mut().zip(buffers) {
             part.parameters = Some(buffer);
         }
+        self.kernels = Default::default();
         Ok(())
     }
     fn differing(&self) -> bool {
         self.parts.iter().any(|part| part.parameters.is_some())
+    }
+
+    /// What fills a report, or makes a step.
+    fn kernel(&mut self, report: Option<Report>) -> Result<wgpu::ComputePipeline, GpuError> {
+        let i = report.map_or(0, |report| 1 + report as usize);
+        if let Some(known) = &self.kernels[i] {
+            return Ok(known.clone());
+        }
+        let step = &self.programs.step;
+        let program = report.map_or(step, |report| self.programs.report(report));
+        let compiled = self.gpu.kernel(program, self.differing())?;
+        self.kernels[i] = Some(compiled.clone());
+        Ok(compiled)
     }
 
     /// Writes these numbers of all worlds.
@@ -264,14 +282,13 @@ impl DeviceWorlds<f32> for Worlds {
         Ok(self.gpu.check()?)
     }
     fn step(&mut self, substeps: usize) -> Result<(), DeviceError> {
-        let kernel = self.gpu.kernel(&self.programs.step, self.differing())?;
+        let kernel = self.kernel(None)?;
         let (full, rest) = (substeps / ROUNDS, substeps % ROUNDS);
         self.launch(&kernel, ROUNDS, full)?;
         Ok(self.launch(&kernel, rest, usize::from(rest > 0))?)
     }
     fn report(&mut self, report: Report) -> Result<(), DeviceError> {
-        let program = self.programs.report(report);
-        let kernel = self.gpu.kernel(program, self.differing())?;
+        let kernel = self.kernel(Some(report))?;
         Ok(self.launch(&kernel, 1, 1)?)
     }
     fn read_state(
@@ -311,4 +328,38 @@ fn width(gpu: &Gpu, lengths: Lengths, worlds: usize) -> Result<usize, GpuError> 
         });
     }
     Ok(worlds.div_ceil(worlds.div_ceil(widest)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use model::examples::n_pendula;
+    use sim::{Simulation, SimulationSettings};
+
+    #[test]
+    #[ignore = "needs a graphics card or Mesa's llvmpipe"]
+    fn a_card_that_is_lost_is_told_and_a_snapshot_goes_on() {
+        let name = std::env::var("KINETARIUM_GPU").unwrap_or_default();
+        let gpu = Gpu::open(&name.parse().unwrap()).unwrap();
+        let (model, settings) = (n_pendula(3).unwrap(), SimulationSettings::new(4, 0.002));
+        let mut simulation = Simulation::on(&gpu, model.clone(), settings).unwrap();
+        simulation.step(50);
+        let kept = simulation.snapshot();
+        gpu.device().destroy();
+        for _ in 0..2 {
+            let told = simulation.try_step(1).unwrap_err().to_string();
+            assert!(
+                told.contains(gpu.name()) && told.contains("snapshot"),
+                "{told}"
+            );
+        }
+        assert!(simulation.try_outputs().is_err());
+        assert!(Simulation::on(&gpu, model.clone(), settings).is_err());
+        let solver = settings.solver.on_device(&model);
+        let settings = SimulationSettings { solver, ..settings };
+        let mut again = Simulation::<f32>::new(model, settings).unwrap();
+        again.restore(&kept).unwrap();
+        again.step(50);
+        assert!(again.diverged().is_empty());
+    }
 }

@@ -10,6 +10,7 @@ macro_rules! pages {
 pages! {
     RobotFile: "guide/robot-file.md",
     Worlds: "guide/worlds.md",
+    GraphicsCard: "guide/graphics-card.md",
     Controls: "guide/controls.md",
     Building: "guide/building.md",
     Contacts: "guide/contacts.md",

@@ -26,6 +26,7 @@
 //! | [`sim`] | many worlds of one model: step, control, observe, snapshot |
 //! | [`sensors`] | what robots measure: joints, inertial units, forces, rays, cameras, with noise |
 //! | [`rigid`] | the solvers, as kernels over any machine |
+//! | `gpu` | graphics cards of any maker, with the feature `gpu`; see [`DeviceChoice`] |
 //! | [`numbers`] | the numbers and machines that kernels are written over |
 //!
 //! SI units; angles in radians; right-handed; quaternions x, y, z, w.
@@ -33,17 +34,23 @@
 #![forbid(unsafe_code)]
 
 pub use formats;
+#[cfg(feature = "gpu")]
+pub use gpu;
 pub use model;
 pub use numbers;
 pub use rigid;
 pub use sensors;
 pub use sim;
 
+mod device;
 #[cfg(doctest)]
 mod documentation;
 
+pub use device::{Card, DeviceChoice, DeviceChoiceError};
+
 /// What most programs need.
 pub mod prelude {
+    pub use crate::DeviceChoice;
     pub use formats::{Loaded, Meshes, Options};
     pub use model::{
         BodyId, Builder, Geometry, Hull, JointId, Model, Pose, TriangleMesh, examples,

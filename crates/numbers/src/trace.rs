@@ -41,7 +41,7 @@ mod program;
 mod wgsl;
 
 pub use graph::TraceError;
-pub use interpret::InterpretError;
+pub use interpret::{InterpretError, Work};
 pub use machine::{TraceBranch, TraceCell, TraceRounds, Tracer, record};
 pub use number::{Trace, TraceIndex, TraceMask};
 pub use program::{Operations, Program};

@@ -1,5 +1,6 @@
 //! Errors of the engine as the exceptions of `kinetarium.errors`, with the same messages.
 
+use kinetarium::DeviceChoiceError;
 use kinetarium::formats::FormatError;
 use kinetarium::model::ModelError;
 use kinetarium::sim::SimulationError;
@@ -42,8 +43,14 @@ fn class(error: &SimulationError) -> &'static str {
         SimulationError::InWorld { why, .. } => class(why),
         SimulationError::Model(_) => "ModelError",
         SimulationError::Index { .. } => "OutOfRangeError",
+        SimulationError::Device(_) | SimulationError::NotOnDevice { .. } => "DeviceError",
         _ => "SimulationError",
     }
+}
+
+/// A device that is not to be had.
+pub fn device(error: DeviceChoiceError) -> PyErr {
+    raise("DeviceError", error.to_string())
 }
 
 /// A value that makes no sense.

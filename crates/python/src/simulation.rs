@@ -4,6 +4,7 @@ use crate::error;
 use crate::model::{Model, parameter};
 use derivatives::{LinearizeError, linearize};
 use glam::DVec3;
+use kinetarium::DeviceChoice;
 use kinetarium::model::BodyId;
 use kinetarium::rigid::{Integrator, Settings};
 use kinetarium::sim::{
@@ -183,7 +184,7 @@ fn integrator(name: &str) -> PyResult<Integrator> {
 impl Engine {
     #[new]
     #[pyo3(signature = (model, *, worlds, time_step, solver, substeps, iterations, integrator, contacts,
-        contact_passes, contact_iterations, speed_limit, sleep_speed, threads, double))]
+        contact_passes, contact_iterations, speed_limit, sleep_speed, threads, double, device))]
     #[expect(clippy::too_many_arguments, reason = "keywords in Python")]
     fn new(
         py: Python<'_>,
@@ -201,11 +202,20 @@ impl Engine {
         sleep_speed: f64,
         threads: usize,
         double: bool,
+        device: &str,
     ) -> PyResult<Self> {
         let model = model.get().model.clone();
         let solver: SolverKind = solver
             .parse()
             .map_err(|e| error::raise("SimulationError", e))?;
+        let choice: DeviceChoice = device.parse().map_err(error::device)?;
+        let card = py.detach(|| choice.open_for(solver, double));
+        let card = card.map_err(error::device)?;
+        let solver = if card.is_some() {
+            solver.on_device(&model)
+        } else {
+            solver
+        };
         let settings = SimulationSettings {
             solver,
             contacts,
@@ -223,10 +233,12 @@ impl Engine {
             ..SimulationSettings::new(worlds, time_step)
         };
         let make = || {
-            Ok(if double {
-                Precise::Double(Shared::new(Simulation::new(model, settings)?))
-            } else {
-                Precise::Single(Shared::new(Simulation::new(model, settings)?))
+            Ok(match card {
+                Some(card) => {
+                    Precise::Single(Shared::new(Simulation::on(&*card, model, settings)?))
+                }
+                None if double => Precise::Double(Shared::new(Simulation::new(model, settings)?)),
+                None => Precise::Single(Shared::new(Simulation::new(model, settings)?)),
             })
         };
         let simulation = py.detach(make).map_err(error::simulation)?;
@@ -242,10 +254,13 @@ impl Engine {
         }
         Ok(())
     }
-    /// Name of the solver, name of the instruction set, number of threads.
-    fn describe(&self, py: Python<'_>) -> PyResult<(&'static str, String, usize)> {
+    /// Name of the solver, name of the instruction set, number of threads, name of the device.
+    fn describe(&self, py: Python<'_>) -> PyResult<(&'static str, String, usize, String)> {
         self.with(py, |s| {
-            Ok(each!(s, read, s => (s.solver(), s.isa().to_string(), s.threads())))
+            Ok(each!(s, read, s => {
+                let device = s.device().unwrap_or("cpu").to_owned();
+                (s.solver(), s.isa().to_string(), s.threads(), device)
+            }))
         })
     }
 

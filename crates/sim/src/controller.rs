@@ -76,7 +76,7 @@ impl<T: Float> Simulation<T> {
         let time = self.time.iter().copied().fold(0.0, f64::max);
         self.try_outputs()?;
         // New controls change the accelerations that were just reported.
-        self.sets_controls();
+        self.reported = None;
         let outputs = Outputs {
             memory: &self.output,
             tables: &self.output_tables,
@@ -85,6 +85,7 @@ impl<T: Float> Simulation<T> {
         let mut controls = Controls {
             memory: &mut self.input,
             tables: &self.input_tables,
+            changes: &mut self.changes,
         };
         controller.control(time, &outputs, &mut controls)
     }

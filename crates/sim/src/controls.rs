@@ -4,6 +4,7 @@ use crate::error::{MOST_FORCE, MOST_MOTION, SimulationError, bounded, index, len
 use numbers::machine::space::Input;
 use numbers::{Float, Memory, Table};
 use rigid::InputTables;
+use std::ops::Range;
 
 /// The controls of all worlds. Values hold until they are set again.
 ///
@@ -13,6 +14,26 @@ use rigid::InputTables;
 pub struct Controls<'a, T> {
     pub(crate) memory: &'a mut Memory<T>,
     pub(crate) tables: &'a InputTables,
+    /// What was set, for devices to be told.
+    pub(crate) changes: &'a mut Span,
+}
+
+/// The offsets from the first that was set to the last.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Span(Range<usize>);
+
+impl Span {
+    pub fn include(&mut self, offsets: Range<usize>) {
+        self.0 = if self.0.is_empty() {
+            offsets
+        } else {
+            self.0.start.min(offsets.start)..self.0.end.max(offsets.end)
+        };
+    }
+    /// The offsets, which are then told.
+    pub fn take(&mut self) -> Range<usize> {
+        std::mem::take(&mut self.0)
+    }
 }
 
 /// The controls of all worlds, to be read.
@@ -129,11 +150,18 @@ impl<T: Float> Controls<'_, T> {
         let targets = self.tables.target_position.start()..self.tables.control.start();
         bounded("targets of a world", &numbers[targets], MOST_MOTION)?;
         for (i, &x) in numbers.iter().enumerate() {
-            self.memory.set(world, i, T::from_f64(x));
+            self.put(world, i, T::from_f64(x));
         }
         Ok(())
     }
 
+    /// Sets a number if it is another.
+    pub(crate) fn put(&mut self, world: usize, offset: usize, x: T) {
+        if self.memory.get(world, offset) != x {
+            self.memory.set(world, offset, x);
+            self.changes.include(offset..offset + 1);
+        }
+    }
     fn dofs(&self) -> usize {
         self.tables.target_position.start() - self.tables.force.start()
     }
@@ -148,7 +176,7 @@ impl<T: Float> Controls<'_, T> {
     ) -> Result<(), SimulationError> {
         index("world", world, self.worlds())?;
         bounded(what, &[x], most)?;
-        self.memory.set(world, table.at(row, 0), T::from_f64(x));
+        self.put(world, table.at(row, 0), T::from_f64(x));
         Ok(())
     }
     fn set_row(
@@ -163,7 +191,7 @@ impl<T: Float> Controls<'_, T> {
         length(what, x.len(), n)?;
         bounded(what, x, MOST_FORCE)?;
         for (row, &x) in x.iter().enumerate() {
-            self.memory.set(world, table.at(row, 0), T::from_f64(x));
+            self.put(world, table.at(row, 0), T::from_f64(x));
         }
         Ok(())
     }

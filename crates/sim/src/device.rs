@@ -4,6 +4,7 @@
 //! go there when they have changed, and what is read comes back when it is asked for. Which numbers are known on
 //! both sides is kept here.
 
+use crate::controls::Span;
 use crate::engine::Task;
 use numbers::trace::TraceError;
 use numbers::{Float, Memory};
@@ -110,27 +111,23 @@ pub(crate) struct Remote<T> {
     set: Vec<usize>,
     /// Whether the host's state is that of all worlds.
     state_known: bool,
-    /// Controls that may have been set.
-    controls: Range<usize>,
     parameters_set: bool,
     /// Whether all that the device has reported is known.
     output_known: bool,
 }
 
 impl<T: Float> Remote<T> {
-    /// Of a simulation with this state and these controls, to be told yet.
+    /// Of a simulation whose state and controls are to be told yet.
     pub fn new(
         device: &dyn Device<T>,
         solver: Solver<'_>,
-        input: &Memory<T>,
+        worlds: usize,
     ) -> Result<Self, DeviceError> {
-        let worlds = input.worlds();
         Ok(Self {
             name: device.name(),
             worlds: device.place(solver, worlds)?,
             set: (0..worlds).collect(),
             state_known: true,
-            controls: 0..input.length(),
             parameters_set: false,
             output_known: false,
         })
@@ -142,28 +139,20 @@ impl<T: Float> Remote<T> {
     pub fn sets_state(&mut self, world: usize) {
         self.set.push(world);
     }
-    /// The host may set these numbers of the controls.
-    pub fn sets_controls(&mut self, rows: Range<usize>) {
-        self.controls = if self.controls.is_empty() {
-            rows
-        } else {
-            self.controls.start.min(rows.start)..self.controls.end.max(rows.end)
-        };
-    }
     /// The host has set constants.
     pub fn sets_parameters(&mut self) {
         self.parameters_set = true;
     }
 
     /// Tells the device what the host has set.
-    pub fn tell(&mut self, host: &Host<'_, T>) -> Result<(), DeviceError> {
+    pub fn tell(&mut self, host: Host<'_, T>) -> Result<(), DeviceError> {
         if self.parameters_set {
             self.worlds.write_parameters(host.parameters)?;
             self.parameters_set = false;
         }
-        if !self.controls.is_empty() {
-            self.worlds.write_input(self.controls.clone(), host.input)?;
-            self.controls = 0..0;
+        let controls = host.changes.take();
+        if !controls.is_empty() {
+            self.worlds.write_input(controls, host.input)?;
         }
         self.set.sort_unstable();
         self.set.dedup();
@@ -177,7 +166,7 @@ impl<T: Float> Remote<T> {
         Ok(())
     }
     /// Performs a task on all worlds.
-    pub fn perform(&mut self, task: Task, host: &Host<'_, T>) -> Result<(), DeviceError> {
+    pub fn perform(&mut self, task: Task, host: Host<'_, T>) -> Result<(), DeviceError> {
         self.tell(host)?;
         match task {
             Task::Step(substeps) => {
@@ -213,7 +202,7 @@ impl<T: Float> Remote<T> {
     ) -> Result<(), DeviceError> {
         if !self.output_known {
             self.worlds.read_output(rows, output)?;
-            self.output_known = rows == [0..output.length()];
+            self.output_known = matches!(rows, [row] if *row == (0..output.length()));
         }
         Ok(())
     }
@@ -223,5 +212,6 @@ impl<T: Float> Remote<T> {
 pub(crate) struct Host<'a, T> {
     pub state: &'a Memory<T>,
     pub input: &'a Memory<T>,
+    pub changes: &'a mut Span,
     pub parameters: &'a Memory<T>,
 }

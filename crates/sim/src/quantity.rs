@@ -90,7 +90,8 @@ impl Rows {
     /// The same, as few ranges as that can be.
     fn ranges(self) -> Vec<Range<usize>> {
         if self.width == self.stride {
-            return vec![self.start..self.start + self.count * self.stride];
+            let all = self.start..self.start + self.count * self.stride;
+            return vec![all];
         }
         let rows = (0..self.count).map(|row| self.start + row * self.stride);
         rows.map(|row| row..row + self.width).collect()
@@ -344,18 +345,21 @@ impl<T: Float> Controls<'_, T> {
             return Err(out_of_bounds(control, numbers, offsets.len()));
         }
         self.memory.scatter(&offsets, numbers);
+        self.changes.include(self.range(control));
         Ok(())
     }
 
     fn offsets(&self, control: Control) -> Vec<usize> {
+        self.range(control).collect()
+    }
+    fn range(&self, control: Control) -> Range<usize> {
         let t = self.tables;
-        let range = match control {
+        match control {
             Control::Force => t.force.start()..t.target_position.start(),
             Control::TargetPosition => t.target_position.start()..t.target_velocity.start(),
             Control::TargetVelocity => t.target_velocity.start()..t.control.start(),
             Control::Actuator => t.control.start()..t.length,
-        };
-        range.collect()
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! W worlds of one model.
 
 use crate::compile::Compiled;
+use crate::controls::Span;
 use crate::device::{Host, Remote};
 use crate::engine::{Block, Task};
 use crate::error::{MOST_MOTION, SimulationError, bounded, index, length};
@@ -51,6 +52,8 @@ pub struct Simulation<T: Float> {
     pub(crate) state: Memory<T>,
     pub(crate) input: Memory<T>,
     pub(crate) output: Memory<T>,
+    /// Controls that were set since a device was told.
+    pub(crate) changes: Span,
     /// The constants of the model: one block for all worlds, or one for each.
     parameters: Memory<T>,
     /// Of the worlds that have numbers of their own.
@@ -203,6 +206,7 @@ impl<T: Float> Simulation<T> {
             state: memory(lengths.state),
             input: memory(lengths.input),
             output: memory(lengths.output),
+            changes: Span::default(),
             parameters: in_lanes(shared.engine.parameters(), width, width),
             own: HashMap::new(),
             begun: vec![0; settings.worlds],
@@ -222,6 +226,7 @@ impl<T: Float> Simulation<T> {
         simulation.reset_all();
         if let Some(device) = device {
             simulation.remote = Some(simulation.placed_on(device)?);
+            simulation.changes.include(0..lengths.input);
         }
         Ok(simulation)
     }
@@ -231,7 +236,7 @@ impl<T: Float> Simulation<T> {
             solver: engine.name(),
             device: device.name(),
         })?;
-        Ok(Remote::new(device, solver, &self.input)?)
+        Ok(Remote::new(device, solver, self.worlds())?)
     }
 
     /// The model.
@@ -396,22 +401,18 @@ impl<T: Float> Simulation<T> {
         self.write_state(world, state);
         let own = self.own.get(&world);
         let compiled = own.map_or(&self.shared, |own| &own.compiled);
+        let mut controls = Controls {
+            memory: &mut self.input,
+            tables: &self.input_tables,
+            changes: &mut self.changes,
+        };
         for (i, &x) in compiled.input.iter().enumerate() {
-            self.input.set(world, i, T::from_f64(x));
+            controls.put(world, i, T::from_f64(x));
         }
-        self.sets_controls();
         self.time[world] = 0.0;
         self.begun[world] += 1;
         self.diverged.retain(|d| d.world != world);
         self.take_for_granted(world);
-    }
-
-    /// Controls are to be set, or were.
-    pub(crate) fn sets_controls(&mut self) {
-        self.reported = None;
-        if let Some(remote) = &mut self.remote {
-            remote.sets_controls(0..self.input.length());
-        }
     }
 
     /// Lanes without a world run the model's initial state, so that they stay finite.
@@ -476,10 +477,11 @@ impl<T: Float> Simulation<T> {
 
     /// The controls of all worlds, to be set.
     pub fn controls(&mut self) -> Controls<'_, T> {
-        self.sets_controls();
+        self.reported = None;
         Controls {
             memory: &mut self.input,
             tables: &self.input_tables,
+            changes: &mut self.changes,
         }
     }
 
@@ -580,7 +582,7 @@ impl<T: Float> Simulation<T> {
         self.report(Report::Everything)?;
         if let Some(remote) = &mut self.remote {
             let all = 0..self.output.length();
-            remote.read_output(&[all], &mut self.output)?;
+            remote.read_output(std::slice::from_ref(&all), &mut self.output)?;
         }
         Ok(())
     }
@@ -652,7 +654,8 @@ impl<T: Float> Simulation<T> {
     /// The snapshot does not fit.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SimulationError> {
         snapshot.put_back(self)?;
-        self.sets_controls();
+        self.reported = None;
+        self.changes.include(0..self.input.length());
         for world in 0..self.worlds() {
             if let Some(remote) = &mut self.remote {
                 remote.sets_state(world);
@@ -680,9 +683,10 @@ impl<T: Float> Simulation<T> {
         let host = Host {
             state: &self.state,
             input: &self.input,
+            changes: &mut self.changes,
             parameters: &self.parameters,
         };
-        remote.perform(task, &host)?;
+        remote.perform(task, host)?;
         if steps {
             let alive = self.shared.engine.alive();
             remote.read_state(alive..alive + 1, &mut self.state)?;
@@ -697,9 +701,10 @@ impl<T: Float> Simulation<T> {
         let host = Host {
             state: &self.state,
             input: &self.input,
+            changes: &mut self.changes,
             parameters: &self.parameters,
         };
-        remote.tell(&host)?;
+        remote.tell(host)?;
         Ok(remote.read_state(0..self.state.length(), &mut self.state)?)
     }
 

@@ -115,7 +115,7 @@ class Task(ABC):
         The robot's file: a path, or a name among Gymnasium's.
     frame_skip:
         Time steps of one action.
-    integrator, substeps, dtype, threads:
+    integrator, substeps, dtype, threads, device:
         As of `kinetarium.Simulation`. Runge–Kutta is what most of Gymnasium's files ask for; semi-implicit
         Euler takes a third of the time.
     """
@@ -137,6 +137,7 @@ class Task(ABC):
         substeps: int = 1,
         dtype: str = "float32",
         threads: int = 0,
+        device: str = "cpu",
     ) -> None:
         model = kn.load(str(model_file(xml_file or self.file)))
         self.simulation = kn.Simulation(
@@ -147,6 +148,7 @@ class Task(ABC):
             substeps=substeps,
             dtype=dtype,
             threads=threads,
+            device=device,
         )
         self.worlds = worlds
         self.model = model

@@ -28,6 +28,19 @@ pub enum InterpretError {
     },
 }
 
+/// What a run of a record did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Operations on numbers, indices and masks.
+    pub operations: u64,
+    /// Numbers of a world's own that were read: state, input, output, scratch.
+    pub loads: u64,
+    /// Numbers of a world's own that were written.
+    pub stores: u64,
+    /// Numbers and links of the model that were read.
+    pub constants: u64,
+}
+
 impl Program {
     /// Runs the record on the memories of one world.
     ///
@@ -38,15 +51,22 @@ impl Program {
         &self,
         world: &mut Cpu<'m, f32, Shared<'m, f32>>,
     ) -> Result<(), InterpretError> {
+        self.work(world).map(|_| ())
+    }
+    /// As [`interpret`](Self::interpret), and tells what it took.
+    pub fn work<'m>(
+        &self,
+        world: &mut Cpu<'m, f32, Shared<'m, f32>>,
+    ) -> Result<Work, InterpretError> {
         let instructions = &self.instructions[..];
-        let words = vec![0; instructions.len()];
-        Interpreter {
+        let mut interpreter = Interpreter {
             instructions,
-            words,
+            words: vec![0; instructions.len()],
+            work: Work::default(),
             world,
-        }
-        .run(0..instructions.len())
-        .map(|_| ())
+        };
+        interpreter.run(0..instructions.len())?;
+        Ok(interpreter.work)
     }
 }
 
@@ -54,6 +74,7 @@ struct Interpreter<'a, 'm> {
     instructions: &'a [Instruction],
     /// The latest result of each instruction.
     words: Vec<u32>,
+    work: Work,
     world: &'a mut Cpu<'m, f32, Shared<'m, f32>>,
 }
 
@@ -70,7 +91,10 @@ impl Interpreter<'_, '_> {
             let Instruction { action, operands } = self.instructions[id];
             let [a, b, c] = operands.map(|operand| self.word(operand));
             match action {
-                Action::Compute(operation) => self.words[id] = operation.evaluate([a, b, c]),
+                Action::Compute(operation) => {
+                    self.work.operations += 1;
+                    self.words[id] = operation.evaluate([a, b, c]);
+                }
                 Action::Load(kind, place) => self.words[id] = self.load(kind, place, a)?,
                 Action::Link(place) => self.words[id] = self.link(place, a)?,
                 Action::Store(kind, place) => self.store(kind, place, a, b)?,
@@ -124,7 +148,10 @@ impl Interpreter<'_, '_> {
         }
     }
 
-    fn load(&self, kind: Kind, place: Place, row: u32) -> Result<u32, InterpretError> {
+    fn load(&mut self, kind: Kind, place: Place, row: u32) -> Result<u32, InterpretError> {
+        let own = u64::from(kind != Kind::Parameter);
+        self.work.loads += own;
+        self.work.constants += 1 - own;
         let memory = match kind {
             Kind::State => &*self.world.state,
             Kind::Input => self.world.input,
@@ -140,6 +167,7 @@ impl Interpreter<'_, '_> {
     }
 
     fn store(&mut self, kind: Kind, place: Place, row: u32, x: u32) -> Result<(), InterpretError> {
+        self.work.stores += 1;
         let memory: &mut [f32] = match kind {
             Kind::State => self.world.state,
             Kind::Output => self.world.output,
@@ -152,7 +180,8 @@ impl Interpreter<'_, '_> {
         Ok(())
     }
 
-    fn link(&self, place: Place, row: u32) -> Result<u32, InterpretError> {
+    fn link(&mut self, place: Place, row: u32) -> Result<u32, InterpretError> {
+        self.work.constants += 1;
         let offset = place.at(row);
         let link = usize::try_from(offset)
             .ok()

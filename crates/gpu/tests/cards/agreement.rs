@@ -1,0 +1,135 @@
+//! What runs on a card is the kernel that runs on the processor, to rounding.
+
+use crate::models::{heap, looped, mixed};
+use crate::pair::{Pair, apart, card};
+use kinetarium_gpu::Gpu;
+use model::examples::{Start, chain};
+use model::{BodyId, Model};
+use rigid::{Integrator, Settings};
+use sim::{Quantity, Simulation, SimulationSettings, SolverKind};
+
+const H: f64 = 0.002;
+
+/// All that is reported, in the order of worlds, rows and numbers.
+const QUANTITIES: [Quantity; 16] = [
+    Quantity::BodyPosition,
+    Quantity::BodyOrientation,
+    Quantity::BodyVelocity,
+    Quantity::BodyAngularVelocity,
+    Quantity::JointPosition,
+    Quantity::JointVelocity,
+    Quantity::JointAcceleration,
+    Quantity::ReactionForce,
+    Quantity::ReactionTorque,
+    Quantity::ContactWrench,
+    Quantity::CenterOfMass,
+    Quantity::SpatialInertia,
+    Quantity::SpatialVelocity,
+    Quantity::SpatialContactForce,
+    Quantity::KineticEnergy,
+    Quantity::Momentum,
+];
+
+fn read(simulation: &mut Simulation<f32>, quantity: Quantity) -> Vec<f64> {
+    let [rows, width] = quantity.shape(simulation.model());
+    let mut out = vec![0.0; simulation.worlds() * rows * width];
+    simulation.read(quantity, &mut out).unwrap();
+    out.into_iter().map(f64::from).collect()
+}
+
+/// One step within `once`, bodies after a hundred, and every quantity of one state.
+fn agrees(card: &Gpu, model: &Model, settings: SimulationSettings, once: f64) {
+    let mut pair = Pair::new(card, model, settings);
+    pair.step(1);
+    let name = format!("{} of {}", pair.gpu.solver(), model.name);
+    let apart_once = pair.apart();
+    assert!(apart_once < once, "{name}: {apart_once:e} after a step");
+    pair.step(99);
+    let moved = pair.moved_apart();
+    assert!(moved < 1e-3, "{name}: {moved:e} after 100 steps");
+    pair.put();
+    for quantity in QUANTITIES {
+        let [cpu, gpu] = pair.both().map(|s| read(s, quantity));
+        let reported = apart(&cpu, &gpu);
+        // Sums of forces in which most cancels.
+        assert!(reported < 1e-3, "{name}: {reported:e} of {quantity:?}");
+    }
+}
+
+fn settings(solver: SolverKind, integrator: Integrator) -> SimulationSettings {
+    let step = Settings {
+        integrator,
+        ..Settings::new(H)
+    };
+    SimulationSettings {
+        solver,
+        step,
+        contacts: false,
+        ..SimulationSettings::new(5, H)
+    }
+}
+
+#[test]
+#[ignore = "needs a graphics card or Mesa's llvmpipe"]
+fn articulated_bodies_agree_with_the_processor() {
+    let card = card();
+    for model in [chain(6, Start::Horizontal), mixed(true)] {
+        let model = model.unwrap();
+        for integrator in [
+            Integrator::SemiImplicitEuler,
+            Integrator::ExplicitEuler,
+            Integrator::Verlet,
+            Integrator::RungeKutta4,
+        ] {
+            let settings = settings(SolverKind::Featherstone, integrator);
+            agrees(&card, &model, settings, 1e-5);
+        }
+    }
+}
+
+#[test]
+#[ignore = "needs a graphics card or Mesa's llvmpipe"]
+fn position_based_dynamics_agrees_with_the_processor() {
+    let card = card();
+    for model in [chain(6, Start::Horizontal), mixed(false), looped()] {
+        // Velocities take up corrections of positions over h, and with them their rounding.
+        let once = 1e-5 + 2.0 * f64::from(f32::EPSILON) / H;
+        let settings = settings(SolverKind::Xpbd, Integrator::default());
+        agrees(&card, &model.unwrap(), settings, once);
+    }
+}
+
+/// Bodies that touch part ways, as rounding decides who slips first: a step agrees, and where they come to rest.
+#[test]
+#[ignore = "needs a graphics card or Mesa's llvmpipe"]
+fn bodies_that_touch_come_to_rest_as_on_the_processor() {
+    let (card, model) = (card(), heap().unwrap());
+    for solver in [SolverKind::Featherstone, SolverKind::Xpbd] {
+        let settings = SimulationSettings {
+            solver,
+            ..SimulationSettings::new(3, H)
+        };
+        let mut pair = Pair::new(&card, &model, settings);
+        // The fall, and the first touches.
+        for step in 0..100 {
+            pair.put();
+            pair.step(1);
+            let moved = pair.moved_apart();
+            assert!(moved < 1e-3, "{solver:?}: {moved:e} after step {step}");
+        }
+        pair.step(1400);
+        assert!(pair.gpu.diverged().is_empty());
+        let (cpu, gpu) = (pair.cpu.outputs(), pair.gpu.outputs());
+        for world in 0..3 {
+            for body in (0..model.bodies.len()).map(BodyId) {
+                let height = |o: &sim::Outputs<'_, f32>| o.body_position(world, body).y;
+                let (cpu, gpu) = (height(&cpu), height(&gpu));
+                assert!(
+                    (cpu - gpu).abs() < 0.01 * cpu.abs().max(0.1),
+                    "{solver:?}: body {} of world {world} rests at {cpu} m, on the card at {gpu} m",
+                    body.0
+                );
+            }
+        }
+    }
+}

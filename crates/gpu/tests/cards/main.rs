@@ -1,0 +1,9 @@
+//! Worlds on a card beside worlds on the processor: whatever card there is, or the program that `KINETARIUM_GPU`
+//! names, such as Mesa's `llvmpipe`.
+
+mod agreement;
+#[path = "../../../rigid/tests/scene/models.rs"]
+mod models;
+mod pair;
+mod scenes;
+mod worlds;
