@@ -124,7 +124,7 @@ impl<T: Float> Session<T> {
             return vec![last(GONE)];
         };
         let mut greeting: Vec<_> = messages.iter().map(Outgoing::text).collect();
-        greeting.push(Outgoing::Frame(frame.to_bytes()));
+        greeting.extend(frame.map(|frame| Outgoing::Frame(frame.to_bytes())));
         greeting
     }
 
@@ -173,11 +173,11 @@ impl<T: Float> Session<T> {
         self.steering.outbox.push_back(last(message));
     }
 
-    /// The present state, of the worlds that are shown; empty where the session is over.
+    /// The present state, of the worlds that are shown; empty where the session is over, or a program's device fails.
     pub fn frame(&mut self) -> Frame {
         let Self { source, steering } = self;
         let frame = source.with(|subject| steering.frame(subject));
-        frame.unwrap_or_default()
+        frame.flatten().unwrap_or_default()
     }
 }
 

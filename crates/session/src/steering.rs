@@ -137,7 +137,10 @@ impl Steering {
     }
 
     /// What a page that comes now must know.
-    pub fn greeting<T: Float>(&mut self, subject: &mut Subject<T>) -> ([Message; 3], Frame) {
+    pub fn greeting<T: Float>(
+        &mut self,
+        subject: &mut Subject<T>,
+    ) -> ([Message; 3], Option<Frame>) {
         let frame = self.frame(subject);
         let simulation = &mut subject.simulation;
         let examples: &[Example] = match self.play.origin {
@@ -641,9 +644,10 @@ impl Steering {
         let tell = done || ((self.running || self.untold) && now - self.told >= STATUS);
         if self.stale && (done || now >= self.next_frame) {
             self.stale = false;
-            let mut frame = self.frame(subject);
-            self.add_samples(&mut frame);
-            self.outbox.push_back(Outgoing::Frame(frame.to_bytes()));
+            if let Some(mut frame) = self.frame(subject) {
+                self.add_samples(&mut frame);
+                self.outbox.push_back(Outgoing::Frame(frame.to_bytes()));
+            }
             self.next_frame = now + self.rest(now);
         }
         let simulation = &mut subject.simulation;
@@ -716,15 +720,16 @@ impl Steering {
 
     /// The present state, of the worlds that are shown; where a card fails, that which the processor goes on from,
     /// and none where it cannot.
-    pub fn frame<T: Float>(&mut self, subject: &mut Subject<T>) -> Frame {
-        let mut frame = self.present(subject).unwrap_or_else(|error| {
+    pub fn frame<T: Float>(&mut self, subject: &mut Subject<T>) -> Option<Frame> {
+        let present = self.present(subject).or_else(|error| {
             self.fail(subject, &error.into());
-            self.present(subject).unwrap_or_default()
+            self.present(subject)
         });
+        let mut frame = present.ok()?;
         (frame.scene, frame.number, frame.running) = (self.scenes, self.frames, self.busy());
         frame.choices = self.choices;
         self.frames = self.frames.wrapping_add(1);
-        frame
+        Some(frame)
     }
 
     fn present<T: Float>(&self, subject: &mut Subject<T>) -> Result<Frame, SimulationError> {

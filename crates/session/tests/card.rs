@@ -2,11 +2,11 @@
 //! when it is told to.
 
 use kinetarium_session::protocol::{Command, Message, Scene, Status};
-use kinetarium_session::{Outgoing, Session};
+use kinetarium_session::{Outgoing, Session, Shared};
 use numbers::trace::Program;
-use numbers::{Cpu, Memory, Shared};
+use numbers::{Cpu, Memory};
 use rigid::{Programs, Report};
-use sim::{Device, DeviceError, DeviceWorlds, Solver};
+use sim::{Device, DeviceError, DeviceWorlds, Simulation, SimulationSettings, Solver};
 use std::cell::Cell;
 use std::ops::Range;
 use std::sync::Arc;
@@ -76,7 +76,7 @@ impl Worlds {
                 input,
                 output,
                 scratch: &mut scratch,
-                parameters: Shared(&self.parameters),
+                parameters: numbers::Shared(&self.parameters),
                 links: &self.programs.links,
             };
             let run = program(&self.programs).interpret(&mut machine);
@@ -384,4 +384,28 @@ fn where_there_is_no_card_the_processor_runs_and_pages_are_told_why() {
     page.does(r#"{"type": "open", "example": "pendula"}"#);
     let physics = page.scene.unwrap().physics;
     assert!(physics.iter().all(|field| field.name != "runs_on"));
+}
+
+/// The simulation of a program is the program's to mend.
+#[test]
+fn pages_of_a_program_are_told_of_its_card_that_fails() {
+    let card = Interpreter::default();
+    let model = model::examples::n_pendula(2).unwrap();
+    let settings = SimulationSettings::new(2, 0.002);
+    let shared = Shared::new(Simulation::on(&card, model, settings).unwrap());
+    let mut page = Page::new(Session::of_program(&shared, clock));
+    page.step(3);
+    assert_eq!(page.card(), Some("interpreter"));
+    let shown = page.poses();
+    assert!(!shown.is_empty());
+    card.0.store(true, Relaxed);
+    page.say(r#"{"type": "step", "steps": 3}"#);
+    while page.session.advance() {}
+    page.listen();
+    assert!(page.errors.iter().all(|e| e == "the interpreter is lost"));
+    assert!(!page.errors.is_empty());
+    assert!(page.poses().is_empty());
+    card.0.store(false, Relaxed);
+    page.errors.clear();
+    assert_eq!(page.poses(), shown);
 }
