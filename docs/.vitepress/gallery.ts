@@ -2,7 +2,7 @@
 
 import { readFile } from "node:fs/promises";
 import { fileURLToPath } from "node:url";
-import { Engine, type EngineExports } from "../../web/src/transport/engine";
+import { Engine } from "../../web/src/transport/engine";
 
 const BUILT = "../../target/wasm32-unknown-unknown/release/kinetarium_wasm.wasm";
 /** Path of `engine.wasm`: `KINETARIUM_ENGINE`, or where cargo builds it. */
@@ -18,8 +18,7 @@ export interface Example {
 }
 
 async function read(): Promise<Example[]> {
-  const { instance } = await WebAssembly.instantiate(await readFile(ENGINE), { page: { now: () => 0 } });
-  const engine = new Engine(instance.exports as unknown as EngineExports);
+  const engine = await Engine.of(await readFile(ENGINE), "none is needed to build the site");
   const messages = [...engine.outgoing()].filter((message) => typeof message === "string");
   const welcome = messages.map((json) => JSON.parse(json)).find(({ type }) => type === "welcome");
   if (!welcome) throw new Error(`${ENGINE} names no examples; build it with \`cargo xtask docs\``);

@@ -1,4 +1,7 @@
 import type { Browser } from "playwright-core";
 
-/** The browser of `CHROMIUM`, or the system's. */
-export function launch(): Promise<Browser>;
+/** Flags for WebGPU. */
+export const WEBGPU: string[];
+
+/** The browser of `CHROMIUM`, or the system's, with more flags. */
+export function launch(more?: string[]): Promise<Browser>;

@@ -15,10 +15,13 @@ const FLAGS = [
   "--disable-features=LocalNetworkAccessChecks",
 ];
 
+/** WebGPU, computed in software, too. */
+export const WEBGPU = ["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader"];
+
 /** The browser of `CHROMIUM`, or the system's. */
-export function launch() {
+export function launch(more = []) {
   const usual = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
   const executablePath = process.env.CHROMIUM ?? usual.find((path) => existsSync(path));
   if (!executablePath) throw new Error("There is no Chromium. Install it, or name it in CHROMIUM.");
-  return chromium.launch({ executablePath, args: FLAGS });
+  return chromium.launch({ executablePath, args: [...FLAGS, ...more] });
 }

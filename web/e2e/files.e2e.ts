@@ -1,7 +1,6 @@
-import { writeFileSync } from "node:fs";
 import { expect, test } from "vitest";
 import { parseAddress } from "../src/address";
-import { ADDRESS, middle, OUT, open, page, pages, poses, step, triangle } from "./harness";
+import { ADDRESS, drop, middle, open, page, pages, poses, step, triangle } from "./harness";
 
 pages();
 
@@ -11,17 +10,6 @@ const ARM = `<robot name="arm"><link name="base"/><link name="tip"><inertial><ma
   <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial><visual><geometry><sphere radius="0.1"/>
   </geometry></visual></link><joint name="hinge" type="continuous"><parent link="base"/><child link="tip"/>
   <axis xyz="0 1 0"/></joint></robot>`;
-
-/** Drags a file from the desktop to a point of the window. */
-async function drop(name: string, content: string | Buffer, { x, y }: { x: number; y: number }) {
-  const path = `${OUT}${name}`;
-  writeFileSync(path, content);
-  const desktop = await page.context().newCDPSession(page);
-  const data = { items: [], files: [path], dragOperationsMask: 1 };
-  for (const type of ["dragEnter", "dragOver", "drop"] as const) {
-    await desktop.send("Input.dispatchDragEvent", { type, x, y, data });
-  }
-}
 
 const shown = (name: string) =>
   page.waitForFunction((wanted) => window.kinetarium.scene?.name === wanted, name);

@@ -1,5 +1,6 @@
 /** A browser, and a page in it for each test; pictures of the ends go to e2e/out. */
 
+import { writeFileSync } from "node:fs";
 import type { Browser, BrowserContextOptions, Page } from "playwright-core";
 import { afterAll, afterEach, beforeAll, beforeEach, expect } from "vitest";
 import { launch } from "./browser.mjs";
@@ -12,10 +13,10 @@ export let page: Page;
 /** Errors that the page did not catch. */
 export let broken: string[];
 
-/** Gives each test of a file a page of its own. */
-export function pages(options: BrowserContextOptions = {}): void {
+/** Gives each test of a file a page of its own, in a browser with these flags. */
+export function pages(options: BrowserContextOptions = {}, flags: string[] = []): void {
   beforeAll(async () => {
-    browser = await launch();
+    browser = await launch(flags);
   });
   afterAll(() => browser.close());
 
@@ -62,6 +63,21 @@ export async function middle(): Promise<{ x: number; y: number }> {
   const box = await page.locator(".stage").boundingBox();
   if (!box) throw new Error("The picture is not to be seen.");
   return { x: box.x + box.width / 2, y: box.y + box.height / 2 };
+}
+
+/** Drags a file from the desktop to a point of the window. */
+export async function drop(
+  name: string,
+  content: string | Buffer,
+  { x, y }: { x: number; y: number },
+): Promise<void> {
+  const path = `${OUT}${name}`;
+  writeFileSync(path, content);
+  const desktop = await page.context().newCDPSession(page);
+  const data = { items: [], files: [path], dragOperationsMask: 1 };
+  for (const type of ["dragEnter", "dragOver", "drop"] as const) {
+    await desktop.send("Input.dispatchDragEvent", { type, x, y, data });
+  }
 }
 
 /** A GLB of one triangle. */

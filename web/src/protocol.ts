@@ -75,6 +75,7 @@ const field = object({
   label: text,
   unit: text,
   help: text,
+  note: optional(text),
   kind: tagged("kind", {
     number: { min: number, max: number, logarithmic: flag },
     integer: { min: number, max: number },
@@ -204,6 +205,7 @@ const scene = {
 
 const status = {
   running: flag,
+  card: nullable(text),
   time: number,
   steps: count,
   speed: nullable(number),

@@ -70,7 +70,7 @@ test("physics that is set is what forms show", () => {
   const shown: number[][] = [];
   session.on("physics", (fields) => shown.push(fields.map((field) => field.value)));
   session.send({ type: "physics", values: { gravity: -1.62 } });
-  expect(shown).toEqual([[-1.62, 0, 1]]);
+  expect(shown).toEqual([[-1.62, 0, 1, 0]]);
 });
 
 test("what another page sets is shown, and not said again", () => {
@@ -80,7 +80,7 @@ test("what another page sets is shown, and not said again", () => {
   session.on("physics", (fields) => physics.push(fields.map((field) => field.value)));
   session.on("changed", (settings) => changed.push(settings.map(({ type }) => type)));
   for (const message of messages.filter((m) => m.type === "changed")) session.text(JSON.stringify(message));
-  expect(physics).toEqual([[-1.62, 0, 1]]);
+  expect(physics).toEqual([[-1.62, 0, 1, 0]]);
   expect(session.scene?.joints[0].dofs[0].position).toBe(0.5);
   expect(session.scene?.actuators[0].value).toBe(-0.4);
   expect(changed).toEqual([["physics"], ["joint", "control"]]);

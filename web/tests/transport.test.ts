@@ -53,18 +53,44 @@ describe("an engine in WebAssembly", () => {
     };
   }
 
-  test("texts are UTF-8, and memory may grow", () => {
-    const engine = new Engine(echo());
-    engine.receive('{"é":"−1"}');
+  test("texts are UTF-8, and memory may grow", async () => {
+    const engine = new Engine(echo(), "none");
+    await engine.receive('{"é":"−1"}');
     const [text, bytes] = engine.outgoing();
     expect(text).toBe('{"é":"−1"}');
     expect(new TextDecoder().decode(bytes as ArrayBuffer)).toBe(text);
     expect([...engine.outgoing()]).toEqual([]);
-    expect(engine.advance()).toBe(false);
+    expect(await engine.advance()).toBe(false);
   });
 
   test("one that cannot start is told", () => {
-    expect(() => new Engine({ ...echo(), start: () => 0 })).toThrow("could not make its first scene");
+    expect(() => new Engine({ ...echo(), start: () => 0 }, "none")).toThrow("could not make its first scene");
+  });
+
+  test("it is told of the card, or why there is none", () => {
+    const told = (card: ConstructorParameters<typeof Engine>[1]) => {
+      const wasm = echo();
+      const said: [number, string][] = [];
+      let room = 0;
+      const start = (kind: number) => {
+        said.push([kind, new TextDecoder().decode(new Uint8Array(wasm.memory.buffer, 65536, room))]);
+        return 1;
+      };
+      new Engine(
+        {
+          ...wasm,
+          start,
+          room: (length) => {
+            room = length;
+            return wasm.room(length);
+          },
+        },
+        card,
+      );
+      return said;
+    };
+    expect(told("no WebGPU")).toEqual([[2, "no WebGPU"]]);
+    expect(told({ name: "a card", adapter: {} as GPUAdapter })).toEqual([[1, "a card"]]);
   });
 });
 

@@ -71,7 +71,7 @@ const STAGES: &[Stage] = &[
     },
     Stage {
         name: "browser",
-        purpose: "the page in Chromium, before a server and with an engine of its own",
+        purpose: "the page in Chromium, before a server and with an engine of its own, on a card too",
         run: page::browse,
     },
     Stage {

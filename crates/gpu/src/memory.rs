@@ -1,11 +1,11 @@
 //! Numbers in a card's memory.
 //!
 //! There, a world's number at `offset` lies at `offset · width + world`: neighbouring invocations read neighbouring
-//! words. On the host, worlds lie in the blocks of a [`Memory`].
+//! words. On the host, worlds lie in the blocks of a [`Memory`](numbers::Memory), which knows such
+//! [rows](numbers::Memory::rows).
 
 use crate::{Gpu, GpuError};
 use bytemuck::NoUninit;
-use numbers::Memory;
 use std::ops::Range;
 use std::sync::mpsc;
 
@@ -48,58 +48,6 @@ pub(crate) fn filled<T: NoUninit>(gpu: &Gpu, numbers: &[T]) -> Result<wgpu::Buff
     let bytes = bytemuck::cast_slice(numbers);
     gpu.queue().write_buffer(&buffer, 0, bytes);
     Ok(buffer)
-}
-
-/// Worlds `first` to `first + count` of a memory, as they lie in blocks: of each block which one, where in it they
-/// begin, and where in a row of theirs.
-fn runs(
-    memory: &Memory<f32>,
-    first: usize,
-    count: usize,
-) -> impl Iterator<Item = (usize, Range<usize>, usize)> {
-    let (width, end) = (memory.width(), first + count);
-    (first / width..end.div_ceil(width)).map(move |block| {
-        let begin = (block * width).max(first);
-        let lanes = begin - block * width..end.min((block + 1) * width) - block * width;
-        (block, lanes, begin - first)
-    })
-}
-
-/// These numbers of worlds from the first on, `[number][world]`, with rows of the width of a part.
-pub(crate) fn rows(
-    memory: &Memory<f32>,
-    numbers: Range<usize>,
-    worlds: Range<usize>,
-    width: usize,
-) -> Vec<f32> {
-    let mut out = vec![0.0; numbers.len() * width];
-    for (block, lanes, at) in runs(memory, worlds.start, worlds.len()) {
-        let block = memory.block(block);
-        for (row, number) in out.chunks_exact_mut(width).zip(numbers.clone()) {
-            let from = &block[number * memory.width()..][lanes.clone()];
-            row[at..][..from.len()].copy_from_slice(from);
-        }
-    }
-    out
-}
-
-/// Puts back what [`rows`] gives.
-pub(crate) fn put_rows(
-    memory: &mut Memory<f32>,
-    numbers: Range<usize>,
-    worlds: Range<usize>,
-    rows: &[f32],
-) {
-    let width = rows.len() / numbers.len().max(1);
-    let (lanes_of_block, size) = (memory.width(), memory.block_size());
-    let runs: Vec<_> = runs(memory, worlds.start, worlds.len()).collect();
-    for (block, lanes, at) in runs {
-        let block = &mut memory.scalars_mut()[block * size..][..size];
-        for (row, number) in rows.chunks_exact(width).zip(numbers.clone()) {
-            let to = &mut block[number * lanes_of_block..][lanes.clone()];
-            to.copy_from_slice(&row[at..][..to.len()]);
-        }
-    }
 }
 
 /// Where numbers wait on their way to the host. It grows, and is kept.
@@ -160,34 +108,5 @@ impl Mapping<'_> {
         drop(bytes);
         self.buffer.unmap();
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_goes_to_a_card_comes_back() {
-        for (width, count) in [(1, 7), (4, 7), (16, 7), (7, 7), (4, 8)] {
-            let mut memory = Memory::<f32>::new(count, 3, width);
-            for world in 0..count {
-                for number in 0..3 {
-                    memory.set(world, number, (10 * number + world) as f32);
-                }
-            }
-            // Parts of 5 and the rest, with rows of 5.
-            let mut back = Memory::<f32>::new(count, 3, width);
-            for worlds in [0..5, 5..count] {
-                let sent = rows(&memory, 1..3, worlds.clone(), 5);
-                assert_eq!(sent[5], 20.0 + worlds.start as f32);
-                put_rows(&mut back, 1..3, worlds, &sent);
-            }
-            for world in 0..count {
-                assert_eq!(back.get(world, 0), 0.0);
-                assert_eq!(back.get(world, 1), (10 + world) as f32);
-                assert_eq!(back.get(world, 2), (20 + world) as f32);
-            }
-        }
     }
 }

@@ -3,7 +3,7 @@
 //! A binding of a card has a largest size, so that worlds lie in *parts* of equal size, each with buffers of its
 //! own; scratch is shared, since the parts are stepped one after the other.
 
-use crate::memory::{NUMBER, Staging, buffer, filled, put_rows, rows};
+use crate::memory::{NUMBER, Staging, buffer, filled};
 use crate::pipeline::WORKGROUP;
 use crate::placement::Placement;
 use crate::{Gpu, GpuError};
@@ -155,7 +155,7 @@ impl Worlds {
         assert_eq!(memory.worlds(), self.worlds, "worlds of a memory");
         let at = (numbers.start * self.width) as u64 * NUMBER;
         for part in &self.parts {
-            let rows = rows(memory, numbers.clone(), part.worlds.clone(), self.width);
+            let rows = memory.rows(numbers.clone(), part.worlds.clone(), self.width);
             let bytes = bytemuck::cast_slice(&rows);
             self.gpu.queue().write_buffer(buffer(part), at, bytes);
         }
@@ -191,7 +191,7 @@ impl Worlds {
             mapping.read(gpu, |mut read| {
                 for range in numbers.clone() {
                     let (own, rest) = read.split_at(range.len() * width);
-                    put_rows(memory, range.clone(), part.worlds.clone(), own);
+                    memory.set_rows(range.clone(), part.worlds.clone(), own);
                     read = rest;
                 }
             })?;

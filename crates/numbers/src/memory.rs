@@ -2,6 +2,7 @@
 
 use crate::Float;
 use bytemuck::{Pod, Zeroable};
+use std::ops::Range;
 
 /// One cache line, so that every lane register loads aligned.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -20,6 +21,14 @@ pub struct Memory<T> {
     length: usize,
     width: usize,
     scalar: core::marker::PhantomData<T>,
+}
+
+/// Neighbouring worlds in one block.
+struct Run {
+    block: usize,
+    lanes: Range<usize>,
+    /// Where they begin among the worlds that were asked for.
+    at: usize,
 }
 
 impl<T: Float> Memory<T> {
@@ -116,6 +125,52 @@ impl<T: Float> Memory<T> {
             }
         }
     }
+    /// The numbers at these offsets of some worlds, as devices hold them: `[offset][world]`, in rows of `width` numbers,
+    /// whose ends are zero where there are fewer worlds.
+    ///
+    /// Panics where there are more worlds than `width`, or than this has.
+    pub fn rows(&self, offsets: Range<usize>, worlds: Range<usize>, width: usize) -> Vec<T> {
+        let mut rows = vec![T::zero(); offsets.len() * width];
+        for run in self.runs(worlds) {
+            let block = self.block(run.block);
+            for (row, offset) in rows.chunks_exact_mut(width).zip(offsets.clone()) {
+                let from = &block[offset * self.width..][run.lanes.clone()];
+                row[run.at..][..from.len()].copy_from_slice(from);
+            }
+        }
+        rows
+    }
+    /// Sets what [`rows`](Memory::rows) gives.
+    ///
+    /// Panics as it does.
+    pub fn set_rows(&mut self, offsets: Range<usize>, worlds: Range<usize>, rows: &[T]) {
+        if offsets.is_empty() {
+            return;
+        }
+        let (row_width, width, size) = (rows.len() / offsets.len(), self.width, self.block_size());
+        let runs: Vec<_> = self.runs(worlds).collect();
+        let blocks = self.scalars_mut();
+        for run in runs {
+            let block = &mut blocks[run.block * size..][..size];
+            for (row, offset) in rows.chunks_exact(row_width).zip(offsets.clone()) {
+                let to = &mut block[offset * width..][run.lanes.clone()];
+                to.copy_from_slice(&row[run.at..][..to.len()]);
+            }
+        }
+    }
+    /// Some worlds as they lie in blocks.
+    fn runs(&self, worlds: Range<usize>) -> impl Iterator<Item = Run> + use<T> {
+        let width = self.width;
+        (worlds.start / width..worlds.end.div_ceil(width)).map(move |block| {
+            let begin = worlds.start.max(block * width);
+            let end = worlds.end.min((block + 1) * width);
+            Run {
+                block,
+                lanes: begin - block * width..end - block * width,
+                at: begin - worlds.start,
+            }
+        })
+    }
     /// Sets the number at `offset` of every world, and of the spare lanes.
     pub fn fill(&mut self, offset: usize, x: T) {
         for world in 0..self.blocks() * self.width {
@@ -146,6 +201,31 @@ mod tests {
                 assert_eq!(memory.get(world, 6), numbers[3 * world]);
                 assert_eq!(memory.get(world, 2), numbers[3 * world + 2]);
                 assert_eq!(memory.get(world, 0), 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn rows_go_to_a_device_and_come_back() {
+        for (width, count) in [(1, 7), (4, 7), (16, 7), (7, 7), (4, 8)] {
+            let mut memory = Memory::<f32>::new(count, 3, width);
+            for world in 0..count {
+                for offset in 0..3 {
+                    memory.set(world, offset, (10 * offset + world) as f32);
+                }
+            }
+            // Five worlds and the rest, in rows of five.
+            let mut back = Memory::<f32>::new(count, 3, width);
+            for worlds in [0..5, 5..count] {
+                let rows = memory.rows(1..3, worlds.clone(), 5);
+                assert_eq!(rows.len(), 10);
+                assert_eq!(rows[5], 20.0 + worlds.start as f32);
+                back.set_rows(1..3, worlds, &rows);
+            }
+            for world in 0..count {
+                assert_eq!(back.get(world, 0), 0.0);
+                assert_eq!(back.get(world, 1), (10 + world) as f32);
+                assert_eq!(back.get(world, 2), (20 + world) as f32);
             }
         }
     }

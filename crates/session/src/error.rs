@@ -98,6 +98,13 @@ pub enum SessionError {
     Snapshot(#[from] SnapshotError),
 }
 
+impl SessionError {
+    /// Whether a graphics card says so.
+    pub(crate) fn is_of_card(&self) -> bool {
+        matches!(self, Self::Simulation(SimulationError::Device(_)))
+    }
+}
+
 /// Refuses rows that are not there.
 pub(crate) fn row(what: &'static str, row: usize, count: usize) -> Result<usize, SessionError> {
     if row < count {

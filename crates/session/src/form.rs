@@ -49,12 +49,19 @@ impl Field {
         self
     }
 
+    /// The same, with what is to be known of it now.
+    pub fn note(mut self, note: &str) -> Self {
+        self.note = Some(note.into());
+        self
+    }
+
     fn new(name: &str, label: &str, unit: &str, value: f64, kind: FieldKind) -> Self {
         Self {
             name: name.into(),
             label: label.into(),
             unit: unit.into(),
             help: String::new(),
+            note: None,
             kind,
             value,
         }

@@ -1,5 +1,6 @@
 //! What users' hands do to a simulation while it is stepped.
 
+use crate::card::Card;
 use crate::error::{SessionError, count};
 use crate::pull::{Grab, Push, add_force};
 use numbers::Float;
@@ -100,10 +101,11 @@ fn set<T: Float>(simulation: &mut Simulation<T>, world: usize, forces: &[f64]) {
     let _ = simulation.controls().set_force(world, forces);
 }
 
-/// A simulation, and the hands on it.
+/// A simulation, the hands on it, and the card that may run it.
 pub(crate) struct Subject<T: Float> {
     pub simulation: Simulation<T>,
     pub hands: Hands,
+    pub card: Card<T>,
 }
 
 impl<T: Float> Subject<T> {
@@ -111,6 +113,7 @@ impl<T: Float> Subject<T> {
         Self {
             simulation,
             hands: Hands::default(),
+            card: Card::default(),
         }
     }
     /// Steps under the hands; returns the worlds that diverged meanwhile.

@@ -18,6 +18,8 @@
 
 #![forbid(unsafe_code)]
 
+mod batch;
+mod card;
 mod describe;
 mod error;
 mod form;

@@ -1,11 +1,13 @@
 //! How a stage is simulated: the form that a page shows of it.
 
 use crate::SessionError;
+use crate::card::{Card, PROCESSOR, RUNS_ON};
 use crate::form::Form;
 use crate::protocol::{Field, Values};
 use crate::stage::Stage;
-use model::Parts;
-use sim::{SimulationSettings, SolverKind};
+use model::{Model, Parts};
+use numbers::Float;
+use sim::{Simulation, SimulationSettings, SolverKind};
 
 /// Solvers, in the order in which the form names them.
 const SOLVERS: [SolverKind; 4] = [
@@ -22,14 +24,14 @@ pub(crate) struct Physics {
 }
 
 impl Physics {
-    /// Those of a stage.
-    pub fn new(stage: &Stage) -> Self {
+    /// Those of a stage that a card may simulate.
+    pub fn new<T: Float>(stage: &Stage, card: &Card<T>) -> Self {
         let solver = SOLVERS.iter().position(|&s| s == stage.solver).unwrap_or(0);
         let names = SOLVERS.map(SolverKind::name);
         let substeps = stage.substeps(stage.solver);
         let model = &stage.model;
         let down = -model.gravity.dot(model.up_axis.direction());
-        let fields = vec![
+        let mut fields = vec![
             Field::choice("solver", "Solver", solver, &names).help(
                 "Which solver advances the state; auto picks by the model. A change starts again.",
             ),
@@ -42,6 +44,7 @@ impl Physics {
             Field::flag("contacts", "Contacts", true)
                 .help("Whether shapes touch; otherwise bodies pass through each other. A change starts again."),
         ];
+        fields.extend(card.field());
         Self {
             form: Form::new(fields),
         }
@@ -65,8 +68,30 @@ impl Physics {
     pub fn time_step(&self) -> f64 {
         self.form.number("time_step")
     }
-    /// Settings of a stage's simulation.
-    pub fn settings(&self, stage: &Stage) -> SimulationSettings {
+    /// What makes them those of the processor, with the solver of this name: the same that has run elsewhere.
+    pub fn on_processor(&self, solver: &str) -> Values {
+        let row = SOLVERS.iter().position(|s| s.name() == solver);
+        let solver = row.map(|row| ("solver".to_owned(), row as f64));
+        let processor = (RUNS_ON.to_owned(), PROCESSOR);
+        solver.into_iter().chain([processor]).collect()
+    }
+    /// A stage's simulation, of a model.
+    ///
+    /// # Errors
+    /// What the solver does not take; what the card refuses.
+    pub fn simulate<T: Float>(
+        &self,
+        model: Model,
+        stage: &Stage,
+        card: &Card<T>,
+    ) -> Result<Simulation<T>, SessionError> {
+        let runs_on = match card {
+            Card::Unasked => PROCESSOR,
+            Card::Missing(_) | Card::Present(_) => self.form.number(RUNS_ON),
+        };
+        card.simulation(model, self.settings(stage), runs_on)
+    }
+    fn settings(&self, stage: &Stage) -> SimulationSettings {
         let solver = SOLVERS[self.form.integer("solver")];
         let substeps = self.form.integer("substeps");
         SimulationSettings {

@@ -1,10 +1,12 @@
 //! What a session simulates now.
 
+use crate::card::Card;
 use crate::describe;
 use crate::error::SessionError;
 use crate::form::Form;
 use crate::frame::Frame;
 use crate::gallery::Example;
+use crate::hands::Subject;
 use crate::history::{History, Moment};
 use crate::physics::Physics;
 use crate::protocol::{Command, Scene, Values};
@@ -90,9 +92,10 @@ impl Play {
         example: &'static Example,
         build: Form,
         physics: &Values,
+        card: &Card<T>,
     ) -> Result<(Self, Simulation<T>), SessionError> {
         let stage = (example.make)(&build)?;
-        let physics = Physics::new(&stage).with(physics)?;
+        let physics = Physics::new(&stage, card).with(physics)?;
         let play = Self {
             name: example.name.into(),
             title: example.title.into(),
@@ -100,16 +103,20 @@ impl Play {
             build,
             ..Self::new(Origin::Example(example), stage, physics)
         };
-        play.simulated()
+        play.simulated(card)
     }
-    pub fn of_model<T: Float>(stage: Stage) -> Result<(Self, Simulation<T>), SessionError> {
-        let physics = Physics::new(&stage);
-        Self::new(Origin::File, stage, physics).simulated()
+    pub fn of_model<T: Float>(
+        stage: Stage,
+        card: &Card<T>,
+    ) -> Result<(Self, Simulation<T>), SessionError> {
+        let physics = Physics::new(&stage, card);
+        Self::new(Origin::File, stage, physics).simulated(card)
     }
     /// A robot file, without the files that it may name.
     pub fn of_file<T: Float>(
         name: &str,
         text: &str,
+        card: &Card<T>,
     ) -> Result<(Self, Simulation<T>), SessionError> {
         let options = Options {
             meshes: Meshes::ConvexHull,
@@ -117,7 +124,7 @@ impl Play {
         };
         let read = formats::parse(text, name, &Alone, &options);
         let Loaded { model, warnings } = read.map_err(Box::new)?;
-        let (mut play, simulation) = Self::of_model(Stage::new(model))?;
+        let (mut play, simulation) = Self::of_model(Stage::new(model), card)?;
         // Not the model's, which an example may have, too.
         play.name = name.into();
         let lines = warnings.iter().map(|warning| format!("\n{warning}"));
@@ -126,6 +133,7 @@ impl Play {
         }
         Ok((play, simulation))
     }
+    /// Panics where its worlds are on a device that fails.
     pub fn of_program<T: Float>(simulation: &mut Simulation<T>) -> Self {
         let worlds = simulation.worlds();
         let stage = Stage {
@@ -133,10 +141,10 @@ impl Play {
             shown: worlds.min(MOST_SHOWN),
             ..Stage::new(simulation.model().as_ref().clone())
         };
-        let origin = Origin::Program(simulation.snapshot());
-        let mut play = Self::new(origin, stage, Physics::of_program());
+        let start = simulation.snapshot();
+        let mut play = Self::new(Origin::Program(start.clone()), stage, Physics::of_program());
         play.steps = steps(simulation);
-        play.begin_history(simulation);
+        play.begin_history(simulation, start);
         play
     }
 
@@ -162,9 +170,13 @@ impl Play {
         }
     }
     /// With a simulation of it, at its start.
-    fn simulated<T: Float>(mut self) -> Result<(Self, Simulation<T>), SessionError> {
+    fn simulated<T: Float>(
+        mut self,
+        card: &Card<T>,
+    ) -> Result<(Self, Simulation<T>), SessionError> {
         self.physics.change(&mut self.parts);
-        let mut simulation = simulate(&self.parts, &self.stage, &self.physics)?;
+        let model = Model::new(self.parts.clone())?;
+        let mut simulation = self.physics.simulate(model, &self.stage, card)?;
         self.restart(&mut simulation)?;
         Ok((self, simulation))
     }
@@ -193,7 +205,8 @@ impl Play {
         self.aim(simulation)?;
         self.steps = steps(simulation);
         self.wander = Wander::new(self.stage.wander);
-        self.begin_history(simulation);
+        let start = simulation.try_snapshot()?;
+        self.begin_history(simulation, start);
         Ok(())
     }
 
@@ -201,25 +214,49 @@ impl Play {
     /// does not, answers false and starts again.
     pub fn change<T: Float>(
         &mut self,
-        simulation: &mut Simulation<T>,
+        subject: &mut Subject<T>,
         parts: Parts,
         physics: Physics,
     ) -> Result<bool, SessionError> {
-        let mut changed = simulate(&parts, &self.stage, &physics)?;
-        let time = self.time(simulation);
-        let stays = changed.restore(&simulation.snapshot()).is_ok();
+        let model = Model::new(parts.clone())?;
+        let mut changed = physics.simulate(model, &self.stage, &subject.card)?;
+        let time = self.time(&subject.simulation);
+        let stays = changed.restore(&subject.simulation.try_snapshot()?).is_ok();
         if !stays {
             self.stage.place(&mut changed)?;
         }
-        (*simulation, self.parts, self.physics) = (changed, parts, physics);
-        self.aim(simulation)?;
-        self.steps = if stays {
-            (time / time_step(simulation)).round() as u64
-        } else {
-            0
-        };
-        self.begin_history(simulation);
+        self.aim(&mut changed)?;
+        let steps = (time / time_step(&changed)).round() as u64;
+        let now = changed.try_snapshot()?;
+        (subject.simulation, self.parts, self.physics) = (changed, parts, physics);
+        self.steps = if stays { steps } else { 0 };
+        self.begin_history(&subject.simulation, now);
         Ok(stays)
+    }
+    /// Goes on on the processor, with the same solver, where a card has failed: from the recorded state nearest
+    /// to the present one. What has been set of the physics.
+    pub fn leave_card<T: Float>(
+        &mut self,
+        simulation: &mut Simulation<T>,
+    ) -> Result<Values, SessionError> {
+        let values = self.physics.on_processor(simulation.solver());
+        let physics = self.physics.clone().with(&values)?;
+        let model = Model::new(self.parts.clone())?;
+        let mut here = physics.simulate(model, &self.stage, &Card::Unasked)?;
+        match self.history.nearest(self.steps) {
+            Some(moment) => {
+                here.restore(&moment.snapshot)?;
+                self.steps = moment.steps;
+            }
+            None => {
+                self.stage.place(&mut here)?;
+                self.steps = 0;
+            }
+        }
+        self.aim(&mut here)?;
+        (*simulation, self.physics) = (here, physics);
+        self.history.branch(self.steps);
+        Ok(values)
     }
 
     /// Gives drives and actuators what the page has set last.
@@ -266,16 +303,23 @@ impl Play {
         Ok(())
     }
 
-    fn begin_history<T: Float>(&mut self, simulation: &mut Simulation<T>) {
+    fn begin_history<T: Float>(&mut self, simulation: &Simulation<T>, now: Snapshot) {
         let bytes = simulation.bytes_per_world() * simulation.worlds();
         self.history = History::new(time_step(simulation), bytes);
-        self.record(simulation);
-    }
-    pub fn record<T: Float>(&mut self, simulation: &mut Simulation<T>) {
         self.history.record(Moment {
             steps: self.steps,
-            snapshot: simulation.snapshot(),
+            snapshot: now,
         });
+    }
+    pub fn record<T: Float>(
+        &mut self,
+        simulation: &mut Simulation<T>,
+    ) -> Result<(), SimulationError> {
+        self.history.record(Moment {
+            steps: self.steps,
+            snapshot: simulation.try_snapshot()?,
+        });
+        Ok(())
     }
 
     /// The present state of some worlds; what the session knows is left open.
@@ -284,10 +328,10 @@ impl Play {
         simulation: &mut Simulation<T>,
         shown: &[usize],
         plots: &[usize],
-    ) -> Frame {
+    ) -> Result<Frame, SimulationError> {
         let time = self.time(simulation);
         let model = simulation.model().clone();
-        let outputs = simulation.outputs();
+        let outputs = simulation.try_outputs()?;
         let mut frame = Frame {
             time,
             steps: self.steps as u32,
@@ -313,8 +357,8 @@ impl Play {
         let single = |x: Vec<f64>| x.into_iter().map(|x| x as f32).collect();
         frame.positions = single(outputs.joint_position(shown[0]));
         frame.velocities = single(outputs.joint_velocity(shown[0]));
-        frame.plots = self.measure(simulation, plots, shown[0]);
-        frame
+        frame.plots = self.measure(simulation, plots, shown[0])?;
+        Ok(frame)
     }
 
     /// Values of some quantities, by their rows, of a world.
@@ -323,13 +367,13 @@ impl Play {
         simulation: &mut Simulation<T>,
         plots: &[usize],
         world: usize,
-    ) -> Vec<f32> {
+    ) -> Result<Vec<f32>, SimulationError> {
         let model = simulation.model().clone();
-        let outputs = simulation.outputs();
+        let outputs = simulation.try_outputs()?;
         let values = plots
             .iter()
             .map(|&i| self.measures[i].of(&model, &outputs, world) as f32);
-        values.collect()
+        Ok(values.collect())
     }
 
     /// What a page is told of it; what the session knows is left open.
@@ -374,15 +418,6 @@ impl Play {
         let rows: Vec<_> = self.stage.plots.iter().filter_map(row).collect();
         rows.into_iter()
     }
-}
-
-fn simulate<T: Float>(
-    parts: &Parts,
-    stage: &Stage,
-    physics: &Physics,
-) -> Result<Simulation<T>, SessionError> {
-    let model = Model::new(parts.clone())?;
-    Ok(Simulation::new(model, physics.settings(stage))?)
 }
 
 /// The controls of a world.

@@ -156,13 +156,14 @@ pub enum Message {
     Scene(Box<Scene>),
     /// How it goes; after every command, and a few times a second while it runs.
     Status(Status),
-    /// Somebody else has set physics, drives or actuators: another page, or the program, whose settings are told
-    /// as the first world shown has them, a few times a second.
+    /// Somebody else has set physics, drives or actuators: another page; the session, where a graphics card has
+    /// failed; or the program, whose settings are told as the first world shown has them, a few times a second.
     Changed {
         /// What it said, or would have to say: [`Command::Physics`], [`Command::Joint`] and [`Command::Control`].
         commands: Vec<Command>,
     },
-    /// A command was refused, and all is as before it; or a step could not be made, and the session has stopped.
+    /// A command was refused, and all is as before it; or a step could not be made, and the session has stopped; or
+    /// something else was done than what was asked for.
     Error {
         /// What is wrong, and the remedy.
         message: String,
@@ -197,6 +198,9 @@ pub struct Field {
     pub unit: String,
     /// What it does, in a sentence.
     pub help: String,
+    /// What is to be known of it now, such as why something cannot be chosen.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
     /// What values it takes.
     pub kind: FieldKind,
     /// Its value now, or at first.
@@ -476,6 +480,8 @@ pub struct Quantity {
 pub struct Status {
     /// Whether it goes on by itself, or has steps to make.
     pub running: bool,
+    /// Name of the graphics card that it runs on, if it is not the processor.
+    pub card: Option<String>,
     /// Simulated seconds since the start.
     pub time: f64,
     /// Steps since the start.

@@ -1,6 +1,7 @@
 //! A simulation that pages watch and steer.
 
 use crate::SessionError;
+use crate::card::Card;
 use crate::frame::Frame;
 use crate::gallery::{EXAMPLES, Example};
 use crate::hands::Subject;
@@ -11,7 +12,7 @@ use crate::stage::Stage;
 use crate::steering::Steering;
 use numbers::Float;
 use parking_lot::MutexGuard;
-use sim::Simulation;
+use sim::{Device, Simulation};
 use std::fmt;
 use std::sync::{Arc, Weak};
 
@@ -64,7 +65,7 @@ impl Session {
     /// There is none of that name.
     pub fn example(name: &str, clock: fn() -> f64) -> Result<Self, SessionError> {
         let example = Example::find(name)?;
-        let play = Play::of_example(example, example.form(), &Values::new())?;
+        let play = Play::of_example(example, example.form(), &Values::new(), &Card::Unasked)?;
         Ok(Self::own(play, clock))
     }
     /// A stage of one's own, stopped. `clock` tells seconds.
@@ -72,7 +73,18 @@ impl Session {
     /// # Errors
     /// A stage that no simulation takes.
     pub fn of(stage: Stage, clock: fn() -> f64) -> Result<Self, SessionError> {
-        Ok(Self::own(Play::of_model(stage)?, clock))
+        Ok(Self::own(Play::of_model(stage, &Card::Unasked)?, clock))
+    }
+    /// The same, whose pages may have it run on this graphics card, or are told why there is none. Without, they
+    /// are not asked.
+    ///
+    /// A card that fails is let go: the processor goes on from a recorded state.
+    pub fn with_card(mut self, card: Result<Arc<dyn Device<f32>>, String>) -> Self {
+        if let Source::Own(subject) = &mut self.source {
+            subject.card = card.into();
+            self.steering.offer(&subject.card);
+        }
+        self
     }
     fn own((play, mut simulation): (Play, Simulation<f32>), clock: fn() -> f64) -> Self {
         Self {
@@ -89,6 +101,8 @@ impl<T: Float> Session<T> {
     /// Pages may run and step it, draw and push bodies, set targets and controls. What would make it another
     /// simulation (other physics, another model) is the program's, and is refused. When the program has let go
     /// of it, the session is [`over`](Session::over).
+    ///
+    /// Panics where its worlds are on a device that fails.
     pub fn of_program(shared: &Arc<Shared<T>>, clock: fn() -> f64) -> Self {
         let mut simulation = shared.read();
         let play = Play::of_program(&mut simulation);
@@ -106,13 +120,11 @@ impl<T: Float> Session<T> {
     /// What a page that comes now must know, be it the first or another.
     pub fn greeting(&mut self) -> Vec<Outgoing> {
         let Self { source, steering } = self;
-        let Some((messages, frame)) =
-            source.with(|subject| steering.greeting(&mut subject.simulation))
-        else {
+        let Some((messages, frame)) = source.with(|subject| steering.greeting(subject)) else {
             return vec![last(GONE)];
         };
         let mut greeting: Vec<_> = messages.iter().map(Outgoing::text).collect();
-        greeting.push(Outgoing::Frame(frame.to_bytes()));
+        greeting.extend(frame.map(|frame| Outgoing::Frame(frame.to_bytes())));
         greeting
     }
 
@@ -161,11 +173,11 @@ impl<T: Float> Session<T> {
         self.steering.outbox.push_back(last(message));
     }
 
-    /// The present state, of the worlds that are shown; empty where the session is over.
+    /// The present state, of the worlds that are shown; empty where the session is over, or a program's device fails.
     pub fn frame(&mut self) -> Frame {
         let Self { source, steering } = self;
-        let frame = source.with(|subject| steering.frame(&mut subject.simulation));
-        frame.unwrap_or_default()
+        let frame = source.with(|subject| steering.frame(subject));
+        frame.flatten().unwrap_or_default()
     }
 }
 

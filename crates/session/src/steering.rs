@@ -1,5 +1,7 @@
 //! What pages ask of a simulation, and what they are told of it.
 
+use crate::batch::Batch;
+use crate::card::Card;
 use crate::describe::control_range;
 use crate::error::{SessionError, count, row, within};
 use crate::frame::Frame;
@@ -13,11 +15,13 @@ use crate::session::Outgoing;
 use glam::DVec3;
 use model::{BodyId, BodyKind, JointId, JointKind, Parts};
 use numbers::Float;
-use sim::Simulation;
+use sim::{Simulation, SimulationError};
 use std::collections::VecDeque;
 
-/// Steps between two looks at the clock, at most.
-const MOST_AT_ONCE: u64 = 1 << 16;
+/// Share of a slice of time that steps made at once may take.
+const AT_ONCE: f64 = 0.25;
+/// What they may take on a graphics card [s].
+const ON_CARD: f64 = 0.075;
 /// Largest stiffness and damping of a drive, in SI units.
 const STIFFEST: f64 = 1e9;
 /// From one frame to the next [s].
@@ -56,6 +60,7 @@ pub(crate) struct Steering {
     speed: Option<f64>,
     /// Time steps to be made; fractions of one while running.
     owed: f64,
+    batch: Batch,
     /// When the session last looked at the clock.
     looked: f64,
     /// When the next frame may be made, and when the last status was sent [s].
@@ -106,6 +111,7 @@ impl Steering {
             running: false,
             speed: Some(1.0),
             owed: 0.0,
+            batch: Batch::default(),
             looked: now,
             next_frame: f64::NEG_INFINITY,
             told: f64::NEG_INFINITY,
@@ -125,8 +131,18 @@ impl Steering {
         steering
     }
 
+    /// Has pages choose a card.
+    pub fn offer<T: Float>(&mut self, card: &Card<T>) {
+        self.play.physics = Physics::new(&self.play.stage, card);
+    }
+
     /// What a page that comes now must know.
-    pub fn greeting<T: Float>(&mut self, simulation: &mut Simulation<T>) -> ([Message; 3], Frame) {
+    pub fn greeting<T: Float>(
+        &mut self,
+        subject: &mut Subject<T>,
+    ) -> ([Message; 3], Option<Frame>) {
+        let frame = self.frame(subject);
+        let simulation = &mut subject.simulation;
         let examples: &[Example] = match self.play.origin {
             Origin::Program(_) => &[],
             Origin::Example(_) | Origin::File => &EXAMPLES,
@@ -137,7 +153,7 @@ impl Steering {
         };
         let scene = Message::Scene(Box::new(self.scene(simulation)));
         let status = Message::Status(self.status(simulation));
-        ([welcome, scene, status], self.frame(simulation))
+        ([welcome, scene, status], frame)
     }
 
     /// Does what a page says; what is refused is answered.
@@ -161,6 +177,8 @@ impl Steering {
                 }
             }
             Err(error) => {
+                // A card that has failed is found out by the next frame.
+                self.stale |= error.is_of_card();
                 let refusal = Message::Error {
                     message: error.to_string(),
                     refused: asked,
@@ -169,13 +187,32 @@ impl Steering {
             }
         }
     }
+    /// Tells all pages what nobody has asked for.
+    fn tell(&mut self, message: String) {
+        let refused = None;
+        let message = Message::Error { message, refused };
+        self.outbox.push_back(Outgoing::text(&message));
+    }
+    /// Values of the physics, but for a card that is missing, which pages are told.
+    fn settled<T: Float>(&mut self, card: &Card<T>, mut values: Values) -> Values {
+        if let Some(reason) = card.settle(&mut values) {
+            self.tell(format!(
+                "It runs on the processor, not on a graphics card: {reason}"
+            ));
+        }
+        values
+    }
 
     fn perform<T: Float>(
         &mut self,
         subject: &mut Subject<T>,
         command: Command,
     ) -> Result<(), SessionError> {
-        let Subject { simulation, hands } = subject;
+        let Subject {
+            simulation,
+            hands,
+            card,
+        } = subject;
         match command {
             Command::Open {
                 example,
@@ -185,14 +222,20 @@ impl Steering {
                 self.play.not_of_program("what is simulated")?;
                 let example = Example::find(&example)?;
                 let form = example.form().with(&build)?;
-                self.open(subject, Play::of_example(example, form, &physics)?);
+                let physics = self.settled(card, physics);
+                let opened = Play::of_example(example, form, &physics, card)?;
+                self.open(subject, opened);
             }
             Command::File { name, text } => {
                 self.play.not_of_program("what is simulated")?;
-                self.open(subject, Play::of_file(&name, &text)?);
+                let opened = Play::of_file(&name, &text, card)?;
+                self.open(subject, opened);
             }
             Command::Rebuild { build } => self.rebuild(subject, &build)?,
-            Command::Physics { values } => self.set_physics(subject, &values)?,
+            Command::Physics { values } => {
+                let values = self.settled(card, values);
+                self.set_physics(subject, &values)?;
+            }
             Command::Run {} => self.run(),
             Command::Stop {} => self.stop(),
             Command::Step { steps } => self.step(steps)?,
@@ -263,6 +306,7 @@ impl Steering {
     fn begin<T: Float>(&mut self, simulation: &mut Simulation<T>) {
         self.scenes += 1;
         self.owed = 0.0;
+        self.batch = Batch::default();
         self.samples.clear();
         let shown = self.play.stage.shown.clamp(1, MOST_SHOWN);
         self.shown = (0..shown.min(simulation.worlds())).collect();
@@ -291,13 +335,14 @@ impl Steering {
         };
         let form = self.play.build.clone().with(build)?;
         // What the page has changed stays; what follows from the model follows the new one.
-        let was = Physics::new(&self.play.stage);
+        let was = Physics::new(&self.play.stage, &subject.card);
         let kept = self.play.physics.fields().iter().zip(was.fields());
         let changed = kept.filter(|(now, was)| now.value != was.value);
         let physics: Values = changed
             .map(|(now, _)| (now.name.clone(), now.value))
             .collect();
-        self.open(subject, Play::of_example(example, form, &physics)?);
+        let opened = Play::of_example(example, form, &physics, &subject.card)?;
+        self.open(subject, opened);
         Ok(())
     }
 
@@ -319,7 +364,7 @@ impl Steering {
         parts: Parts,
         physics: Physics,
     ) -> Result<(), SessionError> {
-        if !self.play.change(&mut subject.simulation, parts, physics)? {
+        if !self.play.change(subject, parts, physics)? {
             self.stop();
             self.opened(subject);
         }
@@ -433,15 +478,12 @@ impl Steering {
         Ok(self.play.aim_actuator(simulation, actuator)?)
     }
 
-    fn scrub<T: Float>(
-        &mut self,
-        Subject { simulation, hands }: &mut Subject<T>,
-        time: f64,
-    ) -> Result<(), SessionError> {
+    fn scrub<T: Float>(&mut self, subject: &mut Subject<T>, time: f64) -> Result<(), SessionError> {
         within("time", time, 0.0, f64::MAX)?;
         self.stop();
         self.samples.clear();
-        hands.forget();
+        subject.hands.forget();
+        let simulation = &mut subject.simulation;
         let steps = (time / time_step(simulation)).round() as u64;
         if let Some(moment) = self.play.history.nearest(steps) {
             simulation.restore(&moment.snapshot)?;
@@ -475,7 +517,8 @@ impl Steering {
             self.samples.clear();
         }
         if self.play.history.due(steps) == 0 {
-            self.play.record(simulation);
+            // Where a device fails, the frame that follows tells.
+            let _ = self.play.record(simulation);
         }
         if back {
             self.tell_status(simulation);
@@ -498,12 +541,7 @@ impl Steering {
         let behind = self.owed >= 1.0;
         if behind {
             if let Err(error) = self.work(subject, now) {
-                self.stop();
-                let failure = Message::Error {
-                    message: error.to_string(),
-                    refused: None,
-                };
-                self.outbox.push_back(Outgoing::text(&failure));
+                self.fail(subject, &error);
             }
             self.stale = true;
         }
@@ -512,19 +550,51 @@ impl Steering {
             // What is not done in time is not made up for: the simulation is slower than asked.
             self.owed = self.owed.min(1.0_f64.max(self.owed.fract()));
         }
-        self.report(&mut subject.simulation, now, behind);
+        self.report(subject, now, behind);
         behind && self.owed >= 1.0
+    }
+
+    /// Stops, and tells why. Where a card has failed, all that it held is lost, and the processor goes on from a
+    /// recorded state; the simulation of a program is the program's to mend.
+    fn fail<T: Float>(&mut self, subject: &mut Subject<T>, error: &SessionError) {
+        self.stop();
+        let mends = error.is_of_card() && self.play.not_of_program("").is_ok();
+        if !mends {
+            return self.tell(error.to_string());
+        }
+        match self.play.leave_card(&mut subject.simulation) {
+            Ok(values) => {
+                self.samples.clear();
+                subject.hands = Hands::default();
+                let time = self.play.time(&subject.simulation);
+                self.tell(format!(
+                    "{error}. The processor has taken over, at {time:.3} s"
+                ));
+                let commands = vec![Command::Physics { values }];
+                self.outbox
+                    .push_back(Outgoing::text(&Message::Changed { commands }));
+                self.tell_status(&subject.simulation);
+            }
+            Err(next) => self.tell(format!("{error}. The processor cannot take over: {next}")),
+        }
     }
 
     /// Makes steps that are owed, until the slice of time is over.
     fn work<T: Float>(&mut self, subject: &mut Subject<T>, start: f64) -> Result<(), SessionError> {
-        let mut most = 1;
+        let most = match subject.simulation.device() {
+            Some(_) => ON_CARD,
+            None => AT_ONCE * self.slice,
+        };
         loop {
             let before = (self.clock)();
             let simulation = &mut subject.simulation;
             let (play, h) = (&mut self.play, time_step(simulation));
             let until = play.wander.steer(simulation, play.steps, &play.control)?;
-            let at_once = if subject.hands.rest() { most } else { 1 };
+            let at_once = if subject.hands.rest() {
+                self.batch.steps
+            } else {
+                1
+            };
             let steps = self.uninterrupted(at_once.min(until), h);
             subject.step(steps as usize)?;
             let simulation = &mut subject.simulation;
@@ -532,22 +602,20 @@ impl Steering {
             self.owed -= steps as f64;
             self.pace.steps += steps;
             if self.play.history.due(self.play.steps) == 0 {
-                self.play.record(simulation);
+                self.play.record(simulation)?;
             }
             if self
                 .play
                 .steps
                 .is_multiple_of(sample_every(time_step(simulation)))
             {
-                self.sample(simulation);
+                self.sample(simulation)?;
             }
             let now = (self.clock)();
             self.pace.computing += now - before;
+            self.batch.took(steps, now - before, most);
             if self.owed < 1.0 || now - start > self.slice {
                 return Ok(());
-            }
-            if now - before < 0.1 * self.slice {
-                most = (2 * most).min(MOST_AT_ONCE);
             }
         }
     }
@@ -560,25 +628,29 @@ impl Steering {
         most.min(due).min(self.owed as u64).max(1)
     }
 
-    fn sample<T: Float>(&mut self, simulation: &mut Simulation<T>) {
+    fn sample<T: Float>(&mut self, simulation: &mut Simulation<T>) -> Result<(), SessionError> {
         if self.samples.len() == MOST_SAMPLES {
             self.samples.pop_front();
         }
-        let values = self.play.measure(simulation, &self.plots, self.shown[0]);
+        let shown = self.shown[0];
+        let values = self.play.measure(simulation, &self.plots, shown)?;
         self.samples.push_back((self.play.time(simulation), values));
+        Ok(())
     }
 
     /// Sends a frame and a status, if it is time.
-    fn report<T: Float>(&mut self, simulation: &mut Simulation<T>, now: f64, stepped: bool) {
+    fn report<T: Float>(&mut self, subject: &mut Subject<T>, now: f64, stepped: bool) {
         let done = stepped && !self.running && self.owed < 1.0;
         let tell = done || ((self.running || self.untold) && now - self.told >= STATUS);
         if self.stale && (done || now >= self.next_frame) {
             self.stale = false;
-            let mut frame = self.frame(simulation);
-            self.add_samples(&mut frame);
-            self.outbox.push_back(Outgoing::Frame(frame.to_bytes()));
+            if let Some(mut frame) = self.frame(subject) {
+                self.add_samples(&mut frame);
+                self.outbox.push_back(Outgoing::Frame(frame.to_bytes()));
+            }
             self.next_frame = now + self.rest(now);
         }
+        let simulation = &mut subject.simulation;
         if tell {
             (self.told, self.untold) = (now, false);
             self.measure_pace(simulation, now);
@@ -633,6 +705,7 @@ impl Steering {
         let seconds = |steps: u64| steps as f64 * time_step(simulation);
         Status {
             running: self.busy(),
+            card: simulation.device().map(str::to_owned),
             time: play.time(simulation),
             steps: play.steps,
             speed: self.speed,
@@ -645,13 +718,23 @@ impl Steering {
         }
     }
 
-    /// The present state, of the worlds that are shown.
-    pub fn frame<T: Float>(&mut self, simulation: &mut Simulation<T>) -> Frame {
-        let mut frame = self.play.frame(simulation, &self.shown, &self.plots);
+    /// The present state, of the worlds that are shown; where a card fails, that which the processor goes on from,
+    /// and none where it cannot.
+    pub fn frame<T: Float>(&mut self, subject: &mut Subject<T>) -> Option<Frame> {
+        let present = self.present(subject).or_else(|error| {
+            self.fail(subject, &error.into());
+            self.present(subject)
+        });
+        let mut frame = present.ok()?;
         (frame.scene, frame.number, frame.running) = (self.scenes, self.frames, self.busy());
         frame.choices = self.choices;
         self.frames = self.frames.wrapping_add(1);
-        frame
+        Some(frame)
+    }
+
+    fn present<T: Float>(&self, subject: &mut Subject<T>) -> Result<Frame, SimulationError> {
+        let simulation = &mut subject.simulation;
+        self.play.frame(simulation, &self.shown, &self.plots)
     }
 
     /// Moves the samples since the last frame into this one.

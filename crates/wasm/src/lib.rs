@@ -1,17 +1,24 @@
 //! The engine in a browser: a session behind a few exported functions.
 //!
 //! The page's worker calls [`start`] once, writes each command as UTF-8 into [`room`] and calls [`receive`],
-//! and calls [`advance`] again and again; what [`next`] then takes out lies at [`message`]. One import:
-//! `page.now`, seconds of a clock that never goes back.
+//! and calls [`advance`] again and again; what [`next`] then takes out lies at [`message`]. Imports:
+//! `page.now`, seconds of a clock that never goes back, and the page's graphics card, as `gpu`.
+//!
+//! Those of `gpu` that wait suspend the module, where the worker has a way to do so (`WebAssembly.Suspending`). Only
+//! [`receive`] and [`advance`] ever wait, and until they have returned nothing else may be called.
 //!
 //! There is no tool between: the module has plain numbers for arguments, and needs no generated code.
 
 #![allow(unsafe_code)] // functions that are called by name, and one that is imported
 #![cfg(target_family = "wasm")]
 
+mod gpu;
+
+use gpu::Card;
 use session::{Outgoing, Session};
 use std::cell::RefCell;
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 #[link(wasm_import_module = "page")]
 unsafe extern "C" {
@@ -25,7 +32,7 @@ struct Engine {
     session: Option<Session>,
     /// What the page is told at first.
     greeting: VecDeque<Outgoing>,
-    /// The command that comes in.
+    /// The command that comes in; at first, what is to be known of the graphics card.
     room: Vec<u8>,
     /// The message that goes out.
     message: Vec<u8>,
@@ -40,10 +47,19 @@ fn clock() -> f64 {
 }
 
 /// Makes the session; its first messages are then waiting. 1 where that went well, else 0.
+///
+/// `card` is 1 where the room holds the name of a graphics card, 2 where it holds why there is none; else nobody
+/// is asked where simulations are to run.
 #[unsafe(no_mangle)]
-pub extern "C" fn start() -> u32 {
+pub extern "C" fn start(card: u32) -> u32 {
     ENGINE.with_borrow_mut(|engine| {
-        engine.session = Session::gallery(clock).ok();
+        let told = String::from_utf8_lossy(&engine.room).into_owned();
+        let session = Session::gallery(clock).ok();
+        engine.session = match card {
+            1 => session.map(|s| s.with_card(Ok(Arc::new(Card { name: told })))),
+            2 => session.map(|s| s.with_card(Err(told))),
+            _ => session,
+        };
         let greeting = engine.session.as_mut().map(Session::greeting);
         engine.greeting = greeting.unwrap_or_default().into();
         u32::from(engine.session.is_some())

@@ -6,15 +6,19 @@ import { short } from "../ui/format";
 /** What the scene is, and what to try. */
 export class Guide {
   readonly element = h("div", { class: "guide" });
+  private readonly runsOn = h("dd");
 
   constructor(session: Session) {
     session.on("scene", (scene) => this.show(scene));
+    session.on("status", ({ card }) => {
+      this.runsOn.textContent = card ?? `processor (${session.scene?.isa})`;
+    });
   }
 
   private show(scene: Scene): void {
-    const facts: [string, string][] = [
+    const facts: [string, string | HTMLElement][] = [
       ["Solver", scene.solver],
-      ["Instructions", scene.isa],
+      ["Runs on", this.runsOn],
       ["Time step", `${short(1000 * scene.time_step)} ms`],
       ["Replicas", String(scene.worlds)],
       ["Bodies", String(scene.bodies.length)],
@@ -25,7 +29,10 @@ export class Guide {
       h(
         "dl",
         { class: "facts" },
-        ...facts.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]),
+        ...facts.flatMap(([name, value]) => [
+          h("dt", {}, name),
+          typeof value === "string" ? h("dd", {}, value) : value,
+        ]),
       ),
     );
   }

@@ -1,15 +1,20 @@
 /** An engine in WebAssembly, as the worker holds it. */
 
+import { Card, type Found, imports, promises } from "./gpu";
+
 /** What `engine.wasm` exports. */
 export interface EngineExports {
   memory: WebAssembly.Memory;
-  /** Makes the session; its first messages are then waiting. 1 where that went well. */
-  start(): number;
+  /**
+   * Makes the session; its first messages are then waiting. 1 where that went well. `card` is 1 where the room
+   * holds the name of a graphics card, 2 where it holds why there is none.
+   */
+  start(card: number): number;
   /** Room for an incoming message of so many bytes of UTF-8. */
   room(length: number): number;
-  /** Handles the message in the room. */
+  /** Handles the message in the room. May wait for the card. */
   receive(): void;
-  /** Steps as the clock says, and queues messages. 1 where there is more to do at once. */
+  /** Steps as the clock says, and queues messages. 1 where there is more to do at once. May wait for the card. */
   advance(): number;
   /** Takes the next outgoing message: 0 none, 1 text, 2 binary. */
   next(): number;
@@ -18,35 +23,56 @@ export interface EngineExports {
   message_length(): number;
 }
 
-/** What it imports: seconds of a clock that never goes back. */
-const IMPORTS = { page: { now: () => performance.now() / 1000 } };
-
 /** A message that the engine gave. */
 export type Outgoing = string | ArrayBuffer;
 
+/**
+ * The engine. While it waits for its graphics card, in `receive` or `advance`, nothing else of it may be called: who
+ * holds it lets one call end before the next.
+ */
 export class Engine {
-  /** Throws where the session cannot be made. */
-  constructor(private readonly wasm: EngineExports) {
-    if (wasm.start() !== 1) throw new Error("it could not make its first scene");
+  private readonly doReceive: () => Promise<void>;
+  private readonly doAdvance: () => Promise<number>;
+
+  /** Throws where the session cannot be made. `card` is the card that was found, or why there is none. */
+  constructor(
+    private readonly wasm: EngineExports,
+    card: Found | string,
+  ) {
+    const [kind, told] = typeof card === "string" ? [2, card] : [1, card.name];
+    this.fill(told);
+    if (wasm.start(kind) !== 1) throw new Error("it could not make its first scene");
+    const { receive, advance } = wasm;
+    this.doReceive = waiting(receive, kind === 1);
+    this.doAdvance = waiting(advance, kind === 1);
   }
 
-  static async load(address: string): Promise<Engine> {
+  static async load(address: string, finding: Promise<Found | string>): Promise<Engine> {
     const response = await fetch(address);
     if (!response.ok) throw new Error(`${address} cannot be had: ${response.status} ${response.statusText}`);
-    const { instance } = await WebAssembly.instantiate(await response.arrayBuffer(), IMPORTS);
-    return new Engine(instance.exports as unknown as EngineExports);
+    const [bytes, card] = await Promise.all([response.arrayBuffer(), finding]);
+    return Engine.of(bytes, card);
   }
 
-  receive(json: string): void {
-    const bytes = new TextEncoder().encode(json);
-    const pointer = this.wasm.room(bytes.length);
-    new Uint8Array(this.wasm.memory.buffer, pointer, bytes.length).set(bytes);
-    this.wasm.receive();
+  /** From `engine.wasm`. */
+  static async of(bytes: BufferSource, found: Found | string): Promise<Engine> {
+    let exports: EngineExports;
+    const card = new Card(typeof found === "string" ? null : found, () => exports.memory);
+    // A clock that never goes back, in seconds.
+    const page = { now: () => performance.now() / 1000 };
+    const { instance } = await WebAssembly.instantiate(bytes, { page, gpu: imports(card) });
+    exports = instance.exports as unknown as EngineExports;
+    return new Engine(exports, found);
+  }
+
+  async receive(json: string): Promise<void> {
+    this.fill(json);
+    await this.doReceive();
   }
 
   /** Steps as the clock says. Returns whether there is more to do at once. */
-  advance(): boolean {
-    return this.wasm.advance() === 1;
+  async advance(): Promise<boolean> {
+    return (await this.doAdvance()) === 1;
   }
 
   /** Takes all messages that wait, in order. */
@@ -57,4 +83,15 @@ export class Engine {
       yield kind === 1 ? new TextDecoder().decode(bytes) : bytes;
     }
   }
+
+  private fill(text: string): void {
+    const bytes = new TextEncoder().encode(text);
+    const pointer = this.wasm.room(bytes.length);
+    new Uint8Array(this.wasm.memory.buffer, pointer, bytes.length).set(bytes);
+  }
+}
+
+/** An export that may be suspended, where there is what it waits for. */
+function waiting<T>(exported: () => T, waits: boolean): () => Promise<T> {
+  return waits && promises.promising ? promises.promising(exported) : async () => exported();
 }

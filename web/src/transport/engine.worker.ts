@@ -3,6 +3,7 @@
 import type { Command } from "../protocol";
 import { Decimator } from "./decimate";
 import { Engine } from "./engine";
+import { findCard } from "./gpu";
 
 /** From the page to the worker. */
 export type ToWorker = { load: string } | { command: Command } | { drawn: true };
@@ -26,25 +27,31 @@ function forward(): void {
   }
 }
 
-/** Calls what may trap; after a trap the engine's memory is not to be trusted, so it is let go. */
-function guarded(act: () => void): void {
-  try {
-    act();
-  } catch (error) {
-    engine = null;
-    post({ failed: `The engine broke down: ${(error as Error).message}. Reload the page.` });
-  }
+/** What the engine does, one after the other: while it waits for a graphics card, nothing else of it may be called. */
+let turns: Promise<void> = Promise.resolve();
+
+/** Calls what may trap, in its turn; after a trap the engine's memory is not to be trusted, so it is let go. */
+function inTurn(act: (engine: Engine) => Promise<void>): Promise<void> {
+  turns = turns.then(async () => {
+    try {
+      if (engine) await act(engine);
+    } catch (error) {
+      engine = null;
+      post({ failed: `The engine broke down: ${(error as Error).message}. Reload the page.` });
+    }
+  });
+  return turns;
 }
 
 /** Goes on after the commands that came meanwhile; a timer would wait for some milliseconds. */
 const onward = new MessageChannel();
 onward.port1.onmessage = tick;
 
-function tick(): void {
+async function tick(): Promise<void> {
   const began = performance.now();
   let more = false;
-  guarded(() => {
-    more = engine?.advance() ?? false;
+  await inTurn(async (engine) => {
+    more = await engine.advance();
     forward();
   });
   if (more) onward.port2.postMessage(null);
@@ -53,7 +60,7 @@ function tick(): void {
 
 async function load(address: string): Promise<void> {
   try {
-    engine = await Engine.load(address);
+    engine = await Engine.load(address, findCard(navigator.gpu));
   } catch (error) {
     post({ failed: `The engine did not load: ${(error as Error).message}` });
     return;
@@ -66,8 +73,8 @@ self.onmessage = ({ data }: MessageEvent<ToWorker>) => {
   if ("load" in data) {
     load(data.load);
   } else if ("command" in data) {
-    guarded(() => {
-      engine?.receive(JSON.stringify(data.command));
+    inTurn(async (engine) => {
+      await engine.receive(JSON.stringify(data.command));
       forward();
     });
   } else {

@@ -20,7 +20,7 @@ export class FieldForm {
     const kinds = JSON.stringify(fields.map(({ value: _, ...kind }) => kind));
     if (kinds !== this.kinds) {
       this.kinds = kinds;
-      this.rows = new Map(fields.map((field) => [field.name, this.row(field)]));
+      this.rows = new Map(fields.map((field) => [field.name, noted(field, this.row(field))]));
       this.element.replaceChildren(...[...this.rows.values()].map((row) => row.element));
     }
     for (const { name, value } of fields) this.rows.get(name)?.set(value);
@@ -62,4 +62,11 @@ export class FieldForm {
       }
     }
   }
+}
+
+/** A row with the field's note below it, if it has one. */
+function noted({ note }: Field, row: Row): Row {
+  if (note === undefined) return row;
+  const element = h("div", {}, row.element, h("p", { class: "note" }, note));
+  return { element, set: (value) => row.set(value) };
 }
