@@ -26,12 +26,7 @@ pub fn check(workshop: &Workshop) -> Result<()> {
         cfg!(target_arch = "x86_64"),
         "the entries are those of x86-64: run this check there"
     );
-    cmd!(
-        workshop.sh,
-        "cargo build --quiet --release --package kinetarium-cli"
-    )
-    .run()?;
-    let program = workshop.target().join("release/kinetarium");
+    let program = workshop.program()?;
     let functions = disassemble(&workshop.sh, &program)?;
     for entry in ENTRIES {
         let count = functions

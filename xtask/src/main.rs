@@ -7,6 +7,7 @@ mod docs;
 mod page;
 mod stages;
 mod test;
+mod units;
 mod workshop;
 
 use std::process::ExitCode;

@@ -27,12 +27,10 @@ pub fn same_bits(workshop: &Workshop) -> Result<()> {
     let engine = engine(workshop)?;
     let sh = &workshop.sh;
     let there = cmd!(sh, "node xtask/frames.mjs {engine}").read()?;
-    let here = cmd!(
-        sh,
-        "cargo run --quiet --release --package kinetarium-session --example frames"
-    )
-    .env("KINETARIUM_ISA", "portable")
-    .read()?;
+    let frames = workshop.example("frames")?;
+    let here = cmd!(sh, "{frames}")
+        .env("KINETARIUM_ISA", "portable")
+        .read()?;
     ensure!(there == here, "in a browser:\n{there}\nhere:\n{here}");
     Ok(())
 }
@@ -57,8 +55,7 @@ pub fn check(workshop: &Workshop) -> Result<()> {
 pub fn browse(workshop: &Workshop) -> Result<()> {
     let sh = &workshop.sh;
     let engine = engine(workshop)?;
-    cmd!(sh, "cargo build --quiet --release").run()?;
-    let program = workshop.target().join("release/kinetarium");
+    let program = workshop.program()?;
     let _inside = sh.push_dir("web");
     install(workshop)?;
     cmd!(sh, "npm run --silent e2e -- --engine {engine}").run()?;

@@ -1,14 +1,14 @@
 //! `cargo xtask test`: everything that must hold, in order of cost.
 
-use anyhow::{Context, Result, ensure};
-use serde::Deserialize;
+use anyhow::{Result, ensure};
 use xshell::cmd;
 
 use crate::asm;
 use crate::docs;
 use crate::page;
 use crate::stages::{self, Stage};
-use crate::workshop::Workshop;
+use crate::units::{self, Metadata};
+use crate::workshop::{COLLIDE, ENGINE, Workshop};
 
 const NEON: &str = "aarch64-unknown-linux-musl";
 const WASM: &str = "wasm32-wasip1";
@@ -142,38 +142,31 @@ fn clippy(workshop: &Workshop) -> Result<()> {
 /// Tests that need MuJoCo's references are ignored elsewhere.
 fn peers(workshop: &Workshop) -> Result<()> {
     let references = workshop.write_peers()?;
-    for (package, test) in [
-        ("kinetarium-formats", "mujoco"),
-        ("kinetarium-rigid", "mujoco"),
-        ("kinetarium-rigid", "falls"),
-        ("kinetarium-sim", "endurance"),
-        ("kinetarium-derivatives", "mujoco"),
-        ("kinetarium-sensors", "mujoco"),
-    ] {
-        cmd!(
-            workshop.sh,
-            "cargo test --quiet --release --package {package} --test {test} -- --ignored"
-        )
-        .env("KINETARIUM_PEERS", &references)
-        .run()?;
-    }
-    Ok(())
-}
-
-fn test(workshop: &Workshop) -> Result<()> {
     Ok(cmd!(
         workshop.sh,
-        "cargo test --quiet --release --workspace --lib --bins --tests"
+        "cargo test --quiet --release {ENGINE...} --test mujoco --test solvers --test endurance -- --ignored"
     )
+    .env("KINETARIUM_PEERS", &references)
     .run()?)
 }
 
+fn test(workshop: &Workshop) -> Result<()> {
+    units::check(workshop)?;
+    cargo_test(workshop, &["--lib", "--bins", "--tests"])
+}
+
 fn doc(workshop: &Workshop) -> Result<()> {
-    let sh = &workshop.sh;
-    cmd!(sh, "cargo doc --quiet --workspace --no-deps")
+    cmd!(workshop.sh, "cargo doc --quiet --workspace --no-deps")
         .env("RUSTDOCFLAGS", "--deny warnings")
         .run()?;
-    Ok(cmd!(sh, "cargo test --quiet --release --workspace --doc").run()?)
+    cargo_test(workshop, &["--doc"])
+}
+
+/// Tests of such targets in every package.
+fn cargo_test(workshop: &Workshop, targets: &[&str]) -> Result<()> {
+    let sh = &workshop.sh;
+    cmd!(sh, "cargo test --quiet --release {ENGINE...} {targets...}").run()?;
+    Ok(cmd!(sh, "cargo test --quiet --release {COLLIDE...} {targets...}").run()?)
 }
 
 /// The musl target links with Rust's own linker and libraries, so no cross compiler is needed.
@@ -214,7 +207,7 @@ fn cameras(workshop: &Workshop) -> Result<()> {
     page::need_vulkan(workshop)?;
     Ok(cmd!(
         workshop.sh,
-        "cargo test --quiet --release --package kinetarium-render --features gpu --tests"
+        "cargo test --quiet --release {ENGINE...} --features kinetarium-render/gpu --test gpu --test ray_caster"
     )
     .env("KINETARIUM_GPU", "1")
     .run()?)
@@ -225,7 +218,7 @@ fn gpu(workshop: &Workshop) -> Result<()> {
     page::need_vulkan(workshop)?;
     Ok(cmd!(
         workshop.sh,
-        "cargo test --quiet --release --package kinetarium-gpu --test cards -- --ignored"
+        "cargo test --quiet --release {ENGINE...} --test cards -- --ignored"
     )
     .env("KINETARIUM_GPU", "llvmpipe")
     .run()?)
@@ -253,8 +246,7 @@ fn python(workshop: &Workshop) -> Result<()> {
 /// Runs the program as a newcomer would, in an empty folder, and expects its files and exit codes.
 fn program(workshop: &Workshop) -> Result<()> {
     let sh = &workshop.sh;
-    cmd!(sh, "cargo build --quiet --release").run()?;
-    let kinetarium = workshop.target().join("release/kinetarium");
+    let kinetarium = workshop.program()?;
     let python = workshop.peers_python()?;
     let humanoid = cmd!(sh, "{python} -c")
         .arg("import gymnasium, pathlib; print(pathlib.Path(gymnasium.__file__).parent / 'envs/mujoco/assets/humanoid.xml')")
@@ -290,42 +282,16 @@ fn program(workshop: &Workshop) -> Result<()> {
     Ok(())
 }
 
-#[derive(Deserialize)]
-struct Metadata {
-    packages: Vec<Package>,
-}
-
-#[derive(Deserialize)]
-struct Package {
-    name: String,
-    targets: Vec<Target>,
-}
-
-#[derive(Deserialize)]
-struct Target {
-    name: String,
-    kind: Vec<String>,
-}
-
 fn examples(workshop: &Workshop) -> Result<()> {
     let sh = &workshop.sh;
-    let metadata = cmd!(sh, "cargo metadata --format-version 1 --no-deps")
-        .quiet()
-        .read()?;
-    let metadata: Metadata =
-        serde_json::from_str(&metadata).context("cargo metadata is not what it was")?;
-    for package in &metadata.packages {
+    for package in Metadata::read(sh)?.packages {
         for example in package
             .targets
             .iter()
             .filter(|target| target.kind.iter().any(|kind| kind == "example"))
         {
-            let (package, example) = (&package.name, &example.name);
-            cmd!(
-                sh,
-                "cargo run --quiet --release --package {package} --example {example}"
-            )
-            .run()?;
+            let example = workshop.example(&example.name)?;
+            cmd!(sh, "{example}").run()?;
         }
     }
     Ok(())

@@ -5,6 +5,13 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use xshell::{Shell, cmd};
 
+/// What every command selects that compiles the engine for tests and examples. A crate has the features that all
+/// packages selected ask for, and each set of features compiles the engine anew.
+pub const ENGINE: [&str; 3] = ["--workspace", "--exclude", "kinetarium-collide"];
+
+/// What is left out there: by itself it has features that program and Python package do without.
+pub const COLLIDE: [&str; 2] = ["--package", "kinetarium-collide"];
+
 /// A shell at the repository's root.
 pub struct Workshop {
     pub sh: Shell,
@@ -28,6 +35,27 @@ impl Workshop {
     pub fn target(&self) -> PathBuf {
         std::env::var_os("CARGO_TARGET_DIR")
             .map_or_else(|| self.root.join("target"), |dir| self.root.join(dir))
+    }
+
+    /// Builds the program; returns where it is. Together with the Python package, so that what both are made of is
+    /// compiled once.
+    pub fn program(&self) -> Result<PathBuf> {
+        cmd!(
+            self.sh,
+            "cargo build --quiet --release --package kinetarium-cli --package kinetarium-python"
+        )
+        .run()?;
+        Ok(self.target().join("release/kinetarium"))
+    }
+
+    /// Builds an example; returns where it is.
+    pub fn example(&self, name: &str) -> Result<PathBuf> {
+        cmd!(
+            self.sh,
+            "cargo build --quiet --release {ENGINE...} --example {name}"
+        )
+        .run()?;
+        Ok(self.target().join("release/examples").join(name))
     }
 
     /// Makes sure that `program` can be run, by installing Debian's `package` where that is allowed.

@@ -151,3 +151,28 @@ kernels! {
     SphereConvex = sphere_convex(_k, _tables, a, b);
     Convex = convex_convex(_k, _tables, a, b);
 }
+
+/// Calls a macro with every type in [`kernel`], each after a name for a module or a function of its own.
+#[macro_export]
+macro_rules! with_kernels {
+    ($call:ident) => {
+        $call! {
+            plane_sphere PlaneSphere;
+            plane_capsule PlaneCapsule;
+            plane_cylinder PlaneCylinder;
+            plane_cone PlaneCone;
+            plane_box PlaneBox;
+            plane_ellipsoid PlaneEllipsoid;
+            plane_hull PlaneHull;
+            sphere_sphere SphereSphere;
+            sphere_capsule SphereCapsule;
+            sphere_cylinder SphereCylinder;
+            sphere_cone SphereCone;
+            sphere_box SphereBox;
+            capsule_capsule CapsuleCapsule;
+            box_box BoxBox;
+            sphere_convex SphereConvex;
+            convex Convex;
+        }
+    };
+}

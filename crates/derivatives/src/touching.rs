@@ -105,21 +105,4 @@ macro_rules! pairs {
     };
 }
 
-pairs! {
-    plane_sphere PlaneSphere;
-    plane_capsule PlaneCapsule;
-    plane_cylinder PlaneCylinder;
-    plane_cone PlaneCone;
-    plane_box PlaneBox;
-    plane_ellipsoid PlaneEllipsoid;
-    plane_hull PlaneHull;
-    sphere_sphere SphereSphere;
-    sphere_capsule SphereCapsule;
-    sphere_cylinder SphereCylinder;
-    sphere_cone SphereCone;
-    sphere_box SphereBox;
-    capsule_capsule CapsuleCapsule;
-    box_box BoxBox;
-    sphere_convex SphereConvex;
-    convex Convex;
-}
+collide::with_kernels!(pairs);

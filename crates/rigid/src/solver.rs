@@ -165,7 +165,7 @@ pub trait Kernels: Clone + Send + Sync + 'static {
         }
     }
     /// As [`step`](Kernels::step), in parts that are called: compiled in seconds, where the other takes
-    /// minutes, for machines that record and need not be fast.
+    /// minutes, for what need not be fast: machines that record, tests.
     fn step_in_parts<M: Machine>(&self, k: &mut M) {
         #[inline(never)]
         fn begin<K: Kernels, M: Machine>(kernels: &K, k: &mut M, stage: M::I) {

@@ -5,7 +5,7 @@ use kinetarium_collide::{Kernel, Manifold, Placed, Point, Route, Solid, Tables, 
 use numbers::{Cpu, Float, Machine, Pose, Quat, Shared, Vec3};
 
 macro_rules! routes {
-    ($($name:ident)+) => {
+    ($($_module:ident $name:ident;)+) => {
         /// The contact of two convex solids by the kernel of a route.
         #[inline(always)]
         pub fn manifold_of<M: Machine>(
@@ -23,11 +23,7 @@ macro_rules! routes {
     };
 }
 
-routes! {
-    PlaneSphere PlaneCapsule PlaneCylinder PlaneCone PlaneBox PlaneEllipsoid PlaneHull
-    SphereSphere SphereCapsule SphereCylinder SphereCone SphereBox CapsuleCapsule BoxBox
-    SphereConvex Convex
-}
+kinetarium_collide::with_kernels!(routes);
 
 /// The contact of a pair, computed in `T` and read as `f64`.
 pub fn manifold<T: Float>(pair: &Pair) -> Manifold<f64> {

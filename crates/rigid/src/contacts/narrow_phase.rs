@@ -21,26 +21,15 @@ pub(crate) trait Places<M: Machine> {
     fn origin(&self, k: &M, group: M::I) -> Vec3<M::R>;
 }
 
-/// Calls a macro with the kernels for pairs of solids.
-macro_rules! with_kernels {
-    ($call:ident) => {
-        $call! {
-            PlaneSphere PlaneCapsule PlaneCylinder PlaneCone PlaneBox PlaneEllipsoid PlaneHull
-            SphereSphere SphereCapsule SphereCylinder SphereCone SphereBox CapsuleCapsule BoxBox
-            SphereConvex Convex
-        }
-    };
-}
-
 /// Fills the slots: the points that two shapes could reach within the step and a safe margin.
 ///
 /// Needs [`place_shapes`].
 #[inline(always)]
 pub(crate) fn narrow_phase<M: Machine>(k: &mut M, t: &ContactTables) {
     macro_rules! meet {
-        ($($kernel:ident)+) => { $(t.meet::<M, kernel::$kernel>(k);)+ };
+        ($($_name:ident $kernel:ident;)+) => { $(t.meet::<M, kernel::$kernel>(k);)+ };
     }
-    with_kernels!(meet);
+    collide::with_kernels!(meet);
     t.meet_meshes(k);
 }
 
@@ -55,9 +44,9 @@ pub(crate) fn narrow_phase_in_parts<M: Machine>(k: &mut M, t: &ContactTables) {
         t.meet_meshes(k);
     }
     macro_rules! meet {
-        ($($kernel:ident)+) => { $(part::<M, kernel::$kernel>(k, t);)+ };
+        ($($_name:ident $kernel:ident;)+) => { $(part::<M, kernel::$kernel>(k, t);)+ };
     }
-    with_kernels!(meet);
+    collide::with_kernels!(meet);
     meshes(k, t);
 }
 

@@ -1,9 +1,6 @@
 //! Contacts of position-based dynamics, against closed forms.
 
-mod run;
-#[allow(dead_code)] // its models are for other tests
-mod scene;
-
+use crate::run;
 use glam::{DQuat, DVec3};
 use kinetarium_rigid::{
     Kernels, Settings, Xpbd, body as of_body, contact as of_contact, total as of_total,
@@ -38,24 +35,8 @@ impl Run {
         let v = [velocity.to_array(), spin.to_array()].concat();
         self.kernels.place(&q, &v, &mut self.world.state);
     }
-    fn body(&self, body: usize, field: usize) -> DVec3 {
-        self.vec3(self.tables.body.at(body, field))
-    }
-    fn position(&self) -> DVec3 {
-        self.body(0, of_body::POSITION)
-    }
-    fn velocity(&self) -> DVec3 {
-        self.body(0, of_body::VELOCITY)
-    }
-    fn spin(&self) -> DVec3 {
-        self.body(0, of_body::ANGULAR_VELOCITY)
-    }
     fn total(&self, field: usize) -> DVec3 {
         self.vec3(self.tables.total.at(0, field))
-    }
-    fn energy(&self) -> f64 {
-        let total = self.tables.total.at(0, 0);
-        self.world.output[total] + self.world.output[total + 1]
     }
     /// Position, distance and force of each contact.
     fn contacts(&self) -> impl Iterator<Item = (DVec3, f64, DVec3)> {

@@ -1,9 +1,6 @@
 //! Contacts of reduced coordinates with what does not move, against closed forms.
 
-mod run;
-#[allow(dead_code)] // its models are for other tests
-mod scene;
-
+use crate::run;
 use glam::{DQuat, DVec3};
 use kinetarium_rigid::{
     Settings, TouchingFeatherstone, body as of_body, contact as of_contact,
@@ -22,19 +19,6 @@ impl Run {
     fn new(model: &Model, velocity: &[f64], settings: &Settings) -> Self {
         let kernels = TouchingFeatherstone::new(model, settings).unwrap();
         Self::of(kernels, model, velocity)
-    }
-    fn position(&self) -> DVec3 {
-        self.vec3(self.tables.body.at(0, of_body::POSITION))
-    }
-    fn velocity(&self) -> DVec3 {
-        self.vec3(self.tables.body.at(0, of_body::VELOCITY))
-    }
-    fn spin(&self) -> DVec3 {
-        self.vec3(self.tables.body.at(0, of_body::ANGULAR_VELOCITY))
-    }
-    fn energy(&self) -> f64 {
-        let total = self.tables.total.at(0, 0);
-        self.world.output[total] + self.world.output[total + 1]
     }
     /// Force [N] and torque [N·m] of a joint on its child.
     fn reaction(&self, joint: usize) -> [DVec3; 2] {

@@ -18,14 +18,12 @@
 //! - The humanoid that is to stand up starts 15 mm within itself, and what drives it apart depends on
 //!   the contact model: its torso is compared in the passive fall to the end, to 20 mm, and at rest.
 
-#[allow(dead_code)] // its models are for other tests
-mod scene;
-
+use crate::run::report;
+use crate::scene::{World, parameters};
 use kinetarium_rigid::{
     InputTables, Kernels, OutputTables, Settings, TouchingFeatherstone, body, contact, total,
 };
 use model::{JointId, JointKind, Model};
-use scene::{World, parameters};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -140,9 +138,9 @@ fn fall(reference: &Reference, model: &Model, fall: &Fall, passes: Option<usize>
     for control in std::iter::once(None).chain(fall.controls.iter().map(Some)) {
         if let Some(control) = control {
             world.input[inputs.control.at(0, 0)..][..control.len()].copy_from_slice(control);
-            kernels.step(&mut world.cpu(&parameters, kernels.links()));
+            kernels.step_in_parts(&mut world.cpu(&parameters, kernels.links()));
         }
-        kernels.report(&mut world.cpu(&parameters, kernels.links()));
+        report(&kernels, &mut world.cpu(&parameters, kernels.links()));
         assert_eq!(world.state[kernels.alive()], 1.0, "{}", reference.model);
         moments.push(look(&world, &tables, model.bodies.len()));
     }

@@ -1,31 +1,19 @@
 //! Solids on triangle meshes, by both solvers of trees: what is flat is a plane, seams are not felt, and
 //! each slope bears its share.
 
-mod run;
-#[allow(dead_code)] // its models are for other tests
-mod scene;
-
+use crate::run::Run;
 use glam::{DQuat, DVec2, DVec3};
 use kinetarium_rigid::{
     Kernels, Settings, SolverError, TouchingFeatherstone, Xpbd, body as of_body,
-    contact as of_contact,
 };
 use model::{Builder, Geometry, Hull, Material, Model, Pose, Shape, TriangleMesh};
-use run::Run;
 
 /// Gravity of the models [m/s²].
 const G: f64 = 9.81;
 
-impl<K: Kernels> Run<K> {
-    fn body(&self, field: usize) -> DVec3 {
-        self.vec3(self.tables.body.at(0, field))
-    }
-    /// The contact forces that are [N].
-    fn forces(&self) -> Vec<DVec3> {
-        let force = |slot| self.vec3(self.tables.contact.at(slot, of_contact::FORCE));
-        let all = (0..self.tables.contacts).map(force);
-        all.filter(|force| *force != DVec3::ZERO).collect()
-    }
+/// The contact forces that are [N].
+fn pushes<K: Kernels>(run: &Run<K>) -> Vec<DVec3> {
+    run.forces().filter(|force| *force != DVec3::ZERO).collect()
 }
 
 const PLANE: Geometry = Geometry::Plane {
@@ -95,10 +83,10 @@ fn boxes_feel_no_triangles<K: Kernels>(solver: impl Fn(&Model) -> K, near: f64) 
         (run, model.total_mass() * G)
     };
     let ((plane, weight), (mesh, _)) = (run(Shape::new(PLANE)), run(floor()));
-    let off = plane.body(of_body::POSITION) - mesh.body(of_body::POSITION);
+    let off = plane.body(0, of_body::POSITION) - mesh.body(0, of_body::POSITION);
     assert!(off.length() < near, "{off}");
     for run in [plane, mesh] {
-        let forces = run.forces();
+        let forces = pushes(&run);
         let sum: DVec3 = forces.iter().sum();
         assert_eq!(forces.len(), 4, "{forces:?}");
         assert!((sum - weight * DVec3::Y).length() < 1e-3 * weight, "{sum}");
@@ -119,15 +107,15 @@ fn balls_roll_on<K: Kernels>(solver: impl Fn(&Model) -> K, step: f64) {
     let mut run = Run::of(solver(&model), &model, &start);
     // The ball sinks in for some time constants of the contact, of 20 ms.
     run.step((0.4 / step) as usize);
-    let [v, w] = [of_body::VELOCITY, of_body::ANGULAR_VELOCITY].map(|f| run.body(f));
+    let [v, w] = [of_body::VELOCITY, of_body::ANGULAR_VELOCITY].map(|f| run.body(0, f));
     for _ in 0..(1.5 / step) as usize {
         run.step(1);
-        let off = run.body(of_body::VELOCITY) - v;
+        let off = run.body(0, of_body::VELOCITY) - v;
         assert!(off.length() < 1e-5 * speed, "{off}");
-        let off = run.body(of_body::ANGULAR_VELOCITY) - w;
+        let off = run.body(0, of_body::ANGULAR_VELOCITY) - w;
         assert!(off.length() * radius < 1e-5 * speed, "{off}");
     }
-    assert!(run.body(of_body::POSITION).x > 1.7);
+    assert!(run.body(0, of_body::POSITION).x > 1.7);
 }
 
 #[test]
@@ -148,7 +136,7 @@ fn valleys_share_the_weight<K: Kernels>(solver: impl Fn(&Model) -> K) {
     let weight = model.total_mass() * G;
     let mut run = Run::of(solver(&model), &model, &[0.0; 6]);
     run.step(1500);
-    let forces = run.forces();
+    let forces = pushes(&run);
     assert_eq!(forces.len(), 2, "{forces:?}");
     for side in [-1.0, 1.0] {
         let out = DVec3::new(-side * angle.sin(), angle.cos(), 0.0);

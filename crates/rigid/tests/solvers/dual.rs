@@ -1,12 +1,11 @@
 //! Derivatives of one step by dual numbers against central differences of fourth order.
 
-mod scene;
-
+use crate::run::report;
+use crate::scene::{World, looped, mixed, parameters};
 use kinetarium_rigid::{Featherstone, Integrator, Kernels, OutputTables, Settings, Xpbd};
 use model::Model;
 use model::examples::{Start, chain};
 use numbers::Dual;
-use scene::{World, looped, mixed, parameters};
 
 /// Relative difference allowed between the two derivatives of a column.
 const TOLERANCE: f64 = 1e-6;
@@ -37,8 +36,8 @@ fn step<R: numbers::Real<Mask: numbers::LanesMask>>(
     };
     *place += change;
     let parameters = parameters(kernels);
-    kernels.step(&mut world.cpu(&parameters, kernels.links()));
-    kernels.report(&mut world.cpu(&parameters, kernels.links()));
+    kernels.step_in_parts(&mut world.cpu(&parameters, kernels.links()));
+    report(kernels, &mut world.cpu(&parameters, kernels.links()));
     world.output
 }
 

@@ -1,31 +1,14 @@
 //! Hulls that touch, by both solvers of trees: a hull in the form of a box is the box, wherever its
 //! corners lie in the shape's frame, and a tetrahedron stands on its face.
 
-mod run;
-#[allow(dead_code)] // its models are for other tests
-mod scene;
-
+use crate::run::Run;
 use glam::{DQuat, DVec3};
-use kinetarium_rigid::{
-    Kernels, Settings, TouchingFeatherstone, Xpbd, body as of_body, contact as of_contact,
-};
+use kinetarium_rigid::{Kernels, Settings, TouchingFeatherstone, Xpbd, body as of_body};
 use model::{Builder, Geometry, Hull, Material, Model, Pose, Shape};
-use run::Run;
 
 /// Gravity of the models [m/s²].
 const G: f64 = 9.81;
 const HALF: DVec3 = DVec3::new(0.1, 0.05, 0.08);
-
-impl<K: Kernels> Run<K> {
-    fn body(&self, field: usize) -> DVec3 {
-        self.vec3(self.tables.body.at(0, field))
-    }
-    /// Sum of the contact forces [N].
-    fn force(&self) -> DVec3 {
-        let force = |slot| self.vec3(self.tables.contact.at(slot, of_contact::FORCE));
-        (0..self.tables.contacts).map(force).sum()
-    }
-}
 
 /// A body above a plane that is turned by `slope` [rad] about z, with its centre at `at`, turned by
 /// `turn`, in the plane's frame.
@@ -78,7 +61,7 @@ fn come_apart<K: Kernels>(
     for _ in 0..300 {
         cuboid.step(1);
         hull.step(1);
-        let [a, b] = [&cuboid, &hull].map(|run| run.body(of_body::POSITION));
+        let [a, b] = [&cuboid, &hull].map(|run| run.body(0, of_body::POSITION));
         most = most.max((a - b).length());
     }
     most
@@ -124,13 +107,13 @@ fn tetrahedra_stand<K: Kernels>(solver: impl Fn(&Model) -> K) {
     let mut run = Run::of(solver(&model), &model, &[0.0; 6]);
     run.step(1500);
     let weight = model.bodies[0].mass * G * DVec3::Y;
-    assert!((run.force() - weight).length() < 1e-3 * weight.y);
+    assert!((run.forces().sum::<DVec3>() - weight).length() < 1e-3 * weight.y);
     let [position, velocity, spin] = [
         of_body::POSITION,
         of_body::VELOCITY,
         of_body::ANGULAR_VELOCITY,
     ]
-    .map(|field| run.body(field));
+    .map(|field| run.body(0, field));
     assert!(
         velocity.length() < 1e-6 && spin.length() < 1e-5,
         "{velocity} {spin}"
@@ -186,7 +169,7 @@ fn a_hull_stands_on_any_flat_top() {
         let mut run = Run::of(featherstone(&model), &model, &[0.0; 6]);
         run.step(1000);
         let weight = model.bodies[0].mass * G * DVec3::Y;
-        assert!((run.force() - weight).length() < 1e-3 * weight.y);
-        assert!(run.body(of_body::VELOCITY).length() < 1e-4);
+        assert!((run.forces().sum::<DVec3>() - weight).length() < 1e-3 * weight.y);
+        assert!(run.body(0, of_body::VELOCITY).length() < 1e-4);
     }
 }

@@ -1,0 +1,12 @@
+//! The solvers of trees in one world. One program, so that each is compiled once for it, not once for each file.
+
+mod contact;
+mod dual;
+mod falls;
+mod hull;
+mod mesh;
+mod run;
+#[path = "../scene/mod.rs"]
+#[allow(dead_code)] // some of its models are for other tests
+mod scene;
+mod xpbd_contact;

@@ -1,0 +1,43 @@
+//! The unit tests of the library. It has no test target of its own, which would compile all its kernels once more:
+//! modules that are private are compiled here by themselves.
+
+#[path = "../src/impulse/colours.rs"]
+mod colours;
+#[path = "../src/impulse/team.rs"]
+mod team;
+
+use kinetarium_sim::SolverKind;
+use model::{Builder, Geometry, Model};
+
+/// Balls on ropes, which are no trees.
+fn hanging(balls: usize) -> Model {
+    let mut world = Builder::new("balls");
+    let object = world.object("balls");
+    for i in 0..balls {
+        let sphere = Geometry::Sphere { radius: 0.1 };
+        let ball = object.body(format!("ball {i}")).shape(sphere).handle();
+        object.distance(format!("rope {i}"), ball, 1.0);
+    }
+    world.build().unwrap()
+}
+
+#[test]
+fn substeps_are_those_of_the_solver_that_is_picked() {
+    let (one, two) = (hanging(1), hanging(2));
+    assert!(!one.is_tree() && !two.is_tree());
+    for (solver, model, contacts, substeps) in [
+        (SolverKind::Auto, &one, true, 4),
+        // Several things that touch: `impulse`.
+        (SolverKind::Auto, &two, true, 1),
+        (SolverKind::Auto, &two, false, 4),
+        (SolverKind::Xpbd, &two, true, 4),
+    ] {
+        let found = solver.usual_substeps(model, contacts);
+        assert_eq!(
+            found,
+            substeps,
+            "{solver:?} of {} balls",
+            model.bodies.len()
+        );
+    }
+}
