@@ -218,7 +218,7 @@ fn gpu(workshop: &Workshop) -> Result<()> {
     page::need_vulkan(workshop)?;
     Ok(cmd!(
         workshop.sh,
-        "cargo test --quiet --release {ENGINE...} --test cards -- --ignored"
+        "cargo test --quiet --release {ENGINE...} --lib --test cards -- --ignored"
     )
     .env("KINETARIUM_GPU", "llvmpipe")
     .run()?)
@@ -233,7 +233,10 @@ fn docs(workshop: &Workshop) -> Result<()> {
 fn python(workshop: &Workshop) -> Result<()> {
     let sh = &workshop.sh;
     let python = workshop.python_with_package()?;
-    cmd!(sh, "{python} -m pytest --quiet python/tests").run()?;
+    page::need_vulkan(workshop)?;
+    cmd!(sh, "{python} -m pytest --quiet python/tests")
+        .env("KINETARIUM_GPU", "llvmpipe")
+        .run()?;
     cmd!(
         sh,
         "{python} -m pytest --quiet --doctest-modules --pyargs kinetarium"
