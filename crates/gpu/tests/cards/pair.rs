@@ -19,13 +19,17 @@ pub struct Pair {
 
 impl Pair {
     pub fn new(card: &Gpu, model: &Model, settings: SimulationSettings) -> Self {
+        let mut pair = Self::at_rest(card, model, settings);
+        pair.both().into_iter().for_each(stir);
+        pair
+    }
+    /// The same as the model begins.
+    pub fn at_rest(card: &Gpu, model: &Model, settings: SimulationSettings) -> Self {
         let gpu = Simulation::on(card, model.clone(), settings).unwrap();
         let solver = settings.solver.on_device(model);
         let settings = SimulationSettings { solver, ..settings };
         let cpu = Simulation::new(model.clone(), settings).unwrap();
-        let mut pair = Self { cpu, gpu };
-        pair.both().into_iter().for_each(stir);
-        pair
+        Self { cpu, gpu }
     }
     pub fn both(&mut self) -> [&mut Simulation<f32>; 2] {
         [&mut self.cpu, &mut self.gpu]
