@@ -67,6 +67,10 @@ pub struct View {
     /// Number of worlds of a file [default: the file's].
     #[arg(long, value_name = "N", value_parser = count(1, 4096))]
     pub worlds: Option<usize>,
+    /// A graphics card that pages may choose to run on: auto (one if it is there), gpu, gpu:NAME with a part of its
+    /// name, or cpu, which is none.
+    #[arg(long, value_name = "DEVICE", default_value = "auto")]
+    pub device: DeviceChoice,
     /// Address to listen at. One that other machines can reach wants a token, which is printed.
     #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1")]
     pub address: IpAddr,

@@ -8,6 +8,7 @@ use session::protocol::Values;
 use session::{Example, Session, Stage};
 use std::net::SocketAddr;
 use std::path::Path;
+use std::sync::Arc;
 use viewer::{Access, Server, ViewerError, clock, serve};
 
 /// Where the page is, unless something else is there.
@@ -47,7 +48,11 @@ fn listen(arguments: View, port: Option<u16>) -> Result<Server, Error> {
     } else {
         address
     };
-    let made = session(arguments)?;
+    let card = arguments.device.open()?;
+    let mut made = session(arguments)?;
+    if let Some(card) = card {
+        made = made.with_card(Ok(Arc::from(card)));
+    }
     Ok(serve(made, address, access)?)
 }
 

@@ -13,12 +13,20 @@ struct Card {
     device: wgpu::Device,
     queue: wgpu::Queue,
     name: String,
+    rounds: usize,
     layout: wgpu::BindGroupLayout,
     /// What was compiled, by its text.
     pipelines: Mutex<HashMap<String, wgpu::ComputePipeline>>,
     /// What went wrong first, which cards tell late.
     failure: Arc<Mutex<Option<String>>>,
 }
+
+/// Substeps of one launch: many, as a launch costs some microseconds, and few enough that a card that also
+/// draws a desktop is not taken for hung.
+const ROUNDS: usize = 16;
+/// The same of a program that stands in for a card. Mesa's llvmpipe ends all loops of an invocation, and says nothing,
+/// once they have gone round 65,535 times together (`LP_MAX_TGSI_LOOP_ITERATIONS`).
+const ROUNDS_OF_PROGRAMS: usize = 1;
 
 /// What a kernel reads and writes, in the order of its bindings.
 pub(crate) const BINDINGS: usize = 7;
@@ -50,10 +58,15 @@ impl Gpu {
         let info = adapter.get_info();
         let name = format!("{} ({})", info.name, info.backend);
         let layout = layout(&device);
+        let rounds = match info.device_type {
+            wgpu::DeviceType::Cpu => ROUNDS_OF_PROGRAMS,
+            _ => ROUNDS,
+        };
         Ok(Self(Arc::new(Card {
             device,
             queue,
             name,
+            rounds,
             layout,
             pipelines: Mutex::default(),
             failure,
@@ -76,6 +89,10 @@ impl Gpu {
         lock(&self.0.pipelines).len()
     }
 
+    /// Most substeps of one launch.
+    pub(crate) fn rounds(&self) -> usize {
+        self.0.rounds
+    }
     pub(crate) fn device(&self) -> &wgpu::Device {
         &self.0.device
     }

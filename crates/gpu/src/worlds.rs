@@ -12,10 +12,6 @@ use rigid::{Lengths, Programs, Report};
 use sim::{Device, DeviceError, DeviceWorlds, Solver};
 use std::ops::Range;
 
-/// Substeps of one launch: many, as a launch costs some microseconds, and few enough that a card that also
-/// draws a desktop is not taken for hung.
-const ROUNDS: usize = 16;
-
 /// Worlds on a card. Reading waits for what was asked before; nothing else does.
 #[derive(Debug)]
 pub struct Worlds {
@@ -283,8 +279,9 @@ impl DeviceWorlds<f32> for Worlds {
     }
     fn step(&mut self, substeps: usize) -> Result<(), DeviceError> {
         let kernel = self.kernel(None)?;
-        let (full, rest) = (substeps / ROUNDS, substeps % ROUNDS);
-        self.launch(&kernel, ROUNDS, full)?;
+        let most = self.gpu.rounds();
+        let (full, rest) = (substeps / most, substeps % most);
+        self.launch(&kernel, most, full)?;
         Ok(self.launch(&kernel, rest, usize::from(rest > 0))?)
     }
     fn report(&mut self, report: Report) -> Result<(), DeviceError> {

@@ -9,6 +9,9 @@ use model::examples::{SCENES, Scene};
 use sim::{Outputs, SimulationSettings};
 
 const WORLDS: usize = 2;
+/// Poses after a step [m, or numbers of unit quaternions]. Rounding decides which of two features of boxes touch, and
+/// with it where they are pushed.
+const ONCE: f64 = 1e-4;
 
 /// Energy [J], and the mean height [m] of all bodies, of all worlds together.
 fn statistics(outputs: &Outputs<'_, f32>, bodies: usize) -> [f64; 2] {
@@ -31,7 +34,7 @@ fn agrees(name: &str) {
         pair.put();
         pair.step(1);
         let moved = pair.moved_apart();
-        assert!(moved < 1e-5, "{name}: {moved:e} after a step");
+        assert!(moved < ONCE, "{name}: {moved:e} after a step");
         pair.step(39);
     }
     assert!(pair.gpu.diverged().is_empty(), "{name}");
