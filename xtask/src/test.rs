@@ -214,7 +214,7 @@ fn cameras(workshop: &Workshop) -> Result<()> {
 }
 
 /// Scenes that are left out on Mesa's driver: it takes 40 s and more to compile each of the first five, of whose kernels
-/// the others have the most, and cuts a step of the last short (ARCHITECTURE.md, "Graphics cards").
+/// the others have the most, and the last does not agree there (ARCHITECTURE.md, "Graphics cards").
 const NOT_ON_MESA: [&str; 6] = ["tower", "pyramid", "card_house", "arch", "pile", "terrain"];
 
 /// On the one card that every machine has.
