@@ -8,7 +8,7 @@
 //! use model::examples::n_pendula;
 //! use sim::{Simulation, SimulationSettings};
 //!
-//! let simulation = Simulation::<f64>::new(n_pendula(2)?, SimulationSettings::new(1, 0.002))?;
+//! let mut simulation = Simulation::<f64>::new(n_pendula(2)?, SimulationSettings::new(1, 0.002))?;
 //! let step = linearize(&mut simulation, 0)?;
 //! let (n, a) = (step.dofs, &step.state);
 //! // Semi-implicit Euler: q' = q + h q̇', hence ∂q'/∂q̇ = h ∂q̇'/∂q̇.
