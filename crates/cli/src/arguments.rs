@@ -20,7 +20,7 @@ Examples:
   kinetarium example tower                         a built-in scene; `example --help` lists them
   kinetarium run robot.xml                         a MuJoCo (MJCF) or URDF file, one world
   kinetarium run robot.xml --worlds 4096 --perturb 0.05 --record 3 --out results
-  kinetarium run robot.xml --worlds 65536 --device gpu
+  kinetarium run robot.xml --worlds 65536 --device gpu   built with the feature `gpu`
   kinetarium info robot.xml                        what is in a file, and which solver fits
   kinetarium shot room --time 2 --out room.png     a picture of it after two seconds
 
