@@ -120,7 +120,7 @@ impl<T: Float> Session<T> {
     /// What a page that comes now must know, be it the first or another.
     pub fn greeting(&mut self) -> Vec<Outgoing> {
         let Self { source, steering } = self;
-        let Some((messages, frame)) = source.with(|subject| steering.greeting(subject)) else {
+        let Some((messages, frame)) = source.with(|subject, _| steering.greeting(subject)) else {
             return vec![last(GONE)];
         };
         let mut greeting: Vec<_> = messages.iter().map(Outgoing::text).collect();
@@ -132,8 +132,7 @@ impl<T: Float> Session<T> {
     /// [`Message::Error`], and changes nothing.
     pub fn receive(&mut self, command: &str) {
         let Self { source, steering } = self;
-        let changes = source.changes();
-        source.with(|subject| {
+        source.with(|subject, changes| {
             steering.notice(&mut subject.simulation, changes);
             steering.receive(subject, command);
         });
@@ -143,11 +142,10 @@ impl<T: Float> Session<T> {
     /// To be called again and again; true where there is more to do at once.
     pub fn advance(&mut self) -> bool {
         let Self { source, steering } = self;
-        let changes = source.changes();
-        if !steering.wants(changes) {
+        if !steering.wants(source.changes()) {
             return false;
         }
-        let more = source.with(|subject| {
+        let more = source.with(|subject, changes| {
             steering.notice(&mut subject.simulation, changes);
             steering.advance(subject)
         });
@@ -156,7 +154,7 @@ impl<T: Float> Session<T> {
 
     /// A page has gone: what is drawn is let go, whoever draws it.
     pub fn release(&mut self) {
-        self.source.with(|subject| subject.hands.grab = None);
+        self.source.with(|subject, _| subject.hands.grab = None);
     }
 
     /// Whether the program has let go of its simulation: there is nothing more to show.
@@ -176,20 +174,21 @@ impl<T: Float> Session<T> {
     /// The present state, of the worlds that are shown; empty where the session is over, or a program's device fails.
     pub fn frame(&mut self) -> Frame {
         let Self { source, steering } = self;
-        let frame = source.with(|subject| steering.frame(subject));
+        let frame = source.with(|subject, _| steering.frame(subject));
         frame.flatten().unwrap_or_default()
     }
 }
 
 impl<T: Float> Source<T> {
-    /// Takes the simulation for a moment, if there still is one.
-    fn with<R>(&mut self, act: impl FnOnce(&mut Subject<T>) -> R) -> Option<R> {
+    /// Takes the simulation for a moment, if there still is one; with how often somebody else has had it before, which
+    /// is counted while they have it.
+    fn with<R>(&mut self, act: impl FnOnce(&mut Subject<T>, u64) -> R) -> Option<R> {
         match self {
-            Self::Own(subject) => Some(act(subject)),
+            Self::Own(subject) => Some(act(subject, 0)),
             Self::Program(shared) => {
                 let shared = shared.upgrade()?;
                 let mut subject = shared.lock();
-                let result = act(&mut subject);
+                let result = act(&mut subject, shared.changes());
                 // The program goes first if it waits.
                 MutexGuard::unlock_fair(subject);
                 Some(result)

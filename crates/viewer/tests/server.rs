@@ -378,10 +378,7 @@ fn a_program_that_never_rests_is_seen() {
     let times: Vec<_> = (0..30).map(|_| frame(&mut page, 0.0).0).collect();
     stop.store(true, Ordering::Relaxed);
     program.join().unwrap();
-    assert!(times.is_sorted(), "{times:?}");
-    // A thread that does not get its turn between two frames has nothing new to show.
-    let news = times.windows(2).filter(|pair| pair[0] < pair[1]).count();
-    assert!(news > 20, "{times:?}");
+    assert!(times.windows(2).all(|pair| pair[0] < pair[1]), "{times:?}");
     assert!(start.elapsed() < Duration::from_secs(10));
 }
 
