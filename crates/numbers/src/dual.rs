@@ -15,7 +15,7 @@
 //! right to 2e-6 in `f32` and 1e-14 in `f64`, relative to the larger of the slope
 //! and 1 (`tests/dual.rs`).
 
-use crate::Real;
+use crate::{Known, Real};
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// Value and derivative: a + b ε with ε² = 0. Comparisons look at the value alone.
@@ -193,5 +193,12 @@ impl<R: Real> Real for Dual<R> {
             R::select(mask, yes.value, no.value),
             R::select(mask, yes.slope, no.slope),
         )
+    }
+}
+
+impl<R: Known> Known for Dual<R> {
+    #[inline(always)]
+    fn first(self) -> R::Scalar {
+        self.value.first()
     }
 }

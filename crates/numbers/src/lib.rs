@@ -37,6 +37,6 @@ pub use mat3::{Cholesky3, Mat3, SymMat3};
 pub use memory::Memory;
 pub use pose::Pose;
 pub use quat::Quat;
-pub use real::{Float, Lanes, LanesMask, Mask, Real};
+pub use real::{Float, Known, Lanes, LanesMask, Mask, Real};
 pub use rows::{Atom, Rows};
 pub use vec3::Vec3;

@@ -25,7 +25,7 @@
 //! masked, since the lanes that did not ask run along.
 
 use crate::spatial::{Inertia, Spatial};
-use crate::{LanesMask, Mat3, Pose, Quat, Real, SymMat3, Vec3};
+use crate::{Float, Known, LanesMask, Mat3, Pose, Quat, Real, SymMat3, Vec3};
 use core::fmt::Debug;
 use core::marker::PhantomData;
 use core::ops::Range;
@@ -224,6 +224,12 @@ pub trait Machine {
     fn less(&self, a: Self::I, b: Self::I) -> Self::Flag;
     /// A cell that holds `x`.
     fn cell(&self, x: Self::R) -> Self::Cell;
+    /// An index as a number; exact below 2²⁴.
+    fn number(&self, i: Self::I) -> Self::R;
+    /// A number as an index, without its fraction, so that a table can hold rows.
+    ///
+    /// Must be the same in all lanes: the first counts.
+    fn whole(&self, x: Self::R) -> Self::I;
 
     /// `0, 1, … n − 1` for a literal `n`.
     #[inline(always)]
@@ -613,8 +619,7 @@ impl Iterator for Rounds {
 
 impl<R, P> Machine for Cpu<'_, R, P>
 where
-    R: Real,
-    R::Mask: LanesMask,
+    R: Known,
     P: Parameters<R>,
 {
     type R = R;
@@ -707,5 +712,13 @@ where
     #[inline(always)]
     fn cell(&self, x: R) -> Register<R> {
         Register(x)
+    }
+    #[inline(always)]
+    fn number(&self, i: u32) -> R {
+        R::splat(R::Scalar::from_f64(f64::from(i)))
+    }
+    #[inline(always)]
+    fn whole(&self, x: R) -> u32 {
+        x.first().to_f64() as u32
     }
 }

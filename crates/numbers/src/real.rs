@@ -157,8 +157,21 @@ pub trait LanesMask: Mask {
     fn all(self) -> bool;
 }
 
+/// A [`Real`] whose value is known now, not merely recorded.
+pub trait Known: Real<Mask: LanesMask> {
+    /// The number in the first lane.
+    fn first(self) -> Self::Scalar;
+}
+
 /// A [`Real`] that lives in memory as `WIDTH` neighbouring scalars.
 pub trait Lanes: Real<Mask: LanesMask> + bytemuck::Pod {
     /// Number of lanes.
     const WIDTH: usize;
+}
+
+impl<R: Lanes> Known for R {
+    #[inline(always)]
+    fn first(self) -> R::Scalar {
+        bytemuck::cast_slice(&[self])[0]
+    }
 }

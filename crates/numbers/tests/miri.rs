@@ -11,7 +11,7 @@ use kinetarium_numbers::dispatch::{Isa, Job, run_block, run_single};
 use kinetarium_numbers::machine::space::{Parameter, State};
 use kinetarium_numbers::machine::{Cell, Links};
 use kinetarium_numbers::{
-    Cpu, Float, Lanes, LanesMask, Machine, Memory, Parameters, PerWorld, Real, Shared, Table,
+    Cpu, Float, Known, Lanes, Machine, Memory, Parameters, PerWorld, Real, Shared, Table,
 };
 
 /// Every instruction of a lane on each of `n` linked rows.
@@ -65,7 +65,7 @@ impl<T: Float> Job for Block<'_, T> {
 }
 
 #[inline(always)]
-fn run<R: Real<Mask: LanesMask>>(state: &mut [R], parameters: impl Parameters<R>) {
+fn run<R: Known>(state: &mut [R], parameters: impl Parameters<R>) {
     let mut cpu = Cpu {
         state,
         input: &[],

@@ -397,6 +397,40 @@ fn branches_are_taken_where_they_hold() {
     );
 }
 
+/// Lists the rows above one by their numbers, last first, then halves what the list names.
+fn listed<M: Machine>(k: &mut M, table: Table<State>, list: Table<Scratch>, n: usize) {
+    let head = k.index(0);
+    k.store(list, head, 0, M::R::zero());
+    for i in k.range_down(k.index(n)) {
+        let long = k.load(table, i, 0).gt(M::R::one());
+        if let Some(_branch) = k.if_any(long) {
+            let length = k.load(list, head, 0) + M::R::one();
+            k.store(list, k.whole(length), 0, k.number(i));
+            k.store(list, head, 0, length);
+        }
+    }
+    for place in k.range(k.index(1), k.whole(k.load(list, head, 0)).offset(1)) {
+        let row = k.whole(k.load(list, place, 0));
+        let half = k.load(table, row, 0) * M::R::lit(0.5);
+        k.store(table, row, 0, half);
+    }
+}
+
+#[test]
+fn a_table_holds_rows() {
+    let world = World {
+        state: vec![4.0, 1.0, 0.0, 3.0, 16.0],
+        scratch: vec![9.0; 6],
+        ..World::default()
+    };
+    let (table, list) = (Table::place(&mut 0, 5), Table::place(&mut 0, 6));
+    let (program, after) = agree!(world, listed(table, list, 5));
+    assert_eq!(after.state, [2.0, 1.0, 0.0, 1.5, 8.0]);
+    assert_eq!(after.scratch, [3.0, 4.0, 3.0, 0.0, 9.0, 9.0]);
+    let wgsl = program.to_wgsl(&WgslOptions::default()).unwrap();
+    assert!(wgsl.contains("u32(") && wgsl.contains("f32("), "{wgsl}");
+}
+
 fn place() -> Table<State> {
     Table::place(&mut 0, 10)
 }

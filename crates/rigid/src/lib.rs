@@ -11,6 +11,7 @@ mod contacts;
 pub mod featherstone;
 pub mod impulse;
 mod input;
+mod lists;
 mod output;
 mod record;
 mod solver;

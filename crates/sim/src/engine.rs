@@ -23,6 +23,8 @@ pub(crate) struct Block<'a, T> {
     pub scratch: &'a mut [T],
     /// The constants of the model, in lanes.
     pub parameters: &'a [T],
+    /// The same, a number each, where all worlds have them in common; else none.
+    pub common: &'a [T],
     pub links: &'a [u32],
 }
 

@@ -6,8 +6,8 @@
 
 use crate::engine::Block;
 use collide::{Route, kernel};
-use numbers::dispatch::{Isa, Job, run_registers, run_single};
-use numbers::{Cpu, Float, Lanes, Machine, PerWorld};
+use numbers::dispatch::{Isa, Job, run_registers, run_single, run_widest};
+use numbers::{Cpu, Float, Lanes, Machine, Parameters, PerWorld, Shared};
 use rigid::{ContactTables, Kernels};
 
 /// What a block's numbers are read as.
@@ -33,12 +33,24 @@ impl<T: Float> Block<'_, T> {
     /// Its memories, read as registers.
     #[inline(always)]
     fn cpu<R: Lanes<Scalar = T>>(&mut self) -> Cpu<'_, R, PerWorld<'_, R>> {
+        let parameters = PerWorld(bytemuck::cast_slice(self.parameters));
+        self.cpu_with(parameters)
+    }
+    /// The same, with the constants that all worlds have in common: a sixteenth of the numbers, so that they
+    /// stay in the nearest cache.
+    #[inline(always)]
+    fn cpu_in_common<R: Lanes<Scalar = T>>(&mut self) -> Cpu<'_, R, Shared<'_, R>> {
+        let parameters = Shared(self.common);
+        self.cpu_with(parameters)
+    }
+    #[inline(always)]
+    fn cpu_with<R: Lanes<Scalar = T>, P: Parameters<R>>(&mut self, parameters: P) -> Cpu<'_, R, P> {
         Cpu {
             state: bytemuck::cast_slice_mut(self.state),
             input: bytemuck::cast_slice(self.input),
             output: bytemuck::cast_slice_mut(self.output),
             scratch: bytemuck::cast_slice_mut(self.scratch),
-            parameters: PerWorld(bytemuck::cast_slice(self.parameters)),
+            parameters,
             links: self.links,
         }
     }
@@ -52,13 +64,13 @@ macro_rules! job {
         pub(crate) mod $name {
             use super::*;
 
-            struct Work<'a, 'b, K, T> {
+            struct Work<'a, 'b, K, T, const IN_COMMON: bool> {
                 kernels: &'a K,
                 block: &'a mut Block<'b, T>,
                 number: usize,
             }
 
-            impl<K: Kernels, T: Float> Job for Work<'_, '_, K, T> {
+            impl<K: Kernels, T: Float, const IN_COMMON: bool> Job for Work<'_, '_, K, T, IN_COMMON> {
                 type Scalar = T;
                 type Output = ();
                 const MANY_REGISTERS: bool = K::MANY_REGISTERS && $registers;
@@ -66,8 +78,13 @@ macro_rules! job {
                 #[inline(always)]
                 fn run<R: Lanes<Scalar = T>>(self) {
                     let ($kernels, $number) = (self.kernels, self.number);
-                    let $cpu = &mut self.block.cpu::<R>();
-                    $body
+                    if IN_COMMON {
+                        let $cpu = &mut self.block.cpu_in_common::<R>();
+                        $body
+                    } else {
+                        let $cpu = &mut self.block.cpu::<R>();
+                        $body
+                    }
                 }
             }
 
@@ -77,24 +94,40 @@ macro_rules! job {
                 block: &mut Block<'_, T>,
                 number: usize,
             ) {
-                let work = Work { kernels, block, number };
                 if T::DOUBLE {
-                    double::run(lane, work);
-                } else {
-                    single::run(lane, work);
+                    return double::run(lane, Work { kernels, block, number });
                 }
+                let widest = $registers && K::MANY_REGISTERS && !lane.single;
+                if widest && !block.common.is_empty() {
+                    let work = Work { kernels, block, number };
+                    let Err(left) = in_common::run(lane, work) else {
+                        return;
+                    };
+                    return single::run(lane, Work { kernels, block: left.block, number });
+                }
+                single::run(lane, Work { kernels, block, number });
             }
 
             mod single {
                 use super::*;
-                pub(super) fn run<K: Kernels, T: Float>(lane: Lane, work: Work<'_, '_, K, T>) {
+                pub(super) fn run<K: Kernels, T: Float>(lane: Lane, work: Work<'_, '_, K, T, false>) {
                     lane.run(work);
+                }
+            }
+
+            mod in_common {
+                use super::*;
+                pub(super) fn run<'a, 'b, K: Kernels, T: Float>(
+                    lane: Lane,
+                    work: Work<'a, 'b, K, T, true>,
+                ) -> Result<(), Work<'a, 'b, K, T, true>> {
+                    run_widest(lane.isa, work)
                 }
             }
 
             mod double {
                 use super::*;
-                pub(super) fn run<K: Kernels, T: Float>(lane: Lane, work: Work<'_, '_, K, T>) {
+                pub(super) fn run<K: Kernels, T: Float>(lane: Lane, work: Work<'_, '_, K, T, false>) {
                     lane.run(work);
                 }
             }

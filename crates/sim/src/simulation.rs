@@ -56,6 +56,8 @@ pub struct Simulation<T: Float> {
     pub(crate) changes: Span,
     /// The constants of the model: one block for all worlds, or one for each.
     parameters: Memory<T>,
+    /// The same, a number each, while all worlds have them in common.
+    common: Vec<T>,
     /// Of the worlds that have numbers of their own.
     own: HashMap<usize, Own<T>>,
     pub(crate) input_tables: InputTables,
@@ -208,6 +210,12 @@ impl<T: Float> Simulation<T> {
             output: memory(lengths.output),
             changes: Span::default(),
             parameters: in_lanes(shared.engine.parameters(), width, width),
+            common: shared
+                .engine
+                .parameters()
+                .iter()
+                .map(|x| T::from_f64(*x))
+                .collect(),
             own: HashMap::new(),
             begun: vec![0; settings.worlds],
             input_tables: InputTables::new(&model),
@@ -457,6 +465,7 @@ impl<T: Float> Simulation<T> {
         if self.own.is_empty() {
             let (worlds, width) = (self.worlds(), self.state.width());
             self.parameters = in_lanes(self.shared.engine.parameters(), worlds, width);
+            self.common.clear();
         }
         for (i, &x) in own.engine.parameters().iter().enumerate() {
             self.parameters.set(world, i, T::from_f64(x));
@@ -718,7 +727,7 @@ impl<T: Float> Simulation<T> {
         let threads = self.threads.count();
         let shared_world = engine.shares_a_world() && self.state.blocks() == 1;
         let team = if shared_world { threads } else { 1 };
-        let (input, parameters) = (&self.input, &self.parameters);
+        let (input, parameters, common) = (&self.input, &self.parameters, &self.common[..]);
         let shared = self.own.is_empty();
         let width = self.state.width();
         let run_blocks = |first: usize, state: Blocks<'_, T>, output: Blocks<'_, T>| {
@@ -733,6 +742,7 @@ impl<T: Float> Simulation<T> {
                     output,
                     scratch,
                     parameters,
+                    common,
                     links: engine.links(),
                 };
                 engine.run(lane, team, block, task);

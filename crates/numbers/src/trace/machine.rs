@@ -121,6 +121,12 @@ impl<'g> Machine for Tracer<'g> {
     fn less(&self, a: TraceIndex<'g>, b: TraceIndex<'g>) -> TraceMask<'g> {
         TraceMask(apply(Operation::IndexLess, &[a.0, b.0]))
     }
+    fn number(&self, i: TraceIndex<'g>) -> Trace<'g> {
+        Trace(apply(Operation::Number, &[i.0]))
+    }
+    fn whole(&self, x: Trace<'g>) -> TraceIndex<'g> {
+        TraceIndex(apply(Operation::Whole, &[x.0]))
+    }
     fn cell(&self, x: Trace<'g>) -> TraceCell<'g> {
         let cell = Handle::Node(self.graph.emit(Action::Cell, &[x.0]));
         TraceCell {

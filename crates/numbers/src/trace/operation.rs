@@ -41,6 +41,10 @@ pub(super) enum Operation {
     IndexSum,
     IndexEqual,
     IndexLess,
+    /// An index as a number.
+    Number,
+    /// A number as an index.
+    Whole,
 }
 
 impl Operation {
@@ -50,7 +54,7 @@ impl Operation {
         match self {
             And | Or | Not => Type::Mask,
             Select if k == 0 => Type::Mask,
-            IndexSum | IndexEqual | IndexLess => Type::Index,
+            IndexSum | IndexEqual | IndexLess | Number => Type::Index,
             _ => Type::Real,
         }
     }
@@ -60,7 +64,7 @@ impl Operation {
         use Operation::*;
         match self {
             Less | LessEqual | Same | And | Or | Not | IndexEqual | IndexLess => Type::Mask,
-            IndexSum => Type::Index,
+            IndexSum | Whole => Type::Index,
             _ => Type::Real,
         }
     }
@@ -98,6 +102,8 @@ impl Operation {
             IndexSum => i.wrapping_add(j),
             IndexEqual => u32::from(i == j),
             IndexLess => u32::from(i < j),
+            Number => (i as f32).to_bits(),
+            Whole => a as u32,
         }
     }
 }

@@ -222,6 +222,8 @@ impl Printer<'_> {
             And => "$0 & $1",
             Or => "$0 | $1",
             Not => "!$0",
+            Number => "f32($0)",
+            Whole => "u32($0)",
         });
         for (k, operand) in self.instructions[id].operands.into_iter().enumerate() {
             let slot = ["$0", "$1", "$2"][k];

@@ -2,11 +2,12 @@
 //!
 //! Each pair of shapes that the model's [`CollisionFilter`](model::CollisionFilter) lets through
 //! has a fixed range of *slots*, one for each point that its kernel can find, the same in all
-//! worlds. A slot whose point is farther than the two could come within the step holds the
-//! distance [`FAR`](collide::FAR), and costs a comparison. The slots of sensors come last: solvers never
-//! see them.
+//! worlds. The narrow phase lists the slots whose points the two could reach within the step; the others are
+//! not looked at, and hold what they held. In a slot that is listed since another lane's point is near, the
+//! distance is [`FAR`](collide::FAR). The slots of sensors have a list of their own: solvers never see them.
 
 mod corners;
+mod kept;
 mod meshes;
 mod narrow_phase;
 mod plan;
@@ -14,6 +15,7 @@ mod sensors;
 pub(crate) mod tables;
 
 pub(crate) use corners::Corners;
+pub(crate) use kept::{Kept, Touch, touches};
 use meshes::Meshes;
 pub(crate) use narrow_phase::{
     Places, narrow_phase, narrow_phase_in_parts, place_shapes, store_placed,
@@ -21,4 +23,4 @@ pub(crate) use narrow_phase::{
 pub(crate) use plan::{ContactPlan, Seat};
 pub(crate) use sensors::sense;
 pub use tables::ContactTables;
-pub(crate) use tables::{pair_field, slot, slot_link};
+pub(crate) use tables::{found, pair_field, slot, slot_link};

@@ -1,12 +1,15 @@
 //! From the placements of the carriers to the points of contact.
 
-use super::tables::{ContactTables, pair_field, placed_field, shape_field, shape_link, slot};
+use super::kept::{Touch, touches};
+use super::tables::{
+    ContactTables, found, pair_field, placed_field, shape_field, shape_link, slot, slot_link,
+};
 use collide::mesh::{Surface, contact, mesh_convex};
 use collide::{FAR, Kernel, Placed, Route, Solid, kernel};
 use numbers::machine::space::Writable;
 use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::Spatial;
-use numbers::{Cell, Machine, Mat3, Pose, Real, Table, Vec3};
+use numbers::{Cell, Machine, Pose, Real, Table, Vec3};
 
 /// Gap [m] up to which a point is looked at even if nothing moves.
 const MARGIN: f64 = 1e-3;
@@ -69,6 +72,46 @@ impl ContactTables {
             meet::<M, K>(k, &t, pair);
         }
     }
+    /// What a slot that is listed holds, in the world, with a force [N].
+    #[inline(always)]
+    pub(crate) fn touch<M: Machine>(
+        &self,
+        k: &M,
+        places: &impl Places<M>,
+        s: M::I,
+        force: Vec3<M::R>,
+    ) -> Touch<M::R> {
+        let [x, y, z, l, m, n, distance, feature] = k.read(self.slot, s, 0);
+        let origin = places.origin(k, k.link(self.slot_links, s, slot_link::GROUP));
+        Touch {
+            position: Vec3::new(x, y, z) + origin,
+            normal: Vec3::new(l, m, n),
+            distance,
+            feature,
+            force: Vec3::select(touches(distance), force, Vec3::zero()),
+        }
+    }
+    /// True in the lanes where a slot that is listed may come to press.
+    #[inline(always)]
+    pub(crate) fn near<M: Machine>(&self, k: &M, s: M::I) -> <M::R as Real>::Mask {
+        touches(k.load(self.slot, s, slot::DISTANCE))
+    }
+    /// No slot is listed.
+    #[inline(always)]
+    pub(crate) fn clear<M: Machine>(&self, k: &mut M) {
+        for list in 0..found::LISTS {
+            self.found.clear(k, list);
+        }
+    }
+    /// Fills a slot, and lists it where it is near in any lane.
+    #[inline(always)]
+    fn find<M: Machine>(&self, k: &mut M, list: M::I, s: M::I, numbers: [M::R; slot::WIDTH]) {
+        let near = touches(numbers[slot::DISTANCE]);
+        if let Some(_branch) = k.if_any(near) {
+            k.write(self.slot, s, 0, numbers);
+            self.found.append(k, list, s);
+        }
+    }
     /// Fills the slots of the pairs of a solid and a mesh.
     #[inline(always)]
     pub fn meet_meshes<M: Machine>(&self, k: &mut M) {
@@ -81,7 +124,8 @@ impl ContactTables {
     }
 }
 
-/// Shapes in the frames that their pairs are looked at in, and how far they get within `h` [s].
+/// Shapes in the frames that their pairs are looked at in, and how far they get within `h` [s]; no slot is
+/// listed yet.
 #[inline(always)]
 pub(crate) fn place_shapes<M: Machine>(
     k: &mut M,
@@ -89,6 +133,7 @@ pub(crate) fn place_shapes<M: Machine>(
     places: &impl Places<M>,
     h: M::R,
 ) {
+    t.clear(k);
     for row in k.count(t.shapes) {
         let [seat, own, seen] = k.link_row::<_, { shape_link::KIND }>(t.shape_links, row);
         let pose = places.place(k, seat) * k.pose(t.shape, row, shape_field::POSE);
@@ -117,11 +162,7 @@ pub(crate) fn store_placed<M: Machine, S: Writable, const W: usize>(
     // What turns gets no farther than its radius lets it, however fast.
     let turn = (spin * h).min(M::R::lit(2.0));
     let way = h.fma(speed, radius * turn);
-    let axes = pose.q.to_mat3();
-    k.store_vec3(placed, row, placed_field::POSITION, pose.p);
-    k.store_vec3(placed, row, placed_field::AXES, axes.x);
-    k.store_vec3(placed, row, placed_field::AXES + 3, axes.y);
-    k.store_vec3(placed, row, placed_field::AXES + 6, axes.z);
+    k.store_pose(placed, row, placed_field::POSITION, pose);
     k.write(placed, row, placed_field::WAY, [way, radius + way]);
     way
 }
@@ -129,42 +170,71 @@ pub(crate) fn store_placed<M: Machine, S: Writable, const W: usize>(
 /// The slots of one pair.
 #[inline(always)]
 fn meet<M: Machine, K: Kernel>(k: &mut M, t: &ContactTables, pair: M::I) {
-    let [row_a, row_b, first, flip] = k.link_row(t.pair_links, pair);
-    let far = M::R::lit(FAR);
-    for point in 0..K::ROUTE.points() {
-        k.store(t.slot, first.offset(point), slot::DISTANCE, far);
-    }
+    let [row_a, row_b] = k.link_row(t.pair_links, pair);
     let margin = k.load(t.pair, pair, pair_field::MARGIN);
-    if let Some(_branch) = k.if_any(near(k, t, K::ROUTE, row_a, row_b, margin)) {
+    let reach = reach(k, t, row_a, row_b, margin);
+    let near = near(k, t, K::ROUTE, row_a, row_b, reach);
+    if let Some(_branch) = k.if_any(near) {
         let (a, b) = (solid(k, t, row_a), solid(k, t, row_b));
-        let way = way(k, t, row_a, row_b);
-        let manifold = K::manifold(k, t.kernels, &a, &b);
-        let mut normal = manifold.normal.hold(k);
-        if let Some(_branch) = k.when(k.equals(flip, 1)) {
-            normal.set(-manifold.normal);
-        }
-        for i in 0..K::ROUTE.points() {
-            let point = manifold.points[i];
-            let row = first.offset(i);
-            let distance = point.distance - margin;
-            let distance = M::R::select(distance.lt(way), distance, far);
-            let [x, y, z] = point.position.to_array();
-            let [l, m, n] = normal.get().to_array();
-            k.write(t.slot, row, 0, [x, y, z, l, m, n, distance, point.feature]);
+        if K::ROUTE != Route::CapsuleCapsule {
+            touch::<M, K>(k, t, pair, margin, [&a, &b]);
+        } else if let Some(_branch) = k.if_any(near & side_by_side(&a.placed, &b.placed, reach)) {
+            touch::<M, K>(k, t, pair, margin, [&a, &b]);
         }
     }
+}
+
+/// Runs the kernel of a pair that is near, and fills its slots.
+#[inline(always)]
+fn touch<M: Machine, K: Kernel>(
+    k: &mut M,
+    t: &ContactTables,
+    pair: M::I,
+    margin: M::R,
+    [a, b]: [&Solid<M>; 2],
+) {
+    let [row_a, row_b, first, flip, list] = k.link_row(t.pair_links, pair);
+    let way = way(k, t, row_a, row_b);
+    let manifold = K::manifold(k, t.kernels, a, b);
+    let mut normal = manifold.normal.hold(k);
+    if let Some(_branch) = k.when(k.equals(flip, 1)) {
+        normal.set(-manifold.normal);
+    }
+    for i in 0..K::ROUTE.points() {
+        let point = manifold.points[i];
+        let row = first.offset(i);
+        let distance = point.distance - margin;
+        let distance = M::R::select(distance.lt(way), distance, M::R::lit(FAR));
+        let [x, y, z] = point.position.to_array();
+        let [l, m, n] = normal.get().to_array();
+        t.find(k, list, row, [x, y, z, l, m, n, distance, point.feature]);
+    }
+}
+
+/// Where the ball about either of two capsules overlaps the other capsule: fewer than where the two balls do,
+/// whose radii together are `reach`, and found sooner than the nearest points.
+#[inline(always)]
+fn side_by_side<R: Real>(a: &Placed<R>, b: &Placed<R>, reach: R) -> R::Mask {
+    let apart = b.position - a.position;
+    beside(a, apart, reach) & beside(b, -apart, reach)
+}
+
+/// Where a ball at `way` from the centre of a capsule overlaps it; `reach` is their radii together.
+#[inline(always)]
+fn beside<R: Real>(capsule: &Placed<R>, way: Vec3<R>, reach: R) -> R::Mask {
+    let half = capsule.half_segment();
+    let along = capsule.axes.y.dot(way).clamp(-half, half);
+    let rest = capsule.axes.y.fma(-along, way);
+    rest.length_squared().lt((reach - half).squared())
 }
 
 /// The slots of a solid and a mesh; each point has a normal of its own.
 #[inline(always)]
 fn meet_mesh<M: Machine>(k: &mut M, t: &ContactTables, pair: M::I) {
-    let [row_a, row_b, first, flip] = k.link_row(t.pair_links, pair);
-    let far = M::R::lit(FAR);
-    for point in k.count(Route::Mesh.points()) {
-        k.store(t.slot, first.plus(point), slot::DISTANCE, far);
-    }
+    let [row_a, row_b, first, flip, list] = k.link_row(t.pair_links, pair);
     let margin = k.load(t.pair, pair, pair_field::MARGIN);
-    if let Some(_branch) = k.if_any(near(k, t, Route::Mesh, row_a, row_b, margin)) {
+    let reach = reach(k, t, row_a, row_b, margin);
+    if let Some(_branch) = k.if_any(near(k, t, Route::Mesh, row_a, row_b, reach)) {
         let (a, b) = (solid(k, t, row_a), solid(k, t, row_b));
         let surface = Surface {
             placed: b.placed,
@@ -180,10 +250,10 @@ fn meet_mesh<M: Machine>(k: &mut M, t: &ContactTables, pair: M::I) {
             let p: [M::R; contact::FEATURE + 1] = k.read(t.meshes.contacts, point, 0);
             let normal = k.vec3(t.meshes.contacts, point, contact::NORMAL) * side.read();
             let distance = p[contact::DISTANCE] - margin;
-            let distance = M::R::select(distance.lt(way), distance, far);
+            let distance = M::R::select(distance.lt(way), distance, M::R::lit(FAR));
             let [l, m, n] = normal.to_array();
-            let found = [p[0], p[1], p[2], l, m, n, distance, p[contact::FEATURE]];
-            k.write(t.slot, first.plus(point), 0, found);
+            let numbers = [p[0], p[1], p[2], l, m, n, distance, p[contact::FEATURE]];
+            t.find(k, list, first.plus(point), numbers);
         }
     }
 }
@@ -196,7 +266,15 @@ fn way<M: Machine>(k: &M, t: &ContactTables, row_a: M::I, row_b: M::I) -> M::R {
         + M::R::lit(MARGIN)
 }
 
-/// Where the balls about two shapes could come within `margin` of each other.
+/// How far apart the centres of two shapes may be that come within `margin` of each other [m].
+#[inline(always)]
+fn reach<M: Machine>(k: &M, t: &ContactTables, row_a: M::I, row_b: M::I, margin: M::R) -> M::R {
+    k.load(t.placed, row_a, placed_field::REACH)
+        + k.load(t.placed, row_b, placed_field::REACH)
+        + (margin + M::R::lit(MARGIN))
+}
+
+/// Where the balls about two shapes overlap, whose radii together are `reach`.
 #[inline(always)]
 fn near<M: Machine>(
     k: &M,
@@ -204,16 +282,13 @@ fn near<M: Machine>(
     route: Route,
     row_a: M::I,
     row_b: M::I,
-    margin: M::R,
+    reach: M::R,
 ) -> <M::R as Real>::Mask {
-    let reach = k.load(t.placed, row_a, placed_field::REACH)
-        + k.load(t.placed, row_b, placed_field::REACH)
-        + (margin + M::R::lit(MARGIN));
     let a = k.vec3(t.placed, row_a, placed_field::POSITION);
     let apart = k.vec3(t.placed, row_b, placed_field::POSITION) - a;
     if has_plane(route) {
-        let up = k.vec3(t.placed, row_a, placed_field::AXES + 3);
-        up.dot(apart).lt(reach)
+        let plane = k.quat(t.placed, row_a, placed_field::ORIENTATION);
+        plane.to_mat3().y.dot(apart).lt(reach)
     } else {
         apart.length_squared().lt(reach.squared())
     }
@@ -241,11 +316,7 @@ fn solid<M: Machine>(k: &M, t: &ContactTables, row: M::I) -> Solid<M> {
         placed: Placed {
             size: k.vec3(t.shape, row, shape_field::SIZE),
             position: k.vec3(t.placed, row, placed_field::POSITION),
-            axes: Mat3::from_columns(
-                k.vec3(t.placed, row, placed_field::AXES),
-                k.vec3(t.placed, row, placed_field::AXES + 3),
-                k.vec3(t.placed, row, placed_field::AXES + 6),
-            ),
+            axes: k.quat(t.placed, row, placed_field::ORIENTATION).to_mat3(),
         },
         rows: [
             k.link(t.shape_links, row, shape_link::CORNERS),

@@ -1,6 +1,6 @@
 //! Which shapes of a model may touch, and who carries them.
 
-use super::tables::{Solid, check_stands};
+use super::tables::{Solid, check_stands, found};
 use super::{Corners, Meshes};
 use crate::SolverError;
 use collide::Route;
@@ -44,6 +44,17 @@ pub(super) struct Pair {
     pub flip: bool,
     pub mass: f64,
     pub slot: usize,
+}
+
+impl Pair {
+    /// The list that its slots are named in.
+    pub fn list(&self) -> usize {
+        match (self.senses, self.between) {
+            (true, _) => found::SENSED,
+            (false, true) => found::BETWEEN,
+            (false, false) => found::FIXED,
+        }
+    }
 }
 
 /// A shape as seen from a group of seats.
@@ -191,6 +202,12 @@ impl ContactPlan {
                 if p.flip { [b, a] } else { [a, b] }
             })
             .collect()
+    }
+
+    /// How many slots each list of [`found`] may name.
+    pub(super) fn capacities(&self) -> [usize; found::LISTS] {
+        let all = self.slots.len();
+        [self.between, self.sensed - self.between, all - self.sensed]
     }
 
     /// The slots between a carrier and what does not move.

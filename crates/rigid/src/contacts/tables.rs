@@ -2,6 +2,7 @@
 
 use super::plan::ContactPlan;
 use crate::SolverError;
+use crate::lists::Lists;
 use crate::tables::Filler;
 use collide::mesh::MeshTables;
 use collide::{Route, kind};
@@ -39,22 +40,18 @@ pub(crate) mod shape_link {
 /// Fields of [`ContactTables::placed`].
 pub(crate) mod placed_field {
     pub const POSITION: usize = 0;
-    /// Axes as columns.
-    pub const AXES: usize = 3;
+    pub const ORIENTATION: usize = 3;
     /// How far the shape can get within the step, beyond its radius.
-    pub const WAY: usize = 12;
+    pub const WAY: usize = 7;
     /// The same with its radius.
-    pub const REACH: usize = 13;
-    pub const WIDTH: usize = 14;
+    pub const REACH: usize = 8;
+    pub const WIDTH: usize = 9;
 }
 
 /// Fields of [`ContactTables::pair`].
 pub(crate) mod pair_field {
     pub const FRICTION: usize = 0;
-    // Restitution, stiffness and damping follow.
-    /// Mass [kg] that the contact moves.
-    pub const MASS: usize = 4;
-    // Added mass follows.
+    // Restitution, stiffness, damping, the mass [kg] that the contact moves, and added mass follow.
     /// Gap [m] that the surfaces keep.
     pub const MARGIN: usize = 6;
     /// Torsional friction coefficient [m].
@@ -71,7 +68,22 @@ pub(crate) mod pair_link {
     pub const SLOT: usize = 2;
     /// 1 if A is the one that moves, so that the normal has to be turned.
     pub const FLIP: usize = 3;
-    pub const WIDTH: usize = 4;
+    /// One of [`found`](super::found).
+    pub const LIST: usize = 4;
+    pub const WIDTH: usize = 5;
+}
+
+/// The lists of [`ContactTables::found`].
+pub(crate) mod found {
+    /// Of pairs of which one moves.
+    pub const FIXED: usize = 0;
+    /// Of pairs of which both move.
+    pub const BETWEEN: usize = 1;
+    /// The two above, which are to be solved.
+    pub const SOLID: usize = 2;
+    /// Of sensors.
+    pub const SENSED: usize = 2;
+    pub const LISTS: usize = 3;
 }
 
 /// Fields of [`ContactTables::slot`].
@@ -115,6 +127,8 @@ pub struct ContactTables {
     pub(crate) slot_links: Links<{ slot_link::WIDTH }>,
     pub(crate) placed: Table<Scratch, { placed_field::WIDTH }>,
     pub(crate) slot: Table<Scratch, { slot::WIDTH }>,
+    /// The slots that are near: see [`found`].
+    pub(crate) found: Lists,
     pub(crate) kernels: collide::Tables,
     pub(crate) meshes: MeshTables,
 }
@@ -196,6 +210,10 @@ pub(crate) fn check_stands(
 }
 
 impl ContactTables {
+    /// How many pairs there are.
+    pub(crate) fn pairs(&self) -> usize {
+        self.routes[Route::ALL.len()]
+    }
     /// Lays the rows out at the ends of the three memories.
     pub(crate) fn place(
         plan: &ContactPlan,
@@ -221,6 +239,7 @@ impl ContactTables {
             slot_links: Links::place(links, slots),
             placed: Table::place(scratch, shapes),
             slot: Table::place(scratch, slots),
+            found: Lists::place(&plan.capacities(), links, scratch),
             kernels: collide::Tables::place(
                 parameters,
                 plan.corners.rows() + plan.meshes.data.vertex_rows(),
@@ -281,6 +300,7 @@ impl ContactTables {
                 pair_link::FLIP,
                 usize::from(pair.flip),
             );
+            f.link(self.pair_links, row, pair_link::LIST, pair.list());
             let material = model.contact_material(pair.shapes[0], pair.shapes[1]);
             let (stiffness, damping) = material.softness.spring(pair.mass);
             let numbers = [
@@ -296,6 +316,7 @@ impl ContactTables {
             ];
             f.numbers(self.pair, row, 0, &numbers);
         }
+        self.found.fill(&plan.capacities(), f);
         for (row, &pair) in plan.slots.iter().enumerate() {
             f.link(self.slot_links, row, slot_link::PAIR, pair);
             f.link(

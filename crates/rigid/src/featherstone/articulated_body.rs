@@ -23,7 +23,7 @@
 //! inertia of each node, never the articulated one, and a is what the q̈ add to b.
 //! A root that floats freely is solved at once, Iᴬ a = S⁻ᵀ τ − p.
 
-use super::contact::{self, load};
+use super::contact;
 use super::kinematics::{Course, newton_euler, world_inertia};
 use super::limit;
 use super::tables::{Tables, arrival, dof, frame, node_link};
@@ -37,8 +37,8 @@ pub(crate) const TINY: f64 = 1e-20;
 /// Accelerations of all degrees of freedom into `dof::ACCELERATION`, and of all nodes, under
 /// contacts that are implicit over `h` [s], and stops that are over `implicit` [s].
 ///
-/// Needs [`kinematics`](super::kinematics::kinematics) and [`forces`](super::force::forces), and
-/// the contacts found or recalled.
+/// Needs [`kinematics`](super::kinematics::kinematics) and [`forces`](super::force::forces), and, where there
+/// are contacts, these found or recalled, and [`limit::begin`].
 #[inline(always)]
 pub(crate) fn articulated_body<M: Machine, const CONTACTS: bool>(
     k: &mut M,
@@ -69,7 +69,7 @@ fn inwards<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, h: M::R, imp
                 p.set(p.get() - k.spatial(t.pressure, n, 0));
             }
             for s in k.range(links[node_link::SLOT_BEGIN], links[node_link::SLOT_END]) {
-                if let Some(_branch) = k.if_any(k.load(t.load, s, load::ON).gt(M::R::zero())) {
+                if let Some(_branch) = k.if_any(k.load(t.on, s, 0).gt(M::R::zero())) {
                     let (mass, force) = contact::burden(k, t, s, h);
                     inertia.set(inertia.get() + mass);
                     p.set(p.get() - force);

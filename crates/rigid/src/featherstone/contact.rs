@@ -38,10 +38,8 @@
 
 use super::gauss_seidel;
 use super::limit::late_damping;
-use super::tables::{Tables, frame};
-use crate::contacts::{Places, pair_field, sense, slot, slot_link};
-use crate::output::contact;
-use collide::FAR;
+use super::tables::{Tables, frame, step};
+use crate::contacts::{Places, found, sense, slot, slot_link, touches};
 use numbers::spatial::{Inertia, Spatial};
 use numbers::{Cell, Machine, Pose, Real, SymMat3, Vec3};
 
@@ -64,17 +62,50 @@ pub(crate) mod load {
     pub const FORCE_0: usize = 0;
     /// cₙ and cₜ, zero where the point does not press.
     pub const IMPEDANCE: usize = 3;
-    /// 1 where the point presses.
-    pub const ON: usize = 5;
     /// u⁰, 3.
-    pub const VELOCITY_0: usize = 6;
+    pub const VELOCITY_0: usize = 5;
     /// u*.
-    pub const TARGET: usize = 9;
+    pub const TARGET: usize = 8;
     // cₙ if the point pressed follows u*.
     /// f, 3.
-    pub const FORCE: usize = 11;
+    pub const FORCE: usize = 10;
     // cₙ and cₜ that f came from follow.
-    pub const WIDTH: usize = 16;
+    pub const WIDTH: usize = 15;
+}
+
+/// Fields of [`Tables::law`], a row for each pair: what its law comes to over a step.
+pub(crate) mod law {
+    /// μ.
+    pub const FRICTION: usize = 0;
+    // 1 / m of the mass that the contact moves, and cₜ where the point sticks, follow.
+    /// e.
+    pub const RESTITUTION: usize = 3;
+    // k, then cₙ and its reciprocal, m' / h, m' / h − (1 − θ) d, and cₙ of a bounce follow.
+    pub const WIDTH: usize = 10;
+}
+
+/// The fields of [`law`], of a row of the contacts' pairs from [`pair_field::FRICTION`] on.
+pub(crate) fn law_over(
+    [friction, restitution, k, d, mass, added]: [f64; 6],
+    h: f64,
+) -> [f64; law::WIDTH] {
+    let (late, inertia) = (late_damping(d, added, h), added / h);
+    let c = h * k + late + inertia;
+    let (stick, hard) = (STICK * mass / h, HARD * mass / h);
+    let kept = inertia - (d - late);
+    let softness = c.max(STILL).recip();
+    [
+        friction,
+        mass.recip(),
+        stick,
+        restitution,
+        k,
+        c,
+        softness,
+        inertia,
+        kept,
+        hard,
+    ]
 }
 
 impl<M: Machine> Places<M> for Tables {
@@ -95,14 +126,25 @@ impl<M: Machine> Places<M> for Tables {
 /// Which of the contacts found may press within a step of `h` [s], at first sight.
 #[inline(always)]
 pub(crate) fn meet<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
-    for s in k.count(t.contacts.between) {
-        k.store(t.load, s, load::ON, M::R::zero());
-        let distance = k.load(t.contacts.slot, s, slot::DISTANCE);
-        let near = distance.lt(M::R::lit(0.5 * FAR));
-        if let Some(_branch) = k.if_any(near) {
-            approach(k, t, s, h, distance, near);
-        }
+    release_all(k, t);
+    for place in fixed(k, t) {
+        let s = t.contacts.found.row(k, place);
+        approach(k, t, s, h);
     }
+}
+
+/// No point presses.
+#[inline(always)]
+fn release_all<M: Machine>(k: &mut M, t: &Tables) {
+    for s in k.count(t.contacts.between) {
+        k.store(t.on, s, 0, M::R::zero());
+    }
+}
+
+/// Where the contacts with what does not move are listed.
+#[inline(always)]
+fn fixed<M: Machine>(k: &M, t: &Tables) -> M::Rounds {
+    t.contacts.found.places(k, k.index(found::FIXED))
 }
 
 /// Velocity of a motion at a point.
@@ -113,14 +155,9 @@ pub(crate) fn at<R: Real>(v: Spatial<R>, x: Vec3<R>) -> Vec3<R> {
 
 /// Fills the row of a slot that may come to press within the step.
 #[inline(always)]
-fn approach<M: Machine>(
-    k: &mut M,
-    t: &Tables,
-    s: M::I,
-    h: M::R,
-    distance: M::R,
-    near: <M::R as Real>::Mask,
-) {
+fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
+    let distance = k.load(t.contacts.slot, s, slot::DISTANCE);
+    let near = touches(distance);
     let (zero, one) = (M::R::zero(), M::R::one());
     let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
     let node = k.link(t.contacts.slot_links, s, slot_link::MOVER);
@@ -134,22 +171,20 @@ fn approach<M: Machine>(
     let u0 = a.fma(h, v);
     let (speed, u0_n) = (n.dot(v), n.dot(u0));
 
-    let (target, c) = law(k, t, pair, distance, speed, h);
-    let kept = k.load(t.touch, s, contact::DISTANCE);
-    let force = k.vec3(t.touch, s, contact::FORCE);
-    let known = kept.lt(M::R::lit(0.5 * FAR));
-    let pressed = n.dot(force).gt(zero);
+    let (target, c) = impedance(k, t, pair, distance, speed, h);
+    let known = t.kept.known(k, s);
+    let pressed = n.dot(t.kept.force(k, s)).gt(zero);
     let reaches = u0_n.lt(target);
     let on = M::R::select(near & ((known & pressed) | (!known & reaches)), one, zero);
     k.store_vec3(t.load, s, load::VELOCITY_0, u0);
     k.write(t.load, s, load::TARGET, [target, c]);
-    let grip = k.load(t.grip, s, 0);
+    let grip = M::R::select(known, k.load(t.grip, s, 0), zero);
     press(k, t, s, on, c, grip);
 }
 
 /// u* and cₙ of a point that comes with `speed` [m/s] along the normal.
 #[inline(always)]
-pub(crate) fn law<M: Machine>(
+pub(crate) fn impedance<M: Machine>(
     k: &M,
     t: &Tables,
     pair: M::I,
@@ -158,24 +193,26 @@ pub(crate) fn law<M: Machine>(
     h: M::R,
 ) -> (M::R, M::R) {
     let zero = M::R::zero();
-    let [_, restitution, stiffness, damping, mass, added] =
-        k.read(t.contacts.pair, pair, pair_field::FRICTION);
+    let [restitution, stiffness, c, softness, inertia, kept, hard] =
+        k.read(t.law, pair, law::RESTITUTION);
     let gravity = k.vec3(t.world, k.index(0), 0);
-    let inertia = added / h;
-    let late = late_damping(damping, added, h);
-    let c = h.fma(stiffness, late) + inertia;
-    let kept = inertia - (damping - late);
-    let (beyond, reach) = (distance.gt(zero), -distance / h);
+    let (beyond, reach) = (distance.gt(zero), -(distance * rate(k, t)));
     let within = stiffness.fnma(distance, kept * speed);
     let enters = inertia.fma(speed, (c - inertia) * reach);
-    let target = M::R::select(beyond, enters, within) / c.max(M::R::lit(STILL));
+    let target = M::R::select(beyond, enters, within) * softness;
     let target = M::R::select(beyond, target.min(reach), target);
     let slow = gravity.length() * h * M::R::lit(-RESTING);
     let bounces = restitution.gt(zero) & speed.lt(slow) & h.fma(speed, distance).lt(zero);
     (
         M::R::select(bounces, -(restitution * speed), target),
-        M::R::select(bounces, mass / h * M::R::lit(HARD), c),
+        M::R::select(bounces, hard, c),
     )
+}
+
+/// 1 / h [1/s].
+#[inline(always)]
+pub(crate) fn rate<M: Machine>(k: &M, t: &Tables) -> M::R {
+    k.load(t.step, k.index(0), step::RATE)
 }
 
 /// Sets whether a point presses, and with which impedances.
@@ -187,7 +224,8 @@ fn press<M: Machine>(k: &mut M, t: &Tables, s: M::I, on: M::R, c_n: M::R, c_t: M
     let u0_n = n.dot(u0);
     let target = k.load(t.load, s, load::TARGET);
     let f0 = n * c_n.fma(target - u0_n, c_t * u0_n) - u0 * c_t;
-    k.write(t.load, s, load::FORCE_0, [f0.x, f0.y, f0.z, c_n, c_t, on]);
+    k.write(t.load, s, load::FORCE_0, [f0.x, f0.y, f0.z, c_n, c_t]);
+    k.store(t.on, s, 0, on);
 }
 
 /// What a contact adds to its node's articulated inertia, and takes from its bias force.
@@ -223,14 +261,13 @@ pub(crate) fn settle<M: Machine>(
     pull: &mut M::Cell,
 ) {
     pull.write(M::R::zero());
-    for s in k.count(t.contacts.between) {
-        let near = gauss_seidel::near(k, t, s);
-        if let Some(_branch) = k.if_any(near) {
-            let [change, pulls] = settle_one(k, t, s, h);
-            let change = M::R::select(near, change, M::R::zero());
-            changes.write(changes.read() + change);
-            pull.write(pull.read().max(M::R::select(near, pulls, M::R::zero())));
-        }
+    for place in fixed(k, t) {
+        let s = t.contacts.found.row(k, place);
+        let near = t.contacts.near(k, s);
+        let [change, pulls] = settle_one(k, t, s, h);
+        let change = M::R::select(near, change, M::R::zero());
+        changes.write(changes.read() + change);
+        pull.write(pull.read().max(M::R::select(near, pulls, M::R::zero())));
     }
 }
 
@@ -243,7 +280,8 @@ fn settle_one<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) -> [M::R; 2] 
         k.vec3(t.contacts.slot, s, slot::POSITION),
         k.vec3(t.contacts.slot, s, slot::NORMAL),
     );
-    let [c_n, c_t, on] = k.read(t.load, s, load::IMPEDANCE);
+    let [c_n, c_t] = k.read(t.load, s, load::IMPEDANCE);
+    let on = k.load(t.on, s, 0);
     let u0 = k.vec3(t.load, s, load::VELOCITY_0);
     let [target, c] = k.read(t.load, s, load::TARGET);
     let u = at(k.spatial(t.frame, node, frame::ACCELERATION), x).fma(h, u0);
@@ -256,29 +294,28 @@ fn settle_one<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) -> [M::R; 2] 
     let pressed = on.gt(zero);
     let pulls = pressed & f_n.lt(zero);
     let enters = (!pressed) & u_n.lt(target);
-    let (friction, mass) = (
-        k.load(t.contacts.pair, pair, pair_field::FRICTION),
-        k.load(t.contacts.pair, pair, pair_field::MASS),
-    );
-    let stick = mass / h * M::R::lit(STICK);
+    let [friction, light, stick] = k.read(t.law, pair, law::FRICTION);
     let limit = friction * f_n.max(zero);
-    let speed = u_t.length();
-    let f_t = c_t * speed;
-    let over = f_t.gt(limit * M::R::lit(1.0 + EXCESS));
-    let under = f_t.lt(limit * M::R::lit(1.0 - EXCESS)) & c_t.lt(stick * M::R::lit(0.999));
+    // Squares are known long before lengths, and most points have nothing to change.
+    let (speed2, limit2) = (u_t.length_squared(), limit.squared());
+    let f2 = c_t.squared() * speed2;
+    let over = f2.gt(limit2 * M::R::lit((1.0 + EXCESS) * (1.0 + EXCESS)));
+    let under = f2.lt(limit2 * M::R::lit((1.0 - EXCESS) * (1.0 - EXCESS)));
+    let under = under & c_t.lt(stick * M::R::lit(0.999));
     let wrong = pressed & (over | under);
-
-    // A point that sticks shows no speed to slide with: take that of before, or what the force
-    // beyond the cone gives the whole mass.
-    let u0_t = n.fma(-n.dot(u0), u0).length();
-    let breaks = u0_t.max((f_t - limit) * h / mass);
-    let speed = M::R::select(over, speed.max(breaks), speed);
-    let rubbing = (limit / speed.max(M::R::lit(STILL))).min(stick);
-    let next = M::R::select(wrong, rubbing, c_t);
-    let on = M::R::select((pressed & !pulls) | enters, one, zero);
-    let change = M::R::select(pulls | enters | wrong, one, zero);
-    press(k, t, s, on, c, next);
-    [change, -f_n / mass]
+    let changes = pulls | enters | wrong;
+    if let Some(_branch) = k.if_any(changes) {
+        // A point that sticks shows no speed to slide with: take that of before, or what the force
+        // beyond the cone gives the whole mass.
+        let speed = speed2.sqrt();
+        let before = n.fma(-n.dot(u0), u0).length();
+        let breaks = before.max(c_t.fma(speed, -limit) * h * light);
+        let speed = M::R::select(over, speed.max(breaks), speed);
+        let rubbing = (limit / speed.max(M::R::lit(STILL))).min(stick);
+        let on = M::R::select((pressed & !pulls) | enters, one, zero);
+        press(k, t, s, on, c, M::R::select(wrong, rubbing, c_t));
+    }
+    [M::R::select(changes, one, zero), -(f_n * light)]
 }
 
 /// True where a point pulls by more than may stand.
@@ -293,123 +330,85 @@ pub(crate) fn pulls<M: Machine>(k: &M, t: &Tables, pull: M::R) -> <M::R as Real>
 #[inline(always)]
 pub(crate) fn release<M: Machine>(k: &mut M, t: &Tables, wrong: <M::R as Real>::Mask) {
     let (zero, one) = (M::R::zero(), M::R::one());
-    for s in k.count(t.contacts.between) {
-        if let Some(_branch) = k.if_any(gauss_seidel::near(k, t, s)) {
-            let [fx, fy, fz, c_n, c_t] = k.read(t.load, s, load::FORCE);
-            let n = k.vec3(t.contacts.slot, s, slot::NORMAL);
-            let pulls = n.dot(Vec3::new(fx, fy, fz)).lt(zero);
-            let gone = (wrong & pulls) | c_n.same(zero);
-            press(k, t, s, M::R::select(gone, zero, one), c_n, c_t);
-        }
+    for place in fixed(k, t) {
+        let s = t.contacts.found.row(k, place);
+        let [fx, fy, fz, c_n, c_t] = k.read(t.load, s, load::FORCE);
+        let n = k.vec3(t.contacts.slot, s, slot::NORMAL);
+        let pulls = n.dot(Vec3::new(fx, fy, fz)).lt(zero);
+        let gone = (wrong & pulls) | c_n.same(zero);
+        press(k, t, s, M::R::select(gone, zero, one), c_n, c_t);
     }
 }
 
 /// What the forces become by the accelerations that impulses have added.
 #[inline(always)]
 pub(crate) fn give<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
-    for s in k.count(t.contacts.between) {
-        if let Some(_branch) = k.if_any(gauss_seidel::near(k, t, s)) {
-            let node = k.link(t.contacts.slot_links, s, slot_link::MOVER);
-            let (x, n) = (
-                k.vec3(t.contacts.slot, s, slot::POSITION),
-                k.vec3(t.contacts.slot, s, slot::NORMAL),
-            );
-            let [fx, fy, fz, c_n, c_t] = k.read(t.load, s, load::FORCE);
-            let u = at(k.spatial(t.frame, node, frame::INCREMENT), x) * h;
-            let f = Vec3::new(fx, fy, fz) - u * c_t - n * ((c_n - c_t) * n.dot(u));
-            k.store_vec3(t.load, s, load::FORCE, f);
-        }
+    for place in fixed(k, t) {
+        let s = t.contacts.found.row(k, place);
+        let node = k.link(t.contacts.slot_links, s, slot_link::MOVER);
+        let (x, n) = (
+            k.vec3(t.contacts.slot, s, slot::POSITION),
+            k.vec3(t.contacts.slot, s, slot::NORMAL),
+        );
+        let [fx, fy, fz, c_n, c_t] = k.read(t.load, s, load::FORCE);
+        let u = at(k.spatial(t.frame, node, frame::INCREMENT), x) * h;
+        let f = Vec3::new(fx, fy, fz) - u * c_t - n * ((c_n - c_t) * n.dot(u));
+        k.store_vec3(t.load, s, load::FORCE, f);
     }
 }
 
 /// Keeps the contacts of the step just made in the state, to be reported.
 #[inline(always)]
-pub(crate) fn keep<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
-    let far = M::R::lit(FAR);
-    for s in gauss_seidel::between(k, t) {
-        if let Some(_branch) = k.if_any(gauss_seidel::near(k, t, s)) {
-            let force = gauss_seidel::force(k, t, s, h);
-            k.store_vec3(t.load, s, load::FORCE, force);
-        }
+pub(crate) fn keep<M: Machine>(k: &mut M, t: &Tables) {
+    let zero = M::R::zero();
+    t.kept.clear(k);
+    for place in fixed(k, t) {
+        let s = t.contacts.found.row(k, place);
+        let force = k.vec3(t.load, s, load::FORCE);
+        let touch = t.contacts.touch(k, t, s, force);
+        t.kept.keep(k, s, touch);
+        let pressed = t.contacts.near(k, s) & k.load(t.on, s, 0).gt(zero);
+        let grip = k.load(t.load, s, load::IMPEDANCE + 1);
+        k.store(t.grip, s, 0, M::R::select(pressed, grip, zero));
     }
-    sense(k, &t.contacts, t, t.touch);
-    for s in k.count(t.contacts.sensed) {
-        let distance = k.load(t.contacts.slot, s, slot::DISTANCE);
-        let kept = k.load(t.touch, s, contact::DISTANCE);
-        let near = distance.min(kept).lt(M::R::lit(0.5 * FAR));
-        if let Some(_branch) = k.if_any(near) {
-            let on = distance.lt(M::R::lit(0.5 * FAR));
-            let [x, y, z, l, m, n, _, feature] = k.read(t.contacts.slot, s, 0);
-            let origin = k.vec3(
-                t.point,
-                k.link(t.contacts.slot_links, s, slot_link::GROUP),
-                0,
-            );
-            let force = Vec3::select(on, k.vec3(t.load, s, load::FORCE), Vec3::zero());
-            let row = [
-                x + origin.x,
-                y + origin.y,
-                z + origin.z,
-                l,
-                m,
-                n,
-                M::R::select(on, distance, far),
-                feature,
-                force.x,
-                force.y,
-                force.z,
-            ];
-            k.write(t.touch, s, 0, row);
-            let [grip, pressed] = k.read(t.load, s, load::IMPEDANCE + 1);
-            let pressed = on & pressed.gt(M::R::zero());
-            k.store(t.grip, s, 0, M::R::select(pressed, grip, M::R::zero()));
-        }
+    for place in gauss_seidel::between(k, t) {
+        let s = t.contacts.found.row(k, place);
+        let force = gauss_seidel::force(k, t, s);
+        let touch = t.contacts.touch(k, t, s, force);
+        t.kept.keep(k, s, touch);
     }
+    sense(k, &t.contacts, t, &t.kept);
 }
 
-/// Forgets the contacts of the lanes of `lost`.
-#[inline(always)]
-pub(crate) fn forget<M: Machine>(k: &mut M, t: &Tables, lost: <M::R as Real>::Mask) {
-    for s in k.count(t.contacts.sensed) {
-        k.store_where(lost, t.grip, s, 0, M::R::zero());
-    }
-    for s in k.count(t.contacts.slots) {
-        let mut none = [0.0; contact::WIDTH];
-        none[contact::DISTANCE] = FAR;
-        for (field, number) in none.into_iter().enumerate() {
-            k.store_where(lost, t.touch, s, field, M::R::lit(number));
-        }
-    }
-}
-
-/// Takes the forces of the last step for those that act now.
+/// Takes the contacts of the last step, and their forces, for those that act now.
 #[inline(always)]
 pub(crate) fn recall<M: Machine>(k: &mut M, t: &Tables) {
-    let zero = M::R::zero();
-    for s in k.count(t.contacts.sensed) {
-        let [x, y, z, l, m, n, distance, _, fx, fy, fz] = k.read(t.touch, s, 0);
-        let origin = k.vec3(
-            t.point,
-            k.link(t.contacts.slot_links, s, slot_link::GROUP),
-            0,
-        );
-        let near = distance.lt(M::R::lit(0.5 * FAR));
-        let on = M::R::select(near, M::R::one(), zero);
-        let slot = [x - origin.x, y - origin.y, z - origin.z, l, m, n, distance];
-        k.write(t.contacts.slot, s, slot::POSITION, slot);
-        k.write(t.load, s, load::FORCE_0, [fx, fy, fz, zero, zero, on]);
+    t.contacts.clear(k);
+    release_all(k, t);
+    for s in k.count(t.contacts.between) {
+        let known = t.kept.known(k, s);
+        if let Some(_branch) = k.if_any(known) {
+            recall_one(k, t, s, found::FIXED);
+            k.store(t.on, s, 0, M::R::select(known, M::R::one(), M::R::zero()));
+        }
+    }
+    for s in k.range(k.index(t.contacts.between), k.index(t.contacts.sensed)) {
+        if let Some(_branch) = k.if_any(t.kept.known(k, s)) {
+            recall_one(k, t, s, found::BETWEEN);
+        }
     }
 }
 
-/// Copies the contacts of the last step to the output; of slots that are free, only that they are.
 #[inline(always)]
-pub(crate) fn report<M: Machine>(k: &mut M, t: &Tables) {
-    for s in k.count(t.contacts.slots) {
-        let distance = k.load(t.touch, s, contact::DISTANCE);
-        k.store(t.output.contact, s, contact::DISTANCE, distance);
-        if let Some(_branch) = k.if_any(distance.lt(M::R::lit(0.5 * FAR))) {
-            let row = k.read::<_, _, { contact::WIDTH }>(t.touch, s, 0);
-            k.write(t.output.contact, s, 0, row);
-        }
-    }
+fn recall_one<M: Machine>(k: &mut M, t: &Tables, s: M::I, list: usize) {
+    let group = k.link(t.contacts.slot_links, s, slot_link::GROUP);
+    let touch = t.kept.touch(k, s);
+    let force = Vec3::select(t.kept.known(k, s), touch.force, Vec3::zero());
+    let [x, y, z] = (touch.position - k.vec3(t.point, group, 0)).to_array();
+    let ([l, m, n], [fx, fy, fz]) = (touch.normal.to_array(), force.to_array());
+    let slot = [x, y, z, l, m, n, touch.distance, touch.feature];
+    k.write(t.contacts.slot, s, slot::POSITION, slot);
+    let zero = M::R::zero();
+    k.write(t.load, s, load::FORCE_0, [fx, fy, fz, zero, zero]);
+    t.contacts.found.append(k, k.index(list), s);
 }

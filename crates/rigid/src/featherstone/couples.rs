@@ -8,8 +8,6 @@ use crate::contacts::ContactPlan;
 pub(super) struct Couples {
     /// Fields of [`couple_link`].
     pub couples: Vec<[usize; couple_link::WIDTH]>,
-    /// Degree of freedom, entry.
-    pub paths: Vec<(usize, usize)>,
     /// Degree of freedom of each entry.
     pub names: Vec<usize>,
     /// Slot, pair of nodes, first row of its entries.
@@ -37,24 +35,20 @@ impl Couples {
     }
 
     fn add(&mut self, groups: [usize; 2], rows: [usize; 2], forest: &Forest) {
-        let first_name = self.names.len();
+        let [a, b] = rows.map(|row| path(forest, row - forest.bases.len()));
+        let both = a.iter().rev().zip(b.iter().rev());
+        let common = both.take_while(|(one, other)| one == other).count();
+        let (own_a, own_b) = (a.len() - common, b.len() - common);
         let mut couple = [0; couple_link::WIDTH];
         (couple[couple_link::GROUP_A], couple[couple_link::GROUP_B]) = (groups[0], groups[1]);
-        for (side, row) in rows.into_iter().enumerate() {
-            couple[couple_link::NODE_A + side] = row;
-            couple[couple_link::A_BEGIN + 2 * side] = self.paths.len();
-            for dof in path(forest, row - forest.bases.len()) {
-                let known = self.names[first_name..].iter().position(|d| *d == dof);
-                let entry = known.unwrap_or_else(|| {
-                    self.names.push(dof);
-                    self.names.len() - 1 - first_name
-                });
-                self.paths.push((dof, entry));
-            }
-            couple[couple_link::A_END + 2 * side] = self.paths.len();
-        }
-        couple[couple_link::ENTRY_BEGIN] = first_name;
-        couple[couple_link::ENTRIES] = self.names.len() - first_name;
+        (couple[couple_link::NODE_A], couple[couple_link::NODE_B]) = (rows[0], rows[1]);
+        couple[couple_link::ENTRY_BEGIN] = self.names.len();
+        couple[couple_link::OWN_A] = own_a;
+        couple[couple_link::OWN] = own_a + own_b;
+        couple[couple_link::ENTRIES] = own_a + own_b + common;
+        self.names.extend(&a[..own_a]);
+        self.names.extend(&b[..own_b]);
+        self.names.extend(&a[own_a..]);
         self.couples.push(couple);
     }
 }

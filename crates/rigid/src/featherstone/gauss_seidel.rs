@@ -28,11 +28,9 @@
 //! a contact that did not press takes part if the two come half of the gap nearer without impulses, or
 //! almost meet, so that one which only the impulses of others close begins a step late.
 
-use super::contact::{self, at, law, load};
+use super::contact::{self, at, impedance, law, load, rate};
 use super::tables::{Tables, couple_link, dof, frame, node_link, touch_link};
-use crate::contacts::{pair_field, slot, slot_link};
-use crate::output::contact as touch;
-use collide::FAR;
+use crate::contacts::{found, slot, slot_link};
 use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::Spatial;
 use numbers::{Cell, Machine, Mat3, Real, Vec3};
@@ -92,36 +90,27 @@ fn points<M: Machine>(k: &M, t: &Tables, s: M::I) -> (Vec3<M::R>, Vec3<M::R>) {
     (x + shift, x)
 }
 
-/// True in the lanes where the contact may come to press.
-#[inline(always)]
-pub(crate) fn near<M: Machine>(k: &M, t: &Tables, s: M::I) -> <M::R as Real>::Mask {
-    k.load(t.contacts.slot, s, slot::DISTANCE)
-        .lt(M::R::lit(0.5 * FAR))
-}
-
 /// Lets the forces of the last step act where the same features touch still.
 ///
 /// The passes over the contacts with the ground then know what presses on them.
 #[inline(always)]
 pub(crate) fn begin<M: Machine>(k: &mut M, t: &Tables) {
     clear(k, t);
-    for s in between(k, t) {
-        if let Some(_branch) = k.if_any(near(k, t, s)) {
-            let f = kept(k, t, s);
-            press(k, t, s, f);
-        }
+    for place in between(k, t) {
+        let s = t.contacts.found.row(k, place);
+        let f = kept(k, t, s);
+        press(k, t, s, f);
     }
 }
 
-/// Lets the forces of [`Tables::touch`] act, which [`contact::recall`](super::contact::recall) has read.
+/// Lets the forces of [`Tables::kept`] act, which [`contact::recall`](super::contact::recall) has read.
 #[inline(always)]
 pub(crate) fn recall<M: Machine>(k: &mut M, t: &Tables) {
     clear(k, t);
-    for s in between(k, t) {
-        if let Some(_branch) = k.if_any(near(k, t, s)) {
-            let f = k.vec3(t.load, s, load::FORCE_0);
-            press(k, t, s, f);
-        }
+    for place in between(k, t) {
+        let s = t.contacts.found.row(k, place);
+        let f = k.vec3(t.load, s, load::FORCE_0);
+        press(k, t, s, f);
     }
 }
 
@@ -135,9 +124,9 @@ fn clear<M: Machine>(k: &mut M, t: &Tables) {
 /// Force [N] of the last step on B, where the same features touch.
 #[inline(always)]
 fn kept<M: Machine>(k: &M, t: &Tables, s: M::I) -> Vec3<M::R> {
-    let [feature, fx, fy, fz] = k.read(t.touch, s, touch::FEATURE);
-    let same = feature.same(k.load(t.contacts.slot, s, slot::FEATURE)) & near(k, t, s);
-    Vec3::select(same, Vec3::new(fx, fy, fz), Vec3::zero())
+    let feature = k.load(t.contacts.slot, s, slot::FEATURE);
+    let same = t.kept.same(k, s, feature) & t.contacts.near(k, s);
+    Vec3::select(same, t.kept.force(k, s), Vec3::zero())
 }
 
 /// Adds a force on B, and its reaction on A.
@@ -158,13 +147,15 @@ fn press<M: Machine>(k: &mut M, t: &Tables, s: M::I, f: Vec3<M::R>) {
 /// Needs the accelerations under the forces of [`begin`].
 #[inline(always)]
 pub(crate) fn gauss_seidel<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
-    let zero = M::R::zero();
+    let (zero, first) = (M::R::zero(), k.index(0));
     let mut any = k.cell(zero);
-    for s in between(k, t) {
-        k.store(t.takes_part, s, 0, zero);
-        if let Some(_branch) = k.if_any(near(k, t, s)) {
-            let on = approach(k, t, s, h);
-            any.write(any.read().max(on));
+    t.acting.clear(k, 0);
+    for place in between(k, t) {
+        let s = t.contacts.found.row(k, place);
+        let on = approach(k, t, s, h);
+        any.write(any.read().max(on));
+        if let Some(_branch) = k.if_any(on.gt(zero)) {
+            t.acting.append(k, first, s);
         }
     }
     if let Some(_branch) = k.if_any(any.read().gt(zero)) {
@@ -172,13 +163,12 @@ pub(crate) fn gauss_seidel<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
             let root = k.load(t.dof, v, dof::INVERSE).sqrt();
             k.write(t.response, v, response::Z, [zero, root]);
         }
-        for s in between(k, t) {
-            if let Some(_branch) = k.if_any(k.load(t.takes_part, s, 0).gt(zero)) {
-                row(k, t, s, h);
-            }
+        for place in t.acting.places(k, first) {
+            let s = t.acting.row(k, place);
+            row(k, t, s, h);
         }
         iterate(k, t);
-        respond(k, t, h);
+        respond(k, t);
         contact::give(k, t, h);
     }
 }
@@ -194,7 +184,8 @@ fn iterate<M: Machine>(k: &mut M, t: &Tables) {
         let on = moves.read();
         let mut change = k.cell(zero);
         let mut most = k.cell(zero);
-        for s in between(k, t) {
+        for place in t.acting.places(k, k.index(0)) {
+            let s = t.acting.row(k, place);
             if let Some(_branch) = k.if_any((on * k.load(t.takes_part, s, 0)).gt(zero)) {
                 let (step, size) = relax(k, t, s, on);
                 change.write(change.read().max(step));
@@ -210,10 +201,10 @@ fn iterate<M: Machine>(k: &mut M, t: &Tables) {
     }
 }
 
-/// The slots between bodies that move.
+/// Where the contacts between bodies that move are listed.
 #[inline(always)]
 pub(crate) fn between<M: Machine>(k: &M, t: &Tables) -> M::Rounds {
-    k.range(k.index(t.contacts.between), k.index(t.contacts.sensed))
+    t.contacts.found.places(k, k.index(found::BETWEEN))
 }
 
 /// Velocities without impulses, u* and softness of a contact that is near; 1 where it takes part.
@@ -227,15 +218,15 @@ fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) -> M::R {
     let now = moves(k, t, couple_link::NODE_B, couple, x_b, h);
     let other = moves(k, t, couple_link::NODE_A, couple, x_a, h);
     let (speed, u) = (e.x.dot(now.0 - other.0), e.transpose_mul(now.1 - other.1));
-    let (target, c) = law(k, t, pair, distance, speed, h);
+    let (target, c) = impedance(k, t, pair, distance, speed, h);
     let known = [u.x, u.y, u.z, target, (h * c).recip()];
     k.write(t.impulse, s, impulse::VELOCITY, known);
 
-    let half = distance * M::R::lit(-0.5) / h;
+    let half = distance * M::R::lit(-0.5) * rate(k, t);
     let almost = k.vec3(t.world, k.index(0), 0).length() * h * M::R::lit(ALMOST);
     let meets = u.x.lt(target.max(half) + almost);
     let pressed = kept(k, t, s).length_squared().gt(M::R::zero());
-    let on = (meets | pressed) & near(k, t, s);
+    let on = (meets | pressed) & t.contacts.near(k, s);
     let on = M::R::select(on, M::R::one(), M::R::zero());
     k.store(t.takes_part, s, 0, on);
     on
@@ -245,23 +236,7 @@ fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) -> M::R {
 #[inline(always)]
 fn row<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
     let e = basis(k.vec3(t.contacts.slot, s, slot::NORMAL));
-    let couple = k.link(t.touch_links, s, touch_link::COUPLE);
-    let (x_a, x_b) = points(k, t, s);
-    let length = k.link(t.couple_links, couple, couple_link::ENTRIES);
-    let first = k.link(t.touch_links, s, touch_link::ENTRY);
-    for i in k.range(first, first.plus(length)) {
-        k.store_vec3(t.entry, i, 0, Vec3::zero());
-    }
-    walk(k, t, s, couple_link::B_BEGIN, x_b, e);
-    let against = Mat3::from_columns(-e.x, -e.y, -e.z);
-    walk(k, t, s, couple_link::A_BEGIN, x_a, against);
-
-    let mut square = Vec3::zero().hold(k);
-    for i in k.range(first, first.plus(length)) {
-        let y = k.vec3(t.entry, i, 0);
-        square.set(square.get() + y.times(y));
-    }
-    let a = square.get();
+    let a = responses(k, t, s, e);
     let tiny = M::R::lit(STIFFEST);
     let softness = k.load(t.impulse, s, impulse::TARGET + 1);
     let on = k.load(t.takes_part, s, 0);
@@ -271,6 +246,68 @@ fn row<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
     k.store_vec3(t.impulse, s, impulse::TANGENT, e.y);
     let lambda = e.transpose_mul(kept(k, t, s) * h);
     k.store_vec3(t.impulse, s, impulse::LAMBDA, lambda);
+}
+
+/// y of the three directions of a contact; returns their squares y · y [1/kg].
+#[inline(always)]
+fn responses<M: Machine>(k: &mut M, t: &Tables, s: M::I, e: Mat3<M::R>) -> Vec3<M::R> {
+    let couple = k.link(t.touch_links, s, touch_link::COUPLE);
+    let [_, _, _, _, _, own_a, own, entries] = k.link_row(t.couple_links, couple);
+    let (x_a, x_b) = points(k, t, s);
+    let mut square = Vec3::zero().hold(k);
+    let against = Mat3::from_columns(-e.x, -e.y, -e.z);
+    let mut a = wrenches(k, x_a, against);
+    walk(k, t, s, [k.index(0), own_a], &mut a, &mut square);
+    let mut b = wrenches(k, x_b, e);
+    walk(k, t, s, [own_a, own], &mut b, &mut square);
+    for (a, b) in a.iter_mut().zip(&b) {
+        a.set(a.get() + b.get());
+    }
+    walk(k, t, s, [own, entries], &mut a, &mut square);
+    square.get()
+}
+
+/// Wrenches of the three directions at a point.
+#[inline(always)]
+fn wrenches<M: Machine>(k: &M, x: Vec3<M::R>, e: Mat3<M::R>) -> [Spatial<M::Cell>; 3] {
+    [
+        Spatial::new(x.cross(e.x), e.x).hold(k),
+        Spatial::new(x.cross(e.y), e.y).hold(k),
+        Spatial::new(x.cross(e.z), e.z).hold(k),
+    ]
+}
+
+/// Walks inwards along some of a contact's entries with the wrenches of its three directions.
+#[inline(always)]
+fn walk<M: Machine>(
+    k: &mut M,
+    t: &Tables,
+    s: M::I,
+    [from, to]: [M::I; 2],
+    wrenches: &mut [Spatial<M::Cell>; 3],
+    square: &mut Vec3<M::Cell>,
+) {
+    let couple = k.link(t.touch_links, s, touch_link::COUPLE);
+    let names = k.link(t.couple_links, couple, couple_link::ENTRY_BEGIN);
+    let first = k.link(t.touch_links, s, touch_link::ENTRY);
+    let [normal, one, two] = wrenches;
+    for i in k.range(from, to) {
+        let v = k.link(t.entry_links, names.plus(i), 0);
+        let (axis, u) = (k.spatial(t.dof, v, dof::AXIS), k.spatial(t.dof, v, dof::U));
+        let inverse = k.load(t.dof, v, dof::INVERSE);
+        let along = Vec3::new(
+            axis.dot(normal.get()),
+            axis.dot(one.get()),
+            axis.dot(two.get()),
+        );
+        let share = along * -inverse;
+        normal.set(u.fma(share.x, normal.get()));
+        one.set(u.fma(share.y, one.get()));
+        two.set(u.fma(share.z, two.get()));
+        let y = along * k.load(t.response, v, response::ROOT);
+        k.store_vec3(t.entry, first.plus(i), 0, y);
+        square.set(y.times(y) + square.get());
+    }
 }
 
 /// Velocity of one side at x before the step, and after it without impulses.
@@ -287,34 +324,6 @@ fn moves<M: Machine>(
     let v = at(k.spatial(t.frame, node, frame::TWIST), x);
     let a = k.spatial(t.frame, node, frame::BIAS) + k.spatial(t.frame, node, frame::ACCELERATION);
     (v, at(a, x).fma(h, v))
-}
-
-/// Walks inwards from one side of a contact with the wrenches of its three directions.
-#[inline(always)]
-fn walk<M: Machine>(k: &mut M, t: &Tables, s: M::I, side: usize, x: Vec3<M::R>, e: Mat3<M::R>) {
-    let couple = k.link(t.touch_links, s, touch_link::COUPLE);
-    let first = k.link(t.touch_links, s, touch_link::ENTRY);
-    let mut normal = Spatial::new(x.cross(e.x), e.x).hold(k);
-    let mut one = Spatial::new(x.cross(e.y), e.y).hold(k);
-    let mut two = Spatial::new(x.cross(e.z), e.z).hold(k);
-    let begin = k.link(t.couple_links, couple, side);
-    let end = k.link(t.couple_links, couple, side + 1);
-    for step in k.range(begin, end) {
-        let [v, entry] = k.link_row(t.path_links, step);
-        let (axis, u) = (k.spatial(t.dof, v, dof::AXIS), k.spatial(t.dof, v, dof::U));
-        let inverse = k.load(t.dof, v, dof::INVERSE);
-        let along = Vec3::new(
-            axis.dot(normal.get()),
-            axis.dot(one.get()),
-            axis.dot(two.get()),
-        );
-        let share = along * -inverse;
-        normal.set(u.fma(share.x, normal.get()));
-        one.set(u.fma(share.y, one.get()));
-        two.set(u.fma(share.z, two.get()));
-        let y = along * k.load(t.response, v, response::ROOT);
-        k.add_vec3(t.entry, first.plus(entry), 0, y);
-    }
 }
 
 /// Adds impulses of a contact to z.
@@ -352,7 +361,7 @@ fn relax<M: Machine>(k: &mut M, t: &Tables, s: M::I, on: M::R) -> (M::R, M::R) {
     let u = velocity.get();
     let [target, softness, normal, tangent] = k.read(t.impulse, s, impulse::TARGET);
     let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
-    let friction = k.load(t.contacts.pair, pair, pair_field::FRICTION);
+    let friction = k.load(t.law, pair, law::FRICTION);
     let old = k.vec3(t.impulse, s, impulse::LAMBDA);
 
     let zero = M::R::zero();
@@ -372,8 +381,8 @@ fn relax<M: Machine>(k: &mut M, t: &Tables, s: M::I, on: M::R) -> (M::R, M::R) {
 
 /// Walks outwards: adds what z means to the accelerations.
 #[inline(always)]
-fn respond<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
-    let rate = h.recip();
+fn respond<M: Machine>(k: &mut M, t: &Tables) {
+    let rate = rate(k, t);
     for tree in k.count(t.trees) {
         k.store_spatial(t.frame, tree, frame::INCREMENT, Spatial::zero());
     }
@@ -401,10 +410,10 @@ fn respond<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
 
 /// Force [N] on B of a contact that is near.
 #[inline(always)]
-pub(crate) fn force<M: Machine>(k: &M, t: &Tables, s: M::I, h: M::R) -> Vec3<M::R> {
+pub(crate) fn force<M: Machine>(k: &M, t: &Tables, s: M::I) -> Vec3<M::R> {
     let n = k.vec3(t.contacts.slot, s, slot::NORMAL);
     let first = k.vec3(t.impulse, s, impulse::TANGENT);
-    let lambda = k.vec3(t.impulse, s, impulse::LAMBDA) * h.recip();
+    let lambda = k.vec3(t.impulse, s, impulse::LAMBDA) * rate(k, t);
     let force = Mat3::from_columns(n, first, n.cross(first)) * lambda;
     let on = k.load(t.takes_part, s, 0).gt(M::R::zero());
     Vec3::select(on, force, Vec3::zero())

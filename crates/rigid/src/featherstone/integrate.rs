@@ -21,7 +21,7 @@ use super::gauss_seidel;
 use super::kinematics::kinematics;
 use super::limit;
 use super::report::gather;
-use super::tables::{Tables, dof};
+use super::tables::{Tables, dof, step};
 use crate::contacts::place_shapes;
 use numbers::functions::{finite, wrap};
 use numbers::machine::{Held, Hold, Index};
@@ -40,7 +40,7 @@ pub(crate) fn begin<M: Machine, const CONTACTS: bool>(
     integrator: Integrator,
     stage: M::I,
 ) {
-    let h = k.load(t.step, k.index(0), 0);
+    let h = k.load(t.step, k.index(0), step::TIME);
     if let Some(_branch) = k.when(k.equals(stage, 0)) {
         // The first integrator saves as it goes, which is why it is the fastest.
         if integrator != Integrator::SemiImplicitEuler {
@@ -65,7 +65,7 @@ pub(crate) fn finish<M: Machine, const CONTACTS: bool>(
     integrator: Integrator,
     stage: M::I,
 ) {
-    let h = k.load(t.step, k.index(0), 0);
+    let h = k.load(t.step, k.index(0), step::TIME);
     accelerate::<M, CONTACTS>(k, t, integrator, h);
     match integrator {
         Integrator::SemiImplicitEuler => kick_and_drift(k, t, h),
@@ -83,7 +83,7 @@ pub(crate) fn finish<M: Machine, const CONTACTS: bool>(
     }
     if let Some(_branch) = k.when(k.equals(stage, integrator.stages() - 1)) {
         if CONTACTS {
-            contact::keep(k, t, h);
+            contact::keep(k, t);
         }
         guard::<M, CONTACTS>(k, t);
     }
@@ -292,7 +292,7 @@ fn guard<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
         farthest.write(farthest.read().max(far));
         gather(&mut sum, far);
     }
-    let slow = fastest.read().le(k.load(t.step, world, 1));
+    let slow = fastest.read().le(k.load(t.step, world, step::SPEED_LIMIT));
     let near = farthest.read().le(M::R::lit(FAR));
     let fine = slow & near & finite(sum.read());
     let fine = M::R::select(fine, k.load(t.alive, world, 0), zero);
@@ -300,7 +300,7 @@ fn guard<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
     let lost = fine.same(M::R::zero());
     if let Some(_branch) = k.if_any(lost) {
         if CONTACTS {
-            contact::forget(k, t, lost);
+            t.kept.forget(k, lost);
         }
         for q in k.count(t.coordinates) {
             let x = k.load(t.saved_position, q, 0);

@@ -79,7 +79,11 @@ pub(crate) fn act<M: Machine, const CONTACTS: bool>(
     d: &mut M::Cell,
 ) {
     let zero = M::R::zero();
-    let r = excess(k, t, v);
+    let r = if CONTACTS {
+        k.load(t.excess, v, 0)
+    } else {
+        excess(k, t, v)
+    };
     if let Some(_branch) = k.if_any(!r.same(zero)) {
         let [force, opposing] = law(k, t, v, r, h);
         let mut sign = (force * r).fma(d.read(), (opposing * r) * u.read());
@@ -94,11 +98,18 @@ pub(crate) fn act<M: Machine, const CONTACTS: bool>(
     }
 }
 
-/// Forgets what passes have found.
+/// Lists the degrees of freedom that are beyond an end, and forgets what passes have found.
 #[inline(always)]
 pub(crate) fn begin<M: Machine>(k: &mut M, t: &Tables) {
+    let (zero, only) = (M::R::zero(), k.index(0));
+    t.beyond.clear(k, 0);
     for v in k.count(t.forces.limits) {
-        k.store(t.stop, v, stop::ACTS, M::R::zero());
+        let r = excess(k, t, v);
+        k.store(t.excess, v, 0, r);
+        if let Some(_branch) = k.if_any(!r.same(zero)) {
+            k.store(t.stop, v, stop::ACTS, zero);
+            t.beyond.append(k, only, v);
+        }
     }
 }
 
@@ -107,31 +118,27 @@ pub(crate) fn begin<M: Machine>(k: &mut M, t: &Tables) {
 #[inline(always)]
 pub(crate) fn settle<M: Machine>(k: &mut M, t: &Tables, h: M::R, changes: &mut M::Cell) {
     let zero = M::R::zero();
-    for v in k.count(t.forces.limits) {
-        let r = excess(k, t, v);
-        if let Some(_branch) = k.if_any(!r.same(zero)) {
-            let [force, opposing] = law(k, t, v, r, h);
-            let acceleration = k.load(t.dof, v, dof::ACCELERATION);
-            let known = opposing.fma(acceleration, force) * r;
-            let before = k.load(t.stop, v, stop::ACTS);
-            k.write(t.stop, v, stop::ACTS, [known, before]);
-            let (acted, acts) = (before.gt(zero), known.gt(zero));
-            let wrong = (acts & !acted) | (acted & !acts);
-            let change = M::R::select(wrong, M::R::one(), zero);
-            changes.write(changes.read() + change);
-        }
+    for place in t.beyond.places(k, k.index(0)) {
+        let v = t.beyond.row(k, place);
+        let (before, r) = (k.load(t.stop, v, stop::ACTS), k.load(t.excess, v, 0));
+        let [force, opposing] = law(k, t, v, r, h);
+        let acceleration = k.load(t.dof, v, dof::ACCELERATION);
+        let known = opposing.fma(acceleration, force) * r;
+        k.write(t.stop, v, stop::ACTS, [known, before]);
+        let (acted, acts) = (before.gt(zero), known.gt(zero));
+        let wrong = (acts & !acted) | (acted & !acts);
+        let change = M::R::select(wrong, M::R::one(), zero);
+        changes.write(changes.read() + change);
     }
 }
 
 /// Takes the stops for what they were when the accelerations were found.
 #[inline(always)]
 pub(crate) fn recall<M: Machine>(k: &mut M, t: &Tables) {
-    for v in k.count(t.forces.limits) {
-        let r = excess(k, t, v);
-        if let Some(_branch) = k.if_any(!r.same(M::R::zero())) {
-            let acted = k.load(t.stop, v, stop::ACTED);
-            k.store(t.stop, v, stop::ACTS, acted);
-        }
+    for place in t.beyond.places(k, k.index(0)) {
+        let v = t.beyond.row(k, place);
+        let acted = k.load(t.stop, v, stop::ACTED);
+        k.store(t.stop, v, stop::ACTS, acted);
     }
 }
 

@@ -25,9 +25,8 @@ mod limit;
 mod report;
 mod tables;
 
-use crate::output::{body, contact as touch};
+use crate::output::body;
 use crate::{ContactTables, Kernels, Lengths, OutputTables, Settings, SolverError};
-use collide::FAR;
 pub use force::FRICTION_SPEED;
 use model::{Model, ShapeId};
 use numbers::machine::space::State;
@@ -99,13 +98,7 @@ impl<const CONTACTS: bool> ArticulatedBodies<CONTACTS> {
     }
 
     fn compile(model: &Model, settings: &Settings) -> Result<Self, SolverError> {
-        let (tables, mut filler, contact_shapes) = Tables::new(model, CONTACTS, settings)?;
-        filler.numbers(
-            tables.step,
-            0,
-            0,
-            &[settings.substep(), settings.speed_limit],
-        );
+        let (tables, filler, contact_shapes) = Tables::new(model, CONTACTS, settings)?;
         Ok(Self {
             tables,
             integrator: settings.integrator,
@@ -179,9 +172,7 @@ impl<const CONTACTS: bool> Kernels for ArticulatedBodies<CONTACTS> {
         let mut state = vec![0.0; self.tables.state_length];
         state[self.alive()] = 1.0;
         self.tables.forces.initial(model, &mut state);
-        for slot in 0..self.tables.contacts.slots {
-            state[self.tables.touch.at(slot, touch::DISTANCE)] = FAR;
-        }
+        self.tables.kept.initial(&mut state);
         self.place(position, velocity, &mut state);
         state
     }

@@ -5,18 +5,18 @@
 //! w = I a + v ×* I v + Σ w_child − Σ w_c, with a less gravity (Featherstone 2008, §5.3).
 
 use super::articulated_body::articulated_body;
-use super::contact as touches;
+use super::contact;
 use super::force::forces;
 use super::gauss_seidel;
 use super::kinematics::{kinematics, momentum, newton_euler, world_inertia};
 use super::limit;
 use super::tables::{Tables, body_field, body_link, dof, frame};
-use crate::output::{body, body_acceleration, contact, reaction, total};
-use collide::FAR;
+use crate::contacts::Touch;
+use crate::output::{body, body_acceleration, reaction, total};
 use numbers::functions::wrap;
 use numbers::machine::{Held, Hold};
 use numbers::spatial::Spatial;
-use numbers::{Cell, Machine, Pose, Real};
+use numbers::{Cell, Machine, Pose, Real, Vec3};
 
 /// Fills the output of every lane from its state. Changes no state.
 #[inline(always)]
@@ -25,11 +25,11 @@ pub(crate) fn report<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
     kinematics(k, t);
     forces(k, t, now);
     if CONTACTS {
-        touches::recall(k, t);
+        contact::recall(k, t);
         if t.presses() {
             gauss_seidel::recall(k, t);
         }
-        touches::report(k, t);
+        t.kept.report(k, t.output.contact);
         limit::begin(k, t);
     }
     articulated_body::<M, CONTACTS>(k, t, now, now);
@@ -58,7 +58,7 @@ pub(crate) fn motion<M: Machine>(k: &mut M, t: &Tables) {
 pub(crate) fn contacts<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
     motion(k, t);
     if CONTACTS {
-        touches::report(k, t);
+        t.kept.report(k, t.output.contact);
     }
 }
 
@@ -167,12 +167,12 @@ fn wrenches<M: Machine>(k: &mut M, t: &Tables) {
 #[inline(always)]
 fn relieve<M: Machine>(k: &mut M, t: &Tables) {
     for s in k.count(t.contacts.sensed) {
-        let near = k
-            .load(t.touch, s, contact::DISTANCE)
-            .lt(M::R::lit(0.5 * FAR));
-        if let Some(_branch) = k.if_any(near) {
-            let x = k.vec3(t.touch, s, contact::POSITION);
-            let f = k.vec3(t.touch, s, contact::FORCE);
+        let known = t.kept.known(k, s);
+        if let Some(_branch) = k.if_any(known) {
+            let Touch {
+                position: x, force, ..
+            } = t.kept.touch(k, s);
+            let f = Vec3::select(known, force, Vec3::zero());
             let [one, other] = k.link_row(t.touching_links, s);
             let push = Spatial::new(x.cross(f), f);
             let reacted = k.spatial(t.wrench, one, 0) + push;

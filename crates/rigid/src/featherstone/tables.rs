@@ -8,13 +8,14 @@
 //! *motions*: revolute, prismatic or ball; a free joint is three prismatic
 //! motions and a ball, a `d6` its axes in turn.
 
-use super::contact::load;
+use super::contact::{law, law_over, load};
 use super::couples::Couples;
 use super::force::{ForceRows, ForceTables, only_forces_act, wrapping};
 use super::gauss_seidel::{impulse, response};
 use super::limit::stop;
-use crate::contacts::{ContactPlan, ContactTables, Seat as Carrier};
-use crate::output::{OutputTables, contact};
+use crate::contacts::{ContactPlan, ContactTables, Kept, Seat as Carrier, pair_field};
+use crate::lists::Lists;
+use crate::output::OutputTables;
 use crate::tables::Filler;
 use crate::{InputTables, Settings, SolverError};
 use glam::{DMat3, DQuat, DVec3};
@@ -97,14 +98,14 @@ pub(crate) mod couple_link {
     pub const GROUP_B: usize = 1;
     pub const NODE_A: usize = 2;
     pub const NODE_B: usize = 3;
-    /// Path of A, from its node inwards, and one past its end; the same of B.
-    pub const A_BEGIN: usize = 4;
-    pub const A_END: usize = 5;
-    pub const B_BEGIN: usize = 6;
-    /// First name of an entry, and how many entries there are.
-    pub const ENTRY_BEGIN: usize = 8;
-    pub const ENTRIES: usize = 9;
-    pub const WIDTH: usize = 10;
+    /// First name of an entry.
+    pub const ENTRY_BEGIN: usize = 4;
+    /// How many entries A's path inwards has until it meets B's, both have until they meet, and there are with
+    /// the path from there.
+    pub const OWN_A: usize = 5;
+    pub const OWN: usize = 6;
+    pub const ENTRIES: usize = 7;
+    pub const WIDTH: usize = 8;
 }
 
 /// Fields of [`Tables::motion_links`].
@@ -112,6 +113,17 @@ pub(crate) mod motion_link {
     pub const KIND: usize = 0;
     pub const COORDINATE: usize = 1;
     pub const DOF: usize = 2;
+    pub const WIDTH: usize = 3;
+}
+
+/// Fields of [`Tables::step`].
+pub(crate) mod step {
+    /// h [s].
+    pub const TIME: usize = 0;
+    /// 1 / h.
+    pub const RATE: usize = 1;
+    /// Largest speed of a coordinate.
+    pub const SPEED_LIMIT: usize = 2;
     pub const WIDTH: usize = 3;
 }
 
@@ -153,9 +165,9 @@ pub struct Tables {
     /// 1 while the world runs, 0 once it diverged.
     pub(crate) alive: Table<State>,
     pub(crate) forces: ForceTables,
-    /// The contacts of the last step, as they are reported.
-    pub(crate) touch: Table<State, { contact::WIDTH }>,
-    /// Tangential impedance of each slot in the last step.
+    /// The contacts of the last step.
+    pub(crate) kept: Kept,
+    /// Tangential impedance of each contact of the last step.
     pub(crate) grip: Table<State>,
     pub(crate) state_length: usize,
 
@@ -164,8 +176,10 @@ pub struct Tables {
 
     /// Gravity, 3.
     pub(crate) world: Table<Parameter, 3>,
-    /// Step h; largest speed of a coordinate.
-    pub(crate) step: Table<Parameter, 2>,
+    /// See [`step`].
+    pub(crate) step: Table<Parameter, { step::WIDTH }>,
+    /// Per pair of shapes: see [`law`].
+    pub(crate) law: Table<Parameter, { law::WIDTH }>,
     /// Runge–Kutta stages: weight, next offset, 1 for the last.
     pub(crate) tableau: Table<Parameter, 3>,
     pub(crate) tree: Table<Parameter, 3>,
@@ -207,8 +221,14 @@ pub struct Tables {
     pub(crate) iterations: usize,
     /// Per slot: see [`load`].
     pub(crate) load: Table<Scratch, { load::WIDTH }>,
+    /// Per slot of a contact with what does not move: 1 where the point presses.
+    pub(crate) on: Table<Scratch>,
     /// Per degree of freedom: see [`stop`].
     pub(crate) stop: Table<Scratch, { stop::WIDTH }>,
+    /// Per degree of freedom: by how much it is beyond its limits.
+    pub(crate) excess: Table<Scratch>,
+    /// The degrees of freedom that are beyond their limits.
+    pub(crate) beyond: Lists,
     /// Rows of the bodies of each slot, that of the shape that its normal points to last; one past
     /// the last body for the world.
     pub(crate) touching_links: Links<2>,
@@ -216,9 +236,7 @@ pub struct Tables {
     pub(crate) touch_links: Links<{ touch_link::WIDTH }>,
     /// Per pair of nodes that may touch: see [`couple_link`].
     pub(crate) couple_links: Links<{ couple_link::WIDTH }>,
-    /// Paths inwards: degree of freedom, its entry among those of the pair.
-    pub(crate) path_links: Links<2>,
-    /// Degree of freedom of each entry of a pair.
+    /// Degree of freedom of each entry of a pair, along the paths inwards: A's own, B's own, then the one they share.
     pub(crate) entry_links: Links,
     /// Per slot between bodies that move: see [`impulse`].
     pub(crate) impulse: Table<Scratch, { impulse::WIDTH }>,
@@ -228,6 +246,8 @@ pub struct Tables {
     pub(crate) response: Table<Scratch, { response::WIDTH }>,
     /// Per slot between bodies that move: 1 where the contact takes part in the step.
     pub(crate) takes_part: Table<Scratch>,
+    /// The slots that do.
+    pub(crate) acting: Lists,
     /// Wrench of the contacts with other bodies that move, per node, and per tree for the world.
     pub(crate) pressure: Table<Scratch, 6>,
     /// Saved coordinates and velocities.
@@ -603,7 +623,10 @@ impl Tables {
         tables.fill_bodies(model, &forest, &mut filler);
         tables.forces.fill(model, settings.substep(), &mut filler);
         tables.contacts.fill(model, &plan, NAME, &mut filler)?;
+        tables.fill_step(settings, &mut filler);
         tables.fill_couples(&couples, &mut filler);
+        tables.beyond.fill(&[tables.dofs], &mut filler);
+        tables.acting.fill(&[couples.slots.len()], &mut filler);
         let contact_shapes = plan.shapes();
         for (slot, shapes) in contact_shapes.iter().enumerate() {
             for (side, shape) in shapes.iter().enumerate() {
@@ -626,6 +649,16 @@ impl Tables {
             filler.numbers(tables.tableau, stage, 0, row);
         }
         Ok((tables, filler, contact_shapes))
+    }
+
+    fn fill_step(&self, settings: &Settings, f: &mut Filler) {
+        let h = settings.substep();
+        f.numbers(self.step, 0, 0, &[h, h.recip(), settings.speed_limit]);
+        for pair in 0..self.contacts.pairs() {
+            let from = self.contacts.pair.at(pair, pair_field::FRICTION);
+            let numbers = f.parameters[from..].first_chunk().expect("a row of a pair");
+            f.numbers(self.law, pair, 0, &law_over(*numbers, h));
+        }
     }
 
     /// The same tree, whose limits do not act.
@@ -665,7 +698,7 @@ impl Tables {
         let alive = Table::place(&mut s, 1);
         let forces = ForceTables::place(&ForceRows::count(model), dofs, &mut s, &mut p, &mut l);
         let contacts = ContactTables::place(plan, &mut p, &mut l, &mut t);
-        let touch = Table::place(&mut s, contacts.slots);
+        let kept = Kept::place(&mut s, contacts.slots);
         let grip = Table::place(&mut s, contacts.sensed);
         Self {
             trees,
@@ -681,7 +714,7 @@ impl Tables {
                 1
             },
             iterations: settings.contact_iterations,
-            touch,
+            kept,
             grip,
             position,
             velocity,
@@ -692,6 +725,7 @@ impl Tables {
             output: OutputTables::new(model).with_contacts(contacts.slots),
             world: Table::place(&mut p, 1),
             step: Table::place(&mut p, 1),
+            law: Table::place(&mut p, contacts.pairs()),
             tableau: Table::place(&mut p, 4),
             tree: Table::place(&mut p, trees),
             origin: Table::place(&mut p, coordinates),
@@ -717,16 +751,19 @@ impl Tables {
             frame: Table::place(&mut t, rows),
             dof: Table::place(&mut t, dofs),
             load: Table::place(&mut t, contacts.sensed),
+            on: Table::place(&mut t, contacts.between),
             stop: Table::place(&mut t, dofs),
+            excess: Table::place(&mut t, dofs),
+            beyond: Lists::place(&[dofs], &mut l, &mut t),
             touching_links: Links::place(&mut l, contacts.slots),
             touch_links: Links::place(&mut l, contacts.sensed),
             couple_links: Links::place(&mut l, couples.couples.len()),
-            path_links: Links::place(&mut l, couples.paths.len()),
             entry_links: Links::place(&mut l, couples.names.len()),
             impulse: Table::place(&mut t, contacts.sensed),
             entry: Table::place(&mut t, couples.entries),
             response: Table::place(&mut t, if couples.slots.is_empty() { 0 } else { dofs }),
             takes_part: Table::place(&mut t, contacts.sensed),
+            acting: Lists::place(&[couples.slots.len()], &mut l, &mut t),
             pressure: Table::place(&mut t, if couples.slots.is_empty() { 0 } else { rows }),
             saved_position: Table::place(&mut t, coordinates),
             saved_velocity: Table::place(&mut t, dofs),
@@ -761,10 +798,6 @@ impl Tables {
             for (field, &x) in couple.iter().enumerate() {
                 f.link(self.couple_links, row, field, x);
             }
-        }
-        for (row, &(dof, entry)) in couples.paths.iter().enumerate() {
-            f.link(self.path_links, row, 0, dof);
-            f.link(self.path_links, row, 1, entry);
         }
         for (row, &dof) in couples.names.iter().enumerate() {
             f.link(self.entry_links, row, 0, dof);

@@ -6,8 +6,11 @@
 
 use super::memory::{Cached, CachedPoint};
 use super::tables::{POINTS, global};
-use crate::contacts::tables::{pair_field, pair_link, placed_field, shape_field, shape_link, slot};
+use crate::contacts::tables::{
+    found, pair_field, pair_link, placed_field, shape_field, shape_link, slot,
+};
 use crate::contacts::{ContactTables, store_placed};
+use crate::lists::Lists;
 use collide::mesh::{MeshData, Triangle};
 use collide::{FAR, Route};
 use numbers::machine::Links;
@@ -34,7 +37,7 @@ pub mod placed {
     /// Centre [m].
     pub const POSITION: usize = placed_field::POSITION;
     /// Its axes in the world, as columns.
-    pub const AXES: usize = placed_field::AXES;
+    pub const ORIENTATION: usize = placed_field::ORIENTATION;
     /// How far the shape can get within the step [m].
     pub const WAY: usize = placed_field::WAY;
     /// Half of the box, along the world's axes, that holds it throughout the step [m].
@@ -165,6 +168,8 @@ impl PairTables {
         };
         let vertices = corners[1] + mesh.vertex_rows();
         let points = route.points();
+        let mut capacities = [0; found::LISTS];
+        capacities[found::FIXED] = points;
         let mut routes = [1; Route::ALL.len() + 1];
         for (first, other) in routes.iter_mut().zip(Route::ALL) {
             *first = usize::from(route < other);
@@ -182,6 +187,7 @@ impl PairTables {
             slot_links: Links::place(&mut links, points),
             placed: Table::place(&mut scratch, 2),
             slot: Table::place(&mut scratch, points),
+            found: Lists::place(&capacities, &mut links, &mut scratch),
             kernels: collide::Tables::place(&mut parameters, vertices, &mut scratch),
             meshes: mesh.place(&mut parameters, &mut links, &mut scratch),
         };
@@ -233,7 +239,7 @@ impl PairTables {
             }
         }
     }
-    /// Writes a lane's pair.
+    /// Writes a lane's pair, of which nothing is found yet.
     pub fn fill<T: Float>(
         &self,
         lane: usize,
@@ -252,6 +258,10 @@ impl PairTables {
             for (i, x) in shape.placed[..placed_field::WIDTH].iter().enumerate() {
                 scratch[(at + i) * width + lane] = *x;
             }
+        }
+        scratch[t.found.length_at(found::FIXED) * width + lane] = T::zero();
+        for i in 0..self.route.points() {
+            scratch[t.slot.at(i, slot::DISTANCE) * width + lane] = T::from_f64(FAR);
         }
         let first = t.kernels.vertices.start();
         for (i, x) in pair.corners.into_iter().flatten().enumerate() {

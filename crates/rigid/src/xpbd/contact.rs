@@ -42,9 +42,7 @@
 use super::body::{Solid, arms, inverse_inertias};
 use super::joint::arm_inertia;
 use super::tables::{Tables, global, mass};
-use crate::contacts::{Places, pair_field, slot, slot_link};
-use crate::output::contact;
-use collide::FAR;
+use crate::contacts::{Places, found, pair_field, sense, slot, slot_link};
 use numbers::spatial::Spatial;
 use numbers::{Machine, Pose, Real, SymMat3, Vec3};
 
@@ -219,34 +217,27 @@ fn along_and_across<R: Real>(s: SymMat3<R>, n: Vec3<R>) -> (R, R) {
     (n.dot(s * n), larger)
 }
 
-/// True in the lanes where the points may come to touch.
-#[inline(always)]
-fn near<M: Machine>(k: &M, t: &Tables, s: M::I) -> <M::R as Real>::Mask {
-    k.load(t.contacts.slot, s, slot::DISTANCE)
-        .lt(M::R::lit(0.5 * FAR))
-}
-
 /// Prepares the contacts of a substep, after the flight of the bodies, and starts with what the
 /// last substep ended with.
 #[inline(always)]
 pub(crate) fn meet<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     inverse_inertias(k, t);
     save(k, t);
-    for s in k.count(t.contacts.sensed) {
-        k.write(t.touching, s, touching::LAMBDA, [M::R::zero(); 4]);
-        if t.grips {
-            k.store_vec3(t.grip, s, grip::LAMBDA, Vec3::zero());
-        }
-        let near = near(k, t, s);
-        if let Some(_branch) = k.if_any(near) {
-            approach(k, t, s, h, near);
+    for list in k.count(found::SOLID) {
+        for place in t.contacts.found.places(k, list) {
+            let s = t.contacts.found.row(k, place);
+            k.write(t.touching, s, touching::LAMBDA, [M::R::zero(); 4]);
+            if t.grips {
+                k.store_vec3(t.grip, s, grip::LAMBDA, Vec3::zero());
+            }
+            approach(k, t, s, h);
         }
     }
 }
 
 /// The row of a slot, and its start.
 #[inline(always)]
-fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R, near: <M::R as Real>::Mask) {
+fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
     let rows = k.link_row::<_, 2>(t.touch_links, s);
     let [x, y, z, l, m, n, distance, feature] = k.read(t.contacts.slot, s, 0);
     let (x, n) = (Vec3::new(x, y, z), Vec3::new(l, m, n));
@@ -269,16 +260,8 @@ fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R, near: <M::R as 
     if t.grips {
         k.write(t.grip, s, 0, sides.moments(n));
     }
-    let same = feature.same(k.load(t.touch, s, contact::FEATURE));
-    start(
-        k,
-        t,
-        s,
-        h,
-        sides,
-        n,
-        near & same & speed.abs().le(slow(k, t, h)),
-    );
+    let same = t.kept.same(k, s, feature) & t.contacts.near(k, s);
+    start(k, t, s, h, sides, n, same & speed.abs().le(slow(k, t, h)));
 }
 
 /// Speed [m/s] up to which points rest on each other.
@@ -335,7 +318,7 @@ fn start<M: Machine>(
 ) {
     let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
     let friction = k.load(t.contacts.pair, pair, pair_field::FRICTION);
-    let last = k.vec3(t.touch, s, contact::FORCE) * h.squared();
+    let last = t.kept.force(k, s) * h.squared();
     let along = n.dot(last);
     let press = along.max(M::R::zero());
     let rub = within(n.fma(-along, last), friction * press);
@@ -408,12 +391,12 @@ fn within<R: Real>(v: Vec3<R>, most: R) -> Vec3<R> {
 pub(crate) fn sweeps<M: Machine>(k: &mut M, t: &Tables, h: M::R, ending: M::R) {
     let ending = ending.gt(M::R::zero());
     for _ in k.count(t.sweeps) {
-        for s in k.count(t.contacts.sensed) {
-            let near = near(k, t, s);
-            if let Some(_branch) = k.if_any(near) {
+        for list in k.count(found::SOLID) {
+            for place in t.contacts.found.places(k, list) {
+                let s = t.contacts.found.row(k, place);
                 let [bounces, pressed] = k.read(t.touching, s, touching::BOUNCE + 1);
                 let leaves = bounces.gt(M::R::zero()) & pressed.gt(M::R::zero());
-                let mask = near & ((!ending) | leaves);
+                let mask = t.contacts.near(k, s) & ((!ending) | leaves);
                 if let Some(_branch) = k.if_any(mask) {
                     relax(k, t, s, h, ending, mask);
                 }
@@ -493,53 +476,21 @@ pub(crate) fn drift<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
 /// next one with.
 #[inline(always)]
 pub(crate) fn keep<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
-    for s in k.count(t.contacts.sensed) {
-        let kept = k.load(t.touch, s, contact::DISTANCE);
-        let on = near(k, t, s);
-        let was = kept.lt(M::R::lit(0.5 * FAR));
-        if let Some(_branch) = k.if_any(on | was) {
-            let [x, y, z, l, m, n, distance, feature] = k.read(t.contacts.slot, s, 0);
+    let rate = h.squared().recip();
+    t.kept.clear(k);
+    for list in k.count(found::SOLID) {
+        for place in t.contacts.found.places(k, list) {
+            let s = t.contacts.found.row(k, place);
+            let n = k.vec3(t.contacts.slot, s, slot::NORMAL);
             let [pressed, rx, ry, rz] = k.read(t.touching, s, touching::LAMBDA);
-            let lambda = Vec3::new(l, m, n).fma(pressed, Vec3::new(rx, ry, rz));
-            let force = lambda * h.squared().recip();
-            let force = Vec3::select(on, force, Vec3::zero());
-            let distance = M::R::select(on, distance, M::R::lit(FAR));
-            let row = [
-                x, y, z, l, m, n, distance, feature, force.x, force.y, force.z,
-            ];
-            k.write(t.touch, s, 0, row);
+            let lambda = n.fma(pressed, Vec3::new(rx, ry, rz));
+            let touch = t.contacts.touch(k, t, s, lambda * rate);
+            t.kept.keep(k, s, touch);
             if t.grips {
                 let torque = k.vec3(t.grip, s, grip::LAMBDA);
-                k.store_vec3(t.gripped, s, 0, Vec3::select(on, torque, Vec3::zero()));
+                k.store_vec3(t.gripped, s, 0, torque);
             }
         }
     }
-}
-
-/// Forgets the contacts of the lanes of `lost`.
-#[inline(always)]
-pub(crate) fn forget<M: Machine>(k: &mut M, t: &Tables, lost: <M::R as Real>::Mask) {
-    for s in k.count(t.contacts.slots) {
-        let mut none = [0.0; contact::WIDTH];
-        none[contact::DISTANCE] = FAR;
-        for (field, number) in none.into_iter().enumerate() {
-            k.store_where(lost, t.touch, s, field, M::R::lit(number));
-        }
-    }
-    if t.grips {
-        for s in k.count(t.contacts.sensed) {
-            for field in 0..3 {
-                k.store_where(lost, t.gripped, s, field, M::R::zero());
-            }
-        }
-    }
-}
-
-/// Copies the contacts of the last substep to the output.
-#[inline(always)]
-pub(crate) fn report<M: Machine>(k: &mut M, t: &Tables) {
-    for s in k.count(t.contacts.slots) {
-        let row = k.read::<_, _, { contact::WIDTH }>(t.touch, s, 0);
-        k.write(t.output.contact, s, 0, row);
-    }
+    sense(k, &t.contacts, t, &t.kept);
 }

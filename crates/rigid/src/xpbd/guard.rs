@@ -1,6 +1,5 @@
 //! Worlds that diverge keep their last finite state.
 
-use super::contact;
 use super::tables::{Tables, global};
 use numbers::functions::finite;
 use numbers::spatial::Spatial;
@@ -89,7 +88,7 @@ pub(crate) fn guard<M: Machine>(k: &mut M, t: &Tables, survey: &Survey<M>) {
             k.store_spatial(t.moved, row, 0, unless(lost, moved));
         }
         if t.touches() {
-            contact::forget(k, t, lost);
+            t.kept.forget(k, lost);
         }
     }
 }

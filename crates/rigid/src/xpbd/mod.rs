@@ -55,10 +55,8 @@ mod tables;
 mod topology;
 mod tree;
 
-use crate::contacts::{place_shapes, sense};
-use crate::output::contact as touch;
+use crate::contacts::place_shapes;
 use crate::{ContactTables, Featherstone, Kernels, Lengths, OutputTables, Settings, SolverError};
-use collide::FAR;
 use guard::{Survey, guard};
 use model::{Model, ShapeId};
 use numbers::machine::Index;
@@ -150,9 +148,7 @@ impl Kernels for Xpbd {
         state[self.alive()] = 1.0;
         state[self.tables.pose.at(0, 6)] = 1.0;
         self.tables.laws.initial(model, &mut state);
-        for slot in 0..self.tables.contacts.slots {
-            state[self.tables.touch.at(slot, touch::DISTANCE)] = FAR;
-        }
+        self.tables.kept.initial(&mut state);
         self.place(position, velocity, &mut state);
         state
     }
@@ -244,11 +240,12 @@ fn passes<M: Machine>(k: &mut M, t: &Tables, h: M::R, survey: &mut Survey<M>) {
             }
         }
     }
-    if touching {
+    if t.touches() {
         contact::keep(k, t, h);
+    }
+    if touching {
         survey.repeat(k, t);
     }
-    sense(k, &t.contacts, t, t.touch);
 }
 
 /// Sweeps over the contacts, before the joints of a round or, where none `joins`, last of all.

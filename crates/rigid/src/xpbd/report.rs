@@ -1,7 +1,6 @@
 //! What a world looks like from outside.
 
 use super::axis::{Pull, measure};
-use super::contact;
 use super::joint::Ends;
 use super::reaction::{clear, through};
 use super::tables::{
@@ -36,7 +35,7 @@ pub(crate) fn motion<M: Machine>(k: &mut M, t: &Tables) {
 pub(crate) fn contacts<M: Machine>(k: &mut M, t: &Tables) {
     motion(k, t);
     if t.touches() {
-        contact::report(k, t);
+        t.kept.report(k, t.output.contact);
     }
 }
 

@@ -9,8 +9,8 @@ use super::contact::{grip, touching};
 use super::laws::{self, LawTables};
 use super::seats::{Seats, jointed};
 use super::topology::closings;
-use crate::contacts::{ContactPlan, ContactTables};
-use crate::output::{OutputTables, body, contact};
+use crate::contacts::{ContactPlan, ContactTables, Kept};
+use crate::output::{OutputTables, body};
 use crate::tables::{Filler, frame};
 use crate::{InputTables, Settings, SolverError};
 use glam::{DQuat, DVec3};
@@ -277,7 +277,7 @@ pub struct Tables {
     pub(crate) capped: Table<State>,
     pub(crate) laws: LawTables,
     /// The contacts of the last substep, as they are reported.
-    pub(crate) touch: Table<State, { contact::WIDTH }>,
+    pub(crate) kept: Kept,
     /// Their torques·h² against twisting and rolling.
     pub(crate) gripped: Table<State, 3>,
     pub(crate) state_length: usize,
@@ -505,7 +505,7 @@ impl Tables {
             alive: Table::place(&mut s, 1),
             capped: Table::place(&mut s, 1),
             laws,
-            touch: Table::place(&mut s, contacts.slots),
+            kept: Kept::place(&mut s, contacts.slots),
             gripped: Table::place(&mut s, if grips { contacts.sensed } else { 0 }),
             state_length: s,
             input: InputTables::new(model),

@@ -6,7 +6,7 @@ use kinetarium_rigid::{InputTables, Kernels};
 use model::Model;
 #[allow(unused_imports)] // for tests that bring models of their own
 pub use models::*;
-use numbers::{Cpu, Float, LanesMask, Real, Shared};
+use numbers::{Cpu, Float, Known, Shared};
 
 /// The memories of one world.
 #[derive(Clone, Debug)]
@@ -26,7 +26,7 @@ pub fn parameters<T: Float>(kernels: &impl Kernels) -> Vec<T> {
         .collect()
 }
 
-impl<R: Real<Mask: LanesMask>> World<R> {
+impl<R: Known> World<R> {
     /// A world in motion, under controls of every sort.
     pub fn new(kernels: &impl Kernels, model: &Model) -> Self {
         let wave = |i: usize| (1.7 * i as f64 + 0.4).sin();

@@ -23,7 +23,7 @@ enum Variable {
 }
 
 /// What is reported after one step, with one number moved by `change`.
-fn step<R: numbers::Real<Mask: numbers::LanesMask>>(
+fn step<R: numbers::Known>(
     kernels: &impl Kernels,
     start: &World<R>,
     variable: Variable,

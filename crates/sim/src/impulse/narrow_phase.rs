@@ -6,7 +6,7 @@ use crate::jobs::{Lane, narrow_phase};
 use crate::meshes::Triangles;
 use collide::mesh::Triangle;
 use collide::{Route, kind};
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 use numbers::{Float, Memory};
 use rayon::prelude::*;
 use rigid::impulse::pair::{Pair, PairTables, Placed, placed};
@@ -196,8 +196,8 @@ impl<T: Float> Scene<'_, T> {
             return Vec::new();
         };
         let vec3 = |of: &[T], at: usize| DVec3::from_array([0, 1, 2].map(|i| of[at + i].to_f64()));
-        let axes = [0, 3, 6].map(|i| vec3(b, placed::AXES + i));
-        let to_mesh = DMat3::from_cols(axes[0], axes[1], axes[2]).transpose();
+        let turn = [0, 1, 2, 3].map(|i| b[placed::ORIENTATION + i].to_f64());
+        let to_mesh = DMat3::from_quat(DQuat::from_array(turn)).transpose();
         let center = to_mesh * (vec3(a, placed::POSITION) - vec3(b, placed::POSITION));
         let margin = self.impulse.margin(shapes, self.parameters).to_f64();
         let reach = vec3(a, placed::EXTENT) + (b[placed::WAY].to_f64() + margin + NEARBY);
@@ -243,6 +243,7 @@ impl<T: Float> Scene<'_, T> {
                 output: output.scalars_mut(),
                 scratch: scratch.scalars_mut(),
                 parameters: parameters.scalars(),
+                common: &[],
                 links: group.tables.links(),
             };
             narrow_phase(self.lane, group.tables.contacts(), &mut block);
