@@ -20,6 +20,7 @@ mod outputs;
 mod parameter;
 mod quantity;
 mod rays;
+mod scratch;
 mod settings;
 mod simulation;
 mod snapshot;

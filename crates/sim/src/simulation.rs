@@ -8,6 +8,7 @@ use crate::error::{MOST_MOTION, SimulationError, bounded, index, length};
 use crate::events::Watcher;
 use crate::jobs::Lane;
 use crate::meshes::Meshes;
+use crate::scratch::Scratch;
 use crate::threads::Threads;
 use crate::{Controls, Device, Inputs, Outputs, Quantity, SimulationSettings, Snapshot, Solver};
 use glam::DQuat;
@@ -58,6 +59,7 @@ pub struct Simulation<T: Float> {
     parameters: Memory<T>,
     /// The same, a number each, while all worlds have them in common.
     common: Vec<T>,
+    scratch: Scratch<T>,
     /// Of the worlds that have numbers of their own.
     own: HashMap<usize, Own<T>>,
     pub(crate) input_tables: InputTables,
@@ -216,6 +218,7 @@ impl<T: Float> Simulation<T> {
                 .iter()
                 .map(|x| T::from_f64(*x))
                 .collect(),
+            scratch: Scratch::new(lengths.scratch, width),
             own: HashMap::new(),
             begun: vec![0; settings.worlds],
             input_tables: InputTables::new(&model),
@@ -729,24 +732,24 @@ impl<T: Float> Simulation<T> {
         let team = if shared_world { threads } else { 1 };
         let (input, parameters, common) = (&self.input, &self.parameters, &self.common[..]);
         let shared = self.own.is_empty();
-        let width = self.state.width();
         let run_blocks = |first: usize, state: Blocks<'_, T>, output: Blocks<'_, T>| {
-            let mut scratch = Memory::<T>::new(width, engine.lengths().scratch.max(1), width);
-            for (i, (state, output)) in state.zip(output).enumerate() {
-                let b = first + i;
-                let parameters = parameters.block(if shared { 0 } else { b });
-                let (input, scratch) = (input.block(b), scratch.scalars_mut());
-                let block = Block {
-                    state,
-                    input,
-                    output,
-                    scratch,
-                    parameters,
-                    common,
-                    links: engine.links(),
-                };
-                engine.run(lane, team, block, task);
-            }
+            self.scratch.lend(|scratch| {
+                for (i, (state, output)) in state.zip(output).enumerate() {
+                    let b = first + i;
+                    let parameters = parameters.block(if shared { 0 } else { b });
+                    let (input, scratch) = (input.block(b), scratch.scalars_mut());
+                    let block = Block {
+                        state,
+                        input,
+                        output,
+                        scratch,
+                        parameters,
+                        common,
+                        links: engine.links(),
+                    };
+                    engine.run(lane, team, block, task);
+                }
+            });
         };
         let (s, o, blocks) = (
             self.state.block_size(),
