@@ -306,13 +306,7 @@ impl DeviceWorlds<f32> for Worlds {
 
 /// Worlds of a part: as few parts as buffers, workgroups and 32-bit offsets allow, of equal size.
 fn width(gpu: &Gpu, lengths: Lengths, worlds: usize) -> Result<usize, GpuError> {
-    let memories = [
-        lengths.state,
-        lengths.input,
-        lengths.output,
-        lengths.scratch,
-    ];
-    let longest = memories.into_iter().max().unwrap_or(0).max(1) as u64;
+    let longest = lengths.longest() as u64;
     let most = gpu.most_bytes();
     let groups = gpu.device().limits().max_compute_workgroups_per_dimension;
     let widest = (most / NUMBER).min(u64::from(u32::MAX)) / longest;

@@ -15,6 +15,19 @@ pub struct Lengths {
     pub scratch: usize,
 }
 
+impl Lengths {
+    /// Numbers of the memory that has most, at least 1: what says how many worlds fit into a buffer.
+    pub fn longest(&self) -> usize {
+        let Self {
+            state,
+            input,
+            output,
+            scratch,
+        } = *self;
+        state.max(input).max(output).max(scratch).max(1)
+    }
+}
+
 /// How to step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {

@@ -122,14 +122,7 @@ impl Card {
     }
     /// How many worlds a buffer, and a launch, takes.
     fn most_worlds(&self, lengths: Lengths) -> usize {
-        let memories = [
-            lengths.state,
-            lengths.input,
-            lengths.output,
-            lengths.scratch,
-        ];
-        let longest = memories.into_iter().max().unwrap_or(0).max(1);
-        let of_memory = most_bytes() / (longest * NUMBER) as f64;
+        let of_memory = most_bytes() / (lengths.longest() * NUMBER) as f64;
         let of_launch = f64::from(most_workgroups()) * f64::from(WORKGROUP);
         of_memory.min(of_launch) as usize
     }

@@ -37,9 +37,7 @@ fn ball() -> Model {
 fn worlds_beyond_one_buffer_lie_in_several() {
     let (card, model) = (card(), chain(50, Start::Horizontal).unwrap());
     let kernels = Featherstone::new(&model, &Settings::new(H)).unwrap();
-    let l = kernels.lengths();
-    let longest = [l.state, l.input, l.output, l.scratch].into_iter().max();
-    let widest = card.most_bytes() as usize / size_of::<f32>() / longest.unwrap();
+    let widest = card.most_bytes() as usize / size_of::<f32>() / kernels.lengths().longest();
     let worlds = 2 * widest + 1;
     if worlds > 100_000 {
         // A card that takes buffers so large holds what anybody simulates in one.
