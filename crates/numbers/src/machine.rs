@@ -23,6 +23,9 @@
 //! Two rules follow. A value that changes from one round to the next lives in a
 //! table or a [`Cell`], not in a `let mut`. And inside `if_any`, writes are
 //! masked, since the lanes that did not ask run along.
+//!
+//! A table can hold rows, too: [`number`](Machine::number) makes one of an index, and [`whole`](Machine::whole)
+//! an index of it again.
 
 use crate::spatial::{Inertia, Spatial};
 use crate::{Float, Known, LanesMask, Mat3, Pose, Quat, Real, SymMat3, Vec3};

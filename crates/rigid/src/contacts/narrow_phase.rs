@@ -177,16 +177,16 @@ fn meet<M: Machine, K: Kernel>(k: &mut M, t: &ContactTables, pair: M::I) {
     if let Some(_branch) = k.if_any(near) {
         let (a, b) = (solid(k, t, row_a), solid(k, t, row_b));
         if K::ROUTE != Route::CapsuleCapsule {
-            touch::<M, K>(k, t, pair, margin, [&a, &b]);
+            fill::<M, K>(k, t, pair, margin, [&a, &b]);
         } else if let Some(_branch) = k.if_any(near & side_by_side(&a.placed, &b.placed, reach)) {
-            touch::<M, K>(k, t, pair, margin, [&a, &b]);
+            fill::<M, K>(k, t, pair, margin, [&a, &b]);
         }
     }
 }
 
 /// Runs the kernel of a pair that is near, and fills its slots.
 #[inline(always)]
-fn touch<M: Machine, K: Kernel>(
+fn fill<M: Machine, K: Kernel>(
     k: &mut M,
     t: &ContactTables,
     pair: M::I,

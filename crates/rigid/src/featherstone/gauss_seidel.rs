@@ -9,7 +9,8 @@
 //! y = D^-½ L⁻¹ Jᵀ      (walk inwards with the wrench w of d at x:  u = Sᵀ w,  y = u / √D,  w ← w − U u / D)
 //! ```
 //!
-//! which has entries on the paths from the two nodes to the world only, and J M⁻¹ Jᵀ = Y Yᵀ. The
+//! which has entries on the paths from the two nodes to the world only, and J M⁻¹ Jᵀ = Y Yᵀ. Where the paths
+//! meet, the wrenches of both sides are added, and walk on as one: y is linear in w. The
 //! impulses λ [N·s] start at those of the last step, which act as forces while the contacts with the
 //! ground are settled. With z = Yᵀ Δλ for what is added to them, the velocity of a row is u⁰ + y · z,
 //! and a pass over the rows solves
@@ -252,7 +253,9 @@ fn row<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
 #[inline(always)]
 fn responses<M: Machine>(k: &mut M, t: &Tables, s: M::I, e: Mat3<M::R>) -> Vec3<M::R> {
     let couple = k.link(t.touch_links, s, touch_link::COUPLE);
-    let [_, _, _, _, _, own_a, own, entries] = k.link_row(t.couple_links, couple);
+    let own_a = k.link(t.couple_links, couple, couple_link::OWN_A);
+    let own = k.link(t.couple_links, couple, couple_link::OWN);
+    let entries = k.link(t.couple_links, couple, couple_link::ENTRIES);
     let (x_a, x_b) = points(k, t, s);
     let mut square = Vec3::zero().hold(k);
     let against = Mat3::from_columns(-e.x, -e.y, -e.z);

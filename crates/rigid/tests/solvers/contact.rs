@@ -1,5 +1,6 @@
 //! Contacts of reduced coordinates with what does not move, against closed forms.
 
+use crate::ground::{cube, on_plane, plane, surface};
 use crate::run;
 use glam::{DQuat, DVec3};
 use kinetarium_rigid::{
@@ -36,42 +37,6 @@ impl Run {
             let f = self.vec3(row(slot) + of_contact::FORCE);
             (force + f, f64::max(depth, -distance))
         })
-    }
-}
-
-/// A surface with this friction and restitution; both of a pair are alike.
-fn surface(friction: f64, restitution: f64) -> Material {
-    Material {
-        friction,
-        restitution,
-        ..Material::default()
-    }
-}
-
-/// One free body with its centre at `at`, on a plane whose normal is y turned by `slope` [rad] about z.
-fn on_plane(geometry: Geometry, material: Material, at: DVec3, slope: f64) -> Model {
-    let mut world = Builder::new("contact");
-    let tilt = DQuat::from_rotation_z(slope);
-    let plane = Geometry::Plane {
-        half_x: 0.0,
-        half_z: 0.0,
-    };
-    let ground = Shape::new(plane)
-        .at(Pose::new(DVec3::ZERO, tilt))
-        .with_material(material);
-    world.object("ground").scenery(ground);
-    let shape = Shape::new(geometry).with_material(material);
-    let object = world.object("");
-    object
-        .body("body")
-        .at(Pose::new(tilt * at, tilt))
-        .shape(shape);
-    world.build().unwrap()
-}
-
-fn cube() -> Geometry {
-    Geometry::Box {
-        half: DVec3::new(0.1, 0.05, 0.08),
     }
 }
 
@@ -267,12 +232,8 @@ fn a_ball_and_a_cylinder_roll_down_an_incline() {
     ] {
         let mut world = Builder::new("incline");
         let tilt = DQuat::from_rotation_z(theta);
-        let plane = Geometry::Plane {
-            half_x: 0.0,
-            half_z: 0.0,
-        };
         let material = surface(0.8, 0.0);
-        let ground = Shape::new(plane)
+        let ground = Shape::new(plane())
             .at(Pose::new(DVec3::ZERO, tilt))
             .with_material(material);
         world.object("ground").scenery(ground);
@@ -351,11 +312,7 @@ fn free_balls_collide() {
 #[test]
 fn stacked_boxes_bear_their_weights() {
     let mut world = Builder::new("stack");
-    let plane = Geometry::Plane {
-        half_x: 0.0,
-        half_z: 0.0,
-    };
-    world.object("ground").scenery(Shape::new(plane));
+    world.object("ground").scenery(Shape::new(plane()));
     let half = DVec3::splat(0.05);
     let object = world.object("");
     for i in 0..3 {
@@ -394,11 +351,7 @@ fn stacked_boxes_bear_their_weights() {
 #[test]
 fn joints_carry_what_contacts_do_not() {
     let mut world = Builder::new("lying");
-    let plane = Geometry::Plane {
-        half_x: 0.0,
-        half_z: 0.0,
-    };
-    world.object("ground").scenery(Shape::new(plane));
+    world.object("ground").scenery(Shape::new(plane()));
     let rods = world.object("rods");
     let (radius, half, mass) = (0.05, 0.5, 2.0);
     let mut rod = |name: &str, side: f64| {

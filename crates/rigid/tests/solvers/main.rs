@@ -3,6 +3,7 @@
 mod contact;
 mod dual;
 mod falls;
+mod ground;
 mod hull;
 mod mesh;
 mod run;
