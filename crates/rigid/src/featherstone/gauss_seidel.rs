@@ -263,10 +263,12 @@ fn responses<M: Machine>(k: &mut M, t: &Tables, s: M::I, e: Mat3<M::R>) -> Vec3<
     walk(k, t, s, [k.index(0), own_a], &mut a, &mut square);
     let mut b = wrenches(k, x_b, e);
     walk(k, t, s, [own_a, own], &mut b, &mut square);
-    for (a, b) in a.iter_mut().zip(&b) {
-        a.set(a.get() + b.get());
-    }
-    walk(k, t, s, [own, entries], &mut a, &mut square);
+    let mut both = [
+        (a[0].get() + b[0].get()).hold(k),
+        (a[1].get() + b[1].get()).hold(k),
+        (a[2].get() + b[2].get()).hold(k),
+    ];
+    walk(k, t, s, [own, entries], &mut both, &mut square);
     square.get()
 }
 
