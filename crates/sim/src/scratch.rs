@@ -1,4 +1,4 @@
-//! Scratch of the threads, kept from call to call: clearing it anew costs as much as a step where shapes are many.
+//! Scratch of the threads, kept from call to call: where shapes are many it is a megabyte, and takes time to clear.
 
 use numbers::{Float, Memory};
 use std::sync::{Mutex, PoisonError};
