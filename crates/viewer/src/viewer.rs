@@ -17,7 +17,7 @@ pub struct Viewer {
     address: SocketAddr,
     url: String,
     said: SyncSender<Said>,
-    /// Of the session, and of what answers pages.
+    /// Of the session, and of what answers pages, which ends after the session.
     threads: Vec<JoinHandle<()>>,
 }
 
@@ -87,9 +87,10 @@ impl Viewer {
     pub fn url(&self) -> &str {
         &self.url
     }
-    /// Whether it still shows the simulation: false once that is dropped.
+    /// Whether pages are still answered: false soon after the simulation is dropped.
     pub fn is_open(&self) -> bool {
-        self.threads.iter().all(|thread| !thread.is_finished())
+        let answering = self.threads.last();
+        answering.is_some_and(|answering| !answering.is_finished())
     }
     /// Tells pages, and ends. Within a second, and what the simulation is doing at the time.
     pub fn close(self) {
