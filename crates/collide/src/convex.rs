@@ -12,7 +12,9 @@
 //! never taken below ε, so that they keep their digits in single precision.
 //!
 //! While solids overlap little, this finds the largest gap. Where they overlap deeply there are
-//! several maxima; then the search starts from several directions, and the best is kept.
+//! several maxima; then the search starts from several directions, and the best is kept. Where it is
+//! known in which direction the two touched a step ago, it starts there, and only there: they were
+//! followed from when they met.
 
 use crate::gjk::{self, Cores};
 use crate::overlap::{self, Witness};
@@ -94,12 +96,17 @@ pub(crate) struct Direction<R> {
 
 /// The direction of the largest gap.
 ///
-/// The first search starts from the best axis. Lanes that it leaves deep then make a short search
-/// from each of many directions, and a last one from the best of what they found.
+/// The first search starts from the best axis. Lanes that it leaves deep, and whose direction was not
+/// known, then make a short search from each of many directions, and a last one from the best of what
+/// they found.
 #[inline(always)]
 fn search<M: Machine>(k: &M, cores: &Cores<'_, M>) -> Direction<M::R> {
     let (o, i) = (M::R::zero(), M::R::one());
     let axis = best_axis(k, cores);
+    let is_new = match known(k, cores.tables) {
+        Some(direction) => !is_some(direction),
+        None => <M::R as Real>::Mask::splat(true),
+    };
     let mut n = axis.n.hold(k);
     let mut gap = k.cell(axis.gap);
     let mut on_a = Vec3::zero().hold(k);
@@ -125,7 +132,7 @@ fn search<M: Machine>(k: &M, cores: &Cores<'_, M>) -> Direction<M::R> {
         gap.write(M::R::select(better, found.gap, gap.read()));
         on_a.set(Vec3::select(better, found.on_a, on_a.get()));
         number.write(count + i);
-        let is_deep = !idle & gap.read().lt(M::R::lit(-DEEP) * size(cores));
+        let is_deep = is_new & !idle & gap.read().lt(M::R::lit(-DEEP) * size(cores));
         deep.write(M::R::select(is_deep, i, o));
         if k.finished(!is_deep) {
             break;
@@ -216,23 +223,52 @@ pub(crate) fn ascend<M: Machine>(
     }
 }
 
-/// Of the line of centres and the solids' axes, the one with the largest gap.
+/// A length [m] that two solids are apart at least, or minus one that frees them where they overlap: the
+/// largest gap along the direction known, or the line of centres, and the solids' axes.
+#[inline(always)]
+pub fn apart<M: Machine>(k: &M, tables: Tables, a: &Solid<M>, b: &Solid<M>) -> M::R {
+    let cores = Cores {
+        tables,
+        a,
+        b,
+        offset: b.placed.position - a.placed.position,
+    };
+    best_axis(k, &cores).gap - radius(k, a) - radius(k, b)
+}
+
+/// The direction in which the two touched last; zero where that is not known.
+#[inline(always)]
+fn known<M: Machine>(k: &M, tables: Tables) -> Option<Vec3<M::R>> {
+    Some(k.vec3(tables.known?, k.index(0), 0))
+}
+
+/// Where there is a direction.
+#[inline(always)]
+fn is_some<R: Real>(direction: Vec3<R>) -> R::Mask {
+    direction.length_squared().gt(R::lit(0.5))
+}
+
+/// Of the direction known, or the line of centres, and the solids' axes, the one with the largest gap.
 #[inline(always)]
 fn best_axis<M: Machine>(k: &M, cores: &Cores<'_, M>) -> Direction<M::R> {
     let towards = cores.offset;
     let (p, q) = (cores.a.placed.axes, cores.b.placed.axes);
     let center = towards.normalized_or(p.y);
-    let mut n = center.hold(k);
+    let first = match known(k, cores.tables) {
+        Some(direction) => Vec3::select(is_some(direction), direction, center),
+        None => center,
+    };
+    let mut n = first.hold(k);
     let mut gap = k.cell(M::R::lit(-FAR));
     // Those still to be tried, the next one first: a loop is compiled once, and seven gaps are not.
     let mut next = [
-        center.hold(k),
-        p.x.hold(k),
-        p.y.hold(k),
-        p.z.hold(k),
-        q.x.hold(k),
-        q.y.hold(k),
-        q.z.hold(k),
+        first.hold(k),
+        forward(p.x, towards).hold(k),
+        forward(p.y, towards).hold(k),
+        forward(p.z, towards).hold(k),
+        forward(q.x, towards).hold(k),
+        forward(q.y, towards).hold(k),
+        forward(q.z, towards).hold(k),
     ];
     for _ in k.count(next.len()) {
         let axis = next[0].get();
@@ -240,7 +276,6 @@ fn best_axis<M: Machine>(k: &M, cores: &Cores<'_, M>) -> Direction<M::R> {
             let later = next[i].get();
             next[i - 1].set(later);
         }
-        let axis = Vec3::select(axis.dot(towards).lt(M::R::zero()), -axis, axis);
         let here = cores.gap(k, axis);
         let more = here.gt(gap.read());
         n.set(Vec3::select(more, axis, n.get()));
@@ -251,6 +286,12 @@ fn best_axis<M: Machine>(k: &M, cores: &Cores<'_, M>) -> Direction<M::R> {
         gap: gap.read(),
         on_a: Vec3::zero(),
     }
+}
+
+/// An axis from A to B.
+#[inline(always)]
+fn forward<R: Real>(axis: Vec3<R>, towards: Vec3<R>) -> Vec3<R> {
+    Vec3::select(axis.dot(towards).lt(R::zero()), -axis, axis)
 }
 
 /// The sum of the sizes [m].

@@ -48,7 +48,7 @@ mod tables;
 
 pub use boxes::box_box;
 pub use contact::{Contact, FAR, Manifold, Point};
-pub use convex::{convex_convex, sphere_convex};
+pub use convex::{apart, convex_convex, sphere_convex};
 pub use form::Form;
 pub use route::{Kernel, Route, kernel};
 pub use solid::{Placed, Solid, kind};

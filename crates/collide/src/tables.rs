@@ -17,6 +17,9 @@ pub struct Tables {
     pub(crate) sides: Table<Scratch, 3>,
     /// Points that contacts are chosen from: x, y, gap, feature.
     pub(crate) candidates: Table<Scratch, 4>,
+    /// Of the one pair that there is, the direction from A to B in which the two touched last, or zero; none
+    /// where nobody remembers.
+    pub known: Option<Table<Parameter, 3>>,
 }
 
 impl Tables {
@@ -28,6 +31,14 @@ impl Tables {
             corners: Table::place(scratch, 18),
             sides: Table::place(scratch, 16),
             candidates: Table::place(scratch, 24),
+            known: None,
+        }
+    }
+    /// The same for one pair whose direction is remembered, at the end of the parameters.
+    pub fn remembering(self, parameters: &mut usize) -> Self {
+        Self {
+            known: Some(Table::place(parameters, 1)),
+            ..self
         }
     }
 }

@@ -3,7 +3,7 @@
 mod common;
 
 use common::reference::{best_gap, gap, outside};
-use common::{Pair, kernel};
+use common::{Pair, kernel, unit};
 use fastrand::Rng;
 use kinetarium_collide::{FAR, FLAT, Manifold, Route, kind};
 use numbers::Float;
@@ -111,4 +111,36 @@ fn in_f32_odd_kinds() {
 #[test]
 fn in_f64() {
     pairs().for_each(|kinds| check_poses::<f64>(kinds, 1e-7, 1000));
+}
+
+/// Two solids that are looked for step after step: from a direction that is not far from the best, the contact found
+/// is right along its own normal and no deeper, and they are never said to be farther apart than they are.
+#[test]
+fn from_a_known_direction_it_gets_no_deeper() {
+    let searched =
+        |[a, b]: &[usize; 2]| *a != kind::PLANE && Route::of(*a, *b) >= Some(Route::SphereConvex);
+    for kinds in pairs().filter(searched) {
+        let mut rng = Rng::with_seed(11);
+        for _ in 0..1000 {
+            let pair = Pair::random(kinds, &mut rng);
+            let normal = kernel::manifold::<f64>(&pair).normal;
+            let known = (normal + unit(&mut rng) * 0.1).normalized_or(normal);
+            let (found, least) = kernel::manifold_along::<f32>(&pair, known);
+            let slack = 1e-5 * pair.scale();
+            let (distance, before) = (found.distance(), gap(&pair, known));
+            assert!(
+                distance >= before - slack,
+                "{distance} < {before}: {pair:#?}"
+            );
+            assert!(
+                (before - slack..=distance + slack).contains(&least),
+                "{least}: {pair:#?}"
+            );
+            if let Verdict::Wrong(what) = check(&pair, &found, 1e-5)
+                && !what.contains("another normal")
+            {
+                panic!("{what}: {pair:#?} gave {found:#?}");
+            }
+        }
+    }
 }

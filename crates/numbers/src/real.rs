@@ -1,6 +1,6 @@
 //! The number a kernel is written over.
 
-use crate::rows::Atom;
+use crate::rows::{Atom, LANES, Quad};
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, MulAssign, Neg, Not, Sub, SubAssign};
 
@@ -167,6 +167,40 @@ pub trait Known: Real<Mask: LanesMask> {
 pub trait Lanes: Real<Mask: LanesMask> + bytemuck::Pod {
     /// Number of lanes.
     const WIDTH: usize;
+    /// A quad of a row for each lane, as a register for each of its numbers. Rows beyond the lanes are not read.
+    ///
+    /// # Panics
+    /// If rows have no such quad.
+    #[inline(always)]
+    fn load_quads<const Q: usize>(
+        rows: &[&[Quad<Self::Scalar>; Q]; LANES],
+        quad: usize,
+    ) -> [Self; 4] {
+        let mut columns = [Self::zero(); 4];
+        let numbers: &mut [Self::Scalar] = bytemuck::cast_slice_mut(&mut columns);
+        for lane in 0..Self::WIDTH {
+            let row = rows[lane][quad].load();
+            for i in 0..4 {
+                numbers[i * Self::WIDTH + lane] = row[i];
+            }
+        }
+        columns
+    }
+    /// Writes them back.
+    ///
+    /// # Panics
+    /// If rows have no such quad.
+    #[inline(always)]
+    fn store_quads<const Q: usize>(
+        columns: [Self; 4],
+        rows: &[&[Quad<Self::Scalar>; Q]; LANES],
+        quad: usize,
+    ) {
+        let numbers: &[Self::Scalar] = bytemuck::cast_slice(&columns);
+        for lane in 0..Self::WIDTH {
+            rows[lane][quad].store([0, 1, 2, 3].map(|i| numbers[i * Self::WIDTH + lane]));
+        }
+    }
 }
 
 impl<R: Lanes> Known for R {

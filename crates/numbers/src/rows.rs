@@ -2,7 +2,7 @@
 //!
 //! Constraints of one colour share no row, so the threads that solve them never meet. That is the
 //! caller's promise, not the compiler's knowledge; therefore each number is an atomic, loaded and
-//! stored relaxed, which is a plain move.
+//! stored relaxed, which is a plain move. Four that are neighbours move together where the machine can.
 
 use crate::{Float, Lanes};
 use core::fmt::Debug;
@@ -38,32 +38,57 @@ impl Atom<f64> for AtomicU64 {
     }
 }
 
-/// Rows of `W` numbers.
-#[derive(Debug)]
-pub struct Rows<T: Float, const W: usize> {
-    atoms: Vec<T::Atom>,
-}
+/// Four neighbouring numbers.
+#[derive(Debug, Default)]
+#[repr(C, align(16))]
+pub struct Quad<T: Float>([T::Atom; 4]);
 
-impl<T: Float, const W: usize> Default for Rows<T, W> {
-    fn default() -> Self {
-        Self { atoms: Vec::new() }
+impl<T: Float> Quad<T> {
+    /// The numbers.
+    #[inline(always)]
+    pub fn load(&self) -> [T; 4] {
+        [0, 1, 2, 3].map(|i| self.0[i].load())
+    }
+    /// Replaces them.
+    #[inline(always)]
+    pub fn store(&self, [a, b, c, d]: [T; 4]) {
+        self.0[0].store(a);
+        self.0[1].store(b);
+        self.0[2].store(c);
+        self.0[3].store(d);
     }
 }
 
-impl<T: Float, const W: usize> Rows<T, W> {
+/// Rows of `Q` times four numbers.
+#[derive(Debug)]
+pub struct Rows<T: Float, const Q: usize> {
+    rows: Vec<[Quad<T>; Q]>,
+}
+
+impl<T: Float, const Q: usize> Default for Rows<T, Q> {
+    fn default() -> Self {
+        Self { rows: Vec::new() }
+    }
+}
+
+/// No register has more lanes.
+pub const LANES: usize = 16;
+
+impl<T: Float, const Q: usize> Rows<T, Q> {
     /// So many rows; new ones are zero.
     pub fn resize(&mut self, rows: usize) {
-        self.atoms.resize_with(rows * W, T::Atom::default);
+        self.rows
+            .resize_with(rows, || [(); Q].map(|()| Quad::default()));
     }
     /// A number.
     #[inline(always)]
     pub fn load(&self, row: usize, field: usize) -> T {
-        self.atoms[row * W + field].load()
+        self.rows[row][field / 4].0[field % 4].load()
     }
     /// Replaces a number.
     #[inline(always)]
     pub fn store(&self, row: usize, field: usize, x: T) {
-        self.atoms[row * W + field].store(x);
+        self.rows[row][field / 4].0[field % 4].store(x);
     }
     /// Reads neighbouring fields of as many rows as a register has lanes, a lane each.
     ///
@@ -76,16 +101,18 @@ impl<T: Float, const W: usize> Rows<T, W> {
         field: usize,
         registers: &mut [R],
     ) {
-        let numbers: &mut [T] = bytemuck::cast_slice_mut(&mut registers[..N]);
+        let mut lanes = [&self.rows[0]; LANES];
         for lane in 0..R::WIDTH {
-            let start = rows[lane] as usize * W + field;
-            let row = &self.atoms[start..start + N];
-            for i in 0..N {
-                numbers[i * R::WIDTH + lane] = row[i].load();
+            lanes[lane] = &self.rows[rows[lane] as usize];
+        }
+        for quad in field / 4..(field + N).div_ceil(4) {
+            let columns = R::load_quads(&lanes, quad);
+            for at in field.max(4 * quad)..(field + N).min(4 * quad + 4) {
+                registers[at - field] = columns[at % 4];
             }
         }
     }
-    /// Writes back what [`gather`](Self::gather) read, but for row 0.
+    /// Writes back what [`gather`](Self::gather) read, but for row 0; soonest where it is whole quads.
     ///
     /// # Panics
     /// If there are fewer rows than lanes.
@@ -96,15 +123,89 @@ impl<T: Float, const W: usize> Rows<T, W> {
         field: usize,
         registers: &[R],
     ) {
-        let numbers: &[T] = bytemuck::cast_slice(&registers[..N]);
+        // Row 0 is everybody's: what would go there goes nowhere.
+        let nowhere = [(); Q].map(|()| Quad::default());
+        let mut lanes = [&nowhere; LANES];
         for lane in 0..R::WIDTH {
             if rows[lane] != 0 {
-                let start = rows[lane] as usize * W + field;
-                let row = &self.atoms[start..start + N];
-                for i in 0..N {
-                    row[i].store(numbers[i * R::WIDTH + lane]);
+                lanes[lane] = &self.rows[rows[lane] as usize];
+            }
+        }
+        for quad in field / 4..(field + N).div_ceil(4) {
+            if 4 * quad >= field && 4 * quad + 4 <= field + N {
+                let first = 4 * quad - field;
+                let columns = [0, 1, 2, 3].map(|i| registers[first + i]);
+                R::store_quads(columns, &lanes, quad);
+                continue;
+            }
+            let numbers: &[T] = bytemuck::cast_slice(registers);
+            for at in field.max(4 * quad)..(field + N).min(4 * quad + 4) {
+                for lane in 0..R::WIDTH {
+                    let x = numbers[(at - field) * R::WIDTH + lane];
+                    lanes[lane][quad].0[at % 4].store(x);
                 }
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dispatch::{Isa, Job, run_block, run_single};
+
+    /// Adds 1 to seven fields of some rows, from the third on.
+    struct Raise<'a, T: Float> {
+        rows: &'a Rows<T, 3>,
+        index: &'a [u32],
+    }
+
+    impl<T: Float> Job for Raise<'_, T> {
+        type Scalar = T;
+        type Output = ();
+        #[inline(always)]
+        fn run<R: Lanes<Scalar = T>>(self) {
+            for index in self.index.chunks_exact(R::WIDTH) {
+                let mut registers = [R::zero(); 7];
+                self.rows.gather::<R, 7>(index, 2, &mut registers);
+                for x in &mut registers {
+                    *x += R::one();
+                }
+                self.rows.scatter::<R, 7>(index, 2, &registers);
+            }
+        }
+    }
+
+    /// Some rows are raised, others and the rest of these are as they were.
+    fn check<T: Float>(run: impl Fn(Raise<'_, T>)) {
+        let mut rows = Rows::<T, 3>::default();
+        rows.resize(40);
+        let number = |row: usize, field: usize| T::from_f64((100 * row + field) as f64);
+        for (row, field) in (0..40).flat_map(|row| (0..12).map(move |field| (row, field))) {
+            rows.store(row, field, number(row, field));
+        }
+        let index = [7, 0, 39, 12, 3, 30, 21, 0, 1, 2, 38, 17, 25, 0, 9, 10];
+        run(Raise {
+            rows: &rows,
+            index: &index,
+        });
+        for (row, field) in (0..40).flat_map(|row| (0..12).map(move |field| (row, field))) {
+            let raised = row > 0 && index.contains(&(row as u32)) && (2..9).contains(&field);
+            let more = if raised { T::one() } else { T::zero() };
+            let now = rows.load(row, field);
+            assert!(
+                now == number(row, field) + more,
+                "row {row}, field {field}: {now:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn fields_of_rows_are_read_and_written_on_all_instruction_sets() {
+        for isa in Isa::available() {
+            check::<f32>(|job| run_block(isa, job));
+            check::<f64>(|job| run_block(isa, job));
+            check::<f32>(|job| run_single(isa, job));
         }
     }
 }

@@ -220,6 +220,12 @@ macro_rules! pairs {
     ($($name:ident $kernel:ident;)+) => {
         $(pair_job!($name, !T::DOUBLE, |contacts, cpu| contacts.meet::<_, kernel::$kernel>(cpu));)+
         pair_job!(meshes, false, |contacts, cpu| contacts.meet_meshes(cpu));
+        pair_job!(bounds, !T::DOUBLE, |contacts, cpu| contacts.apart(cpu));
+
+        /// How far the shapes of the first pair are apart at least, into the first slot.
+        pub(crate) fn apart<T: Float>(lane: Lane, contacts: &ContactTables, block: &mut Block<'_, T>) {
+            bounds::run(lane, contacts, block);
+        }
 
         /// The pairs of one kernel.
         fn meet<T: Float>(

@@ -361,5 +361,5 @@ const GOLDEN: [[[u64; 2]; 5]; 2] = [
 const GOLDEN_HEAP: [[u64; 2]; 3] = [
     [0x9129_df8c_8e8a_fe4f, 0x7def_1fc3_b678_6a6b],
     [0x9db7_d841_8a05_7311, 0xdbee_0d46_518e_c867],
-    [0x7c41_178f_a1e6_998a, 0xa413_2b1a_0886_ee93],
+    [0xb920_995e_4c5b_6258, 0x79e8_0fa0_ddc6_1343],
 ];

@@ -3,6 +3,8 @@
 #![allow(unsafe_code)] // instructions of a set that dispatch has detected
 
 use super::table::{each, instructions, lanes};
+use crate::{LANES, Quad};
+use core::arch::asm;
 use core::arch::x86_64::*;
 
 const NEAREST: i32 = _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC;
@@ -10,6 +12,7 @@ const NEAREST: i32 = _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC;
 lanes! {
     "avx2,fma"
     F32x16([__m256; 2]) of f32;
+    quads(load_quads, store_quads);
     splat(x) = _mm256_set1_ps(x);
     operators {
         Add add(a, b) = _mm256_add_ps(a, b);
@@ -93,4 +96,76 @@ lanes! {
     }
     any(a) = _mm256_movemask_pd(a) != 0;
     all(a) = _mm256_movemask_pd(a) == 0xf;
+}
+
+/// Reads four atomics at once, which is what four relaxed loads do: each number is whole, since it is
+/// aligned.
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+fn load_quads<const Q: usize>(rows: &[&[Quad<f32>; Q]; LANES], quad: usize) -> [F32x16; 4] {
+    assert!(quad < Q);
+    let mut columns = [F32x16([_mm256_setzero_ps(); 2]); 4];
+    for half in 0..2 {
+        let mut lines = [_mm256_setzero_ps(); 4];
+        for i in 0..4 {
+            // SAFETY: the rows have such a quad, of 16 bytes aligned to as many.
+            unsafe {
+                asm!(
+                    "vmovaps {line:x}, [{a} + {at}]",
+                    "vinsertf128 {line}, {line}, [{b} + {at}], 1",
+                    line = out(ymm_reg) lines[i],
+                    a = in(reg) rows[8 * half + i],
+                    b = in(reg) rows[8 * half + i + 4],
+                    at = in(reg) quad * size_of::<Quad<f32>>(),
+                    options(pure, readonly, nostack, preserves_flags)
+                );
+            }
+        }
+        lines = transpose(lines);
+        for i in 0..4 {
+            columns[i].0[half] = lines[i];
+        }
+    }
+    columns
+}
+
+/// Writes four atomics at once.
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+fn store_quads<const Q: usize>(columns: [F32x16; 4], rows: &[&[Quad<f32>; Q]; LANES], quad: usize) {
+    assert!(quad < Q);
+    let [a, b, c, d] = columns;
+    for half in 0..2 {
+        let lines = transpose([a.0[half], b.0[half], c.0[half], d.0[half]]);
+        for i in 0..4 {
+            // SAFETY: the rows have such a quad, of 16 bytes aligned to as many, and it is atomic.
+            unsafe {
+                asm!(
+                    "vmovaps [{a} + {at}], {line:x}",
+                    "vextractf128 [{b} + {at}], {line}, 1",
+                    line = in(ymm_reg) lines[i],
+                    a = in(reg) rows[8 * half + i],
+                    b = in(reg) rows[8 * half + i + 4],
+                    at = in(reg) quad * size_of::<Quad<f32>>(),
+                    options(nostack, preserves_flags)
+                );
+            }
+        }
+    }
+}
+
+/// Rows and columns change places in each half.
+#[inline]
+#[target_feature(enable = "avx2,fma")]
+fn transpose([a, b, c, d]: [__m256; 4]) -> [__m256; 4] {
+    let (ab, cd) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));
+    let (first, third) = (_mm256_castps_pd(ab), _mm256_castps_pd(cd));
+    let (ab, cd) = (_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d));
+    let (second, fourth) = (_mm256_castps_pd(ab), _mm256_castps_pd(cd));
+    [
+        _mm256_castpd_ps(_mm256_unpacklo_pd(first, third)),
+        _mm256_castpd_ps(_mm256_unpackhi_pd(first, third)),
+        _mm256_castpd_ps(_mm256_unpacklo_pd(second, fourth)),
+        _mm256_castpd_ps(_mm256_unpackhi_pd(second, fourth)),
+    ]
 }

@@ -3,6 +3,8 @@
 #![allow(unsafe_code)] // instructions of a set that dispatch has detected
 
 use super::table::{each, instructions, lanes};
+use crate::{LANES, Quad};
+use core::arch::asm;
 use core::arch::x86_64::*;
 
 const FLOOR: i32 = _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC;
@@ -11,6 +13,7 @@ const NEAREST: i32 = _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC;
 lanes! {
     "avx512f,avx512dq"
     F32x16([__m512; 1]) of f32;
+    quads(load_quads, store_quads);
     splat(x) = _mm512_set1_ps(x);
     operators {
         Add add(a, b) = _mm512_add_ps(a, b);
@@ -94,4 +97,75 @@ lanes! {
     }
     any(a) = a != 0;
     all(a) = a == __mmask8::MAX;
+}
+
+/// Reads four atomics at once, which is what four relaxed loads do: each number is whole, since it is
+/// aligned.
+#[inline]
+#[target_feature(enable = "avx512f,avx512dq")]
+fn load_quads<const Q: usize>(rows: &[&[Quad<f32>; Q]; LANES], quad: usize) -> [F32x16; 4] {
+    assert!(quad < Q);
+    let mut lines = [_mm512_setzero_ps(); 4];
+    for i in 0..4 {
+        // SAFETY: the rows have such a quad, of 16 bytes aligned to as many.
+        unsafe {
+            asm!(
+                "vbroadcastf32x4 {line}, [{a} + {at}]",
+                "vinsertf32x4 {line}, {line}, [{b} + {at}], 1",
+                "vinsertf32x4 {line}, {line}, [{c} + {at}], 2",
+                "vinsertf32x4 {line}, {line}, [{d} + {at}], 3",
+                line = out(zmm_reg) lines[i],
+                a = in(reg) rows[i],
+                b = in(reg) rows[i + 4],
+                c = in(reg) rows[i + 8],
+                d = in(reg) rows[i + 12],
+                at = in(reg) quad * size_of::<Quad<f32>>(),
+                options(pure, readonly, nostack, preserves_flags)
+            );
+        }
+    }
+    transpose(lines).map(|column| F32x16([column]))
+}
+
+/// Writes four atomics at once.
+#[inline]
+#[target_feature(enable = "avx512f,avx512dq")]
+fn store_quads<const Q: usize>(columns: [F32x16; 4], rows: &[&[Quad<f32>; Q]; LANES], quad: usize) {
+    assert!(quad < Q);
+    let [a, b, c, d] = columns;
+    let lines = transpose([a.0[0], b.0[0], c.0[0], d.0[0]]);
+    for i in 0..4 {
+        // SAFETY: the rows have such a quad, of 16 bytes aligned to as many, and it is atomic.
+        unsafe {
+            asm!(
+                "vextractf32x4 [{a} + {at}], {line}, 0",
+                "vextractf32x4 [{b} + {at}], {line}, 1",
+                "vextractf32x4 [{c} + {at}], {line}, 2",
+                "vextractf32x4 [{d} + {at}], {line}, 3",
+                line = in(zmm_reg) lines[i],
+                a = in(reg) rows[i],
+                b = in(reg) rows[i + 4],
+                c = in(reg) rows[i + 8],
+                d = in(reg) rows[i + 12],
+                at = in(reg) quad * size_of::<Quad<f32>>(),
+                options(nostack, preserves_flags)
+            );
+        }
+    }
+}
+
+/// Rows and columns change places in each quarter.
+#[inline]
+#[target_feature(enable = "avx512f,avx512dq")]
+fn transpose([a, b, c, d]: [__m512; 4]) -> [__m512; 4] {
+    let (ab, cd) = (_mm512_unpacklo_ps(a, b), _mm512_unpacklo_ps(c, d));
+    let (first, third) = (_mm512_castps_pd(ab), _mm512_castps_pd(cd));
+    let (ab, cd) = (_mm512_unpackhi_ps(a, b), _mm512_unpackhi_ps(c, d));
+    let (second, fourth) = (_mm512_castps_pd(ab), _mm512_castps_pd(cd));
+    [
+        _mm512_castpd_ps(_mm512_unpacklo_pd(first, third)),
+        _mm512_castpd_ps(_mm512_unpackhi_pd(first, third)),
+        _mm512_castpd_ps(_mm512_unpacklo_pd(second, fourth)),
+        _mm512_castpd_ps(_mm512_unpackhi_pd(second, fourth)),
+    ]
 }

@@ -35,11 +35,13 @@ macro_rules! each {
 ///
 /// The table gives the target features, the number (an array of registers, of so many scalars) and its
 /// mask (an array of registers or of words), and what each operation is on one register. `operators` are
-/// those of `core::ops`, `functions` and `comparisons` those of [`Real`], `bits` those of [`Bits`].
+/// those of `core::ops`, `functions` and `comparisons` those of [`Real`], `bits` those of [`Bits`]; `quads` names
+/// functions for those of [`Lanes`](crate::Lanes), where there are faster ones.
 macro_rules! lanes {
     (
         $features:literal
         $number:ident([$register:ty; $n:literal]) of $scalar:ty;
+        $(quads($load:ident, $store:ident);)?
         splat($s:ident) = $splat:expr;
         operators { $($operator:ident $op:ident($x:ident $(, $y:ident)?) = $operation:expr;)+ }
         functions { $($name:ident($a:ident $(, $b:ident)*) = $function:expr;)+ }
@@ -133,6 +135,20 @@ macro_rules! lanes {
 
         impl $crate::Lanes for $number {
             const WIDTH: usize = size_of::<Self>() / size_of::<$scalar>();
+            $(#[inline(always)]
+            fn load_quads<const Q: usize>(rows: &[&[Quad<$scalar>; Q]; LANES], quad: usize) -> [Self; 4] {
+                // SAFETY: the instructions exist here; see the module.
+                unsafe { $load(rows, quad) }
+            }
+            #[inline(always)]
+            fn store_quads<const Q: usize>(
+                columns: [Self; 4],
+                rows: &[&[Quad<$scalar>; Q]; LANES],
+                quad: usize,
+            ) {
+                // SAFETY: the instructions exist here; see the module.
+                unsafe { $store(columns, rows, quad) }
+            })?
         }
 
         /// A truth per lane.

@@ -72,6 +72,16 @@ impl ContactTables {
             meet::<M, K>(k, &t, pair);
         }
     }
+    /// Writes into the first slot how far [m] the two convex solids of the first pair are apart at least.
+    #[inline(always)]
+    pub fn apart<M: Machine>(&self, k: &mut M) {
+        let first = k.index(0);
+        let [row_a, row_b] = k.link_row(self.pair_links, first);
+        let (a, b) = (solid(k, self, row_a), solid(k, self, row_b));
+        let gap = collide::apart(k, self.kernels, &a, &b);
+        let margin = k.load(self.pair, first, pair_field::MARGIN);
+        k.store(self.slot, first, slot::DISTANCE, gap - margin);
+    }
     /// What a slot that is listed holds, in the world, with a force [N].
     #[inline(always)]
     pub(crate) fn touch<M: Machine>(

@@ -134,6 +134,8 @@ pub struct Pair<'a, T> {
     pub corners: [&'a [T]; 2],
     /// The triangles of B that are near A, where B is a mesh.
     pub triangles: &'a [&'a Triangle],
+    /// The direction from A to B in which they touched last; zero where that is not known.
+    pub known: [T; 3],
     /// The gap [m] that their surfaces keep.
     pub margin: T,
 }
@@ -188,7 +190,8 @@ impl PairTables {
             placed: Table::place(&mut scratch, 2),
             slot: Table::place(&mut scratch, points),
             found: Lists::place(&capacities, &mut links, &mut scratch),
-            kernels: collide::Tables::place(&mut parameters, vertices, &mut scratch),
+            kernels: collide::Tables::place(&mut parameters, vertices, &mut scratch)
+                .remembering(&mut parameters),
             meshes: mesh.place(&mut parameters, &mut links, &mut scratch),
         };
         let mut numbers = vec![0; links];
@@ -268,6 +271,11 @@ impl PairTables {
             parameters[(first + i) * width + lane] = *x;
         }
         parameters[t.pair.at(0, pair_field::MARGIN) * width + lane] = pair.margin;
+        if let Some(known) = t.kernels.known {
+            for (i, x) in pair.known.into_iter().enumerate() {
+                parameters[known.at(0, i) * width + lane] = x;
+            }
+        }
         t.meshes.put(
             pair.triangles.iter().copied(),
             self.triangles,
@@ -275,6 +283,17 @@ impl PairTables {
             (lane, width),
             parameters,
         );
+    }
+    /// Whether it is worth its while to ask first which pairs are near, by [`ContactTables::apart`].
+    pub fn takes_long(&self) -> bool {
+        matches!(
+            self.route,
+            Route::BoxBox | Route::SphereConvex | Route::Convex
+        )
+    }
+    /// How far [m] a lane's pair is apart at least, as [`ContactTables::apart`] has found.
+    pub fn apart<T: Float>(&self, lane: usize, width: usize, scratch: &[T]) -> T {
+        scratch[self.tables.slot.at(0, slot::DISTANCE) * width + lane]
     }
     /// Adds a lane's contacts: its points that are near enough to matter, those of one normal together.
     pub fn read<T: Float>(

@@ -7,7 +7,7 @@ use rigid::impulse::pair::{Placed, ShapeTables, place, placed, solid};
 use rigid::impulse::{BodyTables, ContactTables, body, contact, global, mass, row};
 
 /// The bodies of a world while it steps; row 0 is what does not move.
-pub(super) type BodyRows<T> = Rows<T, { row::WIDTH }>;
+pub(super) type BodyRows<T> = Rows<T, { row::WIDTH / 4 }>;
 
 /// What to do with bodies.
 #[derive(Clone, Copy, Debug)]
@@ -273,6 +273,9 @@ impl<T: Float> Job for Contacts<'_, '_, T> {
     }
 }
 
+/// What a contact writes of its bodies: velocity and spin, and, for whole quads, what follows as it was.
+const WRITTEN: usize = 8;
+
 impl<T: Float> Contacts<'_, '_, T> {
     #[inline(always)]
     fn work<R: Lanes<Scalar = T>, W: ContactWork>(self, pushing: bool) {
@@ -302,7 +305,7 @@ impl<T: Float> Contacts<'_, '_, T> {
                 if let Reads::Motion = W::READS {
                     let bodies = &batch.bodies[side * R::WIDTH..];
                     let from = &pair[side * row::PREPARED..];
-                    self.rows.scatter::<R, 6>(bodies, row::VELOCITY, from);
+                    self.rows.scatter::<R, WRITTEN>(bodies, row::VELOCITY, from);
                 }
             }
         }

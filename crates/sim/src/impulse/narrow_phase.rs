@@ -2,7 +2,7 @@
 
 use super::sleep::NEARBY;
 use crate::engine::Block;
-use crate::jobs::{Lane, narrow_phase};
+use crate::jobs::{Lane, apart, narrow_phase};
 use crate::meshes::Triangles;
 use collide::mesh::Triangle;
 use collide::{Route, kind};
@@ -40,6 +40,8 @@ pub(super) struct Scene<'a, T> {
     pub shapes: &'a [Placed<T>],
     /// Of shapes that are meshes.
     pub meshes: &'a [Option<Arc<Triangles>>],
+    /// The world's, with the contacts of the step before.
+    pub state: &'a [T],
     pub parameters: &'a [T],
     pub lane: Lane,
     /// Pairs side by side.
@@ -49,19 +51,28 @@ pub(super) struct Scene<'a, T> {
 }
 
 /// Two shapes that may touch.
-struct Candidate<'a> {
+struct Candidate<'a, T> {
     /// The place in the list of pairs.
     place: u32,
     /// A first.
     shapes: [u32; 2],
     /// Those of B that are near A, where B is a mesh.
     triangles: Vec<&'a Triangle>,
+    /// The direction from A to B in which they touched in the step before; zero where they did not.
+    known: [T; 3],
+}
+
+impl<T: Float> Candidate<'_, T> {
+    /// Whether they touched in the step before.
+    fn touched(&self) -> bool {
+        self.known != [T::zero(); 3]
+    }
 }
 
 /// Pairs of the same forms, and of nearly as many triangles.
-struct Group<'a> {
+struct Group<'a, T> {
     tables: Cow<'a, PairTables>,
-    pairs: Vec<Candidate<'a>>,
+    pairs: Vec<Candidate<'a, T>>,
 }
 
 impl NarrowPhase {
@@ -109,11 +120,16 @@ impl NarrowPhase {
         &'a self,
         scene: &'a Scene<'_, T>,
         pairs: &[[u32; 2]],
-    ) -> Vec<Group<'a>> {
+    ) -> Vec<Group<'a, T>> {
         let form = |shape: u32| self.forms[shape as usize];
         let mut open: Vec<_> = self.tables.iter().map(|_| Vec::new()).collect();
         let mut groups = Vec::new();
         let mut with_mesh = Vec::new();
+        let mut before = Before {
+            impulse: scene.impulse,
+            state: scene.state,
+            next: 0,
+        };
         for (place, &[a, b]) in (0..).zip(pairs) {
             let shapes = if form(a) <= form(b) { [a, b] } else { [b, a] };
             let row = form(shapes[0]) * self.count + form(shapes[1]);
@@ -128,6 +144,7 @@ impl NarrowPhase {
                 place,
                 shapes,
                 triangles: Vec::new(),
+                known: before.direction(shapes),
             });
             if list.len() == GROUP * scene.width {
                 let pairs = std::mem::take(list);
@@ -147,7 +164,7 @@ impl NarrowPhase {
 }
 
 /// Registers' worths of pairs that one thread takes at a time.
-const GROUP: usize = 8;
+const GROUP: usize = 32;
 /// Share of a length that rounding of single precision may take away.
 const ROUNDING: f64 = 1e-6;
 
@@ -158,18 +175,19 @@ impl<T: Float> Scene<'_, T> {
     }
 
     /// Pairs with meshes: side by side those of like solids with nearly as many triangles.
-    fn mesh_groups(&self, pairs: &[(u32, [u32; 2])]) -> Vec<Group<'_>> {
+    fn mesh_groups(&self, pairs: &[(u32, [u32; 2])]) -> Vec<Group<'_, T>> {
         let find = |&(place, shapes): &(u32, [u32; 2])| Candidate {
             place,
             shapes,
             triangles: self.near(shapes),
+            known: [T::zero(); 3],
         };
         let found: Vec<_> = if self.threads {
             pairs.par_iter().with_min_len(GROUP).map(find).collect()
         } else {
             pairs.iter().map(find).collect()
         };
-        let mut alike = BTreeMap::<(Form, usize), Vec<Candidate<'_>>>::new();
+        let mut alike = BTreeMap::<(Form, usize), Vec<Candidate<'_, T>>>::new();
         for pair in found.into_iter().filter(|pair| !pair.triangles.is_empty()) {
             let solid = form(&self.impulse.shapes()[pair.shapes[0] as usize]);
             let room = pair.triangles.len().next_power_of_two();
@@ -209,49 +227,27 @@ impl<T: Float> Scene<'_, T> {
         ))
     }
 
-    fn meet(&self, group: &Group<'_>) -> Vec<(u32, Cached<T>)> {
-        let [parameters, scratch] = group.tables.lengths();
-        let width = self.width;
-        let mut parameters = Memory::<T>::new(width, parameters, width);
-        let mut scratch = Memory::<T>::new(width, scratch, width);
-        let mut none = [(); 3].map(|()| Memory::<T>::new(width, 1, width));
-        let mut found = Vec::with_capacity(group.pairs.len());
-        let mut contacts = Vec::new();
-        group.tables.begin(width, parameters.scalars_mut());
-        for pairs in group.pairs.chunks(width) {
-            for lane in 0..width {
-                let Candidate {
-                    shapes, triangles, ..
-                } = &pairs[lane.min(pairs.len() - 1)];
-                let corners = |s: u32| self.impulse.corners_of(s as usize, self.parameters);
-                let pair = Pair {
-                    shapes: shapes.map(|s| &self.shapes[s as usize]),
-                    corners: shapes.map(corners),
-                    // Lanes to spare repeat the last pair, far from its mesh.
-                    triangles: if lane < pairs.len() { triangles } else { &[] },
-                    margin: self.impulse.margin(*shapes, self.parameters),
-                };
-                let numbers = parameters.scalars_mut();
-                group
-                    .tables
-                    .fill(lane, width, &pair, numbers, scratch.scalars_mut());
-            }
-            let [state, input, output] = &mut none;
-            let mut block = Block {
-                state: state.scalars_mut(),
-                input: input.scalars(),
-                output: output.scalars_mut(),
-                scratch: scratch.scalars_mut(),
-                parameters: parameters.scalars(),
-                common: &[],
-                links: group.tables.links(),
-            };
-            narrow_phase(self.lane, group.tables.contacts(), &mut block);
+    /// The contacts of a group: of the pairs that are near, once those are known where that is found out sooner.
+    fn meet(&self, group: &Group<'_, T>) -> Vec<(u32, Cached<T>)> {
+        let mut register = Register::new(self.width, &group.tables);
+        let old = |pair: &&Candidate<'_, T>| !group.tables.takes_long() || pair.touched();
+        let (mut near, new): (Vec<_>, Vec<_>) = group.pairs.iter().partition(old);
+        for pairs in new.chunks(self.width) {
+            register.fill(self, pairs);
+            register.run(|block| apart(self.lane, group.tables.contacts(), block));
             for (lane, pair) in pairs.iter().enumerate() {
-                let scratch = scratch.scalars();
-                group
-                    .tables
-                    .read(lane, width, scratch, pair.shapes, &mut contacts);
+                if register.apart(lane) < self.reach(pair.shapes) {
+                    near.push(pair);
+                }
+            }
+        }
+        let mut found = Vec::with_capacity(near.len());
+        let mut contacts = Vec::new();
+        for pairs in near.chunks(self.width) {
+            register.fill(self, pairs);
+            register.run(|block| narrow_phase(self.lane, group.tables.contacts(), block));
+            for (lane, pair) in pairs.iter().enumerate() {
+                register.read(lane, pair.shapes, &mut contacts);
                 let contacts = contacts.drain(..).filter(|contact| self.matters(contact));
                 found.extend(contacts.map(|contact| (pair.place, contact)));
             }
@@ -259,12 +255,126 @@ impl<T: Float> Scene<'_, T> {
         found
     }
 
+    /// The gap [m] that two shapes could close within the step.
+    fn reach(&self, shapes: [u32; 2]) -> T {
+        let [a, b] = shapes.map(|s| self.shapes[s as usize].placed[placed::WAY]);
+        a + b + T::from_f64(NEARBY)
+    }
+
     /// Whether any of a contact's points could close within the step.
     fn matters(&self, contact: &Cached<T>) -> bool {
-        let [a, b] = contact.shapes.map(|s| &self.shapes[s as usize]);
-        let reach = a.placed[placed::WAY] + b.placed[placed::WAY] + T::from_f64(NEARBY);
+        let reach = self.reach(contact.shapes);
         contact.points[..contact.count]
             .iter()
             .any(|p| p.gap < reach)
+    }
+}
+
+/// Pairs of the same forms side by side.
+struct Register<'a, T> {
+    tables: &'a PairTables,
+    width: usize,
+    parameters: Memory<T>,
+    scratch: Memory<T>,
+    /// What the kernels for pairs do not use.
+    none: [Memory<T>; 3],
+}
+
+impl<'a, T: Float> Register<'a, T> {
+    fn new(width: usize, tables: &'a PairTables) -> Self {
+        let memory = |length| Memory::<T>::new(width, length, width);
+        let [mut parameters, scratch] = tables.lengths().map(memory);
+        tables.begin(width, parameters.scalars_mut());
+        Self {
+            tables,
+            width,
+            parameters,
+            scratch,
+            none: [1; 3].map(memory),
+        }
+    }
+
+    /// Writes pairs into the lanes; those to spare repeat the last, far from its mesh.
+    fn fill(&mut self, scene: &Scene<'_, T>, pairs: &[&Candidate<'_, T>]) {
+        for lane in 0..self.width {
+            match pairs.get(lane) {
+                Some(pair) => self.fill_lane(scene, lane, pair, &pair.triangles),
+                None => self.fill_lane(scene, lane, pairs[pairs.len() - 1], &[]),
+            }
+        }
+    }
+
+    fn fill_lane(
+        &mut self,
+        scene: &Scene<'_, T>,
+        lane: usize,
+        candidate: &Candidate<'_, T>,
+        triangles: &[&Triangle],
+    ) {
+        let shapes = candidate.shapes;
+        let corners = |s: u32| scene.impulse.corners_of(s as usize, scene.parameters);
+        let pair = Pair {
+            shapes: shapes.map(|s| &scene.shapes[s as usize]),
+            corners: shapes.map(corners),
+            triangles,
+            known: candidate.known,
+            margin: scene.impulse.margin(shapes, scene.parameters),
+        };
+        let (parameters, scratch) = (self.parameters.scalars_mut(), self.scratch.scalars_mut());
+        self.tables
+            .fill(lane, self.width, &pair, parameters, scratch);
+    }
+
+    fn run(&mut self, work: impl FnOnce(&mut Block<'_, T>)) {
+        let [state, input, output] = &mut self.none;
+        work(&mut Block {
+            state: state.scalars_mut(),
+            input: input.scalars(),
+            output: output.scalars_mut(),
+            scratch: self.scratch.scalars_mut(),
+            parameters: self.parameters.scalars(),
+            common: &[],
+            links: self.tables.links(),
+        });
+    }
+
+    /// How far a lane's pair is apart at least [m].
+    fn apart(&self, lane: usize) -> T {
+        self.tables.apart(lane, self.width, self.scratch.scalars())
+    }
+
+    /// The contacts of a lane's pair.
+    fn read(&self, lane: usize, shapes: [u32; 2], to: &mut Vec<Cached<T>>) {
+        self.tables
+            .read(lane, self.width, self.scratch.scalars(), shapes, to);
+    }
+}
+
+/// The contacts of the step before, in the order of their pairs.
+struct Before<'a, T> {
+    impulse: &'a Impulse,
+    state: &'a [T],
+    next: usize,
+}
+
+impl<T: Float> Before<'_, T> {
+    /// The direction in which two shapes touched; zero where they did not. Each pair comes after the one asked for
+    /// before.
+    fn direction(&mut self, shapes: [u32; 2]) -> [T; 3] {
+        let [a, b] = shapes;
+        let key = [a.min(b), a.max(b)];
+        while self.next < self.impulse.remembered(self.state) {
+            let contact = self.impulse.recall(self.next, self.state);
+            if contact.key() >= key {
+                let same = contact.shapes() == shapes;
+                return if same {
+                    contact.normal()
+                } else {
+                    [T::zero(); 3]
+                };
+            }
+            self.next += 1;
+        }
+        [T::zero(); 3]
     }
 }

@@ -304,18 +304,18 @@ impl<T: Float> World<'_, T> {
                 .find(impulse, filter, &w.placed, parameters, found)?;
         }
         self.remember_sleepers(state, w);
-        self.narrow_phase(w);
+        self.narrow_phase(state, w);
         while self.wake_touched(w) {
             self.wake_up(w);
             self.bodies(w, globals, BodyStage::Begin);
-            self.narrow_phase(w);
+            self.narrow_phase(state, w);
         }
         self.drop_sleepers(w);
         self.recall(state, &mut w.contacts);
         Ok(())
     }
 
-    fn narrow_phase(&self, w: &mut Workspace<T>) {
+    fn narrow_phase(&self, state: &[T], w: &mut Workspace<T>) {
         let shapes = self.impulse().shapes();
         let awake = |shape: u32| {
             let body = shapes[shape as usize].row;
@@ -331,6 +331,7 @@ impl<T: Float> World<'_, T> {
             impulse: self.impulse(),
             shapes: &w.placed,
             meshes: &self.piles.meshes,
+            state,
             parameters: self.parameters,
             lane: self.lane,
             width: self.width(),
