@@ -198,7 +198,10 @@ pub trait Lanes: Real<Mask: LanesMask> + bytemuck::Pod {
     ) {
         let numbers: &[Self::Scalar] = bytemuck::cast_slice(&columns);
         for lane in 0..Self::WIDTH {
-            rows[lane][quad].store([0, 1, 2, 3].map(|i| numbers[i * Self::WIDTH + lane]));
+            let width = Self::WIDTH;
+            let (a, b) = (numbers[lane], numbers[width + lane]);
+            let (c, d) = (numbers[2 * width + lane], numbers[3 * width + lane]);
+            rows[lane][quad].store([a, b, c, d]);
         }
     }
 }

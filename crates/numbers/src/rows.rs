@@ -9,7 +9,10 @@ use core::fmt::Debug;
 use core::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 /// A number that threads share.
-pub trait Atom<T>: Debug + Default + Send + Sync {
+pub trait Atom<T>: Debug + Send + Sync {
+    /// A new zero.
+    #[allow(clippy::declare_interior_mutable_const)] // what is made of it is meant to be new
+    const ZERO: Self;
     /// The number.
     fn load(&self) -> T;
     /// Replaces it.
@@ -17,6 +20,7 @@ pub trait Atom<T>: Debug + Default + Send + Sync {
 }
 
 impl Atom<f32> for AtomicU32 {
+    const ZERO: Self = Self::new(0);
     #[inline(always)]
     fn load(&self) -> f32 {
         f32::from_bits(AtomicU32::load(self, Ordering::Relaxed))
@@ -28,6 +32,7 @@ impl Atom<f32> for AtomicU32 {
 }
 
 impl Atom<f64> for AtomicU64 {
+    const ZERO: Self = Self::new(0);
     #[inline(always)]
     fn load(&self) -> f64 {
         f64::from_bits(AtomicU64::load(self, Ordering::Relaxed))
@@ -39,15 +44,21 @@ impl Atom<f64> for AtomicU64 {
 }
 
 /// Four neighbouring numbers.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 #[repr(C, align(16))]
 pub struct Quad<T: Float>([T::Atom; 4]);
 
 impl<T: Float> Quad<T> {
+    /// Zeros.
+    #[inline(always)]
+    pub const fn zeros() -> Self {
+        Self([const { T::Atom::ZERO }; 4])
+    }
     /// The numbers.
     #[inline(always)]
     pub fn load(&self) -> [T; 4] {
-        [0, 1, 2, 3].map(|i| self.0[i].load())
+        let [a, b, c, d] = &self.0;
+        [a.load(), b.load(), c.load(), d.load()]
     }
     /// Replaces them.
     #[inline(always)]
@@ -77,8 +88,7 @@ pub const LANES: usize = 16;
 impl<T: Float, const Q: usize> Rows<T, Q> {
     /// So many rows; new ones are zero.
     pub fn resize(&mut self, rows: usize) {
-        self.rows
-            .resize_with(rows, || [(); Q].map(|()| Quad::default()));
+        self.rows.resize_with(rows, || [const { Quad::zeros() }; Q]);
     }
     /// A number.
     #[inline(always)]
@@ -124,7 +134,7 @@ impl<T: Float, const Q: usize> Rows<T, Q> {
         registers: &[R],
     ) {
         // Row 0 is everybody's: what would go there goes nowhere.
-        let nowhere = [(); Q].map(|()| Quad::default());
+        let nowhere = [const { Quad::zeros() }; Q];
         let mut lanes = [&nowhere; LANES];
         for lane in 0..R::WIDTH {
             if rows[lane] != 0 {
@@ -133,8 +143,8 @@ impl<T: Float, const Q: usize> Rows<T, Q> {
         }
         for quad in field / 4..(field + N).div_ceil(4) {
             if 4 * quad >= field && 4 * quad + 4 <= field + N {
-                let first = 4 * quad - field;
-                let columns = [0, 1, 2, 3].map(|i| registers[first + i]);
+                let columns = &registers[4 * quad - field..][..4];
+                let columns = [columns[0], columns[1], columns[2], columns[3]];
                 R::store_quads(columns, &lanes, quad);
                 continue;
             }

@@ -124,7 +124,8 @@ fn load_quads<const Q: usize>(rows: &[&[Quad<f32>; Q]; LANES], quad: usize) -> [
             );
         }
     }
-    transpose(lines).map(|column| F32x16([column]))
+    let [a, b, c, d] = transpose(lines);
+    [F32x16([a]), F32x16([b]), F32x16([c]), F32x16([d])]
 }
 
 /// Writes four atomics at once.

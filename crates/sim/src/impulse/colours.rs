@@ -33,7 +33,7 @@ impl Colours {
     }
 
     /// Colours contacts, given the rows of their bodies and their numbers of points; `width` of one
-    /// colour make a batch, those of like numbers of points together.
+    /// colour make a batch, those of like numbers of points together as far as that fills it.
     pub fn paint(&mut self, contacts: &[([u32; 2], usize)], bodies: usize, width: usize) {
         self.used.clear();
         self.used.resize(bodies, 0);
@@ -85,30 +85,24 @@ impl Colours {
         }
     }
 
-    /// Batches of one colour and number of points each; what has no colour is one by one.
+    /// Batches of one colour each; what has no colour is one by one.
     fn cut(&mut self, width: usize) {
         self.batches.clear();
         self.colours.clear();
-        let (n, mut begin) = (self.order.len(), 0);
-        let key_of = |at: usize| self.keys[self.order[at] as usize];
-        let mut last = None;
-        while begin < n {
-            let key = key_of(begin);
-            let same = (begin..n).take_while(|at| key_of(*at) == key);
-            let end = begin + same.count();
-            let colour = key as usize / POINTS;
-            let (width, first) = (if colour < MOST { width } else { 1 }, self.batches.len());
+        self.uncoloured = false;
+        let colour_of = |contact: &u32| self.keys[*contact as usize] as usize / POINTS;
+        let mut begin = 0;
+        for run in self.order.chunk_by(|a, b| colour_of(a) == colour_of(b)) {
+            let end = begin + run.len();
+            self.uncoloured = colour_of(&run[0]) == MOST;
+            let width = if self.uncoloured { 1 } else { width };
+            let first = self.batches.len();
             let cuts = (begin..end).step_by(width);
             self.batches
                 .extend(cuts.map(|at| at..(at + width).min(end)));
-            let end_of_colour = self.batches.len();
-            match self.colours.last_mut().filter(|_| last == Some(colour)) {
-                Some(batches) => batches.end = end_of_colour,
-                None => self.colours.push(first..end_of_colour),
-            }
-            (last, begin) = (Some(colour), end);
+            self.colours.push(first..self.batches.len());
+            begin = end;
         }
-        self.uncoloured = last == Some(MOST);
     }
 }
 
