@@ -31,6 +31,9 @@
 //! - Gyroscopic torque acts within the step as an acceleration; at its end the spin is that of the
 //!   angular momentum, which therefore is conserved to rounding.
 //!
+//! Two solids that touched in the step before are looked at from the normal that they had then, and let go of it
+//! only for one along which they overlap less. So what is pressed deep into another comes out the way it went in.
+//!
 //! A mesh and a solid have a contact for each normal. A mesh has no inside: a solid whose centre was
 //! pressed through it is not pushed out again, and falls.
 //!
