@@ -1,4 +1,4 @@
-"""Worlds on a graphics card, or on the program that KINETARIUM_GPU names, such as Mesa's llvmpipe."""
+"""Worlds on a graphics card: one that KINETARIUM_GPU names, or a program such as Mesa's llvmpipe, or "cuda"."""
 
 import copy
 import os
@@ -10,6 +10,7 @@ import kinetarium as kn
 from kinetarium.errors import DeviceError
 
 CARD = os.environ.get("KINETARIUM_GPU")
+DEVICE = "cuda" if CARD == "cuda" else f"gpu:{CARD}"
 needs_a_card = pytest.mark.skipif(CARD is None, reason="KINETARIUM_GPU names no card")
 
 
@@ -21,7 +22,7 @@ def on(device: str, **settings: object) -> kn.Simulation:
 
 @needs_a_card
 def test_worlds_move_as_on_the_processor():
-    card, cpu = on(f"gpu:{CARD}"), on("cpu")
+    card, cpu = on(DEVICE), on("cpu")
     assert CARD.lower() in card.device.lower() and card.device in repr(card)
     assert cpu.device == "cpu"
     for sim in (card, cpu):
@@ -37,7 +38,7 @@ def test_worlds_move_as_on_the_processor():
 
 @needs_a_card
 def test_states_go_to_and_fro():
-    card = on(f"gpu:{CARD}")
+    card = on(DEVICE)
     card.step(20)
     snapshot = card.snapshot()
     twin = copy.deepcopy(card)
@@ -53,9 +54,9 @@ def test_states_go_to_and_fro():
 @needs_a_card
 def test_what_a_card_does_not_take_is_refused():
     with pytest.raises(DeviceError, match="single precision"):
-        on(f"gpu:{CARD}", dtype="float64")
+        on(DEVICE, dtype="float64")
     with pytest.raises(DeviceError, match="`impulse` does not run on"):
-        on(f"gpu:{CARD}", solver="impulse")
+        on(DEVICE, solver="impulse")
 
 
 def test_auto_takes_no_program_and_never_fails():

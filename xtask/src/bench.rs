@@ -289,9 +289,11 @@ pub fn gpu(workshop: &Workshop, options: &[&str]) -> Result<()> {
         "--profile",
         "release",
         "--package",
-        "kinetarium-gpu",
+        "kinetarium",
+        "--features",
+        "cuda,gpu",
         "--bench",
-        "worlds",
+        "cards",
     ];
     cmd!(sh, "cargo bench {bench...} --no-run").run()?;
     Ok(cmd!(sh, "cargo bench --quiet {bench...} -- {options...}").run()?)

@@ -23,7 +23,7 @@ Usage: cargo xtask COMMAND
   bench [robots|piles|cameras|page] [--repetitions N]
                            measure robots beside MuJoCo, piles beside Rapier, cameras, and the page, or one
                            of them, and rewrite the tables in BENCHMARKS.md
-  gpu-bench [--card NAME] [--most WORLDS]
+  gpu-bench [--device gpu|gpu:NAME|cuda|cuda:NUMBER] [--most WORLDS]
                            measure a graphics card, and tell where the program is that another machine can run
   asm                      disassemble the SIMD entries of the release program; fail on stray calls
   docs [--check]           build the documentation into target/site, with live examples; look at it in Chromium

@@ -70,6 +70,11 @@ const STAGES: &[Stage] = &[
         run: gpu,
     },
     Stage {
+        name: "cuda",
+        purpose: "the same by CUDA, bit for bit, with a driver that computes on the CPU; NVRTC takes the kernels",
+        run: cuda,
+    },
+    Stage {
         name: "browser",
         purpose: "the page in Chromium, before a server and with an engine of its own, on a card too",
         run: page::browse,
@@ -117,6 +122,7 @@ fn tools(workshop: &Workshop) -> Result<()> {
     workshop.need_program("npm", "npm")?;
     workshop.need_program("chromium", "chromium")?;
     workshop.need_program("objdump", "binutils")?;
+    workshop.need_program("g++", "g++")?;
     workshop.need_rust_target(NEON)?;
     workshop.need_rust_target(WASM)?;
     workshop.peers_python()?;
@@ -227,6 +233,34 @@ fn gpu(workshop: &Workshop) -> Result<()> {
         "cargo test --quiet --release {ENGINE...} --lib --test cards -- --ignored {skipped...}"
     )
     .env("KINETARIUM_GPU", "llvmpipe")
+    .run()?)
+}
+
+/// Where the dynamic linker looks for libraries.
+const LIBRARIES: &str = "LD_LIBRARY_PATH";
+
+fn cuda(workshop: &Workshop) -> Result<()> {
+    let sh = &workshop.sh;
+    let driver = workshop.cuda_driver()?;
+    cmd!(
+        sh,
+        "cargo test --quiet --release {ENGINE...} --test nvidia --test lost -- --ignored"
+    )
+    .env(LIBRARIES, &driver)
+    .run()?;
+    let python = workshop.python_with_package()?;
+    cmd!(sh, "{python} -m pytest --quiet python/tests/test_device.py")
+        .env(LIBRARIES, &driver)
+        .env("KINETARIUM_GPU", "cuda")
+        .run()?;
+    let compiler = cmd!(sh, "{python} -c")
+        .arg("import nvidia.cuda_nvrtc as nvrtc; print(nvrtc.__path__[0] + '/lib')")
+        .read()?;
+    Ok(cmd!(
+        sh,
+        "cargo test --quiet --release {ENGINE...} --test nvrtc -- --ignored"
+    )
+    .env(LIBRARIES, compiler)
     .run()?)
 }
 

@@ -123,6 +123,22 @@ impl Workshop {
         Ok(python)
     }
 
+    /// The folder of what stands in for CUDA's driver and compiler: crates/cuda/tests/driver.
+    pub fn cuda_driver(&self) -> Result<PathBuf> {
+        let folder = self.sh.create_dir(self.root.join("target/cuda"))?;
+        for library in ["cuda", "nvrtc"] {
+            let source = format!("crates/cuda/tests/driver/{library}.cpp");
+            let built = folder.join(format!("lib{library}.so"));
+            let options = ["-std=c++17", "-O1", "-Wall", "-Wextra", "-Werror"];
+            cmd!(
+                self.sh,
+                "g++ {options...} -fPIC -shared -o {built} {source}"
+            )
+            .run()?;
+        }
+        Ok(folder)
+    }
+
     /// Writes MuJoCo's reference dynamics, one JSON file a model, and, in folders of their own, its
     /// falls, its derivatives of a step and its sensors; returns the folder of all.
     pub fn write_peers(&self) -> Result<PathBuf> {

@@ -20,7 +20,7 @@ Examples:
   kinetarium example tower                         a built-in scene; `example --help` lists them
   kinetarium run robot.xml                         a MuJoCo (MJCF) or URDF file, one world
   kinetarium run robot.xml --worlds 4096 --perturb 0.05 --record 3 --out results
-  kinetarium run robot.xml --worlds 65536 --device gpu   built with the feature `gpu`
+  kinetarium run robot.xml --worlds 65536 --device gpu   built with the feature `gpu`, or cuda
   kinetarium info robot.xml                        what is in a file, and which solver fits
   kinetarium shot room --time 2 --out room.png     a picture of it after two seconds
 
@@ -68,7 +68,7 @@ pub struct View {
     #[arg(long, value_name = "N", value_parser = count(1, 4096))]
     pub worlds: Option<usize>,
     /// A graphics card that pages may choose to run on: auto (one if it is there), gpu, gpu:NAME with a part of its
-    /// name, or cpu, which is none.
+    /// name, cuda, cuda:NUMBER, or cpu, which is none.
     #[arg(long, value_name = "DEVICE", default_value = "auto")]
     pub device: DeviceChoice,
     /// Address to listen at. One that other machines can reach wants a token, which is printed.
@@ -216,8 +216,8 @@ pub struct Simulation {
     /// Instruction set: avx512, avx2, neon, simd128 or portable [default: the fastest here].
     #[arg(long, value_name = "NAME")]
     pub isa: Option<Isa>,
-    /// Where worlds run: cpu, gpu (a graphics card), gpu:NAME with a part of its name, or auto, which takes a card
-    /// where there is one. Cards take the solvers featherstone and xpbd.
+    /// Where worlds run: cpu, gpu (a graphics card), gpu:NAME with a part of its name, cuda (an NVIDIA card),
+    /// cuda:NUMBER, or auto, which takes a card where there is one. Cards take the solvers featherstone and xpbd.
     #[arg(long, value_name = "DEVICE", default_value = "cpu")]
     pub device: DeviceChoice,
     /// Start each world but the first a little apart: joint positions differ at random by up to

@@ -14,7 +14,7 @@ use model::{Hull, TriangleMesh};
 use numbers::dispatch::{Isa, Job, run_block, run_single};
 use numbers::machine::space::State;
 use numbers::machine::{Links, Machine};
-use numbers::trace::{self, WgslOptions};
+use numbers::trace::{self, PrintOptions};
 use numbers::{Cpu, Float, Lanes, Memory, Pose, Quat, Shared, Table};
 
 const MARGIN: f64 = 0.02;
@@ -382,7 +382,7 @@ fn meshes_are_traced() {
         let solid = Solid::random(kind, &mut rng);
         let world = World::new(&mesh, &solid);
         let program = trace::record(|k| world.run(k)).unwrap();
-        shader::validate(&program, &WgslOptions::default());
+        shader::validate(&program, &PrintOptions::default());
         for i in 0..5 {
             let pose = Pose::new(V::new(0.2, 0.2 * f64::from(i), 0.1), turn(&mut rng));
             let poses = [pose, still(0.0, 0.0, 0.0)];

@@ -7,7 +7,7 @@ use common::Pair;
 use common::world::{MANIFOLD, World, links, state, vertices};
 use fastrand::Rng;
 use kinetarium_collide::{Route, kind};
-use numbers::trace::{self, Program, WgslOptions};
+use numbers::trace::{self, PrintOptions, Program};
 use numbers::{Cpu, Shared};
 
 /// The contact as bits, by the kernel or by its record.
@@ -42,7 +42,7 @@ fn every_pair_keeps_its_bits_and_prints_as_a_shader() {
             let hulls = [a, b].iter().filter(|&&kind| kind == kind::HULL).count();
             let world = World::new(route, 12 * hulls);
             let program = trace::record(|k| world.run(k)).unwrap();
-            shader::validate(&program, &WgslOptions::default());
+            shader::validate(&program, &PrintOptions::default());
             for _ in 0..50 {
                 let pair = Pair::random([a, b], &mut rng);
                 let expected = contact(world, &pair, None);

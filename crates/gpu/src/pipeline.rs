@@ -1,7 +1,7 @@
 //! From WGSL to what a card runs.
 
 use crate::{Gpu, GpuError};
-use numbers::trace::{Program, WgslOptions};
+use numbers::trace::{PrintOptions, Program};
 
 /// Invocations in a workgroup.
 pub(crate) const WORKGROUP: u32 = 64;
@@ -13,7 +13,7 @@ impl Gpu {
         program: &Program,
         parameters_per_world: bool,
     ) -> Result<wgpu::ComputePipeline, GpuError> {
-        let options = WgslOptions {
+        let options = PrintOptions {
             workgroup_size: WORKGROUP,
             parameters_per_world,
         };

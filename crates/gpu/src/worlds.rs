@@ -8,8 +8,9 @@ use crate::pipeline::WORKGROUP;
 use crate::placement::Placement;
 use crate::{Gpu, GpuError};
 use numbers::Memory;
-use rigid::{Lengths, Programs, Report};
-use sim::{Device, DeviceError, DeviceWorlds, Solver};
+use records::Programs;
+use rigid::{Lengths, Report, Solver};
+use sim::{Device, DeviceError, DeviceWorlds};
 use std::ops::Range;
 
 /// Worlds on a card. Reading waits for what was asked before; nothing else does.
@@ -49,7 +50,7 @@ impl Device<f32> for Gpu {
         solver: Solver<'_>,
         worlds: usize,
     ) -> Result<Box<dyn DeviceWorlds<f32>>, DeviceError> {
-        let programs = solver.record().map_err(GpuError::from)?;
+        let programs = Programs::record(solver).map_err(GpuError::from)?;
         Ok(Box::new(Worlds::new(self, programs, worlds)?))
     }
 }

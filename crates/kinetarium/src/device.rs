@@ -1,4 +1,7 @@
 //! Where worlds run: on the processor, or on a graphics card.
+//!
+//! Cards are reached by two ways, each a feature of this crate: `gpu` takes cards of any maker, `cuda` NVIDIA's, where
+//! results have the same bits as on the processor.
 
 use sim::{Device, SolverKind};
 use std::fmt;
@@ -24,10 +27,13 @@ pub enum DeviceChoice {
     /// `cpu`.
     #[default]
     Processor,
-    /// `auto`: any graphics card, and the processor where there is none. Never a program that stands in for a card.
+    /// `auto`: a graphics card, by CUDA where that is there, and the processor where there is none. Never a program
+    /// that stands in for a card.
     Auto,
     /// `gpu`, or `gpu:NAME` with a part of its name; by name a program that stands in for a card is taken, too.
     Card(String),
+    /// `cuda`, or `cuda:1`: an NVIDIA card, as CUDA counts them from 0.
+    Cuda(usize),
 }
 
 /// A card that is open.
@@ -39,32 +45,39 @@ pub type Card = Box<dyn Device<f32>>;
 pub enum DeviceChoiceError {
     /// There is no such choice.
     #[error(
-        "unknown device `{0}`; known are cpu, auto, gpu, and gpu:NAME with a part of the card's name"
+        "unknown device `{0}`; known are cpu, auto, gpu, gpu:NAME with a part of the card's name, cuda, and cuda:NUMBER"
     )]
     Unknown(String),
     /// Cards compute in f32.
     #[error("{0} computes in single precision: take that, or the device cpu")]
     Precision(String),
-    /// This build has no part for cards.
+    /// This build has no part for such cards.
     #[error(
-        "this build runs on processors only: build it with the feature `gpu`, as `cargo run --release --features gpu`"
+        "this build has no part for the device {0}: build it with that feature, as `cargo run --release --features {0}`"
     )]
-    NotBuilt,
+    NotBuilt(&'static str),
     /// The card is not to be had.
     #[cfg(feature = "gpu")]
     #[error(transparent)]
     Gpu(#[from] gpu::GpuError),
+    /// The same, by CUDA.
+    #[cfg(feature = "cuda")]
+    #[error(transparent)]
+    Cuda(#[from] cuda::CudaError),
 }
 
 impl FromStr for DeviceChoice {
     type Err = DeviceChoiceError;
     fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let unknown = || DeviceChoiceError::Unknown(text.to_owned());
         match text.split_once(':') {
             None if text == "cpu" => Ok(Self::Processor),
             None if text == "auto" => Ok(Self::Auto),
             None if text == "gpu" => Ok(Self::Card(String::new())),
             Some(("gpu", name)) => Ok(Self::Card(name.to_owned())),
-            _ => Err(DeviceChoiceError::Unknown(text.to_owned())),
+            None if text == "cuda" => Ok(Self::Cuda(0)),
+            Some(("cuda", number)) => number.parse().map(Self::Cuda).map_err(|_| unknown()),
+            _ => Err(unknown()),
         }
     }
 }
@@ -76,6 +89,8 @@ impl fmt::Display for DeviceChoice {
             Self::Auto => f.write_str("auto"),
             Self::Card(name) if name.is_empty() => f.write_str("gpu"),
             Self::Card(name) => write!(f, "gpu:{name}"),
+            Self::Cuda(0) => f.write_str("cuda"),
+            Self::Cuda(number) => write!(f, "cuda:{number}"),
         }
     }
 }
@@ -88,8 +103,12 @@ impl DeviceChoice {
     pub fn open(&self) -> Result<Option<Card>, DeviceChoiceError> {
         match self {
             Self::Processor => Ok(None),
-            Self::Auto => auto(),
+            Self::Auto => match auto_cuda()? {
+                Some(card) => Ok(Some(card)),
+                None => auto_gpu(),
+            },
             Self::Card(name) => card(name).map(Some),
+            Self::Cuda(number) => nvidia(*number).map(Some),
         }
     }
     /// The same for a solver and a precision, `double` for f64: `auto` takes the processor where a card does not
@@ -119,7 +138,7 @@ fn card(name: &str) -> Result<Card, DeviceChoiceError> {
 }
 
 #[cfg(feature = "gpu")]
-fn auto() -> Result<Option<Card>, DeviceChoiceError> {
+fn auto_gpu() -> Result<Option<Card>, DeviceChoiceError> {
     match card("") {
         Ok(card) => Ok(Some(card)),
         Err(DeviceChoiceError::Gpu(gpu::GpuError::NoCard { .. })) => Ok(None),
@@ -129,11 +148,36 @@ fn auto() -> Result<Option<Card>, DeviceChoiceError> {
 
 #[cfg(not(feature = "gpu"))]
 fn card(_: &str) -> Result<Card, DeviceChoiceError> {
-    Err(DeviceChoiceError::NotBuilt)
+    Err(DeviceChoiceError::NotBuilt("gpu"))
 }
 
 #[cfg(not(feature = "gpu"))]
-fn auto() -> Result<Option<Card>, DeviceChoiceError> {
+fn auto_gpu() -> Result<Option<Card>, DeviceChoiceError> {
+    Ok(None)
+}
+
+#[cfg(feature = "cuda")]
+fn nvidia(number: usize) -> Result<Card, DeviceChoiceError> {
+    Ok(Box::new(cuda::Cuda::open(number)?))
+}
+
+#[cfg(feature = "cuda")]
+fn auto_cuda() -> Result<Option<Card>, DeviceChoiceError> {
+    use cuda::CudaError::{NoCard, NoCompiler, NoDriver};
+    match nvidia(0) {
+        Ok(card) => Ok(Some(card)),
+        Err(DeviceChoiceError::Cuda(NoDriver | NoCompiler | NoCard { .. })) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+#[cfg(not(feature = "cuda"))]
+fn nvidia(_: usize) -> Result<Card, DeviceChoiceError> {
+    Err(DeviceChoiceError::NotBuilt("cuda"))
+}
+
+#[cfg(not(feature = "cuda"))]
+fn auto_cuda() -> Result<Option<Card>, DeviceChoiceError> {
     Ok(None)
 }
 
@@ -143,10 +187,10 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read() {
-        for text in ["cpu", "auto", "gpu", "gpu:llvmpipe"] {
+        for text in ["cpu", "auto", "gpu", "gpu:llvmpipe", "cuda", "cuda:1"] {
             assert_eq!(text.parse::<DeviceChoice>().unwrap().to_string(), text);
         }
-        for text in ["", "GPU", "tpu", "cpu:0"] {
+        for text in ["", "GPU", "tpu", "cpu:0", "cuda:first", "cuda:-1"] {
             let told = text.parse::<DeviceChoice>().unwrap_err().to_string();
             assert!(told.contains(&format!("`{text}`")), "{told}");
         }
@@ -162,6 +206,10 @@ mod tests {
             "--features gpu"
         };
         assert!(told.contains(remedy), "{told}");
+        if !cfg!(feature = "cuda") {
+            let told = DeviceChoice::Cuda(0).open().err().unwrap().to_string();
+            assert!(told.contains("--features cuda"), "{told}");
+        }
         assert!(DeviceChoice::Processor.open().unwrap().is_none());
     }
 }

@@ -27,12 +27,15 @@
 //! | [`sensors`] | what robots measure: joints, inertial units, forces, rays, cameras, with noise |
 //! | [`rigid`] | the solvers, as kernels over any machine |
 //! | `gpu` | graphics cards of any maker, with the feature `gpu`; see [`DeviceChoice`] |
+//! | `cuda` | NVIDIA's cards by CUDA, bit for bit as the processor, with the feature `cuda` |
 //! | [`numbers`] | the numbers and machines that kernels are written over |
 //!
 //! SI units; angles in radians; right-handed; quaternions x, y, z, w.
 
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "cuda")]
+pub use cuda;
 pub use formats;
 #[cfg(feature = "gpu")]
 pub use gpu;

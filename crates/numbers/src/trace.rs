@@ -5,8 +5,8 @@
 //! to the record, unless all its operands are literals, which fold to a literal
 //! with the arithmetic of `f32`. What comes out is a [`Program`]: straight
 //! instructions, each the single assignment of a value, with nested blocks for
-//! loops and branches. It prints as WGSL ([`Program::to_wgsl`]) and runs on the
-//! CPU ([`Program::interpret`]) with the bits of the kernel over `f32`.
+//! loops and branches. It prints as WGSL ([`Program::to_wgsl`]) and as CUDA C++
+//! ([`Program::to_cuda`]), and runs on the CPU ([`Program::interpret`]) with the bits of the kernel over `f32`.
 //!
 //! ```
 //! use kinetarium_numbers::{Machine, Real, Table, machine::space::State, trace};
@@ -20,7 +20,7 @@
 //!
 //! let bodies = Table::place(&mut 0, 10);
 //! let program = trace::record(|k| halve(k, bodies, 10))?;
-//! let shader = program.to_wgsl(&trace::WgslOptions::default())?;
+//! let shader = program.to_wgsl(&trace::PrintOptions::default())?;
 //! assert!(shader.contains("for (var i0 = 0u; i0 < 10u; i0++)"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -32,11 +32,13 @@
 //! assigned in a block and used after it looks like any other literal and goes
 //! unnoticed. Indices are 32 bits wide.
 
+mod cuda;
 mod graph;
 mod interpret;
 mod machine;
 mod number;
 mod operation;
+mod print;
 mod program;
 mod wgsl;
 
@@ -44,5 +46,6 @@ pub use graph::TraceError;
 pub use interpret::{InterpretError, Work};
 pub use machine::{TraceBranch, TraceCell, TraceRounds, Tracer, record};
 pub use number::{Trace, TraceIndex, TraceMask};
+pub use print::PrintOptions;
 pub use program::{Operations, Program};
-pub use wgsl::{WgslError, WgslOptions};
+pub use wgsl::WgslError;

@@ -3,7 +3,7 @@
 use kinetarium_numbers::machine::space::{Input, Kind, Output, Parameter, Scratch, State};
 use kinetarium_numbers::machine::{Cell, Held, Hold, Index, Links};
 use kinetarium_numbers::trace::{
-    self, InterpretError, Operations, Program, TraceError, Tracer, WgslError, WgslOptions,
+    self, InterpretError, Operations, PrintOptions, Program, TraceError, Tracer, WgslError,
 };
 use kinetarium_numbers::{Cpu, Machine, Mask, Real, Shared, Table, Vec3, functions};
 use proptest::prelude::*;
@@ -69,7 +69,7 @@ macro_rules! agree {
         program.interpret(&mut found.cpu()).unwrap();
         assert_eq!(expected.bits(), found.bits());
         for parameters_per_world in [false, true] {
-            let options = WgslOptions { parameters_per_world, ..WgslOptions::default() };
+            let options = PrintOptions { parameters_per_world, ..PrintOptions::default() };
             validate(&program.to_wgsl(&options).unwrap());
         }
         (program, expected)
@@ -427,7 +427,7 @@ fn a_table_holds_rows() {
     let (program, after) = agree!(world, listed(table, list, 5));
     assert_eq!(after.state, [2.0, 1.0, 0.0, 1.5, 8.0]);
     assert_eq!(after.scratch, [3.0, 4.0, 3.0, 0.0, 9.0, 9.0]);
-    let wgsl = program.to_wgsl(&WgslOptions::default()).unwrap();
+    let wgsl = program.to_wgsl(&PrintOptions::default()).unwrap();
     assert!(wgsl.contains("u32(") && wgsl.contains("f32("), "{wgsl}");
 }
 
@@ -609,7 +609,7 @@ fn prints_as_one_line_an_instruction() {
     let mut end = 5;
     let (rows, scale) = (Table::place(&mut end, 4), Table::place(&mut 0, 3));
     let program = trace::record(|k| kernel(k, rows, scale)).unwrap();
-    let shader = program.to_wgsl(&WgslOptions::default()).unwrap();
+    let shader = program.to_wgsl(&PrintOptions::default()).unwrap();
     let expected = "\
 fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
     let world = invocation.x;
@@ -632,7 +632,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
 ";
     assert_eq!(body(&shader), expected);
     validate(&shader);
-    let options = WgslOptions {
+    let options = PrintOptions {
         workgroup_size: 32,
         parameters_per_world: true,
     };
@@ -671,7 +671,7 @@ fn equal_expressions_are_recorded_once_where_they_are_visible() {
 fn infinities_have_no_wgsl() {
     for (x, text) in [(f32::INFINITY, "inf"), (f32::NAN, "NaN")] {
         let program = trace::record(|k| k.store(place(), k.index(0), 0, Real::splat(x))).unwrap();
-        let error = program.to_wgsl(&WgslOptions::default()).unwrap_err();
+        let error = program.to_wgsl(&PrintOptions::default()).unwrap_err();
         assert!(matches!(error, WgslError::NotFinite(_)));
         assert!(error.to_string().contains(text), "{error}");
     }
@@ -680,7 +680,7 @@ fn infinities_have_no_wgsl() {
 /// The value stored by a program whose one statement stores a literal, as read
 /// by naga.
 fn read_back(program: &Program) -> f32 {
-    let module = validate(&program.to_wgsl(&WgslOptions::default()).unwrap());
+    let module = validate(&program.to_wgsl(&PrintOptions::default()).unwrap());
     let main = &module.entry_points[0].function;
     stored(&main.body, main).expect("a store of a number")
 }
@@ -754,7 +754,7 @@ proptest! {
         program.interpret(&mut found.cpu()).unwrap();
         prop_assert_eq!(expected.bits(), found.bits());
         // A literal may fold to an infinity, which has no WGSL.
-        if let Ok(shader) = program.to_wgsl(&WgslOptions::default()) {
+        if let Ok(shader) = program.to_wgsl(&PrintOptions::default()) {
             validate(&shader);
         }
     }

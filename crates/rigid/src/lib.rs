@@ -13,7 +13,6 @@ pub mod impulse;
 mod input;
 mod lists;
 mod output;
-mod record;
 mod solver;
 mod tables;
 pub mod xpbd;
@@ -23,6 +22,5 @@ pub use featherstone::dynamics::{Dynamics, DynamicsError, DynamicsKernels, Total
 pub use featherstone::{ArticulatedBodies, Featherstone, Integrator, TouchingFeatherstone};
 pub use input::InputTables;
 pub use output::{OutputTables, body, body_acceleration, contact, reaction, total};
-pub use record::{Programs, Report};
-pub use solver::{Kernels, Lengths, Settings, SolverError};
+pub use solver::{Kernels, Lengths, Report, Settings, Solver, SolverError};
 pub use xpbd::Xpbd;

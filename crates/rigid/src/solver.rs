@@ -1,9 +1,10 @@
 //! What every solver is.
 
 use crate::contacts::{narrow_phase, narrow_phase_in_parts};
-use crate::{ContactTables, Integrator, OutputTables};
+use crate::{ContactTables, Featherstone, Integrator, OutputTables, TouchingFeatherstone, Xpbd};
 use model::{Model, ShapeId};
 use numbers::Machine;
+use std::any::Any;
 
 /// Numbers per world in each memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -204,4 +205,36 @@ pub trait Kernels: Clone + Send + Sync + 'static {
     fn report_contacts<M: Machine>(&self, k: &mut M);
     /// Fills the output from the state.
     fn report<M: Machine>(&self, k: &mut M);
+}
+
+/// A solver that other machines than processors can run, with the constants of a model.
+#[derive(Clone, Copy, Debug)]
+pub enum Solver<'a> {
+    /// Trees without contacts.
+    Featherstone(&'a Featherstone),
+    /// Trees with contacts.
+    TouchingFeatherstone(&'a TouchingFeatherstone),
+    /// Bodies in maximal coordinates.
+    Xpbd(&'a Xpbd),
+}
+
+impl<'a> Solver<'a> {
+    /// What these kernels are; none of them where they are of another solver.
+    pub fn of(kernels: &'a dyn Any) -> Option<Self> {
+        let plain = || kernels.downcast_ref().map(Self::Featherstone);
+        let touching = || kernels.downcast_ref().map(Self::TouchingFeatherstone);
+        let maximal = || kernels.downcast_ref().map(Self::Xpbd);
+        plain().or_else(touching).or_else(maximal)
+    }
+}
+
+/// How much of the output is worked out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Report {
+    /// Where bodies and joints are, and how they move.
+    Motion,
+    /// The same, and the contacts of the last step.
+    Contacts,
+    /// Everything.
+    Everything,
 }

@@ -15,7 +15,7 @@ use model::examples::{Start, chain};
 use model::{BodyId, JointKind, Model};
 use numbers::Machine;
 use numbers::dispatch::Isa;
-use numbers::trace::{self, Program, WgslOptions};
+use numbers::trace::{self, PrintOptions, Program};
 use scene::{World, looped, mixed, parameters};
 use shader::validate;
 
@@ -361,7 +361,7 @@ fn every_kernel_keeps_its_bits_when_traced() {
     let model = mixed(true).unwrap();
     for kernel in Kernel::ALL {
         let (kernels, program) = kernel.record(&model);
-        validate(&program, &WgslOptions::default());
+        validate(&program, &PrintOptions::default());
         let parameters: Vec<_> = kernels.parameters().iter().map(|&x| x as f32).collect();
         let start = world(&kernels, &model);
         let (mut plain, mut traced) = (start.clone(), start.clone());

@@ -10,7 +10,7 @@ use kinetarium_rigid::impulse::{
     BodyTables, ContactTables, POINTS, body, contact, manifold, point,
 };
 use kinetarium_rigid::impulse::{global, mass, row};
-use numbers::trace::{self, WgslOptions};
+use numbers::trace::{self, PrintOptions};
 use numbers::{Cpu, Machine, Real, Shared};
 use shader::validate;
 use std::ops::RangeInclusive;
@@ -116,7 +116,7 @@ fn records_well(kernel: &impl Kernel) {
 /// In lanes with so many points, or laws.
 fn records_well_in(kernel: &impl Kernel, new: fn(u32, u32) -> Lane, counts: RangeInclusive<u32>) {
     let program = trace::record(|k| kernel.run(k)).unwrap();
-    validate(&program, &WgslOptions::default());
+    validate(&program, &PrintOptions::default());
     for count in counts {
         for seed in 0..20 {
             let mut lane = new(1000 * seed, count);

@@ -6,11 +6,13 @@ mod scene;
 mod shader;
 
 use kinetarium_rigid::{
-    Featherstone, Integrator, Kernels, OutputTables, Settings, TouchingFeatherstone, Xpbd,
+    Featherstone, Integrator, Kernels, OutputTables, Report::Everything, Settings, Solver,
+    TouchingFeatherstone, Xpbd,
 };
 use model::Model;
 use model::examples::{Start, chain};
-use numbers::trace::{self, Operations, Program, WgslOptions};
+use numbers::trace::{Operations, PrintOptions, Program};
+use records::Programs;
 use scene::{World, heap, looped, mixed, parameters};
 
 const INTEGRATORS: [Integrator; 4] = [
@@ -45,30 +47,22 @@ fn xpbds(model: &Model) -> [Xpbd; 2] {
     [plain, full].map(|settings| Xpbd::new(model, &settings).unwrap())
 }
 
-/// Step and report, recorded.
-struct Records {
-    step: Program,
-    report: Program,
+fn record(kernels: &impl Kernels) -> Programs {
+    Programs::record(Solver::of(kernels).unwrap()).unwrap()
 }
 
-impl Records {
-    fn new(kernels: &impl Kernels) -> Self {
-        Self {
-            step: trace::record(|k| kernels.step_in_parts(k)).unwrap(),
-            report: trace::record(|k| kernels.report(k)).unwrap(),
-        }
-    }
-    fn operations(&self) -> [Operations; 2] {
-        [self.step.operations(), self.report.operations()]
-    }
+/// Of a step and of a report.
+fn operations(kernels: &impl Kernels) -> [Operations; 2] {
+    let programs = record(kernels);
+    [&programs.step, programs.report(Everything)].map(Program::operations)
 }
 
 /// Validates a record, with parameters of both kinds.
 fn validate(program: &Program) {
     for parameters_per_world in [false, true] {
-        let options = WgslOptions {
+        let options = PrintOptions {
             parameters_per_world,
-            ..WgslOptions::default()
+            ..PrintOptions::default()
         };
         shader::validate(program, &options);
     }
@@ -86,7 +80,7 @@ fn bits(world: &World<f32>) -> Vec<u32> {
 
 /// Steps and reports a world by the kernel and by its record, which must agree to the bit.
 fn run(kernels: &impl Kernels, mut world: World<f32>, steps: usize) -> World<f32> {
-    let records = Records::new(kernels);
+    let records = record(kernels);
     let (parameters, links) = (parameters(kernels), kernels.links());
     let mut copy = world.clone();
     for round in 0..steps {
@@ -97,7 +91,7 @@ fn run(kernels: &impl Kernels, mut world: World<f32>, steps: usize) -> World<f32
             .unwrap();
         kernels.report(&mut world.cpu(&parameters, links));
         records
-            .report
+            .report(Everything)
             .interpret(&mut copy.cpu(&parameters, links))
             .unwrap();
         assert_eq!(
@@ -117,16 +111,15 @@ fn loops_stay_loops<K: Kernels, const N: usize>(solvers: fn(&Model) -> [K; N]) {
         .iter()
         .zip(&solvers(&long.unwrap()))
     {
-        let (short, long) = (Records::new(short), Records::new(long));
-        assert_eq!(short.operations(), long.operations());
+        assert_eq!(operations(short), operations(long));
     }
 }
 
 /// The records are valid WGSL, and the numbers they read are finite, as a shader may assume.
 fn suits_a_shader(kernels: &impl Kernels, model: &Model) {
-    let records = Records::new(kernels);
+    let records = record(kernels);
     validate(&records.step);
-    validate(&records.report);
+    validate(records.report(Everything));
     let world = World::<f32>::new(kernels, model);
     let read = [&world.state, &world.input, &parameters(kernels)];
     assert!(read.into_iter().flatten().all(|x| x.is_finite()));

@@ -5,8 +5,9 @@ use kinetarium_session::protocol::{Command, Message, Scene, Status};
 use kinetarium_session::{Outgoing, Session, Shared};
 use numbers::trace::Program;
 use numbers::{Cpu, Memory};
-use rigid::{Programs, Report};
-use sim::{Device, DeviceError, DeviceWorlds, Simulation, SimulationSettings, Solver};
+use records::Programs;
+use rigid::{Report, Solver};
+use sim::{Device, DeviceError, DeviceWorlds, Simulation, SimulationSettings};
 use std::cell::Cell;
 use std::ops::Range;
 use std::sync::Arc;
@@ -54,7 +55,7 @@ impl Device<f32> for Interpreter {
         worlds: usize,
     ) -> Result<Box<dyn DeviceWorlds<f32>>, DeviceError> {
         self.check()?;
-        let programs = solver.record().map_err(DeviceError::new)?;
+        let programs = Programs::record(solver).map_err(DeviceError::new)?;
         let l = programs.lengths;
         let world = [l.state, l.input, l.output].map(|length| vec![0.0; length]);
         Ok(Box::new(Worlds {

@@ -6,10 +6,8 @@
 
 use crate::controls::Span;
 use crate::engine::Task;
-use numbers::trace::TraceError;
 use numbers::{Float, Memory};
-use rigid::{Featherstone, Programs, Report, TouchingFeatherstone, Xpbd};
-use std::any::Any;
+use rigid::{Report, Solver};
 use std::ops::Range;
 
 /// What runs the kernels of solvers in a memory of its own.
@@ -67,39 +65,6 @@ impl DeviceError {
     /// From what the device says.
     pub fn new(error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Self {
         Self(error.into())
-    }
-}
-
-/// A solver that devices can run, with the constants of a model.
-#[derive(Clone, Copy, Debug)]
-pub enum Solver<'a> {
-    /// Trees without contacts.
-    Featherstone(&'a Featherstone),
-    /// Trees with contacts.
-    TouchingFeatherstone(&'a TouchingFeatherstone),
-    /// Bodies in maximal coordinates.
-    Xpbd(&'a Xpbd),
-}
-
-impl<'a> Solver<'a> {
-    pub(crate) fn of(engine: &'a dyn Any) -> Option<Self> {
-        let plain = || engine.downcast_ref().map(Self::Featherstone);
-        let touching = || engine.downcast_ref().map(Self::TouchingFeatherstone);
-        let maximal = || engine.downcast_ref().map(Self::Xpbd);
-        plain().or_else(touching).or_else(maximal)
-    }
-    /// Its kernels, recorded.
-    ///
-    /// # Errors
-    /// The kernels do what a record cannot express.
-    // To be compiled by who calls it: the kernels take long.
-    #[inline]
-    pub fn record(self) -> Result<Programs, TraceError> {
-        match self {
-            Self::Featherstone(kernels) => Programs::record(kernels),
-            Self::TouchingFeatherstone(kernels) => Programs::record(kernels),
-            Self::Xpbd(kernels) => Programs::record(kernels),
-        }
     }
 }
 

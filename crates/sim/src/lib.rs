@@ -29,7 +29,7 @@ mod threads;
 
 pub use controller::{Controller, Recorder, Recording, Replay};
 pub use controls::{Controls, Inputs};
-pub use device::{Device, DeviceError, DeviceWorlds, Solver};
+pub use device::{Device, DeviceError, DeviceWorlds};
 pub use error::SimulationError;
 pub use events::{Event, EventKind, Watch};
 pub use outputs::{Contact, Outputs};

@@ -2,7 +2,7 @@
 
 use kinetarium_space::{LaneBox, LaneRay};
 use numbers::machine::space::{Input, Output};
-use numbers::trace::{self, WgslOptions};
+use numbers::trace::{self, PrintOptions};
 use numbers::{Cpu, Machine, Real, Shared, Table, Vec3};
 
 const BOXES: usize = 40;
@@ -69,7 +69,7 @@ fn lanes_trace() {
         );
     }
 
-    let shader = program.to_wgsl(&WgslOptions::default()).unwrap();
+    let shader = program.to_wgsl(&PrintOptions::default()).unwrap();
     let module = naga::front::wgsl::parse_str(&shader).unwrap();
     let (flags, capabilities) = (
         naga::valid::ValidationFlags::all(),

@@ -4,9 +4,10 @@
 //! the card suspends this module: until that has come back, none of its exports may be called.
 
 use numbers::Memory;
-use numbers::trace::{TraceError, WgslError, WgslOptions};
-use rigid::{Lengths, Programs, Report};
-use sim::{Device, DeviceError, DeviceWorlds, Solver};
+use numbers::trace::{PrintOptions, TraceError, WgslError};
+use records::Programs;
+use rigid::{Lengths, Report, Solver};
+use sim::{Device, DeviceError, DeviceWorlds};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -138,7 +139,7 @@ impl Device<f32> for Card {
         worlds: usize,
     ) -> Result<Box<dyn DeviceWorlds<f32>>, DeviceError> {
         self.check(open())?;
-        let programs = solver.record().map_err(CardError::from)?;
+        let programs = Programs::record(solver).map_err(CardError::from)?;
         Ok(Box::new(Worlds::new(self, programs, worlds)?))
     }
 }
@@ -248,7 +249,7 @@ impl Worlds {
                 Task::Step => &self.programs.step,
                 Task::Report(report) => self.programs.report(report),
             };
-            let text = program.to_wgsl(&WgslOptions {
+            let text = program.to_wgsl(&PrintOptions {
                 workgroup_size: WORKGROUP,
                 parameters_per_world: self.differing,
             })?;

@@ -2,8 +2,10 @@
 //! names, such as Mesa's `llvmpipe`.
 
 mod agreement;
+mod card;
 #[path = "../../../rigid/tests/scene/models.rs"]
 mod models;
+mod own;
 mod pair;
 mod scenes;
 mod worlds;

@@ -1,14 +1,8 @@
 //! The same worlds on the processor and on a card.
 
-use kinetarium_gpu::Gpu;
+use crate::card::Card;
 use model::{BodyId, Model};
 use sim::{Simulation, SimulationSettings};
-
-/// Whatever card there is, or the program that `KINETARIUM_GPU` names, such as Mesa's `llvmpipe`.
-pub fn card() -> Gpu {
-    let name = std::env::var("KINETARIUM_GPU").unwrap_or_default();
-    Gpu::open(&name.parse().unwrap()).unwrap()
-}
 
 /// Worlds in motion under controls of every sort, each pushed a little harder than the one before; and the same on
 /// a card.
@@ -18,13 +12,13 @@ pub struct Pair {
 }
 
 impl Pair {
-    pub fn new(card: &Gpu, model: &Model, settings: SimulationSettings) -> Self {
+    pub fn new(card: &Card, model: &Model, settings: SimulationSettings) -> Self {
         let mut pair = Self::at_rest(card, model, settings);
         pair.both().into_iter().for_each(stir);
         pair
     }
     /// The same as the model begins.
-    pub fn at_rest(card: &Gpu, model: &Model, settings: SimulationSettings) -> Self {
+    pub fn at_rest(card: &Card, model: &Model, settings: SimulationSettings) -> Self {
         let gpu = Simulation::on(card, model.clone(), settings).unwrap();
         let solver = settings.solver.on_device(model);
         let settings = SimulationSettings { solver, ..settings };

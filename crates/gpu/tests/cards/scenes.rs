@@ -3,7 +3,8 @@
 //! Where things touch, rounding soon decides who slips first. A step from the same state agrees; after some time the
 //! whole has the same energy and the same mean height, which do not depend on who lies where.
 
-use crate::pair::{Pair, card};
+use crate::card::card;
+use crate::pair::Pair;
 use model::BodyId;
 use model::examples::{SCENES, Scene};
 use sim::{Outputs, SimulationSettings};
@@ -52,7 +53,7 @@ macro_rules! scenes {
     ($($name:ident)*) => {
         $(
             #[test]
-            #[ignore = "needs a graphics card or Mesa's llvmpipe"]
+            #[ignore = "needs a graphics card or what stands in for one"]
             fn $name() {
                 agrees(stringify!($name));
             }

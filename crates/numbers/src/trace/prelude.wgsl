@@ -20,6 +20,12 @@ fn lesser(a: f32, b: f32) -> f32 {
 fn greater(a: f32, b: f32) -> f32 {
     return select(b, a, a > b);
 }
+fn nearest(x: f32) -> f32 {
+    return round(x);
+}
+fn whole(x: f32) -> u32 {
+    return u32(x);
+}
 fn with_sign(x: f32, sign: f32) -> f32 {
     return bitcast<f32>((bitcast<u32>(x) & 0x7fffffffu) | (bitcast<u32>(sign) & 0x80000000u));
 }

@@ -1,6 +1,6 @@
 //! The record of a kernel.
 
-use super::operation::Operation;
+use super::operation::{Operation, Type};
 use crate::machine::space::Kind;
 
 /// A literal word, or the result of an earlier instruction.
@@ -64,6 +64,18 @@ pub(super) enum Action {
     },
     /// condition; leaves the loop whose body it is in
     Break,
+}
+
+impl Action {
+    /// The type of its result; of a store and the like, which have none, that of what they deal with.
+    pub fn result(self) -> Type {
+        match self {
+            Self::Compute(operation) => operation.result(),
+            Self::Link(_) | Self::Loop { .. } => Type::Index,
+            Self::Load(..) | Self::Store(..) | Self::Cell | Self::Get | Self::Set => Type::Real,
+            Self::If { .. } | Self::Break => Type::Mask,
+        }
+    }
 }
 
 /// One step of a record. Its result is known by its position.

@@ -1,16 +1,20 @@
 //! World-steps per second on a graphics card, as a Markdown table.
 //!
-//! `cargo xtask gpu-bench`, or the program that it built, which needs nothing but the card's driver:
-//! `worlds [--card NAME] [--most WORLDS]`. Without a name any card is taken, but no program that stands in for one.
+//! `cargo xtask gpu-bench`, or the program that it built, which needs nothing but the card's driver (and NVRTC for
+//! CUDA): `cards [--device gpu|gpu:NAME|cuda|cuda:NUMBER] [--most WORLDS]`. Without a name any card is taken, but no
+//! program that stands in for one.
 
-use formats::{InMemory, Options};
-use kinetarium_gpu::{Choice, Gpu};
-use model::Model;
-use model::examples::{Start, chain};
-use numbers::trace::Work;
-use numbers::{Cpu, Shared};
-use rigid::{Featherstone, Programs, Settings, TouchingFeatherstone};
-use sim::{Control, Quantity, Simulation, SimulationError, SimulationSettings, SolverKind};
+use kinetarium::DeviceChoice;
+use kinetarium::formats::{self, InMemory, Options};
+use kinetarium::model::Model;
+use kinetarium::model::examples::{Start, chain};
+use kinetarium::numbers::trace::Work;
+use kinetarium::numbers::{Cpu, Shared};
+use kinetarium::rigid::{Settings, Solver};
+use kinetarium::sim::{
+    Control, Device, Quantity, Simulation, SimulationError, SimulationSettings, SolverKind,
+};
+use records::Programs;
 use std::error::Error;
 use std::time::Instant;
 
@@ -26,9 +30,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         let at = arguments.iter().position(|a| a == name)?;
         arguments.get(at + 1)
     };
-    let name = option("--card").map_or("", |name| name);
+    let choice: DeviceChoice = option("--device").map_or("auto", |name| name).parse()?;
     let most = option("--most").map_or(Ok(usize::MAX), |most| most.parse())?;
-    let card = Gpu::open(&name.parse::<Choice>()?)?;
+    let card = choice.open()?.ok_or("no graphics card was found")?;
+    let card = &*card;
     println!(
         "{}: world-steps per second, medians of {REPETITIONS}.\n",
         card.name()
@@ -39,14 +44,19 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     println!("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|");
     for links in [10, 30] {
-        table(&card, &chain(links, Start::Horizontal)?, 0.002, most)?;
+        table(card, &chain(links, Start::Horizontal)?, 0.002, most)?;
     }
     let files = InMemory::new([("humanoid.xml", HUMANOID)]);
     let humanoid = formats::parse(HUMANOID, "humanoid.xml", &files, &Options::default())?.model;
-    table(&card, &humanoid, 0.003, most)
+    table(card, &humanoid, 0.003, most)
 }
 
-fn table(card: &Gpu, model: &Model, time_step: f64, most: usize) -> Result<(), Box<dyn Error>> {
+fn table(
+    card: &dyn Device<f32>,
+    model: &Model,
+    time_step: f64,
+    most: usize,
+) -> Result<(), Box<dyn Error>> {
     for count in WORLDS.into_iter().filter(|count| *count <= most) {
         let mut worlds = started(card, model, &Settings::new(time_step), count)?;
         let begin = Instant::now();
@@ -88,10 +98,10 @@ fn table(card: &Gpu, model: &Model, time_step: f64, most: usize) -> Result<(), B
 /// Bytes of a world in the card's memory; and what a step of world 0 takes, as it is now.
 fn work(worlds: &mut Simulation<f32>) -> Result<(usize, Work), Box<dyn Error>> {
     let numbers = worlds.numbers_of_world(0)?;
-    let plain = worlds.kernels::<Featherstone>(0)?.map(Programs::record);
-    let touching = worlds.kernels::<TouchingFeatherstone>(0)?;
-    let programs = plain.or_else(|| touching.map(Programs::record));
-    let programs = programs.ok_or("the solver has no record")??;
+    let plain = worlds.kernels(0)?.map(Solver::Featherstone);
+    let touching = worlds.kernels(0)?.map(Solver::TouchingFeatherstone);
+    let solver = plain.or(touching).ok_or("the solver has no record")?;
+    let programs = Programs::record(solver)?;
     let l = programs.lengths;
     let single = |x: &[f64]| x.iter().map(|x| *x as f32).collect::<Vec<_>>();
     let mut memory = [
@@ -123,7 +133,7 @@ fn torques(model: &Model, worlds: usize) -> Vec<f32> {
 
 /// Worlds that begin alike, with torques that differ.
 fn started(
-    card: &Gpu,
+    card: &dyn Device<f32>,
     model: &Model,
     settings: &Settings,
     worlds: usize,

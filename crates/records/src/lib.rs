@@ -1,18 +1,12 @@
-//! A solver's kernels, recorded: what other machines than processors are to run.
+//! The kernels of the solvers, recorded: what other machines than processors are to run.
+//!
+//! A crate of its own, and nothing in it is generic, since kernels take long to compile: whoever wants a record
+//! shares the one that is compiled here.
 
-use crate::{Kernels, Lengths};
+#![forbid(unsafe_code)]
+
 use numbers::trace::{self, Program, TraceError};
-
-/// How much of the output is worked out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Report {
-    /// Where bodies and joints are, and how they move.
-    Motion,
-    /// The same, and the contacts of the last step.
-    Contacts,
-    /// Everything.
-    Everything,
-}
+use rigid::{Kernels, Lengths, Report, Solver};
 
 /// What a solver does to a world, as records; and all they need but the world's own numbers.
 #[derive(Clone, Debug)]
@@ -34,8 +28,15 @@ impl Programs {
     /// Records a solver. Kernels for pairs of shapes that the model has none of are not part of it.
     ///
     /// # Errors
-    /// The kernel does what a record cannot express.
-    pub fn record(kernels: &impl Kernels) -> Result<Self, TraceError> {
+    /// The kernels do what a record cannot express.
+    pub fn record(solver: Solver<'_>) -> Result<Self, TraceError> {
+        match solver {
+            Solver::Featherstone(kernels) => Self::of(kernels),
+            Solver::TouchingFeatherstone(kernels) => Self::of(kernels),
+            Solver::Xpbd(kernels) => Self::of(kernels),
+        }
+    }
+    fn of(kernels: &impl Kernels) -> Result<Self, TraceError> {
         Ok(Self {
             step: trace::record(|k| kernels.step_in_parts(k))?,
             motion: trace::record(|k| kernels.report_motion(k))?,

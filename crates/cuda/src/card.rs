@@ -1,0 +1,151 @@
+//! A card, ready to compute.
+
+use crate::{CudaError, compiler, libraries};
+use cudarc::driver::result::device;
+use cudarc::driver::sys::CUresult::{CUDA_ERROR_NO_DEVICE, CUDA_ERROR_OUT_OF_MEMORY};
+use cudarc::driver::{
+    CudaContext, CudaFunction, CudaSlice, CudaStream, DeviceRepr, DriverError, ValidAsZeroBits,
+};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// An NVIDIA card. Clones are the same card, and share what was compiled for it.
+///
+/// Work goes to the card's default stream, after what other libraries of this process asked for there, and before
+/// what they ask for next.
+#[derive(Clone, Debug)]
+pub struct Cuda(Arc<Card>);
+
+#[derive(Debug)]
+struct Card {
+    stream: Arc<CudaStream>,
+    name: String,
+    /// What was compiled, by its text.
+    functions: Mutex<HashMap<String, CudaFunction>>,
+    /// What went wrong first.
+    failure: Mutex<Option<String>>,
+}
+
+impl Cuda {
+    /// Opens a card, counted from 0 as CUDA counts them (`CUDA_VISIBLE_DEVICES` chooses and orders them).
+    ///
+    /// # Errors
+    /// There is no driver, no compiler, or no such card, with a list of those that there are; or it refuses.
+    pub fn open(ordinal: usize) -> Result<Self, CudaError> {
+        libraries::find_driver()?;
+        libraries::find_compiler()?;
+        let refused = |e: DriverError| CudaError::Failed {
+            card: format!("cuda:{ordinal}"),
+            reason: said(e),
+        };
+        let names = names().map_err(refused)?;
+        let Some(name) = names.get(ordinal) else {
+            let found = match names.is_empty() {
+                true => "none".to_owned(),
+                false => names.join(", "),
+            };
+            return Err(CudaError::NoCard { ordinal, found });
+        };
+        let context = CudaContext::new(ordinal).map_err(refused)?;
+        Ok(Self(Arc::new(Card {
+            stream: context.default_stream(),
+            name: format!("{name} (CUDA)"),
+            functions: Mutex::default(),
+            failure: Mutex::default(),
+        })))
+    }
+    /// Name of the card.
+    pub fn name(&self) -> &str {
+        &self.0.name
+    }
+    /// How many kernels are compiled for it so far.
+    pub fn compiled(&self) -> usize {
+        lock(&self.0.functions).len()
+    }
+
+    pub(crate) fn stream(&self) -> &Arc<CudaStream> {
+        &self.0.stream
+    }
+
+    /// Memory for so many numbers, all zero; for one where there are none, as cards have no empty memory.
+    pub(crate) fn memory<T: DeviceRepr + ValidAsZeroBits>(
+        &self,
+        numbers: usize,
+    ) -> Result<CudaSlice<T>, CudaError> {
+        self.check()?;
+        let numbers = numbers.max(1);
+        match self.stream().alloc_zeros(numbers) {
+            Err(DriverError(CUDA_ERROR_OUT_OF_MEMORY)) => Err(CudaError::Memory {
+                bytes: numbers * size_of::<T>(),
+                card: self.0.name.clone(),
+            }),
+            other => self.told(other),
+        }
+    }
+    /// Memory that holds this.
+    pub(crate) fn filled<T: DeviceRepr + ValidAsZeroBits>(
+        &self,
+        numbers: &[T],
+    ) -> Result<CudaSlice<T>, CudaError> {
+        let mut memory = self.memory(numbers.len())?;
+        self.told(self.stream().memcpy_htod(numbers, &mut memory))?;
+        Ok(memory)
+    }
+
+    /// Compiles a text, or finds what was compiled from it.
+    pub(crate) fn function(&self, text: &str, name: &str) -> Result<CudaFunction, CudaError> {
+        if let Some(known) = lock(&self.0.functions).get(text) {
+            return Ok(known.clone());
+        }
+        let ptx = compiler::compile(text)?;
+        let module = self.told(self.stream().context().load_module(ptx))?;
+        let function = self.told(module.load_function(name))?;
+        lock(&self.0.functions).insert(text.to_owned(), function.clone());
+        Ok(function)
+    }
+
+    /// A result of the driver. A failure stays, as what the card holds may be wrong.
+    pub(crate) fn told<R>(&self, result: Result<R, DriverError>) -> Result<R, CudaError> {
+        result.map_err(|error| {
+            let reason = said(error);
+            lock(&self.0.failure).get_or_insert(reason.clone());
+            self.failed(reason)
+        })
+    }
+    /// An error if anything has gone wrong.
+    pub(crate) fn check(&self) -> Result<(), CudaError> {
+        let failure = lock(&self.0.failure).clone();
+        failure.map_or(Ok(()), |reason| Err(self.failed(reason)))
+    }
+    fn failed(&self, reason: String) -> CudaError {
+        CudaError::Failed {
+            card: self.0.name.clone(),
+            reason,
+        }
+    }
+}
+
+/// The names of all cards, in their order.
+fn names() -> Result<Vec<String>, DriverError> {
+    let count = match CudaContext::device_count() {
+        Err(DriverError(CUDA_ERROR_NO_DEVICE)) => 0,
+        other => other?,
+    };
+    (0..count)
+        .map(|i| device::get_name(device::get(i)?))
+        .collect()
+}
+
+/// What the driver says went wrong: its name for it, and its own words where it has any.
+fn said(error: DriverError) -> String {
+    let words = error.error_string().map(|words| words.to_string_lossy());
+    match words {
+        Ok(words) => format!("{words} ({:?})", error.0),
+        Err(_) => format!("{:?}", error.0),
+    }
+}
+
+/// Whatever a thread that panicked left, each of these holds whole values.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,48 @@
+//! From CUDA C++ to PTX, which drivers compile for their card.
+
+use crate::{CudaError, libraries};
+use cudarc::nvrtc::{CompileError, CompileOptions, Ptx, compile_ptx_with_opts};
+use numbers::trace::{PrintOptions, Program};
+
+/// Threads in a block.
+pub(crate) const BLOCK: u32 = 64;
+
+/// What is compiled for: what all versions of NVRTC since 12 know, and the drivers of all cards since Turing (2018) take.
+/// Kernels of this crate gain nothing from later ones.
+const ARCHITECTURE: &str = "compute_75";
+
+/// The CUDA C++ of a record.
+pub(crate) fn text(program: &Program, parameters_per_world: bool) -> String {
+    program.to_cuda(&PrintOptions {
+        workgroup_size: BLOCK,
+        parameters_per_world,
+    })
+}
+
+/// What NVRTC makes of a text.
+pub(crate) fn compile(text: &str) -> Result<Ptx, CudaError> {
+    let options = CompileOptions {
+        // What the processor rounds twice is rounded twice, and nothing is rounded to less than its bits.
+        fmad: Some(false),
+        ftz: Some(false),
+        prec_div: Some(true),
+        prec_sqrt: Some(true),
+        arch: Some(ARCHITECTURE),
+        ..Default::default()
+    };
+    compile_ptx_with_opts(text, options).map_err(|error| {
+        CudaError::Compile(match error {
+            CompileError::CompileError { log, .. } => log.to_string_lossy().into_owned(),
+            other => other.to_string(),
+        })
+    })
+}
+
+/// The PTX that cards run for a record, to be looked at. Needs NVRTC, but no card.
+///
+/// # Errors
+/// There is no NVRTC; it does not take the record.
+pub fn ptx(program: &Program) -> Result<String, CudaError> {
+    libraries::find_compiler()?;
+    Ok(compile(&text(program, false))?.to_src())
+}

@@ -1,0 +1,41 @@
+//! The kernels of the solvers on NVIDIA's cards, through CUDA.
+//!
+//! There is no physics here. A [`Solver`](rigid::Solver) is [recorded](records::Programs), the record is printed as
+//! CUDA C++ ([`to_cuda`](numbers::trace::Program::to_cuda)), and NVRTC compiles it for the card. Every operation is
+//! rounded as on the processor, so that results have the same bits.
+//!
+//! [`Cuda`] is a card, and a [`Device`](sim::Device): [`Simulation::on`](sim::Simulation::on) places its worlds there.
+//! [`Worlds`] are W worlds of one solver in its memory: their numbers stay there from step to step, and come back when
+//! they are asked for. One thread steps one world.
+//!
+//! Nothing of CUDA is needed to build this: NVIDIA's driver and NVRTC are looked for when a card is opened.
+//!
+//! ```no_run
+//! use kinetarium_cuda::Cuda;
+//! use sim::{Quantity, Simulation, SimulationSettings};
+//!
+//! let card = Cuda::open(0)?;
+//! let model = model::examples::n_pendula(3)?;
+//! let mut simulation = Simulation::on(&card, model, SimulationSettings::new(65536, 0.002))?;
+//! simulation.try_step(1000)?;
+//! let mut positions = vec![0.0; 65536 * 3];
+//! simulation.read(Quantity::JointPosition, &mut positions)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Limitations
+//! Numbers are `f32`. Sequential impulses, whose worlds are shared by threads, do not run here.
+
+#![deny(unsafe_code)]
+
+mod card;
+mod compiler;
+mod error;
+mod kernel;
+mod libraries;
+mod worlds;
+
+pub use card::Cuda;
+pub use compiler::ptx;
+pub use error::CudaError;
+pub use worlds::Worlds;

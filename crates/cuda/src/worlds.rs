@@ -1,0 +1,212 @@
+//! W worlds of one solver in a card's memory.
+//!
+//! There, a world's number at `offset` lies at `offset · W + world`: neighbouring threads read neighbouring words.
+
+use crate::kernel::{Kernel, Launch, Placement};
+use crate::{Cuda, CudaError};
+use cudarc::driver::CudaSlice;
+use numbers::Memory;
+use records::Programs;
+use rigid::{Report, Solver};
+use sim::{Device, DeviceError, DeviceWorlds};
+use std::ops::Range;
+
+/// Substeps of one launch: many, as a launch costs some microseconds, and few enough that a card that also
+/// draws a desktop is not taken for hung.
+const ROUNDS: usize = 16;
+
+/// Most numbers of a memory: kernels count in 32 bits.
+const MOST: usize = u32::MAX as usize;
+
+/// Worlds on a card. Reading waits for what was asked before; nothing else does.
+#[derive(Debug)]
+pub struct Worlds {
+    card: Cuda,
+    programs: Programs,
+    worlds: usize,
+    state: CudaSlice<f32>,
+    input: CudaSlice<f32>,
+    output: CudaSlice<f32>,
+    scratch: CudaSlice<f32>,
+    links: CudaSlice<u32>,
+    /// One set for all worlds, or one for each.
+    parameters: CudaSlice<f32>,
+    parameters_per_world: bool,
+    /// Of the step, then of each report, once they were wanted.
+    kernels: [Option<Kernel>; 4],
+}
+
+impl Device<f32> for Cuda {
+    fn name(&self) -> String {
+        Cuda::name(self).to_owned()
+    }
+    fn place(
+        &self,
+        solver: Solver<'_>,
+        worlds: usize,
+    ) -> Result<Box<dyn DeviceWorlds<f32>>, DeviceError> {
+        let programs = Programs::record(solver).map_err(CudaError::from)?;
+        Ok(Box::new(Worlds::new(self, programs, worlds)?))
+    }
+}
+
+impl From<CudaError> for DeviceError {
+    fn from(error: CudaError) -> Self {
+        Self::new(error)
+    }
+}
+
+impl Worlds {
+    /// Takes memory for worlds of a solver. What they hold is zero until it is written.
+    ///
+    /// # Errors
+    /// They are more than kernels can count; the card's memory is full; it has failed before.
+    pub fn new(card: &Cuda, programs: Programs, worlds: usize) -> Result<Self, CudaError> {
+        let lengths = programs.lengths;
+        let most = MOST / lengths.longest().max(programs.parameters.len());
+        if worlds > most {
+            return Err(CudaError::TooMany { worlds, most });
+        }
+        let of = |numbers: usize| card.memory(numbers * worlds);
+        let numbers: Vec<_> = programs.parameters.iter().map(|x| *x as f32).collect();
+        Ok(Self {
+            state: of(lengths.state)?,
+            input: of(lengths.input)?,
+            output: of(lengths.output)?,
+            scratch: of(lengths.scratch)?,
+            links: card.filled(&programs.links)?,
+            parameters: card.filled(&numbers)?,
+            parameters_per_world: false,
+            kernels: Default::default(),
+            card: card.clone(),
+            programs,
+            worlds,
+        })
+    }
+    /// Bytes taken of the card's memory.
+    pub fn bytes(&self) -> usize {
+        let own = [&self.state, &self.input, &self.output, &self.scratch];
+        let own = own.into_iter().chain([&self.parameters]);
+        own.map(CudaSlice::num_bytes).sum::<usize>() + self.links.num_bytes()
+    }
+
+    /// What fills a report, or makes a step.
+    fn kernel(&mut self, report: Option<Report>) -> Result<Kernel, CudaError> {
+        let i = report.map_or(0, |report| 1 + report as usize);
+        if let Some(known) = &self.kernels[i] {
+            return Ok(known.clone());
+        }
+        let step = &self.programs.step;
+        let program = report.map_or(step, |report| self.programs.report(report));
+        let compiled = Kernel::new(&self.card, program, self.parameters_per_world)?;
+        self.kernels[i] = Some(compiled.clone());
+        Ok(compiled)
+    }
+    /// Runs a kernel on all worlds, `rounds` times in one launch.
+    fn launch(&mut self, kernel: &Kernel, rounds: usize) -> Result<(), CudaError> {
+        let launch = Launch {
+            state: &mut self.state,
+            input: &self.input,
+            output: &mut self.output,
+            scratch: &mut self.scratch,
+            parameters: &self.parameters,
+            links: &self.links,
+            worlds: self.worlds as u32,
+            rounds: rounds as u32,
+        };
+        launch.run(&self.card, kernel)
+    }
+}
+
+impl DeviceWorlds<f32> for Worlds {
+    fn write_state(&mut self, state: &Memory<f32>) -> Result<(), DeviceError> {
+        let all = 0..self.programs.lengths.state;
+        Ok(write(&self.card, all, state, &mut self.state)?)
+    }
+    fn write_worlds(&mut self, worlds: &[usize], state: &Memory<f32>) -> Result<(), DeviceError> {
+        if worlds.is_empty() {
+            return Ok(());
+        }
+        let number = |i| worlds.iter().map(move |world| state.get(*world, i));
+        let numbers = 0..self.programs.lengths.state;
+        let placement = Placement {
+            places: &worlds.iter().map(|w| *w as u32).collect::<Vec<_>>(),
+            columns: &numbers.flat_map(number).collect::<Vec<_>>(),
+            worlds: self.worlds as u32,
+        };
+        Ok(placement.write(&self.card, &mut self.state)?)
+    }
+    fn write_input(&mut self, rows: Range<usize>, input: &Memory<f32>) -> Result<(), DeviceError> {
+        let rows = rows.start..rows.end.min(self.programs.lengths.input);
+        Ok(write(&self.card, rows, input, &mut self.input)?)
+    }
+    fn write_parameters(&mut self, parameters: &Memory<f32>) -> Result<(), DeviceError> {
+        let numbers = self.programs.parameters.len();
+        if !self.parameters_per_world {
+            self.parameters = self.card.memory(numbers * self.worlds)?;
+            self.parameters_per_world = true;
+            self.kernels = Default::default();
+        }
+        let own = &mut self.parameters;
+        Ok(write(&self.card, 0..numbers, parameters, own)?)
+    }
+    fn step(&mut self, substeps: usize) -> Result<(), DeviceError> {
+        let kernel = self.kernel(None)?;
+        for done in (0..substeps).step_by(ROUNDS) {
+            self.launch(&kernel, ROUNDS.min(substeps - done))?;
+        }
+        Ok(())
+    }
+    fn report(&mut self, report: Report) -> Result<(), DeviceError> {
+        let kernel = self.kernel(Some(report))?;
+        Ok(self.launch(&kernel, 1)?)
+    }
+    fn read_state(
+        &mut self,
+        rows: &[Range<usize>],
+        state: &mut Memory<f32>,
+    ) -> Result<(), DeviceError> {
+        Ok(read(&self.card, rows, &self.state, state)?)
+    }
+    fn read_output(
+        &mut self,
+        rows: &[Range<usize>],
+        output: &mut Memory<f32>,
+    ) -> Result<(), DeviceError> {
+        Ok(read(&self.card, rows, &self.output, output)?)
+    }
+}
+
+/// Writes these numbers of all worlds.
+fn write(
+    card: &Cuda,
+    rows: Range<usize>,
+    from: &Memory<f32>,
+    to: &mut CudaSlice<f32>,
+) -> Result<(), CudaError> {
+    card.check()?;
+    if rows.is_empty() {
+        return Ok(());
+    }
+    let worlds = from.worlds();
+    let mut place = to.slice_mut(rows.start * worlds..rows.end * worlds);
+    let numbers = from.rows(rows, 0..worlds, worlds);
+    card.told(card.stream().memcpy_htod(&numbers, &mut place))
+}
+
+/// Reads these numbers of all worlds.
+fn read(
+    card: &Cuda,
+    rows: &[Range<usize>],
+    from: &CudaSlice<f32>,
+    to: &mut Memory<f32>,
+) -> Result<(), CudaError> {
+    card.check()?;
+    let worlds = to.worlds();
+    for rows in rows.iter().filter(|rows| !rows.is_empty()) {
+        let place = from.slice(rows.start * worlds..rows.end * worlds);
+        let numbers = card.told(card.stream().clone_dtoh(&place))?;
+        to.set_rows(rows.clone(), 0..worlds, &numbers);
+    }
+    Ok(())
+}

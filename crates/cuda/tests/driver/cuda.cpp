@@ -1,0 +1,110 @@
+// What of CUDA's driver is called, on the processor: <https://docs.nvidia.com/cuda/cuda-driver-api/>.
+// One card; one stream, whose work is done when a call returns.
+
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <dlfcn.h>
+#include <unistd.h>
+
+using CUresult = int;
+constexpr CUresult SUCCESS = 0, INVALID_VALUE = 1, OUT_OF_MEMORY = 2, INVALID_DEVICE = 101, INVALID_IMAGE = 200,
+                   NOT_FOUND = 500, CONTEXT_IS_DESTROYED = 709;
+
+// More than this at once is taken for more than there is.
+constexpr size_t MOST_BYTES = size_t{1} << 30;
+
+static bool destroyed = false;
+static char context;
+static thread_local void* current = nullptr;
+
+static CUresult alive() { return destroyed ? CONTEXT_IS_DESTROYED : SUCCESS; }
+
+// What an image is compiled to: see nvrtc.cpp.
+using Kernel = void (*)(void** arguments, unsigned blocks, unsigned threads);
+
+extern "C" {
+
+CUresult cuInit(unsigned) { return SUCCESS; }
+CUresult cuGetErrorString(CUresult error, const char** text) {
+    switch (error) {
+    case OUT_OF_MEMORY: *text = "out of memory"; return SUCCESS;
+    case CONTEXT_IS_DESTROYED: *text = "context is destroyed"; return SUCCESS;
+    default: *text = nullptr; return INVALID_VALUE;
+    }
+}
+
+CUresult cuDeviceGetCount(int* count) { *count = 1; return SUCCESS; }
+CUresult cuDeviceGet(int* device, int ordinal) {
+    *device = ordinal;
+    return ordinal == 0 ? SUCCESS : INVALID_DEVICE;
+}
+CUresult cuDeviceGetName(char* name, int length, int) {
+    strncpy(name, "processor", length);
+    return SUCCESS;
+}
+CUresult cuDeviceGetAttribute(int* value, int attribute, int) {
+    constexpr int MEMORY_POOLS_SUPPORTED = 115;
+    *value = attribute == MEMORY_POOLS_SUPPORTED;
+    return SUCCESS;
+}
+
+CUresult cuDevicePrimaryCtxRetain(void** into, int) { *into = &context; return alive(); }
+CUresult cuDevicePrimaryCtxRelease_v2(int) { return SUCCESS; }
+CUresult cuDevicePrimaryCtxReset_v2(int) { destroyed = true; return SUCCESS; }
+CUresult cuCtxGetCurrent(void** into) { *into = current; return SUCCESS; }
+CUresult cuCtxSetCurrent(void* to) { current = to; return alive(); }
+
+CUresult cuEventCreate(void** event, unsigned) { *event = &context; return alive(); }
+CUresult cuEventDestroy_v2(void*) { return alive(); }
+CUresult cuEventRecord(void*, void*) { return alive(); }
+CUresult cuStreamWaitEvent(void*, void*, unsigned) { return alive(); }
+CUresult cuStreamSynchronize(void*) { return alive(); }
+
+CUresult cuMemAllocAsync(uint64_t* pointer, size_t bytes, void*) {
+    if (bytes == 0) return INVALID_VALUE;
+    // What a program has not written has no particular value.
+    void* memory = bytes > MOST_BYTES ? nullptr : malloc(bytes);
+    if (memory == nullptr) return OUT_OF_MEMORY;
+    memset(memory, 0xa5, bytes < 4096 ? bytes : 4096);
+    *pointer = reinterpret_cast<uint64_t>(memory);
+    return alive();
+}
+CUresult cuMemFreeAsync(uint64_t pointer, void*) {
+    free(reinterpret_cast<void*>(pointer));
+    return alive();
+}
+CUresult cuMemsetD8Async(uint64_t to, unsigned char value, size_t bytes, void*) {
+    if (alive() == SUCCESS) memset(reinterpret_cast<void*>(to), value, bytes);
+    return alive();
+}
+CUresult cuMemcpyHtoDAsync_v2(uint64_t to, const void* from, size_t bytes, void*) {
+    if (alive() == SUCCESS) memcpy(reinterpret_cast<void*>(to), from, bytes);
+    return alive();
+}
+CUresult cuMemcpyDtoHAsync_v2(void* to, uint64_t from, size_t bytes, void*) {
+    if (alive() == SUCCESS) memcpy(to, reinterpret_cast<void*>(from), bytes);
+    return alive();
+}
+
+// An image is the path of what was compiled.
+CUresult cuModuleLoadData(void** module, const void* image) {
+    const char* path = static_cast<const char*>(image);
+    *module = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    unlink(path);
+    return *module == nullptr ? INVALID_IMAGE : alive();
+}
+CUresult cuModuleUnload(void*) { return alive(); }
+CUresult cuModuleGetFunction(void** function, void* module, const char* name) {
+    char symbol[64] = "launch_";
+    strncat(symbol, name, sizeof symbol - strlen(symbol) - 1);
+    *function = dlsym(module, symbol);
+    return *function == nullptr ? NOT_FOUND : SUCCESS;
+}
+CUresult cuLaunchKernel(void* function, unsigned blocks, unsigned, unsigned, unsigned threads, unsigned, unsigned,
+                        unsigned, void*, void** arguments, void**) {
+    if (alive() == SUCCESS) reinterpret_cast<Kernel>(function)(arguments, blocks, threads);
+    return alive();
+}
+
+}

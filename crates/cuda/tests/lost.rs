@@ -1,0 +1,35 @@
+//! A card that fails is told, and a snapshot goes on. By itself, as all worlds of a process share the card.
+
+use cudarc::driver::result::device;
+use cudarc::driver::sys::cuDevicePrimaryCtxReset_v2;
+use kinetarium_cuda::Cuda;
+use model::examples::n_pendula;
+use sim::{Simulation, SimulationSettings};
+
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn a_card_that_is_lost_is_told_and_a_snapshot_goes_on() {
+    let card = Cuda::open(0).unwrap();
+    let (model, settings) = (n_pendula(3).unwrap(), SimulationSettings::new(4, 0.002));
+    let mut simulation = Simulation::on(&card, model.clone(), settings).unwrap();
+    simulation.step(50);
+    let kept = simulation.snapshot();
+    // Safety: what lay in the card's memory is not read, only asked for.
+    unsafe { cuDevicePrimaryCtxReset_v2(device::get(0).unwrap()) }
+        .result()
+        .unwrap();
+    for _ in 0..2 {
+        let stepped = simulation.try_step(1).map(|_| ());
+        let read = simulation.try_outputs().map(|_| ());
+        let told = stepped.and(read).unwrap_err().to_string();
+        let named = told.contains(card.name()) && told.contains("snapshot");
+        assert!(named, "{told}");
+    }
+    assert!(Simulation::on(&card, model.clone(), settings).is_err());
+    let solver = settings.solver.on_device(&model);
+    let settings = SimulationSettings { solver, ..settings };
+    let mut again = Simulation::<f32>::new(model, settings).unwrap();
+    again.restore(&kept).unwrap();
+    again.step(50);
+    assert!(again.diverged().is_empty());
+}

@@ -1,0 +1,9 @@
+//! The card that tests run on.
+
+/// An NVIDIA card.
+pub type Card = kinetarium_cuda::Cuda;
+
+/// The first that there is.
+pub fn card() -> Card {
+    Card::open(0).unwrap()
+}

@@ -1,0 +1,16 @@
+//! The tests of worlds on cards, those of `gpu` among them, on an NVIDIA card, or on what stands in for its driver
+//! (`driver/README.md`).
+
+#[path = "../../../gpu/tests/cards/agreement.rs"]
+mod agreement;
+mod bits;
+mod card;
+#[path = "../../../rigid/tests/scene/models.rs"]
+mod models;
+mod own;
+#[path = "../../../gpu/tests/cards/pair.rs"]
+mod pair;
+#[path = "../../../gpu/tests/cards/scenes.rs"]
+mod scenes;
+#[path = "../../../gpu/tests/cards/worlds.rs"]
+mod worlds;

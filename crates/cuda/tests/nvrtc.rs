@@ -1,0 +1,71 @@
+//! What NVRTC makes of kernels. Needs no card: `pip install nvidia-cuda-nvrtc-cu12`, and its folder in `LD_LIBRARY_PATH`.
+
+use kinetarium_cuda::ptx;
+use model::Model;
+use model::examples::{Scene, Start, chain};
+use numbers::machine::space::State;
+use numbers::trace::{self, Program};
+use numbers::{Machine, Real, Table};
+use records::Programs;
+use rigid::Report::Everything;
+use rigid::{Featherstone, Settings, Solver, TouchingFeatherstone, Xpbd};
+
+/// No operation is approximate, and no subnormal is flushed.
+fn is_exact(program: &Program) {
+    let ptx = ptx(program).unwrap();
+    assert!(ptx.contains(".visible .entry step("));
+    for loose in [".approx", ".full", ".ftz"] {
+        assert!(!ptx.contains(loose), "{loose}");
+    }
+}
+
+fn are_exact(solver: Solver<'_>) {
+    let programs = Programs::record(solver).unwrap();
+    is_exact(&programs.step);
+    is_exact(programs.report(Everything));
+}
+
+fn scene(name: &str) -> Model {
+    Scene::find(name).unwrap().model().unwrap()
+}
+
+#[test]
+#[ignore = "needs NVRTC"]
+fn articulated_bodies_are_compiled_exactly() {
+    let model = chain(10, Start::Horizontal).unwrap();
+    let kernels = Featherstone::new(&model, &Settings::new(0.002)).unwrap();
+    are_exact(Solver::Featherstone(&kernels));
+}
+
+#[test]
+#[ignore = "needs NVRTC"]
+fn articulated_bodies_that_touch_are_compiled_exactly() {
+    let kernels = TouchingFeatherstone::new(&scene("ragdolls"), &Settings::new(0.002)).unwrap();
+    are_exact(Solver::TouchingFeatherstone(&kernels));
+}
+
+#[test]
+#[ignore = "needs NVRTC"]
+fn a_pile_of_all_shapes_is_compiled_exactly() {
+    let kernels = Xpbd::touching(&scene("pile"), &Settings::new(0.002)).unwrap();
+    are_exact(Solver::Xpbd(&kernels));
+}
+
+/// What a kernel fuses is fused, and nothing else.
+#[test]
+#[ignore = "needs NVRTC"]
+fn products_and_sums_stay_apart() {
+    fn kernel<M: Machine>(k: &mut M, row: Table<State, 3>, fused: bool) {
+        let zero = k.index(0);
+        let [x, y, z] = k.read(row, zero, 0);
+        let sum = if fused { x.fma(y, z) } else { x * y + z };
+        k.store(row, zero, 0, sum);
+    }
+    let row = Table::place(&mut 0, 1);
+    let [apart, fused] = [false, true].map(|fused| {
+        let program = trace::record(|k| kernel(k, row, fused)).unwrap();
+        ptx(&program).unwrap()
+    });
+    assert!(fused.contains("fma.rn.f32"));
+    assert!(!apart.contains("fma"));
+}

@@ -1,0 +1,62 @@
+//! A record printed as CUDA C++.
+
+use super::operation::Type;
+use super::print::{Language, PrintOptions, finite};
+use super::program::Program;
+use core::convert::Infallible;
+
+/// The operations that CUDA lacks or has other names for.
+const PRELUDE: &str = include_str!("prelude.cu");
+
+impl Program {
+    /// Prints the record as CUDA C++ with a kernel `step`, for NVRTC or nvcc with `--fmad=false`.
+    ///
+    /// One thread runs one world, the first coordinate of its index. The kernel takes pointers to state, input,
+    /// output, scratch, parameters and links, in this order, and two 32-bit numbers: how many worlds there are and
+    /// how often the kernel runs, one time after the other. The memories must not overlap. A world's number at
+    /// `offset` lies at `offset · worlds + world`, which must fit into 32 bits.
+    ///
+    /// Every operation is rounded as on the CPU, so a thread's results have the bits of the kernel over `f32` (of a
+    /// NaN, that it is one).
+    pub fn to_cuda(&self, options: &PrintOptions) -> String {
+        let opening = format!(
+            "{PRELUDE}\nextern \"C\" __global__ void __launch_bounds__({}) step(\n    \
+             f32* __restrict__ state, const f32* __restrict__ input, f32* __restrict__ output,\n    \
+             f32* __restrict__ scratch, const f32* __restrict__ parameters, const u32* __restrict__ links,\n    \
+             const u32 worlds, const u32 rounds) {{\n    \
+             const u32 world = blockIdx.x * blockDim.x + threadIdx.x;\n    \
+             if (world >= worlds) {{ return; }}\n    \
+             for (u32 nth = 0u; nth < rounds; nth++) {{\n",
+            options.workgroup_size
+        );
+        let Ok(text) = self.print::<Cuda>(options, opening);
+        text
+    }
+}
+
+struct Cuda;
+
+impl Language for Cuda {
+    type Error = Infallible;
+    fn constant(kind: Type) -> &'static str {
+        match kind {
+            Type::Real => "const f32",
+            Type::Mask => "const bool",
+            Type::Index => "const u32",
+        }
+    }
+    fn variable(kind: Type) -> &'static str {
+        match kind {
+            Type::Real => "f32",
+            Type::Mask => "bool",
+            Type::Index => "u32",
+        }
+    }
+    fn number(x: f32) -> Result<String, Infallible> {
+        Ok(if x.is_finite() {
+            finite(x)
+        } else {
+            format!("__uint_as_float({:#x}u)", x.to_bits())
+        })
+    }
+}
