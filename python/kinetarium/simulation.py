@@ -131,8 +131,8 @@ class Simulation:
         Number of threads; 0 is one per processor. Results do not depend on it.
     device:
         Where worlds run: "cpu", "gpu" (a graphics card), "gpu:NAME" with a part of its name, "cuda" (an NVIDIA card),
-        "cuda:NUMBER", or "auto", which takes a card where there is one. Cards compute in float32, with featherstone or
-        xpbd, and agree with the processor to rounding, by CUDA to the bit; states stay there, and what is read is
+        "cuda:NUMBER", or "auto", which takes a card where there is one. Cards compute in float32, with featherstone
+        or xpbd, and agree with the processor to rounding, by CUDA to the bit; states stay there, and what is read is
         copied. CUDA needs NVRTC: `pip install kinetarium[cuda]`. Raises `DeviceError` where there is no such card.
     iterations, contact_passes, contact_iterations, speed_limit, sleep_speed:
         As `Settings` in Rust: passes over all constraints (xpbd), passes over contacts (featherstone), passes of
