@@ -16,6 +16,7 @@ __all__ = [
     "Axis",
     "Body",
     "Builder",
+    "DeviceArray",
     "Drive",
     "Engine",
     "Geometry",
@@ -354,6 +355,22 @@ class Replica:
     def rotate_around_to(self, point: Vector, axis: Vector, angle: float) -> None: ...
 
 @final
+class DeviceArray:
+    @property
+    def shape(self) -> tuple[int, ...]: ...
+    @property
+    def __cuda_array_interface__(self) -> dict[str, Any]: ...
+    def __dlpack_device__(self) -> tuple[int, int]: ...
+    def __dlpack__(
+        self,
+        *,
+        stream: int | None = None,
+        max_version: tuple[int, int] | None = None,
+        dl_device: tuple[int, int] | None = None,
+        copy: bool | None = None,
+    ) -> Any: ...
+
+@final
 class Engine:
     def __new__(
         cls,
@@ -380,6 +397,8 @@ class Engine:
     def times(self) -> NDArray[np.float64]: ...
     def diverged(self) -> list[tuple[int, float]]: ...
     def read(self, quantity: str, out: NDArray[Any]) -> None: ...
+    def quantity_on_device(self, quantity: str, shape: tuple[int, ...]) -> DeviceArray: ...
+    def control_on_device(self, control: str, shape: tuple[int, ...]) -> DeviceArray: ...
     def read_control(self, control: str, out: NDArray[Any]) -> None: ...
     def write_control(self, control: str, numbers: NDArray[Any]) -> None: ...
     def set_joint_state(

@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kinetarium.arrays import NamedArray, checked
+from kinetarium.errors import UnknownNameError
 
 if TYPE_CHECKING:
+    from kinetarium._engine import DeviceArray
     from kinetarium.simulation import Simulation
 
 _NAMES = {
@@ -37,6 +39,27 @@ class Controls:
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
         self._arrays: dict[str, NamedArray] = {}
+
+    def on_device(self, name: str) -> DeviceArray:
+        """A control of all worlds where it lies in the memory of a CUDA card, shape (worlds, degrees of freedom) or
+        (worlds, actuators), to be written: what stands there when `Simulation.step` is called is what acts. It is not
+        checked: a world that is given NaN diverges. `torch.from_dlpack` and the like take it without a copy.
+
+            force = torch.from_dlpack(sim.controls.on_device("force"))
+            force[:] = policy(observation)
+            sim.step()
+
+        From then on it is the card's: do not use the attribute of that name as well, whose array each step copies
+        over it. What the array holds when this is called is copied first. Raises `DeviceError` where worlds are not
+        on a CUDA card, and `UnknownNameError`.
+        """
+        if name not in _NAMES:
+            raise UnknownNameError(f'there is no control "{name}"; known are {", ".join(_NAMES)}')
+        sim = self._simulation
+        array = self._arrays.pop(name, None)
+        if array is not None:
+            sim._engine.write_control(name, array)
+        return sim._engine.control_on_device(name, (sim.worlds, len(getattr(sim.model, _NAMES[name]))))
 
     def _array(self, name: str) -> NamedArray:
         array = self._arrays.get(name)

@@ -10,6 +10,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
+from kinetarium import _nvrtc
 from kinetarium._engine import Engine, Model, framing, render_view, show
 from kinetarium.arrays import checked
 from kinetarium.cameras import Camera, Images
@@ -214,6 +215,8 @@ class Simulation:
 
     def _make(self) -> Engine:
         keywords = dict(self._settings)
+        if keywords["device"].partition(":")[0] in ("auto", "cuda") and _nvrtc.has_driver():
+            _nvrtc.load()
         return Engine(
             self._model,
             worlds=self._worlds,

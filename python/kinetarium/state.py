@@ -12,6 +12,7 @@ from kinetarium.errors import ShapeError, UnknownNameError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from kinetarium._engine import DeviceArray
     from kinetarium.simulation import Simulation
 
 # What names the rows of a quantity, and how many numbers a row has; 0: the rows are the numbers.
@@ -94,6 +95,24 @@ class State:
             raise ShapeError(f"out is {found}: it must be an array, {sim.dtype} of {shape}")
         sim._engine.read(quantity, out)
         return out
+
+    def on_device(self, quantity: str) -> DeviceArray:
+        """A quantity of all worlds where it lies in the memory of a CUDA card, of the shape of the attribute of that
+        name; nothing is copied to the host. `torch.from_dlpack` and `jax.dlpack.from_dlpack` take it without a copy,
+        as do readers of `__cuda_array_interface__`. To be read only.
+
+        What stands there is of the present state until the worlds are stepped or set, or another quantity is asked
+        for: take it anew after each step. The memory lasts as long as anybody holds it.
+
+            sim = kn.Simulation(model, worlds=16384, device="cuda")
+            sim.step()
+            position = torch.from_dlpack(sim.state.on_device("joint_position"))
+
+        Raises `DeviceError` where worlds are not on a CUDA card, and for quantities that are worked out on the host
+        (`contact_wrench`, `center_of_mass` and the spatial ones), and `UnknownNameError`.
+        """
+        shape, _ = self._layout(quantity)
+        return self._simulation._engine.quantity_on_device(quantity, shape)
 
     def _get(self, quantity: str, assign: Callable[[np.ndarray], None] | None = None) -> NamedArray:
         def refuse(_: np.ndarray) -> None:

@@ -1,17 +1,21 @@
 """Worlds on a graphics card: one that KINETARIUM_GPU names, or a program such as Mesa's llvmpipe, or "cuda"."""
 
 import copy
+import ctypes
+import importlib.util
 import os
 
 import numpy as np
 import pytest
 
 import kinetarium as kn
-from kinetarium.errors import DeviceError
+from kinetarium import _nvrtc
+from kinetarium.errors import DeviceError, UnknownNameError
 
 CARD = os.environ.get("KINETARIUM_GPU")
 DEVICE = "cuda" if CARD == "cuda" else f"gpu:{CARD}"
 needs_a_card = pytest.mark.skipif(CARD is None, reason="KINETARIUM_GPU names no card")
+needs_cuda = pytest.mark.skipif(CARD != "cuda", reason="KINETARIUM_GPU is not cuda")
 
 
 def on(device: str, **settings: object) -> kn.Simulation:
@@ -69,3 +73,136 @@ def test_a_card_that_is_not_there_is_told():
         on("gpu:no such card")
     with pytest.raises(DeviceError, match="unknown device `tpu`; known are cpu, auto, gpu"):
         on("tpu")
+
+
+def there(array) -> np.ndarray:
+    """The numbers of a card's array: by torch, or where they lie if what stands in for a card uses host memory."""
+    if importlib.util.find_spec("torch"):
+        import torch
+
+        return torch.as_tensor(array, device="cuda").cpu().numpy()
+    interface = array.__cuda_array_interface__
+    assert (interface["version"], interface["typestr"], interface["stream"]) == (3, "<f4", None)
+    shape, strides = interface["shape"], interface["strides"]
+    last = sum((n - 1) * stride for n, stride in zip(shape, strides, strict=True))
+    memory = (ctypes.c_byte * (last + 4)).from_address(interface["data"][0])
+    return np.ndarray(shape, np.float32, memory, strides=strides)
+
+
+@needs_cuda
+@pytest.mark.parametrize(
+    "quantity", ["joint_position", "body_position", "body_orientation", "kinetic_energy", "momentum"]
+)
+def test_a_card_shares_what_is_reported(quantity):
+    card = on(DEVICE)
+    card.step(30)
+    array = card.state.on_device(quantity)
+    read = getattr(card.state, quantity)
+    assert array.shape == read.shape
+    assert str(list(array.shape)) in repr(array)
+    assert array.__cuda_array_interface__["data"][1], "to be read only"
+    np.testing.assert_array_equal(there(array), read)
+
+
+@needs_cuda
+def test_controls_are_written_on_the_card():
+    card, cpu = on(DEVICE), on("cpu")
+    pushes = np.random.default_rng(1).normal(size=(40, 3)).astype(np.float32)
+    force = card.controls.on_device("force")
+    np.testing.assert_array_equal(there(force), cpu.controls.force)
+    if importlib.util.find_spec("torch"):
+        import torch
+
+        torch.as_tensor(force, device="cuda")[:] = torch.as_tensor(pushes, device="cuda")
+    else:
+        there(force)[:] = pushes
+    cpu.controls.force[:] = pushes
+    for sim in (card, cpu):
+        sim.step(25)
+    np.testing.assert_array_equal(card.state.joint_position, cpu.state.joint_position)
+
+
+class Tensor(ctypes.Structure):
+    """`DLTensor`."""
+
+    _fields_ = (
+        ("data", ctypes.c_void_p),
+        ("device_type", ctypes.c_int32),
+        ("device_id", ctypes.c_int32),
+        ("ndim", ctypes.c_int32),
+        ("code", ctypes.c_uint8),
+        ("bits", ctypes.c_uint8),
+        ("lanes", ctypes.c_uint16),
+        ("shape", ctypes.POINTER(ctypes.c_int64)),
+        ("strides", ctypes.POINTER(ctypes.c_int64)),
+        ("byte_offset", ctypes.c_uint64),
+    )
+
+
+class Managed(ctypes.Structure):
+    """`DLManagedTensor`."""
+
+    _fields_ = (
+        ("tensor", Tensor),
+        ("context", ctypes.c_void_p),
+        ("deleter", ctypes.CFUNCTYPE(None, ctypes.c_void_p)),
+    )
+
+
+@needs_cuda
+def test_a_reader_of_dlpack_gets_the_same():
+    card = on(DEVICE)
+    card.step(10)
+    array = card.state.on_device("body_position")
+    interface = array.__cuda_array_interface__
+    assert array.__dlpack_device__() == (2, 0)
+    for _ in range(3):
+        array.__dlpack__()  # that nobody takes
+    capsule = array.__dlpack__(stream=1, max_version=(1, 0), dl_device=(2, 0), copy=False)
+    pointer = ctypes.pythonapi.PyCapsule_GetPointer
+    pointer.restype, pointer.argtypes = ctypes.c_void_p, (ctypes.py_object, ctypes.c_char_p)
+    managed = ctypes.cast(pointer(capsule, b"dltensor"), ctypes.POINTER(Managed)).contents
+    tensor = managed.tensor
+    assert tensor.data == interface["data"][0]
+    assert (tensor.device_type, tensor.device_id, tensor.ndim, tensor.byte_offset) == (2, 0, 3, 0)
+    assert (tensor.code, tensor.bits, tensor.lanes) == (2, 32, 1)
+    assert tuple(tensor.shape[:3]) == array.shape
+    assert tuple(4 * n for n in tensor.strides[:3]) == interface["strides"]
+    # As a reader takes it: the simulation's memory lasts until it lets go.
+    rename = ctypes.pythonapi.PyCapsule_SetName
+    rename.argtypes = (ctypes.py_object, ctypes.c_char_p)
+    name = ctypes.c_char_p(b"used_dltensor")
+    rename(capsule, name)
+    expected = np.array(card.state.body_position)
+    card.close()
+    del card, capsule
+    np.testing.assert_array_equal(there(array), expected)
+    managed.deleter(ctypes.addressof(managed))
+
+
+@needs_a_card
+def test_what_is_not_shared_is_told():
+    card = on(DEVICE)
+    with pytest.raises(UnknownNameError, match="no quantity"):
+        card.state.on_device("joint_positions")
+    with pytest.raises(UnknownNameError, match="no control"):
+        card.controls.on_device("forces")
+    with pytest.raises(DeviceError, match=r"ContactWrench cannot be shared .* worked out on the host"):
+        card.state.on_device("contact_wrench")
+    for sim in [on("cpu"), *([] if CARD == "cuda" else [card])]:
+        for ask in (lambda s: s.state.on_device("joint_position"), lambda s: s.controls.on_device("force")):
+            with pytest.raises(DeviceError, match="run on the device cuda"):
+                ask(sim)
+    with pytest.raises(DeviceError, match="double precision"):
+        on("cpu", dtype="float64").state.on_device("joint_position")
+
+
+@pytest.mark.skipif(importlib.util.find_spec("nvidia") is None, reason="no package of NVIDIA's is installed")
+def test_the_compiler_that_pip_installed_is_found():
+    assert "nvrtc" in _nvrtc.load().name
+
+
+@pytest.mark.skipif(_nvrtc.has_driver(), reason="there is a driver")
+def test_a_driver_that_is_missing_is_told():
+    with pytest.raises(DeviceError, match="no CUDA driver was found"):
+        on("cuda")

@@ -4,8 +4,10 @@ use crate::{CudaError, compiler, libraries};
 use cudarc::driver::result::device;
 use cudarc::driver::sys::CUresult::{CUDA_ERROR_NO_DEVICE, CUDA_ERROR_OUT_OF_MEMORY};
 use cudarc::driver::{
-    CudaContext, CudaFunction, CudaSlice, CudaStream, DeviceRepr, DriverError, ValidAsZeroBits,
+    CudaContext, CudaFunction, CudaSlice, CudaStream, DevicePtr, DeviceRepr, DriverError,
+    ValidAsZeroBits,
 };
+use sim::Address;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -90,6 +92,17 @@ impl Cuda {
         let mut memory = self.memory(numbers.len())?;
         self.told(self.stream().memcpy_htod(numbers, &mut memory))?;
         Ok(memory)
+    }
+
+    /// Where numbers lie, once all that was asked for is done: for streams that do not wait for the default one.
+    pub(crate) fn address(&self, memory: &CudaSlice<f32>) -> Result<Address, CudaError> {
+        self.check()?;
+        self.told(self.stream().synchronize())?;
+        let (at, _reading) = memory.device_ptr(self.stream());
+        Ok(Address {
+            card: memory.ordinal(),
+            at,
+        })
     }
 
     /// Compiles a text, or finds what was compiled from it.

@@ -8,7 +8,7 @@ use cudarc::driver::CudaSlice;
 use numbers::Memory;
 use records::Programs;
 use rigid::{Report, Solver};
-use sim::{Device, DeviceError, DeviceWorlds};
+use sim::{Address, Device, DeviceError, DeviceWorlds};
 use std::ops::Range;
 
 /// Substeps of one launch: many, as a launch costs some microseconds, and few enough that a card that also
@@ -174,6 +174,12 @@ impl DeviceWorlds<f32> for Worlds {
         output: &mut Memory<f32>,
     ) -> Result<(), DeviceError> {
         Ok(read(&self.card, rows, &self.output, output)?)
+    }
+    fn input_address(&self) -> Result<Option<Address>, DeviceError> {
+        Ok(Some(self.card.address(&self.input)?))
+    }
+    fn output_address(&self) -> Result<Option<Address>, DeviceError> {
+        Ok(Some(self.card.address(&self.output)?))
     }
 }
 

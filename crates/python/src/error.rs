@@ -43,7 +43,9 @@ fn class(error: &SimulationError) -> &'static str {
         SimulationError::InWorld { why, .. } => class(why),
         SimulationError::Model(_) => "ModelError",
         SimulationError::Index { .. } => "OutOfRangeError",
-        SimulationError::Device(_) | SimulationError::NotOnDevice { .. } => "DeviceError",
+        SimulationError::Device(_)
+        | SimulationError::NotOnDevice { .. }
+        | SimulationError::NotShared { .. } => "DeviceError",
         _ => "SimulationError",
     }
 }

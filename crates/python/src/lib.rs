@@ -4,10 +4,11 @@
 //! from the blocks in which worlds lie. What users see of a simulation is the class `kinetarium.Simulation`
 //! (`python/kinetarium`), which keeps the arrays.
 
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 mod builder;
 mod camera;
+mod device_array;
 mod error;
 mod examples;
 mod geometry;
@@ -27,6 +28,8 @@ mod _engine {
     use crate::builder::{Body, Builder, Joint, Object, Replica};
     #[pymodule_export]
     use crate::camera::{View, framing, looking, render_view};
+    #[pymodule_export]
+    use crate::device_array::DeviceArray;
     #[pymodule_export]
     use crate::examples::{
         arch, ball_joint, balls, billiards, card_house, dominoes, n_pendula, pile, prismatic,

@@ -1,5 +1,6 @@
 //! The simulation, as `kinetarium.Simulation` uses it.
 
+use crate::device_array::DeviceArray;
 use crate::error;
 use crate::model::{Model, parameter};
 use derivatives::{LinearizeError, linearize};
@@ -8,8 +9,8 @@ use kinetarium::DeviceChoice;
 use kinetarium::model::BodyId;
 use kinetarium::rigid::{Integrator, Settings};
 use kinetarium::sim::{
-    Control, EventKind, Parameter, Quantity, Ray, Simulation, SimulationError, SimulationSettings,
-    Snapshot, SolverKind, Watch,
+    self, Control, EventKind, Parameter, Quantity, Ray, Simulation, SimulationError,
+    SimulationSettings, Snapshot, SolverKind, Watch,
 };
 use numpy::ndarray::Dimension;
 use numpy::{
@@ -87,6 +88,28 @@ impl Engine {
             return Err(error::raise("ClosedError", message.into()));
         };
         py.detach(|| act(precise))
+    }
+}
+
+impl Engine {
+    fn on_device(
+        &self,
+        py: Python<'_>,
+        ask: impl FnOnce(&mut Simulation<f32>) -> Result<sim::DeviceArray, SimulationError> + Send,
+        shape: Vec<usize>,
+        read_only: bool,
+    ) -> PyResult<DeviceArray> {
+        self.attempt(py, |s| match s {
+            Precise::Single(s) => {
+                let array = ask(&mut s.change()).map_err(error::simulation)?;
+                Ok(DeviceArray::new(array, shape, read_only, Arc::clone(s)))
+            }
+            Precise::Double(_) => Err(error::raise(
+                "DeviceError",
+                "worlds in double precision are on the processor: nothing of them is on a card"
+                    .into(),
+            )),
+        })
     }
 }
 
@@ -294,6 +317,26 @@ impl Engine {
             |s, out| s.read(quantity, out),
             |s, out| s.read(quantity, out),
         )
+    }
+    /// Where a quantity of all worlds lies on a card, as an array of this shape.
+    fn quantity_on_device(
+        &self,
+        py: Python<'_>,
+        quantity: &str,
+        shape: Vec<usize>,
+    ) -> PyResult<DeviceArray> {
+        let quantity = self::quantity(quantity)?;
+        self.on_device(py, |s| s.quantity_on_device(quantity), shape, true)
+    }
+    /// Where a control of all worlds lies on a card, as an array of this shape.
+    fn control_on_device(
+        &self,
+        py: Python<'_>,
+        control: &str,
+        shape: Vec<usize>,
+    ) -> PyResult<DeviceArray> {
+        let control = self::control(control)?;
+        self.on_device(py, |s| s.control_on_device(control), shape, false)
     }
     /// Copies a control of all worlds into an array.
     fn read_control(&self, py: Python<'_>, control: &str, out: &Bound<'_, PyAny>) -> PyResult<()> {

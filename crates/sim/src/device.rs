@@ -54,6 +54,24 @@ pub trait DeviceWorlds<T: Float>: Send + Sync {
         rows: &[Range<usize>],
         output: &mut Memory<T>,
     ) -> Result<(), DeviceError>;
+    /// Where the controls of all worlds lie, `[number][world]`, if other libraries can get at them; once all that was
+    /// asked for is done.
+    fn input_address(&self) -> Result<Option<Address>, DeviceError> {
+        Ok(None)
+    }
+    /// The same of the output.
+    fn output_address(&self) -> Result<Option<Address>, DeviceError> {
+        Ok(None)
+    }
+}
+
+/// A place in the memory of a CUDA card.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Address {
+    /// Which card, as CUDA counts them.
+    pub card: usize,
+    /// Where, in bytes.
+    pub at: u64,
 }
 
 /// What a device says went wrong.
@@ -100,6 +118,14 @@ impl<T: Float> Remote<T> {
     pub fn name(&self) -> &str {
         &self.name
     }
+    /// Where the controls lie.
+    pub fn input_address(&self) -> Result<Option<Address>, DeviceError> {
+        self.worlds.input_address()
+    }
+    /// Where the output lies.
+    pub fn output_address(&self) -> Result<Option<Address>, DeviceError> {
+        self.worlds.output_address()
+    }
     /// The host has set the state of a world.
     pub fn sets_state(&mut self, world: usize) {
         self.set.push(world);
@@ -130,9 +156,9 @@ impl<T: Float> Remote<T> {
         self.set.clear();
         Ok(())
     }
-    /// Performs a task on all worlds.
-    pub fn perform(&mut self, task: Task, host: Host<'_, T>) -> Result<(), DeviceError> {
-        self.tell(host)?;
+    /// Performs a task on all worlds, after the host has told all it has set.
+    pub fn perform(&mut self, task: Task) -> Result<(), DeviceError> {
+        debug_assert!(self.set.is_empty());
         match task {
             Task::Step(substeps) => {
                 self.state_known = false;

@@ -144,6 +144,14 @@ pub enum SimulationError {
         /// Name of the device.
         device: String,
     },
+    /// Other libraries cannot get at it.
+    #[error("{what} cannot be shared with other libraries: {remedy}")]
+    NotShared {
+        /// What was asked for.
+        what: String,
+        /// What to do instead.
+        remedy: &'static str,
+    },
     /// The threads cannot be started.
     #[error("cannot start {threads} threads: {reason}")]
     Threads {

@@ -149,6 +149,20 @@ impl Quantity {
             Source::Spatial(_) => vec![bodies],
         }
     }
+    /// The numbers of the output from its first row on, how far rows are apart, and how wide they are, if it lies there.
+    pub(crate) fn rows(
+        self,
+        t: &OutputTables,
+        model: &Model,
+    ) -> Option<(Range<usize>, usize, usize)> {
+        match self.source(t, model) {
+            Source::Output(rows) => {
+                let end = rows.start + rows.count * rows.stride;
+                Some((rows.start..end, rows.stride, rows.width))
+            }
+            _ => None,
+        }
+    }
     fn source(self, t: &OutputTables, model: &Model) -> Source {
         let (bodies, joints) = (model.bodies.len(), model.joints.len());
         let (coordinates, dofs) = (model.coordinates(), model.degrees_of_freedom());
@@ -352,7 +366,7 @@ impl<T: Float> Controls<'_, T> {
     fn offsets(&self, control: Control) -> Vec<usize> {
         self.range(control).collect()
     }
-    fn range(&self, control: Control) -> Range<usize> {
+    pub(crate) fn range(&self, control: Control) -> Range<usize> {
         let t = self.tables;
         match control {
             Control::Force => t.force.start()..t.target_position.start(),

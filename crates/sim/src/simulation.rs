@@ -74,7 +74,7 @@ pub struct Simulation<T: Float> {
     /// Of the shapes that rays were cast at.
     pub(crate) meshes: Meshes,
     /// The worlds, where they are in the memory of a device.
-    remote: Option<Remote<T>>,
+    pub(crate) remote: Option<Remote<T>>,
 }
 
 /// A model that one world has for itself.
@@ -615,7 +615,7 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Brings at least what is needed of the output to the present state, where the worlds are.
-    fn report(&mut self, needed: Report) -> Result<(), SimulationError> {
+    pub(crate) fn report(&mut self, needed: Report) -> Result<(), SimulationError> {
         if self.reported < Some(needed) {
             self.perform(Task::Report(needed))?;
             self.reported = Some(needed);
@@ -688,35 +688,36 @@ impl<T: Float> Simulation<T> {
         if steps {
             self.reported = None;
         }
+        self.tell()?;
         let Some(remote) = &mut self.remote else {
             self.perform_here(task);
             return Ok(());
         };
-        let host = Host {
-            state: &self.state,
-            input: &self.input,
-            changes: &mut self.changes,
-            parameters: &self.parameters,
-        };
-        remote.perform(task, host)?;
+        remote.perform(task)?;
         if steps {
             let alive = self.shared.engine.alive();
             remote.read_state(alive..alive + 1, &mut self.state)?;
         }
         Ok(())
     }
-    /// Makes the state of all worlds known.
-    fn fetch_state(&mut self) -> Result<(), SimulationError> {
+    /// Tells the device, if worlds are on one, all that was set.
+    pub(crate) fn tell(&mut self) -> Result<(), SimulationError> {
         let Some(remote) = &mut self.remote else {
             return Ok(());
         };
-        let host = Host {
+        Ok(remote.tell(Host {
             state: &self.state,
             input: &self.input,
             changes: &mut self.changes,
             parameters: &self.parameters,
+        })?)
+    }
+    /// Makes the state of all worlds known.
+    fn fetch_state(&mut self) -> Result<(), SimulationError> {
+        self.tell()?;
+        let Some(remote) = &mut self.remote else {
+            return Ok(());
         };
-        remote.tell(host)?;
         Ok(remote.read_state(0..self.state.length(), &mut self.state)?)
     }
 
