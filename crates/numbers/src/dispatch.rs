@@ -195,19 +195,7 @@ pub fn run_block<J: Job>(isa: Isa, job: J) -> J::Output {
 /// For jobs so large that compiling them for arrays would take longer than for all else.
 #[inline]
 pub fn run_registers<J: Job>(isa: Isa, job: J) -> J::Output {
-    match isa {
-        // SAFETY: an `Isa` exists only where its instructions were detected.
-        #[cfg(target_arch = "x86_64")]
-        Isa::Avx512 if J::WIDEST => unsafe { entry_avx512(job) },
-        // SAFETY: an `Isa` exists only where its instructions were detected.
-        #[cfg(target_arch = "x86_64")]
-        Isa::Avx512 | Isa::Avx2 => unsafe { entry_avx2(job) },
-        #[cfg(target_arch = "aarch64")]
-        Isa::Neon => entry_neon(job),
-        #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-        Isa::Simd128 => entry_simd128(job),
-        Isa::Portable => entry_unfused(job),
-    }
+    run_lanes(isa, false, job)
 }
 
 /// As [`run_registers`], but with AVX-512 only: gives the job back where the machine has none.
@@ -229,18 +217,34 @@ pub fn run_widest<J: Job>(isa: Isa, job: J) -> Result<J::Output, J> {
 /// Runs a job with one world, with the same bits as [`run_block`] on the same `isa`.
 #[inline]
 pub fn run_single<J: Job>(isa: Isa, job: J) -> J::Output {
+    run_lanes(isa, true, job)
+}
+
+/// As [`run_single`] or as [`run_registers`].
+///
+/// What has no target feature of its own is compiled into whoever calls it, so it is called in one place.
+#[inline]
+pub fn run_lanes<J: Job>(isa: Isa, single: bool, job: J) -> J::Output {
     match isa {
         // SAFETY: an `Isa` exists only where its instructions were detected.
         #[cfg(target_arch = "x86_64")]
-        Isa::Avx512 if J::MANY_REGISTERS => unsafe { entry_fma512(job) },
+        Isa::Avx512 if single && J::MANY_REGISTERS => unsafe { entry_fma512(job) },
         // SAFETY: an `Isa` exists only where its instructions were detected.
         #[cfg(target_arch = "x86_64")]
-        Isa::Avx512 | Isa::Avx2 => unsafe { entry_fma(job) },
+        Isa::Avx512 | Isa::Avx2 if single => unsafe { entry_fma(job) },
+        // SAFETY: an `Isa` exists only where its instructions were detected.
+        #[cfg(target_arch = "x86_64")]
+        Isa::Avx512 if J::WIDEST => unsafe { entry_avx512(job) },
+        // SAFETY: an `Isa` exists only where its instructions were detected.
+        #[cfg(target_arch = "x86_64")]
+        Isa::Avx512 | Isa::Avx2 => unsafe { entry_avx2(job) },
         #[cfg(target_arch = "aarch64")]
-        Isa::Neon => entry_scalar(job),
+        Isa::Neon if single => entry_scalar(job),
+        #[cfg(target_arch = "aarch64")]
+        Isa::Neon => entry_neon(job),
         #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-        Isa::Simd128 => entry_unfused(job),
-        Isa::Portable => entry_unfused(job),
+        Isa::Simd128 if !single => entry_simd128(job),
+        _ => entry_unfused(job),
     }
 }
 

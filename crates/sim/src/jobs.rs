@@ -6,7 +6,7 @@
 
 use crate::engine::Block;
 use collide::{Route, kernel};
-use numbers::dispatch::{Isa, Job, run_registers, run_single, run_widest};
+use numbers::dispatch::{Isa, Job, run_lanes, run_widest};
 use numbers::{Cpu, Float, Lanes, Machine, Parameters, PerWorld, Shared};
 use rigid::{ContactTables, Kernels};
 
@@ -21,11 +21,7 @@ pub(crate) struct Lane {
 impl Lane {
     #[inline(always)]
     pub(crate) fn run<J: Job<Output = ()>>(self, job: J) {
-        if self.single {
-            run_single(self.isa, job);
-        } else {
-            run_registers(self.isa, job);
-        }
+        run_lanes(self.isa, self.single, job);
     }
 }
 
@@ -97,14 +93,15 @@ macro_rules! job {
                 if T::DOUBLE {
                     return double::run(lane, Work { kernels, block, number });
                 }
+                let mut block = block;
                 let widest = $registers && K::MANY_REGISTERS && !lane.single;
                 if widest && !block.common.is_empty() {
-                    let work = Work { kernels, block, number };
-                    let Err(left) = in_common::run(lane, work) else {
-                        return;
-                    };
-                    return single::run(lane, Work { kernels, block: left.block, number });
+                    match in_common::run(lane, Work { kernels, block, number }) {
+                        Ok(()) => return,
+                        Err(left) => block = left.block,
+                    }
                 }
+                // In one place, as what this calls is compiled into it.
                 single::run(lane, Work { kernels, block, number });
             }
 
