@@ -89,28 +89,31 @@ fn available_names() -> String {
 impl Isa {
     /// All that this machine has, the fastest first.
     pub fn available() -> Vec<Self> {
-        let mut found = Vec::new();
         #[cfg(target_arch = "x86_64")]
-        {
+        let widest = {
             let avx2 = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
             let avx512 = is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512bw")
                 && is_x86_feature_detected!("avx512cd")
                 && is_x86_feature_detected!("avx512dq")
                 && is_x86_feature_detected!("avx512vl");
-            if avx2 && avx512 {
-                found.push(Self::Avx512);
-            }
-            if avx2 {
-                found.push(Self::Avx2);
-            }
-        }
+            [
+                (avx2 && avx512).then_some(Self::Avx512),
+                avx2.then_some(Self::Avx2),
+            ]
+        };
         #[cfg(target_arch = "aarch64")]
-        found.push(Self::Neon);
+        let widest = [Some(Self::Neon)];
         #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-        found.push(Self::Simd128);
-        found.push(Self::Portable);
-        found
+        let widest = [Some(Self::Simd128)];
+        #[cfg(not(any(
+            target_arch = "x86_64",
+            target_arch = "aarch64",
+            all(target_arch = "wasm32", target_feature = "simd128")
+        )))]
+        let widest = [None; 0];
+        let portable = [Some(Self::Portable)];
+        widest.into_iter().chain(portable).flatten().collect()
     }
 
     /// The fastest that this machine has.
@@ -224,6 +227,7 @@ pub fn run_single<J: Job>(isa: Isa, job: J) -> J::Output {
 ///
 /// What has no target feature of its own is compiled into whoever calls it, so it is called in one place.
 #[inline]
+#[allow(unused_variables)] // `single`, where there are no registers to choose
 pub fn run_lanes<J: Job>(isa: Isa, single: bool, job: J) -> J::Output {
     match isa {
         // SAFETY: an `Isa` exists only where its instructions were detected.

@@ -632,6 +632,25 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
 ";
     assert_eq!(body(&shader), expected);
     validate(&shader);
+    let cuda = program.to_cuda(&PrintOptions::default());
+    let expected = "\
+    for (u32 nth = 0u; nth < rounds; nth++) {
+        for (u32 i0 = 4u - 1u; i0 < 4u; i0--) {
+            const f32 x1 = state[(7u + i0 * 3u) * worlds + world];
+            const bool m2 = 0x1.99999ap-4f < x1;
+            const f32 x3 = parameters[2u];
+            const f32 x4 = x1 * x3;
+            const f32 x5 = x4 + (-1.5f);
+            const f32 x6 = state[(7u + i0 * 3u) * worlds + world];
+            const f32 x7 = select(x6, x5, m2);
+            state[(7u + i0 * 3u) * worlds + world] = x7;
+            if (m2) { break; }
+        }
+    }
+}
+";
+    assert!(cuda.ends_with(expected), "{cuda}");
+    assert!(cuda.contains("void __launch_bounds__(64) step("));
     let options = PrintOptions {
         workgroup_size: 32,
         parameters_per_world: true,
@@ -665,6 +684,19 @@ fn equal_expressions_are_recorded_once_where_they_are_visible() {
     let n = program.operations();
     // One root and one comparison; the sum in the branch is not visible after it.
     assert_eq!((n.loads, n.arithmetic, n.stores), (1, 4, 3));
+}
+
+#[test]
+fn infinities_are_written_by_their_bits_in_cuda() {
+    for (x, text) in [
+        (f32::INFINITY, "__uint_as_float(0x7f800000u)"),
+        (f32::NEG_INFINITY, "__uint_as_float(0xff800000u)"),
+        (-0.0, "(-0.0f)"),
+    ] {
+        let program = trace::record(|k| k.store(place(), k.index(0), 0, Real::splat(x))).unwrap();
+        let cuda = program.to_cuda(&PrintOptions::default());
+        assert!(cuda.contains(&format!("= {text};")), "{cuda}");
+    }
 }
 
 #[test]
