@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -95,6 +96,34 @@ class State:
             raise ShapeError(f"out is {found}: it must be an array, {sim.dtype} of {shape}")
         sim._engine.read(quantity, out)
         return out
+
+    def read_columns(self, quantity: str, table: np.ndarray, column: int = 0) -> int:
+        """Copies a quantity of all worlds into columns of a table, row by row, from one column on; the column behind
+        them. Observations of many quantities are put together so without a copy of each, in the simulation's threads.
+
+        `table` has the shape (worlds, columns), is float32 or float64, whatever the simulation's dtype, C-contiguous and
+        writeable.
+
+        >>> import kinetarium as kn, numpy as np
+        >>> sim = kn.Simulation(kn.examples.n_pendula(3), worlds=2)
+        >>> observed = np.zeros((2, 6))
+        >>> end = sim.state.read_columns("joint_velocity", observed)
+        >>> sim.state.read_columns("joint_position", observed, end)
+        6
+
+        Raises `ShapeError` and `UnknownNameError`.
+        """
+        shape, _ = self._layout(quantity)
+        end = column + math.prod(shape[1:])
+        if not isinstance(table, np.ndarray) or table.dtype not in (np.float32, np.float64):
+            found = table.dtype if isinstance(table, np.ndarray) else type(table).__name__
+            raise ShapeError(f"the table is {found}: it must be an array of float32 or float64")
+        if table.ndim != 2 or len(table) != shape[0] or not 0 <= column <= end <= table.shape[1]:
+            raise ShapeError(
+                f"the table has the shape {table.shape}: it must have {shape[0]} rows and columns {column} to {end}"
+            )
+        self._simulation._engine.read_columns(quantity, table, column)
+        return end
 
     def on_device(self, quantity: str) -> DeviceArray:
         """A quantity of all worlds where it lies in the memory of a CUDA card, of the shape of the attribute of that

@@ -273,3 +273,43 @@ def test_two_threads_on_one_simulation():
     thread.join()
     assert told and "another thread" in str(told[0])
     assert np.isfinite(sim.state.joint_position).all()
+
+
+def test_quantities_are_read_into_columns():
+    worlds, quantities = 2100, ("body_orientation", "joint_velocity", "spatial_inertia", "kinetic_energy")
+    sim = kn.Simulation(kn.examples.n_pendula(3), worlds=worlds, threads=2)
+    sim.controls.force[:, "hinge0"] = np.linspace(-1.0, 1.0, worlds)
+    sim.step(20)
+    parts = [sim.state.read(quantity).reshape(worlds, -1) for quantity in quantities]
+    expected = np.concatenate(parts, axis=1)
+    for dtype in (np.float32, np.float64):
+        table = np.full((worlds, expected.shape[1] + 3), 7.0, dtype)
+        end = 2
+        for quantity in quantities:
+            end = sim.state.read_columns(quantity, table, end)
+        np.testing.assert_array_equal(table[:, 2:end], expected)
+        assert end == table.shape[1] - 1
+        assert (table[:, :2] == 7.0).all()
+        assert (table[:, end] == 7.0).all()
+
+
+def test_a_table_of_the_wrong_shape_is_refused():
+    sim = kn.Simulation(kn.examples.n_pendula(3), worlds=4)
+    read = sim.state.read_columns
+    for table, column in [
+        (np.zeros((4, 2)), 0),
+        (np.zeros((4, 5)), 3),
+        (np.zeros((4, 5)), -1),
+        (np.zeros((3, 5)), 0),
+        (np.zeros(12), 0),
+    ]:
+        with pytest.raises(ShapeError, match=r"it must have 4 rows and columns -?\d to \d"):
+            read("joint_position", table, column)
+    with pytest.raises(ShapeError, match="float32 or float64"):
+        read("joint_position", np.zeros((4, 3), int))
+    with pytest.raises(ShapeError, match="contiguous"):
+        read("joint_position", np.zeros((3, 4)).T)
+    table = np.zeros((4, 3))
+    table.flags.writeable = False
+    with pytest.raises(ShapeError, match="cannot be written"):
+        read("joint_position", table)

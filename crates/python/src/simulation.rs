@@ -318,6 +318,30 @@ impl Engine {
             |s, out| s.read(quantity, out),
         )
     }
+    /// Copies a quantity of all worlds into columns of a table.
+    fn read_columns(
+        &self,
+        py: Python<'_>,
+        quantity: &str,
+        table: &Bound<'_, PyAny>,
+        column: usize,
+    ) -> PyResult<()> {
+        let quantity = self::quantity(quantity)?;
+        if let Ok(table) = table.cast::<PyArrayDyn<f32>>() {
+            let mut table = table.try_readwrite().map_err(read_only)?;
+            let table = contiguous(&mut table)?;
+            return self.with(
+                py,
+                |s| each!(s, read, s => s.read_columns(quantity, table, column)),
+            );
+        }
+        let mut table = array::<f64>(table)?.try_readwrite().map_err(read_only)?;
+        let table = contiguous(&mut table)?;
+        self.with(
+            py,
+            |s| each!(s, read, s => s.read_columns(quantity, table, column)),
+        )
+    }
     /// Where a quantity of all worlds lies on a card, as an array of this shape.
     fn quantity_on_device(
         &self,

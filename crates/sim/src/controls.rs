@@ -15,23 +15,31 @@ pub struct Controls<'a, T> {
     pub(crate) memory: &'a mut Memory<T>,
     pub(crate) tables: &'a InputTables,
     /// What was set, for devices to be told.
-    pub(crate) changes: &'a mut Span,
+    pub(crate) changes: &'a mut Changes,
 }
 
-/// The offsets from the first that was set to the last.
+/// The offsets that were set, as few ranges as they are.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Span(Range<usize>);
+pub(crate) struct Changes(Vec<Range<usize>>);
 
-impl Span {
+impl Changes {
     pub fn include(&mut self, offsets: Range<usize>) {
-        self.0 = if self.0.is_empty() {
-            offsets
-        } else {
-            self.0.start.min(offsets.start)..self.0.end.max(offsets.end)
-        };
+        let known = |range: &Range<usize>| range.start <= offsets.start && offsets.end <= range.end;
+        if offsets.is_empty() || self.0.iter().any(known) {
+            return;
+        }
+        let mut all = offsets;
+        self.0.retain(|range| {
+            let apart = range.end < all.start || all.end < range.start;
+            if !apart {
+                all = all.start.min(range.start)..all.end.max(range.end);
+            }
+            apart
+        });
+        self.0.push(all);
     }
     /// The offsets, which are then told.
-    pub fn take(&mut self) -> Range<usize> {
+    pub fn take(&mut self) -> Vec<Range<usize>> {
         std::mem::take(&mut self.0)
     }
 }

@@ -4,7 +4,7 @@
 //! go there when they have changed, and what is read comes back when it is asked for. Which numbers are known on
 //! both sides is kept here.
 
-use crate::controls::Span;
+use crate::controls::Changes;
 use crate::engine::Task;
 use numbers::{Float, Memory};
 use rigid::{Report, Solver};
@@ -141,8 +141,7 @@ impl<T: Float> Remote<T> {
             self.worlds.write_parameters(host.parameters)?;
             self.parameters_set = false;
         }
-        let controls = host.changes.take();
-        if !controls.is_empty() {
+        for controls in host.changes.take() {
             self.worlds.write_input(controls, host.input)?;
         }
         self.set.sort_unstable();
@@ -203,6 +202,6 @@ impl<T: Float> Remote<T> {
 pub(crate) struct Host<'a, T> {
     pub state: &'a Memory<T>,
     pub input: &'a Memory<T>,
-    pub changes: &'a mut Span,
+    pub changes: &'a mut Changes,
     pub parameters: &'a Memory<T>,
 }

@@ -1,6 +1,6 @@
 //! Tables of all worlds at once, as plain arrays: what is reported, and what a controller sets.
 
-use crate::error::{MOST_FORCE, MOST_MOTION, SimulationError, bounded, length};
+use crate::error::{MOST_FORCE, MOST_MOTION, SimulationError, bounded, index, length};
 use crate::simulation::RUNS_PER_THREAD;
 use crate::spatial::{Spatial, Trees};
 use crate::{Controls, Outputs, Simulation};
@@ -192,6 +192,9 @@ impl Quantity {
 /// Numbers from which on threads share the copying: fewer are copied sooner than threads wake.
 const SHARED: usize = 1 << 15;
 
+/// Worlds that are copied at once on their way into columns, a few blocks: they stay in the nearest caches.
+const AT_ONCE: usize = 128;
+
 impl<T: Float> Simulation<T> {
     /// Copies a quantity of what was last reported: `out[world][row][number]`.
     pub(crate) fn copy(&self, quantity: Quantity, out: &mut [T]) -> Result<(), SimulationError> {
@@ -207,6 +210,45 @@ impl<T: Float> Simulation<T> {
         let parts = out.par_chunks_mut(run * rows * width).enumerate();
         self.threads
             .run(|| parts.for_each(|(part, out)| self.copy_from(source, part * run, out)));
+        Ok(())
+    }
+    /// The same, into columns of a table.
+    pub(crate) fn copy_columns<U: Float>(
+        &self,
+        quantity: Quantity,
+        table: &mut [U],
+        column: usize,
+    ) -> Result<(), SimulationError> {
+        let worlds = self.worlds();
+        let numbers: usize = quantity.shape(self.model()).iter().product();
+        let columns = table.len() / worlds;
+        length("the table", table.len(), worlds * columns)?;
+        index("last column", column + numbers, columns + 1)?;
+        if numbers == 0 {
+            return Ok(());
+        }
+        let (blocks, lanes) = (self.output.blocks(), self.output.width());
+        let source = quantity.source(&self.output_tables, self.model());
+        let run = lanes * blocks.div_ceil(self.threads() * RUNS_PER_THREAD);
+        let place = |first: usize, table: &mut [U]| {
+            let mut some = vec![T::zero(); (table.len() / columns).min(AT_ONCE) * numbers];
+            for (i, table) in table.chunks_mut(AT_ONCE * columns).enumerate() {
+                let some = &mut some[..table.len() / columns * numbers];
+                self.copy_from(source, first + i * AT_ONCE, some);
+                for (row, from) in table.chunks_mut(columns).zip(some.chunks(numbers)) {
+                    for (to, x) in row[column..].iter_mut().zip(from) {
+                        *to = U::from_f64(x.to_f64());
+                    }
+                }
+            }
+        };
+        if table.len() < SHARED || blocks == 1 {
+            place(0, table);
+            return Ok(());
+        }
+        let parts = table.par_chunks_mut(run * columns).enumerate();
+        self.threads
+            .run(|| parts.for_each(|(part, table)| place(part * run, table)));
         Ok(())
     }
     /// The same of the worlds from the first of a block on, of as many as there is room for.

@@ -41,8 +41,7 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Where a control lies on the device, to be read and written: what stands there when worlds are stepped acts, and
-    /// is not checked. What the host sets of the same control, or of two on either side of it, is written over it before
-    /// the next step.
+    /// is not checked. What the host sets of the same control is written over it before the next step.
     ///
     /// # Errors
     /// Worlds are not on a device that shares its memory, as CUDA's do; the device fails.

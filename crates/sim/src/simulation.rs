@@ -1,7 +1,7 @@
 //! W worlds of one model.
 
 use crate::compile::Compiled;
-use crate::controls::Span;
+use crate::controls::Changes;
 use crate::device::{Host, Remote};
 use crate::engine::{Block, Task};
 use crate::error::{MOST_MOTION, SimulationError, bounded, index, length};
@@ -54,7 +54,7 @@ pub struct Simulation<T: Float> {
     pub(crate) input: Memory<T>,
     pub(crate) output: Memory<T>,
     /// Controls that were set since a device was told.
-    pub(crate) changes: Span,
+    pub(crate) changes: Changes,
     /// The constants of the model: one block for all worlds, or one for each.
     parameters: Memory<T>,
     /// The same, a number each, while all worlds have them in common.
@@ -210,7 +210,7 @@ impl<T: Float> Simulation<T> {
             state: memory(lengths.state),
             input: memory(lengths.input),
             output: memory(lengths.output),
-            changes: Span::default(),
+            changes: Changes::default(),
             parameters: in_lanes(shared.engine.parameters(), width, width),
             common: shared
                 .engine
@@ -606,12 +606,31 @@ impl<T: Float> Simulation<T> {
     /// # Errors
     /// An array of the wrong length; a device that fails.
     pub fn read(&mut self, quantity: Quantity, out: &mut [T]) -> Result<(), SimulationError> {
+        self.fetch(quantity)?;
+        self.copy(quantity, out)
+    }
+    /// As [`read`](Simulation::read), into columns of a table of any precision that has a row for each world, from
+    /// one column on: what is observed of many quantities together needs no copies of each.
+    ///
+    /// # Errors
+    /// A table that does not have as many rows as there are worlds, or not the columns; a device that fails.
+    pub fn read_columns<U: Float>(
+        &mut self,
+        quantity: Quantity,
+        table: &mut [U],
+        column: usize,
+    ) -> Result<(), SimulationError> {
+        self.fetch(quantity)?;
+        self.copy_columns(quantity, table, column)
+    }
+    /// Makes what a quantity of the present state is made of known.
+    fn fetch(&mut self, quantity: Quantity) -> Result<(), SimulationError> {
         self.report(quantity.needs())?;
         if let Some(remote) = &mut self.remote {
             let rows = quantity.made_of(&self.output_tables, &self.model);
             remote.read_output(&rows, &mut self.output)?;
         }
-        self.copy(quantity, out)
+        Ok(())
     }
 
     /// Brings at least what is needed of the output to the present state, where the worlds are.

@@ -37,12 +37,12 @@ class HumanoidTask(Task):
         self._include_cfrc_ext = include_cfrc_ext_in_observation
         super().__init__(worlds, **options)
 
-    def observation(self, seen: Seen) -> list[Array]:
-        parts = [seen.position[:, self._hidden :], seen.velocity]
+    def observation(self, seen: Seen) -> list[Array | str]:
+        parts: list[Array | str] = [seen.position[:, self._hidden :], seen.velocity]
         if self._include_cinert:
-            parts.append(seen.spatial_inertia)
+            parts.append("spatial_inertia")
         if self._include_cvel:
-            parts.append(seen.spatial_velocity)
+            parts.append("spatial_velocity")
         if self._include_qfrc_actuator:
             parts.append(self.actuator_force(seen))
         if self._include_cfrc_ext:

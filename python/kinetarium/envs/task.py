@@ -77,16 +77,6 @@ class Seen:
         return self._state.read("center_of_mass")
 
     @cached_property
-    def spatial_inertia(self) -> Array:
-        """`cinert` but for the world's row, shape (worlds, bodies, 10)."""
-        return self._state.read("spatial_inertia")
-
-    @cached_property
-    def spatial_velocity(self) -> Array:
-        """`cvel` but for the world's row, shape (worlds, bodies, 6)."""
-        return self._state.read("spatial_velocity")
-
-    @cached_property
     def contact_force(self) -> Array:
         """`cfrc_ext` but for the world's row: torque about the centre of mass of its tree and force [N·m, N] of
         the contacts of the last step on each body, world axes, shape (worlds, bodies, 6)."""
@@ -165,12 +155,17 @@ class Task(ABC):
         self._lost = np.zeros(worlds, bool)
         self._camera: tuple[kn.Camera, Array] | None = None
         self._look()
-        width = sum(part[0].size for part in self.observation(self.seen))
+        state = self.simulation.state
+        width = sum(
+            state.read(part)[0].size if isinstance(part, str) else part[0].size
+            for part in self.observation(self.seen)
+        )
         self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (width,), np.float64)
 
     @abstractmethod
-    def observation(self, seen: Seen) -> list[Array]:
-        """What is observed, part by part, each of shape (worlds, …)."""
+    def observation(self, seen: Seen) -> list[Array] | list[Array | str]:
+        """What is observed, part by part, each an array of shape (worlds, …), or the name of a quantity of
+        `kinetarium.State`, which is copied where it belongs."""
 
     @abstractmethod
     def outcome(self, seen: Seen, action: Array, velocity: Array) -> tuple[Array, Array, dict[str, Array]]:
@@ -235,6 +230,9 @@ class Task(ABC):
         observed = np.empty((self.worlds, *self.observation_space.shape))
         column = 0
         for part in self.observation(self.seen):
+            if isinstance(part, str):
+                column = self.simulation.state.read_columns(part, observed, column)
+                continue
             width = part[0].size
             observed[:, column : column + width].reshape(part.shape)[...] = part
             column += width
