@@ -101,8 +101,8 @@ class State:
         """Copies a quantity of all worlds into columns of a table, row by row, from one column on; the column behind
         them. Observations of many quantities are put together so without a copy of each, in the simulation's threads.
 
-        `table` has the shape (worlds, columns), is float32 or float64, whatever the simulation's dtype, C-contiguous and
-        writeable.
+        `table` has the shape (worlds, columns), is float32 or float64, whatever the simulation's dtype, C-contiguous
+        and writeable.
 
         >>> import kinetarium as kn, numpy as np
         >>> sim = kn.Simulation(kn.examples.n_pendula(3), worlds=2)
