@@ -292,6 +292,16 @@ pub enum ModelError {
         /// "limit" or "drive".
         what: &'static str,
     },
+    /// Something acts along a joint that closes a loop, and so has no coordinates.
+    #[error(
+        "joint \"{joint}\": one that closes a loop has no coordinates, and takes no {what}; remove it, or let another joint of the loop close it"
+    )]
+    ClosingJointTakesNo {
+        /// The joint.
+        joint: String,
+        /// "drive", "spring", ….
+        what: &'static str,
+    },
     /// Two joints would carry one body.
     #[error(
         "joint \"{joint}\": its child \"{body}\" already hangs on joint \"{first}\"; mark the joint closes_loop, merge the two into one d6 joint, or swap its parent and child"

@@ -212,13 +212,14 @@ pub struct Joint {
     pub initial: Vec<f64>,
     /// Length of a `distance` joint [m].
     pub length: f64,
-    /// Give of the locked directions [m/N]; used by `xpbd`. 0 is rigid.
+    /// Give of the locked directions [m/N]; `xpbd`, and `featherstone` where the joint closes a loop. 0 is rigid.
     pub linear_compliance: f64,
-    /// Give of the locked rotations [rad/(N·m)]; used by `xpbd`. 0 is rigid.
+    /// Give of the locked rotations [rad/(N·m)]; as for the directions. 0 is rigid.
     pub angular_compliance: f64,
-    /// False: the joint does not act; `xpbd`, and `impulse` as long as it stays so.
+    /// False: the joint does not act; `xpbd`, `impulse` as long as it stays so, and `featherstone` where, besides, it
+    /// closes a loop.
     pub enabled: bool,
-    /// True: the joint closes a loop. It has no coordinates in the state, and `featherstone` does not take it.
+    /// True: the joint closes a loop. It has no coordinates in the state, and nothing acts along its axes.
     pub closes_loop: bool,
     /// True: parent and child may touch. False, the default: they do not, for most joints overlap
     /// what they tie. Two bodies that several joints tie touch if all of these let them.
@@ -328,7 +329,7 @@ impl Joint {
 }
 
 /// A linear relation of two coordinates, as of gears or of a URDF mimic:
-/// q(joint) = offset + ratio · q(other). Taken by `xpbd`.
+/// q(joint) = offset + ratio · q(other). Taken by `featherstone` and `xpbd`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Coupling {
     /// Unique in the model.

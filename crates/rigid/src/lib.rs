@@ -12,6 +12,7 @@ pub mod featherstone;
 pub mod impulse;
 mod input;
 mod lists;
+mod locks;
 mod output;
 mod solver;
 mod tables;

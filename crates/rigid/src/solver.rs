@@ -87,9 +87,9 @@ impl Settings {
 /// Why a solver cannot take a model or a setting.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SolverError {
-    /// Reduced coordinates cannot close a loop.
+    /// A solver of trees alone was given a loop.
     #[error(
-        "joint `{joint}` closes a loop, which reduced coordinates cannot: use the solver `xpbd`"
+        "joint `{joint}` closes a loop, which a solver of trees cannot: use one with contacts and loops"
     )]
     ClosedLoop {
         /// Name of the joint or coupling.

@@ -212,6 +212,10 @@ fn a_closed_loop_keeps_its_bits() {
         suits_a_shader(&kernels, &model);
         keeps_the_bits(&kernels, &model, 300);
     }
+    let kernels = TouchingFeatherstone::without_contacts(&model, &Settings::new(0.002)).unwrap();
+    suits_a_shader(&kernels, &model);
+    keeps_the_bits(&kernels, &model, 300);
+    stays_when_it_diverges(&kernels, &model);
 }
 
 #[test]

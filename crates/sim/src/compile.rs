@@ -93,7 +93,13 @@ fn engine<T: Float>(model: &Model, settings: &SimulationSettings) -> Made<T> {
         (SolverKind::Featherstone, true) => {
             Box::new(TouchingFeatherstone::new(model, &settings.step)?)
         }
-        (SolverKind::Featherstone, false) => Box::new(Featherstone::new(model, &settings.step)?),
+        (SolverKind::Featherstone, false) if model.is_tree() => {
+            Box::new(Featherstone::new(model, &settings.step)?)
+        }
+        (SolverKind::Featherstone, false) => Box::new(TouchingFeatherstone::without_contacts(
+            model,
+            &settings.step,
+        )?),
         (_, true) => Box::new(Xpbd::touching(model, &settings.step)?),
         (_, false) => Box::new(Xpbd::new(model, &settings.step)?),
     })

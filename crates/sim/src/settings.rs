@@ -3,19 +3,19 @@
 use crate::SimulationError;
 use model::Model;
 use numbers::dispatch::Isa;
-use rigid::Settings;
 use rigid::impulse::suits;
+use rigid::{Settings, featherstone};
 
 /// Which solver advances the worlds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum SolverKind {
-    /// `impulse` for several things that touch and that nothing drives; `featherstone` for other trees,
-    /// `xpbd` otherwise.
+    /// `impulse` for several things that touch and that nothing drives; `featherstone` for other trees, and up to 16
+    /// loops and couplings; `xpbd` for more of these, and for joints that give way or are disabled.
     #[default]
     Auto,
-    /// Reduced coordinates: accurate, no drift; trees only.
+    /// Reduced coordinates: accurate, no drift; loops and couplings by impulses.
     Featherstone,
-    /// Maximal coordinates: robust; loops and compliance.
+    /// Maximal coordinates: robust; loops by the hundred, compliance.
     Xpbd,
     /// Sequential impulses: bodies by the thousand, free or jointed, in piles. Several threads can share a
     /// world.
@@ -29,7 +29,7 @@ impl SolverKind {
     /// What `auto` takes for a model on a device, where `impulse` does not run; any other takes itself.
     pub fn on_device(self, model: &Model) -> Self {
         match self {
-            Self::Auto if model.is_tree() => Self::Featherstone,
+            Self::Auto if featherstone::suits(model) => Self::Featherstone,
             Self::Auto => Self::Xpbd,
             named => named,
         }

@@ -23,13 +23,16 @@ fn hanging(balls: usize) -> Model {
 
 #[test]
 fn substeps_are_those_of_the_solver_that_is_picked() {
-    let (one, two) = (hanging(1), hanging(2));
+    let (one, two, many) = (hanging(1), hanging(2), hanging(17));
     assert!(!one.is_tree() && !two.is_tree());
     for (solver, model, contacts, substeps) in [
-        (SolverKind::Auto, &one, true, 4),
+        // A loop: `featherstone`.
+        (SolverKind::Auto, &one, true, 1),
         // Several things that touch: `impulse`.
         (SolverKind::Auto, &two, true, 1),
-        (SolverKind::Auto, &two, false, 4),
+        (SolverKind::Auto, &two, false, 1),
+        // Many loops: `xpbd`.
+        (SolverKind::Auto, &many, false, 4),
         (SolverKind::Xpbd, &two, true, 4),
     ] {
         let found = solver.usual_substeps(model, contacts);

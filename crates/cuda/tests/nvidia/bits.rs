@@ -43,8 +43,10 @@ fn articulated_bodies_have_the_same_bits() {
 
 #[test]
 #[ignore = "needs a graphics card or what stands in for one"]
-fn bodies_in_maximal_coordinates_have_the_same_bits() {
-    has_the_same_bits(&looped().unwrap(), SolverKind::Xpbd, false, 300);
+fn closed_loops_have_the_same_bits() {
+    for solver in [SolverKind::Featherstone, SolverKind::Xpbd] {
+        has_the_same_bits(&looped().unwrap(), solver, false, 300);
+    }
 }
 
 #[test]

@@ -87,6 +87,15 @@ fn articulated_bodies_agree_with_the_processor() {
     }
 }
 
+/// Errors of positions over h are velocities, and so is their rounding.
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn closed_loops_agree_with_the_processor() {
+    let once = 1e-5 + 2.0 * f64::from(f32::EPSILON) / H;
+    let settings = settings(SolverKind::Featherstone, Integrator::default());
+    agrees(&card(), &looped().unwrap(), settings, once);
+}
+
 #[test]
 #[ignore = "needs a graphics card or what stands in for one"]
 fn position_based_dynamics_agrees_with_the_processor() {

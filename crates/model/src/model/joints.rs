@@ -135,8 +135,24 @@ fn dof(dof: &Dof, joint: &Joint) -> Result<(), ModelError> {
         subject.not_negative("limit inertia", limit.inertia)?;
     }
     drive(&subject, &dof.drive)?;
+    let drives = dof.drive.stiffness > 0.0 || dof.drive.damping > 0.0;
+    if joint.closes_loop {
+        let laws = [
+            (drives, "drive"),
+            (dof.stiffness > 0.0, "spring"),
+            (dof.damping > 0.0, "damping"),
+            (dof.limit.is_some(), "limit"),
+            (dof.armature > 0.0, "armature"),
+            (dof.friction_loss > 0.0, "friction"),
+        ];
+        if let Some((_, what)) = laws.into_iter().find(|(acts, _)| *acts) {
+            return Err(ModelError::ClosingJointTakesNo {
+                joint: joint.name.clone(),
+                what,
+            });
+        }
+    }
     if joint.kind == JointKind::Free {
-        let drives = dof.drive.stiffness > 0.0 || dof.drive.damping > 0.0;
         let what = if drives {
             Some("drive")
         } else {

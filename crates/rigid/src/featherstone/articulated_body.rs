@@ -65,7 +65,7 @@ fn inwards<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, h: M::R, imp
             p.set(p.get() + carried_p);
         }
         if CONTACTS {
-            if t.presses() {
+            if t.exchanges() {
                 p.set(p.get() - k.spatial(t.pressure, n, 0));
             }
             for s in k.range(links[node_link::SLOT_BEGIN], links[node_link::SLOT_END]) {

@@ -1,5 +1,7 @@
-//! Pairs of nodes that may touch, and the degrees of freedom that move either.
+//! Pairs of nodes that may touch, that a joint ties into a loop, or that are coupled, and the degrees of freedom that move either.
 
+use super::closing::Closing;
+use super::coupling::Coupled;
 use super::tables::{Forest, couple_link};
 use crate::contacts::ContactPlan;
 
@@ -14,28 +16,63 @@ pub(super) struct Couples {
     pub slots: Vec<(usize, usize, usize)>,
     /// Rows of entries of all slots together.
     pub entries: usize,
+    /// The same of all joints that close loops, and of all couplings.
+    pub closing_entries: usize,
+    pub coupling_entries: usize,
 }
 
 impl Couples {
-    pub fn new(forest: &Forest, plan: &ContactPlan) -> Self {
+    /// Those of a plan of contacts, and of closings and couplings, which are told theirs.
+    pub fn new(
+        forest: &Forest,
+        plan: &ContactPlan,
+        closings: &mut [Closing],
+        couplings: &mut [Coupled],
+    ) -> Self {
         let mut all = Self::default();
         for (slot, a, b) in plan.between_slots() {
-            let known = all
-                .couples
-                .iter()
-                .position(|c| (c[couple_link::NODE_A], c[couple_link::NODE_B]) == (a.row, b.row));
-            let couple = known.unwrap_or_else(|| {
-                all.add([a.group, b.group], [a.row, b.row], forest);
-                all.couples.len() - 1
-            });
+            let couple = all.of([a.group, b.group], [a.row, b.row], forest);
             all.slots.push((slot, couple, all.entries));
             all.entries += all.couples[couple][couple_link::ENTRIES];
+        }
+        for closing in closings {
+            closing.couple = all.of(closing.groups, closing.rows, forest);
+            closing.entry = all.closing_entries;
+            all.closing_entries += all.couples[closing.couple][couple_link::ENTRIES];
+        }
+        for coupled in couplings {
+            coupled.couple = all.of(coupled.groups, coupled.rows, forest);
+            coupled.entry = all.coupling_entries;
+            let couple = all.couples[coupled.couple];
+            let (own_a, own) = (couple[couple_link::OWN_A], couple[couple_link::OWN]);
+            // Where one joint carries the other, its own entry is the first of the shared ones.
+            coupled.starts = [
+                if own_a > 0 { 0 } else { own },
+                if own > own_a { own_a } else { own },
+            ];
+            all.coupling_entries += couple[couple_link::ENTRIES];
         }
         all
     }
 
+    /// Whether any bodies that move give each other impulses.
+    pub fn exchange(&self) -> bool {
+        !self.couples.is_empty()
+    }
+
+    /// The pair of two nodes, or of a node and the world, given their trees.
+    fn of(&mut self, groups: [usize; 2], rows: [usize; 2], forest: &Forest) -> usize {
+        let nodes =
+            |c: &[usize; couple_link::WIDTH]| [c[couple_link::NODE_A], c[couple_link::NODE_B]];
+        let known = self.couples.iter().position(|c| nodes(c) == rows);
+        known.unwrap_or_else(|| {
+            self.add(groups, rows, forest);
+            self.couples.len() - 1
+        })
+    }
+
     fn add(&mut self, groups: [usize; 2], rows: [usize; 2], forest: &Forest) {
-        let [a, b] = rows.map(|row| path(forest, row - forest.bases.len()));
+        let [a, b] = rows.map(|row| path(forest, row.checked_sub(forest.bases.len())));
         let both = a.iter().rev().zip(b.iter().rev());
         let common = both.take_while(|(one, other)| one == other).count();
         let (own_a, own_b) = (a.len() - common, b.len() - common);
@@ -54,9 +91,9 @@ impl Couples {
 }
 
 /// The degrees of freedom between a node and the world, in the order in which they are eliminated.
-fn path(forest: &Forest, node: usize) -> Vec<usize> {
+fn path(forest: &Forest, node: Option<usize>) -> Vec<usize> {
     let mut dofs = Vec::new();
-    let mut next = Some(node);
+    let mut next = node;
     while let Some(n) = next {
         let node = &forest.nodes[n];
         dofs.extend((node.dof..node.dof + node.dofs()).rev());

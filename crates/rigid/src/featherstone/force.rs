@@ -106,9 +106,13 @@ fn axes(model: &Model) -> impl Iterator<Item = (usize, usize, &model::Dof, bool)
         })
 }
 
-/// Coordinates that turn without end, and so are kept within (−π, π].
-pub(crate) fn wrapping(model: &Model) -> Vec<usize> {
-    axes(model).filter(|a| a.3).map(|a| a.0).collect()
+/// Coordinates that turn without end, and so are told within (−π, π]; the second ones are coupled, and count
+/// their turns.
+pub(crate) fn wrapping(model: &Model) -> (Vec<usize>, Vec<usize>) {
+    let joints = model.couplings.iter().flat_map(|c| [c.joint, c.other]);
+    let coupled: Vec<usize> = joints.map(|j| model.coordinate_range(j).start).collect();
+    let turning = axes(model).filter(|a| a.3).map(|a| a.0);
+    turning.partition(|q| !coupled.contains(q))
 }
 
 /// Degrees of freedom of ball and free rotations: (quaternion coordinate, first dof, dofs).

@@ -1,19 +1,8 @@
 //! Contacts between bodies that move: impulses by projected Gauss–Seidel on the tree's own factor.
 //!
-//! The articulated-body algorithm factors the inertia of the whole tree, with its springs, dampers
-//! and contacts with the ground: M = (L D) Lᵀ in the order in which it eliminates the degrees of
-//! freedom. A row of the Jacobian J of a point of contact (velocity of B less that of A along one
-//! direction d) becomes
-//!
-//! ```text
-//! y = D^-½ L⁻¹ Jᵀ      (walk inwards with the wrench w of d at x:  u = Sᵀ w,  y = u / √D,  w ← w − U u / D)
-//! ```
-//!
-//! which has entries on the paths from the two nodes to the world only, and J M⁻¹ Jᵀ = Y Yᵀ. Where the paths
-//! meet, the wrenches of both sides are added, and walk on as one: y is linear in w. The
-//! impulses λ [N·s] start at those of the last step, which act as forces while the contacts with the
-//! ground are settled. With z = Yᵀ Δλ for what is added to them, the velocity of a row is u⁰ + y · z,
-//! and a pass over the rows solves
+//! The rows of each point of contact are [on the tree's factor](super::factor). Its impulses λ [N·s] start at
+//! those of the last step, which act as forces while the contacts with the ground are settled; z = Yᵀ Δλ is for
+//! what is added to them. A pass over the rows, whose velocities are u⁰ + y · z, solves
 //!
 //! ```text
 //! normal    uₙ + λₙ / (h cₙ) = u*,  λₙ ≥ 0
@@ -21,16 +10,20 @@
 //! ```
 //!
 //! one contact after the other (Jourdan, Alart & Jean 1998; cₙ and u* as in
-//! [`contact`](super::contact)). Both tangents take one scalar step, and are shortened together.
-//! In the end one walk outwards turns z into accelerations: q̇ᵢ = zᵢ / √Dᵢ − Uᵢᵀ v / Dᵢ.
+//! [`contact`](super::contact)). Both tangents take one scalar step, and are shortened together. Joints that
+//! close loops ([`closing`](super::closing)) and couplings ([`coupling`](super::coupling)) have their turns at the end
+//! of each pass.
 //!
 //! Departures from the exact solution: as many passes as `Settings::contact_iterations`; contacts with
 //! the ground give way to what is added as springs do, but neither open nor close by it in that step;
 //! a contact that did not press takes part if the two come half of the gap nearer without impulses, or
 //! almost meet, so that one which only the impulses of others close begins a step late.
 
+use super::closing;
 use super::contact::{self, at, impedance, law, load, rate};
-use super::tables::{Tables, couple_link, dof, frame, node_link, touch_link};
+use super::coupling;
+use super::factor::{self, Entries, Path, response, seen_from_a};
+use super::tables::{Tables, couple_link, frame, touch_link};
 use crate::contacts::{found, slot, slot_link};
 use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::Spatial;
@@ -60,15 +53,6 @@ pub(crate) mod impulse {
     pub const WIDTH: usize = 13;
 }
 
-/// Fields of [`Tables::response`], a row for each degree of freedom.
-pub(crate) mod response {
-    /// z.
-    pub const Z: usize = 0;
-    /// 1 / √D.
-    pub const ROOT: usize = 1;
-    pub const WIDTH: usize = 2;
-}
-
 /// Normal and two tangents (Duff et al. 2017, listing 3), the first of them kept from step to step
 /// by the normal alone.
 #[inline(always)]
@@ -81,22 +65,14 @@ fn basis<R: Real>(n: Vec3<R>) -> Mat3<R> {
     Mat3::from_columns(n, first, second)
 }
 
-/// Where the contact is, as each side sees it.
-#[inline(always)]
-fn points<M: Machine>(k: &M, t: &Tables, s: M::I) -> (Vec3<M::R>, Vec3<M::R>) {
-    let couple = k.link(t.touch_links, s, touch_link::COUPLE);
-    let x = k.vec3(t.contacts.slot, s, slot::POSITION);
-    let [a, b] = k.link_row::<_, 2>(t.couple_links, couple);
-    let shift = k.vec3(t.point, b, 0) - k.vec3(t.point, a, 0);
-    (x + shift, x)
-}
-
 /// Lets the forces of the last step act where the same features touch still.
 ///
 /// The passes over the contacts with the ground then know what presses on them.
 #[inline(always)]
 pub(crate) fn begin<M: Machine>(k: &mut M, t: &Tables) {
-    clear(k, t);
+    factor::clear(k, t);
+    closing::press(k, t);
+    coupling::press(k, t);
     for place in between(k, t) {
         let s = t.contacts.found.row(k, place);
         let f = kept(k, t, s);
@@ -107,18 +83,13 @@ pub(crate) fn begin<M: Machine>(k: &mut M, t: &Tables) {
 /// Lets the forces of [`Tables::kept`] act, which [`contact::recall`](super::contact::recall) has read.
 #[inline(always)]
 pub(crate) fn recall<M: Machine>(k: &mut M, t: &Tables) {
-    clear(k, t);
+    factor::clear(k, t);
+    closing::press(k, t);
+    coupling::press(k, t);
     for place in between(k, t) {
         let s = t.contacts.found.row(k, place);
         let f = k.vec3(t.load, s, load::FORCE_0);
         press(k, t, s, f);
-    }
-}
-
-#[inline(always)]
-fn clear<M: Machine>(k: &mut M, t: &Tables) {
-    for n in k.range(k.index(t.trees), k.index(t.trees + t.nodes)) {
-        k.store_spatial(t.pressure, n, 0, Spatial::zero());
     }
 }
 
@@ -134,16 +105,12 @@ fn kept<M: Machine>(k: &M, t: &Tables, s: M::I) -> Vec3<M::R> {
 #[inline(always)]
 fn press<M: Machine>(k: &mut M, t: &Tables, s: M::I, f: Vec3<M::R>) {
     let couple = k.link(t.touch_links, s, touch_link::COUPLE);
-    let (x_a, x_b) = points(k, t, s);
-    let a = k.link(t.couple_links, couple, couple_link::NODE_A);
-    let b = k.link(t.couple_links, couple, couple_link::NODE_B);
-    let sum = k.spatial(t.pressure, b, 0) + Spatial::new(x_b.cross(f), f);
-    k.store_spatial(t.pressure, b, 0, sum);
-    let sum = k.spatial(t.pressure, a, 0) - Spatial::new(x_a.cross(f), f);
-    k.store_spatial(t.pressure, a, 0, sum);
+    let x = k.vec3(t.contacts.slot, s, slot::POSITION);
+    factor::press(k, t, couple, x, Spatial::new(Vec3::zero(), f));
 }
 
-/// Impulses of the contacts between bodies that move, and the accelerations that they add.
+/// Impulses of the contacts between bodies that move, and of what closes loops, and the accelerations that
+/// they add.
 ///
 /// Needs the accelerations under the forces of [`begin`].
 #[inline(always)]
@@ -159,22 +126,26 @@ pub(crate) fn gauss_seidel<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
             t.acting.append(k, first, s);
         }
     }
+    if t.closings.count + t.couplings.count > 0 {
+        any.write(M::R::one());
+    }
     if let Some(_branch) = k.if_any(any.read().gt(zero)) {
-        for v in k.count(t.dofs) {
-            let root = k.load(t.dof, v, dof::INVERSE).sqrt();
-            k.write(t.response, v, response::Z, [zero, root]);
-        }
+        factor::begin(k, t);
         for place in t.acting.places(k, first) {
             let s = t.acting.row(k, place);
             row(k, t, s, h);
         }
+        closing::rows(k, t, h);
+        coupling::rows(k, t, h);
         iterate(k, t);
-        respond(k, t);
+        closing::keep(k, t);
+        coupling::keep(k, t);
+        factor::respond(k, t);
         contact::give(k, t, h);
     }
 }
 
-/// Passes over the contacts until nothing changes by more than [`SMALL`].
+/// Passes over the contacts, and what closes loops, until nothing changes by more than [`SMALL`].
 ///
 /// A lane that has come so far stands still, so that its bits do not depend on its neighbours'.
 #[inline(always)]
@@ -192,6 +163,16 @@ fn iterate<M: Machine>(k: &mut M, t: &Tables) {
                 change.write(change.read().max(step));
                 most.write(most.read().max(size));
             }
+        }
+        for c in k.count(t.closings.count) {
+            let (step, size) = closing::relax(k, t, c, on);
+            change.write(change.read().max(step));
+            most.write(most.read().max(size));
+        }
+        for c in k.count(t.couplings.count) {
+            let (step, size) = coupling::relax(k, t, c, on);
+            change.write(change.read().max(step));
+            most.write(most.read().max(size));
         }
         let open = change.read().gt(most.read() * M::R::lit(SMALL * SMALL));
         let next = M::R::select(open, on, zero);
@@ -215,8 +196,9 @@ fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) -> M::R {
     let couple = k.link(t.touch_links, s, touch_link::COUPLE);
     let distance = k.load(t.contacts.slot, s, slot::DISTANCE);
     let e = basis(k.vec3(t.contacts.slot, s, slot::NORMAL));
-    let (x_a, x_b) = points(k, t, s);
-    let now = moves(k, t, couple_link::NODE_B, couple, x_b, h);
+    let x = k.vec3(t.contacts.slot, s, slot::POSITION);
+    let x_a = seen_from_a(k, t, couple, x);
+    let now = moves(k, t, couple_link::NODE_B, couple, x, h);
     let other = moves(k, t, couple_link::NODE_A, couple, x_a, h);
     let (speed, u) = (e.x.dot(now.0 - other.0), e.transpose_mul(now.1 - other.1));
     let (target, c) = impedance(k, t, pair, distance, speed, h);
@@ -253,66 +235,16 @@ fn row<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
 #[inline(always)]
 fn responses<M: Machine>(k: &mut M, t: &Tables, s: M::I, e: Mat3<M::R>) -> Vec3<M::R> {
     let couple = k.link(t.touch_links, s, touch_link::COUPLE);
-    let own_a = k.link(t.couple_links, couple, couple_link::OWN_A);
-    let own = k.link(t.couple_links, couple, couple_link::OWN);
-    let entries = k.link(t.couple_links, couple, couple_link::ENTRIES);
-    let (x_a, x_b) = points(k, t, s);
-    let mut square = Vec3::zero().hold(k);
+    let to = Entries {
+        table: t.entry,
+        first: k.link(t.touch_links, s, touch_link::ENTRY),
+        field: 0,
+    };
+    let x = k.vec3(t.contacts.slot, s, slot::POSITION);
     let against = Mat3::from_columns(-e.x, -e.y, -e.z);
-    let mut a = wrenches(k, x_a, against);
-    walk(k, t, s, [k.index(0), own_a], &mut a, &mut square);
-    let mut b = wrenches(k, x_b, e);
-    walk(k, t, s, [own_a, own], &mut b, &mut square);
-    let mut both = [
-        (a[0].get() + b[0].get()).hold(k),
-        (a[1].get() + b[1].get()).hold(k),
-        (a[2].get() + b[2].get()).hold(k),
-    ];
-    walk(k, t, s, [own, entries], &mut both, &mut square);
-    square.get()
-}
-
-/// Wrenches of the three directions at a point.
-#[inline(always)]
-fn wrenches<M: Machine>(k: &M, x: Vec3<M::R>, e: Mat3<M::R>) -> [Spatial<M::Cell>; 3] {
-    [
-        Spatial::new(x.cross(e.x), e.x).hold(k),
-        Spatial::new(x.cross(e.y), e.y).hold(k),
-        Spatial::new(x.cross(e.z), e.z).hold(k),
-    ]
-}
-
-/// Walks inwards along some of a contact's entries with the wrenches of its three directions.
-#[inline(always)]
-fn walk<M: Machine>(
-    k: &mut M,
-    t: &Tables,
-    s: M::I,
-    [from, to]: [M::I; 2],
-    wrenches: &mut [Spatial<M::Cell>; 3],
-    square: &mut Vec3<M::Cell>,
-) {
-    let couple = k.link(t.touch_links, s, touch_link::COUPLE);
-    let names = k.link(t.couple_links, couple, couple_link::ENTRY_BEGIN);
-    let first = k.link(t.touch_links, s, touch_link::ENTRY);
-    let [normal, one, two] = wrenches;
-    for i in k.range(from, to) {
-        let v = k.link(t.entry_links, names.plus(i), 0);
-        let (axis, u) = (k.spatial(t.dof, v, dof::AXIS), k.spatial(t.dof, v, dof::U));
-        let inverse = k.load(t.dof, v, dof::INVERSE);
-        let along = Vec3::new(
-            axis.dot(normal.get()),
-            axis.dot(one.get()),
-            axis.dot(two.get()),
-        );
-        let share = along * -inverse;
-        normal.set(u.fma(share.x, normal.get()));
-        one.set(u.fma(share.y, one.get()));
-        two.set(u.fma(share.z, two.get()));
-        let y = along * k.load(t.response, v, response::ROOT);
-        k.store_vec3(t.entry, first.plus(i), 0, y);
-        square.set(y.times(y) + square.get());
-    }
+    let on_a = factor::forces(seen_from_a(k, t, couple, x), against);
+    let on_b = factor::forces(x, e);
+    factor::rows(k, t, Path::of(k, t, couple), to, [on_a, on_b])
 }
 
 /// Velocity of one side at x before the step, and after it without impulses.
@@ -334,14 +266,10 @@ fn moves<M: Machine>(
 /// Adds impulses of a contact to z.
 #[inline(always)]
 fn push<M: Machine>(k: &mut M, t: &Tables, s: M::I, lambda: Vec3<M::R>) {
-    let couple = k.link(t.touch_links, s, touch_link::COUPLE);
+    let path = Path::of(k, t, k.link(t.touch_links, s, touch_link::COUPLE));
     let first = k.link(t.touch_links, s, touch_link::ENTRY);
-    let names = k.link(t.couple_links, couple, couple_link::ENTRY_BEGIN);
-    for i in k.range(
-        k.index(0),
-        k.link(t.couple_links, couple, couple_link::ENTRIES),
-    ) {
-        let v = k.link(t.entry_links, names.plus(i), 0);
+    for i in path.entries(k) {
+        let v = path.dof(k, t, i);
         let y = k.vec3(t.entry, first.plus(i), 0);
         let z = k.load(t.response, v, response::Z) + y.dot(lambda);
         k.store(t.response, v, response::Z, z);
@@ -351,15 +279,11 @@ fn push<M: Machine>(k: &mut M, t: &Tables, s: M::I, lambda: Vec3<M::R>) {
 /// One contact of one pass, where `on` is 1; squares of the change of its impulse, and of the impulse.
 #[inline(always)]
 fn relax<M: Machine>(k: &mut M, t: &Tables, s: M::I, on: M::R) -> (M::R, M::R) {
-    let couple = k.link(t.touch_links, s, touch_link::COUPLE);
+    let path = Path::of(k, t, k.link(t.touch_links, s, touch_link::COUPLE));
     let first = k.link(t.touch_links, s, touch_link::ENTRY);
-    let names = k.link(t.couple_links, couple, couple_link::ENTRY_BEGIN);
     let mut velocity = k.vec3(t.impulse, s, impulse::VELOCITY).hold(k);
-    for i in k.range(
-        k.index(0),
-        k.link(t.couple_links, couple, couple_link::ENTRIES),
-    ) {
-        let v = k.link(t.entry_links, names.plus(i), 0);
+    for i in path.entries(k) {
+        let v = path.dof(k, t, i);
         let z = k.load(t.response, v, response::Z);
         velocity.set(k.vec3(t.entry, first.plus(i), 0).fma(z, velocity.get()));
     }
@@ -382,35 +306,6 @@ fn relax<M: Machine>(k: &mut M, t: &Tables, s: M::I, on: M::R) -> (M::R, M::R) {
     k.store_vec3(t.impulse, s, impulse::LAMBDA, new);
     push(k, t, s, step);
     (step.length_squared(), new.length_squared())
-}
-
-/// Walks outwards: adds what z means to the accelerations.
-#[inline(always)]
-fn respond<M: Machine>(k: &mut M, t: &Tables) {
-    let rate = rate(k, t);
-    for tree in k.count(t.trees) {
-        k.store_spatial(t.frame, tree, frame::INCREMENT, Spatial::zero());
-    }
-    for n in k.range(k.index(t.trees), k.index(t.trees + t.nodes)) {
-        let links = k.link_row::<_, { node_link::WIDTH }>(t.node_links, n);
-        let mut a = k
-            .spatial(t.frame, links[node_link::PARENT], frame::INCREMENT)
-            .hold(k);
-        let first = links[node_link::DOF_BEGIN];
-        for v in k.range(first, first.plus(links[node_link::DOF_COUNT])) {
-            let inverse = k.load(t.dof, v, dof::INVERSE);
-            let [z, root] = k.read(t.response, v, response::Z);
-            let u = k.spatial(t.dof, v, dof::U).dot(a.get());
-            let more = z * rate * root - u * inverse;
-            k.add(t.dof, v, dof::ACCELERATION, more);
-            let moved = k.spatial(t.dof, v, dof::AXIS).fma(more, a.get());
-            a.set(moved);
-        }
-        let a = a.get();
-        k.store_spatial(t.frame, n, frame::INCREMENT, a);
-        let sum = k.spatial(t.frame, n, frame::ACCELERATION) + a;
-        k.store_spatial(t.frame, n, frame::ACCELERATION, sum);
-    }
 }
 
 /// Force [N] on B of a contact that is near.

@@ -15,7 +15,9 @@
 
 use super::Integrator;
 use super::articulated_body::{along, articulated_body};
+use super::closing;
 use super::contact;
+use super::coupling;
 use super::force::{forces, smooth_targets};
 use super::gauss_seidel;
 use super::kinematics::kinematics;
@@ -105,11 +107,11 @@ fn accelerate<M: Machine, const CONTACTS: bool>(
     forces(k, t, implicit);
     if CONTACTS {
         contact::meet(k, t, h);
-        if t.presses() {
+        if t.exchanges() {
             gauss_seidel::begin(k, t);
         }
         settle(k, t, h, implicit);
-        if t.presses() {
+        if t.exchanges() {
             gauss_seidel::gauss_seidel(k, t, h);
         }
     } else {
@@ -270,10 +272,10 @@ fn save<M: Machine>(k: &mut M, t: &Tables) {
     }
 }
 
-/// Wraps free turns; a lane that has diverged, now or before, keeps its last finite state.
+/// Wraps free turns that nothing counts; a lane that has diverged, now or before, keeps its last finite state.
 #[inline(always)]
 fn guard<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
-    for i in k.count(t.wraps) {
+    for i in k.count(t.forgetful) {
         let q = k.link(t.wrap_links, i, 0);
         let wrapped = wrap(k.load(t.position, q, 0));
         k.store(t.position, q, 0, wrapped);
@@ -301,6 +303,8 @@ fn guard<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
     if let Some(_branch) = k.if_any(lost) {
         if CONTACTS {
             t.kept.forget(k, lost);
+            closing::forget(k, t, lost);
+            coupling::forget(k, t, lost);
         }
         for q in k.count(t.coordinates) {
             let x = k.load(t.saved_position, q, 0);

@@ -3,20 +3,24 @@
 //! The step, in order: `kinematics` (placements, velocities), `force` (what
 //! acts along each degree of freedom), `contact` (what touches what does not move),
 //! `articulated_body` (accelerations), `gauss_seidel` (contacts between bodies that
-//! move), `integrate` (the next state).
+//! move, with `closing`, joints that close loops, and `coupling`, gears), `integrate` (the next state).
 //!
 //! [`dynamics`] are the same kernels as functions: mass matrix, inverse dynamics, Jacobians.
 //!
 //! Limitations: the gyroscopic torque is explicit, so that a slender free body that
-//! spins fast (hundreds of rad/s at 2 ms) gains energy, but with Runge–Kutta; no closed
-//! loops (use `xpbd`); joint limits are springs; a motor
+//! spins fast (hundreds of rad/s at 2 ms) gains energy, but with Runge–Kutta; closed loops and
+//! couplings with semi-implicit Euler only, and many that hang on each other converge slowly (nets: use
+//! `xpbd`); joints of the tree do not give way; joint limits are springs; a motor
 //! torque larger than its drive's effort limit is cut, not refused. Contacts have no
 //! torsional and no rolling friction, and no continuous collision beyond a step's own way.
 
 mod articulated_body;
+mod closing;
 mod contact;
 mod couples;
+mod coupling;
 pub mod dynamics;
+mod factor;
 mod force;
 mod gauss_seidel;
 mod integrate;
@@ -31,8 +35,8 @@ pub use force::FRICTION_SPEED;
 use model::{Model, ShapeId};
 use numbers::machine::space::State;
 use numbers::{Cpu, Machine, Shared, Table};
-use tables::NAME;
 pub use tables::Tables;
+use tables::{NAME, Scope};
 
 /// How a step advances the state; see [`integrate`](self).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -59,9 +63,17 @@ impl Integrator {
     }
 }
 
+/// Loops and couplings up to which this solver is the better choice: with more, impulses converge slowly.
+const FEW_LOOPS: usize = 16;
+
+/// Whether a model is what this solver is for: a tree that is rigid where its joints lock, with few loops.
+pub fn suits(model: &Model) -> bool {
+    tables::is_rigid(model) && model.loops().len() <= FEW_LOOPS
+}
+
 /// The articulated-body algorithm compiled for a model, with contacts or without.
 ///
-/// Whether bodies touch is a constant, so that what touches nothing pays nothing, in time and in
+/// Whether bodies touch, or close loops, is a constant, so that what does neither pays nothing, in time and in
 /// code.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArticulatedBodies<const CONTACTS: bool> {
@@ -72,17 +84,28 @@ pub struct ArticulatedBodies<const CONTACTS: bool> {
     contact_shapes: Vec<[ShapeId; 2]>,
 }
 
-/// The solver for bodies that pass through each other.
+/// The solver for trees whose bodies pass through each other.
 pub type Featherstone = ArticulatedBodies<false>;
 
-/// The solver for bodies that touch.
+/// The solver for bodies that touch, or close loops.
 pub type TouchingFeatherstone = ArticulatedBodies<true>;
 
 impl Featherstone {
     /// Compiles the tree of a model, and leaves its loops open.
     pub(crate) fn of_tree(model: &Model, settings: &Settings) -> Self {
-        let compiled = Self::compile(model, settings);
+        let compiled = Self::compile(model, Scope::Tree, settings);
         compiled.expect("a tree without contacts has nothing to refuse")
+    }
+}
+
+impl TouchingFeatherstone {
+    /// Compiles a model whose bodies pass through each other, but whose loops are closed, and couplings hold.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), shapes aside.
+    pub fn without_contacts(model: &Model, settings: &Settings) -> Result<Self, SolverError> {
+        tables::check(model, Scope::Loops, settings)?;
+        Self::compile(model, Scope::Loops, settings)
     }
 }
 
@@ -90,15 +113,20 @@ impl<const CONTACTS: bool> ArticulatedBodies<CONTACTS> {
     /// Compiles a model.
     ///
     /// # Errors
-    /// A closed loop, a distance joint, a coupling or a disabled joint; with contacts, a shape
-    /// that no kernel collides.
+    /// A disabled joint of the tree. Without contacts, a joint that closes a loop, and a coupling; with them, these
+    /// together with another integrator than semi-implicit Euler, and a shape that no kernel collides.
     pub fn new(model: &Model, settings: &Settings) -> Result<Self, SolverError> {
-        tables::check(model)?;
-        Self::compile(model, settings)
+        let scope = if CONTACTS {
+            Scope::Contacts
+        } else {
+            Scope::Tree
+        };
+        tables::check(model, scope, settings)?;
+        Self::compile(model, scope, settings)
     }
 
-    fn compile(model: &Model, settings: &Settings) -> Result<Self, SolverError> {
-        let (tables, filler, contact_shapes) = Tables::new(model, CONTACTS, settings)?;
+    fn compile(model: &Model, scope: Scope, settings: &Settings) -> Result<Self, SolverError> {
+        let (tables, filler, contact_shapes) = Tables::new(model, scope, settings)?;
         Ok(Self {
             tables,
             integrator: settings.integrator,

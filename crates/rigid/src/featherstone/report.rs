@@ -1,10 +1,11 @@
 //! What a world looks like from outside: placements, velocities, reactions, sums.
 //!
 //! The wrench w that a joint passes to its child carries the child's own d'Alembert force and the
-//! wrenches of the joints that the child carries, less what the contacts w_c carry:
+//! wrenches of the joints that the child carries, less what contacts and joints that close loops, w_c, carry:
 //! w = I a + v ×* I v + Σ w_child − Σ w_c, with a less gravity (Featherstone 2008, §5.3).
 
 use super::articulated_body::articulated_body;
+use super::closing;
 use super::contact;
 use super::force::forces;
 use super::gauss_seidel;
@@ -26,7 +27,7 @@ pub(crate) fn report<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
     forces(k, t, now);
     if CONTACTS {
         contact::recall(k, t);
-        if t.presses() {
+        if t.exchanges() {
             gauss_seidel::recall(k, t);
         }
         t.kept.report(k, t.output.contact);
@@ -40,6 +41,7 @@ pub(crate) fn report<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
     wrenches(k, t);
     if CONTACTS {
         relieve(k, t);
+        closing::report(k, t);
     }
     reactions(k, t);
     energies(k, t);

@@ -8,18 +8,22 @@
 //! *motions*: revolute, prismatic or ball; a free joint is three prismatic
 //! motions and a ball, a `d6` its axes in turn.
 
+use super::closing::{Closing, ClosingTables};
 use super::contact::{law, law_over, load};
 use super::couples::Couples;
+use super::coupling::{Coupled, CouplingTables};
+use super::factor::response;
 use super::force::{ForceRows, ForceTables, only_forces_act, wrapping};
-use super::gauss_seidel::{impulse, response};
+use super::gauss_seidel::impulse;
 use super::limit::stop;
 use crate::contacts::{ContactPlan, ContactTables, Kept, Seat as Carrier, pair_field};
 use crate::lists::Lists;
+use crate::locks::Locks;
 use crate::output::OutputTables;
 use crate::tables::Filler;
-use crate::{InputTables, Settings, SolverError};
+use crate::{InputTables, Integrator, Settings, SolverError};
 use glam::{DMat3, DQuat, DVec3};
-use model::{Axis, AxisKind, Body, BodyId, Joint, JointId, JointKind, Model, Pose, Shape, ShapeId};
+use model::{Axis, AxisKind, Body, BodyId, Joint, JointId, JointKind, Model, Pose, ShapeId};
 use numbers::Table;
 use numbers::machine::Links;
 use numbers::machine::space::{Parameter, Scratch, State};
@@ -165,6 +169,9 @@ pub struct Tables {
     /// 1 while the world runs, 0 once it diverged.
     pub(crate) alive: Table<State>,
     pub(crate) forces: ForceTables,
+    /// Joints that close loops.
+    pub(crate) closings: ClosingTables,
+    pub(crate) couplings: CouplingTables,
     /// The contacts of the last step.
     pub(crate) kept: Kept,
     /// Tangential impedance of each contact of the last step.
@@ -197,13 +204,15 @@ pub struct Tables {
     pub(crate) hinge_links: Links<2>,
     pub(crate) ball_links: Links<2>,
     pub(crate) axis_links: Links<2>,
-    /// Coordinates that turn without end.
+    /// Coordinates that turn without end; those whose turns nothing counts come first.
     pub(crate) wrap_links: Links,
     pub(crate) body_links: Links<{ body_link::WIDTH }>,
     pub(crate) hinges: usize,
     pub(crate) balls: usize,
     pub(crate) axes: usize,
     pub(crate) wraps: usize,
+    /// How many of the wraps hold in the state, too: those that are not coupled.
+    pub(crate) forgetful: usize,
     pub(crate) link_length: usize,
 
     /// Origin O of each tree.
@@ -234,7 +243,7 @@ pub struct Tables {
     pub(crate) touching_links: Links<2>,
     /// Per slot: see [`touch_link`].
     pub(crate) touch_links: Links<{ touch_link::WIDTH }>,
-    /// Per pair of nodes that may touch: see [`couple_link`].
+    /// Per pair of nodes that may touch, or that a joint ties: see [`couple_link`].
     pub(crate) couple_links: Links<{ couple_link::WIDTH }>,
     /// Degree of freedom of each entry of a pair, along the paths inwards: A's own, B's own, then the one they share.
     pub(crate) entry_links: Links,
@@ -248,7 +257,8 @@ pub struct Tables {
     pub(crate) takes_part: Table<Scratch>,
     /// The slots that do.
     pub(crate) acting: Lists,
-    /// Wrench of the contacts with other bodies that move, per node, and per tree for the world.
+    /// Wrench of the contacts with other bodies that move, and of what closes loops, per node, and per tree
+    /// for the world.
     pub(crate) pressure: Table<Scratch, 6>,
     /// Saved coordinates and velocities.
     pub(crate) saved_position: Table<Scratch>,
@@ -418,19 +428,18 @@ impl Forest {
         }
     }
 
-    /// What carries a shape: a node, in its tree, or the world.
-    fn carrier(&self, shape: &Shape) -> Carrier {
+    /// What carries a body: a node, in its tree, or the world, as it does what is on no body.
+    fn carrier(&self, body: Option<BodyId>) -> Carrier {
         let world = Seat {
             node: None,
             place: Pose::IDENTITY,
         };
-        let Seat { node, place } = shape.body.map_or(world, |id| self.seats[id.0]);
+        let Seat { node, place } = body.map_or(world, |id| self.seats[id.0]);
         let bases = self.bases.len();
         let (row, group, mass) = match node {
             Some(n) => {
                 let tree = self.nodes[n].tree;
-                let all = self.nodes.iter().filter(|other| other.tree == tree);
-                (bases + n, tree, all.map(|other| other.mass).sum())
+                (bases + n, tree, self.of_tree(tree).map(|n| n.mass).sum())
             }
             None => (0, 0, f64::INFINITY),
         };
@@ -440,6 +449,72 @@ impl Forest {
             place,
             mass,
         }
+    }
+
+    fn of_tree(&self, tree: usize) -> impl Iterator<Item = &Node> {
+        self.nodes.iter().filter(move |n| n.tree == tree)
+    }
+
+    /// The joints that close loops.
+    fn closings(&self, model: &Model) -> Result<Vec<Closing>, SolverError> {
+        let joints = model.joints.iter().enumerate();
+        joints
+            .filter(|(_, j)| closes(j) && j.kind != JointKind::Free)
+            .map(|(i, joint)| self.closing(model, i, joint))
+            .collect()
+    }
+
+    /// Where the joints of each coupling are; each of them has one axis, and so a node of its own.
+    fn couplings(&self, model: &Model) -> Vec<Coupled> {
+        let bases = self.bases.len();
+        let node = |joint: JointId| {
+            let dof = model.dof_range(joint).start;
+            let node = self.nodes.iter().position(|n| n.dof == dof);
+            node.expect("a coupled joint is in the tree")
+        };
+        let couplings = model.couplings.iter().map(|c| [c.joint, c.other].map(node));
+        couplings
+            .map(|nodes| Coupled {
+                groups: nodes.map(|n| self.nodes[n].tree),
+                rows: nodes.map(|n| bases + n),
+                couple: 0,
+                entry: 0,
+                starts: [0; 2],
+            })
+            .collect()
+    }
+
+    fn closing(&self, model: &Model, i: usize, joint: &Joint) -> Result<Closing, SolverError> {
+        let (linear, angular) = crate::check::axes(joint, NAME)?;
+        let ends = [joint.parent, Some(joint.child)];
+        let [a, b] = ends.map(|body| self.carrier(body));
+        if a.row == b.row {
+            return Err(SolverError::Unsupported {
+                solver: NAME,
+                what: "a loop of bodies that nothing separates",
+                name: joint.name.clone(),
+                remedy: "remove the joint",
+            });
+        }
+        let lighter = if a.mass < b.mass { &a } else { &b };
+        let moment = |n: &Node| {
+            let i = n.inertia;
+            i.x_axis.x + i.y_axis.y + i.z_axis.z + n.mass * n.center.length_squared()
+        };
+        let moment: f64 = self.of_tree(lighter.group).map(moment).sum();
+        let row = |body: BodyId| model.order().iter().position(|o| *o == body);
+        let row = |body: Option<BodyId>| body.and_then(row).unwrap_or(model.bodies.len());
+        Ok(Closing {
+            joint: i,
+            locks: Locks::new(joint, &linear, &angular),
+            groups: [a.group, b.group],
+            rows: [a.row, b.row],
+            places: [a.place, b.place],
+            bodies: ends.map(row),
+            couple: 0,
+            entry: 0,
+            mass: [lighter.mass, moment],
+        })
     }
 
     fn seat(&mut self, model: &Model, id: BodyId) -> Seat {
@@ -578,46 +653,96 @@ fn joint_motions(model: &Model, id: JointId, joint: &Joint) -> Vec<(Motion, Opti
     }
 }
 
+/// What a solver holds besides the tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Scope {
+    /// Nothing: loops are left open.
+    Tree,
+    /// Joints that close loops.
+    Loops,
+    /// The same, and contacts.
+    Contacts,
+}
+
+/// Whether a joint is outside the tree.
+fn closes(joint: &Joint) -> bool {
+    joint.closes_loop || joint.kind == JointKind::Distance
+}
+
+/// Whether all joints of the tree hold, and do not give way where they lock.
+pub(crate) fn is_rigid(model: &Model) -> bool {
+    let rigid = |j: &Joint| j.enabled && j.linear_compliance == 0.0 && j.angular_compliance == 0.0;
+    model.joints.iter().filter(|j| !closes(j)).all(rigid)
+}
+
 /// Refuses what reduced coordinates cannot express.
-pub(crate) fn check(model: &Model) -> Result<(), SolverError> {
+pub(crate) fn check(model: &Model, scope: Scope, settings: &Settings) -> Result<(), SolverError> {
     for joint in &model.joints {
-        if joint.closes_loop || joint.kind == JointKind::Distance {
-            return Err(SolverError::ClosedLoop {
-                joint: joint.name.clone(),
-            });
+        let name = || joint.name.clone();
+        if closes(joint) {
+            if scope == Scope::Tree {
+                return Err(SolverError::ClosedLoop { joint: name() });
+            }
+            refuse_integrator(name(), settings)?;
+            continue;
         }
         if !joint.enabled {
-            return Err(SolverError::DisabledJoint {
-                joint: joint.name.clone(),
+            return Err(SolverError::DisabledJoint { joint: name() });
+        }
+        if joint.linear_compliance > 0.0 || joint.angular_compliance > 0.0 {
+            return Err(SolverError::Unsupported {
+                solver: NAME,
+                what: "compliance",
+                name: name(),
+                remedy: "use the solver `xpbd`, or springs along the axes of a d6 joint",
             });
         }
     }
     if let Some(coupling) = model.couplings.first() {
-        return Err(SolverError::ClosedLoop {
-            joint: coupling.name.clone(),
-        });
+        let name = || coupling.name.clone();
+        if scope == Scope::Tree {
+            return Err(SolverError::ClosedLoop { joint: name() });
+        }
+        refuse_integrator(name(), settings)?;
     }
-    crate::check::rotations(model, "featherstone")
+    crate::check::rotations(model, NAME)
+}
+
+/// Loops and couplings hold the positions that semi-implicit Euler arrives at.
+fn refuse_integrator(name: String, settings: &Settings) -> Result<(), SolverError> {
+    if settings.integrator == Integrator::SemiImplicitEuler {
+        return Ok(());
+    }
+    Err(SolverError::Unsupported {
+        solver: NAME,
+        what: "another integrator than semi-implicit Euler together with the loop or coupling",
+        name,
+        remedy: "use that integrator, or the solver `xpbd`",
+    })
 }
 
 impl Tables {
     /// Lays out a model and fills its parameters and links; with the shapes of each contact.
     ///
     /// # Errors
-    /// A shape that no kernel collides, if `contacts` are asked for.
+    /// A shape that no kernel collides, or a loop that nothing can close, where these are in scope.
     pub(crate) fn new(
         model: &Model,
-        contacts: bool,
+        scope: Scope,
         settings: &Settings,
     ) -> Result<(Self, Filler, Vec<[ShapeId; 2]>), SolverError> {
         let forest = Forest::new(model);
-        let plan = if contacts {
-            ContactPlan::new(model, NAME, |shape| forest.carrier(shape))?
-        } else {
-            ContactPlan::empty()
+        let plan = match scope {
+            Scope::Contacts => ContactPlan::new(model, NAME, |shape| forest.carrier(shape.body))?,
+            Scope::Tree | Scope::Loops => ContactPlan::empty(),
         };
-        let couples = Couples::new(&forest, &plan);
-        let tables = Self::layout(model, &forest, &plan, &couples, settings);
+        let (mut closings, mut couplings) = match scope {
+            Scope::Tree => Default::default(),
+            Scope::Loops | Scope::Contacts => (forest.closings(model)?, forest.couplings(model)),
+        };
+        let couples = Couples::new(&forest, &plan, &mut closings, &mut couplings);
+        let counts = [closings.len(), couplings.len()];
+        let tables = Self::layout(model, &forest, &plan, &couples, counts, settings);
         let mut filler = Filler::new(tables.parameter_length, tables.link_length);
         tables.fill_forest(&forest, &mut filler);
         tables.fill_bodies(model, &forest, &mut filler);
@@ -625,6 +750,16 @@ impl Tables {
         tables.contacts.fill(model, &plan, NAME, &mut filler)?;
         tables.fill_step(settings, &mut filler);
         tables.fill_couples(&couples, &mut filler);
+        for (row, closing) in closings.iter().enumerate() {
+            let joint = &model.joints[closing.joint];
+            let h = settings.substep();
+            tables.closings.fill(row, closing, joint, h, &mut filler);
+        }
+        for (row, coupled) in couplings.iter().enumerate() {
+            let coupling = &model.couplings[row];
+            let t = tables.couplings;
+            t.fill(row, coupled, model, coupling, &mut filler);
+        }
         tables.beyond.fill(&[tables.dofs], &mut filler);
         tables.acting.fill(&[couples.slots.len()], &mut filler);
         let contact_shapes = plan.shapes();
@@ -641,7 +776,8 @@ impl Tables {
             filler.link(tables.node_links, row, node_link::SLOT_BEGIN, slots.start);
             filler.link(tables.node_links, row, node_link::SLOT_END, slots.end);
         }
-        for (row, coordinate) in wrapping(model).into_iter().enumerate() {
+        let (forgetful, counting) = wrapping(model);
+        for (row, coordinate) in forgetful.into_iter().chain(counting).enumerate() {
             filler.link(tables.wrap_links, row, 0, coordinate);
         }
         filler.vec3(tables.world, 0, 0, model.gravity);
@@ -668,9 +804,10 @@ impl Tables {
         tables
     }
 
-    /// Whether bodies that move may touch each other.
-    pub(crate) fn presses(&self) -> bool {
-        self.contacts.between < self.contacts.sensed
+    /// Whether bodies that move give each other impulses: they may touch, close loops, or be coupled.
+    pub(crate) fn exchanges(&self) -> bool {
+        let touch = self.contacts.between < self.contacts.sensed;
+        touch || self.closings.count + self.couplings.count > 0
     }
 
     fn layout(
@@ -678,6 +815,7 @@ impl Tables {
         forest: &Forest,
         plan: &ContactPlan,
         couples: &Couples,
+        [closings, couplings]: [usize; 2],
         settings: &Settings,
     ) -> Self {
         let trees = forest.bases.len();
@@ -690,7 +828,8 @@ impl Tables {
         let hinges = all().filter(|m| m.kind == motion::REVOLUTE).count();
         let balls = all().filter(|m| m.kind == motion::BALL).count();
         let bodies = model.bodies.len();
-        let wraps = wrapping(model).len();
+        let (forgetful, counting) = wrapping(model);
+        let (wraps, forgetful) = (forgetful.len() + counting.len(), forgetful.len());
 
         let (mut s, mut p, mut l, mut t) = (0, 0, 0, 0);
         let position = Table::place(&mut s, coordinates);
@@ -700,6 +839,11 @@ impl Tables {
         let contacts = ContactTables::place(plan, &mut p, &mut l, &mut t);
         let kept = Kept::place(&mut s, contacts.slots);
         let grip = Table::place(&mut s, contacts.sensed);
+        let closings = [closings, couples.closing_entries];
+        let closings = ClosingTables::place(closings, &mut s, &mut p, &mut l, &mut t);
+        let couplings = [couplings, couples.coupling_entries];
+        let couplings = CouplingTables::place(couplings, &mut s, &mut p, &mut l, &mut t);
+        let exchange = couples.exchange();
         Self {
             trees,
             nodes,
@@ -714,6 +858,8 @@ impl Tables {
                 1
             },
             iterations: settings.contact_iterations,
+            closings,
+            couplings,
             kept,
             grip,
             position,
@@ -746,6 +892,7 @@ impl Tables {
             balls,
             axes: motions - balls,
             wraps,
+            forgetful,
             point: Table::place(&mut t, trees),
             half_angle: Table::place(&mut t, motions),
             frame: Table::place(&mut t, rows),
@@ -761,10 +908,10 @@ impl Tables {
             entry_links: Links::place(&mut l, couples.names.len()),
             impulse: Table::place(&mut t, contacts.sensed),
             entry: Table::place(&mut t, couples.entries),
-            response: Table::place(&mut t, if couples.slots.is_empty() { 0 } else { dofs }),
+            response: Table::place(&mut t, if exchange { dofs } else { 0 }),
             takes_part: Table::place(&mut t, contacts.sensed),
             acting: Lists::place(&[couples.slots.len()], &mut l, &mut t),
-            pressure: Table::place(&mut t, if couples.slots.is_empty() { 0 } else { rows }),
+            pressure: Table::place(&mut t, if exchange { rows } else { 0 }),
             saved_position: Table::place(&mut t, coordinates),
             saved_velocity: Table::place(&mut t, dofs),
             sum_velocity: Table::place(&mut t, dofs),
@@ -826,8 +973,8 @@ impl Tables {
             f.link(self.node_links, row, node_link::DOF_COUNT, n.dofs());
             let turned = n.place.orientation != DQuat::IDENTITY;
             f.link(self.node_links, row, node_link::TURNED, usize::from(turned));
-            // Impulses between bodies need the factor of every degree of freedom.
-            let floats = n.floats && !self.presses();
+            // Impulses that bodies give each other need the factor of every degree of freedom.
+            let floats = n.floats && !self.exchanges();
             let (eliminated, from) = if floats { (0, row) } else { (n.dofs(), parent) };
             f.link(self.node_links, row, node_link::FLOATS, usize::from(floats));
             f.link(self.node_links, row, node_link::ELIMINATED, eliminated);

@@ -14,7 +14,8 @@
 //! only they contract perturbations.
 
 use super::body::Body;
-use super::tables::{Tables, global, hold, joint_field, joint_link, turns};
+use super::tables::{Tables, global, joint_field, joint_link};
+use crate::locks::{hold, turns};
 use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::Spatial;
 use numbers::{Machine, Mat3, Pose, Quat, Real, SymMat3, Vec3};

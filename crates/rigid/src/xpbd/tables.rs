@@ -10,6 +10,7 @@ use super::laws::{self, LawTables};
 use super::seats::{Seats, jointed};
 use super::topology::closings;
 use crate::contacts::{ContactPlan, ContactTables, Kept};
+use crate::locks::{Locks, turns};
 use crate::output::{OutputTables, body};
 use crate::tables::{Filler, frame};
 use crate::{InputTables, Settings, SolverError};
@@ -28,36 +29,14 @@ pub(crate) const NAME: &str = "xpbd";
 /// Most rows that a joint locks.
 const LOCKED_ROWS: usize = 6;
 
-/// How many rotations a joint leaves free.
-pub(crate) mod turns {
-    pub const LOCKED: usize = 0;
-    pub const ONE: usize = 1;
-    pub const TWO: usize = 2;
-    /// Along three axes that have a coordinate each.
-    pub const THREE: usize = 3;
-    pub const FREE: usize = 4;
-}
-
-/// How a joint holds the two anchors.
-pub(crate) mod hold {
-    /// Together.
-    pub const POINT: usize = 0;
-    /// Together but along one or two directions.
-    pub const SLIDE: usize = 1;
-    /// At a distance.
-    pub const DISTANCE: usize = 2;
-    /// Not at all.
-    pub const FREE: usize = 3;
-}
-
 /// Fields of [`Tables::joint_links`].
 pub(crate) mod joint_link {
     /// Rows of the bodies.
     pub const A: usize = 0;
     pub const B: usize = 1;
-    /// See [`turns`](super::turns).
+    /// See [`turns`](crate::locks::turns).
     pub const TURNS: usize = 2;
-    /// See [`hold`](super::hold).
+    /// See [`hold`](crate::locks::hold).
     pub const HOLD: usize = 3;
     /// The joint, in the model.
     pub const JOINT: usize = 4;
@@ -572,36 +551,30 @@ impl Tables {
         let (mut ball, mut free) = (0, 0);
         for (j, joint) in model.joints.iter().enumerate() {
             let group = groups.iter().find(|g| g.joint == j);
-            let directions = |axes: Option<&Vec<usize>>| -> Vec<DVec3> {
-                axes.into_iter()
-                    .flatten()
-                    .map(|&i| joint.axes[i].direction)
-                    .collect()
-            };
-            let angular = directions(group.map(|g| &g.angular));
-            let linear = directions(group.map(|g| &g.linear));
-            let (turn, slide) = (frame(&angular), frame(&linear));
-            let anchor = group
-                .and_then(|g| g.angular.first())
-                .map_or(DVec3::ZERO, |&i| joint.axes[i].anchor);
+            let (linear, angular) = group.map_or((&[][..], &[][..]), |g| (&g.linear, &g.angular));
+            let Locks {
+                anchor,
+                turn,
+                slide,
+                locked,
+                second,
+                turns,
+                hold,
+            } = Locks::new(joint, linear, angular);
             let (row_a, own_a) = joint.parent.map_or((0, Pose::IDENTITY), |p| own[p.0]);
             let (row_b, own_b) = own[joint.child.0];
             let a = own_a * joint.parent_frame;
             let b = own_b * joint.child_frame;
-            let second = angular.get(1).copied().unwrap_or(DVec3::Y);
-            let (axis_a, axis_b) = (
-                DVec3::X,
-                if angular.len() == 2 {
-                    turn.conjugate() * second
-                } else {
-                    DVec3::X
-                },
-            );
+            let axis_b = if turns == turns::TWO {
+                second
+            } else {
+                DVec3::X
+            };
             f.vec3(
                 self.joint,
                 j,
                 joint_field::AXIS_A,
-                a.orientation * turn * axis_a,
+                a.orientation * turn * DVec3::X,
             );
             f.vec3(
                 self.joint,
@@ -619,16 +592,8 @@ impl Tables {
                 joint_field::LINEAR_FRAME,
                 a.orientation * slide,
             );
-            let locked: Vec<f64> = (0..3)
-                .map(|i| f64::from(u8::from(i >= linear.len())))
-                .collect();
             f.numbers(self.joint, j, joint_field::LOCKED, &locked);
-            f.vec3(
-                self.joint,
-                j,
-                joint_field::SECOND,
-                turn.conjugate() * second,
-            );
+            f.vec3(self.joint, j, joint_field::SECOND, second);
             let compliance = [joint.linear_compliance, joint.angular_compliance];
             f.number(self.joint, j, joint_field::LENGTH, joint.length);
             f.numbers(self.joint, j, joint_field::COMPLIANCE, &compliance);
@@ -647,18 +612,8 @@ impl Tables {
             );
             f.link(self.joint_links, j, joint_link::A, row_a);
             f.link(self.joint_links, j, joint_link::B, row_b);
-            f.link(
-                self.joint_links,
-                j,
-                joint_link::TURNS,
-                turns_of(joint, angular.len()),
-            );
-            f.link(
-                self.joint_links,
-                j,
-                joint_link::HOLD,
-                hold_of(joint, linear.len()),
-            );
+            f.link(self.joint_links, j, joint_link::TURNS, turns);
+            f.link(self.joint_links, j, joint_link::HOLD, hold);
             f.link(self.joint_links, j, joint_link::JOINT, j);
             if joint.closes_loop {
                 continue;
@@ -743,21 +698,6 @@ impl Tables {
             }
         }
         axis_of
-    }
-}
-
-fn turns_of(joint: &Joint, angular: usize) -> usize {
-    match joint.kind {
-        JointKind::Ball | JointKind::Free | JointKind::Distance => turns::FREE,
-        _ => [turns::LOCKED, turns::ONE, turns::TWO, turns::THREE][angular],
-    }
-}
-
-fn hold_of(joint: &Joint, linear: usize) -> usize {
-    match joint.kind {
-        JointKind::Free => hold::FREE,
-        JointKind::Distance => hold::DISTANCE,
-        _ => [hold::POINT, hold::SLIDE, hold::SLIDE, hold::FREE][linear],
     }
 }
 

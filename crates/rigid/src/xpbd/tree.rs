@@ -52,8 +52,9 @@ use super::body::Solid;
 use super::guard::Survey;
 use super::tables::{
     Tables, arrival, axis_field, global, hinge, inbound, joint_field, joint_link, mass, motion,
-    row_link, turns,
+    row_link,
 };
+use crate::locks::turns;
 use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::{Inertia, Spatial};
 use numbers::{Cell, Machine, Mat3, Pose, Quat, Real, SymMat3, Vec3};

@@ -2,7 +2,9 @@
 
 use crate::run::report;
 use crate::scene::{World, looped, mixed, parameters};
-use kinetarium_rigid::{Featherstone, Integrator, Kernels, OutputTables, Settings, Xpbd};
+use kinetarium_rigid::{
+    Featherstone, Integrator, Kernels, OutputTables, Settings, TouchingFeatherstone, Xpbd,
+};
 use model::Model;
 use model::examples::{Start, chain};
 use numbers::Dual;
@@ -123,6 +125,13 @@ fn a_tree_of_all_joints_has_the_slopes_of_differences() {
     differentiate(&featherstone(&model, Integrator::ExplicitEuler), &model);
     differentiate(&featherstone(&model, Integrator::Verlet), &model);
     differentiate(&featherstone(&model, Integrator::RungeKutta4), &model);
+}
+
+#[test]
+fn a_closed_loop_has_the_slopes_of_differences() {
+    let model = looped().unwrap();
+    let kernels = TouchingFeatherstone::without_contacts(&model, &Settings::new(STEP));
+    differentiate(&kernels.unwrap(), &model);
 }
 
 #[test]

@@ -5,6 +5,7 @@ mod dual;
 mod falls;
 mod ground;
 mod hull;
+mod loops;
 mod mesh;
 mod run;
 #[path = "../scene/mod.rs"]

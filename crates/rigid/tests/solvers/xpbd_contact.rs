@@ -446,7 +446,7 @@ fn table(slope: f64) -> Model {
 }
 
 /// Rods that hang together by hinges, as a chain or as a ring, some way above the ground.
-fn rods(count: usize, ring: bool) -> Model {
+pub fn rods(count: usize, ring: bool) -> Model {
     let mut world = Builder::new("rods");
     world.object("ground").scenery(Shape::new(plane()));
     let object = world.object("rods");

@@ -10,6 +10,7 @@ mod common;
 mod conservation;
 mod drives;
 mod joints;
+mod loops;
 mod order;
 mod reactions;
 mod xpbd;

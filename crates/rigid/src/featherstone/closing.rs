@@ -1,0 +1,609 @@
+//! Joints that close loops: what they lock, as rows on the tree's factor.
+//!
+//! A joint outside the tree locks rows φ(q) = 0: at most three turns and three shifts, along directions e that go
+//! with its body A. With the Jacobian J of the rows, and the step q' = q + h q̇' of semi-implicit Euler,
+//!
+//! ```text
+//! φ(q') = φ + h J q̇' + ½ h² J̇ q̇ + O(h³)
+//! ```
+//!
+//! so that the impulses λ [N·s, N·m·s] of all rows of a joint together make
+//!
+//! ```text
+//! r = φ/h + J q̇' + ½ h J̇ q̇ + α/h² λ = 0        (Y Yᵀ + α/h² 1) Δλ = −r
+//! ```
+//!
+//! with the compliance α, and Y of [`factor`](super::factor). That holds the positions at the end of the step, as
+//! SHAKE does (Ryckaert, Ciccotti & Berendsen 1977), by one iteration with the curvature J̇ q̇ in place of many
+//! without. With the shift u = v_B − v_A of the point x that the joint holds on B, both velocities there, and
+//! the turn w = ω_B − ω_A,
+//!
+//! ```text
+//! J q̇ = e · u        J̇ q̇ = e · (a_B − a_A − 2 ω_A × u)          shifts
+//! J q̇ = e · w        J̇ q̇ = e · (α_B − α_A − ω_A × w)            turns
+//! ```
+//!
+//! where the accelerations are those of the points of both bodies at x, all q̈ being zero. A distance |g| between
+//! the anchors has e = g / |g| and (|u|² − (e · u)²) / |g| more; an angle between two axes a and b has
+//! e = a × b / |a × b| and (|w|² (a · b) − (a · w) (b · w)) / |a × b| more.
+//!
+//! Rows that the tree, or other rows of the joint, hold already (four of six of a planar linkage) are
+//! [left out](numbers::Ldl): what passes through them is not determined, and is told as zero.
+//!
+//! Several joints, and contacts, are solved one after the other (`gauss_seidel`); impulses start at those of the
+//! last step.
+
+use super::contact::{at, rate};
+use super::factor::{self, Entries, Path, response, seen_from_a};
+use super::kinematics::Course;
+use super::tables::{Tables, couple_link, frame, step};
+use crate::locks::{Locks, hold, turns};
+use crate::output::reaction;
+use crate::tables::Filler;
+use model::{Joint, Pose};
+use numbers::machine::space::{Parameter, Scratch, State};
+use numbers::machine::{Held, Hold, Index, Links};
+use numbers::spatial::Spatial;
+use numbers::{Float, Ldl, Machine, Mat3, Real, Table, Vec3};
+
+/// Rows of a joint.
+const ROWS: usize = 6;
+/// Numbers in the lower triangle of their responses.
+const TRIANGLE: usize = ROWS * (ROWS + 1) / 2;
+
+/// Fields of [`ClosingTables::joint`].
+mod joint_field {
+    /// Anchor on A, in A's node.
+    pub const ANCHOR_A: usize = 0;
+    /// Orientation of the angular frame in A's node.
+    pub const FRAME_A: usize = 3;
+    /// Anchor on B, in B's node.
+    pub const ANCHOR_B: usize = 7;
+    /// Orientation of the angular frame in B's node.
+    pub const FRAME_B: usize = 10;
+    /// Orientation of the linear frame in A's node.
+    pub const LINEAR_FRAME: usize = 14;
+    /// 1 for each locked direction of the linear frame.
+    pub const LOCKED: usize = 18;
+    /// Second angular axis, in the angular frame.
+    pub const SECOND: usize = 21;
+    /// Length of a distance joint.
+    pub const LENGTH: usize = 24;
+    /// α/h² of turns and shifts.
+    pub const SOFTNESS: usize = 25;
+    /// Responses of a turn and of a shift, of which a share is as good as none.
+    pub const RESPONSE: usize = 27;
+    /// Origin of the child's joint frame, in B's node.
+    pub const ORIGIN: usize = 29;
+    /// 1, or 0 for a joint that does not act.
+    pub const ENABLED: usize = 32;
+    pub const WIDTH: usize = 33;
+}
+
+/// Fields of [`ClosingTables::links`].
+mod joint_link {
+    /// Row of [`Tables::couple_links`].
+    pub const COUPLE: usize = 0;
+    /// First row of the joint's entries.
+    pub const ENTRY: usize = 1;
+    pub const TURNS: usize = 2;
+    pub const HOLD: usize = 3;
+    /// The joint, in the model.
+    pub const JOINT: usize = 4;
+    /// Rows of both bodies among those that are reported.
+    pub const BODY_A: usize = 5;
+    pub const BODY_B: usize = 6;
+    pub const WIDTH: usize = 7;
+}
+
+/// Fields of [`ClosingTables::row`].
+mod row {
+    /// The point that is held, from O of B's tree.
+    pub const POINT: usize = 0;
+    /// Directions of the turns, then of the shifts, by columns; null where nothing is locked.
+    pub const TURN: usize = 3;
+    pub const SHIFT: usize = 12;
+    /// r without what the impulses add, turns first.
+    pub const RESIDUAL: usize = 21;
+    /// λ.
+    pub const LAMBDA: usize = 27;
+    /// Responses, then their factor.
+    pub const FACTOR: usize = 33;
+    pub const WIDTH: usize = FACTOR + super::TRIANGLE;
+}
+
+/// Layout of what closes loops, a row for each joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ClosingTables {
+    pub count: usize,
+    /// See [`joint_field`].
+    joint: Table<Parameter, { joint_field::WIDTH }>,
+    /// See [`joint_link`].
+    links: Links<{ joint_link::WIDTH }>,
+    /// λ/h [N·m, N] of the last step.
+    force: Table<State, ROWS>,
+    /// See [`row`].
+    row: Table<Scratch, { row::WIDTH }>,
+    /// y of the six rows, for each entry of each joint.
+    entry: Table<Scratch, ROWS>,
+}
+
+/// A joint that closes a loop, as the tables take it.
+#[derive(Clone, Debug)]
+pub(super) struct Closing {
+    /// The joint, in the model.
+    pub joint: usize,
+    pub locks: Locks,
+    /// Trees and rows of both bodies' nodes, and the bodies' frames in them.
+    pub groups: [usize; 2],
+    pub rows: [usize; 2],
+    pub places: [Pose; 2],
+    /// Rows of both bodies among those that are reported.
+    pub bodies: [usize; 2],
+    /// Pair of nodes, first row of its entries.
+    pub couple: usize,
+    pub entry: usize,
+    /// Mass [kg] of the lighter of both trees, and the sum of its bodies' moments of inertia [kg·m²].
+    pub mass: [f64; 2],
+}
+
+impl ClosingTables {
+    pub fn place(
+        [count, entries]: [usize; 2],
+        state: &mut usize,
+        parameters: &mut usize,
+        links: &mut usize,
+        scratch: &mut usize,
+    ) -> Self {
+        Self {
+            count,
+            joint: Table::place(parameters, count),
+            links: Links::place(links, count),
+            force: Table::place(state, count),
+            row: Table::place(scratch, count),
+            entry: Table::place(scratch, entries),
+        }
+    }
+
+    /// Writes a row, for steps of length `h` [s].
+    pub(super) fn fill(&self, i: usize, closing: &Closing, joint: &Joint, h: f64, f: &mut Filler) {
+        let (locks, t) = (&closing.locks, self.joint);
+        let a = closing.places[0] * joint.parent_frame;
+        let b = closing.places[1] * joint.child_frame;
+        f.vec3(t, i, joint_field::ANCHOR_A, a.point(locks.anchor));
+        f.quat(t, i, joint_field::FRAME_A, a.orientation * locks.turn);
+        f.vec3(t, i, joint_field::ANCHOR_B, b.point(locks.anchor));
+        f.quat(t, i, joint_field::FRAME_B, b.orientation * locks.turn);
+        f.quat(t, i, joint_field::LINEAR_FRAME, a.orientation * locks.slide);
+        f.numbers(t, i, joint_field::LOCKED, &locks.locked);
+        f.vec3(t, i, joint_field::SECOND, locks.second);
+        f.number(t, i, joint_field::LENGTH, joint.length);
+        let softness = [joint.angular_compliance, joint.linear_compliance].map(|c| c / (h * h));
+        f.numbers(t, i, joint_field::SOFTNESS, &softness);
+        let [mass, moment] = closing.mass;
+        f.numbers(t, i, joint_field::RESPONSE, &[moment.recip(), mass.recip()]);
+        f.vec3(t, i, joint_field::ORIGIN, b.position);
+        f.number(
+            t,
+            i,
+            joint_field::ENABLED,
+            f64::from(u8::from(joint.enabled)),
+        );
+        let links = [
+            (joint_link::COUPLE, closing.couple),
+            (joint_link::ENTRY, closing.entry),
+            (joint_link::TURNS, locks.turns),
+            (joint_link::HOLD, locks.hold),
+            (joint_link::JOINT, closing.joint),
+            (joint_link::BODY_A, closing.bodies[0]),
+            (joint_link::BODY_B, closing.bodies[1]),
+        ];
+        for (field, x) in links {
+            f.link(self.links, i, field, x);
+        }
+    }
+}
+
+/// Finds what is locked, and how far it is off, and lets the forces of the last step act on it.
+#[inline(always)]
+pub(super) fn press<M: Machine>(k: &mut M, t: &Tables) {
+    for c in k.count(t.closings.count) {
+        let couple = k.link(t.closings.links, c, joint_link::COUPLE);
+        let b = k.link(t.couple_links, couple, couple_link::NODE_B);
+        let place = k.pose(t.frame, b, frame::PLACE);
+        let x = place.point(k.vec3(t.closings.joint, c, joint_field::ANCHOR_B));
+        k.store_vec3(t.closings.row, c, row::POINT, x);
+        find(k, t, c, couple);
+        let wrench = wrench(k, t, c, k.spatial(t.closings.force, c, 0));
+        factor::press(k, t, couple, x, wrench);
+    }
+}
+
+/// Residuals, y and responses of all rows. Needs the accelerations under the forces of [`press`].
+#[inline(always)]
+pub(super) fn rows<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    for c in k.count(t.closings.count) {
+        let couple = k.link(t.closings.links, c, joint_link::COUPLE);
+        let path = Path::of(k, t, couple);
+        let first = k.link(t.closings.links, c, joint_link::ENTRY);
+        accelerate(k, t, c, couple, h);
+        responses(k, t, c, path, first);
+        factor_rows(k, t, c);
+        start(k, t, c, h, path, first);
+    }
+}
+
+/// A body, and where its tree sees the point that is held.
+struct Side<R> {
+    course: Course<R>,
+    x: Vec3<R>,
+}
+
+impl<R: Real> Side<R> {
+    /// Velocity of the body's point.
+    #[inline(always)]
+    fn velocity(&self) -> Vec3<R> {
+        at(self.course.twist, self.x)
+    }
+    /// Its acceleration where all q̈ are zero, less gravity.
+    #[inline(always)]
+    fn bias(&self) -> Vec3<R> {
+        let spin = self.course.twist.angular;
+        spin.cross_plus(self.velocity(), at(self.course.bias, self.x))
+    }
+}
+
+/// Three rows.
+struct Rows<R> {
+    /// Directions, by columns; null for a row that locks nothing.
+    e: Mat3<R>,
+    /// φ.
+    error: Vec3<R>,
+    /// What J̇ q̇ has beside the share of the directions.
+    bend: Vec3<R>,
+}
+
+impl<R: Real> Rows<R> {
+    #[inline(always)]
+    fn times(self, s: R) -> Self {
+        let Self { e, error, bend } = self;
+        Self {
+            e: Mat3::from_columns(e.x * s, e.y * s, e.z * s),
+            error: error * s,
+            bend: bend * s,
+        }
+    }
+    /// φ/h + J q̇ + ½ h J̇ q̇, given J q̇, and J̇ q̇ but for what bends, as vectors.
+    #[inline(always)]
+    fn remains(&self, now: Vec3<R>, ahead: Vec3<R>, h: R) -> Vec3<R> {
+        let half = h * R::lit(0.5);
+        let more = self.bend.fma(half, self.error * h.recip());
+        self.e.transpose_mul(ahead.fma(half, now)) + more
+    }
+}
+
+/// Directions of the rows, and r without q̈ and impulses: φ/h + J q̇ + ½ h J̇ q̇.
+#[inline(always)]
+fn find<M: Machine>(k: &mut M, t: &Tables, c: M::I, couple: M::I) {
+    let h = k.load(t.step, k.index(0), step::TIME);
+    let x = k.vec3(t.closings.row, c, row::POINT);
+    let node = k.link(t.couple_links, couple, couple_link::NODE_A);
+    let a = Side {
+        course: Course::read(k, t, node),
+        x: seen_from_a(k, t, couple, x),
+    };
+    let node = k.link(t.couple_links, couple, couple_link::NODE_B);
+    let b = Side {
+        course: Course::read(k, t, node),
+        x,
+    };
+    let (spin, two) = (a.course.twist.angular, M::R::lit(2.0));
+    let on = k.load(t.closings.joint, c, joint_field::ENABLED);
+
+    let w = b.course.twist.angular - spin;
+    let ahead = b.course.bias.angular - a.course.bias.angular - spin.cross(w);
+    let turns = turned(k, t, c, [&a, &b], w).times(on);
+    let turn = turns.remains(w, ahead, h);
+    let u = b.velocity() - a.velocity();
+    let ahead = b.bias() - a.bias() - spin.cross(u) * two;
+    let shifts = shifted(k, t, c, &a, u).times(on);
+    let shift = shifts.remains(u, ahead, h);
+
+    store_mat3(k, t, c, row::TURN, turns.e);
+    store_mat3(k, t, c, row::SHIFT, shifts.e);
+    let residual = Spatial::new(turn, shift);
+    k.store_spatial(t.closings.row, c, row::RESIDUAL, residual);
+}
+
+/// Adds h J q̈ to r.
+#[inline(always)]
+fn accelerate<M: Machine>(k: &mut M, t: &Tables, c: M::I, couple: M::I, h: M::R) {
+    let x = k.vec3(t.closings.row, c, row::POINT);
+    let x_a = seen_from_a(k, t, couple, x);
+    let a = k.link(t.couple_links, couple, couple_link::NODE_A);
+    let b = k.link(t.couple_links, couple, couple_link::NODE_B);
+    let a = k.spatial(t.frame, a, frame::ACCELERATION);
+    let b = k.spatial(t.frame, b, frame::ACCELERATION);
+    let turn = mat3(k, t, c, row::TURN).transpose_mul(b.angular - a.angular);
+    let shift = mat3(k, t, c, row::SHIFT).transpose_mul(at(b, x) - at(a, x_a));
+    let r = k.spatial(t.closings.row, c, row::RESIDUAL);
+    let r = Spatial::new(turn, shift).fma(h, r);
+    k.store_spatial(t.closings.row, c, row::RESIDUAL, r);
+}
+
+/// The rows that lock turns; `w` is how fast B turns in A.
+#[inline(always)]
+fn turned<M: Machine>(
+    k: &M,
+    t: &Tables,
+    c: M::I,
+    [a, b]: [&Side<M::R>; 2],
+    w: Vec3<M::R>,
+) -> Rows<M::R> {
+    let (zero, one) = (M::R::zero(), M::R::one());
+    let none = Vec3::zero();
+    let qa = a.course.place.q * k.quat(t.closings.joint, c, joint_field::FRAME_A);
+    let qb = b.course.place.q * k.quat(t.closings.joint, c, joint_field::FRAME_B);
+    let frame = qa.to_mat3();
+    let x = Vec3::new(one, zero, zero);
+    let mut e = Mat3::from_columns(none, none, none).hold(k);
+    let mut error = none.hold(k);
+    let mut bend = none.hold(k);
+    let kind = k.link(t.closings.links, c, joint_link::TURNS);
+    if let Some(_branch) = k.when(k.equals(kind, turns::LOCKED)) {
+        e.set(frame);
+        error.set((qa.conjugate() * qb).log());
+    }
+    if let Some(_branch) = k.when(k.equals(kind, turns::ONE)) {
+        let tilt = frame.x.cross(qb.rotate(x));
+        e.set(Mat3::from_columns(none, frame.y, frame.z));
+        error.set(Vec3::new(zero, frame.y.dot(tilt), frame.z.dot(tilt)));
+    }
+    if let Some(_branch) = k.when(k.equals(kind, turns::TWO)) {
+        let second = k.vec3(t.closings.joint, c, joint_field::SECOND);
+        let (a, b) = (frame.x, qb.rotate(second));
+        let n = a.cross(b);
+        let over = n.length().max(M::R::lit(1e-6)).recip();
+        let cosine = a.dot(b);
+        e.set(Mat3::from_columns(n * over, none, none));
+        error.set(x * ((second.x - cosine) * over));
+        let turning = w.length_squared() * cosine - a.dot(w) * b.dot(w);
+        bend.set(x * (turning * over));
+    }
+    Rows {
+        e: e.get(),
+        error: error.get(),
+        bend: bend.get(),
+    }
+}
+
+/// The rows that lock shifts; `u` is how fast the held point shifts in A.
+#[inline(always)]
+fn shifted<M: Machine>(k: &M, t: &Tables, c: M::I, a: &Side<M::R>, u: Vec3<M::R>) -> Rows<M::R> {
+    let (zero, one) = (M::R::zero(), M::R::one());
+    let none = Vec3::zero();
+    let anchor = k.vec3(t.closings.joint, c, joint_field::ANCHOR_A);
+    let gap = a.x - a.course.place.point(anchor);
+    let turn = k.quat(t.closings.joint, c, joint_field::LINEAR_FRAME);
+    let free = (a.course.place.q * turn).to_mat3();
+    let lock = k.vec3(t.closings.joint, c, joint_field::LOCKED);
+    let locked = Mat3::from_columns(free.x * lock.x, free.y * lock.y, free.z * lock.z);
+    let mut e = locked.hold(k);
+    let mut error = locked.transpose_mul(gap).hold(k);
+    let mut bend = none.hold(k);
+    let kind = k.link(t.closings.links, c, joint_link::HOLD);
+    if let Some(_branch) = k.when(k.equals(kind, hold::DISTANCE)) {
+        let x = Vec3::new(one, zero, zero);
+        let length = k.load(t.closings.joint, c, joint_field::LENGTH);
+        let n = gap.normalized_or(Vec3::new(zero, one, zero));
+        let far = gap.length();
+        let along = n.dot(u);
+        e.set(Mat3::from_columns(n, none, none));
+        error.set(x * (far - length));
+        let across = u.length_squared() - along.squared();
+        bend.set(x * (across / far.max(M::R::lit(1e-6))));
+    }
+    Rows {
+        e: e.get(),
+        error: error.get(),
+        bend: bend.get(),
+    }
+}
+
+#[inline(always)]
+fn store_mat3<M: Machine>(k: &mut M, t: &Tables, c: M::I, field: usize, m: Mat3<M::R>) {
+    k.store_vec3(t.closings.row, c, field, m.x);
+    k.store_vec3(t.closings.row, c, field + 3, m.y);
+    k.store_vec3(t.closings.row, c, field + 6, m.z);
+}
+
+#[inline(always)]
+fn mat3<M: Machine>(k: &M, t: &Tables, c: M::I, field: usize) -> Mat3<M::R> {
+    Mat3::from_columns(
+        k.vec3(t.closings.row, c, field),
+        k.vec3(t.closings.row, c, field + 3),
+        k.vec3(t.closings.row, c, field + 6),
+    )
+}
+
+/// y of all six rows, and the lower triangle of Y Yᵀ.
+#[inline(always)]
+#[allow(clippy::needless_range_loop)] // iterators of arrays are not sure to be inlined
+fn responses<M: Machine>(k: &mut M, t: &Tables, c: M::I, path: Path<M::I>, first: M::I) {
+    let couple = k.link(t.closings.links, c, joint_link::COUPLE);
+    let x = k.vec3(t.closings.row, c, row::POINT);
+    let x_a = seen_from_a(k, t, couple, x);
+    let mut to = Entries {
+        table: t.closings.entry,
+        first,
+        field: 0,
+    };
+    let e = mat3(k, t, c, row::TURN);
+    let against = Mat3::from_columns(-e.x, -e.y, -e.z);
+    let sides = [factor::moments(against), factor::moments(e)];
+    factor::rows(k, t, path, to, sides);
+    to.field = 3;
+    let e = mat3(k, t, c, row::SHIFT);
+    let against = Mat3::from_columns(-e.x, -e.y, -e.z);
+    let sides = [factor::forces(x_a, against), factor::forces(x, e)];
+    factor::rows(k, t, path, to, sides);
+
+    k.write(t.closings.row, c, row::FACTOR, [M::R::zero(); TRIANGLE]);
+    for i in path.entries(k) {
+        let y: [M::R; ROWS] = k.read(t.closings.entry, first.plus(i), 0);
+        let mut sum: [M::R; TRIANGLE] = k.read(t.closings.row, c, row::FACTOR);
+        for p in 0..ROWS {
+            for q in 0..=p {
+                let at = p * (p + 1) / 2 + q;
+                sum[at] = y[p].fma(y[q], sum[at]);
+            }
+        }
+        k.write(t.closings.row, c, row::FACTOR, sum);
+    }
+}
+
+/// A square matrix from its lower triangle.
+#[inline(always)]
+#[allow(clippy::needless_range_loop)]
+fn square<R: Real>(triangle: [R; TRIANGLE]) -> [[R; ROWS]; ROWS] {
+    let mut rows = [[R::zero(); ROWS]; ROWS];
+    for p in 0..ROWS {
+        for q in 0..=p {
+            rows[p][q] = triangle[p * (p + 1) / 2 + q];
+        }
+    }
+    rows
+}
+
+/// Factors Y Yᵀ + α/h².
+#[inline(always)]
+#[allow(clippy::needless_range_loop)]
+fn factor_rows<M: Machine>(k: &mut M, t: &Tables, c: M::I) {
+    let mut a = square(k.read(t.closings.row, c, row::FACTOR));
+    let softness: [M::R; 2] = k.read(t.closings.joint, c, joint_field::SOFTNESS);
+    let response: [M::R; 2] = k.read(t.closings.joint, c, joint_field::RESPONSE);
+    let share = M::R::lit(if <M::R as Real>::Scalar::DOUBLE {
+        1e-11
+    } else {
+        2e-5
+    });
+    let mut least = [M::R::zero(); ROWS];
+    for p in 0..ROWS {
+        a[p][p] += softness[p / 3];
+        least[p] = a[p][p].max(response[p / 3]) * share;
+    }
+    let l = Ldl::new(a, least).rows;
+    let mut triangle = [M::R::zero(); TRIANGLE];
+    for p in 0..ROWS {
+        for q in 0..=p {
+            triangle[p * (p + 1) / 2 + q] = l[p][q];
+        }
+    }
+    k.write(t.closings.row, c, row::FACTOR, triangle);
+}
+
+/// λ of the last step, which acts already; what rows that are left out had is taken back.
+#[inline(always)]
+#[allow(clippy::needless_range_loop)]
+fn start<M: Machine>(k: &mut M, t: &Tables, c: M::I, h: M::R, path: Path<M::I>, first: M::I) {
+    let mut lambda = (k.spatial(t.closings.force, c, 0) * h).to_array();
+    let mut back = [M::R::zero(); ROWS];
+    let l = square(k.read(t.closings.row, c, row::FACTOR));
+    let out = Ldl { rows: l }.left_out();
+    for p in 0..ROWS {
+        back[p] = -(lambda[p] * out[p]);
+        lambda[p] += back[p];
+    }
+    k.write(t.closings.row, c, row::LAMBDA, lambda);
+    push(k, t, path, first, Spatial::from_array(back));
+}
+
+/// Adds impulses to z.
+#[inline(always)]
+fn push<M: Machine>(k: &mut M, t: &Tables, path: Path<M::I>, first: M::I, lambda: Spatial<M::R>) {
+    for i in path.entries(k) {
+        let v = path.dof(k, t, i);
+        let y = k.spatial(t.closings.entry, first.plus(i), 0);
+        let z = k.load(t.response, v, response::Z) + y.dot(lambda);
+        k.store(t.response, v, response::Z, z);
+    }
+}
+
+/// One joint of one pass, where `on` is 1; squares of the change of its impulses, and of the impulses.
+#[inline(always)]
+pub(super) fn relax<M: Machine>(k: &mut M, t: &Tables, c: M::I, on: M::R) -> (M::R, M::R) {
+    let path = Path::of(k, t, k.link(t.closings.links, c, joint_link::COUPLE));
+    let first = k.link(t.closings.links, c, joint_link::ENTRY);
+    let [turns, shifts] = k.read(t.closings.joint, c, joint_field::SOFTNESS);
+    let lambda = k.spatial(t.closings.row, c, row::LAMBDA);
+    let residual = k.spatial(t.closings.row, c, row::RESIDUAL);
+    let soft = Spatial::new(lambda.angular * turns, lambda.linear * shifts);
+    let mut r = (residual + soft).hold(k);
+    for i in path.entries(k) {
+        let z = k.load(t.response, path.dof(k, t, i), response::Z);
+        let y = k.spatial(t.closings.entry, first.plus(i), 0);
+        r.set(y.fma(z, r.get()));
+    }
+    let l = square(k.read(t.closings.row, c, row::FACTOR));
+    let step = Spatial::from_array(Ldl { rows: l }.solve(r.get().to_array())) * -on;
+    let lambda = lambda + step;
+    k.store_spatial(t.closings.row, c, row::LAMBDA, lambda);
+    push(k, t, path, first, step);
+    (step.dot(step), lambda.dot(lambda))
+}
+
+/// Keeps the forces of the step for the next, and to be reported.
+#[inline(always)]
+pub(super) fn keep<M: Machine>(k: &mut M, t: &Tables) {
+    let rate = rate(k, t);
+    for c in k.count(t.closings.count) {
+        let force = k.spatial(t.closings.row, c, row::LAMBDA) * rate;
+        k.store_spatial(t.closings.force, c, 0, force);
+    }
+}
+
+/// Forgets the forces of the lanes of `lost`.
+#[inline(always)]
+pub(super) fn forget<M: Machine>(k: &mut M, t: &Tables, lost: <M::R as Real>::Mask) {
+    for c in k.count(t.closings.count) {
+        for field in 0..ROWS {
+            k.store_where(lost, t.closings.force, c, field, M::R::zero());
+        }
+    }
+}
+
+/// Moment [N·m] about the held point and force [N] on B, world axes, of forces along the rows.
+#[inline(always)]
+fn wrench<M: Machine>(k: &M, t: &Tables, c: M::I, forces: Spatial<M::R>) -> Spatial<M::R> {
+    let moment = mat3(k, t, c, row::TURN) * forces.angular;
+    let force = mat3(k, t, c, row::SHIFT) * forces.linear;
+    Spatial::new(moment, force)
+}
+
+/// Tells the reactions, and takes the wrenches off what moves the bodies. Needs [`press`].
+#[inline(always)]
+pub(super) fn report<M: Machine>(k: &mut M, t: &Tables) {
+    for c in k.count(t.closings.count) {
+        let couple = k.link(t.closings.links, c, joint_link::COUPLE);
+        let [_, group] = k.link_row::<_, 2>(t.couple_links, couple);
+        let b = k.link(t.couple_links, couple, couple_link::NODE_B);
+        let x = k.vec3(t.closings.row, c, row::POINT);
+        let wrench = wrench(k, t, c, k.spatial(t.closings.force, c, 0));
+        let (moment, force) = (wrench.angular, wrench.linear);
+        let origin = k.pose(t.frame, b, frame::PLACE);
+        let origin = origin.point(k.vec3(t.closings.joint, c, joint_field::ORIGIN));
+        let joint = k.link(t.closings.links, c, joint_link::JOINT);
+        let torque = (x - origin).cross_plus(force, moment);
+        k.store_vec3(t.output.reaction, joint, reaction::FORCE, force);
+        k.store_vec3(t.output.reaction, joint, reaction::TORQUE, torque);
+
+        let x = x + k.vec3(t.point, group, 0);
+        let carried = Spatial::new(x.cross_plus(force, moment), force);
+        let one = k.link(t.closings.links, c, joint_link::BODY_A);
+        let other = k.link(t.closings.links, c, joint_link::BODY_B);
+        let sum = k.spatial(t.wrench, one, 0) + carried;
+        k.store_spatial(t.wrench, one, 0, sum);
+        let sum = k.spatial(t.wrench, other, 0) - carried;
+        k.store_spatial(t.wrench, other, 0, sum);
+    }
+}

@@ -1,0 +1,74 @@
+//! What a joint locks: where it holds its two bodies, and along which directions.
+
+use crate::tables::frame;
+use glam::{DQuat, DVec3};
+use model::{Joint, JointKind};
+
+/// How many rotations a joint leaves free.
+pub(crate) mod turns {
+    pub const LOCKED: usize = 0;
+    pub const ONE: usize = 1;
+    pub const TWO: usize = 2;
+    /// Along three axes that have a coordinate each.
+    pub const THREE: usize = 3;
+    pub const FREE: usize = 4;
+}
+
+/// How a joint holds the two anchors.
+pub(crate) mod hold {
+    /// Together.
+    pub const POINT: usize = 0;
+    /// Together but along one or two directions.
+    pub const SLIDE: usize = 1;
+    /// At a distance.
+    pub const DISTANCE: usize = 2;
+    /// Not at all.
+    pub const FREE: usize = 3;
+}
+
+/// A joint's locks in its own frame, where all coordinates are at their reference.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Locks {
+    /// Where the anchors of both bodies meet.
+    pub anchor: DVec3,
+    /// The angular frame: the first angular axis is its x.
+    pub turn: DQuat,
+    /// The linear frame: the free directions come first.
+    pub slide: DQuat,
+    /// 1 for each locked direction of the linear frame.
+    pub locked: [f64; 3],
+    /// The second angular axis, in the angular frame.
+    pub second: DVec3,
+    /// See [`turns`].
+    pub turns: usize,
+    /// See [`hold`].
+    pub hold: usize,
+}
+
+impl Locks {
+    /// Those of a joint whose linear and angular [axes](crate::check::axes) are these.
+    pub fn new(joint: &Joint, linear: &[usize], angular: &[usize]) -> Self {
+        let directions = |axes: &[usize]| -> Vec<DVec3> {
+            axes.iter().map(|&i| joint.axes[i].direction).collect()
+        };
+        let (turn, slide) = (frame(&directions(angular)), frame(&directions(linear)));
+        let first = angular.first().map(|&i| joint.axes[i].anchor);
+        let second = angular.get(1).map(|&i| joint.axes[i].direction);
+        Self {
+            anchor: first.unwrap_or(DVec3::ZERO),
+            turn,
+            slide,
+            locked: std::array::from_fn(|i| f64::from(u8::from(i >= linear.len()))),
+            second: turn.conjugate() * second.unwrap_or(DVec3::Y),
+            turns: match joint.kind {
+                JointKind::Ball | JointKind::Free | JointKind::Distance => turns::FREE,
+                _ => [turns::LOCKED, turns::ONE, turns::TWO, turns::THREE][angular.len()],
+            },
+            hold: match joint.kind {
+                JointKind::Free => hold::FREE,
+                JointKind::Distance => hold::DISTANCE,
+                _ => [hold::POINT, hold::SLIDE, hold::SLIDE, hold::FREE][linear.len()],
+            },
+        }
+    }
+}
