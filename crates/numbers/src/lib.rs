@@ -18,7 +18,6 @@ pub mod dispatch;
 mod dual;
 pub mod functions;
 pub mod lanes;
-mod ldl;
 pub mod machine;
 mod mat3;
 mod memory;
@@ -33,7 +32,6 @@ pub mod trace;
 mod vec3;
 
 pub use dual::Dual;
-pub use ldl::Ldl;
 pub use machine::{Cell, Cpu, Machine, Parameters, PerWorld, Shared, Table};
 pub use mat3::{Cholesky3, Mat3, SymMat3};
 pub use memory::Memory;

@@ -26,6 +26,9 @@ pub(crate) mod hold {
     pub const FREE: usize = 3;
 }
 
+/// Three turns and three shifts.
+pub(crate) const ROWS: usize = 6;
+
 /// A joint's locks in its own frame, where all coordinates are at their reference.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Locks {
@@ -70,5 +73,21 @@ impl Locks {
                 _ => [hold::POINT, hold::SLIDE, hold::SLIDE, hold::FREE][linear.len()],
             },
         }
+    }
+    /// Which turns are locked, along the angular frame or, of two axes, across both; and which shifts, along the
+    /// linear frame or the line between the anchors.
+    pub fn rows(&self) -> [bool; ROWS] {
+        let [a, b, c] = match self.turns {
+            turns::LOCKED => [true; 3],
+            turns::ONE => [false, true, true],
+            turns::TWO => [true, false, false],
+            _ => [false; 3],
+        };
+        let [x, y, z] = match self.hold {
+            hold::DISTANCE => [true, false, false],
+            hold::FREE => [false; 3],
+            _ => self.locked.map(|locked| locked > 0.0),
+        };
+        [a, b, c, x, y, z]
     }
 }

@@ -9,8 +9,9 @@ use rigid::{Settings, featherstone};
 /// Which solver advances the worlds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum SolverKind {
-    /// `impulse` for several things that touch and that nothing drives; `featherstone` for other trees, and up to 16
-    /// loops and couplings; `xpbd` for more of these, and for joints that give way or are disabled.
+    /// `impulse` for several things that touch and that nothing drives; `featherstone` for other trees, also with loops
+    /// and couplings that lock up to 64 degrees of freedom; `xpbd` for more of these, and for joints that give way or
+    /// are disabled.
     #[default]
     Auto,
     /// Reduced coordinates: accurate, no drift; loops and couplings by impulses.

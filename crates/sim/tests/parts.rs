@@ -23,7 +23,7 @@ fn hanging(balls: usize) -> Model {
 
 #[test]
 fn substeps_are_those_of_the_solver_that_is_picked() {
-    let (one, two, many) = (hanging(1), hanging(2), hanging(17));
+    let (one, two, many) = (hanging(1), hanging(2), hanging(65));
     assert!(!one.is_tree() && !two.is_tree());
     for (solver, model, contacts, substeps) in [
         // A loop: `featherstone`.

@@ -7,13 +7,13 @@
 //! φ(q') = φ + h J q̇' + ½ h² J̇ q̇ + O(h³)
 //! ```
 //!
-//! so that the impulses λ [N·s, N·m·s] of all rows of a joint together make
+//! so that what is left of a row at the end of the step, and is to be zero, is
 //!
 //! ```text
-//! r = φ/h + J q̇' + ½ h J̇ q̇ + α/h² λ = 0        (Y Yᵀ + α/h² 1) Δλ = −r
+//! r = φ/h + J q̇' + ½ h J̇ q̇
 //! ```
 //!
-//! with the compliance α, and Y of [`factor`](super::factor). That holds the positions at the end of the step, as
+//! which [`locked`](super::locked) solves. That holds the positions at the end of the step, as
 //! SHAKE does (Ryckaert, Ciccotti & Berendsen 1977), by one iteration with the curvature J̇ q̇ in place of many
 //! without. With the shift u = v_B − v_A of the point x that the joint holds on B, both velocities there, and
 //! the turn w = ω_B − ω_A,
@@ -26,30 +26,19 @@
 //! where the accelerations are those of the points of both bodies at x, all q̈ being zero. A distance |g| between
 //! the anchors has e = g / |g| and (|u|² − (e · u)²) / |g| more; an angle between two axes a and b has
 //! e = a × b / |a × b| and (|w|² (a · b) − (a · w) (b · w)) / |a × b| more.
-//!
-//! Rows that the tree, or other rows of the joint, hold already (four of six of a planar linkage) are
-//! [left out](numbers::Ldl): what passes through them is not determined, and is told as zero.
-//!
-//! Several joints, and contacts, are solved one after the other (`gauss_seidel`); impulses start at those of the
-//! last step.
 
-use super::contact::{at, rate};
-use super::factor::{self, Entries, Path, response, seen_from_a};
+use super::contact::at;
+use super::factor::{self, Path, seen_from_a};
 use super::kinematics::Course;
 use super::tables::{Tables, couple_link, frame, step};
-use crate::locks::{Locks, hold, turns};
+use crate::locks::{Locks, ROWS, hold, turns};
 use crate::output::reaction;
 use crate::tables::Filler;
 use model::{Joint, Pose};
-use numbers::machine::space::{Parameter, Scratch, State};
-use numbers::machine::{Held, Hold, Index, Links};
+use numbers::machine::space::{Parameter, Scratch};
+use numbers::machine::{Held, Hold, Links};
 use numbers::spatial::Spatial;
-use numbers::{Float, Ldl, Machine, Mat3, Real, Table, Vec3};
-
-/// Rows of a joint.
-const ROWS: usize = 6;
-/// Numbers in the lower triangle of their responses.
-const TRIANGLE: usize = ROWS * (ROWS + 1) / 2;
+use numbers::{Machine, Mat3, Real, Table, Vec3};
 
 /// Fields of [`ClosingTables::joint`].
 mod joint_field {
@@ -69,31 +58,27 @@ mod joint_field {
     pub const SECOND: usize = 21;
     /// Length of a distance joint.
     pub const LENGTH: usize = 24;
-    /// α/h² of turns and shifts.
-    pub const SOFTNESS: usize = 25;
-    /// Responses of a turn and of a shift, of which a share is as good as none.
-    pub const RESPONSE: usize = 27;
     /// Origin of the child's joint frame, in B's node.
-    pub const ORIGIN: usize = 29;
+    pub const ORIGIN: usize = 25;
     /// 1, or 0 for a joint that does not act.
-    pub const ENABLED: usize = 32;
-    pub const WIDTH: usize = 33;
+    pub const ENABLED: usize = 28;
+    pub const WIDTH: usize = 29;
 }
 
 /// Fields of [`ClosingTables::links`].
 mod joint_link {
     /// Row of [`Tables::couple_links`].
     pub const COUPLE: usize = 0;
-    /// First row of the joint's entries.
-    pub const ENTRY: usize = 1;
-    pub const TURNS: usize = 2;
-    pub const HOLD: usize = 3;
+    /// See [`turns`](crate::locks::turns).
+    pub const TURNS: usize = 1;
+    /// See [`hold`](crate::locks::hold).
+    pub const HOLD: usize = 2;
     /// The joint, in the model.
-    pub const JOINT: usize = 4;
+    pub const JOINT: usize = 3;
     /// Rows of both bodies among those that are reported.
-    pub const BODY_A: usize = 5;
-    pub const BODY_B: usize = 6;
-    pub const WIDTH: usize = 7;
+    pub const BODY_A: usize = 4;
+    pub const BODY_B: usize = 5;
+    pub const WIDTH: usize = 6;
 }
 
 /// Fields of [`ClosingTables::row`].
@@ -103,13 +88,7 @@ mod row {
     /// Directions of the turns, then of the shifts, by columns; null where nothing is locked.
     pub const TURN: usize = 3;
     pub const SHIFT: usize = 12;
-    /// r without what the impulses add, turns first.
-    pub const RESIDUAL: usize = 21;
-    /// λ.
-    pub const LAMBDA: usize = 27;
-    /// Responses, then their factor.
-    pub const FACTOR: usize = 33;
-    pub const WIDTH: usize = FACTOR + super::TRIANGLE;
+    pub const WIDTH: usize = 21;
 }
 
 /// Layout of what closes loops, a row for each joint.
@@ -120,12 +99,10 @@ pub(crate) struct ClosingTables {
     joint: Table<Parameter, { joint_field::WIDTH }>,
     /// See [`joint_link`].
     links: Links<{ joint_link::WIDTH }>,
-    /// λ/h [N·m, N] of the last step.
-    force: Table<State, ROWS>,
+    /// Rows of [`LockedTables`](super::locked::LockedTables): three turns, then three shifts.
+    rows: Links<ROWS>,
     /// See [`row`].
     row: Table<Scratch, { row::WIDTH }>,
-    /// y of the six rows, for each entry of each joint.
-    entry: Table<Scratch, ROWS>,
 }
 
 /// A joint that closes a loop, as the tables take it.
@@ -140,17 +117,29 @@ pub(super) struct Closing {
     pub places: [Pose; 2],
     /// Rows of both bodies among those that are reported.
     pub bodies: [usize; 2],
-    /// Pair of nodes, first row of its entries.
+    /// Pair of nodes.
     pub couple: usize,
-    pub entry: usize,
+    /// Rows among those that are locked: three turns, then three shifts.
+    pub locked: [usize; ROWS],
     /// Mass [kg] of the lighter of both trees, and the sum of its bodies' moments of inertia [kg·m²].
     pub mass: [f64; 2],
 }
 
+impl Closing {
+    /// α/h² of a row, in steps of `h` [s], and the response of what moves freely.
+    pub fn law(&self, row: usize, joint: &Joint, h: f64) -> [f64; 2] {
+        let [mass, moment] = self.mass;
+        let (compliance, inertia) = match row {
+            0..3 => (joint.angular_compliance, moment),
+            _ => (joint.linear_compliance, mass),
+        };
+        [compliance / (h * h), inertia.recip()]
+    }
+}
+
 impl ClosingTables {
     pub fn place(
-        [count, entries]: [usize; 2],
-        state: &mut usize,
+        count: usize,
         parameters: &mut usize,
         links: &mut usize,
         scratch: &mut usize,
@@ -159,14 +148,13 @@ impl ClosingTables {
             count,
             joint: Table::place(parameters, count),
             links: Links::place(links, count),
-            force: Table::place(state, count),
+            rows: Links::place(links, count),
             row: Table::place(scratch, count),
-            entry: Table::place(scratch, entries),
         }
     }
 
-    /// Writes a row, for steps of length `h` [s].
-    pub(super) fn fill(&self, i: usize, closing: &Closing, joint: &Joint, h: f64, f: &mut Filler) {
+    /// Writes a row.
+    pub(super) fn fill(&self, i: usize, closing: &Closing, joint: &Joint, f: &mut Filler) {
         let (locks, t) = (&closing.locks, self.joint);
         let a = closing.places[0] * joint.parent_frame;
         let b = closing.places[1] * joint.child_frame;
@@ -178,20 +166,11 @@ impl ClosingTables {
         f.numbers(t, i, joint_field::LOCKED, &locks.locked);
         f.vec3(t, i, joint_field::SECOND, locks.second);
         f.number(t, i, joint_field::LENGTH, joint.length);
-        let softness = [joint.angular_compliance, joint.linear_compliance].map(|c| c / (h * h));
-        f.numbers(t, i, joint_field::SOFTNESS, &softness);
-        let [mass, moment] = closing.mass;
-        f.numbers(t, i, joint_field::RESPONSE, &[moment.recip(), mass.recip()]);
         f.vec3(t, i, joint_field::ORIGIN, b.position);
-        f.number(
-            t,
-            i,
-            joint_field::ENABLED,
-            f64::from(u8::from(joint.enabled)),
-        );
+        let enabled = f64::from(u8::from(joint.enabled));
+        f.number(t, i, joint_field::ENABLED, enabled);
         let links = [
             (joint_link::COUPLE, closing.couple),
-            (joint_link::ENTRY, closing.entry),
             (joint_link::TURNS, locks.turns),
             (joint_link::HOLD, locks.hold),
             (joint_link::JOINT, closing.joint),
@@ -201,6 +180,16 @@ impl ClosingTables {
         for (field, x) in links {
             f.link(self.links, i, field, x);
         }
+        for (field, row) in closing.locked.into_iter().enumerate() {
+            f.link(self.rows, i, field, row);
+        }
+    }
+
+    /// Rows of a joint's turns, and of its shifts.
+    #[inline(always)]
+    fn rows<M: Machine>(&self, k: &M, c: M::I) -> [[M::I; 3]; 2] {
+        let [a, b, c, x, y, z] = k.link_row(self.rows, c);
+        [[a, b, c], [x, y, z]]
     }
 }
 
@@ -214,22 +203,18 @@ pub(super) fn press<M: Machine>(k: &mut M, t: &Tables) {
         let x = place.point(k.vec3(t.closings.joint, c, joint_field::ANCHOR_B));
         k.store_vec3(t.closings.row, c, row::POINT, x);
         find(k, t, c, couple);
-        let wrench = wrench(k, t, c, k.spatial(t.closings.force, c, 0));
+        let wrench = wrench(k, t, c);
         factor::press(k, t, couple, x, wrench);
     }
 }
 
-/// Residuals, y and responses of all rows. Needs the accelerations under the forces of [`press`].
+/// What is left of all rows without impulses, and their y. Needs the accelerations under the forces of [`press`].
 #[inline(always)]
 pub(super) fn rows<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     for c in k.count(t.closings.count) {
         let couple = k.link(t.closings.links, c, joint_link::COUPLE);
-        let path = Path::of(k, t, couple);
-        let first = k.link(t.closings.links, c, joint_link::ENTRY);
         accelerate(k, t, c, couple, h);
-        responses(k, t, c, path, first);
-        factor_rows(k, t, c);
-        start(k, t, c, h, path, first);
+        responses(k, t, c, couple);
     }
 }
 
@@ -311,8 +296,11 @@ fn find<M: Machine>(k: &mut M, t: &Tables, c: M::I, couple: M::I) {
 
     store_mat3(k, t, c, row::TURN, turns.e);
     store_mat3(k, t, c, row::SHIFT, shifts.e);
-    let residual = Spatial::new(turn, shift);
-    k.store_spatial(t.closings.row, c, row::RESIDUAL, residual);
+    let [turns, shifts] = t.closings.rows(k, c);
+    for i in 0..3 {
+        t.locked.remains(k, turns[i], turn.to_array()[i]);
+        t.locked.remains(k, shifts[i], shift.to_array()[i]);
+    }
 }
 
 /// Adds h J q̈ to r.
@@ -326,9 +314,12 @@ fn accelerate<M: Machine>(k: &mut M, t: &Tables, c: M::I, couple: M::I, h: M::R)
     let b = k.spatial(t.frame, b, frame::ACCELERATION);
     let turn = mat3(k, t, c, row::TURN).transpose_mul(b.angular - a.angular);
     let shift = mat3(k, t, c, row::SHIFT).transpose_mul(at(b, x) - at(a, x_a));
-    let r = k.spatial(t.closings.row, c, row::RESIDUAL);
-    let r = Spatial::new(turn, shift).fma(h, r);
-    k.store_spatial(t.closings.row, c, row::RESIDUAL, r);
+    let (turn, shift) = ((turn * h).to_array(), (shift * h).to_array());
+    let [turns, shifts] = t.closings.rows(k, c);
+    for i in 0..3 {
+        t.locked.gains(k, turns[i], turn[i]);
+        t.locked.gains(k, shifts[i], shift[i]);
+    }
 }
 
 /// The rows that lock turns; `w` is how fast B turns in A.
@@ -426,157 +417,29 @@ fn mat3<M: Machine>(k: &M, t: &Tables, c: M::I, field: usize) -> Mat3<M::R> {
     )
 }
 
-/// y of all six rows, and the lower triangle of Y Yᵀ.
+/// y of a joint's rows.
 #[inline(always)]
-#[allow(clippy::needless_range_loop)] // iterators of arrays are not sure to be inlined
-fn responses<M: Machine>(k: &mut M, t: &Tables, c: M::I, path: Path<M::I>, first: M::I) {
-    let couple = k.link(t.closings.links, c, joint_link::COUPLE);
-    let x = k.vec3(t.closings.row, c, row::POINT);
-    let x_a = seen_from_a(k, t, couple, x);
-    let mut to = Entries {
-        table: t.closings.entry,
-        first,
-        field: 0,
-    };
+fn responses<M: Machine>(k: &mut M, t: &Tables, c: M::I, couple: M::I) {
+    let path = Path::of(k, t, couple);
+    let [turns, shifts] = t.closings.rows(k, c);
     let e = mat3(k, t, c, row::TURN);
     let against = Mat3::from_columns(-e.x, -e.y, -e.z);
     let sides = [factor::moments(against), factor::moments(e)];
-    factor::rows(k, t, path, to, sides);
-    to.field = 3;
+    factor::rows(k, t, path, &(t.locked, turns), sides);
+    let x = k.vec3(t.closings.row, c, row::POINT);
+    let x_a = seen_from_a(k, t, couple, x);
     let e = mat3(k, t, c, row::SHIFT);
     let against = Mat3::from_columns(-e.x, -e.y, -e.z);
     let sides = [factor::forces(x_a, against), factor::forces(x, e)];
-    factor::rows(k, t, path, to, sides);
-
-    k.write(t.closings.row, c, row::FACTOR, [M::R::zero(); TRIANGLE]);
-    for i in path.entries(k) {
-        let y: [M::R; ROWS] = k.read(t.closings.entry, first.plus(i), 0);
-        let mut sum: [M::R; TRIANGLE] = k.read(t.closings.row, c, row::FACTOR);
-        for p in 0..ROWS {
-            for q in 0..=p {
-                let at = p * (p + 1) / 2 + q;
-                sum[at] = y[p].fma(y[q], sum[at]);
-            }
-        }
-        k.write(t.closings.row, c, row::FACTOR, sum);
-    }
+    factor::rows(k, t, path, &(t.locked, shifts), sides);
 }
 
-/// A square matrix from its lower triangle.
+/// Moment [N·m] about the held point and force [N] on B of the last step, world axes.
 #[inline(always)]
-#[allow(clippy::needless_range_loop)]
-fn square<R: Real>(triangle: [R; TRIANGLE]) -> [[R; ROWS]; ROWS] {
-    let mut rows = [[R::zero(); ROWS]; ROWS];
-    for p in 0..ROWS {
-        for q in 0..=p {
-            rows[p][q] = triangle[p * (p + 1) / 2 + q];
-        }
-    }
-    rows
-}
-
-/// Factors Y Yᵀ + α/h².
-#[inline(always)]
-#[allow(clippy::needless_range_loop)]
-fn factor_rows<M: Machine>(k: &mut M, t: &Tables, c: M::I) {
-    let mut a = square(k.read(t.closings.row, c, row::FACTOR));
-    let softness: [M::R; 2] = k.read(t.closings.joint, c, joint_field::SOFTNESS);
-    let response: [M::R; 2] = k.read(t.closings.joint, c, joint_field::RESPONSE);
-    let share = M::R::lit(if <M::R as Real>::Scalar::DOUBLE {
-        1e-11
-    } else {
-        2e-5
-    });
-    let mut least = [M::R::zero(); ROWS];
-    for p in 0..ROWS {
-        a[p][p] += softness[p / 3];
-        least[p] = a[p][p].max(response[p / 3]) * share;
-    }
-    let l = Ldl::new(a, least).rows;
-    let mut triangle = [M::R::zero(); TRIANGLE];
-    for p in 0..ROWS {
-        for q in 0..=p {
-            triangle[p * (p + 1) / 2 + q] = l[p][q];
-        }
-    }
-    k.write(t.closings.row, c, row::FACTOR, triangle);
-}
-
-/// λ of the last step, which acts already; what rows that are left out had is taken back.
-#[inline(always)]
-#[allow(clippy::needless_range_loop)]
-fn start<M: Machine>(k: &mut M, t: &Tables, c: M::I, h: M::R, path: Path<M::I>, first: M::I) {
-    let mut lambda = (k.spatial(t.closings.force, c, 0) * h).to_array();
-    let mut back = [M::R::zero(); ROWS];
-    let l = square(k.read(t.closings.row, c, row::FACTOR));
-    let out = Ldl { rows: l }.left_out();
-    for p in 0..ROWS {
-        back[p] = -(lambda[p] * out[p]);
-        lambda[p] += back[p];
-    }
-    k.write(t.closings.row, c, row::LAMBDA, lambda);
-    push(k, t, path, first, Spatial::from_array(back));
-}
-
-/// Adds impulses to z.
-#[inline(always)]
-fn push<M: Machine>(k: &mut M, t: &Tables, path: Path<M::I>, first: M::I, lambda: Spatial<M::R>) {
-    for i in path.entries(k) {
-        let v = path.dof(k, t, i);
-        let y = k.spatial(t.closings.entry, first.plus(i), 0);
-        let z = k.load(t.response, v, response::Z) + y.dot(lambda);
-        k.store(t.response, v, response::Z, z);
-    }
-}
-
-/// One joint of one pass, where `on` is 1; squares of the change of its impulses, and of the impulses.
-#[inline(always)]
-pub(super) fn relax<M: Machine>(k: &mut M, t: &Tables, c: M::I, on: M::R) -> (M::R, M::R) {
-    let path = Path::of(k, t, k.link(t.closings.links, c, joint_link::COUPLE));
-    let first = k.link(t.closings.links, c, joint_link::ENTRY);
-    let [turns, shifts] = k.read(t.closings.joint, c, joint_field::SOFTNESS);
-    let lambda = k.spatial(t.closings.row, c, row::LAMBDA);
-    let residual = k.spatial(t.closings.row, c, row::RESIDUAL);
-    let soft = Spatial::new(lambda.angular * turns, lambda.linear * shifts);
-    let mut r = (residual + soft).hold(k);
-    for i in path.entries(k) {
-        let z = k.load(t.response, path.dof(k, t, i), response::Z);
-        let y = k.spatial(t.closings.entry, first.plus(i), 0);
-        r.set(y.fma(z, r.get()));
-    }
-    let l = square(k.read(t.closings.row, c, row::FACTOR));
-    let step = Spatial::from_array(Ldl { rows: l }.solve(r.get().to_array())) * -on;
-    let lambda = lambda + step;
-    k.store_spatial(t.closings.row, c, row::LAMBDA, lambda);
-    push(k, t, path, first, step);
-    (step.dot(step), lambda.dot(lambda))
-}
-
-/// Keeps the forces of the step for the next, and to be reported.
-#[inline(always)]
-pub(super) fn keep<M: Machine>(k: &mut M, t: &Tables) {
-    let rate = rate(k, t);
-    for c in k.count(t.closings.count) {
-        let force = k.spatial(t.closings.row, c, row::LAMBDA) * rate;
-        k.store_spatial(t.closings.force, c, 0, force);
-    }
-}
-
-/// Forgets the forces of the lanes of `lost`.
-#[inline(always)]
-pub(super) fn forget<M: Machine>(k: &mut M, t: &Tables, lost: <M::R as Real>::Mask) {
-    for c in k.count(t.closings.count) {
-        for field in 0..ROWS {
-            k.store_where(lost, t.closings.force, c, field, M::R::zero());
-        }
-    }
-}
-
-/// Moment [N·m] about the held point and force [N] on B, world axes, of forces along the rows.
-#[inline(always)]
-fn wrench<M: Machine>(k: &M, t: &Tables, c: M::I, forces: Spatial<M::R>) -> Spatial<M::R> {
-    let moment = mat3(k, t, c, row::TURN) * forces.angular;
-    let force = mat3(k, t, c, row::SHIFT) * forces.linear;
+fn wrench<M: Machine>(k: &M, t: &Tables, c: M::I) -> Spatial<M::R> {
+    let [turns, shifts] = t.closings.rows(k, c);
+    let moment = mat3(k, t, c, row::TURN) * t.locked.forces(k, turns);
+    let force = mat3(k, t, c, row::SHIFT) * t.locked.forces(k, shifts);
     Spatial::new(moment, force)
 }
 
@@ -588,7 +451,7 @@ pub(super) fn report<M: Machine>(k: &mut M, t: &Tables) {
         let [_, group] = k.link_row::<_, 2>(t.couple_links, couple);
         let b = k.link(t.couple_links, couple, couple_link::NODE_B);
         let x = k.vec3(t.closings.row, c, row::POINT);
-        let wrench = wrench(k, t, c, k.spatial(t.closings.force, c, 0));
+        let wrench = wrench(k, t, c);
         let (moment, force) = (wrench.angular, wrench.linear);
         let origin = k.pose(t.frame, b, frame::PLACE);
         let origin = origin.point(k.vec3(t.closings.joint, c, joint_field::ORIGIN));

@@ -2,8 +2,13 @@
 
 use super::closing::Closing;
 use super::coupling::Coupled;
+use super::locked::Locked;
 use super::tables::{Forest, couple_link};
 use crate::contacts::ContactPlan;
+use model::Model;
+
+/// A row of what is not locked, until it is known which is spare.
+const NONE: usize = usize::MAX;
 
 /// The pairs as flat lists, and where each slot between moving bodies finds its own.
 #[derive(Clone, Debug, Default)]
@@ -16,43 +21,89 @@ pub(super) struct Couples {
     pub slots: Vec<(usize, usize, usize)>,
     /// Rows of entries of all slots together.
     pub entries: usize,
-    /// The same of all joints that close loops, and of all couplings.
-    pub closing_entries: usize,
-    pub coupling_entries: usize,
+    /// Rows that joints and couplings lock, and one more that takes what is not locked.
+    pub locked: Vec<Locked>,
+    /// Entries of all of them together.
+    pub locked_entries: usize,
 }
 
 impl Couples {
-    /// Those of a plan of contacts, and of closings and couplings, which are told theirs.
-    pub fn new(
-        forest: &Forest,
-        plan: &ContactPlan,
-        closings: &mut [Closing],
-        couplings: &mut [Coupled],
-    ) -> Self {
+    /// Those of a plan of contacts.
+    pub fn new(forest: &Forest, plan: &ContactPlan) -> Self {
         let mut all = Self::default();
         for (slot, a, b) in plan.between_slots() {
             let couple = all.of([a.group, b.group], [a.row, b.row], forest);
             all.slots.push((slot, couple, all.entries));
             all.entries += all.couples[couple][couple_link::ENTRIES];
         }
-        for closing in closings {
-            closing.couple = all.of(closing.groups, closing.rows, forest);
-            closing.entry = all.closing_entries;
-            all.closing_entries += all.couples[closing.couple][couple_link::ENTRIES];
+        all
+    }
+
+    /// Adds what joints and couplings lock, in steps of `h` [s], and tells them where.
+    pub fn lock(
+        &mut self,
+        forest: &Forest,
+        model: &Model,
+        closings: &mut [Closing],
+        couplings: &mut [Coupled],
+        h: f64,
+    ) {
+        for closing in closings.iter_mut() {
+            closing.couple = self.of(closing.groups, closing.rows, forest);
+            for (row, locks) in closing.locks.rows().into_iter().enumerate() {
+                let law = closing.law(row, &model.joints[closing.joint], h);
+                closing.locked[row] = if locks {
+                    self.add_row(closing.couple, law)
+                } else {
+                    NONE
+                };
+            }
         }
-        for coupled in couplings {
-            coupled.couple = all.of(coupled.groups, coupled.rows, forest);
-            coupled.entry = all.coupling_entries;
-            let couple = all.couples[coupled.couple];
+        for coupled in couplings.iter_mut() {
+            coupled.couple = self.of(coupled.groups, coupled.rows, forest);
+            coupled.locked = self.add_row(coupled.couple, [0.0; 2]);
+            let couple = self.couples[coupled.couple];
             let (own_a, own) = (couple[couple_link::OWN_A], couple[couple_link::OWN]);
             // Where one joint carries the other, its own entry is the first of the shared ones.
             coupled.starts = [
                 if own_a > 0 { 0 } else { own },
                 if own > own_a { own_a } else { own },
             ];
-            all.coupling_entries += couple[couple_link::ENTRIES];
         }
-        all
+        self.add_spare(closings);
+    }
+
+    /// A row that takes what is not locked, with room for the longest path.
+    fn add_spare(&mut self, closings: &mut [Closing]) {
+        if self.locked.is_empty() {
+            return;
+        }
+        let spare = self.locked.len();
+        for row in closings.iter_mut().flat_map(|c| &mut c.locked) {
+            *row = (*row).min(spare);
+        }
+        self.locked.push(Locked {
+            entry: self.locked_entries,
+            ..Locked::default()
+        });
+        let longest = self.couples.iter().map(|c| c[couple_link::ENTRIES]).max();
+        self.locked_entries += longest.unwrap_or(0);
+    }
+
+    fn add_row(&mut self, couple: usize, [softness, response]: [f64; 2]) -> usize {
+        self.locked.push(Locked {
+            couple,
+            entry: self.locked_entries,
+            softness,
+            response,
+        });
+        self.locked_entries += self.couples[couple][couple_link::ENTRIES];
+        self.locked.len() - 1
+    }
+
+    /// How many rows are locked.
+    pub fn rows(&self) -> usize {
+        self.locked.len().saturating_sub(1)
     }
 
     /// Whether any bodies that move give each other impulses.

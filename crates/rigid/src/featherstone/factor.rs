@@ -16,10 +16,9 @@
 
 use super::contact::rate;
 use super::tables::{Tables, couple_link, dof, frame, node_link};
-use numbers::machine::space::Scratch;
 use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::Spatial;
-use numbers::{Machine, Mat3, Real, Table, Vec3};
+use numbers::{Machine, Mat3, Real, Vec3};
 
 /// Fields of [`Tables::response`], a row for each degree of freedom.
 pub(crate) mod response {
@@ -27,7 +26,9 @@ pub(crate) mod response {
     pub const Z: usize = 0;
     /// 1 / √D.
     pub const ROOT: usize = 1;
-    pub const WIDTH: usize = 2;
+    /// y of a row that is set against others; else zero.
+    pub const ROW: usize = 2;
+    pub const WIDTH: usize = 3;
 }
 
 /// The degrees of freedom that move either node of a pair: A's own, B's own, then those of both.
@@ -77,12 +78,10 @@ impl<I: Index> Path<I> {
     }
 }
 
-/// Where a kernel keeps the y of three rows: a field of consecutive rows of a table.
-#[derive(Clone, Copy)]
-pub(super) struct Entries<I, const W: usize> {
-    pub table: Table<Scratch, W>,
-    pub first: I,
-    pub field: usize,
+/// Where the y of three rows are kept.
+pub(super) trait Keep<M: Machine> {
+    /// Those of an entry of the path.
+    fn keep(&self, k: &mut M, entry: M::I, y: Vec3<M::R>);
 }
 
 /// Where A's tree has a point that is at `x` in B's.
@@ -132,7 +131,8 @@ pub(super) fn press<M: Machine>(
 pub(super) fn begin<M: Machine>(k: &mut M, t: &Tables) {
     for v in k.count(t.dofs) {
         let root = k.load(t.dof, v, dof::INVERSE).sqrt();
-        k.write(t.response, v, response::Z, [M::R::zero(), root]);
+        let zero = M::R::zero();
+        k.write(t.response, v, response::Z, [zero, root, zero]);
     }
 }
 
@@ -161,11 +161,11 @@ pub(super) fn moments<R: Real>(e: Mat3<R>) -> Wrenches<R> {
 
 /// y of three rows, given their wrenches on A and on B; returns their squares y · y.
 #[inline(always)]
-pub(super) fn rows<M: Machine, const W: usize>(
+pub(super) fn rows<M: Machine>(
     k: &mut M,
     t: &Tables,
     path: Path<M::I>,
-    to: Entries<M::I, W>,
+    to: &impl Keep<M>,
     [on_a, on_b]: [Wrenches<M::R>; 2],
 ) -> Vec3<M::R> {
     let mut square = Vec3::zero().hold(k);
@@ -190,11 +190,11 @@ fn hold<M: Machine>(k: &M, [x, y, z]: Wrenches<M::R>) -> [Spatial<M::Cell>; 3] {
 
 /// Walks inwards along some of a path's entries with three wrenches.
 #[inline(always)]
-fn walk<M: Machine, const W: usize>(
+fn walk<M: Machine>(
     k: &mut M,
     t: &Tables,
     path: Path<M::I>,
-    entries: Entries<M::I, W>,
+    to_keep: &impl Keep<M>,
     [from, to]: [M::I; 2],
     wrenches: &mut [Spatial<M::Cell>; 3],
     square: &mut Vec3<M::Cell>,
@@ -214,7 +214,7 @@ fn walk<M: Machine, const W: usize>(
         two.set(u.fma(share.y, two.get()));
         three.set(u.fma(share.z, three.get()));
         let y = along * k.load(t.response, v, response::ROOT);
-        k.store_vec3(entries.table, entries.first.plus(i), entries.field, y);
+        to_keep.keep(k, i, y);
         square.set(y.times(y) + square.get());
     }
 }

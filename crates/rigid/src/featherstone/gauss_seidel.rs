@@ -10,9 +10,9 @@
 //! ```
 //!
 //! one contact after the other (Jourdan, Alart & Jean 1998; cₙ and u* as in
-//! [`contact`](super::contact)). Both tangents take one scalar step, and are shortened together. Joints that
-//! close loops ([`closing`](super::closing)) and couplings ([`coupling`](super::coupling)) have their turns at the end
-//! of each pass.
+//! [`contact`](super::contact)). Both tangents take one scalar step, and are shortened together. What joints that
+//! close loops ([`closing`](super::closing)) and couplings ([`coupling`](super::coupling)) lock is solved at once at the
+//! end of each pass ([`locked`](super::locked)).
 //!
 //! Departures from the exact solution: as many passes as `Settings::contact_iterations`; contacts with
 //! the ground give way to what is added as springs do, but neither open nor close by it in that step;
@@ -22,12 +22,14 @@
 use super::closing;
 use super::contact::{self, at, impedance, law, load, rate};
 use super::coupling;
-use super::factor::{self, Entries, Path, response, seen_from_a};
+use super::factor::{self, Keep, Path, response, seen_from_a};
+use super::locked;
 use super::tables::{Tables, couple_link, frame, touch_link};
 use crate::contacts::{found, slot, slot_link};
+use numbers::machine::space::Scratch;
 use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::Spatial;
-use numbers::{Cell, Machine, Mat3, Real, Vec3};
+use numbers::{Cell, Machine, Mat3, Real, Table, Vec3};
 
 /// Smallest response of a row [1/kg], so that two bodies that cannot move do not divide by zero.
 const STIFFEST: f64 = 1e-12;
@@ -126,7 +128,7 @@ pub(crate) fn gauss_seidel<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
             t.acting.append(k, first, s);
         }
     }
-    if t.closings.count + t.couplings.count > 0 {
+    if t.locked.count > 0 {
         any.write(M::R::one());
     }
     if let Some(_branch) = k.if_any(any.read().gt(zero)) {
@@ -137,9 +139,9 @@ pub(crate) fn gauss_seidel<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         }
         closing::rows(k, t, h);
         coupling::rows(k, t, h);
+        locked::begin(k, t, h);
         iterate(k, t);
-        closing::keep(k, t);
-        coupling::keep(k, t);
+        locked::keep(k, t);
         factor::respond(k, t);
         contact::give(k, t, h);
     }
@@ -164,13 +166,8 @@ fn iterate<M: Machine>(k: &mut M, t: &Tables) {
                 most.write(most.read().max(size));
             }
         }
-        for c in k.count(t.closings.count) {
-            let (step, size) = closing::relax(k, t, c, on);
-            change.write(change.read().max(step));
-            most.write(most.read().max(size));
-        }
-        for c in k.count(t.couplings.count) {
-            let (step, size) = coupling::relax(k, t, c, on);
+        if t.locked.count > 0 {
+            let (step, size) = locked::solve(k, t, on);
             change.write(change.read().max(step));
             most.write(most.read().max(size));
         }
@@ -231,20 +228,24 @@ fn row<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
     k.store_vec3(t.impulse, s, impulse::LAMBDA, lambda);
 }
 
+/// Three numbers an entry, from a row on.
+impl<M: Machine> Keep<M> for (Table<Scratch, 3>, M::I) {
+    #[inline(always)]
+    fn keep(&self, k: &mut M, i: M::I, y: Vec3<M::R>) {
+        k.store_vec3(self.0, self.1.plus(i), 0, y);
+    }
+}
+
 /// y of the three directions of a contact; returns their squares y · y [1/kg].
 #[inline(always)]
 fn responses<M: Machine>(k: &mut M, t: &Tables, s: M::I, e: Mat3<M::R>) -> Vec3<M::R> {
     let couple = k.link(t.touch_links, s, touch_link::COUPLE);
-    let to = Entries {
-        table: t.entry,
-        first: k.link(t.touch_links, s, touch_link::ENTRY),
-        field: 0,
-    };
+    let to = (t.entry, k.link(t.touch_links, s, touch_link::ENTRY));
     let x = k.vec3(t.contacts.slot, s, slot::POSITION);
     let against = Mat3::from_columns(-e.x, -e.y, -e.z);
     let on_a = factor::forces(seen_from_a(k, t, couple, x), against);
     let on_b = factor::forces(x, e);
-    factor::rows(k, t, Path::of(k, t, couple), to, [on_a, on_b])
+    factor::rows(k, t, Path::of(k, t, couple), &to, [on_a, on_b])
 }
 
 /// Velocity of one side at x before the step, and after it without impulses.

@@ -15,13 +15,12 @@
 
 use super::Integrator;
 use super::articulated_body::{along, articulated_body};
-use super::closing;
 use super::contact;
-use super::coupling;
 use super::force::{forces, smooth_targets};
 use super::gauss_seidel;
 use super::kinematics::kinematics;
 use super::limit;
+use super::locked;
 use super::report::gather;
 use super::tables::{Tables, dof, step};
 use crate::contacts::place_shapes;
@@ -303,8 +302,7 @@ fn guard<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
     if let Some(_branch) = k.if_any(lost) {
         if CONTACTS {
             t.kept.forget(k, lost);
-            closing::forget(k, t, lost);
-            coupling::forget(k, t, lost);
+            locked::forget(k, t, lost);
         }
         for q in k.count(t.coordinates) {
             let x = k.load(t.saved_position, q, 0);

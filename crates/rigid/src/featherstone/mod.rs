@@ -3,13 +3,14 @@
 //! The step, in order: `kinematics` (placements, velocities), `force` (what
 //! acts along each degree of freedom), `contact` (what touches what does not move),
 //! `articulated_body` (accelerations), `gauss_seidel` (contacts between bodies that
-//! move, with `closing`, joints that close loops, and `coupling`, gears), `integrate` (the next state).
+//! move, with `closing`, joints that close loops, and `coupling`, gears, whose rows are `locked`), `integrate` (the
+//! next state).
 //!
 //! [`dynamics`] are the same kernels as functions: mass matrix, inverse dynamics, Jacobians.
 //!
 //! Limitations: the gyroscopic torque is explicit, so that a slender free body that
 //! spins fast (hundreds of rad/s at 2 ms) gains energy, but with Runge–Kutta; closed loops and
-//! couplings with semi-implicit Euler only, and many that hang on each other converge slowly (nets: use
+//! couplings with semi-implicit Euler only, in time that grows with the cube of the rows that they lock (nets: use
 //! `xpbd`); joints of the tree do not give way; joint limits are springs; a motor
 //! torque larger than its drive's effort limit is cut, not refused. Contacts have no
 //! torsional and no rolling friction, and no continuous collision beyond a step's own way.
@@ -26,6 +27,7 @@ mod gauss_seidel;
 mod integrate;
 mod kinematics;
 mod limit;
+mod locked;
 mod report;
 mod tables;
 
@@ -63,12 +65,12 @@ impl Integrator {
     }
 }
 
-/// Loops and couplings up to which this solver is the better choice: with more, impulses converge slowly.
-const FEW_LOOPS: usize = 16;
+/// Rows locked by loops and couplings up to which this solver is the better choice: time grows with their cube.
+const FEW_ROWS: usize = 64;
 
 /// Whether a model is what this solver is for: a tree that is rigid where its joints lock, with few loops.
 pub fn suits(model: &Model) -> bool {
-    tables::is_rigid(model) && model.loops().len() <= FEW_LOOPS
+    tables::is_rigid(model) && tables::locked_rows(model).is_some_and(|rows| rows <= FEW_ROWS)
 }
 
 /// The articulated-body algorithm compiled for a model, with contacts or without.

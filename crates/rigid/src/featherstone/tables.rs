@@ -16,6 +16,7 @@ use super::factor::response;
 use super::force::{ForceRows, ForceTables, only_forces_act, wrapping};
 use super::gauss_seidel::impulse;
 use super::limit::stop;
+use super::locked::LockedTables;
 use crate::contacts::{ContactPlan, ContactTables, Kept, Seat as Carrier, pair_field};
 use crate::lists::Lists;
 use crate::locks::Locks;
@@ -172,6 +173,8 @@ pub struct Tables {
     /// Joints that close loops.
     pub(crate) closings: ClosingTables,
     pub(crate) couplings: CouplingTables,
+    /// What both of them lock.
+    pub(crate) locked: LockedTables,
     /// The contacts of the last step.
     pub(crate) kept: Kept,
     /// Tangential impedance of each contact of the last step.
@@ -455,12 +458,13 @@ impl Forest {
         self.nodes.iter().filter(move |n| n.tree == tree)
     }
 
-    /// The joints that close loops.
+    /// The joints that close loops, and lock anything.
     fn closings(&self, model: &Model) -> Result<Vec<Closing>, SolverError> {
         let joints = model.joints.iter().enumerate();
         joints
             .filter(|(_, j)| closes(j) && j.kind != JointKind::Free)
             .map(|(i, joint)| self.closing(model, i, joint))
+            .filter(|c| c.as_ref().map_or(true, |c| c.locks.rows().contains(&true)))
             .collect()
     }
 
@@ -478,7 +482,7 @@ impl Forest {
                 groups: nodes.map(|n| self.nodes[n].tree),
                 rows: nodes.map(|n| bases + n),
                 couple: 0,
-                entry: 0,
+                locked: 0,
                 starts: [0; 2],
             })
             .collect()
@@ -512,7 +516,7 @@ impl Forest {
             places: [a.place, b.place],
             bodies: ends.map(row),
             couple: 0,
-            entry: 0,
+            locked: [0; 6],
             mass: [lighter.mass, moment],
         })
     }
@@ -675,6 +679,18 @@ pub(crate) fn is_rigid(model: &Model) -> bool {
     model.joints.iter().filter(|j| !closes(j)).all(rigid)
 }
 
+/// How many rows joints outside the tree, and couplings, lock; none where a joint's axes are not known here.
+pub(crate) fn locked_rows(model: &Model) -> Option<usize> {
+    let rows = |joint: &Joint| {
+        let (linear, angular) = crate::check::axes(joint, NAME).ok()?;
+        let rows = Locks::new(joint, &linear, &angular).rows();
+        Some(rows.into_iter().filter(|locked| *locked).count())
+    };
+    let closings = model.joints.iter().filter(|j| closes(j));
+    let rows: Option<usize> = closings.map(rows).sum();
+    Some(rows? + model.couplings.len())
+}
+
 /// Refuses what reduced coordinates cannot express.
 pub(crate) fn check(model: &Model, scope: Scope, settings: &Settings) -> Result<(), SolverError> {
     for joint in &model.joints {
@@ -740,7 +756,9 @@ impl Tables {
             Scope::Tree => Default::default(),
             Scope::Loops | Scope::Contacts => (forest.closings(model)?, forest.couplings(model)),
         };
-        let couples = Couples::new(&forest, &plan, &mut closings, &mut couplings);
+        let mut couples = Couples::new(&forest, &plan);
+        let h = settings.substep();
+        couples.lock(&forest, model, &mut closings, &mut couplings, h);
         let counts = [closings.len(), couplings.len()];
         let tables = Self::layout(model, &forest, &plan, &couples, counts, settings);
         let mut filler = Filler::new(tables.parameter_length, tables.link_length);
@@ -752,8 +770,10 @@ impl Tables {
         tables.fill_couples(&couples, &mut filler);
         for (row, closing) in closings.iter().enumerate() {
             let joint = &model.joints[closing.joint];
-            let h = settings.substep();
-            tables.closings.fill(row, closing, joint, h, &mut filler);
+            tables.closings.fill(row, closing, joint, &mut filler);
+        }
+        for (row, locked) in couples.locked.iter().enumerate() {
+            tables.locked.fill(row, locked, &mut filler);
         }
         for (row, coupled) in couplings.iter().enumerate() {
             let coupling = &model.couplings[row];
@@ -807,7 +827,7 @@ impl Tables {
     /// Whether bodies that move give each other impulses: they may touch, close loops, or be coupled.
     pub(crate) fn exchanges(&self) -> bool {
         let touch = self.contacts.between < self.contacts.sensed;
-        touch || self.closings.count + self.couplings.count > 0
+        touch || self.locked.count > 0
     }
 
     fn layout(
@@ -839,10 +859,10 @@ impl Tables {
         let contacts = ContactTables::place(plan, &mut p, &mut l, &mut t);
         let kept = Kept::place(&mut s, contacts.slots);
         let grip = Table::place(&mut s, contacts.sensed);
-        let closings = [closings, couples.closing_entries];
-        let closings = ClosingTables::place(closings, &mut s, &mut p, &mut l, &mut t);
-        let couplings = [couplings, couples.coupling_entries];
-        let couplings = CouplingTables::place(couplings, &mut s, &mut p, &mut l, &mut t);
+        let closings = ClosingTables::place(closings, &mut p, &mut l, &mut t);
+        let couplings = CouplingTables::place(couplings, &mut p, &mut l);
+        let locked = [couples.rows(), couples.locked_entries];
+        let locked = LockedTables::place(locked, &mut s, &mut p, &mut l, &mut t);
         let exchange = couples.exchange();
         Self {
             trees,
@@ -860,6 +880,7 @@ impl Tables {
             iterations: settings.contact_iterations,
             closings,
             couplings,
+            locked,
             kept,
             grip,
             position,
