@@ -32,8 +32,8 @@ mod _engine {
     use crate::device_array::DeviceArray;
     #[pymodule_export]
     use crate::examples::{
-        arch, ball_joint, balls, billiards, card_house, dominoes, n_pendula, pile, prismatic,
-        pyramid, ragdolls, room, rover,
+        arch, ball_joint, balls, billiards, card_house, dominoes, linkage, n_pendula, pile,
+        prismatic, pyramid, ragdolls, room, rover,
     };
     #[pymodule_export]
     use crate::geometry::{Geometry, Material, Shape, Softness};

@@ -12,6 +12,7 @@ mod card_house;
 mod chain;
 mod collide;
 mod dominoes;
+mod linkage;
 #[cfg(test)]
 mod overlap;
 mod pile;
@@ -32,6 +33,7 @@ pub use card_house::card_house;
 pub use chain::{CHAIN_LENGTH, CHAIN_LINK_MASS, Start, chain, n_pendula};
 pub use collide::{Collide, Form, collide};
 pub use dominoes::dominoes;
+pub use linkage::linkage;
 pub use pile::pile;
 pub use prismatic::prismatic;
 pub use ragdolls::ragdolls;

@@ -34,7 +34,7 @@ impl fmt::Debug for Example {
 }
 
 /// All of them.
-pub static EXAMPLES: [Example; 18] = [
+pub static EXAMPLES: [Example; 19] = [
     joints::PENDULA,
     joints::PRISMATIC,
     joints::BALL_JOINT,
@@ -50,6 +50,7 @@ pub static EXAMPLES: [Example; 18] = [
     bodies::TERRAIN,
     robots::RAGDOLLS,
     robots::ROOM,
+    robots::LINKAGE,
     robots::HUMANOID,
     robots::ANT,
     robots::GRID,

@@ -64,6 +64,28 @@ pub(super) const ROOM: Example = Example {
     },
 };
 
+pub(super) const LINKAGE: Example = Example {
+    name: "linkage",
+    title: "Walking linkage",
+    about: "a machine walks on closed loops of bars, which one motor turns",
+    guide: "Run: each leg is a linkage of eight bars, whose loops turn the crank's circle into a step that is flat \
+            below. Set the motor's target velocity, backwards too, and it walks as fast as that says. With one pair \
+            of legs it falls on its nose, with three it hardly sways.",
+    build: || {
+        vec![
+            Field::integer("pairs", "Pairs of legs", 3, [1, 3])
+                .help("Each at its own phase of the crank."),
+        ]
+    },
+    make: |form| {
+        Ok(Stage {
+            sliders: vec!["axle".into()],
+            plots: vec!["hull height".into(), "Contact force".into()],
+            ..Stage::new(examples::linkage(form.integer("pairs"))?)
+        })
+    },
+};
+
 pub(super) const HUMANOID: Example = Example {
     name: "humanoid",
     title: "Humanoid",
