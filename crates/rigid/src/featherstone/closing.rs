@@ -26,6 +26,9 @@
 //! where the accelerations are those of the points of both bodies at x, all q̈ being zero. A distance |g| between
 //! the anchors has e = g / |g| and (|u|² − (e · u)²) / |g| more; an angle between two axes a and b has
 //! e = a × b / |a × b| and (|w|² (a · b) − (a · w) (b · w)) / |a × b| more.
+//!
+//! A loop that is open when a world begins is closed within its first step, however far; the velocities which that
+//! takes are taken back in the next.
 
 use super::contact::at;
 use super::factor::{self, Path, seen_from_a};

@@ -1,4 +1,5 @@
-//! Pairs of nodes that may touch, that a joint ties into a loop, or that are coupled, and the degrees of freedom that move either.
+//! Pairs of nodes that may touch, that a joint ties into a loop, or that are coupled, and the degrees of
+//! freedom that move either.
 
 use super::closing::Closing;
 use super::coupling::Coupled;

@@ -877,7 +877,8 @@ impl Tables {
             } else {
                 1
             },
-            iterations: settings.contact_iterations,
+            // What is locked is solved in the first of them.
+            iterations: settings.contact_iterations.max(couples.rows().min(1)),
             closings,
             couplings,
             locked,
