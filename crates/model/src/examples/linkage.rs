@@ -88,13 +88,14 @@ fn meet((one, r): (DVec2, f64), (other, s): (DVec2, f64)) -> DVec2 {
     one + x * along + x.perp() * across
 }
 
-/// A machine on `pairs` pairs of legs, which one crank moves: each leg is a linkage of eight bars, whose three
+/// A machine on `pairs` pairs of legs, which one crank moves: each leg is a linkage of eight links, whose three
 /// loops turn the crank's circle into a step. It walks in the plane of its legs.
 ///
-/// To see: the feet's paths are flat below and high above; the machine walks as fast as the crank's motor turns.
+/// To see: the feet's paths are flat below and high above; the machine walks as fast as the crank's motor turns. Only
+/// its feet touch the ground: with a single pair of legs it falls, and through it.
 ///
 /// # Errors
-/// Fewer than one pair, or more than three.
+/// No legs, or far too many.
 pub fn linkage(pairs: usize) -> Result<Model, ModelError> {
     countable("linkage", "pairs of legs", pairs)?;
     let mut world = Builder::new("linkage");

@@ -158,9 +158,10 @@ mod tests {
             |n| bowl(n),
             |n| card_house(n),
             |n| dominoes(n),
+            |n| linkage(n),
             |n| pile(n),
             |n| terrain(n),
-        ] as [fn(usize) -> Result<Model, ModelError>; 9]
+        ] as [fn(usize) -> Result<Model, ModelError>; 10]
         {
             assert!(scene(0).is_err() && scene(usize::MAX).is_err());
         }

@@ -68,12 +68,12 @@ pub(super) const LINKAGE: Example = Example {
     name: "linkage",
     title: "Walking linkage",
     about: "a machine walks on closed loops of bars, which one motor turns",
-    guide: "Run: each leg is a linkage of eight bars, whose loops turn the crank's circle into a step that is flat \
-            below. Set the motor's target velocity, backwards too, and it walks as fast as that says. With one pair \
-            of legs it falls on its nose, with three it hardly sways.",
+    guide: "Run: each leg is a linkage of eight links, whose loops turn the crank's circle into a step that is flat \
+            below. Set the motor's target velocity, backwards too, and it walks as fast as that says. Look at a foot \
+            from the side: while one stands, another swings forward, high above.",
     build: || {
         vec![
-            Field::integer("pairs", "Pairs of legs", 3, [1, 3])
+            Field::integer("pairs", "Pairs of legs", 3, [2, 3])
                 .help("Each at its own phase of the crank."),
         ]
     },
