@@ -1,8 +1,10 @@
 //! What a joint locks: where it holds its two bodies, and along which directions.
 
-use crate::tables::frame;
+use crate::tables::{Filler, frame};
 use glam::{DQuat, DVec3};
-use model::{Joint, JointKind};
+use model::{Joint, JointKind, Pose};
+use numbers::Table;
+use numbers::machine::space::Parameter;
 
 /// How many rotations a joint leaves free.
 pub(crate) mod turns {
@@ -24,6 +26,26 @@ pub(crate) mod hold {
     pub const DISTANCE: usize = 2;
     /// Not at all.
     pub const FREE: usize = 3;
+}
+
+/// Fields that a row of a solver's table of joints begins with: see [`Locks::fill`].
+pub(crate) mod lock {
+    /// Anchor in A's own frame.
+    pub const ANCHOR_A: usize = 0;
+    /// Orientation of the angular frame in A's.
+    pub const FRAME_A: usize = 3;
+    /// The same of B.
+    pub const ANCHOR_B: usize = 7;
+    pub const FRAME_B: usize = 10;
+    /// Orientation of the linear frame in A's; the free directions come first.
+    pub const LINEAR_FRAME: usize = 14;
+    /// 1 for each locked direction of the linear frame.
+    pub const LOCKED: usize = 18;
+    /// Second angular axis, in the angular frame.
+    pub const SECOND: usize = 21;
+    /// Length of a distance joint.
+    pub const LENGTH: usize = 24;
+    pub const WIDTH: usize = 25;
 }
 
 /// Three turns and three shifts.
@@ -89,5 +111,23 @@ impl Locks {
             _ => self.locked.map(|locked| locked > 0.0),
         };
         [a, b, c, x, y, z]
+    }
+    /// Writes the fields of [`lock`], given the joint's frame on both bodies, as these see it.
+    pub fn fill<const W: usize>(
+        &self,
+        t: Table<Parameter, W>,
+        row: usize,
+        [a, b]: [Pose; 2],
+        length: f64,
+        f: &mut Filler,
+    ) {
+        f.vec3(t, row, lock::ANCHOR_A, a.point(self.anchor));
+        f.quat(t, row, lock::FRAME_A, a.orientation * self.turn);
+        f.vec3(t, row, lock::ANCHOR_B, b.point(self.anchor));
+        f.quat(t, row, lock::FRAME_B, b.orientation * self.turn);
+        f.quat(t, row, lock::LINEAR_FRAME, a.orientation * self.slide);
+        f.numbers(t, row, lock::LOCKED, &self.locked);
+        f.vec3(t, row, lock::SECOND, self.second);
+        f.number(t, row, lock::LENGTH, length);
     }
 }

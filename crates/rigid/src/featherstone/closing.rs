@@ -45,27 +45,14 @@ use numbers::{Machine, Mat3, Real, Table, Vec3};
 
 /// Fields of [`ClosingTables::joint`].
 mod joint_field {
-    /// Anchor on A, in A's node.
-    pub const ANCHOR_A: usize = 0;
-    /// Orientation of the angular frame in A's node.
-    pub const FRAME_A: usize = 3;
-    /// Anchor on B, in B's node.
-    pub const ANCHOR_B: usize = 7;
-    /// Orientation of the angular frame in B's node.
-    pub const FRAME_B: usize = 10;
-    /// Orientation of the linear frame in A's node.
-    pub const LINEAR_FRAME: usize = 14;
-    /// 1 for each locked direction of the linear frame.
-    pub const LOCKED: usize = 18;
-    /// Second angular axis, in the angular frame.
-    pub const SECOND: usize = 21;
-    /// Length of a distance joint.
-    pub const LENGTH: usize = 24;
+    // Frames of A and B are those of their nodes.
+    use crate::locks::lock;
+    pub use lock::*;
     /// Origin of the child's joint frame, in B's node.
-    pub const ORIGIN: usize = 25;
+    pub const ORIGIN: usize = lock::WIDTH;
     /// 1, or 0 for a joint that does not act.
-    pub const ENABLED: usize = 28;
-    pub const WIDTH: usize = 29;
+    pub const ENABLED: usize = ORIGIN + 3;
+    pub const WIDTH: usize = ENABLED + 1;
 }
 
 /// Fields of [`ClosingTables::links`].
@@ -161,14 +148,7 @@ impl ClosingTables {
         let (locks, t) = (&closing.locks, self.joint);
         let a = closing.places[0] * joint.parent_frame;
         let b = closing.places[1] * joint.child_frame;
-        f.vec3(t, i, joint_field::ANCHOR_A, a.point(locks.anchor));
-        f.quat(t, i, joint_field::FRAME_A, a.orientation * locks.turn);
-        f.vec3(t, i, joint_field::ANCHOR_B, b.point(locks.anchor));
-        f.quat(t, i, joint_field::FRAME_B, b.orientation * locks.turn);
-        f.quat(t, i, joint_field::LINEAR_FRAME, a.orientation * locks.slide);
-        f.numbers(t, i, joint_field::LOCKED, &locks.locked);
-        f.vec3(t, i, joint_field::SECOND, locks.second);
-        f.number(t, i, joint_field::LENGTH, joint.length);
+        locks.fill(t, i, [a, b], joint.length, f);
         f.vec3(t, i, joint_field::ORIGIN, b.position);
         let enabled = f64::from(u8::from(joint.enabled));
         f.number(t, i, joint_field::ENABLED, enabled);

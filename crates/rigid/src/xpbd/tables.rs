@@ -45,22 +45,10 @@ pub(crate) mod joint_link {
 
 /// Fields of [`Tables::joint`].
 pub(crate) mod joint_field {
-    /// Anchor in A's own frame.
-    pub const ANCHOR_A: usize = 0;
-    /// Orientation of the angular frame in A's.
-    pub const FRAME_A: usize = 3;
-    pub const ANCHOR_B: usize = 7;
-    pub const FRAME_B: usize = 10;
-    /// Orientation of the linear frame in A's; the free directions come first.
-    pub const LINEAR_FRAME: usize = 14;
-    /// 1 for each locked direction of the linear frame.
-    pub const LOCKED: usize = 18;
-    /// Second angular axis, in the angular frame.
-    pub const SECOND: usize = 21;
-    /// Length of a distance joint.
-    pub const LENGTH: usize = 24;
+    use crate::locks::lock;
+    pub use lock::*;
     /// Compliances: linear, angular.
-    pub const COMPLIANCE: usize = 25;
+    pub const COMPLIANCE: usize = lock::WIDTH;
     /// 1, or 0 for a joint that does not act.
     pub const ENABLED: usize = 27;
     /// First angular axis, in A's own frame.
@@ -552,50 +540,22 @@ impl Tables {
         for (j, joint) in model.joints.iter().enumerate() {
             let group = groups.iter().find(|g| g.joint == j);
             let (linear, angular) = group.map_or((&[][..], &[][..]), |g| (&g.linear, &g.angular));
-            let Locks {
-                anchor,
-                turn,
-                slide,
-                locked,
-                second,
-                turns,
-                hold,
-            } = Locks::new(joint, linear, angular);
+            let locks = Locks::new(joint, linear, angular);
             let (row_a, own_a) = joint.parent.map_or((0, Pose::IDENTITY), |p| own[p.0]);
             let (row_b, own_b) = own[joint.child.0];
             let a = own_a * joint.parent_frame;
             let b = own_b * joint.child_frame;
-            let axis_b = if turns == turns::TWO {
-                second
+            let axis_b = if locks.turns == turns::TWO {
+                locks.second
             } else {
                 DVec3::X
             };
-            f.vec3(
-                self.joint,
-                j,
-                joint_field::AXIS_A,
-                a.orientation * turn * DVec3::X,
-            );
-            f.vec3(
-                self.joint,
-                j,
-                joint_field::AXIS_B,
-                b.orientation * turn * axis_b,
-            );
-            f.vec3(self.joint, j, joint_field::ANCHOR_A, a.point(anchor));
-            f.quat(self.joint, j, joint_field::FRAME_A, a.orientation * turn);
-            f.vec3(self.joint, j, joint_field::ANCHOR_B, b.point(anchor));
-            f.quat(self.joint, j, joint_field::FRAME_B, b.orientation * turn);
-            f.quat(
-                self.joint,
-                j,
-                joint_field::LINEAR_FRAME,
-                a.orientation * slide,
-            );
-            f.numbers(self.joint, j, joint_field::LOCKED, &locked);
-            f.vec3(self.joint, j, joint_field::SECOND, second);
+            let axis_a = a.orientation * locks.turn * DVec3::X;
+            let axis_b = b.orientation * locks.turn * axis_b;
+            f.vec3(self.joint, j, joint_field::AXIS_A, axis_a);
+            f.vec3(self.joint, j, joint_field::AXIS_B, axis_b);
+            locks.fill(self.joint, j, [a, b], joint.length, f);
             let compliance = [joint.linear_compliance, joint.angular_compliance];
-            f.number(self.joint, j, joint_field::LENGTH, joint.length);
             f.numbers(self.joint, j, joint_field::COMPLIANCE, &compliance);
             let plain = joint.enabled && compliance == [0.0; 2];
             f.number(
@@ -612,8 +572,8 @@ impl Tables {
             );
             f.link(self.joint_links, j, joint_link::A, row_a);
             f.link(self.joint_links, j, joint_link::B, row_b);
-            f.link(self.joint_links, j, joint_link::TURNS, turns);
-            f.link(self.joint_links, j, joint_link::HOLD, hold);
+            f.link(self.joint_links, j, joint_link::TURNS, locks.turns);
+            f.link(self.joint_links, j, joint_link::HOLD, locks.hold);
             f.link(self.joint_links, j, joint_link::JOINT, j);
             if joint.closes_loop {
                 continue;
