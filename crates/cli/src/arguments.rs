@@ -246,7 +246,7 @@ pub struct Simulation {
 pub enum MeshesName {
     /// Their files are not read; no solver collides them.
     Named,
-    /// As they are: surfaces, of what does not move.
+    /// As they are: surfaces.
     Exact,
     /// Their convex hulls: what is hollow is filled.
     Hull,

@@ -50,7 +50,8 @@ pub fn box_box<M: Machine>(
     let mut on_a = found.on_a.hold(k);
     let apart = found.gap.gt(M::R::lit(APART) * size(&cores));
     if let Some(_branch) = k.if_any(apart) {
-        let better = ascend(k, &cores, found, M::R::lit(2.0), !apart);
+        let never = <M::R as Real>::Mask::splat(false);
+        let better = ascend(k, &cores, found, M::R::lit(2.0), !apart, never);
         n.set(better.n);
         gap.write(better.gap);
         on_a.set(better.on_a);

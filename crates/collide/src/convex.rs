@@ -30,7 +30,7 @@ const SHORT: f64 = 3.0;
 /// How far apart solids are held, against the sum of their sizes.
 const APART: f64 = 0.02;
 /// Depth, against the sum of the sizes, from which the search starts over from other directions.
-const DEEP: f64 = 0.005;
+pub(crate) const DEEP: f64 = 0.005;
 /// How many directions those are.
 const STARTS: usize = 16;
 /// Cosine and sine of the golden angle, π (3 − √5).
@@ -113,6 +113,7 @@ fn search<M: Machine>(k: &M, cores: &Cores<'_, M>) -> Direction<M::R> {
     let mut number = k.cell(o);
     let mut around = Around::new(k);
     let mut deep = k.cell(i);
+    let never = <M::R as Real>::Mask::splat(false);
     for _ in k.count(STARTS + 2) {
         let (count, starts) = (number.read(), M::R::lit(STARTS as f64));
         let from_best = count.lt(M::R::lit(0.5)) | count.gt(starts);
@@ -126,7 +127,7 @@ fn search<M: Machine>(k: &M, cores: &Cores<'_, M>) -> Direction<M::R> {
         };
         let patience = M::R::select(from_best, M::R::lit(ROUNDS as f64), M::R::lit(SHORT));
         let idle = deep.read().lt(M::R::lit(0.5));
-        let found = ascend(k, cores, start, patience, idle);
+        let found = ascend(k, cores, start, patience, idle, never);
         let better = !idle & found.gap.ge(gap.read());
         n.set(Vec3::select(better, found.n, n.get()));
         gap.write(M::R::select(better, found.gap, gap.read()));
@@ -177,7 +178,8 @@ impl<C: Cell> Around<C> {
 }
 
 /// The direction of the largest gap near `start`, after at most `patience` rounds. Lanes in `idle`
-/// are not waited for.
+/// are not waited for. Those in `unsure` may be apart though `start` goes deep: they first look for the
+/// nearest points where the two are.
 #[inline(always)]
 pub(crate) fn ascend<M: Machine>(
     k: &M,
@@ -185,6 +187,7 @@ pub(crate) fn ascend<M: Machine>(
     start: Direction<M::R>,
     patience: M::R,
     idle: <M::R as Real>::Mask,
+    unsure: <M::R as Real>::Mask,
 ) -> Direction<M::R> {
     let (o, i) = (M::R::zero(), M::R::one());
     let tolerance = if <M::R as Real>::Scalar::DOUBLE {
@@ -199,15 +202,19 @@ pub(crate) fn ascend<M: Machine>(
     let mut on_a = start.on_a.hold(k);
     let mut done = k.cell(M::R::select(idle, i, o));
     let mut left = k.cell(patience - M::R::lit(0.5));
+    let mut unmoved = k.cell(M::R::select(unsure, i, o));
     for _ in k.count(ROUNDS) {
         left.write(left.read() - i);
         let idle = done.read().gt(M::R::lit(0.5));
-        let move_by = (apart - gap.read()).max(o);
+        let looks = unmoved.read().gt(M::R::lit(0.5));
+        let move_by = M::R::select(looks, o, (apart - gap.read()).max(o));
         let found = gjk::nearest(k, cores, n.get() * move_by, n.get(), idle);
         let next_gap = cores.gap(k, found.n);
-        let better = next_gap.gt(gap.read()) & !idle;
-        let settled =
-            idle | left.read().lt(o) | move_by.le(o) | (next_gap - gap.read()).le(tolerance);
+        let overlap = looks & next_gap.le(o);
+        let better = next_gap.gt(gap.read()) & !idle & !overlap;
+        let is_best = move_by.le(o) | (next_gap - gap.read()).le(tolerance);
+        let settled = idle | left.read().lt(o) | (is_best & !overlap);
+        unmoved.write(o);
         on_a.set(Vec3::select(idle, on_a.get(), found.a));
         n.set(Vec3::select(better, found.n, n.get()));
         gap.write(M::R::select(better, next_gap, gap.read()));

@@ -15,19 +15,21 @@
 //! | two boxes | [`box_box`], separating axes | 4 |
 //! | sphere and ellipsoid, hull | [`sphere_convex`], distances | 1 |
 //! | any other two convex solids | [`convex_convex`], distances | 4 |
-//! | any convex solid and a triangle mesh | [`mesh::mesh_convex`], its triangles | 8 |
+//! | any convex solid and a triangle mesh | [`mesh::mesh_convex`], its triangles | 9 |
+//! | two triangle meshes | [`mesh::mesh_mesh`], the triangles of both | 9 |
+//! | plane and triangle mesh | that of its convex hull | 4 |
 //!
 //! [`Route`] names the kernel for a pair of kinds, so that a solver can keep one list of pairs for
 //! each and loop over it. A [height field](model::TriangleMesh::height_field) and the zero surface
 //! of a [distance field](model::TriangleMesh::distance_field) are meshes. A finite plane is a
-//! [box](Form::finite_plane). The vertices of a mesh are to a plane those of a hull; two
-//! meshes meet as the triangles of one, each a hull of three vertices, and the surface of the other.
+//! [box](Form::finite_plane).
 //!
 //! # Limits
 //! - Solids within [`FLAT`] of parallel count as parallel: their points may be off by that angle.
 //! - Where solids overlap by more than a tenth of the smaller one, the way out is not the
 //!   shortest in up to one of a hundred poses; its depth is right for its normal in any case.
-//! - A mesh is touched from its front, by solids whose origin is in front of the triangle.
+//! - A mesh is touched from its front, by solids whose origin is in front of the triangle, and by the
+//!   triangles of meshes half of whose matter is.
 
 #![forbid(unsafe_code)]
 

@@ -29,11 +29,13 @@ pub enum Route {
     Convex,
     /// A convex solid and a mesh; see [`mesh_convex`](crate::mesh::mesh_convex).
     Mesh,
+    /// Two meshes; see [`mesh_mesh`](crate::mesh::mesh_mesh).
+    Meshes,
 }
 
 impl Route {
     /// All of them.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::PlaneSphere,
         Self::PlaneCapsule,
         Self::PlaneCylinder,
@@ -51,12 +53,14 @@ impl Route {
         Self::SphereConvex,
         Self::Convex,
         Self::Mesh,
+        Self::Meshes,
     ];
 
     /// The kernel for two [`kind`](crate::kind)s in any order; the shape of the lower kind is A.
     ///
-    /// `None` for planes and meshes among themselves, which never meet in a way that a body could
-    /// resolve, and for numbers that are no kind.
+    /// A plane sees of a mesh what is lowest, which is the same of its convex hull: that takes the
+    /// mesh's place, with its vertices. `None` for two planes, which never meet in a way that a body
+    /// could resolve, and for numbers that are no kind.
     pub fn of(first: usize, second: usize) -> Option<Self> {
         Some(match (first.min(second), first.max(second)) {
             (PLANE, SPHERE) => Self::PlaneSphere,
@@ -65,7 +69,7 @@ impl Route {
             (PLANE, CONE) => Self::PlaneCone,
             (PLANE, BOX) => Self::PlaneBox,
             (PLANE, ELLIPSOID) => Self::PlaneEllipsoid,
-            (PLANE, HULL) => Self::PlaneHull,
+            (PLANE, HULL | MESH) => Self::PlaneHull,
             (SPHERE, SPHERE) => Self::SphereSphere,
             (SPHERE, CAPSULE) => Self::SphereCapsule,
             (SPHERE, CYLINDER) => Self::SphereCylinder,
@@ -76,6 +80,7 @@ impl Route {
             (SPHERE, CAPSULE..=HULL) => Self::SphereConvex,
             (CAPSULE..=HULL, CAPSULE..=HULL) => Self::Convex,
             (SPHERE..=HULL, MESH) => Self::Mesh,
+            (MESH, MESH) => Self::Meshes,
             _ => return None,
         })
     }
@@ -86,7 +91,7 @@ impl Route {
             Self::PlaneCapsule | Self::CapsuleCapsule => 2,
             Self::PlaneCylinder | Self::PlaneCone | Self::PlaneBox | Self::PlaneHull => 4,
             Self::BoxBox | Self::Convex => 4,
-            Self::Mesh => SLOTS,
+            Self::Mesh | Self::Meshes => SLOTS,
             _ => 1,
         }
     }

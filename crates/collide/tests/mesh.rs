@@ -1,4 +1,4 @@
-//! Solids on meshes: the distance is that of the surface, and seams are not felt.
+//! Solids and meshes on meshes: the distance is that of the surface, and seams are not felt.
 
 mod common;
 mod shader;
@@ -8,7 +8,9 @@ use common::world::state;
 use common::{Pair, Solid, V, turn, unit};
 use fastrand::Rng;
 use glam::{DVec2, DVec3};
-use kinetarium_collide::mesh::{MeshData, MeshTables, SLOTS, Surface, contact, mesh_convex};
+use kinetarium_collide::mesh::{
+    MeshData, MeshTables, SLOTS, Surface, contact, mesh_convex, mesh_mesh,
+};
 use kinetarium_collide::{FAR, Placed, Tables, kind};
 use model::{Hull, TriangleMesh};
 use numbers::dispatch::{Isa, Job, run_block, run_single};
@@ -19,19 +21,21 @@ use numbers::{Cpu, Float, Lanes, Memory, Pose, Quat, Shared, Table};
 
 const MARGIN: f64 = 0.02;
 
-/// A mesh and a solid in the memories of a machine.
+/// A mesh, and a solid or another mesh, in the memories of a machine.
 struct World {
     tables: Tables,
     meshes: MeshTables,
     groups: [usize; 2],
-    /// Size, position, orientation of the solid; the same of the mesh.
+    /// Of the other mesh, if it is one.
+    first: Option<[usize; 2]>,
+    /// Size, position, orientation of the other; the same of the mesh.
     solids: Table<State, 10>,
     parameters: Vec<f64>,
     links: Vec<u32>,
     kinds: Links<3>,
     scratch: usize,
-    /// Of the mesh, in its own frame.
-    center: V,
+    /// Of the other and the mesh, in their own frames.
+    centers: [V; 2],
 }
 
 /// A contact as read back.
@@ -47,6 +51,24 @@ impl World {
     fn new(mesh: &TriangleMesh, solid: &Solid) -> Self {
         let mut data = MeshData::default();
         let groups = data.add(mesh);
+        Self::with(data, groups, None, solid, [V::zero(), middle(mesh)])
+    }
+
+    /// Of two meshes.
+    fn of_meshes(a: &TriangleMesh, b: &TriangleMesh) -> Self {
+        let mut data = MeshData::default();
+        let [first, groups] = [a, b].map(|mesh| data.add(mesh));
+        let centers = [a, b].map(middle);
+        Self::with(data, groups, Some(first), &of_mesh(a), centers)
+    }
+
+    fn with(
+        data: MeshData,
+        groups: [usize; 2],
+        first: Option<[usize; 2]>,
+        solid: &Solid,
+        centers: [V; 2],
+    ) -> Self {
         let (mut parameters, mut links, mut scratch) = (0, 0, 0);
         let own = solid.vertices.len();
         let tables = Tables::place(&mut parameters, own + data.vertex_rows(), &mut scratch);
@@ -56,12 +78,13 @@ impl World {
             tables,
             meshes,
             groups,
+            first,
             solids: Table::place(&mut 0, 2),
             parameters: vec![0.0; parameters],
             links: vec![0; links],
             kinds,
             scratch,
-            center: V::from_array(mesh.center().to_array()),
+            centers,
         };
         data.write(
             &meshes,
@@ -94,7 +117,16 @@ impl World {
             groups: self.groups.map(|g| k.index(g)),
         };
         let margin = numbers::Real::lit(MARGIN);
-        mesh_convex(k, self.tables, &self.meshes, &solid, &surface, margin);
+        match self.first {
+            None => mesh_convex(k, self.tables, &self.meshes, &solid, &surface, margin),
+            Some(first) => {
+                let other = Surface {
+                    placed: solid.placed,
+                    groups: first.map(|g| k.index(g)),
+                };
+                mesh_mesh(k, self.tables, &self.meshes, &other, &surface, margin);
+            }
+        }
     }
 
     /// The scratch after a run of the kernel, with the solid and the mesh in these poses.
@@ -126,9 +158,10 @@ impl World {
         scratch
     }
 
-    /// The same poses, that of the mesh at its centre.
-    fn centered(&self, [solid, mesh]: [Pose<f64>; 2]) -> [Pose<f64>; 2] {
-        [solid, mesh * Pose::new(self.center, Quat::identity())]
+    /// The same poses, those of meshes at their centres.
+    fn centered(&self, [a, b]: [Pose<f64>; 2]) -> [Pose<f64>; 2] {
+        let at = |center| Pose::new(center, Quat::identity());
+        [a * at(self.centers[0]), b * at(self.centers[1])]
     }
 
     fn contacts<T: Float>(&self, solid: &Solid, poses: [Pose<f64>; 2]) -> Vec<Contact> {
@@ -144,6 +177,16 @@ impl World {
             .filter(|c| c.distance < 0.5 * FAR)
             .collect()
     }
+}
+
+fn middle(mesh: &TriangleMesh) -> V {
+    V::from_array(mesh.center().to_array())
+}
+
+/// What the kernel knows of a mesh besides its triangles.
+fn of_mesh(mesh: &TriangleMesh) -> Solid {
+    let [x, y, z] = mesh.half_extents().to_array();
+    Solid::new(kind::MESH, x, y, z)
 }
 
 fn still(x: f64, y: f64, z: f64) -> Pose<f64> {
@@ -332,16 +375,11 @@ fn the_surface_of_a_hull_is_the_hull() {
     let (mut touched, mut missed) = (0, 0);
     for kind in kind::SPHERE..kind::CONVEX {
         for _ in 0..20 {
-            let points: Vec<_> = (0..20)
-                .map(|_| DVec3::from(unit(&mut rng).to_array()))
-                .collect();
-            let hull = Hull::new(&points).unwrap();
-            let mesh = TriangleMesh::new(hull.vertices(), hull.triangles()).unwrap();
-            let corners = hull.vertices().iter().map(|v| V::from_array(v.to_array()));
+            let mesh = lump(&mut rng);
             let solid = Solid::random(kind, &mut rng);
             let world = World::new(&mesh, &solid);
             let mut pair = Pair {
-                solids: [solid.clone(), Solid::hull(corners.collect())],
+                solids: [solid.clone(), Solid::hull(vertices(&mesh))],
                 poses: [still(0.0, 0.0, 0.0); 2],
             };
             for _ in 0..20 {
@@ -374,13 +412,130 @@ fn the_surface_of_a_hull_is_the_hull() {
     );
 }
 
+/// A ring of a round cross-section about the y axis, of `n` times `n` quadrangles.
+fn torus(radius: f64, thick: f64, n: u32) -> TriangleMesh {
+    let turn = |i: u32| f64::from(i) / f64::from(n) * std::f64::consts::TAU;
+    let vertex = |i: u32, j: u32| {
+        let ((s, c), (sin, cos)) = (turn(i).sin_cos(), turn(j).sin_cos());
+        let out = radius + thick * cos;
+        DVec3::new(out * c, thick * sin, out * s)
+    };
+    let vertices: Vec<_> = (0..n * n).map(|v| vertex(v / n, v % n)).collect();
+    let number = |i: u32, j: u32| (i % n) * n + j % n;
+    let square = |(i, j): (u32, u32)| {
+        let [a, b, c, d] =
+            [(i, j), (i, j + 1), (i + 1, j + 1), (i + 1, j)].map(|(i, j)| number(i, j));
+        [[a, b, c], [a, c, d]]
+    };
+    let squares = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+    let triangles: Vec<_> = squares.flat_map(square).collect();
+    TriangleMesh::new(&vertices, &triangles).unwrap()
+}
+
+/// The surface of a hull of random points on a ball.
+fn lump(rng: &mut Rng) -> TriangleMesh {
+    let points: Vec<_> = (0..20).map(|_| DVec3::from(unit(rng).to_array())).collect();
+    let hull = Hull::new(&points).unwrap();
+    TriangleMesh::new(hull.vertices(), hull.triangles()).unwrap()
+}
+
+fn vertices(mesh: &TriangleMesh) -> Vec<V> {
+    let vertices = mesh.vertices().iter();
+    vertices.map(|v| V::from_array(v.to_array())).collect()
+}
+
+/// On a level floor of triangles a mesh, hollow or not, is as deep as its lowest vertex, and is pushed
+/// straight up.
+#[test]
+fn meshes_on_a_level_floor() {
+    let mut rng = Rng::with_seed(53);
+    let floor = floor(&mut rng);
+    for mesh in [torus(0.3, 0.1, 16), lump(&mut rng)] {
+        let world = World::of_meshes(&mesh, &floor);
+        let solid = of_mesh(&mesh);
+        for _ in 0..500 {
+            let q = turn(&mut rng);
+            let heights = vertices(&mesh).into_iter().map(|v| q.rotate(v).y);
+            let lowest = heights.fold(FAR, f64::min);
+            let depth = 0.05 * (rng.f64() - 0.4);
+            let (x, z) = (2.0 * (rng.f64() - 0.5), 2.0 * (rng.f64() - 0.5));
+            let pose = Pose::new(V::new(x, -lowest - depth, z), q);
+            let found = world.contacts::<f32>(&solid, [pose, still(0.0, 0.0, 0.0)]);
+            let least = found.iter().map(|c| c.distance).fold(FAR, f64::min);
+            if depth < -MARGIN - 1e-5 {
+                assert!(found.is_empty(), "{depth}: {found:#?}");
+                continue;
+            }
+            if depth < -MARGIN + 1e-5 {
+                continue;
+            }
+            // One in a corner may stand for one that is a little deeper.
+            let above = least + depth;
+            let close = 1e-3 * mesh.half_extents().length();
+            assert!(
+                above > -1e-5 && above < close + 1e-5,
+                "{least} at {depth}: {pose:#?} {found:#?}"
+            );
+            for c in &found {
+                let up = c.normal + V::new(0.0, 1.0, 0.0);
+                assert!(up.length() < 1e-5, "{c:#?} at {depth}: {pose:#?}");
+            }
+        }
+    }
+}
+
+/// The surfaces of two convex solids touch where the solids do, whichever comes first.
+#[test]
+fn the_surfaces_of_two_hulls_are_the_hulls() {
+    let mut rng = Rng::with_seed(59);
+    let (mut touched, mut missed) = (0, 0);
+    for _ in 0..100 {
+        let meshes = [(); 2].map(|()| lump(&mut rng));
+        let [a, b] = &meshes;
+        let (there, back) = (World::of_meshes(a, b), World::of_meshes(b, a));
+        let mut pair = Pair {
+            solids: [a, b].map(|mesh| Solid::hull(vertices(mesh))),
+            poses: [still(0.0, 0.0, 0.0); 2],
+        };
+        for _ in 0..20 {
+            let (way, depth) = (unit(&mut rng), 0.03 * rng.f64() - 0.015);
+            pair.poses[0] = Pose::new(way * 3.0, turn(&mut rng));
+            for _ in 0..30 {
+                let step = best_gap(&pair) + depth;
+                pair.poses[0].p -= way * step;
+            }
+            let distance = best_gap(&pair);
+            if (distance + depth).abs() > 1e-3 {
+                continue;
+            }
+            touched += 1;
+            let [p, q] = pair.poses;
+            let found = there.contacts::<f32>(&of_mesh(a), [p, q]);
+            let least = found.iter().map(|c| c.distance).fold(FAR, f64::min);
+            let turned = back.contacts::<f32>(&of_mesh(b), [q, p]);
+            let other = turned.iter().map(|c| c.distance).fold(FAR, f64::min);
+            missed += usize::from((least - distance).abs().max((other - distance).abs()) > 1e-3);
+            assert!(
+                (least - distance).abs() < 0.02 && (other - distance).abs() < 0.02,
+                "{least}, {other}, {distance}: {found:#?} {turned:#?} {pair:#?}"
+            );
+        }
+    }
+    assert!(
+        touched > 1000 && missed * 50 < touched,
+        "{missed} of {touched}"
+    );
+}
+
 #[test]
 fn meshes_are_traced() {
     let mesh = hills();
     let mut rng = Rng::with_seed(29);
-    for kind in [kind::SPHERE, kind::BOX, kind::HULL] {
-        let solid = Solid::random(kind, &mut rng);
-        let world = World::new(&mesh, &solid);
+    let ring = torus(0.5, 0.3, 5);
+    let solids = [kind::SPHERE, kind::BOX, kind::HULL].map(|kind| Solid::random(kind, &mut rng));
+    let worlds = solids.map(|solid| (World::new(&mesh, &solid), solid));
+    let both = (World::of_meshes(&ring, &mesh), of_mesh(&ring));
+    for (world, solid) in worlds.into_iter().chain([both]) {
         let program = trace::record(|k| world.run(k)).unwrap();
         shader::validate(&program, &PrintOptions::default());
         for i in 0..5 {
@@ -423,9 +578,12 @@ impl Job for Contacts<'_> {
 fn meshes_have_the_same_bits_in_lanes_and_alone() {
     let mesh = hills();
     let mut rng = Rng::with_seed(41);
-    for kind in [kind::SPHERE, kind::CAPSULE, kind::BOX, kind::HULL] {
-        let solid = Solid::random(kind, &mut rng);
-        let world = World::new(&mesh, &solid);
+    let kinds = [kind::SPHERE, kind::CAPSULE, kind::BOX, kind::HULL];
+    let solids = kinds.map(|kind| Solid::random(kind, &mut rng));
+    let worlds = solids.map(|solid| (World::new(&mesh, &solid), solid));
+    let ring = torus(0.5, 0.3, 5);
+    let both = (World::of_meshes(&ring, &mesh), of_mesh(&ring));
+    for (world, solid) in worlds.into_iter().chain([both]) {
         let parameters: Vec<_> = world.parameters.iter().map(|&x| x as f32).collect();
         for _ in 0..5 {
             let mut pose =

@@ -93,13 +93,15 @@ macro_rules! pair_job {
 macro_rules! pairs {
     ($($name:ident $kernel:ident;)+) => {
         $(pair_job!($name, |contacts, cpu| contacts.meet::<_, kernel::$kernel>(cpu));)+
+        pair_job!(mesh, |contacts, cpu| contacts.meet_mesh(cpu));
         pair_job!(meshes, |contacts, cpu| contacts.meet_meshes(cpu));
 
         /// Fills the slots of the pairs of one kernel.
         pub(crate) fn meet(isa: Isa, solver: Solver<'_>, memories: &mut dyn Any, route: Route) {
             match route {
                 $(Route::$kernel => $name::run(isa, solver, memories),)+
-                Route::Mesh => meshes::run(isa, solver, memories),
+                Route::Mesh => mesh::run(isa, solver, memories),
+                Route::Meshes => meshes::run(isa, solver, memories),
             }
         }
     };

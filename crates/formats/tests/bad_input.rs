@@ -408,7 +408,7 @@ const UNSUPPORTED: &[(&str, &str)] = &[
     (
         "<mujoco><asset><mesh file=\"m.stl\"/></asset><worldbody><body><joint/>\
          <geom type=\"mesh\" mesh=\"m\"/></body></worldbody></mujoco>",
-        "robot.xml:1:69: <geom>: mass from the volume of a mesh is not supported, and leaving it out would change the physics; make meshes their convex hulls (--meshes hull), give the body an <inertial> element, or this geom mass=\"0\", or load leniently (--lenient) to go on without it",
+        "robot.xml:1:69: <geom>: mass from the volume of a mesh is not supported, and leaving it out would change the physics; take meshes as they are where their surfaces are closed (--meshes exact), or as their convex hulls (--meshes hull), give the body an <inertial> element, or this geom mass=\"0\", or load leniently (--lenient) to go on without it",
     ),
     (
         "<mujoco><actuator><muscle joint=\"j\"/></actuator></mujoco>",

@@ -101,7 +101,7 @@ fn what_is_seen_can_weigh() {
     assert!(is_mesh(shape(&loaded, "seen")));
     assert!((loaded.model.bodies[0].mass - 3.0).abs() < 1e-12);
     let refused = read(&text, &Options::default()).unwrap_err().to_string();
-    let remedy = "make meshes their convex hulls (--meshes hull)";
+    let remedy = "as their convex hulls (--meshes hull)";
     assert!(refused.contains(remedy), "{refused}");
 }
 
@@ -226,10 +226,25 @@ fn what_collides_is_a_surface_where_meshes_are_to_be_exact() {
     assert_eq!(surface(shape(&loaded, "solid")).triangles().len(), 14);
 }
 
-/// A surface has no volume.
+/// The pit of the cube, a third of half of it, weighs nothing.
 #[test]
-fn a_surface_weighs_nothing() {
+fn a_closed_surface_weighs_what_it_holds() {
     let text = mjcf(r#"<geom type="mesh" mesh="cube"/>"#);
+    let loaded = read(&text, &EXACT).unwrap();
+    let mass = 1000.0 * 0.4 * 0.2 * 0.2 * (1.0 - 1.0 / 6.0);
+    assert!((loaded.model.bodies[0].mass / mass - 1.0).abs() < 1e-12);
+    let told = loaded.warnings[0].to_string();
+    assert!(
+        told.contains("it is that of what its surface holds"),
+        "{told}"
+    );
+}
+
+/// A surface that ends somewhere has no volume.
+#[test]
+fn an_open_surface_weighs_nothing() {
+    let text = mjcf(r#"<geom type="mesh" mesh="cube"/>"#).replace("cube.obj", "flat.obj");
+    let text = text.replace("<mesh file", r#"<mesh name="cube" file"#);
     let refused = read(&text, &EXACT).unwrap_err().to_string();
     let remedy = "give the body an <inertial> element, or this geom mass=\"0\"";
     assert!(refused.contains(remedy), "{refused}");

@@ -204,7 +204,7 @@ pub enum ModelError {
     },
     /// A body of the builder has a mass but nothing to derive its inertia from, or no mass at all.
     #[error(
-        "body \"{body}\" is dynamic but {missing}; add a solid shape (plane and mesh have no volume of their own), give mass, centre and inertia, or make it static"
+        "body \"{body}\" is dynamic but {missing}; add a solid shape (a plane, and a mesh that is open or inside out, hold no volume), give mass, centre and inertia, or make it static"
     )]
     MassUnknown {
         /// The body.

@@ -155,7 +155,7 @@ impl Hull {
         self.arms().map(DVec3::length).fold(0.0, f64::max)
     }
     /// The corners of each of [`triangles`](Self::triangles) [m].
-    pub fn faces(&self) -> impl Iterator<Item = [DVec3; 3]> {
+    pub fn faces(&self) -> impl Iterator<Item = [DVec3; 3]> + Clone {
         let corner = |v: u32| self.vertices()[v as usize];
         self.triangles().iter().map(move |t| t.map(corner))
     }

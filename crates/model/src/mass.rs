@@ -1,6 +1,6 @@
 //! Mass, centre of mass and inertia of homogeneous solids and of what is put together from them.
 
-use crate::{Geometry, Hull, Pose, Shape};
+use crate::{Geometry, Pose, Shape};
 use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::PI;
 
@@ -18,7 +18,8 @@ pub struct MassProperties {
 impl MassProperties {
     /// Of a homogeneous solid of a density [kg/m³], in the solid's own frame.
     ///
-    /// `None` for a plane and a mesh, which have no volume, and the file of one, which is not read here.
+    /// `None` for what holds no volume, a plane and a mesh that is [open](crate::TriangleMesh::is_closed)
+    /// or inside out, and for the file of a mesh, which is not read here.
     ///
     /// Closed forms, with m the mass, r the radius, h half the height (along y), about the centre
     /// of mass; e.g. Beer & Johnston, Vector Mechanics for Engineers: Dynamics, appendix B:
@@ -37,18 +38,22 @@ impl MassProperties {
     /// Iyy = mc r²/2 + 2/5 ms r²   Ixx = Izz = mc (r²/4 + k²/3) + ms (2/5 r² + k² + 3/4 k r)
     /// ```
     ///
-    /// A hull is tetrahedra from its centre to its faces (a, b, c), of volumes V; C = ∫ x xᵀ dV
-    /// (Tonon, Explicit exact formulas for the 3-D tetrahedron inertia tensor, 2004):
+    /// Hulls and closed meshes are sums of tetrahedra from one point to their faces (a, b, c), of volumes
+    /// V, negative where a face looks at that point; C = ∫ x xᵀ dV (Tonon, Explicit exact formulas for
+    /// the 3-D tetrahedron inertia tensor, 2004):
     ///
     /// ```text
-    /// V = a · (b × c)/6   C = Σ V/20 (a aᵀ + b bᵀ + c cᵀ + s sᵀ), s = a + b + c   I = tr C 1 − C
+    /// V = a · (b × c)/6   centre = Σ V/4 s / Σ V, s = a + b + c   about that
+    /// C = Σ V/20 (a aᵀ + b bᵀ + c cᵀ + s sᵀ)   I = tr C 1 − C
     /// ```
     pub fn of(geometry: &Geometry, density: f64) -> Option<Self> {
         let (mass, center, moments) = match *geometry {
-            Geometry::Plane { .. } | Geometry::Mesh(_) | Geometry::MeshFile { .. } => {
-                return None;
+            Geometry::Plane { .. } | Geometry::MeshFile { .. } => return None,
+            Geometry::Hull(ref hull) => return polyhedron(hull.faces(), hull.center(), density),
+            Geometry::Mesh(ref mesh) if mesh.is_closed() => {
+                return polyhedron(mesh.faces(), mesh.center(), density);
             }
-            Geometry::Hull(ref hull) => return Some(polyhedron(hull, density)),
+            Geometry::Mesh(_) => return None,
             Geometry::Sphere { radius } => ellipsoid(DVec3::splat(radius), density),
             Geometry::Ellipsoid { half } => ellipsoid(half, density),
             Geometry::Box { half } => {
@@ -159,22 +164,35 @@ fn ellipsoid(half: DVec3, density: f64) -> (f64, DVec3, DVec3) {
     (m, DVec3::ZERO, m / 5.0 * others_squared(half))
 }
 
-fn polyhedron(hull: &Hull, density: f64) -> MassProperties {
-    let (mut volume, mut second) = (0.0, DMat3::ZERO);
-    for face in hull.faces() {
-        let [a, b, c] = face.map(|corner| corner - hull.center());
+/// Of what a closed surface holds; a point near it spares digits. `None` where it holds nothing.
+fn polyhedron(
+    faces: impl Iterator<Item = [DVec3; 3]> + Clone,
+    near: DVec3,
+    density: f64,
+) -> Option<MassProperties> {
+    let (mut volume, mut first) = (0.0, DVec3::ZERO);
+    for [a, b, c] in faces.clone().map(|face| face.map(|corner| corner - near)) {
         let part = a.dot(b.cross(c)) / 6.0;
         volume += part;
+        first += (a + b + c) * (part / 4.0);
+    }
+    if volume <= 0.0 {
+        return None;
+    }
+    let center = near + first / volume;
+    let mut second = DMat3::ZERO;
+    for [a, b, c] in faces.map(|face| face.map(|corner| corner - center)) {
+        let part = a.dot(b.cross(c)) / 6.0;
         for x in [a, b, c, a + b + c] {
             second += outer(x) * (part / 20.0);
         }
     }
     let trace = second.x_axis.x + second.y_axis.y + second.z_axis.z;
-    MassProperties {
+    Some(MassProperties {
         mass: density * volume,
-        center: hull.center(),
+        center,
         inertia: (DMat3::from_diagonal(DVec3::splat(trace)) - second) * density,
-    }
+    })
 }
 
 /// x xᵀ

@@ -191,8 +191,60 @@ fn a_tetrahedron_weighs_a_sixth_of_its_box() {
     assert!(there.abs_diff_eq(about_origin, 1e-12 * m), "{there}");
 }
 
+/// A closed surface holds what is in it, cavities left out; one that is open or inside out, nothing.
 #[test]
-fn planes_and_meshes_have_no_mass_of_their_own() {
+fn closed_meshes_have_the_mass_of_what_they_hold() {
+    let corner = |half: f64, at: DVec3| {
+        move |i: u32| {
+            at + half * DVec3::from_array([i, i >> 1, i >> 2].map(|b| f64::from(b & 1) * 2.0 - 1.0))
+        }
+    };
+    let hull = |half: f64, at: DVec3| {
+        Hull::new(&(0..8).map(corner(half, at)).collect::<Vec<_>>()).unwrap()
+    };
+    let (at, hole) = (DVec3::new(3.0, -1.0, 2.0), DVec3::new(3.2, -0.9, 2.1));
+    let (outer, inner) = (hull(1.0, at), hull(0.5, hole));
+    let turned = |t: &[u32; 3]| [t[0], t[2], t[1]];
+    let mesh = |vertices: &[DVec3], triangles: &[[u32; 3]]| {
+        Geometry::Mesh(TriangleMesh::new(vertices, triangles).unwrap())
+    };
+    let full = mesh(outer.vertices(), outer.triangles());
+    let expected = MassProperties::of(&Geometry::Hull(outer.clone()), 700.0).unwrap();
+    assert_alike(&MassProperties::of(&full, 700.0).unwrap(), &expected, 1e-12);
+
+    let count = outer.vertices().len() as u32;
+    let cavity = inner
+        .triangles()
+        .iter()
+        .map(|t| turned(t).map(|v| v + count));
+    let hollow = mesh(
+        &[outer.vertices(), inner.vertices()].concat(),
+        &outer
+            .triangles()
+            .iter()
+            .copied()
+            .chain(cavity)
+            .collect::<Vec<_>>(),
+    );
+    let taken = MassProperties::of(&Geometry::Hull(inner), -700.0).unwrap();
+    assert_alike(
+        &MassProperties::of(&hollow, 700.0).unwrap(),
+        &expected.and(&taken),
+        1e-12,
+    );
+
+    let all = outer.triangles();
+    let inside_out: Vec<_> = all.iter().map(turned).collect();
+    for triangles in [&all[1..], &inside_out] {
+        assert_eq!(
+            MassProperties::of(&mesh(outer.vertices(), triangles), 1.0),
+            None
+        );
+    }
+}
+
+#[test]
+fn planes_and_open_meshes_have_no_mass_of_their_own() {
     let plane = Geometry::Plane {
         half_x: 1.0,
         half_z: 1.0,

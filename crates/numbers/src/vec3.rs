@@ -28,6 +28,11 @@ impl<R: Real> Vec3<R> {
     pub fn zero() -> Self {
         Self::splat(R::zero())
     }
+    /// The absolute value of each component.
+    #[inline(always)]
+    pub fn abs(self) -> Self {
+        Self::new(self.x.abs(), self.y.abs(), self.z.abs())
+    }
     /// Inner product.
     #[inline(always)]
     pub fn dot(self, b: Self) -> R {

@@ -79,7 +79,8 @@ impl Geometry {
         Ok(Self(model::Geometry::Hull(hull)))
     }
     /// A surface of triangles, touched from its front: vertices [m] (vertices, 3), triangles (triangles, 3)
-    /// counter-clockwise as seen from outside. It has no mass, and does not move where it collides.
+    /// counter-clockwise as seen from outside. Where it is closed it has the mass of
+    /// what it holds.
     #[staticmethod]
     fn mesh(vertices: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> PyResult<Self> {
         let mesh = model::TriangleMesh::new(&points(vertices), &triangles);

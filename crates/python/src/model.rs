@@ -65,8 +65,8 @@ fn options(lenient: bool, meshes: &str, floating_base: bool) -> PyResult<Options
 
 /// Reads a robot file: MJCF (`<mujoco>`) or URDF (`<robot>`).
 ///
-/// `meshes`: what becomes of meshes that collide: "named" (refused by the solvers), "exact" (surfaces that do not
-/// move) or "hull" (their convex hulls). `lenient`: what is not supported and would change the motion is left out
+/// `meshes`: what becomes of meshes that collide: "named" (refused by the solvers), "exact" (as they are) or
+/// "hull" (their convex hulls). `lenient`: what is not supported and would change the motion is left out
 /// with a warning instead of an error. `floating_base`: the root link of a URDF floats. What was left out is in
 /// `Model.warnings`.
 ///

@@ -3,6 +3,7 @@
 //! A kernel in lanes cannot follow pointers, but it can skip: three nested loops, each left out
 //! where no lane's solid is near, find the near ones of n triangles in some n^(1/3) tests a level.
 
+use crate::ray::Line;
 use glam::DVec3;
 use model::TriangleMesh;
 
@@ -30,6 +31,24 @@ impl Bounds {
     }
     pub fn all(bounds: impl IntoIterator<Item = Self>) -> Self {
         bounds.into_iter().fold(Self::EMPTY, Self::and)
+    }
+    /// Whether a line passes through, from its origin on.
+    pub fn meets(&self, line: &Line) -> bool {
+        let (o, d) = (line.origin, line.direction);
+        let (mut enter, mut leave) = (0.0_f64, f64::INFINITY);
+        for axis in 0..3 {
+            let (low, high) = (self.low[axis] - o[axis], self.high[axis] - o[axis]);
+            if d[axis] == 0.0 {
+                if low > 0.0 || high < 0.0 {
+                    return false;
+                }
+                continue;
+            }
+            let (a, b) = (low / d[axis], high / d[axis]);
+            enter = enter.max(a.min(b));
+            leave = leave.min(a.max(b));
+        }
+        enter <= leave
     }
 }
 

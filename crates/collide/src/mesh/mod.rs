@@ -10,11 +10,12 @@ mod hierarchy;
 mod kernel;
 #[cfg(feature = "meshes")]
 mod load;
+mod matter;
 mod tables;
 
 #[cfg(feature = "decomposition")]
 pub use decomposition::convex_decomposition;
-pub use kernel::{Surface, mesh_convex};
+pub use kernel::{Surface, mesh_convex, mesh_mesh};
 #[cfg(feature = "meshes")]
 pub use load::{LoadError, load, parse};
 pub use tables::{MeshData, MeshTables, SLOTS, Triangle, contact};

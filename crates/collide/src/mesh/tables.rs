@@ -2,14 +2,21 @@
 
 use super::adjacency::{Sides, sides};
 use super::hierarchy::{Bounds, bounds, fan, order};
+use super::matter::behind;
 use glam::DVec3;
 use model::TriangleMesh;
 use numbers::machine::Links;
 use numbers::machine::space::{Parameter, Scratch};
 use numbers::{Float, Table};
+use std::ops::Range;
 
-/// Contacts kept of a solid and a mesh.
-pub const SLOTS: usize = 8;
+/// Contacts kept of a solid and a mesh, or of two meshes: those farthest in the corners of a frame, and
+/// the deepest.
+pub const SLOTS: usize = CORNERS + 1;
+/// Corners of a frame.
+pub(super) const CORNERS: usize = 8;
+/// The row after them: a contact of what is behind a triangle, to be taken where there is no other.
+pub(super) const BEHIND: usize = SLOTS;
 
 /// Fields of a contact in [`MeshTables::contacts`]; as in [`Contact`](crate::Contact), in world axes.
 pub mod contact {
@@ -31,6 +38,8 @@ pub mod contact {
 pub(super) const BOUNDS: usize = 6;
 /// A triangle: bounds, middle, normal, (out, lean) of three edges, number.
 pub(super) const TRIANGLE: usize = 6 + 3 + 3 + 12 + 1;
+/// Vertices of a triangle: its corners, and a point behind it.
+pub(super) const VERTICES: usize = 4;
 /// Beyond all coordinates [m].
 const BEYOND: f64 = 1e30;
 
@@ -44,29 +53,37 @@ pub struct MeshTables {
     pub(super) group_rows: Links<2>,
     /// The range of a cluster's triangles.
     pub(super) cluster_rows: Links<2>,
-    /// The range of a triangle's vertices.
+    /// The range of a triangle's corners; the vertex after them is a point of the matter behind it.
     pub(super) triangle_rows: Links<2>,
     /// The contacts last found, [`SLOTS`] rows; see [`contact`].
     pub contacts: Table<Scratch, { contact::WIDTH }>,
+    /// 1 where the solid's core overlaps a triangle.
+    pub(super) pierced: Table<Scratch>,
 }
 
 /// A triangle of a mesh as the kernels read it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Triangle {
     numbers: [f64; TRIANGLE],
-    /// From its middle [m].
-    vertices: [f64; 9],
+    /// Its corners and a point of the matter behind it, from its middle [m].
+    vertices: [f64; 3 * VERTICES],
 }
 
 impl Triangle {
     /// Those of a mesh, about the [middle](TriangleMesh::center) of its box.
     pub fn all(mesh: &TriangleMesh) -> Vec<Self> {
-        let sides = sides(mesh);
-        let triangle = |(t, sides)| Self::new(mesh, t, sides);
-        sides.iter().enumerate().map(triangle).collect()
+        Self::ordered(mesh, &order(mesh))
     }
 
-    fn new(mesh: &TriangleMesh, t: usize, (normal, edges): &Sides) -> Self {
+    /// The same, where their order in space is known.
+    fn ordered(mesh: &TriangleMesh, order: &[usize]) -> Vec<Self> {
+        let behind = behind(mesh, order, fan(order.len()));
+        let parts = sides(mesh).into_iter().zip(behind).enumerate();
+        let triangle = |(t, (sides, behind))| Self::new(mesh, t, &sides, behind);
+        parts.map(triangle).collect()
+    }
+
+    fn new(mesh: &TriangleMesh, t: usize, (normal, edges): &Sides, behind: DVec3) -> Self {
         let corners = mesh.corners(t).map(|c| c - mesh.center());
         let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
         let Bounds { low, high } = Bounds::of(corners);
@@ -79,9 +96,10 @@ impl Triangle {
             numbers[15 + 4 * i] = edge.lean;
         }
         numbers[TRIANGLE - 1] = t as f64;
-        let mut vertices = [0.0; 9];
-        for (i, corner) in corners.into_iter().enumerate() {
-            vertices[3 * i..3 * i + 3].copy_from_slice(&(corner - middle).to_array());
+        let mut vertices = [0.0; 3 * VERTICES];
+        let [a, b, c] = corners;
+        for (i, vertex) in [a, b, c, behind - mesh.center()].into_iter().enumerate() {
+            vertices[3 * i..3 * i + 3].copy_from_slice(&(vertex - middle).to_array());
         }
         Self { numbers, vertices }
     }
@@ -107,7 +125,7 @@ impl MeshData {
     /// groups, by which kernels know it.
     pub fn add(&mut self, mesh: &TriangleMesh) -> [usize; 2] {
         let (order, fan) = (order(mesh), fan(mesh.triangles().len()));
-        let triangles = Triangle::all(mesh);
+        let triangles = Triangle::ordered(mesh, &order);
         let around = |list: &[usize]| {
             let Bounds { low, high } = Bounds::all(list.iter().map(|&t| bounds(mesh, t)));
             Bounds {
@@ -130,9 +148,9 @@ impl MeshData {
         [first_group, self.groups.len()]
     }
 
-    /// Room for so many triangles, for which all are searched: they are [put](MeshTables::put) there
-    /// later, for each lane its own. Group 0 has them all.
-    pub fn room(triangles: usize) -> Self {
+    /// Room for meshes of so many triangles, which are all searched: they are [put](MeshTables::put)
+    /// there later, for each lane its own. Each mesh that has room is one group.
+    pub fn room(triangles: &[usize]) -> Self {
         let everywhere = Bounds {
             low: DVec3::splat(-BEYOND),
             high: DVec3::splat(BEYOND),
@@ -141,20 +159,23 @@ impl MeshData {
         nowhere[..BOUNDS].copy_from_slice(&NOWHERE);
         let nowhere = Triangle {
             numbers: nowhere,
-            vertices: [0.0; 9],
+            vertices: [0.0; 3 * VERTICES],
         };
-        Self {
-            groups: vec![everywhere],
-            clusters: vec![everywhere],
-            triangles: vec![nowhere; triangles],
-            group_rows: vec![[0, 1]],
-            cluster_rows: vec![[0, triangles]],
+        let mut data = Self::default();
+        for (i, &room) in triangles.iter().filter(|room| **room > 0).enumerate() {
+            let first = data.triangles.len();
+            data.triangles.resize(first + room, nowhere);
+            data.clusters.push(everywhere);
+            data.cluster_rows.push([first, first + room]);
+            data.groups.push(everywhere);
+            data.group_rows.push([i, i + 1]);
         }
+        data
     }
 
     /// How many rows of [`Tables::vertices`](crate::Tables::vertices) the triangles take.
     pub fn vertex_rows(&self) -> usize {
-        3 * self.triangles.len()
+        VERTICES * self.triangles.len()
     }
 
     /// Room at the ends of the memories, which move on.
@@ -165,7 +186,7 @@ impl MeshData {
         scratch: &mut usize,
     ) -> MeshTables {
         // Contacts are kept where there is a mesh.
-        let slots = if self.groups.is_empty() { 0 } else { SLOTS };
+        let kept = usize::from(!self.groups.is_empty());
         MeshTables {
             groups: Table::place(parameters, self.groups.len()),
             clusters: Table::place(parameters, self.clusters.len()),
@@ -173,7 +194,8 @@ impl MeshData {
             group_rows: Links::place(links, self.groups.len()),
             cluster_rows: Links::place(links, self.clusters.len()),
             triangle_rows: Links::place(links, self.triangles.len()),
-            contacts: Table::place(scratch, slots),
+            contacts: Table::place(scratch, kept * (SLOTS + 1)),
+            pierced: Table::place(scratch, kept),
         }
     }
 
@@ -196,9 +218,9 @@ impl MeshData {
             parameters[tables.clusters.at(row, 0)..][..BOUNDS].copy_from_slice(&numbers(b));
         }
         for (row, t) in self.triangles.iter().enumerate() {
-            let first = vertex_row + 3 * row;
+            let first = vertex_row + VERTICES * row;
             parameters[tables.triangles.at(row, 0)..][..TRIANGLE].copy_from_slice(&t.numbers);
-            parameters[vertices.at(first, 0)..][..9].copy_from_slice(&t.vertices);
+            parameters[vertices.at(first, 0)..][..t.vertices.len()].copy_from_slice(&t.vertices);
             write_range(links, tables.triangle_rows, row, [first, first + 3]);
         }
         for (row, range) in self.group_rows.iter().enumerate() {
@@ -214,14 +236,14 @@ impl MeshData {
 const NOWHERE: [f64; BOUNDS] = [BEYOND, BEYOND, BEYOND, -BEYOND, -BEYOND, -BEYOND];
 
 impl MeshTables {
-    /// Writes the triangles of one lane where [`MeshData::room`] left room for `room` of them, and
-    /// their vertices from `vertex_row` on; what they leave free meets nothing.
+    /// Writes the triangles of one lane into rows where [`MeshData::room`] left room for them, and their
+    /// vertices, of which those of row 0 begin at `vertex_row`; what they leave free meets nothing.
     ///
     /// Panics where there are more than there is room for.
     pub fn put<'a, T: Float>(
         &self,
         triangles: impl Iterator<Item = &'a Triangle>,
-        room: usize,
+        rows: Range<usize>,
         (vertices, vertex_row): (Table<Parameter, 3>, usize),
         (lane, width): (usize, usize),
         parameters: &mut [T],
@@ -231,14 +253,14 @@ impl MeshTables {
                 parameters[(at + i) * width + lane] = T::from_f64(*x);
             }
         };
-        let mut free = 0;
-        for (row, t) in triangles.enumerate() {
-            assert!(row < room, "{room} triangles fit");
+        let mut free = rows.clone();
+        for t in triangles {
+            let row = free.next();
+            let row = row.unwrap_or_else(|| panic!("{} triangles fit", rows.len()));
             write(self.triangles.at(row, 0), &t.numbers);
-            write(vertices.at(vertex_row + 3 * row, 0), &t.vertices);
-            free = row + 1;
+            write(vertices.at(vertex_row + VERTICES * row, 0), &t.vertices);
         }
-        for row in free..room {
+        for row in free {
             write(self.triangles.at(row, 0), &NOWHERE);
         }
     }

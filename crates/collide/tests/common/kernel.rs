@@ -17,7 +17,7 @@ macro_rules! routes {
         ) -> Manifold<M::R> {
             match route {
                 $(Route::$name => kernel::$name::manifold(k, tables, a, b),)+
-                Route::Mesh => panic!("a mesh has no manifold"),
+                Route::Mesh | Route::Meshes => panic!("a mesh has no manifold"),
             }
         }
     };

@@ -352,7 +352,7 @@ fn solid(
             return Ok(None);
         }
         Geometry::MeshFile { .. } | Geometry::Mesh(_) | Geometry::Hull(_) => {
-            hull_mass(element, shape, shell, context, report)?
+            mesh_mass(element, shape, shell, context, report)?
         }
         solid if shell => shell::of(solid),
         solid => MassProperties::of(solid, 1.0),
@@ -361,24 +361,25 @@ fn solid(
     Ok(placed.map(|unit| unit.with_mass(mass.unwrap_or(density * unit.mass))))
 }
 
-/// Of the hull of a mesh, of unit density, in the geom's frame.
-fn hull_mass(
+/// Of a mesh or its hull, of unit density, in the geom's frame.
+fn mesh_mass(
     element: &Element,
     shape: &Shape,
     shell: bool,
     context: &Context<'_>,
     report: &mut Report,
 ) -> Result<Option<MassProperties>, FormatError> {
-    let hull = match &shape.geometry {
-        Geometry::Hull(hull) => Some(hull.clone()),
-        mesh => match context.meshes.of(element, mesh)? {
-            Some(Geometry::Hull(hull)) => Some(hull),
-            _ => None,
-        },
+    let read = match &shape.geometry {
+        file @ Geometry::MeshFile { .. } => context.meshes.of(element, file)?,
+        read => Some(read.clone()),
     };
     let remedy = "give the body an <inertial> element, or this geom mass=\"0\"";
-    let Some(hull) = hull else {
-        let remedy = &format!("make meshes their convex hulls (--meshes hull), {remedy}");
+    let unit = read.as_ref().and_then(|read| MassProperties::of(read, 1.0));
+    let (Some(unit), Some(read)) = (unit, read) else {
+        let remedy = &format!(
+            "take meshes as they are where their surfaces are closed (--meshes exact), or as their \
+             convex hulls (--meshes hull), {remedy}"
+        );
         report.refuse(element, "mass from the volume of a mesh", remedy)?;
         return Ok(None);
     };
@@ -386,8 +387,12 @@ fn hull_mass(
         report.refuse(element, "mass from the surface of a mesh", remedy)?;
         return Ok(None);
     }
-    report.note(element, "mass from a mesh", "it is that of its convex hull");
-    Ok(MassProperties::of(&Geometry::Hull(hull), 1.0))
+    let whose = match read {
+        Geometry::Hull(_) => "it is that of its convex hull",
+        _ => "it is that of what its surface holds",
+    };
+    report.note(element, "mass from a mesh", whose);
+    Ok(Some(unit))
 }
 
 /// Density of the solid: the file's, or what its mass implies.

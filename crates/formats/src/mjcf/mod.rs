@@ -36,8 +36,8 @@
 //! - A ball joint stands alone on its body, is not limited, and takes motors about one axis at a time.
 //! - Refused unless lenient: drag by a fluid, gravity compensation, tendons that exert force, muscles
 //!   and other actuators with a state, plugins, flexible bodies, polynomial springs, `<replicate>`,
-//!   `<attach>` and the like, and mass from the volume of a mesh that does not become its hull
-//!   ([`Options::meshes`]). MuJoCo's own mass of a mesh is that of its surface's inside, not of its hull.
+//!   `<attach>` and the like, and mass from the volume of a mesh whose surface is open, unless it
+//!   becomes its hull ([`Options::meshes`]). MuJoCo's own mass of a mesh is that of its surface's inside, too.
 //! - `touch` is of all contacts of the site's body. What other sensors measure, and of rangefinders other `data` than
 //!   the distance, is not read, and listed.
 //! - A rangefinder in the world sees what else is in the world; MuJoCo's sees bodies alone.

@@ -165,6 +165,22 @@ impl TriangleMesh {
     pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
         self.triangles()[triangle].map(|v| self.vertices()[v as usize])
     }
+    /// The corners of each of the triangles [m].
+    pub fn faces(&self) -> impl Iterator<Item = [DVec3; 3]> + Clone {
+        (0..self.triangles().len()).map(|t| self.corners(t))
+    }
+    /// Whether the surface ends nowhere: along each edge of each triangle lies another one, turned the
+    /// same way.
+    pub fn is_closed(&self) -> bool {
+        let mut open = HashMap::new();
+        for &[a, b, c] in self.triangles() {
+            for [from, to] in [[a, b], [b, c], [c, a]] {
+                let sign = if from < to { 1 } else { -1 };
+                *open.entry([from.min(to), from.max(to)]).or_insert(0) += sign;
+            }
+        }
+        open.values().all(|left| *left == 0)
+    }
     /// Unit vector out of the surface at a triangle.
     ///
     /// Panics where there is no such triangle.

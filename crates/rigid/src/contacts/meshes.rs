@@ -1,7 +1,7 @@
 //! The triangles of meshes as rows of tables.
 
 use collide::mesh::MeshData;
-use model::{Geometry, Shape, TriangleMesh};
+use model::{Geometry, TriangleMesh};
 use std::ops::Range;
 
 /// Meshes, equal ones once, each with the range of its groups.
@@ -12,12 +12,12 @@ pub(crate) struct Meshes {
 }
 
 impl Meshes {
-    /// Of the meshes among some shapes.
-    pub fn new<'a>(shapes: impl Iterator<Item = &'a Shape>) -> Self {
+    /// Of the meshes among some geometries.
+    pub fn new<'a>(geometries: impl Iterator<Item = &'a Geometry>) -> Self {
         let mut meshes = Self::default();
-        for shape in shapes {
-            if let Geometry::Mesh(mesh) = &shape.geometry
-                && meshes.of(&shape.geometry).is_empty()
+        for geometry in geometries {
+            if let Geometry::Mesh(mesh) = geometry
+                && meshes.of(geometry).is_empty()
             {
                 let [first, end] = meshes.data.add(mesh);
                 meshes.known.push((mesh.clone(), first..end));

@@ -4,7 +4,7 @@ use super::kept::{Touch, touches};
 use super::tables::{
     ContactTables, found, pair_field, placed_field, shape_field, shape_link, slot, slot_link,
 };
-use collide::mesh::{Surface, contact, mesh_convex};
+use collide::mesh::{Surface, contact, mesh_convex, mesh_mesh};
 use collide::{FAR, Kernel, Placed, Route, Solid, kernel};
 use numbers::machine::space::Writable;
 use numbers::machine::{Held, Hold, Index};
@@ -33,6 +33,7 @@ pub(crate) fn narrow_phase<M: Machine>(k: &mut M, t: &ContactTables) {
         ($($_name:ident $kernel:ident;)+) => { $(t.meet::<M, kernel::$kernel>(k);)+ };
     }
     collide::with_kernels!(meet);
+    t.meet_mesh(k);
     t.meet_meshes(k);
 }
 
@@ -43,6 +44,10 @@ pub(crate) fn narrow_phase_in_parts<M: Machine>(k: &mut M, t: &ContactTables) {
         t.meet::<M, K>(k);
     }
     #[inline(never)]
+    fn mesh<M: Machine>(k: &mut M, t: &ContactTables) {
+        t.meet_mesh(k);
+    }
+    #[inline(never)]
     fn meshes<M: Machine>(k: &mut M, t: &ContactTables) {
         t.meet_meshes(k);
     }
@@ -50,12 +55,13 @@ pub(crate) fn narrow_phase_in_parts<M: Machine>(k: &mut M, t: &ContactTables) {
         ($($_name:ident $kernel:ident;)+) => { $(part::<M, kernel::$kernel>(k, t);)+ };
     }
     collide::with_kernels!(meet);
+    mesh(k, t);
     meshes(k, t);
 }
 
 impl ContactTables {
     /// The kernels for pairs that the model needs: what [`meet`](Self::meet) is to be called with, or
-    /// [`meet_meshes`](Self::meet_meshes).
+    /// [`meet_mesh`](Self::meet_mesh), or [`meet_meshes`](Self::meet_meshes).
     pub fn routes(&self) -> impl Iterator<Item = Route> {
         let needed =
             |route: &Route| self.routes[*route as usize] < self.routes[*route as usize + 1];
@@ -124,12 +130,20 @@ impl ContactTables {
     }
     /// Fills the slots of the pairs of a solid and a mesh.
     #[inline(always)]
+    pub fn meet_mesh<M: Machine>(&self, k: &mut M) {
+        self.meet_with_mesh(k, Route::Mesh);
+    }
+    /// Fills the slots of the pairs of two meshes.
+    #[inline(always)]
     pub fn meet_meshes<M: Machine>(&self, k: &mut M) {
-        let t = *self;
-        let route = Route::Mesh as usize;
-        let (begin, end) = (k.index(t.routes[route]), k.index(t.routes[route + 1]));
+        self.meet_with_mesh(k, Route::Meshes);
+    }
+    #[inline(always)]
+    fn meet_with_mesh<M: Machine>(&self, k: &mut M, route: Route) {
+        let (t, first) = (*self, route as usize);
+        let (begin, end) = (k.index(t.routes[first]), k.index(t.routes[first + 1]));
         for pair in k.range(begin, end) {
-            meet_mesh(k, &t, pair);
+            meet_with_mesh(k, &t, pair, route);
         }
     }
 }
@@ -238,25 +252,27 @@ fn beside<R: Real>(capsule: &Placed<R>, way: Vec3<R>, reach: R) -> R::Mask {
     rest.length_squared().lt((reach - half).squared())
 }
 
-/// The slots of a solid and a mesh; each point has a normal of its own.
+/// The slots of a solid and a mesh, or of two; each point has a normal of its own.
 #[inline(always)]
-fn meet_mesh<M: Machine>(k: &mut M, t: &ContactTables, pair: M::I) {
+fn meet_with_mesh<M: Machine>(k: &mut M, t: &ContactTables, pair: M::I, route: Route) {
     let [row_a, row_b, first, flip, list] = k.link_row(t.pair_links, pair);
     let margin = k.load(t.pair, pair, pair_field::MARGIN);
     let reach = reach(k, t, row_a, row_b, margin);
-    if let Some(_branch) = k.if_any(near(k, t, Route::Mesh, row_a, row_b, reach)) {
+    if let Some(_branch) = k.if_any(near(k, t, route, row_a, row_b, reach)) {
         let (a, b) = (solid(k, t, row_a), solid(k, t, row_b));
-        let surface = Surface {
-            placed: b.placed,
-            groups: b.rows,
-        };
+        let surface = Surface::of(&b);
         let way = way(k, t, row_a, row_b);
-        mesh_convex(k, t.kernels, &t.meshes, &a, &surface, margin + way);
+        if route == Route::Mesh {
+            mesh_convex(k, t.kernels, &t.meshes, &a, &surface, margin + way);
+        } else {
+            let own = Surface::of(&a);
+            mesh_mesh(k, t.kernels, &t.meshes, &own, &surface, margin + way);
+        }
         let mut side = k.cell(M::R::one());
         if let Some(_branch) = k.when(k.equals(flip, 1)) {
             side.write(-M::R::one());
         }
-        for point in k.count(Route::Mesh.points()) {
+        for point in k.count(route.points()) {
             let p: [M::R; contact::FEATURE + 1] = k.read(t.meshes.contacts, point, 0);
             let normal = k.vec3(t.meshes.contacts, point, contact::NORMAL) * side.read();
             let distance = p[contact::DISTANCE] - margin;

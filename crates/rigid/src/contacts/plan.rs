@@ -1,10 +1,10 @@
 //! Which shapes of a model may touch, and who carries them.
 
-use super::tables::{Solid, check_stands, found};
+use super::tables::{Solid, found};
 use super::{Corners, Meshes};
 use crate::SolverError;
 use collide::Route;
-use model::{CollisionFilter, Model, Pose, Shape, ShapeId};
+use model::{CollisionFilter, Geometry, Model, Pose, Shape, ShapeId};
 use std::ops::Range;
 
 /// What carries a shape, as a solver sees it.
@@ -63,6 +63,8 @@ pub(super) struct Sight {
     pub shape: ShapeId,
     pub seat: Seat,
     pub seen: usize,
+    /// Seen by a plane, which takes a mesh for its convex hull.
+    pub as_hull: bool,
 }
 
 /// The pairs of a model, by kernel, and their slots, by the carrier that they belong to.
@@ -98,7 +100,7 @@ impl ContactPlan {
     /// Finds the pairs; `seat` tells who carries a shape.
     ///
     /// # Errors
-    /// A shape that no kernel collides, a mesh that moves.
+    /// A shape that no kernel collides.
     pub(crate) fn new(
         model: &Model,
         solver: &'static str,
@@ -109,21 +111,27 @@ impl ContactPlan {
             let shapes = [a, b].map(|s| &model.shapes[s.0]);
             let senses = shapes.iter().any(|shape| shape.sensor);
             let [first, second] = shapes.map(|shape| Solid::new(shape, solver));
-            let kinds = [first?.kind, second?.kind];
-            let Some(route) = Route::of(kinds[0], kinds[1]) else {
+            let (first, second) = (first?, second?);
+            let Some(route) = Route::of(first.kind, second.kind) else {
                 continue;
             };
-            let (a, b) = if kinds[0] <= kinds[1] { (a, b) } else { (b, a) };
+            let (a, b) = if first.comes_before(&second) {
+                (a, b)
+            } else {
+                (b, a)
+            };
             let seats = [a, b].map(|s| seat(&model.shapes[s.0]));
-            for (id, seat) in [a, b].into_iter().zip(&seats) {
-                check_stands(&model.shapes[id.0], seat.moves(), solver)?;
-            }
             plan.add(route, [a, b], seats, senses);
         }
         plan.assign_slots();
-        let shapes = plan.sights.iter().map(|s| &model.shapes[s.shape.0]);
-        plan.meshes = Meshes::new(shapes.clone());
-        plan.corners = Corners::new(shapes, |count| count);
+        let seen = |as_hull| {
+            let sights = plan.sights.iter().filter(move |s| s.as_hull == as_hull);
+            sights.map(|s| &model.shapes[s.shape.0].geometry)
+        };
+        let meshes = Meshes::new(seen(false));
+        let hulls = seen(false).filter(|geometry| matches!(geometry, Geometry::Hull(_)));
+        let corners = Corners::new(seen(true).chain(hulls), |count| count);
+        (plan.meshes, plan.corners) = (meshes, corners);
         Ok(plan)
     }
 
@@ -146,6 +154,7 @@ impl ContactPlan {
                 shape: shapes[i],
                 seat: seats[i],
                 seen: mover.group,
+                as_hull: route == Route::PlaneHull && i == 1,
             })
         });
         self.pairs.push(Pair {

@@ -189,23 +189,11 @@ impl Solid {
             pose: shape.pose * Pose::at(shape.geometry.center()),
         })
     }
-}
 
-/// Refuses a mesh that moves and collides.
-pub(crate) fn check_stands(
-    shape: &Shape,
-    moves: bool,
-    solver: &'static str,
-) -> Result<(), SolverError> {
-    match shape.geometry {
-        Geometry::Mesh(_) if moves => Err(SolverError::Unsupported {
-            solver,
-            what: "contacts of a body that moves by the mesh",
-            name: shape.name.clone(),
-            remedy: "a surface has no inside: use its convex hull (--meshes hull), pieces that are \
-                     convex, or solids, or let the shape not collide",
-        }),
-        _ => Ok(()),
+    /// Whether it is A of a pair: what has the lower kind, and of two meshes the smaller one.
+    pub fn comes_before(&self, other: &Self) -> bool {
+        let meshes = [self.kind, other.kind] == [kind::MESH; 2];
+        self.kind < other.kind || self.kind == other.kind && !(meshes && other.radius < self.radius)
     }
 }
 
@@ -274,8 +262,13 @@ impl ContactTables {
             f.link(self.shape_links, row, shape_link::SEAT, sight.seat.row);
             f.link(self.shape_links, row, shape_link::OWN, sight.seat.group);
             f.link(self.shape_links, row, shape_link::SEEN, sight.seen);
-            f.link(self.shape_links, row, shape_link::KIND, solid.kind);
-            let rows = match solid.kind {
+            let kind = if sight.as_hull {
+                kind::HULL
+            } else {
+                solid.kind
+            };
+            f.link(self.shape_links, row, shape_link::KIND, kind);
+            let rows = match kind {
                 kind::MESH => plan.meshes.of(&shape.geometry),
                 _ => plan.corners.of(&shape.geometry),
             };

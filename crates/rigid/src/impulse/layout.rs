@@ -5,7 +5,7 @@ use super::pair::solid;
 use super::tables::{POINTS, global, mass};
 use super::{memory, surface};
 use crate::contacts::Corners;
-use crate::contacts::tables::{Solid, check_stands};
+use crate::contacts::tables::Solid;
 use crate::input::InputTables;
 use crate::output::body;
 use crate::tables::{Filler, UNBOUNDED};
@@ -14,7 +14,7 @@ use collide::kind;
 use glam::{DQuat, DVec3};
 use model::{
     BodyId, BodyKind, CollisionFilter, Geometry, Joint, JointId, JointKind, MassProperties, Model,
-    Pose, ShapeId,
+    Pose, Shape, ShapeId,
 };
 use numbers::machine::space::{Parameter, State as StateMemory};
 use numbers::{Float, Table};
@@ -141,13 +141,7 @@ pub(super) fn unsupported(what: &'static str, name: &str, remedy: &'static str) 
 
 /// Whether a model is what this solver is for: several things that touch, free or of passive joints.
 pub fn suits(model: &Model) -> bool {
-    let moves = |shape: &model::Shape| {
-        let body = shape.body.map(|id| model.bodies[id.0].kind);
-        body == Some(BodyKind::Dynamic)
-    };
-    let solid = |shape: &model::Shape| {
-        Solid::new(shape, NAME).is_ok() && check_stands(shape, moves(shape), NAME).is_ok()
-    };
+    let solid = |shape: &Shape| Solid::new(shape, NAME).is_ok();
     let mut touching = model.shapes.iter().filter(|shape| shape.collides);
     let drives = |dof: &model::Dof| dof.drive.stiffness > 0.0 || dof.drive.damping > 0.0;
     let driven = model.joints.iter().flat_map(|j| &j.dofs).any(drives);
@@ -202,16 +196,15 @@ impl Impulse {
     ///
     /// # Errors
     /// Couplings, compliant joints, axes in an order or directions, or a law on a joint, that this solver
-    /// does not know; a shape that no kernel collides, a mesh that moves.
+    /// does not know; a shape that no kernel collides.
     pub fn new(model: &Model, settings: &Settings) -> Result<Self, SolverError> {
         check(model)?;
         let (bodies, rows) = bodies_and_rows(model);
         let (mut parameters, mut state_length) = (0, 0);
         let row_of = |body: Option<BodyId>| body.map_or(WORLD, |id| rows[id.0]);
         let touching = touching(model);
-        let geometries = touching.iter().map(|id| &model.shapes[id.0]);
         // Hulls of nearly as many corners are looked at side by side.
-        let corners = Corners::new(geometries, usize::next_power_of_two);
+        let corners = Corners::new(with_corners(model, &touching), usize::next_power_of_two);
         let shapes = colliders(model, &touching, &corners, row_of)?;
         let capacity = REMEMBERED * bodies.len() + 16;
         let surfaces = shapes.len() + model.contact_pairs.len();
@@ -580,6 +573,33 @@ fn touching(model: &Model) -> Vec<ShapeId> {
         .collect()
 }
 
+/// Those of them that are met by their corners: hulls, and meshes where a plane comes to them.
+fn with_corners<'a>(
+    model: &'a Model,
+    touching: &'a [ShapeId],
+) -> impl Iterator<Item = &'a Geometry> {
+    let shapes = touching.iter().map(|id| &model.shapes[id.0]);
+    let is_plane = |shape: &Shape| matches!(shape.geometry, Geometry::Plane { .. });
+    let planes = Vec::from_iter(shapes.clone().filter(|shape| is_plane(shape)));
+    let meets_plane = move |shape: &Shape| {
+        planes
+            .iter()
+            .any(|plane| moves(model, plane) || moves(model, shape))
+    };
+    let has_corners = move |shape: &&Shape| match shape.geometry {
+        Geometry::Hull(_) => true,
+        Geometry::Mesh(_) => meets_plane(shape),
+        _ => false,
+    };
+    shapes.filter(has_corners).map(|shape| &shape.geometry)
+}
+
+/// Whether a shape is on a body that moves.
+fn moves(model: &Model, shape: &Shape) -> bool {
+    let kind = shape.body.map(|id| model.bodies[id.0].kind);
+    kind == Some(BodyKind::Dynamic)
+}
+
 fn colliders(
     model: &Model,
     touching: &[ShapeId],
@@ -590,7 +610,6 @@ fn colliders(
         let shape = &model.shapes[id.0];
         let corners = corners.of(&shape.geometry);
         let row = row_of(shape.body);
-        check_stands(shape, row != WORLD, NAME)?;
         Ok(Collider {
             shape: id,
             row,

@@ -15,7 +15,7 @@ use collide::mesh::{MeshData, Triangle};
 use collide::{FAR, Route};
 use numbers::machine::Links;
 use numbers::machine::space::{Parameter, Scratch, State};
-use numbers::{Float, Machine, Pose, Real, Table, Vec3};
+use numbers::{Float, Machine, Pose, Real, Table};
 
 /// Fields of a shape's constants.
 pub mod solid {
@@ -101,19 +101,14 @@ pub fn place<M: Machine>(k: &mut M, t: &ShapeTables) {
     let way = store_placed(k, t.placed, only, pose, rates, radius, h);
     let axes = pose.q.to_mat3();
     let extent = k.vec3(t.solid, only, solid::EXTENT);
-    let across = absolute(axes.y).fma(extent.y, absolute(axes.z) * extent.z);
-    let [x, y, z] = absolute(axes.x).fma(extent.x, across).to_array();
+    let across = axes.y.abs().fma(extent.y, axes.z.abs() * extent.z);
+    let [x, y, z] = axes.x.abs().fma(extent.x, across).to_array();
     let reach = [
         x.min(radius) + way,
         y.min(radius) + way,
         z.min(radius) + way,
     ];
     k.write(t.placed, only, placed::EXTENT, reach);
-}
-
-#[inline(always)]
-fn absolute<R: Real>(v: Vec3<R>) -> Vec3<R> {
-    Vec3::new(v.x.abs(), v.y.abs(), v.z.abs())
 }
 
 /// A shape as the kernels for pairs read it.
@@ -132,8 +127,8 @@ pub struct Pair<'a, T> {
     pub shapes: [&'a Placed<T>; 2],
     /// Their corners about their centres [m], three numbers each.
     pub corners: [&'a [T]; 2],
-    /// The triangles of B that are near A, where B is a mesh.
-    pub triangles: &'a [&'a Triangle],
+    /// Of those that meet as meshes, the triangles that are near the other.
+    pub triangles: [&'a [&'a Triangle]; 2],
     /// The direction from A to B in which they touched last; zero where that is not known.
     pub known: [T; 3],
     /// The gap [m] that their surfaces keep.
@@ -151,23 +146,22 @@ pub struct PairTables {
     scratch: usize,
     /// Rows of A's corners, and of all.
     corners: [usize; 2],
-    /// How many triangles there is room for.
-    triangles: usize,
+    /// How many triangles of each there is room for.
+    triangles: [usize; 2],
 }
 
 impl PairTables {
     /// The layout for A and B of these kinds, which the route must be the one of, and with so many
-    /// corners each; of a mesh, with room for so many triangles.
-    pub fn new(route: Route, kinds: [usize; 2], corners: [usize; 2]) -> Self {
+    /// corners each; of what meets as a mesh, with room for so many triangles.
+    pub fn new(route: Route, kinds: [usize; 2], sizes: [usize; 2]) -> Self {
         let (mut parameters, mut links, mut scratch) = (0, 0, 0);
+        let [a, b] = sizes;
         let (corners, triangles) = match route {
-            Route::Mesh => ([corners[0], corners[0]], corners[1]),
-            _ => ([corners[0], corners[0] + corners[1]], 0),
+            Route::Mesh => ([a, a], [0, b]),
+            Route::Meshes => ([0, 0], sizes),
+            _ => ([a, a + b], [0, 0]),
         };
-        let mesh = match route {
-            Route::Mesh => MeshData::room(triangles),
-            _ => MeshData::default(),
-        };
+        let mesh = MeshData::room(&triangles);
         let vertices = corners[1] + mesh.vertex_rows();
         let points = route.points();
         let mut capacities = [0; found::LISTS];
@@ -198,12 +192,13 @@ impl PairTables {
         for (row, kind) in kinds.into_iter().enumerate() {
             numbers[tables.shape_links.at(row, shape_link::KIND)] = kind as u32;
         }
-        let of_b = match route {
-            // The one group of triangles.
-            Route::Mesh => [0, 1],
-            _ => corners,
+        let (of_a, of_b) = match route {
+            // Each has one group of triangles, after the corners of what has none.
+            Route::Mesh => ([0, a], [0, 1]),
+            Route::Meshes => ([0, 1], [1, 2]),
+            _ => ([0, a], corners),
         };
-        for (row, range) in [[0, corners[0]], of_b].into_iter().enumerate() {
+        for (row, range) in [of_a, of_b].into_iter().enumerate() {
             let at = tables.shape_links.at(row, shape_link::CORNERS);
             numbers[at] = range[0] as u32;
             numbers[at + 1] = range[1] as u32;
@@ -236,7 +231,7 @@ impl PairTables {
     }
     /// Writes what pairs have in common into all lanes.
     pub fn begin<T: Float>(&self, width: usize, parameters: &mut [T]) {
-        if self.route == Route::Mesh {
+        if self.triangles != [0, 0] {
             for (lanes, x) in parameters.chunks_exact_mut(width).zip(&self.common) {
                 lanes.fill(T::from_f64(*x));
             }
@@ -267,7 +262,9 @@ impl PairTables {
             scratch[t.slot.at(i, slot::DISTANCE) * width + lane] = T::from_f64(FAR);
         }
         let first = t.kernels.vertices.start();
-        for (i, x) in pair.corners.into_iter().flatten().enumerate() {
+        let [a, all] = self.corners;
+        let corners = [&pair.corners[0][..3 * a], &pair.corners[1][..3 * (all - a)]];
+        for (i, x) in corners.into_iter().flatten().enumerate() {
             parameters[(first + i) * width + lane] = *x;
         }
         parameters[t.pair.at(0, pair_field::MARGIN) * width + lane] = pair.margin;
@@ -276,13 +273,16 @@ impl PairTables {
                 parameters[known.at(0, i) * width + lane] = x;
             }
         }
-        t.meshes.put(
-            pair.triangles.iter().copied(),
-            self.triangles,
-            (t.kernels.vertices, self.corners[1]),
-            (lane, width),
-            parameters,
-        );
+        let [a, b] = self.triangles;
+        for (triangles, rows) in pair.triangles.into_iter().zip([0..a, a..a + b]) {
+            t.meshes.put(
+                triangles.iter().copied(),
+                rows,
+                (t.kernels.vertices, all),
+                (lane, width),
+                parameters,
+            );
+        }
     }
     /// Whether it is worth its while to ask first which pairs are near, by [`ContactTables::apart`].
     pub fn takes_long(&self) -> bool {

@@ -3,10 +3,8 @@
 
 use crate::run::Run;
 use glam::{DQuat, DVec2, DVec3};
-use kinetarium_rigid::{
-    Kernels, Settings, SolverError, TouchingFeatherstone, Xpbd, body as of_body,
-};
-use model::{Builder, Geometry, Hull, Material, Model, Pose, Shape, TriangleMesh};
+use kinetarium_rigid::{Kernels, Settings, TouchingFeatherstone, Xpbd, body as of_body};
+use model::{Builder, Geometry, Material, Model, Pose, Shape, TriangleMesh};
 
 /// Gravity of the models [m/s²].
 const G: f64 = 9.81;
@@ -151,42 +149,4 @@ fn valleys_share_the_weight<K: Kernels>(solver: impl Fn(&Model) -> K) {
 fn a_ball_in_a_valley_presses_on_both_slopes() {
     valleys_share_the_weight(featherstone);
     valleys_share_the_weight(xpbd);
-}
-
-/// On a mesh that moves there is no inside to be pushed out of.
-#[test]
-fn meshes_that_move_are_refused_where_they_collide() {
-    let Geometry::Mesh(mesh) = floor().geometry else {
-        panic!("a mesh");
-    };
-    let build = |shape: Shape| {
-        let mut world = Builder::new("moving");
-        world.object("ground").scenery(Shape::new(BOX));
-        let body = world.object("").body("body").mass(1.0);
-        body.shape(BALL).shape(shape.named("skin"));
-        world.build().unwrap()
-    };
-    let shape = Shape::new(Geometry::Mesh(mesh.clone()));
-    let settings = Settings::new(0.002);
-    let model = build(shape.clone());
-    let errors = [
-        TouchingFeatherstone::new(&model, &settings).err(),
-        Xpbd::touching(&model, &settings).err(),
-        kinetarium_rigid::impulse::Impulse::new(&model, &settings).err(),
-    ];
-    for error in errors {
-        let Some(SolverError::Unsupported { name, remedy, .. }) = error else {
-            panic!("{error:?}");
-        };
-        assert!(
-            name == "skin" && remedy.contains("--meshes hull"),
-            "{remedy}"
-        );
-    }
-    featherstone(&build(shape.without_contact()));
-    // Its hull may.
-    let lumps = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::ZERO];
-    featherstone(&build(Shape::new(Geometry::Hull(
-        Hull::new(&lumps).unwrap(),
-    ))));
 }

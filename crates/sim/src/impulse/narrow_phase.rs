@@ -56,8 +56,8 @@ struct Candidate<'a, T> {
     place: u32,
     /// A first.
     shapes: [u32; 2],
-    /// Those of B that are near A, where B is a mesh.
-    triangles: Vec<&'a Triangle>,
+    /// Of those that meet as meshes, the triangles that are near the other.
+    triangles: [Vec<&'a Triangle>; 2],
     /// The direction from A to B in which they touched in the step before; zero where they did not.
     known: [T; 3],
 }
@@ -82,7 +82,8 @@ impl NarrowPhase {
         let tables = |a: Form, b: Form| {
             let route = Route::of(a.0, b.0).filter(|_| a <= b)?;
             // How many triangles are near is known in each step only.
-            (route != Route::Mesh).then(|| PairTables::new(route, [a.0, b.0], [a.1, b.1]))
+            let known = !matches!(route, Route::Mesh | Route::Meshes);
+            known.then(|| PairTables::new(route, [a.0, b.0], [a.1, b.1]))
         };
         let pairs = forms.iter().flat_map(|a| forms.iter().map(|b| (*a, *b)));
         Self {
@@ -134,8 +135,8 @@ impl NarrowPhase {
             let shapes = if form(a) <= form(b) { [a, b] } else { [b, a] };
             let row = form(shapes[0]) * self.count + form(shapes[1]);
             let Some(tables) = &self.tables[row] else {
-                if scene.route(shapes) == Some(Route::Mesh) {
-                    with_mesh.push((place, shapes));
+                if let Some(route) = scene.route(shapes) {
+                    with_mesh.push((place, route, shapes));
                 }
                 continue;
             };
@@ -143,7 +144,7 @@ impl NarrowPhase {
             list.push(Candidate {
                 place,
                 shapes,
-                triangles: Vec::new(),
+                triangles: [Vec::new(), Vec::new()],
                 known: before.direction(shapes),
             });
             if list.len() == GROUP * scene.width {
@@ -174,12 +175,12 @@ impl<T: Float> Scene<'_, T> {
         Route::of(a, b)
     }
 
-    /// Pairs with meshes: side by side those of like solids with nearly as many triangles.
-    fn mesh_groups(&self, pairs: &[(u32, [u32; 2])]) -> Vec<Group<'_, T>> {
-        let find = |&(place, shapes): &(u32, [u32; 2])| Candidate {
+    /// Pairs with meshes: side by side those of like solids, or of meshes, with nearly as many triangles.
+    fn mesh_groups(&self, pairs: &[(u32, Route, [u32; 2])]) -> Vec<Group<'_, T>> {
+        let find = |&(place, route, shapes): &(u32, Route, [u32; 2])| Candidate {
             place,
             shapes,
-            triangles: self.near(shapes),
+            triangles: self.triangles(route, shapes),
             known: [T::zero(); 3],
         };
         let found: Vec<_> = if self.threads {
@@ -188,18 +189,23 @@ impl<T: Float> Scene<'_, T> {
             pairs.iter().map(find).collect()
         };
         let mut alike = BTreeMap::<(Form, usize), Vec<Candidate<'_, T>>>::new();
-        for pair in found.into_iter().filter(|pair| !pair.triangles.is_empty()) {
-            let solid = form(&self.impulse.shapes()[pair.shapes[0] as usize]);
-            let room = pair.triangles.len().next_power_of_two();
-            alike.entry((solid, room)).or_default().push(pair);
+        let touches = |pair: &Candidate<'_, T>| !pair.triangles[1].is_empty();
+        for pair in found.into_iter().filter(touches) {
+            let mut first = form(&self.impulse.shapes()[pair.shapes[0] as usize]);
+            let [of_a, of_b] = [0, 1].map(|i| pair.triangles[i].len().next_power_of_two());
+            if first.0 == kind::MESH {
+                first.1 = of_a;
+            }
+            alike.entry((first, of_b)).or_default().push(pair);
         }
         let mut groups = Vec::new();
-        for (((solid, corners), room), mut pairs) in alike {
-            let kinds = [solid, kind::MESH];
+        for (((first, size), room), mut pairs) in alike {
+            let kinds = [first, kind::MESH];
+            let route = Route::of(first, kind::MESH).expect("there is one");
             while !pairs.is_empty() {
                 let rest = pairs.split_off(pairs.len().min(GROUP * self.width));
                 groups.push(Group {
-                    tables: Cow::Owned(PairTables::new(Route::Mesh, kinds, [corners, room])),
+                    tables: Cow::Owned(PairTables::new(route, kinds, [size, room])),
                     pairs: std::mem::replace(&mut pairs, rest),
                 });
             }
@@ -207,24 +213,39 @@ impl<T: Float> Scene<'_, T> {
         groups
     }
 
-    /// The triangles of the second shape that the first could reach within the step.
-    fn near(&self, shapes: [u32; 2]) -> Vec<&Triangle> {
+    /// The triangles of two shapes, of which the second is a mesh, that may meet within the step.
+    fn triangles(&self, route: Route, shapes: [u32; 2]) -> [Vec<&Triangle>; 2] {
         let [a, b] = shapes.map(|s| &self.shapes[s as usize].placed);
-        let Some(mesh) = &self.meshes[shapes[1] as usize] else {
-            return Vec::new();
+        let mesh = |i: usize| self.meshes[shapes[i] as usize].as_ref();
+        let Some(mesh_b) = mesh(1) else {
+            return [Vec::new(), Vec::new()];
         };
-        let vec3 = |of: &[T], at: usize| DVec3::from_array([0, 1, 2].map(|i| of[at + i].to_f64()));
-        let turn = [0, 1, 2, 3].map(|i| b[placed::ORIENTATION + i].to_f64());
-        let to_mesh = DMat3::from_quat(DQuat::from_array(turn)).transpose();
-        let center = to_mesh * (vec3(a, placed::POSITION) - vec3(b, placed::POSITION));
         let margin = self.impulse.margin(shapes, self.parameters).to_f64();
-        let reach = vec3(a, placed::EXTENT) + (b[placed::WAY].to_f64() + margin + NEARBY);
-        let half = to_mesh.abs() * reach;
-        let slack = ROUNDING * (center.abs() + half).max_element();
-        mesh.near(&Aabb::enclosing(
-            center - half - slack,
-            center + half + slack,
-        ))
+        let slack = b[placed::WAY].to_f64() + margin + NEARBY;
+        let around_a = vec3(a, placed::POSITION);
+        let in_b = seen(
+            b,
+            around_a,
+            DMat3::IDENTITY,
+            vec3(a, placed::EXTENT) + slack,
+        );
+        let of_b = mesh_b.near(&in_b);
+        let of_a = match mesh(0) {
+            Some(mesh_a) if route == Route::Meshes && !of_b.is_empty() => {
+                let boxes = of_b.iter().map(|t| t.bounds());
+                let [low, high] = boxes
+                    .reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
+                    .expect("there are some");
+                let low = low.max(in_b.min.as_dvec3());
+                let high = high.min(in_b.max.as_dvec3());
+                let axes = axes(b);
+                let center = vec3(b, placed::POSITION) + axes * (0.5 * (low + high));
+                let slack = slack + a[placed::WAY].to_f64();
+                mesh_a.near(&seen(a, center, axes, 0.5 * (high - low) + slack))
+            }
+            _ => Vec::new(),
+        };
+        [of_a, of_b]
     }
 
     /// The contacts of a group: of the pairs that are near, once those are known where that is found out sooner.
@@ -270,6 +291,25 @@ impl<T: Float> Scene<'_, T> {
     }
 }
 
+fn vec3<T: Float>(numbers: &[T], at: usize) -> DVec3 {
+    DVec3::from_array([0, 1, 2].map(|i| numbers[at + i].to_f64()))
+}
+
+/// The axes of a shape in its place, as columns.
+fn axes<T: Float>(shape: &[T]) -> DMat3 {
+    let turn = [0, 1, 2, 3].map(|i| shape[placed::ORIENTATION + i].to_f64());
+    DMat3::from_quat(DQuat::from_array(turn))
+}
+
+/// The box in a shape's frame about a box of the world: its centre, its axes, and half of it along these.
+fn seen<T: Float>(by: &[T], center: DVec3, of: DMat3, half: DVec3) -> Aabb {
+    let to_frame = axes(by).transpose();
+    let center = to_frame * (center - vec3(by, placed::POSITION));
+    let half = (to_frame * of).abs() * half;
+    let slack = ROUNDING * (center.abs() + half).max_element();
+    Aabb::enclosing(center - half - slack, center + half + slack)
+}
+
 /// Pairs of the same forms side by side.
 struct Register<'a, T> {
     tables: &'a PairTables,
@@ -298,8 +338,11 @@ impl<'a, T: Float> Register<'a, T> {
     fn fill(&mut self, scene: &Scene<'_, T>, pairs: &[&Candidate<'_, T>]) {
         for lane in 0..self.width {
             match pairs.get(lane) {
-                Some(pair) => self.fill_lane(scene, lane, pair, &pair.triangles),
-                None => self.fill_lane(scene, lane, pairs[pairs.len() - 1], &[]),
+                Some(pair) => {
+                    let [a, b] = &pair.triangles;
+                    self.fill_lane(scene, lane, pair, [a, b]);
+                }
+                None => self.fill_lane(scene, lane, pairs[pairs.len() - 1], [&[], &[]]),
             }
         }
     }
@@ -309,7 +352,7 @@ impl<'a, T: Float> Register<'a, T> {
         scene: &Scene<'_, T>,
         lane: usize,
         candidate: &Candidate<'_, T>,
-        triangles: &[&Triangle],
+        triangles: [&[&Triangle]; 2],
     ) {
         let shapes = candidate.shapes;
         let corners = |s: u32| scene.impulse.corners_of(s as usize, scene.parameters);

@@ -1,5 +1,7 @@
 //! Triangle meshes as ground: no seams, no holes, and the loads of closed forms.
 
+mod moving;
+
 use glam::{DQuat, DVec2, DVec3};
 use kinetarium_sim::{Simulation, SimulationSettings, SolverKind};
 use model::examples::terrain;
@@ -338,49 +340,6 @@ fn robots_walk_over_hills_in_many_worlds() {
         assert_eq!(run(17, 2, false, 0), expected);
         assert_eq!(run(17, 1, true, 0), expected);
         assert_eq!(run(1, 1, false, 16), expected[16..]);
-    }
-}
-
-/// `auto` takes the solver for piles where the ground is a mesh, too; a mesh on a body that moves it
-/// cannot take.
-#[test]
-fn meshes_of_moving_bodies_are_refused_by_name() {
-    let model = pile(hills());
-    let sim = Simulation::<f32>::new(model, SimulationSettings::new(1, STEP)).unwrap();
-    assert_eq!(sim.solver(), "impulse");
-    let build = |collides: bool| {
-        let mut world = Builder::new("moving");
-        world.object("ground").scenery(Shape::new(BALL));
-        let shape = Shape {
-            collides,
-            ..hills()
-        };
-        let thing = world.object("thing").body("thing").mass(1.0);
-        thing.at(Pose::at(DVec3::Y)).shape(BALL).shape(shape);
-        world.build().unwrap()
-    };
-    for solver in [
-        SolverKind::Featherstone,
-        SolverKind::Xpbd,
-        SolverKind::Impulse,
-    ] {
-        let settings = SimulationSettings {
-            solver,
-            ..settings()
-        };
-        let error = Simulation::<f32>::new(build(true), settings)
-            .err()
-            .unwrap()
-            .to_string();
-        let says = format!(
-            "{} does not support contacts of a body that moves by the mesh of `hills`",
-            solver.name()
-        );
-        assert!(
-            error.contains(&says) && error.contains("convex hull"),
-            "{error}"
-        );
-        Simulation::<f32>::new(build(false), settings).unwrap();
     }
 }
 
