@@ -18,6 +18,7 @@ from kinetarium._engine import (
     prismatic,
     pyramid,
     ragdolls,
+    rings,
     room,
     rover,
 )
@@ -35,6 +36,7 @@ __all__ = [
     "prismatic",
     "pyramid",
     "ragdolls",
+    "rings",
     "room",
     "rover",
 ]

@@ -106,6 +106,22 @@ def test_replicas_are_placed_one_by_one():
         ball.replicas().move_on_axis_by((0, 0, 0), 1.0)
 
 
+@pytest.mark.parametrize("solver", ["featherstone", "xpbd", "impulse"])
+def test_a_ring_of_triangles_falls_around_a_peg(solver):
+    ring = kn.Geometry.revolution([(0.15, 0.0), (0.12, 0.03), (0.09, 0.0), (0.12, -0.03)], 16)
+    world = kn.Builder("peg")
+    ground = world.object("ground")
+    ground.scenery(kn.Geometry.plane())
+    ground.scenery(kn.Geometry.capsule(0.05, 0.4))
+    world.object("thing").body("ring", [ring], position=(0.02, 0.5, 0.0))
+    sim = kn.Simulation(world.build(), solver=solver, dt=0.002)
+    sim.step(1000)
+    x, y, z = sim.state.body_position[0, "ring"]
+    assert abs(y - 0.03) < 1e-3 and np.hypot(x, z) < 0.041
+    with pytest.raises(ModelError, match="at least 3 of each"):
+        kn.Geometry.revolution([(1, 0), (2, 0)])
+
+
 def test_faults_of_builders_are_told():
     world = kn.Builder("bad")
     thing = world.object("thing")

@@ -914,8 +914,8 @@ fn builder_masses() {
     });
     assert_eq!(
         massless,
-        "body \"ghost\" is dynamic but has no mass; add a solid shape (plane and mesh have no \
-         volume of their own), give mass, centre and inertia, or make it static"
+        "body \"ghost\" is dynamic but has no mass; add a solid shape (a plane, and a mesh that is open or inside out, hold no \
+         volume), give mass, centre and inertia, or make it static"
     );
     let pointlike = build_error(|world| {
         world.object("thing").body("dot").mass(1.0);
@@ -923,8 +923,8 @@ fn builder_masses() {
     });
     assert_eq!(
         pointlike,
-        "body \"dot\" is dynamic but nothing tells its inertia; add a solid shape (plane and mesh \
-         have no volume of their own), give mass, centre and inertia, or make it static"
+        "body \"dot\" is dynamic but nothing tells its inertia; add a solid shape (a plane, and a mesh \
+         that is open or inside out, hold no volume), give mass, centre and inertia, or make it static"
     );
     let negative = build_error(|world| {
         world.object("thing").body("hole").shape(BALL).mass(-1.0);

@@ -40,6 +40,8 @@ scenes! {
     arch(stones = 9);
     /// People made of capsules and hinges, falling.
     ragdolls(people = 8);
+    /// Rings of triangles on a peg, and a chain of them.
+    rings(count = 4);
     /// A machine that walks on closed loops of bars.
     linkage(pairs = 3);
     /// A room with things in it.

@@ -87,6 +87,16 @@ impl Geometry {
         let mesh = mesh.map_err(|e| error::model(e.into()))?;
         Ok(Self(model::Geometry::Mesh(mesh)))
     }
+    /// What a closed profile of points (distance from the y axis, height) [m], counter-clockwise about what is solid,
+    /// sweeps as it turns about that axis in `around` steps: a ring, a bowl.
+    #[staticmethod]
+    #[pyo3(signature = (profile, around = 32))]
+    fn revolution(profile: Vec<[f64; 2]>, around: usize) -> PyResult<Self> {
+        let profile: Vec<_> = profile.into_iter().map(DVec2::from_array).collect();
+        let mesh = model::TriangleMesh::revolution(&profile, around);
+        let mesh = mesh.map_err(|e| error::model(e.into()))?;
+        Ok(Self(model::Geometry::Mesh(mesh)))
+    }
     /// A height field: heights [m] as rows along x of columns along z, `spacing` [m] apart along x and z.
     #[staticmethod]
     fn height_field(heights: Vec<Vec<f64>>, spacing: [f64; 2]) -> PyResult<Self> {

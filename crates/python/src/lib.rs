@@ -33,7 +33,7 @@ mod _engine {
     #[pymodule_export]
     use crate::examples::{
         arch, ball_joint, balls, billiards, card_house, dominoes, linkage, n_pendula, pile,
-        prismatic, pyramid, ragdolls, room, rover,
+        prismatic, pyramid, ragdolls, rings, room, rover,
     };
     #[pymodule_export]
     use crate::geometry::{Geometry, Material, Shape, Softness};

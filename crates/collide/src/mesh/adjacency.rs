@@ -17,6 +17,25 @@ pub(super) struct Edge {
 /// A triangle's normal and its edges, in the order ab, bc, ca.
 pub(super) type Sides = (DVec3, [Edge; 3]);
 
+/// For each triangle the cosine of the largest angle from its normal to that of one that shares a corner
+/// with it: no contact's normal is farther off. 0 beyond a right angle.
+pub(super) fn spreads(mesh: &TriangleMesh) -> Vec<f64> {
+    let count = mesh.triangles().len();
+    let normals: Vec<_> = (0..count).map(|t| mesh.normal(t)).collect();
+    let mut around = vec![Vec::new(); mesh.vertices().len()];
+    for (t, corners) in mesh.triangles().iter().enumerate() {
+        for &v in corners {
+            around[v as usize].push(t);
+        }
+    }
+    let spread = |(t, corners): (usize, &[u32; 3])| {
+        let neighbours = corners.iter().flat_map(|v| &around[*v as usize]);
+        let cosines = neighbours.map(|&other| normals[t].dot(normals[other]));
+        cosines.fold(1.0, f64::min).max(0.0)
+    };
+    mesh.triangles().iter().enumerate().map(spread).collect()
+}
+
 /// For each triangle its normal and its edges.
 ///
 /// The normals of all contacts with an edge fill the angle between the normals of the two faces

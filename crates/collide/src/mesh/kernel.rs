@@ -13,7 +13,7 @@
 //! Of all points those are kept that lie farthest in the eight corners of the first one's own frame,
 //! which span what it rests on, and stay the same while it rests; and the deepest.
 
-use super::tables::{BEHIND, BOUNDS, CORNERS, MeshTables, SLOTS, TRIANGLE, contact};
+use super::tables::{BEHIND, BOUNDS, CORNERS, MeshTables, NUMBER, SLOTS, TRIANGLE, contact};
 use crate::convex::{DEEP, Direction, ascend};
 use crate::gjk::Cores;
 use crate::overlap::{self, Witness};
@@ -212,6 +212,23 @@ impl<'a, M: Machine> Piece<'a, M> {
         }
     }
 
+    /// Whether its normals and those of a triangle may be opposite. Of its own, and of the triangle, they are
+    /// within an angle of that of the face: α and β. So it cannot be where the two faces are off by more than
+    /// α + β.
+    #[inline(always)]
+    fn may_meet(&self, t: &[M::R; TRIANGLE]) -> <M::R as Real>::Mask {
+        match &self.face {
+            None => <M::R as Real>::Mask::splat(true),
+            Some(face) => {
+                let own = self.whole.direction(Vec3::new(face[9], face[10], face[11]));
+                let [cos_a, sin_a] = [face[NUMBER + 1], face[NUMBER + 2]];
+                let [cos_b, sin_b] = [t[NUMBER + 1], t[NUMBER + 2]];
+                let least = cos_a.fma(cos_b, -(sin_a * sin_b)) - M::R::lit(TURNED);
+                (-own.dot(Vec3::new(t[9], t[10], t[11]))).ge(least)
+            }
+        }
+    }
+
     /// Whether a direction out of it may be a normal at a point of it.
     #[inline(always)]
     fn allows(
@@ -241,7 +258,7 @@ impl<'a, M: Machine> Piece<'a, M> {
         match &self.face {
             None => number,
             Some(face) => {
-                let turns = face[TRIANGLE - 1] * M::R::lit(GOLDEN);
+                let turns = face[NUMBER] * M::R::lit(GOLDEN);
                 let spread = (turns - turns.floor()) * M::R::lit(NUMBERS);
                 let sum = number + spread.floor();
                 M::R::select(sum.lt(M::R::lit(NUMBERS)), sum, sum - M::R::lit(NUMBERS))
@@ -364,6 +381,7 @@ fn triangle<M: Machine>(
     let in_front = normal
         .dot(face.placed.position - piece.inside)
         .lt(M::R::zero());
+    let near = near & piece.may_meet(&t);
     let mask = near & in_front & (over - radius(k, solid)).lt(margin);
     if let Some(_branch) = k.if_any(mask) {
         let start = Direction {
@@ -385,17 +403,19 @@ fn triangle<M: Machine>(
         let behind = apart & found.n.dot(normal).gt(M::R::zero());
         let n = Vec3::select(behind, -normal, n);
         let mask = mask & piece.allows(k, tables, n, found.on_a, close);
-        let witness = Witness {
-            normal: n,
-            on_a: found.on_a,
-            gap: cores.gap(k, n),
-            radii: [radius(k, solid), M::R::zero()],
-            stands: !turned,
-        };
-        let manifold = overlap::manifold(k, &cores, &witness);
-        let number = piece.with_number(t[TRIANGLE - 1]);
-        let masks = [mask & !apart, mask & behind];
-        keep(k, meshes, piece.whole, &manifold, number, masks, margin);
+        if let Some(_branch) = k.if_any(mask) {
+            let witness = Witness {
+                normal: n,
+                on_a: found.on_a,
+                gap: cores.gap(k, n),
+                radii: [radius(k, solid), M::R::zero()],
+                stands: !turned,
+            };
+            let manifold = overlap::manifold(k, &cores, &witness);
+            let number = piece.with_number(t[NUMBER]);
+            let masks = [mask & !apart, mask & behind];
+            keep(k, meshes, piece.whole, &manifold, number, masks, margin);
+        }
     }
 }
 

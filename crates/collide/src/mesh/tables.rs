@@ -1,6 +1,6 @@
 //! A mesh as tables, and the contacts found on it.
 
-use super::adjacency::{Sides, sides};
+use super::adjacency::{Sides, sides, spreads};
 use super::hierarchy::{Bounds, bounds, fan, order};
 use super::matter::behind;
 use glam::DVec3;
@@ -36,8 +36,11 @@ pub mod contact {
 
 /// Bounds: low, high.
 pub(super) const BOUNDS: usize = 6;
-/// A triangle: bounds, middle, normal, (out, lean) of three edges, number.
-pub(super) const TRIANGLE: usize = 6 + 3 + 3 + 12 + 1;
+/// A triangle: bounds, middle, normal, (out, lean) of three edges, number, cosine and sine of how far a
+/// contact's normal may be off its own.
+pub(super) const TRIANGLE: usize = 6 + 3 + 3 + 12 + 1 + 2;
+/// Where the number is.
+pub(super) const NUMBER: usize = 24;
 /// Vertices of a triangle: its corners, and a point behind it.
 pub(super) const VERTICES: usize = 4;
 /// Beyond all coordinates [m].
@@ -78,9 +81,16 @@ impl Triangle {
     /// The same, where their order in space is known.
     fn ordered(mesh: &TriangleMesh, order: &[usize]) -> Vec<Self> {
         let behind = behind(mesh, order, fan(order.len()));
-        let parts = sides(mesh).into_iter().zip(behind).enumerate();
-        let triangle = |(t, (sides, behind))| Self::new(mesh, t, &sides, behind);
-        parts.map(triangle).collect()
+        let parts = sides(mesh).into_iter().zip(spreads(mesh)).zip(behind);
+        let triangle = |(t, ((sides, spread), behind))| {
+            let mut triangle = Self::new(mesh, t, &sides, behind);
+            let ends = sides.1.iter().any(|edge| edge.lean >= 1.0);
+            let cosine: f64 = if ends { 0.0 } else { spread };
+            let sine = (1.0 - cosine * cosine).sqrt();
+            triangle.numbers[NUMBER + 1..].copy_from_slice(&[cosine, sine]);
+            triangle
+        };
+        parts.enumerate().map(triangle).collect()
     }
 
     fn new(mesh: &TriangleMesh, t: usize, (normal, edges): &Sides, behind: DVec3) -> Self {
@@ -95,7 +105,7 @@ impl Triangle {
             numbers[12 + 4 * i..15 + 4 * i].copy_from_slice(&edge.out.to_array());
             numbers[15 + 4 * i] = edge.lean;
         }
-        numbers[TRIANGLE - 1] = t as f64;
+        numbers[NUMBER] = t as f64;
         let mut vertices = [0.0; 3 * VERTICES];
         let [a, b, c] = corners;
         for (i, vertex) in [a, b, c, behind - mesh.center()].into_iter().enumerate() {

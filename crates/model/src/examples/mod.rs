@@ -18,6 +18,7 @@ mod overlap;
 mod pile;
 mod prismatic;
 mod ragdolls;
+mod rings;
 mod room;
 mod rover;
 mod stacks;
@@ -37,6 +38,7 @@ pub use linkage::linkage;
 pub use pile::pile;
 pub use prismatic::prismatic;
 pub use ragdolls::ragdolls;
+pub use rings::rings;
 pub use room::room;
 pub use rover::rover;
 pub use stacks::{pyramid, square_pyramid, tower, towers};
@@ -160,8 +162,9 @@ mod tests {
             |n| dominoes(n),
             |n| linkage(n),
             |n| pile(n),
+            |n| rings(n),
             |n| terrain(n),
-        ] as [fn(usize) -> Result<Model, ModelError>; 10]
+        ] as [fn(usize) -> Result<Model, ModelError>; 11]
         {
             assert!(scene(0).is_err() && scene(usize::MAX).is_err());
         }

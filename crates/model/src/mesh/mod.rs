@@ -2,6 +2,7 @@
 
 mod distance_field;
 mod height_field;
+mod revolution;
 
 pub use distance_field::DistanceFieldError;
 pub use height_field::HeightFieldError;
@@ -99,6 +100,16 @@ pub enum MeshError {
     NoArea {
         /// How many.
         triangles: usize,
+    },
+    /// Too few points or steps to sweep a surface.
+    #[error(
+        "a surface of revolution of {points} points in {around} steps holds nothing: give at least 3 of each"
+    )]
+    Revolution {
+        /// Of the profile.
+        points: usize,
+        /// Steps around.
+        around: usize,
     },
     /// Features could not be numbered exactly.
     #[error(

@@ -147,3 +147,13 @@ pub(super) const TERRAIN: Example = Example {
     build: || vec![Field::integer("count", "Solids", 15, [1, 50]).help("That tumble.")],
     make: |form| Ok(Stage::new(examples::terrain(form.integer("count"))?)),
 };
+
+pub(super) const RINGS: Example = Example {
+    name: "rings",
+    title: "Rings",
+    about: "rings of triangles fall around a peg, and hang as a chain",
+    guide: "Run: rings are surfaces of triangles with a hole, and fall around the peg. The chain hangs by nothing but \
+            the shape of its links: drag the lowest one, and all follow.",
+    build: || vec![Field::integer("count", "Rings", 4, [1, 12]).help("That fall on the peg.")],
+    make: |form| Ok(Stage::new(examples::rings(form.integer("count"))?)),
+};

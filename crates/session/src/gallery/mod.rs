@@ -34,7 +34,7 @@ impl fmt::Debug for Example {
 }
 
 /// All of them.
-pub static EXAMPLES: [Example; 19] = [
+pub static EXAMPLES: [Example; 20] = [
     joints::PENDULA,
     joints::PRISMATIC,
     joints::BALL_JOINT,
@@ -48,6 +48,7 @@ pub static EXAMPLES: [Example; 19] = [
     bodies::ARCH,
     bodies::PILE,
     bodies::TERRAIN,
+    bodies::RINGS,
     robots::RAGDOLLS,
     robots::ROOM,
     robots::LINKAGE,

@@ -30,29 +30,9 @@ fn mesh(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Geometry {
     Geometry::Mesh(TriangleMesh::new(vertices, triangles).unwrap())
 }
 
-/// A closed surface of rows of so many vertices each, which close, too.
-fn ring_of(rows: &[Vec<DVec3>]) -> Geometry {
-    let (n, m) = (rows.len(), rows[0].len());
-    let number = |i: usize, j: usize| ((i % n) * m + j % m) as u32;
-    let square = |i: usize, j: usize| {
-        let [a, b, c, d] =
-            [(i, j), (i, j + 1), (i + 1, j + 1), (i + 1, j)].map(|(i, j)| number(i, j));
-        [[a, b, c], [a, c, d]]
-    };
-    let squares = (0..n).flat_map(|i| (0..m).map(move |j| (i, j)));
-    let triangles: Vec<_> = squares.flat_map(|(i, j)| square(i, j)).collect();
-    mesh(&rows.concat(), &triangles)
-}
-
-/// What a profile, of distances from the y axis and heights, sweeps about it: closed where the profile is,
-/// which goes down outside and up inside.
-fn swept(profile: &[DVec2], n: usize) -> Geometry {
-    let row = |i: usize| {
-        let (s, c) = (i as f64 / n as f64 * TAU).sin_cos();
-        let vertex = |p: &DVec2| DVec3::new(p.x * c, p.y, p.x * s);
-        profile.iter().map(vertex).collect()
-    };
-    ring_of(&(0..n).map(row).collect::<Vec<_>>())
+/// What a profile sweeps.
+fn swept(profile: &[DVec2], around: usize) -> Geometry {
+    Geometry::Mesh(TriangleMesh::revolution(profile, around).unwrap())
 }
 
 /// A ring of a round cross-section about the y axis.
@@ -243,7 +223,7 @@ fn a_ball_rests_in_a_bowl() {
     let arc = |radius: f64, from: f64, to: f64| {
         (0..=8).map(move |i| {
             let (s, c) = (from + (to - from) * f64::from(i) / 8.0).sin_cos();
-            DVec2::new(radius * s + 1e-3, 0.3 - radius * c)
+            DVec2::new(radius * s, 0.3 - radius * c)
         })
     };
     let profile: Vec<_> = arc(0.25, 1.4, 0.0).chain(arc(0.3, 0.0, 1.4)).collect();
@@ -253,7 +233,9 @@ fn a_ball_rests_in_a_bowl() {
         world.object("ground").scenery(Shape::new(ground));
         let things = world.object("things");
         things.body("bowl").shape(Shape::new(bowl.clone()));
-        let ball = things.body("ball").at(Pose::at(DVec3::new(0.1, 0.3, 0.05)));
+        let ball = things
+            .body("ball")
+            .at(Pose::at(DVec3::new(0.05, 0.2, 0.02)));
         ball.shape(Shape::new(Geometry::Sphere { radius: 0.06 }));
         let model = world.build().unwrap();
         for solver in SOLVERS {
