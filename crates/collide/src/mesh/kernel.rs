@@ -1,27 +1,15 @@
-//! A convex solid, or another mesh, against the triangles of a mesh.
+//! A convex solid, or another mesh, against the triangles of a mesh: which of them are near.
 //!
-//! Each near triangle is a convex solid of three vertices, met from the side of its normal N. The
-//! search for the normal starts at N; what it finds is then kept within the Voronoi regions of the
-//! triangle's edges ([`adjacency`](super::adjacency)), and a triangle that the solid does not lie
-//! over along that normal leaves the contact to its neighbours.
-//!
-//! Another mesh is met piece by piece: each of its triangles is a tetrahedron with a point of the
-//! [`matter`](super::matter) behind it, which tells from which side it comes and how deep it may lie. A
-//! normal that is not in the Voronoi region of that triangle, too, is left to its neighbours, so that
-//! inner faces are never felt.
-//!
-//! Of all points those are kept that lie farthest in the eight corners of the first one's own frame,
-//! which span what it rests on, and stay the same while it rests; and the deepest.
+//! A convex solid is one [`Piece`], another mesh one for each triangle. Three nested loops over boxes, each left
+//! out where no lane's piece is near ([`hierarchy`](super::hierarchy)), lead to the triangles that
+//! a piece may touch.
 
-use super::tables::{BEHIND, BOUNDS, CORNERS, MeshTables, NUMBER, SLOTS, TRIANGLE, contact};
-use crate::convex::{DEEP, Direction, ascend};
-use crate::gjk::Cores;
-use crate::overlap::{self, Witness};
-use crate::solid::kind;
+use super::kept::{begin, finish};
+use super::piece::{Piece, triangle};
+use super::tables::{BOUNDS, MeshTables};
 use crate::support::{radius, support};
-use crate::{FAR, Manifold, Placed, Solid, Tables};
-use numbers::machine::Index;
-use numbers::{Cell, Machine, Mask, Mat3, Real, Vec3};
+use crate::{Placed, Solid, Tables};
+use numbers::{Machine, Mat3, Real, Vec3};
 
 /// A mesh, placed in the world.
 #[derive(Debug)]
@@ -33,7 +21,7 @@ pub struct Surface<M: Machine> {
 }
 
 impl<M: Machine> Surface<M> {
-    /// That of a shape of the kind [`MESH`](kind::MESH).
+    /// That of a shape of the kind [`MESH`](crate::kind::MESH).
     #[inline(always)]
     pub fn of(mesh: &Solid<M>) -> Self {
         Self {
@@ -42,22 +30,6 @@ impl<M: Machine> Surface<M> {
         }
     }
 }
-
-/// How deep a point counts against how far out it lies.
-const DEPTH: f64 = 4.0;
-/// What the number of a triangle counts for, against the size: so that rounding does not choose between two that
-/// share a corner, and the same is taken in each step.
-const PREFERRED: f64 = 1e-4;
-/// A point is on an edge that is closer than this, against the sizes.
-const ON_EDGE: f64 = 1e-3;
-/// How far a normal may be turned by the edges before the triangle needs the solid right over it.
-const TURNED: f64 = 1e-3;
-/// Contacts closer than this, against the solid's size, with one normal, are one.
-const MERGED: f64 = 1e-3;
-/// How many triangles can be told apart, with 64 features each, in single precision.
-const NUMBERS: f64 = 262_144.0;
-/// The golden ratio less 1: its multiples lie as far apart as can be.
-const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
 /// Contacts of a convex solid (A) and a mesh (B) nearer than `margin` [m], written to
 /// [`MeshTables::contacts`]; rows not used are [`FAR`] apart.
@@ -139,12 +111,10 @@ fn meet_clusters<M: Machine>(
             if let Some(_branch) = k.if_any(near) {
                 let [first, end] = k.link_row(meshes.cluster_rows, cluster);
                 for row in k.range(first, end) {
-                    let face: [M::R; TRIANGLE] = k.read(meshes.triangles, row, 0);
-                    let [x, y, z, l, m, n] = [face[0], face[1], face[2], face[3], face[4], face[5]];
-                    let bounds = Bounds::seen(a, [x, y, z, l, m, n], margin);
+                    let bounds = Bounds::seen(a, k.read(meshes.triangles, row, 0), margin);
                     let near = bounds.meet(k.read(meshes.clusters, other, 0));
                     if let Some(_branch) = k.if_any(near) {
-                        let piece = Piece::of_mesh(k, tables, meshes, a, row, face);
+                        let piece = Piece::of_mesh(k, tables, meshes, a, row);
                         triangles(k, tables, meshes, &piece, &bounds, other, margin);
                     }
                 }
@@ -160,125 +130,6 @@ fn seen<R: Real>(from: &Placed<R>, placed: &Placed<R>) -> Placed<R> {
         size: placed.size,
         position: from.local_point(placed.position),
         axes: from.axes.transpose() * placed.axes,
-    }
-}
-
-/// Nothing is found yet.
-#[inline(always)]
-fn begin<M: Machine>(k: &mut M, meshes: &MeshTables) {
-    let first = k.index(0);
-    k.store(meshes.pierced, first, 0, M::R::zero());
-    for slot in k.count(SLOTS + 1) {
-        let mut unused = [M::R::zero(); contact::WIDTH];
-        unused[contact::DISTANCE] = M::R::lit(FAR);
-        unused[contact::SCORE] = M::R::lit(-FAR);
-        k.write(meshes.contacts, slot, 0, unused);
-    }
-}
-
-/// What meets a mesh, or a convex piece of that, in the frame of the mesh.
-struct Piece<'a, M: Machine> {
-    solid: Solid<M>,
-    /// A point of its matter: triangles that it touches are seen from there in front.
-    inside: Vec3<M::R>,
-    /// What it is a piece of.
-    whole: &'a Placed<M::R>,
-    /// The triangle that it is the matter behind of, in the frame of the piece.
-    face: Option<[M::R; TRIANGLE]>,
-}
-
-impl<'a, M: Machine> Piece<'a, M> {
-    /// The tetrahedron of a triangle and a point behind it.
-    #[inline(always)]
-    fn of_mesh(
-        k: &M,
-        tables: Tables,
-        meshes: &MeshTables,
-        whole: &'a Placed<M::R>,
-        row: M::I,
-        face: [M::R; TRIANGLE],
-    ) -> Self {
-        let mut solid = corners_of(k, meshes, row, &face);
-        let behind = solid.rows[1];
-        solid.rows[1] = behind.offset(1);
-        solid.placed.position = whole.point(solid.placed.position);
-        solid.placed.axes = whole.axes;
-        let inside = solid.placed.point(k.vec3(tables.vertices, behind, 0));
-        Self {
-            solid,
-            inside,
-            whole,
-            face: Some(face),
-        }
-    }
-
-    /// Whether its normals and those of a triangle may be opposite. Of its own, and of the triangle, they are
-    /// within an angle of that of the face: α and β. So it cannot be where the two faces are off by more than
-    /// α + β.
-    #[inline(always)]
-    fn may_meet(&self, t: &[M::R; TRIANGLE]) -> <M::R as Real>::Mask {
-        match &self.face {
-            None => <M::R as Real>::Mask::splat(true),
-            Some(face) => {
-                let own = self.whole.direction(Vec3::new(face[9], face[10], face[11]));
-                let [cos_a, sin_a] = [face[NUMBER + 1], face[NUMBER + 2]];
-                let [cos_b, sin_b] = [t[NUMBER + 1], t[NUMBER + 2]];
-                let least = cos_a.fma(cos_b, -(sin_a * sin_b)) - M::R::lit(TURNED);
-                (-own.dot(Vec3::new(t[9], t[10], t[11]))).ge(least)
-            }
-        }
-    }
-
-    /// Whether a direction out of it may be a normal at a point of it.
-    #[inline(always)]
-    fn allows(
-        &self,
-        k: &M,
-        tables: Tables,
-        out: Vec3<M::R>,
-        at: Vec3<M::R>,
-        close: M::R,
-    ) -> <M::R as Real>::Mask {
-        match &self.face {
-            None => <M::R as Real>::Mask::splat(true),
-            Some(face) => {
-                let placed = &self.solid.placed;
-                let (out, at) = (placed.local_direction(out), placed.local_direction(at));
-                !is_turned(
-                    out,
-                    kept_over_edges(k, tables, &self.solid, face, out, at, close),
-                )
-            }
-        }
-    }
-
-    /// The number of a triangle that it meets: with another piece, another one.
-    #[inline(always)]
-    fn with_number(&self, number: M::R) -> M::R {
-        match &self.face {
-            None => number,
-            Some(face) => {
-                let turns = face[NUMBER] * M::R::lit(GOLDEN);
-                let spread = (turns - turns.floor()) * M::R::lit(NUMBERS);
-                let sum = number + spread.floor();
-                M::R::select(sum.lt(M::R::lit(NUMBERS)), sum, sum - M::R::lit(NUMBERS))
-            }
-        }
-    }
-}
-
-/// A triangle as a hull of its corners, in the frame of its mesh.
-#[inline(always)]
-fn corners_of<M: Machine>(k: &M, meshes: &MeshTables, row: M::I, t: &[M::R; TRIANGLE]) -> Solid<M> {
-    let (low, high) = (Vec3::new(t[0], t[1], t[2]), Vec3::new(t[3], t[4], t[5]));
-    Solid {
-        kind: k.index(kind::HULL),
-        placed: Placed {
-            size: (high - low) * M::R::lit(0.5),
-            position: Vec3::new(t[6], t[7], t[8]),
-            axes: Mat3::identity(),
-        },
-        rows: k.link_row(meshes.triangle_rows, row),
     }
 }
 
@@ -351,233 +202,5 @@ fn triangles<M: Machine>(
         if let Some(_branch) = k.if_any(near) {
             triangle(k, tables, meshes, piece, row, near, margin);
         }
-    }
-}
-
-/// Contacts of a piece with one triangle, in the mesh's frame.
-#[inline(always)]
-fn triangle<M: Machine>(
-    k: &mut M,
-    tables: Tables,
-    meshes: &MeshTables,
-    piece: &Piece<'_, M>,
-    row: M::I,
-    near: <M::R as Real>::Mask,
-    margin: M::R,
-) {
-    let t: [M::R; TRIANGLE] = k.read(meshes.triangles, row, 0);
-    let face = corners_of(k, meshes, row, &t);
-    let (solid, normal) = (&piece.solid, Vec3::new(t[9], t[10], t[11]));
-    let offset = face.placed.position - solid.placed.position;
-    let cores = Cores {
-        tables,
-        a: solid,
-        b: &face,
-        offset,
-    };
-    let size = solid.placed.size.length() + face.placed.size.length();
-    let close = size * M::R::lit(ON_EDGE);
-    let over = cores.gap(k, -normal);
-    let in_front = normal
-        .dot(face.placed.position - piece.inside)
-        .lt(M::R::zero());
-    let near = near & piece.may_meet(&t);
-    let mask = near & in_front & (over - radius(k, solid)).lt(margin);
-    if let Some(_branch) = k.if_any(mask) {
-        let start = Direction {
-            n: -normal,
-            gap: over,
-            on_a: Vec3::zero(),
-        };
-        // Deep along the normal, and still apart: a peg in a hole, to the triangles around it.
-        let deep = over.lt(M::R::lit(-DEEP) * size);
-        let found = ascend(k, &cores, start, M::R::lit(12.0), !mask, deep);
-        let on_face = found.n.fma(found.gap, found.on_a) - offset;
-        let n = -kept_over_edges(k, tables, &face, &t, -found.n, on_face, close);
-        let turned = is_turned(n, found.n);
-        let pierced = mask & found.gap.le(M::R::zero());
-        let first = k.index(0);
-        k.store_where(pierced, meshes.pierced, first, 0, M::R::one());
-        // Apart like that, it touches others, unless it came through them to this one's back.
-        let apart = deep & !pierced & turned;
-        let behind = apart & found.n.dot(normal).gt(M::R::zero());
-        let n = Vec3::select(behind, -normal, n);
-        let mask = mask & piece.allows(k, tables, n, found.on_a, close);
-        if let Some(_branch) = k.if_any(mask) {
-            let witness = Witness {
-                normal: n,
-                on_a: found.on_a,
-                gap: cores.gap(k, n),
-                radii: [radius(k, solid), M::R::zero()],
-                stands: !turned,
-            };
-            let manifold = overlap::manifold(k, &cores, &witness);
-            let number = piece.with_number(t[NUMBER]);
-            let masks = [mask & !apart, mask & behind];
-            keep(k, meshes, piece.whole, &manifold, number, masks, margin);
-        }
-    }
-}
-
-/// Whether two unit vectors differ.
-#[inline(always)]
-fn is_turned<R: Real>(a: Vec3<R>, b: Vec3<R>) -> R::Mask {
-    (a - b).length_squared().gt(R::lit(TURNED * TURNED))
-}
-
-/// A unit vector out of the surface at `at` (from the triangle's middle), leaned back as the edges ask
-/// that the contact is on: those that the vector is at a right angle to, and those close to the point.
-#[inline(always)]
-fn kept_over_edges<M: Machine>(
-    k: &M,
-    tables: Tables,
-    face: &Solid<M>,
-    t: &[M::R; TRIANGLE],
-    out: Vec3<M::R>,
-    at: Vec3<M::R>,
-    close: M::R,
-) -> Vec3<M::R> {
-    let (o, i) = (M::R::zero(), M::R::one());
-    let normal = Vec3::new(t[9], t[10], t[11]);
-    let a = k.vec3(tables.vertices, face.rows[0], 0);
-    let b = k.vec3(tables.vertices, face.rows[0].offset(1), 0);
-    let c = k.vec3(tables.vertices, face.rows[0].offset(2), 0);
-    let corners = [a, b, c];
-    let top = a.dot(out).max(b.dot(out)).max(c.dot(out)) - close;
-    let mut share = i;
-    for edge in 0..3 {
-        let field = 12 + 4 * edge;
-        let (beyond, lean) = (
-            Vec3::new(t[field], t[field + 1], t[field + 2]),
-            t[field + 3],
-        );
-        let (from, to) = (corners[edge], corners[(edge + 1) % 3]);
-        let leans = out.dot(beyond);
-        let faces_out = from.dot(out).gt(top) & to.dot(out).gt(top);
-        let on_edge = faces_out | beyond.dot(at - from).gt(-close);
-        let too_far = on_edge & leans.gt(lean);
-        let limit = lean / M::R::select(too_far, leans, i);
-        share = M::R::select(too_far, share.min(limit), share);
-    }
-    let level = normal.fma(-normal.dot(out), out) * share;
-    let up = (i - level.length_squared()).max(o).sqrt();
-    normal.fma(up, level).normalized_or(normal)
-}
-
-/// Puts the points of a manifold where they lie farther out than what was kept; in the lanes of the second
-/// mask they are those of a solid behind the triangle.
-#[inline(always)]
-fn keep<M: Machine>(
-    k: &mut M,
-    meshes: &MeshTables,
-    whole: &Placed<M::R>,
-    manifold: &Manifold<M::R>,
-    number: M::R,
-    [mask, behind]: [<M::R as Real>::Mask; 2],
-    margin: M::R,
-) {
-    let n = manifold.normal;
-    let preferred = whole.size.length() * number * M::R::lit(PREFERRED / NUMBERS);
-    for i in 0..4 {
-        let point = manifold.points[i];
-        let x = whole.local_point(point.position);
-        let near = point.distance.lt(margin);
-        let (touches, behind) = (mask & near, behind & near);
-        // Sixty-four features a triangle.
-        let turns = (point.feature * M::R::lit(1.0 / 64.0)).floor();
-        let local = turns.fma(M::R::lit(-64.0), point.feature);
-        let feature = number.fma(M::R::lit(64.0), local);
-        let p = point.position;
-        let new = [p.x, p.y, p.z, n.x, n.y, n.z, point.distance, feature];
-        if let Some(_branch) = k.if_any(touches) {
-            for slot in 0..CORNERS {
-                let (a, b, c) = (slot & 1, slot >> 1 & 1, slot >> 2);
-                let score = toward(x.x, a) + toward(x.y, b) + toward(x.z, c);
-                let score = point.distance.fma(M::R::lit(-DEPTH), score + preferred);
-                offer(k, meshes, slot, new, score, touches);
-            }
-            let score = preferred - point.distance;
-            offer(k, meshes, CORNERS, new, score, touches);
-        }
-        if let Some(_branch) = k.if_any(behind) {
-            offer(k, meshes, BEHIND, new, point.distance, behind);
-        }
-    }
-}
-
-/// `x` or `−x`.
-#[inline(always)]
-fn toward<R: Real>(x: R, side: usize) -> R {
-    if side == 0 { -x } else { x }
-}
-
-/// Replaces the contact in a slot by one of a higher score.
-#[inline(always)]
-fn offer<M: Machine>(
-    k: &mut M,
-    meshes: &MeshTables,
-    slot: usize,
-    new: [M::R; contact::SCORE],
-    score: M::R,
-    mask: <M::R as Real>::Mask,
-) {
-    let row = k.index(slot);
-    let old: [M::R; contact::WIDTH] = k.read(meshes.contacts, row, 0);
-    let better = mask & score.gt(old[contact::SCORE]);
-    let mut chosen = old;
-    for f in 0..contact::SCORE {
-        chosen[f] = M::R::select(better, new[f], old[f]);
-    }
-    chosen[contact::SCORE] = M::R::select(better, score, old[contact::SCORE]);
-    k.write(meshes.contacts, row, 0, chosen);
-}
-
-/// Drops the deepest contact where one in a corner is as deep, within `close`: which of them it is would change
-/// from step to step. Takes that of what is behind a triangle where the solid pierces others that have none.
-#[inline(always)]
-fn complete<M: Machine>(k: &mut M, meshes: &MeshTables, close: M::R) {
-    let (first, deepest, behind) = (k.index(0), k.index(CORNERS), k.index(BEHIND));
-    let mut least = k.cell(M::R::lit(FAR));
-    for slot in k.count(CORNERS) {
-        let distance = k.load(meshes.contacts, slot, contact::DISTANCE);
-        least.write(least.read().min(distance));
-    }
-    let (least, distance) = (least.read(), contact::DISTANCE);
-    let as_deep = (least - close).lt(k.load(meshes.contacts, deepest, distance));
-    k.store_where(as_deep, meshes.contacts, deepest, distance, M::R::lit(FAR));
-    let pierced = k.load(meshes.pierced, first, 0).gt(M::R::zero());
-    let none = least.gt(M::R::lit(0.5 * FAR)) & pierced;
-    if let Some(_branch) = k.if_any(none) {
-        let contact: [M::R; contact::SCORE] = k.read(meshes.contacts, behind, 0);
-        offer(k, meshes, 0, contact, M::R::zero(), none);
-    }
-}
-
-/// Drops what is kept twice, and turns the rest into world axes.
-#[inline(always)]
-fn finish<M: Machine>(k: &mut M, meshes: &MeshTables, whole: &Placed<M::R>, placed: &Placed<M::R>) {
-    let close = whole.size.length() * M::R::lit(MERGED);
-    complete(k, meshes, close);
-    for later in 1..SLOTS {
-        for earlier in 0..later {
-            let (p, q) = (k.index(earlier), k.index(later));
-            let p: [M::R; contact::DISTANCE + 1] = k.read(meshes.contacts, p, 0);
-            let here: [M::R; contact::DISTANCE + 1] = k.read(meshes.contacts, q, 0);
-            let way = Vec3::new(p[0] - here[0], p[1] - here[1], p[2] - here[2]);
-            let normals = [
-                Vec3::new(p[3], p[4], p[5]),
-                Vec3::new(here[3], here[4], here[5]),
-            ];
-            let twice = p[contact::DISTANCE].lt(M::R::lit(0.5 * FAR))
-                & way.length_squared().lt(close.squared())
-                & !is_turned(normals[0], normals[1]);
-            k.store_where(twice, meshes.contacts, q, contact::DISTANCE, M::R::lit(FAR));
-        }
-    }
-    for slot in k.count(SLOTS) {
-        let position = placed.point(k.vec3(meshes.contacts, slot, contact::POSITION));
-        let normal = placed.direction(k.vec3(meshes.contacts, slot, contact::NORMAL));
-        k.store_vec3(meshes.contacts, slot, contact::POSITION, position);
-        k.store_vec3(meshes.contacts, slot, contact::NORMAL, normal);
     }
 }

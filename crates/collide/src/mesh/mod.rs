@@ -7,10 +7,12 @@ mod decomposition;
 #[cfg(feature = "gltf")]
 mod glb;
 mod hierarchy;
+mod kept;
 mod kernel;
 #[cfg(feature = "meshes")]
 mod load;
 mod matter;
+mod piece;
 mod tables;
 
 #[cfg(feature = "decomposition")]

@@ -41,6 +41,8 @@ pub(super) const BOUNDS: usize = 6;
 pub(super) const TRIANGLE: usize = 6 + 3 + 3 + 12 + 1 + 2;
 /// Where the number is.
 pub(super) const NUMBER: usize = 24;
+/// How many triangles can be told apart, with 64 features each, in single precision.
+pub(super) const NUMBERS: f64 = 262_144.0;
 /// Vertices of a triangle: its corners, and a point behind it.
 pub(super) const VERTICES: usize = 4;
 /// Beyond all coordinates [m].

@@ -6,7 +6,7 @@ use crate::models::{heap, looped, mixed};
 use crate::pair::Pair;
 use crate::worlds::settings;
 use model::Model;
-use model::examples::SCENES;
+use model::examples::{SCENES, rings};
 use sim::{SimulationSettings, SolverKind};
 
 fn has_the_same_bits(model: &Model, solver: SolverKind, contacts: bool, steps: usize) {
@@ -54,6 +54,15 @@ fn closed_loops_have_the_same_bits() {
 fn bodies_that_touch_have_the_same_bits() {
     for solver in [SolverKind::Featherstone, SolverKind::Xpbd] {
         has_the_same_bits(&heap().unwrap(), solver, true, 500);
+    }
+}
+
+/// Rings of triangles on a peg, and a chain of them.
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn meshes_that_move_have_the_same_bits() {
+    for solver in [SolverKind::Featherstone, SolverKind::Xpbd] {
+        has_the_same_bits(&rings(1).unwrap(), solver, true, 100);
     }
 }
 

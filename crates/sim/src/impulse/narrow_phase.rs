@@ -135,8 +135,8 @@ impl NarrowPhase {
             let shapes = if form(a) <= form(b) { [a, b] } else { [b, a] };
             let row = form(shapes[0]) * self.count + form(shapes[1]);
             let Some(tables) = &self.tables[row] else {
-                if let Some(route) = scene.route(shapes) {
-                    with_mesh.push((place, route, shapes));
+                if scene.route(shapes).is_some() {
+                    with_mesh.push((place, shapes));
                 }
                 continue;
             };
@@ -176,11 +176,11 @@ impl<T: Float> Scene<'_, T> {
     }
 
     /// Pairs with meshes: side by side those of like solids, or of meshes, with nearly as many triangles.
-    fn mesh_groups(&self, pairs: &[(u32, Route, [u32; 2])]) -> Vec<Group<'_, T>> {
-        let find = |&(place, route, shapes): &(u32, Route, [u32; 2])| Candidate {
+    fn mesh_groups(&self, pairs: &[(u32, [u32; 2])]) -> Vec<Group<'_, T>> {
+        let find = |&(place, shapes): &(u32, [u32; 2])| Candidate {
             place,
             shapes,
-            triangles: self.triangles(route, shapes),
+            triangles: self.triangles(shapes),
             known: [T::zero(); 3],
         };
         let found: Vec<_> = if self.threads {
@@ -214,7 +214,7 @@ impl<T: Float> Scene<'_, T> {
     }
 
     /// The triangles of two shapes, of which the second is a mesh, that may meet within the step.
-    fn triangles(&self, route: Route, shapes: [u32; 2]) -> [Vec<&Triangle>; 2] {
+    fn triangles(&self, shapes: [u32; 2]) -> [Vec<&Triangle>; 2] {
         let [a, b] = shapes.map(|s| &self.shapes[s as usize].placed);
         let mesh = |i: usize| self.meshes[shapes[i] as usize].as_ref();
         let Some(mesh_b) = mesh(1) else {
@@ -231,7 +231,7 @@ impl<T: Float> Scene<'_, T> {
         );
         let of_b = mesh_b.near(&in_b);
         let of_a = match mesh(0) {
-            Some(mesh_a) if route == Route::Meshes && !of_b.is_empty() => {
+            Some(mesh_a) if !of_b.is_empty() => {
                 let boxes = of_b.iter().map(|t| t.bounds());
                 let [low, high] = boxes
                     .reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
