@@ -368,6 +368,19 @@ fn contacts_move_along_with_both() {
     }
 }
 
+/// Brings the first of two solids, turned anyhow, to a small depth along a line of centres, which leaves
+/// them touching; answers their distance, where that is what it was to be.
+fn touching(pair: &mut Pair, rng: &mut Rng) -> Option<f64> {
+    let (way, depth) = (unit(rng), 0.03 * rng.f64() - 0.015);
+    pair.poses[0] = Pose::new(way * 3.0, turn(rng));
+    for _ in 0..30 {
+        let step = best_gap(pair) + depth;
+        pair.poses[0].p -= way * step;
+    }
+    let distance = best_gap(pair);
+    ((distance + depth).abs() <= 1e-3).then_some(distance)
+}
+
 /// The surface of a convex solid is touched where the solid is.
 #[test]
 fn the_surface_of_a_hull_is_the_hull() {
@@ -383,17 +396,9 @@ fn the_surface_of_a_hull_is_the_hull() {
                 poses: [still(0.0, 0.0, 0.0); 2],
             };
             for _ in 0..20 {
-                // Brought to a small depth along the line of centres, which leaves it touching.
-                let (way, depth) = (unit(&mut rng), 0.03 * rng.f64() - 0.015);
-                pair.poses[0] = Pose::new(way * 3.0, turn(&mut rng));
-                for _ in 0..30 {
-                    let step = best_gap(&pair) + depth;
-                    pair.poses[0].p -= way * step;
-                }
-                let distance = best_gap(&pair);
-                if (distance + depth).abs() > 1e-3 {
+                let Some(distance) = touching(&mut pair, &mut rng) else {
                     continue;
-                }
+                };
                 let found = world.contacts::<f32>(&solid, pair.poses);
                 let least = found.iter().map(|c| c.distance).fold(FAR, f64::min);
                 touched += 1;
@@ -498,16 +503,9 @@ fn the_surfaces_of_two_hulls_are_the_hulls() {
             poses: [still(0.0, 0.0, 0.0); 2],
         };
         for _ in 0..20 {
-            let (way, depth) = (unit(&mut rng), 0.03 * rng.f64() - 0.015);
-            pair.poses[0] = Pose::new(way * 3.0, turn(&mut rng));
-            for _ in 0..30 {
-                let step = best_gap(&pair) + depth;
-                pair.poses[0].p -= way * step;
-            }
-            let distance = best_gap(&pair);
-            if (distance + depth).abs() > 1e-3 {
+            let Some(distance) = touching(&mut pair, &mut rng) else {
                 continue;
-            }
+            };
             touched += 1;
             let [p, q] = pair.poses;
             let found = there.contacts::<f32>(&of_mesh(a), [p, q]);

@@ -18,10 +18,8 @@ pub(super) struct Edge {
 pub(super) type Sides = (DVec3, [Edge; 3]);
 
 /// For each triangle the cosine of the largest angle from its normal to that of one that shares a corner
-/// with it: no contact's normal is farther off. 0 beyond a right angle.
-pub(super) fn spreads(mesh: &TriangleMesh) -> Vec<f64> {
-    let count = mesh.triangles().len();
-    let normals: Vec<_> = (0..count).map(|t| mesh.normal(t)).collect();
+/// with it: no contact's normal is farther off. 0 beyond a right angle, and where the surface ends.
+pub(super) fn spreads(mesh: &TriangleMesh, sides: &[Sides]) -> Vec<f64> {
     let mut around = vec![Vec::new(); mesh.vertices().len()];
     for (t, corners) in mesh.triangles().iter().enumerate() {
         for &v in corners {
@@ -29,8 +27,12 @@ pub(super) fn spreads(mesh: &TriangleMesh) -> Vec<f64> {
         }
     }
     let spread = |(t, corners): (usize, &[u32; 3])| {
+        let (normal, edges) = sides[t];
+        if edges.iter().any(|edge| edge.lean >= 1.0) {
+            return 0.0;
+        }
         let neighbours = corners.iter().flat_map(|v| &around[*v as usize]);
-        let cosines = neighbours.map(|&other| normals[t].dot(normals[other]));
+        let cosines = neighbours.map(|&other| normal.dot(sides[other].0));
         cosines.fold(1.0, f64::min).max(0.0)
     };
     mesh.triangles().iter().enumerate().map(spread).collect()

@@ -83,19 +83,19 @@ impl Triangle {
     /// The same, where their order in space is known.
     fn ordered(mesh: &TriangleMesh, order: &[usize]) -> Vec<Self> {
         let behind = behind(mesh, order, fan(order.len()));
-        let parts = sides(mesh).into_iter().zip(spreads(mesh)).zip(behind);
-        let triangle = |(t, ((sides, spread), behind))| {
-            let mut triangle = Self::new(mesh, t, &sides, behind);
-            let ends = sides.1.iter().any(|edge| edge.lean >= 1.0);
-            let cosine: f64 = if ends { 0.0 } else { spread };
-            let sine = (1.0 - cosine * cosine).sqrt();
-            triangle.numbers[NUMBER + 1..].copy_from_slice(&[cosine, sine]);
-            triangle
-        };
+        let sides = sides(mesh);
+        let parts = sides.iter().zip(spreads(mesh, &sides)).zip(behind);
+        let triangle = |(t, ((sides, spread), behind))| Self::new(mesh, t, sides, spread, behind);
         parts.enumerate().map(triangle).collect()
     }
 
-    fn new(mesh: &TriangleMesh, t: usize, (normal, edges): &Sides, behind: DVec3) -> Self {
+    fn new(
+        mesh: &TriangleMesh,
+        t: usize,
+        (normal, edges): &Sides,
+        spread: f64,
+        behind: DVec3,
+    ) -> Self {
         let corners = mesh.corners(t).map(|c| c - mesh.center());
         let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
         let Bounds { low, high } = Bounds::of(corners);
@@ -107,7 +107,8 @@ impl Triangle {
             numbers[12 + 4 * i..15 + 4 * i].copy_from_slice(&edge.out.to_array());
             numbers[15 + 4 * i] = edge.lean;
         }
-        numbers[NUMBER] = t as f64;
+        let sine = (1.0 - spread * spread).sqrt();
+        numbers[NUMBER..].copy_from_slice(&[t as f64, spread, sine]);
         let mut vertices = [0.0; 3 * VERTICES];
         let [a, b, c] = corners;
         for (i, vertex) in [a, b, c, behind - mesh.center()].into_iter().enumerate() {
