@@ -3,7 +3,7 @@
 use super::tables::{Solid, found};
 use super::{Corners, Meshes};
 use crate::SolverError;
-use collide::Route;
+use collide::{Route, kind};
 use model::{CollisionFilter, Geometry, Model, Pose, Shape, ShapeId};
 use std::ops::Range;
 
@@ -63,7 +63,7 @@ pub(super) struct Sight {
     pub shape: ShapeId,
     pub seat: Seat,
     pub seen: usize,
-    /// Seen by a plane, which takes a mesh for its convex hull.
+    /// A mesh as a plane sees it, which takes it for its convex hull.
     pub as_hull: bool,
 }
 
@@ -121,7 +121,8 @@ impl ContactPlan {
                 (b, a)
             };
             let seats = [a, b].map(|s| seat(&model.shapes[s.0]));
-            plan.add(route, [a, b], seats, senses);
+            let as_hull = route == Route::PlaneHull && first.kind.max(second.kind) == kind::MESH;
+            plan.add(route, [a, b], seats, [senses, as_hull]);
         }
         plan.assign_slots();
         let seen = |as_hull| {
@@ -135,7 +136,13 @@ impl ContactPlan {
         Ok(plan)
     }
 
-    fn add(&mut self, route: Route, shapes: [ShapeId; 2], mut seats: [Seat; 2], senses: bool) {
+    fn add(
+        &mut self,
+        route: Route,
+        shapes: [ShapeId; 2],
+        mut seats: [Seat; 2],
+        [senses, as_hull]: [bool; 2],
+    ) {
         let [a, b] = seats;
         let (flip, mover) = match (a.moves(), b.moves()) {
             (false, false) => return,
@@ -154,7 +161,7 @@ impl ContactPlan {
                 shape: shapes[i],
                 seat: seats[i],
                 seen: mover.group,
-                as_hull: route == Route::PlaneHull && i == 1,
+                as_hull: as_hull && i == 1,
             })
         });
         self.pairs.push(Pair {
