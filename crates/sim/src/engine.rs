@@ -17,6 +17,8 @@ pub(crate) enum Task {
 
 /// One block of worlds: as many as a register has lanes, or one.
 pub(crate) struct Block<'a, T> {
+    /// Which of its simulation's blocks it is.
+    pub number: usize,
     pub state: &'a mut [T],
     pub input: &'a [T],
     pub output: &'a mut [T],
@@ -46,6 +48,8 @@ pub(crate) trait Engine<T: Float>: Send + Sync {
     fn shares_a_world(&self) -> bool {
         false
     }
+    /// Drops what is kept of a world that has other constants now.
+    fn forget(&self, _world: usize) {}
     /// Runs a task on a block, with so many threads of the current pool.
     fn run(&self, lane: Lane, team: usize, block: Block<'_, T>, task: Task);
 }

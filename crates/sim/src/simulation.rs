@@ -478,6 +478,7 @@ impl<T: Float> Simulation<T> {
         }
         let mut state = numbers_of(&self.state, world, 0..own.state.len());
         own.engine.take_over(&bodies, &mut state);
+        self.shared.engine.forget(world);
         let own = Own {
             model,
             compiled: own,
@@ -759,6 +760,7 @@ impl<T: Float> Simulation<T> {
                     let parameters = parameters.block(if shared { 0 } else { b });
                     let (input, scratch) = (input.block(b), scratch.scalars_mut());
                     let block = Block {
+                        number: b,
                         state,
                         input,
                         output,

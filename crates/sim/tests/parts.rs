@@ -3,6 +3,9 @@
 
 #[path = "../src/impulse/colours.rs"]
 mod colours;
+#[path = "../src/impulse/odometers.rs"]
+#[expect(dead_code, reason = "only its geometry is tested here")]
+mod odometers;
 #[path = "../src/impulse/team.rs"]
 mod team;
 

@@ -67,6 +67,12 @@ impl Aabb {
             & (self.max.z >= other.min.z)
     }
 
+    /// Whether it holds all of another.
+    #[inline]
+    pub fn contains(&self, other: &Self) -> bool {
+        (self.min.cmple(other.min) & self.max.cmpge(other.max)).all()
+    }
+
     /// Grown by `margin` [m] on every side.
     #[inline]
     pub fn padded(&self, margin: f32) -> Self {

@@ -13,7 +13,8 @@
 //! | [`Octree`] | objects that come and go: the cheapest build and update, slow queries |
 //! | [`KdTree`], [`Bsp`] | objects of like size that rest, in little memory |
 //!
-//! [`Worlds`] holds many worlds of the same objects, side by side in lanes.
+//! [`Worlds`] holds many worlds of the same objects, side by side in lanes. A [`PairCache`] keeps the
+//! pairs of objects that move little from one call to the next.
 //!
 //! Queries are exact for boxes. For the shapes inside, a [`CastTest`] or a
 //! [`ClosestTest`] decides: a closure, as in the last line here.
@@ -51,6 +52,7 @@ pub mod grid;
 pub mod halves;
 pub mod kd_tree;
 pub mod octree;
+mod pair_cache;
 mod pairs;
 mod query;
 mod space;
@@ -69,6 +71,7 @@ pub use error::SpaceError;
 pub use grid::Grid;
 pub use kd_tree::KdTree;
 pub use octree::Octree;
+pub use pair_cache::PairCache;
 pub use pairs::Pair;
 pub use query::{CastTest, ClosestTest, Hit, Neighbor};
 pub use space::Space;

@@ -17,6 +17,7 @@ pub(crate) mod tables;
 pub(crate) use corners::Corners;
 pub(crate) use kept::{Kept, Touch, touches};
 use meshes::Meshes;
+pub use narrow_phase::MARGIN;
 pub(crate) use narrow_phase::{
     Places, narrow_phase, narrow_phase_in_parts, place_shapes, store_placed,
 };

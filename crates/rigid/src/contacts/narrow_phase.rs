@@ -12,7 +12,7 @@ use numbers::spatial::Spatial;
 use numbers::{Cell, Machine, Pose, Real, Table, Vec3};
 
 /// Gap [m] up to which a point is looked at even if nothing moves.
-const MARGIN: f64 = 1e-3;
+pub const MARGIN: f64 = 1e-3;
 
 /// Where a solver's carriers are, and how they move.
 pub(crate) trait Places<M: Machine> {

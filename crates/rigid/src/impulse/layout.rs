@@ -457,6 +457,10 @@ impl Impulse {
     pub fn solid_of<'a, T>(&self, shape: usize, parameters: &'a [T]) -> &'a [T] {
         &parameters[self.solid.at(shape, 0)..][..solid::WIDTH]
     }
+    /// The radius of the ball about its centre that holds a colliding shape [m].
+    pub fn radius_of<T: Float>(&self, shape: usize, parameters: &[T]) -> T {
+        self.solid_of(shape, parameters)[solid::RADIUS]
+    }
     /// The corners of a colliding shape about its centre [m], three numbers each.
     pub fn corners_of<'a, T>(&self, shape: usize, parameters: &'a [T]) -> &'a [T] {
         let collider = &self.shapes[shape];

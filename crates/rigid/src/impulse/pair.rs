@@ -6,6 +6,7 @@
 
 use super::memory::{Cached, CachedPoint};
 use super::tables::{POINTS, global};
+pub use crate::contacts::MARGIN;
 use crate::contacts::tables::{
     found, pair_field, pair_link, placed_field, shape_field, shape_link, slot,
 };

@@ -1,5 +1,9 @@
 //! Which colliding shapes could touch within the step.
+//!
+//! What is kept from step to step, which boxes overlap and how far shapes are apart, tells sooner which
+//! pairs need not be looked at. It changes nothing that is found.
 
+use super::odometers::Odometers;
 use super::sleep::NEARBY;
 use collide::kind;
 use glam::Vec3;
@@ -7,18 +11,30 @@ use model::CollisionFilter;
 use numbers::Float;
 use rigid::impulse::Impulse;
 use rigid::impulse::pair::{Placed, placed};
-use space::{Aabb, Auto, Pair, Space, SpaceError};
+use space::{Aabb, PairCache, SpaceError};
+
+/// Two colliding shapes that could touch.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Candidate {
+    /// The lower one first.
+    pub shapes: [u32; 2],
+    /// The place in the list of pairs that is kept.
+    kept: u32,
+}
 
 /// Boxes about all shapes, and the pairs whose boxes overlap.
 #[derive(Debug, Default)]
 pub(super) struct BroadPhase {
     boxes: Vec<Aabb>,
-    space: Option<Space<Auto>>,
-    pairs: Vec<Pair>,
+    /// With each pair, what both [`Odometers`] show when they could touch [m].
+    pairs: PairCache<f64>,
+    odometers: Odometers,
+    /// What each odometer can show at the end of the step.
+    ahead: Vec<f64>,
 }
 
 impl BroadPhase {
-    /// The pairs that may collide, in order: shapes whose ways within the step meet.
+    /// The pairs that may touch, in order: shapes whose ways within the step meet.
     ///
     /// # Errors
     /// A shape is nowhere.
@@ -28,7 +44,7 @@ impl BroadPhase {
         filter: &CollisionFilter,
         shapes: &[Placed<T>],
         parameters: &[T],
-        found: &mut Vec<[u32; 2]>,
+        found: &mut Vec<Candidate>,
     ) -> Result<(), SpaceError> {
         self.boxes.clear();
         for (i, shape) in shapes.iter().enumerate() {
@@ -39,19 +55,48 @@ impl BroadPhase {
                 around(shape, grown)
             });
         }
-        match &mut self.space {
-            Some(space) => space.update(&self.boxes)?,
-            None => self.space = Some(Space::new(&self.boxes)?),
-        }
-        if let Some(space) = &self.space {
-            space.pairs_into(&mut self.pairs);
-        }
         let id = |i: u32| impulse.shapes()[i as usize].shape;
-        let may = |pair: &&Pair| filter.may_collide(id(pair.a), id(pair.b));
-        found.clear();
-        found.extend(self.pairs.iter().filter(may).map(|pair| [pair.a, pair.b]));
+        self.pairs.update(&self.boxes, |pair| {
+            filter.may_collide(id(pair.a), id(pair.b))
+        })?;
+        self.odometers.advance(impulse, shapes, parameters);
+        self.ahead.clear();
+        let ways = shapes.iter().map(|s| s.placed[placed::WAY].to_f64());
+        let ahead = self.odometers.ways().iter().zip(ways);
+        self.ahead.extend(ahead.map(|(gone, way)| gone + way));
+        self.collect(found);
         Ok(())
     }
+
+    /// The pairs whose boxes overlap, without those that are known to stay apart.
+    fn collect(&self, found: &mut Vec<Candidate>) {
+        let pairs = self.pairs.pairs();
+        found.clear();
+        found.resize(pairs.len(), Candidate::default());
+        let mut count = 0;
+        for (kept, (pair, until)) in (0..).zip(pairs) {
+            let shapes = [pair.a, pair.b];
+            let [a, b] = [pair.a as usize, pair.b as usize];
+            let soon = self.ahead[a] + self.ahead[b] + NEARBY >= *until;
+            // Written in any case: branches that nobody can foretell would cost more.
+            found[count] = Candidate { shapes, kept };
+            count += usize::from(soon & self.boxes[a].overlaps(&self.boxes[b]));
+        }
+        found.truncate(count);
+    }
+
+    /// Takes note that a pair is apart now by this length [m] or more.
+    pub fn are_apart(&mut self, pair: Candidate, gap: f64) {
+        let ways = pair.shapes.map(|s| self.odometers.ways()[s as usize]);
+        let until = &mut self.pairs.pairs_mut()[pair.kept as usize].1;
+        *until = ways[0] + ways[1] + gap;
+    }
+}
+
+/// The gap [m] that two shapes could close within the step.
+pub(super) fn reach<T: Float>(shapes: &[Placed<T>], pair: [u32; 2]) -> f64 {
+    let [a, b] = pair.map(|s| shapes[s as usize].placed[placed::WAY].to_f64());
+    a + b + NEARBY
 }
 
 fn around<T: Float>(shape: &Placed<T>, grown: f64) -> Aabb {

@@ -11,6 +11,7 @@ mod islands;
 mod jobs;
 mod joints;
 mod narrow_phase;
+mod odometers;
 mod sleep;
 mod solve;
 mod team;
@@ -21,13 +22,15 @@ use crate::SimulationSettings;
 use crate::engine::{Block, Engine, Task};
 use crate::jobs::Lane;
 use crate::meshes::{Meshes, Triangles};
+use broad_phase::BroadPhase;
 use model::{CollisionFilter, Model, ShapeId};
 use narrow_phase::NarrowPhase;
 use numbers::Float;
 use rigid::impulse::{Collider, Impulse, State};
 use rigid::{Lengths, OutputTables, SolverError};
 use std::any::Any;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use team::attended;
 use world::{Workspace, World};
 
 /// A model at a precision.
@@ -43,6 +46,8 @@ pub(crate) struct Piles<T: Float> {
     meshes: Vec<Option<Arc<Triangles>>>,
     /// Of worlds that are not stepped just now.
     workspaces: Mutex<Vec<Workspace<T>>>,
+    /// What each world keeps of the shapes that are near each other.
+    near: Vec<Mutex<BroadPhase>>,
 }
 
 impl<T: Float> Piles<T> {
@@ -60,6 +65,7 @@ impl<T: Float> Piles<T> {
             filter: settings.contacts.then(|| CollisionFilter::new(model)),
             narrow_phase: NarrowPhase::new(&impulse),
             workspaces: Mutex::default(),
+            near: (0..settings.worlds).map(|_| Mutex::default()).collect(),
             impulse,
         })
     }
@@ -67,6 +73,8 @@ impl<T: Float> Piles<T> {
     fn step(&self, lane: Lane, team: usize, block: &mut Block<'_, T>, steps: usize) {
         let taken = self.workspaces.lock().map(|mut all| all.pop());
         let mut workspace = taken.ok().flatten().unwrap_or_default();
+        let mut near = self.near_in(block.number);
+        std::mem::swap(&mut workspace.broad_phase, &mut near);
         let world = World {
             piles: self,
             lane,
@@ -75,17 +83,30 @@ impl<T: Float> Piles<T> {
             parameters: block.parameters,
             parts: 1,
         };
-        for _ in 0..steps {
-            if block.state[self.impulse.alive()] == T::zero() {
-                break;
+        let mut advance = || {
+            for _ in 0..steps {
+                if block.state[self.impulse.alive()] == T::zero() {
+                    break;
+                }
+                world.step(block.state, &mut workspace);
             }
-            world.step(block.state, &mut workspace);
+        };
+        if team > 1 {
+            attended(team, advance);
+        } else {
+            advance();
         }
+        std::mem::swap(&mut workspace.broad_phase, &mut near);
         let mut all = self
             .workspaces
             .lock()
             .unwrap_or_else(PoisonError::into_inner);
         all.push(workspace);
+    }
+
+    fn near_in(&self, world: usize) -> MutexGuard<'_, BroadPhase> {
+        let near = self.near[world].lock();
+        near.unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -125,6 +146,9 @@ impl<T: Float> Engine<T> for Piles<T> {
     }
     fn take_over(&self, bodies: &[f64], state: &mut [f64]) {
         self.impulse.take_over(bodies, state);
+    }
+    fn forget(&self, world: usize) {
+        *self.near_in(world) = BroadPhase::default();
     }
     fn run(&self, lane: Lane, team: usize, mut block: Block<'_, T>, task: Task) {
         match task {

@@ -1,5 +1,6 @@
 //! Where shapes that could touch do.
 
+use super::broad_phase::{Candidate, reach};
 use super::sleep::NEARBY;
 use crate::engine::Block;
 use crate::jobs::{Lane, apart, narrow_phase};
@@ -9,7 +10,7 @@ use collide::{Route, kind};
 use glam::{DMat3, DQuat, DVec3};
 use numbers::{Float, Memory};
 use rayon::prelude::*;
-use rigid::impulse::pair::{Pair, PairTables, Placed, placed};
+use rigid::impulse::pair::{MARGIN, Pair, PairTables, Placed, placed};
 use rigid::impulse::{Cached, Collider, Impulse};
 use space::Aabb;
 use std::borrow::Cow;
@@ -50,29 +51,39 @@ pub(super) struct Scene<'a, T> {
     pub threads: bool,
 }
 
-/// Two shapes that may touch.
-struct Candidate<'a, T> {
+/// A pair as it is looked at.
+struct Look<T> {
     /// The place in the list of pairs.
     place: u32,
     /// A first.
     shapes: [u32; 2],
-    /// Of those that meet as meshes, the triangles that are near the other.
-    triangles: [Vec<&'a Triangle>; 2],
     /// The direction from A to B in which they touched in the step before; zero where they did not.
     known: [T; 3],
 }
 
-impl<T: Float> Candidate<'_, T> {
+impl<T: Float> Look<T> {
     /// Whether they touched in the step before.
     fn touched(&self) -> bool {
         self.known != [T::zero(); 3]
     }
 }
 
+/// Of two shapes that meet as meshes, the triangles that are near the other.
+type Near<'a> = [Vec<&'a Triangle>; 2];
+
 /// Pairs of the same forms, and of nearly as many triangles.
 struct Group<'a, T> {
     tables: Cow<'a, PairTables>,
-    pairs: Vec<Candidate<'a, T>>,
+    pairs: Vec<Look<T>>,
+    /// Of each pair, where a mesh is among them.
+    triangles: Vec<Near<'a>>,
+}
+
+/// What was found of a group's pairs, by their places in the list of pairs.
+struct Found<T> {
+    contacts: Vec<(u32, Cached<T>)>,
+    /// Pairs that are apart [m].
+    apart: Vec<(u32, f64)>,
 }
 
 impl NarrowPhase {
@@ -95,32 +106,42 @@ impl NarrowPhase {
         }
     }
 
-    /// The contacts of the pairs that have any, in the order of the pairs.
+    /// The contacts of the pairs that have any, in the order of the pairs; tells which pairs are apart, and by
+    /// which length [m] at least.
     pub fn find<T: Float>(
         &self,
         scene: &Scene<'_, T>,
-        pairs: &[[u32; 2]],
-        found: &mut Vec<Cached<T>>,
+        pairs: &[Candidate],
+        contacts: &mut Vec<Cached<T>>,
+        mut are_apart: impl FnMut(Candidate, f64),
     ) {
         let groups = self.groups(scene, pairs);
-        let results: Vec<Vec<(u32, Cached<T>)>> = if scene.threads {
+        let results: Vec<Found<T>> = if scene.threads {
             groups.par_iter().map(|group| scene.meet(group)).collect()
         } else {
             groups.iter().map(|group| scene.meet(group)).collect()
         };
-        let all = results.iter().enumerate();
-        let mut order: Vec<_> = all
-            .flat_map(|(g, found)| found.iter().enumerate().map(move |(i, c)| (c.0, g, i)))
-            .collect();
+        for (place, gap) in results.iter().flat_map(|found| &found.apart) {
+            are_apart(pairs[*place as usize], *gap);
+        }
+        let mut order = Vec::with_capacity(results.iter().map(|found| found.contacts.len()).sum());
+        for (g, found) in (0_u32..).zip(&results) {
+            let numbered = (0_u32..).zip(&found.contacts);
+            order.extend(numbered.map(|(i, contact)| (contact.0, g, i)));
+        }
         order.sort_unstable();
-        found.clear();
-        found.extend(order.into_iter().map(|(_, g, i)| results[g][i].1));
+        contacts.clear();
+        contacts.extend(
+            order
+                .into_iter()
+                .map(|(_, g, i)| results[g as usize].contacts[i as usize].1),
+        );
     }
 
     fn groups<'a, T: Float>(
         &'a self,
         scene: &'a Scene<'_, T>,
-        pairs: &[[u32; 2]],
+        pairs: &[Candidate],
     ) -> Vec<Group<'a, T>> {
         let form = |shape: u32| self.forms[shape as usize];
         let mut open: Vec<_> = self.tables.iter().map(|_| Vec::new()).collect();
@@ -131,7 +152,8 @@ impl NarrowPhase {
             state: scene.state,
             next: 0,
         };
-        for (place, &[a, b]) in (0..).zip(pairs) {
+        for (place, pair) in (0..).zip(pairs) {
+            let [a, b] = pair.shapes;
             let shapes = if form(a) <= form(b) { [a, b] } else { [b, a] };
             let row = form(shapes[0]) * self.count + form(shapes[1]);
             let Some(tables) = &self.tables[row] else {
@@ -141,26 +163,34 @@ impl NarrowPhase {
                 continue;
             };
             let list = &mut open[row];
-            list.push(Candidate {
+            list.push(Look {
                 place,
                 shapes,
-                triangles: [Vec::new(), Vec::new()],
                 known: before.direction(shapes),
             });
             if list.len() == GROUP * scene.width {
-                let pairs = std::mem::take(list);
-                let tables = Cow::Borrowed(tables);
-                groups.push(Group { tables, pairs });
+                groups.push(Group::of_solids(tables, std::mem::take(list)));
             }
         }
         for (pairs, tables) in open.into_iter().zip(&self.tables) {
             if let (false, Some(tables)) = (pairs.is_empty(), tables) {
-                let tables = Cow::Borrowed(tables);
-                groups.push(Group { tables, pairs });
+                groups.push(Group::of_solids(tables, pairs));
             }
         }
         groups.extend(scene.mesh_groups(&with_mesh));
         groups
+    }
+}
+
+impl<'a, T> Group<'a, T> {
+    fn of_solids(tables: &'a PairTables, pairs: Vec<Look<T>>) -> Self {
+        let tables = Cow::Borrowed(tables);
+        let triangles = Vec::new();
+        Self {
+            tables,
+            pairs,
+            triangles,
+        }
     }
 }
 
@@ -177,36 +207,41 @@ impl<T: Float> Scene<'_, T> {
 
     /// Pairs with meshes: side by side those of like solids, or of meshes, with nearly as many triangles.
     fn mesh_groups(&self, pairs: &[(u32, [u32; 2])]) -> Vec<Group<'_, T>> {
-        let find = |&(place, shapes): &(u32, [u32; 2])| Candidate {
-            place,
-            shapes,
-            triangles: self.triangles(shapes),
-            known: [T::zero(); 3],
+        let find = |&(place, shapes): &(u32, [u32; 2])| {
+            let look = Look {
+                place,
+                shapes,
+                known: [T::zero(); 3],
+            };
+            (look, self.triangles(shapes))
         };
         let found: Vec<_> = if self.threads {
             pairs.par_iter().with_min_len(GROUP).map(find).collect()
         } else {
             pairs.iter().map(find).collect()
         };
-        let mut alike = BTreeMap::<(Form, usize), Vec<Candidate<'_, T>>>::new();
-        let touches = |pair: &Candidate<'_, T>| !pair.triangles[1].is_empty();
-        for pair in found.into_iter().filter(touches) {
-            let mut first = form(&self.impulse.shapes()[pair.shapes[0] as usize]);
-            let [of_a, of_b] = [0, 1].map(|i| pair.triangles[i].len().next_power_of_two());
+        let mut alike = BTreeMap::<(Form, usize), (Vec<Look<T>>, Vec<Near<'_>>)>::new();
+        for (look, near) in found.into_iter().filter(|pair| !pair.1[1].is_empty()) {
+            let mut first = form(&self.impulse.shapes()[look.shapes[0] as usize]);
+            let [of_a, of_b] = [0, 1].map(|i| near[i].len().next_power_of_two());
             if first.0 == kind::MESH {
                 first.1 = of_a;
             }
-            alike.entry((first, of_b)).or_default().push(pair);
+            let (looks, triangles) = alike.entry((first, of_b)).or_default();
+            looks.push(look);
+            triangles.push(near);
         }
         let mut groups = Vec::new();
-        for (((first, size), room), mut pairs) in alike {
+        for (((first, size), room), (mut pairs, mut triangles)) in alike {
             let kinds = [first, kind::MESH];
             let route = Route::of(first, kind::MESH).expect("there is one");
             while !pairs.is_empty() {
-                let rest = pairs.split_off(pairs.len().min(GROUP * self.width));
+                let most = pairs.len().min(GROUP * self.width);
+                let (more, others) = (pairs.split_off(most), triangles.split_off(most));
                 groups.push(Group {
                     tables: Cow::Owned(PairTables::new(route, kinds, [size, room])),
-                    pairs: std::mem::replace(&mut pairs, rest),
+                    pairs: std::mem::replace(&mut pairs, more),
+                    triangles: std::mem::replace(&mut triangles, others),
                 });
             }
         }
@@ -214,7 +249,7 @@ impl<T: Float> Scene<'_, T> {
     }
 
     /// The triangles of two shapes, of which the second is a mesh, that may meet within the step.
-    fn triangles(&self, shapes: [u32; 2]) -> [Vec<&Triangle>; 2] {
+    fn triangles(&self, shapes: [u32; 2]) -> Near<'_> {
         let [a, b] = shapes.map(|s| &self.shapes[s as usize].placed);
         let mesh = |i: usize| self.meshes[shapes[i] as usize].as_ref();
         let Some(mesh_b) = mesh(1) else {
@@ -249,42 +284,78 @@ impl<T: Float> Scene<'_, T> {
     }
 
     /// The contacts of a group: of the pairs that are near, once those are known where that is found out sooner.
-    fn meet(&self, group: &Group<'_, T>) -> Vec<(u32, Cached<T>)> {
-        let mut register = Register::new(self.width, &group.tables);
-        let old = |pair: &&Candidate<'_, T>| !group.tables.takes_long() || pair.touched();
-        let (mut near, new): (Vec<_>, Vec<_>) = group.pairs.iter().partition(old);
-        for pairs in new.chunks(self.width) {
-            register.fill(self, pairs);
+    fn meet(&self, group: &Group<'_, T>) -> Found<T> {
+        let mut register = Register::new(self.width, group);
+        let mut found = Found {
+            contacts: Vec::with_capacity(group.pairs.len()),
+            apart: Vec::new(),
+        };
+        let old = |i: &u32| !group.tables.takes_long() || group.pairs[*i as usize].touched();
+        let (mut near, new): (Vec<_>, Vec<_>) = (0..group.pairs.len() as u32).partition(old);
+        for members in new.chunks(self.width) {
+            register.fill(self, members);
             register.run(|block| apart(self.lane, group.tables.contacts(), block));
-            for (lane, pair) in pairs.iter().enumerate() {
-                if register.apart(lane) < self.reach(pair.shapes) {
-                    near.push(pair);
+            for (lane, member) in members.iter().enumerate() {
+                let pair = &group.pairs[*member as usize];
+                let gap = register.apart(lane).to_f64();
+                if gap < reach(self.shapes, pair.shapes) {
+                    near.push(*member);
+                } else {
+                    found
+                        .apart
+                        .push((pair.place, self.surely(gap, pair.shapes)));
                 }
             }
         }
-        let mut found = Vec::with_capacity(near.len());
         let mut contacts = Vec::new();
-        for pairs in near.chunks(self.width) {
-            register.fill(self, pairs);
+        for members in near.chunks(self.width) {
+            register.fill(self, members);
             register.run(|block| narrow_phase(self.lane, group.tables.contacts(), block));
-            for (lane, pair) in pairs.iter().enumerate() {
+            for (lane, member) in members.iter().enumerate() {
+                let pair = &group.pairs[*member as usize];
                 register.read(lane, pair.shapes, &mut contacts);
+                if contacts.is_empty() && group.triangles.is_empty() {
+                    let gap = self.unseen(pair.shapes);
+                    found
+                        .apart
+                        .push((pair.place, self.surely(gap, pair.shapes)));
+                }
                 let contacts = contacts.drain(..).filter(|contact| self.matters(contact));
-                found.extend(contacts.map(|contact| (pair.place, contact)));
+                let contacts = contacts.map(|contact| (pair.place, contact));
+                found.contacts.extend(contacts);
             }
         }
         found
     }
 
-    /// The gap [m] that two shapes could close within the step.
-    fn reach(&self, shapes: [u32; 2]) -> T {
-        let [a, b] = shapes.map(|s| self.shapes[s as usize].placed[placed::WAY]);
-        a + b + T::from_f64(NEARBY)
+    /// How far [m] two shapes are apart at least that the kernels found no contact of: they look as far as the
+    /// shapes get within the step, and a margin; and they are no nearer than the balls about them.
+    fn unseen(&self, shapes: [u32; 2]) -> f64 {
+        let [a, b] = shapes.map(|s| self.shapes[s as usize].placed);
+        let looked = reach(self.shapes, shapes) - NEARBY + 0.5 * MARGIN;
+        let margin = self.impulse.margin(shapes, self.parameters).to_f64();
+        let radii = shapes.map(|s| self.impulse.radius_of(s as usize, self.parameters).to_f64());
+        let apart = (vec3(&b, placed::POSITION) - vec3(&a, placed::POSITION)).length();
+        let has_plane = shapes
+            .iter()
+            .any(|s| self.impulse.shapes()[*s as usize].kind == kind::PLANE);
+        if has_plane {
+            looked
+        } else {
+            looked.max(apart - radii[0] - radii[1] - margin)
+        }
+    }
+
+    /// A gap [m] less what rounding may have added to it.
+    fn surely(&self, gap: f64, shapes: [u32; 2]) -> f64 {
+        let half = |s: u32| vec3(&self.shapes[s as usize].placed, placed::EXTENT).max_element();
+        let size = gap + half(shapes[0]) + half(shapes[1]);
+        gap - 0.1 * NEARBY - ROUNDING * size
     }
 
     /// Whether any of a contact's points could close within the step.
     fn matters(&self, contact: &Cached<T>) -> bool {
-        let reach = self.reach(contact.shapes);
+        let reach = T::from_f64(reach(self.shapes, contact.shapes));
         contact.points[..contact.count]
             .iter()
             .any(|p| p.gap < reach)
@@ -312,7 +383,7 @@ fn seen<T: Float>(by: &[T], center: DVec3, of: DMat3, half: DVec3) -> Aabb {
 
 /// Pairs of the same forms side by side.
 struct Register<'a, T> {
-    tables: &'a PairTables,
+    group: &'a Group<'a, T>,
     width: usize,
     parameters: Memory<T>,
     scratch: Memory<T>,
@@ -321,12 +392,12 @@ struct Register<'a, T> {
 }
 
 impl<'a, T: Float> Register<'a, T> {
-    fn new(width: usize, tables: &'a PairTables) -> Self {
+    fn new(width: usize, group: &'a Group<'a, T>) -> Self {
         let memory = |length| Memory::<T>::new(width, length, width);
-        let [mut parameters, scratch] = tables.lengths().map(memory);
-        tables.begin(width, parameters.scalars_mut());
+        let [mut parameters, scratch] = group.tables.lengths().map(memory);
+        group.tables.begin(width, parameters.scalars_mut());
         Self {
-            tables,
+            group,
             width,
             parameters,
             scratch,
@@ -334,16 +405,16 @@ impl<'a, T: Float> Register<'a, T> {
         }
     }
 
-    /// Writes pairs into the lanes; those to spare repeat the last, far from its mesh.
-    fn fill(&mut self, scene: &Scene<'_, T>, pairs: &[&Candidate<'_, T>]) {
+    /// Writes members of the group into the lanes; those to spare repeat the last, far from its mesh.
+    fn fill(&mut self, scene: &Scene<'_, T>, members: &[u32]) {
         for lane in 0..self.width {
-            match pairs.get(lane) {
-                Some(pair) => {
-                    let [a, b] = &pair.triangles;
-                    self.fill_lane(scene, lane, pair, [a, b]);
-                }
-                None => self.fill_lane(scene, lane, pairs[pairs.len() - 1], [&[], &[]]),
-            }
+            let member = members.get(lane).or(members.last()).expect("there is one");
+            let near = self.group.triangles.get(*member as usize);
+            let triangles: [&[&Triangle]; 2] = match near {
+                Some([a, b]) if lane < members.len() => [a, b],
+                _ => [&[], &[]],
+            };
+            self.fill_lane(scene, lane, *member, triangles);
         }
     }
 
@@ -351,45 +422,49 @@ impl<'a, T: Float> Register<'a, T> {
         &mut self,
         scene: &Scene<'_, T>,
         lane: usize,
-        candidate: &Candidate<'_, T>,
+        member: u32,
         triangles: [&[&Triangle]; 2],
     ) {
-        let shapes = candidate.shapes;
+        let look = &self.group.pairs[member as usize];
         let corners = |s: u32| scene.impulse.corners_of(s as usize, scene.parameters);
         let pair = Pair {
-            shapes: shapes.map(|s| &scene.shapes[s as usize]),
-            corners: shapes.map(corners),
+            shapes: look.shapes.map(|s| &scene.shapes[s as usize]),
+            corners: look.shapes.map(corners),
             triangles,
-            known: candidate.known,
-            margin: scene.impulse.margin(shapes, scene.parameters),
+            known: look.known,
+            margin: scene.impulse.margin(look.shapes, scene.parameters),
         };
         let (parameters, scratch) = (self.parameters.scalars_mut(), self.scratch.scalars_mut());
-        self.tables
-            .fill(lane, self.width, &pair, parameters, scratch);
+        let tables = &self.group.tables;
+        tables.fill(lane, self.width, &pair, parameters, scratch);
     }
 
     fn run(&mut self, work: impl FnOnce(&mut Block<'_, T>)) {
         let [state, input, output] = &mut self.none;
         work(&mut Block {
+            number: 0,
             state: state.scalars_mut(),
             input: input.scalars(),
             output: output.scalars_mut(),
             scratch: self.scratch.scalars_mut(),
             parameters: self.parameters.scalars(),
             common: &[],
-            links: self.tables.links(),
+            links: self.group.tables.links(),
         });
     }
 
     /// How far a lane's pair is apart at least [m].
     fn apart(&self, lane: usize) -> T {
-        self.tables.apart(lane, self.width, self.scratch.scalars())
+        let scratch = self.scratch.scalars();
+        self.group.tables.apart(lane, self.width, scratch)
     }
 
     /// The contacts of a lane's pair.
     fn read(&self, lane: usize, shapes: [u32; 2], to: &mut Vec<Cached<T>>) {
-        self.tables
-            .read(lane, self.width, self.scratch.scalars(), shapes, to);
+        let scratch = self.scratch.scalars();
+        self.group
+            .tables
+            .read(lane, self.width, scratch, shapes, to);
     }
 }
 

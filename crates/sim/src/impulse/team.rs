@@ -145,6 +145,36 @@ pub(super) fn together(members: usize, work: impl Fn(Member<'_>) + Sync) {
     });
 }
 
+/// Runs `work` while the other threads of the current pool look out for what it shares. Left to themselves they would
+/// fall asleep between two stages, and to wake one takes as long as a stage of a small world.
+pub(super) fn attended(members: usize, work: impl FnOnce() + Send) {
+    let over = AtomicBool::new(false);
+    let caller = rayon::current_thread_index();
+    rayon::scope(|scope| {
+        for _ in 1..members {
+            scope.spawn(|_| {
+                // The caller may come across this while it waits for others.
+                while rayon::current_thread_index() != caller && !over.load(Ordering::Acquire) {
+                    if rayon::yield_now() != Some(rayon::Yield::Executed) {
+                        std::thread::yield_now();
+                    }
+                }
+            });
+        }
+        let _over = Over(&over);
+        work();
+    });
+}
+
+/// Says that it is over when it goes out of scope, be it by a panic.
+struct Over<'a>(&'a AtomicBool);
+
+impl Drop for Over<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Release);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -185,6 +215,37 @@ mod tests {
         for members in 2..6 {
             assert_eq!(pool.install(|| sums(members)), alone, "{members} members");
         }
+    }
+
+    /// Work that shares, and shares what it shares, ends; with more members than threads, too.
+    #[test]
+    fn those_that_attend_help_and_go() {
+        for threads in 1..4 {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            let pool = pool.expect("threads");
+            for _ in 0..50 {
+                let sum = AtomicUsize::new(0);
+                pool.install(|| {
+                    attended(3, || {
+                        for _ in 0..20 {
+                            let all = parts(0..4_usize);
+                            together(2, |mut member| {
+                                member.stage(&all, |part| {
+                                    sum.fetch_add(*part, Ordering::Relaxed);
+                                });
+                            });
+                        }
+                    });
+                });
+                assert_eq!(sum.load(Ordering::Relaxed), 20 * 6);
+            }
+        }
+    }
+
+    #[test]
+    fn a_panic_reaches_who_is_attended() {
+        let run = || attended(2, || panic!("work"));
+        assert!(std::panic::catch_unwind(run).is_err());
     }
 
     #[test]

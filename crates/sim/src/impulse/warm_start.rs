@@ -8,7 +8,6 @@ use collide::kind;
 use glam::DVec3;
 use numbers::Float;
 use rayon::prelude::*;
-use rigid::impulse::pair::solid;
 use rigid::impulse::{Cached, Recalled};
 
 /// Points nearer than this share of the larger shape's radius, of one pair, are the same.
@@ -97,8 +96,9 @@ impl<T: Float> World<'_, T> {
         if self.impulse().shapes()[shape as usize].kind == kind::MESH {
             return 0.0;
         }
-        let solid = self.impulse().solid_of(shape as usize, self.parameters);
-        solid[solid::RADIUS].to_f64()
+        self.impulse()
+            .radius_of(shape as usize, self.parameters)
+            .to_f64()
     }
 }
 

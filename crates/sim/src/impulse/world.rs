@@ -2,7 +2,7 @@
 
 use super::Piles;
 use super::batches::Lanes;
-use super::broad_phase::BroadPhase;
+use super::broad_phase::{BroadPhase, Candidate};
 use super::colours::Colours;
 use super::jobs::{Bodies, BodyRows, BodyStage, Shapes};
 use super::joints::JointLanes;
@@ -23,9 +23,10 @@ pub(super) struct Workspace<T: Float> {
     /// Bodies that are awake, filled up to whole registers.
     pub awake: Vec<u32>,
     pub placed: Vec<Placed<T>>,
-    broad_phase: BroadPhase,
-    candidates: Vec<[u32; 2]>,
-    pairs: Vec<[u32; 2]>,
+    /// Of the world that is stepped.
+    pub broad_phase: BroadPhase,
+    candidates: Vec<Candidate>,
+    pairs: Vec<Candidate>,
     pub found: Vec<Cached<T>>,
     /// Contacts of sensors, which are told but not solved.
     sensed: Vec<Cached<T>>,
@@ -325,7 +326,7 @@ impl<T: Float> World<'_, T> {
         let pairs = w
             .candidates
             .iter()
-            .filter(|pair| awake(pair[0]) || awake(pair[1]));
+            .filter(|pair| pair.shapes.into_iter().any(awake));
         w.pairs.extend(pairs);
         let scene = Scene {
             impulse: self.impulse(),
@@ -337,7 +338,10 @@ impl<T: Float> World<'_, T> {
             width: self.width(),
             threads: self.team > 1,
         };
-        self.piles.narrow_phase.find(&scene, &w.pairs, &mut w.found);
+        let known = &mut w.broad_phase;
+        let are_apart = |pair, gap| known.are_apart(pair, gap);
+        let narrow_phase = &self.piles.narrow_phase;
+        narrow_phase.find(&scene, &w.pairs, &mut w.found, are_apart);
         w.sensed.clear();
         let sensed = w.found.extract_if(.., |contact| self.is_sensed(contact));
         w.sensed.extend(sensed);
