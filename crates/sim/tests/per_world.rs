@@ -5,7 +5,7 @@ mod scene;
 use glam::DVec3;
 use kinetarium_sim::{Simulation, SimulationError, SimulationSettings};
 use model::examples::n_pendula;
-use model::{Builder, Drive, Geometry, Model, Parts};
+use model::{BodyId, Builder, Drive, Geometry, Model, Parts, Pose, Shape};
 use numbers::Float;
 use scene::{BOTH, Method, TIME_STEP, chain, hash, hashes, mixed, motion, scatter, scattered};
 
@@ -289,5 +289,32 @@ fn a_model_of_another_structure_is_refused_and_changes_nothing() {
                 "{method:?}, {case}"
             );
         }
+    }
+}
+
+/// Two cubes that float beside each other, of which one grows into the other: what was known of the gap is
+/// forgotten.
+#[test]
+fn shapes_that_grow_touch() {
+    let cubes = |half: f64| {
+        let mut world = Builder::new("cubes");
+        world.gravity(DVec3::ZERO);
+        let cubes = world.object("cubes");
+        for (name, x, half) in [("first", 0.0, half), ("second", 0.22, 0.1)] {
+            let half = DVec3::splat(half);
+            let cube = cubes.body(name).at(Pose::at(DVec3::X * x));
+            cube.shape(Shape::new(Geometry::Box { half }));
+        }
+        world.build().unwrap()
+    };
+    let mut simulation =
+        Simulation::<f32>::new(cubes(0.1), Method::Impulse.settings(WORLDS)).unwrap();
+    simulation.step(5);
+    simulation.set_world_model(OTHER, &cubes(0.13)).unwrap();
+    simulation.step(5);
+    let second = BodyId(1);
+    for world in 0..WORLDS {
+        let moved = simulation.outputs().body_position(world, second).x - 0.22;
+        assert_eq!(moved > 1e-4, world == OTHER, "world {world}: {moved} m");
     }
 }

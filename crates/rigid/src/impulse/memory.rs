@@ -18,6 +18,9 @@ pub(super) mod field {
     pub const WIDTH: usize = POINT + super::POINTS * POINT_WIDTH;
 }
 
+/// Numbers in the row of a contact.
+pub const REMEMBERED: usize = field::WIDTH;
+
 /// A contact as a world remembers it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cached<T> {
@@ -59,8 +62,13 @@ impl Impulse {
     pub fn forgotten<T: Float>(&self, state: &[T]) -> f64 {
         state[self.forgotten.at(0, 0)].to_f64()
     }
-    /// Remembers contacts, as many as there is room for: those that press, before all others.
-    pub fn remember<T: Float>(&self, contacts: &mut Vec<Cached<T>>, state: &mut [T]) {
+    /// The rows of a world's state into which its contacts are to be [written](Cached::write). What there is no room
+    /// for is left out: those that press come before all others.
+    pub fn rows_for<'a, T: Float>(
+        &self,
+        contacts: &mut Vec<Cached<T>>,
+        state: &'a mut [T],
+    ) -> &'a mut [T] {
         let count = contacts.len().min(self.capacity);
         if count < contacts.len() {
             let lost = &mut state[self.forgotten.at(0, 0)];
@@ -70,9 +78,7 @@ impl Impulse {
             contacts.sort_by_key(Cached::key);
         }
         state[self.remembered.at(0, 0)] = T::from_f64(count as f64);
-        for (i, contact) in contacts[..count].iter().enumerate() {
-            contact.write(&mut state[self.memory.at(i, 0)..][..field::WIDTH]);
-        }
+        &mut state[self.memory.at(0, 0)..self.memory.at(count, 0)]
     }
 }
 
@@ -182,7 +188,8 @@ impl<T: Float> Cached<T> {
         let loaded = |p: &CachedPoint<T>| p.impulse > T::zero();
         self.points[..self.count].iter().any(loaded)
     }
-    fn write(&self, x: &mut [T]) {
+    /// Into a row of [`REMEMBERED`] numbers.
+    pub fn write(&self, x: &mut [T]) {
         let whole = |n: f64| T::from_f64(n);
         x[field::SHAPES] = whole(f64::from(self.shapes[0]));
         x[field::SHAPES + 1] = whole(f64::from(self.shapes[1]));

@@ -58,6 +58,6 @@ mod surface;
 mod tables;
 
 pub use layout::{Collider, Impulse, SLEEP_AFTER, State, WORLD, state, suits};
-pub use memory::{Cached, CachedPoint, Recalled};
+pub use memory::{Cached, CachedPoint, REMEMBERED, Recalled};
 pub use surface::Surface;
 pub use tables::{BodyTables, ContactTables, POINTS, global, manifold, mass, point, row};

@@ -61,20 +61,18 @@ impl<T: Float> Lanes<T> {
         })
     }
 
-    /// Takes back the impulses of a batch.
-    pub fn read(&self, batch: usize, members: &[u32], contacts: &mut [Cached<T>]) {
+    /// Takes back the impulses of the contact in a lane; lanes are counted through all batches.
+    pub fn read(&self, lane: usize, contact: &mut Cached<T>) {
         let t = ContactTables::new();
-        let (numbers, width) = (self.numbers.block(batch), self.numbers.width());
-        for (lane, contact) in members.iter().enumerate() {
-            let contact = &mut contacts[*contact as usize];
-            let get = |at: usize| numbers[at * width + lane];
-            for axis in 0..3 {
-                contact.drag[axis] = get(t.manifold.at(0, manifold::DRAG + axis));
-                contact.twist[axis] = get(t.manifold.at(0, manifold::TWIST + axis));
-            }
-            for (i, p) in contact.points[..contact.count].iter_mut().enumerate() {
-                p.impulse = get(t.point.at(i, point::IMPULSE));
-            }
+        let width = self.numbers.width();
+        let numbers = self.numbers.block(lane / width);
+        let get = |at: usize| numbers[at * width + lane % width];
+        for axis in 0..3 {
+            contact.drag[axis] = get(t.manifold.at(0, manifold::DRAG + axis));
+            contact.twist[axis] = get(t.manifold.at(0, manifold::TWIST + axis));
+        }
+        for (i, p) in contact.points[..contact.count].iter_mut().enumerate() {
+            p.impulse = get(t.point.at(i, point::IMPULSE));
         }
     }
 }

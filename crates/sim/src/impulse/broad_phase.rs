@@ -9,9 +9,10 @@ use collide::kind;
 use glam::Vec3;
 use model::CollisionFilter;
 use numbers::Float;
+use rayon::prelude::*;
 use rigid::impulse::Impulse;
 use rigid::impulse::pair::{Placed, placed};
-use space::{Aabb, PairCache, SpaceError};
+use space::{Aabb, Pair, PairCache, SpaceError};
 
 /// Two colliding shapes that could touch.
 #[derive(Clone, Copy, Debug, Default)]
@@ -34,7 +35,8 @@ pub(super) struct BroadPhase {
 }
 
 impl BroadPhase {
-    /// The pairs that may touch, in order: shapes whose ways within the step meet.
+    /// The pairs that may touch, in order: shapes whose ways within the step meet. A thread takes
+    /// so many shapes as a part at a time.
     ///
     /// # Errors
     /// A shape is nowhere.
@@ -44,37 +46,54 @@ impl BroadPhase {
         filter: &CollisionFilter,
         shapes: &[Placed<T>],
         parameters: &[T],
+        part: usize,
         found: &mut Vec<Candidate>,
     ) -> Result<(), SpaceError> {
-        self.boxes.clear();
-        for (i, shape) in shapes.iter().enumerate() {
+        let around = |(i, shape): (usize, &Placed<T>)| {
             let grown = impulse.widest_margin(i as u32, parameters) + NEARBY;
-            self.boxes.push(if impulse.shapes()[i].kind == kind::PLANE {
+            if impulse.shapes()[i].kind == kind::PLANE {
                 Aabb::new(Vec3::NEG_INFINITY, Vec3::INFINITY)
             } else {
                 around(shape, grown)
-            });
-        }
+            }
+        };
+        let placed = shapes.par_iter().with_min_len(part);
+        let boxes = placed.clone().enumerate().map(around);
+        boxes.collect_into_vec(&mut self.boxes);
         let id = |i: u32| impulse.shapes()[i as usize].shape;
         self.pairs.update(&self.boxes, |pair| {
             filter.may_collide(id(pair.a), id(pair.b))
         })?;
-        self.odometers.advance(impulse, shapes, parameters);
-        self.ahead.clear();
-        let ways = shapes.iter().map(|s| s.placed[placed::WAY].to_f64());
-        let ahead = self.odometers.ways().iter().zip(ways);
-        self.ahead.extend(ahead.map(|(gone, way)| gone + way));
-        self.collect(found);
+        self.odometers.advance(impulse, shapes, parameters, part);
+        let gone = self.odometers.ways().par_iter().zip(placed);
+        let ahead = gone.map(|(gone, shape)| gone + shape.placed[placed::WAY].to_f64());
+        ahead.collect_into_vec(&mut self.ahead);
+        let threads = part < shapes.len();
+        self.collect(threads, found);
         Ok(())
     }
 
     /// The pairs whose boxes overlap, without those that are known to stay apart.
-    fn collect(&self, found: &mut Vec<Candidate>) {
+    fn collect(&self, threads: bool, found: &mut Vec<Candidate>) {
         let pairs = self.pairs.pairs();
         found.clear();
+        if !threads || pairs.len() < 2 * CHUNK {
+            return self.collect_run(0, pairs, found);
+        }
+        let runs = pairs.par_chunks(CHUNK).enumerate().map(|(i, run)| {
+            let mut found = Vec::new();
+            self.collect_run(i * CHUNK, run, &mut found);
+            found
+        });
+        let runs: Vec<_> = runs.collect();
+        runs.iter().for_each(|run| found.extend_from_slice(run));
+    }
+
+    /// The same in a run of them, of which the first is at this place.
+    fn collect_run(&self, first: usize, pairs: &[(Pair, f64)], found: &mut Vec<Candidate>) {
         found.resize(pairs.len(), Candidate::default());
         let mut count = 0;
-        for (kept, (pair, until)) in (0..).zip(pairs) {
+        for (kept, (pair, until)) in (first as u32..).zip(pairs) {
             let shapes = [pair.a, pair.b];
             let [a, b] = [pair.a as usize, pair.b as usize];
             let soon = self.ahead[a] + self.ahead[b] + NEARBY >= *until;
@@ -92,6 +111,9 @@ impl BroadPhase {
         *until = ways[0] + ways[1] + gap;
     }
 }
+
+/// Pairs that one thread looks through at a time.
+const CHUNK: usize = 4096;
 
 /// The gap [m] that two shapes could close within the step.
 pub(super) fn reach<T: Float>(shapes: &[Placed<T>], pair: [u32; 2]) -> f64 {

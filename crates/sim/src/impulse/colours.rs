@@ -21,6 +21,8 @@ pub(super) struct Colours {
     pub colours: Vec<Range<usize>>,
     /// Whether the last of them is no colour, and its batches must be solved in turn.
     pub uncoloured: bool,
+    /// Of each contact: its lane, counted through all batches.
+    places: Vec<u32>,
     used: Vec<u64>,
     keys: Vec<u32>,
     counts: Vec<usize>,
@@ -30,6 +32,11 @@ impl Colours {
     /// The contacts of a batch.
     pub fn batch(&self, batch: usize) -> &[u32] {
         &self.order[self.batches[batch].clone()]
+    }
+
+    /// Of each contact, in order: its lane, counted through all batches.
+    pub fn places(&self) -> &[u32] {
+        &self.places
     }
 
     /// Colours contacts, given the rows of their bodies and their numbers of points; `width` of one
@@ -44,6 +51,7 @@ impl Colours {
         }
         self.sort();
         self.cut(width);
+        self.place(width);
     }
 
     /// The first colour that is free at both bodies, or [`MOST`].
@@ -85,6 +93,16 @@ impl Colours {
         }
     }
 
+    /// Tells contacts where they are.
+    fn place(&mut self, width: usize) {
+        self.places.resize(self.order.len(), 0);
+        for (batch, members) in self.batches.iter().enumerate() {
+            for (lane, contact) in self.order[members.clone()].iter().enumerate() {
+                self.places[*contact as usize] = (batch * width + lane) as u32;
+            }
+        }
+    }
+
     /// Batches of one colour each; what has no colour is one by one.
     fn cut(&mut self, width: usize) {
         self.batches.clear();
@@ -122,6 +140,10 @@ mod tests {
         assert_eq!(colours.colours.len(), MOST + 1);
         assert!(colours.uncoloured && colours.colours[MOST].len() == 100 - MOST);
         assert!(colours.batches.iter().all(|b| b.len() == 1));
+        for batch in 0..100 {
+            let contact = colours.batch(batch)[0] as usize;
+            assert_eq!(colours.places()[contact] as usize, 16 * batch);
+        }
         let mut all: Vec<_> = (0..100).flat_map(|b| colours.batch(b).to_vec()).collect();
         all.sort_unstable();
         assert_eq!(all, (0..100).collect::<Vec<_>>());

@@ -169,6 +169,7 @@ pub(super) struct Shapes<'a, T: Float> {
     /// Constants of each shape: one row of [`solid`] a row.
     pub solids: &'a [T],
     pub globals: &'a [T; global::WIDTH],
+    /// From the first of these shapes on.
     pub placed: &'a mut [Placed<T>],
 }
 
@@ -201,9 +202,13 @@ impl<T: Float> Job for Shapes<'_, T> {
             place(&mut k, &t);
             let numbers: &[T] = bytemuck::cast_slice(&found);
             for lane in 0..R::WIDTH {
-                let placed = &mut self.placed[index[lane] as usize];
+                let shape = index[lane] as usize;
+                let to = &mut self.placed[shape - self.index[0] as usize];
+                let solid = &self.solids[shape * solid::WIDTH..];
+                to.size
+                    .copy_from_slice(&solid[solid::SIZE..solid::SIZE + 3]);
                 for i in 0..placed::WIDTH {
-                    placed.placed[i] = numbers[i * R::WIDTH + lane];
+                    to.placed[i] = numbers[i * R::WIDTH + lane];
                 }
             }
         }

@@ -15,7 +15,7 @@ use rigid::impulse::{Cached, Collider, Impulse};
 use space::Aabb;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Kind and number of corners: what pairs have in common that are looked at side by side.
 type Form = (usize, usize);
@@ -115,37 +115,43 @@ impl NarrowPhase {
         contacts: &mut Vec<Cached<T>>,
         mut are_apart: impl FnMut(Candidate, f64),
     ) {
-        let groups = self.groups(scene, pairs);
-        let results: Vec<Found<T>> = if scene.threads {
-            groups.par_iter().map(|group| scene.meet(group)).collect()
-        } else {
-            groups.iter().map(|group| scene.meet(group)).collect()
+        let results = Mutex::new(Vec::new());
+        let meet = |group: &Group<'_, T>| {
+            let found = scene.meet(group);
+            let mut results = results.lock().unwrap_or_else(PoisonError::into_inner);
+            results.push(found);
         };
+        if scene.threads {
+            rayon::scope(|team| {
+                self.group(scene, pairs, |group| team.spawn(|_| meet(&{ group })));
+            });
+        } else {
+            self.group(scene, pairs, |group| meet(&group));
+        }
+        let results = results.into_inner().unwrap_or_else(PoisonError::into_inner);
         for (place, gap) in results.iter().flat_map(|found| &found.apart) {
             are_apart(pairs[*place as usize], *gap);
         }
-        let mut order = Vec::with_capacity(results.iter().map(|found| found.contacts.len()).sum());
-        for (g, found) in (0_u32..).zip(&results) {
-            let numbered = (0_u32..).zip(&found.contacts);
-            order.extend(numbered.map(|(i, contact)| (contact.0, g, i)));
+        let order = in_order(&results, pairs.len());
+        let contact = |[group, i]: [u32; 2]| results[group as usize].contacts[i as usize].1;
+        if scene.threads {
+            let order = order.into_par_iter().with_min_len(GROUP);
+            order.map(contact).collect_into_vec(contacts);
+        } else {
+            contacts.clear();
+            contacts.extend(order.into_iter().map(contact));
         }
-        order.sort_unstable();
-        contacts.clear();
-        contacts.extend(
-            order
-                .into_iter()
-                .map(|(_, g, i)| results[g as usize].contacts[i as usize].1),
-        );
     }
 
-    fn groups<'a, T: Float>(
+    /// Sorts pairs into groups; each is to be met as soon as it is full.
+    fn group<'a, T: Float>(
         &'a self,
         scene: &'a Scene<'_, T>,
         pairs: &[Candidate],
-    ) -> Vec<Group<'a, T>> {
+        mut meet: impl FnMut(Group<'a, T>),
+    ) {
         let form = |shape: u32| self.forms[shape as usize];
         let mut open: Vec<_> = self.tables.iter().map(|_| Vec::new()).collect();
-        let mut groups = Vec::new();
         let mut with_mesh = Vec::new();
         let mut before = Before {
             impulse: scene.impulse,
@@ -169,17 +175,38 @@ impl NarrowPhase {
                 known: before.direction(shapes),
             });
             if list.len() == GROUP * scene.width {
-                groups.push(Group::of_solids(tables, std::mem::take(list)));
+                meet(Group::of_solids(tables, std::mem::take(list)));
             }
         }
         for (pairs, tables) in open.into_iter().zip(&self.tables) {
             if let (false, Some(tables)) = (pairs.is_empty(), tables) {
-                groups.push(Group::of_solids(tables, pairs));
+                meet(Group::of_solids(tables, pairs));
             }
         }
-        groups.extend(scene.mesh_groups(&with_mesh));
-        groups
+        scene.mesh_groups(&with_mesh).into_iter().for_each(meet);
     }
+}
+
+/// Where the contacts were found, group and place in it, in the order of their pairs.
+fn in_order<T>(results: &[Found<T>], pairs: usize) -> Vec<[u32; 2]> {
+    let all = || (0..).zip(results.iter().map(|found| (0..).zip(&found.contacts)));
+    // A counting sort: where those of each pair begin.
+    let mut next = vec![0_u32; pairs + 1];
+    for (_, contacts) in all() {
+        contacts.for_each(|(_, contact)| next[contact.0 as usize + 1] += 1);
+    }
+    for pair in 0..pairs {
+        next[pair + 1] += next[pair];
+    }
+    let mut order = vec![[0; 2]; next[pairs] as usize];
+    for (group, contacts) in all() {
+        for (i, contact) in contacts {
+            let place = &mut next[contact.0 as usize];
+            order[*place as usize] = [group, i];
+            *place += 1;
+        }
+    }
+    order
 }
 
 impl<'a, T> Group<'a, T> {
@@ -195,7 +222,7 @@ impl<'a, T> Group<'a, T> {
 }
 
 /// Registers' worths of pairs that one thread takes at a time.
-const GROUP: usize = 32;
+const GROUP: usize = 16;
 /// Share of a length that rounding of single precision may take away.
 const ROUNDING: f64 = 1e-6;
 

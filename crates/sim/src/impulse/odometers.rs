@@ -10,6 +10,7 @@
 
 use collide::kind;
 use numbers::Float;
+use rayon::prelude::*;
 use rigid::impulse::Impulse;
 use rigid::impulse::pair::{Placed, placed};
 
@@ -24,15 +25,21 @@ pub(super) struct Odometers {
 }
 
 impl Odometers {
-    /// Takes note of where the shapes are now.
-    pub fn advance<T: Float>(&mut self, impulse: &Impulse, shapes: &[Placed<T>], parameters: &[T]) {
-        let fresh = self.places.len() != shapes.len();
-        if fresh {
+    /// Takes note of where the shapes are now; a thread takes so many as a part at a time.
+    pub fn advance<T: Float>(
+        &mut self,
+        impulse: &Impulse,
+        shapes: &[Placed<T>],
+        parameters: &[T],
+        part: usize,
+    ) {
+        if self.places.len() != shapes.len() {
             self.places = shapes.iter().map(place).collect();
             self.ways = vec![0.0; shapes.len()];
         }
-        let all = self.places.iter_mut().zip(&mut self.ways).zip(shapes);
-        for (i, ((before, way), shape)) in all.enumerate() {
+        let all = self.places.par_iter_mut().zip(&mut self.ways).zip(shapes);
+        let all = all.with_min_len(part).enumerate();
+        all.for_each(|(i, ((before, way), shape))| {
             let now = place(shape);
             if now != *before {
                 let radius = if impulse.shapes()[i].kind == kind::PLANE {
@@ -43,7 +50,7 @@ impl Odometers {
                 *way += moved(before, &now, radius);
                 *before = now;
             }
-        }
+        });
     }
 
     /// How far each shape's points have moved at most [m], step by step.

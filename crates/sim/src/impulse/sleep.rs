@@ -63,13 +63,12 @@ impl<T: Float> Sleep<T> {
         refill(&mut self.asleep, bodies, false);
         refill(&mut self.rest, bodies, 0.0);
     }
-    /// Takes over how long a body has been slow; tells whether it sleeps.
-    pub fn load(&mut self, body: usize, rest: T, wrench: &[T; 6]) -> bool {
+    /// Takes over how long a body has been slow, and whether it sleeps.
+    pub fn load(&mut self, body: usize, rest: T, wrench: &[T; 6]) {
         if *wrench == [T::zero(); 6] {
             self.rest[body] = rest.to_f64();
             self.asleep[body] = self.rest[body] >= SLEEP_AFTER;
         }
-        self.asleep[body]
     }
     /// Wakes two bodies.
     pub fn wake(&mut self, rows: [u32; 2]) {

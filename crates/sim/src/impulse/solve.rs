@@ -114,10 +114,6 @@ impl<T: Float> Solver<'_, T> {
             bodies: self.share_bodies(&w.awake, team),
         };
         together(team, |member| self.work(&scene, &shares, member));
-        drop(shares);
-        for batch in 0..w.colours.batches.len() {
-            w.lanes.read(batch, w.colours.batch(batch), &mut w.contacts);
-        }
     }
 
     /// Bodies in parts.

@@ -3,7 +3,7 @@
 //! Two shapes have one contact, or, where one is a mesh, one for each normal: then each takes over from
 //! that of the nearest normal.
 
-use super::world::{MANY, World};
+use super::world::World;
 use collide::kind;
 use glam::DVec3;
 use numbers::Float;
@@ -18,10 +18,10 @@ const SAME_NORMAL: f64 = 0.5;
 impl<T: Float> World<'_, T> {
     /// Gives contacts, which are in order, the impulses that their points had before.
     pub fn recall(&self, state: &[T], contacts: &mut [Cached<T>]) {
-        if self.team == 1 || contacts.len() < MANY * self.team {
+        let part = self.part(contacts.len());
+        if contacts.len() <= part {
             return self.recall_run(state, contacts);
         }
-        let part = contacts.len().div_ceil(self.team);
         let parts = in_parts(contacts, part);
         parts
             .into_par_iter()

@@ -12,8 +12,8 @@ use super::solve::Solver;
 use crate::jobs::Lane;
 use numbers::Float;
 use rayon::prelude::*;
-use rigid::impulse::pair::{Placed, placed, solid};
-use rigid::impulse::{Cached, Impulse, State, WORLD, global, row, state};
+use rigid::impulse::pair::{Placed, placed};
+use rigid::impulse::{Cached, Impulse, REMEMBERED, State, WORLD, global, row, state};
 
 /// What a step needs besides the world's state; nothing in it outlives a step but its memory.
 pub(super) struct Workspace<T: Float> {
@@ -131,6 +131,7 @@ impl<T: Float> World<'_, T> {
         };
         self.take_joints(w);
         solver.run(state, w);
+        self.read_impulses(w);
         self.bodies(w, &globals, BodyStage::Finish);
         if !self.is_sound(w) {
             return self.give_up(state);
@@ -143,7 +144,7 @@ impl<T: Float> World<'_, T> {
             w.contacts.append(&mut w.sensed);
             w.contacts.sort_by_key(Cached::key);
         }
-        self.impulse().remember(&mut w.contacts, state);
+        self.remember(state, w);
     }
 
     /// Wakes what a controller moves by joints.
@@ -182,6 +183,39 @@ impl<T: Float> World<'_, T> {
         }
     }
 
+    /// Takes the impulses of the contacts out of their lanes.
+    fn read_impulses(&self, w: &mut Workspace<T>) {
+        let (lanes, part) = (&w.lanes, self.part(w.contacts.len()));
+        let places = w.colours.places().par_chunks(part);
+        let contacts = w.contacts.par_chunks_mut(part);
+        contacts.zip(places).for_each(|(contacts, places)| {
+            for (contact, place) in contacts.iter_mut().zip(places) {
+                lanes.read(*place as usize, contact);
+            }
+        });
+    }
+
+    fn remember(&self, state: &mut [T], w: &mut Workspace<T>) {
+        let rows = self.impulse().rows_for(&mut w.contacts, state);
+        let part = self.part(w.contacts.len());
+        let rows = rows.par_chunks_mut(REMEMBERED * part);
+        rows.zip(w.contacts.par_chunks(part))
+            .for_each(|(rows, contacts)| {
+                for (row, contact) in rows.chunks_exact_mut(REMEMBERED).zip(contacts) {
+                    contact.write(row);
+                }
+            });
+    }
+
+    /// How many of so many things one thread takes at a time: whole registers.
+    pub fn part(&self, things: usize) -> usize {
+        if self.team == 1 {
+            return things.next_multiple_of(self.width()).max(1);
+        }
+        let share = things.div_ceil(PARTS * self.team);
+        share.max(FEW).next_multiple_of(self.width())
+    }
+
     pub fn impulse(&self) -> &Impulse {
         &self.piles.impulse
     }
@@ -214,22 +248,27 @@ impl<T: Float> World<'_, T> {
         w.rows.resize(impulse.rows());
         w.rows.store(0, row::ORIENTATION + 3, T::one());
         w.sleep.clear(impulse.rows());
+        let from = |body: usize| &state[impulse.body_state(body)..][..state::WIDTH];
         for body in 1..impulse.rows() {
-            let from = &state[impulse.body_state(body)..][..state::WIDTH];
-            let wrench = w.wrenches[body];
-            let sleeps = w.sleep.load(body, from[state::REST], &wrench);
+            let rest = from(body)[state::REST];
+            w.sleep.load(body, rest, &w.wrenches[body]);
+        }
+        let (rows, wrenches, asleep) = (&w.rows, &w.wrenches, &w.sleep.asleep);
+        let bodies = (1..impulse.rows()).into_par_iter();
+        let part = self.part(impulse.rows());
+        bodies.with_min_len(part).for_each(|body| {
+            let from = from(body);
             for (i, x) in from[state::CENTER..][..7].iter().enumerate() {
-                w.rows.store(body, row::CENTER + i, *x);
+                rows.store(body, row::CENTER + i, *x);
             }
             for i in 0..6 {
-                w.rows
-                    .store(body, row::VELOCITY + i, from[state::VELOCITY + i]);
-                w.rows.store(body, row::WRENCH + i, wrench[i]);
-                if sleeps {
-                    w.rows.store(body, row::ACCELERATION + i, T::zero());
+                rows.store(body, row::VELOCITY + i, from[state::VELOCITY + i]);
+                rows.store(body, row::WRENCH + i, wrenches[body][i]);
+                if asleep[body] {
+                    rows.store(body, row::ACCELERATION + i, T::zero());
                 }
             }
-        }
+        });
         self.stir(&numbers, w);
         self.wake_up(w);
     }
@@ -245,8 +284,8 @@ impl<T: Float> World<'_, T> {
     }
 
     fn bodies(&self, w: &Workspace<T>, globals: &[T; global::WIDTH], stage: BodyStage) {
-        let width = self.width();
-        let work = |index: &[u32]| {
+        let parts = w.awake.par_chunks(self.part(w.awake.len()));
+        parts.for_each(|index| {
             self.lane.run(Bodies {
                 rows: &w.rows,
                 index,
@@ -254,38 +293,29 @@ impl<T: Float> World<'_, T> {
                 globals,
                 stage,
             });
-        };
-        self.in_shares(&w.awake, width * MANY, work);
-    }
-
-    /// Parts of a list, by all threads where that is worth its while.
-    fn in_shares(&self, list: &[u32], part: usize, work: impl Fn(&[u32]) + Send + Sync) {
-        if self.team > 1 && list.len() > part {
-            list.par_chunks(part).for_each(work);
-        } else {
-            work(list);
-        }
+        });
     }
 
     fn place(&self, w: &mut Workspace<T>, globals: &[T; global::WIDTH]) {
-        w.placed.clear();
-        let solids = self.impulse().solids(self.parameters);
-        let sizes = solids.chunks_exact(solid::WIDTH).map(|solid| Placed {
-            size: [
-                solid[solid::SIZE],
-                solid[solid::SIZE + 1],
-                solid[solid::SIZE + 2],
-            ],
+        let (impulse, piles) = (self.impulse(), self.piles);
+        let unplaced = Placed {
+            size: [T::zero(); 3],
             placed: [T::zero(); placed::WIDTH],
-        });
-        w.placed.extend(sizes);
-        self.lane.run(Shapes {
-            rows: &w.rows,
-            carriers: &self.piles.carriers,
-            index: &self.piles.shapes,
-            solids,
-            globals,
-            placed: &mut w.placed,
+        };
+        w.placed.resize(impulse.shapes().len(), unplaced);
+        let part = self.part(piles.shapes.len());
+        let shapes = piles.carriers.par_chunks(part);
+        let shapes = shapes.zip(piles.shapes.par_chunks(part));
+        let placed = w.placed.par_chunks_mut(part);
+        placed.zip(shapes).for_each(|(placed, (carriers, index))| {
+            self.lane.run(Shapes {
+                rows: &w.rows,
+                carriers,
+                index,
+                solids: impulse.solids(self.parameters),
+                globals,
+                placed,
+            });
         });
     }
 
@@ -300,9 +330,10 @@ impl<T: Float> World<'_, T> {
         w.contacts.clear();
         w.candidates.clear();
         if let Some(filter) = &self.piles.filter {
-            let (found, parameters) = (&mut w.candidates, self.parameters);
+            let (parameters, part) = (self.parameters, self.part(w.placed.len()));
+            let found = &mut w.candidates;
             w.broad_phase
-                .find(impulse, filter, &w.placed, parameters, found)?;
+                .find(impulse, filter, &w.placed, parameters, part, found)?;
         }
         self.remember_sleepers(state, w);
         self.narrow_phase(state, w);
@@ -322,12 +353,14 @@ impl<T: Float> World<'_, T> {
             let body = shapes[shape as usize].row;
             body != WORLD && !w.sleep.asleep[body as usize]
         };
-        w.pairs.clear();
-        let pairs = w
-            .candidates
-            .iter()
-            .filter(|pair| pair.shapes.into_iter().any(awake));
-        w.pairs.extend(pairs);
+        if w.sleep.asleep.contains(&true) {
+            let pairs = w.candidates.iter();
+            let pairs = pairs.filter(|pair| pair.shapes.into_iter().any(awake));
+            w.pairs.clear();
+            w.pairs.extend(pairs);
+        } else {
+            std::mem::swap(&mut w.pairs, &mut w.candidates);
+        }
         let scene = Scene {
             impulse: self.impulse(),
             shapes: &w.placed,
@@ -396,5 +429,7 @@ impl<T: Float> World<'_, T> {
 const TURN: f64 = 0.125;
 /// Nothing is farther from the origin [m].
 const FARTHEST: f64 = 1e9;
-/// Registers of bodies, or contacts, that are worth another thread.
-pub(super) const MANY: usize = 16;
+/// Parts of a list for each thread.
+const PARTS: usize = 2;
+/// Fewer things are not worth another thread.
+const FEW: usize = 64;
