@@ -2,12 +2,13 @@
 
 mod scene;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use kinetarium_sim::{Simulation, SimulationError, SimulationSettings};
 use model::examples::n_pendula;
-use model::{BodyId, Builder, Drive, Geometry, Model, Parts, Pose, Shape};
+use model::{BodyId, Builder, Drive, Geometry, Model, Parts, Pose};
 use numbers::Float;
 use scene::{BOTH, Method, TIME_STEP, chain, hash, hashes, mixed, motion, scatter, scattered};
+use std::f64::consts::FRAC_PI_4;
 
 const WORLDS: usize = 19;
 const OTHER: usize = 5;
@@ -292,18 +293,20 @@ fn a_model_of_another_structure_is_refused_and_changes_nothing() {
     }
 }
 
-/// Two cubes that float beside each other, of which one grows into the other: what was known of the gap is
-/// forgotten.
+/// Two cubes that float beside each other, 2 cm apart, until one of them grows into the other: what was known of
+/// the gap, while the boxes about them overlap, is forgotten.
 #[test]
 fn shapes_that_grow_touch() {
+    const APART: f64 = 0.155;
     let cubes = |half: f64| {
         let mut world = Builder::new("cubes");
         world.gravity(DVec3::ZERO);
         let cubes = world.object("cubes");
-        for (name, x, half) in [("first", 0.0, half), ("second", 0.22, 0.1)] {
+        let turn = DQuat::from_rotation_z(FRAC_PI_4);
+        for (name, at, half) in [("first", 0.0, half), ("second", APART, 0.1)] {
             let half = DVec3::splat(half);
-            let cube = cubes.body(name).at(Pose::at(DVec3::X * x));
-            cube.shape(Shape::new(Geometry::Box { half }));
+            let pose = Pose::new(DVec3::new(at, at, 0.0), turn);
+            cubes.body(name).at(pose).shape(Geometry::Box { half });
         }
         world.build().unwrap()
     };
@@ -314,7 +317,7 @@ fn shapes_that_grow_touch() {
     simulation.step(5);
     let second = BodyId(1);
     for world in 0..WORLDS {
-        let moved = simulation.outputs().body_position(world, second).x - 0.22;
+        let moved = simulation.outputs().body_position(world, second).x - APART;
         assert_eq!(moved > 1e-4, world == OTHER, "world {world}: {moved} m");
     }
 }
