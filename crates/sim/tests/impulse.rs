@@ -519,6 +519,61 @@ fn a_bullet_hits_a_thin_wall() {
 }
 
 /// Two cubes in one place come apart, slowly.
+/// Balls of 5 cm in a row along x, the first at a speed: in a step it goes farther than any is thick.
+fn struck(places: &[f64], wall: Option<f64>, speed: f64) -> Simulation<f32> {
+    let mut world = Builder::new("row");
+    world.gravity(DVec3::ZERO);
+    if let Some(x) = wall {
+        let half = DVec3::new(0.0005, 1.0, 1.0);
+        let wall = Shape::new(Geometry::Box { half }).at(Pose::at(DVec3::X * x));
+        world.object("wall").scenery(wall.with_material(smooth()));
+    }
+    let balls = world.object("balls");
+    let elastic = Material {
+        restitution: 1.0,
+        ..smooth()
+    };
+    for (i, x) in places.iter().enumerate() {
+        let ball = balls.body(format!("{i}")).at(Pose::at(DVec3::X * *x));
+        ball.shape(Shape::new(Geometry::Sphere { radius: 0.05 }).with_material(elastic));
+    }
+    let mut sim = simulate::<f32>(world.build().unwrap());
+    let mut velocities = vec![0.0; 6 * places.len()];
+    velocities[0] = speed;
+    set_velocities(&mut sim, &velocities);
+    sim
+}
+
+/// A ball at rest is thrown at a thin wall by another that strikes it within the step: 40 cm a step, and the wall
+/// is 3 cm away.
+#[test]
+fn what_is_struck_strikes_in_turn() {
+    let mut sim = struck(&[-0.3, 0.0], Some(0.08), 200.0);
+    for step in 0..20 {
+        sim.step(1);
+        for ball in [BodyId(0), BodyId(1)] {
+            let x = sim.outputs().body_position(0, ball).x;
+            assert!(x < 0.08, "step {step}: {ball:?} at {x} m");
+        }
+    }
+}
+
+/// A row of equal balls hands the first one's speed on to the last, though each gets far into the next one within the
+/// step in which it is struck.
+#[test]
+fn a_row_of_balls_hands_a_speed_on() {
+    const SPEED: f64 = 20.0;
+    let mut sim = struck(&[-0.13, 0.0, 0.11, 0.22], None, SPEED);
+    sim.step(8);
+    let outputs = sim.outputs();
+    let speeds: Vec<_> = (0..4)
+        .map(|i| outputs.body_velocity(0, BodyId(i)).x)
+        .collect();
+    for (speed, expected) in speeds.iter().zip([0.0, 0.0, 0.0, SPEED]) {
+        assert!((speed - expected).abs() < 0.02 * SPEED, "{speeds:?}");
+    }
+}
+
 #[test]
 fn a_deep_overlap_comes_apart_without_an_explosion() {
     let start = [DVec3::ZERO, DVec3::new(0.02, 0.01, 0.0)];

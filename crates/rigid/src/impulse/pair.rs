@@ -41,6 +41,8 @@ pub mod placed {
     pub const ORIENTATION: usize = placed_field::ORIENTATION;
     /// How far the shape can get within the step [m].
     pub const WAY: usize = placed_field::WAY;
+    /// That, and the radius of the ball that holds the shape [m].
+    pub const REACH: usize = placed_field::REACH;
     /// Half of the box, along the world's axes, that holds it throughout the step [m].
     pub const EXTENT: usize = placed_field::WIDTH;
     /// Numbers in a row.

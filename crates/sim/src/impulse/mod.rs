@@ -4,6 +4,7 @@
 //! one colour (`colours`), threads share the batches of each colour and go on when all are done
 //! (`team`). Neither changes any number: what is solved side by side shares nothing.
 
+mod ahead;
 mod batches;
 mod broad_phase;
 mod colours;

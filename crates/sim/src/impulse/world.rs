@@ -1,6 +1,7 @@
 //! One step of one world, stage by stage.
 
 use super::Piles;
+use super::ahead::ATTEMPTS;
 use super::batches::Lanes;
 use super::broad_phase::{BroadPhase, Candidate};
 use super::colours::Colours;
@@ -23,6 +24,8 @@ pub(super) struct Workspace<T: Float> {
     /// Bodies that are awake, filled up to whole registers.
     pub awake: Vec<u32>,
     pub placed: Vec<Placed<T>>,
+    /// How much farther [m] than foreseen shapes got in the attempts before at this step; none in the first.
+    pub ahead: Vec<T>,
     /// Of the world that is stepped.
     pub broad_phase: BroadPhase,
     candidates: Vec<Candidate>,
@@ -50,6 +53,7 @@ impl<T: Float> Default for Workspace<T> {
             wrenches: Vec::new(),
             awake: Vec::new(),
             placed: Vec::new(),
+            ahead: Vec::new(),
             broad_phase: BroadPhase::default(),
             candidates: Vec::new(),
             pairs: Vec::new(),
@@ -111,13 +115,34 @@ impl<T: Float> World<'_, T> {
 
     /// Advances the world by a part of a step.
     fn advance(&self, state: &mut [T], w: &mut Workspace<T>, first: bool) {
+        w.ahead.clear();
+        for attempt in 1..=ATTEMPTS {
+            if self.attempt(state, w).is_err() || !self.is_sound(w) {
+                return self.give_up(state);
+            }
+            if attempt == ATTEMPTS || !self.went_farther(state, w) {
+                break;
+            }
+        }
+        self.store(state, w, first);
+        self.keep_joints(state, w);
+        self.rest(state, w);
+        if !(w.sleep.frozen.is_empty() && w.sensed.is_empty()) {
+            w.contacts.append(&mut w.sleep.frozen);
+            w.contacts.append(&mut w.sensed);
+            w.contacts.sort_by_key(Cached::key);
+        }
+        self.remember(state, w);
+    }
+
+    /// Moves the bodies in their rows; the state stays.
+    fn attempt(&self, state: &[T], w: &mut Workspace<T>) -> Result<(), space::SpaceError> {
         let globals = self.impulse().globals(self.parameters, self.parts);
         self.load(state, w);
         self.bodies(w, &globals, BodyStage::Begin);
         self.place(w, &globals);
-        if self.find_contacts(state, w, &globals).is_err() {
-            return self.give_up(state);
-        }
+        self.look_farther(w);
+        self.find_contacts(state, w, &globals)?;
         let solver = Solver {
             impulse: &self.piles.impulse,
             parameters: self.parameters,
@@ -133,18 +158,7 @@ impl<T: Float> World<'_, T> {
         solver.run(state, w);
         self.read_impulses(w);
         self.bodies(w, &globals, BodyStage::Finish);
-        if !self.is_sound(w) {
-            return self.give_up(state);
-        }
-        self.store(state, w, first);
-        self.keep_joints(state, w);
-        self.rest(state, w);
-        if !(w.sleep.frozen.is_empty() && w.sensed.is_empty()) {
-            w.contacts.append(&mut w.sleep.frozen);
-            w.contacts.append(&mut w.sensed);
-            w.contacts.sort_by_key(Cached::key);
-        }
-        self.remember(state, w);
+        Ok(())
     }
 
     /// Wakes what a controller moves by joints.
