@@ -30,7 +30,7 @@ use numbers::Float;
 use rigid::impulse::{Collider, Impulse, State};
 use rigid::{Lengths, OutputTables, SolverError};
 use std::any::Any;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use team::attended;
 use world::{Workspace, World};
 
@@ -47,8 +47,9 @@ pub(crate) struct Piles<T: Float> {
     meshes: Vec<Option<Arc<Triangles>>>,
     /// Of worlds that are not stepped just now.
     workspaces: Mutex<Vec<Workspace<T>>>,
-    /// What each world keeps of the shapes that are near each other.
-    near: Vec<Mutex<BroadPhase>>,
+    /// What each world keeps of the shapes that are near each other, from the first step on.
+    near: OnceLock<Vec<Mutex<BroadPhase>>>,
+    worlds: usize,
 }
 
 impl<T: Float> Piles<T> {
@@ -66,7 +67,8 @@ impl<T: Float> Piles<T> {
             filter: settings.contacts.then(|| CollisionFilter::new(model)),
             narrow_phase: NarrowPhase::new(&impulse),
             workspaces: Mutex::default(),
-            near: (0..settings.worlds).map(|_| Mutex::default()).collect(),
+            near: OnceLock::new(),
+            worlds: settings.worlds,
             impulse,
         })
     }
@@ -106,7 +108,8 @@ impl<T: Float> Piles<T> {
     }
 
     fn near_in(&self, world: usize) -> MutexGuard<'_, BroadPhase> {
-        let near = self.near[world].lock();
+        let all = || (0..self.worlds).map(|_| Mutex::default()).collect();
+        let near = self.near.get_or_init(all)[world].lock();
         near.unwrap_or_else(PoisonError::into_inner)
     }
 }
