@@ -9,6 +9,7 @@
 //! What gets less far is left to the next step, which bounces by the speed of then: within a step, only the first
 //! of several blows that a body hands on is elastic.
 
+use super::odometers::{Place, moved};
 use super::world::{Workspace, World};
 use numbers::Float;
 use rayon::prelude::*;
@@ -45,19 +46,15 @@ impl<T: Float> World<'_, T> {
             if body == WORLD || asleep[body as usize] {
                 return None;
             }
-            let from = &state[self.impulse().body_state(body as usize)..][state::CENTER..];
-            let square = |i: usize| {
-                let to = rows.load(body as usize, row::CENTER + i);
-                (to - from[i]).to_f64().powi(2)
-            };
-            let shift = (square(0) + square(1) + square(2)).sqrt();
-            let turn = (square(3) + square(4) + square(5) + square(6)).sqrt();
+            let body = body as usize;
+            let center = &state[self.impulse().body_state(body)..][state::CENTER..];
+            let from: Place = std::array::from_fn(|i| center[i].to_f64());
+            let to = std::array::from_fn(|i| rows.load(body, row::CENTER + i).to_f64());
             let at = &placed[shape].placed;
-            let arm = |i: usize| (at[placed::POSITION + i] - from[i]).to_f64().powi(2);
+            let arm = |i: usize| (at[placed::POSITION + i].to_f64() - from[i]).powi(2);
             let arm = (arm(0) + arm(1) + arm(2)).sqrt();
             let radius = self.impulse().radius_of(shape, self.parameters).to_f64();
-            // As for the odometers.
-            let more = shift + 2.0 * turn * (arm + radius) - at[placed::WAY].to_f64();
+            let more = moved(&from, &to, arm + radius) - at[placed::WAY].to_f64();
             let solid = self.impulse().solid_of(shape, self.parameters);
             let half = solid[solid::EXTENT..][..3].iter().map(|x| x.to_f64());
             let thickness = half.fold(f64::INFINITY, f64::min);

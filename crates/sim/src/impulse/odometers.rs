@@ -1,11 +1,11 @@
 //! How far shapes have moved, for how long two of them stay apart.
 //!
-//! Shapes that are apart by d cannot touch before their points have moved by d, both together (Mirtich 1996,
-//! "Impulse-based dynamic simulation of rigid body systems", section 2.3, bounds the time by the same). Where a shape
+//! Shapes that are apart by a length cannot touch before their points have moved as far, both together. (Mirtich 1996,
+//! "Impulse-based dynamic simulation of rigid body systems", bounds the time of impact by the same.) Where a shape
 //! goes from p, q to p', q', none of its points, which are within R of p, moves farther than
 //!
 //! ```text
-//! |p' − p| + 2 R |q' − q|,     since 2 R sin(θ/2) ≤ 4 R sin(θ/4), and |q' − q| = 2 sin(θ/4).
+//! |p' − p| + 2 R sin(θ/2),     sin(θ/2) = d √(1 − d²/4),     d = |q' − q| = 2 sin(θ/4).
 //! ```
 
 use collide::kind;
@@ -15,7 +15,7 @@ use rigid::impulse::Impulse;
 use rigid::impulse::pair::{Placed, placed};
 
 /// Position and orientation.
-type Place = [f64; 7];
+pub(super) type Place = [f64; 7];
 
 /// The way of each colliding shape.
 #[derive(Debug, Default)]
@@ -64,18 +64,18 @@ fn place<T: Float>(shape: &Placed<T>) -> Place {
     std::array::from_fn(|i| numbers[i].to_f64())
 }
 
-/// How far a point within `radius` of a shape's centre moves at most [m].
-fn moved(from: &Place, to: &Place, radius: f64) -> f64 {
+/// How far a point within `radius` of a centre moves at most [m].
+pub(super) fn moved(from: &Place, to: &Place, radius: f64) -> f64 {
     let square = |i: usize| (to[i] - from[i]).powi(2);
-    let shift = square(0) + square(1) + square(2);
-    let turn = square(3) + square(4) + square(5) + square(6);
+    let shift = (square(0) + square(1) + square(2)).sqrt();
+    let d_squared = square(3) + square(4) + square(5) + square(6);
+    let sine = (d_squared * (1.0 - 0.25 * d_squared).max(0.0)).sqrt();
     // What only shifts stays in its place, were it without end.
-    let turned = if turn > 0.0 {
-        2.0 * radius * turn.sqrt()
+    if sine > 0.0 {
+        shift + 2.0 * radius * sine
     } else {
-        0.0
-    };
-    shift.sqrt() + turned
+        shift
+    }
 }
 
 #[cfg(test)]
