@@ -205,8 +205,11 @@ impl<T: Float> Job for Shapes<'_, T> {
                 let shape = index[lane] as usize;
                 let to = &mut self.placed[shape - self.index[0] as usize];
                 let solid = &self.solids[shape * solid::WIDTH..];
-                to.size
-                    .copy_from_slice(&solid[solid::SIZE..solid::SIZE + 3]);
+                to.size = [
+                    solid[solid::SIZE],
+                    solid[solid::SIZE + 1],
+                    solid[solid::SIZE + 2],
+                ];
                 for i in 0..placed::WIDTH {
                     to.placed[i] = numbers[i * R::WIDTH + lane];
                 }
