@@ -184,11 +184,12 @@ fn collider(shape: &Shape) -> Outcome<ColliderBuilder> {
             half_height: h,
         } => ColliderBuilder::cone(h as f32, r as f32),
         Geometry::Box { half: a } => ColliderBuilder::cuboid(a.x as f32, a.y as f32, a.z as f32),
-        Geometry::Ellipsoid { .. }
-        | Geometry::Hull(_)
-        | Geometry::Mesh(_)
-        | Geometry::MeshFile { .. } => {
-            let what = "neither ellipsoids nor hulls nor meshes";
+        Geometry::Mesh(ref mesh) => {
+            let vertices = mesh.vertices().iter().map(|v| vector(*v));
+            ColliderBuilder::trimesh(vertices.collect(), mesh.triangles().to_vec())?
+        }
+        Geometry::Ellipsoid { .. } | Geometry::Hull(_) | Geometry::MeshFile { .. } => {
+            let what = "neither ellipsoids nor hulls nor files of meshes";
             return Err(refuse("shape", &shape.name, what).unwrap_err());
         }
     };

@@ -2,8 +2,10 @@
 
 use crate::contest::ROUND;
 use crate::engine::Outcome;
-use kinetarium::model::ModelError;
+use glam::{DVec2, DVec3};
+use kinetarium::model::{ModelError, Shape, TriangleMesh};
 use kinetarium::prelude::*;
+use std::f64::consts::TAU;
 
 const TOWERS: usize = 100;
 const TOWER_BOXES: usize = 10;
@@ -25,7 +27,7 @@ enum Tops {
     Pyramid,
 }
 
-pub static SCENES: [Scene; 5] = [
+pub static SCENES: [Scene; 6] = [
     Scene {
         name: "100 towers of 10 boxes",
         make: || examples::towers(TOWERS, TOWER_BOXES),
@@ -56,7 +58,41 @@ pub static SCENES: [Scene; 5] = [
         steps: 10,
         tops: Tops::None,
     },
+    Scene {
+        name: "1000 solids on 3872 triangles",
+        make: || bumps(1000),
+        steps: ROUND,
+        tops: Tops::None,
+    },
 ];
+
+/// The solids of a bowl, side by side, above a mesh of waves in which they come to rest.
+fn bumps(count: usize) -> Result<Model, ModelError> {
+    const CELLS: usize = 44;
+    const CELL: f64 = 0.1;
+    const SPACING: f64 = 0.12;
+    let wave = |cell: usize| (TAU * cell as f64 / 8.0).sin();
+    let row = |z: usize| (0..=CELLS).map(|x| 0.03 * wave(x) * wave(z)).collect();
+    let heights: Vec<Vec<f64>> = (0..=CELLS).map(row).collect();
+    let mesh = TriangleMesh::height_field(&heights, DVec2::splat(CELL))?;
+    let bowl = examples::bowl(count)?;
+    let (solids, ground): (Vec<_>, Vec<_>) = bowl.shapes.iter().partition(|s| s.body.is_some());
+    let mut world = Builder::new(format!("bumps_{count}"));
+    let field = Shape::new(Geometry::Mesh(mesh)).with_material(ground[0].material);
+    world.object("ground").scenery(field.named("field"));
+    let object = world.object("solids");
+    let side = (count as f64).sqrt().ceil() as usize;
+    for (i, solid) in solids.into_iter().enumerate() {
+        let place = [i % side, i / side].map(|n| SPACING * (n as f64 - 0.5 * side as f64));
+        let body = object.body(format!("solid_{i}"));
+        let body = body.at(Pose::at(DVec3::new(place[0], 0.1, place[1])));
+        body.shape(Shape {
+            body: None,
+            ..solid.clone()
+        });
+    }
+    world.build()
+}
 
 impl Scene {
     /// The bodies at the top, each of which comes down by 1 mm for itself and each one below it.
