@@ -58,7 +58,8 @@ impl<K: Default> PairCache<K> {
     /// a pair is new, and must always say the same. A pair that stays keeps its `K`.
     ///
     /// # Errors
-    /// A box has a NaN or is inside out, or there are more than 2³⁰. All is as before then.
+    /// A box has a NaN or is inside out, or there are more than 2³⁰. All is as before then; where the number of
+    /// objects is another, nothing is kept.
     pub fn update(
         &mut self,
         boxes: &[Aabb],
@@ -68,16 +69,14 @@ impl<K: Default> PairCache<K> {
             *self = Self::default();
         }
         self.find_left(boxes);
-        if self.left.is_empty() {
-            self.updates += 1;
-            return Ok(());
-        }
         for &i in &self.left {
             boxes::check(i as usize, &boxes[i as usize])?;
         }
-        self.updates += 1;
-        self.grow(boxes)?;
-        self.merge(may_meet);
+        self.updates = self.updates.wrapping_add(1);
+        if !self.left.is_empty() {
+            self.grow(boxes)?;
+            self.merge(may_meet);
+        }
         Ok(())
     }
 
@@ -123,7 +122,7 @@ impl<K: Default> PairCache<K> {
         let mut fat = |i: u32| {
             let (own, seen) = (&boxes[i as usize], &mut self.seen[i as usize]);
             let (before, when) = std::mem::replace(seen, (*own, self.updates));
-            fattened(own, &before, self.updates - when)
+            fattened(own, &before, self.updates.wrapping_sub(when))
         };
         if self.left.len() * FEW > boxes.len() {
             let mut all = space.boxes().all().to_vec();
