@@ -38,5 +38,5 @@ pub use memory::Memory;
 pub use pose::Pose;
 pub use quat::Quat;
 pub use real::{Float, Known, Lanes, LanesMask, Mask, Real};
-pub use rows::{Atom, LANES, Quad, Rows};
+pub use rows::{Atom, LANES, Picked, Quad, Rows};
 pub use vec3::Vec3;

@@ -70,10 +70,21 @@ impl<T: Float> Quad<T> {
     }
 }
 
+/// One row, which begins with a line of the cache.
+#[derive(Debug)]
+#[repr(C, align(64))]
+struct Row<T: Float, const Q: usize>([Quad<T>; Q]);
+
+impl<T: Float, const Q: usize> Row<T, Q> {
+    fn zeros() -> Self {
+        Self([const { Quad::zeros() }; Q])
+    }
+}
+
 /// Rows of `Q` times four numbers.
 #[derive(Debug)]
 pub struct Rows<T: Float, const Q: usize> {
-    rows: Vec<[Quad<T>; Q]>,
+    rows: Vec<Row<T, Q>>,
 }
 
 impl<T: Float, const Q: usize> Default for Rows<T, Q> {
@@ -88,57 +99,69 @@ pub const LANES: usize = 16;
 impl<T: Float, const Q: usize> Rows<T, Q> {
     /// So many rows; new ones are zero.
     pub fn resize(&mut self, rows: usize) {
-        self.rows.resize_with(rows, || [const { Quad::zeros() }; Q]);
+        self.rows.resize_with(rows, Row::zeros);
     }
     /// A number.
     #[inline(always)]
     pub fn load(&self, row: usize, field: usize) -> T {
-        self.rows[row][field / 4].0[field % 4].load()
+        self.rows[row].0[field / 4].0[field % 4].load()
     }
     /// Replaces a number.
     #[inline(always)]
     pub fn store(&self, row: usize, field: usize, x: T) {
-        self.rows[row][field / 4].0[field % 4].store(x);
+        self.rows[row].0[field / 4].0[field % 4].store(x);
     }
-    /// Reads neighbouring fields of as many rows as a register has lanes, a lane each.
+    /// Replaces neighbouring fields of a row.
+    #[inline(always)]
+    pub fn write(&self, row: usize, field: usize, numbers: &[T]) {
+        let quads = &self.rows[row].0;
+        for i in 0..numbers.len() {
+            quads[(field + i) / 4].0[(field + i) % 4].store(numbers[i]);
+        }
+    }
+    /// As many rows as a register has lanes.
     ///
     /// # Panics
-    /// If there are fewer rows than lanes.
+    /// If there are fewer indices than lanes, or no such rows.
     #[inline(always)]
-    pub fn gather<R: Lanes<Scalar = T>, const N: usize>(
-        &self,
-        rows: &[u32],
-        field: usize,
-        registers: &mut [R],
-    ) {
-        let mut lanes = [&self.rows[0]; LANES];
+    pub fn pick<R: Lanes<Scalar = T>>(&self, index: &[u32]) -> Picked<'_, T, Q> {
+        let first = &self.rows[0].0;
+        let mut rows = [first; LANES];
         for lane in 0..R::WIDTH {
-            lanes[lane] = &self.rows[rows[lane] as usize];
+            rows[lane] = &self.rows[index[lane] as usize].0;
         }
+        Picked { rows, first }
+    }
+}
+
+/// Rows, a lane each.
+#[derive(Debug)]
+pub struct Picked<'a, T: Float, const Q: usize> {
+    rows: [&'a [Quad<T>; Q]; LANES],
+    /// Row 0.
+    first: &'a [Quad<T>; Q],
+}
+
+impl<T: Float, const Q: usize> Picked<'_, T, Q> {
+    /// Reads neighbouring fields.
+    #[inline(always)]
+    pub fn gather<R: Lanes<Scalar = T>, const N: usize>(&self, field: usize, registers: &mut [R]) {
         for quad in field / 4..(field + N).div_ceil(4) {
-            let columns = R::load_quads(&lanes, quad);
+            let columns = R::load_quads(&self.rows, quad);
             for at in field.max(4 * quad)..(field + N).min(4 * quad + 4) {
                 registers[at - field] = columns[at % 4];
             }
         }
     }
     /// Writes back what [`gather`](Self::gather) read, but for row 0; soonest where it is whole quads.
-    ///
-    /// # Panics
-    /// If there are fewer rows than lanes.
     #[inline(always)]
-    pub fn scatter<R: Lanes<Scalar = T>, const N: usize>(
-        &self,
-        rows: &[u32],
-        field: usize,
-        registers: &[R],
-    ) {
+    pub fn scatter<R: Lanes<Scalar = T>, const N: usize>(&self, field: usize, registers: &[R]) {
         // Row 0 is everybody's: what would go there goes nowhere.
         let nowhere = [const { Quad::zeros() }; Q];
-        let mut lanes = [&nowhere; LANES];
-        for lane in 0..R::WIDTH {
-            if rows[lane] != 0 {
-                lanes[lane] = &self.rows[rows[lane] as usize];
+        let mut lanes: [&[Quad<T>; Q]; LANES] = self.rows;
+        for lane in &mut lanes[..R::WIDTH] {
+            if core::ptr::eq(*lane, self.first) {
+                *lane = &nowhere;
             }
         }
         for quad in field / 4..(field + N).div_ceil(4) {
@@ -177,11 +200,12 @@ mod tests {
         fn run<R: Lanes<Scalar = T>>(self) {
             for index in self.index.chunks_exact(R::WIDTH) {
                 let mut registers = [R::zero(); 7];
-                self.rows.gather::<R, 7>(index, 2, &mut registers);
+                let picked = self.rows.pick::<R>(index);
+                picked.gather::<R, 7>(2, &mut registers);
                 for x in &mut registers {
                     *x += R::one();
                 }
-                self.rows.scatter::<R, 7>(index, 2, &registers);
+                picked.scatter::<R, 7>(2, &registers);
             }
         }
     }

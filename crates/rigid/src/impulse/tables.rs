@@ -26,14 +26,16 @@ pub mod row {
     pub const PREPARED: usize = 22;
     /// Orientation of the principal axes when the step began.
     pub const ORIENTATION: usize = 22;
+    /// How many of the first fields the end of a step needs, in whole quads; two are not used.
+    pub const PLACED: usize = 28;
     /// Velocity and spin that the small step would have had without contacts.
-    pub const FREE: usize = 26;
+    pub const FREE: usize = 28;
     /// Acceleration and angular acceleration by all but the contacts.
-    pub const ACCELERATION: usize = 32;
+    pub const ACCELERATION: usize = 34;
     /// Force [N] and torque about the centre [N·m] from outside, world axes.
-    pub const WRENCH: usize = 38;
+    pub const WRENCH: usize = 40;
     /// Numbers in a row.
-    pub const WIDTH: usize = 44;
+    pub const WIDTH: usize = 48;
 }
 
 /// Fields of a body's row of constants.

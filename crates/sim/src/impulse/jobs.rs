@@ -2,12 +2,14 @@
 
 use super::batches::Batch;
 use numbers::dispatch::Job;
-use numbers::{Cpu, Float, Lanes, Machine, PerWorld, Rows};
+use numbers::{Cpu, Float, Lanes, Machine, PerWorld, Picked, Rows};
 use rigid::impulse::pair::{Placed, ShapeTables, place, placed, solid};
 use rigid::impulse::{BodyTables, ContactTables, body, contact, global, mass, row};
 
 /// The bodies of a world while it steps; row 0 is what does not move.
 pub(super) type BodyRows<T> = Rows<T, { row::WIDTH / 4 }>;
+/// Some of them, a lane each.
+type PickedBodies<'a, T> = Picked<'a, T, { row::WIDTH / 4 }>;
 
 /// What to do with bodies.
 #[derive(Clone, Copy, Debug)]
@@ -66,14 +68,14 @@ trait BodyWork {
     /// Whether the kernel reads the bodies' constants.
     const MASSES: bool;
     /// Reads what the kernel needs.
-    fn gather<R: Lanes>(rows: &BodyRows<R::Scalar>, index: &[u32], to: &mut [R; row::WIDTH]);
+    fn gather<R: Lanes>(rows: &PickedBodies<'_, R::Scalar>, to: &mut [R; row::WIDTH]);
     fn run<M: Machine>(k: &mut M, t: &BodyTables, again: M::R);
     /// Writes what the kernel changed.
-    fn scatter<R: Lanes>(rows: &BodyRows<R::Scalar>, index: &[u32], from: &[R; row::WIDTH]);
+    fn scatter<R: Lanes>(rows: &PickedBodies<'_, R::Scalar>, from: &[R; row::WIDTH]);
 }
 
 /// A stage's kernel, whether it reads the bodies' constants, and the fields that it reads and writes,
-/// as `FIELD: COUNT`.
+/// as `FIELD: COUNT`. Whole quads are written sooner than single fields, so that some are written as they were.
 macro_rules! body_work {
     ($($name:ident($k:ident, $t:ident, $again:ident) = $kernel:expr;
        masses $masses:literal; reads $($from:ident: $n:expr),+; writes $($to:ident: $m:expr),+;)+) => {
@@ -81,24 +83,16 @@ macro_rules! body_work {
         impl BodyWork for $name {
             const MASSES: bool = $masses;
             #[inline(always)]
-            fn gather<R: Lanes>(
-                rows: &BodyRows<R::Scalar>,
-                index: &[u32],
-                to: &mut [R; row::WIDTH],
-            ) {
-                $(rows.gather::<R, { $n }>(index, row::$from, &mut to[row::$from..]);)+
+            fn gather<R: Lanes>(rows: &PickedBodies<'_, R::Scalar>, to: &mut [R; row::WIDTH]) {
+                $(rows.gather::<R, { $n }>(row::$from, &mut to[row::$from..]);)+
             }
             #[inline(always)]
             fn run<M: Machine>($k: &mut M, $t: &BodyTables, $again: M::R) {
                 $kernel
             }
             #[inline(always)]
-            fn scatter<R: Lanes>(
-                rows: &BodyRows<R::Scalar>,
-                index: &[u32],
-                from: &[R; row::WIDTH],
-            ) {
-                $(rows.scatter::<R, { $m }>(index, row::$to, &from[row::$to..]);)+
+            fn scatter<R: Lanes>(rows: &PickedBodies<'_, R::Scalar>, from: &[R; row::WIDTH]) {
+                $(rows.scatter::<R, { $m }>(row::$to, &from[row::$to..]);)+
             }
         })+
     };
@@ -106,16 +100,16 @@ macro_rules! body_work {
 
 body_work! {
     Begin(k, t, _again) = body::begin(k, t);
-    masses true; reads VELOCITY: 6, ORIENTATION: 4, WRENCH: 6; writes SHIFT: 13, FREE: 12;
+    masses true; reads VELOCITY: row::PLACED, WRENCH: 6; writes VELOCITY: 20, FREE: 12;
 
     Advance(k, t, again) = body::advance(k, t, again);
-    masses false; reads VELOCITY: 6, FREE: 12; writes VELOCITY: 6, FREE: 6;
+    masses false; reads VELOCITY: 8, FREE: 12; writes VELOCITY: 8, FREE: 8;
 
     Drift(k, t, _again) = body::drift(k, t);
-    masses false; reads VELOCITY: row::MOVING; writes SHIFT: 6;
+    masses false; reads VELOCITY: row::MOVING; writes VELOCITY: row::MOVING;
 
     Finish(k, t, _again) = body::finish(k, t);
-    masses true; reads VELOCITY: row::MOVING, CENTER: 7, ACCELERATION: 12; writes SPIN: 3, CENTER: 7;
+    masses true; reads VELOCITY: row::PLACED, ACCELERATION: 12; writes VELOCITY: row::PLACED;
 }
 
 impl<T: Float> Job for Bodies<'_, T> {
@@ -144,7 +138,8 @@ impl<T: Float> Bodies<'_, T> {
             if W::MASSES {
                 fill::<R, { mass::WIDTH }>(&mut parameters, index, self.masses, global::WIDTH);
             }
-            W::gather(self.rows, index, &mut numbers);
+            let rows = self.rows.pick::<R>(index);
+            W::gather(&rows, &mut numbers);
             let mut k = Cpu {
                 state: &mut numbers,
                 input: &[],
@@ -154,7 +149,7 @@ impl<T: Float> Bodies<'_, T> {
                 links: &[],
             };
             W::run(&mut k, &t, again);
-            W::scatter(self.rows, index, &numbers);
+            W::scatter(&rows, &numbers);
         }
     }
 }
@@ -186,10 +181,10 @@ impl<T: Float> Job for Shapes<'_, T> {
             let index = &self.index[batch * R::WIDTH..];
             let carriers = &self.carriers[batch * R::WIDTH..];
             fill::<R, { solid::WIDTH }>(&mut parameters, index, self.solids, global::WIDTH);
-            let (rows, mut scratch) = (self.rows, [R::zero(); 19]);
-            rows.gather::<R, 6>(carriers, row::VELOCITY, &mut scratch);
-            rows.gather::<R, 6>(carriers, row::ACCELERATION, &mut scratch[6..]);
-            rows.gather::<R, 7>(carriers, row::CENTER, &mut scratch[12..]);
+            let (rows, mut scratch) = (self.rows.pick::<R>(carriers), [R::zero(); 19]);
+            rows.gather::<R, 6>(row::VELOCITY, &mut scratch);
+            rows.gather::<R, 6>(row::ACCELERATION, &mut scratch[6..]);
+            rows.gather::<R, 7>(row::CENTER, &mut scratch[12..]);
             let mut found = [R::zero(); placed::WIDTH];
             let mut k = Cpu {
                 state: &mut found,
@@ -281,8 +276,8 @@ impl<T: Float> Job for Contacts<'_, '_, T> {
     }
 }
 
-/// What a contact writes of its bodies: velocity and spin, and, for whole quads, what follows as it was.
-const WRITTEN: usize = 8;
+/// What a contact or a joint writes of its bodies: velocity and spin, and, for whole quads, what follows as it was.
+pub(super) const WRITTEN: usize = 8;
 
 impl<T: Float> Contacts<'_, '_, T> {
     #[inline(always)]
@@ -292,12 +287,15 @@ impl<T: Float> Contacts<'_, '_, T> {
         let parameters: [R; global::WIDTH] = spread(self.globals);
         let mut pair = [R::zero(); 2 * row::PREPARED];
         for batch in self.batches.iter_mut() {
+            let bodies = [
+                self.rows.pick::<R>(batch.bodies),
+                self.rows.pick::<R>(&batch.bodies[R::WIDTH..]),
+            ];
             for side in 0..2 {
-                let bodies = &batch.bodies[side * R::WIDTH..];
                 let to = &mut pair[side * row::PREPARED..];
                 match W::READS {
-                    Reads::All => self.rows.gather::<R, { row::PREPARED }>(bodies, 0, to),
-                    Reads::Motion => self.rows.gather::<R, { row::MOVING }>(bodies, 0, to),
+                    Reads::All => bodies[side].gather::<R, { row::PREPARED }>(0, to),
+                    Reads::Motion => bodies[side].gather::<R, { row::MOVING }>(0, to),
                 }
             }
             let mut k = Cpu {
@@ -311,9 +309,8 @@ impl<T: Float> Contacts<'_, '_, T> {
             W::run(&mut k, &t, pushing);
             for side in 0..2 {
                 if let Reads::Motion = W::READS {
-                    let bodies = &batch.bodies[side * R::WIDTH..];
                     let from = &pair[side * row::PREPARED..];
-                    self.rows.scatter::<R, WRITTEN>(bodies, row::VELOCITY, from);
+                    bodies[side].scatter::<R, WRITTEN>(row::VELOCITY, from);
                 }
             }
         }

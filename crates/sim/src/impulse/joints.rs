@@ -1,6 +1,6 @@
 //! Joints in lanes: gathered, worked on, and put back, as contacts are.
 
-use super::jobs::{BodyRows, spread};
+use super::jobs::{BodyRows, WRITTEN, spread};
 use numbers::dispatch::Job;
 use numbers::{Cpu, Float, Lanes, Machine, Memory, PerWorld};
 use rigid::impulse::joint::{
@@ -199,13 +199,16 @@ impl<T: Float> Joints<'_, '_, T> {
         let parameters: [R; global::WIDTH] = spread(self.globals);
         let mut work = [R::zero(); JointTables::SCRATCH];
         for batch in self.batches.iter_mut() {
+            let bodies = [
+                self.rows.pick::<R>(batch.bodies),
+                self.rows.pick::<R>(&batch.bodies[R::WIDTH..]),
+            ];
             for side in 0..2 {
-                let bodies = &batch.bodies[side * R::WIDTH..];
                 let to = &mut work[side * PLACED..];
                 if W::PLACES {
-                    self.rows.gather::<R, PLACED>(bodies, 0, to);
+                    bodies[side].gather::<R, PLACED>(0, to);
                 } else {
-                    self.rows.gather::<R, 6>(bodies, row::VELOCITY, to);
+                    bodies[side].gather::<R, WRITTEN>(row::VELOCITY, to);
                 }
             }
             let mut k = Cpu {
@@ -219,9 +222,8 @@ impl<T: Float> Joints<'_, '_, T> {
             W::run(&mut k, &t, pushing);
             for side in 0..2 {
                 if !W::PLACES {
-                    let bodies = &batch.bodies[side * R::WIDTH..];
                     let from = &work[side * PLACED..];
-                    self.rows.scatter::<R, 6>(bodies, row::VELOCITY, from);
+                    bodies[side].scatter::<R, WRITTEN>(row::VELOCITY, from);
                 }
             }
         }

@@ -272,15 +272,11 @@ impl<T: Float> World<'_, T> {
         let part = self.part(impulse.rows());
         bodies.with_min_len(part).for_each(|body| {
             let from = from(body);
-            for (i, x) in from[state::CENTER..][..7].iter().enumerate() {
-                rows.store(body, row::CENTER + i, *x);
-            }
-            for i in 0..6 {
-                rows.store(body, row::VELOCITY + i, from[state::VELOCITY + i]);
-                rows.store(body, row::WRENCH + i, wrenches[body][i]);
-                if asleep[body] {
-                    rows.store(body, row::ACCELERATION + i, T::zero());
-                }
+            rows.write(body, row::CENTER, &from[state::CENTER..][..7]);
+            rows.write(body, row::VELOCITY, &from[state::VELOCITY..][..6]);
+            rows.write(body, row::WRENCH, &wrenches[body]);
+            if asleep[body] {
+                rows.write(body, row::ACCELERATION, &[T::zero(); 6]);
             }
         });
         self.stir(&numbers, w);
