@@ -81,7 +81,9 @@ struct Group<'a, T> {
 
 /// What was found of a group's pairs, by their places in the list of pairs.
 struct Found<T> {
-    contacts: Vec<(u32, Cached<T>)>,
+    contacts: Vec<Cached<T>>,
+    /// Of each contact, the place of its pair.
+    places: Vec<u32>,
     /// Pairs that are apart [m].
     apart: Vec<(u32, f64)>,
 }
@@ -133,7 +135,7 @@ impl NarrowPhase {
             are_apart(pairs[*place as usize], *gap);
         }
         let order = in_order(&results, pairs.len());
-        let contact = |[group, i]: [u32; 2]| results[group as usize].contacts[i as usize].1;
+        let contact = |[group, i]: [u32; 2]| results[group as usize].contacts[i as usize];
         if scene.threads {
             let order = order.into_par_iter().with_min_len(GROUP);
             order.map(contact).collect_into_vec(contacts);
@@ -189,21 +191,21 @@ impl NarrowPhase {
 
 /// Where the contacts were found, group and place in it, in the order of their pairs.
 fn in_order<T>(results: &[Found<T>], pairs: usize) -> Vec<[u32; 2]> {
-    let all = || (0..).zip(results.iter().map(|found| (0..).zip(&found.contacts)));
+    let all = || (0..).zip(results.iter().map(|found| (0..).zip(&found.places)));
     // A counting sort: where those of each pair begin.
     let mut next = vec![0_u32; pairs + 1];
-    for (_, contacts) in all() {
-        contacts.for_each(|(_, contact)| next[contact.0 as usize + 1] += 1);
+    for (_, places) in all() {
+        places.for_each(|(_, place)| next[*place as usize + 1] += 1);
     }
     for pair in 0..pairs {
         next[pair + 1] += next[pair];
     }
     let mut order = vec![[0; 2]; next[pairs] as usize];
-    for (group, contacts) in all() {
-        for (i, contact) in contacts {
-            let place = &mut next[contact.0 as usize];
-            order[*place as usize] = [group, i];
-            *place += 1;
+    for (group, places) in all() {
+        for (i, place) in places {
+            let next = &mut next[*place as usize];
+            order[*next as usize] = [group, i];
+            *next += 1;
         }
     }
     order
@@ -315,6 +317,7 @@ impl<T: Float> Scene<'_, T> {
         let mut register = Register::new(self.width, group);
         let mut found = Found {
             contacts: Vec::with_capacity(group.pairs.len()),
+            places: Vec::with_capacity(group.pairs.len()),
             apart: Vec::new(),
         };
         let old = |i: &u32| !group.tables.takes_long() || group.pairs[*i as usize].touched();
@@ -334,22 +337,22 @@ impl<T: Float> Scene<'_, T> {
                 }
             }
         }
-        let mut contacts = Vec::new();
         for members in near.chunks(self.width) {
             register.fill(self, members);
             register.run(|block| narrow_phase(self.lane, group.tables.contacts(), block));
             for (lane, member) in members.iter().enumerate() {
                 let pair = &group.pairs[*member as usize];
-                register.read(lane, pair.shapes, &mut contacts);
-                if contacts.is_empty() && group.triangles.is_empty() {
+                let first = found.contacts.len();
+                register.read(lane, pair.shapes, &mut found.contacts);
+                if found.contacts.len() == first && group.triangles.is_empty() {
                     let gap = self.unseen(pair.shapes);
                     found
                         .apart
                         .push((pair.place, self.surely(gap, pair.shapes)));
                 }
-                let contacts = contacts.drain(..).filter(|contact| self.matters(contact));
-                let contacts = contacts.map(|contact| (pair.place, contact));
-                found.contacts.extend(contacts);
+                let idle = |contact: &mut Cached<T>| !self.matters(contact);
+                found.contacts.extract_if(first.., idle).for_each(drop);
+                found.places.resize(found.contacts.len(), pair.place);
             }
         }
         found
