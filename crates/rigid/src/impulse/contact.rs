@@ -105,6 +105,16 @@ impl<R: Real> Moved<R> {
     }
 }
 
+/// A direction n at a point of contact.
+#[derive(Clone, Copy)]
+struct Along<R> {
+    n: Vec3<R>,
+    /// r_A × n and r_B × n.
+    levers: [Vec3<R>; 2],
+    /// I_A⁻¹ (r_A × n) and I_B⁻¹ (r_B × n). They do not wait for the velocities, which each point in turn changes.
+    turns: [Vec3<R>; 2],
+}
+
 /// The bodies of a contact, changed by impulses.
 pub(super) struct Pair<M: Machine> {
     masses: [M::R; 2],
@@ -152,6 +162,30 @@ impl<M: Machine> Pair<M> {
         let (a, b) = (self.a.get(), self.b.get());
         store_motion(k, t, k.index(0), a);
         store_motion(k, t, k.index(1), b);
+    }
+    #[inline(always)]
+    fn along(&self, n: Vec3<M::R>, arms: [Vec3<M::R>; 2]) -> Along<M::R> {
+        let levers = [arms[0].cross(n), arms[1].cross(n)];
+        let turns = [self.inertia[0] * levers[0], self.inertia[1] * levers[1]];
+        Along { n, levers, turns }
+    }
+    /// n·u.
+    #[inline(always)]
+    fn speed(&self, along: &Along<M::R>) -> M::R {
+        let (a, b) = (self.a.get(), self.b.get());
+        let turning = along.levers[1].dot(b.angular) - along.levers[0].dot(a.angular);
+        along.n.dot(b.linear - a.linear) + turning
+    }
+    /// λ n on B, −λ n on A.
+    #[inline(always)]
+    fn give(&mut self, along: &Along<M::R>, impulse: M::R) {
+        let (mut a, mut b) = (self.a.get(), self.b.get());
+        a.linear = along.n.fma(-(self.masses[0] * impulse), a.linear);
+        b.linear = along.n.fma(self.masses[1] * impulse, b.linear);
+        a.angular = along.turns[0].fma(-impulse, a.angular);
+        b.angular = along.turns[1].fma(impulse, b.angular);
+        self.a.set(a);
+        self.b.set(b);
     }
     /// Relative velocity at two arms.
     #[inline(always)]
@@ -301,7 +335,8 @@ pub fn warm_start<M: Machine>(k: &mut M, t: &ContactTables) {
             k.vec3(t.point, i, point::ARM_A),
             k.vec3(t.point, i, point::ARM_B),
         ];
-        pair.push(normal * k.load(t.point, i, point::IMPULSE), arms);
+        let along = pair.along(normal, arms);
+        pair.give(&along, k.load(t.point, i, point::IMPULSE));
     }
     let arms = [
         k.vec3(t.manifold, only, manifold::ARMS),
@@ -338,6 +373,7 @@ pub fn solve<M: Machine>(k: &mut M, t: &ContactTables, pushing: M::R) {
     let (mut load, mut moment) = (k.cell(M::R::zero()), k.cell(M::R::zero()));
     for i in k.range(only, k.link(t.points, only, 0)) {
         let arms = moved.arms(k, t, i);
+        let along = pair.along(normal, arms);
         let tilt = turns[1].cross(arms[1]) - turns[0].cross(arms[0]);
         let [gap, old, spread, peak] = k.read(t.point, i, point::GAP);
         let [compliance, bias, softness] = k.read(t.point, i, point::COMPLIANCE);
@@ -347,10 +383,11 @@ pub fn solve<M: Machine>(k: &mut M, t: &ContactTables, pushing: M::R) {
         let wanted = M::R::select(apart, gap * rate, pushed);
         let hard = M::R::select(gives, softness, M::R::zero());
         let soft = M::R::select(apart, hard, softness * pushing);
-        let residual = soft.fma(old, normal.dot(pair.velocity(arms)) + wanted);
-        let new = (old - residual / (compliance + soft)).max(M::R::zero());
+        let mass = (compliance + soft).recip();
+        let residual = pair.speed(&along) + soft.fma(old, wanted);
+        let new = mass.fnma(residual, old).max(M::R::zero());
         let new = M::R::select(stays, old, new);
-        pair.push(normal * (new - old), arms);
+        pair.give(&along, new - old);
         k.write(t.point, i, point::IMPULSE, [new, spread, peak.max(new)]);
         load.write(load.read() + new);
         moment.write(spread.fma(new, moment.read()));
@@ -375,15 +412,15 @@ pub fn bounce<M: Machine>(k: &mut M, t: &ContactTables) {
     let mut pair = Pair::load(k, t);
     let moved = Moved::load(k, t, pair.masses);
     for i in k.range(only, k.link(t.points, only, 0)) {
-        let arms = moved.arms(k, t, i);
+        let along = pair.along(normal, moved.arms(k, t, i));
         let [peak, approach] = k.read(t.point, i, point::PEAK);
         let old = k.load(t.point, i, point::IMPULSE);
         let met = peak.gt(M::R::zero()) & approach.lt(-resting) & restitution.gt(M::R::zero());
-        let residual = restitution.fma(approach, normal.dot(pair.velocity(arms)));
+        let residual = restitution.fma(approach, pair.speed(&along));
         let compliance = k.load(t.point, i, point::COMPLIANCE);
         let new = (old - residual / compliance).max(M::R::zero());
         let new = M::R::select(met, new, old);
-        pair.push(normal * (new - old), arms);
+        pair.give(&along, new - old);
         k.store(t.point, i, point::IMPULSE, new);
     }
     pair.store(k, t);

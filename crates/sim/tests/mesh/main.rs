@@ -256,7 +256,7 @@ fn a_pile_on_hills_is_the_same_however_it_is_computed() {
     let weight = model.total_mass() * G;
     let run = |settings: SimulationSettings| {
         let mut sim = Simulation::<f32>::new(model.clone(), settings).unwrap();
-        sim.step(500);
+        sim.step(1500);
         let snapshot = sim.snapshot();
         sim.step(1000);
         let places = places(&mut sim);
