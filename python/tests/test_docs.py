@@ -2,7 +2,6 @@
 
 import json
 import re
-import runpy
 from pathlib import Path
 
 import pytest
@@ -24,15 +23,6 @@ def test_notebook(path, tmp_path, monkeypatch):
     for cell in cells:
         if cell["cell_type"] == "code":
             exec(compile("".join(cell["source"]), path.name, "exec"), names)
-
-
-def test_the_example_that_learns(tmp_path, monkeypatch):
-    pytest.importorskip("torch", reason="torch is not installed")
-    monkeypatch.chdir(tmp_path)
-    script = NOTEBOOKS[0].parent / "ppo.py"
-    monkeypatch.setattr("sys.argv", [str(script), "kinetarium/InvertedPendulum-v0", "--short"])
-    runpy.run_path(str(script), run_name="__main__")
-    assert list(tmp_path.rglob("*.csv"))
 
 
 @pytest.mark.parametrize("page", PYTHON, ids=lambda page: page.stem)

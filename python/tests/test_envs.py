@@ -336,13 +336,3 @@ def test_pictures_go_along_with_the_robot():
 def test_an_id_brings_its_module():
     assert gymnasium.make("kinetarium.envs:kinetarium/Reacher-v0").unwrapped.task.dt == pytest.approx(0.02)
     assert kinetarium.envs.ROBOTS.keys() == set(ROBOTS)
-
-
-def test_stable_baselines_learns_from_it():
-    sb3 = pytest.importorskip("stable_baselines3", reason="stable-baselines3 and torch are not installed")
-    from stable_baselines3.common.env_util import make_vec_env
-
-    one = gymnasium.make("kinetarium/Hopper-v0")
-    assert sb3.PPO("MlpPolicy", one, n_steps=128, device="cpu", seed=0).learn(256).num_timesteps == 256
-    some = make_vec_env("kinetarium/InvertedPendulum-v0", n_envs=3, seed=0)
-    assert sb3.PPO("MlpPolicy", some, n_steps=64, device="cpu", seed=0).learn(384).num_timesteps == 384

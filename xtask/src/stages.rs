@@ -13,11 +13,11 @@ pub struct Stage {
     pub run: fn(&Workshop) -> Result<()>,
 }
 
-/// Runs the stages named (all when none is), then prints how long each took.
-pub fn run(stages: &[Stage], names: &[&str], workshop: &Workshop) -> Result<()> {
+/// Runs the stages named, of `stages` and `others` (all of `stages` when none is), then prints how long each took.
+pub fn run(stages: &[Stage], others: &[Stage], names: &[&str], workshop: &Workshop) -> Result<()> {
     let mut durations = Vec::new();
     let mut outcome = Ok(());
-    for stage in selected(stages, names)? {
+    for stage in selected(stages, others, names)? {
         println!("\n=== {}: {}", stage.name, stage.purpose);
         let start = Instant::now();
         outcome = (stage.run)(workshop).with_context(|| format!("stage `{}` failed", stage.name));
@@ -30,17 +30,19 @@ pub fn run(stages: &[Stage], names: &[&str], workshop: &Workshop) -> Result<()> 
     outcome
 }
 
-fn selected<'a>(stages: &'a [Stage], names: &[&str]) -> Result<Vec<&'a Stage>> {
-    if let Some(unknown) = names
-        .iter()
-        .find(|name| stages.iter().all(|s| s.name != **name))
-    {
+fn selected<'a>(
+    stages: &'a [Stage],
+    others: &'a [Stage],
+    names: &[&str],
+) -> Result<Vec<&'a Stage>> {
+    if names.is_empty() {
+        return Ok(stages.iter().collect());
+    }
+    let all = || stages.iter().chain(others);
+    if let Some(unknown) = names.iter().find(|name| all().all(|s| s.name != **name)) {
         bail!("no stage is called `{unknown}`; `cargo xtask test --list` names them");
     }
-    Ok(stages
-        .iter()
-        .filter(|s| names.is_empty() || names.contains(&s.name))
-        .collect())
+    Ok(all().filter(|s| names.contains(&s.name)).collect())
 }
 
 fn summarise(durations: &[(&str, Duration, bool)]) {

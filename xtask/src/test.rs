@@ -106,14 +106,21 @@ const STAGES: &[Stage] = &[
     },
 ];
 
+/// Runs only when it is named.
+const BY_NAME: &[Stage] = &[Stage {
+    name: "learning",
+    purpose: "Stable-Baselines3 and the example that learns, with torch (5 GB): only when named",
+    run: learning,
+}];
+
 pub fn list() {
-    for stage in STAGES {
+    for stage in STAGES.iter().chain(BY_NAME) {
         println!("{:<10} {}", stage.name, stage.purpose);
     }
 }
 
 pub fn run(workshop: &Workshop, names: &[&str]) -> Result<()> {
-    stages::run(STAGES, names, workshop)
+    stages::run(STAGES, BY_NAME, names, workshop)
 }
 
 fn tools(workshop: &Workshop) -> Result<()> {
@@ -286,6 +293,18 @@ fn python(workshop: &Workshop) -> Result<()> {
     .run()?;
     cmd!(sh, "{python} -m mypy.stubtest kinetarium._engine").run()?;
     Ok(cmd!(sh, "{python} -m mypy python/kinetarium").run()?)
+}
+
+/// The tests of the package that are skipped for want of torch.
+fn learning(workshop: &Workshop) -> Result<()> {
+    let python = workshop.python_that_learns()?;
+    // Several threads of torch wait for each other where something else runs, too.
+    Ok(cmd!(
+        workshop.sh,
+        "{python} -m pytest --quiet python/tests/test_learning.py"
+    )
+    .env("OMP_NUM_THREADS", "1")
+    .run()?)
 }
 
 /// Runs the program as a newcomer would, in an empty folder, and expects its files and exit codes.

@@ -88,11 +88,17 @@ impl Workshop {
         })
     }
 
-    /// The Python of a virtual environment with the pinned peers in it, made when missing or outdated.
+    /// The Python of a virtual environment with the pinned peers in it.
     pub fn peers_python(&self) -> Result<PathBuf> {
-        let venv = self.root.join("target/venv");
+        self.environment("venv", "tests/peers/requirements.txt")
+    }
+
+    /// The Python of a virtual environment in `target/FOLDER`, made when missing or outdated, with what the file
+    /// `requirements` pins.
+    fn environment(&self, folder: &str, requirements: &str) -> Result<PathBuf> {
+        let venv = self.root.join("target").join(folder);
         let python = venv.join("bin/python");
-        let pinned = self.sh.read_file("tests/peers/requirements.txt")?;
+        let pinned = self.sh.read_file(requirements)?;
         let stamp = venv.join("requirements.txt");
         if self
             .sh
@@ -111,16 +117,29 @@ impl Workshop {
             self.install("python3-venv")?;
         }
         cmd!(self.sh, "python3 -m venv --clear {venv}").run()?;
-        cmd!(self.sh, "{python} -m pip install --quiet --disable-pip-version-check -r tests/peers/requirements.txt")
-            .run()
-            .context("the Python peers could not be installed; is the package index reachable?")?;
+        cmd!(
+            self.sh,
+            "{python} -m pip install --quiet --disable-pip-version-check -r {requirements}"
+        )
+        .run()
+        .with_context(|| {
+            format!("{requirements} could not be installed; is the package index reachable?")
+        })?;
         self.sh.write_file(&stamp, pinned)?;
         Ok(python)
     }
 
-    /// The same Python with the package of this repository, as users install it.
+    /// The Python of the peers with the package of this repository, as users install it.
     pub fn python_with_package(&self) -> Result<PathBuf> {
-        let python = self.peers_python()?;
+        self.with_package(self.peers_python()?)
+    }
+
+    /// Another with the package, and with torch and Stable-Baselines3.
+    pub fn python_that_learns(&self) -> Result<PathBuf> {
+        self.with_package(self.environment("learning", "tests/learning/requirements.txt")?)
+    }
+
+    fn with_package(&self, python: PathBuf) -> Result<PathBuf> {
         let quietly = ["--quiet", "--disable-pip-version-check"];
         cmd!(
             self.sh,
