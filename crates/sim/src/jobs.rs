@@ -216,7 +216,7 @@ macro_rules! pair_job {
 macro_rules! pairs {
     ($($name:ident $kernel:ident;)+) => {
         $(pair_job!($name, !T::DOUBLE, |contacts, cpu| contacts.meet::<_, kernel::$kernel>(cpu));)+
-        pair_job!(mesh, false, |contacts, cpu| contacts.meet_mesh(cpu));
+        pair_job!(mesh, !T::DOUBLE, |contacts, cpu| contacts.meet_mesh(cpu));
         pair_job!(meshes, false, |contacts, cpu| contacts.meet_meshes(cpu));
         pair_job!(bounds, !T::DOUBLE, |contacts, cpu| contacts.apart(cpu));
 

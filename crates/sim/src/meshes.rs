@@ -3,6 +3,7 @@
 use collide::mesh::Triangle;
 use glam::DVec3;
 use model::{Geometry, Shape, TriangleMesh};
+use rigid::impulse::pair::Near;
 use space::{Aabb, Bvh, Space};
 use std::sync::Arc;
 
@@ -59,9 +60,20 @@ impl Triangles {
         self.mesh.normal(triangle as usize)
     }
 
-    /// Those whose boxes meet a region, in the order of the mesh.
-    pub fn near(&self, region: &Aabb) -> Vec<&Triangle> {
-        let found = self.space.overlap(region);
-        found.into_iter().map(|t| &self.all[t as usize]).collect()
+    /// The numbers of those whose boxes meet a region, in the order of the mesh.
+    pub fn near(&self, region: &Aabb, found: &mut Vec<u32>) {
+        found.extend(self.space.overlap(region));
+    }
+
+    pub fn triangle(&self, number: u32) -> &Triangle {
+        &self.all[number as usize]
+    }
+
+    /// Some, as kernels of pairs take them.
+    pub fn some<'a>(&'a self, numbers: &'a [u32]) -> Near<'a> {
+        Near {
+            all: &self.all,
+            numbers,
+        }
     }
 }

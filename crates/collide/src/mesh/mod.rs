@@ -12,6 +12,7 @@ mod kernel;
 #[cfg(feature = "meshes")]
 mod load;
 mod matter;
+mod oriented_box;
 mod piece;
 mod tables;
 
@@ -20,4 +21,5 @@ pub use decomposition::convex_decomposition;
 pub use kernel::{Surface, mesh_convex, mesh_mesh};
 #[cfg(feature = "meshes")]
 pub use load::{LoadError, load, parse};
+pub use oriented_box::OrientedBox;
 pub use tables::{MeshData, MeshTables, SLOTS, Triangle, contact};

@@ -121,6 +121,21 @@ impl Triangle {
     pub fn bounds(&self) -> [DVec3; 2] {
         [0, 3].map(|i| DVec3::from_slice(&self.numbers[i..]))
     }
+
+    /// Its corners [m].
+    pub(super) fn corners(&self) -> [DVec3; 3] {
+        let middle = DVec3::from_slice(&self.numbers[6..]);
+        [0, 3, 6].map(|i| middle + DVec3::from_slice(&self.vertices[i..]))
+    }
+
+    pub(super) fn normal(&self) -> DVec3 {
+        DVec3::from_slice(&self.numbers[9..])
+    }
+
+    /// Unit vectors out of it in its plane, across the edges from each corner to the next.
+    pub(super) fn edges(&self) -> [DVec3; 3] {
+        [12, 16, 20].map(|i| DVec3::from_slice(&self.numbers[i..]))
+    }
 }
 
 /// Meshes put together for the kernels.

@@ -123,6 +123,15 @@ pub struct Placed<T> {
     pub placed: [T; placed::WIDTH],
 }
 
+/// Some triangles of a mesh.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Near<'a> {
+    /// All of the mesh.
+    pub all: &'a [Triangle],
+    /// Which of them.
+    pub numbers: &'a [u32],
+}
+
 /// A pair as the kernels read it.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair<'a, T> {
@@ -131,7 +140,7 @@ pub struct Pair<'a, T> {
     /// Their corners about their centres [m], three numbers each.
     pub corners: [&'a [T]; 2],
     /// Of those that meet as meshes, the triangles that are near the other.
-    pub triangles: [&'a [&'a Triangle]; 2],
+    pub triangles: [Near<'a>; 2],
     /// The direction from A to B in which they touched last; zero where that is not known.
     pub known: [T; 3],
     /// The gap [m] that their surfaces keep.
@@ -279,7 +288,10 @@ impl PairTables {
         let [a, b] = self.triangles;
         for (triangles, rows) in pair.triangles.into_iter().zip([0..a, a..a + b]) {
             t.meshes.put(
-                triangles.iter().copied(),
+                triangles
+                    .numbers
+                    .iter()
+                    .map(|t| &triangles.all[*t as usize]),
                 rows,
                 (t.kernels.vertices, all),
                 (lane, width),

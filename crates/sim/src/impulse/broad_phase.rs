@@ -104,6 +104,11 @@ impl BroadPhase {
         found.truncate(count);
     }
 
+    /// What the shapes' odometers show [m].
+    pub fn ways(&self) -> &[f64] {
+        self.odometers.ways()
+    }
+
     /// Takes note that a pair is apart now by this length [m] or more.
     pub fn are_apart(&mut self, pair: Candidate, gap: f64) {
         let ways = pair.shapes.map(|s| self.odometers.ways()[s as usize]);

@@ -11,6 +11,7 @@ mod colours;
 mod islands;
 mod jobs;
 mod joints;
+mod mid_phase;
 mod narrow_phase;
 mod odometers;
 mod sleep;
@@ -24,6 +25,7 @@ use crate::engine::{Block, Engine, Task};
 use crate::jobs::Lane;
 use crate::meshes::{Meshes, Triangles};
 use broad_phase::BroadPhase;
+use mid_phase::MidPhase;
 use model::{CollisionFilter, Model, ShapeId};
 use narrow_phase::NarrowPhase;
 use numbers::Float;
@@ -33,6 +35,13 @@ use std::any::Any;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use team::attended;
 use world::{Workspace, World};
+
+/// What a world keeps from step to step. It changes nothing that is found.
+#[derive(Debug, Default)]
+struct Kept {
+    broad_phase: BroadPhase,
+    mid_phase: MidPhase,
+}
 
 /// A model at a precision.
 pub(crate) struct Piles<T: Float> {
@@ -48,7 +57,7 @@ pub(crate) struct Piles<T: Float> {
     /// Of worlds that are not stepped just now.
     workspaces: Mutex<Vec<Workspace<T>>>,
     /// What each world keeps of the shapes that are near each other, from the first step on.
-    near: OnceLock<Vec<Mutex<BroadPhase>>>,
+    kept: OnceLock<Vec<Mutex<Kept>>>,
     worlds: usize,
 }
 
@@ -67,7 +76,7 @@ impl<T: Float> Piles<T> {
             filter: settings.contacts.then(|| CollisionFilter::new(model)),
             narrow_phase: NarrowPhase::new(&impulse),
             workspaces: Mutex::default(),
-            near: OnceLock::new(),
+            kept: OnceLock::new(),
             worlds: settings.worlds,
             impulse,
         })
@@ -76,8 +85,8 @@ impl<T: Float> Piles<T> {
     fn step(&self, lane: Lane, team: usize, block: &mut Block<'_, T>, steps: usize) {
         let taken = self.workspaces.lock().map(|mut all| all.pop());
         let mut workspace = taken.ok().flatten().unwrap_or_default();
-        let mut near = self.near_in(block.number);
-        std::mem::swap(&mut workspace.broad_phase, &mut near);
+        let mut kept = self.kept_of(block.number);
+        std::mem::swap(&mut workspace.kept, &mut kept);
         let world = World {
             piles: self,
             lane,
@@ -99,7 +108,7 @@ impl<T: Float> Piles<T> {
         } else {
             advance();
         }
-        std::mem::swap(&mut workspace.broad_phase, &mut near);
+        std::mem::swap(&mut workspace.kept, &mut kept);
         let mut all = self
             .workspaces
             .lock()
@@ -107,10 +116,10 @@ impl<T: Float> Piles<T> {
         all.push(workspace);
     }
 
-    fn near_in(&self, world: usize) -> MutexGuard<'_, BroadPhase> {
+    fn kept_of(&self, world: usize) -> MutexGuard<'_, Kept> {
         let all = || (0..self.worlds).map(|_| Mutex::default()).collect();
-        let near = self.near.get_or_init(all)[world].lock();
-        near.unwrap_or_else(PoisonError::into_inner)
+        let kept = self.kept.get_or_init(all)[world].lock();
+        kept.unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -152,7 +161,7 @@ impl<T: Float> Engine<T> for Piles<T> {
         self.impulse.take_over(bodies, state);
     }
     fn forget(&self, world: usize) {
-        *self.near_in(world) = BroadPhase::default();
+        *self.kept_of(world) = Kept::default();
     }
     fn run(&self, lane: Lane, team: usize, mut block: Block<'_, T>, task: Task) {
         match task {

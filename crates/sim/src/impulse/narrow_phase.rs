@@ -1,18 +1,17 @@
 //! Where shapes that could touch do.
 
 use super::broad_phase::{Candidate, reach};
+use super::mid_phase::{MeshPair, MidPhase};
 use super::sleep::NEARBY;
 use crate::engine::Block;
 use crate::jobs::{Lane, apart, narrow_phase};
 use crate::meshes::Triangles;
-use collide::mesh::Triangle;
 use collide::{Route, kind};
-use glam::{DMat3, DQuat, DVec3};
+use glam::DVec3;
 use numbers::{Float, Memory};
 use rayon::prelude::*;
-use rigid::impulse::pair::{MARGIN, Pair, PairTables, Placed, placed};
+use rigid::impulse::pair::{MARGIN, Near, Pair, PairTables, Placed, placed};
 use rigid::impulse::{Cached, Collider, Impulse};
-use space::Aabb;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -41,6 +40,8 @@ pub(super) struct Scene<'a, T> {
     pub shapes: &'a [Placed<T>],
     /// Of shapes that are meshes.
     pub meshes: &'a [Option<Arc<Triangles>>],
+    /// What the shapes' odometers show [m].
+    pub ways: &'a [f64],
     /// The world's, with the contacts of the step before.
     pub state: &'a [T],
     pub parameters: &'a [T],
@@ -68,15 +69,12 @@ impl<T: Float> Look<T> {
     }
 }
 
-/// Of two shapes that meet as meshes, the triangles that are near the other.
-type Near<'a> = [Vec<&'a Triangle>; 2];
-
 /// Pairs of the same forms, and of nearly as many triangles.
 struct Group<'a, T> {
     tables: Cow<'a, PairTables>,
     pairs: Vec<Look<T>>,
     /// Of each pair, where a mesh is among them.
-    triangles: Vec<Near<'a>>,
+    triangles: Vec<[Near<'a>; 2]>,
 }
 
 /// What was found of a group's pairs, by their places in the list of pairs.
@@ -108,32 +106,34 @@ impl NarrowPhase {
         }
     }
 
-    /// The contacts of the pairs that have any, in the order of the pairs; tells which pairs are apart, and by
-    /// which length [m] at least.
+    /// The contacts of the pairs that have any, in the order of the pairs; which pairs are apart, and by which length
+    /// [m] at least.
     pub fn find<T: Float>(
         &self,
         scene: &Scene<'_, T>,
         pairs: &[Candidate],
+        mid_phase: &mut MidPhase,
         contacts: &mut Vec<Cached<T>>,
-        mut are_apart: impl FnMut(Candidate, f64),
-    ) {
+    ) -> Vec<(Candidate, f64)> {
         let results = Mutex::new(Vec::new());
         let meet = |group: &Group<'_, T>| {
             let found = scene.meet(group);
             let mut results = results.lock().unwrap_or_else(PoisonError::into_inner);
             results.push(found);
         };
-        if scene.threads {
+        let without = if scene.threads {
             rayon::scope(|team| {
-                self.group(scene, pairs, |group| team.spawn(|_| meet(&{ group })));
-            });
+                let meet = |group| team.spawn(|_| meet(&{ group }));
+                self.group(scene, pairs, mid_phase, meet)
+            })
         } else {
-            self.group(scene, pairs, |group| meet(&group));
-        }
+            self.group(scene, pairs, mid_phase, |group| meet(&group))
+        };
         let results = results.into_inner().unwrap_or_else(PoisonError::into_inner);
-        for (place, gap) in results.iter().flat_map(|found| &found.apart) {
-            are_apart(pairs[*place as usize], *gap);
-        }
+        let apart = results.iter().flat_map(|found| &found.apart);
+        let apart = apart.chain(&without);
+        let apart = apart.map(|(place, gap)| (pairs[*place as usize], *gap));
+        let apart = apart.collect();
         let order = in_order(&results, pairs.len());
         let contact = |[group, i]: [u32; 2]| results[group as usize].contacts[i as usize];
         if scene.threads {
@@ -143,15 +143,18 @@ impl NarrowPhase {
             contacts.clear();
             contacts.extend(order.into_iter().map(contact));
         }
+        apart
     }
 
-    /// Sorts pairs into groups; each is to be met as soon as it is full.
+    /// Sorts pairs into groups; each is to be met as soon as it is full. Returns the places of those that are found
+    /// to be apart already, and by which length [m] they are.
     fn group<'a, T: Float>(
         &'a self,
         scene: &'a Scene<'_, T>,
         pairs: &[Candidate],
+        mid_phase: &'a mut MidPhase,
         mut meet: impl FnMut(Group<'a, T>),
-    ) {
+    ) -> Vec<(u32, f64)> {
         let form = |shape: u32| self.forms[shape as usize];
         let mut open: Vec<_> = self.tables.iter().map(|_| Vec::new()).collect();
         let mut with_mesh = Vec::new();
@@ -185,7 +188,14 @@ impl NarrowPhase {
                 meet(Group::of_solids(tables, pairs));
             }
         }
-        scene.mesh_groups(&with_mesh).into_iter().for_each(meet);
+        let kept = mid_phase.find(scene, with_mesh.iter().map(|(_, shapes)| *shapes), GROUP);
+        let places = with_mesh.iter().map(|(place, _)| *place);
+        let (near, far): (Vec<_>, Vec<_>) = places.zip(kept).partition(|(_, kept)| kept.is_near());
+        scene.mesh_groups(&near).into_iter().for_each(meet);
+        let gap = |kept: &MeshPair| kept.until - scene.gone(kept.shapes);
+        far.into_iter()
+            .map(|(place, kept)| (place, gap(kept)))
+            .collect()
     }
 }
 
@@ -226,7 +236,7 @@ impl<'a, T> Group<'a, T> {
 /// Registers' worths of pairs that one thread takes at a time.
 const GROUP: usize = 16;
 /// Share of a length that rounding of single precision may take away.
-const ROUNDING: f64 = 1e-6;
+pub(super) const ROUNDING: f64 = 1e-6;
 
 impl<T: Float> Scene<'_, T> {
     fn route(&self, shapes: [u32; 2]) -> Option<Route> {
@@ -235,30 +245,24 @@ impl<T: Float> Scene<'_, T> {
     }
 
     /// Pairs with meshes: side by side those of like solids, or of meshes, with nearly as many triangles.
-    fn mesh_groups(&self, pairs: &[(u32, [u32; 2])]) -> Vec<Group<'_, T>> {
-        let find = |&(place, shapes): &(u32, [u32; 2])| {
-            let look = Look {
-                place,
-                shapes,
-                known: [T::zero(); 3],
-            };
-            (look, self.triangles(shapes))
-        };
-        let found: Vec<_> = if self.threads {
-            pairs.par_iter().with_min_len(GROUP).map(find).collect()
-        } else {
-            pairs.iter().map(find).collect()
-        };
-        let mut alike = BTreeMap::<(Form, usize), (Vec<Look<T>>, Vec<Near<'_>>)>::new();
-        for (look, near) in found.into_iter().filter(|pair| !pair.1[1].is_empty()) {
-            let mut first = form(&self.impulse.shapes()[look.shapes[0] as usize]);
+    fn mesh_groups<'a>(&'a self, pairs: &[(u32, &'a MeshPair)]) -> Vec<Group<'a, T>> {
+        let mut alike = BTreeMap::<(Form, usize), (Vec<Look<T>>, Vec<[Near<'a>; 2]>)>::new();
+        for &(place, MeshPair { shapes, near, .. }) in pairs {
+            let mut first = form(&self.impulse.shapes()[shapes[0] as usize]);
             let [of_a, of_b] = [0, 1].map(|i| near[i].len().next_power_of_two());
             if first.0 == kind::MESH {
                 first.1 = of_a;
             }
             let (looks, triangles) = alike.entry((first, of_b)).or_default();
-            looks.push(look);
-            triangles.push(near);
+            looks.push(Look {
+                place,
+                shapes: *shapes,
+                known: [T::zero(); 3],
+            });
+            triangles.push([0, 1].map(|i| match &self.meshes[shapes[i] as usize] {
+                Some(mesh) => mesh.some(&near[i]),
+                None => Near::default(),
+            }));
         }
         let mut groups = Vec::new();
         for (((first, size), room), (mut pairs, mut triangles)) in alike {
@@ -275,41 +279,6 @@ impl<T: Float> Scene<'_, T> {
             }
         }
         groups
-    }
-
-    /// The triangles of two shapes, of which the second is a mesh, that may meet within the step.
-    fn triangles(&self, shapes: [u32; 2]) -> Near<'_> {
-        let [a, b] = shapes.map(|s| &self.shapes[s as usize].placed);
-        let mesh = |i: usize| self.meshes[shapes[i] as usize].as_ref();
-        let Some(mesh_b) = mesh(1) else {
-            return [Vec::new(), Vec::new()];
-        };
-        let margin = self.impulse.margin(shapes, self.parameters).to_f64();
-        let slack = b[placed::WAY].to_f64() + margin + NEARBY;
-        let around_a = vec3(a, placed::POSITION);
-        let in_b = seen(
-            b,
-            around_a,
-            DMat3::IDENTITY,
-            vec3(a, placed::EXTENT) + slack,
-        );
-        let of_b = mesh_b.near(&in_b);
-        let of_a = match mesh(0) {
-            Some(mesh_a) if !of_b.is_empty() => {
-                let boxes = of_b.iter().map(|t| t.bounds());
-                let [low, high] = boxes
-                    .reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
-                    .expect("there are some");
-                let low = low.max(in_b.min.as_dvec3());
-                let high = high.min(in_b.max.as_dvec3());
-                let axes = axes(b);
-                let center = vec3(b, placed::POSITION) + axes * (0.5 * (low + high));
-                let slack = slack + a[placed::WAY].to_f64();
-                mesh_a.near(&seen(a, center, axes, 0.5 * (high - low) + slack))
-            }
-            _ => Vec::new(),
-        };
-        [of_a, of_b]
     }
 
     /// The contacts of a group: of the pairs that are near, once those are known where that is found out sooner.
@@ -392,23 +361,8 @@ impl<T: Float> Scene<'_, T> {
     }
 }
 
-fn vec3<T: Float>(numbers: &[T], at: usize) -> DVec3 {
+pub(super) fn vec3<T: Float>(numbers: &[T], at: usize) -> DVec3 {
     DVec3::from_array([0, 1, 2].map(|i| numbers[at + i].to_f64()))
-}
-
-/// The axes of a shape in its place, as columns.
-fn axes<T: Float>(shape: &[T]) -> DMat3 {
-    let turn = [0, 1, 2, 3].map(|i| shape[placed::ORIENTATION + i].to_f64());
-    DMat3::from_quat(DQuat::from_array(turn))
-}
-
-/// The box in a shape's frame about a box of the world: its centre, its axes, and half of it along these.
-fn seen<T: Float>(by: &[T], center: DVec3, of: DMat3, half: DVec3) -> Aabb {
-    let to_frame = axes(by).transpose();
-    let center = to_frame * (center - vec3(by, placed::POSITION));
-    let half = (to_frame * of).abs() * half;
-    let slack = ROUNDING * (center.abs() + half).max_element();
-    Aabb::enclosing(center - half - slack, center + half + slack)
 }
 
 /// Pairs of the same forms side by side.
@@ -440,9 +394,9 @@ impl<'a, T: Float> Register<'a, T> {
         for lane in 0..self.width {
             let member = members.get(lane).or(members.last()).expect("there is one");
             let near = self.group.triangles.get(*member as usize);
-            let triangles: [&[&Triangle]; 2] = match near {
-                Some([a, b]) if lane < members.len() => [a, b],
-                _ => [&[], &[]],
+            let triangles = match near {
+                Some(near) if lane < members.len() => *near,
+                _ => [Near::default(); 2],
             };
             self.fill_lane(scene, lane, *member, triangles);
         }
@@ -453,7 +407,7 @@ impl<'a, T: Float> Register<'a, T> {
         scene: &Scene<'_, T>,
         lane: usize,
         member: u32,
-        triangles: [&[&Triangle]; 2],
+        triangles: [Near<'_>; 2],
     ) {
         let look = &self.group.pairs[member as usize];
         let corners = |s: u32| scene.impulse.corners_of(s as usize, scene.parameters);

@@ -1,15 +1,15 @@
 //! One step of one world, stage by stage.
 
-use super::Piles;
 use super::ahead::ATTEMPTS;
 use super::batches::Lanes;
-use super::broad_phase::{BroadPhase, Candidate};
+use super::broad_phase::Candidate;
 use super::colours::Colours;
 use super::jobs::{Bodies, BodyRows, BodyStage, Shapes};
 use super::joints::JointLanes;
 use super::narrow_phase::Scene;
 use super::sleep::Sleep;
 use super::solve::Solver;
+use super::{Kept, Piles};
 use crate::jobs::Lane;
 use numbers::Float;
 use rayon::prelude::*;
@@ -27,7 +27,7 @@ pub(super) struct Workspace<T: Float> {
     /// How much farther [m] than foreseen shapes got in the attempts before at this step; none in the first.
     pub ahead: Vec<T>,
     /// Of the world that is stepped.
-    pub broad_phase: BroadPhase,
+    pub kept: Kept,
     candidates: Vec<Candidate>,
     pairs: Vec<Candidate>,
     pub found: Vec<Cached<T>>,
@@ -54,7 +54,7 @@ impl<T: Float> Default for Workspace<T> {
             awake: Vec::new(),
             placed: Vec::new(),
             ahead: Vec::new(),
-            broad_phase: BroadPhase::default(),
+            kept: Kept::default(),
             candidates: Vec::new(),
             pairs: Vec::new(),
             found: Vec::new(),
@@ -342,7 +342,8 @@ impl<T: Float> World<'_, T> {
         if let Some(filter) = &self.piles.filter {
             let (parameters, part) = (self.parameters, self.part(w.placed.len()));
             let found = &mut w.candidates;
-            w.broad_phase
+            w.kept
+                .broad_phase
                 .find(impulse, filter, &w.placed, parameters, part, found)?;
         }
         self.remember_sleepers(state, w);
@@ -371,20 +372,26 @@ impl<T: Float> World<'_, T> {
         } else {
             std::mem::swap(&mut w.pairs, &mut w.candidates);
         }
+        let Kept {
+            broad_phase,
+            mid_phase,
+        } = &mut w.kept;
         let scene = Scene {
             impulse: self.impulse(),
             shapes: &w.placed,
             meshes: &self.piles.meshes,
+            ways: broad_phase.ways(),
             state,
             parameters: self.parameters,
             lane: self.lane,
             width: self.width(),
             threads: self.team > 1,
         };
-        let known = &mut w.broad_phase;
-        let are_apart = |pair, gap| known.are_apart(pair, gap);
         let narrow_phase = &self.piles.narrow_phase;
-        narrow_phase.find(&scene, &w.pairs, &mut w.found, are_apart);
+        let apart = narrow_phase.find(&scene, &w.pairs, mid_phase, &mut w.found);
+        for (pair, gap) in apart {
+            broad_phase.are_apart(pair, gap);
+        }
         w.sensed.clear();
         let sensed = w.found.extract_if(.., |contact| self.is_sensed(contact));
         w.sensed.extend(sensed);

@@ -280,6 +280,21 @@ fn a_pile_on_hills_is_the_same_however_it_is_computed() {
     assert_eq!([run(scalar).0, run(threads).0], [places.clone(), places]);
 }
 
+/// The triangles that a world has kept as those that are near are all that a world finds that has kept none.
+#[test]
+fn triangles_that_are_kept_are_all_that_are_near() {
+    let model = pile(hills());
+    let mut kept = Simulation::<f32>::new(model.clone(), settings()).unwrap();
+    for step in 0..500 {
+        let mut fresh = Simulation::<f32>::new(model.clone(), settings()).unwrap();
+        fresh.restore(&kept.snapshot()).unwrap();
+        fresh.step(1);
+        kept.step(1);
+        assert_eq!(places(&mut fresh), places(&mut kept), "step {step}");
+    }
+    assert!(kept.outputs().contacts(0).count() > 20);
+}
+
 /// A jointed pair and a loose box on hills, by the solvers of trees: all worlds differ, and each is the
 /// same in lanes, alone and with threads.
 #[test]
