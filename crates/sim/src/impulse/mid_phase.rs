@@ -29,7 +29,7 @@ pub(super) struct MeshPair {
     /// The numbers of the triangles of each that are near the other; of what is no mesh, none.
     pub near: [Vec<u32>; 2],
     /// What both odometers show when others may touch [m].
-    pub until: f64,
+    until: f64,
 }
 
 impl MeshPair {
@@ -43,6 +43,11 @@ impl MeshPair {
     /// Whether there is anything to touch.
     pub fn is_near(&self) -> bool {
         !self.near[1].is_empty()
+    }
+    /// How far [m] they are apart at least, if nothing is near; both have gone so far [m].
+    pub fn gap(&self, gone: f64) -> f64 {
+        // Of infinite ways nothing is known.
+        (self.until - gone).max(0.0)
     }
     fn key(&self) -> [u32; 2] {
         let [a, b] = self.shapes;

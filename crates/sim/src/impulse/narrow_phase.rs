@@ -192,7 +192,7 @@ impl NarrowPhase {
         let places = with_mesh.iter().map(|(place, _)| *place);
         let (near, far): (Vec<_>, Vec<_>) = places.zip(kept).partition(|(_, kept)| kept.is_near());
         scene.mesh_groups(&near).into_iter().for_each(meet);
-        let gap = |kept: &MeshPair| kept.until - scene.gone(kept.shapes);
+        let gap = |kept: &MeshPair| kept.gap(scene.gone(kept.shapes));
         far.into_iter()
             .map(|(place, kept)| (place, gap(kept)))
             .collect()
