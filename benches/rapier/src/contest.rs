@@ -23,6 +23,8 @@ pub struct Measured {
     pub seconds_per_step: f64,
     /// How far the tops came down [m].
     pub drop: Option<Descent>,
+    /// How many points of contact pressed in the end.
+    pub points: Option<usize>,
 }
 
 /// Of several bodies [m].
@@ -60,12 +62,13 @@ impl Contest {
             }
         }
         let mut results = Vec::new();
-        for (i, engine) in self.engines.iter().enumerate() {
+        for (i, engine) in self.engines.iter_mut().enumerate() {
             engine.check()?;
             results.push(Measured {
                 engine: engine.name(),
                 seconds_per_step: median(&mut times[i]) / steps as f64,
                 drop: drop_of(&starts[i], &drops[i]),
+                points: engine.points(),
             });
         }
         Ok(results)

@@ -19,6 +19,8 @@ pub trait Engine {
     fn step(&mut self, steps: usize);
     /// Where a body's frame is [m].
     fn position(&mut self, body: BodyId) -> DVec3;
+    /// How many points of contact press now, where the engine tells.
+    fn points(&mut self) -> Option<usize>;
     /// Refuses to go on when the world was lost, so that its figures mean nothing.
     fn check(&self) -> Outcome<()>;
 }

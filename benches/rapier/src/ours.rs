@@ -28,6 +28,11 @@ impl Engine for Simulation<f32> {
     fn position(&mut self, body: BodyId) -> DVec3 {
         self.outputs().body_position(0, body)
     }
+    fn points(&mut self) -> Option<usize> {
+        let outputs = self.outputs();
+        let presses = |contact: &Contact| contact.force != DVec3::ZERO;
+        Some(outputs.contacts(0).filter(presses).count())
+    }
     fn check(&self) -> Outcome<()> {
         match self.diverged().first() {
             Some(lost) => Err(format!("Kinetarium's world diverged at {} s", lost.time).into()),

@@ -6,8 +6,8 @@ use crate::scene::Scene;
 use rapier3d::prelude::IntegrationParameters;
 
 pub fn heading() -> &'static str {
-    "| scene | engine | threads | ms/step | ours / Rapier | drop, mean mm | drop, most mm |\n\
-     |---|---|--:|--:|--:|--:|--:|"
+    "| scene | engine | threads | ms/step | ours / Rapier | drop, mean mm | drop, most mm | points | ns/point |\n\
+     |---|---|--:|--:|--:|--:|--:|--:|--:|"
 }
 
 /// A row for each engine; the ratio is that of our time to its own.
@@ -23,8 +23,14 @@ pub fn rows(scene: &Scene, threads: usize, results: &[Measured]) -> Vec<String> 
         let (mean, most) = measured.drop.map_or(Default::default(), |drop| {
             (millimetres(drop.mean), millimetres(drop.most))
         });
+        let (points, each) = measured.points.map_or(Default::default(), |points| {
+            (
+                points.to_string(),
+                format!("{:.0}", 1e9 * seconds / points as f64),
+            )
+        });
         rows.push(format!(
-            "| {} | {} | {threads} | {:.3} | {ratio} | {mean} | {most} |",
+            "| {} | {} | {threads} | {:.3} | {ratio} | {mean} | {most} | {points} | {each} |",
             scene.name,
             measured.engine,
             1e3 * seconds,
@@ -43,7 +49,7 @@ pub fn conditions(rounds: usize) -> String {
     let (contact, fixed) = (p.contact_softness, p.static_contact_softness);
     format!(
         "Time step {} ms; medians of {rounds} rounds of {ROUND} steps (10 in the largest bowl) after the first {LEAD}, turn about;\n\
-         drops after {} s.\n\
+         drops after {} s; points of contact that press in the end.\n\
          Rapier {} (f32, `parallel`, {} lanes) at its default integration parameters: {} solver iterations with {} internal and {}\n\
          stabilisation iterations each, contact softness {} Hz and {} (with what is fixed {} Hz and {}), warm start {},\n\
          prediction {} mm, {:?} friction, contact recycling {}, contact clustering {}. No body is put to sleep.\n\
@@ -82,16 +88,17 @@ mod tests {
                 mean: 0.01,
                 most: 0.0105,
             }),
+            points: (engine == OURS).then_some(2000),
         };
         let rows = rows(&SCENES[0], 2, &[of(OURS, 0.001), of("Rapier", 0.002)]);
         let scene = SCENES[0].name;
         assert_eq!(
             rows[0],
-            format!("| {scene} | Kinetarium | 2 | 1.000 |  | 10.00 | 10.50 |")
+            format!("| {scene} | Kinetarium | 2 | 1.000 |  | 10.00 | 10.50 | 2000 | 500 |")
         );
         assert_eq!(
             rows[1],
-            format!("| {scene} | Rapier | 2 | 2.000 | 0.50 | 10.00 | 10.50 |")
+            format!("| {scene} | Rapier | 2 | 2.000 | 0.50 | 10.00 | 10.50 |  |  |")
         );
     }
 }
