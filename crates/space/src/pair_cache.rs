@@ -16,8 +16,10 @@ use crate::{Aabb, Auto, Pair, Space, SpaceError, boxes, pairs};
 const FAT: f32 = 0.1;
 /// For how many updates a fat box should do, by the speed of the object.
 const LASTING: f32 = 2.0;
-/// Objects of which more than one in so many have left their fat boxes are looked at all together.
+/// Where more than one in so many objects have left their fat boxes, the pairs of all are looked for together.
 const FEW: usize = 2;
+/// Where more than one in so many have, all are put in their places together.
+const SOME: usize = 200;
 /// Objects that one thread looks at in turn.
 const CHUNK: usize = 64;
 
@@ -124,22 +126,25 @@ impl<K: Default> PairCache<K> {
             let (before, when) = std::mem::replace(seen, (*own, self.updates));
             fattened(own, &before, self.updates.wrapping_sub(when))
         };
-        if self.left.len() * FEW > boxes.len() {
+        let (left, has_left) = (&self.left, &self.has_left);
+        let [most, some] = [FEW, SOME].map(|share| left.len() * share > boxes.len());
+        if some {
             let mut all = space.boxes().all().to_vec();
-            for &i in &self.left {
+            for &i in left {
                 all[i as usize] = fat(i);
             }
             space.update(&all)?;
+        } else {
+            for &i in left {
+                space.relocate(i, fat(i))?;
+            }
+        }
+        if most {
             space.pairs_into(&mut self.fresh);
-            let left = &self.has_left;
             self.fresh
-                .retain(|pair| left[pair.a as usize] | left[pair.b as usize]);
+                .retain(|pair| has_left[pair.a as usize] | has_left[pair.b as usize]);
             return Ok(());
         }
-        for &i in &self.left {
-            space.relocate(i, fat(i))?;
-        }
-        let (left, has_left) = (&self.left, &self.has_left);
         pairs::gather(left.len(), CHUNK, &mut self.fresh, |range, found| {
             for &i in &left[range] {
                 let others = space.overlap(space.boxes().get(i)).into_iter();
@@ -148,7 +153,11 @@ impl<K: Default> PairCache<K> {
                 found.extend(once.map(|j| Pair::new(i, j)));
             }
         });
-        self.fresh.sort_unstable();
+        if some {
+            pairs::sort(&mut self.fresh, boxes.len());
+        } else {
+            self.fresh.sort_unstable();
+        }
         Ok(())
     }
 

@@ -333,7 +333,7 @@ impl<T: Float> Scene<'_, T> {
         let [a, b] = shapes.map(|s| self.shapes[s as usize].placed);
         let looked = reach(self.shapes, shapes) - NEARBY + 0.5 * MARGIN;
         let margin = self.impulse.margin(shapes, self.parameters).to_f64();
-        let radii = shapes.map(|s| self.impulse.radius_of(s as usize, self.parameters).to_f64());
+        let radius = |placed: &[T]| (placed[placed::REACH] - placed[placed::WAY]).to_f64();
         let apart = (vec3(&b, placed::POSITION) - vec3(&a, placed::POSITION)).length();
         let has_plane = shapes
             .iter()
@@ -341,7 +341,7 @@ impl<T: Float> Scene<'_, T> {
         if has_plane {
             looked
         } else {
-            looked.max(apart - radii[0] - radii[1] - margin)
+            looked.max(apart - radius(&a) - radius(&b) - margin)
         }
     }
 
