@@ -5,6 +5,7 @@ mod asm;
 mod bench;
 mod docs;
 mod page;
+mod python;
 mod stages;
 mod test;
 mod units;

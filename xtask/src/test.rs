@@ -6,9 +6,10 @@ use xshell::cmd;
 use crate::asm;
 use crate::docs;
 use crate::page;
+use crate::python;
 use crate::stages::{self, Stage};
 use crate::units::{self, Metadata};
-use crate::workshop::{COLLIDE, ENGINE, Workshop};
+use crate::workshop::{COLLIDE, ENGINE, LIBRARIES, Workshop};
 
 const NEON: &str = "aarch64-unknown-linux-musl";
 const WASM: &str = "wasm32-wasip1";
@@ -92,7 +93,7 @@ const STAGES: &[Stage] = &[
     Stage {
         name: "python",
         purpose: "`pip install .`, its tests, its docstrings' examples, its types",
-        run: python,
+        run: python::check,
     },
     Stage {
         name: "program",
@@ -106,12 +107,19 @@ const STAGES: &[Stage] = &[
     },
 ];
 
-/// Runs only when it is named.
-const BY_NAME: &[Stage] = &[Stage {
-    name: "learning",
-    purpose: "Stable-Baselines3 and the example that learns, with torch (5 GB): only when named",
-    run: learning,
-}];
+/// Run only when they are named.
+const BY_NAME: &[Stage] = &[
+    Stage {
+        name: "learning",
+        purpose: "Stable-Baselines3 and the example that learns, with torch (5 GB): only when named",
+        run: python::learn,
+    },
+    Stage {
+        name: "sanitizer",
+        purpose: "the Python package's tests with an engine that watches its memory: only when named",
+        run: python::sanitize,
+    },
+];
 
 pub fn list() {
     for stage in STAGES.iter().chain(BY_NAME) {
@@ -245,9 +253,6 @@ fn gpu(workshop: &Workshop) -> Result<()> {
     .run()?)
 }
 
-/// Where the dynamic linker looks for libraries.
-const LIBRARIES: &str = "LD_LIBRARY_PATH";
-
 fn cuda(workshop: &Workshop) -> Result<()> {
     let sh = &workshop.sh;
     let driver = workshop.cuda_driver()?;
@@ -272,39 +277,6 @@ fn cuda(workshop: &Workshop) -> Result<()> {
 fn docs(workshop: &Workshop) -> Result<()> {
     let site = docs::build(workshop)?;
     docs::check(workshop, &site)
-}
-
-/// The package as users install it, from the folder of this repository.
-fn python(workshop: &Workshop) -> Result<()> {
-    let sh = &workshop.sh;
-    let python = workshop.python_with_package()?;
-    page::need_vulkan(workshop)?;
-    cmd!(sh, "{python} -m pytest --quiet python/tests")
-        .env("KINETARIUM_GPU", "llvmpipe")
-        .run()?;
-    cmd!(sh, "{python} -m pytest --quiet python/tests/test_device.py")
-        .env(LIBRARIES, workshop.cuda_driver()?)
-        .env("KINETARIUM_GPU", "cuda")
-        .run()?;
-    cmd!(
-        sh,
-        "{python} -m pytest --quiet --doctest-modules --pyargs kinetarium"
-    )
-    .run()?;
-    cmd!(sh, "{python} -m mypy.stubtest kinetarium._engine").run()?;
-    Ok(cmd!(sh, "{python} -m mypy python/kinetarium").run()?)
-}
-
-/// The tests of the package that are skipped for want of torch.
-fn learning(workshop: &Workshop) -> Result<()> {
-    let python = workshop.python_that_learns()?;
-    // Several threads of torch wait for each other where something else runs, too.
-    Ok(cmd!(
-        workshop.sh,
-        "{python} -m pytest --quiet python/tests/test_learning.py"
-    )
-    .env("OMP_NUM_THREADS", "1")
-    .run()?)
 }
 
 /// Runs the program as a newcomer would, in an empty folder, and expects its files and exit codes.

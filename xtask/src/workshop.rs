@@ -19,6 +19,9 @@ pub const ENGINE: [&str; 5] = [
 /// What is left out there, too: by itself it has features that program and Python package do without.
 pub const COLLIDE: [&str; 2] = ["--package", "kinetarium-collide"];
 
+/// Where the dynamic linker looks for libraries.
+pub const LIBRARIES: &str = "LD_LIBRARY_PATH";
+
 /// A shell at the repository's root.
 pub struct Workshop {
     pub sh: Shell,
