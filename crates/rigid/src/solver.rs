@@ -41,7 +41,8 @@ pub struct Settings {
     /// How a `featherstone` step advances the state.
     pub integrator: Integrator,
     /// Passes of a `featherstone` step over the contacts, at most; it ends as soon as all agree.
-    /// A few more are made where a point is left that pulls with ten times a body's weight.
+    /// One more is made where a limit was taken to act and does not, or the other way round, and a few where a point is
+    /// left that pulls with ten times a body's weight.
     pub contact_passes: usize,
     /// Passes of projected Gauss–Seidel over the contacts between bodies that move; `xpbd`: over all
     /// contacts, in each pass over the constraints; `impulse`: small steps, of one pass each.

@@ -35,6 +35,7 @@
 //! body's weight at 3 ms; in a step that needs more passes than there are, friction exceeds the cone
 //! by a few per cent, and a point may pull for that one step, with up to [`PULL`] weights. More would
 //! give a body that is drawn to the surface the energy of its way, so further passes let go of it.
+//! A world in which a stop was taken for the wrong thing goes on once more: it errs by all of the stop's force.
 
 use super::gauss_seidel;
 use super::limit::late_damping;
@@ -325,18 +326,26 @@ pub(crate) fn pulls<M: Machine>(k: &M, t: &Tables, pull: M::R) -> <M::R as Real>
     pull.gt(gravity.length() * M::R::lit(PULL))
 }
 
-/// Lets go of the points that pull, in the lanes of `wrong`; all else is as it was when the forces
-/// were found, so that other lanes find them again.
+/// Lets go of the points that pull, in the lanes of `wrong`. In those of `open` all stays as it was settled, and else as
+/// it was when the forces were found, so that these lanes find them again.
 #[inline(always)]
-pub(crate) fn release<M: Machine>(k: &mut M, t: &Tables, wrong: <M::R as Real>::Mask) {
+pub(crate) fn go_back<M: Machine>(
+    k: &mut M,
+    t: &Tables,
+    open: <M::R as Real>::Mask,
+    wrong: <M::R as Real>::Mask,
+) {
     let (zero, one) = (M::R::zero(), M::R::one());
     for place in fixed(k, t) {
         let s = t.contacts.found.row(k, place);
-        let [fx, fy, fz, c_n, c_t] = k.read(t.load, s, load::FORCE);
+        let [fx, fy, fz, was_n, was_t] = k.read(t.load, s, load::FORCE);
         let n = k.vec3(t.contacts.slot, s, slot::NORMAL);
         let pulls = n.dot(Vec3::new(fx, fy, fz)).lt(zero);
-        let gone = (wrong & pulls) | c_n.same(zero);
-        press(k, t, s, M::R::select(gone, zero, one), c_n, c_t);
+        let gone = (wrong & pulls) | was_n.same(zero);
+        let (is_on, is_t) = (k.load(t.on, s, 0), k.load(t.load, s, load::IMPEDANCE + 1));
+        let on = M::R::select(open, is_on, M::R::select(gone, zero, one));
+        let c = k.load(t.load, s, load::TARGET + 1);
+        press(k, t, s, on, c, M::R::select(open, is_t, was_t));
     }
 }
 

@@ -30,8 +30,8 @@ use numbers::{Cell, Float, Machine, Quat, Real, Vec3};
 
 /// Coordinates beyond this are taken for diverged [m or rad].
 const FAR: f64 = 1e9;
-/// Passes at most that let go of points that pull.
-const RELEASES: usize = 4;
+/// Further passes at most, for stops and points that pull.
+const MORE: usize = 4;
 
 /// The first half of a stage of a step: what comes before the contacts are found.
 #[inline(always)]
@@ -118,28 +118,35 @@ fn accelerate<M: Machine, const CONTACTS: bool>(
     }
 }
 
-/// q̈ under contacts and limits that agree with it, as far as the passes reach; beyond them, until
-/// no point pulls too much.
+/// q̈ under contacts and limits that agree with it, as far as the passes reach; beyond them, one more where stops do not,
+/// and more until no point pulls too much.
 #[inline(always)]
 fn settle<M: Machine>(k: &mut M, t: &Tables, h: M::R, implicit: M::R) {
     let zero = M::R::zero();
     limit::begin(k, t);
     let mut pull = k.cell(zero);
-    for i in k.count(t.passes + RELEASES) {
-        if let Some(_branch) = k.when(k.less(k.index(t.passes), i.offset(1))) {
+    let mut stops = k.cell(zero);
+    for i in k.count(t.passes + MORE) {
+        let further = k.less(k.index(t.passes), i.offset(1));
+        if let Some(_branch) = k.when(further) {
+            let open = stops.read().gt(zero);
             let wrong = contact::pulls(k, t, pull.read());
-            contact::release(k, t, wrong);
-            limit::recall(k, t);
+            contact::go_back(k, t, open, wrong);
+            limit::go_back(k, t, open);
         }
         articulated_body::<M, true>(k, t, h, implicit);
         let mut changes = k.cell(zero);
+        stops.write(zero);
         contact::settle(k, t, h, &mut changes, &mut pull);
-        limit::settle(k, t, implicit, &mut changes);
+        limit::settle(k, t, implicit, &mut stops);
+        if let Some(_branch) = k.when(further) {
+            stops.write(zero);
+        }
 
         let pulls = contact::pulls(k, t, pull.read());
-        let mut left = k.cell(M::R::select(pulls, M::R::one(), zero));
+        let mut left = k.cell(M::R::select(pulls, M::R::one(), stops.read()));
         if let Some(_branch) = k.when(k.less(i.offset(1), k.index(t.passes))) {
-            left.write(changes.read());
+            left.write(changes.read() + stops.read());
         }
         if k.finished(left.read().same(zero)) {
             break;

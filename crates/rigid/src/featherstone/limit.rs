@@ -14,8 +14,8 @@
 //! inertia θ = 1, which is stable however stiff.
 //!
 //! Whether it pushes back is known once q̈ is. On the way inwards q̈ is taken for u / D, what it would
-//! be if the parent did not accelerate. Later passes, where contacts ask for them, go by the q̈ of the
-//! pass before.
+//! be if the parent did not accelerate. Where there are contacts, further passes go by the q̈ of the pass
+//! before; one is made for stops alone.
 
 use super::articulated_body::TINY;
 use super::tables::{Tables, dof};
@@ -27,8 +27,7 @@ use numbers::{Cell, Machine, Real};
 pub(crate) mod stop {
     /// Positive where the stop is taken to push back; zero before the first pass.
     pub const ACTS: usize = 0;
-    /// The same in the pass before.
-    pub const ACTED: usize = 1;
+    // The same in the pass before follows.
     pub const WIDTH: usize = 2;
 }
 
@@ -132,13 +131,13 @@ pub(crate) fn settle<M: Machine>(k: &mut M, t: &Tables, h: M::R, changes: &mut M
     }
 }
 
-/// Takes the stops for what they were when the accelerations were found.
+/// Takes the stops for what they were when the accelerations were found, but in the lanes of `open`.
 #[inline(always)]
-pub(crate) fn recall<M: Machine>(k: &mut M, t: &Tables) {
+pub(crate) fn go_back<M: Machine>(k: &mut M, t: &Tables, open: <M::R as Real>::Mask) {
     for place in t.beyond.places(k, k.index(0)) {
         let v = t.beyond.row(k, place);
-        let acted = k.load(t.stop, v, stop::ACTED);
-        k.store(t.stop, v, stop::ACTS, acted);
+        let [acts, acted] = k.read(t.stop, v, stop::ACTS);
+        k.store(t.stop, v, stop::ACTS, M::R::select(open, acts, acted));
     }
 }
 
