@@ -10,8 +10,8 @@ from kinetarium.arrays import NamedArray, checked
 from kinetarium.errors import UnknownNameError
 
 if TYPE_CHECKING:
-    from kinetarium._engine import DeviceArray
-    from kinetarium.simulation import Simulation
+    from kinetarium._engine import DeviceArray, Engine
+    from kinetarium.worlds import Worlds
 
 _NAMES = {
     "force": "dof_names",
@@ -36,9 +36,12 @@ class Controls:
                 [0., 2., 0.]], dtype=float32)
     """
 
-    def __init__(self, simulation: Simulation) -> None:
-        self._simulation = simulation
+    def __init__(self, worlds: Worlds) -> None:
+        self._worlds = worlds
         self._arrays: dict[str, NamedArray] = {}
+
+    def _shape(self, name: str) -> tuple[int, int]:
+        return self._worlds.count, len(self._worlds.names(_NAMES[name]))
 
     def on_device(self, name: str) -> DeviceArray:
         """A control of all worlds where it lies in the memory of a CUDA card, shape (worlds, degrees of freedom) or
@@ -55,20 +58,19 @@ class Controls:
         """
         if name not in _NAMES:
             raise UnknownNameError(f'there is no control "{name}"; known are {", ".join(_NAMES)}')
-        sim = self._simulation
+        engine = self._worlds.engine
         array = self._arrays.pop(name, None)
         if array is not None:
-            sim._engine.write_control(name, array)
-        return sim._engine.control_on_device(name, (sim.worlds, len(getattr(sim.model, _NAMES[name]))))
+            engine.write_control(name, array)
+        return engine.control_on_device(name, self._shape(name))
 
     def _array(self, name: str) -> NamedArray:
+        engine = self._worlds.engine
         array = self._arrays.get(name)
         if array is None:
-            sim = self._simulation
-            names = tuple(getattr(sim.model, _NAMES[name]))
-            numbers = np.empty((sim.worlds, len(names)), sim.dtype)
-            sim._engine.read_control(name, numbers)
-            array = self._arrays[name] = NamedArray.of(numbers, (None, names))
+            numbers = np.empty(self._shape(name), self._worlds.dtype)
+            engine.read_control(name, numbers)
+            array = self._arrays[name] = NamedArray.of(numbers, (None, self._worlds.names(_NAMES[name])))
         return array
 
     def _set(self, name: str, value: np.ndarray) -> None:
@@ -76,16 +78,16 @@ class Controls:
         if value is not array:  # `force += 1` has done it already
             array[...] = checked(name, value, array.shape, array.dtype)
 
-    def _send(self) -> None:
+    def _send(self, engine: Engine) -> None:
         """Gives the engine what stands in the arrays."""
         for name, array in self._arrays.items():
-            self._simulation._engine.write_control(name, array)
+            engine.write_control(name, array)
 
     def _fetch(self, worlds: np.ndarray) -> None:
         """Takes what the engine has of worlds that were set; what was written for others stays."""
         for name, array in self._arrays.items():
             numbers = np.empty(array.shape, array.dtype)
-            self._simulation._engine.read_control(name, numbers)
+            self._worlds.engine.read_control(name, numbers)
             np.asarray(array)[worlds] = numbers[worlds]
 
     @property

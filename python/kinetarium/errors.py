@@ -41,6 +41,10 @@ class ClosedError(KinetariumError, RuntimeError):
     """The simulation was closed."""
 
 
+class ForkedError(KinetariumError, RuntimeError):
+    """The simulation is of the process that this one was forked from."""
+
+
 class SensorError(KinetariumError, ValueError):
     """A sensor that cannot be, such as one of a negative rate."""
 

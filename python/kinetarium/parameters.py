@@ -9,7 +9,7 @@ import numpy as np
 from kinetarium.arrays import NamedArray, Names, checked
 
 if TYPE_CHECKING:
-    from kinetarium.simulation import Simulation
+    from kinetarium.worlds import Worlds
 
 
 class Parameter:
@@ -29,11 +29,11 @@ class Parameter:
     def __get__(self, parameters: Parameters | None, owner: type) -> Parameter | NamedArray:
         if parameters is None:
             return self
-        sim = parameters._simulation
-        names: Names = None if self._table is None else tuple(getattr(sim.model, self._table))
-        numbers = sim._engine.read_parameter(self._name, np.arange(sim.worlds))
+        worlds = parameters._worlds
+        names: Names = None if self._table is None else worlds.names(self._table)
+        numbers = worlds.engine.read_parameter(self._name, np.arange(worlds.count))
         rows = () if names is None else (len(names),)
-        array = numbers.reshape((sim.worlds, *rows, *self._width))
+        array = numbers.reshape((worlds.count, *rows, *self._width))
         before = array.copy()
 
         def assign(numbers: np.ndarray) -> None:
@@ -51,7 +51,7 @@ class Parameter:
         """Tells the engine of the worlds whose numbers are others."""
         rows = numbers.reshape(len(numbers), -1)
         worlds = np.flatnonzero((rows != before.reshape(rows.shape)).any(axis=1))
-        engine = parameters._simulation._engine
+        engine = parameters._worlds.engine
         engine.write_parameter(self._name, worlds, np.ascontiguousarray(rows[worlds]))
 
 
@@ -93,5 +93,10 @@ class Parameters:
     gain = Parameter("actuator_names", (), "Gains of the actuators, shape (worlds, actuators).")
     bias = Parameter("actuator_names", (3,), "Biases of the actuators, shape (worlds, actuators, 3).")
 
-    def __init__(self, simulation: Simulation) -> None:
-        self._simulation = simulation
+    def __init__(self, worlds: Worlds) -> None:
+        self._worlds = worlds
+
+
+def parameter_names() -> list[str]:
+    """Names of all parameters."""
+    return [name for name, value in vars(Parameters).items() if isinstance(value, Parameter)]

@@ -15,11 +15,12 @@ from kinetarium._engine import Engine, Model, framing, render_view, show
 from kinetarium.arrays import checked
 from kinetarium.cameras import Camera, Images
 from kinetarium.controls import Controls
-from kinetarium.errors import ClosedError, OutOfRangeError, ShapeError, SimulationError, UnknownNameError
-from kinetarium.parameters import Parameters
+from kinetarium.errors import OutOfRangeError, ShapeError, SimulationError, UnknownNameError
+from kinetarium.parameters import Parameters, parameter_names
 from kinetarium.sensors import Custom, Sensor, Sensors
 from kinetarium.state import State
 from kinetarium.view import View, in_notebook, open_browser
+from kinetarium.worlds import Worlds
 
 Solver = Literal["auto", "featherstone", "xpbd", "impulse"]
 Integrator = Literal["semi_implicit_euler", "explicit_euler", "verlet", "runge_kutta_4"]
@@ -145,7 +146,9 @@ class Simulation:
 
     Raises `SimulationError` for settings out of range and models that the solver cannot take. Calls that fail leave
     the simulation as it was. One thread at a time may call it: others get `BusyError`. While the engine computes,
-    Python's lock is free. It can be pickled and copied: model, settings, states, controls and parameters come along.
+    Python's lock is free. It can be pickled and copied: model, settings, states, controls and parameters come
+    along. A process that was forked after it was made cannot use it, and
+    gets `ForkedError`.
 
     >>> import kinetarium as kn
     >>> sim = kn.Simulation(kn.examples.n_pendula(3), worlds=64, dt=0.002)
@@ -182,7 +185,7 @@ class Simulation:
         precision = np.dtype(dtype)
         if precision not in (np.dtype("float32"), np.dtype("float64")):
             raise SimulationError(f"dtype is {precision}: it must be float32 or float64")
-        settings: dict[str, Any] = {
+        self._settings: dict[str, Any] = {
             "dt": model.time_step if dt is None else float(dt),
             "solver": solver,
             "substeps": substeps,
@@ -199,41 +202,34 @@ class Simulation:
         for name, value in {"worlds": worlds, "threads": threads}.items():
             if value < 0:
                 raise SimulationError(f"{name} is {value}: it must not be negative")
-        self._settings = settings
-        self._model = model
-        self._worlds = worlds
-        self._dtype = precision
-        self._engine = self._make()
+        self._worlds = Worlds(self._make(model, worlds, precision), model, worlds, precision)
         self._solver, self._isa, self._threads, self._device = self._engine.describe()
-        self._closed = False
-        self._controls = Controls(self)
-        self._state = State(self)
-        self._parameters = Parameters(self)
+        self._controls = Controls(self._worlds)
+        self._state = State(self._worlds)
+        self._parameters = Parameters(self._worlds)
         self._view: View | None = None
         self._sensors = Sensors(self, sensors, seed)
         self._sensors._update(self)
 
-    def _make(self) -> Engine:
+    def _make(self, model: Model, worlds: int, dtype: np.dtype) -> Engine:
         keywords = dict(self._settings)
         if keywords["device"].partition(":")[0] in ("auto", "cuda") and _nvrtc.has_driver():
             _nvrtc.load()
-        return Engine(
-            self._model,
-            worlds=self._worlds,
-            time_step=keywords.pop("dt"),
-            double=self._dtype == np.float64,
-            **keywords,
-        )
+        return Engine(model, worlds=worlds, time_step=keywords.pop("dt"), double=dtype == np.float64, **keywords)
+
+    @property
+    def _engine(self) -> Engine:
+        return self._worlds.engine
 
     @property
     def model(self) -> Model:
         """The model."""
-        return self._model
+        return self._worlds.model
 
     @property
     def worlds(self) -> int:
         """Number of worlds."""
-        return self._worlds
+        return self._worlds.count
 
     @property
     def dt(self) -> float:
@@ -243,7 +239,7 @@ class Simulation:
     @property
     def dtype(self) -> np.dtype:
         """Precision of all numbers: float32 or float64."""
-        return self._dtype
+        return self._worlds.dtype
 
     @property
     def solver(self) -> str:
@@ -283,6 +279,7 @@ class Simulation:
     @property
     def sensors(self) -> Sensors:
         """Readings of the sensors by name: `sim.sensors["imu"]`."""
+        _ = self._engine  # which tells where there is none
         return self._sensors
 
     @property
@@ -292,19 +289,19 @@ class Simulation:
 
     def body(self, name: str) -> int:
         """Row of a body."""
-        return self._model.body(name)
+        return self.model.body(name)
 
     def joint(self, name: str) -> int:
         """Row of a joint."""
-        return self._model.joint(name)
+        return self.model.joint(name)
 
     def dof(self, name: str) -> int:
         """Row of a degree of freedom: a column of `controls.force` and `state.joint_velocity`."""
-        return self._model.dof(name)
+        return self.model.dof(name)
 
     def actuator(self, name: str) -> int:
         """Row of an actuator: a column of `controls.actuator`."""
-        return self._model.actuator(name)
+        return self.model.actuator(name)
 
     def step(self, steps: int = 1) -> np.ndarray:
         """Advances all worlds by time steps, under the controls as they stand.
@@ -313,27 +310,27 @@ class Simulation:
         """
         if steps < 0:
             raise SimulationError(f"steps is {steps}: it must not be negative")
-        self._controls._send()
-        sensing = bool(self._sensors)
-        diverged = self._sensors._step(self, self._engine, steps) if sensing else self._engine.step(steps)
+        engine = self._engine
+        self._controls._send(engine)
+        diverged = self._sensors._step(self, engine, steps) if self._sensors else engine.step(steps)
         return np.array(diverged, np.int64)
 
     def _rows(self, worlds: ArrayLike | None) -> np.ndarray:
         """Worlds as numbers: all, or those of a mask, or those of a list."""
         if worlds is None:
-            return np.arange(self._worlds)
+            return np.arange(self._worlds.count)
         rows = np.atleast_1d(np.asarray(worlds))
         if rows.dtype == bool:
-            if rows.shape != (self._worlds,):
-                raise ShapeError(f"the mask of worlds has the shape {rows.shape}: it must be ({self._worlds},)")
+            if rows.shape != (self.worlds,):
+                raise ShapeError(f"the mask of worlds has the shape {rows.shape}: it must be ({self.worlds},)")
             return np.flatnonzero(rows)
         if rows.size == 0:
             return np.empty(0, np.int64)
         if rows.dtype.kind not in "iu" or rows.ndim != 1:
             raise ShapeError("worlds must be a mask or a list of whole numbers")
-        wrong = rows[(rows < 0) | (rows >= self._worlds)]
+        wrong = rows[(rows < 0) | (rows >= self.worlds)]
         if wrong.size:
-            raise OutOfRangeError(f"world {wrong[0]} does not exist: there are {self._worlds}, counted from 0")
+            raise OutOfRangeError(f"world {wrong[0]} does not exist: there are {self.worlds}, counted from 0")
         return np.ascontiguousarray(rows, dtype=np.int64)
 
     def reset(self, worlds: ArrayLike | None = None, *, keyframe: str | None = None) -> None:
@@ -342,7 +339,7 @@ class Simulation:
         rows = self._rows(worlds)
         self._engine.reset(rows)
         if keyframe is not None:
-            position, velocity, control = self._model.keyframe(keyframe)
+            position, velocity, control = self.model.keyframe(keyframe)
             self.set_state(position, velocity, worlds=rows)
             if control.size:
                 self._controls.actuator[rows] = control
@@ -370,21 +367,21 @@ class Simulation:
         Raises `ShapeError`, `OutOfRangeError`, and `SimulationError` for numbers that are not finite.
         """
         rows = self._rows(worlds)
-        position = checked("joint_position", joint_position, (len(rows), self._model.coordinates))
-        velocity = checked("joint_velocity", joint_velocity, (len(rows), self._model.degrees_of_freedom))
+        position = checked("joint_position", joint_position, (len(rows), self.model.coordinates))
+        velocity = checked("joint_velocity", joint_velocity, (len(rows), self.model.degrees_of_freedom))
         self._engine.set_joint_state(rows, position, velocity, False)
         self._begun(rows)
 
     def snapshot(self) -> bytes:
         """States, controls and times of all worlds, to the bit; not what sensors carry along (pickle the simulation
         for that)."""
-        self._controls._send()
+        self._controls._send(self._engine)
         return self._engine.snapshot()
 
     def restore(self, snapshot: bytes) -> None:
         """Returns to a snapshot of the same model, solver, dtype and number of worlds."""
         self._engine.restore(snapshot)
-        self._begun(np.arange(self._worlds))
+        self._begun(np.arange(self.worlds))
 
     def save(self, path: str | Path) -> None:
         """Writes a snapshot to a file."""
@@ -436,13 +433,13 @@ class Simulation:
         >>> step.state.shape, step.force.shape
         ((4, 4), (4, 2))
         """
-        self._controls._send()
+        self._controls._send(self._engine)
         return Linearization(**self._engine.linearize(self._world(world)))
 
     def framing(self, world: int = 0, *, width: int = 640, height: int = 480) -> Camera:
         """A free camera that has all bodies of a world, as they are now, in its image [pixel]."""
         row = self._world(world)
-        (x, y, z), (i, j, k, w), angle = framing(self._engine, self._model, row, width, height)
+        (x, y, z), (i, j, k, w), angle = framing(self._engine, self.model, row, width, height)
         return Camera(width, height, angle, position=(x, y, z), orientation=(i, j, k, w))
 
     def render(self, camera: Camera | str | None = None, *, worlds: ArrayLike | None = None) -> Images:
@@ -457,9 +454,9 @@ class Simulation:
             rows = rows[:1]
             camera = replace(self.framing(int(rows[0])), samples=2)
         elif isinstance(camera, str):
-            camera = Camera.of(self._model, camera)
-        view = camera._view(self._model)
-        return Images(**render_view(self._engine, self._model, view, rows))
+            camera = Camera.of(self.model, camera)
+        view = camera._view(self.model)
+        return Images(**render_view(self._engine, self.model, view, rows))
 
     def view(
         self,
@@ -499,11 +496,10 @@ class Simulation:
 
     def close(self) -> None:
         """Frees the worlds now rather than with the object; later calls raise `ClosedError`."""
-        if not self._closed:
-            if self._view is not None:
+        if not self._worlds.closed:
+            self._worlds.close()
+            if self._view is not None and not self._worlds.forked:
                 self._view.close()
-            self._engine.close()
-            self._closed = True
 
     def __enter__(self) -> Simulation:
         return self
@@ -512,38 +508,32 @@ class Simulation:
         self.close()
 
     def __repr__(self) -> str:
-        if self._closed:
-            return f"<Simulation of {self._model.name!r}, closed>"
+        if self._worlds.closed:
+            return f"<Simulation of {self.model.name!r}, closed>"
         place = f"{self._isa}, {self._threads} threads" if self._device == "cpu" else self._device
         return (
-            f"<Simulation of {self._model.name!r}: {self._worlds} worlds, {self._solver}, dt {self.dt:g} s, "
-            f"{self._dtype}, {place}>"
+            f"<Simulation of {self.model.name!r}: {self.worlds} worlds, {self._solver}, dt {self.dt:g} s, "
+            f"{self.dtype}, {place}>"
         )
 
     def __getstate__(self) -> dict[str, Any]:
-        if self._closed:
-            raise ClosedError("the simulation is closed: it has nothing to be copied")
-        own = {name: np.asarray(getattr(self._parameters, name)) for name in self._own_parameters()}
+        names = [name for name in parameter_names() if self._differs(name)]
         return {
-            "model": self._model,
-            "worlds": self._worlds,
-            "dtype": self._dtype.name,
+            "model": self.model,
+            "worlds": self.worlds,
+            "dtype": self.dtype.name,
             "settings": self._settings,
-            "parameters": own,
+            "parameters": {name: np.asarray(getattr(self._parameters, name)) for name in names},
             "snapshot": self.snapshot(),
             "sensors": self._sensors.list,
             "seed": self._sensors.seed,
             "readings": self._sensors._save(),
         }
 
-    def _own_parameters(self) -> list[str]:
-        """Names of the parameters in which a world differs from the model."""
-        names = [name for name, value in vars(Parameters).items() if hasattr(value, "_write")]
-        return [name for name in names if self._differs(name)]
-
     def _differs(self, name: str) -> bool:
-        numbers = self._engine.read_parameter(name, np.arange(self._worlds))
-        return bool((numbers != self._model.parameter(name).ravel()).any())
+        """Whether a world differs from the model in a parameter."""
+        numbers = self._engine.read_parameter(name, np.arange(self.worlds))
+        return bool((numbers != self.model.parameter(name).ravel()).any())
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__init__(  # type: ignore[misc]

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kinetarium._engine import DeviceArray
-    from kinetarium.simulation import Simulation
+    from kinetarium.worlds import Worlds
 
 # What names the rows of a quantity, and how many numbers a row has; 0: the rows are the numbers.
 _QUANTITIES: dict[str, tuple[str | None, int]] = {
@@ -60,8 +60,8 @@ class State:
     (2, 3)
     """
 
-    def __init__(self, simulation: Simulation) -> None:
-        self._simulation = simulation
+    def __init__(self, worlds: Worlds) -> None:
+        self._worlds = worlds
         self._named: dict[str, tuple[tuple[int, ...], tuple[Names, ...]]] = {}
 
     def _layout(self, quantity: str) -> tuple[tuple[int, ...], tuple[Names, ...]]:
@@ -73,10 +73,10 @@ class State:
             except KeyError:
                 known = ", ".join(_QUANTITIES)
                 raise UnknownNameError(f'there is no quantity "{quantity}"; known are {known}') from None
-            names = None if table is None else tuple(getattr(self._simulation.model, table))
+            names = None if table is None else self._worlds.names(table)
             rows = () if names is None else (len(names),)
             numbers = (width,) if width else ()
-            shape = (self._simulation.worlds, *rows, *numbers)
+            shape = (self._worlds.count, *rows, *numbers)
             layout = (shape, (None, names) if names is not None else ())
             self._named[quantity] = layout
         return layout
@@ -87,14 +87,14 @@ class State:
 
         Raises `ShapeError` and `UnknownNameError`.
         """
-        sim = self._simulation
+        worlds = self._worlds
         shape, _ = self._layout(quantity)
         if out is None:
-            out = np.empty(shape, sim.dtype)
-        elif not isinstance(out, np.ndarray) or out.shape != shape or out.dtype != sim.dtype:
+            out = np.empty(shape, worlds.dtype)
+        elif not isinstance(out, np.ndarray) or out.shape != shape or out.dtype != worlds.dtype:
             found = f"{out.dtype} of {out.shape}" if isinstance(out, np.ndarray) else type(out).__name__
-            raise ShapeError(f"out is {found}: it must be an array, {sim.dtype} of {shape}")
-        sim._engine.read(quantity, out)
+            raise ShapeError(f"out is {found}: it must be an array, {worlds.dtype} of {shape}")
+        worlds.engine.read(quantity, out)
         return out
 
     def read_columns(self, quantity: str, table: np.ndarray, column: int = 0) -> int:
@@ -122,7 +122,7 @@ class State:
             raise ShapeError(
                 f"the table has the shape {table.shape}: it must have {shape[0]} rows and columns {column} to {end}"
             )
-        self._simulation._engine.read_columns(quantity, table, column)
+        self._worlds.engine.read_columns(quantity, table, column)
         return end
 
     def on_device(self, quantity: str) -> DeviceArray:
@@ -141,7 +141,7 @@ class State:
         (`contact_wrench`, `center_of_mass` and the spatial ones), and `UnknownNameError`.
         """
         shape, _ = self._layout(quantity)
-        return self._simulation._engine.quantity_on_device(quantity, shape)
+        return self._worlds.engine.quantity_on_device(quantity, shape)
 
     def _get(self, quantity: str, assign: Callable[[np.ndarray], None] | None = None) -> NamedArray:
         def refuse(_: np.ndarray) -> None:
@@ -154,13 +154,12 @@ class State:
 
     def _move(self, position: np.ndarray | None, velocity: np.ndarray | None) -> None:
         """Gives all worlds other coordinates or velocities; those that stay the same are left alone."""
-        sim = self._simulation
         now = self.read("joint_position"), self.read("joint_velocity")
         new = now[0] if position is None else position, now[1] if velocity is None else velocity
         changed = (new[0] != now[0]).any(axis=1) | (new[1] != now[1]).any(axis=1)
         worlds = np.flatnonzero(changed)
         q, v = (np.ascontiguousarray(x[worlds], dtype=np.float64) for x in new)
-        sim._engine.set_joint_state(worlds, q, v, True)
+        self._worlds.engine.set_joint_state(worlds, q, v, True)
 
     @property
     def joint_position(self) -> NamedArray:
@@ -280,12 +279,12 @@ class State:
     @property
     def time(self) -> np.ndarray:
         """Times [s], float64 of shape (worlds,); a world that diverged keeps the time at which it was found."""
-        return self._simulation._engine.times()
+        return self._worlds.engine.times()
 
     @property
     def diverged(self) -> np.ndarray:
         """Which worlds left the finite numbers, bool of shape (worlds,). They stay at their last good state until
         they are reset."""
-        diverged = np.zeros(self._simulation.worlds, bool)
-        diverged[[world for world, _ in self._simulation._engine.diverged()]] = True
+        diverged = np.zeros(self._worlds.count, bool)
+        diverged[[world for world, _ in self._worlds.engine.diverged()]] = True
         return diverged

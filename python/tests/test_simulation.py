@@ -1,8 +1,11 @@
 """Simulations as arrays: what goes in comes out, and is the same as in Rust."""
 
 import copy
+import gc
+import os
 import pickle
 import threading
+import weakref
 
 import numpy as np
 import pytest
@@ -11,6 +14,7 @@ import kinetarium as kn
 from kinetarium.errors import (
     BusyError,
     ClosedError,
+    ForkedError,
     OutOfRangeError,
     ShapeError,
     SimulationError,
@@ -98,6 +102,38 @@ def test_items_of_the_state_are_written_through(sim):
     assert (sim.time == time).all()
     with pytest.raises(ShapeError, match="follows from the joints"):
         sim.state.body_position[0] = 1.0
+
+
+def test_a_simulation_goes_with_the_last_reference():
+    sim = kn.Simulation(kn.examples.n_pendula(2), worlds=2, sensors=[kn.sensors.JointPosition("q")])
+    sim.controls.force[...] = 1.0
+    sim.step()
+    gone = weakref.ref(sim), weakref.ref(sim._worlds)
+    gc.disable()
+    try:
+        del sim
+        assert [one() for one in gone] == [None, None]
+    finally:
+        gc.enable()
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are not forked here")
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+def test_a_forked_process_is_told():
+    sim = kn.Simulation(kn.examples.n_pendula(2), worlds=512, threads=2)
+    sim.step()
+    child = os.fork()
+    if child == 0:
+        told = 0
+        for use in (sim.step, sim.snapshot, lambda: sim.state.joint_position, lambda: pickle.dumps(sim)):
+            try:
+                use()
+            except ForkedError:
+                told += 1
+        sim.close()
+        os._exit(told)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 4
+    sim.step()
 
 
 def test_a_step_does_not_depend_on_threads_or_worlds():
@@ -243,9 +279,19 @@ def test_bad_settings(settings, message):
 
 
 def test_use_after_close(sim):
+    sim.controls.force[...] = 1.0
     sim.close()
     sim.close()
-    for use in (sim.step, sim.snapshot, lambda: sim.state.joint_position, lambda: pickle.dumps(sim)):
+    uses = (
+        sim.step,
+        sim.snapshot,
+        lambda: sim.state.joint_position,
+        lambda: sim.controls.force,
+        lambda: setattr(sim.controls, "force", 1.0),
+        lambda: sim.sensors,
+        lambda: pickle.dumps(sim),
+    )
+    for use in uses:
         with pytest.raises(ClosedError, match="closed"):
             use()
     assert "closed" in repr(sim)

@@ -1,0 +1,68 @@
+"""What a simulation shares with its tables."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+
+from kinetarium._engine import Engine, Model
+from kinetarium.errors import ClosedError, ForkedError
+
+_forks = 0  # how many lie between the first process and this one
+
+
+def _count_fork() -> None:
+    global _forks
+    _forks += 1
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_count_fork)
+
+
+class Worlds:
+    """The engine of a simulation, and of what sizes and names its arrays are.
+
+    `State`, `Controls` and `Parameters` hold this rather than the simulation: nothing goes round in a circle, and a
+    simulation is freed with the last reference to it.
+    """
+
+    __slots__ = ("__weakref__", "_engine", "_forks", "_names", "closed", "count", "dtype", "model")
+
+    def __init__(self, engine: Engine, model: Model, count: int, dtype: np.dtype) -> None:
+        self._engine = engine
+        self._forks = _forks
+        self._names: dict[str, tuple[str, ...]] = {}
+        self.model = model
+        self.count = count
+        self.dtype = dtype
+        self.closed = False
+
+    @property
+    def forked(self) -> bool:
+        """Whether this process was forked from the one that made the worlds."""
+        return self._forks != _forks
+
+    @property
+    def engine(self) -> Engine:
+        """What computes. Raises `ClosedError`, and `ForkedError` in a process without its threads."""
+        if self.closed:
+            raise ClosedError("the simulation is closed: make it anew")
+        if self._forks != _forks:
+            raise ForkedError(
+                "the simulation was made before this process was forked, and its threads stayed behind: make it anew "
+                'here, or start processes by multiprocessing\'s "spawn", which hands on a copy'
+            )
+        return self._engine
+
+    def close(self) -> None:
+        """Frees the worlds."""
+        self._engine.close()
+        self.closed = True
+
+    def names(self, table: str) -> tuple[str, ...]:
+        """The names of one of the model's tables, such as "dof_names"."""
+        if table not in self._names:
+            self._names[table] = tuple(getattr(self.model, table))
+        return self._names[table]
