@@ -11,6 +11,8 @@ from kinetarium.errors import ShapeError, UnknownNameError
 
 Names = Sequence[str] | None
 """Names along an axis, or none."""
+Assign = Callable[[np.ndarray, np.ndarray], None]
+"""Takes what stands in an array and what shall, both plain; raises where that cannot be."""
 
 
 def _row(name: str, axis: int, names: Sequence[str]) -> int:
@@ -30,12 +32,47 @@ def _named(key: Any) -> bool:
     return isinstance(key, str) or (isinstance(key, list) and len(key) > 0 and all(isinstance(k, str) for k in key))
 
 
-class NamedArray(np.ndarray):
+class ReadArray(np.ndarray):
+    """Numbers as they were read. Where they are read-only, operators that work in place make new numbers instead, so
+    that `state.joint_position[0] += 0.1` adds and then assigns. The result of arithmetic is a plain array."""
+
+    def __array_wrap__(self, array, context=None, return_scalar=False):
+        if array is self:  # in place: `force += 1`
+            return self
+        plain = np.asarray(array)
+        return plain[()] if return_scalar else plain
+
+    def __reduce__(self) -> Any:
+        return self.view(np.ndarray).__reduce__()
+
+    def __repr__(self) -> str:
+        return repr(self.view(np.ndarray))
+
+
+def _in_place(operation: str) -> Callable[[np.ndarray, Any], Any]:
+    work = getattr(np.ndarray, operation)
+
+    def operate(array: np.ndarray, other: Any) -> Any:
+        # What is not implemented in place is computed anew, and then assigned.
+        return work(array, other) if array.flags.writeable else NotImplemented
+
+    return operate
+
+
+for _name in [name for name in vars(np.ndarray) if name.startswith("__i") and f"__{name[3:]}" in vars(np.ndarray)]:
+    setattr(ReadArray, _name, _in_place(_name))
+
+
+class NamedArray(ReadArray):
     """A numpy array whose axes may have names, usable in place of numbers in its index.
 
-    A name picks a row as its number would; a list of names picks several. What an index gives is a plain
-    `numpy.ndarray` on the same memory, as numpy's rules for views and copies say. So is the result of
-    arithmetic.
+    A name picks a row as its number would; a list of names picks several. What an index gives has no names, and lies
+    in the same memory or in memory of its own, as numpy's rules for views and copies say. The result of arithmetic is
+    a plain `numpy.ndarray`.
+
+    Those of `Simulation.state` and `parameters` are read-only but for items that are set: what would else be written
+    to a part of one, or to the whole by a function such as `numpy.copyto`, would not reach the simulation, and numpy
+    raises `ValueError`.
 
     >>> import numpy as np
     >>> from kinetarium.arrays import NamedArray
@@ -45,31 +82,25 @@ class NamedArray(np.ndarray):
     array([20.,  0.])
     """
 
-    names: tuple[Names, ...]
-    _assign: Callable[[np.ndarray], None] | None
+    names: tuple[Names, ...] = ()
+    """Names along the axes, as far as there are any."""
+    held: np.ndarray | None = None
+    """What may be written to, of an array that is read-only."""
+    _assign: Assign | None = None
 
     @classmethod
-    def of(
-        cls,
-        array: np.ndarray,
-        names: tuple[Names, ...],
-        assign: Callable[[np.ndarray], None] | None = None,
-    ) -> NamedArray:
-        """A view of `array` with names for each axis; `assign` is told of the array after its items are set."""
+    def of(cls, array: np.ndarray, names: tuple[Names, ...], assign: Assign | None = None) -> NamedArray:
+        """A view of `array` with names for each axis; with `assign` it is read-only, and setting items asks that."""
         named = array.view(cls)
         named.names = names
-        named._assign = assign
+        if assign is not None:
+            named.flags.writeable = False
+            named.held, named._assign = array, assign
         return named
 
-    def __array_finalize__(self, source: np.ndarray | None) -> None:
-        self.names = ()
-        self._assign = None
-
-    def __array_wrap__(self, array, context=None, return_scalar=False):
-        if array is self:  # in place: `force += 1`
-            return self
-        plain = np.asarray(array)
-        return plain[()] if return_scalar else plain
+    def holds(self, names: tuple[Names, ...], assign: Assign) -> None:
+        """Takes other names, and another to ask, when other numbers have been written to what is held."""
+        self.names, self._assign = names, assign
 
     def _numbers(self, key: Any) -> Any:
         """The same index with numbers for names."""
@@ -92,15 +123,24 @@ class NamedArray(np.ndarray):
         return tuple(numbers)
 
     def __getitem__(self, key: Any) -> Any:
-        return self.view(np.ndarray)[self._numbers(key)]
+        kind = np.ndarray if self._assign is None else ReadArray
+        return self.view(kind)[self._numbers(key)]
 
     def __setitem__(self, key: Any, value: Any) -> None:
-        self.view(np.ndarray)[self._numbers(key)] = value
-        if self._assign is not None:
-            self._assign(self.view(np.ndarray))
+        if self._assign is None or self.held is None:
+            self.view(np.ndarray)[self._numbers(key)] = value
+            return
+        wanted = self.held.copy()
+        wanted[self._numbers(key)] = value
+        self._assign(self.held, wanted)
+        self.held[...] = wanted
 
-    def __reduce__(self) -> Any:
-        return self.view(np.ndarray).__reduce__()
+    def __dlpack__(self, **options: Any) -> Any:
+        held = self.view(np.ndarray) if self.held is None else self.held
+        return held.__dlpack__(**options)
+
+    def __repr__(self) -> str:
+        return np.array_repr(self)
 
 
 def checked(what: str, array: Any, shape: tuple[int, ...], dtype: Any = np.float64) -> np.ndarray:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, overload
+import weakref
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from kinetarium.arrays import NamedArray, Names, checked
+from kinetarium.arrays import Assign, NamedArray, checked
+from kinetarium.errors import ClosedError, ModelError, SimulationError
 
 if TYPE_CHECKING:
     from kinetarium.worlds import Worlds
@@ -30,37 +32,48 @@ class Parameter:
         if parameters is None:
             return self
         worlds = parameters._worlds
-        names: Names = None if self._table is None else worlds.names(self._table)
-        numbers = worlds.engine.read_parameter(self._name, np.arange(worlds.count))
+        names = None if self._table is None else worlds.names(self._table)
         rows = () if names is None else (len(names),)
+        numbers = worlds.engine.read_parameter(self._name, np.arange(worlds.count))
         array = numbers.reshape((worlds.count, *rows, *self._width))
-        before = array.copy()
+        return NamedArray.of(array, (None, names), self._assign(worlds))
 
-        def assign(numbers: np.ndarray) -> None:
-            self._write(parameters, before, numbers)
-            before[...] = numbers
+    def __set__(self, parameters: Parameters, value: Any) -> None:
+        before = np.asarray(self.__get__(parameters, Parameters))
+        self._change(parameters._worlds, before, checked(self._name, value, before.shape))
 
-        return NamedArray.of(array, (None, names), assign)
+    def _assign(self, worlds: Worlds) -> Assign:
+        those = weakref.ref(worlds)  # no array keeps worlds that are done with
 
-    def __set__(self, parameters: Parameters, value: np.ndarray) -> None:
-        before = self.__get__(parameters, Parameters)
-        numbers = checked(self._name, value, before.shape)
-        self._write(parameters, np.asarray(before), numbers)
+        def assign(before: np.ndarray, wanted: np.ndarray) -> None:
+            worlds = those()
+            if worlds is None:
+                raise ClosedError(f"the simulation of this {self._name} is gone: copy the array to change it alone")
+            self._change(worlds, before, wanted)
 
-    def _write(self, parameters: Parameters, before: np.ndarray, numbers: np.ndarray) -> None:
-        """Tells the engine of the worlds whose numbers are others."""
-        rows = numbers.reshape(len(numbers), -1)
-        worlds = np.flatnonzero((rows != before.reshape(rows.shape)).any(axis=1))
-        engine = parameters._worlds.engine
-        engine.write_parameter(self._name, worlds, np.ascontiguousarray(rows[worlds]))
+        return assign
+
+    def _change(self, worlds: Worlds, before: np.ndarray, wanted: np.ndarray) -> None:
+        """Gives worlds those numbers that are others than before, or none of them where one is refused."""
+        changed = (wanted != before).reshape(len(wanted), -1)
+        which = np.flatnonzero(changed.any(axis=1))
+        engine = worlds.engine
+        now = engine.read_parameter(self._name, which)
+        numbers = np.where(changed[which], wanted.reshape(changed.shape)[which], now)
+        try:
+            engine.write_parameter(self._name, which, numbers)
+        except (ModelError, SimulationError):
+            written = (engine.read_parameter(self._name, which) != now).any(axis=1)
+            engine.write_parameter(self._name, which[written], now[written])
+            raise
 
 
 class Parameters:
     """Numbers of the model in each world, float64; set items, or whole arrays, to make worlds differ.
 
-    Each attribute is a copy, whose items can be set; that compiles the model anew for the worlds that change (some
-    tens of microseconds each), and leaves their states as they are. What is zero in the model must stay zero where
-    it means that something is not there: a drive, dry friction, a spring or damper where no joint has any.
+    Each attribute is a copy, read-only but for items that are set; that compiles the model anew for the worlds that
+    change (some tens of microseconds each), and leaves their states as they are. What is zero in the model must stay
+    zero where it means that something is not there: a drive, dry friction, a spring or damper where no joint has any.
 
     >>> import kinetarium as kn
     >>> sim = kn.Simulation(kn.examples.n_pendula(2), worlds=3)

@@ -312,6 +312,7 @@ class Simulation:
             raise SimulationError(f"steps is {steps}: it must not be negative")
         engine = self._engine
         self._controls._send(engine)
+        self._worlds.moment += 1
         diverged = self._sensors._step(self, engine, steps) if self._sensors else engine.step(steps)
         return np.array(diverged, np.int64)
 
@@ -337,17 +338,18 @@ class Simulation:
         """Brings worlds (a mask, a list of rows, or all) to the model's initial state at time 0, or to one of its
         keyframes, with the model's controls."""
         rows = self._rows(worlds)
-        self._engine.reset(rows)
-        if keyframe is not None:
-            position, velocity, control = self.model.keyframe(keyframe)
-            self.set_state(position, velocity, worlds=rows)
-            if control.size:
-                self._controls.actuator[rows] = control
+        if keyframe is None:
+            self._engine.reset(rows)
+            self._begun(rows)
             return
-        self._begun(rows)
+        position, velocity, control = self.model.keyframe(keyframe)
+        self.set_state(position, velocity, worlds=rows)
+        if control.size:
+            self._controls.actuator[rows] = control
 
     def _begun(self, rows: np.ndarray) -> None:
         """Takes over what the engine has of worlds that were set: controls, and what sensors read."""
+        self._worlds.moment += 1
         self._controls._fetch(rows)
         if self._sensors:
             self._sensors._update(self)
@@ -369,7 +371,7 @@ class Simulation:
         rows = self._rows(worlds)
         position = checked("joint_position", joint_position, (len(rows), self.model.coordinates))
         velocity = checked("joint_velocity", joint_velocity, (len(rows), self.model.degrees_of_freedom))
-        self._engine.set_joint_state(rows, position, velocity, False)
+        self._state._put(rows, position, velocity, keep=False)
         self._begun(rows)
 
     def snapshot(self) -> bytes:

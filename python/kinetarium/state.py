@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+import weakref
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kinetarium.arrays import NamedArray, Names, checked
-from kinetarium.errors import ShapeError, UnknownNameError
+from kinetarium.arrays import Assign, NamedArray, Names, checked
+from kinetarium.errors import ClosedError, ShapeError, SimulationError, UnknownNameError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from kinetarium._engine import DeviceArray
     from kinetarium.worlds import Worlds
 
@@ -37,18 +37,27 @@ _QUANTITIES: dict[str, tuple[str | None, int]] = {
     "momentum": (None, 3),
     "angular_momentum": (None, 3),
 }
+_SETTABLE = "joint_position", "joint_velocity"
+# Coordinates and velocities beyond this are refused.
+_MOST_MOTION = 1e9
+
+
+def _refuse(quantity: str, *_: np.ndarray) -> None:
+    raise ShapeError(f"{quantity} follows from the joints: set joint_position and joint_velocity, or copy the array")
 
 
 class State:
     """The state of all worlds.
 
-    Each attribute is a fresh array of the simulation's dtype, contiguous and yours to keep: one transposing copy
-    from the blocks in which worlds lie side by side (about the time of 1 % of a step of a humanoid for its joint
-    positions). Take it once, not once per world; `read` fills an array of yours. torch and jax take it without
-    a further copy.
+    Each attribute is a fresh array of the simulation's dtype, contiguous and yours to keep, read-only but for items
+    that are set: one transposing copy from the blocks in which worlds lie side by side. Take it once, not once per
+    world; `read` gives a plain array, or fills one of yours. torch and jax take either by DLPack without a further
+    copy.
 
-    Items of `joint_position` and `joint_velocity` can be set, which changes the simulation; those of other
-    quantities follow from them. Names index bodies, joints, coordinates and degrees of freedom.
+    Items of `joint_position` and `joint_velocity` can be set, which changes the simulation: those items, in the
+    worlds that have them, and no others. An array that was read before the simulation was stepped or reset refuses
+    that with a `SimulationError`; as numbers it stays good. The other quantities follow from those two. Names index
+    bodies, joints, coordinates and degrees of freedom.
 
     >>> import kinetarium as kn
     >>> sim = kn.Simulation(kn.examples.n_pendula(3), worlds=2, dtype="float64")
@@ -62,23 +71,23 @@ class State:
 
     def __init__(self, worlds: Worlds) -> None:
         self._worlds = worlds
-        self._named: dict[str, tuple[tuple[int, ...], tuple[Names, ...]]] = {}
+        self._layouts: dict[str, tuple[tuple[int, ...], tuple[Names, ...]]] = {}
+        self._quaternions: dict[str, slice] | None = None
 
     def _layout(self, quantity: str) -> tuple[tuple[int, ...], tuple[Names, ...]]:
         """Shape and names of a quantity's array."""
-        layout = self._named.get(quantity)
+        layout = self._layouts.get(quantity)
         if layout is None:
-            try:
-                table, width = _QUANTITIES[quantity]
-            except KeyError:
+            if quantity not in _QUANTITIES:
                 known = ", ".join(_QUANTITIES)
-                raise UnknownNameError(f'there is no quantity "{quantity}"; known are {known}') from None
+                raise UnknownNameError(f'there is no quantity "{quantity}"; known are {known}')
+            table, width = _QUANTITIES[quantity]
             names = None if table is None else self._worlds.names(table)
             rows = () if names is None else (len(names),)
             numbers = (width,) if width else ()
             shape = (self._worlds.count, *rows, *numbers)
             layout = (shape, (None, names) if names is not None else ())
-            self._named[quantity] = layout
+            self._layouts[quantity] = layout
         return layout
 
     def read(self, quantity: str, out: np.ndarray | None = None) -> np.ndarray:
@@ -88,12 +97,16 @@ class State:
         Raises `ShapeError` and `UnknownNameError`.
         """
         worlds = self._worlds
-        shape, _ = self._layout(quantity)
+        shape, names = self._layout(quantity)
         if out is None:
             out = np.empty(shape, worlds.dtype)
         elif not isinstance(out, np.ndarray) or out.shape != shape or out.dtype != worlds.dtype:
             found = f"{out.dtype} of {out.shape}" if isinstance(out, np.ndarray) else type(out).__name__
             raise ShapeError(f"out is {found}: it must be an array, {worlds.dtype} of {shape}")
+        elif isinstance(out, NamedArray) and out.held is not None:
+            self.read(quantity, out.held)
+            out.holds(names, self._assign(quantity))
+            return out
         worlds.engine.read(quantity, out)
         return out
 
@@ -143,23 +156,78 @@ class State:
         shape, _ = self._layout(quantity)
         return self._worlds.engine.quantity_on_device(quantity, shape)
 
-    def _get(self, quantity: str, assign: Callable[[np.ndarray], None] | None = None) -> NamedArray:
-        def refuse(_: np.ndarray) -> None:
-            raise ShapeError(
-                f"{quantity} follows from the joints: set joint_position and joint_velocity, or copy the array"
-            )
+    def _get(self, quantity: str) -> NamedArray:
+        array = self.read(quantity)
+        return NamedArray.of(array, self._layout(quantity)[1], self._assign(quantity))
 
-        _, names = self._layout(quantity)
-        return NamedArray.of(self.read(quantity), names, assign or refuse)
+    def _assign(self, quantity: str) -> Assign:
+        """What is asked when items of a quantity as it is now are set."""
+        if quantity not in _SETTABLE:
+            return partial(_refuse, quantity)
+        moment, this = self._worlds.moment, weakref.ref(self)  # no array keeps worlds that are done with
 
-    def _move(self, position: np.ndarray | None, velocity: np.ndarray | None) -> None:
-        """Gives all worlds other coordinates or velocities; those that stay the same are left alone."""
-        now = self.read("joint_position"), self.read("joint_velocity")
-        new = now[0] if position is None else position, now[1] if velocity is None else velocity
-        changed = (new[0] != now[0]).any(axis=1) | (new[1] != now[1]).any(axis=1)
-        worlds = np.flatnonzero(changed)
-        q, v = (np.ascontiguousarray(x[worlds], dtype=np.float64) for x in new)
-        self._worlds.engine.set_joint_state(worlds, q, v, True)
+        def assign(before: np.ndarray, wanted: np.ndarray) -> None:
+            state = this()
+            if state is None:
+                raise ClosedError(f"the simulation of this {quantity} is gone: copy the array to change it alone")
+            if state._worlds.moment != moment:
+                raise SimulationError(
+                    f"this {quantity} was read before the simulation was stepped or reset: read it anew to set its "
+                    "items, or copy the array to change it alone"
+                )
+            state._change(quantity, before, wanted)
+
+        return assign
+
+    def _set(self, quantity: str, value: Any) -> None:
+        wanted = checked(quantity, value, self._layout(quantity)[0])
+        self._change(quantity, self.read(quantity), wanted)
+
+    def _change(self, quantity: str, before: np.ndarray, wanted: np.ndarray) -> None:
+        """Gives the joints those numbers of a quantity that are others than before; all else stays as it is now."""
+        changed = wanted != before
+        if quantity == "joint_position":
+            for columns in self._quaternion_columns().values():
+                changed[:, columns] |= changed[:, columns].any(axis=1, keepdims=True)
+        worlds = np.flatnonzero(changed.any(axis=1))
+        if worlds.size == 0:
+            return
+        now = {name: self.read(name)[worlds] for name in _SETTABLE}
+        now[quantity] = np.where(changed[worlds], wanted[worlds], now[quantity])
+        position, velocity = (np.ascontiguousarray(now[name], np.float64) for name in _SETTABLE)
+        self._put(worlds, position, velocity, keep=True)
+
+    def _put(self, worlds: np.ndarray, position: np.ndarray, velocity: np.ndarray, *, keep: bool) -> None:
+        """Puts worlds at coordinates and velocities, a row for each, or none of them where one cannot be put there;
+        with `keep` they keep their times and controls."""
+        for what, numbers in ("joint position", position), ("joint velocity", velocity):
+            wrong = ~(np.abs(numbers) <= _MOST_MOTION)
+            if wrong.any():
+                row, column = np.argwhere(wrong)[0]
+                raise SimulationError(
+                    f"world {worlds[row]}: {what}[{column}] is {numbers[row, column]:g}: it must be a finite number "
+                    f"from -{_MOST_MOTION:g} to {_MOST_MOTION:g}"
+                )
+        for joint, columns in self._quaternion_columns().items():
+            zero = np.flatnonzero(np.linalg.norm(position[:, columns], axis=1) < 1e-12)
+            if zero.size:
+                raise SimulationError(
+                    f'world {worlds[zero[0]]}: the quaternion of joint "{joint}" is zero: give one of unit length, '
+                    "x, y, z, w"
+                )
+        self._worlds.engine.set_joint_state(worlds, position, velocity, keep)
+
+    def _quaternion_columns(self) -> dict[str, slice]:
+        """Where the quaternions of joints are among the coordinates."""
+        if self._quaternions is None:
+            model = self._worlds.model
+            ends = {
+                name: model.joint_coordinates(name)
+                for name, kind in zip(model.joint_names, model.joint_kinds, strict=True)
+                if kind in ("ball", "free")
+            }
+            self._quaternions = {name: slice(end - 4, end) for name, (start, end) in ends.items() if start < end}
+        return self._quaternions
 
     @property
     def joint_position(self) -> NamedArray:
@@ -168,22 +236,20 @@ class State:
         Angles of axes that turn without end are in [−π, π]. Items can be set; quaternions are scaled to unit
         length then.
         """
-        return self._get("joint_position", lambda q: self._move(q, None))
+        return self._get("joint_position")
 
     @joint_position.setter
     def joint_position(self, value: np.ndarray) -> None:
-        shape, _ = self._layout("joint_position")
-        self._move(checked("joint_position", value, shape), None)
+        self._set("joint_position", value)
 
     @property
     def joint_velocity(self) -> NamedArray:
         """Velocities of the joints [m/s or rad/s], shape (worlds, degrees of freedom). Items can be set."""
-        return self._get("joint_velocity", lambda v: self._move(None, v))
+        return self._get("joint_velocity")
 
     @joint_velocity.setter
     def joint_velocity(self, value: np.ndarray) -> None:
-        shape, _ = self._layout("joint_velocity")
-        self._move(None, checked("joint_velocity", value, shape))
+        self._set("joint_velocity", value)
 
     @property
     def joint_acceleration(self) -> NamedArray:

@@ -28,7 +28,7 @@ class Worlds:
     simulation is freed with the last reference to it.
     """
 
-    __slots__ = ("__weakref__", "_engine", "_forks", "_names", "closed", "count", "dtype", "model")
+    __slots__ = ("__weakref__", "_engine", "_forks", "_names", "closed", "count", "dtype", "model", "moment")
 
     def __init__(self, engine: Engine, model: Model, count: int, dtype: np.dtype) -> None:
         self._engine = engine
@@ -38,6 +38,8 @@ class Worlds:
         self.count = count
         self.dtype = dtype
         self.closed = False
+        self.moment = 0
+        """Counts what brings the worlds into another state: steps, resets."""
 
     @property
     def forked(self) -> bool:

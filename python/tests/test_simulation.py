@@ -15,6 +15,7 @@ from kinetarium.errors import (
     BusyError,
     ClosedError,
     ForkedError,
+    ModelError,
     OutOfRangeError,
     ShapeError,
     SimulationError,
@@ -104,10 +105,97 @@ def test_items_of_the_state_are_written_through(sim):
         sim.state.body_position[0] = 1.0
 
 
+def test_an_item_is_set_in_the_present_and_nothing_else(sim):
+    q, v = sim.state.joint_position, sim.state.joint_velocity
+    sim.step(30)
+    now = sim.snapshot()
+    with pytest.raises(SimulationError, match="this joint_position was read before the simulation was stepped"):
+        q[0, 0] = 0.1
+    assert sim.snapshot() == now and q[0, 0] != 0.1
+    assert sim.state.read("joint_position", q) is q
+    other = sim.state.joint_position
+    other[2, "hinge0"] = 0.5
+    q[2, "hinge1"] = 0.25
+    after = sim.state.joint_position
+    assert after[2, 0] == 0.5 and after[2, 1] == 0.25
+    assert (np.delete(after, 2, axis=0) == np.delete(other, 2, axis=0)).all()
+    assert (sim.state.joint_velocity != v).any(axis=1).all()
+    sim.reset([3])
+    with pytest.raises(SimulationError, match="or reset"):
+        after[0, 0] = 0.1
+
+
+def test_a_refused_item_is_not_kept(sim):
+    q = sim.state.joint_position
+    with pytest.raises(SimulationError, match="world 1"):
+        q[1, 0] = np.nan
+    q[1, 1] = 0.5
+    assert (sim.state.joint_position == q).all()
+    mass = sim.parameters.body_mass
+    with pytest.raises(ModelError, match="world 4"):
+        mass[2:5, "link1"] = (5.0, 2.0, -1.0)
+    mass[2, "link0"] = 3.0
+    assert (sim.parameters.body_mass == mass).all() and mass[2].tolist() == [3.0, 1.0, 1.0]
+
+
+def test_what_would_be_set_in_vain_is_refused(sim):
+    for array in (sim.state.joint_position, sim.state.body_position, sim.parameters.gravity):
+        before = np.array(array)
+        for write in (
+            lambda a: a[0].__setitem__(0, 0.7),
+            lambda a: a.fill(1.0),
+            lambda a: a.put(0, 1.0),
+            lambda a: np.copyto(a, 1.0),
+            lambda a: np.add(a, 1.0, out=a),
+            lambda a: a.flat.__setitem__(0, 1.0),
+            lambda a: np.asarray(a).__setitem__(0, 1.0),
+        ):
+            with pytest.raises(ValueError, match="read-only"):
+                write(array)
+        assert (array == before).all()
+        own = array.copy()
+        own[0] = 7.0
+        own += 1.0
+        assert (own[0] == 8.0).all() and (array == before).all()
+    plain = sim.state.read("joint_position")
+    plain[0] = 7.0
+
+
+def test_what_is_assigned_in_place_arrives(sim):
+    sim.state.joint_position[3, "hinge1"] += 0.5
+    sim.state.joint_position[:, 2] += np.linspace(0.0, 1.0, 20)
+    sim.state.joint_velocity += 2.0
+    sim.parameters.gravity[4] *= 0.5
+    sim.parameters.body_mass *= 2.0
+    assert sim.state.joint_position[3, 1] == 0.5 and sim.state.joint_position[19, 2] == 1.0
+    assert (sim.state.joint_velocity == 2.0).all()
+    assert sim.parameters.gravity[4, 1] == sim.parameters.gravity[5, 1] / 2
+    assert (sim.parameters.body_mass[:, :, None] == 2 * sim.model.parameter("body_mass")).all()
+    observed = sim.state.joint_position
+    observed -= observed  # numbers of one's own from here on
+    assert type(observed) is np.ndarray and not observed.any() and sim.state.joint_position.all(axis=1).any()
+
+
+def test_arrays_are_shared_by_dlpack(sim):
+    for array in (sim.controls.force, sim.state.body_position):
+        assert np.shares_memory(np.from_dlpack(array), array)
+
+
+def test_quaternions_are_set_as_a_whole():
+    sim = kn.Simulation(kn.examples.ball_joint(), worlds=2, dtype="float64")
+    q = sim.state.joint_position
+    for column in range(4):
+        q[1, column] = 0.5
+    np.testing.assert_allclose(sim.state.joint_position[1], 0.5, atol=1e-15)
+    with pytest.raises(SimulationError, match='world 1: the quaternion of joint "shoulder" is zero'):
+        q[1] = 0.0
+
+
 def test_a_simulation_goes_with_the_last_reference():
     sim = kn.Simulation(kn.examples.n_pendula(2), worlds=2, sensors=[kn.sensors.JointPosition("q")])
     sim.controls.force[...] = 1.0
     sim.step()
+    kept = sim.state.joint_position, sim.parameters.gravity, sim.controls.force, sim.sensors["q"]
     gone = weakref.ref(sim), weakref.ref(sim._worlds)
     gc.disable()
     try:
@@ -115,6 +203,9 @@ def test_a_simulation_goes_with_the_last_reference():
         assert [one() for one in gone] == [None, None]
     finally:
         gc.enable()
+    for array in kept[:2]:
+        with pytest.raises(ClosedError, match="is gone"):
+            array[0] = 1.0
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are not forked here")
@@ -241,15 +332,38 @@ def test_diverged_worlds_harm_no_other():
         (lambda s: s.cast_rays((0, 0, 0), (0, 0, 0)), SimulationError, "direction"),
         (lambda s: s.watch("contact"), UnknownNameError, "known are"),
         (lambda s: s.linearize(50), OutOfRangeError, "world 50"),
+        # Worlds before the one that is refused are left alone, too.
+        (lambda s: s.set_state(_with(s, np.nan)), SimulationError, r"world 12: joint position\[1\] is nan"),
+        (lambda s: s.set_state(_with(s, 2e9)), SimulationError, r"world 12: joint position\[1\] is 2e\+09"),
+        (lambda s: setattr(s.state, "joint_velocity", _with(s, np.inf)), SimulationError, "world 12: joint velocity"),
+        (lambda s: s.state.joint_position.__setitem__(..., _with(s, np.nan)), SimulationError, "world 12"),
+        (lambda s: setattr(s.parameters, "body_mass", _with(s, -1.0)), ModelError, "world 12"),
+        (lambda s: s.reset(keyframe="home"), UnknownNameError, "home"),
     ],
 )
 def test_bad_input_is_refused_and_nothing_is_lost(sim, wrong, error, message):
     sim.step(5)
-    before = sim.snapshot()
+    before, masses = sim.snapshot(), sim.parameters.body_mass
     with pytest.raises(error, match=message):
         wrong(sim)
     sim.controls.force[...] = 0.0
     assert sim.snapshot() == before
+    assert (sim.parameters.body_mass == masses).all()
+
+
+def test_what_was_refused_is_no_change(sim):
+    q = sim.state.joint_position
+    for refused in (lambda: sim.set_state(np.nan), lambda: sim.step(-1), lambda: sim.reset([99])):
+        with pytest.raises((SimulationError, OutOfRangeError)):
+            refused()
+    q[0, 0] = 0.5
+    assert sim.state.joint_position[0, 0] == 0.5
+
+
+def _with(sim, wrong):
+    numbers = np.ones((sim.worlds, 3))
+    numbers[12, 1] = wrong
+    return numbers
 
 
 def _read_only(shape, dtype):
