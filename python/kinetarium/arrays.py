@@ -2,34 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from kinetarium.errors import ShapeError, UnknownNameError
+from kinetarium.names import Names, rows
 
-Names = Sequence[str] | None
-"""Names along an axis, or none."""
 Assign = Callable[[np.ndarray, np.ndarray], None]
 """Takes what stands in an array and what shall, both plain; raises where that cannot be."""
-
-
-def _row(name: str, axis: int, names: Sequence[str]) -> int:
-    try:
-        return names.index(name)
-    except ValueError:
-        from difflib import get_close_matches  # seldom needed, and slow to import
-
-        alike = get_close_matches(name, names, n=1)
-        some = ", ".join(names[:8]) + (", …" if len(names) > 8 else "")
-        hint = f'did you mean "{alike[0]}"?' if alike else f"there are {some or 'none'}"
-        raise UnknownNameError(f'axis {axis} has nothing named "{name}"; {hint}') from None
 
 
 def _named(key: Any) -> bool:
     """Whether a part of an index holds names."""
     return isinstance(key, str) or (isinstance(key, list) and len(key) > 0 and all(isinstance(k, str) for k in key))
+
+
+def _rows(key: Any, axis: int, names: Names) -> Any:
+    """Numbers for a name, or for a list of names."""
+    if names is None:
+        raise UnknownNameError(f"axis {axis} has no names: give numbers instead of {key!r}")
+    if isinstance(key, str):
+        return rows(key, axis, names)
+    return np.concatenate([np.arange(len(names))[rows(name, axis, names)].ravel() for name in key]).tolist()
 
 
 class ReadArray(np.ndarray):
@@ -66,9 +62,9 @@ for _name in [name for name in vars(np.ndarray) if name.startswith("__i") and f"
 class NamedArray(ReadArray):
     """A numpy array whose axes may have names, usable in place of numbers in its index.
 
-    A name picks a row as its number would; a list of names picks several. What an index gives has no names, and lies
-    in the same memory or in memory of its own, as numpy's rules for views and copies say. The result of arithmetic is
-    a plain `numpy.ndarray`.
+    A name picks a row as its number would; a list of names picks several, and so does the name of a joint of several
+    columns. What an index gives has no names, and lies in the same memory or in memory of its own, as numpy's rules
+    for views and copies say. The result of arithmetic is a plain `numpy.ndarray`.
 
     Those of `Simulation.state` and `parameters` are read-only but for items that are set: what would else be written
     to a part of one, or to the whole by a function such as `numpy.copyto`, would not reach the simulation, and numpy
@@ -114,10 +110,7 @@ class NamedArray(ReadArray):
                 axis += self.ndim - used
             elif k is not None:
                 if _named(k):
-                    names = self.names[axis] if axis < len(self.names) else None
-                    if names is None:
-                        raise UnknownNameError(f"axis {axis} has no names: give numbers instead of {k!r}")
-                    k = _row(k, axis, names) if isinstance(k, str) else [_row(n, axis, names) for n in k]
+                    k = _rows(k, axis, self.names[axis] if axis < len(self.names) else None)
                 axis += 1
             numbers.append(k)
         return tuple(numbers)

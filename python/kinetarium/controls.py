@@ -8,6 +8,7 @@ import numpy as np
 
 from kinetarium.arrays import NamedArray, checked
 from kinetarium.errors import UnknownNameError
+from kinetarium.names import Strict, hint
 
 if TYPE_CHECKING:
     from kinetarium._engine import DeviceArray, Engine
@@ -21,7 +22,7 @@ _NAMES = {
 }
 
 
-class Controls:
+class Controls(Strict):
     """Controls of all worlds, as arrays that are written in place and hold until they are written again.
 
     Each is one array of the simulation's dtype that lives as long as the simulation: what stands in it when
@@ -36,12 +37,14 @@ class Controls:
                 [0., 2., 0.]], dtype=float32)
     """
 
+    __slots__ = ("_arrays", "_worlds")
+
     def __init__(self, worlds: Worlds) -> None:
         self._worlds = worlds
         self._arrays: dict[str, NamedArray] = {}
 
     def _shape(self, name: str) -> tuple[int, int]:
-        return self._worlds.count, len(self._worlds.names(_NAMES[name]))
+        return self._worlds.count, len(self._worlds.names(_NAMES[name]) or ())
 
     def on_device(self, name: str) -> DeviceArray:
         """A control of all worlds where it lies in the memory of a CUDA card, shape (worlds, degrees of freedom) or
@@ -57,7 +60,7 @@ class Controls:
         on a CUDA card, and `UnknownNameError`.
         """
         if name not in _NAMES:
-            raise UnknownNameError(f'there is no control "{name}"; known are {", ".join(_NAMES)}')
+            raise UnknownNameError(f'there is no control "{name}"; {hint(name, list(_NAMES))}')
         engine = self._worlds.engine
         array = self._arrays.pop(name, None)
         if array is not None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from kinetarium.arrays import Assign, NamedArray, checked
 from kinetarium.errors import ClosedError, ModelError, SimulationError
+from kinetarium.names import Strict
 
 if TYPE_CHECKING:
     from kinetarium.worlds import Worlds
@@ -68,7 +69,7 @@ class Parameter:
             raise
 
 
-class Parameters:
+class Parameters(Strict):
     """Numbers of the model in each world, float64; set items, or whole arrays, to make worlds differ.
 
     Each attribute is a copy, read-only but for items that are set; that compiles the model anew for the worlds that
@@ -105,6 +106,8 @@ class Parameters:
     gear = Parameter("actuator_names", (), "Gears of the actuators, shape (worlds, actuators).")
     gain = Parameter("actuator_names", (), "Gains of the actuators, shape (worlds, actuators).")
     bias = Parameter("actuator_names", (3,), "Biases of the actuators, shape (worlds, actuators, 3).")
+
+    __slots__ = ("_worlds",)
 
     def __init__(self, worlds: Worlds) -> None:
         self._worlds = worlds

@@ -16,6 +16,7 @@ from kinetarium.arrays import checked
 from kinetarium.cameras import Camera, Images
 from kinetarium.controls import Controls
 from kinetarium.errors import OutOfRangeError, ShapeError, SimulationError, UnknownNameError
+from kinetarium.names import Strict, hint
 from kinetarium.parameters import Parameters, parameter_names
 from kinetarium.sensors import Custom, Sensor, Sensors
 from kinetarium.state import State
@@ -107,7 +108,7 @@ class Linearization:
     """By the drives' velocity targets, shape (2n, n)."""
 
 
-class Simulation:
+class Simulation(Strict):
     """W worlds of one model, advanced together.
 
     Parameters
@@ -158,6 +159,21 @@ class Simulation:
     >>> float(sim.state.time[7])
     1.0
     """
+
+    __slots__ = (
+        "__weakref__",
+        "_controls",
+        "_device",
+        "_isa",
+        "_parameters",
+        "_sensors",
+        "_settings",
+        "_solver",
+        "_state",
+        "_threads",
+        "_view",
+        "_worlds",
+    )
 
     def __init__(
         self,
@@ -489,7 +505,7 @@ class Simulation:
         kinds = get_args(Watched)
         for event in events:
             if event not in kinds:
-                raise UnknownNameError(f'there are no events "{event}"; known are {", ".join(kinds)}')
+                raise UnknownNameError(f'there are no events "{event}"; {hint(event, kinds)}')
         self._engine.watch(**{kind: kind in events for kind in kinds})
 
     def events(self) -> list[Event]:

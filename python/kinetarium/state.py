@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kinetarium.arrays import Assign, NamedArray, Names, checked
+from kinetarium.arrays import Assign, NamedArray, checked
 from kinetarium.errors import ClosedError, ShapeError, SimulationError, UnknownNameError
+from kinetarium.names import Names, Strict, hint
 
 if TYPE_CHECKING:
     from kinetarium._engine import DeviceArray
@@ -46,7 +47,7 @@ def _refuse(quantity: str, *_: np.ndarray) -> None:
     raise ShapeError(f"{quantity} follows from the joints: set joint_position and joint_velocity, or copy the array")
 
 
-class State:
+class State(Strict):
     """The state of all worlds.
 
     Each attribute is a fresh array of the simulation's dtype, contiguous and yours to keep, read-only but for items
@@ -69,18 +70,26 @@ class State:
     (2, 3)
     """
 
+    __slots__ = ("__weakref__", "_layouts", "_quaternions", "_worlds")
+
     def __init__(self, worlds: Worlds) -> None:
         self._worlds = worlds
         self._layouts: dict[str, tuple[tuple[int, ...], tuple[Names, ...]]] = {}
         self._quaternions: dict[str, slice] | None = None
+
+    if not TYPE_CHECKING:
+
+        def __setattr__(self, name: str, value: Any) -> None:
+            if name in _QUANTITIES and name not in _SETTABLE:
+                _refuse(name)
+            super().__setattr__(name, value)
 
     def _layout(self, quantity: str) -> tuple[tuple[int, ...], tuple[Names, ...]]:
         """Shape and names of a quantity's array."""
         layout = self._layouts.get(quantity)
         if layout is None:
             if quantity not in _QUANTITIES:
-                known = ", ".join(_QUANTITIES)
-                raise UnknownNameError(f'there is no quantity "{quantity}"; known are {known}')
+                raise UnknownNameError(f'there is no quantity "{quantity}"; {hint(quantity, list(_QUANTITIES))}')
             table, width = _QUANTITIES[quantity]
             names = None if table is None else self._worlds.names(table)
             rows = () if names is None else (len(names),)

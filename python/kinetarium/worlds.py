@@ -8,6 +8,7 @@ import numpy as np
 
 from kinetarium._engine import Engine, Model
 from kinetarium.errors import ClosedError, ForkedError
+from kinetarium.names import JointNames, Names
 
 _forks = 0  # how many lie between the first process and this one
 
@@ -33,7 +34,7 @@ class Worlds:
     def __init__(self, engine: Engine, model: Model, count: int, dtype: np.dtype) -> None:
         self._engine = engine
         self._forks = _forks
-        self._names: dict[str, tuple[str, ...]] = {}
+        self._names: dict[str, Names] = {}
         self.model = model
         self.count = count
         self.dtype = dtype
@@ -63,8 +64,16 @@ class Worlds:
         self._engine.close()
         self.closed = True
 
-    def names(self, table: str) -> tuple[str, ...]:
+    def names(self, table: str) -> Names:
         """The names of one of the model's tables, such as "dof_names"."""
         if table not in self._names:
-            self._names[table] = tuple(getattr(self.model, table))
+            self._names[table] = self._read_names(table)
         return self._names[table]
+
+    def _read_names(self, table: str) -> Names:
+        names, model = tuple(getattr(self.model, table)), self.model
+        if table == "dof_names":
+            return JointNames.of(names, model.joint_names, model.joint_dofs)
+        if table == "coordinate_names":
+            return JointNames.of(names, model.joint_names, model.joint_coordinates)
+        return names

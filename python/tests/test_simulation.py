@@ -181,6 +181,18 @@ def test_arrays_are_shared_by_dlpack(sim):
         assert np.shares_memory(np.from_dlpack(array), array)
 
 
+def test_a_joint_stands_for_its_columns():
+    sim = kn.Simulation(kn.examples.rover(), worlds=3, solver="featherstone")
+    sim.controls.force[:, "table_free"] = np.arange(6.0)
+    assert (sim.controls.force[1, 6:12] == np.arange(6.0)).all() and sim.controls.force.sum() == 3 * 15.0
+    assert (sim.state.joint_position[:, "table_free"] == sim.state.joint_position[:, 6:13]).all()
+    columns = sim.state.joint_position[0, ["hinge", "table_free", "neck_1"]]
+    assert (columns == sim.state.joint_position[0, [0, 6, 7, 8, 9, 10, 11, 12, 5]]).all()
+    assert sim.parameters.damping[:, "wheels"].shape == (3, 3) and sim.parameters.damping[:, "wheels_1"].shape == (3,)
+    with pytest.raises(UnknownNameError, match='did you mean "chair_free"'):
+        sim.controls.force[:, "char_free"]
+
+
 def test_quaternions_are_set_as_a_whole():
     sim = kn.Simulation(kn.examples.ball_joint(), worlds=2, dtype="float64")
     q = sim.state.joint_position
@@ -324,13 +336,15 @@ def test_diverged_worlds_harm_no_other():
         (lambda s: s.reset(np.zeros(3, bool)), ShapeError, "mask"),
         (lambda s: s.reset([0.5]), ShapeError, "whole numbers"),
         (lambda s: s.step(-1), SimulationError, "negative"),
-        (lambda s: s.state.read("joint_positon"), UnknownNameError, "known are"),
+        (lambda s: s.state.read("joint_positon"), UnknownNameError, 'did you mean "joint_position"'),
         (lambda s: s.state.read("momentum", np.zeros((20, 3), int)), ShapeError, "out is int64"),
         (lambda s: s.state.read("momentum", np.zeros((3, 20), s.dtype).T), ShapeError, "contiguous"),
         (lambda s: s.state.read("momentum", _read_only((20, 3), s.dtype)), ShapeError, "written"),
         (lambda s: s.contacts(99), OutOfRangeError, "world 99"),
         (lambda s: s.cast_rays((0, 0, 0), (0, 0, 0)), SimulationError, "direction"),
-        (lambda s: s.watch("contact"), UnknownNameError, "known are"),
+        (lambda s: s.controls.on_device("forces"), UnknownNameError, 'did you mean "force"'),
+        (lambda s: s.watch("contact"), UnknownNameError, 'did you mean "contacts"'),
+        (lambda s: s.watch("everything"), UnknownNameError, "known are contacts"),
         (lambda s: s.linearize(50), OutOfRangeError, "world 50"),
         # Worlds before the one that is refused are left alone, too.
         (lambda s: s.set_state(_with(s, np.nan)), SimulationError, r"world 12: joint position\[1\] is nan"),
@@ -339,6 +353,12 @@ def test_diverged_worlds_harm_no_other():
         (lambda s: s.state.joint_position.__setitem__(..., _with(s, np.nan)), SimulationError, "world 12"),
         (lambda s: setattr(s.parameters, "body_mass", _with(s, -1.0)), ModelError, "world 12"),
         (lambda s: s.reset(keyframe="home"), UnknownNameError, "home"),
+        (lambda s: setattr(s.state, "body_position", 1.0), ShapeError, "follows from the joints"),
+        (lambda s: setattr(s.state, "joint_positions", 1.0), AttributeError, 'did you mean "joint_position"'),
+        (lambda s: setattr(s.controls, "forces", 1.0), AttributeError, 'did you mean "force"'),
+        (lambda s: setattr(s.parameters, "mass", 1.0), AttributeError, 'did you mean "body_mass"'),
+        (lambda s: setattr(s, "dtt", 1.0), AttributeError, 'did you mean "dt"'),
+        (lambda s: setattr(s, "dt", 1.0), AttributeError, "dt"),
     ],
 )
 def test_bad_input_is_refused_and_nothing_is_lost(sim, wrong, error, message):
