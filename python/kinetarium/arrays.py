@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from kinetarium.errors import ShapeError, UnknownNameError
+from kinetarium.errors import ShapeError, SimulationError, UnknownNameError
 from kinetarium.names import Names, rows
 
 Assign = Callable[[np.ndarray, np.ndarray], None]
@@ -157,3 +158,21 @@ def checked(what: str, array: Any, shape: tuple[int, ...], dtype: Any = np.float
     except ValueError:
         raise ShapeError(f"{what} has the shape {numbers.shape}, which does not broadcast to {shape}") from None
     return np.ascontiguousarray(numbers, dtype=dtype)
+
+
+def whole(what: str, number: Any, least: int = 0) -> int:
+    """A whole number that is not too small; `TypeError` where it is none, `SimulationError` where it is.
+
+    >>> whole("steps", -1)
+    Traceback (most recent call last):
+        ...
+    kinetarium.errors.SimulationError: steps is -1: it must not be negative
+    """
+    try:
+        found = operator.index(number)
+    except TypeError:
+        raise TypeError(f"{what} is {number!r}: it must be a whole number") from None
+    if found < least:
+        remedy = f"be at least {least}" if least > 0 else "not be negative"
+        raise SimulationError(f"{what} is {found}: it must {remedy}")
+    return found

@@ -43,6 +43,10 @@ class Controls(Strict):
         self._worlds = worlds
         self._arrays: dict[str, NamedArray] = {}
 
+    def __repr__(self) -> str:
+        shapes = ", ".join(f"{name} {self._shape(name)}" for name in _NAMES)
+        return f"<Controls of {self._worlds.model.name!r}: {shapes}>"
+
     def _shape(self, name: str) -> tuple[int, int]:
         return self._worlds.count, len(self._worlds.names(_NAMES[name]) or ())
 

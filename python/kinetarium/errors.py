@@ -34,7 +34,7 @@ class UnknownNameError(KinetariumError, LookupError):
 
 
 class BusyError(KinetariumError, RuntimeError):
-    """Another thread is using the simulation."""
+    """Another thread is using the simulation, or a sensor of one's own that may only read it."""
 
 
 class ClosedError(KinetariumError, RuntimeError):

@@ -112,6 +112,10 @@ class Parameters(Strict):
     def __init__(self, worlds: Worlds) -> None:
         self._worlds = worlds
 
+    def __repr__(self) -> str:
+        worlds = self._worlds
+        return f"<Parameters of {worlds.model.name!r}, {worlds.count} worlds: {', '.join(parameter_names())}>"
+
 
 def parameter_names() -> list[str]:
     """Names of all parameters."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from threading import get_ident
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -12,10 +13,10 @@ from numpy.typing import ArrayLike, DTypeLike
 
 from kinetarium import _nvrtc
 from kinetarium._engine import Engine, Model, framing, render_view, show
-from kinetarium.arrays import checked
+from kinetarium.arrays import checked, whole
 from kinetarium.cameras import Camera, Images
 from kinetarium.controls import Controls
-from kinetarium.errors import OutOfRangeError, ShapeError, SimulationError, UnknownNameError
+from kinetarium.errors import BusyError, OutOfRangeError, ShapeError, SimulationError, UnknownNameError
 from kinetarium.names import Strict, hint
 from kinetarium.parameters import Parameters, parameter_names
 from kinetarium.sensors import Custom, Sensor, Sensors
@@ -39,7 +40,7 @@ EventKind = Literal[
 ]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Contacts:
     """The contacts of a world, a row for each; those that do not press have no force."""
 
@@ -60,7 +61,7 @@ class Contacts:
         return len(self.distance)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RayHits:
     """What rays meet first, a row for each ray."""
 
@@ -88,7 +89,7 @@ class Event:
     """By kind: `shapes` (rows of both), `impulse` [N·s]; `dof` and `upper`; `body`."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Linearization:
     """A time step about a state: δx' = state δx + control δu + force δf + …, float64.
 
@@ -147,8 +148,8 @@ class Simulation(Strict):
 
     Raises `SimulationError` for settings out of range and models that the solver cannot take. Calls that fail leave
     the simulation as it was. One thread at a time may call it: others get `BusyError`. While the engine computes,
-    Python's lock is free. It can be pickled and copied: model, settings, states, controls and parameters come
-    along. A process that was forked after it was made cannot use it, and
+    Python's lock is free. It can be pickled and copied: model, settings, states, controls, parameters, what it
+    watches and a subclass's own attributes come along. A process that was forked after it was made cannot use it, and
     gets `ForkedError`.
 
     >>> import kinetarium as kn
@@ -166,12 +167,14 @@ class Simulation(Strict):
         "_device",
         "_isa",
         "_parameters",
+        "_sampling",
         "_sensors",
         "_settings",
         "_solver",
         "_state",
         "_threads",
         "_view",
+        "_watched",
         "_worlds",
     )
 
@@ -201,31 +204,33 @@ class Simulation(Strict):
         precision = np.dtype(dtype)
         if precision not in (np.dtype("float32"), np.dtype("float64")):
             raise SimulationError(f"dtype is {precision}: it must be float32 or float64")
+        if not isinstance(device, str):
+            raise TypeError(f'device is {device!r}: it must be a text, such as "cpu", "gpu" or "cuda:0"')
         self._settings: dict[str, Any] = {
             "dt": model.time_step if dt is None else float(dt),
             "solver": solver,
-            "substeps": substeps,
+            "substeps": None if substeps is None else whole("substeps", substeps),
             "integrator": integrator,
             "contacts": contacts,
-            "threads": threads,
+            "threads": whole("threads", threads),
             "device": device,
-            "iterations": iterations,
-            "contact_passes": contact_passes,
-            "contact_iterations": contact_iterations,
+            "iterations": whole("iterations", iterations),
+            "contact_passes": whole("contact_passes", contact_passes),
+            "contact_iterations": whole("contact_iterations", contact_iterations),
             "speed_limit": speed_limit,
             "sleep_speed": sleep_speed,
         }
-        for name, value in {"worlds": worlds, "threads": threads}.items():
-            if value < 0:
-                raise SimulationError(f"{name} is {value}: it must not be negative")
-        self._worlds = Worlds(self._make(model, worlds, precision), model, worlds, precision)
+        count, seed = whole("worlds", worlds), whole("seed", seed)
+        self._worlds = Worlds(self._make(model, count, precision), model, count, precision)
         self._solver, self._isa, self._threads, self._device = self._engine.describe()
         self._controls = Controls(self._worlds)
         self._state = State(self._worlds)
         self._parameters = Parameters(self._worlds)
         self._view: View | None = None
+        self._watched: tuple[Watched, ...] = ()
+        self._sampling: int | None = None
         self._sensors = Sensors(self, sensors, seed)
-        self._sensors._update(self)
+        self._update_sensors()
 
     def _make(self, model: Model, worlds: int, dtype: np.dtype) -> Engine:
         keywords = dict(self._settings)
@@ -323,14 +328,35 @@ class Simulation(Strict):
         """Advances all worlds by time steps, under the controls as they stand.
 
         Returns the worlds that diverged meanwhile, int64; they stay at their last good state, and the others go on.
+        What a `Custom` sensor raises ends it at the step in which that was sampled.
         """
-        if steps < 0:
-            raise SimulationError(f"steps is {steps}: it must not be negative")
-        engine = self._engine
+        steps = whole("steps", steps)
+        engine = self._changeable()
         self._controls._send(engine)
         self._worlds.moment += 1
-        diverged = self._sensors._step(self, engine, steps) if self._sensors else engine.step(steps)
+        diverged = self._step_sensors(steps) if self._sensors else engine.step(steps)
         return np.array(diverged, np.int64)
+
+    def _changeable(self) -> Engine:
+        """The engine, to change states by."""
+        if self._sampling is not None and self._sampling == get_ident():
+            raise BusyError("a `Custom` sensor changes the simulation that it measures: it may only read it")
+        return self._engine
+
+    def _step_sensors(self, steps: int) -> list[int]:
+        self._sampling = get_ident()
+        try:
+            return self._sensors._step(self, self._engine, steps)
+        finally:
+            self._sampling = None
+
+    def _update_sensors(self) -> None:
+        """Lets sensors sample worlds that were set."""
+        self._sampling = get_ident()
+        try:
+            self._sensors._update(self)
+        finally:
+            self._sampling = None
 
     def _rows(self, worlds: ArrayLike | None) -> np.ndarray:
         """Worlds as numbers: all, or those of a mask, or those of a list."""
@@ -355,7 +381,7 @@ class Simulation(Strict):
         keyframes, with the model's controls."""
         rows = self._rows(worlds)
         if keyframe is None:
-            self._engine.reset(rows)
+            self._changeable().reset(rows)
             self._begun(rows)
             return
         position, velocity, control = self.model.keyframe(keyframe)
@@ -368,7 +394,7 @@ class Simulation(Strict):
         self._worlds.moment += 1
         self._controls._fetch(rows)
         if self._sensors:
-            self._sensors._update(self)
+            self._update_sensors()
 
     def set_state(
         self,
@@ -387,6 +413,7 @@ class Simulation(Strict):
         rows = self._rows(worlds)
         position = checked("joint_position", joint_position, (len(rows), self.model.coordinates))
         velocity = checked("joint_velocity", joint_velocity, (len(rows), self.model.degrees_of_freedom))
+        self._changeable()
         self._state._put(rows, position, velocity, keep=False)
         self._begun(rows)
 
@@ -396,9 +423,10 @@ class Simulation(Strict):
         self._controls._send(self._engine)
         return self._engine.snapshot()
 
-    def restore(self, snapshot: bytes) -> None:
+    def restore(self, snapshot: bytes | bytearray | memoryview) -> None:
         """Returns to a snapshot of the same model, solver, dtype and number of worlds."""
-        self._engine.restore(snapshot)
+        held = snapshot if isinstance(snapshot, bytes) else bytes(memoryview(snapshot))
+        self._changeable().restore(held)
         self._begun(np.arange(self.worlds))
 
     def save(self, path: str | Path) -> None:
@@ -439,6 +467,8 @@ class Simulation(Strict):
             raise ShapeError(
                 f"origins {np.shape(origins)} and directions {np.shape(directions)} do not broadcast to (rays, 3)"
             ) from None
+        if len(shape) != 2:
+            raise ShapeError(f"origins and directions have the shape {shape} together: it must be (rays, 3)")
         origins, directions = checked("origins", origins, shape), checked("directions", directions, shape)
         return RayHits(*self._engine.cast_rays(self._world(world), origins, directions, max_distance))
 
@@ -456,7 +486,7 @@ class Simulation(Strict):
 
     def framing(self, world: int = 0, *, width: int = 640, height: int = 480) -> Camera:
         """A free camera that has all bodies of a world, as they are now, in its image [pixel]."""
-        row = self._world(world)
+        row, width, height = self._world(world), whole("width", width, 1), whole("height", height, 1)
         (x, y, z), (i, j, k, w), angle = framing(self._engine, self.model, row, width, height)
         return Camera(width, height, angle, position=(x, y, z), orientation=(i, j, k, w))
 
@@ -469,6 +499,8 @@ class Simulation(Strict):
         """
         rows = self._rows(worlds)
         if camera is None:
+            if rows.size == 0:
+                raise ShapeError("there are no worlds to be seen: give at least one")
             rows = rows[:1]
             camera = replace(self.framing(int(rows[0])), samples=2)
         elif isinstance(camera, str):
@@ -507,6 +539,7 @@ class Simulation(Strict):
             if event not in kinds:
                 raise UnknownNameError(f'there are no events "{event}"; {hint(event, kinds)}')
         self._engine.watch(**{kind: kind in events for kind in kinds})
+        self._watched = events
 
     def events(self) -> list[Event]:
         """The events since the last call, in an order that does not depend on threads."""
@@ -543,9 +576,11 @@ class Simulation(Strict):
             "settings": self._settings,
             "parameters": {name: np.asarray(getattr(self._parameters, name)) for name in names},
             "snapshot": self.snapshot(),
+            "watched": self._watched,
             "sensors": self._sensors.list,
             "seed": self._sensors.seed,
             "readings": self._sensors._save(),
+            "own": getattr(self, "__dict__", {}),
         }
 
     def _differs(self, name: str) -> bool:
@@ -554,7 +589,10 @@ class Simulation(Strict):
         return bool((numbers != self.model.parameter(name).ravel()).any())
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__init__(  # type: ignore[misc]
+        for name, value in state["own"].items():
+            setattr(self, name, value)
+        Simulation.__init__(
+            self,
             state["model"],
             state["worlds"],
             dtype=state["dtype"],
@@ -566,3 +604,4 @@ class Simulation(Strict):
             setattr(self._parameters, name, numbers)
         self.restore(state["snapshot"])
         self._sensors._restore(state["readings"])
+        self.watch(*state["watched"])

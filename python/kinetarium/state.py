@@ -84,6 +84,13 @@ class State(Strict):
                 _refuse(name)
             super().__setattr__(name, value)
 
+    def __repr__(self) -> str:
+        model = self._worlds.model
+        return (
+            f"<State of {model.name!r}: {self._worlds.count} worlds, {model.coordinates} coordinates, "
+            f"{model.degrees_of_freedom} degrees of freedom, {len(model.body_names)} bodies>"
+        )
+
     def _layout(self, quantity: str) -> tuple[tuple[int, ...], tuple[Names, ...]]:
         """Shape and names of a quantity's array."""
         layout = self._layouts.get(quantity)

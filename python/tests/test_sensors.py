@@ -7,7 +7,7 @@ import pytest
 
 import kinetarium as kn
 from kinetarium import sensors
-from kinetarium.errors import SensorError, ShapeError, UnknownNameError
+from kinetarium.errors import BusyError, SensorError, ShapeError, UnknownNameError
 
 
 def box_on_floor():
@@ -169,6 +169,26 @@ def test_images_have_seeded_noise():
 def test_bad_sensors_are_refused(list_of, error, message):
     with pytest.raises(error, match=message):
         kn.Simulation(box_on_floor(), sensors=list_of)
+
+
+def test_a_sensor_may_not_change_what_it_measures():
+    def reset(sim):
+        sim.reset()
+        return sim.time
+
+    with pytest.raises(BusyError, match="may only read it"):
+        kn.Simulation(box_on_floor(), sensors=[sensors.Custom("a", reset)])
+
+    def step(sim):
+        if sim.time[0] > 0.0:
+            sim.step()
+        return sim.time
+
+    sim = kn.Simulation(box_on_floor(), sensors=[sensors.Custom("a", step)])
+    with pytest.raises(BusyError, match="may only read it"):
+        sim.step(5)
+    sim.reset()
+    assert sim.time[0] == 0.0
 
 
 def test_unknown_readings_are_told():

@@ -239,6 +239,32 @@ def test_a_forked_process_is_told():
     sim.step()
 
 
+class Robot(kn.Simulation):
+    """One of a user's own."""
+
+    def __init__(self, extra=1):
+        super().__init__(kn.examples.n_pendula(1))
+        self.extra = extra
+
+
+def test_copies_keep_what_is_a_subclass_s_own_and_what_is_watched():
+    robot = Robot(extra=7)
+    robot.reward = [1.0]
+    robot.watch("divergence")
+    robot.controls.force[...] = 1e30
+    for twin in (copy.deepcopy(robot), pickle.loads(pickle.dumps(robot))):
+        assert type(twin) is Robot and twin.extra == 7 and twin.reward == [1.0]
+        twin.step(5)
+        assert [event.kind for event in twin.events()] == ["diverged"]
+
+
+def test_what_tables_are_is_told(sim):
+    assert repr(sim.state) == "<State of 'chain_3': 20 worlds, 3 coordinates, 3 degrees of freedom, 3 bodies>"
+    assert "force (20, 3)" in repr(sim.controls) and "actuator (20, 0)" in repr(sim.controls)
+    assert "body_mass" in repr(sim.parameters)
+    assert sim.contacts() != sim.contacts()
+
+
 def test_a_step_does_not_depend_on_threads_or_worlds():
     model = kn.examples.n_pendula(3)
     few = kn.Simulation(model, worlds=2, threads=1)
@@ -272,6 +298,8 @@ def test_save_and_load(sim, tmp_path):
     assert (sim.time == 10 * 0.002).all()
     sim.step(10)
     assert (sim.state.joint_position == later).all()
+    for form in (bytearray, memoryview):
+        sim.restore(form(sim.snapshot()))
     with pytest.raises(SimulationError, match="cut off"):
         sim.restore(sim.snapshot()[:-10])
     with pytest.raises(SimulationError, match="no snapshot"):
@@ -353,6 +381,12 @@ def test_diverged_worlds_harm_no_other():
         (lambda s: s.state.joint_position.__setitem__(..., _with(s, np.nan)), SimulationError, "world 12"),
         (lambda s: setattr(s.parameters, "body_mass", _with(s, -1.0)), ModelError, "world 12"),
         (lambda s: s.reset(keyframe="home"), UnknownNameError, "home"),
+        (lambda s: s.cast_rays(np.zeros((2, 5, 3)), (0, 1, 0)), ShapeError, r"it must be \(rays, 3\)"),
+        (lambda s: s.render(worlds=[]), ShapeError, "at least one"),
+        (lambda s: s.framing(width=0), SimulationError, "width is 0"),
+        (lambda s: s.step("2"), TypeError, "steps is '2': it must be a whole number"),
+        (lambda s: s.step(1.5), TypeError, "whole number"),
+        (lambda s: s.restore(5), TypeError, "bytes-like"),
         (lambda s: setattr(s.state, "body_position", 1.0), ShapeError, "follows from the joints"),
         (lambda s: setattr(s.state, "joint_positions", 1.0), AttributeError, 'did you mean "joint_position"'),
         (lambda s: setattr(s.controls, "forces", 1.0), AttributeError, 'did you mean "force"'),
@@ -403,10 +437,16 @@ def _read_only(shape, dtype):
         ({"integrator": "euler"}, "unknown integrator"),
         ({"dtype": "int32"}, "float32 or float64"),
         ({"worlds": 10**9}, "worlds"),
+        ({"worlds": "4"}, "worlds is '4': it must be a whole number"),
+        ({"worlds": None}, "worlds is None"),
+        ({"threads": 1.5}, "threads is 1.5"),
+        ({"substeps": -1}, "substeps is -1: it must not be negative"),
+        ({"seed": -1}, "seed is -1"),
+        ({"device": 0}, "device is 0: it must be a text"),
     ],
 )
 def test_bad_settings(settings, message):
-    with pytest.raises(SimulationError, match=message):
+    with pytest.raises((SimulationError, TypeError), match=message):
         kn.Simulation(kn.examples.n_pendula(1), **settings)
     with pytest.raises(TypeError, match="give a Model"):
         kn.Simulation("humanoid.xml")
