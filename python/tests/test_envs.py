@@ -9,8 +9,10 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 
 import kinetarium.envs
+import kinetarium.envs.hopper
 from kinetarium.envs import ROBOTS
 from kinetarium.envs.task import make_task
+from kinetarium.errors import ShapeError
 
 mujoco = pytest.importorskip("mujoco", reason="Gymnasium's own environments need mujoco")
 pytest.importorskip("imageio", reason="gymnasium.envs.mujoco imports imageio")
@@ -243,6 +245,46 @@ def test_time_runs_out():
     assert np.flatnonzero(truncated).tolist() == [4, 10]
 
 
+@pytest.mark.parametrize("mode", ["sync", "vector_entry_point"])
+@pytest.mark.parametrize(("steps", "truncated"), [(-1, False), (None, True)])
+def test_no_end_and_the_registered_one(mode, steps, truncated):
+    # Gymnasium's: -1 is no end, and none is that of the registration, 50 steps.
+    name = "kinetarium/Reacher-v0"
+    envs = gymnasium.make_vec(name, num_envs=1, max_episode_steps=steps, vectorization_mode=mode)
+    envs.reset(seed=0)
+    ends = [envs.step(np.zeros((1, 2), np.float32))[3][0] for _ in range(50)]
+    assert not any(ends[:-1]) and ends[-1] == truncated
+
+
+class Wrong(kinetarium.envs.hopper.Hopper):
+    """It draws one coordinate too many."""
+
+    def draw(self, random):
+        position, velocity = super().draw(random)
+        return np.append(position, 0.0), velocity
+
+
+def test_what_cannot_be_is_refused():
+    hopper = "kinetarium.envs.hopper:Hopper"
+    for options, message in [
+        ({"max_episode_steps": 0}, "max_episode_steps is 0"),
+        ({"max_episode_steps": -2}, "max_episode_steps is -2"),
+        ({"frame_skip": 0}, "frame_skip is 0"),
+        ({"frame_skip": -1}, "frame_skip is -1"),
+        ({"frame_skip": 2.5}, "frame_skip is 2.5"),
+        ({"num_envs": 0}, "number of worlds is 0"),
+        ({"xml_file": "ant.xml"}, '"ant.xml" has no joint "rooty", which Hopper observes'),
+    ]:
+        with pytest.raises(ValueError, match=message):
+            kinetarium.envs.VectorTask(hopper, **options)
+    for task in ("foo", 3):
+        with pytest.raises(ValueError, match='its name "module:Class"'):
+            kinetarium.envs.VectorTask(task)
+    wrong = kinetarium.envs.VectorTask(Wrong, 2)
+    with pytest.raises(ShapeError, match=r"\(2, 7\): it must be \(2, 6\)"):
+        wrong.reset(seed=0)
+
+
 @robots
 def test_actions_that_are_not_finite_are_refused(robot):
     envs = gymnasium.make_vec(f"kinetarium/{robot}-v0", num_envs=3)
@@ -331,6 +373,9 @@ def test_pictures_go_along_with_the_robot():
     vectors.reset(seed=0)
     assert [picture.shape for picture in vectors.render()] == [(480, 480, 3)] * 2
     vectors.close()
+    small = gymnasium.make("kinetarium/Reacher-v0", render_mode="rgb_array", width=40, height=30)
+    small.reset(seed=0)
+    assert small.render().shape == (30, 40, 3)
 
 
 def test_an_id_brings_its_module():

@@ -15,18 +15,28 @@ RENDER_MODES = ["rgb_array"]
 class SingleTask(gymnasium.Env[Array, Array]):
     """A task with one world: what `gymnasium.make("kinetarium/…")` gives, within its wrappers.
 
-    `task` is a class derived from `Task`, or its name "module:Class"; other keywords are the task's options.
+    `task` is a class derived from `Task`, or its name "module:Class"; `width` and `height` are those of pictures
+    [pixel]; other keywords are the task's options.
     """
 
     metadata = {"render_modes": RENDER_MODES}  # noqa: RUF012 — as Gymnasium declares it
 
-    def __init__(self, task: str | type[Task], *, render_mode: str | None = None, **options: Any) -> None:
+    def __init__(
+        self,
+        task: str | type[Task],
+        *,
+        render_mode: str | None = None,
+        width: int = 480,
+        height: int = 480,
+        **options: Any,
+    ) -> None:
         check_render_mode(render_mode)
         self.task = make_task(task, 1, **options)
         self.metadata = {"render_modes": RENDER_MODES, "render_fps": round(1 / self.task.dt)}
         self.observation_space = self.task.observation_space
         self.action_space = self.task.action_space
         self.render_mode = render_mode
+        self.width, self.height = width, height
 
     @property
     def dt(self) -> float:
@@ -48,9 +58,9 @@ class SingleTask(gymnasium.Env[Array, Array]):
         return self.task.observe()[0], float(reward[0]), bool(failed[0]), False, _first(info)
 
     def render(self) -> Array | None:  # type: ignore[override]
-        """Colours, uint8 of shape (480, 480, 3), from a camera that goes along with the robot; `None` without
+        """Colours, uint8 of shape (height, width, 3), from a camera that goes along with the robot; `None` without
         `render_mode`."""
-        return self.task.picture(0) if self.render_mode == "rgb_array" else None
+        return self.task.picture(0, self.width, self.height) if self.render_mode == "rgb_array" else None
 
     def close(self) -> None:
         """Frees the world."""

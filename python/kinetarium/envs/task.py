@@ -14,6 +14,7 @@ import gymnasium
 import numpy as np
 
 import kinetarium as kn
+from kinetarium.errors import ShapeError
 from kinetarium.simulation import Integrator
 
 Array = np.ndarray[Any, np.dtype[Any]]
@@ -104,10 +105,12 @@ class Task(ABC):
     xml_file:
         The robot's file: a path, or a name among Gymnasium's.
     frame_skip:
-        Time steps of one action.
+        Time steps of one action, 1 or more.
     integrator, substeps, dtype, threads, device:
         As of `kinetarium.Simulation`. Runge–Kutta is what most of Gymnasium's files ask for; semi-implicit
         Euler takes a third of the time.
+
+    Raises `ValueError` for numbers that cannot be, and for files of robots that lack what is observed.
     """
 
     file: ClassVar[str]
@@ -129,7 +132,19 @@ class Task(ABC):
         threads: int = 0,
         device: str = "cpu",
     ) -> None:
-        model = kn.load(str(model_file(xml_file or self.file)))
+        if worlds < 1:
+            raise ValueError(f"the number of worlds is {worlds}: it must be 1 or more")
+        steps = self.frame_skip if frame_skip is None else frame_skip
+        if not isinstance(steps, (int, np.integer)) or steps < 1:
+            raise ValueError(f"frame_skip is {steps}: it must be a whole number of time steps, 1 or more")
+        file = model_file(xml_file or self.file)
+        model = kn.load(str(file))
+        for name in self.turning:
+            if name not in model.coordinate_names:
+                raise ValueError(
+                    f'"{file.name}" has no joint "{name}", which {type(self).__name__} observes: '
+                    "give a file of such a robot"
+                )
         self.simulation = kn.Simulation(
             model,
             worlds,
@@ -142,7 +157,7 @@ class Task(ABC):
         )
         self.worlds = worlds
         self.model = model
-        self.steps = self.frame_skip if frame_skip is None else frame_skip
+        self.steps = int(steps)
         self.dt = model.time_step * self.steps
         self.to_mujoco, self.from_mujoco = coordinate_orders(model)
         self.init_position = np.asarray(model.initial_position)[self.to_mujoco]
@@ -176,7 +191,8 @@ class Task(ABC):
 
     @abstractmethod
     def draw(self, random: np.random.Generator) -> tuple[Array, Array]:
-        """Coordinates and velocities in which one world begins, in MuJoCo's conventions."""
+        """Coordinates and velocities in which one world begins, in MuJoCo's conventions, of shape (coordinates,) and
+        (degrees of freedom,)."""
 
     def place(self, seen: Seen) -> Array:
         """The point whose velocity is paid for [m], shape (worlds, numbers)."""
@@ -202,7 +218,8 @@ class Task(ABC):
         self._look()
 
     def set_state(self, position: Array, velocity: Array) -> None:
-        """Puts all worlds into states in MuJoCo's conventions."""
+        """Puts all worlds into states in MuJoCo's conventions, of shape (worlds, coordinates) and (worlds, degrees of
+        freedom). Raises `ShapeError`."""
         self._set(position, velocity, np.arange(self.worlds))
         self._look()
 
@@ -238,16 +255,16 @@ class Task(ABC):
             column += width
         return observed
 
-    def picture(self, world: int, size: int = 480) -> Array:
-        """Colours of a world, uint8 of shape (size, size, 3), from a camera that goes along with the robot."""
+    def picture(self, world: int, width: int = 480, height: int = 480) -> Array:
+        """Colours of a world, uint8 of shape (height, width, 3), from a camera that goes along with the robot."""
         middle = self.simulation.state.body_position[world].mean(axis=0)
-        if self._camera is None:
-            framed = self.simulation.framing(world, width=size, height=size)
+        if self._camera is None or (self._camera[0].width, self._camera[0].height) != (width, height):
+            framed = self.simulation.framing(world, width=width, height=height)
             self._camera = framed, np.subtract(framed.position, middle)
         camera, arm = self._camera
         x, y, z = (float(number) for number in middle + arm)
         images = self.simulation.render(replace(camera, position=(x, y, z)), worlds=[world])
-        picture: Array = images.rgb[0] if images.rgb is not None else np.zeros((size, size, 3), np.uint8)
+        picture: Array = images.rgb[0] if images.rgb is not None else np.zeros((height, width, 3), np.uint8)
         return picture
 
     def _draw(self, worlds: Array, generators: list[np.random.Generator]) -> None:
@@ -256,6 +273,9 @@ class Task(ABC):
             self._set(np.array(position), np.array(velocity), worlds)
 
     def _set(self, position: Array, velocity: Array, worlds: Array) -> None:
+        expected = (len(worlds), self.model.coordinates)
+        if position.shape[1:] != expected[1:]:
+            raise ShapeError(f"the coordinates of the worlds have the shape {position.shape}: it must be {expected}")
         self.simulation.set_state(position[:, self.from_mujoco], velocity, worlds=worlds)
         self._turned[worlds] = position[:, self._turning]
         self._lost[worlds] = False
@@ -280,9 +300,12 @@ class Task(ABC):
 
 
 def make_task(task: str | type[Task], worlds: int, **options: Any) -> Task:
-    """The task of a class, or of one named "module:Class"."""
-    if not isinstance(task, str):
-        return task(worlds, **options)
-    module, name = task.split(":")
-    made: Task = getattr(importlib.import_module(module), name)(worlds, **options)
+    """The task of a class, or of one named "module:Class"; `ValueError` for what is neither."""
+    maker: Any = task
+    if isinstance(task, str) and ":" in task:
+        module, name = task.split(":", 1)
+        maker = getattr(importlib.import_module(module), name)
+    if not callable(maker):
+        raise ValueError(f'the task is {task!r}: give a class derived from Task, or its name "module:Class"')
+    made: Task = maker(worlds, **options)
     return made

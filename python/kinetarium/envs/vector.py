@@ -26,11 +26,14 @@ class VectorTask(gymnasium.vector.VectorEnv[Array, Array, Array]):
     num_envs:
         Number of worlds.
     max_episode_steps:
-        Steps after which an episode is truncated; never, if none.
+        Steps after which an episode is truncated; −1: never. None: as the environment is registered, and never where
+        it is not.
     autoreset_mode:
         "NextStep": the step after the end of an episode begins a new one instead, with reward 0. "SameStep":
         the step that ends an episode begins a new one, too; the end is in `infos["final_obs"]` and
         `infos["final_info"]`. "Disabled": `reset` with a mask `options["reset_mask"]`.
+    width, height:
+        Of pictures [pixel].
 
     Other keywords are the task's options. World k draws from a generator of its own, seeded with `seed` + k,
     as `gymnasium.vector.SyncVectorEnv` does: it does the same whatever the number of worlds.
@@ -46,10 +49,14 @@ class VectorTask(gymnasium.vector.VectorEnv[Array, Array, Array]):
         max_episode_steps: int | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         render_mode: str | None = None,
+        width: int = 480,
+        height: int = 480,
         **options: Any,
     ) -> None:
         check_render_mode(render_mode)
+        check_steps(max_episode_steps)
         self.render_mode = render_mode
+        self.width, self.height = width, height
         self.task = make_task(task, num_envs, **options)
         self.num_envs = num_envs
         self.autoreset_mode = AutoresetMode(autoreset_mode)
@@ -62,10 +69,16 @@ class VectorTask(gymnasium.vector.VectorEnv[Array, Array, Array]):
         self.single_action_space = self.task.action_space
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
-        self._limit = np.iinfo(np.int64).max if max_episode_steps is None else max_episode_steps
+        self._steps = max_episode_steps
         self._elapsed = np.zeros(num_envs, np.int64)
         self._ended = np.zeros(num_envs, bool)
         self._generators: list[np.random.Generator] = []
+
+    @property
+    def _limit(self) -> float:
+        """Steps of an episode; the registration is known only after the constructor."""
+        steps = self.spec.max_episode_steps if self._steps is None and self.spec is not None else self._steps
+        return np.inf if steps is None or steps == -1 else steps
 
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
@@ -153,15 +166,21 @@ class VectorTask(gymnasium.vector.VectorEnv[Array, Array, Array]):
         ]
 
     def render(self) -> tuple[Array, ...] | None:
-        """Colours of each world, uint8 of shape (480, 480, 3), from cameras that go along with the robots; `None`
-        without `render_mode`."""
+        """Colours of each world, uint8 of shape (height, width, 3), from cameras that go along with the robots;
+        `None` without `render_mode`."""
         if self.render_mode is None:
             return None
-        return tuple(self.task.picture(world) for world in range(self.num_envs))
+        return tuple(self.task.picture(world, self.width, self.height) for world in range(self.num_envs))
 
     def close_extras(self, **kwargs: Any) -> None:
         """Frees the worlds."""
         self.task.simulation.close()
+
+
+def check_steps(steps: int | None) -> None:
+    """`ValueError` for numbers of steps that no episode has."""
+    if steps is not None and steps != -1 and (not isinstance(steps, (int, np.integer)) or steps < 1):
+        raise ValueError(f"max_episode_steps is {steps}: it must be 1 or more, -1 for no end, or be left out")
 
 
 def _masked(info: Info, mask: Array) -> Info:
