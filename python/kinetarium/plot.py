@@ -12,9 +12,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from kinetarium.errors import OutOfRangeError, ShapeError, SimulationError, UnknownNameError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -34,8 +37,13 @@ def record(
 ) -> Track:
     """Steps a simulation for so many seconds and keeps quantities after each `every` steps, the start included.
 
-    A quantity is a function of the simulation, or none for the one of that name in `Simulation.state`.
+    A quantity is a function of the simulation, or none for the one of that name in `Simulation.state`. Raises
+    `SimulationError` for times and steps that cannot be.
     """
+    if not 0 <= seconds < inf:
+        raise SimulationError(f"seconds is {seconds}: it must be 0 or more, and finite")
+    if every < 1:
+        raise SimulationError(f"every is {every}: it must be 1 or more steps")
 
     def sample() -> list[np.ndarray]:
         return [np.array(sim.state.read(name) if of is None else of(sim)) for name, of in quantities.items()]
@@ -57,12 +65,24 @@ def over_time(
     names: Sequence[str] | None = None,
     unit: str = "",
 ) -> Figure:
-    """Draws a quantity of one world over time, a line for each of its numbers; `names` label them."""
+    """Draws a quantity of one world over time, a line for each of its numbers; `names` label them.
+
+    Raises `UnknownNameError`, `OutOfRangeError` for a world that was not recorded, and `ShapeError` where there are
+    not as many names as lines.
+    """
     from matplotlib.figure import Figure
 
+    if quantity not in track:
+        raise UnknownNameError(f'nothing named "{quantity}" was recorded; there are {", ".join(track)}')
+    numbers = track[quantity]
+    worlds = numbers.shape[1] if numbers.ndim > 1 else 0
+    if not -worlds <= world < worlds:
+        raise OutOfRangeError(f'there is no world {world} of "{quantity}": there are {worlds}, counted from 0')
+    lines = numbers[:, world].reshape(len(numbers), -1)
+    if names is not None and len(names) != lines.shape[1]:
+        raise ShapeError(f'there are {len(names)} names for {lines.shape[1]} numbers of "{quantity}"')
     figure = Figure(figsize=(7, 4), layout="constrained")
     axes = figure.subplots()
-    lines = track[quantity][:, world].reshape(len(track["time"]), -1)
     for i, line in enumerate(lines.T):
         axes.plot(track["time"], line, label=names[i] if names is not None else None)
     axes.set_xlabel("time [s]")

@@ -8,7 +8,14 @@ import numpy as np
 import pytest
 
 import kinetarium as kn
-from kinetarium.errors import RenderError, UnknownNameError, ViewerError
+from kinetarium.errors import (
+    OutOfRangeError,
+    RenderError,
+    ShapeError,
+    SimulationError,
+    UnknownNameError,
+    ViewerError,
+)
 
 
 def test_a_page_is_served_until_it_is_closed(capsys):
@@ -76,3 +83,13 @@ def test_plots(tmp_path):
     figure = plot.over_time(track, "joint_position", names=sim.model.coordinate_names, world=1)
     figure.savefig(tmp_path / "joints.png")
     assert (tmp_path / "joints.png").stat().st_size > 5000
+    for error, options in [
+        (UnknownNameError, {"quantity": "x"}),
+        (OutOfRangeError, {"quantity": "kinetic_energy", "world": 2}),
+        (ShapeError, {"quantity": "joint_position", "names": ["one"]}),
+    ]:
+        with pytest.raises(error):
+            plot.over_time(track, **options)
+    for options in ({"seconds": -1}, {"seconds": np.inf}, {"seconds": 1, "every": 0}):
+        with pytest.raises(SimulationError, match="it must be"):
+            plot.record(sim, {}, **options)
