@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+import struct
+import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from math import inf, pi
+from math import dist, inf, pi
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetarium._engine import Model, View, looking
-
-Vector = tuple[float, float, float]
-Quaternion = tuple[float, float, float, float]
+from kinetarium.errors import RenderError
+from kinetarium.types import Vector
 
 
 @dataclass(frozen=True)
 class Camera:
-    """A pinhole camera, free or on a body. It looks along −z of its frame, y is up in the image.
+    """A pinhole camera, free or on a body. It looks along −z of its frame, y is up in the image. Raises `RenderError`
+    for what cannot be.
 
     >>> import kinetarium as kn
     >>> sim = kn.Simulation(kn.examples.n_pendula(3), worlds=2)
@@ -33,9 +35,9 @@ class Camera:
     """Rows, 1 to 16384."""
     field_of_view: float = pi / 4
     """Angle from the upper to the lower edge [rad], above 0 and below π."""
-    focal: tuple[float, float] | None = None
+    focal: Vector | None = None
     """Focal lengths fx, fy [pixel], in place of the field of view."""
-    principal: tuple[float, float] | None = None
+    principal: Vector | None = None
     """Where the optical axis meets the image, cx, cy [pixel], with `focal`; its middle by default."""
     near: float = 0.01
     """Depth [m] from which on things are seen."""
@@ -47,7 +49,7 @@ class Camera:
     """"fixed": it moves and turns with its body. "track": it moves with its body's origin and does not turn."""
     position: Vector = (0.0, 0.0, 0.0)
     """In the frame of its body, or in the world [m]; of one that tracks, from its body's origin along world axes."""
-    orientation: Quaternion = (0.0, 0.0, 0.0, 1.0)
+    orientation: Vector = (0.0, 0.0, 0.0, 1.0)
     """In the frame of its body, or in the world, x, y, z, w; of one that tracks, in world axes."""
     channels: Sequence[str] = field(default=("rgb",))
     """Which images are made: "rgb", "depth", "body", "shape", "normal"."""
@@ -56,9 +58,22 @@ class Camera:
     occlusion: int = 0
     """Rays that tell how much of the sky each sample sees, 0 to 64."""
 
+    def __post_init__(self) -> None:
+        for what, size in {"width": self.width, "height": self.height}.items():
+            if not 1 <= size <= 16384:
+                raise RenderError(f"the camera's {what} is {size}: it must be from 1 to 16384 pixels")
+        if self.principal is not None and self.focal is None:
+            raise RenderError(f"the camera's principal point is {self.principal}, without focal: give both, or none")
+        if isinstance(self.channels, str) or len(self.channels) == 0:
+            raise RenderError(f'the camera\'s channels are {self.channels!r}: give one or more, as ("rgb", "depth")')
+
     def looking(self, eye: Vector, target: Vector, up: Vector = (0.0, 1.0, 0.0)) -> Camera:
         """The same at `eye` [m], with `target` [m] in the middle of its image and `up` upwards in it, in its body's
-        frame or in the world."""
+        frame or in the world. Raises `RenderError` where both are the same point."""
+        if not 0 < dist(eye, target) < inf:
+            raise RenderError(
+                f"the camera's eye is {eye} and its target is {target}: give two points, some way apart"
+            )
         x, y, z, w = looking(eye, target, up)
         return replace(self, position=eye, orientation=(x, y, z, w))
 
@@ -88,10 +103,10 @@ class Camera:
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Images:
     """One image of each world and channel, row by row from the upper left corner; channels that were not asked for
-    are `None`."""
+    are `None`. Notebooks show the colours of the first world."""
 
     rgb: np.ndarray | None = None
     """Red, green, blue in sRGB, uint8 of shape (worlds, height, width, 3)."""
@@ -105,3 +120,19 @@ class Images:
     """Unit vectors out of the surfaces, world axes, float32 of shape (worlds, height, width, 3)."""
     time: ArrayLike | None = None
     """Time of each world's image [s], where a sensor made it."""
+
+    def _repr_png_(self) -> bytes | None:
+        return None if self.rgb is None or len(self.rgb) == 0 else _png(self.rgb[0])
+
+
+def _png(rgb: np.ndarray) -> bytes:
+    """A picture in the format of ISO/IEC 15948, uint8 of shape (height, width, 3)."""
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    height, width, _ = rgb.shape
+    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)  # 8 bits of each colour
+    rows = np.pad(rgb.reshape(height, -1), ((0, 0), (1, 0)))  # each begins with 0: its numbers are as they are
+    image = zlib.compress(rows.tobytes())
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", image) + chunk(b"IEND", b"")

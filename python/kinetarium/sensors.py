@@ -27,20 +27,23 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from math import floor, inf
-from typing import TYPE_CHECKING, Literal
+from math import inf
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from kinetarium._custom import CustomArray
 from kinetarium._engine import Engine, Measurement, Model, SensorArray
 from kinetarium.cameras import Camera as Pinhole
-from kinetarium.cameras import Images, Quaternion, Vector
-from kinetarium.errors import SensorError, ShapeError, UnknownNameError
+from kinetarium.cameras import Images
+from kinetarium.errors import SensorError, UnknownNameError
+from kinetarium.types import Frame, Place, Vector
 
 if TYPE_CHECKING:
     from kinetarium.simulation import Simulation
 
-Level = float | Sequence[float]
+Level = float | Vector
 """One number for all of a reading, or one for each."""
 Axes = Literal["world", "own"]
 
@@ -52,7 +55,7 @@ class Noise:
     deviation: Level = 0.0
     """Standard deviation of white noise."""
     bias: Level = 0.0
-    """Standard deviation of an offset that is drawn once for each world, at each of its resets."""
+    """Standard deviation of an offset that is drawn once for each world, for good."""
     walk: Level = 0.0
     """Standard deviation of a random walk after one second."""
     step: Level = 0.0
@@ -128,10 +131,10 @@ class _Mounted(Sensor):
     body: str | None = None
     position: Vector = field(default=(0.0, 0.0, 0.0), kw_only=True)
     """In the body's frame, or in the world [m]."""
-    orientation: Quaternion = field(default=(0.0, 0.0, 0.0, 1.0), kw_only=True)
+    orientation: Vector = field(default=(0.0, 0.0, 0.0, 1.0), kw_only=True)
     """In the body's frame, or in the world, x, y, z, w."""
 
-    def _place(self) -> tuple[str | None, Vector, Quaternion]:
+    def _place(self) -> Place:
         return self.body, self.position, self.orientation
 
 
@@ -150,7 +153,7 @@ class ForceTorque(Sensor):
     orientation), by default the joint's."""
 
     joint: str = ""
-    frame: tuple[Vector, Quaternion] | None = field(default=None, kw_only=True)
+    frame: Frame | None = field(default=None, kw_only=True)
 
     def _measurement(self, model: Model) -> Measurement:
         return Measurement.force_torque(model, self.joint, self.frame)
@@ -228,8 +231,8 @@ class Lidar(_Mounted):
     y to the left, z upwards. It does not see its own body.
     """
 
-    azimuths: Sequence[float] = field(default=(0.0,), kw_only=True)
-    elevations: Sequence[float] = field(default=(0.0,), kw_only=True)
+    azimuths: Vector = field(default=(0.0,), kw_only=True)
+    elevations: Vector = field(default=(0.0,), kw_only=True)
     max_range: float = field(default=inf, kw_only=True)
 
     def _measurement(self, model: Model) -> Measurement:
@@ -239,17 +242,21 @@ class Lidar(_Mounted):
 
 @dataclass(frozen=True)
 class Camera(Sensor):
-    """Images of a `kinetarium.Camera`; its reading is an `Images`. Its noise is that of its images: normal numbers,
-    independent from pixel to pixel and image to image, the same for the same `seed`."""
+    """Images of a `kinetarium.Camera`, or of one of the model's by its name; its reading is an `Images`. Its noise is
+    that of its images: normal numbers, independent from pixel to pixel and image to image, the same for the same
+    `seed`."""
 
-    camera: Pinhole = field(default_factory=Pinhole)
+    camera: Pinhole | str = field(default_factory=Pinhole)
     rgb_noise: float = field(default=0.0, kw_only=True)
     """Standard deviation of red, green and blue, each in its sRGB value from 0 to 1."""
     depth_noise: float = field(default=0.0, kw_only=True)
     """Standard deviation of depth [m]; what is infinitely far stays there."""
 
     def _measurement(self, model: Model) -> Measurement:
-        return Measurement.camera(self.camera._view(model), self.rgb_noise, self.depth_noise)
+        camera = Pinhole.of(model, self.camera) if isinstance(self.camera, str) else self.camera
+        if not isinstance(camera, Pinhole):
+            raise SensorError(f'the camera of sensor "{self.name}" is {camera!r}: give a Camera, or its name')
+        return Measurement.camera(camera._view(model), self.rgb_noise, self.depth_noise)
 
 
 @dataclass(frozen=True)
@@ -282,14 +289,20 @@ def from_model(model: Model) -> list[Sensor]:
 class Custom:
     """A sensor of one's own: a function of the simulation that gives an array with a row for each world.
 
-    It is sampled in all worlds together, after the step at or after its time is due, counted in steps of the
-    simulation, and again when worlds are reset.
+    It is called where a sample is due in any world; the others keep what was measured last. It must not change the
+    simulation: `SensorError` where it steps or resets it. Where it fails, the simulation stands at the step of the
+    sample.
     """
 
     name: str
-    measure: Callable[[Simulation], np.ndarray]
+    """Unique among the sensors."""
+    measure: Callable[[Simulation], ArrayLike]
     rate: float | None = field(default=None, kw_only=True)
     """Samples a second; none: every step, which makes steps one at a time."""
+    noise: Noise = field(default_factory=Noise, kw_only=True)
+    """What is added to the truth, which makes readings floating-point numbers."""
+    cutoff: float | None = field(default=None, kw_only=True)
+    """Readings are kept within ± this, noise included; none: of any size."""
 
 
 class Sensors(Mapping[str, "np.ndarray | Images"]):
@@ -299,6 +312,12 @@ class Sensors(Mapping[str, "np.ndarray | Images"]):
         for sensor in sensors:
             if not isinstance(sensor, Sensor | Custom):
                 raise SensorError(f"{sensor!r} is no sensor: give those of kinetarium.sensors")
+            if not isinstance(sensor.noise, Noise):
+                raise SensorError(
+                    f'the noise of sensor "{sensor.name}" is {sensor.noise!r}: give a Noise, as Noise(deviation=0.1)'
+                )
+        if not 0 <= seed < 2**64:
+            raise SensorError(f"the seed of the sensors is {seed}: it must be from 0 to 2⁶⁴ − 1")
         self.list = tuple(sensors)
         """The sensors as they were given."""
         self.seed = seed
@@ -310,13 +329,8 @@ class Sensors(Mapping[str, "np.ndarray | Images"]):
         drafts = [self._draft(s, simulation.model) for s in sensors if isinstance(s, Sensor)]
         self._array = SensorArray(simulation._engine, drafts, seed) if drafts else None
         self._cameras = {s.name for s in sensors if isinstance(s, Camera)}
-        self._custom = {s.name: s for s in sensors if isinstance(s, Custom)}
-        for s in self._custom.values():
-            if s.rate is not None and not 0 < s.rate < inf:
-                raise SensorError(f'the rate of sensor "{s.name}" is {s.rate}: it must be above 0 and finite')
-        self._readings: dict[str, np.ndarray] = {}
-        self._times: dict[str, np.ndarray] = {}
-        self._steps = 0
+        custom = [s for s in sensors if isinstance(s, Custom)]
+        self._custom = CustomArray(custom, simulation.worlds, simulation.dt, seed)
 
     @staticmethod
     def _draft(sensor: Sensor, model: Model) -> tuple:
@@ -325,73 +339,39 @@ class Sensors(Mapping[str, "np.ndarray | Images"]):
         levels = [float(x) if np.ndim(x) == 0 else [float(v) for v in x] for x in levels]  # type: ignore
         return sensor.name, sensor._measurement(model), sensor.rate, sensor.cutoff, levels
 
-    def _sample(self, simulation: Simulation, sensor: Custom) -> None:
-        reading = np.array(sensor.measure(simulation))
-        if reading.ndim == 0 or len(reading) != simulation.worlds:
-            raise ShapeError(
-                f'sensor "{sensor.name}" gave the shape {reading.shape}: it must have {simulation.worlds} rows, '
-                "one for each world"
-            )
-        self._readings[sensor.name] = reading
-        self._times[sensor.name] = simulation.time
-
-    def _count(self, sensor: Custom, steps: int, dt: float) -> int:
-        """How many samples are due after so many steps."""
-        return steps if sensor.rate is None else floor(steps * dt * sensor.rate * (1 + 1e-12) + 1e-9)
-
-    def _until_due(self, dt: float, steps: int) -> int:
-        """Steps to the next sample of a sensor of one's own, at most so many."""
-        until = steps
-        for sensor in self._custom.values():
-            done = self._count(sensor, self._steps, dt)
-            if sensor.rate is None:
-                return 1
-            ahead = max(1, int(np.ceil((done + 1) / (sensor.rate * dt) - self._steps - 1e-6)))
-            until = min(until, ahead)
-        return until
-
     def _step(self, simulation: Simulation, engine: Engine, steps: int) -> list[int]:
+        self._custom.check_idle()
         diverged: list[int] = []
         while steps > 0:
-            part = self._until_due(simulation.dt, steps)
+            part = int(min(steps, self._custom.steps_until_due(simulation)))
             if self._array is None:
                 diverged += engine.step(part)
             else:
                 diverged += self._array.step(engine, part)
-            before, self._steps = self._steps, self._steps + part
-            for sensor in self._custom.values():
-                counts = (self._count(sensor, n, simulation.dt) for n in (before, self._steps))
-                if len(set(counts)) > 1:
-                    self._sample(simulation, sensor)
+            self._custom.sample(simulation)
             steps -= part
         return diverged
 
     def _update(self, simulation: Simulation) -> None:
         """Samples anew what was set or reset."""
+        self._custom.check_idle()
         if self._array is not None:
             self._array.update(simulation._engine)
-        for sensor in self._custom.values():
-            self._sample(simulation, sensor)
+        self._custom.update(simulation)
 
     def _save(self) -> dict:
-        return {
-            "array": None if self._array is None else self._array.save(),
-            "readings": dict(self._readings),
-            "times": dict(self._times),
-            "steps": self._steps,
-        }
+        return {"array": None if self._array is None else self._array.save(), "custom": self._custom.save()}
 
     def _restore(self, saved: dict) -> None:
         if self._array is not None:
             self._array.restore(saved["array"])
-        self._readings, self._times = dict(saved["readings"]), dict(saved["times"])
-        self._steps = saved["steps"]
+        self._custom.restore(saved["custom"])
 
     def _read(self, name: str) -> tuple:
         if name in self._custom:
-            return self._readings[name].copy(), self._times[name].copy()
-        if self._array is None:
-            known = ", ".join(s.name for s in self.list) or "none"
+            return self._custom.reading(name)
+        if self._array is None or name not in self:
+            known = ", ".join(self) or "none"
             raise UnknownNameError(f'there is no sensor named "{name}"; there are {known}')
         if name in self._cameras:
             images, time = self._array.images(name)
@@ -400,6 +380,17 @@ class Sensors(Mapping[str, "np.ndarray | Images"]):
 
     def __getitem__(self, name: str) -> np.ndarray | Images:
         return self._read(name)[0]
+
+    # `Mapping` counts on `KeyError` where there is no such name.
+    def __contains__(self, name: object) -> bool:
+        return any(sensor.name == name for sensor in self.list)
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """The reading of a sensor, or `default` where there is none of this name."""
+        try:
+            return self[name]
+        except UnknownNameError:
+            return default
 
     def time(self, name: str) -> np.ndarray:
         """When each world's reading of a sensor was taken [s], shape (worlds,)."""
@@ -410,3 +401,6 @@ class Sensors(Mapping[str, "np.ndarray | Images"]):
 
     def __len__(self) -> int:
         return len(self.list)
+
+    def __repr__(self) -> str:
+        return f"<Sensors: {', '.join(self) or 'none'}>"

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import kinetarium as kn
-from kinetarium.errors import UnknownNameError
+from kinetarium.errors import RenderError, UnknownNameError
 
 ROBOT = """
 <mujoco><worldbody>
@@ -41,6 +41,40 @@ def test_the_model_s_cameras_go_by_their_names(sim):
     assert depth[0, 12, 16] == pytest.approx(2.9, abs=1e-5)
     with pytest.raises(UnknownNameError, match='did you mean "above"'):
         sim.render("abov")
+    eye = kn.Simulation(sim.model, worlds=2, sensors=[kn.sensors.Camera("eye", camera="above")])
+    assert (eye.sensors["eye"].rgb == sim.render("above").rgb).all()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"principal": (1, 1)}, "without focal"),
+        ({"channels": ()}, "one or more"),
+        ({"channels": "rgb"}, "one or more"),
+        ({"width": 0}, "width is 0"),
+        ({"height": -1}, "height is -1"),
+    ],
+)
+def test_cameras_that_cannot_be(options, message):
+    with pytest.raises(RenderError, match=message):
+        kn.Camera(**options)
+
+
+def test_no_camera_looks_at_itself(sim):
+    for target in [(1, 2, 3), (np.nan, 0, 0)]:
+        with pytest.raises(RenderError, match="give two points"):
+            kn.Camera().looking((1, 2, 3), target)
+    with pytest.raises(RenderError, match="width is 0"):
+        sim.framing(width=0)
+
+
+def test_notebooks_show_images(sim, tmp_path):
+    images = sim.render("above")
+    assert images == images and replace(images, rgb=None)._repr_png_() is None
+    matplotlib = pytest.importorskip("matplotlib.image")
+    (tmp_path / "image.png").write_bytes(images._repr_png_())
+    shown = matplotlib.imread(tmp_path / "image.png")
+    assert (np.round(255 * shown[..., :3]) == images.rgb[0]).all()
 
 
 def test_a_camera_turns_with_its_body_or_tracks_it(sim):

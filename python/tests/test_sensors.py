@@ -110,6 +110,82 @@ def test_noise_is_seeded_and_as_large_as_stated():
     assert many.mean(axis=0).std() == pytest.approx(0.5, rel=0.4)
 
 
+def test_worlds_that_are_reset_are_sampled_alone():
+    called = []
+
+    def angle(sim):
+        called.append(float(sim.time.max()))
+        return sim.state.joint_position[:, "hinge0"]
+
+    sim = kn.Simulation(
+        kn.examples.n_pendula(1),
+        worlds=3,
+        dt=0.002,
+        sensors=[sensors.Custom("own", angle, rate=10), sensors.JointPosition("angle", rate=10)],
+    )
+    begin = sim.sensors["own"][0]
+    for step in range(1, 101):  # 0.2 s
+        sim.step()
+        if step % 10 == 0:
+            sim.reset([1])
+        assert (sim.sensors["own"] == sim.sensors["angle"][:, 0]).all()
+        assert (sim.sensors.time("own") == sim.sensors.time("angle")).all()
+    # At the start, at 0.1 and 0.2 s, and at each of the ten resets.
+    assert len(called) == 13
+    assert sim.sensors["own"][1] == begin and (sim.sensors["own"][[0, 2]] != begin).all()
+    assert sim.sensors.time("own").round(6).tolist() == [0.2, 0.0, 0.2]
+
+
+def test_a_diverged_world_keeps_what_was_measured():
+    sim = kn.Simulation(
+        kn.examples.n_pendula(1), worlds=2, sensors=[sensors.Custom("own", lambda s: s.state.joint_velocity)]
+    )
+    sim.set_state(np.zeros((2, 1)), [[0.0], [1e4]])
+    sim.controls.force[1] = 1e9
+    assert sim.step(3).tolist() == [1]
+    assert np.isfinite(sim.sensors["own"]).all()
+    assert sim.sensors.time("own")[1] < sim.sensors.time("own")[0] == pytest.approx(0.006)
+
+
+def test_noise_of_custom_sensors_is_that_of_others():
+    noise = sensors.Noise(deviation=0.1, bias=[0.2, 0.5], walk=0.3)
+
+    def readings(sensor, worlds=5):
+        sim = kn.Simulation(kn.examples.n_pendula(2), worlds=worlds, dtype="float64", sensors=[sensor], seed=7)
+        found = [sim.sensors["q"]]
+        for step in range(30):
+            sim.step()
+            if step == 15:
+                sim.reset([2])
+            found.append(sim.sensors["q"])
+        return np.array(found)
+
+    def custom(**options):
+        return sensors.Custom("q", lambda s: s.state.joint_position, rate=100, **options)
+
+    own = readings(custom(noise=noise, cutoff=1.0))
+    np.testing.assert_allclose(
+        own, readings(sensors.JointPosition("q", rate=100, noise=noise, cutoff=1.0)), atol=1e-5
+    )
+    assert np.abs(own).max() == 1.0
+    assert (readings(custom(noise=noise, cutoff=1.0), worlds=9)[:, :5] == own).all()
+    steps = readings(custom(noise=sensors.Noise(deviation=0.1, step=0.25))) / 0.25
+    assert (steps == steps.round()).all() and len(np.unique(steps)) > 2
+
+
+def test_a_custom_sensor_that_changes_the_simulation_is_told():
+    greedy = []
+    sim = kn.Simulation(
+        kn.examples.n_pendula(1), sensors=[sensors.Custom("own", lambda s: s.step() if greedy else s.time)]
+    )
+    greedy.append(True)
+    with pytest.raises(SensorError, match='"own" is being measured: its function must not step'):
+        sim.step()
+    greedy.clear()
+    sim.step()
+    assert sim.sensors["own"] == sim.time == pytest.approx(0.004)
+
+
 def test_cameras_and_copies():
     camera = kn.Camera(32, 24, channels=("depth", "body")).looking((0, 0.1, 3), (0, 0.1, 0))
     sim = kn.Simulation(
@@ -162,6 +238,14 @@ def test_images_have_seeded_noise():
         ([sensors.Rangefinder("a", "box", max_range=-1)], SensorError, "range"),
         ([sensors.Custom("a", lambda s: 1.0)], ShapeError, "1 rows"),
         ([sensors.Custom("a", lambda s: s.time, rate=0)], SensorError, "rate"),
+        ([sensors.Custom("a", lambda s: s.time, cutoff=-1)], SensorError, "cutoff"),
+        ([sensors.Custom("a", lambda s: s.time, noise=sensors.Noise(step=[1, 2]))], SensorError, "2 numbers"),
+        ([sensors.Custom("a", lambda s: s.time, noise=0.1)], SensorError, "give a Noise"),
+        ([sensors.Custom("a", lambda s: s.step())], SensorError, '"a" is being measured'),
+        ([sensors.Custom("a", lambda s: s.reset())], SensorError, '"a" is being measured'),
+        ([sensors.Touch("a", "box", noise=0.1)], SensorError, "give a Noise"),
+        ([sensors.Camera("a", camera=3)], SensorError, "give a Camera, or its name"),
+        ([sensors.Camera("a", camera="front")], UnknownNameError, "front"),
         (["touch"], SensorError, "no sensor"),
         ([sensors.ForceTorque("a", "hinge")], UnknownNameError, "hinge"),
     ],
@@ -196,3 +280,6 @@ def test_unknown_readings_are_told():
     with pytest.raises(UnknownNameError, match="tuch"):
         sim.sensors["tuch"]
     assert list(sim.sensors) == ["touch"] and len(sim.sensors) == 1
+    assert "touch" in sim.sensors and "tuch" not in sim.sensors
+    assert sim.sensors.get("touch").shape == (1, 1) and sim.sensors.get("tuch") is None
+    assert repr(sim.sensors) == "<Sensors: touch>"

@@ -1,0 +1,181 @@
+"""Custom sensors of one simulation: when they are sampled, and what they read."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+from math import inf, prod
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kinetarium import _noise
+from kinetarium.errors import SensorError, ShapeError
+
+if TYPE_CHECKING:
+    from kinetarium.sensors import Custom
+    from kinetarium.simulation import Simulation
+
+# A due time so little after a step, in periods, counts as reached.
+_SLACK = 1e-6
+
+
+class _Channel:
+    """A sensor in all worlds. Each has a clock of its own: sample k of a rate r is due at its time k/r, and taken at
+    the first step at or after."""
+
+    def __init__(self, sensor: Custom, worlds: int, dt: float, seed: int) -> None:
+        _noise.check(sensor.name, sensor.noise)
+        rate, cutoff = sensor.rate, sensor.cutoff
+        if rate is not None and not 0 < rate <= 1e9:
+            raise SensorError(
+                f'the rate of sensor "{sensor.name}" is {rate}: it must be above 0 and at most 1e9, in Hz'
+            )
+        if cutoff is not None and not cutoff > 0:
+            raise SensorError(f'the cutoff of sensor "{sensor.name}" is {cutoff}: it must be above 0')
+        self.sensor = sensor
+        self._key = _noise.key_of(seed, sensor.name)
+        self._per_step = 1.0 if rate is None else rate * dt
+        self._period = dt if rate is None else 1 / rate
+        self.reading: np.ndarray | None = None
+        self.time = np.zeros(worlds)
+        """Of the last samples [s]."""
+        self._last = np.full(worlds, -1)  # which samples these were, from 0 at time 0; −1 before the first
+        self._walk = np.zeros((worlds, 0))  # biases that wander
+
+    def _number(self, steps: np.ndarray) -> np.ndarray:
+        """The latest sample that is due after so many steps."""
+        return np.floor(steps * self._per_step + _SLACK).astype(np.int64)
+
+    def steps_until_due(self, steps: np.ndarray) -> np.ndarray:
+        """How many steps, 1 or more, until a later sample is due."""
+        return np.maximum(np.ceil((self._number(steps) + 1 - _SLACK) / self._per_step) - steps, 1)
+
+    def due(self, steps: np.ndarray) -> np.ndarray:
+        """Whether a sample is to be taken now."""
+        return self._number(steps) != self._last
+
+    def forget(self, worlds: np.ndarray) -> None:
+        """These worlds begin anew."""
+        self._last[worlds], self._walk[worlds] = -1, 0
+
+    def take(
+        self, truth: np.ndarray, due: np.ndarray, time: np.ndarray, steps: np.ndarray, began: np.ndarray
+    ) -> None:
+        """Reads what was measured, in the worlds that are due; `began` is how often each has begun anew."""
+        self._fit(truth)
+        number = self._number(steps)
+        passed = np.where(self._last < 0, 0, number - self._last)
+        draw = _noise.Draw(self._key, due, began[due], number[due], self._period * passed[due])
+        read = self._disturbed(truth[due], due, draw)
+        before = truth if self.reading is None else self.reading
+        self.reading = before.astype(np.result_type(before, read))
+        self.reading[due], self.time[due], self._last[due] = read, time[due], number[due]
+
+    def _fit(self, truth: np.ndarray) -> None:
+        name, worlds = self.sensor.name, len(self.time)
+        if truth.ndim == 0 or len(truth) != worlds:
+            raise ShapeError(
+                f'sensor "{name}" gave the shape {truth.shape}: it must have {worlds} rows, one for each world'
+            )
+        if self.reading is None:
+            numbers = prod(truth.shape[1:])
+            _noise.check(name, self.sensor.noise, numbers)
+            self._walk = np.zeros((worlds, numbers))
+        elif truth.shape != self.reading.shape:
+            raise ShapeError(f'sensor "{name}" gave the shape {truth.shape}: it must stay {self.reading.shape}')
+
+    def _disturbed(self, truth: np.ndarray, due: np.ndarray, draw: _noise.Draw) -> np.ndarray:
+        """With noise and cutoff, as floating-point numbers; as it is, where there is neither."""
+        noise, cutoff = self.sensor.noise, self.sensor.cutoff
+        if cutoff is None and not any(np.any(level) for level in vars(noise).values()):
+            return truth
+        walk = self._walk[due]
+        read = draw.disturb(truth.reshape(len(due), -1).astype(np.float64), noise, walk)
+        self._walk[due] = walk
+        read = read if cutoff is None else np.clip(read, -cutoff, cutoff)
+        return read.reshape(truth.shape).astype(truth.dtype if truth.dtype.kind == "f" else np.float64)
+
+    def save(self) -> Any:
+        return deepcopy((self.reading, self.time, self._last, self._walk))
+
+    def restore(self, saved: Any) -> None:
+        self.reading, self.time, self._last, self._walk = deepcopy(saved)
+
+
+class CustomArray:
+    """What `SensorArray` is to the engine's sensors."""
+
+    def __init__(self, sensors: list[Custom], worlds: int, dt: float, seed: int) -> None:
+        self._channels = {sensor.name: _Channel(sensor, worlds, dt, seed) for sensor in sensors}
+        self._dt = dt
+        self._left = np.zeros(worlds)  # times at which steps left the worlds [s]
+        self._began = np.zeros(worlds, np.int64)  # how often each has begun anew
+        self._measured: str | None = None
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._channels
+
+    def reading(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """What a sensor read last, and when in each world [s]."""
+        channel = self._channels[name]
+        return np.array(channel.reading), channel.time.copy()
+
+    def check_idle(self) -> None:
+        """`SensorError` where a sensor's function steps or sets the simulation that it measures."""
+        if self._measured is not None:
+            raise SensorError(
+                f'sensor "{self._measured}" is being measured: its function must not step, set or reset the worlds'
+            )
+
+    def steps_until_due(self, simulation: Simulation) -> float:
+        """Steps, 1 or more, until a sample is due in any world that runs; infinite, if there is none."""
+        if not self._channels:
+            return inf
+        steps = self._steps(simulation.time[~simulation.state.diverged])
+        return min(channel.steps_until_due(steps).min(initial=inf) for channel in self._channels.values())
+
+    def sample(self, simulation: Simulation) -> None:
+        """Takes all samples that are due in worlds that run; the others keep what was measured last."""
+        if not self._channels:
+            return
+        time, runs = simulation.time, ~simulation.state.diverged
+        steps = self._steps(time)
+        for channel in self._channels.values():
+            due = np.flatnonzero(runs & channel.due(steps))
+            if due.size or channel.reading is None:
+                channel.take(self._measure(simulation, channel.sensor), due, time, steps, self._began)
+        self._left = time
+
+    def update(self, simulation: Simulation) -> None:
+        """Samples worlds anew that were set or reset: their time is 0, or not that at which steps left them. Where it
+        tells of none, as after a snapshot of the same time, all are sampled."""
+        time = simulation.time
+        moved = time != self._left
+        begun = moved | (time == 0)
+        if not begun.any():
+            begun[:] = True
+        self._began += moved
+        for channel in self._channels.values():
+            channel.forget(begun)
+        self.sample(simulation)
+
+    def _steps(self, time: np.ndarray) -> np.ndarray:
+        return np.round(time / self._dt)
+
+    def _measure(self, simulation: Simulation, sensor: Custom) -> np.ndarray:
+        self._measured = sensor.name
+        try:
+            return np.array(sensor.measure(simulation))
+        finally:
+            self._measured = None
+
+    def save(self) -> Any:
+        """What is carried along, beside a snapshot of the simulation."""
+        channels = {name: channel.save() for name, channel in self._channels.items()}
+        return deepcopy((channels, self._left, self._began))
+
+    def restore(self, saved: Any) -> None:
+        """Puts back what `save` gave."""
+        channels, self._left, self._began = deepcopy(saved)
+        for name, channel in self._channels.items():
+            channel.restore(channels[name])
