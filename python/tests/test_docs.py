@@ -1,10 +1,13 @@
 """What documentation and notebooks show in Python runs."""
 
+import doctest
 import json
 import re
 from pathlib import Path
 
 import pytest
+
+import kinetarium._engine
 
 PAGES = sorted((Path(__file__).parents[2] / "docs/guide").glob("*.md"))
 SNIPPET = re.compile(r"^```python\n(.*?)^```", re.M | re.S)
@@ -33,3 +36,17 @@ def test_snippets(page, tmp_path, monkeypatch):
     for text in SNIPPET.findall(page.read_text(encoding="utf-8")):
         if not any(f"import {name}" in text or f"from {name}" in text for name in OPTIONAL):
             exec(compile(text, page.name, "exec"), names)
+
+
+EXAMPLES = [test for test in doctest.DocTestFinder().find(kinetarium._engine) if test.examples]
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
+def test_docstrings_of_the_engine(example):
+    """Those of the other modules are found by `pytest --doctest-modules`."""
+    told = []
+    assert doctest.DocTestRunner().run(example, out=told.append).failed == 0, "".join(told)
+
+
+def test_the_engine_has_examples():
+    assert "kinetarium._engine.Builder" in [example.name for example in EXAMPLES]

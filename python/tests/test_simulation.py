@@ -78,6 +78,17 @@ def test_names_index_and_suggest(sim):
         sim.state.body_position[0, 0, "x"]
 
 
+def test_arrays_are_taken_without_a_copy(sim):
+    state, force = sim.state.joint_position, sim.controls.force
+    for array in (state, force):
+        taken = np.from_dlpack(array)
+        assert np.shares_memory(taken, array) and taken.dtype == sim.dtype and (taken == array).all()
+    np.asarray(memoryview(force))[7] = 1.0  # what is written there acts
+    sim.step(10)
+    v = sim.state.joint_velocity
+    assert (v[7] != v[0]).all() and (v[8] == v[0]).all()
+
+
 def test_worlds_differ_by_what_they_are_given(sim):
     sim.controls.force[5:, "hinge0"] = 3.0
     sim.step(10)
