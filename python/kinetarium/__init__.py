@@ -11,6 +11,8 @@
 SI units; angles in radians; right-handed; quaternions x, y, z, w; sizes of shapes are half sizes.
 """
 
+from typing import TYPE_CHECKING, Any
+
 from kinetarium import errors, examples, sensors
 from kinetarium._engine import (
     Axis,
@@ -35,6 +37,11 @@ from kinetarium.cameras import Camera, Images
 from kinetarium.errors import KinetariumError
 from kinetarium.simulation import Contacts, Event, Linearization, RayHits, Simulation
 from kinetarium.view import View
+
+if TYPE_CHECKING:
+    from kinetarium import envs as envs
+    from kinetarium import plot as plot
+    from kinetarium import types as types
 
 __all__ = [
     "Axis",
@@ -67,3 +74,18 @@ __all__ = [
     "parse",
     "sensors",
 ]
+
+# Imported when they are asked for: the first needs gymnasium, the second matplotlib.
+_LATER = ("envs", "plot", "types")
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _LATER:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
+    return import_module(f"{__name__}.{name}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_LATER})

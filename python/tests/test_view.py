@@ -73,6 +73,18 @@ def test_import_brings_no_more_than_numpy():
     assert told.stdout == "[]\n"
 
 
+def test_modules_come_when_they_are_asked_for():
+    code = """import kinetarium as kn
+assert {"envs", "plot", "types", "sensors"} <= set(dir(kn)) and not hasattr(kn, "plots")
+kn.plot.record, kn.types.Vector
+try:
+    kn.envs.ROBOTS
+except ModuleNotFoundError as error:
+    assert error.name == "gymnasium"
+"""
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
 def test_plots(tmp_path):
     pytest.importorskip("matplotlib")
     from kinetarium import plot
