@@ -16,6 +16,7 @@ from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from kinetarium.errors import OutOfRangeError, ShapeError, SimulationError, UnknownNameError
 
@@ -30,7 +31,7 @@ Track = dict[str, np.ndarray]
 
 def record(
     sim: Simulation,
-    quantities: Mapping[str, Callable[[Simulation], np.ndarray] | None],
+    quantities: Mapping[str, Callable[[Simulation], ArrayLike] | None],
     *,
     seconds: float,
     every: int = 1,
