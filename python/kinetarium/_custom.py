@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kinetarium import _noise
-from kinetarium.errors import SensorError, ShapeError
+from kinetarium.errors import BusyError, SensorError, ShapeError
 
 if TYPE_CHECKING:
     from kinetarium.sensors import Custom
@@ -121,9 +121,9 @@ class CustomArray:
         return np.array(channel.reading), channel.time.copy()
 
     def check_idle(self) -> None:
-        """`SensorError` where a sensor's function steps or sets the simulation that it measures."""
+        """`BusyError` where a sensor's function steps or sets the simulation that it measures."""
         if self._measured is not None:
-            raise SensorError(
+            raise BusyError(
                 f'sensor "{self._measured}" is being measured: its function must not step, set or reset the worlds'
             )
 

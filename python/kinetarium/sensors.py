@@ -290,7 +290,7 @@ class Custom:
     """A sensor of one's own: a function of the simulation that gives an array with a row for each world.
 
     It is called where a sample is due in any world; the others keep what was measured last. It must not change the
-    simulation: `SensorError` where it steps or resets it. Where it fails, the simulation stands at the step of the
+    simulation: `BusyError` where it steps or resets it. Where it fails, the simulation stands at the step of the
     sample.
     """
 

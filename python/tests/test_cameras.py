@@ -64,7 +64,7 @@ def test_no_camera_looks_at_itself(sim):
     for target in [(1, 2, 3), (np.nan, 0, 0)]:
         with pytest.raises(RenderError, match="give two points"):
             kn.Camera().looking((1, 2, 3), target)
-    with pytest.raises(RenderError, match="width is 0"):
+    with pytest.raises(ValueError, match="width is 0"):
         sim.framing(width=0)
 
 
