@@ -14,15 +14,19 @@ pub use object::{Object, ObjectId};
 pub use placement::Placement;
 
 use crate::{BodyId, JointId, Keyframe, Model, ModelError, Parts, UpAxis};
-use compile::Layout;
+use compile::{Layout, find};
 use glam::DVec3;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Builders made so far: their handles tell them apart.
+static BUILDERS: AtomicUsize = AtomicUsize::new(0);
 
 /// Makes a [`Model`] by hand.
 ///
 /// A world consists of objects; an object of bodies, joints and actuators that belong together. An
 /// object can be replicated within the world, and each replica be placed by itself. Handles stay
-/// valid throughout; [`body_replica`](Self::body_replica) and [`joint_replica`](Self::joint_replica)
-/// tell the rows that they become.
+/// valid throughout, in clones made later, too; [`body_replica`](Self::body_replica) and
+/// [`joint_replica`](Self::joint_replica) tell the rows that they become.
 ///
 /// ```
 /// use glam::DVec3;
@@ -43,6 +47,8 @@ use glam::DVec3;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Builder {
+    /// As handles have it; that of the builder that it is a clone of.
+    number: usize,
     /// Everything but bodies, shapes, joints, couplings and actuators, which the objects hold.
     settings: Parts,
     objects: Vec<Object>,
@@ -56,6 +62,7 @@ impl Builder {
             ..Parts::default()
         };
         Self {
+            number: BUILDERS.fetch_add(1, Ordering::Relaxed),
             settings,
             objects: Vec::new(),
         }
@@ -87,20 +94,31 @@ impl Builder {
         self
     }
 
+    /// What was set so far; its tables of bodies, shapes, joints, couplings and actuators are empty.
+    pub fn settings(&self) -> &Parts {
+        &self.settings
+    }
+    /// The objects, in the order of making.
+    pub fn objects(&self) -> &[Object] {
+        &self.objects
+    }
+
     /// Adds an empty object.
     pub fn object(&mut self, name: impl Into<String>) -> &mut Object {
-        let id = ObjectId(self.objects.len());
+        let id = ObjectId {
+            builder: self.number,
+            index: self.objects.len(),
+        };
         self.objects.push(Object::new(name.into(), id));
-        &mut self.objects[id.0]
+        &mut self.objects[id.index]
     }
     /// An object made before.
     ///
     /// # Errors
     /// If the handle is not of this builder.
     pub fn object_mut(&mut self, id: ObjectId) -> Result<&mut Object, ModelError> {
-        self.objects
-            .get_mut(id.0)
-            .ok_or_else(|| foreign("world", "object"))
+        find(&self.objects, id).ok_or_else(|| foreign("world", "object"))?;
+        Ok(&mut self.objects[id.index])
     }
     /// A body made before.
     ///

@@ -323,6 +323,14 @@ pub enum ModelError {
         /// The bodies of the circle.
         bodies: Vec<String>,
     },
+    /// An exclusion is of one body.
+    #[error("{what}: both of its bodies are \"{body}\"; name two different bodies")]
+    ExcludedFromItself {
+        /// The exclusion.
+        what: String,
+        /// The body.
+        body: String,
+    },
     /// A pair consists of one thing.
     #[error("{what}: both of its {kind} are number {index}; name two different {kind}")]
     SameTwice {

@@ -4,7 +4,7 @@ mod check;
 mod joints;
 mod lookup;
 mod tree;
-mod validate;
+pub(crate) mod validate;
 
 use crate::contact_pair::key;
 use crate::{

@@ -428,7 +428,7 @@ fn exclusions() {
         ),
         (
             |p| p.exclusions = vec![(Some(BodyId(1)), BodyId(1))],
-            "exclusion \"0\": both of its bodies are number 1; name two different bodies",
+            "exclusion \"0\": both of its bodies are \"upper\"; name two different bodies",
         ),
     ]);
 }
@@ -926,6 +926,16 @@ fn builder_masses() {
         "body \"dot\" is dynamic but nothing tells its inertia; add a solid shape (a plane, and a mesh \
          that is open or inside out, hold no volume), give mass, centre and inertia, or make it static"
     );
+    let unknown = build_error(|world| {
+        let radius = f64::NAN;
+        let ball = Shape::new(Geometry::Sphere { radius }).named("ball");
+        world.object("thing").body("fog").shape(ball);
+        Ok(())
+    });
+    assert_eq!(
+        unknown,
+        "shape \"ball\": radius [m] is NaN; give a finite number"
+    );
     let negative = build_error(|world| {
         world.object("thing").body("hole").shape(BALL).mass(-1.0);
         Ok(())
@@ -1037,17 +1047,20 @@ fn builder_placements() {
 fn builder_handles() {
     let mut elsewhere = Builder::new("elsewhere");
     let far = elsewhere.object("far");
-    far.body("first").shape(BALL);
     let stranger = far.body("stranger").shape(BALL).handle();
     let strange_joint = far.fixed("strange", stranger).handle();
 
     let child = build_error(|world| {
-        world.object("near").fixed("nail", stranger);
+        // A body of its own in the same row.
+        let near = world.object("near");
+        near.body("own").shape(BALL);
+        near.fixed("nail", stranger);
         Ok(())
     });
     assert_eq!(
         child,
-        "joint \"nail\": no body of this builder has this handle; use handles that this builder gave"
+        "joint \"nail\": no child body of this builder has this handle; use handles that this \
+         builder gave"
     );
     let motor = build_error(|world| {
         world.object("near").motor("motor", strange_joint);

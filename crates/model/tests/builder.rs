@@ -443,6 +443,23 @@ fn a_built_world_can_be_changed_and_built_again() {
 }
 
 #[test]
+fn clones_take_the_handles_made_before() {
+    let mut world = Builder::new("w");
+    let (_, flag, hinge) = flag_post(&mut world);
+    let mut other = world.clone();
+    other.body_mut(flag).unwrap().mass(3.0);
+    other.joint_mut(hinge).unwrap().damping(0.5);
+    let mass = |world: &Builder| world.build().unwrap().bodies[1].mass;
+    assert!((mass(&other) - 3.0).abs() < 1e-12 && mass(&world) > 3.5);
+    let [object] = other.objects() else {
+        panic!("one object, not {}", other.objects().len());
+    };
+    assert_eq!((object.name(), object.id()), ("flag post", flag.object()));
+    assert_eq!(object.bodies()[1].handle(), flag);
+    assert_eq!(object.joints()[0].name(), "hinge");
+}
+
+#[test]
 fn exclusions_follow_the_replicas() {
     let mut world = Builder::new("w");
     let table = world.object("table").body("top").shape(BALL).handle();

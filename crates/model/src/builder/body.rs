@@ -2,6 +2,7 @@
 
 use super::ObjectId;
 use crate::filter::STATIC_GROUP;
+use crate::model::validate;
 use crate::{Body, BodyKind, MassProperties, ModelError, Pose, Shape};
 use glam::{DMat3, DVec3};
 
@@ -51,6 +52,10 @@ impl BodyDraft {
             mass: MassSource::Densities,
             masks: None,
         }
+    }
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.body.name
     }
     /// What joints and queries call the body by.
     pub fn handle(&self) -> BodyHandle {
@@ -117,9 +122,13 @@ impl BodyDraft {
             return Ok(body);
         }
         let solid = MassProperties::of_shapes(&self.shapes);
-        let unknown = |missing| ModelError::MassUnknown {
-            body: body.name.clone(),
-            missing,
+        // Sizes that make no sense hold no volume either, and are what is to be told.
+        let unknown = |missing| {
+            let wrong = self.shapes.iter().find_map(|s| validate::solid(s).err());
+            wrong.unwrap_or_else(|| ModelError::MassUnknown {
+                body: body.name.clone(),
+                missing,
+            })
         };
         let whole = match self.mass {
             MassSource::Given => return Ok(body),

@@ -31,6 +31,11 @@ pub(super) fn compile(objects: &[Object], parts: &mut Parts) -> Result<(), Model
     Ok(())
 }
 
+/// The object that a handle means, unless it is another builder's.
+pub(super) fn find(objects: &[Object], id: ObjectId) -> Option<&Object> {
+    objects.get(id.index).filter(|object| object.id() == id)
+}
+
 /// Stops before tables are filled that no model may have.
 fn must_be_few(objects: &[Object]) -> Result<(), ModelError> {
     let rows = |of: fn(&Object) -> usize| {
@@ -87,7 +92,7 @@ impl<'a> Layout<'a> {
     /// Row of a body's k-th replica.
     pub fn body(&self, what: &str, body: BodyHandle, k: usize) -> Result<BodyId, ModelError> {
         let object = self.replicated(what, body.object, k)?;
-        let (start, rows) = (self.body_start[body.object.0], object.bodies.len());
+        let (start, rows) = (self.body_start[body.object.index], object.bodies.len());
         let known = body.index < rows;
         known
             .then(|| BodyId(start + k * rows + body.index))
@@ -96,17 +101,14 @@ impl<'a> Layout<'a> {
     /// Row of a joint's k-th replica.
     pub fn joint(&self, what: &str, joint: JointHandle, k: usize) -> Result<JointId, ModelError> {
         let object = self.replicated(what, joint.object, k)?;
-        let (start, rows) = (self.joint_start[joint.object.0], object.joints.len());
+        let (start, rows) = (self.joint_start[joint.object.index], object.joints.len());
         let known = joint.index < rows;
         known
             .then(|| JointId(start + k * rows + joint.index))
             .ok_or_else(|| foreign(what, "joint"))
     }
     fn replicated(&self, what: &str, id: ObjectId, k: usize) -> Result<&'a Object, ModelError> {
-        let object = self
-            .objects
-            .get(id.0)
-            .ok_or_else(|| foreign(what, "object"))?;
+        let object = find(self.objects, id).ok_or_else(|| foreign(what, "object"))?;
         let count = object.placements.len();
         if k < count {
             return Ok(object);
@@ -119,7 +121,7 @@ impl<'a> Layout<'a> {
     }
     /// Where a body's k-th replica was placed in the world.
     fn pose(&self, body: BodyHandle, k: usize) -> Pose {
-        let object = &self.objects[body.object.0];
+        let object = &self.objects[body.object.index];
         object.placements[k] * object.bodies[body.index].body.pose
     }
 }
@@ -235,7 +237,7 @@ impl Replica<'_> {
         other: ObjectId,
     ) -> Result<usize, ModelError> {
         let objects = self.layout.objects;
-        let other = objects.get(other.0).ok_or_else(|| foreign(what, role))?;
+        let other = find(objects, other).ok_or_else(|| foreign(what, role))?;
         let (count, other_count) = (self.object.placements.len(), other.placements.len());
         match other_count {
             1 => Ok(0),
@@ -256,7 +258,7 @@ impl Replica<'_> {
     }
 
     fn must_own(&self, what: &str, role: &'static str, owner: ObjectId) -> Result<(), ModelError> {
-        let Some(other) = self.layout.objects.get(owner.0) else {
+        let Some(other) = find(self.layout.objects, owner) else {
             return Err(foreign(what, role));
         };
         if owner == self.object.id() {

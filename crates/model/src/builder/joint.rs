@@ -58,6 +58,10 @@ impl JointDraft {
             handle,
         }
     }
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.joint.name
+    }
     /// What actuators and queries call the joint by.
     pub fn handle(&self) -> JointHandle {
         self.handle

@@ -8,7 +8,11 @@ use glam::DVec3;
 
 /// An object of a [`Builder`](super::Builder).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct ObjectId(pub(super) usize);
+pub struct ObjectId {
+    /// Number of the builder.
+    pub(super) builder: usize,
+    pub(super) index: usize,
+}
 
 /// Bodies, joints and actuators that belong together, in a frame of their own; and how often, and
 /// where, the world has them. Once and at the world's origin, unless said otherwise.
@@ -53,6 +57,22 @@ impl Object {
     /// What the builder calls the object by.
     pub fn id(&self) -> ObjectId {
         self.id
+    }
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+    /// The bodies, in the order of making.
+    pub fn bodies(&self) -> &[BodyDraft] {
+        &self.bodies
+    }
+    /// The joints, in the order of making.
+    pub fn joints(&self) -> &[JointDraft] {
+        &self.joints
+    }
+    /// How often the world has it.
+    pub fn replica_count(&self) -> usize {
+        self.placements.len()
     }
 
     /// Adds a dynamic body.

@@ -178,21 +178,31 @@ fn inertia(name: &str, inertia: DMat3) -> Result<(), ModelError> {
 }
 
 fn shape(shape: &Shape, bodies: usize) -> Result<(), ModelError> {
-    let subject = Subject {
-        kind: "shape",
-        name: &shape.name,
-    };
+    let subject = shape_subject(shape);
     if let Some(body) = shape.body {
         subject.row("body", body.0, bodies)?;
     }
     subject.pose("pose", &shape.pose)?;
-    subject.not_negative("density [kg/m³]", shape.density)?;
-    geometry(&subject, &shape.geometry)?;
+    solid(shape)?;
     material(&subject, &shape.material)?;
     let color = shape.color.iter().flatten();
     color
         .map(|&part| f64::from(part))
         .try_for_each(|part| subject.within("colour", part, 0.0, 1.0))
+}
+
+fn shape_subject(shape: &Shape) -> Subject<'_> {
+    Subject {
+        kind: "shape",
+        name: &shape.name,
+    }
+}
+
+/// What a shape's mass follows from.
+pub(crate) fn solid(shape: &Shape) -> Result<(), ModelError> {
+    let subject = shape_subject(shape);
+    subject.not_negative("density [kg/m³]", shape.density)?;
+    geometry(&subject, &shape.geometry)
 }
 
 fn geometry(subject: &Subject, geometry: &Geometry) -> Result<(), ModelError> {
@@ -285,10 +295,9 @@ fn exclusions(parts: &Parts) -> Result<(), ModelError> {
             subject.row("body", id.0, parts.bodies.len())?;
         }
         if other == Some(body) {
-            return Err(ModelError::SameTwice {
+            return Err(ModelError::ExcludedFromItself {
                 what: subject.what(),
-                kind: "bodies",
-                index: body.0,
+                body: parts.bodies[body.0].name.clone(),
             });
         }
     }
