@@ -1,10 +1,12 @@
 """Models from files and builders."""
 
+import copy
+
 import numpy as np
 import pytest
 
 import kinetarium as kn
-from kinetarium.errors import FileError, ModelError, UnknownNameError
+from kinetarium.errors import FileError, ModelError, ShapeError, UnknownNameError
 
 HOPPER = """
 <mujoco model="one leg">
@@ -140,11 +142,198 @@ def test_faults_of_builders_are_told():
         kn.Builder("x", up_axis="x")
     with pytest.raises(TypeError):
         thing.body("d", shapes=["box"])
-    other = kn.Builder("other").object("o").body("b")
-    lonely = kn.Builder("lonely")
-    lonely.object("a")
-    with pytest.raises(ModelError):
-        lonely.body_row(other, 4)
+
+
+def test_each_degree_of_freedom_has_what_it_is_given():
+    world = kn.Builder("disc")
+    thing = world.object("thing")
+    disc = thing.body("disc", kn.Geometry.sphere(0.1))
+    axes = [kn.Axis.linear((1, 0, 0)), kn.Axis.angular((0, 0, 1), anchor=(0, 0.5, 0), reference=0.25)]
+    thing.d6(
+        "root",
+        disc,
+        axes,
+        damping=0.5,
+        limit=None,
+        dofs=[
+            kn.Dof("slide", limit=(-1, 2), friction_loss=0.1),
+            kn.Dof("turn", drive=kn.Drive(10.0, 1.0), stiffness=3.0, rest=0.2, armature=0.01),
+        ],
+    )
+    model = world.build()
+    assert model.dof_names == ["slide", "turn"]
+    assert model.dof_range.tolist() == [[-1.0, 2.0], [-np.inf, np.inf]]
+    for name, numbers in [
+        ("damping", [0.5, 0.5]),
+        ("friction_loss", [0.1, 0.0]),
+        ("drive_stiffness", [0.0, 10.0]),
+        ("stiffness", [0.0, 3.0]),
+        ("rest", [0.0, 0.2]),
+        ("armature", [0.0, 0.01]),
+    ]:
+        assert model.parameter(name).ravel().tolist() == numbers
+    assert model.initial_position.tolist() == [0.0, 0.25]  # the references
+    sim = kn.Simulation(model, dtype="float64")
+    sim.state.joint_position[0] = (0.0, 0.25 + np.pi / 2)
+    assert np.allclose(sim.state.body_position[0, "disc"], (0.5, 0.5, 0.0))  # about the anchor
+
+
+@pytest.mark.parametrize(
+    ("kind", "options", "message"),
+    [
+        ("ball", {"dofs": [kn.Dof()]}, '"j": its list of degrees of freedom .* has 1 entries; it needs 3'),
+        ("ball", {"damping": 1, "dofs": [kn.Dof(), kn.Dof(damping=2), kn.Dof()]}, "damping is given .* number 1"),
+        ("ball", {"rest": 0.1}, "a rest and no stiffness"),
+        ("plane_xz", {"dofs": [kn.Dof(rest=0.1)] * 3}, "a rest and no stiffness"),
+        ("fixed", {"limit": kn.Limit(-1, 1)}, "no degree of freedom that its limit"),
+        ("fixed", {"damping": 1.0}, "no degree of freedom that its damping"),
+        ("free", {"position": (0, 0, 0), "child_frame": [(0, 0, 0), (0, 0, 0, 1)]}, "not both"),
+    ],
+)
+def test_options_of_joints_that_make_no_sense(kind, options, message):
+    thing = kn.Builder("bad").object("thing")
+    body = thing.body("b", kn.Geometry.sphere(0.1))
+    with pytest.raises(ModelError, match=message):
+        getattr(thing, kind)("j", body, **options)
+    assert thing.joints == []
+
+
+def test_what_is_refused_leaves_nothing_behind():
+    world = kn.Builder("retries")
+    thing = world.object("thing")
+    body = thing.body("b", [kn.Geometry.sphere(0.1)])
+    for wrong in ({"dampening": 1}, {"damping": "much"}, {"limit": "far"}, {"initial": "now"}, {"dofs": [1]}):
+        with pytest.raises((TypeError, UnknownNameError), match=next(iter(wrong))):
+            thing.revolute("j", body, (0, 0, 1), **wrong)
+    hinge = thing.revolute("j", body, (0, 0, 1))
+    for wrong, message in [
+        ({"inertia": np.eye(3)}, "an inertia and no mass"),
+        ({"center": (5, 0, 0), "mass": 1.0}, "a center and no inertia"),
+        ({"static": True, "mass": 1.0}, "static: leave out mass"),
+        ({"membership": -1}, "membership is -1"),
+    ]:
+        with pytest.raises(ModelError, match=message):
+            thing.body("c", **wrong)
+    with pytest.raises(TypeError, match='shape 1 of body "c" is of type str'):
+        thing.body("c", [kn.Geometry.sphere(0.1), "box"])
+    thing.body("c", kn.Geometry.sphere(0.1))
+    for refuse, message in [
+        (lambda: thing.motor("m", hinge, dof=-1), "dof is -1"),
+        (lambda: thing.position_servo("m", hinge, stiffness=-1.0), "stiffness is -1"),
+        (lambda: thing.velocity_servo("m", hinge, damping=-1.0), "damping is -1"),
+        (lambda: thing.exclude(body, body), 'both of its bodies are "b"'),
+        (lambda: thing.replicate(-1), "count is -1"),
+        (lambda: thing.replica(-1), "replica is -1"),
+        (lambda: world.body_row(body, -1), "replica is -1"),
+        (lambda: kn.Builder("x", worlds=-1), "worlds is -1"),
+        (lambda: kn.Shape(kn.Geometry.sphere(0.1), collides_with=2**32), "collides_with is 4294967296"),
+    ]:
+        with pytest.raises(ModelError, match=message):
+            refuse()
+    for k, two in enumerate([(-1, 1), [-1, 1], np.array([-1.0, 1.0])]):
+        thing.motor(f"motor {k}", hinge, control_range=two, force_range=two)
+    model = world.build()
+    assert (model.joint_names, model.body_names) == (["j", "c_free"], ["b", "c"])
+    assert model.control_range.tolist() == [[-1.0, 1.0]] * 3
+
+
+def test_sizes_that_are_no_numbers_are_told_as_such():
+    world = kn.Builder("fog")
+    world.object("fog").body("fog", kn.Geometry.sphere(np.nan))
+    with pytest.raises(ModelError, match=r"radius .* is NaN"):
+        world.build()
+
+
+def test_handles_of_other_builders_are_refused():
+    theirs = kn.Builder("theirs").object("o")
+    body = theirs.body("b", kn.Geometry.sphere(0.1))
+    joint = theirs.revolute("j", body, (0, 0, 1))
+    world = kn.Builder("mine")
+    mine = world.object("o")
+    own = mine.body("b", kn.Geometry.sphere(0.1))
+    hinge = mine.revolute("j", own, (0, 0, 1))
+    for refuse in [
+        lambda: mine.ball("k", body),
+        lambda: mine.ball("k", own, parent=body),
+        lambda: mine.motor("m", joint),
+        lambda: mine.couple("c", hinge, joint),
+        lambda: mine.exclude(own, body),
+        lambda: world.body_row(body),
+        lambda: world.joint_row(joint),
+    ]:
+        with pytest.raises(ModelError, match="of this builder has this handle"):
+            refuse()
+    assert own != body and len({own, body, mine.bodies[0]}) == 2
+    assert world.build().joint_names == ["j"]
+
+
+def test_builders_can_be_set_and_copied():
+    world = kn.Builder("one")
+    world.up_axis = "z"
+    assert (world.up_axis, world.gravity) == ("z", (0, 0, -9.81))
+    world.gravity = np.array([0, 0, -1.62])
+    world.time_step, world.worlds = 0.01, 8
+    with pytest.raises(ModelError, match="known are y, z"):
+        world.up_axis = "x"
+    arm = world.object("arm")
+    link = arm.body("link", kn.Geometry.sphere(0.1))
+
+    other, other_arm, other_link = copy.deepcopy((world, arm, link))
+    other_arm.revolute("hinge", other_link, (0, 0, 1))
+    assert [o.name for o in copy.copy(other).objects] == ["arm"] and other.objects[0].bodies == [link]
+    assert (world.build().joint_names, other.build().joint_names) == (["link_free"], ["hinge"])
+    model = other.build()
+    assert (model.up_axis, model.time_step, model.worlds) == ("z", 0.01, 8)
+    assert model.parameter("gravity").ravel().tolist() == [0, 0, -1.62]
+    assert repr(other) == '<Builder "one": 1 objects, 1 bodies, 1 joints>'
+    assert repr(other_arm) == '<Object "arm": 1 bodies, 1 joints, 1 replicas>'
+    assert (repr(link), repr(other_arm.joints)) == ('<Body "link">', '[<Joint "hinge">]')
+
+
+def test_distance_fields_and_hulls():
+    x, y, z = (np.arange(n) - (n - 1) / 2 for n in (21, 25, 31))
+    distances = np.sqrt((x[:, None, None] * 0.1) ** 2 + (y[:, None] * 0.1) ** 2 + (z * 0.1) ** 2) - 0.8
+    distances[:, :, 16:] = np.maximum(distances[:, :, 16:], z[16:] * 0.1 - 0.3)  # a ball with a flat cap
+    ball = kn.Geometry.distance_field(distances.astype(np.float32), 0.1)
+    low, high = ball.vertices.min(axis=0), ball.vertices.max(axis=0)
+    assert np.allclose(low, -0.8, atol=1e-6) and np.allclose(high, (0.8, 0.8, 0.3), atol=1e-2)
+    assert ball.triangles.max() < len(ball.vertices)
+    hull = ball.convex_hull()
+    assert (ball.kind, hull.kind) == ("mesh", "hull") and hull.convex_hull() == hull
+    assert np.allclose((hull.vertices.min(axis=0), hull.vertices.max(axis=0)), (low, high))
+    assert np.allclose(ball.half_extents, (0.8, 0.8, 0.55), atol=1e-2)
+    assert np.allclose(ball.center, (0, 0, -0.25), atol=1e-2)
+    with pytest.raises(ShapeError, match=r"shape \[5, 5\]; give an array of three axes"):
+        kn.Geometry.distance_field(np.zeros((5, 5)), 0.1)
+    with pytest.raises(ModelError, match="both sides"):
+        kn.Geometry.distance_field(np.ones((3, 3, 3)), 0.1)
+    with pytest.raises(ModelError, match="spacing is 0"):
+        kn.Geometry.distance_field(distances, 0.0)
+    with pytest.raises(ModelError, match="a sphere has no vertices"):
+        kn.Geometry.sphere(1.0).convex_hull()
+
+
+def test_what_was_given_can_be_read():
+    steel = kn.Material(0.3, margin=0.01, softness=kn.Softness.spring(1e5, 1e2), combine="minimum")
+    shape = kn.Shape(
+        kn.Geometry.box((1, 2, 3)), name="crate", position=(0, 1, 0), material=steel, color=(1, 0, 0, 0.5)
+    )
+    assert (shape.name, shape.position, shape.orientation) == ("crate", (0, 1, 0), (0, 0, 0, 1))
+    assert shape.material == steel and shape.color == (1, 0, 0, 0.5) and shape.membership == 1
+    assert (steel.friction, steel.margin, steel.combine) == (0.3, 0.01, "minimum")
+    assert shape.geometry.half_extents == (1, 2, 3) and shape.geometry.vertices.shape == (0, 3)
+    assert kn.Geometry.plane().half_extents is None
+    limit, drive = kn.Limit(-1, 2, damping=3), kn.Drive(4, effort_limit=5)
+    assert (limit.lower, limit.upper, limit.stiffness, limit.damping) == (-1, 2, 1e4, 3)
+    assert (drive.stiffness, drive.damping, drive.effort_limit) == (4, 0, 5)
+    axis = kn.Axis.linear((0, 1, 0), reference=0.5)
+    assert (axis.kind, axis.direction, axis.anchor, axis.reference) == ("linear", (0, 1, 0), (0, 0, 0), 0.5)
+    dof = kn.Dof("x", limit=limit)
+    assert (dof.name, dof.limit, dof.drive, dof.damping) == ("x", limit, None, None)
+    names = {"Geometry": kn.Geometry, "Limit": kn.Limit, "Material": kn.Material, "Softness": kn.Softness}
+    names |= {"Axis": kn.Axis, "Dof": kn.Dof, "Drive": kn.Drive, "inf": np.inf}
+    for made in [steel, steel.softness, shape.geometry, kn.Geometry.capsule(0.1, 0.5), limit, drive, axis, dof]:
+        assert eval(repr(made), names) == made
 
 
 def test_unknown_names_suggest():

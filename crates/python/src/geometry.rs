@@ -1,13 +1,20 @@
-//! Shapes and their surfaces.
+//! Forms of shapes.
 
 use crate::error;
 use glam::{DQuat, DVec2, DVec3};
-use kinetarium::model;
+use kinetarium::model::{self, ModelError};
+use numpy::{AllowTypeChange, Element, PyArray2, PyArrayLikeDyn, PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
 
 /// A placement from position [m] and quaternion x, y, z, w.
 pub fn pose(position: [f64; 3], orientation: [f64; 4]) -> model::Pose {
     model::Pose::new(DVec3::from_array(position), DQuat::from_array(orientation))
+}
+
+/// Rows of three.
+fn table<T: Element>(py: Python<'_>, rows: Vec<[T; 3]>) -> PyResult<Bound<'_, PyArray2<T>>> {
+    let count = rows.len();
+    rows.into_flattened().to_pyarray(py).reshape([count, 3])
 }
 
 fn points(vertices: Vec<[f64; 3]>) -> Vec<DVec3> {
@@ -104,154 +111,116 @@ impl Geometry {
         let mesh = mesh.map_err(|e| error::model(e.into()))?;
         Ok(Self(model::Geometry::Mesh(mesh)))
     }
-    fn __repr__(&self) -> String {
-        match &self.0 {
-            model::Geometry::Hull(hull) => format!("Geometry(Hull of {})", hull.vertices().len()),
-            model::Geometry::Mesh(mesh) => format!("Geometry(Mesh of {})", mesh.triangles().len()),
-            other => format!("Geometry({other:?})"),
-        }
-    }
-}
-
-/// Resistance of a surface to being pressed in, at each point of contact.
-#[pyclass(frozen, eq, from_py_object, module = "kinetarium._engine")]
-#[derive(Clone, Debug, PartialEq)]
-pub struct Softness(model::Softness);
-
-#[pymethods]
-impl Softness {
-    /// What brings the touching masses to rest in a time constant [s] with a damping ratio; `impedance`,
-    /// from 0 to below 1, is the share of a load that an added mass takes.
+    /// The surface where signed distances [m] are zero, an array of the shape (along x, along y, along z), negative
+    /// inside; the samples are `spacing` [m] apart, around the origin.
     #[staticmethod]
-    #[pyo3(signature = (constant=0.002, ratio=1.0, impedance=0.0))]
-    fn time(constant: f64, ratio: f64, impedance: f64) -> Self {
-        Self(model::Softness::Time {
-            constant,
-            ratio,
-            impedance,
-        })
-    }
-    /// Stiffness [N/m] and damping [N·s/m].
-    #[staticmethod]
-    fn spring(stiffness: f64, damping: f64) -> Self {
-        Self(model::Softness::Spring { stiffness, damping })
-    }
-    fn __repr__(&self) -> String {
-        format!("Softness({:?})", self.0)
-    }
-}
-
-/// Surface of a shape.
-///
-/// `torsional_friction` and `rolling_friction` are lengths [m]; `margin` [m] is the distance from the surface at
-/// which contact begins; `combine` tells how coefficients of two surfaces become one: "average", "minimum",
-/// "multiply" or "maximum", of which the later holds.
-#[pyclass(frozen, eq, from_py_object, module = "kinetarium._engine")]
-#[derive(Clone, Debug, PartialEq)]
-pub struct Material(pub model::Material);
-
-#[pymethods]
-impl Material {
-    #[new]
-    #[pyo3(signature = (friction=0.5, *, torsional_friction=0.0, rolling_friction=0.0, restitution=0.0,
-        softness=None, margin=0.0, combine="average"))]
-    fn new(
-        friction: f64,
-        torsional_friction: f64,
-        rolling_friction: f64,
-        restitution: f64,
-        softness: Option<Softness>,
-        margin: f64,
-        combine: &str,
+    fn distance_field(
+        distances: PyArrayLikeDyn<'_, f64, AllowTypeChange>,
+        spacing: f64,
     ) -> PyResult<Self> {
-        let combine = match combine {
-            "average" => model::Combine::Average,
-            "minimum" => model::Combine::Minimum,
-            "multiply" => model::Combine::Multiply,
-            "maximum" => model::Combine::Maximum,
-            other => {
-                let known = "known are average, minimum, multiply, maximum";
-                return Err(error::value(format!("unknown rule \"{other}\"; {known}")));
+        let distances = distances.as_array();
+        let &[x, y, z] = distances.shape() else {
+            let message = format!(
+                "the distances have the shape {:?}; give an array of three axes, along x, y and z",
+                distances.shape()
+            );
+            return Err(error::raise("ShapeError", message));
+        };
+        // The engine has x running fastest.
+        let samples: Vec<f64> = distances.t().iter().copied().collect();
+        let mesh = model::TriangleMesh::distance_field([x, y, z], spacing, &samples);
+        let mesh = mesh.map_err(|e| error::value(e.to_string()))?;
+        Ok(Self(model::Geometry::Mesh(mesh)))
+    }
+
+    /// The convex hull of a mesh: what was hollow is filled.
+    fn convex_hull(&self) -> PyResult<Self> {
+        let hull = match &self.0 {
+            model::Geometry::Mesh(mesh) => mesh
+                .convex_hull()
+                .map_err(|e| error::model(ModelError::Hull(e)))?,
+            model::Geometry::Hull(hull) => hull.clone(),
+            _ => {
+                let message = format!("a {} has no vertices; give a mesh or a hull", self.kind());
+                return Err(error::value(message));
             }
         };
-        Ok(Self(model::Material {
-            friction,
-            torsional_friction,
-            rolling_friction,
-            restitution,
-            softness: softness.map(|s| s.0).unwrap_or_default(),
-            margin,
-            combine,
-        }))
+        Ok(Self(model::Geometry::Hull(hull)))
     }
-    fn __repr__(&self) -> String {
-        format!("{:?}", self.0)
-    }
-}
 
-/// A solid fixed to a body (or to the world), with its material.
-///
-/// `position` [m] and `orientation` (x, y, z, w) are in the body's frame; `density` [kg/m³] gives mass to bodies
-/// that are given none; `color` is red, green, blue in sRGB and opacity, each 0 to 1; without `collides` it is only
-/// seen; a `sensor` touches but never pushes; `membership` and `collides_with` are kinds, a bit each.
-#[pyclass(frozen, eq, from_py_object, module = "kinetarium._engine")]
-#[derive(Clone, Debug, PartialEq)]
-pub struct Shape(pub model::Shape);
-
-#[pymethods]
-impl Shape {
-    #[new]
-    #[pyo3(signature = (geometry, *, name="", position=[0.0; 3], orientation=[0.0, 0.0, 0.0, 1.0],
-        density=1000.0, material=None, color=None, collides=true, sensor=false, membership=1, collides_with=1))]
-    #[expect(clippy::too_many_arguments, reason = "keywords in Python")]
-    fn new(
-        geometry: Geometry,
-        name: &str,
-        position: [f64; 3],
-        orientation: [f64; 4],
-        density: f64,
-        material: Option<Material>,
-        color: Option<[f32; 4]>,
-        collides: bool,
-        sensor: bool,
-        membership: u32,
-        collides_with: u32,
-    ) -> Self {
-        Self(model::Shape {
-            name: name.to_owned(),
-            pose: pose(position, orientation),
-            density,
-            material: material.map(|m| m.0).unwrap_or_default(),
-            color,
-            collides,
-            sensor,
-            membership,
-            collides_with,
-            ..model::Shape::new(geometry.0)
-        })
-    }
-    fn __repr__(&self) -> String {
-        format!(
-            "Shape({}, name={:?})",
-            Geometry(self.0.geometry.clone()).__repr__(),
-            self.0.name
-        )
-    }
-}
-
-/// A shape, or a geometry that stands for a shape of the default material.
-#[derive(FromPyObject)]
-#[expect(clippy::large_enum_variant, reason = "an argument, unpacked at once")]
-pub enum AnyShape {
-    Shape(Shape),
-    Geometry(Geometry),
-}
-
-impl From<AnyShape> for model::Shape {
-    fn from(shape: AnyShape) -> Self {
-        match shape {
-            AnyShape::Shape(shape) => shape.0,
-            AnyShape::Geometry(geometry) => geometry.0.into(),
+    /// What it is, by the name of the method that makes it, such as "sphere"; "mesh" for all surfaces of triangles.
+    #[getter]
+    fn kind(&self) -> &'static str {
+        match self.0 {
+            model::Geometry::Plane { .. } => "plane",
+            model::Geometry::Sphere { .. } => "sphere",
+            model::Geometry::Capsule { .. } => "capsule",
+            model::Geometry::Cylinder { .. } => "cylinder",
+            model::Geometry::Cone { .. } => "cone",
+            model::Geometry::Box { .. } => "box",
+            model::Geometry::Ellipsoid { .. } => "ellipsoid",
+            model::Geometry::Hull(_) => "hull",
+            model::Geometry::Mesh(_) => "mesh",
+            model::Geometry::MeshFile { .. } => "mesh file",
         }
+    }
+    /// Middle of boxes about it [m]: the origin, but of a hull a point inside, and of a mesh the middle of its corners.
+    #[getter]
+    fn center(&self) -> (f64, f64, f64) {
+        self.0.center().into()
+    }
+    /// Half of the box about `center` that holds it, along its own axes [m]; none for a plane, which has no end.
+    #[getter]
+    fn half_extents(&self) -> Option<(f64, f64, f64)> {
+        self.0.half_extents().map(Into::into)
+    }
+    /// Corners of a hull or mesh [m], shape (corners, 3); of others there are none.
+    #[getter]
+    fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let vertices = match &self.0 {
+            model::Geometry::Hull(hull) => hull.vertices(),
+            model::Geometry::Mesh(mesh) => mesh.vertices(),
+            _ => &[],
+        };
+        table(py, vertices.iter().map(DVec3::to_array).collect())
+    }
+    /// Triangles of a hull or mesh, as rows of `vertices`, counter-clockwise as seen from outside, shape
+    /// (triangles, 3); of others there are none.
+    #[getter]
+    fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        let triangles = match &self.0 {
+            model::Geometry::Hull(hull) => hull.triangles(),
+            model::Geometry::Mesh(mesh) => mesh.triangles(),
+            _ => &[],
+        };
+        table(py, triangles.to_vec())
+    }
+
+    pub fn __repr__(&self) -> String {
+        let sizes = match &self.0 {
+            model::Geometry::Plane { half_x, half_z } => {
+                format!("half_x={half_x:?}, half_z={half_z:?}")
+            }
+            model::Geometry::Sphere { radius } => format!("{radius:?}"),
+            model::Geometry::Capsule {
+                radius,
+                half_height,
+            }
+            | model::Geometry::Cylinder {
+                radius,
+                half_height,
+            }
+            | model::Geometry::Cone {
+                radius,
+                half_height,
+            } => format!("radius={radius:?}, half_height={half_height:?}"),
+            model::Geometry::Box { half } | model::Geometry::Ellipsoid { half } => {
+                format!("({:?}, {:?}, {:?})", half.x, half.y, half.z)
+            }
+            model::Geometry::Hull(hull) => format!("<{} corners>", hull.vertices().len()),
+            model::Geometry::Mesh(mesh) => format!("<{} triangles>", mesh.triangles().len()),
+            model::Geometry::MeshFile { file, .. } => format!("{file:?}"),
+        };
+        format!("Geometry.{}({sizes})", self.kind())
     }
 }

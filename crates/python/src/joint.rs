@@ -2,30 +2,68 @@
 
 use glam::DVec3;
 use kinetarium::model;
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
 /// One axis of a `d6` joint. Axes act in turn: each is fixed in the frame that the ones before it have moved.
+///
+/// `reference` [m or rad] is the coordinate at which the two frames of the joint coincide.
 #[pyclass(frozen, eq, from_py_object, module = "kinetarium._engine")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis(pub model::Axis);
 
 #[pymethods]
 impl Axis {
-    /// Rotation about a direction through the joint frame's origin.
+    /// Rotation about a direction through a point `anchor` [m] of the joint's frame; other points than its origin
+    /// only `featherstone` takes.
     #[staticmethod]
-    fn angular(direction: [f64; 3]) -> Self {
-        Self(model::Axis::angular(DVec3::from_array(direction)))
+    #[pyo3(signature = (direction, *, anchor=[0.0; 3], reference=0.0))]
+    fn angular(direction: [f64; 3], anchor: [f64; 3], reference: f64) -> Self {
+        Self(model::Axis {
+            anchor: DVec3::from_array(anchor),
+            reference,
+            ..model::Axis::angular(DVec3::from_array(direction))
+        })
     }
     /// Translation along a direction.
     #[staticmethod]
-    fn linear(direction: [f64; 3]) -> Self {
-        Self(model::Axis::linear(DVec3::from_array(direction)))
+    #[pyo3(signature = (direction, *, reference=0.0))]
+    fn linear(direction: [f64; 3], reference: f64) -> Self {
+        Self(model::Axis {
+            reference,
+            ..model::Axis::linear(DVec3::from_array(direction))
+        })
+    }
+    /// What it does: "linear" or "angular".
+    #[getter]
+    fn kind(&self) -> &'static str {
+        match self.0.kind {
+            model::AxisKind::Linear => "linear",
+            model::AxisKind::Angular => "angular",
+        }
+    }
+    /// Unit direction in the joint's frame.
+    #[getter]
+    fn direction(&self) -> (f64, f64, f64) {
+        self.0.direction.into()
+    }
+    /// A point on the axis in the joint's frame [m].
+    #[getter]
+    fn anchor(&self) -> (f64, f64, f64) {
+        self.0.anchor.into()
+    }
+    /// Coordinate at which the two joint frames coincide [m or rad].
+    #[getter]
+    fn reference(&self) -> f64 {
+        self.0.reference
     }
     fn __repr__(&self) -> String {
-        let model::Axis {
-            kind, direction: d, ..
-        } = self.0;
-        format!("Axis({kind:?}, ({}, {}, {}))", d.x, d.y, d.z)
+        let (direction, kind, reference) = (self.direction(), self.kind(), self.reference());
+        let anchor = match self.0.kind {
+            model::AxisKind::Linear => String::new(),
+            model::AxisKind::Angular => format!("anchor={:?}, ", self.anchor()),
+        };
+        format!("Axis.{kind}({direction:?}, {anchor}reference={reference:?})")
     }
 }
 
@@ -33,25 +71,74 @@ impl Axis {
 ///
 /// Beyond an end the force is −stiffness · excess − damping · velocity − inertia · acceleration, in N/m, N·s/m and kg
 /// or N·m/rad, N·m·s/rad and kg·m²; it never pulls.
-#[pyclass(frozen, eq, from_py_object, module = "kinetarium._engine")]
-#[derive(Clone, Debug, PartialEq)]
-pub struct Limit(pub model::Limit);
+#[pyclass(frozen, eq, get_all, from_py_object, module = "kinetarium._engine")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    /// Lower end [m or rad].
+    lower: f64,
+    /// Upper end [m or rad].
+    upper: f64,
+    /// Stiffness [N/m or N·m/rad].
+    stiffness: f64,
+    /// Damping [N·s/m or N·m·s/rad].
+    damping: f64,
+    /// Mass or moment of inertia that is carried along beyond the ends [kg or kg·m²].
+    inertia: f64,
+}
+
+impl From<Limit> for model::Limit {
+    fn from(limit: Limit) -> Self {
+        Self {
+            lower: limit.lower,
+            upper: limit.upper,
+            stiffness: limit.stiffness,
+            damping: limit.damping,
+            inertia: limit.inertia,
+        }
+    }
+}
+
+impl Limit {
+    /// A limit, or the two ends of one that is otherwise as usual.
+    pub fn of(value: &Bound<'_, PyAny>) -> PyResult<Self> {
+        if let Ok(limit) = value.extract::<Self>() {
+            return Ok(limit);
+        }
+        let Ok([lower, upper]) = value.extract::<[f64; 2]>() else {
+            let message = format!(
+                "{} is no limit: give a Limit or its two ends",
+                value.repr()?
+            );
+            return Err(PyTypeError::new_err(message));
+        };
+        Ok(Self::new(lower, upper, 1e4, 1e2, 0.0))
+    }
+}
 
 #[pymethods]
 impl Limit {
     #[new]
     #[pyo3(signature = (lower, upper, *, stiffness=1e4, damping=1e2, inertia=0.0))]
     fn new(lower: f64, upper: f64, stiffness: f64, damping: f64, inertia: f64) -> Self {
-        Self(model::Limit {
+        Self {
             lower,
             upper,
             stiffness,
             damping,
             inertia,
-        })
+        }
     }
     fn __repr__(&self) -> String {
-        format!("{:?}", self.0)
+        let Self {
+            lower,
+            upper,
+            stiffness,
+            damping,
+            inertia,
+        } = self;
+        format!(
+            "Limit({lower:?}, {upper:?}, stiffness={stiffness:?}, damping={damping:?}, inertia={inertia:?})"
+        )
     }
 }
 
@@ -59,9 +146,35 @@ impl Limit {
 /// ± effort limit.
 ///
 /// `control_time` [s] is the time constant with which it follows a jump of the target.
-#[pyclass(frozen, eq, from_py_object, module = "kinetarium._engine")]
-#[derive(Clone, Debug, PartialEq)]
-pub struct Drive(pub model::Drive);
+#[pyclass(frozen, eq, get_all, from_py_object, module = "kinetarium._engine")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive {
+    /// Stiffness [N/m or N·m/rad].
+    stiffness: f64,
+    /// Damping [N·s/m or N·m·s/rad].
+    damping: f64,
+    /// Initial position target [m or rad].
+    target_position: f64,
+    /// Initial velocity target [m/s or rad/s].
+    target_velocity: f64,
+    /// Largest force or torque [N or N·m].
+    effort_limit: f64,
+    /// Time constant with which it follows a jump of the target [s].
+    control_time: f64,
+}
+
+impl From<Drive> for model::Drive {
+    fn from(drive: Drive) -> Self {
+        Self {
+            stiffness: drive.stiffness,
+            damping: drive.damping,
+            target_position: drive.target_position,
+            target_velocity: drive.target_velocity,
+            effort_limit: drive.effort_limit,
+            control_time: drive.control_time,
+        }
+    }
+}
 
 #[pymethods]
 impl Drive {
@@ -76,16 +189,136 @@ impl Drive {
         effort_limit: f64,
         control_time: f64,
     ) -> Self {
-        Self(model::Drive {
+        Self {
             stiffness,
             damping,
             target_position,
             target_velocity,
             effort_limit,
             control_time,
-        })
+        }
     }
     fn __repr__(&self) -> String {
-        format!("{:?}", self.0)
+        let Self {
+            stiffness,
+            damping,
+            target_position,
+            target_velocity,
+            effort_limit,
+            control_time,
+        } = self;
+        format!(
+            "Drive({stiffness:?}, {damping:?}, target_position={target_position:?}, \
+             target_velocity={target_velocity:?}, effort_limit={effort_limit:?}, control_time={control_time:?})"
+        )
+    }
+}
+
+/// What acts along one degree of freedom of a joint, in N/m, N·s/m, kg, N or N·m/rad, N·m·s/rad, kg·m², N·m: `limit`
+/// (or its two ends), `drive`, `damping`, `stiffness` of a spring that rests at `rest`, `armature`, `friction_loss`.
+///
+/// `name` is unique in the model; unless given, it is the joint's, with a number behind where there are several. What
+/// is not given is as the joint's own keywords say, or else does not act.
+#[pyclass(frozen, eq, get_all, from_py_object, module = "kinetarium._engine")]
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Dof {
+    /// Its name.
+    pub name: Option<String>,
+    /// Range of the coordinate.
+    pub limit: Option<Limit>,
+    /// Motor.
+    pub drive: Option<Drive>,
+    /// Viscous damping [N·s/m or N·m·s/rad].
+    pub damping: Option<f64>,
+    /// Stiffness of a spring [N/m or N·m/rad].
+    pub stiffness: Option<f64>,
+    /// Coordinate at which the spring is slack [m or rad].
+    pub rest: Option<f64>,
+    /// Reflected inertia of the motor [kg or kg·m²].
+    pub armature: Option<f64>,
+    /// Dry friction [N or N·m].
+    pub friction_loss: Option<f64>,
+}
+
+impl Dof {
+    /// The names of what is given.
+    pub fn given(&self) -> impl Iterator<Item = &'static str> {
+        let options = [
+            ("name", self.name.is_some()),
+            ("limit", self.limit.is_some()),
+            ("drive", self.drive.is_some()),
+            ("damping", self.damping.is_some()),
+            ("stiffness", self.stiffness.is_some()),
+            ("rest", self.rest.is_some()),
+            ("armature", self.armature.is_some()),
+            ("friction_loss", self.friction_loss.is_some()),
+        ];
+        let given = options.into_iter().filter(|(_, given)| *given);
+        given.map(|(name, _)| name)
+    }
+    /// With what is given for all degrees of freedom where this says nothing.
+    pub fn or(self, all: &Self) -> Self {
+        Self {
+            name: self.name.or_else(|| all.name.clone()),
+            limit: self.limit.or(all.limit),
+            drive: self.drive.or(all.drive),
+            damping: self.damping.or(all.damping),
+            stiffness: self.stiffness.or(all.stiffness),
+            rest: self.rest.or(all.rest),
+            armature: self.armature.or(all.armature),
+            friction_loss: self.friction_loss.or(all.friction_loss),
+        }
+    }
+    /// Lets all that is given act.
+    pub fn act(self, dof: &mut model::Dof) {
+        *dof = model::Dof {
+            name: self.name.unwrap_or_else(|| dof.name.clone()),
+            armature: self.armature.unwrap_or_default(),
+            damping: self.damping.unwrap_or_default(),
+            stiffness: self.stiffness.unwrap_or_default(),
+            rest: self.rest.unwrap_or_default(),
+            friction_loss: self.friction_loss.unwrap_or_default(),
+            limit: self.limit.map(Into::into),
+            drive: self.drive.map(Into::into).unwrap_or_default(),
+        };
+    }
+}
+
+#[pymethods]
+impl Dof {
+    #[new]
+    #[pyo3(signature = (name=None, *, limit=None, drive=None, damping=None, stiffness=None, rest=None, armature=None,
+        friction_loss=None))]
+    #[expect(clippy::too_many_arguments, reason = "keywords in Python")]
+    fn new(
+        name: Option<String>,
+        limit: Option<&Bound<'_, PyAny>>,
+        drive: Option<Drive>,
+        damping: Option<f64>,
+        stiffness: Option<f64>,
+        rest: Option<f64>,
+        armature: Option<f64>,
+        friction_loss: Option<f64>,
+    ) -> PyResult<Self> {
+        Ok(Self {
+            name,
+            limit: limit.map(Limit::of).transpose()?,
+            drive,
+            damping,
+            stiffness,
+            rest,
+            armature,
+            friction_loss,
+        })
+    }
+    fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {
+        let given = slf.get().given().map(|name| {
+            let value = slf.getattr(name)?.repr()?;
+            Ok(format!("{name}={value}"))
+        });
+        Ok(format!(
+            "Dof({})",
+            given.collect::<PyResult<Vec<_>>>()?.join(", ")
+        ))
     }
 }

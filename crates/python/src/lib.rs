@@ -8,13 +8,19 @@
 
 mod builder;
 mod camera;
+mod count;
 mod device_array;
 mod error;
 mod examples;
 mod geometry;
 mod joint;
+mod joint_options;
+mod material;
 mod model;
+mod object;
+mod replica;
 mod sensors;
+mod shape;
 mod simulation;
 mod viewer;
 
@@ -25,7 +31,7 @@ mod _engine {
     use super::*;
 
     #[pymodule_export]
-    use crate::builder::{Body, Builder, Joint, Object, Replica};
+    use crate::builder::{Body, Builder, Joint};
     #[pymodule_export]
     use crate::camera::{View, framing, looking, render_view};
     #[pymodule_export]
@@ -36,13 +42,21 @@ mod _engine {
         prismatic, pyramid, ragdolls, rings, room, rover,
     };
     #[pymodule_export]
-    use crate::geometry::{Geometry, Material, Shape, Softness};
+    use crate::geometry::Geometry;
     #[pymodule_export]
-    use crate::joint::{Axis, Drive, Limit};
+    use crate::joint::{Axis, Dof, Drive, Limit};
+    #[pymodule_export]
+    use crate::material::{Material, Softness};
     #[pymodule_export]
     use crate::model::{Model, load, parse};
     #[pymodule_export]
+    use crate::object::Object;
+    #[pymodule_export]
+    use crate::replica::Replica;
+    #[pymodule_export]
     use crate::sensors::{Measurement, SensorArray};
+    #[pymodule_export]
+    use crate::shape::Shape;
     #[pymodule_export]
     use crate::simulation::Engine;
     #[pymodule_export]

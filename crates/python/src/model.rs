@@ -124,6 +124,14 @@ pub fn parameter(name: &str) -> PyResult<Parameter> {
     })
 }
 
+/// As `Model.up_axis` has it.
+pub fn up_axis_name(up: model::UpAxis) -> &'static str {
+    match up {
+        model::UpAxis::Y => "y",
+        model::UpAxis::Z => "z",
+    }
+}
+
 fn names<'a>(names: impl Iterator<Item = &'a String>) -> Vec<String> {
     names.cloned().collect()
 }
@@ -148,10 +156,7 @@ impl Model {
     /// The direction that is up: "y" or "z".
     #[getter]
     fn up_axis(&self) -> &'static str {
-        match self.model.up_axis {
-            model::UpAxis::Y => "y",
-            model::UpAxis::Z => "z",
-        }
+        up_axis_name(self.model.up_axis)
     }
     /// Number of worlds that the model asks for.
     #[getter]
@@ -214,7 +219,6 @@ impl Model {
     fn actuator_names(&self) -> Vec<String> {
         names(self.model.actuators.iter().map(|a| &a.name))
     }
-    /// Names of the keyframes.
     /// Of each sensor that the file describes: name, samples a second (none: at every step), standard deviation of
     /// its noise, and cutoff, if any. `kinetarium.sensors.from_model` makes sensors of them.
     #[getter]
@@ -224,6 +228,7 @@ impl Model {
             .map(|s| (s.name.clone(), s.rate, s.noise, s.cutoff))
             .collect()
     }
+    /// Names of the keyframes.
     #[getter]
     fn keyframe_names(&self) -> Vec<String> {
         names(self.model.keyframes.iter().map(|k| &k.name))

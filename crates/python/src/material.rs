@@ -1,0 +1,145 @@
+//! Surfaces of shapes.
+
+use crate::error;
+use kinetarium::model;
+use pyo3::prelude::*;
+
+/// Resistance of a surface to being pressed in, at each point of contact.
+#[pyclass(frozen, eq, from_py_object, module = "kinetarium._engine")]
+#[derive(Clone, Debug, PartialEq)]
+pub struct Softness(model::Softness);
+
+#[pymethods]
+impl Softness {
+    /// What brings the touching masses to rest in a time constant [s] with a damping ratio; `impedance`,
+    /// from 0 to below 1, is the share of a load that an added mass takes.
+    #[staticmethod]
+    #[pyo3(signature = (constant=0.002, ratio=1.0, impedance=0.0))]
+    fn time(constant: f64, ratio: f64, impedance: f64) -> Self {
+        Self(model::Softness::Time {
+            constant,
+            ratio,
+            impedance,
+        })
+    }
+    /// Stiffness [N/m] and damping [N·s/m].
+    #[staticmethod]
+    fn spring(stiffness: f64, damping: f64) -> Self {
+        Self(model::Softness::Spring { stiffness, damping })
+    }
+    fn __repr__(&self) -> String {
+        match self.0 {
+            model::Softness::Time {
+                constant,
+                ratio,
+                impedance,
+            } => format!("Softness.time({constant:?}, {ratio:?}, {impedance:?})"),
+            model::Softness::Spring { stiffness, damping } => {
+                format!("Softness.spring({stiffness:?}, {damping:?})")
+            }
+        }
+    }
+}
+
+/// Surface of a shape.
+///
+/// `torsional_friction` and `rolling_friction` are lengths [m]; `margin` [m] is the distance from the surface at
+/// which contact begins; `combine` tells how coefficients of two surfaces become one: "average", "minimum",
+/// "multiply" or "maximum", of which the later holds.
+#[pyclass(frozen, eq, from_py_object, module = "kinetarium._engine")]
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material(pub model::Material);
+
+#[pymethods]
+impl Material {
+    #[new]
+    #[pyo3(signature = (friction=0.5, *, torsional_friction=0.0, rolling_friction=0.0, restitution=0.0,
+        softness=None, margin=0.0, combine="average"))]
+    fn new(
+        friction: f64,
+        torsional_friction: f64,
+        rolling_friction: f64,
+        restitution: f64,
+        softness: Option<Softness>,
+        margin: f64,
+        combine: &str,
+    ) -> PyResult<Self> {
+        let combine = match combine {
+            "average" => model::Combine::Average,
+            "minimum" => model::Combine::Minimum,
+            "multiply" => model::Combine::Multiply,
+            "maximum" => model::Combine::Maximum,
+            other => {
+                let known = "known are average, minimum, multiply, maximum";
+                return Err(error::value(format!("unknown rule \"{other}\"; {known}")));
+            }
+        };
+        Ok(Self(model::Material {
+            friction,
+            torsional_friction,
+            rolling_friction,
+            restitution,
+            softness: softness.map(|s| s.0).unwrap_or_default(),
+            margin,
+            combine,
+        }))
+    }
+    /// Coulomb friction coefficient.
+    #[getter]
+    fn friction(&self) -> f64 {
+        self.0.friction
+    }
+    /// Torsional friction coefficient [m].
+    #[getter]
+    fn torsional_friction(&self) -> f64 {
+        self.0.torsional_friction
+    }
+    /// Rolling friction coefficient [m].
+    #[getter]
+    fn rolling_friction(&self) -> f64 {
+        self.0.rolling_friction
+    }
+    /// Separation speed over approach speed.
+    #[getter]
+    fn restitution(&self) -> f64 {
+        self.0.restitution
+    }
+    /// How far the surface gives way.
+    #[getter]
+    fn softness(&self) -> Softness {
+        Softness(self.0.softness)
+    }
+    /// Distance from the surface at which contact begins [m].
+    #[getter]
+    fn margin(&self) -> f64 {
+        self.0.margin
+    }
+    /// How coefficients of two surfaces become one.
+    #[getter]
+    fn combine(&self) -> &'static str {
+        match self.0.combine {
+            model::Combine::Average => "average",
+            model::Combine::Minimum => "minimum",
+            model::Combine::Multiply => "multiply",
+            model::Combine::Maximum => "maximum",
+        }
+    }
+    fn __repr__(&self) -> String {
+        let model::Material {
+            friction,
+            torsional_friction,
+            rolling_friction,
+            restitution,
+            softness,
+            margin,
+            ..
+        } = self.0;
+        format!(
+            "Material({friction:?}, torsional_friction={torsional_friction:?}, \
+             rolling_friction={rolling_friction:?}, restitution={restitution:?}, softness={}, \
+             margin={margin:?}, combine={:?})",
+            Softness(softness).__repr__(),
+            self.combine(),
+        )
+    }
+}
