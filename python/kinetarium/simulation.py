@@ -21,7 +21,7 @@ from kinetarium.names import Strict, hint
 from kinetarium.parameters import Parameters, parameter_names
 from kinetarium.sensors import Custom, Sensor, Sensors
 from kinetarium.state import State
-from kinetarium.view import View, in_notebook, open_browser
+from kinetarium.view import View
 from kinetarium.worlds import Worlds
 
 Solver = Literal["auto", "featherstone", "xpbd", "impulse"]
@@ -121,7 +121,7 @@ class Simulation(Strict):
     dt:
         Time step [s]; by default what the model recommends.
     solver:
-        "featherstone" (reduced coordinates: accurate, trees only), "xpbd" (maximal coordinates: loops, compliance),
+        "featherstone" (reduced coordinates: accurate), "xpbd" (maximal coordinates: loops, compliance),
         "impulse" (bodies by the thousand in one world), or "auto", which picks; `solver` tells what runs.
     substeps:
         Parts of a time step; by default 4 for xpbd, else 1.
@@ -521,12 +521,13 @@ class Simulation(Strict):
 
         The page watches what `step` does, and steers: run, step, drag bodies, set targets, plot, look back. It is
         served at a free port of the loopback address, or at `address` ("0.0.0.0:7357"), which wants a `token`.
-        It stays until `View.close`, or until the simulation is gone. Raises `ViewerError`.
+        It stays until `View.close`, or until neither the simulation nor the view is left. Raises `ViewerError`, also
+        for an open page that is wanted at another address.
         """
         if self._view is None or not self._view.is_open:
-            self._view = View(show(self._engine, address, token), height)
-        if not in_notebook() and not (browser and open_browser(self._view.url)):
-            print(self._view.url, flush=True)
+            self._view = View(show(self._engine, address, token), address, token)
+        self._view._check(address, token)
+        self._view._show(browser, height)
         return self._view
 
     def watch(self, *events: Watched) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypedDict
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from kinetarium._engine import Body, Drive, Limit
+    from kinetarium._engine import Body, Dof, Drive, Limit
 
 Vector = Sequence[float] | NDArray[Any]
 """So many numbers: three of a point, four of a quaternion x, y, z, w."""
@@ -24,27 +24,29 @@ class JointOptions(TypedDict, total=False):
     """What every joint may be given.
 
     `position` and `orientation` place its frame in the object; or else `parent_frame` and `child_frame`, each a
-    position and a quaternion, in both bodies. Without `parent`, the parent is the world. What acts along its degrees
-    of freedom, in N/m, N·s/m, kg, N or N·m/rad, N·m·s/rad, kg·m², N·m: `limit`, `drive`, `damping`, `stiffness` of a
-    spring that rests at `rest`, `armature`, `friction_loss`. `initial` are its coordinates at the start.
+    position and a quaternion, in both bodies. Without `parent`, the parent is the world. What acts along all its
+    degrees of freedom, in N/m, N·s/m, kg, N or N·m/rad, N·m·s/rad, kg·m², N·m: `limit` (or its two ends), `drive`,
+    `damping`, `stiffness` of a spring that rests at `rest`, `armature`, `friction_loss`; `dofs` tells what acts along
+    each, one `Dof` for each. `initial` are its coordinates at the start. `None` is as if nothing were given.
     `linear_compliance` [m/N] and `angular_compliance` [rad/(N·m)] let the locked directions give (`xpbd`).
     """
 
     parent: Body | None
-    position: Vector
-    orientation: Vector
-    parent_frame: Frame
-    child_frame: Frame
-    initial: float | Vector
-    limit: Limit
-    drive: Drive
-    damping: float
-    stiffness: float
-    rest: float
-    armature: float
-    friction_loss: float
-    linear_compliance: float
-    angular_compliance: float
-    closes_loop: bool
-    bodies_collide: bool
-    enabled: bool
+    position: Vector | None
+    orientation: Vector | None
+    parent_frame: Frame | None
+    child_frame: Frame | None
+    initial: float | Vector | None
+    dofs: Sequence[Dof] | None
+    limit: Limit | Vector | None
+    drive: Drive | None
+    damping: float | None
+    stiffness: float | None
+    rest: float | None
+    armature: float | None
+    friction_loss: float | None
+    linear_compliance: float | None
+    angular_compliance: float | None
+    closes_loop: bool | None
+    bodies_collide: bool | None
+    enabled: bool | None

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from kinetarium._engine import Viewer
+from kinetarium.errors import ViewerError
 
 
 class View:
@@ -13,9 +14,11 @@ class View:
     In a notebook it is shown as a frame below the cell.
     """
 
-    def __init__(self, viewer: Viewer, height: int) -> None:
+    def __init__(self, viewer: Viewer, address: str | None, token: str | None) -> None:
         self._viewer = viewer
-        self._height = height
+        self._address, self._token = address, token
+        self._height = 600
+        self._cell: int | None = None  # in which the frame is shown already
 
     @property
     def url(self) -> str:
@@ -31,20 +34,41 @@ class View:
         """Stops serving."""
         self._viewer.close()
 
+    def _check(self, address: str | None, token: str | None) -> None:
+        """`ViewerError` where it is not open at this address, with this token; any will do, if none are given."""
+        if address not in (None, self._address) or token not in (None, self._token):
+            wanted = "another token" if address in (None, self._address) else f'"{address}"'
+            raise ViewerError(f"the page is open at {self.url}: close it (View.close) to open it at {wanted}")
+
+    def _show(self, browser: bool, height: int) -> None:
+        """Below the cell of a notebook, or in a browser, if that is wanted; else its address is printed."""
+        self._height = height
+        shell = notebook()
+        if shell is not None:
+            self._cell = shell.execution_count
+            shell.display_pub.publish({"text/html": self._frame(), "text/plain": repr(self)})
+        elif not (browser and open_browser(self.url)):
+            print(self.url, flush=True)
+
     def __repr__(self) -> str:
         return f"<View at {self.url}{'' if self.is_open else ', closed'}>"
 
-    def _repr_html_(self) -> str:
+    def _repr_html_(self) -> str | None:
+        shell = notebook()
+        # Below a cell that has shown it already, as its last expression, its name is enough.
+        return None if shell is not None and shell.execution_count == self._cell else self._frame()
+
+    def _frame(self) -> str:
         return f'<iframe src="{self.url}" width="100%" height="{self._height}" style="border: 0"></iframe>'
 
 
-def in_notebook() -> bool:
-    """Whether a notebook shows what a cell gives."""
+def notebook() -> Any:
+    """The shell of the notebook that runs this, which shows what a cell gives; none elsewhere."""
     try:
         shell: Any = get_ipython()  # type: ignore[name-defined]
     except NameError:
-        return False
-    return hasattr(shell, "kernel")
+        return None
+    return shell if hasattr(shell, "kernel") else None
 
 
 def open_browser(url: str) -> bool:

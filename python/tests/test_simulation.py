@@ -4,6 +4,8 @@ import copy
 import gc
 import os
 import pickle
+import subprocess
+import sys
 import threading
 import weakref
 
@@ -544,3 +546,20 @@ def test_a_table_of_the_wrong_shape_is_refused():
     table.flags.writeable = False
     with pytest.raises(ShapeError, match="cannot be written"):
         read("joint_position", table)
+
+
+def test_a_key_interrupts_many_steps():
+    """As Ctrl-C does: what was stepped until then stays."""
+    program = """
+import signal, threading, time
+import kinetarium as kn
+sim = kn.Simulation(kn.examples.n_pendula(3), worlds=256)
+threading.Timer(0.3, signal.raise_signal, [signal.SIGINT]).start()
+begin = time.monotonic()
+try:
+    sim.step(10**9)
+except KeyboardInterrupt:
+    print(time.monotonic() - begin < 20, sim.time[0] > 0)
+"""
+    found = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    assert found.stdout.split() == ["True", "True"], found.stderr

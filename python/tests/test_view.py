@@ -37,6 +37,19 @@ def test_a_page_is_served_until_it_is_closed(capsys):
     assert not again.is_open
 
 
+def test_an_open_page_stays_at_its_address():
+    sim = kn.Simulation(kn.examples.n_pendula(1))
+    view = sim.view(address="127.0.0.1:0", browser=False)
+    assert sim.view(address="127.0.0.1:0", browser=False) is view
+    with pytest.raises(ViewerError, match=f'open at {view.url}.*close it.*"127.0.0.1:7357"'):
+        sim.view(address="127.0.0.1:7357", browser=False)
+    with pytest.raises(ViewerError, match="another token"):
+        sim.view(token="secret", browser=False)
+    view.close()
+    assert sim.view(token="secret", browser=False) is not view
+    sim.close()
+
+
 def test_addresses_are_checked():
     sim = kn.Simulation(kn.examples.n_pendula(1))
     with pytest.raises(ViewerError, match=r"give one as 127\.0\.0\.1:7357"):

@@ -21,6 +21,11 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use session::Shared;
 use std::sync::{Arc, Mutex, TryLockError};
+use std::time::{Duration, Instant};
+
+/// Steps before it is first seen whether a key interrupts the program, and how long that should take later.
+const FIRST_PART: usize = 32;
+const PART: Duration = Duration::from_millis(50);
 
 /// A simulation in the precision that was asked for, which a page may be watching.
 #[derive(Clone)]
@@ -287,12 +292,25 @@ impl Engine {
         })
     }
 
-    /// Advances all worlds; the worlds that diverged meanwhile.
+    /// Advances all worlds; the worlds that diverged meanwhile. Many steps are made in parts, so that a key that
+    /// interrupts the program need not wait for all of them.
     fn step(&self, py: Python<'_>, steps: usize) -> PyResult<Vec<usize>> {
-        self.with(
-            py,
-            |s| each!(s, change, s => Ok(s.try_step(steps)?.iter().map(|d| d.world).collect())),
-        )
+        self.attempt(py, |s| {
+            each!(s, change, s => {
+                let (mut left, mut part, mut diverged) = (steps, FIRST_PART, Vec::new());
+                loop {
+                    let (begin, now) = (Instant::now(), left.min(part));
+                    let lost = s.try_step(now).map_err(error::simulation)?;
+                    diverged.extend(lost.iter().map(|d| d.world));
+                    left -= now;
+                    if left == 0 {
+                        break Ok(diverged);
+                    }
+                    Python::attach(|py| py.check_signals())?;
+                    part = if begin.elapsed() < PART { 2 * now } else { now.div_ceil(2) };
+                }
+            })
+        })
     }
     /// Time of every world [s].
     fn times<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
@@ -563,7 +581,7 @@ impl Engine {
         let columns = numbers.len() / worlds.len().max(1);
         numbers.to_pyarray(py).reshape([worlds.len(), columns])
     }
-    /// Gives some worlds other numbers of a parameter, a row for each world.
+    /// Gives some worlds other numbers of a parameter, a row for each world; none where one is refused.
     fn write_parameter(
         &self,
         py: Python<'_>,
@@ -572,23 +590,12 @@ impl Engine {
         numbers: PyReadonlyArray2<'_, f64>,
     ) -> PyResult<()> {
         let parameter: Parameter = parameter(name)?;
-        let columns = numbers.as_array().ncols();
-        let worlds = slice(&worlds)?;
-        let numbers = slice(&numbers)?;
-        self.with(py, |s| {
-            each!(s, change, s => {
-                for (i, &world) in worlds.iter().enumerate() {
-                    let world = world as usize;
-                    let row = &numbers[i * columns..][..columns];
-                    let set = s.set_parameters(world, &[(parameter, row)]);
-                    set.map_err(|why| SimulationError::InWorld {
-                        world,
-                        why: Box::new(why),
-                    })?;
-                }
-                Ok(())
-            })
-        })
+        let worlds = slice(&worlds)?.iter().map(|world| *world as usize);
+        let (worlds, numbers) = (Vec::from_iter(worlds), slice(&numbers)?);
+        self.with(
+            py,
+            |s| each!(s, change, s => s.set_parameter(parameter, &worlds, numbers)),
+        )
     }
 
     /// A time step linearised at the state of a world: arrays by name.

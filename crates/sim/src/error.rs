@@ -99,7 +99,8 @@ pub enum SimulationError {
     },
     /// A world's own model has other bodies or joints.
     #[error(
-        "the model of world {world} has another structure than the simulation's: only numbers may differ between worlds"
+        "the model of world {world} has another structure than the simulation's: only numbers may differ between worlds, \
+         and what is zero since it is not there (drives, dry friction, springs, dampers) must stay zero"
     )]
     Structure {
         /// Which world.

@@ -129,6 +129,45 @@ impl<T: Float> Simulation<T> {
         parameters: &[(Parameter, &[f64])],
     ) -> Result<(), SimulationError> {
         index("world", world, self.worlds())?;
+        let model = self.model_with(world, parameters)?;
+        self.give_model(world, model)
+    }
+
+    /// Gives several worlds other numbers of one parameter, of which `numbers` has as many for each world; or none of
+    /// them, where those of one are refused. As [`set_parameters`](Simulation::set_parameters) else.
+    ///
+    /// # Errors
+    /// As there, with the world.
+    pub fn set_parameter(
+        &mut self,
+        parameter: Parameter,
+        worlds: &[usize],
+        numbers: &[f64],
+    ) -> Result<(), SimulationError> {
+        let columns = parameter.of(self.model()).len();
+        length(parameter.name(), numbers.len(), worlds.len() * columns)?;
+        let mut models = Vec::with_capacity(worlds.len());
+        for (i, &world) in worlds.iter().enumerate() {
+            index("world", world, self.worlds())?;
+            let own = [(parameter, &numbers[i * columns..][..columns])];
+            let own = self
+                .model_with(world, &own)
+                .and_then(|model| self.compiled_alike(world, model));
+            let own = own.map_err(|why| SimulationError::InWorld {
+                world,
+                why: Box::new(why),
+            })?;
+            models.push((world, own));
+        }
+        self.give_own(models)
+    }
+
+    /// A world's model with other numbers.
+    fn model_with(
+        &self,
+        world: usize,
+        parameters: &[(Parameter, &[f64])],
+    ) -> Result<Arc<Model>, SimulationError> {
         let mut parts = (***self.world_model(world)).clone();
         for (parameter, numbers) in parameters {
             let places = parameter.places(&mut parts);
@@ -137,6 +176,6 @@ impl<T: Float> Simulation<T> {
                 *place = *x;
             }
         }
-        self.give_model(world, Arc::new(Model::new(parts)?))
+        Ok(Arc::new(Model::new(parts)?))
     }
 }

@@ -78,7 +78,7 @@ pub struct Simulation<T: Float> {
 }
 
 /// A model that one world has for itself.
-struct Own<T> {
+pub(crate) struct Own<T> {
     model: Arc<Model>,
     compiled: Compiled<T>,
 }
@@ -456,35 +456,51 @@ impl<T: Float> Simulation<T> {
         model: Arc<Model>,
     ) -> Result<(), SimulationError> {
         index("world", world, self.worlds())?;
-        let own = Compiled::<T>::new(&model, &self.settings)?;
-        if own.fingerprint() != self.shared.fingerprint() {
+        let own = self.compiled_alike(world, model)?;
+        self.give_own([(world, own)])
+    }
+
+    /// A model for a world, compiled; it must have the structure of the simulation's.
+    pub(crate) fn compiled_alike(
+        &self,
+        world: usize,
+        model: Arc<Model>,
+    ) -> Result<Own<T>, SimulationError> {
+        let compiled = Compiled::<T>::new(&model, &self.settings)?;
+        if compiled.fingerprint() != self.shared.fingerprint() {
             return Err(SimulationError::Structure { world });
         }
+        Ok(Own { model, compiled })
+    }
+
+    /// Gives worlds models of their own. Where all bodies are is reported once, for all of them.
+    pub(crate) fn give_own(
+        &mut self,
+        models: impl IntoIterator<Item = (usize, Own<T>)>,
+    ) -> Result<(), SimulationError> {
         self.try_outputs()?;
         self.fetch_state()?;
-        let bodies = self.output_tables.body;
-        let bodies = bodies.start()..bodies.at(self.model.bodies.len(), 0);
-        let bodies = numbers_of(&self.output, world, bodies);
         if self.own.is_empty() {
             let (worlds, width) = (self.worlds(), self.state.width());
             self.parameters = in_lanes(self.shared.engine.parameters(), worlds, width);
             self.common.clear();
         }
-        for (i, &x) in own.engine.parameters().iter().enumerate() {
-            self.parameters.set(world, i, T::from_f64(x));
+        let bodies = self.output_tables.body;
+        let bodies = bodies.start()..bodies.at(self.model.bodies.len(), 0);
+        for (world, own) in models {
+            for (i, &x) in own.compiled.engine.parameters().iter().enumerate() {
+                self.parameters.set(world, i, T::from_f64(x));
+            }
+            let bodies = numbers_of(&self.output, world, bodies.clone());
+            let mut state = numbers_of(&self.state, world, 0..own.compiled.state.len());
+            own.compiled.engine.take_over(&bodies, &mut state);
+            self.shared.engine.forget(world);
+            self.own.insert(world, own);
+            self.write_state(world, &state);
         }
         if let Some(remote) = &mut self.remote {
             remote.sets_parameters();
         }
-        let mut state = numbers_of(&self.state, world, 0..own.state.len());
-        own.engine.take_over(&bodies, &mut state);
-        self.shared.engine.forget(world);
-        let own = Own {
-            model,
-            compiled: own,
-        };
-        self.own.insert(world, own);
-        self.write_state(world, &state);
         Ok(())
     }
 

@@ -231,7 +231,8 @@ fn states_that_are_none() {
         ),
         (
             |s| s.set_world_model(1, &mixed()),
-            "the model of world 1 has another structure than the simulation's: only numbers may differ between worlds",
+            "the model of world 1 has another structure than the simulation's: only numbers may differ between worlds, \
+             and what is zero since it is not there (drives, dry friction, springs, dampers) must stay zero",
         ),
     ];
     refuses(cases, &chain());
@@ -543,7 +544,8 @@ fn a_world_cannot_be_given_a_loop() {
         let mut simulation = Simulation::<f32>::new(plain.clone(), settings).unwrap();
         says(
             simulation.set_world_model(1, &coupled),
-            "the model of world 1 has another structure than the simulation's: only numbers may differ between worlds",
+            "the model of world 1 has another structure than the simulation's: only numbers may differ between worlds, \
+             and what is zero since it is not there (drives, dry friction, springs, dampers) must stay zero",
         );
     }
 }

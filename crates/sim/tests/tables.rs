@@ -140,6 +140,47 @@ fn parameters_are_a_worlds_own() {
     assert_eq!(Parameter::BodyMass.of(sim.world_model(4)), heavy);
 }
 
+/// Several worlds at once are as one after the other, and none is changed where one is refused.
+#[test]
+fn parameters_of_several_worlds_are_given_together() {
+    let model = examples::n_pendula(3).unwrap();
+    let mut sim = simulation(&model, SolverKind::Xpbd);
+    let mut twin = simulation(&model, SolverKind::Xpbd);
+    for s in [&mut sim, &mut twin] {
+        s.step(7);
+    }
+    let masses = [1.5, 2.5, 3.5, 4.5, 5.5, 6.5];
+    sim.set_parameter(Parameter::BodyMass, &[6, 2], &masses)
+        .unwrap();
+    for (world, own) in [(6, &masses[..3]), (2, &masses[3..])] {
+        twin.set_parameters(world, &[(Parameter::BodyMass, own)])
+            .unwrap();
+    }
+    for s in [&mut sim, &mut twin] {
+        s.step(20);
+    }
+    let now = read(&mut sim, Quantity::JointPosition);
+    assert_eq!(now, read(&mut twin, Quantity::JointPosition));
+
+    let mut wrong = masses;
+    wrong[4] = -1.0;
+    let refused = sim.set_parameter(Parameter::BodyMass, &[3, 5], &wrong);
+    let why = refused.unwrap_err().to_string();
+    assert!(why.starts_with("world 5: "), "{why}");
+    for world in [3, 5] {
+        let untouched = Parameter::BodyMass.of(sim.world_model(world));
+        assert_eq!(untouched, Parameter::BodyMass.of(&model));
+    }
+    assert!(
+        sim.set_parameter(Parameter::BodyMass, &[WORLDS], &masses[..3])
+            .is_err()
+    );
+    assert!(
+        sim.set_parameter(Parameter::BodyMass, &[1], &masses)
+            .is_err()
+    );
+}
+
 #[test]
 fn joints_are_moved_within_time_and_controls() {
     let model = examples::n_pendula(3).unwrap();
