@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kinetarium import _noise
-from kinetarium.errors import BusyError, SensorError, ShapeError
+from kinetarium._engine import Disturbance
+from kinetarium.errors import SensorError, ShapeError
 
 if TYPE_CHECKING:
     from kinetarium.sensors import Custom
@@ -24,16 +24,14 @@ class _Channel:
     the first step at or after."""
 
     def __init__(self, sensor: Custom, worlds: int, dt: float, seed: int) -> None:
-        _noise.check(sensor.name, sensor.noise)
-        rate, cutoff = sensor.rate, sensor.cutoff
+        rate = sensor.rate
         if rate is not None and not 0 < rate <= 1e9:
             raise SensorError(
                 f'the rate of sensor "{sensor.name}" is {rate}: it must be above 0 and at most 1e9, in Hz'
             )
-        if cutoff is not None and not cutoff > 0:
-            raise SensorError(f'the cutoff of sensor "{sensor.name}" is {cutoff}: it must be above 0')
         self.sensor = sensor
-        self._key = _noise.key_of(seed, sensor.name)
+        self._seed = seed
+        self._disturbance: Disturbance | None = None  # as soon as it is known of how many numbers
         self._per_step = 1.0 if rate is None else rate * dt
         self._period = dt if rate is None else 1 / rate
         self.reading: np.ndarray | None = None
@@ -65,8 +63,9 @@ class _Channel:
         self._fit(truth)
         number = self._number(steps)
         passed = np.where(self._last < 0, 0, number - self._last)
-        draw = _noise.Draw(self._key, due, began[due], number[due], self._period * passed[due])
-        read = self._disturbed(truth[due], due, draw)
+        elapsed = self._period * passed
+        samples = [x.tolist() for x in (due, began[due], number[due], elapsed[due])]
+        read = self._disturbed(truth, list(zip(*samples, strict=True)))[due]
         before = truth if self.reading is None else self.reading
         self.reading = before.astype(np.result_type(before, read))
         self.reading[due], self.time[due], self._last[due] = read, time[due], number[due]
@@ -77,23 +76,22 @@ class _Channel:
             raise ShapeError(
                 f'sensor "{name}" gave the shape {truth.shape}: it must have {worlds} rows, one for each world'
             )
-        if self.reading is None:
-            numbers = prod(truth.shape[1:])
-            _noise.check(name, self.sensor.noise, numbers)
-            self._walk = np.zeros((worlds, numbers))
-        elif truth.shape != self.reading.shape:
+        if self.reading is not None and truth.shape != self.reading.shape:
             raise ShapeError(f'sensor "{name}" gave the shape {truth.shape}: it must stay {self.reading.shape}')
+        numbers = prod(truth.shape[1:])
+        if self._disturbance is None:
+            sensor = self.sensor
+            self._disturbance = Disturbance(name, self._seed, sensor.noise._levels(), sensor.cutoff, numbers)
+        if self.reading is None:
+            self._walk = np.zeros((worlds, numbers))
 
-    def _disturbed(self, truth: np.ndarray, due: np.ndarray, draw: _noise.Draw) -> np.ndarray:
-        """With noise and cutoff, as floating-point numbers; as it is, where there is neither."""
-        noise, cutoff = self.sensor.noise, self.sensor.cutoff
-        if cutoff is None and not any(np.any(level) for level in vars(noise).values()):
+    def _disturbed(self, truth: np.ndarray, samples: list[tuple]) -> np.ndarray:
+        """With noise and cutoff where there is a sample; as it is, where there is neither of them."""
+        if self._disturbance is None or self._disturbance.is_none:
             return truth
-        walk = self._walk[due]
-        read = draw.disturb(truth.reshape(len(due), -1).astype(np.float64), noise, walk)
-        self._walk[due] = walk
-        read = read if cutoff is None else np.clip(read, -cutoff, cutoff)
-        return read.reshape(truth.shape).astype(truth.dtype if truth.dtype.kind == "f" else np.float64)
+        numbers = np.array(truth, np.float64).reshape(self._walk.shape)
+        self._disturbance.apply(samples, numbers, self._walk)
+        return numbers.reshape(truth.shape).astype(truth.dtype if truth.dtype.kind == "f" else np.float64)
 
     def save(self) -> Any:
         return deepcopy((self.reading, self.time, self._last, self._walk))
@@ -110,7 +108,6 @@ class CustomArray:
         self._dt = dt
         self._left = np.zeros(worlds)  # times at which steps left the worlds [s]
         self._began = np.zeros(worlds, np.int64)  # how often each has begun anew
-        self._measured: str | None = None
 
     def __contains__(self, name: str) -> bool:
         return name in self._channels
@@ -119,13 +116,6 @@ class CustomArray:
         """What a sensor read last, and when in each world [s]."""
         channel = self._channels[name]
         return np.array(channel.reading), channel.time.copy()
-
-    def check_idle(self) -> None:
-        """`BusyError` where a sensor's function steps or sets the simulation that it measures."""
-        if self._measured is not None:
-            raise BusyError(
-                f'sensor "{self._measured}" is being measured: its function must not step, set or reset the worlds'
-            )
 
     def steps_until_due(self, simulation: Simulation) -> float:
         """Steps, 1 or more, until a sample is due in any world that runs; infinite, if there is none."""
@@ -143,7 +133,7 @@ class CustomArray:
         for channel in self._channels.values():
             due = np.flatnonzero(runs & channel.due(steps))
             if due.size or channel.reading is None:
-                channel.take(self._measure(simulation, channel.sensor), due, time, steps, self._began)
+                channel.take(np.array(channel.sensor.measure(simulation)), due, time, steps, self._began)
         self._left = time
 
     def update(self, simulation: Simulation) -> None:
@@ -161,13 +151,6 @@ class CustomArray:
 
     def _steps(self, time: np.ndarray) -> np.ndarray:
         return np.round(time / self._dt)
-
-    def _measure(self, simulation: Simulation, sensor: Custom) -> np.ndarray:
-        self._measured = sensor.name
-        try:
-            return np.array(sensor.measure(simulation))
-        finally:
-            self._measured = None
 
     def save(self) -> Any:
         """What is carried along, beside a snapshot of the simulation."""

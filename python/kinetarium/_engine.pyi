@@ -17,6 +17,7 @@ __all__ = [
     "Body",
     "Builder",
     "DeviceArray",
+    "Disturbance",
     "Dof",
     "Drive",
     "Engine",
@@ -630,6 +631,17 @@ class Measurement:
     ) -> Measurement: ...
     @staticmethod
     def camera(view: View, rgb_noise: float, depth_noise: float) -> Measurement: ...
+
+@final
+class Disturbance:
+    def __new__(
+        cls, name: str, seed: int, levels: Sequence[float | list[float]], cutoff: float | None, numbers: int
+    ) -> Self: ...
+    @property
+    def is_none(self) -> bool: ...
+    def apply(
+        self, samples: list[tuple[int, int, int, float]], numbers: NDArray[np.float64], walk: NDArray[np.float64]
+    ) -> None: ...
 
 @final
 class SensorArray:

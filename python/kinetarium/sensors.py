@@ -61,6 +61,10 @@ class Noise:
     step: Level = 0.0
     """What readings are rounded to multiples of; 0 is not at all."""
 
+    def _levels(self) -> list[float | list[float]]:
+        levels = self.deviation, self.bias, self.walk, self.step
+        return [float(x) if np.ndim(x) == 0 else [float(v) for v in x] for x in levels]  # type: ignore
+
 
 @dataclass(frozen=True)
 class Sensor(ABC):
@@ -334,13 +338,9 @@ class Sensors(Mapping[str, "np.ndarray | Images"]):
 
     @staticmethod
     def _draft(sensor: Sensor, model: Model) -> tuple:
-        noise = sensor.noise
-        levels = [noise.deviation, noise.bias, noise.walk, noise.step]
-        levels = [float(x) if np.ndim(x) == 0 else [float(v) for v in x] for x in levels]  # type: ignore
-        return sensor.name, sensor._measurement(model), sensor.rate, sensor.cutoff, levels
+        return sensor.name, sensor._measurement(model), sensor.rate, sensor.cutoff, sensor.noise._levels()
 
     def _step(self, simulation: Simulation, engine: Engine, steps: int) -> list[int]:
-        self._custom.check_idle()
         diverged: list[int] = []
         while steps > 0:
             part = int(min(steps, self._custom.steps_until_due(simulation)))
@@ -354,7 +354,6 @@ class Sensors(Mapping[str, "np.ndarray | Images"]):
 
     def _update(self, simulation: Simulation) -> None:
         """Samples anew what was set or reset."""
-        self._custom.check_idle()
         if self._array is not None:
             self._array.update(simulation._engine)
         self._custom.update(simulation)

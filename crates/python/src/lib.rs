@@ -54,7 +54,7 @@ mod _engine {
     #[pymodule_export]
     use crate::replica::Replica;
     #[pymodule_export]
-    use crate::sensors::{Measurement, SensorArray};
+    use crate::sensors::{Disturbance, Measurement, SensorArray};
     #[pymodule_export]
     use crate::shape::Shape;
     #[pymodule_export]

@@ -4,12 +4,12 @@ use crate::camera::{View, images};
 use crate::error;
 use crate::geometry::pose;
 use crate::model::Model;
-use crate::simulation::{Engine, Precise};
+use crate::simulation::{Engine, Precise, contiguous};
 use kinetarium::model::{self, BodyId, JointId};
 use kinetarium::sensors::{
-    Axes, ImageNoise, Level, Mount, Noise, Sensor, SensorError, SensorKind, Sensors,
+    self, Axes, Draw, ImageNoise, Level, Mount, Noise, Sensor, SensorError, SensorKind, Sensors,
 };
-use numpy::{PyArrayDyn, PyArrayMethods, ToPyArray};
+use numpy::{PyArrayDyn, PyArrayMethods, PyReadwriteArrayDyn, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::ops::Range;
@@ -239,20 +239,72 @@ impl From<AnyLevel> for Level {
 /// Name, measurement, rate [Hz], cutoff, and noise: standard deviation, bias, walk, step.
 type Draft = (String, Measurement, Option<f64>, Option<f64>, [AnyLevel; 4]);
 
-fn sensor((name, measurement, rate, cutoff, levels): Draft) -> Sensor {
+fn noise(levels: [AnyLevel; 4]) -> Noise {
     let [deviation, bias, walk, step] = levels.map(Level::from);
+    Noise {
+        deviation,
+        bias,
+        walk,
+        step,
+    }
+}
+
+fn sensor((name, measurement, rate, cutoff, levels): Draft) -> Sensor {
     Sensor {
         name,
         kind: measurement.kind,
         part: measurement.part,
         rate,
         cutoff,
-        noise: Noise {
-            deviation,
-            bias,
-            walk,
-            step,
-        },
+        noise: noise(levels),
+    }
+}
+
+/// Noise and cutoff of a sensor that is measured in Python.
+#[pyclass(frozen, module = "kinetarium._engine")]
+pub struct Disturbance {
+    disturbance: sensors::Disturbance,
+}
+
+#[pymethods]
+impl Disturbance {
+    #[new]
+    fn new(
+        name: &str,
+        seed: u64,
+        levels: [AnyLevel; 4],
+        cutoff: Option<f64>,
+        numbers: usize,
+    ) -> PyResult<Self> {
+        let made = sensors::Disturbance::new(name, seed, &noise(levels), cutoff, numbers);
+        made.map(|disturbance| Self { disturbance }).map_err(failed)
+    }
+    /// Whether readings are what is measured.
+    #[getter]
+    fn is_none(&self) -> bool {
+        self.disturbance.is_none()
+    }
+    /// Turns what was measured, shape (worlds, numbers), into what is read in those worlds of which there are samples:
+    /// world, how often it has begun anew, which sample, and time since the one before [s].
+    fn apply(
+        &self,
+        py: Python<'_>,
+        samples: Vec<(usize, u32, u64, f64)>,
+        mut numbers: PyReadwriteArrayDyn<'_, f64>,
+        mut walk: PyReadwriteArrayDyn<'_, f64>,
+    ) -> PyResult<()> {
+        let (numbers, walk) = (contiguous(&mut numbers)?, contiguous(&mut walk)?);
+        let draws = samples
+            .into_iter()
+            .map(|(world, episode, sample, elapsed)| Draw {
+                world,
+                episode,
+                sample,
+                elapsed,
+            });
+        let draws: Vec<_> = draws.collect();
+        py.detach(|| self.disturbance.apply(&draws, numbers, walk));
+        Ok(())
     }
 }
 

@@ -179,7 +179,9 @@ fn not_contiguous() -> PyErr {
 }
 
 /// The same, to be written to.
-fn contiguous<'a, T: Element>(array: &'a mut PyReadwriteArrayDyn<'_, T>) -> PyResult<&'a mut [T]> {
+pub fn contiguous<'a, T: Element>(
+    array: &'a mut PyReadwriteArrayDyn<'_, T>,
+) -> PyResult<&'a mut [T]> {
     if array.is_c_contiguous() {
         array.as_slice_mut().map_err(|_| not_contiguous())
     } else {

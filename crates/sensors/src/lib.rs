@@ -52,7 +52,8 @@ mod state;
 
 pub use error::SensorError;
 pub use model::{Axes, Mount};
-pub use noise::{ImageNoise, Level, Noise};
+pub use noise::{Disturbance, ImageNoise, Level, Noise};
+pub use random::Draw;
 pub use render::{Camera, Channels, Images, Lens, View};
 pub use sensor::{Sensor, SensorKind};
 pub use sensors::{ImageReading, Reading, Sensors};

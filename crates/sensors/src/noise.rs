@@ -121,23 +121,37 @@ impl Errors {
         n: usize,
         quaternions: Vec<usize>,
     ) -> Result<Self, SensorError> {
-        let noise = &sensor.noise;
-        let level = |what, level: &Level| expand(what, level, &sensor.name, n);
         let range = match &sensor.kind {
             SensorKind::Rangefinder { max_range, .. } | SensorKind::Lidar { max_range, .. } => {
                 Some(*max_range)
             }
             _ => None,
         };
+        let errors = Self::of(&sensor.name, &sensor.noise, sensor.cutoff, source, n)?;
+        Ok(Self {
+            quaternions,
+            range,
+            ..errors
+        })
+    }
+    /// Of any n numbers.
+    fn of(
+        name: &str,
+        noise: &Noise,
+        cutoff: Option<f64>,
+        source: Source,
+        n: usize,
+    ) -> Result<Self, SensorError> {
+        let level = |what, level: &Level| expand(what, level, name, n);
         Ok(Self {
             source,
             deviation: level("the standard deviation of its noise", &noise.deviation)?,
             bias: level("the standard deviation of its bias", &noise.bias)?,
             walk: level("the random walk of its bias", &noise.walk)?,
             step: level("the step of its readings", &noise.step)?,
-            quaternions,
-            range,
-            cutoff: sensor.cutoff.unwrap_or(f64::INFINITY),
+            quaternions: Vec::new(),
+            range: None,
+            cutoff: cutoff.unwrap_or(f64::INFINITY),
         })
     }
     /// Whether readings are what is measured.
@@ -227,6 +241,60 @@ impl Errors {
     /// A distance to nothing.
     fn is_nothing<T: Float>(&self, x: T) -> bool {
         self.range.is_some_and(|range| x >= T::from_f64(range))
+    }
+}
+
+/// The noise of a sensor that its user measures: what [`Sensors`](crate::Sensors) add, by the same random numbers.
+#[derive(Clone, Debug)]
+pub struct Disturbance {
+    errors: Errors,
+    n: usize,
+    isa: Isa,
+}
+
+impl Disturbance {
+    /// Of a sensor of this name, of n numbers in a world; readings are kept within ± `cutoff`, if there is one.
+    ///
+    /// # Errors
+    /// Levels that no noise can have, or another number of them than n; a cutoff that is not above 0.
+    pub fn new(
+        name: &str,
+        seed: u64,
+        noise: &Noise,
+        cutoff: Option<f64>,
+        n: usize,
+    ) -> Result<Self, SensorError> {
+        if let Some(value) = cutoff.filter(|cutoff| *cutoff <= 0.0 || cutoff.is_nan()) {
+            return Err(SensorError::OutOfRange {
+                sensor: name.into(),
+                what: "its cutoff",
+                value: value.to_string(),
+                must: "above 0",
+            });
+        }
+        Ok(Self {
+            errors: Errors::of(name, noise, cutoff, Source::new(seed, name), n)?,
+            n,
+            isa: Isa::detect(),
+        })
+    }
+    /// Whether readings are what is measured.
+    pub fn is_none(&self) -> bool {
+        self.errors.are_none()
+    }
+    /// Turns what was measured, `numbers[world][i]`, into what is read where there is a sample. `walk`, of the same
+    /// shape, are the biases that wander; they start from 0 where a world begins anew.
+    ///
+    /// # Panics
+    /// If a sample is of a world that the arrays do not have.
+    pub fn apply(&self, samples: &[Draw], numbers: &mut [f64], walk: &mut [f64]) {
+        let part = Part {
+            first: 0,
+            numbers,
+            walk,
+        };
+        self.errors
+            .apply(self.isa, samples.iter().copied(), self.n, part);
     }
 }
 

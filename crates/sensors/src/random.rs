@@ -53,10 +53,12 @@ pub(crate) enum Purpose {
 
 /// Which sample of which world.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Draw {
+pub struct Draw {
+    /// The world.
     pub world: usize,
     /// How often the world had begun anew.
     pub episode: u32,
+    /// Which sample of its sensor, counted from 0.
     pub sample: u64,
     /// Time since the one before [s].
     pub elapsed: f64,
