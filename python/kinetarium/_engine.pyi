@@ -48,6 +48,7 @@ __all__ = [
     "n_pendula",
     "parse",
     "pile",
+    "png",
     "prismatic",
     "pyramid",
     "ragdolls",
@@ -679,6 +680,7 @@ def render_view(engine: Engine, model: Model, view: View, worlds: NDArray[np.int
 def framing(
     engine: Engine, model: Model, world: int, width: int, height: int
 ) -> tuple[list[float], list[float], float]: ...
+def png(rgb: NDArray[np.uint8]) -> bytes: ...
 def looking(eye: Vector, target: Vector, up: Vector) -> list[float]: ...
 
 @final

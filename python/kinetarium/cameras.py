@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import struct
-import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import dist, inf, pi
@@ -11,7 +9,7 @@ from math import dist, inf, pi
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetarium._engine import Model, View, looking
+from kinetarium._engine import Model, View, looking, png
 from kinetarium.errors import RenderError
 from kinetarium.types import Vector
 
@@ -122,17 +120,4 @@ class Images:
     """Time of each world's image [s], where a sensor made it."""
 
     def _repr_png_(self) -> bytes | None:
-        return None if self.rgb is None or len(self.rgb) == 0 else _png(self.rgb[0])
-
-
-def _png(rgb: np.ndarray) -> bytes:
-    """A picture in the format of ISO/IEC 15948, uint8 of shape (height, width, 3)."""
-
-    def chunk(kind: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    height, width, _ = rgb.shape
-    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)  # 8 bits of each colour
-    rows = np.pad(rgb.reshape(height, -1), ((0, 0), (1, 0)))  # each begins with 0: its numbers are as they are
-    image = zlib.compress(rows.tobytes())
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", image) + chunk(b"IEND", b"")
+        return None if self.rgb is None or len(self.rgb) == 0 else png(np.ascontiguousarray(self.rgb[0]))

@@ -3,12 +3,12 @@
 use crate::error;
 use crate::geometry::pose;
 use crate::model::Model;
-use crate::simulation::{Engine, Precise, each};
+use crate::simulation::{Engine, Precise, each, slice};
 use glam::{DVec2, DVec3};
 use kinetarium::model::{BodyId, CameraMode, Pose};
-use numpy::{PyArrayMethods, PyReadonlyArray1, ToPyArray};
+use numpy::{PyArrayMethods, PyReadonlyArray1, PyReadonlyArray3, PyUntypedArrayMethods, ToPyArray};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 use render::{Camera, Channels, Images, Lens, RenderError, Scene, ray_caster};
 
 fn failed(error: RenderError) -> PyErr {
@@ -135,6 +135,15 @@ fn placements(py: Python<'_>, engine: &Engine, worlds: &[i64]) -> PyResult<Vec<V
             Ok(worlds.iter().map(of).collect())
         })
     })
+}
+
+/// Colours of one world, shape (height, width, 3), as a picture in a file.
+#[pyfunction]
+pub fn png<'py>(py: Python<'py>, rgb: PyReadonlyArray3<'py, u8>) -> PyResult<Bound<'py, PyBytes>> {
+    let (height, width) = (rgb.shape()[0], rgb.shape()[1]);
+    let mut file = Vec::new();
+    render::write_png(&mut file, slice(&rgb)?, width, height).map_err(failed)?;
+    Ok(PyBytes::new(py, &file))
 }
 
 /// What a camera sees in some worlds, by channel.

@@ -33,7 +33,7 @@ mod _engine {
     #[pymodule_export]
     use crate::builder::{Body, Builder, Joint};
     #[pymodule_export]
-    use crate::camera::{View, framing, looking, render_view};
+    use crate::camera::{View, framing, looking, png, render_view};
     #[pymodule_export]
     use crate::device_array::DeviceArray;
     #[pymodule_export]

@@ -165,7 +165,9 @@ fn array<'a, 'py, T: Element>(x: &'a Bound<'py, PyAny>) -> PyResult<&'a Bound<'p
 }
 
 /// The numbers of an array in the order of C.
-fn slice<'a, T: Element, D: Dimension>(array: &'a PyReadonlyArray<'_, T, D>) -> PyResult<&'a [T]> {
+pub fn slice<'a, T: Element, D: Dimension>(
+    array: &'a PyReadonlyArray<'_, T, D>,
+) -> PyResult<&'a [T]> {
     if array.is_c_contiguous() {
         array.as_slice().map_err(|_| not_contiguous())
     } else {

@@ -47,12 +47,10 @@ pub(crate) struct Check<'a> {
 }
 
 impl Check<'_> {
-    /// Checks all but the noise and what is drawn.
+    /// Checks all but the noise, the cutoff and what is drawn.
     pub fn layout(self) -> Result<Layout, SensorError> {
         let (shape, quaternions) = self.measured()?;
         let measured = shape.iter().product();
-        let cutoff = self.sensor.cutoff.unwrap_or(f64::INFINITY);
-        self.require(cutoff > 0.0, "its cutoff", cutoff, "above 0")?;
         let Some(part) = self.sensor.part.clone() else {
             let part = 0..measured;
             return Ok(Layout {

@@ -142,6 +142,14 @@ impl Errors {
         source: Source,
         n: usize,
     ) -> Result<Self, SensorError> {
+        if let Some(value) = cutoff.filter(|cutoff| *cutoff <= 0.0 || cutoff.is_nan()) {
+            return Err(SensorError::OutOfRange {
+                sensor: name.into(),
+                what: "its cutoff",
+                value: value.to_string(),
+                must: "above 0",
+            });
+        }
         let level = |what, level: &Level| expand(what, level, name, n);
         Ok(Self {
             source,
@@ -264,14 +272,6 @@ impl Disturbance {
         cutoff: Option<f64>,
         n: usize,
     ) -> Result<Self, SensorError> {
-        if let Some(value) = cutoff.filter(|cutoff| *cutoff <= 0.0 || cutoff.is_nan()) {
-            return Err(SensorError::OutOfRange {
-                sensor: name.into(),
-                what: "its cutoff",
-                value: value.to_string(),
-                must: "above 0",
-            });
-        }
         Ok(Self {
             errors: Errors::of(name, noise, cutoff, Source::new(seed, name), n)?,
             n,
