@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import Self, Unpack
 
-from kinetarium.types import Frame, JointOptions, Meshes, Place, Vector
+from kinetarium.types import BodyOptions, Frame, JointOptions, Meshes, Place, Vector
 
 __version__: str
 
@@ -419,6 +419,13 @@ class Builder:
     @property
     def objects(self) -> list[Object]: ...
     def object(self, name: str) -> Object: ...
+    def change_body(
+        self,
+        body: Body,
+        shapes: Sequence[Shape | Geometry] | Shape | Geometry | None = None,
+        **options: Unpack[BodyOptions],
+    ) -> None: ...
+    def change_joint(self, joint: Joint, **options: Unpack[JointOptions]) -> None: ...
     def keyframe(
         self,
         name: str,

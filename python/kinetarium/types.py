@@ -20,6 +20,21 @@ Meshes = Literal["named", "exact", "hull"]
 """What becomes of meshes that collide."""
 
 
+class BodyOptions(TypedDict, total=False):
+    """What every body may be given, as `Object.body` tells. `None` is as if nothing were given."""
+
+    position: Vector | None
+    orientation: Vector | None
+    mass: float | None
+    inertia: Sequence[Vector] | NDArray[Any] | None
+    center: Vector | None
+    static: bool | None
+    group: int | None
+    membership: int | None
+    collides_with: int | None
+    world: int | None
+
+
 class JointOptions(TypedDict, total=False):
     """What every joint may be given.
 

@@ -1,6 +1,7 @@
 """Models from files and builders."""
 
 import copy
+import pickle
 
 import numpy as np
 import pytest
@@ -288,6 +289,75 @@ def test_builders_can_be_set_and_copied():
     assert repr(other) == '<Builder "one": 1 objects, 1 bodies, 1 joints>'
     assert repr(other_arm) == '<Object "arm": 1 bodies, 1 joints, 1 replicas>'
     assert (repr(link), repr(other_arm.joints)) == ('<Body "link">', '[<Joint "hinge">]')
+
+
+def changed_and_made_so():
+    """A crane that is changed after it was made, and one that was made like that."""
+    ball, box = kn.Geometry.sphere(0.1), kn.Geometry.box((0.1, 0.2, 0.3))
+    axes = [kn.Axis.linear((1, 0, 0)), kn.Axis.angular((0, 0, 1))]
+    first, last = kn.Builder("crane"), kn.Builder("crane")
+    crane = first.object("crane")
+    foot = crane.body("foot", ball, position=(1, 0, 0))
+    load = crane.body("load", ball, mass=2.0, orientation=(0, 0, 1, 0), membership=4)
+    hook = crane.body("hook", ball)
+    slide = crane.d6("slide", load, axes, damping=0.5, limit=(-1, 1), position=(0, 1, 0))
+    hinge = crane.revolute("hinge", hook, (0, 0, 1), parent=load, parent_frame=((0, -1, 0), (0, 0, 0, 1)))
+    first.change_body(foot, static=True, world=-1)
+    first.change_body(load, [box], position=(0, 1, 2), collides_with=8, group=3)
+    first.change_body(hook, mass=3.0, inertia=np.eye(3), center=(0, 0, 1))
+    first.change_joint(slide, parent=foot, dofs=[kn.Dof("along", damping=1.5), kn.Dof()], orientation=(0, 1, 0, 0))
+    first.change_joint(slide, armature=0.25, initial=(0.5, 0.25), linear_compliance=1e-6, enabled=False)
+    first.change_joint(hinge, child_frame=((0, 1, 0), (0, 0, 0, 1)), stiffness=4.0, drive=kn.Drive(1.0), limit=(0, 2))
+    first.change_joint(hinge, rest=0.5, angular_compliance=1e-5, bodies_collide=True)
+
+    crane = last.object("crane")
+    foot = crane.body("foot", ball, position=(1, 0, 0), static=True, world=-1)
+    load = crane.body(
+        "load", [ball, box], mass=2.0, position=(0, 1, 2), orientation=(0, 0, 1, 0), membership=4, collides_with=8,
+        group=3,
+    )  # fmt: skip
+    hook = crane.body("hook", ball, mass=3.0, inertia=np.eye(3), center=(0, 0, 1))
+    crane.d6(
+        "slide", load, axes, parent=foot, position=(0, 1, 0), orientation=(0, 1, 0, 0), limit=(-1, 1), armature=0.25,
+        dofs=[kn.Dof("along", damping=1.5), kn.Dof(damping=0.5)], initial=(0.5, 0.25), linear_compliance=1e-6,
+        enabled=False,
+    )  # fmt: skip
+    crane.revolute(
+        "hinge", hook, (0, 0, 1), parent=load, parent_frame=((0, -1, 0), (0, 0, 0, 1)), limit=(0, 2), stiffness=4.0,
+        child_frame=((0, 1, 0), (0, 0, 0, 1)), rest=0.5, drive=kn.Drive(1.0), angular_compliance=1e-5,
+        bodies_collide=True,
+    )  # fmt: skip
+    return first, last
+
+
+def test_what_was_made_can_be_changed():
+    changed, made_so = (builder.build() for builder in changed_and_made_so())
+    assert pickle.dumps(changed) == pickle.dumps(made_so)
+
+
+def test_changes_that_make_no_sense_are_refused():
+    world = kn.Builder("world")
+    thing = world.object("thing")
+    rock, ball = thing.body("rock", kn.Geometry.sphere(0.1), static=True), thing.body("ball", kn.Geometry.sphere(0.1))
+    joint = thing.revolute("j", ball, (0, 0, 1))
+    before = pickle.dumps(world.build())
+    theirs = kn.Builder("theirs").object("o").body("b")
+    for change, message in [
+        (lambda: world.change_body(rock, static=False), 'body "rock": it is static, and stays so'),
+        (lambda: world.change_body(rock, mass=1.0), 'body "rock": it is static: leave out mass'),
+        (lambda: world.change_body(ball, center=(0, 1, 0)), "a center and no inertia"),
+        (lambda: world.change_body(ball, ["box"], mass=1.0), 'shape 0 of body "ball" is of type str'),
+        (lambda: world.change_body(ball, position=(0, 1)), 'body "ball": option position: '),
+        (lambda: world.change_body(ball, membership=-1), "membership is -1"),
+        (lambda: world.change_body(ball, weight=1.0), 'bodies have no option "weight"; known are position'),
+        (lambda: world.change_joint(joint, damping=1.0, rest=0.5), "a rest and no stiffness"),
+        (lambda: world.change_joint(joint, dofs=[]), 'joint "j": its list of degrees of freedom'),
+        (lambda: world.change_joint(joint, parent=theirs, damping=1.0), 'joint "j": no parent body of this builder'),
+        (lambda: world.change_body(theirs), 'body "b": no body of this builder has this handle'),
+    ]:
+        with pytest.raises((ModelError, TypeError, UnknownNameError), match=message):
+            change()
+    assert pickle.dumps(world.build()) == before
 
 
 def test_distance_fields_and_hulls():

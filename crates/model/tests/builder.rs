@@ -334,8 +334,10 @@ fn joint_settings_reach_every_degree_of_freedom() {
         .friction_loss(4.0)
         .compliance(1e-6, 1e-5)
         .initial(&[0.5, 0.25])
-        .disabled();
+        .enabled(false);
     joint.dofs_mut()[1].damping = 9.0;
+    assert_eq!(joint.dofs()[1].damping, 9.0);
+    assert_eq!(joint.compliances(), [1e-6, 1e-5]);
     let joint = joint.handle();
     world.joint_mut(joint).unwrap().dofs_mut()[0].name = "reach".into();
     world.body_mut(body).unwrap().group(3).world(-1);
@@ -371,8 +373,8 @@ fn actuators_couplings_and_loops() {
         .handle();
     object
         .fixed("weld", bodies[1])
-        .closes_loop()
-        .bodies_collide();
+        .closes_loop(true)
+        .bodies_collide(true);
     object.couple("mimic", second, first, 2.0, 0.5);
     object
         .motor("motor", first)
@@ -440,6 +442,23 @@ fn a_built_world_can_be_changed_and_built_again() {
     let model = world.build().unwrap();
     assert_eq!(model.bodies.len(), 4);
     assert_near(position(&model, "flag_1"), DVec3::Z);
+}
+
+#[test]
+fn what_stands_in_drafts_can_be_read() {
+    let there = Pose::new(DVec3::Z, DQuat::from_rotation_x(0.5));
+    let mut world = Builder::new("w");
+    let (_, flag, hinge) = flag_post(&mut world);
+    let body = world.body_mut(flag).unwrap();
+    assert_eq!((body.is_static(), body.masks()), (false, None));
+    body.at(there).immovable().collision_masks(2, 4);
+    assert_eq!((body.is_static(), body.masks()), (true, Some((2, 4))));
+    assert_eq!(body.pose(), there);
+    let joint = world.joint_mut(hinge).unwrap();
+    assert_eq!(joint.at(there).pose(), there);
+    joint.frames(there, Pose::IDENTITY);
+    assert_eq!(joint.pose(), Pose::IDENTITY);
+    assert_eq!(joint.body_frames(), [there, Pose::IDENTITY]);
 }
 
 #[test]

@@ -1,7 +1,9 @@
 //! Making models by hand: `Builder` → `Object` → `Body` and `Joint`.
 
+use crate::body_options::BodyOptions;
 use crate::count::natural;
 use crate::error;
+use crate::joint_options::JointOptions;
 use crate::model::{Model, up_axis_name};
 use crate::object::Object;
 use glam::DVec3;
@@ -38,6 +40,13 @@ impl Builder {
     pub fn must_have_body(&mut self, what: &str, role: &'static str, body: &Body) -> PyResult<()> {
         let found = self.builder.body_mut(body.handle).map(drop);
         found.map_err(|_| foreign(what, role))
+    }
+    /// Only a parent that this builder made will do.
+    pub fn must_have_parent(&mut self, joint: &str, options: &JointOptions) -> PyResult<()> {
+        match &options.parent {
+            Some(parent) => self.must_have_body(joint, "parent body", parent),
+            None => Ok(()),
+        }
     }
     /// Only a joint that this builder made will do.
     pub fn must_have_joint(
@@ -147,6 +156,34 @@ impl Builder {
     fn object(slf: &Bound<'_, Self>, name: &str) -> Object {
         let id = slf.borrow_mut().builder.object(name).id();
         Object::new(slf, id)
+    }
+    /// Changes a body that was made before: `shapes`, one or several, are added to those that it has; of the rest, the
+    /// keywords of `Object.body`, what is not given stays. A body can be made `static`, and stays so.
+    #[pyo3(signature = (body, shapes=None, **options))]
+    fn change_body(
+        &mut self,
+        body: &Body,
+        shapes: Option<&Bound<'_, PyAny>>,
+        options: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<()> {
+        let what = format!("body {:?}", body.name);
+        self.must_have_body(&what, "body", body)?;
+        let draft = self.builder.body_mut(body.handle).map_err(error::model)?;
+        BodyOptions::read(&body.name, shapes, options, Some(&*draft))?.shape(draft);
+        Ok(())
+    }
+    /// Changes a joint that was made before: of the keywords that all joints take, what is not given stays. See
+    /// `JointOptions`.
+    #[pyo3(signature = (joint, **options))]
+    fn change_joint(&mut self, joint: &Joint, options: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+        let what = format!("joint {:?}", joint.name);
+        self.must_have_joint(&what, "joint", joint)?;
+        let draft = self.builder.joint_mut(joint.handle).map_err(error::model)?;
+        let options = JointOptions::read(&joint.name, draft.dofs(), options)?;
+        self.must_have_parent(&what, &options)?;
+        let draft = self.builder.joint_mut(joint.handle).map_err(error::model)?;
+        options.shape(draft);
+        Ok(())
     }
     /// Adds a named state of the finished model: coordinates of all joints, their velocities, controls of the
     /// actuators; without `joint_velocity`, at rest as the world is now.

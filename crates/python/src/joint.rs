@@ -218,7 +218,7 @@ impl Drive {
 /// (or its two ends), `drive`, `damping`, `stiffness` of a spring that rests at `rest`, `armature`, `friction_loss`.
 ///
 /// `name` is unique in the model; unless given, it is the joint's, with a number behind where there are several. What
-/// is not given is as the joint's own keywords say, or else does not act.
+/// is not given is as the joint's own keywords say; or else does not act, or stays as it was where a joint is changed.
 #[pyclass(frozen, eq, get_all, from_py_object, module = "kinetarium._engine")]
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Dof {
@@ -269,17 +269,17 @@ impl Dof {
             friction_loss: self.friction_loss.or(all.friction_loss),
         }
     }
-    /// Lets all that is given act.
+    /// Lets all that is given act; what is not given stays.
     pub fn act(self, dof: &mut model::Dof) {
         *dof = model::Dof {
             name: self.name.unwrap_or_else(|| dof.name.clone()),
-            armature: self.armature.unwrap_or_default(),
-            damping: self.damping.unwrap_or_default(),
-            stiffness: self.stiffness.unwrap_or_default(),
-            rest: self.rest.unwrap_or_default(),
-            friction_loss: self.friction_loss.unwrap_or_default(),
-            limit: self.limit.map(Into::into),
-            drive: self.drive.map(Into::into).unwrap_or_default(),
+            armature: self.armature.unwrap_or(dof.armature),
+            damping: self.damping.unwrap_or(dof.damping),
+            stiffness: self.stiffness.unwrap_or(dof.stiffness),
+            rest: self.rest.unwrap_or(dof.rest),
+            friction_loss: self.friction_loss.unwrap_or(dof.friction_loss),
+            limit: self.limit.map(Into::into).or(dof.limit),
+            drive: self.drive.map_or(dof.drive, Into::into),
         };
     }
 }

@@ -6,6 +6,7 @@
 
 #![deny(unsafe_code)]
 
+mod body_options;
 mod builder;
 mod camera;
 mod count;
@@ -15,6 +16,7 @@ mod examples;
 mod geometry;
 mod joint;
 mod joint_options;
+mod keywords;
 mod material;
 mod model;
 mod object;

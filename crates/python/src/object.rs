@@ -1,14 +1,14 @@
 //! Bodies, joints and actuators in the making.
 
+use crate::body_options::BodyOptions;
 use crate::builder::{Body, Builder, Joint};
-use crate::count::{mask, natural};
+use crate::count::natural;
 use crate::error;
-use crate::geometry::pose;
 use crate::joint::Axis;
 use crate::joint_options::JointOptions;
 use crate::replica::Replica;
-use crate::shape::{shape, shapes};
-use glam::{DMat3, DVec3};
+use crate::shape::shape;
+use glam::DVec3;
 use kinetarium::model::{self, ActuatorDraft, JointDraft, ModelError, ObjectId};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -58,13 +58,11 @@ impl Object {
         options: Option<&Bound<'_, PyDict>>,
         make: impl FnOnce(&mut model::Object) -> &mut JointDraft,
     ) -> PyResult<Joint> {
-        let options = JointOptions::read(name, dofs, options)?;
+        let options = JointOptions::read(name, &vec![model::Dof::default(); dofs], options)?;
         let what = format!("joint {name:?}");
         let mut builder = self.builder.borrow_mut(py);
         builder.must_have_body(&what, "child body", child)?;
-        if let Some(parent) = &options.parent {
-            builder.must_have_body(&what, "parent body", parent)?;
-        }
+        builder.must_have_parent(&what, &options)?;
         let draft = make(builder.builder.object_mut(self.id).map_err(error::model)?);
         options.shape(draft);
         Ok(Joint::from(&*draft))
@@ -106,26 +104,6 @@ fn servo(name: &str, quantity: &'static str, value: f64) -> PyResult<()> {
     Ok(())
 }
 
-/// The mass, inertia and centre of mass of a body that go together.
-fn must_fit(
-    name: &str,
-    r#static: bool,
-    mass: Option<f64>,
-    inertia: bool,
-    center: bool,
-) -> PyResult<()> {
-    let fault = if r#static && (mass.is_some() || inertia || center) {
-        "is static: leave out mass, inertia and center"
-    } else if inertia && mass.is_none() {
-        "has an inertia and no mass: give both"
-    } else if center && !inertia {
-        "has a center and no inertia: give mass, center and inertia, or let the center follow from the shapes"
-    } else {
-        return Ok(());
-    };
-    Err(error::value(format!("body {name:?} {fault}")))
-}
-
 #[pymethods]
 impl Object {
     /// Its name.
@@ -155,55 +133,20 @@ impl Object {
     /// body's axes) replaces them. A `static` body never moves, and has no mass. Bodies of `group`s collide as the
     /// conventions say; `membership` and `collides_with` are given to all its shapes. `world` is the one world that it
     /// is in.
-    #[pyo3(signature = (name, shapes=None, *, position=[0.0; 3], orientation=[0.0, 0.0, 0.0, 1.0], mass=None,
-        inertia=None, center=None, r#static=false, group=None, membership=None, collides_with=None, world=0))]
-    #[expect(clippy::too_many_arguments, reason = "keywords in Python")]
+    #[pyo3(signature = (name, shapes=None, **options), text_signature = "($self, name, shapes=None, *, \
+        position=(0, 0, 0), orientation=(0, 0, 0, 1), mass=None, inertia=None, center=None, static=False, group=None, \
+        membership=None, collides_with=None, world=0)")]
     fn body(
         &self,
         py: Python<'_>,
         name: &str,
         shapes: Option<&Bound<'_, PyAny>>,
-        position: [f64; 3],
-        orientation: [f64; 4],
-        mass: Option<f64>,
-        inertia: Option<[[f64; 3]; 3]>,
-        center: Option<[f64; 3]>,
-        r#static: bool,
-        group: Option<i32>,
-        membership: Option<i64>,
-        collides_with: Option<i64>,
-        world: i32,
+        options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Body> {
-        must_fit(name, r#static, mass, inertia.is_some(), center.is_some())?;
-        let what = format!("body {name:?}");
-        let shapes = shapes.map_or_else(|| Ok(Vec::new()), |s| self::shapes(s, &what))?;
-        let masks = [
-            mask(&what, "membership", membership.unwrap_or(1))?,
-            mask(&what, "collides_with", collides_with.unwrap_or(1))?,
-        ];
+        let options = BodyOptions::read(name, shapes, options, None)?;
         self.with(py, |object| {
             let draft = object.body(name);
-            draft.at(pose(position, orientation)).world(world);
-            for shape in shapes {
-                draft.shape(shape);
-            }
-            if let Some(mass) = mass {
-                draft.mass(mass);
-            }
-            if let (Some(mass), Some(inertia)) = (mass, inertia) {
-                let inertia = DMat3::from_cols_array_2d(&inertia).transpose();
-                draft.inertia(mass, center.unwrap_or_default().into(), inertia);
-            }
-            if r#static {
-                draft.immovable();
-            }
-            if let Some(group) = group {
-                draft.group(group);
-            }
-            if membership.is_some() || collides_with.is_some() {
-                let [membership, collides_with] = masks;
-                draft.collision_masks(membership, collides_with);
-            }
+            options.shape(draft);
             Ok(Body::from(&*draft))
         })
     }

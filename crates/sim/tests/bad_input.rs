@@ -466,7 +466,7 @@ fn featherstone_takes_joints_that_hold() {
                     .body("third")
                     .shape(Geometry::Sphere { radius: 0.1 })
                     .handle();
-                o.revolute("off", third, DVec3::Z).disabled();
+                o.revolute("off", third, DVec3::Z).enabled(false);
             },
             "joint `off` is disabled, which `featherstone` cannot simulate: use the solver `xpbd`",
         ),
@@ -508,7 +508,7 @@ fn loops_that_nothing_could_close() {
             .handle();
         o.revolute("hung", third, DVec3::Z);
         o.fixed("weld", fourth).parent(third);
-        o.ball("tie", fourth).parent(third).closes_loop();
+        o.ball("tie", fourth).parent(third).closes_loop(true);
     });
     refused_by(
         SolverKind::Featherstone,

@@ -61,6 +61,18 @@ impl BodyDraft {
     pub fn handle(&self) -> BodyHandle {
         self.handle
     }
+    /// Where it is in the object.
+    pub fn pose(&self) -> Pose {
+        self.body.pose
+    }
+    /// Whether it never moves.
+    pub fn is_static(&self) -> bool {
+        self.body.kind == BodyKind::Static
+    }
+    /// Membership and what it collides with, if given for all its shapes.
+    pub fn masks(&self) -> Option<(u32, u32)> {
+        self.masks
+    }
     /// Places the body in the object's frame. A joint's coordinates may move it from there.
     pub fn at(&mut self, pose: Pose) -> &mut Self {
         self.body.pose = pose;

@@ -66,6 +66,25 @@ impl JointDraft {
     pub fn handle(&self) -> JointHandle {
         self.handle
     }
+    /// Where it is in the object; the origin where its frames are given in both bodies.
+    pub fn pose(&self) -> Pose {
+        match self.frames {
+            Frames::InObject(pose) => pose,
+            Frames::InBodies => Pose::IDENTITY,
+        }
+    }
+    /// Its frames in the parent and in the child, as far as they are given.
+    pub fn body_frames(&self) -> [Pose; 2] {
+        [self.joint.parent_frame, self.joint.child_frame]
+    }
+    /// The degrees of freedom, one per axis; three for a ball, six for a free joint.
+    pub fn dofs(&self) -> &[Dof] {
+        &self.joint.dofs
+    }
+    /// How far the locked directions [m/N] and rotations [rad/(N·m)] give.
+    pub fn compliances(&self) -> [f64; 2] {
+        [self.joint.linear_compliance, self.joint.angular_compliance]
+    }
     /// Sets the parent body, which may be of another object.
     pub fn parent(&mut self, body: BodyHandle) -> &mut Self {
         self.parent = Some(body);
@@ -113,7 +132,7 @@ impl JointDraft {
     pub fn friction_loss(&mut self, friction_loss: f64) -> &mut Self {
         self.each_dof(|dof| dof.friction_loss = friction_loss)
     }
-    /// The degrees of freedom, one per axis; three for a ball, six for a free joint.
+    /// The degrees of freedom, to be changed.
     pub fn dofs_mut(&mut self) -> &mut [Dof] {
         &mut self.joint.dofs
     }
@@ -122,19 +141,19 @@ impl JointDraft {
         (self.joint.linear_compliance, self.joint.angular_compliance) = (linear, angular);
         self
     }
-    /// Marks the joint as closing a loop.
-    pub fn closes_loop(&mut self) -> &mut Self {
-        self.joint.closes_loop = true;
+    /// Sets whether the joint closes a loop.
+    pub fn closes_loop(&mut self, closes_loop: bool) -> &mut Self {
+        self.joint.closes_loop = closes_loop;
         self
     }
-    /// Lets parent and child touch.
-    pub fn bodies_collide(&mut self) -> &mut Self {
-        self.joint.bodies_collide = true;
+    /// Sets whether parent and child may touch.
+    pub fn bodies_collide(&mut self, bodies_collide: bool) -> &mut Self {
+        self.joint.bodies_collide = bodies_collide;
         self
     }
-    /// Switches the joint off at the start.
-    pub fn disabled(&mut self) -> &mut Self {
-        self.joint.enabled = false;
+    /// Sets whether the joint is switched on at the start.
+    pub fn enabled(&mut self, enabled: bool) -> &mut Self {
+        self.joint.enabled = enabled;
         self
     }
 

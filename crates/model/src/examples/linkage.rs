@@ -216,7 +216,7 @@ fn add_leg(
     for (what, rod, pin, link, pivot, at) in loops {
         let joint = machine.ball(format!("{name}_{what}_end"), rod);
         let [on_rod, on_link] = [pin, pivot].map(|origin| Pose::at((at - origin).extend(0.0)));
-        joint.parent(link).frames(on_link, on_rod).closes_loop();
+        joint.parent(link).frames(on_link, on_rod).closes_loop(true);
     }
 }
 

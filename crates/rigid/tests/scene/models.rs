@@ -159,7 +159,7 @@ pub fn looped() -> Result<Model, ModelError> {
         .revolute("bend", right, DVec3::Z)
         .parent(across)
         .frames(turned, top);
-    let closing = frame.revolute("closing", right, DVec3::Z).closes_loop();
+    let closing = frame.revolute("closing", right, DVec3::Z).closes_loop(true);
     closing.frames(Pose::at(DVec3::X * 0.4), bottom);
     let stay = frame.distance("stay", right, 0.5).parent(left);
     stay.frames(bottom, bottom).compliance(1e-4, 0.0);

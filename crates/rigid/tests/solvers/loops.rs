@@ -95,7 +95,7 @@ fn pair(kind: &str, closes: bool) -> Model {
     };
     let joint = joint.parent(one).frames(FRAMES[0], FRAMES[1]);
     if closes {
-        joint.closes_loop();
+        joint.closes_loop(true);
     }
     world.build().unwrap()
 }
@@ -198,7 +198,7 @@ fn a_parallelogram_swings_as_a_pendulum() {
     let hinge = object
         .revolute("right_bottom", across, DVec3::Z)
         .parent(right);
-    hinge.frames(bottom, ends[1]).closes_loop();
+    hinge.frames(bottom, ends[1]).closes_loop(true);
     let model = world.build().unwrap();
 
     let about_pivot = inertia + crank * length * length / 4.0;

@@ -465,7 +465,7 @@ pub fn rods(count: usize, ring: bool) -> Model {
         let hinge = object.revolute(format!("hinge_{i}"), child, DVec3::Z);
         let hinge = hinge.parent(rods[i - 1]).frames(bottom, top);
         if i == count {
-            hinge.closes_loop();
+            hinge.closes_loop(true);
         }
     }
     world.build().unwrap()

@@ -62,7 +62,7 @@ fn four_bar(start: f64) -> Model {
     loop_joint
         .parent(coupler)
         .frames(end(b), end(c))
-        .closes_loop();
+        .closes_loop(true);
     world.build().unwrap()
 }
 

@@ -1,0 +1,86 @@
+//! Keywords of calls that make or change something.
+
+use crate::error;
+use crate::geometry::pose;
+use kinetarium::model::Pose;
+use pyo3::conversion::FromPyObjectOwned;
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// Keywords as they were given; `None` is as if there were none.
+pub struct Keywords<'a, 'py> {
+    /// What they are for, as in `joint "hinge"`.
+    what: &'a str,
+    options: Option<&'a Bound<'py, PyDict>>,
+}
+
+impl<'a, 'py> Keywords<'a, 'py> {
+    /// All are known. `kind` is what takes them, as in "joints".
+    pub fn new(
+        what: &'a str,
+        kind: &str,
+        known: &[&str],
+        options: Option<&'a Bound<'py, PyDict>>,
+    ) -> PyResult<Self> {
+        for name in options.into_iter().flat_map(|options| options.keys()) {
+            let name: String = name.extract()?;
+            if !known.contains(&name.as_str()) {
+                let known = known.join(", ");
+                let message = format!("{kind} have no option \"{name}\"; known are {known}");
+                return Err(error::raise("UnknownNameError", message));
+            }
+        }
+        Ok(Self { what, options })
+    }
+    pub fn read<T>(
+        &self,
+        name: &str,
+        read: impl FnOnce(&Bound<'py, PyAny>) -> PyResult<T>,
+    ) -> PyResult<Option<T>> {
+        let value = match self.options {
+            Some(options) => options.get_item(name)?,
+            None => None,
+        };
+        let Some(value) = value.filter(|value| !value.is_none()) else {
+            return Ok(None);
+        };
+        let read = read(&value).map_err(|e| {
+            let why = e.value(value.py());
+            PyTypeError::new_err(format!("{}: option {name}: {why}", self.what))
+        });
+        Ok(Some(read?))
+    }
+    pub fn get<T: FromPyObjectOwned<'py>>(&self, name: &str) -> PyResult<Option<T>> {
+        self.read(name, |value| value.extract().map_err(Into::into))
+    }
+    /// Where it is in the object.
+    pub fn place(&self) -> PyResult<Place> {
+        Ok(Place {
+            position: self.get("position")?,
+            orientation: self.get("orientation")?,
+        })
+    }
+    pub fn refused(&self, why: &str) -> PyErr {
+        error::value(format!("{}: {why}", self.what))
+    }
+}
+
+/// Position and orientation, each as far as given.
+#[derive(Clone, Copy)]
+pub struct Place {
+    position: Option<[f64; 3]>,
+    orientation: Option<[f64; 4]>,
+}
+
+impl Place {
+    pub fn is_given(&self) -> bool {
+        self.position.is_some() || self.orientation.is_some()
+    }
+    /// What is not given stays.
+    pub fn moved(self, from: Pose) -> Pose {
+        let position = self.position.unwrap_or(from.position.to_array());
+        let orientation = self.orientation.unwrap_or(from.orientation.to_array());
+        pose(position, orientation)
+    }
+}
