@@ -33,7 +33,7 @@ pub struct Worlds {
     parameters: CudaSlice<f32>,
     parameters_per_world: bool,
     /// Of the step, then of each report, once they were wanted.
-    kernels: [Option<Kernel>; 4],
+    kernels: [Option<Kernel>; 5],
 }
 
 impl Device<f32> for Cuda {

@@ -26,7 +26,7 @@ pub struct Worlds {
     /// One set for all worlds; each part has its own where worlds differ.
     parameters: wgpu::Buffer,
     /// Of the step, then of each report, once they were wanted.
-    kernels: [Option<wgpu::ComputePipeline>; 4],
+    kernels: [Option<wgpu::ComputePipeline>; 5],
 }
 
 /// Some of the worlds.

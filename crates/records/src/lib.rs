@@ -13,6 +13,7 @@ use rigid::{Kernels, Lengths, Report, Solver};
 pub struct Programs {
     /// A substep.
     pub step: Program,
+    joints: Program,
     motion: Program,
     contacts: Program,
     everything: Program,
@@ -39,6 +40,7 @@ impl Programs {
     fn of(kernels: &impl Kernels) -> Result<Self, TraceError> {
         Ok(Self {
             step: trace::record(|k| kernels.step_in_parts(k))?,
+            joints: trace::record(|k| kernels.report_joints(k))?,
             motion: trace::record(|k| kernels.report_motion(k))?,
             contacts: trace::record(|k| kernels.report_contacts(k))?,
             everything: trace::record(|k| kernels.report(k))?,
@@ -50,6 +52,7 @@ impl Programs {
     /// What fills the output from the state.
     pub fn report(&self, report: Report) -> &Program {
         match report {
+            Report::Joints => &self.joints,
             Report::Motion => &self.motion,
             Report::Contacts => &self.contacts,
             Report::Everything => &self.everything,

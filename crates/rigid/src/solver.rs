@@ -200,7 +200,9 @@ pub trait Kernels: Clone + Send + Sync + 'static {
             finish(self, k, stage);
         }
     }
-    /// Fills in where bodies and joints are and how they move; of the rest of the output nothing is said.
+    /// Fills in where joints are and how they move; of the rest of the output nothing is said.
+    fn report_joints<M: Machine>(&self, k: &mut M);
+    /// The same of bodies, too.
     fn report_motion<M: Machine>(&self, k: &mut M);
     /// The same, and the contacts of the last step.
     fn report_contacts<M: Machine>(&self, k: &mut M);
@@ -232,7 +234,9 @@ impl<'a> Solver<'a> {
 /// How much of the output is worked out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Report {
-    /// Where bodies and joints are, and how they move.
+    /// Where joints are, and how they move.
+    Joints,
+    /// The same of bodies, too.
     Motion,
     /// The same, and the contacts of the last step.
     Contacts,

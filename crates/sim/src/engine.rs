@@ -1,6 +1,6 @@
 //! From a block of worlds in memory to a kernel on a machine.
 
-use crate::jobs::{Lane, begin, contacts, finish, motion, narrow_phase, report, steps};
+use crate::jobs::{Lane, begin, contacts, finish, joints, motion, narrow_phase, report, steps};
 use model::{Model, ShapeId};
 use numbers::Float;
 use rigid::{Kernels, Lengths, OutputTables, Report};
@@ -90,6 +90,7 @@ impl<K: Kernels, T: Float> Engine<T> for K {
     }
     fn run(&self, lane: Lane, _: usize, mut block: Block<'_, T>, task: Task) {
         match task {
+            Task::Report(Report::Joints) => joints::run(lane, self, &mut block, 0),
             Task::Report(Report::Motion) => motion::run(lane, self, &mut block, 0),
             Task::Report(Report::Contacts) => contacts::run(lane, self, &mut block, 0),
             Task::Report(Report::Everything) => report::run(lane, self, &mut block, 0),

@@ -155,7 +155,11 @@ job! {
     }
 }
 job! {
-    /// Where bodies and joints are, and how they move, from the state.
+    /// Where joints are, and how they move, from the state.
+    joints(kernels, cpu, _none), false, { kernels.report_joints(cpu) }
+}
+job! {
+    /// The same of bodies, too.
     motion(kernels, cpu, _none), false, { kernels.report_motion(cpu) }
 }
 job! {

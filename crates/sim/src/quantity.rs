@@ -125,15 +125,14 @@ impl Quantity {
     /// How much of the output has to be of the present state.
     pub(crate) fn needs(self) -> Report {
         match self {
+            Self::JointPosition | Self::JointVelocity => Report::Joints,
             Self::BodyPosition
             | Self::BodyOrientation
             | Self::BodyVelocity
             | Self::BodyAngularVelocity
             | Self::CenterOfMass
             | Self::SpatialInertia
-            | Self::SpatialVelocity
-            | Self::JointPosition
-            | Self::JointVelocity => Report::Motion,
+            | Self::SpatialVelocity => Report::Motion,
             Self::ContactWrench | Self::SpatialContactForce => Report::Contacts,
             _ => Report::Everything,
         }

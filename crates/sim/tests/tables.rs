@@ -39,12 +39,16 @@ fn read(sim: &mut Simulation<f32>, quantity: Quantity) -> Vec<Vec<f32>> {
 
 #[test]
 fn quantities_are_what_is_told_of_each_world() {
-    let model = examples::n_pendula(3).unwrap();
-    for solver in SOLVERS {
-        let mut sim = simulation(&model, solver);
+    let models = [examples::n_pendula(3), examples::ball_joint()].map(Result::unwrap);
+    let cases = models
+        .iter()
+        .flat_map(|model| SOLVERS.map(|solver| (model, solver)));
+    for (model, solver) in cases {
+        let mut sim = simulation(model, solver);
         let single = |x: Vec<f64>| x.into_iter().map(|x| x as f32).collect::<Vec<_>>();
-        // Motion first: it is reported by itself.
+        // Joints first, then motion: they are reported by themselves.
         let positions = read(&mut sim, Quantity::JointPosition);
+        let velocities = read(&mut sim, Quantity::JointVelocity);
         let bodies = read(&mut sim, Quantity::BodyPosition);
         let forces = read(&mut sim, Quantity::ReactionForce);
         let orientations = read(&mut sim, Quantity::BodyOrientation);
@@ -53,18 +57,19 @@ fn quantities_are_what_is_told_of_each_world() {
         let outputs = sim.outputs();
         for world in 0..WORLDS {
             assert_eq!(positions[world], single(outputs.joint_position(world)));
+            assert_eq!(velocities[world], single(outputs.joint_velocity(world)));
             assert_eq!(
                 accelerations[world],
                 single(outputs.joint_acceleration(world))
             );
             assert_eq!(energies[world], [outputs.kinetic_energy(world) as f32]);
-            for b in 0..3 {
+            for b in 0..model.bodies.len() {
                 let (at, turn) = (&bodies[world][3 * b..], &orientations[world][4 * b..]);
                 let pose = outputs.body_pose(world, BodyId(b));
                 assert_eq!(at[..3], pose.position.as_vec3().to_array());
                 assert_eq!(turn[..4], pose.orientation.as_quat().to_array());
             }
-            for j in 0..3 {
+            for j in 0..model.joints.len() {
                 let force = outputs.reaction(world, JointId(j)).0.as_vec3();
                 assert_eq!(forces[world][3 * j..][..3], force.to_array());
             }

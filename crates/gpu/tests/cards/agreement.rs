@@ -10,14 +10,14 @@ use sim::{Quantity, Simulation, SimulationSettings, SolverKind};
 
 const H: f64 = 0.002;
 
-/// All that is reported, in the order of worlds, rows and numbers.
+/// All that is reported, in the order of worlds, rows and numbers: what is reported by itself first.
 pub const QUANTITIES: [Quantity; 16] = [
+    Quantity::JointPosition,
+    Quantity::JointVelocity,
     Quantity::BodyPosition,
     Quantity::BodyOrientation,
     Quantity::BodyVelocity,
     Quantity::BodyAngularVelocity,
-    Quantity::JointPosition,
-    Quantity::JointVelocity,
     Quantity::JointAcceleration,
     Quantity::ReactionForce,
     Quantity::ReactionTorque,

@@ -230,6 +230,11 @@ impl<const CONTACTS: bool> Kernels for ArticulatedBodies<CONTACTS> {
         integrate::finish::<M, CONTACTS>(k, &tables, self.integrator, stage);
     }
     #[inline(always)]
+    fn report_joints<M: Machine>(&self, k: &mut M) {
+        let tables = self.tables;
+        report::joints(k, &tables);
+    }
+    #[inline(always)]
     fn report_motion<M: Machine>(&self, k: &mut M) {
         let tables = self.tables;
         report::motion(k, &tables);

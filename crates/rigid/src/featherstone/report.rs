@@ -34,7 +34,7 @@ pub(crate) fn report<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
         limit::begin(k, t);
     }
     articulated_body::<M, CONTACTS>(k, t, now, now);
-    coordinates(k, t);
+    joints(k, t);
     accelerations(k, t);
     bodies(k, t);
     body_accelerations(k, t);
@@ -51,7 +51,7 @@ pub(crate) fn report<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
 #[inline(always)]
 pub(crate) fn motion<M: Machine>(k: &mut M, t: &Tables) {
     kinematics(k, t);
-    coordinates(k, t);
+    joints(k, t);
     bodies(k, t);
 }
 
@@ -64,8 +64,9 @@ pub(crate) fn contacts<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) 
     }
 }
 
+/// Coordinates and velocities of joints only, which are the state.
 #[inline(always)]
-fn coordinates<M: Machine>(k: &mut M, t: &Tables) {
+pub(crate) fn joints<M: Machine>(k: &mut M, t: &Tables) {
     for q in k.count(t.coordinates) {
         let x = k.load(t.position, q, 0);
         k.store(t.output.position, q, 0, x);

@@ -185,6 +185,11 @@ impl Kernels for Xpbd {
         substep(k, &tables);
     }
     #[inline(always)]
+    fn report_joints<M: Machine>(&self, k: &mut M) {
+        let tables = self.tables;
+        report::joints(k, &tables);
+    }
+    #[inline(always)]
     fn report_motion<M: Machine>(&self, k: &mut M) {
         let tables = self.tables;
         report::motion(k, &tables);

@@ -25,6 +25,12 @@ pub(crate) fn report<M: Machine>(k: &mut M, t: &Tables) {
 #[inline(always)]
 pub(crate) fn motion<M: Machine>(k: &mut M, t: &Tables) {
     bodies(k, t);
+    joints(k, t);
+}
+
+/// Coordinates and velocities of joints only, which follow from their bodies.
+#[inline(always)]
+pub(crate) fn joints<M: Machine>(k: &mut M, t: &Tables) {
     axes(k, t);
     balls(k, t);
     frees(k, t);
