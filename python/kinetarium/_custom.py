@@ -106,7 +106,9 @@ class CustomArray:
     def __init__(self, sensors: list[Custom], worlds: int, dt: float, seed: int) -> None:
         self._channels = {sensor.name: _Channel(sensor, worlds, dt, seed) for sensor in sensors}
         self._dt = dt
-        self._left = np.zeros(worlds)  # times at which steps left the worlds [s]
+        self._seen: np.ndarray | None = (
+            None  # `Engine.begun` when the worlds were last looked at; none: it may be any
+        )
         self._began = np.zeros(worlds, np.int64)  # how often each has begun anew
 
     def __contains__(self, name: str) -> bool:
@@ -124,30 +126,27 @@ class CustomArray:
         steps = self._steps(simulation.time[~simulation.state.diverged])
         return min(channel.steps_until_due(steps).min(initial=inf) for channel in self._channels.values())
 
-    def sample(self, simulation: Simulation) -> None:
-        """Takes all samples that are due in worlds that run; the others keep what was measured last."""
+    def update(self, simulation: Simulation) -> None:
+        """Takes all samples that are due in worlds that run, and first ones in those that have begun anew; the others
+        keep what was measured last."""
         if not self._channels:
             return
+        self._look_at_worlds(simulation)
         time, runs = simulation.time, ~simulation.state.diverged
         steps = self._steps(time)
         for channel in self._channels.values():
             due = np.flatnonzero(runs & channel.due(steps))
             if due.size or channel.reading is None:
                 channel.take(np.array(channel.sensor.measure(simulation)), due, time, steps, self._began)
-        self._left = time
 
-    def update(self, simulation: Simulation) -> None:
-        """Samples worlds anew that were set or reset: their time is 0, or not that at which steps left them. Where it
-        tells of none, as after a snapshot of the same time, all are sampled."""
-        time = simulation.time
-        moved = time != self._left
-        begun = moved | (time == 0)
-        if not begun.any():
-            begun[:] = True
-        self._began += moved
+    def _look_at_worlds(self, simulation: Simulation) -> None:
+        """Forgets the samples of those that were set meanwhile."""
+        begun = simulation._engine.begun()
+        anew = np.zeros(len(begun), bool) if self._seen is None else begun != self._seen
+        self._seen = begun
+        self._began += anew
         for channel in self._channels.values():
-            channel.forget(begun)
-        self.sample(simulation)
+            channel.forget(anew)
 
     def _steps(self, time: np.ndarray) -> np.ndarray:
         return np.round(time / self._dt)
@@ -155,10 +154,11 @@ class CustomArray:
     def save(self) -> Any:
         """What is carried along, beside a snapshot of the simulation."""
         channels = {name: channel.save() for name, channel in self._channels.items()}
-        return deepcopy((channels, self._left, self._began))
+        return deepcopy((channels, self._began))
 
     def restore(self, saved: Any) -> None:
         """Puts back what `save` gave."""
-        channels, self._left, self._began = deepcopy(saved)
+        channels, self._began = deepcopy(saved)
+        self._seen = None
         for name, channel in self._channels.items():
             channel.restore(channels[name])

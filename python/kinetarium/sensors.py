@@ -38,6 +38,7 @@ from kinetarium._engine import Engine, Measurement, Model, SensorArray
 from kinetarium.cameras import Camera as Pinhole
 from kinetarium.cameras import Images
 from kinetarium.errors import SensorError, UnknownNameError
+from kinetarium.names import hint
 from kinetarium.types import Frame, Place, Vector
 
 if TYPE_CHECKING:
@@ -348,7 +349,7 @@ class Sensors(Mapping[str, "np.ndarray | Images"]):
                 diverged += engine.step(part)
             else:
                 diverged += self._array.step(engine, part)
-            self._custom.sample(simulation)
+            self._custom.update(simulation)
             steps -= part
         return diverged
 
@@ -370,8 +371,7 @@ class Sensors(Mapping[str, "np.ndarray | Images"]):
         if name in self._custom:
             return self._custom.reading(name)
         if self._array is None or name not in self:
-            known = ", ".join(self) or "none"
-            raise UnknownNameError(f'there is no sensor named "{name}"; there are {known}')
+            raise UnknownNameError(f'there is no sensor "{name}"; {hint(name, list(self))}')
         if name in self._cameras:
             images, time = self._array.images(name)
             return Images(**images, time=time), time

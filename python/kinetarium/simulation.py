@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from threading import get_ident
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -16,13 +15,15 @@ from kinetarium._engine import Engine, Model, framing, render_view, show
 from kinetarium.arrays import checked, whole
 from kinetarium.cameras import Camera, Images
 from kinetarium.controls import Controls
-from kinetarium.errors import BusyError, OutOfRangeError, ShapeError, SimulationError, UnknownNameError
+from kinetarium.errors import OutOfRangeError, ShapeError, SimulationError, UnknownNameError
 from kinetarium.names import Strict, hint
 from kinetarium.parameters import Parameters, parameter_names
 from kinetarium.sensors import Custom, Sensor, Sensors
 from kinetarium.state import State
 from kinetarium.view import View
 from kinetarium.worlds import Worlds
+
+_NO_CONTROL = np.empty(0)
 
 Solver = Literal["auto", "featherstone", "xpbd", "impulse"]
 Integrator = Literal["semi_implicit_euler", "explicit_euler", "verlet", "runge_kutta_4"]
@@ -167,7 +168,6 @@ class Simulation(Strict):
         "_device",
         "_isa",
         "_parameters",
-        "_sampling",
         "_sensors",
         "_settings",
         "_solver",
@@ -228,9 +228,9 @@ class Simulation(Strict):
         self._parameters = Parameters(self._worlds)
         self._view: View | None = None
         self._watched: tuple[Watched, ...] = ()
-        self._sampling: int | None = None
         self._sensors = Sensors(self, sensors, seed)
-        self._update_sensors()
+        with self._worlds.changing():
+            self._sensors._update(self)
 
     def _make(self, model: Model, worlds: int, dtype: np.dtype) -> Engine:
         keywords = dict(self._settings)
@@ -331,32 +331,11 @@ class Simulation(Strict):
         What a `Custom` sensor raises ends it at the step in which that was sampled.
         """
         steps = whole("steps", steps)
-        engine = self._changeable()
-        self._controls._send(engine)
-        self._worlds.moment += 1
-        diverged = self._step_sensors(steps) if self._sensors else engine.step(steps)
+        with self._worlds.changing() as engine:
+            self._controls._send(engine)
+            self._worlds.moment += 1
+            diverged = self._sensors._step(self, engine, steps) if self._sensors else engine.step(steps)
         return np.array(diverged, np.int64)
-
-    def _changeable(self) -> Engine:
-        """The engine, to change states by."""
-        if self._sampling is not None and self._sampling == get_ident():
-            raise BusyError("a `Custom` sensor changes the simulation that it measures: it may only read it")
-        return self._engine
-
-    def _step_sensors(self, steps: int) -> list[int]:
-        self._sampling = get_ident()
-        try:
-            return self._sensors._step(self, self._engine, steps)
-        finally:
-            self._sampling = None
-
-    def _update_sensors(self) -> None:
-        """Lets sensors sample worlds that were set."""
-        self._sampling = get_ident()
-        try:
-            self._sensors._update(self)
-        finally:
-            self._sampling = None
 
     def _rows(self, worlds: ArrayLike | None) -> np.ndarray:
         """Worlds as numbers: all, or those of a mask, or those of a list."""
@@ -380,21 +359,33 @@ class Simulation(Strict):
         """Brings worlds (a mask, a list of rows, or all) to the model's initial state at time 0, or to one of its
         keyframes, with the model's controls."""
         rows = self._rows(worlds)
-        if keyframe is None:
-            self._changeable().reset(rows)
-            self._begun(rows)
+        if keyframe is not None:
+            position, velocity, control = self.model.keyframe(keyframe)
+            self._put(rows, position, velocity, control)
             return
-        position, velocity, control = self.model.keyframe(keyframe)
-        self.set_state(position, velocity, worlds=rows)
-        if control.size:
-            self._controls.actuator[rows] = control
+        with self._worlds.changing() as engine:
+            engine.reset(rows)
+            self._begun(engine, rows)
 
-    def _begun(self, rows: np.ndarray) -> None:
-        """Takes over what the engine has of worlds that were set: controls, and what sensors read."""
+    def _put(self, rows: np.ndarray, position: ArrayLike, velocity: ArrayLike, control: np.ndarray) -> None:
+        """Puts worlds at a state at time 0, with these controls of actuators, or the model's if they are empty."""
+        position = checked("joint_position", position, (len(rows), self.model.coordinates))
+        velocity = checked("joint_velocity", velocity, (len(rows), self.model.degrees_of_freedom))
+        with self._worlds.changing() as engine:
+            self._state._put(rows, position, velocity, keep=False)
+            self._begun(engine, rows, control)
+
+    def _begun(self, engine: Engine, rows: np.ndarray, control: np.ndarray = _NO_CONTROL) -> None:
+        """Takes over what the engine has of worlds that were set: controls, but for those that are given, and what
+        sensors read."""
+        if not rows.size:
+            return
         self._worlds.moment += 1
         self._controls._fetch(rows)
-        if self._sensors:
-            self._update_sensors()
+        if control.size:
+            self._controls.actuator[rows] = control
+            self._controls._send(engine)
+        self._sensors._update(self)
 
     def set_state(
         self,
@@ -410,12 +401,7 @@ class Simulation(Strict):
 
         Raises `ShapeError`, `OutOfRangeError`, and `SimulationError` for numbers that are not finite.
         """
-        rows = self._rows(worlds)
-        position = checked("joint_position", joint_position, (len(rows), self.model.coordinates))
-        velocity = checked("joint_velocity", joint_velocity, (len(rows), self.model.degrees_of_freedom))
-        self._changeable()
-        self._state._put(rows, position, velocity, keep=False)
-        self._begun(rows)
+        self._put(self._rows(worlds), joint_position, joint_velocity, _NO_CONTROL)
 
     def snapshot(self) -> bytes:
         """States, controls and times of all worlds, to the bit; not what sensors carry along (pickle the simulation
@@ -426,8 +412,9 @@ class Simulation(Strict):
     def restore(self, snapshot: bytes | bytearray | memoryview) -> None:
         """Returns to a snapshot of the same model, solver, dtype and number of worlds."""
         held = snapshot if isinstance(snapshot, bytes) else bytes(memoryview(snapshot))
-        self._changeable().restore(held)
-        self._begun(np.arange(self.worlds))
+        with self._worlds.changing() as engine:
+            engine.restore(held)
+            self._begun(engine, np.arange(self.worlds))
 
     def save(self, path: str | Path) -> None:
         """Writes a snapshot to a file."""

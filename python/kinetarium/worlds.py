@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from threading import Lock, get_ident
 
 import numpy as np
 
 from kinetarium._engine import Engine, Model
-from kinetarium.errors import ClosedError, ForkedError
+from kinetarium.errors import BusyError, ClosedError, ForkedError
 from kinetarium.names import JointNames, Names
 
 _forks = 0  # how many lie between the first process and this one
@@ -29,12 +32,26 @@ class Worlds:
     simulation is freed with the last reference to it.
     """
 
-    __slots__ = ("__weakref__", "_engine", "_forks", "_names", "closed", "count", "dtype", "model", "moment")
+    __slots__ = (
+        "__weakref__",
+        "_changer",
+        "_engine",
+        "_forks",
+        "_names",
+        "_turn",
+        "closed",
+        "count",
+        "dtype",
+        "model",
+        "moment",
+    )
 
     def __init__(self, engine: Engine, model: Model, count: int, dtype: np.dtype) -> None:
         self._engine = engine
         self._forks = _forks
         self._names: dict[str, Names] = {}
+        self._turn = Lock()
+        self._changer: int | None = None  # the thread whose turn it is
         self.model = model
         self.count = count
         self.dtype = dtype
@@ -58,6 +75,24 @@ class Worlds:
                 'here, or start processes by multiprocessing\'s "spawn", which hands on a copy'
             )
         return self._engine
+
+    @contextmanager
+    def changing(self) -> Iterator[Engine]:
+        """The engine, to bring worlds into another state by: one call at a time, from the first to the last that it
+        does, and none by a sensor that measures meanwhile. Raises `BusyError`."""
+        engine = self.engine
+        if not self._turn.acquire(blocking=False):
+            if self._changer == get_ident():
+                raise BusyError("a `Custom` sensor changes the simulation that it measures: it may only read it")
+            raise BusyError(
+                "another thread is using this simulation: one call at a time, or a simulation for each thread"
+            )
+        self._changer = get_ident()
+        try:
+            yield engine
+        finally:
+            self._changer = None
+            self._turn.release()
 
     def close(self) -> None:
         """Frees the worlds."""

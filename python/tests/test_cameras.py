@@ -84,5 +84,5 @@ def test_a_camera_turns_with_its_body_or_tracks_it(sim):
     # Seen from the hand, the rod stands still, whose image the other camera sees turn.
     assert (hand[0] == hand[1]).all() and (hand[0] == beside[0]).all()
     assert (beside[0] != beside[1]).any()
-    with pytest.raises(UnknownNameError, match='no mode "ride"'):
+    with pytest.raises(UnknownNameError, match='no mode of cameras "ride"'):
         sim.render(replace(views["hand"], mode="ride"))

@@ -161,7 +161,7 @@ def test_sensors_of_a_file_are_as_others(moving):
     assert np.unique(sim.sensors["noisy"][:, 0]).size == 3
     twin = pickle.loads(pickle.dumps(sim))
     assert (twin.sensors["noisy"] == sim.sensors["noisy"]).all()
-    with pytest.raises(UnknownNameError, match=r"no sensor \"none\"; there are q twist"):
+    with pytest.raises(UnknownNameError, match=r"no sensor of the model \"none\"; there are q twist"):
         kn.Simulation(sim.model, sensors=[kn.sensors.Described("none")])
 
 

@@ -1,6 +1,7 @@
 """Sensors against closed forms, their rates, their noise, and what is refused."""
 
 import pickle
+import threading
 
 import numpy as np
 import pytest
@@ -134,6 +135,57 @@ def test_worlds_that_are_reset_are_sampled_alone():
     assert len(called) == 13
     assert sim.sensors["own"][1] == begin and (sim.sensors["own"][[0, 2]] != begin).all()
     assert sim.sensors.time("own").round(6).tolist() == [0.2, 0.0, 0.2]
+
+
+def test_what_resets_no_world_samples_none():
+    sim = kn.Simulation(
+        kn.examples.n_pendula(1),
+        worlds=2,
+        sensors=[
+            sensors.Custom("own", lambda s: s.state.joint_position, rate=10),
+            sensors.JointPosition("q", rate=10),
+        ],
+    )
+    for _ in range(12):
+        sim.step(10)  # 0.24 s
+        sim.reset(sim.state.diverged)
+    assert sim.sensors.time("own").round(6).tolist() == sim.sensors.time("q").round(6).tolist() == [0.2, 0.2]
+    assert (sim.sensors["own"] == sim.sensors["q"]).all()
+
+
+def test_sensors_see_the_controls_of_a_keyframe():
+    model = kn.parse("""
+        <mujoco><worldbody><body><joint name="j"/><geom size=".1"/></body></worldbody>
+          <actuator><motor name="m" joint="j"/></actuator>
+          <keyframe><key name="pushed" qpos="0.5" ctrl="3"/></keyframe></mujoco>""")
+    sim = kn.Simulation(
+        model,
+        worlds=2,
+        sensors=[sensors.ActuatorForce("m"), sensors.Custom("own", lambda s: np.array(s.controls.actuator))],
+    )
+    sim.reset([1], keyframe="pushed")
+    assert sim.sensors["m"].tolist() == sim.sensors["own"].tolist() == [[0], [3]]
+
+
+def test_another_thread_cannot_change_what_a_sensor_measures():
+    measuring, done = threading.Event(), threading.Event()
+
+    def slow(sim):
+        if sim.time[0] > 0:
+            measuring.set()
+            assert done.wait(20)
+        return sim.time
+
+    sim = kn.Simulation(kn.examples.n_pendula(1), sensors=[sensors.Custom("slow", slow, rate=100)])
+    thread = threading.Thread(target=sim.step, args=[10])
+    thread.start()
+    assert measuring.wait(20)
+    for change in [sim.step, sim.reset, lambda: sim.set_state([0.0]), lambda: sim.restore(b"")]:
+        with pytest.raises(BusyError, match="another thread"):
+            change()
+    done.set()
+    thread.join()
+    assert sim.step().size == 0 and sim.time[0] == pytest.approx(0.022)
 
 
 def test_a_diverged_world_keeps_what_was_measured():

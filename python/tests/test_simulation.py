@@ -446,8 +446,10 @@ def _read_only(shape, dtype):
         ({"worlds": -3}, "worlds is -3"),
         ({"dt": 0.0}, "time step"),
         ({"dt": np.nan}, "time step"),
-        ({"solver": "magic"}, "unknown solver"),
-        ({"integrator": "euler"}, "unknown integrator"),
+        ({"solver": "magic"}, 'no solver "magic"; there are auto'),
+        ({"integrator": "verlt"}, 'no integrator "verlt"; did you mean "verlet"'),
+        ({"integrator": "verlet", "solver": "xpbd"}, "verlet with the solver xpbd: it must be semi_implicit_euler"),
+        ({"contact_passes": 0}, "contact passes is 0"),
         ({"dtype": "int32"}, "float32 or float64"),
         ({"worlds": 10**9}, "worlds"),
         ({"worlds": "4"}, "worlds is '4': it must be a whole number"),
@@ -459,7 +461,7 @@ def _read_only(shape, dtype):
     ],
 )
 def test_bad_settings(settings, message):
-    with pytest.raises((SimulationError, TypeError), match=message):
+    with pytest.raises((SimulationError, TypeError, UnknownNameError), match=message):
         kn.Simulation(kn.examples.n_pendula(1), **settings)
     with pytest.raises(TypeError, match="give a Model"):
         kn.Simulation("humanoid.xml")
@@ -548,12 +550,14 @@ def test_a_table_of_the_wrong_shape_is_refused():
         read("joint_position", table)
 
 
-def test_a_key_interrupts_many_steps():
+@pytest.mark.parametrize("sensors", ["", "JointPosition('q', rate=0.01)", "Custom('q', lambda s: s.time, rate=0.01)"])
+def test_a_key_interrupts_many_steps(sensors):
     """As Ctrl-C does: what was stepped until then stays."""
-    program = """
+    program = f"""
 import signal, threading, time
 import kinetarium as kn
-sim = kn.Simulation(kn.examples.n_pendula(3), worlds=256)
+from kinetarium.sensors import *
+sim = kn.Simulation(kn.examples.n_pendula(3), worlds=256, sensors=[{sensors}])
 threading.Timer(0.3, signal.raise_signal, [signal.SIGINT]).start()
 begin = time.monotonic()
 try:

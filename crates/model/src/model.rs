@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
 pub(crate) use check::Subject;
-pub use lookup::similar_name;
+pub use lookup::{hint, similar_name};
 pub(crate) use validate::MOST_ROWS;
 
 /// Which axis points up.

@@ -44,7 +44,7 @@ impl BodyOptions {
         stands: Option<&BodyDraft>,
     ) -> PyResult<Self> {
         let what = format!("body {name:?}");
-        let keywords = Keywords::new(&what, "bodies", &KNOWN, options)?;
+        let keywords = Keywords::new(&what, "option of bodies", &KNOWN, options)?;
         let was_static = stands.is_some_and(BodyDraft::is_static);
         let is_static = keywords.get("static")?.unwrap_or(was_static);
         if was_static && !is_static {

@@ -4,7 +4,8 @@ use crate::body_options::BodyOptions;
 use crate::count::natural;
 use crate::error;
 use crate::joint_options::JointOptions;
-use crate::model::{Model, up_axis_name};
+use crate::model::{Model, UP_AXES};
+use crate::names::{find, name_of};
 use crate::object::Object;
 use glam::DVec3;
 use kinetarium::model::{self, BodyDraft, BodyHandle, JointDraft, JointHandle, ModelError};
@@ -67,17 +68,6 @@ fn foreign(what: &str, role: &'static str) -> PyErr {
     })
 }
 
-fn up_axis(name: &str) -> PyResult<model::UpAxis> {
-    match name {
-        "y" => Ok(model::UpAxis::Y),
-        "z" => Ok(model::UpAxis::Z),
-        other => {
-            let message = format!("unknown axis \"{other}\"; known are y, z");
-            Err(error::value(message))
-        }
-    }
-}
-
 #[pymethods]
 impl Builder {
     #[new]
@@ -93,7 +83,7 @@ impl Builder {
         builder
             .time_step(time_step)
             .replicate(natural("builder", "worlds", worlds)?)
-            .up_axis(self::up_axis(up_axis)?);
+            .up_axis(find(&UP_AXES, "axis", up_axis)?);
         if let Some(gravity) = gravity {
             builder.gravity(DVec3::from_array(gravity));
         }
@@ -108,11 +98,11 @@ impl Builder {
     /// The direction that is up: "y" or "z". Setting it turns gravity to point down.
     #[getter]
     fn up_axis(&self) -> &'static str {
-        up_axis_name(self.builder.settings().up_axis)
+        name_of(&UP_AXES, &self.builder.settings().up_axis)
     }
     #[setter]
     fn set_up_axis(&mut self, up_axis: &str) -> PyResult<()> {
-        self.builder.up_axis(self::up_axis(up_axis)?);
+        self.builder.up_axis(find(&UP_AXES, "axis", up_axis)?);
         Ok(())
     }
     /// Gravity [m/s²].

@@ -3,6 +3,7 @@
 use crate::error;
 use crate::geometry::pose;
 use crate::model::Model;
+use crate::names::{Table, find, unknown};
 use crate::simulation::{Engine, Precise, each, slice};
 use glam::{DVec2, DVec3};
 use kinetarium::model::{BodyId, CameraMode, Pose};
@@ -55,30 +56,15 @@ impl View {
         if let Some(body) = body {
             camera = camera.on(model.get().model.body(body).map_err(error::model)?);
         }
-        camera.mode = self::mode(mode)?;
+        camera.mode = find(&MODES, "mode of cameras", mode)?;
         let view = render::View::new(camera).with_channels(self::channels(&channels)?);
         Ok(Self(view.with_samples(samples).with_occlusion(occlusion)))
     }
 }
 
-fn mode(name: &str) -> PyResult<CameraMode> {
-    match name {
-        "fixed" => Ok(CameraMode::Fixed),
-        "track" => Ok(CameraMode::Track),
-        other => {
-            let message =
-                format!("there is no mode \"{other}\" of cameras; known are fixed, track");
-            Err(error::raise("UnknownNameError", message))
-        }
-    }
-}
-
-pub fn mode_name(mode: CameraMode) -> &'static str {
-    match mode {
-        CameraMode::Fixed => "fixed",
-        CameraMode::Track => "track",
-    }
-}
+/// How cameras of a model move.
+pub const MODES: Table<CameraMode, 2> =
+    [("fixed", CameraMode::Fixed), ("track", CameraMode::Track)];
 
 fn channels(names: &[String]) -> PyResult<Channels> {
     let mut channels = Channels::NONE;
@@ -90,9 +76,8 @@ fn channels(names: &[String]) -> PyResult<Channels> {
             "shape" => channels.shape = true,
             "normal" => channels.normal = true,
             other => {
-                let known = "known are rgb, depth, body, shape, normal";
-                let message = format!("there is no channel \"{other}\"; {known}");
-                return Err(error::raise("UnknownNameError", message));
+                let known = ["rgb", "depth", "body", "shape", "normal"];
+                return Err(unknown("channel", other, &known));
             }
         }
     }

@@ -56,7 +56,7 @@ impl JointOptions {
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let what = format!("joint {name:?}");
-        let keywords = Keywords::new(&what, "joints", &KNOWN, options)?;
+        let keywords = Keywords::new(&what, "option of joints", &KNOWN, options)?;
         let (place, frames) = (
             keywords.place()?,
             [

@@ -2,6 +2,7 @@
 
 use crate::error;
 use crate::geometry::pose;
+use crate::names::unknown;
 use kinetarium::model::Pose;
 use pyo3::conversion::FromPyObjectOwned;
 use pyo3::exceptions::PyTypeError;
@@ -16,7 +17,7 @@ pub struct Keywords<'a, 'py> {
 }
 
 impl<'a, 'py> Keywords<'a, 'py> {
-    /// All are known. `kind` is what takes them, as in "joints".
+    /// All are known. `kind` is of what kind they are, as in "option of joints".
     pub fn new(
         what: &'a str,
         kind: &str,
@@ -26,9 +27,7 @@ impl<'a, 'py> Keywords<'a, 'py> {
         for name in options.into_iter().flat_map(|options| options.keys()) {
             let name: String = name.extract()?;
             if !known.contains(&name.as_str()) {
-                let known = known.join(", ");
-                let message = format!("{kind} have no option \"{name}\"; known are {known}");
-                return Err(error::raise("UnknownNameError", message));
+                return Err(unknown(kind, &name, known));
             }
         }
         Ok(Self { what, options })

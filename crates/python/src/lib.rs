@@ -19,6 +19,7 @@ mod joint_options;
 mod keywords;
 mod material;
 mod model;
+mod names;
 mod object;
 mod replica;
 mod sensors;

@@ -1,6 +1,6 @@
 //! Surfaces of shapes.
 
-use crate::error;
+use crate::names::{Table, find, name_of};
 use kinetarium::model;
 use pyo3::prelude::*;
 
@@ -41,6 +41,14 @@ impl Softness {
     }
 }
 
+/// How coefficients of two surfaces become one.
+const COMBINE: Table<model::Combine, 4> = [
+    ("average", model::Combine::Average),
+    ("minimum", model::Combine::Minimum),
+    ("multiply", model::Combine::Multiply),
+    ("maximum", model::Combine::Maximum),
+];
+
 /// Surface of a shape.
 ///
 /// `torsional_friction` and `rolling_friction` are lengths [m]; `margin` [m] is the distance from the surface at
@@ -64,16 +72,7 @@ impl Material {
         margin: f64,
         combine: &str,
     ) -> PyResult<Self> {
-        let combine = match combine {
-            "average" => model::Combine::Average,
-            "minimum" => model::Combine::Minimum,
-            "multiply" => model::Combine::Multiply,
-            "maximum" => model::Combine::Maximum,
-            other => {
-                let known = "known are average, minimum, multiply, maximum";
-                return Err(error::value(format!("unknown rule \"{other}\"; {known}")));
-            }
-        };
+        let combine = find(&COMBINE, "rule", combine)?;
         Ok(Self(model::Material {
             friction,
             torsional_friction,
@@ -117,12 +116,7 @@ impl Material {
     /// How coefficients of two surfaces become one.
     #[getter]
     fn combine(&self) -> &'static str {
-        match self.0.combine {
-            model::Combine::Average => "average",
-            model::Combine::Minimum => "minimum",
-            model::Combine::Multiply => "multiply",
-            model::Combine::Maximum => "maximum",
-        }
+        name_of(&COMBINE, &self.0.combine)
     }
     fn __repr__(&self) -> String {
         let model::Material {

@@ -1,7 +1,8 @@
 //! Models, made by files or builders.
 
-use crate::camera::mode_name;
+use crate::camera::MODES;
 use crate::error;
+use crate::names::{Table, find, name_of};
 use kinetarium::formats::{self, Files, InMemory, Loaded, Meshes, Options};
 use kinetarium::model::{self, BodyId, JointId};
 use kinetarium::sim::Parameter;
@@ -45,17 +46,15 @@ impl From<Loaded> for Model {
 /// Name, rate, noise, cutoff.
 type Described = (String, Option<f64>, f64, Option<f64>);
 
+/// What becomes of meshes that collide.
+const MESHES: Table<Meshes, 3> = [
+    ("named", Meshes::Named),
+    ("exact", Meshes::Exact),
+    ("hull", Meshes::ConvexHull),
+];
+
 fn options(lenient: bool, meshes: &str, floating_base: bool) -> PyResult<Options> {
-    let meshes = match meshes {
-        "named" => Meshes::Named,
-        "exact" => Meshes::Exact,
-        "hull" => Meshes::ConvexHull,
-        other => {
-            let known = "known are named, exact, hull";
-            let message = format!("unknown treatment of meshes \"{other}\"; {known}");
-            return Err(error::raise("FileError", message));
-        }
-    };
+    let meshes = find(&MESHES, "treatment of meshes", meshes)?;
     Ok(Options {
         lenient,
         meshes,
@@ -95,42 +94,34 @@ pub fn parse(
     Ok(loaded.into())
 }
 
-/// The name of a parameter in Python.
+/// Numbers of a model that can be other ones in each world.
+const PARAMETERS: Table<Parameter, 17> = [
+    ("gravity", Parameter::Gravity),
+    ("body_mass", Parameter::BodyMass),
+    ("body_center", Parameter::BodyCenter),
+    ("body_inertia", Parameter::BodyInertia),
+    ("armature", Parameter::Armature),
+    ("damping", Parameter::Damping),
+    ("stiffness", Parameter::Stiffness),
+    ("rest", Parameter::Rest),
+    ("friction_loss", Parameter::FrictionLoss),
+    ("drive_stiffness", Parameter::DriveStiffness),
+    ("drive_damping", Parameter::DriveDamping),
+    ("effort_limit", Parameter::EffortLimit),
+    ("friction", Parameter::Friction),
+    ("restitution", Parameter::Restitution),
+    ("gear", Parameter::Gear),
+    ("gain", Parameter::Gain),
+    ("bias", Parameter::Bias),
+];
+
+/// A parameter by its name.
 pub fn parameter(name: &str) -> PyResult<Parameter> {
-    Ok(match name {
-        "gravity" => Parameter::Gravity,
-        "body_mass" => Parameter::BodyMass,
-        "body_center" => Parameter::BodyCenter,
-        "body_inertia" => Parameter::BodyInertia,
-        "armature" => Parameter::Armature,
-        "damping" => Parameter::Damping,
-        "stiffness" => Parameter::Stiffness,
-        "rest" => Parameter::Rest,
-        "friction_loss" => Parameter::FrictionLoss,
-        "drive_stiffness" => Parameter::DriveStiffness,
-        "drive_damping" => Parameter::DriveDamping,
-        "effort_limit" => Parameter::EffortLimit,
-        "friction" => Parameter::Friction,
-        "restitution" => Parameter::Restitution,
-        "gear" => Parameter::Gear,
-        "gain" => Parameter::Gain,
-        "bias" => Parameter::Bias,
-        other => {
-            return Err(error::raise(
-                "UnknownNameError",
-                format!("there is no parameter \"{other}\""),
-            ));
-        }
-    })
+    find(&PARAMETERS, "parameter", name)
 }
 
-/// As `Model.up_axis` has it.
-pub fn up_axis_name(up: model::UpAxis) -> &'static str {
-    match up {
-        model::UpAxis::Y => "y",
-        model::UpAxis::Z => "z",
-    }
-}
+/// Directions that are up.
+pub const UP_AXES: Table<model::UpAxis, 2> = [("y", model::UpAxis::Y), ("z", model::UpAxis::Z)];
 
 fn names<'a>(names: impl Iterator<Item = &'a String>) -> Vec<String> {
     names.cloned().collect()
@@ -156,7 +147,7 @@ impl Model {
     /// The direction that is up: "y" or "z".
     #[getter]
     fn up_axis(&self) -> &'static str {
-        up_axis_name(self.model.up_axis)
+        name_of(&UP_AXES, &self.model.up_axis)
     }
     /// Number of worlds that the model asks for.
     #[getter]
@@ -255,14 +246,14 @@ impl Model {
     fn actuator(&self, name: &str) -> PyResult<usize> {
         self.model.actuator(name).map_err(error::model)
     }
-    /// The coordinates of a joint: rows of `state.joint_position`.
+    /// The coordinates of a joint: columns of `state.joint_position`.
     fn joint_coordinates(&self, name: &str) -> PyResult<(usize, usize)> {
         let range = self
             .model
             .coordinate_range(self.model.joint(name).map_err(error::model)?);
         Ok((range.start, range.end))
     }
-    /// The degrees of freedom of a joint: rows of `state.joint_velocity`.
+    /// The degrees of freedom of a joint: columns of `state.joint_velocity`.
     fn joint_dofs(&self, name: &str) -> PyResult<(usize, usize)> {
         let range = self
             .model
@@ -291,7 +282,7 @@ impl Model {
         let body = camera.body.map(|body| &self.model.bodies[body.0].name);
         let fields = PyDict::new(py);
         fields.set_item("body", body)?;
-        fields.set_item("mode", mode_name(camera.mode))?;
+        fields.set_item("mode", name_of(&MODES, &camera.mode))?;
         fields.set_item("position", camera.pose.position.to_array())?;
         fields.set_item("orientation", camera.pose.orientation.to_array())?;
         fields.set_item("field_of_view", camera.field_of_view)?;

@@ -4,11 +4,13 @@ use crate::camera::{View, images};
 use crate::error;
 use crate::geometry::pose;
 use crate::model::Model;
-use crate::simulation::{Engine, Precise, contiguous};
+use crate::names::{Table, find, unknown};
+use crate::simulation::{Engine, Precise, contiguous, in_parts};
 use kinetarium::model::{self, BodyId, JointId};
 use kinetarium::sensors::{
     self, Axes, Draw, ImageNoise, Level, Mount, Noise, Sensor, SensorError, SensorKind, Sensors,
 };
+use kinetarium::sim::Diverged;
 use numpy::{PyArrayDyn, PyArrayMethods, PyReadwriteArrayDyn, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -63,16 +65,8 @@ fn mount(model: &model::Model, (name, position, orientation): &Place<'_>) -> PyR
     })
 }
 
-fn axes(name: &str) -> PyResult<Axes> {
-    match name {
-        "world" => Ok(Axes::World),
-        "own" => Ok(Axes::Own),
-        other => {
-            let message = format!("unknown axes \"{other}\"; known are world, own");
-            Err(error::raise("SensorError", message))
-        }
-    }
-}
+/// Axes in which readings are told.
+const AXES: Table<Axes, 2> = [("world", Axes::World), ("own", Axes::Own)];
 
 #[pymethods]
 impl Measurement {
@@ -110,16 +104,11 @@ impl Measurement {
     #[staticmethod]
     fn described(model: &Bound<'_, Model>, name: &str) -> PyResult<Self> {
         let sensors = Sensor::from_model(&model.get().model);
-        let known: Vec<_> = sensors.iter().map(|s| s.name.clone()).collect();
-        let Some(sensor) = sensors.into_iter().find(|s| s.name == name) else {
-            let known = if known.is_empty() {
-                "none".into()
-            } else {
-                known.join(", ")
-            };
-            let message = format!("the model describes no sensor \"{name}\"; there are {known}");
-            return Err(error::raise("UnknownNameError", message));
+        let Some(sensor) = sensors.iter().find(|s| s.name == name) else {
+            let known: Vec<_> = sensors.iter().map(|s| s.name.as_str()).collect();
+            return Err(unknown("sensor of the model", name, &known));
         };
+        let sensor = sensor.clone();
         Ok(Self {
             kind: sensor.kind,
             part: sensor.part,
@@ -148,7 +137,7 @@ impl Measurement {
     #[staticmethod]
     fn contact_force(model: &Bound<'_, Model>, body: &str, axes: &str) -> PyResult<Self> {
         let body = model.get().model.body(body).map_err(error::model)?;
-        let axes = self::axes(axes)?;
+        let axes = find(&AXES, "kind of axes", axes)?;
         Ok(SensorKind::ContactForce { body, axes }.into())
     }
     #[staticmethod]
@@ -164,7 +153,7 @@ impl Measurement {
     #[staticmethod]
     fn frame_velocity(model: &Bound<'_, Model>, place: Place<'_>, axes: &str) -> PyResult<Self> {
         let mount = mount(&model.get().model, &place)?;
-        let axes = self::axes(axes)?;
+        let axes = find(&AXES, "kind of axes", axes)?;
         Ok(SensorKind::FrameVelocity { mount, axes }.into())
     }
     #[staticmethod]
@@ -308,6 +297,11 @@ impl Disturbance {
     }
 }
 
+/// The worlds that diverged.
+fn lost(stepped: Result<Vec<Diverged>, SensorError>) -> PyResult<Vec<usize>> {
+    Ok(stepped.map_err(failed)?.iter().map(|d| d.world).collect())
+}
+
 fn other_simulation() -> PyErr {
     let message = "the sensors are of a simulation of another dtype";
     error::raise("SensorError", message.into())
@@ -345,14 +339,16 @@ impl SensorArray {
         steps: usize,
     ) -> PyResult<Vec<usize>> {
         let sensors = &mut *self.lock()?;
-        engine.get().attempt(py, |s| {
-            let diverged = match (s, sensors) {
-                (Precise::Single(s), Precision::Single(own)) => own.step(&mut s.change(), steps),
-                (Precise::Double(s), Precision::Double(own)) => own.step(&mut s.change(), steps),
-                _ => return Err(other_simulation()),
-            };
-            let diverged = diverged.map_err(failed)?;
-            Ok(diverged.iter().map(|d| d.world).collect())
+        engine.get().attempt(py, |s| match (s, sensors) {
+            (Precise::Single(s), Precision::Single(own)) => {
+                let s = &mut s.change();
+                in_parts(steps, |part| lost(own.step(s, part)))
+            }
+            (Precise::Double(s), Precision::Double(own)) => {
+                let s = &mut s.change();
+                in_parts(steps, |part| lost(own.step(s, part)))
+            }
+            _ => Err(other_simulation()),
         })
     }
     /// Samples what is due now, as after a reset.

@@ -3,6 +3,7 @@
 use crate::device_array::DeviceArray;
 use crate::error;
 use crate::model::{Model, parameter};
+use crate::names::{Table, find};
 use derivatives::{LinearizeError, linearize};
 use glam::DVec3;
 use kinetarium::DeviceChoice;
@@ -20,7 +21,7 @@ use numpy::{
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use session::Shared;
-use std::sync::{Arc, Mutex, TryLockError};
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 use std::time::{Duration, Instant};
 
 /// Steps before it is first seen whether a key interrupts the program, and how long that should take later.
@@ -76,23 +77,51 @@ impl Engine {
         py: Python<'_>,
         act: impl FnOnce(&Precise) -> PyResult<R> + Send,
     ) -> PyResult<R> {
-        let simulation = match self.simulation.try_lock() {
-            Ok(simulation) => simulation,
-            Err(TryLockError::WouldBlock) => {
+        let simulation = self.lock()?;
+        let precise = simulation.as_ref().ok_or_else(closed)?;
+        py.detach(|| act(precise))
+    }
+
+    fn lock(&self) -> PyResult<MutexGuard<'_, Option<Precise>>> {
+        self.simulation.try_lock().map_err(|error| match error {
+            TryLockError::WouldBlock => {
                 let message = "another thread is using this simulation: one call at a time, or a simulation \
                                for each thread";
-                return Err(error::raise("BusyError", message.into()));
+                error::raise("BusyError", message.into())
             }
-            Err(TryLockError::Poisoned(_)) => {
+            TryLockError::Poisoned(_) => {
                 let message = "the simulation failed in an earlier call: make it anew";
-                return Err(error::raise("ClosedError", message.into()));
+                error::raise("ClosedError", message.into())
             }
+        })
+    }
+}
+
+fn closed() -> PyErr {
+    let message = "the simulation is closed: make it anew";
+    error::raise("ClosedError", message.into())
+}
+
+/// Makes many steps in parts, so that a key that interrupts the program need not wait for all of them; `step` makes some,
+/// and tells what diverged.
+pub fn in_parts<D>(
+    steps: usize,
+    mut step: impl FnMut(usize) -> PyResult<Vec<D>>,
+) -> PyResult<Vec<D>> {
+    let (mut left, mut part, mut diverged) = (steps, FIRST_PART, Vec::new());
+    loop {
+        let (begin, now) = (Instant::now(), left.min(part));
+        diverged.extend(step(now)?);
+        left -= now;
+        if left == 0 {
+            return Ok(diverged);
+        }
+        Python::attach(|py| py.check_signals())?;
+        part = if begin.elapsed() < PART {
+            2 * now
+        } else {
+            now.div_ceil(2)
         };
-        let Some(precise) = &*simulation else {
-            let message = "the simulation is closed: make it anew";
-            return Err(error::raise("ClosedError", message.into()));
-        };
-        py.detach(|| act(precise))
     }
 }
 
@@ -118,43 +147,35 @@ impl Engine {
     }
 }
 
-fn quantity(name: &str) -> PyResult<Quantity> {
-    Ok(match name {
-        "body_position" => Quantity::BodyPosition,
-        "body_orientation" => Quantity::BodyOrientation,
-        "body_velocity" => Quantity::BodyVelocity,
-        "body_angular_velocity" => Quantity::BodyAngularVelocity,
-        "joint_position" => Quantity::JointPosition,
-        "joint_velocity" => Quantity::JointVelocity,
-        "joint_acceleration" => Quantity::JointAcceleration,
-        "reaction_force" => Quantity::ReactionForce,
-        "reaction_torque" => Quantity::ReactionTorque,
-        "contact_wrench" => Quantity::ContactWrench,
-        "center_of_mass" => Quantity::CenterOfMass,
-        "spatial_inertia" => Quantity::SpatialInertia,
-        "spatial_velocity" => Quantity::SpatialVelocity,
-        "spatial_contact_force" => Quantity::SpatialContactForce,
-        "kinetic_energy" => Quantity::KineticEnergy,
-        "potential_energy" => Quantity::PotentialEnergy,
-        "momentum" => Quantity::Momentum,
-        "angular_momentum" => Quantity::AngularMomentum,
-        other => return Err(unknown("quantity", other)),
-    })
-}
+/// What is reported of worlds.
+const QUANTITIES: Table<Quantity, 18> = [
+    ("body_position", Quantity::BodyPosition),
+    ("body_orientation", Quantity::BodyOrientation),
+    ("body_velocity", Quantity::BodyVelocity),
+    ("body_angular_velocity", Quantity::BodyAngularVelocity),
+    ("joint_position", Quantity::JointPosition),
+    ("joint_velocity", Quantity::JointVelocity),
+    ("joint_acceleration", Quantity::JointAcceleration),
+    ("reaction_force", Quantity::ReactionForce),
+    ("reaction_torque", Quantity::ReactionTorque),
+    ("contact_wrench", Quantity::ContactWrench),
+    ("center_of_mass", Quantity::CenterOfMass),
+    ("spatial_inertia", Quantity::SpatialInertia),
+    ("spatial_velocity", Quantity::SpatialVelocity),
+    ("spatial_contact_force", Quantity::SpatialContactForce),
+    ("kinetic_energy", Quantity::KineticEnergy),
+    ("potential_energy", Quantity::PotentialEnergy),
+    ("momentum", Quantity::Momentum),
+    ("angular_momentum", Quantity::AngularMomentum),
+];
 
-fn control(name: &str) -> PyResult<Control> {
-    Ok(match name {
-        "force" => Control::Force,
-        "target_position" => Control::TargetPosition,
-        "target_velocity" => Control::TargetVelocity,
-        "actuator" => Control::Actuator,
-        other => return Err(unknown("control", other)),
-    })
-}
-
-fn unknown(kind: &str, name: &str) -> PyErr {
-    error::raise("UnknownNameError", format!("there is no {kind} \"{name}\""))
-}
+/// What a controller sets.
+const CONTROLS: Table<Control, 4> = [
+    ("force", Control::Force),
+    ("target_position", Control::TargetPosition),
+    ("target_velocity", Control::TargetVelocity),
+    ("actuator", Control::Actuator),
+];
 
 /// An array of the simulation's precision.
 fn array<'a, 'py, T: Element>(x: &'a Bound<'py, PyAny>) -> PyResult<&'a Bound<'py, PyArrayDyn<T>>> {
@@ -198,20 +219,6 @@ fn read_only<E: std::fmt::Display>(why: E) -> PyErr {
     )
 }
 
-fn integrator(name: &str) -> PyResult<Integrator> {
-    Ok(match name {
-        "semi_implicit_euler" => Integrator::SemiImplicitEuler,
-        "explicit_euler" => Integrator::ExplicitEuler,
-        "verlet" => Integrator::Verlet,
-        "runge_kutta_4" => Integrator::RungeKutta4,
-        other => {
-            let known = "known are semi_implicit_euler, explicit_euler, verlet, runge_kutta_4";
-            let message = format!("unknown integrator \"{other}\"; {known}");
-            return Err(error::raise("SimulationError", message));
-        }
-    })
-}
-
 #[pymethods]
 impl Engine {
     #[new]
@@ -239,7 +246,7 @@ impl Engine {
         let model = model.get().model.clone();
         let solver: SolverKind = solver
             .parse()
-            .map_err(|e| error::raise("SimulationError", e))?;
+            .map_err(|e| error::raise("UnknownNameError", e))?;
         let choice: DeviceChoice = device.parse().map_err(error::device)?;
         let card = py.detach(|| choice.open_for(solver, double));
         let card = card.map_err(error::device)?;
@@ -255,7 +262,11 @@ impl Engine {
             step: Settings {
                 substeps: substeps.unwrap_or_else(|| solver.usual_substeps(&model, contacts)),
                 iterations,
-                integrator: self::integrator(integrator)?,
+                integrator: find(
+                    &Integrator::ALL.map(|i| (i.name(), i)),
+                    "integrator",
+                    integrator,
+                )?,
                 contact_passes,
                 contact_iterations,
                 speed_limit,
@@ -280,10 +291,8 @@ impl Engine {
     }
     /// Frees the worlds; later calls raise `ClosedError`.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
-        self.with(py, |_| Ok(()))?;
-        if let Ok(mut simulation) = self.simulation.try_lock() {
-            *simulation = None;
-        }
+        let open = self.lock()?.take().ok_or_else(closed)?;
+        py.detach(|| drop(open));
         Ok(())
     }
     /// Name of the solver, name of the instruction set, number of threads, name of the device.
@@ -296,25 +305,21 @@ impl Engine {
         })
     }
 
-    /// Advances all worlds; the worlds that diverged meanwhile. Many steps are made in parts, so that a key that
-    /// interrupts the program need not wait for all of them.
+    /// Advances all worlds; the worlds that diverged meanwhile.
     fn step(&self, py: Python<'_>, steps: usize) -> PyResult<Vec<usize>> {
         self.attempt(py, |s| {
-            each!(s, change, s => {
-                let (mut left, mut part, mut diverged) = (steps, FIRST_PART, Vec::new());
-                loop {
-                    let (begin, now) = (Instant::now(), left.min(part));
-                    let lost = s.try_step(now).map_err(error::simulation)?;
-                    diverged.extend(lost.iter().map(|d| d.world));
-                    left -= now;
-                    if left == 0 {
-                        break Ok(diverged);
-                    }
-                    Python::attach(|py| py.check_signals())?;
-                    part = if begin.elapsed() < PART { 2 * now } else { now.div_ceil(2) };
-                }
-            })
+            each!(s, change, s => in_parts(steps, |part| {
+                let diverged = s.try_step(part).map_err(error::simulation)?;
+                Ok(diverged.iter().map(|d| d.world).collect())
+            }))
         })
+    }
+    /// How often each world was set, reset or restored.
+    fn begun<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<u64>>> {
+        let begun: Vec<u64> = self.with(py, |s| {
+            Ok(each!(s, read, s => (0..s.worlds()).map(|w| s.begun(w)).collect()))
+        })?;
+        Ok(begun.to_pyarray(py))
     }
     /// Time of every world [s].
     fn times<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
@@ -331,7 +336,7 @@ impl Engine {
     }
     /// Copies a quantity of all worlds into an array.
     fn read(&self, py: Python<'_>, quantity: &str, out: &Bound<'_, PyAny>) -> PyResult<()> {
-        let quantity = self::quantity(quantity)?;
+        let quantity = find(&QUANTITIES, "quantity", quantity)?;
         fill(
             self,
             py,
@@ -348,7 +353,7 @@ impl Engine {
         table: &Bound<'_, PyAny>,
         column: usize,
     ) -> PyResult<()> {
-        let quantity = self::quantity(quantity)?;
+        let quantity = find(&QUANTITIES, "quantity", quantity)?;
         if let Ok(table) = table.cast::<PyArrayDyn<f32>>() {
             let mut table = table.try_readwrite().map_err(read_only)?;
             let table = contiguous(&mut table)?;
@@ -371,7 +376,7 @@ impl Engine {
         quantity: &str,
         shape: Vec<usize>,
     ) -> PyResult<DeviceArray> {
-        let quantity = self::quantity(quantity)?;
+        let quantity = find(&QUANTITIES, "quantity", quantity)?;
         self.on_device(py, |s| s.quantity_on_device(quantity), shape, true)
     }
     /// Where a control of all worlds lies on a card, as an array of this shape.
@@ -381,12 +386,12 @@ impl Engine {
         control: &str,
         shape: Vec<usize>,
     ) -> PyResult<DeviceArray> {
-        let control = self::control(control)?;
+        let control = find(&CONTROLS, "control", control)?;
         self.on_device(py, |s| s.control_on_device(control), shape, false)
     }
     /// Copies a control of all worlds into an array.
     fn read_control(&self, py: Python<'_>, control: &str, out: &Bound<'_, PyAny>) -> PyResult<()> {
-        let control = self::control(control)?;
+        let control = find(&CONTROLS, "control", control)?;
         fill(
             self,
             py,
@@ -402,7 +407,7 @@ impl Engine {
         control: &str,
         numbers: &Bound<'_, PyAny>,
     ) -> PyResult<()> {
-        let control = self::control(control)?;
+        let control = find(&CONTROLS, "control", control)?;
         if let Ok(numbers) = numbers.cast::<PyArrayDyn<f32>>() {
             let numbers = numbers.readonly();
             let numbers = slice(&numbers)?;

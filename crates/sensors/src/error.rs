@@ -20,12 +20,12 @@ pub enum SensorError {
         name: String,
     },
     /// There is no such sensor.
-    #[error("there is no sensor `{name}`: there are {known}")]
+    #[error("there is no sensor \"{name}\"; {hint}")]
     UnknownName {
         /// The name asked for.
         name: String,
-        /// Those that there are.
-        known: String,
+        /// The name that is alike, or those that there are.
+        hint: String,
     },
     /// There is no sensor in this row.
     #[error("sensor {row} does not exist: there are {count}, counted from 0")]

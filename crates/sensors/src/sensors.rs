@@ -9,7 +9,7 @@ use crate::random::{Draw, Source};
 use crate::sensor::{Sensor, SensorKind, directions};
 use crate::{ImageNoise, SensorError};
 use glam::DVec3;
-use model::{BodyId, Model, Mount, Pose};
+use model::{BodyId, Model, Mount, Pose, hint};
 use numbers::Float;
 use rayon::prelude::*;
 use render::Images;
@@ -176,16 +176,11 @@ impl<T: Float> Sensors<T> {
         let found = self.sensors().position(|sensor| sensor.name == name);
         found.ok_or_else(|| SensorError::UnknownName {
             name: name.into(),
-            known: self.known(),
+            hint: hint(
+                name,
+                &self.sensors().map(|s| s.name.as_str()).collect::<Vec<_>>(),
+            ),
         })
-    }
-    fn known(&self) -> String {
-        let names: Vec<_> = self.sensors().map(|s| format!("`{}`", s.name)).collect();
-        if names.is_empty() {
-            "none".into()
-        } else {
-            names.join(", ")
-        }
     }
     fn channel(&self, row: usize) -> Result<&Channel<T>, SensorError> {
         let count = self.channels.len();

@@ -1,10 +1,10 @@
 //! How to simulate.
 
 use crate::SimulationError;
-use model::Model;
+use model::{Model, hint};
 use numbers::dispatch::Isa;
 use rigid::impulse::suits;
-use rigid::{Settings, featherstone};
+use rigid::{Integrator, Settings, featherstone};
 
 /// Which solver advances the worlds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -65,8 +65,8 @@ impl std::str::FromStr for SolverKind {
     fn from_str(name: &str) -> Result<Self, String> {
         let known = Self::ALL.into_iter().find(|kind| kind.name() == name);
         known.ok_or_else(|| {
-            let known = Self::ALL.map(Self::name).join(", ");
-            format!("unknown solver `{name}`; known are {known}")
+            let known = Self::ALL.map(Self::name);
+            format!("there is no solver \"{name}\"; {}", hint(name, &known))
         })
     }
 }
@@ -112,8 +112,16 @@ const MOST_THREADS: usize = 1024;
 
 impl SimulationSettings {
     /// Refuses what makes no sense.
-    pub(crate) fn check(&self) -> Result<(), SimulationError> {
+    pub(crate) fn check(&self, model: &Model) -> Result<(), SimulationError> {
         let s = &self.step;
+        let solver = self.solver.pick(model, self.contacts);
+        if solver != SolverKind::Featherstone && s.integrator != Integrator::SemiImplicitEuler {
+            return Err(SimulationError::Setting {
+                what: "integrator",
+                value: format!("{} with the solver {}", s.integrator.name(), solver.name()),
+                remedy: "semi_implicit_euler, or the solver featherstone",
+            });
+        }
         let refuse = |what, value: f64, remedy| {
             Err(SimulationError::Setting {
                 what,
@@ -140,7 +148,10 @@ impl SimulationSettings {
         if s.iterations == 0 || s.iterations > 10_000 {
             return refuse("iterations", s.iterations as f64, "from 1 to 10000");
         }
-        if s.contact_iterations == 0 && self.solver == SolverKind::Impulse {
+        if s.contact_passes == 0 {
+            return refuse("contact passes", 0.0, "at least 1");
+        }
+        if s.contact_iterations == 0 && solver == SolverKind::Impulse {
             return refuse("contact iterations", 0.0, "at least 1 with `impulse`");
         }
         if !(0.0..=1e9).contains(&s.sleep_speed) {

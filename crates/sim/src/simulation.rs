@@ -188,7 +188,7 @@ impl<T: Float> Simulation<T> {
         model: Arc<Model>,
         settings: SimulationSettings,
     ) -> Result<Self, SimulationError> {
-        settings.check()?;
+        settings.check(&model)?;
         let isa = match settings.isa {
             Some(isa) => isa,
             None => Isa::from_env()?,

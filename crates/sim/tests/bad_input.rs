@@ -152,11 +152,15 @@ fn more_worlds_than_any_memory_holds() {
 fn solver_names() {
     says(
         "newton".parse::<SolverKind>(),
-        "unknown solver `newton`; known are auto, featherstone, xpbd, impulse",
+        "there is no solver \"newton\"; there are auto, featherstone, xpbd, impulse",
     );
     says(
         "".parse::<SolverKind>(),
-        "unknown solver ``; known are auto, featherstone, xpbd, impulse",
+        "there is no solver \"\"; there are auto, featherstone, xpbd, impulse",
+    );
+    says(
+        "fetherstone".parse::<SolverKind>(),
+        "there is no solver \"fetherstone\"; did you mean \"featherstone\"?",
     );
     assert_eq!("xpbd".parse(), Ok(SolverKind::Xpbd));
 }

@@ -6,6 +6,7 @@ use model::{
     BodyHandle, BodyId, Builder, Combine, Geometry, Hull, Material, Model, Pose, Shape, Softness,
 };
 use numbers::Float;
+use rigid::Integrator;
 
 const G: f64 = 9.81;
 /// H [s].
@@ -746,6 +747,21 @@ fn settings_without_sense_are_refused() {
         "contact iterations is 0: it must be at least 1 with `impulse`"
     );
     settings.step.contact_iterations = 8;
+    settings.step.integrator = Integrator::RungeKutta4;
+    let error = Simulation::<f32>::new(model(), settings)
+        .unwrap_err()
+        .to_string();
+    assert_eq!(
+        error,
+        "integrator is runge_kutta_4 with the solver impulse: it must be semi_implicit_euler, or the solver featherstone"
+    );
+    settings.step.integrator = Integrator::SemiImplicitEuler;
+    settings.step.contact_passes = 0;
+    let error = Simulation::<f32>::new(model(), settings)
+        .unwrap_err()
+        .to_string();
+    assert_eq!(error, "contact passes is 0: it must be at least 1");
+    settings.step.contact_passes = 2;
     settings.step.sleep_speed = f64::NAN;
     let error = Simulation::<f32>::new(model(), settings)
         .unwrap_err()

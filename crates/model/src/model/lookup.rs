@@ -6,7 +6,7 @@ use crate::{BodyId, Camera, Joint, JointId, JointKind, Keyframe, ModelError};
 /// How alike two names must be (Jaro–Winkler, 0 to 1) for one to be offered in place of the other.
 const ALIKE: f64 = 0.75;
 /// Most names that an error lists.
-const MOST_LISTED: usize = 8;
+const MOST_LISTED: usize = 20;
 
 impl Model {
     /// The body of this name.
@@ -119,12 +119,13 @@ pub fn similar_name<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) ->
     best.filter(|(alike, _)| *alike > ALIKE).map(|(_, n)| n)
 }
 
-/// The name that is most alike; else all of them, where they are few.
-fn hint(name: &str, names: &[&str]) -> String {
+/// What to say of a name that is not among those that there are: the one that is most alike; else all of them, or the
+/// first of them.
+pub fn hint(name: &str, names: &[&str]) -> String {
     match similar_name(name, names.iter().copied()) {
         Some(best) => format!("did you mean \"{best}\"?"),
         None if names.is_empty() => "there are none".into(),
         None if names.len() <= MOST_LISTED => format!("there are {}", names.join(", ")),
-        None => format!("there are {} with other names", names.len()),
+        None => format!("there are {}, …", names[..MOST_LISTED].join(", ")),
     }
 }

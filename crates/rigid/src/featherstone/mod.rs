@@ -55,6 +55,23 @@ pub enum Integrator {
 }
 
 impl Integrator {
+    /// All of them.
+    pub const ALL: [Self; 4] = [
+        Self::SemiImplicitEuler,
+        Self::ExplicitEuler,
+        Self::Verlet,
+        Self::RungeKutta4,
+    ];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SemiImplicitEuler => "semi_implicit_euler",
+            Self::ExplicitEuler => "explicit_euler",
+            Self::Verlet => "verlet",
+            Self::RungeKutta4 => "runge_kutta_4",
+        }
+    }
     /// Evaluations of the accelerations per step.
     pub fn stages(self) -> usize {
         match self {
