@@ -225,6 +225,55 @@ def test_same_step_resets_tell_of_the_end(robot):
     assert ends >= 8
 
 
+@robots
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
+def test_what_is_told_is_a_copy(robot, mode):
+    def spoil(told):
+        for values in told.values():
+            if isinstance(values, dict):
+                spoil(values)
+            elif values.dtype != object:
+                values[...] = values == 0
+
+    def outcomes(spoilt):
+        envs = gymnasium.make_vec(f"kinetarium/{robot}-v0", num_envs=2, max_episode_steps=3, autoreset_mode=mode)
+        _, infos = envs.reset(seed=0)
+        randoms = np.random.default_rng(0)
+        for _ in range(8):
+            if spoilt:
+                spoil(infos)
+            actions = randoms.uniform(-0.5, 0.5, envs.action_space.shape)
+            observed, reward, *_, infos = envs.step(actions)
+            yield observed, reward
+
+    for found, expected in zip(outcomes(True), outcomes(False), strict=True):
+        for a, b in zip(found, expected, strict=True):
+            np.testing.assert_array_equal(a, b)
+
+
+def test_speeds_are_measured_from_a_copy():
+    # What has been seen may be written to: the next step's reward does not depend on it.
+    task = make_task("kinetarium.envs.hopper:Hopper", 2)
+    still = np.zeros((2, 3), np.float32)
+    task.seen.position[:] = 7
+    assert np.abs(task.act(still)[0]).max() < 2
+
+
+class Telling(kinetarium.envs.hopper.Hopper):
+    """It tells of more than one number, and of what is no number."""
+
+    def whereabouts(self, seen):
+        return {"pair": seen.position[:, :2], "healthy": self.healthy(seen)}
+
+
+def test_what_is_told_keeps_its_shape_and_kind():
+    envs = kinetarium.envs.VectorTask(Telling, 3, autoreset_mode="Disabled")
+    envs.reset(seed=0)
+    _, infos = envs.reset(options={"reset_mask": np.array([True, False, True])})
+    assert infos["healthy"].dtype == bool and infos["healthy"].tolist() == [True, False, True]
+    assert infos["pair"].shape == (3, 2) and (infos["pair"][1] == 0).all() and infos["pair"][0, 1] > 1
+
+
 def test_resets_of_a_mask():
     envs = gymnasium.make_vec("kinetarium/Hopper-v0", num_envs=4, autoreset_mode="Disabled")
     envs.reset(seed=0)

@@ -296,7 +296,7 @@ class Task(ABC):
             angle += 2 * np.pi * np.round((self._turned - angle) / (2 * np.pi))
             seen.position[:, self._turning] = self._turned = angle
         self.seen = seen
-        self._place = self.place(seen)
+        self._place = self.place(seen).copy()
 
 
 def make_task(task: str | type[Task], worlds: int, **options: Any) -> Task:

@@ -184,11 +184,12 @@ def check_steps(steps: int | None) -> None:
 
 
 def _masked(info: Info, mask: Array) -> Info:
-    """Values with, under the same name after a `_`, for which worlds they are; nothing, if for none."""
+    """Copies of values with, under the same name after a `_`, for which worlds they are; nothing, if for none."""
     told: Info = {}
     if not mask.any():
         return told
     for name, values in info.items():
-        told[name] = values if mask.all() else np.where(mask, values, 0)
+        told[name] = np.zeros_like(values)
+        told[name][mask] = values[mask]
         told[f"_{name}"] = mask.copy()
     return told
