@@ -11,7 +11,7 @@ from gymnasium.vector import AutoresetMode
 import kinetarium.envs
 import kinetarium.envs.hopper
 from kinetarium.envs import ROBOTS
-from kinetarium.envs.task import make_task
+from kinetarium.envs.task import make_task, model_file
 from kinetarium.errors import ShapeError
 
 mujoco = pytest.importorskip("mujoco", reason="Gymnasium's own environments need mujoco")
@@ -403,6 +403,24 @@ def test_options_are_gymnasiums():
         kinetarium.envs.SingleTask("kinetarium.envs.hopper:Hopper", render_mode="human")
     with pytest.raises(FileNotFoundError, match="no file"):
         gymnasium.make("kinetarium/Hopper-v0", xml_file="centipede.xml")
+
+
+def test_the_robots_file_is_gymnasiums_or_the_one_given(tmp_path, monkeypatch):
+    def gear(**options):
+        return make_task("kinetarium.envs.hopper:Hopper", 1, **options).gear.tolist()
+
+    usual = gear()
+    text = model_file(None, "hopper.xml").read_text()
+    (tmp_path / "hopper.xml").write_text(text.replace('gear="200.0"', 'gear="3.0"'))
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert gear() == usual == [200, 200, 200]
+    for file in ("hopper.xml", "./hopper.xml", "~/hopper.xml", tmp_path / "hopper.xml"):
+        assert gear(xml_file=file) == [3, 3, 3]
+    assert gear(xml_file="walker2d_v5.xml") == [100, 100, 100] * 2
+    for file in ("./walker2d_v5.xml", "", "."):  # a path is no name among Gymnasium's
+        with pytest.raises(FileNotFoundError, match="no file"):
+            gear(xml_file=file)
 
 
 def test_pictures_go_along_with_the_robot():

@@ -20,17 +20,23 @@ from kinetarium.simulation import Integrator
 Array = np.ndarray[Any, np.dtype[Any]]
 
 
-def model_file(name: str) -> Path:
-    """Where a robot's file is: a path, or the name of one of those that come with Gymnasium."""
-    path = Path(name)
-    if path.exists():
-        return path
+def model_file(given: str | Path | None, usual: str) -> Path:
+    """Where a robot's file is: what was given, a path or a name among Gymnasium's files; else the usual one, which no
+    file of the working directory replaces. `~` is the home directory. `FileNotFoundError` where there is none.
+    """
     spec = importlib.util.find_spec("gymnasium.envs")
     assert spec is not None and spec.origin is not None
-    shipped = Path(spec.origin).parent / "mujoco" / "assets" / name
-    if not shipped.exists():
-        raise FileNotFoundError(f'there is no file "{name}", neither here nor at {shipped.parent}')
-    return shipped
+    assets = Path(spec.origin).parent / "mujoco" / "assets"
+    name = str(usual if given is None else given)
+    path = Path(name).expanduser()
+    places = [path]
+    if path.name == name:  # no directory: it may be one of Gymnasium's
+        places.insert(0 if given is None else 1, assets / name)
+    for place in places:
+        if place.is_file():
+            return place
+    missing = " nor ".join(f'"{place}"' for place in places)
+    raise FileNotFoundError(f"there is no file {missing}: give a path, or a name among Gymnasium's files")
 
 
 def coordinate_orders(model: kn.Model) -> tuple[Array, Array]:
@@ -103,7 +109,7 @@ class Task(ABC):
     worlds:
         Number of worlds.
     xml_file:
-        The robot's file: a path, or a name among Gymnasium's.
+        The robot's file: a path, or a name among Gymnasium's; by default the class's `file`.
     frame_skip:
         Time steps of one action, 1 or more.
     integrator, substeps, dtype, threads, device:
@@ -114,7 +120,7 @@ class Task(ABC):
     """
 
     file: ClassVar[str]
-    """Name of the robot's file."""
+    """The robot's file: a name among Gymnasium's, or a path."""
     frame_skip: ClassVar[int]
     """Time steps of one action, unless told otherwise."""
     turning: ClassVar[tuple[str, ...]] = ()
@@ -124,7 +130,7 @@ class Task(ABC):
         self,
         worlds: int = 1,
         *,
-        xml_file: str | None = None,
+        xml_file: str | Path | None = None,
         frame_skip: int | None = None,
         integrator: Integrator = "runge_kutta_4",
         substeps: int = 1,
@@ -137,7 +143,7 @@ class Task(ABC):
         steps = self.frame_skip if frame_skip is None else frame_skip
         if not isinstance(steps, (int, np.integer)) or steps < 1:
             raise ValueError(f"frame_skip is {steps}: it must be a whole number of time steps, 1 or more")
-        file = model_file(xml_file or self.file)
+        file = model_file(xml_file, self.file)
         model = kn.load(str(file))
         for name in self.turning:
             if name not in model.coordinate_names:
