@@ -1,6 +1,9 @@
 """Gymnasium environments: the interface, and Gymnasium's own environments as the measure."""
 
+import copy
+import pickle
 import warnings
+from functools import partial
 
 import gymnasium
 import numpy as np
@@ -283,6 +286,44 @@ def test_resets_of_a_mask():
     np.testing.assert_array_equal((before != after).any(axis=1), mask)
     with pytest.raises(ValueError, match="mask of worlds"):
         envs.reset(options={"reset_mask": np.zeros(4, bool)})
+
+
+def going_on(env, steps):
+    """What the next steps of an environment give, with new episodes, under random actions."""
+    random = np.random.default_rng(9)
+    for _ in range(steps):
+        *told, info = env.step(random.uniform(-1, 1, env.action_space.shape))
+        yield [*told, *(info[name] for name in sorted(info))]
+        if not isinstance(env, gymnasium.vector.VectorEnv) and (told[2] or told[3]):
+            yield [env.reset()[0]]
+
+
+@robots
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
+@pytest.mark.parametrize("make", [gymnasium.make, partial(gymnasium.make_vec, num_envs=3)])
+def test_copies_go_on_to_the_bit(robot, copied, make):
+    env = make(f"kinetarium/{robot}-v0", max_episode_steps=12)
+    env.reset(seed=0)
+    for _ in going_on(env, 17):
+        pass
+    same = copied(env)
+    np.testing.assert_array_equal(same.unwrapped.task.observe(), env.unwrapped.task.observe())
+    # Original and copy by turns: neither disturbs the other. Episodes end and begin anew meanwhile.
+    for found, expected in zip(going_on(same, 30), going_on(env, 30), strict=True):
+        for a, b in zip(found, expected, strict=True):
+            np.testing.assert_array_equal(a, b)
+    assert same.spec == env.spec
+
+
+def test_copies_keep_the_camera_and_other_parameters():
+    env = gymnasium.make("kinetarium/Hopper-v0", render_mode="rgb_array")
+    env.reset(seed=0)
+    env.unwrapped.task.simulation.parameters.gravity = (0, 0, -2)
+    picture = env.render()
+    same = copy.deepcopy(env)
+    np.testing.assert_array_equal(same.render(), picture)
+    still = np.zeros(3, np.float32)
+    np.testing.assert_array_equal(same.step(still)[0], env.step(still)[0])
 
 
 def test_time_runs_out():

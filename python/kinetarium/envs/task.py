@@ -116,7 +116,8 @@ class Task(ABC):
         As of `kinetarium.Simulation`. Runge–Kutta is what most of Gymnasium's files ask for; semi-implicit
         Euler takes a third of the time.
 
-    Raises `ValueError` for numbers that cannot be, and for files of robots that lack what is observed.
+    Raises `ValueError` for numbers that cannot be, and for files of robots that lack what is observed. Tasks, and the
+    environments made of them, can be pickled and copied in the middle of an episode, and go on to the bit.
     """
 
     file: ClassVar[str]
@@ -272,6 +273,14 @@ class Task(ABC):
         images = self.simulation.render(replace(camera, position=(x, y, z)), worlds=[world])
         picture: Array = images.rgb[0] if images.rgb is not None else np.zeros((height, width, 3), np.uint8)
         return picture
+
+    def __getstate__(self) -> dict[str, Any]:
+        # What is seen is read anew from the simulation, which has all of its state.
+        return {name: value for name, value in vars(self).items() if name not in ("seen", "_place")}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self._look()
 
     def _draw(self, worlds: Array, generators: list[np.random.Generator]) -> None:
         if len(worlds) > 0:
