@@ -22,6 +22,7 @@ pytest.importorskip("imageio", reason="gymnasium.envs.mujoco imports imageio")
 
 WALKS = ("Hopper", "HalfCheetah", "Walker2d")
 FLOATS = ("Ant", "Humanoid", "HumanoidStandup")
+MORTAL = ("InvertedPendulum", "InvertedDoublePendulum", "Hopper", "Walker2d", "Ant", "Humanoid")
 
 robots = pytest.mark.parametrize("robot", ROBOTS)
 
@@ -324,6 +325,21 @@ def test_copies_keep_the_camera_and_other_parameters():
     np.testing.assert_array_equal(same.render(), picture)
     still = np.zeros(3, np.float32)
     np.testing.assert_array_equal(same.step(still)[0], env.step(still)[0])
+
+
+@pytest.mark.parametrize("robot", MORTAL)
+def test_who_is_not_healthy_has_failed(robot):
+    envs = gymnasium.make_vec(f"kinetarium/{robot}-v0", num_envs=8, autoreset_mode="Disabled")
+    envs.reset(seed=0)
+    task, random, ends = envs.unwrapped.task, np.random.default_rng(0), 0
+    for _ in range(150):
+        _, _, failed, _, infos = envs.step(random.uniform(-1, 1, envs.action_space.shape))
+        np.testing.assert_array_equal(failed, ~task.healthy(task.seen))
+        np.testing.assert_array_equal(failed, infos["reward_survive"] == 0)
+        ends += failed.sum()
+        if failed.any():
+            envs.reset(options={"reset_mask": failed})
+    assert ends > 0
 
 
 def test_time_runs_out():

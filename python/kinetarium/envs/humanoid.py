@@ -101,8 +101,12 @@ class Humanoid(HumanoidTask):
         x, y = seen.position[:, :2].T
         return {"x_position": x, "y_position": y, "distance_from_origin": np.hypot(x, y)}
 
+    def healthy(self, seen: Seen) -> Array:
+        """Whether the torso is at a good height, shape (worlds,)."""
+        return within(seen.position[:, 2], self._healthy_z_range)
+
     def outcome(self, seen: Seen, action: Array, velocity: Array) -> tuple[Array, Array, dict[str, Array]]:
-        healthy = within(seen.position[:, 2], self._healthy_z_range)
+        healthy = self.healthy(seen)
         terms = {
             "reward_survive": healthy * self._healthy_reward,
             "reward_forward": self._forward_reward_weight * velocity[:, 0],

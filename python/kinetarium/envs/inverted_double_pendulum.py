@@ -45,17 +45,24 @@ class InvertedDoublePendulum(Task):
         damping = self.model.parameter("damping")[0, 0]
         return seen.joint_force[:, 0, 0] - seen.motor_force[:, 0] + damping * seen.velocity[:, 0]
 
-    def outcome(self, seen: Seen, action: Array, velocity: Array) -> tuple[Array, Array, dict[str, Array]]:
+    def tip(self, seen: Seen) -> tuple[Array, Array]:
+        """How far along the rail the tip is, and how high [m], shape (worlds,) each."""
         pole = seen.body_position[:, self.model.body("pole2")]
         lean = seen.position[:, 1] + seen.position[:, 2]
-        x, y = pole[:, 0] + _TIP * np.sin(lean), pole[:, 2] + _TIP * np.cos(lean)
-        failed = y <= 1
+        return pole[:, 0] + _TIP * np.sin(lean), pole[:, 2] + _TIP * np.cos(lean)
+
+    def healthy(self, seen: Seen) -> Array:
+        """Whether the tip is above 1 m, shape (worlds,)."""
+        return self.tip(seen)[1] > 1
+
+    def outcome(self, seen: Seen, action: Array, velocity: Array) -> tuple[Array, Array, dict[str, Array]]:
+        (x, y), healthy = self.tip(seen), self.healthy(seen)
         terms = {
-            "reward_survive": np.where(failed, 0.0, self._healthy_reward),
+            "reward_survive": healthy * self._healthy_reward,
             "distance_penalty": -(0.01 * x**2 + (y - 2) ** 2),
             "velocity_penalty": -(1e-3 * seen.velocity[:, 1] ** 2 + 5e-3 * seen.velocity[:, 2] ** 2),
         }
-        return sum(terms.values(), np.zeros(self.worlds)), failed, terms
+        return sum(terms.values(), np.zeros(self.worlds)), ~healthy, terms
 
     def draw(self, random: np.random.Generator) -> tuple[Array, Array]:
         return self.noise(random, self._reset_noise_scale, normal_velocity=True)

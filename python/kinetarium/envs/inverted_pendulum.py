@@ -22,10 +22,14 @@ class InvertedPendulum(Task):
     def observation(self, seen: Seen) -> list[Array]:
         return [seen.position, seen.velocity]
 
+    def healthy(self, seen: Seen) -> Array:
+        """Whether the pole leans by 0.2 rad at most, shape (worlds,)."""
+        return np.abs(seen.position[:, 1]) <= 0.2
+
     def outcome(self, seen: Seen, action: Array, velocity: Array) -> tuple[Array, Array, dict[str, Array]]:
-        failed = np.abs(seen.position[:, 1]) > 0.2
-        reward = (~failed).astype(np.float64)
-        return reward, failed, {"reward_survive": reward}
+        healthy = self.healthy(seen)
+        reward = healthy.astype(np.float64)
+        return reward, ~healthy, {"reward_survive": reward}
 
     def draw(self, random: np.random.Generator) -> tuple[Array, Array]:
         return self.noise(random, self._reset_noise_scale)
