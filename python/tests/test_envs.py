@@ -15,7 +15,7 @@ import kinetarium.envs
 import kinetarium.envs.hopper
 from kinetarium.envs import ROBOTS
 from kinetarium.envs.task import make_task, model_file
-from kinetarium.errors import ShapeError
+from kinetarium.errors import ShapeError, UnknownNameError
 
 mujoco = pytest.importorskip("mujoco", reason="Gymnasium's own environments need mujoco")
 pytest.importorskip("imageio", reason="gymnasium.envs.mujoco imports imageio")
@@ -389,6 +389,20 @@ def test_what_cannot_be_is_refused():
     wrong = kinetarium.envs.VectorTask(Wrong, 2)
     with pytest.raises(ShapeError, match=r"\(2, 7\): it must be \(2, 6\)"):
         wrong.reset(seed=0)
+
+
+def test_the_main_body_is_one_of_the_robots():
+    def main(body):
+        task = make_task("kinetarium.envs.ant:Ant", 1, main_body=body)
+        return task.model.body_names[task.main]
+
+    assert main(1) == main("torso") == "torso"
+    assert main(np.int64(13)) == main(13) == "body_13"
+    for body in (0, -5, 14, 1.5, None):
+        with pytest.raises(ValueError, match=rf"main_body is {body}: .* from 1 to 13"):
+            main(body)
+    with pytest.raises(UnknownNameError, match="torso"):
+        main("torsos")
 
 
 @robots

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -53,11 +54,18 @@ class Ant(Task):
         parts = [seen.position[:, self._hidden :], seen.velocity]
         return [*parts, self.contact_forces(seen)] if self._include_cfrc_ext else parts
 
+    @cached_property
+    def main(self) -> int:
+        """Row of the body whose speed is paid for."""
+        body, bodies = self._main_body, len(self.model.body_names)
+        if isinstance(body, str):
+            return self.model.body(body)
+        if not isinstance(body, (int, np.integer)) or not 1 <= body <= bodies:
+            raise ValueError(f"main_body is {body!r}: give a body's name, or its number from 1 to {bodies}")
+        return int(body) - 1  # MuJoCo counts the world as body 0
+
     def place(self, seen: Seen) -> Array:
-        # MuJoCo counts the world as body 0.
-        main = self._main_body
-        body = self.model.body(main) if isinstance(main, str) else main - 1
-        return seen.body_position[:, body, :2]
+        return seen.body_position[:, self.main, :2]
 
     def whereabouts(self, seen: Seen) -> dict[str, Array]:
         x, y = seen.position[:, :2].T
