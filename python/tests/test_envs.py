@@ -299,6 +299,22 @@ def going_on(env, steps):
             yield [env.reset()[0]]
 
 
+def test_without_autoreset_nobody_goes_on_after_the_end():
+    envs = gymnasium.make_vec("kinetarium/Hopper-v0", num_envs=3, max_episode_steps=9, autoreset_mode="Disabled")
+    still = np.zeros((3, 3), np.float32)
+    envs.reset(seed=0)
+    for _ in range(4):
+        envs.step(still)
+    envs.reset(options={"reset_mask": np.array([False, True, False])})
+    for _ in range(5):
+        truncated = envs.step(still)[3]
+    assert truncated.tolist() == [True, False, True]
+    with pytest.raises(gymnasium.error.ResetNeeded, match=r"worlds \[0, 2\] have ended: .*reset_mask"):
+        envs.step(still)
+    envs.reset(options={"reset_mask": truncated})
+    assert not envs.step(still)[3].any()
+
+
 @robots
 @pytest.mark.parametrize("copied", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
 @pytest.mark.parametrize("make", [gymnasium.make, partial(gymnasium.make_vec, num_envs=3)])

@@ -31,7 +31,8 @@ class VectorTask(gymnasium.vector.VectorEnv[Array, Array, Array]):
     autoreset_mode:
         "NextStep": the step after the end of an episode begins a new one instead, with reward 0. "SameStep":
         the step that ends an episode begins a new one, too; the end is in `infos["final_obs"]` and
-        `infos["final_info"]`. "Disabled": `reset` with a mask `options["reset_mask"]`.
+        `infos["final_info"]`. "Disabled": `reset` with a mask `options["reset_mask"]`, which must precede the next
+        step.
     width, height:
         Of pictures [pixel].
 
@@ -103,10 +104,16 @@ class VectorTask(gymnasium.vector.VectorEnv[Array, Array, Array]):
         """One action in each world, shape (num_envs, numbers): observations, rewards, which episodes ended by
         failing and which by time, infos, as arrays with a row for each world.
 
-        Raises `ValueError` for actions that are not finite; those out of range act as its ends.
+        Raises `ValueError` for actions that are not finite; those out of range act as its ends. Raises
+        `gymnasium.error.ResetNeeded` before the first `reset`, and where episodes ended that nothing begins anew.
         """
         if not self._generators:
             raise gymnasium.error.ResetNeeded("call reset before step")
+        if self.autoreset_mode is AutoresetMode.DISABLED and self._ended.any():
+            raise gymnasium.error.ResetNeeded(
+                f"the episodes of worlds {np.flatnonzero(self._ended).tolist()} have ended: call "
+                'reset(options={"reset_mask": mask}) with their mask before step'
+            )
         begins = self._ended & (self.autoreset_mode is AutoresetMode.NEXT_STEP)
         reward, failed, info = self.task.act(np.asarray(actions), *self._beginners(begins))
         self._elapsed = np.where(begins, 0, self._elapsed + 1)
