@@ -4,7 +4,7 @@
 
 Any id that `gymnasium.make_vec` knows will do; `--mode async` makes processes of ordinary environments, such
 as Gymnasium's own `Hopper-v5`. Writes `learning/<id>-<seed>.csv`, a row for each update, and a plot of it.
-Needs torch and matplotlib besides `kinetarium[gym]`.
+Needs torch and matplotlib besides what `pip install ".[gym]"` brings.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Gymnasium's MuJoCo robots, simulated by kinetarium: `pip install kinetarium[gym]`.
+"""Gymnasium's MuJoCo robots, simulated by kinetarium. `pip install ".[gym]"` in a checkout brings Gymnasium.
 
 >>> import gymnasium
 >>> import kinetarium.envs
