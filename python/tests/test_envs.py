@@ -1,6 +1,8 @@
 """Gymnasium environments: the interface, and Gymnasium's own environments as the measure."""
 
 import copy
+import importlib
+import inspect
 import pickle
 import warnings
 from functools import partial
@@ -405,6 +407,32 @@ def test_what_cannot_be_is_refused():
     wrong = kinetarium.envs.VectorTask(Wrong, 2)
     with pytest.raises(ShapeError, match=r"\(2, 7\): it must be \(2, 6\)"):
         wrong.reset(seed=0)
+
+
+@robots
+def test_options_that_cannot_be_are_refused(robot):
+    module, *_ = ROBOTS[robot]
+    task = getattr(importlib.import_module(f"kinetarium.envs.{module}"), robot)
+    options = {k: v for base in task.__mro__[:-3] for k, v in inspect.signature(base).parameters.items()}
+    ranges = [name for name in options if name.endswith("_range")]
+    numbers = [name for name in options if name.endswith(("_weight", "_reward", "_scale"))]
+    assert numbers
+    for name in numbers:
+        for value in (np.nan, np.inf, "1", None, [1.0, 2.0]):
+            with pytest.raises(ValueError, match=name):
+                task(1, **{name: value})
+    for name in ranges:
+        for value in (0.7, (1.0,), (2.0, 1.0), (np.nan, 1.0), "ab", ((0, 1), 2), None):
+            with pytest.raises(ValueError, match=f"{name} is .*: give its two ends"):
+                task(1, **{name: value})
+        task(1, **{name: np.array([0, np.inf])})
+    if "reset_noise_scale" in numbers:
+        with pytest.raises(ValueError, match="reset_noise_scale is -1: it must be finite, and 0 or more"):
+            task(1, reset_noise_scale=-1)
+    for make in (gymnasium.make, gymnasium.make_vec):
+        for size in ({"width": 0}, {"height": -1}, {"width": 0.5}):
+            with pytest.raises((ValueError, TypeError), match=f"{min(size)} is "):
+                make(f"kinetarium/{robot}-v0", **size)
 
 
 def test_the_main_body_is_one_of_the_robots():

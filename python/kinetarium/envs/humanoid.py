@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from kinetarium.envs.hopper import Range, within
+from kinetarium.envs.options import Range, ends, number, within
 from kinetarium.envs.task import Array, Seen, Task
 
 
@@ -28,8 +28,8 @@ class HumanoidTask(Task):
         include_cfrc_ext_in_observation: bool = True,
         **options: Any,
     ) -> None:
-        self._ctrl_cost_weight = ctrl_cost_weight
-        self._reset_noise_scale = reset_noise_scale
+        self._ctrl_cost_weight = number("ctrl_cost_weight", ctrl_cost_weight)
+        self._reset_noise_scale = number("reset_noise_scale", reset_noise_scale, least=0)
         self._hidden = 2 * exclude_current_positions_from_observation
         self._include_cinert = include_cinert_in_observation
         self._include_cvel = include_cvel_in_observation
@@ -55,11 +55,11 @@ class HumanoidTask(Task):
         force[:, [self.model.dof(name) for name in self.model.actuator_names]] = seen.motor_force
         return force[:, 6:]
 
-    def contact_cost(self, seen: Seen, weight: float, ends: Range) -> Array:
+    def contact_cost(self, seen: Seen, weight: float, between: Range) -> Array:
         """A cost of the squares of `cfrc_ext`, within a range, shape (worlds,)."""
         if weight == 0:
-            return np.clip(np.zeros(self.worlds), *ends)
-        return np.clip(weight * np.square(seen.contact_force.reshape(self.worlds, -1)).sum(axis=1), *ends)
+            return np.clip(np.zeros(self.worlds), *between)
+        return np.clip(weight * np.square(seen.contact_force.reshape(self.worlds, -1)).sum(axis=1), *between)
 
     def control_cost(self, action: Array) -> Array:
         """A cost of the squares of the controls, shape (worlds,)."""
@@ -86,12 +86,12 @@ class Humanoid(HumanoidTask):
         healthy_z_range: Range = (1.0, 2.0),
         **options: Any,
     ) -> None:
-        self._forward_reward_weight = forward_reward_weight
-        self._contact_cost_weight = contact_cost_weight
-        self._contact_cost_range = contact_cost_range
-        self._healthy_reward = healthy_reward
+        self._forward_reward_weight = number("forward_reward_weight", forward_reward_weight)
+        self._contact_cost_weight = number("contact_cost_weight", contact_cost_weight)
+        self._contact_cost_range = ends("contact_cost_range", contact_cost_range)
+        self._healthy_reward = number("healthy_reward", healthy_reward)
         self._terminate_when_unhealthy = terminate_when_unhealthy
-        self._healthy_z_range = healthy_z_range
+        self._healthy_z_range = ends("healthy_z_range", healthy_z_range)
         super().__init__(worlds, **options)
 
     def place(self, seen: Seen) -> Array:

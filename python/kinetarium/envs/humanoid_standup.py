@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from kinetarium.envs.hopper import Range
 from kinetarium.envs.humanoid import HumanoidTask
+from kinetarium.envs.options import Range, ends, number
 from kinetarium.envs.task import Array, Seen
 
 
@@ -26,9 +26,9 @@ class HumanoidStandup(HumanoidTask):
         impact_cost_range: Range = (-np.inf, 10.0),
         **options: Any,
     ) -> None:
-        self._uph_cost_weight = uph_cost_weight
-        self._impact_cost_weight = impact_cost_weight
-        self._impact_cost_range = impact_cost_range
+        self._uph_cost_weight = number("uph_cost_weight", uph_cost_weight)
+        self._impact_cost_weight = number("impact_cost_weight", impact_cost_weight)
+        self._impact_cost_range = ends("impact_cost_range", impact_cost_range)
         super().__init__(worlds, **options)
 
     def whereabouts(self, seen: Seen) -> dict[str, Array]:

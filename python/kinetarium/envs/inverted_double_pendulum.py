@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from kinetarium.envs.options import number
 from kinetarium.envs.task import Array, Seen, Task
 
 # Of the site "tip" on the second pole [m].
@@ -25,8 +26,8 @@ class InvertedDoublePendulum(Task):
         reset_noise_scale: float = 0.1,
         **options: Any,
     ) -> None:
-        self._healthy_reward = healthy_reward
-        self._reset_noise_scale = reset_noise_scale
+        self._healthy_reward = number("healthy_reward", healthy_reward)
+        self._reset_noise_scale = number("reset_noise_scale", reset_noise_scale, least=0)
         super().__init__(worlds, **options)
 
     def observation(self, seen: Seen) -> list[Array]:

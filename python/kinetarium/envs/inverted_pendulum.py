@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from kinetarium.envs.options import number
 from kinetarium.envs.task import Array, Seen, Task
 
 
@@ -16,7 +17,7 @@ class InvertedPendulum(Task):
     file, frame_skip = "inverted_pendulum.xml", 2
 
     def __init__(self, worlds: int = 1, *, reset_noise_scale: float = 0.01, **options: Any) -> None:
-        self._reset_noise_scale = reset_noise_scale
+        self._reset_noise_scale = number("reset_noise_scale", reset_noise_scale, least=0)
         super().__init__(worlds, **options)
 
     def observation(self, seen: Seen) -> list[Array]:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from kinetarium.envs.options import number
 from kinetarium.envs.task import Array, Seen, Task
 
 
@@ -22,8 +23,8 @@ class Reacher(Task):
         reward_control_weight: float = 1.0,
         **options: Any,
     ) -> None:
-        self._reward_dist_weight = reward_dist_weight
-        self._reward_control_weight = reward_control_weight
+        self._reward_dist_weight = number("reward_dist_weight", reward_dist_weight)
+        self._reward_control_weight = number("reward_control_weight", reward_control_weight)
         super().__init__(worlds, **options)
 
     def observation(self, seen: Seen) -> list[Array]:

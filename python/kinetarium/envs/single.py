@@ -7,6 +7,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 
+from kinetarium.arrays import whole
 from kinetarium.envs.task import Array, Task, make_task
 
 RENDER_MODES = ["rgb_array"]
@@ -31,12 +32,12 @@ class SingleTask(gymnasium.Env[Array, Array]):
         **options: Any,
     ) -> None:
         check_render_mode(render_mode)
+        self.width, self.height = whole("width", width, 1), whole("height", height, 1)
         self.task = make_task(task, 1, **options)
         self.metadata = {"render_modes": RENDER_MODES, "render_fps": round(1 / self.task.dt)}
         self.observation_space = self.task.observation_space
         self.action_space = self.task.action_space
         self.render_mode = render_mode
-        self.width, self.height = width, height
 
     @property
     def dt(self) -> float:

@@ -10,6 +10,7 @@ from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 
+from kinetarium.arrays import whole
 from kinetarium.envs.single import RENDER_MODES, check_render_mode
 from kinetarium.envs.task import Array, Task, make_task
 
@@ -57,7 +58,7 @@ class VectorTask(gymnasium.vector.VectorEnv[Array, Array, Array]):
         check_render_mode(render_mode)
         check_steps(max_episode_steps)
         self.render_mode = render_mode
-        self.width, self.height = width, height
+        self.width, self.height = whole("width", width, 1), whole("height", height, 1)
         self.task = make_task(task, num_envs, **options)
         self.num_envs = num_envs
         self.autoreset_mode = AutoresetMode(autoreset_mode)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from kinetarium.envs.hopper import Hopper, Range, within
+from kinetarium.envs.hopper import Hopper
+from kinetarium.envs.options import Range, within
 from kinetarium.envs.task import Array, Seen
 
 
