@@ -449,6 +449,18 @@ def test_the_main_body_is_one_of_the_robots():
         main("torsos")
 
 
+def test_seeds_are_whole_numbers():
+    envs = gymnasium.make_vec("kinetarium/Reacher-v0", num_envs=3)
+    expected, _ = envs.reset(seed=4)
+    for seed in (np.int32(4), [4, 5, 6], (4, 5, 6), np.array([4, 5, 6])):
+        np.testing.assert_array_equal(envs.reset(seed=seed)[0], expected)
+    for seed in (1.5, "abc", [1.5, 2, 3]):
+        with pytest.raises(gymnasium.error.Error, match="must be a python integer"):
+            envs.reset(seed=seed)
+    with pytest.raises(ValueError, match="2 seeds for 3 worlds"):
+        envs.reset(seed=[1, 2])
+
+
 @robots
 def test_actions_that_are_not_finite_are_refused(robot):
     envs = gymnasium.make_vec(f"kinetarium/{robot}-v0", num_envs=3)
@@ -459,6 +471,9 @@ def test_actions_that_are_not_finite_are_refused(robot):
         envs.step(actions)
     with pytest.raises(ValueError, match="shape"):
         envs.step(actions[:, :0])
+    for dtype in (object, complex):
+        with pytest.raises(ValueError, match=f"actions are of dtype {np.dtype(dtype)}: give real numbers"):
+            envs.step(actions.astype(dtype))
 
 
 @robots

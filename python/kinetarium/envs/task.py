@@ -237,7 +237,7 @@ class Task(ABC):
 
         A world that diverged has failed, and stays at its last good state. Worlds that are to begin anew do
         that instead; their numbers mean nothing. Raises `ValueError` for actions of the wrong shape or that
-        are not finite.
+        are not finite numbers.
         """
         self._apply(action)
         before = self._place
@@ -299,6 +299,8 @@ class Task(ABC):
         if action.shape != (self.worlds, *self.action_space.shape):
             expected = (self.worlds, *self.action_space.shape)
             raise ValueError(f"the actions have the shape {action.shape}: it must be {expected}")
+        if action.dtype.kind not in "fiub":
+            raise ValueError(f"the actions are of dtype {action.dtype}: give real numbers")
         wrong = np.flatnonzero(~np.isfinite(action).all(axis=1))
         if wrong.size:
             raise ValueError(f"the action of world {wrong[0]} is not finite: {action[wrong[0]]}")

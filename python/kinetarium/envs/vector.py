@@ -87,7 +87,8 @@ class VectorTask(gymnasium.vector.VectorEnv[Array, Array, Array]):
     ) -> tuple[Array, Info]:
         """New episodes in all worlds, or in those of a mask `options["reset_mask"]`.
 
-        World k's generator begins with `seed` + k, or with the k-th of a list, if given.
+        World k's generator begins with `seed` + k, or with the k-th of a list, if given. Seeds that are no whole
+        numbers, or negative, raise `gymnasium.error.Error`, lists of another length than `num_envs` `ValueError`.
         """
         mask = np.ones(self.num_envs, bool)
         if options is not None and "reset_mask" in options:
@@ -105,7 +106,7 @@ class VectorTask(gymnasium.vector.VectorEnv[Array, Array, Array]):
         """One action in each world, shape (num_envs, numbers): observations, rewards, which episodes ended by
         failing and which by time, infos, as arrays with a row for each world.
 
-        Raises `ValueError` for actions that are not finite; those out of range act as its ends. Raises
+        Raises `ValueError` for actions that are not finite numbers; those out of range act as its ends. Raises
         `gymnasium.error.ResetNeeded` before the first `reset`, and where episodes ended that nothing begins anew.
         """
         if not self._generators:
@@ -157,15 +158,15 @@ class VectorTask(gymnasium.vector.VectorEnv[Array, Array, Array]):
         self._elapsed[mask] = 0
         self._ended = self._ended & ~mask
 
-    def _seed(self, seed: int | list[int | None] | None, mask: Array) -> None:
+    def _seed(self, seed: Any, mask: Array) -> None:
         if seed is None and self._generators:
             return
-        if seed is None or isinstance(seed, (int, np.integer)):
-            self._np_random, first = seeding.np_random(None if seed is None else int(seed))
+        if np.ndim(seed) == 0:
+            self._np_random, first = seeding.np_random(_plain(seed))
             self._np_random_seed = first
-            seeds: list[int | None] = [first + k for k in range(self.num_envs)]
+            seeds = [first + k for k in range(self.num_envs)]
         else:
-            seeds = list(seed)
+            seeds = [_plain(one) for one in seed]
         if len(seeds) != self.num_envs:
             raise ValueError(f"there are {len(seeds)} seeds for {self.num_envs} worlds")
         new = [mask[k] or not self._generators for k in range(self.num_envs)]
@@ -189,6 +190,11 @@ def check_steps(steps: int | None) -> None:
     """`ValueError` for numbers of steps that no episode has."""
     if steps is not None and steps != -1 and (not isinstance(steps, (int, np.integer)) or steps < 1):
         raise ValueError(f"max_episode_steps is {steps}: it must be 1 or more, -1 for no end, or be left out")
+
+
+def _plain(seed: Any) -> Any:
+    """A seed as Gymnasium takes it, which refuses numpy's integers as it does what is no integer."""
+    return int(seed) if isinstance(seed, np.integer) else seed
 
 
 def _masked(info: Info, mask: Array) -> Info:
