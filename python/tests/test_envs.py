@@ -4,6 +4,8 @@ import copy
 import importlib
 import inspect
 import pickle
+import subprocess
+import sys
 import warnings
 from functools import partial
 
@@ -576,5 +578,15 @@ def test_pictures_go_along_with_the_robot():
 
 
 def test_an_id_brings_its_module():
-    assert gymnasium.make("kinetarium.envs:kinetarium/Reacher-v0").unwrapped.task.dt == pytest.approx(0.02)
-    assert kinetarium.envs.ROBOTS.keys() == set(ROBOTS)
+    # In a process of its own, where nothing has been imported.
+    code = "import gymnasium; print(gymnasium.make('kinetarium.envs:kinetarium/Reacher-v0').unwrapped.task.dt)"
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert float(told) == pytest.approx(0.02)
+
+
+def test_robots_are_gymnasiums():
+    # But for the one that swims in a fluid.
+    registered = gymnasium.registry.values()
+    theirs = {spec.name for spec in registered if "envs.mujoco" in str(spec.entry_point) and spec.version == 5}
+    own = {spec.name for spec in registered if spec.namespace == "kinetarium"}
+    assert own == theirs - {"Swimmer"} == set(ROBOTS)
