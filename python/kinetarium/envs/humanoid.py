@@ -57,13 +57,15 @@ class HumanoidTask(Task):
 
     def contact_cost(self, seen: Seen, weight: float, between: Range) -> Array:
         """A cost of the squares of `cfrc_ext`, within a range, shape (worlds,)."""
-        if weight == 0:
-            return np.clip(np.zeros(self.worlds), *between)
-        return np.clip(weight * np.square(seen.contact_force.reshape(self.worlds, -1)).sum(axis=1), *between)
+        cost: Array = np.zeros(self.worlds)
+        if weight != 0:
+            cost = weight * np.square(seen.contact_force.reshape(self.worlds, -1)).sum(axis=1)
+        return cost.clip(*between)
 
     def control_cost(self, action: Array) -> Array:
         """A cost of the squares of the controls, shape (worlds,)."""
-        return self._ctrl_cost_weight * np.square(action).sum(axis=1)
+        squares: Array = np.square(action).sum(axis=1)
+        return self._ctrl_cost_weight * squares
 
     def draw(self, random: np.random.Generator) -> tuple[Array, Array]:
         return self.noise(random, self._reset_noise_scale)

@@ -43,8 +43,8 @@ class InvertedDoublePendulum(Task):
     def limit_force(self, seen: Seen) -> Array:
         """`qfrc_constraint` of the cart [N]: what of the slider's force is neither the motor's nor the
         damper's."""
-        damping = self.model.parameter("damping")[0, 0]
-        return seen.joint_force[:, 0, 0] - seen.motor_force[:, 0] + damping * seen.velocity[:, 0]
+        damping: Array = self.model.parameter("damping")[0, 0] * seen.velocity[:, 0]
+        return seen.joint_force[:, 0, 0] - seen.motor_force[:, 0] + damping
 
     def tip(self, seen: Seen) -> tuple[Array, Array]:
         """How far along the rail the tip is, and how high [m], shape (worlds,) each."""

@@ -58,7 +58,7 @@ class SingleTask(gymnasium.Env[Array, Array]):
         reward, failed, info = self.task.act(np.asarray(action)[None])
         return self.task.observe()[0], float(reward[0]), bool(failed[0]), False, _first(info)
 
-    def render(self) -> Array | None:  # type: ignore[override]
+    def render(self) -> Array | None:
         """Colours, uint8 of shape (height, width, 3), from a camera that goes along with the robot; `None` without
         `render_mode`."""
         return self.task.picture(0, self.width, self.height) if self.render_mode == "rgb_array" else None
