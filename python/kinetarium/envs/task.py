@@ -66,7 +66,7 @@ class Seen:
         self._task = task
         self._state = task.simulation.state
         position = self._state.read("joint_position")
-        self.position = np.take(position, task.to_mujoco, axis=1).astype(np.float64)
+        self.position = position.take(task.to_mujoco, axis=1).astype(np.float64)
 
     @cached_property
     def velocity(self) -> Array:
@@ -171,6 +171,7 @@ class Task(ABC):
         self.gear = (model.parameter("gear") * model.parameter("gain")).ravel()
         low, high = np.asarray(model.control_range).T
         self._range = low.astype(self.simulation.dtype), high.astype(self.simulation.dtype)
+        self._action_shape = worlds, len(low)
         self.action_space = gymnasium.spaces.Box(low.astype(np.float32), high.astype(np.float32))
         self._turning = [model.coordinate_names.index(name) for name in self.turning]
         self._turned = np.zeros((worlds, len(self._turning)))
@@ -296,21 +297,22 @@ class Task(ABC):
         self._lost[worlds] = False
 
     def _apply(self, action: Array) -> None:
-        if action.shape != (self.worlds, *self.action_space.shape):
-            expected = (self.worlds, *self.action_space.shape)
-            raise ValueError(f"the actions have the shape {action.shape}: it must be {expected}")
+        if action.shape != self._action_shape:
+            raise ValueError(f"the actions have the shape {action.shape}: it must be {self._action_shape}")
         if action.dtype.kind not in "fiub":
             raise ValueError(f"the actions are of dtype {action.dtype}: give real numbers")
-        wrong = np.flatnonzero(~np.isfinite(action).all(axis=1))
-        if wrong.size:
-            raise ValueError(f"the action of world {wrong[0]} is not finite: {action[wrong[0]]}")
-        self.simulation.controls.actuator = np.clip(action, *self._range)
+        finite = np.isfinite(action)
+        if not finite.all():
+            wrong = np.flatnonzero(~finite.all(axis=1))[0]
+            raise ValueError(f"the action of world {wrong} is not finite: {action[wrong]}")
+        low, high = self._range
+        np.minimum(np.maximum(action, low), high, out=np.asarray(self.simulation.controls.actuator))
 
     def _look(self) -> None:
         seen = Seen(self)
         if self._turning:
             angle = seen.position[:, self._turning]
-            angle += 2 * np.pi * np.round((self._turned - angle) / (2 * np.pi))
+            angle += 2 * np.pi * np.rint((self._turned - angle) / (2 * np.pi))
             seen.position[:, self._turning] = self._turned = angle
         self.seen = seen
         self._place = self.place(seen).copy()
