@@ -12,7 +12,7 @@ from kinetarium.errors import ShapeError, SimulationError, UnknownNameError
 from kinetarium.names import Names, rows
 
 Assign = Callable[[np.ndarray, np.ndarray], None]
-"""Takes what stands in an array and what shall, both plain; raises where that cannot be."""
+"""Takes an array as it shall be and a mask of the items that are set, both plain; raises where that cannot be."""
 
 
 def _named(key: Any) -> bool:
@@ -124,9 +124,10 @@ class NamedArray(ReadArray):
         if self._assign is None or self.held is None:
             self.view(np.ndarray)[self._numbers(key)] = value
             return
-        wanted = self.held.copy()
-        wanted[self._numbers(key)] = value
-        self._assign(self.held, wanted)
+        key = self._numbers(key)
+        wanted, chosen = self.held.copy(), np.zeros(self.shape, bool)
+        wanted[key], chosen[key] = value, True
+        self._assign(wanted, chosen)
         self.held[...] = wanted
 
     def __dlpack__(self, **options: Any) -> Any:

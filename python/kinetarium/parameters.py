@@ -40,28 +40,28 @@ class Parameter:
         return NamedArray.of(array, (None, names), self._assign(worlds))
 
     def __set__(self, parameters: Parameters, value: Any) -> None:
-        before = np.asarray(self.__get__(parameters, Parameters))
-        self._change(parameters._worlds, before, checked(self._name, value, before.shape))
+        shape = self.__get__(parameters, Parameters).shape
+        self._change(parameters._worlds, checked(self._name, value, shape), np.ones(shape, bool))
 
     def _assign(self, worlds: Worlds) -> Assign:
         those = weakref.ref(worlds)  # no array keeps worlds that are done with
 
-        def assign(before: np.ndarray, wanted: np.ndarray) -> None:
+        def assign(wanted: np.ndarray, chosen: np.ndarray) -> None:
             worlds = those()
             if worlds is None:
                 raise ClosedError(f"the simulation of this {self._name} is gone: copy the array to change it alone")
-            self._change(worlds, before, wanted)
+            self._change(worlds, wanted, chosen)
 
         return assign
 
-    def _change(self, worlds: Worlds, before: np.ndarray, wanted: np.ndarray) -> None:
-        """Gives worlds those numbers that are others than before, or none of them where one is refused."""
-        changed = (wanted != before).reshape(len(wanted), -1)
-        which = np.flatnonzero(changed.any(axis=1))
-        engine = worlds.engine
-        now = engine.read_parameter(self._name, which)
-        numbers = np.where(changed[which], wanted.reshape(changed.shape)[which], now)
-        engine.write_parameter(self._name, which, numbers)
+    def _change(self, worlds: Worlds, wanted: np.ndarray, chosen: np.ndarray) -> None:
+        """Gives worlds those numbers that are chosen, or none of them where one is refused."""
+        engine, rows = worlds.engine, np.arange(worlds.count)
+        now = engine.read_parameter(self._name, rows)
+        numbers = np.where(chosen.reshape(now.shape), wanted.reshape(now.shape), now)
+        rows = np.flatnonzero((numbers != now).any(axis=1))  # the others' models stay as they are
+        if rows.size:
+            engine.write_parameter(self._name, rows, numbers[rows])
 
 
 class Parameters(Strict):

@@ -182,7 +182,7 @@ class State(Strict):
             return partial(_refuse, quantity)
         moment, this = self._worlds.moment, weakref.ref(self)  # no array keeps worlds that are done with
 
-        def assign(before: np.ndarray, wanted: np.ndarray) -> None:
+        def assign(wanted: np.ndarray, chosen: np.ndarray) -> None:
             state = this()
             if state is None:
                 raise ClosedError(f"the simulation of this {quantity} is gone: copy the array to change it alone")
@@ -191,25 +191,24 @@ class State(Strict):
                     f"this {quantity} was read before the simulation was stepped or reset: read it anew to set its "
                     "items, or copy the array to change it alone"
                 )
-            state._change(quantity, before, wanted)
+            state._change(quantity, wanted, chosen)
 
         return assign
 
     def _set(self, quantity: str, value: Any) -> None:
         wanted = checked(quantity, value, self._layout(quantity)[0])
-        self._change(quantity, self.read(quantity), wanted)
+        self._change(quantity, wanted, np.ones(wanted.shape, bool))
 
-    def _change(self, quantity: str, before: np.ndarray, wanted: np.ndarray) -> None:
-        """Gives the joints those numbers of a quantity that are others than before; all else stays as it is now."""
-        changed = wanted != before
+    def _change(self, quantity: str, wanted: np.ndarray, chosen: np.ndarray) -> None:
+        """Gives the joints those numbers of a quantity that are chosen; all else stays as it is now."""
         if quantity == "joint_position":
             for columns in self._quaternion_columns().values():
-                changed[:, columns] |= changed[:, columns].any(axis=1, keepdims=True)
-        worlds = np.flatnonzero(changed.any(axis=1))
+                chosen[:, columns] |= chosen[:, columns].any(axis=1, keepdims=True)
+        worlds = np.flatnonzero(chosen.any(axis=1))
         if worlds.size == 0:
             return
         now = {name: self.read(name)[worlds] for name in _SETTABLE}
-        now[quantity] = np.where(changed[worlds], wanted[worlds], now[quantity])
+        now[quantity] = np.where(chosen[worlds], wanted[worlds], now[quantity])
         position, velocity = (np.ascontiguousarray(now[name], np.float64) for name in _SETTABLE)
         self._put(worlds, position, velocity, keep=True)
 
