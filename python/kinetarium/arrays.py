@@ -17,59 +17,36 @@ Assign = Callable[[np.ndarray, np.ndarray], None]
 
 def _named(key: Any) -> bool:
     """Whether a part of an index holds names."""
-    return isinstance(key, str) or (isinstance(key, list) and len(key) > 0 and all(isinstance(k, str) for k in key))
+    if isinstance(key, str):
+        return True
+    several = isinstance(key, (list, tuple)) or (isinstance(key, np.ndarray) and key.ndim == 1)
+    return several and len(key) > 0 and all(isinstance(k, str) for k in key)
 
 
 def _rows(key: Any, axis: int, names: Names) -> Any:
-    """Numbers for a name, or for a list of names."""
+    """Numbers for a name, or for several."""
     if names is None:
-        raise UnknownNameError(f"axis {axis} has no names: give numbers instead of {key!r}")
+        raise UnknownNameError(
+            f"axis {axis} has no names: give numbers instead of {key!r}, or all indices at once, as what an index "
+            "gives has no names"
+        )
     if isinstance(key, str):
         return rows(key, axis, names)
     return np.concatenate([np.arange(len(names))[rows(name, axis, names)].ravel() for name in key]).tolist()
 
 
-class ReadArray(np.ndarray):
-    """Numbers as they were read. Where they are read-only, operators that work in place make new numbers instead, so
-    that `state.joint_position[0] += 0.1` adds and then assigns. The result of arithmetic is a plain array."""
-
-    def __array_wrap__(self, array, context=None, return_scalar=False):
-        if array is self:  # in place: `force += 1`
-            return self
-        plain = np.asarray(array)
-        return plain[()] if return_scalar else plain
-
-    def __reduce__(self) -> Any:
-        return self.view(np.ndarray).__reduce__()
-
-    def __repr__(self) -> str:
-        return repr(self.view(np.ndarray))
-
-
-def _in_place(operation: str) -> Callable[[np.ndarray, Any], Any]:
-    work = getattr(np.ndarray, operation)
-
-    def operate(array: np.ndarray, other: Any) -> Any:
-        # What is not implemented in place is computed anew, and then assigned.
-        return work(array, other) if array.flags.writeable else NotImplemented
-
-    return operate
-
-
-for _name in [name for name in vars(np.ndarray) if name.startswith("__i") and f"__{name[3:]}" in vars(np.ndarray)]:
-    setattr(ReadArray, _name, _in_place(_name))
-
-
-class NamedArray(ReadArray):
+class NamedArray(np.ndarray):
     """A numpy array whose axes may have names, usable in place of numbers in its index.
 
-    A name picks a row as its number would; a list of names picks several, and so does the name of a joint of several
-    columns. What an index gives has no names, and lies in the same memory or in memory of its own, as numpy's rules
-    for views and copies say. The result of arithmetic is a plain `numpy.ndarray`.
+    A name picks a row as its number would; several names, in a list, a tuple or an array, pick several, and so does
+    the name of a joint of several columns. What an index gives has no names, and lies in the same memory or in memory
+    of its own, as numpy's rules for views and copies say. `copy` and `astype` keep names. The result of arithmetic is
+    a plain `numpy.ndarray`.
 
     Those of `Simulation.state` and `parameters` are read-only but for items that are set: what would else be written
     to a part of one, or to the whole by a function such as `numpy.copyto`, would not reach the simulation, and numpy
-    raises `ValueError`.
+    raises `ValueError`. Operators that work in place make new numbers of them instead, so that
+    `state.joint_position[0] += 0.1` adds and then assigns.
 
     >>> import numpy as np
     >>> from kinetarium.arrays import NamedArray
@@ -117,25 +94,61 @@ class NamedArray(ReadArray):
         return tuple(numbers)
 
     def __getitem__(self, key: Any) -> Any:
-        kind = np.ndarray if self._assign is None else ReadArray
-        return self.view(kind)[self._numbers(key)]
+        return super().__getitem__(self._numbers(key))
 
     def __setitem__(self, key: Any, value: Any) -> None:
-        if self._assign is None or self.held is None:
-            self.view(np.ndarray)[self._numbers(key)] = value
-            return
         key = self._numbers(key)
+        if self._assign is None or self.held is None:
+            super().__setitem__(key, value)
+            return
         wanted, chosen = self.held.copy(), np.zeros(self.shape, bool)
         wanted[key], chosen[key] = value, True
         self._assign(wanted, chosen)
         self.held[...] = wanted
 
+    def __array_wrap__(self, array, context=None, return_scalar=False):
+        if array is self:  # in place: `force += 1`
+            return self
+        plain = np.asarray(array)
+        return plain if plain.ndim else plain[()]
+
     def __dlpack__(self, **options: Any) -> Any:
         held = self.view(np.ndarray) if self.held is None else self.held
         return held.__dlpack__(**options)
 
+    def __reduce__(self) -> Any:
+        return self.view(np.ndarray).__reduce__()
+
     def __repr__(self) -> str:
-        return np.array_repr(self)
+        return np.array_repr(self if self.names else self.view(np.ndarray))
+
+
+def _in_place(operation: str) -> Callable[[np.ndarray, Any], Any]:
+    work = getattr(np.ndarray, operation)
+
+    def operate(array: np.ndarray, other: Any) -> Any:
+        # What is not implemented in place is computed anew, and then assigned.
+        return work(array, other) if array.flags.writeable else NotImplemented
+
+    return operate
+
+
+def _keeping_names(operation: str) -> Callable[..., Any]:
+    work = getattr(np.ndarray, operation)
+
+    def operate(array: NamedArray, *arguments: Any, **options: Any) -> Any:
+        made = work(array, *arguments, **options)
+        if isinstance(made, NamedArray) and made is not array:
+            made.names = array.names
+        return made
+
+    return operate
+
+
+for _name in [name for name in vars(np.ndarray) if name.startswith("__i") and f"__{name[3:]}" in vars(np.ndarray)]:
+    setattr(NamedArray, _name, _in_place(_name))
+for _name in "copy", "astype", "__copy__", "__deepcopy__":
+    setattr(NamedArray, _name, _keeping_names(_name))
 
 
 def checked(what: str, array: Any, shape: tuple[int, ...], dtype: Any = np.float64) -> np.ndarray:
