@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import operator
 from collections.abc import Callable
+from ctypes import addressof, c_char
 from typing import Any
 
 import numpy as np
@@ -13,6 +15,12 @@ from kinetarium.names import Names, rows
 
 Assign = Callable[[np.ndarray, np.ndarray], None]
 """Takes an array as it shall be and a mask of the items that are set, both plain; raises where that cannot be."""
+
+
+def aligned(shape: tuple[int, ...], dtype: np.dtype) -> np.ndarray:
+    """An array on a boundary of 64 bytes, where jax takes memory without a copy; its numbers are not set."""
+    memory = np.empty(math.prod(shape) * dtype.itemsize + 64, np.uint8)
+    return np.ndarray(shape, dtype, memory, -addressof(c_char.from_buffer(memory.data)) % 64)
 
 
 def _named(key: Any) -> bool:
@@ -46,7 +54,7 @@ class NamedArray(np.ndarray):
     Those of `Simulation.state` and `parameters` are read-only but for items that are set: what would else be written
     to a part of one, or to the whole by a function such as `numpy.copyto`, would not reach the simulation, and numpy
     raises `ValueError`. Operators that work in place make new numbers of them instead, so that
-    `state.joint_position[0] += 0.1` adds and then assigns.
+    `state.joint_position[0] += 0.1` adds and then assigns. By DLPack others take a copy of them.
 
     >>> import numpy as np
     >>> from kinetarium.arrays import NamedArray
@@ -113,8 +121,13 @@ class NamedArray(np.ndarray):
         return plain if plain.ndim else plain[()]
 
     def __dlpack__(self, **options: Any) -> Any:
-        held = self.view(np.ndarray) if self.held is None else self.held
-        return held.__dlpack__(**options)
+        numbers = self.view(np.ndarray)
+        if not self.flags.writeable:  # which not all heed: torch writes to what it takes
+            if options.get("copy") is False:
+                raise BufferError("the array is read-only, and only a copy is given: take what `State.read` gives")
+            numbers = aligned(self.shape, self.dtype)
+            numbers[...] = self
+        return numbers.__dlpack__(**options)
 
     def __reduce__(self) -> Any:
         return self.view(np.ndarray).__reduce__()

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kinetarium.arrays import NamedArray, checked
+from kinetarium.arrays import NamedArray, aligned, checked
 from kinetarium.errors import UnknownNameError
 from kinetarium.names import Strict, hint
 
@@ -26,8 +26,8 @@ class Controls(Strict):
     """Controls of all worlds, as arrays that are written in place and hold until they are written again.
 
     Each is one array of the simulation's dtype that lives as long as the simulation: what stands in it when
-    `Simulation.step` is called is what acts. Arrays that were never asked for are not copied. torch and jax
-    take them without a copy, as they are plain numpy memory.
+    `Simulation.step` is called is what acts. Arrays that were never asked for are not copied. torch and jax take them
+    by DLPack without a copy: what torch writes there acts.
 
     >>> import kinetarium as kn
     >>> sim = kn.Simulation(kn.examples.n_pendula(3), worlds=2)
@@ -75,7 +75,7 @@ class Controls(Strict):
         engine = self._worlds.engine
         array = self._arrays.get(name)
         if array is None:
-            numbers = np.empty(self._shape(name), self._worlds.dtype)
+            numbers = aligned(self._shape(name), self._worlds.dtype)
             engine.read_control(name, numbers)
             array = self._arrays[name] = NamedArray.of(numbers, (None, self._worlds.names(_NAMES[name])))
         return array

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kinetarium.arrays import Assign, NamedArray, checked
+from kinetarium.arrays import Assign, NamedArray, aligned, checked
 from kinetarium.errors import ClosedError, ShapeError, SimulationError, UnknownNameError
 from kinetarium.names import Names, Strict, hint
 
@@ -47,13 +47,17 @@ def _refuse(quantity: str, *_: np.ndarray) -> None:
     raise ShapeError(f"{quantity} follows from the joints: set joint_position and joint_velocity, or copy the array")
 
 
+def _refuse_times(what: str, *_: np.ndarray) -> None:
+    raise ShapeError(f"{what} follows from the steps: copy the array to change it alone")
+
+
 class State(Strict):
     """The state of all worlds.
 
     Each attribute is a fresh array of the simulation's dtype, contiguous and yours to keep, read-only but for items
     that are set: one transposing copy from the blocks in which worlds lie side by side. Take it once, not once per
-    world; `read` gives a plain array, or fills one of yours. torch and jax take either by DLPack without a further
-    copy.
+    world; `read` gives a plain array, or fills one of yours. torch and jax take what `read` gives by DLPack without a
+    further copy, and of attributes a copy, so that nothing is written there in vain.
 
     Items of `joint_position` and `joint_velocity` can be set, which changes the simulation: those items, in the
     worlds that have them, and no others. An array that was read before the simulation was stepped or reset refuses
@@ -115,7 +119,7 @@ class State(Strict):
         worlds = self._worlds
         shape, names = self._layout(quantity)
         if out is None:
-            out = np.empty(shape, worlds.dtype)
+            out = aligned(shape, worlds.dtype)
         elif not isinstance(out, np.ndarray) or out.shape != shape or out.dtype != worlds.dtype:
             found = f"{out.dtype} of {out.shape}" if isinstance(out, np.ndarray) else type(out).__name__
             raise ShapeError(f"out is {found}: it must be an array, {worlds.dtype} of {shape}")
@@ -358,14 +362,14 @@ class State(Strict):
         return self._get("angular_momentum")
 
     @property
-    def time(self) -> np.ndarray:
+    def time(self) -> NamedArray:
         """Times [s], float64 of shape (worlds,); a world that diverged keeps the time at which it was found."""
-        return self._worlds.engine.times()
+        return NamedArray.of(self._worlds.engine.times(), (), partial(_refuse_times, "time"))
 
     @property
-    def diverged(self) -> np.ndarray:
+    def diverged(self) -> NamedArray:
         """Which worlds left the finite numbers, bool of shape (worlds,). They stay at their last good state until
         they are reset."""
         diverged = np.zeros(self._worlds.count, bool)
         diverged[[world for world, _ in self._worlds.engine.diverged()]] = True
-        return diverged
+        return NamedArray.of(diverged, (), partial(_refuse_times, "diverged"))

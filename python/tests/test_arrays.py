@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import kinetarium as kn
-from kinetarium.errors import UnknownNameError
+from kinetarium.errors import ShapeError, UnknownNameError
 
 
 @pytest.fixture(params=["float32", "float64"])
@@ -48,6 +48,60 @@ def test_a_mask_chooses_items(sim):
     expected = np.where(chosen, 0.25, sim.state.joint_position)
     sim.state.joint_position[chosen] = 0.25
     assert (sim.state.joint_position == expected).all()
+
+
+def test_controls_are_taken_without_a_copy(sim):
+    force = sim.controls.force
+    for taken in (np.from_dlpack(force), np.asarray(memoryview(force)), np.from_dlpack(force[1:])):
+        assert np.shares_memory(taken, force) and taken.dtype == sim.dtype
+    np.from_dlpack(force)[2] = 1.0  # what is written there acts
+    sim.step(10)
+    v = sim.state.joint_velocity
+    assert (v[2] != v[0]).all() and (v[3] == v[0]).all()
+    own = sim.state.read("joint_position")
+    assert np.shares_memory(np.from_dlpack(own), own)
+
+
+def test_what_is_read_is_taken_as_a_copy(sim):
+    """Whoever takes memory may write to it, as torch does, and it would be in vain."""
+    for array in (
+        sim.state.joint_position,
+        sim.state.body_position[:, "link1"],
+        sim.state.body_orientation.T,
+        sim.parameters.gravity,
+        sim.state.time,
+    ):
+        before, taken = np.array(array), np.from_dlpack(array)
+        assert (taken == before).all() and taken.dtype == array.dtype and taken.flags.writeable
+        taken[...] = 7.0
+        assert (array == before).all()
+        assert taken.ctypes.data % 64 == 0
+        assert not np.asarray(memoryview(array)).flags.writeable and array.__array_interface__["data"][1]
+        with pytest.raises(BufferError, match="read-only"):
+            array.__dlpack__(copy=False)
+
+
+def test_memory_lies_where_it_is_shared(sim):
+    """jax copies what does not lie on 64 bytes."""
+    for array in (
+        sim.controls.force,
+        sim.controls.actuator,
+        sim.state.read("body_position"),
+        sim.state.read("momentum"),
+    ):
+        assert array.ctypes.data % 64 == 0 and array.flags.c_contiguous and array.flags.writeable
+
+
+def test_times_are_read_only(sim):
+    sim.step(5)
+    for array in (sim.state.time, sim.state.diverged, sim.time):
+        with pytest.raises(ShapeError, match="follows from the steps: copy the array"):
+            array[0] = 1
+        with pytest.raises(ValueError, match="read-only"):
+            array.fill(1)
+        own = array.copy()
+        own[0] = 1
+    assert (sim.time == sim.time[0]).all() and not sim.state.diverged.any()
 
 
 def test_several_names_come_in_any_form(sim):
