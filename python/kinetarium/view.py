@@ -79,5 +79,6 @@ def open_browser(url: str) -> bool:
         browser = webbrowser.get()
     except webbrowser.Error:
         return False
-    # Those that run in the terminal would take it over.
-    return not isinstance(browser, webbrowser.GenericBrowser) and browser.open(url)
+    # Those that run in the terminal would take it over. BackgroundBrowser (xdg-open) derives from one, and does not.
+    in_terminal = webbrowser.GenericBrowser, getattr(webbrowser, "Elinks", None)
+    return type(browser) not in in_terminal and browser.open(url)

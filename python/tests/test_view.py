@@ -3,6 +3,7 @@
 import subprocess
 import sys
 import urllib.request
+import webbrowser
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from kinetarium.errors import (
     UnknownNameError,
     ViewerError,
 )
+from kinetarium.view import open_browser
 
 
 def test_a_page_is_served_until_it_is_closed(capsys):
@@ -48,6 +50,19 @@ def test_an_open_page_stays_at_its_address():
     view.close()
     assert sim.view(token="secret", browser=False) is not view
     sim.close()
+
+
+def test_browsers_with_a_window_are_opened(monkeypatch):
+    opened = []
+    for browser in (
+        webbrowser.BackgroundBrowser("xdg-open"),
+        webbrowser.Chrome("chrome"),
+        webbrowser.GenericBrowser("w3m"),
+    ):
+        monkeypatch.setattr(type(browser), "open", lambda self, url, *_: not opened.append(self.name))
+        monkeypatch.setattr(webbrowser, "get", lambda browser=browser: browser)
+        assert open_browser("http://127.0.0.1") is (browser.name != "w3m")
+    assert opened == ["xdg-open", "chrome"]
 
 
 def test_addresses_are_checked():
