@@ -77,8 +77,8 @@ __all__ = [
     "sensors",
 ]
 
-# Imported when they are asked for: the first needs gymnasium, the second matplotlib.
-_LATER = ("envs", "plot", "types")
+# Imported when they are asked for, and what must be installed for them.
+_LATER = {"envs": "gymnasium", "plot": None, "types": None}
 
 
 def __getattr__(name: str) -> Any:
@@ -86,8 +86,16 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from importlib import import_module
 
-    return import_module(f"{__name__}.{name}")
+    needed = _LATER[name]
+    try:
+        return import_module(f"{__name__}.{name}")
+    except ModuleNotFoundError as error:
+        if needed is None or (error.name or "").partition(".")[0] != needed:
+            raise
+        raise AttributeError(f"{__name__}.{name} needs {needed}: `pip install {needed}`") from error
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_LATER})
+    from importlib.util import find_spec
+
+    return sorted({*globals(), *(name for name, needed in _LATER.items() if needed is None or find_spec(needed))})

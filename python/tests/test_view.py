@@ -103,12 +103,28 @@ def test_import_brings_no_more_than_numpy():
 
 def test_modules_come_when_they_are_asked_for():
     code = """import kinetarium as kn
-assert {"envs", "plot", "types", "sensors"} <= set(dir(kn)) and not hasattr(kn, "plots")
+assert {"plot", "types", "sensors"} <= set(dir(kn)) and not hasattr(kn, "plots")
 kn.plot.record, kn.types.Vector
+"""
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_what_cannot_be_imported_is_no_attribute():
+    code = """import inspect, pydoc, sys
+sys.modules["gymnasium"] = None  # as if it were not installed
+import kinetarium as kn
+assert not hasattr(kn, "envs") and "envs" not in dir(kn)
+assert "Simulation" in dict(inspect.getmembers(kn)) and "Simulation" in pydoc.render_doc(kn)
 try:
-    kn.envs.ROBOTS
+    kn.envs
+except AttributeError as error:
+    assert error.__cause__ and str(error) == "kinetarium.envs needs gymnasium: `pip install gymnasium`", error
+try:
+    from kinetarium import envs
 except ModuleNotFoundError as error:
-    assert error.name == "gymnasium"
+    assert "gymnasium" in error.name
+else:
+    raise AssertionError
 """
     subprocess.run([sys.executable, "-c", code], check=True)
 
