@@ -114,7 +114,7 @@ class NamedArray(np.ndarray):
         self._assign(wanted, chosen)
         self.held[...] = wanted
 
-    def __array_wrap__(self, array, context=None, return_scalar=False):
+    def __array_wrap__(self, array: np.ndarray, context: Any = None, return_scalar: bool = False) -> Any:
         if array is self:  # in place: `force += 1`
             return self
         plain = np.asarray(array)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any, Literal, SupportsIndex, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
@@ -324,7 +324,7 @@ class Simulation(Strict):
         """Row of an actuator: a column of `controls.actuator`."""
         return self.model.actuator(name)
 
-    def step(self, steps: int = 1) -> np.ndarray:
+    def step(self, steps: SupportsIndex = 1) -> np.ndarray:
         """Advances all worlds by time steps, under the controls as they stand.
 
         Returns the worlds that diverged meanwhile, int64; they stay at their last good state, and the others go on.

@@ -3,42 +3,20 @@
 from __future__ import annotations
 
 import math
-import weakref
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
-from kinetarium.arrays import Assign, NamedArray, aligned, checked
-from kinetarium.errors import ClosedError, ShapeError, SimulationError, UnknownNameError
-from kinetarium.names import Names, Strict, hint
+from kinetarium.arrays import Assign, NamedArray, aligned
+from kinetarium.errors import ShapeError, SimulationError, UnknownNameError
+from kinetarium.names import hint
+from kinetarium.tables import Table, Tables, tables_of
 
 if TYPE_CHECKING:
     from kinetarium._engine import DeviceArray
     from kinetarium.worlds import Worlds
 
-# What names the rows of a quantity, and how many numbers a row has; 0: the rows are the numbers.
-_QUANTITIES: dict[str, tuple[str | None, int]] = {
-    "joint_position": ("coordinate_names", 0),
-    "joint_velocity": ("dof_names", 0),
-    "joint_acceleration": ("dof_names", 0),
-    "body_position": ("body_names", 3),
-    "body_orientation": ("body_names", 4),
-    "body_velocity": ("body_names", 3),
-    "body_angular_velocity": ("body_names", 3),
-    "reaction_force": ("joint_names", 3),
-    "reaction_torque": ("joint_names", 3),
-    "contact_wrench": ("body_names", 6),
-    "center_of_mass": (None, 3),
-    "spatial_inertia": ("body_names", 10),
-    "spatial_velocity": ("body_names", 6),
-    "spatial_contact_force": ("body_names", 6),
-    "kinetic_energy": (None, 0),
-    "potential_energy": (None, 0),
-    "momentum": (None, 3),
-    "angular_momentum": (None, 3),
-}
-_SETTABLE = "joint_position", "joint_velocity"
 # Coordinates and velocities beyond this are refused.
 _MOST_MOTION = 1e9
 
@@ -51,7 +29,14 @@ def _refuse_times(what: str, *_: np.ndarray) -> None:
     raise ShapeError(f"{what} follows from the steps: copy the array to change it alone")
 
 
-class State(Strict):
+class Quantity(Table):
+    """An attribute of `State` that is only read."""
+
+    def __set__(self, tables: Tables, value: NoReturn) -> None:  # type: ignore[override]
+        _refuse(self.name)
+
+
+class State(Tables):
     """The state of all worlds.
 
     Each attribute is a fresh array of the simulation's dtype, contiguous and yours to keep, read-only but for items
@@ -74,19 +59,89 @@ class State(Strict):
     (2, 3)
     """
 
-    __slots__ = ("__weakref__", "_layouts", "_quaternions", "_worlds")
+    joint_position = Table(
+        "coordinate_names",
+        (),
+        """Coordinates of the joints [m, rad, quaternions x, y, z, w], shape (worlds, coordinates).
+
+        Angles of axes that turn without end are in [−π, π]. Items can be set; quaternions are scaled to unit length
+        then.
+        """,
+    )
+    joint_velocity = Table(
+        "dof_names",
+        (),
+        "Velocities of the joints [m/s or rad/s], shape (worlds, degrees of freedom). Items can be set.",
+    )
+    joint_acceleration = Quantity(
+        "dof_names", (), "Accelerations of the joints [m/s² or rad/s²], shape (worlds, degrees of freedom)."
+    )
+    body_position = Quantity(
+        "body_names", (3,), "Positions of the bodies' frames [m], world axes, shape (worlds, bodies, 3)."
+    )
+    body_orientation = Quantity(
+        "body_names", (4,), "Orientations of the bodies' frames, x, y, z, w, shape (worlds, bodies, 4)."
+    )
+    body_velocity = Quantity(
+        "body_names",
+        (3,),
+        "Velocities of the origins of the bodies' frames [m/s], world axes, shape (worlds, bodies, 3).",
+    )
+    body_angular_velocity = Quantity(
+        "body_names", (3,), "Angular velocities of the bodies [rad/s], world axes, shape (worlds, bodies, 3)."
+    )
+    reaction_force = Quantity(
+        "joint_names", (3,), "Forces of the joints on their children [N], world axes, shape (worlds, joints, 3)."
+    )
+    reaction_torque = Quantity(
+        "joint_names",
+        (3,),
+        "Torques of the joints on their children about the child's joint frame [N·m], world axes, shape (worlds, "
+        "joints, 3).",
+    )
+    contact_wrench = Quantity(
+        "body_names",
+        (6,),
+        "Forces [N] and torques about the world's origin [N·m] of the contacts of the last step on the bodies, "
+        "world axes, shape (worlds, bodies, 6): force, then torque. Zero before the first step.",
+    )
+    center_of_mass = Quantity(
+        None, (3,), "Centres of mass of all bodies that are not static [m], world axes, shape (worlds, 3)."
+    )
+    spatial_inertia = Quantity(
+        "body_names",
+        (10,),
+        """Inertias of the bodies about the centre of mass C of their tree, along the world's axes, shape (worlds,
+        bodies, 10): Ixx, Iyy, Izz, Ixy, Ixz, Iyz [kg·m²], m (c − C) [kg·m], m [kg], with the body's own centre c.
+        MuJoCo's `cinert`.
+
+        A tree is all that joints carry from one body on that hangs on the world or on a static body. Static bodies
+        have no mass, here.
+        """,
+    )
+    spatial_velocity = Quantity(
+        "body_names",
+        (6,),
+        "Angular velocities of the bodies [rad/s] and the velocities [m/s] that they have at the centre of mass "
+        "of their tree, world axes, shape (worlds, bodies, 6). MuJoCo's `cvel`.",
+    )
+    spatial_contact_force = Quantity(
+        "body_names",
+        (6,),
+        "Torques [N·m] about the centre of mass of their tree and forces [N] of the contacts of the last step on "
+        "the bodies, world axes, shape (worlds, bodies, 6): torque, then force. MuJoCo's `cfrc_ext`, as far as "
+        "contacts go.",
+    )
+    kinetic_energy = Quantity(None, (), "Kinetic energy [J], shape (worlds,).")
+    potential_energy = Quantity(None, (), "Potential energy [J] of weight and passive springs, shape (worlds,).")
+    momentum = Quantity(None, (3,), "Linear momentum [kg·m/s], shape (worlds, 3).")
+    angular_momentum = Quantity(None, (3,), "Angular momentum [kg·m²/s] about the world's origin, shape (worlds, 3).")
+
+    __slots__ = ("_quaternions",)
 
     def __init__(self, worlds: Worlds) -> None:
-        self._worlds = worlds
-        self._layouts: dict[str, tuple[tuple[int, ...], tuple[Names, ...]]] = {}
+        super().__init__(worlds)
         self._quaternions: dict[str, slice] | None = None
-
-    if not TYPE_CHECKING:
-
-        def __setattr__(self, name: str, value: Any) -> None:
-            if name in _QUANTITIES and name not in _SETTABLE:
-                _refuse(name)
-            super().__setattr__(name, value)
 
     def __repr__(self) -> str:
         model = self._worlds.model
@@ -95,29 +150,14 @@ class State(Strict):
             f"{model.degrees_of_freedom} degrees of freedom, {len(model.body_names)} bodies>"
         )
 
-    def _layout(self, quantity: str) -> tuple[tuple[int, ...], tuple[Names, ...]]:
-        """Shape and names of a quantity's array."""
-        layout = self._layouts.get(quantity)
-        if layout is None:
-            if quantity not in _QUANTITIES:
-                raise UnknownNameError(f'there is no quantity "{quantity}"; {hint(quantity, list(_QUANTITIES))}')
-            table, width = _QUANTITIES[quantity]
-            names = None if table is None else self._worlds.names(table)
-            rows = () if names is None else (len(names),)
-            numbers = (width,) if width else ()
-            shape = (self._worlds.count, *rows, *numbers)
-            layout = (shape, (None, names) if names is not None else ())
-            self._layouts[quantity] = layout
-        return layout
-
     def read(self, quantity: str, out: np.ndarray | None = None) -> np.ndarray:
         """A quantity of all worlds by name, as the attribute of that name; into `out`, if given, which must be
         of the same shape and of the simulation's dtype, C-contiguous and writeable.
 
         Raises `ShapeError` and `UnknownNameError`.
         """
-        worlds = self._worlds
-        shape, names = self._layout(quantity)
+        worlds, table = self._worlds, _quantity(quantity)
+        shape = table.shape(worlds)
         if out is None:
             out = aligned(shape, worlds.dtype)
         elif not isinstance(out, np.ndarray) or out.shape != shape or out.dtype != worlds.dtype:
@@ -125,7 +165,7 @@ class State(Strict):
             raise ShapeError(f"out is {found}: it must be an array, {worlds.dtype} of {shape}")
         elif isinstance(out, NamedArray) and out.held is not None:
             self.read(quantity, out.held)
-            out.holds(names, self._assign(quantity))
+            out.holds(table.names(worlds), self._assign(table))
             return out
         worlds.engine.read(quantity, out)
         return out
@@ -146,7 +186,7 @@ class State(Strict):
 
         Raises `ShapeError` and `UnknownNameError`.
         """
-        shape, _ = self._layout(quantity)
+        shape = _quantity(quantity).shape(self._worlds)
         end = column + math.prod(shape[1:])
         if not isinstance(table, np.ndarray) or table.dtype not in (np.float32, np.float64):
             found = table.dtype if isinstance(table, np.ndarray) else type(table).__name__
@@ -173,47 +213,32 @@ class State(Strict):
         Raises `DeviceError` where worlds are not on a CUDA card, and for quantities that are worked out on the host
         (`contact_wrench`, `center_of_mass` and the spatial ones), and `UnknownNameError`.
         """
-        shape, _ = self._layout(quantity)
+        shape = _quantity(quantity).shape(self._worlds)
         return self._worlds.engine.quantity_on_device(quantity, shape)
 
-    def _get(self, quantity: str) -> NamedArray:
-        array = self.read(quantity)
-        return NamedArray.of(array, self._layout(quantity)[1], self._assign(quantity))
+    def _get(self, table: Table) -> NamedArray:
+        return NamedArray.of(self.read(table.name), table.names(self._worlds), self._assign(table))
 
-    def _assign(self, quantity: str) -> Assign:
-        """What is asked when items of a quantity as it is now are set."""
-        if quantity not in _SETTABLE:
-            return partial(_refuse, quantity)
-        moment, this = self._worlds.moment, weakref.ref(self)  # no array keeps worlds that are done with
+    def _assign(self, table: Table) -> Assign:
+        return partial(_refuse, table.name) if isinstance(table, Quantity) else super()._assign(table)
 
-        def assign(wanted: np.ndarray, chosen: np.ndarray) -> None:
-            state = this()
-            if state is None:
-                raise ClosedError(f"the simulation of this {quantity} is gone: copy the array to change it alone")
-            if state._worlds.moment != moment:
-                raise SimulationError(
-                    f"this {quantity} was read before the simulation was stepped or reset: read it anew to set its "
-                    "items, or copy the array to change it alone"
-                )
-            state._change(quantity, wanted, chosen)
+    def _check(self, table: Table, moment: int) -> None:
+        if self._worlds.moment != moment:
+            raise SimulationError(
+                f"this {table.name} was read before the simulation was stepped or reset: read it anew to set its "
+                "items, or copy the array to change it alone"
+            )
 
-        return assign
-
-    def _set(self, quantity: str, value: Any) -> None:
-        wanted = checked(quantity, value, self._layout(quantity)[0])
-        self._change(quantity, wanted, np.ones(wanted.shape, bool))
-
-    def _change(self, quantity: str, wanted: np.ndarray, chosen: np.ndarray) -> None:
-        """Gives the joints those numbers of a quantity that are chosen; all else stays as it is now."""
-        if quantity == "joint_position":
+    def _change(self, table: Table, wanted: np.ndarray, chosen: np.ndarray) -> None:
+        if table.name == "joint_position":
             for columns in self._quaternion_columns().values():
                 chosen[:, columns] |= chosen[:, columns].any(axis=1, keepdims=True)
         worlds = np.flatnonzero(chosen.any(axis=1))
         if worlds.size == 0:
             return
-        now = {name: self.read(name)[worlds] for name in _SETTABLE}
-        now[quantity] = np.where(chosen[worlds], wanted[worlds], now[quantity])
-        position, velocity = (np.ascontiguousarray(now[name], np.float64) for name in _SETTABLE)
+        now = {name: self.read(name)[worlds] for name in ("joint_position", "joint_velocity")}
+        now[table.name] = np.where(chosen[worlds], wanted[worlds], now[table.name])
+        position, velocity = (np.ascontiguousarray(numbers, np.float64) for numbers in now.values())
         self._put(worlds, position, velocity, keep=True)
 
     def _put(self, worlds: np.ndarray, position: np.ndarray, velocity: np.ndarray, *, keep: bool) -> None:
@@ -249,119 +274,6 @@ class State(Strict):
         return self._quaternions
 
     @property
-    def joint_position(self) -> NamedArray:
-        """Coordinates of the joints [m, rad, quaternions x, y, z, w], shape (worlds, coordinates).
-
-        Angles of axes that turn without end are in [−π, π]. Items can be set; quaternions are scaled to unit
-        length then.
-        """
-        return self._get("joint_position")
-
-    @joint_position.setter
-    def joint_position(self, value: np.ndarray) -> None:
-        self._set("joint_position", value)
-
-    @property
-    def joint_velocity(self) -> NamedArray:
-        """Velocities of the joints [m/s or rad/s], shape (worlds, degrees of freedom). Items can be set."""
-        return self._get("joint_velocity")
-
-    @joint_velocity.setter
-    def joint_velocity(self, value: np.ndarray) -> None:
-        self._set("joint_velocity", value)
-
-    @property
-    def joint_acceleration(self) -> NamedArray:
-        """Accelerations of the joints [m/s² or rad/s²], shape (worlds, degrees of freedom)."""
-        return self._get("joint_acceleration")
-
-    @property
-    def body_position(self) -> NamedArray:
-        """Positions of the bodies' frames [m], world axes, shape (worlds, bodies, 3)."""
-        return self._get("body_position")
-
-    @property
-    def body_orientation(self) -> NamedArray:
-        """Orientations of the bodies' frames, x, y, z, w, shape (worlds, bodies, 4)."""
-        return self._get("body_orientation")
-
-    @property
-    def body_velocity(self) -> NamedArray:
-        """Velocities of the origins of the bodies' frames [m/s], world axes, shape (worlds, bodies, 3)."""
-        return self._get("body_velocity")
-
-    @property
-    def body_angular_velocity(self) -> NamedArray:
-        """Angular velocities of the bodies [rad/s], world axes, shape (worlds, bodies, 3)."""
-        return self._get("body_angular_velocity")
-
-    @property
-    def reaction_force(self) -> NamedArray:
-        """Forces of the joints on their children [N], world axes, shape (worlds, joints, 3)."""
-        return self._get("reaction_force")
-
-    @property
-    def reaction_torque(self) -> NamedArray:
-        """Torques of the joints on their children about the child's joint frame [N·m], world axes, shape
-        (worlds, joints, 3)."""
-        return self._get("reaction_torque")
-
-    @property
-    def contact_wrench(self) -> NamedArray:
-        """Forces [N] and torques about the world's origin [N·m] of the contacts of the last step on the bodies, world
-        axes, shape (worlds, bodies, 6): force, then torque. Zero before the first step."""
-        return self._get("contact_wrench")
-
-    @property
-    def center_of_mass(self) -> NamedArray:
-        """Centres of mass of all bodies that are not static [m], world axes, shape (worlds, 3)."""
-        return self._get("center_of_mass")
-
-    @property
-    def spatial_inertia(self) -> NamedArray:
-        """Inertias of the bodies about the centre of mass C of their tree, along the world's axes, shape (worlds,
-        bodies, 10): Ixx, Iyy, Izz, Ixy, Ixz, Iyz [kg·m²], m (c − C) [kg·m], m [kg], with the body's own centre c.
-        MuJoCo's `cinert`.
-
-        A tree is all that joints carry from one body on that hangs on the world or on a static body. Static bodies
-        have no mass, here.
-        """
-        return self._get("spatial_inertia")
-
-    @property
-    def spatial_velocity(self) -> NamedArray:
-        """Angular velocities of the bodies [rad/s] and the velocities [m/s] that they have at the centre of mass of
-        their tree, world axes, shape (worlds, bodies, 6). MuJoCo's `cvel`."""
-        return self._get("spatial_velocity")
-
-    @property
-    def spatial_contact_force(self) -> NamedArray:
-        """Torques [N·m] about the centre of mass of their tree and forces [N] of the contacts of the last step on the
-        bodies, world axes, shape (worlds, bodies, 6): torque, then force. MuJoCo's `cfrc_ext`, as far as contacts
-        go."""
-        return self._get("spatial_contact_force")
-
-    @property
-    def kinetic_energy(self) -> NamedArray:
-        """Kinetic energy [J], shape (worlds,)."""
-        return self._get("kinetic_energy")
-
-    @property
-    def potential_energy(self) -> NamedArray:
-        """Potential energy [J] of weight and passive springs, shape (worlds,)."""
-        return self._get("potential_energy")
-
-    @property
-    def momentum(self) -> NamedArray:
-        """Linear momentum [kg·m/s], shape (worlds, 3)."""
-        return self._get("momentum")
-
-    @property
-    def angular_momentum(self) -> NamedArray:
-        """Angular momentum [kg·m²/s] about the world's origin, shape (worlds, 3)."""
-        return self._get("angular_momentum")
-
-    @property
     def time(self) -> NamedArray:
         """Times [s], float64 of shape (worlds,); a world that diverged keeps the time at which it was found."""
         return NamedArray.of(self._worlds.engine.times(), (), partial(_refuse_times, "time"))
@@ -373,3 +285,13 @@ class State(Strict):
         diverged = np.zeros(self._worlds.count, bool)
         diverged[[world for world, _ in self._worlds.engine.diverged()]] = True
         return NamedArray.of(diverged, (), partial(_refuse_times, "diverged"))
+
+
+_QUANTITIES = tables_of(State)
+
+
+def _quantity(name: str) -> Table:
+    table = _QUANTITIES.get(name)
+    if table is None:
+        raise UnknownNameError(f'there is no quantity "{name}"; {hint(name, list(_QUANTITIES))}')
+    return table

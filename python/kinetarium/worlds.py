@@ -69,7 +69,7 @@ class Worlds:
         """What computes. Raises `ClosedError`, and `ForkedError` in a process without its threads."""
         if self.closed:
             raise ClosedError("the simulation is closed: make it anew")
-        if self._forks != _forks:
+        if self.forked:
             raise ForkedError(
                 "the simulation was made before this process was forked, and its threads stayed behind: make it anew "
                 'here, or start processes by multiprocessing\'s "spawn", which hands on a copy'

@@ -1,12 +1,18 @@
 """Arrays of all worlds: what is set arrives, and nothing else; names; memory that others take."""
 
 import copy
+import inspect
+import os
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import kinetarium as kn
 from kinetarium.errors import ShapeError, UnknownNameError
+from kinetarium.tables import tables_of
 
 
 @pytest.fixture(params=["float32", "float64"])
@@ -152,3 +158,40 @@ def test_arithmetic_gives_plain_numbers(sim):
         assert type(array + 1) is np.ndarray and type(np.sin(array)) is np.ndarray
         assert type(array.sum()) is sim.dtype.type and type(array.max(axis=0)) in (np.ndarray, sim.dtype.type)
     assert repr(sim.controls.force[0, 1:]).startswith("array(")
+
+
+def test_attributes_tell_what_they_are(sim):
+    for table in (sim.state, sim.controls, sim.parameters):
+        for name, attribute in tables_of(type(table)).items():
+            assert inspect.isdatadescriptor(attribute) and "shape (worlds" in inspect.getdoc(attribute), name
+            assert getattr(table, name).shape == attribute.shape(sim._worlds), name
+
+
+TYPED = """import numpy as np
+import kinetarium as kn
+
+sim = kn.Simulation(kn.examples.n_pendula(3), worlds=2)
+sim.controls.force = 0.0
+sim.controls.force = [0.0, 1.0, 2.0]
+sim.controls.force += 1.0
+sim.controls.force[:, "hinge0"] = 1.0
+sim.state.joint_position = 0
+sim.parameters.gravity = (0, -9.81, 0)
+sim.step(np.int64(3))
+array: kn.NamedArray = sim.state.joint_position.copy()
+sim.state.body_position = 0.0  # type: ignore[assignment]
+sim.state.joint_positions  # type: ignore[attr-defined]
+"""
+
+
+def test_types_allow_what_runs(tmp_path, request):
+    pytest.importorskip("mypy")
+    (tmp_path / "program.py").write_text(TYPED, encoding="utf-8")
+    exec(TYPED.split("sim.state.body_position")[0], {})
+    cache = request.config.cache.mkdir("mypy")
+    options = ["--strict", "--follow-imports=silent", f"--cache-dir={cache}"]
+    package = Path(kn.__file__).parents[1]
+    environment = os.environ | ({} if package.name == "site-packages" else {"MYPYPATH": str(package)})
+    command = [sys.executable, "-m", "mypy", *options, "program.py"]
+    found = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, env=environment)
+    assert found.returncode == 0, found.stdout + found.stderr
