@@ -1,4 +1,4 @@
-"""Plots over time; needs matplotlib (`pip install kinetarium[plot]`).
+"""Plots over time; needs matplotlib (`pip install ".[plot]"` in a checkout).
 
 >>> import kinetarium as kn
 >>> from kinetarium import plot
