@@ -36,7 +36,8 @@ class Table:
         return self if tables is None else tables._get(self)
 
     def __set__(self, tables: Tables, value: ArrayLike) -> None:
-        tables._set(self, value)
+        with tables._worlds.changing():
+            tables._set(self, value)
 
     def names(self, worlds: Worlds) -> tuple[Names, ...]:
         """Names along its axes."""
@@ -85,7 +86,8 @@ class Tables(Strict):
             tables = this()
             if tables is None:
                 raise ClosedError(f"the simulation of this {table.name} is gone: copy the array to change it alone")
-            tables._check(table, moment)
-            tables._change(table, wanted, chosen)
+            with tables._worlds.changing():
+                tables._check(table, moment)
+                tables._change(table, wanted, chosen)
 
         return assign

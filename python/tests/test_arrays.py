@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import kinetarium as kn
-from kinetarium.errors import ShapeError, UnknownNameError
+from kinetarium.errors import BusyError, ShapeError, UnknownNameError
 from kinetarium.tables import tables_of
 
 
@@ -46,6 +46,27 @@ def test_items_are_set_to_what_an_older_array_holds(sim):
         older[0, 0] = was
         now = getattr(table, name)
         assert now[0, 0] == was and (now[0, 1:] == 0.5).all(), name
+
+
+def test_a_sensor_changes_nothing_while_it_measures():
+    changes = (
+        lambda s: setattr(s.state, "joint_position", 0.5),
+        lambda s: s.state.joint_velocity.__setitem__((0, 0), 0.5),
+        lambda s: setattr(s.parameters, "gravity", 0.0),
+        lambda s: s.parameters.body_mass.__setitem__((0, 0), 5.0),
+        lambda s: setattr(s.controls, "force", 1.0),
+    )
+    for change in changes:
+        sensor = kn.sensors.Custom("own", lambda s, change=change: (s.time[0] > 0 and change(s), s.time)[1])
+        sim = kn.Simulation(kn.examples.n_pendula(2), sensors=[sensor])
+        twin = kn.Simulation(kn.examples.n_pendula(2))
+        with pytest.raises(BusyError, match="it may only read it"):
+            sim.step()
+        twin.step()
+        assert sim.snapshot() == twin.snapshot()
+        assert (sim.parameters.body_mass == twin.parameters.body_mass).all()
+        assert (sim.parameters.gravity == twin.parameters.gravity).all()
+        change(sim)
 
 
 def test_a_mask_chooses_items(sim):
