@@ -5,7 +5,7 @@
 Prints a Markdown table. An environment step is `frame_skip` time steps and what is observed of them. In each
 round all candidates run one after the other for a moment, and their rates are compared within the round, so
 that what else the machine does meanwhile falls on all of them; the table has the medians of these ratios.
-Needs `kinetarium[gym]`, mujoco and imageio.
+Needs the package with its extra `gym`, mujoco and imageio.
 """
 
 from __future__ import annotations

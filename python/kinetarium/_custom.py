@@ -42,15 +42,15 @@ class _Channel:
 
     def _number(self, steps: np.ndarray) -> np.ndarray:
         """The latest sample that is due after so many steps."""
-        return np.floor(steps * self._per_step + _SLACK).astype(np.int64)
+        return np.asarray(np.floor(steps * self._per_step + _SLACK), np.int64)
 
     def steps_until_due(self, steps: np.ndarray) -> np.ndarray:
         """How many steps, 1 or more, until a later sample is due."""
-        return np.maximum(np.ceil((self._number(steps) + 1 - _SLACK) / self._per_step) - steps, 1)
+        return np.asarray(np.maximum(np.ceil((self._number(steps) + 1 - _SLACK) / self._per_step) - steps, 1))
 
     def due(self, steps: np.ndarray) -> np.ndarray:
         """Whether a sample is to be taken now."""
-        return self._number(steps) != self._last
+        return np.asarray(self._number(steps) != self._last)
 
     def forget(self, worlds: np.ndarray) -> None:
         """These worlds begin anew."""
@@ -85,7 +85,7 @@ class _Channel:
         if self.reading is None:
             self._walk = np.zeros((worlds, numbers))
 
-    def _disturbed(self, truth: np.ndarray, samples: list[tuple]) -> np.ndarray:
+    def _disturbed(self, truth: np.ndarray, samples: list[tuple[int, int, int, float]]) -> np.ndarray:
         """With noise and cutoff where there is a sample; as it is, where there is neither of them."""
         if self._disturbance is None or self._disturbance.is_none:
             return truth
@@ -124,7 +124,7 @@ class CustomArray:
         if not self._channels:
             return inf
         steps = self._steps(simulation.time[~simulation.state.diverged])
-        return min(channel.steps_until_due(steps).min(initial=inf) for channel in self._channels.values())
+        return float(min(channel.steps_until_due(steps).min(initial=inf) for channel in self._channels.values()))
 
     def update(self, simulation: Simulation) -> None:
         """Takes all samples that are due in worlds that run, and first ones in those that have begun anew; the others

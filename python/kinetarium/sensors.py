@@ -38,7 +38,7 @@ from kinetarium._engine import Engine, Measurement, Model, SensorArray
 from kinetarium.cameras import Camera as Pinhole
 from kinetarium.cameras import Images
 from kinetarium.errors import SensorError, UnknownNameError
-from kinetarium.names import hint
+from kinetarium.names import Strict, hint
 from kinetarium.types import Frame, Place, Vector
 
 if TYPE_CHECKING:
@@ -310,8 +310,10 @@ class Custom:
     """Readings are kept within ± this, noise included; none: of any size."""
 
 
-class Sensors(Mapping[str, "np.ndarray | Images"]):
+class Sensors(Strict, Mapping[str, Any]):
     """The sensors of a simulation: readings by name, as arrays of their own."""
+
+    __slots__ = ("_array", "_cameras", "_custom", "list", "seed")
 
     def __init__(self, simulation: Simulation, sensors: Sequence[Sensor | Custom], seed: int) -> None:
         for sensor in sensors:
@@ -338,7 +340,7 @@ class Sensors(Mapping[str, "np.ndarray | Images"]):
         self._custom = CustomArray(custom, simulation.worlds, simulation.dt, seed)
 
     @staticmethod
-    def _draft(sensor: Sensor, model: Model) -> tuple:
+    def _draft(sensor: Sensor, model: Model) -> tuple[Any, ...]:
         return sensor.name, sensor._measurement(model), sensor.rate, sensor.cutoff, sensor.noise._levels()
 
     def _step(self, simulation: Simulation, engine: Engine, steps: int) -> list[int]:
@@ -359,15 +361,15 @@ class Sensors(Mapping[str, "np.ndarray | Images"]):
             self._array.update(simulation._engine)
         self._custom.update(simulation)
 
-    def _save(self) -> dict:
+    def _save(self) -> dict[str, Any]:
         return {"array": None if self._array is None else self._array.save(), "custom": self._custom.save()}
 
-    def _restore(self, saved: dict) -> None:
+    def _restore(self, saved: dict[str, Any]) -> None:
         if self._array is not None:
             self._array.restore(saved["array"])
         self._custom.restore(saved["custom"])
 
-    def _read(self, name: str) -> tuple:
+    def _read(self, name: str) -> tuple[Any, np.ndarray]:
         if name in self._custom:
             return self._custom.reading(name)
         if self._array is None or name not in self:
@@ -377,7 +379,8 @@ class Sensors(Mapping[str, "np.ndarray | Images"]):
             return Images(**images, time=time), time
         return self._array.reading(name)
 
-    def __getitem__(self, name: str) -> np.ndarray | Images:
+    def __getitem__(self, name: str) -> Any:
+        """The reading of a sensor: an array with a row for each world, or `Images`."""
         return self._read(name)[0]
 
     # `Mapping` counts on `KeyError` where there is no such name.

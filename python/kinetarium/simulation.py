@@ -138,7 +138,8 @@ class Simulation(Strict):
         Where worlds run: "cpu", "gpu" (a graphics card), "gpu:NAME" with a part of its name, "cuda" (an NVIDIA card),
         "cuda:NUMBER", or "auto", which takes a card where there is one. Cards compute in float32, with featherstone
         or xpbd, and agree with the processor to rounding, by CUDA to the bit; states stay there, and what is read is
-        copied. CUDA needs NVRTC: `pip install kinetarium[cuda]`. Raises `DeviceError` where there is no such card.
+        copied. CUDA needs NVRTC: `pip install ".[cuda]"` in a checkout. Raises `DeviceError` where there is no such
+        card.
     iterations, contact_passes, contact_iterations, speed_limit, sleep_speed:
         As `Settings` in Rust: passes over all constraints (xpbd), passes over contacts (featherstone), passes of
         projected Gauss-Seidel, the speed [m/s or rad/s] beyond which a world has diverged, the speed [m/s] below
@@ -255,7 +256,7 @@ class Simulation(Strict):
     @property
     def dt(self) -> float:
         """Time step [s]."""
-        return self._settings["dt"]
+        return float(self._settings["dt"])
 
     @property
     def dtype(self) -> np.dtype:

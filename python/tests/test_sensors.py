@@ -335,3 +335,5 @@ def test_unknown_readings_are_told():
     assert "touch" in sim.sensors and "tuch" not in sim.sensors
     assert sim.sensors.get("touch").shape == (1, 1) and sim.sensors.get("tuch") is None
     assert repr(sim.sensors) == "<Sensors: touch>"
+    with pytest.raises(AttributeError, match='Sensors has no attribute "touch"'):
+        sim.sensors.touch = 1

@@ -17,7 +17,7 @@ pub fn check(workshop: &Workshop) -> Result<()> {
     )
     .run()?;
     cmd!(sh, "{python} -m mypy.stubtest kinetarium._engine").run()?;
-    Ok(cmd!(sh, "{python} -m mypy python/kinetarium").run()?)
+    Ok(cmd!(sh, "{python} -m mypy --strict python/kinetarium").run()?)
 }
 
 /// Its tests that are skipped for want of torch.
