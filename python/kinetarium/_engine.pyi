@@ -62,61 +62,102 @@ __all__ = [
 
 @final
 class Model:
+    """A checked, immutable model of one world, shared by all worlds of a simulation.
+
+    Made by `load`, `parse` or a `Builder`. Names index its tables: `model.body("torso")` is a row of
+    `model.body_names`.
+    """
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """Name of the model."""
     @property
-    def warnings(self) -> list[str]: ...
+    def warnings(self) -> list[str]:
+        """What of its file was left out, each with its line."""
     @property
-    def time_step(self) -> float: ...
+    def time_step(self) -> float:
+        """Recommended time step [s]."""
     @property
-    def up_axis(self) -> Literal["y", "z"]: ...
+    def up_axis(self) -> Literal["y", "z"]:
+        """The direction that is up: "y" or "z"."""
     @property
-    def worlds(self) -> int: ...
+    def worlds(self) -> int:
+        """Number of worlds that the model asks for."""
     @property
-    def coordinates(self) -> int: ...
+    def coordinates(self) -> int:
+        """Number of joint coordinates: columns of `state.joint_position`."""
     @property
-    def degrees_of_freedom(self) -> int: ...
+    def degrees_of_freedom(self) -> int:
+        """Number of degrees of freedom: columns of `state.joint_velocity` and `controls.force`."""
     @property
-    def total_mass(self) -> float: ...
+    def total_mass(self) -> float:
+        """Mass of everything that moves [kg]."""
     @property
-    def body_names(self) -> list[str]: ...
+    def body_names(self) -> list[str]:
+        """Names of the bodies."""
     @property
-    def body_parents(self) -> list[int]: ...
+    def body_parents(self) -> list[int]:
+        """The parent body of each body's joint, −1 for the world and for bodies that do not move."""
     @property
-    def joint_names(self) -> list[str]: ...
+    def joint_names(self) -> list[str]:
+        """Names of the joints."""
     @property
-    def joint_kinds(self) -> list[str]: ...
+    def joint_kinds(self) -> list[str]:
+        """Kinds of the joints, such as "revolute"."""
     @property
-    def shape_names(self) -> list[str]: ...
+    def shape_names(self) -> list[str]:
+        """Names of the shapes; some may be empty."""
     @property
-    def shape_bodies(self) -> list[int]: ...
+    def shape_bodies(self) -> list[int]:
+        """The body of each shape, −1 for the world's."""
     @property
-    def dof_names(self) -> list[str]: ...
+    def dof_names(self) -> list[str]:
+        """Names of the degrees of freedom."""
     @property
-    def coordinate_names(self) -> list[str]: ...
+    def coordinate_names(self) -> list[str]:
+        """Names of the joint coordinates."""
     @property
-    def actuator_names(self) -> list[str]: ...
+    def actuator_names(self) -> list[str]:
+        """Names of the actuators."""
     @property
-    def sensors(self) -> list[tuple[str, float | None, float, float | None]]: ...
+    def sensors(self) -> list[tuple[str, float | None, float, float | None]]:
+        """Of each sensor that the file describes: name, samples a second (none: at every step), standard deviation of
+        its noise, and cutoff, if any. `kinetarium.sensors.from_model` makes sensors of them.
+        """
     @property
-    def keyframe_names(self) -> list[str]: ...
+    def keyframe_names(self) -> list[str]:
+        """Names of the keyframes."""
     @property
-    def camera_names(self) -> list[str]: ...
+    def camera_names(self) -> list[str]:
+        """Names of the cameras."""
     @property
-    def initial_position(self) -> NDArray[np.float64]: ...
+    def initial_position(self) -> NDArray[np.float64]:
+        """Joint coordinates at the start, shape (coordinates,)."""
     @property
-    def control_range(self) -> NDArray[np.float64]: ...
+    def control_range(self) -> NDArray[np.float64]:
+        """Lower and upper end of each actuator's control, shape (actuators, 2); infinite where there is none."""
     @property
-    def dof_range(self) -> NDArray[np.float64]: ...
-    def body(self, name: str) -> int: ...
-    def joint(self, name: str) -> int: ...
-    def dof(self, name: str) -> int: ...
-    def actuator(self, name: str) -> int: ...
-    def joint_coordinates(self, name: str) -> tuple[int, int]: ...
-    def joint_dofs(self, name: str) -> tuple[int, int]: ...
-    def keyframe(self, name: str) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]: ...
-    def camera(self, name: str) -> dict[str, Any]: ...
-    def parameter(self, name: str) -> NDArray[np.float64]: ...
+    def dof_range(self) -> NDArray[np.float64]:
+        """Lower and upper end of each degree of freedom's range [m or rad], shape (degrees of freedom, 2); infinite
+        where there is none.
+        """
+    def body(self, name: str) -> int:
+        """Row of a body. Raises `UnknownNameError`, as all that look up names do."""
+    def joint(self, name: str) -> int:
+        """Row of a joint."""
+    def dof(self, name: str) -> int:
+        """Row of a degree of freedom."""
+    def actuator(self, name: str) -> int:
+        """Row of an actuator."""
+    def joint_coordinates(self, name: str) -> tuple[int, int]:
+        """The coordinates of a joint: columns of `state.joint_position`."""
+    def joint_dofs(self, name: str) -> tuple[int, int]:
+        """The degrees of freedom of a joint: columns of `state.joint_velocity`."""
+    def keyframe(self, name: str) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """A named state: joint coordinates, joint velocities, actuator controls."""
+    def camera(self, name: str) -> dict[str, Any]:
+        """A camera: what `kinetarium.Camera` takes, by name."""
+    def parameter(self, name: str) -> NDArray[np.float64]:
+        """A parameter of the model by the name that it has in `Simulation.parameters`, shape (rows, numbers)."""
     def __eq__(self, value: object, /) -> bool: ...
     def __ne__(self, value: object, /) -> bool: ...
     def __copy__(self) -> Model: ...
@@ -130,7 +171,17 @@ def load(
     meshes: Meshes = "named",
     lenient: bool = False,
     floating_base: bool = False,
-) -> Model: ...
+) -> Model:
+    """Reads a robot file: MJCF (`<mujoco>`) or URDF (`<robot>`).
+
+    `meshes`: what becomes of meshes that collide: "named" (refused by the solvers), "exact" (as they are) or
+    "hull" (their convex hulls). `lenient`: what is not supported and would change the motion is left out
+    with a warning instead of an error. `floating_base`: the root link of a URDF floats. What was left out is in
+    `Model.warnings`.
+
+    Raises `FileError` with file and line.
+    """
+
 def parse(
     text: str,
     *,
@@ -138,64 +189,108 @@ def parse(
     meshes: Meshes = "named",
     lenient: bool = False,
     floating_base: bool = False,
-) -> Model: ...
+) -> Model:
+    """Reads a text as `load` reads a file; `files` are the texts of those that it includes, by their names."""
 
 _Point = tuple[float, float, float]
 _Combine = Literal["average", "minimum", "multiply", "maximum"]
 
 @final
 class Geometry:
+    """A solid, centred at the origin of its own frame unless it is a hull, or a surface.
+
+    Sizes are half sizes [m]; capsules, cylinders and cones stand along y. Made by its static methods, as in
+    `Geometry.sphere(0.1)`.
+    """
     @staticmethod
-    def plane(half_x: float = 0.0, half_z: float = 0.0) -> Geometry: ...
+    def plane(half_x: float = 0.0, half_z: float = 0.0) -> Geometry:
+        """The half space below y = 0 of its frame, drawn as a rectangle; endless where a half size is 0."""
     @staticmethod
-    def sphere(radius: float) -> Geometry: ...
+    def sphere(radius: float) -> Geometry:
+        """A ball of a radius [m]."""
     @staticmethod
-    def capsule(radius: float, half_height: float) -> Geometry: ...
+    def capsule(radius: float, half_height: float) -> Geometry:
+        """A cylinder with round caps, along y; the half height [m] includes the caps and is at least 1.01 radii."""
     @staticmethod
-    def cylinder(radius: float, half_height: float) -> Geometry: ...
+    def cylinder(radius: float, half_height: float) -> Geometry:
+        """A cylinder along y."""
     @staticmethod
-    def cone(radius: float, half_height: float) -> Geometry: ...
+    def cone(radius: float, half_height: float) -> Geometry:
+        """A cone along y, its base at −half_height."""
     @staticmethod
-    def box(half: Vector) -> Geometry: ...
+    def box(half: Vector) -> Geometry:
+        """A cuboid of three half extents [m]."""
     @staticmethod
-    def ellipsoid(half: Vector) -> Geometry: ...
+    def ellipsoid(half: Vector) -> Geometry:
+        """An ellipsoid of three half axes [m]."""
     @staticmethod
-    def hull(points: Sequence[Vector] | NDArray[Any]) -> Geometry: ...
+    def hull(points: Sequence[Vector] | NDArray[Any]) -> Geometry:
+        """The convex hull of points [m], an array of the shape (points, 3)."""
     @staticmethod
     def mesh(
         vertices: Sequence[Vector] | NDArray[Any], triangles: Sequence[Sequence[int]] | NDArray[Any]
-    ) -> Geometry: ...
+    ) -> Geometry:
+        """A surface of triangles, touched from its front: vertices [m] (vertices, 3), triangles (triangles, 3)
+        counter-clockwise as seen from outside. Where it is closed it has the mass of
+        what it holds.
+        """
     @staticmethod
-    def revolution(profile: Sequence[Sequence[float]] | NDArray[Any], around: int = 32) -> Geometry: ...
+    def revolution(profile: Sequence[Sequence[float]] | NDArray[Any], around: int = 32) -> Geometry:
+        """What a closed profile of points (distance from the y axis, height) [m], counter-clockwise about what is solid,
+        sweeps as it turns about that axis in `around` steps: a ring, a bowl.
+        """
     @staticmethod
-    def height_field(heights: Sequence[Sequence[float]] | NDArray[Any], spacing: Vector) -> Geometry: ...
+    def height_field(heights: Sequence[Sequence[float]] | NDArray[Any], spacing: Vector) -> Geometry:
+        """A height field: heights [m] as rows along x of columns along z, `spacing` [m] apart along x and z."""
     @staticmethod
-    def distance_field(distances: Sequence[Sequence[Sequence[float]]] | NDArray[Any], spacing: float) -> Geometry: ...
-    def convex_hull(self) -> Geometry: ...
+    def distance_field(distances: Sequence[Sequence[Sequence[float]]] | NDArray[Any], spacing: float) -> Geometry:
+        """The surface where signed distances [m] are zero, an array of the shape (along x, along y, along z), negative
+        inside; the samples are `spacing` [m] apart, around the origin.
+        """
+    def convex_hull(self) -> Geometry:
+        """The convex hull of a mesh: what was hollow is filled."""
     @property
-    def kind(self) -> str: ...
+    def kind(self) -> str:
+        """What it is, by the name of the method that makes it, such as "sphere"; "mesh" for all surfaces of triangles."""
     @property
-    def center(self) -> _Point: ...
+    def center(self) -> _Point:
+        """Middle of boxes about it [m]: the origin, but of a hull a point inside, and of a mesh the middle of its corners."""
     @property
-    def half_extents(self) -> _Point | None: ...
+    def half_extents(self) -> _Point | None:
+        """Half of the box about `center` that holds it, along its own axes [m]; none for a plane, which has no end."""
     @property
-    def vertices(self) -> NDArray[np.float64]: ...
+    def vertices(self) -> NDArray[np.float64]:
+        """Corners of a hull or mesh [m], shape (corners, 3); of others there are none."""
     @property
-    def triangles(self) -> NDArray[np.uint32]: ...
+    def triangles(self) -> NDArray[np.uint32]:
+        """Triangles of a hull or mesh, as rows of `vertices`, counter-clockwise as seen from outside, shape
+        (triangles, 3); of others there are none.
+        """
     def __eq__(self, value: object, /) -> bool: ...
     def __ne__(self, value: object, /) -> bool: ...
 
 @final
 class Softness:
+    """Resistance of a surface to being pressed in, at each point of contact."""
     @staticmethod
-    def time(constant: float = 0.002, ratio: float = 1.0, impedance: float = 0.0) -> Softness: ...
+    def time(constant: float = 0.002, ratio: float = 1.0, impedance: float = 0.0) -> Softness:
+        """What brings the touching masses to rest in a time constant [s] with a damping ratio; `impedance`,
+        from 0 to below 1, is the share of a load that an added mass takes.
+        """
     @staticmethod
-    def spring(stiffness: float, damping: float) -> Softness: ...
+    def spring(stiffness: float, damping: float) -> Softness:
+        """Stiffness [N/m] and damping [N·s/m]."""
     def __eq__(self, value: object, /) -> bool: ...
     def __ne__(self, value: object, /) -> bool: ...
 
 @final
 class Material:
+    """Surface of a shape.
+
+    `torsional_friction` and `rolling_friction` are lengths [m]; `margin` [m] is the distance from the surface at
+    which contact begins; `combine` tells how coefficients of two surfaces become one: "average", "minimum",
+    "multiply" or "maximum", of which the later holds.
+    """
     def __new__(
         cls,
         friction: float = 0.5,
@@ -208,24 +303,37 @@ class Material:
         combine: _Combine = "average",
     ) -> Self: ...
     @property
-    def friction(self) -> float: ...
+    def friction(self) -> float:
+        """Coulomb friction coefficient."""
     @property
-    def torsional_friction(self) -> float: ...
+    def torsional_friction(self) -> float:
+        """Torsional friction coefficient [m]."""
     @property
-    def rolling_friction(self) -> float: ...
+    def rolling_friction(self) -> float:
+        """Rolling friction coefficient [m]."""
     @property
-    def restitution(self) -> float: ...
+    def restitution(self) -> float:
+        """Separation speed over approach speed."""
     @property
-    def softness(self) -> Softness: ...
+    def softness(self) -> Softness:
+        """How far the surface gives way."""
     @property
-    def margin(self) -> float: ...
+    def margin(self) -> float:
+        """Distance from the surface at which contact begins [m]."""
     @property
-    def combine(self) -> _Combine: ...
+    def combine(self) -> _Combine:
+        """How coefficients of two surfaces become one."""
     def __eq__(self, value: object, /) -> bool: ...
     def __ne__(self, value: object, /) -> bool: ...
 
 @final
 class Shape:
+    """A solid fixed to a body (or to the world), with its material.
+
+    `position` [m] and `orientation` (x, y, z, w) are in the body's frame; `density` [kg/m³] gives mass to bodies
+    that are given none; `color` is red, green, blue in sRGB and opacity, each 0 to 1; without `collides` it is only
+    seen; a `sensor` touches but never pushes; `membership` and `collides_with` are kinds, a bit each.
+    """
     def __new__(
         cls,
         geometry: Geometry,
@@ -242,49 +350,77 @@ class Shape:
         collides_with: int = 1,
     ) -> Self: ...
     @property
-    def geometry(self) -> Geometry: ...
+    def geometry(self) -> Geometry:
+        """Its form."""
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """Its name; may be empty."""
     @property
-    def position(self) -> _Point: ...
+    def position(self) -> _Point:
+        """Where it is in the body's frame [m]."""
     @property
-    def orientation(self) -> tuple[float, float, float, float]: ...
+    def orientation(self) -> tuple[float, float, float, float]:
+        """How it is turned in the body's frame, a quaternion x, y, z, w."""
     @property
-    def density(self) -> float: ...
+    def density(self) -> float:
+        """Density [kg/m³]."""
     @property
-    def material(self) -> Material: ...
+    def material(self) -> Material:
+        """Its surface."""
     @property
-    def color(self) -> tuple[float, float, float, float] | None: ...
+    def color(self) -> tuple[float, float, float, float] | None:
+        """Red, green, blue in sRGB and opacity, each 0 to 1; none: its body's colour."""
     @property
-    def collides(self) -> bool: ...
+    def collides(self) -> bool:
+        """Whether it takes part in contacts."""
     @property
-    def sensor(self) -> bool: ...
+    def sensor(self) -> bool:
+        """Whether it touches but never pushes."""
     @property
-    def membership(self) -> int: ...
+    def membership(self) -> int:
+        """Kinds that it is of, a bit each."""
     @property
-    def collides_with(self) -> int: ...
+    def collides_with(self) -> int:
+        """Kinds that it collides with, a bit each."""
     def __eq__(self, value: object, /) -> bool: ...
     def __ne__(self, value: object, /) -> bool: ...
 
 @final
 class Axis:
+    """One axis of a `d6` joint. Axes act in turn: each is fixed in the frame that the ones before it have moved.
+
+    `reference` [m or rad] is the coordinate at which the two frames of the joint coincide.
+    """
     @staticmethod
-    def angular(direction: Vector, *, anchor: Vector = ..., reference: float = 0.0) -> Axis: ...
+    def angular(direction: Vector, *, anchor: Vector = ..., reference: float = 0.0) -> Axis:
+        """Rotation about a direction through a point `anchor` [m] of the joint's frame; other points than its origin
+        only `featherstone` takes.
+        """
     @staticmethod
-    def linear(direction: Vector, *, reference: float = 0.0) -> Axis: ...
+    def linear(direction: Vector, *, reference: float = 0.0) -> Axis:
+        """Translation along a direction."""
     @property
-    def kind(self) -> Literal["linear", "angular"]: ...
+    def kind(self) -> Literal["linear", "angular"]:
+        """What it does: "linear" or "angular"."""
     @property
-    def direction(self) -> _Point: ...
+    def direction(self) -> _Point:
+        """Unit direction in the joint's frame."""
     @property
-    def anchor(self) -> _Point: ...
+    def anchor(self) -> _Point:
+        """A point on the axis in the joint's frame [m]."""
     @property
-    def reference(self) -> float: ...
+    def reference(self) -> float:
+        """Coordinate at which the two joint frames coincide [m or rad]."""
     def __eq__(self, value: object, /) -> bool: ...
     def __ne__(self, value: object, /) -> bool: ...
 
 @final
 class Limit:
+    """A soft stop at each end of a coordinate's range [m or rad].
+
+    Beyond an end the force is −stiffness · excess − damping · velocity − inertia · acceleration, in N/m, N·s/m and kg
+    or N·m/rad, N·m·s/rad and kg·m²; it never pulls.
+    """
     def __new__(
         cls,
         lower: float,
@@ -295,20 +431,30 @@ class Limit:
         inertia: float = 0.0,
     ) -> Self: ...
     @property
-    def lower(self) -> float: ...
+    def lower(self) -> float:
+        """Lower end [m or rad]."""
     @property
-    def upper(self) -> float: ...
+    def upper(self) -> float:
+        """Upper end [m or rad]."""
     @property
-    def stiffness(self) -> float: ...
+    def stiffness(self) -> float:
+        """Stiffness [N/m or N·m/rad]."""
     @property
-    def damping(self) -> float: ...
+    def damping(self) -> float:
+        """Damping [N·s/m or N·m·s/rad]."""
     @property
-    def inertia(self) -> float: ...
+    def inertia(self) -> float:
+        """Mass or moment of inertia that is carried along beyond the ends [kg or kg·m²]."""
     def __eq__(self, value: object, /) -> bool: ...
     def __ne__(self, value: object, /) -> bool: ...
 
 @final
 class Drive:
+    """A motor that pulls a coordinate to targets: stiffness · (target − q) + damping · (target velocity − q̇), within
+    ± effort limit.
+
+    `control_time` [s] is the time constant with which it follows a jump of the target.
+    """
     def __new__(
         cls,
         stiffness: float = 0.0,
@@ -320,22 +466,34 @@ class Drive:
         control_time: float = 0.0,
     ) -> Self: ...
     @property
-    def stiffness(self) -> float: ...
+    def stiffness(self) -> float:
+        """Stiffness [N/m or N·m/rad]."""
     @property
-    def damping(self) -> float: ...
+    def damping(self) -> float:
+        """Damping [N·s/m or N·m·s/rad]."""
     @property
-    def target_position(self) -> float: ...
+    def target_position(self) -> float:
+        """Initial position target [m or rad]."""
     @property
-    def target_velocity(self) -> float: ...
+    def target_velocity(self) -> float:
+        """Initial velocity target [m/s or rad/s]."""
     @property
-    def effort_limit(self) -> float: ...
+    def effort_limit(self) -> float:
+        """Largest force or torque [N or N·m]."""
     @property
-    def control_time(self) -> float: ...
+    def control_time(self) -> float:
+        """Time constant with which it follows a jump of the target [s]."""
     def __eq__(self, value: object, /) -> bool: ...
     def __ne__(self, value: object, /) -> bool: ...
 
 @final
 class Dof:
+    """What acts along one degree of freedom of a joint, in N/m, N·s/m, kg, N or N·m/rad, N·m·s/rad, kg·m², N·m: `limit`
+    (or its two ends), `drive`, `damping`, `stiffness` of a spring that rests at `rest`, `armature`, `friction_loss`.
+
+    `name` is unique in the model; unless given, it is the joint's, with a number behind where there are several. What
+    is not given is as the joint's own keywords say; or else does not act, or stays as it was where a joint is changed.
+    """
     def __new__(
         cls,
         name: str | None = None,
@@ -349,28 +507,38 @@ class Dof:
         friction_loss: float | None = None,
     ) -> Self: ...
     @property
-    def name(self) -> str | None: ...
+    def name(self) -> str | None:
+        """Its name."""
     @property
-    def limit(self) -> Limit | None: ...
+    def limit(self) -> Limit | None:
+        """Range of the coordinate."""
     @property
-    def drive(self) -> Drive | None: ...
+    def drive(self) -> Drive | None:
+        """Motor."""
     @property
-    def damping(self) -> float | None: ...
+    def damping(self) -> float | None:
+        """Viscous damping [N·s/m or N·m·s/rad]."""
     @property
-    def stiffness(self) -> float | None: ...
+    def stiffness(self) -> float | None:
+        """Stiffness of a spring [N/m or N·m/rad]."""
     @property
-    def rest(self) -> float | None: ...
+    def rest(self) -> float | None:
+        """Coordinate at which the spring is slack [m or rad]."""
     @property
-    def armature(self) -> float | None: ...
+    def armature(self) -> float | None:
+        """Reflected inertia of the motor [kg or kg·m²]."""
     @property
-    def friction_loss(self) -> float | None: ...
+    def friction_loss(self) -> float | None:
+        """Dry friction [N or N·m]."""
     def __eq__(self, value: object, /) -> bool: ...
     def __ne__(self, value: object, /) -> bool: ...
 
 @final
 class Body:
+    """A body of a builder, in all replicas of its object."""
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """Its name."""
     def __eq__(self, value: object, /) -> bool: ...
     def __ne__(self, value: object, /) -> bool: ...
     def __hash__(self) -> int: ...
@@ -379,8 +547,10 @@ class Body:
 
 @final
 class Joint:
+    """A joint of a builder, in all replicas of its object."""
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """Its name."""
     def __eq__(self, value: object, /) -> bool: ...
     def __ne__(self, value: object, /) -> bool: ...
     def __hash__(self) -> int: ...
@@ -389,6 +559,26 @@ class Joint:
 
 @final
 class Builder:
+    """Makes a `Model` by hand.
+
+    A world consists of objects, an object of bodies, joints and actuators that belong together; an object can be
+    replicated within the world, and each replica be placed by itself. `gravity` [m/s²] is 9.81 downwards unless
+    given; `up_axis` is "y" or "z"; `time_step` [s] is what is recommended; `worlds` is how many the model asks for. All
+    four can be set later, too.
+
+    `copy.copy` and `copy.deepcopy` make a builder that goes its own way, and takes the bodies and joints that were made
+    before; objects that are copied deeply together with their builder belong to the copy.
+
+    >>> import kinetarium as kn
+    >>> world = kn.Builder("pendulum")
+    >>> arm = world.object("arm")
+    >>> rod = kn.Geometry.capsule(radius=0.02, half_height=0.5)
+    >>> link = arm.body("link", shapes=[rod], position=(0, -0.5, 0), mass=1.0)
+    >>> hinge = arm.revolute("hinge", link, axis=(0, 0, 1), initial=[0.3])
+    >>> arm.motor("motor", hinge, control_range=(-2, 2))
+    >>> world.build().dof_names
+    ['hinge']
+    """
     def __new__(
         cls,
         name: str,
@@ -399,33 +589,46 @@ class Builder:
         worlds: int = 1,
     ) -> Self: ...
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """Name of the model."""
     @property
-    def up_axis(self) -> Literal["y", "z"]: ...
+    def up_axis(self) -> Literal["y", "z"]:
+        """The direction that is up: "y" or "z". Setting it turns gravity to point down."""
     @up_axis.setter
     def up_axis(self, value: Literal["y", "z"], /) -> None: ...
     @property
-    def gravity(self) -> _Point: ...
+    def gravity(self) -> _Point:
+        """Gravity [m/s²]."""
     @gravity.setter
     def gravity(self, value: Vector, /) -> None: ...
     @property
-    def time_step(self) -> float: ...
+    def time_step(self) -> float:
+        """Recommended time step [s]."""
     @time_step.setter
     def time_step(self, value: float, /) -> None: ...
     @property
-    def worlds(self) -> int: ...
+    def worlds(self) -> int:
+        """Number of worlds that the model asks for."""
     @worlds.setter
     def worlds(self, value: int, /) -> None: ...
     @property
-    def objects(self) -> list[Object]: ...
-    def object(self, name: str) -> Object: ...
+    def objects(self) -> list[Object]:
+        """The objects, in the order of making."""
+    def object(self, name: str) -> Object:
+        """Adds an empty object."""
     def change_body(
         self,
         body: Body,
         shapes: Sequence[Shape | Geometry] | Shape | Geometry | None = None,
         **options: Unpack[BodyOptions],
-    ) -> None: ...
-    def change_joint(self, joint: Joint, **options: Unpack[JointOptions]) -> None: ...
+    ) -> None:
+        """Changes a body that was made before: `shapes`, one or several, are added to those that it has; of the rest, the
+        keywords of `Object.body`, what is not given stays. A body can be made `static`, and stays so.
+        """
+    def change_joint(self, joint: Joint, **options: Unpack[JointOptions]) -> None:
+        """Changes a joint that was made before: of the keywords that all joints take, what is not given stays. See
+        `JointOptions`.
+        """
     def keyframe(
         self,
         name: str,
@@ -433,21 +636,37 @@ class Builder:
         *,
         joint_velocity: Vector | None = None,
         control: Vector = ...,
-    ) -> None: ...
-    def body_row(self, body: Body, replica: int = 0) -> int: ...
-    def joint_row(self, joint: Joint, replica: int = 0) -> int: ...
-    def build(self) -> Model: ...
+    ) -> None:
+        """Adds a named state of the finished model: coordinates of all joints, their velocities, controls of the
+        actuators; without `joint_velocity`, at rest as the world is now.
+        """
+    def body_row(self, body: Body, replica: int = 0) -> int:
+        """Row of a body's k-th replica in the model that `build` makes."""
+    def joint_row(self, joint: Joint, replica: int = 0) -> int:
+        """Row of a joint's k-th replica in the model that `build` makes."""
+    def build(self) -> Model:
+        """Compiles the world to a checked model. The builder can go on being used.
+
+        Raises `ModelError` with the first fault found and its remedy.
+        """
     def __copy__(self) -> Builder: ...
     def __deepcopy__(self, _memo: dict[int, Any]) -> Builder: ...
 
 @final
 class Object:
+    """Bodies, joints and actuators that belong together; made by `Builder.object`.
+
+    A call that is refused leaves everything as it was.
+    """
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """Its name."""
     @property
-    def bodies(self) -> list[Body]: ...
+    def bodies(self) -> list[Body]:
+        """Its bodies, in the order of making."""
     @property
-    def joints(self) -> list[Joint]: ...
+    def joints(self) -> list[Joint]:
+        """Its joints, in the order of making."""
     def body(
         self,
         name: str,
@@ -463,18 +682,39 @@ class Object:
         membership: int | None = None,
         collides_with: int | None = None,
         world: int = 0,
-    ) -> Body: ...
-    def scenery(self, shape: Shape | Geometry) -> None: ...
-    def fixed(self, name: str, child: Body, **options: Unpack[JointOptions]) -> Joint: ...
-    def revolute(self, name: str, child: Body, axis: Vector, **options: Unpack[JointOptions]) -> Joint: ...
-    def prismatic(self, name: str, child: Body, axis: Vector, **options: Unpack[JointOptions]) -> Joint: ...
-    def ball(self, name: str, child: Body, **options: Unpack[JointOptions]) -> Joint: ...
-    def free(self, name: str, child: Body, **options: Unpack[JointOptions]) -> Joint: ...
-    def distance(self, name: str, child: Body, length: float, **options: Unpack[JointOptions]) -> Joint: ...
-    def d6(self, name: str, child: Body, axes: Sequence[Axis], **options: Unpack[JointOptions]) -> Joint: ...
-    def plane_xz(self, name: str, child: Body, **options: Unpack[JointOptions]) -> Joint: ...
-    def exclude(self, body: Body, other: Body | None = None) -> None: ...
-    def couple(self, name: str, joint: Joint, other: Joint, *, ratio: float = 1.0, offset: float = 0.0) -> None: ...
+    ) -> Body:
+        """Adds a body of shapes, one or several.
+
+        `position` [m] and `orientation` (x, y, z, w) are in the object. Mass [kg] and inertia follow from the shapes and
+        their densities; `mass` alone scales them; `mass` with `inertia` [kg·m²] (3 × 3, about `center` [m], along the
+        body's axes) replaces them. A `static` body never moves, and has no mass. Bodies of `group`s collide as the
+        conventions say; `membership` and `collides_with` are given to all its shapes. `world` is the one world that it
+        is in.
+        """
+    def scenery(self, shape: Shape | Geometry) -> None:
+        """Adds shapes that belong to the world, such as a floor."""
+    def fixed(self, name: str, child: Body, **options: Unpack[JointOptions]) -> Joint:
+        """Adds a joint without motion. What else joints may be given are keywords: see `JointOptions`."""
+    def revolute(self, name: str, child: Body, axis: Vector, **options: Unpack[JointOptions]) -> Joint:
+        """Adds a hinge about an axis of its frame."""
+    def prismatic(self, name: str, child: Body, axis: Vector, **options: Unpack[JointOptions]) -> Joint:
+        """Adds a slide along an axis of its frame."""
+    def ball(self, name: str, child: Body, **options: Unpack[JointOptions]) -> Joint:
+        """Adds a ball joint; its coordinates are a quaternion x, y, z, w. It has three degrees of freedom."""
+    def free(self, name: str, child: Body, **options: Unpack[JointOptions]) -> Joint:
+        """Adds a joint that lets everything go; its coordinates are a position [m] and a quaternion. It has six degrees of
+        freedom: three along, three about.
+        """
+    def distance(self, name: str, child: Body, length: float, **options: Unpack[JointOptions]) -> Joint:
+        """Adds a joint that keeps the origins of its two frames `length` [m] apart."""
+    def d6(self, name: str, child: Body, axes: Sequence[Axis], **options: Unpack[JointOptions]) -> Joint:
+        """Adds a joint of up to three linear and three angular axes, in turn, each of which is a degree of freedom."""
+    def plane_xz(self, name: str, child: Body, **options: Unpack[JointOptions]) -> Joint:
+        """Adds a joint that moves along x and z of its frame and turns about its y: three degrees of freedom."""
+    def exclude(self, body: Body, other: Body | None = None) -> None:
+        """Lets two bodies pass through each other; without `other`, a body and the world."""
+    def couple(self, name: str, joint: Joint, other: Joint, *, ratio: float = 1.0, offset: float = 0.0) -> None:
+        """Ties two coordinates: q(joint) = offset + ratio · q(other); taken by `featherstone` and `xpbd`."""
     def motor(
         self,
         name: str,
@@ -484,7 +724,8 @@ class Object:
         dof: int = 0,
         control_range: Vector | None = None,
         force_range: Vector | None = None,
-    ) -> None: ...
+    ) -> None:
+        """Adds a motor: its force is gear · control [N or N·m]."""
     def position_servo(
         self,
         name: str,
@@ -496,7 +737,8 @@ class Object:
         dof: int = 0,
         control_range: Vector | None = None,
         force_range: Vector | None = None,
-    ) -> None: ...
+    ) -> None:
+        """Adds a servo whose control is a position: stiffness · (control − q) − damping · q̇."""
     def velocity_servo(
         self,
         name: str,
@@ -507,24 +749,36 @@ class Object:
         dof: int = 0,
         control_range: Vector | None = None,
         force_range: Vector | None = None,
-    ) -> None: ...
-    def replicate(self, count: int) -> None: ...
-    def replica(self, k: int) -> Replica: ...
-    def replicas(self) -> Replica: ...
+    ) -> None:
+        """Adds a servo whose control is a velocity: damping · (control − q̇)."""
+    def replicate(self, count: int) -> None:
+        """Asks for this many copies of the object within the world, each placed by `replica`."""
+    def replica(self, k: int) -> Replica:
+        """The k-th copy, to be moved."""
+    def replicas(self) -> Replica:
+        """All copies, to be moved together."""
     def __copy__(self) -> Object: ...
     def __deepcopy__(self, memo: dict[int, Any]) -> Object: ...
 
 @final
 class Replica:
-    def translate_by(self, shift: Vector) -> None: ...
-    def translate_to(self, point: Vector) -> None: ...
-    def move_on_axis_by(self, axis: Vector, distance: float) -> None: ...
-    def move_on_axis_to(self, axis: Vector, distance: float) -> None: ...
-    def rotate_around_by(self, point: Vector, axis: Vector, angle: float) -> None: ...
-    def rotate_around_to(self, point: Vector, axis: Vector, angle: float) -> None: ...
+    """One copy of an object, or all, to be moved within the world."""
+    def translate_by(self, shift: Vector) -> None:
+        """Moves it by a shift [m]."""
+    def translate_to(self, point: Vector) -> None:
+        """Moves its origin to a point [m]."""
+    def move_on_axis_by(self, axis: Vector, distance: float) -> None:
+        """Moves it along a direction by a distance [m]."""
+    def move_on_axis_to(self, axis: Vector, distance: float) -> None:
+        """Moves it along a direction until its origin is at a distance [m] along it."""
+    def rotate_around_by(self, point: Vector, axis: Vector, angle: float) -> None:
+        """Turns it about an axis through a point [m] by an angle [rad]."""
+    def rotate_around_to(self, point: Vector, axis: Vector, angle: float) -> None:
+        """Turns it about an axis through a point [m] until it is turned by an angle [rad] about it."""
 
 @final
 class DeviceArray:
+    """Numbers (float32) of all worlds in the memory of a CUDA card."""
     @property
     def shape(self) -> tuple[int, ...]: ...
     @property
@@ -541,6 +795,9 @@ class DeviceArray:
 
 @final
 class Engine:
+    """W worlds of one model. All calls copy between arrays and the blocks in which worlds lie, and leave Python's lock
+    free while they compute; arrays are contiguous and of the simulation's precision.
+    """
     def __new__(
         cls,
         model: Model,
@@ -560,40 +817,64 @@ class Engine:
         double: bool,
         device: str,
     ) -> Self: ...
-    def close(self) -> None: ...
-    def describe(self) -> tuple[str, str, int, str]: ...
-    def step(self, steps: int) -> list[int]: ...
-    def begun(self) -> NDArray[np.uint64]: ...
-    def times(self) -> NDArray[np.float64]: ...
-    def diverged(self) -> list[tuple[int, float]]: ...
-    def read(self, quantity: str, out: NDArray[Any]) -> None: ...
-    def read_columns(self, quantity: str, table: NDArray[Any], column: int) -> None: ...
-    def quantity_on_device(self, quantity: str, shape: tuple[int, ...]) -> DeviceArray: ...
-    def control_on_device(self, control: str, shape: tuple[int, ...]) -> DeviceArray: ...
-    def read_control(self, control: str, out: NDArray[Any]) -> None: ...
-    def write_control(self, control: str, numbers: NDArray[Any]) -> None: ...
+    def close(self) -> None:
+        """Frees the worlds; later calls raise `ClosedError`."""
+    def describe(self) -> tuple[str, str, int, str]:
+        """Name of the solver, name of the instruction set, number of threads, name of the device."""
+    def step(self, steps: int) -> list[int]:
+        """Advances all worlds; the worlds that diverged meanwhile."""
+    def begun(self) -> NDArray[np.uint64]:
+        """How often each world was set, reset or restored."""
+    def times(self) -> NDArray[np.float64]:
+        """Time of every world [s]."""
+    def diverged(self) -> list[tuple[int, float]]:
+        """The worlds that have diverged, and when [s]."""
+    def read(self, quantity: str, out: NDArray[Any]) -> None:
+        """Copies a quantity of all worlds into an array."""
+    def read_columns(self, quantity: str, table: NDArray[Any], column: int) -> None:
+        """Copies a quantity of all worlds into columns of a table."""
+    def quantity_on_device(self, quantity: str, shape: tuple[int, ...]) -> DeviceArray:
+        """Where a quantity of all worlds lies on a card, as an array of this shape."""
+    def control_on_device(self, control: str, shape: tuple[int, ...]) -> DeviceArray:
+        """Where a control of all worlds lies on a card, as an array of this shape."""
+    def read_control(self, control: str, out: NDArray[Any]) -> None:
+        """Copies a control of all worlds into an array."""
+    def write_control(self, control: str, numbers: NDArray[Any]) -> None:
+        """Sets a control of all worlds from an array."""
     def set_joint_state(
         self,
         worlds: NDArray[np.int64],
         position: NDArray[np.float64],
         velocity: NDArray[np.float64],
         keep: bool,
-    ) -> None: ...
-    def reset(self, worlds: NDArray[np.int64]) -> None: ...
-    def snapshot(self) -> bytes: ...
-    def restore(self, bytes: bytes) -> None: ...
-    def asleep(self, world: int) -> list[bool]: ...
-    def contacts(self, world: int) -> dict[str, NDArray[Any]]: ...
+    ) -> None:
+        """Sets joint coordinates and velocities of some worlds, a row for each; with `keep` they keep their times and
+        controls.
+        """
+    def reset(self, worlds: NDArray[np.int64]) -> None:
+        """Brings some worlds to their initial state."""
+    def snapshot(self) -> bytes:
+        """The whole state of all worlds, to the bit."""
+    def restore(self, bytes: bytes) -> None:
+        """Returns to a snapshot."""
+    def asleep(self, world: int) -> list[bool]:
+        """Which bodies of a world sleep."""
+    def contacts(self, world: int) -> dict[str, NDArray[Any]]:
+        """The contacts of the last step in a world, as a dictionary of arrays with a row for each."""
     def cast_rays(
         self,
         world: int,
         origins: NDArray[np.float64],
         directions: NDArray[np.float64],
         max_distance: float,
-    ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]: ...
-    def read_parameter(self, name: str, worlds: NDArray[np.int64]) -> NDArray[np.float64]: ...
-    def write_parameter(self, name: str, worlds: NDArray[np.int64], numbers: NDArray[np.float64]) -> None: ...
-    def linearize(self, world: int) -> dict[str, NDArray[np.float64]]: ...
+    ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
+        """What rays meet in a world: distances [m] (infinite where nothing), shapes (−1 where none), positions, normals."""
+    def read_parameter(self, name: str, worlds: NDArray[np.int64]) -> NDArray[np.float64]:
+        """A parameter of some worlds, shape (worlds, rows · numbers)."""
+    def write_parameter(self, name: str, worlds: NDArray[np.int64], numbers: NDArray[np.float64]) -> None:
+        """Gives some worlds other numbers of a parameter, a row for each world; none where one is refused."""
+    def linearize(self, world: int) -> dict[str, NDArray[np.float64]]:
+        """A time step linearised at the state of a world: arrays by name."""
     def watch(
         self,
         *,
@@ -603,11 +884,14 @@ class Engine:
         limits: bool,
         sleep: bool,
         divergence: bool,
-    ) -> None: ...
-    def drain_events(self) -> list[tuple[int, float, Any, dict[str, Any]]]: ...
+    ) -> None:
+        """Chooses which events are told."""
+    def drain_events(self) -> list[tuple[int, float, Any, dict[str, Any]]]:
+        """The events since the last call: world, time [s], kind, and what belongs to the kind."""
 
 @final
 class Measurement:
+    """What a sensor measures, of a model whose names it was given."""
     @staticmethod
     def joint_position(model: Model, names: list[str] | None) -> Measurement: ...
     @staticmethod
@@ -619,7 +903,8 @@ class Measurement:
     @staticmethod
     def center_of_mass(model: Model, body: str | None) -> Measurement: ...
     @staticmethod
-    def described(model: Model, name: str) -> Measurement: ...
+    def described(model: Model, name: str) -> Measurement:
+        """What a sensor of the model's file measures."""
     @staticmethod
     def imu(model: Model, place: Place) -> Measurement: ...
     @staticmethod
@@ -643,27 +928,40 @@ class Measurement:
 
 @final
 class Disturbance:
+    """Noise and cutoff of a sensor that is measured in Python."""
     def __new__(
         cls, name: str, seed: int, levels: Sequence[float | list[float]], cutoff: float | None, numbers: int
     ) -> Self: ...
     @property
-    def is_none(self) -> bool: ...
+    def is_none(self) -> bool:
+        """Whether readings are what is measured."""
     def apply(
         self, samples: list[tuple[int, int, int, float]], numbers: NDArray[np.float64], walk: NDArray[np.float64]
-    ) -> None: ...
+    ) -> None:
+        """Turns what was measured, shape (worlds, numbers), into what is read in those worlds of which there are samples:
+        world, how often it has begun anew, which sample, and time since the one before [s].
+        """
 
 @final
 class SensorArray:
+    """The sensors of one simulation."""
     def __new__(cls, engine: Engine, sensors: list[tuple[Any, ...]], seed: int) -> Self: ...
-    def step(self, engine: Engine, steps: int) -> list[int]: ...
-    def update(self, engine: Engine) -> None: ...
-    def reading(self, name: str) -> tuple[NDArray[Any], NDArray[np.float64]]: ...
-    def images(self, name: str) -> tuple[dict[str, NDArray[Any]], NDArray[np.float64]]: ...
-    def save(self) -> bytes: ...
-    def restore(self, bytes: bytes) -> None: ...
+    def step(self, engine: Engine, steps: int) -> list[int]:
+        """Advances the simulation and misses no sample; the worlds that diverged meanwhile."""
+    def update(self, engine: Engine) -> None:
+        """Samples what is due now, as after a reset."""
+    def reading(self, name: str) -> tuple[NDArray[Any], NDArray[np.float64]]:
+        """The reading of a sensor, shape (worlds, …), and the time of each world's sample [s]."""
+    def images(self, name: str) -> tuple[dict[str, NDArray[Any]], NDArray[np.float64]]:
+        """The images of a camera by channel, and the time of each world's image [s]."""
+    def save(self) -> bytes:
+        """What the sensors carry along, beside a snapshot of their simulation."""
+    def restore(self, bytes: bytes) -> None:
+        """Puts back what `save` gave."""
 
 @final
 class View:
+    """A camera, and what is wanted of it."""
     def __new__(
         cls,
         model: Model,
@@ -684,35 +982,79 @@ class View:
         occlusion: int,
     ) -> Self: ...
 
-def render_view(engine: Engine, model: Model, view: View, worlds: NDArray[np.int64]) -> dict[str, NDArray[Any]]: ...
+def render_view(engine: Engine, model: Model, view: View, worlds: NDArray[np.int64]) -> dict[str, NDArray[Any]]:
+    """What a camera sees in some worlds, by channel."""
+
 def framing(
     engine: Engine, model: Model, world: int, width: int, height: int
-) -> tuple[list[float], list[float], float]: ...
-def png(rgb: NDArray[np.uint8]) -> bytes: ...
-def looking(eye: Vector, target: Vector, up: Vector) -> list[float]: ...
+) -> tuple[list[float], list[float], float]:
+    """Position [m] and orientation of a free camera that has all bodies of a world in its image."""
+
+def png(rgb: NDArray[np.uint8]) -> bytes:
+    """Colours of one world, shape (height, width, 3), as a picture in a file."""
+
+def looking(eye: Vector, target: Vector, up: Vector) -> list[float]:
+    """Orientation of a camera at `eye` that has `target` in the middle of its image and `up` upwards."""
 
 @final
 class Viewer:
+    """A page about a simulation, served in the background until it is closed or the simulation is gone."""
     @property
-    def url(self) -> str: ...
+    def url(self) -> str:
+        """Where the page is, with its token where there is one."""
     @property
-    def is_open(self) -> bool: ...
-    def close(self) -> None: ...
+    def is_open(self) -> bool:
+        """Whether it still serves."""
+    def close(self) -> None:
+        """Stops serving."""
 
-def show(engine: Engine, address: str | None = None, token: str | None = None) -> Viewer: ...
-def run_program(arguments: Sequence[str]) -> int: ...
-def n_pendula(links: int = ...) -> Model: ...
-def ball_joint() -> Model: ...
-def prismatic() -> Model: ...
-def balls() -> Model: ...
-def billiards() -> Model: ...
-def dominoes(count: int = ...) -> Model: ...
-def pyramid(rows: int = ...) -> Model: ...
-def pile(count: int = ...) -> Model: ...
-def card_house(storeys: int = ...) -> Model: ...
-def arch(stones: int = ...) -> Model: ...
-def ragdolls(people: int = ...) -> Model: ...
-def rings(count: int = ...) -> Model: ...
-def linkage(pairs: int = ...) -> Model: ...
-def room() -> Model: ...
-def rover() -> Model: ...
+def show(engine: Engine, address: str | None = None, token: str | None = None) -> Viewer:
+    """Serves a page about a simulation at an address, or at any free port of the loopback address."""
+
+def run_program(arguments: Sequence[str]) -> int:
+    """The program `kinetarium` with a command line, its name first; returns its exit code."""
+
+def n_pendula(links: int = ...) -> Model:
+    """A chain of links on hinges, hanging from the world."""
+
+def ball_joint() -> Model:
+    """A body on a ball joint with drives."""
+
+def prismatic() -> Model:
+    """A slide with a drive."""
+
+def balls() -> Model:
+    """Five balls that bounce, each by its restitution."""
+
+def billiards() -> Model:
+    """Elastic balls on a smooth table."""
+
+def dominoes(count: int = ...) -> Model:
+    """A row of dominoes, the first of which falls."""
+
+def pyramid(rows: int = ...) -> Model:
+    """A pyramid of boxes."""
+
+def pile(count: int = ...) -> Model:
+    """A heap of solids of all kinds."""
+
+def card_house(storeys: int = ...) -> Model:
+    """A house of cards."""
+
+def arch(stones: int = ...) -> Model:
+    """An arch of stones that hold each other."""
+
+def ragdolls(people: int = ...) -> Model:
+    """People made of capsules and hinges, falling."""
+
+def rings(count: int = ...) -> Model:
+    """Rings of triangles on a peg, and a chain of them."""
+
+def linkage(pairs: int = ...) -> Model:
+    """A machine that walks on closed loops of bars."""
+
+def room() -> Model:
+    """A room with things in it."""
+
+def rover() -> Model:
+    """A vehicle with wheels on springs."""

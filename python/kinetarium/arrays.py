@@ -187,8 +187,9 @@ def checked(what: str, array: Any, shape: tuple[int, ...], dtype: Any = np.float
     return np.ascontiguousarray(numbers, dtype=dtype)
 
 
-def whole(what: str, number: Any, least: int = 0) -> int:
-    """A whole number that is not too small; `TypeError` where it is none, `SimulationError` where it is.
+def whole(what: str, number: Any, least: int = 0, bits: int = 63) -> int:
+    """A whole number that is not too small and has so many bits at most; `TypeError` where it is none,
+    `SimulationError` where it is out of range.
 
     >>> whole("steps", -1)
     Traceback (most recent call last):
@@ -202,4 +203,6 @@ def whole(what: str, number: Any, least: int = 0) -> int:
     if found < least:
         remedy = f"be at least {least}" if least > 0 else "not be negative"
         raise SimulationError(f"{what} is {found}: it must {remedy}")
+    if found.bit_length() > bits:
+        raise SimulationError(f"{what} is {found}: it must be below 2 to the power of {bits}")
     return found

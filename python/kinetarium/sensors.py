@@ -126,7 +126,7 @@ class ActuatorForce(Sensor):
 
 
 def _listed(names: Sequence[str] | None) -> list[str] | None:
-    return None if names is None else list(names)
+    return [names] if isinstance(names, str) else None if names is None else list(names)
 
 
 @dataclass(frozen=True)
@@ -315,7 +315,11 @@ class Sensors(Strict, Mapping[str, Any]):
 
     __slots__ = ("_array", "_cameras", "_custom", "list", "seed")
 
-    def __init__(self, simulation: Simulation, sensors: Sequence[Sensor | Custom], seed: int) -> None:
+    def __init__(
+        self, simulation: Simulation, sensors: Sequence[Sensor | Custom] | Sensor | Custom, seed: int
+    ) -> None:
+        if isinstance(sensors, Sensor | Custom):
+            sensors = [sensors]
         for sensor in sensors:
             if not isinstance(sensor, Sensor | Custom):
                 raise SensorError(f"{sensor!r} is no sensor: give those of kinetarium.sensors")
@@ -323,8 +327,6 @@ class Sensors(Strict, Mapping[str, Any]):
                 raise SensorError(
                     f'the noise of sensor "{sensor.name}" is {sensor.noise!r}: give a Noise, as Noise(deviation=0.1)'
                 )
-        if not 0 <= seed < 2**64:
-            raise SensorError(f"the seed of the sensors is {seed}: it must be from 0 to 2⁶⁴ − 1")
         self.list = tuple(sensors)
         """The sensors as they were given."""
         self.seed = seed

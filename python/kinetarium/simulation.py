@@ -197,7 +197,7 @@ class Simulation(Strict):
         contact_iterations: int = 8,
         speed_limit: float = 1e5,
         sleep_speed: float = 0.01,
-        sensors: Sequence[Sensor | Custom] = (),
+        sensors: Sequence[Sensor | Custom] | Sensor | Custom = (),
         seed: int = 0,
     ) -> None:
         if not isinstance(model, Model):
@@ -221,7 +221,7 @@ class Simulation(Strict):
             "speed_limit": speed_limit,
             "sleep_speed": sleep_speed,
         }
-        count, seed = whole("worlds", worlds), whole("seed", seed)
+        count, seed = whole("worlds", worlds), whole("seed", seed, bits=64)
         self._worlds = Worlds(self._make(model, count, precision), model, count, precision)
         self._solver, self._isa, self._threads, self._device = self._engine.describe()
         self._controls = Controls(self._worlds)

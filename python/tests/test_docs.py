@@ -3,6 +3,7 @@
 import doctest
 import json
 import re
+import runpy
 from pathlib import Path
 
 import pytest
@@ -50,3 +51,10 @@ def test_docstrings_of_the_engine(example):
 
 def test_the_engine_has_examples():
     assert "kinetarium._engine.Builder" in [example.name for example in EXAMPLES]
+
+
+def test_stubs_have_the_docstrings_of_the_engine():
+    script = Path(__file__).parents[1] / "tools/document_stubs.py"
+    tool = runpy.run_path(str(script))
+    stubs = tool["STUBS"].read_text(encoding="utf-8")
+    assert tool["documented"](stubs) == stubs, "run python/tools/document_stubs.py"

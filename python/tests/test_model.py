@@ -227,6 +227,7 @@ def test_what_is_refused_leaves_nothing_behind():
         (lambda: thing.replica(-1), "replica is -1"),
         (lambda: world.body_row(body, -1), "replica is -1"),
         (lambda: kn.Builder("x", worlds=-1), "worlds is -1"),
+        (lambda: kn.examples.n_pendula(-1), "example n_pendula: links is -1"),
         (lambda: kn.Shape(kn.Geometry.sphere(0.1), collides_with=2**32), "collides_with is 4294967296"),
     ]:
         with pytest.raises(ModelError, match=message):
@@ -404,6 +405,10 @@ def test_what_was_given_can_be_read():
     names |= {"Axis": kn.Axis, "Dof": kn.Dof, "Drive": kn.Drive, "inf": np.inf}
     for made in [steel, steel.softness, shape.geometry, kn.Geometry.capsule(0.1, 0.5), limit, drive, axis, dof]:
         assert eval(repr(made), names) == made
+        assert copy.deepcopy(made) == copy.copy(made) == pickle.loads(pickle.dumps(made)) == made
+    assert pickle.loads(pickle.dumps({"crate": shape}))["crate"] == copy.deepcopy(shape) == shape
+    with pytest.raises(ModelError, match="nothing of this release"):
+        kn.Limit._from_bytes(b"")
 
 
 def test_unknown_names_suggest():

@@ -137,6 +137,11 @@ def test_worlds_that_are_reset_are_sampled_alone():
     assert sim.sensors.time("own").round(6).tolist() == [0.2, 0.0, 0.2]
 
 
+def test_one_sensor_and_one_name_need_no_list():
+    sim = kn.Simulation(kn.examples.n_pendula(2), sensors=sensors.JointPosition("q", "hinge1"))
+    assert sim.sensors["q"].shape == (1, 1)
+
+
 def test_what_resets_no_world_samples_none():
     sim = kn.Simulation(
         kn.examples.n_pendula(1),

@@ -428,6 +428,8 @@ def _read_only(shape, dtype):
     [
         ({"worlds": 0}, "worlds is 0"),
         ({"worlds": -3}, "worlds is -3"),
+        ({"worlds": 2**64}, "worlds is 18446744073709551616: it must be below"),
+        ({"seed": 2**64}, "seed is 18446744073709551616: it must be below"),
         ({"dt": 0.0}, "time step"),
         ({"dt": np.nan}, "time step"),
         ({"solver": "magic"}, 'no solver "magic"; there are auto'),

@@ -204,7 +204,7 @@ pub struct Simulation {
     /// Let bodies pass through each other.
     #[arg(long)]
     pub no_contacts: bool,
-    /// How the state advances; featherstone only [default: semi-implicit-euler; rk4 for the pendula].
+    /// How the state advances; featherstone only [default: semi-implicit-euler; rk4 for the pendula with featherstone].
     #[arg(long, value_enum)]
     pub integrator: Option<IntegratorName>,
     /// Precision of all numbers.

@@ -22,6 +22,7 @@ struct Start {
     name: String,
     keyframe: Option<Keyframe>,
     worlds: usize,
+    /// How a step advances the state, where the solver has a choice.
     integrator: Integrator,
     perturb: f64,
 }
@@ -91,10 +92,11 @@ fn settings(
 ) -> SimulationSettings {
     let contacts = !options.no_contacts;
     let substeps = || solver.usual_substeps(model, contacts);
+    let integrator = || solver.usual_integrator(model, contacts, start.integrator);
     let step = Settings {
         substeps: options.substeps.unwrap_or_else(substeps),
         iterations: options.iterations,
-        integrator: options.integrator.map_or(start.integrator, Into::into),
+        integrator: options.integrator.map_or_else(integrator, Into::into),
         ..Settings::new(options.time_step.unwrap_or(model.time_step))
     };
     SimulationSettings {

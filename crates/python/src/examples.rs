@@ -1,5 +1,6 @@
 //! Scenes of the engine that need no file.
 
+use crate::count::natural;
 use crate::error;
 use crate::model::Model;
 use kinetarium::model::examples;
@@ -11,7 +12,8 @@ macro_rules! scenes {
         $(#[$doc])*
         #[pyfunction]
         #[pyo3(signature = ($($size = $default)?))]
-        pub fn $name($($size: usize)?) -> PyResult<Model> {
+        pub fn $name($($size: i64)?) -> PyResult<Model> {
+            $(let $size = natural(concat!("example ", stringify!($name)), stringify!($size), $size)?;)?
             Ok(examples::$name($($size)?).map_err(error::model)?.into())
         }
     )*};

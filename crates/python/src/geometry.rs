@@ -1,10 +1,12 @@
 //! Forms of shapes.
 
 use crate::error;
+use crate::pickled::{Reduced, reduce, restored};
 use glam::{DQuat, DVec2, DVec3};
 use kinetarium::model::{self, ModelError};
 use numpy::{AllowTypeChange, Element, PyArray2, PyArrayLikeDyn, PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// A placement from position [m] and quaternion x, y, z, w.
 pub fn pose(position: [f64; 3], orientation: [f64; 4]) -> model::Pose {
@@ -26,7 +28,7 @@ fn points(vertices: Vec<[f64; 3]>) -> Vec<DVec3> {
 /// Sizes are half sizes [m]; capsules, cylinders and cones stand along y. Made by its static methods, as in
 /// `Geometry.sphere(0.1)`.
 #[pyclass(frozen, eq, from_py_object, module = "kinetarium._engine")]
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Geometry(pub model::Geometry);
 
 #[pymethods]
@@ -196,6 +198,13 @@ impl Geometry {
         table(py, triangles.to_vec())
     }
 
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        reduce(slf, slf.get())
+    }
+    #[staticmethod]
+    fn _from_bytes(bytes: &[u8]) -> PyResult<Self> {
+        restored(bytes)
+    }
     pub fn __repr__(&self) -> String {
         let sizes = match &self.0 {
             model::Geometry::Plane { half_x, half_z } => {

@@ -1,15 +1,17 @@
 //! What acts along the degrees of freedom of joints.
 
+use crate::pickled::{Reduced, reduce, restored};
 use glam::DVec3;
 use kinetarium::model;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// One axis of a `d6` joint. Axes act in turn: each is fixed in the frame that the ones before it have moved.
 ///
 /// `reference` [m or rad] is the coordinate at which the two frames of the joint coincide.
 #[pyclass(frozen, eq, from_py_object, module = "kinetarium._engine")]
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Axis(pub model::Axis);
 
 #[pymethods]
@@ -57,6 +59,13 @@ impl Axis {
     fn reference(&self) -> f64 {
         self.0.reference
     }
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        reduce(slf, slf.get())
+    }
+    #[staticmethod]
+    fn _from_bytes(bytes: &[u8]) -> PyResult<Self> {
+        restored(bytes)
+    }
     fn __repr__(&self) -> String {
         let (direction, kind, reference) = (self.direction(), self.kind(), self.reference());
         let anchor = match self.0.kind {
@@ -72,7 +81,7 @@ impl Axis {
 /// Beyond an end the force is −stiffness · excess − damping · velocity − inertia · acceleration, in N/m, N·s/m and kg
 /// or N·m/rad, N·m·s/rad and kg·m²; it never pulls.
 #[pyclass(frozen, eq, get_all, from_py_object, module = "kinetarium._engine")]
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Limit {
     /// Lower end [m or rad].
     lower: f64,
@@ -128,6 +137,13 @@ impl Limit {
             inertia,
         }
     }
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        reduce(slf, slf.get())
+    }
+    #[staticmethod]
+    fn _from_bytes(bytes: &[u8]) -> PyResult<Self> {
+        restored(bytes)
+    }
     fn __repr__(&self) -> String {
         let Self {
             lower,
@@ -147,7 +163,7 @@ impl Limit {
 ///
 /// `control_time` [s] is the time constant with which it follows a jump of the target.
 #[pyclass(frozen, eq, get_all, from_py_object, module = "kinetarium._engine")]
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Drive {
     /// Stiffness [N/m or N·m/rad].
     stiffness: f64,
@@ -198,6 +214,13 @@ impl Drive {
             control_time,
         }
     }
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        reduce(slf, slf.get())
+    }
+    #[staticmethod]
+    fn _from_bytes(bytes: &[u8]) -> PyResult<Self> {
+        restored(bytes)
+    }
     fn __repr__(&self) -> String {
         let Self {
             stiffness,
@@ -220,7 +243,7 @@ impl Drive {
 /// `name` is unique in the model; unless given, it is the joint's, with a number behind where there are several. What
 /// is not given is as the joint's own keywords say; or else does not act, or stays as it was where a joint is changed.
 #[pyclass(frozen, eq, get_all, from_py_object, module = "kinetarium._engine")]
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Dof {
     /// Its name.
     pub name: Option<String>,
@@ -310,6 +333,13 @@ impl Dof {
             armature,
             friction_loss,
         })
+    }
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        reduce(slf, slf.get())
+    }
+    #[staticmethod]
+    fn _from_bytes(bytes: &[u8]) -> PyResult<Self> {
+        restored(bytes)
     }
     fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {
         let given = slf.get().given().map(|name| {

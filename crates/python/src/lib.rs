@@ -21,6 +21,7 @@ mod material;
 mod model;
 mod names;
 mod object;
+mod pickled;
 mod replica;
 mod sensors;
 mod shape;

@@ -1,12 +1,14 @@
 //! Surfaces of shapes.
 
 use crate::names::{Table, find, name_of};
+use crate::pickled::{Reduced, reduce, restored};
 use kinetarium::model;
 use pyo3::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Resistance of a surface to being pressed in, at each point of contact.
 #[pyclass(frozen, eq, from_py_object, module = "kinetarium._engine")]
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Softness(model::Softness);
 
 #[pymethods]
@@ -26,6 +28,13 @@ impl Softness {
     #[staticmethod]
     fn spring(stiffness: f64, damping: f64) -> Self {
         Self(model::Softness::Spring { stiffness, damping })
+    }
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        reduce(slf, slf.get())
+    }
+    #[staticmethod]
+    fn _from_bytes(bytes: &[u8]) -> PyResult<Self> {
+        restored(bytes)
     }
     fn __repr__(&self) -> String {
         match self.0 {
@@ -55,7 +64,7 @@ const COMBINE: Table<model::Combine, 4> = [
 /// which contact begins; `combine` tells how coefficients of two surfaces become one: "average", "minimum",
 /// "multiply" or "maximum", of which the later holds.
 #[pyclass(frozen, eq, from_py_object, module = "kinetarium._engine")]
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Material(pub model::Material);
 
 #[pymethods]
@@ -117,6 +126,13 @@ impl Material {
     #[getter]
     fn combine(&self) -> &'static str {
         name_of(&COMBINE, &self.0.combine)
+    }
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        reduce(slf, slf.get())
+    }
+    #[staticmethod]
+    fn _from_bytes(bytes: &[u8]) -> PyResult<Self> {
+        restored(bytes)
     }
     fn __repr__(&self) -> String {
         let model::Material {

@@ -3,12 +3,13 @@
 use crate::camera::MODES;
 use crate::error;
 use crate::names::{Table, find, name_of};
+use crate::pickled::{Reduced, reduce, restored};
 use kinetarium::formats::{self, Files, InMemory, Loaded, Meshes, Options};
 use kinetarium::model::{self, BodyId, JointId};
 use kinetarium::sim::Parameter;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyType};
+use pyo3::types::PyDict;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -351,25 +352,13 @@ impl Model {
             m.actuators.len()
         )
     }
-    fn __reduce__<'py>(
-        slf: &Bound<'py, Self>,
-    ) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         let this = slf.get();
-        let written = postcard::to_stdvec(&(&*this.model, &this.warnings));
-        let written =
-            written.map_err(|e| error::value(format!("the model cannot be written: {e}")))?;
-        let class: Bound<'py, PyType> = slf.get_type();
-        Ok((
-            class.getattr("_from_bytes")?,
-            (PyBytes::new(slf.py(), &written),),
-        ))
+        reduce(slf, &(&*this.model, &this.warnings))
     }
-    /// A model as it was pickled.
     #[staticmethod]
     fn _from_bytes(bytes: &[u8]) -> PyResult<Self> {
-        let read = postcard::from_bytes::<(model::Model, Vec<String>)>(bytes);
-        let (model, warnings) = read
-            .map_err(|e| error::value(format!("these bytes hold no model of this release: {e}")))?;
+        let (model, warnings): (model::Model, _) = restored(bytes)?;
         Ok(Self {
             model: Arc::new(model),
             warnings,

@@ -3,9 +3,11 @@
 use crate::count::mask;
 use crate::geometry::{Geometry, pose};
 use crate::material::Material;
+use crate::pickled::{Reduced, reduce, restored};
 use kinetarium::model;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// A solid fixed to a body (or to the world), with its material.
 ///
@@ -13,7 +15,7 @@ use pyo3::prelude::*;
 /// that are given none; `color` is red, green, blue in sRGB and opacity, each 0 to 1; without `collides` it is only
 /// seen; a `sensor` touches but never pushes; `membership` and `collides_with` are kinds, a bit each.
 #[pyclass(frozen, eq, from_py_object, module = "kinetarium._engine")]
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Shape(pub model::Shape);
 
 #[pymethods]
@@ -103,6 +105,13 @@ impl Shape {
     #[getter]
     fn collides_with(&self) -> u32 {
         self.0.collides_with
+    }
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        reduce(slf, slf.get())
+    }
+    #[staticmethod]
+    fn _from_bytes(bytes: &[u8]) -> PyResult<Self> {
+        restored(bytes)
     }
     fn __repr__(&self) -> String {
         let geometry = self.geometry().__repr__();

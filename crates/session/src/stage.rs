@@ -22,7 +22,7 @@ pub struct Stage {
     pub worlds: usize,
     /// Solver.
     pub solver: SolverKind,
-    /// How a step advances the state, of `featherstone`.
+    /// How a step advances the state, where the solver is `featherstone`.
     pub integrator: Integrator,
     /// Substeps a time step; none are those that the solver usually takes.
     pub substeps: Option<usize>,
@@ -107,7 +107,7 @@ impl Stage {
             solver,
             step: Settings {
                 substeps,
-                integrator: self.integrator,
+                integrator: solver.usual_integrator(&self.model, true, self.integrator),
                 ..Settings::new(time_step)
             },
             ..SimulationSettings::new(self.worlds, time_step)

@@ -362,6 +362,19 @@ fn physics_changes_while_the_state_stays_or_the_scene_begins_anew() {
 }
 
 #[test]
+fn every_solver_takes_a_scene_that_wishes_for_an_integrator() {
+    let mut page = Page::open("pendula");
+    for (number, name) in (1..).zip(["featherstone", "xpbd", "impulse"]) {
+        page.say(&format!(
+            r#"{{"type": "physics", "values": {{"solver": {number}}}}}"#
+        ));
+        assert!(page.errors.is_empty(), "{:?}", page.errors);
+        assert_eq!(page.scene().solver, name);
+        page.step(10);
+    }
+}
+
+#[test]
 fn what_one_page_sets_is_news_to_others_unless_it_is_refused() {
     let mut page = Page::open("prismatic");
     for command in [

@@ -106,6 +106,15 @@ pub enum SimulationError {
         /// Which world.
         world: usize,
     },
+    /// Numbers of a parameter for which the solver has no room, or the other way round.
+    #[error(
+        "with this {parameter} the model has another structure than the simulation's: drives, dry friction, springs and \
+         dampers that are zero in all of it are not there; make the simulation of a model that has some, and give worlds others"
+    )]
+    Parameter {
+        /// Its name.
+        parameter: &'static str,
+    },
     /// A ray makes no sense.
     #[error("{what} of ray {index} is {value}: it must be {remedy}")]
     Ray {

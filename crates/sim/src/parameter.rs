@@ -155,7 +155,12 @@ impl<T: Float> Simulation<T> {
                 .and_then(|model| self.compiled_alike(world, model));
             let own = own.map_err(|why| SimulationError::InWorld {
                 world,
-                why: Box::new(why),
+                why: Box::new(match why {
+                    SimulationError::Structure { .. } => SimulationError::Parameter {
+                        parameter: parameter.name(),
+                    },
+                    why => why,
+                }),
             })?;
             models.push((world, own));
         }

@@ -49,6 +49,13 @@ impl SolverKind {
             _ => 1,
         }
     }
+    /// The integrator that a scene wishes for, where the solver taken for a model has a choice: `featherstone` alone.
+    pub fn usual_integrator(self, model: &Model, contacts: bool, wish: Integrator) -> Integrator {
+        match self.pick(model, contacts) {
+            Self::Featherstone => wish,
+            _ => Integrator::SemiImplicitEuler,
+        }
+    }
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {

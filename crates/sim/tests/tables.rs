@@ -184,6 +184,9 @@ fn parameters_of_several_worlds_are_given_together() {
         sim.set_parameter(Parameter::BodyMass, &[1], &masses)
             .is_err()
     );
+    let refused = sim.set_parameter(Parameter::Damping, &[4], &[0.1; 3]);
+    let why = refused.unwrap_err().to_string();
+    assert!(why.starts_with("world 4: with this damping "), "{why}");
 }
 
 #[test]
