@@ -35,6 +35,7 @@ from kinetarium._engine import (
 )
 from kinetarium.arrays import NamedArray
 from kinetarium.cameras import Camera, Images
+from kinetarium.dynamics import Bodies, Dynamics
 from kinetarium.errors import KinetariumError
 from kinetarium.simulation import Contacts, Event, Linearization, RayHits, Simulation
 from kinetarium.view import View
@@ -46,12 +47,14 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Axis",
+    "Bodies",
     "Body",
     "Builder",
     "Camera",
     "Contacts",
     "Dof",
     "Drive",
+    "Dynamics",
     "Event",
     "Geometry",
     "Images",

@@ -20,6 +20,7 @@ __all__ = [
     "Disturbance",
     "Dof",
     "Drive",
+    "Dynamics",
     "Engine",
     "Geometry",
     "Joint",
@@ -792,6 +793,27 @@ class DeviceArray:
         dl_device: tuple[int, int] | None = None,
         copy: bool | None = None,
     ) -> Any: ...
+
+@final
+class Dynamics:
+    """Functions of states, one a row; arrays are float64 and contiguous, and Python's lock is free meanwhile."""
+    def __new__(cls, model: Model) -> Self: ...
+    def mass_matrix(self, position: NDArray[np.float64]) -> NDArray[np.float64]:
+        """M(q), row by row."""
+    def inverse_dynamics(
+        self, position: NDArray[np.float64], velocity: NDArray[np.float64], acceleration: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """τ of a motion."""
+    def forward_dynamics(
+        self, position: NDArray[np.float64], velocity: NDArray[np.float64], force: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """q̈ under forces."""
+    def jacobian(
+        self, position: NDArray[np.float64], body: int, point: tuple[float, float, float]
+    ) -> NDArray[np.float64]:
+        """J(q) of a point of a body, row by row."""
+    def bodies(self, position: NDArray[np.float64], velocity: NDArray[np.float64]) -> NDArray[np.float64]:
+        """13 numbers of each body: placement and velocities."""
 
 @final
 class Engine:

@@ -20,7 +20,8 @@ Assign = Callable[[np.ndarray, np.ndarray], None]
 def aligned(shape: tuple[int, ...], dtype: np.dtype) -> np.ndarray:
     """An array on a boundary of 64 bytes, where jax takes memory without a copy; its numbers are not set."""
     memory = np.empty(math.prod(shape) * dtype.itemsize + 64, np.uint8)
-    return np.ndarray(shape, dtype, memory, -addressof(c_char.from_buffer(memory.data)) % 64)
+    array: np.ndarray = np.ndarray(shape, dtype, memory, -addressof(c_char.from_buffer(memory.data)) % 64)
+    return array
 
 
 def _named(key: Any) -> bool:
@@ -164,6 +165,17 @@ for _name in "copy", "astype", "__copy__", "__deepcopy__":
     setattr(NamedArray, _name, _keeping_names(_name))
 
 
+def numbers(what: str, array: Any) -> np.ndarray:
+    """An array of real numbers; `ShapeError` where it is none."""
+    try:
+        found = np.asarray(array)
+    except ValueError as error:
+        raise ShapeError(f"{what} is no array: {error}") from None
+    if found.dtype.kind not in "fiub":
+        raise ShapeError(f"{what} is of dtype {found.dtype}: give real numbers")
+    return found
+
+
 def checked(what: str, array: Any, shape: tuple[int, ...], dtype: Any = np.float64) -> np.ndarray:
     """An array of numbers broadcast to a shape, C-contiguous; `ShapeError` where it cannot be.
 
@@ -174,17 +186,12 @@ def checked(what: str, array: Any, shape: tuple[int, ...], dtype: Any = np.float
         ...
     kinetarium.errors.ShapeError: force has the shape (3,), which does not broadcast to (3, 2)
     """
+    found = numbers(what, array)
     try:
-        numbers = np.asarray(array)
-    except ValueError as error:
-        raise ShapeError(f"{what} is no array: {error}") from None
-    if numbers.dtype.kind not in "fiub":
-        raise ShapeError(f"{what} is of dtype {numbers.dtype}: give real numbers")
-    try:
-        numbers = np.broadcast_to(numbers, shape)
+        found = np.broadcast_to(found, shape)
     except ValueError:
-        raise ShapeError(f"{what} has the shape {numbers.shape}, which does not broadcast to {shape}") from None
-    return np.ascontiguousarray(numbers, dtype=dtype)
+        raise ShapeError(f"{what} has the shape {found.shape}, which does not broadcast to {shape}") from None
+    return np.ascontiguousarray(found, dtype=dtype)
 
 
 def whole(what: str, number: Any, least: int = 0, bits: int = 63) -> int:

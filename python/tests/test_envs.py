@@ -403,6 +403,10 @@ def test_what_cannot_be_is_refused():
     ]:
         with pytest.raises(ValueError, match=message):
             kinetarium.envs.VectorTask(hopper, **options)
+    unmade = kinetarium.envs.VectorTask.__new__(kinetarium.envs.VectorTask)
+    with pytest.raises(ValueError, match="number of worlds is 0"):
+        unmade.__init__(hopper, 0)
+    unmade.close()
     for task in ("foo", 3):
         with pytest.raises(ValueError, match='its name "module:Class"'):
             kinetarium.envs.VectorTask(task)

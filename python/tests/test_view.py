@@ -5,8 +5,10 @@ import sys
 import urllib.request
 import webbrowser
 
+import nbformat
 import numpy as np
 import pytest
+from nbclient import NotebookClient
 
 import kinetarium as kn
 from kinetarium.errors import (
@@ -50,6 +52,19 @@ def test_an_open_page_stays_at_its_address():
     view.close()
     assert sim.view(token="secret", browser=False) is not view
     sim.close()
+
+
+def test_a_notebook_has_the_page_below_the_cell():
+    cells = [
+        "import kinetarium as kn\nsim = kn.Simulation(kn.examples.n_pendula(2))\nsim.view()\nsim.step(10)",
+        "from urllib.request import urlopen\npage = urlopen(sim.view(browser=False).url)\nb'<html' in page.read()",
+    ]
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(text) for text in cells])
+    NotebookClient(notebook, timeout=120, kernel_name="python3").execute()
+    first, second = (cell.outputs for cell in notebook.cells)
+    shown = [out.data["text/html"] for out in first if out.output_type == "display_data"]
+    assert len(shown) == 1 and "<iframe" in shown[0], first
+    assert second[-1].data["text/plain"] == "True"
 
 
 def test_browsers_with_a_window_are_opened(monkeypatch):

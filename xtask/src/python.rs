@@ -17,19 +17,24 @@ pub fn check(workshop: &Workshop) -> Result<()> {
     )
     .run()?;
     cmd!(sh, "{python} -m mypy.stubtest kinetarium._engine").run()?;
-    Ok(cmd!(sh, "{python} -m mypy --strict python/kinetarium").run()?)
+    // What only later releases of Python have is found, too.
+    let oldest = "--python-version=3.10";
+    Ok(cmd!(sh, "{python} -m mypy --strict {oldest} python/kinetarium").run()?)
 }
 
-/// Its tests that are skipped for want of torch.
+/// Its tests with the oldest releases of what it needs.
+pub fn with_oldest(workshop: &Workshop) -> Result<()> {
+    run_tests(workshop, &workshop.python_of_the_oldest()?, &[])
+}
+
+/// Its tests that are skipped for want of torch and jax.
 pub fn learn(workshop: &Workshop) -> Result<()> {
     let python = workshop.python_that_learns()?;
     // Several threads of torch wait for each other where something else runs, too.
-    Ok(cmd!(
-        workshop.sh,
-        "{python} -m pytest --quiet python/tests/test_learning.py"
-    )
-    .env("OMP_NUM_THREADS", "1")
-    .run()?)
+    let tests = ["learning", "dlpack"].map(|name| format!("python/tests/test_{name}.py"));
+    Ok(cmd!(workshop.sh, "{python} -m pytest --quiet {tests...}")
+        .env("OMP_NUM_THREADS", "1")
+        .run()?)
 }
 
 /// Its tests with an engine that finds overflows, broken preconditions of unsafe functions (as all that is compiled for

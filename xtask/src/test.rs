@@ -111,8 +111,13 @@ const STAGES: &[Stage] = &[
 const BY_NAME: &[Stage] = &[
     Stage {
         name: "learning",
-        purpose: "Stable-Baselines3 and the example that learns, with torch (5 GB): only when named",
+        purpose: "Stable-Baselines3 and the example that learns, with torch (5 GB), and arrays shared with torch and jax: only when named",
         run: python::learn,
+    },
+    Stage {
+        name: "oldest",
+        purpose: "the Python package's tests with the oldest NumPy, Gymnasium and Matplotlib: only when named",
+        run: python::with_oldest,
     },
     Stage {
         name: "sanitizer",

@@ -137,7 +137,12 @@ impl Workshop {
         self.with_package(self.peers_python()?)
     }
 
-    /// Another with the package, and with torch and Stable-Baselines3.
+    /// Another with the package, and with the oldest releases that it takes.
+    pub fn python_of_the_oldest(&self) -> Result<PathBuf> {
+        self.with_package(self.environment("oldest", "tests/oldest/requirements.txt")?)
+    }
+
+    /// Another with the package, with torch, jax and Stable-Baselines3.
     pub fn python_that_learns(&self) -> Result<PathBuf> {
         self.with_package(self.environment("learning", "tests/learning/requirements.txt")?)
     }

@@ -184,6 +184,17 @@ impl Model {
     pub fn coordinate_range(&self, joint: JointId) -> std::ops::Range<usize> {
         self.coordinate_start[joint.0]..self.coordinate_start[joint.0 + 1]
     }
+    /// Where quaternions lie among the coordinates of a state, four numbers each, and the joints they are of.
+    pub fn quaternions(&self) -> impl Iterator<Item = (JointId, std::ops::Range<usize>)> {
+        let turning = |kind| matches!(kind, JointKind::Ball | JointKind::Free);
+        let joints = self.joints.iter().enumerate();
+        joints
+            .filter(move |(_, j)| turning(j.kind) && !j.closes_loop)
+            .map(|(i, _)| {
+                let end = self.coordinate_start[i + 1];
+                (JointId(i), end - 4..end)
+            })
+    }
     /// Where a joint's velocities lie in a state.
     pub fn dof_range(&self, joint: JointId) -> std::ops::Range<usize> {
         self.dof_start[joint.0]..self.dof_start[joint.0 + 1]

@@ -11,6 +11,7 @@ mod builder;
 mod camera;
 mod count;
 mod device_array;
+mod dynamics;
 mod error;
 mod examples;
 mod geometry;
@@ -40,6 +41,8 @@ mod _engine {
     use crate::camera::{View, framing, looking, png, render_view};
     #[pymodule_export]
     use crate::device_array::DeviceArray;
+    #[pymodule_export]
+    use crate::dynamics::Dynamics;
     #[pymodule_export]
     use crate::examples::{
         arch, ball_joint, balls, billiards, card_house, dominoes, linkage, n_pendula, pile,

@@ -170,6 +170,20 @@ fn the_mass_matrix_is_symmetric_and_positive_definite() {
 }
 
 #[test]
+fn a_quaternion_may_have_any_length() {
+    let Case {
+        model, dynamics, ..
+    } = Case::mixed();
+    let q = position(&model, 1);
+    let mut longer = q.clone();
+    for (_, range) in model.quaternions() {
+        longer[range].iter_mut().for_each(|x| *x *= 3.0);
+    }
+    let mass = dynamics.mass_matrix(&q).unwrap();
+    close(&dynamics.mass_matrix(&longer).unwrap(), &mass, 1e-12);
+}
+
+#[test]
 fn kinetic_energy_is_half_the_square_of_velocity_by_mass() {
     let case = Case::mixed();
     for (q, v) in case.states() {
@@ -396,6 +410,16 @@ fn wrong_questions_are_refused() {
     assert_eq!(
         dynamics.forward_dynamics(&q, &v, &broken).map_err(message),
         Err("number 3 of the forces is NaN: give finite numbers".into())
+    );
+    let (_, turned) = model.quaternions().next().unwrap();
+    let mut q_zero = q.clone();
+    q_zero[turned.clone()].fill(0.0);
+    let (first, last) = (turned.start, turned.end - 1);
+    assert_eq!(
+        dynamics.mass_matrix(&q_zero).map_err(message),
+        Err(format!(
+            "coordinates {first} to {last} are a quaternion, and zero: give one of unit length, x, y, z, w"
+        ))
     );
     let bodies = model.bodies.len();
     assert_eq!(

@@ -12,7 +12,7 @@ use crate::scratch::Scratch;
 use crate::threads::Threads;
 use crate::{Controls, Device, Inputs, Outputs, Quantity, SimulationSettings, Snapshot};
 use glam::DQuat;
-use model::{JointId, JointKind, Model, Shape};
+use model::{Model, Shape};
 use numbers::dispatch::Isa;
 use numbers::{Float, Memory};
 use rayon::prelude::*;
@@ -125,26 +125,15 @@ fn affordable<T>(worlds: usize, numbers: usize) -> Result<(), SimulationError> {
 /// Joint coordinates with the quaternions among them scaled to unit length.
 fn with_unit_quaternions(model: &Model, position: &[f64]) -> Result<Vec<f64>, SimulationError> {
     let mut position = position.to_vec();
-    for (i, joint) in model
-        .joints
-        .iter()
-        .enumerate()
-        .filter(|(_, j)| !j.closes_loop)
-    {
-        let skip = match joint.kind {
-            JointKind::Ball => 0,
-            JointKind::Free => 3,
-            _ => continue,
-        };
-        let range = model.coordinate_range(JointId(i));
-        let q = DQuat::from_slice(&position[range.start + skip..range.end]);
+    for (joint, range) in model.quaternions() {
+        let q = DQuat::from_slice(&position[range.clone()]);
         let length = q.length();
         if length < 1e-12 {
             return Err(SimulationError::NoRotation {
-                joint: joint.name.clone(),
+                joint: model.joints[joint.0].name.clone(),
             });
         }
-        position[range.start + skip..range.end].copy_from_slice(&(q / length).to_array());
+        position[range].copy_from_slice(&(q / length).to_array());
     }
     Ok(position)
 }

@@ -55,11 +55,13 @@ class VectorTask(gymnasium.vector.VectorEnv[Array, Array, Array]):
         height: int = 480,
         **options: Any,
     ) -> None:
+        self.closed = True  # until there is something to close: older releases of Gymnasium close what was refused
         check_render_mode(render_mode)
         check_steps(max_episode_steps)
         self.render_mode = render_mode
         self.width, self.height = whole("width", width, 1), whole("height", height, 1)
         self.task = make_task(task, num_envs, **options)
+        self.closed = False
         self.num_envs = num_envs
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.metadata = {

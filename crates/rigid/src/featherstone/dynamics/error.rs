@@ -23,6 +23,12 @@ pub enum DynamicsError {
         /// The number.
         value: f64,
     },
+    /// A quaternion is no rotation.
+    #[error("coordinates {first} to {} are a quaternion, and zero: give one of unit length, x, y, z, w", .first + 3)]
+    NoRotation {
+        /// The first of its coordinates, counted from 0.
+        first: usize,
+    },
     /// There is no such body.
     #[error("body {body} does not exist: the model has {bodies}, counted from 0")]
     Body {

@@ -22,10 +22,11 @@ use crate::output::{body, total};
 use crate::{InputTables, Kernels, SolverError};
 pub use error::DynamicsError;
 use error::finite;
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 pub use kernels::DynamicsKernels;
 use model::{BodyId, Model};
 use numbers::{Cpu, Machine, Shared};
+use std::ops::Range;
 pub use tables::DynamicsTables;
 
 /// Energy and momentum of a tree.
@@ -45,8 +46,8 @@ pub struct Totals {
 ///
 /// Positions have [`Model::coordinates`] numbers, velocities, accelerations and
 /// forces [`Model::degrees_of_freedom`] = n, in the model's order and in SI units;
-/// matrices come row by row. Every function refuses slices of another length and
-/// numbers that are not finite, with [`DynamicsError`].
+/// matrices come row by row. Quaternions may be of any length but zero. Every function refuses slices of
+/// another length and numbers that are not finite, with [`DynamicsError`].
 ///
 /// ```
 /// use kinetarium_rigid::Dynamics;
@@ -65,6 +66,8 @@ pub struct Dynamics {
     kernels: DynamicsKernels,
     state: Vec<f64>,
     input: Vec<f64>,
+    /// Where quaternions lie among the coordinates.
+    quaternions: Vec<Range<usize>>,
 }
 
 /// The memories of one evaluation.
@@ -90,6 +93,7 @@ impl Dynamics {
             kernels,
             state,
             input,
+            quaternions: model.quaternions().map(|(_, range)| range).collect(),
         })
     }
 
@@ -214,7 +218,16 @@ impl Dynamics {
         let t = &self.kernels.solver.tables;
         let mut state = self.state.clone();
         finite("coordinates", position, t.coordinates)?;
-        state[t.position.at(0, 0)..][..position.len()].copy_from_slice(position);
+        let q = &mut state[t.position.at(0, 0)..][..position.len()];
+        q.copy_from_slice(position);
+        for range in &self.quaternions {
+            let rotation = DQuat::from_slice(&q[range.clone()]);
+            let length = rotation.length();
+            if length < 1e-12 {
+                return Err(DynamicsError::NoRotation { first: range.start });
+            }
+            q[range.clone()].copy_from_slice(&(rotation / length).to_array());
+        }
         if let Some(velocity) = velocity {
             finite("velocities", velocity, t.dofs)?;
             state[t.velocity.at(0, 0)..][..velocity.len()].copy_from_slice(velocity);
