@@ -3,8 +3,9 @@
     python ppo.py kinetarium/Hopper-v0 --worlds 64 --steps 1000000 --out learning
 
 Any id that `gymnasium.make_vec` knows will do; `--mode async` makes processes of ordinary environments, such
-as Gymnasium's own `Hopper-v5`. Writes `learning/<id>-<seed>.csv`, a row for each update, and a plot of it.
-Needs torch and matplotlib besides what `pip install ".[gym]"` brings.
+as Gymnasium's own `Hopper-v5`, and `--also Hopper-v5` plays there what was learnt. Writes
+`learning/<id>-<seed>.csv`, a row for each update, and a plot of it. Needs torch and matplotlib besides what
+`pip install ".[gym]"` brings.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from __future__ import annotations
 import argparse
 import csv
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import gymnasium
@@ -22,6 +24,9 @@ from torch import nn
 import kinetarium.envs
 
 gymnasium.register_envs(kinetarium.envs)
+
+Policy = Callable[[np.ndarray], np.ndarray]
+"""Actions of observations."""
 
 
 class Normaliser:
@@ -172,8 +177,24 @@ def learn(
             optimiser.step()
 
 
-def train(args: argparse.Namespace) -> list[dict[str, float]]:
-    """A row for each update: steps so far, mean return of the episodes that ended, times [s]."""
+def play(id: str, policy: Policy, episodes: int, seed: int) -> list[float]:
+    """Returns of a policy, with its noise, in an environment that it may not have learnt in."""
+    env = gymnasium.make(id)
+    returns = []
+    for episode in range(episodes):
+        raw, _ = env.reset(seed=seed + episode)
+        total, ended = 0.0, False
+        while not ended:
+            raw, reward, failed, truncated, _ = env.step(policy(raw))
+            total += float(reward)
+            ended = failed or truncated
+        returns.append(total)
+    env.close()
+    return returns
+
+
+def train(args: argparse.Namespace) -> tuple[list[dict[str, float]], Policy]:
+    """A row for each update: steps so far, mean return of the episodes that ended, times [s]; and what was learnt."""
     torch.manual_seed(args.seed)
     envs = gymnasium.make_vec(args.id, num_envs=args.worlds, vectorization_mode=args.mode)
     sizes = envs.single_observation_space.shape[0], envs.single_action_space.shape[0]
@@ -204,7 +225,12 @@ def train(args: argparse.Namespace) -> list[dict[str, float]]:
                 flush=True,
             )
     envs.close()
-    return rows
+
+    def policy(raw: np.ndarray) -> np.ndarray:
+        with torch.no_grad():
+            return agent.policy(torch.as_tensor(rollout.seen.scale(raw), dtype=torch.float32)).sample().numpy()
+
+    return rows, policy
 
 
 def write(rows: list[dict[str, float]], args: argparse.Namespace) -> None:
@@ -243,6 +269,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--clip", type=float, default=0.2)
     parser.add_argument("--log-deviation", type=float, default=-0.5, help="of actions at the start")
     parser.add_argument("--mode", choices=["vector_entry_point", "sync", "async"], help="as of gymnasium.make_vec")
+    parser.add_argument("--also", nargs="*", default=[], help="environments to play in, too, what was learnt")
     parser.add_argument("--out", type=Path, default=Path("learning"))
     parser.add_argument("--short", action="store_true", help="a few updates only, to see that it runs")
     args = parser.parse_args()
@@ -253,4 +280,8 @@ def arguments() -> argparse.Namespace:
 
 if __name__ == "__main__":
     args = arguments()
-    write(train(args), args)
+    rows, policy = train(args)
+    write(rows, args)
+    for id in args.also:
+        returns = play(id, policy, 2 if args.short else 20, args.seed)
+        print(f"{id}: return {np.mean(returns):.1f} ± {np.std(returns):.1f} in {len(returns)} episodes")

@@ -21,8 +21,10 @@ def test_stable_baselines():
     assert sb3.PPO("MlpPolicy", some, n_steps=64, device="cpu", seed=0).learn(384).num_timesteps == 384
 
 
-def test_the_example(tmp_path, monkeypatch):
+def test_the_example(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("sys.argv", [str(EXAMPLE), "kinetarium/InvertedPendulum-v0", "--short"])
+    name = "kinetarium/InvertedPendulum-v0"
+    monkeypatch.setattr("sys.argv", [str(EXAMPLE), name, "--short", "--also", name])
     runpy.run_path(str(EXAMPLE), run_name="__main__")
     assert list(tmp_path.rglob("*.csv"))
+    assert f"{name}: return" in capsys.readouterr().out

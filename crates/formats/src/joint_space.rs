@@ -1,4 +1,4 @@
-//! How easily each degree of freedom gives way: the diagonal of the inverse mass matrix.
+//! How easily degrees of freedom and bodies give way: the inverse mass matrix.
 //!
 //! H is the mass matrix in joint coordinates, at the initial coordinates, where the joint frames of
 //! parent and child coincide. With the world's origin as reference point, the motion of degree of
@@ -9,36 +9,43 @@
 //! H_ij = ωᵢ · (I ωⱼ + h × vⱼ) + vᵢ · (m vⱼ + ωⱼ × h),    j at or below i.
 //! ```
 //!
-//! H = Lᵀ L, with L as sparse as the tree has branches (§6.5), so (H⁻¹)ᵢᵢ = |L⁻ᵀ eᵢ|².
+//! H = Lᵀ L, with L as sparse as the tree has branches (§6.5), so for a direction with the Jacobian J,
+//! J H⁻¹ Jᵀ = |L⁻ᵀ Jᵀ|², and (H⁻¹)ᵢᵢ = |L⁻ᵀ eᵢ|².
 
 use glam::{DMat3, DVec3};
-use model::{AxisKind, Body, Joint, JointKind, Parts};
+use model::{AxisKind, Body, BodyId, Joint, JointKind, Parts};
 
-/// The inverse mass matrix's diagonal of a model.
-pub(crate) struct JointSpace {
-    start: Vec<usize>,
-    inverse_diagonal: Vec<f64>,
-}
+/// The inverse mass matrix of a model.
+pub(crate) struct JointSpace(Chain);
 
 impl JointSpace {
     /// Of a tree whose bodies stand after their parents, at its initial coordinates.
     pub fn new(parts: &Parts) -> Self {
         let mut chain = Chain::new(parts);
         chain.factor();
-        let inverse_diagonal = (0..chain.rows.len())
-            .map(|i| chain.inverse_diagonal(i))
-            .collect();
-        Self {
-            start: chain.start,
-            inverse_diagonal,
-        }
+        Self(chain)
     }
 
     /// (H⁻¹)ᵢᵢ [1/kg or 1/(kg·m²)] of a joint's degree of freedom: acceleration per force.
     /// Zero where nothing that has mass moves.
     pub fn mobility(&self, joint: usize, dof: usize) -> f64 {
-        let mobility = self.inverse_diagonal[self.start[joint] + dof];
-        if mobility.is_finite() { mobility } else { 0.0 }
+        let row = self.0.start[joint] + dof;
+        self.0.inverse(row, |k| f64::from(u8::from(k == row)))
+    }
+
+    /// Acceleration per force [1/kg] of a point that goes with a body, the mean of all directions (of the trace of
+    /// J H⁻¹ Jᵀ). Zero where nothing that has mass moves it. At its centre of mass MuJoCo's `body_invweight0`.
+    pub fn translation(&self, body: BodyId, point: DVec3) -> f64 {
+        let Some(last) = self.0.last[body.0] else {
+            return 0.0;
+        };
+        let along = |axis: DVec3| {
+            self.0.inverse(last, |k| {
+                let twist = self.0.twists[k];
+                axis.dot(twist.linear + twist.angular.cross(point))
+            })
+        };
+        DVec3::AXES.iter().map(|axis| along(*axis)).sum::<f64>() / 3.0
     }
 
     /// The inertia [kg or kg·m²] a degree of freedom shows to a force on it alone, 1/(H⁻¹)ᵢᵢ.
@@ -93,6 +100,9 @@ impl Composite {
 /// The degrees of freedom, each with the one before it on the way to the root.
 struct Chain {
     start: Vec<usize>,
+    /// The last degree of freedom that moves each body.
+    last: Vec<Option<usize>>,
+    twists: Vec<Twist>,
     parent: Vec<Option<usize>>,
     /// H, then L: row i holds the entries of i, its parent, and so on to the root.
     rows: Vec<Vec<f64>>,
@@ -103,29 +113,31 @@ impl Chain {
         let composites = composites(parts);
         let mut chain = Self {
             start: Vec::new(),
+            last: vec![None; parts.bodies.len()],
+            twists: Vec::new(),
             parent: Vec::new(),
             rows: Vec::new(),
         };
-        let mut twists: Vec<Twist> = Vec::new();
-        let mut last = vec![None; parts.bodies.len()];
         for joint in &parts.joints {
-            chain.start.push(twists.len());
+            chain.start.push(chain.twists.len());
             if joint.closes_loop {
                 continue;
             }
-            let mut parent = joint.parent.and_then(|body| last[body.0]);
+            let mut parent = joint.parent.and_then(|body| chain.last[body.0]);
             for (twist, dof) in motions(joint, parts).into_iter().zip(&joint.dofs) {
-                let i = twists.len();
-                twists.push(twist);
+                let i = chain.twists.len();
+                chain.twists.push(twist);
                 chain.parent.push(parent);
                 let subtree = composites[joint.child.0];
                 let path = chain.path(i);
-                let mut row: Vec<f64> = path.map(|k| subtree.couples(twists[k], twist)).collect();
+                let mut row: Vec<f64> = path
+                    .map(|k| subtree.couples(chain.twists[k], twist))
+                    .collect();
                 row[0] += dof.armature;
                 chain.rows.push(row);
                 parent = Some(i);
             }
-            last[joint.child.0] = parent;
+            chain.last[joint.child.0] = parent;
         }
         chain
     }
@@ -152,20 +164,20 @@ impl Chain {
         }
     }
 
-    /// |x|² with Lᵀ x = eᵢ; x is zero off the path from i to the root.
-    fn inverse_diagonal(&self, i: usize) -> f64 {
+    /// |x|² with Lᵀ x = Jᵀ, where J is zero off the path from i to the root, as x is then; zero where there is no mass.
+    fn inverse(&self, i: usize, jacobian: impl Fn(usize) -> f64) -> f64 {
         let path: Vec<usize> = self.path(i).collect();
-        let mut x = vec![0.0; path.len()];
-        let mut right = vec![0.0; path.len()];
-        right[0] = 1.0;
+        let mut right: Vec<f64> = path.iter().map(|k| jacobian(*k)).collect();
+        let mut square = 0.0;
         for (d, k) in path.iter().enumerate() {
             let row = &self.rows[*k];
-            x[d] = right[d] / row[0];
+            let x = right[d] / row[0];
             for (e, entry) in row.iter().enumerate().skip(1) {
-                right[d + e] -= entry * x[d];
+                right[d + e] -= entry * x;
             }
+            square += x * x;
         }
-        x.iter().map(|x| x * x).sum()
+        if square.is_finite() { square } else { 0.0 }
     }
 }
 
@@ -244,6 +256,12 @@ mod tests {
         for (i, expected) in [1.0, 5.0].iter().enumerate() {
             let expected = expected / (m * l * l);
             assert!((space.mobility(i, 0) - expected).abs() < 1e-12 * expected);
+        }
+        // Along the rods nothing moves, nor across their plane; the upper mass moves with l q̇₁, so that
+        // l² (H⁻¹)₁₁ = 1/m, and the lower with l (2 q̇₁ + q̇₂): (4 − 2·2·2 + 5)/m = 1/m.
+        for (i, height) in [-l, -2.0 * l].into_iter().enumerate() {
+            let found = space.translation(BodyId(i), DVec3::new(0.0, 0.0, height));
+            assert!((found - 1.0 / (3.0 * m)).abs() < 1e-12, "{found}");
         }
     }
 

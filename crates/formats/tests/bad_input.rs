@@ -139,6 +139,10 @@ const MJCF: &[(&str, &str)] = &[
         "robot.xml:1:19: <compiler>: attribute `eulerseq` is `xq`; write three letters of x, y, z (axes that turn along) or X, Y, Z (axes that stay)",
     ),
     (
+        "<mujoco><option impratio=\"0\"/></mujoco>",
+        "robot.xml:1:17: <option>: attribute `impratio` is 0; write a positive number such as 1",
+    ),
+    (
         "<mujoco><option timestep=\"0\"/></mujoco>",
         "robot.xml:1:17: <option>: attribute `timestep` is 0; write a positive number of seconds such as 0.002",
     ),

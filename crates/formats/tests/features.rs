@@ -5,7 +5,8 @@
 mod common;
 
 use common::{
-    TOLERANCE, close, compare_contacts, coordinates, half_way, number, poses, quaternion, vector,
+    TOLERANCE, close, compare_contacts, coordinates, impedances, law, number, poses, quaternion,
+    vector,
 };
 use glam::{DMat3, DQuat, DVec3};
 use kinetarium_formats::{self as formats, Options};
@@ -189,7 +190,7 @@ fn joints() {
     assert_eq!(model.joints[0].dofs[3].name, "second");
 }
 
-/// The limit's stiffness, damping and inertia follow from solref, solimp and MuJoCo's own estimate of the
+/// The limit's stiffness, damping and inertia follow from solref, solimp half way down, and MuJoCo's own estimate of the
 /// inertia.
 fn compare_joint(dof: &Dof, reference: &Value, joint: usize, inverse_inertia: f64) {
     let of = |field: &str| &reference[field][joint];
@@ -215,7 +216,10 @@ fn compare_joint(dof: &Dof, reference: &Value, joint: usize, inverse_inertia: f6
     close(limit.lower - margin, number(&of("jnt_range")[0]), &dof.name);
     close(limit.upper + margin, number(&of("jnt_range")[1]), &dof.name);
     let solref = [0, 1].map(|i| number(&of("jnt_solref")[i]));
-    let (k, b, d) = half_way(solref, of("jnt_solimp"));
+    let solimp = of("jnt_solimp");
+    assert_eq!((number(&solimp[3]), number(&solimp[4])), (0.5, 2.0));
+    let [least, most] = impedances(solimp);
+    let (k, b, d) = law(solref, most, 0.5 * (least + most));
     close(limit.stiffness * inverse_inertia, k, &dof.name);
     close(limit.damping * inverse_inertia, b, &dof.name);
     close(limit.inertia * inverse_inertia, d / (1.0 - d), &dof.name);

@@ -409,13 +409,20 @@ fn limb(option: &str, contact: &str) -> Loaded {
     ))
 }
 
-/// The time constant at the end of MuJoCo's standard impedance; the model's is the one half way.
-fn time(constant: f64) -> Softness {
-    Softness::Time {
-        constant: constant * 0.95 / 0.925,
-        ratio: 1.0,
-        impedance: 0.925,
-    }
+/// Whether a softness has this time constant at the end of MuJoCo's standard impedance.
+#[track_caller]
+fn assert_time(softness: Softness, expected: f64) {
+    let Softness::Time {
+        constant,
+        ratio,
+        impedance,
+        ..
+    } = softness
+    else {
+        panic!("{softness:?}")
+    };
+    assert!((constant * impedance / 0.95 - expected).abs() < 1e-15 && ratio == 1.0);
+    assert!((0.9..=0.95).contains(&impedance), "{impedance}");
 }
 
 #[test]
@@ -423,13 +430,9 @@ fn flags_let_parents_touch_and_contacts_be_stiff() {
     assert_eq!(pairs(&limb("", "").model), []);
     let open = limb("<flag filterparent='disable' refsafe='disable'/>", "").model;
     assert_eq!(pairs(&open), [(0, 1), (0, 2)]);
-    assert!(
-        open.contact_pairs.is_empty(),
-        "materials mix as MuJoCo's do"
-    );
-    assert_eq!(open.shapes[1].material.softness, time(0.001));
+    assert_time(open.shapes[1].material.softness, 0.001);
     let safe = limb("", "").model;
-    assert_eq!(safe.shapes[1].material.softness, time(2.0 * 0.002));
+    assert_time(safe.shapes[1].material.softness, 2.0 * 0.002);
 }
 
 #[test]
@@ -439,7 +442,7 @@ fn pairs_touch_in_spite_of_joints_unless_contacts_are_off() {
     assert_eq!(pairs(&model), [(0, 2)]);
     let material = model.contact_material(ShapeId(0), ShapeId(2));
     assert_eq!((material.friction, material.torsional_friction), (0.2, 0.0));
-    assert_eq!(material.softness, time(0.02));
+    assert_time(material.softness, 0.02);
     let off = limb("<flag contact='disable'/>", pair).model;
     assert_eq!(pairs(&off), []);
     let still = limb("", "<pair geom1='thumb' geom2='thumb'/>");
@@ -480,8 +483,46 @@ fn stiffness_and_damping_of_contacts_are_time_and_ratio() {
             constant: 0.1,
             ratio: 0.5,
             impedance: 0.6,
+            mass: None,
         }
     );
+}
+
+#[test]
+fn materials_of_bodies_of_any_mass_mix_as_in_mujoco() {
+    let ball = |mass: f64| format!("<body><freejoint/><geom size='1' mass='{mass}'/></body>");
+    let balls: String = [0.1, 2.0, 30.0].map(ball).concat();
+    let floor = "<geom type='plane' size='1 1 1'/>";
+    let model = read(&format!(
+        "<mujoco><worldbody>{floor}{balls}</worldbody></mujoco>"
+    ))
+    .model;
+    assert_eq!(pairs(&model).len(), 6);
+    assert!(model.contact_pairs.is_empty());
+}
+
+/// A ball of 2 kg: a pyramid's edges make its contact p = μ² (1 + μ²) / (i (c − 1)) times as soft, a cone's do not.
+#[test]
+fn pyramids_of_friction_soften_contacts() {
+    let mass = |option: &str, surface: &str| {
+        let ball = format!("<geom size='1' mass='2' {surface}/>");
+        let loaded = read(&format!(
+            "<mujoco><option {option}/><worldbody><body><freejoint/>{ball}</body></worldbody></mujoco>"
+        ));
+        assert!(loaded.warnings.is_empty());
+        match loaded.model.shapes[0].material.softness {
+            Softness::Time { mass, .. } => mass.expect("a mass of its own"),
+            spring @ Softness::Spring { .. } => panic!("{spring:?}"),
+        }
+    };
+    let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-12 * expected);
+    near(mass("", ""), 2.0);
+    near(mass("", "friction='2'"), 2.0 / 10.0);
+    near(mass("", "friction='2' condim='6'"), 2.0 / 4.0);
+    near(mass("", "friction='2' condim='1'"), 2.0);
+    near(mass("", "friction='0'"), 2.0 / 1e-3);
+    near(mass("impratio='5'", "friction='2'"), 2.0 / 2.0);
+    near(mass("cone='elliptic'", "friction='2'"), 2.0);
 }
 
 #[test]

@@ -47,8 +47,8 @@ pub enum Softness {
     /// stiffness (m + m') / (T ζ)², damping 2 (m + m') / T, and the force −m' a against the
     /// acceleration a of the point of contact.
     ///
-    /// m is the whole mass of what moves, and of two that move m₁ m₂ / (m₁ + m₂). The added mass
-    /// lets a contact settle in the same time, but sink 1 − d times as far under a steady load.
+    /// m is the whole mass of what moves, unless the surface has its own, and of two m₁ m₂ / (m₁ + m₂). The
+    /// added mass lets a contact settle in the same time, but sink 1 − d times as far under a steady load.
     Time {
         /// Time constant T [s] of the damper.
         constant: f64,
@@ -56,6 +56,8 @@ pub enum Softness {
         ratio: f64,
         /// Impedance d, from 0 to below 1: the share of a load that the added mass takes.
         impedance: f64,
+        /// The mass [kg] that moves at this surface: less than the whole where a light limb gives way.
+        mass: Option<f64>,
     },
     /// In physical units.
     Spring {
@@ -74,6 +76,7 @@ impl Default for Softness {
             constant: 0.002,
             ratio: 1.0,
             impedance: 0.0,
+            mass: None,
         }
     }
 }
@@ -83,9 +86,12 @@ impl Softness {
     pub fn spring(self, mass: f64) -> (f64, f64) {
         match self {
             Self::Time {
-                constant, ratio, ..
+                constant,
+                ratio,
+                mass: own,
+                ..
             } => {
-                let mass = mass + self.added_mass(mass);
+                let mass = own.unwrap_or(mass) + self.added_mass(mass);
                 (mass / (constant * ratio).powi(2), 2.0 * mass / constant)
             }
             Self::Spring { stiffness, damping } => (stiffness, damping),
@@ -95,14 +101,18 @@ impl Softness {
     /// Added mass [kg] for touching masses m [kg].
     pub fn added_mass(self, mass: f64) -> f64 {
         match self {
-            Self::Time { impedance: d, .. } => mass * d / (1.0 - d),
+            Self::Time {
+                impedance: d,
+                mass: own,
+                ..
+            } => own.unwrap_or(mass) * d / (1.0 - d),
             Self::Spring { .. } => 0.0,
         }
     }
 
     /// Two surfaces pressed together: springs and dampers in series, twice as stiff each as given,
     /// so that two alike make one like them; or the means of time constants, damping ratios and
-    /// impedances. Physical units go before time constants.
+    /// impedances, and of masses m₁ m₂ / (m₁ + m₂), as each gives way. Physical units go before time constants.
     pub fn with(self, other: Self) -> Self {
         use Softness::{Spring, Time};
         let series = |a: f64, b: f64| {
@@ -118,16 +128,22 @@ impl Softness {
                     constant: a,
                     ratio: c,
                     impedance: e,
+                    mass: m,
                 },
                 Time {
                     constant: b,
                     ratio: d,
                     impedance: f,
+                    mass: n,
                 },
             ) => Time {
                 constant: 0.5 * (a + b),
                 ratio: 0.5 * (c + d),
                 impedance: 0.5 * (e + f),
+                mass: match (m, n) {
+                    (Some(m), Some(n)) => Some(m * n / (m + n)),
+                    (one, other) => one.or(other),
+                },
             },
             (
                 Spring {
@@ -216,7 +232,24 @@ mod tests {
             constant,
             ratio,
             impedance,
+            mass: None,
         }
+    }
+
+    /// Each gives way by its share: 1/m = 1/m₁ + 1/m₂; what has none of its own does not.
+    #[test]
+    fn masses_of_surfaces_take_the_place_of_what_moves() {
+        let light = |mass| Softness::Time {
+            constant: 0.1,
+            ratio: 0.5,
+            impedance: 0.75,
+            mass,
+        };
+        let one = light(Some(3.0));
+        assert_eq!(one.with(light(Some(6.0))), light(Some(2.0)));
+        assert_eq!((one.with(light(None)), light(None).with(one)), (one, one));
+        assert_eq!(one.added_mass(100.0), 9.0);
+        assert_eq!(one.spring(100.0), light(None).spring(3.0));
     }
 
     #[test]

@@ -398,6 +398,10 @@ fn softness_of_contacts() {
             |p| p.shapes[0].material.softness = spring(1e4, -1.0),
             "shape \"knob\": damping of contact [N·s/m] is -1; it must not be negative",
         ),
+        (
+            |p| p.shapes[0].material.softness = weighing(0.0),
+            "shape \"knob\": mass of contact [kg] is 0; it must be positive",
+        ),
     ]);
 }
 
@@ -406,6 +410,16 @@ fn time(constant: f64, ratio: f64, impedance: f64) -> Softness {
         constant,
         ratio,
         impedance,
+        mass: None,
+    }
+}
+
+fn weighing(mass: f64) -> Softness {
+    Softness::Time {
+        constant: 0.1,
+        ratio: 1.0,
+        impedance: 0.0,
+        mass: Some(mass),
     }
 }
 

@@ -14,14 +14,16 @@ pub struct Softness(model::Softness);
 #[pymethods]
 impl Softness {
     /// What brings the touching masses to rest in a time constant [s] with a damping ratio; `impedance`,
-    /// from 0 to below 1, is the share of a load that an added mass takes.
+    /// from 0 to below 1, is the share of a load that an added mass takes; `mass` [kg] is what moves at this
+    /// surface, unless it is all that hangs together.
     #[staticmethod]
-    #[pyo3(signature = (constant=0.002, ratio=1.0, impedance=0.0))]
-    fn time(constant: f64, ratio: f64, impedance: f64) -> Self {
+    #[pyo3(signature = (constant=0.002, ratio=1.0, impedance=0.0, mass=None))]
+    fn time(constant: f64, ratio: f64, impedance: f64, mass: Option<f64>) -> Self {
         Self(model::Softness::Time {
             constant,
             ratio,
             impedance,
+            mass,
         })
     }
     /// Stiffness [N/m] and damping [N·s/m].
@@ -42,7 +44,11 @@ impl Softness {
                 constant,
                 ratio,
                 impedance,
-            } => format!("Softness.time({constant:?}, {ratio:?}, {impedance:?})"),
+                mass,
+            } => {
+                let mass = mass.map(|m| format!(", mass={m:?}")).unwrap_or_default();
+                format!("Softness.time({constant:?}, {ratio:?}, {impedance:?}{mass})")
+            }
             model::Softness::Spring { stiffness, damping } => {
                 format!("Softness.spring({stiffness:?}, {damping:?})")
             }

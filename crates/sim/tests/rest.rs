@@ -293,6 +293,7 @@ fn a_hundred_towers_drop_by_their_gaps() {
             constant: 0.001,
             ratio: 1.0,
             impedance: 0.0,
+            mass: None,
         };
     }
     let model = Model::new(parts).unwrap();

@@ -8,10 +8,11 @@ use super::Context;
 use super::surface::Surface;
 use super::tree::Tree;
 use crate::error::FormatError;
+use crate::joint_space::JointSpace;
 use crate::report::Report;
 use crate::xml::Element;
 use model::{
-    BodyId, CollisionFilter, ContactPair, JointKind, Material, Model, ModelError, Softness,
+    BodyId, CollisionFilter, ContactPair, JointKind, Material, Model, ModelError, ShapeId, Softness,
 };
 use std::collections::HashSet;
 
@@ -21,13 +22,14 @@ const PAIR: &[&str] = &[
 ];
 const PAIR_UNUSED: &[(&str, &str)] = &[("solreffriction", "dry friction is not softened")];
 
-/// Reads `<contact>`, and keeps apart what is welded or hinged together.
+/// Reads `<contact>`, and keeps apart what is welded or hinged together. Masses are those of the finished bodies.
 pub(super) fn read(
     root: &Element,
     tree: &mut Tree,
     context: &Context<'_>,
     report: &mut Report,
 ) -> Result<(), FormatError> {
+    weigh(tree, context);
     let rules = root.children_named("contact").flat_map(|s| &s.children);
     for rule in rules {
         match rule.name.as_str() {
@@ -43,6 +45,19 @@ pub(super) fn read(
     welds.let_joints_collide(tree, context);
     welds.exclude(tree, context);
     Ok(())
+}
+
+/// Tells surfaces how easily the bodies give way that they are of, and shapes what they are made of, then.
+fn weigh(tree: &mut Tree, context: &Context<'_>) {
+    let space = JointSpace::new(&tree.parts);
+    let bodies = tree.parts.bodies.iter().enumerate();
+    let mobilities: Vec<f64> = bodies
+        .map(|(i, body)| space.translation(BodyId(i), body.pose.point(body.center)))
+        .collect();
+    for (shape, surface) in tree.parts.shapes.iter_mut().zip(&mut tree.surfaces) {
+        surface.mobility = shape.body.map_or(0.0, |body| mobilities[body.0]);
+        shape.material = surface.material(&context.physics);
+    }
 }
 
 fn exclude(element: &Element, tree: &mut Tree, report: &mut Report) -> Result<(), FormatError> {
@@ -68,7 +83,10 @@ fn pair(
 ) -> Result<(), FormatError> {
     report.check_attributes(element, PAIR, PAIR_UNUSED)?;
     let shapes = (tree.geom(element, "geom1")?, tree.geom(element, "geom2")?);
-    let material = Surface::of_pair(element, report)?.material(context.physics.least_time());
+    let mut surface = Surface::of_pair(element, report)?;
+    let mobility = |shape: ShapeId| tree.surfaces[shape.0].mobility;
+    surface.mobility = mobility(shapes.0) + mobility(shapes.1);
+    let material = surface.material(&context.physics);
     let keys = tree.parts.contact_pairs.iter().map(|pair| pair.shapes);
     if keys
         .into_iter()
@@ -163,15 +181,19 @@ fn alike(a: &Material, b: &Material) -> bool {
                 constant: t,
                 ratio: r,
                 impedance: d,
+                mass: m,
             },
             Softness::Time {
                 constant,
                 ratio,
                 impedance,
+                mass,
             },
-        ) => [(t, constant), (r, ratio), (d, impedance)]
-            .iter()
-            .all(|(x, y)| (x - y).abs() <= 1e-12 * y),
+        ) => {
+            let near = |x: f64, y: f64| (x - y).abs() <= 1e-12 * y;
+            let masses = m.zip(mass).map_or(m == mass, |(x, y)| near(x, y));
+            masses && near(t, constant) && near(r, ratio) && near(d, impedance)
+        }
         (a, b) => a == b,
     };
     let others = Material {
@@ -195,7 +217,7 @@ pub(super) fn mix(
     for (a, b) in CollisionFilter::new(&model).pairs() {
         let usual = model.contact_material(a, b);
         let surface = surfaces[a.0].with(&surfaces[b.0]);
-        let material = surface.material(context.physics.least_time());
+        let material = surface.material(&context.physics);
         if !alike(&material, &usual) && !named.contains(&(a, b)) && !named.contains(&(b, a)) {
             let shapes = (a, b);
             pairs.push(ContactPair { shapes, material });

@@ -109,7 +109,7 @@ pub(super) fn read(
         name: element.get("name").unwrap_or_default().to_owned(),
         pose: frame * local,
         density: 0.0,
-        material: surface.material(context.physics.least_time()),
+        material: surface.material(&context.physics),
         color: own_color(element, context)?,
         collides: (membership, collides_with) != (0, 0) && context.physics.on("contact"),
         membership,

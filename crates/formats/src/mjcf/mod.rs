@@ -128,8 +128,8 @@ pub(crate) fn read(
     let fusion = Fusion::plan(&tree.parts, &tree.elements)?;
     scale_total_mass(&mut tree.parts, context.compiler.total_mass);
     tendon::check(&root, &context, &mut report)?;
-    contact::read(&root, &mut tree, &context, &mut report)?;
     let motors = actuator::read(&root, &mut tree, &context, &mut report)?;
+    contact::read(&root, &mut tree, &context, &mut report)?;
     softening::apply(&mut tree, &motors, &context);
     keyframe::read(&root, &mut tree, &motors, &mut report)?;
     sensor::read(&root, &mut tree, &fusion, &context, &mut report)?;

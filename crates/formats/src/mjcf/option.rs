@@ -8,14 +8,12 @@ use glam::DVec3;
 
 /// Settings of MuJoCo's own solver, renderer and state; they do not change what is simulated.
 const SILENT: &[&str] = &[
-    "impratio",
     "tolerance",
     "ls_tolerance",
     "noslip_tolerance",
     "ccd_tolerance",
     "sleep_tolerance",
     "magnetic",
-    "cone",
     "jacobian",
     "solver",
     "iterations",
@@ -35,6 +33,8 @@ const READ: &[&str] = &[
     "density",
     "viscosity",
     "actuatorgroupdisable",
+    "cone",
+    "impratio",
 ];
 const UNUSED: &[(&str, &str)] = &[
     (
@@ -86,6 +86,10 @@ const SILENT_FLAGS: &[&str] = &[
 pub(super) struct Physics {
     pub time_step: f64,
     pub gravity: DVec3,
+    /// Whether cones of friction are pyramids, with edges that press: MuJoCo's standard.
+    pub pyramids: bool,
+    /// How much harder friction is than what presses (`impratio`).
+    pub hardness: f64,
     flags: Vec<Attribute>,
 }
 
@@ -108,6 +112,8 @@ impl Physics {
             gravity: section
                 .vector("gravity")?
                 .unwrap_or(DVec3::new(0.0, 0.0, -9.81)),
+            pyramids: section.word("cone", &["pyramidal", "elliptic"])? != Some("elliptic"),
+            hardness: hardness(&section)?,
             flags,
         };
         if !physics.on("gravity") {
@@ -136,6 +142,17 @@ impl Physics {
             .flags
             .iter()
             .any(|f| (f.name == flag || f.name == group) && f.value == "disable")
+    }
+}
+
+fn hardness(section: &Element) -> Result<f64, FormatError> {
+    match section.number("impratio")? {
+        Some(ratio) if ratio <= 0.0 => Err(section.invalid_attribute(
+            "impratio",
+            &format!("is {ratio}"),
+            "write a positive number such as 1",
+        )),
+        ratio => Ok(ratio.unwrap_or(1.0)),
     }
 }
 

@@ -11,8 +11,22 @@
 //!
 //! which is what [`Softness::Time`] says. Time constants below two steps are raised to that, as
 //! MuJoCo does ("refsafe").
+//!
+//! The law is that of a mass m which MuJoCo takes from the initial state, 1/m = Σ 1/mᵢ over the two bodies, with
+//! their [mobilities](crate::joint_space::JointSpace::translation) 1/mᵢ; a contact in another state, or beside others, gives way more
+//! or less than that. Where cones of friction are pyramids, 2 (c − 1) edges n ± μ t press together (c being
+//! `condim`, 1 without friction), each as soft as 2 μ²/i · (1 + μ²) contacts without friction (i being `impratio`;
+//! mj_makeImpedance in engine_core_constraint.c, MuJoCo 3), and so all of them as
+//!
+//! ```text
+//! p = μ² (1 + μ²) / (i (c − 1)),    m/p in the place of m.
+//! ```
+//!
+//! Departures: p is [`LEAST_PYRAMID`] at least, as contacts with little friction would otherwise be next to rigid; where
+//! neither centre of mass can move, m is the whole mass of what moves; bodies that only slide have their armature, too.
 
 use super::joint::solref;
+use super::option::Physics;
 use crate::error::FormatError;
 use crate::impedance::Impedance;
 use crate::report::Report;
@@ -21,6 +35,13 @@ use model::{Combine, Material, Softness};
 
 /// `solmix` below this counts as zero (mjMINVAL).
 const LEAST_MIX: f64 = 1e-15;
+
+/// How much softer pyramids make contacts, at least.
+const LEAST_PYRAMID: f64 = 1e-3;
+
+/// Masses m whose weight a contact carries at the depth of which it has its impedance: limbs that a robot stands on
+/// are lighter than what they carry.
+const SHARE: f64 = 2.0;
 
 /// What a geom brings into its contacts.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +57,8 @@ pub(super) struct Surface {
     solimp: Impedance,
     /// Distance at which contact begins [m].
     margin: f64,
+    /// Acceleration per force [1/kg] of the bodies that touch with it, together; zero while none moves.
+    pub mobility: f64,
 }
 
 impl Surface {
@@ -54,6 +77,7 @@ impl Surface {
             solref: spring(element, report)?,
             solimp: Impedance::read(element, "solimp")?,
             margin: element.number("margin")?.unwrap_or(0.0),
+            mobility: 0.0,
         })
     }
 
@@ -78,17 +102,23 @@ impl Surface {
             solref: spring(element, report)?,
             solimp: Impedance::read(element, "solimp")?,
             margin: element.number("margin")?.unwrap_or(0.0),
+            mobility: 0.0,
         })
     }
 
     /// The surface of a contact of two geoms: that of the higher priority; of equal ones the larger
-    /// coefficients, and the softness mixed. Margins add up.
+    /// coefficients, and the softness mixed. Margins and mobilities add up.
     pub fn with(&self, other: &Self) -> Self {
         let margin = self.margin + other.margin;
+        let mobility = self.mobility + other.mobility;
         if self.priority != other.priority {
             let first = self.priority > other.priority;
             let winner = if first { self } else { other }.clone();
-            return Self { margin, ..winner };
+            return Self {
+                margin,
+                mobility,
+                ..winner
+            };
         }
         let share = match (self.mix >= LEAST_MIX, other.mix >= LEAST_MIX) {
             (true, true) => self.mix / (self.mix + other.mix),
@@ -112,21 +142,26 @@ impl Surface {
                 mean(self.solimp.0[i], other.solimp.0[i])
             })),
             margin,
+            mobility,
         }
     }
 
-    /// As a material, for steps of at least half of `least_time` [s].
-    pub fn material(&self, least_time: f64) -> Material {
+    /// As a material.
+    pub fn material(&self, physics: &Physics) -> Material {
         let from = |directions, coefficient| match self.directions >= directions {
             true => coefficient,
             false => 0.0,
         };
         let [slide, torsion, roll] = self.friction;
         let (constant, ratio) = match self.solref {
-            [time, ratio] if time > 0.0 => (time.max(least_time), ratio),
+            [time, ratio] if time > 0.0 => (time.max(physics.least_time()), ratio),
             [k, b] => (2.0 / -b, -b / (2.0 * (-k).sqrt())),
         };
-        let (impedance, growth) = self.solimp.typical();
+        let fall = SHARE * physics.gravity.length();
+        let (impedance, growth) = match fall > 0.0 {
+            true => self.solimp.under(fall, constant * ratio),
+            false => self.solimp.typical(),
+        };
         Material {
             friction: from(3, slide),
             torsional_friction: from(4, torsion),
@@ -135,11 +170,22 @@ impl Surface {
                 constant: constant * growth,
                 ratio,
                 impedance,
+                mass: (self.mobility > 0.0).then(|| 1.0 / (self.mobility * self.pyramid(physics))),
             },
             margin: self.margin,
             combine: Combine::Maximum,
             ..Material::default()
         }
+    }
+
+    /// p of the derivation above; 1 without a pyramid.
+    fn pyramid(&self, physics: &Physics) -> f64 {
+        if !physics.pyramids || self.directions == 1 {
+            return 1.0;
+        }
+        let square = self.friction[0].powi(2);
+        let edges = physics.hardness * (self.directions - 1) as f64;
+        (square * (1.0 + square) / edges).max(LEAST_PYRAMID)
     }
 }
 

@@ -83,7 +83,8 @@ pub fn compare_contacts(model: &Model, reference: &Value, path: &str) {
         close(material.margin, number(&contact["margin"]), &what);
         let solref = [0, 1].map(|i| number(&contact["solref"][i]));
         let solref = refsafe(solref, 2.0 * model.time_step);
-        compare_softness(material.softness, solref, &contact["solimp"], &what);
+        let mass = number(&contact["mass"]);
+        compare_softness(material.softness, mass, solref, &contact["solimp"], &what);
     }
 }
 
@@ -97,13 +98,14 @@ pub fn refsafe([first, second]: [f64; 2], least_time: f64) -> [f64; 2] {
     [first, second]
 }
 
-/// Stiffness and damping of what holds a unit of inertia, and the impedance d, half way down a
-/// standard `solimp`: f = d / (1 − d) (d k r + b v) with k = 1 / (dmax T ζ)² and b = 2 / (dmax T), or
+pub fn impedances(solimp: &Value) -> [f64; 2] {
+    [0, 1].map(|i| number(&solimp[i]).clamp(1e-4, 0.9999))
+}
+
+/// Stiffness and damping of what holds a unit of inertia with the impedance d, and d:
+/// f = d / (1 − d) (d k r + b v) with k = 1 / (dmax T ζ)² and b = 2 / (dmax T), or
 /// k = −solref₀ / dmax² and b = −solref₁ / dmax.
-pub fn half_way(solref: [f64; 2], solimp: &Value) -> (f64, f64, f64) {
-    let [least, most] = [0, 1].map(|i| number(&solimp[i]).clamp(1e-4, 0.9999));
-    assert_eq!((number(&solimp[3]), number(&solimp[4])), (0.5, 2.0));
-    let d = 0.5 * (least + most);
+pub fn law(solref: [f64; 2], most: f64, d: f64) -> (f64, f64, f64) {
     let (k, b) = match solref {
         [time, ratio] if time > 0.0 => ((most * time * ratio).powi(-2), 2.0 / (most * time)),
         [k, b] => (-k / (most * most), -b / most),
@@ -112,12 +114,25 @@ pub fn half_way(solref: [f64; 2], solimp: &Value) -> (f64, f64, f64) {
     (share * d * k, share * b, d)
 }
 
-fn compare_softness(softness: Softness, solref: [f64; 2], solimp: &Value, what: &str) {
-    let (k, b, d) = half_way(solref, solimp);
-    let (stiffness, damping) = softness.spring(3.0);
-    close(stiffness, 3.0 * k, what);
-    close(damping, 3.0 * b, what);
-    close(softness.added_mass(3.0), 3.0 * d / (1.0 - d), what);
+/// MuJoCo's law at the impedance that was taken, one of those that the contact has.
+fn compare_softness(softness: Softness, mass: f64, solref: [f64; 2], solimp: &Value, what: &str) {
+    // Of bodies that only slide, MuJoCo leaves out the armature, which is all that weightless ones have.
+    if mass < 1e-4 {
+        return;
+    }
+    let Softness::Time { impedance, .. } = softness else {
+        panic!("{what}: {softness:?}")
+    };
+    let [least, most] = impedances(solimp);
+    assert!((least..=most).contains(&impedance), "{what}: {impedance}");
+    let (k, b, d) = law(solref, most, impedance);
+    let whole = 3.0;
+    // MuJoCo's contacts are rigid where the centre of mass cannot move; here they hold the whole mass.
+    let mass = if mass < 1e9 { mass } else { whole };
+    let (stiffness, damping) = softness.spring(whole);
+    close(stiffness, mass * k, what);
+    close(damping, mass * b, what);
+    close(softness.added_mass(whole), mass * d / (1.0 - d), what);
 }
 
 pub fn close(value: f64, expected: f64, what: &str) {

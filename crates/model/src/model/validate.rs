@@ -263,9 +263,11 @@ fn softness(subject: &Subject, softness: Softness) -> Result<(), ModelError> {
             constant,
             ratio,
             impedance,
+            mass,
         } => {
             subject.positive("time constant of contact [s]", constant)?;
             subject.positive("damping ratio of contact", ratio)?;
+            subject.positive("mass of contact [kg]", mass.unwrap_or(1.0))?;
             subject.within("impedance of contact", impedance, 0.0, MOST_IMPEDANCE)
         }
         Softness::Spring { stiffness, damping } => {

@@ -94,6 +94,7 @@ pub(super) fn numbers_of(m: &Material) -> [f64; field::WIDTH] {
             constant,
             ratio,
             impedance,
+            ..
         } => (0.0, constant, ratio, impedance),
         Softness::Spring { stiffness, damping } => (1.0, stiffness, damping, 0.0),
     };
@@ -121,6 +122,7 @@ fn material<T: Float>(numbers: &[T]) -> Material {
             constant: a,
             ratio: b,
             impedance: c,
+            mass: None, // what settles at once has none
         }
     } else {
         Softness::Spring {

@@ -56,6 +56,7 @@ fn a_soft_landing_follows_its_law_from_the_first_step() {
         constant,
         ratio: 1.0,
         impedance,
+        mass: None,
     };
     let material = Material {
         softness,

@@ -70,6 +70,7 @@ fn a_resting_body_weighs_what_it_weighs() {
                     constant,
                     ratio: 1.0,
                     impedance,
+                    mass: None,
                 },
                 ..surface(0.6, 0.0)
             };
