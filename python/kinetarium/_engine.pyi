@@ -274,9 +274,12 @@ class Geometry:
 class Softness:
     """Resistance of a surface to being pressed in, at each point of contact."""
     @staticmethod
-    def time(constant: float = 0.002, ratio: float = 1.0, impedance: float = 0.0) -> Softness:
+    def time(
+        constant: float = 0.002, ratio: float = 1.0, impedance: float = 0.0, mass: float | None = None
+    ) -> Softness:
         """What brings the touching masses to rest in a time constant [s] with a damping ratio; `impedance`,
-        from 0 to below 1, is the share of a load that an added mass takes.
+        from 0 to below 1, is the share of a load that an added mass takes; `mass` [kg] is what moves at this
+        surface, unless it is all that hangs together.
         """
     @staticmethod
     def spring(stiffness: float, damping: float) -> Softness:

@@ -134,6 +134,31 @@ def test_states_and_flights_are_gymnasiums(robot, dtype):
     assert flights >= 4
 
 
+@pytest.mark.parametrize(
+    ("robot", "apart"), [("Hopper", 0.03), ("Walker2d", 0.1), ("HalfCheetah", 0.1), ("Ant", 0.1), ("Humanoid", 0.1)]
+)
+def test_contacts_are_gymnasiums(robot, apart):
+    """How far velocities are apart after an action on the ground, as a share of their change: round cones against
+    pyramids, and one impedance against one that grows with the depth."""
+    other, task = gymnasiums(robot), gymnasium.make(f"kinetarium/{robot}-v0", dtype="float64").unwrapped.task
+    random, errors, changes = np.random.default_rng(0), [], []
+    for seed in range(8):
+        other.reset(seed=seed)
+        failed, steps = False, 0
+        while not failed and steps < 40:
+            q, v = other.data.qpos.copy(), other.data.qvel.copy()
+            action = random.uniform(other.action_space.low, other.action_space.high).astype(np.float32)
+            _, _, failed, _, _ = other.step(action)
+            steps += 1
+            if other.data.ncon > 0:
+                task.set_state(q[None], v[None])
+                task.act(action[None])
+                errors.append(np.abs(task.seen.velocity[0] - other.data.qvel).mean())
+                changes.append(np.abs(other.data.qvel - v).mean())
+    assert len(errors) > 20
+    assert np.median(errors) < apart * np.median(changes)
+
+
 def test_cart_feels_the_end_of_its_rail():
     # The last number of the observation is the force of the limit, up to 10 N; margins of 1 cm.
     other = gymnasiums("InvertedDoublePendulum")

@@ -16,8 +16,9 @@
 //! - Geoms touch that MuJoCo lets touch: `contype` and `conaffinity` are a shape's kinds; bodies that
 //!   are welded together, or of which one carries the other, are kept apart unless one is welded to
 //!   the world; `<exclude>` and `<pair>` hold. Contacts have MuJoCo's friction and margins, and the
-//!   softness of `solref` and `solimp`, per mass of what touches; where `condim`, `priority` or `solmix` make
-//!   them differ from what two materials make of each other, the model names the pair.
+//!   softness of `solref` and `solimp` for the mass that it sees in the bodies at the start, softened by pyramids of
+//!   friction as there; where `condim`, `priority` or `solmix` make them differ from what two materials make of
+//!   each other, the model names the pair.
 //! - Sensors of joints, actuators, frames and subtrees' centres, inertial units, forces, torques, touch and
 //!   rangefinders are in the model's list ([`Parts::sensors`]), with their noise, cutoff and interval.
 //! - Cameras keep their names, places and fields of view; those of mode `track` go along with their body and do
@@ -26,12 +27,10 @@
 //!
 //! # Limitations
 //!
-//! - MuJoCo's contacts prescribe accelerations, and here are springs, dampers and added masses for the
-//!   mass of what touches, where MuJoCo takes the inertia that the bodies show. With MuJoCo's
-//!   standard parameters a body on one point sinks 0.3 mm under its own weight, instead of 0.4 mm.
-//! - The impedance of `solimp` and `solimplimit` grows with the depth. Here it has at all depths what
-//!   it has at half the width, where light loads rest; heavier ones press further in than in MuJoCo,
-//!   and lighter ones less.
+//! - Cones of friction are round; what slides on the edges of MuJoCo's pyramids is pressed by some of them only.
+//! - The impedance of `solimp` and `solimplimit` grows with the depth. Here contacts have at all depths what they
+//!   have under twice the weight of the mass they see, and limits what they have at half the width: heavier loads
+//!   press further in than in MuJoCo, and lighter ones less.
 //! - An exclusion of a massless body holds for the body that it is fused with.
 //! - A ball joint stands alone on its body, is not limited, and takes motors about one axis at a time.
 //! - Refused unless lenient: drag by a fluid, gravity compensation, tendons that exert force, muscles
