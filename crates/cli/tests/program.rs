@@ -605,7 +605,7 @@ fn a_mesh_touches_as_its_hull() {
     let folder = folder();
     let rock = r#"<mujoco><asset><mesh name="rock" file="rock.obj" scale=".1 .1 .1"/></asset>
       <worldbody><geom type="plane" size="1 1 1"/>
-      <body name="rock" pos="0 0 0.3"><freejoint/><geom type="mesh" mesh="rock"/></body>
+      <body name="rock" pos="0 0 0.3" euler="20 10 0"><freejoint/><geom type="mesh" mesh="rock"/></body>
     </worldbody></mujoco>"#;
     let corners = "v 1 1 1\nv -1 -1 1\nv -1 1 -1\nv 1 -1 -1\n";
     let faces = "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";

@@ -400,7 +400,7 @@ fn softness_of_contacts() {
         ),
         (
             |p| p.shapes[0].material.softness = weighing(0.0),
-            "shape \"knob\": mass of contact [kg] is 0; it must be positive",
+            "shape \"knob\": mass of contact [kg] is 0; it must be above zero",
         ),
     ]);
 }
