@@ -13,17 +13,18 @@
 //! MuJoCo does ("refsafe").
 //!
 //! The law is that of a mass m which MuJoCo takes from the initial state, 1/m = Σ 1/mᵢ over the two bodies, with
-//! their [mobilities](crate::joint_space::JointSpace::translation) 1/mᵢ; a contact in another state, or beside others, gives way more
-//! or less than that. Where cones of friction are pyramids, 2 (c − 1) edges n ± μ t press together (c being
-//! `condim`, 1 without friction), each as soft as 2 μ²/i · (1 + μ²) contacts without friction (i being `impratio`;
-//! mj_makeImpedance in engine_core_constraint.c, MuJoCo 3), and so all of them as
+//! their [mobilities](crate::joint_space::JointSpace::translation) 1/mᵢ; a contact in another state, or beside
+//! others, gives way more or less than that. Where cones of friction are pyramids, 2 (c − 1) edges n ± μ t press
+//! together (c being `condim`, 1 without friction), each as soft as 2 μ²/i · (1 + μ²) contacts without friction (i
+//! being `impratio`; mj_makeImpedance in engine_core_constraint.c, MuJoCo 3), and so all of them as
 //!
 //! ```text
 //! p = μ² (1 + μ²) / (i (c − 1)),    m/p in the place of m.
 //! ```
 //!
-//! Departures: p is [`LEAST_PYRAMID`] at least, as contacts with little friction would otherwise be next to rigid; where
-//! neither centre of mass can move, m is the whole mass of what moves; bodies that only slide have their armature, too.
+//! Departures: p is [`LEAST_PYRAMID`] at least, as contacts with little friction would otherwise be next to rigid;
+//! where neither centre of mass can move, m is the whole mass of what moves; bodies that only slide have their
+//! armature, too.
 
 use super::joint::solref;
 use super::option::Physics;
