@@ -21,8 +21,8 @@ const HELP: &str = "\
 Usage: cargo xtask COMMAND
 
   test [--list] [STAGE…]   install what is missing, then run every stage (or only those named)
-  bench [robots|piles|cameras|page] [--repetitions N]
-                           measure robots beside MuJoCo, piles beside Rapier, cameras, and the page, or one
+  bench [robots|piles|cameras|page|python] [--repetitions N]
+                           measure robots beside MuJoCo, piles beside Rapier, cameras, the page, and Python, or one
                            of them, and rewrite the tables in BENCHMARKS.md
   gpu-bench [--device gpu|gpu:NAME|cuda|cuda:NUMBER] [--most WORLDS]
                            measure a graphics card, and tell where the program is that another machine can run
