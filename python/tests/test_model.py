@@ -403,7 +403,9 @@ def test_what_was_given_can_be_read():
     assert (dof.name, dof.limit, dof.drive, dof.damping) == ("x", limit, None, None)
     names = {"Geometry": kn.Geometry, "Limit": kn.Limit, "Material": kn.Material, "Softness": kn.Softness}
     names |= {"Axis": kn.Axis, "Dof": kn.Dof, "Drive": kn.Drive, "inf": np.inf}
-    for made in [steel, steel.softness, shape.geometry, kn.Geometry.capsule(0.1, 0.5), limit, drive, axis, dof]:
+    light = kn.Softness.time(0.02, impedance=0.9, mass=2.0)
+    geometries = shape.geometry, kn.Geometry.capsule(0.1, 0.5)
+    for made in [steel, steel.softness, light, *geometries, limit, drive, axis, dof]:
         assert eval(repr(made), names) == made
         assert copy.deepcopy(made) == copy.copy(made) == pickle.loads(pickle.dumps(made)) == made
     assert pickle.loads(pickle.dumps({"crate": shape}))["crate"] == copy.deepcopy(shape) == shape
