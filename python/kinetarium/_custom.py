@@ -106,9 +106,8 @@ class CustomArray:
     def __init__(self, sensors: list[Custom], worlds: int, dt: float, seed: int) -> None:
         self._channels = {sensor.name: _Channel(sensor, worlds, dt, seed) for sensor in sensors}
         self._dt = dt
-        self._seen: np.ndarray | None = (
-            None  # `Engine.begun` when the worlds were last looked at; none: it may be any
-        )
+        # `Engine.begun` when the worlds were last looked at; none: it may be any.
+        self._seen: np.ndarray | None = None
         self._began = np.zeros(worlds, np.int64)  # how often each has begun anew
 
     def __contains__(self, name: str) -> bool:

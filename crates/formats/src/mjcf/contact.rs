@@ -26,10 +26,11 @@ const PAIR_UNUSED: &[(&str, &str)] = &[("solreffriction", "dry friction is not s
 pub(super) fn read(
     root: &Element,
     tree: &mut Tree,
+    space: &JointSpace,
     context: &Context<'_>,
     report: &mut Report,
 ) -> Result<(), FormatError> {
-    weigh(tree, context);
+    weigh(tree, space, context);
     let rules = root.children_named("contact").flat_map(|s| &s.children);
     for rule in rules {
         match rule.name.as_str() {
@@ -48,8 +49,7 @@ pub(super) fn read(
 }
 
 /// Tells surfaces how easily the bodies give way that they are of, and shapes what they are made of, then.
-fn weigh(tree: &mut Tree, context: &Context<'_>) {
-    let space = JointSpace::new(&tree.parts);
+fn weigh(tree: &mut Tree, space: &JointSpace, context: &Context<'_>) {
     let bodies = tree.parts.bodies.iter().enumerate();
     let mobilities: Vec<f64> = bodies
         .map(|(i, body)| space.translation(BodyId(i), body.pose.point(body.center)))
@@ -83,7 +83,7 @@ fn pair(
 ) -> Result<(), FormatError> {
     report.check_attributes(element, PAIR, PAIR_UNUSED)?;
     let shapes = (tree.geom(element, "geom1")?, tree.geom(element, "geom2")?);
-    let mut surface = Surface::of_pair(element, report)?;
+    let mut surface = Surface::of_pair(element, &context.physics, report)?;
     let mobility = |shape: ShapeId| tree.surfaces[shape.0].mobility;
     surface.mobility = mobility(shapes.0) + mobility(shapes.1);
     let material = surface.material(&context.physics);
@@ -216,7 +216,7 @@ pub(super) fn mix(
     let mut pairs = Vec::new();
     for (a, b) in CollisionFilter::new(&model).pairs() {
         let usual = model.contact_material(a, b);
-        let surface = surfaces[a.0].with(&surfaces[b.0]);
+        let surface = surfaces[a.0].with(&surfaces[b.0], &context.physics);
         let material = surface.material(&context.physics);
         if !alike(&material, &usual) && !named.contains(&(a, b)) && !named.contains(&(b, a)) {
             let shapes = (a, b);

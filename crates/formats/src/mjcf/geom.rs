@@ -104,12 +104,11 @@ pub(super) fn read(
     };
     let (geometry, local) = placed;
     let (membership, collides_with) = (mask(element, "contype")?, mask(element, "conaffinity")?);
-    let surface = Surface::of_geom(element, report)?;
+    let surface = Surface::of_geom(element, &context.physics, report)?;
     let mut shape = Shape {
         name: element.get("name").unwrap_or_default().to_owned(),
         pose: frame * local,
         density: 0.0,
-        material: surface.material(&context.physics),
         color: own_color(element, context)?,
         collides: (membership, collides_with) != (0, 0) && context.physics.on("contact"),
         membership,

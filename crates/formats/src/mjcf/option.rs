@@ -108,12 +108,12 @@ impl Physics {
         }
         let flags = flags(&section, report)?;
         let mut physics = Self {
-            time_step: time_step(&section)?,
+            time_step: positive(&section, "timestep", 0.002, "of seconds such as 0.002")?,
             gravity: section
                 .vector("gravity")?
                 .unwrap_or(DVec3::new(0.0, 0.0, -9.81)),
             pyramids: section.word("cone", &["pyramidal", "elliptic"])? != Some("elliptic"),
-            hardness: hardness(&section)?,
+            hardness: positive(&section, "impratio", 1.0, "such as 1")?,
             flags,
         };
         if !physics.on("gravity") {
@@ -145,25 +145,15 @@ impl Physics {
     }
 }
 
-fn hardness(section: &Element) -> Result<f64, FormatError> {
-    match section.number("impratio")? {
-        Some(ratio) if ratio <= 0.0 => Err(section.invalid_attribute(
-            "impratio",
-            &format!("is {ratio}"),
-            "write a positive number such as 1",
+/// A number above zero; `example` is the rest of the remedy.
+fn positive(section: &Element, name: &str, usual: f64, example: &str) -> Result<f64, FormatError> {
+    match section.number(name)? {
+        Some(x) if x <= 0.0 => Err(section.invalid_attribute(
+            name,
+            &format!("is {x}"),
+            &format!("write a positive number {example}"),
         )),
-        ratio => Ok(ratio.unwrap_or(1.0)),
-    }
-}
-
-fn time_step(section: &Element) -> Result<f64, FormatError> {
-    match section.number("timestep")? {
-        Some(step) if step <= 0.0 => Err(section.invalid_attribute(
-            "timestep",
-            &format!("is {step}"),
-            "write a positive number of seconds such as 0.002",
-        )),
-        step => Ok(step.unwrap_or(0.002)),
+        x => Ok(x.unwrap_or(usual)),
     }
 }
 

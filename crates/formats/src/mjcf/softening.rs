@@ -7,15 +7,11 @@ use crate::joint_space::JointSpace;
 use model::Joint;
 
 /// Fills in limits, springs and dampers of the joints, and the damping of position servos.
-pub(super) fn apply(tree: &mut Tree, motors: &Motors, context: &Context<'_>) {
-    let wanted = |j: &TreeJoint| j.file.range.is_some() || j.file.spring_damper.is_some();
-    if !tree.joints.iter().any(wanted) && motors.damping_ratios.is_empty() {
-        return;
-    }
-    let space = JointSpace::new(&tree.parts);
-    for joint in &tree.joints {
+pub(super) fn apply(tree: &mut Tree, motors: &Motors, space: &JointSpace, context: &Context<'_>) {
+    let wanted = |j: &&TreeJoint| j.file.range.is_some() || j.file.spring_damper.is_some();
+    for joint in tree.joints.iter().filter(wanted) {
         let of_model = &mut tree.parts.joints[joint.joint.0];
-        soften(joint, of_model, &space, context.physics.least_time());
+        soften(joint, of_model, space, context.physics.least_time());
     }
     for (actuator, ratio) in &motors.damping_ratios {
         // Critical damping of stiffness k and mass m is 2 √(k m); m as the actuator sees it.

@@ -56,6 +56,8 @@ pub(super) struct Surface {
     /// Both positive or both negative.
     solref: [f64; 2],
     solimp: Impedance,
+    /// The impedance that it has at all depths, and the one at its end over it.
+    held: (f64, f64),
     /// Distance at which contact begins [m].
     margin: f64,
     /// Acceleration per force [1/kg] of the bodies that touch with it, together; zero while none moves.
@@ -64,26 +66,37 @@ pub(super) struct Surface {
 
 impl Surface {
     /// The surface of a `<geom>`.
-    pub fn of_geom(element: &Element, report: &mut Report) -> Result<Self, FormatError> {
+    pub fn of_geom(
+        element: &Element,
+        physics: &Physics,
+        report: &mut Report,
+    ) -> Result<Self, FormatError> {
         let mut friction = [1.0, 0.005, 0.0001];
         fill(
             &mut friction,
             &element.list("friction", 1, 3)?.unwrap_or_default(),
         );
+        let solref = spring(element, report)?;
+        let solimp = Impedance::read(element, "solimp")?;
         Ok(Self {
             priority: element.integer("priority")?.unwrap_or(0),
             directions: directions(element)?,
             friction,
             mix: element.non_negative("solmix")?.unwrap_or(1.0),
-            solref: spring(element, report)?,
-            solimp: Impedance::read(element, "solimp")?,
+            solref,
+            solimp,
+            held: held(solref, &solimp, physics),
             margin: element.number("margin")?.unwrap_or(0.0),
             mobility: 0.0,
         })
     }
 
     /// The surface of a `<pair>`. Takes nothing from the geoms.
-    pub fn of_pair(element: &Element, report: &mut Report) -> Result<Self, FormatError> {
+    pub fn of_pair(
+        element: &Element,
+        physics: &Physics,
+        report: &mut Report,
+    ) -> Result<Self, FormatError> {
         let mut friction = [1.0, 1.0, 0.005, 0.0001, 0.0001];
         fill(
             &mut friction,
@@ -95,13 +108,16 @@ impl Surface {
             let remedy = "write the same coefficient for both directions";
             report.refuse(element, "friction that differs by direction", remedy)?;
         }
+        let solref = spring(element, report)?;
+        let solimp = Impedance::read(element, "solimp")?;
         Ok(Self {
             priority: 0,
             directions,
             friction: [slide, torsion, roll],
             mix: 1.0,
-            solref: spring(element, report)?,
-            solimp: Impedance::read(element, "solimp")?,
+            solref,
+            solimp,
+            held: held(solref, &solimp, physics),
             margin: element.number("margin")?.unwrap_or(0.0),
             mobility: 0.0,
         })
@@ -109,7 +125,7 @@ impl Surface {
 
     /// The surface of a contact of two geoms: that of the higher priority; of equal ones the larger
     /// coefficients, and the softness mixed. Margins and mobilities add up.
-    pub fn with(&self, other: &Self) -> Self {
+    pub fn with(&self, other: &Self, physics: &Physics) -> Self {
         let margin = self.margin + other.margin;
         let mobility = self.mobility + other.mobility;
         if self.priority != other.priority {
@@ -130,18 +146,25 @@ impl Surface {
         let (a, b) = (self.solref, other.solref);
         let both_times = a[0] > 0.0 && b[0] > 0.0;
         let mean = |a: f64, b: f64| share * a + (1.0 - share) * b;
+        let solref = std::array::from_fn(|i| match both_times {
+            true => mean(a[i], b[i]),
+            false => a[i].min(b[i]),
+        });
+        let solimp = Impedance(std::array::from_fn(|i| {
+            mean(self.solimp.0[i], other.solimp.0[i])
+        }));
+        let held = match (solref, solimp) == (a, self.solimp) {
+            true => self.held,
+            false => held(solref, &solimp, physics),
+        };
         Self {
             priority: self.priority,
             directions: self.directions.max(other.directions),
             friction: std::array::from_fn(|i| self.friction[i].max(other.friction[i])),
             mix: self.mix,
-            solref: std::array::from_fn(|i| match both_times {
-                true => mean(a[i], b[i]),
-                false => a[i].min(b[i]),
-            }),
-            solimp: Impedance(std::array::from_fn(|i| {
-                mean(self.solimp.0[i], other.solimp.0[i])
-            })),
+            solref,
+            solimp,
+            held,
             margin,
             mobility,
         }
@@ -154,15 +177,8 @@ impl Surface {
             false => 0.0,
         };
         let [slide, torsion, roll] = self.friction;
-        let (constant, ratio) = match self.solref {
-            [time, ratio] if time > 0.0 => (time.max(physics.least_time()), ratio),
-            [k, b] => (2.0 / -b, -b / (2.0 * (-k).sqrt())),
-        };
-        let fall = SHARE * physics.gravity.length();
-        let (impedance, growth) = match fall > 0.0 {
-            true => self.solimp.under(fall, constant * ratio),
-            false => self.solimp.typical(),
-        };
+        let (constant, ratio) = times(self.solref, physics);
+        let (impedance, growth) = self.held;
         Material {
             friction: from(3, slide),
             torsional_friction: from(4, torsion),
@@ -187,6 +203,23 @@ impl Surface {
         let square = self.friction[0].powi(2);
         let edges = physics.hardness * (self.directions - 1) as f64;
         (square * (1.0 + square) / edges).max(LEAST_PYRAMID)
+    }
+}
+
+/// Time constant [s] and damping ratio.
+fn times(solref: [f64; 2], physics: &Physics) -> (f64, f64) {
+    match solref {
+        [time, ratio] if time > 0.0 => (time.max(physics.least_time()), ratio),
+        [k, b] => (2.0 / -b, -b / (2.0 * (-k).sqrt())),
+    }
+}
+
+/// [`Surface::held`]: as it is under a weight, or half way down where there is none.
+fn held(solref: [f64; 2], solimp: &Impedance, physics: &Physics) -> (f64, f64) {
+    let (constant, ratio) = times(solref, physics);
+    match SHARE * physics.gravity.length() {
+        fall if fall > 0.0 => solimp.under(fall, constant * ratio),
+        _ => solimp.typical(),
     }
 }
 
