@@ -45,7 +45,7 @@ pub use keyframe::Keyframe;
 pub use mass::MassProperties;
 pub use material::{Combine, Material, Softness};
 pub use mesh::{DistanceFieldError, HeightFieldError, MeshError, TriangleMesh};
-pub use model::{Model, Parts, UpAxis, hint, similar_name};
+pub use model::{Model, Parts, UpAxis, hint, similar_name, unit_quaternion};
 pub use pose::Pose;
 pub use sensor::{Axes, Measurand, Mount, Sensor};
 pub use shape::{Geometry, Shape, ShapeId};

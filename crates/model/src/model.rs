@@ -11,7 +11,7 @@ use crate::{
     Actuator, Body, BodyId, BodyKind, Camera, ContactPair, Coupling, Joint, JointId, JointKind,
     Keyframe, Material, ModelError, Sensor, Shape, ShapeId,
 };
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
@@ -253,4 +253,15 @@ impl Model {
             .map(|c| format!("coupling \"{}\"", c.name));
         joints.chain(couplings).collect()
     }
+}
+
+/// Scales a quaternion among the coordinates of a state to unit length. False, and as it was, where it is zero.
+pub fn unit_quaternion(coordinates: &mut [f64]) -> bool {
+    let q = DQuat::from_slice(coordinates);
+    let length = q.length();
+    if length < 1e-12 {
+        return false;
+    }
+    coordinates.copy_from_slice(&(q / length).to_array());
+    true
 }

@@ -11,8 +11,7 @@ use crate::meshes::Meshes;
 use crate::scratch::Scratch;
 use crate::threads::Threads;
 use crate::{Controls, Device, Inputs, Outputs, Quantity, SimulationSettings, Snapshot};
-use glam::DQuat;
-use model::{Model, Shape};
+use model::{Model, Shape, unit_quaternion};
 use numbers::dispatch::Isa;
 use numbers::{Float, Memory};
 use rayon::prelude::*;
@@ -126,14 +125,11 @@ fn affordable<T>(worlds: usize, numbers: usize) -> Result<(), SimulationError> {
 fn with_unit_quaternions(model: &Model, position: &[f64]) -> Result<Vec<f64>, SimulationError> {
     let mut position = position.to_vec();
     for (joint, range) in model.quaternions() {
-        let q = DQuat::from_slice(&position[range.clone()]);
-        let length = q.length();
-        if length < 1e-12 {
+        if !unit_quaternion(&mut position[range]) {
             return Err(SimulationError::NoRotation {
                 joint: model.joints[joint.0].name.clone(),
             });
         }
-        position[range].copy_from_slice(&(q / length).to_array());
     }
     Ok(position)
 }

@@ -22,9 +22,9 @@ use crate::output::{body, total};
 use crate::{InputTables, Kernels, SolverError};
 pub use error::DynamicsError;
 use error::finite;
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 pub use kernels::DynamicsKernels;
-use model::{BodyId, Model};
+use model::{BodyId, Model, unit_quaternion};
 use numbers::{Cpu, Machine, Shared};
 use std::ops::Range;
 pub use tables::DynamicsTables;
@@ -221,12 +221,9 @@ impl Dynamics {
         let q = &mut state[t.position.at(0, 0)..][..position.len()];
         q.copy_from_slice(position);
         for range in &self.quaternions {
-            let rotation = DQuat::from_slice(&q[range.clone()]);
-            let length = rotation.length();
-            if length < 1e-12 {
+            if !unit_quaternion(&mut q[range.clone()]) {
                 return Err(DynamicsError::NoRotation { first: range.start });
             }
-            q[range.clone()].copy_from_slice(&(rotation / length).to_array());
         }
         if let Some(velocity) = velocity {
             finite("velocities", velocity, t.dofs)?;
