@@ -166,7 +166,7 @@ test("what is built anew stays on its card, with as many worlds as are shown", a
   await links.press("Enter");
   await page.getByRole("button", { name: "Rebuild" }).click();
   await page.waitForFunction(() => window.kinetarium.scene?.bodies.length === 5);
-  await page.getByRole("combobox", { name: "Replicas shown" }).selectOption("4 side by side");
+  await page.getByRole("combobox", { name: "Replicas shown" }).selectOption("4 shown");
   await page.waitForFunction(() => window.kinetarium.frame?.worlds === 4);
   await step(10);
   expect(await card()).toContain("swiftshader");

@@ -74,7 +74,7 @@ test("replicas", async () => {
   await page.getByRole("spinbutton", { name: "Replica" }).fill("3");
   await page.keyboard.press("Enter");
   await page.waitForFunction(() => window.kinetarium.shown[0] === 3);
-  await page.getByRole("combobox", { name: "Replicas shown" }).selectOption("4 side by side");
+  await page.getByRole("combobox", { name: "Replicas shown" }).selectOption("4 shown");
   await page.waitForFunction(() => window.kinetarium.frame?.worlds === 4);
   expect(await page.evaluate(() => window.kinetarium.shown)).toEqual([3, 4, 5, 6]);
 });
@@ -85,6 +85,12 @@ test("physics", async () => {
   await gravity.fill("1.62");
   await gravity.press("Enter");
   await page.waitForFunction(() => location.hash.includes("physics.gravity=1.62"));
+  const timeStep = page.getByRole("spinbutton", { name: "Time step" });
+  await timeStep.fill("0.002");
+  await timeStep.press("Enter");
+  expect(await page.locator(".guide").textContent()).toContain("Time step2 ms");
+  await timeStep.fill("0.001");
+  await timeStep.press("Enter");
   const height = async () => (await poses())[await up()];
   const up = () => page.evaluate(() => (window.kinetarium.scene?.up === "z" ? 2 : 1));
   const before = await height();
@@ -159,6 +165,23 @@ test("save picture", async () => {
     return new Set(Array.from({ length: 4000 }, (_, i) => pixels.slice(400 * i, 400 * i + 3).join())).size;
   }, data);
   expect(colors).toBeGreaterThan(50);
+});
+
+test("the sky is there from near and from afar", async () => {
+  for (const distance of [0.01, 200]) {
+    await page.goto("about:blank");
+    await open(`example=grid&view=-50,3,-50,0.6,0.1,${distance}`);
+    const picture = (await page.locator(".stage").screenshot()).toString("base64");
+    const darkest = await page.evaluate(async (base64) => {
+      const image = new Image();
+      image.src = `data:image/png;base64,${base64}`;
+      await image.decode();
+      const context = new OffscreenCanvas(image.width, 8).getContext("2d");
+      context?.drawImage(image, 0, 0);
+      return Math.min(...(context?.getImageData(0, 0, image.width, 8).data ?? [0]));
+    }, picture);
+    expect(darkest, `${distance} m`).toBeGreaterThan(150);
+  }
 });
 
 test("record a film", async () => {
@@ -309,6 +332,53 @@ test("nothing of the toolbar is lost in a narrow window", async () => {
     });
     expect(outside, `${width} px`).toBe(0);
   }
+});
+
+test("a page that draws slowly is not late", async () => {
+  // So many that a processor draws some ten pictures a second of them.
+  await open("example=grid");
+  await page.getByRole("button", { name: "Run" }).click();
+  await page.waitForTimeout(6000);
+  const late = await page.evaluate(async () => {
+    const began = performance.now();
+    document.querySelector<HTMLElement>('[aria-label="Stop"]')?.click();
+    while (window.kinetarium.status?.running) await new Promise((turn) => setTimeout(turn));
+    return performance.now() - began;
+  });
+  expect(late).toBeLessThan(2000);
+});
+
+test("what is no number, or none that may be, does not stay", async () => {
+  await open("example=prismatic");
+  const gravity = page.getByRole("spinbutton", { name: "Gravity" });
+  for (const wrong of ["", "1e9"]) {
+    await gravity.fill(wrong);
+    await gravity.press("Enter");
+    await gravity.blur();
+    expect(await gravity.inputValue()).toBe("9.81");
+  }
+  const slider = page.getByRole("slider", { name: "Gravity" });
+  expect(await slider.getAttribute("aria-valuetext")).toBe("9.81 m/s²");
+  await page.locator("details.drive summary").first().click();
+  const stiffness = page.getByRole("spinbutton", { name: "Stiffness" });
+  await stiffness.fill("-1");
+  await stiffness.press("Enter");
+  await expect.poll(() => stiffness.inputValue()).toBe("200");
+});
+
+test("nothing moves where there are more replicas", async () => {
+  await page.setViewportSize({ width: 1280, height: 800 });
+  const places = () =>
+    page.evaluate(() => {
+      const things = document.querySelectorAll(".toolbar button, .toolbar select, .toolbar input, .stage");
+      return [...things].map((thing) => thing.getBoundingClientRect().toJSON());
+    });
+  await open("example=tower");
+  const before = await places();
+  await open("example=grid");
+  expect(await places()).toEqual(before);
+  const tops = before.slice(0, -1).map(({ y, height }) => y + height / 2);
+  expect(Math.max(...tops) - Math.min(...tops), "one row").toBeLessThan(2);
 });
 
 test("a small screen, in the dark", async () => {

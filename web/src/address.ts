@@ -26,7 +26,13 @@ export function parseAddress(hash: string): Address {
     const finite = value !== "" && numbers.every(Number.isFinite);
     if (key === "example") address.example = value;
     else if ((group === "build" || group === "physics") && name && finite) address[group][name] = numbers[0];
-    else if (key === "replicas" && finite && numbers.length === 2 && numbers.every(isCount)) {
+    else if (
+      key === "replicas" &&
+      finite &&
+      numbers.length === 2 &&
+      numbers.every(isCount) &&
+      numbers[1] > 0
+    ) {
       address.replicas = { first: numbers[0], count: numbers[1] };
     } else if (key === "view" && finite && numbers.length === 6 && numbers[5] > 0) {
       const [x, y, z, yaw, pitch, distance] = numbers;

@@ -11,6 +11,9 @@ export const POSE = 7;
 /** Numbers of a contact: row of its world, position [m], force [N] on the second shape, distance [m], two shapes. */
 export const CONTACT = 10;
 
+/** Samples that a frame may have to carry of those before it, which were not drawn. */
+const MOST_SAMPLES = 4096;
+
 /** A frame. Its arrays are views of the bytes that came. */
 export interface Frame {
   /** Which scene it is of. */
@@ -87,4 +90,31 @@ export function readFrame(bytes: ArrayBuffer): Frame {
     particles,
     past,
   };
+}
+
+/** A frame with the samples of the one before it, which is dropped: plots miss nothing where pictures do. */
+export function withSamples(dropped: ArrayBuffer, bytes: ArrayBuffer): ArrayBuffer {
+  let frames: [Frame, Frame];
+  try {
+    frames = [readFrame(dropped), readFrame(bytes)];
+  } catch {
+    // Who reads it will tell.
+    return bytes;
+  }
+  const [before, frame] = frames;
+  const age = frame.time - before.time;
+  const sample = 1 + frame.quantities.length;
+  const like =
+    before.scene === frame.scene &&
+    before.choices === frame.choices &&
+    before.quantities.length === frame.quantities.length;
+  if (!like || age <= 0) return bytes;
+  const older = before.past.map((value, i) => (i % sample === 0 ? value + age : value));
+  const all = [...older, age, ...before.quantities, ...frame.past].slice(-sample * MOST_SAMPLES);
+  const head = bytes.byteLength - frame.past.byteLength;
+  const merged = new Uint8Array(head + 4 * all.length);
+  merged.set(new Uint8Array(bytes, 0, head));
+  new Float32Array(merged.buffer, head).set(all);
+  new DataView(merged.buffer).setUint32(56, all.length / sample, true);
+  return merged.buffer;
 }

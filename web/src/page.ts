@@ -53,7 +53,7 @@ export class Page {
 
   constructor(readonly session: Session) {
     const label = "The scene. Arrow keys turn the view.";
-    const canvas = h("canvas", { class: "stage", tabindex: 0, "aria-label": label });
+    const canvas = h("canvas", { class: "stage", tabindex: 0, role: "application", "aria-label": label });
     this.controls = new Controls(session);
     this.selection = new Selection(session);
     // Who hears of a scene after the view may move the camera in it.
@@ -71,8 +71,9 @@ export class Page {
     this.timeline = new Timeline(session, this.controls);
     this.plots = new Plots(session);
     const shortcuts = keys(this);
+    const toolbar = new Toolbar(this, () => this.shell);
     this.shell = new Shell({
-      toolbar: new Toolbar(this, () => this.shell).element,
+      toolbar: toolbar.element,
       ...this.panels(),
       canvas,
       over: [this.viewPanel.inset, this.skins.legend, this.notice.element],
@@ -81,6 +82,8 @@ export class Page {
       help: helpDialog(shortcuts),
     });
     this.join();
+    toolbar.shown(this.shell.shown);
+    this.shell.on("shown", (shown) => toolbar.shown(shown));
     listen(shortcuts);
     showTooltips();
     requestAnimationFrame((now) => this.draw(now, now));
@@ -127,7 +130,7 @@ export class Page {
     };
     themes.on("change", dress);
     dress();
-    this.shell.on("plots", () => plots.invalidate());
+    this.shell.on("shown", () => plots.invalidate());
   }
 
   /** Draws what changed, again and again. */

@@ -2,6 +2,7 @@ import { Emitter } from "./emitter";
 import { type Frame, readFrame } from "./frame";
 import {
   type Command,
+  type Dof,
   type Example,
   type Field,
   readMessage,
@@ -12,6 +13,9 @@ import {
 } from "./protocol";
 import { Malformed } from "./schema";
 import type { Receiver, Transport } from "./transport/transport";
+
+/** A setting of an actuator or a degree of freedom. */
+type Drive = Exclude<Setting, { type: "physics" }>;
 
 export interface SessionEvents {
   connected: boolean;
@@ -43,6 +47,8 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
   private undrawn = false;
   /** The physics before what was asked for and not yet answered. */
   private accepted: Values | null = null;
+  /** What was set last of the drives, as it was before. */
+  private before: Drive | null = null;
 
   constructor(connect: (receiver: Receiver) => Transport) {
     super();
@@ -57,7 +63,10 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
       this.accepted ??= Object.fromEntries(this.scene?.physics.map(({ name, value }) => [name, value]) ?? []);
       this.setPhysics(command.values);
     }
-    if (command.type === "joint" || command.type === "control") this.setDrive(command);
+    if (command.type === "joint" || command.type === "control") {
+      this.before = this.drive(command);
+      this.setDrive(command);
+    }
   }
 
   /** Takes over what somebody else has set. */
@@ -132,6 +141,7 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
         break;
       case "error":
         if (message.refused === "physics" && this.accepted) this.setPhysics(this.accepted);
+        if (message.refused === "joint" || message.refused === "control") this.restoreDrive();
         if (message.refused !== null) this.emit("refused", message.refused);
         this.emit("error", message.message);
     }
@@ -153,14 +163,37 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
     this.emit("physics", this.scene.physics);
   }
 
+  /** What a command is about to set, as it is. */
+  private drive(command: Drive): Drive | null {
+    if (command.type === "control") {
+      const actuator = this.scene?.actuators[command.actuator];
+      return actuator ? { ...command, value: actuator.value } : null;
+    }
+    const own = this.dof(command.dof);
+    if (!own) return null;
+    const { dof, position, stiffness, velocity, damping } = own;
+    return { type: "joint", dof, position, stiffness, velocity, damping };
+  }
+
+  /** The last drive is as it was: it cannot be as was asked. */
+  private restoreDrive(): void {
+    if (!this.before) return;
+    this.setDrive(this.before);
+    this.emit("changed", [this.before]);
+    this.before = null;
+  }
+
+  private dof(wanted: number): Dof | undefined {
+    return this.scene?.joints.flatMap(({ dofs }) => dofs).find(({ dof }) => dof === wanted);
+  }
+
   /** The scene says how drives are, for who looks at it later. */
-  private setDrive(command: Exclude<Setting, { type: "physics" }>): void {
+  private setDrive(command: Drive): void {
     if (command.type === "control") {
       const actuator = this.scene?.actuators[command.actuator];
       if (actuator) actuator.value = command.value;
     } else {
-      const dofs = this.scene?.joints.flatMap((joint) => joint.dofs) ?? [];
-      const own = dofs.find(({ dof }) => dof === command.dof);
+      const own = this.dof(command.dof);
       if (!own) return;
       own.position = command.position ?? own.position;
       own.stiffness = command.stiffness ?? own.stiffness;

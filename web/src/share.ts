@@ -20,6 +20,10 @@ export class Share {
   private opening: string | null = null;
   /** The scene that is shown. */
   private showing: string | null = null;
+  /** The number of the last scene. */
+  private last: number | null = null;
+  /** Whether the next scene is the one that the engine has when the page comes to it. */
+  private greeted = false;
   private timer: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
@@ -29,8 +33,15 @@ export class Share {
     private readonly notice: Notice,
   ) {
     this.address = parseAddress(location.hash);
-    session.on("examples", () => this.open());
-    session.on("scene", (scene) => this.scene(scene));
+    session.on("examples", () => {
+      this.greeted = true;
+    });
+    session.on("scene", (scene) => {
+      if (this.greeted) this.greet(scene);
+      else this.scene(scene);
+      this.greeted = false;
+      this.last = scene.id;
+    });
     session.on("shown", (worlds) => this.shown(worlds));
     session.on("refused", (type) => this.refused(type));
     session.on("changed", (settings) => {
@@ -41,7 +52,8 @@ export class Share {
     });
     addEventListener("hashchange", () => {
       this.address = parseAddress(location.hash);
-      this.open();
+      // What names no example is about the scene that is shown.
+      if (!this.open() && session.scene) this.scene(session.scene);
     });
   }
 
@@ -96,11 +108,27 @@ export class Share {
     }
   }
 
-  private open(): void {
+  /** Opens the example of the address; false where it names none. */
+  private open(): boolean {
     const { example, build, physics } = this.address;
-    if (!this.session.examples.some(({ name }) => name === example) || example === null) return;
+    const { examples } = this.session;
+    if (example === null) return false;
+    if (!examples.some(({ name }) => name === example)) {
+      if (examples.length) this.notice.tell(`There is no example ${example}.`);
+      return false;
+    }
     this.opening = example;
     this.controls.open(example, build, physics);
+    return true;
+  }
+
+  /**
+   * The scene that the engine has when the page comes, which gives way to the address's; or when the page comes back.
+   * Then it goes on, since others may watch it, unless the engine began anew, with other numbers of scenes.
+   */
+  private greet(scene: Scene): void {
+    const wentOn = this.last !== null && scene.id >= this.last;
+    if (wentOn || !this.open()) this.scene(scene);
   }
 
   private scene(scene: Scene): void {
@@ -126,6 +154,7 @@ export class Share {
     const { replicas, viewpoint, mount } = this.address;
     if (replicas && !sameReplicas(scene.shown, replicas)) this.controls.show(replicas.first, replicas.count);
     if (mount && scene.bodies[mount.body]) this.view.mount(mount.mount, { row: 0, body: mount.body });
+    else this.address.mount = null;
     if (viewpoint) this.view.lookFrom(viewpoint);
   }
 

@@ -22,8 +22,11 @@ export interface Parts {
 
 export type Side = "left" | "right";
 
-/** Arranges the page, and shows or hides its sides. */
-export class Shell extends Emitter<{ plots: boolean }> {
+/** What can be shown or hidden. */
+export type Part = Side | "plots";
+
+/** Arranges the page, and shows or hides its parts. */
+export class Shell extends Emitter<{ shown: Record<Part, boolean> }> {
   private readonly sides: Record<Side, HTMLElement>;
 
   constructor(private readonly parts: Parts) {
@@ -50,11 +53,17 @@ export class Shell extends Emitter<{ plots: boolean }> {
     const [wanted, other] = which === "left" ? [left, right] : [right, left];
     wanted.hidden = !wanted.hidden;
     if (innerWidth < NARROW) other.hidden = true;
+    this.emit("shown", this.shown);
   }
 
   togglePlots(): void {
     this.parts.plots.hidden = !this.parts.plots.hidden;
-    this.emit("plots", !this.parts.plots.hidden);
+    this.emit("shown", this.shown);
+  }
+
+  get shown(): Record<Part, boolean> {
+    const { left, right } = this.sides;
+    return { left: !left.hidden, right: !right.hidden, plots: !this.parts.plots.hidden };
   }
 
   help(): void {

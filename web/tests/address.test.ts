@@ -26,7 +26,7 @@ test("names may hold what addresses do not", () => {
 
 test("what is not understood is left out", () => {
   const hash =
-    "#build.links=many&physics.=1&replicas=-1,2&replicas=1&view=1,2,3,4,5,0&ride=x&follow=1.5&new=1";
+    "#build.links=many&physics.=1&replicas=-1,2&replicas=1&replicas=0,0&view=1,2,3,4,5,0&ride=x&follow=1.5&new=1";
   expect(parseAddress(hash)).toEqual(emptyAddress());
   expect(parseAddress("")).toEqual(emptyAddress());
 });

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { HEADER, readFrame } from "../src/frame";
+import { HEADER, readFrame, withSamples } from "../src/frame";
 import { writeFrame } from "./frames";
 
 const pose = [1, 2, 3, 0, 0, 0, 1];
@@ -51,4 +51,22 @@ test("what is malformed is refused", () => {
   expect(() => readFrame(stranger)).toThrow("not KFRM");
   const nowhere = writeFrame({ ...contents, poses: [...pose, Number.NaN, 0, 0, 0, 0, 0, 1] });
   expect(() => readFrame(nowhere)).toThrow("not finite");
+});
+
+test("a frame takes the samples of one that is dropped", () => {
+  const frame = (time: number, quantities: number[], past: number[], scene = 3) =>
+    writeFrame({ ...contents, scene, time, quantities, past });
+  const last = frame(2, [40, 41], [0.25, 30, 31]);
+  const both = readFrame(withSamples(frame(1, [20, 21], [0.5, 10, 11]), last));
+  expect([...both.past]).toEqual([1.5, 10, 11, 1, 20, 21, 0.25, 30, 31]);
+  expect({ ...both, past: null }).toEqual({ ...readFrame(last), past: null });
+  // Not those of another scene, of other quantities, or of a time that was left.
+  for (const other of [
+    frame(1, [0, 0], [], 2),
+    frame(1, [0], []),
+    frame(3, [0, 0], []),
+    new ArrayBuffer(4),
+  ]) {
+    expect(withSamples(other, last)).toBe(last);
+  }
 });

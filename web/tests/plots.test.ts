@@ -11,6 +11,8 @@ describe("ticks", () => {
   test("a range is never empty", () => {
     expect(padded(2, 2)).toEqual([1.9, 2.1]);
     expect(padded(0, 0)).toEqual([-1, 1]);
+    expect(padded(-7e-44, 3e-44)).toEqual([-1, 1]);
+    expect(padded(20, 20.000001)[1]).toBeCloseTo(21);
     expect(padded(Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY)).toEqual([0, 1]);
   });
 });

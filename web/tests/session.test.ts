@@ -116,3 +116,19 @@ test("physics that is refused is as before", () => {
   expect(refused).toEqual(["physics"]);
   expect(errors).toEqual(["no"]);
 });
+
+test("a drive that is refused is as before", () => {
+  session.text(sample("scene"));
+  const dof = session.scene?.joints[0].dofs[0];
+  const changed: string[][] = [];
+  session.on("changed", (settings) => changed.push(settings.map(({ type }) => type)));
+  if (!dof) throw new Error("The sample has no joint.");
+  session.send({ type: "joint", dof: dof.dof, position: 0.25 });
+  const { stiffness } = dof;
+  session.send({ type: "joint", dof: dof.dof, stiffness: -1 });
+  expect(dof.stiffness).toBe(-1);
+  session.text('{"type":"error","message":"no","refused":"joint"}');
+  expect(dof.stiffness).toBe(stiffness);
+  expect(dof.position).toBe(0.25);
+  expect(changed).toEqual([["joint"]]);
+});

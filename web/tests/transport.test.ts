@@ -148,6 +148,15 @@ describe("a WebSocket", () => {
     expect(told).toEqual([true, "{}", 8]);
   });
 
+  test("of frames that come while one is drawn, the last is passed on", () => {
+    const transport = new WebSocketTransport("ws://host/session", receiver);
+    const [socket] = Socket.all;
+    for (const length of [1, 2, 3]) socket.onmessage({ data: new ArrayBuffer(length) });
+    expect(told).toEqual([1]);
+    transport.drawn();
+    expect(told).toEqual([1, 3]);
+  });
+
   test("it connects again, with longer and longer waits, until closed", () => {
     const transport = new WebSocketTransport("ws://host/session", receiver);
     Socket.all[0].close();

@@ -19,13 +19,15 @@ const AT_ONCE: usize = 32;
 /// How long to wait for a command where there is nothing to do.
 const PAUSE: Duration = Duration::from_millis(4);
 /// How long pages may take to hear that it is over, and between two looks at whether they have.
-const FAREWELL: [Duration; 2] = [Duration::from_secs(1), Duration::from_millis(2)];
+pub(crate) const FAREWELL: [Duration; 2] = [Duration::from_secs(1), Duration::from_millis(2)];
 
 /// What a page is sent.
 #[derive(Clone, Debug)]
 pub(crate) enum Note {
     Text(String),
     Frame(Bytes),
+    /// Of the frame before, for the page to answer.
+    Number(u32),
     /// There is nothing more to come.
     End,
 }

@@ -249,6 +249,27 @@ fn a_page_that_does_not_read_slows_nobody() {
     assert!(last > 0.2, "{last} s");
 }
 
+/// A line that is slow carries a few frames at a time, so that what a page sees is never late.
+#[test]
+fn frames_wait_for_answers() {
+    let address = server("grid", open());
+    let (mut late, mut talker) = (page(address), page(address));
+    say(&mut talker, r#"{"type": "run"}"#);
+    let end = Instant::now() + Duration::from_secs(4);
+    while Instant::now() < end {
+        talker.read().unwrap();
+    }
+    // What waits in the connection is all from the beginning; then those come that are new.
+    let mut times = Vec::new();
+    while times.len() < 20 {
+        if let Message::Binary(bytes) = late.read().unwrap() {
+            times.push(f64::from_le_bytes(bytes[16..24].try_into().unwrap()));
+        }
+    }
+    let old = times.iter().filter(|time| **time < times[19] / 2.0).count();
+    assert!(old <= 5, "{times:?}");
+}
+
 /// A pendulum of four worlds that a program holds.
 fn pendulum<T: Float>() -> Arc<Shared<T>> {
     let model = model::examples::chain(1, Start::Horizontal).unwrap();
@@ -453,9 +474,10 @@ fn pages_are_told_when_a_program_closes_the_view_and_nothing_steps_after_that() 
     let mut page = page(address);
     say(&mut page, r#"{"type": "run"}"#);
     frame(&mut page, 0.01);
+    let last = thread::spawn(|| last_words(page));
     viewer.close();
     let time = shared.read().time(0);
-    assert!(last_words(page).contains("closed this view"));
+    assert!(last.join().unwrap().contains("closed this view"));
     assert_eq!(shared.read().time(0), time);
     TcpStream::connect(address).unwrap_err();
     drop(show(&shared, Some(address), None).unwrap());

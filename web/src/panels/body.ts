@@ -81,7 +81,8 @@ export class BodyPanel {
     const facts: [string, string][] = [
       ["Mass", body.dynamic ? `${short(body.mass)} kg` : "does not move"],
       ["Inertia", `${list(body.inertia)} kg·m²`],
-      ["Centre", `${list(body.inertial.position)} m`],
+      // Rounded, since files leave what is no more than rounding.
+      ["Centre", `${list(body.inertial.position.map((x) => Number(x.toFixed(6))))} m`],
     ];
     if (joint) facts.push(["Joint", `${joint.name} (${joint.kind})`]);
     return facts.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]);

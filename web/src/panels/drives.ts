@@ -19,14 +19,14 @@ interface Driven {
 /** Sliders of actuators, and of what drives degrees of freedom. They stay while the joints do. */
 export class Drives {
   readonly element = h("div", { class: "drives" });
-  private readouts: [output: HTMLOutputElement, driven: Driven][] = [];
+  private readouts: [output: HTMLElement, driven: Driven][] = [];
   /** Controls, and what of a scene they show. */
   private shown: [control: NumberControl, read: (scene: Scene) => number][] = [];
   private structure = "";
   private all = false;
 
   constructor(
-    session: Session,
+    private readonly session: Session,
     private readonly controls: Controls,
   ) {
     session.on("scene", (scene) => this.show(scene));
@@ -69,6 +69,8 @@ export class Drives {
       ...(some ? [more.element] : []),
       ...(none ? [h("p", { class: "muted" }, "Nothing here can be driven.")] : []),
     );
+    // The next frame may be long in coming.
+    if (this.session.frame) this.read(this.session.frame);
   }
 
   private actuator(scene: Scene, actuator: number): HTMLElement {
@@ -84,7 +86,7 @@ export class Drives {
 
   private dof(driven: Driven, gains: boolean): HTMLElement {
     const { joint, dof } = driven;
-    const readout = h("output", { "data-help": "The coordinate now, in the first replica shown." });
+    const readout = h("span", { "data-help": "The coordinate now, in the first replica shown." });
     if (driven.coordinate >= 0) this.readouts.push([readout, driven]);
     const [unit, force, per] = dof.angular ? ["°", "N·m", "rad"] : ["m", "N", "m"];
     const range = dof.limit ?? (dof.angular ? [-Math.PI, Math.PI] : [-1, 1]);

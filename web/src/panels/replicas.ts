@@ -9,7 +9,7 @@ const COUNTS = [1, 4, 9, 16, 25, 36, 64, 100, 144, 256];
 export class Replicas {
   readonly element: HTMLElement;
   private readonly first: HTMLInputElement;
-  private readonly of = h("span", { class: "muted" });
+  private readonly of = h("span", { class: "muted of" });
   private readonly count: Select<number>;
 
   constructor(
@@ -30,7 +30,7 @@ export class Replicas {
       this.choose(this.first.valueAsNumber, count),
     );
     const label = h("span", { class: "muted" }, "Replica");
-    this.element = h("span", { class: "group" }, label, this.first, this.of, this.count.element);
+    this.element = h("span", { class: "group replicas" }, label, this.first, this.of, this.count.element);
     session.on("shown", () => this.show());
   }
 
@@ -50,7 +50,7 @@ export class Replicas {
     if (worlds <= 256 && !counts.includes(worlds)) counts.push(worlds);
     if (!counts.includes(shown.length)) counts.push(shown.length);
     counts.sort((a, b) => a - b);
-    this.count.setOptions(counts.map((count) => [count, count === 1 ? "one" : `${count} side by side`]));
+    this.count.setOptions(counts.map((count) => [count, `${count} shown`]));
     this.count.value = shown.length;
     this.first.value = String(shown[0] ?? 0);
     this.first.max = String(Math.max(0, worlds - 1));

@@ -7,9 +7,9 @@ import { large, short } from "../ui/format";
 export class Timeline {
   readonly element: HTMLElement;
   private readonly slider: HTMLInputElement;
-  private readonly time = h("output", { class: "time", "data-help": "Simulated time since the start." });
-  private readonly steps = h("output", { class: "steps", "data-help": "Time steps since the start." });
-  private readonly pace = h("output", {
+  private readonly time = h("span", { class: "time", "data-help": "Simulated time since the start." });
+  private readonly steps = h("span", { class: "steps", "data-help": "Time steps since the start." });
+  private readonly pace = h("span", {
     class: "pace",
     "data-help": "Simulated seconds a second, and steps of all replicas a second of computing.",
   });
@@ -57,17 +57,19 @@ export class Timeline {
 
   /** Goes back or on by hundredths of what is recorded. */
   leap(hundredths: number): void {
-    const { status, frame } = this.session;
-    if (!status || !frame) return;
+    const { status } = this.session;
+    if (!status) return;
     const [first, last] = status.recorded;
-    const time = frame.time + (hundredths / 100) * (last - first);
-    this.controls.scrub(Math.min(Math.max(time, first), last));
+    // The slider knows what was asked for since the last frame.
+    const time = this.slider.valueAsNumber + (hundredths / 100) * (last - first);
+    this.slider.valueAsNumber = Math.min(Math.max(time, first), last);
+    this.controls.scrub(this.slider.valueAsNumber);
   }
 
   private show(): void {
     const { status, frame } = this.session;
     const time = frame?.time ?? status?.time ?? 0;
-    this.time.textContent = `${time.toFixed(3)} s`;
+    this.time.textContent = this.slider.ariaValueText = `${time.toFixed(3)} s`;
     this.steps.textContent = `${frame?.steps ?? status?.steps ?? 0} steps`;
     if (!status) return;
     const [first, last] = status.recorded;

@@ -1,5 +1,6 @@
 import type { Page } from "../page";
 import type { Tool } from "../pointing";
+import type { Part } from "../shell";
 import { h, Select } from "../ui/dom";
 import { type IconName, icon } from "../ui/icons";
 import { Replicas } from "./replicas";
@@ -23,6 +24,8 @@ export class Toolbar {
   private readonly run: HTMLButtonElement;
   private readonly speed: Select<number | null>;
   private readonly tools: Map<Tool, HTMLButtonElement>;
+  /** Of what can be shown or hidden. */
+  private readonly parts: Record<Part, HTMLButtonElement>;
   private readonly record: HTMLButtonElement;
 
   constructor(page: Omit<Page, "shell">, shell: () => Page["shell"]) {
@@ -40,12 +43,20 @@ export class Toolbar {
     ]);
     const film = "Records a film, as WebM. (Shift+S)";
     this.record = iconButton("record", "Record", film, () => capture.toggleFilm());
+    for (const button of [...this.tools.values(), this.record]) button.setAttribute("aria-pressed", "false");
+    this.parts = {
+      left: iconButton("left", "Scene", "Shows or hides the scene's panel. (Shift+E)", () =>
+        shell().toggleSide("left"),
+      ),
+      right: iconButton("right", "Inspect", "Shows or hides the panel of bodies. (Shift+I)", () =>
+        shell().toggleSide("right"),
+      ),
+      plots: iconButton("plots", "Plots", "Shows or hides plots. (O)", () => shell().togglePlots()),
+    };
     this.element = h(
       "header",
       { class: "toolbar", "aria-label": "Simulation" },
-      iconButton("left", "Scene", "Shows or hides the scene's panel. (Shift+E)", () =>
-        shell().toggleSide("left"),
-      ),
+      this.parts.left,
       h("strong", { class: "brand" }, "Kinetarium"),
       group(
         this.run,
@@ -68,19 +79,24 @@ export class Toolbar {
     capture.on("recording", (recording) => this.record.setAttribute("aria-pressed", String(recording)));
   }
 
+  /** Says what can be seen. */
+  shown(shown: Record<Part, boolean>): void {
+    for (const [part, button] of Object.entries(this.parts)) {
+      button.setAttribute("aria-expanded", String(shown[part as Part]));
+    }
+  }
+
   private pageButtons(page: Omit<Page, "shell">, shell: () => Page["shell"]): HTMLElement {
     const { navigation, capture, share, themes } = page;
     return group(
       iconButton("frame", "Frame", "Sees the whole scene, or the picked body. (F)", () => navigation.frame()),
-      iconButton("plots", "Plots", "Shows or hides plots. (O)", () => shell().togglePlots()),
+      this.parts.plots,
       iconButton("camera", "Save picture", "Saves a picture, as PNG. (S)", () => capture.savePicture()),
       this.record,
       iconButton("link", "Copy link", "Copies an address that shows the same.", () => share.copy()),
       iconButton("theme", "Theme", "Light, dark, or as the system says. (L)", () => themes.turn()),
       iconButton("help", "Help", "Keys and mouse. (?)", () => shell().help()),
-      iconButton("right", "Inspect", "Shows or hides the panel of bodies. (Shift+I)", () =>
-        shell().toggleSide("right"),
-      ),
+      this.parts.right,
     );
   }
 
@@ -104,7 +120,8 @@ function stepButtons(step: (steps: number) => void): HTMLElement {
     const help = `Steps ${steps} times, and stops.`;
     return h("button", { type: "button", "data-help": help, onclick: () => step(steps) }, String(steps));
   });
-  return group(h("span", { class: "muted" }, "Step"), h("span", { class: "joined" }, ...buttons));
+  const joined = h("span", { class: "joined", role: "group", "aria-label": "Step" }, ...buttons);
+  return group(h("span", { class: "muted" }, "Step"), joined);
 }
 
 function iconButton(name: IconName, label: string, help: string, act: () => void): HTMLButtonElement {

@@ -4,7 +4,7 @@ import type { History } from "./history";
 import { padded, ticks } from "./ticks";
 
 /** Colours of lines, told apart by those who do not see red and green apart, too (Okabe and Ito, 2008). */
-export const LINES = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a6fd1", "#7f7f7f"];
+export const LINES = ["#0072b2", "#d55e00", "#009e73", "#c470a0", "#b67d00", "#3a94cb", "#8a6fd1", "#7f7f7f"];
 /** Room for the numbers of the axes [px]. */
 const [LEFT, BOTTOM, TOP, RIGHT] = [52, 18, 6, 8];
 
@@ -28,7 +28,7 @@ export class Chart {
     private readonly history: History,
     private readonly redraw: () => void,
   ) {
-    this.values = lines.map(() => h("output", {}));
+    this.values = lines.map(() => h("span", { class: "value" }));
     const legend = lines.map(({ label, color }, i) =>
       h(
         "span",

@@ -11,9 +11,14 @@ export function ticks(low: number, high: number, count: number): number[] {
   return found;
 }
 
-/** A range a little wider than what it holds, never empty. */
+/** Smaller numbers, and differences of larger ones by a smaller share, are what rounding leaves. */
+const [NOTHING, ROUNDING] = [1e-12, 1e-7];
+
+/** A range a little wider than what it holds, never empty, and never one of rounding errors. */
 export function padded(low: number, high: number): [number, number] {
   if (low > high) return [0, 1];
-  const pad = 0.06 * (high - low) || 0.05 * Math.abs(low) || 1;
+  const size = Math.max(Math.abs(low), Math.abs(high));
+  if (size < NOTHING) return [-1, 1];
+  const pad = high - low > ROUNDING * size ? 0.06 * (high - low) : 0.05 * size;
   return [low - pad, high + pad];
 }

@@ -1,5 +1,7 @@
+import EngineWorker from "./engine.worker?worker&inline";
+import SocketWorker from "./socket.worker?worker&inline";
 import type { Receiver, Transport } from "./transport";
-import { sessionAddress, WebSocketTransport } from "./websocket";
+import { sessionAddress } from "./websocket";
 import { WorkerTransport } from "./worker";
 
 /**
@@ -9,6 +11,6 @@ import { WorkerTransport } from "./worker";
 export function connect(receiver: Receiver): Transport {
   const meta = document.querySelector<HTMLMetaElement>('meta[name="kinetarium-engine"]');
   return meta?.content === "websocket"
-    ? new WebSocketTransport(sessionAddress(location.href), receiver)
-    : new WorkerTransport(new URL("engine.wasm", document.baseURI).href, receiver);
+    ? new WorkerTransport(new SocketWorker(), sessionAddress(location.href), receiver)
+    : new WorkerTransport(new EngineWorker(), new URL("engine.wasm", document.baseURI).href, receiver);
 }

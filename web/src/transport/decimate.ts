@@ -1,6 +1,9 @@
+import { withSamples } from "../frame";
+
 /**
  * Passes frames on one at a time, as fast as they are drawn. One that comes while another is being drawn
  * waits, and is dropped for a newer one: a slow page sees fewer frames, none late, and always the last.
+ * What was sampled for plots it sees all.
  */
 export class Decimator {
   private free = true;
@@ -13,7 +16,7 @@ export class Decimator {
       this.free = false;
       this.pass(frame);
     } else {
-      this.waiting = frame;
+      this.waiting = this.waiting ? withSamples(this.waiting, frame) : frame;
     }
   }
 

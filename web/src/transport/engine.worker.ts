@@ -1,14 +1,9 @@
 /** The worker that the engine runs in. */
 
-import type { Command } from "../protocol";
 import { Decimator } from "./decimate";
 import { Engine } from "./engine";
 import { findCard } from "./gpu";
-
-/** From the page to the worker. */
-export type ToWorker = { load: string } | { command: Command } | { drawn: true };
-/** From the worker to the page. */
-export type FromWorker = { ready: true } | { text: string } | { binary: ArrayBuffer } | { failed: string };
+import type { FromWorker, ToWorker } from "./transport";
 
 /** Time between advances while there is nothing to do at once [ms]. */
 const TICK = 1000 / 60;
@@ -65,7 +60,7 @@ async function load(address: string): Promise<void> {
     post({ failed: `The engine did not load: ${(error as Error).message}` });
     return;
   }
-  post({ ready: true });
+  post({ connected: true });
   tick();
 }
 

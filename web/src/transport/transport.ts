@@ -20,3 +20,12 @@ export interface Transport {
   drawn(): void;
   close(): void;
 }
+
+/** From a page to the worker that holds its transport. `load` says where the engine is. */
+export type ToWorker = { load: string } | { command: Command } | { drawn: true };
+/** From that worker to the page. */
+export type FromWorker =
+  | { connected: boolean }
+  | { text: string }
+  | { binary: ArrayBuffer }
+  | { failed: string };

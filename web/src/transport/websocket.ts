@@ -1,6 +1,7 @@
 /** An engine behind a WebSocket, at `/session` of the host that serves the page. */
 
 import type { Command } from "../protocol";
+import { Decimator } from "./decimate";
 import type { Receiver, Transport } from "./transport";
 
 /** Waits before the first and the last attempts to connect again [ms]. */
@@ -21,11 +22,13 @@ export class WebSocketTransport implements Transport {
   private socket: WebSocket | null = null;
   private retry: ReturnType<typeof setTimeout> | undefined;
   private wait = FIRST_WAIT;
+  private readonly frames: Decimator;
 
   constructor(
     private readonly address: string,
     private readonly receiver: Receiver,
   ) {
+    this.frames = new Decimator((frame) => receiver.binary(frame));
     this.connect();
   }
 
@@ -33,8 +36,9 @@ export class WebSocketTransport implements Transport {
     if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(command));
   }
 
-  /** The server does not ask: frames that a connection has not taken yet are overwritten there. */
-  drawn(): void {}
+  drawn(): void {
+    this.frames.drawn();
+  }
 
   close(): void {
     clearTimeout(this.retry);
@@ -53,7 +57,7 @@ export class WebSocketTransport implements Transport {
     };
     socket.onmessage = ({ data }: MessageEvent<string | ArrayBuffer>) => {
       if (typeof data === "string") this.receiver.text(data);
-      else this.receiver.binary(data);
+      else this.frames.offer(data);
     };
     socket.onclose = () => {
       if (this.socket !== socket) return;

@@ -1,19 +1,20 @@
-/** An engine in a worker of the page: `engine.wasm` beside it. */
+/** An engine that a worker of the page has, or is connected to. */
 
 import type { Command } from "../protocol";
-import type { FromWorker, ToWorker } from "./engine.worker";
-import EngineWorker from "./engine.worker?worker&inline";
-import type { Receiver, Transport } from "./transport";
+import type { FromWorker, Receiver, ToWorker, Transport } from "./transport";
 
 export class WorkerTransport implements Transport {
-  private readonly worker = new EngineWorker();
-
-  constructor(engine: string, receiver: Receiver) {
+  /** `engine` is the address of what the worker loads. */
+  constructor(
+    private readonly worker: Worker,
+    engine: string,
+    receiver: Receiver,
+  ) {
     this.worker.onmessage = ({ data }: MessageEvent<FromWorker>) => {
       if ("text" in data) receiver.text(data.text);
       else if ("binary" in data) receiver.binary(data.binary);
       else if ("failed" in data) receiver.failed(data.failed);
-      else receiver.connected(true);
+      else receiver.connected(data.connected);
     };
     this.worker.onerror = (event) => receiver.failed(`The engine's worker failed: ${event.message}`);
     this.post({ load: engine });

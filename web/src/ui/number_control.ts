@@ -42,6 +42,8 @@ export class NumberControl {
       min: strict ? scale.min : undefined,
       max: strict ? scale.max : undefined,
       onchange: () => this.enter(),
+      // What was not taken does not stay.
+      onblur: () => this.write(),
     });
     this.element = h(
       "div",
@@ -55,13 +57,20 @@ export class NumberControl {
 
   set value(value: number) {
     this.current = value;
-    this.digits.value = written(this.spec.scale, value);
     this.slider.value = String(Math.round(toShare(this.spec.scale, value) * Number(this.slider.max)));
+    this.write();
+  }
+
+  private write(): void {
+    const digits = written(this.spec.scale, this.current);
+    this.digits.value = digits;
+    // The slider's own value is a place.
+    this.slider.ariaValueText = `${digits} ${this.spec.unit}`.trim();
   }
 
   private slide(kind: "input" | "change"): void {
     this.current = fromShare(this.spec.scale, Number(this.slider.value) / Number(this.slider.max));
-    this.digits.value = written(this.spec.scale, this.current);
+    this.write();
     this.told[kind]?.(this.current);
   }
 

@@ -7,18 +7,19 @@ const WAIT = 350;
 export function showTooltips(): void {
   const tip = h("div", { class: "tooltip", role: "tooltip", id: "tooltip", popover: "manual" });
   document.body.append(tip);
-  let over: HTMLElement | null = null;
+  /** What has the help, and what in it the help describes. */
+  let [over, described]: (HTMLElement | null)[] = [null, null];
   let timer: ReturnType<typeof setTimeout> | undefined;
 
+  /** What was pressed or left stays `over`, so that its help does not come back by itself. */
   const hide = () => {
     clearTimeout(timer);
-    over?.removeAttribute("aria-describedby");
-    over = null;
+    described?.removeAttribute("aria-describedby");
     if (tip.matches(":popover-open")) tip.hidePopover();
   };
   const show = (element: HTMLElement) => {
     tip.textContent = element.dataset.help ?? "";
-    element.setAttribute("aria-describedby", "tooltip");
+    described?.setAttribute("aria-describedby", "tooltip");
     tip.showPopover();
     const [at, size] = [element.getBoundingClientRect(), tip.getBoundingClientRect()];
     const below = at.bottom + 6 + size.height < innerHeight;
@@ -26,11 +27,13 @@ export function showTooltips(): void {
     tip.style.left = `${Math.max(8, Math.min(at.left, innerWidth - size.width - 8))}px`;
   };
   const enter = (event: Event) => {
-    const element = (event.target as Element).closest?.<HTMLElement>("[data-help]");
+    const target = event.target as HTMLElement;
+    const element = target.closest?.<HTMLElement>("[data-help]") ?? null;
     if (element === over) return;
     hide();
-    if (!element?.dataset.help) return;
     over = element;
+    if (!element?.dataset.help) return;
+    described = event.type === "focusin" ? target : element;
     timer = setTimeout(() => show(element), WAIT);
   };
 

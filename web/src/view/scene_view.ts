@@ -81,6 +81,12 @@ export class SceneView {
   get bounds(): Box3 {
     const box = new Box3();
     const [low, high] = moves(this.scene, this.measures).map((corner) => new Vector3(...corner));
+    // What is free may fall.
+    const { floor } = this;
+    const up = this.scene.up === "y" ? 1 : 2;
+    if (floor !== null && this.scene.joints.some(({ kind }) => kind === "free")) {
+      low.setComponent(up, Math.min(low.getComponent(up), floor));
+    }
     const { shifts, worlds } = this.poses;
     for (let world = 0; world < worlds; world++) {
       const shift = new Vector3().fromArray(shifts, 3 * world);

@@ -65,7 +65,7 @@ export class Stage {
 
   /** Draws; shadows are sharp within `radius` [m] of the focus. */
   render(camera: PerspectiveCamera, focus: Vector3, radius: number): void {
-    this.surroundings.follow(camera.position, focus, radius);
+    this.surroundings.follow(camera, focus, radius);
     this.renderer.render(this.scene, camera);
   }
 
@@ -84,7 +84,7 @@ export class Stage {
     renderer.clear();
     // Shadows are those of the first picture.
     renderer.shadowMap.autoUpdate = false;
-    this.surroundings.surround(camera.position);
+    this.surroundings.surround(camera);
     renderer.render(this.scene, camera);
     renderer.shadowMap.autoUpdate = true;
     renderer.setScissorTest(false);

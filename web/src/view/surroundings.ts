@@ -6,6 +6,7 @@ import {
   Group,
   Mesh,
   MeshBasicMaterial,
+  type PerspectiveCamera,
   PMREMGenerator,
   Scene,
   SphereGeometry,
@@ -71,8 +72,8 @@ export class Surroundings extends Group {
   }
 
   /** Keeps the sky about the eye, and shadows about what it looks at, sharp over `radius` [m]. */
-  follow(eye: Vector3, target: Vector3, radius: number): void {
-    this.surround(eye);
+  follow(camera: PerspectiveCamera, target: Vector3, radius: number): void {
+    this.surround(camera);
     // Steps of a quarter octave, lest shadows swim as one zooms.
     const reach = 2 ** (Math.ceil(4 * Math.log2(radius)) / 4);
     if (reach !== this.shadowRadius) this.cover(reach);
@@ -83,9 +84,10 @@ export class Surroundings extends Group {
       .add(target);
   }
 
-  /** Brings the sky about the eye. */
-  surround(eye: Vector3): void {
-    this.dome.position.copy(eye);
+  /** Brings the sky about the eye, where the camera cuts nothing of it off. */
+  surround({ position, near, far }: PerspectiveCamera): void {
+    this.dome.position.copy(position);
+    this.dome.scale.setScalar(Math.sqrt(near * far));
   }
 
   private cover(reach: number): void {

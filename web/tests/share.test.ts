@@ -1,0 +1,110 @@
+import { readFileSync } from "node:fs";
+import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import { Controls } from "../src/controls";
+import type { Notice } from "../src/notice";
+import type { Command } from "../src/protocol";
+import { Session } from "../src/session";
+import { Share } from "../src/share";
+import type { View } from "../src/view/view";
+
+const { messages } = JSON.parse(readFileSync(new URL("messages.json", import.meta.url), "utf8")) as {
+  messages: { type: string }[];
+};
+const sample = (type: string, changes = {}) =>
+  JSON.stringify({ ...messages.find((m) => m.type === type), ...changes });
+
+let sent: Command[];
+let told: string[];
+/** Tells the page that its address has changed. */
+let changed: () => void;
+
+/** A page at an address, of a session that has said nothing yet. */
+function at(hash: string): Session {
+  vi.stubGlobal("location", { hash });
+  const session = new Session(() => ({ send: (c) => sent.push(c), drawn: () => {}, close: () => {} }));
+  const view = { lookFrom: () => {}, mount: () => {} } as unknown as View;
+  const notice = { tell: (text: string) => told.push(text) } as unknown as Notice;
+  new Share(session, new Controls(session), view, notice);
+  return session;
+}
+
+/** What the engine says when the page comes to it. */
+function greet(session: Session, scene: { id: number; name?: string }): void {
+  session.text(sample("welcome"));
+  session.text(sample("scene", scene));
+}
+
+const opened = () => sent.filter(({ type }) => type === "open").length;
+const written = () => {
+  vi.advanceTimersByTime(1000);
+  return vi.mocked(history.replaceState).mock.lastCall?.[2];
+};
+
+beforeEach(() => {
+  [sent, told] = [[], []];
+  vi.useFakeTimers();
+  vi.stubGlobal("addEventListener", (_: string, listener: () => void) => {
+    changed = listener;
+  });
+  vi.stubGlobal("history", { replaceState: vi.fn() });
+});
+afterEach(() => {
+  vi.useRealTimers();
+  vi.unstubAllGlobals();
+});
+
+test("what the address says is opened, whatever the engine shows", () => {
+  const session = at("#example=pendula&replicas=2,2");
+  greet(session, { id: 7 });
+  expect(sent).toEqual([{ type: "open", example: "pendula", build: {}, physics: {} }]);
+  session.text(sample("scene", { id: 8 }));
+  expect(sent.at(-1)).toEqual({ type: "show", worlds: [2, 3] });
+});
+
+test("a page that comes back goes on, unless the engine began anew", () => {
+  const session = at("#example=pendula");
+  greet(session, { id: 7 });
+  session.text(sample("scene", { id: 8 }));
+  greet(session, { id: 8 });
+  greet(session, { id: 9, name: "of another page" });
+  expect(opened()).toBe(1);
+  session.text(sample("scene", { id: 10 }));
+  greet(session, { id: 1, name: "first" });
+  expect(opened()).toBe(2);
+});
+
+test("an example that does not exist is told, and not in the address any more", () => {
+  greet(at("#example=nothing&physics.gravity=3"), { id: 1 });
+  expect(opened()).toBe(0);
+  expect(told).toEqual(["There is no example nothing."]);
+  expect(written()).toBe("#example=pendula");
+});
+
+test("what was refused of an address is not in it any more", () => {
+  const session = at("#example=pendula&physics.gravity=1e9");
+  greet(session, { id: 1 });
+  session.text('{"type":"error","message":"no","refused":"open"}');
+  expect(sent.at(-1)).toEqual({ type: "open", example: "pendula", build: {}, physics: {} });
+  session.text(sample("scene", { id: 2 }));
+  expect(written()).toBe("#example=pendula");
+});
+
+test("a body that does not exist carries no camera", () => {
+  const session = at("#example=pendula&ride=77");
+  greet(session, { id: 1 });
+  session.text(sample("scene", { id: 2 }));
+  expect(written()).toBe("#example=pendula");
+});
+
+test("an address that changes is gone to, or says what is shown", () => {
+  const session = at("");
+  greet(session, { id: 1 });
+  location.hash = "#example=pendula";
+  changed();
+  expect(opened()).toBe(1);
+  session.text(sample("scene", { id: 2 }));
+  location.hash = "#example=nothing";
+  changed();
+  expect(opened()).toBe(1);
+  expect(written()).toBe("#example=pendula");
+});
