@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from math import dist, inf, pi
+from math import dist, hypot, inf, pi, tan
+from operator import index
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from kinetarium._engine import Model, View, looking, png
 from kinetarium.errors import RenderError
 from kinetarium.types import Vector
+
+_WHOLE = {"width": (1, 16384), "height": (1, 16384), "samples": (1, 64), "occlusion": (0, 64)}
+_VECTORS = {"focal": 2, "principal": 2, "position": 3, "orientation": 4}
 
 
 @dataclass(frozen=True)
@@ -57,9 +61,19 @@ class Camera:
     """Rays that tell how much of the sky each sample sees, 0 to 64."""
 
     def __post_init__(self) -> None:
-        for what, size in {"width": self.width, "height": self.height}.items():
-            if not 1 <= size <= 16384:
-                raise RenderError(f"the camera's {what} is {size}: it must be from 1 to 16384 pixels")
+        for what, (least, most) in _WHOLE.items():
+            number = getattr(self, what)
+            try:
+                inside = least <= index(number) <= most
+            except TypeError:
+                raise TypeError(f"the camera's {what} is {number!r}: it must be a whole number") from None
+            if not inside:
+                raise RenderError(f"the camera's {what} is {number}: it must be from {least} to {most}")
+        for what, count in _VECTORS.items():
+            numbers = getattr(self, what)
+            optional = what in ("focal", "principal")
+            if not (optional and numbers is None) and np.shape(numbers) != (count,):
+                raise RenderError(f"the camera's {what} is {numbers!r}: give {count} numbers")
         if self.principal is not None and self.focal is None:
             raise RenderError(f"the camera's principal point is {self.principal}, without focal: give both, or none")
         if isinstance(self.channels, str) or len(self.channels) == 0:
@@ -67,11 +81,14 @@ class Camera:
 
     def looking(self, eye: Vector, target: Vector, up: Vector = (0.0, 1.0, 0.0)) -> Camera:
         """The same at `eye` [m], with `target` [m] in the middle of its image and `up` upwards in it, in its body's
-        frame or in the world. Raises `RenderError` where both are the same point."""
+        frame or in the world; where the world's z is up, as in files, that is (0, 0, 1). Raises `RenderError` where
+        both are the same point."""
         if not 0 < dist(eye, target) < inf:
             raise RenderError(
                 f"the camera's eye is {eye} and its target is {target}: give two points, some way apart"
             )
+        if not 0 < hypot(*up) < inf:
+            raise RenderError(f"the camera's up is {up}: give a direction, as (0, 0, 1)")
         x, y, z, w = looking(eye, target, up)
         return replace(self, position=eye, orientation=(x, y, z, w))
 
@@ -80,6 +97,23 @@ class Camera:
         """A camera that the model's file names, of the size that it has there, or of 640 × 480. With another size, or
         other channels: `dataclasses.replace`. Raises `UnknownNameError`."""
         return cls(**model.camera(name))
+
+    @property
+    def intrinsics(self) -> NDArray[np.float64]:
+        """The calibration K [pixel], a 3 × 3 matrix. What is x to the right, y downwards and d ahead [m] is seen at
+        u, v = (K @ (x, y, d))[:2] / d, counted from the upper left corner of the image: the middle of the first pixel
+        is at (½, ½), where it is (0, 0) in OpenCV, whose cx and cy are less by ½.
+
+        >>> import kinetarium as kn
+        >>> kn.Camera(64, 48, focal=(50, 60)).intrinsics
+        array([[50.,  0., 32.],
+               [ 0., 60., 24.],
+               [ 0.,  0.,  1.]])
+        """
+        square = 0.5 * self.height / tan(0.5 * self.field_of_view)
+        fx, fy = (square, square) if self.focal is None else self.focal
+        cx, cy = (0.5 * self.width, 0.5 * self.height) if self.principal is None else self.principal
+        return np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1]], float)
 
     def _view(self, model: Model) -> View:
         return View(

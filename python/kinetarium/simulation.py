@@ -15,7 +15,7 @@ from kinetarium._engine import Engine, Model, framing, render_view, show
 from kinetarium.arrays import checked, whole
 from kinetarium.cameras import Camera, Images
 from kinetarium.controls import Controls
-from kinetarium.errors import OutOfRangeError, ShapeError, SimulationError, UnknownNameError
+from kinetarium.errors import OutOfRangeError, RenderError, ShapeError, SimulationError, UnknownNameError
 from kinetarium.names import Strict, hint
 from kinetarium.parameters import Parameters, parameter_names
 from kinetarium.sensors import Custom, Sensor, Sensors
@@ -493,6 +493,8 @@ class Simulation(Strict):
             camera = replace(self.framing(int(rows[0])), samples=2)
         elif isinstance(camera, str):
             camera = Camera.of(self.model, camera)
+        elif not isinstance(camera, Camera):
+            raise RenderError(f"the camera is {camera!r}: give a Camera, or the name of one")
         view = camera._view(self.model)
         return Images(**render_view(self._engine, self.model, view, rows))
 

@@ -126,7 +126,7 @@ pub struct Shot {
     #[arg(value_name = "FILE|EXAMPLE")]
     pub scene: PathBuf,
     /// Picture to write, as PNG.
-    #[arg(long, value_name = "FILE", default_value = "picture.png")]
+    #[arg(long, value_name = "FILE", default_value = "picture.png", value_parser = picture)]
     pub out: PathBuf,
     /// Pixels of a row, and rows.
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1280x720", value_parser = size)]
@@ -354,8 +354,23 @@ fn camera(text: &str) -> Result<Viewpoint, String> {
         Some(DVec3::from_array(numbers))
     };
     let (eye, target) = text.split_once(':').ok_or_else(wrong)?;
-    let points = point(eye).zip(point(target)).ok_or_else(wrong)?;
-    Ok(Viewpoint::Points(points.into()))
+    let (eye, target) = point(eye).zip(point(target)).ok_or_else(wrong)?;
+    let apart = eye.distance(target);
+    if apart == 0.0 || apart.is_infinite() {
+        return Err("a camera looks from one point to another: give two, some way apart".into());
+    }
+    Ok(Viewpoint::Points([eye, target]))
+}
+
+/// A file whose name does not say that it is another kind of picture.
+fn picture(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    match path.extension() {
+        Some(kind) if !kind.eq_ignore_ascii_case("png") => {
+            Err("pictures are PNG: write a name that ends in .png".into())
+        }
+        _ => Ok(path),
+    }
 }
 
 fn number(text: &str) -> Result<f64, String> {

@@ -55,6 +55,11 @@ pub enum Error {
         path: PathBuf,
         reason: std::io::Error,
     },
+    #[error("cannot write the picture {path}: {reason}; choose another with --out")]
+    Picture {
+        path: PathBuf,
+        reason: std::io::Error,
+    },
     #[error("cannot write {path}: {reason}")]
     Write {
         path: PathBuf,

@@ -7,7 +7,7 @@ use crate::view;
 use kinetarium::model::{BodyId, Pose};
 use render::{Camera, RenderError, View, ray_caster};
 use session::Stage;
-use std::fs::File;
+use std::fs::{File, OpenOptions};
 use std::io::BufWriter;
 use std::path::Path;
 
@@ -17,6 +17,7 @@ const SKY_RAYS: usize = 16;
 /// Simulates to a time and draws what is there then.
 pub fn shot(arguments: &Shot) -> Result<(), Error> {
     let stage = stage(arguments)?;
+    try_out(&arguments.out)?;
     let poses = poses(&stage, arguments.time)?;
     let scene = render::Scene::new(&stage.model)?;
     let (width, height) = arguments.size;
@@ -73,6 +74,16 @@ fn poses(stage: &Stage, time: f64) -> Result<Vec<Pose>, Error> {
 /// Most time steps before the picture.
 const MOST_STEPS: f64 = 1e9;
 
+/// Tries whether the picture can be written before the work is done, and leaves alone what is there.
+fn try_out(path: &Path) -> Result<(), Error> {
+    let opened = OpenOptions::new().append(true).create(true).open(path);
+    let failed = |reason| Error::Picture {
+        path: path.to_owned(),
+        reason,
+    };
+    opened.map(drop).map_err(failed)
+}
+
 fn write(path: &Path, rgb: &[u8], (width, height): (usize, usize)) -> Result<(), Error> {
     let written = || -> Result<(), RenderError> {
         let file = File::create(path).map_err(|e| RenderError::Picture(e.into()))?;
@@ -80,6 +91,9 @@ fn write(path: &Path, rgb: &[u8], (width, height): (usize, usize)) -> Result<(),
     };
     written().map_err(|reason| Error::Write {
         path: path.to_owned(),
-        reason: reason.into(),
+        reason: match reason {
+            RenderError::Picture(why) => why.into(),
+            other => other.into(),
+        },
     })
 }

@@ -21,12 +21,12 @@ pub fn view(arguments: View) -> Result<(), Error> {
     let (port, browser) = (arguments.port, !arguments.no_browser);
     let server = listen(arguments, port)?;
     let url = server.url();
-    print(&format!("{url}\nStop with Ctrl+C."));
+    print(&format!("{url}\nStop with Ctrl+C.\n"));
     let at = server.address();
     if at.ip().is_unspecified() {
         let host = format!("NAME:{}", at.port());
         print(&format!(
-            "From elsewhere, with this machine's name or address for NAME: {}",
+            "From elsewhere, with this machine's name or address for NAME: {}\n",
             server.url_at(&host)
         ));
     }

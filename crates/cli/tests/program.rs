@@ -337,6 +337,24 @@ fn info_tells_what_is_in_a_file() {
 }
 
 #[test]
+fn how_others_reach_the_page_is_printed() {
+    let folder = folder();
+    let mut server = std::process::Command::new(env!("CARGO_BIN_EXE_kinetarium"))
+        .args("view --no-browser --port 0 --address 0.0.0.0 --device cpu".split(' '))
+        .current_dir(&folder)
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let out = server.stdout.take().unwrap();
+    let lines: Vec<String> = BufReader::new(out).lines().take(3).flatten().collect();
+    server.kill().unwrap();
+    server.wait().unwrap();
+    let (_, token) = lines[0].split_once("/?token=").unwrap();
+    assert_eq!(lines[1], "Stop with Ctrl+C.");
+    assert!(lines[2].starts_with("From elsewhere") && lines[2].ends_with(token));
+}
+
+#[test]
 fn without_arguments_the_page_is_served_at_the_address_that_is_printed() {
     let folder = folder();
     let mut server = std::process::Command::new(env!("CARGO_BIN_EXE_kinetarium"))
@@ -722,6 +740,11 @@ fn a_shot_of_nothing_is_refused() {
         ("shot tower --size 0x9", "the camera's width is 0"),
         ("shot tower --camera 1,2,3", "write two points"),
         (
+            "shot tower --camera 1,2,3:1,2,3",
+            "give two, some way apart",
+        ),
+        ("shot tower --out tower.jpg", "ends in .png"),
+        (
             "shot tower --camera eye",
             "no camera named \"eye\"; there are none",
         ),
@@ -738,10 +761,11 @@ fn a_shot_of_nothing_is_refused() {
             .code(2)
             .stderr(contains(message));
     }
-    let mut command = kinetarium(&folder);
-    let unwritable = command.args("shot tower --size 9x9 --out none/shot.png".split_whitespace());
-    unwritable
+    // Told at once: no simulation has a billion seconds of time.
+    let options = "shot tower --time 1e6 --out none/shot.png";
+    kinetarium(&folder)
+        .args(options.split_whitespace())
         .assert()
-        .code(1)
-        .stderr(contains("none/shot.png"));
+        .code(2)
+        .stderr(contains("none/shot.png").and(contains("choose another with --out")));
 }

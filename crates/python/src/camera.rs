@@ -7,10 +7,12 @@ use crate::names::{Table, find, unknown};
 use crate::simulation::{Engine, Precise, each, slice};
 use glam::{DVec2, DVec3};
 use kinetarium::model::{BodyId, CameraMode, Pose};
-use numpy::{PyArrayMethods, PyReadonlyArray1, PyReadonlyArray3, PyUntypedArrayMethods, ToPyArray};
+use numpy::{
+    IntoPyArray, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray3, PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use render::{Camera, Channels, Images, Lens, RenderError, Scene, ray_caster};
+use render::{Camera, Channels, Images, Lens, RenderError, ray_caster};
 
 fn failed(error: RenderError) -> PyErr {
     error::raise("RenderError", error.to_string())
@@ -85,24 +87,24 @@ fn channels(names: &[String]) -> PyResult<Channels> {
 }
 
 /// Images as arrays of the shape (worlds, height, width) or (worlds, height, width, 3), by channel.
-pub fn images<'py>(py: Python<'py>, made: &Images) -> PyResult<Bound<'py, PyDict>> {
+pub fn images<'py>(py: Python<'py>, made: Images) -> PyResult<Bound<'py, PyDict>> {
     let pixels = [made.worlds, made.height, made.width];
     let colors = [made.worlds, made.height, made.width, 3];
     let found = PyDict::new(py);
-    if let Some(rgb) = &made.rgb {
-        found.set_item("rgb", rgb.to_pyarray(py).reshape(colors)?)?;
+    if let Some(rgb) = made.rgb {
+        found.set_item("rgb", rgb.into_pyarray(py).reshape(colors)?)?;
     }
-    if let Some(depth) = &made.depth {
-        found.set_item("depth", depth.to_pyarray(py).reshape(pixels)?)?;
+    if let Some(depth) = made.depth {
+        found.set_item("depth", depth.into_pyarray(py).reshape(pixels)?)?;
     }
-    if let Some(body) = &made.body {
-        found.set_item("body", body.to_pyarray(py).reshape(pixels)?)?;
+    if let Some(body) = made.body {
+        found.set_item("body", body.into_pyarray(py).reshape(pixels)?)?;
     }
-    if let Some(shape) = &made.shape {
-        found.set_item("shape", shape.to_pyarray(py).reshape(pixels)?)?;
+    if let Some(shape) = made.shape {
+        found.set_item("shape", shape.into_pyarray(py).reshape(pixels)?)?;
     }
-    if let Some(normal) = &made.normal {
-        found.set_item("normal", normal.to_pyarray(py).reshape(colors)?)?;
+    if let Some(normal) = made.normal {
+        found.set_item("normal", normal.into_pyarray(py).reshape(colors)?)?;
     }
     Ok(found)
 }
@@ -141,13 +143,12 @@ pub fn render_view<'py>(
     worlds: PyReadonlyArray1<'py, i64>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let placed = placements(py, engine.get(), worlds.as_array().to_vec().as_slice())?;
-    let model = model.get().model.clone();
+    let model = model.get();
     let made = py.detach(|| {
-        let scene = Scene::new(&model)?;
         let poses: Vec<&[Pose]> = placed.iter().map(Vec::as_slice).collect();
-        ray_caster::render(&scene, &view.0, &poses)
+        ray_caster::render(model.scene()?, &view.0, &poses)
     });
-    images(py, &made.map_err(failed)?)
+    images(py, made.map_err(failed)?)
 }
 
 /// Position [m] and orientation of a free camera that has all bodies of a world in its image.
@@ -161,8 +162,8 @@ pub fn framing(
     height: usize,
 ) -> PyResult<([f64; 3], [f64; 4], f64)> {
     let placed = placements(py, engine.get(), &[world])?;
-    let scene = Scene::new(&model.get().model).map_err(failed)?;
-    let camera = Camera::framing(&scene, &placed[0], width, height);
+    let scene = model.get().scene().map_err(failed)?;
+    let camera = Camera::framing(scene, &placed[0], width, height);
     let Lens::FieldOfView { vertical } = camera.lens else {
         let message = "a framing camera has a field of view".to_owned();
         return Err(error::raise("RenderError", message));

@@ -10,37 +10,59 @@ use kinetarium::sim::Parameter;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use render::{RenderError, Scene};
 use std::collections::HashMap;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A checked, immutable model of one world, shared by all worlds of a simulation.
 ///
 /// Made by `load`, `parse` or a `Builder`. Names index its tables: `model.body("torso")` is a row of
 /// `model.body_names`.
 #[pyclass(frozen, eq, module = "kinetarium._engine")]
-#[derive(PartialEq)]
 pub struct Model {
     pub model: Arc<model::Model>,
     warnings: Vec<String>,
+    /// What there is to see, made when it is first asked for.
+    scene: OnceLock<Scene>,
+}
+
+impl PartialEq for Model {
+    fn eq(&self, other: &Self) -> bool {
+        self.model == other.model && self.warnings == other.warnings
+    }
+}
+
+impl Model {
+    fn new(model: Arc<model::Model>, warnings: Vec<String>) -> Self {
+        let scene = OnceLock::new();
+        Self {
+            model,
+            warnings,
+            scene,
+        }
+    }
+
+    /// What there is to see of it. The files of meshes are read once, and their trees of boxes built.
+    pub fn scene(&self) -> Result<&Scene, RenderError> {
+        if let Some(scene) = self.scene.get() {
+            return Ok(scene);
+        }
+        let scene = Scene::new(&self.model)?;
+        Ok(self.scene.get_or_init(|| scene))
+    }
 }
 
 impl From<model::Model> for Model {
     fn from(model: model::Model) -> Self {
-        Self {
-            model: Arc::new(model),
-            warnings: Vec::new(),
-        }
+        Self::new(Arc::new(model), Vec::new())
     }
 }
 
 impl From<Loaded> for Model {
     fn from(loaded: Loaded) -> Self {
         let warnings = loaded.warnings.iter().map(ToString::to_string).collect();
-        Self {
-            model: Arc::new(loaded.model),
-            warnings,
-        }
+        Self::new(Arc::new(loaded.model), warnings)
     }
 }
 
@@ -359,16 +381,10 @@ impl Model {
     #[staticmethod]
     fn _from_bytes(bytes: &[u8]) -> PyResult<Self> {
         let (model, warnings): (model::Model, _) = restored(bytes)?;
-        Ok(Self {
-            model: Arc::new(model),
-            warnings,
-        })
+        Ok(Self::new(Arc::new(model), warnings))
     }
     fn __copy__(&self) -> Self {
-        Self {
-            model: self.model.clone(),
-            warnings: self.warnings.clone(),
-        }
+        Self::new(self.model.clone(), self.warnings.clone())
     }
     fn __deepcopy__(&self, _memo: &Bound<'_, PyDict>) -> Self {
         // Immutable: a copy may share it.

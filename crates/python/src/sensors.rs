@@ -407,7 +407,7 @@ impl SensorArray {
                 (reading.images, reading.time)
             }
         };
-        Ok((images(py, made)?, time.to_pyarray(py).into_any()))
+        Ok((images(py, made.clone())?, time.to_pyarray(py).into_any()))
     }
     /// What the sensors carry along, beside a snapshot of their simulation.
     fn save<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {

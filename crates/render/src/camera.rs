@@ -162,7 +162,11 @@ impl Camera {
             far,
             "above the near depth; it may be infinite",
         )?;
-        let pose = format!("{:?}", self.pose);
+        let Pose {
+            position,
+            orientation,
+        } = self.pose;
+        let pose = format!("at {position}, turned by {orientation}");
         let valid = self.pose.is_valid();
         require(
             valid,

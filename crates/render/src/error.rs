@@ -65,6 +65,19 @@ pub enum RenderError {
         /// Most pixels of all images together.
         most: usize,
     },
+    /// The images are more than there is memory for.
+    #[error(
+        "there is too little memory for {worlds} images of {width} × {height} pixels: ask for fewer worlds, \
+         smaller images or fewer channels"
+    )]
+    NoMemory {
+        /// How many worlds.
+        worlds: usize,
+        /// Pixels of a row.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
     /// The file of a mesh that is only seen cannot be read.
     #[error(
         "shape {shape} (\"{name}\") cannot be drawn: {source}; correct the path, or give the shape opacity 0"

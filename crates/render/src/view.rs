@@ -3,6 +3,7 @@
 use crate::error::{RenderError, require};
 use crate::{Camera, Scene};
 use model::Pose;
+use std::collections::TryReserveError;
 
 /// Most pixels of all images together.
 const MOST_PIXELS: usize = 1 << 31;
@@ -90,22 +91,38 @@ pub struct Images {
 }
 
 impl Images {
-    /// None yet, of those that a view asks for.
-    pub(crate) fn new(view: &View, worlds: usize) -> Self {
+    /// Room for those that a view asks for.
+    pub(crate) fn new(view: &View, worlds: usize) -> Result<Self, RenderError> {
         let (width, height) = (view.camera.width, view.camera.height);
         let pixels = worlds * width * height;
         let channels = view.channels;
-        Self {
+        let made = || -> Result<Self, TryReserveError> {
+            Ok(Self {
+                worlds,
+                width,
+                height,
+                rgb: room(channels.rgb, 3 * pixels)?,
+                depth: room(channels.depth, pixels)?,
+                body: room(channels.body, pixels)?,
+                shape: room(channels.shape, pixels)?,
+                normal: room(channels.normal, 3 * pixels)?,
+            })
+        };
+        made().map_err(|_| RenderError::NoMemory {
             worlds,
             width,
             height,
-            rgb: channels.rgb.then(|| Vec::with_capacity(3 * pixels)),
-            depth: channels.depth.then(|| Vec::with_capacity(pixels)),
-            body: channels.body.then(|| Vec::with_capacity(pixels)),
-            shape: channels.shape.then(|| Vec::with_capacity(pixels)),
-            normal: channels.normal.then(|| Vec::with_capacity(3 * pixels)),
-        }
+        })
     }
+}
+
+/// For so many numbers, if they are wanted.
+fn room<T>(wanted: bool, numbers: usize) -> Result<Option<Vec<T>>, TryReserveError> {
+    let mut image = Vec::new();
+    if wanted {
+        image.try_reserve_exact(numbers)?;
+    }
+    Ok(wanted.then_some(image))
 }
 
 impl View {
@@ -180,5 +197,17 @@ fn check_poses(world: usize, poses: &[Pose], bodies: usize) -> Result<(), Render
     match poses.iter().position(bad) {
         Some(body) => Err(RenderError::BadPose { world, body }),
         None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_there_is_no_memory_for_is_refused() {
+        let view = View::new(Camera::new(1 << 14, 1 << 14, 1.0)).with_channels(Channels::ALL);
+        let error = Images::new(&view, 1 << 32).unwrap_err().to_string();
+        assert!(error.starts_with("there is too little memory for 4294967296 images"));
     }
 }

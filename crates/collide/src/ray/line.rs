@@ -148,7 +148,7 @@ impl Line {
 
     /// x² + z² ≤ r²: as a ball, in the plane across the axis.
     fn tube(&self, r: f64) -> Option<Span> {
-        let [o, d] = [self.origin, self.direction].map(|v| DVec2::new(v.x, v.z));
+        let (o, d) = (across(self.origin), across(self.direction));
         let dd = d.length_squared();
         if dd < ALONG * ALONG {
             return (o.length_squared() <= r * r).then_some(Span {
@@ -218,7 +218,7 @@ impl Line {
     /// gradient of √(x² + z²) + k y.
     fn cone(&self, r: f64, h: f64) -> Option<Span> {
         let k = r / (2.0 * h);
-        let [p, v] = [self.origin, self.direction].map(|x| DVec2::new(x.x, x.z));
+        let (p, v) = (across(self.origin), across(self.direction));
         let (s, e) = (h - self.origin.y, -self.direction.y);
         let a = v.length_squared() - (k * e).powi(2);
         let b = p.dot(v) - k * k * s * e;
@@ -241,6 +241,11 @@ impl Line {
         };
         side.and(self.slab(1, h)?)
     }
+}
+
+/// The part across the axis y.
+fn across(v: DVec3) -> DVec2 {
+    DVec2::new(v.x, v.z)
 }
 
 /// |u + t w| ≤ 1: about the foot u − (u·w / w²) w, which the line passes at t = −u·w / w², half of the

@@ -82,7 +82,7 @@ impl Rasteriser {
                 most,
             });
         }
-        let mut images = Images::new(view, worlds.len());
+        let mut images = Images::new(view, worlds.len())?;
         for some in worlds.chunks(Grid::most_at_once(view, &self.gpu)) {
             let grid = Grid::new(view, some.len(), &self.gpu);
             let worlds = Worlds::new(&self.gpu, &self.pipelines, &self.scene, view, some);

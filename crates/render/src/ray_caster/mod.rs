@@ -47,16 +47,15 @@ pub fn render(scene: &Scene, view: &View, worlds: &[&[Pose]]) -> Result<Images, 
         .par_iter()
         .map(|poses| World::new(scene, view, poses));
     let placed: Vec<World> = placed.collect();
-    let height = view.camera.height;
-    let in_each = height.div_ceil(tile::EDGE);
-    let bands = (0..in_each * worlds.len()).into_par_iter().map(|i| {
-        let first = i % in_each * tile::EDGE;
-        Band::render(&placed[i / in_each], first..height.min(first + tile::EDGE))
-    });
-    let mut images = Images::new(view, worlds.len());
-    bands
-        .collect::<Vec<Band>>()
-        .into_iter()
-        .for_each(|band| band.append_to(&mut images));
+    let mut images = Images::new(view, worlds.len())?;
+    let (mut rest, mut bands) = (Band::all(&mut images), Vec::new());
+    for world in &placed {
+        for first in (0..view.camera.height).step_by(tile::EDGE) {
+            let rows = first..view.camera.height.min(first + tile::EDGE);
+            bands.push((world, rows.clone(), rest.split_off(world, rows.len())));
+        }
+    }
+    let bands = bands.into_par_iter();
+    bands.for_each(|(world, rows, mut band)| band.render(world, rows));
     Ok(images)
 }

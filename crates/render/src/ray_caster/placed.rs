@@ -71,7 +71,7 @@ impl<'a> Placed<'a> {
     }
 
     /// Where a ray first meets its outside: distance [m], and unit normal in the world.
-    #[inline]
+    #[inline(always)]
     pub fn meet(&self, ray: &Ray) -> Option<(f64, DVec3)> {
         if let Form::Plane = self.item.form {
             return self.meet_plane(ray);
@@ -98,6 +98,7 @@ impl<'a> Placed<'a> {
         counts.then(|| (distance, self.turn.transpose() * normal))
     }
 
+    #[inline(always)]
     fn meet_plane(&self, ray: &Ray) -> Option<(f64, DVec3)> {
         let normal = self.turn.row(1);
         let speed = ray.direction.dot(normal);

@@ -5,19 +5,21 @@ use super::sampling::within_pixel;
 use super::world::{Hit, World};
 use crate::view::Images;
 use glam::{DVec2, DVec3, Vec3};
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// Edge of a tile [pixel].
 pub(super) const EDGE: usize = 16;
+/// Numbers that a thread fills, at least.
+const FILLED_AT_ONCE: usize = 1 << 16;
 
-/// Pixels of a few rows, in all channels that are wanted.
-#[derive(Default)]
-pub(super) struct Band {
-    rgb: Vec<u8>,
-    depth: Vec<f32>,
-    body: Vec<i32>,
-    shape: Vec<i32>,
-    normal: Vec<f32>,
+/// Pixels of a few rows, in all channels that are wanted; the others are empty.
+pub(super) struct Band<'a> {
+    rgb: &'a mut [u8],
+    depth: &'a mut [f32],
+    body: &'a mut [i32],
+    shape: &'a mut [i32],
+    normal: &'a mut [f32],
 }
 
 /// A part of an image, and what may be in it.
@@ -29,42 +31,42 @@ pub(super) struct Tile<'a> {
     pub shapes: Vec<usize>,
 }
 
-impl Band {
-    pub fn render(world: &World, rows: Range<usize>) -> Self {
+impl<'a> Band<'a> {
+    /// All rows of images that have room for them: nothing is seen yet.
+    pub fn all(images: &'a mut Images) -> Self {
+        let pixels = images.worlds * images.width * images.height;
+        Self {
+            rgb: fill(&mut images.rgb, 0, 3 * pixels),
+            depth: fill(&mut images.depth, f32::INFINITY, pixels),
+            body: fill(&mut images.body, -1, pixels),
+            shape: fill(&mut images.shape, -1, pixels),
+            normal: fill(&mut images.normal, 0.0, 3 * pixels),
+        }
+    }
+
+    /// The next rows of a world, which are no longer of this one.
+    pub fn split_off(&mut self, world: &World, rows: usize) -> Self {
+        let pixels = world.view.camera.width * rows;
+        Self {
+            rgb: self.rgb.split_off_mut(..3 * pixels).unwrap_or_default(),
+            depth: self.depth.split_off_mut(..pixels).unwrap_or_default(),
+            body: self.body.split_off_mut(..pixels).unwrap_or_default(),
+            shape: self.shape.split_off_mut(..pixels).unwrap_or_default(),
+            normal: self.normal.split_off_mut(..3 * pixels).unwrap_or_default(),
+        }
+    }
+
+    /// What is seen in some rows of a world.
+    pub fn render(&mut self, world: &World, rows: Range<usize>) {
         let width = world.view.camera.width;
-        let pixels = width * rows.len();
-        let channels = world.view.channels;
-        let of = |wanted: bool, parts: usize| if wanted { parts * pixels } else { 0 };
-        let mut band = Self {
-            rgb: vec![0; of(channels.rgb, 3)],
-            depth: vec![f32::INFINITY; of(channels.depth, 1)],
-            body: vec![-1; of(channels.body, 1)],
-            shape: vec![-1; of(channels.shape, 1)],
-            normal: vec![0.0; of(channels.normal, 3)],
-        };
         let (top, bottom) = (rows.start as f64, rows.end as f64);
         let inside = |i: &usize| world.shapes[*i].low.y <= bottom && world.shapes[*i].high.y >= top;
         let shapes: Vec<usize> = (0..world.shapes.len()).filter(inside).collect();
         for left in (0..width).step_by(EDGE) {
             let columns = left..width.min(left + EDGE);
             let tile = Tile::new(world, columns, rows.clone(), &shapes);
-            band.fill(&tile, width);
+            self.fill(&tile, width);
         }
-        band
-    }
-
-    /// Appends its rows, which come next.
-    pub fn append_to(self, images: &mut Images) {
-        fn append<T>(to: &mut Option<Vec<T>>, of: Vec<T>) {
-            if let Some(to) = to {
-                to.extend(of);
-            }
-        }
-        append(&mut images.rgb, self.rgb);
-        append(&mut images.depth, self.depth);
-        append(&mut images.body, self.body);
-        append(&mut images.shape, self.shape);
-        append(&mut images.normal, self.normal);
     }
 
     fn fill(&mut self, tile: &Tile, width: usize) {
@@ -117,6 +119,17 @@ impl Band {
             normal.copy_from_slice(&hit.normal.as_vec3().to_array());
         }
     }
+}
+
+/// The numbers of an image, if it is wanted: so many, all alike.
+fn fill<T: Copy + Send + Sync>(image: &mut Option<Vec<T>>, with: T, numbers: usize) -> &mut [T] {
+    let Some(image) = image else {
+        return &mut [];
+    };
+    // By all threads: memory that is written to for the first time is slow.
+    let all = rayon::iter::repeat_n(with, numbers);
+    image.par_extend(all.with_min_len(FILLED_AT_ONCE));
+    image
 }
 
 /// A ray of a pixel and what it meets.
