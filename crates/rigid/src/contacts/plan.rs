@@ -83,6 +83,13 @@ pub(crate) struct ContactPlan {
 }
 
 impl ContactPlan {
+    /// Whether anything that does not move has another side that what moves could get to.
+    pub(crate) fn has_thin(&self, model: &Model) -> bool {
+        let plane = |s: &ShapeId| matches!(model.shapes[s.0].geometry, Geometry::Plane { .. });
+        let thin = |pair: &Pair| pair.list() == found::FIXED && !pair.shapes.iter().any(plane);
+        self.pairs.iter().any(thin)
+    }
+
     /// No contacts.
     pub(crate) fn empty() -> Self {
         Self {

@@ -3,7 +3,7 @@
 use super::plan::ContactPlan;
 use crate::SolverError;
 use crate::lists::Lists;
-use crate::tables::Filler;
+use crate::tables::{Filler, UNBOUNDED};
 use collide::mesh::MeshTables;
 use collide::{Route, kind};
 use glam::DVec3;
@@ -57,7 +57,9 @@ pub(crate) mod pair_field {
     /// Torsional friction coefficient [m].
     pub const TORSION: usize = 7;
     // Rolling friction coefficient [m] follows.
-    pub const WIDTH: usize = 9;
+    /// Approach [m/s] beyond which the spring would let the shapes through each other.
+    pub const FASTEST: usize = 9;
+    pub const WIDTH: usize = 10;
 }
 
 /// Fields of [`ContactTables::pair_links`].
@@ -197,6 +199,24 @@ impl Solid {
     }
 }
 
+/// Share of the way through each other that two shapes of a list may go while a spring stops them. Limbs that strike each
+/// other may go farther than what flies into a wall.
+fn passable(list: usize) -> f64 {
+    if list == found::FIXED { 0.25 } else { 1.0 }
+}
+
+/// The approach [m/s] that a spring k stops on the way on which two shapes pass through each other, which is half of what
+/// both are thin. Critically damped, it lets a mass m that comes with v in by v / (e ω), where ω² = k / m.
+fn fastest(shapes: [&Shape; 2], stiffness: f64, mass: f64) -> f64 {
+    let half = |geometry: &Geometry| geometry.half_extents();
+    let [a, b] = shapes.map(|shape| match &shape.geometry {
+        // The middle of a cone is not where it is thick.
+        cone @ Geometry::Cone { .. } => half(cone).map_or(0.0, |h| 0.5 * h.min_element()),
+        other => half(other).map_or(f64::INFINITY, DVec3::min_element),
+    });
+    ((a + b) * std::f64::consts::E * (stiffness / mass).sqrt()).min(UNBOUNDED)
+}
+
 impl ContactTables {
     /// How many pairs there are.
     pub(crate) fn pairs(&self) -> usize {
@@ -295,6 +315,7 @@ impl ContactTables {
             );
             f.link(self.pair_links, row, pair_link::LIST, pair.list());
             let material = model.contact_material(pair.shapes[0], pair.shapes[1]);
+            let shapes = pair.shapes.map(|s| &model.shapes[s.0]);
             let (stiffness, damping) = material.softness.spring(pair.mass);
             let numbers = [
                 material.friction,
@@ -306,6 +327,7 @@ impl ContactTables {
                 material.margin,
                 material.torsional_friction,
                 material.rolling_friction,
+                passable(pair.list()) * fastest(shapes, stiffness, pair.mass),
             ];
             f.numbers(self.pair, row, 0, &numbers);
         }

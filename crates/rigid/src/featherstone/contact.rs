@@ -23,7 +23,9 @@
 //! of the step's way that is beyond it, φ + h uₙ', and m' on the change of speed as ever:
 //! u* = (m' / h uₙ − (h k + θ d) φ / h) / cₙ, at most −φ / h. Without m' that reaches the surface
 //! exactly; with it, a fall is not stopped there at once by a law that yields for several steps. A bounce
-//! has u* = −e uₙ and [`HARD`] m / h for cₙ.
+//! has u* = −e uₙ and [`HARD`] m / h for cₙ. So has what comes too fast for the spring to stop it before it is
+//! through, with u* = 0 at the surface. What overlaps has u* ≤ [`PUSH_OUT`], or more by and by where that does not bear
+//! the load: what begins deep inside is not shot out.
 //!
 //! Friction: cₜ = μ fₙ / |uₜ'|, at most [`STICK`] m / h, where the point sticks; the same for both
 //! tangents, so that friction opposes the motion exactly. Which points press, and how much they
@@ -39,8 +41,8 @@
 
 use super::gauss_seidel;
 use super::limit::late_damping;
-use super::tables::{Tables, frame, step};
-use crate::contacts::{Places, found, sense, slot, slot_link, touches};
+use super::tables::{Tables, frame, node, step};
+use crate::contacts::{PUSH_OUT, Places, found, sense, slot, slot_link, touches};
 use numbers::spatial::{Inertia, Spatial};
 use numbers::{Cell, Machine, Pose, Real, SymMat3, Vec3};
 
@@ -54,6 +56,8 @@ const RESTING: f64 = 2.0;
 const EXCESS: f64 = 0.02;
 /// Pull that may stand where passes run out, in weights of the mass that the contact moves.
 const PULL: f64 = 10.0;
+/// By how much a force may grow from step to step where the spring would push out faster than [`PUSH_OUT`].
+const GROWTH: f64 = 1.5;
 /// Speed [m/s] below which a division by it is no use.
 const STILL: f64 = 1e-9;
 
@@ -82,12 +86,15 @@ pub(crate) mod law {
     /// e.
     pub const RESTITUTION: usize = 3;
     // k, then cₙ and its reciprocal, m' / h, m' / h − (1 − θ) d, and cₙ of a bounce follow.
-    pub const WIDTH: usize = 10;
+    /// The fastest approach [m/s] that k stops.
+    pub const FASTEST: usize = 10;
+    pub const WIDTH: usize = 11;
 }
 
 /// The fields of [`law`], of a row of the contacts' pairs from [`pair_field::FRICTION`] on.
 pub(crate) fn law_over(
     [friction, restitution, k, d, mass, added]: [f64; 6],
+    fastest: f64,
     h: f64,
 ) -> [f64; law::WIDTH] {
     let (late, inertia) = (late_damping(d, added, h), added / h);
@@ -106,6 +113,7 @@ pub(crate) fn law_over(
         inertia,
         kept,
         hard,
+        fastest,
     ]
 }
 
@@ -162,19 +170,22 @@ fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
     let (zero, one) = (M::R::zero(), M::R::one());
     let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
     let node = k.link(t.contacts.slot_links, s, slot_link::MOVER);
-    let (x, n) = (
-        k.vec3(t.contacts.slot, s, slot::POSITION),
-        k.vec3(t.contacts.slot, s, slot::NORMAL),
-    );
+    let n = k.vec3(t.contacts.slot, s, slot::NORMAL);
     let gravity = k.vec3(t.world, k.index(0), 0);
+    if t.thin {
+        center(k, t, s, k.load(t.law, pair, law::FASTEST));
+    }
+    let x = k.vec3(t.contacts.slot, s, slot::POSITION);
     let v = at(k.spatial(t.frame, node, frame::TWIST), x);
     let a = at(k.spatial(t.frame, node, frame::BIAS), x) + gravity;
     let u0 = a.fma(h, v);
     let (speed, u0_n) = (n.dot(v), n.dot(u0));
 
-    let (target, c) = impedance(k, t, pair, distance, speed, h);
     let known = t.kept.known(k, s);
-    let pressed = n.dot(t.kept.force(k, s)).gt(zero);
+    let borne = n.dot(t.kept.force(k, s));
+    let pressed = borne.gt(zero);
+    let borne = M::R::select(known, borne, zero);
+    let (target, c) = impedance(k, t, pair, distance, speed, borne, h);
     let reaches = u0_n.lt(target);
     let on = M::R::select(near & ((known & pressed) | (!known & reaches)), one, zero);
     k.store_vec3(t.load, s, load::VELOCITY_0, u0);
@@ -183,7 +194,27 @@ fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
     press(k, t, s, on, c, grip);
 }
 
-/// u* and cₙ of a point that comes with `speed` [m/s] along the normal.
+/// What is too fast would, stopped at a corner, turn past it within the step: so it is stopped before its centre of mass.
+#[inline(always)]
+fn center<M: Machine>(k: &mut M, t: &Tables, s: M::I, fastest: M::R) {
+    let node = k.link(t.contacts.slot_links, s, slot_link::MOVER);
+    let (x, n) = (
+        k.vec3(t.contacts.slot, s, slot::POSITION),
+        k.vec3(t.contacts.slot, s, slot::NORMAL),
+    );
+    let motion = k.spatial(t.frame, node, frame::TWIST);
+    let fast = n.dot(at(motion, x)).lt(-fastest);
+    if let Some(_branch) = k.if_any(fast) {
+        let place = k.pose(t.frame, node, frame::PLACE);
+        let c = place.point(k.vec3(t.node, node, node::CENTER));
+        let flies = fast & n.dot(at(motion, c)).lt(-fastest);
+        let before = n.fma(n.dot(x - c), c);
+        let stopped = Vec3::select(flies, before, x);
+        k.store_vec3(t.contacts.slot, s, slot::POSITION, stopped);
+    }
+}
+
+/// u* and cₙ of a point that comes with `speed` [m/s] along the normal, and bore a force [N] in the step before.
 #[inline(always)]
 pub(crate) fn impedance<M: Machine>(
     k: &M,
@@ -191,11 +222,20 @@ pub(crate) fn impedance<M: Machine>(
     pair: M::I,
     distance: M::R,
     speed: M::R,
+    borne: M::R,
     h: M::R,
 ) -> (M::R, M::R) {
     let zero = M::R::zero();
-    let [restitution, stiffness, c, softness, inertia, kept, hard] =
-        k.read(t.law, pair, law::RESTITUTION);
+    let [
+        restitution,
+        stiffness,
+        c,
+        softness,
+        inertia,
+        kept,
+        hard,
+        fastest,
+    ] = k.read(t.law, pair, law::RESTITUTION);
     let gravity = k.vec3(t.world, k.index(0), 0);
     let (beyond, reach) = (distance.gt(zero), -(distance * rate(k, t)));
     let within = stiffness.fnma(distance, kept * speed);
@@ -203,10 +243,14 @@ pub(crate) fn impedance<M: Machine>(
     let target = M::R::select(beyond, enters, within) * softness;
     let target = M::R::select(beyond, target.min(reach), target);
     let slow = gravity.length() * h * M::R::lit(-RESTING);
-    let bounces = restitution.gt(zero) & speed.lt(slow) & h.fma(speed, distance).lt(zero);
+    let strikes = h.fma(speed, distance).lt(zero);
+    let bounces = restitution.gt(zero) & speed.lt(slow) & strikes;
+    let stops = speed.lt(-fastest) & strikes;
+    let push_out = (borne * softness * M::R::lit(GROWTH)).max(M::R::lit(PUSH_OUT));
+    let target = M::R::select(stops, reach.min(zero), target.min(push_out));
     (
         M::R::select(bounces, -(restitution * speed), target),
-        M::R::select(bounces, hard, c),
+        M::R::select(bounces | stops, hard, c),
     )
 }
 

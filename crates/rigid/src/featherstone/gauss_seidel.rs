@@ -198,14 +198,15 @@ fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) -> M::R {
     let now = moves(k, t, couple_link::NODE_B, couple, x, h);
     let other = moves(k, t, couple_link::NODE_A, couple, x_a, h);
     let (speed, u) = (e.x.dot(now.0 - other.0), e.transpose_mul(now.1 - other.1));
-    let (target, c) = impedance(k, t, pair, distance, speed, h);
+    let borne = kept(k, t, s);
+    let (target, c) = impedance(k, t, pair, distance, speed, e.x.dot(borne), h);
     let known = [u.x, u.y, u.z, target, (h * c).recip()];
     k.write(t.impulse, s, impulse::VELOCITY, known);
 
     let half = distance * M::R::lit(-0.5) * rate(k, t);
     let almost = k.vec3(t.world, k.index(0), 0).length() * h * M::R::lit(ALMOST);
     let meets = u.x.lt(target.max(half) + almost);
-    let pressed = kept(k, t, s).length_squared().gt(M::R::zero());
+    let pressed = borne.length_squared().gt(M::R::zero());
     let on = (meets | pressed) & t.contacts.near(k, s);
     let on = M::R::select(on, M::R::one(), M::R::zero());
     k.store(t.takes_part, s, 0, on);

@@ -227,6 +227,8 @@ pub struct Tables {
     /// Per degree of freedom: see [`dof`].
     pub(crate) dof: Table<Scratch, { dof::WIDTH }>,
     pub(crate) contacts: ContactTables,
+    /// Whether anything that does not move could be got through.
+    pub(crate) thin: bool,
     /// Passes over the contacts.
     pub(crate) passes: usize,
     /// Passes of projected Gauss–Seidel.
@@ -813,7 +815,8 @@ impl Tables {
         for pair in 0..self.contacts.pairs() {
             let from = self.contacts.pair.at(pair, pair_field::FRICTION);
             let numbers = f.parameters[from..].first_chunk().expect("a row of a pair");
-            f.numbers(self.law, pair, 0, &law_over(*numbers, h));
+            let fastest = f.parameters[self.contacts.pair.at(pair, pair_field::FASTEST)];
+            f.numbers(self.law, pair, 0, &law_over(*numbers, fastest, h));
         }
     }
 
@@ -872,6 +875,7 @@ impl Tables {
             motions,
             bodies,
             contacts,
+            thin: plan.has_thin(model),
             passes: if contacts.sensed > 0 {
                 settings.contact_passes
             } else {

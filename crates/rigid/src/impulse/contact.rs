@@ -248,12 +248,12 @@ pub fn prepare<M: Machine>(k: &mut M, t: &ContactTables) {
     k.store_sym(t.manifold, only, manifold::INVERSE_INERTIA + 6, inertia[1]);
     k.write(t.manifold, only, manifold::LAST, [M::R::zero(); 6]);
     let middle = middle(k, t);
+    let normal = k.vec3(t.manifold, only, manifold::NORMAL);
     let response = Response {
         masses: masses[0] + masses[1],
         inertia,
-        arms: arms_of(k, t, middle),
+        arms: stopping_arms(k, t, normal, arms_of(k, t, middle)),
     };
-    let normal = k.vec3(t.manifold, only, manifold::NORMAL);
     friction::prepare(k, t, normal, response);
     prepare_points(k, t, response, middle);
 }
@@ -283,6 +283,31 @@ fn arms_of<M: Machine>(k: &M, t: &ContactTables, at: Vec3<M::R>) -> [Vec3<M::R>;
     ]
 }
 
+/// Arms of a point; of what is too fast, those of the foot of the lighter one's centre of mass. Stopped at a corner it
+/// would turn past it within the step.
+#[inline(always)]
+fn stopping_arms<M: Machine>(
+    k: &M,
+    t: &ContactTables,
+    normal: Vec3<M::R>,
+    arms: [Vec3<M::R>; 2],
+) -> [Vec3<M::R>; 2] {
+    let (a, b) = (k.index(0), k.index(1));
+    let u = motion(k, t, b).linear - motion(k, t, a).linear;
+    let only = k.index(0);
+    let time = k.load(t.global, only, global::STEP) * k.load(t.global, only, global::STEPS);
+    let thickness = k.load(t.manifold, only, manifold::THICKNESS);
+    let fast = normal.dot(u).fma(time, thickness).lt(M::R::zero());
+    let [mass_a, mass_b] = [
+        k.load(t.body, a, row::INVERSE_MASS),
+        k.load(t.body, b, row::INVERSE_MASS),
+    ];
+    let lighter = Vec3::select(mass_b.ge(mass_a), arms[1], arms[0]);
+    let aside = normal.fma(-normal.dot(lighter), lighter);
+    let aside = Vec3::select(fast, aside, Vec3::zero());
+    [arms[0] - aside, arms[1] - aside]
+}
+
 #[inline(always)]
 fn prepare_points<M: Machine>(
     k: &mut M,
@@ -301,7 +326,7 @@ fn prepare_points<M: Machine>(
     let motions = [motion(k, t, only), motion(k, t, k.index(1))];
     for i in k.range(only, k.link(t.points, only, 0)) {
         let at = k.vec3(t.point, i, point::ARM_A);
-        let arms = arms_of(k, t, at);
+        let arms = stopping_arms(k, t, normal, arms_of(k, t, at));
         let response = Response { arms, ..at_middle };
         let compliance = normal.dot(response.to(normal)).max(tiny);
         let hardest = fastest / compliance;

@@ -4,8 +4,8 @@ use super::joint::{Ties, inner_frames, is_bare};
 use super::pair::solid;
 use super::tables::{POINTS, global, mass};
 use super::{memory, surface};
-use crate::contacts::Corners;
 use crate::contacts::tables::Solid;
+use crate::contacts::{Corners, PUSH_OUT};
 use crate::input::InputTables;
 use crate::output::body;
 use crate::tables::{Filler, UNBOUNDED};
@@ -24,9 +24,6 @@ pub(super) const NAME: &str = "impulse";
 
 /// Row of what does not move.
 pub const WORLD: u32 = 0;
-
-/// Fastest separation of surfaces that overlap [m/s].
-const PUSH_OUT: f64 = 3.0;
 
 /// What meets no faster than it falls in so many steps does not bounce.
 const RESTING: f64 = 2.0;
@@ -460,6 +457,14 @@ impl Impulse {
     /// The radius of the ball about its centre that holds a colliding shape [m].
     pub fn radius_of<T: Float>(&self, shape: usize, parameters: &[T]) -> T {
         self.solid_of(shape, parameters)[solid::RADIUS]
+    }
+    /// The way [m] on which two colliding shapes get through each other: half of what both are thin.
+    pub fn thickness<T: Float>(&self, shapes: [u32; 2], parameters: &[T]) -> T {
+        let [a, b] = shapes.map(|s| {
+            let half = &self.solid_of(s as usize, parameters)[solid::EXTENT..][..3];
+            half.iter().fold(T::from_f64(UNBOUNDED), |x, y| x.min(*y))
+        });
+        a + b
     }
     /// The corners of a colliding shape about its centre [m], three numbers each.
     pub fn corners_of<'a, T>(&self, shape: usize, parameters: &'a [T]) -> &'a [T] {

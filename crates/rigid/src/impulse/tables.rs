@@ -103,8 +103,10 @@ pub mod manifold {
     /// How far B had moved against A [m] when surfaces were last pushed apart, 3; and the impulse [N·s]
     /// of all points then, 3.
     pub const LAST: usize = 39;
+    /// Way [m] on which the shapes get through each other.
+    pub const THICKNESS: usize = 45;
     /// Numbers in a row.
-    pub const WIDTH: usize = 45;
+    pub const WIDTH: usize = 46;
 }
 
 /// Fields of a point of a contact.

@@ -30,6 +30,9 @@
 //! uₙ = −e uₙ⁻ (Müller et al. 2020, §3.6). As the height of the substep's way is lost, no bounce
 //! gains energy.
 //!
+//! What comes too fast for the spring to stop it before it is through is stopped as if it were rigid, and what overlaps
+//! is pushed out no faster than with [`PUSH_OUT`].
+//!
 //! Warm start: where the same features rest on each other, λ starts at that of the last substep.
 //! Carried over, it and the sinking x are a resonator where sweeps settle only a share r of an
 //! error: s² x = l, (s + r (1 + 1/(w g))) l = −r (s + 1 − β) x decays exactly if
@@ -42,7 +45,7 @@
 use super::body::{Solid, arms, inverse_inertias};
 use super::joint::arm_inertia;
 use super::tables::{Tables, global, mass};
-use crate::contacts::{Places, found, pair_field, sense, slot, slot_link};
+use crate::contacts::{PUSH_OUT, Places, found, pair_field, sense, slot, slot_link};
 use numbers::spatial::Spatial;
 use numbers::{Machine, Pose, Real, SymMat3, Vec3};
 
@@ -243,13 +246,20 @@ fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
     let (x, n) = (Vec3::new(x, y, z), Vec3::new(l, m, n));
     let arm_a = x - k.vec3(t.saved_pose, rows[0], 0);
     let arm_b = x - k.vec3(t.saved_pose, rows[1], 0);
-    k.store_vec3(t.touching, s, touching::ARMS, arm_a);
-    k.store_vec3(t.touching, s, touching::ARMS + 3, arm_b);
     let (a, b) = (
         k.spatial(t.before, rows[0], 0),
         k.spatial(t.before, rows[1], 0),
     );
     let speed = n.dot(at(b, arm_b) - at(a, arm_a));
+    let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
+    let fastest = k.load(t.contacts.pair, pair, pair_field::FASTEST);
+    // Stopped at a corner, it would turn past it within the step: so it is stopped before its centre of mass.
+    let flies = n.dot(b.linear - a.linear).lt(-fastest);
+    let aside = n.fma(-n.dot(arm_b), arm_b);
+    let aside = Vec3::select(flies, aside, Vec3::zero());
+    let (arm_a, arm_b) = (arm_a - aside, arm_b - aside);
+    k.store_vec3(t.touching, s, touching::ARMS, arm_a);
+    k.store_vec3(t.touching, s, touching::ARMS + 3, arm_b);
     let sides = Sides {
         a: Side::load(k, t, rows[0], arm_a),
         b: Side::load(k, t, rows[1], arm_b),
@@ -288,15 +298,19 @@ fn law<M: Machine>(
     let [_, restitution, stiffness, damping, _, added] =
         k.read(t.contacts.pair, pair, pair_field::FRICTION);
     let bounces = restitution.gt(zero) & speed.lt(-slow(k, t, h));
+    let fastest = k.load(t.contacts.pair, pair, pair_field::FASTEST);
+    let rigid = bounces | speed.lt(-fastest);
     let spring = h.squared() * stiffness;
     let least = spring * M::R::lit(1.0 / SETTLED) - along.max(tiny).recip();
     let g = (h.fma(damping, spring) + added).max(least).max(tiny);
-    let share = M::R::select(bounces, one, (g - spring) / g);
-    let softness = M::R::select(bounces, zero, g.recip());
-    let inert = (distance.lt(zero)) & !bounces;
+    let share = M::R::select(rigid, one, (g - spring) / g);
+    let inert = (distance.lt(zero)) & !rigid;
     let inertia = M::R::select(inert, added * h * speed / g, zero);
+    let gap = distance - share.fma(distance.min(zero), inertia);
+    let pushed = h * M::R::lit(-PUSH_OUT);
+    let softness = M::R::select(rigid | gap.lt(pushed), zero, g.recip());
     [
-        distance - share.fma(distance.min(zero), inertia),
+        gap.max(pushed),
         softness,
         (along + softness).max(tiny).recip(),
         across.max(tiny).recip(),

@@ -13,9 +13,9 @@ pub(super) const BALLS: Example = Example {
             height it fell from, and the last one bounces for ever. Plot the heights and measure.",
     build: no_fields,
     make: |_| {
-        let heights = ["e_0 height", "e_0.5 height", "e_0.75 height", "e_1 height"];
+        let heights = ["0", "0.25", "0.5", "0.75", "1"].map(|e| format!("e_{e} height"));
         Ok(Stage {
-            plots: heights.map(str::to_owned).to_vec(),
+            plots: heights.to_vec(),
             ..Stage::new(examples::balls()?)
         })
     },

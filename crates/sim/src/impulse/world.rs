@@ -11,6 +11,7 @@ use super::sleep::Sleep;
 use super::solve::Solver;
 use super::{Kept, Piles};
 use crate::jobs::Lane;
+use collide::kind;
 use numbers::Float;
 use rayon::prelude::*;
 use rigid::impulse::pair::{Placed, placed};
@@ -95,9 +96,10 @@ impl<T: Float> World<'_, T> {
         }
     }
 
-    /// Into how many parts a step is cut: bodies that joints hold may turn by no more than [`TURN`] in
-    /// each, since their inertia is that of when it began. A chain that cracks like a whip flew apart at
-    /// a third of a radian.
+    /// Into how many parts a step is cut. Bodies that joints hold may turn by no more than [`TURN`] in
+    /// each, since their inertia is that of when it began: a chain that cracks like a whip flew apart at
+    /// a third of a radian. Others that are no balls may turn by no more than [`FREE_TURN`], since their arms are those of
+    /// then: a rod would be stopped by what it does not reach, and a plank turn past a wall.
     fn parts_of(&self, state: &[T]) -> usize {
         let impulse = self.impulse();
         let spin = |row: u32| {
@@ -105,8 +107,17 @@ impl<T: Float> World<'_, T> {
             let squares = state[at..at + 3].iter().map(|x| x.to_f64().powi(2));
             squares.sum::<f64>()
         };
-        let spins = self.joints().map(|(_, [a, b])| spin(a).max(spin(b)));
-        let turn = spins.fold(0.0, f64::max).sqrt() * self.length();
+        let held = self.joints().map(|(_, [a, b])| spin(a).max(spin(b)));
+        let held = held.fold(0.0, f64::max).sqrt();
+        let angular = impulse
+            .shapes()
+            .iter()
+            .filter(|s| s.kind != kind::SPHERE && s.row != WORLD);
+        let free = angular
+            .map(|shape| spin(shape.row))
+            .fold(0.0, f64::max)
+            .sqrt();
+        let turn = held.max(free * (TURN / FREE_TURN)) * self.length();
         let steps = self.small_steps();
         let divides = |parts: &usize| steps.is_multiple_of(*parts);
         let short = |parts: &usize| turn <= TURN * *parts as f64;
@@ -444,6 +455,8 @@ impl<T: Float> World<'_, T> {
 
 /// Longest turn [rad] of a body that joints hold, while its inertia is taken not to turn.
 const TURN: f64 = 0.125;
+/// Longest turn [rad] of other bodies, while their arms are taken not to turn.
+const FREE_TURN: f64 = 0.5;
 /// Nothing is farther from the origin [m].
 const FARTHEST: f64 = 1e9;
 /// Parts of a list for each thread.
