@@ -1,6 +1,6 @@
 //! Engines that step the same scene in turns.
 
-use crate::engine::{Engine, Outcome};
+use crate::engine::{Engine, OURS, Outcome};
 use crate::ours::ours;
 use crate::peer::Peer;
 use kinetarium::prelude::*;
@@ -14,6 +14,8 @@ pub const ROUND: usize = 50;
 pub const DROP_AT: usize = 500;
 /// Rounds until then.
 pub const FEWEST_ROUNDS: usize = (DROP_AT - LEAD) / ROUND;
+/// Steps after which solids lie still in any bowl.
+pub const REST_AT: usize = 800;
 
 /// What one engine did.
 #[derive(Debug)]
@@ -89,6 +91,25 @@ impl Contest {
         let engines = self.engines.iter_mut();
         engines.map(|engine| act(engine.as_mut())).collect()
     }
+}
+
+/// Our time for a step of a scene in which all has come to rest.
+pub fn at_rest(model: &Model, threads: usize, rounds: usize, steps: usize) -> Outcome<Measured> {
+    let mut engine = ours(model, threads)?;
+    Engine::step(&mut engine, REST_AT);
+    let mut seconds = Vec::new();
+    for _ in 0..rounds {
+        let begin = Instant::now();
+        Engine::step(&mut engine, steps);
+        seconds.push(begin.elapsed().as_secs_f64());
+    }
+    engine.check()?;
+    Ok(Measured {
+        engine: OURS,
+        seconds_per_step: median(&mut seconds) / steps as f64,
+        drop: None,
+        points: engine.points(),
+    })
 }
 
 fn heights(engine: &mut dyn Engine, bodies: &[BodyId]) -> Vec<f64> {

@@ -40,7 +40,7 @@ fn run(arguments: &[String]) -> Outcome<()> {
         rounds,
         only_rapier,
     } = Wishes::read(arguments)?;
-    let mut rows = Vec::new();
+    let (mut rows, mut rows_at_rest) = (Vec::new(), Vec::new());
     for scene in scenes {
         for threads in [1, 2] {
             eprintln!("{} on {threads} threads", scene.name);
@@ -48,6 +48,10 @@ fn run(arguments: &[String]) -> Outcome<()> {
             let mut contest = Contest::new(&model, threads, only_rapier)?;
             let results = contest.run(rounds, scene.steps, &scene.tops(&model)?)?;
             rows.extend(table::rows(scene, threads, &results));
+            if scene.rests && !only_rapier {
+                let measured = contest::at_rest(&model, threads, rounds, scene.steps)?;
+                rows_at_rest.push(table::row_at_rest(scene, threads, &measured));
+            }
         }
     }
     println!("{}", table::heading());
@@ -55,6 +59,11 @@ fn run(arguments: &[String]) -> Outcome<()> {
         println!("{row}");
     }
     println!("\n{}", table::conditions(rounds));
+    if !rows_at_rest.is_empty() {
+        println!("\n{}", table::heading_at_rest());
+        println!("{}", rows_at_rest.join("\n"));
+        println!("\n{}", table::conditions_at_rest());
+    }
     Ok(())
 }
 

@@ -17,6 +17,8 @@ pub struct Scene {
     pub make: fn() -> Result<Model, ModelError>,
     /// Of a round.
     pub steps: usize,
+    /// Whether it is measured at rest, too.
+    pub rests: bool,
     tops: Tops,
 }
 
@@ -32,36 +34,42 @@ pub static SCENES: [Scene; 6] = [
         name: "100 towers of 10 boxes",
         make: || examples::towers(TOWERS, TOWER_BOXES),
         steps: ROUND,
+        rests: false,
         tops: Tops::Towers,
     },
     Scene {
         name: "pyramid of 1015 boxes",
         make: || examples::square_pyramid(LAYERS),
         steps: ROUND,
+        rests: false,
         tops: Tops::Pyramid,
     },
     Scene {
         name: "bowl of 100 solids",
         make: || examples::bowl(100),
         steps: ROUND,
+        rests: true,
         tops: Tops::None,
     },
     Scene {
         name: "bowl of 1000 solids",
         make: || examples::bowl(1000),
         steps: ROUND,
+        rests: true,
         tops: Tops::None,
     },
     Scene {
         name: "bowl of 10 000 solids",
         make: || examples::bowl(10_000),
         steps: 10,
+        rests: true,
         tops: Tops::None,
     },
     Scene {
         name: "1000 solids on 3872 triangles",
         make: || bumps(1000),
         steps: ROUND,
+        rests: false,
         tops: Tops::None,
     },
 ];

@@ -1,6 +1,6 @@
 //! The results in Markdown.
 
-use crate::contest::{DROP_AT, LEAD, Measured, ROUND};
+use crate::contest::{DROP_AT, LEAD, Measured, REST_AT, ROUND};
 use crate::engine::{OURS, TIME_STEP};
 use crate::scene::Scene;
 use rapier3d::prelude::IntegrationParameters;
@@ -37,6 +37,26 @@ pub fn rows(scene: &Scene, threads: usize, results: &[Measured]) -> Vec<String> 
         ));
     }
     rows
+}
+
+pub fn heading_at_rest() -> &'static str {
+    "| at rest | threads | ms/step | points | ns/point |\n\
+     |---|--:|--:|--:|--:|"
+}
+
+/// Our row of a scene at rest.
+pub fn row_at_rest(scene: &Scene, threads: usize, measured: &Measured) -> String {
+    let (seconds, points) = (measured.seconds_per_step, measured.points.unwrap_or(0));
+    format!(
+        "| {} | {threads} | {:.3} | {points} | {:.0} |",
+        scene.name,
+        1e3 * seconds,
+        1e9 * seconds / points as f64,
+    )
+}
+
+pub fn conditions_at_rest() -> String {
+    format!("The same after {REST_AT} steps, Kinetarium alone.")
 }
 
 fn millimetres(metres: f64) -> String {
@@ -99,6 +119,10 @@ mod tests {
         assert_eq!(
             rows[1],
             format!("| {scene} | Rapier | 2 | 2.000 | 0.50 | 10.00 | 10.50 |  |  |")
+        );
+        assert_eq!(
+            row_at_rest(&SCENES[0], 2, &of(OURS, 0.001)),
+            format!("| {scene} | 2 | 1.000 | 2000 | 500 |")
         );
     }
 }
