@@ -50,8 +50,9 @@ export class Share {
     session.on("error", () => {
       this.opening = null;
     });
-    addEventListener("hashchange", () => {
-      this.address = parseAddress(location.hash);
+    addEventListener("hashchange", ({ newURL }) => {
+      // The address itself may have been written anew since, before this event came.
+      this.address = parseAddress(new URL(newURL).hash);
       // What names no example is about the scene that is shown.
       if (!this.open() && session.scene) this.scene(session.scene);
     });

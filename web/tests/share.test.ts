@@ -16,7 +16,7 @@ const sample = (type: string, changes = {}) =>
 let sent: Command[];
 let told: string[];
 /** Tells the page that its address has changed. */
-let changed: () => void;
+let changed: (event: { newURL: string }) => void;
 
 /** A page at an address, of a session that has said nothing yet. */
 function at(hash: string): Session {
@@ -26,6 +26,11 @@ function at(hash: string): Session {
   const notice = { tell: (text: string) => told.push(text) } as unknown as Notice;
   new Share(session, new Controls(session), view, notice);
   return session;
+}
+
+function goTo(hash: string): void {
+  location.hash = hash;
+  changed({ newURL: `http://page/${hash}` });
 }
 
 /** What the engine says when the page comes to it. */
@@ -43,7 +48,7 @@ const written = () => {
 beforeEach(() => {
   [sent, told] = [[], []];
   vi.useFakeTimers();
-  vi.stubGlobal("addEventListener", (_: string, listener: () => void) => {
+  vi.stubGlobal("addEventListener", (_: string, listener: typeof changed) => {
     changed = listener;
   });
   vi.stubGlobal("history", { replaceState: vi.fn() });
@@ -99,12 +104,20 @@ test("a body that does not exist carries no camera", () => {
 test("an address that changes is gone to, or says what is shown", () => {
   const session = at("");
   greet(session, { id: 1 });
-  location.hash = "#example=pendula";
-  changed();
+  goTo("#example=pendula");
   expect(opened()).toBe(1);
   session.text(sample("scene", { id: 2 }));
-  location.hash = "#example=nothing";
-  changed();
+  goTo("#example=nothing");
   expect(opened()).toBe(1);
   expect(written()).toBe("#example=pendula");
+});
+
+test("an address that changes is gone to, though the page writes its own before it is told", () => {
+  const session = at("");
+  greet(session, { id: 1 });
+  location.hash = "#example=pendula";
+  written();
+  location.hash = "#example=first";
+  changed({ newURL: "http://page/#example=pendula" });
+  expect(opened()).toBe(1);
 });
