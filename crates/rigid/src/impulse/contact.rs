@@ -338,12 +338,8 @@ fn prepare_points<M: Machine>(
         let softness = (h * damping).recip();
         k.store_vec3(t.point, i, point::ARM_A, arms[0]);
         k.store_vec3(t.point, i, point::ARM_B, arms[1]);
-        k.write(
-            t.point,
-            i,
-            point::SPREAD,
-            [spread, M::R::zero(), normal.dot(u)],
-        );
+        k.store(t.point, i, point::SPREAD, spread);
+        k.store(t.point, i, point::APPROACH, normal.dot(u));
         let numbers = [compliance, stiffness / damping, softness];
         k.write(t.point, i, point::COMPLIANCE, numbers);
     }
@@ -385,6 +381,8 @@ pub fn solve<M: Machine>(k: &mut M, t: &ContactTables, pushing: M::R) {
     let unbounded = M::R::lit(1e30);
     let pushes = pushing.gt(M::R::zero());
     let stays = gives & !pushes;
+    // What is given in a small step is what relaxing leaves of it.
+    let counts = M::R::one() - pushing;
     let turns = [
         k.vec3(t.body, only, row::TURN),
         k.vec3(t.body, second, row::TURN),
@@ -400,7 +398,7 @@ pub fn solve<M: Machine>(k: &mut M, t: &ContactTables, pushing: M::R) {
         let arms = moved.arms(k, t, i);
         let along = pair.along(normal, arms);
         let tilt = turns[1].cross(arms[1]) - turns[0].cross(arms[0]);
-        let [gap, old, spread, peak] = k.read(t.point, i, point::GAP);
+        let [gap, old, spread, sum] = k.read(t.point, i, point::GAP);
         let [compliance, bias, softness] = k.read(t.point, i, point::COMPLIANCE);
         let gap = gap + (nearer + normal.dot(tilt));
         let apart = gap.gt(M::R::zero());
@@ -413,7 +411,8 @@ pub fn solve<M: Machine>(k: &mut M, t: &ContactTables, pushing: M::R) {
         let new = mass.fnma(residual, old).max(M::R::zero());
         let new = M::R::select(stays, old, new);
         pair.give(&along, new - old);
-        k.write(t.point, i, point::IMPULSE, [new, spread, peak.max(new)]);
+        let sum = counts.fma(new, sum);
+        k.write(t.point, i, point::IMPULSE, [new, spread, sum]);
         load.write(load.read() + new);
         moment.write(spread.fma(new, moment.read()));
     }
@@ -423,6 +422,8 @@ pub fn solve<M: Machine>(k: &mut M, t: &ContactTables, pushing: M::R) {
     if let Some(_branch) = k.if_any(pushes) {
         k.store_vec3(t.manifold, only, manifold::LAST, moved.shift);
         k.store_vec3(t.manifold, only, manifold::LAST + 3, given);
+    } else {
+        friction::count(k, t);
     }
     pair.store(k, t);
 }
@@ -438,15 +439,16 @@ pub fn bounce<M: Machine>(k: &mut M, t: &ContactTables) {
     let moved = Moved::load(k, t, pair.masses);
     for i in k.range(only, k.link(t.points, only, 0)) {
         let along = pair.along(normal, moved.arms(k, t, i));
-        let [peak, approach] = k.read(t.point, i, point::PEAK);
+        let [sum, approach] = k.read(t.point, i, point::SUM);
         let old = k.load(t.point, i, point::IMPULSE);
-        let met = peak.gt(M::R::zero()) & approach.lt(-resting) & restitution.gt(M::R::zero());
+        let met = sum.gt(M::R::zero()) & approach.lt(-resting) & restitution.gt(M::R::zero());
         let residual = restitution.fma(approach, pair.speed(&along));
         let compliance = k.load(t.point, i, point::COMPLIANCE);
         let new = (old - residual / compliance).max(M::R::zero());
         let new = M::R::select(met, new, old);
         pair.give(&along, new - old);
         k.store(t.point, i, point::IMPULSE, new);
+        k.store(t.point, i, point::SUM, sum + (new - old));
     }
     pair.store(k, t);
 }

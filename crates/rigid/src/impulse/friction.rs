@@ -86,6 +86,15 @@ pub(super) fn solve<M: Machine>(
     k.store_vec3(t.manifold, only, manifold::TWIST, turned);
 }
 
+/// Adds what is given in a small step to what was given in those before.
+#[inline(always)]
+pub(super) fn count<M: Machine>(k: &mut M, t: &ContactTables) {
+    let only = k.index(0);
+    let given = k.spatial(t.manifold, only, manifold::DRAG);
+    let sum = k.spatial(t.manifold, only, manifold::DRAG_SUM);
+    k.store_spatial(t.manifold, only, manifold::DRAG_SUM, sum + given);
+}
+
 /// No longer than `most`.
 #[inline(always)]
 fn within<R: Real>(v: Vec3<R>, most: R) -> Vec3<R> {

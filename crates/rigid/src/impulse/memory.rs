@@ -12,9 +12,11 @@ pub(super) mod field {
     pub const NORMAL: usize = 3;
     pub const DRAG: usize = 6;
     pub const TWIST: usize = 9;
-    pub const POINT: usize = 12;
-    /// Position, gap, feature, impulse.
-    pub const POINT_WIDTH: usize = 6;
+    pub const DRAG_SUM: usize = 12;
+    pub const TWIST_SUM: usize = 15;
+    pub const POINT: usize = 18;
+    /// Position, gap, feature, impulse, sum.
+    pub const POINT_WIDTH: usize = 7;
     pub const WIDTH: usize = POINT + super::POINTS * POINT_WIDTH;
 }
 
@@ -28,10 +30,14 @@ pub struct Cached<T> {
     pub shapes: [u32; 2],
     /// From A to B.
     pub normal: [T; 3],
-    /// Impulse of friction at the middle of the points [N·s].
+    /// Impulse of friction at the middle of the points in the last small step [N·s].
     pub drag: [T; 3],
-    /// Angular impulse against twisting and rolling [N·m·s].
+    /// Angular impulse against twisting and rolling in the last small step [N·m·s].
     pub twist: [T; 3],
+    /// The sum of drags over the last step [N·s].
+    pub drag_sum: [T; 3],
+    /// The sum of twists over the last step [N·m·s].
+    pub twist_sum: [T; 3],
     /// The points, of which the first [`count`](Self::count) are.
     pub points: [CachedPoint<T>; POINTS],
     /// How many points there are.
@@ -45,8 +51,10 @@ pub struct CachedPoint<T> {
     pub position: [T; 3],
     pub gap: T,
     pub feature: T,
-    /// Impulse along the normal [N·s].
+    /// Impulse along the normal in the last small step [N·s].
     pub impulse: T,
+    /// The sum of impulses over the last step [N·s].
+    pub sum: T,
 }
 
 impl Impulse {
@@ -118,6 +126,7 @@ impl<T: Float> Recalled<'_, T> {
             gap: self.0[at + 3],
             feature: self.0[at + 4],
             impulse: self.0[at + 5],
+            sum: self.0[at + 6],
         }
     }
     /// All of it.
@@ -127,6 +136,8 @@ impl<T: Float> Recalled<'_, T> {
             normal: self.vec3(field::NORMAL),
             drag: self.vec3(field::DRAG),
             twist: self.vec3(field::TWIST),
+            drag_sum: self.vec3(field::DRAG_SUM),
+            twist_sum: self.vec3(field::TWIST_SUM),
             count: self.points(),
             ..Cached::default()
         };
@@ -140,6 +151,8 @@ impl<T: Float> Recalled<'_, T> {
     pub fn warm(&self, contact: &mut Cached<T>, near: f64) {
         contact.drag = self.vec3(field::DRAG);
         contact.twist = self.vec3(field::TWIST);
+        contact.drag_sum = self.vec3(field::DRAG_SUM);
+        contact.twist_sum = self.vec3(field::TWIST_SUM);
         let mut taken = [false; POINTS];
         let mut cold = [true; POINTS];
         for (point, cold) in contact.points[..contact.count].iter_mut().zip(&mut cold) {
@@ -171,6 +184,7 @@ impl<T: Float> Recalled<'_, T> {
 impl<T: Float> CachedPoint<T> {
     fn take(&mut self, other: &Self) {
         self.impulse = other.impulse;
+        self.sum = other.sum;
     }
     fn distance(&self, other: &Self) -> f64 {
         let apart = |i: usize| (self.position[i] - other.position[i]).to_f64();
@@ -188,6 +202,14 @@ impl<T: Float> Cached<T> {
         let loaded = |p: &CachedPoint<T>| p.impulse > T::zero();
         self.points[..self.count].iter().any(loaded)
     }
+    /// A step begins, in which nothing was given yet.
+    pub fn begin(&mut self) {
+        self.drag_sum = [T::zero(); 3];
+        self.twist_sum = [T::zero(); 3];
+        for point in &mut self.points {
+            point.sum = T::zero();
+        }
+    }
     /// Into a row of [`REMEMBERED`] numbers.
     pub fn write(&self, x: &mut [T]) {
         let whole = |n: f64| T::from_f64(n);
@@ -197,10 +219,12 @@ impl<T: Float> Cached<T> {
         x[field::NORMAL..][..3].copy_from_slice(&self.normal);
         x[field::DRAG..][..3].copy_from_slice(&self.drag);
         x[field::TWIST..][..3].copy_from_slice(&self.twist);
+        x[field::DRAG_SUM..][..3].copy_from_slice(&self.drag_sum);
+        x[field::TWIST_SUM..][..3].copy_from_slice(&self.twist_sum);
         for (i, p) in self.points.iter().enumerate() {
             let row = &mut x[field::POINT + i * field::POINT_WIDTH..][..field::POINT_WIDTH];
             row[..3].copy_from_slice(&p.position);
-            row[3..].copy_from_slice(&[p.gap, p.feature, p.impulse]);
+            row[3..].copy_from_slice(&[p.gap, p.feature, p.impulse, p.sum]);
         }
     }
 }

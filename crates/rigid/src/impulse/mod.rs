@@ -43,7 +43,7 @@
 //! joints cannot let them part push without bound: exclude them. Of surfaces that do not give
 //! way only the time constant counts, not damping ratio and impedance. What bounces does so in one pass
 //! at the end of a step, and elastic bodies that slide past each other keep their energy to second
-//! order only. Forces are those of the last small step. What is struck within a step can move for the
+//! order only. What is struck within a step can move for the
 //! rest of it before its own contacts are looked for.
 
 pub mod body;

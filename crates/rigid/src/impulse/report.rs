@@ -87,7 +87,7 @@ impl Impulse {
 
     /// All other joints. Returns the energy of springs, and that of armatures [J].
     fn report_ties<T: Float>(&self, state: &State<'_, T>, output: &mut [T]) -> [f64; 2] {
-        let (long, small) = (self.settings.substep(), self.small_step());
+        let long = self.settings.substep();
         let mut energy = [0.0; 2];
         for (i, tie) in self.ties.list.iter().enumerate() {
             let seen = state.see(i);
@@ -107,18 +107,13 @@ impl Impulse {
                 let at = self.output.position.at(first, 0);
                 put(output, at, seen.turn.to_array());
             }
-            let [torque, force] = seen.impulse.map(|x| (x / small).to_array());
+            let [torque, force] = seen.impulse.map(|x| (x / long).to_array());
             let at = self.output.reaction.at(tie.joint.0, 0);
             put(output, at + reaction::FORCE, force);
             put(output, at + reaction::TORQUE, torque);
             energy = [0, 1].map(|i| energy[i] + seen.energy[i]);
         }
         energy
-    }
-
-    /// Length of a small step [s].
-    fn small_step(&self) -> f64 {
-        self.settings.substep() / self.settings.contact_iterations.max(1) as f64
     }
 
     fn report_sums<T: Float>(&self, state: &State<'_, T>, stored: [f64; 2], output: &mut [T]) {
@@ -144,9 +139,9 @@ impl Impulse {
         put(output, at + total::CAPPED, [self.forgotten(state.state)]);
     }
 
-    /// The force on the shape that moves, as impulses of the last small step.
+    /// The mean force over the last step on the shape that moves.
     fn report_contacts<T: Float>(&self, state: &State<'_, T>, output: &mut [T]) {
-        let small = self.small_step();
+        let long = self.settings.substep();
         let mut row = 0;
         for i in 0..self.remembered(state.state) {
             let touch = self.recall(i, state.state).contact();
@@ -158,7 +153,7 @@ impl Impulse {
             let normal = vec3(&touch.normal);
             let share = Shares::of(&touch, normal);
             for p in &touch.points[..touch.count] {
-                let force = share.impulse(p) / small;
+                let force = share.impulse(p) / long;
                 let at = self.output.contact.at(row, 0);
                 put(output, at + contact::POSITION, vec3(&p.position).to_array());
                 put(output, at + contact::NORMAL, (normal * sign).to_array());
@@ -195,20 +190,20 @@ impl Shares {
     fn of<T: Float>(touch: &Cached<T>, normal: DVec3) -> Self {
         let points = &touch.points[..touch.count];
         let middle = points.iter().map(|p| vec3(&p.position)).sum::<DVec3>() / touch.count as f64;
-        let load: f64 = points.iter().map(|p| p.impulse.to_f64()).sum();
+        let load: f64 = points.iter().map(|p| p.sum.to_f64()).sum();
         let arm = |p: &CachedPoint<T>| (vec3(&p.position) - middle).length_squared();
-        let moment: f64 = points.iter().map(|p| p.impulse.to_f64() * arm(p)).sum();
+        let moment: f64 = points.iter().map(|p| p.sum.to_f64() * arm(p)).sum();
         let per = |x: f64| if x > 0.0 { 1.0 / x } else { 0.0 };
         Self {
             normal,
             middle,
-            drag: vec3(&touch.drag) * per(load),
-            twist: normal.dot(vec3(&touch.twist)) * per(moment),
+            drag: vec3(&touch.drag_sum) * per(load),
+            twist: normal.dot(vec3(&touch.twist_sum)) * per(moment),
         }
     }
     fn impulse<T: Float>(&self, p: &CachedPoint<T>) -> DVec3 {
         let around = self.normal.cross(vec3(&p.position) - self.middle);
-        p.impulse.to_f64() * (self.normal + self.drag + self.twist * around)
+        p.sum.to_f64() * (self.normal + self.drag + self.twist * around)
     }
 }
 

@@ -90,23 +90,27 @@ pub mod manifold {
     pub const DRAG: usize = 10;
     /// Angular impulse against twisting and rolling [N·m·s], 3.
     pub const TWIST: usize = 13;
+    /// The sum of drags over the step [N·s], 3.
+    pub const DRAG_SUM: usize = 16;
+    /// The sum of twists over the step [N·m·s], 3.
+    pub const TWIST_SUM: usize = 19;
     /// Inverse masses of A and B.
-    pub const INVERSE_MASS: usize = 16;
+    pub const INVERSE_MASS: usize = 22;
     /// Inverse inertia of A, then of B.
-    pub const INVERSE_INERTIA: usize = 18;
+    pub const INVERSE_INERTIA: usize = 24;
     /// From the centres of mass of A and of B to the centre of the points [m].
-    pub const ARMS: usize = 30;
+    pub const ARMS: usize = 36;
     /// Inverse of the largest response in the tangent plane at the centre [kg].
-    pub const TANGENT_MASS: usize = 36;
+    pub const TANGENT_MASS: usize = 42;
     /// Inverse of the resistance to twisting, and to rolling [kg·m²].
-    pub const TWIST_MASS: usize = 37;
+    pub const TWIST_MASS: usize = 43;
     /// How far B had moved against A [m] when surfaces were last pushed apart, 3; and the impulse [N·s]
     /// of all points then, 3.
-    pub const LAST: usize = 39;
+    pub const LAST: usize = 45;
     /// Way [m] on which the shapes get through each other.
-    pub const THICKNESS: usize = 45;
+    pub const THICKNESS: usize = 51;
     /// Numbers in a row.
-    pub const WIDTH: usize = 46;
+    pub const WIDTH: usize = 52;
 }
 
 /// Fields of a point of a contact.
@@ -116,12 +120,12 @@ pub mod point {
     pub const ARM_A: usize = 0;
     /// Gap when the step began [m].
     pub const GAP: usize = 3;
-    /// Impulse along the normal [N·s].
+    /// Impulse along the normal in a small step [N·s].
     pub const IMPULSE: usize = 4;
     /// Distance from the centre of the points [m].
     pub const SPREAD: usize = 5;
-    /// Largest impulse along the normal in this step [N·s].
-    pub const PEAK: usize = 6;
+    /// The sum of impulses along the normal over the step [N·s].
+    pub const SUM: usize = 6;
     /// Velocity along the normal when the step began [m/s].
     pub const APPROACH: usize = 7;
     /// From the centre of mass of B [m].

@@ -70,9 +70,12 @@ impl<T: Float> Lanes<T> {
         for axis in 0..3 {
             contact.drag[axis] = get(t.manifold.at(0, manifold::DRAG + axis));
             contact.twist[axis] = get(t.manifold.at(0, manifold::TWIST + axis));
+            contact.drag_sum[axis] = get(t.manifold.at(0, manifold::DRAG_SUM + axis));
+            contact.twist_sum[axis] = get(t.manifold.at(0, manifold::TWIST_SUM + axis));
         }
         for (i, p) in contact.points[..contact.count].iter_mut().enumerate() {
             p.impulse = get(t.point.at(i, point::IMPULSE));
+            p.sum = get(t.point.at(i, point::SUM));
         }
     }
 }
@@ -137,6 +140,8 @@ impl<T: Float> Lane<'_, T> {
         self.put(at(manifold::THICKNESS), &[thickness]);
         self.put(at(manifold::DRAG), &contact.drag);
         self.put(at(manifold::TWIST), &contact.twist);
+        self.put(at(manifold::DRAG_SUM), &contact.drag_sum);
+        self.put(at(manifold::TWIST_SUM), &contact.twist_sum);
         for i in 0..POINTS {
             self.write_point(&t, contact, i);
         }
@@ -149,6 +154,7 @@ impl<T: Float> Lane<'_, T> {
         let mut p = CachedPoint {
             gap: T::from_f64(contact::NOWHERE),
             impulse: T::zero(),
+            sum: T::zero(),
             ..contact.points[0]
         };
         if i < contact.count {
@@ -156,5 +162,6 @@ impl<T: Float> Lane<'_, T> {
         }
         self.put(at(point::ARM_A), &p.position);
         self.put(at(point::GAP), &[p.gap, p.impulse]);
+        self.put(at(point::SUM), &[p.sum]);
     }
 }

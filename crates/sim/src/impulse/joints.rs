@@ -82,8 +82,8 @@ impl<T: Float> JointLanes<T> {
 }
 
 impl<T: Float> JointBatch<'_, T> {
-    /// Writes the joints into their lanes, for a step of length h [s].
-    pub fn fill(&mut self, joints: &[u32], state: &State<'_, T>, input: &[T], h: f64) {
+    /// Writes the joints into their lanes, for a part of length h [s] of a step, the first or another.
+    pub fn fill(&mut self, joints: &[u32], state: &State<'_, T>, input: &[T], h: f64, first: bool) {
         let width = self.bodies.len() / 2;
         self.bodies.fill(0);
         let mut ends = [0; ROWS];
@@ -105,7 +105,10 @@ impl<T: Float> JointBatch<'_, T> {
             for (side, row) in rows.into_iter().enumerate() {
                 self.bodies[side * width + lane] = row;
             }
-            let tied = state.impulse.tied(tie, state, input, h);
+            let mut tied = state.impulse.tied(tie, state, input, h);
+            if first {
+                tied.joint[field::SUM..][..6].fill(T::zero());
+            }
             self.write(lane, width, &tied);
         }
     }

@@ -94,6 +94,7 @@ impl<T: Float> Piles<T> {
             input: block.input,
             parameters: block.parameters,
             parts: 1,
+            first: true,
         };
         let mut advance = || {
             for _ in 0..steps {

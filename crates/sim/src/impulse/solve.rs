@@ -18,6 +18,8 @@ pub(super) struct Solver<'a, T> {
     pub input: &'a [T],
     /// Length of the step [s], and how many small steps it has.
     pub length: f64,
+    /// Whether it is the first part of a step, or all of it.
+    pub first: bool,
     pub small_steps: usize,
     pub lane: Lane,
     /// Contacts in a batch.
@@ -137,7 +139,13 @@ impl<T: Float> Solver<'_, T> {
         for colour in &shares.joints {
             member.stage(colour, |batches| {
                 for batch in batches.iter_mut() {
-                    batch.fill(scene.joints, &scene.state, self.input, self.length);
+                    batch.fill(
+                        scene.joints,
+                        &scene.state,
+                        self.input,
+                        self.length,
+                        self.first,
+                    );
                 }
                 self.joints(scene, batches, JointStage::Place);
             });

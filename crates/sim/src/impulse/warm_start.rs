@@ -54,6 +54,9 @@ impl<T: Float> World<'_, T> {
             }
             let before = (begin..next).map(|i| impulse.recall(i, state));
             self.recall_pair(before, pair);
+            if self.first {
+                pair.iter_mut().for_each(Cached::begin);
+            }
         }
     }
 

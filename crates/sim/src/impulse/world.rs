@@ -83,6 +83,8 @@ pub(super) struct World<'a, T: Float> {
     pub parameters: &'a [T],
     /// Into how many parts the step is cut.
     pub parts: usize,
+    /// Whether this is the first of them.
+    pub first: bool,
 }
 
 impl<T: Float> World<'_, T> {
@@ -91,7 +93,13 @@ impl<T: Float> World<'_, T> {
         let parts = self.parts_of(state);
         for part in 0..parts {
             if state[self.impulse().alive()] > T::zero() {
-                World { parts, ..*self }.advance(state, w, part == 0);
+                let first = part == 0;
+                let world = World {
+                    parts,
+                    first,
+                    ..*self
+                };
+                world.advance(state, w);
             }
         }
     }
@@ -125,7 +133,7 @@ impl<T: Float> World<'_, T> {
     }
 
     /// Advances the world by a part of a step.
-    fn advance(&self, state: &mut [T], w: &mut Workspace<T>, first: bool) {
+    fn advance(&self, state: &mut [T], w: &mut Workspace<T>) {
         w.ahead.clear();
         for attempt in 1..=ATTEMPTS {
             if self.attempt(state, w).is_err() || !self.is_sound(w) {
@@ -135,7 +143,7 @@ impl<T: Float> World<'_, T> {
                 break;
             }
         }
-        self.store(state, w, first);
+        self.store(state, w);
         self.keep_joints(state, w);
         self.rest(state, w);
         if !(w.sleep.frozen.is_empty() && w.sensed.is_empty()) {
@@ -159,6 +167,7 @@ impl<T: Float> World<'_, T> {
             parameters: self.parameters,
             input: self.input,
             length: self.length(),
+            first: self.first,
             small_steps: self.small_steps(),
             lane: self.lane,
             width: self.width(),
@@ -437,10 +446,10 @@ impl<T: Float> World<'_, T> {
         state[self.impulse().alive()] = T::zero();
     }
 
-    fn store(&self, state: &mut [T], w: &Workspace<T>, first: bool) {
+    fn store(&self, state: &mut [T], w: &Workspace<T>) {
         for &body in w.awake.iter().filter(|body| **body != WORLD) {
             let to = &mut state[self.impulse().body_state(body as usize)..][..state::WIDTH];
-            if first {
+            if self.first {
                 to.copy_within(state::VELOCITY..state::VELOCITY + 6, state::BEFORE);
             }
             for (i, x) in to[state::CENTER..][..7].iter_mut().enumerate() {

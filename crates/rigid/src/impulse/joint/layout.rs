@@ -697,7 +697,7 @@ pub(in super::super) struct Seen {
     pub rates: [[f64; ROWS]; 2],
     /// Of the child's joint frame against the parent's.
     pub turn: DQuat,
-    /// Angular impulse about the child's joint frame [N·m·s], and impulse [N·s], on the child.
+    /// Angular impulse about the child's joint frame [N·m·s], and impulse [N·s], on the child, in the last step.
     pub impulse: [DVec3; 2],
     /// ½ k (θ − rest)² of the springs, and ½ m θ̇² of the armatures [J].
     pub energy: [f64; 2],
@@ -775,7 +775,7 @@ impl<T: Float> State<'_, T> {
         let inner = pose_at(self.parameters, impulse.frame.at(one.child.0, 0));
         let frame = own_b * inner * one.child_frame;
         let anchor = own_b.point(vec3(joint::ANCHOR_B));
-        let (torque, force) = (vec3(joint::IMPULSE), vec3(joint::IMPULSE + 3));
+        let (torque, force) = (vec3(joint::SUM), vec3(joint::SUM + 3));
         Seen {
             value,
             rates,

@@ -518,6 +518,7 @@ pub fn solve<M: Machine>(k: &mut M, t: &JointTables, pushing: M::R) {
     let pushes = pushing.gt(M::R::zero());
     let rows = Rows::load(k, t);
     let mut pair = Pair::load(k, t);
+    let had = pair.given.get();
     // All lanes push, or none does.
     if let Some(_branch) = k.if_any(pushes) {
         mend(k, t, &rows, &mut pair);
@@ -527,7 +528,17 @@ pub fn solve<M: Machine>(k: &mut M, t: &JointTables, pushing: M::R) {
         act(k, t, &rows, &mut pair);
         keep(k, t, pair.arms, pair.given.get().linear);
     }
+    count(k, t, pair.given.get(), had * (M::R::one() - pushing));
     pair.store(k, t);
+}
+
+/// Adds to what the step has given what this relaxation made of what was there: nothing where it is the first of a
+/// small step.
+#[inline(always)]
+fn count<M: Machine>(k: &mut M, t: &JointTables, given: Spatial<M::R>, there: Spatial<M::R>) {
+    let only = k.index(0);
+    let sum = k.spatial(t.joint, only, joint::SUM);
+    k.store_spatial(t.joint, only, joint::SUM, sum + (given - there));
 }
 
 /// What was given again had other arms, and rows that have turned since.

@@ -38,34 +38,36 @@ pub mod joint {
     /// By how much more A and B respond to each of their joints than they would to one.
     pub const SHARES: usize = 33;
     /// Target of a ball, a quaternion; of other joints the targets of their drives, a row each: 6. With the
-    /// next two it is what a joint carries from step to step.
+    /// next three it is what a joint carries from step to step.
     pub const TARGET: usize = 35;
     /// Angles about the axes, counting turns, less their references [rad], 3.
     pub const ANGLE: usize = 41;
-    /// Angular impulse at B's anchor [N·m·s], and impulse [N·s], on B, world axes, 6.
+    /// Angular impulse at B's anchor [N·m·s], and impulse [N·s], on B in a small step, world axes, 6.
     pub const IMPULSE: usize = 44;
+    /// The sum of these over the step, 6.
+    pub const SUM: usize = 50;
     /// How many of the first fields the host writes each step.
-    pub const WRITTEN: usize = 50;
+    pub const WRITTEN: usize = 56;
     /// Inverse masses of A and B.
-    pub const INVERSE_MASS: usize = 50;
+    pub const INVERSE_MASS: usize = 56;
     /// Inverse inertia of A, then of B.
-    pub const INVERSE_INERTIA: usize = 52;
+    pub const INVERSE_INERTIA: usize = 58;
     /// From the centres of mass of A and of B to B's anchor [m].
-    pub const ARMS: usize = 64;
+    pub const ARMS: usize = 70;
     /// The same, and the impulse [N·s], when the joint was last pushed together.
-    pub const LAST: usize = 70;
+    pub const LAST: usize = 76;
     /// Gradients of the angular coordinates, world axes, 9.
-    pub const GRADIENTS: usize = 79;
+    pub const GRADIENTS: usize = 85;
     /// The angular axes, world axes, 9.
-    pub const AXES: usize = 88;
+    pub const AXES: usize = 94;
     /// The linear axes, world axes, 9.
-    pub const SHIFTS: usize = 97;
+    pub const SHIFTS: usize = 103;
     /// How far each locked row is off [rad, m], 6.
-    pub const ERROR: usize = 106;
+    pub const ERROR: usize = 112;
     /// Response of the locked rows to impulses along them, 21.
-    pub const BLOCK: usize = 112;
+    pub const BLOCK: usize = 118;
     /// Numbers in a row.
-    pub const WIDTH: usize = 133;
+    pub const WIDTH: usize = 139;
 }
 
 /// Fields of a row of a joint along which something acts.
