@@ -55,11 +55,22 @@ class Contacts:
     """Gaps less margins [m], negative where shapes overlap, shape (contacts,)."""
     force: np.ndarray
     """Forces of the first shape on the second [N], world axes, shape (contacts, 3)."""
+    torque: np.ndarray
+    """Torques of the first shape on the second against twisting and rolling [N·m], besides those of the forces at
+    the positions, world axes, shape (contacts, 3)."""
     feature: np.ndarray
     """Numbers that stay the same from step to step while the same features touch, shape (contacts,)."""
 
     def __len__(self) -> int:
         return len(self.distance)
+
+    def wrench(self, first: int, second: int) -> np.ndarray:
+        """What one shape, by its row, does to another: force [N], then torque about the world's origin [N·m], world
+        axes, shape (6,); zero where they do not touch."""
+        along = (self.shapes == [first, second]).all(axis=1).astype(float)
+        against = (self.shapes == [second, first]).all(axis=1)
+        torque = self.torque + np.cross(self.position, self.force)
+        return (along - against) @ np.hstack([self.force, torque])
 
 
 @dataclass(frozen=True, eq=False)

@@ -509,6 +509,7 @@ impl Engine {
         found.set_item("normal", rows(|c| c.normal)?)?;
         found.set_item("distance", distance.to_pyarray(py))?;
         found.set_item("force", rows(|c| c.force)?)?;
+        found.set_item("torque", rows(|c| c.torque)?)?;
         found.set_item("feature", feature.to_pyarray(py))?;
         Ok(found)
     }

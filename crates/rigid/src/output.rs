@@ -91,6 +91,9 @@ pub struct OutputTables {
     pub total: Table<Output, { total::WIDTH }>,
     /// One row for each point of contact that may be: see [`contact`]. Contacts of the last step.
     pub contact: Table<Output, { contact::WIDTH }>,
+    /// Torque [N·m] against twisting and rolling of each row of contacts, on the shape that the normal points to,
+    /// world axes; only where a solver gives such torques.
+    pub contact_torque: Option<Table<Output, 3>>,
     /// The shapes of each row of contacts, where they change from step to step; else no rows.
     pub touching: Table<Output, 2>,
     /// One row per body of the model, 1 while it sleeps, else 0; only of solvers that let bodies sleep.
@@ -122,6 +125,7 @@ impl OutputTables {
             acceleration,
             total,
             contact,
+            contact_torque: None,
             touching: Table::place(&mut end, 0),
             asleep: None,
             contacts: 0,
@@ -148,6 +152,15 @@ impl OutputTables {
             touching: Table::place(&mut end, contacts),
             length: end,
             ..with_contacts
+        }
+    }
+    /// The same, with room for the torques of all contacts; after these.
+    pub fn with_contact_torques(self) -> Self {
+        let mut end = self.length;
+        Self {
+            contact_torque: Some(Table::place(&mut end, self.contacts)),
+            length: end,
+            ..self
         }
     }
     /// The same, with room for which of so many bodies sleep; after all contacts.

@@ -31,6 +31,9 @@ pub struct Contact {
     /// Force [N] of the first shape on the second, world axes; zero where they do not press, as
     /// sensors never do.
     pub force: DVec3,
+    /// Torque [N·m] of the first shape on the second against twisting and rolling, besides that of the force at the
+    /// position; world axes.
+    pub torque: DVec3,
     /// Whole number, the same from step to step while the same features touch.
     pub feature: u32,
 }
@@ -124,8 +127,28 @@ impl<T: Float> Outputs<'_, T> {
             normal: self.vec3(world, table, row, contact::NORMAL),
             distance,
             force: self.vec3(world, table, row, contact::FORCE),
+            torque: self
+                .tables
+                .contact_torque
+                .map_or(DVec3::ZERO, |table| self.vec3(world, table, row, 0)),
             feature: self.number(world, table, row, contact::FEATURE) as u32,
         })
+    }
+    /// Force [N] and torque about the world's origin [N·m] of all contacts of the last step of a shape on another,
+    /// world axes; zero where they do not touch.
+    pub fn pair_wrench(&self, world: usize, from: ShapeId, on: ShapeId) -> (DVec3, DVec3) {
+        let mut sum = (DVec3::ZERO, DVec3::ZERO);
+        for contact in self.contacts(world) {
+            let sign = match contact.shapes {
+                [a, b] if [a, b] == [from, on] => 1.0,
+                [a, b] if [b, a] == [from, on] => -1.0,
+                _ => continue,
+            };
+            let torque = contact.torque + contact.position.cross(contact.force);
+            sum.0 += sign * contact.force;
+            sum.1 += sign * torque;
+        }
+        sum
     }
     /// The rows in which a contact of these shapes may stand: fewer than all where the solver has rows of
     /// its own for each pair of shapes, as all but `impulse` have.

@@ -310,24 +310,33 @@ impl<T: Float> Outputs<'_, T> {
                     let ends = self.touching(start + lane, row);
                     let ends = ends.map(|shape| shapes[shape.0].body);
                     let sums = &mut out[lane * bodies * WRENCH..][..bodies * WRENCH];
-                    add_contact(ends, |field| fields[field * width + lane], sums);
+                    let number = |at: usize| block[at * width + lane];
+                    let torque = self.tables.contact_torque.map_or([T::zero(); 3], |torque| {
+                        [0, 1, 2].map(|i| number(torque.at(row, i)))
+                    });
+                    add_contact(ends, |field| fields[field * width + lane], torque, sums);
                 }
             }
         }
     }
 }
 
-/// Adds the force f and the torque x × f of a contact to those of two bodies, of the first with the other sign.
-fn add_contact<T: Float>(ends: [Option<BodyId>; 2], number: impl Fn(usize) -> T, sums: &mut [T]) {
+/// Adds the force f and the torque t + x × f of a contact to those of two bodies, of the first with the other sign.
+fn add_contact<T: Float>(
+    ends: [Option<BodyId>; 2],
+    number: impl Fn(usize) -> T,
+    [tx, ty, tz]: [T; 3],
+    sums: &mut [T],
+) {
     let [fx, fy, fz] = [0, 1, 2].map(|i| number(contact::FORCE + i));
     let [x, y, z] = [0, 1, 2].map(|i| number(contact::POSITION + i));
     let wrench = [
         fx,
         fy,
         fz,
-        y * fz - z * fy,
-        z * fx - x * fz,
-        x * fy - y * fx,
+        tx + y * fz - z * fy,
+        ty + z * fx - x * fz,
+        tz + x * fy - y * fx,
     ];
     for (body, sign) in ends.into_iter().zip([-T::one(), T::one()]) {
         if let Some(body) = body {

@@ -228,6 +228,7 @@ impl Impulse {
             input: InputTables::new(model),
             output: OutputTables::new(model)
                 .with_found_contacts(capacity * POINTS)
+                .with_contact_torques()
                 .with_sleep(model.bodies.len()),
             settings: *settings,
             parameters: Vec::new(),

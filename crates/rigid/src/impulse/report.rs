@@ -139,7 +139,7 @@ impl Impulse {
         put(output, at + total::CAPPED, [self.forgotten(state.state)]);
     }
 
-    /// The mean force over the last step on the shape that moves.
+    /// Mean force and torque over the last step on the shape that moves.
     fn report_contacts<T: Float>(&self, state: &State<'_, T>, output: &mut [T]) {
         let long = self.settings.substep();
         let mut row = 0;
@@ -153,7 +153,7 @@ impl Impulse {
             let normal = vec3(&touch.normal);
             let share = Shares::of(&touch, normal);
             for p in &touch.points[..touch.count] {
-                let force = share.impulse(p) / long;
+                let [force, torque] = share.of_point(p).map(|given| given * (sign / long));
                 let at = self.output.contact.at(row, 0);
                 put(output, at + contact::POSITION, vec3(&p.position).to_array());
                 put(output, at + contact::NORMAL, (normal * sign).to_array());
@@ -162,7 +162,10 @@ impl Impulse {
                     at + contact::DISTANCE,
                     [p.gap.to_f64(), p.feature.to_f64()],
                 );
-                put(output, at + contact::FORCE, (force * sign).to_array());
+                put(output, at + contact::FORCE, force.to_array());
+                if let Some(torques) = self.output.contact_torque {
+                    put(output, torques.at(row, 0), torque.to_array());
+                }
                 put(output, self.output.touching.at(row, 0), shapes);
                 row += 1;
             }
@@ -177,33 +180,33 @@ impl Impulse {
     }
 }
 
-/// What the points of a contact bear of its friction: in proportion to their loads, and of the torque
-/// about the normal besides in proportion to their distances from the middle.
+/// What the points of a contact bear of its friction: in proportion to their loads.
 struct Shares {
     normal: DVec3,
-    middle: DVec3,
+    /// Friction, and torque, for each unit of load.
     drag: DVec3,
-    twist: f64,
+    torque: DVec3,
 }
 
 impl Shares {
+    /// Friction pulls at the middle of the points, and is told of where they are loaded.
     fn of<T: Float>(touch: &Cached<T>, normal: DVec3) -> Self {
         let points = &touch.points[..touch.count];
         let middle = points.iter().map(|p| vec3(&p.position)).sum::<DVec3>() / touch.count as f64;
         let load: f64 = points.iter().map(|p| p.sum.to_f64()).sum();
-        let arm = |p: &CachedPoint<T>| (vec3(&p.position) - middle).length_squared();
-        let moment: f64 = points.iter().map(|p| p.sum.to_f64() * arm(p)).sum();
-        let per = |x: f64| if x > 0.0 { 1.0 / x } else { 0.0 };
+        let arm = |p: &CachedPoint<T>| (vec3(&p.position) - middle) * p.sum.to_f64();
+        let per = if load > 0.0 { 1.0 / load } else { 0.0 };
+        let loaded = points.iter().map(arm).sum::<DVec3>() * per;
+        let drag = vec3(&touch.drag_sum);
         Self {
             normal,
-            middle,
-            drag: vec3(&touch.drag_sum) * per(load),
-            twist: normal.dot(vec3(&touch.twist_sum)) * per(moment),
+            drag: drag * per,
+            torque: (vec3(&touch.twist_sum) - loaded.cross(drag)) * per,
         }
     }
-    fn impulse<T: Float>(&self, p: &CachedPoint<T>) -> DVec3 {
-        let around = self.normal.cross(vec3(&p.position) - self.middle);
-        p.sum.to_f64() * (self.normal + self.drag + self.twist * around)
+    /// Impulse and angular impulse of a point.
+    fn of_point<T: Float>(&self, p: &CachedPoint<T>) -> [DVec3; 2] {
+        [self.normal + self.drag, self.torque].map(|share| share * p.sum.to_f64())
     }
 }
 

@@ -42,6 +42,19 @@ pub(crate) fn contacts<M: Machine>(k: &mut M, t: &Tables) {
     motion(k, t);
     if t.touches() {
         t.kept.report(k, t.output.contact);
+        torques(k, t);
+    }
+}
+
+/// Torques of contacts against twisting and rolling; sensors have none.
+#[inline(always)]
+fn torques<M: Machine>(k: &mut M, t: &Tables) {
+    if let Some(torques) = t.output.contact_torque {
+        let rate = k.load(t.global, k.index(0), global::STEP).squared().recip();
+        for s in k.count(t.contacts.sensed) {
+            let torque = k.vec3(t.gripped, s, 0) * rate;
+            k.store_vec3(torques, s, 0, torque);
+        }
     }
 }
 

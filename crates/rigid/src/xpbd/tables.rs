@@ -447,6 +447,7 @@ impl Tables {
             let surface = model.contact_material(a, b);
             surface.torsional_friction > 0.0 || surface.rolling_friction > 0.0
         });
+        let output = OutputTables::new(model).with_contacts(contacts.slots);
         Self {
             rows,
             bodies: model.bodies.len(),
@@ -476,7 +477,11 @@ impl Tables {
             gripped: Table::place(&mut s, if grips { contacts.sensed } else { 0 }),
             state_length: s,
             input: InputTables::new(model),
-            output: OutputTables::new(model).with_contacts(contacts.slots),
+            output: if grips {
+                output.with_contact_torques()
+            } else {
+                output
+            },
             global: Table::place(&mut p, 1),
             mass: Table::place(&mut p, rows),
             joint: Table::place(&mut p, joints),

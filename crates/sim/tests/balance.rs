@@ -1,0 +1,200 @@
+//! What contacts tell of their forces f and torques t at x is what they do, over every step and over every blow:
+//!
+//! ```text
+//! Δp = h (Σ f + m g)     ΔL = h Σ (t + x × f)  about the vertical through the centre of mass
+//! ```
+
+use glam::DVec3;
+use kinetarium_sim::{
+    Event, EventKind, Quantity, Simulation, SimulationSettings, SolverKind, Watch,
+};
+use model::{Builder, Geometry, Material, Model, Shape, ShapeId};
+
+const H: f64 = 0.004;
+const G: f64 = 9.81;
+const MASS: f64 = 2.0;
+/// Of sums of 400 contacts' forces [N·s].
+const ROUNDING: f64 = 1e-9;
+const SOLVERS: [SolverKind; 3] = [
+    SolverKind::Featherstone,
+    SolverKind::Xpbd,
+    SolverKind::Impulse,
+];
+
+/// A surface that bounces.
+fn bouncing(restitution: f64) -> Material {
+    Material {
+        restitution,
+        ..Material::default()
+    }
+}
+
+/// A body and the ground.
+fn scene(geometry: Geometry, material: Material) -> Model {
+    let mut world = Builder::new("scene");
+    let plane = Geometry::Plane {
+        half_x: 0.0,
+        half_z: 0.0,
+    };
+    let ground = Shape::new(plane).with_material(material);
+    world.object("ground").scenery(ground);
+    let things = world.object("things");
+    let shape = Shape::new(geometry).with_material(material);
+    let body = things.body("body").shape(shape).mass(MASS).handle();
+    things.free("float", body);
+    world.build().unwrap()
+}
+
+/// The body thrown and spun from a height.
+fn thrown(model: Model, solver: SolverKind, height: f64, velocity: [f64; 6]) -> Simulation<f64> {
+    let settings = SimulationSettings {
+        solver,
+        ..SimulationSettings::new(1, H)
+    };
+    let mut simulation = Simulation::new(model, settings).unwrap();
+    let place = [0.0, height, 0.0, 0.0, 0.0, 0.0, 1.0];
+    simulation.set_joint_state(0, &place, &velocity).unwrap();
+    simulation
+}
+
+/// Boxes, balls and capsules that fall, bounce, slide, tumble and come to rest.
+#[test]
+fn momentum_changes_by_what_is_told() {
+    let forms = [
+        Geometry::Sphere { radius: 0.1 },
+        Geometry::Box {
+            half: DVec3::new(0.1, 0.05, 0.2),
+        },
+        Geometry::Capsule {
+            radius: 0.05,
+            half_height: 0.1,
+        },
+    ];
+    for solver in SOLVERS {
+        for form in &forms {
+            for restitution in [0.0, 0.5, 1.0] {
+                let velocity = [1.0, 0.0, -0.5, 3.0, 2.0, -4.0];
+                let mut sim = thrown(
+                    scene(form.clone(), bouncing(restitution)),
+                    solver,
+                    0.4,
+                    velocity,
+                );
+                let mut before = sim.outputs().momentum(0);
+                let mut wrench = [0.0; 6];
+                let (mut worst, mut pressed) = (0.0_f64, 0);
+                for _ in 0..400 {
+                    sim.step(1);
+                    let now = sim.outputs().momentum(0);
+                    sim.read(Quantity::ContactWrench, &mut wrench).unwrap();
+                    let force = DVec3::from_slice(&wrench);
+                    let told = H * (force - MASS * G * DVec3::Y);
+                    worst = worst.max((now - before - told).length());
+                    pressed += usize::from(force != DVec3::ZERO);
+                    before = now;
+                }
+                let what = format!("{solver:?} {form:?} e={restitution}: {worst}");
+                assert!(pressed > 1, "{what}");
+                assert!(worst < ROUNDING, "{what}");
+            }
+        }
+    }
+}
+
+/// A ball that falls from different heights meets the ground at all moments of a step: the impulses of its blow add up
+/// to m v (1 + e), and what its weight gives meanwhile.
+#[test]
+fn a_blow_has_the_impulse_of_its_bounce() {
+    for solver in SOLVERS {
+        for restitution in [0.0, 0.5, 1.0] {
+            for phase in 0..8 {
+                let fall = 0.2 + 1e-3 * f64::from(phase);
+                let radius = 0.1;
+                let form = Geometry::Sphere { radius };
+                let model = scene(form, bouncing(restitution));
+                let mut sim = thrown(model, solver, radius + fall, [0.0; 6]);
+                sim.watch(Watch::ALL);
+                let speed = (2.0 * G * fall).sqrt();
+                // Beyond the first bounce of e = 0.5, v/g after the first blow, nothing counts.
+                let steps = ((speed / G + 0.5 * speed / G) / H) as usize;
+                sim.step(steps);
+                let impulse = |event: &Event| match event.kind {
+                    EventKind::ContactBegins { impulse, .. }
+                    | EventKind::ContactPersists { impulse, .. } => impulse.y,
+                    _ => 0.0,
+                };
+                let told = sim.drain_events();
+                let given: f64 = told.iter().map(impulse).sum();
+                let began = told
+                    .iter()
+                    .find(|e| matches!(e.kind, EventKind::ContactBegins { .. }));
+                let began = began.expect("it met the ground").time;
+                let at_rest = if restitution == 0.0 {
+                    MASS * G * (steps as f64 * H - began)
+                } else {
+                    0.0
+                };
+                let blow = MASS * speed * (1.0 + restitution);
+                let step = MASS * G * H;
+                assert!(
+                    (given - at_rest - blow).abs() < 0.02 * blow + 2.0 * step,
+                    "{solver:?} e={restitution} phase {phase}: {} of {blow}",
+                    given - at_rest
+                );
+            }
+        }
+    }
+}
+
+/// A ball that spins and rolls, and a box that turns on its face, are slowed by torques of their surfaces.
+#[test]
+fn angular_momentum_changes_by_what_is_told() {
+    let rough = Material {
+        torsional_friction: 0.01,
+        rolling_friction: 0.02,
+        ..Material::default()
+    };
+    let ball = Geometry::Sphere { radius: 0.1 };
+    let flat = Geometry::Box {
+        half: DVec3::new(0.1, 0.05, 0.2),
+    };
+    let cases = [
+        (SolverKind::Xpbd, &ball, 0.1, rough),
+        (SolverKind::Impulse, &ball, 0.1, rough),
+        (SolverKind::Featherstone, &flat, 0.05, Material::default()),
+        (SolverKind::Xpbd, &flat, 0.05, rough),
+        (SolverKind::Impulse, &flat, 0.05, rough),
+    ];
+    for (solver, form, height, material) in cases {
+        let model = scene(form.clone(), material);
+        let mut sim = thrown(model, solver, height, [0.0, 0.0, 0.0, 0.0, 8.0, 0.0]);
+        let mut wrench = [0.0; 6];
+        let mut before = sim.outputs().angular_momentum(0).y;
+        let first = before;
+        for step in 0..200 {
+            sim.step(1);
+            let now = sim.outputs().angular_momentum(0).y;
+            sim.read(Quantity::ContactWrench, &mut wrench).unwrap();
+            let told = H * wrench[4];
+            let what = format!(
+                "{solver:?} {form:?}, step {step}: {} of {told}",
+                now - before
+            );
+            assert!((now - before - told).abs() < 1e-4 * first, "{what}");
+            before = now;
+        }
+        assert!(
+            before.abs() < 0.5 * first,
+            "{solver:?} {form:?}: {before} of {first}"
+        );
+        let (force, torque) = sim.outputs().pair_wrench(0, ShapeId(0), ShapeId(1));
+        let summed = [force.to_array(), torque.to_array()].concat();
+        let against = sim.outputs().pair_wrench(0, ShapeId(1), ShapeId(0));
+        assert_eq!(against, (-force, -torque));
+        let close = |(a, b): (&f64, &f64)| (a - b).abs() < ROUNDING;
+        assert!(
+            summed.iter().zip(&wrench).all(close),
+            "{summed:?} {wrench:?}"
+        );
+    }
+}
