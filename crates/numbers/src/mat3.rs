@@ -53,6 +53,17 @@ impl<R: Real> Mat3<R> {
     pub fn mul_plus(self, v: Vec3<R>, c: Vec3<R>) -> Vec3<R> {
         self.x.fma(v.x, self.y.fma(v.y, self.z.fma(v.z, c)))
     }
+    /// Solves M x = b by Cramer's rule, for a well-conditioned M with a positive determinant; those below `tiny` count
+    /// as `tiny`.
+    #[inline(always)]
+    pub fn solve_well(self, b: Vec3<R>, tiny: R) -> Vec3<R> {
+        let dual = Self::from_columns(
+            self.y.cross(self.z),
+            self.z.cross(self.x),
+            self.x.cross(self.y),
+        );
+        dual.transpose_mul(b) * self.x.dot(dual.x).max(tiny).recip()
+    }
     /// `selfᵀ · v + c`.
     #[inline(always)]
     pub fn transpose_mul_plus(self, v: Vec3<R>, c: Vec3<R>) -> Vec3<R> {
@@ -77,6 +88,14 @@ impl<R: Real> Mul for Mat3<R> {
     #[inline(always)]
     fn mul(self, b: Self) -> Self {
         Self::from_columns(self * b.x, self * b.y, self * b.z)
+    }
+}
+
+impl<R: Real> Sub for Mat3<R> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, b: Self) -> Self {
+        Self::from_columns(self.x - b.x, self.y - b.y, self.z - b.z)
     }
 }
 

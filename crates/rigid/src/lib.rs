@@ -9,6 +9,7 @@
 mod check;
 mod contacts;
 pub mod featherstone;
+mod gyroscopic;
 pub mod impulse;
 mod input;
 mod lists;

@@ -368,11 +368,11 @@ fn trajectories_have_the_recorded_bits() {
 #[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 const GOLDEN: [[[u64; 2]; 5]; 2] = [
     [
-        [0x26d9_7418_330a_736c, 0x9275_f1f6_b682_e5e3],
+        [0x3aea_a3ca_0595_6cbd, 0x43c5_b77d_8331_7dfe],
         [0xc6b9_7dbf_2bba_66c7, 0x23c4_2edc_8736_1098],
         [0x1293_3b9d_4b00_fc96, 0x4a60_bf7a_c236_bc6c],
         [0xcce3_4894_00d0_3154, 0x37f7_3206_a042_5008],
-        [0xe41a_7c4f_6bcb_ee2d, 0x354e_f105_f2a3_1f47],
+        [0xab3f_2a33_1ad7_40ec, 0x15d1_b8cc_96f6_3e5c],
     ],
     [
         [0x5199_baa6_f627_3aa2, 0x01c1_5bc6_bea1_4176],
@@ -387,6 +387,6 @@ const GOLDEN: [[[u64; 2]; 5]; 2] = [
 #[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 const GOLDEN_HEAP: [[u64; 2]; 3] = [
     [0xa929_a231_bc0a_95ee, 0x9c63_c656_ef1d_b872],
-    [0x9db7_d841_8a05_7311, 0xc377_6361_224e_90b1],
-    [0xf0c6_cc6f_9967_d5f1, 0x4d6f_d0ee_4872_3393],
+    [0x2df2_9a7d_bf1d_86a4, 0x0ead_d107_4a9a_0624],
+    [0xc1f9_7fdf_8996_dedf, 0x54fe_7965_e3b1_f949],
 ];

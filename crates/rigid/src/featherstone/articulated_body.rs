@@ -27,6 +27,7 @@ use super::contact;
 use super::kinematics::{Course, newton_euler, world_inertia};
 use super::limit;
 use super::tables::{Tables, arrival, dof, frame, node_link};
+use crate::gyroscopic::mean_spin;
 use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::{Inertia, Spatial};
 use numbers::{Cell, Machine, Mat3, Real, Vec3};
@@ -35,7 +36,8 @@ use numbers::{Cell, Machine, Mat3, Real, Vec3};
 pub(crate) const TINY: f64 = 1e-20;
 
 /// Accelerations of all degrees of freedom into `dof::ACCELERATION`, and of all nodes, under
-/// contacts that are implicit over `h` [s], and stops that are over `implicit` [s].
+/// contacts that are implicit over `h` [s], and stops and [gyroscopic torques](crate::gyroscopic) that are over
+/// `implicit` [s].
 ///
 /// Needs [`kinematics`](super::kinematics::kinematics) and [`forces`](super::force::forces), and, where there
 /// are contacts, these found or recalled, and [`limit::begin`].
@@ -77,7 +79,11 @@ fn inwards<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, h: M::R, imp
             }
         }
         if let Some(_branch) = k.when(k.equals(links[node_link::FLOATS], 1)) {
-            float(k, t, n, inertia.get(), p.get());
+            let spin = twist.angular;
+            let mean = mean_spin(i, spin, implicit);
+            let change = mean.cross(i * mean) - spin.cross(i * spin);
+            let p = p.get() + Spatial::new(change, Vec3::zero());
+            float(k, t, n, inertia.get(), p);
         }
         for j in k.range_down(links[node_link::ELIMINATED]) {
             let v = links[node_link::DOF_BEGIN].plus(j);

@@ -8,8 +8,8 @@
 //!
 //! [`dynamics`] are the same kernels as functions: mass matrix, inverse dynamics, Jacobians.
 //!
-//! Limitations: the gyroscopic torque is explicit, so that a free body that is no ball
-//! gains energy by its spin (by a part of h ω² each second), but with Runge–Kutta; closed loops and
+//! Limitations: the gyroscopic torque is that of the step's beginning, but of bodies that float freely with
+//! semi-implicit Euler ([`crate::gyroscopic`]); closed loops and
 //! couplings with semi-implicit Euler only, in time that grows with the cube of the rows that they lock (nets: use
 //! `xpbd`); joints of the tree do not give way; joint limits are springs; a motor
 //! torque larger than its drive's effort limit is cut, not refused. Contacts have no

@@ -1,15 +1,17 @@
 //! A body between contacts: forces, motion within a step, and the step's end.
 //!
-//! Gyroscopic torque acts as an acceleration α = I⁻¹ (L × ω) for the length H of the step, which
-//! turns the body by the midpoint rate; then the spin is set to what the angular momentum L, and
+//! Gyroscopic torque acts as an acceleration α for the length H = n h of the step, which turns a free body by
+//! exp(H w) with the [mean spin](mean_turn) w; then the spin is set to what the angular momentum L, and
 //! the impulses that changed it, make of the new orientation q':
 //!
 //! ```text
+//! Σ h (ω + k h α) = H w,  k = 1 … n,  so  α = 2 n / (n + 1) · (w − ω) / H
 //! L = I(q) (ω − H α)    ω' = I(q')⁻¹ L
 //! ```
 
 use super::tables::{BodyTables, global, mass, row};
-use numbers::{Machine, Quat, SymMat3, Vec3};
+use crate::gyroscopic::mean_turn;
+use numbers::{Machine, Quat, Real, SymMat3, Vec3};
 
 /// The beginning of a step: inverse inertia and accelerations.
 #[inline(always)]
@@ -20,9 +22,12 @@ pub fn begin<M: Machine>(k: &mut M, t: &BodyTables) {
     let m = k.load(t.mass, only, mass::INVERSE);
     let inverse_moments = k.vec3(t.mass, only, mass::INVERSE_MOMENTS);
     let i = SymMat3::rotated_diagonal(q.to_mat3(), inverse_moments);
-    let w = q.rotate_inverse(k.vec3(t.body, only, row::SPIN));
-    let l = w.times(k.vec3(t.mass, only, mass::MOMENTS));
-    let gyroscopic = q.rotate(l.cross(w).times(inverse_moments));
+    let spin = q.rotate_inverse(k.vec3(t.body, only, row::SPIN));
+    let [h, rate, n] = k.read(t.global, only, global::STEP);
+    let moments = SymMat3::new(k.vec3(t.mass, only, mass::MOMENTS), Vec3::zero());
+    let mean = mean_turn(moments, spin, h * n);
+    let often = M::R::lit(2.0) * rate / (n + M::R::one());
+    let gyroscopic = q.rotate((mean - spin) * often);
     let force = k.vec3(t.body, only, row::WRENCH);
     let torque = k.vec3(t.body, only, row::WRENCH + 3);
     let gravity = k.vec3(t.global, only, global::GRAVITY);

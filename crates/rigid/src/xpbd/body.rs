@@ -1,12 +1,12 @@
 //! Bodies on their own: loading, pushing, and the free flight of a substep.
 //!
 //! A body that nothing holds keeps its angular momentum L = I ω. Over a substep it
-//! turns by the rotation vector r of Euler's equations to second order, and its new
-//! rate is that of L at its new orientation, which keeps L to rounding. In the
+//! turns by the [mean spin](mean_turn) w, and its new
+//! rate is that of L at its new orientation, which keeps L and the energy to rounding. In the
 //! body's axes, where I is a diagonal:
 //!
 //! ```text
-//! r = h ω + ½ h² I⁻¹ (L × ω)    E = exp(r)    q' = q E    ω' = I⁻¹ E⁻¹ L
+//! E = exp(h w)    q' = q E    ω' = I⁻¹ E⁻¹ L
 //! ```
 //!
 //! Turns of up to 1 rad per substep are exact to rounding of `f32`; longer ones are not.
@@ -15,6 +15,7 @@
 //! taken explicitly.
 
 use super::tables::{Tables, global, mass};
+use crate::gyroscopic::mean_turn;
 use numbers::machine::{Held, Hold};
 use numbers::spatial::Spatial;
 use numbers::{Machine, Pose, Quat, Real, SymMat3, Vec3};
@@ -178,9 +179,10 @@ pub(crate) fn fly<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         let inverse = k.vec3(t.mass, row, mass::INVERSE_MOMENTS);
         let v = gravity.fma(h, twist.linear);
         let w = pose.q.rotate_inverse(twist.angular) * fade;
-        let l = w.times(k.vec3(t.mass, row, mass::MOMENTS));
-        let bend = l.cross(w).times(inverse);
-        let turn = Quat::exp_short(bend.fma(h * M::R::lit(0.5), w) * h);
+        let moments = k.vec3(t.mass, row, mass::MOMENTS);
+        let l = w.times(moments);
+        let mean = mean_turn(SymMat3::new(moments, Vec3::zero()), w, h);
+        let turn = Quat::exp_short(mean * h);
         let q = unit(k, pose.q * turn);
         let w = q.rotate(turn.rotate_inverse(l).times(inverse));
         k.store_pose(t.pose, row, 0, Pose::new(v.fma(h, pose.p), q));
