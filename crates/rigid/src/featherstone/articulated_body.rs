@@ -61,6 +61,12 @@ fn inwards<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, h: M::R, imp
         let (m, c, i) = world_inertia(k, t.node, n, place);
         let mut inertia = Inertia::rigid(m, c, i).hold(k);
         let mut p = newton_euler(m, c, i, twist, bias).hold(k);
+        if let Some(_branch) = k.when(k.equals(links[node_link::UNHELD], 1)) {
+            let spin = twist.angular;
+            let mean = mean_spin(i, spin, implicit);
+            let change = mean.cross(i * mean) - spin.cross(i * spin);
+            p.set(p.get() + Spatial::new(change, Vec3::zero()));
+        }
         if let Some(_branch) = k.when(k.equals(links[node_link::CARRIES], 1)) {
             let (carried_p, carried) = carried(k, t, n);
             inertia.set(inertia.get() + carried);
@@ -79,11 +85,7 @@ fn inwards<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, h: M::R, imp
             }
         }
         if let Some(_branch) = k.when(k.equals(links[node_link::FLOATS], 1)) {
-            let spin = twist.angular;
-            let mean = mean_spin(i, spin, implicit);
-            let change = mean.cross(i * mean) - spin.cross(i * spin);
-            let p = p.get() + Spatial::new(change, Vec3::zero());
-            float(k, t, n, inertia.get(), p);
+            float(k, t, n, inertia.get(), p.get());
         }
         for j in k.range_down(links[node_link::ELIMINATED]) {
             let v = links[node_link::DOF_BEGIN].plus(j);

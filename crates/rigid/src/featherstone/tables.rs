@@ -63,7 +63,7 @@ pub(crate) mod node_link {
     pub const CARRIES: usize = 4;
     /// When the node's inertia arrives at its parent: see [`arrival`](super::arrival).
     pub const ARRIVAL: usize = 5;
-    /// 1 for a root that moves freely in the world, all six degrees of freedom at once.
+    /// 1 for a root that moves freely in the world, whose six degrees of freedom are solved at once.
     pub const FLOATS: usize = 6;
     /// Row whose acceleration the node's starts from: its parent's, or its own where it floats.
     pub const ACCELERATES_FROM: usize = 7;
@@ -74,7 +74,9 @@ pub(crate) mod node_link {
     /// First slot of the node's contacts with what does not move, and one past the last.
     pub const SLOT_BEGIN: usize = 11;
     pub const SLOT_END: usize = 12;
-    pub const WIDTH: usize = 13;
+    /// 1 for a root that moves freely in the world, whether its degrees of freedom are eliminated or not.
+    pub const UNHELD: usize = 13;
+    pub const WIDTH: usize = 14;
 }
 
 /// Values of [`node_link::ARRIVAL`].
@@ -1003,6 +1005,12 @@ impl Tables {
             let floats = n.floats && !self.exchanges();
             let (eliminated, from) = if floats { (0, row) } else { (n.dofs(), parent) };
             f.link(self.node_links, row, node_link::FLOATS, usize::from(floats));
+            f.link(
+                self.node_links,
+                row,
+                node_link::UNHELD,
+                usize::from(n.floats),
+            );
             f.link(self.node_links, row, node_link::ELIMINATED, eliminated);
             f.link(self.node_links, row, node_link::ACCELERATES_FROM, from);
             f.pose(self.node, row, node::PLACE, n.place);
