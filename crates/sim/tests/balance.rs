@@ -159,9 +159,10 @@ fn angular_momentum_changes_by_what_is_told() {
         half: DVec3::new(0.1, 0.05, 0.2),
     };
     let cases = [
+        (SolverKind::Featherstone, &ball, 0.1, rough),
         (SolverKind::Xpbd, &ball, 0.1, rough),
         (SolverKind::Impulse, &ball, 0.1, rough),
-        (SolverKind::Featherstone, &flat, 0.05, Material::default()),
+        (SolverKind::Featherstone, &flat, 0.05, rough),
         (SolverKind::Xpbd, &flat, 0.05, rough),
         (SolverKind::Impulse, &flat, 0.05, rough),
     ];

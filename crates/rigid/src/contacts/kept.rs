@@ -114,6 +114,23 @@ impl Kept {
     }
 }
 
+/// Copies torques of contacts to the output, times `scale`, where it has room for them.
+#[inline(always)]
+pub(crate) fn report_torques<M: Machine>(
+    k: &mut M,
+    kept: Table<State, 3>,
+    slots: usize,
+    scale: M::R,
+    output: Option<Table<Output, 3>>,
+) {
+    if let Some(output) = output {
+        for s in k.count(slots) {
+            let torque = k.vec3(kept, s, 0) * scale;
+            k.store_vec3(output, s, 0, torque);
+        }
+    }
+}
+
 /// True where a distance is not that of a slot that is free.
 #[inline(always)]
 pub(crate) fn touches<R: Real>(distance: R) -> R::Mask {

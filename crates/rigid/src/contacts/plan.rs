@@ -90,6 +90,14 @@ impl ContactPlan {
         self.pairs.iter().any(thin)
     }
 
+    /// Whether any surfaces that press resist twisting or rolling on each other.
+    pub(crate) fn grips(&self, model: &Model) -> bool {
+        self.shapes()[..self.sensed].iter().any(|&[a, b]| {
+            let surface = model.contact_material(a, b);
+            surface.torsional_friction > 0.0 || surface.rolling_friction > 0.0
+        })
+    }
+
     /// No contacts.
     pub(crate) fn empty() -> Self {
         Self {

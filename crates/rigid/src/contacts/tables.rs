@@ -59,7 +59,9 @@ pub(crate) mod pair_field {
     // Rolling friction coefficient [m] follows.
     /// Approach [m/s] beyond which the spring would let the shapes through each other.
     pub const FASTEST: usize = 9;
-    pub const WIDTH: usize = 10;
+    /// 2/5 m R² [kg·m²], of the mass that the contact moves and the largest half extent of its shape.
+    pub const INERTIA: usize = 10;
+    pub const WIDTH: usize = 11;
 }
 
 /// Fields of [`ContactTables::pair_links`].
@@ -217,6 +219,12 @@ fn fastest(shapes: [&Shape; 2], stiffness: f64, mass: f64) -> f64 {
     ((a + b) * std::f64::consts::E * (stiffness / mass).sqrt()).min(UNBOUNDED)
 }
 
+/// The largest half extent [m] of a shape; 1 of a plane.
+fn largest(shape: &Shape) -> f64 {
+    let half = shape.geometry.half_extents();
+    half.map_or(1.0, DVec3::max_element)
+}
+
 impl ContactTables {
     /// How many pairs there are.
     pub(crate) fn pairs(&self) -> usize {
@@ -328,6 +336,7 @@ impl ContactTables {
                 material.torsional_friction,
                 material.rolling_friction,
                 passable(pair.list()) * fastest(shapes, stiffness, pair.mass),
+                0.4 * pair.mass * largest(shapes[usize::from(!pair.flip)]).powi(2),
             ];
             f.numbers(self.pair, row, 0, &numbers);
         }

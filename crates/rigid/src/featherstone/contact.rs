@@ -33,6 +33,8 @@
 //! from step to step, so that what rests or slides needs one pass; a new contact starts without
 //! friction, so that what is not settled yet slips for a moment rather than grips.
 //!
+//! Torsional and rolling friction are torques alike ([`turning`](super::turning)).
+//!
 //! Departures from Coulomb's law: a point that sticks creeps with fₜ / cₜ, some 0.1 mm/s under its
 //! body's weight at 3 ms; in a step that needs more passes than there are, friction exceeds the cone
 //! by a few per cent, and a point may pull for that one step, with up to [`PULL`] weights. More would
@@ -42,6 +44,7 @@
 use super::gauss_seidel;
 use super::limit::late_damping;
 use super::tables::{Tables, frame, node, step};
+use super::turning;
 use crate::contacts::{PUSH_OUT, Places, found, sense, slot, slot_link, touches};
 use numbers::spatial::{Inertia, Spatial};
 use numbers::{Cell, Machine, Pose, Real, SymMat3, Vec3};
@@ -49,7 +52,7 @@ use numbers::{Cell, Machine, Pose, Real, SymMat3, Vec3};
 /// Normal impedance of a bounce, in masses per step.
 const HARD: f64 = 1e4;
 /// Tangential impedance of a point that sticks, in masses per step.
-const STICK: f64 = 300.0;
+pub(crate) const STICK: f64 = 300.0;
 /// Approach slower than this many g h does not bounce.
 const RESTING: f64 = 2.0;
 /// Excess of the friction cone, as a share, that needs no further pass.
@@ -192,6 +195,9 @@ fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
     k.write(t.load, s, load::TARGET, [target, c]);
     let grip = M::R::select(known, k.load(t.grip, s, 0), zero);
     press(k, t, s, on, c, grip);
+    if t.grips {
+        turning::approach(k, t, s, known, on, h);
+    }
 }
 
 /// What is too fast would, stopped at a corner, turn past it within the step: so it is stopped before its centre of mass.
@@ -287,11 +293,16 @@ pub(crate) fn burden<M: Machine>(
         k.vec3(t.contacts.slot, s, slot::NORMAL),
     );
     let f0 = Vec3::new(fx, fy, fz);
-    let isotropic = Inertia::rigid(h * c_t, x, SymMat3::zero());
+    let (turning, torque) = if t.grips {
+        turning::burden(k, t, s, h)
+    } else {
+        (SymMat3::zero(), Vec3::zero())
+    };
+    let isotropic = Inertia::rigid(h * c_t, x, turning);
     let e = Spatial::new(x.cross(n), n);
     (
         isotropic.minus_outer(e, h * (c_t - c_n)),
-        Spatial::new(x.cross(f0), f0),
+        Spatial::new(x.cross_plus(f0, torque), f0),
     )
 }
 
@@ -342,25 +353,47 @@ fn settle_one<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) -> [M::R; 2] 
     let [friction, light, stick] = k.read(t.law, pair, law::FRICTION);
     let limit = friction * f_n.max(zero);
     // Squares are known long before lengths, and most points have nothing to change.
-    let (speed2, limit2) = (u_t.length_squared(), limit.squared());
-    let f2 = c_t.squared() * speed2;
-    let over = f2.gt(limit2 * M::R::lit((1.0 + EXCESS) * (1.0 + EXCESS)));
-    let under = f2.lt(limit2 * M::R::lit((1.0 - EXCESS) * (1.0 - EXCESS)));
-    let under = under & c_t.lt(stick * M::R::lit(0.999));
+    let speed2 = u_t.length_squared();
+    let [over, under] = excess(limit, c_t, speed2, stick);
     let wrong = pressed & (over | under);
     let changes = pulls | enters | wrong;
     if let Some(_branch) = k.if_any(changes) {
-        // A point that sticks shows no speed to slide with: take that of before, or what the force
-        // beyond the cone gives the whole mass.
-        let speed = speed2.sqrt();
         let before = n.fma(-n.dot(u0), u0).length();
-        let breaks = before.max(c_t.fma(speed, -limit) * h * light);
-        let speed = M::R::select(over, speed.max(breaks), speed);
-        let rubbing = (limit / speed.max(M::R::lit(STILL))).min(stick);
+        let next = rubbing(limit, c_t, speed2.sqrt(), before, over, [light * h, stick]);
         let on = M::R::select((pressed & !pulls) | enters, one, zero);
-        press(k, t, s, on, c, M::R::select(wrong, rubbing, c_t));
+        press(k, t, s, on, c, M::R::select(wrong, next, c_t));
+    }
+    let mut changes = changes;
+    if t.grips {
+        let load = f_n.max(zero);
+        changes = changes | turning::settle(k, t, s, h, pressed, load);
     }
     [M::R::select(changes, one, zero), -(f_n * light)]
+}
+
+/// Whether friction c v is more than its limit, or less without sticking.
+#[inline(always)]
+pub(crate) fn excess<R: Real>(limit: R, c: R, speed2: R, stick: R) -> [R::Mask; 2] {
+    let (limit2, f2) = (limit.squared(), c.squared() * speed2);
+    let over = f2.gt(limit2 * R::lit((1.0 + EXCESS) * (1.0 + EXCESS)));
+    let under = f2.lt(limit2 * R::lit((1.0 - EXCESS) * (1.0 - EXCESS)));
+    [over, under & c.lt(stick * R::lit(0.999))]
+}
+
+/// c = limit / v of what slides, or sticks. A point that sticks shows no speed to slide with: where that is too much, take
+/// that of before, or what the force beyond the limit gives the whole mass, of which `h / m` is told.
+#[inline(always)]
+pub(crate) fn rubbing<R: Real>(
+    limit: R,
+    c: R,
+    speed: R,
+    before: R,
+    over: R::Mask,
+    [h_per_mass, stick]: [R; 2],
+) -> R {
+    let breaks = before.max(c.fma(speed, -limit) * h_per_mass);
+    let speed = R::select(over, speed.max(breaks), speed);
+    (limit / speed.max(R::lit(STILL))).min(stick)
 }
 
 /// True where a point pulls by more than may stand.
@@ -390,6 +423,9 @@ pub(crate) fn go_back<M: Machine>(
         let on = M::R::select(open, is_on, M::R::select(gone, zero, one));
         let c = k.load(t.load, s, load::TARGET + 1);
         press(k, t, s, on, c, M::R::select(open, is_t, was_t));
+        if t.grips {
+            turning::go_back(k, t, s, open, on);
+        }
     }
 }
 
@@ -407,6 +443,9 @@ pub(crate) fn give<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         let u = at(k.spatial(t.frame, node, frame::INCREMENT), x) * h;
         let f = Vec3::new(fx, fy, fz) - u * c_t - n * ((c_n - c_t) * n.dot(u));
         k.store_vec3(t.load, s, load::FORCE, f);
+        if t.grips {
+            turning::give(k, t, s, h);
+        }
     }
 }
 
@@ -423,12 +462,19 @@ pub(crate) fn keep<M: Machine>(k: &mut M, t: &Tables) {
         let pressed = t.contacts.near(k, s) & k.load(t.on, s, 0).gt(zero);
         let grip = k.load(t.load, s, load::IMPEDANCE + 1);
         k.store(t.grip, s, 0, M::R::select(pressed, grip, zero));
+        if t.grips {
+            turning::keep(k, t, s, pressed);
+        }
     }
     for place in gauss_seidel::between(k, t) {
         let s = t.contacts.found.row(k, place);
         let force = gauss_seidel::force(k, t, s);
         let touch = t.contacts.touch(k, t, s, force);
         t.kept.keep(k, s, touch);
+        if t.grips {
+            let torque = turning::torque(k, t, s, gauss_seidel::directions(k, t, s));
+            k.store_vec3(t.gripped, s, 0, torque);
+        }
     }
     sense(k, &t.contacts, t, &t.kept);
 }
@@ -463,5 +509,8 @@ fn recall_one<M: Machine>(k: &mut M, t: &Tables, s: M::I, list: usize) {
     k.write(t.contacts.slot, s, slot::POSITION, slot);
     let zero = M::R::zero();
     k.write(t.load, s, load::FORCE_0, [fx, fy, fz, zero, zero]);
+    if t.grips && list == found::FIXED {
+        turning::recall(k, t, s);
+    }
     t.contacts.found.append(k, k.index(list), s);
 }

@@ -25,6 +25,7 @@ use super::coupling;
 use super::factor::{self, Keep, Path, response, seen_from_a};
 use super::locked;
 use super::tables::{Tables, couple_link, frame, touch_link};
+use super::turning;
 use crate::contacts::{found, slot, slot_link};
 use numbers::machine::space::Scratch;
 use numbers::machine::{Held, Hold, Index};
@@ -77,8 +78,8 @@ pub(crate) fn begin<M: Machine>(k: &mut M, t: &Tables) {
     coupling::press(k, t);
     for place in between(k, t) {
         let s = t.contacts.found.row(k, place);
-        let f = kept(k, t, s);
-        press(k, t, s, f);
+        let (f, same) = (kept(k, t, s), same(k, t, s));
+        press(k, t, s, f, same);
     }
 }
 
@@ -90,25 +91,43 @@ pub(crate) fn recall<M: Machine>(k: &mut M, t: &Tables) {
     coupling::press(k, t);
     for place in between(k, t) {
         let s = t.contacts.found.row(k, place);
-        let f = k.vec3(t.load, s, load::FORCE_0);
-        press(k, t, s, f);
+        let (f, known) = (k.vec3(t.load, s, load::FORCE_0), t.kept.known(k, s));
+        press(k, t, s, f, known);
     }
 }
 
 /// Force [N] of the last step on B, where the same features touch.
 #[inline(always)]
 fn kept<M: Machine>(k: &M, t: &Tables, s: M::I) -> Vec3<M::R> {
-    let feature = k.load(t.contacts.slot, s, slot::FEATURE);
-    let same = t.kept.same(k, s, feature) & t.contacts.near(k, s);
-    Vec3::select(same, t.kept.force(k, s), Vec3::zero())
+    Vec3::select(same(k, t, s), t.kept.force(k, s), Vec3::zero())
 }
 
-/// Adds a force on B, and its reaction on A.
+/// Where the same features touch as in the last step.
 #[inline(always)]
-fn press<M: Machine>(k: &mut M, t: &Tables, s: M::I, f: Vec3<M::R>) {
+fn same<M: Machine>(k: &M, t: &Tables, s: M::I) -> <M::R as Real>::Mask {
+    let feature = k.load(t.contacts.slot, s, slot::FEATURE);
+    t.kept.same(k, s, feature) & t.contacts.near(k, s)
+}
+
+/// Adds a force on B, and its reaction on A; and the torque of the last step, in the lanes of `known`.
+#[inline(always)]
+fn press<M: Machine>(k: &mut M, t: &Tables, s: M::I, f: Vec3<M::R>, known: <M::R as Real>::Mask) {
     let couple = k.link(t.touch_links, s, touch_link::COUPLE);
     let x = k.vec3(t.contacts.slot, s, slot::POSITION);
-    factor::press(k, t, couple, x, Spatial::new(Vec3::zero(), f));
+    let torque = if t.grips {
+        turning::kept(k, t, s, known)
+    } else {
+        Vec3::zero()
+    };
+    factor::press(k, t, couple, x, Spatial::new(torque, f));
+}
+
+/// Normal and tangents of a contact that takes part.
+#[inline(always)]
+pub(crate) fn directions<M: Machine>(k: &M, t: &Tables, s: M::I) -> Mat3<M::R> {
+    let n = k.vec3(t.contacts.slot, s, slot::NORMAL);
+    let first = k.vec3(t.impulse, s, impulse::TANGENT);
+    Mat3::from_columns(n, first, n.cross(first))
 }
 
 /// Impulses of the contacts between bodies that move, and of what closes loops, and the accelerations that
@@ -227,6 +246,10 @@ fn row<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
     k.store_vec3(t.impulse, s, impulse::TANGENT, e.y);
     let lambda = e.transpose_mul(kept(k, t, s) * h);
     k.store_vec3(t.impulse, s, impulse::LAMBDA, lambda);
+    if t.grips {
+        let torque = turning::kept(k, t, s, same(k, t, s));
+        turning::row(k, t, s, e, torque, h);
+    }
 }
 
 /// Three numbers an entry, from a row on.
@@ -265,14 +288,38 @@ fn moves<M: Machine>(
     (v, at(a, x).fma(h, v))
 }
 
-/// Adds impulses of a contact to z.
+/// Three velocities of a contact, which were so without impulses and have these y.
 #[inline(always)]
-fn push<M: Machine>(k: &mut M, t: &Tables, s: M::I, lambda: Vec3<M::R>) {
+pub(crate) fn velocity<M: Machine>(
+    k: &M,
+    t: &Tables,
+    s: M::I,
+    (entries, first): (Table<Scratch, 3>, M::I),
+    without: Vec3<M::R>,
+) -> Vec3<M::R> {
     let path = Path::of(k, t, k.link(t.touch_links, s, touch_link::COUPLE));
-    let first = k.link(t.touch_links, s, touch_link::ENTRY);
+    let mut velocity = without.hold(k);
     for i in path.entries(k) {
         let v = path.dof(k, t, i);
-        let y = k.vec3(t.entry, first.plus(i), 0);
+        let z = k.load(t.response, v, response::Z);
+        velocity.set(k.vec3(entries, first.plus(i), 0).fma(z, velocity.get()));
+    }
+    velocity.get()
+}
+
+/// Adds impulses of a contact, of rows with these y, to z.
+#[inline(always)]
+pub(crate) fn push<M: Machine>(
+    k: &mut M,
+    t: &Tables,
+    s: M::I,
+    (entries, first): (Table<Scratch, 3>, M::I),
+    lambda: Vec3<M::R>,
+) {
+    let path = Path::of(k, t, k.link(t.touch_links, s, touch_link::COUPLE));
+    for i in path.entries(k) {
+        let v = path.dof(k, t, i);
+        let y = k.vec3(entries, first.plus(i), 0);
         let z = k.load(t.response, v, response::Z) + y.dot(lambda);
         k.store(t.response, v, response::Z, z);
     }
@@ -281,15 +328,8 @@ fn push<M: Machine>(k: &mut M, t: &Tables, s: M::I, lambda: Vec3<M::R>) {
 /// One contact of one pass, where `on` is 1; squares of the change of its impulse, and of the impulse.
 #[inline(always)]
 fn relax<M: Machine>(k: &mut M, t: &Tables, s: M::I, on: M::R) -> (M::R, M::R) {
-    let path = Path::of(k, t, k.link(t.touch_links, s, touch_link::COUPLE));
-    let first = k.link(t.touch_links, s, touch_link::ENTRY);
-    let mut velocity = k.vec3(t.impulse, s, impulse::VELOCITY).hold(k);
-    for i in path.entries(k) {
-        let v = path.dof(k, t, i);
-        let z = k.load(t.response, v, response::Z);
-        velocity.set(k.vec3(t.entry, first.plus(i), 0).fma(z, velocity.get()));
-    }
-    let u = velocity.get();
+    let entries = (t.entry, k.link(t.touch_links, s, touch_link::ENTRY));
+    let u = velocity(k, t, s, entries, k.vec3(t.impulse, s, impulse::VELOCITY));
     let [target, softness, normal, tangent] = k.read(t.impulse, s, impulse::TARGET);
     let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
     let friction = k.load(t.law, pair, law::FRICTION);
@@ -306,17 +346,19 @@ fn relax<M: Machine>(k: &mut M, t: &Tables, s: M::I, on: M::R) -> (M::R, M::R) {
     let step = (new - old) * on;
     let new = old + step;
     k.store_vec3(t.impulse, s, impulse::LAMBDA, new);
-    push(k, t, s, step);
-    (step.length_squared(), new.length_squared())
+    push(k, t, s, entries, step);
+    let mut change = step.length_squared();
+    if t.grips {
+        change += turning::relax(k, t, s, new.x, on);
+    }
+    (change, new.length_squared())
 }
 
 /// Force [N] on B of a contact that is near.
 #[inline(always)]
 pub(crate) fn force<M: Machine>(k: &M, t: &Tables, s: M::I) -> Vec3<M::R> {
-    let n = k.vec3(t.contacts.slot, s, slot::NORMAL);
-    let first = k.vec3(t.impulse, s, impulse::TANGENT);
     let lambda = k.vec3(t.impulse, s, impulse::LAMBDA) * rate(k, t);
-    let force = Mat3::from_columns(n, first, n.cross(first)) * lambda;
+    let force = directions(k, t, s) * lambda;
     let on = k.load(t.takes_part, s, 0).gt(M::R::zero());
     Vec3::select(on, force, Vec3::zero())
 }

@@ -13,7 +13,7 @@
 //! couplings with semi-implicit Euler only, in time that grows with the cube of the rows that they lock (nets: use
 //! `xpbd`); joints of the tree do not give way; joint limits are springs; a motor
 //! torque larger than its drive's effort limit is cut, not refused. Contacts have no
-//! torsional and no rolling friction, and no continuous collision beyond a step's own way.
+//! continuous collision beyond a step's own way.
 
 mod articulated_body;
 mod closing;
@@ -30,6 +30,7 @@ mod limit;
 mod locked;
 mod report;
 mod tables;
+mod turning;
 
 use crate::output::body;
 use crate::{ContactTables, Kernels, Lengths, OutputTables, Settings, SolverError};

@@ -12,7 +12,8 @@ use super::gauss_seidel;
 use super::kinematics::{kinematics, momentum, newton_euler, world_inertia};
 use super::limit;
 use super::tables::{Tables, body_field, body_link, dof, frame};
-use crate::contacts::Touch;
+use super::turning;
+use crate::contacts::{Touch, report_torques};
 use crate::output::{body, body_acceleration, reaction, total};
 use numbers::functions::wrap;
 use numbers::machine::{Held, Hold};
@@ -30,7 +31,7 @@ pub(crate) fn report<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
         if t.exchanges() {
             gauss_seidel::recall(k, t);
         }
-        t.kept.report(k, t.output.contact);
+        report_touches(k, t);
         limit::begin(k, t);
     }
     articulated_body::<M, CONTACTS>(k, t, now, now);
@@ -60,8 +61,16 @@ pub(crate) fn motion<M: Machine>(k: &mut M, t: &Tables) {
 pub(crate) fn contacts<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
     motion(k, t);
     if CONTACTS {
-        t.kept.report(k, t.output.contact);
+        report_touches(k, t);
     }
+}
+
+/// What touches what, with which forces and torques.
+#[inline(always)]
+fn report_touches<M: Machine>(k: &mut M, t: &Tables) {
+    t.kept.report(k, t.output.contact);
+    let (slots, torques) = (t.contacts.sensed, t.output.contact_torque);
+    report_torques(k, t.gripped, slots, M::R::one(), torques);
 }
 
 /// Coordinates and velocities of joints only, which are the state.
@@ -176,8 +185,13 @@ fn relieve<M: Machine>(k: &mut M, t: &Tables) {
                 position: x, force, ..
             } = t.kept.touch(k, s);
             let f = Vec3::select(known, force, Vec3::zero());
+            let torque = if t.grips {
+                turning::kept(k, t, s, known)
+            } else {
+                Vec3::zero()
+            };
             let [one, other] = k.link_row(t.touching_links, s);
-            let push = Spatial::new(x.cross(f), f);
+            let push = Spatial::new(x.cross_plus(f, torque), f);
             let reacted = k.spatial(t.wrench, one, 0) + push;
             k.store_spatial(t.wrench, one, 0, reacted);
             let relieved = k.spatial(t.wrench, other, 0) - push;

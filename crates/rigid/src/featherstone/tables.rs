@@ -17,6 +17,7 @@ use super::force::{ForceRows, ForceTables, only_forces_act, wrapping};
 use super::gauss_seidel::impulse;
 use super::limit::stop;
 use super::locked::LockedTables;
+use super::turning::{turn, turn_impulse, turn_law, turn_law_over};
 use crate::contacts::{ContactPlan, ContactTables, Kept, Seat as Carrier, pair_field};
 use crate::lists::Lists;
 use crate::locks::Locks;
@@ -181,6 +182,12 @@ pub struct Tables {
     pub(crate) kept: Kept,
     /// Tangential impedance of each contact of the last step.
     pub(crate) grip: Table<State>,
+    /// True if any surfaces resist twisting or rolling on each other.
+    pub(crate) grips: bool,
+    /// Impedances against twisting and rolling of each contact of the last step with what does not move.
+    pub(crate) turning: Table<State, 2>,
+    /// Torque of each contact of the last step against twisting and rolling [N·m].
+    pub(crate) gripped: Table<State, 3>,
     pub(crate) state_length: usize,
 
     pub(crate) input: InputTables,
@@ -192,6 +199,8 @@ pub struct Tables {
     pub(crate) step: Table<Parameter, { step::WIDTH }>,
     /// Per pair of shapes: see [`law`].
     pub(crate) law: Table<Parameter, { law::WIDTH }>,
+    /// The same of twisting and rolling: see [`turn_law`].
+    pub(crate) turn_law: Table<Parameter, { turn_law::WIDTH }>,
     /// Runge–Kutta stages: weight, next offset, 1 for the last.
     pub(crate) tableau: Table<Parameter, 3>,
     pub(crate) tree: Table<Parameter, 3>,
@@ -239,6 +248,12 @@ pub struct Tables {
     pub(crate) load: Table<Scratch, { load::WIDTH }>,
     /// Per slot of a contact with what does not move: 1 where the point presses.
     pub(crate) on: Table<Scratch>,
+    /// Per slot of what does not move: see [`turn`].
+    pub(crate) turn: Table<Scratch, { turn::WIDTH }>,
+    /// Per slot between bodies that move: see [`turn_impulse`].
+    pub(crate) turn_impulse: Table<Scratch, { turn_impulse::WIDTH }>,
+    /// As [`entry`](Self::entry), of moments.
+    pub(crate) turn_entry: Table<Scratch, 3>,
     /// Per degree of freedom: see [`stop`].
     pub(crate) stop: Table<Scratch, { stop::WIDTH }>,
     /// Per degree of freedom: by how much it is beyond its limits.
@@ -819,6 +834,13 @@ impl Tables {
             let numbers = f.parameters[from..].first_chunk().expect("a row of a pair");
             let fastest = f.parameters[self.contacts.pair.at(pair, pair_field::FASTEST)];
             f.numbers(self.law, pair, 0, &law_over(*numbers, fastest, h));
+            if self.grips {
+                let from = self.contacts.pair.at(pair, pair_field::TORSION);
+                let coefficients = [f.parameters[from], f.parameters[from + 1]];
+                let inertia = f.parameters[self.contacts.pair.at(pair, pair_field::INERTIA)];
+                let numbers = turn_law_over(coefficients, inertia, h);
+                f.numbers(self.turn_law, pair, 0, &numbers);
+            }
         }
     }
 
@@ -864,11 +886,16 @@ impl Tables {
         let contacts = ContactTables::place(plan, &mut p, &mut l, &mut t);
         let kept = Kept::place(&mut s, contacts.slots);
         let grip = Table::place(&mut s, contacts.sensed);
+        let grips = plan.grips(model);
+        let gripping = |rows: usize| if grips { rows } else { 0 };
+        let turning = Table::place(&mut s, gripping(contacts.between));
+        let gripped = Table::place(&mut s, gripping(contacts.sensed));
         let closings = ClosingTables::place(closings, &mut p, &mut l, &mut t);
         let couplings = CouplingTables::place(couplings, &mut p, &mut l);
         let locked = [couples.rows(), couples.locked_entries];
         let locked = LockedTables::place(locked, &mut s, &mut p, &mut l, &mut t);
         let exchange = couples.exchange();
+        let output = OutputTables::new(model).with_contacts(contacts.slots);
         Self {
             trees,
             nodes,
@@ -890,16 +917,24 @@ impl Tables {
             locked,
             kept,
             grip,
+            grips,
+            turning,
+            gripped,
             position,
             velocity,
             alive,
             forces,
             state_length: s,
             input: InputTables::new(model),
-            output: OutputTables::new(model).with_contacts(contacts.slots),
+            output: if grips {
+                output.with_contact_torques()
+            } else {
+                output
+            },
             world: Table::place(&mut p, 1),
             step: Table::place(&mut p, 1),
             law: Table::place(&mut p, contacts.pairs()),
+            turn_law: Table::place(&mut p, gripping(contacts.pairs())),
             tableau: Table::place(&mut p, 4),
             tree: Table::place(&mut p, trees),
             origin: Table::place(&mut p, coordinates),
@@ -927,6 +962,9 @@ impl Tables {
             dof: Table::place(&mut t, dofs),
             load: Table::place(&mut t, contacts.sensed),
             on: Table::place(&mut t, contacts.between),
+            turn: Table::place(&mut t, gripping(contacts.between)),
+            turn_impulse: Table::place(&mut t, gripping(contacts.sensed)),
+            turn_entry: Table::place(&mut t, gripping(couples.entries)),
             stop: Table::place(&mut t, dofs),
             excess: Table::place(&mut t, dofs),
             beyond: Lists::place(&[dofs], &mut l, &mut t),

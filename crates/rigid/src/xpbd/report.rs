@@ -6,6 +6,7 @@ use super::reaction::{clear, through};
 use super::tables::{
     Tables, axis_field, axis_link, body_link, global, inbound, joint_link, mass, row_link,
 };
+use crate::contacts::report_torques;
 use crate::output::{body, body_acceleration, reaction, total};
 use numbers::functions::wrap;
 use numbers::machine::{Held, Hold, Index};
@@ -42,19 +43,14 @@ pub(crate) fn contacts<M: Machine>(k: &mut M, t: &Tables) {
     motion(k, t);
     if t.touches() {
         t.kept.report(k, t.output.contact);
-        torques(k, t);
-    }
-}
-
-/// Torques of contacts against twisting and rolling; sensors have none.
-#[inline(always)]
-fn torques<M: Machine>(k: &mut M, t: &Tables) {
-    if let Some(torques) = t.output.contact_torque {
         let rate = k.load(t.global, k.index(0), global::STEP).squared().recip();
-        for s in k.count(t.contacts.sensed) {
-            let torque = k.vec3(t.gripped, s, 0) * rate;
-            k.store_vec3(torques, s, 0, torque);
-        }
+        report_torques(
+            k,
+            t.gripped,
+            t.contacts.sensed,
+            rate,
+            t.output.contact_torque,
+        );
     }
 }
 

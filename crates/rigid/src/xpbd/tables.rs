@@ -443,10 +443,7 @@ impl Tables {
         let laws = LawTables::place(model, &mut s, &mut p, &mut l, &mut t);
         let contacts = ContactTables::place(plan, &mut p, &mut l, &mut t);
         let (presses, jointed) = (contacts.sensed > 0, jointed(model));
-        let grips = plan.shapes()[..contacts.sensed].iter().any(|&[a, b]| {
-            let surface = model.contact_material(a, b);
-            surface.torsional_friction > 0.0 || surface.rolling_friction > 0.0
-        });
+        let grips = plan.grips(model);
         let output = OutputTables::new(model).with_contacts(contacts.slots);
         Self {
             rows,
