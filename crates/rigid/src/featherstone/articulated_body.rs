@@ -61,7 +61,7 @@ fn inwards<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, h: M::R, imp
         let (m, c, i) = world_inertia(k, t.node, n, place);
         let mut inertia = Inertia::rigid(m, c, i).hold(k);
         let mut p = newton_euler(m, c, i, twist, bias).hold(k);
-        if let Some(_branch) = k.when(k.equals(links[node_link::UNHELD], 1)) {
+        if let Some(_branch) = k.when(k.equals(links[node_link::ALONE], 1)) {
             let spin = twist.angular;
             let mean = mean_spin(i, spin, implicit);
             let change = mean.cross(i * mean) - spin.cross(i * spin);

@@ -75,8 +75,8 @@ pub(crate) mod node_link {
     /// First slot of the node's contacts with what does not move, and one past the last.
     pub const SLOT_BEGIN: usize = 11;
     pub const SLOT_END: usize = 12;
-    /// 1 for a root that moves freely in the world, whether its degrees of freedom are eliminated or not.
-    pub const UNHELD: usize = 13;
+    /// 1 for a free body, whether its degrees of freedom are eliminated or not: a root that floats and carries no other.
+    pub const ALONE: usize = 13;
     pub const WIDTH: usize = 14;
 }
 
@@ -1000,8 +1000,10 @@ impl Tables {
                 Some(_) => arrival::FIRST,
             };
             f.link(self.node_links, row, node_link::ARRIVAL, arrival);
-            if let Some(parent) = n.parent {
-                f.link(self.node_links, self.trees + parent, node_link::CARRIES, 1);
+            f.link(self.node_links, row, node_link::ALONE, usize::from(n.floats));
+            if let Some(parent) = n.parent.map(|parent| self.trees + parent) {
+                f.link(self.node_links, parent, node_link::CARRIES, 1);
+                f.link(self.node_links, parent, node_link::ALONE, 0);
             }
         }
     }
@@ -1043,12 +1045,6 @@ impl Tables {
             let floats = n.floats && !self.exchanges();
             let (eliminated, from) = if floats { (0, row) } else { (n.dofs(), parent) };
             f.link(self.node_links, row, node_link::FLOATS, usize::from(floats));
-            f.link(
-                self.node_links,
-                row,
-                node_link::UNHELD,
-                usize::from(n.floats),
-            );
             f.link(self.node_links, row, node_link::ELIMINATED, eliminated);
             f.link(self.node_links, row, node_link::ACCELERATES_FROM, from);
             f.pose(self.node, row, node::PLACE, n.place);
