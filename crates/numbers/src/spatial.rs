@@ -136,18 +136,29 @@ impl<R: Real> Inertia<R> {
     #[inline(always)]
     pub fn rigid(m: R, c: Vec3<R>, i: SymMat3<R>) -> Self {
         let mc = c * m;
+        let about_point = SymMat3 {
+            xx: mc.y.fma(c.y, mc.z.fma(c.z, i.xx)),
+            yy: mc.x.fma(c.x, mc.z.fma(c.z, i.yy)),
+            zz: mc.x.fma(c.x, mc.y.fma(c.y, i.zz)),
+            xy: mc.x.fnma(c.y, i.xy),
+            xz: mc.x.fnma(c.z, i.xz),
+            yz: mc.y.fnma(c.z, i.yz),
+        };
+        Self::from_moments(m, mc, about_point)
+    }
+    /// A rigid body by its mass [kg], and the first [kg·m] and second [kg·m²] moments of it about the point.
+    #[inline(always)]
+    pub fn from_moments(m: R, mc: Vec3<R>, i: SymMat3<R>) -> Self {
         Self {
-            i: SymMat3 {
-                xx: mc.y.fma(c.y, mc.z.fma(c.z, i.xx)),
-                yy: mc.x.fma(c.x, mc.z.fma(c.z, i.yy)),
-                zz: mc.x.fma(c.x, mc.y.fma(c.y, i.zz)),
-                xy: mc.x.fnma(c.y, i.xy),
-                xz: mc.x.fnma(c.z, i.xz),
-                yz: mc.y.fnma(c.z, i.yz),
-            },
+            i,
             h: Mat3::skew(mc),
             m: SymMat3::diagonal(m),
         }
+    }
+    /// The first moment of mass [kg·m] of what is rigid.
+    #[inline(always)]
+    pub fn first_moment(self) -> Vec3<R> {
+        Vec3::new(self.h.y.z, self.h.z.x, self.h.x.y)
     }
     /// From I, the columns of H, and M.
     #[inline(always)]

@@ -10,14 +10,19 @@
 //! With c = h/2 it is the implicit midpoint rule of Euler's equations (Hairer, Lubich, Wanner, *Geometric Numerical
 //! Integration*, 2006, §VII.5). With c = tan(h |w| / 2) / |w| it turns L in the body's axes by exp(−h w) (Rodrigues), so
 //! that a body that turns by h w keeps both its energy and L in the world. Newton's method, from w = ω on, has
-//! ∂F/∂w = I + c ([w×] I − [(I w)×]).
+//! ∂F/∂w = I + c ([w×] I − [(I w)×]), in which c is held.
 //!
-//! Other torques of the step do not enter w, which is of first order with them.
+//! A body that turns by more than [`FAR`] in a step, for which this is no approximation (there ∂F/∂w may be singular), has
+//! the w of a shorter one. Other torques of the step do not enter w, which is of first order with them.
 
 use numbers::{Mat3, Real, SymMat3, Vec3};
 
-/// Newton's steps: the error falls with h ω to the fourth, to the eighth and so on.
+/// Newton's steps: with c = h/2 the error falls with h ω to the fourth, to the eighth and so on, with the other to the
+/// fourth, the seventh, by three more each time.
 const STEPS: usize = 2;
+
+/// The way [rad] that a step is looked at for, at most.
+const FAR: f64 = 1.5;
 
 /// Divisors below this are of what is not there.
 const TINY: f64 = 1e-30;
@@ -26,8 +31,9 @@ const TINY: f64 = 1e-30;
 #[inline(always)]
 pub(crate) fn mean_spin<R: Real>(i: SymMat3<R>, spin: Vec3<R>, h: R) -> Vec3<R> {
     let (i, mut w) = (relative(i), spin);
+    let half = half_of(h, spin);
     for _ in 0..STEPS {
-        w = newton(i, spin, w, h * R::lit(0.5));
+        w = newton(i, spin, w, half);
     }
     w
 }
@@ -35,13 +41,20 @@ pub(crate) fn mean_spin<R: Real>(i: SymMat3<R>, spin: Vec3<R>, h: R) -> Vec3<R> 
 /// The same of a body that turns by h w, by no more than a quarter of a turn.
 #[inline(always)]
 pub(crate) fn mean_turn<R: Real>(i: SymMat3<R>, spin: Vec3<R>, h: R) -> Vec3<R> {
-    let half = h * R::lit(0.5);
+    let half = half_of(h, spin);
     let (i, mut w) = (relative(i), spin);
     for _ in 0..STEPS {
-        let x2 = (half * half) * w.length_squared();
+        let x2 = ((half * half) * w.length_squared()).min(R::lit(0.64));
         w = newton(i, spin, w, half * tan_ratio(x2));
     }
     w
+}
+
+/// h / 2, but of no more than [`FAR`].
+#[inline(always)]
+fn half_of<R: Real>(h: R, spin: Vec3<R>) -> R {
+    let fits = R::lit(FAR) / spin.length().max(R::lit(TINY));
+    h.min(fits) * R::lit(0.5)
 }
 
 /// tan(x) / x of x², for x up to 0.8 within 1 %, and for x up to 0.25 within 1e-6.

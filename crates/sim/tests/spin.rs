@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 use kinetarium_sim::{Simulation, SimulationSettings, SolverKind};
-use model::{Builder, Geometry, Model, Shape};
+use model::{Builder, Geometry, Model, Pose, Shape};
 use numbers::Float;
 
 const H: f64 = 0.002;
@@ -84,6 +84,43 @@ fn a_free_body_keeps_its_energy_and_angular_momentum() {
                 let what = format!("{solver:?} {spin}: {energy:e} {size:e}");
                 assert!(energy.abs() < 5e-3 && size.abs() < 5e-3, "{what}");
             }
+        }
+    }
+}
+
+/// Turns by more than a radian in a step, also of what is cut into no parts: two balls on a rod.
+#[test]
+fn what_turns_by_radians_in_a_step_stays_finite() {
+    let mut world = Builder::new("dumbbell");
+    world.gravity(DVec3::ZERO);
+    let things = world.object("things");
+    let ball = Shape::new(Geometry::Sphere { radius: 0.05 });
+    let end = |x: f64| ball.clone().at(Pose::at(DVec3::new(x, 0.0, 0.0)));
+    let body = things.body("body").shape(end(-0.2)).shape(end(0.2));
+    let body = body.mass(1.0).handle();
+    things.free("float", body);
+    let model = world.build().unwrap();
+    for solver in SOLVERS {
+        for turn in [1.0, 3.0, 10.0] {
+            let settings = SimulationSettings {
+                solver,
+                ..SimulationSettings::new(1, H)
+            };
+            let mut sim = Simulation::<f64>::new(model.clone(), settings).unwrap();
+            let place = sim.outputs().joint_position(0);
+            let mut velocity = sim.outputs().joint_velocity(0);
+            let spin = DVec3::new(1.0, 1.0, 0.9).normalize() * (turn / H);
+            velocity[3..6].copy_from_slice(&spin.to_array());
+            sim.set_joint_state(0, &place, &velocity).unwrap();
+            let energy = sim.outputs().energy(0);
+            sim.step(500);
+            assert!(sim.diverged().is_empty(), "{solver:?} {turn}");
+            let after = sim.outputs().energy(0);
+            assert!(
+                after < 1.5 * energy,
+                "{solver:?} {turn}: {}",
+                after / energy
+            );
         }
     }
 }

@@ -26,7 +26,7 @@
 use super::contact;
 use super::kinematics::{Course, newton_euler, world_inertia};
 use super::limit;
-use super::tables::{Tables, arrival, dof, frame, node_link};
+use super::tables::{Tables, arrival, dof, frame, node, node_link, own};
 use crate::gyroscopic::mean_spin;
 use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::{Inertia, Spatial};
@@ -40,7 +40,7 @@ pub(crate) const TINY: f64 = 1e-20;
 /// `implicit` [s].
 ///
 /// Needs [`kinematics`](super::kinematics::kinematics) and [`forces`](super::force::forces), and, where there
-/// are contacts, these found or recalled, and [`limit::begin`].
+/// are contacts, these found or recalled, [`by_themselves`] and [`limit::begin`].
 #[inline(always)]
 pub(crate) fn articulated_body<M: Machine, const CONTACTS: bool>(
     k: &mut M,
@@ -57,16 +57,13 @@ fn inwards<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, h: M::R, imp
     for i in k.range_down(k.index(t.nodes)) {
         let n = i.offset(t.trees);
         let links = k.link_row::<_, { node_link::WIDTH }>(t.node_links, n);
-        let Course { place, twist, bias } = Course::read(k, t, n);
-        let (m, c, i) = world_inertia(k, t.node, n, place);
-        let mut inertia = Inertia::rigid(m, c, i).hold(k);
-        let mut p = newton_euler(m, c, i, twist, bias).hold(k);
-        if let Some(_branch) = k.when(k.equals(links[node_link::ALONE], 1)) {
-            let spin = twist.angular;
-            let mean = mean_spin(i, spin, implicit);
-            let change = mean.cross(i * mean) - spin.cross(i * spin);
-            p.set(p.get() + Spatial::new(change, Vec3::zero()));
-        }
+        let (own_inertia, own_p) = if CONTACTS {
+            kept(k, t, n)
+        } else {
+            own(k, t, n, implicit)
+        };
+        let mut inertia = own_inertia.hold(k);
+        let mut p = own_p.hold(k);
         if let Some(_branch) = k.when(k.equals(links[node_link::CARRIES], 1)) {
             let (carried_p, carried) = carried(k, t, n);
             inertia.set(inertia.get() + carried);
@@ -108,6 +105,42 @@ fn inwards<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, h: M::R, imp
         let (parent, arrival) = (links[node_link::PARENT], links[node_link::ARRIVAL]);
         pass_on(k, t, parent, arrival, inertia.get(), p.get());
     }
+}
+
+/// What every node is by itself, which passes that differ in what touches it have in common.
+#[inline(always)]
+pub(crate) fn by_themselves<M: Machine>(k: &mut M, t: &Tables, implicit: M::R) {
+    for n in k.range(k.index(t.trees), k.index(t.trees + t.nodes)) {
+        let (inertia, p) = own(k, t, n, implicit);
+        k.store_vec3(t.own, n, own::FIRST, inertia.first_moment());
+        k.store_sym(t.own, n, own::SECOND, inertia.i);
+        k.store_spatial(t.own, n, own::FORCE, p);
+    }
+}
+
+/// What [`by_themselves`] has found.
+#[inline(always)]
+fn kept<M: Machine>(k: &M, t: &Tables, n: M::I) -> (Inertia<M::R>, Spatial<M::R>) {
+    let m = k.load(t.node, n, node::MASS);
+    let (first, second) = (k.vec3(t.own, n, own::FIRST), k.sym(t.own, n, own::SECOND));
+    let inertia = Inertia::from_moments(m, first, second);
+    (inertia, k.spatial(t.own, n, own::FORCE))
+}
+
+/// Inertia of a node without what it carries, and the wrench that moves it where every q̈ is zero.
+#[inline(always)]
+fn own<M: Machine>(k: &M, t: &Tables, n: M::I, implicit: M::R) -> (Inertia<M::R>, Spatial<M::R>) {
+    let Course { place, twist, bias } = Course::read(k, t, n);
+    let (m, c, i) = world_inertia(k, t.node, n, place);
+    let mut p = newton_euler(m, c, i, twist, bias).hold(k);
+    let alone = k.equals(k.link(t.node_links, n, node_link::ALONE), 1);
+    if let Some(_branch) = k.when(alone) {
+        let spin = twist.angular;
+        let mean = mean_spin(i, spin, implicit);
+        let change = mean.cross(i * mean) - spin.cross(i * spin);
+        p.set(p.get() + Spatial::new(change, Vec3::zero()));
+    }
+    (Inertia::rigid(m, c, i), p.get())
 }
 
 /// Bias force and inertia of what a node carries.

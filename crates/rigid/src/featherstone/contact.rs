@@ -293,17 +293,15 @@ pub(crate) fn burden<M: Machine>(
         k.vec3(t.contacts.slot, s, slot::NORMAL),
     );
     let f0 = Vec3::new(fx, fy, fz);
-    let (turning, torque) = if t.grips {
-        turning::burden(k, t, s, h)
-    } else {
-        (SymMat3::zero(), Vec3::zero())
-    };
-    let isotropic = Inertia::rigid(h * c_t, x, turning);
+    let isotropic = Inertia::rigid(h * c_t, x, SymMat3::zero());
     let e = Spatial::new(x.cross(n), n);
-    (
-        isotropic.minus_outer(e, h * (c_t - c_n)),
-        Spatial::new(x.cross_plus(f0, torque), f0),
-    )
+    let inertia = isotropic.minus_outer(e, h * (c_t - c_n));
+    let force = Spatial::new(x.cross(f0), f0);
+    if t.grips {
+        turning::burden(k, t, s, h, inertia, force)
+    } else {
+        (inertia, force)
+    }
 }
 
 /// Forces under the accelerations just found; changes what presses, sticks or slides against the

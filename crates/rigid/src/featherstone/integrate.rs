@@ -14,7 +14,7 @@
 //! (Munthe-Kaas 1998, dexp⁻¹ truncated).
 
 use super::Integrator;
-use super::articulated_body::{along, articulated_body};
+use super::articulated_body::{along, articulated_body, by_themselves};
 use super::contact;
 use super::force::{forces, smooth_targets};
 use super::gauss_seidel;
@@ -124,6 +124,7 @@ fn accelerate<M: Machine, const CONTACTS: bool>(
 fn settle<M: Machine>(k: &mut M, t: &Tables, h: M::R, implicit: M::R) {
     let zero = M::R::zero();
     limit::begin(k, t);
+    by_themselves(k, t, implicit);
     let mut pull = k.cell(zero);
     let mut stops = k.cell(zero);
     for i in k.count(t.passes + MORE) {

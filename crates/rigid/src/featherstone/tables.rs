@@ -235,6 +235,8 @@ pub struct Tables {
     pub(crate) half_angle: Table<Scratch, 2>,
     /// Per node, and per tree for the world: see [`frame`].
     pub(crate) frame: Table<Scratch, { frame::WIDTH }>,
+    /// Per node, where there are contacts: see [`own`].
+    pub(crate) own: Table<Scratch, { own::WIDTH }>,
     /// Per degree of freedom: see [`dof`].
     pub(crate) dof: Table<Scratch, { dof::WIDTH }>,
     pub(crate) contacts: ContactTables,
@@ -311,6 +313,16 @@ pub(crate) mod frame {
     /// What the accelerations q̈ add to BIAS; takes the place of INERTIA once that is spent.
     pub const ACCELERATION: usize = INERTIA;
     pub const WIDTH: usize = 46;
+}
+
+/// Fields of [`Tables::own`]: what a node is by itself, whatever touches it.
+pub(crate) mod own {
+    /// Moments of mass about O: first, 3, and second, 6.
+    pub const FIRST: usize = 0;
+    pub const SECOND: usize = 3;
+    /// Wrench that moves it where every q̈ is zero, 6.
+    pub const FORCE: usize = 9;
+    pub const WIDTH: usize = 15;
 }
 
 /// Fields of [`Tables::dof`].
@@ -959,6 +971,7 @@ impl Tables {
             point: Table::place(&mut t, trees),
             half_angle: Table::place(&mut t, motions),
             frame: Table::place(&mut t, rows),
+            own: Table::place(&mut t, rows),
             dof: Table::place(&mut t, dofs),
             load: Table::place(&mut t, contacts.sensed),
             on: Table::place(&mut t, contacts.between),
@@ -1000,7 +1013,12 @@ impl Tables {
                 Some(_) => arrival::FIRST,
             };
             f.link(self.node_links, row, node_link::ARRIVAL, arrival);
-            f.link(self.node_links, row, node_link::ALONE, usize::from(n.floats));
+            f.link(
+                self.node_links,
+                row,
+                node_link::ALONE,
+                usize::from(n.floats),
+            );
             if let Some(parent) = n.parent.map(|parent| self.trees + parent) {
                 f.link(self.node_links, parent, node_link::CARRIES, 1);
                 f.link(self.node_links, parent, node_link::ALONE, 0);

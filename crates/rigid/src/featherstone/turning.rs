@@ -20,7 +20,8 @@ use super::factor::{self, Path};
 use super::gauss_seidel;
 use super::tables::{Tables, couple_link, frame, touch_link};
 use crate::contacts::{slot, slot_link};
-use numbers::{Machine, Mat3, Real, SymMat3, Vec3};
+use numbers::spatial::{Inertia, Spatial};
+use numbers::{Cell, Machine, Mat3, Real, SymMat3, Vec3};
 
 /// Smallest response of a row [1/(kg·m²)], and shortest coefficient [m], that divide.
 const TINY: f64 = 1e-12;
@@ -81,9 +82,17 @@ pub(crate) fn approach<M: Machine>(
     let spin = k.spatial(t.frame, node, frame::TWIST).angular;
     let bias = k.spatial(t.frame, node, frame::BIAS).angular;
     k.store_vec3(t.turn, s, turn::SPIN_0, bias.fma(h, spin));
+    k.write(t.turn, s, turn::TORQUE, [M::R::zero(); 5]);
     let kept: [M::R; 2] = k.read(t.turning, s, 0);
     let kept = kept.map(|c| M::R::select(known, c, M::R::zero()));
     press(k, t, s, on, kept);
+}
+
+/// Where the contacts of a pair resist turning.
+#[inline(always)]
+fn resists<M: Machine>(k: &M, t: &Tables, pair: M::I) -> <M::R as Real>::Mask {
+    let [torsion, rolling] = k.read(t.turn_law, pair, turn_law::COEFFICIENTS);
+    (torsion + rolling).gt(M::R::zero())
 }
 
 /// Sets the impedances of a point that presses where `on` is 1.
@@ -103,19 +112,22 @@ fn resisted<R: Real>(n: Vec3<R>, spin: Vec3<R>, about: R, across: R) -> Vec3<R> 
     n * ((across - about) * n.dot(spin)) - spin * across
 }
 
-/// What a point adds to its node's articulated inertia about itself, and its torque τ⁰.
+/// Adds to what a point adds to its node's articulated inertia, and to its force, what it adds by its torque.
 #[inline(always)]
 pub(crate) fn burden<M: Machine>(
     k: &M,
     t: &Tables,
     s: M::I,
     h: M::R,
-) -> (SymMat3<M::R>, Vec3<M::R>) {
+    mut inertia: Inertia<M::R>,
+    mut force: Spatial<M::R>,
+) -> (Inertia<M::R>, Spatial<M::R>) {
     let [about, across, x, y, z] = k.read(t.turn, s, turn::IMPEDANCE);
     let n = k.vec3(t.contacts.slot, s, slot::NORMAL);
     let across_all = SymMat3::diagonal(h * across);
-    let mass = across_all + SymMat3::outer(n, h * (about - across));
-    (mass, Vec3::new(x, y, z))
+    inertia.i = inertia.i + across_all + SymMat3::outer(n, h * (about - across));
+    force.angular += Vec3::new(x, y, z);
+    (inertia, force)
 }
 
 /// Torques under the accelerations just found, of a point that bears `load` [N]; changes the impedances that are
@@ -129,8 +141,25 @@ pub(crate) fn settle<M: Machine>(
     pressed: <M::R as Real>::Mask,
     load: M::R,
 ) -> <M::R as Real>::Mask {
-    let node = k.link(t.contacts.slot_links, s, slot_link::MOVER);
     let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
+    let mut changes = k.cell(M::R::zero());
+    if let Some(_branch) = k.if_any(resists(k, t, pair)) {
+        let wrong = settle_one(k, t, s, pair, h, load);
+        changes.write(M::R::select(pressed & wrong, M::R::one(), M::R::zero()));
+    }
+    changes.read().gt(M::R::zero())
+}
+
+#[inline(always)]
+fn settle_one<M: Machine>(
+    k: &mut M,
+    t: &Tables,
+    s: M::I,
+    pair: M::I,
+    h: M::R,
+    load: M::R,
+) -> <M::R as Real>::Mask {
+    let node = k.link(t.contacts.slot_links, s, slot_link::MOVER);
     let n = k.vec3(t.contacts.slot, s, slot::NORMAL);
     let before = k.vec3(t.turn, s, turn::SPIN_0);
     let [about, across] = k.read(t.turn, s, turn::IMPEDANCE);
@@ -155,7 +184,7 @@ pub(crate) fn settle<M: Machine>(
     let (rolls, across) = turn(rolling * load, across, rolls, rolled, own);
     let on = k.load(t.on, s, 0);
     press(k, t, s, on, [about, across]);
-    pressed & (twists | rolls)
+    twists | rolls
 }
 
 /// Whether an impedance is against its law, and the next one: see [`rubbing`].
@@ -237,6 +266,16 @@ pub(crate) fn row<M: Machine>(
     torque: Vec3<M::R>,
     h: M::R,
 ) {
+    let lambda = e.transpose_mul(torque * h);
+    k.store_vec3(t.turn_impulse, s, turn_impulse::LAMBDA, lambda);
+    let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
+    if let Some(_branch) = k.if_any(resists(k, t, pair)) {
+        row_of(k, t, s, e, h);
+    }
+}
+
+#[inline(always)]
+fn row_of<M: Machine>(k: &mut M, t: &Tables, s: M::I, e: Mat3<M::R>, h: M::R) {
     let couple = k.link(t.touch_links, s, touch_link::COUPLE);
     let spin = e.transpose_mul(
         spin_of(k, t, couple_link::NODE_B, couple, h)
@@ -250,8 +289,6 @@ pub(crate) fn row<M: Machine>(
     let (about, across) = (on / a.x.max(tiny), on / a.y.max(a.z).max(tiny));
     let numbers = [spin.x, spin.y, spin.z, about, across];
     k.write(t.turn_impulse, s, turn_impulse::SPIN, numbers);
-    let lambda = e.transpose_mul(torque * h);
-    k.store_vec3(t.turn_impulse, s, turn_impulse::LAMBDA, lambda);
 }
 
 /// Spin of one side after the step without impulses.
@@ -268,6 +305,16 @@ fn spin_of<M: Machine>(k: &M, t: &Tables, side: usize, couple: M::I, h: M::R) ->
 #[inline(always)]
 pub(crate) fn relax<M: Machine>(k: &mut M, t: &Tables, s: M::I, load: M::R, on: M::R) -> M::R {
     let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
+    let mut change = k.cell(M::R::zero());
+    if let Some(_branch) = k.if_any(resists(k, t, pair)) {
+        let changed = relax_one(k, t, s, pair, load, on);
+        change.write(changed);
+    }
+    change.read()
+}
+
+#[inline(always)]
+fn relax_one<M: Machine>(k: &mut M, t: &Tables, s: M::I, pair: M::I, load: M::R, on: M::R) -> M::R {
     let first = k.link(t.touch_links, s, touch_link::ENTRY);
     let spin = k.vec3(t.turn_impulse, s, turn_impulse::SPIN);
     let spin = gauss_seidel::velocity(k, t, s, (t.turn_entry, first), spin);
