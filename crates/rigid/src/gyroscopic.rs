@@ -27,18 +27,21 @@ const FAR: f64 = 1.5;
 /// Divisors below this are of what is not there.
 const TINY: f64 = 1e-30;
 
-/// w by the midpoint rule, of a body with inertia I and spin ω along the same axes; ω where h is 0.
+/// w × I w with w by the midpoint rule, of a body with inertia I and spin ω along the same axes; ω × I ω where h is 0. What
+/// that of a shorter step changes is spread over all of it.
 #[inline(always)]
-pub(crate) fn mean_spin<R: Real>(i: SymMat3<R>, spin: Vec3<R>, h: R) -> Vec3<R> {
-    let (i, mut w) = (relative(i), spin);
+pub(crate) fn mean_torque<R: Real>(inertia: SymMat3<R>, spin: Vec3<R>, h: R) -> Vec3<R> {
+    let (i, mut w) = (relative(inertia), spin);
     let half = half_of(h, spin);
     for _ in 0..STEPS {
         w = newton(i, spin, w, half);
     }
-    w
+    let share = (half + half) / h.max(R::lit(TINY));
+    let torque = w.cross(inertia * w);
+    Vec3::select(h.gt(R::zero()), torque * share, torque)
 }
 
-/// The same of a body that turns by h w, by no more than a quarter of a turn.
+/// w of a body that turns by h w, by no more than a quarter of a turn.
 #[inline(always)]
 pub(crate) fn mean_turn<R: Real>(i: SymMat3<R>, spin: Vec3<R>, h: R) -> Vec3<R> {
     let half = half_of(h, spin);

@@ -27,7 +27,7 @@ use super::contact;
 use super::kinematics::{Course, newton_euler, world_inertia};
 use super::limit;
 use super::tables::{Tables, arrival, dof, frame, node, node_link, own};
-use crate::gyroscopic::mean_spin;
+use crate::gyroscopic::mean_torque;
 use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::{Inertia, Spatial};
 use numbers::{Cell, Machine, Mat3, Real, Vec3};
@@ -136,8 +136,7 @@ fn own<M: Machine>(k: &M, t: &Tables, n: M::I, implicit: M::R) -> (Inertia<M::R>
     let alone = k.equals(k.link(t.node_links, n, node_link::ALONE), 1);
     if let Some(_branch) = k.when(alone) {
         let spin = twist.angular;
-        let mean = mean_spin(i, spin, implicit);
-        let change = mean.cross(i * mean) - spin.cross(i * spin);
+        let change = mean_torque(i, spin, implicit) - spin.cross(i * spin);
         p.set(p.get() + Spatial::new(change, Vec3::zero()));
     }
     (Inertia::rigid(m, c, i), p.get())
