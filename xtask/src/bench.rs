@@ -28,6 +28,7 @@ enum Record {
         case: String,
         method: String,
         worlds: u32,
+        threads: u32,
         steps_per_second: f64,
         error: Option<f64>,
     },
@@ -47,6 +48,10 @@ struct Comparison {
 }
 
 const BATCH: u32 = 4096;
+/// Threads of a batch.
+const THREADS: u32 = 2;
+/// How many times as fast a batch is to be on two threads as on one.
+const SHARED: f64 = 1.9;
 
 #[rustfmt::skip]
 const COMPARISONS: [Comparison; 15] = [
@@ -161,9 +166,10 @@ fn robots(workshop: &Workshop, repetitions: usize) -> Result<String> {
         .quiet()
         .read()?;
     Ok(format!(
-        "{} MuJoCo {mujoco}. Repetitions: {repetitions}.\n\n{}\n{}",
+        "{} MuJoCo {mujoco}. Repetitions: {repetitions}.\n\n{}\n{}\n{}",
         machine(workshop)?.trim_end(),
         speeds(&ours, &theirs)?,
+        threads(&ours)?,
         sizes(&ours, &theirs)?,
     ))
 }
@@ -211,8 +217,9 @@ fn speeds(ours: &[Record], theirs: &[Record]) -> Result<String> {
         goal,
     } in COMPARISONS
     {
-        let (our_speed, our_error) = speed(ours, case, our_method, worlds)?;
-        let (their_speed, their_error) = speed(theirs, case, their_method, worlds)?;
+        let threads = if worlds == BATCH { THREADS } else { 1 };
+        let (our_speed, our_error) = speed(ours, case, our_method, [worlds, threads])?;
+        let (their_speed, their_error) = speed(theirs, case, their_method, [worlds, threads])?;
         let ratio = our_speed / their_speed;
         let goal = goal.map_or(String::new(), |goal| {
             format!("{goal}{}", if ratio < goal { " (missed)" } else { "" })
@@ -224,6 +231,30 @@ fn speeds(ours: &[Record], theirs: &[Record]) -> Result<String> {
             scientific(our_error),
             rate(their_speed),
             scientific(their_error),
+        )?;
+    }
+    Ok(table)
+}
+
+/// What a second thread is worth to many worlds.
+fn threads(ours: &[Record]) -> Result<String> {
+    let mut table = format!(
+        "| {BATCH} worlds | one thread | {THREADS} threads | ratio | goal |\n|---|--:|--:|--:|--:|\n"
+    );
+    let mut cases: Vec<_> = COMPARISONS
+        .iter()
+        .map(|comparison| comparison.case)
+        .collect();
+    cases.dedup();
+    for case in cases {
+        let (one, _) = speed(ours, case, "euler", [BATCH, 1])?;
+        let (all, _) = speed(ours, case, "euler", [BATCH, THREADS])?;
+        let ratio = all / one;
+        let missed = if ratio < SHARED { " (missed)" } else { "" };
+        let (one, all) = (rate(one), rate(all));
+        writeln!(
+            table,
+            "| {case} | {one} | {all} | {ratio:.2} | {SHARED}{missed} |"
         )?;
     }
     Ok(table)
@@ -319,15 +350,24 @@ fn python(workshop: &Workshop) -> Result<String> {
 }
 
 /// Median world-steps per second, and the error where the case has one.
-fn speed(records: &[Record], case: &str, method: &str, worlds: u32) -> Result<(f64, Option<f64>)> {
+fn speed(
+    records: &[Record],
+    case: &str,
+    method: &str,
+    [worlds, threads]: [u32; 2],
+) -> Result<(f64, Option<f64>)> {
     let wanted = |record: &Record| match record {
         Record::Speed {
             case: c,
             method: m,
             worlds: w,
+            threads: t,
             steps_per_second,
             error,
-        } => (c == case && m == method && *w == worlds).then_some((*steps_per_second, *error)),
+        } => {
+            let is = c == case && m == method && [*w, *t] == [worlds, threads];
+            is.then_some((*steps_per_second, *error))
+        }
         _ => None,
     };
     let speed = median(records, |record| wanted(record).map(|(speed, _)| speed))
@@ -375,24 +415,24 @@ fn rewritten(report: &str, marker: &str, tables: &str) -> Result<String> {
 mod tests {
     use super::*;
 
-    const LINES: &str = r#"{"kind": "speed", "case": "chain_10", "method": "euler", "worlds": 1, "steps_per_second": 3.0, "error": 0.5}
-{"kind": "speed", "case": "chain_10", "method": "euler", "worlds": 1, "steps_per_second": 1.0, "error": 0.5}
-{"kind": "speed", "case": "chain_10", "method": "euler", "worlds": 1, "steps_per_second": 7.0, "error": 0.5}
-{"kind": "speed", "case": "chain_10", "method": "rk4", "worlds": 1, "steps_per_second": 100.0, "error": null}
+    const LINES: &str = r#"{"kind": "speed", "case": "chain_10", "method": "euler", "worlds": 1, "threads": 1, "steps_per_second": 3.0, "error": 0.5}
+{"kind": "speed", "case": "chain_10", "method": "euler", "worlds": 1, "threads": 1, "steps_per_second": 1.0, "error": 0.5}
+{"kind": "speed", "case": "chain_10", "method": "euler", "worlds": 1, "threads": 1, "steps_per_second": 7.0, "error": 0.5}
+{"kind": "speed", "case": "chain_10", "method": "rk4", "worlds": 1, "threads": 1, "steps_per_second": 100.0, "error": null}
 {"kind": "load", "case": "humanoid", "seconds": 0.01}"#;
 
     #[test]
     fn the_median_is_taken_over_the_case_asked_for() {
         let records = records(LINES).unwrap();
         assert_eq!(
-            speed(&records, "chain_10", "euler", 1).unwrap(),
+            speed(&records, "chain_10", "euler", [1, 1]).unwrap(),
             (3.0, Some(0.5))
         );
         assert_eq!(
-            speed(&records, "chain_10", "rk4", 1).unwrap(),
+            speed(&records, "chain_10", "rk4", [1, 1]).unwrap(),
             (100.0, None)
         );
-        assert!(speed(&records, "chain_30", "euler", 1).is_err());
+        assert!(speed(&records, "chain_30", "euler", [1, 1]).is_err());
     }
 
     #[test]
