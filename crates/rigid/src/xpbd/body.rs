@@ -9,7 +9,7 @@
 //! E = exp(h w)    q' = q E    ω' = I⁻¹ E⁻¹ L
 //! ```
 //!
-//! Turns of up to 1 rad per substep are exact to rounding of `f32`; longer ones are not.
+//! Turns of up to 1 rad per substep are exact to rounding of `f32`; longer ones are not, but keep L.
 //!
 //! Departure from Müller et al. 2020 (alg. 2), where the gyroscopic torque is
 //! taken explicitly.
@@ -157,10 +157,16 @@ pub(crate) fn arms<M: Machine>(k: &mut M, t: &Tables) {
 /// Scaled to unit length: in first order of |q|² − 1, but where a turn was too long for its series.
 #[inline(always)]
 fn unit<M: Machine>(k: &M, q: Quat<M::R>) -> Quat<M::R> {
-    let mut unit = q.nearly_normalized().hold(k);
-    let near = (q.dot(q) - M::R::one()).abs().le(M::R::lit(NEARBY));
-    if let Some(_branch) = k.if_any(!near) {
-        unit.set(Quat::select(near, unit.get(), q.normalized()));
+    near_or_unit(k, q, q.nearly_normalized())
+}
+
+/// `near` where the length of q is about 1, and q scaled to it elsewhere.
+#[inline(always)]
+fn near_or_unit<M: Machine>(k: &M, q: Quat<M::R>, near: Quat<M::R>) -> Quat<M::R> {
+    let mut unit = near.hold(k);
+    let is_near = (q.dot(q) - M::R::one()).abs().le(M::R::lit(NEARBY));
+    if let Some(_branch) = k.if_any(!is_near) {
+        unit.set(Quat::select(is_near, near, q.normalized()));
     }
     unit.get()
 }
@@ -183,6 +189,7 @@ pub(crate) fn fly<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         let l = w.times(moments);
         let mean = mean_turn(SymMat3::new(moments, Vec3::zero()), w, h);
         let turn = Quat::exp_short(mean * h);
+        let turn = near_or_unit(k, turn, turn);
         let q = unit(k, pose.q * turn);
         let w = q.rotate(turn.rotate_inverse(l).times(inverse));
         k.store_pose(t.pose, row, 0, Pose::new(v.fma(h, pose.p), q));
