@@ -104,6 +104,20 @@ pub enum SolverError {
         /// Name of the joint.
         joint: String,
     },
+    /// More shapes may touch than tables have room for.
+    #[error(
+        "{solver} has room for a contact at every point where two shapes may touch, and the {shapes} shapes of this model \
+         have more than {most}: use the solver `impulse`, which finds pairs as they come near, or keep shapes apart by \
+         masks, groups or exclusions"
+    )]
+    TooManyContacts {
+        /// Name of the solver.
+        solver: &'static str,
+        /// How many shapes the model has.
+        shapes: usize,
+        /// How many points there may be.
+        most: usize,
+    },
     /// The solver lacks something the model uses.
     #[error("{solver} does not support {what} of `{name}`: {remedy}")]
     Unsupported {

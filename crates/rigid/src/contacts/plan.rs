@@ -5,7 +5,11 @@ use super::{Corners, Meshes};
 use crate::SolverError;
 use collide::{Route, kind};
 use model::{CollisionFilter, Geometry, Model, Pose, Shape, ShapeId};
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
+
+/// Points of contact that tables have room for, at most: a world of that many takes half a gigabyte in single precision.
+const MOST_POINTS: usize = 1 << 20;
 
 /// What carries a shape, as a solver sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,6 +71,9 @@ pub(super) struct Sight {
     pub as_hull: bool,
 }
 
+/// Rows of the sights, by what tells them apart: the shape, the group that it is seen from, and whether as a hull.
+type Known = HashMap<(ShapeId, usize, bool), usize>;
+
 /// The pairs of a model, by kernel, and their slots, by the carrier that they belong to.
 #[derive(Clone, Debug)]
 pub(crate) struct ContactPlan {
@@ -115,13 +122,13 @@ impl ContactPlan {
     /// Finds the pairs; `seat` tells who carries a shape.
     ///
     /// # Errors
-    /// A shape that no kernel collides.
+    /// A shape that no kernel collides; more points of contact than tables have room for.
     pub(crate) fn new(
         model: &Model,
         solver: &'static str,
         seat: impl Fn(&Shape) -> Seat,
     ) -> Result<Self, SolverError> {
-        let mut plan = Self::empty();
+        let (mut plan, mut known, mut points) = (Self::empty(), Known::new(), 0);
         for (a, b) in CollisionFilter::new(model).pairs() {
             let shapes = [a, b].map(|s| &model.shapes[s.0]);
             let senses = shapes.iter().any(|shape| shape.sensor);
@@ -137,12 +144,23 @@ impl ContactPlan {
             };
             let seats = [a, b].map(|s| seat(&model.shapes[s.0]));
             let as_hull = route == Route::PlaneHull && first.kind.max(second.kind) == kind::MESH;
-            plan.add(route, [a, b], seats, [senses, as_hull]);
+            plan.add(route, [a, b], seats, [senses, as_hull], &mut known);
+            points += route.points();
+            if points > MOST_POINTS {
+                return Err(SolverError::TooManyContacts {
+                    solver,
+                    shapes: model.shapes.len(),
+                    most: MOST_POINTS,
+                });
+            }
         }
         plan.assign_slots();
+        let mut once = HashSet::new();
+        let sights = plan.sights.iter().map(|s| (s.shape, s.as_hull));
+        let shapes = Vec::from_iter(sights.filter(|seen| once.insert(*seen)));
         let seen = |as_hull| {
-            let sights = plan.sights.iter().filter(move |s| s.as_hull == as_hull);
-            sights.map(|s| &model.shapes[s.shape.0].geometry)
+            let shapes = shapes.iter().filter(move |s| s.1 == as_hull);
+            shapes.map(|(shape, _)| &model.shapes[shape.0].geometry)
         };
         let meshes = Meshes::new(seen(false));
         let hulls = seen(false).filter(|geometry| matches!(geometry, Geometry::Hull(_)));
@@ -157,6 +175,7 @@ impl ContactPlan {
         shapes: [ShapeId; 2],
         mut seats: [Seat; 2],
         [senses, as_hull]: [bool; 2],
+        known: &mut Known,
     ) {
         let [a, b] = seats;
         let (flip, mover) = match (a.moves(), b.moves()) {
@@ -172,11 +191,16 @@ impl ContactPlan {
             _ => mover.mass,
         };
         let rows = [0, 1].map(|i| {
-            self.sight(Sight {
+            let sight = Sight {
                 shape: shapes[i],
                 seat: seats[i],
                 seen: mover.group,
                 as_hull: as_hull && i == 1,
+            };
+            let key = (sight.shape, sight.seen, sight.as_hull);
+            *known.entry(key).or_insert_with(|| {
+                self.sights.push(sight);
+                self.sights.len() - 1
             })
         });
         self.pairs.push(Pair {
@@ -190,15 +214,6 @@ impl ContactPlan {
             mass,
             slot: 0,
         });
-    }
-
-    /// Row of a sight, new or known.
-    fn sight(&mut self, sight: Sight) -> usize {
-        let known = self.sights.iter().position(|s| *s == sight);
-        known.unwrap_or_else(|| {
-            self.sights.push(sight);
-            self.sights.len() - 1
-        })
     }
 
     /// Slots carrier by carrier, those of sensors last; pairs kernel by kernel.
@@ -259,5 +274,103 @@ impl ContactPlan {
             let [a, b] = self.pairs[self.slots[slot]].rows;
             (slot, self.sights[a].seat, self.sights[b].seat)
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DVec2, DVec3};
+    use model::{Builder, Hull, TriangleMesh};
+
+    /// So many free boxes and hulls, above a plane and a field of heights.
+    fn many(bodies: usize) -> Model {
+        let mut world = Builder::new("many");
+        let ground = world.object("ground");
+        ground.scenery(Geometry::Plane {
+            half_x: 0.0,
+            half_z: 0.0,
+        });
+        let field = TriangleMesh::height_field(&[vec![0.0; 2], vec![0.0; 2]], DVec2::ONE);
+        ground.scenery(Geometry::Mesh(field.unwrap()));
+        let object = world.object("bodies");
+        for i in 0..bodies {
+            let half = DVec3::new(0.1, 0.2, 0.3 + 1e-3 * i as f64);
+            let corners = [
+                DVec3::ZERO,
+                half.x * DVec3::X,
+                half.y * DVec3::Y,
+                half.z * DVec3::Z,
+            ];
+            let geometry = match i % 3 {
+                0 => Geometry::Hull(Hull::new(&corners).unwrap()),
+                _ => Geometry::Box { half },
+            };
+            object.body(format!("body_{i}")).shape(geometry);
+        }
+        world.build().unwrap()
+    }
+
+    /// Each body in a row and a group of its own, after those of what does not move.
+    fn seat(model: &Model, shape: &Shape) -> Seat {
+        let (row, group, mass) = match shape.body {
+            Some(body) => (model.bodies.len() + body.0, body.0, 1.0 + body.0 as f64),
+            None => (0, 0, f64::INFINITY),
+        };
+        Seat {
+            row,
+            group,
+            place: Pose::IDENTITY,
+            mass,
+        }
+    }
+
+    /// Sights are numbered as pairs first see them, and none twice, which a search through all of them says, too.
+    #[test]
+    fn every_shape_is_seen_once_from_every_group() {
+        let model = many(120);
+        let plan = ContactPlan::new(&model, "none", |shape| seat(&model, shape)).unwrap();
+        let mut pairs = plan.pairs.clone();
+        pairs.sort_by_key(|pair| {
+            let [a, b] = pair.shapes;
+            (a.min(b), a.max(b))
+        });
+        assert_eq!(pairs.len(), 120 * 119 / 2 + 2 * 120);
+        let mut sights: Vec<Sight> = Vec::new();
+        for pair in &pairs {
+            for (side, shape) in pair.shapes.into_iter().enumerate() {
+                let mut seat = seat(&model, &model.shapes[shape.0]);
+                if !seat.moves() {
+                    (seat.row, seat.group) = (pair.mover.group, pair.mover.group);
+                }
+                let sight = Sight {
+                    shape,
+                    seat,
+                    seen: pair.mover.group,
+                    as_hull: false,
+                };
+                let known = sights.iter().position(|s| *s == sight);
+                let row = known.unwrap_or(sights.len());
+                assert_eq!(pair.rows[side], row);
+                if known.is_none() {
+                    sights.push(sight);
+                }
+            }
+        }
+        assert_eq!(plan.sights, sights);
+        // Each third body is a hull of four corners, and no two are alike.
+        assert_eq!(plan.corners.rows(), 4 * 120 / 3);
+    }
+
+    #[test]
+    fn more_points_than_there_is_room_for_are_refused() {
+        let model = many(1500);
+        let refused = ContactPlan::new(&model, "xpbd", |shape| seat(&model, shape)).unwrap_err();
+        let told = refused.to_string();
+        assert!(
+            told.contains("1502 shapes") && told.contains("1048576"),
+            "{told}"
+        );
+        assert!(told.contains("use the solver `impulse`"), "{told}");
     }
 }

@@ -11,6 +11,7 @@ use model::{Geometry, Model, Pose, Shape};
 use numbers::Table;
 use numbers::machine::Links;
 use numbers::machine::space::{Parameter, Scratch};
+use std::collections::HashMap;
 
 /// Fields of [`ContactTables::shape`].
 pub(crate) mod shape_field {
@@ -276,6 +277,7 @@ impl ContactTables {
         solver: &'static str,
         f: &mut Filler,
     ) -> Result<(), SolverError> {
+        let mut corners = HashMap::new();
         for (row, sight) in plan.sights.iter().enumerate() {
             let shape = &model.shapes[sight.shape.0];
             let solid = Solid::new(shape, solver)?;
@@ -296,10 +298,12 @@ impl ContactTables {
                 solid.kind
             };
             f.link(self.shape_links, row, shape_link::KIND, kind);
-            let rows = match kind {
-                kind::MESH => plan.meshes.of(&shape.geometry),
-                _ => plan.corners.of(&shape.geometry),
-            };
+            let rows = corners
+                .entry((sight.shape, kind))
+                .or_insert_with(|| match kind {
+                    kind::MESH => plan.meshes.of(&shape.geometry),
+                    _ => plan.corners.of(&shape.geometry),
+                });
             f.link(self.shape_links, row, shape_link::CORNERS, rows.start);
             f.link(self.shape_links, row, shape_link::CORNERS + 1, rows.end);
         }

@@ -7,6 +7,7 @@ use super::locked::Locked;
 use super::tables::{Forest, couple_link};
 use crate::contacts::ContactPlan;
 use model::Model;
+use std::collections::HashMap;
 
 /// A row of what is not locked, until it is known which is spare.
 const NONE: usize = usize::MAX;
@@ -16,6 +17,8 @@ const NONE: usize = usize::MAX;
 pub(super) struct Couples {
     /// Fields of [`couple_link`].
     pub couples: Vec<[usize; couple_link::WIDTH]>,
+    /// Row of each pair, by the rows of its nodes.
+    known: HashMap<[usize; 2], usize>,
     /// Degree of freedom of each entry.
     pub names: Vec<usize>,
     /// Slot, pair of nodes, first row of its entries.
@@ -114,13 +117,13 @@ impl Couples {
 
     /// The pair of two nodes, or of a node and the world, given their trees.
     fn of(&mut self, groups: [usize; 2], rows: [usize; 2], forest: &Forest) -> usize {
-        let nodes =
-            |c: &[usize; couple_link::WIDTH]| [c[couple_link::NODE_A], c[couple_link::NODE_B]];
-        let known = self.couples.iter().position(|c| nodes(c) == rows);
-        known.unwrap_or_else(|| {
-            self.add(groups, rows, forest);
-            self.couples.len() - 1
-        })
+        if let Some(&couple) = self.known.get(&rows) {
+            return couple;
+        }
+        self.add(groups, rows, forest);
+        let couple = self.couples.len() - 1;
+        self.known.insert(rows, couple);
+        couple
     }
 
     fn add(&mut self, groups: [usize; 2], rows: [usize; 2], forest: &Forest) {

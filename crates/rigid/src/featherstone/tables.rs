@@ -416,6 +416,10 @@ pub(super) struct Forest {
     pub nodes: Vec<Node>,
     pub bases: Vec<Pose>,
     seats: Vec<Seat>,
+    /// Mass [kg] of each tree.
+    masses: Vec<f64>,
+    /// Row of each body in the model's order.
+    rows: Vec<usize>,
 }
 
 impl Forest {
@@ -428,8 +432,11 @@ impl Forest {
             nodes: Vec::new(),
             bases: vec![Pose::IDENTITY],
             seats: vec![world; model.bodies.len()],
+            masses: Vec::new(),
+            rows: vec![0; model.bodies.len()],
         };
-        for &id in model.order() {
+        for (row, &id) in model.order().iter().enumerate() {
+            forest.rows[id.0] = row;
             forest.seats[id.0] = forest.seat(model, id);
             let Seat { node, place } = forest.seats[id.0];
             if let Some(n) = node {
@@ -437,6 +444,10 @@ impl Forest {
             }
         }
         forest.sort_by_depth();
+        forest.masses = vec![0.0; forest.bases.len()];
+        for node in &forest.nodes {
+            forest.masses[node.tree] += node.mass;
+        }
         forest
     }
 
@@ -473,7 +484,7 @@ impl Forest {
         let (row, group, mass) = match node {
             Some(n) => {
                 let tree = self.nodes[n].tree;
-                (bases + n, tree, self.of_tree(tree).map(|n| n.mass).sum())
+                (bases + n, tree, self.masses[tree])
             }
             None => (0, 0, f64::INFINITY),
         };
@@ -485,6 +496,11 @@ impl Forest {
         }
     }
 
+    /// Row of a body in the model's order; one past the last for the world.
+    fn row(&self, body: Option<BodyId>) -> usize {
+        body.map_or(self.rows.len(), |id| self.rows[id.0])
+    }
+
     fn of_tree(&self, tree: usize) -> impl Iterator<Item = &Node> {
         self.nodes.iter().filter(move |n| n.tree == tree)
     }
@@ -494,7 +510,7 @@ impl Forest {
         let joints = model.joints.iter().enumerate();
         joints
             .filter(|(_, j)| closes(j) && j.kind != JointKind::Free)
-            .map(|(i, joint)| self.closing(model, i, joint))
+            .map(|(i, joint)| self.closing(i, joint))
             .filter(|c| c.as_ref().map_or(true, |c| c.locks.rows().contains(&true)))
             .collect()
     }
@@ -519,7 +535,7 @@ impl Forest {
             .collect()
     }
 
-    fn closing(&self, model: &Model, i: usize, joint: &Joint) -> Result<Closing, SolverError> {
+    fn closing(&self, i: usize, joint: &Joint) -> Result<Closing, SolverError> {
         let (linear, angular) = crate::check::axes(joint, NAME)?;
         let ends = [joint.parent, Some(joint.child)];
         let [a, b] = ends.map(|body| self.carrier(body));
@@ -537,15 +553,13 @@ impl Forest {
             i.x_axis.x + i.y_axis.y + i.z_axis.z + n.mass * n.center.length_squared()
         };
         let moment: f64 = self.of_tree(lighter.group).map(moment).sum();
-        let row = |body: BodyId| model.order().iter().position(|o| *o == body);
-        let row = |body: Option<BodyId>| body.and_then(row).unwrap_or(model.bodies.len());
         Ok(Closing {
             joint: i,
             locks: Locks::new(joint, &linear, &angular),
             groups: [a.group, b.group],
             rows: [a.row, b.row],
             places: [a.place, b.place],
-            bodies: ends.map(row),
+            bodies: ends.map(|body| self.row(body)),
             couple: 0,
             locked: [0; 6],
             mass: [lighter.mass, moment],
@@ -816,9 +830,7 @@ impl Tables {
         let contact_shapes = plan.shapes();
         for (slot, shapes) in contact_shapes.iter().enumerate() {
             for (side, shape) in shapes.iter().enumerate() {
-                let body = model.shapes[shape.0].body;
-                let row = body.and_then(|id| model.order().iter().position(|o| *o == id));
-                let row = row.unwrap_or(model.bodies.len());
+                let row = forest.row(model.shapes[shape.0].body);
                 filler.link(tables.touching_links, slot, side, row);
             }
         }
@@ -1004,24 +1016,25 @@ impl Tables {
 
     /// Who carries whom, for the pass inwards, which visits the nodes last to first.
     fn fill_arrivals(&self, forest: &Forest, f: &mut Filler) {
-        for (i, n) in forest.nodes.iter().enumerate() {
-            let row = self.trees + i;
-            let later_sibling = |other: &Node| other.parent == n.parent;
+        let mut carries = vec![false; forest.nodes.len()];
+        for (i, n) in forest.nodes.iter().enumerate().rev() {
             let arrival = match n.parent {
                 None => arrival::NONE,
-                Some(_) if forest.nodes[i + 1..].iter().any(later_sibling) => arrival::LATER,
+                Some(parent) if carries[parent] => arrival::LATER,
                 Some(_) => arrival::FIRST,
             };
+            let row = self.trees + i;
             f.link(self.node_links, row, node_link::ARRIVAL, arrival);
+            let (carried, alone) = (carries[i], n.floats && !carries[i]);
             f.link(
                 self.node_links,
                 row,
-                node_link::ALONE,
-                usize::from(n.floats),
+                node_link::CARRIES,
+                usize::from(carried),
             );
-            if let Some(parent) = n.parent.map(|parent| self.trees + parent) {
-                f.link(self.node_links, parent, node_link::CARRIES, 1);
-                f.link(self.node_links, parent, node_link::ALONE, 0);
+            f.link(self.node_links, row, node_link::ALONE, usize::from(alone));
+            if let Some(parent) = n.parent {
+                carries[parent] = true;
             }
         }
     }
@@ -1097,13 +1110,13 @@ impl Tables {
                 m += 1;
             }
         }
-        for (tree, base) in forest.bases.iter().enumerate() {
-            let root = forest
-                .nodes
-                .iter()
-                .find(|n| n.tree == tree && n.parent.is_none());
+        let mut roots = vec![None; forest.bases.len()];
+        for root in forest.nodes.iter().filter(|n| n.parent.is_none()) {
+            roots[root.tree] = Some(root);
+        }
+        for (tree, (base, root)) in forest.bases.iter().zip(&roots).enumerate() {
             let slides = root
-                .into_iter()
+                .iter()
                 .flat_map(|n| &n.motions)
                 .filter(|m| m.kind == motion::PRISMATIC);
             let mut point = base.position;
@@ -1121,9 +1134,7 @@ impl Tables {
     }
 
     fn fill_bodies(&self, model: &Model, forest: &Forest, f: &mut Filler) {
-        let mut row_of = vec![0; model.bodies.len()];
         for (row, &id) in model.order().iter().enumerate() {
-            row_of[id.0] = row;
             let (body, seat) = (&model.bodies[id.0], forest.seats[id.0]);
             let carrier = model.carrier(id);
             let parent = carrier.and_then(|j| model.joints[j.0].parent);
@@ -1144,7 +1155,7 @@ impl Tables {
                 self.body_links,
                 row,
                 body_link::CARRIER,
-                parent.map_or(row, |p| row_of[p.0]),
+                parent.map_or(row, |p| forest.rows[p.0]),
             );
             f.link(
                 self.body_links,

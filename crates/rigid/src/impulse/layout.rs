@@ -18,7 +18,7 @@ use model::{
 };
 use numbers::machine::space::{Parameter, State as StateMemory};
 use numbers::{Float, Table};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 pub(super) const NAME: &str = "impulse";
 
@@ -574,12 +574,10 @@ fn words_of(geometry: &Geometry) -> Vec<u32> {
 
 /// The shapes that may touch.
 fn touching(model: &Model) -> Vec<ShapeId> {
-    let named = |id| {
-        let pairs = &model.contact_pairs;
-        pairs.iter().any(|p| p.shapes.0 == id || p.shapes.1 == id)
-    };
+    let pairs = model.contact_pairs.iter().map(|pair| pair.shapes);
+    let named: HashSet<_> = pairs.flat_map(|(a, b)| [a, b]).collect();
     let ids = (0..model.shapes.len()).map(ShapeId);
-    ids.filter(|id| model.shapes[id.0].collides || named(*id))
+    ids.filter(|id| model.shapes[id.0].collides || named.contains(id))
         .collect()
 }
 
@@ -634,11 +632,11 @@ fn colliders(
 
 /// Rows of the model's contact pairs, by colliders, the lower first.
 fn paired(model: &Model, shapes: &[Collider]) -> HashMap<[u32; 2], usize> {
-    let row = |id: ShapeId| shapes.iter().position(|s| s.shape == id).unwrap_or(0) as u32;
+    let rows: HashMap<_, _> = shapes.iter().map(|s| s.shape).zip(0..).collect();
     let pairs = model.contact_pairs.iter().enumerate();
     pairs
         .map(|(i, pair)| {
-            let (a, b) = (row(pair.shapes.0), row(pair.shapes.1));
+            let (a, b) = (rows[&pair.shapes.0], rows[&pair.shapes.1]);
             ([a.min(b), a.max(b)], i)
         })
         .collect()

@@ -539,9 +539,13 @@ impl Tables {
 
     fn fill_joints(&self, model: &Model, groups: &[Group], own: &[(usize, Pose)], f: &mut Filler) {
         let (mut ball, mut free) = (0, 0);
+        let mut group_of = vec![None; model.joints.len()];
+        for group in groups {
+            group_of[group.joint] = Some(group);
+        }
         for (j, joint) in model.joints.iter().enumerate() {
-            let group = groups.iter().find(|g| g.joint == j);
-            let (linear, angular) = group.map_or((&[][..], &[][..]), |g| (&g.linear, &g.angular));
+            let (linear, angular) =
+                group_of[j].map_or((&[][..], &[][..]), |g| (&g.linear, &g.angular));
             let locks = Locks::new(joint, linear, angular);
             let (row_a, own_a) = joint.parent.map_or((0, Pose::IDENTITY), |p| own[p.0]);
             let (row_b, own_b) = own[joint.child.0];
