@@ -3,17 +3,19 @@
 mod actuator;
 mod body;
 mod compile;
+mod contact_pair;
 mod joint;
 mod object;
 mod placement;
 
 pub use actuator::ActuatorDraft;
 pub use body::{BodyDraft, BodyHandle};
+pub use contact_pair::{ContactPairDraft, ShapeHandle};
 pub use joint::{JointDraft, JointHandle};
 pub use object::{Object, ObjectId};
 pub use placement::Placement;
 
-use crate::{BodyId, JointId, Keyframe, Model, ModelError, Parts, UpAxis};
+use crate::{BodyId, JointId, Keyframe, Model, ModelError, Parts, Shape, ShapeId, UpAxis};
 use compile::{Layout, find};
 use glam::DVec3;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -25,8 +27,9 @@ static BUILDERS: AtomicUsize = AtomicUsize::new(0);
 ///
 /// A world consists of objects; an object of bodies, joints and actuators that belong together. An
 /// object can be replicated within the world, and each replica be placed by itself. Handles stay
-/// valid throughout, in clones made later, too; [`body_replica`](Self::body_replica) and
-/// [`joint_replica`](Self::joint_replica) tell the rows that they become.
+/// valid throughout, in clones made later, too; [`body_replica`](Self::body_replica),
+/// [`joint_replica`](Self::joint_replica) and [`shape_replica`](Self::shape_replica) tell the rows
+/// that they become.
 ///
 /// ```
 /// use glam::DVec3;
@@ -49,9 +52,11 @@ static BUILDERS: AtomicUsize = AtomicUsize::new(0);
 pub struct Builder {
     /// As handles have it; that of the builder that it is a clone of.
     number: usize,
-    /// Everything but bodies, shapes, joints, couplings and actuators, which the objects hold.
+    /// Everything but bodies, shapes, joints, couplings and actuators, which the objects hold, and
+    /// contact pairs.
     settings: Parts,
     objects: Vec<Object>,
+    contact_pairs: Vec<ContactPairDraft>,
 }
 
 impl Builder {
@@ -65,6 +70,7 @@ impl Builder {
             number: BUILDERS.fetch_add(1, Ordering::Relaxed),
             settings,
             objects: Vec::new(),
+            contact_pairs: Vec::new(),
         }
     }
     /// Sets the direction that is up, and turns gravity to point down.
@@ -94,7 +100,69 @@ impl Builder {
         self
     }
 
-    /// What was set so far; its tables of bodies, shapes, joints, couplings and actuators are empty.
+    /// Has two shapes touch in any case, whatever masks, groups, joints and exclusions say, with a
+    /// surface of their own; see [`ContactPair`](crate::ContactPair).
+    ///
+    /// Each replica of the one is paired with its own replica of the other; one of another object may
+    /// also stand there only once.
+    ///
+    /// ```
+    /// use glam::DVec3;
+    /// use kinetarium_model::{Builder, Geometry, ShapeId};
+    ///
+    /// let mut world = Builder::new("curling");
+    /// let rink = world.object("rink");
+    /// rink.scenery(Geometry::Plane { half_x: 0.0, half_z: 0.0 });
+    /// let ice = rink.id().scenery(0);
+    /// let stone = Geometry::Cylinder { radius: 0.145, half_height: 0.06 };
+    /// let stone = world.object("stones").body("stone").shape(stone).mass(19.0).handle();
+    /// world.contact_pair(stone.shape(0), ice)?.friction(0.01);
+    ///
+    /// let model = world.build()?;
+    /// assert_eq!(model.contact_material(ShapeId(0), ShapeId(1)).friction, 0.01);
+    /// # Ok::<(), kinetarium_model::ModelError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If a handle is not of this builder, both are the same, or the two are a pair already.
+    pub fn contact_pair(
+        &mut self,
+        a: ShapeHandle,
+        b: ShapeHandle,
+    ) -> Result<&mut ContactPairDraft, ModelError> {
+        let number = self.contact_pairs.len();
+        let what = format!("contact pair \"{number}\"");
+        let material = self
+            .shape(&what, a)?
+            .material
+            .with(&self.shape(&what, b)?.material);
+        if a == b {
+            let (kind, index) = ("shapes", a.index);
+            return Err(ModelError::SameTwice { what, kind, index });
+        }
+        if let Some(first) = self.contact_pairs.iter().position(|pair| pair.is_of(a, b)) {
+            let second = number;
+            return Err(ModelError::PairTwice { first, second });
+        }
+        self.contact_pairs
+            .push(ContactPairDraft::new([a, b], material));
+        Ok(&mut self.contact_pairs[number])
+    }
+    /// The pairs of shapes with surfaces of their own, in the order of making.
+    pub fn contact_pairs(&self) -> &[ContactPairDraft] {
+        &self.contact_pairs
+    }
+    fn shape(&self, what: &str, handle: ShapeHandle) -> Result<&Shape, ModelError> {
+        let shapes = find(&self.objects, handle.object).and_then(|object| match handle.body {
+            Some(body) => Some(&object.bodies.get(body)?.shapes),
+            None => Some(&object.scenery),
+        });
+        let shape = shapes.and_then(|shapes| shapes.get(handle.index));
+        shape.ok_or_else(|| foreign(what, "shape"))
+    }
+
+    /// What was set so far; its tables of bodies, shapes, joints, couplings, actuators and contact
+    /// pairs are empty.
     pub fn settings(&self) -> &Parts {
         &self.settings
     }
@@ -158,6 +226,14 @@ impl Builder {
         Layout::of(&self.objects).joint("world", joint, k)
     }
 
+    /// Row of a shape's k-th replica in the model that [`build`](Self::build) makes.
+    ///
+    /// # Errors
+    /// If the handle is not of this builder, or the object has no k-th replica.
+    pub fn shape_replica(&self, shape: ShapeHandle, k: usize) -> Result<ShapeId, ModelError> {
+        Layout::of(&self.objects).shape("world", shape, k)
+    }
+
     /// Compiles the world to flat tables, and checks them. The builder can go on being used.
     ///
     /// Rows come object by object, replica by replica, in the order of making. Where an object
@@ -167,7 +243,7 @@ impl Builder {
     /// The first fault found, with its remedy.
     pub fn build(&self) -> Result<Model, ModelError> {
         let mut parts = self.settings.clone();
-        compile::compile(&self.objects, &mut parts)?;
+        compile::compile(&self.objects, &self.contact_pairs, &mut parts)?;
         Model::new(parts)
     }
 }

@@ -31,8 +31,8 @@ mod shape;
 pub use actuator::Actuator;
 pub use body::{Body, BodyId, BodyKind};
 pub use builder::{
-    ActuatorDraft, BodyDraft, BodyHandle, Builder, JointDraft, JointHandle, Object, ObjectId,
-    Placement,
+    ActuatorDraft, BodyDraft, BodyHandle, Builder, ContactPairDraft, JointDraft, JointHandle,
+    Object, ObjectId, Placement, ShapeHandle,
 };
 pub use camera::{Camera, CameraMode};
 pub use color::default_color;

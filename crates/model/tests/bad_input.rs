@@ -1042,6 +1042,61 @@ fn builder_exclusions() {
 }
 
 #[test]
+fn builder_contact_pairs() {
+    let mut world = Builder::new("w");
+    let mine = world.object("mine");
+    mine.scenery(BALL);
+    let floor = mine.id().scenery(0);
+    let ball = mine.body("ball").shape(BALL).handle();
+    let mut other = Builder::new("other");
+    let stranger = other.object("yours").body("b").shape(BALL).handle();
+    let mut told = |a, b| world.contact_pair(a, b).map(drop).unwrap_err().to_string();
+    let foreign = "contact pair \"0\": no shape of this builder has this handle; use handles that \
+                   this builder gave";
+    for unknown in [stranger.shape(0), ball.shape(1), floor.object().scenery(1)] {
+        assert_eq!(told(unknown, floor), foreign);
+        assert_eq!(told(floor, unknown), foreign);
+    }
+    assert_eq!(
+        told(floor, floor),
+        "contact pair \"0\": both of its shapes are number 0; name two different shapes"
+    );
+    world.contact_pair(floor, ball.shape(0)).unwrap();
+    let twice = world.contact_pair(ball.shape(0), floor).map(drop);
+    assert_eq!(
+        twice.unwrap_err().to_string(),
+        "contact pairs 0 and 1 are of the same two shapes; remove one"
+    );
+    assert_eq!(world.build().unwrap().contact_pairs.len(), 1);
+    let wrong = build_error(|world| {
+        let balls = world.object("balls");
+        let (a, b) = (
+            balls.body("a").shape(BALL).handle(),
+            balls.body("b").shape(BALL).handle(),
+        );
+        world.contact_pair(a.shape(0), b.shape(0))?.friction(-1.0);
+        Ok(())
+    });
+    assert_eq!(
+        wrong,
+        "contact pair \"0\": friction is -1; it must not be negative"
+    );
+    let unequal = build_error(|world| {
+        let mine = world.object("mine").body("a").shape(BALL).handle();
+        let yours = world.object("yours").body("b").shape(BALL).handle();
+        world.object_mut(mine.object())?.replicate(3);
+        world.object_mut(yours.object())?.replicate(2);
+        world.contact_pair(mine.shape(0), yours.shape(0))?;
+        Ok(())
+    });
+    assert_eq!(
+        unequal,
+        "contact pair \"0\": its object has 3 replicas, but that of its second shape, \"yours\", \
+         has 2; replicate both alike, or the other not at all"
+    );
+}
+
+#[test]
 fn builder_placements() {
     let nowhere = build_error(|world| {
         world

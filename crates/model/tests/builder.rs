@@ -3,7 +3,7 @@
 use glam::{DMat3, DQuat, DVec3};
 use kinetarium_model::{
     Axis, BodyHandle, BodyId, Builder, Drive, Geometry, JointHandle, JointKind, Keyframe, Limit,
-    Model, Object, Pose, Shape, UpAxis,
+    Material, Model, Object, Pose, Shape, ShapeId, Softness, UpAxis,
 };
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -518,4 +518,68 @@ fn a_body_gives_its_masks_to_all_its_shapes() {
         .map(|s| (s.membership, s.collides_with))
         .collect();
     assert_eq!(masks, [(2, 6), (2, 6), (1, 1)]);
+}
+
+#[test]
+fn contact_pairs_follow_the_replicas() {
+    let mut world = Builder::new("w");
+    let table = world.object("table");
+    table.scenery(BALL).scenery(BALL);
+    let top = table.id().scenery(1);
+    let hand = world.object("hand");
+    let palm = hand.body("palm").shape(BALL).handle();
+    let tip = hand.body("tip").shape(BALL).shape(BALL).handle();
+    hand.scenery(BALL).replicate(2);
+    world
+        .contact_pair(tip.shape(1), top)
+        .unwrap()
+        .friction(0.9)
+        .margin(0.01);
+    let pair = world.contact_pair(palm.shape(0), tip.shape(0)).unwrap();
+    pair.restitution(1.0);
+    let model = world.build().unwrap();
+    let row = |shape, k| world.shape_replica(shape, k).unwrap();
+    let shapes: Vec<_> = model.contact_pairs.iter().map(|pair| pair.shapes).collect();
+    let of = |k| (row(tip.shape(1), k), row(top, 0));
+    let within = |k| (row(palm.shape(0), k), row(tip.shape(0), k));
+    assert_eq!(shapes, [of(0), of(1), within(0), within(1)]);
+    // The table's two; then of each hand the palm, the tip's two, and its scenery.
+    let tip = |k: usize| ShapeId(2 + 4 * k + 2);
+    assert_eq!(shapes[..2], [(tip(0), ShapeId(1)), (tip(1), ShapeId(1))]);
+    let surface = model.contact_material(tip(1), ShapeId(1));
+    assert_eq!((surface.friction, surface.margin), (0.9, 0.01));
+    assert_eq!(surface.restitution, 0.0);
+}
+
+/// What is not set is what the materials made of each other when the pair was begun.
+#[test]
+fn a_contact_pair_begins_with_the_surface_of_its_shapes() {
+    let slippery = Material {
+        friction: 0.1,
+        margin: 0.02,
+        ..Material::default()
+    };
+    let mut world = Builder::new("w");
+    let thing = world.object("thing");
+    let a = thing.body("a").shape(BALL).handle().shape(0);
+    let b = thing
+        .body("b")
+        .shape(Shape::new(BALL).with_material(slippery))
+        .handle();
+    let pair = world.contact_pair(a, b.shape(0)).unwrap();
+    pair.torsional_friction(0.03).rolling_friction(0.004);
+    let expected = Material {
+        torsional_friction: 0.03,
+        rolling_friction: 0.004,
+        ..Material::default().with(&slippery)
+    };
+    assert_eq!(pair.surface(), expected);
+    assert_eq!(pair.shapes(), [a, b.shape(0)]);
+    assert_eq!(pair.material(slippery).surface(), slippery);
+    let spring = Softness::Spring {
+        stiffness: 1e4,
+        damping: 10.0,
+    };
+    assert_eq!(pair.softness(spring).surface().softness, spring);
+    assert_eq!(world.clone().contact_pairs().len(), 1);
 }

@@ -1,12 +1,20 @@
 //! From the tree of objects to flat tables.
 
 use super::joint::Frames;
-use super::{BodyHandle, JointDraft, JointHandle, Object, ObjectId, foreign};
+use super::{
+    BodyHandle, ContactPairDraft, JointDraft, JointHandle, Object, ObjectId, ShapeHandle, foreign,
+};
 use crate::model::{MOST_ROWS, Subject};
-use crate::{BodyId, Coupling, Joint, JointId, ModelError, Parts, Pose, Shape};
+use crate::{
+    BodyId, ContactPair, Coupling, Joint, JointId, ModelError, Parts, Pose, Shape, ShapeId,
+};
 
-/// Appends the rows of all replicas of all objects to the parts.
-pub(super) fn compile(objects: &[Object], parts: &mut Parts) -> Result<(), ModelError> {
+/// Appends the rows of all replicas of all objects, and of all pairs, to the parts.
+pub(super) fn compile(
+    objects: &[Object],
+    pairs: &[ContactPairDraft],
+    parts: &mut Parts,
+) -> Result<(), ModelError> {
     must_be_few(objects)?;
     let layout = Layout::of(objects);
     for object in objects {
@@ -28,7 +36,41 @@ pub(super) fn compile(objects: &[Object], parts: &mut Parts) -> Result<(), Model
             replica.actuators(parts)?;
         }
     }
+    for (number, pair) in pairs.iter().enumerate() {
+        let what = format!("contact pair \"{number}\"");
+        for replicas in matching(&what, objects, pair.shapes.map(|shape| shape.object))? {
+            let row = |side: usize| layout.shape(&what, pair.shapes[side], replicas[side]);
+            let (shapes, material) = ((row(0)?, row(1)?), pair.surface());
+            parts.contact_pairs.push(ContactPair { shapes, material });
+        }
+    }
     Ok(())
+}
+
+/// Which replicas of two objects belong together: those of the same number, or all with the only one.
+fn matching(
+    what: &str,
+    objects: &[Object],
+    ids: [ObjectId; 2],
+) -> Result<impl Iterator<Item = [usize; 2]> + use<>, ModelError> {
+    let known = |id| find(objects, id).ok_or_else(|| foreign(what, "shape"));
+    let [one, other] = [known(ids[0])?, known(ids[1])?];
+    let counts = [one, other].map(|object| object.placements.len());
+    let count = match counts {
+        [a, b] if a == b => a,
+        [1, n] | [n, 1] => n,
+        [count, other_count] => {
+            return Err(ModelError::ReplicasDiffer {
+                what: what.into(),
+                role: "second shape",
+                count,
+                other: other.name.clone(),
+                other_count,
+            });
+        }
+    };
+    let place = move |k: usize| counts.map(|count| if count == 1 { 0 } else { k });
+    Ok((0..count).map(place))
 }
 
 /// The object that a handle means, unless it is another builder's.
@@ -48,10 +90,7 @@ fn must_be_few(objects: &[Object]) -> Result<(), ModelError> {
     let tables = [
         ("replicas", rows(|_| 1)),
         ("bodies", rows(|o| o.bodies.len())),
-        (
-            "shapes",
-            rows(|o| o.scenery.len() + o.bodies.iter().map(|b| b.shapes.len()).sum::<usize>()),
-        ),
+        ("shapes", rows(Object::shapes)),
         ("joints", rows(|o| o.joints.len())),
         ("exclusions", rows(|o| o.exclusions.len())),
         ("couplings", rows(|o| o.couplings.len())),
@@ -68,6 +107,7 @@ pub(super) struct Layout<'a> {
     objects: &'a [Object],
     body_start: Vec<usize>,
     joint_start: Vec<usize>,
+    shape_start: Vec<usize>,
 }
 
 impl<'a> Layout<'a> {
@@ -82,10 +122,12 @@ impl<'a> Layout<'a> {
         };
         let body_start = starts(|o| o.bodies.len());
         let joint_start = starts(|o| o.joints.len());
+        let shape_start = starts(Object::shapes);
         Self {
             objects,
             body_start,
             joint_start,
+            shape_start,
         }
     }
 
@@ -106,6 +148,22 @@ impl<'a> Layout<'a> {
         known
             .then(|| JointId(start + k * rows + joint.index))
             .ok_or_else(|| foreign(what, "joint"))
+    }
+    /// Row of a shape's k-th replica.
+    pub fn shape(&self, what: &str, shape: ShapeHandle, k: usize) -> Result<ShapeId, ModelError> {
+        let object = self.replicated(what, shape.object, k)?;
+        let body = shape.body.unwrap_or(object.bodies.len());
+        let (before, rest) = object.bodies.split_at_checked(body).unwrap_or_default();
+        let before: usize = before.iter().map(|body| body.shapes.len()).sum();
+        let shapes = match (shape.body, rest.first()) {
+            (None, _) => object.scenery.len(),
+            (Some(_), body) => body.map_or(0, |body| body.shapes.len()),
+        };
+        let row = self.shape_start[shape.object.index] + k * object.shapes() + before + shape.index;
+        let known = shape.index < shapes;
+        known
+            .then_some(ShapeId(row))
+            .ok_or_else(|| foreign(what, "shape"))
     }
     fn replicated(&self, what: &str, id: ObjectId, k: usize) -> Result<&'a Object, ModelError> {
         let object = find(self.objects, id).ok_or_else(|| foreign(what, "object"))?;

@@ -70,6 +70,15 @@ impl Object {
     pub fn joints(&self) -> &[JointDraft] {
         &self.joints
     }
+    /// How many shapes a replica has.
+    pub(super) fn shapes(&self) -> usize {
+        let shapes = self.bodies.iter().map(|body| body.shapes.len());
+        self.scenery.len() + shapes.sum::<usize>()
+    }
+    /// The shapes that are fixed to the world, in the order of adding.
+    pub fn scenery_shapes(&self) -> &[Shape] {
+        &self.scenery
+    }
     /// How often the world has it.
     pub fn replica_count(&self) -> usize {
         self.placements.len()
