@@ -12,8 +12,9 @@ pub struct ShapeId(pub usize);
 /// sizes [m].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Geometry {
-    /// The half space below y = 0 of the shape's frame; drawn as a rectangle,
-    /// endless where `half_x` and `half_z` are zero.
+    /// The half space below y = 0 of the shape's frame, however large it is drawn: as a rectangle,
+    /// endless where `half_x` and `half_z` are zero. A plane that ends is a
+    /// [rectangle](TriangleMesh::rectangle).
     Plane {
         /// Half size along x; 0 is endless.
         half_x: f64,
@@ -58,8 +59,9 @@ pub enum Geometry {
     },
     /// The convex hull of points.
     Hull(Hull),
-    /// A surface of triangles, touched from its front. It has no volume and no mass, and does not move
-    /// where it collides. A [height field](TriangleMesh::height_field) is one.
+    /// A surface of triangles, touched from its front. It has the mass of what it holds if it is closed,
+    /// and else none. A [height field](TriangleMesh::height_field) is one, and so is a plane that ends, a
+    /// [rectangle](TriangleMesh::rectangle).
     Mesh(TriangleMesh),
     /// A triangle mesh, named by its file and only seen; read by those who draw it.
     MeshFile {

@@ -2,6 +2,7 @@
 
 mod distance_field;
 mod height_field;
+mod rectangle;
 mod revolution;
 
 pub use distance_field::DistanceFieldError;
@@ -110,6 +111,14 @@ pub enum MeshError {
         points: usize,
         /// Steps around.
         around: usize,
+    },
+    /// A rectangle without a size.
+    #[error("the rectangle's half sizes are {half_x} and {half_z} m: give positive numbers")]
+    Rectangle {
+        /// Along x.
+        half_x: f64,
+        /// Along z.
+        half_z: f64,
     },
     /// Features could not be numbered exactly.
     #[error(

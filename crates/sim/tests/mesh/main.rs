@@ -1,6 +1,7 @@
 //! Triangle meshes as ground: no seams, no holes, and the loads of closed forms.
 
 mod moving;
+mod rectangle;
 
 use glam::{DQuat, DVec2, DVec3};
 use kinetarium_sim::{Simulation, SimulationSettings, SolverKind};
