@@ -16,7 +16,7 @@ Frame = tuple[Vector, Vector]
 """Position [m] and quaternion x, y, z, w."""
 Place = tuple[str | None, Vector, Vector]
 """Name of a body, or none for the world; position [m] and quaternion x, y, z, w in its frame."""
-Meshes = Literal["named", "exact", "hull"]
+Meshes = Literal["named", "exact", "hull", "pieces"]
 """What becomes of meshes that collide."""
 
 

@@ -250,6 +250,8 @@ pub enum MeshesName {
     Exact,
     /// Their convex hulls: what is hollow is filled.
     Hull,
+    /// Convex pieces, nearly what they are. Built with `--features decomposition`.
+    Pieces,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
@@ -287,6 +289,7 @@ impl From<MeshesName> for Meshes {
             MeshesName::Named => Self::Named,
             MeshesName::Exact => Self::Exact,
             MeshesName::Hull => Self::ConvexHull,
+            MeshesName::Pieces => Self::Pieces,
         }
     }
 }

@@ -223,9 +223,9 @@ fn meshes_without_a_surface() {
     ));
 }
 
-/// An L is no convex solid, and two boxes are one.
+/// The hull of an L is no L.
 #[test]
-fn hollow_meshes_come_apart_on_request() {
+fn hulls_fill_what_is_hollow() {
     let outline = [
         [0.0, 0.0],
         [2.0, 0.0],
@@ -249,13 +249,6 @@ fn hollow_meshes_come_apart_on_request() {
         |hull: &Hull| volume(&TriangleMesh::new(hull.vertices(), hull.triangles()).unwrap()) / 6.0;
     let filled = volume_of(&mesh.convex_hull().unwrap());
     assert!((filled - 3.5).abs() < 1e-9, "{filled}");
-    let pieces = mesh::convex_decomposition(&mesh, 0.01, 32).unwrap();
-    let together: f64 = pieces.iter().map(volume_of).sum();
-    assert!(
-        pieces.len() >= 2 && (together - 3.0).abs() < 0.2,
-        "{} of {together}",
-        pieces.len()
-    );
 }
 
 /// The samples of a field.

@@ -30,6 +30,7 @@ mod mesh_paths;
 mod meshes;
 pub mod mjcf;
 mod names;
+mod pieces;
 mod report;
 pub mod urdf;
 mod xml;
@@ -59,12 +60,18 @@ pub enum Meshes {
     /// They are named by their files, too; contacts of them are refused by the solvers.
     #[default]
     Named,
-    /// Each is read and stays what it is, a surface of triangles that is touched from outside. It must
-    /// not move: solvers refuse contacts of bodies that move by a mesh. `.obj` and `.stl` files.
+    /// Each is read and stays what it is, a surface of triangles that is touched from outside, whether
+    /// it moves or not. `.obj` and `.stl` files.
     Exact,
     /// Each is read and becomes its convex hull, as in MuJoCo: what was hollow is filled. `.obj` and
     /// `.stl` files.
     ConvexHull,
+    /// Each is read and becomes convex pieces that together are nearly what it is: faster than
+    /// triangles where bodies move, and what is hollow stays so but for a hundredth. The first piece
+    /// has the place and name of the shape, the others stand after all shapes, with names that end in
+    /// `_1`, `_2` and so on. It weighs what its surface holds. `.obj` and `.stl` files. Needs the feature
+    /// `decomposition`, and is an error without.
+    Pieces,
 }
 
 /// A model, and what of its file was left out.

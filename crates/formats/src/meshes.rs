@@ -1,8 +1,9 @@
-//! Meshes as what the user asks for: themselves, or their convex hulls.
+//! Meshes as what the user asks for: themselves, their convex hulls, or convex pieces.
 
 use crate::Meshes;
 use crate::error::FormatError;
 use crate::files::Files;
+use crate::pieces::Pieces;
 use crate::report::Report;
 use crate::xml::Element;
 use collide::mesh;
@@ -27,6 +28,8 @@ pub(crate) struct MeshReader<'a> {
     meshes: Meshes,
     /// By file and the bits of the scale.
     known: RefCell<HashMap<(String, [u64; 3]), Geometry>>,
+    /// Of the meshes that are to come apart.
+    pub pieces: Pieces,
 }
 
 impl<'a> MeshReader<'a> {
@@ -35,6 +38,7 @@ impl<'a> MeshReader<'a> {
             files,
             meshes,
             known: RefCell::default(),
+            pieces: Pieces::default(),
         }
     }
 
@@ -60,12 +64,15 @@ impl<'a> MeshReader<'a> {
     fn read(&self, file: &str, scale: DVec3) -> Result<Geometry, String> {
         let (path, bytes) = self.contents("mesh", file)?;
         let mesh = mesh::parse(&bytes, &path, scale).map_err(|e| e.to_string())?;
-        if self.meshes == Meshes::Exact {
-            return Ok(Geometry::Mesh(mesh));
+        if self.meshes == Meshes::ConvexHull {
+            let hull = mesh.convex_hull();
+            let hull = hull.map_err(|e| format!("the mesh {path} has no convex hull: {e}"))?;
+            return Ok(Geometry::Hull(hull));
         }
-        let hull = mesh.convex_hull();
-        let hull = hull.map_err(|e| format!("the mesh {path} has no convex hull: {e}"))?;
-        Ok(Geometry::Hull(hull))
+        if self.meshes == Meshes::Pieces {
+            self.pieces.find(&path, &mesh)?;
+        }
+        Ok(Geometry::Mesh(mesh))
     }
 
     /// The path of the file of a `thing`, and what is in it. A ROS package is a folder of its name, beside the

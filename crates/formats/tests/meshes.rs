@@ -1,5 +1,5 @@
-//! Meshes as they are, and as their convex hulls: which become them, what they weigh, and what can be
-//! wrong; and height fields.
+//! Meshes as they are, as their convex hulls and in pieces: which become them, what they weigh, and what
+//! can be wrong; and height fields.
 
 use glam::DVec3;
 use kinetarium_formats::{FormatError, InMemory, Loaded, Meshes, Options, parse};
@@ -20,6 +20,11 @@ const HULLS: Options = Options {
 
 const EXACT: Options = Options {
     meshes: Meshes::Exact,
+    ..HULLS
+};
+
+const PIECES: Options = Options {
+    meshes: Meshes::Pieces,
     ..HULLS
 };
 
@@ -111,6 +116,81 @@ fn geoms_of_one_mesh_share_its_hull() {
     let loaded = read(&mjcf(&geom.repeat(2)), &HULLS).unwrap();
     let corners = [0, 1].map(|i| hull(&loaded.model.shapes[i]).vertices().as_ptr());
     assert_eq!(corners[0], corners[1]);
+}
+
+/// How far a point is out of a hull: the most of its distances before the faces.
+#[cfg(feature = "decomposition")]
+fn outside(hull: &Hull, point: DVec3) -> f64 {
+    let before = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|v| hull.vertices()[v as usize]);
+        (b - a).cross(c - a).normalize().dot(point - a)
+    };
+    let all = hull.triangles().iter().map(before);
+    all.fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// The pit in the cube, 20 cm wide and 10 cm deep, stays one; and a pair is one of all pieces.
+#[cfg(feature = "decomposition")]
+#[test]
+fn pieces_leave_hollow_what_is_and_weigh_what_the_surface_holds() {
+    let text = r#"<mujoco><compiler meshdir="meshes"/>
+        <asset><mesh name="cube" file="cube.obj" scale=".1 .1 .1"/></asset>
+        <worldbody><geom name="floor" type="plane" size="1 1 1"/>
+        <body><freejoint/><geom name="solid" type="mesh" mesh="cube" rgba="1 0 0 1"/></body></worldbody>
+        <contact><pair geom1="floor" geom2="solid" friction=".3 .3 0 0 0"/></contact></mujoco>"#;
+    let [whole, apart] = [EXACT, PIECES].map(|options| read(text, &options).unwrap().model);
+    assert_eq!(apart.bodies[0].mass, whole.bodies[0].mass);
+    assert_eq!(apart.bodies[0].inertia, whole.bodies[0].inertia);
+    let named = |s: &&Shape| s.name.starts_with("solid");
+    let pieces: Vec<_> = apart.shapes.iter().filter(named).collect();
+    assert!(pieces.len() > 1);
+    let names: Vec<_> = pieces.iter().map(|s| s.name.as_str()).collect();
+    assert_eq!(names[..2], ["solid", "solid_1"]);
+    // Above the pit's bottom by 3 cm and 6 cm, on its axis, where a whole hull is 7 cm and 4 cm deep, and
+    // pieces as deep as a voxel is wide.
+    let voxel = 0.2 / 64.0;
+    for height in [0.13, 0.16] {
+        let point = DVec3::new(0.0, 0.0, height);
+        let out = pieces
+            .iter()
+            .map(|s| outside(hull(s), s.pose.inverse().point(point)));
+        let nearest = out.fold(f64::INFINITY, f64::min);
+        assert!(nearest > -voxel, "{height}: {nearest}");
+    }
+    for shape in &pieces {
+        assert_eq!(
+            (shape.body, shape.color),
+            (pieces[0].body, Some([1.0, 0.0, 0.0, 1.0]))
+        );
+    }
+    assert_eq!(apart.contact_pairs.len(), pieces.len());
+    let material = |pair: &model::ContactPair| pair.material;
+    let expected = material(&whole.contact_pairs[0]);
+    assert!(
+        apart
+            .contact_pairs
+            .iter()
+            .all(|pair| material(pair) == expected)
+    );
+}
+
+#[cfg(feature = "decomposition")]
+#[test]
+fn every_link_of_a_mesh_comes_apart() {
+    let loaded = read(&urdf("robot/cube.obj"), &PIECES).unwrap();
+    let hulls = loaded.model.shapes.iter().filter(|s| s.collides);
+    assert!(hulls.clone().count() > 1);
+    assert!(hulls.map(hull).all(|hull| hull.vertices().len() >= 4));
+}
+
+/// A program without the library says which feature brings it.
+#[cfg(not(feature = "decomposition"))]
+#[test]
+fn pieces_ask_for_their_feature() {
+    let text = mjcf(r#"<geom type="mesh" mesh="cube"/>"#);
+    let refused = read(&text, &PIECES).unwrap_err().to_string();
+    assert!(refused.contains("feature `decomposition`"), "{refused}");
+    assert!(refused.contains("robot.xml:3"), "{refused}");
 }
 
 fn urdf(file: &str) -> String {

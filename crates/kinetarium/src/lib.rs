@@ -23,6 +23,9 @@
 //! |---|---|
 //! | [`model`] | what exists: bodies, shapes, joints, drives, actuators; the builder |
 //! | [`formats`] | readers of MJCF and URDF files |
+//! | [`collide`] | shape against shape; meshes from OBJ and STL files, with the feature `gltf` from GLB files |
+//! | [`space`] | where things are: trees, grids, sweep-and-prune; rays, nearest neighbours |
+//! | `decomposition` | convex pieces of meshes, with the feature `decomposition` |
 //! | [`sim`] | many worlds of one model: step, control, observe, snapshot |
 //! | [`sensors`] | what robots measure: joints, inertial units, forces, rays, cameras, with noise |
 //! | [`rigid`] | the solvers, as kernels over any machine |
@@ -34,8 +37,11 @@
 
 #![forbid(unsafe_code)]
 
+pub use collide;
 #[cfg(feature = "cuda")]
 pub use cuda;
+#[cfg(feature = "decomposition")]
+pub use decomposition;
 pub use formats;
 #[cfg(feature = "gpu")]
 pub use gpu;
@@ -44,6 +50,7 @@ pub use numbers;
 pub use rigid;
 pub use sensors;
 pub use sim;
+pub use space;
 
 mod device;
 #[cfg(doctest)]

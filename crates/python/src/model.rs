@@ -70,10 +70,11 @@ impl From<Loaded> for Model {
 type Described = (String, Option<f64>, f64, Option<f64>);
 
 /// What becomes of meshes that collide.
-const MESHES: Table<Meshes, 3> = [
+const MESHES: Table<Meshes, 4> = [
     ("named", Meshes::Named),
     ("exact", Meshes::Exact),
     ("hull", Meshes::ConvexHull),
+    ("pieces", Meshes::Pieces),
 ];
 
 fn options(lenient: bool, meshes: &str, floating_base: bool) -> PyResult<Options> {
@@ -87,8 +88,8 @@ fn options(lenient: bool, meshes: &str, floating_base: bool) -> PyResult<Options
 
 /// Reads a robot file: MJCF (`<mujoco>`) or URDF (`<robot>`).
 ///
-/// `meshes`: what becomes of meshes that collide: "named" (refused by the solvers), "exact" (as they are) or
-/// "hull" (their convex hulls). `lenient`: what is not supported and would change the motion is left out
+/// `meshes`: what becomes of meshes that collide: "named" (refused by the solvers), "exact" (as they are),
+/// "hull" (their convex hulls) or "pieces" (convex pieces, nearly what they are). `lenient`: what is not supported and would change the motion is left out
 /// with a warning instead of an error. `floating_base`: the root link of a URDF floats. What was left out is in
 /// `Model.warnings`.
 ///

@@ -2,8 +2,6 @@
 //! its normals point to.
 
 mod adjacency;
-#[cfg(feature = "decomposition")]
-mod decomposition;
 #[cfg(feature = "gltf")]
 mod glb;
 mod hierarchy;
@@ -16,8 +14,6 @@ mod oriented_box;
 mod piece;
 mod tables;
 
-#[cfg(feature = "decomposition")]
-pub use decomposition::convex_decomposition;
 pub use kernel::{Surface, mesh_convex, mesh_mesh};
 #[cfg(feature = "meshes")]
 pub use load::{LoadError, load, parse};

@@ -154,6 +154,7 @@ pub(crate) fn read(
     let file = root.place.file.to_string();
     let model = Model::new(parts)
         .and_then(|model| contact::mix(model, &tree.surfaces, &context))
+        .and_then(|model| context.meshes.pieces.take_apart(model))
         .map_err(|source| FormatError::Model { file, source })?;
     Ok(Loaded {
         model,

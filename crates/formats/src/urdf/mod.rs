@@ -85,7 +85,9 @@ pub(crate) fn read(
     names::complete(&mut parts);
     fusion.apply(&mut parts);
     let file = root.place.file.to_string();
-    let model = Model::new(parts).map_err(|source| FormatError::Model { file, source })?;
+    let model = Model::new(parts)
+        .and_then(|model| looks.meshes.pieces.take_apart(model))
+        .map_err(|source| FormatError::Model { file, source })?;
     Ok(Loaded {
         model,
         warnings: report.into_warnings(),

@@ -1,4 +1,8 @@
 //! Convex pieces of meshes: a user's explicit choice.
+//!
+//! A crate by itself, since the library that finds them takes long to compile, and no solver needs it.
+
+#![forbid(unsafe_code)]
 
 use glam::DVec3;
 use model::{Hull, HullError, TriangleMesh};
@@ -37,5 +41,46 @@ pub fn convex_decomposition(
         Some(Err(error)) if hulls.is_empty() => Err(error),
         _ if hulls.is_empty() => Err(HullError::TooFew { points: 0 }),
         _ => Ok(hulls),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use model::{Geometry, MassProperties};
+
+    /// An L is no convex solid, and two boxes are one.
+    #[test]
+    fn hollow_meshes_come_apart() {
+        let outline = [
+            [0.0, 0.0],
+            [2.0, 0.0],
+            [2.0, 1.0],
+            [1.0, 1.0],
+            [1.0, 2.0],
+            [0.0, 2.0],
+        ];
+        let vertices: Vec<_> = [0.0, 1.0]
+            .into_iter()
+            .flat_map(|z| outline.map(|[x, y]| DVec3::new(x, y, z)))
+            .collect();
+        let mut triangles = vec![[0, 2, 1], [0, 3, 2], [0, 4, 3], [0, 5, 4]];
+        triangles.extend([[6, 7, 8], [6, 8, 9], [6, 9, 10], [6, 10, 11]]);
+        for i in 0..6 {
+            let j = (i + 1) % 6;
+            triangles.extend([[i, j, j + 6], [i, j + 6, i + 6]]);
+        }
+        let mesh = TriangleMesh::new(&vertices, &triangles).unwrap();
+        let pieces = convex_decomposition(&mesh, 0.01, 32).unwrap();
+        let volume = |hull: &Hull| {
+            let solid = MassProperties::of(&Geometry::Hull(hull.clone()), 1.0);
+            solid.unwrap().mass
+        };
+        let together: f64 = pieces.iter().map(volume).sum();
+        assert!(
+            pieces.len() >= 2 && (together - 3.0).abs() < 0.2,
+            "{} of {together}",
+            pieces.len()
+        );
     }
 }
