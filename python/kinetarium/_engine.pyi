@@ -175,8 +175,8 @@ def load(
 ) -> Model:
     """Reads a robot file: MJCF (`<mujoco>`) or URDF (`<robot>`).
 
-    `meshes`: what becomes of meshes that collide: "named" (refused by the solvers), "exact" (as they are) or
-    "hull" (their convex hulls). `lenient`: what is not supported and would change the motion is left out
+    `meshes`: what becomes of meshes that collide: "named" (refused by the solvers), "exact" (as they are),
+    "hull" (their convex hulls) or "pieces" (convex pieces, nearly what they are). `lenient`: what is not supported and would change the motion is left out
     with a warning instead of an error. `floating_base`: the root link of a URDF floats. What was left out is in
     `Model.warnings`.
 
@@ -205,7 +205,9 @@ class Geometry:
     """
     @staticmethod
     def plane(half_x: float = 0.0, half_z: float = 0.0) -> Geometry:
-        """The half space below y = 0 of its frame, drawn as a rectangle; endless where a half size is 0."""
+        """The half space below y = 0 of its frame, drawn as a rectangle; endless where a half size is 0. A plane that ends
+        is a `rectangle`.
+        """
     @staticmethod
     def sphere(radius: float) -> Geometry:
         """A ball of a radius [m]."""
@@ -239,6 +241,12 @@ class Geometry:
     def revolution(profile: Sequence[Sequence[float]] | NDArray[Any], around: int = 32) -> Geometry:
         """What a closed profile of points (distance from the y axis, height) [m], counter-clockwise about what is solid,
         sweeps as it turns about that axis in `around` steps: a ring, a bowl.
+        """
+    @staticmethod
+    def rectangle(half_x: float, half_z: float) -> Geometry:
+        """A rectangle in the plane y = 0 of its frame, of half sizes [m], as a mesh of two triangles without thickness. It is
+        touched from above, and what rolls off its edge falls; rays meet both of its sides. A plate to be touched from both
+        is a thin box.
         """
     @staticmethod
     def height_field(heights: Sequence[Sequence[float]] | NDArray[Any], spacing: Vector) -> Geometry:
@@ -543,11 +551,22 @@ class Body:
     @property
     def name(self) -> str:
         """Its name."""
+    def shape(self, number: int = 0) -> ShapeHandle:
+        """Its shape of this number, in the order of adding."""
     def __eq__(self, value: object, /) -> bool: ...
     def __ne__(self, value: object, /) -> bool: ...
     def __hash__(self) -> int: ...
     def __copy__(self) -> Body: ...
     def __deepcopy__(self, _memo: dict[int, Any]) -> Body: ...
+
+@final
+class ShapeHandle:
+    """A shape of a builder, in all replicas of its object; made by `Body.shape` and `Object.scenery`."""
+    def __eq__(self, value: object, /) -> bool: ...
+    def __ne__(self, value: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __copy__(self) -> ShapeHandle: ...
+    def __deepcopy__(self, _memo: dict[int, Any]) -> ShapeHandle: ...
 
 @final
 class Joint:
@@ -644,10 +663,37 @@ class Builder:
         """Adds a named state of the finished model: coordinates of all joints, their velocities, controls of the
         actuators; without `joint_velocity`, at rest as the world is now.
         """
+    def contact_pair(
+        self,
+        a: ShapeHandle,
+        b: ShapeHandle,
+        material: Material | None = None,
+        *,
+        friction: float | None = None,
+        torsional_friction: float | None = None,
+        rolling_friction: float | None = None,
+        restitution: float | None = None,
+        softness: Softness | None = None,
+        margin: float | None = None,
+    ) -> None:
+        """Has two shapes touch in any case, whatever masks, groups, joints and exclusions say, with a surface of their own:
+        `material`, or else what their materials make of each other now; and of that surface what else is given.
+
+        Each replica of the one is paired with its own replica of the other; one of another object may also stand there
+        only once.
+
+        >>> import kinetarium as kn
+        >>> world = kn.Builder("curling")
+        >>> ice = world.object("rink").scenery(kn.Geometry.plane())
+        >>> stone = world.object("stones").body("stone", kn.Geometry.cylinder(0.145, 0.06), mass=19.0)
+        >>> world.contact_pair(stone.shape(), ice, friction=0.01)
+        """
     def body_row(self, body: Body, replica: int = 0) -> int:
         """Row of a body's k-th replica in the model that `build` makes."""
     def joint_row(self, joint: Joint, replica: int = 0) -> int:
         """Row of a joint's k-th replica in the model that `build` makes."""
+    def shape_row(self, shape: ShapeHandle, replica: int = 0) -> int:
+        """Row of a shape's k-th replica in the model that `build` makes."""
     def build(self) -> Model:
         """Compiles the world to a checked model. The builder can go on being used.
 
@@ -695,8 +741,8 @@ class Object:
         conventions say; `membership` and `collides_with` are given to all its shapes. `world` is the one world that it
         is in.
         """
-    def scenery(self, shape: Shape | Geometry) -> None:
-        """Adds shapes that belong to the world, such as a floor."""
+    def scenery(self, shape: Shape | Geometry) -> ShapeHandle:
+        """Adds a shape that belongs to the world, such as a floor."""
     def fixed(self, name: str, child: Body, **options: Unpack[JointOptions]) -> Joint:
         """Adds a joint without motion. What else joints may be given are keywords: see `JointOptions`."""
     def revolute(self, name: str, child: Body, axis: Vector, **options: Unpack[JointOptions]) -> Joint:

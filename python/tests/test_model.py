@@ -423,3 +423,76 @@ def test_unknown_names_suggest():
     ]:
         with pytest.raises(UnknownNameError, match="no "):
             look_up(name)
+
+
+@pytest.mark.parametrize("solver", ["featherstone", "xpbd", "impulse"])
+def test_the_friction_of_a_pair_wins_over_that_of_materials(solver):
+    world = kn.Builder("blocks")
+    floor = world.object("floor").scenery(kn.Geometry.plane())
+    blocks = world.object("blocks")
+    block = kn.Geometry.box((0.2, 0.1, 0.2))
+    first, second = (blocks.body(name, block, position=(0, 0.1, z)) for name, z in (("first", 0), ("second", 1)))
+    world.contact_pair(first.shape(), floor, friction=0.05)
+    sim = kn.Simulation(world.build(), solver=solver, dt=0.002)
+    sim.state.joint_velocity[0, [0, 6]] = 1.0
+    sim.step(250)
+    slid, stopped = sim.state.body_position[0, [world.body_row(first), world.body_row(second)], 0]
+    # v t - mu g t^2 / 2, and v^2 / 2 mu g, within a few steps at the speed
+    assert abs(slid - (0.5 - 0.05 * 9.81 * 0.125)) < 0.01
+    assert abs(stopped - 1.0 / (2 * 0.5 * 9.81)) < 0.01
+
+
+def test_contact_pairs_of_builders():
+    world = kn.Builder("pairs")
+    room = world.object("room")
+    floor, wall = room.scenery(kn.Geometry.plane()), room.scenery(kn.Geometry.rectangle(1.0, 0.5))
+    rough = kn.Material(0.8, margin=0.01)
+    ball = room.body("ball", [kn.Geometry.sphere(0.1), kn.Shape(kn.Geometry.sphere(0.2), material=rough)])
+    world.contact_pair(ball.shape(1), wall, restitution=0.5, softness=kn.Softness.spring(1e4, 10.0))
+    world.contact_pair(floor, ball.shape(0), rough, rolling_friction=0.02)
+    before = copy.copy(world)
+    assert (world.shape_row(ball.shape(1)), world.shape_row(wall)) == (1, 3)
+    assert ball.shape() == copy.deepcopy(ball).shape(0) and len({floor, copy.copy(floor), wall}) == 2
+    assert repr(wall) == '<ShapeHandle 1 of object "room">' and repr(ball.shape(1)) == '<ShapeHandle 1 of body "ball">'
+    theirs = kn.Builder("theirs").object("o").body("b", kn.Geometry.sphere(0.1))
+    for refuse, message in [
+        (lambda: world.contact_pair(theirs.shape(), floor), "no shape of this builder has this handle"),
+        (lambda: world.contact_pair(floor, ball.shape(2)), "no shape of this builder has this handle"),
+        (lambda: world.contact_pair(floor, floor), "name two different shapes"),
+        (lambda: world.contact_pair(ball.shape(), floor), "contact pairs 1 and 2 are of the same two shapes"),
+        (lambda: world.shape_row(theirs.shape()), "of this builder has this handle"),
+        (lambda: ball.shape(-1), "shape is -1"),
+    ]:
+        with pytest.raises(ModelError, match=message):
+            refuse()
+    assert pickle.dumps(world.build()) == pickle.dumps(before.build())
+    world.contact_pair(floor, ball.shape(1), friction=-1.0)
+    with pytest.raises(ModelError, match='contact pair "2": friction is -1'):
+        world.build()
+    assert before.build().body_names == ["ball"]
+
+
+def test_what_rolls_off_a_rectangle_falls():
+    world = kn.Builder("table")
+    world.object("table").scenery(kn.Geometry.rectangle(0.5, 0.5))
+    world.object("ball").body("ball", kn.Geometry.sphere(0.1), position=(0.2, 0.1, 0.0))
+    sim = kn.Simulation(world.build(), dt=0.002)
+    sim.step(100)
+    assert abs(sim.state.body_position[0, "ball", 1] - 0.1) < 1e-3
+    sim.state.joint_velocity[0, 0] = 2.0
+    sim.step(400)
+    assert sim.state.body_position[0, "ball", 1] < -1.0
+    for size in (0.0, -1.0, np.nan):
+        with pytest.raises(ModelError, match="the rectangle's half sizes"):
+            kn.Geometry.rectangle(1.0, size)
+
+
+def test_meshes_in_pieces():
+    cube = "".join(f"v {x} {y} {z}\n" for z in (0, 2) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1)))
+    cube += "v 0 0 1\nf 4 3 2 1\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\nf 5 6 9\nf 6 7 9\nf 7 8 9\nf 8 5 9\n"
+    text = """<mujoco><asset><mesh name="cube" file="cube.obj" scale=".1 .1 .1"/></asset><worldbody><body>
+        <freejoint/><geom name="solid" type="mesh" mesh="cube"/></body></worldbody></mujoco>"""
+    whole, apart = (kn.parse(text, files={"cube.obj": cube}, meshes=meshes) for meshes in ("exact", "pieces"))
+    assert whole.shape_names == ["solid"]
+    assert apart.shape_names[:2] == ["solid", "solid_1"]
+    assert whole.parameter("body_mass").tolist() == apart.parameter("body_mass").tolist()

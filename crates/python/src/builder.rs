@@ -4,9 +4,11 @@ use crate::body_options::BodyOptions;
 use crate::count::natural;
 use crate::error;
 use crate::joint_options::JointOptions;
+use crate::material::{Material, Softness};
 use crate::model::{Model, UP_AXES};
 use crate::names::{find, name_of};
 use crate::object::Object;
+use crate::shape_handle::ShapeHandle;
 use glam::DVec3;
 use kinetarium::model::{self, BodyDraft, BodyHandle, JointDraft, JointHandle, ModelError};
 use pyo3::prelude::*;
@@ -195,6 +197,46 @@ impl Builder {
         });
         Ok(())
     }
+    /// Has two shapes touch in any case, whatever masks, groups, joints and exclusions say, with a surface of their own:
+    /// `material`, or else what their materials make of each other now; and of that surface what else is given.
+    ///
+    /// Each replica of the one is paired with its own replica of the other; one of another object may also stand there
+    /// only once.
+    ///
+    /// >>> import kinetarium as kn
+    /// >>> world = kn.Builder("curling")
+    /// >>> ice = world.object("rink").scenery(kn.Geometry.plane())
+    /// >>> stone = world.object("stones").body("stone", kn.Geometry.cylinder(0.145, 0.06), mass=19.0)
+    /// >>> world.contact_pair(stone.shape(), ice, friction=0.01)
+    #[pyo3(signature = (a, b, material=None, *, friction=None, torsional_friction=None, rolling_friction=None,
+        restitution=None, softness=None, margin=None))]
+    #[expect(clippy::too_many_arguments, reason = "keywords in Python")]
+    fn contact_pair(
+        &mut self,
+        a: ShapeHandle,
+        b: ShapeHandle,
+        material: Option<Material>,
+        friction: Option<f64>,
+        torsional_friction: Option<f64>,
+        rolling_friction: Option<f64>,
+        restitution: Option<f64>,
+        softness: Option<Softness>,
+        margin: Option<f64>,
+    ) -> PyResult<()> {
+        let pair = self.builder.contact_pair(a.handle, b.handle);
+        let pair = pair.map_err(error::model)?;
+        let given = material.map_or(pair.surface(), |material| material.0);
+        pair.material(model::Material {
+            friction: friction.unwrap_or(given.friction),
+            torsional_friction: torsional_friction.unwrap_or(given.torsional_friction),
+            rolling_friction: rolling_friction.unwrap_or(given.rolling_friction),
+            restitution: restitution.unwrap_or(given.restitution),
+            softness: softness.map_or(given.softness, |softness| softness.0),
+            margin: margin.unwrap_or(given.margin),
+            ..given
+        });
+        Ok(())
+    }
     /// Row of a body's k-th replica in the model that `build` makes.
     #[pyo3(signature = (body, replica=0))]
     fn body_row(&self, body: &Body, replica: i64) -> PyResult<usize> {
@@ -207,6 +249,14 @@ impl Builder {
     fn joint_row(&self, joint: &Joint, replica: i64) -> PyResult<usize> {
         let replica = natural(&format!("joint {:?}", joint.name), "replica", replica)?;
         let row = self.builder.joint_replica(joint.handle, replica);
+        Ok(row.map_err(error::model)?.0)
+    }
+    /// Row of a shape's k-th replica in the model that `build` makes.
+    #[pyo3(signature = (shape, replica=0))]
+    fn shape_row(&self, shape: &ShapeHandle, replica: i64) -> PyResult<usize> {
+        let what = format!("shape {} of {}", shape.number, shape.owner);
+        let replica = natural(&what, "replica", replica)?;
+        let row = self.builder.shape_replica(shape.handle, replica);
         Ok(row.map_err(error::model)?.0)
     }
     /// Compiles the world to a checked model. The builder can go on being used.
@@ -252,6 +302,17 @@ impl From<&BodyDraft> for Body {
 
 #[pymethods]
 impl Body {
+    /// Its shape of this number, in the order of adding.
+    #[pyo3(signature = (number=0))]
+    fn shape(&self, number: i64) -> PyResult<ShapeHandle> {
+        let owner = format!("body {:?}", self.name);
+        let number = natural(&owner, "shape", number)?;
+        Ok(ShapeHandle {
+            handle: self.handle.shape(number),
+            owner,
+            number,
+        })
+    }
     fn __copy__(&self) -> Self {
         self.clone()
     }

@@ -33,7 +33,8 @@ pub struct Geometry(pub model::Geometry);
 
 #[pymethods]
 impl Geometry {
-    /// The half space below y = 0 of its frame, drawn as a rectangle; endless where a half size is 0.
+    /// The half space below y = 0 of its frame, drawn as a rectangle; endless where a half size is 0. A plane that ends
+    /// is a `rectangle`.
     #[staticmethod]
     #[pyo3(signature = (half_x=0.0, half_z=0.0))]
     fn plane(half_x: f64, half_z: f64) -> Self {
@@ -103,6 +104,15 @@ impl Geometry {
     fn revolution(profile: Vec<[f64; 2]>, around: usize) -> PyResult<Self> {
         let profile: Vec<_> = profile.into_iter().map(DVec2::from_array).collect();
         let mesh = model::TriangleMesh::revolution(&profile, around);
+        let mesh = mesh.map_err(|e| error::model(e.into()))?;
+        Ok(Self(model::Geometry::Mesh(mesh)))
+    }
+    /// A rectangle in the plane y = 0 of its frame, of half sizes [m], as a mesh of two triangles without thickness. It is
+    /// touched from above, and what rolls off its edge falls; rays meet both of its sides. A plate to be touched from both
+    /// is a thin box.
+    #[staticmethod]
+    fn rectangle(half_x: f64, half_z: f64) -> PyResult<Self> {
+        let mesh = model::TriangleMesh::rectangle(half_x, half_z);
         let mesh = mesh.map_err(|e| error::model(e.into()))?;
         Ok(Self(model::Geometry::Mesh(mesh)))
     }

@@ -26,6 +26,7 @@ mod pickled;
 mod replica;
 mod sensors;
 mod shape;
+mod shape_handle;
 mod simulation;
 mod viewer;
 
@@ -64,6 +65,8 @@ mod _engine {
     use crate::sensors::{Disturbance, Measurement, SensorArray};
     #[pymodule_export]
     use crate::shape::Shape;
+    #[pymodule_export]
+    use crate::shape_handle::ShapeHandle;
     #[pymodule_export]
     use crate::simulation::Engine;
     #[pymodule_export]

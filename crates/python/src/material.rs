@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// Resistance of a surface to being pressed in, at each point of contact.
 #[pyclass(frozen, eq, from_py_object, module = "kinetarium._engine")]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Softness(model::Softness);
+pub struct Softness(pub model::Softness);
 
 #[pymethods]
 impl Softness {

@@ -8,6 +8,7 @@ use crate::joint::Axis;
 use crate::joint_options::JointOptions;
 use crate::replica::Replica;
 use crate::shape::shape;
+use crate::shape_handle::ShapeHandle;
 use glam::DVec3;
 use kinetarium::model::{self, ActuatorDraft, JointDraft, ModelError, ObjectId};
 use pyo3::prelude::*;
@@ -150,12 +151,17 @@ impl Object {
             Ok(Body::from(&*draft))
         })
     }
-    /// Adds shapes that belong to the world, such as a floor.
-    fn scenery(&self, py: Python<'_>, shape: &Bound<'_, PyAny>) -> PyResult<()> {
+    /// Adds a shape that belongs to the world, such as a floor.
+    fn scenery(&self, py: Python<'_>, shape: &Bound<'_, PyAny>) -> PyResult<ShapeHandle> {
         let shape = self::shape(shape, "scenery")?;
+        let owner = self.what(py)?;
         self.with(py, |object| {
-            object.scenery(shape);
-            Ok(())
+            let number = object.scenery(shape).scenery_shapes().len() - 1;
+            Ok(ShapeHandle {
+                handle: object.id().scenery(number),
+                owner,
+                number,
+            })
         })
     }
 
