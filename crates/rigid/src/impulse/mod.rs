@@ -43,8 +43,9 @@
 //! joints cannot let them part push without bound: exclude them. Of surfaces that do not give
 //! way only the time constant counts, not damping ratio and impedance. What bounces does so in one pass
 //! at the end of a step, and elastic bodies that slide past each other keep their energy to second
-//! order only. What is struck within a step can move for the
-//! rest of it before its own contacts are looked for.
+//! order only. What is struck within a step moves for the rest of it before its own contacts are looked
+//! for, unless it gets half of its thickness farther than was foreseen: then the step is taken again
+//! (`sim/src/impulse/ahead.rs`).
 
 pub mod body;
 pub mod contact;
