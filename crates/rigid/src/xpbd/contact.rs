@@ -30,8 +30,9 @@
 //! uₙ = −e uₙ⁻ (Müller et al. 2020, §3.6). As the height of the substep's way is lost, no bounce
 //! gains energy.
 //!
-//! What comes too fast for the spring to stop it before it is through is stopped as if it were rigid, and what overlaps
-//! is pushed out no faster than with [`PUSH_OUT`].
+//! What comes too fast for the spring to stop it before it is through is stopped as if it were rigid. The speed
+//! (φ* − φ₀)/h with which an overlap alone would part is at most [`PUSH_OUT`], or [`GROWTH`] times the h f / g that
+//! balances what the point bore in the substep before: what begins deep inside is not shot out, and a spring is a spring.
 //!
 //! Warm start: where the same features rest on each other, λ starts at that of the last substep.
 //! Carried over, it and the sinking x are a resonator where sweeps settle only a share r of an
@@ -51,6 +52,8 @@ use numbers::{Machine, Pose, Real, SymMat3, Vec3};
 
 /// Approach slower than this many g h does not bounce, and may start from the last multiplier.
 const RESTING: f64 = 2.0;
+/// By how much a force may grow from substep to substep where the spring would push out faster than [`PUSH_OUT`].
+const GROWTH: f64 = 1.5;
 /// Share of an error that the sweeps of a substep settle at least.
 const SETTLED: f64 = 0.05;
 /// Divisors below this are of what cannot move, or is not there.
@@ -307,10 +310,13 @@ fn law<M: Machine>(
     let inert = (distance.lt(zero)) & !rigid;
     let inertia = M::R::select(inert, added * h * speed / g, zero);
     let gap = distance - share.fma(distance.min(zero), inertia);
-    let pushed = h * M::R::lit(-PUSH_OUT);
-    let softness = M::R::select(rigid | gap.lt(pushed), zero, g.recip());
+    let n = k.vec3(t.contacts.slot, s, slot::NORMAL);
+    let borne = M::R::select(t.kept.known(k, s), n.dot(t.kept.force(k, s)), zero);
+    let softness = M::R::select(rigid, zero, g.recip());
+    let bearing = h * softness * borne * M::R::lit(GROWTH);
+    let pushed = h * bearing.max(M::R::lit(PUSH_OUT));
     [
-        gap.max(pushed),
+        gap.max(-pushed),
         softness,
         (along + softness).max(tiny).recip(),
         across.max(tiny).recip(),
