@@ -8,7 +8,7 @@ use glam::DVec3;
 use kinetarium_sim::{
     Event, EventKind, Quantity, Simulation, SimulationSettings, SolverKind, Watch,
 };
-use model::{Builder, Geometry, Material, Model, Shape, ShapeId};
+use model::{BodyId, Builder, Geometry, JointId, Material, Model, Pose, Shape, ShapeId};
 
 const H: f64 = 0.004;
 const G: f64 = 9.81;
@@ -197,5 +197,166 @@ fn angular_momentum_changes_by_what_is_told() {
             summed.iter().zip(&wrench).all(close),
             "{summed:?} {wrench:?}"
         );
+    }
+}
+
+/// How much the momentum of each body is off what was told in a step [N·s], by contacts and by joints.
+struct Ledger {
+    masses: Vec<f64>,
+    shapes: Vec<Option<usize>>,
+    joints: Vec<(JointId, Option<usize>, usize)>,
+    before: Vec<DVec3>,
+}
+
+impl Ledger {
+    fn new(sim: &mut Simulation<f64>) -> Self {
+        let model = sim.model().clone();
+        let joints = model.joints.iter().enumerate();
+        let joints =
+            joints.map(|(j, joint)| (JointId(j), joint.parent.map(|p| p.0), joint.child.0));
+        let mut ledger = Self {
+            masses: model.bodies.iter().map(|body| body.mass).collect(),
+            shapes: model.shapes.iter().map(|s| s.body.map(|b| b.0)).collect(),
+            joints: joints.collect(),
+            before: Vec::new(),
+        };
+        ledger.before = ledger.momenta(sim);
+        ledger
+    }
+    fn momenta(&self, sim: &mut Simulation<f64>) -> Vec<DVec3> {
+        let outputs = sim.outputs();
+        let bodies = self.masses.iter().enumerate();
+        let momenta = bodies.map(|(b, m)| *m * outputs.body_velocity(0, BodyId(b)));
+        momenta.collect()
+    }
+    fn miss(&mut self, sim: &mut Simulation<f64>) -> f64 {
+        let mut forces: Vec<_> = self.masses.iter().map(|m| DVec3::NEG_Y * *m * G).collect();
+        let outputs = sim.outputs();
+        for contact in outputs.contacts(0) {
+            for (shape, sign) in contact.shapes.into_iter().zip([-1.0, 1.0]) {
+                if let Some(body) = self.shapes[shape.0] {
+                    forces[body] += sign * contact.force;
+                }
+            }
+        }
+        for &(joint, parent, child) in &self.joints {
+            let (force, _) = outputs.reaction(0, joint);
+            forces[child] += force;
+            if let Some(parent) = parent {
+                forces[parent] -= force;
+            }
+        }
+        let now = self.momenta(sim);
+        let changes = now.iter().zip(&self.before).zip(&forces);
+        let miss = changes.map(|((now, before), force)| (now - before - H * force).length());
+        let worst = miss.fold(0.0, f64::max);
+        self.before = now;
+        worst
+    }
+}
+
+/// A box that spins on a corner at 300 rad/s, alone and with another on a ball joint, for which steps are cut into four
+/// and eight parts: what a part gives is told, also where the contact is gone in the next, or has other points.
+#[test]
+fn steps_that_are_cut_tell_of_all_their_parts() {
+    for (jointed, restitution) in [(false, 0.0), (false, 0.7), (true, 0.0), (true, 0.7)] {
+        let surface = bouncing(restitution);
+        let mut world = Builder::new("tops");
+        let plane = Geometry::Plane {
+            half_x: 0.0,
+            half_z: 0.0,
+        };
+        let ground = Shape::new(plane).with_material(surface);
+        world.object("ground").scenery(ground);
+        let half = DVec3::splat(0.1);
+        let form = Shape::new(Geometry::Box { half }).with_material(surface);
+        let things = world.object("things");
+        let top = things.body("top").shape(form.clone()).mass(MASS).handle();
+        if jointed {
+            let other = things.body("other").at(Pose::at(DVec3::X * 0.3));
+            let other = other.shape(form).mass(MASS).handle();
+            let socket = Pose::at(DVec3::X * 0.15);
+            things.ball("socket", other).parent(top).at(socket);
+        }
+        things.free("float", top);
+        let model = world.build().unwrap();
+        let (coordinates, dofs) = (model.coordinates(), model.degrees_of_freedom());
+        let free = model.joints.iter().position(|j| j.child.0 == 0).unwrap();
+        let (place, spin) = (
+            model.coordinate_range(JointId(free)).start,
+            model.dof_range(JointId(free)).start,
+        );
+        let mut position = model.initial_position();
+        let mut velocity = vec![0.0; dofs];
+        assert_eq!(position.len(), coordinates);
+        position[place + 1] = 0.12;
+        velocity[spin + 3..spin + 6].copy_from_slice(&[15.0, 300.0, -10.0]);
+        let settings = SimulationSettings {
+            solver: SolverKind::Impulse,
+            ..SimulationSettings::new(1, H)
+        };
+        let mut sim = Simulation::new(model, settings).unwrap();
+        sim.set_joint_state(0, &position, &velocity).unwrap();
+        let mut ledger = Ledger::new(&mut sim);
+        let (mut worst, mut pressed) = (0.0_f64, 0);
+        for _ in 0..300 {
+            sim.step(1);
+            worst = worst.max(ledger.miss(&mut sim));
+            pressed += usize::from(sim.outputs().contacts(0).any(|c| c.force != DVec3::ZERO));
+        }
+        let what = format!("jointed: {jointed}, e = {restitution}: {worst}, {pressed}");
+        assert_eq!(sim.diverged(), [], "{what}");
+        assert!(pressed > 10 && worst < 1e3 * ROUNDING, "{what}");
+    }
+}
+
+/// A box falls asleep in some part of a step that a top beside it cuts, and is woken in some part by a ball. It presses
+/// with its weight all the time.
+#[test]
+fn sleepers_beside_a_top_tell_their_weight() {
+    for phase in 0..6 {
+        let mut world = Builder::new("sleeper");
+        let plane = Geometry::Plane {
+            half_x: 0.0,
+            half_z: 0.0,
+        };
+        world.object("ground").scenery(Shape::new(plane));
+        let cube = Shape::new(Geometry::Box {
+            half: DVec3::splat(0.1),
+        });
+        let ball = Shape::new(Geometry::Sphere { radius: 0.1 });
+        let things = world.object("things");
+        let shapes = [
+            ("box", cube.clone(), DVec3::Y * 0.1),
+            ("top", cube, DVec3::new(3.0, 1000.0, 0.0)),
+            ("ball", ball, DVec3::Y * (3.3 + 0.01 * f64::from(phase))),
+        ];
+        for (name, shape, at) in shapes {
+            let body = things.body(name).at(Pose::at(at));
+            body.shape(shape).mass(MASS);
+        }
+        let mut settings = SimulationSettings {
+            solver: SolverKind::Impulse,
+            ..SimulationSettings::new(1, H)
+        };
+        settings.step.sleep_speed = 0.01;
+        let model = world.build().unwrap();
+        let position = model.initial_position();
+        let mut velocity = vec![0.0; 18];
+        velocity[6 + 3] = 300.0;
+        let mut sim = Simulation::new(model, settings).unwrap();
+        sim.set_joint_state(0, &position, &velocity).unwrap();
+        let mut ledger = Ledger::new(&mut sim);
+        let mut slept = 0;
+        for step in 0..220 {
+            sim.step(1);
+            let miss = ledger.miss(&mut sim);
+            let asleep = sim.outputs().asleep(0, BodyId(0));
+            slept += usize::from(asleep);
+            // What sleeps is held by what its contacts gave last.
+            let what = format!("phase {phase}, step {step}, asleep: {asleep}: {miss}");
+            assert!(miss < 1e-3 * MASS * G * H, "{what}");
+        }
+        assert!(slept > 20 && !sim.outputs().asleep(0, BodyId(0)), "{slept}");
     }
 }

@@ -34,9 +34,9 @@ pub struct Cached<T> {
     pub drag: [T; 3],
     /// Angular impulse against twisting and rolling in the last small step [N·m·s].
     pub twist: [T; 3],
-    /// The sum of drags over the last step [N·s].
+    /// The sum of drags over the last step [N·s]; over its part, until the [parts before](Self::add) are added.
     pub drag_sum: [T; 3],
-    /// The sum of twists over the last step [N·m·s].
+    /// The sum of twists over the last step, or its part [N·m·s].
     pub twist_sum: [T; 3],
     /// The points, of which the first [`count`](Self::count) are.
     pub points: [CachedPoint<T>; POINTS],
@@ -53,7 +53,7 @@ pub struct CachedPoint<T> {
     pub feature: T,
     /// Impulse along the normal in the last small step [N·s].
     pub impulse: T,
-    /// The sum of impulses over the last step [N·s].
+    /// The sum of impulses over the last step, or its part [N·s].
     pub sum: T,
 }
 
@@ -81,7 +81,7 @@ impl Impulse {
         if count < contacts.len() {
             let lost = &mut state[self.forgotten.at(0, 0)];
             *lost = T::from_f64(lost.to_f64() + (contacts.len() - count) as f64);
-            contacts.sort_by_key(|contact| !contact.presses());
+            contacts.sort_by_key(|contact| !(contact.presses() || contact.gave()));
             contacts.truncate(count);
             contacts.sort_by_key(Cached::key);
         }
@@ -92,6 +92,10 @@ impl Impulse {
 
 fn ordered([a, b]: [u32; 2]) -> [u32; 2] {
     [a.min(b), a.max(b)]
+}
+
+pub(super) fn vec3<T: Float>(v: &[T; 3]) -> DVec3 {
+    DVec3::from_array(v.map(T::to_f64))
 }
 
 /// A contact in the state of a world.
@@ -151,15 +155,13 @@ impl<T: Float> Recalled<'_, T> {
     pub fn warm(&self, contact: &mut Cached<T>, near: f64) {
         contact.drag = self.vec3(field::DRAG);
         contact.twist = self.vec3(field::TWIST);
-        contact.drag_sum = self.vec3(field::DRAG_SUM);
-        contact.twist_sum = self.vec3(field::TWIST_SUM);
         let mut taken = [false; POINTS];
         let mut cold = [true; POINTS];
         for (point, cold) in contact.points[..contact.count].iter_mut().zip(&mut cold) {
             let feature = |i: &usize| self.0[field::POINT + i * field::POINT_WIDTH + 4];
             let same = |i: &usize| !taken[*i] && feature(i) == point.feature;
             if let Some(i) = (0..self.points()).find(same) {
-                point.take(&self.point(i));
+                point.impulse = self.point(i).impulse;
                 (taken[i], *cold) = (true, false);
             }
         }
@@ -174,7 +176,7 @@ impl<T: Float> Recalled<'_, T> {
             if let Some((distance, i)) = distances.min_by(|a, b| a.0.total_cmp(&b.0))
                 && distance < near
             {
-                point.take(&self.point(i));
+                point.impulse = self.point(i).impulse;
                 taken[i] = true;
             }
         }
@@ -182,13 +184,8 @@ impl<T: Float> Recalled<'_, T> {
 }
 
 impl<T: Float> CachedPoint<T> {
-    fn take(&mut self, other: &Self) {
-        self.impulse = other.impulse;
-        self.sum = other.sum;
-    }
     fn distance(&self, other: &Self) -> f64 {
-        let apart = |i: usize| (self.position[i] - other.position[i]).to_f64();
-        DVec3::new(apart(0), apart(1), apart(2)).length()
+        (vec3(&self.position) - vec3(&other.position)).length()
     }
 }
 
@@ -202,13 +199,61 @@ impl<T: Float> Cached<T> {
         let loaded = |p: &CachedPoint<T>| p.impulse > T::zero();
         self.points[..self.count].iter().any(loaded)
     }
-    /// A step begins, in which nothing was given yet.
-    pub fn begin(&mut self) {
+    /// Whether it has given anything in the step.
+    pub fn gave(&self) -> bool {
+        let loaded = |p: &CachedPoint<T>| p.sum > T::zero();
+        self.points[..self.count].iter().any(loaded) || self.drag_sum != [T::zero(); 3]
+    }
+    /// It gives in each of so many small steps what it gave in the last one.
+    pub fn persist(&mut self, small_steps: usize) {
+        let steps = T::from_f64(small_steps as f64);
+        self.drag_sum = self.drag.map(|x| x * steps);
+        self.twist_sum = self.twist.map(|x| x * steps);
+        for point in &mut self.points {
+            point.sum = point.impulse * steps;
+        }
+    }
+    /// It is no contact any more, and tells only what it gave.
+    pub fn end(&mut self) {
+        self.drag = [T::zero(); 3];
+        self.twist = [T::zero(); 3];
+        for point in &mut self.points {
+            point.impulse = T::zero();
+        }
+    }
+    /// Adds what a contact of the same shapes gave in the parts of the step before: loads to the nearest points, and to
+    /// friction what keeps force and torque the same, as points and normals have moved.
+    pub fn add(&mut self, before: &Self) {
+        let middle = self.middle();
+        let all = [&*self, before].map(|contact| contact.given(middle));
+        for old in &before.points[..before.count] {
+            let points = self.points[..self.count].iter_mut();
+            let nearest = points.min_by(|a, b| a.distance(old).total_cmp(&b.distance(old)));
+            if let Some(point) = nearest {
+                point.sum = point.sum + old.sum;
+            }
+        }
         self.drag_sum = [T::zero(); 3];
         self.twist_sum = [T::zero(); 3];
-        for point in &mut self.points {
-            point.sum = T::zero();
-        }
+        let loads = self.given(middle);
+        let [drag, twist] = [0, 1].map(|i| all[0][i] + all[1][i] - loads[i]);
+        self.drag_sum = drag.to_array().map(T::from_f64);
+        self.twist_sum = twist.to_array().map(T::from_f64);
+    }
+    /// Impulse, and angular impulse about a point, on B in the step.
+    fn given(&self, about: DVec3) -> [DVec3; 2] {
+        let (normal, drag) = (vec3(&self.normal), vec3(&self.drag_sum));
+        let turning = vec3(&self.twist_sum) + (self.middle() - about).cross(drag);
+        let points = self.points[..self.count].iter();
+        points.fold([drag, turning], |[p, l], point| {
+            let load = normal * point.sum.to_f64();
+            [p + load, l + (vec3(&point.position) - about).cross(load)]
+        })
+    }
+    /// Where friction is told to act: the mean of its points.
+    pub(super) fn middle(&self) -> DVec3 {
+        let points = &self.points[..self.count];
+        points.iter().map(|p| vec3(&p.position)).sum::<DVec3>() / self.count as f64
     }
     /// Into a row of [`REMEMBERED`] numbers.
     pub fn write(&self, x: &mut [T]) {

@@ -1,7 +1,7 @@
 //! What a world looks like from outside.
 
 use super::layout::{Impulse, State, WORLD, pose_at};
-use super::memory::{Cached, CachedPoint};
+use super::memory::{Cached, CachedPoint, vec3};
 use super::tables::mass;
 use crate::output::{body, body_acceleration, contact, reaction, total};
 use collide::FAR;
@@ -180,38 +180,46 @@ impl Impulse {
     }
 }
 
-/// What the points of a contact bear of its friction: in proportion to their loads.
+/// What the points of a contact bear of its friction: in proportion to their loads; alike where a bounce has taken back
+/// what they bore.
 struct Shares {
     normal: DVec3,
-    /// Friction, and torque, for each unit of load.
     drag: DVec3,
     torque: DVec3,
+    load: f64,
+    alike: f64,
 }
 
 impl Shares {
     /// Friction pulls at the middle of the points, and is told of where they are loaded.
     fn of<T: Float>(touch: &Cached<T>, normal: DVec3) -> Self {
         let points = &touch.points[..touch.count];
-        let middle = points.iter().map(|p| vec3(&p.position)).sum::<DVec3>() / touch.count as f64;
-        let load: f64 = points.iter().map(|p| p.sum.to_f64()).sum();
-        let arm = |p: &CachedPoint<T>| (vec3(&p.position) - middle) * p.sum.to_f64();
-        let per = if load > 0.0 { 1.0 / load } else { 0.0 };
-        let loaded = points.iter().map(arm).sum::<DVec3>() * per;
-        let drag = vec3(&touch.drag_sum);
-        Self {
+        let (middle, drag) = (touch.middle(), vec3(&touch.drag_sum));
+        let mut shares = Self {
             normal,
-            drag: drag * per,
-            torque: (vec3(&touch.twist_sum) - loaded.cross(drag)) * per,
+            drag,
+            torque: DVec3::ZERO,
+            load: points.iter().map(|p| p.sum.to_f64()).sum(),
+            alike: 1.0 / touch.count as f64,
+        };
+        let arm = |p: &CachedPoint<T>| (vec3(&p.position) - middle) * shares.share(p);
+        let loaded = points.iter().map(arm).sum::<DVec3>();
+        shares.torque = vec3(&touch.twist_sum) - loaded.cross(drag);
+        shares
+    }
+    fn share<T: Float>(&self, p: &CachedPoint<T>) -> f64 {
+        if self.load > 0.0 {
+            p.sum.to_f64() / self.load
+        } else {
+            self.alike
         }
     }
     /// Impulse and angular impulse of a point.
     fn of_point<T: Float>(&self, p: &CachedPoint<T>) -> [DVec3; 2] {
-        [self.normal + self.drag, self.torque].map(|share| share * p.sum.to_f64())
+        let share = self.share(p);
+        let load = self.normal * p.sum.to_f64();
+        [load + self.drag * share, self.torque * share]
     }
-}
-
-fn vec3<T: Float>(v: &[T; 3]) -> DVec3 {
-    DVec3::new(v[0].to_f64(), v[1].to_f64(), v[2].to_f64())
 }
 
 fn put<T: Float, const N: usize>(output: &mut [T], at: usize, x: [f64; N]) {

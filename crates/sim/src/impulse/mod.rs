@@ -16,6 +16,7 @@ mod narrow_phase;
 mod odometers;
 mod sleep;
 mod solve;
+mod sums;
 mod team;
 mod warm_start;
 mod world;

@@ -2,7 +2,8 @@
 //!
 //! An island is bodies that press on each other, or that joints tie. It sleeps when each of its bodies
 //! has been slow for [`SLEEP_AFTER`], and it rests on something that does not move, or is tied to it.
-//! Nothing of it is looked at then, and its contacts and joints are kept as they were. What moves into
+//! Nothing of it is looked at then, and its contacts and joints are kept as they were: they are told to give what they
+//! gave in the last small step. What moves into
 //! it, a force from outside on one of its bodies, or a controller that moves one of its joints, wakes
 //! all of it.
 
@@ -158,6 +159,8 @@ impl<T: Float> World<'_, T> {
         let frozen = sleep.before.iter();
         let frozen = frozen.filter(|contact| self.rows_of(contact).iter().all(rests));
         sleep.frozen.extend(frozen);
+        let steps = self.small_steps();
+        sleep.frozen.iter_mut().for_each(|c| c.persist(steps));
         w.contacts
             .retain(|contact| !self.rows_of(contact).iter().any(sleeps));
     }

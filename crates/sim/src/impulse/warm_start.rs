@@ -13,7 +13,7 @@ use rigid::impulse::{Cached, Recalled};
 /// Points nearer than this share of the larger shape's radius, of one pair, are the same.
 const SAME_PLACE: f64 = 0.05;
 /// Normals are of one contact that turned if the cosine of the angle between them is larger.
-const SAME_NORMAL: f64 = 0.5;
+pub(super) const SAME_NORMAL: f64 = 0.5;
 
 impl<T: Float> World<'_, T> {
     /// Gives contacts, which are in order, the impulses that their points had before.
@@ -54,9 +54,6 @@ impl<T: Float> World<'_, T> {
             }
             let before = (begin..next).map(|i| impulse.recall(i, state));
             self.recall_pair(before, pair);
-            if self.first {
-                pair.iter_mut().for_each(Cached::begin);
-            }
         }
     }
 
@@ -105,7 +102,7 @@ impl<T: Float> World<'_, T> {
     }
 }
 
-fn vector<T: Float>(v: [T; 3]) -> DVec3 {
+pub(super) fn vector<T: Float>(v: [T; 3]) -> DVec3 {
     DVec3::from_array(v.map(T::to_f64))
 }
 

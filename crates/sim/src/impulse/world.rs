@@ -151,6 +151,7 @@ impl<T: Float> World<'_, T> {
             w.contacts.append(&mut w.sensed);
             w.contacts.sort_by_key(Cached::key);
         }
+        self.add_parts(state, &mut w.contacts);
         self.remember(state, w);
     }
 
@@ -215,6 +216,14 @@ impl<T: Float> World<'_, T> {
             let joints = members.map(|member| w.joints[*member as usize] as usize);
             w.joint_lanes.read(batch, joints, self.impulse(), state);
         }
+        let sleeps = |row: &u32| w.sleep.asleep[*row as usize];
+        if w.sleep.asleep.contains(&true) {
+            let rests = |(_, rows): &(_, [u32; 2])| rows.iter().all(|r| *r == WORLD || sleeps(r));
+            for (tie, _) in self.joints().filter(rests) {
+                let steps = self.small_steps();
+                self.impulse().persist_tied(tie, self.first, steps, state);
+            }
+        }
     }
 
     /// Takes the impulses of the contacts out of their lanes.
@@ -266,7 +275,7 @@ impl<T: Float> World<'_, T> {
         self.impulse().settings().substep() / self.parts as f64
     }
     /// How many small steps that has.
-    fn small_steps(&self) -> usize {
+    pub fn small_steps(&self) -> usize {
         self.impulse().settings().contact_iterations / self.parts
     }
 

@@ -672,6 +672,26 @@ impl Impulse {
             *to = x;
         }
     }
+    /// A joint of bodies that sleep gives in each of so many small steps what it gave in the last one; they are the first
+    /// of a step, or come to those before.
+    pub fn persist_tied<T: Float>(
+        &self,
+        tie: usize,
+        first: bool,
+        small_steps: usize,
+        state: &mut [T],
+    ) {
+        let at = |field| self.ties.state.at(tie, field - joint::TARGET);
+        let steps = T::from_f64(small_steps as f64);
+        for i in 0..6 {
+            let before = if first {
+                T::zero()
+            } else {
+                state[at(joint::SUM + i)]
+            };
+            state[at(joint::SUM + i)] = before + state[at(joint::IMPULSE + i)] * steps;
+        }
+    }
 }
 
 impl<T: Float> Given<'_, T> {
