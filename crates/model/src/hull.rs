@@ -150,6 +150,15 @@ impl Hull {
     pub fn half_extents(&self) -> DVec3 {
         self.arms().map(DVec3::abs).fold(DVec3::ZERO, DVec3::max)
     }
+    /// Half of the least distance between a face and the corner opposite [m]: how thin it is, whatever its axes.
+    pub fn half_width(&self) -> f64 {
+        let widths = self.faces().map(|[a, b, c]| {
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            let depths = self.vertices().iter().map(|v| normal.dot(a - *v));
+            depths.fold(0.0, f64::max)
+        });
+        0.5 * widths.filter(|w| *w > 0.0).fold(f64::INFINITY, f64::min)
+    }
     /// Radius of the ball about the centre that holds it [m].
     pub fn radius(&self) -> f64 {
         self.arms().map(DVec3::length).fold(0.0, f64::max)

@@ -60,7 +60,8 @@ pub(crate) mod pair_field {
     // Rolling friction coefficient [m] follows.
     /// Approach [m/s] beyond which the spring would let the shapes through each other.
     pub const FASTEST: usize = 9;
-    /// 2/5 m R² [kg·m²], of the mass that the contact moves and the largest half extent of its shape.
+    /// 2/5 m R² [kg·m²], of the mass m that the contact moves and the largest half extent R of the shape that moves; of
+    /// two, B's.
     pub const INERTIA: usize = 10;
     pub const WIDTH: usize = 11;
 }
@@ -208,16 +209,35 @@ fn passable(list: usize) -> f64 {
     if list == found::FIXED { 0.25 } else { 1.0 }
 }
 
-/// The approach [m/s] that a spring k stops on the way on which two shapes pass through each other, which is half of what
-/// both are thin. Critically damped, it lets a mass m that comes with v in by v / (e ω), where ω² = k / m.
-fn fastest(shapes: [&Shape; 2], stiffness: f64, mass: f64) -> f64 {
-    let half = |geometry: &Geometry| geometry.half_extents();
-    let [a, b] = shapes.map(|shape| match &shape.geometry {
-        // The middle of a cone is not where it is thick.
-        cone @ Geometry::Cone { .. } => half(cone).map_or(0.0, |h| 0.5 * h.min_element()),
-        other => half(other).map_or(f64::INFINITY, DVec3::min_element),
-    });
-    ((a + b) * std::f64::consts::E * (stiffness / mass).sqrt()).min(UNBOUNDED)
+/// Half of what a shape is thin [m]; without end of a plane.
+pub(crate) fn thickness(geometry: &Geometry) -> f64 {
+    let least = |half: DVec3| half.min_element();
+    let half = geometry.half_extents().map_or(UNBOUNDED, least);
+    match geometry {
+        // Its middle is not where it is thick.
+        Geometry::Cone { .. } => 0.5 * half,
+        Geometry::Hull(hull) => hull.half_width(),
+        _ => half,
+    }
+}
+
+/// The way [m] on which two shapes get through each other, which are as [thin](thickness), and are meshes or not: half of
+/// what both are thin. Of that a mesh has nothing, as it is a surface; of two, the smaller box about one counts.
+pub(crate) fn way_through(shapes: [(f64, bool); 2]) -> f64 {
+    match shapes {
+        [(a, false), (b, false)] => a + b,
+        [(_, true), (b, false)] => b,
+        [(a, false), (_, true)] => a,
+        [(a, true), (b, true)] => a.min(b),
+    }
+}
+
+/// The approach [m/s] that a spring k with a damper d stops on a `way` [m] where it moves a mass m. It lets in by v / ω,
+/// where ω² = k / m; with a damping ratio ζ = d / (2 m ω) of 1 and more, by v / (e ω) at most.
+fn fastest(way: f64, [stiffness, damping, mass]: [f64; 3]) -> f64 {
+    let damped = damping.powi(2) >= 4.0 * stiffness * mass;
+    let share = if damped { std::f64::consts::E } else { 1.0 };
+    (way * share * (stiffness / mass).sqrt()).min(UNBOUNDED)
 }
 
 /// The largest half extent [m] of a shape; 1 of a plane.
@@ -315,6 +335,12 @@ impl ContactTables {
             &mut f.parameters,
             &mut f.links,
         );
+        let solids = plan
+            .sights
+            .iter()
+            .map(|s| &model.shapes[s.shape.0].geometry);
+        let solids = solids.map(|g| (thickness(g), matches!(g, Geometry::Mesh(_))));
+        let solids = Vec::from_iter(solids);
         for (row, pair) in plan.pairs.iter().enumerate() {
             f.link(self.pair_links, row, pair_link::A, pair.rows[0]);
             f.link(self.pair_links, row, pair_link::B, pair.rows[1]);
@@ -329,17 +355,20 @@ impl ContactTables {
             let material = model.contact_material(pair.shapes[0], pair.shapes[1]);
             let shapes = pair.shapes.map(|s| &model.shapes[s.0]);
             let (stiffness, damping) = material.softness.spring(pair.mass);
+            let added = material.softness.added_mass(pair.mass);
+            let way = way_through(pair.rows.map(|row| solids[row]));
+            let fastest = fastest(way, [stiffness, damping, pair.mass + added]);
             let numbers = [
                 material.friction,
                 material.restitution,
                 stiffness,
                 damping,
                 pair.mass,
-                material.softness.added_mass(pair.mass),
+                added,
                 material.margin,
                 material.torsional_friction,
                 material.rolling_friction,
-                passable(pair.list()) * fastest(shapes, stiffness, pair.mass),
+                passable(pair.list()) * fastest,
                 0.4 * pair.mass * largest(shapes[usize::from(!pair.flip)]).powi(2),
             ];
             f.numbers(self.pair, row, 0, &numbers);

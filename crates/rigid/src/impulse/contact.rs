@@ -17,9 +17,9 @@
 //!
 //! which is a spring k with a damper c, implicit in time (Catto, *Soft Constraints*, 2011). Surfaces
 //! in N/m are that spring, which what is apart may reach within the small step as well (n·u + C/h +
-//! γ λ ≥ 0), and are left alone when relaxing. All others do not give way: k is the
-//! stiffest that small steps can follow, c = T k makes an overlap close with the time constant T, and
-//! when relaxing β and γ are zero, so that what was pushed apart keeps no speed from it. Friction
+//! γ λ ≥ 0), and are left alone when relaxing; for a step in which something comes too fast for them they are as all
+//! others. These do not give way: k is the stiffest that small steps can follow, c = T k makes an overlap close with the
+//! time constant T, and when relaxing β and γ are zero, so that what was pushed apart keeps no speed from it. Friction
 //! follows, for the contact as a whole (`friction`).
 
 use super::friction;
@@ -30,6 +30,9 @@ use numbers::{Cell, Machine, Real, SymMat3, Vec3};
 
 /// Highest frequency of a spring, per small step: at twice that, walls of boxes sway.
 const FASTEST: f64 = 0.125;
+
+/// Share of the way through each other on which a spring has to stop two shapes.
+const PASSABLE: f64 = 0.5;
 
 /// Small steps within which an overlap closes, at least.
 const CALM: f64 = 8.0;
@@ -254,6 +257,7 @@ pub fn prepare<M: Machine>(k: &mut M, t: &ContactTables) {
         inertia,
         arms: stopping_arms(k, t, normal, arms_of(k, t, middle)),
     };
+    stiffen(k, t, normal, response);
     friction::prepare(k, t, normal, response);
     prepare_points(k, t, response, middle);
 }
@@ -306,6 +310,23 @@ fn stopping_arms<M: Machine>(
     let aside = normal.fma(-normal.dot(lighter), lighter);
     let aside = Vec3::select(fast, aside, Vec3::zero());
     [arms[0] - aside, arms[1] - aside]
+}
+
+/// A spring lets in what comes with v by v / ω. Where that is too far, nothing gives way in this step.
+#[inline(always)]
+fn stiffen<M: Machine>(k: &mut M, t: &ContactTables, normal: Vec3<M::R>, response: Response<M::R>) {
+    let (a, b) = (k.index(0), k.index(1));
+    let [spring, _, settling] = k.read(t.manifold, a, manifold::SPRING);
+    let gives = settling.le(M::R::zero());
+    if let Some(_branch) = k.if_any(gives) {
+        let [ra, rb] = response.arms;
+        let u = velocity_at(motion(k, t, b), rb) - velocity_at(motion(k, t, a), ra);
+        let frequency = (spring * normal.dot(response.to(normal))).sqrt();
+        let way = k.load(t.manifold, a, manifold::THICKNESS) * M::R::lit(PASSABLE);
+        let through = frequency.fma(way, normal.dot(u)).lt(M::R::zero());
+        let [h] = k.read(t.global, a, global::STEP);
+        k.store_where(gives & through, t.manifold, a, manifold::SETTLING, h);
+    }
 }
 
 #[inline(always)]

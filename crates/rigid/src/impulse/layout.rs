@@ -4,7 +4,7 @@ use super::joint::{Ties, inner_frames, is_bare};
 use super::pair::solid;
 use super::tables::{POINTS, global, mass};
 use super::{memory, surface};
-use crate::contacts::tables::Solid;
+use crate::contacts::tables::{Solid, thickness, way_through};
 use crate::contacts::{Corners, PUSH_OUT};
 use crate::input::InputTables;
 use crate::output::body;
@@ -278,6 +278,8 @@ impl Impulse {
             let extent = extent.unwrap_or(DVec3::splat(UNBOUNDED));
             f.vec3(self.solid, row, solid::EXTENT, extent);
             f.number(self.solid, row, solid::RADIUS, solid.radius);
+            let thickness = thickness(&shape.geometry);
+            f.number(self.solid, row, solid::THICKNESS, thickness);
             f.numbers(self.surface, row, 0, &surface::numbers_of(&shape.material));
         }
         for (i, pair) in model.contact_pairs.iter().enumerate() {
@@ -459,13 +461,14 @@ impl Impulse {
     pub fn radius_of<T: Float>(&self, shape: usize, parameters: &[T]) -> T {
         self.solid_of(shape, parameters)[solid::RADIUS]
     }
-    /// The way [m] on which two colliding shapes get through each other: half of what both are thin.
-    pub fn thickness<T: Float>(&self, shapes: [u32; 2], parameters: &[T]) -> T {
-        let [a, b] = shapes.map(|s| {
-            let half = &self.solid_of(s as usize, parameters)[solid::EXTENT..][..3];
-            half.iter().fold(T::from_f64(UNBOUNDED), |x, y| x.min(*y))
+    /// The way [m] on which two colliding shapes get through each other.
+    pub fn way_through<T: Float>(&self, shapes: [u32; 2], parameters: &[T]) -> T {
+        let solids = shapes.map(|s| {
+            let thickness = self.solid_of(s as usize, parameters)[solid::THICKNESS];
+            let mesh = self.shapes[s as usize].kind == kind::MESH;
+            (thickness.to_f64(), mesh)
         });
-        a + b
+        T::from_f64(way_through(solids))
     }
     /// The corners of a colliding shape about its centre [m], three numbers each.
     pub fn corners_of<'a, T>(&self, shape: usize, parameters: &'a [T]) -> &'a [T] {

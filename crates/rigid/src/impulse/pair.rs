@@ -28,8 +28,10 @@ pub mod solid {
     pub const EXTENT: usize = 10;
     /// Radius of the ball that holds it [m].
     pub const RADIUS: usize = 13;
+    /// Half of what it is thin [m].
+    pub const THICKNESS: usize = 14;
     /// Numbers in a row.
-    pub const WIDTH: usize = 14;
+    pub const WIDTH: usize = 15;
 }
 
 /// Fields of a shape in its place.

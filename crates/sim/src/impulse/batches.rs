@@ -136,7 +136,7 @@ impl<T: Float> Lane<'_, T> {
         for (i, x) in coefficients.into_iter().enumerate() {
             self.put(at(manifold::FRICTION + i), &[T::from_f64(x)]);
         }
-        let thickness = impulse.thickness(contact.shapes, parameters);
+        let thickness = impulse.way_through(contact.shapes, parameters);
         self.put(at(manifold::THICKNESS), &[thickness]);
         self.put(at(manifold::DRAG), &contact.drag);
         self.put(at(manifold::TWIST), &contact.twist);
