@@ -35,6 +35,9 @@ pub const SLEEP_AFTER: f64 = 0.5;
 /// small models.
 const REMEMBERED: usize = 6;
 
+/// A ball nearer than this share of its radius to its body's centre of mass is about it.
+const CENTRED: f64 = 1e-3;
+
 /// Fields of a body's state.
 pub mod state {
     /// Centre of mass [m].
@@ -469,6 +472,13 @@ impl Impulse {
             (thickness.to_f64(), mesh)
         });
         T::from_f64(way_through(solids))
+    }
+    /// Whether a colliding shape is a ball about its body's centre of mass, so that it stays in its place however it spins.
+    pub fn is_centred<T: Float>(&self, shape: usize, parameters: &[T]) -> bool {
+        let solid = self.solid_of(shape, parameters);
+        let squares = solid[solid::POSE..][..3].iter().map(|x| x.to_f64().powi(2));
+        let radius = solid[solid::RADIUS].to_f64();
+        self.shapes[shape].kind == kind::SPHERE && squares.sum::<f64>() < (CENTRED * radius).powi(2)
     }
     /// The corners of a colliding shape about its centre [m], three numbers each.
     pub fn corners_of<'a, T>(&self, shape: usize, parameters: &'a [T]) -> &'a [T] {

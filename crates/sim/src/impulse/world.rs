@@ -11,7 +11,6 @@ use super::sleep::Sleep;
 use super::solve::Solver;
 use super::{Kept, Piles};
 use crate::jobs::Lane;
-use collide::kind;
 use numbers::Float;
 use rayon::prelude::*;
 use rigid::impulse::pair::{Placed, placed};
@@ -106,8 +105,8 @@ impl<T: Float> World<'_, T> {
 
     /// Into how many parts a step is cut. Bodies that joints hold may turn by no more than [`TURN`] in
     /// each, since their inertia is that of when it began: a chain that cracks like a whip flew apart at
-    /// a third of a radian. Others that are no balls may turn by no more than [`FREE_TURN`], since their arms are those of
-    /// then: a rod would be stopped by what it does not reach, and a plank turn past a wall.
+    /// a third of a radian. Others that are no balls about their centres of mass may turn by no more than [`FREE_TURN`],
+    /// since their arms are those of then: a rod would be stopped by what it does not reach, and a plank turn past a wall.
     fn parts_of(&self, state: &[T]) -> usize {
         let impulse = self.impulse();
         let spin = |row: u32| {
@@ -117,12 +116,10 @@ impl<T: Float> World<'_, T> {
         };
         let held = self.joints().map(|(_, [a, b])| spin(a).max(spin(b)));
         let held = held.fold(0.0, f64::max).sqrt();
-        let angular = impulse
-            .shapes()
-            .iter()
-            .filter(|s| s.kind != kind::SPHERE && s.row != WORLD);
-        let free = angular
-            .map(|shape| spin(shape.row))
+        let shapes = impulse.shapes().iter().enumerate();
+        let free = shapes
+            .filter(|(i, s)| s.row != WORLD && !impulse.is_centred(*i, self.parameters))
+            .map(|(_, shape)| spin(shape.row))
             .fold(0.0, f64::max)
             .sqrt();
         let turn = held.max(free * (TURN / FREE_TURN)) * self.length();
