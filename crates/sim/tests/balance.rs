@@ -4,9 +4,9 @@
 //! Δp = h (Σ f + m g)     ΔL = h Σ (t + x × f)  about the vertical through the centre of mass
 //! ```
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use kinetarium_sim::{
-    Event, EventKind, Quantity, Simulation, SimulationSettings, SolverKind, Watch,
+    Contact, Event, EventKind, Quantity, Simulation, SimulationSettings, SolverKind, Watch,
 };
 use model::{BodyId, Builder, Geometry, JointId, Material, Model, Pose, Shape, ShapeId};
 
@@ -358,5 +358,58 @@ fn sleepers_beside_a_top_tell_their_weight() {
             assert!(miss < 1e-3 * MASS * G * H, "{what}");
         }
         assert!(slept > 20 && !sim.outputs().asleep(0, BodyId(0)), "{slept}");
+    }
+}
+
+/// A smooth bullet that is stopped at a wall before its centre of mass does not turn, and what is told turns nothing: the
+/// torque and that of the force about the centre add up to zero.
+#[test]
+fn what_stops_a_bullet_turns_nothing() {
+    let half = DVec3::new(0.0005, 1.0, 1.0);
+    let smooth = Material {
+        friction: 0.0,
+        ..Material::default()
+    };
+    for solver in SOLVERS {
+        let mut world = Builder::new("range");
+        world.gravity(DVec3::ZERO);
+        let wall = Shape::new(Geometry::Box { half }).with_material(smooth);
+        world.object("wall").scenery(wall);
+        let bullet = Shape::new(Geometry::Box {
+            half: DVec3::new(0.01, 0.02, 0.01),
+        });
+        let things = world.object("things");
+        let body = things.body("bullet").shape(bullet.with_material(smooth));
+        let body = body.handle();
+        things.free("float", body);
+        let settings = SimulationSettings {
+            solver,
+            ..SimulationSettings::new(1, H)
+        };
+        let model = world.build().unwrap();
+        let mut sim = Simulation::<f64>::new(model, settings).unwrap();
+        let turn = DQuat::from_rotation_z(0.5) * DQuat::from_rotation_y(0.3);
+        let [i, j, k, w] = turn.to_array();
+        let velocity = [100.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        sim.set_joint_state(0, &[-0.6, 0.0, 0.0, i, j, k, w], &velocity)
+            .unwrap();
+        let mut stopped = false;
+        for _ in 0..3 {
+            sim.step(1);
+            let outputs = sim.outputs();
+            let center = outputs.body_position(0, BodyId(0));
+            let forces = outputs.contacts(0).map(|c| c.force.length());
+            let given = forces.sum::<f64>();
+            // Across the wall the centre does not move.
+            let turned = |c: Contact| (c.position - center).cross(c.force) + c.torque;
+            let turning = outputs.contacts(0).map(turned).sum::<DVec3>();
+            let what = format!("{solver:?}: {turning} by {given} N");
+            assert!(turning.length() < 1e-9 * given + ROUNDING, "{what}");
+            if given > 0.0 {
+                stopped = true;
+                break;
+            }
+        }
+        assert!(stopped, "{solver:?}");
     }
 }

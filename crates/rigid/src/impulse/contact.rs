@@ -252,10 +252,13 @@ pub fn prepare<M: Machine>(k: &mut M, t: &ContactTables) {
     k.write(t.manifold, only, manifold::LAST, [M::R::zero(); 6]);
     let middle = middle(k, t);
     let normal = k.vec3(t.manifold, only, manifold::NORMAL);
+    let touching = arms_of(k, t, middle);
+    let arms = stopping_arms(k, t, normal, touching);
+    k.store_vec3(t.manifold, only, manifold::ASIDE, touching[0] - arms[0]);
     let response = Response {
         masses: masses[0] + masses[1],
         inertia,
-        arms: stopping_arms(k, t, normal, arms_of(k, t, middle)),
+        arms,
     };
     stiffen(k, t, normal, response);
     friction::prepare(k, t, normal, response);

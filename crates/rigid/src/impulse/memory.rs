@@ -240,6 +240,14 @@ impl<T: Float> Cached<T> {
         self.drag_sum = drag.to_array().map(T::from_f64);
         self.twist_sum = twist.to_array().map(T::from_f64);
     }
+    /// Its impulses acted `aside` [m] before its points, in one line with a centre of mass: what they would turn is taken
+    /// off the torque that is told.
+    pub fn acted_aside(&mut self, aside: [T; 3]) {
+        let [impulse, told] = self.given(self.middle());
+        let twist = vec3(&self.twist_sum);
+        let turned = twist - vec3(&aside).cross(impulse);
+        self.twist_sum = (twist + (turned - told)).to_array().map(T::from_f64);
+    }
     /// Impulse, and angular impulse about a point, on B in the step.
     fn given(&self, about: DVec3) -> [DVec3; 2] {
         let (normal, drag) = (vec3(&self.normal), vec3(&self.drag_sum));

@@ -109,8 +109,10 @@ pub mod manifold {
     pub const LAST: usize = 45;
     /// Way [m] on which the shapes get through each other.
     pub const THICKNESS: usize = 51;
+    /// From where the contact acts to where it is [m], 3: not zero where a centre of mass is stopped.
+    pub const ASIDE: usize = 52;
     /// Numbers in a row.
-    pub const WIDTH: usize = 52;
+    pub const WIDTH: usize = 55;
 }
 
 /// Fields of a point of a contact.

@@ -46,7 +46,7 @@
 use super::body::{Solid, arms, inverse_inertias};
 use super::joint::arm_inertia;
 use super::tables::{Tables, global, mass};
-use crate::contacts::{PUSH_OUT, Places, found, pair_field, sense, slot, slot_link};
+use crate::contacts::{PUSH_OUT, Places, Touch, found, pair_field, sense, slot, slot_link};
 use numbers::spatial::Spatial;
 use numbers::{Machine, Pose, Real, SymMat3, Vec3};
 
@@ -505,7 +505,11 @@ pub(crate) fn keep<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
             let [pressed, rx, ry, rz] = k.read(t.touching, s, touching::LAMBDA);
             let lambda = n.fma(pressed, Vec3::new(rx, ry, rz));
             let touch = t.contacts.touch(k, t, s, lambda * rate);
-            t.kept.keep(k, s, touch);
+            // Where it acted, which is not where surfaces met if a centre of mass was stopped.
+            let center = k.vec3(t.saved_pose, k.link(t.touch_links, s, 1), 0);
+            let arm = k.vec3(t.touching, s, touching::ARMS + 3);
+            let position = touch.position + (arm - (touch.position - center));
+            t.kept.keep(k, s, Touch { position, ..touch });
             if t.grips {
                 let torque = k.vec3(t.grip, s, grip::LAMBDA);
                 k.store_vec3(t.gripped, s, 0, torque);

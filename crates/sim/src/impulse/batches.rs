@@ -77,6 +77,10 @@ impl<T: Float> Lanes<T> {
             p.impulse = get(t.point.at(i, point::IMPULSE));
             p.sum = get(t.point.at(i, point::SUM));
         }
+        let aside = [0, 1, 2].map(|i| get(t.manifold.at(0, manifold::ASIDE + i)));
+        if aside != [T::zero(); 3] {
+            contact.acted_aside(aside);
+        }
     }
 }
 
