@@ -79,7 +79,8 @@ pub struct OutputTables {
     /// One row per body of the model: see [`body_acceleration`]; the mean over the last substep where the
     /// solver has no closed form.
     pub body_acceleration: Table<Output, { body_acceleration::WIDTH }>,
-    /// One row per joint of the model: see [`reaction`]. A last row is of no joint.
+    /// One row per joint of the model: see [`reaction`]. A last row is of no joint. Of the last substep; with `impulse` the
+    /// mean over it.
     pub reaction: Table<Output, { reaction::WIDTH }>,
     /// Joint coordinates, the model's order; axes that turn freely are wrapped to (−π, π].
     pub position: Table<Output>,
@@ -89,7 +90,8 @@ pub struct OutputTables {
     pub acceleration: Table<Output>,
     /// One row: see [`total`].
     pub total: Table<Output, { total::WIDTH }>,
-    /// One row for each point of contact that may be: see [`contact`]. Contacts of the last step.
+    /// One row for each point of contact that may be: see [`contact`]. Contacts of the last substep; with `impulse` forces
+    /// are means over it.
     pub contact: Table<Output, { contact::WIDTH }>,
     /// Torque [N·m] against twisting and rolling of each row of contacts, on the shape that the normal points to,
     /// world axes; only where a solver gives such torques.

@@ -107,12 +107,14 @@ impl<T: Float> Outputs<'_, T> {
         self.rows(world, self.tables.acceleration, self.tables.total)
     }
     /// Force [N] and torque [N·m] of a joint on its child, world axes; the torque
-    /// is about the child's joint frame.
+    /// is about the child's joint frame. Where a step has several substeps, of the last one; with `impulse` the mean over
+    /// it.
     pub fn reaction(&self, world: usize, joint: JointId) -> (DVec3, DVec3) {
         let at = |field| self.vec3(world, self.tables.reaction, joint.0, field);
         (at(reaction::FORCE), at(reaction::TORQUE))
     }
-    /// The contacts of the last step, in an order that does not change from step to step.
+    /// The contacts of the last step, in an order that does not change from step to step. Where a step has several
+    /// substeps, of the last one; with `impulse` forces and torques are means over it.
     pub fn contacts(&self, world: usize) -> impl Iterator<Item = Contact> {
         (0..self.tables.contacts).filter_map(move |row| self.contact(world, row))
     }
