@@ -13,4 +13,6 @@ mod joints;
 mod loops;
 mod order;
 mod reactions;
+mod touching;
+mod two_way;
 mod xpbd;
