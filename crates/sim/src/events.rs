@@ -51,7 +51,8 @@ pub enum EventKind {
         /// The shapes; the second one moves.
         shapes: [ShapeId; 2],
     },
-    /// A joint reaches the end of its range, and was within it in the substep before.
+    /// A joint reaches the end of its range, and was within it in the substep before. Joints that close loops take no
+    /// range, as they have no coordinates.
     LimitReached {
         /// Degree of freedom, as in `Outputs::joint_velocity`.
         dof: usize,
