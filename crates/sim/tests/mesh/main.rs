@@ -1,5 +1,6 @@
 //! Triangle meshes as ground: no seams, no holes, and the loads of closed forms.
 
+mod distance_field;
 mod moving;
 mod rectangle;
 
