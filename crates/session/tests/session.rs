@@ -1,7 +1,7 @@
 //! Sessions as a page sees them.
 
 use kinetarium_session::frame::{CONTACT, HEADER};
-use kinetarium_session::protocol::{Command, Geometry, Message, Scene, Status};
+use kinetarium_session::protocol::{Command, Geometry, Message, Scene, Status, Values};
 use kinetarium_session::{EXAMPLES, Outgoing, Session, Shared, Stage};
 use model::Model;
 use model::examples::{self, Start};
@@ -342,6 +342,39 @@ fn a_control_that_is_set_stays_among_random_ones() {
     page.step(200);
     page.say(r#"{"type": "physics", "values": {"solver": 2}}"#);
     assert_eq!(page.scene().actuators[3].value, 0.75);
+}
+
+/// Every example steps in three worlds, which set off at other velocities, as each of them alone, to the bit.
+#[test]
+fn every_example_steps_in_three_worlds_as_alone() {
+    for example in &EXAMPLES {
+        let stage = example.stage(&Values::new()).unwrap();
+        let run = |speeds: &[f64]| {
+            let stage = Stage {
+                worlds: speeds.len(),
+                perturb: 0.0,
+                wander: 0.0,
+                ..stage.clone()
+            };
+            let mut simulation = stage.simulation().unwrap();
+            let place = simulation.outputs().joint_position(0);
+            for (world, &speed) in speeds.iter().enumerate() {
+                let velocity = vec![speed; stage.model.degrees_of_freedom()];
+                simulation
+                    .set_joint_state(world, &place, &velocity)
+                    .unwrap();
+            }
+            stage.run(&mut simulation, 25).unwrap();
+            assert!(simulation.diverged().is_empty(), "{}", example.name);
+            let outputs = simulation.outputs();
+            let state = |world| [outputs.joint_position(world), outputs.joint_velocity(world)];
+            (0..speeds.len()).map(state).collect::<Vec<_>>()
+        };
+        let speeds = [0.05, 0.1, -0.1];
+        for (together, speed) in run(&speeds).iter().zip(speeds) {
+            assert_eq!(*together, run(&[speed])[0], "{} at {speed}", example.name);
+        }
+    }
 }
 
 #[test]
