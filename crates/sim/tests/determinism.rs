@@ -40,15 +40,25 @@ fn portable() -> Isa {
     "portable".parse().expect("it is on every machine")
 }
 
-/// The same bits in lanes and scalars of these instruction sets, with 1 and 2 threads, in another
-/// lane, and alone.
 fn few_worlds_agree<T: Float>(model: &Model, method: Method, isas: &[Isa]) {
+    few_agree(method, isas, |settings, seed| {
+        run::<T>(model, settings, seed)
+    });
+}
+
+/// The same bits in lanes and scalars of these instruction sets, with 1 and 2 threads, in another
+/// lane, and alone; `run` gives the hashes of worlds with these seeds.
+fn few_agree(
+    method: Method,
+    isas: &[Isa],
+    run: impl Fn(SimulationSettings, &dyn Fn(usize) -> usize) -> Vec<u64>,
+) {
     let with = |isa| SimulationSettings {
         isa: Some(isa),
         ..method.settings(FEW)
     };
     let Some(&first) = isas.first() else { return };
-    let expected = run::<T>(model, with(first), |w| w);
+    let expected = run(with(first), &|w| w);
     for &isa in isas {
         for (threads, scalar) in [(1, false), (2, false), (1, true), (2, true)] {
             let settings = SimulationSettings {
@@ -56,9 +66,9 @@ fn few_worlds_agree<T: Float>(model: &Model, method: Method, isas: &[Isa]) {
                 scalar,
                 ..with(isa)
             };
-            assert_eq!(run::<T>(model, settings, |w| w), expected, "{settings:?}");
+            assert_eq!(run(settings, &|w| w), expected, "{settings:?}");
         }
-        let mut moved = run::<T>(model, with(isa), |w| (w + 5) % FEW);
+        let mut moved = run(with(isa), &|w| (w + 5) % FEW);
         moved.rotate_right(5);
         assert_eq!(moved, expected, "{isa}: in another lane");
         let alone = SimulationSettings {
@@ -66,11 +76,7 @@ fn few_worlds_agree<T: Float>(model: &Model, method: Method, isas: &[Isa]) {
             ..with(isa)
         };
         for seed in [0, 7, 16] {
-            assert_eq!(
-                run::<T>(model, alone, |_| seed),
-                [expected[seed]],
-                "{isa}: alone"
-            );
+            assert_eq!(run(alone, &|_| seed), [expected[seed]], "{isa}: alone");
         }
     }
 }
@@ -104,6 +110,147 @@ fn a_heap_moves_alike_everywhere() {
         few_worlds_agree::<f32>(&method.heap(), method, &fused());
         few_worlds_agree::<f64>(&method.heap(), method, &fused());
     }
+}
+
+/// What floats freely starts lower along an axis [m].
+fn lowered(model: Model, axis: usize, by: f64) -> Model {
+    let mut parts = model.into_parts();
+    let free = |joint: &&mut model::Joint| joint.kind == model::JointKind::Free;
+    for joint in parts.joints.iter_mut().filter(free) {
+        joint.initial[axis] -= by;
+    }
+    Model::new(parts).unwrap()
+}
+
+/// A person of 21 motors, lying a little above the ground, arms and legs at their sides.
+fn humanoid() -> Model {
+    let (name, text) = (
+        "humanoid.xml",
+        include_str!("../../session/models/humanoid.xml"),
+    );
+    let files = formats::InMemory::new([(name, text)]);
+    let options = formats::Options::default();
+    let model = formats::parse(text, name, &files, &options).unwrap().model;
+    let mut parts = lowered(model, 2, 1.12).into_parts();
+    parts.joints[0].initial[3..].copy_from_slice(&[0.0, 0.6, 0.0, 0.8]);
+    Model::new(parts).unwrap()
+}
+
+/// Rounds of [`struggle`], and the steps of each.
+const ROUNDS: usize = 40;
+const HOLD: usize = 10;
+
+/// Worlds of robots, which lie in other poses; with other random controls in each round.
+struct Struggle<'a, T: Float> {
+    simulation: Simulation<T>,
+    seed: &'a dyn Fn(usize) -> usize,
+}
+
+impl<'a, T: Float> Struggle<'a, T> {
+    fn new(model: &Model, settings: SimulationSettings, seed: &'a dyn Fn(usize) -> usize) -> Self {
+        Self {
+            simulation: scattered(model, settings, seed),
+            seed,
+        }
+    }
+    fn go(&mut self, rounds: std::ops::Range<usize>) {
+        let actuators = self.simulation.model().actuators.len();
+        for round in rounds {
+            for world in 0..self.simulation.worlds() {
+                let seed = (self.seed)(world) * ROUNDS + round;
+                let mut random = fastrand::Rng::with_seed(seed as u64);
+                let control: Vec<_> = (0..actuators).map(|_| 2.0 * random.f64() - 1.0).collect();
+                let mut controls = self.simulation.controls();
+                controls.set_control(world, &control).unwrap();
+            }
+            let lost = self.simulation.step(HOLD);
+            assert!(lost.is_empty(), "{lost:?}");
+        }
+    }
+    /// In how many worlds the robot presses on the ground, and in how many on itself or another.
+    fn pressing(&mut self) -> [usize; 2] {
+        let model = self.simulation.model().clone();
+        let worlds = 0..self.simulation.worlds();
+        let outputs = self.simulation.outputs();
+        [false, true].map(|itself| {
+            let moves = |shape: model::ShapeId| model.shapes[shape.0].body.is_some();
+            let presses = |world: &usize| {
+                outputs.contacts(*world).any(|c| {
+                    c.force != glam::DVec3::ZERO && c.shapes.into_iter().all(moves) == itself
+                })
+            };
+            worlds.clone().filter(presses).count()
+        })
+    }
+}
+
+/// Hashes of worlds of robots that struggle on the ground, most of which press on it half way; from a snapshot taken
+/// there they go on alike.
+fn struggle<T: Float>(
+    model: &Model,
+    settings: SimulationSettings,
+    seed: &dyn Fn(usize) -> usize,
+) -> Vec<u64> {
+    let mut run = Struggle::<T>::new(model, settings, seed);
+    run.go(0..ROUNDS / 2);
+    let [ground, itself] = run.pressing();
+    // Somebody may just be tossing about.
+    let all = settings.worlds;
+    assert!(
+        all == 1 || 3 * ground >= 2 * all,
+        "{ground} of {settings:?}"
+    );
+    assert!(all < FEW || itself > 0, "of {settings:?}");
+    let snapshot = run.simulation.snapshot();
+    run.go(ROUNDS / 2..ROUNDS);
+    let first = hashes(&mut run.simulation);
+    run.simulation.restore(&snapshot).unwrap();
+    run.go(ROUNDS / 2..ROUNDS);
+    assert_eq!(hashes(&mut run.simulation), first, "from a snapshot");
+    first
+}
+
+fn robots_agree<T: Float>(model: &Model, method: Method, isas: &[Isa]) {
+    few_agree(method, isas, |settings, seed| {
+        struggle::<T>(model, settings, seed)
+    });
+}
+
+/// On the ground, with contacts with itself, and motors under random controls.
+#[test]
+fn a_humanoid_struggles_alike_everywhere() {
+    for method in [Method::Touching, Method::TouchingXpbd] {
+        robots_agree::<f32>(&humanoid(), method, &fused());
+        robots_agree::<f64>(&humanoid(), method, &fused());
+        robots_agree::<f32>(&humanoid(), method, &[portable()]);
+    }
+}
+
+/// In 256 worlds as in 17, the other way round and shared by threads.
+#[test]
+fn humanoids_struggle_alike_among_hundreds() {
+    const WORLDS: usize = 256;
+    for method in [Method::Touching, Method::TouchingXpbd] {
+        let model = humanoid();
+        let few = struggle::<f32>(&model, method.settings(FEW), &|w| w);
+        let settings = SimulationSettings {
+            threads: 2,
+            ..method.settings(WORLDS)
+        };
+        let mut many = struggle::<f32>(&model, settings, &|w| WORLDS - 1 - w);
+        many.reverse();
+        assert_eq!(many[..FEW], few, "{method:?}");
+    }
+}
+
+/// Limp people, in as many worlds as you like.
+#[test]
+fn people_fall_alike_in_many_worlds() {
+    let people = model::examples::ragdolls(2).unwrap();
+    let people = lowered(people, 1, 0.8);
+    robots_agree::<f32>(&people, Method::Impulse, &fused());
+    let first = fused().first().copied();
+    robots_agree::<f64>(&people, Method::Impulse, first.as_slice());
 }
 
 /// A wall of boxes that leans and falls, so large that threads share it, and then a snapshot of it.
@@ -332,19 +479,34 @@ fn a_reset_world_starts_again_and_disturbs_no_other() {
 
 /// One hash of a few worlds for each precision, f32 and f64.
 fn golden(model: &Model, method: Method) -> [u64; 2] {
-    let all = |hashes: Vec<u64>| {
-        hashes
-            .into_iter()
-            .fold(0, |sum: u64, h| sum.rotate_left(5) ^ h)
-    };
-    let settings = SimulationSettings {
-        isa: Some(Isa::detect()),
-        ..method.settings(3)
-    };
+    let settings = three(method);
     [
         all(run::<f32>(model, settings, |w| w)),
         all(run::<f64>(model, settings, |w| w)),
     ]
+}
+
+/// The same of robots that struggle.
+fn golden_struggle(model: &Model, method: Method) -> [u64; 2] {
+    let settings = three(method);
+    [
+        all(struggle::<f32>(model, settings, &|w| w)),
+        all(struggle::<f64>(model, settings, &|w| w)),
+    ]
+}
+
+/// One hash of several.
+fn all(hashes: Vec<u64>) -> u64 {
+    let mixed = |sum: u64, hash: u64| sum.rotate_left(5) ^ hash;
+    hashes.into_iter().fold(0, mixed)
+}
+
+/// Three worlds.
+fn three(method: Method) -> SimulationSettings {
+    SimulationSettings {
+        isa: Some(Isa::detect()),
+        ..method.settings(3)
+    }
 }
 
 /// A change of any bit is noticed here. Where it was meant, replace the numbers by those that
@@ -362,6 +524,9 @@ fn trajectories_have_the_recorded_bits() {
     assert_eq!(found, GOLDEN, "found:\n{found:#018x?}");
     let found = TOUCHING.map(|method| golden(&method.heap(), method));
     assert_eq!(found, GOLDEN_HEAP, "found:\n{found:#018x?}");
+    let found =
+        [Method::Touching, Method::TouchingXpbd].map(|method| golden_struggle(&humanoid(), method));
+    assert_eq!(found, GOLDEN_HUMANOID, "found:\n{found:#018x?}");
 }
 
 /// For the mixed tree and the chain: of each method, f32 and f64.
@@ -389,4 +554,11 @@ const GOLDEN_HEAP: [[u64; 2]; 3] = [
     [0x697b_4f76_23dd_2013, 0x3b71_5444_956c_44f4],
     [0x2df2_9a7d_bf1d_86a4, 0x0ead_d107_4a9a_0624],
     [0xc1f9_7fdf_8996_dedf, 0x54fe_7965_e3b1_f949],
+];
+
+/// For the humanoid that struggles on the ground, by `featherstone` and by `xpbd`, f32 and f64.
+#[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
+const GOLDEN_HUMANOID: [[u64; 2]; 2] = [
+    [0xefc1_74d0_d350_fa4f, 0x4947_29a1_705f_e6d9],
+    [0x89fe_2397_dc0b_0ceb, 0x3832_fa0f_b0d8_c3de],
 ];
