@@ -453,7 +453,8 @@ def test_contact_pairs_of_builders():
     before = copy.copy(world)
     assert (world.shape_row(ball.shape(1)), world.shape_row(wall)) == (1, 3)
     assert ball.shape() == copy.deepcopy(ball).shape(0) and len({floor, copy.copy(floor), wall}) == 2
-    assert repr(wall) == '<ShapeHandle 1 of object "room">' and repr(ball.shape(1)) == '<ShapeHandle 1 of body "ball">'
+    assert repr(wall) == '<ShapeHandle 1 of object "room">'
+    assert repr(ball.shape(1)) == '<ShapeHandle 1 of body "ball">'
     theirs = kn.Builder("theirs").object("o").body("b", kn.Geometry.sphere(0.1))
     for refuse, message in [
         (lambda: world.contact_pair(theirs.shape(), floor), "no shape of this builder has this handle"),
