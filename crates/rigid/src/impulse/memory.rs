@@ -230,7 +230,7 @@ impl<T: Float> Cached<T> {
             let points = self.points[..self.count].iter_mut();
             let nearest = points.min_by(|a, b| a.distance(old).total_cmp(&b.distance(old)));
             if let Some(point) = nearest {
-                point.sum = point.sum + old.sum;
+                point.sum += old.sum;
             }
         }
         self.drag_sum = [T::zero(); 3];
