@@ -1,6 +1,6 @@
 //! The shapes and pairs of a model as flat tables.
 
-use super::plan::ContactPlan;
+use super::plan::{ContactPlan, Sight};
 use crate::SolverError;
 use crate::lists::Lists;
 use crate::tables::{Filler, UNBOUNDED};
@@ -221,14 +221,25 @@ pub(crate) fn thickness(geometry: &Geometry) -> f64 {
     }
 }
 
-/// The way [m] on which two shapes get through each other, which are as [thin](thickness), and are meshes or not: half of
-/// what both are thin. Of that a mesh has nothing, as it is a surface; of two, the smaller box about one counts.
-pub(crate) fn way_through(shapes: [(f64, bool); 2]) -> f64 {
-    match shapes {
-        [(a, false), (b, false)] => a + b,
-        [(_, true), (b, false)] => b,
-        [(a, false), (_, true)] => a,
-        [(a, true), (b, true)] => a.min(b),
+/// What [`way_through`] asks of a shape.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Thin {
+    /// See [`thickness`].
+    pub half: f64,
+    /// Radius [m] of the ball that holds it.
+    pub radius: f64,
+    pub mesh: bool,
+}
+
+/// The way [m] on which two shapes get through each other: half of what both are thin. Of that a mesh has nothing, as it
+/// is a surface; of two, the smaller one has what the box about it has.
+pub(crate) fn way_through([a, b]: [Thin; 2]) -> f64 {
+    match [a.mesh, b.mesh] {
+        [false, false] => a.half + b.half,
+        [true, false] => b.half,
+        [false, true] => a.half,
+        [true, true] if a.radius < b.radius => a.half,
+        [true, true] => b.half,
     }
 }
 
@@ -335,12 +346,16 @@ impl ContactTables {
             &mut f.parameters,
             &mut f.links,
         );
-        let solids = plan
-            .sights
-            .iter()
-            .map(|s| &model.shapes[s.shape.0].geometry);
-        let solids = solids.map(|g| (thickness(g), matches!(g, Geometry::Mesh(_))));
-        let solids = Vec::from_iter(solids);
+        let thin = |sight: &Sight| {
+            let geometry = &model.shapes[sight.shape.0].geometry;
+            let half = geometry.half_extents().unwrap_or(DVec3::INFINITY);
+            Thin {
+                half: thickness(geometry),
+                radius: half.length(),
+                mesh: matches!(geometry, Geometry::Mesh(_)),
+            }
+        };
+        let thin = Vec::from_iter(plan.sights.iter().map(thin));
         for (row, pair) in plan.pairs.iter().enumerate() {
             f.link(self.pair_links, row, pair_link::A, pair.rows[0]);
             f.link(self.pair_links, row, pair_link::B, pair.rows[1]);
@@ -356,7 +371,7 @@ impl ContactTables {
             let shapes = pair.shapes.map(|s| &model.shapes[s.0]);
             let (stiffness, damping) = material.softness.spring(pair.mass);
             let added = material.softness.added_mass(pair.mass);
-            let way = way_through(pair.rows.map(|row| solids[row]));
+            let way = way_through(pair.rows.map(|row| thin[row]));
             let fastest = fastest(way, [stiffness, damping, pair.mass + added]);
             let numbers = [
                 material.friction,

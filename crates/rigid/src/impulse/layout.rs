@@ -4,7 +4,7 @@ use super::joint::{Ties, inner_frames, is_bare};
 use super::pair::solid;
 use super::tables::{POINTS, global, mass};
 use super::{memory, surface};
-use crate::contacts::tables::{Solid, thickness, way_through};
+use crate::contacts::tables::{Solid, Thin, thickness, way_through};
 use crate::contacts::{Corners, PUSH_OUT};
 use crate::input::InputTables;
 use crate::output::body;
@@ -467,9 +467,12 @@ impl Impulse {
     /// The way [m] on which two colliding shapes get through each other.
     pub fn way_through<T: Float>(&self, shapes: [u32; 2], parameters: &[T]) -> T {
         let solids = shapes.map(|s| {
-            let thickness = self.solid_of(s as usize, parameters)[solid::THICKNESS];
-            let mesh = self.shapes[s as usize].kind == kind::MESH;
-            (thickness.to_f64(), mesh)
+            let solid = self.solid_of(s as usize, parameters);
+            Thin {
+                half: solid[solid::THICKNESS].to_f64(),
+                radius: solid[solid::RADIUS].to_f64(),
+                mesh: self.shapes[s as usize].kind == kind::MESH,
+            }
         });
         T::from_f64(way_through(solids))
     }
