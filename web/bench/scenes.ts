@@ -1,6 +1,6 @@
 /** Scenes made up for measuring the page without an engine: what is drawn is real, what moves it is not. */
 
-import type { Body, Geometry, Joint, Scene, Shape } from "../src/protocol";
+import type { Body, Dof, Geometry, Joint, Scene, Shape } from "../src/protocol";
 import type { Quadruple, Triple } from "../src/schema";
 import { type Contents, writeFrame } from "../tests/frames";
 
@@ -41,6 +41,7 @@ function emptyScene(name: string, id: number): Scene {
       { label: "Sine", unit: "m", group: "body" },
       { label: "Cosine", unit: "m", group: "body" },
     ],
+    unlisted: null,
     plots: [0, 1],
     shown: [0],
     spacing: 2,
@@ -84,6 +85,17 @@ for (const side of [-1, 1]) {
   );
 }
 
+const SLIDERS: Dof["drive"] = (["position", "stiffness", "velocity", "damping"] as const).map((name) => ({
+  name,
+  label: name,
+  unit: "",
+  help: "",
+  min: 0,
+  max: 100,
+  logarithmic: false,
+  strict: false,
+}));
+
 /** Figures of fifteen bodies that sway, in so many worlds. */
 export function humanoids(worlds: number): Synthetic {
   const scene = emptyScene("humanoids", 1);
@@ -98,7 +110,7 @@ export function humanoids(worlds: number): Synthetic {
   scene.shapes.push(...FIGURE.map(([, , geometry], row) => shape(row, geometry, [0, 0, 0])));
   scene.joints = FIGURE.map(([name], row): Joint => {
     const frame = { position: [0, 0, 0] as Triple, orientation: HERE };
-    const drive = { position: 0, stiffness: 100, velocity: 0, damping: 5, sliders: row < 5 };
+    const drive = { position: 0, stiffness: 100, velocity: 0, damping: 5, sliders: row < 5, drive: SLIDERS };
     return {
       name,
       kind: "revolute",

@@ -130,6 +130,21 @@ const shape = object({
 });
 export type Shape = Checked<typeof shape>;
 
+const slider = <const N extends string>(...names: N[]) =>
+  object({
+    name: oneOf(...names),
+    label: text,
+    unit: text,
+    help: text,
+    min: number,
+    max: number,
+    logarithmic: flag,
+    strict: flag,
+  });
+const drive = slider("position", "stiffness", "velocity", "damping");
+/** What a slider sets, and how far it goes. */
+export type Slider = Checked<typeof drive> | Checked<typeof control>;
+
 const dof = object({
   name: text,
   dof: count,
@@ -142,6 +157,7 @@ const dof = object({
   velocity: number,
   damping: number,
   sliders: flag,
+  drive: array(drive),
 });
 /** A degree of freedom. */
 export type Dof = Checked<typeof dof>;
@@ -159,7 +175,8 @@ const joint = object({
 });
 export type Joint = Checked<typeof joint>;
 
-const actuator = object({ name: text, range: pair, value: number });
+const control = slider("value");
+const actuator = object({ name: text, value: number, slider: control });
 
 const camera = object({
   name: text,
@@ -193,6 +210,7 @@ const scene = {
   actuators: array(actuator),
   cameras: array(camera),
   quantities: array(quantity),
+  unlisted: nullable(text),
   plots: array(count),
   shown: array(count),
   spacing: number,

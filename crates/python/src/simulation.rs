@@ -729,9 +729,9 @@ fn exists(world: usize, count: usize) -> Result<(), SimulationError> {
 
 fn other_precision(what: &'static str) -> SimulationError {
     SimulationError::Setting {
-        what,
+        what: what.into(),
         value: "of another precision".into(),
-        remedy: "an array of the simulation's dtype",
+        remedy: "an array of the simulation's dtype".into(),
     }
 }
 

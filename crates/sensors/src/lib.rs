@@ -39,7 +39,6 @@
 
 mod check;
 mod clock;
-mod effort;
 mod error;
 mod from_model;
 mod images;

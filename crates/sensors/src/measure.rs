@@ -1,11 +1,10 @@
 //! Sensors of joints, bodies and contacts, in one world.
 
-use crate::effort::{actuator_force, effort};
 use crate::sensor::SensorKind;
 use glam::{DQuat, DVec3};
 use model::{Axes, BodyId, BodyKind, JointId, Mount, Pose};
 use numbers::Float;
-use sim::{Outputs, Simulation};
+use sim::{Effort, Outputs, Simulation};
 
 /// A world as it is now.
 #[derive(Clone, Copy)]
@@ -32,7 +31,14 @@ impl<T: Float> Writer<'_, T> {
     }
 }
 
-impl<T: Float> Look<'_, T> {
+impl<'a, T: Float> Look<'a, T> {
+    fn effort(&self) -> Effort<'a, T> {
+        Effort {
+            simulation: self.simulation,
+            outputs: self.outputs,
+            world: self.world,
+        }
+    }
     /// Fills `numbers` with what a sensor of joints, bodies or contacts measures; contacts of its body
     /// stand in `rows`.
     pub fn measure(&self, kind: &SensorKind, rows: &[usize], numbers: &mut [T]) {
@@ -49,11 +55,11 @@ impl<T: Float> Look<'_, T> {
             }
             SensorKind::JointEffort { joints } => {
                 for &joint in joints {
-                    effort(self, joint, |force| out.number(force));
+                    self.effort().of_joint(joint, |force| out.number(force));
                 }
             }
             SensorKind::ActuatorForce { actuators } => {
-                let forces = actuators.iter().map(|&row| actuator_force(self, row));
+                let forces = actuators.iter().map(|&row| self.effort().of_actuator(row));
                 forces.for_each(|force| out.number(force));
             }
             SensorKind::Imu { mount } => self.imu(mount, &mut out),

@@ -1,6 +1,7 @@
 //! What a page is told of a model.
 
 use crate::protocol::{Actuator, Body, Camera, Dof, Geometry, Joint, Placement, Shape};
+use crate::sliders;
 use glam::DVec3;
 use model::{BodyId, BodyKind, JointId, JointKind, MassProperties, Model, Pose, default_color};
 
@@ -109,12 +110,17 @@ fn mesh(vertices: &[DVec3], triangles: &[[u32; 3]], flat: bool) -> Geometry {
 }
 
 /// Joints of a model, with the target positions and velocities of their degrees of freedom. `sliders` names
-/// those whose drives have sliders.
-pub(crate) fn joints(model: &Model, targets: &[[f64; 2]], sliders: &[String]) -> Vec<Joint> {
+/// those whose drives have sliders at first, and `gains` says whether these set stiffness and damping, too.
+pub(crate) fn joints(
+    model: &Model,
+    targets: &[[f64; 2]],
+    sliders: &[String],
+    gains: bool,
+) -> Vec<Joint> {
     let joint = |(i, joint): (usize, &model::Joint)| {
         let coordinates = model.coordinate_range(JointId(i));
         let rows = model.dof_range(JointId(i));
-        let sliders = sliders.contains(&joint.name);
+        let at_first = sliders.contains(&joint.name);
         let dof = |(k, dof): (usize, &model::Dof)| {
             let (angular, axis, point) = axis(joint, k);
             let [position, velocity] = targets[rows.start + k];
@@ -129,7 +135,11 @@ pub(crate) fn joints(model: &Model, targets: &[[f64; 2]], sliders: &[String]) ->
                 stiffness: dof.drive.stiffness,
                 velocity,
                 damping: dof.drive.damping,
-                sliders,
+                sliders: at_first,
+                drive: match joint.kind {
+                    JointKind::Free => Vec::new(),
+                    _ => sliders::of_drive(dof, angular, gains),
+                },
             }
         };
         let dofs = if joint.closes_loop {
@@ -169,25 +179,14 @@ pub(crate) fn axis(joint: &model::Joint, dof: usize) -> (bool, DVec3, DVec3) {
     }
 }
 
-/// Range of the controls of an actuator that names none.
-const FREE_RANGE: (f64, f64) = (-1.0, 1.0);
-
 /// Actuators, in the model's order, at their controls.
 pub(crate) fn actuators(model: &Model, controls: &[f64]) -> Vec<Actuator> {
-    let actuator = |(actuator, &value): (&model::Actuator, &f64)| {
-        let (lower, upper) = control_range(actuator);
-        Actuator {
-            name: actuator.name.clone(),
-            range: [lower, upper],
-            value,
-        }
+    let actuator = |(actuator, &value): (&model::Actuator, &f64)| Actuator {
+        name: actuator.name.clone(),
+        value,
+        slider: sliders::of_actuator(model, actuator),
     };
     model.actuators.iter().zip(controls).map(actuator).collect()
-}
-
-/// Range of an actuator's controls.
-pub(crate) fn control_range(actuator: &model::Actuator) -> (f64, f64) {
-    actuator.control_range.unwrap_or(FREE_RANGE)
 }
 
 /// Cameras that the model names.

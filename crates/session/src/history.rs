@@ -32,7 +32,7 @@ impl History {
     pub fn new(time_step: f64, bytes: usize) -> Self {
         Self {
             moments: VecDeque::new(),
-            every: ((EVERY / time_step).round() as u64).max(1),
+            every: every(time_step),
             most: (MOST_BYTES / bytes.max(1)).clamp(2, MOST_STATES),
         }
     }
@@ -56,6 +56,13 @@ impl History {
             self.moments.pop_back();
         }
     }
+    /// Counts in other time steps: of `after` where it was of `before` [s].
+    pub fn rescale(&mut self, before: f64, after: f64) {
+        for moment in &mut self.moments {
+            moment.steps = (moment.steps as f64 * before / after).round() as u64;
+        }
+        self.every = every(after);
+    }
     /// The state nearest to `steps`.
     pub fn nearest(&self, steps: u64) -> Option<&Moment> {
         self.moments.iter().min_by_key(|m| m.steps.abs_diff(steps))
@@ -65,4 +72,9 @@ impl History {
         let steps = |moment: Option<&Moment>| moment.map_or(0, |m| m.steps);
         [steps(self.moments.front()), steps(self.moments.back())]
     }
+}
+
+/// Time steps [s] from one recorded state to the next.
+fn every(time_step: f64) -> u64 {
+    ((EVERY / time_step).round() as u64).max(1)
 }

@@ -35,6 +35,7 @@ mod pull;
 mod quantity;
 mod session;
 mod shared;
+mod sliders;
 mod stage;
 mod steering;
 mod wander;

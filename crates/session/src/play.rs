@@ -10,7 +10,7 @@ use crate::hands::Subject;
 use crate::history::{History, Moment};
 use crate::physics::Physics;
 use crate::protocol::{Command, Scene, Values};
-use crate::quantity::{Measure, quantities};
+use crate::quantity::{Measure, quantities, unlisted};
 use crate::stage::Stage;
 use crate::wander::Wander;
 use formats::{Files, Loaded, Meshes, Options};
@@ -210,8 +210,8 @@ impl Play {
         Ok(())
     }
 
-    /// Goes on with other numbers of the model or the settings. The state stays where it fits; where it
-    /// does not, answers false and starts again.
+    /// Goes on with other numbers of the model or the settings. State and recorded past stay where they fit;
+    /// where they do not, answers false and starts again.
     pub fn change<T: Float>(
         &mut self,
         subject: &mut Subject<T>,
@@ -220,17 +220,29 @@ impl Play {
     ) -> Result<bool, SessionError> {
         let model = Model::new(parts.clone())?;
         let mut changed = physics.simulate(model, &self.stage, &subject.card)?;
-        let time = self.time(&subject.simulation);
+        let before = time_step(&subject.simulation);
         let stays = changed.restore(&subject.simulation.try_snapshot()?).is_ok();
         if !stays {
             self.stage.place(&mut changed)?;
         }
         self.aim(&mut changed)?;
-        let steps = (time / time_step(&changed)).round() as u64;
-        let now = changed.try_snapshot()?;
+        let after = time_step(&changed);
+        let anew = if stays {
+            None
+        } else {
+            Some(changed.try_snapshot()?)
+        };
         (subject.simulation, self.parts, self.physics) = (changed, parts, physics);
-        self.steps = if stays { steps } else { 0 };
-        self.begin_history(&subject.simulation, now);
+        match anew {
+            None => {
+                self.steps = (self.steps as f64 * before / after).round() as u64;
+                self.history.rescale(before, after);
+            }
+            Some(start) => {
+                self.steps = 0;
+                self.begin_history(&subject.simulation, start);
+            }
+        }
         Ok(stays)
     }
     /// Goes on on the processor, with the same solver, where a card has failed: from the recorded state nearest
@@ -368,12 +380,14 @@ impl Play {
         plots: &[usize],
         world: usize,
     ) -> Result<Vec<f32>, SimulationError> {
-        let model = simulation.model().clone();
-        let outputs = simulation.try_outputs()?;
-        let values = plots
-            .iter()
-            .map(|&i| self.measures[i].of(&model, &outputs, world) as f32);
-        Ok(values.collect())
+        let measures = plots.iter().map(|&i| self.measures[i]);
+        let measures: Vec<_> = measures.collect();
+        simulation.observe(|simulation, outputs| {
+            let values = measures
+                .iter()
+                .map(|m| m.of(simulation, outputs, world) as f32);
+            values.collect()
+        })
     }
 
     /// What a page is told of it; what the session knows is left open.
@@ -383,6 +397,7 @@ impl Play {
         let numbers = Numbers::of(simulation, world).expect("the worlds shown are there");
         let bounds = describe::bounds(&model);
         let wide = (0..3).map(|i| bounds[1][i] - bounds[0][i]);
+        let gains = self.not_of_program("").is_ok();
         Scene {
             id: 0,
             name: self.name.clone(),
@@ -397,13 +412,14 @@ impl Play {
             solver: simulation.solver().into(),
             isa: simulation.isa().to_string(),
             build: self.build.fields().to_vec(),
-            physics: self.physics.fields().to_vec(),
+            physics: self.physics.fields_of(simulation.solver()),
             bodies: describe::bodies(&model),
             shapes: describe::shapes(&model),
-            joints: describe::joints(&model, &numbers.targets, &self.stage.sliders),
+            joints: describe::joints(&model, &numbers.targets, &self.stage.sliders, gains),
             actuators: describe::actuators(&model, &numbers.control),
             cameras: self.stage.cameras.clone(),
             quantities: quantities(&model).into_iter().map(|(_, q)| q).collect(),
+            unlisted: unlisted(&model),
             plots: self.first_plots().map(|i| i as u32).collect(),
             shown: Vec::new(),
             spacing: (1.25 * wide.fold(0.0, f64::max)).max(0.5),

@@ -92,7 +92,7 @@ pub enum Command {
     Control {
         /// Which actuator.
         actuator: u32,
-        /// Its control, in the actuator's own unit.
+        /// Its control, in the unit of its [`Slider`].
         value: f64,
     },
     /// Draws a point of a body to a point of the world with a damped spring, until released.
@@ -274,6 +274,8 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// What can be plotted.
     pub quantities: Vec<Quantity>,
+    /// What is left out of them, in a sentence, if anything is.
+    pub unlisted: Option<String>,
     /// The rows of `quantities` that the example plots at first.
     pub plots: Vec<u32>,
     /// Worlds shown at first.
@@ -434,8 +436,31 @@ pub struct Dof {
     pub velocity: f64,
     /// Damping of the drive now [N·s/m or N·m·s/rad].
     pub damping: f64,
-    /// Whether the example wants sliders for its drive.
+    /// Whether the example wants sliders for its drive at first.
     pub sliders: bool,
+    /// Sliders of its drive, named as the fields of [`Command::Joint`]; none where it cannot have one.
+    pub drive: Vec<Slider>,
+}
+
+/// What a slider sets, and how far it goes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Slider {
+    /// The field of its command.
+    pub name: String,
+    /// Name for people.
+    pub label: String,
+    /// Unit; empty for a bare number.
+    pub unit: String,
+    /// What it does, in a sentence.
+    pub help: String,
+    /// Least.
+    pub min: f64,
+    /// Most.
+    pub max: f64,
+    /// Whether it is better logarithmic.
+    pub logarithmic: bool,
+    /// Whether what is beyond is refused.
+    pub strict: bool,
 }
 
 /// An actuator.
@@ -443,10 +468,10 @@ pub struct Dof {
 pub struct Actuator {
     /// Name.
     pub name: String,
-    /// Least and most control.
-    pub range: [f64; 2],
     /// Control now.
     pub value: f64,
+    /// The slider of its control.
+    pub slider: Slider,
 }
 
 /// A camera that looks along its −z, with +y up.
@@ -471,7 +496,7 @@ pub struct Quantity {
     pub label: String,
     /// Unit.
     pub unit: String,
-    /// What it belongs to: `energy`, `joint`, `body`, `contact`.
+    /// What it belongs to: `energy`, `momentum`, `contact`, `joint`, `body`.
     pub group: String,
 }
 

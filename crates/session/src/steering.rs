@@ -2,7 +2,6 @@
 
 use crate::batch::Batch;
 use crate::card::Card;
-use crate::describe::control_range;
 use crate::error::{SessionError, count, row, within};
 use crate::frame::Frame;
 use crate::gallery::{EXAMPLES, Example};
@@ -24,6 +23,8 @@ const AT_ONCE: f64 = 0.25;
 const ON_CARD: f64 = 0.075;
 /// Largest stiffness and damping of a drive, in SI units.
 const STIFFEST: f64 = 1e9;
+/// Largest control of an actuator that has no range, in its own unit.
+const STRONGEST: f64 = 1e9;
 /// From one frame to the next [s].
 const FRAME: f64 = 1.0 / 60.0;
 /// Share of a program's time that pages may take to see what it does.
@@ -472,8 +473,9 @@ impl Steering {
     ) -> Result<(), SessionError> {
         let model = simulation.model().clone();
         row("actuator", actuator, model.actuators.len())?;
-        let (lower, upper) = control_range(&model.actuators[actuator]);
-        within(&model.actuators[actuator].name, value, lower, upper)?;
+        let own = &model.actuators[actuator];
+        let (lower, upper) = own.control_range.unwrap_or((-STRONGEST, STRONGEST));
+        within(&own.name, value, lower, upper)?;
         self.play.control[actuator] = Some(value);
         Ok(self.play.aim_actuator(simulation, actuator)?)
     }

@@ -1,6 +1,6 @@
 //! Random controls of actuators.
 
-use crate::describe::control_range;
+use crate::sliders::control_range;
 use fastrand::Rng;
 use numbers::Float;
 use sim::{Simulation, SimulationError};
@@ -50,7 +50,7 @@ impl Wander {
         let model = simulation.model().clone();
         for world in 0..simulation.worlds() {
             let control = |(actuator, set): (&model::Actuator, &Option<f64>)| {
-                let (lower, upper) = control_range(actuator);
+                let (lower, upper) = control_range(&model, actuator);
                 let (middle, half) = (0.5 * (lower + upper), 0.5 * (upper - lower));
                 let drawn = middle + self.size * half * (2.0 * self.rng.f64() - 1.0);
                 set.unwrap_or(drawn)

@@ -239,6 +239,38 @@ fn scrubbing_returns_to_the_past_to_the_bit_and_runs_on_from_there() {
     assert_eq!(page.session.frame().poses, end);
 }
 
+/// The past stays where another simulation takes its states: counted in its own time steps.
+#[test]
+fn what_is_recorded_outlives_another_stiffness_gravity_and_time_step() {
+    let mut page = Page::open("prismatic");
+    let h = page.scene().time_step;
+    let every = (1.0 / 30.0 / h).round() as u32;
+    page.step(20 * every);
+    let then = page.session.frame().poses;
+    let time = page.status().time;
+    page.step(20 * every);
+    let recorded = page.status().recorded;
+    for command in [
+        r#"{"type": "joint", "dof": 0, "stiffness": 500, "damping": 60}"#.to_owned(),
+        r#"{"type": "physics", "values": {"gravity": 1.62}}"#.to_owned(),
+        format!(
+            r#"{{"type": "physics", "values": {{"time_step": {}}}}}"#,
+            0.5 * h
+        ),
+    ] {
+        page.say(&command);
+        assert_eq!(page.status().recorded, recorded, "{command}");
+    }
+    assert_eq!(page.status().steps, u64::from(80 * every));
+    page.say(&format!(r#"{{"type": "scrub", "time": {time}}}"#));
+    assert_eq!(page.session.frame().poses, then);
+    page.step(100);
+    assert!(page.status().recorded[1] < recorded[1]);
+    // Another solver has other states.
+    page.say(r#"{"type": "physics", "values": {"solver": 2}}"#);
+    assert_eq!(page.status().recorded, [0.0, 0.0]);
+}
+
 #[test]
 fn a_target_is_followed_and_stiffness_changes_without_a_jump() {
     let mut page = Page::open("prismatic");
@@ -377,6 +409,30 @@ fn every_example_steps_in_three_worlds_as_alone() {
     }
 }
 
+/// A cart with a motor that names no range, and one that names one.
+const MOTORS: &str = r#"<mujoco model="cart"><worldbody><body name="cart" pos="0 0 1">
+  <joint name="x" type="slide" axis="1 0 0"/><geom type="box" size=".1 .1 .1"/></body></worldbody>
+  <actuator><motor name="free" joint="x"/><motor name="held" joint="x" ctrlrange="-2 2"/></actuator></mujoco>"#;
+
+#[test]
+fn a_control_goes_as_far_as_its_actuator_takes_it() {
+    let mut page = Page::open("tower");
+    page.say(&file("cart.xml", MOTORS));
+    let [free, held] = [0, 1].map(|i| &page.scene().actuators[i].slider);
+    assert_eq!((free.unit.as_str(), free.strict), ("N", false));
+    assert_eq!((held.min, held.max, held.strict), (-2.0, 2.0, true));
+    page.refuses(
+        r#"{"type": "control", "actuator": 1, "value": 2.5}"#,
+        "from -2 to 2",
+    );
+    page.say(r#"{"type": "control", "actuator": 0, "value": 80}"#);
+    assert!(page.errors.is_empty(), "{:?}", page.errors);
+    // It weighs 8 kg: 80 N for a second are 5 m.
+    page.step(500);
+    let way = page.position(0)[0];
+    assert!((way - 5.0).abs() < 0.05, "{way}");
+}
+
 #[test]
 fn physics_changes_while_the_state_stays_or_the_scene_begins_anew() {
     let mut page = Page::open("tower");
@@ -392,6 +448,29 @@ fn physics_changes_while_the_state_stays_or_the_scene_begins_anew() {
     );
     let gravity = page.scene().physics.iter().find(|f| f.name == "gravity");
     assert_eq!(gravity.unwrap().value, 1.62);
+}
+
+/// Pendula of `featherstone` are made for Runge–Kutta, which others do not have: the form says so.
+#[test]
+fn the_integrator_of_a_scene_is_told_and_can_be_changed() {
+    let mut page = Page::open("pendula");
+    let told = |page: &Page| {
+        let fields = page.scene().physics.iter();
+        let mut found = fields.filter(|field| field.name == "integrator");
+        found.next().map(|field| field.value)
+    };
+    assert_eq!(told(&page), Some(3.0));
+    page.step(100);
+    let accurate = page.session.frame().poses;
+    page.say(r#"{"type": "restart"}"#);
+    page.say(r#"{"type": "physics", "values": {"integrator": 0}}"#);
+    page.step(100);
+    assert_ne!(page.session.frame().poses, accurate);
+    page.say(r#"{"type": "physics", "values": {"solver": 2}}"#);
+    assert_eq!(told(&page), None);
+    page.say(r#"{"type": "physics", "values": {"solver": 1}}"#);
+    assert_eq!(told(&page), Some(0.0));
+    assert!(page.errors.is_empty(), "{:?}", page.errors);
 }
 
 #[test]

@@ -103,9 +103,9 @@ fn steps(what: &'static str, seconds: f64, time_step: f64) -> Result<usize, Simu
 
 fn setting(what: &'static str, value: f64, remedy: &'static str) -> SimulationError {
     SimulationError::Setting {
-        what,
+        what: what.into(),
         value: value.to_string(),
-        remedy,
+        remedy: remedy.into(),
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::{DeviceError, SnapshotError};
 use numbers::dispatch::IsaError;
 use rigid::SolverError;
+use std::borrow::Cow;
 
 /// Why a simulation cannot be made, or refuses a call. The simulation is as before.
 #[derive(Debug, thiserror::Error)]
@@ -23,11 +24,11 @@ pub enum SimulationError {
     #[error("{what} is {value}: it must be {remedy}")]
     Setting {
         /// Which setting.
-        what: &'static str,
+        what: Cow<'static, str>,
         /// Its value.
         value: String,
         /// What it must be.
-        remedy: &'static str,
+        remedy: Cow<'static, str>,
     },
     /// An index is out of range.
     #[error("{what} {index} does not exist: there are {count}, counted from 0")]

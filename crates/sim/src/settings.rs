@@ -1,6 +1,7 @@
 //! How to simulate.
 
 use crate::SimulationError;
+use crate::setting::SETTINGS;
 use model::{Model, hint};
 use numbers::dispatch::Isa;
 use rigid::impulse::suits;
@@ -124,16 +125,16 @@ impl SimulationSettings {
         let solver = self.solver.pick(model, self.contacts);
         if solver != SolverKind::Featherstone && s.integrator != Integrator::SemiImplicitEuler {
             return Err(SimulationError::Setting {
-                what: "integrator",
+                what: "integrator".into(),
                 value: format!("{} with the solver {}", s.integrator.name(), solver.name()),
-                remedy: "semi_implicit_euler, or the solver featherstone",
+                remedy: "semi_implicit_euler, or the solver featherstone".into(),
             });
         }
-        let refuse = |what, value: f64, remedy| {
+        let refuse = |what: &'static str, value: f64, remedy: &'static str| {
             Err(SimulationError::Setting {
-                what,
+                what: what.into(),
                 value: value.to_string(),
-                remedy,
+                remedy: remedy.into(),
             })
         };
         if self.worlds == 0 || self.worlds > MOST_WORLDS {
@@ -146,47 +147,9 @@ impl SimulationSettings {
                 "at most 1024, or 0 for all processors",
             );
         }
-        if !(1e-9..=1e3).contains(&s.time_step) {
-            return refuse("time step", s.time_step, "from 1e-9 to 1e3, in seconds");
-        }
-        if s.substeps == 0 || s.substeps > 10_000 {
-            return refuse("substeps", s.substeps as f64, "from 1 to 10000");
-        }
-        if s.iterations == 0 || s.iterations > 10_000 {
-            return refuse("iterations", s.iterations as f64, "from 1 to 10000");
-        }
-        if s.contact_passes == 0 {
-            return refuse("contact passes", 0.0, "at least 1");
-        }
         if s.contact_iterations == 0 && solver == SolverKind::Impulse {
             return refuse("contact iterations", 0.0, "at least 1 with `impulse`");
         }
-        if !(0.0..=1e9).contains(&s.sleep_speed) {
-            return refuse("sleep speed", s.sleep_speed, "from 0 to 1e9, in m/s");
-        }
-        if !(s.speed_limit > 0.0 && s.speed_limit <= 1e9) {
-            return refuse("speed limit", s.speed_limit, "above zero and at most 1e9");
-        }
-        if !(s.relaxation > 0.0 && s.relaxation < 2.0) {
-            return refuse("relaxation", s.relaxation, "above 0 and below 2");
-        }
-        if !(0.0..=1e9).contains(&s.angular_damping) {
-            return refuse(
-                "angular damping",
-                s.angular_damping,
-                "from 0 to 1e9, in 1/s",
-            );
-        }
-        if s.displacement_cap.is_nan() || s.displacement_cap <= 0.0 {
-            return refuse(
-                "displacement cap",
-                s.displacement_cap,
-                "above zero, in metres",
-            );
-        }
-        if s.force_cap.is_nan() || s.force_cap <= 0.0 {
-            return refuse("force cap", s.force_cap, "above zero, in newtons");
-        }
-        Ok(())
+        SETTINGS.iter().try_for_each(|setting| setting.check(self))
     }
 }

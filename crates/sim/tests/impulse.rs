@@ -760,7 +760,7 @@ fn settings_without_sense_are_refused() {
     let error = Simulation::<f32>::new(model(), settings)
         .unwrap_err()
         .to_string();
-    assert_eq!(error, "contact passes is 0: it must be at least 1");
+    assert_eq!(error, "contact passes is 0: it must be from 1 to 10000");
     settings.step.contact_passes = 2;
     settings.step.sleep_speed = f64::NAN;
     let error = Simulation::<f32>::new(model(), settings)

@@ -3,6 +3,7 @@ import { History } from "../plots/history";
 import type { Quantity } from "../protocol";
 import { type Session, same } from "../session";
 import { Checkbox, h, Select } from "../ui/dom";
+import { shownIn } from "../ui/units";
 
 /** At most so many quantities are plotted. */
 const MOST = 16;
@@ -20,6 +21,8 @@ export class Plots {
   private readonly chooser = h("div", { class: "chooser", popover: "auto" });
   private readonly history = new History();
   private drawn: Chart[] = [];
+  /** Of each quantity that is plotted: what one of its unit shown is in the engine's. */
+  private factors: number[] = [];
   private window = 10;
   private stale = true;
 
@@ -82,9 +85,17 @@ export class Plots {
     if (frame.time <= last && !frame.running) return;
     const { past, quantities, time } = frame;
     for (let row = 0; row < past.length; row += 1 + quantities.length) {
-      this.history.push(time - past[row], past.subarray(row + 1, row + 1 + quantities.length));
+      this.push(time - past[row], past.subarray(row + 1, row + 1 + quantities.length));
     }
-    this.history.push(time, quantities);
+    this.push(time, quantities);
+  }
+
+  /** Keeps values as they are shown, in degrees where they are angles. */
+  private push(time: number, values: Float32Array): void {
+    this.history.push(
+      time,
+      values.map((value, i) => value / this.factors[i]),
+    );
   }
 
   private choose(quantities: number[]): void {
@@ -95,7 +106,8 @@ export class Plots {
   private arrange(chosen: number[]): void {
     const all = this.session.scene?.quantities ?? [];
     this.history.choose(chosen);
-    const units = Map.groupBy(chosen, (quantity) => all[quantity].unit);
+    this.factors = chosen.map((quantity) => shownIn(all[quantity].unit).factor);
+    const units = Map.groupBy(chosen, (quantity) => shownIn(all[quantity].unit).unit);
     this.drawn = [...units].map(([unit, quantities]) => {
       const lines = quantities.map((quantity) => ({
         quantity,
@@ -128,7 +140,8 @@ export class Plots {
     const boxes: [HTMLElement, string][] = [];
     const sections = [...groups].map(([group, rows]) => {
       const items = rows.map((row) => {
-        const { label, unit } = quantities[row];
+        const { label } = quantities[row];
+        const { unit } = shownIn(quantities[row].unit);
         const box: Checkbox = new Checkbox(unit ? `${label} [${unit}]` : label, "", (on) => {
           if (on && wanted.size >= MOST) box.on = false;
           else if (on) wanted.add(row);
@@ -144,6 +157,8 @@ export class Plots {
     find.addEventListener("input", () => {
       for (const [element, label] of boxes) element.hidden = !label.includes(find.value.toLowerCase());
     });
-    this.chooser.replaceChildren(find, ...sections);
+    const unlisted = this.session.scene?.unlisted;
+    const cut = unlisted ? [h("p", { class: "muted" }, unlisted)] : [];
+    this.chooser.replaceChildren(find, ...cut, ...sections);
   }
 }

@@ -1,4 +1,5 @@
 import { h, identity } from "./dom";
+import { short } from "./format";
 import { fromShare, type Scale, toShare, written } from "./scale";
 
 /** What a {@link NumberControl} is of. */
@@ -47,7 +48,7 @@ export class NumberControl {
     });
     this.element = h(
       "div",
-      { class: "number", "data-help": help },
+      { class: "number", "data-help": `${help} ${ranged(spec, strict)}` },
       h("label", { for: name }, label),
       this.digits,
       h("span", { class: "unit" }, unit),
@@ -85,4 +86,12 @@ export class NumberControl {
     this.told.input?.(value);
     this.told.change?.(value);
   }
+}
+
+/** How far the slider goes, in words. */
+function ranged({ scale, unit }: NumberSpec, strict: boolean): string {
+  const [least, most] = [scale.min, scale.max].map((end) => `${short(end)} ${unit}`.trim());
+  return strict
+    ? `From ${least} to ${most}.`
+    : `The slider goes from ${least} to ${most}; digits may go beyond.`;
 }
