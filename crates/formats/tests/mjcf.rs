@@ -59,6 +59,32 @@ fn unused_things_are_listed_once_with_their_first_line() {
 }
 
 #[test]
+fn one_parallel_light_of_the_world_is_the_sun() {
+    let file = |lights: &str| {
+        read(&format!(
+            "<mujoco>\n<default><light directional=\"true\"/></default><worldbody>{lights}\
+             <body><joint/><geom size=\"1\"/><light dir=\"1 0 0\"/></body></worldbody></mujoco>"
+        ))
+    };
+    let lamp = r#"<light directional="false"/>"#;
+    let slant = r#"<frame euler="0 90 0"><light dir="0 0 -2"/></frame>"#;
+    // A quarter turn about y takes −z to −x.
+    let loaded = file(&[lamp, slant].concat());
+    let sun = loaded.model.sun.unwrap();
+    assert!((sun - DVec3::new(2.0, 0.0, 0.0)).length() < 1e-12, "{sun}");
+    assert_eq!(
+        lines(&loaded.warnings),
+        [
+            "robot.xml:2: <light>: lights: only for seeing; not read",
+            "robot.xml:2: <light>: the sun: only its direction is read",
+        ]
+    );
+    let loaded = file(&["<light/>", slant].concat());
+    assert_eq!((loaded.model.sun, loaded.warnings.len()), (None, 1));
+    assert_eq!(file(r#"<light active="false"/>"#).model.sun, None);
+}
+
+#[test]
 fn lenient_turns_missing_physics_into_warnings() {
     let loaded = lenient(
         r#"<mujoco>

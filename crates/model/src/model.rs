@@ -71,6 +71,8 @@ pub struct Parts {
     pub keyframes: Vec<Keyframe>,
     /// Cameras with names.
     pub cameras: Vec<Camera>,
+    /// Direction to the sun, world axes, of any length but zero; `None`: nobody says.
+    pub sun: Option<DVec3>,
     /// Number of worlds the author asks for.
     pub worlds: usize,
 }
@@ -93,6 +95,7 @@ impl Default for Parts {
             sensors: Vec::new(),
             keyframes: Vec::new(),
             cameras: Vec::new(),
+            sun: None,
             worlds: 1,
         }
     }

@@ -83,6 +83,10 @@ fn settings() {
             "model \"machine\": time step [s] is 0; it must be above zero",
         ),
         (
+            |p| p.sun = Some(DVec3::ZERO),
+            "model \"machine\": length of the direction to the sun is 0; it must be above zero",
+        ),
+        (
             |p| p.time_step = -1e-3,
             "model \"machine\": time step [s] is -0.001; it must be above zero",
         ),

@@ -6,6 +6,7 @@ use super::content::{self, Content};
 use super::geom::{Geom, Weight};
 use super::inertial;
 use super::joint;
+use super::light;
 use super::orientation::pose;
 use super::tree::Tree;
 use crate::error::FormatError;
@@ -182,7 +183,7 @@ fn read_others(
                 }
             }
             "camera" => camera::read(content, body, tree, context, report)?,
-            "light" => report.note(element, "lights", "only for seeing; not read"),
+            "light" => light::read(content, body, tree, context)?,
             name if GENERATORS.contains(&name) => {
                 let remedy = "load the file with MuJoCo and save it: that writes it out";
                 report.refuse(element, &format!("<{name}>"), remedy)?;

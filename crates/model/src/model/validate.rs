@@ -83,6 +83,9 @@ fn settings(parts: &Parts) -> Result<(), ModelError> {
     };
     subject.positive("time step [s]", parts.time_step)?;
     subject.all_finite("gravity [m/s²]", &parts.gravity.to_array())?;
+    if let Some(sun) = parts.sun {
+        subject.positive("length of the direction to the sun", sun.length())?;
+    }
     if parts.worlds == 0 {
         return Err(ModelError::NoWorlds);
     }
