@@ -10,6 +10,7 @@ const API = { link: "/api/kinetarium/index.html", target: "_self" };
 
 const guide: DefaultTheme.SidebarItem[] = [
   { text: "First picture", link: "/guide/first-picture" },
+  { text: "The page", link: "/guide/page" },
   { text: "Python", link: "/guide/python" },
   { text: "A robot file", link: "/guide/robot-file" },
   { text: "Thousands of worlds", link: "/guide/worlds" },
