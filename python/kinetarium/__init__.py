@@ -35,7 +35,7 @@ from kinetarium._engine import (
     parse,
 )
 from kinetarium.arrays import NamedArray
-from kinetarium.cameras import Camera, Images
+from kinetarium.cameras import Camera, Images, Light
 from kinetarium.dynamics import Bodies, Dynamics
 from kinetarium.errors import KinetariumError
 from kinetarium.simulation import Contacts, Event, Linearization, RayHits, Simulation
@@ -61,6 +61,7 @@ __all__ = [
     "Images",
     "Joint",
     "KinetariumError",
+    "Light",
     "Limit",
     "Linearization",
     "Material",

@@ -995,7 +995,7 @@ class Measurement:
         model: Model, place: Place, azimuths: list[float], elevations: list[float], max_range: float
     ) -> Measurement: ...
     @staticmethod
-    def camera(view: View, rgb_noise: float, depth_noise: float) -> Measurement: ...
+    def camera(view: View, rgb_noise: float, depth_noise: float, device: str) -> Measurement: ...
 
 @final
 class Disturbance:
@@ -1051,9 +1051,13 @@ class View:
         channels: list[str],
         samples: int,
         occlusion: int,
+        light: Any,
+        checker: float | None,
     ) -> Self: ...
 
-def render_view(engine: Engine, model: Model, view: View, worlds: NDArray[np.int64]) -> dict[str, NDArray[Any]]:
+def render_view(
+    engine: Engine, model: Model, view: View, worlds: NDArray[np.int64], device: str
+) -> dict[str, NDArray[Any]]:
     """What a camera sees in some worlds, by channel."""
 
 def framing(

@@ -19,6 +19,41 @@ _VECTORS = {"focal": 2, "principal": 2, "position": 3, "orientation": 4}
 
 
 @dataclass(frozen=True)
+class Light:
+    """A sun and a sky, for `Camera.light`; what is `None` is as the model has it, which is a sunny day. Colours are
+    red, green and blue in linear light, not sRGB: 1 is as bright as a white sheet can be drawn.
+
+    >>> import kinetarium as kn
+    >>> evening = kn.Light(to_sun=(-1, 0.3, 0), sun=(0.8, 0.5, 0.2))
+    >>> noon = kn.Light(to_sun=(0, 1, 0), shadows=False)
+    """
+
+    to_sun: Vector | None = None
+    """Direction to the sun, world axes; of any length but zero."""
+    sun: Vector | None = None
+    """What the sun adds to a white sheet that faces it; zeros are no sun."""
+    shadows: bool | None = None
+    """Whether what is behind something else, as the sun sees it, is in its shadow."""
+    sun_radius: float | None = None
+    """Angle [rad] from the middle of the sun to its edge, which makes the edges of shadows soft where there are
+    several samples a pixel; 0 to ½."""
+    sky: Vector | None = None
+    """What the sky adds to a white sheet that faces up."""
+    ground: Vector | None = None
+    """What the ground adds to a white sheet that faces down."""
+    zenith: Vector | None = None
+    """Colour straight above, where nothing is."""
+    horizon: Vector | None = None
+    """Colour of the horizon, and where endless planes end."""
+
+    def __post_init__(self) -> None:
+        for what in ("to_sun", "sun", "sky", "ground", "zenith", "horizon"):
+            numbers = getattr(self, what)
+            if numbers is not None and np.shape(numbers) != (3,):
+                raise RenderError(f"the light's {what} is {numbers!r}: give 3 numbers")
+
+
+@dataclass(frozen=True)
 class Camera:
     """A pinhole camera, free or on a body. It looks along −z of its frame, y is up in the image. Raises `RenderError`
     for what cannot be.
@@ -59,6 +94,10 @@ class Camera:
     """Samples along each edge of a pixel for its colour, 1 to 64."""
     occlusion: int = 0
     """Rays that tell how much of the sky each sample sees, 0 to 64."""
+    light: Light | None = None
+    """What lights the scene; as the model has it by default."""
+    checker: float | None = None
+    """Edge of the squares of the checker pattern on planes [m], 0 for none; as suits the model's size by default."""
 
     def __post_init__(self) -> None:
         for what, (least, most) in _WHOLE.items():
@@ -78,6 +117,8 @@ class Camera:
             raise RenderError(f"the camera's principal point is {self.principal}, without focal: give both, or none")
         if isinstance(self.channels, str) or len(self.channels) == 0:
             raise RenderError(f'the camera\'s channels are {self.channels!r}: give one or more, as ("rgb", "depth")')
+        if not (self.light is None or isinstance(self.light, Light)):
+            raise RenderError(f"the camera's light is {self.light!r}: give a Light, as Light(to_sun=(1, 1, 0))")
 
     def looking(self, eye: Vector, target: Vector, up: Vector = (0.0, 1.0, 0.0)) -> Camera:
         """The same at `eye` [m], with `target` [m] in the middle of its image and `up` upwards in it, in its body's
@@ -132,6 +173,8 @@ class Camera:
             channels=list(self.channels),
             samples=self.samples,
             occlusion=self.occlusion,
+            light=self.light,
+            checker=self.checker,
         )
 
 

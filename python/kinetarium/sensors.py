@@ -256,12 +256,14 @@ class Camera(Sensor):
     """Standard deviation of red, green and blue, each in its sRGB value from 0 to 1."""
     depth_noise: float = field(default=0.0, kw_only=True)
     """Standard deviation of depth [m]; what is infinitely far stays there."""
+    device: str = field(default="cpu", kw_only=True)
+    """Where its images are drawn, as of `Simulation.render`: "cpu", "gpu", "gpu:NAME" or "auto"."""
 
     def _measurement(self, model: Model) -> Measurement:
         camera = Pinhole.of(model, self.camera) if isinstance(self.camera, str) else self.camera
         if not isinstance(camera, Pinhole):
             raise SensorError(f'the camera of sensor "{self.name}" is {camera!r}: give a Camera, or its name')
-        return Measurement.camera(camera._view(model), self.rgb_noise, self.depth_noise)
+        return Measurement.camera(camera._view(model), self.rgb_noise, self.depth_noise, self.device)
 
 
 @dataclass(frozen=True)

@@ -489,9 +489,16 @@ class Simulation(Strict):
         (x, y, z), (i, j, k, w), angle = framing(self._engine, self.model, row, width, height)
         return Camera(width, height, angle, position=(x, y, z), orientation=(i, j, k, w))
 
-    def render(self, camera: Camera | str | None = None, *, worlds: ArrayLike | None = None) -> Images:
-        """What a camera sees in some worlds (all by default), on the CPU, without a window. The model's cameras
+    def render(
+        self, camera: Camera | str | None = None, *, worlds: ArrayLike | None = None, device: str = "cpu"
+    ) -> Images:
+        """What a camera sees in some worlds (all by default), without a window. The model's cameras
         (`model.camera_names`) go by their names.
+
+        Images are drawn by rays on the processor, "cpu", or on a graphics card: "gpu", "gpu:NAME" with a part of its
+        name, or "auto", which takes a card where there is one and it draws what the camera asks for. Cards take 1 or
+        2 `samples` and no `occlusion`; they are opened at the first image of a model. Where the worlds run is another
+        matter. Raises `DeviceError` where there is no such card, or it refuses.
 
         Without a camera: colours, 640 × 480, of the first world given, from where all its bodies are in the image.
         Raises `RenderError`, and `UnknownNameError` for a camera that the model has not.
@@ -507,7 +514,7 @@ class Simulation(Strict):
         elif not isinstance(camera, Camera):
             raise RenderError(f"the camera is {camera!r}: give a Camera, or the name of one")
         view = camera._view(self.model)
-        return Images(**render_view(self._engine, self.model, view, rows))
+        return Images(**render_view(self._engine, self.model, view, rows, device))
 
     def view(
         self,

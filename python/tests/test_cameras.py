@@ -1,5 +1,6 @@
 """Cameras that a file names."""
 
+import os
 from dataclasses import replace
 from math import pi
 
@@ -7,7 +8,10 @@ import numpy as np
 import pytest
 
 import kinetarium as kn
-from kinetarium.errors import RenderError, UnknownNameError
+from kinetarium.errors import DeviceError, RenderError, SensorError, UnknownNameError
+
+CARD = os.environ.get("KINETARIUM_GPU")
+"""A card, or a program such as Mesa's llvmpipe."""
 
 ROBOT = """
 <mujoco><worldbody>
@@ -56,6 +60,7 @@ def test_the_model_s_cameras_go_by_their_names(sim):
         ({"occlusion": -1}, "occlusion is -1"),
         ({"focal": 60.0}, "focal is 60.0: give 2 numbers"),
         ({"orientation": (0, 0, 1)}, "give 4 numbers"),
+        ({"light": "noon"}, "give a Light"),
     ],
 )
 def test_cameras_that_cannot_be(options, message):
@@ -108,6 +113,60 @@ def test_depth_and_calibration_make_points(sim, lens):
     np.testing.assert_allclose(5 - ahead[floor], 0, atol=1e-5)
     np.testing.assert_allclose(5 - ahead[rod & (ahead < 3)], 2.1, atol=1e-5)
     assert rod.any() and (abs(right[rod]) < 1.001).all() and (abs(down[rod]) < 0.101).all()
+
+
+def test_sun_shadows_and_squares_are_the_camera_s_to_choose(sim):
+    camera = replace(kn.Camera.of(sim.model, "above"), channels=("rgb", "depth"), checker=0.0)
+    plain = sim.render(camera, worlds=0)
+    floor = np.isclose(plain.depth[0], 5)
+
+    def seen(**light):
+        return sim.render(replace(camera, light=kn.Light(**light)), worlds=0).rgb[0][floor].astype(int)
+
+    # From straight above, the rod's shadow is below it, where the camera does not see it.
+    assert np.ptp(seen(to_sun=(0, 0, 1)), axis=0).max() <= 1
+    aside = seen(to_sun=(0, 1, 1))
+    assert np.ptp(aside[:, 0]) > 25
+    assert np.ptp(seen(to_sun=(0, 1, 1), shadows=False), axis=0).max() <= 1
+    red = seen(to_sun=(0, 0, 1), sun=(1, 0, 0), sky=(0, 0, 0))
+    assert (red[:, 0] > 50).all() and (red[:, 1:] == 0).all()
+    squares = sim.render(replace(camera, checker=0.5, light=kn.Light(to_sun=(0, 0, 1))), worlds=0).rgb[0][floor]
+    assert np.ptp(squares[:, 0]) > 10
+    with pytest.raises(RenderError, match="direction to the sun"):
+        seen(to_sun=(0, 0, 0))
+    with pytest.raises(RenderError, match="checker's squares is -1"):
+        sim.render(replace(camera, checker=-1.0))
+    with pytest.raises(RenderError, match="light's to_sun is 1: give 3 numbers"):
+        kn.Light(to_sun=1)
+
+
+def test_images_of_a_card_that_is_not_there_are_refused(sim):
+    with pytest.raises(DeviceError, match="has `no such card` in its name; found: "):
+        sim.render("above", device="gpu:no such card")
+    with pytest.raises(DeviceError, match="unknown device `cuda` for images; known are cpu, auto, gpu"):
+        sim.render("above", device="cuda")
+    with pytest.raises(SensorError, match="no such card"):
+        eye = kn.sensors.Camera("eye", camera="above", device="gpu:no such card")
+        kn.Simulation(sim.model, sensors=[eye])
+
+
+@pytest.mark.skipif(CARD in (None, "cuda"), reason="KINETARIUM_GPU names no card")
+def test_a_card_draws_what_rays_meet(sim):
+    card = f"gpu:{CARD}"
+    camera = replace(kn.Camera.of(sim.model, "above"), channels=("rgb", "depth", "body", "shape"))
+    cast, drawn = sim.render(camera), sim.render(camera, device=card)
+    np.testing.assert_allclose(drawn.depth, cast.depth, rtol=1e-4)
+    assert (drawn.body == cast.body).mean() > 0.99 and (drawn.shape == cast.shape).mean() > 0.99
+    assert abs(drawn.rgb.astype(int) - cast.rgb).mean() < 4
+    eye = kn.sensors.Camera("eye", camera=camera, device=card)
+    seeing = kn.Simulation(sim.model, worlds=2, sensors=[eye])
+    assert (seeing.sensors["eye"].rgb == drawn.rgb).all()
+    # What is asked for is drawn, or refused; by itself no program stands in for a card.
+    fine = replace(camera, samples=4, occlusion=1)
+    with pytest.raises(DeviceError, match="occlusion rays: ask for 0"):
+        sim.render(fine, device=card)
+    if "llvmpipe" in CARD:
+        assert (sim.render(fine, device="auto").rgb == sim.render(fine).rgb).all()
 
 
 def test_meshes_are_read_when_a_model_is_first_seen(tmp_path):

@@ -235,7 +235,7 @@ fn cameras(workshop: &Workshop) -> Result<()> {
         workshop.sh,
         "cargo test --quiet --release {ENGINE...} --features kinetarium-render/gpu --test gpu --test ray_caster"
     )
-    .env("KINETARIUM_GPU", "1")
+    .env("KINETARIUM_GPU", "llvmpipe")
     .run()?)
 }
 

@@ -8,7 +8,7 @@ use kinetarium::formats::Meshes;
 use kinetarium::model::examples::{SCENES, Scene, Start};
 use kinetarium::numbers::dispatch::Isa;
 use kinetarium::rigid::Integrator;
-use kinetarium::sim::SolverKind;
+use kinetarium::sim::{Setting, SolverKind};
 use std::net::IpAddr;
 use std::path::PathBuf;
 
@@ -50,7 +50,7 @@ pub enum Command {
     Pendula(Pendula),
     /// Show what is in a robot file, what of it is not supported, and which solver fits.
     Info(Info),
-    /// Draw a scene or a robot file into a picture, without a window or a graphics card.
+    /// Draw a scene or a robot file into a picture, without a window.
     Shot(Shot),
 }
 
@@ -122,7 +122,7 @@ pub struct Info {
 
 #[derive(Debug, Args)]
 pub struct Shot {
-    /// A robot file, or the name of an example, whose random motors rest.
+    /// A robot file, or the name of an example, with its random motors.
     #[arg(value_name = "FILE|EXAMPLE")]
     pub scene: PathBuf,
     /// Picture to write, as PNG.
@@ -138,9 +138,13 @@ pub struct Shot {
     /// [default: so that everything that can move is seen].
     #[arg(long, value_name = "X,Y,Z:X,Y,Z|NAME", value_parser = camera, allow_hyphen_values = true)]
     pub camera: Option<Viewpoint>,
-    /// Samples along each edge of a pixel.
-    #[arg(long, value_name = "N", default_value = "4", value_parser = count(1, 64))]
-    pub samples: usize,
+    /// Samples along each edge of a pixel [default: 4; 2 on a graphics card, which takes no more].
+    #[arg(long, value_name = "N", value_parser = count(1, 64))]
+    pub samples: Option<usize>,
+    /// Where the picture is drawn: cpu, where corners are shaded, too; gpu (a graphics card), gpu:NAME with a part of its
+    /// name, or auto, which takes a card where there is one.
+    #[arg(long, value_name = "DEVICE", default_value = "cpu")]
+    pub device: render::Device,
     /// Start from this keyframe of the file.
     #[arg(long, value_name = "NAME")]
     pub keyframe: Option<String>,
@@ -192,20 +196,16 @@ pub struct Simulation {
     /// Solver; `auto` takes impulse for several things that touch, featherstone for other trees, else xpbd.
     #[arg(long, value_enum, default_value_t = SolverName::Auto)]
     pub solver: SolverName,
-    /// Time step [s] [default: the file's].
-    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, help = setting("time_step", "the file's"), value_name = "SECONDS", value_parser = positive, allow_negative_numbers = true)]
     pub time_step: Option<f64>,
-    /// Substeps per time step [default: 4 with xpbd, else 1].
-    #[arg(long, value_name = "N", value_parser = count(1, 10_000))]
+    #[arg(long, help = setting("substeps", "4 with xpbd, else 1"), value_name = "N", value_parser = count(1, 10_000))]
     pub substeps: Option<usize>,
-    /// Passes over all constraints per substep; xpbd only.
-    #[arg(long, value_name = "N", default_value = "1", value_parser = count(1, 10_000))]
-    pub iterations: usize,
+    #[arg(long, help = setting("iterations", "1"), value_name = "N", value_parser = count(1, 10_000))]
+    pub iterations: Option<usize>,
     /// Let bodies pass through each other.
     #[arg(long)]
     pub no_contacts: bool,
-    /// How the state advances; featherstone only [default: semi-implicit-euler; rk4 for the pendula with featherstone].
-    #[arg(long, value_enum)]
+    #[arg(long, help = setting("integrator", "semi-implicit-euler; rk4 for the pendula"), value_enum)]
     pub integrator: Option<IntegratorName>,
     /// Precision of all numbers.
     #[arg(long, value_enum, default_value_t = Precision::F32)]
@@ -324,6 +324,21 @@ impl From<IntegratorName> for Integrator {
             IntegratorName::Rk4 => Self::RungeKutta4,
         }
     }
+}
+
+/// What a setting does, which solvers read it, and what it is where it is not given.
+fn setting(name: &str, default: &str) -> String {
+    let setting = Setting::named(name);
+    let unit = match setting.unit {
+        "" => String::new(),
+        unit => format!(" [{unit}]"),
+    };
+    let solvers = match setting.solvers {
+        [] => String::new(),
+        _ => format!(" Read by {}.", setting.read_by()),
+    };
+    let (label, help) = (setting.label, setting.help);
+    format!("{label}{unit}. {help}{solvers} [default: {default}]")
 }
 
 fn count(least: u64, most: u64) -> RangedU64ValueParser<usize> {

@@ -93,11 +93,12 @@ fn settings(
     let contacts = !options.no_contacts;
     let substeps = || solver.usual_substeps(model, contacts);
     let integrator = || solver.usual_integrator(model, contacts, start.integrator);
+    let usual = Settings::new(options.time_step.unwrap_or(model.time_step));
     let step = Settings {
         substeps: options.substeps.unwrap_or_else(substeps),
-        iterations: options.iterations,
+        iterations: options.iterations.unwrap_or(usual.iterations),
         integrator: options.integrator.map_or_else(integrator, Into::into),
-        ..Settings::new(options.time_step.unwrap_or(model.time_step))
+        ..usual
     };
     SimulationSettings {
         worlds: options.worlds.unwrap_or(start.worlds),

@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::output::print;
 use crate::view;
 use kinetarium::model::{BodyId, Pose};
-use render::{Camera, RenderError, View, ray_caster};
+use render::{Camera, RenderError, Renderer, View};
 use session::Stage;
 use std::fs::{File, OpenOptions};
 use std::io::BufWriter;
@@ -19,19 +19,26 @@ pub fn shot(arguments: &Shot) -> Result<(), Error> {
     let stage = stage(arguments)?;
     try_out(&arguments.out)?;
     let poses = poses(&stage, arguments.time)?;
-    let scene = render::Scene::new(&stage.model)?;
+    let renderer = Renderer::new(render::Scene::new(&stage.model)?, &arguments.device)?;
+    let scene = renderer.scene();
     let (width, height) = arguments.size;
-    let framed = Camera::framing(&scene, &poses, width, height);
+    let framed = Camera::framing(scene, &poses, width, height);
     let camera = match &arguments.camera {
         None => framed,
         Some(Viewpoint::Points([eye, target])) => framed.looking(*eye, *target, scene.up()),
         Some(Viewpoint::Named(name)) => Camera::of(stage.model.camera(name)?, width, height),
     };
-    let samples = arguments.samples;
+    let rays = renderer.device() == "cpu";
+    let samples = arguments.samples.unwrap_or(if rays { 4 } else { 2 });
+    let occlusion = if rays {
+        SKY_RAYS.div_ceil(samples * samples)
+    } else {
+        0
+    };
     let view = View::new(camera)
         .with_samples(samples)
-        .with_occlusion(SKY_RAYS.div_ceil(samples * samples));
-    let images = ray_caster::render(&scene, &view, &[&poses])?;
+        .with_occlusion(occlusion);
+    let images = renderer.render(&view, &[&poses])?;
     write(
         &arguments.out,
         &images.rgb.unwrap_or_default(),
@@ -74,14 +81,20 @@ fn poses(stage: &Stage, time: f64) -> Result<Vec<Pose>, Error> {
 /// Most time steps before the picture.
 const MOST_STEPS: f64 = 1e9;
 
-/// Tries whether the picture can be written before the work is done, and leaves alone what is there.
+/// Tries whether the picture can be written before the work is done, and leaves all as it is.
 fn try_out(path: &Path) -> Result<(), Error> {
-    let opened = OpenOptions::new().append(true).create(true).open(path);
     let failed = |reason| Error::Picture {
         path: path.to_owned(),
         reason,
     };
-    opened.map(drop).map_err(failed)
+    let there = path.exists();
+    let opened = OpenOptions::new().append(true).create(true).open(path);
+    opened.map(drop).map_err(failed)?;
+    if !there {
+        // The work may be refused.
+        std::fs::remove_file(path).map_err(failed)?;
+    }
+    Ok(())
 }
 
 fn write(path: &Path, rgb: &[u8], (width, height): (usize, usize)) -> Result<(), Error> {

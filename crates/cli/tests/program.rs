@@ -7,7 +7,7 @@ use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
-use std::process::Stdio;
+use std::process::{Child, Stdio};
 use tempfile::TempDir;
 
 const DOUBLE_PENDULUM: &str = r#"<mujoco model="double">
@@ -354,34 +354,98 @@ fn how_others_reach_the_page_is_printed() {
     assert!(lines[2].starts_with("From elsewhere") && lines[2].ends_with(token));
 }
 
+/// A page that is served until it is dropped.
+struct Served {
+    process: Child,
+    /// Host and port.
+    address: String,
+}
+
+impl Served {
+    /// By the program with such arguments; the address is what it prints first.
+    fn by(folder: &TempDir, arguments: &[&str]) -> Self {
+        let mut process = std::process::Command::new(env!("CARGO_BIN_EXE_kinetarium"))
+            .args(arguments)
+            .current_dir(folder)
+            // No browser is found there.
+            .env("PATH", "")
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut line = String::new();
+        let out = process.stdout.take().unwrap();
+        BufReader::new(out).read_line(&mut line).unwrap();
+        let address = line.trim().trim_start_matches("http://");
+        let address = address.trim_end_matches('/').to_owned();
+        Self { process, address }
+    }
+    fn socket(&self, request: &str) -> TcpStream {
+        let mut socket = TcpStream::connect(&self.address).unwrap();
+        let host = &self.address;
+        write!(socket, "GET {request} HTTP/1.1\r\nHost: {host}\r\n").unwrap();
+        socket
+    }
+}
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        self.process.kill().unwrap();
+        self.process.wait().unwrap();
+    }
+}
+
 #[test]
-fn without_arguments_the_page_is_served_at_the_address_that_is_printed() {
+fn without_arguments_the_page_is_served_to_this_machine_alone() {
     let folder = folder();
-    let mut server = std::process::Command::new(env!("CARGO_BIN_EXE_kinetarium"))
-        .args(["view", "--no-browser", "--port", "0"])
-        .current_dir(&folder)
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut line = String::new();
-    let out = server.stdout.take().unwrap();
-    BufReader::new(out).read_line(&mut line).unwrap();
-    let address = line
-        .trim()
-        .trim_start_matches("http://")
-        .trim_end_matches('/');
-    let mut socket = TcpStream::connect(address).unwrap();
-    write!(
-        socket,
-        "GET / HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n"
-    )
-    .unwrap();
+    let served = Served::by(&folder, &[]);
+    let (host, port) = served.address.split_once(':').unwrap();
+    assert_eq!(host, "127.0.0.1");
+    assert!(port.parse::<u16>().unwrap() > 0);
+    let mut socket = served.socket("/");
+    write!(socket, "Connection: close\r\n\r\n").unwrap();
     let mut answer = String::new();
     socket.read_to_string(&mut answer).unwrap();
-    server.kill().unwrap();
-    server.wait().unwrap();
     assert!(answer.starts_with("HTTP/1.1 200"), "{answer}");
     assert!(answer.contains(r#"name="kinetarium-engine" content="websocket""#));
+}
+
+#[test]
+fn a_file_is_served_as_its_scene() {
+    let folder = folder();
+    let arguments = [
+        "view",
+        "double.xml",
+        "--keyframe",
+        "raised",
+        "--worlds",
+        "3",
+        "--no-browser",
+        "--port",
+        "0",
+        "--device",
+        "cpu",
+    ];
+    let served = Served::by(&folder, &arguments);
+    let mut socket = served.socket("/session");
+    let upgrade = "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n\
+        Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n";
+    socket.write_all(upgrade.as_bytes()).unwrap();
+    // Messages of a server are plain text between their lengths: the welcome, then the scene.
+    let (mut said, mut some) = (String::new(), [0; 4096]);
+    while !said.contains(r#""bounds""#) {
+        let count = socket.read(&mut some).unwrap();
+        assert!(count > 0, "{said}");
+        said += &String::from_utf8_lossy(&some[..count]);
+    }
+    assert!(said.starts_with("HTTP/1.1 101"), "{said}");
+    for part in [
+        r#""type":"scene""#,
+        r#""name":"double""#,
+        r#""worlds":3"#,
+        r#""elbow""#,
+    ] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
 }
 
 #[test]
@@ -750,6 +814,18 @@ fn a_shot_of_nothing_is_refused() {
         ),
         ("shot tower --time -1", "it must not be negative"),
         (
+            "shot tower --device cuda",
+            "known are cpu, auto, gpu, and gpu:NAME",
+        ),
+        (
+            "shot tower --device gpu:none",
+            if cfg!(feature = "gpu") {
+                "no graphics card has `none` in its name; found: "
+            } else {
+                "build it with the feature gpu"
+            },
+        ),
+        (
             "shot double.xml --keyframe low",
             "there is no keyframe named \"low\"",
         ),
@@ -760,6 +836,7 @@ fn a_shot_of_nothing_is_refused() {
             .assert()
             .code(2)
             .stderr(contains(message));
+        assert!(!folder.path().join("picture.png").exists(), "{options}");
     }
     // Told at once: no simulation has a billion seconds of time.
     let options = "shot tower --time 1e6 --out none/shot.png";

@@ -8,15 +8,8 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum GpuError {
     /// No card suits the choice.
-    #[error(
-        "no graphics card {wanted}; found: {found}. Install its Vulkan driver, name one of those, or run on the CPU"
-    )]
-    NoCard {
-        /// What was asked for.
-        wanted: String,
-        /// What there is.
-        found: String,
-    },
+    #[error(transparent)]
+    NoCard(#[from] adapter::NoCard),
     /// The card refuses.
     #[error("the graphics card cannot be used: {0}; run on the CPU")]
     Refused(#[from] wgpu::RequestDeviceError),

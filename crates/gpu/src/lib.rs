@@ -29,7 +29,6 @@
 
 #![forbid(unsafe_code)]
 
-mod adapter;
 mod card;
 mod error;
 mod memory;
@@ -37,7 +36,7 @@ mod pipeline;
 mod placement;
 mod worlds;
 
-pub use adapter::Choice;
+pub use adapter::{Choice, NoCard};
 pub use card::Gpu;
 pub use error::GpuError;
 pub use worlds::Worlds;

@@ -141,7 +141,7 @@ fn card(name: &str) -> Result<Card, DeviceChoiceError> {
 fn auto_gpu() -> Result<Option<Card>, DeviceChoiceError> {
     match card("") {
         Ok(card) => Ok(Some(card)),
-        Err(DeviceChoiceError::Gpu(gpu::GpuError::NoCard { .. })) => Ok(None),
+        Err(DeviceChoiceError::Gpu(gpu::GpuError::NoCard(_))) => Ok(None),
         Err(error) => Err(error),
     }
 }

@@ -5,17 +5,21 @@ use crate::geometry::pose;
 use crate::model::Model;
 use crate::names::{Table, find, unknown};
 use crate::simulation::{Engine, Precise, each, slice};
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3};
 use kinetarium::model::{BodyId, CameraMode, Pose};
 use numpy::{
     IntoPyArray, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray3, PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use render::{Camera, Channels, Images, Lens, RenderError, ray_caster};
+use render::{Camera, Channels, Device, Images, Lens, Light, RenderError};
 
 fn failed(error: RenderError) -> PyErr {
-    error::raise("RenderError", error.to_string())
+    let kind = match error {
+        RenderError::NotBuilt | RenderError::NoCard(_) | RenderError::Card(_) => "DeviceError",
+        _ => "RenderError",
+    };
+    error::raise(kind, error.to_string())
 }
 
 /// A camera, and what is wanted of it.
@@ -27,7 +31,7 @@ pub struct View(pub render::View);
 impl View {
     #[new]
     #[pyo3(signature = (model, *, width, height, field_of_view, focal, principal, near, far, body, mode, position,
-        orientation, channels, samples, occlusion))]
+        orientation, channels, samples, occlusion, light, checker))]
     #[expect(clippy::too_many_arguments, reason = "keywords in Python")]
     fn new(
         model: &Bound<'_, Model>,
@@ -45,6 +49,8 @@ impl View {
         channels: Vec<String>,
         samples: usize,
         occlusion: usize,
+        light: Option<LightDraft>,
+        checker: Option<f64>,
     ) -> PyResult<Self> {
         let mut camera = Camera::new(width, height, field_of_view).at(pose(position, orientation));
         if let Some(focal) = focal {
@@ -60,8 +66,49 @@ impl View {
         }
         camera.mode = find(&MODES, "mode of cameras", mode)?;
         let view = render::View::new(camera).with_channels(self::channels(&channels)?);
-        Ok(Self(view.with_samples(samples).with_occlusion(occlusion)))
+        let mut view = view.with_samples(samples).with_occlusion(occlusion);
+        view.checker = checker;
+        if let Some(draft) = light {
+            let renderer = model.get().renderer(&Device::Processor).map_err(failed)?;
+            view = view.with_light(draft.over(renderer.scene().light));
+        }
+        Ok(Self(view))
     }
+}
+
+/// A `kinetarium.Light`: what of the light is another than the scene's own.
+#[derive(FromPyObject)]
+struct LightDraft {
+    to_sun: Option<[f64; 3]>,
+    sun: Option<[f32; 3]>,
+    shadows: Option<bool>,
+    sun_radius: Option<f64>,
+    sky: Option<[f32; 3]>,
+    ground: Option<[f32; 3]>,
+    zenith: Option<[f32; 3]>,
+    horizon: Option<[f32; 3]>,
+}
+
+impl LightDraft {
+    fn over(self, own: Light) -> Light {
+        let color = |given: Option<[f32; 3]>, own| given.map_or(own, Vec3::from_array);
+        Light {
+            to_sun: self.to_sun.map_or(own.to_sun, DVec3::from_array),
+            sun: color(self.sun, own.sun),
+            shadows: self.shadows.unwrap_or(own.shadows),
+            sun_radius: self.sun_radius.unwrap_or(own.sun_radius),
+            sky: color(self.sky, own.sky),
+            ground: color(self.ground, own.ground),
+            zenith: color(self.zenith, own.zenith),
+            horizon: color(self.horizon, own.horizon),
+        }
+    }
+}
+
+/// Where images are drawn.
+pub fn device(name: &str) -> PyResult<Device> {
+    let device = name.parse();
+    device.map_err(|e: RenderError| error::raise("DeviceError", e.to_string()))
 }
 
 /// How cameras of a model move.
@@ -141,12 +188,14 @@ pub fn render_view<'py>(
     model: &Bound<'py, Model>,
     view: View,
     worlds: PyReadonlyArray1<'py, i64>,
+    device: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
+    let device = self::device(device)?;
     let placed = placements(py, engine.get(), worlds.as_array().to_vec().as_slice())?;
     let model = model.get();
     let made = py.detach(|| {
         let poses: Vec<&[Pose]> = placed.iter().map(Vec::as_slice).collect();
-        ray_caster::render(model.scene()?, &view.0, &poses)
+        model.renderer(&device)?.render(&view.0, &poses)
     });
     images(py, made.map_err(failed)?)
 }
@@ -162,8 +211,8 @@ pub fn framing(
     height: usize,
 ) -> PyResult<([f64; 3], [f64; 4], f64)> {
     let placed = placements(py, engine.get(), &[world])?;
-    let scene = model.get().scene().map_err(failed)?;
-    let camera = Camera::framing(scene, &placed[0], width, height);
+    let renderer = model.get().renderer(&Device::Processor).map_err(failed)?;
+    let camera = Camera::framing(renderer.scene(), &placed[0], width, height);
     let Lens::FieldOfView { vertical } = camera.lens else {
         let message = "a framing camera has a field of view".to_owned();
         return Err(error::raise("RenderError", message));

@@ -10,10 +10,10 @@ use kinetarium::sim::Parameter;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use render::{RenderError, Scene};
+use render::{Device, RenderError, Renderer, Scene};
 use std::collections::HashMap;
 use std::path::PathBuf;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A checked, immutable model of one world, shared by all worlds of a simulation.
 ///
@@ -23,8 +23,8 @@ use std::sync::{Arc, OnceLock};
 pub struct Model {
     pub model: Arc<model::Model>,
     warnings: Vec<String>,
-    /// What there is to see, made when it is first asked for.
-    scene: OnceLock<Scene>,
+    /// What draws it, made when it is first asked for: one for each device.
+    renderers: Mutex<Vec<(Device, Renderer)>>,
 }
 
 impl PartialEq for Model {
@@ -35,21 +35,29 @@ impl PartialEq for Model {
 
 impl Model {
     fn new(model: Arc<model::Model>, warnings: Vec<String>) -> Self {
-        let scene = OnceLock::new();
         Self {
             model,
             warnings,
-            scene,
+            renderers: Mutex::default(),
         }
     }
 
-    /// What there is to see of it. The files of meshes are read once, and their trees of boxes built.
-    pub fn scene(&self) -> Result<&Scene, RenderError> {
-        if let Some(scene) = self.scene.get() {
-            return Ok(scene);
+    /// What draws it on a device. The files of meshes are read once, and their trees of boxes built.
+    pub fn renderer(&self, device: &Device) -> Result<Renderer, RenderError> {
+        let mut known = self
+            .renderers
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, renderer)) = known.iter().find(|(other, _)| other == device) {
+            return Ok(renderer.clone());
         }
-        let scene = Scene::new(&self.model)?;
-        Ok(self.scene.get_or_init(|| scene))
+        let scene = match known.first() {
+            Some((_, renderer)) => renderer.scene().clone(),
+            None => Scene::new(&self.model)?,
+        };
+        let renderer = Renderer::new(scene, device)?;
+        known.push((device.clone(), renderer.clone()));
+        Ok(renderer)
     }
 }
 

@@ -179,13 +179,17 @@ impl Measurement {
         Ok(lidar.into())
     }
     #[staticmethod]
-    fn camera(view: View, rgb_noise: f64, depth_noise: f64) -> Self {
+    fn camera(view: View, rgb_noise: f64, depth_noise: f64, device: &str) -> PyResult<Self> {
         let noise = ImageNoise {
             rgb: rgb_noise,
             depth: depth_noise,
         };
-        let view = view.0;
-        SensorKind::Camera { view, noise }.into()
+        let camera = SensorKind::Camera {
+            view: view.0,
+            noise,
+            device: crate::camera::device(device)?,
+        };
+        Ok(camera.into())
     }
 }
 

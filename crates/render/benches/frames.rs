@@ -1,9 +1,9 @@
 //! Images per second of a limp person on a floor, in one world and in many, as a Markdown table.
 //!
-//! `cargo bench --package kinetarium-render --bench frames --features gpu`; without the feature, of the
-//! ray-caster only.
+//! `cargo bench --package kinetarium-render --bench frames --features gpu`: of the ray-caster, and of a card, or of the
+//! program that `KINETARIUM_GPU` names.
 
-use kinetarium_render::{Camera, Channels, Images, Scene, View, ray_caster};
+use kinetarium_render::{Camera, Channels, Device, Images, Renderer, Scene, View, ray_caster};
 use model::{Pose, examples};
 use std::hint::black_box;
 use std::time::Instant;
@@ -22,8 +22,8 @@ fn main() {
     println!("| renderer | worlds | image | colours | depth and ids |\n|---|--:|--:|--:|--:|");
     let cast = |view: &View, worlds: &[&[Pose]]| ray_caster::render(&scene, view, worlds).unwrap();
     table("ray-caster", &scene, &poses, cast);
-    #[cfg(feature = "gpu")]
-    match kinetarium_render::gpu::Rasteriser::new(&scene) {
+    let name = std::env::var("KINETARIUM_GPU").unwrap_or_default();
+    match Renderer::new(scene.clone(), &Device::Card(name)) {
         Ok(card) => {
             let draw = |view: &View, worlds: &[&[Pose]]| card.render(view, worlds).unwrap();
             table(&card.device(), &scene, &poses, draw);

@@ -90,6 +90,22 @@ pub enum RenderError {
         /// Why.
         source: collide::mesh::LoadError,
     },
+    /// There is no such device.
+    #[error(
+        "unknown device `{0}` for images; known are cpu, auto, gpu, and gpu:NAME with a part of the card's name"
+    )]
+    UnknownDevice(String),
+    /// This build has no part for cards.
+    #[error(
+        "this build draws no images on graphics cards: build it with the feature gpu, or take the device cpu"
+    )]
+    NotBuilt,
+    /// There is no such card; which there are.
+    #[error("{0}")]
+    NoCard(String),
+    /// A card does not draw this, or fails.
+    #[error("{0}")]
+    Card(String),
     /// A picture cannot be written.
     #[error("cannot write the picture: {0}")]
     Picture(#[from] png::EncodingError),

@@ -33,6 +33,8 @@
 //! | [`ray_caster`] | the renderer that runs everywhere, and is the reference |
 //! | `gpu` | the same images from a graphics card; with the feature `gpu` |
 //!
+//! A [`Renderer`] is either of both, by the [`Device`] that is asked for.
+//!
 //! # Limits
 //! - All worlds show one model: sizes that `set_world_model` gave a world of its own are not seen.
 //! - Surfaces have a colour, and no texture. Meshes are seen as their flat triangles.
@@ -49,6 +51,7 @@ mod light;
 mod mesh;
 mod picture;
 pub mod ray_caster;
+mod renderer;
 mod scene;
 mod view;
 
@@ -56,5 +59,6 @@ pub use camera::{Camera, Lens};
 pub use error::RenderError;
 pub use light::Light;
 pub use picture::write_png;
+pub use renderer::{Device, Renderer};
 pub use scene::Scene;
 pub use view::{Channels, Images, View};

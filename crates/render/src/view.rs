@@ -1,7 +1,7 @@
 //! What is asked of a camera.
 
 use crate::error::{RenderError, require};
-use crate::{Camera, Scene};
+use crate::{Camera, Light, Scene};
 use model::Pose;
 use std::collections::TryReserveError;
 
@@ -22,6 +22,10 @@ pub struct View {
     pub samples: usize,
     /// Rays that tell how much of the sky each sample sees, 0 to 64; with 0, the default, all of it.
     pub occlusion: usize,
+    /// What lights the scene; `None`, the default, is the scene's own.
+    pub light: Option<Light>,
+    /// Edge of the squares of the checker pattern on planes [m], 0 for none; `None`, the default, is the scene's own.
+    pub checker: Option<f64>,
 }
 
 /// Which images are made.
@@ -133,6 +137,8 @@ impl View {
             channels: Channels::RGB,
             samples: 1,
             occlusion: 0,
+            light: None,
+            checker: None,
         }
     }
     /// The same, of other channels.
@@ -148,11 +154,38 @@ impl View {
         Self { occlusion, ..self }
     }
 
+    /// The same, lit so.
+    pub fn with_light(self, light: Light) -> Self {
+        let light = Some(light);
+        Self { light, ..self }
+    }
+    /// The same, with squares of this edge [m] on planes.
+    pub fn with_checker(self, checker: f64) -> Self {
+        let checker = Some(checker);
+        Self { checker, ..self }
+    }
+
+    /// What lights a scene.
+    pub(crate) fn light(&self, scene: &Scene) -> Light {
+        self.light.unwrap_or(scene.light)
+    }
+    /// Edge of the squares on planes of a scene [m].
+    pub(crate) fn checker(&self, scene: &Scene) -> f64 {
+        self.checker.unwrap_or(scene.checker)
+    }
+
     /// Checks all that is drawn together.
     pub(crate) fn check(&self, scene: &Scene, worlds: &[&[Pose]]) -> Result<(), RenderError> {
         let bodies = scene.bodies();
         self.camera.check(bodies)?;
-        scene.light.check()?;
+        self.light(scene).check()?;
+        let (what, checker) = ("the edge of the checker's squares", self.checker(scene));
+        require(
+            checker >= 0.0 && checker.is_finite(),
+            what,
+            checker,
+            "finite and not below 0, in metres",
+        )?;
         let (what, samples) = ("the number of samples", self.samples);
         require(
             (1..=MOST_SAMPLES).contains(&samples),

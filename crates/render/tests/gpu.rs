@@ -4,17 +4,25 @@
 mod common;
 
 use common::{camera, medley};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use kinetarium_render::gpu::{GpuError, Rasteriser};
-use kinetarium_render::{Camera, Channels, Images, Scene, View, ray_caster};
+use kinetarium_render::{
+    Camera, Channels, Device, Images, Light, Renderer, Scene, View, ray_caster,
+};
 use model::{BodyId, Model, Pose, examples};
 
-/// None where the machine has no card and nothing that stands in for one.
+/// Whatever card there is, or the program that `KINETARIUM_GPU` names, such as Mesa's `llvmpipe`.
+fn name() -> String {
+    std::env::var("KINETARIUM_GPU").unwrap_or_default()
+}
+
+/// None where the machine has no card, and none is named.
 fn rasteriser(scene: &Scene) -> Option<Rasteriser> {
-    match Rasteriser::new(scene) {
+    let Ok(choice) = name().parse();
+    match Rasteriser::new(scene, &choice) {
         Ok(rasteriser) => Some(rasteriser),
-        Err(GpuError::NoAdapter(error)) => {
-            assert!(std::env::var("KINETARIUM_GPU").is_err(), "{error}");
+        Err(GpuError::NoCard(error)) => {
+            assert_eq!(name(), "", "{error}");
             eprintln!("not tested: {error}");
             None
         }
@@ -22,12 +30,14 @@ fn rasteriser(scene: &Scene) -> Option<Rasteriser> {
     }
 }
 
-/// What differs: share of the pixels that show another shape; of pixels amid one shape, the largest
+/// What differs: share of the pixels that show another shape, and of those that show the same shape as of another body;
+/// of pixels amid one shape, the largest
 /// difference of depth, against the depth where that is above 1 m, and of normals; and the mean
 /// difference of colours.
 #[derive(Debug)]
 struct Difference {
     shapes: f64,
+    bodies: f64,
     depth: f64,
     normal: f64,
     color: f64,
@@ -46,11 +56,16 @@ fn difference(a: &Images, b: &Images) -> Difference {
     let (normal, other_normal) = (a.normal.as_ref().unwrap(), b.normal.as_ref().unwrap());
     let mut found = Difference {
         shapes: 0.0,
+        bodies: 0.0,
         depth: 0.0,
         normal: 0.0,
         color: 0.0,
     };
+    let (bodies, other_bodies) = (a.body.as_ref().unwrap(), b.body.as_ref().unwrap());
     for i in 0..pixels {
+        if rows[i] == others[i] && bodies[i] != other_bodies[i] {
+            found.bodies += 1.0 / pixels as f64;
+        }
         if rows[i] != others[i] {
             found.shapes += 1.0 / pixels as f64;
         } else if rows[i] >= 0 && amid(i) {
@@ -88,6 +103,7 @@ fn a_card_sees_what_rays_meet() {
         let difference = difference(&cast, &drawn);
         println!("{difference:?}");
         assert!(difference.shapes < 1e-3, "{seed}: {difference:?}");
+        assert_eq!(difference.bodies, 0.0, "{seed}");
         assert!(difference.depth < 1e-4, "{seed}: {difference:?}");
         assert!(difference.normal < 2e-3, "{seed}: {difference:?}");
         assert!(difference.color < 3.0, "{seed}: {difference:?}");
@@ -107,6 +123,7 @@ fn the_scenes_look_alike() {
         let difference = difference(&cast, &drawn);
         println!("{}: {difference:?}", scene.name);
         assert!(difference.shapes < 1e-3, "{}: {difference:?}", scene.name);
+        assert_eq!(difference.bodies, 0.0, "{}", scene.name);
         assert!(difference.depth < 1e-3, "{}: {difference:?}", scene.name);
         assert!(difference.color < 4.0, "{}: {difference:?}", scene.name);
     }
@@ -132,6 +149,74 @@ fn many_worlds_are_tiles_of_one_target() {
     assert!(
         difference.shapes < 1e-3 && difference.depth < 1e-4,
         "{difference:?}"
+    );
+    assert_eq!(difference.bodies, 0.0);
+}
+
+/// The rows themselves, and not only the same ones of both: bodies 0 to 13 have one shape each, after three of the
+/// world.
+#[test]
+fn bodies_are_those_of_the_shapes() {
+    let (model, poses) = medley(3);
+    let Some((_, drawn)) = both(&model, View::new(camera(160, 120)), &[&poses]) else {
+        return;
+    };
+    let (bodies, shapes) = (drawn.body.unwrap(), drawn.shape.unwrap());
+    let mut seen = std::collections::BTreeSet::new();
+    for (body, shape) in bodies.iter().zip(&shapes) {
+        assert_eq!(*body, if *shape < 3 { -1 } else { *shape - 3 });
+        seen.insert(*body);
+    }
+    assert!(seen.len() > 7, "{seen:?}");
+}
+
+/// Sun and squares of a view, in place of the scene's.
+#[test]
+fn a_card_takes_the_light_of_a_view() {
+    let (model, poses) = medley(2);
+    let scene = Scene::new(&model).unwrap();
+    let light = Light {
+        to_sun: DVec3::new(-1.0, 0.4, 0.2),
+        sun: Vec3::new(0.9, 0.5, 0.1),
+        ..scene.light
+    };
+    let view = View::new(camera(160, 120));
+    let lit = view.with_light(light).with_checker(0.2);
+    let Some((cast, drawn)) = both(&model, lit, &[&poses]) else {
+        return;
+    };
+    let difference = difference(&cast, &drawn);
+    assert!(difference.color < 4.0, "{difference:?}");
+    let Some((plain, _)) = both(&model, view, &[&poses]) else {
+        return;
+    };
+    let apart = plain.rgb.unwrap().into_iter().zip(cast.rgb.unwrap());
+    let apart = apart.map(|(a, b)| f64::from(a.abs_diff(b)));
+    assert!(apart.sum::<f64>() / f64::from(3 * 160 * 120) > 10.0);
+}
+
+#[test]
+fn a_renderer_is_the_card_that_is_named_and_by_itself_no_program() {
+    let (model, poses) = medley(1);
+    let scene = Scene::new(&model).unwrap();
+    let view = View::new(camera(64, 48)).with_channels(Channels::ALL);
+    let by_itself = Renderer::new(scene.clone(), &Device::Auto).unwrap();
+    assert!(!by_itself.device().contains("llvmpipe"));
+    // What a card does not do, the ray-caster does.
+    let fine = view.with_samples(3).with_occlusion(2);
+    let cast = ray_caster::render(&scene, &fine, &[&poses]).unwrap();
+    assert_eq!(by_itself.render(&fine, &[&poses]).unwrap(), cast);
+    let Some(card) = rasteriser(&scene) else {
+        return;
+    };
+    let named = Renderer::new(scene, &Device::Card(name())).unwrap();
+    assert_eq!(named.device(), card.device());
+    let drawn = card.render(&view, &[&poses]).unwrap();
+    assert_eq!(named.clone().render(&view, &[&poses]).unwrap(), drawn);
+    let told = named.render(&fine, &[&poses]).unwrap_err().to_string();
+    assert!(
+        told.contains("3 samples") || told.contains("2 occlusion rays"),
+        "{told}"
     );
 }
 

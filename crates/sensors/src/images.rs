@@ -5,27 +5,48 @@ use crate::{ImageNoise, SensorError};
 use model::{Model, Pose};
 use numbers::dispatch::Isa;
 use rayon::prelude::*;
-use render::{Images, Scene, View, ray_caster};
+use render::{Device, Images, RenderError, Renderer, Scene, View};
 
 /// A camera in every world, with its last images.
 #[derive(Clone, Debug)]
 pub(crate) struct Camera {
     name: String,
     view: View,
-    scene: Scene,
+    renderer: Renderer,
     pub images: Images,
+}
+
+/// What draws the images of a model: one for each device.
+#[derive(Default)]
+pub(crate) struct Renderers(Vec<(Device, Renderer)>);
+
+impl Renderers {
+    fn on(&mut self, device: &Device, model: &Model) -> Result<Renderer, RenderError> {
+        let mut known = self.0.iter();
+        if let Some((_, renderer)) = known.find(|(other, _)| other == device) {
+            return Ok(renderer.clone());
+        }
+        let renderer = Renderer::new(Scene::new(model)?, device)?;
+        self.0.push((device.clone(), renderer.clone()));
+        Ok(renderer)
+    }
 }
 
 impl Camera {
     /// Draws the model as it stands once: so a view that cannot be drawn is known at once.
-    pub fn new(name: &str, view: View, model: &Model, worlds: usize) -> Result<Self, SensorError> {
+    pub fn new(
+        name: &str,
+        (view, device): (View, &Device),
+        (model, renderers): (&Model, &mut Renderers),
+        worlds: usize,
+    ) -> Result<Self, SensorError> {
         let refuse = |source| SensorError::Render {
             sensor: name.into(),
             source,
         };
-        let scene = Scene::new(model).map_err(refuse)?;
+        let renderer = renderers.on(device, model).map_err(refuse)?;
         let poses: Vec<Pose> = model.bodies.iter().map(|body| body.pose).collect();
-        let one = ray_caster::render(&scene, &view, &[&poses]).map_err(refuse)?;
+        let one = renderer.render(&view, &[&poses]).map_err(refuse)?;
         let images = Images {
             worlds,
             width: one.width,
@@ -39,7 +60,7 @@ impl Camera {
         Ok(Self {
             name: name.into(),
             view,
-            scene,
+            renderer,
             images,
         })
     }
@@ -52,7 +73,7 @@ impl Camera {
         errors: &ImageErrors,
     ) -> Result<(), SensorError> {
         let poses: Vec<&[Pose]> = poses.iter().map(Vec::as_slice).collect();
-        let new = ray_caster::render(&self.scene, &self.view, &poses);
+        let new = self.renderer.render(&self.view, &poses);
         let mut new = new.map_err(|source| SensorError::Render {
             sensor: self.name.clone(),
             source,

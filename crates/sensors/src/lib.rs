@@ -53,6 +53,6 @@ pub use error::SensorError;
 pub use model::{Axes, Mount};
 pub use noise::{Disturbance, ImageNoise, Level, Noise};
 pub use random::Draw;
-pub use render::{Camera, Channels, Images, Lens, View};
+pub use render::{Camera, Channels, Device, Images, Lens, View};
 pub use sensor::{Sensor, SensorKind};
 pub use sensors::{ImageReading, Reading, Sensors};

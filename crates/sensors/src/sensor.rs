@@ -3,7 +3,7 @@
 use crate::{ImageNoise, Noise};
 use glam::{DQuat, DVec3};
 use model::{Axes, BodyId, JointId, Model, Mount, Pose};
-use render::View;
+use render::{Device, View};
 use std::ops::Range;
 
 /// A sensor: the same in every world.
@@ -159,13 +159,14 @@ pub enum SensorKind {
         /// Largest distance [m], read where nothing is met; may be infinite.
         max_range: f64,
     },
-    /// Images by the ray-caster on the processors: see [`Sensors::images`](crate::Sensors::images). Its noise is
-    /// that of its images.
+    /// Images: see [`Sensors::images`](crate::Sensors::images). Its noise is that of its images.
     Camera {
         /// The camera, with its mount, and which images are made.
         view: View,
         /// What is added to them.
         noise: ImageNoise,
+        /// Where they are drawn: the ray-caster on the processors, or a graphics card.
+        device: Device,
     },
 }
 

@@ -2,7 +2,7 @@
 
 use crate::check::{self, Check};
 use crate::clock::Clock;
-use crate::images::{Camera, ImageErrors};
+use crate::images::{Camera, ImageErrors, Renderers};
 use crate::measure::Look;
 use crate::noise::{Errors, Part};
 use crate::random::{Draw, Source};
@@ -142,7 +142,8 @@ impl<T: Float> Sensors<T> {
         check::names(&sensors)?;
         let model = Arc::clone(simulation.model());
         let worlds = simulation.worlds();
-        let channel = |sensor| Channel::new(sensor, &model, worlds, seed);
+        let mut renderers = Renderers::default();
+        let channel = |sensor| Channel::new(sensor, (&*model, &mut renderers), worlds, seed);
         let channels = sensors.into_iter().map(channel);
         let mut channels = channels.collect::<Result<Vec<_>, _>>()?;
         let outputs = simulation.try_outputs()?;
@@ -333,7 +334,12 @@ impl<T: Float> Sensors<T> {
 const WORLDS_AT_A_TIME: usize = 64;
 
 impl<T: Float> Channel<T> {
-    fn new(sensor: Sensor, model: &Model, worlds: usize, seed: u64) -> Result<Self, SensorError> {
+    fn new(
+        sensor: Sensor,
+        (model, renderers): (&Model, &mut Renderers),
+        worlds: usize,
+        seed: u64,
+    ) -> Result<Self, SensorError> {
         let check = Check {
             sensor: &sensor,
             model,
@@ -343,8 +349,9 @@ impl<T: Float> Channel<T> {
         let source = Source::new(seed, &sensor.name);
         let errors = Errors::new(&sensor, source, n, layout.quaternions)?;
         let camera = match &sensor.kind {
-            SensorKind::Camera { view, .. } => {
-                Some(Camera::new(&sensor.name, *view, model, worlds)?)
+            SensorKind::Camera { view, device, .. } => {
+                let view = (*view, device);
+                Some(Camera::new(&sensor.name, view, (model, renderers), worlds)?)
             }
             _ => None,
         };

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{floating, pendulum, simulate};
+use common::{eye, floating, pendulum, simulate};
 use glam::DVec3;
 use kinetarium_sensors::{
     Axes, Camera, ImageNoise, Level, Mount, Noise, Sensor, SensorError, SensorKind, Sensors, View,
@@ -56,7 +56,7 @@ fn sensors_that_are_not_there_are_not_read() {
     assert!(error.contains("no camera"), "{error}");
     let view = View::new(Camera::new(4, 4, 1.0));
     let noise = ImageNoise::default();
-    let sensors = make(vec![Sensor::new("eye", SensorKind::Camera { view, noise })]).unwrap();
+    let sensors = make(vec![Sensor::new("eye", eye(view, noise))]).unwrap();
     let error = sensors.reading("eye").unwrap_err().to_string();
     assert!(error.contains("call `images`"), "{error}");
 }
@@ -84,7 +84,7 @@ fn bodies_and_joints_exist() {
     refused(SensorKind::ForceTorque { joint, frame }, &no_joint);
     let view = View::new(Camera::new(4, 4, 1.0).on(body));
     let noise = ImageNoise::default();
-    refused(SensorKind::Camera { view, noise }, &["on body 1"]);
+    refused(eye(view, noise), &["on body 1"]);
     let joints = vec![];
     refused(
         SensorKind::JointPosition { joints },
@@ -136,7 +136,7 @@ fn numbers_make_sense() {
     refused(lidar(vec![0.0; 2000], vec![0.0; 2000]), &["number of rays"]);
     let view = View::new(Camera::new(0, 4, 1.0));
     let noise = ImageNoise::default();
-    refused(SensorKind::Camera { view, noise }, &["width"]);
+    refused(eye(view, noise), &["width"]);
 }
 
 #[test]
@@ -176,27 +176,21 @@ fn parts_and_cutoffs_make_sense() {
 fn what_a_kind_does_not_take_is_refused() {
     let view = View::new(Camera::new(4, 4, 1.0));
     let noise = ImageNoise::default();
-    let noisy = Sensor::new("s", SensorKind::Camera { view, noise }).with_noise(Noise::white(1.0));
+    let noisy = Sensor::new("s", eye(view, noise)).with_noise(Noise::white(1.0));
     refused_sensor(noisy, &["camera", "noise"]);
-    let cut = Sensor::new("s", SensorKind::Camera { view, noise }).with_cutoff(1.0);
+    let cut = Sensor::new("s", eye(view, noise)).with_cutoff(1.0);
     refused_sensor(cut, &["camera", "cutoff"]);
     for level in [-0.1, f64::NAN, f64::INFINITY] {
         let rgb = ImageNoise {
             rgb: level,
             ..noise
         };
-        refused(
-            SensorKind::Camera { view, noise: rgb },
-            &["noise of its colours"],
-        );
+        refused(eye(view, rgb), &["noise of its colours"]);
         let depth = ImageNoise {
             depth: level,
             ..noise
         };
-        refused(
-            SensorKind::Camera { view, noise: depth },
-            &["noise of its depth"],
-        );
+        refused(eye(view, depth), &["noise of its depth"]);
     }
 
     let mut simulation = simulate::<f64>(&floating(), SolverKind::Featherstone, 1, 0.01);

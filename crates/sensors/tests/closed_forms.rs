@@ -3,7 +3,7 @@
 mod common;
 
 use common::{
-    BOX, G, PENDULUM, SOLVERS, askew, body, close, floating, near, pendulum, read, resting,
+    BOX, G, PENDULUM, SOLVERS, askew, body, close, eye, floating, near, pendulum, read, resting,
     simulate, two,
 };
 use glam::{DQuat, DVec3};
@@ -491,14 +491,14 @@ fn a_camera_draws_each_world_when_it_is_due() {
     use kinetarium_sensors::{Camera, Channels, ImageNoise, View};
     let model = resting();
     let mut simulation = simulate::<f32>(&model, SolverKind::Featherstone, 2, 0.01);
-    let eye = DVec3::new(0.0, 0.5, 2.0);
-    let camera = Camera::new(16, 12, 0.6).looking(eye, DVec3::ZERO, DVec3::Y);
+    let above = DVec3::new(0.0, 0.5, 2.0);
+    let camera = Camera::new(16, 12, 0.6).looking(above, DVec3::ZERO, DVec3::Y);
     let view = View::new(camera).with_channels(Channels::ALL);
     let mut lifted = model.initial_position();
     lifted[1] += 0.2;
     simulation.set_joint_state(1, &lifted, &[0.0; 6]).unwrap();
     let noise = ImageNoise::default();
-    let sensor = Sensor::new("eye", SensorKind::Camera { view, noise }).with_rate(10.0);
+    let sensor = Sensor::new("eye", eye(view, noise)).with_rate(10.0);
     let mut sensors = Sensors::new(&mut simulation, vec![sensor], 0).unwrap();
     let before = sensors.images("eye").unwrap().images.clone();
 

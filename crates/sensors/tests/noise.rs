@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{close, pendulum, simulate};
+use common::{close, eye, pendulum, simulate};
 use glam::DVec3;
 use kinetarium_sensors::{
     Camera, Channels, ImageNoise, Images, Level, Mount, Noise, Sensor, SensorKind, Sensors, View,
@@ -312,7 +312,7 @@ fn noisy_images(worlds: usize, threads: usize, steps: usize) -> Images {
         rgb: 0.03,
         depth: 0.05,
     };
-    let sensor = Sensor::new("eye", SensorKind::Camera { view, noise });
+    let sensor = Sensor::new("eye", eye(view, noise));
     let mut sensors = Sensors::new(&mut simulation, vec![sensor], 7).unwrap();
     sensors.step(&mut simulation, steps).unwrap();
     sensors.images("eye").unwrap().images.clone()

@@ -1,6 +1,7 @@
 //! The card.
 
 use crate::RenderError;
+use adapter::Choice;
 use std::sync::{Arc, Mutex, PoisonError};
 use thiserror::Error;
 
@@ -11,12 +12,9 @@ pub enum GpuError {
     /// What was asked for is wrong.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// No card was found.
-    #[error(
-        "there is no graphics card that can be used ({0}); install its Vulkan driver, or Mesa's lavapipe, \
-         which needs no card, or use the ray-caster"
-    )]
-    NoAdapter(#[from] wgpu::RequestAdapterError),
+    /// No card suits the choice.
+    #[error(transparent)]
+    NoCard(#[from] adapter::NoCard),
     /// The card refuses.
     #[error("the graphics card cannot be used: {0}; use the ray-caster")]
     NoDevice(#[from] wgpu::RequestDeviceError),
@@ -63,14 +61,8 @@ pub(super) struct Gpu {
 }
 
 impl Gpu {
-    pub fn new() -> Result<Self, GpuError> {
-        let instance =
-            wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-        let options = wgpu::RequestAdapterOptions {
-            power_preference: wgpu::PowerPreference::HighPerformance,
-            ..Default::default()
-        };
-        let adapter = pollster::block_on(instance.request_adapter(&options))?;
+    pub fn new(choice: &Choice) -> Result<Self, GpuError> {
+        let adapter = choice.adapter()?;
         let wanted = wgpu::DeviceDescriptor {
             required_limits: adapter.limits(),
             ..Default::default()

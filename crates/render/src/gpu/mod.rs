@@ -18,6 +18,7 @@ mod shapes;
 mod targets;
 mod worlds;
 
+pub use adapter::{Choice, NoCard};
 pub use device::GpuError;
 
 use crate::view::Channels;
@@ -39,12 +40,12 @@ pub struct Rasteriser {
 }
 
 impl Rasteriser {
-    /// Finds a card, compiles the shaders, and brings the meshes of a scene to it.
+    /// Opens a card, compiles the shaders, and brings the meshes of a scene to it.
     ///
     /// # Errors
-    /// There is no card, or it lacks what is needed.
-    pub fn new(scene: &Scene) -> Result<Self, GpuError> {
-        let gpu = Gpu::new()?;
+    /// There is no such card, with a list of those that there are; or it lacks what is needed.
+    pub fn new(scene: &Scene, choice: &Choice) -> Result<Self, GpuError> {
+        let gpu = Gpu::new(choice)?;
         let (pipelines, meshes) = (Pipelines::new(&gpu), Meshes::new(&gpu, scene));
         gpu.check()?;
         let scene = scene.clone();
@@ -61,13 +62,12 @@ impl Rasteriser {
         self.gpu.name()
     }
 
-    /// As [`ray_caster::render`](crate::ray_caster::render), with 1 or 2 samples along each edge of a
-    /// pixel.
-    ///
-    /// # Errors
-    /// As there; more samples; occlusion rays; a device that was lost or has too little memory.
-    pub fn render(&self, view: &View, worlds: &[&[Pose]]) -> Result<Images, GpuError> {
-        view.check(&self.scene, worlds)?;
+    /// Whether it draws what a view asks for.
+    pub(crate) fn takes(&self, view: &View) -> bool {
+        self.samples(view).is_ok()
+    }
+    /// Samples of a pixel.
+    fn samples(&self, view: &View) -> Result<u32, GpuError> {
         let samples = match (view.samples, view.occlusion) {
             (1 | 2, 0) => (view.samples * view.samples) as u32,
             (samples, 0) => return Err(GpuError::Samples { samples }),
@@ -82,6 +82,17 @@ impl Rasteriser {
                 most,
             });
         }
+        Ok(samples)
+    }
+
+    /// As [`ray_caster::render`](crate::ray_caster::render), with 1 or 2 samples along each edge of a
+    /// pixel.
+    ///
+    /// # Errors
+    /// As there; more samples; occlusion rays; a device that was lost or has too little memory.
+    pub fn render(&self, view: &View, worlds: &[&[Pose]]) -> Result<Images, GpuError> {
+        view.check(&self.scene, worlds)?;
+        let samples = self.samples(view)?;
         let mut images = Images::new(view, worlds.len())?;
         for some in worlds.chunks(Grid::most_at_once(view, &self.gpu)) {
             let grid = Grid::new(view, some.len(), &self.gpu);

@@ -184,11 +184,12 @@ fn numbers(
     edge: usize,
     [corner, size]: [[f32; 2]; 2],
 ) -> Vec<f32> {
-    let (camera, light) = (&view.camera, &scene.light);
+    let (camera, light) = (&view.camera, view.light(scene));
     let (width, height) = (camera.width as f64, camera.height as f64);
     let towards = |u, v| eye.direction(camera.unproject(DVec2::new(u, v)));
     let first = towards(0.0, 0.0);
-    let (sun_clip, texel) = sun_clip(scene, bodies, eye.position, edge);
+    let to_sun = light.to_sun.normalize();
+    let (sun_clip, texel) = sun_clip(scene, to_sun, bodies, eye.position, edge);
     let shadows = light.shadows && light.sun != Vec3::ZERO;
     let samples = view.samples as f64;
     let mut numbers = Vec::with_capacity(STRIDE / 4);
@@ -199,9 +200,12 @@ fn numbers(
     row((towards(width, 0.0) - first).as_vec3(), camera.far as f32);
     let pixel = 1.0 / (camera.focal().min_element() * samples);
     row((towards(0.0, height) - first).as_vec3(), pixel as f32);
-    row(eye.direction(DVec3::NEG_Z).as_vec3(), scene.checker as f32);
+    row(
+        eye.direction(DVec3::NEG_Z).as_vec3(),
+        view.checker(scene) as f32,
+    );
     row(scene.up.as_vec3(), if shadows { texel as f32 } else { 0.0 });
-    row(light.to_sun.normalize().as_vec3(), corner[0]);
+    row(to_sun.as_vec3(), corner[0]);
     row(light.sun, corner[1]);
     row(light.sky, size[0]);
     row(light.ground, size[1]);
@@ -227,8 +231,13 @@ fn clip(view: &View, eye: &Pose) -> DMat4 {
 }
 
 /// From there to the sun's image, which holds all that throws shadows; and a texel's width [m].
-fn sun_clip(scene: &Scene, bodies: &[Pose], eye: DVec3, edge: usize) -> (DMat4, f64) {
-    let to_sun = scene.light.to_sun.normalize();
+fn sun_clip(
+    scene: &Scene,
+    to_sun: DVec3,
+    bodies: &[Pose],
+    eye: DVec3,
+    edge: usize,
+) -> (DMat4, f64) {
     let (a, b) = to_sun.any_orthonormal_pair();
     let axes = DMat3::from_cols(a, b, to_sun).transpose();
     let casting = scene.items.iter().filter(|item| item.half.is_finite());

@@ -49,7 +49,7 @@ impl<'a> Lit<'a> {
             counted.map(|(i, _)| i).collect()
         };
         let mut casters = Vec::new();
-        if any && world.scene.light.shadows {
+        if any && world.light.shadows {
             let lit = Tile::around(points.clone().map(|p| world.sun * p));
             casters = those(&|seen| seen.shadows(lit, world.sun_spread()));
         }
@@ -72,7 +72,7 @@ impl<'a> Lit<'a> {
     pub fn color(&self, ray: &Ray, hit: Option<&Hit>, pixel: (usize, usize)) -> Vec3 {
         let (scene, world) = (self.tile.world.scene, self.tile.world);
         let Some(hit) = hit else {
-            return scene.light.background(ray.direction, scene.up);
+            return world.light.background(ray.direction, scene.up);
         };
         let item = world.shapes[hit.shape].placed.item;
         let front = self.surface(ray, hit, pixel);
@@ -92,7 +92,7 @@ impl<'a> Lit<'a> {
 
     fn surface(&self, ray: &Ray, hit: &Hit, pixel: (usize, usize)) -> Vec3 {
         let world = self.tile.world;
-        let light = &world.scene.light;
+        let light = &world.light;
         let seen = &world.shapes[hit.shape];
         let point = ray.at(hit.distance);
         let open = self.open_sky(hit, point, pixel);
@@ -115,16 +115,16 @@ impl<'a> Lit<'a> {
     }
 
     fn plane(&self, ray: &Ray, hit: &Hit, point: DVec3, arriving: Vec3) -> Vec3 {
-        let scene = self.tile.world.scene;
-        let placed = &self.tile.world.shapes[hit.shape].placed;
+        let world = self.tile.world;
+        let placed = &world.shapes[hit.shape].placed;
         let steep = -ray.direction.dot(hit.normal);
         let mut color = placed.item.color * arriving;
-        if scene.checker > 0.0 {
-            let view = self.tile.world.view;
+        if world.checker > 0.0 {
+            let view = world.view;
             // In squares.
-            let scale = 1.0 / scene.checker;
+            let scale = 1.0 / world.checker;
             let p = scale * placed.inside(point);
-            let width = scale * hit.distance * self.tile.world.pixel / view.samples as f64;
+            let width = scale * hit.distance * world.pixel / view.samples as f64;
             let slant = (1.0 / steep) * placed.along(ray.direction).abs();
             let size = width * (DVec2::ONE + DVec2::new(slant.x, slant.z));
             let dark = checker(DVec2::new(p.x, p.z), size);
@@ -134,7 +134,7 @@ impl<'a> Lit<'a> {
             return color;
         }
         let x = (steep / FLAT).min(1.0);
-        scene
+        world
             .light
             .horizon
             .lerp(color, (x * x * (3.0 - 2.0 * x)) as f32)

@@ -1,6 +1,7 @@
 //! A scene in one world, as its camera and its sun see it.
 
 use super::placed::{Placed, Ray};
+use crate::Light;
 use crate::scene::Scene;
 use crate::view::View;
 use glam::{DMat3, DVec2, DVec3};
@@ -10,6 +11,9 @@ use model::Pose;
 pub(super) struct World<'a> {
     pub scene: &'a Scene,
     pub view: &'a View,
+    pub light: Light,
+    /// Edge of the squares on planes [m]; 0 is none.
+    pub checker: f64,
     /// The nearest to the camera first, as far as balls about them tell.
     pub shapes: Vec<Seen<'a>>,
     /// Where the camera is [m].
@@ -73,7 +77,8 @@ impl<'a> World<'a> {
     pub fn new(scene: &'a Scene, view: &'a View, bodies: &[Pose]) -> Self {
         let eye = view.camera.placed(bodies);
         let eye = Pose::new(eye.position, eye.orientation.normalize());
-        let to_sun = scene.light.to_sun.normalize();
+        let light = view.light(scene);
+        let to_sun = light.to_sun.normalize();
         let (a, b) = to_sun.any_orthonormal_pair();
         let sun = DMat3::from_cols(a, b, to_sun).transpose();
         let seen = |item| {
@@ -95,6 +100,8 @@ impl<'a> World<'a> {
         Self {
             scene,
             view,
+            light,
+            checker: view.checker(scene),
             shapes,
             eye: eye.position,
             corner,
@@ -108,7 +115,7 @@ impl<'a> World<'a> {
     /// Tangent of the angle from the middle of the sun to its edge, as far as samples see it.
     pub fn sun_spread(&self) -> f64 {
         if self.view.samples > 1 {
-            self.scene.light.sun_radius.tan()
+            self.light.sun_radius.tan()
         } else {
             0.0
         }

@@ -2,7 +2,7 @@
 #![allow(dead_code)]
 
 use glam::{DMat3, DQuat, DVec3};
-use kinetarium_sensors::{Sensor, SensorKind, Sensors};
+use kinetarium_sensors::{Device, ImageNoise, Sensor, SensorKind, Sensors, View};
 use model::{BodyHandle, Builder, Geometry, Model, Object, Pose};
 use numbers::Float;
 use sim::{Simulation, SimulationSettings, SolverKind};
@@ -30,6 +30,15 @@ pub fn simulate<T: Float>(
     };
     settings.step.sleep_speed = 0.0;
     Simulation::new(model.clone(), settings).unwrap()
+}
+
+/// A camera on the processors.
+pub fn eye(view: View, noise: ImageNoise) -> SensorKind {
+    SensorKind::Camera {
+        view,
+        noise,
+        device: Device::Processor,
+    }
 }
 
 /// What one sensor reads now, in all worlds.

@@ -1,8 +1,21 @@
-//! Which card.
+//! Which of the graphics cards of a machine: the same choice for worlds and for images.
 
-use crate::GpuError;
+#![forbid(unsafe_code)]
+
 use std::str::FromStr;
 use wgpu::DeviceType;
+
+/// No card suits a choice.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "no graphics card {wanted}; found: {found}. Install its Vulkan driver, name one of those, or run on the CPU"
+)]
+pub struct NoCard {
+    /// What was asked for.
+    pub wanted: String,
+    /// What there is.
+    pub found: String,
+}
 
 /// Which of the graphics cards of this machine.
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
@@ -57,7 +70,10 @@ impl Choice {
     }
 
     /// The card.
-    pub(crate) fn adapter(&self) -> Result<wgpu::Adapter, GpuError> {
+    ///
+    /// # Errors
+    /// There is none that suits, with a list of those that there are.
+    pub fn adapter(&self) -> Result<wgpu::Adapter, NoCard> {
         let descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
         let instance = wgpu::Instance::new(descriptor);
         let every = instance.enumerate_adapters(wgpu::Backends::PRIMARY);
@@ -73,7 +89,7 @@ impl Choice {
         Ok(adapters.swap_remove(i))
     }
 
-    fn missing(&self, cards: &[(String, DeviceType)]) -> GpuError {
+    fn missing(&self, cards: &[(String, DeviceType)]) -> NoCard {
         let names = cards.iter().map(|(name, kind)| match kind {
             DeviceType::Cpu => format!("`{name}` (a program, taken where it is named)"),
             _ => format!("`{name}`"),
@@ -86,7 +102,7 @@ impl Choice {
             Self::Any => "was found".into(),
             Self::Named(name) => format!("has `{name}` in its name"),
         };
-        GpuError::NoCard { wanted, found }
+        NoCard { wanted, found }
     }
 }
 
