@@ -5,7 +5,7 @@ import type { Session } from "../session";
 import { Checkbox, h } from "../ui/dom";
 import { fixed } from "../ui/format";
 import { NumberControl } from "../ui/number_control";
-import { shownIn } from "../ui/units";
+import { ranged, shownIn } from "../ui/units";
 
 /** A slider in the engine's unit. */
 interface SliderControl {
@@ -109,8 +109,10 @@ export class Drives {
   /** A slider that tells and takes values in the engine's unit. */
   private control(slider: Slider, input: (value: number) => void): SliderControl {
     const { unit, factor } = shownIn(slider.unit);
-    const { label, help, min, max, logarithmic, strict } = slider;
-    const scale = { min: min / factor, max: max / factor, integer: false, logarithmic };
+    const { label, logarithmic, strict } = slider;
+    const [min, max] = [slider.min / factor, slider.max / factor];
+    const help = `${slider.help} ${ranged([min, max], unit, strict)}`;
+    const scale = { min, max, integer: false, logarithmic };
     const control = new NumberControl({ label, unit, help, scale }, strict, {
       input: (shown) => input(shown * factor),
     });

@@ -1,6 +1,7 @@
 import type { Field } from "../protocol";
 import { Checkbox, h, Select } from "./dom";
 import { NumberControl } from "./number_control";
+import { ranged } from "./units";
 
 interface Row {
   element: HTMLElement;
@@ -52,7 +53,8 @@ export class FieldForm {
       default: {
         const integer = kind.kind === "integer";
         const scale = { min: kind.min, max: kind.max, integer, logarithmic: !integer && kind.logarithmic };
-        const control = new NumberControl({ label, unit, help, scale }, true, { change });
+        const spec = { label, unit, help: `${help} ${ranged([kind.min, kind.max], unit, true)}`, scale };
+        const control = new NumberControl(spec, true, { change });
         return {
           element: control.element,
           set: (value) => {

@@ -1,5 +1,4 @@
 import { h, identity } from "./dom";
-import { short } from "./format";
 import { fromShare, type Scale, toShare, written } from "./scale";
 
 /** What a {@link NumberControl} is of. */
@@ -48,7 +47,7 @@ export class NumberControl {
     });
     this.element = h(
       "div",
-      { class: "number", "data-help": `${help} ${ranged(spec, strict)}` },
+      { class: "number", "data-help": help },
       h("label", { for: name }, label),
       this.digits,
       h("span", { class: "unit" }, unit),
@@ -86,12 +85,4 @@ export class NumberControl {
     this.told.input?.(value);
     this.told.change?.(value);
   }
-}
-
-/** How far the slider goes, in words. */
-function ranged({ scale, unit }: NumberSpec, strict: boolean): string {
-  const [least, most] = [scale.min, scale.max].map((end) => `${short(end)} ${unit}`.trim());
-  return strict
-    ? `From ${least} to ${most}.`
-    : `The slider goes from ${least} to ${most}; digits may go beyond.`;
 }
