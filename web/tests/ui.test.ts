@@ -1,7 +1,7 @@
 import { describe, expect, test } from "vitest";
 import { keyName, keyOf } from "../src/shortcuts";
 import { fixed, large, list, short } from "../src/ui/format";
-import { fromShare, type Scale, toShare, written } from "../src/ui/scale";
+import { fromShare, places, type Scale, toShare, written } from "../src/ui/scale";
 
 describe("numbers for people", () => {
   test("short", () => {
@@ -43,7 +43,8 @@ describe("scales of sliders", () => {
     expect(toShare(powers, 1)).toBeCloseTo(0.5);
   });
   test("values are round, and whole where they are to be", () => {
-    expect(fromShare(linear, 0.3333)).toBe(-6.7);
+    expect(places(linear)).toBe(400);
+    expect(fromShare(linear, 133 / 400)).toBe(-6.7);
     expect(fromShare(whole, 0.5)).toBe(16);
   });
   test("a value's place gives the value again", () => {
@@ -51,6 +52,37 @@ describe("scales of sliders", () => {
       expect(fromShare(powers, toShare(powers, value))).toBeCloseTo(value, 9);
     for (const value of [-19.5, 0, 3.2])
       expect(fromShare(linear, toShare(linear, value))).toBeCloseTo(value, 9);
+  });
+  test("a key moves a slider on from every place, and back", () => {
+    const forms: Scale[] = [linear, powers, fromZero, whole];
+    // Gravity, time step, substeps, limits in degrees, controls, and what does not divide.
+    const ranges: [number, number][] = [
+      [-30, 30],
+      [1e-5, 0.1],
+      [1, 100],
+      [-45, 68.75],
+      [-180, 180],
+      [-0.4, 0.4],
+      [0.05, 50.05],
+      [0.3, 0.7],
+      [-1 / 3, 1000 / 7],
+      [0, 501],
+      [0, 1499],
+    ];
+    for (const [min, max] of ranges) {
+      forms.push({ min, max, integer: false, logarithmic: false });
+      if (min >= 0) forms.push({ min, max, integer: false, logarithmic: true });
+      if (Number.isInteger(min) && Number.isInteger(max))
+        forms.push({ min, max, integer: true, logarithmic: false });
+    }
+    for (const scale of forms) {
+      const all = places(scale);
+      for (let place = 0; place <= all; place++) {
+        const value = fromShare(scale, place / all);
+        // What the engine says of it puts the thumb where it was.
+        expect(Math.round(toShare(scale, value) * all), `${value} of ${JSON.stringify(scale)}`).toBe(place);
+      }
+    }
   });
   test("an empty range is no division by zero", () => {
     expect(toShare({ ...linear, min: 1, max: 1 }, 1)).toBe(0);

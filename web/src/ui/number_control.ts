@@ -1,5 +1,5 @@
 import { h, identity } from "./dom";
-import { fromShare, type Scale, toShare, written } from "./scale";
+import { fromShare, places, type Scale, toShare, written } from "./scale";
 
 /** What a {@link NumberControl} is of. */
 export interface NumberSpec {
@@ -9,41 +9,41 @@ export interface NumberSpec {
   scale: Scale;
 }
 
-/** Places of the slider. */
-const PLACES = 1000;
-
 /** A number as a slider and as digits, which may go beyond the slider unless it is `strict`. */
 export class NumberControl {
   readonly element: HTMLElement;
   private readonly slider: HTMLInputElement;
   private readonly digits: HTMLInputElement;
   private current = 0;
+  /** Digits that are being typed do not change meanwhile, nor does a slider that is dragged. */
+  private typing = false;
+  private dragging = false;
 
   /** `input` is told while the slider moves, `change` when it comes to rest or digits are entered. */
   constructor(
     private readonly spec: NumberSpec,
-    strict: boolean,
+    private readonly strict: boolean,
     private readonly told: { input?: (value: number) => void; change?: (value: number) => void },
   ) {
-    const { scale, label, unit, help } = spec;
+    const { label, unit, help } = spec;
     const name = identity();
-    this.slider = h("input", {
-      type: "range",
-      min: 0,
-      max: scale.integer && !scale.logarithmic ? Math.min(scale.max - scale.min, PLACES) : PLACES,
-      "aria-label": label,
-      oninput: () => this.slide("input"),
-      onchange: () => this.slide("change"),
-    });
+    this.slider = this.makeSlider();
     this.digits = h("input", {
       type: "number",
       id: name,
       step: "any",
-      min: strict ? scale.min : undefined,
-      max: strict ? scale.max : undefined,
       onchange: () => this.enter(),
+      onfocus: () => {
+        this.typing = true;
+      },
+      oninput: () => {
+        this.typing = true;
+      },
       // What was not taken does not stay.
-      onblur: () => this.write(),
+      onblur: () => {
+        this.typing = false;
+        this.write();
+      },
     });
     this.element = h(
       "div",
@@ -53,19 +53,53 @@ export class NumberControl {
       h("span", { class: "unit" }, unit),
       this.slider,
     );
+    this.scale = spec.scale;
   }
 
-  set value(value: number) {
-    this.current = value;
-    this.slider.value = String(Math.round(toShare(this.spec.scale, value) * Number(this.slider.max)));
+  /** How far the slider goes. */
+  set scale(scale: Scale) {
+    this.spec.scale = scale;
+    this.slider.max = String(places(scale));
+    if (this.strict) [this.digits.min, this.digits.max] = [String(scale.min), String(scale.max)];
     this.write();
   }
 
+  set value(value: number) {
+    if (this.dragging) return;
+    this.current = value;
+    this.write();
+  }
+
+  set disabled(disabled: boolean) {
+    this.slider.disabled = this.digits.disabled = disabled;
+  }
+
+  private makeSlider(): HTMLInputElement {
+    const letGo = () => {
+      this.dragging = false;
+    };
+    return h("input", {
+      type: "range",
+      min: 0,
+      "aria-label": this.spec.label,
+      oninput: () => this.slide("input"),
+      onchange: () => this.slide("change"),
+      onpointerdown: () => {
+        this.dragging = true;
+      },
+      onpointerup: letGo,
+      onpointercancel: letGo,
+      onlostpointercapture: letGo,
+    });
+  }
+
   private write(): void {
-    const digits = written(this.spec.scale, this.current);
-    this.digits.value = digits;
+    const { scale, unit } = this.spec;
+    const digits = written(scale, this.current);
+    if (!this.typing) this.digits.value = digits;
+    this.slider.value = String(Math.round(toShare(scale, this.current) * Number(this.slider.max)));
     // The slider's own value is a place.
-    this.slider.ariaValueText = `${digits} ${this.spec.unit}`.trim();
+    this.slider.ariaValueText = `${digits} ${unit}`.trim();
   }
 
   private slide(kind: "input" | "change"): void {
@@ -80,9 +114,9 @@ export class NumberControl {
       this.digits.reportValidity();
       return;
     }
-    const value = this.spec.scale.integer ? Math.round(entered) : entered;
-    this.value = value;
-    this.told.input?.(value);
-    this.told.change?.(value);
+    this.typing = false;
+    this.value = this.spec.scale.integer ? Math.round(entered) : entered;
+    this.told.input?.(this.current);
+    this.told.change?.(this.current);
   }
 }
