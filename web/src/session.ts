@@ -47,8 +47,9 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
   private undrawn = false;
   /** The physics before what was asked for and not yet answered. */
   private accepted: Values | null = null;
-  /** What was set last of the drives, as it was before. */
-  private before: Drive | null = null;
+  /** Of the drives that were set of late, their settings as the engine had them before. */
+  private readonly before = new Map<string, Before>();
+  private statuses = 0;
 
   constructor(connect: (receiver: Receiver) => Transport) {
     super();
@@ -64,7 +65,7 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
       this.setPhysics(command.values);
     }
     if (command.type === "joint" || command.type === "control") {
-      this.before = this.drive(command);
+      for (const single of singles(command)) this.remember(single);
       this.setDrive(command);
     }
   }
@@ -75,6 +76,10 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
       if (this.accepted) Object.assign(this.accepted, setting.values);
       this.setPhysics(setting.values);
     } else {
+      for (const single of singles(setting)) {
+        const before = this.before.get(keyOf(single));
+        if (before) before.drive = single;
+      }
       this.setDrive(setting);
     }
   }
@@ -83,6 +88,11 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
   drawn(): void {
     this.undrawn = false;
     this.transport.drawn();
+  }
+
+  /** Lets go of the engine. */
+  close(): void {
+    this.transport.close();
   }
 
   connected(connected: boolean): void {
@@ -120,6 +130,7 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
         break;
       case "scene":
         this.scene = message;
+        this.before.clear();
         this.frame = null;
         // What was to be drawn of the last scene never will be.
         if (this.undrawn) this.drawn();
@@ -132,6 +143,7 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
       case "status":
         this.status = message;
         this.accepted = null;
+        this.settle();
         if (!same(message.shown, this.shown)) this.show(message.shown);
         this.emit("status", message);
         break;
@@ -141,7 +153,9 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
         break;
       case "error":
         if (message.refused === "physics" && this.accepted) this.setPhysics(this.accepted);
-        if (message.refused === "joint" || message.refused === "control") this.restoreDrive();
+        if (message.refused === "joint" || message.refused === "control") {
+          this.restoreDrive(message.refused);
+        }
         if (message.refused !== null) this.emit("refused", message.refused);
         this.emit("error", message.message);
     }
@@ -163,24 +177,50 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
     this.emit("physics", this.scene.physics);
   }
 
-  /** What a command is about to set, as it is. */
-  private drive(command: Drive): Drive | null {
-    if (command.type === "control") {
-      const actuator = this.scene?.actuators[command.actuator];
-      return actuator ? { ...command, value: actuator.value } : null;
-    }
-    const own = this.dof(command.dof);
-    if (!own) return null;
-    const { dof, position, stiffness, velocity, damping } = own;
-    return { type: "joint", dof, position, stiffness, velocity, damping };
+  /** Remembers a setting as it is before it is set, unless it was set of late. */
+  private remember(single: Drive): void {
+    const key = keyOf(single);
+    const { drive, wrong } = this.before.get(key) ?? { drive: this.drive(single), wrong: 0 };
+    this.before.delete(key);
+    if (!drive) return;
+    this.before.set(key, { drive, wrong: wrong + (this.canBe(single) ? 0 : 1), since: this.statuses });
   }
 
-  /** The last drive is as it was: it cannot be as was asked. */
-  private restoreDrive(): void {
-    if (!this.before) return;
-    this.setDrive(this.before);
-    this.emit("changed", [this.before]);
-    this.before = null;
+  /** A status may have been under way when a command was sent; after the next, that was not refused. */
+  private settle(): void {
+    this.statuses += 1;
+    for (const [key, { since }] of this.before) if (since + 2 <= this.statuses) this.before.delete(key);
+  }
+
+  /** One setting, as it is. */
+  private drive(single: Drive): Drive | null {
+    if (single.type === "control") {
+      const actuator = this.scene?.actuators[single.actuator];
+      return actuator ? { ...single, value: actuator.value } : null;
+    }
+    const own = this.dof(single.dof);
+    const [name] = settingsOf(single);
+    return own && name ? { type: "joint", dof: single.dof, [name]: own[name] } : null;
+  }
+
+  /**
+   * What was refused is as before. Of several that were set since, it is the one that cannot be: a negative gain, a
+   * control out of its range; else the last.
+   */
+  private restoreDrive(type: Drive["type"]): void {
+    const candidates = [...this.before].filter(([, { drive }]) => drive.type === type);
+    const [, before] = candidates.find(([, { wrong }]) => wrong > 0) ?? candidates.at(-1) ?? [];
+    if (!before) return;
+    const { drive } = before;
+    before.wrong -= 1;
+    this.setDrive(drive);
+    this.emit("changed", [drive]);
+  }
+
+  private canBe(drive: Drive): boolean {
+    if (drive.type === "joint") return (drive.stiffness ?? 0) >= 0 && (drive.damping ?? 0) >= 0;
+    const range = this.scene?.actuators[drive.actuator]?.range;
+    return !range || (drive.value >= range[0] && drive.value <= range[1]);
   }
 
   private dof(wanted: number): Dof | undefined {
@@ -216,6 +256,32 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
       this.failed(`A message from the engine was not understood. ${error.message}`);
     }
   }
+}
+
+/** A setting as it was, how often it was set since to what it cannot be, and how many statuses had come then. */
+interface Before {
+  drive: Drive;
+  wrong: number;
+  since: number;
+}
+
+const JOINT_SETTINGS = ["position", "stiffness", "velocity", "damping"] as const;
+
+function settingsOf(drive: Extract<Drive, { type: "joint" }>) {
+  return JOINT_SETTINGS.filter((name) => drive[name] !== undefined);
+}
+
+/** A command as commands that set one thing each. */
+function singles(drive: Drive): Drive[] {
+  if (drive.type === "control") return [drive];
+  return settingsOf(drive).map((name) => ({ type: "joint", dof: drive.dof, [name]: drive[name] }));
+}
+
+/** What a command sets that sets one thing. */
+function keyOf(single: Drive): string {
+  return single.type === "control"
+    ? `control ${single.actuator}`
+    : `joint ${single.dof} ${settingsOf(single).join()}`;
 }
 
 /** Whether two lists hold the same. */

@@ -132,3 +132,37 @@ test("a drive that is refused is as before", () => {
   expect(dof.position).toBe(0.25);
   expect(changed).toEqual([["joint"]]);
 });
+
+test("what is refused does not undo what was set after it", () => {
+  session.text(sample("scene"));
+  const dof = session.scene?.joints[0].dofs[0];
+  const actuator = session.scene?.actuators[0];
+  if (!dof || !actuator) throw new Error("The sample has no joint or no actuator.");
+  const { stiffness } = dof;
+  session.send({ type: "joint", dof: dof.dof, stiffness: -1 });
+  session.send({ type: "joint", dof: dof.dof, position: 0.25 });
+  session.send({ type: "joint", dof: dof.dof, stiffness: -2 });
+  session.send({ type: "joint", dof: dof.dof, damping: 3 });
+  session.send({ type: "control", actuator: 0, value: 0.125 });
+  session.text('{"type":"error","message":"no","refused":"joint"}');
+  session.text('{"type":"error","message":"no","refused":"joint"}');
+  expect([dof.stiffness, dof.position, dof.damping]).toEqual([stiffness, 0.25, 3]);
+  expect(actuator.value).toBe(0.125);
+});
+
+test("what is refused is as another page has set it since, and what was accepted long ago stays", () => {
+  session.text(sample("scene"));
+  const dof = session.scene?.joints[0].dofs[0];
+  if (!dof) throw new Error("The sample has no joint.");
+  const refuse = () => session.text('{"type":"error","message":"no","refused":"joint"}');
+  session.send({ type: "joint", dof: dof.dof, damping: -1 });
+  session.text(JSON.stringify({ type: "changed", commands: [{ type: "joint", dof: dof.dof, damping: 7 }] }));
+  session.send({ type: "joint", dof: dof.dof, damping: -1 });
+  refuse();
+  expect(dof.damping).toBe(7);
+  session.send({ type: "joint", dof: dof.dof, damping: 8 });
+  session.text(sample("status"));
+  session.text(sample("status"));
+  refuse();
+  expect(dof.damping).toBe(8);
+});
