@@ -76,12 +76,15 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
       if (this.accepted) Object.assign(this.accepted, setting.values);
       this.setPhysics(setting.values);
     } else {
-      for (const single of singles(setting)) {
-        const before = this.before.get(keyOf(single));
-        if (before) before.drive = single;
-      }
-      this.setDrive(setting);
+      for (const single of singles(setting)) this.changeDrive(single);
     }
+  }
+
+  /** What was said before the engine heard this page's own word does not take it back. */
+  private changeDrive(single: Drive): void {
+    const before = this.before.get(keyOf(single));
+    if (before) before.drive = single;
+    if (!before || performance.now() - before.at > UNDERWAY) this.setDrive(single);
   }
 
   /** The last frame that came is on the screen. */
@@ -183,7 +186,12 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
     const { drive, wrong } = this.before.get(key) ?? { drive: this.drive(single), wrong: 0 };
     this.before.delete(key);
     if (!drive) return;
-    this.before.set(key, { drive, wrong: wrong + (this.canBe(single) ? 0 : 1), since: this.statuses });
+    this.before.set(key, {
+      drive,
+      wrong: wrong + (this.canBe(single) ? 0 : 1),
+      since: this.statuses,
+      at: performance.now(),
+    });
   }
 
   /** A status may have been under way when a command was sent; after the next, that was not refused. */
@@ -258,12 +266,18 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
   }
 }
 
-/** A setting as it was, how often it was set since to what it cannot be, and how many statuses had come then. */
+/** A setting as it was. */
 interface Before {
   drive: Drive;
+  /** How often it was set since to what it cannot be. */
   wrong: number;
+  /** How many statuses had come when it was set last, and when that was [ms]. */
   since: number;
+  at: number;
 }
+
+/** Time for which a message may be under way [ms]. */
+const UNDERWAY = 500;
 
 const JOINT_SETTINGS = ["position", "stiffness", "velocity", "damping"] as const;
 

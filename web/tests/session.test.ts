@@ -1,5 +1,5 @@
 import { readFileSync } from "node:fs";
-import { beforeEach, expect, test } from "vitest";
+import { beforeEach, expect, test, vi } from "vitest";
 import type { Command } from "../src/protocol";
 import { Session } from "../src/session";
 import { writeFrame } from "./frames";
@@ -148,6 +148,20 @@ test("what is refused does not undo what was set after it", () => {
   session.text('{"type":"error","message":"no","refused":"joint"}');
   expect([dof.stiffness, dof.position, dof.damping]).toEqual([stiffness, 0.25, 3]);
   expect(actuator.value).toBe(0.125);
+});
+
+test("a motor's random control that was under way does not take back what one has set", () => {
+  vi.useFakeTimers();
+  session.text(sample("scene"));
+  const actuator = session.scene?.actuators[0];
+  const changed = '{"type":"changed","commands":[{"type":"control","actuator":0,"value":-0.5}]}';
+  session.send({ type: "control", actuator: 0, value: 0.25 });
+  session.text(changed);
+  expect(actuator?.value).toBe(0.25);
+  vi.advanceTimersByTime(1000);
+  session.text(changed);
+  expect(actuator?.value).toBe(-0.5);
+  vi.useRealTimers();
 });
 
 test("what is refused is as another page has set it since, and what was accepted long ago stays", () => {
