@@ -57,7 +57,7 @@ window.bench = (name, count) => {
   for (const bytes of frames) {
     const began = performance.now();
     session.binary(bytes);
-    if (session.frame) view.current?.draw(session.frame, null);
+    if (session.frame) view.current?.draw(session.frame, null, false);
     update.push(performance.now() - began);
     view.draw(1 / 60);
     finish();

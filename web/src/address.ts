@@ -1,5 +1,5 @@
 import type { Values } from "./protocol";
-import type { Mount, Viewpoint } from "./view/camera_rig";
+import type { Carrier, Viewpoint } from "./view/camera_rig";
 
 /** What the page's address tells of it, after the `#`, so that it can be shared. */
 export interface Address {
@@ -10,11 +10,12 @@ export interface Address {
   /** First replica shown, and how many. */
   replicas: { first: number; count: number } | null;
   viewpoint: Viewpoint | null;
-  mount: { mount: Exclude<Mount, "free">; body: number } | null;
+  /** `follow` or `ride`: its body, and where told, its replica, and how one looks with its eyes. */
+  carrier: Carrier | null;
 }
 
 export function emptyAddress(): Address {
-  return { example: null, build: {}, physics: {}, replicas: null, viewpoint: null, mount: null };
+  return { example: null, build: {}, physics: {}, replicas: null, viewpoint: null, carrier: null };
 }
 
 /** Reads an address; what in it is not understood is left out. */
@@ -37,8 +38,10 @@ export function parseAddress(hash: string): Address {
     } else if (key === "view" && finite && numbers.length === 6 && numbers[5] > 0) {
       const [x, y, z, yaw, pitch, distance] = numbers;
       address.viewpoint = { target: [x, y, z], yaw, pitch, distance };
-    } else if ((key === "follow" || key === "ride") && finite && isCount(numbers[0])) {
-      address.mount = { mount: key, body: numbers[0] };
+    } else if ((key === "follow" || key === "ride") && finite && numbers.slice(0, 2).every(isCount)) {
+      const [body, world = null, ...gaze] = numbers;
+      const [yaw, pitch, field] = gaze;
+      address.carrier = { mount: key, body, world, gaze: gaze.length === 3 ? { yaw, pitch, field } : null };
     }
   }
   return address;
@@ -51,15 +54,24 @@ export function formatAddress(address: Address): string {
     for (const [name, value] of Object.entries(address[group]))
       parts.push([`${group}.${name}`, String(value)]);
   }
-  const { replicas, viewpoint, mount } = address;
+  const { replicas, viewpoint, carrier } = address;
   if (replicas) parts.push(["replicas", `${replicas.first},${replicas.count}`]);
   if (viewpoint) {
     const { target, yaw, pitch, distance } = viewpoint;
-    parts.push(["view", [...target, yaw, pitch, distance].map((x) => Number(x.toPrecision(5))).join(",")]);
+    parts.push(["view", [...target, yaw, pitch, distance].map(brief).join(",")]);
   }
-  if (mount) parts.push([mount.mount, String(mount.body)]);
+  if (carrier) {
+    const { mount, body, world, gaze } = carrier;
+    const where = world === null ? [] : [world];
+    const how = gaze && world !== null ? [gaze.yaw, gaze.pitch, gaze.field].map(brief) : [];
+    parts.push([mount, [body, ...where, ...how].join(",")]);
+  }
   // Commas and dots may stay as they are after a hash.
   return parts.map(([key, value]) => `${key}=${encodeURIComponent(value).replaceAll("%2C", ",")}`).join("&");
+}
+
+function brief(value: number): number {
+  return Number(value.toPrecision(5));
 }
 
 function isCount(value: number): boolean {

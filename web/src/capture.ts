@@ -9,6 +9,8 @@ import type { View } from "./view/view";
 const [RATE, BITS] = [60, 12e6];
 const FORMATS = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"];
 
+const NO_FILM = "This browser cannot record WebM.";
+
 /** Saves pictures, and records films to WebM. */
 export class Capture extends Emitter<{ recording: boolean }> {
   private film: MediaRecorder | null = null;
@@ -30,26 +32,41 @@ export class Capture extends Emitter<{ recording: boolean }> {
     }, "image/png");
   }
 
+  /** Whether a film is being recorded: of pictures that are drawn, hence of those that do not change, too. */
+  get filming(): boolean {
+    return this.film?.state === "recording";
+  }
+
   /** Begins a film, or ends and saves it. */
   toggleFilm(): void {
-    if (this.film) this.film.stop();
-    else this.begin();
-    this.emit("recording", this.film?.state === "recording");
+    try {
+      if (this.film) this.film.stop();
+      else this.begin();
+    } catch (error) {
+      this.film = null;
+      this.notice.tell(`No film was recorded: ${(error as Error).message}`);
+    }
+    this.emit("recording", this.filming);
   }
 
   private begin(): void {
-    const mimeType = FORMATS.find((format) => MediaRecorder.isTypeSupported(format));
-    if (!mimeType) {
-      this.notice.tell("This browser cannot record WebM.");
+    const { canvas } = this.view.stage;
+    const format = "MediaRecorder" in window && FORMATS.find((type) => MediaRecorder.isTypeSupported(type));
+    if (!format || !("captureStream" in canvas)) {
+      this.notice.tell(NO_FILM);
       return;
     }
-    const stream = this.view.stage.canvas.captureStream(RATE);
-    const recorder = new MediaRecorder(stream, { mimeType, videoBitsPerSecond: BITS });
+    const stream = canvas.captureStream(RATE);
+    const recorder = new MediaRecorder(stream, { mimeType: format, videoBitsPerSecond: BITS });
     const pieces: Blob[] = [];
     recorder.ondataavailable = ({ data }) => pieces.push(data);
+    recorder.onerror = () => this.notice.tell("The browser stopped recording the film.");
     recorder.onstop = () => {
       this.film = null;
-      save(new Blob(pieces, { type: "video/webm" }), `${this.name}.webm`);
+      this.emit("recording", false);
+      const film = new Blob(pieces, { type: "video/webm" });
+      if (film.size) save(film, `${this.name}.webm`);
+      else this.notice.tell("The film is empty: record for longer.");
     };
     recorder.start(1000);
     this.film = recorder;

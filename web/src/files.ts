@@ -1,8 +1,7 @@
 import type { Notice } from "./notice";
 import type { Skins } from "./panels/skins";
-import type { Command } from "./protocol";
 import type { Selection } from "./selection";
-import type { Session } from "./session";
+import type { Share } from "./share";
 import type { View } from "./view/view";
 
 /** What a robot's file may be called, for a file dialog. */
@@ -13,7 +12,7 @@ const LONGEST = 1 << 20;
 /** Files that are dropped anywhere on the page or chosen: robots are opened, all others are skins. */
 export class Files {
   constructor(
-    private readonly session: Session,
+    private readonly share: Share,
     private readonly view: View,
     private readonly selection: Selection,
     private readonly skins: Skins,
@@ -28,8 +27,8 @@ export class Files {
 
   /** Opens a robot file. */
   async open(file: File): Promise<void> {
-    const command: Command = { type: "file", name: file.name, text: await file.text() };
-    if (new Blob([JSON.stringify(command)]).size < LONGEST) this.session.send(command);
+    const command = { type: "file", name: file.name, text: await file.text() } as const;
+    if (new Blob([JSON.stringify(command)]).size < LONGEST) this.share.openFile(command);
     else this.notice.tell(`${file.name} is larger than 1 MB: open it with \`kinetarium view\` instead.`);
   }
 

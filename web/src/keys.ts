@@ -26,19 +26,31 @@ export function keys(page: Page): Shortcut[] {
     key(["[", "]"], "The replicas before, or after", ({ controls }, pressed) =>
       controls.leaf(pressed === "[" ? -1 : 1),
     ),
-    key(ARROWS, "Turn the view", ({ navigation }, pressed) => navigation.arrow(pressed)),
-    key(shifted(ARROWS), "Move the view", ({ navigation }, pressed) => navigation.arrow(pressed)),
+    key(ARROWS, "Turn the view; pull at what is held", ({ grabbing, navigation }, pressed) =>
+      grabbing.holds ? grabbing.arrow(pressed) : navigation.arrow(pressed),
+    ),
+    key(
+      shifted(ARROWS),
+      "Move the view; pull to and fro at what is held",
+      ({ grabbing, navigation }, pressed) =>
+        grabbing.holds ? grabbing.arrow(pressed) : navigation.arrow(pressed),
+    ),
     key(["+", "-"], "Comes closer, or goes away", ({ navigation }, pressed) =>
       navigation.step(pressed === "+"),
     ),
-    key("f", "Frames the scene, or the picked body", ({ navigation }) => navigation.frame()),
+    key("f", "Frames the scene, or the picked body; looks straight ahead", ({ navigation }) =>
+      navigation.frame(),
+    ),
     key(["j", "k"], "Picks the next body, or the one before", ({ selection }, pressed) =>
       selection.turn(pressed === "j" ? 1 : -1),
     ),
-    key("c", "Follows the picked body", ({ navigation }) => navigation.mount("follow")),
-    key("v", "Sees with the picked body's eyes", ({ navigation }) => navigation.mount("ride")),
+    key("c", "Follows the picked body, or no more", ({ navigation }) => navigation.mount("follow")),
+    key("v", "Sees with the picked body's eyes, or no more", ({ navigation }) => navigation.mount("ride")),
     key("x", "Lets the camera go", ({ navigation }) => navigation.mount("free")),
     key("u", "Pushes the picked body along the view", ({ pushing }) => pushing.pushPicked()),
+    key("h", "Holds the picked body by a spring, or lets it go", ({ grabbing, selection }) =>
+      grabbing.hold(selection.drawn),
+    ),
     key("g", "The pointer grabs bodies, or turns the view again", ({ pointing }) => pointing.toggle("grab")),
     key("p", "The pointer pushes bodies, or turns the view again", ({ pointing }) => pointing.toggle("push")),
     key("t", "Trails of none, the picked, all bodies", ({ viewPanel }) => viewPanel.turnTrails()),
@@ -51,8 +63,11 @@ export function keys(page: Page): Shortcut[] {
     key("Shift+i", "Shows or hides the panel of bodies", ({ shell }) => shell.toggleSide("right")),
     key("l", "Light, dark, or as the system says", ({ themes }) => themes.turn()),
     key("?", "This help", ({ shell }) => shell.help()),
-    key("Escape", "Picks nothing; lets tools go", ({ selection, pointing, notice }) => {
+    key("Escape", "Closes a panel over the picture; picks nothing, lets tools go", (page) => {
+      const { shell, selection, pointing, grabbing, notice } = page;
+      if (shell.closeOverlay()) return;
       selection.now = null;
+      grabbing.hold(null);
       pointing.tool = "look";
       notice.clear();
     }),

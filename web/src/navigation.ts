@@ -1,6 +1,6 @@
 import type { Selection } from "./selection";
 import type { Share } from "./share";
-import type { Mount, Viewpoint } from "./view/camera_rig";
+import type { Carrier, Mount, Viewpoint } from "./view/camera_rig";
 import type { View } from "./view/view";
 
 /** Turn of the view by a drag over the whole height of the canvas, and by a key [rad]. */
@@ -42,21 +42,32 @@ export class Navigation {
     this.zoom(closer ? 1 / KEY_ZOOM : KEY_ZOOM);
   }
 
-  /** Sees the whole scene, or the picked body. */
+  /** Sees the whole scene, or the picked body; a body's eyes look straight ahead. */
   frame(): void {
-    this.moved(() => this.view.frameScene());
+    const { rig } = this.view;
+    if (rig.mount === "ride") this.moved(() => rig.lookAhead());
+    else this.moved(() => this.view.frameScene());
   }
 
-  /** Mounts the camera on the picked body, or takes it off. */
+  /** Mounts the camera on the picked body; takes it off where it is mounted so. */
   mount(mount: Mount): void {
     const picked = this.selection.drawn;
     if (mount !== "free" && !picked) return;
-    this.moved(() => this.view.mount(mount, picked ?? undefined));
+    const wanted = mount === this.mounted ? "free" : mount;
+    this.moved(() => this.view.mount(wanted, picked ?? undefined));
   }
 
-  go(viewpoint: Viewpoint): void {
+  /** How the picked body carries the camera. */
+  get mounted(): Mount {
+    const { carried } = this.view;
+    const { now } = this.selection;
+    return carried && carried.body === now?.body && carried.world === now.world ? carried.mount : "free";
+  }
+
+  /** Goes to a viewpoint, carried by a body or by none. */
+  go(viewpoint: Viewpoint, carrier: Carrier | null = null): void {
     this.moved(() => {
-      this.view.mount("free");
+      this.view.carried = carrier;
       this.view.rig.go(viewpoint);
     });
   }

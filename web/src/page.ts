@@ -1,4 +1,5 @@
 import { Capture } from "./capture";
+import { Connection } from "./connection";
 import { Controls } from "./controls";
 import { Files } from "./files";
 import { Grabbing } from "./grabbing";
@@ -23,17 +24,18 @@ import { Selection } from "./selection";
 import type { Session } from "./session";
 import { Share } from "./share";
 import { Shell } from "./shell";
-import { listen } from "./shortcuts";
+import { Shortcuts } from "./shortcuts";
 import { Themes } from "./theme";
 import { h } from "./ui/dom";
 import { showTooltips } from "./ui/tooltip";
 import { View } from "./view/view";
 
-const AWAY = "The engine is away; the page goes on when it is back.";
+const LOST = "The browser has taken the graphics card away; the picture comes back with it.";
 
 /** The page of a session: makes its parts, joins them, and draws. */
 export class Page {
   readonly notice = new Notice();
+  readonly connection: Connection;
   readonly themes = new Themes();
   readonly controls: Controls;
   readonly selection: Selection;
@@ -42,6 +44,7 @@ export class Page {
   readonly navigation: Navigation;
   readonly pushing: Pushing;
   readonly skins: Skins;
+  readonly grabbing: Grabbing;
   readonly pointing: Pointing;
   readonly files: Files;
   readonly capture: Capture;
@@ -59,24 +62,25 @@ export class Page {
     // Who hears of a scene after the view may move the camera in it.
     this.view = new View(canvas, session);
     this.share = new Share(session, this.controls, this.view, this.notice);
+    this.connection = new Connection(session, this.share);
     this.navigation = new Navigation(this.view, this.share, this.selection);
     this.pushing = new Pushing(session, this.selection, this.view);
     this.skins = new Skins(this.view, this.selection, this.notice);
-    const grabbing = new Grabbing(session, this.controls, this.view);
-    this.pointing = new Pointing(this.view, this.navigation, this.selection, grabbing, this.pushing);
-    this.files = new Files(session, this.view, this.selection, this.skins, this.notice);
+    this.grabbing = new Grabbing(session, this.controls, this.view, this.notice);
+    this.pointing = new Pointing(this.view, this.navigation, this.selection, this.grabbing, this.pushing);
+    this.files = new Files(this.share, this.view, this.selection, this.skins, this.notice);
     this.capture = new Capture(session, this.view, this.notice);
     this.viewPanel = new ViewPanel(session, this.view, this.navigation);
     this.build = new Build(session, this.controls);
     this.timeline = new Timeline(session, this.controls);
-    this.plots = new Plots(session);
-    const shortcuts = keys(this);
+    this.plots = new Plots(session, this.notice);
+    const shortcuts = new Shortcuts(keys(this), canvas);
     const toolbar = new Toolbar(this, () => this.shell);
     this.shell = new Shell({
       toolbar: toolbar.element,
       ...this.panels(),
       canvas,
-      over: [this.viewPanel.inset, this.skins.legend, this.notice.element],
+      over: [this.viewPanel.inset, this.skins.legend, this.connection.element, this.notice.element],
       plots: this.plots.element,
       timeline: this.timeline.element,
       help: helpDialog(shortcuts),
@@ -84,7 +88,6 @@ export class Page {
     this.join();
     toolbar.shown(this.shell.shown);
     this.shell.on("shown", (shown) => toolbar.shown(shown));
-    listen(shortcuts);
     showTooltips();
     requestAnimationFrame((now) => this.draw(now, now));
   }
@@ -99,7 +102,7 @@ export class Page {
         Physics: new Physics(session, share).element,
       },
       right: {
-        Body: new BodyPanel(session, this.selection, this.pushing, this.navigation).element,
+        Body: new BodyPanel(session, this.selection, this.pushing, this.navigation, this.view).element,
         "Joints and actuators": new Drives(session, controls).element,
         View: this.viewPanel.element,
         Skin: this.skins.element,
@@ -114,15 +117,20 @@ export class Page {
       view.pick = selection.drawn;
     };
     selection.on("change", mark);
+    selection.on("change", (selected) => {
+      const body = selected && session.scene?.bodies[selected.body];
+      notice.say(body ? `Picked: ${body.name || `body ${selected.body}`}` : "");
+    });
     session.on("shown", mark);
     session.on("scene", ({ title }) => {
       document.title = `${title} – Kinetarium`;
     });
     session.on("error", (reason) => notice.tell(reason));
-    session.on("connected", (connected) => {
-      if (connected) notice.clear(AWAY);
-      // The engine's last words say more.
-      else if (!notice.shown) notice.tell(AWAY);
+    const { canvas } = view.stage;
+    canvas.addEventListener("webglcontextlost", () => notice.tell(LOST));
+    canvas.addEventListener("webglcontextrestored", () => {
+      view.restore();
+      notice.clear(LOST);
     });
     const dress = () => {
       view.theme = themes.now;
@@ -136,8 +144,9 @@ export class Page {
   /** Draws what changed, again and again. */
   private draw(now: number, before: number): void {
     requestAnimationFrame((next) => this.draw(next, now));
+    if (this.capture.filming) this.view.invalidate();
     if (this.view.draw(Math.min((now - before) / 1000, 0.1))) {
-      this.skins.readScale();
+      this.skins.readScales();
       this.session.drawn();
     }
     this.plots.draw();

@@ -1,12 +1,14 @@
 import { type Address, emptyAddress, formatAddress, parseAddress } from "./address";
 import type { Controls } from "./controls";
 import type { Notice } from "./notice";
-import type { Field, Scene, Values } from "./protocol";
+import type { Command, Field, Scene, Values } from "./protocol";
 import type { Session } from "./session";
 import type { View } from "./view/view";
 
 /** Time after the last change until the address tells it [ms]. */
 const WAIT = 300;
+
+type FileCommand = Extract<Command, { type: "file" }>;
 
 const COPIED = "The address is copied.";
 
@@ -25,6 +27,12 @@ export class Share {
   /** Whether the next scene is the one that the engine has when the page comes to it. */
   private greeted = false;
   private timer: ReturnType<typeof setTimeout> | undefined;
+  /** Robot files that were opened here, by their names: they can be opened again. */
+  readonly files = new Map<string, FileCommand>();
+  /** The file that was sent, until its scene is here. */
+  private sent: FileCommand | null = null;
+  /** Whether what is opened becomes a step of the browser's history, to which one can go back. */
+  private stepping = false;
 
   constructor(
     private readonly session: Session,
@@ -48,9 +56,16 @@ export class Share {
       for (const setting of settings) if (setting.type === "physics") this.tellPhysics(setting.values);
     });
     session.on("error", () => {
-      this.opening = null;
+      this.opening = this.sent = null;
+      this.stepping = false;
+    });
+    // Addresses tell no file; steps of the history do.
+    addEventListener("popstate", ({ state }) => {
+      const file = this.files.get(state?.file);
+      if (file) this.send(file);
     });
     addEventListener("hashchange", ({ newURL }) => {
+      if (this.sent) return;
       // The address itself may have been written anew since, before this event came.
       this.address = parseAddress(new URL(newURL).hash);
       // What names no example is about the scene that is shown.
@@ -58,10 +73,32 @@ export class Share {
     });
   }
 
+  /** Whether an example was asked for that is not yet here. */
+  get awaits(): boolean {
+    return this.opening !== null;
+  }
+
   /** Opens an example as it is. */
   openExample(name: string): void {
-    this.address = { ...emptyAddress(), example: name };
+    this.stepping = true;
+    this.openPlain(name);
+  }
+
+  private openPlain(example: string): void {
+    this.address = { ...emptyAddress(), example };
     this.open();
+  }
+
+  /** Opens a robot file. */
+  openFile(file: FileCommand): void {
+    this.stepping = true;
+    this.send(file);
+  }
+
+  private send(file: FileCommand): void {
+    this.opening = null;
+    this.sent = file;
+    this.session.send(file);
   }
 
   /** Physics that the user has set. */
@@ -85,15 +122,14 @@ export class Share {
       this.soon();
     } else if (type === "open" && example !== null && this.opening === example) {
       // An example that was to be built in a way it is not comes as it is.
-      if (Object.keys({ ...physics, ...build }).length) this.openExample(example);
+      if (Object.keys({ ...physics, ...build }).length) this.openPlain(example);
     }
   }
 
   /** The camera moved. */
   moved(): void {
-    const { rig, carried } = this.view;
-    this.address.viewpoint = rig.viewpoint;
-    this.address.mount = rig.mount === "free" ? null : { mount: rig.mount, body: carried.body };
+    this.address.viewpoint = this.view.rig.viewpoint;
+    this.address.carrier = this.view.carried;
     this.soon();
   }
 
@@ -124,17 +160,29 @@ export class Share {
   }
 
   /**
-   * The scene that the engine has when the page comes, which gives way to the address's; or when the page comes back.
-   * Then it goes on, since others may watch it, unless the engine began anew, with other numbers of scenes.
+   * The scene that the engine has when the page comes, which gives way to the address's unless it is that; or when the
+   * page comes back. Then it goes on, since others may watch it, unless the engine began anew, with other numbers of
+   * scenes.
    */
   private greet(scene: Scene): void {
     const wentOn = this.last !== null && scene.id >= this.last;
-    if (wentOn || !this.open()) this.scene(scene);
+    if (wentOn || this.tells(scene) || !this.open()) this.scene(scene);
+  }
+
+  /** Whether the address tells of this scene: its example, built as it is, under the physics that is told. */
+  private tells({ name, build, physics }: Scene): boolean {
+    const { address } = this;
+    const example = this.session.examples.find((each) => each.name === name);
+    if (!example || address.example !== name) return false;
+    const values = Object.fromEntries(example.build.map((field) => [field.name, field.value]));
+    return agree({ ...values, ...address.build }, build) && agree(address.physics, physics);
   }
 
   private scene(scene: Scene): void {
     if (this.opening !== null && this.opening !== scene.name) return;
     this.opening = null;
+    if (this.sent?.name === scene.name) this.files.set(scene.name, this.sent);
+    this.sent = null;
     const example = this.session.examples.find(({ name }) => name === scene.name);
     const first = this.showing === null;
     const told = this.address.example ?? this.showing ?? scene.name;
@@ -152,10 +200,10 @@ export class Share {
 
   /** Sees a scene as the address says. */
   private look(scene: Scene): void {
-    const { replicas, viewpoint, mount } = this.address;
+    const { replicas, viewpoint, carrier } = this.address;
     if (replicas && !sameReplicas(scene.shown, replicas)) this.controls.show(replicas.first, replicas.count);
-    if (mount && scene.bodies[mount.body]) this.view.mount(mount.mount, { row: 0, body: mount.body });
-    else this.address.mount = null;
+    if (carrier && scene.bodies[carrier.body]) this.view.carried = carrier;
+    else this.address.carrier = null;
     if (viewpoint) this.view.lookFrom(viewpoint);
   }
 
@@ -163,6 +211,7 @@ export class Share {
     // Those that a scene comes with are nobody's choice.
     if (this.opening !== null || worlds === this.session.scene?.shown) return;
     this.address.replicas = { first: worlds[0] ?? 0, count: worlds.length };
+    if (this.address.carrier) this.address.carrier = this.view.carried;
     this.soon();
   }
 
@@ -172,8 +221,18 @@ export class Share {
   }
 
   private write(): void {
-    history.replaceState(null, "", `#${formatAddress(this.address)}`);
+    const address = `#${formatAddress(this.address)}`;
+    const file = this.showing !== null && this.files.has(this.showing) ? this.showing : null;
+    if (this.stepping) history.pushState({ file }, "", address);
+    else history.replaceState({ file }, "", address);
+    this.stepping = false;
   }
+}
+
+/** Whether fields have these values. */
+function agree(values: Values, fields: Field[]): boolean {
+  const now = new Map(fields.map(({ name, value }) => [name, value]));
+  return Object.entries(values).every(([name, value]) => now.get(name) === value);
 }
 
 function sameReplicas(worlds: number[], { first, count }: { first: number; count: number }): boolean {

@@ -1,4 +1,5 @@
 import { Emitter } from "./emitter";
+import { keep, recall } from "./store";
 import { h, section } from "./ui/dom";
 
 /** Narrower than this, a panel lies over the picture [px]. */
@@ -35,8 +36,11 @@ export class Shell extends Emitter<{ shown: Record<Part, boolean> }> {
       left: side("left", "Scene", parts.left),
       right: side("right", "Inspect", parts.right),
     };
-    this.sides.left.hidden = this.sides.right.hidden = innerWidth < NARROW;
-    parts.plots.hidden = innerHeight < LOW || innerWidth < NARROW;
+    const kept = roomy() ? recall<Partial<Record<Part, boolean>>>("parts", {}) : {};
+    const wide = innerWidth >= NARROW;
+    this.sides.left.hidden = !(kept.left ?? wide);
+    this.sides.right.hidden = !(kept.right ?? wide);
+    parts.plots.hidden = !(kept.plots ?? roomy());
     const picture = h("main", { class: "picture" }, parts.canvas, ...parts.over);
     const center = h("div", { class: "center" }, picture, parts.plots);
     document.body.append(
@@ -53,11 +57,27 @@ export class Shell extends Emitter<{ shown: Record<Part, boolean> }> {
     const [wanted, other] = which === "left" ? [left, right] : [right, left];
     wanted.hidden = !wanted.hidden;
     if (innerWidth < NARROW) other.hidden = true;
-    this.emit("shown", this.shown);
+    this.tell();
   }
 
   togglePlots(): void {
     this.parts.plots.hidden = !this.parts.plots.hidden;
+    this.tell();
+  }
+
+  /** Hides a side that lies over the picture. Returns whether there was one. */
+  closeOverlay(): boolean {
+    const { left, right } = this.sides;
+    const open = [left, right].find((side) => !side.hidden);
+    if (innerWidth >= NARROW || !open) return false;
+    open.hidden = true;
+    this.parts.canvas.focus();
+    this.tell();
+    return true;
+  }
+
+  private tell(): void {
+    if (roomy()) keep("parts", this.shown);
     this.emit("shown", this.shown);
   }
 
@@ -69,6 +89,11 @@ export class Shell extends Emitter<{ shown: Record<Part, boolean> }> {
   help(): void {
     this.parts.help.showModal();
   }
+}
+
+/** Whether there is room for everything at once: then what is hidden was not wanted. */
+function roomy(): boolean {
+  return innerWidth >= NARROW && innerHeight >= LOW;
 }
 
 function side(which: Side, label: string, sections: Record<string, HTMLElement>): HTMLElement {

@@ -1,3 +1,5 @@
+import { keep, recall } from "./store";
+
 /** A key, what it does, and how it is called in the help. */
 export interface Shortcut {
   /** As `KeyboardEvent.key`; letters match whatever the case, `Shift+` tells them apart. */
@@ -31,26 +33,60 @@ export function keyOf(event: Pick<KeyboardEvent, "key" | "code" | "shiftKey">): 
   return event.shiftKey && (letter || event.key.startsWith("Arrow")) ? `Shift+${name}` : name;
 }
 
-/** Listens to the keys of the page, except where an element needs them itself. */
-export function listen(shortcuts: Shortcut[]): void {
-  const acts = new Map(
-    shortcuts.flatMap((shortcut) => shortcut.keys.map((key) => [key, shortcut.act] as const)),
-  );
-  addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
-    const key = keyOf(event);
-    if (needsItself(event.target as Element, key)) return;
-    const act = acts.get(key);
-    if (!act) return;
-    event.preventDefault();
-    act(key, event);
-  });
+/** Whether a key writes something: a letter, a digit or a sign. */
+export function isCharacter(key: string): boolean {
+  const last = key.replace(/^Shift\+/, "");
+  return last.length === 1 && last !== " ";
 }
 
-function needsItself(element: Element, key: string): boolean {
+/** Listens to the keys of the page, except where an element needs them itself. */
+export class Shortcuts {
+  /** Whether letters, digits and signs act anywhere; else only where the picture has the focus. */
+  private everywhere = recall("keys", true);
+  /** What the keyboard has brought the focus to; a key pressed after a click makes that :focus-visible, too. */
+  private reached: EventTarget | null = null;
+
+  constructor(
+    readonly list: Shortcut[],
+    private readonly picture: Element,
+  ) {
+    const acts = new Map(
+      list.flatMap((shortcut) => shortcut.keys.map((key) => [key, shortcut.act] as const)),
+    );
+    addEventListener("focusin", ({ target }) => {
+      this.reached = (target as Element).matches(":focus-visible") ? target : null;
+    });
+    addEventListener("keydown", (event) => {
+      if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
+      const key = keyOf(event);
+      const target = event.target as Element;
+      if (needsItself(target, key, target === this.reached)) return;
+      if (isCharacter(key) && !this.everywhere && target !== this.picture) return;
+      const act = acts.get(key);
+      if (!act) return;
+      event.preventDefault();
+      act(key, event);
+    });
+  }
+
+  get anywhere(): boolean {
+    return this.everywhere;
+  }
+
+  set anywhere(anywhere: boolean) {
+    this.everywhere = anywhere;
+    keep("keys", anywhere);
+  }
+}
+
+function needsItself(element: Element, key: string, reached: boolean): boolean {
   if (document.querySelector("dialog[open]")) return true;
-  if (key === "Escape") return false;
-  if (element.matches("input[type=checkbox], button, summary")) return key === " " || key === "Enter";
+  // It closes what is open over the page, and nothing else.
+  if (key === "Escape") return document.querySelector("[popover=auto]:popover-open") !== null;
+  if (element.matches("input[type=checkbox], button, summary")) {
+    // What a mouse has pressed is not pressed again.
+    return (key === " " || key === "Enter") && reached;
+  }
   if (element.matches("input[type=range]")) return key.includes("Arrow") || key === " ";
   return element.matches("input, select, textarea");
 }

@@ -16,6 +16,11 @@ export class Themes extends Emitter<{ change: Theme }> {
     this.apply();
   }
 
+  /** What is chosen. */
+  get chosen(): (typeof CHOICES)[number] {
+    return this.choice;
+  }
+
   get now(): Theme {
     if (this.choice !== "system") return this.choice;
     return this.system.matches ? "dark" : "light";

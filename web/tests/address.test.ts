@@ -7,7 +7,7 @@ const full: Address = {
   physics: { gravity: -1.62, substeps: 4 },
   replicas: { first: 3, count: 4 },
   viewpoint: { target: [0, 1.5, -0.25], yaw: 0.6, pitch: 0.35, distance: 7.5 },
-  mount: { mount: "follow", body: 2 },
+  carrier: { mount: "follow", body: 2, world: null, gaze: null },
 };
 
 test("an address is read as it was written", () => {
@@ -17,6 +17,15 @@ test("an address is read as it was written", () => {
       "&view=0,1.5,-0.25,0.6,0.35,7.5&follow=2",
   );
   expect(parseAddress(`#${hash}`)).toEqual(full);
+});
+
+test("a body's eyes are told with its replica, and how they look", () => {
+  const gaze = { yaw: -1.5708, pitch: 0.25, field: 35 };
+  const carrier = { mount: "ride", body: 2, world: 7, gaze } as const;
+  const hash = formatAddress({ ...emptyAddress(), carrier });
+  expect(hash).toBe("ride=2,7,-1.5708,0.25,35");
+  expect(parseAddress(hash).carrier).toEqual(carrier);
+  expect(parseAddress("follow=2,7").carrier).toEqual({ mount: "follow", body: 2, world: 7, gaze: null });
 });
 
 test("names may hold what addresses do not", () => {

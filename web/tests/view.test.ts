@@ -10,7 +10,7 @@ import { Trails } from "../src/view/overlays/trails";
 import { isFloor, PartMaker } from "../src/view/parts";
 import { Poses } from "../src/view/poses";
 import { Forms, sides } from "../src/view/shape_geometry";
-import { Gauges, viridis } from "../src/view/skins/gauges";
+import { Gauge, viridis } from "../src/view/skins/gauges";
 import { Wardrobe } from "../src/view/skins/skin";
 import { writeFrame } from "./frames";
 
@@ -104,7 +104,15 @@ describe("parts", () => {
     expect(wardrobe.of(0).kind).toBe("color");
     expect(wardrobe.of(1).kind).toBe("gauge");
     expect(wardrobe.of(-1).kind).toBe("plain");
-    expect(wardrobe.gauge).toBe("speed");
+    expect([...wardrobe.gauges]).toEqual(["speed"]);
+  });
+  test("gauges are read apart, and what one body wears is forgotten alone", () => {
+    const wardrobe = new Wardrobe();
+    wardrobe.dressAll({ kind: "gauge", gauge: "height" });
+    wardrobe.dress(0, { kind: "gauge", gauge: "speed" });
+    expect([...wardrobe.gauges]).toEqual(["height", "speed"]);
+    wardrobe.undress();
+    expect(wardrobe.of(0)).toEqual({ kind: "gauge", gauge: "height" });
   });
   test("forms that differ by a scaling share their triangles", () => {
     const forms = new Forms(12);
@@ -148,18 +156,18 @@ describe("gauges", () => {
     readFrame(writeFrame({ worlds: 1, bodies: 1, poses: [x, 0.5, 0, 0, 0, 0, 1], time }));
 
   test("speed is the way between frames, by the time", () => {
-    const gauges = new Gauges(scene());
-    gauges.update("speed", at(0, 0));
-    gauges.update("speed", at(0.5, 0.25));
-    expect(gauges.range).toEqual([0, 2]);
-    expect(gauges.color(0, 0, new Color()).getHexString()).toBe("fde725");
+    const gauge = new Gauge(scene(), "speed");
+    gauge.update(at(0, 0));
+    gauge.update(at(0.5, 0.25));
+    expect(gauge.range).toEqual([0, 2]);
+    expect(gauge.color(0, 0, new Color()).getHexString()).toBe("fde725");
   });
   test("force is the sum of a body's contacts", () => {
-    const gauges = new Gauges(scene());
+    const gauge = new Gauge(scene(), "force");
     const contact = [0, 0, 0, 0, 3, 4, 0, 0, 0, 2];
     const frame = writeFrame({ worlds: 1, bodies: 1, poses: pose, contacts: [...contact, ...contact] });
-    gauges.update("force", readFrame(frame));
-    expect(gauges.range[1]).toBeCloseTo(10);
+    gauge.update(readFrame(frame));
+    expect(gauge.range[1]).toBeCloseTo(10);
   });
   test("the scale goes from dark to bright", () => {
     expect(viridis(-1, new Color()).getHexString()).toBe("440154");

@@ -22,7 +22,11 @@ interface Driven {
 
 /** Sliders of actuators, and of what drives degrees of freedom. They stay while the joints do. */
 export class Drives {
-  readonly element = h("div", { class: "drives" });
+  readonly element: HTMLElement;
+  private readonly list = h("div", { class: "drives" });
+  /** Stays when the list is made anew, and keeps the focus. */
+  private readonly more: Checkbox;
+  private readonly none = h("p", { class: "muted" }, "Nothing here can be driven.");
   private readouts: [output: HTMLElement, driven: Driven][] = [];
   /** Controls, and what of a scene they show. */
   private shown: [control: SliderControl, read: (scene: Scene) => number][] = [];
@@ -33,6 +37,13 @@ export class Drives {
     private readonly session: Session,
     private readonly controls: Controls,
   ) {
+    this.more = new Checkbox("All joints", "Sliders for every degree of freedom.", (on) => {
+      this.all = on;
+      if (!session.scene) return;
+      this.make(session.scene);
+      this.set(session.scene);
+    });
+    this.element = h("div", {}, this.list, this.more.element, this.none);
     session.on("scene", (scene) => this.show(scene));
     session.on("changed", () => this.set(session.scene));
     session.on("frame", (frame) => this.read(frame));
@@ -59,20 +70,14 @@ export class Drives {
     this.shown = [];
     const driven = drivenDofs(scene);
     const wanted = driven.filter(({ dof }) => this.all || dof.sliders);
-    const more = new Checkbox("All joints", "Sliders for every degree of freedom.", (on) => {
-      this.all = on;
-      this.make(scene);
-      this.show(scene);
-    });
-    more.on = this.all;
-    const some = driven.some(({ dof }) => !dof.sliders);
-    const none = driven.length + scene.actuators.length === 0;
-    this.element.replaceChildren(
+    this.list.replaceChildren(
       ...scene.actuators.map((_, row) => this.actuator(scene, row)),
       ...wanted.map((each) => this.dof(each)),
-      ...(some ? [more.element] : []),
-      ...(none ? [h("p", { class: "muted" }, "Nothing here can be driven.")] : []),
     );
+    this.list.hidden = scene.actuators.length + wanted.length === 0;
+    this.more.on = this.all;
+    this.more.element.hidden = driven.every(({ dof }) => dof.sliders);
+    this.none.hidden = driven.length + scene.actuators.length > 0;
     // The next frame may be long in coming.
     if (this.session.frame) this.read(this.session.frame);
   }

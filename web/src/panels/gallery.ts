@@ -6,6 +6,8 @@ import { button, h } from "../ui/dom";
 /** What can be opened: examples, and robots of files. */
 export class Gallery {
   readonly element: HTMLElement;
+  /** Files that are listed. */
+  private shown = new Set<string>();
   private readonly list = h("ul", { class: "gallery", "aria-label": "Examples" });
 
   constructor(
@@ -23,29 +25,23 @@ export class Gallery {
     const choose = button("Open a robot file…", help, () => input.click());
     this.element = h("div", {}, this.list, h("div", { class: "bar" }, choose, input));
     session.on("examples", () => this.show());
-    session.on("scene", () => this.mark());
+    session.on("scene", ({ name }) => {
+      if (share.files.has(name) && !this.shown.has(name)) this.show();
+      else this.mark();
+    });
   }
 
   private show(): void {
-    const items = this.session.examples.map(({ name, title, about }) =>
-      h(
-        "li",
-        {},
-        h(
-          "button",
-          {
-            type: "button",
-            class: "example",
-            "data-name": name,
-            onclick: () => this.share.openExample(name),
-          },
-          h("strong", {}, title),
-          h("span", {}, about),
-        ),
+    const { examples } = this.session;
+    const files = [...this.share.files.values()];
+    this.shown = new Set(files.map(({ name }) => name));
+    this.list.replaceChildren(
+      ...examples.map(({ name, title, about }) =>
+        entry(name, title, about, () => this.share.openExample(name)),
       ),
+      ...files.map((file) => entry(file.name, file.name, "Your file.", () => this.share.openFile(file))),
     );
-    this.list.replaceChildren(...items);
-    this.element.hidden = items.length === 0;
+    this.element.hidden = examples.length === 0;
     this.mark();
   }
 
@@ -57,4 +53,9 @@ export class Gallery {
       if (current) this.list.scrollTop = item.offsetTop - this.list.clientHeight / 2;
     }
   }
+}
+
+function entry(name: string, title: string, about: string, open: () => void): HTMLElement {
+  const attributes = { type: "button", class: "example", "data-name": name, onclick: open };
+  return h("li", {}, h("button", attributes, h("strong", {}, title), h("span", {}, about)));
 }

@@ -1,3 +1,4 @@
+import type { Notice } from "../notice";
 import { Chart, LINES } from "../plots/chart";
 import { History } from "../plots/history";
 import type { Quantity } from "../protocol";
@@ -7,6 +8,8 @@ import { shownIn } from "../ui/units";
 
 /** At most so many quantities are plotted. */
 const MOST = 16;
+/** Time within which the engine takes up what was chosen [ms]; until then it tells of what was before. */
+const TAKEN_UP = 1000;
 const WINDOWS: [number, string][] = [
   [2, "2 s"],
   [10, "10 s"],
@@ -25,8 +28,15 @@ export class Plots {
   private factors: number[] = [];
   private window = 10;
   private stale = true;
+  /** The boxes of the chooser, by quantities. */
+  private boxes: Checkbox[] = [];
+  /** What was chosen here and the engine has not yet told of, and when. */
+  private asked: { quantities: number[]; at: number } | null = null;
 
-  constructor(private readonly session: Session) {
+  constructor(
+    private readonly session: Session,
+    private readonly notice: Notice,
+  ) {
     const choose = h("button", { type: "button", "data-help": "Which quantities are plotted." }, "Choose…");
     choose.popoverTargetElement = this.chooser;
     const span = new Select("Time shown", "How much of the past is shown.", WINDOWS, (window) => {
@@ -38,17 +48,13 @@ export class Plots {
     this.element = h("section", { class: "plots", "aria-label": "Plots" }, bar, this.charts, this.chooser);
     session.on("scene", ({ plots, quantities }) => {
       this.history.clear();
-      this.list(quantities, plots.slice(0, MOST));
+      this.asked = null;
+      this.list(quantities);
       this.arrange(plots.slice(0, MOST));
     });
     session.on("frame", () => this.sample());
     session.on("status", ({ running, time, recorded, plots }) => {
-      const { scene } = session;
-      // Another page may have chosen them.
-      if (scene && !same(plots, this.history.quantities)) {
-        this.list(scene.quantities, plots);
-        this.arrange(plots);
-      }
+      this.hear(plots);
       // Not every step is recorded; the present one is told in any case.
       if (!running) this.history.cut(Math.max(recorded[1], time) + 1e-9);
       this.stale = true;
@@ -98,13 +104,32 @@ export class Plots {
     );
   }
 
-  private choose(quantities: number[]): void {
+  /** Takes up what is plotted: another page may have chosen it. */
+  private hear(plots: number[]): void {
+    const { asked } = this;
+    if (asked && !same(plots, asked.quantities) && performance.now() - asked.at < TAKEN_UP) return;
+    this.asked = null;
+    if (this.session.scene && !same(plots, this.history.quantities)) this.arrange(plots);
+  }
+
+  private choose(quantity: number, on: boolean): void {
+    const now = this.history.quantities;
+    const quantities = on ? [...now, quantity] : now.filter((other) => other !== quantity);
+    if (quantities.length > MOST) {
+      this.boxes[quantity].on = false;
+      this.notice.tell(`At most ${MOST} quantities are plotted: take one away first.`);
+      return;
+    }
+    this.asked = { quantities, at: performance.now() };
     this.session.send({ type: "plot", quantities });
     this.arrange(quantities);
   }
 
   private arrange(chosen: number[]): void {
     const all = this.session.scene?.quantities ?? [];
+    this.boxes.forEach((box, quantity) => {
+      box.on = chosen.includes(quantity);
+    });
     this.history.choose(chosen);
     this.factors = chosen.map((quantity) => shownIn(all[quantity].unit).factor);
     const units = Map.groupBy(chosen, (quantity) => shownIn(all[quantity].unit).unit);
@@ -129,33 +154,27 @@ export class Plots {
     this.stale = true;
   }
 
-  private list(quantities: Quantity[], chosen: number[]): void {
+  private list(quantities: Quantity[]): void {
     const groups = Map.groupBy(quantities.keys(), (row) => quantities[row].group);
     const find = h("input", {
       type: "search",
       placeholder: "Find a quantity",
       "aria-label": "Find a quantity",
     });
-    const wanted = new Set(chosen);
-    const boxes: [HTMLElement, string][] = [];
+    this.boxes = quantities.map((quantity, row) => {
+      const { label } = quantity;
+      const { unit } = shownIn(quantity.unit);
+      return new Checkbox(unit ? `${label} [${unit}]` : label, "", (on) => this.choose(row, on));
+    });
     const sections = [...groups].map(([group, rows]) => {
-      const items = rows.map((row) => {
-        const { label } = quantities[row];
-        const { unit } = shownIn(quantities[row].unit);
-        const box: Checkbox = new Checkbox(unit ? `${label} [${unit}]` : label, "", (on) => {
-          if (on && wanted.size >= MOST) box.on = false;
-          else if (on) wanted.add(row);
-          else wanted.delete(row);
-          this.choose([...wanted]);
-        });
-        box.on = wanted.has(row);
-        boxes.push([box.element, label.toLowerCase()]);
-        return box.element;
-      });
+      const items = rows.map((row) => this.boxes[row].element);
       return h("fieldset", {}, h("legend", {}, group), ...items);
     });
     find.addEventListener("input", () => {
-      for (const [element, label] of boxes) element.hidden = !label.includes(find.value.toLowerCase());
+      const wanted = find.value.toLowerCase();
+      this.boxes.forEach(({ element }, row) => {
+        element.hidden = !quantities[row].label.toLowerCase().includes(wanted);
+      });
     });
     const unlisted = this.session.scene?.unlisted;
     const cut = unlisted ? [h("p", { class: "muted" }, unlisted)] : [];

@@ -4,7 +4,7 @@ import type { Selection } from "../selection";
 import { h, Select } from "../ui/dom";
 import { short } from "../ui/format";
 import { SKIN_FILES, skinOfFile } from "../view/skins/files";
-import { GAUGES, type GaugeName, SCALE } from "../view/skins/gauges";
+import { GAUGES, type Gauge, type GaugeName, SCALE } from "../view/skins/gauges";
 import type { Skin } from "../view/skins/skin";
 import type { View } from "../view/view";
 
@@ -20,17 +20,36 @@ const CHOICES: [Choice, string][] = [
   ["file", "Picture or model…"],
 ];
 
+/** The scale of one gauge. */
+class Scale {
+  private readonly ends = [h("span"), h("span")];
+  readonly element = h(
+    "div",
+    { class: "scale" },
+    h("div", { class: "ramp", style: `background:${SCALE}` }),
+    ...this.ends,
+  );
+
+  constructor(private readonly name: GaugeName) {}
+
+  show([low, high]: readonly number[]): void {
+    const { label, unit } = GAUGES[this.name];
+    this.ends[0].textContent = `${label} ${short(low, 2)}`;
+    this.ends[1].textContent = `${short(high, 2)} ${unit}`;
+  }
+}
+
 /** What the picked body wears, or all of them where none is picked. */
 export class Skins {
   readonly element: HTMLElement;
-  /** The scale of colours that follow a state, for a corner of the picture. */
-  readonly legend: HTMLElement;
+  /** The scales of colours that follow a state, for a corner of the picture. */
+  readonly legend = h("div", { class: "scales", hidden: true });
+  private readonly scales = new Map<GaugeName, Scale>();
   private readonly kind: Select<Choice>;
   private readonly color = h("input", { type: "color", value: "#4c8dd6", "aria-label": "Colour" });
   private readonly file = h("input", { type: "file", accept: SKIN_FILES, hidden: true });
   private readonly size: Select<boolean>;
   private readonly who = h("span", { class: "muted" });
-  private readonly ends = [h("span"), h("span")];
 
   constructor(
     private readonly view: View,
@@ -63,25 +82,25 @@ export class Skins {
       this.file,
       h("p", { class: "muted" }, "A GLB model or a picture can also be dropped on a body."),
     );
-    this.legend = h(
-      "div",
-      { class: "scale", hidden: true },
-      h("div", { class: "ramp", style: `background:${SCALE}` }),
-      ...this.ends,
-    );
     selection.on("change", () => this.show());
     this.show();
   }
 
-  /** Reads the scale of what is drawn. */
-  readScale(): void {
-    const { gauge } = this.view.wardrobe;
-    this.legend.hidden = gauge === null;
-    if (!gauge || !this.view.current) return;
-    const { label, unit } = GAUGES[gauge];
-    const [low, high] = this.view.current.gauges.range;
-    this.ends[0].textContent = `${label} ${short(low, 2)}`;
-    this.ends[1].textContent = `${short(high, 2)} ${unit}`;
+  /** Reads the scales of what is drawn. */
+  readScales(): void {
+    const gauges = this.view.current?.gauges ?? new Map<GaugeName, Gauge>();
+    this.legend.hidden = gauges.size === 0;
+    for (const [name, scale] of this.scales) {
+      if (gauges.has(name)) continue;
+      scale.element.remove();
+      this.scales.delete(name);
+    }
+    for (const [name, { range }] of gauges) {
+      const scale = this.scales.get(name) ?? new Scale(name);
+      if (!this.scales.has(name)) this.legend.append(scale.element);
+      this.scales.set(name, scale);
+      scale.show(range);
+    }
   }
 
   /** Dresses the picked body with a file. */
@@ -115,7 +134,6 @@ export class Skins {
     else this.view.wardrobe.dress(body, skin);
     this.view.dress();
     this.show();
-    this.readScale();
   }
 
   private resize(fitted: boolean): void {

@@ -1,6 +1,7 @@
 import type { Page } from "../page";
 import type { Tool } from "../pointing";
 import type { Part } from "../shell";
+import type { Themes } from "../theme";
 import { h, Select } from "../ui/dom";
 import { type IconName, icon } from "../ui/icons";
 import { Replicas } from "./replicas";
@@ -27,9 +28,10 @@ export class Toolbar {
   /** Of what can be shown or hidden. */
   private readonly parts: Record<Part, HTMLButtonElement>;
   private readonly record: HTMLButtonElement;
+  private readonly theme: HTMLButtonElement;
 
   constructor(page: Omit<Page, "shell">, shell: () => Page["shell"]) {
-    const { session, controls, capture, pointing, view } = page;
+    const { session, controls, capture, pointing, themes } = page;
     this.run = iconButton("run", "Run", "Runs or stops. (Space)", () => controls.toggle());
     this.run.classList.add("primary", "run");
     const help = "Simulated seconds a second; the fastest is what the machine can.";
@@ -43,6 +45,7 @@ export class Toolbar {
     ]);
     const film = "Records a film, as WebM. (Shift+S)";
     this.record = iconButton("record", "Record", film, () => capture.toggleFilm());
+    this.theme = iconButton("theme", "Theme", "", () => themes.turn());
     for (const button of [...this.tools.values(), this.record]) button.setAttribute("aria-pressed", "false");
     this.parts = {
       left: iconButton("left", "Scene", "Shows or hides the scene's panel. (Shift+E)", () =>
@@ -57,15 +60,8 @@ export class Toolbar {
       "header",
       { class: "toolbar", "aria-label": "Simulation" },
       this.parts.left,
-      h("strong", { class: "brand" }, "Kinetarium"),
-      group(
-        this.run,
-        iconButton("restart", "Restart", "The initial state. (R)", () => controls.restart()),
-      ),
-      stepButtons((steps) => controls.step(steps)),
-      group(this.speed.element),
-      new Replicas(session, controls, view).element,
-      group(h("span", { class: "joined" }, ...this.tools.values())),
+      h("h1", { class: "brand" }, "Kinetarium"),
+      this.engineControls(page),
       h("span", { class: "space" }),
       this.pageButtons(page, shell),
     );
@@ -76,7 +72,42 @@ export class Toolbar {
     pointing.on("tool", (tool) => {
       for (const [name, button] of this.tools) button.setAttribute("aria-pressed", String(name === tool));
     });
+    themes.on("change", () => this.showTheme(themes.chosen));
+    this.showTheme(themes.chosen);
     capture.on("recording", (recording) => this.record.setAttribute("aria-pressed", String(recording)));
+  }
+
+  /** What is of no use while the engine is away. */
+  private engineControls({ session, controls, view, build, connection }: Omit<Page, "shell">): HTMLElement {
+    const rebuild = iconButton("rebuild", "Rebuild", "Builds the scene with the panel's values. (B)", () =>
+      build.rebuild(),
+    );
+    const element = h(
+      "fieldset",
+      { class: "contents engine", "aria-label": "Engine", disabled: true },
+      group(
+        this.run,
+        iconButton("restart", "Restart", "The initial state. (R)", () => controls.restart()),
+        rebuild,
+      ),
+      stepButtons((steps) => controls.step(steps)),
+      group(this.speed.element),
+      new Replicas(session, controls, view).element,
+      group(h("span", { class: "joined" }, ...this.tools.values())),
+    );
+    session.on("scene", ({ build }) => {
+      rebuild.disabled = build.length === 0;
+    });
+    connection.on("here", (here) => {
+      element.disabled = !here;
+    });
+    return element;
+  }
+
+  private showTheme(chosen: Themes["chosen"]): void {
+    const now = chosen === "system" ? "as the system says" : chosen;
+    this.theme.setAttribute("aria-label", `Theme: ${now}`);
+    this.theme.dataset.help = `Now ${now}. Light, dark, or as the system says. (L)`;
   }
 
   /** Says what can be seen. */
@@ -87,14 +118,14 @@ export class Toolbar {
   }
 
   private pageButtons(page: Omit<Page, "shell">, shell: () => Page["shell"]): HTMLElement {
-    const { navigation, capture, share, themes } = page;
+    const { navigation, capture, share } = page;
     return group(
       iconButton("frame", "Frame", "Sees the whole scene, or the picked body. (F)", () => navigation.frame()),
       this.parts.plots,
       iconButton("camera", "Save picture", "Saves a picture, as PNG. (S)", () => capture.savePicture()),
       this.record,
       iconButton("link", "Copy link", "Copies an address that shows the same.", () => share.copy()),
-      iconButton("theme", "Theme", "Light, dark, or as the system says. (L)", () => themes.turn()),
+      this.theme,
       iconButton("help", "Help", "Keys and mouse. (?)", () => shell().help()),
       this.parts.right,
     );

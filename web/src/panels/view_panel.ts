@@ -3,7 +3,7 @@ import type { Camera } from "../protocol";
 import type { Session } from "../session";
 import { keep, recall } from "../store";
 import { button, Checkbox, h, Select } from "../ui/dom";
-import type { Viewpoint } from "../view/camera_rig";
+import type { Carrier, Viewpoint } from "../view/camera_rig";
 import { VIEW_OPTIONS, type ViewOptions } from "../view/options";
 import type { TrailChoice } from "../view/overlays/trails";
 import type { View } from "../view/view";
@@ -15,17 +15,24 @@ const FLAGS: [Flag, string, string][] = [
   ["joints", "Joints", "Axes and limits, with a hand where the joint is; of the first replica shown."],
   ["frames", "Frames", "Axes of bodies: x red, y green, z blue."],
   ["masses", "Centres of mass", "Balls in quarters."],
-  ["particles", "Particles", "Particles of fluids and soft bodies."],
   ["grid", "Grid", "Lines on the ground."],
   ["shadows", "Shadows", "Shadows of the sun."],
   ["translucent", "See-through", "Bodies are drawn so that one sees what is inside."],
   ["wireframe", "Wireframe", "Triangles only."],
+  // Last, since it is there only where there are some.
+  ["particles", "Particles", "Particles of fluids and soft bodies."],
 ];
 const TRAILS: [TrailChoice, string][] = [
   ["none", "No trails"],
   ["picked", "Trail of the picked body"],
   ["all", "Trails of all bodies"],
 ];
+
+/** From where a scene was seen when that was kept. */
+interface Place {
+  viewpoint: Viewpoint;
+  carrier: Carrier | null;
+}
 
 /** What is drawn, and from where. */
 export class ViewPanel {
@@ -35,7 +42,12 @@ export class ViewPanel {
   private readonly cameras: Select<number>;
   /** The frame of the inset, for the picture. */
   readonly inset = h("div", { class: "inset", hidden: true });
-  private readonly saved = h("div", { class: "bar" });
+  /** Places kept, and the scene's cameras. */
+  private readonly saved = h("span", { class: "contents" });
+  private readonly keepIt: HTMLButtonElement;
+  private readonly particles: HTMLElement | undefined;
+  /** The scene that the inset is of. */
+  private sceneName = "";
 
   constructor(
     private readonly session: Session,
@@ -51,21 +63,30 @@ export class ViewPanel {
       this.set({ trails }),
     );
     this.cameras = new Select<number>("Inset", "What a robot's camera sees, in a corner.", [], (inset) =>
-      this.set({ inset }),
+      this.chooseInset(inset),
     );
+    this.keepIt = button("Keep viewpoint", "Keeps the camera's place. (Shift with a digit)", () =>
+      this.save(),
+    );
+    this.particles = this.boxes.find(([flag]) => flag === "particles")?.[1].element;
     this.element = h(
       "div",
       {},
       h("div", { class: "checks" }, ...this.boxes.map(([, box]) => box.element)),
       h("div", { class: "bar" }, this.trails.element, this.cameras.element),
-      this.saved,
+      h("div", { class: "bar" }, this.keepIt, this.saved),
     );
-    session.on("scene", ({ cameras }) => {
+    session.on("frame", ({ particles }) => this.showParticles(particles.length > 0));
+    session.on("scene", ({ name, cameras }) => {
+      this.showParticles(false);
       const options = cameras.map(({ name }, row): [number, string] => [row, `Camera ${name || row}`]);
       this.cameras.setOptions([[-1, "No inset"], ...options]);
       this.cameras.element.hidden = cameras.length === 0;
-      // What a robot sees with its own eyes is shown at first.
-      this.set({ inset: cameras.findIndex(({ body, mode }) => body >= 0 && mode === "fixed") });
+      // What a robot sees with its own eyes is shown at first, but to those who did not want to see it.
+      const eyes = cameras.findIndex(({ body, mode }) => body >= 0 && mode === "fixed");
+      if (name !== this.sceneName) this.set({ inset: recall("inset", true) ? eyes : -1 });
+      else if (!cameras[view.options.inset]) this.set({ inset: -1 });
+      this.sceneName = name;
       this.showSaved();
     });
     this.show();
@@ -80,6 +101,15 @@ export class ViewPanel {
     this.show();
   }
 
+  private chooseInset(inset: number): void {
+    keep("inset", inset >= 0);
+    this.set({ inset });
+  }
+
+  private showParticles(some: boolean): void {
+    if (this.particles) this.particles.hidden = !some;
+  }
+
   /** Trails of none, the picked, all, in turn. */
   turnTrails(): void {
     const choices = TRAILS.map(([choice]) => choice);
@@ -87,31 +117,33 @@ export class ViewPanel {
   }
 
   /** Keeps the viewpoint for this example, under a number from 1 to 9 or the next free one. */
-  save(place = this.places().findIndex((viewpoint) => !viewpoint)): void {
+  save(place = this.places().findIndex((kept) => !kept)): void {
     if (place < 0 || place > 8) return;
     const places = this.places();
-    places[place] = this.view.rig.viewpoint;
+    places[place] = { viewpoint: this.view.rig.viewpoint, carrier: this.view.carried };
     keep(this.key(), places);
     this.showSaved();
   }
 
   recall(place: number): void {
-    const viewpoint = this.places()[place];
-    if (viewpoint) this.navigation.go(viewpoint);
+    const kept = this.places()[place];
+    if (kept) this.navigation.go(kept.viewpoint, kept.carrier);
   }
 
   private forget(): void {
     keep(this.key(), []);
     this.showSaved();
+    // The button that was pressed is gone.
+    this.keepIt.focus();
   }
 
-  private places(): (Viewpoint | null)[] {
-    const kept = recall<(Viewpoint | null)[]>(this.key(), []);
+  private places(): (Place | null)[] {
+    const kept = recall<(Place | null)[]>(this.key(), []);
     return Array.from({ length: 9 }, (_, place) => kept[place] ?? null);
   }
 
   private key(): string {
-    return `viewpoints.${this.session.scene?.name}`;
+    return `places.${this.session.scene?.name}`;
   }
 
   private show(): void {
@@ -121,8 +153,8 @@ export class ViewPanel {
   }
 
   private showSaved(): void {
-    const buttons = this.places().flatMap((viewpoint, place) =>
-      viewpoint
+    const buttons = this.places().flatMap((kept, place) =>
+      kept
         ? [
             button(String(place + 1), `Goes to viewpoint ${place + 1}. (${place + 1})`, () =>
               this.recall(place),
@@ -130,12 +162,9 @@ export class ViewPanel {
           ]
         : [],
     );
-    const keepIt = button("Keep viewpoint", "Keeps the camera's place. (Shift with a digit)", () =>
-      this.save(),
-    );
     const cameras = this.session.scene?.cameras.map((camera) => this.cameraButton(camera)) ?? [];
     const forget = button("Forget", "Forgets the viewpoints kept for this scene.", () => this.forget());
-    this.saved.replaceChildren(keepIt, ...buttons, ...(buttons.length ? [forget] : []), ...cameras);
+    this.saved.replaceChildren(...buttons, ...(buttons.length ? [forget] : []), ...cameras);
   }
 
   private cameraButton(camera: Camera): HTMLButtonElement {

@@ -18,7 +18,7 @@ export interface Line {
 /** Quantities of one unit over time. */
 export class Chart {
   readonly element: HTMLElement;
-  private readonly canvas = h("canvas", { class: "chart" });
+  private readonly canvas: HTMLCanvasElement;
   private readonly values: HTMLElement[];
   private pointed: number | null = null;
 
@@ -28,6 +28,8 @@ export class Chart {
     private readonly history: History,
     private readonly redraw: () => void,
   ) {
+    const name = `${lines.map(({ label }) => label).join(", ")}${unit && ` [${unit}]`} over time`;
+    this.canvas = h("canvas", { class: "chart", role: "img", "aria-label": name });
     this.values = lines.map(() => h("span", { class: "value" }));
     const legend = lines.map(({ label, color }, i) =>
       h(

@@ -15,7 +15,28 @@ export interface Viewpoint {
 /** What carries the camera: nothing, a body whose place it follows, or one whose eyes it sees with. */
 export type Mount = "free" | "follow" | "ride";
 
-const FIELD_OF_VIEW = 40;
+/** How one looks with a body's eyes. */
+export interface Gaze {
+  /** Turns from a camera's own front [rad]. */
+  yaw: number;
+  pitch: number;
+  /** The angle from the lower to the upper edge of the picture [degrees]. */
+  field: number;
+}
+
+/** A body that carries the camera. */
+export interface Carrier {
+  mount: Exclude<Mount, "free">;
+  body: number;
+  /** Its replica; null is the first shown. */
+  world: number | null;
+  /** How one looks with its eyes; null is straight ahead. */
+  gaze: Gaze | null;
+}
+
+/** Fields of view [degrees], from a body's eyes and else; least and most. */
+const [EYES, FIELD_OF_VIEW] = [70, 40];
+const FIELDS = [20, 110];
 const STEEPEST = (89 * Math.PI) / 180;
 /** Time [s] in which the camera comes by a factor of e closer to where it is to be. */
 const EASE = 0.07;
@@ -23,8 +44,10 @@ const EASE = 0.07;
 /** The camera, and where it is going. */
 export class CameraRig {
   readonly camera = new PerspectiveCamera(FIELD_OF_VIEW);
-  /** Where it looks from a body: turns from straight ahead [rad]. */
-  private readonly gaze = { yaw: 0, pitch: 0 };
+  /** How it looks with a body's eyes [rad]. */
+  private readonly eyes = { yaw: 0, pitch: 0 };
+  /** The yaw of a body's own front [rad]. */
+  private ahead = 0;
   private goal: Viewpoint = { target: [0, 0, 0], yaw: 0.6, pitch: 0.42, distance: 5 };
   private now: Viewpoint = structuredClone(this.goal);
   private mounted: Mount = "free";
@@ -41,11 +64,24 @@ export class CameraRig {
     if (mount === this.mounted) return;
     if (mount === "follow") this.goal.target = [0, 0, 0];
     if (this.mounted === "follow") this.goal.target = this.focus.toArray();
-    this.gaze.yaw = ahead;
-    this.gaze.pitch = 0;
-    this.camera.fov = FIELD_OF_VIEW * (mount === "ride" ? 1.75 : 1);
+    this.ahead = ahead;
     this.mounted = mount;
+    this.lookAhead();
     this.now = structuredClone(this.goal);
+  }
+
+  /** Looks straight ahead with a body's eyes. */
+  lookAhead(): void {
+    this.gaze = { yaw: this.ahead, pitch: 0, field: this.mounted === "ride" ? EYES : FIELD_OF_VIEW };
+  }
+
+  get gaze(): Gaze {
+    return { ...this.eyes, field: this.camera.fov };
+  }
+
+  set gaze({ yaw, pitch, field }: Gaze) {
+    Object.assign(this.eyes, { yaw, pitch });
+    this.camera.fov = Math.min(FIELDS[1], Math.max(FIELDS[0], field));
   }
 
   get viewpoint(): Viewpoint {
@@ -76,14 +112,15 @@ export class CameraRig {
   }
 
   orbit(yaw: number, pitch: number): void {
-    const turned = this.mounted === "ride" ? this.gaze : this.goal;
+    const turned = this.mounted === "ride" ? this.eyes : this.goal;
     const sign = this.mounted === "ride" ? -1 : 1;
     turned.yaw += yaw;
     turned.pitch = Math.min(STEEPEST, Math.max(-STEEPEST, turned.pitch + sign * pitch));
   }
 
-  /** Moves across the view, in heights of the view. */
+  /** Moves across the view, in heights of the view; eyes stay in their head. */
   pan(right: number, up: number): void {
+    if (this.mounted === "ride") return;
     const height = 2 * this.goal.distance * Math.tan((Math.PI / 360) * this.camera.fov);
     const move = new Vector3(right * height, up * height, 0).applyQuaternion(
       facing(this.goal.yaw, this.goal.pitch),
@@ -93,7 +130,7 @@ export class CameraRig {
 
   zoom(factor: number): void {
     if (this.mounted === "ride") {
-      this.camera.fov = Math.min(110, Math.max(20, this.camera.fov * factor));
+      this.gaze = { ...this.gaze, field: this.camera.fov * factor };
     } else {
       this.goal.distance = Math.min(1e5, Math.max(1e-3, this.goal.distance * factor));
     }
@@ -111,7 +148,7 @@ export class CameraRig {
     anchor?.decompose(place, turn, new Vector3());
     if (this.mounted === "ride" && anchor) {
       camera.position.copy(place);
-      camera.quaternion.copy(turn).multiply(facing(this.gaze.yaw, this.gaze.pitch));
+      camera.quaternion.copy(turn).multiply(facing(this.eyes.yaw, this.eyes.pitch));
       this.focus.copy(place);
       this.range(0.01 * radius, radius);
     } else {

@@ -24,6 +24,9 @@ interface Pointer {
 /** Within so many pixels, a press is a click; a finger trembles more than a mouse. */
 const [CLICK, TAP] = [4, 12];
 
+/** Whether the page is shown within another one. */
+const FRAMED = self !== top;
+
 export class Gestures {
   private readonly pointers = new Map<number, Pointer>();
   private hold: Hold | null = null;
@@ -33,6 +36,8 @@ export class Gestures {
     private readonly canvas: HTMLElement,
     private readonly actions: Actions,
   ) {
+    // The style sheet leaves a finger's way down to that page, too.
+    canvas.classList.toggle("framed", FRAMED);
     canvas.addEventListener("pointerdown", (event) => this.down(event));
     canvas.addEventListener("pointermove", (event) => this.move(event));
     canvas.addEventListener("pointerup", (event) => this.up(event));
@@ -89,6 +94,8 @@ export class Gestures {
   }
 
   private wheel(event: WheelEvent): void {
+    // Within another page the wheel scrolls that page, until this one is pressed.
+    if (FRAMED && !event.ctrlKey && !this.canvas.matches(":focus")) return;
     event.preventDefault();
     const lines = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 16 : 1;
     this.actions.zoom(Math.exp(0.0015 * lines * event.deltaY));

@@ -16,7 +16,7 @@ import { isFloor, PartMaker, type ShapePart } from "./parts";
 import { PickedBox } from "./picked_box";
 import { Poses } from "./poses";
 import { Forms, sides } from "./shape_geometry";
-import { Gauges } from "./skins/gauges";
+import { Gauge, type GaugeName } from "./skins/gauges";
 import { replicaColor, type Wardrobe } from "./skins/skin";
 
 /** Colour of what belongs to the world and has none. */
@@ -35,7 +35,8 @@ export class SceneView {
   readonly group = new Group();
   readonly measures: Measures;
   readonly poses: Poses;
-  readonly gauges: Gauges;
+  /** Of the states that skins follow. */
+  readonly gauges = new Map<GaugeName, Gauge>();
   private forms: Forms;
   private readonly materials = new Materials();
   private maker: PartMaker;
@@ -53,7 +54,6 @@ export class SceneView {
   ) {
     this.measures = measure(scene);
     this.poses = new Poses(scene);
-    this.gauges = new Gauges(scene);
     this.forms = new Forms(sides(scene.shapes.length * scene.shown.length));
     this.maker = new PartMaker(scene, this.measures, this.forms, this.materials);
     this.trails = new Trails(scene);
@@ -112,19 +112,19 @@ export class SceneView {
     this.painted = 0;
   }
 
-  draw(frame: Frame, picked: Picked | null): void {
-    const gauge = this.wardrobe.gauge;
-    if (gauge) this.gauges.update(gauge, frame);
+  /** Draws what is at an instant; what is picked in a box, where that is wanted. */
+  draw(frame: Frame, picked: Picked | null, boxed: boolean): void {
+    this.gauge(frame);
     this.poses.update(frame);
     this.refine();
     this.batches.move(this.poses);
-    if (gauge || this.painted !== this.poses.worlds) this.paint();
+    if (this.gauges.size || this.painted !== this.poses.worlds) this.paint();
     const moment = { scene: this.scene, frame, poses: this.poses, measures: this.measures, picked };
     for (const [overlay, wanted] of this.overlays) {
       overlay.object.visible = wanted(this.options);
       if (overlay.object.visible) overlay.draw(moment);
     }
-    this.box.visible = picked !== null && picked.body >= 0 && picked.row < this.poses.worlds;
+    this.box.visible = boxed && picked !== null && picked.body >= 0 && picked.row < this.poses.worlds;
     if (picked && this.box.visible) this.box.draw(this.poses, picked, this.maker.bodyBox(picked.body));
   }
 
@@ -161,6 +161,17 @@ export class SceneView {
     this.dress();
   }
 
+  /** Reads the gauges that skins follow now. */
+  private gauge(frame: Frame): void {
+    const { gauges } = this.wardrobe;
+    for (const name of this.gauges.keys()) if (!gauges.has(name)) this.gauges.delete(name);
+    for (const name of gauges) {
+      const gauge = this.gauges.get(name) ?? new Gauge(this.scene, name);
+      this.gauges.set(name, gauge);
+      gauge.update(frame);
+    }
+  }
+
   private paint(): void {
     this.painted = this.poses.worlds;
     this.batches.paint((part, world) => this.colorOf(part, world));
@@ -177,7 +188,7 @@ export class SceneView {
       case "replica":
         return replicaColor(world);
       case "gauge":
-        return this.gauges.color(world, part.body, this.color);
+        return this.gauges.get(skin.gauge)?.color(world, part.body, this.color) ?? WHITE;
       case "plain": {
         const shape = this.scene.shapes[(part as ShapePart).shape];
         const [r, g, b] = shape?.color ?? this.scene.bodies[part.body]?.color ?? WORLD_COLOR;

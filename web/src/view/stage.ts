@@ -17,6 +17,9 @@ const INSET = 0.28;
 /** Room around it [CSS pixels]. */
 const MARGIN = 12;
 
+/** The browser draws no WebGL. */
+export class NoWebGL extends Error {}
+
 /** The renderer, and what is there in every scene: sky, sun, ground. */
 export class Stage {
   readonly renderer: WebGLRenderer;
@@ -27,18 +30,27 @@ export class Stage {
   private readonly surroundings: Surroundings;
 
   constructor(readonly canvas: HTMLCanvasElement) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
+    try {
+      this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
+    } catch (error) {
+      throw new NoWebGL((error as Error).message);
+    }
     this.renderer.toneMapping = NeutralToneMapping;
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
-    this.surroundings = new Surroundings(this.renderer);
+    this.surroundings = new Surroundings();
+    this.surroundings.light(this.renderer, this.scene);
     this.scene.add(this.surroundings, this.ground, this.root);
   }
 
   set theme(theme: Theme) {
     this.surroundings.setTheme(theme, this.scene);
     this.ground.setTheme(theme);
+  }
+
+  /** Makes anew what was drawn on the graphics card alone; three.js sends the rest again. */
+  restore(): void {
+    this.surroundings.light(this.renderer, this.scene);
   }
 
   set shadows(on: boolean) {
@@ -51,12 +63,14 @@ export class Stage {
     this.root.updateMatrixWorld(true);
   }
 
-  /** Makes the picture as large as its place. Returns whether it changed. */
+  /** Makes the picture as large and as fine as its place. Returns whether it changed. */
   resize(camera: PerspectiveCamera): boolean {
     const { clientWidth: width, clientHeight: height } = this.canvas;
-    const ratio = this.renderer.getPixelRatio();
+    // The window may have gone to another screen.
+    const ratio = Math.min(devicePixelRatio, 2);
     const [w, h] = [Math.floor(width * ratio), Math.floor(height * ratio)];
     if ((this.canvas.width === w && this.canvas.height === h) || !width || !height) return false;
+    this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(width, height, false);
     camera.aspect = width / height;
     camera.updateProjectionMatrix();

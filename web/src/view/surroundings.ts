@@ -46,23 +46,26 @@ export class Surroundings extends Group {
       depthTest: false,
     }),
   );
-  private readonly light: Texture;
   private shadowRadius = 0;
 
-  constructor(renderer: WebGLRenderer) {
+  constructor() {
     super();
     this.dome.renderOrder = -1000;
     this.dome.frustumCulled = false;
-    this.light = skyLight(renderer);
     this.sun.castShadow = true;
     this.sun.shadow.mapSize.set(SHADOW_PIXELS, SHADOW_PIXELS);
     this.sun.shadow.radius = 3;
     this.add(this.dome, this.sun, this.sun.target);
   }
 
+  /** Lights a scene by the sky. */
+  light(renderer: WebGLRenderer, scene: Scene): void {
+    scene.environment?.dispose();
+    scene.environment = skyLight(renderer);
+  }
+
   setTheme(theme: Theme, scene: Scene): void {
     paintSky(this.dome.geometry, BACKGROUND[theme]);
-    scene.environment = this.light;
     scene.environmentIntensity = STRENGTH[theme].sky;
     this.sun.intensity = STRENGTH[theme].sun;
   }

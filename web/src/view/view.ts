@@ -9,12 +9,13 @@ import {
   Vector2,
   Vector3,
 } from "three";
+import { Emitter } from "../emitter";
 import type { Frame } from "../frame";
 import type { Camera, Scene } from "../protocol";
 import type { Triple } from "../schema";
 import type { Session } from "../session";
 import type { Theme } from "../theme";
-import { CameraRig, type Mount, type Viewpoint } from "./camera_rig";
+import { CameraRig, type Carrier, type Mount, type Viewpoint } from "./camera_rig";
 import { VIEW_OPTIONS, type ViewOptions } from "./options";
 import type { Picked } from "./overlays/overlay";
 import { type Hit, SceneView } from "./scene_view";
@@ -22,8 +23,8 @@ import { Wardrobe } from "./skins/skin";
 import { Spring } from "./spring";
 import { Stage } from "./stage";
 
-/** The picture of the session: which scene, from where, with what drawn. */
-export class View {
+/** The picture of the session: which scene, from where, with what drawn. It tells what carries its camera. */
+export class View extends Emitter<{ carried: Carrier | null }> {
   readonly stage: Stage;
   readonly rig = new CameraRig();
   readonly wardrobe = new Wardrobe();
@@ -40,7 +41,11 @@ export class View {
   /** Whether the scene is to be seen whole, once its next frame is here. */
   private framing = true;
 
-  constructor(canvas: HTMLCanvasElement, session: Session) {
+  constructor(
+    canvas: HTMLCanvasElement,
+    private readonly session: Session,
+  ) {
+    super();
     this.stage = new Stage(canvas);
     this.stage.root.add(this.spring);
     session.on("scene", (scene) => this.setScene(scene));
@@ -65,6 +70,12 @@ export class View {
 
   set theme(theme: Theme) {
     this.stage.theme = theme;
+    this.invalidate();
+  }
+
+  /** The graphics card has forgotten everything. */
+  restore(): void {
+    this.stage.restore();
     this.invalidate();
   }
 
@@ -127,10 +138,26 @@ export class View {
     // Robots of files with z up look along x; elsewhere bodies look as cameras do, along −z.
     this.rig.setMount(mount, this.shown?.scene.up === "z" ? -Math.PI / 2 : 0);
     this.invalidate();
+    this.emit("carried", this.carried);
   }
 
-  get carried(): Picked {
-    return this.carrier;
+  /** What carries the camera. */
+  get carried(): Carrier | null {
+    const { rig, carrier, session } = this;
+    if (rig.mount === "free") return null;
+    const world = session.shown[Math.min(carrier.row, session.shown.length - 1)] ?? null;
+    return { mount: rig.mount, body: carrier.body, world, gaze: rig.mount === "ride" ? rig.gaze : null };
+  }
+
+  /** Is carried as it was, by a body of a replica that is shown; else by none. */
+  set carried(carried: Carrier | null) {
+    if (!carried || !this.shown?.scene.bodies[carried.body]) {
+      this.mount("free");
+      return;
+    }
+    const row = Math.max(0, this.session.shown.indexOf(carried.world ?? -1));
+    this.mount(carried.mount, { row, body: carried.body });
+    if (carried.gaze) this.rig.gaze = carried.gaze;
   }
 
   /** What is at a point of the canvas [CSS pixels]. */
@@ -152,6 +179,17 @@ export class View {
     return met ? root.worldToLocal(met) : point.clone();
   }
 
+  /** A point moved right, up and towards the viewer, in heights of the view where it is; in the scene's axes. */
+  moved(point: Vector3, by: Vector3): Vector3 {
+    const { root } = this.stage;
+    const { camera } = this.rig;
+    const place = root.localToWorld(point.clone());
+    const depth = place.clone().applyMatrix4(camera.matrixWorldInverse).length();
+    const height = 2 * depth * Math.tan((Math.PI / 360) * camera.fov);
+    const move = by.clone().multiplyScalar(height).applyQuaternion(camera.quaternion);
+    return root.worldToLocal(place.add(move));
+  }
+
   /**
    * Draws if anything changed, after so many seconds since the last call. Returns whether the frame given
    * last is on the screen for the first time.
@@ -161,7 +199,9 @@ export class View {
     if (stage.resize(rig.camera)) this.stale = true;
     const fresh = this.stale;
     if (fresh && shown && frame) {
-      shown.draw(frame, this.picked);
+      const { picked, carrier } = this;
+      const own = rig.mount === "ride" && picked?.row === carrier.row && picked.body === carrier.body;
+      shown.draw(frame, picked, !own);
       this.settle(shown);
     }
     const radius = shown ? this.radius(shown) : 1;
@@ -182,13 +222,15 @@ export class View {
 
   /** Shows another scene; its first frame is seen whole, unless a viewpoint is given before. */
   private setScene(scene: Scene): void {
+    // What one body of another model wears is nothing for those of this.
+    if (scene.name !== this.shown?.scene.name) this.wardrobe.undress();
     this.shown?.dispose();
     this.frame = null;
     this.picked = null;
     this.shown = new SceneView(scene, this.wardrobe, this.chosen);
     this.stage.up = scene.up;
     this.stage.root.add(this.shown.group);
-    this.rig.setMount("free");
+    this.mount("free");
     this.spring.visible = false;
     this.laidFor = 0;
     this.framing = true;

@@ -12,22 +12,26 @@ export const GAUGES = {
 export type GaugeName = keyof typeof GAUGES;
 
 /** Reads a gauge of all bodies from frame to frame. */
-export class Gauges {
+export class Gauge {
   private before: Frame | null = null;
   private values = new Float32Array(0);
   /** Least and most seen of late. */
   readonly range: [number, number] = [0, 0];
 
-  constructor(private readonly scene: Scene) {}
+  constructor(
+    private readonly scene: Scene,
+    private readonly name: GaugeName,
+  ) {}
 
-  update(gauge: GaugeName, frame: Frame): void {
+  update(frame: Frame): void {
+    const { name } = this;
     const count = frame.worlds * frame.bodies;
     if (this.values.length !== count) this.values = new Float32Array(count);
-    if (gauge === "height") this.readHeights(frame);
-    else if (gauge === "force") this.readForces(frame);
-    else this.readRates(gauge, frame);
+    if (name === "height") this.readHeights(frame);
+    else if (name === "force") this.readForces(frame);
+    else this.readRates(name, frame);
     this.before = frame;
-    this.widen(gauge === "height");
+    this.widen(name === "height");
   }
 
   color(world: number, body: number, out: Color): Color {
@@ -53,13 +57,13 @@ export class Gauges {
   }
 
   /** Differences from the last frame; what stands still since, keeps its colour. */
-  private readRates(gauge: "speed" | "spin", { poses, time }: Frame): void {
+  private readRates(name: "speed" | "spin", { poses, time }: Frame): void {
     const before = this.before;
     if (before?.poses.length !== poses.length || time <= before.time) return;
     const rate = 1 / (time - before.time);
     const was = before.poses;
     for (let i = 0, p = 0; p < poses.length; i++, p += POSE) {
-      if (gauge === "speed") {
+      if (name === "speed") {
         this.values[i] =
           rate * Math.hypot(poses[p] - was[p], poses[p + 1] - was[p + 1], poses[p + 2] - was[p + 2]);
       } else {

@@ -24,10 +24,10 @@ export class Wardrobe {
     return body < 0 ? { kind: "plain" } : (this.own.get(body) ?? this.common);
   }
 
-  /** Whether anything's colour follows a state, and which. */
-  get gauge(): GaugeName | null {
-    for (const skin of [...this.own.values(), this.common]) if (skin.kind === "gauge") return skin.gauge;
-    return null;
+  /** Which states colours follow. */
+  get gauges(): Set<GaugeName> {
+    const skins = [this.common, ...this.own.values()];
+    return new Set(skins.flatMap((skin) => (skin.kind === "gauge" ? [skin.gauge] : [])));
   }
 
   dress(body: number, skin: Skin): void {
@@ -36,8 +36,13 @@ export class Wardrobe {
 
   /** All bodies wear the same. */
   dressAll(skin: Skin): void {
-    this.own.clear();
+    this.undress();
     this.common = skin;
+  }
+
+  /** No body wears its own any more. */
+  undress(): void {
+    this.own.clear();
   }
 }
 
