@@ -164,7 +164,7 @@ test("what is built anew stays on its card, with as many worlds as are shown", a
   const links = page.getByRole("spinbutton", { name: "Links" });
   await links.fill("5");
   await links.press("Enter");
-  await page.getByRole("button", { name: "Rebuild" }).click();
+  await page.locator(".toolbar").getByRole("button", { name: "Rebuild" }).click();
   await page.waitForFunction(() => window.kinetarium.scene?.bodies.length === 5);
   await page.getByRole("combobox", { name: "Replicas shown" }).selectOption("4 shown");
   await page.waitForFunction(() => window.kinetarium.frame?.worlds === 4);

@@ -58,6 +58,10 @@ export async function step(steps: number): Promise<void> {
 
 export const poses = () => page.evaluate(() => [...(window.kinetarium.frame?.poses ?? [])]);
 
+/** The body that is picked; −1 where none is. */
+export const picked = () =>
+  page.locator(".body-panel select").evaluate((select: HTMLSelectElement) => select.selectedIndex - 1);
+
 /** The middle of the picture on the screen. */
 export async function middle(): Promise<{ x: number; y: number }> {
   const box = await page.locator(".stage").boundingBox();

@@ -2,7 +2,20 @@ import { readFileSync } from "node:fs";
 import type { Page } from "playwright-core";
 import { expect, test } from "vitest";
 import { HEADER, POSE } from "../src/frame";
-import { ADDRESS, broken, browser, middle, OUT, open, page, pages, poses, step, triangle } from "./harness";
+import {
+  ADDRESS,
+  broken,
+  browser,
+  middle,
+  OUT,
+  open,
+  page,
+  pages,
+  picked,
+  poses,
+  step,
+  triangle,
+} from "./harness";
 import { type Reference, reference } from "./reference";
 
 pages();
@@ -64,7 +77,7 @@ test("rebuild with another number", async () => {
   const links = page.getByRole("spinbutton", { name: "Links" });
   await links.fill("5");
   await links.press("Enter");
-  await page.getByRole("button", { name: "Rebuild" }).click();
+  await page.locator(".toolbar").getByRole("button", { name: "Rebuild" }).click();
   await page.waitForFunction(() => window.kinetarium.scene?.bodies.length === 5);
   await page.waitForFunction(() => location.hash.includes("build.links=5"));
 });
@@ -230,9 +243,7 @@ test("keyboard alone", async () => {
   await page.waitForFunction(() => window.kinetarium.status?.running === false);
   await page.keyboard.press("j");
   await page.keyboard.press("j");
-  expect(await page.locator(".body-panel select").evaluate((s: HTMLSelectElement) => s.selectedIndex)).toBe(
-    1,
-  );
+  expect(await picked()).toBe(1);
   await page.keyboard.press("r");
   await page.waitForFunction(() => window.kinetarium.frame?.steps === 0);
   const before = await poses();
@@ -258,7 +269,7 @@ test("pick, drag by a spring, push", async () => {
   await open("example=tower");
   const { x, y } = await middle();
   await page.mouse.click(x, y);
-  await page.waitForSelector(".body-panel select");
+  await expect.poll(picked).toBeGreaterThanOrEqual(0);
   await page.getByRole("button", { name: "Run" }).click();
   await page.keyboard.down("Control");
   await page.mouse.move(x, y);
