@@ -27,7 +27,9 @@ test("a robot file that is dropped on the picture opens", async () => {
   await page.getByRole("button", { name: "Restart" }).click();
   await page.waitForFunction(() => window.kinetarium.frame?.steps === 0);
   await expect.poll(() => page.evaluate(() => location.hash)).not.toContain("tower");
-  expect(await page.locator('.example[aria-current="true"]').count()).toBe(0);
+  expect(await page.locator('.example[aria-current="true"]').allTextContents()).toEqual([
+    "cart.xmlYour file.",
+  ]);
   expect(await notice().isVisible()).toBe(false);
   await page.locator(".example").first().click();
   await page.waitForFunction(() => window.kinetarium.scene?.name !== "cart.xml");

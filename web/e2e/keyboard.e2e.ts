@@ -204,7 +204,7 @@ test("with a body's eyes one looks about, and the address tells how", async () =
   await expect.poll(hash).toMatch(/ride=0,0,[-.\d]+,0,70/);
 });
 
-test("keys step through time, replicas, trails and themes", async () => {
+test("keys step through time, worlds, trails and themes", async () => {
   await open("example=pendula");
   await stage().focus();
   await press("]");
@@ -215,7 +215,7 @@ test("keys step through time, replicas, trails and themes", async () => {
   await page.waitForFunction(() => window.kinetarium.status?.steps === 1000);
   const end = await page.evaluate(() => window.kinetarium.frame?.time ?? 0);
   await press(",", 10);
-  await page.waitForFunction((end) => (window.kinetarium.frame?.time ?? end) < 0.95 * end, end);
+  await page.waitForFunction((end) => (window.kinetarium.frame?.time ?? end) < 0.93 * end, end);
   await page.getByRole("combobox", { name: "Speed" }).selectOption("1/10 ×");
   await page.waitForFunction(() => window.kinetarium.status?.speed === 0.1);
   await press("t", 2);

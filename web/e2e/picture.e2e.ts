@@ -70,7 +70,7 @@ test("the picture is as fine as the screen that it is on", async () => {
   await expect.poll(width).toBe(2);
 });
 
-test("the page says that the engine loads, and that it is away, whatever else it says", async () => {
+test("the page says that its engine is yet to come, or away, whatever else it says", async () => {
   await page.addInitScript(() => {
     const Native = window.Worker;
     window.Worker = class extends Native {
@@ -112,7 +112,7 @@ test("the page says that the engine loads, and that it is away, whatever else it
   await step(1);
 });
 
-test("nothing moves while the page loads, nor when a body is picked", async () => {
+test("nothing moves at the start, nor when a body is picked", async () => {
   await page.addInitScript(() => {
     const shifts: { value: number; from: string[] }[] = [];
     Object.assign(window, { shifts });
@@ -191,7 +191,7 @@ test("what is plotted is chosen in peace", async () => {
   expect(await notice().textContent()).toContain("At most 16");
 });
 
-test("a robot's camera that is not wanted stays away, and the inset is not clicked through", async () => {
+test("an inset that is not wanted stays away, and one is not clicked through", async () => {
   await open("example=room");
   const inset = page.locator(".inset");
   expect(await inset.isVisible()).toBe(true);

@@ -3,6 +3,9 @@ import type { Session } from "../session";
 import { h } from "../ui/dom";
 import { large, short } from "../ui/format";
 
+/** Time within which the frame of a time that was asked for comes [ms]; until then the slider stays at it. */
+const COMES = 500;
+
 /** The recorded past to scrub through, and how it goes. */
 export class Timeline {
   readonly element: HTMLElement;
@@ -15,6 +18,7 @@ export class Timeline {
   });
   private readonly diverged = h("output", { class: "diverged" });
   private held = false;
+  private coming: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
     private readonly session: Session,
@@ -31,7 +35,7 @@ export class Timeline {
       onpointerdown: () => {
         this.held = true;
       },
-      oninput: () => controls.scrub(this.slider.valueAsNumber),
+      oninput: () => this.scrub(),
       onchange: () => {
         this.held = false;
       },
@@ -60,9 +64,19 @@ export class Timeline {
     const { status } = this.session;
     if (!status) return;
     const [first, last] = status.recorded;
-    // The slider knows what was asked for since the last frame.
+    // The slider knows what was asked for last.
     const time = this.slider.valueAsNumber + (hundredths / 100) * (last - first);
     this.slider.valueAsNumber = Math.min(Math.max(time, first), last);
+    this.scrub();
+  }
+
+  /** Goes to where the slider is. */
+  private scrub(): void {
+    clearTimeout(this.coming);
+    this.coming = setTimeout(() => {
+      this.coming = undefined;
+      this.show();
+    }, COMES);
     this.controls.scrub(this.slider.valueAsNumber);
   }
 
@@ -75,7 +89,7 @@ export class Timeline {
     const [first, last] = status.recorded;
     this.slider.min = String(first);
     this.slider.max = String(Math.max(last, time));
-    if (!this.held) this.slider.value = String(time);
+    if (!this.held && this.coming === undefined) this.slider.value = String(time);
     const going = status.running || status.pace > 0;
     this.pace.textContent = going ? `${short(status.pace, 2)}× · ${large(status.rate)} steps/s` : "";
     this.diverged.textContent = status.diverged.length ? `${status.diverged.length} diverged` : "";

@@ -25,6 +25,8 @@ export class Ground extends Mesh<PlaneGeometry, MeshStandardMaterial> {
       new MeshStandardMaterial({ transparent: true, roughness: 0.95, depthWrite: false }),
     );
     this.receiveShadow = true;
+    // It is laid under a scene.
+    this.visible = false;
     // First of all that is transparent.
     this.renderOrder = -1;
     this.material.onBeforeCompile = (shader) => {
@@ -51,6 +53,7 @@ export class Ground extends Mesh<PlaneGeometry, MeshStandardMaterial> {
    * the scene has a floor, else faint.
    */
   fit(radius: number, world: number, solid: boolean): void {
+    this.visible = true;
     const reach = 40 * radius;
     this.scale.set(reach, 1, reach);
     this.uniforms.reach.value = reach;
