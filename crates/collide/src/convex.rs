@@ -21,7 +21,7 @@ use crate::overlap::{self, Witness};
 use crate::support::radius;
 use crate::{FAR, Manifold, Point, Solid, Tables};
 use numbers::machine::{Held, Hold};
-use numbers::{Cell, Float, Machine, Mask, Real, Vec3};
+use numbers::{Cell, Float, Known, LanesMask, Machine, Mask, Real, Vec3};
 
 /// Rounds of moving apart and looking again.
 const ROUNDS: usize = 12;
@@ -144,6 +144,63 @@ fn search<M: Machine>(k: &M, cores: &Cores<'_, M>) -> Direction<M::R> {
         gap: gap.read(),
         on_a: on_a.get(),
     }
+}
+
+/// By how much of the way between two points the gap along it may fall short, for them to be the nearest.
+const SHORTFALL: f64 = 1e-10;
+/// How often nearest points are looked for, each time from where the last search got to: rims come near to each other
+/// slowly.
+const ATTEMPTS: usize = 4;
+
+/// A direction from A to B, and a point of B.
+#[derive(Clone, Copy)]
+pub(crate) struct Way<R> {
+    /// Unit vector.
+    pub n: Vec3<R>,
+    /// The gap along it.
+    pub gap: R,
+    /// B's point nearest to A, or deepest in it, from A's centre.
+    pub on_b: Vec3<R>,
+}
+
+/// The direction of the largest gap, of one pair: where the two are apart, that between their nearest points, which are
+/// found where they are; else as [`search`] finds it, with the nearest points of the two moved apart along it.
+///
+/// The way between nearest points is known to rounding, its direction to rounding over its length. Along that, faces
+/// that are parallel have a gap that is too small by as much, times their extent: so the way's length is what counts.
+#[inline(always)]
+pub(crate) fn nearest_or_deepest<M: Machine<R: Known>>(k: &M, cores: &Cores<'_, M>) -> Way<M::R> {
+    let never = <M::R as Real>::Mask::splat(false);
+    let mut start = best_axis(k, cores).n;
+    let mut apart = Way {
+        n: start,
+        gap: M::R::lit(-FAR),
+        on_b: Vec3::zero(),
+    };
+    for _ in 0..ATTEMPTS {
+        let found = gjk::nearest(k, cores, Vec3::zero(), start, never);
+        let (gap, length) = (cores.gap(k, found.n), found.way.length());
+        if gap.gt(apart.gap).all() {
+            apart = Way {
+                n: found.n,
+                gap,
+                on_b: found.a + found.way,
+            };
+        }
+        if gap.gt(length * M::R::lit(1.0 - SHORTFALL)).all() {
+            let gap = length;
+            return Way { gap, ..apart };
+        }
+        start = found.way.normalized_or(found.n);
+    }
+    let Direction { n, gap, .. } = search(k, cores);
+    if gap.lt(apart.gap).all() {
+        return apart;
+    }
+    let shift = n * (M::R::lit(APART) * size(cores) - gap);
+    let moved = gjk::nearest(k, cores, shift, n, never);
+    let on_b = moved.a + moved.way - shift;
+    Way { n, gap, on_b }
 }
 
 /// Directions evenly spread over a sphere: steps of the golden angle around an axis, in slices of

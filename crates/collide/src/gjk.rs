@@ -56,6 +56,8 @@ pub(crate) struct Nearest<R> {
     pub n: Vec3<R>,
     /// The point of A nearest to B, from A's centre.
     pub a: Vec3<R>,
+    /// The way from it to the point of B.
+    pub way: Vec3<R>,
 }
 
 /// The nearest points of A's core and of B's core moved by `shift`, from A to B about along `start`.
@@ -113,6 +115,7 @@ pub(crate) fn nearest<M: Machine>(
     Nearest {
         n: n.get(),
         a: on_a.get(),
+        way: v.get(),
     }
 }
 

@@ -208,6 +208,36 @@ impl<S: Structure> Space<S> {
         self.nearest(point, 1, within, test).pop()
     }
 
+    /// Visits the objects whose boxes a cast may meet, the early ones first as far as that is cheap: for
+    /// answers that need more than a [`CastTest`] can tell. `visit` returns the time after which hits no longer count.
+    ///
+    /// Every object whose box the cast meets by then is visited. Others may be, and some more than once, though none
+    /// by a [`Bvh`](crate::Bvh).
+    pub fn sweep(&self, cast: &Cast, mut visit: impl FnMut(u32) -> f32) {
+        let unbounded = self.boxes.unbounded().iter();
+        let limit = unbounded.fold(cast.limit(), |_, i| visit(*i));
+        self.structure
+            .sweep(&self.boxes, &Sweep::new(cast), limit, &mut visit);
+    }
+
+    /// Visits the objects whose boxes are not farther than `within` [m] from a point, the near ones first as far as
+    /// that is cheap: for answers that need more than a [`ClosestTest`] can tell. `visit` returns the distance [m]
+    /// beyond which objects no longer count.
+    ///
+    /// Others may be visited, and some more than once, though none by a [`Bvh`](crate::Bvh). None is near a point that
+    /// has a NaN or lies beyond 10¹⁵ m.
+    pub fn approach(&self, point: Vec3, within: f32, mut visit: impl FnMut(u32) -> f32) {
+        if !Aabb::new(point, point).is_bounded() {
+            return;
+        }
+        let square = |distance: f32| (distance * distance).min(f32::MAX);
+        let unbounded = self.boxes.unbounded().iter();
+        let limit = unbounded.fold(square(within), |_, i| square(visit(*i)));
+        let mut visit = |object| square(visit(object));
+        self.structure
+            .approach(&self.boxes, point, limit, &mut visit);
+    }
+
     /// [`cast`](Space::cast) for many, in threads; answer i belongs to `casts[i]`. Runs
     /// of 16 casts that are alike, as those of neighbouring pixels are, go together in lanes.
     pub fn cast_batch(&self, casts: &[Cast], test: &impl CastTest) -> Vec<Option<Hit>> {

@@ -143,6 +143,23 @@ fn compare<S: Structure>(space: &Space<S>, truth: &Truth, ask: &Questions) {
             "{cast:?}"
         );
         assert_eq!(space.cast_all(cast, space.boxes()), hits, "{cast:?}");
+        let mut visited = Vec::new();
+        space.sweep(cast, |object| {
+            visited.push(object);
+            cast.limit()
+        });
+        assert!(hits.iter().all(|hit| visited.contains(&hit.object)));
+        // The first of all is visited also where what comes after a hit no longer counts.
+        let mut first: Option<(f32, u32)> = None;
+        space.sweep(cast, |object| {
+            let limit = first.map_or(cast.limit(), |(time, _)| time);
+            let hit = cast.against(space.boxes().get(object), limit);
+            let found = first.into_iter().chain(hit.map(|time| (time, object)));
+            first = found.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            first.map_or(cast.limit(), |(time, _)| time)
+        });
+        let expected = hits.first().map(|hit| (hit.time, hit.object));
+        assert_eq!(first, expected, "{cast:?}");
     }
     for &point in &ask.points {
         for (k, within) in [(1, f32::INFINITY), (5, 2.0), (1000, 3.0)] {
@@ -152,6 +169,13 @@ fn compare<S: Structure>(space: &Space<S>, truth: &Truth, ask: &Questions) {
                 near,
                 "{k} nearest of {point}"
             );
+            let mut visited = Vec::new();
+            space.approach(point, within, |object| {
+                visited.push(object);
+                within
+            });
+            let all = truth.nearest(point, usize::MAX, within);
+            assert!(all.iter().all(|near| visited.contains(&near.object)));
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Pairs with a closed form. Each takes A and B in the order of their [kinds](crate::kind).
 
 mod capsule;
-mod nearest;
+pub(crate) mod nearest;
 mod plane;
 mod sphere;
 
