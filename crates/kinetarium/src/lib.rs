@@ -68,8 +68,8 @@ pub mod prelude {
     pub use rigid::{Integrator, Settings};
     pub use sensors::{Mount, Noise, Sensor, SensorKind, Sensors};
     pub use sim::{
-        Contact, Controller, Controls, Diverged, Event, EventKind, Outputs, Ray, RayHit, Recorder,
-        Recording, Replay, Simulation, SimulationError, SimulationSettings, Snapshot, SolverKind,
-        Watch,
+        Contact, Controller, Controls, Diverged, Event, EventKind, Outputs, PlacedShape, QueryHit,
+        Ray, RayHit, Recorder, Recording, Replay, Seen, ShapeCast, Simulation, SimulationError,
+        SimulationSettings, Snapshot, SolverKind, Watch,
     };
 }

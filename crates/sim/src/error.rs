@@ -116,24 +116,28 @@ pub enum SimulationError {
         /// Its name.
         parameter: &'static str,
     },
-    /// A ray makes no sense.
-    #[error("{what} of ray {index} is {value}: it must be {remedy}")]
-    Ray {
-        /// Its place among the rays given.
+    /// A query makes no sense.
+    #[error("{what} of {query} {index} is {value}: it must be {remedy}")]
+    Query {
+        /// What is asked: "ray", "shape cast", "point" or "shape".
+        query: &'static str,
+        /// Its place among those given.
         index: usize,
-        /// Which of its numbers.
+        /// Which part of it.
         what: &'static str,
-        /// Their value.
+        /// How it is.
         value: String,
-        /// What they must be.
+        /// What it must be.
         remedy: &'static str,
     },
-    /// Rays do not meet what is not read.
+    /// Queries find no mesh that is not read.
     #[error(
-        "rays meet no mesh that is a file's name only, as shape {shape} (`{name}`) is: have meshes read \
+        "{what} meet no mesh that is a file's name only, as shape {shape} (`{name}`) is: have meshes read \
          (--meshes exact), or use solids in its place"
     )]
-    RayMesh {
+    NotRead {
+        /// What is asked: "rays", "swept shapes", "points" or "shapes".
+        what: &'static str,
         /// Row of the shape.
         shape: usize,
         /// Its name.

@@ -32,6 +32,8 @@ pub(crate) struct Triangles {
     mesh: TriangleMesh,
     all: Vec<Triangle>,
     pub space: Space<Bvh>,
+    /// Whether the surface ends nowhere.
+    pub closed: bool,
 }
 
 impl Triangles {
@@ -44,6 +46,7 @@ impl Triangles {
         let boxes: Vec<_> = all.iter().map(around).collect();
         Self {
             mesh: mesh.clone(),
+            closed: mesh.is_closed(),
             all,
             space: Space::new(&boxes).expect("the vertices of a mesh are finite"),
         }

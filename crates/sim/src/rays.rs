@@ -3,16 +3,15 @@
 //! Solids and the triangles of meshes are met exactly, in double precision ([`collide::ray`]); boxes
 //! about them, in single precision and grown by its error, tell which to try.
 
-use crate::Simulation;
-use crate::error::{MOST_MOTION, SimulationError, index, length};
 use crate::meshes::Triangles;
+use crate::queries::scene::{ROUNDING, Solid};
+use crate::queries::{Seen, View, check_direction, check_most, check_point};
+use crate::{Simulation, SimulationError};
 use collide::ray::{Line, Sheared};
 use glam::{DVec3, Vec3};
-use model::{BodyId, Geometry, Pose, Shape, ShapeId};
+use model::{BodyId, ShapeId};
 use numbers::Float;
-use rayon::prelude::*;
-use space::{Aabb, Bvh, Cast, Space};
-use std::sync::Arc;
+use space::{Bvh, Cast, Space};
 
 /// A ray in a world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,75 +38,21 @@ pub struct RayHit {
     pub normal: DVec3,
 }
 
-/// Shortest and longest direction that is taken.
-const LENGTHS: std::ops::RangeInclusive<f64> = 1e-12..=1e12;
-
 impl Ray {
     /// The same with a direction of unit length.
     fn checked(self, index: usize) -> Result<Self, SimulationError> {
-        let refuse = |what, value: String, remedy| {
-            Err(SimulationError::Ray {
-                index,
-                what,
-                value,
-                remedy,
-            })
-        };
-        if !(self.origin.abs().max_element() <= MOST_MOTION && self.origin.is_finite()) {
-            let origin = self.origin.to_string();
-            return refuse("origin", origin, "finite and within 1e9 m along each axis");
-        }
-        let length = self.direction.length();
-        if !LENGTHS.contains(&length) {
-            let direction = self.direction.to_string();
-            return refuse("direction", direction, "of a length from 1e-12 to 1e12");
-        }
-        if self.max_distance.is_nan() || self.max_distance < 0.0 {
-            let most = self.max_distance.to_string();
-            return refuse("largest distance", most, "0 or more, in metres");
-        }
-        Ok(Self {
-            direction: self.direction / length,
-            ..self
-        })
+        let query = ("ray", index);
+        check_point(query, "origin", self.origin)?;
+        let direction = check_direction(query, self.direction)?;
+        check_most(query, self.max_distance)?;
+        Ok(Self { direction, ..self })
     }
 }
 
-/// A shape where it is.
-#[derive(Clone, Debug)]
-struct Solid<'a> {
-    shape: ShapeId,
-    geometry: &'a Geometry,
-    /// If it is a mesh.
-    triangles: Option<Arc<Triangles>>,
-    pose: Pose,
-}
-
-impl<'a> Solid<'a> {
-    fn new(
-        shape: ShapeId,
-        of: &'a Shape,
-        triangles: Option<Arc<Triangles>>,
-        bodies: &[Pose],
-    ) -> Result<Self, SimulationError> {
-        if matches!(of.geometry, Geometry::MeshFile { .. }) {
-            return Err(SimulationError::RayMesh {
-                shape: shape.0,
-                name: of.name.clone(),
-            });
-        }
-        let carrier = of.body.map_or(Pose::IDENTITY, |body| bodies[body.0]);
-        Ok(Self {
-            shape,
-            geometry: &of.geometry,
-            triangles,
-            pose: carrier * of.pose,
-        })
-    }
-
+impl Solid<'_> {
     /// Where a ray, whose direction has unit length, meets the shape.
     fn meet(&self, ray: &Ray) -> Result<Option<RayHit>, SimulationError> {
-        match &self.triangles {
+        match self.triangles {
             Some(triangles) => self.meet_mesh(triangles, ray),
             None => Ok(self.meet_solid(ray)),
         }
@@ -123,7 +68,7 @@ impl<'a> Solid<'a> {
             origin: origin + foot * direction,
             direction,
         };
-        let span = line.within(self.geometry)?;
+        let span = line.within(self.geometry())?;
         let (enter, leave) = (foot + span.enter, foot + span.leave);
         if leave < 0.0 || enter > ray.max_distance {
             return None;
@@ -147,10 +92,9 @@ impl<'a> Solid<'a> {
         triangles: &Triangles,
         ray: &Ray,
     ) -> Result<Option<RayHit>, SimulationError> {
-        let frame = self.pose * Pose::at(self.geometry.center());
-        let inverse = frame.inverse();
+        let inverse = self.frame().inverse();
         let (origin, direction) = (inverse.point(ray.origin), inverse.direction(ray.direction));
-        let radius = self.geometry.half_extents().map_or(0.0, DVec3::length);
+        let radius = self.radius();
         let start = (-origin.dot(direction) - radius).max(0.0);
         let near = Ray {
             origin: origin + start * direction,
@@ -180,17 +124,6 @@ impl<'a> Solid<'a> {
             ..hit
         }))
     }
-
-    /// A box about it along the world's axes: |R| times that along its own.
-    fn around(&self) -> Aabb {
-        let Some(half) = self.geometry.half_extents() else {
-            return Aabb::new(Vec3::NEG_INFINITY, Vec3::INFINITY);
-        };
-        let axes = DVec3::AXES.map(|axis| self.pose.direction(axis).abs());
-        let reach = axes[0] * half.x + axes[1] * half.y + axes[2] * half.z;
-        let center = self.pose.point(self.geometry.center());
-        Aabb::enclosing(center - reach, center + reach)
-    }
 }
 
 /// The nearer; of equally near ones that of the first shape.
@@ -200,37 +133,6 @@ fn nearer(a: RayHit, b: RayHit) -> RayHit {
         .total_cmp(&a.distance)
         .then(b.shape.cmp(&a.shape));
     if b_is.is_lt() { b } else { a }
-}
-
-/// Solids and the boxes about them.
-struct Scene<'a> {
-    solids: Vec<Solid<'a>>,
-    space: Space<Bvh>,
-    /// No coordinate of a box that ends is larger [m].
-    reach: f64,
-}
-
-/// In single precision origin, direction and times are off by so large a share of all lengths, at
-/// most. (Each rounds by 6e-8.)
-const ROUNDING: f64 = 1e-6;
-
-impl<'a> Scene<'a> {
-    fn new(solids: Vec<Solid<'a>>) -> Result<Self, SimulationError> {
-        let boxes: Vec<_> = solids.iter().map(Solid::around).collect();
-        let corners = boxes.iter().flat_map(|b| [b.min, b.max]);
-        let sizes = corners.map(|corner| f64::from(corner.abs().max_element()));
-        let reach = sizes.filter(|size| size.is_finite()).fold(0.0, f64::max);
-        Ok(Self {
-            space: Space::new(&boxes)?,
-            solids,
-            reach,
-        })
-    }
-
-    fn first(&self, ray: &Ray) -> Result<Option<RayHit>, SimulationError> {
-        let meet = |solid: u32| self.solids[solid as usize].meet(ray);
-        first(&self.space, self.reach, ray, meet)
-    }
 }
 
 /// The nearest of the hits of the objects whose boxes, none of which reaches beyond `reach` [m], a ray
@@ -245,15 +147,26 @@ fn first(
     let (origin, direction) = (ray.origin.as_vec3(), ray.direction.as_vec3());
     let cast = Cast::aabb(origin, Vec3::splat(slack as f32), direction)?
         .until((ray.max_distance as f32).next_up());
-    let mut best: Option<RayHit> = None;
-    for near in space.cast_all(&cast, space.boxes()) {
-        if best.is_some_and(|best| best.distance < f64::from(near.time)) {
-            break;
+    let (mut best, mut failed): (Option<RayHit>, _) = (None, None);
+    space.sweep(&cast, |object| {
+        match meet(object) {
+            Ok(hit) => best = best.into_iter().chain(hit).reduce(nearer),
+            Err(error) => failed = Some(error),
         }
-        let hit = meet(near.object)?;
-        best = best.into_iter().chain(hit).reduce(nearer);
+        let until = best.map_or(ray.max_distance, |best| best.distance);
+        (until as f32).next_up()
+    });
+    failed.map_or(Ok(best), Err)
+}
+
+impl View<'_> {
+    fn first_met(&self, ray: &Ray) -> Result<Option<RayHit>, SimulationError> {
+        let meet = |row| match self.solid(row) {
+            Some(solid) => solid.meet(ray),
+            None => Ok(None),
+        };
+        first(&self.scene.space, self.scene.reach, ray, meet)
     }
-    Ok(best)
 }
 
 impl<T: Float> Simulation<T> {
@@ -281,14 +194,8 @@ impl<T: Float> Simulation<T> {
             direction,
             max_distance,
         };
-        index("world", world, self.worlds())?;
-        let ray = ray.checked(0)?;
-        let bodies = self.placements(world)?;
-        let meshes = self.triangles(world);
-        let solids = self.solids(world, &bodies, meshes, None)?;
-        let hits = solids.iter().filter_map(|s| s.meet(&ray).transpose());
-        let hits = hits.collect::<Result<Vec<_>, _>>()?;
-        Ok(hits.into_iter().reduce(nearer))
+        let hits = self.cast_rays(world, &[ray])?;
+        Ok(hits.into_iter().flatten().next())
     }
 
     /// As [`cast_ray`](Simulation::cast_ray) for many rays in one world, in threads; answer i belongs
@@ -301,15 +208,7 @@ impl<T: Float> Simulation<T> {
         world: usize,
         rays: &[Ray],
     ) -> Result<Vec<Option<RayHit>>, SimulationError> {
-        index("world", world, self.worlds())?;
-        let rays = rays.iter().enumerate().map(|(i, ray)| ray.checked(i));
-        let rays = rays.collect::<Result<Vec<_>, _>>()?;
-        let bodies = self.placements(world)?;
-        let meshes = self.triangles(world);
-        let scene = Scene::new(self.solids(world, &bodies, meshes, None)?)?;
-        let parts = rays.par_iter().with_min_len(RAYS_AT_A_TIME);
-        self.threads
-            .run(|| parts.map(|ray| scene.first(ray)).collect())
+        self.cast_rays_in_worlds(&[world], rays, None)
     }
 
     /// As [`cast_rays`](Simulation::cast_rays) in many worlds at once, which threads share: the rays of
@@ -324,65 +223,14 @@ impl<T: Float> Simulation<T> {
         rays: &[Ray],
         except: Option<BodyId>,
     ) -> Result<Vec<Option<RayHit>>, SimulationError> {
-        let count = self.worlds();
-        worlds.iter().try_for_each(|&w| index("world", w, count))?;
-        let each = rays.len() / worlds.len().max(1);
-        length("rays of the worlds", rays.len(), each * worlds.len())?;
-        if each == 0 {
-            return Ok(Vec::new());
-        }
         let rays = rays.iter().enumerate().map(|(i, ray)| ray.checked(i));
         let rays = rays.collect::<Result<Vec<_>, _>>()?;
-        let placed: Vec<(usize, Vec<Pose>, _)> = worlds
-            .iter()
-            .map(|&world| Ok((world, self.placements(world)?, self.triangles(world))))
-            .collect::<Result<_, SimulationError>>()?;
-        let cast = |((world, bodies, meshes), rays): ((usize, Vec<Pose>, _), &[Ray])| {
-            let scene = Scene::new(self.solids(world, &bodies, meshes, except)?)?;
-            rays.iter()
-                .map(|ray| scene.first(ray))
-                .collect::<Result<Vec<_>, SimulationError>>()
+        let seen = Seen {
+            except: except.into_iter().collect(),
+            ..Seen::default()
         };
-        let parts = placed.into_par_iter().zip(rays.par_chunks(each));
-        let hits: Result<Vec<_>, _> = self.threads.run(|| parts.map(cast).collect());
-        Ok(hits?.concat())
-    }
-
-    /// Of each body of a world where it is now, with an orientation of unit length to double precision.
-    fn placements(&mut self, world: usize) -> Result<Vec<Pose>, SimulationError> {
-        let bodies = (0..self.model().bodies.len()).map(BodyId);
-        let outputs = self.try_outputs()?;
-        let placed = |body| {
-            let orientation = outputs.body_orientation(world, body).normalize();
-            Pose::new(outputs.body_position(world, body), orientation)
-        };
-        Ok(bodies.map(placed).collect())
-    }
-
-    /// Of the shapes of a world that are meshes.
-    fn triangles(&mut self, world: usize) -> Vec<Option<Arc<Triangles>>> {
-        let mut meshes = std::mem::take(&mut self.meshes);
-        let shapes = self.shapes(world).iter();
-        let triangles = shapes.map(|shape| meshes.of(shape)).collect();
-        self.meshes = meshes;
-        triangles
-    }
-
-    /// The shapes of a world but those of one body, on bodies that are placed so.
-    fn solids(
-        &self,
-        world: usize,
-        bodies: &[Pose],
-        meshes: Vec<Option<Arc<Triangles>>>,
-        except: Option<BodyId>,
-    ) -> Result<Vec<Solid<'_>>, SimulationError> {
-        let shapes = self.shapes(world).iter().zip(meshes).enumerate();
-        shapes
-            .filter(|(_, (shape, _))| !shape.sensor && (except.is_none() || shape.body != except))
-            .map(|(i, (shape, mesh))| Solid::new(ShapeId(i), shape, mesh, bodies))
-            .collect()
+        self.ask("rays", (worlds, &rays, &seen), |view, ray| {
+            view.first_met(ray)
+        })
     }
 }
-
-/// A thread takes so many rays at a time.
-const RAYS_AT_A_TIME: usize = 64;

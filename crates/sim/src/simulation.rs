@@ -7,11 +7,11 @@ use crate::engine::{Block, Task};
 use crate::error::{MOST_MOTION, SimulationError, bounded, index, length};
 use crate::events::Watcher;
 use crate::jobs::Lane;
-use crate::meshes::Meshes;
+use crate::queries::scene::Scenes;
 use crate::scratch::Scratch;
 use crate::threads::Threads;
 use crate::{Controls, Device, Inputs, Outputs, Quantity, SimulationSettings, Snapshot};
-use model::{Model, Shape, unit_quaternion};
+use model::{Model, unit_quaternion};
 use numbers::dispatch::Isa;
 use numbers::{Float, Memory};
 use rayon::prelude::*;
@@ -70,8 +70,10 @@ pub struct Simulation<T: Float> {
     pub(crate) reported: Option<Report>,
     pub(crate) diverged: Vec<Diverged>,
     pub(crate) watcher: Option<Watcher>,
-    /// Of the shapes that rays were cast at.
-    pub(crate) meshes: Meshes,
+    /// Changes whenever bodies may have moved.
+    pub(crate) moment: u64,
+    /// Where shapes were when they were last asked about.
+    pub(crate) scenes: Scenes,
     /// The worlds, where they are in the memory of a device.
     pub(crate) remote: Option<Remote<T>>,
 }
@@ -212,7 +214,8 @@ impl<T: Float> Simulation<T> {
             reported: None,
             diverged: Vec::new(),
             watcher: None,
-            meshes: Meshes::default(),
+            moment: 0,
+            scenes: Scenes::default(),
             remote: None,
             shared,
             settings,
@@ -321,10 +324,6 @@ impl<T: Float> Simulation<T> {
     pub(crate) fn has_own_models(&self) -> bool {
         !self.own.is_empty()
     }
-    /// The shapes of a world, in the order of its model.
-    pub(crate) fn shapes(&self, world: usize) -> &[Shape] {
-        &self.world_model(world).shapes
-    }
 
     /// Sets a world's joint coordinates and velocities; its time starts at 0 again, with the
     /// model's controls.
@@ -389,7 +388,13 @@ impl<T: Float> Simulation<T> {
         if let Some(remote) = &mut self.remote {
             remote.sets_state(world);
         }
+        self.moves();
+    }
+
+    /// Bodies may be elsewhere from now on.
+    fn moves(&mut self) {
         self.reported = None;
+        self.moment += 1;
     }
 
     /// A state at time 0, with the model's controls.
@@ -687,7 +692,7 @@ impl<T: Float> Simulation<T> {
     /// The snapshot does not fit.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SimulationError> {
         snapshot.put_back(self)?;
-        self.reported = None;
+        self.moves();
         self.changes.include(0..self.input.length());
         for world in 0..self.worlds() {
             if let Some(remote) = &mut self.remote {
@@ -707,7 +712,7 @@ impl<T: Float> Simulation<T> {
     pub(crate) fn perform(&mut self, task: Task) -> Result<(), SimulationError> {
         let steps = matches!(task, Task::Step(_));
         if steps {
-            self.reported = None;
+            self.moves();
         }
         self.tell()?;
         let Some(remote) = &mut self.remote else {

@@ -337,8 +337,7 @@ fn ray(rng: &mut Rng, size: f64) -> Ray {
     }
 }
 
-/// Many rays through boxes about the shapes, and each against all shapes: the same to the bit. In a
-/// pyramid, and in a heap of solids of all kinds, two in each place, of which the first is met.
+/// Many rays in threads, and each alone: the same to the bit. In a pyramid, and in a heap of solids of all kinds, two in each place, of which the first is met.
 #[test]
 fn many_rays_meet_what_each_meets_alone() {
     let mut rng = Rng::with_seed(3);

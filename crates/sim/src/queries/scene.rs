@@ -1,0 +1,190 @@
+//! The shapes of a world where they are now, and a tree of boxes about them.
+//!
+//! A scene is kept until the bodies may have moved; then its boxes move on with them.
+
+use crate::meshes::{Meshes, Triangles};
+use crate::{Simulation, SimulationError};
+use glam::{DVec3, Vec3};
+use model::{BodyId, Geometry, Model, Pose, Shape, ShapeId};
+use numbers::Float;
+use rayon::prelude::*;
+use space::{Aabb, Bvh, Space};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// In single precision origins, directions and times are off by so large a share of all lengths, at
+/// most. (Each rounds by 6e-8.)
+pub(crate) const ROUNDING: f64 = 1e-6;
+
+/// The scenes of the worlds that were asked about, and what is known of their meshes.
+#[derive(Debug, Default)]
+pub(crate) struct Scenes {
+    meshes: Meshes,
+    /// By world; each with the moment at which bodies were as it has them.
+    kept: HashMap<usize, (u64, Arc<Scene>)>,
+}
+
+/// A shape where it is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Solid<'a> {
+    pub shape: ShapeId,
+    pub of: &'a Shape,
+    /// If it is a mesh.
+    pub triangles: Option<&'a Triangles>,
+    pub pose: Pose,
+}
+
+impl<'a> Solid<'a> {
+    pub fn geometry(&self) -> &'a Geometry {
+        &self.of.geometry
+    }
+    /// The frame that a mesh's triangles are in.
+    pub fn frame(&self) -> Pose {
+        self.pose * Pose::at(self.geometry().center())
+    }
+    /// Radius of a ball about that frame's origin that holds the mesh [m].
+    pub fn radius(&self) -> f64 {
+        self.geometry().half_extents().map_or(0.0, DVec3::length)
+    }
+}
+
+/// Middle and half extents [m] of a box about a geometry in its place; infinite about a plane.
+pub(crate) fn around(geometry: &Geometry, pose: &Pose) -> [DVec3; 2] {
+    let Some(half) = geometry.half_extents() else {
+        return [DVec3::ZERO, DVec3::INFINITY];
+    };
+    let reach = if matches!(geometry, Geometry::Sphere { .. }) {
+        half
+    } else {
+        // |R| times that along its own axes.
+        let axes = DVec3::AXES.map(|axis| pose.direction(axis).abs());
+        axes[0] * half.x + axes[1] * half.y + axes[2] * half.z
+    };
+    [pose.point(geometry.center()), reach]
+}
+
+/// The shapes of a world, all but those that are the names of files, and the boxes about them.
+#[derive(Debug)]
+pub(crate) struct Scene {
+    model: Arc<Model>,
+    shapes: Vec<(ShapeId, Option<Arc<Triangles>>)>,
+    poses: Vec<Pose>,
+    /// Those that are the names of files.
+    pub unread: Vec<ShapeId>,
+    pub space: Space<Bvh>,
+    /// No coordinate of a box that ends is larger [m].
+    pub reach: f64,
+}
+
+impl Scene {
+    /// With bodies placed so, and no boxes yet.
+    fn new(model: Arc<Model>, meshes: &mut Meshes) -> Self {
+        let all = || model.shapes.iter().enumerate();
+        let is_unread = |shape: &Shape| matches!(shape.geometry, Geometry::MeshFile { .. });
+        let shapes = all()
+            .filter(|(_, shape)| !is_unread(shape))
+            .map(|(i, shape)| (ShapeId(i), meshes.of(shape)));
+        let shapes = Vec::from_iter(shapes);
+        let unread = all().filter(|(_, shape)| is_unread(shape));
+        Self {
+            unread: unread.map(|(i, _)| ShapeId(i)).collect(),
+            poses: vec![Pose::IDENTITY; shapes.len()],
+            space: Space::new(&[]).expect("no boxes"),
+            reach: 0.0,
+            shapes,
+            model,
+        }
+    }
+
+    /// The same with bodies placed so.
+    fn placed(mut self, bodies: &[Pose]) -> Result<Self, SimulationError> {
+        for ((shape, _), pose) in self.shapes.iter().zip(&mut self.poses) {
+            let shape = &self.model.shapes[shape.0];
+            let carrier = shape.body.map_or(Pose::IDENTITY, |body| bodies[body.0]);
+            *pose = carrier * shape.pose;
+        }
+        let boxes = self.solids().map(|solid| {
+            let [middle, half] = around(solid.geometry(), &solid.pose);
+            if half.is_finite() {
+                Aabb::enclosing(middle - half, middle + half)
+            } else {
+                Aabb::new(Vec3::NEG_INFINITY, Vec3::INFINITY)
+            }
+        });
+        let boxes = Vec::from_iter(boxes);
+        let corners = boxes.iter().flat_map(|b| [b.min, b.max]);
+        let sizes = corners.map(|corner| f64::from(corner.abs().max_element()));
+        self.reach = sizes.filter(|size| size.is_finite()).fold(0.0, f64::max);
+        if self.space.boxes().all().len() == boxes.len() {
+            self.space.update(&boxes)?;
+        } else {
+            self.space = Space::new(&boxes)?;
+        }
+        Ok(self)
+    }
+
+    pub fn solid(&self, row: u32) -> Solid<'_> {
+        let (shape, triangles) = &self.shapes[row as usize];
+        Solid {
+            shape: *shape,
+            of: self.shape(*shape),
+            triangles: triangles.as_deref(),
+            pose: self.poses[row as usize],
+        }
+    }
+
+    pub fn shape(&self, shape: ShapeId) -> &Shape {
+        &self.model.shapes[shape.0]
+    }
+
+    fn solids(&self) -> impl Iterator<Item = Solid<'_>> {
+        (0..self.shapes.len()).map(|row| self.solid(row as u32))
+    }
+}
+
+impl<T: Float> Simulation<T> {
+    /// The scenes of some worlds as they are now.
+    pub(crate) fn scenes(&mut self, worlds: &[usize]) -> Result<Vec<Arc<Scene>>, SimulationError> {
+        let moment = self.moment;
+        let is_old = |scenes: &Scenes, world| {
+            let kept = scenes.kept.get(&world);
+            kept.is_none_or(|(made, _)| *made != moment)
+        };
+        let mut old = worlds.to_vec();
+        old.sort_unstable();
+        old.dedup();
+        old.retain(|world| is_old(&self.scenes, *world));
+        let mut placed = Vec::with_capacity(old.len());
+        for world in old {
+            let bodies = self.placements(world)?;
+            let model = Arc::clone(self.world_model(world));
+            let kept = self.scenes.kept.remove(&world);
+            let kept = kept.and_then(|(_, scene)| Arc::into_inner(scene));
+            let kept = kept.filter(|scene| Arc::ptr_eq(&scene.model, &model));
+            let scene = kept.unwrap_or_else(|| Scene::new(model, &mut self.scenes.meshes));
+            placed.push((world, scene, bodies));
+        }
+        if !placed.is_empty() {
+            let scenes = placed.into_par_iter().map(|(world, scene, bodies)| {
+                Ok((world, (moment, Arc::new(scene.placed(&bodies)?))))
+            });
+            let scenes = self
+                .threads
+                .run(|| scenes.collect::<Result<Vec<_>, SimulationError>>());
+            self.scenes.kept.extend(scenes?);
+        }
+        let scene = |world| Arc::clone(&self.scenes.kept[world].1);
+        Ok(worlds.iter().map(scene).collect())
+    }
+
+    /// Of each body of a world where it is now, with an orientation of unit length to double precision.
+    fn placements(&mut self, world: usize) -> Result<Vec<Pose>, SimulationError> {
+        let bodies = (0..self.model().bodies.len()).map(BodyId);
+        let outputs = self.try_outputs()?;
+        let placed = |body| {
+            let orientation = outputs.body_orientation(world, body).normalize();
+            Pose::new(outputs.body_position(world, body), orientation)
+        };
+        Ok(bodies.map(placed).collect())
+    }
+}
