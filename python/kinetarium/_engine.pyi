@@ -299,6 +299,7 @@ class Softness:
 class Material:
     """Surface of a shape.
 
+    `friction` is the coefficient of what slides, `static_friction` that of what sticks, at least as large; none: the same.
     `torsional_friction` and `rolling_friction` are lengths [m]; `margin` [m] is the distance from the surface at
     which contact begins; `combine` tells how coefficients of two surfaces become one: "average", "minimum",
     "multiply" or "maximum", of which the later holds.
@@ -307,6 +308,7 @@ class Material:
         cls,
         friction: float = 0.5,
         *,
+        static_friction: float | None = None,
         torsional_friction: float = 0.0,
         rolling_friction: float = 0.0,
         restitution: float = 0.0,
@@ -316,7 +318,10 @@ class Material:
     ) -> Self: ...
     @property
     def friction(self) -> float:
-        """Coulomb friction coefficient."""
+        """Coulomb friction coefficient of what slides."""
+    @property
+    def static_friction(self) -> float | None:
+        """Coulomb friction coefficient of what sticks, where it is another one."""
     @property
     def torsional_friction(self) -> float:
         """Torsional friction coefficient [m]."""

@@ -391,7 +391,10 @@ def test_what_was_given_can_be_read():
     )
     assert (shape.name, shape.position, shape.orientation) == ("crate", (0, 1, 0), (0, 0, 0, 1))
     assert shape.material == steel and shape.color == (1, 0, 0, 0.5) and shape.membership == 1
-    assert (steel.friction, steel.margin, steel.combine) == (0.3, 0.01, "minimum")
+    assert (steel.friction, steel.static_friction, steel.margin, steel.combine) == (0.3, None, 0.01, "minimum")
+    sticky = kn.Material(0.3, static_friction=0.5)
+    assert sticky.static_friction == 0.5 and "static_friction=0.5" in repr(sticky)
+    assert pickle.loads(pickle.dumps(sticky)) == sticky != kn.Material(0.3)
     assert shape.geometry.half_extents == (1, 2, 3) and shape.geometry.vertices.shape == (0, 3)
     assert kn.Geometry.plane().half_extents is None
     limit, drive = kn.Limit(-1, 2, damping=3), kn.Drive(4, effort_limit=5)

@@ -140,8 +140,9 @@ fn is_free(joint: &Joint) -> bool {
 
 fn check_surface(shape: &Shape) -> Outcome<()> {
     let m = &shape.material;
-    if m.torsional_friction != 0.0 || m.rolling_friction != 0.0 || m.margin != 0.0 {
-        let what = "no torsional friction, no rolling friction, no margin";
+    let sticks = m.sticking() != m.friction;
+    if sticks || m.torsional_friction != 0.0 || m.rolling_friction != 0.0 || m.margin != 0.0 {
+        let what = "no static friction, no torsional friction, no rolling friction, no margin";
         return refuse("shape", &shape.name, what);
     }
     if (shape.membership, shape.collides_with) != (1, 1) {

@@ -86,6 +86,19 @@ pub enum ModelError {
         /// The number.
         value: f64,
     },
+    /// A surface that sticks less than it slides.
+    #[error(
+        "{what}: static friction is {sticking}, less than the friction {sliding} of what slides; \
+         give at least that, or none"
+    )]
+    SticksLess {
+        /// The culprit.
+        what: String,
+        /// Its static friction.
+        sticking: f64,
+        /// Its friction.
+        sliding: f64,
+    },
     /// A number lies outside its range.
     #[error("{what}: {quantity} is {value}; it must lie from {lower} to {upper}")]
     OutsideRange {

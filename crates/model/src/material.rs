@@ -5,8 +5,11 @@ use serde::{Deserialize, Serialize};
 /// Surface of a shape.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Material {
-    /// Coulomb friction coefficient.
+    /// Coulomb friction coefficient of what slides.
     pub friction: f64,
+    /// Coulomb friction coefficient of what sticks, which is what slides more slowly than it could stop within a
+    /// step; at least `friction`. None: the same.
+    pub static_friction: Option<f64>,
     /// Torsional friction coefficient [m].
     pub torsional_friction: f64,
     /// Rolling friction coefficient [m].
@@ -25,11 +28,12 @@ pub struct Material {
 }
 
 impl Default for Material {
-    /// Friction 0.5, no rolling or torsional friction, no restitution, the standard softness,
-    /// averages.
+    /// Friction 0.5 whether it slides or sticks, no rolling or torsional friction, no restitution, the
+    /// standard softness, averages.
     fn default() -> Self {
         Self {
             friction: 0.5,
+            static_friction: None,
             torsional_friction: 0.0,
             rolling_friction: 0.0,
             restitution: 0.0,
@@ -190,11 +194,18 @@ impl Combine {
 }
 
 impl Material {
+    /// Coulomb friction coefficient of what sticks.
+    pub fn sticking(&self) -> f64 {
+        self.static_friction.unwrap_or(self.friction)
+    }
     /// The surface that a contact of two has, whichever comes first.
     pub fn with(&self, other: &Self) -> Self {
         let combine = self.combine.max(other.combine);
+        let differs = self.static_friction.or(other.static_friction).is_some();
+        let sticking = combine.of(self.sticking(), other.sticking());
         Self {
             friction: combine.of(self.friction, other.friction),
+            static_friction: differs.then_some(sticking),
             torsional_friction: combine.of(self.torsional_friction, other.torsional_friction),
             rolling_friction: combine.of(self.rolling_friction, other.rolling_friction),
             restitution: combine.of(self.restitution, other.restitution),
@@ -225,6 +236,33 @@ mod tests {
         assert!((a.with(&b).friction - 0.12).abs() < 1e-15);
         assert_eq!(a.with(&b).friction, b.with(&a).friction);
         assert_eq!((a.with(&a).margin, a.with(&b).margin), (0.02, 0.01));
+    }
+
+    /// One that sticks as it slides is taken for what it is.
+    #[test]
+    fn static_friction_combines_by_the_rule_of_the_pair() {
+        let sticky = Material {
+            friction: 0.2,
+            static_friction: Some(0.6),
+            ..Material::default()
+        };
+        let plain = Material {
+            friction: 0.4,
+            ..Material::default()
+        };
+        let rule = |combine| Material { combine, ..plain };
+        assert_eq!(plain.with(&plain).static_friction, None);
+        for (combine, sticking) in [
+            (Combine::Average, 0.5),
+            (Combine::Minimum, 0.4),
+            (Combine::Multiply, 0.24),
+            (Combine::Maximum, 0.6),
+        ] {
+            let pair = sticky.with(&rule(combine));
+            assert!((pair.sticking() - sticking).abs() < 1e-15, "{combine:?}");
+            assert_eq!(pair, rule(combine).with(&sticky));
+            assert!(pair.sticking() >= pair.friction);
+        }
     }
 
     fn time(constant: f64, ratio: f64, impedance: f64) -> Softness {

@@ -349,6 +349,19 @@ fn shapes() {
             "shape \"knob\": friction is -0.1; it must not be negative",
         ),
         (
+            |p| p.shapes[0].material.static_friction = Some(f64::NAN),
+            "shape \"knob\": static friction is NaN; give a finite number",
+        ),
+        (
+            |p| p.shapes[0].material.static_friction = Some(-0.5),
+            "shape \"knob\": static friction is -0.5; it must not be negative",
+        ),
+        (
+            |p| p.shapes[0].material.static_friction = Some(0.4),
+            "shape \"knob\": static friction is 0.4, less than the friction 0.5 of what slides; \
+             give at least that, or none",
+        ),
+        (
             |p| p.shapes[0].material.restitution = 1.5,
             "shape \"knob\": restitution is 1.5; it must lie from 0 to 1",
         ),

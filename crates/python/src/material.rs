@@ -66,6 +66,7 @@ const COMBINE: Table<model::Combine, 4> = [
 
 /// Surface of a shape.
 ///
+/// `friction` is the coefficient of what slides, `static_friction` that of what sticks, at least as large; none: the same.
 /// `torsional_friction` and `rolling_friction` are lengths [m]; `margin` [m] is the distance from the surface at
 /// which contact begins; `combine` tells how coefficients of two surfaces become one: "average", "minimum",
 /// "multiply" or "maximum", of which the later holds.
@@ -76,10 +77,11 @@ pub struct Material(pub model::Material);
 #[pymethods]
 impl Material {
     #[new]
-    #[pyo3(signature = (friction=0.5, *, torsional_friction=0.0, rolling_friction=0.0, restitution=0.0,
-        softness=None, margin=0.0, combine="average"))]
+    #[pyo3(signature = (friction=0.5, *, static_friction=None, torsional_friction=0.0, rolling_friction=0.0,
+        restitution=0.0, softness=None, margin=0.0, combine="average"))]
     fn new(
         friction: f64,
+        static_friction: Option<f64>,
         torsional_friction: f64,
         rolling_friction: f64,
         restitution: f64,
@@ -90,6 +92,7 @@ impl Material {
         let combine = find(&COMBINE, "rule", combine)?;
         Ok(Self(model::Material {
             friction,
+            static_friction,
             torsional_friction,
             rolling_friction,
             restitution,
@@ -98,10 +101,15 @@ impl Material {
             combine,
         }))
     }
-    /// Coulomb friction coefficient.
+    /// Coulomb friction coefficient of what slides.
     #[getter]
     fn friction(&self) -> f64 {
         self.0.friction
+    }
+    /// Coulomb friction coefficient of what sticks, where it is another one.
+    #[getter]
+    fn static_friction(&self) -> Option<f64> {
+        self.0.static_friction
     }
     /// Torsional friction coefficient [m].
     #[getter]
@@ -143,6 +151,7 @@ impl Material {
     fn __repr__(&self) -> String {
         let model::Material {
             friction,
+            static_friction,
             torsional_friction,
             rolling_friction,
             restitution,
@@ -150,8 +159,10 @@ impl Material {
             margin,
             ..
         } = self.0;
+        let sticking = static_friction.map(|x| format!(", static_friction={x:?}"));
+        let sticking = sticking.unwrap_or_default();
         format!(
-            "Material({friction:?}, torsional_friction={torsional_friction:?}, \
+            "Material({friction:?}{sticking}, torsional_friction={torsional_friction:?}, \
              rolling_friction={rolling_friction:?}, restitution={restitution:?}, softness={}, \
              margin={margin:?}, combine={:?})",
             Softness(softness).__repr__(),

@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 mod check;
+mod cone;
 mod contacts;
 pub mod featherstone;
 mod gyroscopic;
@@ -15,6 +16,7 @@ mod input;
 mod lists;
 mod locks;
 mod output;
+mod restitution;
 mod solver;
 mod tables;
 pub mod xpbd;

@@ -7,7 +7,7 @@ mod shader;
 use kinetarium_rigid::impulse::joint::{self, JointTables, ROWS, axis_link};
 use kinetarium_rigid::impulse::pair::{ShapeTables, place};
 use kinetarium_rigid::impulse::{
-    BodyTables, ContactTables, POINTS, body, contact, manifold, point,
+    BodyTables, ContactTables, POINTS, blow, body, contact, manifold, point,
 };
 use kinetarium_rigid::impulse::{global, mass, row};
 use numbers::trace::{self, PrintOptions};
@@ -34,13 +34,15 @@ macro_rules! kernels {
 kernels! {
     Begin(k) = body::begin(k, &BodyTables::new());
     Advance(k) = body::advance(k, &BodyTables::new(), M::R::one());
+    Part(k) = body::part(k, &BodyTables::new());
     Drift(k) = body::drift(k, &BodyTables::new());
     Finish(k) = body::finish(k, &BodyTables::new());
     Prepare(k) = contact::prepare(k, &ContactTables::new());
     WarmStart(k) = contact::warm_start(k, &ContactTables::new());
     Push(k) = contact::solve(k, &ContactTables::new(), M::R::one());
     Relax(k) = contact::solve(k, &ContactTables::new(), M::R::zero());
-    Bounce(k) = contact::bounce(k, &ContactTables::new());
+    Foresee(k) = blow::foresee(k, &ContactTables::new());
+    Strike(k) = blow::strike(k, &ContactTables::new());
     Place(k) = place(k, &ShapeTables::new());
     Stand(k) = joint::place(k, &JointTables::new());
     Measure(k) = joint::measure(k, &JointTables::new());
@@ -132,6 +134,7 @@ fn records_well_in(kernel: &impl Kernel, new: fn(u32, u32) -> Lane, counts: Rang
 fn kernels_of_bodies_and_shapes_record_well() {
     records_well(&Begin);
     records_well(&Advance);
+    records_well(&Part);
     records_well(&Drift);
     records_well(&Finish);
     records_well(&Place);
@@ -143,7 +146,8 @@ fn kernels_of_contacts_record_well() {
     records_well(&WarmStart);
     records_well(&Push);
     records_well(&Relax);
-    records_well(&Bounce);
+    records_well(&Foresee);
+    records_well(&Strike);
 }
 
 #[test]

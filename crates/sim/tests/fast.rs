@@ -246,6 +246,73 @@ fn soft_springs_let_nothing_through() {
     assert!(through.is_empty(), "{through:#?}");
 }
 
+/// A bullet and a plate of 1 mm at the origin, of 1 kg, that is free, or hangs on a hinge along its upper edge.
+fn plate_scene(solid: &Geometry, hinged: bool) -> Model {
+    let mut world = Builder::new("scene");
+    world.gravity(DVec3::ZERO);
+    let bodies = world.object("bodies");
+    let bullet = bodies.body("bullet").shape(solid.clone()).handle();
+    bodies.free("flight", bullet);
+    let half = DVec3::new(0.0005, 0.5, 0.5);
+    let plate = bodies.body("plate").shape(Geometry::Box { half }).mass(1.0);
+    let plate = plate.handle();
+    if hinged {
+        let edge = Pose::at(0.5 * DVec3::Y);
+        bodies.revolute("hinge", plate, DVec3::Z).frames(edge, edge);
+    } else {
+        bodies.free("drift", plate);
+    }
+    world.build().unwrap()
+}
+
+/// The same against a plate that gives way: a bullet is never on its other side.
+#[test]
+fn bullets_stop_at_plates_that_move() {
+    let mut through = Vec::new();
+    for solver in SOLVERS {
+        for hinged in [false, true] {
+            for (name, solid) in solids(0.01) {
+                let mut simulation = simulation(plate_scene(&solid, hinged), solver, 0.002);
+                for world in 0..16 {
+                    let turn =
+                        DQuat::from_rotation_y(0.3) * DQuat::from_rotation_z(0.4 * world as f64);
+                    let x = -0.3 - 0.0125 * world as f64;
+                    let [i, j, k, w] = turn.to_array();
+                    let mut position = vec![x, -0.2, 0.1, i, j, k, w];
+                    let mut velocity = vec![100.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+                    if hinged {
+                        position.push(0.0);
+                        velocity.push(0.0);
+                    } else {
+                        position.extend([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
+                        velocity.extend([0.0; 6]);
+                    }
+                    simulation
+                        .set_joint_state(world, &position, &velocity)
+                        .unwrap();
+                }
+                simulation.step(12);
+                let outputs = simulation.outputs();
+                let passed = |world: &usize| {
+                    let plate = outputs.body_pose(*world, BodyId(1));
+                    let bullet = outputs.body_position(*world, BodyId(0));
+                    plate.inverse().point(bullet).x > 0.0
+                };
+                let struck = |world: &usize| outputs.body_velocity(*world, BodyId(1)).x > 0.1;
+                let count = (0..16).filter(passed).count();
+                let missed = 16 - (0..16).filter(struck).count();
+                if count + missed > 0 {
+                    let plate = if hinged { "a hinged" } else { "a free" };
+                    through.push(format!(
+                        "{solver:?}: {count} of 16 {name} through {plate} plate, {missed} not struck"
+                    ));
+                }
+            }
+        }
+    }
+    assert!(through.is_empty(), "{through:#?}");
+}
+
 /// Half sunk into a box, solids of 10 cm come out no faster than surfaces are pushed apart, 3 m/s, and half as much for
 /// what turns; in the end they are out.
 #[test]

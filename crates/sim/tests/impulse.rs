@@ -214,10 +214,10 @@ fn a_block_that_slides_stops_in_time() {
     assert!(sim.outputs().body_velocity(0, body()).length() < 1e-6);
 }
 
-/// Height after n bounces: e²ⁿ times the first, to first order in H; never higher.
+/// Each bounce reaches e² of the height before, of which what is seen misses the top by up to half of a step: g H² / 8.
 #[test]
 fn bounces_follow_e_squared() {
-    for e in [0.0, 0.5, 0.8, 1.0] {
+    for e in [0.0, 0.1, 0.5, 0.8, 1.0] {
         let material = Material {
             restitution: e,
             ..Material::default()
@@ -241,16 +241,20 @@ fn bounces_follow_e_squared() {
                 break;
             }
         }
-        for (n, height) in heights.iter().enumerate() {
-            let ideal = (e * e).powi(n as i32 + 1);
-            // Each bounce loses up to the fall of a step: g H v on v²/2.
-            let loss = 3.0 * (n + 1) as f64 * STEP * (2.0 * G * ideal.max(1e-3)).sqrt();
+        // What comes at less than 2 g H rests.
+        let bounces = |height: f64| height > 2.0 * (2.0 * G * STEP).powi(2) / (2.0 * G);
+        let mut before = 1.0;
+        for height in heights.iter().filter(|height| bounces(**height)) {
+            let ideal = e * e * before;
+            let missed = G * STEP * STEP / 8.0 * (1.0 + e * e);
             assert!(
-                *height < ideal + 1e-3 && *height > ideal - loss,
+                (height - ideal).abs() < missed + 1e-9,
                 "e = {e}: {heights:?}"
             );
+            before = *height;
         }
         assert!(e < 0.5 || heights.len() > 3, "e = {e}: {heights:?}");
+        assert!(e < 1.0 || heights.len() == 10, "{heights:?}");
     }
 }
 
@@ -772,9 +776,12 @@ fn settings_without_sense_are_refused() {
     );
 }
 
-/// Newton's cradle without strings: what hits a row of elastic balls from one side goes on at the other.
-#[test]
-fn a_push_runs_through_a_row_of_balls() {
+/// Smooth elastic balls of 5 cm in a row along x, so far apart; their velocities along x.
+fn cradle<T: Float>(
+    apart: f64,
+    velocities: [f64; 5],
+    settings: SimulationSettings,
+) -> Simulation<T> {
     let material = Material {
         restitution: 1.0,
         ..smooth()
@@ -782,23 +789,177 @@ fn a_push_runs_through_a_row_of_balls() {
     let mut world = Builder::new("cradle");
     world.gravity(DVec3::ZERO);
     let balls = world.object("balls");
-    for i in 0..5 {
+    let mut x = 0.0;
+    for (i, v) in velocities.into_iter().enumerate() {
         let ball = Shape::new(Geometry::Sphere { radius: 0.05 }).with_material(material);
         balls
             .body(format!("ball_{i}"))
-            .at(Pose::at(DVec3::X * 0.105 * f64::from(i)))
+            .at(Pose::at(DVec3::X * x))
             .shape(ball);
+        let next = velocities.get(i + 1).copied().unwrap_or(v);
+        x += 0.1 + if v == next { apart } else { 0.02 };
+    }
+    let mut sim = Simulation::new(world.build().unwrap(), settings).unwrap();
+    let mut all = [0.0; 30];
+    for (i, v) in velocities.into_iter().enumerate() {
+        all[6 * i] = v;
+    }
+    set_velocities(&mut sim, &all);
+    sim
+}
+
+fn velocities<T: Float>(sim: &mut Simulation<T>) -> Vec<DVec3> {
+    let bodies = sim.model().bodies.len();
+    let outputs = sim.outputs();
+    (0..bodies)
+        .map(|i| outputs.body_velocity(0, BodyId(i)))
+        .collect()
+}
+
+/// Newton's cradle without strings, with gaps and without: as many balls as come from one side leave at the other.
+///
+/// Equal balls exchange their speeds whatever the order of blows, so that what is left is rounding.
+#[test]
+fn a_push_runs_through_a_row_of_balls() {
+    for apart in [0.005, 1e-7, 0.0] {
+        for count in 1..5 {
+            let mut start = [0.0; 5];
+            start[..count].fill(1.0);
+            let mut sim = cradle::<f64>(apart, start, settings());
+            sim.step(200);
+            for (i, v) in velocities(&mut sim).into_iter().enumerate() {
+                let ideal = if i + count < 5 { DVec3::ZERO } else { DVec3::X };
+                assert!((v - ideal).length() < 1e-9, "{count} in, ball {i}: {v}");
+            }
+        }
+    }
+    // From both sides, and in lanes, scalars and threads alike.
+    let runs = [(1, false), (1, true), (2, false)].map(|(threads, scalar)| {
+        let settings = SimulationSettings {
+            threads,
+            scalar,
+            ..settings()
+        };
+        let mut sim = cradle::<f32>(0.0, [1.0, 1.0, 0.0, 0.0, -1.0], settings);
+        sim.step(100);
+        velocities(&mut sim)
+    });
+    assert_eq!(runs[0], runs[1]);
+    assert_eq!(runs[0], runs[2]);
+    for (v, ideal) in runs[0].iter().zip([-1.0, 0.0, 0.0, 1.0, 1.0]) {
+        assert!((v.x - ideal).abs() < 1e-5, "{:?}", runs[0]);
+    }
+}
+
+/// A heavy ball strikes two light ones in a row: v₁ = (m − n)/(m + n) v and 2 m/(m + n) v, handed on to the last, and
+/// again from what is left.
+#[test]
+fn unlike_balls_share_a_blow_by_their_masses() {
+    let material = Material {
+        restitution: 1.0,
+        ..smooth()
+    };
+    let mut world = Builder::new("row");
+    world.gravity(DVec3::ZERO);
+    let balls = world.object("balls");
+    for (i, (x, mass)) in [(-0.13, 3.0), (0.0, 1.0), (0.1, 1.0)]
+        .into_iter()
+        .enumerate()
+    {
+        let ball = Shape::new(Geometry::Sphere { radius: 0.05 }).with_material(material);
+        let body = balls.body(format!("{i}")).at(Pose::at(DVec3::X * x));
+        body.shape(ball).mass(mass);
     }
     let mut sim = simulate::<f64>(world.build().unwrap());
-    let mut velocities = [0.0; 30];
-    velocities[0] = 1.0;
-    set_velocities(&mut sim, &velocities);
-    sim.step(200);
-    for i in 0..5 {
-        let v = sim.outputs().body_velocity(0, BodyId(i));
-        let ideal = if i == 4 { DVec3::X } else { DVec3::ZERO };
-        assert!((v - ideal).length() < 1e-9, "ball {i}: {v}");
+    let mut start = [0.0; 18];
+    start[0] = 1.0;
+    set_velocities(&mut sim, &start);
+    sim.step(100);
+    for (v, ideal) in velocities(&mut sim).iter().zip([0.25, 0.75, 1.5]) {
+        assert!((v - ideal * DVec3::X).length() < 1e-9, "{v} for {ideal}");
     }
+}
+
+/// Balls and boxes that touch each other at random are struck by one more: momentum stays, energy never grows, and of
+/// elastic smooth balls not much is lost where nothing approaches any more.
+#[test]
+fn clusters_that_are_struck_gain_no_energy() {
+    for e in [0.0, 0.5, 1.0] {
+        for (seed, friction) in [(1, 0.0), (2, 0.0), (3, 0.5), (4, 0.5)] {
+            let mut random = fastrand::Rng::with_seed(seed);
+            let material = Material {
+                restitution: e,
+                friction,
+                ..Material::default()
+            };
+            let mut world = Builder::new("cluster");
+            world.gravity(DVec3::ZERO);
+            let things = world.object("things");
+            for i in 0..27 {
+                let cell = DVec3::new((i % 3) as f64, (i / 3 % 3) as f64, (i / 9) as f64);
+                let shape = if friction > 0.0 && random.bool() {
+                    Geometry::Box {
+                        half: DVec3::splat(0.05),
+                    }
+                } else {
+                    Geometry::Sphere { radius: 0.05 }
+                };
+                let body = things.body(format!("{i}")).at(Pose::at(0.1 * cell));
+                body.shape(Shape::new(shape).with_material(material))
+                    .mass(0.5 + random.f64());
+            }
+            let bullet = things
+                .body("bullet")
+                .at(Pose::at(DVec3::new(-0.2, 0.12, 0.09)));
+            let ball = Shape::new(Geometry::Sphere { radius: 0.05 });
+            bullet.shape(ball.with_material(material)).mass(2.0);
+            let mut sim = simulate::<f64>(world.build().unwrap());
+            let mut start = vec![0.0; 6 * 28];
+            start[6 * 27] = 5.0;
+            set_velocities(&mut sim, &start);
+            let (first, momentum) = (sim.outputs().kinetic_energy(0), sim.outputs().momentum(0));
+            let mut last = first;
+            for step in 0..200 {
+                sim.step(1);
+                let energy = sim.outputs().kinetic_energy(0);
+                let what = format!("e = {e}, seed {seed}, step {step}: {energy} J of {last} J");
+                // Warm starts that are not settled yet, and of boxes the spin, which is of second order in H ω.
+                let order = if friction > 0.0 { 1e-4 } else { 1e-9 };
+                assert!(energy <= last + order * first, "{what}");
+                assert!((sim.outputs().momentum(0) - momentum).length() < 1e-10);
+                last = energy;
+            }
+            assert!(last > 0.05 * first, "e = {e}: {last} of {first}");
+            if e == 1.0 && friction == 0.0 {
+                assert!(last > 0.9 * first, "{last} of {first}");
+            }
+        }
+    }
+}
+
+/// What falls flat stays flat: a plate of elastic corners rises as it fell, and does not turn.
+#[test]
+fn a_plate_bounces_flat() {
+    let material = Material {
+        restitution: 1.0,
+        ..smooth()
+    };
+    let plate = Shape::new(Geometry::Box {
+        half: DVec3::new(0.3, 0.02, 0.2),
+    });
+    let (model, _) = on_plane(plate, 0.52, 0.0, material);
+    let mut sim = simulate::<f64>(model);
+    let mut top = 0.0_f64;
+    for step in 0..800 {
+        sim.step(1);
+        let outputs = sim.outputs();
+        let turned = outputs.body_angular_velocity(0, body()).length();
+        assert!(turned < 1e-6, "step {step}: {turned} rad/s");
+        if step > 200 {
+            top = top.max(outputs.body_position(0, body()).y - 0.02);
+        }
+    }
+    assert!((top - 0.5).abs() < G * STEP * STEP, "{top}");
 }
 
 /// Steps a world, whose energy never exceeds what it began with, by more than a part in a thousand.

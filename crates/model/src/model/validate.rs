@@ -282,6 +282,16 @@ fn softness(subject: &Subject, softness: Softness) -> Result<(), ModelError> {
 
 fn material(subject: &Subject, material: &Material) -> Result<(), ModelError> {
     subject.not_negative("friction", material.friction)?;
+    if let Some(sticking) = material.static_friction {
+        subject.not_negative("static friction", sticking)?;
+        if sticking < material.friction {
+            return Err(ModelError::SticksLess {
+                what: subject.what(),
+                sticking,
+                sliding: material.friction,
+            });
+        }
+    }
     subject.not_negative("torsional friction [m]", material.torsional_friction)?;
     subject.not_negative("rolling friction [m]", material.rolling_friction)?;
     subject.within("restitution", material.restitution, 0.0, 1.0)?;

@@ -4,7 +4,7 @@ use super::tables::{Solid, found};
 use super::{Corners, Meshes};
 use crate::SolverError;
 use collide::{Route, kind};
-use model::{CollisionFilter, Geometry, Model, Pose, Shape, ShapeId};
+use model::{CollisionFilter, Geometry, Material, Model, Pose, Shape, ShapeId};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
@@ -85,6 +85,8 @@ pub(crate) struct ContactPlan {
     movers: Vec<usize>,
     pub(super) between: usize,
     pub(super) sensed: usize,
+    /// Any surfaces that press resist more while they stick than while they slide.
+    pub(super) sticks: bool,
     pub(super) corners: Corners,
     pub(super) meshes: Meshes,
 }
@@ -99,10 +101,16 @@ impl ContactPlan {
 
     /// Whether any surfaces that press resist twisting or rolling on each other.
     pub(crate) fn grips(&self, model: &Model) -> bool {
-        self.shapes()[..self.sensed].iter().any(|&[a, b]| {
-            let surface = model.contact_material(a, b);
+        self.any_surface(model, |surface| {
             surface.torsional_friction > 0.0 || surface.rolling_friction > 0.0
         })
+    }
+
+    /// Whether any surfaces that press are such.
+    fn any_surface(&self, model: &Model, is: impl Fn(&Material) -> bool) -> bool {
+        let solid = self.pairs.iter().filter(|pair| !pair.senses);
+        let mut surfaces = solid.map(|p| model.contact_material(p.shapes[0], p.shapes[1]));
+        surfaces.any(|surface| is(&surface))
     }
 
     /// No contacts.
@@ -114,6 +122,7 @@ impl ContactPlan {
             movers: Vec::new(),
             between: 0,
             sensed: 0,
+            sticks: false,
             corners: Corners::default(),
             meshes: Meshes::default(),
         }
@@ -155,6 +164,7 @@ impl ContactPlan {
             }
         }
         plan.assign_slots();
+        plan.sticks = plan.any_surface(model, |surface| surface.sticking() > surface.friction);
         let mut once = HashSet::new();
         let sights = plan.sights.iter().map(|s| (s.shape, s.as_hull));
         let shapes = Vec::from_iter(sights.filter(|seen| once.insert(*seen)));

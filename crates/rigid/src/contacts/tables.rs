@@ -1,6 +1,6 @@
 //! The shapes and pairs of a model as flat tables.
 
-use super::plan::{ContactPlan, Sight};
+use super::plan::{ContactPlan, Pair, Sight};
 use crate::SolverError;
 use crate::lists::Lists;
 use crate::tables::{Filler, UNBOUNDED};
@@ -63,7 +63,9 @@ pub(crate) mod pair_field {
     /// 2/5 m R² [kg·m²], of the mass m that the contact moves and the largest half extent R of the shape that moves; of
     /// two, B's.
     pub const INERTIA: usize = 10;
-    pub const WIDTH: usize = 11;
+    /// Friction coefficient of what sticks.
+    pub const STICKING: usize = 11;
+    pub const WIDTH: usize = 12;
 }
 
 /// Fields of [`ContactTables::pair_links`].
@@ -124,6 +126,8 @@ pub struct ContactTables {
     pub(crate) between: usize,
     /// Slots from here on are of sensors, which are told and never solved.
     pub(crate) sensed: usize,
+    /// True if any surfaces that press resist more while they stick than while they slide.
+    pub(crate) sticks: bool,
     /// First pair of each kernel, and one past the last.
     pub(crate) routes: [usize; Route::ALL.len() + 1],
     pub(crate) shape: Table<Parameter, { shape_field::WIDTH }>,
@@ -203,10 +207,12 @@ impl Solid {
     }
 }
 
-/// Share of the way through each other that two shapes of a list may go while a spring stops them. Limbs that strike each
-/// other may go farther than what flies into a wall.
-fn passable(list: usize) -> f64 {
-    if list == found::FIXED { 0.25 } else { 1.0 }
+/// Share of the way through each other that two shapes may go while a spring stops them. Limbs of one tree that strike
+/// each other may go farther than what flies into something else.
+fn passable(plan: &ContactPlan, pair: &Pair) -> f64 {
+    let [a, b] = pair.rows.map(|row| plan.sights[row].seat);
+    let limbs = pair.list() != found::FIXED && a.group == b.group;
+    if limbs { 1.0 } else { 0.25 }
 }
 
 /// Half of what a shape is thin [m]; without end of a plane.
@@ -279,6 +285,7 @@ impl ContactTables {
             slots,
             between: plan.between,
             sensed: plan.sensed,
+            sticks: plan.sticks,
             routes,
             shape: Table::place(parameters, shapes),
             shape_links: Links::place(links, shapes),
@@ -383,8 +390,9 @@ impl ContactTables {
                 material.margin,
                 material.torsional_friction,
                 material.rolling_friction,
-                passable(pair.list()) * fastest,
+                passable(plan, pair) * fastest,
                 0.4 * pair.mass * largest(shapes[usize::from(!pair.flip)]).powi(2),
+                material.sticking(),
             ];
             f.numbers(self.pair, row, 0, &numbers);
         }

@@ -23,8 +23,8 @@
 //! of the step's way that is beyond it, φ + h uₙ', and m' on the change of speed as ever:
 //! u* = (m' / h uₙ − (h k + θ d) φ / h) / cₙ, at most −φ / h. Without m' that reaches the surface
 //! exactly; with it, a fall is not stopped there at once by a law that yields for several steps. A bounce
-//! has u* = −e uₙ and [`HARD`] m / h for cₙ. So has what comes too fast for the spring to stop it before it is
-//! through, with u* = 0 at the surface. What overlaps has u* ≤ [`PUSH_OUT`], or more by and by where that does not bear
+//! has [`HARD`] m / h for cₙ, and for u* what −e uₙ is at the surface ([`restitution`](crate::restitution)). So has what
+//! comes too fast for the spring to stop it before it is through, with u* = 0 at the surface. What overlaps has u* ≤ [`PUSH_OUT`], or more by and by where that does not bear
 //! the load: what begins deep inside is not shot out.
 //!
 //! Friction: cₜ = μ fₙ / |uₜ'|, at most [`STICK`] m / h, where the point sticks; the same for both
@@ -32,6 +32,9 @@
 //! rub, is settled by passes over the whole algorithm, at most `Settings::contact_passes`. cₜ is kept
 //! from step to step, so that what rests or slides needs one pass; a new contact starts without
 //! friction, so that what is not settled yet slips for a moment rather than grips.
+//!
+//! Where surfaces resist more while they stick, the speed at which they slide when the step begins decides on μ
+//! ([`cone`](crate::cone)).
 //!
 //! Torsional and rolling friction are torques alike ([`turning`](super::turning)).
 //!
@@ -45,7 +48,9 @@ use super::gauss_seidel;
 use super::limit::late_damping;
 use super::tables::{Tables, frame, node, step};
 use super::turning;
+use crate::cone;
 use crate::contacts::{PUSH_OUT, Places, found, sense, slot, slot_link, touches};
+use crate::restitution::early;
 use numbers::spatial::{Inertia, Spatial};
 use numbers::{Cell, Machine, Pose, Real, SymMat3, Vec3};
 
@@ -91,13 +96,15 @@ pub(crate) mod law {
     // k, then cₙ and its reciprocal, m' / h, m' / h − (1 − θ) d, and cₙ of a bounce follow.
     /// The fastest approach [m/s] that k stops.
     pub const FASTEST: usize = 10;
-    pub const WIDTH: usize = 11;
+    /// μₛ.
+    pub const STICKING: usize = 11;
+    pub const WIDTH: usize = 12;
 }
 
 /// The fields of [`law`], of a row of the contacts' pairs from [`pair_field::FRICTION`] on.
 pub(crate) fn law_over(
     [friction, restitution, k, d, mass, added]: [f64; 6],
-    fastest: f64,
+    [fastest, sticking]: [f64; 2],
     h: f64,
 ) -> [f64; law::WIDTH] {
     let (late, inertia) = (late_damping(d, added, h), added / h);
@@ -117,6 +124,7 @@ pub(crate) fn law_over(
         kept,
         hard,
         fastest,
+        sticking,
     ]
 }
 
@@ -188,16 +196,56 @@ fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
     let borne = n.dot(t.kept.force(k, s));
     let pressed = borne.gt(zero);
     let borne = M::R::select(known, borne, zero);
-    let (target, c) = impedance(k, t, pair, distance, speed, borne, h);
+    let gained = -(n.dot(gravity) * h);
+    let (target, c) = impedance(k, t, pair, distance, [speed, gained], borne, h);
     let reaches = u0_n.lt(target);
     let on = M::R::select(near & ((known & pressed) | (!known & reaches)), one, zero);
     k.store_vec3(t.load, s, load::VELOCITY_0, u0);
     k.write(t.load, s, load::TARGET, [target, c]);
     let grip = M::R::select(known, k.load(t.grip, s, 0), zero);
+    if t.contacts.sticks {
+        stick(k, t, s, pair, n.fma(-speed, v), h);
+    }
     press(k, t, s, on, c, grip);
     if t.grips {
         turning::approach(k, t, s, known, on, h);
     }
+}
+
+/// Decides by the slip [m/s] of a slot's surfaces whether they stick in this step.
+#[inline(always)]
+pub(crate) fn stick<M: Machine>(
+    k: &mut M,
+    t: &Tables,
+    s: M::I,
+    pair: M::I,
+    slip: Vec3<M::R>,
+    h: M::R,
+) {
+    let coefficients = [
+        k.load(t.law, pair, law::FRICTION),
+        k.load(t.law, pair, law::STICKING),
+    ];
+    let fall = k.vec3(t.world, k.index(0), 0).length() * h;
+    let friction = cone::friction(coefficients, slip.length_squared(), fall);
+    k.store(t.cone, s, 0, friction);
+}
+
+/// The coefficient of friction of a slot in this step.
+#[inline(always)]
+pub(crate) fn friction<M: Machine>(k: &M, t: &Tables, s: M::I, pair: M::I) -> M::R {
+    if t.contacts.sticks {
+        k.load(t.cone, s, 0)
+    } else {
+        k.load(t.law, pair, law::FRICTION)
+    }
+}
+
+/// Centre of mass of a node.
+#[inline(always)]
+pub(crate) fn center_of<M: Machine>(k: &M, t: &Tables, node: M::I) -> Vec3<M::R> {
+    let place = k.pose(t.frame, node, frame::PLACE);
+    place.point(k.vec3(t.node, node, node::CENTER))
 }
 
 /// What is too fast would, stopped at a corner, turn past it within the step: so it is stopped before its centre of mass.
@@ -211,8 +259,7 @@ fn center<M: Machine>(k: &mut M, t: &Tables, s: M::I, fastest: M::R) {
     let motion = k.spatial(t.frame, node, frame::TWIST);
     let fast = n.dot(at(motion, x)).lt(-fastest);
     if let Some(_branch) = k.if_any(fast) {
-        let place = k.pose(t.frame, node, frame::PLACE);
-        let c = place.point(k.vec3(t.node, node, node::CENTER));
+        let c = center_of(k, t, node);
         let flies = fast & n.dot(at(motion, c)).lt(-fastest);
         let before = n.fma(n.dot(x - c), c);
         let stopped = Vec3::select(flies, before, x);
@@ -220,14 +267,15 @@ fn center<M: Machine>(k: &mut M, t: &Tables, s: M::I, fastest: M::R) {
     }
 }
 
-/// u* and cₙ of a point that comes with `speed` [m/s] along the normal, and bore a force [N] in the step before.
+/// u* and cₙ of a point that comes with `speed` [m/s] along the normal, of which it gains so much in a free step, and
+/// bore a force [N] in the step before.
 #[inline(always)]
 pub(crate) fn impedance<M: Machine>(
     k: &M,
     t: &Tables,
     pair: M::I,
     distance: M::R,
-    speed: M::R,
+    [speed, gained]: [M::R; 2],
     borne: M::R,
     h: M::R,
 ) -> (M::R, M::R) {
@@ -250,14 +298,22 @@ pub(crate) fn impedance<M: Machine>(
     let target = M::R::select(beyond, target.min(reach), target);
     let slow = gravity.length() * h * M::R::lit(-RESTING);
     let strikes = h.fma(speed, distance).lt(zero);
-    let bounces = restitution.gt(zero) & speed.lt(slow) & strikes;
+    let falls_in = h.fma(speed - gained, distance).lt(zero);
+    let bounces = restitution.gt(zero) & speed.lt(slow) & falls_in;
     let stops = speed.lt(-fastest) & strikes;
     let push_out = (borne * softness * M::R::lit(GROWTH)).max(M::R::lit(PUSH_OUT));
     let target = M::R::select(stops, reach.min(zero), target.min(push_out));
-    (
-        M::R::select(bounces, -(restitution * speed), target),
-        M::R::select(bounces | stops, hard, c),
-    )
+    let mut target = k.cell(target);
+    let mut c = k.cell(M::R::select(stops, hard, c));
+    if let Some(_branch) = k.if_any(bounces) {
+        let (w, lag) = (-speed, gained * M::R::lit(0.5));
+        let (leave, rises) = early(restitution, w + lag, gained, distance * rate(k, t));
+        let leave = (leave - lag).clamp(zero, w.max(zero));
+        let bounces = bounces & rises;
+        target.write(M::R::select(bounces, leave, target.read()));
+        c.write(M::R::select(bounces, hard, c.read()));
+    }
+    (target.read(), c.read())
 }
 
 /// 1 / h [1/s].
@@ -349,6 +405,11 @@ fn settle_one<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) -> [M::R; 2] 
     let pulls = pressed & f_n.lt(zero);
     let enters = (!pressed) & u_n.lt(target);
     let [friction, light, stick] = k.read(t.law, pair, law::FRICTION);
+    let friction = if t.contacts.sticks {
+        k.load(t.cone, s, 0)
+    } else {
+        friction
+    };
     let limit = friction * f_n.max(zero);
     // Squares are known long before lengths, and most points have nothing to change.
     let speed2 = u_t.length_squared();

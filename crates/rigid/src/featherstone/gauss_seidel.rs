@@ -24,7 +24,7 @@ use super::contact::{self, at, impedance, law, load, rate};
 use super::coupling;
 use super::factor::{self, Keep, Path, response, seen_from_a};
 use super::locked;
-use super::tables::{Tables, couple_link, frame, touch_link};
+use super::tables::{Tables, couple_link, frame, node, touch_link};
 use super::turning;
 use crate::contacts::{found, slot, slot_link};
 use numbers::machine::space::Scratch;
@@ -78,6 +78,7 @@ pub(crate) fn begin<M: Machine>(k: &mut M, t: &Tables) {
     coupling::press(k, t);
     for place in between(k, t) {
         let s = t.contacts.found.row(k, place);
+        center(k, t, s);
         let (f, same) = (kept(k, t, s), same(k, t, s));
         press(k, t, s, f, same);
     }
@@ -217,8 +218,13 @@ fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) -> M::R {
     let now = moves(k, t, couple_link::NODE_B, couple, x, h);
     let other = moves(k, t, couple_link::NODE_A, couple, x_a, h);
     let (speed, u) = (e.x.dot(now.0 - other.0), e.transpose_mul(now.1 - other.1));
+    if t.contacts.sticks {
+        let v = now.0 - other.0;
+        contact::stick(k, t, s, pair, e.x.fma(-speed, v), h);
+    }
     let borne = kept(k, t, s);
-    let (target, c) = impedance(k, t, pair, distance, speed, e.x.dot(borne), h);
+    let free = [speed, M::R::zero()];
+    let (target, c) = impedance(k, t, pair, distance, free, e.x.dot(borne), h);
     let known = [u.x, u.y, u.z, target, (h * c).recip()];
     k.write(t.impulse, s, impulse::VELOCITY, known);
 
@@ -230,6 +236,33 @@ fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) -> M::R {
     let on = M::R::select(on, M::R::one(), M::R::zero());
     k.store(t.takes_part, s, 0, on);
     on
+}
+
+/// What is too fast would, stopped at a corner, turn past the other within the step: so the lighter is stopped before its
+/// centre of mass.
+#[inline(always)]
+fn center<M: Machine>(k: &mut M, t: &Tables, s: M::I) {
+    let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
+    let couple = k.link(t.touch_links, s, touch_link::COUPLE);
+    let n = k.vec3(t.contacts.slot, s, slot::NORMAL);
+    let x = k.vec3(t.contacts.slot, s, slot::POSITION);
+    let x_a = seen_from_a(k, t, couple, x);
+    let [_, _, a, b] = k.link_row::<_, 4>(t.couple_links, couple);
+    let v_a = k.spatial(t.frame, a, frame::TWIST);
+    let v_b = k.spatial(t.frame, b, frame::TWIST);
+    let fastest = k.load(t.law, pair, law::FASTEST);
+    let fast = n.dot(at(v_b, x) - at(v_a, x_a)).lt(-fastest);
+    if let Some(_branch) = k.if_any(fast) {
+        let c_a = contact::center_of(k, t, a);
+        let c_b = contact::center_of(k, t, b);
+        let m_a = k.load(t.node, a, node::MASS);
+        let m_b = k.load(t.node, b, node::MASS);
+        let flies = n.dot(at(v_b, c_b) - at(v_a, c_a));
+        let arm = Vec3::select(m_b.le(m_a), x - c_b, x_a - c_a);
+        let aside = n.fma(-n.dot(arm), arm);
+        let stopped = Vec3::select(fast & flies.lt(-fastest), x - aside, x);
+        k.store_vec3(t.contacts.slot, s, slot::POSITION, stopped);
+    }
 }
 
 /// The rows of a contact that takes part: y, responses, λ.
@@ -332,7 +365,7 @@ fn relax<M: Machine>(k: &mut M, t: &Tables, s: M::I, on: M::R) -> (M::R, M::R) {
     let u = velocity(k, t, s, entries, k.vec3(t.impulse, s, impulse::VELOCITY));
     let [target, softness, normal, tangent] = k.read(t.impulse, s, impulse::TARGET);
     let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
-    let friction = k.load(t.law, pair, law::FRICTION);
+    let friction = contact::friction(k, t, s, pair);
     let old = k.vec3(t.impulse, s, impulse::LAMBDA);
 
     let zero = M::R::zero();

@@ -279,6 +279,8 @@ pub struct Tables {
     pub(crate) response: Table<Scratch, { response::WIDTH }>,
     /// Per slot between bodies that move: 1 where the contact takes part in the step.
     pub(crate) takes_part: Table<Scratch>,
+    /// Friction coefficient of each slot in this step, where any surfaces resist more while they stick.
+    pub(crate) cone: Table<Scratch>,
     /// The slots that do.
     pub(crate) acting: Lists,
     /// Wrench of the contacts with other bodies that move, and of what closes loops, per node, and per tree
@@ -857,7 +859,9 @@ impl Tables {
             let from = self.contacts.pair.at(pair, pair_field::FRICTION);
             let numbers = f.parameters[from..].first_chunk().expect("a row of a pair");
             let fastest = f.parameters[self.contacts.pair.at(pair, pair_field::FASTEST)];
-            f.numbers(self.law, pair, 0, &law_over(*numbers, fastest, h));
+            let sticking = f.parameters[self.contacts.pair.at(pair, pair_field::STICKING)];
+            let law = law_over(*numbers, [fastest, sticking], h);
+            f.numbers(self.law, pair, 0, &law);
             if self.grips {
                 let from = self.contacts.pair.at(pair, pair_field::TORSION);
                 let coefficients = [f.parameters[from], f.parameters[from + 1]];
@@ -1001,6 +1005,7 @@ impl Tables {
             entry: Table::place(&mut t, couples.entries),
             response: Table::place(&mut t, if exchange { dofs } else { 0 }),
             takes_part: Table::place(&mut t, contacts.sensed),
+            cone: Table::place(&mut t, if contacts.sticks { contacts.sensed } else { 0 }),
             acting: Lists::place(&[couples.slots.len()], &mut l, &mut t),
             pressure: Table::place(&mut t, if exchange { rows } else { 0 }),
             saved_position: Table::place(&mut t, coordinates),

@@ -60,6 +60,17 @@ pub fn advance<M: Machine>(k: &mut M, t: &BodyTables, again: M::R) {
     k.store_vec3(t.body, only, row::SPIN, turned.fma(again, spin));
 }
 
+/// Takes what contacts have given, v − v_free, out of the free velocity's place, and puts v_free there again: done before
+/// blows and after them, it makes these part of the free velocity, which the next small step does not give again.
+#[inline(always)]
+pub fn part<M: Machine>(k: &mut M, t: &BodyTables) {
+    let only = k.index(0);
+    for (free, now) in [(row::FREE, row::VELOCITY), (row::FREE + 3, row::SPIN)] {
+        let other = k.vec3(t.body, only, now) - k.vec3(t.body, only, free);
+        k.store_vec3(t.body, only, free, other);
+    }
+}
+
 /// Moves for h.
 #[inline(always)]
 pub fn drift<M: Machine>(k: &mut M, t: &BodyTables) {

@@ -24,6 +24,7 @@
 
 use super::friction;
 use super::tables::{ContactTables, global, manifold, point, row};
+use crate::cone;
 use numbers::machine::{Held, Hold};
 use numbers::spatial::Spatial;
 use numbers::{Cell, Machine, Real, SymMat3, Vec3};
@@ -82,7 +83,7 @@ pub(super) struct Moved<R> {
 
 impl<R: Real> Moved<R> {
     #[inline(always)]
-    fn load<M: Machine<R = R>>(k: &M, t: &ContactTables, masses: [R; 2]) -> Self {
+    pub fn load<M: Machine<R = R>>(k: &M, t: &ContactTables, masses: [R; 2]) -> Self {
         let (a, b) = (k.index(0), k.index(1));
         let share = masses[1] / (masses[0] + masses[1]).max(R::lit(1e-30));
         Self {
@@ -98,9 +99,14 @@ impl<R: Real> Moved<R> {
             self.shift.fma(-self.shares[1], arms[1]),
         ]
     }
+    /// B against A since the step began.
+    #[inline(always)]
+    pub fn shift(&self) -> Vec3<R> {
+        self.shift
+    }
     /// The arms of a point now.
     #[inline(always)]
-    fn arms<M: Machine<R = R>>(&self, k: &M, t: &ContactTables, i: M::I) -> [Vec3<R>; 2] {
+    pub fn arms<M: Machine<R = R>>(&self, k: &M, t: &ContactTables, i: M::I) -> [Vec3<R>; 2] {
         self.meet([
             k.vec3(t.point, i, point::ARM_A),
             k.vec3(t.point, i, point::ARM_B),
@@ -110,12 +116,21 @@ impl<R: Real> Moved<R> {
 
 /// A direction n at a point of contact.
 #[derive(Clone, Copy)]
-struct Along<R> {
+pub(super) struct Along<R> {
     n: Vec3<R>,
     /// r_A × n and r_B × n.
     levers: [Vec3<R>; 2],
     /// I_A⁻¹ (r_A × n) and I_B⁻¹ (r_B × n). They do not wait for the velocities, which each point in turn changes.
     turns: [Vec3<R>; 2],
+}
+
+impl<R: Real> Along<R> {
+    /// n·u of bodies that move so.
+    #[inline(always)]
+    pub fn speed(&self, [a, b]: [Spatial<R>; 2]) -> R {
+        let turning = self.levers[1].dot(b.angular) - self.levers[0].dot(a.angular);
+        self.n.dot(b.linear - a.linear) + turning
+    }
 }
 
 /// The bodies of a contact, changed by impulses.
@@ -148,7 +163,7 @@ fn velocity_at<R: Real>(motion: Spatial<R>, arm: Vec3<R>) -> Vec3<R> {
 
 impl<M: Machine> Pair<M> {
     #[inline(always)]
-    fn load(k: &M, t: &ContactTables) -> Self {
+    pub fn load(k: &M, t: &ContactTables) -> Self {
         let only = k.index(0);
         Self {
             masses: k.read(t.manifold, only, manifold::INVERSE_MASS),
@@ -161,27 +176,49 @@ impl<M: Machine> Pair<M> {
         }
     }
     #[inline(always)]
-    fn store(self, k: &mut M, t: &ContactTables) {
+    pub fn store(self, k: &mut M, t: &ContactTables) {
         let (a, b) = (self.a.get(), self.b.get());
         store_motion(k, t, k.index(0), a);
         store_motion(k, t, k.index(1), b);
     }
     #[inline(always)]
-    fn along(&self, n: Vec3<M::R>, arms: [Vec3<M::R>; 2]) -> Along<M::R> {
+    pub fn along(&self, n: Vec3<M::R>, arms: [Vec3<M::R>; 2]) -> Along<M::R> {
         let levers = [arms[0].cross(n), arms[1].cross(n)];
         let turns = [self.inertia[0] * levers[0], self.inertia[1] * levers[1]];
         Along { n, levers, turns }
     }
+    /// 1/m of both.
+    #[inline(always)]
+    pub fn masses(&self) -> [M::R; 2] {
+        self.masses
+    }
+    /// How the two move.
+    #[inline(always)]
+    pub fn motions(&self) -> [Spatial<M::R>; 2] {
+        [self.a.get(), self.b.get()]
+    }
     /// n·u.
     #[inline(always)]
-    fn speed(&self, along: &Along<M::R>) -> M::R {
-        let (a, b) = (self.a.get(), self.b.get());
-        let turning = along.levers[1].dot(b.angular) - along.levers[0].dot(a.angular);
-        along.n.dot(b.linear - a.linear) + turning
+    pub fn speed(&self, along: &Along<M::R>) -> M::R {
+        along.speed(self.motions())
+    }
+    /// n·K n.
+    #[inline(always)]
+    pub fn compliance(&self, along: &Along<M::R>) -> M::R {
+        let a = along.levers[0].dot(along.turns[0]);
+        let b = along.levers[1].dot(along.turns[1]);
+        (self.masses[0] + self.masses[1] + (a + b)).max(M::R::lit(1e-30))
+    }
+    /// A share of the way from the motions of `before` to those of now.
+    #[inline(always)]
+    pub fn go_on(&mut self, before: [Spatial<M::R>; 2], share: M::R) {
+        let [a, b] = self.motions();
+        self.a.set(before[0] + (a - before[0]) * share);
+        self.b.set(before[1] + (b - before[1]) * share);
     }
     /// λ n on B, −λ n on A.
     #[inline(always)]
-    fn give(&mut self, along: &Along<M::R>, impulse: M::R) {
+    pub fn give(&mut self, along: &Along<M::R>, impulse: M::R) {
         let (mut a, mut b) = (self.a.get(), self.b.get());
         a.linear = along.n.fma(-(self.masses[0] * impulse), a.linear);
         b.linear = along.n.fma(self.masses[1] * impulse, b.linear);
@@ -262,6 +299,17 @@ pub fn prepare<M: Machine>(k: &mut M, t: &ContactTables) {
     };
     stiffen(k, t, normal, response);
     friction::prepare(k, t, normal, response);
+    let ends = [motion(k, t, a), motion(k, t, b)];
+    let u = velocity_at(ends[1], response.arms[1]) - velocity_at(ends[0], response.arms[0]);
+    let slip = normal.fma(-normal.dot(u), u);
+    let coefficients = [
+        k.load(t.manifold, only, manifold::FRICTION),
+        k.load(t.manifold, only, manifold::STICKING),
+    ];
+    let time = k.load(t.global, only, global::STEP) * k.load(t.global, only, global::STEPS);
+    let fall = k.vec3(t.global, only, global::GRAVITY).length() * time;
+    let friction = cone::friction(coefficients, slip.length_squared(), fall);
+    k.store(t.manifold, only, manifold::FRICTION, friction);
     prepare_points(k, t, response, middle);
 }
 
@@ -363,7 +411,7 @@ fn prepare_points<M: Machine>(
         k.store_vec3(t.point, i, point::ARM_A, arms[0]);
         k.store_vec3(t.point, i, point::ARM_B, arms[1]);
         k.store(t.point, i, point::SPREAD, spread);
-        k.store(t.point, i, point::APPROACH, normal.dot(u));
+        k.store(t.point, i, point::GAIN, normal.dot(u));
         let numbers = [compliance, stiffness / damping, softness];
         k.write(t.point, i, point::COMPLIANCE, numbers);
     }
@@ -448,31 +496,6 @@ pub fn solve<M: Machine>(k: &mut M, t: &ContactTables, pushing: M::R) {
         k.store_vec3(t.manifold, only, manifold::LAST + 3, given);
     } else {
         friction::count(k, t);
-    }
-    pair.store(k, t);
-}
-
-/// Where surfaces met faster than they rest, they part at e times that speed.
-#[inline(always)]
-pub fn bounce<M: Machine>(k: &mut M, t: &ContactTables) {
-    let only = k.index(0);
-    let normal = k.vec3(t.manifold, only, manifold::NORMAL);
-    let restitution = k.load(t.manifold, only, manifold::RESTITUTION);
-    let resting = k.load(t.global, only, global::RESTING);
-    let mut pair = Pair::load(k, t);
-    let moved = Moved::load(k, t, pair.masses);
-    for i in k.range(only, k.link(t.points, only, 0)) {
-        let along = pair.along(normal, moved.arms(k, t, i));
-        let [sum, approach] = k.read(t.point, i, point::SUM);
-        let old = k.load(t.point, i, point::IMPULSE);
-        let met = sum.gt(M::R::zero()) & approach.lt(-resting) & restitution.gt(M::R::zero());
-        let residual = restitution.fma(approach, pair.speed(&along));
-        let compliance = k.load(t.point, i, point::COMPLIANCE);
-        let new = (old - residual / compliance).max(M::R::zero());
-        let new = M::R::select(met, new, old);
-        pair.give(&along, new - old);
-        k.store(t.point, i, point::IMPULSE, new);
-        k.store(t.point, i, point::SUM, sum + (new - old));
     }
     pair.store(k, t);
 }

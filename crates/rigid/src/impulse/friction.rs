@@ -13,6 +13,7 @@
 
 use super::contact::{Moved, Pair, Response};
 use super::tables::{ContactTables, manifold};
+use numbers::spatial::Spatial;
 use numbers::{Machine, Real, SymMat3, Vec3};
 
 /// The centre of the points, and how the bodies resist there.
@@ -63,18 +64,48 @@ pub(super) fn solve<M: Machine>(
     moment: M::R,
 ) {
     let only = k.index(0);
+    let old = [
+        k.vec3(t.manifold, only, manifold::DRAG),
+        k.vec3(t.manifold, only, manifold::TWIST),
+    ];
+    let [drag, twist] = rub(k, t, pair, moved, [load, moment], old);
+    k.store_vec3(t.manifold, only, manifold::DRAG, drag);
+    k.store_vec3(t.manifold, only, manifold::TWIST, twist);
+}
+
+/// Friction of a blow, whose points bear so much, and have such a moment.
+#[inline(always)]
+pub(super) fn strike<M: Machine>(
+    k: &mut M,
+    t: &ContactTables,
+    pair: &mut Pair<M>,
+    moved: &Moved<M::R>,
+    loads: [M::R; 2],
+) {
+    let [drag, twist] = rub(k, t, pair, moved, loads, [Vec3::zero(); 2]);
+    add(k, t, Spatial::new(drag, twist));
+}
+
+/// The drag and twist that `old` and `given` become; the bodies take the differences.
+#[inline(always)]
+fn rub<M: Machine>(
+    k: &M,
+    t: &ContactTables,
+    pair: &mut Pair<M>,
+    moved: &Moved<M::R>,
+    [load, moment]: [M::R; 2],
+    [old, given]: [Vec3<M::R>; 2],
+) -> [Vec3<M::R>; 2] {
+    let only = k.index(0);
     let normal = k.vec3(t.manifold, only, manifold::NORMAL);
     let [friction, _, torsion, rolling] = k.read(t.manifold, only, manifold::FRICTION);
     let [tangent_mass, twist_mass, roll_mass] = k.read(t.manifold, only, manifold::TANGENT_MASS);
     let arms = arms(k, t, moved);
-    let old = k.vec3(t.manifold, only, manifold::DRAG);
     let u = pair.velocity(arms);
     let wish = (u - normal * normal.dot(u)).fma(-tangent_mass, old);
     let drag = within(wish, friction * load);
     pair.push(drag - old, arms);
-    k.store_vec3(t.manifold, only, manifold::DRAG, drag);
 
-    let given = k.vec3(t.manifold, only, manifold::TWIST);
     let w = pair.spin();
     let (along, turning) = (normal.dot(given), normal.dot(w));
     let most = torsion.fma(load, friction * moment);
@@ -83,14 +114,20 @@ pub(super) fn solve<M: Machine>(
     let rolled = (w - normal * turning).fma(-roll_mass, rolled);
     let turned = normal.fma(twist, within(rolled, rolling * load));
     pair.turn(turned - given);
-    k.store_vec3(t.manifold, only, manifold::TWIST, turned);
+    [drag, turned]
 }
 
 /// Adds what is given in a small step to what was given in those before.
 #[inline(always)]
 pub(super) fn count<M: Machine>(k: &mut M, t: &ContactTables) {
     let only = k.index(0);
-    let given = k.spatial(t.manifold, only, manifold::DRAG);
+    add(k, t, k.spatial(t.manifold, only, manifold::DRAG));
+}
+
+/// Adds a drag and a twist to the sums of the step.
+#[inline(always)]
+fn add<M: Machine>(k: &mut M, t: &ContactTables, given: Spatial<M::R>) {
+    let only = k.index(0);
     let sum = k.spatial(t.manifold, only, manifold::DRAG_SUM);
     k.store_spatial(t.manifold, only, manifold::DRAG_SUM, sum + given);
 }

@@ -10,11 +10,11 @@
 //! place shapes, find pairs, find contacts                                       pair
 //! prepare: arms, effective masses, softness                                     contact, joint
 //! n times:  v ← v + h M⁻¹ f + what these gave in the last small step            body::advance
+//!           blows of what meets and bounces, handed on                          blow
 //!           impulses that also push surfaces apart, and joints together         contact, joint
 //!           x ← x + h v                                                         body::drift
 //!           where joints stand now                                              joint::place
 //!           impulses alone, so that what was pushed does not fly                contact, joint
-//! bounces                                                                       contact::bounce
 //! turn the bodies; keep angular momentum                                        body::finish
 //! ```
 //!
@@ -41,12 +41,13 @@
 //! give way as springs do of an eighth of the frequency of small steps, and all else that acts along their
 //! axes once in each; no couplings, and no compliance. Shapes of one articulation that overlap where its
 //! joints cannot let them part push without bound: exclude them. Of surfaces that do not give
-//! way only the time constant counts, not damping ratio and impedance. What bounces does so in one pass
-//! at the end of a step, and elastic bodies that slide past each other keep their energy to second
-//! order only. What is struck within a step moves for the rest of it before its own contacts are looked
-//! for, unless it gets half of its thickness farther than was foreseen: then the step is taken again
-//! (`sim/src/impulse/ahead.rs`).
+//! way only the time constant counts, not damping ratio and impedance. A blow that is handed on through more than
+//! some thirty bodies within a small step is shared out by those that are left; bodies struck by several at once take
+//! the blows in turn, which is not symmetric. What is struck within a step moves for the rest of it before its own
+//! contacts are looked for, unless it gets half of its thickness farther than was foreseen: then the step is taken
+//! again (`sim/src/impulse/ahead.rs`).
 
+pub mod blow;
 pub mod body;
 pub mod contact;
 mod friction;

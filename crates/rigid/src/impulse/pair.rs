@@ -189,6 +189,7 @@ impl PairTables {
             slots: points,
             between: 0,
             sensed: points,
+            sticks: false,
             routes,
             shape: Table::place(&mut parameters, 2),
             shape_links: Links::place(&mut links, 2),

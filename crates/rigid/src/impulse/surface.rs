@@ -9,7 +9,8 @@ pub(super) mod field {
     pub const MARGIN: usize = 4;
     pub const SOFTNESS: usize = 5;
     pub const COMBINE: usize = 9;
-    pub const WIDTH: usize = 10;
+    pub const STICKING: usize = 10;
+    pub const WIDTH: usize = 11;
 }
 
 /// What a contact of two shapes is made of.
@@ -17,6 +18,8 @@ pub(super) mod field {
 #[allow(missing_docs)]
 pub struct Surface {
     pub friction: f64,
+    /// Friction of what sticks.
+    pub sticking: f64,
     pub restitution: f64,
     pub torsion: f64,
     pub rolling: f64,
@@ -78,6 +81,7 @@ impl Impulse {
         };
         Surface {
             friction: material.friction,
+            sticking: material.sticking(),
             restitution: material.restitution,
             torsion: material.torsional_friction,
             rolling: material.rolling_friction,
@@ -111,6 +115,7 @@ pub(super) fn numbers_of(m: &Material) -> [f64; field::WIDTH] {
         b,
         c,
         combine,
+        m.sticking(),
     ]
 }
 
@@ -138,6 +143,7 @@ fn material<T: Float>(numbers: &[T]) -> Material {
     ];
     Material {
         friction: x(0),
+        static_friction: Some(x(field::STICKING)),
         restitution: x(1),
         torsional_friction: x(2),
         rolling_friction: x(3),

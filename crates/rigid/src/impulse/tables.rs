@@ -74,7 +74,7 @@ pub mod global {
 pub mod manifold {
     /// Unit vector from A to B.
     pub const NORMAL: usize = 0;
-    /// Coulomb friction coefficient.
+    /// Coulomb friction coefficient; before [`prepare`](super::super::contact::prepare) of what slides.
     pub const FRICTION: usize = 3;
     /// Restitution.
     pub const RESTITUTION: usize = 4;
@@ -111,8 +111,12 @@ pub mod manifold {
     pub const THICKNESS: usize = 51;
     /// From where the contact acts to where it is [m], 3: not zero where a centre of mass is stopped.
     pub const ASIDE: usize = 52;
+    /// 1 where a blow may be, or has just been, struck; else 0.
+    pub const STRUCK: usize = 55;
+    /// Coulomb friction coefficient of what sticks.
+    pub const STICKING: usize = 56;
     /// Numbers in a row.
-    pub const WIDTH: usize = 55;
+    pub const WIDTH: usize = 57;
 }
 
 /// Fields of a point of a contact.
@@ -128,8 +132,9 @@ pub mod point {
     pub const SPREAD: usize = 5;
     /// The sum of impulses along the normal over the step [N·s].
     pub const SUM: usize = 6;
-    /// Velocity along the normal when the step began [m/s].
-    pub const APPROACH: usize = 7;
+    /// What free motion adds to the velocity along the normal in a small step [m/s]; before
+    /// [`foresee`](super::super::blow::foresee) that velocity when the step began.
+    pub const GAIN: usize = 7;
     /// From the centre of mass of B [m].
     pub const ARM_B: usize = 8;
     /// Change of the relative velocity along the normal by a unit impulse [1/kg].
@@ -138,8 +143,12 @@ pub mod point {
     pub const BIAS: usize = 12;
     /// What softness adds to the compliance [1/kg].
     pub const SOFTNESS: usize = 13;
+    /// Impulse of a blow along the normal [N·s].
+    pub const BLOW: usize = 14;
+    /// Speed with which a blow lets the surfaces part [m/s]; negative where they do not meet.
+    pub const LEAVE: usize = 15;
     /// Numbers in a row.
-    pub const WIDTH: usize = 14;
+    pub const WIDTH: usize = 16;
 }
 
 /// Points of a contact, at most.

@@ -19,7 +19,8 @@
 //!
 //! Friction: the tangential way of the points over the substep is undone as far as Coulomb's cone
 //! lets it, |λₜ| ≤ μ λₙ (Müller et al. 2020, §3.5): what sticks and what slides is one law. Both
-//! tangents take one step, with the larger of their inverse masses, and are shortened together.
+//! tangents take one step, with the larger of their inverse masses, and are shortened together. Where surfaces resist
+//! more while they stick, the speed at which they slide when the substep begins decides on μ ([`cone`](crate::cone)).
 //!
 //! Torsional and rolling friction: torques of the point against the relative spin along the normal
 //! and across it, found like friction from the turn h Δω over the substep, |τₙ| ≤ rₜ λₙ and
@@ -27,8 +28,8 @@
 //!
 //! Restitution: what came faster than [`RESTING`] g h before the substep is stopped at the
 //! surface as if it were rigid, and leaves it in a last round that changes only velocities, with
-//! uₙ = −e uₙ⁻ (Müller et al. 2020, §3.6). As the height of the substep's way is lost, no bounce
-//! gains energy.
+//! uₙ = −e uₙ⁻ (Müller et al. 2020, §3.6); where nothing is jointed, with what gravity adds to uₙ⁻ on the way
+//! ([`restitution`](crate::restitution)). So a bounce leaves e² of the energy, to rounding, and never more.
 //!
 //! What comes too fast for the spring to stop it before it is through is stopped as if it were rigid. The speed
 //! (φ* − φ₀)/h with which an overlap alone would part is at most [`PUSH_OUT`], or [`GROWTH`] times the h f / g that
@@ -46,9 +47,11 @@
 use super::body::{Solid, arms, inverse_inertias};
 use super::joint::arm_inertia;
 use super::tables::{Tables, global, mass};
+use crate::cone;
 use crate::contacts::{PUSH_OUT, Places, Touch, found, pair_field, sense, slot, slot_link};
+use crate::restitution::late;
 use numbers::spatial::Spatial;
-use numbers::{Machine, Pose, Real, SymMat3, Vec3};
+use numbers::{Cell, Machine, Pose, Real, SymMat3, Vec3};
 
 /// Approach slower than this many g h does not bounce, and may start from the last multiplier.
 const RESTING: f64 = 2.0;
@@ -253,12 +256,19 @@ fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
         k.spatial(t.before, rows[0], 0),
         k.spatial(t.before, rows[1], 0),
     );
-    let speed = n.dot(at(b, arm_b) - at(a, arm_a));
+    let u = at(b, arm_b) - at(a, arm_a);
+    let speed = n.dot(u);
     let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
+    if t.contacts.sticks {
+        stick(k, t, s, pair, n.fma(-speed, u), h);
+    }
     let fastest = k.load(t.contacts.pair, pair, pair_field::FASTEST);
-    // Stopped at a corner, it would turn past it within the step: so it is stopped before its centre of mass.
+    // Stopped at a corner, it would turn past it within the step: so the lighter is stopped before its centre of mass.
     let flies = n.dot(b.linear - a.linear).lt(-fastest);
-    let aside = n.fma(-n.dot(arm_b), arm_b);
+    let m_a = k.load(t.mass, rows[0], mass::INVERSE);
+    let m_b = k.load(t.mass, rows[1], mass::INVERSE);
+    let lighter = Vec3::select(m_b.ge(m_a), arm_b, arm_a);
+    let aside = n.fma(-n.dot(lighter), lighter);
     let aside = Vec3::select(flies, aside, Vec3::zero());
     let (arm_a, arm_b) = (arm_a - aside, arm_b - aside);
     k.store_vec3(t.touching, s, touching::ARMS, arm_a);
@@ -268,13 +278,32 @@ fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
         b: Side::load(k, t, rows[1], arm_b),
         rows,
     };
-    let row = law(k, t, s, h, sides.weights(n), distance, speed);
+    let gained = if t.jointed {
+        M::R::zero()
+    } else {
+        let given_a = k.spatial(t.unpushed, rows[0], 0) - a;
+        let given_b = k.spatial(t.unpushed, rows[1], 0) - b;
+        n.dot(at(given_a, arm_a) - at(given_b, arm_b))
+    };
+    let row = law(k, t, s, h, sides.weights(n), distance, [speed, gained]);
     k.write(t.touching, s, touching::GAP, row);
     if t.grips {
         k.write(t.grip, s, 0, sides.moments(n));
     }
     let same = t.kept.same(k, s, feature) & t.contacts.near(k, s);
     start(k, t, s, h, sides, n, same & speed.abs().le(slow(k, t, h)));
+}
+
+/// Decides by the slip [m/s] of a slot's surfaces whether they stick in this substep.
+#[inline(always)]
+fn stick<M: Machine>(k: &mut M, t: &Tables, s: M::I, pair: M::I, slip: Vec3<M::R>, h: M::R) {
+    let coefficients = [
+        k.load(t.contacts.pair, pair, pair_field::FRICTION),
+        k.load(t.contacts.pair, pair, pair_field::STICKING),
+    ];
+    let fall = k.vec3(t.global, k.index(0), global::GRAVITY).length() * h;
+    let friction = cone::friction(coefficients, slip.length_squared(), fall);
+    k.store(t.cone, s, 0, friction);
 }
 
 /// Speed [m/s] up to which points rest on each other.
@@ -285,7 +314,7 @@ fn slow<M: Machine>(k: &M, t: &Tables, h: M::R) -> M::R {
 }
 
 /// The fields of a row from [`touching::GAP`] on, for inverse masses along and across the normal, of
-/// a point at a `distance` [m] that came with a `speed` [m/s] along it.
+/// a point at a `distance` [m] that came with a `speed` [m/s] along it, and gains so much in a free substep.
 #[inline(always)]
 fn law<M: Machine>(
     k: &M,
@@ -294,7 +323,7 @@ fn law<M: Machine>(
     h: M::R,
     (along, across): (M::R, M::R),
     distance: M::R,
-    speed: M::R,
+    [speed, gained]: [M::R; 2],
 ) -> [M::R; 6] {
     let (zero, one, tiny) = (M::R::zero(), M::R::one(), M::R::lit(TINY));
     let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
@@ -310,6 +339,10 @@ fn law<M: Machine>(
     let inert = (distance.lt(zero)) & !rigid;
     let inertia = M::R::select(inert, added * h * speed / g, zero);
     let gap = distance - share.fma(distance.min(zero), inertia);
+    let mut leave = k.cell(zero);
+    if let Some(_branch) = k.if_any(bounces) {
+        leave.write(late(restitution, -speed, gained, distance * h.recip()));
+    }
     let n = k.vec3(t.contacts.slot, s, slot::NORMAL);
     let borne = M::R::select(t.kept.known(k, s), n.dot(t.kept.force(k, s)), zero);
     let softness = M::R::select(rigid, zero, g.recip());
@@ -320,7 +353,7 @@ fn law<M: Machine>(
         softness,
         (along + softness).max(tiny).recip(),
         across.max(tiny).recip(),
-        h * restitution * speed,
+        -(leave.read() * h),
         M::R::select(bounces, one, zero),
     ]
 }
@@ -337,7 +370,7 @@ fn start<M: Machine>(
     warm: <M::R as Real>::Mask,
 ) {
     let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
-    let friction = k.load(t.contacts.pair, pair, pair_field::FRICTION);
+    let friction = friction_of(k, t, s, pair);
     let last = t.kept.force(k, s) * h.squared();
     let along = n.dot(last);
     let press = along.max(M::R::zero());
@@ -398,6 +431,16 @@ fn resist<M: Machine>(
     sides.turned((after - before) * h.recip())
 }
 
+/// The coefficient of friction of a slot in this substep.
+#[inline(always)]
+fn friction_of<M: Machine>(k: &M, t: &Tables, s: M::I, pair: M::I) -> M::R {
+    if t.contacts.sticks {
+        k.load(t.cone, s, 0)
+    } else {
+        k.load(t.contacts.pair, pair, pair_field::FRICTION)
+    }
+}
+
 /// A vector shortened to a length.
 #[inline(always)]
 fn within<R: Real>(v: Vec3<R>, most: R) -> Vec3<R> {
@@ -436,7 +479,7 @@ fn relax<M: Machine>(
     mask: <M::R as Real>::Mask,
 ) {
     let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
-    let friction = k.load(t.contacts.pair, pair, pair_field::FRICTION);
+    let friction = friction_of(k, t, s, pair);
     let n = k.vec3(t.contacts.slot, s, slot::NORMAL);
     let [gap, softness, normal, tangent, leave] = k.read(t.touching, s, touching::GAP);
     let [pressed, x, y, z] = k.read(t.touching, s, touching::LAMBDA);

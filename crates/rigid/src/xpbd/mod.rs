@@ -38,7 +38,8 @@
 //! before its angular ones, which must meet in a point; coordinates of stacked axes are ill-defined in
 //! gimbal lock. Contacts push single
 //! bodies, and joints and neighbours pass it on from sweep to sweep: what bears a
-//! hundred times its own mass does not come to rest.
+//! hundred times its own mass does not come to rest. Of the blows in a row of bodies that touch, only the first is
+//! elastic: the row shares it out in that substep (cradles: use `impulse`).
 
 mod articulated;
 mod axis;

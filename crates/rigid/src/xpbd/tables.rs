@@ -299,6 +299,8 @@ pub struct Tables {
     pub(crate) contacts: ContactTables,
     pub(crate) touching: Table<Scratch, { touching::WIDTH }>,
     pub(crate) grip: Table<Scratch, { grip::WIDTH }>,
+    /// Friction coefficient of each slot in this substep, where any surfaces resist more while they stick.
+    pub(crate) cone: Table<Scratch>,
     /// Per row: twist before the contacts of a pass.
     pub(crate) unpushed: Table<Scratch, 6>,
     pub(crate) scratch_length: usize,
@@ -510,6 +512,7 @@ impl Tables {
             contacts,
             touching: Table::place(&mut t, contacts.sensed),
             grip: Table::place(&mut t, if grips { contacts.sensed } else { 0 }),
+            cone: Table::place(&mut t, if contacts.sticks { contacts.sensed } else { 0 }),
             unpushed: Table::place(&mut t, if presses { rows } else { 0 }),
             scratch_length: t,
         }

@@ -136,18 +136,18 @@ fn a_sliding_block_stops_where_it_should() {
     assert!(run.velocity().length() < 1e-9, "{}", run.velocity());
 }
 
-/// Heights of a bouncing ball follow e²; no bounce gains energy.
+/// Each bounce reaches e² of the height before, less a share (1 + 1/e) g h / v, v² = 2 g times that height: velocities
+/// lie half a substep before positions. Energy never grows.
 #[test]
 fn a_ball_bounces_to_e_squared_of_its_height() {
-    for e in [0.0, 0.5, 0.9, 1.0] {
+    for e in [0.0, 0.25, 0.5, 0.9, 1.0] {
         let (radius, drop, h) = (0.1, 1.0, 0.0005);
         let ball = Geometry::Sphere { radius };
         let model = on_plane(ball, surface(0.3, e), DVec3::Y * (radius + drop), 0.0);
         let mut run = Run::new(&model, &[0.0; 6], h);
-        let (mut energy, mut expected, mut peak, mut rising) = (run.energy(), drop, 0.0_f64, false);
+        let (mut energy, mut before, mut peak) = (run.energy(), drop, 0.0_f64);
         let mut bounces = 0;
-        while bounces < 10 && expected > 1e-2 && (e > 0.0 || bounces == 0) {
-            let before = run.velocity().y;
+        while bounces < 10 && before > 1e-2 {
             run.step(1);
             let (height, speed) = (run.position().y - radius, run.velocity().y);
             assert!(
@@ -155,21 +155,26 @@ fn a_ball_bounces_to_e_squared_of_its_height() {
                 "{e}: {}",
                 run.energy()
             );
-            if before < -0.1 && speed > before {
-                expected *= e * e;
-                bounces += 1;
-                energy = run.energy();
-            }
             if speed > 0.0 {
-                (peak, rising) = (peak.max(height), true);
-            } else if rising {
-                // The height of the substep in which the ball turns is lost.
-                let step = 4.0 * h * (2.0 * G * expected).sqrt();
-                assert!(
-                    (peak - expected).abs() < f64::from(bounces) * step,
-                    "{e}: {peak} {expected}"
-                );
-                (peak, rising) = (0.0, false);
+                peak = peak.max(height);
+            } else if peak > 0.0 || (e == 0.0 && speed.abs() < 1e-3) {
+                let ideal = e * e * before;
+                let lost = if e > 0.0 {
+                    ideal * 1.1 * (1.0 + 1.0 / e) * G * h / (2.0 * G * before).sqrt()
+                } else {
+                    0.0
+                };
+                // What is seen misses the top by up to half of a substep.
+                let missed = G * h * h / 8.0;
+                let landing = if e == 0.0 {
+                    (-4.0_f64).exp() * drop
+                } else {
+                    1e-9
+                };
+                let range = ideal - lost - missed..ideal + missed + landing;
+                assert!(range.contains(&peak), "{e}: {peak} in {range:?}");
+                bounces += 1;
+                (energy, before, peak) = (run.energy(), peak, 0.0);
             }
         }
         assert!(bounces > 0);

@@ -6,8 +6,7 @@
 //! the step is taken again from its beginning, and contacts are looked for as far as it got. What it strikes then may
 //! get farther in turn.
 //!
-//! What gets less far is left to the next step, which bounces by the speed of then: within a step, only the first
-//! of several blows that a body hands on is elastic.
+//! What gets less far is left to the next step, which bounces by the speed of then.
 
 use super::odometers::{Place, moved};
 use super::world::{Workspace, World};

@@ -30,6 +30,10 @@ pub(super) struct Batch<'a, T> {
     pub members: &'a [u32],
     /// Most points that one of them has.
     pub points: u32,
+    /// Whether any of them can bounce.
+    pub bounces: bool,
+    /// Whether any of those could be struck within the step before another is.
+    pub meets: bool,
 }
 
 impl<T: Float> Lanes<T> {
@@ -58,6 +62,8 @@ impl<T: Float> Lanes<T> {
             bodies,
             members,
             points: 0,
+            bounces: false,
+            meets: false,
         })
     }
 
@@ -85,12 +91,11 @@ impl<T: Float> Lanes<T> {
 }
 
 impl<T: Float> Batch<'_, T> {
-    /// Writes the contacts into their lanes; tells whether any of them can bounce.
-    pub fn fill(&mut self, impulse: &Impulse, parameters: &[T], contacts: &[Cached<T>]) -> bool {
+    /// Writes the contacts into their lanes.
+    pub fn fill(&mut self, impulse: &Impulse, parameters: &[T], contacts: &[Cached<T>]) {
         let width = self.bodies.len() / 2;
-        let mut bounces = false;
         self.bodies.fill(0);
-        self.points = 0;
+        (self.points, self.bounces, self.meets) = (0, false, false);
         for (lane, &member) in self.members.iter().enumerate() {
             let contact = &contacts[member as usize];
             for (side, shape) in contact.shapes.into_iter().enumerate() {
@@ -102,9 +107,16 @@ impl<T: Float> Batch<'_, T> {
                 width,
                 lane,
             };
-            bounces |= row.write(impulse, parameters, contact);
+            self.bounces |= row.write(impulse, parameters, contact);
         }
-        bounces
+    }
+
+    /// Whether any of the contacts has just been struck, or may be.
+    pub fn is_struck(&self) -> bool {
+        let width = self.bodies.len() / 2;
+        let at = ContactTables::new().manifold.at(0, manifold::STRUCK);
+        let lanes = &self.numbers[at * width..][..width];
+        lanes.iter().any(|struck| *struck > T::zero())
     }
 }
 
@@ -142,6 +154,7 @@ impl<T: Float> Lane<'_, T> {
         }
         let thickness = impulse.way_through(contact.shapes, parameters);
         self.put(at(manifold::THICKNESS), &[thickness]);
+        self.put(at(manifold::STICKING), &[T::from_f64(surface.sticking)]);
         self.put(at(manifold::DRAG), &contact.drag);
         self.put(at(manifold::TWIST), &contact.twist);
         self.put(at(manifold::DRAG_SUM), &contact.drag_sum);

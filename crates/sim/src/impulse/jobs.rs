@@ -4,7 +4,7 @@ use super::batches::Batch;
 use numbers::dispatch::Job;
 use numbers::{Cpu, Float, Lanes, Machine, PerWorld, Picked, Rows};
 use rigid::impulse::pair::{Placed, ShapeTables, place, placed, solid};
-use rigid::impulse::{BodyTables, ContactTables, body, contact, global, mass, row};
+use rigid::impulse::{BodyTables, ContactTables, blow, body, contact, global, mass, row};
 
 /// The bodies of a world while it steps; row 0 is what does not move.
 pub(super) type BodyRows<T> = Rows<T, { row::WIDTH / 4 }>;
@@ -19,6 +19,7 @@ pub(super) enum BodyStage {
     Advance {
         again: bool,
     },
+    Part,
     Drift,
     Finish,
 }
@@ -105,6 +106,9 @@ body_work! {
     Advance(k, t, again) = body::advance(k, t, again);
     masses false; reads VELOCITY: 8, FREE: 12; writes VELOCITY: 8, FREE: 8;
 
+    Part(k, t, _again) = body::part(k, t);
+    masses false; reads VELOCITY: 8, FREE: 8; writes FREE: 8;
+
     Drift(k, t, _again) = body::drift(k, t);
     masses false; reads VELOCITY: row::MOVING; writes VELOCITY: row::MOVING;
 
@@ -120,6 +124,7 @@ impl<T: Float> Job for Bodies<'_, T> {
         match self.stage {
             BodyStage::Begin => self.work::<R, Begin>(false),
             BodyStage::Advance { again } => self.work::<R, Advance>(again),
+            BodyStage::Part => self.work::<R, Part>(false),
             BodyStage::Drift => self.work::<R, Drift>(false),
             BodyStage::Finish => self.work::<R, Finish>(false),
         }
@@ -217,9 +222,10 @@ impl<T: Float> Job for Shapes<'_, T> {
 #[derive(Clone, Copy, Debug)]
 pub(super) enum ContactStage {
     Prepare,
+    Foresee,
     WarmStart,
+    Strike,
     Solve { pushing: bool },
-    Bounce,
 }
 
 /// Contacts in lanes.
@@ -257,9 +263,10 @@ macro_rules! contact_work {
 
 contact_work! {
     Prepare(k, t, _pushing) = contact::prepare(k, t), All;
+    Foresee(k, t, _pushing) = blow::foresee(k, t), Motion;
     WarmStart(k, t, _pushing) = contact::warm_start(k, t), Motion;
+    Strike(k, t, _pushing) = blow::strike(k, t), Motion;
     Solve(k, t, pushing) = contact::solve(k, t, pushing), Motion;
-    Bounce(k, t, _pushing) = contact::bounce(k, t), Motion;
 }
 
 impl<T: Float> Job for Contacts<'_, '_, T> {
@@ -269,9 +276,10 @@ impl<T: Float> Job for Contacts<'_, '_, T> {
     fn run<R: Lanes<Scalar = T>>(self) {
         match self.stage {
             ContactStage::Prepare => self.work::<R, Prepare>(false),
+            ContactStage::Foresee => self.work::<R, Foresee>(false),
             ContactStage::WarmStart => self.work::<R, WarmStart>(false),
+            ContactStage::Strike => self.work::<R, Strike>(false),
             ContactStage::Solve { pushing } => self.work::<R, Solve>(pushing),
-            ContactStage::Bounce => self.work::<R, Bounce>(false),
         }
     }
 }

@@ -9,6 +9,7 @@ use super::world::Workspace;
 use crate::jobs::Lane;
 use numbers::Float;
 use rigid::impulse::{Cached, Impulse, State, global};
+use std::slice;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How to solve the contacts and joints of a step.
@@ -36,7 +37,12 @@ struct Scene<'a, T: Float> {
     joints: &'a [u32],
     state: State<'a, T>,
     inertia: bool,
+    /// Whether any contact can bounce.
     bounces: AtomicBool,
+    /// Whether any of those could be struck in this step.
+    meets: AtomicBool,
+    /// Whether any was struck in each round of blows, of all small steps.
+    struck: Vec<AtomicBool>,
 }
 
 /// The work of a step in parts, for threads to share.
@@ -47,6 +53,10 @@ struct Shares<'a, T> {
     joints: Vec<Parts<Vec<JointBatch<'a, T>>>>,
     /// Runs of bodies.
     bodies: Parts<&'a [u32]>,
+}
+
+fn flags(count: usize) -> Vec<AtomicBool> {
+    (0..count).map(|_| AtomicBool::new(false)).collect()
 }
 
 /// How many parts each colour, and the bodies, are cut into.
@@ -72,6 +82,8 @@ fn shares<B>(
     colours.colours.iter().enumerate().map(of_colour).collect()
 }
 
+/// Rounds in which blows are handed on within a small step, at most.
+const ROUNDS: usize = 16;
 /// Contacts, or joints, that are worth a thread.
 const WORTH_SHARING: usize = 128;
 /// Parts for each thread, of each colour and of the bodies.
@@ -102,6 +114,8 @@ impl<T: Float> Solver<'_, T> {
             },
             inertia: !w.joint_ends.is_empty() && self.impulse.has_inertia(self.parameters),
             bounces: AtomicBool::new(false),
+            meets: AtomicBool::new(false),
+            struck: flags(self.small_steps * ROUNDS),
         };
         let members = (0..w.colours.batches.len()).map(|batch| w.colours.batch(batch));
         let batches = w.lanes.batches(members, self.width);
@@ -129,7 +143,8 @@ impl<T: Float> Solver<'_, T> {
         for colour in &shares.colours {
             member.stage(colour, |batches| {
                 for batch in batches.iter_mut() {
-                    if batch.fill(self.impulse, self.parameters, scene.contacts) {
+                    batch.fill(self.impulse, self.parameters, scene.contacts);
+                    if batch.bounces {
                         scene.bounces.store(true, Ordering::Relaxed);
                     }
                 }
@@ -169,8 +184,14 @@ impl<T: Float> Solver<'_, T> {
             }
             bodies(&mut member, BodyStage::Advance { again: step > 0 });
             if step == 0 {
+                self.foresee(scene, shares, &mut member);
                 contacts(&mut member, ContactStage::WarmStart);
                 joints(&mut member, JointStage::WarmStart);
+            }
+            if scene.meets.load(Ordering::Relaxed) {
+                bodies(&mut member, BodyStage::Part);
+                self.blows(scene, shares, &mut member, step);
+                bodies(&mut member, BodyStage::Part);
             }
             contacts(&mut member, ContactStage::Solve { pushing: true });
             joints(&mut member, JointStage::Solve { pushing: true });
@@ -179,9 +200,55 @@ impl<T: Float> Solver<'_, T> {
             contacts(&mut member, ContactStage::Solve { pushing: false });
             joints(&mut member, JointStage::Solve { pushing: false });
         }
-        if scene.bounces.load(Ordering::Relaxed) {
-            contacts(&mut member, ContactStage::Bounce);
-            joints(&mut member, JointStage::Solve { pushing: false });
+    }
+
+    /// Which contacts may be struck in this step, if any can bounce.
+    fn foresee(&self, scene: &Scene<'_, T>, shares: &Shares<'_, T>, member: &mut Member<'_>) {
+        if !scene.bounces.load(Ordering::Relaxed) {
+            return;
+        }
+        for colour in &shares.colours {
+            member.stage(colour, |batches| {
+                for batch in batches.iter_mut().filter(|batch| batch.bounces) {
+                    self.contacts(scene, slice::from_mut(batch), ContactStage::Foresee);
+                    batch.meets = batch.is_struck();
+                    if batch.meets {
+                        scene.meets.store(true, Ordering::Relaxed);
+                    }
+                }
+            });
+        }
+    }
+
+    /// The blows of a small step: those of contacts that may be struck, and then of all, until none is.
+    fn blows(
+        &self,
+        scene: &Scene<'_, T>,
+        shares: &Shares<'_, T>,
+        member: &mut Member<'_>,
+        step: usize,
+    ) {
+        for round in 0..ROUNDS {
+            let struck = &scene.struck[step * ROUNDS + round];
+            for colour in &shares.colours {
+                member.stage(colour, |batches| {
+                    let takes =
+                        |batch: &&mut Batch<'_, T>| batch.bounces && (round > 0 || batch.meets);
+                    for batch in batches.iter_mut().filter(takes) {
+                        self.contacts(scene, slice::from_mut(batch), ContactStage::Strike);
+                        if batch.is_struck() {
+                            struck.store(true, Ordering::Relaxed);
+                        }
+                    }
+                });
+            }
+            if !struck.load(Ordering::Relaxed) {
+                return;
+            }
+            for colour in &shares.joints {
+                let stage = JointStage::Solve { pushing: false };
+                member.stage(colour, |batches| self.joints(scene, batches, stage));
+            }
         }
     }
 
