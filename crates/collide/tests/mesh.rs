@@ -3,7 +3,7 @@
 mod common;
 mod shader;
 
-use common::reference::{best_gap, support};
+use common::reference::{best_gap, gap, outside, support};
 use common::world::state;
 use common::{Pair, Solid, V, turn, unit};
 use fastrand::Rng;
@@ -11,7 +11,7 @@ use glam::{DVec2, DVec3};
 use kinetarium_collide::mesh::{
     MeshData, MeshTables, SLOTS, Surface, contact, mesh_convex, mesh_mesh,
 };
-use kinetarium_collide::{FAR, Placed, Tables, kind};
+use kinetarium_collide::{FAR, FLAT, Placed, Tables, kind};
 use model::{Hull, TriangleMesh};
 use numbers::dispatch::{Isa, Job, run_block, run_single};
 use numbers::machine::space::State;
@@ -376,45 +376,262 @@ fn touching(pair: &mut Pair, rng: &mut Rng) -> Option<f64> {
     for _ in 0..30 {
         let step = best_gap(pair) + depth;
         pair.poses[0].p -= way * step;
+        if step.abs() < 1e-6 {
+            break;
+        }
     }
     let distance = best_gap(pair);
     ((distance + depth).abs() <= 1e-3).then_some(distance)
 }
 
-/// The surface of a convex solid is touched where the solid is.
-#[test]
-fn the_surface_of_a_hull_is_the_hull() {
+/// The deepest of the contacts of a solid with the surface of a hull: by how much its distance is not that of the two,
+/// its normal is not one along which they are that far apart, or it lies off their surfaces.
+fn off_the_hull(pair: &Pair, found: &[Contact], distance: f64) -> f64 {
+    let deepest = found
+        .iter()
+        .min_by(|a, b| a.distance.total_cmp(&b.distance));
+    let Some(c) = deepest else { return FAR };
+    let half = c.normal * (0.5 * c.distance);
+    let ends = [c.position - half, c.position + half];
+    let beside = [0, 1].map(|i| outside(&pair.solids[i], pair.poses[i], ends[i]));
+    [
+        (c.distance - distance).abs(),
+        (gap(pair, c.normal) - distance).abs(),
+        beside[0],
+        beside[1],
+    ]
+    .into_iter()
+    .fold(0.0, f64::max)
+}
+
+/// The solid, a hull about its centre, which is inside.
+fn centred(solid: Solid) -> Solid {
+    if solid.kind != kind::HULL {
+        return solid;
+    }
+    let points: Vec<_> = solid
+        .vertices
+        .iter()
+        .map(|v| DVec3::from(v.to_array()))
+        .collect();
+    let center = V::from_array(Hull::new(&points).unwrap().center().to_array());
+    Solid::hull(solid.vertices.iter().map(|v| *v - center).collect())
+}
+
+/// The surface of a convex solid is touched where the solid is, in ten thousand poses of solids of these kinds.
+fn surfaces_of_hulls(kinds: impl Iterator<Item = usize>) {
     let mut rng = Rng::with_seed(47);
-    let (mut touched, mut missed) = (0, 0);
-    for kind in kind::SPHERE..kind::CONVEX {
-        for _ in 0..20 {
+    for kind in kinds {
+        let (mut touched, mut missed, mut wrong) = (0, 0, 0);
+        while touched < 10_000 {
             let mesh = lump(&mut rng);
-            let solid = Solid::random(kind, &mut rng);
+            let solid = centred(Solid::random(kind, &mut rng));
             let world = World::new(&mesh, &solid);
             let mut pair = Pair {
                 solids: [solid.clone(), Solid::hull(vertices(&mesh))],
                 poses: [still(0.0, 0.0, 0.0); 2],
             };
-            for _ in 0..20 {
+            for _ in 0..100 {
                 let Some(distance) = touching(&mut pair, &mut rng) else {
                     continue;
                 };
                 let found = world.contacts::<f32>(&solid, pair.poses);
-                let least = found.iter().map(|c| c.distance).fold(FAR, f64::min);
+                let off = off_the_hull(&pair, &found, distance);
                 touched += 1;
-                missed += usize::from((least - distance).abs() > 1e-3);
+                missed += usize::from(off > 1e-3);
+                wrong += usize::from(off > 0.02);
+            }
+        }
+        println!("{kind}: {missed} of {touched} missed, {wrong} of them by far");
+        // Edges that cross deep have more than one way out. Of what lies across an edge and pierces one of its triangles,
+        // a few are taken to have come through to the back of the other: 6 in 10,000 boxes are thrown to its front.
+        assert!(wrong * 1000 < touched, "{kind}: {wrong} of {touched}");
+        assert!(missed * 100 < touched, "{kind}: {missed} of {touched}");
+    }
+}
+
+#[test]
+fn the_surface_of_a_hull_is_the_hull_to_even_kinds() {
+    surfaces_of_hulls((kind::SPHERE..kind::CONVEX).step_by(2));
+}
+
+#[test]
+fn the_surface_of_a_hull_is_the_hull_to_odd_kinds() {
+    surfaces_of_hulls((kind::SPHERE..kind::CONVEX).skip(1).step_by(2));
+}
+
+/// Brings a solid down onto a surface to a small gap, which is that to the nearest of its triangles, each a hull of three
+/// points; answers the gap, if the solid lies above.
+fn lowered(
+    solid: &Solid,
+    mesh: &TriangleMesh,
+    q: Quat<f64>,
+    rng: &mut Rng,
+) -> Option<(Pose<f64>, f64)> {
+    let (x, z) = (4.0 * (rng.f64() - 0.5), 4.0 * (rng.f64() - 0.5));
+    let wish = 0.002 + 0.016 * rng.f64();
+    let mut pose = Pose::new(V::new(x, 2.0, z), q);
+    let corners = |t: &[u32; 3]| t.map(|v| V::from_array(mesh.vertices()[v as usize].to_array()));
+    let near: Vec<_> = mesh
+        .triangles()
+        .iter()
+        .map(corners)
+        .filter(|t| {
+            let (dx, dz) = (t[0].x - x, t[0].z - z);
+            dx.hypot(dz) < solid.reach() + 0.6
+        })
+        .map(|t| Solid::hull(t.to_vec()))
+        .collect();
+    for _ in 0..60 {
+        let distance = near.iter().map(|triangle| {
+            let solids = [solid.clone(), triangle.clone()];
+            best_gap(&Pair {
+                solids,
+                poses: [pose, still(0.0, 0.0, 0.0)],
+            })
+        });
+        let distance = distance.fold(FAR, f64::min);
+        if distance < 0.001 {
+            return None;
+        }
+        if (distance - wish).abs() < 1e-3 {
+            return Some((pose, distance));
+        }
+        pose.p.y -= distance - wish;
+    }
+    None
+}
+
+/// Solids of all kinds that hover over hills are as far from them as from the nearest triangle by another engine's search,
+/// or by less than [`FLAT`] of their size farther, where they lie nearly along it.
+#[test]
+fn solids_over_a_height_field() {
+    let mesh = hills();
+    let mut rng = Rng::with_seed(61);
+    for kind in kind::SPHERE..kind::CONVEX {
+        let mut met = 0;
+        for _ in 0..10 {
+            let mut solid = centred(Solid::random(kind, &mut rng));
+            solid.size = solid.size * 0.5;
+            for vertex in &mut solid.vertices {
+                *vertex = *vertex * 0.5;
+            }
+            let world = World::new(&mesh, &solid);
+            for _ in 0..30 {
+                let q = turn(&mut rng);
+                let Some((pose, distance)) = lowered(&solid, &mesh, q, &mut rng) else {
+                    continue;
+                };
+                let found = world.contacts::<f32>(&solid, [pose, still(0.0, 0.0, 0.0)]);
+                let least = found.iter().map(|c| c.distance).fold(FAR, f64::min);
+                let off = least - distance;
                 assert!(
-                    (least - distance).abs() < 0.02,
-                    "{least}, {distance}: {pair:#?}"
+                    off > -2e-5 && off < FLAT * solid.reach(),
+                    "{least} for {distance}: {solid:#?} {pose:#?} {found:#?}"
                 );
+                met += 1;
+            }
+        }
+        assert!(met > 200, "{kind}: {met}");
+    }
+}
+
+/// All numbers of contacts are finite, their normals of unit length.
+fn sane(found: &[Contact], what: &str) {
+    for c in found {
+        let [x, y, z] = c.position.to_array();
+        let numbers = [x, y, z, c.distance, c.normal.length()];
+        let finite = numbers.iter().all(|x| x.is_finite());
+        assert!(
+            finite && (c.normal.length() - 1.0).abs() < 1e-4,
+            "{what}: {c:#?}"
+        );
+    }
+}
+
+/// Of triangles: a flat sheet, needles, ones with edges in a line, and a closed box; in one place, on each other, turned by
+/// quarters, and by next to nothing.
+#[test]
+fn degenerate_poses_of_meshes_are_finite() {
+    let square = |y: f64| {
+        [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, z]| DVec3::new(x, y, z))
+    };
+    let sheet = TriangleMesh::new(&square(0.0), &[[0, 2, 1], [0, 3, 2]]).unwrap();
+    let needle = |thin: f64| {
+        let corners = [
+            DVec3::new(-1.0, 0.0, 0.0),
+            DVec3::new(1.0, 0.0, 0.0),
+            DVec3::new(0.9, 0.0, -thin),
+        ];
+        TriangleMesh::new(&corners, &[[0, 1, 2]]).unwrap()
+    };
+    let corner =
+        |i: u32| 0.5 * DVec3::from_array([i, i >> 1, i >> 2].map(|b| f64::from(b & 1) * 2.0 - 1.0));
+    let corners: Vec<_> = (0..8).map(corner).collect();
+    let hull = Hull::new(&corners).unwrap();
+    let closed = TriangleMesh::new(hull.vertices(), hull.triangles()).unwrap();
+    let meshes = [
+        ("sheet", sheet),
+        ("needle", needle(1e-3)),
+        ("thread", needle(1e-6)),
+        ("box", closed),
+        ("ring", torus(0.5, 0.2, 6)),
+    ];
+    let s = 0.5f64.sqrt();
+    let turns = [
+        Quat::identity(),
+        Quat::new(s, 0.0, 0.0, s),
+        Quat::new(0.0, s, 0.0, s),
+        Quat::new(0.0, 0.0, s, s),
+        Quat::new(1.0, 0.0, 0.0, 0.0),
+        Quat::new(1e-7, 0.0, 0.0, 1.0),
+    ];
+    let places = [
+        V::zero(),
+        V::new(0.0, 1e-7, 0.0),
+        V::new(0.0, 0.01, 0.0),
+        V::new(0.0, 1.0, 0.0),
+        V::new(1.0, 0.0, 0.0),
+        V::new(-0.5, -0.5, 0.5),
+    ];
+    let mut found_any = 0;
+    for (a_name, a) in &meshes {
+        for (b_name, b) in &meshes {
+            let world = World::of_meshes(a, b);
+            for (q, p) in turns.iter().flat_map(|q| places.map(|p| (*q, p))) {
+                let poses = [Pose::new(p, q), still(0.0, 0.0, 0.0)];
+                let what = format!("{a_name} on {b_name}, {p:?} {q:?}");
+                let single = world.contacts::<f32>(&of_mesh(a), poses);
+                sane(&single, &what);
+                sane(&world.contacts::<f64>(&of_mesh(a), poses), &what);
+                found_any += usize::from(!single.is_empty());
+            }
+        }
+        // Solids, flat ones among them, on the same.
+        for kind in kind::SPHERE..kind::CONVEX {
+            for size in [[0.3, 0.5, 0.4], [1.0, 1e-3, 1.0], [1e-3, 1.0, 1e-3]] {
+                let [x, y, z] = size;
+                let solid = match kind {
+                    kind::CAPSULE => Solid::new(kind, x, y.max(1.01 * x), 0.0),
+                    kind::HULL => Solid::hull(
+                        corners
+                            .iter()
+                            .map(|c| V::new(c.x * x, c.y * y, c.z * z))
+                            .collect(),
+                    ),
+                    _ => Solid::new(kind, x, y, z),
+                };
+                let world = World::new(a, &solid);
+                for (q, p) in turns.iter().flat_map(|q| places.map(|p| (*q, p))) {
+                    let poses = [Pose::new(p, q), still(0.0, 0.0, 0.0)];
+                    let what = format!("{solid:?} on {a_name}, {p:?} {q:?}");
+                    sane(&world.contacts::<f32>(&solid, poses), &what);
+                    sane(&world.contacts::<f64>(&solid, poses), &what);
+                }
             }
         }
     }
-    // Edges that cross deep have more than one way out.
-    assert!(
-        touched > 2000 && missed * 100 < touched,
-        "{missed} of {touched}"
-    );
+    assert!(found_any > 200, "{found_any}");
 }
 
 /// A ring of a round cross-section about the y axis, of `n` times `n` quadrangles.
