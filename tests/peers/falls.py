@@ -6,7 +6,8 @@ MuJoCo keeps the solver and the time step that the file asks for; its integrator
 Coulomb's, which is what Kinetarium solves: an elliptic cone, and impratio 100, so that what rests does not
 creep. Whatever the file lets touch touches, parts of the model itself included.
 
-Heights are z of body frames [m], depths the deepest penetration beyond the margins of a contact [m].
+Heights are z of body frames [m], depths the deepest penetration beyond the margins of a contact [m]. `fine` has the
+torso's heights in the first 0.3 s by a sixteenth of the time step: how far MuJoCo is from where its own laws lead.
 """
 
 import argparse
@@ -22,6 +23,7 @@ CLEARANCE = 0.01  # height [m] of the lowest point above the floor at the start
 DRIVEN = 0.3  # duration [s] of the fall under controls
 PASSIVE = 10.0  # duration [s] of the passive one
 HOLD = 5  # steps for which a control is held
+FINER = 16  # steps of the finer fall in one
 
 
 def load(path: Path) -> mujoco.MjModel:
@@ -86,14 +88,25 @@ def fall(model: mujoco.MjModel, qpos: np.ndarray, controls: np.ndarray) -> dict:
     return {"controls": controls.tolist(), "heights": heights, "depths": depths}
 
 
+def fine(model: mujoco.MjModel, qpos: np.ndarray, controls: np.ndarray) -> list[float]:
+    """Heights of the torso in the same fall for a sixteenth of the time step, at the same times."""
+    step = model.opt.timestep
+    model.opt.timestep = step / FINER
+    heights = fall(model, qpos, np.repeat(controls[: round(DRIVEN / step)], FINER, axis=0))["heights"]
+    model.opt.timestep = step
+    return [height[0] for height in heights[::FINER]]
+
+
 def describe(path: Path, model: mujoco.MjModel, floor: int) -> dict:
     """Both falls of a model."""
     rng = np.random.default_rng(list(path.stem.encode()))
     qpos = start(model, floor)
     h = model.opt.timestep
     rows = [random_controls(model, rng) for _ in range(round(DRIVEN / h / HOLD) + 1)]
-    driven = fall(model, qpos, np.repeat(rows, HOLD, axis=0)[: round(DRIVEN / h)])
-    passive = fall(model, qpos, np.zeros((round(PASSIVE / h), model.nu)))
+    controls = np.repeat(rows, HOLD, axis=0)[: round(DRIVEN / h)]
+    driven = fall(model, qpos, controls) | {"fine": fine(model, qpos, controls)}
+    still = np.zeros((round(PASSIVE / h), model.nu))
+    passive = fall(model, qpos, still) | {"fine": fine(model, qpos, still)}
     return {
         "model": path.stem,
         "path": str(path),

@@ -9,14 +9,18 @@
 //!   controls is 13 mm elsewhere after 0.3 s. The peer runs MuJoCo with Coulomb's cone, and friction
 //!   that holds.
 //! - MuJoCo sees a contact once shapes overlap, so that a fall at v is up to v h deep at first sight;
-//!   here the surface is met in time. From then on every later touch comes at another moment. That is
-//!   why torsos are compared up to the first time that either side is more than 5 mm deep. The ant
-//!   under controls, at its 10 ms, is 190 mm off after 0.3 s by MuJoCo's own count, against a
-//!   sixteenth of the step; the half-cheetah 33 mm; the walkers 88 and 13 mm.
+//!   here the surface is met in time. From then on every later touch comes at another moment. So torsos are
+//!   compared at all moments at which neither side is more than 5 mm deep, and may then be apart by 5 mm, or by
+//!   as much as MuJoCo has been from itself with a sixteenth of the step. That is more for four falls under
+//!   controls: 194 mm for the ant, at its 10 ms; 20 mm for the half-cheetah; 77 and 15 mm for the walkers. Up to
+//!   the first deep moment all are within 5 mm.
 //! - Whether a limit of a joint pushes is told, at first, as if the parent did not accelerate: the walkers'
-//!   motors drive feet at 50 rad/s into theirs.
+//!   motors drive feet at 50 rad/s into theirs. They come apart by 46 and 91 mm under controls; with a sixteenth
+//!   of the step on both sides by 92 and 63 mm, the half-cheetah by 61 mm, the ant by 11 mm, all others by what
+//!   they are apart in long steps.
 //! - The humanoid that is to stand up starts 15 mm within itself, and what drives it apart depends on
-//!   the contact model: its torso is compared in the passive fall to the end, to 20 mm, and at rest.
+//!   the contact model: under controls its torso is 25 mm off; it is compared in the passive fall to the end, to
+//!   20 mm, and at rest.
 
 use crate::run::report;
 use crate::scene::{World, parameters};
@@ -46,6 +50,8 @@ struct Fall {
     heights: Vec<Vec<f64>>,
     /// Deepest penetration at those times [m].
     depths: Vec<f64>,
+    /// Of the torso in the first 0.3 s at those times, with a sixteenth of the time step [m].
+    fine: Vec<f64>,
 }
 
 fn references() -> Vec<Reference> {
@@ -105,7 +111,17 @@ fn look(world: &World<f64>, t: &OutputTables, bodies: usize) -> Moment {
     }
 }
 
-/// What may differ: the torso while neither side is deep, the mean height of all bodies at rest.
+/// The share of all moments that is compared at least.
+const LEAST: f64 = 0.6;
+/// Falls that are farther apart, or of which less can be compared, for the reasons above.
+const OTHERS: [((&str, &str), f64, f64); 5] = [
+    (("half_cheetah", "driven"), APART, 0.4),
+    (("half_cheetah", "passive"), APART, 0.15),
+    (("humanoidstandup", "driven"), 0.03, 0.45),
+    (("walker2d", "driven"), 0.05, LEAST),
+    (("walker2d_v5", "driven"), 0.1, 0.4),
+];
+/// What may differ: the torso while neither side is deep; at rest the torso, and the mean height of all bodies.
 const APART: f64 = 5e-3;
 const REST_APART: f64 = 1e-2;
 /// Deeper than this [m], contact models differ by design.
@@ -163,19 +179,23 @@ fn load(reference: &Reference) -> Model {
     .model
 }
 
-/// How far apart the torsos come [m] in the first 0.3 s; `shallow`: until either side is deep.
-fn torsos_apart(reference: &Reference, ours: &[Moment], theirs: &Fall, shallow: bool) -> f64 {
-    let steps = (0.3 / reference.timestep).round() as usize;
-    let both = ours.iter().zip(&theirs.heights).zip(&theirs.depths);
-    both.take(steps + 1)
-        .take_while(|((ours, _), depth)| !shallow || ours.depth.max(**depth) <= DEEP)
-        .map(|((ours, heights), _)| (ours.heights[0] - heights[0]).abs())
-        .fold(0.0, f64::max)
+/// How far apart the torsos are [m] at each moment of the first 0.3 s, how far MuJoCo has been from itself with finer
+/// steps up to then, and whether neither side is deep.
+fn torsos(ours: &[Moment], theirs: &Fall) -> Vec<(f64, f64, bool)> {
+    let mut own = 0.0_f64;
+    let moments = ours.iter().zip(&theirs.heights).zip(&theirs.depths);
+    let compare = |(((ours, heights), depth), fine): (((&Moment, &Vec<f64>), &f64), &f64)| {
+        own = own.max((heights[0] - fine).abs());
+        let apart = (ours.heights[0] - heights[0]).abs();
+        (apart, own, ours.depth.max(*depth) <= DEEP)
+    };
+    moments.zip(&theirs.fine).map(compare).collect()
 }
 
 #[test]
 #[ignore = "needs MuJoCo's reference files: cargo xtask peers"]
 fn torsos_fall_as_in_mujoco() {
+    let mut wrong = Vec::new();
     for reference in references() {
         let (name, model) = (&reference.model, load(&reference));
         for (what, theirs) in [
@@ -183,12 +203,29 @@ fn torsos_fall_as_in_mujoco() {
             ("passive", &reference.passive),
         ] {
             let ours = fall(&reference, &model, theirs, None);
-            let apart = torsos_apart(&reference, &ours, theirs, true);
-            let in_all = torsos_apart(&reference, &ours, theirs, false);
-            println!("{name} {what}: {apart:.4} m, to the end {in_all:.4} m");
-            assert!(apart < APART, "{name} {what}: {apart}");
+            let other = OTHERS.iter().find(|(fall, ..)| *fall == (name, what));
+            let (bound, least) = other.map_or((APART, LEAST), |(_, a, b)| (*a, *b));
+            let moments = torsos(&ours, theirs);
+            assert_eq!(
+                moments.len(),
+                (0.3 / reference.timestep).round() as usize + 1
+            );
+            let shallow: Vec<_> = moments.iter().filter(|(.., shallow)| *shallow).collect();
+            let most = shallow.iter().map(|(apart, ..)| *apart).fold(0.0, f64::max);
+            let own = shallow.iter().map(|(_, own, _)| *own).fold(0.0, f64::max);
+            let compared = shallow.len() as f64 / moments.len() as f64;
+            let told =
+                format!("{name} {what}: {most:.4} m, MuJoCo {own:.4} m, at {compared:.2} of all");
+            println!("{told}");
+            let near = |(apart, own, _): &&(f64, f64, bool)| *apart < bound.max(*own);
+            let mut first = moments.iter().take_while(|(.., shallow)| *shallow);
+            let at_first = first.all(|(apart, ..)| *apart < APART);
+            if compared < least || !shallow.iter().all(near) || !at_first {
+                wrong.push(told);
+            }
         }
     }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 /// With contacts settled to the end in each step, depth makes no difference.
@@ -198,7 +235,8 @@ fn passive_falls_are_those_of_mujoco_to_the_end() {
     for reference in references() {
         let (name, model) = (&reference.model, load(&reference));
         let ours = fall(&reference, &model, &reference.passive, Some(8));
-        let apart = torsos_apart(&reference, &ours, &reference.passive, false);
+        let moments = torsos(&ours, &reference.passive);
+        let apart = moments.iter().map(|(apart, ..)| *apart).fold(0.0, f64::max);
         println!("{name}: {apart:.4} m");
         let share = if name == OVERLAPPING { 4.0 } else { 1.0 };
         assert!(apart < share * APART, "{name}: {apart}");
@@ -222,6 +260,7 @@ fn models_rest_as_in_mujoco_and_gain_no_energy() {
             end.depth
         );
         assert!(apart < REST_APART, "{name}: {apart}");
+        assert!(torso.abs() < REST_APART, "{name}: torso {torso}");
         assert!(end.depth < depth + DEEPER, "{name}: {} {depth}", end.depth);
         no_energy_is_gained(name, &ours);
     }
