@@ -19,6 +19,7 @@ const guide: DefaultTheme.SidebarItem[] = [
   { text: "Building a model", link: "/guide/building" },
   { text: "Contacts and materials", link: "/guide/contacts" },
   { text: "Events", link: "/guide/events" },
+  { text: "Rays and nearby shapes", link: "/guide/queries" },
   { text: "Sensors", link: "/guide/sensors" },
   { text: "Snapshots", link: "/guide/snapshots" },
   { text: "Cameras", link: "/guide/cameras" },

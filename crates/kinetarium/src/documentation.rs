@@ -15,6 +15,7 @@ pages! {
     Building: "guide/building.md",
     Contacts: "guide/contacts.md",
     Events: "guide/events.md",
+    Queries: "guide/queries.md",
     Sensors: "guide/sensors.md",
     Snapshots: "guide/snapshots.md",
     Cameras: "guide/cameras.md",
