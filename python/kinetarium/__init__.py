@@ -38,6 +38,7 @@ from kinetarium.arrays import NamedArray
 from kinetarium.cameras import Camera, Images, Light
 from kinetarium.dynamics import Bodies, Dynamics
 from kinetarium.errors import KinetariumError
+from kinetarium.queries import NearShapes, Seen, ShapeHits
 from kinetarium.simulation import Contacts, Event, Linearization, RayHits, Simulation
 from kinetarium.view import View
 
@@ -67,11 +68,14 @@ __all__ = [
     "Material",
     "Model",
     "NamedArray",
+    "NearShapes",
     "Object",
     "RayHits",
     "Replica",
+    "Seen",
     "Shape",
     "ShapeHandle",
+    "ShapeHits",
     "Simulation",
     "Softness",
     "View",

@@ -945,6 +945,51 @@ class Engine:
         max_distance: float,
     ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
         """What rays meet in a world: distances [m] (infinite where nothing), shapes (−1 where none), positions, normals."""
+    def cast_shapes(
+        self,
+        worlds: NDArray[np.int64],
+        geometry: Geometry,
+        positions: NDArray[np.float64],
+        orientations: NDArray[np.float64],
+        directions: NDArray[np.float64],
+        max_distance: float,
+        seen: tuple[bool, bool, int | None, list[int]],
+    ) -> dict[str, NDArray[Any]]:
+        """What a shape first touches that is swept along lines, the same number in each of some worlds: arrays with a row for
+        each sweep.
+        """
+    def nearest(
+        self,
+        worlds: NDArray[np.int64],
+        points: NDArray[np.float64],
+        count: int,
+        max_distance: float,
+        seen: tuple[bool, bool, int | None, list[int]],
+    ) -> dict[str, NDArray[Any]]:
+        """The nearest shapes to points, the same number of points in each of some worlds: arrays with so many rows for each
+        point.
+        """
+    def closest_points(
+        self,
+        worlds: NDArray[np.int64],
+        points: NDArray[np.float64],
+        max_distance: float,
+        seen: tuple[bool, bool, int | None, list[int]],
+    ) -> dict[str, NDArray[Any]]:
+        """The nearest points of all shapes within a distance of points, the same number of points in each of some worlds: arrays
+        with a row for each shape, and that of its point.
+        """
+    def overlaps(
+        self,
+        worlds: NDArray[np.int64],
+        geometry: Geometry,
+        positions: NDArray[np.float64],
+        orientations: NDArray[np.float64],
+        seen: tuple[bool, bool, int | None, list[int]],
+    ) -> dict[str, NDArray[Any]]:
+        """The shapes that a shape overlaps in some places, the same number of places in each of some worlds: arrays with a row
+        for each shape, and that of its place.
+        """
     def read_parameter(self, name: str, worlds: NDArray[np.int64]) -> NDArray[np.float64]:
         """A parameter of some worlds, shape (worlds, rows · numbers)."""
     def write_parameter(self, name: str, worlds: NDArray[np.int64], numbers: NDArray[np.float64]) -> None:

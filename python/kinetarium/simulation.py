@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from kinetarium import _nvrtc
-from kinetarium._engine import Engine, Model, framing, render_view, show
+from kinetarium._engine import Engine, Geometry, Model, framing, render_view, show
 from kinetarium.arrays import checked, whole
 from kinetarium.cameras import Camera, Images
 from kinetarium.controls import Controls
 from kinetarium.errors import OutOfRangeError, RenderError, ShapeError, SimulationError, UnknownNameError
 from kinetarium.names import Strict, hint
 from kinetarium.parameters import Parameters, parameter_names
+from kinetarium.queries import NearShapes, Queries, Seen, ShapeHits
 from kinetarium.sensors import Custom, Sensor, Sensors
 from kinetarium.state import State
 from kinetarium.view import View
@@ -470,6 +471,95 @@ class Simulation(Strict):
             raise ShapeError(f"origins and directions have the shape {shape} together: it must be (rays, 3)")
         origins, directions = checked("origins", origins, shape), checked("directions", directions, shape)
         return RayHits(*self._engine.cast_rays(self._world(world), origins, directions, max_distance))
+
+    def cast_shape(
+        self,
+        geometry: Geometry,
+        positions: ArrayLike,
+        directions: ArrayLike,
+        *,
+        orientations: ArrayLike = (0.0, 0.0, 0.0, 1.0),
+        worlds: ArrayLike | None = 0,
+        max_distance: float = np.inf,
+        seen: Seen | None = None,
+    ) -> ShapeHits:
+        """What a convex shape that moves along lines, without turning, first touches, up to a distance [m].
+
+        In one world, positions [m], directions (of any length but zero) and orientations (x, y, z, w) of the starts
+        broadcast to (casts, 3) and (casts, 4), world axes, and the answer's arrays have the shape (casts, …). In
+        several worlds (a list, a mask, or `None` for all) these are (worlds, casts, …). A shape that is overlapped at
+        the start is met at distance 0. Shapes are as rays meet them; `seen` picks some.
+
+        Raises `ShapeError`, `OutOfRangeError` for worlds and bodies that do not exist, and `SimulationError` for
+        shapes that are not convex solids and numbers that make no sense.
+
+        >>> import kinetarium as kn
+        >>> sim = kn.Simulation(kn.examples.pyramid(3))
+        >>> hits = sim.cast_shape(kn.Geometry.sphere(0.1), [[0, 5, 0], [9, 5, 0]], (0, -1, 0))
+        >>> float(hits.distance[1].round(6))
+        4.9
+        """
+        rows = self._rows(worlds)
+        asked = Queries.of(
+            rows, worlds, positions=(positions, 3), directions=(directions, 3), orientations=(orientations, 4)
+        )
+        starts, ways, turns = asked.arrays
+        sight = (seen or Seen())._of(self.model)
+        return asked.hits(self._engine.cast_shapes(rows, geometry, starts, turns, ways, max_distance, sight))
+
+    def nearest(
+        self,
+        points: ArrayLike,
+        k: int = 1,
+        *,
+        worlds: ArrayLike | None = 0,
+        max_distance: float = np.inf,
+        seen: Seen | None = None,
+    ) -> ShapeHits:
+        """The k nearest shapes to points [m], up to a distance [m], the nearest first.
+
+        In one world, points broadcast to (points, 3), world axes, and the answer's arrays have the shape
+        (points, k, …); in several worlds these are (worlds, points, …). Distances are from the surfaces, negative
+        inside; of closed meshes, too. What holds a point is the nearer the deeper it does. Raises as `cast_shape`.
+        """
+        rows, k = self._rows(worlds), whole("k", k, 1)
+        asked = Queries.of(rows, worlds, points=(points, 3))
+        sight = (seen or Seen())._of(self.model)
+        return asked.hits(self._engine.nearest(rows, *asked.arrays, k, max_distance, sight), k)
+
+    def closest_points(
+        self,
+        points: ArrayLike,
+        max_distance: float = np.inf,
+        *,
+        worlds: ArrayLike | None = 0,
+        seen: Seen | None = None,
+    ) -> NearShapes:
+        """Of each shape within a distance [m] of points [m], the nearest point of its surface; points, distances and
+        errors as those of `nearest`. The nearest shape of a point comes first."""
+        rows = self._rows(worlds)
+        asked = Queries.of(rows, worlds, points=(points, 3))
+        sight = (seen or Seen())._of(self.model)
+        return asked.near(self._engine.closest_points(rows, *asked.arrays, max_distance, sight), rows)
+
+    def overlaps(
+        self,
+        geometry: Geometry,
+        positions: ArrayLike,
+        *,
+        orientations: ArrayLike = (0.0, 0.0, 0.0, 1.0),
+        worlds: ArrayLike | None = 0,
+        seen: Seen | None = None,
+    ) -> NearShapes:
+        """The shapes that a convex shape overlaps or touches in some places; these, and errors, as those of
+        `cast_shape`.
+
+        Distances are 0 or less: how far the two overlap along the way out, which the normal tells.
+        """
+        rows = self._rows(worlds)
+        asked = Queries.of(rows, worlds, positions=(positions, 3), orientations=(orientations, 4))
+        sight = (seen or Seen())._of(self.model)
+        return asked.near(self._engine.overlaps(rows, geometry, *asked.arrays, sight), rows)
 
     def linearize(self, world: int = 0) -> Linearization:
         """A time step linearised about the state of a world: exact derivatives of the solver's own step in float64,

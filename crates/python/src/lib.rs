@@ -23,6 +23,7 @@ mod model;
 mod names;
 mod object;
 mod pickled;
+mod queries;
 mod replica;
 mod sensors;
 mod shape;

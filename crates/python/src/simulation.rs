@@ -2,16 +2,18 @@
 
 use crate::device_array::DeviceArray;
 use crate::error;
+use crate::geometry::Geometry;
 use crate::model::{Model, parameter};
 use crate::names::{Table, find};
+use crate::queries::{self, Sight};
 use derivatives::{LinearizeError, linearize};
 use glam::DVec3;
 use kinetarium::DeviceChoice;
 use kinetarium::model::BodyId;
 use kinetarium::rigid::{Integrator, Settings};
 use kinetarium::sim::{
-    self, Control, EventKind, Parameter, Quantity, Ray, Simulation, SimulationError,
-    SimulationSettings, Snapshot, SolverKind, Watch,
+    self, Control, EventKind, Parameter, PlacedShape, Quantity, Ray, ShapeCast, Simulation,
+    SimulationError, SimulationSettings, Snapshot, SolverKind, Watch,
 };
 use numpy::ndarray::Dimension;
 use numpy::{
@@ -194,6 +196,11 @@ pub fn slice<'a, T: Element, D: Dimension>(
     } else {
         Err(not_contiguous())
     }
+}
+
+/// Worlds by their numbers, which are not negative.
+fn rows(worlds: &PyReadonlyArray1<'_, i64>) -> PyResult<Vec<usize>> {
+    Ok(slice(worlds)?.iter().map(|world| *world as usize).collect())
 }
 
 fn not_contiguous() -> PyErr {
@@ -563,6 +570,96 @@ impl Engine {
             position.to_pyarray(py).reshape([n, 3])?,
             normal.to_pyarray(py).reshape([n, 3])?,
         ))
+    }
+    /// What a shape first touches that is swept along lines, the same number in each of some worlds: arrays with a row for
+    /// each sweep.
+    #[expect(clippy::too_many_arguments, reason = "keywords in Python")]
+    fn cast_shapes<'py>(
+        &self,
+        py: Python<'py>,
+        worlds: PyReadonlyArray1<'_, i64>,
+        geometry: Geometry,
+        positions: PyReadonlyArray2<'_, f64>,
+        orientations: PyReadonlyArray2<'_, f64>,
+        directions: PyReadonlyArray2<'_, f64>,
+        max_distance: f64,
+        seen: Sight,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let (worlds, seen) = (rows(&worlds)?, queries::seen(seen)?);
+        let poses = queries::poses(slice(&positions)?, slice(&orientations)?);
+        let directions = queries::vectors(slice(&directions)?);
+        let casts = poses.into_iter().zip(directions);
+        let casts = casts.map(|(pose, direction)| ShapeCast {
+            geometry: &geometry.0,
+            pose,
+            direction,
+            max_distance,
+        });
+        let casts = Vec::from_iter(casts);
+        let hits = self.with(
+            py,
+            |s| each!(s, read, s => s.cast_shapes_in_worlds(&worlds, &casts, &seen)),
+        )?;
+        queries::rows(py, &hits)
+    }
+    /// The nearest shapes to points, the same number of points in each of some worlds: arrays with so many rows for each
+    /// point.
+    fn nearest<'py>(
+        &self,
+        py: Python<'py>,
+        worlds: PyReadonlyArray1<'_, i64>,
+        points: PyReadonlyArray2<'_, f64>,
+        count: usize,
+        max_distance: f64,
+        seen: Sight,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let (worlds, seen) = (rows(&worlds)?, queries::seen(seen)?);
+        let points = queries::vectors(slice(&points)?);
+        let found = self.with(
+            py,
+            |s| each!(s, read, s => s.nearest_in_worlds(&worlds, &points, count, max_distance, &seen)),
+        )?;
+        let padded = |hits: &Vec<_>| Vec::from_iter((0..count).map(|i| hits.get(i).copied()));
+        queries::rows(py, &Vec::from_iter(found.iter().flat_map(padded)))
+    }
+    /// The nearest points of all shapes within a distance of points, the same number of points in each of some worlds: arrays
+    /// with a row for each shape, and that of its point.
+    fn closest_points<'py>(
+        &self,
+        py: Python<'py>,
+        worlds: PyReadonlyArray1<'_, i64>,
+        points: PyReadonlyArray2<'_, f64>,
+        max_distance: f64,
+        seen: Sight,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let (worlds, seen) = (rows(&worlds)?, queries::seen(seen)?);
+        let points = queries::vectors(slice(&points)?);
+        let found = self.with(
+            py,
+            |s| each!(s, read, s => s.closest_points_in_worlds(&worlds, &points, max_distance, &seen)),
+        )?;
+        queries::listed(py, &found)
+    }
+    /// The shapes that a shape overlaps in some places, the same number of places in each of some worlds: arrays with a row
+    /// for each shape, and that of its place.
+    fn overlaps<'py>(
+        &self,
+        py: Python<'py>,
+        worlds: PyReadonlyArray1<'_, i64>,
+        geometry: Geometry,
+        positions: PyReadonlyArray2<'_, f64>,
+        orientations: PyReadonlyArray2<'_, f64>,
+        seen: Sight,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let (worlds, seen) = (rows(&worlds)?, queries::seen(seen)?);
+        let poses = queries::poses(slice(&positions)?, slice(&orientations)?).into_iter();
+        let geometry = &geometry.0;
+        let shapes = Vec::from_iter(poses.map(|pose| PlacedShape { geometry, pose }));
+        let found = self.with(
+            py,
+            |s| each!(s, read, s => s.overlaps_in_worlds(&worlds, &shapes, &seen)),
+        )?;
+        queries::listed(py, &found)
     }
 
     /// A parameter of some worlds, shape (worlds, rows · numbers).

@@ -164,9 +164,9 @@ impl View<'_> {
 fn check(points: &[DVec3], within: f64) -> Result<(), SimulationError> {
     if within.is_nan() || within < 0.0 {
         return Err(SimulationError::Setting {
-            what: "largest distance",
+            what: "largest distance".into(),
             value: within.to_string(),
-            remedy: "0 or more, in metres",
+            remedy: "0 or more, in metres".into(),
         });
     }
     let mut points = points.iter().enumerate();
@@ -242,9 +242,9 @@ impl<T: Float> Simulation<T> {
         check(points, within)?;
         if k == 0 {
             return Err(SimulationError::Setting {
-                what: "number of nearest shapes",
+                what: "number of nearest shapes".into(),
                 value: k.to_string(),
-                remedy: "1 or more",
+                remedy: "1 or more".into(),
             });
         }
         self.ask("points", (worlds, points, seen), |view, point| {
