@@ -79,6 +79,8 @@ pub enum Group {
     Robots,
     /// Heaps of free bodies, beside Rapier.
     Piles,
+    /// Rays, swept shapes and neighbours, beside parry3d and rstar.
+    Queries,
     /// Cameras, on the CPU and, where there is one, on a graphics card.
     Cameras,
     /// The page in Chromium, drawing in software.
@@ -88,9 +90,10 @@ pub enum Group {
 }
 
 impl Group {
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Robots,
         Self::Piles,
+        Self::Queries,
         Self::Cameras,
         Self::Page,
         Self::Python,
@@ -101,6 +104,7 @@ impl Group {
         match self {
             Self::Robots => "robots",
             Self::Piles => "piles",
+            Self::Queries => "queries",
             Self::Cameras => "cameras",
             Self::Page => "page",
             Self::Python => "python",
@@ -120,6 +124,7 @@ pub fn run(workshop: &Workshop, groups: &[Group], repetitions: usize) -> Result<
         let tables = match group {
             Group::Robots => robots(workshop, repetitions)?,
             Group::Piles => format!("{}\n{}", machine(workshop)?, piles(workshop)?),
+            Group::Queries => format!("{}\n{}\n", machine(workshop)?, queries(workshop)?),
             Group::Cameras => format!("{}\n{}\n", machine(workshop)?, cameras(workshop)?),
             Group::Page => format!("{}\n{}\n", machine(workshop)?, page(workshop)?),
             Group::Python => format!("{}\n{}\n", machine(workshop)?, python(workshop)?),
@@ -301,6 +306,19 @@ fn piles(workshop: &Workshop) -> Result<String> {
     .env("RUSTFLAGS", PEER_FLAGS)
     .read()?;
     Ok(format!("{table}\n"))
+}
+
+/// The tables of shapes in simulations, and of boxes in every structure; peers are compiled as well as what they are
+/// measured against.
+fn queries(workshop: &Workshop) -> Result<String> {
+    let sh = &workshop.sh;
+    let shapes = cmd!(
+        sh,
+        "cargo bench --quiet --package kinetarium --bench queries"
+    )
+    .read()?;
+    let boxes = cmd!(sh, "cargo bench --quiet --package kinetarium-space").read()?;
+    Ok(format!("{shapes}\n\n{boxes}"))
 }
 
 /// The table of cameras; compiled as the program is.

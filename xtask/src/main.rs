@@ -21,7 +21,7 @@ const HELP: &str = "\
 Usage: cargo xtask COMMAND
 
   test [--list] [STAGE…]   install what is missing, then run every stage (or only those named)
-  bench [robots|piles|cameras|page|python] [--repetitions N]
+  bench [robots|piles|queries|cameras|page|python] [--repetitions N]
                            measure robots beside MuJoCo, piles beside Rapier, cameras, the page, and Python, or one
                            of them, and rewrite the tables in BENCHMARKS.md
   gpu-bench [--device gpu|gpu:NAME|cuda|cuda:NUMBER] [--most WORLDS]

@@ -1,6 +1,6 @@
 //! Whichever structure suits.
 //!
-//! Measured over 10² … 10⁶ objects (BENCH.md), the hierarchy is the fastest at
+//! Measured over 10² … 10⁶ objects (BENCHMARKS.md), the hierarchy is the fastest at
 //! every query, and at pairs after motions shorter than the objects. Its one
 //! weakness is its build. So where most objects jump at each update, sweep and
 //! prune is taken for few objects, and the grid for many, if they are of like

@@ -2,7 +2,7 @@
 //!
 //! A [`Space`] holds one [`Aabb`] per object and a [`Structure`] that finds
 //! candidates among them. All structures answer alike, to the last bit; they
-//! differ in speed, as BENCH.md shows.
+//! differ in speed, as BENCHMARKS.md shows.
 //!
 //! | structure | for |
 //! |---|---|

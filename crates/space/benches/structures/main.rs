@@ -2,7 +2,7 @@
 //!
 //! `cargo bench -p kinetarium-space` runs all; `-- 4 bvh` stops at 10⁴ objects and
 //! takes structures with `bvh` in their name only.
-//! Each figure is the lower quartile of its repetitions; answers are counted, and must agree.
+//! Each figure is the median of its repetitions; answers are counted, and must agree.
 
 mod measure;
 mod peers;

@@ -1,6 +1,6 @@
 //! Many worlds of the same objects: lanes beside one hierarchy a world.
 
-use crate::measure::{figure, quartile};
+use crate::measure::{figure, median};
 use crate::scene::{Kind, Scene};
 use kinetarium_space::{Aabb, Bvh, Cast, Space, Worlds};
 use numbers::dispatch::Isa;
@@ -58,7 +58,7 @@ pub fn run() {
 
 fn print(name: &str, pairs: &mut dyn FnMut() -> usize, rays: &mut dyn FnMut() -> usize) {
     let time = |work: &mut dyn FnMut() -> usize| {
-        let took = quartile(&mut || Some(work())).map(|(time, _)| time);
+        let took = median(&mut || Some(work())).map(|(time, _)| time);
         figure(took.map(|t| 1e6 * t.as_secs_f64() / WORLDS as f64))
     };
     println!("| {name} | {} | {} |", time(pairs), time(rays));
