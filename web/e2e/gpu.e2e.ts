@@ -47,7 +47,7 @@ test("a card steps as the processor does", async () => {
   expect(distance(end, await pendula(101))).toBeLessThan(1e-3);
   expect(distance(end, start)).toBeGreaterThan(0.1);
   expect(await card()).toContain("swiftshader");
-  expect(await page.locator(".facts").textContent()).toContain("swiftshader");
+  expect(await page.locator(".guide .facts").textContent()).toContain("swiftshader");
 });
 
 /** A box that falls onto the ground, askew. */

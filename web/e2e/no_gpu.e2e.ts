@@ -15,5 +15,5 @@ test("without a card the page runs in WebAssembly, and says so", async ({ skip }
   expect(await gravity.inputValue()).toBe("1.62");
   await step(10);
   expect(await page.evaluate(() => window.kinetarium.status?.card)).toBe(null);
-  expect(await page.locator(".facts").textContent()).toContain("processor");
+  expect(await page.locator(".guide .facts").textContent()).toContain("processor");
 });

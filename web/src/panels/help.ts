@@ -37,7 +37,7 @@ export function helpDialog(shortcuts: Shortcuts): HTMLDialogElement {
       h("header", {}, h("h2", {}, "Keys and mouse"), h("button", { "aria-label": "Close" }, "×")),
       h("div", { class: "columns" }, table("Keys", keys), table("Mouse and touch", POINTER)),
       anywhere.element,
-      h("p", { class: "note" }, "Otherwise they do so only while the picture has the focus."),
+      h("p", { class: "muted" }, "Otherwise they do so only while the picture has the focus."),
     ),
   );
   dialog.addEventListener("click", (event) => {
