@@ -227,8 +227,8 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
 
   private canBe(drive: Drive): boolean {
     if (drive.type === "joint") return (drive.stiffness ?? 0) >= 0 && (drive.damping ?? 0) >= 0;
-    const range = this.scene?.actuators[drive.actuator]?.range;
-    return !range || (drive.value >= range[0] && drive.value <= range[1]);
+    const slider = this.scene?.actuators[drive.actuator]?.slider;
+    return !slider?.strict || (drive.value >= slider.min && drive.value <= slider.max);
   }
 
   private dof(wanted: number): Dof | undefined {

@@ -9,7 +9,7 @@ use model::Shape;
 use parry3d::math::{Pose as ParryPose, Rotation, Vector};
 use parry3d::partitioning::{Bvh, BvhBuildStrategy};
 use parry3d::query::{self, ShapeCastOptions};
-use parry3d::shape::{Compound, Shape as _, SharedShape};
+use parry3d::shape::{Compound, SharedShape};
 use std::time::{Duration, Instant};
 
 /// Questions of each kind.

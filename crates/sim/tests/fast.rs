@@ -272,7 +272,7 @@ fn bullets_stop_at_plates_that_move() {
     for solver in SOLVERS {
         for hinged in [false, true] {
             for (name, solid) in solids(0.01) {
-                let mut simulation = simulation(plate_scene(&solid, hinged), solver, 0.002);
+                let mut simulation = simulation(plate_scene(&solid, hinged), solver, 16, 0.002);
                 for world in 0..16 {
                     let turn =
                         DQuat::from_rotation_y(0.3) * DQuat::from_rotation_z(0.4 * world as f64);

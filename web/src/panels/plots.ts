@@ -162,9 +162,9 @@ export class Plots {
       "aria-label": "Find a quantity",
     });
     this.boxes = quantities.map((quantity, row) => {
-      const { label } = quantity;
       const { unit } = shownIn(quantity.unit);
-      return new Checkbox(unit ? `${label} [${unit}]` : label, "", (on) => this.choose(row, on));
+      const label = unit ? `${quantity.label} [${unit}]` : quantity.label;
+      return new Checkbox(label, "", (on) => this.choose(row, on));
     });
     const sections = [...groups].map(([group, rows]) => {
       const items = rows.map((row) => this.boxes[row].element);
