@@ -159,10 +159,10 @@ fn solids_that_nearly_touch_are_apart_by_what_is_left() {
             let shapes = [0, 1].map(|i| geometry(&pair.solids[i]));
             let at = |pair: &Pair, i: usize| Convex::new(&shapes[i], pose(pair.poses[i])).unwrap();
             // Apart first; then along the way to where a millionth and less is left.
-            pair.poses[1].p = pair.poses[1].p + unit(&mut rng) * (2.0 * pair.scale());
+            pair.poses[1].p += unit(&mut rng) * (2.0 * pair.scale());
             let way = separation(isa, &at(&pair, 0), &at(&pair, 1)).unwrap();
             let left = 10f64.powf(-3.0 - 6.0 * rng.f64());
-            pair.poses[1].p = pair.poses[1].p - to(way.normal) * (way.distance - left);
+            pair.poses[1].p -= to(way.normal) * (way.distance - left);
             let near = separation(isa, &at(&pair, 0), &at(&pair, 1)).unwrap();
             assert!(
                 (near.distance - left).abs() < 1e-8 * pair.scale(),

@@ -77,6 +77,7 @@ pub struct Material(pub model::Material);
 #[pymethods]
 impl Material {
     #[new]
+    #[expect(clippy::too_many_arguments, reason = "keywords in Python")]
     #[pyo3(signature = (friction=0.5, *, static_friction=None, torsional_friction=0.0, rolling_friction=0.0,
         restitution=0.0, softness=None, margin=0.0, combine="average"))]
     fn new(

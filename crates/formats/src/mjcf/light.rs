@@ -41,9 +41,9 @@ pub(super) fn read(
 
 /// Makes the light that is parallel the sun, if there is one only, and notes what is not read.
 pub(super) fn finish(tree: &mut Tree, report: &mut Report) {
-    let suns = tree.lights.iter().filter_map(|light| light.to_sun);
-    let one = suns.clone().count() == 1;
-    tree.parts.sun = suns.last().filter(|_| one);
+    let mut suns = tree.lights.iter().filter_map(|light| light.to_sun);
+    tree.parts.sun = suns.next().filter(|_| suns.next().is_none());
+    let one = tree.parts.sun.is_some();
     for Light { element, to_sun } in &tree.lights {
         if one && to_sun.is_some() {
             report.note(element, "the sun", "only its direction is read");
