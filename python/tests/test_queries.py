@@ -12,8 +12,8 @@ BALL = Geometry.sphere(0.5)
 
 @pytest.fixture
 def sim():
-    """A ball on a slider along y, in five worlds, above a floor; world k has it at 2 + k / 10 m. The ball is shape 0, the
-    floor 1, and a box beside it 2: shapes of bodies come first."""
+    """A ball on a slider along y, in five worlds, above a floor; world k has it at 2 + k / 10 m. The ball is shape 0,
+    the floor 1, and a box beside it 2: shapes of bodies come first."""
     world = kn.Builder("balls")
     things = world.object("things")
     things.scenery(Shape(Geometry.plane()))

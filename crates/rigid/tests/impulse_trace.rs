@@ -49,6 +49,7 @@ kernels! {
     WarmJoint(k) = joint::warm_start(k, &JointTables::new());
     PushJoint(k) = joint::solve(k, &JointTables::new(), M::R::one());
     RelaxJoint(k) = joint::solve(k, &JointTables::new(), M::R::zero());
+    StrikeJoint(k) = joint::strike(k, &JointTables::new());
 }
 
 /// The memories of one lane, full of numbers of any kind.
@@ -157,4 +158,5 @@ fn kernels_of_joints_record_well() {
     records_well_in(&WarmJoint, Lane::joint, 0..=0);
     records_well_in(&PushJoint, Lane::joint, 0..=3);
     records_well_in(&RelaxJoint, Lane::joint, 0..=0);
+    records_well_in(&StrikeJoint, Lane::joint, 0..=0);
 }

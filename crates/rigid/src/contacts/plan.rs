@@ -99,6 +99,15 @@ impl ContactPlan {
         self.pairs.iter().any(thin)
     }
 
+    /// Whether things may touch that no joints hold together.
+    pub(crate) fn has_strangers(&self) -> bool {
+        let strangers = |pair: &Pair| {
+            let [a, b] = pair.rows.map(|row| self.sights[row].seat.group);
+            pair.list() == found::BETWEEN && a != b
+        };
+        self.pairs.iter().any(strangers)
+    }
+
     /// Whether any surfaces that press resist twisting or rolling on each other.
     pub(crate) fn grips(&self, model: &Model) -> bool {
         self.any_surface(model, |surface| {

@@ -252,7 +252,8 @@ pub(crate) fn way_through([a, b]: [Thin; 2]) -> f64 {
 /// The approach [m/s] that a spring k with a damper d stops on a `way` [m] where it moves a mass m. It lets in by v / ω,
 /// where ω² = k / m; with a damping ratio ζ = d / (2 m ω) of 1 and more, by v / (e ω) at most.
 fn fastest(way: f64, [stiffness, damping, mass]: [f64; 3]) -> f64 {
-    let damped = damping.powi(2) >= 4.0 * stiffness * mass;
+    let critical = 4.0 * stiffness * mass;
+    let damped = damping.powi(2) > critical * (1.0 - 1e-9);
     let share = if damped { std::f64::consts::E } else { 1.0 };
     (way * share * (stiffness / mass).sqrt()).min(UNBOUNDED)
 }

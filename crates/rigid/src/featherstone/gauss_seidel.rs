@@ -78,7 +78,9 @@ pub(crate) fn begin<M: Machine>(k: &mut M, t: &Tables) {
     coupling::press(k, t);
     for place in between(k, t) {
         let s = t.contacts.found.row(k, place);
-        center(k, t, s);
+        if t.strangers {
+            center(k, t, s);
+        }
         let (f, same) = (kept(k, t, s), same(k, t, s));
         press(k, t, s, f, same);
     }

@@ -242,6 +242,8 @@ pub struct Tables {
     pub(crate) contacts: ContactTables,
     /// Whether anything that does not move could be got through.
     pub(crate) thin: bool,
+    /// Whether things may touch that no joints hold together.
+    pub(crate) strangers: bool,
     /// Passes over the contacts.
     pub(crate) passes: usize,
     /// Passes of projected Gauss–Seidel.
@@ -933,6 +935,7 @@ impl Tables {
             bodies,
             contacts,
             thin: plan.has_thin(model),
+            strangers: plan.has_strangers(),
             passes: if contacts.sensed > 0 {
                 settings.contact_passes
             } else {

@@ -142,6 +142,7 @@ pub(super) enum JointStage {
     Measure,
     WarmStart,
     Solve { pushing: bool },
+    Strike,
 }
 
 /// Joints in lanes.
@@ -177,6 +178,7 @@ joint_work! {
     Measure(k, t, _pushing) = joint::measure(k, t), false;
     WarmStart(k, t, _pushing) = joint::warm_start(k, t), false;
     Solve(k, t, pushing) = joint::solve(k, t, pushing), false;
+    Strike(k, t, _pushing) = joint::strike(k, t), false;
 }
 
 impl<T: Float> Job for Joints<'_, '_, T> {
@@ -190,6 +192,7 @@ impl<T: Float> Job for Joints<'_, '_, T> {
             JointStage::Measure => self.work::<R, Measure>(false),
             JointStage::WarmStart => self.work::<R, WarmStart>(false),
             JointStage::Solve { pushing } => self.work::<R, Solve>(pushing),
+            JointStage::Strike => self.work::<R, Strike>(false),
         }
     }
 }

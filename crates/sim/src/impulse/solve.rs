@@ -246,7 +246,7 @@ impl<T: Float> Solver<'_, T> {
                 return;
             }
             for colour in &shares.joints {
-                let stage = JointStage::Solve { pushing: false };
+                let stage = JointStage::Strike;
                 member.stage(colour, |batches| self.joints(scene, batches, stage));
             }
         }

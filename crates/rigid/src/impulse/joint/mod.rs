@@ -532,6 +532,18 @@ pub fn solve<M: Machine>(k: &mut M, t: &JointTables, pushing: M::R) {
     pair.store(k, t);
 }
 
+/// Hands a blow on: a relaxation whose impulse is counted, but not given again.
+#[inline(always)]
+pub fn strike<M: Machine>(k: &mut M, t: &JointTables) {
+    let rows = Rows::load(k, t);
+    let mut pair = Pair::load(k, t);
+    let had = pair.given.get();
+    hold(k, t, &rows, &mut pair, M::R::zero());
+    count(k, t, pair.given.get(), had);
+    pair.given.set(had);
+    pair.store(k, t);
+}
+
 /// Adds to what the step has given what this relaxation made of what was there: nothing where it is the first of a
 /// small step.
 #[inline(always)]
