@@ -559,6 +559,6 @@ const GOLDEN_HEAP: [[u64; 2]; 3] = [
 /// For the humanoid that struggles on the ground, by `featherstone` and by `xpbd`, f32 and f64.
 #[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 const GOLDEN_HUMANOID: [[u64; 2]; 2] = [
-    [0xefc1_74d0_d350_fa4f, 0x4947_29a1_705f_e6d9],
-    [0x89fe_2397_dc0b_0ceb, 0x3832_fa0f_b0d8_c3de],
+    [0x9824_f448_f94e_4d7e, 0xd968_275a_267e_860b],
+    [0xe2fa_c829_35f3_ec56, 0x647c_d1cb_6568_f9a4],
 ];
