@@ -32,6 +32,7 @@ __all__ = [
     "Replica",
     "SensorArray",
     "Shape",
+    "ShapeHandle",
     "Softness",
     "View",
     "Viewer",

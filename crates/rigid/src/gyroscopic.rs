@@ -63,11 +63,10 @@ fn half_of<R: Real>(h: R, spin: Vec3<R>) -> R {
 /// tan(x) / x of x², for x up to 0.8 within 1 %, and for x up to 0.25 within 1e-6.
 #[inline(always)]
 fn tan_ratio<R: Real>(x2: R) -> R {
-    let series = [17.0 / 315.0, 2.0 / 15.0, 1.0 / 3.0, 1.0].map(R::lit);
-    series[0]
-        .fma(x2, series[1])
-        .fma(x2, series[2])
-        .fma(x2, series[3])
+    R::lit(17.0 / 315.0)
+        .fma(x2, R::lit(2.0 / 15.0))
+        .fma(x2, R::lit(1.0 / 3.0))
+        .fma(x2, R::one())
 }
 
 /// Only ratios of moments count; so small ones lose nothing.

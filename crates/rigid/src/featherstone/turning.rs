@@ -83,8 +83,12 @@ pub(crate) fn approach<M: Machine>(
     let bias = k.spatial(t.frame, node, frame::BIAS).angular;
     k.store_vec3(t.turn, s, turn::SPIN_0, bias.fma(h, spin));
     k.write(t.turn, s, turn::TORQUE, [M::R::zero(); 5]);
-    let kept: [M::R; 2] = k.read(t.turning, s, 0);
-    let kept = kept.map(|c| M::R::select(known, c, M::R::zero()));
+    let zero = M::R::zero();
+    let [about, across] = k.read(t.turning, s, 0);
+    let kept = [
+        M::R::select(known, about, zero),
+        M::R::select(known, across, zero),
+    ];
     press(k, t, s, on, kept);
 }
 
@@ -231,9 +235,12 @@ pub(crate) fn keep<M: Machine>(k: &mut M, t: &Tables, s: M::I, pressed: <M::R as
     let zero = M::R::zero();
     let torque = k.vec3(t.turn, s, turn::TORQUE);
     k.store_vec3(t.gripped, s, 0, torque);
-    let impedance: [M::R; 2] = k.read(t.turn, s, turn::IMPEDANCE);
-    let [about, across] = impedance.map(|c| M::R::select(pressed, c, zero));
-    k.write(t.turning, s, 0, [about, across]);
+    let [about, across] = k.read(t.turn, s, turn::IMPEDANCE);
+    let impedance = [
+        M::R::select(pressed, about, zero),
+        M::R::select(pressed, across, zero),
+    ];
+    k.write(t.turning, s, 0, impedance);
 }
 
 /// Takes the torque of the last step for the one that acts now.
