@@ -71,7 +71,8 @@ class Contacts:
         along = (self.shapes == [first, second]).all(axis=1).astype(float)
         against = (self.shapes == [second, first]).all(axis=1)
         torque = self.torque + np.cross(self.position, self.force)
-        return (along - against) @ np.hstack([self.force, torque])
+        wrench: np.ndarray = (along - against) @ np.hstack([self.force, torque])
+        return wrench
 
 
 @dataclass(frozen=True, eq=False)
@@ -525,7 +526,8 @@ class Simulation(Strict):
         rows, k = self._rows(worlds), whole("k", k, 1)
         asked = Queries.of(rows, worlds, points=(points, 3))
         sight = (seen or Seen())._of(self.model)
-        return asked.hits(self._engine.nearest(rows, *asked.arrays, k, max_distance, sight), k)
+        (places,) = asked.arrays
+        return asked.hits(self._engine.nearest(rows, places, k, max_distance, sight), k)
 
     def closest_points(
         self,
@@ -540,7 +542,8 @@ class Simulation(Strict):
         rows = self._rows(worlds)
         asked = Queries.of(rows, worlds, points=(points, 3))
         sight = (seen or Seen())._of(self.model)
-        return asked.near(self._engine.closest_points(rows, *asked.arrays, max_distance, sight), rows)
+        (places,) = asked.arrays
+        return asked.near(self._engine.closest_points(rows, places, max_distance, sight), rows)
 
     def overlaps(
         self,
@@ -559,7 +562,8 @@ class Simulation(Strict):
         rows = self._rows(worlds)
         asked = Queries.of(rows, worlds, positions=(positions, 3), orientations=(orientations, 4))
         sight = (seen or Seen())._of(self.model)
-        return asked.near(self._engine.overlaps(rows, geometry, *asked.arrays, sight), rows)
+        starts, turns = asked.arrays
+        return asked.near(self._engine.overlaps(rows, geometry, starts, turns, sight), rows)
 
     def linearize(self, world: int = 0) -> Linearization:
         """A time step linearised about the state of a world: exact derivatives of the solver's own step in float64,
