@@ -9,7 +9,7 @@
 //! [`dynamics`] are the same kernels as functions: mass matrix, inverse dynamics, Jacobians.
 //!
 //! Limitations: the gyroscopic torque is that of the step's beginning, but of bodies that float freely with
-//! semi-implicit Euler ([`crate::gyroscopic`]); closed loops and
+//! semi-implicit Euler (`rigid/src/gyroscopic.rs`); closed loops and
 //! couplings with semi-implicit Euler only, in time that grows with the cube of the rows that they lock (nets: use
 //! `xpbd`); joints of the tree do not give way; joint limits are springs; a motor
 //! torque larger than its drive's effort limit is cut, not refused. Contacts have no

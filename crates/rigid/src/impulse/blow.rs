@@ -15,7 +15,7 @@
 //! s = Σ λ (w + v') / λᵀA λ     ΔE = ½ s² λᵀA λ − s Σ λ w = −½ s Σ λ (w − v') ≤ 0
 //! ```
 //!
-//! A blow comes before its time, at the gap C ([`restitution`](crate::restitution)): v' ≤ w is e w for what is at the
+//! A blow comes before its time, at the gap C (`restitution`): v' ≤ w is e w for what is at the
 //! surface and does not accelerate. Friction follows from the blow's own impulse, within its own cone.
 //!
 //! Bodies that are struck at once by several contacts take the blows in the order of colours, which is the same

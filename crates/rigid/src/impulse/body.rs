@@ -1,7 +1,7 @@
 //! A body between contacts: forces, motion within a step, and the step's end.
 //!
 //! Gyroscopic torque acts as an acceleration α for the length H = n h of the step, which turns a free body by
-//! exp(H w) with the [mean spin](mean_turn) w; then the spin is set to what the angular momentum L, and
+//! exp(H w) with the mean spin w (`gyroscopic`); then the spin is set to what the angular momentum L, and
 //! the impulses that changed it, make of the new orientation q':
 //!
 //! ```text
