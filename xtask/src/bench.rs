@@ -194,17 +194,19 @@ fn machine(workshop: &Workshop) -> Result<String> {
     let rustc = cmd!(sh, "rustc --version").quiet().read()?;
     let cpuinfo = sh.read_file("/proc/cpuinfo").unwrap_or_default();
     let value = |key: &str| {
-        let line = cpuinfo.lines().find(|line| line.starts_with(key));
-        line.and_then(|line| line.split_once(": "))
-            .map_or("", |(_, value)| value)
+        let fields = cpuinfo.lines().filter_map(|line| line.split_once(": "));
+        let mut named = fields.filter(|(name, _)| name.trim_end() == key);
+        named.next().map_or("", |(_, value)| value)
     };
     let lanes =
         ["avx512f", "avx2", "fma"].map(|flag| value("flags").contains(flag).then_some(flag));
     let lanes: Vec<&str> = lanes.into_iter().flatten().collect();
     let cores = std::thread::available_parallelism()?;
     Ok(format!(
-        "Machine: {} ({cores} cores; {}). {rustc}.\n",
+        "Machine: {} (family {}, model {}; {cores} cores; {}). {rustc}.\n",
         value("model name"),
+        value("cpu family"),
+        value("model"),
         lanes.join(", ")
     ))
 }

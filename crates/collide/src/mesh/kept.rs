@@ -4,7 +4,7 @@
 //! which span what it rests on, and stay the same while it rests; and the deepest.
 
 use super::piece::is_turned;
-use super::tables::{BEHIND, CORNERS, MeshTables, NUMBERS, SLOTS, contact};
+use super::tables::{BEHIND, CORNERS, MeshTables, NUMBERS, SLOTS, contact, search};
 use crate::{FAR, Manifold, Placed};
 use numbers::{Cell, Machine, Real, Vec3};
 
@@ -15,12 +15,22 @@ const DEPTH: f64 = 4.0;
 const PREFERRED: f64 = 1e-4;
 /// Contacts closer than this, against the solid's size, with one normal, are one.
 const MERGED: f64 = 1e-3;
+/// By how much deeper than the least deep a contact has to be, against the solid's size, to be doubted.
+const DOUBTED: f64 = 0.01;
 
-/// Nothing is found yet.
+/// Nothing is known yet.
+#[inline(always)]
+pub(super) fn forget<M: Machine>(k: &mut M, meshes: &MeshTables) {
+    let first = k.index(0);
+    k.store(meshes.search, first, search::GAP, M::R::lit(-FAR));
+    k.store(meshes.search, first, search::AGAIN, M::R::zero());
+}
+
+/// Nothing is found yet in this round.
 #[inline(always)]
 pub(super) fn begin<M: Machine>(k: &mut M, meshes: &MeshTables) {
     let first = k.index(0);
-    k.store(meshes.pierced, first, 0, M::R::zero());
+    k.store(meshes.search, first, search::PIERCED, M::R::zero());
     for slot in k.count(SLOTS + 1) {
         let mut unused = [M::R::zero(); contact::WIDTH];
         unused[contact::DISTANCE] = M::R::lit(FAR);
@@ -70,6 +80,41 @@ pub(super) fn keep<M: Machine>(
     }
 }
 
+/// Remembers the normal of a contact with a triangle that the core overlaps, if it is the least deep.
+#[inline(always)]
+pub(super) fn remember<M: Machine>(
+    k: &mut M,
+    meshes: &MeshTables,
+    n: Vec3<M::R>,
+    gap: M::R,
+    mask: <M::R as Real>::Mask,
+) {
+    let first = k.index(0);
+    let least = mask & gap.gt(k.load(meshes.search, first, search::GAP));
+    for (field, x) in [n.x, n.y, n.z, gap].into_iter().enumerate() {
+        k.store_where(least, meshes.search, first, search::NORMAL + field, x);
+    }
+}
+
+/// Whether no contact is to be doubted; where one is, the next round does.
+///
+/// A triangle alone may be left in several ways, and the one that lies nearest to its own normal may be far deeper than
+/// what frees the solid of it and of its neighbours, too: the contact of one of these tells that.
+#[inline(always)]
+pub(super) fn review<M: Machine>(
+    k: &mut M,
+    meshes: &MeshTables,
+    whole: &Placed<M::R>,
+) -> <M::R as Real>::Mask {
+    let (first, deepest) = (k.index(0), k.index(CORNERS));
+    let least = k.load(meshes.search, first, search::GAP);
+    let most = k.load(meshes.contacts, deepest, contact::DISTANCE);
+    let doubted = most.lt(whole.size.length().fma(M::R::lit(-DOUBTED), least));
+    let again = M::R::select(doubted, M::R::one(), M::R::zero());
+    k.store(meshes.search, first, search::AGAIN, again);
+    !doubted
+}
+
 /// `x` or `−x`.
 #[inline(always)]
 fn toward<R: Real>(x: R, side: usize) -> R {
@@ -110,7 +155,8 @@ fn complete<M: Machine>(k: &mut M, meshes: &MeshTables, close: M::R) {
     let (least, distance) = (least.read(), contact::DISTANCE);
     let as_deep = (least - close).lt(k.load(meshes.contacts, deepest, distance));
     k.store_where(as_deep, meshes.contacts, deepest, distance, M::R::lit(FAR));
-    let pierced = k.load(meshes.pierced, first, 0).gt(M::R::zero());
+    let pierced = k.load(meshes.search, first, search::PIERCED);
+    let pierced = pierced.gt(M::R::zero());
     let none = least.gt(M::R::lit(0.5 * FAR)) & pierced;
     if let Some(_branch) = k.if_any(none) {
         let contact: [M::R; contact::SCORE] = k.read(meshes.contacts, behind, 0);

@@ -4,12 +4,15 @@
 //! out where no lane's piece is near ([`hierarchy`](super::hierarchy)), lead to the triangles that
 //! a piece may touch.
 
-use super::kept::{begin, finish};
+use super::kept::{begin, finish, forget, review};
 use super::piece::{Piece, triangle};
 use super::tables::{BOUNDS, MeshTables};
 use crate::support::{radius, support};
 use crate::{Placed, Solid, Tables};
 use numbers::{Machine, Mat3, Real, Vec3};
+
+/// Rounds through all triangles, the second where the first has found a contact to be doubted.
+const ROUNDS: usize = 2;
 
 /// A mesh, placed in the world.
 #[derive(Debug)]
@@ -42,7 +45,6 @@ pub fn mesh_convex<M: Machine>(
     mesh: &Surface<M>,
     margin: M::R,
 ) {
-    begin(k, meshes);
     let placed = seen(&mesh.placed, &solid.placed);
     let piece = Piece {
         solid: Solid { placed, ..*solid },
@@ -51,16 +53,24 @@ pub fn mesh_convex<M: Machine>(
         face: None,
     };
     let bounds = around(k, tables, &piece.solid, margin);
-    for group in k.range(mesh.groups[0], mesh.groups[1]) {
-        let near = bounds.meet(k.read(meshes.groups, group, 0));
-        if let Some(_branch) = k.if_any(near) {
-            let [first, end] = k.link_row(meshes.group_rows, group);
-            for cluster in k.range(first, end) {
-                let near = bounds.meet(k.read(meshes.clusters, cluster, 0));
-                if let Some(_branch) = k.if_any(near) {
-                    triangles(k, tables, meshes, &piece, &bounds, cluster, margin);
+    forget(k, meshes);
+    for _ in k.count(ROUNDS) {
+        begin(k, meshes);
+        for group in k.range(mesh.groups[0], mesh.groups[1]) {
+            let near = bounds.meet(k.read(meshes.groups, group, 0));
+            if let Some(_branch) = k.if_any(near) {
+                let [first, end] = k.link_row(meshes.group_rows, group);
+                for cluster in k.range(first, end) {
+                    let near = bounds.meet(k.read(meshes.clusters, cluster, 0));
+                    if let Some(_branch) = k.if_any(near) {
+                        triangles(k, tables, meshes, &piece, &bounds, cluster, margin);
+                    }
                 }
             }
+        }
+        let sure = review(k, meshes, &placed);
+        if k.finished(sure) {
+            break;
         }
     }
     finish(k, meshes, &placed, &mesh.placed);
@@ -77,17 +87,24 @@ pub fn mesh_mesh<M: Machine>(
     b: &Surface<M>,
     margin: M::R,
 ) {
-    begin(k, meshes);
     let a_seen = seen(&b.placed, &a.placed);
-    for group in k.range(a.groups[0], a.groups[1]) {
-        let bounds = Bounds::seen(&a_seen, k.read(meshes.groups, group, 0), margin);
-        let clusters = k.link_row(meshes.group_rows, group);
-        for other in k.range(b.groups[0], b.groups[1]) {
-            let near = bounds.meet(k.read(meshes.groups, other, 0));
-            if let Some(_branch) = k.if_any(near) {
-                let others = k.link_row(meshes.group_rows, other);
-                meet_clusters(k, tables, meshes, &a_seen, clusters, others, margin);
+    forget(k, meshes);
+    for _ in k.count(ROUNDS) {
+        begin(k, meshes);
+        for group in k.range(a.groups[0], a.groups[1]) {
+            let bounds = Bounds::seen(&a_seen, k.read(meshes.groups, group, 0), margin);
+            let clusters = k.link_row(meshes.group_rows, group);
+            for other in k.range(b.groups[0], b.groups[1]) {
+                let near = bounds.meet(k.read(meshes.groups, other, 0));
+                if let Some(_branch) = k.if_any(near) {
+                    let others = k.link_row(meshes.group_rows, other);
+                    meet_clusters(k, tables, meshes, &a_seen, clusters, others, margin);
+                }
             }
+        }
+        let sure = review(k, meshes, &a_seen);
+        if k.finished(sure) {
+            break;
         }
     }
     finish(k, meshes, &a_seen, &b.placed);

@@ -9,8 +9,8 @@
 //! behind it, which tells from which side it comes and how deep it may lie. A normal that is not in the
 //! Voronoi region of that triangle, too, is left to its neighbours, so that inner faces are never felt.
 
-use super::kept::keep;
-use super::tables::{MeshTables, NUMBER, NUMBERS, TRIANGLE};
+use super::kept::{keep, remember};
+use super::tables::{MeshTables, NUMBER, NUMBERS, TRIANGLE, search};
 use crate::convex::{DEEP, Direction, ascend};
 use crate::gjk::Cores;
 use crate::overlap::{self, Witness};
@@ -18,7 +18,7 @@ use crate::solid::kind;
 use crate::support::radius;
 use crate::{Placed, Solid, Tables};
 use numbers::machine::Index;
-use numbers::{Machine, Mask, Mat3, Real, Vec3};
+use numbers::{Cell, Machine, Mask, Mat3, Real, Vec3};
 
 /// A point is on an edge that is closer than this, against the sizes.
 const ON_EDGE: f64 = 1e-3;
@@ -176,12 +176,13 @@ pub(super) fn triangle<M: Machine>(
         let turned = is_turned(n, found.n);
         let pierced = mask & found.gap.le(M::R::zero());
         let first = k.index(0);
-        k.store_where(pierced, meshes.pierced, first, 0, M::R::one());
+        k.store_where(pierced, meshes.search, first, search::PIERCED, M::R::one());
         // Apart like that, it touches others, unless it came through them to this one's back.
         let apart = deep & !pierced & turned;
         let behind = apart & found.n.dot(normal).gt(M::R::zero());
         let n = Vec3::select(behind, -normal, n);
         let mask = mask & piece.allows(k, tables, n, found.on_a, close);
+        let mask = mask & !is_freed(k, meshes, &cores, found.gap, close);
         if let Some(_branch) = k.if_any(mask) {
             let witness = Witness {
                 normal: n,
@@ -192,10 +193,32 @@ pub(super) fn triangle<M: Machine>(
             };
             let manifold = overlap::manifold(k, &cores, &witness);
             let number = piece.with_number(t[NUMBER]);
+            remember(k, meshes, n, witness.gap, mask & pierced & !turned);
             let masks = [mask & !apart, mask & behind];
             keep(k, meshes, piece.whole, &manifold, number, masks, margin);
         }
     }
+}
+
+/// Whether what frees the solid of another triangle frees it of this one, too, which is far deeper by itself.
+#[inline(always)]
+fn is_freed<M: Machine>(
+    k: &M,
+    meshes: &MeshTables,
+    cores: &Cores<'_, M>,
+    gap: M::R,
+    close: M::R,
+) -> <M::R as Real>::Mask {
+    let first = k.index(0);
+    let again = k.load(meshes.search, first, search::AGAIN);
+    let mut freed = k.cell(M::R::zero());
+    if let Some(_branch) = k.if_any(again.gt(M::R::zero())) {
+        let least = k.load(meshes.search, first, search::GAP);
+        let along = cores.gap(k, k.vec3(meshes.search, first, search::NORMAL));
+        let frees = gap.lt(least - close) & along.ge(least - close);
+        freed.write(M::R::select(frees, again, M::R::zero()));
+    }
+    freed.read().gt(M::R::zero())
 }
 
 /// Whether two unit vectors differ.

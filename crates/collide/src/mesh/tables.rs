@@ -34,6 +34,19 @@ pub mod contact {
     pub const WIDTH: usize = 9;
 }
 
+/// Fields of [`MeshTables::search`]: what is known of a solid on its mesh while its triangles are looked through.
+pub(super) mod search {
+    /// 1 where the solid's core overlaps a triangle.
+    pub const PIERCED: usize = 0;
+    /// Of the triangles that the core overlaps, and that have a contact, the normal of the least deep.
+    pub const NORMAL: usize = 1;
+    /// The gap along it [m].
+    pub const GAP: usize = 4;
+    /// 1 where all triangles are looked through once more, since another contact is far deeper.
+    pub const AGAIN: usize = 5;
+    pub const WIDTH: usize = 6;
+}
+
 /// Bounds: low, high.
 pub(super) const BOUNDS: usize = 6;
 /// A triangle: bounds, middle, normal, (out, lean) of three edges, number, cosine and sine of how far a
@@ -62,8 +75,7 @@ pub struct MeshTables {
     pub(super) triangle_rows: Links<2>,
     /// The contacts last found, [`SLOTS`] rows; see [`contact`].
     pub contacts: Table<Scratch, { contact::WIDTH }>,
-    /// 1 where the solid's core overlaps a triangle.
-    pub(super) pierced: Table<Scratch>,
+    pub(super) search: Table<Scratch, { search::WIDTH }>,
 }
 
 /// A triangle of a mesh as the kernels read it.
@@ -223,7 +235,7 @@ impl MeshData {
             cluster_rows: Links::place(links, self.clusters.len()),
             triangle_rows: Links::place(links, self.triangles.len()),
             contacts: Table::place(scratch, kept * (SLOTS + 1)),
-            pierced: Table::place(scratch, kept),
+            search: Table::place(scratch, kept),
         }
     }
 
