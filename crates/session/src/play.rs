@@ -105,12 +105,18 @@ impl Play {
         };
         play.simulated(card)
     }
+    /// A model that is no example, under a name that none has.
     pub fn of_model<T: Float>(
         stage: Stage,
+        physics: &Values,
         card: &Card<T>,
     ) -> Result<(Self, Simulation<T>), SessionError> {
-        let physics = Physics::new(&stage, card);
-        Self::new(Origin::File, stage, physics).simulated(card)
+        let physics = Physics::new(&stage, card).with(physics)?;
+        let mut play = Self::new(Origin::File, stage, physics);
+        if Example::find(&play.name).is_ok() {
+            play.name.insert_str(0, "own_");
+        }
+        play.simulated(card)
     }
     /// A robot file, without the files that it may name.
     pub fn of_file<T: Float>(
@@ -124,8 +130,7 @@ impl Play {
         };
         let read = formats::parse(text, name, &Alone, &options);
         let Loaded { model, warnings } = read.map_err(Box::new)?;
-        let (mut play, simulation) = Self::of_model(Stage::new(model), card)?;
-        // Not the model's, which an example may have, too.
+        let (mut play, simulation) = Self::of_model(Stage::new(model), &Values::new(), card)?;
         play.name = name.into();
         let lines = warnings.iter().map(|warning| format!("\n{warning}"));
         if !warnings.is_empty() {

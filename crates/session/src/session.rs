@@ -68,12 +68,13 @@ impl Session {
         let play = Play::of_example(example, example.form(), &Values::new(), &Card::Unasked)?;
         Ok(Self::own(play, clock))
     }
-    /// A stage of one's own, stopped. `clock` tells seconds.
+    /// A stage of one's own, stopped, to which pages can return from the examples. `clock` tells seconds.
     ///
     /// # Errors
     /// A stage that no simulation takes.
     pub fn of(stage: Stage, clock: fn() -> f64) -> Result<Self, SessionError> {
-        Ok(Self::own(Play::of_model(stage, &Card::Unasked)?, clock))
+        let play = Play::of_model(stage, &Values::new(), &Card::Unasked)?;
+        Ok(Self::own(play, clock))
     }
     /// The same, whose pages may have it run on this graphics card, or are told why there is none. Without, they
     /// are not asked.

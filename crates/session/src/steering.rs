@@ -3,14 +3,16 @@
 use crate::batch::Batch;
 use crate::card::Card;
 use crate::error::{SessionError, count, row, within};
+use crate::form::Form;
 use crate::frame::Frame;
 use crate::gallery::{EXAMPLES, Example};
 use crate::hands::{Hands, Subject};
 use crate::physics::Physics;
 use crate::play::{Numbers, Origin, Play, steps, time_step};
-use crate::protocol::{Command, Message, PROTOCOL, Scene, Status, Values};
+use crate::protocol::{self, Command, Message, PROTOCOL, Scene, Status, Values};
 use crate::pull::{Grab, Push};
 use crate::session::Outgoing;
+use crate::stage::Stage;
 use glam::DVec3;
 use model::{BodyId, BodyKind, JointId, JointKind, Parts};
 use numbers::Float;
@@ -48,6 +50,8 @@ pub(crate) struct Steering {
     clock: fn() -> f64,
     /// Longest stretch of computing at once [s].
     slice: f64,
+    /// What the session began with, if that was no example; and its name among them.
+    own: Option<(String, Stage)>,
     play: Play,
     shown: Vec<usize>,
     /// Controls of the first world shown, as pages know them.
@@ -104,6 +108,10 @@ impl Steering {
         let mut steering = Self {
             clock,
             slice,
+            own: match play.origin {
+                Origin::File => Some((play.name.clone(), play.stage.clone())),
+                Origin::Example(_) | Origin::Program(_) => None,
+            },
             play,
             shown: Vec::new(),
             known: controls(simulation, 0),
@@ -144,17 +152,29 @@ impl Steering {
     ) -> ([Message; 3], Option<Frame>) {
         let frame = self.frame(subject);
         let simulation = &mut subject.simulation;
-        let examples: &[Example] = match self.play.origin {
-            Origin::Program(_) => &[],
-            Origin::Example(_) | Origin::File => &EXAMPLES,
+        let examples = match self.play.origin {
+            Origin::Program(_) => Vec::new(),
+            Origin::Example(_) | Origin::File => self.gallery(),
         };
         let welcome = Message::Welcome {
             protocol: PROTOCOL,
-            examples: examples.iter().map(Example::describe).collect(),
+            examples,
         };
         let scene = Message::Scene(Box::new(self.scene(simulation)));
         let status = Message::Status(self.status(simulation));
         ([welcome, scene, status], frame)
+    }
+
+    /// What pages can open: what the session began with, if that was no example, and the examples.
+    fn gallery(&self) -> Vec<protocol::Example> {
+        let own = self.own.iter().map(|(name, stage)| protocol::Example {
+            name: name.clone(),
+            title: stage.model.name.clone(),
+            about: "What this page was opened with.".into(),
+            guide: String::new(),
+            build: Vec::new(),
+        });
+        own.chain(EXAMPLES.iter().map(Example::describe)).collect()
     }
 
     /// Does what a page says; what is refused is answered.
@@ -221,10 +241,17 @@ impl Steering {
                 physics,
             } => {
                 self.play.not_of_program("what is simulated")?;
-                let example = Example::find(&example)?;
-                let form = example.form().with(&build)?;
-                let physics = self.settled(card, physics);
-                let opened = Play::of_example(example, form, &physics, card)?;
+                let own = self.own.clone().filter(|(name, _)| *name == example);
+                let opened = if let Some((_, stage)) = own {
+                    Form::new(Vec::new()).with(&build)?;
+                    let physics = self.settled(card, physics);
+                    Play::of_model(stage, &physics, card)?
+                } else {
+                    let example = Example::find(&example)?;
+                    let form = example.form().with(&build)?;
+                    let physics = self.settled(card, physics);
+                    Play::of_example(example, form, &physics, card)?
+                };
                 self.open(subject, opened);
             }
             Command::File { name, text } => {

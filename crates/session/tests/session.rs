@@ -38,8 +38,13 @@ struct Page {
 
 impl Page {
     fn open(example: &str) -> Self {
-        let session = Session::gallery(clock).unwrap();
-        let mut page = Self {
+        let mut page = Self::of(Session::gallery(clock).unwrap());
+        page.say(&format!(r#"{{"type": "open", "example": "{example}"}}"#));
+        assert!(page.errors.is_empty(), "{:?}", page.errors);
+        page
+    }
+    fn of(session: Session) -> Self {
+        Self {
             session,
             scene: None,
             status: None,
@@ -48,10 +53,7 @@ impl Page {
             errors: Vec::new(),
             news: Vec::new(),
             changed: Vec::new(),
-        };
-        page.say(&format!(r#"{{"type": "open", "example": "{example}"}}"#));
-        assert!(page.errors.is_empty(), "{:?}", page.errors);
-        page
+        }
     }
     fn listen(&mut self) {
         while let Some(outgoing) = self.session.outgoing() {
@@ -548,6 +550,40 @@ fn a_robot_file_opens_and_what_it_cannot_say_is_told() {
     page.refuses(&file("cart.xml", "<mujoco><worldbody>"), "cart.xml");
     page.refuses(&file("notes.xml", "<notes/>"), "<mujoco>, URDF");
     assert_eq!(page.scene().name, "cart.xml");
+}
+
+/// A model that bears an example's name can be told from it.
+#[test]
+fn pages_return_to_the_model_that_they_were_opened_with() {
+    let mut parts = examples::n_pendula(3).unwrap().into_parts();
+    parts.name = "tower".into();
+    let stage = Stage::new(Model::new(parts).unwrap());
+    let mut page = Page::of(Session::of(stage, clock).unwrap());
+    let greeting = page.session.greeting();
+    let Outgoing::Text(welcome) = &greeting[0] else {
+        panic!("{greeting:?}")
+    };
+    let Message::Welcome { examples, .. } = serde_json::from_str(welcome).unwrap() else {
+        panic!("{welcome}")
+    };
+    assert_eq!(examples.len(), EXAMPLES.len() + 1);
+    let own = &examples[0];
+    assert_eq!((&*own.name, &*own.title), ("own_tower", "tower"));
+
+    page.say(r#"{"type": "open", "example": "tower"}"#);
+    assert!(page.scene().build.len() > 1);
+    page.say(r#"{"type": "open", "example": "own_tower", "physics": {"gravity": 1.5}}"#);
+    assert_eq!(page.errors, [""; 0]);
+    let scene = page.scene();
+    assert_eq!((&*scene.name, scene.bodies.len()), ("own_tower", 3));
+    assert!(
+        scene
+            .physics
+            .iter()
+            .any(|field| field.name == "gravity" && field.value == 1.5)
+    );
+    page.say(r#"{"type": "open", "example": "own_tower", "build": {"links": 4}}"#);
+    assert!(page.errors[0].contains("links"), "{:?}", page.errors);
 }
 
 #[test]
