@@ -1,6 +1,8 @@
 //! Distances of solids in double precision, and when one that moves meets another.
 
 mod common;
+#[path = "../../sim/tests/solids/level.rs"]
+mod level;
 
 use common::reference::{best_gap, gap, support};
 use common::{Pair, Solid, V, turn, unit};
@@ -8,6 +10,7 @@ use fastrand::Rng;
 use glam::{DQuat, DVec3};
 use kinetarium_collide::distance::{Convex, Separation, first_touch, outside, separation};
 use kinetarium_collide::kind::{self, CONVEX, PLANE, SPHERE};
+use level::level;
 use model::{Geometry, Hull, Pose};
 use numbers::dispatch::Isa;
 
@@ -41,37 +44,7 @@ fn geometry(solid: &Solid) -> Geometry {
     }
 }
 
-/// Negative inside a solid, 0 on its surface, and outside no more than the distance times a factor.
-fn level(geometry: &Geometry, p: DVec3) -> f64 {
-    let across = p.x.hypot(p.z);
-    match *geometry {
-        Geometry::Sphere { radius } => p.length() - radius,
-        Geometry::Capsule {
-            radius,
-            half_height,
-        } => {
-            let h = half_height - radius;
-            (p - p.y.clamp(-h, h) * DVec3::Y).length() - radius
-        }
-        Geometry::Cylinder {
-            radius,
-            half_height,
-        } => (across - radius).max(p.y.abs() - half_height),
-        Geometry::Cone {
-            radius,
-            half_height: h,
-        } => (across - radius * (h - p.y) / (2.0 * h)).max(-h - p.y),
-        Geometry::Box { half } => (p.abs() - half).max_element(),
-        Geometry::Ellipsoid { half } => (p / half).length() - 1.0,
-        Geometry::Hull(ref hull) => {
-            let above = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).normalize().dot(p - a);
-            hull.faces().map(above).fold(f64::NEG_INFINITY, f64::max)
-        }
-        _ => p.y,
-    }
-}
-
-/// The same of a solid in its place.
+/// The level of a solid in its place.
 fn beyond(solid: &Solid, at: numbers::Pose<f64>, x: V) -> f64 {
     level(&geometry(solid), pose(at).inverse().point(from(x)))
 }

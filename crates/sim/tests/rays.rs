@@ -1,32 +1,18 @@
 //! What rays meet: closed forms, a march through the solids, and one ray against many.
 
+mod solids;
+
 use fastrand::Rng;
-use glam::{DMat3, DQuat, DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use kinetarium_sim::{Ray, RayHit, Simulation, SimulationError, SimulationSettings, SolverKind};
 use model::examples::square_pyramid;
-use model::{Builder, Geometry, Hull, Model, Pose, Shape, ShapeId, TriangleMesh};
+use model::{Builder, Geometry, Hull, Pose, Shape, ShapeId, TriangleMesh};
+use solids::{
+    BOX, CAPSULE, CONE, CYLINDER, ELLIPSOID, PLANE, level, scenery, simulate, somewhere, within,
+};
 use std::f64::consts::SQRT_2;
 
-const PLANE: Geometry = Geometry::Plane {
-    half_x: 0.0,
-    half_z: 0.0,
-};
 const SPHERE: Geometry = Geometry::Sphere { radius: 0.5 };
-const CAPSULE: Geometry = Geometry::Capsule {
-    radius: 0.5,
-    half_height: 1.5,
-};
-const CYLINDER: Geometry = Geometry::Cylinder {
-    radius: 0.5,
-    half_height: 1.0,
-};
-const CONE: Geometry = Geometry::Cone {
-    radius: 1.0,
-    half_height: 1.0,
-};
-const HALF: DVec3 = DVec3::new(1.0, 2.0, 3.0);
-const BOX: Geometry = Geometry::Box { half: HALF };
-const ELLIPSOID: Geometry = Geometry::Ellipsoid { half: HALF };
 
 /// Seven corners about a point beside the origin, which is inside.
 fn hull() -> Geometry {
@@ -42,40 +28,8 @@ fn hull() -> Geometry {
     Geometry::Hull(Hull::new(&corners.map(DVec3::from)).unwrap())
 }
 
-/// Shapes fixed to the world, and a body without any.
-fn scenery(shapes: impl IntoIterator<Item = Shape>) -> Model {
-    let mut world = Builder::new("scenery");
-    let object = world.object("things");
-    for shape in shapes {
-        object.scenery(shape);
-    }
-    object
-        .body("bob")
-        .inertia(1.0, DVec3::ZERO, DMat3::IDENTITY);
-    world.build().unwrap()
-}
-
-fn simulate(model: Model) -> Simulation<f64> {
-    let settings = SimulationSettings {
-        threads: 1,
-        ..SimulationSettings::new(1, 0.01)
-    };
-    Simulation::new(model, settings).unwrap()
-}
-
 fn one(geometry: Geometry, pose: Pose) -> Simulation<f64> {
     simulate(scenery([Shape::new(geometry).at(pose)]))
-}
-
-fn somewhere(rng: &mut Rng) -> Pose {
-    let position = 3.0 * within(rng);
-    let [a, b, c] = [(); 3].map(|()| std::f64::consts::TAU * rng.f64());
-    Pose::new(position, DQuat::from_euler(glam::EulerRot::XYZ, a, b, c))
-}
-
-/// In a cube about the origin of edges 2.
-fn within(rng: &mut Rng) -> DVec3 {
-    DVec3::from_array([(); 3].map(|()| 2.0 * rng.f64() - 1.0))
 }
 
 /// In the solid's own frame: origin, direction; distance, normal.
@@ -171,36 +125,6 @@ fn closed_forms() {
             let mut until = |most| simulation.cast_ray(0, from, along, most).unwrap();
             assert!(until(distance + 1e-9).is_some() && until(distance - 1e-9).is_none());
         }
-    }
-}
-
-/// Negative inside a solid, 0 on its surface.
-fn level(geometry: &Geometry, p: DVec3) -> f64 {
-    let across = p.x.hypot(p.z);
-    match *geometry {
-        Geometry::Sphere { radius } => p.length() - radius,
-        Geometry::Capsule {
-            radius,
-            half_height,
-        } => {
-            let h = half_height - radius;
-            (p - p.y.clamp(-h, h) * DVec3::Y).length() - radius
-        }
-        Geometry::Cylinder {
-            radius,
-            half_height,
-        } => (across - radius).max(p.y.abs() - half_height),
-        Geometry::Cone {
-            radius,
-            half_height: h,
-        } => (across - radius * (h - p.y) / (2.0 * h)).max(-h - p.y),
-        Geometry::Box { half } => (p.abs() - half).max_element(),
-        Geometry::Ellipsoid { half } => (p / half).length() - 1.0,
-        Geometry::Hull(ref hull) => {
-            let above = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).normalize().dot(p - a);
-            hull.faces().map(above).fold(f64::NEG_INFINITY, f64::max)
-        }
-        Geometry::Plane { .. } | Geometry::Mesh(_) | Geometry::MeshFile { .. } => p.y,
     }
 }
 
