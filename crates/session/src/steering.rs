@@ -241,8 +241,8 @@ impl Steering {
                 physics,
             } => {
                 self.play.not_of_program("what is simulated")?;
-                let own = self.own.clone().filter(|(name, _)| *name == example);
-                let opened = if let Some((_, stage)) = own {
+                let own = self.own.as_ref().filter(|(name, _)| *name == example);
+                let opened = if let Some(stage) = own.map(|(_, stage)| stage.clone()) {
                     Form::new(Vec::new()).with(&build)?;
                     let physics = self.settled(card, physics);
                     Play::of_model(stage, &physics, card)?
