@@ -303,7 +303,7 @@ fn sizes(ours: &[Record], theirs: &[Record]) -> Result<String> {
 fn piles(workshop: &Workshop) -> Result<String> {
     let table = cmd!(
         workshop.sh,
-        "cargo run --quiet --release --package kinetarium-bench-rapier --features simd8"
+        "cargo run --quiet --profile peers --package kinetarium-bench-rapier --features simd8"
     )
     .env("RUSTFLAGS", PEER_FLAGS)
     .read()?;

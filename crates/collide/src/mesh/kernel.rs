@@ -56,18 +56,7 @@ pub fn mesh_convex<M: Machine>(
     forget(k, meshes);
     for _ in k.count(ROUNDS) {
         begin(k, meshes);
-        for group in k.range(mesh.groups[0], mesh.groups[1]) {
-            let near = bounds.meet(k.read(meshes.groups, group, 0));
-            if let Some(_branch) = k.if_any(near) {
-                let [first, end] = k.link_row(meshes.group_rows, group);
-                for cluster in k.range(first, end) {
-                    let near = bounds.meet(k.read(meshes.clusters, cluster, 0));
-                    if let Some(_branch) = k.if_any(near) {
-                        triangles(k, tables, meshes, &piece, &bounds, cluster, margin);
-                    }
-                }
-            }
-        }
+        meet_groups(k, tables, meshes, &piece, &bounds, mesh.groups, margin);
         let sure = review(k, meshes, &placed);
         if k.finished(sure) {
             break;
@@ -91,23 +80,62 @@ pub fn mesh_mesh<M: Machine>(
     forget(k, meshes);
     for _ in k.count(ROUNDS) {
         begin(k, meshes);
-        for group in k.range(a.groups[0], a.groups[1]) {
-            let bounds = Bounds::seen(&a_seen, k.read(meshes.groups, group, 0), margin);
-            let clusters = k.link_row(meshes.group_rows, group);
-            for other in k.range(b.groups[0], b.groups[1]) {
-                let near = bounds.meet(k.read(meshes.groups, other, 0));
-                if let Some(_branch) = k.if_any(near) {
-                    let others = k.link_row(meshes.group_rows, other);
-                    meet_clusters(k, tables, meshes, &a_seen, clusters, others, margin);
-                }
-            }
-        }
+        meet_all_groups(k, tables, meshes, &a_seen, a.groups, b.groups, margin);
         let sure = review(k, meshes, &a_seen);
         if k.finished(sure) {
             break;
         }
     }
     finish(k, meshes, &a_seen, &b.placed);
+}
+
+/// Contacts of a piece and groups of the mesh.
+#[inline(always)]
+fn meet_groups<M: Machine>(
+    k: &mut M,
+    tables: Tables,
+    meshes: &MeshTables,
+    piece: &Piece<'_, M>,
+    bounds: &Bounds<M::R>,
+    groups: [M::I; 2],
+    margin: M::R,
+) {
+    for group in k.range(groups[0], groups[1]) {
+        let near = bounds.meet(k.read(meshes.groups, group, 0));
+        if let Some(_branch) = k.if_any(near) {
+            let [first, end] = k.link_row(meshes.group_rows, group);
+            for cluster in k.range(first, end) {
+                let near = bounds.meet(k.read(meshes.clusters, cluster, 0));
+                if let Some(_branch) = k.if_any(near) {
+                    triangles(k, tables, meshes, piece, bounds, cluster, margin);
+                }
+            }
+        }
+    }
+}
+
+/// Contacts of groups of A and groups of B.
+#[inline(always)]
+fn meet_all_groups<M: Machine>(
+    k: &mut M,
+    tables: Tables,
+    meshes: &MeshTables,
+    a: &Placed<M::R>,
+    groups: [M::I; 2],
+    others: [M::I; 2],
+    margin: M::R,
+) {
+    for group in k.range(groups[0], groups[1]) {
+        let bounds = Bounds::seen(a, k.read(meshes.groups, group, 0), margin);
+        let clusters = k.link_row(meshes.group_rows, group);
+        for other in k.range(others[0], others[1]) {
+            let near = bounds.meet(k.read(meshes.groups, other, 0));
+            if let Some(_branch) = k.if_any(near) {
+                let theirs = k.link_row(meshes.group_rows, other);
+                meet_clusters(k, tables, meshes, a, clusters, theirs, margin);
+            }
+        }
+    }
 }
 
 /// Contacts of clusters of A and clusters of B.
