@@ -37,6 +37,8 @@ function emptyScene(name: string, id: number): Scene {
     joints: [],
     actuators: [],
     cameras: [],
+    lamps: [],
+    sun: -1,
     quantities: [
       { label: "Sine", unit: "m", group: "body" },
       { label: "Cosine", unit: "m", group: "body" },

@@ -188,6 +188,19 @@ const camera = object({
 /** A camera that looks along its −z, with +y up; one that tracks goes along with its body and does not turn. */
 export type Camera = Checked<typeof camera>;
 
+const lamp = object({
+  name: text,
+  body: integer,
+  mode: oneOf("fixed", "track"),
+  placement,
+  beam: tagged("kind", { parallel: {}, point: {}, spot: { cutoff: number, exponent: number } }),
+  color: triple,
+  attenuation: triple,
+  shadows: flag,
+});
+/** A light that shines along its −z. */
+export type Lamp = Checked<typeof lamp>;
+
 const quantity = object({ label: text, unit: text, group: text });
 /** A number that changes with time, of the first world shown. */
 export type Quantity = Checked<typeof quantity>;
@@ -209,6 +222,8 @@ const scene = {
   joints: array(joint),
   actuators: array(actuator),
   cameras: array(camera),
+  lamps: array(lamp),
+  sun: integer,
   quantities: array(quantity),
   unlisted: nullable(text),
   plots: array(count),

@@ -84,15 +84,19 @@ impl Fusion {
                 body.0 = self.into[body.0];
             }
         }
-        for camera in &mut parts.cameras {
-            if let Some(body) = &mut camera.body {
+        let cameras = parts.cameras.iter_mut();
+        let cameras = cameras.map(|c| (&mut c.body, c.mode, &mut c.pose));
+        let lamps = parts.lamps.iter_mut();
+        let lamps = lamps.map(|l| (&mut l.body, l.mode, &mut l.pose));
+        for (body, mode, pose) in cameras.chain(lamps) {
+            if let Some(body) = body {
                 let onto = parts.bodies[self.into[body.0]].pose;
-                camera.pose = match camera.mode {
-                    CameraMode::Fixed => placed[body.0] * camera.pose,
+                *pose = match mode {
+                    CameraMode::Fixed => placed[body.0] * *pose,
                     // As far from the other body's origin as at first.
                     CameraMode::Track => {
                         let arm = onto.orientation * placed[body.0].position;
-                        Pose::new(arm + camera.pose.position, camera.pose.orientation)
+                        Pose::new(arm + pose.position, pose.orientation)
                     }
                 };
                 body.0 = self.into[body.0];
@@ -150,6 +154,9 @@ impl Fusion {
         }
         for camera in &mut parts.cameras {
             camera.body = camera.body.map(to_body);
+        }
+        for lamp in &mut parts.lamps {
+            lamp.body = lamp.body.map(to_body);
         }
         for joint in &mut parts.joints {
             joint.parent = joint.parent.map(to_body);

@@ -50,6 +50,10 @@ pub(crate) fn complete(parts: &mut Parts) {
     for (i, camera) in parts.cameras.iter_mut().enumerate() {
         taken.fill(&mut camera.name, &format!("camera_{i}"));
     }
+    let mut taken = Taken::by(parts.lamps.iter().map(|l| &l.name));
+    for (i, lamp) in parts.lamps.iter_mut().enumerate() {
+        taken.fill(&mut lamp.name, &format!("lamp_{i}"));
+    }
 }
 
 fn complete_dofs(parts: &mut Parts) {

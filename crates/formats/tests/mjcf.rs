@@ -1,10 +1,11 @@
 //! What MJCF files become beyond the numbers that MuJoCo agrees on: warnings, leniency, includes,
 //! loops, couplings, fused bodies, colours and meshes.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use kinetarium_formats::{Files, Folder, InMemory, Loaded, Options, Warning, load, parse};
 use model::{
-    BodyId, BodyKind, CollisionFilter, Combine, Geometry, JointKind, Model, Pose, ShapeId, Softness,
+    BodyId, BodyKind, CameraMode, CollisionFilter, Combine, Geometry, JointKind, Lamp, LampKind,
+    Model, Pose, ShapeId, Softness,
 };
 
 fn read_with(body: &str, options: &Options) -> Loaded {
@@ -50,7 +51,6 @@ fn unused_things_are_listed_once_with_their_first_line() {
         [
             "robot.xml:2: <option>: attribute `integrator`: the integrator is chosen when the \
              simulation is made",
-            "robot.xml:4: <light>: lights: only for seeing; not read",
             "robot.xml:6: <camera>: cameras of mode `targetbody`: not read: cameras do not turn by themselves",
             "robot.xml:7: <joint>: attribute `solimpfriction`: dry friction is not softened",
             "robot.xml:10: <clock>: sensors of this kind: not read",
@@ -59,29 +59,87 @@ fn unused_things_are_listed_once_with_their_first_line() {
 }
 
 #[test]
-fn one_parallel_light_of_the_world_is_the_sun() {
+fn lights_are_lamps() {
     let file = |lights: &str| {
         read(&format!(
-            "<mujoco>\n<default><light directional=\"true\"/></default><worldbody>{lights}\
-             <body><joint/><geom size=\"1\"/><light dir=\"1 0 0\"/></body></worldbody></mujoco>"
+            "<mujoco>\n<default><light cutoff=\"30\" diffuse=\"0.1 0.2 0.3\"/></default><worldbody>\n{lights}\n\
+             <body pos=\"0 0 1\" euler=\"0 90 0\"><joint/><geom size=\"1\"/>\
+             <light pos=\"1 0 0\" mode=\"track\" type=\"point\" castshadow=\"false\"/></body></worldbody></mujoco>"
         ))
     };
-    let lamp = r#"<light directional="false"/>"#;
-    let slant = r#"<frame euler="0 90 0"><light dir="0 0 -2"/></frame>"#;
+    let slant = r#"<frame euler="0 90 0"><light dir="0 0 -2" directional="true"/></frame>"#;
+    let loaded = file(
+        &[
+            slant,
+            r#"<light name="spot" pos="0 0 3" attenuation="0 0 1"/>"#,
+        ]
+        .concat(),
+    );
+    let [sun, spot, bulb] = &loaded.model.lamps[..] else {
+        panic!("{:?}", loaded.model.lamps)
+    };
+    let along = |lamp: &Lamp| lamp.pose.direction(DVec3::NEG_Z);
     // A quarter turn about y takes −z to −x.
-    let loaded = file(&[lamp, slant].concat());
-    let sun = loaded.model.sun.unwrap();
-    assert!((sun - DVec3::new(2.0, 0.0, 0.0)).length() < 1e-12, "{sun}");
+    assert!(along(sun).abs_diff_eq(DVec3::NEG_X, 1e-12), "{sun:?}");
     assert_eq!(
-        lines(&loaded.warnings),
+        (sun.name.as_str(), sun.kind),
+        ("lamp_0", LampKind::Parallel)
+    );
+    assert_eq!(sun.color, Vec3::new(0.1, 0.2, 0.3));
+    let (cutoff, exponent) = (30_f64.to_radians(), 10.0);
+    assert_eq!(spot.kind, LampKind::Spot { cutoff, exponent });
+    assert_eq!(
+        (spot.pose.position, spot.attenuation),
+        (DVec3::new(0.0, 0.0, 3.0), DVec3::Z)
+    );
+    assert!(along(spot).abs_diff_eq(DVec3::NEG_Z, 1e-12) && spot.shadows);
+    // From its body, of which x points down, and not turning with it.
+    assert_eq!(
+        (bulb.body, bulb.kind, bulb.shadows),
+        (Some(BodyId(0)), LampKind::Point, false)
+    );
+    assert_eq!(bulb.mode, CameraMode::Track);
+    assert!(
+        bulb.pose.position.abs_diff_eq(DVec3::NEG_Z, 1e-12),
+        "{bulb:?}"
+    );
+    assert_eq!(loaded.warnings, []);
+}
+
+#[test]
+fn what_is_not_read_of_lights_is_told() {
+    let file = |light: &str| {
+        read(&format!(
+            "<mujoco><worldbody>{light}<body><joint/><geom size=\"1\"/></body></worldbody></mujoco>"
+        ))
+    };
+    let off = file(r#"<light active="false"/>"#);
+    assert!(off.model.lamps.is_empty() && off.warnings.is_empty());
+    let all_around = file(r#"<light cutoff="180"/>"#);
+    assert_eq!(all_around.model.lamps[0].kind, LampKind::Point);
+    let aiming = file(r#"<light mode="targetbody" target="a" specular="1 1 1"/>"#);
+    assert_eq!(
+        lines(&aiming.warnings),
         [
-            "robot.xml:2: <light>: lights: only for seeing; not read",
-            "robot.xml:2: <light>: the sun: only its direction is read",
+            "robot.xml:1: <light>: attribute `specular`: what shines reflects `diffuse`",
+            "robot.xml:1: <light>: lights of mode `targetbody`: not read: lights do not turn by themselves",
         ]
     );
-    let loaded = file(&["<light/>", slant].concat());
-    assert_eq!((loaded.model.sun, loaded.warnings.len()), (None, 1));
-    assert_eq!(file(r#"<light active="false"/>"#).model.sun, None);
+    for (light, told) in [
+        (r#"<light dir="0 0 0"/>"#, "`dir` is no direction"),
+        (r#"<light cutoff="-1"/>"#, "cutoff [rad]"),
+        (r#"<light colour="1 1 1"/>"#, "colour"),
+    ] {
+        let text = format!("<mujoco><worldbody>{light}</worldbody></mujoco>");
+        let error = parse(
+            &text,
+            "robot.xml",
+            &InMemory::default(),
+            &Options::default(),
+        );
+        let error = error.unwrap_err().to_string();
+        assert!(error.contains(told), "{error}");
+    }
 }
 
 #[test]

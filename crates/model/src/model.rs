@@ -9,7 +9,7 @@ pub(crate) mod validate;
 use crate::contact_pair::key;
 use crate::{
     Actuator, Body, BodyId, BodyKind, Camera, ContactPair, Coupling, Joint, JointId, JointKind,
-    Keyframe, Material, ModelError, Sensor, Shape, ShapeId,
+    Keyframe, Lamp, Material, ModelError, Sensor, Shape, ShapeId,
 };
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
@@ -71,8 +71,8 @@ pub struct Parts {
     pub keyframes: Vec<Keyframe>,
     /// Cameras with names.
     pub cameras: Vec<Camera>,
-    /// Direction to the sun, world axes, of any length but zero; `None`: nobody says.
-    pub sun: Option<DVec3>,
+    /// Lights. Where there is none, it is day.
+    pub lamps: Vec<Lamp>,
     /// Number of worlds the author asks for.
     pub worlds: usize,
 }
@@ -95,7 +95,7 @@ impl Default for Parts {
             sensors: Vec::new(),
             keyframes: Vec::new(),
             cameras: Vec::new(),
-            sun: None,
+            lamps: Vec::new(),
             worlds: 1,
         }
     }

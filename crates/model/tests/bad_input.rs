@@ -3,8 +3,8 @@
 use glam::{DMat3, DQuat, DVec3};
 use kinetarium_model::{
     Actuator, Axis, Body, BodyId, BodyKind, Builder, Camera, CameraMode, ContactPair, Coupling,
-    Drive, Geometry, Joint, JointId, JointKind, Keyframe, Limit, Material, Measurand, Model,
-    ModelError, Mount, Parts, Pose, Sensor, Shape, ShapeId, Softness, examples,
+    Drive, Geometry, Joint, JointId, JointKind, Keyframe, Lamp, LampKind, Limit, Material,
+    Measurand, Model, ModelError, Mount, Parts, Pose, Sensor, Shape, ShapeId, Softness, examples,
 };
 
 /// A base, two links on a hinge and a slider, a loop to close, and one of everything else.
@@ -81,10 +81,6 @@ fn settings() {
         (
             |p| p.time_step = 0.0,
             "model \"machine\": time step [s] is 0; it must be above zero",
-        ),
-        (
-            |p| p.sun = Some(DVec3::ZERO),
-            "model \"machine\": length of the direction to the sun is 0; it must be above zero",
         ),
         (
             |p| p.time_step = -1e-3,
@@ -831,6 +827,75 @@ fn couplings_and_actuators() {
         (
             |p| p.actuators[0].force_range = Some((0.0, f64::NAN)),
             "actuator \"motor\": force range is NaN; give a finite number",
+        ),
+    ]);
+}
+
+#[test]
+fn lamps() {
+    fn with(p: &mut Parts, change: fn(&mut Lamp)) {
+        let (cutoff, exponent) = (0.8, 10.0);
+        let mut lamp = Lamp::new("torch", LampKind::Spot { cutoff, exponent });
+        change(&mut lamp);
+        p.lamps.push(lamp);
+    }
+    refuses(&[
+        (
+            |p| (0..2).for_each(|_| with(p, |_| {})),
+            "two of kind lamp are named \"torch\"; rename one",
+        ),
+        (
+            |p| with(p, |l| l.body = Some(BodyId(3))),
+            "lamp \"torch\": its body is number 3, but the model has 3, numbered from 0; use a number below 3",
+        ),
+        (
+            |p| with(p, |l| l.pose.position.y = f64::NAN),
+            "lamp \"torch\": pose is NaN; give a finite number",
+        ),
+        (
+            |p| with(p, |l| l.color.y = -0.1),
+            "lamp \"torch\": colour is -0.10000000149011612; it must not be negative",
+        ),
+        (
+            |p| with(p, |l| l.attenuation = DVec3::ZERO),
+            "lamp \"torch\": sum of its attenuation is 0; it must be above zero",
+        ),
+        (
+            |p| {
+                with(p, |l| {
+                    l.kind = LampKind::Spot {
+                        cutoff: 0.0,
+                        exponent: 1.0,
+                    }
+                })
+            },
+            "lamp \"torch\": cutoff [rad] is 0; it must be above zero",
+        ),
+        (
+            |p| {
+                with(p, |l| {
+                    l.kind = LampKind::Spot {
+                        cutoff: 2.0,
+                        exponent: 1.0,
+                    }
+                })
+            },
+            "lamp \"torch\": cutoff [rad] is 2; it must lie from 0 to 1.5707963267948966",
+        ),
+        (
+            |p| {
+                with(p, |l| {
+                    l.kind = LampKind::Spot {
+                        cutoff: 1.0,
+                        exponent: 200.0,
+                    }
+                })
+            },
+            "lamp \"torch\": exponent is 200; it must lie from 0 to 128",
+        ),
+        (
+            |p| p.lamps = vec![Lamp::new("torch", LampKind::Point); 300],
+            "the model has 300 lamps, more than the 256 it may have; check the number, or split the model",
         ),
     ]);
 }

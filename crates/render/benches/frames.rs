@@ -43,7 +43,7 @@ fn table(name: &str, scene: &Scene, poses: &[Pose], render: impl Fn(&View, &[&[P
         for (width, height) in SIZES {
             let view = View::new(Camera::framing(scene, poses, width, height));
             let rate = |channels| {
-                let view = view.with_channels(channels);
+                let view = view.clone().with_channels(channels);
                 worlds as f64 / median(|| render(&view, &vec![poses; worlds]))
             };
             let (rgb, geometry) = (rate(Channels::RGB), rate(geometry));

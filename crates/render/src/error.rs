@@ -16,6 +16,9 @@ pub enum RenderError {
         /// What it must be.
         must: &'static str,
     },
+    /// A lamp of the light is out of its range, or on no body.
+    #[error(transparent)]
+    Lamp(#[from] model::ModelError),
     /// The camera's body is not of the scene.
     #[error("the camera is on body {body}, but the scene has {bodies}, counted from 0")]
     NoSuchBody {

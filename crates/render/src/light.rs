@@ -1,10 +1,13 @@
 //! What lights a scene, and what is behind everything.
 
 use crate::error::{RenderError, require};
+#[cfg(feature = "gpu")]
+use glam::DQuat;
 use glam::{DVec3, Vec3};
+use model::{Lamp, LampKind};
 
-/// A sun and a sky. Colours are linear, not sRGB; 1 is as bright as a white sheet can be drawn.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A sun, a sky and lamps. Colours are linear, not sRGB; 1 is as bright as a white sheet can be drawn.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Light {
     /// Direction to the sun, world axes; of any length but zero.
     pub to_sun: DVec3,
@@ -23,6 +26,8 @@ pub struct Light {
     pub zenith: Vec3,
     /// Colour of the horizon, and where endless planes end.
     pub horizon: Vec3,
+    /// Other lights, in the world or on bodies. A solid that holds one lets its light out.
+    pub lamps: Vec<Lamp>,
 }
 
 impl Light {
@@ -38,10 +43,30 @@ impl Light {
             ground: Vec3::new(0.20, 0.19, 0.18),
             zenith: Vec3::new(0.20, 0.38, 0.66),
             horizon: Vec3::new(0.76, 0.84, 0.92),
+            lamps: Vec::new(),
         }
     }
 
-    pub(crate) fn check(&self) -> Result<(), RenderError> {
+    /// The sky of a sunny day, and a model's lamps, of which one may be [the sun](Lamp::sun): without it there is
+    /// none. Where there are no lamps, a sunny day.
+    pub fn of(up: DVec3, lamps: &[Lamp]) -> Self {
+        let mut light = Self::day(up);
+        if lamps.is_empty() {
+            return light;
+        }
+        light.sun = Vec3::ZERO;
+        light.lamps = lamps.to_vec();
+        if let Some(row) = Lamp::sun(lamps) {
+            let lamp = light.lamps.remove(row);
+            light.to_sun = lamp.pose.direction(DVec3::Z);
+            (light.sun, light.shadows) = (lamp.color, lamp.shadows);
+        }
+        light
+    }
+
+    /// Whether it can be in a scene of so many bodies.
+    pub(crate) fn check(&self, bodies: usize) -> Result<(), RenderError> {
+        self.lamps.iter().try_for_each(|lamp| lamp.check(bodies))?;
         let length = self.to_sun.length();
         let (what, must) = ("the direction to the sun", "finite and not zero");
         require(length > 0.0 && length.is_finite(), what, self.to_sun, must)?;
@@ -58,6 +83,18 @@ impl Light {
             .find(|c| !(c.is_finite() && c.min_element() >= 0.0));
         let (what, must) = ("a colour of the light", "finite, and nowhere below 0");
         wrong.map_or(Ok(()), |color| require(false, what, color, must))
+    }
+
+    /// Sun and lamps, as lamps; but for what is black.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn all(&self) -> Vec<Lamp> {
+        let mut sun = Lamp::new("sun", LampKind::Parallel);
+        sun.pose.orientation = DQuat::from_rotation_arc(DVec3::Z, self.to_sun.normalize());
+        (sun.color, sun.shadows) = (self.sun, self.shadows);
+        let mut all = vec![sun];
+        all.extend_from_slice(&self.lamps);
+        all.retain(|lamp| lamp.color != Vec3::ZERO);
+        all
     }
 
     /// What is seen along a unit vector that meets nothing; `up` is a unit vector too.

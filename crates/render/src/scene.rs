@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// or a triangle from behind is not there. The files of meshes that are only seen are read.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// What lights it; a [sunny day](Light::day) at first, with the sun where the model has it.
+    /// What lights it; at first [the model's lamps](Light::of), or a sunny day.
     pub light: Light,
     /// Edge of the squares of the checker pattern on planes [m], in their frames from their origins; 0 is
     /// none. At first 1, 2 or 5 times a power of ten, between a tenth and a quarter of what the
@@ -75,12 +75,8 @@ impl Scene {
             }
         }
         let up = model.up_axis.direction();
-        let day = Light::day(up);
         let mut scene = Self {
-            light: Light {
-                to_sun: model.sun.unwrap_or(day.to_sun),
-                ..day
-            },
+            light: Light::of(up, &model.lamps),
             checker: 1.0,
             items,
             up,

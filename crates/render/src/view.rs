@@ -11,7 +11,7 @@ const MOST_PIXELS: usize = 1 << 31;
 const MOST_SAMPLES: usize = 64;
 
 /// A camera, and what is wanted of it. Several worlds have a camera each, all alike.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct View {
     /// The camera.
     pub camera: Camera,
@@ -166,8 +166,8 @@ impl View {
     }
 
     /// What lights a scene.
-    pub(crate) fn light(&self, scene: &Scene) -> Light {
-        self.light.unwrap_or(scene.light)
+    pub(crate) fn light<'a>(&'a self, scene: &'a Scene) -> &'a Light {
+        self.light.as_ref().unwrap_or(&scene.light)
     }
     /// Edge of the squares on planes of a scene [m].
     pub(crate) fn checker(&self, scene: &Scene) -> f64 {
@@ -178,7 +178,7 @@ impl View {
     pub(crate) fn check(&self, scene: &Scene, worlds: &[&[Pose]]) -> Result<(), RenderError> {
         let bodies = scene.bodies();
         self.camera.check(bodies)?;
-        self.light(scene).check()?;
+        self.light(scene).check(bodies)?;
         let (what, checker) = ("the edge of the checker's squares", self.checker(scene));
         require(
             checker >= 0.0 && checker.is_finite(),

@@ -4,12 +4,12 @@
 mod common;
 
 use common::{camera, medley};
-use glam::{DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec3};
 use kinetarium_render::gpu::{GpuError, Rasteriser};
 use kinetarium_render::{
     Camera, Channels, Device, Images, Light, Renderer, Scene, View, ray_caster,
 };
-use model::{BodyId, Model, Pose, examples};
+use model::{BodyId, CameraMode, Lamp, LampKind, Model, Pose, examples};
 
 /// Whatever card there is, or the program that `KINETARIUM_GPU` names, such as Mesa's `llvmpipe`.
 fn name() -> String {
@@ -181,7 +181,7 @@ fn a_card_takes_the_light_of_a_view() {
         ..scene.light
     };
     let view = View::new(camera(160, 120));
-    let lit = view.with_light(light).with_checker(0.2);
+    let lit = view.clone().with_light(light).with_checker(0.2);
     let Some((cast, drawn)) = both(&model, lit, &[&poses]) else {
         return;
     };
@@ -195,6 +195,85 @@ fn a_card_takes_the_light_of_a_view() {
     assert!(apart.sum::<f64>() / f64::from(3 * 160 * 120) > 4.0);
 }
 
+/// A lamp that shines all around, a wide spot on a body, a narrow one, and a second sun; in several worlds, in which the
+/// body's is at another place.
+#[test]
+fn a_card_takes_lamps() {
+    let (mut model, poses) = medley(2);
+    let lamp = |name: &str, kind, position: DVec3, along: DVec3| Lamp {
+        pose: Pose::new(position, DQuat::from_rotation_arc(DVec3::NEG_Z, along)),
+        ..Lamp::new(name, kind)
+    };
+    let spot = |degrees: f64, exponent| LampKind::Spot {
+        cutoff: degrees.to_radians(),
+        exponent,
+    };
+    let down = DVec3::NEG_Y;
+    let mut parts = model.into_parts();
+    parts.lamps = vec![
+        Lamp {
+            attenuation: DVec3::new(0.0, 0.0, 0.3),
+            ..lamp("bulb", LampKind::Point, DVec3::new(0.5, 2.5, 0.5), down)
+        },
+        Lamp {
+            color: Vec3::new(0.8, 0.2, 0.1),
+            ..lamp(
+                "spot",
+                spot(30.0, 2.0),
+                DVec3::new(-2.0, 4.0, 1.0),
+                DVec3::new(0.5, -1.0, 0.0).normalize(),
+            )
+        },
+        Lamp {
+            body: Some(BodyId(1)),
+            mode: CameraMode::Track,
+            color: Vec3::new(0.1, 0.3, 0.8),
+            ..lamp("on a body", spot(85.0, 0.5), 1.5 * DVec3::Y, down)
+        },
+        Lamp {
+            color: Vec3::splat(0.2),
+            body: Some(BodyId(0)),
+            mode: CameraMode::Track,
+            ..lamp(
+                "beam",
+                LampKind::Parallel,
+                DVec3::ZERO,
+                DVec3::new(1.0, -1.0, 0.0).normalize(),
+            )
+        },
+    ];
+    model = Model::new(parts).unwrap();
+    let moved: Vec<Pose> = poses
+        .iter()
+        .map(|pose| Pose::new(pose.position + 0.2 * DVec3::X, pose.orientation))
+        .collect();
+    let view = View::new(camera(160, 120)).with_samples(2);
+    let Some((cast, drawn)) = both(&model, view.clone(), &[&poses, &moved]) else {
+        return;
+    };
+    let difference = difference(&cast, &drawn);
+    assert!(difference.color < 3.0, "{difference:?}");
+    // Each of them is seen.
+    for row in 0..4 {
+        let mut light = Scene::new(&model).unwrap().light;
+        light.lamps.remove(row);
+        let scene = Scene::new(&model).unwrap();
+        let without = view.clone().with_light(light);
+        let without = ray_caster::render(&scene, &without, &[&poses, &moved]).unwrap();
+        let apart = without
+            .rgb
+            .unwrap()
+            .into_iter()
+            .zip(cast.rgb.as_ref().unwrap());
+        let apart: f64 = apart.map(|(a, b)| f64::from(a.abs_diff(*b))).sum();
+        let mean = apart / (2.0 * 3.0 * 160.0 * 120.0);
+        assert!(
+            mean > 2.0 * difference.color,
+            "{row}: {mean} {difference:?}"
+        );
+    }
+}
+
 #[test]
 fn a_renderer_is_the_card_that_is_named_and_by_itself_no_program() {
     let (model, poses) = medley(1);
@@ -203,7 +282,7 @@ fn a_renderer_is_the_card_that_is_named_and_by_itself_no_program() {
     let by_itself = Renderer::new(scene.clone(), &Device::Auto).unwrap();
     assert!(!by_itself.device().contains("llvmpipe"));
     // What a card does not do, the ray-caster does.
-    let fine = view.with_samples(3).with_occlusion(2);
+    let fine = view.clone().with_samples(3).with_occlusion(2);
     let cast = ray_caster::render(&scene, &fine, &[&poses]).unwrap();
     assert_eq!(by_itself.render(&fine, &[&poses]).unwrap(), cast);
     let Some(card) = rasteriser(&scene) else {
@@ -228,7 +307,7 @@ fn what_cards_do_not_do_is_refused() {
     };
     let view = View::new(camera(8, 8));
     let refused = |view: View| card.render(&view, &[&poses]).unwrap_err().to_string();
-    assert!(refused(view.with_samples(3)).contains("3 samples along each edge"));
+    assert!(refused(view.clone().with_samples(3)).contains("3 samples along each edge"));
     assert!(refused(view.with_occlusion(2)).contains("2 occlusion rays"));
     assert!(refused(View::new(camera(0, 8))).contains("the camera's width is 0"));
 }

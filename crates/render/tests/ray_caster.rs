@@ -4,9 +4,9 @@ mod common;
 
 use collide::ray::Line;
 use common::{HALF, all, camera, hill, medley, scenery, solids};
-use glam::{DQuat, DVec2, DVec3};
+use glam::{DQuat, DVec2, DVec3, Vec3};
 use kinetarium_render::{Camera, Channels, Lens, RenderError, Scene, View, ray_caster};
-use model::{BodyId, Geometry, Model, Pose, Shape, TriangleMesh};
+use model::{BodyId, CameraMode, Geometry, Lamp, LampKind, Model, Pose, Shape, TriangleMesh};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Depth, shape and normal of a pixel.
@@ -360,6 +360,133 @@ fn a_shadow_is_where_the_sun_throws_it() {
     assert_eq!(brightness(end - 0.1, false), lit);
 }
 
+/// Of a floor at (x, 0), seen from above, in linear light.
+fn floor_brightness(scene: &Scene, poses: &[Pose], x: f64) -> DVec3 {
+    let camera =
+        Camera::new(400, 400, FRAC_PI_2).looking(DVec3::Y * 9.0, DVec3::ZERO, DVec3::NEG_Z);
+    let images = ray_caster::render(scene, &View::new(camera), &[poses]).unwrap();
+    let at = camera.project(DVec3::new(x, 0.0, -9.0)).unwrap();
+    let first = 3 * (at.y as usize * 400 + at.x as usize);
+    let rgb = &images.rgb.unwrap()[first..first + 3];
+    let linear = |byte: u8| match f64::from(byte) / 255.0 {
+        x if x <= 0.04045 => x / 12.92,
+        x => ((x + 0.055) / 1.055).powf(2.4),
+    };
+    DVec3::new(linear(rgb[0]), linear(rgb[1]), linear(rgb[2]))
+}
+
+/// A white floor without sky or sun, under a lamp.
+fn under(lamp: Lamp, shapes: impl IntoIterator<Item = Shape>) -> Scene {
+    let plane = Geometry::Plane {
+        half_x: 0.0,
+        half_z: 0.0,
+    };
+    let floor = Shape {
+        color: Some([1.0; 4]),
+        ..Shape::new(plane)
+    };
+    let mut parts = scenery(std::iter::once(floor).chain(shapes)).into_parts();
+    parts.lamps.push(lamp);
+    let mut scene = Scene::new(&Model::new(parts).unwrap()).unwrap();
+    scene.checker = 0.0;
+    (scene.light.sky, scene.light.ground) = (Vec3::ZERO, Vec3::ZERO);
+    scene
+}
+
+/// At height h above a floor, at a distance x: I h / d³ for light that fades by d², d² = h² + x²; of a spot that
+/// shines down, (h / d)ᵉ of that up to the cutoff.
+#[test]
+fn lamps_light_a_floor_as_closed_forms_say() {
+    let (h, color) = (2.0, Vec3::new(2.0, 1.0, 0.5));
+    let lamp = |kind| Lamp {
+        pose: Pose::new(h * DVec3::Y, DQuat::from_rotation_x(-FRAC_PI_2)),
+        color,
+        attenuation: DVec3::Z,
+        ..Lamp::new("lamp", kind)
+    };
+    let (cutoff, exponent) = (0.9, 3.0);
+    let bulb = under(lamp(LampKind::Point), []);
+    let spot = under(lamp(LampKind::Spot { cutoff, exponent }), []);
+    for x in [0.01, 0.7, 1.5, 2.4, 2.6, 4.0] {
+        let d = f64::hypot(h, x);
+        let at_all = color.as_dvec3() * h / d.powi(3);
+        // A step of 8 bits in sRGB is at most 1 % in linear light, and the point is off by half a pixel.
+        let same = |seen: DVec3, expected: DVec3| {
+            seen.abs_diff_eq(expected, 0.02 * expected.max_element() + 5e-4)
+        };
+        let seen = floor_brightness(&bulb, &[], x);
+        assert!(same(seen, at_all), "{x}: {seen} {at_all}");
+        let within = f64::from((x / h).atan() < cutoff);
+        let narrowed = within * (h / d).powf(exponent) * at_all;
+        let seen = floor_brightness(&spot, &[], x);
+        assert!(same(seen, narrowed), "{x}: {seen} {narrowed}");
+    }
+}
+
+/// A plate of radius r at height 1 m, midway to a bulb: its shadow has the radius 2r. A ball about the bulb lets its
+/// light out.
+#[test]
+fn what_is_before_a_lamp_throws_a_shadow_and_what_holds_it_does_not() {
+    let lamp = |shadows| Lamp {
+        pose: Pose::at(2.0 * DVec3::Y),
+        shadows,
+        ..Lamp::new("bulb", LampKind::Point)
+    };
+    let plate = Geometry::Cylinder {
+        radius: 0.5,
+        half_height: 1e-3,
+    };
+    let plate = Shape::new(plate).at(Pose::at(DVec3::Y));
+    let globe = Shape::new(Geometry::Sphere { radius: 0.2 }).at(Pose::at(2.0 * DVec3::Y));
+    // The camera looks down past both.
+    for shapes in [vec![plate.clone()], vec![plate, globe]] {
+        let scene = under(lamp(true), shapes.clone());
+        let bright = |x| floor_brightness(&scene, &[], x).x;
+        assert!(
+            bright(0.9) < 1e-3 && bright(1.1) > 0.7,
+            "{} {}",
+            bright(0.9),
+            bright(1.1)
+        );
+        let scene = under(lamp(false), shapes);
+        assert!(floor_brightness(&scene, &[], 0.9).x > 0.7);
+    }
+}
+
+/// A lamp of a body goes along with it, and one that tracks does not turn.
+#[test]
+fn lamps_go_along_with_their_bodies() {
+    let (model, mut poses) = medley(0);
+    let mut parts = model.into_parts();
+    for mode in [CameraMode::Fixed, CameraMode::Track] {
+        let lamp = Lamp {
+            body: Some(BodyId(0)),
+            mode,
+            pose: Pose::at(DVec3::X),
+            ..Lamp::new("lamp", LampKind::Point)
+        };
+        let quarter = DQuat::from_rotation_z(FRAC_PI_2);
+        poses[0] = Pose::new(DVec3::new(1.0, 2.0, 3.0), quarter);
+        let at = lamp.placed(&poses).position;
+        let arm = if mode == CameraMode::Fixed {
+            DVec3::Y
+        } else {
+            DVec3::X
+        };
+        assert!(
+            at.abs_diff_eq(DVec3::new(1.0, 2.0, 3.0) + arm, 1e-12),
+            "{at}"
+        );
+    }
+    parts.lamps.push(Lamp::new("afar", LampKind::Parallel));
+    let light = Scene::new(&Model::new(parts).unwrap()).unwrap().light;
+    // The model's only parallel light is the sun.
+    assert_eq!(
+        (light.to_sun, light.sun, light.lamps.len()),
+        (DVec3::Z, Vec3::ONE, 0)
+    );
+}
+
 #[test]
 fn a_framed_model_is_in_the_image_and_fills_it() {
     for name in ["tower", "dominoes", "ragdolls"] {
@@ -386,8 +513,8 @@ fn bad_numbers_are_refused_by_name() {
     let (model, poses) = medley(0);
     let scene = Scene::new(&model).unwrap();
     let view = View::new(camera(8, 8));
-    let refused = |scene: &Scene, view: View, worlds: &[&[Pose]]| {
-        ray_caster::render(scene, &view, worlds)
+    let refused = |scene: &Scene, view: &View, worlds: &[&[Pose]]| {
+        ray_caster::render(scene, view, worlds)
             .unwrap_err()
             .to_string()
     };
@@ -441,27 +568,27 @@ fn bad_numbers_are_refused_by_name() {
         ),
     ];
     for (change, message) in cases {
-        let mut wrong = view;
+        let mut wrong = view.clone();
         change(&mut wrong.camera);
-        let error = refused(&scene, wrong, &[&poses]);
+        let error = refused(&scene, &wrong, &[&poses]);
         assert!(error.contains(message), "{error}");
     }
-    let few = refused(&scene, view, &[&poses, &poses[1..]]);
+    let few = refused(&scene, &view, &[&poses, &poses[1..]]);
     assert!(
         few.contains("world 1 has 13 poses: give one for each of the 14"),
         "{few}"
     );
     let mut lost = poses.clone();
     lost[5].position.y = f64::NAN;
-    assert!(refused(&scene, view, &[&lost]).contains("body 5 in world 0 is not finite"));
-    assert!(refused(&scene, view, &[]).contains("no worlds"));
-    assert!(refused(&scene, view.with_samples(0), &[&poses]).contains("samples is 0"));
-    assert!(refused(&scene, view.with_occlusion(65), &[&poses]).contains("rays is 65"));
+    assert!(refused(&scene, &view, &[&lost]).contains("body 5 in world 0 is not finite"));
+    assert!(refused(&scene, &view, &[]).contains("no worlds"));
+    assert!(refused(&scene, &view.clone().with_samples(0), &[&poses]).contains("samples is 0"));
+    assert!(refused(&scene, &view.clone().with_occlusion(65), &[&poses]).contains("rays is 65"));
     let mut dark = scene.clone();
     dark.light.to_sun = DVec3::ZERO;
-    assert!(refused(&dark, view, &[&poses]).contains("the direction to the sun is [0, 0, 0]"));
+    assert!(refused(&dark, &view, &[&poses]).contains("the direction to the sun is [0, 0, 0]"));
     let huge = View::new(camera(16384, 16384));
-    assert!(refused(&scene, huge, &[&poses[..]; 9]).contains("9 images of 16384 × 16384"));
+    assert!(refused(&scene, &huge, &[&poses[..]; 9]).contains("9 images of 16384 × 16384"));
 
     let file = "nowhere/hand.stl".to_owned();
     let mesh = Geometry::MeshFile {

@@ -1,9 +1,11 @@
 //! What a page is told of a model.
 
-use crate::protocol::{Actuator, Body, Camera, Dof, Geometry, Joint, Placement, Shape};
+use crate::protocol::{
+    Actuator, Beam, Body, Camera, Dof, Geometry, Joint, Lamp, Placement, Shape,
+};
 use crate::sliders;
 use glam::DVec3;
-use model::{BodyId, BodyKind, JointId, JointKind, MassProperties, Model, Pose, default_color};
+use model::{BodyId, BodyKind, JointId, JointKind, LampKind, MassProperties, Model, Pose, default_color};
 
 impl From<Pose> for Placement {
     fn from(pose: Pose) -> Self {
@@ -199,6 +201,25 @@ pub(crate) fn cameras(model: &Model) -> Vec<Camera> {
         field_of_view: camera.field_of_view,
     };
     model.cameras.iter().map(camera).collect()
+}
+
+/// Lights of a model.
+pub(crate) fn lamps(model: &Model) -> Vec<Lamp> {
+    let lamp = |lamp: &model::Lamp| Lamp {
+        name: lamp.name.clone(),
+        body: lamp.body.map_or(-1, |body| body.0 as i32),
+        mode: lamp.mode,
+        placement: lamp.pose.into(),
+        beam: match lamp.kind {
+            LampKind::Parallel => Beam::Parallel,
+            LampKind::Point => Beam::Point,
+            LampKind::Spot { cutoff, exponent } => Beam::Spot { cutoff, exponent },
+        },
+        color: lamp.color.to_array(),
+        attenuation: lamp.attenuation.to_array(),
+        shadows: lamp.shadows,
+    };
+    model.lamps.iter().map(lamp).collect()
 }
 
 /// A box [m] that holds all that has an end, as the bodies stand in the model.

@@ -423,6 +423,8 @@ impl Play {
             joints: describe::joints(&model, &numbers.targets, &self.stage.sliders, gains),
             actuators: describe::actuators(&model, &numbers.control),
             cameras: self.stage.cameras.clone(),
+            lamps: describe::lamps(&model),
+            sun: model::Lamp::sun(&model.lamps).map_or(-1, |row| row as i32),
             quantities: quantities(&model).into_iter().map(|(_, q)| q).collect(),
             unlisted: unlisted(&model),
             plots: self.first_plots().map(|i| i as u32).collect(),

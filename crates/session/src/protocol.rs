@@ -272,6 +272,10 @@ pub struct Scene {
     pub actuators: Vec<Actuator>,
     /// Cameras that see for a robot.
     pub cameras: Vec<Camera>,
+    /// Lights that the model names; where there are none, it is day.
+    pub lamps: Vec<Lamp>,
+    /// Which of them is the sun, or −1.
+    pub sun: i32,
     /// What can be plotted.
     pub quantities: Vec<Quantity>,
     /// What is left out of them, in a sentence, if anything is.
@@ -487,6 +491,44 @@ pub struct Camera {
     pub placement: Placement,
     /// Vertical field of view [rad].
     pub field_of_view: f64,
+}
+
+/// A light that shines along its −z.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Lamp {
+    /// Name.
+    pub name: String,
+    /// Body that carries it, or −1.
+    pub body: i32,
+    /// Whether it turns with its body, or only goes along with its origin.
+    pub mode: model::CameraMode,
+    /// Where it is: in that body's frame, or from its origin along world axes.
+    pub placement: Placement,
+    /// Where its light goes.
+    pub beam: Beam,
+    /// What it adds to a white sheet that faces it, before it fades, in linear light.
+    pub color: [f32; 3],
+    /// a, b and c by which it fades with the distance d [m] as 1 / (a + b d + c d²).
+    pub attenuation: [f64; 3],
+    /// Whether it throws shadows.
+    pub shadows: bool,
+}
+
+/// Where the light of a lamp goes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Beam {
+    /// Everywhere in one direction.
+    Parallel,
+    /// From a point in all directions.
+    Point,
+    /// From a point, as cosᵉ of the angle to the axis.
+    Spot {
+        /// The largest angle [rad].
+        cutoff: f64,
+        /// The exponent e.
+        exponent: f64,
+    },
 }
 
 /// A number that changes with time, of the first world shown.

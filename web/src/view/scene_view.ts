@@ -2,6 +2,7 @@ import { Box3, Color, Group, type Intersection, Matrix4, type Raycaster, Vector3
 import type { Frame } from "../frame";
 import type { Scene } from "../protocol";
 import { Batches, type Part } from "./batches";
+import { Lamps } from "./lamps";
 import { type Measures, measure, moves } from "./layout";
 import { Materials } from "./materials";
 import type { ViewOptions } from "./options";
@@ -41,6 +42,7 @@ export class SceneView {
   private readonly materials = new Materials();
   private maker: PartMaker;
   private batches = new Batches([]);
+  private readonly lamps: Lamps;
   private readonly trails: Trails;
   private readonly overlays: [overlay: Overlay, wanted: (options: ViewOptions) => boolean][];
   private readonly box = new PickedBox();
@@ -56,6 +58,7 @@ export class SceneView {
     this.poses = new Poses(scene);
     this.forms = new Forms(sides(scene.shapes.length * scene.shown.length));
     this.maker = new PartMaker(scene, this.measures, this.forms, this.materials);
+    this.lamps = new Lamps(scene, this.measures);
     this.trails = new Trails(scene);
     this.overlays = [
       [new Particles(), (o) => o.particles],
@@ -66,7 +69,7 @@ export class SceneView {
       [new ContactPoints(), (o) => o.contacts],
       [new ContactForces(scene), (o) => o.forces],
     ];
-    this.group.add(...this.overlays.map(([overlay]) => overlay.object), this.box);
+    this.group.add(...this.overlays.map(([overlay]) => overlay.object), this.box, this.lamps);
     this.apply(options);
   }
 
@@ -98,6 +101,7 @@ export class SceneView {
   /** Takes up what is chosen. */
   apply(options: ViewOptions): void {
     this.options = options;
+    this.lamps.shadows = options.shadows;
     this.trails.choice = options.trails;
     this.dress();
   }
@@ -118,6 +122,7 @@ export class SceneView {
     this.poses.update(frame);
     this.refine();
     this.batches.move(this.poses);
+    this.lamps.move(this.poses);
     if (this.gauges.size || this.painted !== this.poses.worlds) this.paint();
     const moment = { scene: this.scene, frame, poses: this.poses, measures: this.measures, picked };
     for (const [overlay, wanted] of this.overlays) {
@@ -146,6 +151,7 @@ export class SceneView {
     this.batches.dispose();
     for (const [overlay] of this.overlays) overlay.dispose();
     this.box.dispose();
+    this.lamps.dispose();
     this.forms.dispose();
     this.materials.dispose();
     this.group.removeFromParent();

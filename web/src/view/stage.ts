@@ -1,15 +1,17 @@
 import {
+  Color,
   Group,
   NeutralToneMapping,
   PCFShadowMap,
   type PerspectiveCamera,
   Scene,
-  type Vector3,
+  Vector3,
   WebGLRenderer,
 } from "three";
 import type { Scene as Model } from "../protocol";
 import type { Theme } from "../theme";
 import { Ground } from "./ground";
+import type { Sun } from "./lamps";
 import { Surroundings } from "./surroundings";
 
 /** A second picture in a corner, as a share of the first one's width; the style sheet has a frame for it. */
@@ -55,6 +57,12 @@ export class Stage {
 
   set shadows(on: boolean) {
     this.surroundings.shadows = on;
+  }
+
+  /** The sun of a model, in the scene's axes; null is the page's own. To be set after {@link up}. */
+  set sun(sun: Sun | null) {
+    const turned = sun && new Vector3(...sun.to).applyQuaternion(this.root.quaternion).normalize();
+    this.surroundings.shine(sun && turned && { to: turned, color: new Color(...sun.color) });
   }
 
   /** Turns what is drawn so that the scene's up is the screen's. */

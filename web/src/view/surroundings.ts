@@ -29,13 +29,17 @@ const STRENGTH: Record<Theme, { sky: number; sun: number }> = {
   light: { sky: 0.75, sun: 2.4 },
   dark: { sky: 0.55, sun: 2.1 },
 };
-/** Towards the sun. */
+/** Towards the sun, and its colour, where a model names none. */
 const SUN = new Vector3(0.75, 1.1, 0.25).normalize();
+const SUNLIGHT = new Color("#fff4e6");
+/** How bright the brightest part of it is in linear light. */
+const BRIGHT = 0.72;
 const SHADOW_PIXELS = 2048;
 
 /** Sky, sky light and a sun with shadows. */
 export class Surroundings extends Group {
-  private readonly sun = new DirectionalLight("#fff4e6");
+  private readonly sun = new DirectionalLight(SUNLIGHT);
+  private readonly toSun = SUN.clone();
   private readonly dome = new Mesh(
     new SphereGeometry(1, 24, 32),
     new MeshBasicMaterial({
@@ -70,6 +74,14 @@ export class Surroundings extends Group {
     this.sun.intensity = STRENGTH[theme].sun;
   }
 
+  /** The sun of a model, in the screen's axes; null is the page's own. */
+  shine(sun: { to: Vector3; color: Color } | null): void {
+    this.toSun.copy(sun?.to ?? SUN);
+    this.sun.color.copy(SUNLIGHT);
+    if (sun) this.sun.color.copy(sun.color).multiplyScalar(1 / BRIGHT);
+    this.sun.visible = this.sun.color.r + this.sun.color.g + this.sun.color.b > 0;
+  }
+
   set shadows(on: boolean) {
     this.sun.castShadow = on;
   }
@@ -82,7 +94,7 @@ export class Surroundings extends Group {
     if (reach !== this.shadowRadius) this.cover(reach);
     this.sun.target.position.copy(target);
     this.sun.position
-      .copy(SUN)
+      .copy(this.toSun)
       .multiplyScalar(4 * reach)
       .add(target);
   }

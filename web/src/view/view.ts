@@ -16,6 +16,7 @@ import type { Triple } from "../schema";
 import type { Session } from "../session";
 import type { Theme } from "../theme";
 import { CameraRig, type Carrier, type Mount, type Viewpoint } from "./camera_rig";
+import { sunOf } from "./lamps";
 import { VIEW_OPTIONS, type ViewOptions } from "./options";
 import type { Picked } from "./overlays/overlay";
 import { type Hit, SceneView } from "./scene_view";
@@ -229,6 +230,7 @@ export class View extends Emitter<{ carried: Carrier | null }> {
     this.picked = null;
     this.shown = new SceneView(scene, this.wardrobe, this.chosen);
     this.stage.up = scene.up;
+    this.stage.sun = sunOf(scene);
     this.stage.root.add(this.shown.group);
     this.mount("free");
     this.spring.visible = false;

@@ -183,7 +183,7 @@ fn read_others(
                 }
             }
             "camera" => camera::read(content, body, tree, context, report)?,
-            "light" => light::read(content, body, tree, context)?,
+            "light" => light::read(content, body, tree, context, report)?,
             name if GENERATORS.contains(&name) => {
                 let remedy = "load the file with MuJoCo and save it: that writes it out";
                 report.refuse(element, &format!("<{name}>"), remedy)?;

@@ -55,27 +55,9 @@ pub(super) fn read(
         report.note(&element, "orthographic cameras", "not read");
         return Ok(());
     }
-    let modes = ["fixed", "track", "trackcom", "targetbody", "targetbodycom"];
-    let mode = element.word("mode", &modes)?.unwrap_or("fixed");
     let local = content.frame * pose(&element, &context.compiler)?;
-    let (mode, pose) = match mode {
-        "fixed" => (CameraMode::Fixed, local),
-        // Its offset and orientation are those of the initial state.
-        "track" => (CameraMode::Track, along_world(&tree.pose(body), &local)),
-        "trackcom" => {
-            let meaning = "it goes along with its body's origin, not with the centre of mass";
-            report.note(&element, "mode `trackcom`", meaning);
-            (CameraMode::Track, along_world(&tree.pose(body), &local))
-        }
-        other => {
-            let what = format!("cameras of mode `{other}`");
-            report.note(
-                &element,
-                &what,
-                "not read: cameras do not turn by themselves",
-            );
-            return Ok(());
-        }
+    let Some((mode, pose)) = mounted("cameras", &element, local, body, tree, report)? else {
+        return Ok(());
     };
     tree.parts.cameras.push(Camera {
         name: element.get("name").unwrap_or_default().to_owned(),
@@ -86,6 +68,36 @@ pub(super) fn read(
         size: size(&element)?,
     });
     Ok(())
+}
+
+/// How cameras or lights go along with a body, in whose frame they are placed so, and their pose, as that says;
+/// notes what cannot be had.
+pub(super) fn mounted(
+    kind: &str,
+    element: &Element,
+    local: Pose,
+    body: Option<BodyId>,
+    tree: &Tree,
+    report: &mut Report,
+) -> Result<Option<(CameraMode, Pose)>, FormatError> {
+    let modes = ["fixed", "track", "trackcom", "targetbody", "targetbodycom"];
+    // Its offset and orientation are those of the initial state.
+    let track = || (CameraMode::Track, along_world(&tree.pose(body), &local));
+    Ok(match element.word("mode", &modes)?.unwrap_or("fixed") {
+        "fixed" => Some((CameraMode::Fixed, local)),
+        "track" => Some(track()),
+        "trackcom" => {
+            let meaning = "it goes along with its body's origin, not with the centre of mass";
+            report.note(element, "mode `trackcom`", meaning);
+            Some(track())
+        }
+        other => {
+            let what = format!("{kind} of mode `{other}`");
+            let meaning = format!("not read: {kind} do not turn by themselves");
+            report.note(element, &what, &meaning);
+            None
+        }
+    })
 }
 
 /// A pose in a body's frame, from the body's origin along world axes.

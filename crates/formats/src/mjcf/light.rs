@@ -1,54 +1,109 @@
-//! `<light>` (XML reference, "light"): the one that shines from one direction is the sun.
+//! `<light>` (XML reference, "light").
 
 use super::Context;
+use super::camera::mounted;
 use super::content::Content;
 use super::tree::Tree;
 use crate::error::FormatError;
 use crate::report::Report;
 use crate::xml::Element;
-use glam::DVec3;
-use model::BodyId;
+use glam::{DQuat, DVec3};
+use model::{BodyId, Lamp, LampKind, Pose};
+use std::f64::consts::FRAC_PI_2;
 
-/// A light, and the direction to it where it could be the sun.
-pub(super) struct Light {
-    element: Element,
-    to_sun: Option<DVec3>,
-}
+const KNOWN: &[&str] = &[
+    "name",
+    "class",
+    "mode",
+    "target",
+    "directional",
+    "type",
+    "castshadow",
+    "active",
+    "pos",
+    "dir",
+    "diffuse",
+    "attenuation",
+    "cutoff",
+    "exponent",
+];
+/// What is left out of a light, and what that means.
+const UNUSED: &[(&str, &str)] = &[
+    ("ambient", "what is lit from nowhere is lit by the sky"),
+    ("specular", "what shines reflects `diffuse`"),
+    ("texture", "not read"),
+    ("intensity", "brightness is that of `diffuse`"),
+    ("range", "light goes on, as `attenuation` says"),
+    ("bulbradius", "shadows of lamps have sharp edges"),
+];
+/// MuJoCo's own colour, cutoff [°] and exponent.
+const DIFFUSE: f64 = 0.7;
+const CUTOFF: f64 = 45.0;
+const EXPONENT: f64 = 10.0;
 
-/// Remembers a light of a body, or of the world.
+/// Adds a light of a body, or of the world; notes one that cannot be had.
 pub(super) fn read(
     content: &Content,
     body: Option<BodyId>,
     tree: &mut Tree,
     context: &Context<'_>,
+    report: &mut Report,
 ) -> Result<(), FormatError> {
     let defaults = &context.defaults;
     let element = defaults.apply(content.element, content.class, &["light"])?;
-    let parallel = element.truth("directional")?.unwrap_or(false)
-        || element.get("type") == Some("directional");
-    let shines = parallel && element.truth("active")?.unwrap_or(true);
-    // A sun does not turn with a robot.
-    let stays = body.is_none() && !element.has("target");
+    report.check_attributes(&element, KNOWN, UNUSED)?;
+    let Some(kind) = kind(&element, report)? else {
+        return Ok(());
+    };
+    if element.truth("active")? == Some(false) {
+        return Ok(());
+    }
     let along = element.vector("dir")?.unwrap_or(DVec3::NEG_Z);
-    let to_sun = -content.frame.direction(along);
-    let is_sun = shines && stays && to_sun.length() > 0.0;
-    tree.lights.push(Light {
-        element,
-        to_sun: is_sun.then_some(to_sun),
+    let Some(along) = along.try_normalize() else {
+        return Err(element.invalid("`dir` is no direction", "give one, such as 0 0 -1"));
+    };
+    let turn = DQuat::from_rotation_arc(DVec3::NEG_Z, along);
+    let local = content.frame * Pose::new(element.vector("pos")?.unwrap_or_default(), turn);
+    let Some((mode, pose)) = mounted("lights", &element, local, body, tree, report)? else {
+        return Ok(());
+    };
+    let name = element.get("name").unwrap_or_default();
+    let (diffuse, attenuation) = (element.vector("diffuse")?, element.vector("attenuation")?);
+    tree.parts.lamps.push(Lamp {
+        body,
+        mode,
+        pose,
+        color: diffuse.unwrap_or(DVec3::splat(DIFFUSE)).as_vec3(),
+        attenuation: attenuation.unwrap_or(DVec3::X),
+        shadows: element.truth("castshadow")?.unwrap_or(true),
+        ..Lamp::new(name, kind)
     });
     Ok(())
 }
 
-/// Makes the light that is parallel the sun, if there is one only, and notes what is not read.
-pub(super) fn finish(tree: &mut Tree, report: &mut Report) {
-    let mut suns = tree.lights.iter().filter_map(|light| light.to_sun);
-    tree.parts.sun = suns.next().filter(|_| suns.next().is_none());
-    let one = tree.parts.sun.is_some();
-    for Light { element, to_sun } in &tree.lights {
-        if one && to_sun.is_some() {
-            report.note(element, "the sun", "only its direction is read");
-        } else {
-            report.note(element, "lights", "only for seeing; not read");
+fn kind(element: &Element, report: &mut Report) -> Result<Option<LampKind>, FormatError> {
+    let types = ["spot", "directional", "point", "image"];
+    let parallel = element.truth("directional")?.unwrap_or(false);
+    let otherwise = if parallel { "directional" } else { "spot" };
+    Ok(match element.word("type", &types)?.unwrap_or(otherwise) {
+        "directional" => Some(LampKind::Parallel),
+        "point" => Some(LampKind::Point),
+        "spot" => Some(spot(element)?),
+        _ => {
+            report.note(element, "lights of the type `image`", "not read");
+            None
         }
+    })
+}
+
+/// With OpenGL's cutoff: up to 90°, or 180° for light in all directions.
+fn spot(element: &Element) -> Result<LampKind, FormatError> {
+    let cutoff = element.number("cutoff")?.unwrap_or(CUTOFF);
+    if cutoff >= 180.0 {
+        return Ok(LampKind::Point);
     }
+    Ok(LampKind::Spot {
+        cutoff: cutoff.to_radians().min(FRAC_PI_2),
+        exponent: element.number("exponent")?.unwrap_or(EXPONENT),
+    })
 }

@@ -126,7 +126,6 @@ pub(crate) fn read(
         defaults,
     };
     let mut tree = body::read(&root, &context, &mut report)?;
-    light::finish(&mut tree, &mut report);
     let fusion = Fusion::plan(&tree.parts, &tree.elements)?;
     scale_total_mass(&mut tree.parts, context.compiler.total_mass);
     tendon::check(&root, &context, &mut report)?;

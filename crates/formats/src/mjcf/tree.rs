@@ -2,7 +2,6 @@
 
 use super::geom::Geom;
 use super::joint::FileJoint;
-use super::light::Light;
 use super::surface::Surface;
 use crate::error::FormatError;
 use crate::xml::Element;
@@ -20,7 +19,6 @@ pub(super) struct Tree {
     pub parents: Vec<Option<BodyId>>,
     /// The surface of each shape.
     pub surfaces: Vec<Surface>,
-    pub lights: Vec<Light>,
     body_names: HashMap<String, Option<BodyId>>,
     joint_names: HashMap<String, usize>,
     geom_names: HashMap<String, ShapeId>,
@@ -44,7 +42,6 @@ impl Tree {
             joints: Vec::new(),
             parents: Vec::new(),
             surfaces: Vec::new(),
-            lights: Vec::new(),
             body_names: HashMap::from([("world".to_owned(), None)]),
             joint_names: HashMap::new(),
             geom_names: HashMap::new(),

@@ -20,6 +20,8 @@ const MOST_IMPEDANCE: f64 = 0.9999;
 const FIELDS_OF_VIEW: [f64; 2] = [1e-6, std::f64::consts::PI - 1e-6];
 /// Most pixels of a row of a camera's image, and most rows.
 const MOST_PIXELS: f64 = 16384.0;
+/// Most lamps of a model: each is asked for every pixel.
+const MOST_LAMPS: usize = 256;
 /// Relative slack for inertia matrices, which files give with few digits.
 const INERTIA_TOLERANCE: f64 = 1e-6;
 /// A principal moment below this share of the largest counts as zero.
@@ -53,7 +55,11 @@ pub(super) fn parts(parts: &Parts) -> Result<(), ModelError> {
     parts
         .cameras
         .iter()
-        .try_for_each(|c| camera(c, parts.bodies.len()))
+        .try_for_each(|c| camera(c, parts.bodies.len()))?;
+    parts
+        .lamps
+        .iter()
+        .try_for_each(|l| l.check(parts.bodies.len()))
 }
 
 fn counts(parts: &Parts) -> Result<(), ModelError> {
@@ -68,6 +74,7 @@ fn counts(parts: &Parts) -> Result<(), ModelError> {
         ("sensors", parts.sensors.len(), MOST_ROWS),
         ("keyframes", parts.keyframes.len(), MOST_ROWS),
         ("cameras", parts.cameras.len(), MOST_ROWS),
+        ("lamps", parts.lamps.len(), MOST_LAMPS),
         ("worlds", parts.worlds, MOST_WORLDS),
     ];
     match tables.into_iter().find(|&(_, count, most)| count > most) {
@@ -83,9 +90,6 @@ fn settings(parts: &Parts) -> Result<(), ModelError> {
     };
     subject.positive("time step [s]", parts.time_step)?;
     subject.all_finite("gravity [m/s²]", &parts.gravity.to_array())?;
-    if let Some(sun) = parts.sun {
-        subject.positive("length of the direction to the sun", sun.length())?;
-    }
     if parts.worlds == 0 {
         return Err(ModelError::NoWorlds);
     }
@@ -101,7 +105,8 @@ fn all_names(parts: &Parts) -> Result<(), ModelError> {
     names("actuator", parts.actuators.iter().map(|a| a.name.as_str()))?;
     names("sensor", parts.sensors.iter().map(|s| s.name.as_str()))?;
     names("keyframe", parts.keyframes.iter().map(|k| k.name.as_str()))?;
-    names("camera", parts.cameras.iter().map(|c| c.name.as_str()))
+    names("camera", parts.cameras.iter().map(|c| c.name.as_str()))?;
+    names("lamp", parts.lamps.iter().map(|l| l.name.as_str()))
 }
 
 fn camera(camera: &Camera, bodies: usize) -> Result<(), ModelError> {

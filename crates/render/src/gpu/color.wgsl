@@ -1,36 +1,85 @@
-// What light makes of surfaces: the same as in `ray_caster/color.rs`, but for shadows, which are where the
-// sun's image holds something nearer to the sun.
+// What light makes of surfaces: the same as in `ray_caster/color.rs`, but for shadows, which are where a
+// lamp's picture holds something nearer to it.
 
-@group(1) @binding(0) var sun_image: texture_depth_2d;
+struct Lamp {
+    // Where it is; where parallel light comes from.
+    place: vec3f,
+    kind: u32,
+    // Where it shines.
+    along: vec3f,
+    cutoff_cosine: f32,
+    color: vec3f,
+    exponent: f32,
+    attenuation: vec3f,
+    // Of its shadows, in `tiles`.
+    first_tile: u32,
+    tiles: u32,
+}
+
+const PARALLEL = 0u;
+const POINT = 1u;
+
+@group(1) @binding(0) var shadows: texture_depth_2d;
 @group(1) @binding(1) var nearer: sampler_comparison;
+@group(1) @binding(2) var<storage, read> lamps: array<Lamp>;
+@group(1) @binding(3) var<storage, read> tiles: array<Tile>;
 
 const SHINE = 0.12;
 const DARKER = 0.86;
 const FLAT = 0.08;
 
-// Share of the sun's light that arrives, the mean of four points about one.
-fn sunlight(p: vec3f, normal: vec3f) -> f32 {
-    if world.texel == 0.0 {
+// Which of the six tiles about a lamp shows what is in a direction: +x, −x, +y, −y, +z, −z.
+fn side(direction: vec3f) -> u32 {
+    let far = abs(direction);
+    if far.x >= far.y && far.x >= far.z {
+        return select(0u, 1u, direction.x < 0.0);
+    }
+    if far.y >= far.z {
+        return select(2u, 3u, direction.y < 0.0);
+    }
+    return select(4u, 5u, direction.z < 0.0);
+}
+
+// Share of a lamp's light that arrives past everything, the mean of four points about one.
+fn passing(lamp: Lamp, p: vec3f, normal: vec3f) -> f32 {
+    if lamp.tiles == 0u {
         return 1.0;
     }
-    let place = world.sun_clip * vec4f(p + 1.5 * world.texel * normal, 1.0);
-    let at = vec2f(0.5 + 0.5 * place.x, 0.5 - 0.5 * place.y);
-    if any(at < vec2f(0.0)) || any(at > vec2f(1.0)) {
+    var index = lamp.first_tile;
+    if lamp.tiles > 1u {
+        index += side(p - lamp.place);
+    }
+    let tile = tiles[index];
+    let depth = (tile.clip * vec4f(p, 1.0)).w;
+    let place = tile.clip * vec4f(p + 1.5 * tile.texel * depth * normal, 1.0);
+    let on = place.xyz / place.w;
+    let at = vec2f(0.5 + 0.5 * on.x, 0.5 - 0.5 * on.y);
+    if place.w <= 0.0 || any(at < vec2f(0.0)) || any(at > vec2f(1.0)) {
         return 1.0;
     }
-    let corner = vec2f(world.tile_left, world.tile_top);
-    let size = vec2f(world.tile_width, world.tile_height);
-    let texel = 1.0 / vec2f(textureDimensions(sun_image));
-    // Points beside the edge belong to another world.
-    let low = corner + 2.0 * texel;
-    let high = corner + size - 2.0 * texel;
+    let texel = 1.0 / vec2f(textureDimensions(shadows));
+    // Points beside the edge belong to another tile.
+    let low = tile.corner + 2.0 * texel;
+    let high = tile.corner + tile.size - 2.0 * texel;
     var light = 0.0;
     for (var i = 0; i < 4; i++) {
         let beside = (vec2f(f32(i & 1), f32(i >> 1)) - 0.5) * texel;
-        let uv = clamp(corner + at * size + beside, low, high);
-        light += 0.25 * textureSampleCompareLevel(sun_image, nearer, uv, min(place.z, 1.0));
+        let uv = clamp(tile.corner + at * tile.size + beside, low, high);
+        light += 0.25 * textureSampleCompareLevel(shadows, nearer, uv, clamp(on.z, 0.0, 1.0));
     }
     return light;
+}
+
+// What of a lamp's light goes to a distance, at an angle of this cosine to its axis.
+fn share(lamp: Lamp, distance: f32, cosine: f32) -> f32 {
+    if lamp.kind == PARALLEL {
+        return 1.0;
+    }
+    var spread = 1.0;
+    if lamp.kind != POINT {
+        spread = select(0.0, pow(max(cosine, 0.0), lamp.exponent), cosine >= lamp.cutoff_cosine);
+    }
+    return spread / dot(lamp.attenuation, vec3f(1.0, distance, distance * distance));
 }
 
 fn wave(x: vec2f) -> vec2f {
@@ -60,14 +109,21 @@ fn plane_color(shape: Shape, distance: f32, direction: vec3f, arriving: vec3f) -
 }
 
 fn surface_color(shape: Shape, distance: f32, direction: vec3f, normal: vec3f) -> vec3f {
+    let p = distance * direction;
     var arriving = mix(world.ground, world.sky, 0.5 + 0.5 * dot(normal, world.up));
     var shine = vec3f(0.0);
-    let facing = dot(normal, world.to_sun);
-    if facing > 0.0 {
-        let sun = sunlight(distance * direction, normal) * world.sun;
-        arriving += facing * sun;
-        let half_way = normalize(world.to_sun - direction);
-        shine = SHINE * pow(max(dot(normal, half_way), 0.0), 48.0) * sun;
+    for (var i = 0u; i < u32(world.lamps); i++) {
+        let lamp = lamps[u32(world.first_lamp) + i];
+        let way = select(lamp.place - p, lamp.place, lamp.kind == PARALLEL);
+        let to_lamp = normalize(way);
+        let facing = dot(normal, to_lamp);
+        let share = share(lamp, length(way), -dot(to_lamp, lamp.along));
+        if facing > 0.0 && share > 0.0 {
+            let light = share * passing(lamp, p, normal) * lamp.color;
+            arriving += facing * light;
+            let half_way = normalize(to_lamp - direction);
+            shine += SHINE * pow(max(dot(normal, half_way), 0.0), 48.0) * light;
+        }
     }
     if shape.kind == RECTANGLE || shape.kind == ENDLESS {
         return plane_color(shape, distance, direction, arriving);

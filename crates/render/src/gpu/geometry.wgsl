@@ -55,14 +55,3 @@ fn solid_geometry(in: Fragment) -> Geometry {
 fn mesh_geometry(in: Fragment) -> Geometry {
     return geometry(in, see_mesh(in));
 }
-
-// How far a solid is from the sun, in the sun's image.
-@fragment
-fn solid_in_sun_depth(in: Fragment) -> @builtin(frag_depth) f32 {
-    let shape = shapes[in.shape];
-    let met = enter(shape, in.way, -world.to_sun);
-    if met.distance >= MISS.distance {
-        discard;
-    }
-    return (world.sun_clip * vec4f(in.way - met.distance * world.to_sun, 1.0)).z;
-}

@@ -5,14 +5,16 @@
 //! formulas as the ray-caster's, in single precision. So a ball is round at any distance, depth is
 //! as exact as single precision is, no solid is cut into triangles, and all of a world's are drawn
 //! with one call. Hulls and meshes are drawn as their triangles. The images of many worlds are tiles of
-//! one target, which is drawn in one pass (in several where it would be too large). The sun sees the
-//! worlds first, in tiles of a picture of depths: what is farther than that is in shadow.
+//! one target, which is drawn in one pass (in several where it would be too large). Sun and lamps see the
+//! worlds first, in tiles of a picture of depths: what is farther than that is in shadow. A lamp that shines all
+//! around has six of them.
 //!
 //! Against the ray-caster: the colours are the same but for the edges of shadows, which are as fine as
-//! the sun's image, and are softened by that. What is seen through is drawn after all else, the farthest
+//! that picture, and are softened by that. What is seen through is drawn after all else, the farthest
 //! shape first, and throws no shadow.
 
 mod device;
+mod lamps;
 mod pipelines;
 mod shapes;
 mod targets;
@@ -159,9 +161,9 @@ impl Rasteriser {
         let target = Target::color(&self.gpu, grid, samples);
         let pipelines = self.pipelines.color(samples);
         let mut encoder = self.gpu.encoder();
-        self.suns_image(&mut encoder, worlds);
+        self.shadows(&mut encoder, worlds);
         let mut pass = target.pass(&mut encoder);
-        pass.set_bind_group(1, &worlds.sun.bindings, &[]);
+        pass.set_bind_group(1, &worlds.lamps.bindings, &[]);
         for (world, tile) in worlds.all.iter().zip(grid.tiles()) {
             tile.set(&mut pass);
             pass.set_pipeline(&pipelines.background);
@@ -185,13 +187,24 @@ impl Rasteriser {
         }
     }
 
-    /// Draws what the sun sees of each world.
-    fn suns_image(&self, encoder: &mut wgpu::CommandEncoder, worlds: &Worlds) {
-        let mut pass = worlds.sun.target.pass(encoder);
-        for (world, tile) in worlds.all.iter().zip(worlds.sun.grid.tiles()) {
-            tile.set(&mut pass);
-            for drawn in &world.casting {
-                self.draw(&mut pass, drawn, &self.pipelines.sun, worlds, world.offset);
+    /// Draws what lamps see of each world.
+    fn shadows(&self, encoder: &mut wgpu::CommandEncoder, worlds: &Worlds) {
+        let lamps = &worlds.lamps;
+        let mut pass = lamps.target.pass(encoder);
+        let mut tiles = lamps.grid.tiles();
+        for (i, world) in worlds.all.iter().enumerate() {
+            for (offset, tile) in lamps.offsets(i).zip(&mut tiles) {
+                tile.set(&mut pass);
+                pass.set_bind_group(1, &lamps.onto, &[offset]);
+                for drawn in &world.casting {
+                    self.draw(
+                        &mut pass,
+                        drawn,
+                        &self.pipelines.shadow,
+                        worlds,
+                        world.offset,
+                    );
+                }
             }
         }
     }

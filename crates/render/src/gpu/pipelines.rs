@@ -7,6 +7,7 @@ const SOURCE: &str = concat!(
     include_str!("scene.wgsl"),
     include_str!("solids.wgsl"),
     include_str!("geometry.wgsl"),
+    include_str!("shadow.wgsl"),
     include_str!("color.wgsl"),
 );
 
@@ -14,10 +15,12 @@ const SOURCE: &str = concat!(
 pub(super) struct Pipelines {
     /// Of a world's numbers and shapes.
     pub world: wgpu::BindGroupLayout,
-    /// Of the sun's image.
-    pub sun_image: wgpu::BindGroupLayout,
+    /// Of lamps, and of what they see.
+    pub lamps: wgpu::BindGroupLayout,
+    /// Of a tile that a lamp sees.
+    pub onto: wgpu::BindGroupLayout,
     pub geometry: Pair,
-    pub sun: Pair,
+    pub shadow: Pair,
     /// With one sample a pixel and with four.
     colors: [Colors; 2],
 }
@@ -39,7 +42,7 @@ pub(super) struct Colors {
 
 impl Pipelines {
     pub fn new(gpu: &Gpu) -> Self {
-        let (world, sun_image) = layouts(gpu);
+        let [world, lamps, onto] = layouts(gpu);
         let source = wgpu::ShaderSource::Wgsl(SOURCE.into());
         let label = Some("render");
         let shader = wgpu::ShaderModuleDescriptor { label, source };
@@ -52,7 +55,8 @@ impl Pipelines {
             gpu.device.create_pipeline_layout(&descriptor)
         };
         let plain = layout(&[Some(&world)]);
-        let lit = layout(&[Some(&world), Some(&sun_image)]);
+        let lit = layout(&[Some(&world), Some(&lamps)]);
+        let from_lamp = layout(&[Some(&world), Some(&onto)]);
         let stage = |layout| Stage {
             gpu,
             shader: &shader,
@@ -67,9 +71,9 @@ impl Pipelines {
             targets: &geometry,
             ..stage(&plain)
         };
-        let sun = Stage {
+        let shadow = Stage {
             compare: wgpu::CompareFunction::Less,
-            ..stage(&plain)
+            ..stage(&from_lamp)
         };
         let colors = |samples| {
             Colors::new(Stage {
@@ -82,14 +86,15 @@ impl Pipelines {
                 boxes: geometry.boxes("solid", "solid_geometry"),
                 triangles: geometry.triangles("mesh", "mesh_geometry"),
             },
-            sun: Pair {
-                boxes: sun.boxes("solid_in_sun", "solid_in_sun_depth"),
+            shadow: Pair {
+                boxes: shadow.boxes("solid_in_light", "solid_in_light_depth"),
                 // From both sides.
-                triangles: sun.pipeline("mesh_in_sun", None, None, &[Some(VERTEX)]),
+                triangles: shadow.pipeline("mesh_in_light", None, None, &[Some(VERTEX)]),
             },
             colors: [colors(1), colors(4)],
             world,
-            sun_image,
+            lamps,
+            onto,
         }
     }
 
@@ -216,8 +221,8 @@ impl Stage<'_> {
     }
 }
 
-/// Of a world's numbers and shapes, and of the sun's image.
-fn layouts(gpu: &Gpu) -> (wgpu::BindGroupLayout, wgpu::BindGroupLayout) {
+/// Of a world's numbers and shapes, of lamps and what they see, and of one tile of that.
+fn layouts(gpu: &Gpu) -> [wgpu::BindGroupLayout; 3] {
     let entry = |binding, visibility, ty| wgpu::BindGroupLayoutEntry {
         binding,
         visibility,
@@ -249,6 +254,12 @@ fn layouts(gpu: &Gpu) -> (wgpu::BindGroupLayout, wgpu::BindGroupLayout) {
     };
     let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison);
     let fragment = wgpu::ShaderStages::FRAGMENT;
-    let sun_image = layout(&[entry(0, fragment, image), entry(1, fragment, sampler)]);
-    (world, sun_image)
+    let lamps = layout(&[
+        entry(0, fragment, image),
+        entry(1, fragment, sampler),
+        entry(2, fragment, buffer(read_only, false)),
+        entry(3, fragment, buffer(read_only, false)),
+    ]);
+    let uniform = buffer(wgpu::BufferBindingType::Uniform, true);
+    [world, lamps, layout(&[entry(0, both, uniform)])]
 }

@@ -5,8 +5,6 @@
 struct World {
     // From a position to the image; depth is near / depth, so that far things keep theirs, too.
     clip: mat4x4f,
-    // From a position to the sun's image.
-    sun_clip: mat4x4f,
     // To depth 1 m: of the image's upper left corner, and of its whole width and height.
     corner: vec3f,
     near: f32,
@@ -19,17 +17,11 @@ struct World {
     // Edge of the squares on planes; 0 is none.
     checker: f32,
     up: vec3f,
-    // Width of a texel of the sun's image, in metres; 0 without shadows.
-    texel: f32,
-    to_sun: vec3f,
-    // This world's part of the sun's images, as shares of the whole.
-    tile_left: f32,
-    sun: vec3f,
-    tile_top: f32,
+    // Of this world, in `lamps`.
+    first_lamp: f32,
     sky: vec3f,
-    tile_width: f32,
+    lamps: f32,
     ground: vec3f,
-    tile_height: f32,
     zenith: vec3f,
     horizon: vec3f,
 }
@@ -134,16 +126,3 @@ fn background(@builtin(vertex_index) vertex: u32) -> Fragment {
     return whole_image(vertex, 0u);
 }
 
-@vertex
-fn solid_in_sun(@builtin(vertex_index) vertex: u32, @builtin(instance_index) index: u32) -> Fragment {
-    var out: Fragment;
-    out.way = box_corner(vertex, shapes[index]);
-    out.place = world.sun_clip * vec4f(out.way, 1.0);
-    out.shape = index;
-    return out;
-}
-
-@vertex
-fn mesh_in_sun(@location(0) p: vec3f, @builtin(instance_index) index: u32) -> @builtin(position) vec4f {
-    return world.sun_clip * vec4f(mesh_point(shapes[index], p), 1.0);
-}

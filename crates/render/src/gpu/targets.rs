@@ -199,8 +199,8 @@ impl Target {
         Self::new(gpu, grid, colors, vec![wgpu::Color::BLACK], samples)
     }
 
-    /// What the sun sees: depths, from 0 at the sun to 1.
-    pub fn sun(gpu: &Gpu, grid: &Grid) -> Self {
+    /// What lamps see: depths, from 0 at the lamp to 1.
+    pub fn depths(gpu: &Gpu, grid: &Grid) -> Self {
         Self {
             far: 1.0,
             ..Self::new(gpu, grid, Vec::new(), Vec::new(), 1)

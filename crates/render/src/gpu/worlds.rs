@@ -1,12 +1,12 @@
 //! Worlds as shaders read them, and what is drawn of each.
 
 use super::device::Gpu;
+use super::lamps::Lamps;
 use super::pipelines::Pipelines;
 use super::shapes::{self, WORDS, is_mesh};
-use super::targets::{Grid, Target};
 use crate::scene::{Form, Item, Scene};
 use crate::view::View;
-use glam::{DMat3, DMat4, DVec2, DVec3, DVec4, Vec3};
+use glam::{DMat4, DVec2, DVec3, DVec4, Vec3};
 use model::Pose;
 use std::ops::Range;
 
@@ -37,36 +37,11 @@ pub(super) struct Worlds {
     pub all: Vec<World>,
     /// Of numbers and shapes.
     pub bindings: wgpu::BindGroup,
-    pub sun: SunImage,
-}
-
-/// What the sun sees.
-#[derive(Debug)]
-pub(super) struct SunImage {
-    pub grid: Grid,
-    pub target: Target,
-    pub bindings: wgpu::BindGroup,
+    pub lamps: Lamps,
 }
 
 /// Bytes from the numbers of a world to those of the next, a multiple of what cards ask for.
 const STRIDE: usize = 512;
-/// Edge of the sun's images of all worlds together [texel], about; and of one at most.
-const SUN_TEXELS: usize = 4096;
-const MOST_SUN_TEXELS: usize = 2048;
-/// Texels of the sun's image for each pixel of the camera's, along an edge, and no fewer than these.
-const SUN_DETAIL: usize = 3;
-const LEAST_SUN_TEXELS: usize = 256;
-
-/// Edge of the sun's image of each of so many worlds [texel].
-fn sun_texels(view: &View, worlds: usize) -> usize {
-    if !view.channels.rgb {
-        return 1;
-    }
-    let detail = SUN_DETAIL * view.camera.width.max(view.camera.height);
-    let room = SUN_TEXELS / (worlds as f64).sqrt().ceil() as usize;
-    let wanted = detail.clamp(LEAST_SUN_TEXELS, MOST_SUN_TEXELS);
-    wanted.min(room).max(16)
-}
 
 impl Worlds {
     pub fn new(
@@ -76,14 +51,23 @@ impl Worlds {
         view: &View,
         worlds: &[&[Pose]],
     ) -> Self {
-        let edge = sun_texels(view, worlds.len());
-        let grid = Grid::of(worlds.len(), (edge, edge), gpu);
-        let (mut numbers, mut words, mut all) = (Vec::new(), Vec::new(), Vec::new());
-        for ((i, bodies), tile) in worlds.iter().enumerate().zip(grid.shares()) {
+        let eyes = worlds.iter().map(|bodies| {
             let eye = view.camera.placed(bodies);
-            let eye = Pose::new(eye.position, eye.orientation.normalize());
+            Pose::new(eye.position, eye.orientation.normalize())
+        });
+        let eyes: Vec<Pose> = eyes.collect();
+        let places = eyes.iter().map(|eye| eye.position);
+        let seen: Vec<_> = worlds.iter().copied().zip(places).collect();
+        let lamps = Lamps::new(gpu, pipelines, scene, view, &seen);
+        let (mut numbers, mut words, mut all) = (Vec::new(), Vec::new(), Vec::new());
+        for ((i, bodies), eye) in worlds.iter().enumerate().zip(&eyes) {
             numbers.resize(i * STRIDE / 4, 0.0);
-            numbers.extend(self::numbers(scene, view, bodies, &eye, edge, tile));
+            numbers.extend(self::numbers(
+                scene,
+                view,
+                eye,
+                [i * lamps.count, lamps.count],
+            ));
             let first = (words.len() / WORDS) as u32;
             let order = Order::new(scene, bodies, eye.position);
             let shapes = order
@@ -102,7 +86,7 @@ impl Worlds {
         Self {
             all,
             bindings: bindings(gpu, pipelines, &numbers, &shapes),
-            sun: SunImage::new(gpu, pipelines, grid),
+            lamps,
         }
     }
 }
@@ -175,26 +159,15 @@ impl Order {
     }
 }
 
-/// The `World` of the shader.
-fn numbers(
-    scene: &Scene,
-    view: &View,
-    bodies: &[Pose],
-    eye: &Pose,
-    edge: usize,
-    [corner, size]: [[f32; 2]; 2],
-) -> Vec<f32> {
+/// The `World` of the shader, whose first lamp has this row, and which has so many.
+fn numbers(scene: &Scene, view: &View, eye: &Pose, [first_lamp, lamps]: [usize; 2]) -> Vec<f32> {
     let (camera, light) = (&view.camera, view.light(scene));
     let (width, height) = (camera.width as f64, camera.height as f64);
     let towards = |u, v| eye.direction(camera.unproject(DVec2::new(u, v)));
     let first = towards(0.0, 0.0);
-    let to_sun = light.to_sun.normalize();
-    let (sun_clip, texel) = sun_clip(scene, to_sun, bodies, eye.position, edge);
-    let shadows = light.shadows && light.sun != Vec3::ZERO;
     let samples = view.samples as f64;
     let mut numbers = Vec::with_capacity(STRIDE / 4);
     numbers.extend(clip(view, eye).as_mat4().to_cols_array());
-    numbers.extend(sun_clip.as_mat4().to_cols_array());
     let mut row = |v: Vec3, last: f32| numbers.extend([v.x, v.y, v.z, last]);
     row(first.as_vec3(), camera.near as f32);
     row((towards(width, 0.0) - first).as_vec3(), camera.far as f32);
@@ -204,11 +177,9 @@ fn numbers(
         eye.direction(DVec3::NEG_Z).as_vec3(),
         view.checker(scene) as f32,
     );
-    row(scene.up.as_vec3(), if shadows { texel as f32 } else { 0.0 });
-    row(to_sun.as_vec3(), corner[0]);
-    row(light.sun, corner[1]);
-    row(light.sky, size[0]);
-    row(light.ground, size[1]);
+    row(scene.up.as_vec3(), first_lamp as f32);
+    row(light.sky, lamps as f32);
+    row(light.ground, 0.0);
     row(light.zenith, 0.0);
     row(light.horizon, 0.0);
     numbers
@@ -228,34 +199,6 @@ fn clip(view: &View, eye: &Pose) -> DMat4 {
         (-back).extend(0.0),
     ];
     DMat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose()
-}
-
-/// From there to the sun's image, which holds all that throws shadows; and a texel's width [m].
-fn sun_clip(
-    scene: &Scene,
-    to_sun: DVec3,
-    bodies: &[Pose],
-    eye: DVec3,
-    edge: usize,
-) -> (DMat4, f64) {
-    let (a, b) = to_sun.any_orthonormal_pair();
-    let axes = DMat3::from_cols(a, b, to_sun).transpose();
-    let casting = scene.items.iter().filter(|item| item.half.is_finite());
-    let corners = casting.flat_map(|item| item.corners(&item.placed(bodies)));
-    let seen = corners.map(|p| axes * (p - eye)).map(|p| [p, p]);
-    let bounds = seen.reduce(|[low, high], [p, q]| [low.min(p), high.max(q)]);
-    let [low, high] = bounds.unwrap_or([DVec3::NEG_ONE, DVec3::ONE]);
-    // A share for the width of texels.
-    let half = 0.51 * (high - low).max(DVec3::splat(1e-6));
-    let middle = 0.5 * (low + high);
-    let across = |axis: DVec3, i: usize| (axis / half[i]).extend(-middle[i] / half[i]);
-    let depth = (-0.5 * to_sun / half.z).extend(0.5 + 0.5 * middle.z / half.z);
-    let rows = [across(a, 0), across(b, 1), depth, DVec4::W];
-    let texel = 2.0 * half.x.max(half.y) / edge as f64;
-    (
-        DMat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose(),
-        texel,
-    )
 }
 
 fn bindings(
@@ -284,36 +227,4 @@ fn bindings(
         layout: &pipelines.world,
         entries: &entries,
     })
-}
-
-impl SunImage {
-    fn new(gpu: &Gpu, pipelines: &Pipelines, grid: Grid) -> Self {
-        let target = Target::sun(gpu, &grid);
-        let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            compare: Some(wgpu::CompareFunction::LessEqual),
-            ..Default::default()
-        });
-        let entries = [
-            wgpu::BindGroupEntry {
-                binding: 0,
-                resource: wgpu::BindingResource::TextureView(&target.depth),
-            },
-            wgpu::BindGroupEntry {
-                binding: 1,
-                resource: wgpu::BindingResource::Sampler(&sampler),
-            },
-        ];
-        let bindings = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &pipelines.sun_image,
-            entries: &entries,
-        });
-        Self {
-            grid,
-            target,
-            bindings,
-        }
-    }
 }

@@ -1,8 +1,9 @@
 //! What light makes of what a ray meets.
 //!
 //! A surface scatters light evenly (Lambert), and shines a little where it faces half way between
-//! the sun and the eye (Blinn). Colours are linear until they are encoded.
+//! a light and the eye (Blinn). Colours are linear until they are encoded.
 
+use super::lamp::PlacedLamp;
 use super::placed::Ray;
 use super::sampling::{disc, hemisphere, turn};
 use super::tile::Tile;
@@ -26,6 +27,8 @@ pub(super) struct Lit<'a> {
     tile: &'a Tile<'a>,
     /// What may be between the points and the sun.
     casters: Vec<usize>,
+    /// And between them and each lamp.
+    lamps: Vec<Vec<usize>>,
     /// What may be between the points and the sky.
     occluders: Vec<usize>,
     part: usize,
@@ -53,14 +56,23 @@ impl<'a> Lit<'a> {
             let lit = Tile::around(points.clone().map(|p| world.sun * p));
             casters = those(&|seen| seen.shadows(lit, world.sun_spread()));
         }
+        let around = Tile::around(points);
+        let of_lamp = |lamp: &PlacedLamp| {
+            if any && lamp.lamp.shadows {
+                those(&|seen| lamp.is_before(&seen.placed, around))
+            } else {
+                Vec::new()
+            }
+        };
+        let lamps = world.lamps.iter().map(of_lamp).collect();
         let mut occluders = Vec::new();
         if any && world.view.occlusion > 0 {
-            let around = Tile::around(points);
             occluders = those(&|seen| seen.is_near(around, reach));
         }
         Self {
             tile,
             casters,
+            lamps,
             occluders,
             part,
             reach,
@@ -98,14 +110,23 @@ impl<'a> Lit<'a> {
         let open = self.open_sky(hit, point, pixel);
         let mut arriving = open * light.ambient(hit.normal, world.scene.up);
         let mut shine = Vec3::ZERO;
+        let glossy = !matches!(seen.placed.item.form, Form::Plane);
+        let mut add = |direction: DVec3, light: Vec3| {
+            arriving += hit.normal.dot(direction) as f32 * light;
+            if glossy {
+                let half_way = (direction - ray.direction).normalize();
+                shine += SHINE * (hit.normal.dot(half_way) as f32).powi(48) * light;
+            }
+        };
         let to_sun = self.to_sun(pixel);
-        let facing = hit.normal.dot(to_sun);
-        if facing > 0.0 && light.sun != Vec3::ZERO {
-            let sun = self.sunlight(hit, point, to_sun) * light.sun;
-            arriving += facing as f32 * sun;
-            if !matches!(seen.placed.item.form, Form::Plane) {
-                let half_way = (to_sun - ray.direction).normalize();
-                shine = SHINE * (hit.normal.dot(half_way) as f32).powi(48) * sun;
+        if hit.normal.dot(to_sun) > 0.0 && light.sun != Vec3::ZERO {
+            add(to_sun, self.sunlight(hit, point, to_sun) * light.sun);
+        }
+        for (lamp, casters) in world.lamps.iter().zip(&self.lamps) {
+            let arriving = lamp.at(point);
+            if let Some(of) = arriving.filter(|of| hit.normal.dot(of.direction) > 0.0) {
+                let way = off_surface(hit, point, of.direction, of.distance);
+                add(of.direction, self.passing(hit, &way, casters) * of.light);
             }
         }
         match seen.placed.item.form {
@@ -159,13 +180,25 @@ impl<'a> Lit<'a> {
         let world = self.tile.world;
         let ray = off_surface(hit, point, to_sun, f64::INFINITY);
         let point = world.sun * point;
+        let shadows = |i: &&usize| world.shapes[**i].shadows([point; 2], world.sun_spread());
+        self.passing(hit, &ray, self.casters.iter().filter(shadows))
+    }
+
+    /// Share of light that comes along a ray from a surface, past some shapes.
+    fn passing<'b>(
+        &self,
+        hit: &Hit,
+        ray: &Ray,
+        shapes: impl IntoIterator<Item = &'b usize>,
+    ) -> f32 {
+        let world = self.tile.world;
         let convex = world.shapes[hit.shape].placed.item.is_convex();
         let mut light = 1.0;
-        for &i in &self.casters {
-            let seen = &world.shapes[i];
+        for &i in shapes {
+            let placed = &world.shapes[i].placed;
             let itself = convex && i == hit.shape;
-            if !itself && seen.shadows([point; 2], world.sun_spread()) && seen.placed.blocks(&ray) {
-                light *= 1.0 - seen.placed.item.opacity;
+            if !itself && placed.blocks(ray) {
+                light *= 1.0 - placed.item.opacity;
             }
             if light == 0.0 {
                 break;

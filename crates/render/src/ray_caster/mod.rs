@@ -1,12 +1,13 @@
 //! A renderer that needs nothing but processors: a ray for each sample, met exactly by every solid.
 //!
 //! Images are cut into tiles. What may be in a tile is told by the rectangles about the shapes in
-//! the image, and what may shade it by rectangles across the sun's direction (both found once for
-//! each world); the few shapes that are left are met one after the other, the nearest first, and
+//! the image, what may shade it from the sun by rectangles across the sun's direction (both found once for
+//! each world), and from lamps by balls on the way; the few shapes that are left are met one after the other, the nearest first, and
 //! the triangles of a mesh by a tree. Threads share the rows of tiles of all worlds. The same input gives
 //! the same bytes on any number of threads.
 
 mod color;
+mod lamp;
 mod placed;
 mod sampling;
 mod tile;

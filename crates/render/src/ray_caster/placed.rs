@@ -114,7 +114,8 @@ impl<'a> Placed<'a> {
         arm.x <= half.x && arm.z <= half.z
     }
 
-    /// Whether it keeps light from passing along a ray. Endless planes keep none.
+    /// Whether it keeps light from passing along a ray. Endless planes keep none, nor do solids that the ray ends
+    /// in: they hold what it comes from.
     pub fn blocks(&self, ray: &Ray) -> bool {
         let Some(Near {
             line,
@@ -126,7 +127,7 @@ impl<'a> Placed<'a> {
             return false;
         };
         let passes = |span: Option<Span>| {
-            span.is_some_and(|span| foot + span.leave > ray.from && foot + span.enter < ray.to)
+            span.is_some_and(|span| foot + span.leave > ray.from && foot + span.leave < ray.to)
         };
         match &self.item.form {
             Form::Solid(geometry) => passes(line.within(geometry)),

@@ -1,5 +1,6 @@
 //! A scene in one world, as its camera and its sun see it.
 
+use super::lamp::PlacedLamp;
 use super::placed::{Placed, Ray};
 use crate::Light;
 use crate::scene::Scene;
@@ -11,7 +12,8 @@ use model::Pose;
 pub(super) struct World<'a> {
     pub scene: &'a Scene,
     pub view: &'a View,
-    pub light: Light,
+    pub light: &'a Light,
+    pub lamps: Vec<PlacedLamp<'a>>,
     /// Edge of the squares on planes [m]; 0 is none.
     pub checker: f64,
     /// The nearest to the camera first, as far as balls about them tell.
@@ -101,6 +103,11 @@ impl<'a> World<'a> {
             scene,
             view,
             light,
+            lamps: light
+                .lamps
+                .iter()
+                .map(|lamp| PlacedLamp::new(lamp, bodies))
+                .collect(),
             checker: view.checker(scene),
             shapes,
             eye: eye.position,

@@ -1,0 +1,140 @@
+import {
+  Color,
+  DirectionalLight,
+  Group,
+  type Light,
+  Matrix4,
+  PointLight,
+  Quaternion,
+  SpotLight,
+  Vector3,
+} from "three";
+import type { Lamp, Scene } from "../protocol";
+import type { Triple } from "../schema";
+import type { Measures } from "./layout";
+import type { Poses } from "./poses";
+
+/** Most lamps that shine on the page, and that throw shadows there: what graphics cards have room for. */
+const MOST = 16;
+const MOST_SHADOWS = 4;
+const SHADOW_PIXELS = 1024;
+
+/** The model's sun: where it comes from, in the scene's axes, and its colour in linear light. */
+export interface Sun {
+  to: Triple;
+  color: Triple;
+}
+
+/** The sun of a model that names lights; black, where none of them is it; null where it names no light. */
+export function sunOf({ lamps, sun }: Scene): Sun | null {
+  if (!lamps.length) return null;
+  const lamp = lamps[sun];
+  if (!lamp) return { to: [0, 1, 0], color: [0, 0, 0] };
+  const to = new Vector3(0, 0, 1).applyQuaternion(new Quaternion(...lamp.placement.orientation));
+  return { to: to.toArray(), color: lamp.color };
+}
+
+/**
+ * The power of the distance by which light fades, and how bright it is at 1 m: the law d⁻ᵖ that is the lamp's own law
+ * 1 / (a + b d + c d²) and has its slope at a distance.
+ */
+export function fading([a, b, c]: Triple, distance: number): { power: number; strength: number } {
+  const sum = a + b * distance + c * distance ** 2;
+  const power = (b * distance + 2 * c * distance ** 2) / sum;
+  return { power, strength: distance ** power / sum };
+}
+
+/** One lamp, where its body is. */
+interface Placed {
+  lamp: Lamp;
+  light: SpotLight | PointLight | DirectionalLight;
+  place: Matrix4;
+}
+
+/** The lamps of a model, of the first world shown; the sun is not among them. */
+export class Lamps extends Group {
+  private readonly placed: Placed[];
+
+  constructor(
+    scene: Scene,
+    private readonly measures: Measures,
+  ) {
+    super();
+    const lamps = scene.lamps.filter((_, row) => row !== scene.sun).slice(0, MOST);
+    this.placed = lamps.map((lamp) => {
+      const { position, orientation } = lamp.placement;
+      const place = new Matrix4().compose(
+        new Vector3(...position),
+        new Quaternion(...orientation),
+        new Vector3(1, 1, 1),
+      );
+      return { lamp, light: this.make(lamp), place };
+    });
+    for (const { light } of this.placed) {
+      this.add(light);
+      if ("target" in light) this.add(light.target);
+    }
+    this.shadows = true;
+  }
+
+  set shadows(on: boolean) {
+    let left = MOST_SHADOWS;
+    for (const { lamp, light } of this.placed) {
+      light.castShadow = on && lamp.shadows && left-- > 0;
+    }
+  }
+
+  /** Brings them to where their bodies are. */
+  move(poses: Poses): void {
+    const matrix = new Matrix4();
+    for (const { lamp, light, place } of this.placed) {
+      const [map, at] = poses.of(0, lamp.body);
+      matrix.fromArray(map, at);
+      if (lamp.mode === "track") matrix.copy(new Matrix4().copyPosition(matrix));
+      matrix.multiply(place);
+      light.position.setFromMatrixPosition(matrix);
+      if (!("target" in light)) continue;
+      const along = new Vector3().setFromMatrixColumn(matrix, 2).multiplyScalar(-this.measures.world);
+      light.target.position.copy(light.position).add(along);
+      // Parallel light comes from outside of the scene.
+      if (light instanceof DirectionalLight) light.position.addScaledVector(along, -2);
+    }
+  }
+
+  override dispose(): void {
+    for (const { light } of this.placed) light.dispose();
+  }
+
+  private make({ beam, color, attenuation }: Lamp): Placed["light"] {
+    const { world } = this.measures;
+    const { power, strength } = fading(attenuation, world);
+    const shade = new Color(...color);
+    // A sheet that three.js lights by π is white.
+    const bright = Math.PI * strength;
+    switch (beam.kind) {
+      case "parallel": {
+        const light = this.shadowed(new DirectionalLight(shade, Math.PI));
+        const { camera } = light.shadow;
+        camera.left = camera.bottom = -2 * world;
+        camera.right = camera.top = 2 * world;
+        return light;
+      }
+      case "point":
+        return this.shadowed(new PointLight(shade, bright, 0, power));
+      case "spot":
+        // The sharper its exponent, the softer its edge.
+        return this.shadowed(
+          new SpotLight(shade, bright, 0, beam.cutoff, beam.exponent / (beam.exponent + 1), power),
+        );
+    }
+  }
+
+  private shadowed<L extends Light & Placed["light"]>(light: L): L {
+    const { camera, mapSize } = light.shadow;
+    mapSize.set(SHADOW_PIXELS, SHADOW_PIXELS);
+    camera.near = 0.01 * this.measures.world;
+    camera.far = 20 * this.measures.world;
+    light.shadow.normalBias = (6 * this.measures.world) / SHADOW_PIXELS;
+    return light;
+  }
+}
