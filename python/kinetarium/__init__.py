@@ -40,6 +40,7 @@ from kinetarium.dynamics import Bodies, Dynamics
 from kinetarium.errors import KinetariumError
 from kinetarium.queries import NearShapes, Seen, ShapeHits
 from kinetarium.simulation import Contacts, Event, Linearization, RayHits, Simulation
+from kinetarium.skins import Skin
 from kinetarium.view import View
 
 if TYPE_CHECKING:
@@ -77,6 +78,7 @@ __all__ = [
     "ShapeHandle",
     "ShapeHits",
     "Simulation",
+    "Skin",
     "Softness",
     "View",
     "__version__",

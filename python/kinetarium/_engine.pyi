@@ -33,6 +33,7 @@ __all__ = [
     "SensorArray",
     "Shape",
     "ShapeHandle",
+    "Skin",
     "Softness",
     "View",
     "Viewer",
@@ -1123,6 +1124,19 @@ def looking(eye: Vector, target: Vector, up: Vector) -> list[float]:
     """Orientation of a camera at `eye` that has `target` in the middle of its image and `up` upwards."""
 
 @final
+class Skin:
+    """What a body looks like on a page; made by `kinetarium.Skin`."""
+    @staticmethod
+    def color(red: float, green: float, blue: float, opacity: float) -> Skin:
+        """One colour and opacity, sRGB, each from 0 to 1."""
+    @staticmethod
+    def named(name: str) -> Skin:
+        """One that has a name."""
+    @staticmethod
+    def file(path: PathLike[str] | str, fitted: bool) -> Skin:
+        """A picture or a model in a file, fitted to the body's shapes or as large as in the file."""
+
+@final
 class Viewer:
     """A page about a simulation, served in the background until it is closed or the simulation is gone."""
     @property
@@ -1131,6 +1145,8 @@ class Viewer:
     @property
     def is_open(self) -> bool:
         """Whether it still serves."""
+    def dress(self, bodies: Sequence[str] | None, skin: Skin) -> None:
+        """Has bodies wear a skin, by their names; without names, all of them."""
     def close(self) -> None:
         """Stops serving."""
 

@@ -53,5 +53,9 @@ class RenderError(KinetariumError, ValueError):
     """A camera that cannot be, or a scene that cannot be drawn."""
 
 
+class SkinError(KinetariumError, ValueError):
+    """A skin that cannot be, such as a colour beyond 1."""
+
+
 class ViewerError(KinetariumError, OSError):
     """A page that cannot be served, as where the address is taken."""

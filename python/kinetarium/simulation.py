@@ -20,8 +20,9 @@ from kinetarium.names import Strict, hint
 from kinetarium.parameters import Parameters, parameter_names
 from kinetarium.queries import NearShapes, Queries, Seen, ShapeHits
 from kinetarium.sensors import Custom, Sensor, Sensors
+from kinetarium.skins import Skin
 from kinetarium.state import State
-from kinetarium.view import View
+from kinetarium.view import Skins, View
 from kinetarium.worlds import Worlds
 
 _NO_CONTROL = np.empty(0)
@@ -617,6 +618,7 @@ class Simulation(Strict):
         token: str | None = None,
         browser: bool = True,
         height: int = 600,
+        skins: Skins | None = None,
     ) -> View:
         """Shows the worlds on a page while the program goes on: in a browser where there is one, in a frame of the
         given height [pixel] in a notebook; where there is neither, the address is printed.
@@ -624,11 +626,18 @@ class Simulation(Strict):
         The page watches what `step` does, and steers: run, step, drag bodies, set targets, plot, look back. It is
         served at a free port of the loopback address, or at `address` ("0.0.0.0:7357"), which wants a `token`.
         It stays until `View.close`, or until neither the simulation nor the view is left. Raises `ViewerError`, also
-        for an open page that is wanted at another address.
+        for an open page that is wanted at another address. `skins` are what bodies wear, by their names
+        (`{"torso": "speed", "crate": "crate.png"}`), as `View.dress` tells, which changes them at any time.
         """
+        dressed = [(bodies, Skin.of(skin)) for bodies, skin in (skins or {}).items()]
+        for bodies, _ in dressed:
+            for name in (bodies,) if isinstance(bodies, str) else bodies or ():
+                self.body(name)  # before anything is shown
         if self._view is None or not self._view.is_open:
             self._view = View(show(self._engine, address, token), address, token)
         self._view._check(address, token)
+        for bodies, skin in dressed:
+            self._view.dress(bodies, skin)
         self._view._show(browser, height)
         return self._view
 

@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from os import PathLike
 from typing import Any
 
 from kinetarium._engine import Viewer
 from kinetarium.errors import ViewerError
+from kinetarium.skins import Skin
+from kinetarium.types import Vector
+
+Wearable = Skin | Vector | str | PathLike[str]
+"""A skin, or what one is made of."""
+Skins = Mapping[str | tuple[str, ...] | None, Wearable]
+"""Skins of bodies by their names; of several by a tuple of names, of all by none."""
 
 
 class View:
@@ -29,6 +38,31 @@ class View:
     def is_open(self) -> bool:
         """Whether the page is still served."""
         return self._viewer.is_open
+
+    def dress(self, bodies: str | Sequence[str] | None, skin: Wearable, *, fitted: bool = True) -> None:
+        """Has bodies wear a skin on the page: the one of this name, those of these names, or all of them (`None`),
+        until they are dressed again. The physics does not know of it, nor do cameras.
+
+        `skin` is a `Skin`, or what one is made of: a colour, a name, a path to a picture or a GLB model, which is
+        `fitted` to the body or as large as in its file. It may be called at every step: pages are told with their
+        frames, and of what was put on last. On the page a user may dress bodies otherwise until then.
+
+        Raises `UnknownNameError` for a body that is not there, `ViewerError` where the page is closed, and what
+        `Skin` raises; nothing is changed then.
+
+        >>> import kinetarium as kn
+        >>> sim = kn.Simulation(kn.examples.n_pendula(2))
+        >>> view = sim.view(browser=False)  # doctest: +ELLIPSIS
+        http://127.0.0.1:...
+        >>> view.dress(None, "speed")
+        >>> for _ in range(10):
+        ...     lost = sim.step()
+        ...     swing = abs(sim.state.joint_position[0, "hinge0"]) / 3.2
+        ...     view.dress("link0", (min(swing, 1), 0.3, 0.3))
+        >>> view.close()
+        """
+        names = [bodies] if isinstance(bodies, str) else bodies
+        self._viewer.dress(names, Skin.of(skin, fitted=fitted)._skin)
 
     def close(self) -> None:
         """Stops serving."""

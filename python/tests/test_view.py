@@ -1,5 +1,7 @@
 """The page, pictures, plots and the program, as Python starts them."""
 
+import json
+import socket
 import subprocess
 import sys
 import urllib.request
@@ -12,10 +14,12 @@ from nbclient import NotebookClient
 
 import kinetarium as kn
 from kinetarium.errors import (
+    FileError,
     OutOfRangeError,
     RenderError,
     ShapeError,
     SimulationError,
+    SkinError,
     UnknownNameError,
     ViewerError,
 )
@@ -164,3 +168,96 @@ def test_plots(tmp_path):
     for options in ({"seconds": -1}, {"seconds": np.inf}, {"seconds": 1, "every": 0}):
         with pytest.raises(SimulationError, match="it must be"):
             plot.record(sim, {}, **options)
+
+
+def websocket(url: str) -> socket.socket:
+    """A page's connection to its engine, as browsers open it."""
+    host, port = url.removeprefix("http://").rstrip("/").split(":")
+    connection = socket.create_connection((host, int(port)), timeout=20)
+    head = f"GET /session HTTP/1.1\r\nHost: {host}:{port}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+    head += "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n"
+    connection.sendall(head.encode())
+    answer = b""
+    while not answer.endswith(b"\r\n\r\n"):
+        answer += connection.recv(1)
+    return connection
+
+
+def hear(connection: socket.socket, kind: str) -> dict:
+    """The next text message of a type; all else is passed over."""
+
+    def take(count: int) -> bytes:
+        taken = b""
+        while len(taken) < count:
+            taken += connection.recv(count - len(taken))
+        return taken
+
+    while True:
+        opcode, length = take(2)
+        wide = {126: 2, 127: 8}.get(length)
+        content = take(int.from_bytes(take(wide), "big") if wide else length)
+        if opcode & 15 == 1 and (message := json.loads(content))["type"] == kind:
+            return message
+
+
+GREEN = bytes.fromhex(
+    "89504e470d0a1a0a0000000d4948445200000001000000010802000000907753de0000000c49444154789c6360f8cf000002"
+    "0201007b0981780000000049454e44ae426082"
+)
+
+
+def test_bodies_wear_what_the_program_says(tmp_path):
+    path = tmp_path / "green.png"
+    path.write_bytes(GREEN)
+    sim = kn.Simulation(kn.examples.n_pendula(3))
+    before = sim.state.body_position.copy()
+    view = sim.view(browser=False, skins={None: "speed", ("link0", "link1"): "#ff8000"})
+    page = websocket(view.url)
+    worn = hear(page, "dress")["outfits"]
+    assert [outfit["bodies"] for outfit in worn] == [None, [0, 1]]
+    assert worn[0]["skin"] == {"kind": "gauge", "gauge": "speed"}
+    assert worn[1]["skin"]["color"] == pytest.approx([1, 128 / 255, 0, 1])
+    view.dress("link2", str(path), fitted=False)
+    file = hear(page, "skin_file")
+    assert (file["name"], file["format"]) == ("green.png", "png")
+    (outfit,) = hear(page, "dress")["outfits"]
+    assert outfit == {"bodies": [2], "skin": {"kind": "file", "file": file["id"], "fitted": False}}
+    for red in np.linspace(0, 1, 1001):
+        view.dress("link0", (red, 0, 0, 0.5))
+    while hear(page, "dress")["outfits"][0]["skin"]["color"] != [1, 0, 0, 0.5]:
+        pass
+    assert (sim.state.body_position == before).all() and sim.time[0] == 0
+    assert sim.view(browser=False, skins={"link0": kn.Skin(path)}) is view
+    assert hear(page, "dress")["outfits"][0]["bodies"] == [0]
+    page.close()
+    view.close()
+    with pytest.raises(ViewerError, match="closed"):
+        view.dress(None, "plain")
+
+
+def test_skins_that_cannot_be_are_refused(tmp_path):
+    sim = kn.Simulation(kn.examples.n_pendula(1))
+    text, long = tmp_path / "skin.png", tmp_path / "long.png"
+    text.write_text("no picture")
+    long.write_bytes(GREEN.ljust((16 << 20) + 1))
+    cases = [
+        (UnknownNameError, "did you mean", "hight"),
+        (FileError, "missing.glb cannot be read", tmp_path / "missing.glb"),
+        (FileError, "first bytes", str(text)),
+        (FileError, "longer than 16 MB", long),
+        (SkinError, "each from 0 to 1", (0, 0, 1.5)),
+        (SkinError, "each from 0 to 1", [np.nan, 0, 0]),
+        (SkinError, "give a colour", (1, 2)),
+        (SkinError, "give a colour", "#12345"),
+        (SkinError, "give a colour", "#12345g"),
+        (SkinError, "give a colour", None),
+    ]
+    for error, message, skin in cases:
+        with pytest.raises(error, match=message):
+            kn.Skin(skin)
+    with pytest.raises(UnknownNameError, match="link9"):
+        sim.view(browser=False, skins={"link9": "plain"})
+    view = sim.view(browser=False)
+    with pytest.raises(UnknownNameError, match='did you mean "link0"'):
+        view.dress(["link0", "link9"], "spin")
+    sim.close()

@@ -28,6 +28,7 @@ import { Shortcuts } from "./shortcuts";
 import { Themes } from "./theme";
 import { h } from "./ui/dom";
 import { showTooltips } from "./ui/tooltip";
+import { Dresser } from "./view/skins/dresser";
 import { View } from "./view/view";
 
 const LOST = "The browser has taken the graphics card away; the picture comes back with it.";
@@ -66,6 +67,7 @@ export class Page {
     this.navigation = new Navigation(this.view, this.share, this.selection);
     this.pushing = new Pushing(session, this.selection, this.view);
     this.skins = new Skins(this.view, this.selection, this.notice);
+    new Dresser(session, (worn) => this.view.wear(worn));
     this.grabbing = new Grabbing(session, this.controls, this.view, this.notice);
     this.pointing = new Pointing(this.view, this.navigation, this.selection, this.grabbing, this.pushing);
     this.files = new Files(this.share, this.view, this.selection, this.skins, this.notice);

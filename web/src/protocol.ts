@@ -250,12 +250,25 @@ const status = {
   recorded: pair,
 };
 
+const skin = tagged("kind", {
+  plain: {},
+  color: { color: quadruple },
+  replica: {},
+  gauge: { gauge: oneOf("speed", "spin", "force", "height") },
+  file: { file: text, fitted: flag },
+});
+const outfit = object({ bodies: nullable(array(count)), skin });
+/** What some bodies wear; all of them, where none are named. */
+export type Outfit = Checked<typeof outfit>;
+
 /** From the engine to the page, as text. */
 export const message = tagged("type", {
   welcome: { protocol: count, examples: array(example) },
   scene,
   status,
   changed: { commands: array(setting) },
+  skin_file: { id: text, name: text, format: oneOf("png", "jpeg", "webp", "glb"), data: text },
+  dress: { scene: count, outfits: array(outfit), forget: array(text) },
   error: { message: text, refused: nullable(text) },
 });
 export type Message = Checked<typeof message>;
@@ -263,6 +276,10 @@ export type Message = Checked<typeof message>;
 export type Scene = Extract<Message, { type: "scene" }>;
 /** How it goes. */
 export type Status = Extract<Message, { type: "status" }>;
+/** A picture or a model that bodies may wear. */
+export type SkinFile = Extract<Message, { type: "skin_file" }>;
+/** Who wears what from now on, as a program says. */
+export type Dress = Extract<Message, { type: "dress" }>;
 
 /** Reads a message. Throws {@link Malformed} where it is none, or where an index in it points nowhere. */
 export function readMessage(json: string): Message {

@@ -3,11 +3,13 @@ import { type Frame, readFrame } from "./frame";
 import {
   type Command,
   type Dof,
+  type Dress,
   type Example,
   type Field,
   readMessage,
   type Scene,
   type Setting,
+  type SkinFile,
   type Status,
   type Values,
 } from "./protocol";
@@ -29,6 +31,9 @@ export interface SessionEvents {
   changed: Setting[];
   /** The physics as it was last set. */
   physics: Field[];
+  /** A file that bodies may wear, and what a program has them wear. */
+  skinFile: SkinFile;
+  dress: Dress;
   /** What went wrong, for people. */
   error: string;
   /** The type of a command that was refused. */
@@ -153,6 +158,14 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
       case "changed":
         for (const setting of message.commands) this.change(setting);
         this.emit("changed", message.commands);
+        break;
+      case "skin_file":
+        this.emit("skinFile", message);
+        break;
+      case "dress":
+        if (message.scene !== this.scene?.id) break;
+        checkBodies(message, this.scene.bodies.length);
+        this.emit("dress", message);
         break;
       case "error":
         if (message.refused === "physics" && this.accepted) this.setPhysics(this.accepted);
@@ -296,6 +309,12 @@ function keyOf(single: Drive): string {
   return single.type === "control"
     ? `control ${single.actuator}`
     : `joint ${single.dof} ${settingsOf(single).join()}`;
+}
+
+function checkBodies({ outfits }: Dress, end: number): void {
+  for (const row of outfits.flatMap(({ bodies }) => bodies ?? [])) {
+    if (row >= end) throw new Malformed(`dresses body ${row} of ${end}`);
+  }
 }
 
 /** Whether two lists hold the same. */

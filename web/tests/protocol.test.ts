@@ -48,7 +48,7 @@ describe("messages", () => {
     expect(() => readMessage("{")).toThrow("not JSON");
     expect(() => readMessage("[]")).toThrow("not an object");
     expect(() => readMessage('{"type":"hello"}')).toThrow(
-      "type: not one of welcome, scene, status, changed, error",
+      "type: not one of welcome, scene, status, changed, skin_file, dress, error",
     );
     expect(broken("status", (m) => delete m.pace)).toThrow("pace: not a finite number");
     expect(broken("status", (m) => Object.assign(m, { mood: 1 }))).toThrow("mood: unknown field");

@@ -63,7 +63,7 @@ pub fn browse(workshop: &Workshop) -> Result<()> {
     let url = &server.url;
     // The page is the same; what differs is how it is connected. The server has no card.
     let only = "^(?!.*card).*(load|hundred|slider|restart|rebuild|replicas|physics|two pages|scrub|save picture|reload|\
-                keyboard|malformed|robot)";
+                keyboard|malformed|robot|program says)";
     Ok(cmd!(sh, "npm run --silent e2e -- --url {url} --only {only}").run()?)
 }
 

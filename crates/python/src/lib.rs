@@ -29,6 +29,7 @@ mod sensors;
 mod shape;
 mod shape_handle;
 mod simulation;
+mod skin;
 mod viewer;
 
 use pyo3::prelude::*;
@@ -70,6 +71,8 @@ mod _engine {
     use crate::shape_handle::ShapeHandle;
     #[pymodule_export]
     use crate::simulation::Engine;
+    #[pymodule_export]
+    use crate::skin::Skin;
     #[pymodule_export]
     use crate::viewer::{Viewer, run_program, show};
 

@@ -2,6 +2,7 @@
 
 use crate::error;
 use crate::simulation::{Engine, Precise};
+use crate::skin::{self, Skin};
 use pyo3::prelude::*;
 use std::ffi::OsString;
 use std::net::SocketAddr;
@@ -26,6 +27,21 @@ impl Viewer {
     fn is_open(&self) -> bool {
         let viewer = self.viewer.lock().unwrap_or_else(|e| e.into_inner());
         viewer.as_ref().is_some_and(viewer::Viewer::is_open)
+    }
+    /// Has bodies wear a skin, by their names; without names, all of them.
+    #[pyo3(signature = (bodies, skin))]
+    fn dress(&self, bodies: Option<Vec<String>>, skin: &Skin) -> PyResult<()> {
+        let viewer = self.viewer.lock().unwrap_or_else(|e| e.into_inner());
+        let Some(viewer) = viewer.as_ref().filter(|viewer| viewer.is_open()) else {
+            let message = "the page is closed: open it anew by Simulation.view";
+            return Err(error::raise("ViewerError", message.into()));
+        };
+        let skin = skin.0.clone();
+        let dressed = match bodies {
+            Some(bodies) => viewer.dress(&bodies, skin),
+            None => viewer.dress_all(skin),
+        };
+        dressed.map_err(skin::raise)
     }
     /// Stops serving.
     fn close(&self, py: Python<'_>) {

@@ -66,6 +66,12 @@ pub struct Frame {
     pub past: Vec<f32>,
 }
 
+/// [`Frame::scene`] of a frame as bytes; none where they are no frame.
+pub fn scene_of(bytes: &[u8]) -> Option<u32> {
+    let word = |at: usize| Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?));
+    (word(0)? == MAGIC).then(|| word(4))?
+}
+
 /// Numbers of a contact.
 pub const CONTACT: usize = 10;
 
@@ -131,6 +137,8 @@ mod tests {
         assert_eq!(bytes.len(), HEADER + 4 * (7 + 2 * CONTACT + 1 + 2));
         let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
         assert_eq!(&bytes[..4], b"KFRM");
+        assert_eq!(scene_of(&bytes), Some(3));
+        assert_eq!([&bytes[..6], &bytes[1..]].map(scene_of), [None; 2]);
         assert_eq!([4, 8, 12, 24].map(word), [3, 7, 11, 750]);
         assert_eq!(bytes[16..24], 1.5_f64.to_le_bytes());
         assert_eq!(

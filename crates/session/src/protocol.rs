@@ -162,6 +162,17 @@ pub enum Message {
         /// What it said, or would have to say: [`Command::Physics`], [`Command::Joint`] and [`Command::Control`].
         commands: Vec<Command>,
     },
+    /// A picture or a model that bodies may wear from now on.
+    SkinFile(SkinFile),
+    /// A program has dressed bodies: each page is told what is new to it. Those of another scene are to be dropped.
+    Dress {
+        /// As in [`Scene::id`].
+        scene: u32,
+        /// Who wears what from now on. What is not named stays.
+        outfits: Vec<Outfit>,
+        /// Files that will not be worn again without being told anew.
+        forget: Vec<String>,
+    },
     /// A command was refused, and all is as before it; or a step could not be made, and the session has stopped; or
     /// something else was done than what was asked for.
     Error {
@@ -170,6 +181,83 @@ pub enum Message {
         /// The `type` of the command that was refused, if one was.
         refused: Option<String>,
     },
+}
+
+/// A picture or a model that bodies may wear.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SkinFile {
+    /// What [`Skin::File`] calls it.
+    pub id: String,
+    /// Its name, for messages.
+    pub name: String,
+    /// What it is.
+    pub format: FileFormat,
+    /// What is in it, in base64.
+    pub data: String,
+}
+
+/// What a file of a skin is: a picture, but for `Glb`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FileFormat {
+    /// PNG.
+    Png,
+    /// JPEG.
+    Jpeg,
+    /// WebP.
+    Webp,
+    /// A model.
+    Glb,
+}
+
+/// What some bodies wear.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Outfit {
+    /// Rows of [`Scene::bodies`]; none are all of them, which then wear nothing of their own.
+    pub bodies: Option<Vec<u32>>,
+    /// What they wear.
+    pub skin: Skin,
+}
+
+/// What a body wears.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Skin {
+    /// The colours of its shapes.
+    Plain {},
+    /// One colour and opacity.
+    Color {
+        /// Red, green, blue, opacity.
+        color: [f32; 4],
+    },
+    /// A colour for each replica.
+    Replica {},
+    /// A colour that follows its state.
+    Gauge {
+        /// Which measure of it.
+        gauge: Gauge,
+    },
+    /// A picture on its shapes, or a model in their place.
+    File {
+        /// [`SkinFile::id`].
+        file: String,
+        /// Whether a model is fitted to the body's shapes; else it is as large as in its file.
+        fitted: bool,
+    },
+}
+
+/// Measures of a body's state that a skin may show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Gauge {
+    /// Of its frame's origin [m/s].
+    Speed,
+    /// How fast it turns [rad/s].
+    Spin,
+    /// Sum of the magnitudes of its contact forces [N].
+    Force,
+    /// Of its frame's origin, along the axis that points up [m].
+    Height,
 }
 
 /// An example of the gallery.

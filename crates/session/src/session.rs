@@ -10,6 +10,7 @@ use crate::protocol::{Message, Values};
 use crate::shared::Shared;
 use crate::stage::Stage;
 use crate::steering::Steering;
+use crate::wardrobe::Wardrobe;
 use numbers::Float;
 use parking_lot::MutexGuard;
 use sim::{Device, Simulation};
@@ -111,6 +112,12 @@ impl<T: Float> Session<T> {
             steering: Steering::new(play, &mut simulation, LENT, clock),
             source: Source::Program(Arc::downgrade(shared)),
         }
+    }
+
+    /// What its bodies wear, which may be changed at any time, on any thread. Whoever sends a page a frame then sends
+    /// it the [news](Wardrobe::news), too.
+    pub fn wardrobe(&self) -> Arc<Wardrobe> {
+        self.steering.wardrobe.clone()
     }
 
     /// What the page is to be sent next, if anything.

@@ -13,11 +13,13 @@ use crate::protocol::{self, Command, Message, PROTOCOL, Scene, Status, Values};
 use crate::pull::{Grab, Push};
 use crate::session::Outgoing;
 use crate::stage::Stage;
+use crate::wardrobe::Wardrobe;
 use glam::DVec3;
 use model::{BodyId, BodyKind, JointId, JointKind, Parts};
 use numbers::Float;
 use sim::{Simulation, SimulationError};
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 /// Share of a slice of time that steps made at once may take.
 const AT_ONCE: f64 = 0.25;
@@ -84,6 +86,9 @@ pub(crate) struct Steering {
     untold: bool,
     /// What it has cost since the last frame to look at what the program does [s].
     watching: f64,
+    pub wardrobe: Arc<Wardrobe>,
+    /// What was worn when the last frame was begun.
+    dressed: u64,
     pub outbox: VecDeque<Outgoing>,
 }
 
@@ -105,6 +110,7 @@ impl Steering {
         clock: fn() -> f64,
     ) -> Self {
         let now = clock();
+        let wardrobe = Wardrobe::new(0, &play.name, simulation.model());
         let mut steering = Self {
             clock,
             slice,
@@ -132,6 +138,8 @@ impl Steering {
             changes: 0,
             untold: false,
             watching: 0.0,
+            wardrobe: Arc::new(wardrobe),
+            dressed: 0,
             outbox: VecDeque::new(),
         };
         steering.begin(simulation);
@@ -333,6 +341,8 @@ impl Steering {
     /// Begins with what is simulated now.
     fn begin<T: Float>(&mut self, simulation: &mut Simulation<T>) {
         self.scenes += 1;
+        self.wardrobe
+            .open(self.scenes, &self.play.name, simulation.model());
         self.owed = 0.0;
         self.batch = Batch::default();
         self.samples.clear();
@@ -522,7 +532,11 @@ impl Steering {
     }
 
     /// Whether there is anything to do, after a program has taken its simulation so often.
-    pub fn wants(&self, changes: u64) -> bool {
+    pub fn wants(&mut self, changes: u64) -> bool {
+        let dressed = self.wardrobe.revision();
+        // News of skins go with frames.
+        self.stale |= dressed != self.dressed;
+        self.dressed = dressed;
         if self.busy() {
             return true;
         }

@@ -186,7 +186,7 @@ impl Page {
                 Message::Status(status) => self.status = Some(status),
                 Message::Error { message, .. } => self.errors.push(message),
                 Message::Changed { commands } => self.changed.extend(commands),
-                Message::Welcome { .. } => {}
+                Message::Welcome { .. } | Message::SkinFile(_) | Message::Dress { .. } => {}
             }
         }
     }

@@ -75,6 +75,7 @@ impl Page {
                 Message::Error { message, .. } => self.errors.push(message),
                 Message::Changed { commands } => self.changed.extend(commands),
                 Message::Welcome { examples, .. } => assert_eq!(examples.len(), EXAMPLES.len()),
+                Message::SkinFile(_) | Message::Dress { .. } => panic!("no program dresses"),
             }
         }
     }

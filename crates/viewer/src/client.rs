@@ -1,7 +1,11 @@
 //! One page's connection.
 
 use crate::engine::{Engine, FAREWELL, Note, Said, mailbox};
+use axum::body::Bytes;
 use axum::extract::ws::{Message, WebSocket};
+use session::frame::scene_of;
+use session::{Told, Wardrobe};
+use std::future::ready;
 use std::sync::mpsc::TrySendError;
 use std::time::Duration;
 use tokio::sync::mpsc;
@@ -15,6 +19,8 @@ const PATIENCE: Duration = Duration::from_millis(2);
 
 /// How long a page may take to accept a message, and to get a frame.
 const LONGEST_SEND: Duration = Duration::from_secs(10);
+/// And longer for each so many bytes of a text, which may be a picture for a skin.
+const BYTES_A_SECOND: usize = 1 << 18;
 
 /// Frames that may be on their way to a page. More would lie in the buffers of a slow line, and come late.
 const ON_THEIR_WAY: u32 = 4;
@@ -63,6 +69,9 @@ pub(crate) async fn attend(mut socket: WebSocket, mut engine: Engine) {
     let (page, mut notes) = mailbox();
     let me = page.downgrade();
     let mut frames = Frames::new();
+    let mut told = Told::default();
+    // Of a frame that has come, notes that came before it are sent first: its scene may be among them.
+    let mut fresh = false;
     engine.frames.mark_unchanged();
     if !say(&engine, Said::Hello(page)).await {
         return;
@@ -71,6 +80,7 @@ pub(crate) async fn attend(mut socket: WebSocket, mut engine: Engine) {
         let going = tokio::select! {
             biased;
             note = notes.recv() => match note {
+                Some(Note::Frame(frame)) => show(&mut socket, frame, &engine.wardrobe, &mut told).await,
                 Some(note) => {
                     let last = matches!(note, Note::End);
                     let sent = send(&mut socket, note).await;
@@ -89,13 +99,16 @@ pub(crate) async fn attend(mut socket: WebSocket, mut engine: Engine) {
                 Some(Ok(message)) => hear(message, &engine, &me).await,
                 _ => false,
             },
-            changed = engine.frames.changed(), if frames.may_go() => match changed {
-                Ok(()) => {
-                    let frame = engine.frames.borrow_and_update().clone();
-                    let number = Note::Number(frames.go());
-                    send(&mut socket, Note::Frame(frame)).await && send(&mut socket, number).await
-                }
-                Err(_) => false,
+            () = ready(()), if fresh => {
+                fresh = false;
+                let frame = engine.frames.borrow_and_update().clone();
+                let number = Note::Number(frames.go());
+                show(&mut socket, frame, &engine.wardrobe, &mut told).await
+                    && send(&mut socket, number).await
+            },
+            changed = engine.frames.changed(), if frames.may_go() => {
+                fresh = true;
+                changed.is_ok()
             },
             () = sleep_until(frames.due), if !frames.may_go() => false,
         };
@@ -105,15 +118,31 @@ pub(crate) async fn attend(mut socket: WebSocket, mut engine: Engine) {
     }
 }
 
+/// Sends a frame, and what is new of the skins of its bodies.
+async fn show(socket: &mut WebSocket, frame: Bytes, wardrobe: &Wardrobe, told: &mut Told) -> bool {
+    let scene = scene_of(&frame);
+    let mut sent = send(socket, Note::Frame(frame)).await;
+    for text in scene.map_or(Vec::new(), |scene| wardrobe.news(scene, told)) {
+        sent = sent && send(socket, Note::Text(text)).await;
+    }
+    sent
+}
+
 /// Sends a message; false where the page does not take it.
 async fn send(socket: &mut WebSocket, note: Note) -> bool {
+    let longest = match &note {
+        Note::Text(text) => {
+            LONGEST_SEND + Duration::from_secs((text.len() / BYTES_A_SECOND) as u64)
+        }
+        _ => LONGEST_SEND,
+    };
     let message = match note {
         Note::Text(text) => Message::Text(text.into()),
         Note::Frame(bytes) => Message::Binary(bytes),
         Note::Number(number) => Message::Ping(number.to_be_bytes().to_vec().into()),
         Note::End => Message::Close(None),
     };
-    let sent = tokio::time::timeout(LONGEST_SEND, socket.send(message)).await;
+    let sent = tokio::time::timeout(longest, socket.send(message)).await;
     matches!(sent, Ok(Ok(())))
 }
 

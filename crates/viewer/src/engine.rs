@@ -2,9 +2,9 @@
 
 use axum::body::Bytes;
 use numbers::Float;
-use session::{Outgoing, Session};
-use std::sync::OnceLock;
+use session::{Outgoing, Session, Wardrobe};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::sync::{Arc, OnceLock};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 use std::{io, iter};
@@ -48,6 +48,8 @@ pub(crate) struct Engine {
     pub said: SyncSender<Said>,
     /// The last frame: who is slow misses some. Closed when the session is over.
     pub frames: watch::Receiver<Bytes>,
+    /// What bodies wear, of which each page is told after a frame.
+    pub wardrobe: Arc<Wardrobe>,
 }
 
 /// Seconds since the first question.
@@ -65,9 +67,15 @@ pub(crate) fn mailbox() -> (mpsc::Sender<Note>, mpsc::Receiver<Note>) {
 pub(crate) fn start<T: Float>(session: Session<T>) -> io::Result<(Engine, JoinHandle<()>)> {
     let (said, heard) = sync_channel(COMMANDS);
     let (show, frames) = watch::channel(Bytes::new());
+    let wardrobe = session.wardrobe();
     let work = move || Work::new(session, show).run(&heard);
     let thread = thread::Builder::new().name("session".into()).spawn(work)?;
-    Ok((Engine { said, frames }, thread))
+    let engine = Engine {
+        said,
+        frames,
+        wardrobe,
+    };
+    Ok((engine, thread))
 }
 
 struct Work<T: Float> {

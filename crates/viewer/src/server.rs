@@ -117,13 +117,18 @@ impl Server {
     /// No thread can be had.
     pub fn in_background(self) -> Result<Viewer, ViewerError> {
         let (address, url) = (self.address, self.url());
-        let Engine { said, frames } = self.engine;
+        let Engine {
+            said,
+            frames,
+            wardrobe,
+        } = self.engine;
         let answer = move || {
             // Nobody is left to be told of a socket that is gone.
             let _ = self.answering.run(frames);
         };
         let answering = thread::Builder::new().name("page".into()).spawn(answer)?;
-        Ok(Viewer::new(address, url, said, [self.session, answering]))
+        let threads = [self.session, answering];
+        Ok(Viewer::new(address, url, said, wardrobe, threads))
     }
 }
 

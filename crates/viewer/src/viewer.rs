@@ -3,7 +3,7 @@
 use crate::engine::{Said, clock};
 use crate::{Access, Server, ViewerError, serve};
 use numbers::Float;
-use session::{Session, Shared};
+use session::{Session, Shared, Skin, SkinError, Wardrobe};
 use std::net::{Ipv4Addr, SocketAddr};
 use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
@@ -17,6 +17,7 @@ pub struct Viewer {
     address: SocketAddr,
     url: String,
     said: SyncSender<Said>,
+    wardrobe: Arc<Wardrobe>,
     /// Of the session, and of what answers pages, which ends after the session.
     threads: Vec<JoinHandle<()>>,
 }
@@ -70,12 +71,14 @@ impl Viewer {
         address: SocketAddr,
         url: String,
         said: SyncSender<Said>,
+        wardrobe: Arc<Wardrobe>,
         threads: [JoinHandle<()>; 2],
     ) -> Self {
         Self {
             address,
             url,
             said,
+            wardrobe,
             threads: threads.into(),
         }
     }
@@ -91,6 +94,38 @@ impl Viewer {
     pub fn is_open(&self) -> bool {
         let answering = self.threads.last();
         answering.is_some_and(|answering| !answering.is_finished())
+    }
+    /// Has some bodies wear a skin on all pages, by their names, until they are dressed again. The physics does not know.
+    ///
+    /// It may be called as often as one likes: pages are told with their frames, and of what was put on last. On its
+    /// page a user may dress bodies otherwise until then.
+    ///
+    /// ```
+    /// # use session::Shared;
+    /// use session::{Gauge, Skin};
+    ///
+    /// # let model = model::examples::room()?;
+    /// # let settings = sim::SimulationSettings::new(1, 0.002);
+    /// # let shared = Shared::new(sim::Simulation::<f32>::new(model, settings)?);
+    /// let viewer = kinetarium_viewer::show(&shared, None, None)?;
+    /// viewer.dress_all(Skin::Gauge(Gauge::Speed))?;
+    /// # let name = shared.read().model().bodies[0].name.clone();
+    /// # let name = name.as_str();
+    /// viewer.dress(&[name], Skin::Color([0.9, 0.2, 0.1, 1.0]))?;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A name that no body has; a colour with numbers beyond 0 to 1. Nothing is changed then.
+    pub fn dress(&self, bodies: &[impl AsRef<str>], skin: Skin) -> Result<(), SkinError> {
+        self.wardrobe.dress(bodies, skin)
+    }
+    /// Has all bodies wear a skin, likewise.
+    ///
+    /// # Errors
+    /// A colour with numbers beyond 0 to 1.
+    pub fn dress_all(&self, skin: Skin) -> Result<(), SkinError> {
+        self.wardrobe.dress_all(skin)
     }
     /// Tells pages, and ends. Within a second, and what the simulation is doing at the time.
     pub fn close(self) {

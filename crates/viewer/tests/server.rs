@@ -6,7 +6,7 @@ use model::examples::Start;
 use numbers::Float;
 use serde_json::Value;
 use session::frame::HEADER;
-use session::{Session, Shared};
+use session::{Gauge, Session, Shared, Skin, SkinFile};
 use sim::{Simulation, SimulationSettings};
 use std::net::{SocketAddr, TcpStream};
 use std::sync::Arc;
@@ -313,6 +313,63 @@ fn what_the_program_sets_is_told_to_all_pages() {
     for page in &mut pages {
         while hear(page, "changed")["commands"][0]["position"] != 0.5 {}
     }
+}
+
+/// Who wears what, as a page is told next.
+fn outfits(page: &mut Page) -> Value {
+    hear(page, "dress")["outfits"].take()
+}
+
+#[test]
+fn what_bodies_wear_is_told_to_all_pages_and_to_who_comes_later() {
+    let shared = pendulum::<f32>();
+    let viewer = show(&shared, None, None).unwrap();
+    let mut first = page(viewer.address());
+    hear(&mut first, "status");
+    let bytes = b"\x89PNG\r\n\x1a\n";
+    let file = SkinFile::new("white.png", bytes).unwrap();
+    let skin = Skin::File { file, fitted: true };
+    viewer.dress_all(skin).unwrap();
+    let file = hear(&mut first, "skin_file");
+    assert_eq!(file["name"], "white.png");
+    assert_eq!(outfits(&mut first)[0]["skin"]["file"], file["id"]);
+    let name = shared.read().model().bodies[0].name.clone();
+    viewer.dress(&[&name], Skin::Gauge(Gauge::Spin)).unwrap();
+    let spin = outfits(&mut first);
+    assert_eq!(spin[0]["skin"]["gauge"], "spin");
+    assert_eq!(spin.as_array().unwrap().len(), 1);
+    let mut second = page(viewer.address());
+    assert_eq!(hear(&mut second, "skin_file"), file);
+    let worn = outfits(&mut second);
+    assert_eq!(worn[0]["bodies"], Value::Null);
+    assert_eq!(worn[1], spin[0]);
+    // The simulation is as it was.
+    assert_eq!(shared.read().time(0), 0.0);
+    viewer.dress(&["nobody"], Skin::Plain).unwrap_err();
+}
+
+/// Ten thousand colours do not wait for a page, nor lose it: it hears of the last.
+#[test]
+fn a_page_that_does_not_read_hears_of_the_last_colour() {
+    let shared = pendulum::<f32>();
+    let viewer = show(&shared, None, None).unwrap();
+    let mut page = page(viewer.address());
+    hear(&mut page, "status");
+    let name = shared.read().model().bodies[0].name.clone();
+    let shade = |i: u32| Skin::Color([i as f32 / 10_000.0, 0.0, 0.0, 1.0]);
+    let mut longest = Duration::ZERO;
+    for i in 0..=10_000 {
+        let start = Instant::now();
+        viewer.dress(&[&name], shade(i)).unwrap();
+        longest = longest.max(start.elapsed());
+        thread::sleep(Duration::from_micros(200));
+    }
+    assert!(longest < Duration::from_millis(500), "{longest:?}");
+    let mut heard = 0;
+    while outfits(&mut page)[0]["skin"]["color"][0] != 1.0 {
+        heard += 1;
+    }
+    assert!(heard < 1000, "{heard}");
 }
 
 /// What a page is told last, before the server ends the connection.

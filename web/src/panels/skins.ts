@@ -83,6 +83,7 @@ export class Skins {
       h("p", { class: "muted" }, "A GLB model or a picture can also be dropped on a body."),
     );
     selection.on("change", () => this.show());
+    view.on("dressed", () => this.show());
     this.show();
   }
 
@@ -130,10 +131,7 @@ export class Skins {
   }
 
   private dress(skin: Skin, body = this.selection.now?.body): void {
-    if (body === undefined || body < 0) this.view.wardrobe.dressAll(skin);
-    else this.view.wardrobe.dress(body, skin);
-    this.view.dress();
-    this.show();
+    this.view.wear([{ bodies: body === undefined || body < 0 ? null : [body], skin }]);
   }
 
   private resize(fitted: boolean): void {

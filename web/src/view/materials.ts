@@ -4,6 +4,7 @@ import {
   FrontSide,
   LinearFilter,
   LinearMipmapLinearFilter,
+  type Material,
   MeshStandardMaterial,
   type Texture,
 } from "three";
@@ -44,6 +45,16 @@ export class Materials {
       this.made.set(key, material);
     }
     return material;
+  }
+
+  /** Lets go of pictures that no part shows any more. */
+  keep(parts: Iterable<{ material: Material }>): void {
+    const used = new Set<Material>(Array.from(parts, ({ material }) => material));
+    for (const [key, material] of this.made) {
+      if (material.map === null || material.map === this.marks || used.has(material)) continue;
+      material.dispose();
+      this.made.delete(key);
+    }
   }
 
   dispose(): void {

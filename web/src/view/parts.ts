@@ -64,7 +64,8 @@ export class PartMaker {
     const skin = wardrobe.of(shape.body);
     const { kind } = shape.geometry;
     const color = shape.color ?? this.scene.bodies[shape.body]?.color;
-    const opacity = (color?.[3] ?? 1) * (shape.sensor ? 0.4 : 1);
+    const worn = skin.kind === "color" ? skin.opacity : undefined;
+    const opacity = (worn ?? color?.[3] ?? 1) * (shape.sensor ? 0.4 : 1);
     const { geometry, scale } = this.forms.of(shape.geometry, 1.5 * this.measures.world);
     const material = this.materials.get({
       marked: shape.body >= 0 && (kind === "sphere" || kind === "ellipsoid"),

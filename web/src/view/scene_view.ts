@@ -113,6 +113,12 @@ export class SceneView {
     const parts = this.maker.make(this.wardrobe, this.options);
     this.batches = new Batches(parts);
     this.group.add(this.batches);
+    this.materials.keep(parts);
+    this.repaint();
+  }
+
+  /** Skins have other colours, and nothing else. */
+  repaint(): void {
     this.painted = 0;
   }
 

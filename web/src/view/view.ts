@@ -20,12 +20,19 @@ import { sunOf } from "./lamps";
 import { VIEW_OPTIONS, type ViewOptions } from "./options";
 import type { Picked } from "./overlays/overlay";
 import { type Hit, SceneView } from "./scene_view";
-import { Wardrobe } from "./skins/skin";
+import { sameParts, Wardrobe, type Worn } from "./skins/skin";
 import { Spring } from "./spring";
 import { Stage } from "./stage";
 
-/** The picture of the session: which scene, from where, with what drawn. It tells what carries its camera. */
-export class View extends Emitter<{ carried: Carrier | null }> {
+export interface ViewEvents {
+  /** What carries the camera. */
+  carried: Carrier | null;
+  /** Bodies have changed their skins. */
+  dressed: Wardrobe;
+}
+
+/** The picture of the session: which scene, from where, with what drawn. */
+export class View extends Emitter<ViewEvents> {
   readonly stage: Stage;
   readonly rig = new CameraRig();
   readonly wardrobe = new Wardrobe();
@@ -90,10 +97,19 @@ export class View extends Emitter<{ carried: Carrier | null }> {
     this.stale = true;
   }
 
-  /** Skins have changed. */
-  dress(): void {
-    this.shown?.dress();
+  /** Has bodies wear skins. */
+  wear(worn: readonly Worn[]): void {
+    const all = this.shown?.scene.bodies.map((_, row) => row) ?? [];
+    let same = true;
+    for (const { bodies, skin } of worn) {
+      same &&= (bodies ?? all).every((body) => sameParts(this.wardrobe.of(body), skin));
+      if (bodies === null) this.wardrobe.dressAll(skin);
+      else for (const body of bodies) this.wardrobe.dress(body, skin);
+    }
+    if (same) this.shown?.repaint();
+    else this.shown?.dress();
     this.invalidate();
+    this.emit("dressed", this.wardrobe);
   }
 
   /** Sees the scene from a viewpoint. */

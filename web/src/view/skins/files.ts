@@ -2,15 +2,18 @@ import { type Object3D, SRGBColorSpace, TextureLoader } from "three";
 import { GLTFLoader } from "three/examples/jsm/loaders/GLTFLoader.js";
 import type { Skin } from "./skin";
 
+/** What a GLB model is called on the web. */
+export const GLB = "model/gltf-binary";
+
 /** What a file may be, for a file dialog. */
 export const SKIN_FILES = ".glb,image/*";
 
 /** Makes a skin of a picture or a GLB model. Throws an Error that says what is wrong. */
 export async function skinOfFile(file: File): Promise<Skin> {
-  if (file.name.toLowerCase().endsWith(".glb")) {
+  if (file.type.startsWith("image/")) return { kind: "picture", picture: await readPicture(file) };
+  if (file.type === GLB || file.name.toLowerCase().endsWith(".glb")) {
     return { kind: "model", model: await readModel(file), fitted: true };
   }
-  if (file.type.startsWith("image/")) return { kind: "picture", picture: await readPicture(file) };
   throw new Error(`${file.name} is no picture, GLB model or robot file (.xml, .urdf). Choose one of these.`);
 }
 

@@ -5,7 +5,8 @@ import type { GaugeName } from "./gauges";
 export type Skin =
   /** The colours of its shapes. */
   | { kind: "plain" }
-  | { kind: "color"; color: Color }
+  /** One colour; its opacity is that of the shapes, where none is given. */
+  | { kind: "color"; color: Color; opacity?: number }
   /** A colour for each replica. */
   | { kind: "replica" }
   /** A colour that follows its state. */
@@ -13,6 +14,19 @@ export type Skin =
   | { kind: "picture"; picture: Texture }
   /** A model instead of its shapes, as large as in its file or fitted to them. */
   | { kind: "model"; model: Object3D; fitted: boolean };
+
+/** Whether bodies that change from one into the other are drawn by the same parts, in other colours. */
+export function sameParts(before: Skin, after: Skin): boolean {
+  const opacity = (skin: Skin) => (skin.kind === "color" ? skin.opacity : undefined);
+  const hasParts = (skin: Skin) => skin.kind === "picture" || skin.kind === "model";
+  return !hasParts(before) && !hasParts(after) && opacity(before) === opacity(after);
+}
+
+/** A skin, and the bodies that wear it; `null` are all of them. */
+export interface Worn {
+  bodies: readonly number[] | null;
+  skin: Skin;
+}
 
 /** What all bodies wear: one skin in common, and some their own. */
 export class Wardrobe {
