@@ -35,7 +35,7 @@ from kinetarium._engine import (
     parse,
 )
 from kinetarium.arrays import NamedArray
-from kinetarium.cameras import Camera, Images, Light
+from kinetarium.cameras import Camera, Images, Lamp, Light
 from kinetarium.dynamics import Bodies, Dynamics
 from kinetarium.errors import KinetariumError
 from kinetarium.queries import NearShapes, Seen, ShapeHits
@@ -63,6 +63,7 @@ __all__ = [
     "Images",
     "Joint",
     "KinetariumError",
+    "Lamp",
     "Light",
     "Limit",
     "Linearization",

@@ -19,13 +19,54 @@ _VECTORS = {"focal": 2, "principal": 2, "position": 3, "orientation": 4}
 
 
 @dataclass(frozen=True)
+class Lamp:
+    """A lamp, for `Light.lamps`. Raises `RenderError` for what cannot be.
+
+    >>> import kinetarium as kn
+    >>> torch = kn.Lamp("spot", position=(0, 2, 0), direction=(0, -1, 0), cutoff=0.5, body="link1")
+    """
+
+    kind: str = "point"
+    """"point": it shines in all directions; "spot": about its direction; "parallel": everywhere in its direction."""
+    position: Vector = (0.0, 0.0, 0.0)
+    """In the frame of its body, or in the world [m]; of one that tracks, from its body's origin along world axes."""
+    direction: Vector = (0.0, -1.0, 0.0)
+    """Where it shines, along the same axes; of any length but zero."""
+    color: Vector = (1.0, 1.0, 1.0)
+    """What it adds to a white sheet that faces it, before it fades, in linear light."""
+    attenuation: Vector = (1.0, 0.0, 0.0)
+    """a, b [1/m] and c [1/m²] by which light of points and spots fades with the distance d, as
+    1 / (a + b d + c d²)."""
+    cutoff: float = pi / 4
+    """Largest angle of a spot's light to its direction [rad], above 0 and at most π/2."""
+    exponent: float = 0.0
+    """The exponent e by which a spot's light fades with the angle, as cosᵉ; 0 to 128."""
+    body: str | None = None
+    """Name of the body that it is on; none is the world."""
+    mode: str = "fixed"
+    """"fixed": it moves and turns with its body. "track": it moves with its body's origin and does not turn."""
+    shadows: bool = True
+    """Whether what is behind something else, as it sees it, is in its shadow."""
+
+    def __post_init__(self) -> None:
+        for what in ("position", "direction", "color", "attenuation"):
+            numbers = getattr(self, what)
+            if np.shape(numbers) != (3,):
+                raise RenderError(f"the lamp's {what} is {numbers!r}: give 3 numbers")
+        if not 0 < hypot(*self.direction) < inf:
+            raise RenderError(f"the lamp's direction is {self.direction}: give one, as (0, 0, -1)")
+
+
+@dataclass(frozen=True)
 class Light:
-    """A sun and a sky, for `Camera.light`; what is `None` is as the model has it, which is a sunny day. Colours are
-    red, green and blue in linear light, not sRGB: 1 is as bright as a white sheet can be drawn.
+    """A sun, a sky and lamps, for `Camera.light`; what is `None` is as the model has it, which is a sunny day where
+    its file names no lights. Colours are red, green and blue in linear light, not sRGB: 1 is as bright as a white
+    sheet can be drawn.
 
     >>> import kinetarium as kn
     >>> evening = kn.Light(to_sun=(-1, 0.3, 0), sun=(0.8, 0.5, 0.2))
     >>> noon = kn.Light(to_sun=(0, 1, 0), shadows=False)
+    >>> night = kn.Light(sun=(0, 0, 0), lamps=[kn.Lamp(position=(0, 3, 0), attenuation=(0, 0, 0.2))])
     """
 
     to_sun: Vector | None = None
@@ -45,12 +86,16 @@ class Light:
     """Colour straight above, where nothing is."""
     horizon: Vector | None = None
     """Colour of the horizon, and where endless planes end."""
+    lamps: Sequence[Lamp] | None = None
+    """Other lights, in place of the model's."""
 
     def __post_init__(self) -> None:
         for what in ("to_sun", "sun", "sky", "ground", "zenith", "horizon"):
             numbers = getattr(self, what)
             if numbers is not None and np.shape(numbers) != (3,):
                 raise RenderError(f"the light's {what} is {numbers!r}: give 3 numbers")
+        if self.lamps is not None and not all(isinstance(lamp, Lamp) for lamp in self.lamps):
+            raise RenderError(f"the light's lamps are {self.lamps!r}: give Lamps, as [Lamp(position=(0, 3, 0))]")
 
 
 @dataclass(frozen=True)

@@ -140,6 +140,37 @@ def test_sun_shadows_and_squares_are_the_camera_s_to_choose(sim):
         kn.Light(to_sun=1)
 
 
+def test_lamps_shine_where_they_are_and_where_their_body_is(sim):
+    camera = replace(kn.Camera.of(sim.model, "above"), channels=("rgb", "depth"), checker=0.0)
+    floor = np.isclose(sim.render(camera, worlds=0).depth[0], 5)
+    dark = kn.Light(sun=(0, 0, 0), sky=(0, 0, 0), ground=(0, 0, 0))
+
+    def seen(*lamps):
+        rgb = sim.render(replace(camera, light=replace(dark, lamps=lamps)), worlds=0).rgb[0]
+        return np.where(floor[..., None], rgb, 0).astype(int)
+
+    assert not seen().any()
+    beam = kn.Lamp("parallel", direction=(0, 0, -1), color=(0.5, 0, 0), shadows=False)
+    red = seen(beam)
+    assert np.ptp(red[floor], axis=0).max() == 0 and red[..., 0].any() and not red[..., 1:].any()
+    spot = kn.Lamp("spot", position=(0, 0, 2), direction=(0, 0, -1), cutoff=0.3, shadows=False)
+    lit = seen(spot)[..., 0] > 0
+    assert 0 < lit.sum() < 0.7 * floor.sum()
+    # On the rod, of which the origin is elsewhere in the other world.
+    on_rod = replace(spot, body=sim.model.body_names[0], mode="track")
+    assert (seen(on_rod)[..., 0] > 0).any()
+    with pytest.raises(kn.errors.UnknownNameError, match="no body"):
+        seen(kn.Lamp(body="nobody"))
+    with pytest.raises(RenderError, match="cutoff"):
+        seen(kn.Lamp("spot", cutoff=4.0))
+    with pytest.raises(kn.errors.UnknownNameError, match="kind of lamps"):
+        seen(kn.Lamp("neon"))
+    with pytest.raises(RenderError, match="direction is"):
+        kn.Lamp(direction=(0, 0, 0))
+    with pytest.raises(RenderError, match="give Lamps"):
+        kn.Light(lamps=["bulb"])
+
+
 def test_images_of_a_card_that_is_not_there_are_refused(sim):
     with pytest.raises(DeviceError, match="has `no such card` in its name; found: "):
         sim.render("above", device="gpu:no such card")

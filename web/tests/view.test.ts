@@ -4,6 +4,7 @@ import { describe, expect, test } from "vitest";
 import { readFrame } from "../src/frame";
 import { readMessage, type Scene } from "../src/protocol";
 import { multiply, placed, writePose } from "../src/view/affine";
+import { fading, Lamps, sunOf } from "../src/view/lamps";
 import { measure, moves, reach, worldShifts } from "../src/view/layout";
 import { Materials } from "../src/view/materials";
 import { Trails } from "../src/view/overlays/trails";
@@ -74,6 +75,49 @@ describe("layout", () => {
   });
   test("fewer sides where there are more shapes", () => {
     expect([1, 500, 5000].map(sides)).toEqual([32, 20, 12]);
+  });
+});
+
+describe("lamps", () => {
+  test("one of them is the sun", () => {
+    const model = scene();
+    // Turned by half a turn about x, it shines upwards along z.
+    const sun = sunOf(model);
+    expectClose(sun?.to ?? [], [0, 0, -1]);
+    expect(sun?.color).toEqual([1, 0.75, 0.5]);
+    expect(sunOf({ ...model, sun: -1 })?.color).toEqual([0, 0, 0]);
+    expect(sunOf({ ...model, lamps: [], sun: -1 })).toBeNull();
+  });
+  test("fade by the power that touches their law", () => {
+    expect(fading([2, 0, 0], 5)).toEqual({ power: 0, strength: 0.5 });
+    expect(fading([0, 0, 4], 5)).toEqual({ power: 2, strength: 0.25 });
+    const law = (d: number) => 1 / (1 + 2 * d + 3 * d ** 2);
+    const { power, strength } = fading([1, 2, 3], 1.5);
+    const [d, h] = [1.5, 1e-4];
+    expect(strength * d ** -power).toBeCloseTo(law(d), 12);
+    const slope = (strength * (d + h) ** -power - strength * (d - h) ** -power) / (2 * h);
+    expect(slope).toBeCloseTo((law(d + h) - law(d - h)) / (2 * h), 6);
+  });
+  test("go along with their bodies, and those that track do not turn", () => {
+    const model = scene();
+    model.lamps[1].placement.position = [1, 0, 0];
+    const poses = new Poses(model);
+    const bodies = model.bodies.flatMap(() => pose);
+    const at = (mode: "fixed" | "track") => {
+      model.lamps[1].mode = mode;
+      const lamps = new Lamps(model, measure(model));
+      poses.update(readFrame(writeFrame({ worlds: 1, bodies: model.bodies.length, poses: bodies })));
+      lamps.move(poses);
+      const [light] = lamps.children;
+      const shift = new Vector3().fromArray(poses.shifts);
+      return light.position
+        .clone()
+        .sub(shift)
+        .sub(new Vector3(1, 2, 3))
+        .toArray();
+    };
+    expectClose(at("track"), [1, 0, 0]);
+    expectClose(at("fixed"), new Vector3(1, 0, 0).applyQuaternion(turned).toArray());
   });
 });
 

@@ -5,8 +5,8 @@ use crate::geometry::pose;
 use crate::model::Model;
 use crate::names::{Table, find, unknown};
 use crate::simulation::{Engine, Precise, each, slice};
-use glam::{DVec2, DVec3, Vec3};
-use kinetarium::model::{BodyId, CameraMode, Pose};
+use glam::{DQuat, DVec2, DVec3, Vec3};
+use kinetarium::model::{BodyId, CameraMode, Lamp, LampKind, Pose};
 use numpy::{
     IntoPyArray, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray3, PyUntypedArrayMethods,
 };
@@ -70,7 +70,8 @@ impl View {
         view.checker = checker;
         if let Some(draft) = light {
             let renderer = model.get().renderer(&Device::Processor).map_err(failed)?;
-            view = view.with_light(draft.over(renderer.scene().light));
+            let own = &renderer.scene().light;
+            view = view.with_light(draft.over(own, &model.get().model)?);
         }
         Ok(Self(view))
     }
@@ -87,12 +88,23 @@ struct LightDraft {
     ground: Option<[f32; 3]>,
     zenith: Option<[f32; 3]>,
     horizon: Option<[f32; 3]>,
+    lamps: Option<Vec<LampDraft>>,
 }
 
 impl LightDraft {
-    fn over(self, own: Light) -> Light {
+    fn over(self, own: &Light, of: &kinetarium::model::Model) -> PyResult<Light> {
         let color = |given: Option<[f32; 3]>, own| given.map_or(own, Vec3::from_array);
-        Light {
+        let lamps = match self.lamps {
+            Some(drafts) => {
+                let drafts = drafts.into_iter().enumerate();
+                drafts
+                    .map(|(row, lamp)| lamp.lamp(row, of))
+                    .collect::<PyResult<_>>()?
+            }
+            None => own.lamps.clone(),
+        };
+        Ok(Light {
+            lamps,
             to_sun: self.to_sun.map_or(own.to_sun, DVec3::from_array),
             sun: color(self.sun, own.sun),
             shadows: self.shadows.unwrap_or(own.shadows),
@@ -101,7 +113,48 @@ impl LightDraft {
             ground: color(self.ground, own.ground),
             zenith: color(self.zenith, own.zenith),
             horizon: color(self.horizon, own.horizon),
-        }
+        })
+    }
+}
+
+/// A `kinetarium.Lamp`.
+#[derive(FromPyObject)]
+struct LampDraft {
+    kind: String,
+    position: [f64; 3],
+    direction: [f64; 3],
+    color: [f32; 3],
+    attenuation: [f64; 3],
+    cutoff: f64,
+    exponent: f64,
+    body: Option<String>,
+    mode: String,
+    shadows: bool,
+}
+
+impl LampDraft {
+    fn lamp(self, row: usize, of: &kinetarium::model::Model) -> PyResult<Lamp> {
+        let (cutoff, exponent) = (self.cutoff, self.exponent);
+        let kinds: Table<LampKind, 3> = [
+            ("point", LampKind::Point),
+            ("spot", LampKind::Spot { cutoff, exponent }),
+            ("parallel", LampKind::Parallel),
+        ];
+        let along = DVec3::from_array(self.direction).normalize();
+        let turn = DQuat::from_rotation_arc(DVec3::NEG_Z, along);
+        let body = self.body.map(|name| of.body(&name).map_err(error::model));
+        Ok(Lamp {
+            body: body.transpose()?,
+            mode: find(&MODES, "mode of lamps", &self.mode)?,
+            pose: Pose::new(DVec3::from_array(self.position), turn),
+            color: Vec3::from_array(self.color),
+            attenuation: DVec3::from_array(self.attenuation),
+            shadows: self.shadows,
+            ..Lamp::new(
+                format!("lamp {row}"),
+                find(&kinds, "kind of lamps", &self.kind)?,
+            )
+        })
     }
 }
 

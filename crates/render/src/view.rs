@@ -4,6 +4,7 @@ use crate::error::{RenderError, require};
 use crate::{Camera, Light, Scene};
 use model::Pose;
 use std::collections::TryReserveError;
+use std::sync::Arc;
 
 /// Most pixels of all images together.
 const MOST_PIXELS: usize = 1 << 31;
@@ -23,7 +24,7 @@ pub struct View {
     /// Rays that tell how much of the sky each sample sees, 0 to 64; with 0, the default, all of it.
     pub occlusion: usize,
     /// What lights the scene; `None`, the default, is the scene's own.
-    pub light: Option<Light>,
+    pub light: Option<Arc<Light>>,
     /// Edge of the squares of the checker pattern on planes [m], 0 for none; `None`, the default, is the scene's own.
     pub checker: Option<f64>,
 }
@@ -156,7 +157,7 @@ impl View {
 
     /// The same, lit so.
     pub fn with_light(self, light: Light) -> Self {
-        let light = Some(light);
+        let light = Some(Arc::new(light));
         Self { light, ..self }
     }
     /// The same, with squares of this edge [m] on planes.
@@ -167,7 +168,7 @@ impl View {
 
     /// What lights a scene.
     pub(crate) fn light<'a>(&'a self, scene: &'a Scene) -> &'a Light {
-        self.light.as_ref().unwrap_or(&scene.light)
+        self.light.as_deref().unwrap_or(&scene.light)
     }
     /// Edge of the squares on planes of a scene [m].
     pub(crate) fn checker(&self, scene: &Scene) -> f64 {

@@ -350,7 +350,7 @@ impl<T: Float> Channel<T> {
         let errors = Errors::new(&sensor, source, n, layout.quaternions)?;
         let camera = match &sensor.kind {
             SensorKind::Camera { view, device, .. } => {
-                let view = (*view, device);
+                let view = (view.clone(), device);
                 Some(Camera::new(&sensor.name, view, (model, renderers), worlds)?)
             }
             _ => None,

@@ -176,21 +176,21 @@ fn parts_and_cutoffs_make_sense() {
 fn what_a_kind_does_not_take_is_refused() {
     let view = View::new(Camera::new(4, 4, 1.0));
     let noise = ImageNoise::default();
-    let noisy = Sensor::new("s", eye(view, noise)).with_noise(Noise::white(1.0));
+    let noisy = Sensor::new("s", eye(view.clone(), noise)).with_noise(Noise::white(1.0));
     refused_sensor(noisy, &["camera", "noise"]);
-    let cut = Sensor::new("s", eye(view, noise)).with_cutoff(1.0);
+    let cut = Sensor::new("s", eye(view.clone(), noise)).with_cutoff(1.0);
     refused_sensor(cut, &["camera", "cutoff"]);
     for level in [-0.1, f64::NAN, f64::INFINITY] {
         let rgb = ImageNoise {
             rgb: level,
             ..noise
         };
-        refused(eye(view, rgb), &["noise of its colours"]);
+        refused(eye(view.clone(), rgb), &["noise of its colours"]);
         let depth = ImageNoise {
             depth: level,
             ..noise
         };
-        refused(eye(view, depth), &["noise of its depth"]);
+        refused(eye(view.clone(), depth), &["noise of its depth"]);
     }
 
     let mut simulation = simulate::<f64>(&floating(), SolverKind::Featherstone, 1, 0.01);

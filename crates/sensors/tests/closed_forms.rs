@@ -498,7 +498,7 @@ fn a_camera_draws_each_world_when_it_is_due() {
     lifted[1] += 0.2;
     simulation.set_joint_state(1, &lifted, &[0.0; 6]).unwrap();
     let noise = ImageNoise::default();
-    let sensor = Sensor::new("eye", eye(view, noise)).with_rate(10.0);
+    let sensor = Sensor::new("eye", eye(view.clone(), noise)).with_rate(10.0);
     let mut sensors = Sensors::new(&mut simulation, vec![sensor], 0).unwrap();
     let before = sensors.images("eye").unwrap().images.clone();
 

@@ -1,11 +1,11 @@
 //! What a page is told of a model.
 
-use crate::protocol::{
-    Actuator, Beam, Body, Camera, Dof, Geometry, Joint, Lamp, Placement, Shape,
-};
+use crate::protocol::{Actuator, Beam, Body, Camera, Dof, Geometry, Joint, Lamp, Placement, Shape};
 use crate::sliders;
 use glam::DVec3;
-use model::{BodyId, BodyKind, JointId, JointKind, LampKind, MassProperties, Model, Pose, default_color};
+use model::{
+    BodyId, BodyKind, JointId, JointKind, LampKind, MassProperties, Model, Pose, default_color,
+};
 
 impl From<Pose> for Placement {
     fn from(pose: Pose) -> Self {

@@ -511,8 +511,8 @@ fn what_one_page_sets_is_news_to_others_unless_it_is_refused() {
     assert!(page.news.is_empty(), "{:?}", page.news);
 }
 
-/// A cart on springs in a file that has a light, too, which is not read.
-const CART: &str = r#"<mujoco model="cart"><worldbody><light pos="0 0 3"/><body name="cart" pos="0 0 1">
+/// A cart on springs in a file that has a light, too, of which not all is read.
+const CART: &str = r#"<mujoco model="cart"><worldbody><light pos="0 0 3" specular="1 1 1"/><body name="cart" pos="0 0 1">
   <joint name="x" type="slide" axis="1 0 0" stiffness="10"/><geom type="box" size=".1 .1 .1"/>
 </body></worldbody></mujoco>"#;
 
@@ -530,6 +530,7 @@ fn a_robot_file_opens_and_what_it_cannot_say_is_told() {
         ("cart.xml", "cart", 'z')
     );
     assert_eq!((scene.bodies.len(), scene.build.len()), (1, 0));
+    assert_eq!((scene.lamps.len(), scene.sun), (1, -1));
     assert!(
         scene.guide.contains("cart.xml:1: <light>"),
         "{}",

@@ -188,21 +188,21 @@ impl Seen {
         let margin = 1.0 / (1.0 - 6.0 / edge as f64);
         match (pictures(lamp), lamp.kind) {
             (0, _) => Vec::new(),
-            (_, LampKind::Parallel) => vec![self.from_afar(place, edge)],
+            (_, LampKind::Parallel) => vec![self.seen_from_afar(place, edge)],
             (1, LampKind::Spot { cutoff, .. }) => {
-                vec![self.from_near(place, along, margin * cutoff.tan(), edge)]
+                vec![self.seen_from(place, along, margin * cutoff.tan(), edge)]
             }
             _ => {
                 let sides = DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);
                 sides
-                    .map(|along| self.from_near(place, along, margin, edge))
+                    .map(|along| self.seen_from(place, along, margin, edge))
                     .collect()
             }
         }
     }
 
     /// As parallel light sees it.
-    fn from_afar(&self, to_lamp: DVec3, edge: usize) -> Tile {
+    fn seen_from_afar(&self, to_lamp: DVec3, edge: usize) -> Tile {
         let (a, b) = to_lamp.any_orthonormal_pair();
         let axes = DMat3::from_cols(a, b, to_lamp).transpose();
         let seen = self.0.iter().map(|p| axes * *p).map(|p| [p, p]);
@@ -222,7 +222,7 @@ impl Seen {
 
     /// As it is seen from a place in a direction, up to an angle of this tangent: with depth d, from n to f,
     /// (d − n) f / (f − n) is drawn, and divided by d.
-    fn from_near(&self, place: DVec3, along: DVec3, tangent: f64, edge: usize) -> Tile {
+    fn seen_from(&self, place: DVec3, along: DVec3, tangent: f64, edge: usize) -> Tile {
         let (a, b) = along.any_orthonormal_pair();
         let distances = self.0.iter().map(|p| p.distance(place));
         let far = distances.fold(1e-6, f64::max);
