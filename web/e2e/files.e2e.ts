@@ -4,7 +4,7 @@ import { ADDRESS, drop, middle, open, page, pages, poses, step, triangle } from 
 
 pages();
 
-const CART = `<mujoco model="cart"><worldbody><light pos="0 0 3"/><camera name="eye" pos="0 -3 1" xyaxes="1 0 0 0 0 1" fovy="50"/><body name="cart" pos="0 0 1">
+const CART = `<mujoco model="cart"><worldbody><light pos="0 0 3" specular="1 1 1"/><camera name="eye" pos="0 -3 1" xyaxes="1 0 0 0 0 1" fovy="50"/><body name="cart" pos="0 0 1">
   <joint name="x" type="slide" axis="1 0 0"/><geom type="box" size=".1 .1 .1"/></body></worldbody></mujoco>`;
 const ARM = `<robot name="arm"><link name="base"/><link name="tip"><inertial><mass value="1"/>
   <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial><visual><geometry><sphere radius="0.1"/>

@@ -164,6 +164,17 @@ test("gauges are told apart, and a skin goes to no other model", async () => {
   expect(await skin.inputValue()).toBe("Its own colours");
 });
 
+test("what is plotted may be of the last of many bodies", async () => {
+  await open("example=pyramid&build.rows=25");
+  await page.waitForFunction(() => window.kinetarium.scene?.bodies.length === 325);
+  const name = await page.evaluate(() => window.kinetarium.scene?.bodies.at(-1)?.name);
+  await page.getByRole("button", { name: "Choose…" }).click();
+  expect(await page.locator(".chooser .muted").textContent()).toMatch(/^\d+ more are found/);
+  await page.getByRole("searchbox", { name: "Find a quantity" }).fill(`${name} height`);
+  await page.locator(".chooser input[type=checkbox]").first().check();
+  await expect.poll(() => page.getByRole("img", { name: `${name} height` }).count()).toBe(1);
+});
+
 test("what is plotted is chosen in peace", async () => {
   await open("example=humanoid");
   await page.getByRole("button", { name: "Run" }).click();

@@ -8,6 +8,8 @@ import { shownIn } from "../ui/units";
 
 /** At most so many quantities are plotted. */
 const MOST = 16;
+/** Most that are listed at once; a search finds the others. */
+const LISTED = 600;
 /** Time within which the engine takes up what was chosen [ms]; until then it tells of what was before. */
 const TAKEN_UP = 1000;
 const WINDOWS: [number, string][] = [
@@ -28,8 +30,8 @@ export class Plots {
   private factors: number[] = [];
   private window = 10;
   private stale = true;
-  /** The boxes of the chooser, by quantities. */
-  private boxes: Checkbox[] = [];
+  /** The boxes of the chooser, by quantities: of those that are listed. */
+  private readonly boxes = new Map<number, Checkbox>();
   /** What was chosen here and the engine has not yet told of, and when. */
   private asked: { quantities: number[]; at: number } | null = null;
 
@@ -116,7 +118,8 @@ export class Plots {
     const now = this.history.quantities;
     const quantities = on ? [...now, quantity] : now.filter((other) => other !== quantity);
     if (quantities.length > MOST) {
-      this.boxes[quantity].on = false;
+      const box = this.boxes.get(quantity);
+      if (box) box.on = false;
       this.notice.tell(`At most ${MOST} quantities are plotted: take one away first.`);
       return;
     }
@@ -127,9 +130,7 @@ export class Plots {
 
   private arrange(chosen: number[]): void {
     const all = this.session.scene?.quantities ?? [];
-    this.boxes.forEach((box, quantity) => {
-      box.on = chosen.includes(quantity);
-    });
+    for (const [quantity, box] of this.boxes) box.on = chosen.includes(quantity);
     this.history.choose(chosen);
     this.factors = chosen.map((quantity) => shownIn(all[quantity].unit).factor);
     const units = Map.groupBy(chosen, (quantity) => shownIn(all[quantity].unit).unit);
@@ -155,29 +156,40 @@ export class Plots {
   }
 
   private list(quantities: Quantity[]): void {
-    const groups = Map.groupBy(quantities.keys(), (row) => quantities[row].group);
     const find = h("input", {
       type: "search",
       placeholder: "Find a quantity",
       "aria-label": "Find a quantity",
     });
-    this.boxes = quantities.map((quantity, row) => {
-      const { unit } = shownIn(quantity.unit);
-      const label = unit ? `${quantity.label} [${unit}]` : quantity.label;
-      return new Checkbox(label, "", (on) => this.choose(row, on));
-    });
+    const listed = h("div");
+    const show = () => listed.replaceChildren(...this.found(quantities, find.value.toLowerCase()));
+    find.addEventListener("input", show);
+    show();
+    this.chooser.replaceChildren(find, listed);
+  }
+
+  /** The boxes of what is found, by groups, and what is not among them. */
+  private found(quantities: Quantity[], wanted: string): HTMLElement[] {
+    const rows = [...quantities.keys()].filter((row) => quantities[row].label.toLowerCase().includes(wanted));
+    const groups = Map.groupBy(rows.slice(0, LISTED), (row) => quantities[row].group);
+    this.boxes.clear();
     const sections = [...groups].map(([group, rows]) => {
-      const items = rows.map((row) => this.boxes[row].element);
+      const items = rows.map((row) => this.box(row, quantities[row]).element);
       return h("fieldset", {}, h("legend", {}, group), ...items);
     });
-    find.addEventListener("input", () => {
-      const wanted = find.value.toLowerCase();
-      this.boxes.forEach(({ element }, row) => {
-        element.hidden = !quantities[row].label.toLowerCase().includes(wanted);
-      });
-    });
-    const unlisted = this.session.scene?.unlisted;
-    const cut = unlisted ? [h("p", { class: "muted" }, unlisted)] : [];
-    this.chooser.replaceChildren(find, ...cut, ...sections);
+    const more = rows.length - LISTED;
+    const left = more > 0 ? [`${more} more are found by a part of their names.`] : [];
+    const { unlisted } = this.session.scene ?? {};
+    const notes = [...left, ...(unlisted ? [unlisted] : [])];
+    return [...notes.map((note) => h("p", { class: "muted" }, note)), ...sections];
+  }
+
+  private box(row: number, quantity: Quantity): Checkbox {
+    const { unit } = shownIn(quantity.unit);
+    const label = unit ? `${quantity.label} [${unit}]` : quantity.label;
+    const box = new Checkbox(label, "", (on) => this.choose(row, on));
+    box.on = this.history.quantities.includes(row);
+    this.boxes.set(row, box);
+    return box;
   }
 }
