@@ -4,7 +4,7 @@ import { describe, expect, test } from "vitest";
 import { readFrame } from "../src/frame";
 import { readMessage, type Scene } from "../src/protocol";
 import { multiply, placed, writePose } from "../src/view/affine";
-import { fading, Lamps, sunOf } from "../src/view/lamps";
+import { fading, held, Lamps, sunOf } from "../src/view/lamps";
 import { measure, moves, reach, worldShifts } from "../src/view/layout";
 import { Materials } from "../src/view/materials";
 import { Trails } from "../src/view/overlays/trails";
@@ -97,6 +97,19 @@ describe("lamps", () => {
     expect(strength * d ** -power).toBeCloseTo(law(d), 12);
     const slope = (strength * (d + h) ** -power - strength * (d - h) ** -power) / (2 * h);
     expect(slope).toBeCloseTo((law(d + h) - law(d - h)) / (2 * h), 6);
+  });
+  test("shine out of what holds them", () => {
+    const { lamps, shapes } = scene();
+    const lamp = { ...lamps[1], mode: "fixed" as const };
+    const at = (y: number) => ({
+      ...lamp,
+      placement: { ...lamp.placement, position: [0, y, 0] as [number, number, number] },
+    });
+    // A ball of radius 0.125 at y = −0.5.
+    expect(held(at(-0.5), shapes.slice(3, 4))).toBeCloseTo(0.125);
+    expect(held(at(-0.4), shapes.slice(3, 4))).toBeCloseTo(0.225);
+    expect(held(at(-0.3), shapes.slice(3, 4))).toBe(0);
+    expect(held({ ...at(-0.5), body: -1 }, shapes.slice(3, 4))).toBe(0);
   });
   test("go along with their bodies, and those that track do not turn", () => {
     const model = scene();

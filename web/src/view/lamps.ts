@@ -9,9 +9,9 @@ import {
   SpotLight,
   Vector3,
 } from "three";
-import type { Lamp, Scene } from "../protocol";
+import type { Lamp, Scene, Shape } from "../protocol";
 import type { Triple } from "../schema";
-import type { Measures } from "./layout";
+import { core, type Measures, radius } from "./layout";
 import type { Poses } from "./poses";
 
 /** Most lamps that shine on the page, and that throw shadows there: what graphics cards have room for. */
@@ -44,6 +44,17 @@ export function fading([a, b, c]: Triple, distance: number): { power: number; st
   return { power, strength: distance ** power / sum };
 }
 
+/** How far [m] from a lamp nothing throws a shadow: what holds it lets its light out. */
+export function held({ body, mode, placement }: Lamp, shapes: readonly Shape[]): number {
+  let far = 0;
+  for (const shape of shapes) {
+    if (shape.body !== body || mode !== "fixed") continue;
+    const distance = new Vector3(...placement.position).distanceTo(new Vector3(...shape.placement.position));
+    if (distance < core(shape)) far = Math.max(far, distance + radius(shape));
+  }
+  return far;
+}
+
 /** One lamp, where its body is. */
 interface Placed {
   lamp: Lamp;
@@ -56,11 +67,11 @@ export class Lamps extends Group {
   private readonly placed: Placed[];
 
   constructor(
-    scene: Scene,
+    private readonly model: Scene,
     private readonly measures: Measures,
   ) {
     super();
-    const lamps = scene.lamps.filter((_, row) => row !== scene.sun).slice(0, MOST);
+    const lamps = model.lamps.filter((_, row) => row !== model.sun).slice(0, MOST);
     this.placed = lamps.map((lamp) => {
       const { position, orientation } = lamp.placement;
       const place = new Matrix4().compose(
@@ -105,7 +116,9 @@ export class Lamps extends Group {
     for (const { light } of this.placed) light.dispose();
   }
 
-  private make({ beam, color, attenuation }: Lamp): Placed["light"] {
+  private make(lamp: Lamp): Placed["light"] {
+    const { beam, color, attenuation } = lamp;
+    const near = Math.max(held(lamp, this.model.shapes), 0.01 * this.measures.world);
     const { world } = this.measures;
     const { power, strength } = fading(attenuation, world);
     const shade = new Color(...color);
@@ -113,26 +126,27 @@ export class Lamps extends Group {
     const bright = Math.PI * strength;
     switch (beam.kind) {
       case "parallel": {
-        const light = this.shadowed(new DirectionalLight(shade, Math.PI));
+        const light = this.shadowed(new DirectionalLight(shade, Math.PI), near);
         const { camera } = light.shadow;
         camera.left = camera.bottom = -2 * world;
         camera.right = camera.top = 2 * world;
         return light;
       }
       case "point":
-        return this.shadowed(new PointLight(shade, bright, 0, power));
+        return this.shadowed(new PointLight(shade, bright, 0, power), near);
       case "spot":
         // The sharper its exponent, the softer its edge.
         return this.shadowed(
           new SpotLight(shade, bright, 0, beam.cutoff, beam.exponent / (beam.exponent + 1), power),
+          near,
         );
     }
   }
 
-  private shadowed<L extends Light & Placed["light"]>(light: L): L {
+  private shadowed<L extends Light & Placed["light"]>(light: L, near: number): L {
     const { camera, mapSize } = light.shadow;
     mapSize.set(SHADOW_PIXELS, SHADOW_PIXELS);
-    camera.near = 0.01 * this.measures.world;
+    camera.near = near;
     camera.far = 20 * this.measures.world;
     light.shadow.normalBias = (6 * this.measures.world) / SHADOW_PIXELS;
     return light;

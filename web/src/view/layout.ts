@@ -25,7 +25,8 @@ export function reach(shape: Shape): number {
   return Math.hypot(...shape.placement.position) + radius(shape);
 }
 
-function radius({ geometry }: Shape): number {
+/** Radius [m] of a ball about the shape's middle that holds it. */
+export function radius({ geometry }: Shape): number {
   switch (geometry.kind) {
     case "plane":
       return geometry.half ? Math.hypot(...geometry.half) : 0;
@@ -45,6 +46,24 @@ function radius({ geometry }: Shape): number {
       for (let i = 0; i < at.length; i += 3) most = Math.max(most, Math.hypot(at[i], at[i + 1], at[i + 2]));
       return most;
     }
+  }
+}
+
+/** Radius [m] of a ball about the shape's middle that is within it. */
+export function core({ geometry }: Shape): number {
+  switch (geometry.kind) {
+    case "sphere":
+    case "capsule":
+      return geometry.radius;
+    case "cylinder":
+      return Math.min(geometry.radius, geometry.half_height);
+    case "box":
+    case "ellipsoid":
+      return Math.min(...geometry.half);
+    case "plane":
+    case "cone":
+    case "mesh":
+      return 0;
   }
 }
 
