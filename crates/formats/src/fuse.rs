@@ -149,14 +149,11 @@ impl Fusion {
         parts
             .joints
             .retain(|_| stays.next().is_some_and(|stays| *stays));
-        for shape in &mut parts.shapes {
-            shape.body = shape.body.map(to_body);
-        }
-        for camera in &mut parts.cameras {
-            camera.body = camera.body.map(to_body);
-        }
-        for lamp in &mut parts.lamps {
-            lamp.body = lamp.body.map(to_body);
+        let shapes = parts.shapes.iter_mut().map(|shape| &mut shape.body);
+        let cameras = parts.cameras.iter_mut().map(|camera| &mut camera.body);
+        let lamps = parts.lamps.iter_mut().map(|lamp| &mut lamp.body);
+        for body in shapes.chain(cameras).chain(lamps) {
+            *body = body.map(to_body);
         }
         for joint in &mut parts.joints {
             joint.parent = joint.parent.map(to_body);

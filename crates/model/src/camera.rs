@@ -39,6 +39,14 @@ impl CameraMode {
             Self::Track => Pose::new(body.position + pose.position, pose.orientation),
         }
     }
+    /// The same of one on a body, or on the world, where all bodies are placed so.
+    ///
+    /// # Panics
+    /// If its body has no pose.
+    pub fn placed_on(self, body: Option<BodyId>, bodies: &[Pose], pose: &Pose) -> Pose {
+        let carrier = body.map_or(Pose::IDENTITY, |body| bodies[body.0]);
+        self.placed(&carrier, pose)
+    }
 }
 
 #[cfg(test)]

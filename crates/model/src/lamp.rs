@@ -96,12 +96,12 @@ impl Lamp {
         Ok(())
     }
 
-    /// Where it is in the world, on bodies that are placed so.
+    /// Where it is in a world whose bodies are placed so.
+    ///
+    /// # Panics
+    /// If its body has no pose.
     pub fn placed(&self, bodies: &[Pose]) -> Pose {
-        match self.body {
-            Some(body) => self.mode.placed(&bodies[body.0], &self.pose),
-            None => self.pose,
-        }
+        self.mode.placed_on(self.body, bodies, &self.pose)
     }
 
     /// What of its light goes to a distance [m] at an angle of this cosine to the axis.

@@ -131,8 +131,7 @@ impl Camera {
     /// # Panics
     /// If its body has no pose.
     pub fn placed(&self, bodies: &[Pose]) -> Pose {
-        let carrier = self.body.map_or(Pose::IDENTITY, |body| bodies[body.0]);
-        self.mode.placed(&carrier, &self.pose)
+        self.mode.placed_on(self.body, bodies, &self.pose)
     }
 
     pub(crate) fn check(&self, bodies: usize) -> Result<(), RenderError> {

@@ -47,6 +47,7 @@ mod error;
 mod framing;
 #[cfg(feature = "gpu")]
 pub mod gpu;
+mod lamp;
 mod light;
 mod mesh;
 mod picture;

@@ -16,6 +16,11 @@ impl From<Pose> for Placement {
     }
 }
 
+/// Row of a body; −1 for the world.
+fn row_of(body: Option<BodyId>) -> i32 {
+    body.map_or(-1, |body| body.0 as i32)
+}
+
 /// Bodies, in the model's order.
 pub(crate) fn bodies(model: &Model) -> Vec<Body> {
     let body = |(i, body): (usize, &model::Body)| {
@@ -43,7 +48,7 @@ pub(crate) fn bodies(model: &Model) -> Vec<Body> {
 pub(crate) fn shapes(model: &Model) -> Vec<Shape> {
     let shape = |shape: &model::Shape| Shape {
         name: shape.name.clone(),
-        body: shape.body.map_or(-1, |body| body.0 as i32),
+        body: row_of(shape.body),
         placement: shape.pose.into(),
         geometry: geometry(&shape.geometry),
         collides: shape.collides,
@@ -152,7 +157,7 @@ pub(crate) fn joints(
         Joint {
             name: joint.name.clone(),
             kind: joint.kind.name().into(),
-            parent: joint.parent.map_or(-1, |body| body.0 as i32),
+            parent: row_of(joint.parent),
             child: joint.child.0 as i32,
             parent_frame: joint.parent_frame.into(),
             child_frame: joint.child_frame.into(),
@@ -195,7 +200,7 @@ pub(crate) fn actuators(model: &Model, controls: &[f64]) -> Vec<Actuator> {
 pub(crate) fn cameras(model: &Model) -> Vec<Camera> {
     let camera = |camera: &model::Camera| Camera {
         name: camera.name.clone(),
-        body: camera.body.map_or(-1, |body| body.0 as i32),
+        body: row_of(camera.body),
         mode: camera.mode,
         placement: camera.pose.into(),
         field_of_view: camera.field_of_view,
@@ -207,7 +212,7 @@ pub(crate) fn cameras(model: &Model) -> Vec<Camera> {
 pub(crate) fn lamps(model: &Model) -> Vec<Lamp> {
     let lamp = |lamp: &model::Lamp| Lamp {
         name: lamp.name.clone(),
-        body: lamp.body.map_or(-1, |body| body.0 as i32),
+        body: row_of(lamp.body),
         mode: lamp.mode,
         placement: lamp.pose.into(),
         beam: match lamp.kind {

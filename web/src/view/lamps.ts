@@ -3,7 +3,6 @@ import {
   DirectionalLight,
   Group,
   type Light,
-  Matrix4,
   PointLight,
   Quaternion,
   SpotLight,
@@ -59,7 +58,6 @@ export function held({ body, mode, placement }: Lamp, shapes: readonly Shape[]):
 interface Placed {
   lamp: Lamp;
   light: SpotLight | PointLight | DirectionalLight;
-  place: Matrix4;
 }
 
 /** The lamps of a model, of the first world shown; the sun is not among them. */
@@ -72,15 +70,7 @@ export class Lamps extends Group {
   ) {
     super();
     const lamps = model.lamps.filter((_, row) => row !== model.sun).slice(0, MOST);
-    this.placed = lamps.map((lamp) => {
-      const { position, orientation } = lamp.placement;
-      const place = new Matrix4().compose(
-        new Vector3(...position),
-        new Quaternion(...orientation),
-        new Vector3(1, 1, 1),
-      );
-      return { lamp, light: this.make(lamp), place };
-    });
+    this.placed = lamps.map((lamp) => ({ lamp, light: this.make(lamp) }));
     for (const { light } of this.placed) {
       this.add(light);
       if ("target" in light) this.add(light.target);
@@ -97,12 +87,8 @@ export class Lamps extends Group {
 
   /** Brings them to where their bodies are. */
   move(poses: Poses): void {
-    const matrix = new Matrix4();
-    for (const { lamp, light, place } of this.placed) {
-      const [map, at] = poses.of(0, lamp.body);
-      matrix.fromArray(map, at);
-      if (lamp.mode === "track") matrix.copy(new Matrix4().copyPosition(matrix));
-      matrix.multiply(place);
+    for (const { lamp, light } of this.placed) {
+      const matrix = poses.mounted(0, lamp);
       light.position.setFromMatrixPosition(matrix);
       if (!("target" in light)) continue;
       const along = new Vector3().setFromMatrixColumn(matrix, 2).multiplyScalar(-this.measures.world);

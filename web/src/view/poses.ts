@@ -1,6 +1,7 @@
+import { Matrix4 } from "three";
 import { type Frame, POSE } from "../frame";
-import type { Scene } from "../protocol";
-import { writePose } from "./affine";
+import type { Camera, Scene } from "../protocol";
+import { placed, writePose } from "./affine";
 import { worldShifts } from "./layout";
 
 /** Where all bodies of all worlds shown are drawn, as matrices in the scene's axes. */
@@ -32,6 +33,15 @@ export class Poses {
   /** Index into {@link matrices} of a body, which may be −1, with the array it is of. */
   of(world: number, body: number): [Float32Array, number] {
     return body < 0 ? [this.origins, 16 * world] : [this.matrices, 16 * (world * this.bodies + body)];
+  }
+
+  /** Where something is that turns with a body of a world, or only goes along with its origin. */
+  mounted(world: number, { body, mode, placement }: Pick<Camera, "body" | "mode" | "placement">): Matrix4 {
+    const [map, at] = this.of(world, body);
+    const carrier = new Matrix4().fromArray(map, at);
+    // Of a body whose turns it does not follow, only the place matters.
+    const followed = mode === "track" ? new Matrix4().copyPosition(carrier) : carrier;
+    return followed.multiply(new Matrix4().fromArray(placed(placement)));
   }
 
   private arrange(worlds: number): void {

@@ -313,15 +313,9 @@ export class View extends Emitter<ViewEvents> {
   }
 
   /** Where a camera of the scene is, in the screen's world. */
-  private placeOf({ body, mode, placement }: Camera, shown: SceneView): Matrix4 {
-    const row = Math.min(this.picked?.row ?? 0, shown.poses.worlds - 1);
-    const carrier = shown.bodyMatrix({ row, body });
-    // Of a body whose turns it does not follow, only the place matters.
-    if (mode === "track") carrier.copy(new Matrix4().copyPosition(carrier));
-    const position = new Vector3(...placement.position);
-    const orientation = new Quaternion(...placement.orientation);
-    const place = new Matrix4().compose(position, orientation, new Vector3(1, 1, 1));
-    return place.premultiply(carrier).premultiply(this.stage.root.matrixWorld);
+  private placeOf(camera: Camera, { poses }: SceneView): Matrix4 {
+    const row = Math.min(this.picked?.row ?? 0, poses.worlds - 1);
+    return poses.mounted(row, camera).premultiply(this.stage.root.matrixWorld);
   }
 
   /** Puts the inset's camera where the scene's is. Returns whether there is one to show. */

@@ -3,6 +3,7 @@
 use super::device::Gpu;
 use super::pipelines::Pipelines;
 use super::targets::{Grid, Target};
+use crate::lamp::PlacedLamp;
 use crate::scene::Scene;
 use crate::view::View;
 use glam::{DMat3, DMat4, DVec3, DVec4};
@@ -63,14 +64,15 @@ impl Lamps {
         let mut shares = grid.shares();
         let (mut lamp_words, mut tile_words, mut uniform) = (Vec::new(), Vec::new(), Vec::new());
         for (bodies, eye) in worlds {
+            let seen = Seen::new(scene, bodies, *eye);
             for lamp in &lamps {
                 let first = uniform.len() / (STRIDE / 4);
-                let place = place(lamp, bodies, *eye);
-                lamp_words.extend(self::lamp_words(lamp, place, bodies, first));
-                let seen = Seen::new(scene, bodies, *eye);
-                let tiles = seen.tiles(lamp, place, bodies, edge);
+                let lamp = PlacedLamp::new(lamp, bodies);
+                let place = place(&lamp, *eye);
+                lamp_words.extend(self::lamp_words(&lamp, place, first));
+                let tiles = seen.tiles(&lamp, place, edge);
                 for (tile, share) in tiles.iter().zip(&mut shares) {
-                    let words = self::tile_words(lamp, place, tile, share);
+                    let words = self::tile_words(&lamp, place, tile, share);
                     tile_words.extend(words);
                     uniform.extend(words);
                     uniform.resize(uniform.len().next_multiple_of(STRIDE / 4), 0.0);
@@ -121,17 +123,19 @@ fn texels(view: &View, pictures: usize) -> usize {
 }
 
 /// Where a lamp is, from the camera; where parallel light comes from.
-fn place(lamp: &Lamp, bodies: &[Pose], eye: DVec3) -> DVec3 {
-    let pose = lamp.placed(bodies);
-    match lamp.kind {
-        LampKind::Parallel => pose.direction(DVec3::Z).normalize(),
-        LampKind::Point | LampKind::Spot { .. } => pose.position - eye,
+fn place(lamp: &PlacedLamp, eye: DVec3) -> DVec3 {
+    match lamp.lamp.kind {
+        LampKind::Parallel => -lamp.along,
+        LampKind::Point | LampKind::Spot { .. } => lamp.position - eye,
     }
 }
 
 /// The `Lamp` of the shader, whose first tile has this row.
-fn lamp_words(lamp: &Lamp, place: DVec3, bodies: &[Pose], tile: usize) -> [u32; 20] {
-    let along = lamp.placed(bodies).direction(DVec3::NEG_Z).normalize();
+fn lamp_words(
+    &PlacedLamp { lamp, along, .. }: &PlacedLamp,
+    place: DVec3,
+    tile: usize,
+) -> [u32; 20] {
     let (kind, cutoff, exponent) = match lamp.kind {
         LampKind::Parallel => (0, 0.0, 0.0),
         LampKind::Point => (1, 0.0, 0.0),
@@ -150,12 +154,13 @@ fn lamp_words(lamp: &Lamp, place: DVec3, bodies: &[Pose], tile: usize) -> [u32; 
 }
 
 /// The `Tile` of the shader.
-fn tile_words(lamp: &Lamp, place: DVec3, tile: &Tile, [corner, size]: [[f32; 2]; 2]) -> [f32; 28] {
-    let parallel = if lamp.kind == LampKind::Parallel {
-        1.0
-    } else {
-        0.0
-    };
+fn tile_words(
+    lamp: &PlacedLamp,
+    place: DVec3,
+    tile: &Tile,
+    [corner, size]: [[f32; 2]; 2],
+) -> [f32; 28] {
+    let parallel = f32::from(u8::from(lamp.lamp.kind == LampKind::Parallel));
     let place = place.as_vec3().extend(parallel).to_array();
     let rest = [
         place,
@@ -182,15 +187,14 @@ impl Seen {
         Self(corners.map(|p| p - eye).collect())
     }
 
-    fn tiles(&self, lamp: &Lamp, place: DVec3, bodies: &[Pose], edge: usize) -> Vec<Tile> {
-        let along = lamp.placed(bodies).direction(DVec3::NEG_Z).normalize();
+    fn tiles(&self, lamp: &PlacedLamp, place: DVec3, edge: usize) -> Vec<Tile> {
         // Beside the margin of a tile no shadow is looked for.
         let margin = 1.0 / (1.0 - 6.0 / edge as f64);
-        match (pictures(lamp), lamp.kind) {
+        match (pictures(lamp.lamp), lamp.lamp.kind) {
             (0, _) => Vec::new(),
             (_, LampKind::Parallel) => vec![self.seen_from_afar(place, edge)],
             (1, LampKind::Spot { cutoff, .. }) => {
-                vec![self.seen_from(place, along, margin * cutoff.tan(), edge)]
+                vec![self.seen_from(place, lamp.along, margin * cutoff.tan(), edge)]
             }
             _ => {
                 let sides = DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);

@@ -3,13 +3,14 @@
 //! A surface scatters light evenly (Lambert), and shines a little where it faces half way between
 //! a light and the eye (Blinn). Colours are linear until they are encoded.
 
-use super::lamp::PlacedLamp;
 use super::placed::Ray;
 use super::sampling::{disc, hemisphere, turn};
 use super::tile::Tile;
 use super::world::{Hit, Seen};
+use crate::lamp::PlacedLamp;
 use crate::scene::Form;
 use glam::{DVec2, DVec3, Vec3};
+use std::cell::LazyCell;
 use std::sync::LazyLock;
 
 /// Brightness of the middle of the sun's reflection, against the sun.
@@ -56,10 +57,10 @@ impl<'a> Lit<'a> {
             let lit = Tile::around(points.clone().map(|p| world.sun * p));
             casters = those(&|seen| seen.shadows(lit, world.sun_spread()));
         }
-        let around = Tile::around(points);
+        let around = LazyCell::new(|| Tile::around(points.clone()));
         let of_lamp = |lamp: &PlacedLamp| {
             if any && lamp.lamp.shadows {
-                those(&|seen| lamp.is_before(&seen.placed, around))
+                those(&|seen| lamp.is_before(&seen.placed, *around))
             } else {
                 Vec::new()
             }
@@ -67,7 +68,7 @@ impl<'a> Lit<'a> {
         let lamps = world.lamps.iter().map(of_lamp).collect();
         let mut occluders = Vec::new();
         if any && world.view.occlusion > 0 {
-            occluders = those(&|seen| seen.is_near(around, reach));
+            occluders = those(&|seen| seen.is_near(*around, reach));
         }
         Self {
             tile,

@@ -1,17 +1,9 @@
-//! A lamp of a scene in a world, and what is lit by it.
+//! What arrives of a lamp's light, and what may be in its way.
 
 use super::placed::Placed;
+use crate::lamp::PlacedLamp;
 use glam::{DVec3, Vec3};
-use model::{Lamp, LampKind, Pose};
-
-/// A lamp where it is.
-pub(super) struct PlacedLamp<'a> {
-    pub lamp: &'a Lamp,
-    /// In the world [m].
-    position: DVec3,
-    /// Where it shines, a unit vector.
-    along: DVec3,
-}
+use model::LampKind;
 
 /// What arrives of a lamp's light where nothing is in its way.
 pub(super) struct Arriving {
@@ -22,18 +14,9 @@ pub(super) struct Arriving {
     pub light: Vec3,
 }
 
-impl<'a> PlacedLamp<'a> {
-    pub fn new(lamp: &'a Lamp, bodies: &[Pose]) -> Self {
-        let pose = lamp.placed(bodies);
-        Self {
-            lamp,
-            position: pose.position,
-            along: pose.direction(DVec3::NEG_Z).normalize(),
-        }
-    }
-
+impl PlacedLamp<'_> {
     /// What arrives at a point; `None` where that is nothing.
-    pub fn at(&self, point: DVec3) -> Option<Arriving> {
+    pub(super) fn at(&self, point: DVec3) -> Option<Arriving> {
         let (direction, distance) = match self.lamp.kind {
             LampKind::Parallel => (-self.along, f64::INFINITY),
             LampKind::Point | LampKind::Spot { .. } => {
@@ -51,7 +34,7 @@ impl<'a> PlacedLamp<'a> {
 
     /// Whether a shape may be between it and a point of a box: whether balls about both are within each
     /// other's reach along the way.
-    pub fn is_before(&self, shape: &Placed, [low, high]: [DVec3; 2]) -> bool {
+    pub(super) fn is_before(&self, shape: &Placed, [low, high]: [DVec3; 2]) -> bool {
         let (middle, reach) = (0.5 * (low + high), 0.5 * (high - low).length());
         let arm = shape.center - middle;
         let way = match self.lamp.kind {

@@ -1,8 +1,8 @@
 //! A scene in one world, as its camera and its sun see it.
 
-use super::lamp::PlacedLamp;
 use super::placed::{Placed, Ray};
 use crate::Light;
+use crate::lamp::PlacedLamp;
 use crate::scene::Scene;
 use crate::view::View;
 use glam::{DMat3, DVec2, DVec3};
