@@ -1,10 +1,10 @@
 //! What lights a scene, and what is behind everything.
 
 use crate::error::{RenderError, require};
-#[cfg(feature = "gpu")]
-use glam::DQuat;
 use glam::{DVec3, Vec3};
-use model::{Lamp, LampKind};
+use model::Lamp;
+#[cfg(feature = "gpu")]
+use {glam::DQuat, model::LampKind};
 
 /// A sun, a sky and lamps. Colours are linear, not sRGB; 1 is as bright as a white sheet can be drawn.
 #[derive(Clone, Debug, PartialEq)]
