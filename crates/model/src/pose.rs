@@ -32,14 +32,17 @@ impl Pose {
         Self::new(position, DQuat::IDENTITY)
     }
     /// A point of this frame, in the outer frame.
+    #[inline]
     pub fn point(&self, p: DVec3) -> DVec3 {
         self.orientation * p + self.position
     }
     /// A direction of this frame, in the outer frame.
+    #[inline]
     pub fn direction(&self, d: DVec3) -> DVec3 {
         self.orientation * d
     }
     /// The placement that undoes this one.
+    #[inline]
     pub fn inverse(&self) -> Self {
         let q = self.orientation.conjugate();
         Self::new(-(q * self.position), q)

@@ -40,6 +40,7 @@ pub struct RayHit {
 
 impl Ray {
     /// The same with a direction of unit length.
+    #[inline]
     fn checked(self, index: usize) -> Result<Self, SimulationError> {
         let query = ("ray", index);
         check_point(query, "origin", self.origin)?;
@@ -49,20 +50,40 @@ impl Ray {
     }
 }
 
+/// Where a ray first meets a row of a scene, or a triangle.
+#[derive(Clone, Copy)]
+struct Met {
+    object: u32,
+    /// From the ray's origin [m].
+    distance: f64,
+    /// Out of the surface in its own frame, of any length; of a triangle on its front. Zero where the origin is inside.
+    normal: DVec3,
+}
+
+impl Met {
+    fn is_before(&self, other: &Self) -> bool {
+        let order = self.distance.total_cmp(&other.distance);
+        order.then(self.object.cmp(&other.object)).is_lt()
+    }
+}
+
 impl Solid<'_> {
-    /// Where a ray, whose direction has unit length, meets the shape.
-    fn meet(&self, ray: &Ray) -> Result<Option<RayHit>, SimulationError> {
+    /// Where a ray, whose direction has unit length, meets the shape, which is a row of the scene.
+    #[inline]
+    fn meet(&self, row: u32, ray: &Ray) -> Result<Option<Met>, SimulationError> {
         match self.triangles {
-            Some(triangles) => self.meet_mesh(triangles, ray),
-            None => Ok(self.meet_solid(ray)),
+            Some(triangles) => self.meet_mesh(triangles, row, ray),
+            None => Ok(self.meet_solid(row, ray)),
         }
     }
 
     /// Its line is measured from the point nearest to the solid's centre, so that far origins cost no
     /// more digits than they must.
-    fn meet_solid(&self, ray: &Ray) -> Option<RayHit> {
-        let inverse = self.pose.inverse();
-        let (origin, direction) = (inverse.point(ray.origin), inverse.direction(ray.direction));
+    #[inline]
+    fn meet_solid(&self, row: u32, ray: &Ray) -> Option<Met> {
+        let turn = self.pose.orientation.conjugate();
+        let origin = turn * (ray.origin - self.pose.position);
+        let direction = turn * ray.direction;
         let foot = -origin.dot(direction);
         let line = Line {
             origin: origin + foot * direction,
@@ -74,14 +95,13 @@ impl Solid<'_> {
             return None;
         }
         let (distance, normal) = if enter > 0.0 {
-            (enter, self.pose.direction(span.normal).normalize())
+            (enter, span.normal)
         } else {
-            (0.0, -ray.direction)
+            (0.0, DVec3::ZERO)
         };
-        Some(RayHit {
-            shape: self.shape,
+        Some(Met {
+            object: row,
             distance,
-            position: ray.origin + distance * ray.direction,
             normal,
         })
     }
@@ -90,8 +110,9 @@ impl Solid<'_> {
     fn meet_mesh(
         &self,
         triangles: &Triangles,
+        row: u32,
         ray: &Ray,
-    ) -> Result<Option<RayHit>, SimulationError> {
+    ) -> Result<Option<Met>, SimulationError> {
         let inverse = self.frame().inverse();
         let (origin, direction) = (inverse.point(ray.origin), inverse.direction(ray.direction));
         let radius = self.radius();
@@ -107,54 +128,62 @@ impl Solid<'_> {
         });
         let cross = |triangle: u32| {
             let distance = line.crosses(triangles.corners(triangle))?;
-            let normal = triangles.normal(triangle);
-            let hit = RayHit {
-                shape: self.shape,
+            let met = Met {
+                object: triangle,
                 distance,
-                position: ray.origin + (start + distance) * ray.direction,
-                normal: self
-                    .pose
-                    .direction(normal * -normal.dot(direction).signum()),
+                normal: triangles.normal(triangle),
             };
-            (0.0..=near.max_distance).contains(&distance).then_some(hit)
+            (0.0..=near.max_distance).contains(&distance).then_some(met)
         };
-        let hit = first(&triangles.space, radius, &near, |t| Ok(cross(t)))?;
-        Ok(hit.map(|hit| RayHit {
-            distance: start + hit.distance,
-            ..hit
+        let met = first(&triangles.space, radius, &near, |t| Ok(cross(t)))?;
+        Ok(met.map(|met| Met {
+            object: row,
+            distance: start + met.distance,
+            // The side that the ray comes from.
+            normal: met.normal * -met.normal.dot(direction).signum(),
         }))
+    }
+
+    #[inline]
+    fn hit(&self, met: &Met, ray: &Ray) -> RayHit {
+        RayHit {
+            shape: self.shape,
+            distance: met.distance,
+            position: ray.origin + met.distance * ray.direction,
+            normal: self
+                .pose
+                .direction(met.normal)
+                .try_normalize()
+                .unwrap_or(-ray.direction),
+        }
     }
 }
 
-/// The nearer; of equally near ones that of the first shape.
-fn nearer(a: RayHit, b: RayHit) -> RayHit {
-    let b_is = b
-        .distance
-        .total_cmp(&a.distance)
-        .then(b.shape.cmp(&a.shape));
-    if b_is.is_lt() { b } else { a }
-}
-
-/// The nearest of the hits of the objects whose boxes, none of which reaches beyond `reach` [m], a ray
-/// meets; of equally near ones that of the first shape.
+/// The nearest of what the objects, whose boxes do not reach beyond `reach` [m], are met at by a ray; of equally near
+/// ones that of the first object.
+#[inline]
 fn first(
     space: &Space<Bvh>,
     reach: f64,
     ray: &Ray,
-    meet: impl Fn(u32) -> Result<Option<RayHit>, SimulationError>,
-) -> Result<Option<RayHit>, SimulationError> {
+    meet: impl Fn(u32) -> Result<Option<Met>, SimulationError>,
+) -> Result<Option<Met>, SimulationError> {
     let slack = ROUNDING * (ray.origin.abs().max_element() + reach);
     let (origin, direction) = (ray.origin.as_vec3(), ray.direction.as_vec3());
     let cast = Cast::aabb(origin, Vec3::splat(slack as f32), direction)?
         .until((ray.max_distance as f32).next_up());
-    let (mut best, mut failed): (Option<RayHit>, _) = (None, None);
+    let (mut best, mut failed): (Option<Met>, _) = (None, None);
+    let mut until = cast.limit();
     space.sweep(&cast, |object| {
         match meet(object) {
-            Ok(hit) => best = best.into_iter().chain(hit).reduce(nearer),
+            Ok(Some(met)) if best.is_none_or(|best| met.is_before(&best)) => {
+                best = Some(met);
+                until = (met.distance as f32).next_up();
+            }
+            Ok(_) => {}
             Err(error) => failed = Some(error),
         }
-        let until = best.map_or(ray.max_distance, |best| best.distance);
-        (until as f32).next_up()
+        until
     });
     failed.map_or(Ok(best), Err)
 }
@@ -162,10 +191,11 @@ fn first(
 impl View<'_> {
     fn first_met(&self, ray: &Ray) -> Result<Option<RayHit>, SimulationError> {
         let meet = |row| match self.solid(row) {
-            Some(solid) => solid.meet(ray),
+            Some(solid) => solid.meet(row, ray),
             None => Ok(None),
         };
-        first(&self.scene.space, self.scene.reach, ray, meet)
+        let met = first(&self.scene.space, self.scene.reach, ray, meet)?;
+        Ok(met.map(|met| self.scene.solid(met.object).hit(&met, ray)))
     }
 }
 
@@ -194,8 +224,9 @@ impl<T: Float> Simulation<T> {
             direction,
             max_distance,
         };
-        let hits = self.cast_rays(world, &[ray])?;
-        Ok(hits.into_iter().flatten().next())
+        let ray = ray.checked(0)?;
+        let seen = Seen::default();
+        self.look("rays", world, &seen)?.first_met(&ray)
     }
 
     /// As [`cast_ray`](Simulation::cast_ray) for many rays in one world, in threads; answer i belongs

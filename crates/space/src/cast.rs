@@ -52,6 +52,7 @@ impl Cast {
     ///
     /// # Errors
     /// As [`ray`](Cast::ray), or a half extent is negative or not finite.
+    #[inline]
     pub fn aabb(center: Vec3, half: Vec3, direction: Vec3) -> Result<Self, SpaceError> {
         let refuse = |what, value: Vec3, remedy| {
             let value = value.to_string();
@@ -144,26 +145,23 @@ pub struct Sweep {
 }
 
 impl Sweep {
+    #[inline]
     pub(crate) fn new(cast: &Cast) -> Self {
-        let mut sweep = Self {
-            upper: Vec3::ZERO,
-            lower: Vec3::ZERO,
-            inverse: Vec3::ZERO,
-        };
-        for axis in 0..3 {
-            let (o, h, d) = (cast.origin[axis], cast.half[axis], cast.direction[axis]);
-            // Along an axis of no motion all times are inside or none is: the pad,
-            // times the largest number, is later than any time.
-            let pad = if d == 0.0 {
-                (o.abs() + h) * 1e-6 + 1e-9
-            } else {
-                0.0
-            };
-            sweep.upper[axis] = (o + h).next_up() + pad;
-            sweep.lower[axis] = (o - h).next_down() - pad;
-            sweep.inverse[axis] = if d == 0.0 { f32::MAX } else { 1.0 / d };
+        let Cast {
+            origin: o,
+            direction: d,
+            half: h,
+            ..
+        } = *cast;
+        let rests = d.cmpeq(Vec3::ZERO);
+        // Along an axis of no motion all times are inside or none is: the pad,
+        // times the largest number, is later than any time.
+        let pad = Vec3::select(rests, (o.abs() + h) * 1e-6 + 1e-9, Vec3::ZERO);
+        Self {
+            upper: (o + h).map(f32::next_up) + pad,
+            lower: (o - h).map(f32::next_down) - pad,
+            inverse: Vec3::select(rests, Vec3::MAX, d.recip()),
         }
-        sweep
     }
 
     /// Where it moves to in unit time.

@@ -29,6 +29,24 @@ impl<T: Copy + Default, const N: usize> Stack<T, N> {
         }
     }
 
+    /// Pushes the first `count` of four.
+    #[inline(always)]
+    pub fn push_some(&mut self, entries: [T; 4], count: usize) {
+        let free = self.place.get_mut(self.count..);
+        if let Some(place) = free.and_then(<[T]>::first_chunk_mut) {
+            *place = entries;
+            self.count += count;
+        } else {
+            // One by one, so that the four need not lie in memory.
+            let [a, b, c, d] = entries;
+            for (i, entry) in [(0, a), (1, b), (2, c), (3, d)] {
+                if i < count {
+                    self.push(entry);
+                }
+            }
+        }
+    }
+
     #[inline(always)]
     pub fn pop(&mut self) -> Option<T> {
         if self.count == N

@@ -179,8 +179,8 @@ impl<T: Float> Simulation<T> {
         cast: ShapeCast<'_>,
         seen: &Seen,
     ) -> Result<Option<QueryHit>, SimulationError> {
-        let hits = self.cast_shapes(world, &[cast], seen)?;
-        Ok(hits.into_iter().flatten().next())
+        let cast = cast.checked(0)?;
+        self.look("swept shapes", world, seen)?.first_touched(&cast)
     }
 
     /// As [`cast_shape`](Simulation::cast_shape) for many, in threads; answer i belongs to `casts[i]`, and is the same

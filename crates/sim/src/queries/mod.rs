@@ -66,6 +66,7 @@ pub(crate) struct View<'a> {
 
 impl<'a> View<'a> {
     /// The solid in a row of the scene, if it is seen.
+    #[inline]
     pub fn solid(&self, row: u32) -> Option<Solid<'a>> {
         let solid = self.scene.solid(row);
         self.seen.sees(solid.of).then_some(solid)
@@ -86,22 +87,48 @@ impl<T: Float> Simulation<T> {
     ) -> Result<Vec<A>, SimulationError> {
         let count = self.worlds();
         worlds.iter().try_for_each(|&w| index("world", w, count))?;
-        seen.check(self.model().bodies.len())?;
         let each = queries.len() / worlds.len().max(1);
         length("queries of the worlds", queries.len(), each * worlds.len())?;
-        let scenes = self.scenes(worlds)?;
-        scenes.iter().try_for_each(|s| seen.can_see(what, s))?;
-        let isa = self.isa;
-        let answer = |(i, query): (usize, &Q)| {
-            let scene = &scenes[i / each];
-            answer(View { scene, seen, isa }, query)
-        };
+        self.update_scenes(worlds)?;
+        let views = worlds.iter().map(|world| self.view(what, *world, seen));
+        let views = views.collect::<Result<Vec<_>, _>>()?;
+        let answer = |(i, query): (usize, &Q)| answer(views[i / each], query);
         // Others would have to be woken.
         if queries.len() <= AT_A_TIME {
             return queries.iter().enumerate().map(answer).collect();
         }
         let parts = queries.par_iter().enumerate().with_min_len(AT_A_TIME);
         self.threads.run(|| parts.map(answer).collect())
+    }
+
+    /// What a query about one world looks at; `what` it is is told where it cannot be answered.
+    #[inline]
+    pub(crate) fn look<'a>(
+        &'a mut self,
+        what: &'static str,
+        world: usize,
+        seen: &'a Seen,
+    ) -> Result<View<'a>, SimulationError> {
+        index("world", world, self.worlds())?;
+        self.update_scenes(&[world])?;
+        self.view(what, world, seen)
+    }
+
+    /// As [`look`](Simulation::look), at a world whose scene is of now.
+    fn view<'a>(
+        &'a self,
+        what: &'static str,
+        world: usize,
+        seen: &'a Seen,
+    ) -> Result<View<'a>, SimulationError> {
+        seen.check(self.model().bodies.len())?;
+        let scene = self.scene(world);
+        seen.can_see(what, scene)?;
+        Ok(View {
+            scene,
+            seen,
+            isa: self.isa,
+        })
     }
 }
 
@@ -122,6 +149,7 @@ fn refused(
 }
 
 /// Refuses a point that is not finite or too far away.
+#[inline]
 pub(crate) fn check_point(
     query: (&'static str, usize),
     what: &'static str,
@@ -138,6 +166,7 @@ pub(crate) fn check_point(
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-12..=1e12;
 
 /// A direction with unit length.
+#[inline]
 pub(crate) fn check_direction(
     query: (&'static str, usize),
     direction: DVec3,
@@ -151,6 +180,7 @@ pub(crate) fn check_direction(
 }
 
 /// Refuses a largest distance that is negative or no number.
+#[inline]
 pub(crate) fn check_most(query: (&'static str, usize), most: f64) -> Result<(), SimulationError> {
     if most >= 0.0 {
         return Ok(());

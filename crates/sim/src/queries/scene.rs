@@ -9,7 +9,6 @@ use model::{BodyId, Geometry, Model, Pose, Shape, ShapeId};
 use numbers::Float;
 use rayon::prelude::*;
 use space::{Aabb, Bvh, Space};
-use std::collections::HashMap;
 use std::sync::Arc;
 
 /// In single precision origins, directions and times are off by so large a share of all lengths, at
@@ -20,8 +19,15 @@ pub(crate) const ROUNDING: f64 = 1e-6;
 #[derive(Debug, Default)]
 pub(crate) struct Scenes {
     meshes: Meshes,
-    /// By world; each with the moment at which bodies were as it has them.
-    kept: HashMap<usize, (u64, Arc<Scene>)>,
+    /// Of each world that was asked about; with the moment at which bodies were as it has them.
+    kept: Vec<Option<(u64, Scene)>>,
+}
+
+impl Scenes {
+    fn is_old(&self, world: usize, moment: u64) -> bool {
+        let kept = self.kept.get(world).and_then(Option::as_ref);
+        kept.is_none_or(|(made, _)| *made != moment)
+    }
 }
 
 /// A shape where it is.
@@ -143,38 +149,50 @@ impl Scene {
 }
 
 impl<T: Float> Simulation<T> {
-    /// The scenes of some worlds as they are now.
-    pub(crate) fn scenes(&mut self, worlds: &[usize]) -> Result<Vec<Arc<Scene>>, SimulationError> {
+    /// The scene of a world that was brought [up to date](Simulation::update_scenes).
+    #[inline]
+    pub(crate) fn scene(&self, world: usize) -> &Scene {
+        let kept = self.scenes.kept[world].as_ref();
+        &kept.expect("worlds are brought up to date").1
+    }
+
+    /// Brings the scenes of some worlds to where their shapes are now.
+    #[inline]
+    pub(crate) fn update_scenes(&mut self, worlds: &[usize]) -> Result<(), SimulationError> {
+        let is_old = |world: &usize| self.scenes.is_old(*world, self.moment);
+        if worlds.iter().any(is_old) {
+            self.place_scenes(worlds)?;
+        }
+        Ok(())
+    }
+
+    fn place_scenes(&mut self, worlds: &[usize]) -> Result<(), SimulationError> {
         let moment = self.moment;
-        let is_old = |scenes: &Scenes, world| {
-            let kept = scenes.kept.get(&world);
-            kept.is_none_or(|(made, _)| *made != moment)
-        };
         let mut old = worlds.to_vec();
         old.sort_unstable();
         old.dedup();
-        old.retain(|world| is_old(&self.scenes, *world));
+        old.retain(|world| self.scenes.is_old(*world, moment));
+        self.scenes.kept.resize_with(self.worlds(), || None);
         let mut placed = Vec::with_capacity(old.len());
         for world in old {
             let bodies = self.placements(world)?;
             let model = Arc::clone(self.world_model(world));
-            let kept = self.scenes.kept.remove(&world);
-            let kept = kept.and_then(|(_, scene)| Arc::into_inner(scene));
+            let kept = self.scenes.kept[world].take();
+            let kept = kept.map(|(_, scene)| scene);
             let kept = kept.filter(|scene| Arc::ptr_eq(&scene.model, &model));
             let scene = kept.unwrap_or_else(|| Scene::new(model, &mut self.scenes.meshes));
             placed.push((world, scene, bodies));
         }
-        if !placed.is_empty() {
-            let scenes = placed.into_par_iter().map(|(world, scene, bodies)| {
-                Ok((world, (moment, Arc::new(scene.placed(&bodies)?))))
-            });
-            let scenes = self
-                .threads
-                .run(|| scenes.collect::<Result<Vec<_>, SimulationError>>());
-            self.scenes.kept.extend(scenes?);
+        let scenes = placed
+            .into_par_iter()
+            .map(|(world, scene, bodies)| Ok((world, scene.placed(&bodies)?)));
+        let scenes = self
+            .threads
+            .run(|| scenes.collect::<Result<Vec<_>, SimulationError>>());
+        for (world, scene) in scenes? {
+            self.scenes.kept[world] = Some((moment, scene));
         }
-        let scene = |world| Arc::clone(&self.scenes.kept[world].1);
-        Ok(worlds.iter().map(scene).collect())
+        Ok(())
     }
 
     /// Of each body of a world where it is now, with an orientation of unit length to double precision.

@@ -1,10 +1,11 @@
 //! Going down the tree.
 
-use super::{Bvh, NONE, Node, OBJECT};
+use super::{Bvh, Node, OBJECT};
 use crate::Aabb;
 use crate::cast::{SLACK, Sweep};
 use crate::stack::Stack;
 use glam::{Vec3, Vec4};
+use std::hint::select_unpredictable;
 
 impl Bvh {
     /// Visits the objects below `node` whose boxes overlap `region`.
@@ -37,17 +38,19 @@ impl Bvh {
         let upper = sweep.upper.to_array().map(Vec4::splat);
         let lower = sweep.lower.to_array().map(Vec4::splat);
         let inverse = sweep.inverse.to_array().map(Vec4::splat);
-        // Behind means that a sweep enters by the high planes.
+        // Behind means that a sweep enters by the high planes. No processor foresees that of rays at random.
         let behind = sweep.inverse.to_array().map(|i| i < 0.0);
+        let first = [0, 1, 2].map(|i| select_unpredictable(behind[i], lower[i], upper[i]));
+        let last = [0, 1, 2].map(|i| select_unpredictable(behind[i], upper[i], lower[i]));
         self.visit_in_order(limit, visit, |node, limit| {
             let mut enter = Vec4::ZERO;
             let mut leave = Vec4::splat(limit);
             for axis in 0..3 {
-                let a = (node.low[axis] - upper[axis]) * inverse[axis];
-                let b = (node.high[axis] - lower[axis]) * inverse[axis];
-                let (a, b) = if behind[axis] { (b, a) } else { (a, b) };
-                enter = enter.max(a);
-                leave = leave.min(b);
+                let (low, high) = (&node.low[axis], &node.high[axis]);
+                let near = select_unpredictable(behind[axis], high, low);
+                let far = select_unpredictable(behind[axis], low, high);
+                enter = enter.max((*near - first[axis]) * inverse[axis]);
+                leave = leave.min((*far - last[axis]) * inverse[axis]);
             }
             (enter, enter.cmple(leave * SLACK).bitmask())
         });
@@ -73,6 +76,9 @@ impl Bvh {
     /// Visits objects in the order of a key that is at least 0 and nowhere less
     /// in a child than in its parent. `keys` gives those of a node's children, and
     /// one bit per child whose key is within the limit.
+    ///
+    /// Which of the four children are met, no processor foresees. So all are put in order, by a
+    /// network of comparisons, and stacked, those that are not met as 0: these come last, above the top.
     #[inline(always)]
     fn visit_in_order(
         &self,
@@ -82,7 +88,7 @@ impl Bvh {
     ) {
         // Key above, child below: positive floats and their bits have one order.
         let entry = |key: f32, child: u32| u64::from(key.to_bits()) << 32 | u64::from(child);
-        let mut stack = Stack::<u64, 96>::with(entry(0.0, 0));
+        let mut stack = Stack::<u64, 64>::with(entry(0.0, 0));
         while let Some(top) = stack.pop() {
             if f32::from_bits((top >> 32) as u32) > limit * SLACK {
                 continue;
@@ -93,27 +99,24 @@ impl Bvh {
                 continue;
             }
             let node = &self.nodes[child as usize];
-            let (key, mut mask) = keys(node, limit);
+            let (key, met) = keys(node, limit);
             let key = key.to_array();
-            let mut met = [0_u64; 4];
-            let mut count = 0;
-            while mask != 0 {
-                let slot = mask.trailing_zeros() as usize;
-                mask &= mask - 1;
-                debug_assert!(node.child[slot] != NONE);
-                // Sorted as they come, the nearest last.
-                let new = entry(key[slot & 3], node.child[slot & 3]);
-                let mut i = count;
-                while i > 0 && met[i - 1] < new {
-                    met[i] = met[i - 1];
-                    i -= 1;
-                }
-                met[i] = new;
-                count += 1;
-            }
-            for &entry in &met[..count] {
-                stack.push(entry);
-            }
+            let of = |slot: usize| {
+                let is_met = u64::from(met >> slot & 1).wrapping_neg();
+                entry(key[slot], node.child[slot]) & is_met
+            };
+            let all = farthest_first([of(0), of(1), of(2), of(3)]);
+            stack.push_some(all, met.count_ones() as usize);
         }
     }
+}
+
+/// In descending order, the nearest last.
+#[inline(always)]
+fn farthest_first([a, b, c, d]: [u64; 4]) -> [u64; 4] {
+    let (a, b) = (a.max(b), a.min(b));
+    let (c, d) = (c.max(d), c.min(d));
+    let (a, c) = (a.max(c), a.min(c));
+    let (b, d) = (b.max(d), b.min(d));
+    [a, b.max(c), b.min(c), d]
 }
