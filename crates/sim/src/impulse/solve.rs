@@ -47,7 +47,7 @@ struct Scene<'a, T: Float> {
 
 /// The work of a step in parts, for threads to share.
 struct Shares<'a, T> {
-    /// Of each colour of contacts, runs of its batches.
+    /// Of each stage of contacts, runs of its batches.
     colours: Vec<Parts<Vec<Batch<'a, T>>>>,
     /// The same of joints.
     joints: Vec<Parts<Vec<JointBatch<'a, T>>>>,
@@ -59,35 +59,59 @@ fn flags(count: usize) -> Vec<AtomicBool> {
     (0..count).map(|_| AtomicBool::new(false)).collect()
 }
 
-/// How many parts each colour, and the bodies, are cut into.
-fn pieces(team: usize) -> usize {
-    if team == 1 { 1 } else { PARTS * team }
+/// Into how many parts so much is cut that takes as long as that many batches: a thread that waits for another loses the
+/// time of one or two.
+fn pieces(batches: usize, team: usize) -> usize {
+    if batches < FEW * team {
+        1
+    } else if batches < MANY * team {
+        team
+    } else {
+        PARTS * team
+    }
 }
 
-/// Batches in parts; what has no colour is one part, since it is solved in turn.
+/// Batches in parts, stage by stage: a colour each, and those that follow on each other and are not cut together.
+/// What has no colour is not cut, since it is solved in turn.
 fn shares<B>(
     mut batches: impl Iterator<Item = B>,
     colours: &Colours,
     team: usize,
 ) -> Vec<Parts<Vec<B>>> {
     let last = colours.colours.len().wrapping_sub(1);
-    let of_colour = |(i, colour): (usize, &std::ops::Range<usize>)| {
+    let cuts = colours.colours.iter().enumerate().map(|(i, colour)| {
         let in_turn = colours.uncoloured && i == last;
-        let pieces = if in_turn { 1 } else { pieces(team) };
-        let cut = |piece: usize| colour.len() * piece / pieces;
+        let pieces = if in_turn {
+            1
+        } else {
+            pieces(colour.len(), team)
+        };
+        (colour.len(), pieces)
+    });
+    let cuts = Vec::from_iter(cuts);
+    let stages = cuts.chunk_by(|(_, a), (_, b)| *a == 1 && *b == 1);
+    let of_stage = |stage: &[(usize, usize)]| {
+        let length: usize = stage.iter().map(|(length, _)| length).sum();
+        let (_, pieces) = stage[0];
+        let cut = |piece: usize| length * piece / pieces;
         let sizes = (0..pieces).map(|piece| cut(piece + 1) - cut(piece));
-        let taken = sizes.filter(|size| *size > 0);
-        parts(taken.map(|size| batches.by_ref().take(size).collect()))
+        parts(sizes.map(|size| batches.by_ref().take(size).collect()))
     };
-    colours.colours.iter().enumerate().map(of_colour).collect()
+    stages.map(of_stage).collect()
 }
 
 /// Rounds in which blows are handed on within a small step, at most.
 const ROUNDS: usize = 16;
 /// Contacts, or joints, that are worth a thread.
 const WORTH_SHARING: usize = 128;
-/// Parts for each thread, of each colour and of the bodies.
+/// Batches for each thread that are worth to wait for it,
+const FEW: usize = 2;
+/// and to be cut in more than one part,
+const MANY: usize = 16;
+/// of these so many.
 const PARTS: usize = 2;
+/// Bodies move as fast as that fewer are solved for.
+const BODIES: usize = 4;
 
 impl<T: Float> Solver<'_, T> {
     /// Solves the contacts and joints of a workspace, and moves its bodies.
@@ -134,8 +158,9 @@ impl<T: Float> Solver<'_, T> {
 
     /// Bodies in parts.
     fn share_bodies<'a>(&self, awake: &'a [u32], team: usize) -> Parts<&'a [u32]> {
-        let run = (awake.len() / self.width).div_ceil(pieces(team)).max(1) * self.width;
-        parts(awake.chunks(run))
+        let registers = awake.len() / self.width;
+        let pieces = pieces(registers / BODIES, team);
+        parts(awake.chunks(registers.div_ceil(pieces).max(1) * self.width))
     }
 
     /// All small steps, as one member of the team goes through them.

@@ -4,45 +4,49 @@
 //! since their numbers are in its cache, and then those that others have not begun. A stage is over
 //! when all its parts are done, whoever did them: on a busy machine, a thread that does not get its
 //! turn costs the others nothing but its help.
+//!
+//! Stages take microseconds, and cores that write to one line of memory take a tenth of that for each turn. So no number is
+//! written by all: what a part tells the others lies in a line of its own.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, TryLockError};
 
 /// A part of a stage's work.
 #[derive(Debug)]
+#[repr(align(128))]
 pub(super) struct Part<S> {
     /// The last stage in which it was done; the first is 1.
-    stage: usize,
-    work: S,
+    done: AtomicUsize,
+    work: Mutex<S>,
+}
+
+impl<S> Part<S> {
+    /// Whether it is done in a stage; what was written there can be read then.
+    fn is_done(&self, stage: usize) -> bool {
+        self.done.load(Ordering::Acquire) >= stage
+    }
 }
 
 /// Parts that one thread does at a time.
-pub(super) type Parts<S> = Vec<Mutex<Part<S>>>;
+pub(super) type Parts<S> = Vec<Part<S>>;
 
 /// What is still to be done, in parts.
 pub(super) fn parts<S>(work: impl Iterator<Item = S>) -> Parts<S> {
-    work.map(|work| Mutex::new(Part { stage: 0, work }))
-        .collect()
-}
-
-/// How far the team is.
-#[derive(Debug, Default)]
-struct Progress {
-    /// Parts done, of all stages.
-    done: AtomicUsize,
-    /// A part will never be done.
-    broken: AtomicBool,
+    work.map(|work| Part {
+        done: AtomicUsize::new(0),
+        work: Mutex::new(work),
+    })
+    .collect()
 }
 
 /// One thread of a team.
 #[derive(Debug)]
 pub(super) struct Member<'a> {
-    progress: &'a Progress,
+    /// A part will never be done.
+    broken: &'a AtomicBool,
     number: usize,
     members: usize,
     stage: usize,
-    /// Parts of all stages up to this one.
-    due: usize,
 }
 
 /// Turns that a thread waits for others before it takes over their parts.
@@ -55,72 +59,70 @@ impl Member<'_> {
     ///
     /// # Panics
     /// If another thread has.
-    pub fn stage<S>(&mut self, parts: &[Mutex<Part<S>>], work: impl Fn(&mut S)) {
+    pub fn stage<S>(&mut self, parts: &[Part<S>], work: impl Fn(&mut S)) {
         self.stage += 1;
-        self.due += parts.len();
-        if self.is_over() {
-            return;
-        }
         let cut = |member: usize| parts.len() * member / self.members;
-        let own = cut(self.number)..cut(self.number + 1);
-        for part in &parts[own] {
+        for part in &parts[cut(self.number)..cut(self.number + 1)] {
             self.attempt(part, &work);
         }
-        if self.wait(PATIENCE) {
+        if self.wait(parts, PATIENCE) {
             return;
         }
         loop {
             for part in parts {
                 self.attempt(part, &work);
             }
-            if self.wait(MORE_PATIENCE) {
+            if self.wait(parts, MORE_PATIENCE) {
                 return;
             }
             std::thread::yield_now();
         }
     }
 
-    fn is_over(&self) -> bool {
-        self.progress.done.load(Ordering::Acquire) >= self.due
-    }
-
     /// Whether the stage is over, after so many turns at most.
-    fn wait(&self, turns: usize) -> bool {
+    fn wait<S>(&self, mut parts: &[Part<S>], turns: usize) -> bool {
         for _ in 0..turns {
-            if self.is_over() {
+            while let [first, rest @ ..] = parts
+                && first.is_done(self.stage)
+            {
+                parts = rest;
+            }
+            if parts.is_empty() {
                 return true;
             }
             std::hint::spin_loop();
         }
-        let broken = self.progress.broken.load(Ordering::Relaxed);
+        let broken = self.broken.load(Ordering::Relaxed);
         assert!(!broken, "a thread of the team has panicked");
-        self.is_over()
+        false
     }
 
     /// Does a part, unless another thread has begun it.
-    fn attempt<S>(&self, part: &Mutex<Part<S>>, work: impl Fn(&mut S)) {
-        let mut part = match part.try_lock() {
-            Ok(part) => part,
+    fn attempt<S>(&self, part: &Part<S>, work: impl Fn(&mut S)) {
+        if part.is_done(self.stage) {
+            return;
+        }
+        let mut own = match part.work.try_lock() {
+            Ok(own) => own,
             Err(TryLockError::WouldBlock) => return,
             Err(TryLockError::Poisoned(_)) => panic!("a thread of the team has panicked"),
         };
-        if part.stage < self.stage {
-            let _guard = Guard(self.progress);
-            work(&mut part.work);
-            part.stage = self.stage;
-            drop(part);
-            self.progress.done.fetch_add(1, Ordering::AcqRel);
+        // Another may have done it in between.
+        if !part.is_done(self.stage) {
+            let _guard = Guard(self.broken);
+            work(&mut own);
+            part.done.store(self.stage, Ordering::Release);
         }
     }
 }
 
 /// Tells the others when a thread panics, instead of leaving them to wait.
-struct Guard<'a>(&'a Progress);
+struct Guard<'a>(&'a AtomicBool);
 
 impl Drop for Guard<'_> {
     fn drop(&mut self) {
         if std::thread::panicking() {
-            self.0.broken.store(true, Ordering::Relaxed);
+            self.0.store(true, Ordering::Relaxed);
         }
     }
 }
@@ -128,13 +130,12 @@ impl Drop for Guard<'_> {
 /// Runs `work` on so many threads of the current pool. All must go through the same stages; none
 /// waits for one that has not begun.
 pub(super) fn together(members: usize, work: impl Fn(Member<'_>) + Sync) {
-    let progress = Progress::default();
+    let broken = AtomicBool::new(false);
     let member = |number| Member {
-        progress: &progress,
+        broken: &broken,
         number,
         members,
         stage: 0,
-        due: 0,
     };
     rayon::scope(|scope| {
         for number in 1..members {
