@@ -59,7 +59,7 @@ fn flags(count: usize) -> Vec<AtomicBool> {
     (0..count).map(|_| AtomicBool::new(false)).collect()
 }
 
-/// Into how many parts so much is cut that takes as long as that many batches: a thread that waits for another loses the
+/// Into how many parts a stage is cut that takes as long as so many batches: a thread that waits for another loses the
 /// time of one or two.
 fn pieces(batches: usize, team: usize) -> usize {
     if batches < FEW * team {
@@ -104,13 +104,13 @@ fn shares<B>(
 const ROUNDS: usize = 16;
 /// Contacts, or joints, that are worth a thread.
 const WORTH_SHARING: usize = 128;
-/// Batches for each thread that are worth to wait for it,
+/// With fewer batches for each thread, one does them all.
 const FEW: usize = 2;
-/// and to be cut in more than one part,
+/// With more, each has several parts, which others can take over.
 const MANY: usize = 16;
-/// of these so many.
+/// So many then.
 const PARTS: usize = 2;
-/// Bodies move as fast as that fewer are solved for.
+/// Registers of bodies that move in the time in which a batch is solved.
 const BODIES: usize = 4;
 
 impl<T: Float> Solver<'_, T> {
