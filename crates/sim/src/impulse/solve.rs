@@ -62,7 +62,7 @@ fn flags(count: usize) -> Vec<AtomicBool> {
 /// Into how many parts a stage is cut that takes as long as so many batches: a thread that waits for another loses the
 /// time of one or two.
 fn pieces(batches: usize, team: usize) -> usize {
-    if batches < FEW * team {
+    if team == 1 || batches < FEW * team {
         1
     } else if batches < MANY * team {
         team
