@@ -305,3 +305,33 @@ impl<T: Float> Solver<'_, T> {
         });
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Mutex;
+
+    /// A row of bodies has two colours of many contacts, a star as many colours as there are, and more contacts.
+    #[test]
+    fn stages_have_all_batches_in_order() {
+        let row = (1..400_u32).map(|i| ([i, i + 1], 4));
+        let star = (500..590_u32).map(|i| ([450, i], 1));
+        let mut colours = Colours::default();
+        colours.paint(&row.chain(star).collect::<Vec<_>>(), 600, 8);
+        assert!(colours.uncoloured);
+        let count = colours.batches.len();
+        for team in 1..5 {
+            let stages = shares(0..count, &colours, team);
+            let parts = Vec::from_iter(stages.iter().map(Vec::len));
+            let expected: &[usize] = if team == 1 { &[1] } else { &[team, team, 1] };
+            assert_eq!(parts, expected);
+            let done = Mutex::new(Vec::new());
+            together(1, |mut member| {
+                for stage in &stages {
+                    member.stage(stage, |batches| done.lock().unwrap().append(batches));
+                }
+            });
+            assert!(done.into_inner().unwrap().into_iter().eq(0..count));
+        }
+    }
+}
