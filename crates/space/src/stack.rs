@@ -58,3 +58,31 @@ impl<T: Copy + Default, const N: usize> Stack<T, N> {
         Some(self.place[self.count])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is pushed, one or several at a time, comes back in reverse, beyond the fixed size as well.
+    #[test]
+    fn entries_come_back_in_reverse() {
+        let mut random = fastrand::Rng::with_seed(3);
+        for _ in 0..200 {
+            let (mut stack, mut list) = (Stack::<u32, 8>::with(7), vec![7]);
+            for _ in 0..60 {
+                let (entries, count) = ([(); 4].map(|()| random.u32(..)), random.usize(..5));
+                stack.push_some(entries, count);
+                list.extend(&entries[..count]);
+                stack.push(entries[0]);
+                list.push(entries[0]);
+                for _ in 0..random.usize(..5) {
+                    assert_eq!(stack.pop(), list.pop());
+                }
+            }
+            while let Some(entry) = list.pop() {
+                assert_eq!(stack.pop(), Some(entry));
+            }
+            assert_eq!(stack.pop(), None);
+        }
+    }
+}
