@@ -14,6 +14,7 @@ mod joints;
 mod mid_phase;
 mod narrow_phase;
 mod odometers;
+mod shares;
 mod sleep;
 mod solve;
 mod sums;

@@ -1,9 +1,9 @@
 //! The small steps: impulses, colour by colour, between motions of the bodies.
 
 use super::batches::Batch;
-use super::colours::Colours;
 use super::jobs::{Bodies, BodyRows, BodyStage, ContactStage, Contacts};
 use super::joints::{JointBatch, JointStage, Joints};
+use super::shares::{pieces, shares};
 use super::team::{Member, Parts, parts, together};
 use super::world::Workspace;
 use crate::jobs::Lane;
@@ -59,57 +59,10 @@ fn flags(count: usize) -> Vec<AtomicBool> {
     (0..count).map(|_| AtomicBool::new(false)).collect()
 }
 
-/// Into how many parts a stage is cut that takes as long as so many batches: a thread that waits for another loses the
-/// time of one or two.
-fn pieces(batches: usize, team: usize) -> usize {
-    if team == 1 || batches < FEW * team {
-        1
-    } else if batches < MANY * team {
-        team
-    } else {
-        PARTS * team
-    }
-}
-
-/// Batches in parts, stage by stage: a colour each, and those that follow on each other and are not cut together.
-/// What has no colour is not cut, since it is solved in turn.
-fn shares<B>(
-    mut batches: impl Iterator<Item = B>,
-    colours: &Colours,
-    team: usize,
-) -> Vec<Parts<Vec<B>>> {
-    let last = colours.colours.len().wrapping_sub(1);
-    let cuts = colours.colours.iter().enumerate().map(|(i, colour)| {
-        let in_turn = colours.uncoloured && i == last;
-        let pieces = if in_turn {
-            1
-        } else {
-            pieces(colour.len(), team)
-        };
-        (colour.len(), pieces)
-    });
-    let cuts = Vec::from_iter(cuts);
-    let stages = cuts.chunk_by(|(_, a), (_, b)| *a == 1 && *b == 1);
-    let of_stage = |stage: &[(usize, usize)]| {
-        let length: usize = stage.iter().map(|(length, _)| length).sum();
-        let (_, pieces) = stage[0];
-        let cut = |piece: usize| length * piece / pieces;
-        let sizes = (0..pieces).map(|piece| cut(piece + 1) - cut(piece));
-        parts(sizes.map(|size| batches.by_ref().take(size).collect()))
-    };
-    stages.map(of_stage).collect()
-}
-
 /// Rounds in which blows are handed on within a small step, at most.
 const ROUNDS: usize = 16;
 /// Contacts, or joints, that are worth a thread.
 const WORTH_SHARING: usize = 128;
-/// With fewer batches for each thread, one does them all.
-const FEW: usize = 2;
-/// With more, each has several parts, which others can take over.
-const MANY: usize = 16;
-/// So many then.
-const PARTS: usize = 2;
 /// Registers of bodies that move in the time in which a batch is solved.
 const BODIES: usize = 4;
 
@@ -303,35 +256,5 @@ impl<T: Float> Solver<'_, T> {
             globals: self.globals,
             stage,
         });
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::sync::Mutex;
-
-    /// A row of bodies has two colours of many contacts, a star as many colours as there are, and more contacts.
-    #[test]
-    fn stages_have_all_batches_in_order() {
-        let row = (1..400_u32).map(|i| ([i, i + 1], 4));
-        let star = (500..590_u32).map(|i| ([450, i], 1));
-        let mut colours = Colours::default();
-        colours.paint(&row.chain(star).collect::<Vec<_>>(), 600, 8);
-        assert!(colours.uncoloured);
-        let count = colours.batches.len();
-        for team in 1..5 {
-            let stages = shares(0..count, &colours, team);
-            let parts = Vec::from_iter(stages.iter().map(Vec::len));
-            let expected: &[usize] = if team == 1 { &[1] } else { &[team, team, 1] };
-            assert_eq!(parts, expected);
-            let done = Mutex::new(Vec::new());
-            together(1, |mut member| {
-                for stage in &stages {
-                    member.stage(stage, |batches| done.lock().unwrap().append(batches));
-                }
-            });
-            assert!(done.into_inner().unwrap().into_iter().eq(0..count));
-        }
     }
 }
