@@ -5,8 +5,8 @@
 //! when all its parts are done, whoever did them: on a busy machine, a thread that does not get its
 //! turn costs the others nothing but its help.
 //!
-//! Stages take microseconds, and cores that write to one line of memory take a tenth of that for each turn. So no number is
-//! written by all: what a part tells the others lies in a line of its own.
+//! Stages take microseconds, and a line of memory goes from core to core and back in a tenth of one at best. So no number
+//! is written by all: what a part tells the others lies in a line of its own.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, TryLockError};
