@@ -16,6 +16,7 @@ pub(crate) fn text(program: &Program, parameters_per_world: bool) -> String {
     program.to_cuda(&PrintOptions {
         workgroup_size: BLOCK,
         parameters_per_world,
+        ..PrintOptions::default()
     })
 }
 

@@ -8,7 +8,7 @@ use cudarc::driver::CudaSlice;
 use numbers::Memory;
 use records::Programs;
 use rigid::{Report, Solver};
-use sim::{Address, Device, DeviceError, DeviceWorlds};
+use sim::{Address, Device, DeviceError, DeviceWorlds, Processor};
 use std::ops::Range;
 
 /// Substeps of one launch: many, as a launch costs some microseconds, and few enough that a card that also
@@ -150,7 +150,7 @@ impl DeviceWorlds<f32> for Worlds {
         let own = &mut self.parameters;
         Ok(write(&self.card, 0..numbers, parameters, own)?)
     }
-    fn step(&mut self, substeps: usize) -> Result<(), DeviceError> {
+    fn step(&mut self, substeps: usize, _: &mut Processor<'_, f32>) -> Result<(), DeviceError> {
         let kernel = self.kernel(None)?;
         for done in (0..substeps).step_by(ROUNDS) {
             self.launch(&kernel, ROUNDS.min(substeps - done))?;

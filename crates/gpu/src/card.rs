@@ -15,8 +15,8 @@ struct Card {
     name: String,
     rounds: usize,
     layout: wgpu::BindGroupLayout,
-    /// What was compiled, by its text.
-    pipelines: Mutex<HashMap<String, wgpu::ComputePipeline>>,
+    /// What was compiled, by its text and entry point.
+    pipelines: Mutex<HashMap<(String, String), wgpu::ComputePipeline>>,
     /// What went wrong first, which cards tell late.
     failure: Arc<Mutex<Option<String>>>,
 }
@@ -102,7 +102,9 @@ impl Gpu {
     pub(crate) fn layout(&self) -> &wgpu::BindGroupLayout {
         &self.0.layout
     }
-    pub(crate) fn pipelines(&self) -> MutexGuard<'_, HashMap<String, wgpu::ComputePipeline>> {
+    pub(crate) fn pipelines(
+        &self,
+    ) -> MutexGuard<'_, HashMap<(String, String), wgpu::ComputePipeline>> {
         lock(&self.0.pipelines)
     }
 

@@ -44,6 +44,14 @@ pub enum GpuError {
         /// Its name.
         card: String,
     },
+    /// What cards do not know of piles.
+    #[error("`impulse` does not support {what} on a graphics card: {remedy}")]
+    Unsupported {
+        /// What is not supported.
+        what: &'static str,
+        /// What to do instead.
+        remedy: &'static str,
+    },
     /// The card's memory is full.
     #[error(
         "the memory of the card `{card}` does not hold {bytes} bytes more: simulate fewer worlds"

@@ -32,6 +32,7 @@
 mod card;
 mod error;
 mod memory;
+mod piles;
 mod pipeline;
 mod placement;
 mod worlds;

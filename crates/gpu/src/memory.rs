@@ -23,6 +23,11 @@ pub(crate) fn buffer(gpu: &Gpu, numbers: u64) -> Result<wgpu::Buffer, GpuError> 
     allocate(gpu, numbers.max(2), STORAGE)
 }
 
+/// A buffer of so many numbers that say how many workgroups there are.
+pub(crate) fn indirect(gpu: &Gpu, numbers: u64) -> Result<wgpu::Buffer, GpuError> {
+    allocate(gpu, numbers, STORAGE.union(wgpu::BufferUsages::INDIRECT))
+}
+
 fn allocate(gpu: &Gpu, numbers: u64, usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, GpuError> {
     let size = numbers * NUMBER;
     let (buffer, full) = gpu.scoped(wgpu::ErrorFilter::OutOfMemory, || {

@@ -16,6 +16,7 @@ impl Gpu {
         let options = PrintOptions {
             workgroup_size: WORKGROUP,
             parameters_per_world,
+            ..PrintOptions::default()
         };
         self.pipeline(&program.to_wgsl(&options)?, Some(self.layout()))
     }
@@ -26,21 +27,33 @@ impl Gpu {
         text: &str,
         bindings: Option<&wgpu::BindGroupLayout>,
     ) -> Result<wgpu::ComputePipeline, GpuError> {
-        if let Some(known) = self.pipelines().get(text) {
+        self.entry(text, "main", bindings)
+    }
+
+    /// The same of an entry point of a text that has several.
+    pub(crate) fn entry(
+        &self,
+        text: &str,
+        entry: &str,
+        bindings: Option<&wgpu::BindGroupLayout>,
+    ) -> Result<wgpu::ComputePipeline, GpuError> {
+        let key = (text.to_owned(), entry.to_owned());
+        if let Some(known) = self.pipelines().get(&key) {
             return Ok(known.clone());
         }
-        let compile = || self.compile(text, bindings);
+        let compile = || self.compile(text, entry, bindings);
         let (compiled, wrong) = self.scoped(wgpu::ErrorFilter::Validation, compile);
         if let Some(wrong) = wrong {
             return Err(self.failed(wrong));
         }
-        self.pipelines().insert(text.to_owned(), compiled.clone());
+        self.pipelines().insert(key, compiled.clone());
         Ok(compiled)
     }
 
     fn compile(
         &self,
         text: &str,
+        entry: &str,
         bindings: Option<&wgpu::BindGroupLayout>,
     ) -> wgpu::ComputePipeline {
         let device = self.device();
@@ -58,7 +71,7 @@ impl Gpu {
             label: Some("kernel"),
             layout: layout.as_ref(),
             module: &module,
-            entry_point: Some("main"),
+            entry_point: Some(entry),
             compilation_options: Default::default(),
             cache: None,
         })

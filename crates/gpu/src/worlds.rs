@@ -4,13 +4,16 @@
 //! own; scratch is shared, since the parts are stepped one after the other.
 
 use crate::memory::{NUMBER, Staging, buffer, filled};
+use crate::piles::Piles;
 use crate::pipeline::WORKGROUP;
 use crate::placement::Placement;
 use crate::{Gpu, GpuError};
+use model::CollisionFilter;
 use numbers::Memory;
 use records::Programs;
+use rigid::impulse::Impulse;
 use rigid::{Lengths, Report, Solver};
-use sim::{Device, DeviceError, DeviceWorlds};
+use sim::{Device, DeviceError, DeviceWorlds, Processor};
 use std::ops::Range;
 
 /// Worlds on a card. Reading waits for what was asked before; nothing else does.
@@ -52,6 +55,14 @@ impl Device<f32> for Gpu {
     ) -> Result<Box<dyn DeviceWorlds<f32>>, DeviceError> {
         let programs = Programs::record(solver).map_err(GpuError::from)?;
         Ok(Box::new(Worlds::new(self, programs, worlds)?))
+    }
+    fn place_piles(
+        &self,
+        impulse: &Impulse,
+        filter: Option<&CollisionFilter>,
+        worlds: usize,
+    ) -> Result<Option<Box<dyn DeviceWorlds<f32>>>, DeviceError> {
+        Ok(Some(Box::new(Piles::new(self, impulse, filter, worlds)?)))
     }
 }
 
@@ -278,7 +289,7 @@ impl DeviceWorlds<f32> for Worlds {
         });
         Ok(self.gpu.check()?)
     }
-    fn step(&mut self, substeps: usize) -> Result<(), DeviceError> {
+    fn step(&mut self, substeps: usize, _: &mut Processor<'_, f32>) -> Result<(), DeviceError> {
         let kernel = self.kernel(None)?;
         let most = self.gpu.rounds();
         let (full, rest) = (substeps / most, substeps % most);

@@ -37,6 +37,27 @@ pub struct CollisionFilter {
     paired: HashSet<(usize, usize)>,
 }
 
+/// What a shape brings to the decision of a [`CollisionFilter`], but for pairs that the model names.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilterSide<'a> {
+    /// 0 for the world, 1 more than its row for a body.
+    pub owner: usize,
+    /// Whether that is a dynamic body.
+    pub moves: bool,
+    /// See [`Shape::collides`].
+    pub collides: bool,
+    /// See [`Shape::membership`].
+    pub membership: u32,
+    /// See [`Shape::collides_with`].
+    pub collides_with: u32,
+    /// See [`Body::group`](crate::Body::group).
+    pub group: i32,
+    /// See [`Body::world`](crate::Body::world).
+    pub world: i32,
+    /// Owners that it does not touch, in order.
+    pub apart: &'a [usize],
+}
+
 /// What a shape has from its body, and says itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Membership {
@@ -81,6 +102,24 @@ impl CollisionFilter {
             .filter(move |a| touches(&self.shapes[*a]))
             .flat_map(move |a| (a + 1..n).map(move |b| (ShapeId(a), ShapeId(b))))
             .filter(|(a, b)| self.may_collide(*a, *b))
+    }
+
+    /// What a shape brings to the decision, for who makes it elsewhere.
+    ///
+    /// # Panics
+    /// If the shape is not of the model that the filter was made for.
+    pub fn side(&self, shape: ShapeId) -> FilterSide<'_> {
+        let s = &self.shapes[shape.0];
+        FilterSide {
+            owner: s.owner,
+            moves: s.moves,
+            collides: s.collides,
+            membership: s.membership,
+            collides_with: s.collides_with,
+            group: s.group,
+            world: s.world,
+            apart: &self.apart[s.owner],
+        }
     }
 
     /// Whether two shapes of the model may collide; the order does not matter.

@@ -39,7 +39,7 @@ pub use camera::{Camera, CameraMode};
 pub use color::default_color;
 pub use contact_pair::ContactPair;
 pub use error::ModelError;
-pub use filter::CollisionFilter;
+pub use filter::{CollisionFilter, FilterSide};
 pub use hull::{Hull, HullError};
 pub use joint::{Axis, AxisKind, Coupling, Dof, Drive, Joint, JointId, JointKind, Limit};
 pub use keyframe::Keyframe;

@@ -654,6 +654,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
     let options = PrintOptions {
         workgroup_size: 32,
         parameters_per_world: true,
+        ..PrintOptions::default()
     };
     let shader = program.to_wgsl(&options).unwrap();
     assert!(shader.contains("@workgroup_size(32)"));

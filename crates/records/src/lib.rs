@@ -5,6 +5,10 @@
 
 #![forbid(unsafe_code)]
 
+mod piles;
+
+pub use piles::PilePrograms;
+
 use numbers::trace::{self, Program, TraceError};
 use rigid::{Kernels, Lengths, Report, Solver};
 

@@ -7,7 +7,7 @@ use numbers::trace::Program;
 use numbers::{Cpu, Memory};
 use records::Programs;
 use rigid::{Report, Solver};
-use sim::{Device, DeviceError, DeviceWorlds, Simulation, SimulationSettings};
+use sim::{Device, DeviceError, DeviceWorlds, Processor, Simulation, SimulationSettings};
 use std::cell::Cell;
 use std::ops::Range;
 use std::sync::Arc;
@@ -128,7 +128,7 @@ impl DeviceWorlds<f32> for Worlds {
     fn write_parameters(&mut self, _: &Memory<f32>) -> Result<(), DeviceError> {
         Err(DeviceError::new("all worlds are alike here"))
     }
-    fn step(&mut self, substeps: usize) -> Result<(), DeviceError> {
+    fn step(&mut self, substeps: usize, _: &mut Processor<'_, f32>) -> Result<(), DeviceError> {
         (0..substeps).try_for_each(|_| self.run(|programs| &programs.step))
     }
     fn report(&mut self, report: Report) -> Result<(), DeviceError> {

@@ -6,7 +6,9 @@
 
 use crate::controls::Changes;
 use crate::engine::Task;
+use model::CollisionFilter;
 use numbers::{Float, Memory};
+use rigid::impulse::Impulse;
 use rigid::{Report, Solver};
 use std::ops::Range;
 
@@ -23,7 +25,23 @@ pub trait Device<T: Float>: Send + Sync {
         solver: Solver<'_>,
         worlds: usize,
     ) -> Result<Box<dyn DeviceWorlds<T>>, DeviceError>;
+    /// The same for worlds of `impulse`, where shapes touch as the filter has it; none where the device does not run
+    /// them.
+    ///
+    /// # Errors
+    /// As [`place`](Self::place); what the model has and the device lacks.
+    fn place_piles(
+        &self,
+        _impulse: &Impulse,
+        _filter: Option<&CollisionFilter>,
+        _worlds: usize,
+    ) -> Result<Option<Box<dyn DeviceWorlds<T>>>, DeviceError> {
+        Ok(None)
+    }
 }
+
+/// Takes a substep of a world, given its number and state, on the processor.
+pub type Processor<'a, T> = dyn FnMut(usize, &mut [T]) + 'a;
 
 /// Worlds of one solver on a device.
 ///
@@ -38,8 +56,16 @@ pub trait DeviceWorlds<T: Float>: Send + Sync {
     fn write_input(&mut self, rows: Range<usize>, input: &Memory<T>) -> Result<(), DeviceError>;
     /// Gives each world constants of its own, in place of those of the solver.
     fn write_parameters(&mut self, parameters: &Memory<T>) -> Result<(), DeviceError>;
-    /// Advances all worlds by so many substeps.
-    fn step(&mut self, substeps: usize) -> Result<(), DeviceError>;
+    /// Advances all worlds by so many substeps; those that the device leaves to the processor are taken there.
+    fn step(
+        &mut self,
+        substeps: usize,
+        processor: &mut Processor<'_, T>,
+    ) -> Result<(), DeviceError>;
+    /// Whether it reports; else the processor does, from the state.
+    fn reports(&self) -> bool {
+        true
+    }
     /// Fills the output of all worlds from their state and controls.
     fn report(&mut self, report: Report) -> Result<(), DeviceError>;
     /// Copies these numbers of the state of all worlds; the others of `state` stay.
@@ -101,19 +127,15 @@ pub(crate) struct Remote<T> {
 
 impl<T: Float> Remote<T> {
     /// Of a simulation whose state and controls are to be told yet.
-    pub fn new(
-        device: &dyn Device<T>,
-        solver: Solver<'_>,
-        worlds: usize,
-    ) -> Result<Self, DeviceError> {
-        Ok(Self {
-            name: device.name(),
-            worlds: device.place(solver, worlds)?,
+    pub fn new(name: String, placed: Box<dyn DeviceWorlds<T>>, worlds: usize) -> Self {
+        Self {
+            name,
+            worlds: placed,
             set: (0..worlds).collect(),
             state_known: true,
             parameters_set: false,
             output_known: false,
-        })
+        }
     }
     pub fn name(&self) -> &str {
         &self.name
@@ -155,13 +177,21 @@ impl<T: Float> Remote<T> {
         self.set.clear();
         Ok(())
     }
+    /// Whether the device reports.
+    pub fn reports(&self) -> bool {
+        self.worlds.reports()
+    }
     /// Performs a task on all worlds, after the host has told all it has set.
-    pub fn perform(&mut self, task: Task) -> Result<(), DeviceError> {
+    pub fn perform(
+        &mut self,
+        task: Task,
+        processor: &mut Processor<'_, T>,
+    ) -> Result<(), DeviceError> {
         debug_assert!(self.set.is_empty());
         match task {
             Task::Step(substeps) => {
                 self.state_known = false;
-                self.worlds.step(substeps)
+                self.worlds.step(substeps, processor)
             }
             Task::Report(report) => {
                 self.output_known = false;
@@ -190,7 +220,7 @@ impl<T: Float> Remote<T> {
         rows: &[Range<usize>],
         output: &mut Memory<T>,
     ) -> Result<(), DeviceError> {
-        if !self.output_known {
+        if !self.output_known && self.reports() {
             self.worlds.read_output(rows, output)?;
             self.output_known = matches!(rows, [row] if *row == (0..output.length()));
         }

@@ -33,7 +33,7 @@ mod threads;
 
 pub use controller::{Controller, Recorder, Recording, Replay};
 pub use controls::{Controls, Inputs};
-pub use device::{Address, Device, DeviceError, DeviceWorlds};
+pub use device::{Address, Device, DeviceError, DeviceWorlds, Processor};
 pub use effort::Effort;
 pub use error::SimulationError;
 pub use events::{Event, EventKind, Watch};

@@ -6,6 +6,7 @@ use crate::device::{Host, Remote};
 use crate::engine::{Block, Task};
 use crate::error::{MOST_MOTION, SimulationError, bounded, index, length};
 use crate::events::Watcher;
+use crate::impulse::Piles;
 use crate::jobs::Lane;
 use crate::queries::scene::Scenes;
 use crate::scratch::Scratch;
@@ -230,12 +231,19 @@ impl<T: Float> Simulation<T> {
         Ok(simulation)
     }
     fn placed_on(&self, device: &dyn Device<T>) -> Result<Remote<T>, SimulationError> {
-        let engine = &self.shared.engine;
-        let solver = Solver::of(engine.as_any()).ok_or_else(|| SimulationError::NotOnDevice {
+        let (engine, worlds) = (&self.shared.engine, self.worlds());
+        let placed = if let Some(solver) = Solver::of(engine.as_any()) {
+            Some(device.place(solver, worlds)?)
+        } else if let Some(piles) = engine.as_any().downcast_ref::<Piles<T>>() {
+            device.place_piles(piles.kernels(), piles.filter(), worlds)?
+        } else {
+            None
+        };
+        let placed = placed.ok_or_else(|| SimulationError::NotOnDevice {
             solver: engine.name(),
             device: device.name(),
         })?;
-        Ok(Remote::new(device, solver, self.worlds())?)
+        Ok(Remote::new(device.name(), placed, worlds))
     }
 
     /// The model.
@@ -715,11 +723,31 @@ impl<T: Float> Simulation<T> {
             self.moves();
         }
         self.tell()?;
-        let Some(remote) = &mut self.remote else {
+        let reports = self.remote.as_ref().is_some_and(Remote::reports);
+        if self.remote.is_none() || (!steps && !reports) {
+            self.fetch_state()?;
             self.perform_here(task);
             return Ok(());
+        }
+        let (engine, threads) = (&*self.shared.engine, &self.threads);
+        let lane = self.lane();
+        let Some(remote) = &mut self.remote else {
+            return Ok(());
         };
-        remote.perform(task)?;
+        remote.perform(task, &mut |world, state| {
+            let block = Block {
+                number: world,
+                state,
+                input: self.input.block(world),
+                output: &mut [],
+                scratch: &mut [],
+                parameters: self.parameters.block(0),
+                common: &self.common,
+                links: engine.links(),
+            };
+            let team = threads.count();
+            threads.run(|| engine.run(lane, team, block, Task::Step(1)));
+        })?;
         if steps {
             let alive = self.shared.engine.alive();
             remote.read_state(alive..alive + 1, &mut self.state)?;
@@ -747,13 +775,18 @@ impl<T: Float> Simulation<T> {
         Ok(remote.read_state(0..self.state.length(), &mut self.state)?)
     }
 
+    fn lane(&self) -> Lane {
+        let shares = self.shared.engine.shares_a_world();
+        Lane {
+            isa: self.isa,
+            single: self.settings.scalar || (self.state.width() == 1 && !shares),
+        }
+    }
+
     /// Runs a task on all blocks, a run of blocks per thread, each with its own scratch.
     fn perform_here(&mut self, task: Task) {
+        let lane = self.lane();
         let engine = &*self.shared.engine;
-        let lane = Lane {
-            isa: self.isa,
-            single: self.settings.scalar || (self.state.width() == 1 && !engine.shares_a_world()),
-        };
         let threads = self.threads.count();
         let shared_world = engine.shares_a_world() && self.state.blocks() == 1;
         let team = if shared_world { threads } else { 1 };

@@ -7,7 +7,7 @@ use numbers::Memory;
 use numbers::trace::{PrintOptions, TraceError, WgslError};
 use records::Programs;
 use rigid::{Lengths, Report, Solver};
-use sim::{Device, DeviceError, DeviceWorlds};
+use sim::{Device, DeviceError, DeviceWorlds, Processor};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -252,6 +252,7 @@ impl Worlds {
             let text = program.to_wgsl(&PrintOptions {
                 workgroup_size: WORKGROUP,
                 parameters_per_world: self.differing,
+                ..PrintOptions::default()
             })?;
             self.kernels.insert(task, self.card.kernel(&text)?);
         }
@@ -308,7 +309,7 @@ impl DeviceWorlds<f32> for Worlds {
         }
         Ok(self.write(&self.parameters, 0..numbers, parameters)?)
     }
-    fn step(&mut self, substeps: usize) -> Result<(), DeviceError> {
+    fn step(&mut self, substeps: usize, _: &mut Processor<'_, f32>) -> Result<(), DeviceError> {
         let (full, rest) = (substeps / ROUNDS, substeps % ROUNDS);
         self.run(Task::Step, ROUNDS, full)?;
         Ok(self.run(Task::Step, rest, usize::from(rest > 0))?)

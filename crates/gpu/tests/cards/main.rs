@@ -7,5 +7,6 @@ mod card;
 mod models;
 mod own;
 mod pair;
+mod piles;
 mod scenes;
 mod worlds;

@@ -17,6 +17,21 @@ pub struct PrintOptions {
     /// Whether each world has its own parameters, laid out like its state;
     /// by default all worlds share one set, at plain offsets.
     pub parameters_per_world: bool,
+    /// What an invocation works on.
+    pub members: Members,
+}
+
+/// What an invocation works on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Members {
+    /// A world, several times; all of them.
+    #[default]
+    Worlds,
+    /// A member of a run; WGSL only.
+    Runs,
+    /// A member of a run that sits on two bodies; WGSL only. Its scratch, so many numbers of each, are the first numbers
+    /// of these bodies, each of which lies at `number · bodies + body`.
+    Seats(u32),
 }
 
 impl Default for PrintOptions {
@@ -24,6 +39,7 @@ impl Default for PrintOptions {
         Self {
             workgroup_size: 64,
             parameters_per_world: false,
+            members: Members::Worlds,
         }
     }
 }
@@ -163,6 +179,9 @@ impl<L: Language> Printer<'_, L> {
             Kind::State => format!("state[({offset}) * worlds + world]"),
             Kind::Input => format!("input[({offset}) * worlds + world]"),
             Kind::Output => format!("output[({offset}) * worlds + world]"),
+            Kind::Scratch if matches!(self.options.members, Members::Seats(_)) => {
+                format!("scratch[seat({offset}, world)]")
+            }
             Kind::Scratch => format!("scratch[({offset}) * worlds + world]"),
             Kind::Parameter if self.options.parameters_per_world => {
                 format!("parameters[({offset}) * worlds + world]")

@@ -1,11 +1,13 @@
 //! A record printed as a WGSL compute shader.
 
 use super::operation::Type;
-use super::print::{Language, PrintOptions, finite};
+use super::print::{Language, Members, PrintOptions, finite};
 use super::program::Program;
 
-/// The bindings, and the operations that WGSL lacks or leaves loose.
-const PRELUDE: &str = include_str!("prelude.wgsl");
+const OPERATIONS: &str = include_str!("operations.wgsl");
+/// The bindings.
+const WORLDS: &str = include_str!("worlds.wgsl");
+const RUNS: &str = include_str!("runs.wgsl");
 
 /// Why a record has no WGSL.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -27,21 +29,55 @@ impl Program {
     /// leaves out the unused. A world's number at `offset` lies at
     /// `offset · worlds + world`.
     ///
+    /// Of [runs](Members::Runs), an invocation works on a member of one: `global_invocation_id.x` counts from its first.
+    /// Binding 1 then holds the bodies of each member, `[side][member]`, binding 2 each run's first member and how many it
+    /// has, and the uniform how many members there is room for, which run it is, and how many bodies there are.
+    ///
     /// A GPU rounds division, `sqrt` and `fma` as WGSL allows, so results agree
     /// with the CPU to a tolerance, not to the bit; and it may take for granted
     /// that no infinity and no NaN comes up.
     pub fn to_wgsl(&self, options: &PrintOptions) -> Result<String, WgslError> {
-        let opening = format!(
-            "{PRELUDE}\n@compute @workgroup_size({})\n\
-             fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {{\n    \
-             let world = invocation.x;\n    \
-             let worlds = launch.worlds;\n    \
-             if (world >= worlds) {{ return; }}\n    \
-             for (var nth = 0u; nth < launch.rounds; nth++) {{\n",
-            options.workgroup_size
-        );
+        let opening = match options.members {
+            Members::Worlds => of_worlds(options),
+            Members::Runs => of_runs(options, ""),
+            Members::Seats(width) => of_runs(options, &seat(width)),
+        };
         self.print::<Wgsl>(options, opening)
     }
+}
+
+fn of_worlds(options: &PrintOptions) -> String {
+    format!(
+        "{WORLDS}\n{OPERATIONS}\n@compute @workgroup_size({})\n\
+         fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {{\n    \
+         let world = invocation.x;\n    \
+         let worlds = launch.worlds;\n    \
+         if (world >= worlds) {{ return; }}\n    \
+         for (var nth = 0u; nth < launch.rounds; nth++) {{\n",
+        options.workgroup_size
+    )
+}
+
+fn of_runs(options: &PrintOptions, seat: &str) -> String {
+    format!(
+        "{RUNS}\n{OPERATIONS}\n{seat}@compute @workgroup_size({})\n\
+         fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {{\n    \
+         let run = runs[launch.run];\n    \
+         let world = run.x + invocation.x;\n    \
+         let worlds = launch.worlds;\n    \
+         if (invocation.x < run.y) {{\n",
+        options.workgroup_size
+    )
+}
+
+/// Where a number of a member's bodies lies, of which it has so many of each.
+fn seat(width: u32) -> String {
+    format!(
+        "fn seat(offset: u32, member: u32) -> u32 {{\n    \
+         let body = seats[(offset / {width}u) * launch.worlds + member];\n    \
+         return (offset % {width}u) * launch.bodies + body;\n\
+         }}\n\n"
+    )
 }
 
 struct Wgsl;

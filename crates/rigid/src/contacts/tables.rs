@@ -102,7 +102,9 @@ pub(crate) mod slot {
     pub const NORMAL: usize = 3;
     /// Gap less the margin that the surfaces keep [m], or [`FAR`](collide::FAR).
     pub const DISTANCE: usize = 6;
+    /// What touches what; see [`collide::Contact::feature`].
     pub const FEATURE: usize = 7;
+    /// Numbers in a row.
     pub const WIDTH: usize = 8;
 }
 

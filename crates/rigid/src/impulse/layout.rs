@@ -25,6 +25,18 @@ pub(super) const NAME: &str = "impulse";
 /// Row of what does not move.
 pub const WORLD: u32 = 0;
 
+/// Longest turn [rad] in a step of bodies that no joint holds and that are no balls, while their arms are taken not to turn.
+pub const FREE_TURN: f64 = 0.5;
+
+/// Gap [m] at which two shapes touch even if nothing moves.
+pub const NEARBY: f64 = 1e-4;
+
+/// Points nearer than this share of the larger shape's radius, of one pair, are the same.
+pub const SAME_PLACE: f64 = 0.05;
+
+/// Nothing is farther from the origin [m].
+pub const FARTHEST: f64 = 1e9;
+
 /// What meets no faster than it falls in so many steps does not bounce.
 const RESTING: f64 = 2.0;
 
@@ -96,7 +108,7 @@ pub struct Impulse {
     pub(super) remembered: Table<StateMemory>,
     /// How many contacts there was no room for, since the world was reset.
     pub(super) forgotten: Table<StateMemory>,
-    pub(super) memory: Table<StateMemory, { memory::field::WIDTH }>,
+    pub(super) memory: Table<StateMemory, { memory::remembered::WIDTH }>,
     pub(super) capacity: usize,
     state_length: usize,
     pub(super) input: InputTables,
@@ -375,6 +387,14 @@ impl Impulse {
     /// The colliding shapes.
     pub fn shapes(&self) -> &[Collider] {
         &self.shapes
+    }
+    /// Whether the model gives any pair of shapes a surface of its own.
+    pub fn names_pairs(&self) -> bool {
+        !self.paired.is_empty()
+    }
+    /// Where the controls hold forces from outside.
+    pub fn forces(&self) -> std::ops::Range<usize> {
+        self.input.force.start()..self.input.target_position.start()
     }
     /// How many contacts a world remembers.
     pub fn capacity(&self) -> usize {

@@ -5,23 +5,34 @@ use super::tables::POINTS;
 use glam::DVec3;
 use numbers::Float;
 
-/// Fields of a remembered contact.
-pub(super) mod field {
+/// Fields of a remembered contact; see [`Cached`](super::Cached).
+pub mod remembered {
+    /// Colliding shapes A and B.
     pub const SHAPES: usize = 0;
+    /// How many points there are.
     pub const POINTS: usize = 2;
+    /// From A to B.
     pub const NORMAL: usize = 3;
+    /// [`Cached::drag`](super::Cached::drag).
     pub const DRAG: usize = 6;
+    /// [`Cached::twist`](super::Cached::twist).
     pub const TWIST: usize = 9;
+    /// [`Cached::drag_sum`](super::Cached::drag_sum).
     pub const DRAG_SUM: usize = 12;
+    /// [`Cached::twist_sum`](super::Cached::twist_sum).
     pub const TWIST_SUM: usize = 15;
+    /// The first point.
     pub const POINT: usize = 18;
-    /// Position, gap, feature, impulse, sum.
+    /// Numbers of a point: position, gap, feature, impulse, sum.
     pub const POINT_WIDTH: usize = 7;
+    /// Numbers in a row.
     pub const WIDTH: usize = POINT + super::POINTS * POINT_WIDTH;
 }
 
+use remembered as field;
+
 /// Numbers in the row of a contact.
-pub const REMEMBERED: usize = field::WIDTH;
+pub const REMEMBERED: usize = remembered::WIDTH;
 
 /// A contact as a world remembers it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -65,6 +76,10 @@ impl Impulse {
     /// One of them; they are in the order of their shapes, the lower ones first.
     pub fn recall<'a, T: Float>(&self, i: usize, state: &'a [T]) -> Recalled<'a, T> {
         Recalled(&state[self.memory.at(i, 0)..][..field::WIDTH])
+    }
+    /// Where a state holds how many contacts it remembers, and the first of their rows.
+    pub fn memory_places(&self) -> [usize; 2] {
+        [self.remembered.at(0, 0), self.memory.at(0, 0)]
     }
     /// How many contacts there was no room for, since the world was reset.
     pub fn forgotten<T: Float>(&self, state: &[T]) -> f64 {

@@ -59,7 +59,10 @@ mod report;
 mod surface;
 mod tables;
 
-pub use layout::{Collider, Impulse, SLEEP_AFTER, State, WORLD, state, suits};
-pub use memory::{Cached, CachedPoint, REMEMBERED, Recalled};
+pub use layout::{
+    Collider, FARTHEST, FREE_TURN, Impulse, NEARBY, SAME_PLACE, SLEEP_AFTER, State, WORLD, state,
+    suits,
+};
+pub use memory::{Cached, CachedPoint, REMEMBERED, Recalled, remembered};
 pub use surface::Surface;
 pub use tables::{BodyTables, ContactTables, POINTS, global, manifold, mass, point, row};

@@ -10,10 +10,11 @@ pub use crate::contacts::MARGIN;
 use crate::contacts::tables::{
     found, pair_field, pair_link, placed_field, shape_field, shape_link, slot,
 };
-use crate::contacts::{ContactTables, store_placed};
+use crate::contacts::{ContactTables, narrow_phase_in_parts, store_placed};
 use crate::lists::Lists;
+pub use collide::FAR;
+use collide::Route;
 use collide::mesh::{MeshData, Triangle};
-use collide::{FAR, Route};
 use numbers::machine::Links;
 use numbers::machine::space::{Parameter, Scratch, State};
 use numbers::{Float, Machine, Pose, Real, Table};
@@ -149,6 +150,31 @@ pub struct Pair<'a, T> {
     pub margin: T,
 }
 
+/// Where a lane has the numbers of its pair, for who fills lanes by other means than
+/// [`PairTables::fill`] and [`PairTables::read`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PairPlaces {
+    /// Of A and of B, among the parameters: half sizes.
+    pub size: [usize; 2],
+    /// Of A and of B, in the scratch: what [`place`] found, up to [`placed::REACH`].
+    pub placed: [usize; 2],
+    /// Among the parameters: the first corner of A, the first of B, and one past its last.
+    pub corners: [usize; 3],
+    /// Among the parameters: the gap that the surfaces keep.
+    pub margin: usize,
+    /// Among the parameters: the direction in which they touched last.
+    pub known: usize,
+    /// In the scratch: how many points are listed.
+    pub listed: usize,
+    /// In the scratch: the first point, and how many there are. See [`point_place`].
+    pub points: [usize; 2],
+}
+
+/// Fields of a point that the kernels for pairs have found.
+pub mod point_place {
+    pub use crate::contacts::tables::slot::{DISTANCE, FEATURE, NORMAL, POSITION, WIDTH};
+}
+
 /// The tables for pairs of two kinds, a pair a lane.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PairTables {
@@ -231,6 +257,29 @@ impl PairTables {
             corners,
             triangles,
         }
+    }
+    /// Which kernel they are for.
+    pub fn route(&self) -> Route {
+        self.route
+    }
+    /// Where a lane has the numbers of its pair of two convex solids.
+    pub fn places(&self) -> PairPlaces {
+        let t = &self.tables;
+        let first = t.kernels.vertices.start();
+        let [a, all] = self.corners;
+        PairPlaces {
+            size: [0, 1].map(|row| t.shape.at(row, shape_field::SIZE)),
+            placed: [0, 1].map(|row| t.placed.at(row, 0)),
+            corners: [first, first + 3 * a, first + 3 * all],
+            margin: t.pair.at(0, pair_field::MARGIN),
+            known: t.kernels.known.map_or(0, |known| known.at(0, 0)),
+            listed: t.found.length_at(found::FIXED),
+            points: [t.slot.at(0, 0), self.route.points()],
+        }
+    }
+    /// Has its kernel meet the pairs, as a function that is called.
+    pub fn meet_in_parts<M: Machine>(&self, k: &mut M) {
+        narrow_phase_in_parts(k, &self.tables);
     }
     /// What the kernels for pairs take.
     pub fn contacts(&self) -> &ContactTables {

@@ -30,6 +30,16 @@ pub struct Surface {
 }
 
 impl Impulse {
+    /// The surface of a colliding shape, as numbers: equal ones make equal contacts.
+    pub fn surface_of<'a, T>(&self, shape: usize, parameters: &'a [T]) -> &'a [T] {
+        &parameters[self.surface.at(shape, 0)..][..field::WIDTH]
+    }
+
+    /// What a colliding shape's surface adds to the [gap](Self::margin) [m] of its contacts.
+    pub fn own_margin<T: Float>(&self, shape: usize, parameters: &[T]) -> T {
+        self.surface_of(shape, parameters)[field::MARGIN]
+    }
+
     /// Gap [m] that the surfaces of two colliding shapes keep.
     pub fn margin<T: Float>(&self, shapes: [u32; 2], parameters: &[T]) -> T {
         let of = |row| parameters[self.surface.at(row, field::MARGIN)];

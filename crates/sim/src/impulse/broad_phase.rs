@@ -4,13 +4,13 @@
 //! pairs need not be looked at. It changes nothing that is found.
 
 use super::odometers::Odometers;
-use super::sleep::NEARBY;
 use collide::kind;
 use glam::Vec3;
 use model::CollisionFilter;
 use numbers::Float;
 use rayon::prelude::*;
 use rigid::impulse::Impulse;
+use rigid::impulse::NEARBY;
 use rigid::impulse::pair::{Placed, placed};
 use space::{Aabb, Pair, PairCache, SpaceError};
 

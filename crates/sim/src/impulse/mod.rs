@@ -84,6 +84,14 @@ impl<T: Float> Piles<T> {
         })
     }
 
+    /// The solver, and which shapes may touch; none where bodies pass through each other.
+    pub fn kernels(&self) -> &Impulse {
+        &self.impulse
+    }
+    pub fn filter(&self) -> Option<&CollisionFilter> {
+        self.filter.as_ref()
+    }
+
     fn step(&self, lane: Lane, team: usize, block: &mut Block<'_, T>, steps: usize) {
         let taken = self.workspaces.lock().map(|mut all| all.pop());
         let mut workspace = taken.ok().flatten().unwrap_or_default();

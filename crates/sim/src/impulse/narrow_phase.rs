@@ -2,7 +2,6 @@
 
 use super::broad_phase::{Candidate, reach};
 use super::mid_phase::{MeshPair, MidPhase};
-use super::sleep::NEARBY;
 use crate::engine::Block;
 use crate::jobs::{Lane, apart, narrow_phase};
 use crate::meshes::Triangles;
@@ -10,6 +9,7 @@ use collide::{Route, kind};
 use glam::DVec3;
 use numbers::{Float, Memory};
 use rayon::prelude::*;
+use rigid::impulse::NEARBY;
 use rigid::impulse::pair::{MARGIN, Near, Pair, PairTables, Placed, placed};
 use rigid::impulse::{Cached, Collider, Impulse};
 use std::borrow::Cow;

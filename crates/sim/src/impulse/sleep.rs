@@ -11,10 +11,7 @@ use super::islands::Islands;
 use super::world::{Workspace, World};
 use numbers::Float;
 use rigid::impulse::pair::{placed, solid};
-use rigid::impulse::{Cached, SLEEP_AFTER, WORLD, mass, state};
-
-/// Gap [m] at which two shapes touch even if nothing moves.
-pub(super) const NEARBY: f64 = 1e-4;
+use rigid::impulse::{Cached, NEARBY, SLEEP_AFTER, WORLD, mass, state};
 
 /// Who sleeps in a world, and what of it is kept.
 #[derive(Debug)]

@@ -8,10 +8,8 @@ use collide::kind;
 use glam::DVec3;
 use numbers::Float;
 use rayon::prelude::*;
-use rigid::impulse::{Cached, Recalled};
+use rigid::impulse::{Cached, Recalled, SAME_PLACE};
 
-/// Points nearer than this share of the larger shape's radius, of one pair, are the same.
-const SAME_PLACE: f64 = 0.05;
 /// Normals are of one contact that turned if the cosine of the angle between them is larger.
 pub(super) const SAME_NORMAL: f64 = 0.5;
 

@@ -14,7 +14,9 @@ use crate::jobs::Lane;
 use numbers::Float;
 use rayon::prelude::*;
 use rigid::impulse::pair::{Placed, placed};
-use rigid::impulse::{Cached, Impulse, REMEMBERED, State, WORLD, global, row, state};
+use rigid::impulse::{
+    Cached, FARTHEST, FREE_TURN, Impulse, REMEMBERED, State, WORLD, global, row, state,
+};
 
 /// What a step needs besides the world's state; nothing in it outlives a step but its memory.
 pub(super) struct Workspace<T: Float> {
@@ -479,10 +481,6 @@ impl<T: Float> World<'_, T> {
 
 /// Longest turn [rad] of a body that joints hold, while its inertia is taken not to turn.
 const TURN: f64 = 0.125;
-/// Longest turn [rad] of other bodies, while their arms are taken not to turn.
-const FREE_TURN: f64 = 0.5;
-/// Nothing is farther from the origin [m].
-const FARTHEST: f64 = 1e9;
 /// Parts of a list for each thread.
 const PARTS: usize = 2;
 /// Fewer things are not worth another thread.

@@ -1,0 +1,160 @@
+//! Worlds of many bodies that touch, by `impulse`: one world after the other, each by all of the card.
+//!
+//! A step is what it is on the processor (`sim/src/impulse`), by the same kernels: of bodies, shapes, pairs of shapes and
+//! contacts, one in each invocation. What lies between them, which shapes are near each other and which contact has which
+//! colour, is `pile.wgsl`, which knows no physics. It finds the pairs in order, and the colours that contacts get one after
+//! the other, so that a step is the processor's but for rounding.
+//!
+//! Nothing comes back within a step. A card takes the usual ones: a step in which something is struck and bounces, gets
+//! farther than it was looked for, or spins so fast that it has to be cut into parts, and any of a world on which forces
+//! act from outside, is left to the processor. So is one with more contacts than a world remembers. Where there is too
+//! little room for pairs, contacts or colours, a step is taken again with more.
+//!
+//! Nothing sleeps. Joints, meshes, sensor shapes and surfaces of pairs are refused.
+
+mod kernels;
+mod pile;
+mod plan;
+mod scene;
+
+use crate::{Gpu, GpuError};
+use kernels::Kernels;
+use model::CollisionFilter;
+use numbers::Memory;
+use pile::{Pile, Progress};
+use rigid::Report;
+use rigid::impulse::Impulse;
+use scene::Scene;
+use sim::{DeviceError, DeviceWorlds, Processor};
+use std::ops::Range;
+
+/// Worlds of piles on a card.
+#[derive(Debug)]
+pub(crate) struct Piles {
+    gpu: Gpu,
+    scene: Scene,
+    kernels: Kernels,
+    worlds: Vec<Pile>,
+    /// Of each world, whether forces act from outside.
+    pushed: Vec<bool>,
+}
+
+impl Piles {
+    /// # Errors
+    /// The model has what cards do not know; the card refuses.
+    pub fn new(
+        gpu: &Gpu,
+        impulse: &Impulse,
+        filter: Option<&CollisionFilter>,
+        worlds: usize,
+    ) -> Result<Self, GpuError> {
+        gpu.check()?;
+        let scene = Scene::new(impulse, filter)?;
+        let kernels = Kernels::new(gpu, &scene)?;
+        let piles = (0..worlds).map(|_| Pile::new(gpu, &scene, &kernels));
+        Ok(Self {
+            worlds: piles.collect::<Result<_, _>>()?,
+            pushed: vec![false; worlds],
+            gpu: gpu.clone(),
+            scene,
+            kernels,
+        })
+    }
+
+    fn write_world(&self, world: usize, state: &Memory<f32>) {
+        let numbers = 0..self.scene.impulse.lengths().state;
+        let numbers: Vec<_> = numbers.map(|i| state.get(world, i)).collect();
+        self.worlds[world].write(&self.gpu, 0, &numbers);
+    }
+
+    /// Has the processor take a step of a world.
+    fn step_there(
+        &mut self,
+        world: usize,
+        processor: &mut Processor<'_, f32>,
+    ) -> Result<(), GpuError> {
+        let pile = &mut self.worlds[world];
+        let mut state = Vec::new();
+        let all = 0..self.scene.impulse.lengths().state;
+        pile.read(&self.gpu, all, |numbers| state = numbers.to_vec())?;
+        processor(world, &mut state);
+        pile.write(&self.gpu, 0, &state);
+        Ok(())
+    }
+}
+
+impl DeviceWorlds<f32> for Piles {
+    fn write_state(&mut self, state: &Memory<f32>) -> Result<(), DeviceError> {
+        (0..self.worlds.len()).for_each(|world| self.write_world(world, state));
+        Ok(self.gpu.check()?)
+    }
+    fn write_worlds(&mut self, worlds: &[usize], state: &Memory<f32>) -> Result<(), DeviceError> {
+        worlds
+            .iter()
+            .for_each(|world| self.write_world(*world, state));
+        Ok(self.gpu.check()?)
+    }
+    fn write_input(&mut self, _: Range<usize>, input: &Memory<f32>) -> Result<(), DeviceError> {
+        for (world, pushed) in self.pushed.iter_mut().enumerate() {
+            let mut forces = self.scene.impulse.forces();
+            *pushed = forces.any(|i| input.get(world, i) != 0.0);
+        }
+        Ok(())
+    }
+    fn write_parameters(&mut self, _: &Memory<f32>) -> Result<(), DeviceError> {
+        Err(DeviceError::from(GpuError::Unsupported {
+            what: "models of worlds' own",
+            remedy: "run on the processor, or take `xpbd`",
+        }))
+    }
+    fn step(
+        &mut self,
+        substeps: usize,
+        processor: &mut Processor<'_, f32>,
+    ) -> Result<(), DeviceError> {
+        for world in 0..self.worlds.len() {
+            let mut left = substeps;
+            while left > 0 {
+                let progress = if self.pushed[world] {
+                    Progress::Processor(0)
+                } else {
+                    self.worlds[world].step(&self.gpu, &self.scene, &self.kernels, left)?
+                };
+                match progress {
+                    Progress::Taken(steps) => left -= steps,
+                    Progress::Dead => left = 0,
+                    Progress::Processor(steps) => {
+                        self.step_there(world, processor)?;
+                        left -= steps + 1;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+    fn reports(&self) -> bool {
+        false
+    }
+    fn report(&mut self, _: Report) -> Result<(), DeviceError> {
+        Ok(())
+    }
+    fn read_state(
+        &mut self,
+        numbers: &[Range<usize>],
+        state: &mut Memory<f32>,
+    ) -> Result<(), DeviceError> {
+        for (world, pile) in self.worlds.iter_mut().enumerate() {
+            for range in numbers {
+                pile.read(&self.gpu, range.clone(), |read| {
+                    for (i, x) in range.clone().zip(read) {
+                        state.set(world, i, *x);
+                    }
+                })?;
+            }
+        }
+        Ok(())
+    }
+    fn read_output(&mut self, _: &[Range<usize>], _: &mut Memory<f32>) -> Result<(), DeviceError> {
+        Ok(())
+    }
+}

@@ -1,0 +1,200 @@
+//! How many things of each kind there are, and where their words lie; and the same as text, for the shader.
+
+use super::scene::PLACES;
+use bytemuck::{Pod, Zeroable};
+use rigid::impulse::pair::{FAR, placed, point_place, solid};
+use rigid::impulse::{
+    ContactTables, POINTS, REMEMBERED, SAME_PLACE, contact, manifold, point, remembered, row, state,
+};
+
+macro_rules! plan {
+    ($($name:ident: $kind:ty,)+) => {
+        /// See `pile.wgsl`, which has the same fields.
+        #[repr(C)]
+        #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+        pub(super) struct Plan {
+            $(pub $name: $kind,)+
+        }
+    };
+}
+
+plan! {
+    bodies: u32, shapes: u32, units: u32, large: u32, forms: u32, groups: u32, surfaces: u32,
+    pairs: u32, contacts: u32, remembered: u32,
+    buckets: u32, colours: u32, pair_blocks: u32, contact_blocks: u32,
+    bounces: u32,
+    alive: u32, body_state: u32, count: u32, memory: u32,
+    bucket_of: u32, bucket_start: u32, bucket_items: u32, unit_start: u32,
+    pair_shapes: u32, pair_group: u32, pair_order: u32, pair_place: u32, group_matrix: u32,
+    contact_start: u32, body_start: u32, body_items: u32,
+    colour: u32, colour_before: u32, colour_matrix: u32, contact_order: u32,
+    carriers: u32, sides: u32, apart_start: u32, apart_items: u32, shape_form: u32, form_group: u32,
+    group_places: u32, unit_shapes: u32, large_shapes: u32, shape_surface: u32, first_corner: u32,
+    margin: u32, grown: u32, solids: u32, corners: u32, surface: u32, spin_limit: u32,
+    cell: f32, fastest: f32, farthest: f32,
+}
+
+/// Things that are sorted together.
+pub(super) const BLOCK: u32 = 256;
+/// Colours, the keys of contacts.
+pub(super) const COLOURS: u32 = 64;
+
+/// Places in the status.
+pub(super) mod status {
+    pub const FLAG: usize = 0;
+    pub const STEPS: usize = 1;
+    pub const PAIRS: usize = 2;
+    pub const CONTACTS: usize = 3;
+    pub const COLOURED: usize = 4;
+    pub const WIDEST: usize = 5;
+    pub const CHANGED: usize = 6;
+    pub const SETTLED: usize = 7;
+    pub const WIDTH: usize = 8;
+}
+
+/// Why a step was not taken.
+pub(super) mod flag {
+    pub const MORE_PAIRS: u32 = 1;
+    pub const MORE_CONTACTS: u32 = 2;
+    pub const MORE_COLOURS: u32 = 4;
+    pub const MORE_ROUNDS: u32 = 8;
+    pub const PROCESSOR: u32 = 16;
+    pub const DEAD: u32 = 32;
+}
+
+/// Places of runs: groups of pairs, colours, all contacts, all bodies.
+pub(super) mod run {
+    pub const COLOURS: u32 = 64;
+    pub const CONTACTS: u32 = 128;
+    pub const BODIES: u32 = 129;
+    pub const COUNT: u32 = 130;
+}
+
+impl Plan {
+    /// Words that steps need, once it is known for how many things there is room.
+    pub fn place(&mut self) -> u32 {
+        let mut end = 0;
+        let mut take = |length: u32| {
+            let at = end;
+            end += length;
+            at
+        };
+        self.buckets = (2 * self.shapes).next_power_of_two();
+        self.pair_blocks = self.pairs.div_ceil(BLOCK);
+        self.contact_blocks = self.contacts.div_ceil(BLOCK);
+        self.bucket_of = take(self.shapes);
+        self.bucket_start = take(self.buckets + 1);
+        self.bucket_items = take(self.shapes);
+        self.unit_start = take(self.units + 1);
+        self.pair_shapes = take(2 * self.pairs);
+        self.pair_group = take(self.pairs);
+        self.pair_order = take(self.pairs);
+        self.pair_place = take(self.pairs);
+        self.group_matrix = take(self.groups * self.pair_blocks);
+        self.contact_start = take(self.pairs + 1);
+        self.body_start = take(self.bodies + 1);
+        self.body_items = take(2 * self.contacts);
+        self.colour = take(self.contacts);
+        self.colour_before = take(self.remembered);
+        self.colour_matrix = take(COLOURS * self.contact_blocks);
+        self.contact_order = take(self.contacts);
+        end
+    }
+}
+
+impl Plan {
+    pub fn group_matrix_length(&self) -> u32 {
+        self.groups * self.pair_blocks
+    }
+    pub fn colour_matrix_length(&self) -> u32 {
+        COLOURS * self.contact_blocks
+    }
+}
+
+/// What the shader has as constants.
+pub(super) fn constants() -> String {
+    let t = ContactTables::new();
+    let whole = [
+        ("FLAG", status::FLAG),
+        ("STEPS", status::STEPS),
+        ("PAIRS", status::PAIRS),
+        ("CONTACTS", status::CONTACTS),
+        ("COLOURED", status::COLOURED),
+        ("WIDEST", status::WIDEST),
+        ("CHANGED", status::CHANGED),
+        ("SETTLED", status::SETTLED),
+        ("MORE_PAIRS", flag::MORE_PAIRS as usize),
+        ("MORE_CONTACTS", flag::MORE_CONTACTS as usize),
+        ("MORE_COLOURS", flag::MORE_COLOURS as usize),
+        ("MORE_ROUNDS", flag::MORE_ROUNDS as usize),
+        ("PROCESSOR", flag::PROCESSOR as usize),
+        ("DEAD", flag::DEAD as usize),
+        ("COLOUR_RUN", run::COLOURS as usize),
+        ("CONTACTS_RUN", run::CONTACTS as usize),
+        ("BODIES_RUN", run::BODIES as usize),
+        ("COLOURS", COLOURS as usize),
+        ("PLACES", PLACES),
+        ("ROW", row::WIDTH),
+        ("VELOCITY", row::VELOCITY),
+        ("SHIFT", row::SHIFT),
+        ("TURN", row::TURN),
+        ("CENTER", row::CENTER),
+        ("ORIENTATION", row::ORIENTATION),
+        ("ACCELERATION", row::ACCELERATION),
+        ("STATE", state::WIDTH),
+        ("STATE_VELOCITY", state::VELOCITY),
+        ("STATE_BEFORE", state::BEFORE),
+        ("STATE_REST", state::REST),
+        ("SOLID", solid::WIDTH),
+        ("SOLID_SIZE", solid::SIZE),
+        ("SOLID_EXTENT", solid::EXTENT),
+        ("SOLID_RADIUS", solid::RADIUS),
+        ("SOLID_THICKNESS", solid::THICKNESS),
+        ("PLACED", placed::WIDTH),
+        ("PLACED_POSITION", placed::POSITION),
+        ("PLACED_WAY", placed::WAY),
+        ("PLACED_EXTENT", placed::EXTENT),
+        ("PAIR_PLACED", placed::REACH + 1),
+        ("POINT_PLACE", point_place::WIDTH),
+        ("POINT_PLACE_POSITION", point_place::POSITION),
+        ("POINT_PLACE_NORMAL", point_place::NORMAL),
+        ("POINT_PLACE_DISTANCE", point_place::DISTANCE),
+        ("POINT_PLACE_FEATURE", point_place::FEATURE),
+        ("REMEMBERED", REMEMBERED),
+        ("REMEMBERED_SHAPES", remembered::SHAPES),
+        ("REMEMBERED_POINTS", remembered::POINTS),
+        ("REMEMBERED_NORMAL", remembered::NORMAL),
+        ("REMEMBERED_DRAG", remembered::DRAG),
+        ("REMEMBERED_TWIST", remembered::TWIST),
+        ("REMEMBERED_DRAG_SUM", remembered::DRAG_SUM),
+        ("REMEMBERED_TWIST_SUM", remembered::TWIST_SUM),
+        ("REMEMBERED_POINT", remembered::POINT),
+        ("REMEMBERED_POINT_WIDTH", remembered::POINT_WIDTH),
+        ("MANIFOLD", t.point.at(0, 0)),
+        ("MANIFOLD_NORMAL", manifold::NORMAL),
+        ("MANIFOLD_FRICTION", manifold::FRICTION),
+        ("MANIFOLD_STICKING", manifold::STICKING),
+        ("MANIFOLD_THICKNESS", manifold::THICKNESS),
+        ("MANIFOLD_DRAG", manifold::DRAG),
+        ("MANIFOLD_TWIST", manifold::TWIST),
+        ("MANIFOLD_DRAG_SUM", manifold::DRAG_SUM),
+        ("MANIFOLD_TWIST_SUM", manifold::TWIST_SUM),
+        ("MANIFOLD_ASIDE", manifold::ASIDE),
+        ("MANIFOLD_STRUCK", manifold::STRUCK),
+        ("POINT", point::WIDTH),
+        ("POINT_ARM_A", point::ARM_A),
+        ("POINT_GAP", point::GAP),
+        ("POINT_IMPULSE", point::IMPULSE),
+        ("POINT_SUM", point::SUM),
+        ("POINTS", POINTS),
+        ("SURFACE", 8),
+    ];
+    let real = [
+        ("FAR", FAR),
+        ("NOWHERE", contact::NOWHERE),
+        ("SAME_PLACE", SAME_PLACE),
+    ];
+    let whole = whole.map(|(name, n)| format!("const {name}: u32 = {n}u;\n"));
+    let real = real.map(|(name, x)| format!("const {name}: f32 = {x:e}f;\n"));
+    whole.concat() + &real.concat()
+}

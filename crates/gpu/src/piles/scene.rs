@@ -1,0 +1,324 @@
+//! A model of piles as a card has it: constants, and what is worked on together.
+
+use super::plan::Plan;
+use crate::GpuError;
+use collide::{Route, kind};
+use model::{CollisionFilter, ShapeId};
+use numbers::trace::Program;
+use records::PilePrograms;
+use rigid::impulse::pair::{PairPlaces, PairTables, solid};
+use rigid::impulse::{FARTHEST, FREE_TURN, Impulse, NEARBY, WORLD, global, mass};
+use std::collections::{BTreeSet, HashMap};
+
+/// What all worlds of a model have in common.
+#[derive(Debug)]
+pub(super) struct Scene {
+    pub impulse: Impulse,
+    pub programs: PilePrograms,
+    /// Of each group of pairs, what their kernel takes, and its record.
+    pub groups: Vec<(PairTables, Program)>,
+    pub constants: Vec<f32>,
+    pub whole: Vec<u32>,
+    /// Constants of bodies and shapes as their kernels read them, `[number][body]`.
+    pub body_parameters: Vec<f32>,
+    pub shape_parameters: Vec<f32>,
+    pub globals: [f32; global::WIDTH],
+    /// With the places of constants, and not yet those of what steps need.
+    pub plan: Plan,
+}
+
+/// Kind and number of corners.
+type Form = (usize, usize);
+
+/// Most groups of pairs: as many as colours.
+pub(super) const GROUPS: usize = 64;
+/// Others that a unit of work looks at for a large shape.
+const UNIT: usize = 64;
+/// No first of these: the unit is a small shape.
+const SMALL: u32 = u32::MAX;
+/// What spins on the spot is never too fast.
+const UNLIMITED: f32 = 1e30;
+
+impl Scene {
+    /// # Errors
+    /// The model has what cards do not know of piles.
+    pub fn new(impulse: &Impulse, filter: Option<&CollisionFilter>) -> Result<Self, GpuError> {
+        check(impulse)?;
+        let parameters: Vec<_> = impulse.parameters().iter().map(|x| *x as f32).collect();
+        let globals = impulse.globals(&parameters, 1);
+        let forms: BTreeSet<_> = impulse.shapes().iter().map(form_of).collect();
+        let forms = Vec::from_iter(forms);
+        let mut scene = Self {
+            impulse: impulse.clone(),
+            programs: PilePrograms::record()?,
+            groups: Vec::new(),
+            constants: Vec::new(),
+            whole: Vec::new(),
+            body_parameters: body_parameters(impulse, &parameters, &globals),
+            shape_parameters: shape_parameters(impulse, &parameters, &globals),
+            globals,
+            plan: Plan::default(),
+        };
+        let settings = impulse.settings();
+        let shapes = impulse.shapes();
+        scene.plan.bodies = impulse.rows() as u32;
+        scene.plan.shapes = shapes.len() as u32;
+        scene.plan.remembered = impulse.capacity() as u32;
+        scene.plan.alive = impulse.alive() as u32;
+        scene.plan.body_state = impulse.body_state(0) as u32;
+        [scene.plan.count, scene.plan.memory] = impulse.memory_places().map(|n| n as u32);
+        scene.plan.fastest = settings.speed_limit as f32;
+        scene.plan.farthest = FARTHEST as f32;
+        scene.groups_of(&forms)?;
+        let large = scene.large(&parameters);
+        scene.shapes(&parameters, &forms, &large);
+        scene.sides(filter);
+        scene.units(&large);
+        scene.surfaces(&parameters);
+        scene.spins(&parameters);
+        Ok(scene)
+    }
+
+    /// Adds constants; where they begin.
+    fn constants(&mut self, numbers: impl IntoIterator<Item = f32>) -> u32 {
+        let at = self.constants.len() as u32;
+        self.constants.extend(numbers);
+        at
+    }
+    /// Adds whole numbers; where they begin.
+    fn whole(&mut self, numbers: impl IntoIterator<Item = u32>) -> u32 {
+        let at = self.whole.len() as u32;
+        self.whole.extend(numbers);
+        at
+    }
+
+    /// A group for each two forms that a kernel meets.
+    fn groups_of(&mut self, forms: &[Form]) -> Result<(), GpuError> {
+        let mut table = Vec::new();
+        let mut places = Vec::new();
+        for (i, a) in forms.iter().enumerate() {
+            for (j, b) in forms.iter().enumerate() {
+                let route = Route::of(a.0, b.0).filter(|_| i <= j);
+                table.push(route.map_or(u32::MAX, |_| self.groups.len() as u32));
+                if let Some(route) = route {
+                    let tables = PairTables::new(route, [a.0, b.0], [a.1, b.1]);
+                    places.extend(words_of(&tables.places()));
+                    let program = PilePrograms::pair(&tables)?;
+                    self.groups.push((tables, program));
+                }
+            }
+        }
+        if self.groups.len() > GROUPS {
+            return Err(unsupported(
+                "shapes of so many kinds and numbers of corners",
+                "use fewer kinds, or run on the processor",
+            ));
+        }
+        self.plan.forms = forms.len() as u32;
+        self.plan.groups = self.groups.len() as u32;
+        self.plan.form_group = self.whole(table);
+        self.plan.group_places = self.whole(places);
+        Ok(())
+    }
+
+    /// Which shapes are too large for cells: planes, and what is larger than most of what moves.
+    fn large(&mut self, parameters: &[f32]) -> Vec<bool> {
+        let impulse = &self.impulse;
+        let shapes = impulse.shapes().iter().enumerate();
+        let radius = |i: usize| impulse.radius_of(i, parameters);
+        let moving = shapes.clone().filter(|(_, s)| s.row != WORLD);
+        let mut radii: Vec<_> = moving.map(|(i, _)| radius(i)).collect();
+        radii.sort_by(f32::total_cmp);
+        let usual = radii.get(radii.len() * 9 / 10).copied().unwrap_or(1.0);
+        self.plan.cell = 2.0 * usual.max(1e-6);
+        let cell = self.plan.cell;
+        shapes
+            .map(|(i, s)| s.kind == kind::PLANE || radius(i) > cell)
+            .collect()
+    }
+
+    fn shapes(&mut self, parameters: &[f32], forms: &[Form], large: &[bool]) {
+        let impulse = self.impulse.clone();
+        let shapes = impulse.shapes();
+        let all = 0..shapes.len();
+        self.plan.carriers = self.whole(shapes.iter().map(|s| s.row));
+        let form = |i: usize| {
+            let form = forms.partition_point(|f| *f < form_of(&shapes[i]));
+            [form as u32, u32::from(shapes[i].kind == kind::PLANE)]
+        };
+        self.plan.shape_form = self.whole(all.clone().flat_map(form));
+        let mut corners = Vec::new();
+        let mut first = Vec::new();
+        for i in all.clone() {
+            first.extend([corners.len() as u32, u32::from(large[i])]);
+            corners.extend_from_slice(impulse.corners_of(i, parameters));
+        }
+        self.plan.first_corner = self.whole(first);
+        self.plan.corners = self.constants(corners);
+        self.plan.solids = self.constants(impulse.solids(parameters).iter().copied());
+        let margin = |i| impulse.own_margin(i, parameters);
+        self.plan.margin = self.constants(all.clone().map(margin));
+        let grown = |i: usize| (impulse.widest_margin(i as u32, parameters) + NEARBY) as f32;
+        self.plan.grown = self.constants(all.map(grown));
+    }
+
+    /// What each shape brings to the decision which may touch; nothing touches where there is no filter.
+    fn sides(&mut self, filter: Option<&CollisionFilter>) {
+        let shapes = self.impulse.shapes();
+        let mut words = Vec::new();
+        let mut apart: Vec<&[usize]> = Vec::new();
+        for ShapeId(shape) in shapes.iter().map(|s| s.shape) {
+            let Some(side) = filter.map(|filter| filter.side(ShapeId(shape))) else {
+                words.extend([0; 5]);
+                continue;
+            };
+            let flags = u32::from(side.collides) | u32::from(side.moves) << 1;
+            words.extend([
+                (side.owner as u32) << 2 | flags,
+                side.membership,
+                side.collides_with,
+                side.group as u32,
+                side.world as u32,
+            ]);
+            let owners = apart.len().max(side.owner + 1);
+            apart.resize(owners, &[]);
+            apart[side.owner] = side.apart;
+        }
+        let mut start = vec![0];
+        let mut items = Vec::new();
+        for owners in apart {
+            items.extend(owners.iter().map(|owner| *owner as u32));
+            start.push(items.len() as u32);
+        }
+        self.plan.sides = self.whole(words);
+        self.plan.apart_start = self.whole(start);
+        self.plan.apart_items = self.whole(items);
+    }
+
+    /// Who looks for pairs, in the order of the pairs.
+    fn units(&mut self, large: &[bool]) {
+        let mut units = Vec::new();
+        for (i, is_large) in large.iter().enumerate() {
+            if *is_large {
+                let firsts = (i + 1..large.len()).step_by(UNIT);
+                units.extend(firsts.flat_map(|first| [i as u32, first as u32]));
+            } else {
+                units.extend([i as u32, SMALL]);
+            }
+        }
+        self.plan.units = (units.len() / 2) as u32;
+        self.plan.unit_shapes = self.whole(units);
+        let shapes = (0..).zip(large).filter(|(_, large)| **large);
+        let shapes = Vec::from_iter(shapes.map(|(i, _)| i));
+        self.plan.large = shapes.len() as u32;
+        self.plan.large_shapes = self.whole(shapes);
+    }
+
+    /// What each two surfaces make of a contact.
+    fn surfaces(&mut self, parameters: &[f32]) {
+        let impulse = self.impulse.clone();
+        let mut of_shape = Vec::new();
+        let mut examples: Vec<u32> = Vec::new();
+        let mut known = HashMap::new();
+        for shape in 0..impulse.shapes().len() {
+            let numbers = impulse.surface_of(shape, parameters).iter();
+            let bits: Vec<_> = numbers.map(|x| x.to_bits()).collect();
+            of_shape.push(*known.entry(bits).or_insert_with(|| {
+                examples.push(shape as u32);
+                examples.len() as u32 - 1
+            }));
+        }
+        let mut table = Vec::new();
+        for a in &examples {
+            for b in &examples {
+                let s = impulse.surface([*a, *b], parameters);
+                self.plan.bounces |= u32::from(s.restitution > 0.0);
+                let [stiffness, damping] = s.spring;
+                table.extend([s.friction, s.restitution, s.torsion, s.rolling]);
+                table.extend([stiffness, damping, s.settling, s.sticking]);
+            }
+        }
+        self.plan.surfaces = examples.len() as u32;
+        self.plan.shape_surface = self.whole(of_shape);
+        self.plan.surface = self.constants(table.into_iter().map(|x| x as f32));
+    }
+
+    /// How fast each body may spin [rad/s] before its step is cut into parts, to be on the safe side.
+    fn spins(&mut self, parameters: &[f32]) {
+        let impulse = &self.impulse;
+        let mut limits = vec![UNLIMITED; impulse.rows()];
+        for (i, shape) in impulse.shapes().iter().enumerate() {
+            if shape.row != WORLD && !impulse.is_centred(i, parameters) {
+                let limit = 0.999 * FREE_TURN / impulse.settings().substep();
+                limits[shape.row as usize] = limit as f32;
+            }
+        }
+        self.plan.spin_limit = self.constants(limits);
+    }
+}
+
+fn form_of(shape: &rigid::impulse::Collider) -> Form {
+    (shape.kind, shape.corners)
+}
+
+/// Whole numbers of a group's places, as the shader counts them.
+pub(super) const PLACES: usize = 12;
+
+fn words_of(places: &PairPlaces) -> [u32; PLACES] {
+    let PairPlaces {
+        size: [a, b],
+        placed: [c, d],
+        corners: [e, f, g],
+        margin,
+        known,
+        listed,
+        points: [h, i],
+    } = *places;
+    [a, b, c, d, e, f, g, margin, known, listed, h, i].map(|n| n as u32)
+}
+
+fn unsupported(what: &'static str, remedy: &'static str) -> GpuError {
+    GpuError::Unsupported { what, remedy }
+}
+
+/// Refuses what cards do not know of piles.
+fn check(impulse: &Impulse) -> Result<(), GpuError> {
+    let processor = "run on the processor, or take `xpbd`";
+    let shapes = impulse.shapes();
+    if (0..impulse.ties()).any(|tie| impulse.tied_rows(tie).is_some()) {
+        return Err(unsupported("joints", processor));
+    }
+    if shapes.iter().any(|shape| shape.kind == kind::MESH) {
+        return Err(unsupported(
+            "meshes",
+            "take their convex hulls, or run on the processor",
+        ));
+    }
+    if shapes.iter().any(|shape| shape.sensor) {
+        return Err(unsupported("sensor shapes", processor));
+    }
+    if impulse.names_pairs() {
+        return Err(unsupported("surfaces of pairs", processor));
+    }
+    if impulse.settings().substeps == 0 || shapes.is_empty() {
+        return Err(unsupported("models in which nothing can touch", processor));
+    }
+    Ok(())
+}
+
+/// The constants of a step, and a row of each thing: `[number][thing]`.
+fn columns(globals: &[f32], things: usize, width: usize, rows: &[f32]) -> Vec<f32> {
+    let common = globals.iter().flat_map(|x| std::iter::repeat_n(*x, things));
+    let own = (0..width).flat_map(|number| (0..things).map(move |i| rows[i * width + number]));
+    common.chain(own).collect()
+}
+
+fn body_parameters(impulse: &Impulse, parameters: &[f32], globals: &[f32]) -> Vec<f32> {
+    let rows = impulse.masses(parameters);
+    columns(globals, impulse.rows(), mass::WIDTH, rows)
+}
+
+fn shape_parameters(impulse: &Impulse, parameters: &[f32], globals: &[f32]) -> Vec<f32> {
+    let rows = impulse.solids(parameters);
+    columns(globals, impulse.shapes().len(), solid::WIDTH, rows)
+}

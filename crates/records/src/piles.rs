@@ -1,0 +1,72 @@
+//! The kernels of `impulse`, of which each works on a body, a shape, a pair of shapes or a contact.
+
+use numbers::trace::{Program, TraceError, record};
+use numbers::{Machine, Real};
+use rigid::impulse::pair::{PairTables, ShapeTables, place};
+use rigid::impulse::{BodyTables, ContactTables, blow, body, contact};
+
+/// What is done to bodies, shapes and contacts, as records. Parameters are those of [`BodyTables`], [`ShapeTables`] and
+/// [`ContactTables`].
+#[derive(Clone, Debug)]
+pub struct PilePrograms {
+    /// A body as a step begins.
+    pub begin: Program,
+    /// A body as the first small step begins.
+    pub advance: Program,
+    /// The same of those that follow.
+    pub advance_again: Program,
+    /// A body within a small step.
+    pub drift: Program,
+    /// A body as the step ends.
+    pub finish: Program,
+    /// A shape.
+    pub place: Program,
+    /// A contact as a step begins.
+    pub prepare: Program,
+    /// Whether a contact may be struck.
+    pub foresee: Program,
+    /// A contact as the first small step begins.
+    pub warm_start: Program,
+    /// A contact that also pushes surfaces apart.
+    pub push: Program,
+    /// A contact that does not.
+    pub relax: Program,
+}
+
+impl PilePrograms {
+    /// Records them.
+    ///
+    /// # Errors
+    /// The kernels do what a record cannot express.
+    pub fn record() -> Result<Self, TraceError> {
+        let (t, c) = (&BodyTables::new(), &ContactTables::new());
+        Ok(Self {
+            begin: record(|k| body::begin(k, t))?,
+            advance: record(|k| advance(k, t, 0.0))?,
+            advance_again: record(|k| advance(k, t, 1.0))?,
+            drift: record(|k| body::drift(k, t))?,
+            finish: record(|k| body::finish(k, t))?,
+            place: record(|k| place(k, &ShapeTables::new()))?,
+            prepare: record(|k| contact::prepare(k, c))?,
+            foresee: record(|k| blow::foresee(k, c))?,
+            warm_start: record(|k| contact::warm_start(k, c))?,
+            push: record(|k| solve(k, c, 1.0))?,
+            relax: record(|k| solve(k, c, 0.0))?,
+        })
+    }
+    /// Records what finds the points of contact of a pair.
+    ///
+    /// # Errors
+    /// The kernel does what a record cannot express.
+    pub fn pair(tables: &PairTables) -> Result<Program, TraceError> {
+        record(|k| tables.meet_in_parts(k))
+    }
+}
+
+fn advance<M: Machine>(k: &mut M, t: &BodyTables, again: f64) {
+    body::advance(k, t, M::R::lit(again));
+}
+
+fn solve<M: Machine>(k: &mut M, t: &ContactTables, pushing: f64) {
+    contact::solve(k, t, M::R::lit(pushing));
+}
