@@ -7,7 +7,7 @@
 use kinetarium::DeviceChoice;
 use kinetarium::formats::{self, InMemory, Options};
 use kinetarium::model::Model;
-use kinetarium::model::examples::{Start, chain};
+use kinetarium::model::examples::{Start, bowl, chain, towers};
 use kinetarium::numbers::trace::Work;
 use kinetarium::numbers::{Cpu, Shared};
 use kinetarium::rigid::{Settings, Solver};
@@ -48,7 +48,49 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let files = InMemory::new([("humanoid.xml", HUMANOID)]);
     let humanoid = formats::parse(HUMANOID, "humanoid.xml", &files, &Options::default())?.model;
-    table(card, &humanoid, 0.003, most)
+    table(card, &humanoid, 0.003, most)?;
+    println!(
+        "\nOne world of many bodies that touch, steps per second; of these, left to the processor.\n"
+    );
+    println!("| pile | bodies | steps per second | left | first step |");
+    println!("|---|--:|--:|--:|--:|");
+    for model in [towers(100, 10)?, towers(1000, 10)?, bowl(10_000)?] {
+        pile(card, &model)?;
+    }
+    Ok(())
+}
+
+/// Steps before a pile is measured: in these it comes to rest, or most of it.
+const SETTLING: usize = 250;
+
+fn pile(card: &dyn Device<f32>, model: &Model) -> Result<(), Box<dyn Error>> {
+    let settings = SimulationSettings {
+        solver: SolverKind::Impulse,
+        ..SimulationSettings::new(1, 0.004)
+    };
+    let mut world = match Simulation::on(card, model.clone(), settings) {
+        Ok(world) => world,
+        Err(told @ SimulationError::NotOnDevice { .. }) => {
+            println!("{told}");
+            return Ok(());
+        }
+        Err(other) => return Err(other.into()),
+    };
+    let begin = Instant::now();
+    world.try_step(1)?;
+    let first = begin.elapsed().as_secs_f64();
+    world.try_step(SETTLING)?;
+    let (before, time) = (world.left_to_processor(), world.time(0));
+    let steps = rate(&mut world, |world, n| world.try_step(n).map(|_| ()))?;
+    let left = (world.left_to_processor() - before) as f64;
+    let taken = (world.time(0) - time) / settings.step.time_step;
+    println!(
+        "| {} | {} | {steps:.3e} | {:.1} % | {first:.2} s |",
+        model.name,
+        model.bodies.len(),
+        100.0 * left / taken
+    );
+    Ok(())
 }
 
 fn table(

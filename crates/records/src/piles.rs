@@ -54,6 +54,13 @@ impl PilePrograms {
             relax: record(|k| solve(k, c, 0.0))?,
         })
     }
+    /// Records what tells how far apart a pair is at least, into the distance of its first point.
+    ///
+    /// # Errors
+    /// The kernel does what a record cannot express.
+    pub fn apart(tables: &PairTables) -> Result<Program, TraceError> {
+        record(|k| tables.contacts().apart(k))
+    }
     /// Records what finds the points of contact of a pair.
     ///
     /// # Errors

@@ -62,6 +62,10 @@ pub trait DeviceWorlds<T: Float>: Send + Sync {
         substeps: usize,
         processor: &mut Processor<'_, T>,
     ) -> Result<(), DeviceError>;
+    /// How many substeps of all worlds together it has left to the processor.
+    fn left(&self) -> u64 {
+        0
+    }
     /// Whether it reports; else the processor does, from the state.
     fn reports(&self) -> bool {
         true
@@ -176,6 +180,10 @@ impl<T: Float> Remote<T> {
         }
         self.set.clear();
         Ok(())
+    }
+    /// How many substeps it has left to the processor.
+    pub fn left(&self) -> u64 {
+        self.worlds.left()
     }
     /// Whether the device reports.
     pub fn reports(&self) -> bool {

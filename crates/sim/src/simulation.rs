@@ -157,7 +157,7 @@ impl<T: Float> Simulation<T> {
     /// a [`snapshot`](Self::snapshot) into a new simulation.
     ///
     /// # Errors
-    /// As [`new`](Self::new); the solver `impulse`, which runs on processors only; what the device refuses.
+    /// As [`new`](Self::new); a solver that the device does not run; what the device refuses.
     pub fn on(
         device: &dyn Device<T>,
         model: impl Into<Arc<Model>>,
@@ -269,6 +269,11 @@ impl<T: Float> Simulation<T> {
     /// Name of the device that runs, if it is not the processor.
     pub fn device(&self) -> Option<&str> {
         self.remote.as_ref().map(Remote::name)
+    }
+    /// How many substeps of all worlds together the device has left to the processor: of `impulse` those that are not usual,
+    /// of other solvers none.
+    pub fn left_to_processor(&self) -> u64 {
+        self.remote.as_ref().map_or(0, Remote::left)
     }
     /// Number of threads that run.
     pub fn threads(&self) -> usize {

@@ -32,8 +32,8 @@ macro_rules! entries {
 entries! {
     clear, load_bodies, load_shapes,
     surround, fill_buckets, count_pairs, list_pairs, plan_groups,
-    seat_pairs, find_touching, make_contacts,
-    join, paint, settle, plan_colours, seat_contacts,
+    seat_pairs, part_pairs, find_touching, make_contacts,
+    join, paint, settle, plan_colours, seat_contacts, find_pressing,
     find_blows, read_contacts, check_bodies, check_shapes,
     store_bodies, store_contacts, end,
 }
@@ -59,7 +59,8 @@ pub(super) struct Kernels {
     pub warm_start: ComputePipeline,
     pub push: ComputePipeline,
     pub relax: ComputePipeline,
-    /// Of each group of pairs.
+    /// Of each group of pairs: which are apart, and where they touch.
+    pub apart: Vec<Option<ComputePipeline>>,
     pub groups: Vec<ComputePipeline>,
 }
 
@@ -105,8 +106,18 @@ impl Kernels {
             warm_start: kernel(&p.warm_start, contact, false)?,
             push: kernel(&p.push, contact, false)?,
             relax: kernel(&p.relax, contact, false)?,
+            apart: groups
+                .clone()
+                .map(|group| {
+                    group
+                        .apart
+                        .as_ref()
+                        .map(|p| kernel(p, pair, true))
+                        .transpose()
+                })
+                .collect::<Result<_, _>>()?,
             groups: groups
-                .map(|(_, program)| kernel(program, pair, true))
+                .map(|group| kernel(&group.program, pair, true))
                 .collect::<Result<_, _>>()?,
             scanned,
             sorted,

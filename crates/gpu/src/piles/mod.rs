@@ -37,6 +37,8 @@ pub(crate) struct Piles {
     worlds: Vec<Pile>,
     /// Of each world, whether forces act from outside.
     pushed: Vec<bool>,
+    /// Steps that the processor has taken.
+    left: u64,
 }
 
 impl Piles {
@@ -55,6 +57,7 @@ impl Piles {
         Ok(Self {
             worlds: piles.collect::<Result<_, _>>()?,
             pushed: vec![false; worlds],
+            left: 0,
             gpu: gpu.clone(),
             scene,
             kernels,
@@ -78,6 +81,7 @@ impl Piles {
         let all = 0..self.scene.impulse.lengths().state;
         pile.read(&self.gpu, all, |numbers| state = numbers.to_vec())?;
         processor(world, &mut state);
+        self.left += 1;
         pile.write(&self.gpu, 0, &state);
         Ok(())
     }
@@ -131,6 +135,9 @@ impl DeviceWorlds<f32> for Piles {
             }
         }
         Ok(())
+    }
+    fn left(&self) -> u64 {
+        self.left
     }
     fn reports(&self) -> bool {
         false

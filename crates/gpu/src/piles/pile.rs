@@ -1,7 +1,7 @@
 //! One world of many bodies in a card's memory.
 
 use super::kernels::Kernels;
-use super::plan::{BLOCK, COLOURS, Plan, flag, run, status};
+use super::plan::{BLOCK, COLOURS, KEYS, Plan, flag, run, status};
 use super::scene::Scene;
 use crate::memory::{NUMBER, Staging, buffer, filled, indirect};
 use crate::pipeline::WORKGROUP;
@@ -15,6 +15,8 @@ pub(super) struct Pile {
     plan: Plan,
     /// Rounds of colouring in a step.
     rounds: usize,
+    /// Steps in a submission: fewer where they are often not taken.
+    eager: usize,
     state: Buffer,
     status: Buffer,
     launches: Buffer,
@@ -31,8 +33,8 @@ struct Steps {
     contacts: BindGroup,
     colours: Vec<BindGroup>,
     groups: Vec<BindGroup>,
-    /// Of buckets, units, groups, touching pairs, bodies, colours.
-    scans: [Scan; 6],
+    /// Of buckets, units, groups, touching pairs, bodies, colours, pressing contacts.
+    scans: [Scan; 7],
     sort_pairs: BindGroup,
     sort_contacts: BindGroup,
 }
@@ -47,9 +49,9 @@ struct Scan {
 /// Pairs and contacts of each body that there is room for at first.
 const PAIRS: u32 = 8;
 const CONTACTS: u32 = 4;
-/// Colours that are launched at first, and rounds of colouring.
+/// Colours that are launched at first, and rounds of colouring at least.
 const FIRST_COLOURS: u32 = 16;
-const FIRST_ROUNDS: usize = 32;
+const FEWEST_ROUNDS: usize = 8;
 /// Sums of words of which one workgroup takes care.
 const SUMMED: u32 = 1024;
 /// Most steps in one submission.
@@ -70,15 +72,16 @@ impl Pile {
     pub fn new(gpu: &Gpu, scene: &Scene, kernels: &Kernels) -> Result<Self, GpuError> {
         let mut plan = scene.plan;
         plan.pairs = PAIRS * plan.shapes + BLOCK;
-        plan.contacts = (CONTACTS * plan.bodies + BLOCK).min(plan.remembered);
+        plan.contacts = CONTACTS * plan.bodies + BLOCK;
         plan.colours = FIRST_COLOURS;
-        let state = buffer(gpu, scene.impulse.lengths().state as u64)?;
+        let state = room(gpu, scene.impulse.lengths().state as u64)?;
         let status = filled(gpu, &[0_u32; status::WIDTH])?;
         let launches = indirect(gpu, 3 * u64::from(run::COUNT))?;
         let steps = Steps::new(gpu, scene, kernels, &mut plan, [&state, &status, &launches])?;
         Ok(Self {
             plan,
-            rounds: FIRST_ROUNDS,
+            rounds: FEWEST_ROUNDS,
+            eager: 1,
             state,
             status,
             launches,
@@ -122,7 +125,8 @@ impl Pile {
         gpu.queue()
             .write_buffer(&self.status, 0, &[0; 4 * status::WIDTH]);
         let mut encoder = gpu.device().create_command_encoder(&Default::default());
-        for _ in 0..steps.min(STEPS) {
+        let steps = steps.min(self.eager);
+        for _ in 0..steps {
             self.encode(kernels, scene, &mut encoder);
         }
         let all = std::iter::once(0..status::WIDTH);
@@ -137,21 +141,24 @@ impl Pile {
             told = std::array::from_fn(|i| numbers[i].to_bits());
         })?;
         let (flags, taken) = (told[status::FLAG], told[status::STEPS] as usize);
-        if std::env::var("PILE").is_ok() {
-            eprintln!(
-                "{steps} {told:?} pairs {} contacts {}",
-                self.plan.pairs, self.plan.contacts
-            );
-        }
         if flags & flag::DEAD != 0 {
             return Ok(Progress::Dead);
         }
+        self.eager = if taken == steps {
+            STEPS.min(2 * self.eager)
+        } else {
+            1
+        };
         if flags & (flag::MORE_PAIRS | flag::MORE_CONTACTS | flag::MORE_COLOURS) != 0 {
             self.grow(gpu, scene, kernels, &told)?;
-        } else if flags & flag::PROCESSOR != 0 {
-            return Ok(Progress::Processor(taken));
         } else if flags & flag::MORE_ROUNDS != 0 {
             self.rounds *= 2;
+        } else {
+            // In most steps colours are those of the step before.
+            self.rounds = FEWEST_ROUNDS.max(2 * told[status::ROUNDS] as usize);
+            if flags & flag::PROCESSOR != 0 {
+                return Ok(Progress::Processor(taken));
+            }
         }
         Ok(Progress::Taken(taken))
     }
@@ -170,7 +177,7 @@ impl Pile {
         if flags & flag::MORE_PAIRS != 0 {
             p.pairs = enough(told[status::PAIRS]);
         } else if flags & flag::MORE_CONTACTS != 0 {
-            p.contacts = enough(told[status::CONTACTS]).min(p.remembered);
+            p.contacts = enough(told[status::CONTACTS]);
         } else {
             p.colours = enough(told[status::COLOURED]).min(COLOURS);
         }
@@ -192,7 +199,7 @@ impl Pile {
         dispatch(pass, &k.begin, &s.bodies, bodies);
         all(pass, &e.load_shapes, p.shapes);
         dispatch(pass, &k.place, &s.place, p.shapes.div_ceil(WORKGROUP));
-        let [buckets, units, groups, touching, joined, colours] = &s.scans;
+        let [buckets, units, groups, touching, joined, colours, pressing] = &s.scans;
         all(pass, &e.surround, p.shapes);
         buckets.run(pass, k);
         all(pass, &e.fill_buckets, p.shapes);
@@ -204,8 +211,14 @@ impl Pile {
         dispatch(pass, &k.sort[1], &s.sort_pairs, p.pair_blocks);
         all(pass, &e.plan_groups, p.groups);
         all(pass, &e.seat_pairs, p.pairs);
-        for (group, (kernel, bindings)) in k.groups.iter().zip(&s.groups).enumerate() {
-            self.run(pass, kernel, bindings, group as u32);
+        for (group, (kernel, bindings)) in (0..).zip(k.apart.iter().zip(&s.groups)) {
+            if let Some(kernel) = kernel {
+                self.run(pass, kernel, bindings, group);
+            }
+        }
+        all(pass, &e.part_pairs, p.pairs);
+        for (group, (kernel, bindings)) in (0..).zip(k.groups.iter().zip(&s.groups)) {
+            self.run(pass, kernel, bindings, group);
         }
         all(pass, &e.find_touching, p.pairs + 1);
         touching.run(pass, k);
@@ -219,12 +232,14 @@ impl Pile {
         dispatch(pass, &k.sort[0], &s.sort_contacts, p.contact_blocks);
         colours.run(pass, k);
         dispatch(pass, &k.sort[1], &s.sort_contacts, p.contact_blocks);
-        all(pass, &e.plan_colours, COLOURS);
+        all(pass, &e.plan_colours, KEYS);
         all(pass, &e.seat_contacts, p.contacts);
         self.run(pass, &k.prepare, &s.contacts, run::CONTACTS);
         self.small_steps(pass, k, scene);
         dispatch(pass, &k.finish, &s.bodies, bodies);
         all(pass, &e.read_contacts, p.contacts);
+        all(pass, &e.find_pressing, p.contacts + 1);
+        pressing.run(pass, k);
         all(pass, &e.check_bodies, p.bodies);
         all(pass, &e.check_shapes, p.shapes);
         all(pass, &e.store_bodies, p.bodies);
@@ -272,6 +287,19 @@ impl Pile {
     }
 }
 
+/// A buffer of so many numbers, if the card takes one that large.
+fn room(gpu: &Gpu, numbers: u64) -> Result<Buffer, GpuError> {
+    let (bytes, most) = (numbers * NUMBER, gpu.most_bytes());
+    if bytes > most {
+        return Err(GpuError::TooLarge {
+            bytes,
+            most,
+            card: gpu.name().to_owned(),
+        });
+    }
+    buffer(gpu, numbers)
+}
+
 fn dispatch(
     pass: &mut ComputePass<'_>,
     kernel: &ComputePipeline,
@@ -292,14 +320,9 @@ impl Steps {
         [state, status, launches]: [&Buffer; 3],
     ) -> Result<Self, GpuError> {
         let used = plan.place();
-        let longest = (plan.pairs + 1).max(plan.buckets).max(plan.units + 1);
-        let longest = longest
-            .max(plan.group_matrix_length())
-            .max(plan.colour_matrix_length());
-        let longest = longest.max(plan.bodies + 1);
-        let words = buffer(gpu, u64::from(used + longest.div_ceil(SUMMED)))?;
-        let of = |things: u32, width: usize| buffer(gpu, u64::from(things) * width as u64);
-        let lengths = scene.groups.iter().map(|(tables, _)| tables.lengths());
+        let words = room(gpu, u64::from(used + used.div_ceil(SUMMED)))?;
+        let of = |things: u32, width: usize| room(gpu, u64::from(things) * width as u64);
+        let lengths = scene.groups.iter().map(|group| group.tables.lengths());
         let longest = lengths.fold([1; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
         let rows = of(plan.bodies, row::WIDTH)?;
         let shape_scratch = of(plan.shapes, SHAPE_SCRATCH)?;
@@ -342,9 +365,9 @@ impl Steps {
             let launch = of_run(plan.contacts, number);
             bind([&contacts, &seats, &runs, &rows, &globals, &points, &launch])
         };
-        let groups = scene.groups.iter().zip(0..).map(|((tables, _), group)| {
-            let launch = of_run(plan.pairs, group);
-            let links = filled(gpu, tables.links())?;
+        let groups = scene.groups.iter().zip(0..).map(|(group, number)| {
+            let launch = of_run(plan.pairs, number);
+            let links = filled(gpu, group.tables.links())?;
             Ok(bind([
                 &none,
                 &nothing,
@@ -371,7 +394,7 @@ impl Steps {
             plan.colour,
             status::CONTACTS as u32,
             plan.contacts,
-            COLOURS,
+            KEYS,
             plan.contact_blocks,
             plan.colour_matrix,
             plan.contact_order,
@@ -412,6 +435,7 @@ impl Steps {
                 scan(plan.contact_start, plan.pairs + 1),
                 scan(plan.body_start, plan.bodies + 1),
                 scan(plan.colour_matrix, plan.colour_matrix_length()),
+                scan(plan.pressing, plan.contacts + 1),
             ],
             sort_pairs: sort(pairs),
             sort_contacts: sort(coloured),

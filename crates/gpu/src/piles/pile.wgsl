@@ -28,6 +28,7 @@ struct Plan {
     body_state: u32,
     count: u32,
     memory: u32,
+    forgotten: u32,
     // Offsets in `words`.
     bucket_of: u32,
     bucket_start: u32,
@@ -45,6 +46,7 @@ struct Plan {
     colour_before: u32,
     colour_matrix: u32,
     contact_order: u32,
+    pressing: u32,
     // Offsets in `whole`.
     carriers: u32,
     sides: u32,
@@ -141,12 +143,14 @@ fn clear(@builtin(global_invocation_id) id: vec3<u32>) {
     if (i <= plan.bodies) {
         put(plan.body_start + i, 0u);
     }
-    if (i == 0u) {
+    // What was told of a step that was not taken stays.
+    if (i == 0u && runs_on()) {
         atomicStore(&status[PAIRS], 0u);
         atomicStore(&status[CONTACTS], 0u);
         atomicStore(&status[WIDEST], 0u);
         atomicStore(&status[CHANGED], 0u);
         atomicStore(&status[SETTLED], 0u);
+        atomicStore(&status[ROUND], 0u);
         runs[BODIES_RUN] = vec2(1u, plan.bodies - 1u);
         if (state[plan.alive] == 0.0) {
             stop(DEAD);
@@ -394,7 +398,7 @@ fn count_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
 @compute @workgroup_size(64)
 fn list_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
     let unit = id.x;
-    if (unit == plan.units) {
+    if (unit == plan.units && runs_on()) {
         let all_pairs = word(plan.unit_start + unit);
         atomicStore(&status[PAIRS], all_pairs);
         if (all_pairs > plan.pairs) {
@@ -522,6 +526,35 @@ fn seat_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
     }
 }
 
+// How far [m] two shapes can get towards each other within the step.
+fn way(shapes: vec2<u32>) -> f32 {
+    return of_placed(PLACED_WAY, shapes.x) + of_placed(PLACED_WAY, shapes.y) + NEARBY;
+}
+
+// Pairs that did not touch and are known to be farther apart than they get need not be met: one of the two is put where
+// its kernel finds it out of reach.
+@compute @workgroup_size(64)
+fn part_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
+    let j = id.x;
+    if (j >= pair_count()) {
+        return;
+    }
+    let pair = word(plan.pair_order + j);
+    let places = plan.group_places + word(plan.pair_group + pair) * PLACES;
+    if (whole[places + 12u] == 0u) {
+        return;
+    }
+    var touched = false;
+    for (var i = 0u; i < 3u; i++) {
+        touched = touched || pair_parameters[(whole[places + 8u] + i) * plan.pairs + j] != 0.0;
+    }
+    let gap = (whole[places + 10u] + POINT_PLACE_DISTANCE) * plan.pairs + j;
+    if (!touched && pair_scratch[gap] >= way(ordered(pair))) {
+        pair_scratch[(whole[places + 3u] + PLACED_POSITION) * plan.pairs + j] = FAR;
+    }
+    pair_scratch[gap] = FAR;
+}
+
 // Of a pair's point, the first of its numbers.
 fn point_of(pair: u32, i: u32) -> u32 {
     let places = plan.group_places + word(plan.pair_group + pair) * PLACES;
@@ -545,8 +578,11 @@ fn find_touching(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     var touch = 0u;
     if (pair < pair_count() && runs_on()) {
+        // Whether any of its points could close within the step.
+        let reach = way(ordered(pair));
         for (var i = 0u; i < points_of(pair); i++) {
-            touch |= select(0u, 1u, is_point(pair, i));
+            let gap = of_pair(pair, point_of(pair, i) + POINT_PLACE_DISTANCE);
+            touch |= select(0u, 1u, gap < reach);
         }
     }
     put(plan.contact_start + pair, touch);
@@ -555,12 +591,10 @@ fn find_touching(@builtin(global_invocation_id) id: vec3<u32>) {
 @compute @workgroup_size(64)
 fn make_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
     let pair = id.x;
-    if (pair == plan.pairs) {
+    if (pair == plan.pairs && runs_on()) {
         let all_contacts = word(plan.contact_start + pair);
         atomicStore(&status[CONTACTS], all_contacts);
-        if (all_contacts > plan.remembered) {
-            stop(PROCESSOR);
-        } else if (all_contacts > plan.contacts) {
+        if (all_contacts > plan.contacts) {
             stop(MORE_CONTACTS);
         }
     }
@@ -601,7 +635,7 @@ fn make_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
         warm(shapes, old, to, count);
         colour = word(plan.colour_before + old);
     }
-    put(plan.colour + contact, min(colour, COLOURS - 1u));
+    put(plan.colour + contact, min(colour, COLOURS));
     for (var side = 0u; side < 2u; side++) {
         let body = whole[plan.carriers + shapes[side]];
         if (body != 0u) {
@@ -695,8 +729,8 @@ fn paint(@builtin(global_invocation_id) id: vec3<u32>) {
         }
         for (var i = word(plan.body_start + body - 1u); i < word(plan.body_start + body); i++) {
             let other = word(plan.body_items + i);
-            if (other < contact) {
-                let colour = word(plan.colour + other);
+            let colour = word(plan.colour + other);
+            if (other < contact && colour < COLOURS) {
                 let bit = 1u << (colour & 31u);
                 used |= select(vec2(bit, 0u), vec2(0u, bit), colour > 31u);
             }
@@ -706,10 +740,6 @@ fn paint(@builtin(global_invocation_id) id: vec3<u32>) {
     if (colour == 32u) {
         colour += countTrailingZeros(~used.y);
     }
-    if (colour >= COLOURS) {
-        stop(PROCESSOR);
-        colour = COLOURS - 1u;
-    }
     if (word(plan.colour + contact) != colour) {
         put(plan.colour + contact, colour);
         atomicStore(&status[CHANGED], 1u);
@@ -718,6 +748,11 @@ fn paint(@builtin(global_invocation_id) id: vec3<u32>) {
 
 @compute @workgroup_size(1)
 fn settle() {
+    if (told(SETTLED) != 0u) {
+        return;
+    }
+    atomicAdd(&status[ROUND], 1u);
+    atomicMax(&status[ROUNDS], told(ROUND));
     if (told(CHANGED) == 0u) {
         atomicStore(&status[SETTLED], 1u);
     }
@@ -728,6 +763,9 @@ fn settle() {
 fn plan_colours(@builtin(global_invocation_id) id: vec3<u32>) {
     let colour = id.x;
     let count = contact_count();
+    if (colour > COLOURS) {
+        return;
+    }
     if (colour == 0u) {
         if (told(SETTLED) == 0u) {
             stop(MORE_ROUNDS);
@@ -736,10 +774,14 @@ fn plan_colours(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let first = word(plan.colour_matrix + colour * plan.contact_blocks);
     var next = count;
-    if (colour + 1u < COLOURS) {
+    if (colour < COLOURS) {
         next = word(plan.colour_matrix + (colour + 1u) * plan.contact_blocks);
+        run(COLOUR_RUN + colour, first, next - first);
+    } else if (next > first) {
+        // What finds no colour is solved one by one.
+        stop(PROCESSOR);
+        return;
     }
-    run(COLOUR_RUN + colour, first, next - first);
     if (next > first) {
         atomicMax(&status[COLOURED], colour + 1u);
         if (colour >= plan.colours) {
@@ -824,6 +866,40 @@ fn read_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
     }
 }
 
+// Those that press are remembered before all others, as far as there is room; all stay in order.
+@compute @workgroup_size(64)
+fn find_pressing(@builtin(global_invocation_id) id: vec3<u32>) {
+    let contact = id.x;
+    if (contact > plan.contacts) {
+        return;
+    }
+    var presses = false;
+    if (contact < contact_count()) {
+        let at = contact * REMEMBERED;
+        for (var i = 0u; i < 3u; i++) {
+            presses = presses || fresh[at + REMEMBERED_DRAG_SUM + i] != 0.0;
+        }
+        for (var p = 0u; p < u32(fresh[at + REMEMBERED_POINTS]); p++) {
+            let point = at + REMEMBERED_POINT + p * REMEMBERED_POINT_WIDTH;
+            presses = presses || fresh[point + 5u] > 0.0 || fresh[point + 6u] > 0.0;
+        }
+    }
+    put(plan.pressing + contact, select(0u, 1u, presses));
+}
+
+// Where a contact is remembered, or NONE.
+fn place_of(contact: u32) -> u32 {
+    let before = word(plan.pressing + contact);
+    let presses = word(plan.pressing + contact + 1u) > before;
+    let room = plan.remembered - min(word(plan.pressing + plan.contacts), plan.remembered);
+    let others = contact - before;
+    if (!presses && others >= room) {
+        return NONE;
+    }
+    let at = before + min(others, room);
+    return select(NONE, at, at < plan.remembered);
+}
+
 // ---- What the processor has to take: blows, what got farther than it was looked for, what is lost.
 
 @compute @workgroup_size(64)
@@ -903,16 +979,24 @@ fn store_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
     if (contact >= contact_count() || !runs_on()) {
         return;
     }
-    for (var i = 0u; i < REMEMBERED; i++) {
-        state[plan.memory + contact * REMEMBERED + i] = fresh[contact * REMEMBERED + i];
+    let at = place_of(contact);
+    if (at == NONE) {
+        return;
     }
-    put(plan.colour_before + contact, word(plan.colour + contact));
+    for (var i = 0u; i < REMEMBERED; i++) {
+        state[plan.memory + at * REMEMBERED + i] = fresh[contact * REMEMBERED + i];
+    }
+    put(plan.colour_before + at, word(plan.colour + contact));
 }
 
 @compute @workgroup_size(1)
 fn end() {
     if (runs_on()) {
-        state[plan.count] = f32(contact_count());
+        let count = contact_count();
+        state[plan.count] = f32(min(count, plan.remembered));
+        if (count > plan.remembered) {
+            state[plan.forgotten] += f32(count - plan.remembered);
+        }
         atomicAdd(&status[STEPS], 1u);
     }
 }

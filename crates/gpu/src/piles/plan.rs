@@ -4,7 +4,8 @@ use super::scene::PLACES;
 use bytemuck::{Pod, Zeroable};
 use rigid::impulse::pair::{FAR, placed, point_place, solid};
 use rigid::impulse::{
-    ContactTables, POINTS, REMEMBERED, SAME_PLACE, contact, manifold, point, remembered, row, state,
+    ContactTables, NEARBY, POINTS, REMEMBERED, SAME_PLACE, contact, manifold, point, remembered,
+    row, state,
 };
 
 macro_rules! plan {
@@ -23,11 +24,12 @@ plan! {
     pairs: u32, contacts: u32, remembered: u32,
     buckets: u32, colours: u32, pair_blocks: u32, contact_blocks: u32,
     bounces: u32,
-    alive: u32, body_state: u32, count: u32, memory: u32,
+    alive: u32, body_state: u32, count: u32, memory: u32, forgotten: u32,
     bucket_of: u32, bucket_start: u32, bucket_items: u32, unit_start: u32,
     pair_shapes: u32, pair_group: u32, pair_order: u32, pair_place: u32, group_matrix: u32,
     contact_start: u32, body_start: u32, body_items: u32,
     colour: u32, colour_before: u32, colour_matrix: u32, contact_order: u32,
+    pressing: u32,
     carriers: u32, sides: u32, apart_start: u32, apart_items: u32, shape_form: u32, form_group: u32,
     group_places: u32, unit_shapes: u32, large_shapes: u32, shape_surface: u32, first_corner: u32,
     margin: u32, grown: u32, solids: u32, corners: u32, surface: u32, spin_limit: u32,
@@ -36,8 +38,9 @@ plan! {
 
 /// Things that are sorted together.
 pub(super) const BLOCK: u32 = 256;
-/// Colours, the keys of contacts.
+/// Colours of contacts, and the keys by which they are sorted: one more, for those that find no colour.
 pub(super) const COLOURS: u32 = 64;
+pub(super) const KEYS: u32 = COLOURS + 1;
 
 /// Places in the status.
 pub(super) mod status {
@@ -49,7 +52,9 @@ pub(super) mod status {
     pub const WIDEST: usize = 5;
     pub const CHANGED: usize = 6;
     pub const SETTLED: usize = 7;
-    pub const WIDTH: usize = 8;
+    pub const ROUND: usize = 8;
+    pub const ROUNDS: usize = 9;
+    pub const WIDTH: usize = 10;
 }
 
 /// Why a step was not taken.
@@ -82,6 +87,7 @@ impl Plan {
         self.buckets = (2 * self.shapes).next_power_of_two();
         self.pair_blocks = self.pairs.div_ceil(BLOCK);
         self.contact_blocks = self.contacts.div_ceil(BLOCK);
+        let matrices = [self.group_matrix_length(), self.colour_matrix_length()];
         self.bucket_of = take(self.shapes);
         self.bucket_start = take(self.buckets + 1);
         self.bucket_items = take(self.shapes);
@@ -90,14 +96,15 @@ impl Plan {
         self.pair_group = take(self.pairs);
         self.pair_order = take(self.pairs);
         self.pair_place = take(self.pairs);
-        self.group_matrix = take(self.groups * self.pair_blocks);
+        self.group_matrix = take(matrices[0]);
         self.contact_start = take(self.pairs + 1);
         self.body_start = take(self.bodies + 1);
         self.body_items = take(2 * self.contacts);
         self.colour = take(self.contacts);
         self.colour_before = take(self.remembered);
-        self.colour_matrix = take(COLOURS * self.contact_blocks);
+        self.colour_matrix = take(matrices[1]);
         self.contact_order = take(self.contacts);
+        self.pressing = take(self.contacts + 1);
         end
     }
 }
@@ -107,7 +114,7 @@ impl Plan {
         self.groups * self.pair_blocks
     }
     pub fn colour_matrix_length(&self) -> u32 {
-        COLOURS * self.contact_blocks
+        KEYS * self.contact_blocks
     }
 }
 
@@ -123,6 +130,8 @@ pub(super) fn constants() -> String {
         ("WIDEST", status::WIDEST),
         ("CHANGED", status::CHANGED),
         ("SETTLED", status::SETTLED),
+        ("ROUND", status::ROUND),
+        ("ROUNDS", status::ROUNDS),
         ("MORE_PAIRS", flag::MORE_PAIRS as usize),
         ("MORE_CONTACTS", flag::MORE_CONTACTS as usize),
         ("MORE_COLOURS", flag::MORE_COLOURS as usize),
@@ -193,6 +202,7 @@ pub(super) fn constants() -> String {
         ("FAR", FAR),
         ("NOWHERE", contact::NOWHERE),
         ("SAME_PLACE", SAME_PLACE),
+        ("NEARBY", NEARBY),
     ];
     let whole = whole.map(|(name, n)| format!("const {name}: u32 = {n}u;\n"));
     let real = real.map(|(name, x)| format!("const {name}: f32 = {x:e}f;\n"));

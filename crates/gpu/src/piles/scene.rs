@@ -15,8 +15,7 @@ use std::collections::{BTreeSet, HashMap};
 pub(super) struct Scene {
     pub impulse: Impulse,
     pub programs: PilePrograms,
-    /// Of each group of pairs, what their kernel takes, and its record.
-    pub groups: Vec<(PairTables, Program)>,
+    pub groups: Vec<Group>,
     pub constants: Vec<f32>,
     pub whole: Vec<u32>,
     /// Constants of bodies and shapes as their kernels read them, `[number][body]`.
@@ -25,6 +24,15 @@ pub(super) struct Scene {
     pub globals: [f32; global::WIDTH],
     /// With the places of constants, and not yet those of what steps need.
     pub plan: Plan,
+}
+
+/// Pairs that one kernel meets.
+#[derive(Debug)]
+pub(super) struct Group {
+    pub tables: PairTables,
+    pub program: Program,
+    /// What tells sooner which of them are apart, where that is worth its while.
+    pub apart: Option<Program>,
 }
 
 /// Kind and number of corners.
@@ -66,7 +74,8 @@ impl Scene {
         scene.plan.remembered = impulse.capacity() as u32;
         scene.plan.alive = impulse.alive() as u32;
         scene.plan.body_state = impulse.body_state(0) as u32;
-        [scene.plan.count, scene.plan.memory] = impulse.memory_places().map(|n| n as u32);
+        let places = impulse.memory_places().map(|n| n as u32);
+        [scene.plan.count, scene.plan.forgotten, scene.plan.memory] = places;
         scene.plan.fastest = settings.speed_limit as f32;
         scene.plan.farthest = FARTHEST as f32;
         scene.groups_of(&forms)?;
@@ -102,9 +111,14 @@ impl Scene {
                 table.push(route.map_or(u32::MAX, |_| self.groups.len() as u32));
                 if let Some(route) = route {
                     let tables = PairTables::new(route, [a.0, b.0], [a.1, b.1]);
-                    places.extend(words_of(&tables.places()));
-                    let program = PilePrograms::pair(&tables)?;
-                    self.groups.push((tables, program));
+                    places.extend(words_of(&tables));
+                    let sooner = tables.takes_long();
+                    let apart = sooner.then(|| PilePrograms::apart(&tables));
+                    self.groups.push(Group {
+                        program: PilePrograms::pair(&tables)?,
+                        apart: apart.transpose()?,
+                        tables,
+                    });
                 }
             }
         }
@@ -262,9 +276,9 @@ fn form_of(shape: &rigid::impulse::Collider) -> Form {
 }
 
 /// Whole numbers of a group's places, as the shader counts them.
-pub(super) const PLACES: usize = 12;
+pub(super) const PLACES: usize = 13;
 
-fn words_of(places: &PairPlaces) -> [u32; PLACES] {
+fn words_of(tables: &PairTables) -> [u32; PLACES] {
     let PairPlaces {
         size: [a, b],
         placed: [c, d],
@@ -273,8 +287,9 @@ fn words_of(places: &PairPlaces) -> [u32; PLACES] {
         known,
         listed,
         points: [h, i],
-    } = *places;
-    [a, b, c, d, e, f, g, margin, known, listed, h, i].map(|n| n as u32)
+    } = tables.places();
+    let sooner = usize::from(tables.takes_long());
+    [a, b, c, d, e, f, g, margin, known, listed, h, i, sooner].map(|n| n as u32)
 }
 
 fn unsupported(what: &'static str, remedy: &'static str) -> GpuError {

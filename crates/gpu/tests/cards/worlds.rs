@@ -5,9 +5,7 @@ use crate::models::mixed;
 use crate::pair::Pair;
 use model::examples::{Start, chain};
 use model::{Builder, Geometry, Model, Pose, Shape};
-use sim::{
-    EventKind, Quantity, Simulation, SimulationError, SimulationSettings, SolverKind, Watch,
-};
+use sim::{EventKind, Quantity, Simulation, SimulationSettings, SolverKind, Watch};
 
 pub const H: f64 = 0.002;
 
@@ -159,20 +157,6 @@ fn events_are_those_of_the_processor() {
     });
     assert_eq!(cpu, gpu);
     assert!(cpu.len() >= 2, "{cpu:?}");
-}
-
-#[test]
-#[ignore = "needs a graphics card or what stands in for one"]
-fn a_solver_that_runs_on_processors_only_is_refused() {
-    let settings = SimulationSettings {
-        solver: SolverKind::Impulse,
-        ..settings(1)
-    };
-    let told = Simulation::on(&card(), ball(), settings).unwrap_err();
-    assert!(
-        matches!(told, SimulationError::NotOnDevice { .. }),
-        "{told}"
-    );
 }
 
 #[test]

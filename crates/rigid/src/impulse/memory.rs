@@ -77,9 +77,11 @@ impl Impulse {
     pub fn recall<'a, T: Float>(&self, i: usize, state: &'a [T]) -> Recalled<'a, T> {
         Recalled(&state[self.memory.at(i, 0)..][..field::WIDTH])
     }
-    /// Where a state holds how many contacts it remembers, and the first of their rows.
-    pub fn memory_places(&self) -> [usize; 2] {
-        [self.remembered.at(0, 0), self.memory.at(0, 0)]
+    /// Where a state holds how many contacts it remembers, how many there was no room for, and the first row of those
+    /// that it remembers.
+    pub fn memory_places(&self) -> [usize; 3] {
+        let [count, forgotten] = [self.remembered, self.forgotten].map(|number| number.at(0, 0));
+        [count, forgotten, self.memory.at(0, 0)]
     }
     /// How many contacts there was no room for, since the world was reset.
     pub fn forgotten<T: Float>(&self, state: &[T]) -> f64 {
