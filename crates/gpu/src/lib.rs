@@ -24,8 +24,8 @@
 //!
 //! # Limitations
 //! Numbers are `f32`. Results agree with the CPU's to rounding, not to the bit: shading languages leave the
-//! last bits of division, square root and fused multiply-add to the card. Sequential impulses, whose worlds
-//! are shared by threads, do not run here.
+//! last bits of division, square root and fused multiply-add to the card. Of `impulse`, a card takes one world after the
+//! other, each by all of it; worlds without joints, meshes, sensor shapes and surfaces of pairs.
 
 #![forbid(unsafe_code)]
 

@@ -8,13 +8,23 @@ use numbers::trace::{Members, PrintOptions, Program};
 use rigid::impulse::row;
 use wgpu::{BindGroupLayout, ComputePipeline};
 
-/// Storage buffers that `pile.wgsl` binds, the last two to be read only; and the plan.
+/// What lies between the kernels. One text, since all see the same buffers.
+const TEXT: [&str; 6] = [
+    include_str!("bindings.wgsl"),
+    include_str!("bodies.wgsl"),
+    include_str!("broad_phase.wgsl"),
+    include_str!("narrow_phase.wgsl"),
+    include_str!("colours.wgsl"),
+    include_str!("contacts.wgsl"),
+];
+
+/// Storage buffers that it binds, the last two to be read only; and the plan.
 pub(super) const BINDINGS: usize = 15;
 const READ_ONLY: usize = 2;
 
 macro_rules! entries {
     ($($name:ident,)+) => {
-        /// The entry points of `pile.wgsl`.
+        /// The entry points of that text.
         #[derive(Debug)]
         pub(super) struct Entries {
             $(pub $name: ComputePipeline,)+
@@ -68,7 +78,7 @@ impl Kernels {
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, GpuError> {
         let bindings = bindings(gpu)?;
         let (scanned, sorted) = (layout(gpu, 1, 0), layout(gpu, 2, 0));
-        let text = plan::constants() + include_str!("pile.wgsl");
+        let text = plan::constants() + &TEXT.concat();
         let scan = include_str!("scan.wgsl");
         let sort = include_str!("sort.wgsl");
         let (body, pair) = (Members::Runs, Members::Runs);

@@ -1,14 +1,14 @@
 //! Worlds of many bodies that touch, by `impulse`: one world after the other, each by all of the card.
 //!
 //! A step is what it is on the processor (`sim/src/impulse`), by the same kernels: of bodies, shapes, pairs of shapes and
-//! contacts, one in each invocation. What lies between them, which shapes are near each other and which contact has which
-//! colour, is `pile.wgsl`, which knows no physics. It finds the pairs in order, and the colours that contacts get one after
-//! the other, so that a step is the processor's but for rounding.
+//! contacts, one in each invocation. What lies between them is WGSL: which shapes are near each other, which contact was
+//! there before, which colour it has. It finds the pairs in order, and the colours that contacts get one after the other, so
+//! that a step is the processor's but for rounding.
 //!
-//! Nothing comes back within a step. A card takes the usual ones: a step in which something is struck and bounces, gets
-//! farther than it was looked for, or spins so fast that it has to be cut into parts, and any of a world on which forces
-//! act from outside, is left to the processor. So is one with more contacts than a world remembers. Where there is too
-//! little room for pairs, contacts or colours, a step is taken again with more.
+//! Nothing comes back within a step. A card takes the usual ones. Left to the processor is a step in which something is
+//! struck and bounces, gets farther than it was looked for, or spins so fast that the step has to be cut into parts, in
+//! which a body has more contacts than there are colours, and any of a world on which forces act from outside. Where there
+//! is too little room for pairs, contacts or colours, a step is taken again with more.
 //!
 //! Nothing sleeps. Joints, meshes, sensor shapes and surfaces of pairs are refused.
 

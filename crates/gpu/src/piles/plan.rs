@@ -10,7 +10,7 @@ use rigid::impulse::{
 
 macro_rules! plan {
     ($($name:ident: $kind:ty,)+) => {
-        /// See `pile.wgsl`, which has the same fields.
+        /// See `bindings.wgsl`, which has the same fields.
         #[repr(C)]
         #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
         pub(super) struct Plan {

@@ -8,9 +8,7 @@ use crate::card::card;
 use crate::models::mixed;
 use crate::pair::Pair;
 use glam::DVec3;
-use model::examples::{
-    SCENES, arch, billiards, bowl, pile, pyramid, square_pyramid, terrain, tower,
-};
+use model::examples::{SCENES, arch, balls, bowl, pile, pyramid, square_pyramid, terrain, tower};
 use model::{Builder, Geometry, Model, Pose, Shape};
 use numbers::dispatch::Isa;
 use rigid::Settings;
@@ -85,7 +83,7 @@ fn mixed_piles_agree_with_the_processor() {
 #[test]
 #[ignore = "needs a graphics card or what stands in for one"]
 fn what_bounces_agrees_with_the_processor() {
-    let pair = agrees(&billiards().unwrap(), 60, 5);
+    let pair = agrees(&balls().unwrap(), 60, 5);
     let left = pair.gpu.left_to_processor();
     assert!(0 < left && left < 100, "{left} of 300 steps");
 }

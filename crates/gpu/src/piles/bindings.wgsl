@@ -1,0 +1,133 @@
+// What lies between the kernels: numbers of bodies to shapes, pairs and contacts and back, which shapes are near each
+// other, which contact has which colour. Contacts stand in the order of their pairs of shapes, as on the processor.
+//
+// A step is taken whole or not at all: `status[FLAG]` says why it was not, and nothing of the state is written then.
+
+struct Plan {
+    // How many there are; of bodies, row 0, which does not move, is one.
+    bodies: u32,
+    shapes: u32,
+    units: u32,
+    large: u32,
+    forms: u32,
+    groups: u32,
+    surfaces: u32,
+    // How many there is room for.
+    pairs: u32,
+    contacts: u32,
+    remembered: u32,
+    // Buckets of cells, a power of two, and colours that the host has launched kernels for.
+    buckets: u32,
+    colours: u32,
+    pair_blocks: u32,
+    contact_blocks: u32,
+    // Whether blows have to be looked for.
+    bounces: u32,
+    // Offsets in the state.
+    alive: u32,
+    body_state: u32,
+    count: u32,
+    memory: u32,
+    forgotten: u32,
+    // Offsets in `words`.
+    bucket_of: u32,
+    bucket_start: u32,
+    bucket_items: u32,
+    unit_start: u32,
+    pair_shapes: u32,
+    pair_group: u32,
+    pair_order: u32,
+    pair_place: u32,
+    group_matrix: u32,
+    contact_start: u32,
+    body_start: u32,
+    body_items: u32,
+    colour: u32,
+    colour_before: u32,
+    colour_matrix: u32,
+    contact_order: u32,
+    pressing: u32,
+    // Offsets in `whole`.
+    carriers: u32,
+    sides: u32,
+    apart_start: u32,
+    apart_items: u32,
+    shape_form: u32,
+    form_group: u32,
+    group_places: u32,
+    unit_shapes: u32,
+    large_shapes: u32,
+    shape_surface: u32,
+    first_corner: u32,
+    // Offsets in `constants`.
+    margin: u32,
+    grown: u32,
+    solids: u32,
+    corners: u32,
+    surface: u32,
+    spin_limit: u32,
+    // Side of a cell [m], speed limit, and how far anything may be from the origin [m].
+    cell: f32,
+    fastest: f32,
+    farthest: f32,
+}
+
+@group(0) @binding(0) var<storage, read_write> state: array<f32>;
+@group(0) @binding(1) var<storage, read_write> rows: array<f32>;
+@group(0) @binding(2) var<storage, read_write> shape_scratch: array<f32>;
+@group(0) @binding(3) var<storage, read_write> placed: array<f32>;
+@group(0) @binding(4) var<storage, read_write> pair_parameters: array<f32>;
+@group(0) @binding(5) var<storage, read_write> pair_scratch: array<f32>;
+@group(0) @binding(6) var<storage, read_write> fresh: array<f32>;
+@group(0) @binding(7) var<storage, read_write> contacts: array<f32>;
+@group(0) @binding(8) var<storage, read_write> seats: array<u32>;
+@group(0) @binding(9) var<storage, read_write> words: array<atomic<u32>>;
+@group(0) @binding(10) var<storage, read_write> status: array<atomic<u32>>;
+@group(0) @binding(11) var<storage, read_write> runs: array<vec2<u32>>;
+@group(0) @binding(12) var<storage, read_write> launches: array<u32>;
+@group(0) @binding(13) var<storage, read> constants: array<f32>;
+@group(0) @binding(14) var<storage, read> whole: array<u32>;
+@group(0) @binding(15) var<uniform> plan: Plan;
+
+const NONE: u32 = 0xffffffffu;
+// What a plane has on all sides.
+const EVERYWHERE: f32 = 1e30;
+// Most cells that are looked through about one shape.
+const MOST_CELLS: f32 = 4096.0;
+
+fn word(i: u32) -> u32 {
+    return atomicLoad(&words[i]);
+}
+fn put(i: u32, x: u32) {
+    atomicStore(&words[i], x);
+}
+fn told(i: u32) -> u32 {
+    return atomicLoad(&status[i]);
+}
+fn runs_on() -> bool {
+    return told(FLAG) == 0u;
+}
+fn stop(flag: u32) {
+    atomicOr(&status[FLAG], flag);
+}
+fn pair_count() -> u32 {
+    return min(told(PAIRS), plan.pairs);
+}
+fn contact_count() -> u32 {
+    return min(told(CONTACTS), plan.contacts);
+}
+fn row(field: u32, body: u32) -> f32 {
+    return rows[field * plan.bodies + body];
+}
+fn row3(field: u32, body: u32) -> vec3<f32> {
+    return vec3(row(field, body), row(field + 1u, body), row(field + 2u, body));
+}
+fn of_placed(field: u32, shape: u32) -> f32 {
+    return placed[field * plan.shapes + shape];
+}
+fn placed3(field: u32, shape: u32) -> vec3<f32> {
+    return vec3(of_placed(field, shape), of_placed(field + 1u, shape), of_placed(field + 2u, shape));
+}
+fn solid(field: u32, shape: u32) -> f32 {
+    return constants[plan.solids + shape * SOLID + field];
+}

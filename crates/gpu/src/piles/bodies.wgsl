@@ -1,0 +1,171 @@
+// A step begins and ends: state to rows of bodies, and back.
+
+@compute @workgroup_size(64)
+fn clear(@builtin(global_invocation_id) id: vec3<u32>) {
+    let i = id.x;
+    if (i <= plan.buckets) {
+        put(plan.bucket_start + i, 0u);
+    }
+    if (i <= plan.bodies) {
+        put(plan.body_start + i, 0u);
+    }
+    // What was told of a step that was not taken stays.
+    if (i == 0u && runs_on()) {
+        atomicStore(&status[PAIRS], 0u);
+        atomicStore(&status[CONTACTS], 0u);
+        atomicStore(&status[WIDEST], 0u);
+        atomicStore(&status[CHANGED], 0u);
+        atomicStore(&status[SETTLED], 0u);
+        atomicStore(&status[ROUND], 0u);
+        runs[BODIES_RUN] = vec2(1u, plan.bodies - 1u);
+        if (state[plan.alive] == 0.0) {
+            stop(DEAD);
+        }
+    }
+}
+
+@compute @workgroup_size(64)
+fn load_bodies(@builtin(global_invocation_id) id: vec3<u32>) {
+    let body = id.x;
+    if (body >= plan.bodies) {
+        return;
+    }
+    for (var field = 0u; field < ROW; field++) {
+        rows[field * plan.bodies + body] = 0.0;
+    }
+    rows[(ORIENTATION + 3u) * plan.bodies + body] = 1.0;
+    if (body == 0u) {
+        return;
+    }
+    let source = plan.body_state + body * STATE;
+    for (var i = 0u; i < 6u; i++) {
+        rows[(VELOCITY + i) * plan.bodies + body] = state[source + STATE_VELOCITY + i];
+    }
+    for (var i = 0u; i < 7u; i++) {
+        let to = select(CENTER + i, ORIENTATION + i - 3u, i > 2u);
+        rows[to * plan.bodies + body] = state[source + i];
+    }
+    // What spins faster has its step cut into parts.
+    let spin = row3(VELOCITY + 3u, body);
+    let limit = constants[plan.spin_limit + body];
+    if (dot(spin, spin) > limit * limit) {
+        stop(PROCESSOR);
+    }
+}
+
+@compute @workgroup_size(64)
+fn load_shapes(@builtin(global_invocation_id) id: vec3<u32>) {
+    let shape = id.x;
+    if (shape >= plan.shapes) {
+        return;
+    }
+    let body = whole[plan.carriers + shape];
+    for (var i = 0u; i < 19u; i++) {
+        var field = VELOCITY + i;
+        if (i >= 12u) {
+            field = select(CENTER + i - 12u, ORIENTATION + i - 15u, i > 14u);
+        } else if (i >= 6u) {
+            field = ACCELERATION + i - 6u;
+        }
+        shape_scratch[i * plan.shapes + shape] = row(field, body);
+    }
+}
+
+// What the processor has to take: blows, what got farther than it was looked for, what is lost.
+
+@compute @workgroup_size(64)
+fn find_blows(@builtin(global_invocation_id) id: vec3<u32>) {
+    if (plan.bounces != 0u && id.x < contact_count() && of_contact(MANIFOLD_STRUCK, id.x) > 0.0) {
+        stop(PROCESSOR);
+    }
+}
+
+@compute @workgroup_size(64)
+fn check_bodies(@builtin(global_invocation_id) id: vec3<u32>) {
+    let body = id.x;
+    if (body == 0u || body >= plan.bodies) {
+        return;
+    }
+    var sound = true;
+    for (var i = 0u; i < 6u; i++) {
+        sound = sound && abs(row(VELOCITY + i, body)) <= plan.fastest;
+    }
+    for (var i = 0u; i < 7u; i++) {
+        sound = sound && abs(row(CENTER + i, body)) <= plan.farthest;
+    }
+    if (!sound) {
+        stop(PROCESSOR);
+    }
+}
+
+// No point of a shape gets farther than its body's shift and turn take it. The processor, which takes the step again,
+// knows it more closely.
+@compute @workgroup_size(64)
+fn check_shapes(@builtin(global_invocation_id) id: vec3<u32>) {
+    let shape = id.x;
+    if (shape >= plan.shapes) {
+        return;
+    }
+    let body = whole[plan.carriers + shape];
+    if (body == 0u) {
+        return;
+    }
+    let source = plan.body_state + body * STATE;
+    let center = vec3(state[source], state[source + 1u], state[source + 2u]);
+    let arm = distance(placed3(PLACED_POSITION, shape), center) + solid(SOLID_RADIUS, shape);
+    let way = length(row3(SHIFT, body)) + length(row3(TURN, body)) * arm;
+    let half = vec3(
+        solid(SOLID_EXTENT, shape),
+        solid(SOLID_EXTENT + 1u, shape),
+        solid(SOLID_EXTENT + 2u, shape),
+    );
+    if (way - of_placed(PLACED_WAY, shape) > min(half.x, min(half.y, half.z))) {
+        stop(PROCESSOR);
+    }
+}
+
+@compute @workgroup_size(64)
+fn store_bodies(@builtin(global_invocation_id) id: vec3<u32>) {
+    let body = id.x;
+    if (body == 0u || body >= plan.bodies || !runs_on()) {
+        return;
+    }
+    let to = plan.body_state + body * STATE;
+    for (var i = 0u; i < 6u; i++) {
+        state[to + STATE_BEFORE + i] = state[to + STATE_VELOCITY + i];
+        state[to + STATE_VELOCITY + i] = row(VELOCITY + i, body);
+    }
+    for (var i = 0u; i < 7u; i++) {
+        state[to + i] = row(select(CENTER + i, ORIENTATION + i - 3u, i > 2u), body);
+    }
+    // Nothing sleeps here.
+    state[to + STATE_REST] = 0.0;
+}
+
+@compute @workgroup_size(64)
+fn store_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
+    let contact = id.x;
+    if (contact >= contact_count() || !runs_on()) {
+        return;
+    }
+    let at = place_of(contact);
+    if (at == NONE) {
+        return;
+    }
+    for (var i = 0u; i < REMEMBERED; i++) {
+        state[plan.memory + at * REMEMBERED + i] = fresh[contact * REMEMBERED + i];
+    }
+    put(plan.colour_before + at, word(plan.colour + contact));
+}
+
+@compute @workgroup_size(1)
+fn end() {
+    if (runs_on()) {
+        let count = contact_count();
+        state[plan.count] = f32(min(count, plan.remembered));
+        if (count > plan.remembered) {
+            state[plan.forgotten] += f32(count - plan.remembered);
+        }
+        atomicAdd(&status[STEPS], 1u);
+    }
+}

@@ -1,0 +1,232 @@
+// Which shapes are near each other: boxes, cells of a hashed grid, and pairs in order.
+
+fn cell_of(at: vec3<f32>) -> vec3<i32> {
+    return vec3<i32>(floor(at / plan.cell));
+}
+// Teschner et al. 2003, "Optimized spatial hashing for collision detection of deformable objects".
+fn bucket(cell: vec3<i32>) -> u32 {
+    let c = bitcast<vec3<u32>>(cell);
+    return ((c.x * 73856093u) ^ (c.y * 19349663u) ^ (c.z * 83492791u)) & (plan.buckets - 1u);
+}
+fn is_large(shape: u32) -> bool {
+    return word(plan.bucket_of + shape) == NONE;
+}
+
+@compute @workgroup_size(64)
+fn surround(@builtin(global_invocation_id) id: vec3<u32>) {
+    let shape = id.x;
+    if (shape >= plan.shapes) {
+        return;
+    }
+    let center = placed3(PLACED_POSITION, shape);
+    let half = placed3(PLACED_EXTENT, shape);
+    // What rounding may take away, far from the origin.
+    let most = abs(center) + half;
+    let rounding = 1e-6 * max(most.x, max(most.y, most.z));
+    var around = half + (constants[plan.grown + shape] + rounding);
+    if (whole[plan.shape_form + shape * 2u + 1u] == 1u) {
+        around = vec3(EVERYWHERE);
+    }
+    let least = center - around;
+    let greatest = center + around;
+    for (var i = 0u; i < 3u; i++) {
+        placed[(PLACED + i) * plan.shapes + shape] = least[i];
+        placed[(PLACED + 3u + i) * plan.shapes + shape] = greatest[i];
+    }
+    if (whole[plan.first_corner + shape * 2u + 1u] == 1u) {
+        put(plan.bucket_of + shape, NONE);
+        return;
+    }
+    // Far out, and what is nowhere, is the processor's.
+    if (!(max(most.x, max(most.y, most.z)) < plan.farthest)) {
+        stop(PROCESSOR);
+        put(plan.bucket_of + shape, 0u);
+        atomicAdd(&words[plan.bucket_start], 1u);
+        return;
+    }
+    let own = bucket(cell_of(center));
+    put(plan.bucket_of + shape, own);
+    atomicAdd(&words[plan.bucket_start + own], 1u);
+    atomicMax(&status[WIDEST], bitcast<u32>(max(around.x, max(around.y, around.z))));
+}
+
+// After it, a bucket begins where the one before it ends, and `bucket_start` says where it ends.
+@compute @workgroup_size(64)
+fn fill_buckets(@builtin(global_invocation_id) id: vec3<u32>) {
+    let shape = id.x;
+    if (shape >= plan.shapes) {
+        return;
+    }
+    let own = word(plan.bucket_of + shape);
+    if (own != NONE) {
+        let at = atomicAdd(&words[plan.bucket_start + own], 1u);
+        put(plan.bucket_items + at, shape);
+    }
+}
+
+fn may_touch(a: u32, b: u32) -> bool {
+    let one = plan.sides + a * 5u;
+    let two = plan.sides + b * 5u;
+    let owner = whole[one] >> 2u;
+    let other = whole[two] >> 2u;
+    // Bit 0: collides; bit 1: moves.
+    let collide = (whole[one] & whole[two] & 1u) != 0u;
+    let move_ = ((whole[one] | whole[two]) & 2u) != 0u;
+    if (owner == other || !collide || !move_) {
+        return false;
+    }
+    let masks = (whole[one + 1u] & whole[two + 2u]) | (whole[two + 1u] & whole[one + 2u]);
+    let g = bitcast<i32>(whole[one + 3u]);
+    let h = bitcast<i32>(whole[two + 3u]);
+    let groups = (g > 0 && h != 0) || (h > 0 && g != 0);
+    let v = bitcast<i32>(whole[one + 4u]);
+    let w = bitcast<i32>(whole[two + 4u]);
+    if (masks == 0u || !groups || !(v == w || v == -1 || w == -1)) {
+        return false;
+    }
+    for (var i = whole[plan.apart_start + owner]; i < whole[plan.apart_start + owner + 1u]; i++) {
+        if (whole[plan.apart_items + i] == other) {
+            return false;
+        }
+    }
+    return true;
+}
+
+fn overlap(a: u32, b: u32) -> bool {
+    let below = placed3(PLACED, a) <= placed3(PLACED + 3u, b);
+    let above = placed3(PLACED, b) <= placed3(PLACED + 3u, a);
+    return all(below) && all(above);
+}
+
+// Of a pair of forms, the group of pairs that one kernel meets.
+fn group_of(a: u32, b: u32) -> u32 {
+    let f = whole[plan.shape_form + a * 2u];
+    let g = whole[plan.shape_form + b * 2u];
+    return whole[plan.form_group + min(f, g) * plan.forms + max(f, g)];
+}
+
+fn near(a: u32, b: u32) -> bool {
+    return b > a && overlap(a, b) && group_of(a, b) != NONE && may_touch(a, b);
+}
+
+// A unit of work: a small shape with all later ones, or a large one with 64 others. Lists the pairs at `at`, if it is
+// not NONE, and returns their number.
+fn look(unit: u32, at: u32) -> u32 {
+    let a = whole[plan.unit_shapes + 2u * unit];
+    let first = whole[plan.unit_shapes + 2u * unit + 1u];
+    var found = 0u;
+    if (first != NONE) {
+        for (var b = first; b < min(first + 64u, plan.shapes); b++) {
+            if (near(a, b)) {
+                list(at, found, a, b);
+                found++;
+            }
+        }
+        return found;
+    }
+    for (var i = 0u; i < plan.large; i++) {
+        let b = whole[plan.large_shapes + i];
+        if (near(a, b)) {
+            list(at, found, a, b);
+            found++;
+        }
+    }
+    let widest = bitcast<f32>(told(WIDEST));
+    let low = cell_of(placed3(PLACED, a) - widest);
+    let high = cell_of(placed3(PLACED + 3u, a) + widest);
+    let cells = vec3<f32>(high - low + 1);
+    if (!(cells.x * cells.y * cells.z < MOST_CELLS)) {
+        stop(PROCESSOR);
+        return found;
+    }
+    for (var z = low.z; z <= high.z; z++) {
+        for (var y = low.y; y <= high.y; y++) {
+            for (var x = low.x; x <= high.x; x++) {
+                let cell = vec3(x, y, z);
+                let own = plan.bucket_start + bucket(cell);
+                var i = 0u;
+                if (own > plan.bucket_start) {
+                    i = word(own - 1u);
+                }
+                for (; i < word(own); i++) {
+                    let b = word(plan.bucket_items + i);
+                    // Other cells may share the bucket.
+                    if (near(a, b) && all(cell_of(placed3(PLACED_POSITION, b)) == cell)) {
+                        list(at, found, a, b);
+                        found++;
+                    }
+                }
+            }
+        }
+    }
+    return found;
+}
+
+fn list(at: u32, nth: u32, a: u32, b: u32) {
+    if (at == NONE || at + nth >= plan.pairs) {
+        return;
+    }
+    // Put where it belongs among those before it: they are few.
+    var i = at + nth;
+    for (; i > at; i--) {
+        let before = word(plan.pair_shapes + 2u * i - 1u);
+        if (before < b) {
+            break;
+        }
+        put(plan.pair_shapes + 2u * i + 1u, before);
+    }
+    put(plan.pair_shapes + 2u * (at + nth), a);
+    put(plan.pair_shapes + 2u * i + 1u, b);
+}
+
+@compute @workgroup_size(64)
+fn count_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
+    if (id.x < plan.units) {
+        put(plan.unit_start + id.x, look(id.x, NONE));
+    } else if (id.x == plan.units) {
+        put(plan.unit_start + id.x, 0u);
+    }
+}
+
+@compute @workgroup_size(64)
+fn list_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
+    let unit = id.x;
+    if (unit == plan.units && runs_on()) {
+        let all_pairs = word(plan.unit_start + unit);
+        atomicStore(&status[PAIRS], all_pairs);
+        if (all_pairs > plan.pairs) {
+            stop(MORE_PAIRS);
+        }
+    }
+    if (unit >= plan.units) {
+        return;
+    }
+    let at = word(plan.unit_start + unit);
+    let found = look(unit, at);
+    for (var i = at; i < min(at + found, plan.pairs); i++) {
+        let a = word(plan.pair_shapes + 2u * i);
+        let b = word(plan.pair_shapes + 2u * i + 1u);
+        put(plan.pair_group + i, group_of(a, b));
+    }
+}
+
+// A run, and how many workgroups it takes.
+fn run(number: u32, first: u32, count: u32) {
+    runs[number] = vec2(first, count);
+    launches[3u * number] = (count + 63u) / 64u;
+    launches[3u * number + 1u] = 1u;
+    launches[3u * number + 2u] = 1u;
+}
+
+@compute @workgroup_size(64)
+fn plan_groups(@builtin(global_invocation_id) id: vec3<u32>) {
+    if (id.x >= plan.groups) {
+        return;
+    }
+    let first = word(plan.group_matrix + id.x * plan.pair_blocks);
+    var next = pair_count();
+    if (id.x + 1u < plan.groups) {
+        next = word(plan.group_matrix + (id.x + 1u) * plan.pair_blocks);
+    }
+    run(id.x, first, select(0u, next - first, runs_on()));
+}

@@ -1,0 +1,99 @@
+// Colours: each contact has the first that none of the contacts before it has, at both of its bodies.
+
+fn carrier(contact: u32, side: u32) -> u32 {
+    let shape = u32(fresh[contact * REMEMBERED + REMEMBERED_SHAPES + side]);
+    return whole[plan.carriers + shape];
+}
+
+// After it, a body's contacts begin where those of the one before end, and `body_start` says where its own do.
+@compute @workgroup_size(64)
+fn join(@builtin(global_invocation_id) id: vec3<u32>) {
+    let contact = id.x;
+    if (contact >= contact_count()) {
+        return;
+    }
+    for (var side = 0u; side < 2u; side++) {
+        let body = carrier(contact, side);
+        if (body != 0u) {
+            let at = atomicAdd(&words[plan.body_start + body], 1u);
+            put(plan.body_items + at, contact);
+        }
+    }
+}
+
+// Each takes the colour that those before it leave, as far as theirs are known. Repeated until none changes, which
+// leaves what they would get one after the other: the first cannot change, then the second, and so on.
+@compute @workgroup_size(64)
+fn paint(@builtin(global_invocation_id) id: vec3<u32>) {
+    let contact = id.x;
+    if (told(SETTLED) != 0u || contact >= contact_count()) {
+        return;
+    }
+    var used = vec2(0u, 0u);
+    for (var side = 0u; side < 2u; side++) {
+        let body = carrier(contact, side);
+        if (body == 0u) {
+            continue;
+        }
+        for (var i = word(plan.body_start + body - 1u); i < word(plan.body_start + body); i++) {
+            let other = word(plan.body_items + i);
+            let colour = word(plan.colour + other);
+            if (other < contact && colour < COLOURS) {
+                let bit = 1u << (colour & 31u);
+                used |= select(vec2(bit, 0u), vec2(0u, bit), colour > 31u);
+            }
+        }
+    }
+    var colour = countTrailingZeros(~used.x);
+    if (colour == 32u) {
+        colour += countTrailingZeros(~used.y);
+    }
+    if (word(plan.colour + contact) != colour) {
+        put(plan.colour + contact, colour);
+        atomicStore(&status[CHANGED], 1u);
+    }
+}
+
+@compute @workgroup_size(1)
+fn settle() {
+    if (told(SETTLED) != 0u) {
+        return;
+    }
+    atomicAdd(&status[ROUND], 1u);
+    atomicMax(&status[ROUNDS], told(ROUND));
+    if (told(CHANGED) == 0u) {
+        atomicStore(&status[SETTLED], 1u);
+    }
+    atomicStore(&status[CHANGED], 0u);
+}
+
+@compute @workgroup_size(64)
+fn plan_colours(@builtin(global_invocation_id) id: vec3<u32>) {
+    let colour = id.x;
+    let count = contact_count();
+    if (colour > COLOURS) {
+        return;
+    }
+    if (colour == 0u) {
+        if (told(SETTLED) == 0u) {
+            stop(MORE_ROUNDS);
+        }
+        run(CONTACTS_RUN, 0u, count);
+    }
+    let first = word(plan.colour_matrix + colour * plan.contact_blocks);
+    var next = count;
+    if (colour < COLOURS) {
+        next = word(plan.colour_matrix + (colour + 1u) * plan.contact_blocks);
+        run(COLOUR_RUN + colour, first, next - first);
+    } else if (next > first) {
+        // What finds no colour is solved one by one.
+        stop(PROCESSOR);
+        return;
+    }
+    if (next > first) {
+        atomicMax(&status[COLOURED], colour + 1u);
+        if (colour >= plan.colours) {
+            stop(MORE_COLOURS);
+        }
+    }
+}
