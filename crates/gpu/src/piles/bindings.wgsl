@@ -43,7 +43,6 @@ struct Plan {
     body_start: u32,
     body_items: u32,
     colour: u32,
-    colour_before: u32,
     colour_matrix: u32,
     contact_order: u32,
     pressing: u32,
@@ -73,27 +72,30 @@ struct Plan {
 }
 
 @group(0) @binding(0) var<storage, read_write> state: array<f32>;
-@group(0) @binding(1) var<storage, read_write> rows: array<f32>;
-@group(0) @binding(2) var<storage, read_write> shape_scratch: array<f32>;
-@group(0) @binding(3) var<storage, read_write> placed: array<f32>;
-@group(0) @binding(4) var<storage, read_write> pair_parameters: array<f32>;
-@group(0) @binding(5) var<storage, read_write> pair_scratch: array<f32>;
-@group(0) @binding(6) var<storage, read_write> fresh: array<f32>;
-@group(0) @binding(7) var<storage, read_write> contacts: array<f32>;
-@group(0) @binding(8) var<storage, read_write> seats: array<u32>;
-@group(0) @binding(9) var<storage, read_write> words: array<atomic<u32>>;
-@group(0) @binding(10) var<storage, read_write> status: array<atomic<u32>>;
-@group(0) @binding(11) var<storage, read_write> runs: array<vec2<u32>>;
-@group(0) @binding(12) var<storage, read_write> launches: array<u32>;
-@group(0) @binding(13) var<storage, read> constants: array<f32>;
-@group(0) @binding(14) var<storage, read> whole: array<u32>;
-@group(0) @binding(15) var<uniform> plan: Plan;
+// Of each remembered contact, the colour that it had.
+@group(0) @binding(1) var<storage, read_write> colours_before: array<u32>;
+@group(0) @binding(2) var<storage, read_write> rows: array<f32>;
+@group(0) @binding(3) var<storage, read_write> shape_scratch: array<f32>;
+@group(0) @binding(4) var<storage, read_write> placed: array<f32>;
+@group(0) @binding(5) var<storage, read_write> pair_parameters: array<f32>;
+@group(0) @binding(6) var<storage, read_write> pair_scratch: array<f32>;
+@group(0) @binding(7) var<storage, read_write> fresh: array<f32>;
+@group(0) @binding(8) var<storage, read_write> contacts: array<f32>;
+@group(0) @binding(9) var<storage, read_write> seats: array<u32>;
+@group(0) @binding(10) var<storage, read_write> words: array<atomic<u32>>;
+@group(0) @binding(11) var<storage, read_write> status: array<atomic<u32>>;
+@group(0) @binding(12) var<storage, read_write> runs: array<vec2<u32>>;
+@group(0) @binding(13) var<storage, read_write> launches: array<u32>;
+@group(0) @binding(14) var<storage, read> constants: array<f32>;
+@group(0) @binding(15) var<storage, read> whole: array<u32>;
+@group(0) @binding(16) var<uniform> plan: Plan;
 
 const NONE: u32 = 0xffffffffu;
 // What a plane has on all sides.
 const EVERYWHERE: f32 = 1e30;
 // Most cells that are looked through about one shape.
 const MOST_CELLS: f32 = 4096.0;
+const LAST_CELL: f32 = 1e9;
 
 fn word(i: u32) -> u32 {
     return atomicLoad(&words[i]);

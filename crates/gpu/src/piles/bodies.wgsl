@@ -155,7 +155,7 @@ fn store_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var i = 0u; i < REMEMBERED; i++) {
         state[plan.memory + at * REMEMBERED + i] = fresh[contact * REMEMBERED + i];
     }
-    put(plan.colour_before + at, word(plan.colour + contact));
+    colours_before[at] = word(plan.colour + contact);
 }
 
 @compute @workgroup_size(1)

@@ -1,7 +1,8 @@
 // Which shapes are near each other: boxes, cells of a hashed grid, and pairs in order.
 
+// Beyond the last cells lies all that is farther.
 fn cell_of(at: vec3<f32>) -> vec3<i32> {
-    return vec3<i32>(floor(at / plan.cell));
+    return vec3<i32>(clamp(floor(at / plan.cell), vec3(-LAST_CELL), vec3(LAST_CELL)));
 }
 // Teschner et al. 2003, "Optimized spatial hashing for collision detection of deformable objects".
 fn bucket(cell: vec3<i32>) -> u32 {
@@ -115,6 +116,9 @@ fn look(unit: u32, at: u32) -> u32 {
     let a = whole[plan.unit_shapes + 2u * unit];
     let first = whole[plan.unit_shapes + 2u * unit + 1u];
     var found = 0u;
+    if (!runs_on()) {
+        return found;
+    }
     if (first != NONE) {
         for (var b = first; b < min(first + 64u, plan.shapes); b++) {
             if (near(a, b)) {

@@ -19,7 +19,7 @@ const TEXT: [&str; 6] = [
 ];
 
 /// Storage buffers that it binds, the last two to be read only; and the plan.
-pub(super) const BINDINGS: usize = 15;
+pub(super) const BINDINGS: usize = 16;
 const READ_ONLY: usize = 2;
 
 macro_rules! entries {
@@ -139,7 +139,7 @@ fn bindings(gpu: &Gpu) -> Result<BindGroupLayout, GpuError> {
     let most = gpu.device().limits().max_storage_buffers_per_shader_stage;
     if most < BINDINGS as u32 {
         return Err(GpuError::Unsupported {
-            what: "kernels that see fewer than 15 buffers, as this card's do",
+            what: "kernels that see fewer than 16 buffers, as this card's do",
             remedy: "run on the processor, or take `xpbd`",
         });
     }

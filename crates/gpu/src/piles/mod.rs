@@ -15,18 +15,21 @@
 mod kernels;
 mod pile;
 mod plan;
+mod room;
 mod scene;
+mod steps;
 
 use crate::{Gpu, GpuError};
 use kernels::Kernels;
 use model::CollisionFilter;
 use numbers::Memory;
-use pile::{Pile, Progress};
+use pile::Pile;
 use rigid::Report;
 use rigid::impulse::Impulse;
 use scene::Scene;
 use sim::{DeviceError, DeviceWorlds, Processor};
 use std::ops::Range;
+use steps::{Progress, Steps};
 
 /// Worlds of piles on a card.
 #[derive(Debug)]
@@ -34,6 +37,7 @@ pub(crate) struct Piles {
     gpu: Gpu,
     scene: Scene,
     kernels: Kernels,
+    steps: Steps,
     worlds: Vec<Pile>,
     /// Of each world, whether forces act from outside.
     pushed: Vec<bool>,
@@ -53,8 +57,9 @@ impl Piles {
         gpu.check()?;
         let scene = Scene::new(impulse, filter)?;
         let kernels = Kernels::new(gpu, &scene)?;
-        let piles = (0..worlds).map(|_| Pile::new(gpu, &scene, &kernels));
+        let piles = (0..worlds).map(|_| Pile::new(gpu, &scene));
         Ok(Self {
+            steps: Steps::new(gpu, &scene, &kernels)?,
             worlds: piles.collect::<Result<_, _>>()?,
             pushed: vec![false; worlds],
             left: 0,
@@ -67,7 +72,7 @@ impl Piles {
     fn write_world(&self, world: usize, state: &Memory<f32>) {
         let numbers = 0..self.scene.impulse.lengths().state;
         let numbers: Vec<_> = numbers.map(|i| state.get(world, i)).collect();
-        self.worlds[world].write(&self.gpu, 0, &numbers);
+        self.worlds[world].write(&self.gpu, &numbers);
     }
 
     /// Has the processor take a step of a world.
@@ -82,7 +87,7 @@ impl Piles {
         pile.read(&self.gpu, all, |numbers| state = numbers.to_vec())?;
         processor(world, &mut state);
         self.left += 1;
-        pile.write(&self.gpu, 0, &state);
+        pile.write(&self.gpu, &state);
         Ok(())
     }
 }
@@ -122,7 +127,9 @@ impl DeviceWorlds<f32> for Piles {
                 let progress = if self.pushed[world] {
                     Progress::Processor(0)
                 } else {
-                    self.worlds[world].step(&self.gpu, &self.scene, &self.kernels, left)?
+                    let pile = &self.worlds[world];
+                    self.steps
+                        .take(&self.gpu, &self.scene, &self.kernels, pile, left)?
                 };
                 match progress {
                     Progress::Taken(steps) => left -= steps,

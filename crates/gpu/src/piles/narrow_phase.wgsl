@@ -193,7 +193,7 @@ fn make_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
     var colour = 0u;
     if (old != NONE) {
         warm(shapes, old, to, count);
-        colour = word(plan.colour_before + old);
+        colour = colours_before[old];
     }
     put(plan.colour + contact, min(colour, COLOURS));
     for (var side = 0u; side < 2u; side++) {

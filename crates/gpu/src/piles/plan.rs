@@ -28,7 +28,7 @@ plan! {
     bucket_of: u32, bucket_start: u32, bucket_items: u32, unit_start: u32,
     pair_shapes: u32, pair_group: u32, pair_order: u32, pair_place: u32, group_matrix: u32,
     contact_start: u32, body_start: u32, body_items: u32,
-    colour: u32, colour_before: u32, colour_matrix: u32, contact_order: u32,
+    colour: u32, colour_matrix: u32, contact_order: u32,
     pressing: u32,
     carriers: u32, sides: u32, apart_start: u32, apart_items: u32, shape_form: u32, form_group: u32,
     group_places: u32, unit_shapes: u32, large_shapes: u32, shape_surface: u32, first_corner: u32,
@@ -38,6 +38,8 @@ plan! {
 
 /// Things that are sorted together.
 pub(super) const BLOCK: u32 = 256;
+/// Most groups of pairs, by which these are sorted.
+pub(super) const GROUPS: u32 = BLOCK;
 /// Colours of contacts, and the keys by which they are sorted: one more, for those that find no colour.
 pub(super) const COLOURS: u32 = 64;
 pub(super) const KEYS: u32 = COLOURS + 1;
@@ -69,10 +71,10 @@ pub(super) mod flag {
 
 /// Places of runs: groups of pairs, colours, all contacts, all bodies.
 pub(super) mod run {
-    pub const COLOURS: u32 = 64;
-    pub const CONTACTS: u32 = 128;
-    pub const BODIES: u32 = 129;
-    pub const COUNT: u32 = 130;
+    pub const COLOURS: u32 = super::GROUPS;
+    pub const CONTACTS: u32 = COLOURS + super::COLOURS;
+    pub const BODIES: u32 = CONTACTS + 1;
+    pub const COUNT: u32 = BODIES + 1;
 }
 
 impl Plan {
@@ -101,7 +103,6 @@ impl Plan {
         self.body_start = take(self.bodies + 1);
         self.body_items = take(2 * self.contacts);
         self.colour = take(self.contacts);
-        self.colour_before = take(self.remembered);
         self.colour_matrix = take(matrices[1]);
         self.contact_order = take(self.contacts);
         self.pressing = take(self.contacts + 1);

@@ -1,6 +1,6 @@
 //! A model of piles as a card has it: constants, and what is worked on together.
 
-use super::plan::Plan;
+use super::plan::{GROUPS, Plan};
 use crate::GpuError;
 use collide::{Route, kind};
 use model::{CollisionFilter, ShapeId};
@@ -38,8 +38,6 @@ pub(super) struct Group {
 /// Kind and number of corners.
 type Form = (usize, usize);
 
-/// Most groups of pairs: as many as colours.
-pub(super) const GROUPS: usize = 64;
 /// Others that a unit of work looks at for a large shape.
 const UNIT: usize = 64;
 /// No first of these: the unit is a small shape.
@@ -122,7 +120,7 @@ impl Scene {
                 }
             }
         }
-        if self.groups.len() > GROUPS {
+        if self.groups.len() > GROUPS as usize {
             return Err(unsupported(
                 "shapes of so many kinds and numbers of corners",
                 "use fewer kinds, or run on the processor",

@@ -9,7 +9,7 @@ use crate::models::mixed;
 use crate::pair::Pair;
 use glam::DVec3;
 use model::examples::{SCENES, arch, balls, bowl, pile, pyramid, square_pyramid, terrain, tower};
-use model::{Builder, Geometry, Model, Pose, Shape};
+use model::{Builder, Geometry, Hull, Model, ModelError, Pose, Shape};
 use numbers::dispatch::Isa;
 use rigid::Settings;
 use rigid::impulse::suits;
@@ -77,6 +77,50 @@ fn piles_agree_with_the_processor() {
 fn mixed_piles_agree_with_the_processor() {
     agrees(&pile(30).unwrap(), 40, 3);
     agrees(&bowl(100).unwrap(), 20, 10);
+}
+
+/// What is met by its corners or by its support alone; bodies of two shapes, off their centres; some that pass through others.
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn hulls_cones_and_ellipsoids_agree_with_the_processor() {
+    let mut pair = agrees(&odds().unwrap(), 30, 4);
+    assert_eq!(
+        pair.gpu.outputs().contacts(0).count(),
+        pair.cpu.outputs().contacts(0).count()
+    );
+}
+
+fn odds() -> Result<Model, ModelError> {
+    let mut world = Builder::new("odds");
+    world.object("ground").scenery(ground());
+    let end = |z| [(-0.1, 0.0), (0.1, 0.0), (0.05, 0.12)].map(|(x, y)| DVec3::new(x, y, z));
+    let wedge = Hull::new(&[end(-0.06), end(0.07)].concat())?;
+    let (radius, half_height) = (0.06, 0.08);
+    let solids = [
+        Geometry::Hull(wedge),
+        Geometry::Cone {
+            radius,
+            half_height,
+        },
+        Geometry::Ellipsoid {
+            half: DVec3::new(0.1, 0.05, 0.07),
+        },
+    ];
+    for i in 0..12 {
+        let at = DVec3::new(
+            0.03 * (i % 3) as f64,
+            0.15 + 0.13 * i as f64,
+            0.02 * (i % 2) as f64,
+        );
+        let body = world.object(format!("odd {i}"));
+        let body = body.body(format!("body {i}")).at(Pose::at(at));
+        let solid = Shape::new(solids[i % 3].clone());
+        let ghost = u32::from(i % 4 == 3);
+        body.shape(solid.with_masks(1 << ghost, 1 << ghost));
+        let knob = Shape::new(Geometry::Sphere { radius: 0.04 });
+        body.shape(knob.at(Pose::at(DVec3::new(0.09, 0.02, 0.0))));
+    }
+    world.build()
 }
 
 /// All that bounces is left to the processor, and what comes after it is not.

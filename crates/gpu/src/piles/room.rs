@@ -1,0 +1,241 @@
+//! Room for what a step finds. Worlds are stepped one after the other, and share it.
+
+use super::kernels::Kernels;
+use super::pile::Pile;
+use super::plan::{KEYS, Plan, run, status};
+use super::scene::Scene;
+use crate::memory::{NUMBER, buffer, filled, indirect};
+use crate::{Gpu, GpuError};
+use rigid::impulse::pair::placed;
+use rigid::impulse::{ContactTables, POINTS, REMEMBERED, row};
+use wgpu::{BindGroup, Buffer, ComputePass};
+
+/// Buffers, in the order in which they are bound after those of a world.
+#[derive(Debug)]
+pub(super) struct Buffers {
+    rows: Buffer,
+    shape_scratch: Buffer,
+    placed: Buffer,
+    pair_parameters: Buffer,
+    pair_scratch: Buffer,
+    fresh: Buffer,
+    contacts: Buffer,
+    seats: Buffer,
+    words: Buffer,
+    pub status: Buffer,
+    runs: Buffer,
+    pub launches: Buffer,
+    constants: Buffer,
+    whole: Buffer,
+    plan: Buffer,
+}
+
+/// Buffers, and what the kernels bind of them. Made anew where there has to be more.
+#[derive(Debug)]
+pub(super) struct Room {
+    pub buffers: Buffers,
+    pub shapes: BindGroup,
+    pub bodies: BindGroup,
+    pub contacts: BindGroup,
+    pub colours: Vec<BindGroup>,
+    pub groups: Vec<BindGroup>,
+    /// Of buckets, units, groups, touching pairs, bodies, colours, pressing contacts.
+    pub scans: [Scan; 7],
+    pub sort_pairs: BindGroup,
+    pub sort_contacts: BindGroup,
+}
+
+/// A run of words of which sums are taken.
+#[derive(Debug)]
+pub(super) struct Scan {
+    length: u32,
+    bindings: BindGroup,
+}
+
+/// Sums of words of which one workgroup takes care.
+const SUMMED: u32 = 1024;
+/// Numbers of a shape's scratch: motion, acceleration and place of its body.
+const SHAPE_SCRATCH: usize = 19;
+/// Numbers of the box about a shape.
+const BOX: usize = 6;
+
+impl Buffers {
+    fn new(gpu: &Gpu, scene: &Scene, plan: &Plan, words: u32) -> Result<Self, GpuError> {
+        let of = |things: u32, width: usize| sized(gpu, u64::from(things) * width as u64);
+        let lengths = scene.groups.iter().map(|group| group.tables.lengths());
+        let [parameters, scratch] = lengths.fold([1; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
+        Ok(Self {
+            rows: of(plan.bodies, row::WIDTH)?,
+            shape_scratch: of(plan.shapes, SHAPE_SCRATCH)?,
+            placed: of(plan.shapes, placed::WIDTH + BOX)?,
+            pair_parameters: of(plan.pairs, parameters)?,
+            pair_scratch: of(plan.pairs, scratch)?,
+            fresh: of(plan.contacts, REMEMBERED)?,
+            contacts: of(plan.contacts, ContactTables::new().length)?,
+            seats: of(2 * plan.contacts, 1)?,
+            words: of(words + words.div_ceil(SUMMED), 1)?,
+            status: filled(gpu, &[0_u32; status::WIDTH])?,
+            runs: of(run::COUNT, 2)?,
+            launches: indirect(gpu, 3 * u64::from(run::COUNT))?,
+            constants: filled(gpu, &scene.constants)?,
+            whole: filled(gpu, &scene.whole)?,
+            plan: gpu.uniform(bytemuck::cast_slice(&[*plan])),
+        })
+    }
+}
+
+/// A buffer of so many numbers, if the card takes one that large.
+pub(super) fn sized(gpu: &Gpu, numbers: u64) -> Result<Buffer, GpuError> {
+    let (bytes, most) = (numbers * NUMBER, gpu.most_bytes());
+    if bytes > most {
+        return Err(GpuError::TooLarge {
+            bytes,
+            most,
+            card: gpu.name().to_owned(),
+        });
+    }
+    buffer(gpu, numbers)
+}
+
+impl Room {
+    pub fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        kernels: &Kernels,
+        plan: &mut Plan,
+    ) -> Result<Self, GpuError> {
+        let words = plan.place();
+        let buffers = Buffers::new(gpu, scene, plan, words)?;
+        let b = &buffers;
+        let (none, nothing) = (buffer(gpu, 1)?, buffer(gpu, 1)?);
+        let body_parameters = filled(gpu, &scene.body_parameters)?;
+        let shape_parameters = filled(gpu, &scene.shape_parameters)?;
+        let globals = filled(gpu, &scene.globals)?;
+        let points = filled(gpu, &[POINTS as u32])?;
+        let bind = |buffers: [&Buffer; 7]| gpu.bindings(gpu.layout(), &buffers);
+        let of_run = |room: u32, number: u32| gpu.uniform(&[room, number, plan.bodies]);
+        let of_contacts = |number: u32| {
+            let launch = of_run(plan.contacts, number);
+            bind([
+                &b.contacts,
+                &b.seats,
+                &b.runs,
+                &b.rows,
+                &globals,
+                &points,
+                &launch,
+            ])
+        };
+        let groups = scene.groups.iter().zip(0..).map(|(group, number)| {
+            let launch = of_run(plan.pairs, number);
+            let links = filled(gpu, group.tables.links())?;
+            let (scratch, parameters) = (&b.pair_scratch, &b.pair_parameters);
+            Ok(bind([
+                &none, &nothing, &b.runs, scratch, parameters, &links, &launch,
+            ]))
+        });
+        let bodies = of_run(plan.bodies, run::BODIES);
+        let bodies = [
+            &b.rows,
+            &nothing,
+            &b.runs,
+            &none,
+            &body_parameters,
+            &points,
+            &bodies,
+        ];
+        let launch = gpu.uniform(&[plan.shapes, 1]);
+        let scratch = &b.shape_scratch;
+        let shapes = [
+            &b.placed,
+            &nothing,
+            &none,
+            scratch,
+            &shape_parameters,
+            &points,
+            &launch,
+        ];
+        let scan = |at: u32, length: u32| {
+            let uniform = gpu.uniform(&[at, length, words]);
+            let bindings = gpu.bindings(&kernels.scanned, &[&b.words, &uniform]);
+            Scan { length, bindings }
+        };
+        let sort = |numbers: [u32; 7]| {
+            let uniform = gpu.uniform(&numbers);
+            gpu.bindings(&kernels.sorted, &[&b.words, &b.status, &uniform])
+        };
+        Ok(Self {
+            shapes: bind(shapes),
+            bodies: bind(bodies),
+            contacts: of_contacts(run::CONTACTS),
+            colours: (0..plan.colours)
+                .map(|colour| of_contacts(run::COLOURS + colour))
+                .collect(),
+            groups: groups.collect::<Result<_, GpuError>>()?,
+            scans: [
+                scan(plan.bucket_start, plan.buckets),
+                scan(plan.unit_start, plan.units + 1),
+                scan(plan.group_matrix, plan.group_matrix_length()),
+                scan(plan.contact_start, plan.pairs + 1),
+                scan(plan.body_start, plan.bodies + 1),
+                scan(plan.colour_matrix, plan.colour_matrix_length()),
+                scan(plan.pressing, plan.contacts + 1),
+            ],
+            sort_pairs: sort([
+                plan.pair_group,
+                status::PAIRS as u32,
+                plan.pairs,
+                plan.groups,
+                plan.pair_blocks,
+                plan.group_matrix,
+                plan.pair_order,
+            ]),
+            sort_contacts: sort([
+                plan.colour,
+                status::CONTACTS as u32,
+                plan.contacts,
+                KEYS,
+                plan.contact_blocks,
+                plan.colour_matrix,
+                plan.contact_order,
+            ]),
+            buffers,
+        })
+    }
+
+    /// What lies between the kernels, with a world's own buffers.
+    pub fn of(&self, gpu: &Gpu, kernels: &Kernels, pile: &Pile) -> BindGroup {
+        let b = &self.buffers;
+        let all = [
+            &pile.state,
+            &pile.colours,
+            &b.rows,
+            &b.shape_scratch,
+            &b.placed,
+            &b.pair_parameters,
+            &b.pair_scratch,
+            &b.fresh,
+            &b.contacts,
+            &b.seats,
+            &b.words,
+            &b.status,
+            &b.runs,
+            &b.launches,
+            &b.constants,
+            &b.whole,
+            &b.plan,
+        ];
+        gpu.bindings(&kernels.bindings, &all)
+    }
+}
+
+impl Scan {
+    pub fn run(&self, pass: &mut ComputePass<'_>, k: &Kernels) {
+        let blocks = self.length.div_ceil(SUMMED);
+        for (kernel, blocks) in k.scan.iter().zip([blocks, 1, blocks]) {
+            pass.set_pipeline(kernel);
+            pass.set_bind_group(0, &self.bindings, &[]);
+            pass.dispatch_workgroups(blocks, 1, 1);
+        }
+    }
+}

@@ -1,0 +1,255 @@
+//! Steps of worlds, submitted several at a time.
+
+use super::kernels::Kernels;
+use super::pile::Pile;
+use super::plan::{BLOCK, COLOURS, KEYS, Plan, flag, run, status};
+use super::room::Room;
+use super::scene::Scene;
+use crate::memory::{NUMBER, Staging};
+use crate::pipeline::WORKGROUP;
+use crate::{Gpu, GpuError};
+use wgpu::{BindGroup, CommandEncoder, ComputePass, ComputePipeline};
+
+/// What steps have room for, and how they are submitted.
+#[derive(Debug)]
+pub(super) struct Steps {
+    plan: Plan,
+    room: Room,
+    /// Rounds of colouring in a step.
+    rounds: usize,
+    /// Steps in a submission: fewer where they are often not taken.
+    eager: usize,
+    staging: Staging,
+}
+
+/// Pairs of each shape and contacts of each body that there is room for at first.
+const PAIRS: u32 = 8;
+const CONTACTS: u32 = 4;
+/// Colours that are launched at first, and rounds of colouring at least.
+const FIRST_COLOURS: u32 = 16;
+const FEWEST_ROUNDS: usize = 8;
+/// Most steps in one submission.
+const STEPS: usize = 16;
+
+/// How far a submission has got.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Progress {
+    /// So many steps were taken; the next one is to be tried again, or is beyond those asked for.
+    Taken(usize),
+    /// So many were taken; the next one is the processor's.
+    Processor(usize),
+    /// The world has diverged.
+    Dead,
+}
+
+impl Steps {
+    pub fn new(gpu: &Gpu, scene: &Scene, kernels: &Kernels) -> Result<Self, GpuError> {
+        let mut plan = scene.plan;
+        plan.pairs = PAIRS * plan.shapes + BLOCK;
+        plan.contacts = CONTACTS * plan.bodies + BLOCK;
+        plan.colours = FIRST_COLOURS;
+        Ok(Self {
+            room: Room::new(gpu, scene, kernels, &mut plan)?,
+            plan,
+            rounds: FEWEST_ROUNDS,
+            eager: 1,
+            staging: Staging::default(),
+        })
+    }
+
+    /// Takes at most so many steps of a world.
+    pub fn take(
+        &mut self,
+        gpu: &Gpu,
+        scene: &Scene,
+        kernels: &Kernels,
+        pile: &Pile,
+        steps: usize,
+    ) -> Result<Progress, GpuError> {
+        let steps = steps.min(self.eager);
+        let told = self.submit(gpu, scene, kernels, pile, steps)?;
+        let (flags, taken) = (told[status::FLAG], told[status::STEPS] as usize);
+        if flags & flag::DEAD != 0 {
+            return Ok(Progress::Dead);
+        }
+        let more = if taken == steps { 2 * self.eager } else { 1 };
+        self.eager = more.min(STEPS);
+        if flags & (flag::MORE_PAIRS | flag::MORE_CONTACTS | flag::MORE_COLOURS) != 0 {
+            self.grow(gpu, scene, kernels, &told)?;
+        } else if flags & flag::MORE_ROUNDS != 0 {
+            self.rounds *= 2;
+        } else {
+            // In most steps colours are those of the step before.
+            self.rounds = FEWEST_ROUNDS.max(2 * told[status::ROUNDS] as usize);
+            if flags & flag::PROCESSOR != 0 {
+                return Ok(Progress::Processor(taken));
+            }
+        }
+        Ok(Progress::Taken(taken))
+    }
+
+    /// The status after so many steps.
+    fn submit(
+        &mut self,
+        gpu: &Gpu,
+        scene: &Scene,
+        kernels: &Kernels,
+        pile: &Pile,
+        steps: usize,
+    ) -> Result<[u32; status::WIDTH], GpuError> {
+        let own = self.room.of(gpu, kernels, pile);
+        let status = &self.room.buffers.status;
+        let none = [0; size_of::<u32>() * status::WIDTH];
+        gpu.queue().write_buffer(status, 0, &none);
+        let mut encoder = gpu.device().create_command_encoder(&Default::default());
+        for _ in 0..steps {
+            self.encode(kernels, scene, &own, &mut encoder);
+        }
+        let all = std::iter::once(0..status::WIDTH);
+        self.staging.ask(gpu, &mut encoder, status, all)?;
+        gpu.queue().submit([encoder.finish()]);
+        let mut told = [0; status::WIDTH];
+        if let Some(mapping) = self.staging.map() {
+            gpu.wait()?;
+            mapping.read(gpu, |numbers| {
+                told = std::array::from_fn(|i| numbers[i].to_bits());
+            })?;
+        }
+        Ok(told)
+    }
+
+    /// Makes room for what a step has found too little for.
+    fn grow(
+        &mut self,
+        gpu: &Gpu,
+        scene: &Scene,
+        kernels: &Kernels,
+        told: &[u32; status::WIDTH],
+    ) -> Result<(), GpuError> {
+        let flags = told[status::FLAG];
+        let enough = |n: u32| n + n / 4;
+        let p = &mut self.plan;
+        if flags & flag::MORE_PAIRS != 0 {
+            p.pairs = enough(told[status::PAIRS]);
+        } else if flags & flag::MORE_CONTACTS != 0 {
+            p.contacts = enough(told[status::CONTACTS]);
+        } else {
+            p.colours = enough(told[status::COLOURED]).min(COLOURS);
+        }
+        self.room = Room::new(gpu, scene, kernels, &mut self.plan)?;
+        Ok(())
+    }
+
+    /// One step.
+    fn encode(&self, k: &Kernels, scene: &Scene, own: &BindGroup, encoder: &mut CommandEncoder) {
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        let pass = &mut pass;
+        let (p, s, e) = (&self.plan, &self.room, &k.entries);
+        let all = |pass: &mut ComputePass<'_>, kernel: &ComputePipeline, things: u32| {
+            dispatch(pass, kernel, own, things.div_ceil(WORKGROUP));
+        };
+        all(pass, &e.clear, p.buckets.max(p.bodies) + 1);
+        all(pass, &e.load_bodies, p.bodies);
+        let bodies = p.bodies.div_ceil(WORKGROUP);
+        dispatch(pass, &k.begin, &s.bodies, bodies);
+        all(pass, &e.load_shapes, p.shapes);
+        dispatch(pass, &k.place, &s.shapes, p.shapes.div_ceil(WORKGROUP));
+        let [buckets, units, groups, touching, joined, colours, pressing] = &s.scans;
+        all(pass, &e.surround, p.shapes);
+        buckets.run(pass, k);
+        all(pass, &e.fill_buckets, p.shapes);
+        all(pass, &e.count_pairs, p.units + 1);
+        units.run(pass, k);
+        all(pass, &e.list_pairs, p.units + 1);
+        dispatch(pass, &k.sort[0], &s.sort_pairs, p.pair_blocks);
+        groups.run(pass, k);
+        dispatch(pass, &k.sort[1], &s.sort_pairs, p.pair_blocks);
+        all(pass, &e.plan_groups, p.groups);
+        all(pass, &e.seat_pairs, p.pairs);
+        for (group, (kernel, bindings)) in (0..).zip(k.apart.iter().zip(&s.groups)) {
+            if let Some(kernel) = kernel {
+                self.run(pass, kernel, bindings, group);
+            }
+        }
+        all(pass, &e.part_pairs, p.pairs);
+        for (group, (kernel, bindings)) in (0..).zip(k.groups.iter().zip(&s.groups)) {
+            self.run(pass, kernel, bindings, group);
+        }
+        all(pass, &e.find_touching, p.pairs + 1);
+        touching.run(pass, k);
+        all(pass, &e.make_contacts, p.pairs + 1);
+        joined.run(pass, k);
+        all(pass, &e.join, p.contacts);
+        for _ in 0..self.rounds {
+            all(pass, &e.paint, p.contacts);
+            all(pass, &e.settle, 1);
+        }
+        dispatch(pass, &k.sort[0], &s.sort_contacts, p.contact_blocks);
+        colours.run(pass, k);
+        dispatch(pass, &k.sort[1], &s.sort_contacts, p.contact_blocks);
+        all(pass, &e.plan_colours, KEYS);
+        all(pass, &e.seat_contacts, p.contacts);
+        self.run(pass, &k.prepare, &s.contacts, run::CONTACTS);
+        self.small_steps(pass, k, scene, own);
+        dispatch(pass, &k.finish, &s.bodies, bodies);
+        all(pass, &e.read_contacts, p.contacts);
+        all(pass, &e.find_pressing, p.contacts + 1);
+        pressing.run(pass, k);
+        all(pass, &e.check_bodies, p.bodies);
+        all(pass, &e.check_shapes, p.shapes);
+        all(pass, &e.store_bodies, p.bodies);
+        all(pass, &e.store_contacts, p.contacts);
+        all(pass, &e.end, 1);
+    }
+
+    fn small_steps(&self, pass: &mut ComputePass<'_>, k: &Kernels, scene: &Scene, own: &BindGroup) {
+        let (p, s) = (&self.plan, &self.room);
+        let bodies = p.bodies.div_ceil(WORKGROUP);
+        let contacts = |pass: &mut ComputePass<'_>, kernel: &ComputePipeline| {
+            for (colour, bindings) in (0..p.colours).zip(&s.colours) {
+                self.run(pass, kernel, bindings, run::COLOURS + colour);
+            }
+        };
+        for step in 0..scene.impulse.settings().contact_iterations {
+            if step == 0 {
+                dispatch(pass, &k.advance, &s.bodies, bodies);
+                if p.bounces != 0 {
+                    self.run(pass, &k.foresee, &s.contacts, run::CONTACTS);
+                    let all = p.contacts.div_ceil(WORKGROUP);
+                    dispatch(pass, &k.entries.find_blows, own, all);
+                }
+                contacts(pass, &k.warm_start);
+            } else {
+                dispatch(pass, &k.advance_again, &s.bodies, bodies);
+            }
+            contacts(pass, &k.push);
+            dispatch(pass, &k.drift, &s.bodies, bodies);
+            contacts(pass, &k.relax);
+        }
+    }
+
+    /// Runs a kernel on the members of a run.
+    fn run(
+        &self,
+        pass: &mut ComputePass<'_>,
+        kernel: &ComputePipeline,
+        bindings: &BindGroup,
+        run: u32,
+    ) {
+        pass.set_pipeline(kernel);
+        pass.set_bind_group(0, bindings, &[]);
+        let launches = &self.room.buffers.launches;
+        pass.dispatch_workgroups_indirect(launches, u64::from(3 * run) * NUMBER);
+    }
+}
+
+fn dispatch(
+    pass: &mut ComputePass<'_>,
+    kernel: &ComputePipeline,
+    bindings: &BindGroup,
+    workgroups: u32,
+) {
+    pass.set_pipeline(kernel);
+    pass.set_bind_group(0, bindings, &[]);
+    pass.dispatch_workgroups(workgroups, 1, 1);
+}
