@@ -45,12 +45,32 @@ pub enum GpuError {
         card: String,
     },
     /// What cards do not know of piles.
-    #[error("`impulse` does not support {what} on a graphics card: {remedy}")]
+    #[error("`impulse` does not support {what}{name} on a graphics card: {remedy}")]
     Unsupported {
         /// What is not supported.
         what: &'static str,
+        /// Which one, as ` "name"`; nothing where it is the model as a whole.
+        name: String,
         /// What to do instead.
         remedy: &'static str,
+    },
+    /// Models of worlds' own, of piles.
+    #[error(
+        "`impulse` does not support models of worlds' own on a graphics card: run on the processor, or take `xpbd`"
+    )]
+    Constants,
+    /// Kernels of piles see more buffers than the card lets them.
+    #[error(
+        "`impulse` needs kernels that see {needed} buffers; those of the card `{card}` see {most}: run on the processor, or \
+         take `xpbd`"
+    )]
+    Buffers {
+        /// How many are needed.
+        needed: usize,
+        /// How many the card takes.
+        most: u32,
+        /// Its name.
+        card: String,
     },
     /// The card's memory is full.
     #[error(

@@ -8,7 +8,7 @@ use crate::piles::Piles;
 use crate::pipeline::WORKGROUP;
 use crate::placement::Placement;
 use crate::{Gpu, GpuError};
-use model::CollisionFilter;
+use model::{CollisionFilter, Model};
 use numbers::Memory;
 use records::Programs;
 use rigid::impulse::Impulse;
@@ -59,10 +59,13 @@ impl Device<f32> for Gpu {
     fn place_piles(
         &self,
         impulse: &Impulse,
+        model: &Model,
         filter: Option<&CollisionFilter>,
         worlds: usize,
     ) -> Result<Option<Box<dyn DeviceWorlds<f32>>>, DeviceError> {
-        Ok(Some(Box::new(Piles::new(self, impulse, filter, worlds)?)))
+        Ok(Some(Box::new(Piles::new(
+            self, impulse, model, filter, worlds,
+        )?)))
     }
 }
 

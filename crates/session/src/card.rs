@@ -38,8 +38,8 @@ impl<T: Float> Card<T> {
             }
             Self::Present(card) => {
                 let help = format!(
-                    "What advances the state. {} takes thousands of replicas at once; of the solver impulse, if any, one after \
-                     the other, and only where it is named. Where auto takes that, a change starts again.",
+                    "What advances the state. {} takes thousands of replicas at once; those of the solver impulse, where it \
+                     runs them at all, one after the other. Where auto takes that on the processor, a change starts again.",
                     card.name()
                 );
                 Some(choice(&["processor", "graphics card"], &help))

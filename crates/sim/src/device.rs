@@ -6,7 +6,7 @@
 
 use crate::controls::Changes;
 use crate::engine::Task;
-use model::CollisionFilter;
+use model::{CollisionFilter, Model};
 use numbers::{Float, Memory};
 use rigid::impulse::Impulse;
 use rigid::{Report, Solver};
@@ -25,14 +25,15 @@ pub trait Device<T: Float>: Send + Sync {
         solver: Solver<'_>,
         worlds: usize,
     ) -> Result<Box<dyn DeviceWorlds<T>>, DeviceError>;
-    /// The same for worlds of `impulse`, where shapes touch as the filter has it; none where the device does not run
-    /// them.
+    /// The same for worlds of `impulse`, of a model in which shapes touch as the filter has it; none where the device does
+    /// not run them.
     ///
     /// # Errors
     /// As [`place`](Self::place); what the model has and the device lacks.
     fn place_piles(
         &self,
         _impulse: &Impulse,
+        _model: &Model,
         _filter: Option<&CollisionFilter>,
         _worlds: usize,
     ) -> Result<Option<Box<dyn DeviceWorlds<T>>>, DeviceError> {
@@ -40,8 +41,8 @@ pub trait Device<T: Float>: Send + Sync {
     }
 }
 
-/// Takes a substep of a world, given its number and state, on the processor.
-pub type Processor<'a, T> = dyn FnMut(usize, &mut [T]) + 'a;
+/// Takes so many substeps of a world on the processor, given its number and its state.
+pub type Processor<'a, T> = dyn FnMut(usize, usize, &mut [T]) + 'a;
 
 /// Worlds of one solver on a device.
 ///
@@ -62,7 +63,14 @@ pub trait DeviceWorlds<T: Float>: Send + Sync {
         substeps: usize,
         processor: &mut Processor<'_, T>,
     ) -> Result<(), DeviceError>;
-    /// How many substeps of all worlds together it has left to the processor.
+    /// Whether worlds can have constants of their own.
+    ///
+    /// # Errors
+    /// They cannot.
+    fn takes_constants(&self) -> Result<(), DeviceError> {
+        Ok(())
+    }
+    /// How many substeps of all worlds together it has left to the processor so far.
     fn left(&self) -> u64 {
         0
     }
@@ -180,6 +188,10 @@ impl<T: Float> Remote<T> {
         }
         self.set.clear();
         Ok(())
+    }
+    /// Whether worlds can have constants of their own.
+    pub fn takes_constants(&self) -> Result<(), DeviceError> {
+        self.worlds.takes_constants()
     }
     /// How many substeps it has left to the processor.
     pub fn left(&self) -> u64 {

@@ -235,7 +235,7 @@ impl<T: Float> Simulation<T> {
         let placed = if let Some(solver) = Solver::of(engine.as_any()) {
             Some(device.place(solver, worlds)?)
         } else if let Some(piles) = engine.as_any().downcast_ref::<Piles<T>>() {
-            device.place_piles(piles.kernels(), piles.filter(), worlds)?
+            device.place_piles(piles.kernels(), &self.model, piles.filter(), worlds)?
         } else {
             None
         };
@@ -481,6 +481,9 @@ impl<T: Float> Simulation<T> {
         &mut self,
         models: impl IntoIterator<Item = (usize, Own<T>)>,
     ) -> Result<(), SimulationError> {
+        if let Some(remote) = &self.remote {
+            remote.takes_constants()?;
+        }
         self.try_outputs()?;
         self.fetch_state()?;
         if self.own.is_empty() {
@@ -739,7 +742,7 @@ impl<T: Float> Simulation<T> {
         let Some(remote) = &mut self.remote else {
             return Ok(());
         };
-        remote.perform(task, &mut |world, state| {
+        remote.perform(task, &mut |world, substeps, state| {
             let block = Block {
                 number: world,
                 state,
@@ -751,7 +754,7 @@ impl<T: Float> Simulation<T> {
                 links: engine.links(),
             };
             let team = threads.count();
-            threads.run(|| engine.run(lane, team, block, Task::Step(1)));
+            threads.run(|| engine.run(lane, team, block, Task::Step(substeps)));
         })?;
         if steps {
             let alive = self.shared.engine.alive();

@@ -30,6 +30,7 @@ struct Plan {
     memory: u32,
     forgotten: u32,
     // Offsets in `words`.
+    cells: u32,
     bucket_of: u32,
     bucket_start: u32,
     bucket_items: u32,
@@ -65,7 +66,7 @@ struct Plan {
     corners: u32,
     surface: u32,
     spin_limit: u32,
-    // Side of a cell [m], speed limit, and how far anything may be from the origin [m].
+    // Side of a cell at least [m], speed limit, and how far anything may be from the origin [m].
     cell: f32,
     fastest: f32,
     farthest: f32,
@@ -93,8 +94,7 @@ struct Plan {
 const NONE: u32 = 0xffffffffu;
 // What a plane has on all sides.
 const EVERYWHERE: f32 = 1e30;
-// Most cells that are looked through about one shape.
-const MOST_CELLS: f32 = 4096.0;
+// Beyond the last cells lies all that is farther.
 const LAST_CELL: f32 = 1e9;
 
 fn word(i: u32) -> u32 {
@@ -117,6 +117,10 @@ fn pair_count() -> u32 {
 }
 fn contact_count() -> u32 {
     return min(told(CONTACTS), plan.contacts);
+}
+// By its bits: compilers may take for granted that there are no others.
+fn is_finite(x: f32) -> bool {
+    return (bitcast<u32>(x) & 0x7f800000u) != 0x7f800000u;
 }
 fn row(field: u32, body: u32) -> f32 {
     return rows[field * plan.bodies + body];

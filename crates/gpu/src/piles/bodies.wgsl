@@ -88,10 +88,12 @@ fn check_bodies(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     var sound = true;
     for (var i = 0u; i < 6u; i++) {
-        sound = sound && abs(row(VELOCITY + i, body)) <= plan.fastest;
+        let x = row(VELOCITY + i, body);
+        sound = sound && is_finite(x) && abs(x) <= plan.fastest;
     }
     for (var i = 0u; i < 7u; i++) {
-        sound = sound && abs(row(CENTER + i, body)) <= plan.farthest;
+        let x = row(CENTER + i, body);
+        sound = sound && is_finite(x) && abs(x) <= plan.farthest;
     }
     if (!sound) {
         stop(PROCESSOR);
@@ -167,5 +169,6 @@ fn end() {
             state[plan.forgotten] += f32(count - plan.remembered);
         }
         atomicAdd(&status[STEPS], 1u);
+        atomicStore(&status[KEEP], 0u);
     }
 }

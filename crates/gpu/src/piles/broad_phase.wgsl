@@ -1,18 +1,15 @@
 // Which shapes are near each other: boxes, cells of a hashed grid, and pairs in order.
 
-// Beyond the last cells lies all that is farther.
+// A cell is no smaller than half of the largest box is wide, so that few are looked through.
 fn cell_of(at: vec3<f32>) -> vec3<i32> {
-    return vec3<i32>(clamp(floor(at / plan.cell), vec3(-LAST_CELL), vec3(LAST_CELL)));
+    let side = max(plan.cell, 0.5 * bitcast<f32>(told(WIDEST)));
+    return vec3<i32>(clamp(floor(at / side), vec3(-LAST_CELL), vec3(LAST_CELL)));
 }
 // Teschner et al. 2003, "Optimized spatial hashing for collision detection of deformable objects".
 fn bucket(cell: vec3<i32>) -> u32 {
     let c = bitcast<vec3<u32>>(cell);
     return ((c.x * 73856093u) ^ (c.y * 19349663u) ^ (c.z * 83492791u)) & (plan.buckets - 1u);
 }
-fn is_large(shape: u32) -> bool {
-    return word(plan.bucket_of + shape) == NONE;
-}
-
 @compute @workgroup_size(64)
 fn surround(@builtin(global_invocation_id) id: vec3<u32>) {
     let shape = id.x;
@@ -35,20 +32,41 @@ fn surround(@builtin(global_invocation_id) id: vec3<u32>) {
         placed[(PLACED + 3u + i) * plan.shapes + shape] = greatest[i];
     }
     if (whole[plan.first_corner + shape * 2u + 1u] == 1u) {
-        put(plan.bucket_of + shape, NONE);
         return;
     }
     // Far out, and what is nowhere, is the processor's.
-    if (!(max(most.x, max(most.y, most.z)) < plan.farthest)) {
-        stop(PROCESSOR);
-        put(plan.bucket_of + shape, 0u);
-        atomicAdd(&words[plan.bucket_start], 1u);
+    for (var i = 0u; i < 3u; i++) {
+        if (!is_finite(most[i]) || most[i] > plan.farthest) {
+            stop(PROCESSOR);
+            return;
+        }
+    }
+    atomicMax(&status[WIDEST], bitcast<u32>(max(around.x, max(around.y, around.z))));
+}
+
+@compute @workgroup_size(64)
+fn count_buckets(@builtin(global_invocation_id) id: vec3<u32>) {
+    let shape = id.x;
+    if (shape >= plan.shapes) {
         return;
     }
-    let own = bucket(cell_of(center));
+    if (whole[plan.first_corner + shape * 2u + 1u] == 1u) {
+        put(plan.bucket_of + shape, NONE);
+        return;
+    }
+    let cell = cell_of(placed3(PLACED_POSITION, shape));
+    for (var i = 0u; i < 3u; i++) {
+        put(plan.cells + 3u * shape + i, bitcast<u32>(cell[i]));
+    }
+    let own = bucket(cell);
     put(plan.bucket_of + shape, own);
     atomicAdd(&words[plan.bucket_start + own], 1u);
-    atomicMax(&status[WIDEST], bitcast<u32>(max(around.x, max(around.y, around.z))));
+}
+
+// Whether a shape was put there.
+fn is_in(shape: u32, cell: vec3<i32>) -> bool {
+    let at = plan.cells + 3u * shape;
+    return all(vec3(word(at), word(at + 1u), word(at + 2u)) == bitcast<vec3<u32>>(cell));
 }
 
 // After it, a bucket begins where the one before it ends, and `bucket_start` says where it ends.
@@ -66,8 +84,8 @@ fn fill_buckets(@builtin(global_invocation_id) id: vec3<u32>) {
 }
 
 fn may_touch(a: u32, b: u32) -> bool {
-    let one = plan.sides + a * 5u;
-    let two = plan.sides + b * 5u;
+    let one = plan.sides + a * SIDE;
+    let two = plan.sides + b * SIDE;
     let owner = whole[one] >> 2u;
     let other = whole[two] >> 2u;
     // Bit 0: collides; bit 1: moves.
@@ -110,9 +128,9 @@ fn near(a: u32, b: u32) -> bool {
     return b > a && overlap(a, b) && group_of(a, b) != NONE && may_touch(a, b);
 }
 
-// A unit of work: a small shape with all later ones, or a large one with 64 others. Lists the pairs at `at`, if it is
-// not NONE, and returns their number.
-fn look(unit: u32, at: u32) -> u32 {
+// A unit of work: a small shape with all later ones, or a large one with some of them. Lists the pairs from `at` on, which
+// is before `end`, and returns their number.
+fn look(unit: u32, at: u32, end: u32) -> u32 {
     let a = whole[plan.unit_shapes + 2u * unit];
     let first = whole[plan.unit_shapes + 2u * unit + 1u];
     var found = 0u;
@@ -120,9 +138,9 @@ fn look(unit: u32, at: u32) -> u32 {
         return found;
     }
     if (first != NONE) {
-        for (var b = first; b < min(first + 64u, plan.shapes); b++) {
+        for (var b = first; b < min(first + UNIT, plan.shapes); b++) {
             if (near(a, b)) {
-                list(at, found, a, b);
+                list(at, end, found, a, b);
                 found++;
             }
         }
@@ -131,18 +149,13 @@ fn look(unit: u32, at: u32) -> u32 {
     for (var i = 0u; i < plan.large; i++) {
         let b = whole[plan.large_shapes + i];
         if (near(a, b)) {
-            list(at, found, a, b);
+            list(at, end, found, a, b);
             found++;
         }
     }
     let widest = bitcast<f32>(told(WIDEST));
     let low = cell_of(placed3(PLACED, a) - widest);
     let high = cell_of(placed3(PLACED + 3u, a) + widest);
-    let cells = vec3<f32>(high - low + 1);
-    if (!(cells.x * cells.y * cells.z < MOST_CELLS)) {
-        stop(PROCESSOR);
-        return found;
-    }
     for (var z = low.z; z <= high.z; z++) {
         for (var y = low.y; y <= high.y; y++) {
             for (var x = low.x; x <= high.x; x++) {
@@ -155,8 +168,8 @@ fn look(unit: u32, at: u32) -> u32 {
                 for (; i < word(own); i++) {
                     let b = word(plan.bucket_items + i);
                     // Other cells may share the bucket.
-                    if (near(a, b) && all(cell_of(placed3(PLACED_POSITION, b)) == cell)) {
-                        list(at, found, a, b);
+                    if (is_in(b, cell) && near(a, b)) {
+                        list(at, end, found, a, b);
                         found++;
                     }
                 }
@@ -166,8 +179,8 @@ fn look(unit: u32, at: u32) -> u32 {
     return found;
 }
 
-fn list(at: u32, nth: u32, a: u32, b: u32) {
-    if (at == NONE || at + nth >= plan.pairs) {
+fn list(at: u32, end: u32, nth: u32, a: u32, b: u32) {
+    if (at + nth >= end) {
         return;
     }
     // Put where it belongs among those before it: they are few.
@@ -186,7 +199,7 @@ fn list(at: u32, nth: u32, a: u32, b: u32) {
 @compute @workgroup_size(64)
 fn count_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
     if (id.x < plan.units) {
-        put(plan.unit_start + id.x, look(id.x, NONE));
+        put(plan.unit_start + id.x, look(id.x, 0u, 0u));
     } else if (id.x == plan.units) {
         put(plan.unit_start + id.x, 0u);
     }
@@ -206,8 +219,12 @@ fn list_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let at = word(plan.unit_start + unit);
-    let found = look(unit, at);
-    for (var i = at; i < min(at + found, plan.pairs); i++) {
+    let next = word(plan.unit_start + unit + 1u);
+    let end = min(next, plan.pairs);
+    if (look(unit, at, end) != next - at) {
+        stop(PROCESSOR);
+    }
+    for (var i = at; i < end; i++) {
         let a = word(plan.pair_shapes + 2u * i);
         let b = word(plan.pair_shapes + 2u * i + 1u);
         put(plan.pair_group + i, group_of(a, b));

@@ -26,7 +26,7 @@ fn join(@builtin(global_invocation_id) id: vec3<u32>) {
 @compute @workgroup_size(64)
 fn paint(@builtin(global_invocation_id) id: vec3<u32>) {
     let contact = id.x;
-    if (told(SETTLED) != 0u || contact >= contact_count()) {
+    if (told(SETTLED) != 0u || contact >= contact_count() || !runs_on()) {
         return;
     }
     var used = vec2(0u, 0u);
@@ -56,7 +56,7 @@ fn paint(@builtin(global_invocation_id) id: vec3<u32>) {
 
 @compute @workgroup_size(1)
 fn settle() {
-    if (told(SETTLED) != 0u) {
+    if (told(SETTLED) != 0u || !runs_on()) {
         return;
     }
     atomicAdd(&status[ROUND], 1u);
@@ -74,10 +74,14 @@ fn plan_colours(@builtin(global_invocation_id) id: vec3<u32>) {
     if (colour > COLOURS) {
         return;
     }
-    if (colour == 0u) {
-        if (told(SETTLED) == 0u) {
+    if (told(SETTLED) == 0u) {
+        // What is known so far is gone on from.
+        if (colour == 0u && runs_on()) {
             stop(MORE_ROUNDS);
         }
+        return;
+    }
+    if (colour == 0u) {
         run(CONTACTS_RUN, 0u, count);
     }
     let first = word(plan.colour_matrix + colour * plan.contact_blocks);

@@ -41,7 +41,7 @@ macro_rules! entries {
 
 entries! {
     clear, load_bodies, load_shapes,
-    surround, fill_buckets, count_pairs, list_pairs, plan_groups,
+    surround, count_buckets, fill_buckets, count_pairs, list_pairs, plan_groups,
     seat_pairs, part_pairs, find_touching, make_contacts,
     join, paint, settle, plan_colours, seat_contacts, find_pressing,
     find_blows, read_contacts, check_bodies, check_shapes,
@@ -138,9 +138,10 @@ impl Kernels {
 fn bindings(gpu: &Gpu) -> Result<BindGroupLayout, GpuError> {
     let most = gpu.device().limits().max_storage_buffers_per_shader_stage;
     if most < BINDINGS as u32 {
-        return Err(GpuError::Unsupported {
-            what: "kernels that see fewer than 16 buffers, as this card's do",
-            remedy: "run on the processor, or take `xpbd`",
+        return Err(GpuError::Buffers {
+            needed: BINDINGS,
+            most,
+            card: gpu.name().to_owned(),
         });
     }
     Ok(layout(gpu, BINDINGS - READ_ONLY, READ_ONLY))

@@ -6,11 +6,12 @@
 //! that a step is the processor's but for rounding.
 //!
 //! Nothing comes back within a step. A card takes the usual ones. Left to the processor is a step in which something is
-//! struck and bounces, gets farther than it was looked for, or spins so fast that the step has to be cut into parts, in
-//! which a body has more contacts than there are colours, and any of a world on which forces act from outside. Where there
-//! is too little room for pairs, contacts or colours, a step is taken again with more.
+//! struck and bounces, gets farther than it was looked for, is stopped at its centre of mass, or spins so fast that the step
+//! has to be cut into parts, in which a body has more contacts than there are colours, or is lost, and any of a world on which
+//! forces act from outside. Where there is too little room for pairs, contacts or colours, a step is taken again with more,
+//! and where the card has no more, by the processor.
 //!
-//! Nothing sleeps. Joints, meshes, sensor shapes and surfaces of pairs are refused.
+//! Nothing sleeps in the steps that a card takes. Joints, meshes, sensor shapes and surfaces of pairs are refused.
 
 mod kernels;
 mod pile;
@@ -21,7 +22,7 @@ mod steps;
 
 use crate::{Gpu, GpuError};
 use kernels::Kernels;
-use model::CollisionFilter;
+use model::{CollisionFilter, Model};
 use numbers::Memory;
 use pile::Pile;
 use rigid::Report;
@@ -51,11 +52,12 @@ impl Piles {
     pub fn new(
         gpu: &Gpu,
         impulse: &Impulse,
+        model: &Model,
         filter: Option<&CollisionFilter>,
         worlds: usize,
     ) -> Result<Self, GpuError> {
         gpu.check()?;
-        let scene = Scene::new(impulse, filter)?;
+        let scene = Scene::new(impulse, model, filter)?;
         let kernels = Kernels::new(gpu, &scene)?;
         let piles = (0..worlds).map(|_| Pile::new(gpu, &scene));
         Ok(Self {
@@ -75,18 +77,19 @@ impl Piles {
         self.worlds[world].write(&self.gpu, &numbers);
     }
 
-    /// Has the processor take a step of a world.
+    /// Has the processor take steps of a world.
     fn step_there(
         &mut self,
         world: usize,
+        steps: usize,
         processor: &mut Processor<'_, f32>,
     ) -> Result<(), GpuError> {
         let pile = &mut self.worlds[world];
         let mut state = Vec::new();
         let all = 0..self.scene.impulse.lengths().state;
         pile.read(&self.gpu, all, |numbers| state = numbers.to_vec())?;
-        processor(world, &mut state);
-        self.left += 1;
+        processor(world, steps, &mut state);
+        self.left += steps as u64;
         pile.write(&self.gpu, &state);
         Ok(())
     }
@@ -111,10 +114,10 @@ impl DeviceWorlds<f32> for Piles {
         Ok(())
     }
     fn write_parameters(&mut self, _: &Memory<f32>) -> Result<(), DeviceError> {
-        Err(DeviceError::from(GpuError::Unsupported {
-            what: "models of worlds' own",
-            remedy: "run on the processor, or take `xpbd`",
-        }))
+        self.takes_constants()
+    }
+    fn takes_constants(&self) -> Result<(), DeviceError> {
+        Err(DeviceError::from(GpuError::Constants))
     }
     fn step(
         &mut self,
@@ -124,18 +127,17 @@ impl DeviceWorlds<f32> for Piles {
         for world in 0..self.worlds.len() {
             let mut left = substeps;
             while left > 0 {
-                let progress = if self.pushed[world] {
-                    Progress::Processor(0)
-                } else {
-                    let pile = &self.worlds[world];
-                    self.steps
-                        .take(&self.gpu, &self.scene, &self.kernels, pile, left)?
-                };
-                match progress {
+                if self.pushed[world] {
+                    self.step_there(world, left, processor)?;
+                    break;
+                }
+                let pile = &mut self.worlds[world];
+                let steps = &mut self.steps;
+                match steps.take(&self.gpu, &self.scene, &self.kernels, pile, left)? {
                     Progress::Taken(steps) => left -= steps,
                     Progress::Dead => left = 0,
                     Progress::Processor(steps) => {
-                        self.step_there(world, processor)?;
+                        self.step_there(world, 1, processor)?;
                         left -= steps + 1;
                     }
                 }

@@ -27,15 +27,17 @@ fn recall(a: u32, b: u32) -> u32 {
             end = middle;
         }
     }
-    if (begin < count) {
-        let at = plan.memory + begin * REMEMBERED;
-        let c = u32(state[at + REMEMBERED_SHAPES]);
-        let d = u32(state[at + REMEMBERED_SHAPES + 1u]);
-        if (min(c, d) == lower && max(c, d) == upper) {
-            return begin;
-        }
+    return select(NONE, begin, is_of(begin, lower, upper));
+}
+
+fn is_of(remembered: u32, lower: u32, upper: u32) -> bool {
+    if (remembered >= u32(state[plan.count])) {
+        return false;
     }
-    return NONE;
+    let at = plan.memory + remembered * REMEMBERED;
+    let c = u32(state[at + REMEMBERED_SHAPES]);
+    let d = u32(state[at + REMEMBERED_SHAPES + 1u]);
+    return min(c, d) == lower && max(c, d) == upper;
 }
 
 @compute @workgroup_size(64)
@@ -193,9 +195,15 @@ fn make_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
     var colour = 0u;
     if (old != NONE) {
         warm(shapes, old, to, count);
+        // The parts of a step have left two: which of them it is, the processor knows.
+        if (is_of(old + 1u, min(shapes.x, shapes.y), max(shapes.x, shapes.y))) {
+            stop(PROCESSOR);
+        }
         colour = colours_before[old];
     }
-    put(plan.colour + contact, min(colour, COLOURS));
+    if (told(KEEP) == 0u) {
+        put(plan.colour + contact, min(colour, COLOURS));
+    }
     for (var side = 0u; side < 2u; side++) {
         let body = whole[plan.carriers + shapes[side]];
         if (body != 0u) {

@@ -2,6 +2,7 @@
 
 use super::room::sized;
 use super::scene::Scene;
+use super::steps::Pace;
 use crate::memory::Staging;
 use crate::{Gpu, GpuError};
 use std::ops::Range;
@@ -13,6 +14,7 @@ pub(super) struct Pile {
     pub state: Buffer,
     /// Of each contact that it remembers, the colour that it had: where colouring begins, which changes nothing.
     pub colours: Buffer,
+    pub pace: Pace,
     staging: Staging,
 }
 
@@ -21,6 +23,7 @@ impl Pile {
         Ok(Self {
             state: sized(gpu, scene.impulse.lengths().state as u64)?,
             colours: sized(gpu, scene.impulse.capacity() as u64)?,
+            pace: Pace::default(),
             staging: Staging::default(),
         })
     }

@@ -1,6 +1,6 @@
 //! How many things of each kind there are, and where their words lie; and the same as text, for the shader.
 
-use super::scene::PLACES;
+use super::scene::{PLACES, SIDE, UNIT};
 use bytemuck::{Pod, Zeroable};
 use rigid::impulse::pair::{FAR, placed, point_place, solid};
 use rigid::impulse::{
@@ -25,7 +25,7 @@ plan! {
     buckets: u32, colours: u32, pair_blocks: u32, contact_blocks: u32,
     bounces: u32,
     alive: u32, body_state: u32, count: u32, memory: u32, forgotten: u32,
-    bucket_of: u32, bucket_start: u32, bucket_items: u32, unit_start: u32,
+    cells: u32, bucket_of: u32, bucket_start: u32, bucket_items: u32, unit_start: u32,
     pair_shapes: u32, pair_group: u32, pair_order: u32, pair_place: u32, group_matrix: u32,
     contact_start: u32, body_start: u32, body_items: u32,
     colour: u32, colour_matrix: u32, contact_order: u32,
@@ -56,7 +56,9 @@ pub(super) mod status {
     pub const SETTLED: usize = 7;
     pub const ROUND: usize = 8;
     pub const ROUNDS: usize = 9;
-    pub const WIDTH: usize = 10;
+    /// Told by the host: whether colours are those of the attempt before at the first step.
+    pub const KEEP: usize = 10;
+    pub const WIDTH: usize = 11;
 }
 
 /// Why a step was not taken.
@@ -90,6 +92,7 @@ impl Plan {
         self.pair_blocks = self.pairs.div_ceil(BLOCK);
         self.contact_blocks = self.contacts.div_ceil(BLOCK);
         let matrices = [self.group_matrix_length(), self.colour_matrix_length()];
+        self.cells = take(3 * self.shapes);
         self.bucket_of = take(self.shapes);
         self.bucket_start = take(self.buckets + 1);
         self.bucket_items = take(self.shapes);
@@ -133,6 +136,7 @@ pub(super) fn constants() -> String {
         ("SETTLED", status::SETTLED),
         ("ROUND", status::ROUND),
         ("ROUNDS", status::ROUNDS),
+        ("KEEP", status::KEEP),
         ("MORE_PAIRS", flag::MORE_PAIRS as usize),
         ("MORE_CONTACTS", flag::MORE_CONTACTS as usize),
         ("MORE_COLOURS", flag::MORE_COLOURS as usize),
@@ -144,6 +148,8 @@ pub(super) fn constants() -> String {
         ("BODIES_RUN", run::BODIES as usize),
         ("COLOURS", COLOURS as usize),
         ("PLACES", PLACES),
+        ("UNIT", UNIT),
+        ("SIDE", SIDE),
         ("ROW", row::WIDTH),
         ("VELOCITY", row::VELOCITY),
         ("SHIFT", row::SHIFT),

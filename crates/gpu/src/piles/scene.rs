@@ -1,9 +1,10 @@
 //! A model of piles as a card has it: constants, and what is worked on together.
 
 use super::plan::{GROUPS, Plan};
-use crate::GpuError;
+use crate::memory::NUMBER;
+use crate::{Gpu, GpuError};
 use collide::{Route, kind};
-use model::{CollisionFilter, ShapeId};
+use model::{CollisionFilter, Model, ShapeId};
 use numbers::trace::Program;
 use records::PilePrograms;
 use rigid::impulse::pair::{PairPlaces, PairTables, solid};
@@ -39,17 +40,23 @@ pub(super) struct Group {
 type Form = (usize, usize);
 
 /// Others that a unit of work looks at for a large shape.
-const UNIT: usize = 64;
+pub(super) const UNIT: usize = 64;
+/// Words of what a shape brings to the decision which may touch.
+pub(super) const SIDE: usize = 5;
 /// No first of these: the unit is a small shape.
 const SMALL: u32 = u32::MAX;
 /// What spins on the spot is never too fast.
-const UNLIMITED: f32 = 1e30;
+const UNLIMITED: f32 = 1e18;
 
 impl Scene {
     /// # Errors
     /// The model has what cards do not know of piles.
-    pub fn new(impulse: &Impulse, filter: Option<&CollisionFilter>) -> Result<Self, GpuError> {
-        check(impulse)?;
+    pub fn new(
+        impulse: &Impulse,
+        model: &Model,
+        filter: Option<&CollisionFilter>,
+    ) -> Result<Self, GpuError> {
+        check(impulse, model)?;
         let parameters: Vec<_> = impulse.parameters().iter().map(|x| *x as f32).collect();
         let globals = impulse.globals(&parameters, 1);
         let forms: BTreeSet<_> = impulse.shapes().iter().map(form_of).collect();
@@ -74,7 +81,7 @@ impl Scene {
         scene.plan.body_state = impulse.body_state(0) as u32;
         let places = impulse.memory_places().map(|n| n as u32);
         [scene.plan.count, scene.plan.forgotten, scene.plan.memory] = places;
-        scene.plan.fastest = settings.speed_limit as f32;
+        scene.plan.fastest = (settings.speed_limit as f32).next_down();
         scene.plan.farthest = FARTHEST as f32;
         scene.groups_of(&forms)?;
         let large = scene.large(&parameters);
@@ -84,6 +91,13 @@ impl Scene {
         scene.surfaces(&parameters);
         scene.spins(&parameters);
         Ok(scene)
+    }
+
+    /// Pairs whose numbers fit into a buffer of a card.
+    pub fn most_pairs(&self, gpu: &Gpu) -> u32 {
+        let lengths = self.groups.iter().flat_map(|group| group.tables.lengths());
+        let bytes = lengths.max().unwrap_or(1) as u64 * NUMBER;
+        u32::try_from(gpu.most_bytes() / bytes).unwrap_or(u32::MAX)
     }
 
     /// Adds constants; where they begin.
@@ -123,6 +137,7 @@ impl Scene {
         if self.groups.len() > GROUPS as usize {
             return Err(unsupported(
                 "shapes of so many kinds and numbers of corners",
+                "",
                 "use fewer kinds, or run on the processor",
             ));
         }
@@ -181,7 +196,7 @@ impl Scene {
         let mut apart: Vec<&[usize]> = Vec::new();
         for ShapeId(shape) in shapes.iter().map(|s| s.shape) {
             let Some(side) = filter.map(|filter| filter.side(ShapeId(shape))) else {
-                words.extend([0; 5]);
+                words.extend([0; SIDE]);
                 continue;
             };
             let flags = u32::from(side.collides) | u32::from(side.moves) << 1;
@@ -290,31 +305,54 @@ fn words_of(tables: &PairTables) -> [u32; PLACES] {
     [a, b, c, d, e, f, g, margin, known, listed, h, i, sooner].map(|n| n as u32)
 }
 
-fn unsupported(what: &'static str, remedy: &'static str) -> GpuError {
-    GpuError::Unsupported { what, remedy }
+fn unsupported(what: &'static str, name: &str, remedy: &'static str) -> GpuError {
+    let name = if name.is_empty() {
+        String::new()
+    } else {
+        format!(" \"{name}\"")
+    };
+    GpuError::Unsupported { what, name, remedy }
 }
 
 /// Refuses what cards do not know of piles.
-fn check(impulse: &Impulse) -> Result<(), GpuError> {
+fn check(impulse: &Impulse, model: &Model) -> Result<(), GpuError> {
     let processor = "run on the processor, or take `xpbd`";
     let shapes = impulse.shapes();
-    if (0..impulse.ties()).any(|tie| impulse.tied_rows(tie).is_some()) {
-        return Err(unsupported("joints", processor));
+    let name = |id: ShapeId| {
+        let shape = &model.shapes[id.0];
+        let carrier = shape.body.map(|body| &model.bodies[body.0].name);
+        match carrier {
+            _ if !shape.name.is_empty() => shape.name.clone(),
+            Some(body) => format!("{} of body {body}", id.0),
+            None => id.0.to_string(),
+        }
+    };
+    let mut ties = 0..impulse.ties();
+    if let Some(tie) = ties.find(|tie| impulse.tied_rows(*tie).is_some()) {
+        let joint = &model.joints[impulse.tied_joint(tie).0];
+        return Err(unsupported("the joint", &joint.name, processor));
     }
-    if shapes.iter().any(|shape| shape.kind == kind::MESH) {
+    if let Some(mesh) = shapes.iter().find(|shape| shape.kind == kind::MESH) {
+        let hulls = "take its convex hull, or run on the processor";
+        return Err(unsupported("the mesh", &name(mesh.shape), hulls));
+    }
+    if let Some(sensor) = shapes.iter().find(|shape| shape.sensor) {
         return Err(unsupported(
-            "meshes",
-            "take their convex hulls, or run on the processor",
+            "the sensor shape",
+            &name(sensor.shape),
+            processor,
         ));
     }
-    if shapes.iter().any(|shape| shape.sensor) {
-        return Err(unsupported("sensor shapes", processor));
+    if let Some(pair) = model.contact_pairs.first() {
+        let what = "a surface for the pair of the shape";
+        return Err(unsupported(what, &name(pair.shapes.0), processor));
     }
-    if impulse.names_pairs() {
-        return Err(unsupported("surfaces of pairs", processor));
-    }
-    if impulse.settings().substeps == 0 || shapes.is_empty() {
-        return Err(unsupported("models in which nothing can touch", processor));
+    if shapes.is_empty() {
+        return Err(unsupported(
+            "a model without shapes that collide",
+            "",
+            processor,
+        ));
     }
     Ok(())
 }

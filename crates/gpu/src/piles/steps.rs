@@ -15,21 +15,41 @@ use wgpu::{BindGroup, CommandEncoder, ComputePass, ComputePipeline};
 pub(super) struct Steps {
     plan: Plan,
     room: Room,
-    /// Rounds of colouring in a step.
-    rounds: usize,
-    /// Steps in a submission: fewer where they are often not taken.
-    eager: usize,
     staging: Staging,
 }
 
 /// Pairs of each shape and contacts of each body that there is room for at first.
 const PAIRS: u32 = 8;
 const CONTACTS: u32 = 4;
-/// Colours that are launched at first, and rounds of colouring at least.
+/// Colours that are launched at first.
 const FIRST_COLOURS: u32 = 16;
+/// Rounds of colouring in a step: at least, and at most.
 const FEWEST_ROUNDS: usize = 8;
-/// Most steps in one submission.
+const MOST_ROUNDS: usize = 256;
+/// Most steps in one submission, and about as many launches.
 const STEPS: usize = 16;
+const LAUNCHES: usize = 16_384;
+
+/// How steps of a world are submitted.
+#[derive(Debug)]
+pub(super) struct Pace {
+    /// Steps in a submission: fewer where they are often not taken.
+    steps: usize,
+    /// Rounds of colouring in a step.
+    rounds: usize,
+    /// Whether these were too few, and go on where they ended.
+    goes_on: bool,
+}
+
+impl Default for Pace {
+    fn default() -> Self {
+        Self {
+            steps: 1,
+            rounds: FEWEST_ROUNDS,
+            goes_on: false,
+        }
+    }
+}
 
 /// How far a submission has got.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,14 +65,12 @@ pub(super) enum Progress {
 impl Steps {
     pub fn new(gpu: &Gpu, scene: &Scene, kernels: &Kernels) -> Result<Self, GpuError> {
         let mut plan = scene.plan;
-        plan.pairs = PAIRS * plan.shapes + BLOCK;
+        plan.pairs = (PAIRS * plan.shapes + BLOCK).min(scene.most_pairs(gpu));
         plan.contacts = CONTACTS * plan.bodies + BLOCK;
         plan.colours = FIRST_COLOURS;
         Ok(Self {
             room: Room::new(gpu, scene, kernels, &mut plan)?,
             plan,
-            rounds: FEWEST_ROUNDS,
-            eager: 1,
             staging: Staging::default(),
         })
     }
@@ -63,27 +81,40 @@ impl Steps {
         gpu: &Gpu,
         scene: &Scene,
         kernels: &Kernels,
-        pile: &Pile,
+        pile: &mut Pile,
         steps: usize,
     ) -> Result<Progress, GpuError> {
-        let steps = steps.min(self.eager);
+        let small_steps = scene.impulse.settings().contact_iterations;
+        let launches = small_steps * 2 * (self.plan.colours as usize + 1);
+        let most = pile.pace.steps.min(LAUNCHES / launches).max(1);
+        let steps = steps.min(most);
         let told = self.submit(gpu, scene, kernels, pile, steps)?;
         let (flags, taken) = (told[status::FLAG], told[status::STEPS] as usize);
+        let pace = &mut pile.pace;
+        let more = if taken == steps { 2 * pace.steps } else { 1 };
+        pace.steps = more.min(STEPS);
+        pace.goes_on = flags == flag::MORE_ROUNDS;
         if flags & flag::DEAD != 0 {
             return Ok(Progress::Dead);
         }
-        let more = if taken == steps { 2 * self.eager } else { 1 };
-        self.eager = more.min(STEPS);
         if flags & (flag::MORE_PAIRS | flag::MORE_CONTACTS | flag::MORE_COLOURS) != 0 {
-            self.grow(gpu, scene, kernels, &told)?;
-        } else if flags & flag::MORE_ROUNDS != 0 {
-            self.rounds *= 2;
-        } else {
-            // In most steps colours are those of the step before.
-            self.rounds = FEWEST_ROUNDS.max(2 * told[status::ROUNDS] as usize);
-            if flags & flag::PROCESSOR != 0 {
-                return Ok(Progress::Processor(taken));
-            }
+            return Ok(match self.grow(gpu, scene, kernels, &told) {
+                true => Progress::Taken(taken),
+                false => Progress::Processor(taken),
+            });
+        }
+        if flags & flag::MORE_ROUNDS != 0 {
+            pace.rounds = MOST_ROUNDS.min(2 * pace.rounds);
+            return Ok(Progress::Taken(taken));
+        }
+        // In most steps colours are those of the step before.
+        let usual = 2 * told[status::ROUNDS] as usize;
+        pace.rounds = usual.clamp(FEWEST_ROUNDS, MOST_ROUNDS);
+        if flags & flag::PROCESSOR != 0 {
+            return Ok(Progress::Processor(taken));
+        }
+        if taken == 0 {
+            return Err(gpu.failed("it took no step and gave no reason"));
         }
         Ok(Progress::Taken(taken))
     }
@@ -99,11 +130,13 @@ impl Steps {
     ) -> Result<[u32; status::WIDTH], GpuError> {
         let own = self.room.of(gpu, kernels, pile);
         let status = &self.room.buffers.status;
-        let none = [0; size_of::<u32>() * status::WIDTH];
-        gpu.queue().write_buffer(status, 0, &none);
+        let mut begin = [0_u32; status::WIDTH];
+        begin[status::KEEP] = pile.pace.goes_on.into();
+        let bytes = bytemuck::cast_slice(&begin);
+        gpu.queue().write_buffer(status, 0, bytes);
         let mut encoder = gpu.device().create_command_encoder(&Default::default());
         for _ in 0..steps {
-            self.encode(kernels, scene, &own, &mut encoder);
+            self.encode(kernels, scene, &own, pile.pace.rounds, &mut encoder);
         }
         let all = std::iter::once(0..status::WIDTH);
         self.staging.ask(gpu, &mut encoder, status, all)?;
@@ -118,30 +151,46 @@ impl Steps {
         Ok(told)
     }
 
-    /// Makes room for what a step has found too little for.
+    /// Makes room for what a step has found too little for, and some more, or none more; false where the card has not
+    /// even that.
     fn grow(
         &mut self,
         gpu: &Gpu,
         scene: &Scene,
         kernels: &Kernels,
         told: &[u32; status::WIDTH],
-    ) -> Result<(), GpuError> {
+    ) -> bool {
         let flags = told[status::FLAG];
-        let enough = |n: u32| n + n / 4;
-        let p = &mut self.plan;
-        if flags & flag::MORE_PAIRS != 0 {
-            p.pairs = enough(told[status::PAIRS]);
-        } else if flags & flag::MORE_CONTACTS != 0 {
-            p.contacts = enough(told[status::CONTACTS]);
-        } else {
-            p.colours = enough(told[status::COLOURED]).min(COLOURS);
+        let rooms = [1, 0].map(|more| {
+            let enough = |n: u32| n + more * (n / 4);
+            let mut plan = self.plan;
+            if flags & flag::MORE_PAIRS != 0 {
+                plan.pairs = enough(told[status::PAIRS]);
+            } else if flags & flag::MORE_CONTACTS != 0 {
+                plan.contacts = enough(told[status::CONTACTS]);
+            } else {
+                plan.colours = enough(told[status::COLOURED]).min(COLOURS);
+            }
+            plan
+        });
+        for mut plan in rooms {
+            if let Ok(room) = Room::new(gpu, scene, kernels, &mut plan) {
+                (self.plan, self.room) = (plan, room);
+                return true;
+            }
         }
-        self.room = Room::new(gpu, scene, kernels, &mut self.plan)?;
-        Ok(())
+        false
     }
 
     /// One step.
-    fn encode(&self, k: &Kernels, scene: &Scene, own: &BindGroup, encoder: &mut CommandEncoder) {
+    fn encode(
+        &self,
+        k: &Kernels,
+        scene: &Scene,
+        own: &BindGroup,
+        rounds: usize,
+        encoder: &mut CommandEncoder,
+    ) {
         let mut pass = encoder.begin_compute_pass(&Default::default());
         let pass = &mut pass;
         let (p, s, e) = (&self.plan, &self.room, &k.entries);
@@ -156,6 +205,7 @@ impl Steps {
         dispatch(pass, &k.place, &s.shapes, p.shapes.div_ceil(WORKGROUP));
         let [buckets, units, groups, touching, joined, colours, pressing] = &s.scans;
         all(pass, &e.surround, p.shapes);
+        all(pass, &e.count_buckets, p.shapes);
         buckets.run(pass, k);
         all(pass, &e.fill_buckets, p.shapes);
         all(pass, &e.count_pairs, p.units + 1);
@@ -180,7 +230,7 @@ impl Steps {
         all(pass, &e.make_contacts, p.pairs + 1);
         joined.run(pass, k);
         all(pass, &e.join, p.contacts);
-        for _ in 0..self.rounds {
+        for _ in 0..rounds {
             all(pass, &e.paint, p.contacts);
             all(pass, &e.settle, 1);
         }

@@ -9,7 +9,9 @@ use crate::models::mixed;
 use crate::pair::Pair;
 use glam::DVec3;
 use model::examples::{SCENES, arch, balls, bowl, pile, pyramid, square_pyramid, terrain, tower};
-use model::{Builder, Geometry, Hull, Model, ModelError, Pose, Shape};
+use model::{
+    BodyId, Builder, Combine, Geometry, Hull, Material, Model, ModelError, Pose, Shape, Softness,
+};
 use numbers::dispatch::Isa;
 use rigid::Settings;
 use rigid::impulse::suits;
@@ -242,6 +244,111 @@ fn a_world_that_diverges_harms_no_other() {
     });
     assert_eq!(lost[0].len(), 1);
     assert_eq!(lost[0], lost[1]);
+    let top = pair.both().map(|s| s.outputs().body_position(1, BodyId(1)));
+    assert!(top[0].distance(top[1]) < 1e-5);
+}
+
+/// Far faster than a shape in a step, and faster than anything in cells.
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn small_balls_may_be_fast() {
+    let mut world = Builder::new("grains");
+    world.object("ground").scenery(ground());
+    for i in 0..60 {
+        let place = DVec3::new(
+            0.02 * (i % 5) as f64,
+            0.1 + 0.02 * i as f64,
+            0.005 * (i % 3) as f64,
+        );
+        let grain = world
+            .object(format!("grain {i}"))
+            .body(format!("grain {i}"));
+        grain
+            .shape(Geometry::Sphere { radius: 0.005 })
+            .at(Pose::at(place));
+    }
+    let model = world.build().unwrap();
+    // What would get through the ground within a step is stopped there by the processor.
+    let pair = agrees(&model, 40, 4);
+    let left = pair.gpu.left_to_processor();
+    assert!(left < 80, "{left} of 160 steps");
+    let mut pair = Pair::at_rest(&card(), &model, settings(1));
+    let mut velocity = vec![0.0; model.degrees_of_freedom()];
+    velocity[0] = 1e9;
+    for simulation in pair.both() {
+        let start = model.initial_position();
+        simulation.set_joint_state(0, &start, &velocity).unwrap();
+    }
+    pair.step(3);
+    assert_eq!(pair.cpu.diverged(), pair.gpu.diverged());
+    assert_eq!(pair.gpu.diverged().len(), 1);
+}
+
+/// Who may touch whom, and of what contacts are made: springs, margins, rules, twisting and rolling.
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn filters_and_surfaces_agree_with_the_processor() {
+    let pair = agrees(&company().unwrap(), 40, 6);
+    assert_eq!(pair.gpu.left_to_processor(), 0);
+}
+
+fn company() -> Result<Model, ModelError> {
+    let mut world = Builder::new("company");
+    world.object("ground").scenery(ground());
+    let shelf = world.object("shelf").body("shelf").immovable();
+    let half = DVec3::new(2.0, 0.05, 2.0);
+    shelf
+        .shape(Geometry::Box { half })
+        .at(Pose::at(DVec3::Y * 0.3));
+    let soft = Softness::Spring {
+        stiffness: 4e4,
+        damping: 60.0,
+    };
+    let plain = Material {
+        restitution: 0.0,
+        ..Material::default()
+    };
+    let surfaces = [
+        plain,
+        Material {
+            softness: soft,
+            ..plain
+        },
+        Material {
+            margin: 0.004,
+            friction: 0.9,
+            combine: Combine::Maximum,
+            ..plain
+        },
+        Material {
+            friction: 0.3,
+            torsional_friction: 0.01,
+            rolling_friction: 0.003,
+            combine: Combine::Multiply,
+            ..plain
+        },
+    ];
+    let mut handles = Vec::new();
+    let crowd = world.object("crowd");
+    for i in 0..16 {
+        let at = DVec3::new(
+            0.04 * (i % 4) as f64,
+            0.42 + 0.09 * i as f64,
+            0.03 * (i % 3) as f64,
+        );
+        let body = crowd.body(format!("body {i}")).at(Pose::at(at));
+        let solid = match i % 2 {
+            0 => Geometry::Sphere { radius: 0.05 },
+            _ => Geometry::Box {
+                half: DVec3::splat(0.05),
+            },
+        };
+        body.shape(Shape::new(solid).with_material(surfaces[i % 4]));
+        body.group([1, 1, -1, 2][i / 4]).world([-1, 0, 1][i % 3]);
+        handles.push(body.handle());
+    }
+    crowd.exclude(handles[0], handles[1]);
+    world.build()
 }
 
 /// What it knows besides its state, which colours contacts had, changes nothing.
@@ -288,15 +395,15 @@ fn what_a_card_does_not_know_is_refused_by_name() {
         let told = place(model).unwrap_err().to_string();
         assert!(told.contains("`impulse`") && told.contains(what), "{told}");
     };
-    refused(&mixed(false).unwrap(), "joints");
-    refused(&terrain(5).unwrap(), "meshes");
+    refused(&mixed(false).unwrap(), "the joint \"");
+    refused(&terrain(5).unwrap(), "the mesh \"");
     let ball = Geometry::Sphere { radius: 0.1 };
     let mut world = Builder::new("sensor");
     world.object("ground").scenery(ground());
     let sensor = Shape::new(ball.clone()).as_sensor();
     world.object("ball").body("ball").shape(ball.clone());
     world.object("gate").scenery(sensor);
-    refused(&world.build().unwrap(), "sensor shapes");
+    refused(&world.build().unwrap(), "the sensor shape \"");
     let mut world = Builder::new("ice");
     let rink = world.object("rink");
     rink.scenery(ground());
@@ -306,7 +413,7 @@ fn what_a_card_does_not_know_is_refused_by_name() {
         .contact_pair(stone.shape(0), ice)
         .unwrap()
         .friction(0.01);
-    refused(&world.build().unwrap(), "surfaces of pairs");
+    refused(&world.build().unwrap(), "the pair of the shape \"");
     let model = tower(2, 0.001).unwrap();
     let mut simulation = place(&model).unwrap();
     let mut parts = model.into_parts();

@@ -1,7 +1,7 @@
 //! A record printed as CUDA C++.
 
 use super::operation::Type;
-use super::print::{Language, PrintOptions, finite};
+use super::print::{Language, Members, PrintOptions, finite};
 use super::program::Program;
 use core::convert::Infallible;
 
@@ -18,7 +18,11 @@ impl Program {
     ///
     /// Every operation is rounded as on the CPU, so a thread's results have the bits of the kernel over `f32` (of a
     /// NaN, that it is one).
+    ///
+    /// # Panics
+    /// If it is to work on members of runs, which have no CUDA yet.
     pub fn to_cuda(&self, options: &PrintOptions) -> String {
+        assert_eq!(options.members, Members::Worlds, "no CUDA but for worlds");
         let opening = format!(
             "{PRELUDE}\nextern \"C\" __global__ void __launch_bounds__({}) step(\n    \
              f32* __restrict__ state, const f32* __restrict__ input, f32* __restrict__ output,\n    \

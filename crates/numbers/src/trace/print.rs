@@ -30,7 +30,7 @@ pub enum Members {
     /// A member of a run; WGSL only.
     Runs,
     /// A member of a run that sits on two bodies; WGSL only. Its scratch, so many numbers of each, are the first numbers
-    /// of these bodies, each of which lies at `number · bodies + body`.
+    /// of these bodies, which binding 3 holds at `number · bodies + body`.
     Seats(u32),
 }
 

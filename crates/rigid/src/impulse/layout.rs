@@ -388,10 +388,6 @@ impl Impulse {
     pub fn shapes(&self) -> &[Collider] {
         &self.shapes
     }
-    /// Whether the model gives any pair of shapes a surface of its own.
-    pub fn names_pairs(&self) -> bool {
-        !self.paired.is_empty()
-    }
     /// Where the controls hold forces from outside.
     pub fn forces(&self) -> std::ops::Range<usize> {
         self.input.force.start()..self.input.target_position.start()

@@ -258,10 +258,6 @@ impl PairTables {
             triangles,
         }
     }
-    /// Which kernel they are for.
-    pub fn route(&self) -> Route {
-        self.route
-    }
     /// Where a lane has the numbers of its pair of two convex solids.
     pub fn places(&self) -> PairPlaces {
         let t = &self.tables;

@@ -607,6 +607,10 @@ impl Impulse {
         let tie = &self.ties.list[tie];
         tie.solved.then_some(tie.rows)
     }
+    /// Which joint it is.
+    pub fn tied_joint(&self, tie: usize) -> JointId {
+        self.ties.list[tie].joint
+    }
     /// Whether anything opposes the acceleration of an axis: an armature, or the inertia of a stop.
     pub fn has_inertia<T: Float>(&self, parameters: &[T]) -> bool {
         let rows = 0..ROWS * self.ties();
