@@ -93,7 +93,7 @@ impl Steps {
         let pace = &mut pile.pace;
         let more = if taken == steps { 2 * pace.steps } else { 1 };
         pace.steps = more.min(STEPS);
-        pace.goes_on = flags == flag::MORE_ROUNDS;
+        pace.goes_on = flags & flag::MORE_ROUNDS != 0;
         if flags & flag::DEAD != 0 {
             return Ok(Progress::Dead);
         }

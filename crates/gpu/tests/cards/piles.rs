@@ -142,6 +142,21 @@ fn there_is_room_for_more() {
     for balls in [40, 80] {
         agrees(&table(balls, false), 20, 5);
     }
+    let pair = agrees(&row(600), 2, 3);
+    assert_eq!(pair.gpu.left_to_processor(), 0);
+}
+
+/// So many boxes on the ground, each against the next: the colour of a contact depends on all before it.
+fn row(boxes: usize) -> Model {
+    let mut world = Builder::new("row");
+    world.object("ground").scenery(ground());
+    let row = world.object("row");
+    for i in 0..boxes {
+        let half = DVec3::splat(0.05);
+        let cube = row.body(format!("box {i}")).shape(Geometry::Box { half });
+        cube.at(Pose::at(DVec3::new(0.1 * i as f64, 0.05, 0.0)));
+    }
+    world.build().unwrap()
 }
 
 /// A plate on so many balls on the ground: more contacts of one body than there are colours. Where the balls are fixed,
