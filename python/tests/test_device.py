@@ -59,7 +59,7 @@ def test_states_go_to_and_fro():
 def test_what_a_card_does_not_take_is_refused():
     with pytest.raises(DeviceError, match="single precision"):
         on(DEVICE, dtype="float64")
-    with pytest.raises(DeviceError, match="`impulse` does not support the joint"):
+    with pytest.raises(DeviceError, match=r"`impulse` does not (run on|support the joint)"):
         on(DEVICE, solver="impulse")
 
 
