@@ -1,5 +1,6 @@
 //! A card, ready to compute.
 
+use crate::pipeline::bind_group_layout;
 use crate::{Choice, GpuError};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -156,22 +157,5 @@ fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
         storage(true),
         wgpu::BufferBindingType::Uniform,
     ];
-    let entries = kinds.map(|ty| wgpu::BindGroupLayoutEntry {
-        binding: 0,
-        visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer {
-            ty,
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        },
-        count: None,
-    });
-    let numbered = entries.into_iter().zip(0..);
-    let entries: Vec<_> = numbered
-        .map(|(entry, binding)| wgpu::BindGroupLayoutEntry { binding, ..entry })
-        .collect();
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some("kernel"),
-        entries: &entries,
-    })
+    bind_group_layout(device, kinds)
 }

@@ -84,6 +84,25 @@ impl Staging {
         }
         Ok(())
     }
+    /// Submits what was asked of the card before, waits for it, and reads a range of a buffer's numbers.
+    pub fn fetch(
+        &mut self,
+        gpu: &Gpu,
+        mut encoder: wgpu::CommandEncoder,
+        buffer: &wgpu::Buffer,
+        range: Range<usize>,
+        read: impl FnOnce(&[f32]),
+    ) -> Result<(), GpuError> {
+        let numbers = range.len();
+        self.ask(gpu, &mut encoder, buffer, std::iter::once(range))?;
+        gpu.queue().submit([encoder.finish()]);
+        let Some(mapping) = self.map() else {
+            return Ok(());
+        };
+        gpu.wait()?;
+        // What was asked for in an earlier, longer question lies behind it.
+        mapping.read(gpu, |all| read(&all[..numbers]))
+    }
     /// Begins to fetch what was asked for; to be called once the questions are submitted.
     pub fn map(&self) -> Option<Mapping<'_>> {
         let buffer = self.0.as_ref()?;

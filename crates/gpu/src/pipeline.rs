@@ -1,7 +1,7 @@
 //! From WGSL to what a card runs.
 
 use crate::{Gpu, GpuError};
-use numbers::trace::{PrintOptions, Program};
+use numbers::trace::{Members, PrintOptions, Program};
 
 /// Invocations in a workgroup.
 pub(crate) const WORKGROUP: u32 = 64;
@@ -12,11 +12,12 @@ impl Gpu {
         &self,
         program: &Program,
         parameters_per_world: bool,
+        members: Members,
     ) -> Result<wgpu::ComputePipeline, GpuError> {
         let options = PrintOptions {
             workgroup_size: WORKGROUP,
             parameters_per_world,
-            ..PrintOptions::default()
+            members,
         };
         self.pipeline(&program.to_wgsl(&options)?, Some(self.layout()))
     }
@@ -109,4 +110,38 @@ impl Gpu {
             entries: &entries,
         })
     }
+}
+
+/// Buffers of these kinds, in the order of their numbers.
+pub(crate) fn bind_group_layout(
+    device: &wgpu::Device,
+    kinds: impl IntoIterator<Item = wgpu::BufferBindingType>,
+) -> wgpu::BindGroupLayout {
+    let entry = |(binding, ty)| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        count: None,
+    };
+    let entries = Vec::from_iter((0..).zip(kinds).map(entry));
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: None,
+        entries: &entries,
+    })
+}
+
+/// Runs a kernel in so many workgroups.
+pub(crate) fn dispatch(
+    pass: &mut wgpu::ComputePass<'_>,
+    kernel: &wgpu::ComputePipeline,
+    bindings: &wgpu::BindGroup,
+    workgroups: u32,
+) {
+    pass.set_pipeline(kernel);
+    pass.set_bind_group(0, bindings, &[]);
+    pass.dispatch_workgroups(workgroups, 1, 1);
 }

@@ -1,7 +1,7 @@
 //! Worlds that are set one by one, as resets set them.
 
 use crate::memory::filled;
-use crate::pipeline::WORKGROUP;
+use crate::pipeline::{WORKGROUP, dispatch};
 use crate::{Gpu, GpuError};
 
 /// The columns of some worlds of a part: `columns[number][i]` of `worlds[i]`.
@@ -23,9 +23,8 @@ impl Placement<'_> {
         let bindings = gpu.bindings(&pipeline.get_bind_group_layout(0), &buffers);
         let mut encoder = gpu.device().create_command_encoder(&Default::default());
         let mut pass = encoder.begin_compute_pass(&Default::default());
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &bindings, &[]);
-        pass.dispatch_workgroups((count as u32).div_ceil(WORKGROUP), 1, 1);
+        let workgroups = (count as u32).div_ceil(WORKGROUP);
+        dispatch(&mut pass, &pipeline, &bindings, workgroups);
         drop(pass);
         gpu.queue().submit([encoder.finish()]);
         gpu.check()

@@ -10,6 +10,7 @@ use crate::placement::Placement;
 use crate::{Gpu, GpuError};
 use model::{CollisionFilter, Model};
 use numbers::Memory;
+use numbers::trace::Members;
 use records::Programs;
 use rigid::impulse::Impulse;
 use rigid::{Lengths, Report, Solver};
@@ -151,7 +152,9 @@ impl Worlds {
         }
         let step = &self.programs.step;
         let program = report.map_or(step, |report| self.programs.report(report));
-        let compiled = self.gpu.kernel(program, self.differing())?;
+        let compiled = self
+            .gpu
+            .kernel(program, self.differing(), Members::Worlds)?;
         self.kernels[i] = Some(compiled.clone());
         Ok(compiled)
     }

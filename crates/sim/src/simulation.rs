@@ -731,15 +731,11 @@ impl<T: Float> Simulation<T> {
             self.moves();
         }
         self.tell()?;
-        let reports = self.remote.as_ref().is_some_and(Remote::reports);
-        if self.remote.is_none() || (!steps && !reports) {
+        let elsewhere = |remote: &&mut Remote<T>| steps || remote.reports();
+        let (engine, threads, lane) = (&*self.shared.engine, &self.threads, self.lane());
+        let Some(remote) = self.remote.as_mut().filter(elsewhere) else {
             self.fetch_state()?;
             self.perform_here(task);
-            return Ok(());
-        }
-        let (engine, threads) = (&*self.shared.engine, &self.threads);
-        let lane = self.lane();
-        let Some(remote) = &mut self.remote else {
             return Ok(());
         };
         remote.perform(task, &mut |world, substeps, state| {

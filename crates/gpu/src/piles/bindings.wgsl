@@ -21,8 +21,6 @@ struct Plan {
     colours: u32,
     pair_blocks: u32,
     contact_blocks: u32,
-    // Whether blows have to be looked for.
-    bounces: u32,
     // Offsets in the state.
     alive: u32,
     body_state: u32,
@@ -121,6 +119,16 @@ fn contact_count() -> u32 {
 // By its bits: compilers may take for granted that there are no others.
 fn is_finite(x: f32) -> bool {
     return (bitcast<u32>(x) & 0x7f800000u) != 0x7f800000u;
+}
+// Of the seven numbers of a place, the field of a row.
+fn place_field(i: u32) -> u32 {
+    return select(CENTER + i, ORIENTATION + i - 3u, i > 2u);
+}
+fn is_plane(shape: u32) -> bool {
+    return whole[plan.shape_form + shape * 2u + 1u] == 1u;
+}
+fn is_large(shape: u32) -> bool {
+    return whole[plan.first_corner + shape * 2u + 1u] == 1u;
 }
 fn row(field: u32, body: u32) -> f32 {
     return rows[field * plan.bodies + body];

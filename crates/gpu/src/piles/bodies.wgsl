@@ -42,8 +42,7 @@ fn load_bodies(@builtin(global_invocation_id) id: vec3<u32>) {
         rows[(VELOCITY + i) * plan.bodies + body] = state[source + STATE_VELOCITY + i];
     }
     for (var i = 0u; i < 7u; i++) {
-        let to = select(CENTER + i, ORIENTATION + i - 3u, i > 2u);
-        rows[to * plan.bodies + body] = state[source + i];
+        rows[place_field(i) * plan.bodies + body] = state[source + i];
     }
     // What spins faster has its step cut into parts.
     let spin = row3(VELOCITY + 3u, body);
@@ -63,7 +62,7 @@ fn load_shapes(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var i = 0u; i < 19u; i++) {
         var field = VELOCITY + i;
         if (i >= 12u) {
-            field = select(CENTER + i - 12u, ORIENTATION + i - 15u, i > 14u);
+            field = place_field(i - 12u);
         } else if (i >= 6u) {
             field = ACCELERATION + i - 6u;
         }
@@ -75,7 +74,7 @@ fn load_shapes(@builtin(global_invocation_id) id: vec3<u32>) {
 
 @compute @workgroup_size(64)
 fn find_blows(@builtin(global_invocation_id) id: vec3<u32>) {
-    if (plan.bounces != 0u && id.x < contact_count() && of_contact(MANIFOLD_STRUCK, id.x) > 0.0) {
+    if (id.x < contact_count() && of_contact(MANIFOLD_STRUCK, id.x) > 0.0) {
         stop(PROCESSOR);
     }
 }
@@ -138,7 +137,7 @@ fn store_bodies(@builtin(global_invocation_id) id: vec3<u32>) {
         state[to + STATE_VELOCITY + i] = row(VELOCITY + i, body);
     }
     for (var i = 0u; i < 7u; i++) {
-        state[to + i] = row(select(CENTER + i, ORIENTATION + i - 3u, i > 2u), body);
+        state[to + i] = row(place_field(i), body);
     }
     // Nothing sleeps here.
     state[to + STATE_REST] = 0.0;

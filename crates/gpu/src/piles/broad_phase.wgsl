@@ -10,6 +10,7 @@ fn bucket(cell: vec3<i32>) -> u32 {
     let c = bitcast<vec3<u32>>(cell);
     return ((c.x * 73856093u) ^ (c.y * 19349663u) ^ (c.z * 83492791u)) & (plan.buckets - 1u);
 }
+
 @compute @workgroup_size(64)
 fn surround(@builtin(global_invocation_id) id: vec3<u32>) {
     let shape = id.x;
@@ -22,7 +23,7 @@ fn surround(@builtin(global_invocation_id) id: vec3<u32>) {
     let most = abs(center) + half;
     let rounding = 1e-6 * max(most.x, max(most.y, most.z));
     var around = half + (constants[plan.grown + shape] + rounding);
-    if (whole[plan.shape_form + shape * 2u + 1u] == 1u) {
+    if (is_plane(shape)) {
         around = vec3(EVERYWHERE);
     }
     let least = center - around;
@@ -31,7 +32,7 @@ fn surround(@builtin(global_invocation_id) id: vec3<u32>) {
         placed[(PLACED + i) * plan.shapes + shape] = least[i];
         placed[(PLACED + 3u + i) * plan.shapes + shape] = greatest[i];
     }
-    if (whole[plan.first_corner + shape * 2u + 1u] == 1u) {
+    if (is_large(shape)) {
         return;
     }
     // Far out, and what is nowhere, is the processor's.
@@ -50,7 +51,7 @@ fn count_buckets(@builtin(global_invocation_id) id: vec3<u32>) {
     if (shape >= plan.shapes) {
         return;
     }
-    if (whole[plan.first_corner + shape * 2u + 1u] == 1u) {
+    if (is_large(shape)) {
         put(plan.bucket_of + shape, NONE);
         return;
     }

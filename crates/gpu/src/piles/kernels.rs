@@ -2,9 +2,9 @@
 
 use super::plan;
 use super::scene::Scene;
-use crate::pipeline::WORKGROUP;
+use crate::pipeline::bind_group_layout;
 use crate::{Gpu, GpuError};
-use numbers::trace::{Members, PrintOptions, Program};
+use numbers::trace::Members;
 use rigid::impulse::row;
 use wgpu::{BindGroupLayout, ComputePipeline};
 
@@ -81,16 +81,9 @@ impl Kernels {
         let text = plan::constants() + &TEXT.concat();
         let scan = include_str!("scan.wgsl");
         let sort = include_str!("sort.wgsl");
-        let (body, pair) = (Members::Runs, Members::Runs);
         let contact = Members::Seats(row::PREPARED as u32);
-        let kernel = |program: &Program, members, own_parameters| {
-            let text = program.to_wgsl(&PrintOptions {
-                workgroup_size: WORKGROUP,
-                parameters_per_world: own_parameters,
-                members,
-            })?;
-            gpu.pipeline(&text, Some(gpu.layout()))
-        };
+        let of_contact = |program| gpu.kernel(program, false, contact);
+        let of_run = |program| gpu.kernel(program, true, Members::Runs);
         let p = &scene.programs;
         let groups = scene.groups.iter();
         Ok(Self {
@@ -105,29 +98,23 @@ impl Kernels {
                 gpu.entry(sort, "count", Some(&sorted))?,
                 gpu.entry(sort, "place", Some(&sorted))?,
             ],
-            place: kernel(&p.place, Members::Worlds, true)?,
-            begin: kernel(&p.begin, body, true)?,
-            advance: kernel(&p.advance, body, true)?,
-            advance_again: kernel(&p.advance_again, body, true)?,
-            drift: kernel(&p.drift, body, true)?,
-            finish: kernel(&p.finish, body, true)?,
-            prepare: kernel(&p.prepare, contact, false)?,
-            foresee: kernel(&p.foresee, contact, false)?,
-            warm_start: kernel(&p.warm_start, contact, false)?,
-            push: kernel(&p.push, contact, false)?,
-            relax: kernel(&p.relax, contact, false)?,
+            place: gpu.kernel(&p.place, true, Members::Worlds)?,
+            begin: of_run(&p.begin)?,
+            advance: of_run(&p.advance)?,
+            advance_again: of_run(&p.advance_again)?,
+            drift: of_run(&p.drift)?,
+            finish: of_run(&p.finish)?,
+            prepare: of_contact(&p.prepare)?,
+            foresee: of_contact(&p.foresee)?,
+            warm_start: of_contact(&p.warm_start)?,
+            push: of_contact(&p.push)?,
+            relax: of_contact(&p.relax)?,
             apart: groups
                 .clone()
-                .map(|group| {
-                    group
-                        .apart
-                        .as_ref()
-                        .map(|p| kernel(p, pair, true))
-                        .transpose()
-                })
+                .map(|group| group.apart.as_ref().map(of_run).transpose())
                 .collect::<Result<_, _>>()?,
             groups: groups
-                .map(|group| kernel(&group.program, pair, true))
+                .map(|group| of_run(&group.program))
                 .collect::<Result<_, _>>()?,
             scanned,
             sorted,
@@ -149,28 +136,9 @@ fn bindings(gpu: &Gpu) -> Result<BindGroupLayout, GpuError> {
 
 /// Buffers to be written, then others to be read, then a uniform.
 fn layout(gpu: &Gpu, written: usize, read: usize) -> BindGroupLayout {
-    let kind = |i: usize| {
-        if i == written + read {
-            wgpu::BufferBindingType::Uniform
-        } else {
-            let read_only = i >= written;
-            wgpu::BufferBindingType::Storage { read_only }
-        }
-    };
-    let entry = |i: usize| wgpu::BindGroupLayoutEntry {
-        binding: i as u32,
-        visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer {
-            ty: kind(i),
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        },
-        count: None,
-    };
-    let entries = Vec::from_iter((0..=written + read).map(entry));
-    let descriptor = wgpu::BindGroupLayoutDescriptor {
-        label: None,
-        entries: &entries,
-    };
-    gpu.device().create_bind_group_layout(&descriptor)
+    let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
+    let written = std::iter::repeat_n(storage(false), written);
+    let read = std::iter::repeat_n(storage(true), read);
+    let uniform = std::iter::once(wgpu::BufferBindingType::Uniform);
+    bind_group_layout(gpu.device(), written.chain(read).chain(uniform))
 }

@@ -40,6 +40,11 @@ fn is_of(remembered: u32, lower: u32, upper: u32) -> bool {
     return min(c, d) == lower && max(c, d) == upper;
 }
 
+// Where a pair's lane has its numbers: `PairPlaces`, in order.
+fn places_of(pair: u32) -> u32 {
+    return plan.group_places + word(plan.pair_group + pair) * PLACES;
+}
+
 @compute @workgroup_size(64)
 fn seat_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
     let j = id.x;
@@ -49,7 +54,7 @@ fn seat_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
     let pair = word(plan.pair_order + j);
     put(plan.pair_place + pair, j);
     let shapes = ordered(pair);
-    let places = plan.group_places + word(plan.pair_group + pair) * PLACES;
+    let places = places_of(pair);
     for (var side = 0u; side < 2u; side++) {
         let shape = shapes[side];
         let size = whole[places + side];
@@ -102,7 +107,7 @@ fn part_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let pair = word(plan.pair_order + j);
-    let places = plan.group_places + word(plan.pair_group + pair) * PLACES;
+    let places = places_of(pair);
     if (whole[places + 12u] == 0u) {
         return;
     }
@@ -119,11 +124,10 @@ fn part_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
 
 // Of a pair's point, the first of its numbers.
 fn point_of(pair: u32, i: u32) -> u32 {
-    let places = plan.group_places + word(plan.pair_group + pair) * PLACES;
-    return whole[places + 10u] + i * POINT_PLACE;
+    return whole[places_of(pair) + 10u] + i * POINT_PLACE;
 }
 fn points_of(pair: u32) -> u32 {
-    return whole[plan.group_places + word(plan.pair_group + pair) * PLACES + 11u];
+    return whole[places_of(pair) + 11u];
 }
 fn of_pair(pair: u32, at: u32) -> f32 {
     return pair_scratch[at * plan.pairs + word(plan.pair_place + pair)];

@@ -39,15 +39,7 @@ impl Pile {
         numbers: Range<usize>,
         read: impl FnOnce(&[f32]),
     ) -> Result<(), GpuError> {
-        let mut encoder = gpu.device().create_command_encoder(&Default::default());
-        let ranges = std::iter::once(numbers.clone());
-        self.staging.ask(gpu, &mut encoder, &self.state, ranges)?;
-        gpu.queue().submit([encoder.finish()]);
-        if let Some(mapping) = self.staging.map() {
-            gpu.wait()?;
-            // What was asked for once lies behind it.
-            mapping.read(gpu, |all| read(&all[..numbers.len()]))?;
-        }
-        Ok(())
+        let encoder = gpu.device().create_command_encoder(&Default::default());
+        self.staging.fetch(gpu, encoder, &self.state, numbers, read)
     }
 }

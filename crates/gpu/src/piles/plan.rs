@@ -23,7 +23,6 @@ plan! {
     bodies: u32, shapes: u32, units: u32, large: u32, forms: u32, groups: u32, surfaces: u32,
     pairs: u32, contacts: u32, remembered: u32,
     buckets: u32, colours: u32, pair_blocks: u32, contact_blocks: u32,
-    bounces: u32,
     alive: u32, body_state: u32, count: u32, memory: u32, forgotten: u32,
     cells: u32, bucket_of: u32, bucket_start: u32, bucket_items: u32, unit_start: u32,
     pair_shapes: u32, pair_group: u32, pair_order: u32, pair_place: u32, group_matrix: u32,
@@ -111,9 +110,6 @@ impl Plan {
         self.pressing = take(self.contacts + 1);
         end
     }
-}
-
-impl Plan {
     pub fn group_matrix_length(&self) -> u32 {
         self.groups * self.pair_blocks
     }

@@ -5,6 +5,7 @@ use super::pile::Pile;
 use super::plan::{KEYS, Plan, run, status};
 use super::scene::Scene;
 use crate::memory::{NUMBER, buffer, filled, indirect};
+use crate::pipeline::dispatch;
 use crate::{Gpu, GpuError};
 use rigid::impulse::pair::placed;
 use rigid::impulse::{ContactTables, POINTS, REMEMBERED, row};
@@ -233,9 +234,7 @@ impl Scan {
     pub fn run(&self, pass: &mut ComputePass<'_>, k: &Kernels) {
         let blocks = self.length.div_ceil(SUMMED);
         for (kernel, blocks) in k.scan.iter().zip([blocks, 1, blocks]) {
-            pass.set_pipeline(kernel);
-            pass.set_bind_group(0, &self.bindings, &[]);
-            pass.dispatch_workgroups(blocks, 1, 1);
+            dispatch(pass, kernel, &self.bindings, blocks);
         }
     }
 }

@@ -10,11 +10,12 @@ use records::PilePrograms;
 use rigid::impulse::pair::{PairPlaces, PairTables, solid};
 use rigid::impulse::{FARTHEST, FREE_TURN, Impulse, NEARBY, WORLD, global, mass};
 use std::collections::{BTreeSet, HashMap};
+use std::sync::Arc;
 
 /// What all worlds of a model have in common.
 #[derive(Debug)]
 pub(super) struct Scene {
-    pub impulse: Impulse,
+    pub impulse: Arc<Impulse>,
     pub programs: PilePrograms,
     pub groups: Vec<Group>,
     pub constants: Vec<f32>,
@@ -23,6 +24,8 @@ pub(super) struct Scene {
     pub body_parameters: Vec<f32>,
     pub shape_parameters: Vec<f32>,
     pub globals: [f32; global::WIDTH],
+    /// Whether blows have to be looked for.
+    pub bounces: bool,
     /// With the places of constants, and not yet those of what steps need.
     pub plan: Plan,
 }
@@ -62,7 +65,7 @@ impl Scene {
         let forms: BTreeSet<_> = impulse.shapes().iter().map(form_of).collect();
         let forms = Vec::from_iter(forms);
         let mut scene = Self {
-            impulse: impulse.clone(),
+            impulse: Arc::new(impulse.clone()),
             programs: PilePrograms::record()?,
             groups: Vec::new(),
             constants: Vec::new(),
@@ -70,6 +73,7 @@ impl Scene {
             body_parameters: body_parameters(impulse, &parameters, &globals),
             shape_parameters: shape_parameters(impulse, &parameters, &globals),
             globals,
+            bounces: false,
             plan: Plan::default(),
         };
         let settings = impulse.settings();
@@ -165,7 +169,7 @@ impl Scene {
     }
 
     fn shapes(&mut self, parameters: &[f32], forms: &[Form], large: &[bool]) {
-        let impulse = self.impulse.clone();
+        let impulse = Arc::clone(&self.impulse);
         let shapes = impulse.shapes();
         let all = 0..shapes.len();
         self.plan.carriers = self.whole(shapes.iter().map(|s| s.row));
@@ -194,8 +198,8 @@ impl Scene {
         let shapes = self.impulse.shapes();
         let mut words = Vec::new();
         let mut apart: Vec<&[usize]> = Vec::new();
-        for ShapeId(shape) in shapes.iter().map(|s| s.shape) {
-            let Some(side) = filter.map(|filter| filter.side(ShapeId(shape))) else {
+        for shape in shapes.iter().map(|s| s.shape) {
+            let Some(side) = filter.map(|filter| filter.side(shape)) else {
                 words.extend([0; SIDE]);
                 continue;
             };
@@ -243,7 +247,7 @@ impl Scene {
 
     /// What each two surfaces make of a contact.
     fn surfaces(&mut self, parameters: &[f32]) {
-        let impulse = self.impulse.clone();
+        let impulse = Arc::clone(&self.impulse);
         let mut of_shape = Vec::new();
         let mut examples: Vec<u32> = Vec::new();
         let mut known = HashMap::new();
@@ -259,7 +263,7 @@ impl Scene {
         for a in &examples {
             for b in &examples {
                 let s = impulse.surface([*a, *b], parameters);
-                self.plan.bounces |= u32::from(s.restitution > 0.0);
+                self.bounces |= s.restitution > 0.0;
                 let [stiffness, damping] = s.spring;
                 table.extend([s.friction, s.restitution, s.torsion, s.rolling]);
                 table.extend([stiffness, damping, s.settling, s.sticking]);

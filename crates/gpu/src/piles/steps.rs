@@ -6,7 +6,7 @@ use super::plan::{BLOCK, COLOURS, KEYS, Plan, flag, run, status};
 use super::room::Room;
 use super::scene::Scene;
 use crate::memory::{NUMBER, Staging};
-use crate::pipeline::WORKGROUP;
+use crate::pipeline::{WORKGROUP, dispatch};
 use crate::{Gpu, GpuError};
 use wgpu::{BindGroup, CommandEncoder, ComputePass, ComputePipeline};
 
@@ -138,16 +138,11 @@ impl Steps {
         for _ in 0..steps {
             self.encode(kernels, scene, &own, pile.pace.rounds, &mut encoder);
         }
-        let all = std::iter::once(0..status::WIDTH);
-        self.staging.ask(gpu, &mut encoder, status, all)?;
-        gpu.queue().submit([encoder.finish()]);
         let mut told = [0; status::WIDTH];
-        if let Some(mapping) = self.staging.map() {
-            gpu.wait()?;
-            mapping.read(gpu, |numbers| {
-                told = std::array::from_fn(|i| numbers[i].to_bits());
-            })?;
-        }
+        let staging = &mut self.staging;
+        staging.fetch(gpu, encoder, status, 0..status::WIDTH, |numbers| {
+            told = std::array::from_fn(|i| numbers[i].to_bits());
+        })?;
         Ok(told)
     }
 
@@ -263,7 +258,7 @@ impl Steps {
         for step in 0..scene.impulse.settings().contact_iterations {
             if step == 0 {
                 dispatch(pass, &k.advance, &s.bodies, bodies);
-                if p.bounces != 0 {
+                if scene.bounces {
                     self.run(pass, &k.foresee, &s.contacts, run::CONTACTS);
                     let all = p.contacts.div_ceil(WORKGROUP);
                     dispatch(pass, &k.entries.find_blows, own, all);
@@ -291,15 +286,4 @@ impl Steps {
         let launches = &self.room.buffers.launches;
         pass.dispatch_workgroups_indirect(launches, u64::from(3 * run) * NUMBER);
     }
-}
-
-fn dispatch(
-    pass: &mut ComputePass<'_>,
-    kernel: &ComputePipeline,
-    bindings: &BindGroup,
-    workgroups: u32,
-) {
-    pass.set_pipeline(kernel);
-    pass.set_bind_group(0, bindings, &[]);
-    pass.dispatch_workgroups(workgroups, 1, 1);
 }
