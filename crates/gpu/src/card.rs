@@ -9,6 +9,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 #[derive(Clone, Debug)]
 pub struct Gpu(Arc<Card>);
 
+/// By text and entry points.
+pub(crate) type Pipelines = HashMap<(String, String), Vec<wgpu::ComputePipeline>>;
+
 #[derive(Debug)]
 struct Card {
     device: wgpu::Device,
@@ -16,8 +19,8 @@ struct Card {
     name: String,
     rounds: usize,
     layout: wgpu::BindGroupLayout,
-    /// What was compiled, by its text and entry point.
-    pipelines: Mutex<HashMap<(String, String), wgpu::ComputePipeline>>,
+    /// What was compiled, by its text and entry points.
+    pipelines: Mutex<Pipelines>,
     /// What went wrong first, which cards tell late.
     failure: Arc<Mutex<Option<String>>>,
 }
@@ -87,7 +90,7 @@ impl Gpu {
     }
     /// How many kernels are compiled for it so far.
     pub fn compiled(&self) -> usize {
-        lock(&self.0.pipelines).len()
+        lock(&self.0.pipelines).values().map(Vec::len).sum()
     }
 
     /// Most substeps of one launch.
@@ -103,9 +106,7 @@ impl Gpu {
     pub(crate) fn layout(&self) -> &wgpu::BindGroupLayout {
         &self.0.layout
     }
-    pub(crate) fn pipelines(
-        &self,
-    ) -> MutexGuard<'_, HashMap<(String, String), wgpu::ComputePipeline>> {
+    pub(crate) fn pipelines(&self) -> MutexGuard<'_, Pipelines> {
         lock(&self.0.pipelines)
     }
 

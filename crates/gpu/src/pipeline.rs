@@ -28,35 +28,36 @@ impl Gpu {
         text: &str,
         bindings: Option<&wgpu::BindGroupLayout>,
     ) -> Result<wgpu::ComputePipeline, GpuError> {
-        self.entry(text, "main", bindings)
+        let [pipeline] = self.entries(text, ["main"], bindings)?;
+        Ok(pipeline)
     }
 
-    /// The same of an entry point of a text that has several.
-    pub(crate) fn entry(
+    /// The same of entry points of one text.
+    pub(crate) fn entries<const N: usize>(
         &self,
         text: &str,
-        entry: &str,
+        entries: [&str; N],
         bindings: Option<&wgpu::BindGroupLayout>,
-    ) -> Result<wgpu::ComputePipeline, GpuError> {
-        let key = (text.to_owned(), entry.to_owned());
+    ) -> Result<[wgpu::ComputePipeline; N], GpuError> {
+        let key = (text.to_owned(), entries.join(" "));
         if let Some(known) = self.pipelines().get(&key) {
-            return Ok(known.clone());
+            return Ok(std::array::from_fn(|i| known[i].clone()));
         }
-        let compile = || self.compile(text, entry, bindings);
+        let compile = || self.compile(text, entries, bindings);
         let (compiled, wrong) = self.scoped(wgpu::ErrorFilter::Validation, compile);
         if let Some(wrong) = wrong {
             return Err(self.failed(wrong));
         }
-        self.pipelines().insert(key, compiled.clone());
+        self.pipelines().insert(key, compiled.to_vec());
         Ok(compiled)
     }
 
-    fn compile(
+    fn compile<const N: usize>(
         &self,
         text: &str,
-        entry: &str,
+        entries: [&str; N],
         bindings: Option<&wgpu::BindGroupLayout>,
-    ) -> wgpu::ComputePipeline {
+    ) -> [wgpu::ComputePipeline; N] {
         let device = self.device();
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("kernel"),
@@ -68,13 +69,15 @@ impl Gpu {
                 ..Default::default()
             })
         });
-        device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("kernel"),
-            layout: layout.as_ref(),
-            module: &module,
-            entry_point: Some(entry),
-            compilation_options: Default::default(),
-            cache: None,
+        entries.map(|entry| {
+            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some("kernel"),
+                layout: layout.as_ref(),
+                module: &module,
+                entry_point: Some(entry),
+                compilation_options: Default::default(),
+                cache: None,
+            })
         })
     }
 

@@ -7,7 +7,7 @@
 
 mod piles;
 
-pub use piles::PilePrograms;
+pub use piles::{JointPrograms, PilePrograms};
 
 use numbers::trace::{self, Program, TraceError};
 use rigid::{Kernels, Lengths, Report, Solver};

@@ -2,6 +2,7 @@
 
 use numbers::trace::{Program, TraceError, record};
 use numbers::{Machine, Real};
+use rigid::impulse::joint::{self, JointTables};
 use rigid::impulse::pair::{PairTables, ShapeTables, place};
 use rigid::impulse::{BodyTables, ContactTables, blow, body, contact};
 
@@ -31,6 +32,41 @@ pub struct PilePrograms {
     pub push: Program,
     /// A contact that does not.
     pub relax: Program,
+}
+
+/// What is done to joints, as records. Parameters are those of [`JointTables`].
+#[derive(Clone, Debug)]
+pub struct JointPrograms {
+    /// The targets of drives, as a step begins.
+    pub follow: Program,
+    /// Where a joint stands.
+    pub place: Program,
+    /// Rates of its axes, as a small step begins.
+    pub measure: Program,
+    /// A joint as the first small step begins.
+    pub warm_start: Program,
+    /// A joint that is also pushed together.
+    pub push: Program,
+    /// A joint that is not.
+    pub relax: Program,
+}
+
+impl JointPrograms {
+    /// Records them.
+    ///
+    /// # Errors
+    /// The kernels do what a record cannot express.
+    pub fn record() -> Result<Self, TraceError> {
+        let t = &JointTables::new();
+        Ok(Self {
+            follow: record(|k| joint::follow(k, t))?,
+            place: record(|k| joint::place(k, t))?,
+            measure: record(|k| joint::measure(k, t))?,
+            warm_start: record(|k| joint::warm_start(k, t))?,
+            push: record(|k| hold(k, t, 1.0))?,
+            relax: record(|k| hold(k, t, 0.0))?,
+        })
+    }
 }
 
 impl PilePrograms {
@@ -72,6 +108,10 @@ impl PilePrograms {
 
 fn advance<M: Machine>(k: &mut M, t: &BodyTables, again: f64) {
     body::advance(k, t, M::R::lit(again));
+}
+
+fn hold<M: Machine>(k: &mut M, t: &JointTables, pushing: f64) {
+    joint::solve(k, t, M::R::lit(pushing));
 }
 
 fn solve<M: Machine>(k: &mut M, t: &ContactTables, pushing: f64) {

@@ -44,6 +44,7 @@ kernels! {
     Foresee(k) = blow::foresee(k, &ContactTables::new());
     Strike(k) = blow::strike(k, &ContactTables::new());
     Place(k) = place(k, &ShapeTables::new());
+    Follow(k) = joint::follow(k, &JointTables::new());
     Stand(k) = joint::place(k, &JointTables::new());
     Measure(k) = joint::measure(k, &JointTables::new());
     WarmJoint(k) = joint::warm_start(k, &JointTables::new());
@@ -153,6 +154,7 @@ fn kernels_of_contacts_record_well() {
 
 #[test]
 fn kernels_of_joints_record_well() {
+    records_well_in(&Follow, Lane::joint, 0..=2);
     records_well_in(&Stand, Lane::joint, 0..=0);
     records_well_in(&Measure, Lane::joint, 0..=0);
     records_well_in(&WarmJoint, Lane::joint, 0..=0);

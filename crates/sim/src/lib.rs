@@ -37,6 +37,7 @@ pub use device::{Address, Device, DeviceError, DeviceWorlds, Processor};
 pub use effort::Effort;
 pub use error::SimulationError;
 pub use events::{Event, EventKind, Watch};
+pub use impulse::joint_runs;
 pub use outputs::{Contact, Outputs};
 pub use parameter::Parameter;
 pub use quantity::{Control, Quantity};

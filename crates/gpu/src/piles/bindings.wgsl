@@ -16,6 +16,9 @@ struct Plan {
     pairs: u32,
     contacts: u32,
     remembered: u32,
+    // How many joints there are, and numbers of the laws of each.
+    joints: u32,
+    law_numbers: u32,
     // Buckets of cells, a power of two, and colours that the host has launched kernels for.
     buckets: u32,
     colours: u32,
@@ -27,6 +30,9 @@ struct Plan {
     count: u32,
     memory: u32,
     forgotten: u32,
+    // Of what joints carry, and of what the host gives them, which lies behind the state.
+    tied: u32,
+    given: u32,
     // Offsets in `words`.
     cells: u32,
     bucket_of: u32,
@@ -57,6 +63,7 @@ struct Plan {
     large_shapes: u32,
     shape_surface: u32,
     first_corner: u32,
+    ties: u32,
     // Offsets in `constants`.
     margin: u32,
     grown: u32,
@@ -85,9 +92,10 @@ struct Plan {
 @group(0) @binding(11) var<storage, read_write> status: array<atomic<u32>>;
 @group(0) @binding(12) var<storage, read_write> runs: array<vec2<u32>>;
 @group(0) @binding(13) var<storage, read_write> launches: array<u32>;
-@group(0) @binding(14) var<storage, read> constants: array<f32>;
-@group(0) @binding(15) var<storage, read> whole: array<u32>;
-@group(0) @binding(16) var<uniform> plan: Plan;
+@group(0) @binding(14) var<storage, read_write> joints: array<f32>;
+@group(0) @binding(15) var<storage, read> constants: array<f32>;
+@group(0) @binding(16) var<storage, read> whole: array<u32>;
+@group(0) @binding(17) var<uniform> plan: Plan;
 
 const NONE: u32 = 0xffffffffu;
 // What a plane has on all sides.

@@ -1,25 +1,27 @@
 //! What a step of a pile consists of, compiled.
 
+use super::joints::Joints;
 use super::plan;
 use super::scene::Scene;
 use crate::pipeline::bind_group_layout;
 use crate::{Gpu, GpuError};
 use numbers::trace::Members;
-use rigid::impulse::row;
+use rigid::impulse::{ContactTables, row};
 use wgpu::{BindGroupLayout, ComputePipeline};
 
 /// What lies between the kernels. One text, since all see the same buffers.
-const TEXT: [&str; 6] = [
+const TEXT: [&str; 7] = [
     include_str!("bindings.wgsl"),
     include_str!("bodies.wgsl"),
     include_str!("broad_phase.wgsl"),
     include_str!("narrow_phase.wgsl"),
     include_str!("colours.wgsl"),
     include_str!("contacts.wgsl"),
+    include_str!("joints.wgsl"),
 ];
 
 /// Storage buffers that it binds, the last two to be read only; and the plan.
-pub(super) const BINDINGS: usize = 16;
+pub(super) const BINDINGS: usize = 17;
 const READ_ONLY: usize = 2;
 
 macro_rules! entries {
@@ -31,9 +33,9 @@ macro_rules! entries {
         }
         impl Entries {
             fn new(gpu: &Gpu, text: &str, bindings: &BindGroupLayout) -> Result<Self, GpuError> {
-                Ok(Self {
-                    $($name: gpu.entry(text, stringify!($name), Some(bindings))?,)+
-                })
+                let names = [$(stringify!($name)),+];
+                let [$($name),+] = gpu.entries(text, names, Some(bindings))?;
+                Ok(Self { $($name,)+ })
             }
         }
     };
@@ -46,6 +48,7 @@ entries! {
     join, paint, settle, plan_colours, seat_contacts, find_pressing,
     find_blows, read_contacts, check_bodies, check_shapes,
     store_bodies, store_contacts, end,
+    load_joints, store_joints,
 }
 
 /// All of it.
@@ -69,9 +72,36 @@ pub(super) struct Kernels {
     pub warm_start: ComputePipeline,
     pub push: ComputePipeline,
     pub relax: ComputePipeline,
+    pub joints: Option<JointKernels>,
     /// Of each group of pairs: which are apart, and where they touch.
     pub apart: Vec<Option<ComputePipeline>>,
     pub groups: Vec<ComputePipeline>,
+}
+
+/// What is done to joints.
+#[derive(Debug)]
+pub(super) struct JointKernels {
+    pub follow: ComputePipeline,
+    pub place: ComputePipeline,
+    pub measure: ComputePipeline,
+    pub warm_start: ComputePipeline,
+    pub push: ComputePipeline,
+    pub relax: ComputePipeline,
+}
+
+impl JointKernels {
+    fn new(gpu: &Gpu, joints: &Joints) -> Result<Self, GpuError> {
+        let kernel = |program| gpu.kernel(program, false, joints.members());
+        let p = &joints.programs;
+        Ok(Self {
+            follow: kernel(&p.follow)?,
+            place: kernel(&p.place)?,
+            measure: kernel(&p.measure)?,
+            warm_start: kernel(&p.warm_start)?,
+            push: kernel(&p.push)?,
+            relax: kernel(&p.relax)?,
+        })
+    }
 }
 
 impl Kernels {
@@ -81,23 +111,20 @@ impl Kernels {
         let text = plan::constants() + &TEXT.concat();
         let scan = include_str!("scan.wgsl");
         let sort = include_str!("sort.wgsl");
-        let contact = Members::Seats(row::PREPARED as u32);
+        let contact = Members::Seats {
+            bodies: row::PREPARED as u32,
+            state: ContactTables::new().length as u32,
+        };
         let of_contact = |program| gpu.kernel(program, false, contact);
+        let joint = |joints| JointKernels::new(gpu, joints);
         let of_run = |program| gpu.kernel(program, true, Members::Runs);
         let p = &scene.programs;
         let groups = scene.groups.iter();
         Ok(Self {
             entries: Entries::new(gpu, &text, &bindings)?,
             bindings,
-            scan: [
-                gpu.entry(scan, "groups", Some(&scanned))?,
-                gpu.entry(scan, "sums", Some(&scanned))?,
-                gpu.entry(scan, "add", Some(&scanned))?,
-            ],
-            sort: [
-                gpu.entry(sort, "count", Some(&sorted))?,
-                gpu.entry(sort, "place", Some(&sorted))?,
-            ],
+            scan: gpu.entries(scan, ["groups", "sums", "add"], Some(&scanned))?,
+            sort: gpu.entries(sort, ["count", "place"], Some(&sorted))?,
             place: gpu.kernel(&p.place, true, Members::Worlds)?,
             begin: of_run(&p.begin)?,
             advance: of_run(&p.advance)?,
@@ -109,6 +136,7 @@ impl Kernels {
             warm_start: of_contact(&p.warm_start)?,
             push: of_contact(&p.push)?,
             relax: of_contact(&p.relax)?,
+            joints: scene.joints.as_ref().map(joint).transpose()?,
             apart: groups
                 .clone()
                 .map(|group| group.apart.as_ref().map(of_run).transpose())

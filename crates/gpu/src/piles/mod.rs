@@ -1,7 +1,7 @@
 //! Worlds of many bodies that touch, by `impulse`: one world after the other, each by all of the card.
 //!
-//! A step is what it is on the processor (`sim/src/impulse`), by the same kernels: of bodies, shapes, pairs of shapes and
-//! contacts, one in each invocation. What lies between them is WGSL: which shapes are near each other, which contact was
+//! A step is what it is on the processor (`sim/src/impulse`), by the same kernels: of bodies, shapes, pairs of shapes,
+//! contacts and joints, one in each invocation. What lies between them is WGSL: which shapes are near each other, which contact was
 //! there before, which colour it has. It finds the pairs in order, and the colours that contacts get one after the other, so
 //! that a step is the processor's but for rounding.
 //!
@@ -11,8 +11,9 @@
 //! forces act from outside. Where there is too little room for pairs, contacts or colours, a step is taken again with more,
 //! and where the card has no more, by the processor.
 //!
-//! Nothing sleeps in the steps that a card takes. Joints, meshes, sensor shapes and surfaces of pairs are refused.
+//! Nothing sleeps in the steps that a card takes. Meshes, sensor shapes and surfaces of pairs are refused.
 
+mod joints;
 mod kernels;
 mod pile;
 mod plan;
@@ -40,6 +41,8 @@ pub(crate) struct Piles {
     kernels: Kernels,
     steps: Steps,
     worlds: Vec<Pile>,
+    /// Numbers of the controls of a world.
+    inputs: usize,
     /// Of each world, whether forces act from outside.
     pushed: Vec<bool>,
     /// Steps that the processor has taken.
@@ -61,6 +64,7 @@ impl Piles {
         let kernels = Kernels::new(gpu, &scene)?;
         let piles = (0..worlds).map(|_| Pile::new(gpu, &scene));
         Ok(Self {
+            inputs: impulse.lengths().input,
             steps: Steps::new(gpu, &scene, &kernels)?,
             worlds: piles.collect::<Result<_, _>>()?,
             pushed: vec![false; worlds],
@@ -107,11 +111,16 @@ impl DeviceWorlds<f32> for Piles {
         Ok(self.gpu.check()?)
     }
     fn write_input(&mut self, _: Range<usize>, input: &Memory<f32>) -> Result<(), DeviceError> {
+        let scene = &self.scene;
         for (world, pushed) in self.pushed.iter_mut().enumerate() {
-            let mut forces = self.scene.impulse.forces();
-            *pushed = forces.any(|i| input.get(world, i) != 0.0);
+            let numbers: Vec<_> = (0..self.inputs).map(|i| input.get(world, i)).collect();
+            *pushed = scene.impulse.is_pushed(&numbers);
+            if let Some(joints) = &scene.joints {
+                let given = joints.given_by(&scene.impulse, &scene.parameters, &numbers);
+                self.worlds[world].write_given(&self.gpu, scene, &given);
+            }
         }
-        Ok(())
+        Ok(self.gpu.check()?)
     }
     fn write_parameters(&mut self, _: &Memory<f32>) -> Result<(), DeviceError> {
         self.takes_constants()

@@ -3,7 +3,7 @@
 use super::room::sized;
 use super::scene::Scene;
 use super::steps::Pace;
-use crate::memory::Staging;
+use crate::memory::{NUMBER, Staging};
 use crate::{Gpu, GpuError};
 use std::ops::Range;
 use wgpu::Buffer;
@@ -11,6 +11,7 @@ use wgpu::Buffer;
 /// A world.
 #[derive(Debug)]
 pub(super) struct Pile {
+    /// Its state, and behind it what is given to its joints.
     pub state: Buffer,
     /// Of each contact that it remembers, the colour that it had: where colouring begins, which changes nothing.
     pub colours: Buffer,
@@ -20,8 +21,10 @@ pub(super) struct Pile {
 
 impl Pile {
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, GpuError> {
+        let given = scene.joints.as_ref();
+        let given = given.map_or(0, |joints| joints.given() * joints.count());
         Ok(Self {
-            state: sized(gpu, scene.impulse.lengths().state as u64)?,
+            state: sized(gpu, u64::from(scene.plan.given) + given as u64)?,
             colours: sized(gpu, scene.impulse.capacity() as u64)?,
             pace: Pace::default(),
             staging: Staging::default(),
@@ -31,6 +34,12 @@ impl Pile {
     pub fn write(&self, gpu: &Gpu, state: &[f32]) {
         let bytes = bytemuck::cast_slice(state);
         gpu.queue().write_buffer(&self.state, 0, bytes);
+    }
+    /// Gives numbers to the joints.
+    pub fn write_given(&self, gpu: &Gpu, scene: &Scene, given: &[f32]) {
+        let at = u64::from(scene.plan.given) * NUMBER;
+        let bytes = bytemuck::cast_slice(given);
+        gpu.queue().write_buffer(&self.state, at, bytes);
     }
     /// Reads these numbers of the state.
     pub fn read(

@@ -1,5 +1,6 @@
 //! How many things of each kind there are, and where their words lie; and the same as text, for the shader.
 
+use super::joints;
 use super::scene::{PLACES, SIDE, UNIT};
 use bytemuck::{Pod, Zeroable};
 use rigid::impulse::pair::{FAR, placed, point_place, solid};
@@ -21,9 +22,10 @@ macro_rules! plan {
 
 plan! {
     bodies: u32, shapes: u32, units: u32, large: u32, forms: u32, groups: u32, surfaces: u32,
-    pairs: u32, contacts: u32, remembered: u32,
+    pairs: u32, contacts: u32, remembered: u32, joints: u32, law_numbers: u32,
     buckets: u32, colours: u32, pair_blocks: u32, contact_blocks: u32,
     alive: u32, body_state: u32, count: u32, memory: u32, forgotten: u32,
+    tied: u32, given: u32,
     cells: u32, bucket_of: u32, bucket_start: u32, bucket_items: u32, unit_start: u32,
     pair_shapes: u32, pair_group: u32, pair_order: u32, pair_place: u32, group_matrix: u32,
     contact_start: u32, body_start: u32, body_items: u32,
@@ -31,6 +33,7 @@ plan! {
     pressing: u32,
     carriers: u32, sides: u32, apart_start: u32, apart_items: u32, shape_form: u32, form_group: u32,
     group_places: u32, unit_shapes: u32, large_shapes: u32, shape_surface: u32, first_corner: u32,
+    ties: u32,
     margin: u32, grown: u32, solids: u32, corners: u32, surface: u32, spin_limit: u32,
     cell: f32, fastest: f32, farthest: f32,
 }
@@ -207,7 +210,8 @@ pub(super) fn constants() -> String {
         ("SAME_PLACE", SAME_PLACE),
         ("NEARBY", NEARBY),
     ];
+    let whole = whole.into_iter().chain(joints::constants());
     let whole = whole.map(|(name, n)| format!("const {name}: u32 = {n}u;\n"));
     let real = real.map(|(name, x)| format!("const {name}: f32 = {x:e}f;\n"));
-    whole.concat() + &real.concat()
+    whole.chain(real).collect()
 }

@@ -1,5 +1,6 @@
 //! Room for what a step finds. Worlds are stepped one after the other, and share it.
 
+use super::joints::Joints;
 use super::kernels::Kernels;
 use super::pile::Pile;
 use super::plan::{KEYS, Plan, run, status};
@@ -21,6 +22,7 @@ pub(super) struct Buffers {
     pair_scratch: Buffer,
     fresh: Buffer,
     contacts: Buffer,
+    joints: Buffer,
     seats: Buffer,
     words: Buffer,
     pub status: Buffer,
@@ -39,6 +41,8 @@ pub(super) struct Room {
     pub bodies: BindGroup,
     pub contacts: BindGroup,
     pub colours: Vec<BindGroup>,
+    /// Of runs of joints; the last has all.
+    pub joints: Vec<BindGroup>,
     pub groups: Vec<BindGroup>,
     /// Of buckets, units, groups, touching pairs, bodies, colours, pressing contacts.
     pub scans: [Scan; 7],
@@ -73,6 +77,7 @@ impl Buffers {
             pair_scratch: of(plan.pairs, scratch)?,
             fresh: of(plan.contacts, REMEMBERED)?,
             contacts: of(plan.contacts, ContactTables::new().length)?,
+            joints: of(plan.joints, scene.joints.as_ref().map_or(0, Joints::width))?,
             seats: of(2 * plan.contacts, 1)?,
             words: of(words + words.div_ceil(SUMMED), 1)?,
             status: filled(gpu, &[0_u32; status::WIDTH])?,
@@ -96,6 +101,27 @@ pub(super) fn sized(gpu: &Gpu, numbers: u64) -> Result<Buffer, GpuError> {
         });
     }
     buffer(gpu, numbers)
+}
+
+/// What the kernels of each run of joints bind.
+fn bind_joints(
+    gpu: &Gpu,
+    joints: &Joints,
+    buffers: &Buffers,
+    globals: &Buffer,
+    plan: &Plan,
+) -> Result<Vec<BindGroup>, GpuError> {
+    let seats = filled(gpu, &joints.seats)?;
+    let runs = filled(gpu, joints.runs.as_flattened())?;
+    let links = filled(gpu, &joints.links)?;
+    let (own, rows) = (&buffers.joints, &buffers.rows);
+    let numbers = 0..joints.runs.len() as u32;
+    let bind = |number| {
+        let launch = gpu.uniform(&[plan.joints, number, plan.bodies]);
+        let all = [own, &seats, &runs, rows, globals, &links, &launch];
+        gpu.bindings(gpu.layout(), &all)
+    };
+    Ok(numbers.map(bind).collect())
 }
 
 impl Room {
@@ -172,6 +198,10 @@ impl Room {
             colours: (0..plan.colours)
                 .map(|colour| of_contacts(run::COLOURS + colour))
                 .collect(),
+            joints: match &scene.joints {
+                Some(joints) => bind_joints(gpu, joints, &buffers, &globals, plan)?,
+                None => Vec::new(),
+            },
             groups: groups.collect::<Result<_, GpuError>>()?,
             scans: [
                 scan(plan.bucket_start, plan.buckets),
@@ -222,6 +252,7 @@ impl Room {
             &b.status,
             &b.runs,
             &b.launches,
+            &b.joints,
             &b.constants,
             &b.whole,
             &b.plan,

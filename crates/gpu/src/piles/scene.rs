@@ -1,5 +1,6 @@
 //! A model of piles as a card has it: constants, and what is worked on together.
 
+use super::joints::Joints;
 use super::plan::{GROUPS, Plan};
 use crate::memory::NUMBER;
 use crate::{Gpu, GpuError};
@@ -17,6 +18,8 @@ use std::sync::Arc;
 pub(super) struct Scene {
     pub impulse: Arc<Impulse>,
     pub programs: PilePrograms,
+    pub joints: Option<Joints>,
+    pub parameters: Vec<f32>,
     pub groups: Vec<Group>,
     pub constants: Vec<f32>,
     pub whole: Vec<u32>,
@@ -67,6 +70,7 @@ impl Scene {
         let mut scene = Self {
             impulse: Arc::new(impulse.clone()),
             programs: PilePrograms::record()?,
+            joints: Joints::new(impulse, &parameters)?,
             groups: Vec::new(),
             constants: Vec::new(),
             whole: Vec::new(),
@@ -75,6 +79,7 @@ impl Scene {
             globals,
             bounces: false,
             plan: Plan::default(),
+            parameters: parameters.clone(),
         };
         let settings = impulse.settings();
         let shapes = impulse.shapes();
@@ -94,6 +99,7 @@ impl Scene {
         scene.units(&large);
         scene.surfaces(&parameters);
         scene.spins(&parameters);
+        scene.tie();
         Ok(scene)
     }
 
@@ -284,7 +290,21 @@ impl Scene {
                 limits[shape.row as usize] = limit as f32;
             }
         }
+        if let Some(joints) = &self.joints {
+            joints.limit_spins(impulse, &mut limits);
+        }
         self.plan.spin_limit = self.constants(limits);
+    }
+
+    /// Where joints are, and where their numbers lie.
+    fn tie(&mut self) {
+        self.plan.given = self.impulse.lengths().state as u32;
+        let Some(joints) = &self.joints else { return };
+        self.plan.joints = joints.count() as u32;
+        self.plan.law_numbers = joints.law_numbers() as u32;
+        self.plan.tied = self.impulse.tied_state(0).start as u32;
+        let ties = joints.ties.clone();
+        self.plan.ties = self.whole(ties);
     }
 }
 
@@ -331,11 +351,6 @@ fn check(impulse: &Impulse, model: &Model) -> Result<(), GpuError> {
             None => id.0.to_string(),
         }
     };
-    let mut ties = 0..impulse.ties();
-    if let Some(tie) = ties.find(|tie| impulse.tied_rows(*tie).is_some()) {
-        let joint = &model.joints[impulse.tied_joint(tie).0];
-        return Err(unsupported("the joint", &joint.name, processor));
-    }
     if let Some(mesh) = shapes.iter().find(|shape| shape.kind == kind::MESH) {
         let hulls = "take its convex hull, or run on the processor";
         return Err(unsupported("the mesh", &name(mesh.shape), hulls));

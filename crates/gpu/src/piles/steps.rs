@@ -1,5 +1,6 @@
 //! Steps of worlds, submitted several at a time.
 
+use super::joints::Joints;
 use super::kernels::Kernels;
 use super::pile::Pile;
 use super::plan::{BLOCK, COLOURS, KEYS, Plan, flag, run, status};
@@ -85,7 +86,8 @@ impl Steps {
         steps: usize,
     ) -> Result<Progress, GpuError> {
         let small_steps = scene.impulse.settings().contact_iterations;
-        let launches = small_steps * 2 * (self.plan.colours as usize + 1);
+        let joints = scene.joints.as_ref().map_or(0, |joints| joints.runs.len());
+        let launches = small_steps * 2 * (self.plan.colours as usize + joints + 1);
         let most = pile.pace.steps.min(LAUNCHES / launches).max(1);
         let steps = steps.min(most);
         let told = self.submit(gpu, scene, kernels, pile, steps)?;
@@ -235,6 +237,14 @@ impl Steps {
         all(pass, &e.plan_colours, KEYS);
         all(pass, &e.seat_contacts, p.contacts);
         self.run(pass, &k.prepare, &s.contacts, run::CONTACTS);
+        let joints = scene.joints.as_ref().zip(k.joints.as_ref());
+        if let Some((joints, kernels)) = joints {
+            all(pass, &e.load_joints, p.joints);
+            if joints.drives {
+                self.all_joints(pass, &kernels.follow, joints);
+            }
+            self.all_joints(pass, &kernels.place, joints);
+        }
         self.small_steps(pass, k, scene, own);
         dispatch(pass, &k.finish, &s.bodies, bodies);
         all(pass, &e.read_contacts, p.contacts);
@@ -244,18 +254,25 @@ impl Steps {
         all(pass, &e.check_shapes, p.shapes);
         all(pass, &e.store_bodies, p.bodies);
         all(pass, &e.store_contacts, p.contacts);
+        if joints.is_some() {
+            all(pass, &e.store_joints, p.joints);
+        }
         all(pass, &e.end, 1);
     }
 
     fn small_steps(&self, pass: &mut ComputePass<'_>, k: &Kernels, scene: &Scene, own: &BindGroup) {
         let (p, s) = (&self.plan, &self.room);
         let bodies = p.bodies.div_ceil(WORKGROUP);
+        let joints = scene.joints.as_ref().zip(k.joints.as_ref());
         let contacts = |pass: &mut ComputePass<'_>, kernel: &ComputePipeline| {
             for (colour, bindings) in (0..p.colours).zip(&s.colours) {
                 self.run(pass, kernel, bindings, run::COLOURS + colour);
             }
         };
         for step in 0..scene.impulse.settings().contact_iterations {
+            if let Some((joints, kernels)) = joints.filter(|(joints, _)| joints.inertia) {
+                self.all_joints(pass, &kernels.measure, joints);
+            }
             if step == 0 {
                 dispatch(pass, &k.advance, &s.bodies, bodies);
                 if scene.bounces {
@@ -264,12 +281,39 @@ impl Steps {
                     dispatch(pass, &k.entries.find_blows, own, all);
                 }
                 contacts(pass, &k.warm_start);
+                if let Some((joints, kernels)) = joints {
+                    self.joints(pass, &kernels.warm_start, joints);
+                }
             } else {
                 dispatch(pass, &k.advance_again, &s.bodies, bodies);
             }
             contacts(pass, &k.push);
+            if let Some((joints, kernels)) = joints {
+                self.joints(pass, &kernels.push, joints);
+            }
             dispatch(pass, &k.drift, &s.bodies, bodies);
+            if let Some((joints, kernels)) = joints {
+                self.all_joints(pass, &kernels.place, joints);
+            }
             contacts(pass, &k.relax);
+            if let Some((joints, kernels)) = joints {
+                self.joints(pass, &kernels.relax, joints);
+            }
+        }
+    }
+
+    /// Runs a kernel on all joints side by side.
+    fn all_joints(&self, pass: &mut ComputePass<'_>, kernel: &ComputePipeline, joints: &Joints) {
+        if let (Some(bindings), Some([_, count])) = (self.room.joints.last(), joints.runs.last()) {
+            dispatch(pass, kernel, bindings, count.div_ceil(WORKGROUP));
+        }
+    }
+
+    /// Runs a kernel on all joints, run by run.
+    fn joints(&self, pass: &mut ComputePass<'_>, kernel: &ComputePipeline, joints: &Joints) {
+        let all = self.room.joints.len().saturating_sub(1);
+        for (bindings, [_, count]) in self.room.joints[..all].iter().zip(&joints.runs) {
+            dispatch(pass, kernel, bindings, count.div_ceil(WORKGROUP));
         }
     }
 

@@ -29,9 +29,14 @@ pub enum Members {
     Worlds,
     /// A member of a run; WGSL only.
     Runs,
-    /// A member of a run that sits on two bodies; WGSL only. Its scratch, so many numbers of each, are the first numbers
-    /// of these bodies, which binding 3 holds at `number · bodies + body`.
-    Seats(u32),
+    /// A member of a run that sits on two bodies; WGSL only.
+    Seats {
+        /// The first numbers of its scratch are so many of each of these bodies, which binding 3 holds at
+        /// `number · bodies + body`.
+        bodies: u32,
+        /// The others lie behind so many numbers of its state.
+        state: u32,
+    },
 }
 
 impl Default for PrintOptions {
@@ -179,10 +184,17 @@ impl<L: Language> Printer<'_, L> {
             Kind::State => format!("state[({offset}) * worlds + world]"),
             Kind::Input => format!("input[({offset}) * worlds + world]"),
             Kind::Output => format!("output[({offset}) * worlds + world]"),
-            Kind::Scratch if matches!(self.options.members, Members::Seats(_)) => {
-                format!("scratch[seat({offset}, world)]")
-            }
-            Kind::Scratch => format!("scratch[({offset}) * worlds + world]"),
+            Kind::Scratch => match self.options.members {
+                Members::Seats { bodies, .. } if place.offset < 2 * bodies => {
+                    format!("scratch[seat({offset}, world)]")
+                }
+                Members::Seats { bodies, state } => {
+                    let offset = place.offset - 2 * bodies + state;
+                    let offset = self.offset(Place { offset, ..place }, row)?;
+                    format!("state[({offset}) * worlds + world]")
+                }
+                _ => format!("scratch[({offset}) * worlds + world]"),
+            },
             Kind::Parameter if self.options.parameters_per_world => {
                 format!("parameters[({offset}) * worlds + world]")
             }

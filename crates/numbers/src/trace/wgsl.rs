@@ -40,7 +40,7 @@ impl Program {
         let opening = match options.members {
             Members::Worlds => of_worlds(options),
             Members::Runs => of_runs(options, ""),
-            Members::Seats(width) => of_runs(options, &seat(width)),
+            Members::Seats { bodies, .. } => of_runs(options, &seat(bodies)),
         };
         self.print::<Wgsl>(options, opening)
     }

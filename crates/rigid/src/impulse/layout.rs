@@ -25,6 +25,9 @@ pub(super) const NAME: &str = "impulse";
 /// Row of what does not move.
 pub const WORLD: u32 = 0;
 
+/// Longest turn [rad] in a step of a body that joints hold, while its inertia is taken not to turn.
+pub const HELD_TURN: f64 = 0.125;
+
 /// Longest turn [rad] in a step of bodies that no joint holds and that are no balls, while their arms are taken not to turn.
 pub const FREE_TURN: f64 = 0.5;
 
@@ -388,9 +391,14 @@ impl Impulse {
     pub fn shapes(&self) -> &[Collider] {
         &self.shapes
     }
-    /// Where the controls hold forces from outside.
-    pub fn forces(&self) -> std::ops::Range<usize> {
-        self.input.force.start()..self.input.target_position.start()
+    /// Whether forces act on bodies from outside, besides those along the axes of joints.
+    pub fn is_pushed<T: Float>(&self, input: &[T]) -> bool {
+        let forces = &input[self.input.force.start()..];
+        let mut pushes = self
+            .free
+            .iter()
+            .flat_map(|free| &forces[free.dof..free.dof + 6]);
+        pushes.any(|x| *x != T::zero())
     }
     /// How many contacts a world remembers.
     pub fn capacity(&self) -> usize {

@@ -105,15 +105,17 @@ impl<T: Float> JointBatch<'_, T> {
             for (side, row) in rows.into_iter().enumerate() {
                 self.bodies[side * width + lane] = row;
             }
-            let mut tied = state.impulse.tied(tie, state, input, h);
+            let tied = state.impulse.tied(tie, state.parameters, input, h);
+            let carried = state.impulse.carried(tie, state.state);
+            self.write(lane, width, &tied, carried);
             if first {
-                tied.joint[field::SUM..][..6].fill(T::zero());
+                let sum = JointTables::new().joint.at(0, field::SUM);
+                (sum..sum + 6).for_each(|at| self.numbers[at * width + lane] = T::zero());
             }
-            self.write(lane, width, &tied);
         }
     }
 
-    fn write(&mut self, lane: usize, width: usize, tied: &Tied<T>) {
+    fn write(&mut self, lane: usize, width: usize, tied: &Tied<T>, carried: &[T]) {
         let t = JointTables::new();
         let mut put = |at: usize, numbers: &[T]| {
             for (i, x) in numbers.iter().enumerate() {
@@ -121,6 +123,7 @@ impl<T: Float> JointBatch<'_, T> {
             }
         };
         put(t.joint.at(0, 0), &tied.joint);
+        put(t.joint.at(0, field::CONSTANTS), carried);
         for row in 0..ROWS {
             put(t.axis.at(row, 0), &tied.axes[row]);
             let links = &mut self.links[row * axis_link::WIDTH..];
@@ -138,6 +141,7 @@ impl<T: Float> JointBatch<'_, T> {
 /// What to do with joints.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum JointStage {
+    Follow,
     Place,
     Measure,
     WarmStart,
@@ -153,18 +157,28 @@ pub(super) struct Joints<'a, 'b, T: Float> {
     pub stage: JointStage,
 }
 
+/// What a stage sees of the bodies of a joint.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Sees {
+    Nothing,
+    /// All of them, and changes nothing.
+    Place,
+    /// Their motion, which it changes.
+    Motion,
+}
+
 /// A stage as a type, as for bodies.
 trait JointWork {
-    /// Whether it needs all of the bodies, and changes nothing of them; else their motion.
-    const PLACES: bool;
+    /// What it sees of its bodies.
+    const SEES: Sees;
     fn run<M: Machine>(k: &mut M, t: &JointTables, pushing: M::R);
 }
 
 macro_rules! joint_work {
-    ($($name:ident($k:ident, $t:ident, $pushing:ident) = $kernel:expr, $places:literal;)+) => {
+    ($($name:ident($k:ident, $t:ident, $pushing:ident) = $kernel:expr, $sees:ident;)+) => {
         $(struct $name;
         impl JointWork for $name {
-            const PLACES: bool = $places;
+            const SEES: Sees = Sees::$sees;
             #[inline(always)]
             fn run<M: Machine>($k: &mut M, $t: &JointTables, $pushing: M::R) {
                 $kernel
@@ -174,11 +188,12 @@ macro_rules! joint_work {
 }
 
 joint_work! {
-    Place(k, t, _pushing) = joint::place(k, t), true;
-    Measure(k, t, _pushing) = joint::measure(k, t), false;
-    WarmStart(k, t, _pushing) = joint::warm_start(k, t), false;
-    Solve(k, t, pushing) = joint::solve(k, t, pushing), false;
-    Strike(k, t, _pushing) = joint::strike(k, t), false;
+    Follow(k, t, _pushing) = joint::follow(k, t), Nothing;
+    Place(k, t, _pushing) = joint::place(k, t), Place;
+    Measure(k, t, _pushing) = joint::measure(k, t), Motion;
+    WarmStart(k, t, _pushing) = joint::warm_start(k, t), Motion;
+    Solve(k, t, pushing) = joint::solve(k, t, pushing), Motion;
+    Strike(k, t, _pushing) = joint::strike(k, t), Motion;
 }
 
 impl<T: Float> Job for Joints<'_, '_, T> {
@@ -188,6 +203,7 @@ impl<T: Float> Job for Joints<'_, '_, T> {
     #[inline(always)]
     fn run<R: Lanes<Scalar = T>>(self) {
         match self.stage {
+            JointStage::Follow => self.work::<R, Follow>(false),
             JointStage::Place => self.work::<R, Place>(false),
             JointStage::Measure => self.work::<R, Measure>(false),
             JointStage::WarmStart => self.work::<R, WarmStart>(false),
@@ -211,10 +227,10 @@ impl<T: Float> Joints<'_, '_, T> {
             ];
             for side in 0..2 {
                 let to = &mut work[side * PLACED..];
-                if W::PLACES {
-                    bodies[side].gather::<R, PLACED>(0, to);
-                } else {
-                    bodies[side].gather::<R, WRITTEN>(row::VELOCITY, to);
+                match W::SEES {
+                    Sees::Nothing => {}
+                    Sees::Place => bodies[side].gather::<R, PLACED>(0, to),
+                    Sees::Motion => bodies[side].gather::<R, WRITTEN>(row::VELOCITY, to),
                 }
             }
             let mut k = Cpu {
@@ -227,7 +243,7 @@ impl<T: Float> Joints<'_, '_, T> {
             };
             W::run(&mut k, &t, pushing);
             for side in 0..2 {
-                if !W::PLACES {
+                if W::SEES == Sees::Motion {
                     let from = &work[side * PLACED..];
                     bodies[side].scatter::<R, WRITTEN>(row::VELOCITY, from);
                 }

@@ -129,6 +129,7 @@ impl<T: Float> Solver<'_, T> {
                 self.contacts(scene, batches, ContactStage::Prepare);
             });
         }
+        let drives = self.impulse.drives();
         for colour in &shares.joints {
             member.stage(colour, |batches| {
                 for batch in batches.iter_mut() {
@@ -139,6 +140,9 @@ impl<T: Float> Solver<'_, T> {
                         self.length,
                         self.first,
                     );
+                }
+                if drives {
+                    self.joints(scene, batches, JointStage::Follow);
                 }
                 self.joints(scene, batches, JointStage::Place);
             });

@@ -15,7 +15,7 @@ use numbers::Float;
 use rayon::prelude::*;
 use rigid::impulse::pair::{Placed, placed};
 use rigid::impulse::{
-    Cached, FARTHEST, FREE_TURN, Impulse, REMEMBERED, State, WORLD, global, row, state,
+    Cached, FARTHEST, FREE_TURN, HELD_TURN, Impulse, REMEMBERED, State, WORLD, global, row, state,
 };
 
 /// What a step needs besides the world's state; nothing in it outlives a step but its memory.
@@ -105,7 +105,7 @@ impl<T: Float> World<'_, T> {
         }
     }
 
-    /// Into how many parts a step is cut. Bodies that joints hold may turn by no more than [`TURN`] in
+    /// Into how many parts a step is cut. Bodies that joints hold may turn by no more than [`HELD_TURN`] in
     /// each, since their inertia is that of when it began: a chain that cracks like a whip flew apart at
     /// a third of a radian. Others that are no balls about their centres of mass may turn by no more than [`FREE_TURN`],
     /// since their arms are those of then: a rod would be stopped by what it does not reach, and a plank turn past a wall.
@@ -130,10 +130,10 @@ impl<T: Float> World<'_, T> {
             }
         });
         let free = free.sqrt();
-        let turn = held.max(free * (TURN / FREE_TURN)) * self.length();
+        let turn = held.max(free * (HELD_TURN / FREE_TURN)) * self.length();
         let steps = self.small_steps();
         let divides = |parts: &usize| steps.is_multiple_of(*parts);
-        let short = |parts: &usize| turn <= TURN * *parts as f64;
+        let short = |parts: &usize| turn <= HELD_TURN * *parts as f64;
         (1..steps).filter(divides).find(short).unwrap_or(steps)
     }
 
@@ -479,8 +479,6 @@ impl<T: Float> World<'_, T> {
     }
 }
 
-/// Longest turn [rad] of a body that joints hold, while its inertia is taken not to turn.
-const TURN: f64 = 0.125;
 /// Parts of a list for each thread.
 const PARTS: usize = 2;
 /// Fewer things are not worth another thread.

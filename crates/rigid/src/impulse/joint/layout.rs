@@ -43,8 +43,8 @@ mod dof {
     pub const WIDTH: usize = 15;
 }
 
-/// Numbers that a joint carries from step to step: its fields from the targets to the impulse.
-const CARRIED: usize = joint::WRITTEN - joint::TARGET;
+/// Numbers that a joint carries from step to step: its fields from the targets to the sums.
+pub const CARRIED: usize = joint::WRITTEN - joint::CONSTANTS;
 
 /// A row of a joint that is a degree of freedom.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,7 +84,7 @@ pub(in super::super) struct Tie {
 #[derive(Clone, Debug, PartialEq)]
 pub(in super::super) struct Ties {
     pub list: Vec<Tie>,
-    constants: Table<Parameter, { joint::TARGET }>,
+    constants: Table<Parameter, { joint::CONSTANTS }>,
     /// [`ROWS`] a tie.
     dofs: Table<Parameter, { dof::WIDTH }>,
     motors: Table<Parameter, 9>,
@@ -93,11 +93,11 @@ pub(in super::super) struct Ties {
     targets: Vec<[f64; ROWS]>,
 }
 
-/// What a lane takes of a joint when a step begins.
+/// What a lane takes of a joint when a step begins, besides what it carries from the step before.
 #[derive(Clone, Copy, Debug)]
 pub struct Tied<T> {
     /// The first fields of [`joint`].
-    pub joint: [T; joint::WRITTEN],
+    pub joint: [T; joint::CONSTANTS],
     /// The first fields of [`axis`], a row each.
     pub axes: [[T; axis::CONSTANTS]; ROWS],
     /// Laws with bounds, a row each.
@@ -279,8 +279,8 @@ impl Tie {
         self.dofs_of(joint).map(|own| own.map_or(0.0, target))
     }
 
-    /// The first fields of [`joint`], up to the target.
-    fn constants(&self, joint: &Joint, inner: &[Pose]) -> [f64; joint::TARGET] {
+    /// The first fields of [`joint`].
+    fn constants(&self, joint: &Joint, inner: &[Pose]) -> [f64; joint::CONSTANTS] {
         let directions = |kind| -> Vec<DVec3> {
             let axes = joint.axes.iter().filter(|axis| axis.kind == kind);
             axes.map(|axis| axis.direction).collect()
@@ -303,7 +303,7 @@ impl Tie {
         } else {
             -1.0
         };
-        let mut x = [0.0; joint::TARGET];
+        let mut x = [0.0; joint::CONSTANTS];
         let mut put =
             |at: usize, numbers: &[f64]| x[at..at + numbers.len()].copy_from_slice(numbers);
         put(joint::ANCHOR_A, &a.point(anchor).to_array());
@@ -452,15 +452,14 @@ impl Forces {
 
 /// A world's numbers, as a controller has them.
 struct Given<'a, T> {
-    state: &'a State<'a, T>,
+    impulse: &'a Impulse,
+    parameters: &'a [T],
     input: &'a [T],
-    /// Length of the step [s].
-    h: f64,
 }
 
 impl<T: Float> Given<'_, T> {
     fn inputs(&self) -> &InputTables {
-        &self.state.impulse.input
+        &self.impulse.input
     }
     fn force(&self, dof: usize) -> f64 {
         self.input[self.inputs().force.at(dof, 0)].to_f64()
@@ -475,77 +474,19 @@ impl<T: Float> Given<'_, T> {
         self.input[self.inputs().control.at(actuator, 0)].to_f64()
     }
     fn ties(&self) -> &Ties {
-        &self.state.impulse.ties
+        &self.impulse.ties
     }
     /// Constants of a row.
     fn dof(&self, tie: usize, row: usize) -> [f64; dof::WIDTH] {
         let at = self.ties().dofs.at(ROWS * tie + row, 0);
-        std::array::from_fn(|i| self.state.parameters[at + i].to_f64())
+        std::array::from_fn(|i| self.parameters[at + i].to_f64())
     }
     fn motor(&self, i: usize) -> [f64; 9] {
         let at = self.ties().motors.at(i, 0);
-        std::array::from_fn(|field| self.state.parameters[at + field].to_f64())
+        std::array::from_fn(|field| self.parameters[at + field].to_f64())
     }
-    /// A joint's field of those that it carries from step to step.
-    fn carried(&self, tie: usize, field: usize) -> f64 {
-        let field = field - joint::TARGET;
-        self.state.state[self.ties().state.at(tie, field)].to_f64()
-    }
-
-    /// The targets of a joint's drives as they follow those set.
-    fn follow(&self, tie: usize) -> [f64; ROWS] {
-        let one = &self.ties().list[tie];
-        let mut target: [f64; ROWS] = std::array::from_fn(|i| self.carried(tie, joint::TARGET + i));
-        let time = |row| self.dof(tie, row)[dof::DRIVE + 3];
-        if one.ball {
-            if let Some(first) = one.freedoms[0].as_ref().filter(|f| f.driven) {
-                let follows = self.ball_target(tie, first.dof, time(0)).to_array();
-                target[..4].copy_from_slice(&follows);
-            }
-            return target;
-        }
-        for (row, freedom) in one.freedoms.iter().enumerate() {
-            if let Some(freedom) = freedom.as_ref().filter(|f| f.driven) {
-                target[row] = self.axis_target(tie, row, freedom, time(row));
-            }
-        }
-        target
-    }
-
-    /// The target of a ball as it follows.
-    fn ball_target(&self, tie: usize, first: usize, time: f64) -> DQuat {
-        let now = [0, 1, 2, 3].map(|i| self.carried(tie, joint::TARGET + i));
-        let now = DQuat::from_array(now);
-        let goal = DVec3::from_array([0, 1, 2].map(|i| self.target(first + i)));
-        let way = (now.inverse() * DQuat::from_scaled_axis(goal)).normalize();
-        let way = if way.w < 0.0 { -way } else { way };
-        let share = self.h / (time + self.h);
-        (now * DQuat::from_scaled_axis(way.to_scaled_axis() * share)).normalize()
-    }
-
-    /// The target of an axis as it follows.
-    fn axis_target(&self, tie: usize, row: usize, freedom: &Freedom, time: f64) -> f64 {
-        let now = self.carried(tie, joint::TARGET + row);
-        let way = around(self.target(freedom.dof) - now, freedom.turns);
-        now + way * (self.h / (time + self.h))
-    }
-
-    /// Where the drive of a row pulls its coordinate, less the reference: a ball's to none.
-    fn rest(&self, tie: usize, row: usize, freedom: &Freedom, target: f64) -> f64 {
-        if self.ties().list[tie].ball {
-            return 0.0;
-        }
-        let rest = target - self.dof(tie, row)[dof::REFERENCE];
-        if freedom.turns {
-            let now = self.carried(tie, joint::ANGLE + row);
-            return now + around(rest - now, true);
-        }
-        rest
-    }
-
-    /// What acts along a row, whose drive's target has followed to `target`.
-    fn forces(&self, tie: usize, row: usize, freedom: &Freedom, target: f64) -> Forces {
-        let x = self.dof(tie, row);
+    /// What acts along a row.
+    fn forces(&self, freedom: &Freedom, x: &[f64; dof::WIDTH]) -> Forces {
         let reference = x[dof::REFERENCE];
         let stiffness = x[dof::STIFFNESS];
         let force = stiffness * (x[dof::REST] - reference) + self.force(freedom.dof);
@@ -554,6 +495,12 @@ impl<T: Float> Given<'_, T> {
             laws: [[0.0; law::WIDTH]; LAWS],
             count: 0,
         };
+        if freedom.driven {
+            let [k, d, effort] = [0, 1, 2].map(|i| x[dof::DRIVE + i]);
+            let force = d * self.target_velocity(freedom.dof);
+            // Its rest follows the target.
+            forces.bounded([k, d, 0.0, force], [-effort, effort]);
+        }
         if freedom.limited {
             let [lower, upper, k, d, m] = [0, 1, 2, 3, 4].map(|i| x[dof::LIMIT + i]);
             forces.stop([k, d, lower - reference, m], [0.0, UNBOUNDED]);
@@ -562,12 +509,6 @@ impl<T: Float> Given<'_, T> {
         if freedom.rubs {
             let most = x[dof::FRICTION];
             forces.bounded([0.0, STEEP * most, 0.0, 0.0], [-most, most]);
-        }
-        if freedom.driven {
-            let [k, d, effort] = [0, 1, 2].map(|i| x[dof::DRIVE + i]);
-            let force = d * self.target_velocity(freedom.dof);
-            let rest = self.rest(tie, row, freedom, target);
-            forces.bounded([k, d, rest, force], [-effort, effort]);
         }
         for &(i, limited) in &freedom.motors {
             let [gear, gain, b0, b1, b2, low, high, least, most] = self.motor(i);
@@ -619,8 +560,12 @@ impl Impulse {
     }
     /// Whether a controller moves a joint, or what it has set has not been reached.
     pub fn stirs<T: Float>(&self, tie: usize, state: &State<'_, T>, input: &[T]) -> bool {
-        let h = self.settings.substep();
-        let given = Given { state, input, h };
+        let given = Given {
+            impulse: self,
+            parameters: state.parameters,
+            input,
+        };
+        let targets = self.carried(tie, state.state);
         let all = &self.ties.list[tie];
         let mut freedoms = all.freedoms.iter().enumerate();
         all.solved
@@ -629,40 +574,68 @@ impl Impulse {
                 let pushed = given.force(f.dof) != 0.0;
                 let controlled = f.motors.iter().any(|m| given.control(m.0) != 0.0);
                 let runs = f.driven && given.target_velocity(f.dof) != 0.0;
-                let away = f.driven && given.is_away(tie, row, f);
+                let away = f.driven && given.is_away(tie, row, f, targets);
                 pushed || controlled || runs || away
             })
+    }
+    /// Whether a row of a joint is a degree of freedom, along which something may act.
+    pub fn freedoms(&self, tie: usize) -> [bool; ROWS] {
+        let freedoms = self.ties.list[tie].freedoms.each_ref();
+        freedoms.map(Option::is_some)
     }
     /// How many laws with bounds act along each row of a joint.
     pub fn law_counts(&self, tie: usize) -> [usize; ROWS] {
         let freedoms = self.ties.list[tie].freedoms.each_ref();
         freedoms.map(|f| f.as_ref().map_or(0, Freedom::laws))
     }
+    /// Whether any joint has a drive.
+    pub fn drives(&self) -> bool {
+        let mut freedoms = self.ties.list.iter().flat_map(|tie| &tie.freedoms);
+        freedoms.any(|freedom| freedom.as_ref().is_some_and(|f| f.driven))
+    }
     /// What a lane takes of a joint for a step of length h [s].
-    pub fn tied<T: Float>(&self, tie: usize, state: &State<'_, T>, input: &[T], h: f64) -> Tied<T> {
-        let given = Given { state, input, h };
-        let one = &self.ties.list[tie];
+    pub fn tied<T: Float>(&self, tie: usize, parameters: &[T], input: &[T], h: f64) -> Tied<T> {
+        let given = Given {
+            impulse: self,
+            parameters,
+            input,
+        };
+        let constants = &parameters[self.ties.constants.at(tie, 0)..];
         let mut tied = Tied {
-            joint: [T::zero(); joint::WRITTEN],
+            joint: std::array::from_fn(|i| constants[i]),
             axes: [[T::zero(); axis::CONSTANTS]; ROWS],
             laws: [[[T::zero(); law::WIDTH]; LAWS]; ROWS],
         };
-        let constants = &state.parameters[self.ties.constants.at(tie, 0)..][..joint::TARGET];
-        tied.joint[..joint::TARGET].copy_from_slice(constants);
-        let carried = &state.state[self.ties.state.at(tie, 0)..][..CARRIED];
-        tied.joint[joint::TARGET..].copy_from_slice(carried);
-        let target = given.follow(tie).map(T::from_f64);
-        tied.joint[joint::TARGET..][..ROWS].copy_from_slice(&target);
-        for (row, freedom) in one.freedoms.iter().enumerate() {
+        for (row, freedom) in self.ties.list[tie].freedoms.iter().enumerate() {
             let Some(freedom) = freedom else { continue };
-            let forces = given.forces(tie, row, freedom, target[row].to_f64());
+            let x = given.dof(tie, row);
+            let forces = given.forces(freedom, &x);
             let acts = forces.count > 0 || forces.passive != [0.0; 4];
             let [k, d, force, armature] = forces.passive;
-            let numbers = [f64::from(u8::from(acts)), k, d, force, armature];
+            let share = h / (x[dof::DRIVE + 3] + h);
+            let numbers = [
+                f64::from(u8::from(acts)),
+                k,
+                d,
+                force,
+                armature,
+                given.target(freedom.dof),
+                if freedom.driven { share } else { 0.0 },
+                x[dof::REFERENCE],
+                f64::from(u8::from(freedom.turns)),
+            ];
             tied.axes[row] = numbers.map(T::from_f64);
             tied.laws[row] = forces.laws.map(|law| law.map(T::from_f64));
         }
         tied
+    }
+    /// Where a joint's numbers lie in the state that it carries from step to step: its fields from the targets on.
+    pub fn tied_state(&self, tie: usize) -> std::ops::Range<usize> {
+        self.ties.state.at(tie, 0)..self.ties.state.at(tie + 1, 0)
+    }
+    /// These numbers.
+    pub fn carried<'a, T>(&self, tie: usize, state: &'a [T]) -> &'a [T] {
+        &state[self.tied_state(tie)]
     }
     /// Keeps what a joint carries to the next step: its fields from the targets on.
     pub fn keep_tied<T: Float>(
@@ -671,7 +644,7 @@ impl Impulse {
         numbers: impl Iterator<Item = T>,
         state: &mut [T],
     ) {
-        let carried = &mut state[self.ties.state.at(tie, 0)..][..CARRIED];
+        let carried = &mut state[self.tied_state(tie)];
         for (to, x) in carried.iter_mut().zip(numbers) {
             *to = x;
         }
@@ -699,17 +672,17 @@ impl Impulse {
 }
 
 impl<T: Float> Given<'_, T> {
-    /// Whether the drive of a row has not yet come to its target.
-    fn is_away(&self, tie: usize, row: usize, freedom: &Freedom) -> bool {
+    /// Whether the drive of a row, of which the targets are where the joint carries them, has not yet come to its goal.
+    fn is_away(&self, tie: usize, row: usize, freedom: &Freedom, targets: &[T]) -> bool {
         let one = &self.ties().list[tie];
         if one.ball {
             let first = freedom.dof - row;
-            let now = [0, 1, 2, 3].map(|i| self.carried(tie, joint::TARGET + i));
+            let now = [0, 1, 2, 3].map(|i| targets[i].to_f64());
             let goal = DVec3::from_array([0, 1, 2].map(|i| self.target(first + i)));
             let goal = DQuat::from_scaled_axis(goal);
             return 1.0 - goal.dot(DQuat::from_array(now)).abs() > REACHED * REACHED;
         }
-        let now = self.carried(tie, joint::TARGET + row);
+        let now = targets[row].to_f64();
         around(self.target(freedom.dof) - now, freedom.turns).abs() > REACHED
     }
 }
@@ -732,17 +705,17 @@ impl<T: Float> State<'_, T> {
     pub(in super::super) fn see(&self, tie: usize) -> Seen {
         let impulse = self.impulse;
         let one = &impulse.ties.list[tie];
-        let none = vec![T::zero(); impulse.input.length];
-        let h = impulse.settings.substep();
         let given = Given {
-            state: self,
-            input: &none,
-            h,
+            impulse,
+            parameters: self.parameters,
+            input: &[],
         };
         let t = JointTables::new();
         let mut numbers = vec![0.0; t.length];
-        let tied = impulse.tied(tie, self, &none, h);
-        for (x, from) in numbers.iter_mut().zip(tied.joint) {
+        let constants = &self.parameters[impulse.ties.constants.at(tie, 0)..];
+        let constants = constants[..joint::CONSTANTS].iter();
+        let all = constants.chain(impulse.carried(tie, self.state));
+        for (x, from) in numbers.iter_mut().zip(all) {
             *x = from.to_f64();
         }
         numbers[joint::TARGET..][..4].copy_from_slice(&[0.0, 0.0, 0.0, 1.0]);

@@ -36,11 +36,13 @@
 //! Impulses are kept as those on B at its anchor, in world axes. What was given again with the bodies'
 //! motion had the arms and axes of the small step before: [`solve`] gives the difference.
 
+mod drive;
 mod law;
 mod layout;
 mod tables;
 
-pub use layout::Tied;
+pub use drive::follow;
+pub use layout::{CARRIED, Tied};
 pub(super) use layout::{Ties, inner_frames, is_bare};
 pub use tables::{JointTables, LAWS, PLACED, ROWS, axis, axis_link, joint, law as bounded};
 

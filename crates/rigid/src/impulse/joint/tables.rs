@@ -37,6 +37,8 @@ pub mod joint {
     pub const BALL: usize = 32;
     /// By how much more A and B respond to each of their joints than they would to one.
     pub const SHARES: usize = 33;
+    /// How many of the first fields are constants.
+    pub const CONSTANTS: usize = 35;
     /// Target of a ball, a quaternion; of other joints the targets of their drives, a row each: 6. With the
     /// next three it is what a joint carries from step to step.
     pub const TARGET: usize = 35;
@@ -46,7 +48,7 @@ pub mod joint {
     pub const IMPULSE: usize = 44;
     /// The sum of these over the step, 6.
     pub const SUM: usize = 50;
-    /// How many of the first fields the host writes each step.
+    /// How many of the first fields are there before a step.
     pub const WRITTEN: usize = 56;
     /// Inverse masses of A and B.
     pub const INVERSE_MASS: usize = 56;
@@ -77,18 +79,26 @@ pub mod axis {
     /// Stiffness [N/m or N·m/rad], damping [N·s/m or N·m·s/rad], force at coordinate 0 and rest
     /// [N or N·m], armature [kg or kg·m²].
     pub const PASSIVE: usize = 1;
+    /// What the target of its drive follows [m or rad]; of a ball a number of the turn, a rotation vector.
+    pub const GOAL: usize = 5;
+    /// By which share of the way it follows in a step; 0 where there is no drive.
+    pub const SHARE: usize = 6;
+    /// What coordinates are reckoned from [m or rad].
+    pub const REFERENCE: usize = 7;
+    /// 1 where whole turns do not count.
+    pub const TURNS: usize = 8;
     /// How many of the first fields the host writes each step.
-    pub const CONSTANTS: usize = 5;
+    pub const CONSTANTS: usize = 9;
     /// The coordinate less its reference [m or rad].
-    pub const VALUE: usize = 5;
+    pub const VALUE: usize = 9;
     /// Its rate when the small step began [m/s or rad/s].
-    pub const BEGIN: usize = 6;
+    pub const BEGIN: usize = 10;
     /// What a unit impulse along the axis makes of the locks and itself: angular impulse, impulse.
-    pub const WRENCH: usize = 7;
+    pub const WRENCH: usize = 11;
     /// Change of the rate by that [1/kg or 1/(kg·m²)].
-    pub const RESPONSE: usize = 13;
+    pub const RESPONSE: usize = 17;
     /// Numbers in a row.
-    pub const WIDTH: usize = 14;
+    pub const WIDTH: usize = 18;
 }
 
 /// Fields of a law with bounds: f = force + stiffness (rest − θ) − damping (θ̇ − w), low ≤ f ≤ high.
@@ -117,7 +127,7 @@ pub mod law {
 pub mod axis_link {
     /// 1 where something acts in any lane.
     pub const ACTS: usize = 0;
-    /// First law.
+    /// First law: that of the drive, where there is one.
     pub const FIRST: usize = 1;
     /// The first one after its laws.
     pub const END: usize = 2;
@@ -166,7 +176,12 @@ pub struct JointTables {
 
 impl JointTables {
     /// Numbers that a kernel works with, those of the bodies first.
-    pub const SCRATCH: usize = 2 * PLACED + ROWS * work::WIDTH + ROWS * LAWS * line::WIDTH;
+    pub const SCRATCH: usize = Self::scratch(ROWS * LAWS);
+
+    /// The same of a joint along whose axes there are so many laws.
+    pub const fn scratch(laws: usize) -> usize {
+        2 * PLACED + ROWS * work::WIDTH + laws * line::WIDTH
+    }
 
     /// The layout; inlined, so that kernels know every offset when they are compiled.
     #[inline(always)]

@@ -1,0 +1,146 @@
+//! The joints of a model as a card has them: in runs of which each is solved side by side.
+
+use crate::GpuError;
+use numbers::trace::Members;
+use records::JointPrograms;
+use rigid::impulse::joint::{
+    CARRIED, JointTables, PLACED, ROWS, Tied, axis, axis_link, bounded, joint,
+};
+use rigid::impulse::{HELD_TURN, Impulse};
+use sim::joint_runs;
+
+/// What all worlds of a model have in common.
+#[derive(Debug)]
+pub(super) struct Joints {
+    pub programs: JointPrograms,
+    /// Joints in the order in which they are solved, as the solver counts them.
+    pub ties: Vec<u32>,
+    /// Rows of their bodies, `[side][joint]`.
+    pub seats: Vec<u32>,
+    /// First joint and number of joints of each run; the last run has all.
+    pub runs: Vec<[u32; 2]>,
+    pub links: Vec<u32>,
+    /// Whether anything opposes the acceleration of an axis, and whether there are drives.
+    pub inertia: bool,
+    pub drives: bool,
+    /// Of all axes the first law that is not theirs.
+    laws: usize,
+}
+
+impl Joints {
+    /// None where nothing is tied.
+    ///
+    /// # Errors
+    /// The kernels do what a record cannot express.
+    pub fn new(impulse: &Impulse, parameters: &[f32]) -> Result<Option<Self>, GpuError> {
+        let tied = (0..impulse.ties()).filter_map(|tie| Some((tie, impulse.tied_rows(tie)?)));
+        let (all, rows): (Vec<_>, Vec<_>) = tied.unzip();
+        if all.is_empty() {
+            return Ok(None);
+        }
+        let mut order = Vec::new();
+        let mut runs = Vec::new();
+        for run in joint_runs(&rows, impulse.rows()) {
+            runs.push([order.len() as u32, run.len() as u32]);
+            order.extend(run);
+        }
+        runs.push([0, order.len() as u32]);
+        let order = order.iter().map(|i| *i as usize);
+        let side = |side: usize| order.clone().map(|i| rows[i][side]).collect::<Vec<_>>();
+        let counts = all.iter().map(|tie| impulse.law_counts(*tie));
+        let most = counts.fold([0; ROWS], |a, b| {
+            std::array::from_fn(|row| a[row].max(b[row]))
+        });
+        let mut links = Vec::new();
+        let mut laws = 0;
+        for (row, count) in most.into_iter().enumerate() {
+            // Whether anything does changes with the controls.
+            let may_act = all.iter().any(|tie| impulse.freedoms(*tie)[row]);
+            let numbers = [may_act.into(), laws as u32, (laws + count) as u32];
+            links.extend::<[u32; axis_link::WIDTH]>(numbers);
+            laws += count;
+        }
+        Ok(Some(Self {
+            programs: JointPrograms::record()?,
+            ties: order.clone().map(|i| all[i] as u32).collect(),
+            seats: [side(0), side(1)].concat(),
+            runs,
+            links,
+            inertia: impulse.has_inertia(parameters),
+            drives: impulse.drives(),
+            laws,
+        }))
+    }
+
+    pub fn count(&self) -> usize {
+        self.ties.len()
+    }
+    /// Numbers of the laws of a joint.
+    pub fn law_numbers(&self) -> usize {
+        bounded::WIDTH * self.laws
+    }
+    /// Numbers that the host gives each joint.
+    pub fn given(&self) -> usize {
+        joint::CONSTANTS + ROWS * axis::CONSTANTS + self.law_numbers()
+    }
+    /// Numbers of a joint while a step runs, those of axes without laws left out; then what kernels work with.
+    fn lengths(&self) -> [usize; 2] {
+        let t = JointTables::new();
+        let scratch = JointTables::scratch(self.laws) - 2 * PLACED;
+        [t.law.at(self.laws, 0), scratch]
+    }
+    /// All of them.
+    pub fn width(&self) -> usize {
+        self.lengths().iter().sum()
+    }
+    pub fn members(&self) -> Members {
+        Members::Seats {
+            bodies: PLACED as u32,
+            state: self.lengths()[0] as u32,
+        }
+    }
+
+    /// What the host gives the joints of a world with these controls, `[number][joint]`.
+    pub fn given_by(&self, impulse: &Impulse, parameters: &[f32], input: &[f32]) -> Vec<f32> {
+        let count = self.count();
+        let mut given = vec![0.0; self.given() * count];
+        let h = impulse.settings().substep();
+        for (i, tie) in self.ties.iter().enumerate() {
+            let Tied { joint, axes, laws } = impulse.tied(*tie as usize, parameters, input, h);
+            let axes = axes.iter().flatten();
+            let counts = self.links.chunks_exact(axis_link::WIDTH);
+            let counts = counts.map(|l| (l[axis_link::END] - l[axis_link::FIRST]) as usize);
+            let laws = laws.iter().zip(counts).flat_map(|(laws, n)| &laws[..n]);
+            let numbers = joint.iter().chain(axes).chain(laws.flatten());
+            for (number, x) in numbers.enumerate() {
+                given[number * count + i] = *x;
+            }
+        }
+        given
+    }
+
+    /// How fast [rad/s] each held body may spin before its step is cut into parts.
+    pub fn limit_spins(&self, impulse: &Impulse, limits: &mut [f32]) {
+        let limit = 0.999 * HELD_TURN / impulse.settings().substep();
+        for row in &self.seats {
+            let own = &mut limits[*row as usize];
+            *own = own.min(limit as f32);
+        }
+    }
+}
+
+/// What the shader has as constants.
+pub(super) fn constants() -> [(&'static str, usize); 9] {
+    let t = JointTables::new();
+    [
+        ("JOINT_CONSTANTS", joint::CONSTANTS),
+        ("JOINT_TARGET", t.joint.at(0, joint::TARGET)),
+        ("JOINT_SUM", joint::SUM - joint::TARGET),
+        ("JOINT_CARRIED", CARRIED),
+        ("AXES", ROWS),
+        ("AXIS", t.axis.at(0, 0)),
+        ("AXIS_WIDTH", axis::WIDTH),
+        ("AXIS_CONSTANTS", axis::CONSTANTS),
+        ("LAW", t.law.at(0, 0)),
+    ]
+}

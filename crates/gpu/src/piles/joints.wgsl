@@ -1,0 +1,49 @@
+// Joints to lanes, and back. The host gives what they are and what their controls make of them, `[number][joint]`; the
+// state has what they carry from step to step, joint by joint.
+
+fn put_joint(field: u32, i: u32, x: f32) {
+    joints[field * plan.joints + i] = x;
+}
+fn given(number: u32, i: u32) -> f32 {
+    return state[plan.given + number * plan.joints + i];
+}
+fn carried(i: u32) -> u32 {
+    return plan.tied + whole[plan.ties + i] * JOINT_CARRIED;
+}
+
+@compute @workgroup_size(64)
+fn load_joints(@builtin(global_invocation_id) id: vec3<u32>) {
+    let i = id.x;
+    if (i >= plan.joints) {
+        return;
+    }
+    for (var field = 0u; field < JOINT_CONSTANTS; field++) {
+        put_joint(field, i, given(field, i));
+    }
+    let source = carried(i);
+    for (var field = 0u; field < JOINT_CARRIED; field++) {
+        // What a step gives is summed from its beginning.
+        put_joint(JOINT_TARGET + field, i, select(state[source + field], 0.0, field >= JOINT_SUM));
+    }
+    var number = JOINT_CONSTANTS;
+    for (var axis = 0u; axis < AXES; axis++) {
+        for (var field = 0u; field < AXIS_CONSTANTS; field++) {
+            put_joint(AXIS + axis * AXIS_WIDTH + field, i, given(number, i));
+            number++;
+        }
+    }
+    for (var field = 0u; field < plan.law_numbers; field++) {
+        put_joint(LAW + field, i, given(number + field, i));
+    }
+}
+
+@compute @workgroup_size(64)
+fn store_joints(@builtin(global_invocation_id) id: vec3<u32>) {
+    let i = id.x;
+    if (i >= plan.joints || !runs_on()) {
+        return;
+    }
+    for (var field = 0u; field < JOINT_CARRIED; field++) {
+        state[carried(i) + field] = joints[(JOINT_TARGET + field) * plan.joints + i];
+    }
+}

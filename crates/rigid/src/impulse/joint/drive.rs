@@ -1,0 +1,85 @@
+//! Targets of drives, which follow what the controller sets.
+//!
+//! A target θ* follows its goal θ̂ with the drive's control time T, once in a step of length H, implicit in time:
+//!
+//! ```text
+//! θ* ← θ* + s (θ̂ − θ*),    s = H/(T + H)
+//! q* ← q* exp(s log(q*⁻¹ q̂))                                              of a ball
+//! ```
+//!
+//! Where whole turns do not count, a goal is reached, and a coordinate pulled, the short way round.
+
+use super::tables::{JointTables, ROWS, axis, axis_link, joint, law};
+use numbers::{Machine, Quat, Real, Vec3};
+
+/// The targets of a joint's drives follow, and the drives' laws pull towards them.
+#[inline(always)]
+pub fn follow<M: Machine>(k: &mut M, t: &JointTables) {
+    let only = k.index(0);
+    let now: [M::R; ROWS] = k.read(t.joint, only, joint::TARGET);
+    let ball = k.load(t.joint, only, joint::BALL).gt(M::R::zero());
+    let turned = follow_ball(k, t, Quat::new(now[0], now[1], now[2], now[3]));
+    let turned = [turned.x, turned.y, turned.z, turned.w];
+    for row in 0..ROWS {
+        let i = k.index(row);
+        let [goal, share, reference, turns] = k.read(t.axis, i, axis::GOAL);
+        let turns = turns.gt(M::R::zero());
+        let target = around(goal - now[row], turns).fma(share, now[row]);
+        let kept = if row < 4 { turned[row] } else { now[row] };
+        k.store(
+            t.joint,
+            only,
+            joint::TARGET + row,
+            M::R::select(ball, kept, target),
+        );
+        let rest = target - reference;
+        // Coordinates along axes, the last three, never turn.
+        let rest = if row < 3 {
+            let angle = k.load(t.joint, only, joint::ANGLE + row);
+            M::R::select(turns, angle + around(rest - angle, turns), rest)
+        } else {
+            rest
+        };
+        let rest = M::R::select(ball, M::R::zero(), rest);
+        pull(k, t, i, rest, share.gt(M::R::zero()));
+    }
+}
+
+/// A ball's target; as it was where there is no drive.
+#[inline(always)]
+fn follow_ball<M: Machine>(k: &M, t: &JointTables, now: Quat<M::R>) -> Quat<M::R> {
+    let goal = Vec3::new(
+        k.load(t.axis, k.index(0), axis::GOAL),
+        k.load(t.axis, k.index(1), axis::GOAL),
+        k.load(t.axis, k.index(2), axis::GOAL),
+    );
+    let share = k.load(t.axis, k.index(0), axis::SHARE);
+    let way = (now.conjugate() * Quat::exp(goal)).log();
+    let after = (now * Quat::exp(way * share)).normalized();
+    Quat::select(share.gt(M::R::zero()), after, now)
+}
+
+/// A way, the short way round where whole turns do not count.
+#[inline(always)]
+fn around<R: Real>(way: R, turns: R::Mask) -> R {
+    let tau = R::lit(core::f64::consts::TAU);
+    let whole = (way / tau).round();
+    R::select(turns, whole.fnma(tau, way), way)
+}
+
+/// The drive's law, the first of its row, has this rest.
+#[inline(always)]
+fn pull<M: Machine>(
+    k: &mut M,
+    t: &JointTables,
+    row: M::I,
+    rest: M::R,
+    drives: <M::R as Real>::Mask,
+) {
+    let first = k.link(t.links, row, axis_link::FIRST);
+    let end = k.link(t.links, row, axis_link::END);
+    if let Some(_branch) = k.when(k.less(first, end)) {
+        let other = k.load(t.law, first, law::REST);
+        k.store(t.law, first, law::REST, M::R::select(drives, rest, other));
+    }
+}
