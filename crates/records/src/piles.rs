@@ -16,6 +16,8 @@ pub struct PilePrograms {
     pub advance: Program,
     /// The same of those that follow.
     pub advance_again: Program,
+    /// A body before blows, and after them.
+    pub part: Program,
     /// A body within a small step.
     pub drift: Program,
     /// A body as the step ends.
@@ -28,6 +30,10 @@ pub struct PilePrograms {
     pub foresee: Program,
     /// A contact as the first small step begins.
     pub warm_start: Program,
+    /// A contact that may be struck, in the first round of blows.
+    pub strike_foreseen: Program,
+    /// A contact in those that follow.
+    pub strike: Program,
     /// A contact that also pushes surfaces apart.
     pub push: Program,
     /// A contact that does not.
@@ -45,6 +51,8 @@ pub struct JointPrograms {
     pub measure: Program,
     /// A joint as the first small step begins.
     pub warm_start: Program,
+    /// A joint that hands a blow on.
+    pub strike: Program,
     /// A joint that is also pushed together.
     pub push: Program,
     /// A joint that is not.
@@ -63,6 +71,7 @@ impl JointPrograms {
             place: record(|k| joint::place(k, t))?,
             measure: record(|k| joint::measure(k, t))?,
             warm_start: record(|k| joint::warm_start(k, t))?,
+            strike: record(|k| joint::strike(k, t))?,
             push: record(|k| hold(k, t, 1.0))?,
             relax: record(|k| hold(k, t, 0.0))?,
         })
@@ -80,12 +89,15 @@ impl PilePrograms {
             begin: record(|k| body::begin(k, t))?,
             advance: record(|k| advance(k, t, 0.0))?,
             advance_again: record(|k| advance(k, t, 1.0))?,
+            part: record(|k| body::part(k, t))?,
             drift: record(|k| body::drift(k, t))?,
             finish: record(|k| body::finish(k, t))?,
             place: record(|k| place(k, &ShapeTables::new()))?,
             prepare: record(|k| contact::prepare(k, c))?,
             foresee: record(|k| blow::foresee(k, c))?,
             warm_start: record(|k| contact::warm_start(k, c))?,
+            strike_foreseen: record(|k| blow::strike_foreseen(k, c))?,
+            strike: record(|k| blow::strike(k, c))?,
             push: record(|k| solve(k, c, 1.0))?,
             relax: record(|k| solve(k, c, 0.0))?,
         })

@@ -43,6 +43,7 @@ kernels! {
     Relax(k) = contact::solve(k, &ContactTables::new(), M::R::zero());
     Foresee(k) = blow::foresee(k, &ContactTables::new());
     Strike(k) = blow::strike(k, &ContactTables::new());
+    StrikeForeseen(k) = blow::strike_foreseen(k, &ContactTables::new());
     Place(k) = place(k, &ShapeTables::new());
     Follow(k) = joint::follow(k, &JointTables::new());
     Stand(k) = joint::place(k, &JointTables::new());
@@ -150,6 +151,7 @@ fn kernels_of_contacts_record_well() {
     records_well(&Relax);
     records_well(&Foresee);
     records_well(&Strike);
+    records_well(&StrikeForeseen);
 }
 
 #[test]

@@ -18,6 +18,7 @@ struct Plan {
     remembered: u32,
     // How many joints there are, and numbers of the laws of each.
     joints: u32,
+    joint_runs: u32,
     law_numbers: u32,
     // Buckets of cells, a power of two, and colours that the host has launched kernels for.
     buckets: u32,
@@ -51,6 +52,7 @@ struct Plan {
     colour_matrix: u32,
     contact_order: u32,
     pressing: u32,
+    foreseen: u32,
     // Offsets in `whole`.
     carriers: u32,
     sides: u32,
@@ -64,6 +66,7 @@ struct Plan {
     shape_surface: u32,
     first_corner: u32,
     ties: u32,
+    joint_run: u32,
     // Offsets in `constants`.
     margin: u32,
     grown: u32,

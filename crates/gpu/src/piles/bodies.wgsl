@@ -17,6 +17,7 @@ fn clear(@builtin(global_invocation_id) id: vec3<u32>) {
         atomicStore(&status[CHANGED], 0u);
         atomicStore(&status[SETTLED], 0u);
         atomicStore(&status[ROUND], 0u);
+        atomicStore(&status[MEETS], 0u);
         runs[BODIES_RUN] = vec2(1u, plan.bodies - 1u);
         if (state[plan.alive] == 0.0) {
             stop(DEAD);
@@ -70,14 +71,7 @@ fn load_shapes(@builtin(global_invocation_id) id: vec3<u32>) {
     }
 }
 
-// What the processor has to take: blows, what got farther than it was looked for, what is lost.
-
-@compute @workgroup_size(64)
-fn find_blows(@builtin(global_invocation_id) id: vec3<u32>) {
-    if (id.x < contact_count() && of_contact(MANIFOLD_STRUCK, id.x) > 0.0) {
-        stop(PROCESSOR);
-    }
-}
+// What the processor has to take: what got farther than it was looked for, what is lost.
 
 @compute @workgroup_size(64)
 fn check_bodies(@builtin(global_invocation_id) id: vec3<u32>) {

@@ -235,9 +235,7 @@ fn list_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
 // A run, and how many workgroups it takes.
 fn run(number: u32, first: u32, count: u32) {
     runs[number] = vec2(first, count);
-    launches[3u * number] = (count + 63u) / 64u;
-    launches[3u * number + 1u] = 1u;
-    launches[3u * number + 2u] = 1u;
+    launch(number, (count + 63u) / 64u);
 }
 
 @compute @workgroup_size(64)

@@ -10,13 +10,14 @@ use rigid::impulse::{ContactTables, row};
 use wgpu::{BindGroupLayout, ComputePipeline};
 
 /// What lies between the kernels. One text, since all see the same buffers.
-const TEXT: [&str; 7] = [
+const TEXT: [&str; 8] = [
     include_str!("bindings.wgsl"),
     include_str!("bodies.wgsl"),
     include_str!("broad_phase.wgsl"),
     include_str!("narrow_phase.wgsl"),
     include_str!("colours.wgsl"),
     include_str!("contacts.wgsl"),
+    include_str!("blows.wgsl"),
     include_str!("joints.wgsl"),
 ];
 
@@ -46,7 +47,7 @@ entries! {
     surround, count_buckets, fill_buckets, count_pairs, list_pairs, plan_groups,
     seat_pairs, part_pairs, find_touching, make_contacts,
     join, paint, settle, plan_colours, seat_contacts, find_pressing,
-    find_blows, read_contacts, check_bodies, check_shapes,
+    foresee_blows, begin_blows, tell_blows, end_round, read_contacts, check_bodies, check_shapes,
     store_bodies, store_contacts, end,
     load_joints, store_joints,
 }
@@ -65,11 +66,14 @@ pub(super) struct Kernels {
     pub begin: ComputePipeline,
     pub advance: ComputePipeline,
     pub advance_again: ComputePipeline,
+    pub part: ComputePipeline,
     pub drift: ComputePipeline,
     pub finish: ComputePipeline,
     pub prepare: ComputePipeline,
     pub foresee: ComputePipeline,
     pub warm_start: ComputePipeline,
+    pub strike_foreseen: ComputePipeline,
+    pub strike: ComputePipeline,
     pub push: ComputePipeline,
     pub relax: ComputePipeline,
     pub joints: Option<JointKernels>,
@@ -85,6 +89,7 @@ pub(super) struct JointKernels {
     pub place: ComputePipeline,
     pub measure: ComputePipeline,
     pub warm_start: ComputePipeline,
+    pub strike: ComputePipeline,
     pub push: ComputePipeline,
     pub relax: ComputePipeline,
 }
@@ -98,6 +103,7 @@ impl JointKernels {
             place: kernel(&p.place)?,
             measure: kernel(&p.measure)?,
             warm_start: kernel(&p.warm_start)?,
+            strike: kernel(&p.strike)?,
             push: kernel(&p.push)?,
             relax: kernel(&p.relax)?,
         })
@@ -129,11 +135,14 @@ impl Kernels {
             begin: of_run(&p.begin)?,
             advance: of_run(&p.advance)?,
             advance_again: of_run(&p.advance_again)?,
+            part: of_run(&p.part)?,
             drift: of_run(&p.drift)?,
             finish: of_run(&p.finish)?,
             prepare: of_contact(&p.prepare)?,
             foresee: of_contact(&p.foresee)?,
             warm_start: of_contact(&p.warm_start)?,
+            strike_foreseen: of_contact(&p.strike_foreseen)?,
+            strike: of_contact(&p.strike)?,
             push: of_contact(&p.push)?,
             relax: of_contact(&p.relax)?,
             joints: scene.joints.as_ref().map(joint).transpose()?,

@@ -3,6 +3,7 @@
 use super::joints;
 use super::scene::{PLACES, SIDE, UNIT};
 use bytemuck::{Pod, Zeroable};
+use rigid::impulse::blow::ROUNDS as BLOWS;
 use rigid::impulse::pair::{FAR, placed, point_place, solid};
 use rigid::impulse::{
     ContactTables, NEARBY, POINTS, REMEMBERED, SAME_PLACE, contact, manifold, point, remembered,
@@ -22,7 +23,7 @@ macro_rules! plan {
 
 plan! {
     bodies: u32, shapes: u32, units: u32, large: u32, forms: u32, groups: u32, surfaces: u32,
-    pairs: u32, contacts: u32, remembered: u32, joints: u32, law_numbers: u32,
+    pairs: u32, contacts: u32, remembered: u32, joints: u32, joint_runs: u32, law_numbers: u32,
     buckets: u32, colours: u32, pair_blocks: u32, contact_blocks: u32,
     alive: u32, body_state: u32, count: u32, memory: u32, forgotten: u32,
     tied: u32, given: u32,
@@ -30,10 +31,10 @@ plan! {
     pair_shapes: u32, pair_group: u32, pair_order: u32, pair_place: u32, group_matrix: u32,
     contact_start: u32, body_start: u32, body_items: u32,
     colour: u32, colour_matrix: u32, contact_order: u32,
-    pressing: u32,
+    pressing: u32, foreseen: u32,
     carriers: u32, sides: u32, apart_start: u32, apart_items: u32, shape_form: u32, form_group: u32,
     group_places: u32, unit_shapes: u32, large_shapes: u32, shape_surface: u32, first_corner: u32,
-    ties: u32,
+    ties: u32, joint_run: u32,
     margin: u32, grown: u32, solids: u32, corners: u32, surface: u32, spin_limit: u32,
     cell: f32, fastest: f32, farthest: f32,
 }
@@ -58,9 +59,19 @@ pub(super) mod status {
     pub const SETTLED: usize = 7;
     pub const ROUND: usize = 8;
     pub const ROUNDS: usize = 9;
-    /// Told by the host: whether colours are those of the attempt before at the first step.
-    pub const KEEP: usize = 10;
-    pub const WIDTH: usize = 11;
+    /// Whether any contact may be struck in the step, whether any was in the round of blows, which round it is, and
+    /// whether there is another one.
+    pub const MEETS: usize = 10;
+    pub const STRUCK: usize = 11;
+    pub const BLOW_ROUND: usize = 12;
+    pub const BLOWING: usize = 13;
+    /// Most rounds in which anything was struck.
+    pub const MOST_BLOWS: usize = 14;
+    /// Told by the host: whether colours are those of the attempt before at the first step, and how many rounds of blows
+    /// it launches.
+    pub const KEEP: usize = 15;
+    pub const ROUNDS_OF_BLOWS: usize = 16;
+    pub const WIDTH: usize = 17;
 }
 
 /// Why a step was not taken.
@@ -71,6 +82,7 @@ pub(super) mod flag {
     pub const MORE_ROUNDS: u32 = 8;
     pub const PROCESSOR: u32 = 16;
     pub const DEAD: u32 = 32;
+    pub const MORE_BLOWS: u32 = 64;
 }
 
 /// Places of runs: groups of pairs, colours, all contacts, all bodies.
@@ -79,6 +91,10 @@ pub(super) mod run {
     pub const CONTACTS: u32 = COLOURS + super::COLOURS;
     pub const BODIES: u32 = CONTACTS + 1;
     pub const COUNT: u32 = BODIES + 1;
+    /// Launches of others: of colours and bodies where there are blows, and of the runs of joints.
+    pub const BLOW_COLOURS: u32 = COUNT;
+    pub const BLOW_BODIES: u32 = BLOW_COLOURS + super::COLOURS;
+    pub const JOINTS: u32 = BLOW_BODIES + 1;
 }
 
 impl Plan {
@@ -111,6 +127,7 @@ impl Plan {
         self.colour_matrix = take(matrices[1]);
         self.contact_order = take(self.contacts);
         self.pressing = take(self.contacts + 1);
+        self.foreseen = take(self.contacts);
         end
     }
     pub fn group_matrix_length(&self) -> u32 {
@@ -135,16 +152,27 @@ pub(super) fn constants() -> String {
         ("SETTLED", status::SETTLED),
         ("ROUND", status::ROUND),
         ("ROUNDS", status::ROUNDS),
+        ("MEETS", status::MEETS),
+        ("STRUCK", status::STRUCK),
+        ("BLOW_ROUND", status::BLOW_ROUND),
+        ("BLOWING", status::BLOWING),
+        ("MOST_BLOWS", status::MOST_BLOWS),
         ("KEEP", status::KEEP),
+        ("ROUNDS_OF_BLOWS", status::ROUNDS_OF_BLOWS),
+        ("MOST_ROUNDS_OF_BLOWS", BLOWS),
         ("MORE_PAIRS", flag::MORE_PAIRS as usize),
         ("MORE_CONTACTS", flag::MORE_CONTACTS as usize),
         ("MORE_COLOURS", flag::MORE_COLOURS as usize),
         ("MORE_ROUNDS", flag::MORE_ROUNDS as usize),
         ("PROCESSOR", flag::PROCESSOR as usize),
         ("DEAD", flag::DEAD as usize),
+        ("MORE_BLOWS", flag::MORE_BLOWS as usize),
         ("COLOUR_RUN", run::COLOURS as usize),
         ("CONTACTS_RUN", run::CONTACTS as usize),
         ("BODIES_RUN", run::BODIES as usize),
+        ("BLOW_COLOUR_RUN", run::BLOW_COLOURS as usize),
+        ("BLOW_BODIES_RUN", run::BLOW_BODIES as usize),
+        ("JOINT_RUN", run::JOINTS as usize),
         ("COLOURS", COLOURS as usize),
         ("PLACES", PLACES),
         ("UNIT", UNIT),

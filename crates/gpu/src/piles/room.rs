@@ -82,7 +82,7 @@ impl Buffers {
             words: of(words + words.div_ceil(SUMMED), 1)?,
             status: filled(gpu, &[0_u32; status::WIDTH])?,
             runs: of(run::COUNT, 2)?,
-            launches: indirect(gpu, 3 * u64::from(run::COUNT))?,
+            launches: indirect(gpu, 3 * u64::from(run::JOINTS + plan.joint_runs))?,
             constants: filled(gpu, &scene.constants)?,
             whole: filled(gpu, &scene.whole)?,
             plan: gpu.uniform(bytemuck::cast_slice(&[*plan])),

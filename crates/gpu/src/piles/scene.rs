@@ -27,7 +27,7 @@ pub(super) struct Scene {
     pub body_parameters: Vec<f32>,
     pub shape_parameters: Vec<f32>,
     pub globals: [f32; global::WIDTH],
-    /// Whether blows have to be looked for.
+    /// Whether there may be blows.
     pub bounces: bool,
     /// With the places of constants, and not yet those of what steps need.
     pub plan: Plan,
@@ -303,8 +303,10 @@ impl Scene {
         self.plan.joints = joints.count() as u32;
         self.plan.law_numbers = joints.law_numbers() as u32;
         self.plan.tied = self.impulse.tied_state(0).start as u32;
-        let ties = joints.ties.clone();
+        let (ties, runs) = (joints.ties.clone(), joints.runs.clone());
+        self.plan.joint_runs = runs.len() as u32 - 1;
         self.plan.ties = self.whole(ties);
+        self.plan.joint_run = self.whole(runs.into_flattened());
     }
 }
 

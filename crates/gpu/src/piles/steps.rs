@@ -9,6 +9,7 @@ use super::scene::Scene;
 use crate::memory::{NUMBER, Staging};
 use crate::pipeline::{WORKGROUP, dispatch};
 use crate::{Gpu, GpuError};
+use rigid::impulse::blow::ROUNDS as BLOWS;
 use wgpu::{BindGroup, CommandEncoder, ComputePass, ComputePipeline};
 
 /// What steps have room for, and how they are submitted.
@@ -40,6 +41,8 @@ pub(super) struct Pace {
     rounds: usize,
     /// Whether these were too few, and go on where they ended.
     goes_on: bool,
+    /// Rounds of blows in a small step.
+    blows: usize,
 }
 
 impl Default for Pace {
@@ -48,6 +51,7 @@ impl Default for Pace {
             steps: 1,
             rounds: FEWEST_ROUNDS,
             goes_on: false,
+            blows: 0,
         }
     }
 }
@@ -87,7 +91,8 @@ impl Steps {
     ) -> Result<Progress, GpuError> {
         let small_steps = scene.impulse.settings().contact_iterations;
         let joints = scene.joints.as_ref().map_or(0, |joints| joints.runs.len());
-        let launches = small_steps * 2 * (self.plan.colours as usize + joints + 1);
+        let stage = self.plan.colours as usize + joints + 1;
+        let launches = small_steps * (2 + pile.pace.blows) * stage;
         let most = pile.pace.steps.min(LAUNCHES / launches).max(1);
         let steps = steps.min(most);
         let told = self.submit(gpu, scene, kernels, pile, steps)?;
@@ -109,6 +114,13 @@ impl Steps {
             pace.rounds = MOST_ROUNDS.min(2 * pace.rounds);
             return Ok(Progress::Taken(taken));
         }
+        if flags & flag::MORE_BLOWS != 0 {
+            pace.blows = BLOWS.min((2 * pace.blows).max(2));
+            return Ok(Progress::Taken(taken));
+        }
+        // One more, in which nothing is struck; none where nothing was.
+        let struck = told[status::MOST_BLOWS] as usize;
+        pace.blows = BLOWS.min(struck + usize::from(struck > 0));
         // In most steps colours are those of the step before.
         let usual = 2 * told[status::ROUNDS] as usize;
         pace.rounds = usual.clamp(FEWEST_ROUNDS, MOST_ROUNDS);
@@ -134,11 +146,12 @@ impl Steps {
         let status = &self.room.buffers.status;
         let mut begin = [0_u32; status::WIDTH];
         begin[status::KEEP] = pile.pace.goes_on.into();
+        begin[status::ROUNDS_OF_BLOWS] = pile.pace.blows as u32;
         let bytes = bytemuck::cast_slice(&begin);
         gpu.queue().write_buffer(status, 0, bytes);
         let mut encoder = gpu.device().create_command_encoder(&Default::default());
         for _ in 0..steps {
-            self.encode(kernels, scene, &own, pile.pace.rounds, &mut encoder);
+            self.encode(kernels, scene, &own, &pile.pace, &mut encoder);
         }
         let mut told = [0; status::WIDTH];
         let staging = &mut self.staging;
@@ -185,7 +198,7 @@ impl Steps {
         k: &Kernels,
         scene: &Scene,
         own: &BindGroup,
-        rounds: usize,
+        pace: &Pace,
         encoder: &mut CommandEncoder,
     ) {
         let mut pass = encoder.begin_compute_pass(&Default::default());
@@ -227,7 +240,7 @@ impl Steps {
         all(pass, &e.make_contacts, p.pairs + 1);
         joined.run(pass, k);
         all(pass, &e.join, p.contacts);
-        for _ in 0..rounds {
+        for _ in 0..pace.rounds {
             all(pass, &e.paint, p.contacts);
             all(pass, &e.settle, 1);
         }
@@ -245,7 +258,7 @@ impl Steps {
             }
             self.all_joints(pass, &kernels.place, joints);
         }
-        self.small_steps(pass, k, scene, own);
+        self.small_steps(pass, k, scene, own, pace.blows);
         dispatch(pass, &k.finish, &s.bodies, bodies);
         all(pass, &e.read_contacts, p.contacts);
         all(pass, &e.find_pressing, p.contacts + 1);
@@ -260,7 +273,14 @@ impl Steps {
         all(pass, &e.end, 1);
     }
 
-    fn small_steps(&self, pass: &mut ComputePass<'_>, k: &Kernels, scene: &Scene, own: &BindGroup) {
+    fn small_steps(
+        &self,
+        pass: &mut ComputePass<'_>,
+        k: &Kernels,
+        scene: &Scene,
+        own: &BindGroup,
+        blows: usize,
+    ) {
         let (p, s) = (&self.plan, &self.room);
         let bodies = p.bodies.div_ceil(WORKGROUP);
         let joints = scene.joints.as_ref().zip(k.joints.as_ref());
@@ -278,7 +298,7 @@ impl Steps {
                 if scene.bounces {
                     self.run(pass, &k.foresee, &s.contacts, run::CONTACTS);
                     let all = p.contacts.div_ceil(WORKGROUP);
-                    dispatch(pass, &k.entries.find_blows, own, all);
+                    dispatch(pass, &k.entries.foresee_blows, own, all);
                 }
                 contacts(pass, &k.warm_start);
                 if let Some((joints, kernels)) = joints {
@@ -286,6 +306,9 @@ impl Steps {
                 }
             } else {
                 dispatch(pass, &k.advance_again, &s.bodies, bodies);
+            }
+            if blows > 0 {
+                self.blows(pass, k, own, blows);
             }
             contacts(pass, &k.push);
             if let Some((joints, kernels)) = joints {
@@ -300,6 +323,28 @@ impl Steps {
                 self.joints(pass, &kernels.relax, joints);
             }
         }
+    }
+
+    /// The blows of a small step, in so many rounds.
+    fn blows(&self, pass: &mut ComputePass<'_>, k: &Kernels, own: &BindGroup, rounds: usize) {
+        let (p, s, e) = (&self.plan, &self.room, &k.entries);
+        let contacts = p.contacts.max(COLOURS).div_ceil(WORKGROUP);
+        dispatch(pass, &e.begin_blows, own, contacts);
+        self.run(pass, &k.part, &s.bodies, run::BLOW_BODIES);
+        for round in 0..rounds {
+            let strike = [&k.strike_foreseen, &k.strike][round.min(1)];
+            for (colour, bindings) in (0..p.colours).zip(&s.colours) {
+                self.run(pass, strike, bindings, run::BLOW_COLOURS + colour);
+            }
+            dispatch(pass, &e.tell_blows, own, contacts);
+            dispatch(pass, &e.end_round, own, 1);
+            if let Some(kernels) = &k.joints {
+                for (joints, bindings) in (0..p.joint_runs).zip(&s.joints) {
+                    self.run(pass, &kernels.strike, bindings, run::JOINTS + joints);
+                }
+            }
+        }
+        self.run(pass, &k.part, &s.bodies, run::BLOW_BODIES);
     }
 
     /// Runs a kernel on all joints side by side.

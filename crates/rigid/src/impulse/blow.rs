@@ -28,6 +28,9 @@ use crate::restitution::early;
 use numbers::spatial::Spatial;
 use numbers::{Cell, Machine, Real};
 
+/// Rounds in which blows are handed on within a small step, at most.
+pub const ROUNDS: usize = 16;
+
 /// Sweeps over the points of a contact.
 const SWEEPS: usize = 4;
 
@@ -103,6 +106,15 @@ pub fn strike<M: Machine>(k: &mut M, t: &ContactTables) {
         M::R::select(struck, one, zero),
     );
     pair.store(k, t);
+}
+
+/// The same where [`foresee`] has told that a blow may be; elsewhere nothing.
+#[inline(always)]
+pub fn strike_foreseen<M: Machine>(k: &mut M, t: &ContactTables) {
+    let foreseen = k.load(t.manifold, k.index(0), manifold::STRUCK);
+    if let Some(_branch) = k.if_any(foreseen.gt(M::R::zero())) {
+        strike(k, t);
+    }
 }
 
 /// Which points meet, with which speeds they are to leave, and a first guess of their impulses: as their speeds.

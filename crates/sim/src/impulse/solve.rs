@@ -8,6 +8,7 @@ use super::team::{Member, Parts, parts, together};
 use super::world::Workspace;
 use crate::jobs::Lane;
 use numbers::Float;
+use rigid::impulse::blow::ROUNDS;
 use rigid::impulse::{Cached, Impulse, State, global};
 use std::slice;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -59,8 +60,6 @@ fn flags(count: usize) -> Vec<AtomicBool> {
     (0..count).map(|_| AtomicBool::new(false)).collect()
 }
 
-/// Rounds in which blows are handed on within a small step, at most.
-const ROUNDS: usize = 16;
 /// Contacts, or joints, that are worth a thread.
 const WORTH_SHARING: usize = 128;
 /// Registers of bodies that move in the time in which a batch is solved.
