@@ -68,7 +68,6 @@ struct Plan {
     ties: u32,
     joint_run: u32,
     // Offsets in `constants`.
-    margin: u32,
     grown: u32,
     solids: u32,
     corners: u32,
@@ -127,6 +126,10 @@ fn pair_count() -> u32 {
 fn contact_count() -> u32 {
     return min(told(CONTACTS), plan.contacts);
 }
+// Contacts that are solved: all but those of sensors, which come last.
+fn solved_count() -> u32 {
+    return runs[CONTACTS_RUN].y;
+}
 // By its bits: compilers may take for granted that there are no others.
 fn is_finite(x: f32) -> bool {
     return (bitcast<u32>(x) & 0x7f800000u) != 0x7f800000u;
@@ -136,7 +139,15 @@ fn place_field(i: u32) -> u32 {
     return select(CENTER + i, ORIENTATION + i - 3u, i > 2u);
 }
 fn is_plane(shape: u32) -> bool {
-    return whole[plan.shape_form + shape * 2u + 1u] == 1u;
+    return (whole[plan.shape_form + shape * 2u + 1u] & 1u) != 0u;
+}
+fn is_sensor(shape: u32) -> bool {
+    return (whole[plan.shape_form + shape * 2u + 1u] & 2u) != 0u;
+}
+// What two shapes make of a contact: the first of its numbers.
+fn surface_of(shapes: vec2<u32>) -> u32 {
+    let kind = whole[plan.shape_surface + shapes.x] * plan.surfaces;
+    return plan.surface + (kind + whole[plan.shape_surface + shapes.y]) * SURFACE;
 }
 fn is_large(shape: u32) -> bool {
     return whole[plan.first_corner + shape * 2u + 1u] == 1u;

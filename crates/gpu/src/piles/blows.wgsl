@@ -11,7 +11,7 @@ fn launch(number: u32, workgroups: u32) {
 @compute @workgroup_size(64)
 fn foresee_blows(@builtin(global_invocation_id) id: vec3<u32>) {
     let i = id.x;
-    if (i >= contact_count()) {
+    if (i >= solved_count()) {
         return;
     }
     let may = of_contact(MANIFOLD_STRUCK, i) > 0.0;
@@ -29,7 +29,7 @@ fn foresee_blows(@builtin(global_invocation_id) id: vec3<u32>) {
 @compute @workgroup_size(64)
 fn begin_blows(@builtin(global_invocation_id) id: vec3<u32>) {
     let i = id.x;
-    if (i < contact_count()) {
+    if (i < solved_count()) {
         put_contact(MANIFOLD_STRUCK, i, f32(word(plan.foreseen + i)));
     }
     let meets = told(MEETS) != 0u && runs_on();
@@ -47,7 +47,7 @@ fn begin_blows(@builtin(global_invocation_id) id: vec3<u32>) {
 // Whether anything was struck in a round.
 @compute @workgroup_size(64)
 fn tell_blows(@builtin(global_invocation_id) id: vec3<u32>) {
-    if (told(BLOWING) != 0u && id.x < contact_count() && of_contact(MANIFOLD_STRUCK, id.x) > 0.0) {
+    if (told(BLOWING) != 0u && id.x < solved_count() && of_contact(MANIFOLD_STRUCK, id.x) > 0.0) {
         atomicStore(&status[STRUCK], 1u);
     }
 }

@@ -5,11 +5,15 @@ fn carrier(contact: u32, side: u32) -> u32 {
     return whole[plan.carriers + shape];
 }
 
+fn is_sensed(contact: u32) -> bool {
+    return word(plan.colour + contact) == SENSED;
+}
+
 // After it, a body's contacts begin where those of the one before end, and `body_start` says where its own do.
 @compute @workgroup_size(64)
 fn join(@builtin(global_invocation_id) id: vec3<u32>) {
     let contact = id.x;
-    if (contact >= contact_count()) {
+    if (contact >= contact_count() || is_sensed(contact)) {
         return;
     }
     for (var side = 0u; side < 2u; side++) {
@@ -26,7 +30,7 @@ fn join(@builtin(global_invocation_id) id: vec3<u32>) {
 @compute @workgroup_size(64)
 fn paint(@builtin(global_invocation_id) id: vec3<u32>) {
     let contact = id.x;
-    if (told(SETTLED) != 0u || contact >= contact_count() || !runs_on()) {
+    if (told(SETTLED) != 0u || contact >= contact_count() || !runs_on() || is_sensed(contact)) {
         return;
     }
     var used = vec2(0u, 0u);
@@ -70,8 +74,7 @@ fn settle() {
 @compute @workgroup_size(64)
 fn plan_colours(@builtin(global_invocation_id) id: vec3<u32>) {
     let colour = id.x;
-    let count = contact_count();
-    if (colour > COLOURS) {
+    if (colour > SENSED) {
         return;
     }
     if (told(SETTLED) == 0u) {
@@ -81,13 +84,13 @@ fn plan_colours(@builtin(global_invocation_id) id: vec3<u32>) {
         }
         return;
     }
-    if (colour == 0u) {
-        run(CONTACTS_RUN, 0u, count);
-    }
     let first = word(plan.colour_matrix + colour * plan.contact_blocks);
-    var next = count;
+    if (colour == SENSED) {
+        run(CONTACTS_RUN, 0u, first);
+        return;
+    }
+    let next = word(plan.colour_matrix + (colour + 1u) * plan.contact_blocks);
     if (colour < COLOURS) {
-        next = word(plan.colour_matrix + (colour + 1u) * plan.contact_blocks);
         run(COLOUR_RUN + colour, first, next - first);
     } else if (next > first) {
         // What finds no colour is solved one by one.

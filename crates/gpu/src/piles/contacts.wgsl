@@ -10,7 +10,7 @@ fn of_contact(field: u32, i: u32) -> f32 {
 @compute @workgroup_size(64)
 fn seat_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
     let i = id.x;
-    if (i >= contact_count()) {
+    if (i >= solved_count()) {
         return;
     }
     let contact = word(plan.contact_order + i);
@@ -26,8 +26,7 @@ fn seat_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
         put_contact(MANIFOLD_DRAG_SUM + x, i, 0.0);
         put_contact(MANIFOLD_TWIST_SUM + x, i, 0.0);
     }
-    let s = whole[plan.shape_surface + a] * plan.surfaces + whole[plan.shape_surface + b];
-    let surface = plan.surface + s * SURFACE;
+    let surface = surface_of(vec2(a, b));
     // Friction, restitution, torsion, rolling, spring and damper, settling; and what sticks.
     for (var x = 0u; x < 7u; x++) {
         put_contact(MANIFOLD_FRICTION + x, i, constants[surface + x]);
@@ -53,7 +52,7 @@ fn seat_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
 @compute @workgroup_size(64)
 fn read_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
     let i = id.x;
-    if (i >= contact_count()) {
+    if (i >= solved_count()) {
         return;
     }
     let to = word(plan.contact_order + i) * REMEMBERED;

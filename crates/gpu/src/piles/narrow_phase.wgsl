@@ -72,7 +72,8 @@ fn seat_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
             pair_parameters[(corner + i) * plan.pairs + j] = constants[plan.corners + first + i];
         }
     }
-    let margin = constants[plan.margin + shapes.x] + constants[plan.margin + shapes.y];
+    // The last number of a surface is its margin.
+    let margin = constants[surface_of(shapes) + SURFACE - 1u];
     pair_parameters[whole[places + 7u] * plan.pairs + j] = margin;
     let known = whole[places + 8u];
     let before = recall(shapes.x, shapes.y);
@@ -195,6 +196,10 @@ fn make_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
         count++;
     }
     fresh[to + REMEMBERED_POINTS] = f32(count);
+    if (is_sensor(shapes.x) || is_sensor(shapes.y)) {
+        put(plan.colour + contact, SENSED);
+        return;
+    }
     let old = recall(shapes.x, shapes.y);
     var colour = 0u;
     if (old != NONE) {

@@ -1,7 +1,7 @@
 //! How many things of each kind there are, and where their words lie; and the same as text, for the shader.
 
 use super::joints;
-use super::scene::{PLACES, SIDE, UNIT};
+use super::scene::{PLACES, SIDE, SURFACE, UNIT};
 use bytemuck::{Pod, Zeroable};
 use rigid::impulse::blow::ROUNDS as BLOWS;
 use rigid::impulse::pair::{FAR, placed, point_place, solid};
@@ -35,7 +35,7 @@ plan! {
     carriers: u32, sides: u32, apart_start: u32, apart_items: u32, shape_form: u32, form_group: u32,
     group_places: u32, unit_shapes: u32, large_shapes: u32, shape_surface: u32, first_corner: u32,
     ties: u32, joint_run: u32,
-    margin: u32, grown: u32, solids: u32, corners: u32, surface: u32, spin_limit: u32,
+    grown: u32, solids: u32, corners: u32, surface: u32, spin_limit: u32,
     cell: f32, fastest: f32, farthest: f32,
 }
 
@@ -43,9 +43,10 @@ plan! {
 pub(super) const BLOCK: u32 = 256;
 /// Most groups of pairs, by which these are sorted.
 pub(super) const GROUPS: u32 = BLOCK;
-/// Colours of contacts, and the keys by which they are sorted: one more, for those that find no colour.
+/// Colours of contacts, and the keys by which they are sorted: one more for those that find no colour, and one for those of
+/// sensors, which are not solved.
 pub(super) const COLOURS: u32 = 64;
-pub(super) const KEYS: u32 = COLOURS + 1;
+pub(super) const KEYS: u32 = COLOURS + 2;
 
 /// Places in the status.
 pub(super) mod status {
@@ -174,6 +175,7 @@ pub(super) fn constants() -> String {
         ("BLOW_BODIES_RUN", run::BLOW_BODIES as usize),
         ("JOINT_RUN", run::JOINTS as usize),
         ("COLOURS", COLOURS as usize),
+        ("SENSED", KEYS as usize - 1),
         ("PLACES", PLACES),
         ("UNIT", UNIT),
         ("SIDE", SIDE),
@@ -230,7 +232,7 @@ pub(super) fn constants() -> String {
         ("POINT_IMPULSE", point::IMPULSE),
         ("POINT_SUM", point::SUM),
         ("POINTS", POINTS),
-        ("SURFACE", 8),
+        ("SURFACE", SURFACE),
     ];
     let real = [
         ("FAR", FAR),

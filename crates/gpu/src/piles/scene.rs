@@ -10,7 +10,7 @@ use numbers::trace::Program;
 use records::PilePrograms;
 use rigid::impulse::pair::{PairPlaces, PairTables, solid};
 use rigid::impulse::{FARTHEST, FREE_TURN, Impulse, NEARBY, WORLD, global, mass};
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
 /// What all worlds of a model have in common.
@@ -51,6 +51,10 @@ pub(super) const UNIT: usize = 64;
 pub(super) const SIDE: usize = 5;
 /// No first of these: the unit is a small shape.
 const SMALL: u32 = u32::MAX;
+/// Numbers of what two surfaces make of a contact.
+pub(super) const SURFACE: usize = 9;
+/// Surfaces that differ, at most.
+const SURFACES: usize = 1024;
 /// What spins on the spot is never too fast.
 const UNLIMITED: f32 = 1e18;
 
@@ -97,7 +101,7 @@ impl Scene {
         scene.shapes(&parameters, &forms, &large);
         scene.sides(filter);
         scene.units(&large);
-        scene.surfaces(&parameters);
+        scene.surfaces(&parameters, model)?;
         scene.spins(&parameters);
         scene.tie();
         Ok(scene)
@@ -181,7 +185,8 @@ impl Scene {
         self.plan.carriers = self.whole(shapes.iter().map(|s| s.row));
         let form = |i: usize| {
             let form = forms.partition_point(|f| *f < form_of(&shapes[i]));
-            [form as u32, u32::from(shapes[i].kind == kind::PLANE)]
+            let plane = u32::from(shapes[i].kind == kind::PLANE);
+            [form as u32, plane | u32::from(shapes[i].sensor) << 1]
         };
         self.plan.shape_form = self.whole(all.clone().flat_map(form));
         let mut corners = Vec::new();
@@ -193,8 +198,6 @@ impl Scene {
         self.plan.first_corner = self.whole(first);
         self.plan.corners = self.constants(corners);
         self.plan.solids = self.constants(impulse.solids(parameters).iter().copied());
-        let margin = |i| impulse.own_margin(i, parameters);
-        self.plan.margin = self.constants(all.clone().map(margin));
         let grown = |i: usize| (impulse.widest_margin(i as u32, parameters) + NEARBY) as f32;
         self.plan.grown = self.constants(all.map(grown));
     }
@@ -251,19 +254,33 @@ impl Scene {
         self.plan.large_shapes = self.whole(shapes);
     }
 
-    /// What each two surfaces make of a contact.
-    fn surfaces(&mut self, parameters: &[f32]) {
+    /// What each two surfaces make of a contact. A shape of a pair that has a surface of its own is of no other's kind.
+    fn surfaces(&mut self, parameters: &[f32], model: &Model) -> Result<(), GpuError> {
         let impulse = Arc::clone(&self.impulse);
+        let pairs = model.contact_pairs.iter();
+        let paired: HashSet<_> = pairs
+            .flat_map(|pair| [pair.shapes.0, pair.shapes.1])
+            .collect();
         let mut of_shape = Vec::new();
         let mut examples: Vec<u32> = Vec::new();
         let mut known = HashMap::new();
-        for shape in 0..impulse.shapes().len() {
+        for (shape, collider) in impulse.shapes().iter().enumerate() {
             let numbers = impulse.surface_of(shape, parameters).iter();
-            let bits: Vec<_> = numbers.map(|x| x.to_bits()).collect();
+            let mut bits: Vec<_> = numbers.map(|x| x.to_bits()).collect();
+            if paired.contains(&collider.shape) {
+                bits.push(shape as u32);
+            }
             of_shape.push(*known.entry(bits).or_insert_with(|| {
                 examples.push(shape as u32);
                 examples.len() as u32 - 1
             }));
+        }
+        if examples.len() > SURFACES {
+            return Err(unsupported(
+                "so many surfaces",
+                "",
+                "give more shapes the same one, or run on the processor",
+            ));
         }
         let mut table = Vec::new();
         for a in &examples {
@@ -273,11 +290,13 @@ impl Scene {
                 let [stiffness, damping] = s.spring;
                 table.extend([s.friction, s.restitution, s.torsion, s.rolling]);
                 table.extend([stiffness, damping, s.settling, s.sticking]);
+                table.push(impulse.margin([*a, *b], parameters).into());
             }
         }
         self.plan.surfaces = examples.len() as u32;
         self.plan.shape_surface = self.whole(of_shape);
         self.plan.surface = self.constants(table.into_iter().map(|x| x as f32));
+        Ok(())
     }
 
     /// How fast each body may spin [rad/s] before its step is cut into parts, to be on the safe side.
@@ -342,7 +361,6 @@ fn unsupported(what: &'static str, name: &str, remedy: &'static str) -> GpuError
 
 /// Refuses what cards do not know of piles.
 fn check(impulse: &Impulse, model: &Model) -> Result<(), GpuError> {
-    let processor = "run on the processor, or take `xpbd`";
     let shapes = impulse.shapes();
     let name = |id: ShapeId| {
         let shape = &model.shapes[id.0];
@@ -357,22 +375,11 @@ fn check(impulse: &Impulse, model: &Model) -> Result<(), GpuError> {
         let hulls = "take its convex hull, or run on the processor";
         return Err(unsupported("the mesh", &name(mesh.shape), hulls));
     }
-    if let Some(sensor) = shapes.iter().find(|shape| shape.sensor) {
-        return Err(unsupported(
-            "the sensor shape",
-            &name(sensor.shape),
-            processor,
-        ));
-    }
-    if let Some(pair) = model.contact_pairs.first() {
-        let what = "a surface for the pair of the shape";
-        return Err(unsupported(what, &name(pair.shapes.0), processor));
-    }
     if shapes.is_empty() {
         return Err(unsupported(
             "a model without shapes that collide",
             "",
-            processor,
+            "run on the processor, or take `xpbd`",
         ));
     }
     Ok(())

@@ -11,7 +11,7 @@ use glam::{DQuat, DVec3};
 use model::examples::{SCENES, arch, balls, bowl, pile, pyramid, square_pyramid, terrain, tower};
 use model::{
     BodyId, Builder, Combine, Geometry, Hull, JointId, JointKind, Material, Model, ModelError,
-    Pose, Shape, Softness,
+    Pose, Shape, ShapeId, Softness,
 };
 use numbers::dispatch::Isa;
 use rigid::Settings;
@@ -392,6 +392,50 @@ fn company() -> Result<Model, ModelError> {
     world.build()
 }
 
+/// Shapes that only tell what touches them, at rest and moving, and two shapes with a surface of their own.
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn sensors_and_surfaces_of_pairs_agree_with_the_processor() {
+    let mut world = Builder::new("gates");
+    let rink = world.object("rink");
+    rink.scenery(ground());
+    let ice = rink.id().scenery(0);
+    let half = DVec3::new(0.3, 0.2, 0.3);
+    let gate = Shape::new(Geometry::Box { half });
+    let gates = world.object("gates");
+    gates.scenery(gate.at(Pose::at(DVec3::Y * 0.4)).as_sensor());
+    let mut stones = Vec::new();
+    for i in 0..12 {
+        let stone = world.object(format!("stone {i}"));
+        let stone = stone.body(format!("stone {i}"));
+        let at = DVec3::new(0.15 * (i % 4) as f64, 0.1 + 0.11 * i as f64, 0.0);
+        stone.shape(Geometry::Box {
+            half: DVec3::splat(0.05),
+        });
+        if i % 3 == 0 {
+            stone.shape(Shape::new(Geometry::Sphere { radius: 0.2 }).as_sensor());
+        }
+        stones.push(stone.at(Pose::at(at)).handle());
+    }
+    for (stone, friction, margin) in [(0, 0.01, 0.0), (5, 0.9, 0.01)] {
+        let pair = world.contact_pair(stones[stone].shape(0), ice).unwrap();
+        pair.friction(friction).margin(margin);
+    }
+    let model = world.build().unwrap();
+    let mut pair = agrees(&model, 40, 5);
+    assert_eq!(pair.gpu.left_to_processor(), 0);
+    pair.put();
+    pair.step(1);
+    let [cpu, gpu] = pair.both().map(|s| {
+        let outputs = s.outputs();
+        let shapes = outputs.contacts(0).map(|c| c.shapes);
+        shapes.collect::<Vec<_>>()
+    });
+    let sensor = |shape: &ShapeId| model.shapes[shape.0].sensor;
+    assert!(cpu.iter().flatten().any(sensor));
+    assert_eq!(cpu, gpu);
+}
+
 /// What it knows besides its state, which colours contacts had, changes nothing.
 #[test]
 #[ignore = "needs a graphics card or what stands in for one"]
@@ -536,23 +580,6 @@ fn what_a_card_does_not_know_is_refused_by_name() {
         assert!(told.contains("`impulse`") && told.contains(what), "{told}");
     };
     refused(&terrain(5).unwrap(), "the mesh \"");
-    let ball = Geometry::Sphere { radius: 0.1 };
-    let mut world = Builder::new("sensor");
-    world.object("ground").scenery(ground());
-    let sensor = Shape::new(ball.clone()).as_sensor();
-    world.object("ball").body("ball").shape(ball.clone());
-    world.object("gate").scenery(sensor);
-    refused(&world.build().unwrap(), "the sensor shape \"");
-    let mut world = Builder::new("ice");
-    let rink = world.object("rink");
-    rink.scenery(ground());
-    let ice = rink.id().scenery(0);
-    let stone = world.object("stone").body("stone").shape(ball).handle();
-    world
-        .contact_pair(stone.shape(0), ice)
-        .unwrap()
-        .friction(0.01);
-    refused(&world.build().unwrap(), "the pair of the shape \"");
     let model = tower(2, 0.001).unwrap();
     let mut simulation = place(&model).unwrap();
     let mut parts = model.into_parts();
