@@ -19,6 +19,11 @@ impl Bounds {
         low: DVec3::INFINITY,
         high: DVec3::NEG_INFINITY,
     };
+    /// Low, then high.
+    pub fn numbers(&self) -> [f64; 6] {
+        let ([a, b, c], [d, e, f]) = (self.low.to_array(), self.high.to_array());
+        [a, b, c, d, e, f]
+    }
     pub fn and(self, other: Self) -> Self {
         Self {
             low: self.low.min(other.low),

@@ -18,4 +18,6 @@ pub use kernel::{Surface, mesh_convex, mesh_mesh};
 #[cfg(feature = "meshes")]
 pub use load::{LoadError, load, parse};
 pub use oriented_box::OrientedBox;
-pub use tables::{MeshData, MeshTables, SLOTS, Triangle, contact};
+pub use tables::{
+    BEYOND, BOUNDS, MeshData, MeshTables, NUMBER, SLOTS, TRIANGLE, Triangle, VERTICES, contact,
+};

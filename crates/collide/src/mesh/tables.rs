@@ -48,18 +48,18 @@ pub(super) mod search {
 }
 
 /// Bounds: low, high.
-pub(super) const BOUNDS: usize = 6;
+pub const BOUNDS: usize = 6;
 /// A triangle: bounds, middle, normal, (out, lean) of three edges, number, cosine and sine of how far a
 /// contact's normal may be off its own.
-pub(super) const TRIANGLE: usize = 6 + 3 + 3 + 12 + 1 + 2;
+pub const TRIANGLE: usize = 6 + 3 + 3 + 12 + 1 + 2;
 /// Where the number is.
-pub(super) const NUMBER: usize = 24;
+pub const NUMBER: usize = 24;
 /// How many triangles can be told apart, with 64 features each, in single precision.
 pub(super) const NUMBERS: f64 = 262_144.0;
 /// Vertices of a triangle: its corners, and a point behind it.
-pub(super) const VERTICES: usize = 4;
+pub const VERTICES: usize = 4;
 /// Beyond all coordinates [m].
-const BEYOND: f64 = 1e30;
+pub const BEYOND: f64 = 1e30;
 
 /// Where meshes, and the contacts with one of them, lie.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -127,6 +127,11 @@ impl Triangle {
             vertices[3 * i..3 * i + 3].copy_from_slice(&(vertex - middle).to_array());
         }
         Self { numbers, vertices }
+    }
+
+    /// Its numbers as [`MeshTables::put`] writes them: [`TRIANGLE`] of them, and its vertices.
+    pub fn numbers(&self) -> impl Iterator<Item = f64> {
+        self.numbers.into_iter().chain(self.vertices)
     }
 
     /// The box that holds it: lowest and highest corner [m].
@@ -213,6 +218,21 @@ impl MeshData {
         data
     }
 
+    /// Boxes of groups, and the range of each one's clusters.
+    pub fn groups(&self) -> impl ExactSizeIterator<Item = ([f64; BOUNDS], [usize; 2])> {
+        let boxes = self.groups.iter().map(Bounds::numbers);
+        boxes.zip(self.group_rows.iter().copied())
+    }
+    /// Boxes of clusters, and the range of each one's triangles.
+    pub fn clusters(&self) -> impl ExactSizeIterator<Item = ([f64; BOUNDS], [usize; 2])> {
+        let boxes = self.clusters.iter().map(Bounds::numbers);
+        boxes.zip(self.cluster_rows.iter().copied())
+    }
+    /// The triangles of all meshes, cluster by cluster.
+    pub fn triangles(&self) -> &[Triangle] {
+        &self.triangles
+    }
+
     /// How many rows of [`Tables::vertices`](crate::Tables::vertices) the triangles take.
     pub fn vertex_rows(&self) -> usize {
         VERTICES * self.triangles.len()
@@ -250,12 +270,11 @@ impl MeshData {
         parameters: &mut [f64],
         links: &mut [u32],
     ) {
-        let numbers = |b: &Bounds| [b.low.to_array(), b.high.to_array()].concat();
         for (row, b) in self.groups.iter().enumerate() {
-            parameters[tables.groups.at(row, 0)..][..BOUNDS].copy_from_slice(&numbers(b));
+            parameters[tables.groups.at(row, 0)..][..BOUNDS].copy_from_slice(&b.numbers());
         }
         for (row, b) in self.clusters.iter().enumerate() {
-            parameters[tables.clusters.at(row, 0)..][..BOUNDS].copy_from_slice(&numbers(b));
+            parameters[tables.clusters.at(row, 0)..][..BOUNDS].copy_from_slice(&b.numbers());
         }
         for (row, t) in self.triangles.iter().enumerate() {
             let first = vertex_row + VERTICES * row;
@@ -276,6 +295,15 @@ impl MeshData {
 const NOWHERE: [f64; BOUNDS] = [BEYOND, BEYOND, BEYOND, -BEYOND, -BEYOND, -BEYOND];
 
 impl MeshTables {
+    /// Where the boxes of groups, those of clusters, and triangles begin.
+    pub fn places(&self) -> [usize; 3] {
+        [
+            self.groups.start(),
+            self.clusters.start(),
+            self.triangles.start(),
+        ]
+    }
+
     /// Writes the triangles of one lane into rows where [`MeshData::room`] left room for them, and their
     /// vertices, of which those of row 0 begin at `vertex_row`; what they leave free meets nothing.
     ///

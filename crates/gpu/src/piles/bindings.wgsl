@@ -11,9 +11,14 @@ struct Plan {
     large: u32,
     forms: u32,
     groups: u32,
+    // Of them, those without a mesh, which come first.
+    solid_groups: u32,
     surfaces: u32,
     // How many there is room for.
     pairs: u32,
+    mesh_pairs: u32,
+    // Triangles near a solid.
+    most_near: u32,
     contacts: u32,
     remembered: u32,
     // How many joints there are, and numbers of the laws of each.
@@ -53,6 +58,7 @@ struct Plan {
     contact_order: u32,
     pressing: u32,
     foreseen: u32,
+    near: u32,
     // Offsets in `whole`.
     carriers: u32,
     sides: u32,
@@ -67,7 +73,15 @@ struct Plan {
     first_corner: u32,
     ties: u32,
     joint_run: u32,
+    paired_start: u32,
+    paired_items: u32,
+    mesh_of_shape: u32,
+    mesh_group_rows: u32,
+    mesh_cluster_rows: u32,
     // Offsets in `constants`.
+    mesh_groups: u32,
+    mesh_clusters: u32,
+    mesh_triangles: u32,
     grown: u32,
     solids: u32,
     corners: u32,
@@ -95,9 +109,11 @@ struct Plan {
 @group(0) @binding(12) var<storage, read_write> runs: array<vec2<u32>>;
 @group(0) @binding(13) var<storage, read_write> launches: array<u32>;
 @group(0) @binding(14) var<storage, read_write> joints: array<f32>;
-@group(0) @binding(15) var<storage, read> constants: array<f32>;
-@group(0) @binding(16) var<storage, read> whole: array<u32>;
-@group(0) @binding(17) var<uniform> plan: Plan;
+@group(0) @binding(15) var<storage, read_write> mesh_parameters: array<f32>;
+@group(0) @binding(16) var<storage, read_write> mesh_scratch: array<f32>;
+@group(0) @binding(17) var<storage, read> constants: array<f32>;
+@group(0) @binding(18) var<storage, read> whole: array<u32>;
+@group(0) @binding(19) var<uniform> plan: Plan;
 
 const NONE: u32 = 0xffffffffu;
 // What a plane has on all sides.
@@ -143,6 +159,9 @@ fn is_plane(shape: u32) -> bool {
 }
 fn is_sensor(shape: u32) -> bool {
     return (whole[plan.shape_form + shape * 2u + 1u] & 2u) != 0u;
+}
+fn is_mesh(shape: u32) -> bool {
+    return (whole[plan.shape_form + shape * 2u + 1u] & 4u) != 0u;
 }
 // What two shapes make of a contact: the first of its numbers.
 fn surface_of(shapes: vec2<u32>) -> u32 {

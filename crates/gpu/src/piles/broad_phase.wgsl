@@ -92,16 +92,21 @@ fn may_touch(a: u32, b: u32) -> bool {
     // Bit 0: collides; bit 1: moves.
     let collide = (whole[one] & whole[two] & 1u) != 0u;
     let move_ = ((whole[one] | whole[two]) & 2u) != 0u;
-    if (owner == other || !collide || !move_) {
+    let v = bitcast<i32>(whole[one + 4u]);
+    let w = bitcast<i32>(whole[two + 4u]);
+    if (owner == other || !move_ || !(v == w || v == -1 || w == -1)) {
         return false;
+    }
+    for (var i = whole[plan.paired_start + a]; i < whole[plan.paired_start + a + 1u]; i++) {
+        if (whole[plan.paired_items + i] == b) {
+            return true;
+        }
     }
     let masks = (whole[one + 1u] & whole[two + 2u]) | (whole[two + 1u] & whole[one + 2u]);
     let g = bitcast<i32>(whole[one + 3u]);
     let h = bitcast<i32>(whole[two + 3u]);
     let groups = (g > 0 && h != 0) || (h > 0 && g != 0);
-    let v = bitcast<i32>(whole[one + 4u]);
-    let w = bitcast<i32>(whole[two + 4u]);
-    if (masks == 0u || !groups || !(v == w || v == -1 || w == -1)) {
+    if (!collide || masks == 0u || !groups) {
         return false;
     }
     for (var i = whole[plan.apart_start + owner]; i < whole[plan.apart_start + owner + 1u]; i++) {
@@ -238,15 +243,32 @@ fn run(number: u32, first: u32, count: u32) {
     launch(number, (count + 63u) / 64u);
 }
 
+// The first pair with a mesh, in the order of groups.
+fn mesh_first() -> u32 {
+    if (plan.solid_groups == plan.groups) {
+        return pair_count();
+    }
+    return word(plan.group_matrix + plan.solid_groups * plan.pair_blocks);
+}
+
 @compute @workgroup_size(64)
 fn plan_groups(@builtin(global_invocation_id) id: vec3<u32>) {
     if (id.x >= plan.groups) {
         return;
+    }
+    let mesh_pairs = pair_count() - mesh_first();
+    if (id.x == 0u && runs_on()) {
+        atomicStore(&status[MESH_PAIRS], mesh_pairs);
+    }
+    if (mesh_pairs > plan.mesh_pairs) {
+        stop(MORE_MESH_PAIRS);
     }
     let first = word(plan.group_matrix + id.x * plan.pair_blocks);
     var next = pair_count();
     if (id.x + 1u < plan.groups) {
         next = word(plan.group_matrix + (id.x + 1u) * plan.pair_blocks);
     }
-    run(id.x, first, select(0u, next - first, runs_on()));
+    let of_mesh = id.x >= plan.solid_groups;
+    let base = select(0u, mesh_first(), of_mesh);
+    run(id.x, first - base, select(0u, next - first, runs_on()));
 }

@@ -7,6 +7,11 @@ fn of_contact(field: u32, i: u32) -> f32 {
     return contacts[field * plan.contacts + i];
 }
 
+// What a shape adds to the way on which it gets through another: a mesh, which is a surface, nothing.
+fn thickness(shape: u32) -> f32 {
+    return select(solid(SOLID_THICKNESS, shape), 0.0, is_mesh(shape));
+}
+
 @compute @workgroup_size(64)
 fn seat_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
     let i = id.x;
@@ -32,7 +37,7 @@ fn seat_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
         put_contact(MANIFOLD_FRICTION + x, i, constants[surface + x]);
     }
     put_contact(MANIFOLD_STICKING, i, constants[surface + 7u]);
-    put_contact(MANIFOLD_THICKNESS, i, solid(SOLID_THICKNESS, a) + solid(SOLID_THICKNESS, b));
+    put_contact(MANIFOLD_THICKNESS, i, thickness(a) + thickness(b));
     put_contact(MANIFOLD_STRUCK, i, 0.0);
     let count = u32(fresh[source + REMEMBERED_POINTS]);
     for (var p = 0u; p < POINTS; p++) {

@@ -10,11 +10,12 @@ use rigid::impulse::{ContactTables, row};
 use wgpu::{BindGroupLayout, ComputePipeline};
 
 /// What lies between the kernels. One text, since all see the same buffers.
-const TEXT: [&str; 8] = [
+const TEXT: [&str; 9] = [
     include_str!("bindings.wgsl"),
     include_str!("bodies.wgsl"),
     include_str!("broad_phase.wgsl"),
     include_str!("narrow_phase.wgsl"),
+    include_str!("meshes.wgsl"),
     include_str!("colours.wgsl"),
     include_str!("contacts.wgsl"),
     include_str!("blows.wgsl"),
@@ -22,7 +23,7 @@ const TEXT: [&str; 8] = [
 ];
 
 /// Storage buffers that it binds, the last two to be read only; and the plan.
-pub(super) const BINDINGS: usize = 17;
+pub(super) const BINDINGS: usize = 19;
 const READ_ONLY: usize = 2;
 
 macro_rules! entries {
@@ -45,7 +46,7 @@ macro_rules! entries {
 entries! {
     clear, load_bodies, load_shapes,
     surround, count_buckets, fill_buckets, count_pairs, list_pairs, plan_groups,
-    seat_pairs, part_pairs, find_touching, make_contacts,
+    seat_pairs, seat_meshes, part_pairs, find_touching, make_contacts,
     join, paint, settle, plan_colours, seat_contacts, find_pressing,
     foresee_blows, begin_blows, tell_blows, end_round, read_contacts, check_bodies, check_shapes,
     store_bodies, store_contacts, end,

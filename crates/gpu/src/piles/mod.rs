@@ -11,10 +11,11 @@
 //! forces act from outside. Where there is too little room for pairs, contacts or colours, a step is taken again with more,
 //! and where the card has no more, by the processor.
 //!
-//! Nothing sleeps in the steps that a card takes. Meshes, sensor shapes and surfaces of pairs are refused.
+//! Nothing sleeps in the steps that a card takes. Meshes that meet meshes are refused.
 
 mod joints;
 mod kernels;
+mod meshes;
 mod pile;
 mod plan;
 mod room;

@@ -45,52 +45,74 @@ fn places_of(pair: u32) -> u32 {
     return plan.group_places + word(plan.pair_group + pair) * PLACES;
 }
 
+// Pairs with meshes come after those of solids, and have a memory of their own.
+var<private> first_with_mesh: u32;
+
+fn put_parameter(j: u32, at: u32, x: f32) {
+    if (j < first_with_mesh) {
+        pair_parameters[at * plan.pairs + j] = x;
+    } else {
+        mesh_parameters[at * plan.mesh_pairs + j - first_with_mesh] = x;
+    }
+}
+fn put_scratch(j: u32, at: u32, x: f32) {
+    if (j < first_with_mesh) {
+        pair_scratch[at * plan.pairs + j] = x;
+    } else {
+        mesh_scratch[at * plan.mesh_pairs + j - first_with_mesh] = x;
+    }
+}
+
 @compute @workgroup_size(64)
 fn seat_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
     let j = id.x;
     if (j >= pair_count()) {
         return;
     }
+    first_with_mesh = mesh_first();
     let pair = word(plan.pair_order + j);
     put(plan.pair_place + pair, j);
+    if (!runs_on()) {
+        return;
+    }
     let shapes = ordered(pair);
     let places = places_of(pair);
     for (var side = 0u; side < 2u; side++) {
         let shape = shapes[side];
         let size = whole[places + side];
         for (var i = 0u; i < 3u; i++) {
-            pair_parameters[(size + i) * plan.pairs + j] = solid(SOLID_SIZE + i, shape);
+            put_parameter(j, size + i, solid(SOLID_SIZE + i, shape));
         }
         let at = whole[places + 2u + side];
         for (var i = 0u; i < PAIR_PLACED; i++) {
-            pair_scratch[(at + i) * plan.pairs + j] = of_placed(i, shape);
+            put_scratch(j, at + i, of_placed(i, shape));
         }
         let corner = whole[places + 4u + side];
         let corners = whole[places + 5u + side] - corner;
         let first = whole[plan.first_corner + shape * 2u];
         for (var i = 0u; i < corners; i++) {
-            pair_parameters[(corner + i) * plan.pairs + j] = constants[plan.corners + first + i];
+            put_parameter(j, corner + i, constants[plan.corners + first + i]);
         }
     }
     // The last number of a surface is its margin.
     let margin = constants[surface_of(shapes) + SURFACE - 1u];
-    pair_parameters[whole[places + 7u] * plan.pairs + j] = margin;
+    put_parameter(j, whole[places + 7u], margin);
     let known = whole[places + 8u];
     let before = recall(shapes.x, shapes.y);
+    let as_mesh = j >= first_with_mesh;
     for (var i = 0u; i < 3u; i++) {
         var direction = 0.0;
-        if (before != NONE) {
+        if (before != NONE && !as_mesh) {
             let at = plan.memory + before * REMEMBERED;
             if (u32(state[at + REMEMBERED_SHAPES]) == shapes.x) {
                 direction = state[at + REMEMBERED_NORMAL + i];
             }
         }
-        pair_parameters[(known + i) * plan.pairs + j] = direction;
+        put_parameter(j, known + i, direction);
     }
-    pair_scratch[whole[places + 9u] * plan.pairs + j] = 0.0;
+    put_scratch(j, whole[places + 9u], 0.0);
     for (var i = 0u; i < whole[places + 11u]; i++) {
-        let at = whole[places + 10u] + i * POINT_PLACE + POINT_PLACE_DISTANCE;
-        pair_scratch[at * plan.pairs + j] = FAR;
+        put_scratch(j, whole[places + 10u] + i * POINT_PLACE + POINT_PLACE_DISTANCE, FAR);
     }
 }
 
@@ -131,10 +153,66 @@ fn points_of(pair: u32) -> u32 {
     return whole[places_of(pair) + 11u];
 }
 fn of_pair(pair: u32, at: u32) -> f32 {
-    return pair_scratch[at * plan.pairs + word(plan.pair_place + pair)];
+    let j = word(plan.pair_place + pair);
+    if (j < first_with_mesh) {
+        return pair_scratch[at * plan.pairs + j];
+    }
+    return mesh_scratch[at * plan.mesh_pairs + j - first_with_mesh];
 }
-fn is_point(pair: u32, i: u32) -> bool {
-    return of_pair(pair, point_of(pair, i) + POINT_PLACE_DISTANCE) < 0.5 * FAR;
+
+// How the points of a pair fall into contacts: those of one normal are one, up to a number, as far as any of them could
+// close within the step.
+struct Parts {
+    count: u32,
+    // Of each point its contact, or NONE.
+    part: array<u32, SLOTS>,
+}
+
+fn parts_of(pair: u32, reach: f32) -> Parts {
+    var parts: Parts;
+    var normals: array<vec3<f32>, SLOTS>;
+    var sizes: array<u32, SLOTS>;
+    var near_by: array<bool, SLOTS>;
+    var found = 0u;
+    for (var i = 0u; i < points_of(pair); i++) {
+        let point = point_of(pair, i);
+        let gap = of_pair(pair, point + POINT_PLACE_DISTANCE);
+        parts.part[i] = NONE;
+        if (gap >= 0.5 * FAR) {
+            continue;
+        }
+        var normal = vec3(0.0);
+        for (var x = 0u; x < 3u; x++) {
+            normal[x] = of_pair(pair, point + POINT_PLACE_NORMAL + x);
+        }
+        var part = 0u;
+        for (; part < found; part++) {
+            let apart = normals[part] - normal;
+            if (sizes[part] < POINTS && dot(apart, apart) < ONE * ONE) {
+                break;
+            }
+        }
+        if (part == found) {
+            normals[part] = normal;
+            sizes[part] = 0u;
+            near_by[part] = false;
+            found++;
+        }
+        parts.part[i] = part;
+        sizes[part]++;
+        near_by[part] = near_by[part] || gap < reach;
+    }
+    var kept: array<u32, SLOTS>;
+    for (var part = 0u; part < found; part++) {
+        kept[part] = select(NONE, parts.count, near_by[part]);
+        parts.count += select(0u, 1u, near_by[part]);
+    }
+    for (var i = 0u; i < points_of(pair); i++) {
+        if (parts.part[i] != NONE) {
+            parts.part[i] = kept[parts.part[i]];
+        }
+    }
+    return parts;
 }
 
 @compute @workgroup_size(64)
@@ -143,16 +221,12 @@ fn find_touching(@builtin(global_invocation_id) id: vec3<u32>) {
     if (pair > plan.pairs) {
         return;
     }
-    var touch = 0u;
+    first_with_mesh = mesh_first();
+    var count = 0u;
     if (pair < pair_count() && runs_on()) {
-        // Whether any of its points could close within the step.
-        let reach = way(ordered(pair));
-        for (var i = 0u; i < points_of(pair); i++) {
-            let gap = of_pair(pair, point_of(pair, i) + POINT_PLACE_DISTANCE);
-            touch |= select(0u, 1u, gap < reach);
-        }
+        count = parts_of(pair, way(ordered(pair))).count;
     }
-    put(plan.contact_start + pair, touch);
+    put(plan.contact_start + pair, count);
 }
 
 @compute @workgroup_size(64)
@@ -168,11 +242,34 @@ fn make_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
     if (pair >= plan.pairs) {
         return;
     }
-    let contact = word(plan.contact_start + pair);
-    if (word(plan.contact_start + pair + 1u) == contact || contact >= plan.contacts) {
+    first_with_mesh = mesh_first();
+    let first = word(plan.contact_start + pair);
+    let next = word(plan.contact_start + pair + 1u);
+    if (first == next || next > plan.contacts) {
         return;
     }
     let shapes = ordered(pair);
+    let parts = parts_of(pair, way(shapes));
+    for (var part = 0u; part < next - first; part++) {
+        write_contact(pair, shapes, parts, part, first + part);
+    }
+    if (is_sensor(shapes.x) || is_sensor(shapes.y)) {
+        for (var contact = first; contact < next; contact++) {
+            put(plan.colour + contact, SENSED);
+        }
+        return;
+    }
+    warm(shapes, first, next);
+    for (var side = 0u; side < 2u; side++) {
+        let body = whole[plan.carriers + shapes[side]];
+        if (body != 0u) {
+            atomicAdd(&words[plan.body_start + body], next - first);
+        }
+    }
+}
+
+// A contact that has given nothing yet.
+fn write_contact(pair: u32, shapes: vec2<u32>, parts: Parts, part: u32, contact: u32) {
     let to = contact * REMEMBERED;
     for (var i = 0u; i < REMEMBERED; i++) {
         fresh[to + i] = 0.0;
@@ -181,14 +278,15 @@ fn make_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
     fresh[to + REMEMBERED_SHAPES + 1u] = f32(shapes.y);
     var count = 0u;
     for (var i = 0u; i < points_of(pair); i++) {
-        if (!is_point(pair, i)) {
+        if (parts.part[i] != part) {
             continue;
         }
         let source = point_of(pair, i);
         let point = to + REMEMBERED_POINT + count * REMEMBERED_POINT_WIDTH;
         for (var x = 0u; x < 3u; x++) {
-            // All points of two convex solids have one normal.
-            fresh[to + REMEMBERED_NORMAL + x] = of_pair(pair, source + POINT_PLACE_NORMAL + x);
+            if (count == 0u) {
+                fresh[to + REMEMBERED_NORMAL + x] = of_pair(pair, source + POINT_PLACE_NORMAL + x);
+            }
             fresh[point + x] = of_pair(pair, source + POINT_PLACE_POSITION + x);
         }
         fresh[point + 3u] = of_pair(pair, source + POINT_PLACE_DISTANCE);
@@ -196,39 +294,81 @@ fn make_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
         count++;
     }
     fresh[to + REMEMBERED_POINTS] = f32(count);
-    if (is_sensor(shapes.x) || is_sensor(shapes.y)) {
-        put(plan.colour + contact, SENSED);
+}
+
+fn remembered_normal(i: u32) -> vec3<f32> {
+    let at = plan.memory + i * REMEMBERED + REMEMBERED_NORMAL;
+    return vec3(state[at], state[at + 1u], state[at + 2u]);
+}
+fn fresh_normal(contact: u32) -> vec3<f32> {
+    let at = contact * REMEMBERED + REMEMBERED_NORMAL;
+    return vec3(fresh[at], fresh[at + 1u], fresh[at + 2u]);
+}
+
+// Contacts of two shapes, from `first` to before `next`, begin with what those remembered gave: each with what the one of
+// the nearest normal did. They begin with their colours, too.
+fn warm(shapes: vec2<u32>, first: u32, next: u32) {
+    for (var contact = first; contact < next; contact++) {
+        start_colour(contact, 0u);
+    }
+    let lower = min(shapes.x, shapes.y);
+    let upper = max(shapes.x, shapes.y);
+    let old = recall(shapes.x, shapes.y);
+    if (old == NONE) {
         return;
     }
-    let old = recall(shapes.x, shapes.y);
-    var colour = 0u;
-    if (old != NONE) {
-        warm(shapes, old, to, count);
-        // The parts of a step have left two: which of them it is, the processor knows.
-        if (is_of(old + 1u, min(shapes.x, shapes.y), max(shapes.x, shapes.y))) {
-            stop(PROCESSOR);
-        }
-        colour = colours_before[old];
+    var olds = 1u;
+    while (olds < 32u && is_of(old + olds, lower, upper)) {
+        olds++;
     }
+    if (olds == 1u && next - first == 1u) {
+        warm_one(shapes, old, first);
+        return;
+    }
+    var taken = 0u;
+    var warmed = 0u;
+    for (var i = first; i < next; i++) {
+        var best = vec2(0u, 0u);
+        var most = SAME_NORMAL;
+        for (var contact = first; contact < next; contact++) {
+            for (var j = 0u; j < olds; j++) {
+                let is_free = ((taken >> j) & 1u) == 0u && ((warmed >> (contact - first)) & 1u) == 0u;
+                let cosine = dot(fresh_normal(contact), remembered_normal(old + j));
+                if (is_free && cosine > most) {
+                    most = cosine;
+                    best = vec2(contact, j);
+                }
+            }
+        }
+        if (most == SAME_NORMAL) {
+            return;
+        }
+        warm_one(shapes, old + best.y, best.x);
+        taken |= 1u << best.y;
+        warmed |= 1u << (best.x - first);
+    }
+}
+
+fn start_colour(contact: u32, colour: u32) {
     if (told(KEEP) == 0u) {
         put(plan.colour + contact, min(colour, COLOURS));
-    }
-    for (var side = 0u; side < 2u; side++) {
-        let body = whole[plan.carriers + shapes[side]];
-        if (body != 0u) {
-            atomicAdd(&words[plan.body_start + body], 1u);
-        }
     }
 }
 
 // Points begin with the impulses of those that had the same feature, or else were in the same place.
-fn warm(shapes: vec2<u32>, old: u32, to: u32, count: u32) {
+fn warm_one(shapes: vec2<u32>, old: u32, contact: u32) {
+    start_colour(contact, colours_before[old]);
+    let to = contact * REMEMBERED;
+    let count = u32(fresh[to + REMEMBERED_POINTS]);
     let source = plan.memory + old * REMEMBERED;
     for (var i = 0u; i < 3u; i++) {
         fresh[to + REMEMBERED_DRAG + i] = state[source + REMEMBERED_DRAG + i];
         fresh[to + REMEMBERED_TWIST + i] = state[source + REMEMBERED_TWIST + i];
     }
-    let near_by = SAME_PLACE * max(solid(SOLID_RADIUS, shapes.x), solid(SOLID_RADIUS, shapes.y));
+    // Of a mesh the radius says nothing.
+    let radii = vec2(solid(SOLID_RADIUS, shapes.x), solid(SOLID_RADIUS, shapes.y));
+    let solids = select(radii, vec2(0.0), vec2(is_mesh(shapes.x), is_mesh(shapes.y)));
+    let near_by = SAME_PLACE * max(solids.x, solids.y);
     let olds = min(u32(state[source + REMEMBERED_POINTS]), POINTS);
     var taken: array<bool, POINTS>;
     var warmed: array<bool, POINTS>;

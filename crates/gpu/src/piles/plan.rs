@@ -1,13 +1,15 @@
 //! How many things of each kind there are, and where their words lie; and the same as text, for the shader.
 
 use super::joints;
+use super::meshes::ROW;
 use super::scene::{PLACES, SIDE, SURFACE, UNIT};
 use bytemuck::{Pod, Zeroable};
+use collide::mesh::{BEYOND, BOUNDS, NUMBER, SLOTS, TRIANGLE};
 use rigid::impulse::blow::ROUNDS as BLOWS;
-use rigid::impulse::pair::{FAR, placed, point_place, solid};
+use rigid::impulse::pair::{FAR, MARGIN, ONE, placed, point_place, solid};
 use rigid::impulse::{
-    ContactTables, NEARBY, POINTS, REMEMBERED, SAME_PLACE, contact, manifold, point, remembered,
-    row, state,
+    ContactTables, NEARBY, POINTS, REMEMBERED, SAME_NORMAL, SAME_PLACE, contact, manifold, point,
+    remembered, row, state,
 };
 
 macro_rules! plan {
@@ -22,8 +24,8 @@ macro_rules! plan {
 }
 
 plan! {
-    bodies: u32, shapes: u32, units: u32, large: u32, forms: u32, groups: u32, surfaces: u32,
-    pairs: u32, contacts: u32, remembered: u32, joints: u32, joint_runs: u32, law_numbers: u32,
+    bodies: u32, shapes: u32, units: u32, large: u32, forms: u32, groups: u32, solid_groups: u32, surfaces: u32,
+    pairs: u32, mesh_pairs: u32, most_near: u32, contacts: u32, remembered: u32, joints: u32, joint_runs: u32, law_numbers: u32,
     buckets: u32, colours: u32, pair_blocks: u32, contact_blocks: u32,
     alive: u32, body_state: u32, count: u32, memory: u32, forgotten: u32,
     tied: u32, given: u32,
@@ -31,10 +33,12 @@ plan! {
     pair_shapes: u32, pair_group: u32, pair_order: u32, pair_place: u32, group_matrix: u32,
     contact_start: u32, body_start: u32, body_items: u32,
     colour: u32, colour_matrix: u32, contact_order: u32,
-    pressing: u32, foreseen: u32,
+    pressing: u32, foreseen: u32, near: u32,
     carriers: u32, sides: u32, apart_start: u32, apart_items: u32, shape_form: u32, form_group: u32,
     group_places: u32, unit_shapes: u32, large_shapes: u32, shape_surface: u32, first_corner: u32,
-    ties: u32, joint_run: u32,
+    ties: u32, joint_run: u32, paired_start: u32, paired_items: u32,
+    mesh_of_shape: u32, mesh_group_rows: u32, mesh_cluster_rows: u32,
+    mesh_groups: u32, mesh_clusters: u32, mesh_triangles: u32,
     grown: u32, solids: u32, corners: u32, surface: u32, spin_limit: u32,
     cell: f32, fastest: f32, farthest: f32,
 }
@@ -72,7 +76,8 @@ pub(super) mod status {
     /// it launches.
     pub const KEEP: usize = 15;
     pub const ROUNDS_OF_BLOWS: usize = 16;
-    pub const WIDTH: usize = 17;
+    pub const MESH_PAIRS: usize = 17;
+    pub const WIDTH: usize = 18;
 }
 
 /// Why a step was not taken.
@@ -84,6 +89,9 @@ pub(super) mod flag {
     pub const PROCESSOR: u32 = 16;
     pub const DEAD: u32 = 32;
     pub const MORE_BLOWS: u32 = 64;
+    pub const MORE_MESH_PAIRS: u32 = 128;
+    /// For these there has to be more room.
+    pub const MORE_ROOM: u32 = MORE_PAIRS | MORE_MESH_PAIRS | MORE_CONTACTS | MORE_COLOURS;
 }
 
 /// Places of runs: groups of pairs, colours, all contacts, all bodies.
@@ -129,6 +137,7 @@ impl Plan {
         self.contact_order = take(self.contacts);
         self.pressing = take(self.contacts + 1);
         self.foreseen = take(self.contacts);
+        self.near = take(self.most_near * self.mesh_pairs);
         end
     }
     pub fn group_matrix_length(&self) -> u32 {
@@ -146,6 +155,7 @@ pub(super) fn constants() -> String {
         ("FLAG", status::FLAG),
         ("STEPS", status::STEPS),
         ("PAIRS", status::PAIRS),
+        ("MESH_PAIRS", status::MESH_PAIRS),
         ("CONTACTS", status::CONTACTS),
         ("COLOURED", status::COLOURED),
         ("WIDEST", status::WIDEST),
@@ -167,6 +177,7 @@ pub(super) fn constants() -> String {
         ("MORE_ROUNDS", flag::MORE_ROUNDS as usize),
         ("PROCESSOR", flag::PROCESSOR as usize),
         ("DEAD", flag::DEAD as usize),
+        ("MORE_MESH_PAIRS", flag::MORE_MESH_PAIRS as usize),
         ("MORE_BLOWS", flag::MORE_BLOWS as usize),
         ("COLOUR_RUN", run::COLOURS as usize),
         ("CONTACTS_RUN", run::CONTACTS as usize),
@@ -190,6 +201,11 @@ pub(super) fn constants() -> String {
         ("STATE_VELOCITY", state::VELOCITY),
         ("STATE_BEFORE", state::BEFORE),
         ("STATE_REST", state::REST),
+        ("TRIANGLE", TRIANGLE),
+        ("TRIANGLE_NUMBER", NUMBER),
+        ("TRIANGLE_ROW", ROW),
+        ("BOUNDS", BOUNDS),
+        ("SLOTS", SLOTS),
         ("SOLID", solid::WIDTH),
         ("SOLID_SIZE", solid::SIZE),
         ("SOLID_EXTENT", solid::EXTENT),
@@ -197,6 +213,7 @@ pub(super) fn constants() -> String {
         ("SOLID_THICKNESS", solid::THICKNESS),
         ("PLACED", placed::WIDTH),
         ("PLACED_POSITION", placed::POSITION),
+        ("PLACED_ORIENTATION", placed::ORIENTATION),
         ("PLACED_WAY", placed::WAY),
         ("PLACED_EXTENT", placed::EXTENT),
         ("PAIR_PLACED", placed::REACH + 1),
@@ -239,6 +256,10 @@ pub(super) fn constants() -> String {
         ("NOWHERE", contact::NOWHERE),
         ("SAME_PLACE", SAME_PLACE),
         ("NEARBY", NEARBY),
+        ("MARGIN", MARGIN),
+        ("ONE", ONE),
+        ("SAME_NORMAL", SAME_NORMAL),
+        ("BEYOND", BEYOND),
     ];
     let whole = whole.into_iter().chain(joints::constants());
     let whole = whole.map(|(name, n)| format!("const {name}: u32 = {n}u;\n"));

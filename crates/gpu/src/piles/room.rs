@@ -20,6 +20,8 @@ pub(super) struct Buffers {
     placed: Buffer,
     pair_parameters: Buffer,
     pair_scratch: Buffer,
+    mesh_parameters: Buffer,
+    mesh_scratch: Buffer,
     fresh: Buffer,
     contacts: Buffer,
     joints: Buffer,
@@ -67,14 +69,16 @@ const BOX: usize = 6;
 impl Buffers {
     fn new(gpu: &Gpu, scene: &Scene, plan: &Plan, words: u32) -> Result<Self, GpuError> {
         let of = |things: u32, width: usize| sized(gpu, u64::from(things) * width as u64);
-        let lengths = scene.groups.iter().map(|group| group.tables.lengths());
-        let [parameters, scratch] = lengths.fold([1; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
+        let [parameters, scratch] = scene.pair_lengths(false);
+        let [mesh_parameters, mesh_scratch] = scene.pair_lengths(true);
         Ok(Self {
             rows: of(plan.bodies, row::WIDTH)?,
             shape_scratch: of(plan.shapes, SHAPE_SCRATCH)?,
             placed: of(plan.shapes, placed::WIDTH + BOX)?,
             pair_parameters: of(plan.pairs, parameters)?,
             pair_scratch: of(plan.pairs, scratch)?,
+            mesh_parameters: of(plan.mesh_pairs, mesh_parameters)?,
+            mesh_scratch: of(plan.mesh_pairs, mesh_scratch)?,
             fresh: of(plan.contacts, REMEMBERED)?,
             contacts: of(plan.contacts, ContactTables::new().length)?,
             joints: of(plan.joints, scene.joints.as_ref().map_or(0, Joints::width))?,
@@ -154,9 +158,13 @@ impl Room {
             ])
         };
         let groups = scene.groups.iter().zip(0..).map(|(group, number)| {
-            let launch = of_run(plan.pairs, number);
             let links = filled(gpu, group.tables.links())?;
-            let (scratch, parameters) = (&b.pair_scratch, &b.pair_parameters);
+            let (room, scratch, parameters) = if group.triangles > 0 {
+                (plan.mesh_pairs, &b.mesh_scratch, &b.mesh_parameters)
+            } else {
+                (plan.pairs, &b.pair_scratch, &b.pair_parameters)
+            };
+            let launch = of_run(room, number);
             Ok(bind([
                 &none, &nothing, &b.runs, scratch, parameters, &links, &launch,
             ]))
@@ -253,6 +261,8 @@ impl Room {
             &b.runs,
             &b.launches,
             &b.joints,
+            &b.mesh_parameters,
+            &b.mesh_scratch,
             &b.constants,
             &b.whole,
             &b.plan,

@@ -1,6 +1,7 @@
 //! A model of piles as a card has it: constants, and what is worked on together.
 
 use super::joints::Joints;
+use super::meshes::Meshes;
 use super::plan::{GROUPS, Plan};
 use crate::memory::NUMBER;
 use crate::{Gpu, GpuError};
@@ -9,7 +10,7 @@ use model::{CollisionFilter, Model, ShapeId};
 use numbers::trace::Program;
 use records::PilePrograms;
 use rigid::impulse::pair::{PairPlaces, PairTables, solid};
-use rigid::impulse::{FARTHEST, FREE_TURN, Impulse, NEARBY, WORLD, global, mass};
+use rigid::impulse::{Collider, FARTHEST, FREE_TURN, Impulse, NEARBY, WORLD, global, mass};
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
@@ -19,6 +20,7 @@ pub(super) struct Scene {
     pub impulse: Arc<Impulse>,
     pub programs: PilePrograms,
     pub joints: Option<Joints>,
+    meshes: Meshes,
     pub parameters: Vec<f32>,
     pub groups: Vec<Group>,
     pub constants: Vec<f32>,
@@ -37,6 +39,8 @@ pub(super) struct Scene {
 #[derive(Debug)]
 pub(super) struct Group {
     pub tables: PairTables,
+    /// For how many triangles of a mesh a pair has room; 0 where none is met as a mesh.
+    pub triangles: usize,
     pub program: Program,
     /// What tells sooner which of them are apart, where that is worth its while.
     pub apart: Option<Program>,
@@ -66,7 +70,7 @@ impl Scene {
         model: &Model,
         filter: Option<&CollisionFilter>,
     ) -> Result<Self, GpuError> {
-        check(impulse, model)?;
+        check(impulse, model, filter)?;
         let parameters: Vec<_> = impulse.parameters().iter().map(|x| *x as f32).collect();
         let globals = impulse.globals(&parameters, 1);
         let forms: BTreeSet<_> = impulse.shapes().iter().map(form_of).collect();
@@ -75,6 +79,7 @@ impl Scene {
             impulse: Arc::new(impulse.clone()),
             programs: PilePrograms::record()?,
             joints: Joints::new(impulse, &parameters)?,
+            meshes: Meshes::new(impulse, model),
             groups: Vec::new(),
             constants: Vec::new(),
             whole: Vec::new(),
@@ -96,10 +101,12 @@ impl Scene {
         [scene.plan.count, scene.plan.forgotten, scene.plan.memory] = places;
         scene.plan.fastest = (settings.speed_limit as f32).next_down();
         scene.plan.farthest = FARTHEST as f32;
-        scene.groups_of(&forms)?;
+        scene.groups_of(&forms, &parameters)?;
         let large = scene.large(&parameters);
         scene.shapes(&parameters, &forms, &large);
+        scene.mesh();
         scene.sides(filter);
+        scene.paired(model);
         scene.units(&large);
         scene.surfaces(&parameters, model)?;
         scene.spins(&parameters);
@@ -107,10 +114,17 @@ impl Scene {
         Ok(scene)
     }
 
+    /// Numbers of a pair in parameters and scratch: of two solids, or of a solid and a mesh.
+    pub fn pair_lengths(&self, of_mesh: bool) -> [usize; 2] {
+        let groups = self.groups.iter();
+        let groups = groups.filter(|group| (group.triangles > 0) == of_mesh);
+        let lengths = groups.map(|group| group.tables.lengths());
+        lengths.fold([1; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])])
+    }
     /// Pairs whose numbers fit into a buffer of a card.
-    pub fn most_pairs(&self, gpu: &Gpu) -> u32 {
-        let lengths = self.groups.iter().flat_map(|group| group.tables.lengths());
-        let bytes = lengths.max().unwrap_or(1) as u64 * NUMBER;
+    pub fn most_pairs(&self, gpu: &Gpu, of_mesh: bool) -> u32 {
+        let [parameters, scratch] = self.pair_lengths(of_mesh);
+        let bytes = parameters.max(scratch) as u64 * NUMBER;
         u32::try_from(gpu.most_bytes() / bytes).unwrap_or(u32::MAX)
     }
 
@@ -127,25 +141,38 @@ impl Scene {
         at
     }
 
-    /// A group for each two forms that a kernel meets.
-    fn groups_of(&mut self, forms: &[Form]) -> Result<(), GpuError> {
-        let mut table = Vec::new();
+    /// A group for each two forms that a kernel meets, those with meshes last.
+    fn groups_of(&mut self, forms: &[Form], parameters: &[f32]) -> Result<(), GpuError> {
+        let mut table = vec![u32::MAX; forms.len() * forms.len()];
         let mut places = Vec::new();
-        for (i, a) in forms.iter().enumerate() {
-            for (j, b) in forms.iter().enumerate() {
-                let route = Route::of(a.0, b.0).filter(|_| i <= j);
-                table.push(route.map_or(u32::MAX, |_| self.groups.len() as u32));
-                if let Some(route) = route {
-                    let tables = PairTables::new(route, [a.0, b.0], [a.1, b.1]);
-                    places.extend(words_of(&tables));
+        for of_mesh in [false, true] {
+            for (i, a) in forms.iter().enumerate() {
+                for (j, b) in forms.iter().enumerate().skip(i) {
+                    let route = Route::of(a.0, b.0).filter(|r| *r != Route::Meshes);
+                    let Some(route) = route.filter(|r| (*r == Route::Mesh) == of_mesh) else {
+                        continue;
+                    };
+                    table[i * forms.len() + j] = self.groups.len() as u32;
+                    let mut triangles = 0;
+                    let mut size = b.1;
+                    if of_mesh {
+                        triangles = self.meshes.room(&self.impulse, parameters, *a);
+                        size = triangles;
+                    }
+                    let tables = PairTables::new(route, [a.0, b.0], [a.1, size]);
+                    places.extend(words_of(&tables, triangles));
                     let sooner = tables.takes_long();
                     let apart = sooner.then(|| PilePrograms::apart(&tables));
                     self.groups.push(Group {
                         program: PilePrograms::pair(&tables)?,
                         apart: apart.transpose()?,
                         tables,
+                        triangles,
                     });
                 }
+            }
+            if !of_mesh {
+                self.plan.solid_groups = self.groups.len() as u32;
             }
         }
         if self.groups.len() > GROUPS as usize {
@@ -185,8 +212,9 @@ impl Scene {
         self.plan.carriers = self.whole(shapes.iter().map(|s| s.row));
         let form = |i: usize| {
             let form = forms.partition_point(|f| *f < form_of(&shapes[i]));
-            let plane = u32::from(shapes[i].kind == kind::PLANE);
-            [form as u32, plane | u32::from(shapes[i].sensor) << 1]
+            let [plane, mesh] = [kind::PLANE, kind::MESH].map(|kind| shapes[i].kind == kind);
+            let flags = [plane, shapes[i].sensor, mesh].map(u32::from);
+            [form as u32, flags[0] | flags[1] << 1 | flags[2] << 2]
         };
         self.plan.shape_form = self.whole(all.clone().flat_map(form));
         let mut corners = Vec::new();
@@ -200,6 +228,43 @@ impl Scene {
         self.plan.solids = self.constants(impulse.solids(parameters).iter().copied());
         let grown = |i: usize| (impulse.widest_margin(i as u32, parameters) + NEARBY) as f32;
         self.plan.grown = self.constants(all.map(grown));
+    }
+
+    /// The triangles of all meshes, in groups of clusters.
+    fn mesh(&mut self) {
+        let Meshes { data, groups, .. } = std::mem::take(&mut self.meshes);
+        let single = |numbers: Vec<f64>| numbers.into_iter().map(|x| x as f32);
+        let ranges = |ranges: Vec<[usize; 2]>| ranges.into_iter().flatten().map(|i| i as u32);
+        let (boxes, rows): (Vec<_>, Vec<_>) = data.groups().unzip();
+        self.plan.mesh_groups = self.constants(single(boxes.concat()));
+        self.plan.mesh_group_rows = self.whole(ranges(rows));
+        let (boxes, rows): (Vec<_>, Vec<_>) = data.clusters().unzip();
+        self.plan.mesh_clusters = self.constants(single(boxes.concat()));
+        self.plan.mesh_cluster_rows = self.whole(ranges(rows));
+        let triangles = data.triangles().iter();
+        let triangles = triangles.flat_map(|t| t.numbers().map(|x| x as f32));
+        self.plan.mesh_triangles = self.constants(triangles.collect::<Vec<_>>());
+        self.plan.mesh_of_shape = self.whole(ranges(groups));
+    }
+
+    /// Of each shape, those later ones that it touches in any case.
+    fn paired(&mut self, model: &Model) {
+        let shapes = self.impulse.shapes();
+        let number = |id: ShapeId| shapes.iter().position(|s| s.shape == id);
+        let mut others = vec![Vec::new(); shapes.len()];
+        for pair in &model.contact_pairs {
+            if let (Some(a), Some(b)) = (number(pair.shapes.0), number(pair.shapes.1)) {
+                others[a.min(b)].push(a.max(b) as u32);
+            }
+        }
+        let mut end = 0;
+        let starts = others.iter().map(|others| {
+            end += others.len() as u32;
+            end
+        });
+        let starts = Vec::from_iter(std::iter::once(0).chain(starts));
+        self.plan.paired_start = self.whole(starts);
+        self.plan.paired_items = self.whole(others.concat());
     }
 
     /// What each shape brings to the decision which may touch; nothing touches where there is no filter.
@@ -329,14 +394,14 @@ impl Scene {
     }
 }
 
-fn form_of(shape: &rigid::impulse::Collider) -> Form {
+fn form_of(shape: &Collider) -> Form {
     (shape.kind, shape.corners)
 }
 
 /// Whole numbers of a group's places, as the shader counts them.
-pub(super) const PLACES: usize = 13;
+pub(super) const PLACES: usize = 18;
 
-fn words_of(tables: &PairTables) -> [u32; PLACES] {
+fn words_of(tables: &PairTables, triangles: usize) -> [u32; PLACES] {
     let PairPlaces {
         size: [a, b],
         placed: [c, d],
@@ -345,9 +410,13 @@ fn words_of(tables: &PairTables) -> [u32; PLACES] {
         known,
         listed,
         points: [h, i],
+        mesh: [j, k, l, m],
     } = tables.places();
     let sooner = usize::from(tables.takes_long());
-    [a, b, c, d, e, f, g, margin, known, listed, h, i, sooner].map(|n| n as u32)
+    [
+        a, b, c, d, e, f, g, margin, known, listed, h, i, sooner, triangles, j, k, l, m,
+    ]
+    .map(|n| n as u32)
 }
 
 fn unsupported(what: &'static str, name: &str, remedy: &'static str) -> GpuError {
@@ -360,7 +429,11 @@ fn unsupported(what: &'static str, name: &str, remedy: &'static str) -> GpuError
 }
 
 /// Refuses what cards do not know of piles.
-fn check(impulse: &Impulse, model: &Model) -> Result<(), GpuError> {
+fn check(
+    impulse: &Impulse,
+    model: &Model,
+    filter: Option<&CollisionFilter>,
+) -> Result<(), GpuError> {
     let shapes = impulse.shapes();
     let name = |id: ShapeId| {
         let shape = &model.shapes[id.0];
@@ -371,9 +444,15 @@ fn check(impulse: &Impulse, model: &Model) -> Result<(), GpuError> {
             None => id.0.to_string(),
         }
     };
-    if let Some(mesh) = shapes.iter().find(|shape| shape.kind == kind::MESH) {
-        let hulls = "take its convex hull, or run on the processor";
-        return Err(unsupported("the mesh", &name(mesh.shape), hulls));
+    let is_mesh = |shape: &&Collider| shape.kind == kind::MESH;
+    let meshes: Vec<_> = shapes.iter().filter(is_mesh).map(|s| s.shape).collect();
+    let meets = |a: ShapeId| {
+        let touches = |b: &ShapeId| filter.is_some_and(|filter| filter.may_collide(a, *b));
+        meshes.iter().any(touches)
+    };
+    if let Some(mesh) = meshes.iter().find(|mesh| meets(**mesh)) {
+        let hulls = "take convex pieces of one, or run on the processor";
+        return Err(unsupported("two meshes that meet,", &name(*mesh), hulls));
     }
     if shapes.is_empty() {
         return Err(unsupported(

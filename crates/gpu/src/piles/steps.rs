@@ -70,7 +70,12 @@ pub(super) enum Progress {
 impl Steps {
     pub fn new(gpu: &Gpu, scene: &Scene, kernels: &Kernels) -> Result<Self, GpuError> {
         let mut plan = scene.plan;
-        plan.pairs = (PAIRS * plan.shapes + BLOCK).min(scene.most_pairs(gpu));
+        plan.pairs = (PAIRS * plan.shapes + BLOCK).min(scene.most_pairs(gpu, false));
+        let near = scene.groups.iter().map(|group| group.triangles);
+        plan.most_near = near.max().unwrap_or(0) as u32;
+        if plan.most_near > 0 {
+            plan.mesh_pairs = (plan.shapes + BLOCK).min(scene.most_pairs(gpu, true));
+        }
         plan.contacts = CONTACTS * plan.bodies + BLOCK;
         plan.colours = FIRST_COLOURS;
         Ok(Self {
@@ -104,7 +109,7 @@ impl Steps {
         if flags & flag::DEAD != 0 {
             return Ok(Progress::Dead);
         }
-        if flags & (flag::MORE_PAIRS | flag::MORE_CONTACTS | flag::MORE_COLOURS) != 0 {
+        if flags & flag::MORE_ROOM != 0 {
             return Ok(match self.grow(gpu, scene, kernels, &told) {
                 true => Progress::Taken(taken),
                 false => Progress::Processor(taken),
@@ -176,6 +181,8 @@ impl Steps {
             let mut plan = self.plan;
             if flags & flag::MORE_PAIRS != 0 {
                 plan.pairs = enough(told[status::PAIRS]);
+            } else if flags & flag::MORE_MESH_PAIRS != 0 {
+                plan.mesh_pairs = enough(told[status::MESH_PAIRS]);
             } else if flags & flag::MORE_CONTACTS != 0 {
                 plan.contacts = enough(told[status::CONTACTS]);
             } else {
@@ -226,6 +233,9 @@ impl Steps {
         dispatch(pass, &k.sort[1], &s.sort_pairs, p.pair_blocks);
         all(pass, &e.plan_groups, p.groups);
         all(pass, &e.seat_pairs, p.pairs);
+        if p.mesh_pairs > 0 {
+            all(pass, &e.seat_meshes, p.mesh_pairs);
+        }
         for (group, (kernel, bindings)) in (0..).zip(k.apart.iter().zip(&s.groups)) {
             if let Some(kernel) = kernel {
                 self.run(pass, kernel, bindings, group);

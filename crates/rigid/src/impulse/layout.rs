@@ -37,6 +37,9 @@ pub const NEARBY: f64 = 1e-4;
 /// Points nearer than this share of the larger shape's radius, of one pair, are the same.
 pub const SAME_PLACE: f64 = 0.05;
 
+/// Normals are of one contact that turned if the cosine of the angle between them is larger.
+pub const SAME_NORMAL: f64 = 0.5;
+
 /// Nothing is farther from the origin [m].
 pub const FARTHEST: f64 = 1e9;
 

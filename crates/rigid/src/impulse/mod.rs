@@ -60,8 +60,8 @@ mod surface;
 mod tables;
 
 pub use layout::{
-    Collider, FARTHEST, FREE_TURN, HELD_TURN, Impulse, NEARBY, SAME_PLACE, SLEEP_AFTER, State,
-    WORLD, state, suits,
+    Collider, FARTHEST, FREE_TURN, HELD_TURN, Impulse, NEARBY, SAME_NORMAL, SAME_PLACE,
+    SLEEP_AFTER, State, WORLD, state, suits,
 };
 pub use memory::{Cached, CachedPoint, REMEMBERED, Recalled, remembered};
 pub use surface::Surface;

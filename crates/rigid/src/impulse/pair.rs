@@ -40,7 +40,7 @@ pub mod placed {
     use crate::contacts::tables::placed_field;
     /// Centre [m].
     pub const POSITION: usize = placed_field::POSITION;
-    /// Its axes in the world, as columns.
+    /// Its orientation in the world.
     pub const ORIENTATION: usize = placed_field::ORIENTATION;
     /// How far the shape can get within the step [m].
     pub const WAY: usize = placed_field::WAY;
@@ -168,6 +168,9 @@ pub struct PairPlaces {
     pub listed: usize,
     /// In the scratch: the first point, and how many there are. See [`point_place`].
     pub points: [usize; 2],
+    /// Among the parameters, where B is met as a mesh: the box of its only group, that of its only cluster, its triangles,
+    /// and their vertices.
+    pub mesh: [usize; 4],
 }
 
 /// Fields of a point that the kernels for pairs have found.
@@ -258,11 +261,12 @@ impl PairTables {
             triangles,
         }
     }
-    /// Where a lane has the numbers of its pair of two convex solids.
+    /// Where a lane has the numbers of its pair.
     pub fn places(&self) -> PairPlaces {
         let t = &self.tables;
         let first = t.kernels.vertices.start();
         let [a, all] = self.corners;
+        let [groups, clusters, triangles] = t.meshes.places();
         PairPlaces {
             size: [0, 1].map(|row| t.shape.at(row, shape_field::SIZE)),
             placed: [0, 1].map(|row| t.placed.at(row, 0)),
@@ -271,6 +275,7 @@ impl PairTables {
             known: t.kernels.known.map_or(0, |known| known.at(0, 0)),
             listed: t.found.length_at(found::FIXED),
             points: [t.slot.at(0, 0), self.route.points()],
+            mesh: [groups, clusters, triangles, first + 3 * all],
         }
     }
     /// Has its kernel meet the pairs, as a function that is called.
@@ -406,4 +411,4 @@ fn is_one<T: Float>(m: [T; 3], n: [T; 3]) -> bool {
 }
 
 /// Angle [rad] within which normals are one.
-const ONE: f64 = 1e-4;
+pub const ONE: f64 = 1e-4;

@@ -124,15 +124,6 @@ impl Colours {
     }
 }
 
-/// Joints, given the rows of their bodies, in runs of which each may be solved side by side, one run after the other.
-pub fn joint_runs(joints: &[[u32; 2]], bodies: usize) -> Vec<Vec<u32>> {
-    let ends: Vec<_> = joints.iter().map(|rows| (*rows, 0)).collect();
-    let mut colours = Colours::default();
-    colours.paint(&ends, bodies, joints.len().max(1));
-    let batches = 0..colours.batches.len();
-    batches.map(|i| colours.batch(i).to_vec()).collect()
-}
-
 /// One more than the points that a contact can have.
 const POINTS: usize = rigid::impulse::POINTS + 1;
 

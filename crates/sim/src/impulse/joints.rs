@@ -1,5 +1,6 @@
 //! Joints in lanes: gathered, worked on, and put back, as contacts are.
 
+use super::colours::Colours;
 use super::jobs::{BodyRows, WRITTEN, spread};
 use numbers::dispatch::Job;
 use numbers::{Cpu, Float, Lanes, Machine, Memory, PerWorld};
@@ -136,6 +137,15 @@ impl<T: Float> JointBatch<'_, T> {
             }
         }
     }
+}
+
+/// Joints, given the rows of their bodies, in runs of which each may be solved side by side, one run after the other.
+pub fn joint_runs(joints: &[[u32; 2]], bodies: usize) -> Vec<Vec<u32>> {
+    let ends: Vec<_> = joints.iter().map(|rows| (*rows, 0)).collect();
+    let mut colours = Colours::default();
+    colours.paint(&ends, bodies, joints.len().max(1));
+    let batches = 0..colours.batches.len();
+    batches.map(|i| colours.batch(i).to_vec()).collect()
 }
 
 /// What to do with joints.

@@ -27,7 +27,7 @@ use crate::engine::{Block, Engine, Task};
 use crate::jobs::Lane;
 use crate::meshes::{Meshes, Triangles};
 use broad_phase::BroadPhase;
-pub use colours::joint_runs;
+pub use joints::joint_runs;
 use mid_phase::MidPhase;
 use model::{CollisionFilter, Model, ShapeId};
 use narrow_phase::NarrowPhase;

@@ -3,10 +3,10 @@
 //! A part knows what its own contacts gave. What they gave in those before goes to the contact of the same two shapes, of
 //! the nearest normal. Where there is none any more, the one that was is told once more, and gives nothing.
 
-use super::warm_start::{SAME_NORMAL, vector};
+use super::warm_start::vector;
 use super::world::World;
 use numbers::Float;
-use rigid::impulse::Cached;
+use rigid::impulse::{Cached, SAME_NORMAL};
 
 impl<T: Float> World<'_, T> {
     /// Adds to contacts, which are in order, what was given in the parts before, which the state remembers.

@@ -8,10 +8,7 @@ use collide::kind;
 use glam::DVec3;
 use numbers::Float;
 use rayon::prelude::*;
-use rigid::impulse::{Cached, Recalled, SAME_PLACE};
-
-/// Normals are of one contact that turned if the cosine of the angle between them is larger.
-pub(super) const SAME_NORMAL: f64 = 0.5;
+use rigid::impulse::{Cached, Recalled, SAME_NORMAL, SAME_PLACE};
 
 impl<T: Float> World<'_, T> {
     /// Gives contacts, which are in order, the impulses that their points had before.
