@@ -10,6 +10,8 @@ use rigid::impulse::{BodyTables, ContactTables, blow, body, contact};
 /// [`ContactTables`].
 #[derive(Clone, Debug)]
 pub struct PilePrograms {
+    /// What pushes a body from outside.
+    pub push_body: Program,
     /// A body as a step begins.
     pub begin: Program,
     /// A body as the first small step begins.
@@ -86,6 +88,7 @@ impl PilePrograms {
     pub fn record() -> Result<Self, TraceError> {
         let (t, c) = (&BodyTables::new(), &ContactTables::new());
         Ok(Self {
+            push_body: record(|k| body::push(k, t))?,
             begin: record(|k| body::begin(k, t))?,
             advance: record(|k| advance(k, t, 0.0))?,
             advance_again: record(|k| advance(k, t, 1.0))?,

@@ -34,6 +34,7 @@ macro_rules! kernels {
 kernels! {
     Begin(k) = body::begin(k, &BodyTables::new());
     Advance(k) = body::advance(k, &BodyTables::new(), M::R::one());
+    Shove(k) = body::push(k, &BodyTables::new());
     Part(k) = body::part(k, &BodyTables::new());
     Drift(k) = body::drift(k, &BodyTables::new());
     Finish(k) = body::finish(k, &BodyTables::new());
@@ -137,6 +138,7 @@ fn records_well_in(kernel: &impl Kernel, new: fn(u32, u32) -> Lane, counts: Rang
 fn kernels_of_bodies_and_shapes_record_well() {
     records_well(&Begin);
     records_well(&Advance);
+    records_well(&Shove);
     records_well(&Part);
     records_well(&Drift);
     records_well(&Finish);

@@ -36,8 +36,9 @@ struct Plan {
     count: u32,
     memory: u32,
     forgotten: u32,
-    // Of what joints carry, and of what the host gives them, which lies behind the state.
+    // Of what joints carry; and behind the state of what acts on bodies, and of what the host gives joints.
     tied: u32,
+    forces: u32,
     given: u32,
     // Offsets in `words`.
     cells: u32,

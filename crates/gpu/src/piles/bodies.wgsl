@@ -45,6 +45,9 @@ fn load_bodies(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var i = 0u; i < 7u; i++) {
         rows[place_field(i) * plan.bodies + body] = state[source + i];
     }
+    for (var i = 0u; i < 6u; i++) {
+        rows[(WRENCH + i) * plan.bodies + body] = state[plan.forces + i * plan.bodies + body];
+    }
     // What spins faster has its step cut into parts.
     let spin = row3(VELOCITY + 3u, body);
     let limit = constants[plan.spin_limit + body];

@@ -6,9 +6,8 @@
 //! that a step is the processor's but for rounding.
 //!
 //! Nothing comes back within a step. A card takes the usual ones. Left to the processor is a step in which something is
-//! struck and bounces, gets farther than it was looked for, is stopped at its centre of mass, or spins so fast that the step
-//! has to be cut into parts, in which a body has more contacts than there are colours, or is lost, and any of a world on which
-//! forces act from outside. Where there is too little room for pairs, contacts or colours, a step is taken again with more,
+//! gets farther than it was looked for, is stopped at its centre of mass, or spins so fast that the step has to be cut into
+//! parts, in which a body has more contacts than there are colours, or is lost. Where there is too little room for pairs, contacts or colours, a step is taken again with more,
 //! and where the card has no more, by the processor.
 //!
 //! Nothing sleeps in the steps that a card takes. Meshes that meet meshes are refused.
@@ -44,8 +43,6 @@ pub(crate) struct Piles {
     worlds: Vec<Pile>,
     /// Numbers of the controls of a world.
     inputs: usize,
-    /// Of each world, whether forces act from outside.
-    pushed: Vec<bool>,
     /// Steps that the processor has taken.
     left: u64,
 }
@@ -68,7 +65,6 @@ impl Piles {
             inputs: impulse.lengths().input,
             steps: Steps::new(gpu, &scene, &kernels)?,
             worlds: piles.collect::<Result<_, _>>()?,
-            pushed: vec![false; worlds],
             left: 0,
             gpu: gpu.clone(),
             scene,
@@ -112,14 +108,9 @@ impl DeviceWorlds<f32> for Piles {
         Ok(self.gpu.check()?)
     }
     fn write_input(&mut self, _: Range<usize>, input: &Memory<f32>) -> Result<(), DeviceError> {
-        let scene = &self.scene;
-        for (world, pushed) in self.pushed.iter_mut().enumerate() {
+        for (world, pile) in self.worlds.iter_mut().enumerate() {
             let numbers: Vec<_> = (0..self.inputs).map(|i| input.get(world, i)).collect();
-            *pushed = scene.impulse.is_pushed(&numbers);
-            if let Some(joints) = &scene.joints {
-                let given = joints.given_by(&scene.impulse, &scene.parameters, &numbers);
-                self.worlds[world].write_given(&self.gpu, scene, &given);
-            }
+            pile.write_input(&self.gpu, &self.scene, &numbers);
         }
         Ok(self.gpu.check()?)
     }
@@ -137,10 +128,6 @@ impl DeviceWorlds<f32> for Piles {
         for world in 0..self.worlds.len() {
             let mut left = substeps;
             while left > 0 {
-                if self.pushed[world] {
-                    self.step_there(world, left, processor)?;
-                    break;
-                }
                 let pile = &mut self.worlds[world];
                 let steps = &mut self.steps;
                 match steps.take(&self.gpu, &self.scene, &self.kernels, pile, left)? {

@@ -11,8 +11,10 @@ use wgpu::Buffer;
 /// A world.
 #[derive(Debug)]
 pub(super) struct Pile {
-    /// Its state, and behind it what is given to its joints.
+    /// Its state, and behind it what acts on its bodies, and what is given to its joints.
     pub state: Buffer,
+    /// Whether anything acts on its bodies from outside.
+    pub pushed: bool,
     /// Of each contact that it remembers, the colour that it had: where colouring begins, which changes nothing.
     pub colours: Buffer,
     pub pace: Pace,
@@ -26,6 +28,7 @@ impl Pile {
         Ok(Self {
             state: sized(gpu, u64::from(scene.plan.given) + given as u64)?,
             colours: sized(gpu, scene.impulse.capacity() as u64)?,
+            pushed: false,
             pace: Pace::default(),
             staging: Staging::default(),
         })
@@ -35,11 +38,28 @@ impl Pile {
         let bytes = bytemuck::cast_slice(state);
         gpu.queue().write_buffer(&self.state, 0, bytes);
     }
-    /// Gives numbers to the joints.
-    pub fn write_given(&self, gpu: &Gpu, scene: &Scene, given: &[f32]) {
-        let at = u64::from(scene.plan.given) * NUMBER;
-        let bytes = bytemuck::cast_slice(given);
-        gpu.queue().write_buffer(&self.state, at, bytes);
+    /// What controls make of forces on bodies, and of joints.
+    pub fn write_input(&mut self, gpu: &Gpu, scene: &Scene, input: &[f32]) {
+        let write = |at: u32, numbers: &[f32]| {
+            let bytes = bytemuck::cast_slice(numbers);
+            let at = u64::from(at) * NUMBER;
+            gpu.queue().write_buffer(&self.state, at, bytes);
+        };
+        let impulse = &scene.impulse;
+        if let Some(joints) = &scene.joints {
+            let given = joints.given_by(impulse, &scene.parameters, input);
+            write(scene.plan.given, &given);
+        }
+        let pushed = impulse.is_pushed(input);
+        if pushed || self.pushed {
+            let bodies = impulse.rows();
+            let mut forces = vec![0.0; 6 * bodies];
+            for (row, given) in impulse.pushes(input) {
+                (0..6).for_each(|i| forces[i * bodies + row] = given[i]);
+            }
+            write(scene.plan.forces, &forces);
+        }
+        self.pushed = pushed;
     }
     /// Reads these numbers of the state.
     pub fn read(

@@ -10,7 +10,7 @@ use model::{CollisionFilter, Model, ShapeId};
 use numbers::trace::Program;
 use records::PilePrograms;
 use rigid::impulse::pair::{PairPlaces, PairTables, solid};
-use rigid::impulse::{Collider, FARTHEST, FREE_TURN, Impulse, NEARBY, WORLD, global, mass};
+use rigid::impulse::{Collider, FARTHEST, FREE_TURN, Impulse, NEARBY, WORLD, global, grip, mass};
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
@@ -382,7 +382,8 @@ impl Scene {
 
     /// Where joints are, and where their numbers lie.
     fn tie(&mut self) {
-        self.plan.given = self.impulse.lengths().state as u32;
+        self.plan.forces = self.impulse.lengths().state as u32;
+        self.plan.given = self.plan.forces + 6 * self.plan.bodies;
         let Some(joints) = &self.joints else { return };
         self.plan.joints = joints.count() as u32;
         self.plan.law_numbers = joints.law_numbers() as u32;
@@ -472,8 +473,15 @@ fn columns(globals: &[f32], things: usize, width: usize, rows: &[f32]) -> Vec<f3
 }
 
 fn body_parameters(impulse: &Impulse, parameters: &[f32], globals: &[f32]) -> Vec<f32> {
-    let rows = impulse.masses(parameters);
-    columns(globals, impulse.rows(), mass::WIDTH, rows)
+    let bodies = impulse.rows();
+    let mut grips = vec![0.0; grip::WIDTH * bodies];
+    for (row, grip) in impulse.grips(parameters) {
+        let own = grips[grip::WIDTH * row..].iter_mut();
+        own.zip(grip).for_each(|(own, x)| *own = x as f32);
+    }
+    let rows = columns(globals, bodies, mass::WIDTH, impulse.masses(parameters));
+    let grips = columns(&[], bodies, grip::WIDTH, &grips);
+    [rows, grips].concat()
 }
 
 fn shape_parameters(impulse: &Impulse, parameters: &[f32], globals: &[f32]) -> Vec<f32> {

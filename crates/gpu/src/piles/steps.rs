@@ -156,7 +156,7 @@ impl Steps {
         gpu.queue().write_buffer(status, 0, bytes);
         let mut encoder = gpu.device().create_command_encoder(&Default::default());
         for _ in 0..steps {
-            self.encode(kernels, scene, &own, &pile.pace, &mut encoder);
+            self.encode(kernels, scene, &own, pile, &mut encoder);
         }
         let mut told = [0; status::WIDTH];
         let staging = &mut self.staging;
@@ -205,7 +205,7 @@ impl Steps {
         k: &Kernels,
         scene: &Scene,
         own: &BindGroup,
-        pace: &Pace,
+        pile: &Pile,
         encoder: &mut CommandEncoder,
     ) {
         let mut pass = encoder.begin_compute_pass(&Default::default());
@@ -217,6 +217,9 @@ impl Steps {
         all(pass, &e.clear, p.buckets.max(p.bodies) + 1);
         all(pass, &e.load_bodies, p.bodies);
         let bodies = p.bodies.div_ceil(WORKGROUP);
+        if pile.pushed {
+            dispatch(pass, &k.push_body, &s.bodies, bodies);
+        }
         dispatch(pass, &k.begin, &s.bodies, bodies);
         all(pass, &e.load_shapes, p.shapes);
         dispatch(pass, &k.place, &s.shapes, p.shapes.div_ceil(WORKGROUP));
@@ -250,7 +253,7 @@ impl Steps {
         all(pass, &e.make_contacts, p.pairs + 1);
         joined.run(pass, k);
         all(pass, &e.join, p.contacts);
-        for _ in 0..pace.rounds {
+        for _ in 0..pile.pace.rounds {
             all(pass, &e.paint, p.contacts);
             all(pass, &e.settle, 1);
         }
@@ -268,7 +271,7 @@ impl Steps {
             }
             self.all_joints(pass, &kernels.place, joints);
         }
-        self.small_steps(pass, k, scene, own, pace.blows);
+        self.small_steps(pass, k, scene, own, pile.pace.blows);
         dispatch(pass, &k.finish, &s.bodies, bodies);
         all(pass, &e.read_contacts, p.contacts);
         all(pass, &e.find_pressing, p.contacts + 1);

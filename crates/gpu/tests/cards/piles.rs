@@ -10,8 +10,8 @@ use crate::pair::Pair;
 use glam::{DMat3, DQuat, DVec2, DVec3};
 use model::examples::{SCENES, arch, balls, bowl, pile, pyramid, square_pyramid, terrain, tower};
 use model::{
-    BodyId, Builder, Combine, Geometry, Hull, JointId, JointKind, Material, Model, ModelError,
-    Pose, Shape, ShapeId, Softness, TriangleMesh,
+    BodyId, Builder, Combine, Geometry, Hull, Material, Model, ModelError, Pose, Shape, ShapeId,
+    Softness, TriangleMesh,
 };
 use numbers::dispatch::Isa;
 use rigid::Settings;
@@ -522,27 +522,22 @@ fn joints_agree_with_the_processor() {
     assert!(left < 30, "{left} of 180 steps");
 }
 
-/// Sets forces along all joints that are not free, targets and controls of a world.
+/// Sets forces along all joints, targets and controls of a world.
 fn control(simulation: &mut Simulation<f32>, world: usize, phase: usize) {
     let model = simulation.model().clone();
     let wave = |i: usize| (2.3 * i as f64 + world as f64 + phase as f64).sin();
-    let mut force = vec![0.0; model.degrees_of_freedom()];
-    let mut targets = Vec::new();
-    for (i, joint) in model.joints.iter().enumerate() {
-        if joint.kind != JointKind::Free {
-            let dofs = model.dof_range(JointId(i));
-            dofs.clone().for_each(|v| force[v] = 0.4 * wave(v));
-            targets.extend(dofs.map(|v| (v, 2.0 * wave(v + 1))));
-        }
-    }
+    let dofs = 0..model.degrees_of_freedom();
+    let force: Vec<_> = dofs.clone().map(|v| 0.4 * wave(v)).collect();
     let actuators = 0..model.actuators.len();
     let control: Vec<_> = actuators.map(wave).collect();
     let mut controls = simulation.controls();
     controls.set_force(world, &force).unwrap();
-    for (dof, target) in targets {
-        controls.set_target(world, dof, target).unwrap();
-    }
     controls.set_control(world, &control).unwrap();
+    for dof in dofs {
+        controls
+            .set_target(world, dof, 2.0 * wave(dof + 1))
+            .unwrap();
+    }
 }
 
 /// More joints of one body than there are colours, and a loop of four bars.

@@ -9,9 +9,27 @@
 //! L = I(q) (ω − H α)    ω' = I(q')⁻¹ L
 //! ```
 
-use super::tables::{BodyTables, global, mass, row};
+use super::tables::{BodyTables, global, grip, mass, row};
 use crate::gyroscopic::mean_turn;
 use numbers::{Machine, Quat, Real, SymMat3, Vec3};
+
+/// What pushes a body from outside: force f and torque τ of its free joint become those about its centre, in world axes.
+///
+/// ```text
+/// F = R_f f     T = R τ + r × F
+/// ```
+#[inline(always)]
+pub fn push<M: Machine>(k: &mut M, t: &BodyTables) {
+    let only = k.index(0);
+    let own = k.quat(t.body, only, row::ORIENTATION);
+    let frame = k.pose(t.grip, only, grip::FRAME);
+    let f = k.vec3(t.body, only, row::WRENCH);
+    let force = k.quat(t.grip, only, grip::FORCE_FRAME).rotate(f);
+    let torque = (own * frame.q).rotate(k.vec3(t.body, only, row::WRENCH + 3));
+    let arm = own.rotate(frame.p);
+    k.store_vec3(t.body, only, row::WRENCH, force);
+    k.store_vec3(t.body, only, row::WRENCH + 3, torque + arm.cross(force));
+}
 
 /// The beginning of a step: inverse inertia and accelerations.
 #[inline(always)]

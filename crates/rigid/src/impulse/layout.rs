@@ -1,8 +1,9 @@
 //! A model as tables, and the numbers of its worlds.
 
+use super::body::push;
 use super::joint::{Ties, inner_frames, is_bare};
 use super::pair::solid;
-use super::tables::{POINTS, global, mass};
+use super::tables::{BodyTables, POINTS, global, grip, mass, row};
 use super::{memory, surface};
 use crate::contacts::tables::{Solid, Thin, thickness, way_through};
 use crate::contacts::{Corners, PUSH_OUT};
@@ -17,7 +18,7 @@ use model::{
     Pose, Shape, ShapeId,
 };
 use numbers::machine::space::{Parameter, State as StateMemory};
-use numbers::{Float, Table};
+use numbers::{Cpu, Float, PerWorld, Table};
 use std::collections::{HashMap, HashSet};
 
 pub(super) const NAME: &str = "impulse";
@@ -396,12 +397,8 @@ impl Impulse {
     }
     /// Whether forces act on bodies from outside, besides those along the axes of joints.
     pub fn is_pushed<T: Float>(&self, input: &[T]) -> bool {
-        let forces = &input[self.input.force.start()..];
-        let mut pushes = self
-            .free
-            .iter()
-            .flat_map(|free| &forces[free.dof..free.dof + 6]);
-        pushes.any(|x| *x != T::zero())
+        let mut given = self.pushes(input).flat_map(|(_, given)| given);
+        given.any(|x| x != T::zero())
     }
     /// How many contacts a world remembers.
     pub fn capacity(&self) -> usize {
@@ -529,27 +526,57 @@ impl Impulse {
     ) {
         wrenches.clear();
         wrenches.resize(self.rows(), [T::zero(); 6]);
-        let given = &input[self.input.force.start()..][..self.input.dofs()];
-        if given.iter().all(|x| *x == T::zero()) {
+        if !self.is_pushed(input) {
             return;
         }
-        for free in &self.free {
-            let at = |i: usize| given[free.dof + i].to_f64();
-            let (force, torque) = (
-                DVec3::from_array([at(0), at(1), at(2)]),
-                DVec3::from_array([at(3), at(4), at(5)]),
+        let t = BodyTables::new();
+        let grips = self.grips(state.parameters);
+        for ((row, given), (_, grip)) in self.pushes(input).zip(grips) {
+            let mut numbers = [0.0; row::WIDTH];
+            let turn = state.pose(row).orientation.to_array();
+            numbers[row::ORIENTATION..][..4].copy_from_slice(&turn);
+            numbers[row::WRENCH..][..6].copy_from_slice(&given.map(T::to_f64));
+            let mut parameters = [0.0; global::WIDTH + mass::WIDTH + grip::WIDTH];
+            parameters[t.grip.at(0, 0)..].copy_from_slice(&grip);
+            push(
+                &mut Cpu {
+                    state: &mut numbers,
+                    input: &[],
+                    output: &mut [],
+                    scratch: &mut [],
+                    parameters: PerWorld(&parameters),
+                    links: &[],
+                },
+                &t,
             );
-            let row = self.rows[free.body.0] as usize;
-            let own = state.pose(row);
-            let inner = pose_at(state.parameters, self.frame.at(free.body.0, 0));
-            let frame = own * inner * free.child_frame;
-            let force = free.parent_frame.orientation * force;
-            let torque = frame.orientation * torque + (frame.position - own.position).cross(force);
-            let numbers = [force.to_array(), torque.to_array()].concat();
-            for (x, y) in wrenches[row].iter_mut().zip(numbers) {
-                *x = T::from_f64(y);
-            }
+            wrenches[row] = std::array::from_fn(|i| T::from_f64(numbers[row::WRENCH + i]));
         }
+    }
+
+    /// Bodies that free joints push, and by which force and torque, as [`push`] takes them.
+    pub fn pushes<T: Float>(&self, input: &[T]) -> impl Iterator<Item = (usize, [T; 6])> {
+        let forces = &input[self.input.force.start()..];
+        self.free.iter().map(|free| {
+            let given = std::array::from_fn(|i| forces[free.dof + i]);
+            (self.rows[free.body.0] as usize, given)
+        })
+    }
+
+    /// Where free joints push bodies, in the same order: their rows, and see [`grip`](mod@grip).
+    pub fn grips<T: Float>(
+        &self,
+        parameters: &[T],
+    ) -> impl Iterator<Item = (usize, [f64; grip::WIDTH])> {
+        self.free.iter().map(|free| {
+            let inner = pose_at(parameters, self.frame.at(free.body.0, 0));
+            let frame = inner * free.child_frame;
+            let force_frame = free.parent_frame.orientation.to_array();
+            let mut grip = [0.0; grip::WIDTH];
+            grip[grip::FORCE_FRAME..grip::FRAME].copy_from_slice(&force_frame);
+            grip[grip::FRAME..][..3].copy_from_slice(&frame.position.to_array());
+            grip[grip::FRAME + 3..].copy_from_slice(&frame.orientation.to_array());
+            (self.rows[free.body.0] as usize, grip)
+        })
     }
 
     /// Offset of a body's [`state`].

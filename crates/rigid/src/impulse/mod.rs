@@ -65,4 +65,4 @@ pub use layout::{
 };
 pub use memory::{Cached, CachedPoint, REMEMBERED, Recalled, remembered};
 pub use surface::Surface;
-pub use tables::{BodyTables, ContactTables, POINTS, global, manifold, mass, point, row};
+pub use tables::{BodyTables, ContactTables, POINTS, global, grip, manifold, mass, point, row};

@@ -52,6 +52,16 @@ pub mod mass {
     pub const WIDTH: usize = 8;
 }
 
+/// Fields of where a body is pushed: the frames of its free joint.
+pub mod grip {
+    /// Orientation of the parent's, in which forces are given.
+    pub const FORCE_FRAME: usize = 0;
+    /// The child's in the body's own: where forces act, and in which torques are given.
+    pub const FRAME: usize = 4;
+    /// Numbers in a row.
+    pub const WIDTH: usize = 11;
+}
+
 /// Fields of the row of constants of a step.
 pub mod global {
     /// Length h of a small step [s].
@@ -163,6 +173,8 @@ pub struct BodyTables {
     pub mass: Table<Parameter, { mass::WIDTH }>,
     /// One row: see [`global`].
     pub global: Table<Parameter, { global::WIDTH }>,
+    /// One row: see [`grip`]. Only [`push`](super::body::push) reads it.
+    pub grip: Table<Parameter, { grip::WIDTH }>,
 }
 
 impl BodyTables {
@@ -174,6 +186,7 @@ impl BodyTables {
             body: Table::place(&mut state, 1),
             global: Table::place(&mut parameters, 1),
             mass: Table::place(&mut parameters, 1),
+            grip: Table::place(&mut parameters, 1),
         }
     }
 }
