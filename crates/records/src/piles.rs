@@ -4,6 +4,7 @@ use numbers::trace::{Program, TraceError, record};
 use numbers::{Machine, Real};
 use rigid::impulse::joint::{self, JointTables};
 use rigid::impulse::pair::{PairTables, ShapeTables, place};
+use rigid::impulse::sums::{SumTables, add};
 use rigid::impulse::{BodyTables, ContactTables, blow, body, contact};
 
 /// What is done to bodies, shapes and contacts, as records. Parameters are those of [`BodyTables`], [`ShapeTables`] and
@@ -36,6 +37,8 @@ pub struct PilePrograms {
     pub strike_foreseen: Program,
     /// A contact in those that follow.
     pub strike: Program,
+    /// What a contact gave in the parts of a step before comes to what it gives in this one: see [`SumTables`].
+    pub add_part: Program,
     /// A contact that also pushes surfaces apart.
     pub push: Program,
     /// A contact that does not.
@@ -101,6 +104,7 @@ impl PilePrograms {
             warm_start: record(|k| contact::warm_start(k, c))?,
             strike_foreseen: record(|k| blow::strike_foreseen(k, c))?,
             strike: record(|k| blow::strike(k, c))?,
+            add_part: record(|k| add(k, &SumTables::new()))?,
             push: record(|k| solve(k, c, 1.0))?,
             relax: record(|k| solve(k, c, 0.0))?,
         })

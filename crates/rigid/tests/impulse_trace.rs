@@ -6,6 +6,7 @@ mod shader;
 
 use kinetarium_rigid::impulse::joint::{self, JointTables, ROWS, axis_link};
 use kinetarium_rigid::impulse::pair::{ShapeTables, place};
+use kinetarium_rigid::impulse::sums::{SumTables, add};
 use kinetarium_rigid::impulse::{
     BodyTables, ContactTables, POINTS, blow, body, contact, manifold, point,
 };
@@ -44,6 +45,7 @@ kernels! {
     Relax(k) = contact::solve(k, &ContactTables::new(), M::R::zero());
     Foresee(k) = blow::foresee(k, &ContactTables::new());
     Strike(k) = blow::strike(k, &ContactTables::new());
+    AddPart(k) = add(k, &SumTables::new());
     StrikeForeseen(k) = blow::strike_foreseen(k, &ContactTables::new());
     Place(k) = place(k, &ShapeTables::new());
     Follow(k) = joint::follow(k, &JointTables::new());
@@ -154,6 +156,7 @@ fn kernels_of_contacts_record_well() {
     records_well(&Foresee);
     records_well(&Strike);
     records_well(&StrikeForeseen);
+    records_well(&AddPart);
 }
 
 #[test]

@@ -25,6 +25,8 @@ struct Plan {
     joints: u32,
     joint_runs: u32,
     law_numbers: u32,
+    // Of a step.
+    small_steps: u32,
     // Buckets of cells, a power of two, and colours that the host has launched kernels for.
     buckets: u32,
     colours: u32,
@@ -60,6 +62,9 @@ struct Plan {
     pressing: u32,
     foreseen: u32,
     near: u32,
+    ended: u32,
+    merged: u32,
+    same: u32,
     // Offsets in `whole`.
     carriers: u32,
     sides: u32,
@@ -87,7 +92,7 @@ struct Plan {
     solids: u32,
     corners: u32,
     surface: u32,
-    spin_limit: u32,
+    turn: u32,
     // Side of a cell at least [m], speed limit, and how far anything may be from the origin [m].
     cell: f32,
     fastest: f32,
@@ -142,6 +147,14 @@ fn pair_count() -> u32 {
 }
 fn contact_count() -> u32 {
     return min(told(CONTACTS), plan.contacts);
+}
+// Whether this is the first part of a step, or all of it.
+fn is_first() -> bool {
+    return told(PART) == 1u;
+}
+// Contacts that are told of: those found, and behind them those that ended in the parts before.
+fn told_count() -> u32 {
+    return min(contact_count() + told(ENDED), plan.contacts);
 }
 // Contacts that are solved: all but those of sensors, which come last.
 fn solved_count() -> u32 {

@@ -10,7 +10,14 @@ fn clear(@builtin(global_invocation_id) id: vec3<u32>) {
         put(plan.body_start + i, 0u);
     }
     // What was told of a step that was not taken stays.
+    if (i == 0u) {
+        // Parts are counted in any case, that the host and the card agree on which this is.
+        atomicStore(&status[PART], told(PART) % told(PARTS) + 1u);
+    }
     if (i == 0u && runs_on()) {
+        atomicStore(&status[TURNED], 0u);
+        atomicStore(&status[ENDED], 0u);
+        atomicStore(&status[SUM_ROUND], 0u);
         atomicStore(&status[PAIRS], 0u);
         atomicStore(&status[CONTACTS], 0u);
         atomicStore(&status[WIDEST], 0u);
@@ -48,17 +55,31 @@ fn load_bodies(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var i = 0u; i < 6u; i++) {
         rows[(WRENCH + i) * plan.bodies + body] = state[plan.forces + i * plan.bodies + body];
     }
-    // What spins faster has its step cut into parts.
-    let spin = row3(VELOCITY + 3u, body);
-    let limit = constants[plan.spin_limit + body];
-    if (dot(spin, spin) > limit * limit) {
-        stop(PROCESSOR);
+    if (is_first()) {
+        let turned = length(row3(VELOCITY + 3u, body)) * constants[plan.turn + body];
+        atomicMax(&status[TURNED], bitcast<u32>(turned));
+    }
+}
+
+// What spins fast has its step cut into parts of equal length.
+fn choose_parts() {
+    let turned = bitcast<f32>(told(TURNED));
+    var parts = 1u;
+    while (parts < plan.small_steps && (plan.small_steps % parts != 0u || !(turned <= f32(parts)))) {
+        parts++;
+    }
+    if (parts != told(PARTS)) {
+        atomicStore(&status[NEEDED], parts);
+        stop(OTHER_PARTS);
     }
 }
 
 @compute @workgroup_size(64)
 fn load_shapes(@builtin(global_invocation_id) id: vec3<u32>) {
     let shape = id.x;
+    if (shape == 0u && is_first() && runs_on()) {
+        choose_parts();
+    }
     if (shape >= plan.shapes) {
         return;
     }
@@ -130,7 +151,9 @@ fn store_bodies(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let to = plan.body_state + body * STATE;
     for (var i = 0u; i < 6u; i++) {
-        state[to + STATE_BEFORE + i] = state[to + STATE_VELOCITY + i];
+        if (is_first()) {
+            state[to + STATE_BEFORE + i] = state[to + STATE_VELOCITY + i];
+        }
         state[to + STATE_VELOCITY + i] = row(VELOCITY + i, body);
     }
     for (var i = 0u; i < 7u; i++) {
@@ -142,14 +165,15 @@ fn store_bodies(@builtin(global_invocation_id) id: vec3<u32>) {
 
 @compute @workgroup_size(64)
 fn store_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
-    let contact = id.x;
-    if (contact >= contact_count() || !runs_on()) {
+    let place = id.x;
+    if (place >= told_count() || !runs_on()) {
         return;
     }
-    let at = place_of(contact);
+    let at = place_of(place);
     if (at == NONE) {
         return;
     }
+    let contact = contact_at(place);
     for (var i = 0u; i < REMEMBERED; i++) {
         state[plan.memory + at * REMEMBERED + i] = fresh[contact * REMEMBERED + i];
     }
@@ -159,12 +183,14 @@ fn store_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
 @compute @workgroup_size(1)
 fn end() {
     if (runs_on()) {
-        let count = contact_count();
+        let count = told_count();
         state[plan.count] = f32(min(count, plan.remembered));
         if (count > plan.remembered) {
             state[plan.forgotten] += f32(count - plan.remembered);
         }
-        atomicAdd(&status[STEPS], 1u);
+        if (told(PART) == told(PARTS)) {
+            atomicAdd(&status[STEPS], 1u);
+        }
         atomicStore(&status[KEEP], 0u);
     }
 }

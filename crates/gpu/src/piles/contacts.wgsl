@@ -81,13 +81,13 @@ fn read_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
 // Those that press are remembered before all others, as far as there is room; all stay in order.
 @compute @workgroup_size(64)
 fn find_pressing(@builtin(global_invocation_id) id: vec3<u32>) {
-    let contact = id.x;
-    if (contact > plan.contacts) {
+    let place = id.x;
+    if (place > plan.contacts) {
         return;
     }
     var presses = false;
-    if (contact < contact_count()) {
-        let at = contact * REMEMBERED;
+    if (place < told_count()) {
+        let at = contact_at(place) * REMEMBERED;
         for (var i = 0u; i < 3u; i++) {
             presses = presses || fresh[at + REMEMBERED_DRAG_SUM + i] != 0.0;
         }
@@ -96,15 +96,15 @@ fn find_pressing(@builtin(global_invocation_id) id: vec3<u32>) {
             presses = presses || fresh[point + 5u] > 0.0 || fresh[point + 6u] > 0.0;
         }
     }
-    put(plan.pressing + contact, select(0u, 1u, presses));
+    put(plan.pressing + place, select(0u, 1u, presses));
 }
 
-// Where a contact is remembered, or NONE.
-fn place_of(contact: u32) -> u32 {
-    let before = word(plan.pressing + contact);
-    let presses = word(plan.pressing + contact + 1u) > before;
+// Where the contact at a place in the order of all is remembered, or NONE.
+fn place_of(place: u32) -> u32 {
+    let before = word(plan.pressing + place);
+    let presses = word(plan.pressing + place + 1u) > before;
     let room = plan.remembered - min(word(plan.pressing + plan.contacts), plan.remembered);
-    let others = contact - before;
+    let others = place - before;
     if (!presses && others >= room) {
         return NONE;
     }

@@ -3,10 +3,10 @@
 use crate::GpuError;
 use numbers::trace::Members;
 use records::JointPrograms;
+use rigid::impulse::Impulse;
 use rigid::impulse::joint::{
     CARRIED, JointTables, PLACED, ROWS, Tied, axis, axis_link, bounded, joint,
 };
-use rigid::impulse::{HELD_TURN, Impulse};
 use sim::joint_runs;
 
 /// What all worlds of a model have in common.
@@ -104,9 +104,8 @@ impl Joints {
     pub fn given_by(&self, impulse: &Impulse, parameters: &[f32], input: &[f32]) -> Vec<f32> {
         let count = self.count();
         let mut given = vec![0.0; self.given() * count];
-        let h = impulse.settings().substep();
         for (i, tie) in self.ties.iter().enumerate() {
-            let Tied { joint, axes, laws } = impulse.tied(*tie as usize, parameters, input, h);
+            let Tied { joint, axes, laws } = impulse.tied(*tie as usize, parameters, input);
             let axes = axes.iter().flatten();
             let counts = self.links.chunks_exact(axis_link::WIDTH);
             let counts = counts.map(|l| (l[axis_link::END] - l[axis_link::FIRST]) as usize);
@@ -117,15 +116,6 @@ impl Joints {
             }
         }
         given
-    }
-
-    /// How fast [rad/s] each held body may spin before its step is cut into parts.
-    pub fn limit_spins(&self, impulse: &Impulse, limits: &mut [f32]) {
-        let limit = 0.999 * HELD_TURN / impulse.settings().substep();
-        for row in &self.seats {
-            let own = &mut limits[*row as usize];
-            *own = own.min(limit as f32);
-        }
     }
 }
 

@@ -23,7 +23,8 @@ fn load_joints(@builtin(global_invocation_id) id: vec3<u32>) {
     let source = carried(i);
     for (var field = 0u; field < JOINT_CARRIED; field++) {
         // What a step gives is summed from its beginning.
-        put_joint(JOINT_TARGET + field, i, select(state[source + field], 0.0, field >= JOINT_SUM));
+        let begins = field >= JOINT_SUM && is_first();
+        put_joint(JOINT_TARGET + field, i, select(state[source + field], 0.0, begins));
     }
     var number = JOINT_CONSTANTS;
     for (var axis = 0u; axis < AXES; axis++) {

@@ -10,7 +10,7 @@ use rigid::impulse::{ContactTables, row};
 use wgpu::{BindGroupLayout, ComputePipeline};
 
 /// What lies between the kernels. One text, since all see the same buffers.
-const TEXT: [&str; 9] = [
+const TEXT: [&str; 10] = [
     include_str!("bindings.wgsl"),
     include_str!("bodies.wgsl"),
     include_str!("broad_phase.wgsl"),
@@ -19,6 +19,7 @@ const TEXT: [&str; 9] = [
     include_str!("colours.wgsl"),
     include_str!("contacts.wgsl"),
     include_str!("blows.wgsl"),
+    include_str!("parts.wgsl"),
     include_str!("joints.wgsl"),
 ];
 
@@ -51,6 +52,7 @@ entries! {
     foresee_blows, begin_blows, tell_blows, end_round, read_contacts, check_bodies, check_shapes,
     store_bodies, store_contacts, end,
     load_joints, store_joints,
+    find_ended, match_parts, seat_parts, read_parts, place_ended, merge,
 }
 
 /// All of it.
@@ -76,6 +78,7 @@ pub(super) struct Kernels {
     pub warm_start: ComputePipeline,
     pub strike_foreseen: ComputePipeline,
     pub strike: ComputePipeline,
+    pub add_part: ComputePipeline,
     pub push: ComputePipeline,
     pub relax: ComputePipeline,
     pub joints: Option<JointKernels>,
@@ -146,6 +149,7 @@ impl Kernels {
             warm_start: of_contact(&p.warm_start)?,
             strike_foreseen: of_contact(&p.strike_foreseen)?,
             strike: of_contact(&p.strike)?,
+            add_part: of_contact(&p.add_part)?,
             push: of_contact(&p.push)?,
             relax: of_contact(&p.relax)?,
             joints: scene.joints.as_ref().map(joint).transpose()?,

@@ -25,7 +25,7 @@ macro_rules! plan {
 
 plan! {
     bodies: u32, shapes: u32, units: u32, large: u32, forms: u32, groups: u32, solid_groups: u32, surfaces: u32,
-    pairs: u32, mesh_pairs: u32, most_near: u32, contacts: u32, remembered: u32, joints: u32, joint_runs: u32, law_numbers: u32,
+    pairs: u32, mesh_pairs: u32, most_near: u32, contacts: u32, remembered: u32, joints: u32, joint_runs: u32, law_numbers: u32, small_steps: u32,
     buckets: u32, colours: u32, pair_blocks: u32, contact_blocks: u32,
     alive: u32, body_state: u32, count: u32, memory: u32, forgotten: u32,
     tied: u32, forces: u32, given: u32,
@@ -33,13 +33,13 @@ plan! {
     pair_shapes: u32, pair_group: u32, pair_order: u32, pair_place: u32, group_matrix: u32,
     contact_start: u32, body_start: u32, body_items: u32,
     colour: u32, colour_matrix: u32, contact_order: u32,
-    pressing: u32, foreseen: u32, near: u32,
+    pressing: u32, foreseen: u32, near: u32, ended: u32, merged: u32, same: u32,
     carriers: u32, sides: u32, apart_start: u32, apart_items: u32, shape_form: u32, form_group: u32,
     group_places: u32, unit_shapes: u32, large_shapes: u32, shape_surface: u32, first_corner: u32,
     ties: u32, joint_run: u32, paired_start: u32, paired_items: u32,
     mesh_of_shape: u32, mesh_group_rows: u32, mesh_cluster_rows: u32,
     mesh_groups: u32, mesh_clusters: u32, mesh_triangles: u32,
-    grown: u32, solids: u32, corners: u32, surface: u32, spin_limit: u32,
+    grown: u32, solids: u32, corners: u32, surface: u32, turn: u32,
     cell: f32, fastest: f32, farthest: f32,
 }
 
@@ -51,6 +51,9 @@ pub(super) const GROUPS: u32 = BLOCK;
 /// sensors, which are not solved.
 pub(super) const COLOURS: u32 = 64;
 pub(super) const KEYS: u32 = COLOURS + 2;
+
+/// Contacts of the part before that give what they gave to one contact, at most.
+pub(super) const SUM_ROUNDS: u32 = 2;
 
 /// Places in the status.
 pub(super) mod status {
@@ -77,7 +80,16 @@ pub(super) mod status {
     pub const KEEP: usize = 15;
     pub const ROUNDS_OF_BLOWS: usize = 16;
     pub const MESH_PAIRS: usize = 17;
-    pub const WIDTH: usize = 18;
+    /// Into how many parts the host cuts the step, which one it is, counted from 1, how many there have to be, and the
+    /// largest turn of all bodies in the step, in parts of what each is allowed.
+    pub const PARTS: usize = 18;
+    pub const PART: usize = 19;
+    pub const NEEDED: usize = 20;
+    pub const TURNED: usize = 21;
+    /// Contacts of the parts before that are none any more, and rounds in which those that are got what they gave.
+    pub const ENDED: usize = 22;
+    pub const SUM_ROUND: usize = 23;
+    pub const WIDTH: usize = 24;
 }
 
 /// Why a step was not taken.
@@ -90,6 +102,7 @@ pub(super) mod flag {
     pub const DEAD: u32 = 32;
     pub const MORE_BLOWS: u32 = 64;
     pub const MORE_MESH_PAIRS: u32 = 128;
+    pub const OTHER_PARTS: u32 = 256;
     /// For these there has to be more room.
     pub const MORE_ROOM: u32 = MORE_PAIRS | MORE_MESH_PAIRS | MORE_CONTACTS | MORE_COLOURS;
 }
@@ -99,7 +112,9 @@ pub(super) mod run {
     pub const COLOURS: u32 = super::GROUPS;
     pub const CONTACTS: u32 = COLOURS + super::COLOURS;
     pub const BODIES: u32 = CONTACTS + 1;
-    pub const COUNT: u32 = BODIES + 1;
+    /// All contacts that are found, those of sensors, too.
+    pub const SUMS: u32 = BODIES + 1;
+    pub const COUNT: u32 = SUMS + 1;
     /// Launches of others: of colours and bodies where there are blows, and of the runs of joints.
     pub const BLOW_COLOURS: u32 = COUNT;
     pub const BLOW_BODIES: u32 = BLOW_COLOURS + super::COLOURS;
@@ -138,6 +153,9 @@ impl Plan {
         self.pressing = take(self.contacts + 1);
         self.foreseen = take(self.contacts);
         self.near = take(self.most_near * self.mesh_pairs);
+        self.ended = take(self.remembered + 1);
+        self.merged = take(self.contacts);
+        self.same = take(self.contacts);
         end
     }
     pub fn group_matrix_length(&self) -> u32 {
@@ -156,6 +174,12 @@ pub(super) fn constants() -> String {
         ("STEPS", status::STEPS),
         ("PAIRS", status::PAIRS),
         ("MESH_PAIRS", status::MESH_PAIRS),
+        ("PARTS", status::PARTS),
+        ("PART", status::PART),
+        ("NEEDED", status::NEEDED),
+        ("TURNED", status::TURNED),
+        ("ENDED", status::ENDED),
+        ("SUM_ROUND", status::SUM_ROUND),
         ("CONTACTS", status::CONTACTS),
         ("COLOURED", status::COLOURED),
         ("WIDEST", status::WIDEST),
@@ -177,11 +201,14 @@ pub(super) fn constants() -> String {
         ("MORE_ROUNDS", flag::MORE_ROUNDS as usize),
         ("PROCESSOR", flag::PROCESSOR as usize),
         ("DEAD", flag::DEAD as usize),
+        ("OTHER_PARTS", flag::OTHER_PARTS as usize),
         ("MORE_MESH_PAIRS", flag::MORE_MESH_PAIRS as usize),
         ("MORE_BLOWS", flag::MORE_BLOWS as usize),
         ("COLOUR_RUN", run::COLOURS as usize),
         ("CONTACTS_RUN", run::CONTACTS as usize),
         ("BODIES_RUN", run::BODIES as usize),
+        ("SUMS_RUN", run::SUMS as usize),
+        ("SUM_ROUNDS", SUM_ROUNDS as usize),
         ("BLOW_COLOUR_RUN", run::BLOW_COLOURS as usize),
         ("BLOW_BODIES_RUN", run::BLOW_BODIES as usize),
         ("JOINT_RUN", run::JOINTS as usize),

@@ -9,7 +9,7 @@ use crate::memory::{NUMBER, buffer, filled, indirect};
 use crate::pipeline::dispatch;
 use crate::{Gpu, GpuError};
 use rigid::impulse::pair::placed;
-use rigid::impulse::{ContactTables, POINTS, REMEMBERED, row};
+use rigid::impulse::{ContactTables, POINTS, REMEMBERED, global, row};
 use wgpu::{BindGroup, Buffer, ComputePass};
 
 /// Buffers, in the order in which they are bound after those of a world.
@@ -33,6 +33,9 @@ pub(super) struct Buffers {
     constants: Buffer,
     whole: Buffer,
     plan: Buffer,
+    globals: Buffer,
+    body_parameters: Buffer,
+    shape_parameters: Buffer,
 }
 
 /// Buffers, and what the kernels bind of them. Made anew where there has to be more.
@@ -42,12 +45,13 @@ pub(super) struct Room {
     pub shapes: BindGroup,
     pub bodies: BindGroup,
     pub contacts: BindGroup,
+    pub sums: BindGroup,
     pub colours: Vec<BindGroup>,
     /// Of runs of joints; the last has all.
     pub joints: Vec<BindGroup>,
     pub groups: Vec<BindGroup>,
-    /// Of buckets, units, groups, touching pairs, bodies, colours, pressing contacts.
-    pub scans: [Scan; 7],
+    /// Of buckets, units, groups, touching pairs, bodies, colours, pressing contacts, and those that ended.
+    pub scans: [Scan; 8],
     pub sort_pairs: BindGroup,
     pub sort_contacts: BindGroup,
 }
@@ -90,6 +94,9 @@ impl Buffers {
             constants: filled(gpu, &scene.constants)?,
             whole: filled(gpu, &scene.whole)?,
             plan: gpu.uniform(bytemuck::cast_slice(&[*plan])),
+            globals: buffer(gpu, global::WIDTH as u64)?,
+            body_parameters: filled(gpu, &scene.body_parameters)?,
+            shape_parameters: filled(gpu, &scene.shape_parameters)?,
         })
     }
 }
@@ -112,13 +119,17 @@ fn bind_joints(
     gpu: &Gpu,
     joints: &Joints,
     buffers: &Buffers,
-    globals: &Buffer,
     plan: &Plan,
 ) -> Result<Vec<BindGroup>, GpuError> {
     let seats = filled(gpu, &joints.seats)?;
     let runs = filled(gpu, joints.runs.as_flattened())?;
     let links = filled(gpu, &joints.links)?;
-    let (own, rows) = (&buffers.joints, &buffers.rows);
+    let Buffers {
+        joints: own,
+        rows,
+        globals,
+        ..
+    } = buffers;
     let numbers = 0..joints.runs.len() as u32;
     let bind = |number| {
         let launch = gpu.uniform(&[plan.joints, number, plan.bodies]);
@@ -139,9 +150,6 @@ impl Room {
         let buffers = Buffers::new(gpu, scene, plan, words)?;
         let b = &buffers;
         let (none, nothing) = (buffer(gpu, 1)?, buffer(gpu, 1)?);
-        let body_parameters = filled(gpu, &scene.body_parameters)?;
-        let shape_parameters = filled(gpu, &scene.shape_parameters)?;
-        let globals = filled(gpu, &scene.globals)?;
         let points = filled(gpu, &[POINTS as u32])?;
         let bind = |buffers: [&Buffer; 7]| gpu.bindings(gpu.layout(), &buffers);
         let of_run = |room: u32, number: u32| gpu.uniform(&[room, number, plan.bodies]);
@@ -152,7 +160,7 @@ impl Room {
                 &b.seats,
                 &b.runs,
                 &b.rows,
-                &globals,
+                &b.globals,
                 &points,
                 &launch,
             ])
@@ -175,7 +183,7 @@ impl Room {
             &nothing,
             &b.runs,
             &none,
-            &body_parameters,
+            &b.body_parameters,
             &points,
             &bodies,
         ];
@@ -186,7 +194,7 @@ impl Room {
             &nothing,
             &none,
             scratch,
-            &shape_parameters,
+            &b.shape_parameters,
             &points,
             &launch,
         ];
@@ -203,11 +211,12 @@ impl Room {
             shapes: bind(shapes),
             bodies: bind(bodies),
             contacts: of_contacts(run::CONTACTS),
+            sums: of_contacts(run::SUMS),
             colours: (0..plan.colours)
                 .map(|colour| of_contacts(run::COLOURS + colour))
                 .collect(),
             joints: match &scene.joints {
-                Some(joints) => bind_joints(gpu, joints, &buffers, &globals, plan)?,
+                Some(joints) => bind_joints(gpu, joints, &buffers, plan)?,
                 None => Vec::new(),
             },
             groups: groups.collect::<Result<_, GpuError>>()?,
@@ -219,6 +228,7 @@ impl Room {
                 scan(plan.body_start, plan.bodies + 1),
                 scan(plan.colour_matrix, plan.colour_matrix_length()),
                 scan(plan.pressing, plan.contacts + 1),
+                scan(plan.ended, plan.remembered + 1),
             ],
             sort_pairs: sort([
                 plan.pair_group,
@@ -240,6 +250,26 @@ impl Room {
             ]),
             buffers,
         })
+    }
+
+    /// Writes the constants of a step that is cut into so many parts.
+    pub fn cut(&self, gpu: &Gpu, scene: &Scene, plan: &Plan, parts: usize) {
+        let globals = scene.globals(parts);
+        let of = |things: u32| -> Vec<f32> {
+            let columns = globals.iter();
+            let columns = columns.flat_map(|x| std::iter::repeat_n(*x, things as usize));
+            columns.collect()
+        };
+        let b = &self.buffers;
+        for (buffer, things) in [
+            (&b.globals, 1),
+            (&b.body_parameters, plan.bodies),
+            (&b.shape_parameters, plan.shapes),
+        ] {
+            let bytes = of(things);
+            gpu.queue()
+                .write_buffer(buffer, 0, bytemuck::cast_slice(&bytes));
+        }
     }
 
     /// What lies between the kernels, with a world's own buffers.

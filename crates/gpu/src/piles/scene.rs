@@ -10,7 +10,9 @@ use model::{CollisionFilter, Model, ShapeId};
 use numbers::trace::Program;
 use records::PilePrograms;
 use rigid::impulse::pair::{PairPlaces, PairTables, solid};
-use rigid::impulse::{Collider, FARTHEST, FREE_TURN, Impulse, NEARBY, WORLD, global, grip, mass};
+use rigid::impulse::{
+    Collider, FARTHEST, FREE_TURN, HELD_TURN, Impulse, NEARBY, WORLD, global, grip, mass,
+};
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
@@ -25,10 +27,10 @@ pub(super) struct Scene {
     pub groups: Vec<Group>,
     pub constants: Vec<f32>,
     pub whole: Vec<u32>,
-    /// Constants of bodies and shapes as their kernels read them, `[number][body]`.
+    /// Constants of bodies and shapes as their kernels read them, `[number][body]`; the first ones are those of a
+    /// [step](Self::globals).
     pub body_parameters: Vec<f32>,
     pub shape_parameters: Vec<f32>,
-    pub globals: [f32; global::WIDTH],
     /// Whether there may be blows.
     pub bounces: bool,
     /// With the places of constants, and not yet those of what steps need.
@@ -59,8 +61,6 @@ const SMALL: u32 = u32::MAX;
 pub(super) const SURFACE: usize = 9;
 /// Surfaces that differ, at most.
 const SURFACES: usize = 1024;
-/// What spins on the spot is never too fast.
-const UNLIMITED: f32 = 1e18;
 
 impl Scene {
     /// # Errors
@@ -72,7 +72,6 @@ impl Scene {
     ) -> Result<Self, GpuError> {
         check(impulse, model, filter)?;
         let parameters: Vec<_> = impulse.parameters().iter().map(|x| *x as f32).collect();
-        let globals = impulse.globals(&parameters, 1);
         let forms: BTreeSet<_> = impulse.shapes().iter().map(form_of).collect();
         let forms = Vec::from_iter(forms);
         let mut scene = Self {
@@ -83,9 +82,8 @@ impl Scene {
             groups: Vec::new(),
             constants: Vec::new(),
             whole: Vec::new(),
-            body_parameters: body_parameters(impulse, &parameters, &globals),
-            shape_parameters: shape_parameters(impulse, &parameters, &globals),
-            globals,
+            body_parameters: body_parameters(impulse, &parameters),
+            shape_parameters: shape_parameters(impulse, &parameters),
             bounces: false,
             plan: Plan::default(),
             parameters: parameters.clone(),
@@ -99,6 +97,7 @@ impl Scene {
         scene.plan.body_state = impulse.body_state(0) as u32;
         let places = impulse.memory_places().map(|n| n as u32);
         [scene.plan.count, scene.plan.forgotten, scene.plan.memory] = places;
+        scene.plan.small_steps = settings.contact_iterations as u32;
         scene.plan.fastest = (settings.speed_limit as f32).next_down();
         scene.plan.farthest = FARTHEST as f32;
         scene.groups_of(&forms, &parameters)?;
@@ -109,11 +108,15 @@ impl Scene {
         scene.paired(model);
         scene.units(&large);
         scene.surfaces(&parameters, model)?;
-        scene.spins(&parameters);
+        scene.turns(&parameters);
         scene.tie();
         Ok(scene)
     }
 
+    /// The constants of a step that is cut into so many parts.
+    pub fn globals(&self, parts: usize) -> [f32; global::WIDTH] {
+        self.impulse.globals(&self.parameters, parts)
+    }
     /// Numbers of a pair in parameters and scratch: of two solids, or of a solid and a mesh.
     pub fn pair_lengths(&self, of_mesh: bool) -> [usize; 2] {
         let groups = self.groups.iter();
@@ -364,20 +367,21 @@ impl Scene {
         Ok(())
     }
 
-    /// How fast each body may spin [rad/s] before its step is cut into parts, to be on the safe side.
-    fn spins(&mut self, parameters: &[f32]) {
+    /// What a body's spin [rad/s] is multiplied by that it may be 1 before a step is cut into parts.
+    fn turns(&mut self, parameters: &[f32]) {
         let impulse = &self.impulse;
-        let mut limits = vec![UNLIMITED; impulse.rows()];
+        let length = impulse.settings().substep();
+        let mut turns = vec![0.0; impulse.rows()];
         for (i, shape) in impulse.shapes().iter().enumerate() {
             if shape.row != WORLD && !impulse.is_centred(i, parameters) {
-                let limit = 0.999 * FREE_TURN / impulse.settings().substep();
-                limits[shape.row as usize] = limit as f32;
+                turns[shape.row as usize] = (length / FREE_TURN) as f32;
             }
         }
-        if let Some(joints) = &self.joints {
-            joints.limit_spins(impulse, &mut limits);
+        let held = self.joints.iter().flat_map(|joints| &joints.seats);
+        for row in held {
+            turns[*row as usize] = (length / HELD_TURN) as f32;
         }
-        self.plan.spin_limit = self.constants(limits);
+        self.plan.turn = self.constants(turns);
     }
 
     /// Where joints are, and where their numbers lie.
@@ -465,26 +469,30 @@ fn check(
     Ok(())
 }
 
-/// The constants of a step, and a row of each thing: `[number][thing]`.
-fn columns(globals: &[f32], things: usize, width: usize, rows: &[f32]) -> Vec<f32> {
-    let common = globals.iter().flat_map(|x| std::iter::repeat_n(*x, things));
+/// A row of each thing as columns, `[number][thing]`.
+fn columns(things: usize, width: usize, rows: &[f32]) -> Vec<f32> {
     let own = (0..width).flat_map(|number| (0..things).map(move |i| rows[i * width + number]));
-    common.chain(own).collect()
+    own.collect()
 }
 
-fn body_parameters(impulse: &Impulse, parameters: &[f32], globals: &[f32]) -> Vec<f32> {
+fn body_parameters(impulse: &Impulse, parameters: &[f32]) -> Vec<f32> {
     let bodies = impulse.rows();
     let mut grips = vec![0.0; grip::WIDTH * bodies];
     for (row, grip) in impulse.grips(parameters) {
         let own = grips[grip::WIDTH * row..].iter_mut();
         own.zip(grip).for_each(|(own, x)| *own = x as f32);
     }
-    let rows = columns(globals, bodies, mass::WIDTH, impulse.masses(parameters));
-    let grips = columns(&[], bodies, grip::WIDTH, &grips);
-    [rows, grips].concat()
+    let masses = columns(bodies, mass::WIDTH, impulse.masses(parameters));
+    let room = vec![0.0; global::WIDTH * bodies];
+    [room, masses, columns(bodies, grip::WIDTH, &grips)].concat()
 }
 
-fn shape_parameters(impulse: &Impulse, parameters: &[f32], globals: &[f32]) -> Vec<f32> {
-    let rows = impulse.solids(parameters);
-    columns(globals, impulse.shapes().len(), solid::WIDTH, rows)
+fn shape_parameters(impulse: &Impulse, parameters: &[f32]) -> Vec<f32> {
+    let shapes = impulse.shapes().len();
+    let room = vec![0.0; global::WIDTH * shapes];
+    [
+        room,
+        columns(shapes, solid::WIDTH, impulse.solids(parameters)),
+    ]
+    .concat()
 }

@@ -3,20 +3,24 @@
 use super::joints::Joints;
 use super::kernels::Kernels;
 use super::pile::Pile;
-use super::plan::{BLOCK, COLOURS, KEYS, Plan, flag, run, status};
-use super::room::Room;
+use super::plan::{BLOCK, COLOURS, KEYS, Plan, SUM_ROUNDS, flag, run, status};
+use super::room::{Room, Scan};
 use super::scene::Scene;
-use crate::memory::{NUMBER, Staging};
+use crate::memory::{NUMBER, Staging, buffer};
 use crate::pipeline::{WORKGROUP, dispatch};
 use crate::{Gpu, GpuError};
 use rigid::impulse::blow::ROUNDS as BLOWS;
-use wgpu::{BindGroup, CommandEncoder, ComputePass, ComputePipeline};
+use wgpu::{BindGroup, Buffer, CommandEncoder, ComputePass, ComputePipeline};
 
 /// What steps have room for, and how they are submitted.
 #[derive(Debug)]
 pub(super) struct Steps {
     plan: Plan,
     room: Room,
+    /// Into how many parts steps are cut that the room is ready for.
+    parts: usize,
+    /// The state of a world before a step that is cut into parts.
+    before: Option<Buffer>,
     staging: Staging,
 }
 
@@ -43,6 +47,8 @@ pub(super) struct Pace {
     goes_on: bool,
     /// Rounds of blows in a small step.
     blows: usize,
+    /// Parts of a step.
+    parts: usize,
 }
 
 impl Default for Pace {
@@ -52,6 +58,7 @@ impl Default for Pace {
             rounds: FEWEST_ROUNDS,
             goes_on: false,
             blows: 0,
+            parts: 1,
         }
     }
 }
@@ -81,6 +88,8 @@ impl Steps {
         Ok(Self {
             room: Room::new(gpu, scene, kernels, &mut plan)?,
             plan,
+            parts: 0,
+            before: None,
             staging: Staging::default(),
         })
     }
@@ -99,13 +108,19 @@ impl Steps {
         let stage = self.plan.colours as usize + joints + 1;
         let launches = small_steps * (2 + pile.pace.blows) * stage;
         let most = pile.pace.steps.min(LAUNCHES / launches).max(1);
+        // What is cut into parts is taken one by one, that it can be undone.
+        let most = if pile.pace.parts > 1 { 1 } else { most };
         let steps = steps.min(most);
         let told = self.submit(gpu, scene, kernels, pile, steps)?;
         let (flags, taken) = (told[status::FLAG], told[status::STEPS] as usize);
         let pace = &mut pile.pace;
         let more = if taken == steps { 2 * pace.steps } else { 1 };
         pace.steps = more.min(STEPS);
-        pace.goes_on = flags & flag::MORE_ROUNDS != 0;
+        pace.goes_on = flags & flag::MORE_ROUNDS != 0 && pace.parts == 1;
+        if flags & flag::OTHER_PARTS != 0 {
+            pace.parts = told[status::NEEDED] as usize;
+            return Ok(Progress::Taken(taken));
+        }
         if flags & flag::DEAD != 0 {
             return Ok(Progress::Dead);
         }
@@ -147,22 +162,42 @@ impl Steps {
         pile: &Pile,
         steps: usize,
     ) -> Result<[u32; status::WIDTH], GpuError> {
+        let parts = pile.pace.parts;
+        if self.parts != parts {
+            self.room.cut(gpu, scene, &self.plan, parts);
+            self.parts = parts;
+        }
         let own = self.room.of(gpu, kernels, pile);
         let status = &self.room.buffers.status;
         let mut begin = [0_u32; status::WIDTH];
         begin[status::KEEP] = pile.pace.goes_on.into();
         begin[status::ROUNDS_OF_BLOWS] = pile.pace.blows as u32;
+        begin[status::PARTS] = parts as u32;
         let bytes = bytemuck::cast_slice(&begin);
         gpu.queue().write_buffer(status, 0, bytes);
         let mut encoder = gpu.device().create_command_encoder(&Default::default());
+        if parts > 1 {
+            let before = self.before.take();
+            let before = before.map_or_else(|| buffer(gpu, scene.plan.forces.into()), Ok)?;
+            let size = before.size();
+            encoder.copy_buffer_to_buffer(&pile.state, 0, &before, 0, size);
+            self.before = Some(before);
+        }
         for _ in 0..steps {
-            self.encode(kernels, scene, &own, pile, &mut encoder);
+            for part in 0..parts {
+                self.encode(kernels, scene, &own, pile, part, &mut encoder);
+            }
         }
         let mut told = [0; status::WIDTH];
         let staging = &mut self.staging;
         staging.fetch(gpu, encoder, status, 0..status::WIDTH, |numbers| {
             told = std::array::from_fn(|i| numbers[i].to_bits());
         })?;
+        if let (true, Some(before)) = (told[status::FLAG] != 0 && parts > 1, &self.before) {
+            let mut encoder = gpu.device().create_command_encoder(&Default::default());
+            encoder.copy_buffer_to_buffer(before, 0, &pile.state, 0, before.size());
+            gpu.queue().submit([encoder.finish()]);
+        }
         Ok(told)
     }
 
@@ -184,7 +219,7 @@ impl Steps {
             } else if flags & flag::MORE_MESH_PAIRS != 0 {
                 plan.mesh_pairs = enough(told[status::MESH_PAIRS]);
             } else if flags & flag::MORE_CONTACTS != 0 {
-                plan.contacts = enough(told[status::CONTACTS]);
+                plan.contacts = enough(told[status::CONTACTS] + told[status::ENDED]);
             } else {
                 plan.colours = enough(told[status::COLOURED]).min(COLOURS);
             }
@@ -192,20 +227,21 @@ impl Steps {
         });
         for mut plan in rooms {
             if let Ok(room) = Room::new(gpu, scene, kernels, &mut plan) {
-                (self.plan, self.room) = (plan, room);
+                (self.plan, self.room, self.parts) = (plan, room, 0);
                 return true;
             }
         }
         false
     }
 
-    /// One step.
+    /// A step, or a part of one.
     fn encode(
         &self,
         k: &Kernels,
         scene: &Scene,
         own: &BindGroup,
         pile: &Pile,
+        part: usize,
         encoder: &mut CommandEncoder,
     ) {
         let mut pass = encoder.begin_compute_pass(&Default::default());
@@ -223,7 +259,16 @@ impl Steps {
         dispatch(pass, &k.begin, &s.bodies, bodies);
         all(pass, &e.load_shapes, p.shapes);
         dispatch(pass, &k.place, &s.shapes, p.shapes.div_ceil(WORKGROUP));
-        let [buckets, units, groups, touching, joined, colours, pressing] = &s.scans;
+        let [
+            buckets,
+            units,
+            groups,
+            touching,
+            joined,
+            colours,
+            pressing,
+            ended,
+        ] = &s.scans;
         all(pass, &e.surround, p.shapes);
         all(pass, &e.count_buckets, p.shapes);
         buckets.run(pass, k);
@@ -271,9 +316,12 @@ impl Steps {
             }
             self.all_joints(pass, &kernels.place, joints);
         }
-        self.small_steps(pass, k, scene, own, pile.pace.blows);
+        self.small_steps(pass, k, scene, own, &pile.pace);
         dispatch(pass, &k.finish, &s.bodies, bodies);
         all(pass, &e.read_contacts, p.contacts);
+        if part > 0 {
+            self.sums(pass, k, own, ended);
+        }
         all(pass, &e.find_pressing, p.contacts + 1);
         pressing.run(pass, k);
         all(pass, &e.check_bodies, p.bodies);
@@ -292,7 +340,7 @@ impl Steps {
         k: &Kernels,
         scene: &Scene,
         own: &BindGroup,
-        blows: usize,
+        pace: &Pace,
     ) {
         let (p, s) = (&self.plan, &self.room);
         let bodies = p.bodies.div_ceil(WORKGROUP);
@@ -302,7 +350,7 @@ impl Steps {
                 self.run(pass, kernel, bindings, run::COLOURS + colour);
             }
         };
-        for step in 0..scene.impulse.settings().contact_iterations {
+        for step in 0..scene.impulse.settings().contact_iterations / pace.parts {
             if let Some((joints, kernels)) = joints.filter(|(joints, _)| joints.inertia) {
                 self.all_joints(pass, &kernels.measure, joints);
             }
@@ -320,8 +368,8 @@ impl Steps {
             } else {
                 dispatch(pass, &k.advance_again, &s.bodies, bodies);
             }
-            if blows > 0 {
-                self.blows(pass, k, own, blows);
+            if pace.blows > 0 {
+                self.blows(pass, k, own, pace.blows);
             }
             contacts(pass, &k.push);
             if let Some((joints, kernels)) = joints {
@@ -336,6 +384,25 @@ impl Steps {
                 self.joints(pass, &kernels.relax, joints);
             }
         }
+    }
+
+    /// What contacts gave in the parts before.
+    fn sums(&self, pass: &mut ComputePass<'_>, k: &Kernels, own: &BindGroup, ended: &Scan) {
+        let (p, s, e) = (&self.plan, &self.room, &k.entries);
+        let all = |pass: &mut ComputePass<'_>, kernel: &ComputePipeline, things: u32| {
+            dispatch(pass, kernel, own, things.div_ceil(WORKGROUP));
+        };
+        all(pass, &e.find_ended, p.remembered + 1);
+        ended.run(pass, k);
+        for _ in 0..SUM_ROUNDS {
+            all(pass, &e.match_parts, p.contacts);
+            all(pass, &e.seat_parts, p.contacts);
+            self.run(pass, &k.add_part, &s.sums, run::SUMS);
+            all(pass, &e.read_parts, p.contacts);
+        }
+        all(pass, &e.match_parts, p.contacts);
+        all(pass, &e.place_ended, p.remembered.max(1));
+        all(pass, &e.merge, p.contacts);
     }
 
     /// The blows of a small step, in so many rounds.

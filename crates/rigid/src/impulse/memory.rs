@@ -1,9 +1,10 @@
 //! What a world remembers of its contacts from step to step.
 
 use super::layout::Impulse;
+use super::sums::{self, SumTables};
 use super::tables::POINTS;
 use glam::DVec3;
-use numbers::Float;
+use numbers::{Cpu, Float, PerWorld};
 
 /// Fields of a remembered contact; see [`Cached`](super::Cached).
 pub mod remembered {
@@ -238,24 +239,30 @@ impl<T: Float> Cached<T> {
             point.impulse = T::zero();
         }
     }
-    /// Adds what a contact of the same shapes gave in the parts of the step before: loads to the nearest points, and to
-    /// friction what keeps force and torque the same, as points and normals have moved.
+    /// Adds what a contact of the same shapes gave in the parts of the step before: see [`sums`].
     pub fn add(&mut self, before: &Self) {
-        let middle = self.middle();
-        let all = [&*self, before].map(|contact| contact.given(middle));
-        for old in &before.points[..before.count] {
-            let points = self.points[..self.count].iter_mut();
-            let nearest = points.min_by(|a, b| a.distance(old).total_cmp(&b.distance(old)));
-            if let Some(point) = nearest {
-                point.sum += old.sum;
-            }
+        let t = SumTables::new();
+        let mut rows = [0.0; 2 * REMEMBERED];
+        for (row, contact) in rows.chunks_exact_mut(REMEMBERED).zip([&*self, before]) {
+            let mut own = [T::zero(); REMEMBERED];
+            contact.write(&mut own);
+            row.copy_from_slice(&own.map(T::to_f64));
         }
-        self.drag_sum = [T::zero(); 3];
-        self.twist_sum = [T::zero(); 3];
-        let loads = self.given(middle);
-        let [drag, twist] = [0, 1].map(|i| all[0][i] + all[1][i] - loads[i]);
-        self.drag_sum = drag.to_array().map(T::from_f64);
-        self.twist_sum = twist.to_array().map(T::from_f64);
+        let mut k = Cpu {
+            state: &mut rows,
+            input: &[],
+            output: &mut [],
+            scratch: &mut [],
+            parameters: PerWorld(&[]),
+            links: &[],
+        };
+        sums::add(&mut k, &t);
+        let vec3 = |at: usize| [0, 1, 2].map(|i| T::from_f64(rows[at + i]));
+        self.drag_sum = vec3(field::DRAG_SUM);
+        self.twist_sum = vec3(field::TWIST_SUM);
+        for (i, point) in self.points[..self.count].iter_mut().enumerate() {
+            point.sum = T::from_f64(rows[field::POINT + i * field::POINT_WIDTH + 6]);
+        }
     }
     /// Its impulses acted `aside` [m] before its points, in one line with a centre of mass: what they would turn is taken
     /// off the torque that is told.

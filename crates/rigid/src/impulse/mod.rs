@@ -56,6 +56,7 @@ mod layout;
 mod memory;
 pub mod pair;
 mod report;
+pub mod sums;
 mod surface;
 mod tables;
 

@@ -83,8 +83,8 @@ impl<T: Float> JointLanes<T> {
 }
 
 impl<T: Float> JointBatch<'_, T> {
-    /// Writes the joints into their lanes, for a part of length h [s] of a step, the first or another.
-    pub fn fill(&mut self, joints: &[u32], state: &State<'_, T>, input: &[T], h: f64, first: bool) {
+    /// Writes the joints into their lanes, for the first part of a step or another.
+    pub fn fill(&mut self, joints: &[u32], state: &State<'_, T>, input: &[T], first: bool) {
         let width = self.bodies.len() / 2;
         self.bodies.fill(0);
         let mut ends = [0; ROWS];
@@ -106,7 +106,7 @@ impl<T: Float> JointBatch<'_, T> {
             for (side, row) in rows.into_iter().enumerate() {
                 self.bodies[side * width + lane] = row;
             }
-            let tied = state.impulse.tied(tie, state.parameters, input, h);
+            let tied = state.impulse.tied(tie, state.parameters, input);
             let carried = state.impulse.carried(tie, state.state);
             self.write(lane, width, &tied, carried);
             if first {

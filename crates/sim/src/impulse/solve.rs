@@ -18,8 +18,6 @@ pub(super) struct Solver<'a, T> {
     pub impulse: &'a Impulse,
     pub parameters: &'a [T],
     pub input: &'a [T],
-    /// Length of the step [s], and how many small steps it has.
-    pub length: f64,
     /// Whether it is the first part of a step, or all of it.
     pub first: bool,
     pub small_steps: usize,
@@ -132,13 +130,7 @@ impl<T: Float> Solver<'_, T> {
         for colour in &shares.joints {
             member.stage(colour, |batches| {
                 for batch in batches.iter_mut() {
-                    batch.fill(
-                        scene.joints,
-                        &scene.state,
-                        self.input,
-                        self.length,
-                        self.first,
-                    );
+                    batch.fill(scene.joints, &scene.state, self.input, self.first);
                 }
                 if drives {
                     self.joints(scene, batches, JointStage::Follow);

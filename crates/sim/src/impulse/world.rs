@@ -172,7 +172,6 @@ impl<T: Float> World<'_, T> {
             impulse: &self.piles.impulse,
             parameters: self.parameters,
             input: self.input,
-            length: self.length(),
             first: self.first,
             small_steps: self.small_steps(),
             lane: self.lane,

@@ -9,6 +9,7 @@
 //!
 //! Where whole turns do not count, a goal is reached, and a coordinate pulled, the short way round.
 
+use super::super::tables::global;
 use super::tables::{JointTables, ROWS, axis, axis_link, joint, law};
 use numbers::{Machine, Quat, Real, Vec3};
 
@@ -22,9 +23,10 @@ pub fn follow<M: Machine>(k: &mut M, t: &JointTables) {
     let turned = [turned.x, turned.y, turned.z, turned.w];
     for row in 0..ROWS {
         let i = k.index(row);
-        let [goal, share, reference, turns] = k.read(t.axis, i, axis::GOAL);
+        let [goal, time, reference, turns] = k.read(t.axis, i, axis::GOAL);
+        let drives = time.ge(M::R::zero());
         let turns = turns.gt(M::R::zero());
-        let target = around(goal - now[row], turns).fma(share, now[row]);
+        let target = around(goal - now[row], turns).fma(share(k, t, time), now[row]);
         let kept = if row < 4 { turned[row] } else { now[row] };
         k.store(
             t.joint,
@@ -41,7 +43,7 @@ pub fn follow<M: Machine>(k: &mut M, t: &JointTables) {
             rest
         };
         let rest = M::R::select(ball, M::R::zero(), rest);
-        pull(k, t, i, rest, share.gt(M::R::zero()));
+        pull(k, t, i, rest, drives);
     }
 }
 
@@ -53,10 +55,19 @@ fn follow_ball<M: Machine>(k: &M, t: &JointTables, now: Quat<M::R>) -> Quat<M::R
         k.load(t.axis, k.index(1), axis::GOAL),
         k.load(t.axis, k.index(2), axis::GOAL),
     );
-    let share = k.load(t.axis, k.index(0), axis::SHARE);
+    let time = k.load(t.axis, k.index(0), axis::TIME);
     let way = (now.conjugate() * Quat::exp(goal)).log();
-    let after = (now * Quat::exp(way * share)).normalized();
-    Quat::select(share.gt(M::R::zero()), after, now)
+    let after = (now * Quat::exp(way * share(k, t, time))).normalized();
+    Quat::select(time.ge(M::R::zero()), after, now)
+}
+
+/// s; 0 where there is no drive.
+#[inline(always)]
+fn share<M: Machine>(k: &M, t: &JointTables, time: M::R) -> M::R {
+    let [h, _, steps] = k.read(t.global, k.index(0), global::STEP);
+    let long = h * steps;
+    let share = long / (time.max(M::R::zero()) + long);
+    M::R::select(time.ge(M::R::zero()), share, M::R::zero())
 }
 
 /// A way, the short way round where whole turns do not count.

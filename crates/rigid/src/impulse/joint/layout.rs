@@ -593,8 +593,8 @@ impl Impulse {
         let mut freedoms = self.ties.list.iter().flat_map(|tie| &tie.freedoms);
         freedoms.any(|freedom| freedom.as_ref().is_some_and(|f| f.driven))
     }
-    /// What a lane takes of a joint for a step of length h [s].
-    pub fn tied<T: Float>(&self, tie: usize, parameters: &[T], input: &[T], h: f64) -> Tied<T> {
+    /// What a lane takes of a joint.
+    pub fn tied<T: Float>(&self, tie: usize, parameters: &[T], input: &[T]) -> Tied<T> {
         let given = Given {
             impulse: self,
             parameters,
@@ -612,7 +612,6 @@ impl Impulse {
             let forces = given.forces(freedom, &x);
             let acts = forces.count > 0 || forces.passive != [0.0; 4];
             let [k, d, force, armature] = forces.passive;
-            let share = h / (x[dof::DRIVE + 3] + h);
             let numbers = [
                 f64::from(u8::from(acts)),
                 k,
@@ -620,7 +619,11 @@ impl Impulse {
                 force,
                 armature,
                 given.target(freedom.dof),
-                if freedom.driven { share } else { 0.0 },
+                if freedom.driven {
+                    x[dof::DRIVE + 3]
+                } else {
+                    -1.0
+                },
                 x[dof::REFERENCE],
                 f64::from(u8::from(freedom.turns)),
             ];

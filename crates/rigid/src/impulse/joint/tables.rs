@@ -81,8 +81,8 @@ pub mod axis {
     pub const PASSIVE: usize = 1;
     /// What the target of its drive follows [m or rad]; of a ball a number of the turn, a rotation vector.
     pub const GOAL: usize = 5;
-    /// By which share of the way it follows in a step; 0 where there is no drive.
-    pub const SHARE: usize = 6;
+    /// Control time of the drive [s]; negative where there is none.
+    pub const TIME: usize = 6;
     /// What coordinates are reckoned from [m or rad].
     pub const REFERENCE: usize = 7;
     /// 1 where whole turns do not count.

@@ -1,0 +1,203 @@
+// What a step gave that is cut into parts: contacts of the parts before, which the state remembers, give what they gave to
+// those of the same two shapes and the nearest normal; where there is none any more, they are told of once more, behind
+// those of the same shapes, and give nothing.
+
+// The contact at a place in the order of all that are told of.
+fn contact_at(place: u32) -> u32 {
+    if (told(ENDED) == 0u) {
+        return place;
+    }
+    return word(plan.merged + place);
+}
+
+fn key_of(contact: u32) -> vec2<u32> {
+    let a = u32(fresh[contact * REMEMBERED + REMEMBERED_SHAPES]);
+    let b = u32(fresh[contact * REMEMBERED + REMEMBERED_SHAPES + 1u]);
+    return vec2(min(a, b), max(a, b));
+}
+fn old_key(i: u32) -> vec2<u32> {
+    let at = plan.memory + i * REMEMBERED + REMEMBERED_SHAPES;
+    let a = u32(state[at]);
+    let b = u32(state[at + 1u]);
+    return vec2(min(a, b), max(a, b));
+}
+fn comes_before(a: vec2<u32>, b: vec2<u32>) -> bool {
+    return a.x < b.x || (a.x == b.x && a.y < b.y);
+}
+// How many contacts come before a key; with `also`, those of it, too.
+fn found_before(key: vec2<u32>, also: bool) -> u32 {
+    var begin = 0u;
+    var end = contact_count();
+    while (begin < end) {
+        let middle = (begin + end) / 2u;
+        let own = key_of(middle);
+        if (comes_before(own, key) || (also && all(own == key))) {
+            begin = middle + 1u;
+        } else {
+            end = middle;
+        }
+    }
+    return begin;
+}
+// How many of those remembered come before a key.
+fn olds_before(key: vec2<u32>) -> u32 {
+    var begin = 0u;
+    var end = u32(state[plan.count]);
+    while (begin < end) {
+        let middle = (begin + end) / 2u;
+        if (comes_before(old_key(middle), key)) {
+            begin = middle + 1u;
+        } else {
+            end = middle;
+        }
+    }
+    return begin;
+}
+
+// Whether a remembered contact has given anything in the step.
+fn gave(i: u32) -> bool {
+    let at = plan.memory + i * REMEMBERED;
+    var any_ = false;
+    for (var x = 0u; x < 3u; x++) {
+        any_ = any_ || state[at + REMEMBERED_DRAG_SUM + x] != 0.0;
+    }
+    for (var p = 0u; p < u32(state[at + REMEMBERED_POINTS]); p++) {
+        any_ = any_ || state[at + REMEMBERED_POINT + p * REMEMBERED_POINT_WIDTH + 6u] > 0.0;
+    }
+    return any_;
+}
+
+// The contact that what a remembered one gave goes to, or NONE.
+fn heir_of(i: u32) -> u32 {
+    let key = old_key(i);
+    var heir = NONE;
+    var most = SAME_NORMAL;
+    for (var c = found_before(key, false); c < contact_count() && all(key_of(c) == key); c++) {
+        let cosine = dot(fresh_normal(c), remembered_normal(i));
+        if (cosine > most) {
+            most = cosine;
+            heir = c;
+        }
+    }
+    return heir;
+}
+
+@compute @workgroup_size(64)
+fn find_ended(@builtin(global_invocation_id) id: vec3<u32>) {
+    let i = id.x;
+    if (i > plan.remembered) {
+        return;
+    }
+    var ended = 0u;
+    if (i < u32(state[plan.count]) && gave(i) && heir_of(i) == NONE) {
+        ended = 1u;
+    }
+    put(plan.ended + i, ended);
+}
+
+// Of each contact, which remembered one gives to it in this round: those of its shapes in turn.
+@compute @workgroup_size(64)
+fn match_parts(@builtin(global_invocation_id) id: vec3<u32>) {
+    let contact = id.x;
+    if (contact >= contact_count()) {
+        return;
+    }
+    let key = key_of(contact);
+    var skip = told(SUM_ROUND);
+    var same = NONE;
+    for (var i = olds_before(key); i < u32(state[plan.count]) && all(old_key(i) == key); i++) {
+        if (!gave(i) || heir_of(i) != contact) {
+            continue;
+        }
+        if (skip == 0u) {
+            same = i;
+            break;
+        }
+        skip--;
+    }
+    put(plan.same + contact, same);
+    // More than the host has rounds for.
+    if (told(SUM_ROUND) == SUM_ROUNDS && same != NONE) {
+        stop(PROCESSOR);
+    }
+}
+
+// Both of them, to lanes that contacts have left.
+@compute @workgroup_size(64)
+fn seat_parts(@builtin(global_invocation_id) id: vec3<u32>) {
+    let contact = id.x;
+    if (contact >= contact_count()) {
+        return;
+    }
+    let same = word(plan.same + contact);
+    for (var i = 0u; i < REMEMBERED; i++) {
+        var before = 0.0;
+        if (same != NONE) {
+            before = state[plan.memory + same * REMEMBERED + i];
+        }
+        put_contact(i, contact, fresh[contact * REMEMBERED + i]);
+        put_contact(REMEMBERED + i, contact, before);
+    }
+    if (contact == 0u) {
+        run(SUMS_RUN, 0u, contact_count());
+    }
+}
+
+@compute @workgroup_size(64)
+fn read_parts(@builtin(global_invocation_id) id: vec3<u32>) {
+    let contact = id.x;
+    if (contact == 0u) {
+        atomicAdd(&status[SUM_ROUND], 1u);
+    }
+    if (contact >= contact_count() || word(plan.same + contact) == NONE) {
+        return;
+    }
+    let to = contact * REMEMBERED;
+    for (var i = REMEMBERED_DRAG_SUM; i < REMEMBERED; i++) {
+        fresh[to + i] = of_contact(i, contact);
+    }
+}
+
+// Those that ended, behind all others.
+@compute @workgroup_size(64)
+fn place_ended(@builtin(global_invocation_id) id: vec3<u32>) {
+    let i = id.x;
+    if (i == 0u && runs_on()) {
+        let ended = word(plan.ended + plan.remembered);
+        atomicStore(&status[ENDED], ended);
+        if (contact_count() + ended > plan.contacts) {
+            stop(MORE_CONTACTS);
+        }
+    }
+    if (i >= u32(state[plan.count])) {
+        return;
+    }
+    let before = word(plan.ended + i);
+    let contact = contact_count() + before;
+    if (word(plan.ended + i + 1u) == before || contact >= plan.contacts) {
+        return;
+    }
+    let to = contact * REMEMBERED;
+    for (var x = 0u; x < REMEMBERED; x++) {
+        let stays = x < REMEMBERED_DRAG || (x >= REMEMBERED_DRAG_SUM);
+        fresh[to + x] = select(0.0, state[plan.memory + i * REMEMBERED + x], stays);
+    }
+    for (var p = 0u; p < POINTS; p++) {
+        fresh[to + REMEMBERED_POINT + p * REMEMBERED_POINT_WIDTH + 5u] = 0.0;
+    }
+    put(plan.colour + contact, 0u);
+    put(plan.merged + found_before(old_key(i), true) + before, contact);
+}
+
+// Where the others come among them.
+@compute @workgroup_size(64)
+fn merge(@builtin(global_invocation_id) id: vec3<u32>) {
+    let contact = id.x;
+    if (contact >= contact_count()) {
+        return;
+    }
+    let ended = word(plan.ended + olds_before(key_of(contact)));
+    if (contact + ended < plan.contacts) {
+        put(plan.merged + contact + ended, contact);
+    }
+}
