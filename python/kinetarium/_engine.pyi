@@ -899,6 +899,8 @@ class Engine:
         """Frees the worlds; later calls raise `ClosedError`."""
     def describe(self) -> tuple[str, str, int, str]:
         """Name of the solver, name of the instruction set, number of threads, name of the device."""
+    def left_to_processor(self) -> int:
+        """How many substeps the device has left to the processor."""
     def step(self, steps: int) -> list[int]:
         """Advances all worlds; the worlds that diverged meanwhile."""
     def begun(self) -> NDArray[np.uint64]:

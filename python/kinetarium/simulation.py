@@ -298,6 +298,11 @@ class Simulation(Strict):
         return self._device
 
     @property
+    def left_to_processor(self) -> int:
+        """How many substeps of all worlds a graphics card has left to the processor: of `impulse` those that are not usual."""
+        return self._worlds.engine.left_to_processor()
+
+    @property
     def controls(self) -> Controls:
         """Forces, targets and actuator controls, to be written in place."""
         return self._controls

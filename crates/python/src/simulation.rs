@@ -311,6 +311,10 @@ impl Engine {
             }))
         })
     }
+    /// How many substeps the device has left to the processor.
+    fn left_to_processor(&self, py: Python<'_>) -> PyResult<u64> {
+        self.with(py, |s| Ok(each!(s, read, s => s.left_to_processor())))
+    }
 
     /// Advances all worlds; the worlds that diverged meanwhile.
     fn step(&self, py: Python<'_>, steps: usize) -> PyResult<Vec<usize>> {

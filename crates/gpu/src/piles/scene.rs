@@ -459,13 +459,6 @@ fn check(
         let hulls = "take convex pieces of one, or run on the processor";
         return Err(unsupported("two meshes that meet,", &name(*mesh), hulls));
     }
-    if shapes.is_empty() {
-        return Err(unsupported(
-            "a model without shapes that collide",
-            "",
-            "run on the processor, or take `xpbd`",
-        ));
-    }
     Ok(())
 }
 

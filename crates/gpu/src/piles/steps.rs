@@ -257,7 +257,8 @@ impl Steps {
             dispatch(pass, &k.push_body, &s.bodies, bodies);
         }
         dispatch(pass, &k.begin, &s.bodies, bodies);
-        all(pass, &e.load_shapes, p.shapes);
+        // One at least: it chooses into how many parts the step is cut.
+        all(pass, &e.load_shapes, p.shapes.max(1));
         dispatch(pass, &k.place, &s.shapes, p.shapes.div_ceil(WORKGROUP));
         let [
             buckets,

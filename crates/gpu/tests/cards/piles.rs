@@ -8,7 +8,9 @@ use crate::card::card;
 use crate::models::mixed;
 use crate::pair::Pair;
 use glam::{DMat3, DQuat, DVec2, DVec3};
-use model::examples::{SCENES, arch, balls, bowl, pile, pyramid, square_pyramid, terrain, tower};
+use model::examples::{
+    SCENES, arch, balls, bowl, n_pendula, pile, pyramid, square_pyramid, terrain, tower,
+};
 use model::{
     BodyId, Builder, Combine, Geometry, Hull, Material, Model, ModelError, Pose, Shape, ShapeId,
     Softness, TriangleMesh,
@@ -605,6 +607,14 @@ fn control(simulation: &mut Simulation<f32>, world: usize, phase: usize) {
             .set_target(world, dof, 2.0 * wave(dof + 1))
             .unwrap();
     }
+}
+
+/// Nothing touches.
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn bodies_without_shapes_agree_with_the_processor() {
+    let pair = agrees(&n_pendula(4).unwrap(), 10, 5);
+    assert_eq!(pair.gpu.left_to_processor(), 0);
 }
 
 /// More joints of one body than there are colours, and a loop of four bars.
