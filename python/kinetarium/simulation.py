@@ -299,7 +299,7 @@ class Simulation(Strict):
 
     @property
     def left_to_processor(self) -> int:
-        """How many substeps of all worlds a graphics card has left to the processor: of `impulse` those that are not usual."""
+        """How many substeps of all worlds together a card has left to the processor; only of `impulse`."""
         return self._worlds.engine.left_to_processor()
 
     @property

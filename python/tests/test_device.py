@@ -68,9 +68,7 @@ def test_what_a_card_does_not_take_is_refused():
 @pytest.mark.skipif(CARD == "cuda", reason="`impulse` does not run there")
 def test_one_world_of_many_bodies():
     model = kn.examples.ragdolls(2)
-    card, cpu = (
-        kn.Simulation(model, worlds=1, solver="impulse", device=device) for device in (DEVICE, "cpu")
-    )
+    card, cpu = (kn.Simulation(model, worlds=1, solver="impulse", device=device) for device in (DEVICE, "cpu"))
     assert cpu.left_to_processor == 0
     for sim in (card, cpu):
         sim.step(20)
