@@ -1,7 +1,8 @@
 // What lies between the kernels: numbers of bodies to shapes, pairs and contacts and back, which shapes are near each
 // other, which contact has which colour. Contacts stand in the order of their pairs of shapes, as on the processor.
 //
-// A step is taken whole or not at all: `status[FLAG]` says why it was not, and nothing of the state is written then.
+// A step, or a part of one, is taken whole or not at all: `status[FLAG]` says why it was not, and nothing of the state is
+// written then.
 
 struct Plan {
     // How many there are; of bodies, row 0, which does not move, is one.

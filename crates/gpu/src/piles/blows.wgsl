@@ -18,6 +18,7 @@ fn foresee_blows(@builtin(global_invocation_id) id: vec3<u32>) {
     put(plan.foreseen + i, select(0u, 1u, may));
     if (may) {
         atomicStore(&status[MEETS], 1u);
+        atomicStore(&status[FORESEEN], 1u);
         // The host has not launched any rounds.
         if (told(ROUNDS_OF_BLOWS) == 0u) {
             stop(MORE_BLOWS);

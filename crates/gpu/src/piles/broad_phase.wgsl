@@ -257,10 +257,10 @@ fn plan_groups(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let mesh_pairs = pair_count() - mesh_first();
-    if (id.x == 0u && runs_on()) {
+    let fits = mesh_pairs <= plan.mesh_pairs;
+    // Of a step that was stopped before, pairs are not known.
+    if (id.x == 0u && !fits && runs_on()) {
         atomicStore(&status[MESH_PAIRS], mesh_pairs);
-    }
-    if (mesh_pairs > plan.mesh_pairs) {
         stop(MORE_MESH_PAIRS);
     }
     let first = word(plan.group_matrix + id.x * plan.pair_blocks);
@@ -270,5 +270,5 @@ fn plan_groups(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let of_mesh = id.x >= plan.solid_groups;
     let base = select(0u, mesh_first(), of_mesh);
-    run(id.x, first - base, select(0u, next - first, runs_on()));
+    run(id.x, first - base, select(0u, next - first, fits && runs_on()));
 }

@@ -77,11 +77,12 @@ fn plan_colours(@builtin(global_invocation_id) id: vec3<u32>) {
     if (colour > SENSED) {
         return;
     }
-    if (told(SETTLED) == 0u) {
-        // What is known so far is gone on from.
+    if (told(SETTLED) == 0u || !runs_on()) {
+        // What is known so far is gone on from; nothing is solved.
         if (colour == 0u && runs_on()) {
             stop(MORE_ROUNDS);
         }
+        run(select(CONTACTS_RUN, COLOUR_RUN + colour, colour < COLOURS), 0u, 0u);
         return;
     }
     let first = word(plan.colour_matrix + colour * plan.contact_blocks);

@@ -5,7 +5,7 @@ use numbers::trace::Members;
 use records::JointPrograms;
 use rigid::impulse::Impulse;
 use rigid::impulse::joint::{
-    CARRIED, JointTables, PLACED, ROWS, Tied, axis, axis_link, bounded, joint,
+    JointTables, PLACED, ROWS, TIED_STATE, Tied, axis, axis_link, bounded, joint,
 };
 use sim::joint_runs;
 
@@ -126,7 +126,7 @@ pub(super) fn constants() -> [(&'static str, usize); 9] {
         ("JOINT_CONSTANTS", joint::CONSTANTS),
         ("JOINT_TARGET", t.joint.at(0, joint::TARGET)),
         ("JOINT_SUM", joint::SUM - joint::TARGET),
-        ("JOINT_CARRIED", CARRIED),
+        ("JOINT_CARRIED", TIED_STATE),
         ("AXES", ROWS),
         ("AXIS", t.axis.at(0, 0)),
         ("AXIS_WIDTH", axis::WIDTH),

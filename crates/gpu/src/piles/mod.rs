@@ -7,7 +7,7 @@
 //!
 //! Nothing comes back within a step. What depends on what it finds, rounds of colouring and of blows and parts into which
 //! it is cut, the host launches as often as in the steps before. Where that was not right, or there is too little room for
-//! pairs, contacts or colours, nothing is written, and the step is taken again.
+//! pairs, contacts or colours, nothing is written, or what parts before have written is undone, and the step is taken again.
 //!
 //! What is rare is left to the processor: a step in which something gets farther than it was looked for, or is stopped at
 //! its centre of mass, in which a body has more contacts than there are colours, or more triangles near it than there is
@@ -112,10 +112,10 @@ impl DeviceWorlds<f32> for Piles {
     }
     fn write_input(&mut self, _: Range<usize>, input: &Memory<f32>) -> Result<(), DeviceError> {
         for (world, pile) in self.worlds.iter_mut().enumerate() {
-            let numbers: Vec<_> = (0..self.inputs).map(|i| input.get(world, i)).collect();
-            pile.write_input(&self.gpu, &self.scene, &numbers);
+            // What is made of them goes to the card before the next step: they may change once more.
+            pile.input = Some((0..self.inputs).map(|i| input.get(world, i)).collect());
         }
-        Ok(self.gpu.check()?)
+        Ok(())
     }
     fn write_parameters(&mut self, _: &Memory<f32>) -> Result<(), DeviceError> {
         self.takes_constants()
@@ -129,6 +129,9 @@ impl DeviceWorlds<f32> for Piles {
         processor: &mut Processor<'_, f32>,
     ) -> Result<(), DeviceError> {
         for world in 0..self.worlds.len() {
+            if let Some(input) = self.worlds[world].input.take() {
+                self.worlds[world].write_input(&self.gpu, &self.scene, &input);
+            }
             let mut left = substeps;
             while left > 0 {
                 let pile = &mut self.worlds[world];

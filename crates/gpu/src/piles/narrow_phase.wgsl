@@ -318,8 +318,13 @@ fn warm(shapes: vec2<u32>, first: u32, next: u32) {
         return;
     }
     var olds = 1u;
-    while (olds < 32u && is_of(old + olds, lower, upper)) {
+    while (is_of(old + olds, lower, upper)) {
         olds++;
+    }
+    // As many as there are bits to tell which are taken.
+    if (olds > 32u) {
+        stop(PROCESSOR);
+        return;
     }
     if (olds == 1u && next - first == 1u) {
         warm_one(shapes, old, first);

@@ -74,7 +74,8 @@ fn heir_of(i: u32) -> u32 {
     var most = SAME_NORMAL;
     for (var c = found_before(key, false); c < contact_count() && all(key_of(c) == key); c++) {
         let cosine = dot(fresh_normal(c), remembered_normal(i));
-        if (cosine > most) {
+        // The last of those that are as near.
+        if (cosine > SAME_NORMAL && cosine >= most) {
             most = cosine;
             heir = c;
         }
@@ -126,6 +127,9 @@ fn match_parts(@builtin(global_invocation_id) id: vec3<u32>) {
 @compute @workgroup_size(64)
 fn seat_parts(@builtin(global_invocation_id) id: vec3<u32>) {
     let contact = id.x;
+    if (contact == 0u) {
+        run(SUMS_RUN, 0u, contact_count());
+    }
     if (contact >= contact_count()) {
         return;
     }
@@ -137,9 +141,6 @@ fn seat_parts(@builtin(global_invocation_id) id: vec3<u32>) {
         }
         put_contact(i, contact, fresh[contact * REMEMBERED + i]);
         put_contact(REMEMBERED + i, contact, before);
-    }
-    if (contact == 0u) {
-        run(SUMS_RUN, 0u, contact_count());
     }
 }
 

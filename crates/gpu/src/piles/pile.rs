@@ -13,6 +13,8 @@ use wgpu::Buffer;
 pub(super) struct Pile {
     /// Its state, and behind it what acts on its bodies, and what is given to its joints.
     pub state: Buffer,
+    /// Controls that the card has not been told of.
+    pub input: Option<Vec<f32>>,
     /// Whether anything acts on its bodies from outside.
     pub pushed: bool,
     /// Of each contact that it remembers, the colour that it had: where colouring begins, which changes nothing.
@@ -28,6 +30,7 @@ impl Pile {
         Ok(Self {
             state: sized(gpu, u64::from(scene.plan.given) + given as u64)?,
             colours: sized(gpu, scene.impulse.capacity() as u64)?,
+            input: None,
             pushed: false,
             pace: Pace::default(),
             staging: Staging::default(),
@@ -38,7 +41,7 @@ impl Pile {
         let bytes = bytemuck::cast_slice(state);
         gpu.queue().write_buffer(&self.state, 0, bytes);
     }
-    /// What controls make of forces on bodies, and of joints.
+    /// Tells the card what controls make of forces on bodies, and of joints.
     pub fn write_input(&mut self, gpu: &Gpu, scene: &Scene, input: &[f32]) {
         let write = |at: u32, numbers: &[f32]| {
             let bytes = bytemuck::cast_slice(numbers);

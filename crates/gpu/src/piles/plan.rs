@@ -52,8 +52,8 @@ pub(super) const GROUPS: u32 = BLOCK;
 pub(super) const COLOURS: u32 = 64;
 pub(super) const KEYS: u32 = COLOURS + 2;
 
-/// Contacts of the part before that give what they gave to one contact, at most.
-pub(super) const SUM_ROUNDS: u32 = 2;
+/// Contacts of the part before that give what they gave to one contact, at most: as many as a pair has of one normal.
+pub(super) const SUM_ROUNDS: u32 = SLOTS.div_ceil(POINTS) as u32;
 
 /// Places in the status.
 pub(super) mod status {
@@ -89,7 +89,9 @@ pub(super) mod status {
     /// Contacts of the parts before that are none any more, and rounds in which those that are got what they gave.
     pub const ENDED: usize = 22;
     pub const SUM_ROUND: usize = 23;
-    pub const WIDTH: usize = 24;
+    /// Whether a blow was foreseen in any of the steps.
+    pub const FORESEEN: usize = 24;
+    pub const WIDTH: usize = 25;
 }
 
 /// Why a step was not taken.
@@ -180,6 +182,7 @@ pub(super) fn constants() -> String {
         ("TURNED", status::TURNED),
         ("ENDED", status::ENDED),
         ("SUM_ROUND", status::SUM_ROUND),
+        ("FORESEEN", status::FORESEEN),
         ("CONTACTS", status::CONTACTS),
         ("COLOURED", status::COLOURED),
         ("WIDEST", status::WIDEST),

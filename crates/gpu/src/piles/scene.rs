@@ -147,6 +147,8 @@ impl Scene {
     /// A group for each two forms that a kernel meets, those with meshes last.
     fn groups_of(&mut self, forms: &[Form], parameters: &[f32]) -> Result<(), GpuError> {
         let mut table = vec![u32::MAX; forms.len() * forms.len()];
+        let room = |form: &Form| self.meshes.room(&self.impulse, parameters, *form);
+        let rooms: Vec<_> = forms.iter().map(room).collect();
         let mut places = Vec::new();
         for of_mesh in [false, true] {
             for (i, a) in forms.iter().enumerate() {
@@ -159,7 +161,7 @@ impl Scene {
                     let mut triangles = 0;
                     let mut size = b.1;
                     if of_mesh {
-                        triangles = self.meshes.room(&self.impulse, parameters, *a);
+                        triangles = rooms[i];
                         size = triangles;
                     }
                     let tables = PairTables::new(route, [a.0, b.0], [a.1, size]);

@@ -81,7 +81,7 @@ impl Steps {
         let near = scene.groups.iter().map(|group| group.triangles);
         plan.most_near = near.max().unwrap_or(0) as u32;
         if plan.most_near > 0 {
-            plan.mesh_pairs = (plan.shapes + BLOCK).min(scene.most_pairs(gpu, true));
+            plan.mesh_pairs = BLOCK.min(scene.most_pairs(gpu, true));
         }
         plan.contacts = CONTACTS * plan.bodies + BLOCK;
         plan.colours = FIRST_COLOURS;
@@ -124,6 +124,8 @@ impl Steps {
         if flags & flag::DEAD != 0 {
             return Ok(Progress::Dead);
         }
+        // What a step without enough of anything has told besides is of no worth: so this is asked first, and whether the
+        // processor has to take the step last.
         if flags & flag::MORE_ROOM != 0 {
             return Ok(match self.grow(gpu, scene, kernels, &told) {
                 true => Progress::Taken(taken),
@@ -131,6 +133,10 @@ impl Steps {
             });
         }
         if flags & flag::MORE_ROUNDS != 0 {
+            // Where it cannot go on from where it ended, more rounds than there are would not settle it.
+            if pace.rounds == MOST_ROUNDS && !pace.goes_on {
+                return Ok(Progress::Processor(taken));
+            }
             pace.rounds = MOST_ROUNDS.min(2 * pace.rounds);
             return Ok(Progress::Taken(taken));
         }
@@ -138,9 +144,10 @@ impl Steps {
             pace.blows = BLOWS.min((2 * pace.blows).max(2));
             return Ok(Progress::Taken(taken));
         }
-        // One more, in which nothing is struck; none where nothing was.
+        // One more, in which nothing is struck; none where none was foreseen.
+        let foreseen = told[status::FORESEEN] != 0;
         let struck = told[status::MOST_BLOWS] as usize;
-        pace.blows = BLOWS.min(struck + usize::from(struck > 0));
+        pace.blows = BLOWS.min(struck + usize::from(foreseen));
         // In most steps colours are those of the step before.
         let usual = 2 * told[status::ROUNDS] as usize;
         pace.rounds = usual.clamp(FEWEST_ROUNDS, MOST_ROUNDS);

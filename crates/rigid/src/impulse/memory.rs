@@ -99,9 +99,15 @@ impl Impulse {
         if count < contacts.len() {
             let lost = &mut state[self.forgotten.at(0, 0)];
             *lost = T::from_f64(lost.to_f64() + (contacts.len() - count) as f64);
-            contacts.sort_by_key(|contact| !(contact.presses() || contact.gave()));
-            contacts.truncate(count);
-            contacts.sort_by_key(Cached::key);
+            let presses = |contact: &Cached<T>| contact.presses() || contact.gave();
+            let all = contacts.iter().filter(|contact| presses(contact)).count();
+            let mut room = [count.saturating_sub(all), all.min(count)];
+            contacts.retain(|contact| {
+                let own = &mut room[usize::from(presses(contact))];
+                let fits = *own > 0;
+                *own -= usize::from(fits);
+                fits
+            });
         }
         state[self.remembered.at(0, 0)] = T::from_f64(count as f64);
         &mut state[self.memory.at(0, 0)..self.memory.at(count, 0)]

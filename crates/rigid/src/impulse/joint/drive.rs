@@ -1,6 +1,7 @@
 //! Targets of drives, which follow what the controller sets.
 //!
-//! A target θ* follows its goal θ̂ with the drive's control time T, once in a step of length H, implicit in time:
+//! A target θ* follows its goal θ̂ with the drive's control time T, once in a step, or a part of one, of length H, implicit in
+//! time:
 //!
 //! ```text
 //! θ* ← θ* + s (θ̂ − θ*),    s = H/(T + H)
@@ -73,9 +74,13 @@ fn share<M: Machine>(k: &M, t: &JointTables, time: M::R) -> M::R {
 /// A way, the short way round where whole turns do not count.
 #[inline(always)]
 fn around<R: Real>(way: R, turns: R::Mask) -> R {
-    let tau = R::lit(core::f64::consts::TAU);
-    let whole = (way / tau).round();
-    R::select(turns, whole.fnma(tau, way), way)
+    let tau = core::f64::consts::TAU;
+    let whole = (way * R::lit(1.0 / tau)).round();
+    // In two parts, the first of few digits, so that many turns take away no more than they are.
+    let rough = tau as f32;
+    let rough = f64::from(f32::from_bits(rough.to_bits() & 0xffff_f000));
+    let left = whole.fnma(R::lit(rough), way);
+    R::select(turns, whole.fnma(R::lit(tau - rough), left), way)
 }
 
 /// The drive's law, the first of its row, has this rest.

@@ -44,7 +44,7 @@ mod dof {
 }
 
 /// Numbers that a joint carries from step to step: its fields from the targets to the sums.
-pub const CARRIED: usize = joint::WRITTEN - joint::CONSTANTS;
+pub const TIED_STATE: usize = joint::WRITTEN - joint::CONSTANTS;
 
 /// A row of a joint that is a degree of freedom.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,7 +88,7 @@ pub(in super::super) struct Ties {
     /// [`ROWS`] a tie.
     dofs: Table<Parameter, { dof::WIDTH }>,
     motors: Table<Parameter, 9>,
-    state: Table<StateMemory, CARRIED>,
+    state: Table<StateMemory, TIED_STATE>,
     /// Targets as a world starts.
     targets: Vec<[f64; ROWS]>,
 }
@@ -203,7 +203,7 @@ impl Ties {
     pub fn place(&self, position: &[f64], parameters: &[f64], state: &mut [f64]) {
         for (i, tie) in self.list.iter().enumerate() {
             let at = self.state.at(i, ROWS);
-            state[at..at + CARRIED - ROWS].fill(0.0);
+            state[at..at + TIED_STATE - ROWS].fill(0.0);
             for (row, freedom) in tie.freedoms[..3].iter().enumerate() {
                 if let Some(coordinate) = freedom.as_ref().and_then(|f| f.coordinate) {
                     let reference = parameters[self.dofs.at(ROWS * i + row, dof::REFERENCE)];

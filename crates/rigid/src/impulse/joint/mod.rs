@@ -42,7 +42,7 @@ mod layout;
 mod tables;
 
 pub use drive::follow;
-pub use layout::{CARRIED, Tied};
+pub use layout::{TIED_STATE, Tied};
 pub(super) use layout::{Ties, inner_frames, is_bare};
 pub use tables::{JointTables, LAWS, PLACED, ROWS, axis, axis_link, joint, law as bounded};
 
