@@ -260,6 +260,30 @@ fn what_hangs_sleeps_until_it_is_moved() {
     assert!(woken, "by a ball");
 }
 
+/// Where whole turns do not count, a target many of them away is reached the short way round, so exactly that what is driven
+/// there sleeps: in single precision, the turns must not take away more than they are.
+#[test]
+fn a_target_many_turns_away_is_reached() {
+    let mut world = Builder::new("wheel");
+    let object = world.object("");
+    let shape = Geometry::Sphere { radius: 0.1 };
+    let wheel = object.body("wheel").shape(shape).mass(1.0).handle();
+    let drive = Drive {
+        stiffness: 2.0,
+        damping: 0.3,
+        control_time: 0.05,
+        ..Drive::default()
+    };
+    object.revolute("axle", wheel, DVec3::Z).drive(drive);
+    let mut simulation = simulate::<f32>(&world.build().unwrap());
+    let turns = 12.0 * TAU;
+    simulation.controls().set_target(0, 0, turns + 0.3).unwrap();
+    simulation.step(1500);
+    let angle = simulation.outputs().joint_position(0)[0];
+    assert!((angle - 0.3).abs() < 1e-3, "{angle}");
+    assert_eq!(sleepers(&mut simulation), 1);
+}
+
 /// A drive against a weight: it stops where k (target − q) = m g l cos q, however soft the joint is.
 #[test]
 fn a_drive_sags_by_torque_over_stiffness() {

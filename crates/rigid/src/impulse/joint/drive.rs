@@ -27,7 +27,9 @@ pub fn follow<M: Machine>(k: &mut M, t: &JointTables) {
         let [goal, time, reference, turns] = k.read(t.axis, i, axis::GOAL);
         let drives = time.ge(M::R::zero());
         let turns = turns.gt(M::R::zero());
-        let target = around(goal - now[row], turns).fma(share(k, t, time), now[row]);
+        // The goal by itself first: of many turns less the target, rounding would leave more than those that are near.
+        let way = around(around(goal, turns) - now[row], turns);
+        let target = way.fma(share(k, t, time), now[row]);
         let kept = if row < 4 { turned[row] } else { now[row] };
         k.store(
             t.joint,
