@@ -97,6 +97,10 @@ impl Gpu {
     pub(crate) fn rounds(&self) -> usize {
         self.0.rounds
     }
+    /// Whether it ends loops that go round too often.
+    pub(crate) fn cuts_loops(&self) -> bool {
+        self.0.rounds == ROUNDS_OF_PROGRAMS
+    }
     pub(crate) fn device(&self) -> &wgpu::Device {
         &self.0.device
     }

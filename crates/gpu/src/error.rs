@@ -45,12 +45,10 @@ pub enum GpuError {
         card: String,
     },
     /// What cards do not know of piles.
-    #[error("`impulse` does not support {what}{name} on a graphics card: {remedy}")]
+    #[error("`impulse` does not support {what} on a graphics card: {remedy}")]
     Unsupported {
         /// What is not supported.
         what: &'static str,
-        /// Which one, as ` "name"`; nothing where it is the model as a whole.
-        name: String,
         /// What to do instead.
         remedy: &'static str,
     },

@@ -7,9 +7,15 @@ fn of_contact(field: u32, i: u32) -> f32 {
     return contacts[field * plan.contacts + i];
 }
 
-// What a shape adds to the way on which it gets through another: a mesh, which is a surface, nothing.
-fn thickness(shape: u32) -> f32 {
-    return select(solid(SOLID_THICKNESS, shape), 0.0, is_mesh(shape));
+// The way on which two shapes get through each other. Of it a mesh, which is a surface, has nothing; of two, the smaller
+// one has what the box about it has.
+fn way_through(a: u32, b: u32) -> f32 {
+    let own = solid(SOLID_THICKNESS, a);
+    let other = solid(SOLID_THICKNESS, b);
+    let smaller = solid(SOLID_RADIUS, a) < solid(SOLID_RADIUS, b);
+    let drops_a = is_mesh(a) && !(is_mesh(b) && smaller);
+    let drops_b = is_mesh(b) && !(is_mesh(a) && !smaller);
+    return select(own, 0.0, drops_a) + select(other, 0.0, drops_b);
 }
 
 @compute @workgroup_size(64)
@@ -37,7 +43,7 @@ fn seat_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
         put_contact(MANIFOLD_FRICTION + x, i, constants[surface + x]);
     }
     put_contact(MANIFOLD_STICKING, i, constants[surface + 7u]);
-    put_contact(MANIFOLD_THICKNESS, i, thickness(a) + thickness(b));
+    put_contact(MANIFOLD_THICKNESS, i, way_through(a, b));
     put_contact(MANIFOLD_STRUCK, i, 0.0);
     let count = u32(fresh[source + REMEMBERED_POINTS]);
     for (var p = 0u; p < POINTS; p++) {

@@ -1,5 +1,5 @@
-// Which triangles of a mesh are near a solid: those whose boxes meet the box about the solid, as the mesh sees it, in the
-// order of the mesh.
+// Which triangles of a mesh are near a shape: those whose boxes meet the box about the shape, as the mesh sees it, in the
+// order of the mesh. Of two meshes, those of A are near that are near those of B.
 
 struct Box {
     low: vec3<f32>,
@@ -14,21 +14,45 @@ fn orientation(shape: u32) -> vec4<f32> {
     return vec4(placed3(PLACED_ORIENTATION, shape), of_placed(PLACED_ORIENTATION + 3u, shape));
 }
 
-// The box about a solid that is wider by a slack, in the frame of a mesh.
-fn seen(solid_shape: u32, mesh: u32, slack: f32) -> Box {
+// A box of the world, its middle, axes and half sizes, in the frame of a mesh; and what rounding may take away.
+fn seen(center: vec3<f32>, axes: vec4<f32>, half: vec3<f32>, mesh: u32) -> Box {
     let q = orientation(mesh);
     let back = vec4(-q.xyz, q.w);
-    let apart = placed3(PLACED_POSITION, solid_shape) - placed3(PLACED_POSITION, mesh);
-    let center = turned(back, apart);
-    var half = vec3(0.0);
+    let middle = turned(back, center - placed3(PLACED_POSITION, mesh));
+    var across = vec3(0.0);
     for (var i = 0u; i < 3u; i++) {
         var side = vec3(0.0);
-        side[i] = solid(SOLID_EXTENT + i, solid_shape) + slack;
-        half += abs(turned(back, turned(orientation(solid_shape), side)));
+        side[i] = half[i];
+        across += abs(turned(back, turned(axes, side)));
     }
-    let size = abs(center) + half;
-    half += 1e-6 * max(size.x, max(size.y, size.z));
-    return Box(center - half, center + half);
+    let size = abs(middle) + across;
+    across += 1e-6 * max(size.x, max(size.y, size.z));
+    return Box(middle - across, middle + across);
+}
+
+// The box about a shape that is wider by a slack.
+fn seen_shape(shape: u32, slack: f32, mesh: u32) -> Box {
+    var half = vec3(slack);
+    for (var i = 0u; i < 3u; i++) {
+        half[i] += solid(SOLID_EXTENT + i, shape);
+    }
+    return seen(placed3(PLACED_POSITION, shape), orientation(shape), half, mesh);
+}
+
+// The same of some triangles of a mesh, as far as they are within a box.
+fn seen_triangles(list_at: u32, count: u32, within: Box, of_mesh: u32, slack: f32, mesh: u32) -> Box {
+    var low = vec3(BEYOND);
+    var high = vec3(-BEYOND);
+    for (var i = 0u; i < count; i++) {
+        let at = plan.mesh_triangles + word(list_at + i) * TRIANGLE_ROW;
+        low = min(low, vec3(constants[at], constants[at + 1u], constants[at + 2u]));
+        high = max(high, vec3(constants[at + 3u], constants[at + 4u], constants[at + 5u]));
+    }
+    low = max(low, within.low);
+    high = min(high, within.high);
+    let axes = orientation(of_mesh);
+    let center = placed3(PLACED_POSITION, of_mesh) + turned(axes, 0.5 * (low + high));
+    return seen(center, axes, 0.5 * (high - low) + slack, mesh);
 }
 
 fn meets(around: Box, at: u32) -> bool {
@@ -54,10 +78,10 @@ fn insert(list_at: u32, count: u32, triangle: u32) {
     put(list_at + i, triangle);
 }
 
-// Lists the triangles near a solid, and returns how many there are, or more than there is room for.
-fn list_near(shapes: vec2<u32>, around: Box, list_at: u32, room: u32) -> u32 {
+// Lists the triangles of a mesh in a box, and returns how many there are, or more than there is room for.
+fn list_near(mesh: u32, around: Box, list_at: u32, room: u32) -> u32 {
     var count = 0u;
-    let of_shape = plan.mesh_of_shape + 2u * shapes.y;
+    let of_shape = plan.mesh_of_shape + 2u * mesh;
     for (var group = whole[of_shape]; group < whole[of_shape + 1u]; group++) {
         if (!meets(around, plan.mesh_groups + BOUNDS * group)) {
             continue;
@@ -94,25 +118,38 @@ fn seat_meshes(@builtin(global_invocation_id) id: vec3<u32>) {
     let pair = word(plan.pair_order + j);
     let shapes = ordered(pair);
     let places = places_of(pair);
-    let room = whole[places + 13u];
-    let list_at = plan.near + seat * plan.most_near;
+    let room = vec2(whole[places + 13u], whole[places + 14u]);
+    let list_at = plan.near + 2u * seat * plan.most_near;
+    let list_a = list_at + plan.most_near;
     // As far as the kernels look, so that these are all that they would find.
     let slack = way(shapes) + MARGIN + constants[surface_of(shapes) + SURFACE - 1u];
-    let count = list_near(shapes, seen(shapes.x, shapes.y, slack), list_at, room);
-    if (count > room) {
+    let around = seen_shape(shapes.x, slack, shapes.y);
+    let count = list_near(shapes.y, around, list_at, room.y);
+    var count_a = 0u;
+    if (room.x > 0u && count > 0u && count <= room.y) {
+        let others = seen_triangles(list_at, count, around, shapes.y, slack, shapes.x);
+        count_a = list_near(shapes.x, others, list_a, room.x);
+    }
+    if (count > room.y || count_a > room.x) {
         stop(PROCESSOR);
         return;
     }
-    for (var side = 0u; side < 2u; side++) {
-        // Of the only group, and of its only cluster: everywhere.
-        for (var i = 0u; i < BOUNDS; i++) {
-            put_parameter(j, whole[places + 14u + side] + i, select(BEYOND, -BEYOND, i < 3u));
+    // A group of one cluster for each mesh, which are everywhere.
+    let meshes = select(1u, 2u, room.x > 0u);
+    for (var table = 0u; table < 2u; table++) {
+        for (var i = 0u; i < BOUNDS * meshes; i++) {
+            put_parameter(j, whole[places + 15u + table] + i, select(BEYOND, -BEYOND, i % BOUNDS < 3u));
         }
     }
+    seat_triangles(j, places, 0u, room.x, list_a, count_a);
+    seat_triangles(j, places, room.x, room.y, list_at, count);
+}
+
+// So many triangles of a list, in rows from `first` on; what they leave free meets nothing.
+fn seat_triangles(j: u32, places: u32, first: u32, room: u32, list_at: u32, count: u32) {
     for (var i = 0u; i < room; i++) {
-        let to = whole[places + 16u] + i * TRIANGLE;
+        let to = whole[places + 17u] + (first + i) * TRIANGLE;
         if (i >= count) {
-            // What meets nothing.
             for (var x = 0u; x < BOUNDS; x++) {
                 put_parameter(j, to + x, select(-BEYOND, BEYOND, x < 3u));
             }
@@ -123,8 +160,9 @@ fn seat_meshes(@builtin(global_invocation_id) id: vec3<u32>) {
             put_parameter(j, to + x, constants[source + x]);
         }
         let vertices = TRIANGLE_ROW - TRIANGLE;
+        let corners = whole[places + 18u] + (first + i) * vertices;
         for (var x = 0u; x < vertices; x++) {
-            put_parameter(j, whole[places + 17u] + i * vertices + x, constants[source + TRIANGLE + x]);
+            put_parameter(j, corners + x, constants[source + TRIANGLE + x]);
         }
     }
 }

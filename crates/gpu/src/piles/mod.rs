@@ -13,7 +13,7 @@
 //! its centre of mass, in which a body has more contacts than there are colours, or more triangles near it than there is
 //! room for, or is lost; and one for which the card has no more room.
 //!
-//! Nothing sleeps in the steps that a card takes. Meshes that meet meshes are refused.
+//! Nothing sleeps in the steps that a card takes.
 
 mod joints;
 mod kernels;
@@ -35,6 +35,9 @@ use scene::Scene;
 use sim::{DeviceError, DeviceWorlds, Processor};
 use std::ops::Range;
 use steps::{Progress, Steps};
+
+/// Pairs of triangles of two meshes that programs get through: their loops end early, and say nothing.
+const PAIRS_OF_PROGRAMS: usize = 256;
 
 /// Worlds of piles on a card.
 #[derive(Debug)]
@@ -62,6 +65,14 @@ impl Piles {
     ) -> Result<Self, GpuError> {
         gpu.check()?;
         let scene = Scene::new(impulse, model, filter)?;
+        let pairs = scene.groups.iter().map(|group| group.triangles);
+        let most = pairs.map(|[a, b]| a * b).max().unwrap_or(0);
+        if gpu.cuts_loops() && most > PAIRS_OF_PROGRAMS {
+            return Err(GpuError::Unsupported {
+                what: "meshes of many triangles that meet, where a program stands in for it,",
+                remedy: "run on the processor, or on a card",
+            });
+        }
         let kernels = Kernels::new(gpu, &scene)?;
         let piles = (0..worlds).map(|_| Pile::new(gpu, &scene));
         Ok(Self {

@@ -154,7 +154,7 @@ impl Plan {
         self.contact_order = take(self.contacts);
         self.pressing = take(self.contacts + 1);
         self.foreseen = take(self.contacts);
-        self.near = take(self.most_near * self.mesh_pairs);
+        self.near = take(2 * self.most_near * self.mesh_pairs);
         self.ended = take(self.remembered + 1);
         self.merged = take(self.contacts);
         self.same = take(self.contacts);

@@ -167,7 +167,7 @@ impl Room {
         };
         let groups = scene.groups.iter().zip(0..).map(|(group, number)| {
             let links = filled(gpu, group.tables.links())?;
-            let (room, scratch, parameters) = if group.triangles > 0 {
+            let (room, scratch, parameters) = if group.has_mesh() {
                 (plan.mesh_pairs, &b.mesh_scratch, &b.mesh_parameters)
             } else {
                 (plan.pairs, &b.pair_scratch, &b.pair_parameters)

@@ -41,15 +41,15 @@ pub(super) struct Scene {
 #[derive(Debug)]
 pub(super) struct Group {
     pub tables: PairTables,
-    /// For how many triangles of a mesh a pair has room; 0 where none is met as a mesh.
-    pub triangles: usize,
+    /// For how many triangles of A and of B a pair has room; 0 for what is not met as a mesh.
+    pub triangles: [usize; 2],
     pub program: Program,
     /// What tells sooner which of them are apart, where that is worth its while.
     pub apart: Option<Program>,
 }
 
 /// Kind and number of corners.
-type Form = (usize, usize);
+pub(super) type Form = (usize, usize);
 
 /// Others that a unit of work looks at for a large shape.
 pub(super) const UNIT: usize = 64;
@@ -62,6 +62,13 @@ pub(super) const SURFACE: usize = 9;
 /// Surfaces that differ, at most.
 const SURFACES: usize = 1024;
 
+impl Group {
+    /// Whether anything is met as a mesh.
+    pub fn has_mesh(&self) -> bool {
+        self.triangles[1] > 0
+    }
+}
+
 impl Scene {
     /// # Errors
     /// The model has what cards do not know of piles.
@@ -70,7 +77,6 @@ impl Scene {
         model: &Model,
         filter: Option<&CollisionFilter>,
     ) -> Result<Self, GpuError> {
-        check(impulse, model, filter)?;
         let parameters: Vec<_> = impulse.parameters().iter().map(|x| *x as f32).collect();
         let forms: BTreeSet<_> = impulse.shapes().iter().map(form_of).collect();
         let forms = Vec::from_iter(forms);
@@ -100,7 +106,7 @@ impl Scene {
         scene.plan.small_steps = settings.contact_iterations as u32;
         scene.plan.fastest = (settings.speed_limit as f32).next_down();
         scene.plan.farthest = FARTHEST as f32;
-        scene.groups_of(&forms, &parameters)?;
+        scene.groups_of(&forms, &parameters, filter)?;
         let large = scene.large(&parameters);
         scene.shapes(&parameters, &forms, &large);
         scene.mesh();
@@ -120,7 +126,7 @@ impl Scene {
     /// Numbers of a pair in parameters and scratch: of two solids, or of a solid and a mesh.
     pub fn pair_lengths(&self, of_mesh: bool) -> [usize; 2] {
         let groups = self.groups.iter();
-        let groups = groups.filter(|group| (group.triangles > 0) == of_mesh);
+        let groups = groups.filter(|group| group.has_mesh() == of_mesh);
         let lengths = groups.map(|group| group.tables.lengths());
         lengths.fold([1; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])])
     }
@@ -145,26 +151,38 @@ impl Scene {
     }
 
     /// A group for each two forms that a kernel meets, those with meshes last.
-    fn groups_of(&mut self, forms: &[Form], parameters: &[f32]) -> Result<(), GpuError> {
+    fn groups_of(
+        &mut self,
+        forms: &[Form],
+        parameters: &[f32],
+        filter: Option<&CollisionFilter>,
+    ) -> Result<(), GpuError> {
         let mut table = vec![u32::MAX; forms.len() * forms.len()];
-        let room = |form: &Form| self.meshes.room(&self.impulse, parameters, *form);
-        let rooms: Vec<_> = forms.iter().map(room).collect();
+        let impulse = Arc::clone(&self.impulse);
         let mut places = Vec::new();
         for of_mesh in [false, true] {
             for (i, a) in forms.iter().enumerate() {
                 for (j, b) in forms.iter().enumerate().skip(i) {
-                    let route = Route::of(a.0, b.0).filter(|r| *r != Route::Meshes);
-                    let Some(route) = route.filter(|r| (*r == Route::Mesh) == of_mesh) else {
+                    let with_mesh = |r: &Route| matches!(r, Route::Mesh | Route::Meshes);
+                    let route = Route::of(a.0, b.0);
+                    let Some(route) = route.filter(|r| with_mesh(r) == of_mesh) else {
                         continue;
                     };
-                    table[i * forms.len() + j] = self.groups.len() as u32;
-                    let mut triangles = 0;
-                    let mut size = b.1;
-                    if of_mesh {
-                        triangles = rooms[i];
-                        size = triangles;
+                    // Often there is but one mesh, which nothing else is.
+                    if route == Route::Meshes && !meet(&impulse, filter, [*a, *b]) {
+                        continue;
                     }
-                    let tables = PairTables::new(route, [a.0, b.0], [a.1, size]);
+                    table[i * forms.len() + j] = self.groups.len() as u32;
+                    let room = |of: Form, near| self.meshes.room(&impulse, parameters, near, of);
+                    let (triangles, sizes) = match route {
+                        Route::Mesh => ([0, room(*b, *a)], [a.1, room(*b, *a)]),
+                        Route::Meshes => {
+                            let rooms = [room(*a, *b), room(*b, *a)];
+                            (rooms, rooms)
+                        }
+                        _ => ([0; 2], [a.1, b.1]),
+                    };
+                    let tables = PairTables::new(route, [a.0, b.0], sizes);
                     places.extend(words_of(&tables, triangles));
                     let sooner = tables.takes_long();
                     let apart = sooner.then(|| PilePrograms::apart(&tables));
@@ -183,7 +201,6 @@ impl Scene {
         if self.groups.len() > GROUPS as usize {
             return Err(unsupported(
                 "shapes of so many kinds and numbers of corners",
-                "",
                 "use fewer kinds, or run on the processor",
             ));
         }
@@ -348,7 +365,6 @@ impl Scene {
         if examples.len() > SURFACES {
             return Err(unsupported(
                 "so many surfaces",
-                "",
                 "give more shapes the same one, or run on the processor",
             ));
         }
@@ -401,14 +417,22 @@ impl Scene {
     }
 }
 
+/// Whether any two shapes of these forms may touch.
+fn meet(impulse: &Impulse, filter: Option<&CollisionFilter>, forms: [Form; 2]) -> bool {
+    let shapes = impulse.shapes().iter();
+    let [a, b] = forms.map(|form| shapes.clone().filter(move |s| form_of(s) == form));
+    let mut pairs = a.flat_map(|a| b.clone().map(|b| (a.shape, b.shape)));
+    filter.is_some_and(|filter| pairs.any(|(a, b)| filter.may_collide(a, b)))
+}
+
 fn form_of(shape: &Collider) -> Form {
     (shape.kind, shape.corners)
 }
 
 /// Whole numbers of a group's places, as the shader counts them.
-pub(super) const PLACES: usize = 18;
+pub(super) const PLACES: usize = 19;
 
-fn words_of(tables: &PairTables, triangles: usize) -> [u32; PLACES] {
+fn words_of(tables: &PairTables, [of_a, of_b]: [usize; 2]) -> [u32; PLACES] {
     let PairPlaces {
         size: [a, b],
         placed: [c, d],
@@ -421,47 +445,13 @@ fn words_of(tables: &PairTables, triangles: usize) -> [u32; PLACES] {
     } = tables.places();
     let sooner = usize::from(tables.takes_long());
     [
-        a, b, c, d, e, f, g, margin, known, listed, h, i, sooner, triangles, j, k, l, m,
+        a, b, c, d, e, f, g, margin, known, listed, h, i, sooner, of_a, of_b, j, k, l, m,
     ]
     .map(|n| n as u32)
 }
 
-fn unsupported(what: &'static str, name: &str, remedy: &'static str) -> GpuError {
-    let name = if name.is_empty() {
-        String::new()
-    } else {
-        format!(" \"{name}\"")
-    };
-    GpuError::Unsupported { what, name, remedy }
-}
-
-/// Refuses what cards do not know of piles.
-fn check(
-    impulse: &Impulse,
-    model: &Model,
-    filter: Option<&CollisionFilter>,
-) -> Result<(), GpuError> {
-    let shapes = impulse.shapes();
-    let name = |id: ShapeId| {
-        let shape = &model.shapes[id.0];
-        let carrier = shape.body.map(|body| &model.bodies[body.0].name);
-        match carrier {
-            _ if !shape.name.is_empty() => shape.name.clone(),
-            Some(body) => format!("{} of body {body}", id.0),
-            None => id.0.to_string(),
-        }
-    };
-    let is_mesh = |shape: &&Collider| shape.kind == kind::MESH;
-    let meshes: Vec<_> = shapes.iter().filter(is_mesh).map(|s| s.shape).collect();
-    let meets = |a: ShapeId| {
-        let touches = |b: &ShapeId| filter.is_some_and(|filter| filter.may_collide(a, *b));
-        meshes.iter().any(touches)
-    };
-    if let Some(mesh) = meshes.iter().find(|mesh| meets(**mesh)) {
-        let hulls = "take convex pieces of one, or run on the processor";
-        return Err(unsupported("two meshes that meet,", &name(*mesh), hulls));
-    }
-    Ok(())
+fn unsupported(what: &'static str, remedy: &'static str) -> GpuError {
+    GpuError::Unsupported { what, remedy }
 }
 
 /// A row of each thing as columns, `[number][thing]`.

@@ -78,7 +78,7 @@ impl Steps {
     pub fn new(gpu: &Gpu, scene: &Scene, kernels: &Kernels) -> Result<Self, GpuError> {
         let mut plan = scene.plan;
         plan.pairs = (PAIRS * plan.shapes + BLOCK).min(scene.most_pairs(gpu, false));
-        let near = scene.groups.iter().map(|group| group.triangles);
+        let near = scene.groups.iter().flat_map(|group| group.triangles);
         plan.most_near = near.max().unwrap_or(0) as u32;
         if plan.most_near > 0 {
             plan.mesh_pairs = BLOCK.min(scene.most_pairs(gpu, true));
