@@ -47,8 +47,6 @@ pub(crate) struct Piles {
     kernels: Kernels,
     steps: Steps,
     worlds: Vec<Pile>,
-    /// Numbers of the controls of a world.
-    inputs: usize,
     /// Steps that the processor has taken.
     left: u64,
 }
@@ -76,7 +74,6 @@ impl Piles {
         let kernels = Kernels::new(gpu, &scene)?;
         let piles = (0..worlds).map(|_| Pile::new(gpu, &scene));
         Ok(Self {
-            inputs: impulse.lengths().input,
             steps: Steps::new(gpu, &scene, &kernels)?,
             worlds: piles.collect::<Result<_, _>>()?,
             left: 0,
@@ -122,9 +119,10 @@ impl DeviceWorlds<f32> for Piles {
         Ok(self.gpu.check()?)
     }
     fn write_input(&mut self, _: Range<usize>, input: &Memory<f32>) -> Result<(), DeviceError> {
+        let numbers = 0..self.scene.impulse.lengths().input;
         for (world, pile) in self.worlds.iter_mut().enumerate() {
             // What is made of them goes to the card before the next step: they may change once more.
-            pile.input = Some((0..self.inputs).map(|i| input.get(world, i)).collect());
+            pile.input = Some(numbers.clone().map(|i| input.get(world, i)).collect());
         }
         Ok(())
     }

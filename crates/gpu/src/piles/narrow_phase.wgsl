@@ -9,35 +9,40 @@ fn ordered(pair: u32) -> vec2<u32> {
     return select(vec2(b, a), vec2(a, b), f <= g);
 }
 
-// The remembered contact of two shapes, or NONE. They are in the order of the lower shape, then the other.
-fn recall(a: u32, b: u32) -> u32 {
-    let lower = min(a, b);
-    let upper = max(a, b);
-    let count = u32(state[plan.count]);
+// The shapes of a remembered contact, the lower first.
+fn old_key(i: u32) -> vec2<u32> {
+    let at = plan.memory + i * REMEMBERED + REMEMBERED_SHAPES;
+    let a = u32(state[at]);
+    let b = u32(state[at + 1u]);
+    return vec2(min(a, b), max(a, b));
+}
+fn comes_before(a: vec2<u32>, b: vec2<u32>) -> bool {
+    return a.x < b.x || (a.x == b.x && a.y < b.y);
+}
+// How many of those remembered come before a key.
+fn olds_before(key: vec2<u32>) -> u32 {
     var begin = 0u;
-    var end = count;
+    var end = u32(state[plan.count]);
     while (begin < end) {
         let middle = (begin + end) / 2u;
-        let at = plan.memory + middle * REMEMBERED;
-        let c = u32(state[at + REMEMBERED_SHAPES]);
-        let d = u32(state[at + REMEMBERED_SHAPES + 1u]);
-        if (min(c, d) < lower || (min(c, d) == lower && max(c, d) < upper)) {
+        if (comes_before(old_key(middle), key)) {
             begin = middle + 1u;
         } else {
             end = middle;
         }
     }
-    return select(NONE, begin, is_of(begin, lower, upper));
+    return begin;
 }
 
-fn is_of(remembered: u32, lower: u32, upper: u32) -> bool {
-    if (remembered >= u32(state[plan.count])) {
-        return false;
-    }
-    let at = plan.memory + remembered * REMEMBERED;
-    let c = u32(state[at + REMEMBERED_SHAPES]);
-    let d = u32(state[at + REMEMBERED_SHAPES + 1u]);
-    return min(c, d) == lower && max(c, d) == upper;
+// The first remembered contact of two shapes, or NONE.
+fn recall(a: u32, b: u32) -> u32 {
+    let key = vec2(min(a, b), max(a, b));
+    let first = olds_before(key);
+    return select(NONE, first, is_of(first, key));
+}
+
+fn is_of(remembered: u32, key: vec2<u32>) -> bool {
+    return remembered < u32(state[plan.count]) && all(old_key(remembered) == key);
 }
 
 // Where a pair's lane has its numbers: `PairPlaces`, in order.
@@ -311,14 +316,13 @@ fn warm(shapes: vec2<u32>, first: u32, next: u32) {
     for (var contact = first; contact < next; contact++) {
         start_colour(contact, 0u);
     }
-    let lower = min(shapes.x, shapes.y);
-    let upper = max(shapes.x, shapes.y);
+    let key = vec2(min(shapes.x, shapes.y), max(shapes.x, shapes.y));
     let old = recall(shapes.x, shapes.y);
     if (old == NONE) {
         return;
     }
     var olds = 1u;
-    while (is_of(old + olds, lower, upper)) {
+    while (is_of(old + olds, key)) {
         olds++;
     }
     // As many as there are bits to tell which are taken.

@@ -15,15 +15,6 @@ fn key_of(contact: u32) -> vec2<u32> {
     let b = u32(fresh[contact * REMEMBERED + REMEMBERED_SHAPES + 1u]);
     return vec2(min(a, b), max(a, b));
 }
-fn old_key(i: u32) -> vec2<u32> {
-    let at = plan.memory + i * REMEMBERED + REMEMBERED_SHAPES;
-    let a = u32(state[at]);
-    let b = u32(state[at + 1u]);
-    return vec2(min(a, b), max(a, b));
-}
-fn comes_before(a: vec2<u32>, b: vec2<u32>) -> bool {
-    return a.x < b.x || (a.x == b.x && a.y < b.y);
-}
 // How many contacts come before a key; with `also`, those of it, too.
 fn found_before(key: vec2<u32>, also: bool) -> u32 {
     var begin = 0u;
@@ -32,20 +23,6 @@ fn found_before(key: vec2<u32>, also: bool) -> u32 {
         let middle = (begin + end) / 2u;
         let own = key_of(middle);
         if (comes_before(own, key) || (also && all(own == key))) {
-            begin = middle + 1u;
-        } else {
-            end = middle;
-        }
-    }
-    return begin;
-}
-// How many of those remembered come before a key.
-fn olds_before(key: vec2<u32>) -> u32 {
-    var begin = 0u;
-    var end = u32(state[plan.count]);
-    while (begin < end) {
-        let middle = (begin + end) / 2u;
-        if (comes_before(old_key(middle), key)) {
             begin = middle + 1u;
         } else {
             end = middle;
@@ -106,7 +83,7 @@ fn match_parts(@builtin(global_invocation_id) id: vec3<u32>) {
     let key = key_of(contact);
     var skip = told(SUM_ROUND);
     var same = NONE;
-    for (var i = olds_before(key); i < u32(state[plan.count]) && all(old_key(i) == key); i++) {
+    for (var i = olds_before(key); is_of(i, key); i++) {
         if (!gave(i) || heir_of(i) != contact) {
             continue;
         }

@@ -44,6 +44,14 @@ fn plain(model: &Model, worlds: usize) -> Simulation<f32> {
     Simulation::new(model.clone(), settings).unwrap()
 }
 
+/// How far the processor is from another one, which takes the card's place.
+fn between(pair: &mut Pair, other: &mut Simulation<f32>, apart: fn(&mut Pair) -> f64) -> f64 {
+    std::mem::swap(&mut pair.gpu, other);
+    let rounding = apart(pair);
+    std::mem::swap(&mut pair.gpu, other);
+    rounding
+}
+
 /// Steps one by one, from the processor's states, `stride` steps apart.
 fn agrees(model: &Model, steps: usize, stride: usize) -> Pair {
     let mut pair = Pair::at_rest(&card(), model, settings(1));
@@ -54,9 +62,7 @@ fn agrees(model: &Model, steps: usize, stride: usize) -> Pair {
         pair.step(1);
         other.step(1);
         let moved = pair.moved_apart();
-        std::mem::swap(&mut pair.gpu, &mut other);
-        let rounding = pair.moved_apart();
-        std::mem::swap(&mut pair.gpu, &mut other);
+        let rounding = between(&mut pair, &mut other, Pair::moved_apart);
         assert!(
             moved < 1e-5 + 4.0 * rounding,
             "{}: {moved:e} after step {}, of which rounding {rounding:e}",
@@ -608,9 +614,7 @@ fn joints_agree_with_the_processor() {
         assert!(moved < 1e-5, "{moved:e} after step {step}");
         // Velocities and impulses, targets and turns.
         let all = pair.apart();
-        std::mem::swap(&mut pair.gpu, &mut other);
-        let rounding = pair.apart();
-        std::mem::swap(&mut pair.gpu, &mut other);
+        let rounding = between(&mut pair, &mut other, Pair::apart);
         assert!(
             all < 2e-4 + 4.0 * rounding,
             "{all:e} after step {step}, of which rounding {rounding:e}"

@@ -75,7 +75,7 @@ fn share<M: Machine>(k: &M, t: &JointTables, time: M::R) -> M::R {
 
 /// A way, the short way round where whole turns do not count.
 #[inline(always)]
-fn around<R: Real>(way: R, turns: R::Mask) -> R {
+pub(super) fn around<R: Real>(way: R, turns: R::Mask) -> R {
     let tau = core::f64::consts::TAU;
     let whole = (way * R::lit(1.0 / tau)).round();
     // In two parts, the first of few digits, so that many turns take away no more than they are.

@@ -2,6 +2,7 @@
 
 use super::super::layout::{Impulse, State, WORLD, bodies_and_rows, own_frame, pose_at};
 use super::super::tables::row;
+use super::drive::around;
 use super::tables::{JointTables, LAWS, ROWS, axis, axis_link, joint, law};
 use super::{measure, place};
 use crate::check;
@@ -525,16 +526,6 @@ impl<T: Float> Given<'_, T> {
             }
         }
         forces
-    }
-}
-
-/// A way, the short way round where whole turns do not count.
-fn around(way: f64, turns: bool) -> f64 {
-    use std::f64::consts::TAU;
-    if turns {
-        way - TAU * (way / TAU).round()
-    } else {
-        way
     }
 }
 
