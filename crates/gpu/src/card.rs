@@ -1,5 +1,6 @@
 //! A card, ready to compute.
 
+use crate::clock::Clock;
 use crate::pipeline::bind_group_layout;
 use crate::{Choice, GpuError};
 use std::collections::HashMap;
@@ -43,6 +44,7 @@ impl Gpu {
     pub fn open(choice: &Choice) -> Result<Self, GpuError> {
         let adapter = choice.adapter()?;
         let descriptor = wgpu::DeviceDescriptor {
+            required_features: adapter.features() & Clock::FEATURES,
             required_limits: adapter.limits(),
             ..Default::default()
         };

@@ -30,6 +30,7 @@
 #![forbid(unsafe_code)]
 
 mod card;
+mod clock;
 mod error;
 mod memory;
 mod piles;

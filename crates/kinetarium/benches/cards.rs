@@ -1,8 +1,8 @@
 //! World-steps per second on a graphics card, as a Markdown table.
 //!
 //! `cargo xtask gpu-bench`, or the program that it built, which needs nothing but the card's driver (and NVRTC for
-//! CUDA): `cards [--device gpu|gpu:NAME|cuda|cuda:NUMBER] [--most WORLDS]`. Without a name any card is taken, but no
-//! program that stands in for one.
+//! CUDA): `cards [--device gpu|gpu:NAME|cuda|cuda:NUMBER] [--least WORLDS] [--most WORLDS] [--only SCENES]`.
+//! Without a name any card is taken, but no program that stands in for one; of scenes those whose names begin so.
 
 use kinetarium::DeviceChoice;
 use kinetarium::formats::{self, InMemory, Options};
@@ -16,13 +16,14 @@ use kinetarium::sim::{
 };
 use records::Programs;
 use std::error::Error;
+use std::ops::RangeInclusive;
 use std::time::Instant;
 
 const HUMANOID: &str = include_str!("../../session/models/humanoid.xml");
 const WORLDS: [usize; 5] = [1, 64, 1024, 8192, 65536];
 /// Measured so many times, for at least so long [s] each.
 const REPETITIONS: usize = 5;
-const SECONDS: f64 = 0.2;
+const SECONDS: f64 = 0.1;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<_> = std::env::args().skip(1).collect();
@@ -31,6 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         arguments.get(at + 1)
     };
     let choice: DeviceChoice = option("--device").map_or("auto", |name| name).parse()?;
+    let least = option("--least").map_or(Ok(0), |least| least.parse())?;
     let most = option("--most").map_or(Ok(usize::MAX), |most| most.parse())?;
     let card = choice.open()?.ok_or("no graphics card was found")?;
     let card = &*card;
@@ -43,20 +45,42 @@ fn main() -> Result<(), Box<dyn Error>> {
          | first step | bytes a world | operations a step | bytes moved a step | GB/s |"
     );
     println!("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|");
-    for links in [10, 30] {
-        table(card, &chain(links, Start::Horizontal)?, 0.002, most)?;
-    }
+    let only = option("--only").map_or("", |only| only);
     let files = InMemory::new([("humanoid.xml", HUMANOID)]);
     let humanoid = formats::parse(HUMANOID, "humanoid.xml", &files, &Options::default())?.model;
-    table(card, &humanoid, 0.003, most)?;
+    let [short, long] = [10, 30].map(|links| chain(links, Start::Horizontal));
+    for (model, time_step) in [(short?, 0.002), (long?, 0.002), (humanoid, 0.003)] {
+        if model.name.starts_with(only) {
+            table(card, &model, time_step, least..=most)?;
+        }
+    }
     println!(
         "\nOne world of many bodies that touch, steps per second; of these, left to the processor.\n"
     );
     println!("| pile | bodies | steps per second | left | first step |");
     println!("|---|--:|--:|--:|--:|");
-    for model in [towers(100, 10)?, towers(1000, 10)?, bowl(10_000)?] {
-        let figures = pile(card, &model).unwrap_or_else(|told| format!("{told} | | |"));
-        println!("| {} | {} | {figures}", model.name, model.bodies.len());
+    let mut stages = Vec::new();
+    let piles = [towers(100, 10)?, towers(1000, 10)?, bowl(10_000)?];
+    for model in piles
+        .into_iter()
+        .filter(|model| model.name.starts_with(only))
+    {
+        let figures =
+            pile(card, &model).unwrap_or_else(|told| (format!("{told} | | |"), Vec::new()));
+        println!("| {} | {} | {}", model.name, model.bodies.len(), figures.0);
+        stages.push((model.name.clone(), figures.1));
+    }
+    println!("\nThe stages of a step, by the card's clock, in microseconds.\n");
+    for (pile, times) in stages {
+        let all: f64 = times.iter().map(|(_, time)| time).sum();
+        let each = times
+            .iter()
+            .map(|(stage, time)| format!("{stage} {:.1}", 1e6 * time));
+        println!(
+            "- {pile}: {:.1}: {}",
+            1e6 * all,
+            each.collect::<Vec<_>>().join(", ")
+        );
     }
     Ok(())
 }
@@ -64,8 +88,15 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Steps before a pile is measured: in these it comes to rest, or most of it.
 const SETTLING: usize = 250;
 
-/// Steps per second, the share left to the processor, and how long the first step takes.
-fn pile(card: &dyn Device<f32>, model: &Model) -> Result<String, SimulationError> {
+/// Steps that are timed stage by stage.
+const TIMED: usize = 32;
+
+/// Steps per second, the share left to the processor, and how long the first step takes; and what the stages of a step
+/// take [s].
+fn pile(
+    card: &dyn Device<f32>,
+    model: &Model,
+) -> Result<(String, Vec<(&'static str, f64)>), SimulationError> {
     let settings = SimulationSettings {
         solver: SolverKind::Impulse,
         ..SimulationSettings::new(1, 0.004)
@@ -80,16 +111,21 @@ fn pile(card: &dyn Device<f32>, model: &Model) -> Result<String, SimulationError
     let left = (world.left_to_processor() - before) as f64;
     let taken = (world.time(0) - time) / settings.step.time_step;
     let share = 100.0 * left / taken;
-    Ok(format!("{steps:.3e} | {share:.1} % | {first:.2} s |"))
+    let mut stages = world.time_stages(TIMED)?;
+    stages
+        .iter_mut()
+        .for_each(|(_, time)| *time /= TIMED as f64);
+    let figures = format!("{steps:.3e} | {share:.1} % | {first:.2} s |");
+    Ok((figures, stages))
 }
 
 fn table(
     card: &dyn Device<f32>,
     model: &Model,
     time_step: f64,
-    most: usize,
+    counts: RangeInclusive<usize>,
 ) -> Result<(), Box<dyn Error>> {
-    for count in WORLDS.into_iter().filter(|count| *count <= most) {
+    for count in WORLDS.into_iter().filter(|count| counts.contains(count)) {
         let mut worlds = started(card, model, &Settings::new(time_step), count)?;
         let begin = Instant::now();
         worlds.try_step(1)?;

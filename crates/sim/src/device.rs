@@ -74,6 +74,12 @@ pub trait DeviceWorlds<T: Float>: Send + Sync {
     fn left(&self) -> u64 {
         0
     }
+    /// Begins to measure what the stages of its steps take, where it has a clock.
+    fn start_clock(&mut self) {}
+    /// Ends that: how long stages have taken [s], in their order.
+    fn stop_clock(&mut self) -> Vec<(&'static str, f64)> {
+        Vec::new()
+    }
     /// Whether it reports; else the processor does, from the state.
     fn reports(&self) -> bool {
         true
@@ -196,6 +202,14 @@ impl<T: Float> Remote<T> {
     /// How many substeps it has left to the processor.
     pub fn left(&self) -> u64 {
         self.worlds.left()
+    }
+    /// Begins to measure what stages of steps take.
+    pub fn start_clock(&mut self) {
+        self.worlds.start_clock();
+    }
+    /// Ends that.
+    pub fn stop_clock(&mut self) -> Vec<(&'static str, f64)> {
+        self.worlds.stop_clock()
     }
     /// Whether the device reports.
     pub fn reports(&self) -> bool {

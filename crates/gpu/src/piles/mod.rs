@@ -24,6 +24,7 @@ mod room;
 mod scene;
 mod steps;
 
+use crate::clock::Clock;
 use crate::{Gpu, GpuError};
 use kernels::Kernels;
 use model::{CollisionFilter, Model};
@@ -159,6 +160,12 @@ impl DeviceWorlds<f32> for Piles {
     }
     fn left(&self) -> u64 {
         self.left
+    }
+    fn start_clock(&mut self) {
+        self.steps.clock = Clock::new(&self.gpu);
+    }
+    fn stop_clock(&mut self) -> Vec<(&'static str, f64)> {
+        self.steps.clock.take().map_or(Vec::new(), Clock::times)
     }
     fn reports(&self) -> bool {
         false

@@ -6,11 +6,12 @@ use super::pile::Pile;
 use super::plan::{BLOCK, COLOURS, KEYS, Plan, SUM_ROUNDS, flag, run, status};
 use super::room::{Room, Scan};
 use super::scene::Scene;
+use crate::clock::{Clock, Pass};
 use crate::memory::{NUMBER, Staging, buffer};
 use crate::pipeline::{WORKGROUP, dispatch};
 use crate::{Gpu, GpuError};
 use rigid::impulse::blow::ROUNDS as BLOWS;
-use wgpu::{BindGroup, Buffer, CommandEncoder, ComputePass, ComputePipeline};
+use wgpu::{BindGroup, Buffer, ComputePipeline};
 
 /// What steps have room for, and how they are submitted.
 #[derive(Debug)]
@@ -22,6 +23,8 @@ pub(super) struct Steps {
     /// The state of a world before a step that is cut into parts.
     before: Option<Buffer>,
     staging: Staging,
+    /// While stages are timed.
+    pub clock: Option<Clock>,
 }
 
 /// Pairs of each shape and contacts of each body that there is room for at first.
@@ -91,6 +94,7 @@ impl Steps {
             parts: 0,
             before: None,
             staging: Staging::default(),
+            clock: None,
         })
     }
 
@@ -192,7 +196,11 @@ impl Steps {
         }
         for _ in 0..steps {
             for part in 0..parts {
-                self.encode(kernels, scene, &own, pile, part, &mut encoder);
+                let mut clock = self.clock.take();
+                let mut pass = Pass::new(&mut encoder, clock.as_mut());
+                self.encode(&mut pass, kernels, scene, &own, pile, part);
+                drop(pass);
+                self.clock = clock;
             }
         }
         let mut told = [0; status::WIDTH];
@@ -200,6 +208,9 @@ impl Steps {
         staging.fetch(gpu, encoder, status, 0..status::WIDTH, |numbers| {
             told = std::array::from_fn(|i| numbers[i].to_bits());
         })?;
+        if let Some(clock) = &mut self.clock {
+            clock.read(gpu)?;
+        }
         if let (true, Some(before)) = (told[status::FLAG] != 0 && parts > 1, &self.before) {
             let mut encoder = gpu.device().create_command_encoder(&Default::default());
             encoder.copy_buffer_to_buffer(before, 0, &pile.state, 0, before.size());
@@ -244,17 +255,15 @@ impl Steps {
     /// A step, or a part of one.
     fn encode(
         &self,
+        pass: &mut Pass<'_>,
         k: &Kernels,
         scene: &Scene,
         own: &BindGroup,
         pile: &Pile,
         part: usize,
-        encoder: &mut CommandEncoder,
     ) {
-        let mut pass = encoder.begin_compute_pass(&Default::default());
-        let pass = &mut pass;
         let (p, s, e) = (&self.plan, &self.room, &k.entries);
-        let all = |pass: &mut ComputePass<'_>, kernel: &ComputePipeline, things: u32| {
+        let all = |pass: &mut Pass<'_>, kernel: &ComputePipeline, things: u32| {
             dispatch(pass, kernel, own, things.div_ceil(WORKGROUP));
         };
         all(pass, &e.clear, p.buckets.max(p.bodies) + 1);
@@ -267,6 +276,7 @@ impl Steps {
         // One at least: it chooses into how many parts the step is cut.
         all(pass, &e.load_shapes, p.shapes.max(1));
         dispatch(pass, &k.place, &s.shapes, p.shapes.div_ceil(WORKGROUP));
+        pass.mark("bodies and shapes");
         let [
             buckets,
             units,
@@ -284,6 +294,7 @@ impl Steps {
         all(pass, &e.count_pairs, p.units + 1);
         units.run(pass, k);
         all(pass, &e.list_pairs, p.units + 1);
+        pass.mark("broad phase");
         dispatch(pass, &k.sort[0], &s.sort_pairs, p.pair_blocks);
         groups.run(pass, k);
         dispatch(pass, &k.sort[1], &s.sort_pairs, p.pair_blocks);
@@ -292,30 +303,37 @@ impl Steps {
         if p.mesh_pairs > 0 {
             all(pass, &e.seat_meshes, p.mesh_pairs);
         }
+        pass.mark("sorting pairs");
         for (group, (kernel, bindings)) in (0..).zip(k.apart.iter().zip(&s.groups)) {
             if let Some(kernel) = kernel {
                 self.run(pass, kernel, bindings, group);
             }
         }
         all(pass, &e.part_pairs, p.pairs);
+        pass.mark("pairs apart");
         for (group, (kernel, bindings)) in (0..).zip(k.groups.iter().zip(&s.groups)) {
             self.run(pass, kernel, bindings, group);
         }
+        pass.mark("narrow phase");
         all(pass, &e.find_touching, p.pairs + 1);
         touching.run(pass, k);
         all(pass, &e.make_contacts, p.pairs + 1);
         joined.run(pass, k);
         all(pass, &e.join, p.contacts);
+        pass.mark("making contacts");
         for _ in 0..pile.pace.rounds {
             all(pass, &e.paint, p.contacts);
             all(pass, &e.settle, 1);
         }
+        pass.mark("colouring");
         dispatch(pass, &k.sort[0], &s.sort_contacts, p.contact_blocks);
         colours.run(pass, k);
         dispatch(pass, &k.sort[1], &s.sort_contacts, p.contact_blocks);
         all(pass, &e.plan_colours, KEYS);
         all(pass, &e.seat_contacts, p.contacts);
+        pass.mark("sorting contacts");
         self.run(pass, &k.prepare, &s.contacts, run::CONTACTS);
+        pass.mark("preparing contacts");
         let joints = scene.joints.as_ref().zip(k.joints.as_ref());
         if let Some((joints, kernels)) = joints {
             all(pass, &e.load_joints, p.joints);
@@ -324,6 +342,7 @@ impl Steps {
             }
             self.all_joints(pass, &kernels.place, joints);
         }
+        pass.mark("preparing joints");
         self.small_steps(pass, k, scene, own, &pile.pace);
         dispatch(pass, &k.finish, &s.bodies, bodies);
         all(pass, &e.read_contacts, p.contacts);
@@ -340,11 +359,12 @@ impl Steps {
             all(pass, &e.store_joints, p.joints);
         }
         all(pass, &e.end, 1);
+        pass.mark("end");
     }
 
     fn small_steps(
         &self,
-        pass: &mut ComputePass<'_>,
+        pass: &mut Pass<'_>,
         k: &Kernels,
         scene: &Scene,
         own: &BindGroup,
@@ -353,7 +373,7 @@ impl Steps {
         let (p, s) = (&self.plan, &self.room);
         let bodies = p.bodies.div_ceil(WORKGROUP);
         let joints = scene.joints.as_ref().zip(k.joints.as_ref());
-        let contacts = |pass: &mut ComputePass<'_>, kernel: &ComputePipeline| {
+        let contacts = |pass: &mut Pass<'_>, kernel: &ComputePipeline| {
             for (colour, bindings) in (0..p.colours).zip(&s.colours) {
                 self.run(pass, kernel, bindings, run::COLOURS + colour);
             }
@@ -376,28 +396,33 @@ impl Steps {
             } else {
                 dispatch(pass, &k.advance_again, &s.bodies, bodies);
             }
+            pass.mark("advancing, warm start");
             if pace.blows > 0 {
                 self.blows(pass, k, own, pace.blows);
             }
+            pass.mark("blows");
             contacts(pass, &k.push);
             if let Some((joints, kernels)) = joints {
                 self.joints(pass, &kernels.push, joints);
             }
+            pass.mark("pushing");
             dispatch(pass, &k.drift, &s.bodies, bodies);
             if let Some((joints, kernels)) = joints {
                 self.all_joints(pass, &kernels.place, joints);
             }
+            pass.mark("drift");
             contacts(pass, &k.relax);
             if let Some((joints, kernels)) = joints {
                 self.joints(pass, &kernels.relax, joints);
             }
+            pass.mark("relaxing");
         }
     }
 
     /// What contacts gave in the parts before.
-    fn sums(&self, pass: &mut ComputePass<'_>, k: &Kernels, own: &BindGroup, ended: &Scan) {
+    fn sums(&self, pass: &mut Pass<'_>, k: &Kernels, own: &BindGroup, ended: &Scan) {
         let (p, s, e) = (&self.plan, &self.room, &k.entries);
-        let all = |pass: &mut ComputePass<'_>, kernel: &ComputePipeline, things: u32| {
+        let all = |pass: &mut Pass<'_>, kernel: &ComputePipeline, things: u32| {
             dispatch(pass, kernel, own, things.div_ceil(WORKGROUP));
         };
         all(pass, &e.find_ended, p.remembered + 1);
@@ -414,7 +439,7 @@ impl Steps {
     }
 
     /// The blows of a small step, in so many rounds.
-    fn blows(&self, pass: &mut ComputePass<'_>, k: &Kernels, own: &BindGroup, rounds: usize) {
+    fn blows(&self, pass: &mut Pass<'_>, k: &Kernels, own: &BindGroup, rounds: usize) {
         let (p, s, e) = (&self.plan, &self.room, &k.entries);
         let contacts = p.contacts.max(COLOURS).div_ceil(WORKGROUP);
         dispatch(pass, &e.begin_blows, own, contacts);
@@ -436,14 +461,14 @@ impl Steps {
     }
 
     /// Runs a kernel on all joints side by side.
-    fn all_joints(&self, pass: &mut ComputePass<'_>, kernel: &ComputePipeline, joints: &Joints) {
+    fn all_joints(&self, pass: &mut Pass<'_>, kernel: &ComputePipeline, joints: &Joints) {
         if let (Some(bindings), Some([_, count])) = (self.room.joints.last(), joints.runs.last()) {
             dispatch(pass, kernel, bindings, count.div_ceil(WORKGROUP));
         }
     }
 
     /// Runs a kernel on all joints, run by run.
-    fn joints(&self, pass: &mut ComputePass<'_>, kernel: &ComputePipeline, joints: &Joints) {
+    fn joints(&self, pass: &mut Pass<'_>, kernel: &ComputePipeline, joints: &Joints) {
         let all = self.room.joints.len().saturating_sub(1);
         for (bindings, [_, count]) in self.room.joints[..all].iter().zip(&joints.runs) {
             dispatch(pass, kernel, bindings, count.div_ceil(WORKGROUP));
@@ -451,13 +476,7 @@ impl Steps {
     }
 
     /// Runs a kernel on the members of a run.
-    fn run(
-        &self,
-        pass: &mut ComputePass<'_>,
-        kernel: &ComputePipeline,
-        bindings: &BindGroup,
-        run: u32,
-    ) {
+    fn run(&self, pass: &mut Pass<'_>, kernel: &ComputePipeline, bindings: &BindGroup, run: u32) {
         pass.set_pipeline(kernel);
         pass.set_bind_group(0, bindings, &[]);
         let launches = &self.room.buffers.launches;

@@ -1,0 +1,122 @@
+//! Time on a card, by its own clock.
+
+use crate::memory::Staging;
+use crate::{Gpu, GpuError};
+use std::ops::{Deref, DerefMut};
+
+/// Most marks of a submission: the most queries of a set.
+const MARKS: u32 = wgpu::QUERY_SET_MAX_QUERIES;
+/// Bytes of a mark.
+const MARK: u64 = wgpu::QUERY_SIZE as u64;
+
+/// What stages of passes take.
+#[derive(Debug)]
+pub(crate) struct Clock {
+    queries: wgpu::QuerySet,
+    resolved: wgpu::Buffer,
+    staging: Staging,
+    /// Which stage ends with each mark of the submission; none with the first of a pass.
+    marks: Vec<Option<&'static str>>,
+    /// How long stages have taken so far [s], in the order in which they were first seen.
+    times: Vec<(&'static str, f64)>,
+}
+
+impl Clock {
+    /// What a card needs for one.
+    pub const FEATURES: wgpu::Features =
+        wgpu::Features::TIMESTAMP_QUERY.union(wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES);
+
+    /// Of a card that has one.
+    pub fn new(gpu: &Gpu) -> Option<Self> {
+        let device = gpu.device();
+        device.features().contains(Self::FEATURES).then(|| Self {
+            queries: device.create_query_set(&wgpu::QuerySetDescriptor {
+                label: None,
+                ty: wgpu::QueryType::Timestamp,
+                count: MARKS,
+            }),
+            resolved: device.create_buffer(&wgpu::BufferDescriptor {
+                label: None,
+                size: u64::from(MARKS) * MARK,
+                usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            }),
+            staging: Staging::default(),
+            marks: Vec::new(),
+            times: Vec::new(),
+        })
+    }
+
+    /// What stages have taken [s].
+    pub fn times(self) -> Vec<(&'static str, f64)> {
+        self.times
+    }
+
+    /// Reads the marks of a submission, once it is made.
+    pub fn read(&mut self, gpu: &Gpu) -> Result<(), GpuError> {
+        let marks = std::mem::take(&mut self.marks);
+        let mut encoder = gpu.device().create_command_encoder(&Default::default());
+        let range = 0..marks.len() as u32;
+        encoder.resolve_query_set(&self.queries, range, &self.resolved, 0);
+        let period = f64::from(gpu.queue().get_timestamp_period()) * 1e-9;
+        let times = &mut self.times;
+        let numbers = 0..2 * marks.len();
+        let staging = &mut self.staging;
+        staging.fetch(gpu, encoder, &self.resolved, numbers, |read| {
+            let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(read);
+            for (stage, ticks) in marks[1..].iter().zip(ticks.windows(2)) {
+                let (Some(stage), [from, to]) = (stage, ticks) else {
+                    continue;
+                };
+                let taken = to.saturating_sub(*from) as f64 * period;
+                match times.iter_mut().find(|(known, _)| known == stage) {
+                    Some((_, time)) => *time += taken,
+                    None => times.push((stage, taken)),
+                }
+            }
+        })
+    }
+}
+
+/// A pass whose stages may be timed.
+pub(crate) struct Pass<'a> {
+    pass: wgpu::ComputePass<'a>,
+    clock: Option<&'a mut Clock>,
+}
+
+impl<'a> Pass<'a> {
+    pub fn new(encoder: &'a mut wgpu::CommandEncoder, clock: Option<&'a mut Clock>) -> Self {
+        let mut pass = Self {
+            pass: encoder.begin_compute_pass(&Default::default()),
+            clock,
+        };
+        pass.write(None);
+        pass
+    }
+    /// What was launched since the mark before belongs to this stage.
+    pub fn mark(&mut self, stage: &'static str) {
+        self.write(Some(stage));
+    }
+    fn write(&mut self, stage: Option<&'static str>) {
+        if let Some(clock) = self.clock.as_deref_mut() {
+            let index = clock.marks.len() as u32;
+            if index < MARKS {
+                self.pass.write_timestamp(&clock.queries, index);
+                clock.marks.push(stage);
+            }
+        }
+    }
+}
+
+impl<'a> Deref for Pass<'a> {
+    type Target = wgpu::ComputePass<'a>;
+    fn deref(&self) -> &Self::Target {
+        &self.pass
+    }
+}
+
+impl DerefMut for Pass<'_> {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.pass
+    }
+}
