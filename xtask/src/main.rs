@@ -24,7 +24,7 @@ Usage: cargo xtask COMMAND
   bench [robots|piles|queries|cameras|page|python] [--repetitions N]
                            measure robots beside MuJoCo, piles beside Rapier, cameras, the page, and Python, or one
                            of them, and rewrite the tables in BENCHMARKS.md
-  gpu-bench [--device gpu|gpu:NAME|cuda|cuda:NUMBER] [--least WORLDS] [--most WORLDS] [--only SCENES]
+  gpu-bench [--device gpu|gpu:NAME|cuda|cuda:NUMBER] [--worlds COUNT,COUNT…] [--only SCENES]
                            measure a graphics card, and tell where the program is that another machine can run
   asm                      disassemble the SIMD entries of the release program; fail on stray calls
   docs [--check]           build the documentation into target/site, with live examples; look at it in Chromium

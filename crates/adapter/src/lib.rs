@@ -74,7 +74,11 @@ impl Choice {
     /// # Errors
     /// There is none that suits, with a list of those that there are.
     pub fn adapter(&self) -> Result<wgpu::Adapter, NoCard> {
-        let descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+        // Counts of workgroups are written by our own kernels, from numbers that have room: to look at each before it is
+        // launched would be a launch more.
+        let looks = wgpu::InstanceFlags::VALIDATION_INDIRECT_CALL;
+        descriptor.flags.set(looks, cfg!(debug_assertions));
         let instance = wgpu::Instance::new(descriptor);
         let every = instance.enumerate_adapters(wgpu::Backends::PRIMARY);
         let mut adapters = pollster::block_on(every);

@@ -11,11 +11,12 @@ pub(crate) const BLOCK: u32 = 64;
 /// Kernels of this crate gain nothing from later ones.
 const ARCHITECTURE: &str = "compute_75";
 
-/// The CUDA C++ of a record.
-pub(crate) fn text(program: &Program, parameters_per_world: bool) -> String {
+/// The CUDA C++ of a record, with so many numbers of scratch for each thread where its block has a piece of its own.
+pub(crate) fn text(program: &Program, parameters_per_world: bool, pieces: Option<u32>) -> String {
     program.to_cuda(&PrintOptions {
         workgroup_size: BLOCK,
         parameters_per_world,
+        pieces,
         ..PrintOptions::default()
     })
 }
@@ -39,11 +40,12 @@ pub(crate) fn compile(text: &str) -> Result<Ptx, CudaError> {
     })
 }
 
-/// The PTX that cards run for a record, to be looked at. Needs NVRTC, but no card.
+/// The PTX that cards run for a record of many worlds with so many numbers of scratch, to be looked at. Needs NVRTC, but no
+/// card.
 ///
 /// # Errors
 /// There is no NVRTC; it does not take the record.
-pub fn ptx(program: &Program) -> Result<String, CudaError> {
+pub fn ptx(program: &Program, scratch: usize) -> Result<String, CudaError> {
     libraries::find_compiler()?;
-    Ok(compile(&text(program, false))?.to_src())
+    Ok(compile(&text(program, false, Some(scratch as u32)))?.to_src())
 }

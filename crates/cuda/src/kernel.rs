@@ -25,8 +25,9 @@ impl Kernel {
         card: &Cuda,
         program: &Program,
         parameters_per_world: bool,
+        pieces: Option<u32>,
     ) -> Result<Self, CudaError> {
-        let text = compiler::text(program, parameters_per_world);
+        let text = compiler::text(program, parameters_per_world, pieces);
         Ok(Self(card.function(&text, "step")?))
     }
 }
@@ -40,6 +41,8 @@ pub(crate) struct Launch<'a> {
     pub parameters: &'a CudaSlice<f32>,
     pub links: &'a CudaSlice<u32>,
     pub worlds: u32,
+    /// Threads.
+    pub lanes: u32,
     /// How often the kernel runs, one time after the other.
     pub rounds: u32,
 }
@@ -52,8 +55,8 @@ impl Launch<'_> {
         launch.arg(self.scratch).arg(self.parameters);
         launch.arg(self.links).arg(&self.worlds).arg(&self.rounds);
         // Safety: these are the parameters of what `to_cuda` prints, in their order. It reads and writes the memories
-        // within the lengths that its record gives, times the worlds, as `Worlds` allocates them.
-        card.told(unsafe { launch.launch(threads(self.worlds)) })?;
+        // within the lengths that its record gives, times the worlds, and scratch as its lanes have it, as `Worlds` allocates them.
+        card.told(unsafe { launch.launch(threads(self.lanes)) })?;
         Ok(())
     }
 }

@@ -2,12 +2,13 @@
 //!
 //! There, a world's number at `offset` lies at `offset · W + world`: neighbouring threads read neighbouring words.
 
+use crate::compiler::BLOCK;
 use crate::kernel::{Kernel, Launch, Placement};
 use crate::{Cuda, CudaError};
 use cudarc::driver::CudaSlice;
 use numbers::Memory;
 use records::Programs;
-use rigid::{Report, Solver};
+use rigid::{Lanes, Report, Solver};
 use sim::{Address, Device, DeviceError, DeviceWorlds, Processor};
 use std::ops::Range;
 
@@ -24,6 +25,7 @@ pub struct Worlds {
     card: Cuda,
     programs: Programs,
     worlds: usize,
+    lanes: Lanes,
     state: CudaSlice<f32>,
     input: CudaSlice<f32>,
     output: CudaSlice<f32>,
@@ -64,16 +66,18 @@ impl Worlds {
     pub fn new(card: &Cuda, programs: Programs, worlds: usize) -> Result<Self, CudaError> {
         let lengths = programs.lengths;
         let most = MOST / lengths.longest().max(programs.parameters.len());
-        if worlds > most {
+        let lanes = lengths.lanes(worlds, BLOCK as usize, MOST);
+        let Some(lanes) = lanes.filter(|_| worlds <= most) else {
             return Err(CudaError::TooMany { worlds, most });
-        }
+        };
         let of = |numbers: usize| card.memory(numbers * worlds);
         let numbers: Vec<_> = programs.parameters.iter().map(|x| *x as f32).collect();
         Ok(Self {
             state: of(lengths.state)?,
             input: of(lengths.input)?,
             output: of(lengths.output)?,
-            scratch: of(lengths.scratch)?,
+            scratch: card.memory(lanes.scratch)?,
+            lanes,
             links: card.filled(&programs.links)?,
             parameters: card.filled(&numbers)?,
             parameters_per_world: false,
@@ -98,7 +102,8 @@ impl Worlds {
         }
         let step = &self.programs.step;
         let program = report.map_or(step, |report| self.programs.report(report));
-        let compiled = Kernel::new(&self.card, program, self.parameters_per_world)?;
+        let (differing, pieces) = (self.parameters_per_world, self.lanes.pieces);
+        let compiled = Kernel::new(&self.card, program, differing, pieces)?;
         self.kernels[i] = Some(compiled.clone());
         Ok(compiled)
     }
@@ -112,6 +117,7 @@ impl Worlds {
             parameters: &self.parameters,
             links: &self.links,
             worlds: self.worlds as u32,
+            lanes: self.lanes.count as u32,
             rounds: rounds as u32,
         };
         launch.run(&self.card, kernel)

@@ -11,8 +11,8 @@ use rigid::Report::Everything;
 use rigid::{Featherstone, Settings, Solver, TouchingFeatherstone, Xpbd};
 
 /// No operation is approximate, and no subnormal is flushed.
-fn is_exact(program: &Program) {
-    let ptx = ptx(program).unwrap();
+fn is_exact(program: &Program, scratch: usize) {
+    let ptx = ptx(program, scratch).unwrap();
     assert!(ptx.contains(".visible .entry step("));
     for loose in [".approx", ".full", ".ftz"] {
         assert!(!ptx.contains(loose), "{loose}");
@@ -21,8 +21,9 @@ fn is_exact(program: &Program) {
 
 fn are_exact(solver: Solver<'_>) {
     let programs = Programs::record(solver).unwrap();
-    is_exact(&programs.step);
-    is_exact(programs.report(Everything));
+    let scratch = programs.lengths.scratch;
+    is_exact(&programs.step, scratch);
+    is_exact(programs.report(Everything), scratch);
 }
 
 fn scene(name: &str) -> Model {
@@ -64,7 +65,7 @@ fn products_and_sums_stay_apart() {
     let row = Table::place(&mut 0, 1);
     let [apart, fused] = [false, true].map(|fused| {
         let program = trace::record(|k| kernel(k, row, fused)).unwrap();
-        ptx(&program).unwrap()
+        ptx(&program, 0).unwrap()
     });
     assert!(fused.contains("fma.rn.f32"));
     assert!(!apart.contains("fma"));

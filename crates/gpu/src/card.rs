@@ -1,7 +1,7 @@
 //! A card, ready to compute.
 
 use crate::clock::Clock;
-use crate::pipeline::bind_group_layout;
+use crate::pipeline::{WORKGROUP, bind_group_layout};
 use crate::{Choice, GpuError};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -42,10 +42,20 @@ impl Gpu {
     /// # Errors
     /// There is no such card, with a list of those that there are; or it refuses.
     pub fn open(choice: &Choice) -> Result<Self, GpuError> {
+        Self::open_within(choice, u64::MAX)
+    }
+    /// The same, with kernels that see at most so many bytes of a buffer, as those of lesser cards do.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn open_within(choice: &Choice, most_bytes: u64) -> Result<Self, GpuError> {
         let adapter = choice.adapter()?;
+        let mut limits = adapter.limits();
+        limits.max_storage_buffer_binding_size =
+            limits.max_storage_buffer_binding_size.min(most_bytes);
         let descriptor = wgpu::DeviceDescriptor {
             required_features: adapter.features() & Clock::FEATURES,
-            required_limits: adapter.limits(),
+            required_limits: limits,
             ..Default::default()
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))?;
@@ -89,6 +99,11 @@ impl Gpu {
         limits
             .max_storage_buffer_binding_size
             .min(limits.max_buffer_size)
+    }
+    /// Most invocations of a launch.
+    pub(crate) fn most_invocations(&self) -> u32 {
+        let groups = self.0.device.limits().max_compute_workgroups_per_dimension;
+        groups.saturating_mul(WORKGROUP)
     }
     /// How many kernels are compiled for it so far.
     pub fn compiled(&self) -> usize {

@@ -64,7 +64,7 @@ impl Clock {
         let staging = &mut self.staging;
         staging.fetch(gpu, encoder, &self.resolved, numbers, |read| {
             let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(read);
-            for (stage, ticks) in marks[1..].iter().zip(ticks.windows(2)) {
+            for (stage, ticks) in marks.iter().skip(1).zip(ticks.windows(2)) {
                 let (Some(stage), [from, to]) = (stage, ticks) else {
                     continue;
                 };

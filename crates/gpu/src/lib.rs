@@ -25,7 +25,7 @@
 //! # Limitations
 //! Numbers are `f32`. Results agree with the CPU's to rounding, not to the bit: shading languages leave the
 //! last bits of division, square root and fused multiply-add to the card. Of `impulse`, a card takes one world after the
-//! other, each by all of it; worlds without joints, meshes, sensor shapes and surfaces of pairs.
+//! other, each by all of it; worlds have no models of their own, and rare steps are left to the processor.
 
 #![forbid(unsafe_code)]
 

@@ -6,6 +6,14 @@ use numbers::trace::{Members, PrintOptions, Program};
 /// Invocations in a workgroup.
 pub(crate) const WORKGROUP: u32 = 64;
 
+/// How records are printed here.
+pub(crate) const OPTIONS: PrintOptions = PrintOptions {
+    workgroup_size: WORKGROUP,
+    parameters_per_world: false,
+    members: Members::Worlds,
+    pieces: None,
+};
+
 impl Gpu {
     /// Compiles a record, or finds what was compiled from the same text.
     pub(crate) fn kernel(
@@ -14,12 +22,22 @@ impl Gpu {
         parameters_per_world: bool,
         members: Members,
     ) -> Result<wgpu::ComputePipeline, GpuError> {
-        let options = PrintOptions {
-            workgroup_size: WORKGROUP,
-            parameters_per_world,
-            members,
-        };
-        self.pipeline(&program.to_wgsl(&options)?, Some(self.layout()))
+        self.printed(
+            program,
+            &PrintOptions {
+                parameters_per_world,
+                members,
+                ..OPTIONS
+            },
+        )
+    }
+    /// The same of a record that is printed so.
+    pub(crate) fn printed(
+        &self,
+        program: &Program,
+        options: &PrintOptions,
+    ) -> Result<wgpu::ComputePipeline, GpuError> {
+        self.pipeline(&program.to_wgsl(options)?, Some(self.layout()))
     }
 
     /// Compiles a text, or finds what was compiled from it; with the bindings that it names where none are given.

@@ -1,19 +1,19 @@
 //! W worlds of one solver in a card's memory.
 //!
 //! A binding of a card has a largest size, so that worlds lie in *parts* of equal size, each with buffers of its
-//! own; scratch is shared, since the parts are stepped one after the other.
+//! own; scratch is the invocations', each of which steps one world after the other.
 
 use crate::memory::{NUMBER, Staging, buffer, filled};
 use crate::piles::Piles;
-use crate::pipeline::WORKGROUP;
+use crate::pipeline::{OPTIONS, WORKGROUP};
 use crate::placement::Placement;
 use crate::{Gpu, GpuError};
 use model::{CollisionFilter, Model};
 use numbers::Memory;
-use numbers::trace::Members;
+use numbers::trace::PrintOptions;
 use records::Programs;
 use rigid::impulse::Impulse;
-use rigid::{Lengths, Report, Solver};
+use rigid::{Lanes, Lengths, Report, Solver};
 use sim::{Device, DeviceError, DeviceWorlds, Processor};
 use std::ops::Range;
 
@@ -24,6 +24,7 @@ pub struct Worlds {
     programs: Programs,
     worlds: usize,
     width: usize,
+    lanes: Lanes,
     parts: Vec<Part>,
     scratch: wgpu::Buffer,
     links: wgpu::Buffer,
@@ -86,6 +87,7 @@ impl Worlds {
         let lengths = programs.lengths;
         let width = width(gpu, lengths, worlds)?;
         let of = |numbers: usize| buffer(gpu, numbers as u64 * width as u64);
+        let lanes = lanes(gpu, lengths, width)?;
         let parts = (0..worlds.div_ceil(width)).map(|part| {
             Ok(Part {
                 worlds: part * width..worlds.min((part + 1) * width),
@@ -99,7 +101,8 @@ impl Worlds {
         let numbers: Vec<_> = programs.parameters.iter().map(|x| *x as f32).collect();
         Ok(Self {
             parts: parts.collect::<Result<_, GpuError>>()?,
-            scratch: of(lengths.scratch)?,
+            scratch: buffer(gpu, lanes.scratch as u64)?,
+            lanes,
             links: filled(gpu, &programs.links)?,
             parameters: filled(gpu, &numbers)?,
             kernels: Default::default(),
@@ -117,8 +120,9 @@ impl Worlds {
     /// Bytes taken of the card's memory.
     pub fn bytes(&self) -> u64 {
         let l = self.programs.lengths;
-        let each = (l.state + l.input + l.output) * self.parts.len() + l.scratch;
-        (each * self.width) as u64 * NUMBER + self.parameters.size() + self.links.size()
+        let each = (l.state + l.input + l.output) * self.parts.len() * self.width;
+        let shared = [&self.scratch, &self.parameters, &self.links];
+        each as u64 * NUMBER + shared.map(wgpu::Buffer::size).iter().sum::<u64>()
     }
 
     /// Takes room for constants of each world.
@@ -152,9 +156,14 @@ impl Worlds {
         }
         let step = &self.programs.step;
         let program = report.map_or(step, |report| self.programs.report(report));
-        let compiled = self
-            .gpu
-            .kernel(program, self.differing(), Members::Worlds)?;
+        let compiled = self.gpu.printed(
+            program,
+            &PrintOptions {
+                parameters_per_world: self.differing(),
+                pieces: self.lanes.pieces,
+                ..OPTIONS
+            },
+        )?;
         self.kernels[i] = Some(compiled.clone());
         Ok(compiled)
     }
@@ -224,7 +233,7 @@ impl Worlds {
             return Ok(());
         }
         let launch = self.gpu.uniform(&[self.width as u32, rounds as u32]);
-        let groups = (self.width as u32).div_ceil(WORKGROUP);
+        let groups = self.lanes.count as u32 / WORKGROUP;
         let device = self.gpu.device();
         let mut encoder = device.create_command_encoder(&Default::default());
         for part in &self.parts {
@@ -322,21 +331,33 @@ impl DeviceWorlds<f32> for Worlds {
     }
 }
 
-/// Worlds of a part: as few parts as buffers, workgroups and 32-bit offsets allow, of equal size.
+/// Worlds of a part: as few parts as buffers and 32-bit offsets allow, of equal size.
 fn width(gpu: &Gpu, lengths: Lengths, worlds: usize) -> Result<usize, GpuError> {
-    let longest = lengths.longest() as u64;
-    let most = gpu.most_bytes();
-    let groups = gpu.device().limits().max_compute_workgroups_per_dimension;
-    let widest = (most / NUMBER).min(u64::from(u32::MAX)) / longest;
-    let widest = widest.min(u64::from(groups) * u64::from(WORKGROUP)) as usize;
+    let widest = most_numbers(gpu) / lengths.longest();
     if widest == 0 {
-        return Err(GpuError::TooLarge {
-            bytes: longest * NUMBER,
-            most,
-            card: gpu.name().to_owned(),
-        });
+        return Err(too_large(gpu, lengths.longest()));
     }
     Ok(worlds.div_ceil(worlds.div_ceil(widest)))
+}
+
+/// Invocations that step so many worlds.
+fn lanes(gpu: &Gpu, lengths: Lengths, width: usize) -> Result<Lanes, GpuError> {
+    let size = WORKGROUP as usize;
+    let lanes = lengths.lanes(width, size, most_numbers(gpu));
+    lanes.ok_or_else(|| too_large(gpu, lengths.scratch * size.min(width)))
+}
+
+/// Most numbers of a buffer.
+fn most_numbers(gpu: &Gpu) -> usize {
+    (gpu.most_bytes() / NUMBER).min(u64::from(u32::MAX)) as usize
+}
+
+fn too_large(gpu: &Gpu, numbers: usize) -> GpuError {
+    GpuError::TooLarge {
+        bytes: numbers as u64 * NUMBER,
+        most: gpu.most_bytes(),
+        card: gpu.name().to_owned(),
+    }
 }
 
 #[cfg(test)]

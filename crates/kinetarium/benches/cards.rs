@@ -1,13 +1,13 @@
 //! World-steps per second on a graphics card, as a Markdown table.
 //!
 //! `cargo xtask gpu-bench`, or the program that it built, which needs nothing but the card's driver (and NVRTC for
-//! CUDA): `cards [--device gpu|gpu:NAME|cuda|cuda:NUMBER] [--least WORLDS] [--most WORLDS] [--only SCENES]`.
+//! CUDA): `cards [--device gpu|gpu:NAME|cuda|cuda:NUMBER] [--worlds COUNT,COUNT…] [--only SCENES]`.
 //! Without a name any card is taken, but no program that stands in for one; of scenes those whose names begin so.
 
 use kinetarium::DeviceChoice;
 use kinetarium::formats::{self, InMemory, Options};
-use kinetarium::model::Model;
 use kinetarium::model::examples::{Start, bowl, chain, towers};
+use kinetarium::model::{Model, ModelError};
 use kinetarium::numbers::trace::Work;
 use kinetarium::numbers::{Cpu, Shared};
 use kinetarium::rigid::{Settings, Solver};
@@ -16,7 +16,6 @@ use kinetarium::sim::{
 };
 use records::Programs;
 use std::error::Error;
-use std::ops::RangeInclusive;
 use std::time::Instant;
 
 const HUMANOID: &str = include_str!("../../session/models/humanoid.xml");
@@ -32,8 +31,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         arguments.get(at + 1)
     };
     let choice: DeviceChoice = option("--device").map_or("auto", |name| name).parse()?;
-    let least = option("--least").map_or(Ok(0), |least| least.parse())?;
-    let most = option("--most").map_or(Ok(usize::MAX), |most| most.parse())?;
+    let counts = option("--worlds").map_or(Ok(WORLDS.to_vec()), |counts| {
+        counts.split(',').map(str::parse).collect()
+    })?;
     let card = choice.open()?.ok_or("no graphics card was found")?;
     let card = &*card;
     println!(
@@ -48,10 +48,19 @@ fn main() -> Result<(), Box<dyn Error>> {
     let only = option("--only").map_or("", |only| only);
     let files = InMemory::new([("humanoid.xml", HUMANOID)]);
     let humanoid = formats::parse(HUMANOID, "humanoid.xml", &files, &Options::default())?.model;
-    let [short, long] = [10, 30].map(|links| chain(links, Start::Horizontal));
-    for (model, time_step) in [(short?, 0.002), (long?, 0.002), (humanoid, 0.003)] {
-        if model.name.starts_with(only) {
-            table(card, &model, time_step, least..=most)?;
+    let scenes = [
+        ("chain of 10", chain(10, Start::Horizontal)?, 0.002),
+        (
+            "chain of 30",
+            damped(&chain(30, Start::Horizontal)?)?,
+            0.002,
+        ),
+        ("humanoid on the ground", on_the_ground(&humanoid)?, 0.003),
+        ("humanoid, all contacts", humanoid, 0.003),
+    ];
+    for (name, model, time_step) in scenes {
+        if name.starts_with(only) {
+            table(card, name, &model, time_step, &counts)?;
         }
     }
     println!(
@@ -66,7 +75,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         .filter(|model| model.name.starts_with(only))
     {
         let figures =
-            pile(card, &model).unwrap_or_else(|told| (format!("{told} | | |"), Vec::new()));
+            pile(card, &model).unwrap_or_else(|told| (format!("{told} | | |"), Stages::new()));
         println!("| {} | {} | {}", model.name, model.bodies.len(), figures.0);
         stages.push((model.name.clone(), figures.1));
     }
@@ -88,15 +97,16 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Steps before a pile is measured: in these it comes to rest, or most of it.
 const SETTLING: usize = 250;
 
+/// Steps before worlds are measured: in these robots have fallen.
+const FALL: usize = 400;
+/// What stages of a step take [s].
+type Stages = Vec<(&'static str, f64)>;
 /// Steps that are timed stage by stage.
 const TIMED: usize = 32;
 
 /// Steps per second, the share left to the processor, and how long the first step takes; and what the stages of a step
 /// take [s].
-fn pile(
-    card: &dyn Device<f32>,
-    model: &Model,
-) -> Result<(String, Vec<(&'static str, f64)>), SimulationError> {
+fn pile(card: &dyn Device<f32>, model: &Model) -> Result<(String, Stages), SimulationError> {
     let settings = SimulationSettings {
         solver: SolverKind::Impulse,
         ..SimulationSettings::new(1, 0.004)
@@ -119,17 +129,37 @@ fn pile(
     Ok((figures, stages))
 }
 
+/// The same, with damping [N·m·s/rad], without which a long chain that is driven for long whips about until it diverges:
+/// worlds that stand still would be measured.
+fn damped(model: &Model) -> Result<Model, ModelError> {
+    let mut parts = model.clone().into_parts();
+    let dofs = parts.joints.iter_mut().flat_map(|joint| &mut joint.dofs);
+    dofs.for_each(|dof| dof.damping = 0.2);
+    Model::new(parts)
+}
+
+/// The same, of which nothing touches but the ground.
+fn on_the_ground(model: &Model) -> Result<Model, ModelError> {
+    let mut parts = model.clone().into_parts();
+    for shape in parts.shapes.iter_mut().filter(|s| s.body.is_some()) {
+        (shape.membership, shape.collides_with) = (2, 1);
+    }
+    Model::new(parts)
+}
+
 fn table(
     card: &dyn Device<f32>,
+    name: &str,
     model: &Model,
     time_step: f64,
-    counts: RangeInclusive<usize>,
+    counts: &[usize],
 ) -> Result<(), Box<dyn Error>> {
-    for count in WORLDS.into_iter().filter(|count| counts.contains(count)) {
+    for &count in counts {
         let mut worlds = started(card, model, &Settings::new(time_step), count)?;
         let begin = Instant::now();
         worlds.try_step(1)?;
         let first = begin.elapsed().as_secs_f64();
+        worlds.try_step(FALL)?;
         let steps = rate(&mut worlds, |worlds, n| worlds.try_step(n).map(|_| ()))?;
         let torques = torques(model, count);
         let mut positions = vec![0.0; count * model.coordinates()];
@@ -148,11 +178,14 @@ fn table(
                 worlds.try_outputs().map(|_| ())
             })
         })?;
+        let diverged = worlds.diverged().len();
+        if diverged > 0 {
+            return Err(format!("{name}: {diverged} of {count} worlds have diverged").into());
+        }
         let (bytes, work) = work(&mut worlds)?;
         let moved = (work.loads + work.stores) * size_of::<f32>() as u64;
         println!(
-            "| {} | {count} | {:.3e} | {:.3e} | {:.3e} | {first:.2} s | {bytes} | {} | {moved} | {:.1} |",
-            model.name,
+            "| {name} | {count} | {:.3e} | {:.3e} | {:.3e} | {first:.2} s | {bytes} | {} | {moved} | {:.1} |",
             steps * count as f64,
             learned * count as f64,
             reports * count as f64,
@@ -163,7 +196,7 @@ fn table(
     Ok(())
 }
 
-/// Bytes of a world in the card's memory; and what a step of world 0 takes, as it is now.
+/// Bytes of a world in the card's memory, with those of its scratch, which worlds beyond 65,536 share; and what a step of world 0 takes, as it is now.
 fn work(worlds: &mut Simulation<f32>) -> Result<(usize, Work), Box<dyn Error>> {
     let numbers = worlds.numbers_of_world(0)?;
     let plain = worlds.kernels(0)?.map(Solver::Featherstone);

@@ -26,5 +26,5 @@ pub use featherstone::dynamics::{Dynamics, DynamicsError, DynamicsKernels, Total
 pub use featherstone::{ArticulatedBodies, Featherstone, Integrator, TouchingFeatherstone};
 pub use input::InputTables;
 pub use output::{OutputTables, body, body_acceleration, contact, reaction, total};
-pub use solver::{Kernels, Lengths, Report, Settings, Solver, SolverError};
+pub use solver::{Kernels, Lanes, Lengths, Report, Settings, Solver, SolverError};
 pub use xpbd::Xpbd;

@@ -16,16 +16,46 @@ pub struct Lengths {
     pub scratch: usize,
 }
 
+/// Invocations of a card that step worlds side by side, each of them one world after the other, and their scratch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Lanes {
+    /// How many: whole workgroups.
+    pub count: usize,
+    /// Numbers of scratch of each, where each workgroup has a piece of scratch of its own; none where worlds do not fill
+    /// one, and scratch lies as their state does.
+    pub pieces: Option<u32>,
+    /// Numbers of scratch in all.
+    pub scratch: usize,
+}
+
+/// Most invocations: what they have of scratch, worlds beyond them share.
+const MOST_LANES: usize = 65_536;
+
 impl Lengths {
-    /// Numbers of the memory that has most, at least 1: what says how many worlds fit into a buffer.
+    /// Numbers of the memory of which each world has most, at least 1: what says how many worlds fit into a buffer.
     pub fn longest(&self) -> usize {
-        let Self {
-            state,
-            input,
-            output,
-            scratch,
-        } = *self;
-        state.max(input).max(output).max(scratch).max(1)
+        self.state.max(self.input).max(self.output).max(1)
+    }
+    /// The invocations that step so many worlds, in workgroups of that size, with at most so many numbers of scratch; none
+    /// if that is too little.
+    pub fn lanes(&self, worlds: usize, workgroup: usize, most: usize) -> Option<Lanes> {
+        if worlds < workgroup {
+            let scratch = self.scratch * worlds;
+            let few = Lanes {
+                count: workgroup,
+                pieces: None,
+                scratch,
+            };
+            return (scratch <= most).then_some(few);
+        }
+        let room = most / self.scratch.max(1);
+        let lanes = worlds.next_multiple_of(workgroup).min(MOST_LANES).min(room);
+        let count = lanes - lanes % workgroup;
+        (count > 0).then_some(Lanes {
+            count,
+            pieces: Some(self.scratch as u32),
+            scratch: self.scratch * count,
+        })
     }
 }
 

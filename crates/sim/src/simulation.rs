@@ -563,11 +563,15 @@ impl<T: Float> Simulation<T> {
         }
         let known = self.diverged.len();
         let passed = steps as f64 * self.settings.step.time_step;
+        let mut told = vec![false; self.worlds()];
+        for diverged in &self.diverged {
+            told[diverged.world] = true;
+        }
         let mut found = Vec::new();
-        for world in 0..self.worlds() {
+        for (world, told) in told.into_iter().enumerate() {
             if self.runs(world) {
                 self.time[world] += passed;
-            } else if !self.diverged.iter().any(|d| d.world == world) {
+            } else if !told {
                 self.time[world] += passed;
                 found.push(Diverged {
                     world,

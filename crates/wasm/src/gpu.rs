@@ -6,7 +6,7 @@
 use numbers::Memory;
 use numbers::trace::{PrintOptions, TraceError, WgslError};
 use records::Programs;
-use rigid::{Lengths, Report, Solver};
+use rigid::{Lanes, Lengths, Report, Solver};
 use sim::{Device, DeviceError, DeviceWorlds, Processor};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -18,8 +18,6 @@ unsafe extern "C" {
     safe fn open() -> u32;
     /// Most bytes of a buffer that a kernel sees.
     safe fn most_bytes() -> f64;
-    /// Most workgroups of a launch.
-    safe fn most_workgroups() -> u32;
     /// Takes memory for so many words; its number. Waits.
     safe fn buffer(words: u32) -> u32;
     /// Compiles a text, or finds what was compiled from it; its number. Waits.
@@ -121,11 +119,18 @@ impl Card {
             self.check(unsafe { kernel(text.as_ptr(), text.len()) })?,
         ))
     }
-    /// How many worlds a buffer, and a launch, takes.
-    fn most_worlds(&self, lengths: Lengths) -> usize {
-        let of_memory = most_bytes() / (lengths.longest() * NUMBER) as f64;
-        let of_launch = f64::from(most_workgroups()) * f64::from(WORKGROUP);
-        of_memory.min(of_launch) as usize
+    /// The invocations that step so many worlds, if buffers take these.
+    fn lanes(&self, lengths: Lengths, worlds: usize) -> Result<Lanes, CardError> {
+        let numbers = most_bytes() as usize / NUMBER;
+        let most = numbers / lengths.longest();
+        let lanes = lengths.lanes(worlds, WORKGROUP as usize, numbers);
+        lanes
+            .filter(|_| worlds <= most)
+            .ok_or_else(|| CardError::Worlds {
+                worlds,
+                most: most.min(numbers / lengths.scratch.max(1)),
+                card: self.name.clone(),
+            })
     }
 }
 
@@ -168,6 +173,7 @@ struct Worlds {
     programs: Programs,
     kernels: BTreeMap<Task, Owned>,
     worlds: usize,
+    lanes: Lanes,
     state: Owned,
     input: Owned,
     output: Owned,
@@ -181,11 +187,7 @@ struct Worlds {
 impl Worlds {
     fn new(card: &Card, programs: Programs, worlds: usize) -> Result<Self, CardError> {
         let lengths = programs.lengths;
-        let most = card.most_worlds(lengths);
-        if worlds > most {
-            let card = card.name.clone();
-            return Err(CardError::Worlds { worlds, most, card });
-        }
+        let lanes = card.lanes(lengths, worlds)?;
         let of = |numbers: usize| card.buffer(numbers * worlds);
         let parameters: Vec<_> = programs.parameters.iter().map(|x| *x as f32).collect();
         Ok(Self {
@@ -193,7 +195,8 @@ impl Worlds {
             state: of(lengths.state)?,
             input: of(lengths.input)?,
             output: of(lengths.output)?,
-            scratch: of(lengths.scratch)?,
+            scratch: card.buffer(lanes.scratch)?,
+            lanes,
             parameters: card.filled(&parameters)?,
             differing: false,
             links: card.filled(&programs.links)?,
@@ -252,6 +255,7 @@ impl Worlds {
             let text = program.to_wgsl(&PrintOptions {
                 workgroup_size: WORKGROUP,
                 parameters_per_world: self.differing,
+                pieces: self.lanes.pieces,
                 ..PrintOptions::default()
             })?;
             self.kernels.insert(task, self.card.kernel(&text)?);
@@ -267,7 +271,7 @@ impl Worlds {
         let buffers = buffers.map(|buffer| buffer.0);
         let (kernel, worlds) = (self.kernels[&task].0, self.worlds as u32);
         let (rounds, times) = (rounds as u32, times as u32);
-        let groups = worlds.div_ceil(WORKGROUP);
+        let groups = self.lanes.count as u32 / WORKGROUP;
         // SAFETY: the page reads six numbers, there.
         let launched = unsafe { launch(kernel, buffers.as_ptr(), worlds, rounds, groups, times) };
         self.card.check(launched)?;

@@ -122,10 +122,6 @@ export class Card {
     return limits ? Math.min(limits.maxStorageBufferBindingSize, limits.maxBufferSize) : 0;
   }
 
-  mostWorkgroups(): number {
-    return this.opened?.device.limits.maxComputeWorkgroupsPerDimension ?? 0;
-  }
-
   buffer(words: number): Promise<number> {
     return this.waited(async (opened) => {
       const { device } = opened;
@@ -292,7 +288,6 @@ export function imports(card: Card): WebAssembly.ModuleImports {
   return {
     open: waits(() => card.open()),
     most_bytes: () => card.mostBytes(),
-    most_workgroups: () => card.mostWorkgroups(),
     buffer: waits((words) => card.buffer(words)),
     kernel: waits((at, length) => card.kernel(at, length)),
     release: (number: number) => card.release(number),

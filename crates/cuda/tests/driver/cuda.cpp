@@ -9,19 +9,19 @@
 
 using CUresult = int;
 constexpr CUresult SUCCESS = 0, INVALID_VALUE = 1, OUT_OF_MEMORY = 2, INVALID_DEVICE = 101, INVALID_IMAGE = 200,
-                   NOT_FOUND = 500, CONTEXT_IS_DESTROYED = 709;
+                   NOT_FOUND = 500, LAUNCH_FAILED = 719;
 
 // More than this at once is taken for more than there is.
 constexpr size_t MOST_BYTES = size_t{1} << 30;
 
-static bool destroyed = false;
+static bool failed = false;
 static char context;
 static thread_local void* current = nullptr;
 
-static CUresult alive() { return destroyed ? CONTEXT_IS_DESTROYED : SUCCESS; }
+static CUresult alive() { return failed ? LAUNCH_FAILED : SUCCESS; }
 
-// What an image is compiled to: see nvrtc.cpp.
-using Kernel = void (*)(void** arguments, unsigned blocks, unsigned threads);
+// What an image is compiled to, which tells whether it has trapped: see nvrtc.cpp.
+using Kernel = bool (*)(void** arguments, unsigned blocks, unsigned threads);
 
 extern "C" {
 
@@ -29,7 +29,7 @@ CUresult cuInit(unsigned) { return SUCCESS; }
 CUresult cuGetErrorString(CUresult error, const char** text) {
     switch (error) {
     case OUT_OF_MEMORY: *text = "out of memory"; return SUCCESS;
-    case CONTEXT_IS_DESTROYED: *text = "context is destroyed"; return SUCCESS;
+    case LAUNCH_FAILED: *text = "unspecified launch failure"; return SUCCESS;
     default: *text = nullptr; return INVALID_VALUE;
     }
 }
@@ -51,7 +51,6 @@ CUresult cuDeviceGetAttribute(int* value, int attribute, int) {
 
 CUresult cuDevicePrimaryCtxRetain(void** into, int) { *into = &context; return alive(); }
 CUresult cuDevicePrimaryCtxRelease_v2(int) { return SUCCESS; }
-CUresult cuDevicePrimaryCtxReset_v2(int) { destroyed = true; return SUCCESS; }
 CUresult cuCtxGetCurrent(void** into) { *into = current; return SUCCESS; }
 CUresult cuCtxSetCurrent(void* to) { current = to; return alive(); }
 
@@ -103,7 +102,7 @@ CUresult cuModuleGetFunction(void** function, void* module, const char* name) {
 }
 CUresult cuLaunchKernel(void* function, unsigned blocks, unsigned, unsigned, unsigned threads, unsigned, unsigned,
                         unsigned, void*, void** arguments, void**) {
-    if (alive() == SUCCESS) reinterpret_cast<Kernel>(function)(arguments, blocks, threads);
+    if (alive() == SUCCESS) failed = reinterpret_cast<Kernel>(function)(arguments, blocks, threads);
     return alive();
 }
 

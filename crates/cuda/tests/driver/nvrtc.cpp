@@ -24,7 +24,9 @@ constexpr const char* BEFORE = R"(
 #include <cstring>
 #include <utility>
 struct Index { unsigned x, y, z; };
-static thread_local Index blockIdx, blockDim, threadIdx;
+static thread_local Index gridDim, blockIdx, blockDim, threadIdx;
+static bool trapped = false;
+#define __trap() (trapped = true)
 #define __global__
 #define __device__
 #define __forceinline__ inline
@@ -46,13 +48,15 @@ static void call(void (*kernel)(P...), void** arguments, std::index_sequence<I..
 }
 template <typename... P>
 static void launch(void (*kernel)(P...), void** arguments, unsigned blocks, unsigned threads) {
+    gridDim = {blocks, 1, 1};
     blockDim = {threads, 1, 1};
     for (blockIdx.x = 0; blockIdx.x < blocks; blockIdx.x++)
         for (threadIdx.x = 0; threadIdx.x < threads; threadIdx.x++)
             call(kernel, arguments, std::index_sequence_for<P...>());
 }
-extern "C" void launch_NAME(void** arguments, unsigned blocks, unsigned threads) {
+extern "C" bool launch_NAME(void** arguments, unsigned blocks, unsigned threads) {
     launch(NAME, arguments, blocks, threads);
+    return trapped;
 }
 )";
 

@@ -7,3 +7,8 @@ pub type Card = kinetarium_cuda::Cuda;
 pub fn card() -> Card {
     Card::open(0).unwrap()
 }
+
+/// Whether it rounds each operation, as the processor does.
+pub fn rounds_alike(_: &Card) -> bool {
+    true
+}

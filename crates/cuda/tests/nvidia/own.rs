@@ -40,7 +40,8 @@ fn worlds_that_do_not_fit_are_refused() {
     let kernels = Featherstone::new(&model, &Settings::new(H)).unwrap();
     let programs = Programs::record(Solver::Featherstone(&kernels)).unwrap();
     let place = |worlds| Worlds::new(&card, programs.clone(), worlds);
-    let most = u32::MAX as usize / programs.lengths.longest();
+    let longest = programs.lengths.longest().max(programs.parameters.len());
+    let most = u32::MAX as usize / longest;
     let told = place(most + 1).unwrap_err();
     assert!(matches!(told, CudaError::TooMany { .. }), "{told}");
     let filled: Result<Vec<_>, _> = (0..100).map(|_| place(most)).collect();

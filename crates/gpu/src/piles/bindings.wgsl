@@ -28,7 +28,7 @@ struct Plan {
     law_numbers: u32,
     // Of a step.
     small_steps: u32,
-    // Buckets of cells, a power of two, and colours that the host has launched kernels for.
+    // Buckets of cells, a power of two, and colours that there is room for.
     buckets: u32,
     colours: u32,
     pair_blocks: u32,
@@ -111,16 +111,18 @@ struct Plan {
 @group(0) @binding(7) var<storage, read_write> fresh: array<f32>;
 @group(0) @binding(8) var<storage, read_write> contacts: array<f32>;
 @group(0) @binding(9) var<storage, read_write> seats: array<u32>;
-@group(0) @binding(10) var<storage, read_write> words: array<atomic<u32>>;
-@group(0) @binding(11) var<storage, read_write> status: array<atomic<u32>>;
-@group(0) @binding(12) var<storage, read_write> runs: array<vec2<u32>>;
-@group(0) @binding(13) var<storage, read_write> launches: array<u32>;
-@group(0) @binding(14) var<storage, read_write> joints: array<f32>;
-@group(0) @binding(15) var<storage, read_write> mesh_parameters: array<f32>;
-@group(0) @binding(16) var<storage, read_write> mesh_scratch: array<f32>;
-@group(0) @binding(17) var<storage, read> constants: array<f32>;
-@group(0) @binding(18) var<storage, read> whole: array<u32>;
-@group(0) @binding(19) var<uniform> plan: Plan;
+@group(0) @binding(10) var<storage, read_write> words: array<u32>;
+// Words that several invocations write, or read while others write them; and those by which things are sorted.
+@group(0) @binding(11) var<storage, read_write> marks: array<atomic<u32>>;
+@group(0) @binding(12) var<storage, read_write> status: array<atomic<u32>>;
+@group(0) @binding(13) var<storage, read_write> runs: array<vec2<u32>>;
+@group(0) @binding(14) var<storage, read_write> launches: array<u32>;
+@group(0) @binding(15) var<storage, read_write> joints: array<f32>;
+@group(0) @binding(16) var<storage, read_write> mesh_parameters: array<f32>;
+@group(0) @binding(17) var<storage, read_write> mesh_scratch: array<f32>;
+@group(0) @binding(18) var<storage, read> constants: array<f32>;
+@group(0) @binding(19) var<storage, read> whole: array<u32>;
+@group(0) @binding(20) var<uniform> plan: Plan;
 
 const NONE: u32 = 0xffffffffu;
 // What a plane has on all sides.
@@ -129,10 +131,16 @@ const EVERYWHERE: f32 = 1e30;
 const LAST_CELL: f32 = 1e9;
 
 fn word(i: u32) -> u32 {
-    return atomicLoad(&words[i]);
+    return words[i];
 }
 fn put(i: u32, x: u32) {
-    atomicStore(&words[i], x);
+    words[i] = x;
+}
+fn mark(i: u32) -> u32 {
+    return atomicLoad(&marks[i]);
+}
+fn put_mark(i: u32, x: u32) {
+    atomicStore(&marks[i], x);
 }
 fn told(i: u32) -> u32 {
     return atomicLoad(&status[i]);

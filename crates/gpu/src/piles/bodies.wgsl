@@ -4,10 +4,10 @@
 fn clear(@builtin(global_invocation_id) id: vec3<u32>) {
     let i = id.x;
     if (i <= plan.buckets) {
-        put(plan.bucket_start + i, 0u);
+        put_mark(plan.bucket_start + i, 0u);
     }
     if (i <= plan.bodies) {
-        put(plan.body_start + i, 0u);
+        put_mark(plan.body_start + i, 0u);
     }
     // What was told of a step that was not taken stays.
     if (i == 0u) {
@@ -177,7 +177,7 @@ fn store_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var i = 0u; i < REMEMBERED; i++) {
         state[plan.memory + at * REMEMBERED + i] = fresh[contact * REMEMBERED + i];
     }
-    colours_before[at] = word(plan.colour + contact);
+    colours_before[at] = mark(plan.colour + contact);
 }
 
 @compute @workgroup_size(1)

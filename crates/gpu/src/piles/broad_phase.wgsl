@@ -61,7 +61,7 @@ fn count_buckets(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let own = bucket(cell);
     put(plan.bucket_of + shape, own);
-    atomicAdd(&words[plan.bucket_start + own], 1u);
+    atomicAdd(&marks[plan.bucket_start + own], 1u);
 }
 
 // Whether a shape was put there.
@@ -79,7 +79,7 @@ fn fill_buckets(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let own = word(plan.bucket_of + shape);
     if (own != NONE) {
-        let at = atomicAdd(&words[plan.bucket_start + own], 1u);
+        let at = atomicAdd(&marks[plan.bucket_start + own], 1u);
         put(plan.bucket_items + at, shape);
     }
 }
@@ -130,8 +130,12 @@ fn group_of(a: u32, b: u32) -> u32 {
     return whole[plan.form_group + min(f, g) * plan.forms + max(f, g)];
 }
 
+fn may_meet(a: u32, b: u32) -> bool {
+    return group_of(a, b) != NONE && may_touch(a, b);
+}
+
 fn near(a: u32, b: u32) -> bool {
-    return b > a && overlap(a, b) && group_of(a, b) != NONE && may_touch(a, b);
+    return b > a && overlap(a, b) && may_meet(a, b);
 }
 
 // A unit of work: a small shape with all later ones, or a large one with some of them. Lists the pairs from `at` on, which
@@ -169,12 +173,18 @@ fn look(unit: u32, at: u32, end: u32) -> u32 {
                 let own = plan.bucket_start + bucket(cell);
                 var i = 0u;
                 if (own > plan.bucket_start) {
-                    i = word(own - 1u);
+                    i = mark(own - 1u);
                 }
-                for (; i < word(own); i++) {
+                let next = mark(own);
+                for (; i < next; i++) {
                     let b = word(plan.bucket_items + i);
-                    // Other cells may share the bucket.
-                    if (is_in(b, cell) && near(a, b)) {
+                    if (b <= a) {
+                        continue;
+                    }
+                    // Other cells may share the bucket. All that this needs is read at once.
+                    let here = is_in(b, cell);
+                    let close = overlap(a, b);
+                    if (here && close && may_meet(a, b)) {
                         list(at, end, found, a, b);
                         found++;
                     }
@@ -233,7 +243,7 @@ fn list_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var i = at; i < end; i++) {
         let a = word(plan.pair_shapes + 2u * i);
         let b = word(plan.pair_shapes + 2u * i + 1u);
-        put(plan.pair_group + i, group_of(a, b));
+        put_mark(plan.pair_group + i, group_of(a, b));
     }
 }
 

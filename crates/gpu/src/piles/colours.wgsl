@@ -6,7 +6,7 @@ fn carrier(contact: u32, side: u32) -> u32 {
 }
 
 fn is_sensed(contact: u32) -> bool {
-    return word(plan.colour + contact) == SENSED;
+    return mark(plan.colour + contact) == SENSED;
 }
 
 // After it, a body's contacts begin where those of the one before end, and `body_start` says where its own do.
@@ -19,7 +19,7 @@ fn join(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var side = 0u; side < 2u; side++) {
         let body = carrier(contact, side);
         if (body != 0u) {
-            let at = atomicAdd(&words[plan.body_start + body], 1u);
+            let at = atomicAdd(&marks[plan.body_start + body], 1u);
             put(plan.body_items + at, contact);
         }
     }
@@ -39,9 +39,10 @@ fn paint(@builtin(global_invocation_id) id: vec3<u32>) {
         if (body == 0u) {
             continue;
         }
-        for (var i = word(plan.body_start + body - 1u); i < word(plan.body_start + body); i++) {
+        let end = mark(plan.body_start + body);
+        for (var i = mark(plan.body_start + body - 1u); i < end; i++) {
             let other = word(plan.body_items + i);
-            let colour = word(plan.colour + other);
+            let colour = mark(plan.colour + other);
             if (other < contact && colour < COLOURS) {
                 let bit = 1u << (colour & 31u);
                 used |= select(vec2(bit, 0u), vec2(0u, bit), colour > 31u);
@@ -52,8 +53,8 @@ fn paint(@builtin(global_invocation_id) id: vec3<u32>) {
     if (colour == 32u) {
         colour += countTrailingZeros(~used.y);
     }
-    if (word(plan.colour + contact) != colour) {
-        put(plan.colour + contact, colour);
+    if (mark(plan.colour + contact) != colour) {
+        put_mark(plan.colour + contact, colour);
         atomicStore(&status[CHANGED], 1u);
     }
 }
@@ -100,7 +101,7 @@ fn plan_colours(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     if (next > first) {
         atomicMax(&status[COLOURED], colour + 1u);
-        if (colour >= plan.colours) {
+        if (colour >= told(LAUNCHED)) {
             stop(MORE_COLOURS);
         }
     }

@@ -24,7 +24,7 @@ const TEXT: [&str; 10] = [
 ];
 
 /// Storage buffers that it binds, the last two to be read only; and the plan.
-pub(super) const BINDINGS: usize = 19;
+pub(super) const BINDINGS: usize = 20;
 const READ_ONLY: usize = 2;
 
 macro_rules! entries {
@@ -59,7 +59,7 @@ entries! {
 #[derive(Debug)]
 pub(super) struct Kernels {
     pub bindings: BindGroupLayout,
-    /// Words and a uniform; words, status and a uniform.
+    /// Words and a uniform; words, status, marks and a uniform.
     pub scanned: BindGroupLayout,
     pub sorted: BindGroupLayout,
     pub entries: Entries,
@@ -118,7 +118,7 @@ impl JointKernels {
 impl Kernels {
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, GpuError> {
         let bindings = bindings(gpu)?;
-        let (scanned, sorted) = (layout(gpu, 1, 0), layout(gpu, 2, 0));
+        let (scanned, sorted) = (layout(gpu, 1, 0), layout(gpu, 2, 1));
         let text = plan::constants() + &TEXT.concat();
         let scan = include_str!("scan.wgsl");
         let sort = include_str!("sort.wgsl");

@@ -47,7 +47,7 @@ fn is_of(remembered: u32, key: vec2<u32>) -> bool {
 
 // Where a pair's lane has its numbers: `PairPlaces`, in order.
 fn places_of(pair: u32) -> u32 {
-    return plan.group_places + word(plan.pair_group + pair) * PLACES;
+    return plan.group_places + mark(plan.pair_group + pair) * PLACES;
 }
 
 // Pairs with meshes come after those of solids, and have a memory of their own.
@@ -260,7 +260,7 @@ fn make_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     if (is_sensor(shapes.x) || is_sensor(shapes.y)) {
         for (var contact = first; contact < next; contact++) {
-            put(plan.colour + contact, SENSED);
+            put_mark(plan.colour + contact, SENSED);
         }
         return;
     }
@@ -268,7 +268,7 @@ fn make_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var side = 0u; side < 2u; side++) {
         let body = whole[plan.carriers + shapes[side]];
         if (body != 0u) {
-            atomicAdd(&words[plan.body_start + body], next - first);
+            atomicAdd(&marks[plan.body_start + body], next - first);
         }
     }
 }
@@ -360,7 +360,7 @@ fn warm(shapes: vec2<u32>, first: u32, next: u32) {
 
 fn start_colour(contact: u32, colour: u32) {
     if (told(KEEP) == 0u) {
-        put(plan.colour + contact, min(colour, COLOURS));
+        put_mark(plan.colour + contact, min(colour, COLOURS));
     }
 }
 

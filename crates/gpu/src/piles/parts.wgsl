@@ -163,7 +163,7 @@ fn place_ended(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var p = 0u; p < POINTS; p++) {
         fresh[to + REMEMBERED_POINT + p * REMEMBERED_POINT_WIDTH + 5u] = 0.0;
     }
-    put(plan.colour + contact, 0u);
+    put_mark(plan.colour + contact, 0u);
     put(plan.merged + found_before(old_key(i), true) + before, contact);
 }
 

@@ -91,7 +91,9 @@ pub(super) mod status {
     pub const SUM_ROUND: usize = 23;
     /// Whether a blow was foreseen in any of the steps.
     pub const FORESEEN: usize = 24;
-    pub const WIDTH: usize = 25;
+    /// Told by the host: how many colours it launches.
+    pub const LAUNCHED: usize = 25;
+    pub const WIDTH: usize = 26;
 }
 
 /// Why a step was not taken.
@@ -123,33 +125,32 @@ pub(super) mod run {
     pub const JOINTS: u32 = BLOW_BODIES + 1;
 }
 
+/// Where so much begins, if it comes next.
+fn taken(end: &mut u32, length: u32) -> u32 {
+    let at = *end;
+    *end += length;
+    at
+}
+
 impl Plan {
-    /// Words that steps need, once it is known for how many things there is room.
-    pub fn place(&mut self) -> u32 {
+    /// Words and marks that steps need, once it is known for how many things there is room.
+    pub fn place(&mut self) -> [u32; 2] {
         let mut end = 0;
-        let mut take = |length: u32| {
-            let at = end;
-            end += length;
-            at
-        };
+        let mut take = |length: u32| taken(&mut end, length);
         self.buckets = (2 * self.shapes).next_power_of_two();
         self.pair_blocks = self.pairs.div_ceil(BLOCK);
         self.contact_blocks = self.contacts.div_ceil(BLOCK);
         let matrices = [self.group_matrix_length(), self.colour_matrix_length()];
         self.cells = take(3 * self.shapes);
         self.bucket_of = take(self.shapes);
-        self.bucket_start = take(self.buckets + 1);
         self.bucket_items = take(self.shapes);
         self.unit_start = take(self.units + 1);
         self.pair_shapes = take(2 * self.pairs);
-        self.pair_group = take(self.pairs);
         self.pair_order = take(self.pairs);
         self.pair_place = take(self.pairs);
         self.group_matrix = take(matrices[0]);
         self.contact_start = take(self.pairs + 1);
-        self.body_start = take(self.bodies + 1);
         self.body_items = take(2 * self.contacts);
-        self.colour = take(self.contacts);
         self.colour_matrix = take(matrices[1]);
         self.contact_order = take(self.contacts);
         self.pressing = take(self.contacts + 1);
@@ -158,7 +159,20 @@ impl Plan {
         self.ended = take(self.remembered + 1);
         self.merged = take(self.contacts);
         self.same = take(self.contacts);
-        end
+        let mut marks = 0;
+        let mut take = |length: u32| taken(&mut marks, length);
+        self.bucket_start = take(self.buckets + 1);
+        self.pair_group = take(self.pairs);
+        self.body_start = take(self.bodies + 1);
+        self.colour = take(self.contacts);
+        [end, marks]
+    }
+    /// Of the largest launch.
+    pub fn most_invocations(&self) -> u32 {
+        let things = [self.bodies, self.shapes, self.units, self.buckets];
+        let found = [self.pairs, self.contacts, self.remembered, self.joints];
+        let all = things.into_iter().chain(found);
+        all.max().map_or(0, |most| most.saturating_add(1))
     }
     pub fn group_matrix_length(&self) -> u32 {
         self.groups * self.pair_blocks
@@ -183,6 +197,7 @@ pub(super) fn constants() -> String {
         ("ENDED", status::ENDED),
         ("SUM_ROUND", status::SUM_ROUND),
         ("FORESEEN", status::FORESEEN),
+        ("LAUNCHED", status::LAUNCHED),
         ("CONTACTS", status::CONTACTS),
         ("COLOURED", status::COLOURED),
         ("WIDEST", status::WIDEST),

@@ -27,6 +27,7 @@ pub(super) struct Buffers {
     joints: Buffer,
     seats: Buffer,
     words: Buffer,
+    marks: Buffer,
     pub status: Buffer,
     runs: Buffer,
     pub launches: Buffer,
@@ -71,7 +72,12 @@ const SHAPE_SCRATCH: usize = 19;
 const BOX: usize = 6;
 
 impl Buffers {
-    fn new(gpu: &Gpu, scene: &Scene, plan: &Plan, words: u32) -> Result<Self, GpuError> {
+    fn new(
+        gpu: &Gpu,
+        scene: &Scene,
+        plan: &Plan,
+        [words, marks]: [u32; 2],
+    ) -> Result<Self, GpuError> {
         let of = |things: u32, width: usize| sized(gpu, u64::from(things) * width as u64);
         let [parameters, scratch] = scene.pair_lengths(false);
         let [mesh_parameters, mesh_scratch] = scene.pair_lengths(true);
@@ -88,6 +94,7 @@ impl Buffers {
             joints: of(plan.joints, scene.joints.as_ref().map_or(0, Joints::width))?,
             seats: of(2 * plan.contacts, 1)?,
             words: of(words + words.div_ceil(SUMMED), 1)?,
+            marks: of(marks + marks.div_ceil(SUMMED), 1)?,
             status: filled(gpu, &[0_u32; status::WIDTH])?,
             runs: of(run::COUNT, 2)?,
             launches: indirect(gpu, 3 * u64::from(run::JOINTS + plan.joint_runs))?,
@@ -146,8 +153,14 @@ impl Room {
         kernels: &Kernels,
         plan: &mut Plan,
     ) -> Result<Self, GpuError> {
-        let words = plan.place();
-        let buffers = Buffers::new(gpu, scene, plan, words)?;
+        let [words, marks] = plan.place();
+        if plan.most_invocations() > gpu.most_invocations() {
+            return Err(GpuError::Unsupported {
+                what: "so many bodies, shapes, pairs or contacts",
+                remedy: "run on the processor",
+            });
+        }
+        let buffers = Buffers::new(gpu, scene, plan, [words, marks])?;
         let b = &buffers;
         let (none, nothing) = (buffer(gpu, 1)?, buffer(gpu, 1)?);
         let points = filled(gpu, &[POINTS as u32])?;
@@ -198,14 +211,17 @@ impl Room {
             &points,
             &launch,
         ];
-        let scan = |at: u32, length: u32| {
-            let uniform = gpu.uniform(&[at, length, words]);
-            let bindings = gpu.bindings(&kernels.scanned, &[&b.words, &uniform]);
+        // The sums of workgroups lie behind all others.
+        let scan_of = |buffer: &Buffer, end: u32, at: u32, length: u32| {
+            let uniform = gpu.uniform(&[at, length, end]);
+            let bindings = gpu.bindings(&kernels.scanned, &[buffer, &uniform]);
             Scan { length, bindings }
         };
+        let scan = |at: u32, length: u32| scan_of(&b.words, words, at, length);
+        let scan_marks = |at: u32, length: u32| scan_of(&b.marks, marks, at, length);
         let sort = |numbers: [u32; 7]| {
             let uniform = gpu.uniform(&numbers);
-            gpu.bindings(&kernels.sorted, &[&b.words, &b.status, &uniform])
+            gpu.bindings(&kernels.sorted, &[&b.words, &b.status, &b.marks, &uniform])
         };
         Ok(Self {
             shapes: bind(shapes),
@@ -221,11 +237,11 @@ impl Room {
             },
             groups: groups.collect::<Result<_, GpuError>>()?,
             scans: [
-                scan(plan.bucket_start, plan.buckets),
+                scan_marks(plan.bucket_start, plan.buckets),
                 scan(plan.unit_start, plan.units + 1),
                 scan(plan.group_matrix, plan.group_matrix_length()),
                 scan(plan.contact_start, plan.pairs + 1),
-                scan(plan.body_start, plan.bodies + 1),
+                scan_marks(plan.body_start, plan.bodies + 1),
                 scan(plan.colour_matrix, plan.colour_matrix_length()),
                 scan(plan.pressing, plan.contacts + 1),
                 scan(plan.ended, plan.remembered + 1),
@@ -287,6 +303,7 @@ impl Room {
             &b.contacts,
             &b.seats,
             &b.words,
+            &b.marks,
             &b.status,
             &b.runs,
             &b.launches,

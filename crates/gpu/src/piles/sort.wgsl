@@ -16,7 +16,8 @@ struct Sort {
 
 @group(0) @binding(0) var<storage, read_write> words: array<u32>;
 @group(0) @binding(1) var<storage, read_write> status: array<u32>;
-@group(0) @binding(2) var<uniform> sort: Sort;
+@group(0) @binding(2) var<storage, read> marks: array<u32>;
+@group(0) @binding(3) var<uniform> sort: Sort;
 
 const NONE: u32 = 0xffffffffu;
 var<workgroup> keys: array<u32, 256>;
@@ -25,7 +26,7 @@ fn load(block: u32, thread: u32) -> u32 {
     let i = block * 256u + thread;
     var key = NONE;
     if (i < min(status[sort.count], sort.most)) {
-        key = words[sort.keys + i];
+        key = marks[sort.keys + i];
     }
     keys[thread] = key;
     workgroupBarrier();

@@ -30,7 +30,7 @@ pub(super) struct Steps {
 /// Pairs of each shape and contacts of each body that there is room for at first.
 const PAIRS: u32 = 8;
 const CONTACTS: u32 = 4;
-/// Colours that are launched at first.
+/// Colours that there is room for, and that are launched, at first.
 const FIRST_COLOURS: u32 = 16;
 /// Rounds of colouring in a step: at least, and at most.
 const FEWEST_ROUNDS: usize = 8;
@@ -44,9 +44,11 @@ const LAUNCHES: usize = 16_384;
 pub(super) struct Pace {
     /// Steps in a submission: fewer where they are often not taken.
     steps: usize,
+    /// Colours of contacts that are launched.
+    colours: u32,
     /// Rounds of colouring in a step.
     rounds: usize,
-    /// Whether these were too few, and go on where they ended.
+    /// Whether these, or colours, were too few, so that colouring goes on where it ended.
     goes_on: bool,
     /// Rounds of blows in a small step.
     blows: usize,
@@ -58,6 +60,7 @@ impl Default for Pace {
     fn default() -> Self {
         Self {
             steps: 1,
+            colours: FIRST_COLOURS,
             rounds: FEWEST_ROUNDS,
             goes_on: false,
             blows: 0,
@@ -109,7 +112,7 @@ impl Steps {
     ) -> Result<Progress, GpuError> {
         let small_steps = scene.impulse.settings().contact_iterations;
         let joints = scene.joints.as_ref().map_or(0, |joints| joints.runs.len());
-        let stage = self.plan.colours as usize + joints + 1;
+        let stage = pile.pace.colours as usize + joints + 1;
         let launches = small_steps * (2 + pile.pace.blows) * stage;
         let most = pile.pace.steps.min(LAUNCHES / launches).max(1);
         // What is cut into parts is taken one by one, that it can be undone.
@@ -120,7 +123,8 @@ impl Steps {
         let pace = &mut pile.pace;
         let more = if taken == steps { 2 * pace.steps } else { 1 };
         pace.steps = more.min(STEPS);
-        pace.goes_on = flags & flag::MORE_ROUNDS != 0 && pace.parts == 1;
+        let uncoloured = flag::MORE_ROUNDS | flag::MORE_COLOURS;
+        pace.goes_on = flags & uncoloured != 0 && pace.parts == 1;
         if flags & flag::OTHER_PARTS != 0 {
             pace.parts = told[status::NEEDED] as usize;
             return Ok(Progress::Taken(taken));
@@ -128,9 +132,16 @@ impl Steps {
         if flags & flag::DEAD != 0 {
             return Ok(Progress::Dead);
         }
+        let coloured = told[status::COLOURED];
+        pace.colours = pace.colours.max(coloured);
         // What a step without enough of anything has told besides is of no worth: so this is asked first, and whether the
         // processor has to take the step last.
+        if flags & flag::MORE_ROOM == flag::MORE_COLOURS && coloured <= self.plan.colours {
+            return Ok(Progress::Taken(taken));
+        }
         if flags & flag::MORE_ROOM != 0 {
+            // There, colours of the attempt are not known.
+            pace.goes_on = false;
             return Ok(match self.grow(gpu, scene, kernels, &told) {
                 true => Progress::Taken(taken),
                 false => Progress::Processor(taken),
@@ -148,6 +159,8 @@ impl Steps {
             pace.blows = BLOWS.min((2 * pace.blows).max(2));
             return Ok(Progress::Taken(taken));
         }
+        // Soon no more than there are, but not so soon that it would be too few every other time.
+        pace.colours = coloured + (pace.colours - coloured) / 2;
         // One more, in which nothing is struck; none where none was foreseen.
         let foreseen = told[status::FORESEEN] != 0;
         let struck = told[status::MOST_BLOWS] as usize;
@@ -182,6 +195,7 @@ impl Steps {
         let status = &self.room.buffers.status;
         let mut begin = [0_u32; status::WIDTH];
         begin[status::KEEP] = pile.pace.goes_on.into();
+        begin[status::LAUNCHED] = pile.pace.colours;
         begin[status::ROUNDS_OF_BLOWS] = pile.pace.blows as u32;
         begin[status::PARTS] = parts as u32;
         let bytes = bytemuck::cast_slice(&begin);
@@ -374,7 +388,7 @@ impl Steps {
         let bodies = p.bodies.div_ceil(WORKGROUP);
         let joints = scene.joints.as_ref().zip(k.joints.as_ref());
         let contacts = |pass: &mut Pass<'_>, kernel: &ComputePipeline| {
-            for (colour, bindings) in (0..p.colours).zip(&s.colours) {
+            for (colour, bindings) in (0..pace.colours).zip(&s.colours) {
                 self.run(pass, kernel, bindings, run::COLOURS + colour);
             }
         };
@@ -398,7 +412,7 @@ impl Steps {
             }
             pass.mark("advancing, warm start");
             if pace.blows > 0 {
-                self.blows(pass, k, own, pace.blows);
+                self.blows(pass, k, own, pace);
             }
             pass.mark("blows");
             contacts(pass, &k.push);
@@ -438,15 +452,15 @@ impl Steps {
         all(pass, &e.merge, p.contacts);
     }
 
-    /// The blows of a small step, in so many rounds.
-    fn blows(&self, pass: &mut Pass<'_>, k: &Kernels, own: &BindGroup, rounds: usize) {
+    /// The blows of a small step.
+    fn blows(&self, pass: &mut Pass<'_>, k: &Kernels, own: &BindGroup, pace: &Pace) {
         let (p, s, e) = (&self.plan, &self.room, &k.entries);
         let contacts = p.contacts.max(COLOURS).div_ceil(WORKGROUP);
         dispatch(pass, &e.begin_blows, own, contacts);
         self.run(pass, &k.part, &s.bodies, run::BLOW_BODIES);
-        for round in 0..rounds {
+        for round in 0..pace.blows {
             let strike = [&k.strike_foreseen, &k.strike][round.min(1)];
-            for (colour, bindings) in (0..p.colours).zip(&s.colours) {
+            for (colour, bindings) in (0..pace.colours).zip(&s.colours) {
                 self.run(pass, strike, bindings, run::BLOW_COLOURS + colour);
             }
             dispatch(pass, &e.tell_blows, own, contacts);

@@ -8,3 +8,8 @@ pub fn card() -> Card {
     let name = std::env::var("KINETARIUM_GPU").unwrap_or_default();
     Card::open(&name.parse().unwrap()).unwrap()
 }
+
+/// Whether it rounds each operation, as the portable reading does: Mesa's program does, others fuse.
+pub fn rounds_alike(card: &Card) -> bool {
+    card.name().contains("llvmpipe")
+}

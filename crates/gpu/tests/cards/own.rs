@@ -7,19 +7,24 @@ use kinetarium_gpu::{Choice, Gpu, GpuError, Worlds};
 use model::examples::{Start, chain};
 use records::Programs;
 use rigid::{Featherstone, Kernels, Settings, Solver};
+use sim::{Simulation, SimulationSettings, SolverKind};
+
+/// The card, as if it took no more bytes in a buffer.
+fn small(most_bytes: u64) -> Gpu {
+    let name = std::env::var("KINETARIUM_GPU").unwrap_or_default();
+    Gpu::open_within(&name.parse().unwrap(), most_bytes).unwrap()
+}
 
 #[test]
 #[ignore = "needs a graphics card or Mesa's llvmpipe"]
 fn worlds_beyond_one_buffer_lie_in_several() {
-    let (card, model) = (card(), chain(50, Start::Horizontal).unwrap());
+    let (card, model) = (small(1 << 23), chain(50, Start::Horizontal).unwrap());
     let kernels = Featherstone::new(&model, &Settings::new(H)).unwrap();
     let widest = card.most_bytes() as usize / size_of::<f32>() / kernels.lengths().longest();
     let worlds = 2 * widest + 1;
-    if worlds > 100_000 {
-        // A card that takes buffers so large holds what anybody simulates in one.
-        return;
-    }
     let programs = Programs::record(Solver::Featherstone(&kernels)).unwrap();
+    let told = Worlds::new(&small(1 << 12), programs.clone(), 1).unwrap_err();
+    assert!(matches!(told, GpuError::TooLarge { .. }), "{told}");
     let width = Worlds::new(&card, programs, worlds);
     assert_eq!(worlds.div_ceil(width.unwrap().width()), 3);
     let mut pair = Pair::new(&card, &model, settings(worlds));
@@ -42,6 +47,42 @@ fn worlds_beyond_one_buffer_lie_in_several() {
         // Neighbours are ten times as far apart.
         assert!(moved < 1e-4, "{moved:e}");
     }
+}
+
+/// A card whose memory is full says so, and goes on. What a program has for memory is the machine's: it is not filled.
+#[test]
+#[ignore = "needs a graphics card or Mesa's llvmpipe"]
+fn worlds_that_do_not_fit_are_refused() {
+    let card = card();
+    if card.name().contains("llvmpipe") {
+        return;
+    }
+    let model = chain(150, Start::Horizontal).unwrap();
+    let kernels = Featherstone::new(&model, &Settings::new(H)).unwrap();
+    let programs = Programs::record(Solver::Featherstone(&kernels)).unwrap();
+    let widest = card.most_bytes() as usize / size_of::<f32>() / kernels.lengths().longest();
+    let mut filled = Vec::new();
+    let told = loop {
+        match Worlds::new(&card, programs.clone(), widest) {
+            Ok(worlds) => filled.push(worlds),
+            Err(told) => break told,
+        }
+    };
+    assert!(matches!(told, GpuError::Memory { .. }), "{told}");
+    let pile = model::examples::towers(100, 10).unwrap();
+    let impulse = SimulationSettings {
+        solver: SolverKind::Impulse,
+        ..SimulationSettings::new(1, 0.004)
+    };
+    // What little is left may do for some steps.
+    if let Ok(mut pile) = Simulation::on(&card, pile, impulse) {
+        pile.try_step(10).unwrap();
+        assert!(pile.diverged().is_empty());
+    }
+    drop(filled);
+    let mut few = Simulation::on(&card, model, settings(2)).unwrap();
+    few.try_step(1).unwrap();
+    assert!(few.diverged().is_empty());
 }
 
 #[test]

@@ -4,7 +4,7 @@
 //! same. What rounding does in a step in which much is struck is measured: it is how far the processor is from itself
 //! where it rounds other than in its widest lanes.
 
-use crate::card::card;
+use crate::card::{card, rounds_alike};
 use crate::models::mixed;
 use crate::pair::Pair;
 use glam::{DMat3, DQuat, DVec2, DVec3};
@@ -52,9 +52,20 @@ fn between(pair: &mut Pair, other: &mut Simulation<f32>, apart: fn(&mut Pair) ->
     rounding
 }
 
+/// Where a card fuses what the processor rounds twice, one in so many steps may decide otherwise which features touch,
+/// and bodies go apart by so much [m].
+const DECIDING: usize = 5;
+const DECIDED: f64 = 5e-3;
+
 /// Steps one by one, from the processor's states, `stride` steps apart.
 fn agrees(model: &Model, steps: usize, stride: usize) -> Pair {
-    let mut pair = Pair::at_rest(&card(), model, settings(1));
+    let card = card();
+    let mut left = if rounds_alike(&card) {
+        0
+    } else {
+        steps / DECIDING
+    };
+    let mut pair = Pair::at_rest(&card, model, settings(1));
     let mut other = plain(model, 1);
     for step in 0..steps {
         pair.put();
@@ -63,12 +74,14 @@ fn agrees(model: &Model, steps: usize, stride: usize) -> Pair {
         other.step(1);
         let moved = pair.moved_apart();
         let rounding = between(&mut pair, &mut other, Pair::moved_apart);
+        let within = moved < 1e-5 + 4.0 * rounding;
         assert!(
-            moved < 1e-5 + 4.0 * rounding,
+            within || left > 0 && moved < DECIDED,
             "{}: {moved:e} after step {}, of which rounding {rounding:e}",
             model.name,
             step * stride
         );
+        left -= usize::from(!within);
         pair.step(stride - 1);
     }
     pair
@@ -702,6 +715,29 @@ fn scenes_agree_with_the_processor() {
         let [cpu, gpu] = pair.both().map(|s| s.outputs().energy(0));
         assert!((cpu - gpu).abs() < 0.01 * cpu.abs(), "{}", scene.name);
     }
+}
+
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn stages_of_steps_are_timed() {
+    let mut world = Simulation::on(&card(), tower(3, 0.001).unwrap(), settings(1)).unwrap();
+    let times = world.time_stages(3).unwrap();
+    let named = |stage| times.iter().filter(|(name, _)| *name == stage).count();
+    assert_eq!(
+        [named("narrow phase"), named("pushing")],
+        [1, 1],
+        "{times:?}"
+    );
+    assert!(
+        times.iter().all(|(_, time)| *time >= 0.0 && *time < 10.0),
+        "{times:?}"
+    );
+    let mut here = Simulation::<f32>::new(tower(3, 0.001).unwrap(), settings(1)).unwrap();
+    assert_eq!(here.time_stages(3).unwrap(), []);
+    assert_eq!(
+        [here.time(0), world.time(0)].map(|t| (t * 1e3).round()),
+        [12.0, 12.0]
+    );
 }
 
 /// Loops of programs that stand in for a card end early: what would have too few contacts there is refused.

@@ -11,10 +11,10 @@ const PRELUDE: &str = include_str!("prelude.cu");
 impl Program {
     /// Prints the record as CUDA C++ with a kernel `step`, for NVRTC or nvcc with `--fmad=false`.
     ///
-    /// One thread runs one world, the first coordinate of its index. The kernel takes pointers to state, input,
+    /// One thread runs one world after the other: that of its index, and those that lie whole grids beyond it. The kernel takes pointers to state, input,
     /// output, scratch, parameters and links, in this order, and two 32-bit numbers: how many worlds there are and
     /// how often the kernel runs, one time after the other. The memories must not overlap. A world's number at
-    /// `offset` lies at `offset · worlds + world`, which must fit into 32 bits.
+    /// `offset` lies at `offset · worlds + world`, of scratch as [`PrintOptions`] say, which must fit into 32 bits.
     ///
     /// Every operation is rounded as on the CPU, so a thread's results have the bits of the kernel over `f32` (of a
     /// NaN, that it is one).
@@ -23,17 +23,20 @@ impl Program {
     /// If it is to work on members of runs, which have no CUDA yet.
     pub fn to_cuda(&self, options: &PrintOptions) -> String {
         assert_eq!(options.members, Members::Worlds, "no CUDA but for worlds");
+        let own = options.own_piece();
+        let own = own.map_or(String::new(), |own| format!("    const u32 {own};\n"));
         let opening = format!(
             "{PRELUDE}\nextern \"C\" __global__ void __launch_bounds__({}) step(\n    \
              f32* __restrict__ state, const f32* __restrict__ input, f32* __restrict__ output,\n    \
              f32* __restrict__ scratch, const f32* __restrict__ parameters, const u32* __restrict__ links,\n    \
              const u32 worlds, const u32 rounds) {{\n    \
-             const u32 world = blockIdx.x * blockDim.x + threadIdx.x;\n    \
-             if (world >= worlds) {{ return; }}\n    \
+             const u32 index = blockIdx.x * blockDim.x + threadIdx.x;\n\
+             {own}    \
+             for (u32 world = index; world < worlds; world += gridDim.x * blockDim.x) {{\n    \
              for (u32 nth = 0u; nth < rounds; nth++) {{\n",
             options.workgroup_size
         );
-        let Ok(text) = self.print::<Cuda>(options, opening);
+        let Ok(text) = self.print::<Cuda>(options, opening, "    }\n    }\n}\n");
         text
     }
 }

@@ -1,4 +1,4 @@
-// One thread steps one world. A world's number at an offset lies at
+// One thread steps one world, then those that lie whole grids beyond it. A world's number at an offset lies at
 // offset * worlds + world, so that neighbouring threads read neighbours.
 //
 // To be compiled without contraction (--fmad=false), and with division and square root rounded as IEEE 754 has it,

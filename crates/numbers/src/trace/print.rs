@@ -19,6 +19,10 @@ pub struct PrintOptions {
     pub parameters_per_world: bool,
     /// What an invocation works on.
     pub members: Members,
+    /// So many numbers of scratch of each invocation, where each workgroup has a piece of its own: there, the number at
+    /// `offset` of its invocation `i` lies at `offset · workgroup_size + i`. All steps are constants then: addresses
+    /// cost less, and a compiler sees which differ. By default each world has scratch, laid out as its state is.
+    pub pieces: Option<u32>,
 }
 
 /// What an invocation works on.
@@ -45,7 +49,19 @@ impl Default for PrintOptions {
             workgroup_size: 64,
             parameters_per_world: false,
             members: Members::Worlds,
+            pieces: None,
         }
+    }
+}
+
+impl PrintOptions {
+    /// Where an invocation's scratch begins.
+    pub(super) fn own_piece(&self) -> Option<String> {
+        let size = self.workgroup_size;
+        let piece = self.pieces?.saturating_mul(size);
+        Some(format!(
+            "own = (index / {size}u) * {piece}u + index % {size}u"
+        ))
     }
 }
 
@@ -62,11 +78,12 @@ pub(super) trait Language {
 }
 
 impl Program {
-    /// Its statements, indented, behind what opens the kernel.
+    /// Its statements, indented, between what opens the kernel and what closes it.
     pub(super) fn print<L: Language>(
         &self,
         options: &PrintOptions,
         opening: String,
+        closing: &str,
     ) -> Result<String, L::Error> {
         let mut printer = Printer::<L> {
             instructions: &self.instructions,
@@ -76,7 +93,7 @@ impl Program {
             language: PhantomData,
         };
         printer.block(0..self.instructions.len())?;
-        printer.text.push_str("    }\n}\n");
+        printer.text.push_str(closing);
         Ok(printer.text)
     }
 }
@@ -192,6 +209,12 @@ impl<L: Language> Printer<'_, L> {
                     let offset = place.offset - 2 * bodies + state;
                     let offset = self.offset(Place { offset, ..place }, row)?;
                     format!("state[({offset}) * worlds + world]")
+                }
+                _ if self.options.pieces.is_some() => {
+                    format!(
+                        "scratch[({offset}) * {}u + own]",
+                        self.options.workgroup_size
+                    )
                 }
                 _ => format!("scratch[({offset}) * worlds + world]"),
             },

@@ -20,14 +20,14 @@ pub enum WgslError {
 impl Program {
     /// Prints the record as a WGSL shader whose entry point is `main`.
     ///
-    /// One invocation runs one world, `global_invocation_id.x`. In group 0 it
-    /// binds state (0), input (1), output (2), scratch (3), parameters (4) and
+    /// One invocation runs one world after the other: that of its index, `global_invocation_id.x`, and
+    /// those that lie whole launches beyond it. In group 0 it binds state (0), input (1), output (2), scratch (3), parameters (4) and
     /// links (5) as storage buffers (1, 4 and 5 read-only) and, as a uniform of two
     /// `u32` (6), the number of worlds and how often the kernel runs, one time
     /// after the other. All seven are declared whether used or
     /// not; a pipeline needs an explicit layout, as one derived from the shader
     /// leaves out the unused. A world's number at `offset` lies at
-    /// `offset · worlds + world`.
+    /// `offset · worlds + world`, of scratch as [`PrintOptions`] say.
     ///
     /// Of [runs](Members::Runs), an invocation works on a member of one: `global_invocation_id.x` counts from its first.
     /// Binding 1 then holds the bodies of each member, `[side][member]`, binding 2 each run's first member and how many it
@@ -37,24 +37,28 @@ impl Program {
     /// with the CPU to a tolerance, not to the bit; and it may take for granted
     /// that no infinity and no NaN comes up.
     pub fn to_wgsl(&self, options: &PrintOptions) -> Result<String, WgslError> {
-        let opening = match options.members {
-            Members::Worlds => of_worlds(options),
-            Members::Runs => of_runs(options, ""),
-            Members::Seats { bodies, .. } => of_runs(options, &seat(bodies)),
+        let (opening, closing) = match options.members {
+            Members::Worlds => (of_worlds(options), "    }\n    }\n}\n"),
+            Members::Runs => (of_runs(options, ""), "    }\n}\n"),
+            Members::Seats { bodies, .. } => (of_runs(options, &seat(bodies)), "    }\n}\n"),
         };
-        self.print::<Wgsl>(options, opening)
+        self.print::<Wgsl>(options, opening, closing)
     }
 }
 
 fn of_worlds(options: &PrintOptions) -> String {
+    let own = options.own_piece();
+    let own = own.map_or(String::new(), |own| format!("    let {own};\n"));
+    let size = options.workgroup_size;
     format!(
-        "{WORLDS}\n{OPERATIONS}\n@compute @workgroup_size({})\n\
-         fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {{\n    \
-         let world = invocation.x;\n    \
-         let worlds = launch.worlds;\n    \
-         if (world >= worlds) {{ return; }}\n    \
-         for (var nth = 0u; nth < launch.rounds; nth++) {{\n",
-        options.workgroup_size
+        "{WORLDS}\n{OPERATIONS}\n@compute @workgroup_size({size})\n\
+         fn main(@builtin(global_invocation_id) invocation: vec3<u32>, \
+         @builtin(num_workgroups) workgroups: vec3<u32>) {{\n    \
+         let index = invocation.x;\n    \
+         let worlds = launch.worlds;\n\
+         {own}    \
+         for (var world = index; world < worlds; world += workgroups.x * {size}u) {{\n    \
+         for (var nth = 0u; nth < launch.rounds; nth++) {{\n"
     )
 }
 
