@@ -611,10 +611,10 @@ fn prints_as_one_line_an_instruction() {
     let program = trace::record(|k| kernel(k, rows, scale)).unwrap();
     let shader = program.to_wgsl(&PrintOptions::default()).unwrap();
     let expected = "\
-fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
-    let world = invocation.x;
+fn main(@builtin(global_invocation_id) invocation: vec3<u32>, @builtin(num_workgroups) workgroups: vec3<u32>) {
+    let index = invocation.x;
     let worlds = launch.worlds;
-    if (world >= worlds) { return; }
+    for (var world = index; world < worlds; world += workgroups.x * 64u) {
     for (var nth = 0u; nth < launch.rounds; nth++) {
         for (var i0 = 4u - 1u; i0 < 4u; i0--) {
             let x1 = state[(7u + i0 * 3u) * worlds + world];
@@ -627,6 +627,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
             state[(7u + i0 * 3u) * worlds + world] = x7;
             if (m2) { break; }
         }
+    }
     }
 }
 ";
@@ -647,6 +648,7 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
             if (m2) { break; }
         }
     }
+    }
 }
 ";
     assert!(cuda.ends_with(expected), "{cuda}");
@@ -659,6 +661,31 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {
     let shader = program.to_wgsl(&options).unwrap();
     assert!(shader.contains("@workgroup_size(32)"));
     assert!(shader.contains("let x3 = parameters[(2u) * worlds + world];"));
+    validate(&shader);
+}
+
+#[test]
+fn scratch_lies_in_pieces_where_it_is_asked_for() {
+    fn kernel<M: Machine>(k: &mut M, table: Table<Scratch>) {
+        k.store(table, k.index(3), 0, M::R::one());
+    }
+    let table = Table::place(&mut 0, 4);
+    let program = trace::record(|k| kernel(k, table)).unwrap();
+    let options = PrintOptions {
+        pieces: Some(5),
+        ..PrintOptions::default()
+    };
+    let [shader, cuda] = [
+        program.to_wgsl(&options).unwrap(),
+        program.to_cuda(&options),
+    ];
+    for text in [&shader, &cuda] {
+        assert!(
+            text.contains("own = (index / 64u) * 320u + index % 64u;"),
+            "{text}"
+        );
+        assert!(text.contains("scratch[(3u) * 64u + own] = 1.0f;"), "{text}");
+    }
     validate(&shader);
 }
 
