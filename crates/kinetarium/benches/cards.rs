@@ -196,7 +196,8 @@ fn table(
     Ok(())
 }
 
-/// Bytes of a world in the card's memory, with those of its scratch, which worlds beyond 65,536 share; and what a step of world 0 takes, as it is now.
+/// Bytes of a world in the card's memory, with those of its scratch, which worlds beyond 65,536 share; and what a step of
+/// world 0 takes, as it is now.
 fn work(worlds: &mut Simulation<f32>) -> Result<(usize, Work), Box<dyn Error>> {
     let numbers = worlds.numbers_of_world(0)?;
     let plain = worlds.kernels(0)?.map(Solver::Featherstone);

@@ -95,6 +95,11 @@ fn both(model: &Model, view: View, worlds: &[&[Pose]]) -> Option<(Images, Images
 
 #[test]
 fn a_card_sees_what_rays_meet() {
+    // Where pixels are sampled is finer in Mesa's program than in cards.
+    let depth = match name().contains("llvmpipe") {
+        true => 1e-4,
+        false => 4e-4,
+    };
     for seed in 0..4 {
         let (model, poses) = medley(seed);
         let Some((cast, drawn)) = both(&model, View::new(camera(320, 240)), &[&poses]) else {
@@ -104,7 +109,7 @@ fn a_card_sees_what_rays_meet() {
         println!("{difference:?}");
         assert!(difference.shapes < 1e-3, "{seed}: {difference:?}");
         assert_eq!(difference.bodies, 0.0, "{seed}");
-        assert!(difference.depth < 4e-4, "{seed}: {difference:?}");
+        assert!(difference.depth < depth, "{seed}: {difference:?}");
         assert!(difference.normal < 2e-3, "{seed}: {difference:?}");
         assert!(difference.color < 3.0, "{seed}: {difference:?}");
     }

@@ -17,7 +17,7 @@ use numbers::dispatch::Isa;
 use numbers::{Float, Memory};
 use rayon::prelude::*;
 use rigid::{InputTables, Kernels, OutputTables, Report, Solver};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -563,15 +563,12 @@ impl<T: Float> Simulation<T> {
         }
         let known = self.diverged.len();
         let passed = steps as f64 * self.settings.step.time_step;
-        let mut told = vec![false; self.worlds()];
-        for diverged in &self.diverged {
-            told[diverged.world] = true;
-        }
+        let told: HashSet<_> = self.diverged.iter().map(|d| d.world).collect();
         let mut found = Vec::new();
-        for (world, told) in told.into_iter().enumerate() {
+        for world in 0..self.worlds() {
             if self.runs(world) {
                 self.time[world] += passed;
-            } else if !told {
+            } else if !told.contains(&world) {
                 self.time[world] += passed;
                 found.push(Diverged {
                     world,
