@@ -8,6 +8,8 @@ use rigid::impulse::{
 /// Memory for contacts in lanes; kept from step to step, its contents are not.
 pub(super) struct Lanes<T> {
     numbers: Memory<T>,
+    /// Of each batch, its block of them.
+    blocks: Vec<usize>,
     /// Bodies A, then bodies B, of each batch.
     bodies: Vec<u32>,
 }
@@ -16,6 +18,7 @@ impl<T: Float> Default for Lanes<T> {
     fn default() -> Self {
         Self {
             numbers: Memory::new(0, 1, 1),
+            blocks: Vec::new(),
             bodies: Vec::new(),
         }
     }
@@ -37,9 +40,12 @@ pub(super) struct Batch<'a, T> {
 }
 
 impl<T: Float> Lanes<T> {
-    /// Room for so many batches of `width` contacts.
-    pub fn make_room(&mut self, batches: usize, width: usize) {
-        let (lanes, length) = (batches * width, ContactTables::new().length);
+    /// Room for batches of `width` contacts, at these places.
+    pub fn make_room(&mut self, places: impl Iterator<Item = usize>, width: usize) {
+        self.blocks.clear();
+        self.blocks.extend(places);
+        let blocks = self.blocks.last().map_or(0, |last| last + 1);
+        let (lanes, length) = (blocks * width, ContactTables::new().length);
         let fits = self.numbers.width() == width && self.numbers.length() == length;
         if !fits || self.numbers.worlds() < lanes {
             self.numbers = Memory::new(lanes + lanes / 4 + width, length, width);
@@ -54,7 +60,13 @@ impl<T: Float> Lanes<T> {
         width: usize,
     ) -> impl Iterator<Item = Batch<'a, T>> {
         let block = self.numbers.block_size();
-        let numbers = self.numbers.scalars_mut().chunks_exact_mut(block);
+        let mut numbers = self.numbers.scalars_mut().chunks_exact_mut(block);
+        let mut next = 0;
+        let numbers = self.blocks.iter().filter_map(move |&place| {
+            let left_out = place - next;
+            next = place + 1;
+            numbers.nth(left_out)
+        });
         let bodies = self.bodies.chunks_exact_mut(2 * width);
         let rooms = numbers.zip(bodies).zip(members);
         rooms.map(|((numbers, bodies), members)| Batch {
@@ -71,7 +83,7 @@ impl<T: Float> Lanes<T> {
     pub fn read(&self, lane: usize, contact: &mut Cached<T>) {
         let t = ContactTables::new();
         let width = self.numbers.width();
-        let numbers = self.numbers.block(lane / width);
+        let numbers = self.numbers.block(self.blocks[lane / width]);
         let get = |at: usize| numbers[at * width + lane % width];
         for axis in 0..3 {
             contact.drag[axis] = get(t.manifold.at(0, manifold::DRAG + axis));

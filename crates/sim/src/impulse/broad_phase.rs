@@ -118,7 +118,7 @@ impl BroadPhase {
 }
 
 /// Pairs that one thread looks through at a time.
-const CHUNK: usize = 4096;
+const CHUNK: usize = 1024;
 
 /// The gap [m] that two shapes could close within the step.
 pub(super) fn reach<T: Float>(shapes: &[Placed<T>], pair: [u32; 2]) -> f64 {

@@ -55,6 +55,8 @@ pub(crate) struct Piles<T: Float> {
     /// Colliding shapes and the rows of their bodies, in whole registers: filled up with the last one.
     shapes: Vec<u32>,
     carriers: Vec<u32>,
+    /// Whether any of them is a sensor.
+    senses: bool,
     /// Of colliding shapes that are meshes.
     meshes: Vec<Option<Arc<Triangles>>>,
     /// Of worlds that are not stepped just now.
@@ -76,6 +78,7 @@ impl<T: Float> Piles<T> {
             meshes: colliders.iter().map(mesh_of).collect(),
             carriers: shapes.iter().map(|i| colliders[*i].row).collect(),
             shapes: shapes.iter().map(|i| *i as u32).collect(),
+            senses: colliders.iter().any(|shape| shape.sensor),
             filter: settings.contacts.then(|| CollisionFilter::new(model)),
             narrow_phase: NarrowPhase::new(&impulse),
             workspaces: Mutex::default(),

@@ -2,54 +2,79 @@
 
 use super::colours::Colours;
 use super::team::{Parts, parts};
+use std::ops::Range;
 
 /// Into how many parts a stage is cut that takes as long as so many batches: a thread that waits for another loses the
 /// time of one or two.
 pub(super) fn pieces(batches: usize, team: usize) -> usize {
     if team == 1 || batches < FEW * team {
         1
-    } else if batches < MANY * team {
-        team
     } else {
-        PARTS * team
+        team
     }
 }
 
-/// Batches in parts, stage by stage: a colour each, and those that follow on each other and are not cut together.
-/// What has no colour is not cut, since it is solved in turn.
-pub(super) fn shares<B>(
-    mut batches: impl Iterator<Item = B>,
-    colours: &Colours,
+/// Batches in parts, stage by stage.
+#[derive(Debug)]
+pub(super) struct Cuts {
+    /// Of each colour, how many batches it has, and into how many parts they are cut. What has no colour is not cut,
+    /// since it is solved in turn.
+    colours: Vec<[usize; 2]>,
     team: usize,
-) -> Vec<Parts<Vec<B>>> {
-    let last = colours.colours.len().wrapping_sub(1);
-    let cuts = colours.colours.iter().enumerate().map(|(i, colour)| {
-        let in_turn = colours.uncoloured && i == last;
-        let pieces = if in_turn {
-            1
-        } else {
-            pieces(colour.len(), team)
+}
+
+impl Cuts {
+    /// Each colour for all of a team.
+    pub fn new(colours: &Colours, team: usize) -> Self {
+        let last = colours.colours.len().wrapping_sub(1);
+        let cut = |(i, colour): (usize, &Range<usize>)| {
+            let in_turn = colours.uncoloured && i == last;
+            let pieces = if in_turn {
+                1
+            } else {
+                pieces(colour.len(), team)
+            };
+            [colour.len(), pieces]
         };
-        (colour.len(), pieces)
-    });
-    let cuts = Vec::from_iter(cuts);
-    let stages = cuts.chunk_by(|(_, a), (_, b)| *a == 1 && *b == 1);
-    let of_stage = |stage: &[(usize, usize)]| {
-        let length: usize = stage.iter().map(|(length, _)| length).sum();
-        let (_, pieces) = stage[0];
-        let cut = |piece: usize| length * piece / pieces;
-        let sizes = (0..pieces).map(|piece| cut(piece + 1) - cut(piece));
-        parts(sizes.map(|size| batches.by_ref().take(size).collect()))
-    };
-    stages.map(of_stage).collect()
+        let colours = colours.colours.iter().enumerate().map(cut).collect();
+        Self { colours, team }
+    }
+
+    /// The sizes of the parts of each stage: of a colour, or of those that follow on each other and are not cut.
+    fn stages(&self) -> impl Iterator<Item = impl Iterator<Item = usize>> {
+        let stages = self.colours.chunk_by(|[_, a], [_, b]| *a == 1 && *b == 1);
+        stages.map(|stage| {
+            let length: usize = stage.iter().map(|[length, _]| length).sum();
+            let pieces = stage[0][1];
+            let cut = move |piece: usize| length * piece / pieces;
+            (0..pieces).map(move |piece| cut(piece + 1) - cut(piece))
+        })
+    }
+
+    /// Places of all batches in memory. There is a gap after each part: processors fetch what may follow before it is
+    /// asked for, and that is what another thread writes.
+    pub fn places(&self) -> impl Iterator<Item = usize> {
+        let mut end = 0;
+        let gap = usize::from(self.team > 1);
+        let parts = self.stages().flatten();
+        parts.flat_map(move |size| {
+            let begin = end;
+            end += size + gap;
+            begin..begin + size
+        })
+    }
+
+    /// The batches themselves.
+    pub fn share<B>(&self, mut batches: impl Iterator<Item = B>) -> Vec<Parts<Vec<B>>> {
+        let mut take = |size| batches.by_ref().take(size).collect();
+        self.stages()
+            .map(|sizes| parts(sizes.map(&mut take)))
+            .collect()
+    }
 }
 
 /// With fewer batches for each thread, one does them all.
 const FEW: usize = 2;
-/// With more, each has several parts, which others can take over.
-const MANY: usize = 16;
-/// So many then.
-const PARTS: usize = 2;
 
 #[cfg(test)]
 mod tests {
@@ -67,8 +92,14 @@ mod tests {
         assert!(colours.uncoloured);
         let count = colours.batches.len();
         for team in 1..5 {
-            let stages = shares(0..count, &colours, team);
+            let cuts = Cuts::new(&colours, team);
+            let stages = cuts.share(0..count);
             let parts = Vec::from_iter(stages.iter().map(Vec::len));
+            let places = Vec::from_iter(cuts.places());
+            let gaps = places.windows(2).filter(|pair| pair[1] == pair[0] + 2);
+            let without = places.windows(2).filter(|pair| pair[1] == pair[0] + 1);
+            assert_eq!(gaps.clone().count() + without.count() + 1, count);
+            assert_eq!(gaps.count(), parts.iter().sum::<usize>() - 1);
             let expected: &[usize] = if team == 1 { &[1] } else { &[team, team, 1] };
             assert_eq!(parts, expected);
             let done = Mutex::new(Vec::new());

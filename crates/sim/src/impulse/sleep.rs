@@ -10,6 +10,7 @@
 use super::islands::Islands;
 use super::world::{Workspace, World};
 use numbers::Float;
+use rayon::prelude::*;
 use rigid::impulse::pair::{placed, solid};
 use rigid::impulse::{Cached, NEARBY, SLEEP_AFTER, WORLD, mass, state};
 
@@ -61,12 +62,13 @@ impl<T: Float> Sleep<T> {
         refill(&mut self.asleep, bodies, false);
         refill(&mut self.rest, bodies, 0.0);
     }
-    /// Takes over how long a body has been slow, and whether it sleeps.
-    pub fn load(&mut self, body: usize, rest: T, wrench: &[T; 6]) {
-        if *wrench == [T::zero(); 6] {
-            self.rest[body] = rest.to_f64();
-            self.asleep[body] = self.rest[body] >= SLEEP_AFTER;
-        }
+    /// Of each body whether it sleeps, and for how long [s] it has been slow; a thread takes so many as a part at a time.
+    pub fn bodies(
+        &mut self,
+        part: usize,
+    ) -> impl IndexedParallelIterator<Item = (&mut bool, &mut f64)> {
+        let asleep = self.asleep.par_iter_mut().with_min_len(part);
+        asleep.zip(&mut self.rest)
     }
     /// Wakes two bodies.
     pub fn wake(&mut self, rows: [u32; 2]) {

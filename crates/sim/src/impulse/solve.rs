@@ -3,7 +3,7 @@
 use super::batches::Batch;
 use super::jobs::{Bodies, BodyRows, BodyStage, ContactStage, Contacts};
 use super::joints::{JointBatch, JointStage, Joints};
-use super::shares::{pieces, shares};
+use super::shares::{Cuts, pieces};
 use super::team::{Member, Parts, parts, together};
 use super::world::Workspace;
 use crate::jobs::Lane;
@@ -14,6 +14,7 @@ use std::slice;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// How to solve the contacts and joints of a step.
+#[derive(Clone, Copy)]
 pub(super) struct Solver<'a, T> {
     pub impulse: &'a Impulse,
     pub parameters: &'a [T],
@@ -29,6 +30,7 @@ pub(super) struct Solver<'a, T> {
 }
 
 /// What all threads read.
+#[derive(Clone, Copy)]
 struct Scene<'a, T: Float> {
     rows: &'a BodyRows<T>,
     masses: &'a [T],
@@ -36,6 +38,12 @@ struct Scene<'a, T: Float> {
     joints: &'a [u32],
     state: State<'a, T>,
     inertia: bool,
+    found: &'a Found,
+}
+
+/// What threads find out for all, in lines of the cache of its own.
+#[repr(align(128))]
+struct Found {
     /// Whether any contact can bounce.
     bounces: AtomicBool,
     /// Whether any of those could be struck in this step.
@@ -64,18 +72,21 @@ const WORTH_SHARING: usize = 128;
 const BODIES: usize = 4;
 
 impl<T: Float> Solver<'_, T> {
-    /// Solves the contacts and joints of a workspace, and moves its bodies.
+    /// Solves the contacts and joints of a workspace, which have their colours, and moves its bodies.
     pub fn run(&self, state: &[T], w: &mut Workspace<T>) {
-        let row = |s: u32| self.impulse.shapes()[s as usize].row;
-        w.ends.clear();
-        let ends = w.contacts.iter().map(|c| (c.shapes.map(row), c.count));
-        w.ends.extend(ends);
-        w.colours.paint(&w.ends, self.impulse.rows(), self.width);
-        w.lanes.make_room(w.colours.batches.len(), self.width);
-        w.joint_colours
-            .paint(&w.joint_ends, self.impulse.rows(), self.width);
+        let all = w.colours.batches.len() + w.joint_colours.batches.len();
+        let worth = all * self.width / WORTH_SHARING;
+        let team = self.team.min(worth).max(1);
+        let cuts = Cuts::new(&w.colours, team);
+        let joint_cuts = Cuts::new(&w.joint_colours, team);
+        w.lanes.make_room(cuts.places(), self.width);
         w.joint_lanes
             .make_room(w.joint_colours.batches.len(), self.width);
+        let found = Found {
+            bounces: AtomicBool::new(false),
+            meets: AtomicBool::new(false),
+            struck: flags(self.small_steps * ROUNDS),
+        };
         let scene = Scene {
             rows: &w.rows,
             masses: self.impulse.masses(self.parameters),
@@ -87,23 +98,26 @@ impl<T: Float> Solver<'_, T> {
                 parameters: self.parameters,
             },
             inertia: !w.joint_ends.is_empty() && self.impulse.has_inertia(self.parameters),
-            bounces: AtomicBool::new(false),
-            meets: AtomicBool::new(false),
-            struck: flags(self.small_steps * ROUNDS),
+            found: &found,
         };
         let members = (0..w.colours.batches.len()).map(|batch| w.colours.batch(batch));
         let batches = w.lanes.batches(members, self.width);
         let joint_members = (0..w.joint_colours.batches.len()).map(|b| w.joint_colours.batch(b));
         let joint_batches = w.joint_lanes.batches(joint_members, self.width);
-        let all = w.colours.batches.len() + w.joint_colours.batches.len();
-        let worth = all * self.width / WORTH_SHARING;
-        let team = self.team.min(worth).max(1);
         let shares = Shares {
-            colours: shares(batches, &w.colours, team),
-            joints: shares(joint_batches, &w.joint_colours, team),
+            colours: cuts.share(batches),
+            joints: joint_cuts.share(joint_batches),
             bodies: self.share_bodies(&w.awake, team),
         };
-        together(team, |member| self.work(&scene, &shares, member));
+        together(team, |member| {
+            // Copies of its own: next to these, another thread writes what it works with.
+            let globals = *self.globals;
+            let own = Solver {
+                globals: &globals,
+                ..*self
+            };
+            own.work(&{ scene }, &shares, member);
+        });
     }
 
     /// Bodies in parts.
@@ -120,7 +134,7 @@ impl<T: Float> Solver<'_, T> {
                 for batch in batches.iter_mut() {
                     batch.fill(self.impulse, self.parameters, scene.contacts);
                     if batch.bounces {
-                        scene.bounces.store(true, Ordering::Relaxed);
+                        scene.found.bounces.store(true, Ordering::Relaxed);
                     }
                 }
                 self.contacts(scene, batches, ContactStage::Prepare);
@@ -161,7 +175,7 @@ impl<T: Float> Solver<'_, T> {
                 contacts(&mut member, ContactStage::WarmStart);
                 joints(&mut member, JointStage::WarmStart);
             }
-            if scene.meets.load(Ordering::Relaxed) {
+            if scene.found.meets.load(Ordering::Relaxed) {
                 bodies(&mut member, BodyStage::Part);
                 self.blows(scene, shares, &mut member, step);
                 bodies(&mut member, BodyStage::Part);
@@ -177,7 +191,7 @@ impl<T: Float> Solver<'_, T> {
 
     /// Which contacts may be struck in this step, if any can bounce.
     fn foresee(&self, scene: &Scene<'_, T>, shares: &Shares<'_, T>, member: &mut Member<'_>) {
-        if !scene.bounces.load(Ordering::Relaxed) {
+        if !scene.found.bounces.load(Ordering::Relaxed) {
             return;
         }
         for colour in &shares.colours {
@@ -186,7 +200,7 @@ impl<T: Float> Solver<'_, T> {
                     self.contacts(scene, slice::from_mut(batch), ContactStage::Foresee);
                     batch.meets = batch.is_struck();
                     if batch.meets {
-                        scene.meets.store(true, Ordering::Relaxed);
+                        scene.found.meets.store(true, Ordering::Relaxed);
                     }
                 }
             });
@@ -202,7 +216,7 @@ impl<T: Float> Solver<'_, T> {
         step: usize,
     ) {
         for round in 0..ROUNDS {
-            let struck = &scene.struck[step * ROUNDS + round];
+            let struck = &scene.found.struck[step * ROUNDS + round];
             for colour in &shares.colours {
                 member.stage(colour, |batches| {
                     let takes =

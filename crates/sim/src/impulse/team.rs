@@ -5,26 +5,27 @@
 //! when all its parts are done, whoever did them: on a busy machine, a thread that does not get its
 //! turn costs the others nothing but its help.
 //!
-//! Stages take microseconds, and a line of memory goes from core to core and back in a tenth of one at best. So no number
-//! is written by all: what a part tells the others lies in a line of its own.
+//! Stages take microseconds, and a line of memory goes from core to core and back in a tenth of one, or in half of one
+//! where they are far apart. So no number is written by all, and what the others wait for lies in a line of its own: how
+//! far each thread is, which it writes once in a stage. What guards a part is touched by others only to take it over.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, TryLockError};
 
+/// What lies in lines of the cache of its own.
+#[derive(Debug, Default)]
+#[repr(align(128))]
+struct Line<T>(T);
+
 /// A part of a stage's work.
 #[derive(Debug)]
-#[repr(align(128))]
-pub(super) struct Part<S> {
-    /// The last stage in which it was done; the first is 1.
-    done: AtomicUsize,
-    work: Mutex<S>,
-}
+pub(super) struct Part<S>(Line<Mutex<Work<S>>>);
 
-impl<S> Part<S> {
-    /// Whether it is done in a stage; what was written there can be read then.
-    fn is_done(&self, stage: usize) -> bool {
-        self.done.load(Ordering::Acquire) >= stage
-    }
+#[derive(Debug)]
+struct Work<S> {
+    /// The last stage in which it was done; the first is 1.
+    done: usize,
+    work: S,
 }
 
 /// Parts that one thread does at a time.
@@ -32,20 +33,25 @@ pub(super) type Parts<S> = Vec<Part<S>>;
 
 /// What is still to be done, in parts.
 pub(super) fn parts<S>(work: impl Iterator<Item = S>) -> Parts<S> {
-    work.map(|work| Part {
-        done: AtomicUsize::new(0),
-        work: Mutex::new(work),
-    })
-    .collect()
+    let part = |work| Part(Line(Mutex::new(Work { done: 0, work })));
+    work.map(part).collect()
+}
+
+/// What the threads of a team tell each other.
+#[derive(Debug)]
+struct Team {
+    /// Of each member, the last stage of which its own parts are done, by whomever; or an earlier one.
+    reached: Vec<Line<AtomicUsize>>,
+    /// A part will never be done.
+    broken: Line<AtomicBool>,
 }
 
 /// One thread of a team.
 #[derive(Debug)]
 pub(super) struct Member<'a> {
-    /// A part will never be done.
+    reached: &'a [Line<AtomicUsize>],
     broken: &'a AtomicBool,
     number: usize,
-    members: usize,
     stage: usize,
 }
 
@@ -61,33 +67,37 @@ impl Member<'_> {
     /// If another thread has.
     pub fn stage<S>(&mut self, parts: &[Part<S>], work: impl Fn(&mut S)) {
         self.stage += 1;
-        let cut = |member: usize| parts.len() * member / self.members;
-        for part in &parts[cut(self.number)..cut(self.number + 1)] {
-            self.attempt(part, &work);
-        }
-        if self.wait(parts, PATIENCE) {
+        self.settle(self.number, parts, &work);
+        if self.wait(PATIENCE) {
             return;
         }
         loop {
-            for part in parts {
-                self.attempt(part, &work);
+            for member in 0..self.reached.len() {
+                if !self.has_reached(member) {
+                    self.settle(member, parts, &work);
+                }
             }
-            if self.wait(parts, MORE_PATIENCE) {
+            if self.wait(MORE_PATIENCE) {
                 return;
             }
             std::thread::yield_now();
         }
     }
 
+    /// Whether all parts of a member are done; what was written there can be read then.
+    fn has_reached(&self, member: usize) -> bool {
+        self.reached[member].0.load(Ordering::Acquire) >= self.stage
+    }
+
     /// Whether the stage is over, after so many turns at most.
-    fn wait<S>(&self, mut parts: &[Part<S>], turns: usize) -> bool {
+    fn wait(&self, turns: usize) -> bool {
+        let members = self.reached.len();
+        let mut member = 0;
         for _ in 0..turns {
-            while let [first, rest @ ..] = parts
-                && first.is_done(self.stage)
-            {
-                parts = rest;
+            while member < members && self.has_reached(member) {
+                member += 1;
             }
-            if parts.is_empty() {
+            if member == members {
                 return true;
             }
             std::hint::spin_loop();
@@ -97,22 +107,32 @@ impl Member<'_> {
         false
     }
 
-    /// Does a part, unless another thread has begun it.
-    fn attempt<S>(&self, part: &Part<S>, work: impl Fn(&mut S)) {
-        if part.is_done(self.stage) {
-            return;
+    /// Does the parts of a member that nobody has begun, and tells when none is left.
+    fn settle<S>(&self, member: usize, parts: &[Part<S>], work: impl Fn(&mut S)) {
+        let cut = |member: usize| parts.len() * member / self.reached.len();
+        let mut done = true;
+        for part in &parts[cut(member)..cut(member + 1)] {
+            done &= self.attempt(part, &work);
         }
-        let mut own = match part.work.try_lock() {
+        if done {
+            // A member who is late may tell of an earlier stage once more: then others find out for themselves.
+            self.reached[member].0.store(self.stage, Ordering::Release);
+        }
+    }
+
+    /// Does a part, unless it is done; whether it is, and not in another thread's hands.
+    fn attempt<S>(&self, part: &Part<S>, work: impl Fn(&mut S)) -> bool {
+        let mut own = match part.0.0.try_lock() {
             Ok(own) => own,
-            Err(TryLockError::WouldBlock) => return,
+            Err(TryLockError::WouldBlock) => return false,
             Err(TryLockError::Poisoned(_)) => panic!("a thread of the team has panicked"),
         };
-        // Another may have done it in between.
-        if !part.is_done(self.stage) {
+        if own.done < self.stage {
             let _guard = Guard(self.broken);
-            work(&mut own);
-            part.done.store(self.stage, Ordering::Release);
+            work(&mut own.work);
+            own.done = self.stage;
         }
+        true
     }
 }
 
@@ -130,11 +150,15 @@ impl Drop for Guard<'_> {
 /// Runs `work` on so many threads of the current pool. All must go through the same stages; none
 /// waits for one that has not begun.
 pub(super) fn together(members: usize, work: impl Fn(Member<'_>) + Sync) {
-    let broken = AtomicBool::new(false);
+    let team = Team {
+        reached: (0..members).map(|_| Line::default()).collect(),
+        broken: Line(AtomicBool::new(false)),
+    };
+    let team = &team;
     let member = |number| Member {
-        broken: &broken,
+        reached: &team.reached,
+        broken: &team.broken.0,
         number,
-        members,
         stage: 0,
     };
     rayon::scope(|scope| {

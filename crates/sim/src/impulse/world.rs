@@ -15,7 +15,8 @@ use numbers::Float;
 use rayon::prelude::*;
 use rigid::impulse::pair::{Placed, placed};
 use rigid::impulse::{
-    Cached, FARTHEST, FREE_TURN, HELD_TURN, Impulse, REMEMBERED, State, WORLD, global, row, state,
+    Cached, FARTHEST, FREE_TURN, HELD_TURN, Impulse, REMEMBERED, SLEEP_AFTER, State, WORLD, global,
+    row, state,
 };
 
 /// What a step needs besides the world's state; nothing in it outlives a step but its memory.
@@ -180,6 +181,7 @@ impl<T: Float> World<'_, T> {
             globals: &globals,
         };
         self.take_joints(w);
+        self.colour(state, w);
         solver.run(state, w);
         self.read_impulses(w);
         self.bodies(w, &globals, BodyStage::Finish);
@@ -212,6 +214,22 @@ impl<T: Float> World<'_, T> {
             w.joints.push(tie as u32);
             w.joint_ends.push((rows, 0));
         }
+    }
+
+    /// Gives contacts and joints their colours, and contacts the impulses that they had before.
+    fn colour(&self, state: &[T], w: &mut Workspace<T>) {
+        let (rows, width) = (self.impulse().rows(), self.width());
+        w.ends.clear();
+        let ends = w.contacts.iter().map(|c| (self.rows_of(c), c.count));
+        w.ends.extend(ends);
+        let (contacts, colours, joints) = (&mut w.contacts, &mut w.colours, &mut w.joint_colours);
+        let paint = || {
+            colours.paint(&w.ends, rows, width);
+            joints.paint(&w.joint_ends, rows, width);
+        };
+        let recall = || self.recall(state, contacts);
+        // One thread gives colours, since each depends on those before, while others recall.
+        rayon::join(paint, recall);
     }
 
     fn keep_joints(&self, state: &mut [T], w: &Workspace<T>) {
@@ -295,20 +313,18 @@ impl<T: Float> World<'_, T> {
         w.rows.resize(impulse.rows());
         w.rows.store(0, row::ORIENTATION + 3, T::one());
         w.sleep.clear(impulse.rows());
-        let from = |body: usize| &state[impulse.body_state(body)..][..state::WIDTH];
-        for body in 1..impulse.rows() {
-            let rest = from(body)[state::REST];
-            w.sleep.load(body, rest, &w.wrenches[body]);
-        }
-        let (rows, wrenches, asleep) = (&w.rows, &w.wrenches, &w.sleep.asleep);
-        let bodies = (1..impulse.rows()).into_par_iter();
-        let part = self.part(impulse.rows());
-        bodies.with_min_len(part).for_each(|body| {
-            let from = from(body);
+        let (rows, wrenches, part) = (&w.rows, &w.wrenches, self.part(impulse.rows()));
+        let bodies = w.sleep.bodies(part).enumerate().skip(1);
+        bodies.for_each(|(body, (asleep, rest))| {
+            let from = &state[impulse.body_state(body)..][..state::WIDTH];
             rows.write(body, row::CENTER, &from[state::CENTER..][..7]);
             rows.write(body, row::VELOCITY, &from[state::VELOCITY..][..6]);
             rows.write(body, row::WRENCH, &wrenches[body]);
-            if asleep[body] {
+            if wrenches[body] == [T::zero(); 6] {
+                *rest = from[state::REST].to_f64();
+                *asleep = *rest >= SLEEP_AFTER;
+            }
+            if *asleep {
                 rows.write(body, row::ACCELERATION, &[T::zero(); 6]);
             }
         });
@@ -362,7 +378,7 @@ impl<T: Float> World<'_, T> {
         });
     }
 
-    /// The contacts of all that is awake, with the impulses that they had before.
+    /// The contacts of all that is awake.
     fn find_contacts(
         &self,
         state: &[T],
@@ -387,7 +403,6 @@ impl<T: Float> World<'_, T> {
             self.narrow_phase(state, w);
         }
         self.drop_sleepers(w);
-        self.recall(state, &mut w.contacts);
         Ok(())
     }
 
@@ -426,6 +441,9 @@ impl<T: Float> World<'_, T> {
             broad_phase.are_apart(pair, gap);
         }
         w.sensed.clear();
+        if !self.piles.senses {
+            return;
+        }
         let sensed = w.found.extract_if(.., |contact| self.is_sensed(contact));
         w.sensed.extend(sensed);
     }
@@ -463,18 +481,25 @@ impl<T: Float> World<'_, T> {
     }
 
     fn store(&self, state: &mut [T], w: &Workspace<T>) {
-        for &body in w.awake.iter().filter(|body| **body != WORLD) {
-            let to = &mut state[self.impulse().body_state(body as usize)..][..state::WIDTH];
+        let (rows, asleep) = (&w.rows, &w.sleep.asleep);
+        let all = &mut state[self.impulse().body_state(0)..][..asleep.len() * state::WIDTH];
+        let bodies = all.par_chunks_exact_mut(state::WIDTH).zip(asleep);
+        let bodies = bodies.with_min_len(self.part(asleep.len()));
+        let bodies = bodies.enumerate().skip(1);
+        bodies.for_each(|(body, (to, asleep))| {
+            if *asleep {
+                return;
+            }
             if self.first {
                 to.copy_within(state::VELOCITY..state::VELOCITY + 6, state::BEFORE);
             }
             for (i, x) in to[state::CENTER..][..7].iter_mut().enumerate() {
-                *x = w.rows.load(body as usize, row::CENTER + i);
+                *x = rows.load(body, row::CENTER + i);
             }
             for (i, x) in to[state::VELOCITY..][..6].iter_mut().enumerate() {
-                *x = w.rows.load(body as usize, row::VELOCITY + i);
+                *x = rows.load(body, row::VELOCITY + i);
             }
-        }
+        });
     }
 }
 
