@@ -1,4 +1,4 @@
-/** A browser, and a page in it for each test; pictures of the ends go to e2e/out. */
+/** A browser, and a page in it for each test; pictures of how tests ended go to e2e/out. */
 
 import { writeFileSync } from "node:fs";
 import type { Browser, BrowserContextOptions, Page } from "playwright-core";
@@ -6,6 +6,8 @@ import { afterAll, afterEach, beforeAll, beforeEach, expect } from "vitest";
 import { launch } from "./browser.mjs";
 
 export const ADDRESS = process.env.KINETARIUM_PAGE ?? "";
+/** Whether all tests leave one, not just those that fail. */
+const PICTURES = process.env.KINETARIUM_PICTURES === "1";
 export const OUT = new URL("out/", import.meta.url).pathname;
 
 export let browser: Browser;
@@ -24,6 +26,8 @@ export function pages(options: BrowserContextOptions = {}, flags: string[] = [])
     const context = await browser.newContext({
       viewport: { width: 1400, height: 860 },
       acceptDownloads: true,
+      // What is drawn is drawn by a program: a quarter of the points is enough.
+      deviceScaleFactor: 0.5,
       ...options,
     });
     page = await context.newPage();
@@ -31,7 +35,8 @@ export function pages(options: BrowserContextOptions = {}, flags: string[] = [])
     page.on("pageerror", (error) => broken.push(String(error.stack)));
   });
   afterEach(async ({ task }) => {
-    await page.screenshot({ path: `${OUT}${task.name.replace(/\W+/g, "_")}.png` });
+    if (PICTURES || task.result?.state === "fail")
+      await page.screenshot({ path: `${OUT}${task.name.replace(/\W+/g, "_")}.png` });
     await page.context().close();
     expect(broken, "errors of the page").toEqual([]);
   });

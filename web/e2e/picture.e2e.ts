@@ -5,7 +5,7 @@ import { expect, test } from "vitest";
 import { ADDRESS, broken, drop, middle, OUT, open, page, pages, step } from "./harness";
 
 // Small, since a processor draws it.
-pages({ viewport: { width: 1120, height: 640 } });
+pages({ viewport: { width: 1120, height: 640 }, deviceScaleFactor: 1 });
 
 const notice = () => page.locator(".notice");
 const stage = () => page.locator(".stage");

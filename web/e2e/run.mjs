@@ -2,7 +2,7 @@
  * `npm run e2e -- --url URL`: tests the page that is served at an address, with the engine behind it.
  *
  * `--engine` instead serves web/dist itself, with the engine named: the path of an `engine.wasm`, or the
- * address of an engine's server. Pictures go to e2e/out.
+ * address of an engine's server. Pictures of tests that fail go to e2e/out, with KINETARIUM_PICTURES=1 of all.
  */
 
 import { mkdirSync } from "node:fs";
