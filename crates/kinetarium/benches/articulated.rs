@@ -6,8 +6,11 @@
 //! with contacts, it is as long as a robot takes to fall and lie, and driven by random controls. Only
 //! the stepping is timed.
 
+mod ground;
+
 use fastrand::Rng;
 use glam::DVec3;
+use ground::on_the_ground;
 use kinetarium::prelude::*;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -122,11 +125,7 @@ fn load(case: &Case) -> Outcome<Model> {
     if case.contacts != Contacts::Ground {
         return Ok(model);
     }
-    let mut parts = model.into_parts();
-    for shape in parts.shapes.iter_mut().filter(|s| s.body.is_some()) {
-        (shape.membership, shape.collides_with) = (2, 1);
-    }
-    Ok(Model::new(parts)?)
+    Ok(on_the_ground(model)?)
 }
 
 fn simulation(

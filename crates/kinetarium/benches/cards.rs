@@ -4,6 +4,9 @@
 //! CUDA): `cards [--device gpu|gpu:NAME|cuda|cuda:NUMBER] [--worlds COUNT,COUNT…] [--only SCENES]`.
 //! Without a name any card is taken, but no program that stands in for one; of scenes those whose names begin so.
 
+mod ground;
+
+use ground::on_the_ground;
 use kinetarium::DeviceChoice;
 use kinetarium::formats::{self, InMemory, Options};
 use kinetarium::model::examples::{Start, bowl, chain, towers};
@@ -55,7 +58,11 @@ fn main() -> Result<(), Box<dyn Error>> {
             damped(&chain(30, Start::Horizontal)?)?,
             0.002,
         ),
-        ("humanoid on the ground", on_the_ground(&humanoid)?, 0.003),
+        (
+            "humanoid on the ground",
+            on_the_ground(humanoid.clone())?,
+            0.003,
+        ),
         ("humanoid, all contacts", humanoid, 0.003),
     ];
     for (name, model, time_step) in scenes {
@@ -135,15 +142,6 @@ fn damped(model: &Model) -> Result<Model, ModelError> {
     let mut parts = model.clone().into_parts();
     let dofs = parts.joints.iter_mut().flat_map(|joint| &mut joint.dofs);
     dofs.for_each(|dof| dof.damping = 0.2);
-    Model::new(parts)
-}
-
-/// The same, of which nothing touches but the ground.
-fn on_the_ground(model: &Model) -> Result<Model, ModelError> {
-    let mut parts = model.clone().into_parts();
-    for shape in parts.shapes.iter_mut().filter(|s| s.body.is_some()) {
-        (shape.membership, shape.collides_with) = (2, 1);
-    }
     Model::new(parts)
 }
 

@@ -6,6 +6,8 @@ mod colours;
 #[path = "../src/impulse/odometers.rs"]
 #[expect(dead_code, reason = "only its geometry is tested here")]
 mod odometers;
+#[path = "../src/impulse/pace.rs"]
+mod pace;
 #[path = "../src/impulse/shares.rs"]
 mod shares;
 #[path = "../src/impulse/team.rs"]

@@ -14,6 +14,7 @@ mod joints;
 mod mid_phase;
 mod narrow_phase;
 mod odometers;
+mod pace;
 mod shares;
 mod sleep;
 mod solve;
@@ -32,10 +33,12 @@ use mid_phase::MidPhase;
 use model::{CollisionFilter, Model, ShapeId};
 use narrow_phase::NarrowPhase;
 use numbers::Float;
+use pace::Pace;
 use rigid::impulse::{Collider, Impulse, State};
 use rigid::{Lengths, OutputTables, SolverError};
 use std::any::Any;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::Instant;
 use team::attended;
 use world::{Workspace, World};
 
@@ -44,6 +47,7 @@ use world::{Workspace, World};
 struct Kept {
     broad_phase: BroadPhase,
     mid_phase: MidPhase,
+    pace: Pace,
 }
 
 /// A model at a precision.
@@ -115,7 +119,15 @@ impl<T: Float> Piles<T> {
                 if block.state[self.impulse.alive()] == T::zero() {
                     break;
                 }
-                world.step(block.state, &mut workspace);
+                if team == 1 {
+                    world.step(block.state, &mut workspace);
+                    continue;
+                }
+                let team = workspace.kept.pace.team(team);
+                let begin = Instant::now();
+                World { team, ..world }.step(block.state, &mut workspace);
+                let seconds = begin.elapsed().as_secs_f64();
+                workspace.kept.pace.took(seconds, world.team);
             }
         };
         if team > 1 {
@@ -176,7 +188,11 @@ impl<T: Float> Engine<T> for Piles<T> {
         self.impulse.take_over(bodies, state);
     }
     fn forget(&self, world: usize) {
-        *self.kept_of(world) = Kept::default();
+        let mut kept = self.kept_of(world);
+        *kept = Kept {
+            pace: std::mem::take(&mut kept.pace),
+            ..Kept::default()
+        };
     }
     fn run(&self, lane: Lane, team: usize, mut block: Block<'_, T>, task: Task) {
         match task {

@@ -223,13 +223,18 @@ impl<T: Float> World<'_, T> {
         let ends = w.contacts.iter().map(|c| (self.rows_of(c), c.count));
         w.ends.extend(ends);
         let (contacts, colours, joints) = (&mut w.contacts, &mut w.colours, &mut w.joint_colours);
-        let paint = || {
+        let mut paint = || {
             colours.paint(&w.ends, rows, width);
             joints.paint(&w.joint_ends, rows, width);
         };
-        let recall = || self.recall(state, contacts);
-        // One thread gives colours, since each depends on those before, while others recall.
-        rayon::join(paint, recall);
+        let mut recall = || self.recall(state, contacts);
+        if self.team == 1 {
+            paint();
+            recall();
+        } else {
+            // One thread gives colours, since each depends on those before, while others recall.
+            rayon::join(paint, recall);
+        }
     }
 
     fn keep_joints(&self, state: &mut [T], w: &Workspace<T>) {
@@ -423,6 +428,7 @@ impl<T: Float> World<'_, T> {
         let Kept {
             broad_phase,
             mid_phase,
+            ..
         } = &mut w.kept;
         let scene = Scene {
             impulse: self.impulse(),
