@@ -6,7 +6,7 @@ import { afterAll, afterEach, beforeAll, beforeEach, expect } from "vitest";
 import { launch } from "./browser.mjs";
 
 export const ADDRESS = process.env.KINETARIUM_PAGE ?? "";
-/** Whether all tests leave one, not just those that fail. */
+/** Whether all tests leave a picture, not just those that fail. */
 const PICTURES = process.env.KINETARIUM_PICTURES === "1";
 export const OUT = new URL("out/", import.meta.url).pathname;
 

@@ -119,6 +119,7 @@ impl<T: Float> Piles<T> {
                 if block.state[self.impulse.alive()] == T::zero() {
                     break;
                 }
+                // A browser, which has no other threads, has no such clock either.
                 if team == 1 {
                     world.step(block.state, &mut workspace);
                     continue;

@@ -77,10 +77,9 @@ impl Pace {
 
     /// What to try next: half as many, or twice, whichever there can be.
     fn choose(&mut self, threads: usize) {
-        let (least, most) = (0, threads.ilog2());
-        let fewer = (self.fewer || self.halved == least) && self.halved < most;
-        self.fewer = fewer;
-        self.tried = if fewer {
+        let can_be_fewer = self.halved < threads.ilog2();
+        self.fewer = can_be_fewer && (self.fewer || self.halved == 0);
+        self.tried = if self.fewer {
             self.halved + 1
         } else {
             self.halved.saturating_sub(1)

@@ -15,13 +15,11 @@ pub(super) fn pieces(batches: usize, team: usize) -> usize {
 }
 
 /// Batches in parts, stage by stage.
+///
+/// Of each colour, how many batches it has, and into how many parts they are cut. What has no colour is not cut, since
+/// it is solved in turn.
 #[derive(Debug)]
-pub(super) struct Cuts {
-    /// Of each colour, how many batches it has, and into how many parts they are cut. What has no colour is not cut,
-    /// since it is solved in turn.
-    colours: Vec<[usize; 2]>,
-    team: usize,
-}
+pub(super) struct Cuts(Vec<[usize; 2]>);
 
 impl Cuts {
     /// Each colour for all of a team.
@@ -36,13 +34,12 @@ impl Cuts {
             };
             [colour.len(), pieces]
         };
-        let colours = colours.colours.iter().enumerate().map(cut).collect();
-        Self { colours, team }
+        Self(colours.colours.iter().enumerate().map(cut).collect())
     }
 
     /// The sizes of the parts of each stage: of a colour, or of those that follow on each other and are not cut.
     fn stages(&self) -> impl Iterator<Item = impl Iterator<Item = usize>> {
-        let stages = self.colours.chunk_by(|[_, a], [_, b]| *a == 1 && *b == 1);
+        let stages = self.0.chunk_by(|[_, a], [_, b]| *a == 1 && *b == 1);
         stages.map(|stage| {
             let length: usize = stage.iter().map(|[length, _]| length).sum();
             let pieces = stage[0][1];
@@ -55,11 +52,10 @@ impl Cuts {
     /// asked for, and that is what another thread writes.
     pub fn places(&self) -> impl Iterator<Item = usize> {
         let mut end = 0;
-        let gap = usize::from(self.team > 1);
         let parts = self.stages().flatten();
         parts.flat_map(move |size| {
             let begin = end;
-            end += size + gap;
+            end += size + 1;
             begin..begin + size
         })
     }

@@ -37,19 +37,12 @@ pub(super) fn parts<S>(work: impl Iterator<Item = S>) -> Parts<S> {
     work.map(part).collect()
 }
 
-/// What the threads of a team tell each other.
-#[derive(Debug)]
-struct Team {
-    /// Of each member, the last stage of which its own parts are done, by whomever; or an earlier one.
-    reached: Vec<Line<AtomicUsize>>,
-    /// A part will never be done.
-    broken: Line<AtomicBool>,
-}
-
 /// One thread of a team.
 #[derive(Debug)]
 pub(super) struct Member<'a> {
+    /// Of each member, the last stage of which its own parts are done, by whomever; or an earlier one.
     reached: &'a [Line<AtomicUsize>],
+    /// A part will never be done.
     broken: &'a AtomicBool,
     number: usize,
     stage: usize,
@@ -150,14 +143,11 @@ impl Drop for Guard<'_> {
 /// Runs `work` on so many threads of the current pool. All must go through the same stages; none
 /// waits for one that has not begun.
 pub(super) fn together(members: usize, work: impl Fn(Member<'_>) + Sync) {
-    let team = Team {
-        reached: (0..members).map(|_| Line::default()).collect(),
-        broken: Line(AtomicBool::new(false)),
-    };
-    let team = &team;
+    let reached: Vec<_> = (0..members).map(|_| Line::default()).collect();
+    let broken = Line(AtomicBool::new(false));
     let member = |number| Member {
-        reached: &team.reached,
-        broken: &team.broken.0,
+        reached: &reached,
+        broken: &broken.0,
         number,
         stage: 0,
     };

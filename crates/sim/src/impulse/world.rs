@@ -325,6 +325,7 @@ impl<T: Float> World<'_, T> {
             rows.write(body, row::CENTER, &from[state::CENTER..][..7]);
             rows.write(body, row::VELOCITY, &from[state::VELOCITY..][..6]);
             rows.write(body, row::WRENCH, &wrenches[body]);
+            // What is pushed does not sleep.
             if wrenches[body] == [T::zero(); 6] {
                 *rest = from[state::REST].to_f64();
                 *asleep = *rest >= SLEEP_AFTER;
