@@ -84,24 +84,24 @@ impl Staging {
         }
         Ok(())
     }
-    /// Submits what was asked of the card before, waits for it, and reads a range of a buffer's numbers.
+    /// Submits what was asked of the card before, waits for it, and reads ranges of a buffer's numbers.
     pub fn fetch(
         &mut self,
         gpu: &Gpu,
         mut encoder: wgpu::CommandEncoder,
         buffer: &wgpu::Buffer,
-        range: Range<usize>,
+        ranges: &[Range<usize>],
         read: impl FnOnce(&[f32]),
     ) -> Result<(), GpuError> {
-        let numbers = range.len();
-        self.ask(gpu, &mut encoder, buffer, std::iter::once(range))?;
+        let numbers = ranges.iter().map(Range::len).sum();
+        self.ask(gpu, &mut encoder, buffer, ranges.iter().cloned())?;
         gpu.queue().submit([encoder.finish()]);
         let Some(mapping) = self.map() else {
             return Ok(());
         };
         gpu.wait()?;
         // What was asked for in an earlier, longer question lies behind it.
-        mapping.read(gpu, |all| read(&all[..numbers]))
+        mapping.read(gpu, |all: &[f32]| read(&all[..numbers]))
     }
     /// Begins to fetch what was asked for; to be called once the questions are submitted.
     pub fn map(&self) -> Option<Mapping<'_>> {

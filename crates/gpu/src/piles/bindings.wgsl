@@ -1,14 +1,24 @@
 // What lies between the kernels: numbers of bodies to shapes, pairs and contacts and back, which shapes are near each
 // other, which contact has which colour. Contacts stand in the order of their pairs of shapes, as on the processor.
 //
-// A step, or a part of one, is taken whole or not at all: `status[FLAG]` says why it was not, and nothing of the state is
-// written then.
+// Several worlds are stepped together. In each array they lie one after the other; of bodies, behind row 0, which does not
+// move and is in all of them. What one of them does, no other one knows.
+//
+// A step, or a part of one, is taken whole or not at all: `status[FLAG]` says why it was not in all of them, what a world
+// has under `STOPPED` why it was not there; then nothing of the state is written.
 
 struct Plan {
-    // How many there are; of bodies, row 0, which does not move, is one.
+    worlds: u32,
+    // How many there are in all of them; of bodies, row 0 is one.
     bodies: u32,
     shapes: u32,
     units: u32,
+    joints: u32,
+    // How many a world has, row 0 left out.
+    own_bodies: u32,
+    own_shapes: u32,
+    own_units: u32,
+    own_joints: u32,
     large: u32,
     forms: u32,
     groups: u32,
@@ -21,9 +31,9 @@ struct Plan {
     // Triangles near a solid.
     most_near: u32,
     contacts: u32,
+    // By each world.
     remembered: u32,
-    // How many joints there are, and numbers of the laws of each.
-    joints: u32,
+    // Runs of joints, and numbers of the laws of each joint.
     joint_runs: u32,
     law_numbers: u32,
     // Of a step.
@@ -33,16 +43,17 @@ struct Plan {
     colours: u32,
     pair_blocks: u32,
     contact_blocks: u32,
-    // Offsets in the state.
-    alive: u32,
+    // Numbers of a world's state, and offsets in it; the last of what joints carry.
+    state_numbers: u32,
     body_state: u32,
     count: u32,
     memory: u32,
     forgotten: u32,
-    // Of what joints carry; and behind the state of what acts on bodies, and of what the host gives joints.
     tied: u32,
+    // Behind all states, what acts on bodies, and what the host gives joints; of the latter so many numbers a world.
     forces: u32,
     given: u32,
+    given_numbers: u32,
     // Offsets in `words`.
     cells: u32,
     bucket_of: u32,
@@ -79,16 +90,18 @@ struct Plan {
     shape_surface: u32,
     first_corner: u32,
     ties: u32,
+    joint_seats: u32,
     joint_run: u32,
     paired_start: u32,
     paired_items: u32,
     mesh_of_shape: u32,
     mesh_group_rows: u32,
     mesh_cluster_rows: u32,
-    // Offsets in `constants`.
+    // Offsets in `constants`; of a world's own, of which there are so many, or none where all worlds share them.
     mesh_groups: u32,
     mesh_clusters: u32,
     mesh_triangles: u32,
+    own_constants: u32,
     grown: u32,
     solids: u32,
     corners: u32,
@@ -120,9 +133,11 @@ struct Plan {
 @group(0) @binding(15) var<storage, read_write> joints: array<f32>;
 @group(0) @binding(16) var<storage, read_write> mesh_parameters: array<f32>;
 @group(0) @binding(17) var<storage, read_write> mesh_scratch: array<f32>;
-@group(0) @binding(18) var<storage, read> constants: array<f32>;
-@group(0) @binding(19) var<storage, read> whole: array<u32>;
-@group(0) @binding(20) var<uniform> plan: Plan;
+// The bodies of joints that hand a blow on; of the others NONE.
+@group(0) @binding(18) var<storage, read_write> struck_seats: array<u32>;
+@group(0) @binding(19) var<storage, read> constants: array<f32>;
+@group(0) @binding(20) var<storage, read> whole: array<u32>;
+@group(0) @binding(21) var<uniform> plan: Plan;
 
 const NONE: u32 = 0xffffffffu;
 // What a plane has on all sides.
@@ -151,6 +166,40 @@ fn runs_on() -> bool {
 fn stop(flag: u32) {
     atomicOr(&status[FLAG], flag);
 }
+// Of what is told of a world, where a number stands.
+fn of_world(world: u32, i: u32) -> u32 {
+    return STATUS + world * OF_WORLD + i;
+}
+fn runs_in(world: u32) -> bool {
+    return runs_on() && told(of_world(world, STOPPED)) == 0u;
+}
+fn stop_in(world: u32, flag: u32) {
+    atomicOr(&status[of_world(world, STOPPED)], flag);
+}
+fn world_of_body(body: u32) -> u32 {
+    return (body - 1u) / plan.own_bodies;
+}
+fn world_of(shape: u32) -> u32 {
+    return shape / plan.own_shapes;
+}
+// The same shape in the first world.
+fn own(shape: u32) -> u32 {
+    return shape % plan.own_shapes;
+}
+// The body of a shape.
+fn carrier_of(shape: u32) -> u32 {
+    let body = whole[plan.carriers + own(shape)];
+    return select(0u, world_of(shape) * plan.own_bodies + body, body != 0u);
+}
+// Where the state of a body stands.
+fn state_of(body: u32) -> u32 {
+    let within = plan.body_state + ((body - 1u) % plan.own_bodies + 1u) * STATE;
+    return world_of_body(body) * plan.state_numbers + within;
+}
+// Of a shape, a number of which each world may have another.
+fn constant_of(shape: u32, at: u32, width: u32) -> f32 {
+    return constants[world_of(shape) * plan.own_constants + at + own(shape) * width];
+}
 fn pair_count() -> u32 {
     return min(told(PAIRS), plan.pairs);
 }
@@ -165,6 +214,15 @@ fn is_first() -> bool {
 fn told_count() -> u32 {
     return min(contact_count() + told(ENDED), plan.contacts);
 }
+// In their order, the place at which those of a world begin.
+fn first_place(world: u32) -> u32 {
+    var ended = 0u;
+    if (told(ENDED) != 0u) {
+        ended = word(plan.ended + world * plan.remembered);
+    }
+    let pair = min(word(plan.unit_start + world * plan.own_units), plan.pairs);
+    return min(word(plan.contact_start + pair) + ended, told_count());
+}
 // Contacts that are solved: all but those of sensors, which come last.
 fn solved_count() -> u32 {
     return runs[CONTACTS_RUN].y;
@@ -178,21 +236,22 @@ fn place_field(i: u32) -> u32 {
     return select(CENTER + i, ORIENTATION + i - 3u, i > 2u);
 }
 fn is_plane(shape: u32) -> bool {
-    return (whole[plan.shape_form + shape * 2u + 1u] & 1u) != 0u;
+    return (whole[plan.shape_form + own(shape) * 2u + 1u] & 1u) != 0u;
 }
 fn is_sensor(shape: u32) -> bool {
-    return (whole[plan.shape_form + shape * 2u + 1u] & 2u) != 0u;
+    return (whole[plan.shape_form + own(shape) * 2u + 1u] & 2u) != 0u;
 }
 fn is_mesh(shape: u32) -> bool {
-    return (whole[plan.shape_form + shape * 2u + 1u] & 4u) != 0u;
+    return (whole[plan.shape_form + own(shape) * 2u + 1u] & 4u) != 0u;
 }
 // What two shapes make of a contact: the first of its numbers.
 fn surface_of(shapes: vec2<u32>) -> u32 {
-    let kind = whole[plan.shape_surface + shapes.x] * plan.surfaces;
-    return plan.surface + (kind + whole[plan.shape_surface + shapes.y]) * SURFACE;
+    let kind = whole[plan.shape_surface + own(shapes.x)] * plan.surfaces;
+    let both = kind + whole[plan.shape_surface + own(shapes.y)];
+    return world_of(shapes.x) * plan.own_constants + plan.surface + both * SURFACE;
 }
 fn is_large(shape: u32) -> bool {
-    return whole[plan.first_corner + shape * 2u + 1u] == 1u;
+    return whole[plan.first_corner + own(shape) * 2u + 1u] == 1u;
 }
 fn row(field: u32, body: u32) -> f32 {
     return rows[field * plan.bodies + body];
@@ -207,5 +266,5 @@ fn placed3(field: u32, shape: u32) -> vec3<f32> {
     return vec3(of_placed(field, shape), of_placed(field + 1u, shape), of_placed(field + 2u, shape));
 }
 fn solid(field: u32, shape: u32) -> f32 {
-    return constants[plan.solids + shape * SOLID + field];
+    return constant_of(shape, plan.solids + field, SOLID);
 }

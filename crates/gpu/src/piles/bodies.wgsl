@@ -14,21 +14,24 @@ fn clear(@builtin(global_invocation_id) id: vec3<u32>) {
         // Parts are counted in any case, that the host and the card agree on which this is.
         atomicStore(&status[PART], told(PART) % told(PARTS) + 1u);
     }
+    if (i < plan.worlds) {
+        atomicStore(&status[of_world(i, TURNED)], 0u);
+        atomicStore(&status[of_world(i, WIDEST)], 0u);
+        atomicStore(&status[of_world(i, MEETS)], 0u);
+        if (told(of_world(i, LEFT)) == 0u) {
+            stop_in(i, DONE);
+        }
+    }
     if (i == 0u && runs_on()) {
-        atomicStore(&status[TURNED], 0u);
         atomicStore(&status[ENDED], 0u);
         atomicStore(&status[SUM_ROUND], 0u);
         atomicStore(&status[PAIRS], 0u);
         atomicStore(&status[CONTACTS], 0u);
-        atomicStore(&status[WIDEST], 0u);
         atomicStore(&status[CHANGED], 0u);
         atomicStore(&status[SETTLED], 0u);
         atomicStore(&status[ROUND], 0u);
-        atomicStore(&status[MEETS], 0u);
+        atomicStore(&status[MEETING], 0u);
         runs[BODIES_RUN] = vec2(1u, plan.bodies - 1u);
-        if (state[plan.alive] == 0.0) {
-            stop(DEAD);
-        }
     }
 }
 
@@ -45,45 +48,49 @@ fn load_bodies(@builtin(global_invocation_id) id: vec3<u32>) {
     if (body == 0u) {
         return;
     }
-    let source = plan.body_state + body * STATE;
+    let source = state_of(body);
     for (var i = 0u; i < 6u; i++) {
         rows[(VELOCITY + i) * plan.bodies + body] = state[source + STATE_VELOCITY + i];
     }
     for (var i = 0u; i < 7u; i++) {
         rows[place_field(i) * plan.bodies + body] = state[source + i];
     }
+    let world = world_of_body(body);
+    let within = (body - 1u) % plan.own_bodies;
+    let forces = plan.forces + 6u * world * plan.own_bodies + within;
     for (var i = 0u; i < 6u; i++) {
-        rows[(WRENCH + i) * plan.bodies + body] = state[plan.forces + i * plan.bodies + body];
+        rows[(WRENCH + i) * plan.bodies + body] = state[forces + i * plan.own_bodies];
     }
     if (is_first()) {
-        let turned = length(row3(VELOCITY + 3u, body)) * constants[plan.turn + body];
-        atomicMax(&status[TURNED], bitcast<u32>(turned));
+        let most = constants[world * plan.own_constants + plan.turn + within];
+        let turned = length(row3(VELOCITY + 3u, body)) * most;
+        atomicMax(&status[of_world(world, TURNED)], bitcast<u32>(turned));
     }
 }
 
-// What spins fast has its step cut into parts of equal length.
-fn choose_parts() {
-    let turned = bitcast<f32>(told(TURNED));
+// What spins fast has its step cut into parts of equal length; worlds of other parts wait.
+fn choose_parts(world: u32) {
+    let turned = bitcast<f32>(told(of_world(world, TURNED)));
     var parts = 1u;
     while (parts < plan.small_steps && (plan.small_steps % parts != 0u || !(turned <= f32(parts)))) {
         parts++;
     }
+    atomicStore(&status[of_world(world, NEEDED)], parts);
     if (parts != told(PARTS)) {
-        atomicStore(&status[NEEDED], parts);
-        stop(OTHER_PARTS);
+        stop_in(world, OTHER_PARTS);
     }
 }
 
 @compute @workgroup_size(64)
 fn load_shapes(@builtin(global_invocation_id) id: vec3<u32>) {
     let shape = id.x;
-    if (shape == 0u && is_first() && runs_on()) {
-        choose_parts();
+    if (shape < plan.worlds && is_first() && runs_in(shape)) {
+        choose_parts(shape);
     }
     if (shape >= plan.shapes) {
         return;
     }
-    let body = whole[plan.carriers + shape];
+    let body = carrier_of(shape);
     for (var i = 0u; i < 19u; i++) {
         var field = VELOCITY + i;
         if (i >= 12u) {
@@ -112,8 +119,9 @@ fn check_bodies(@builtin(global_invocation_id) id: vec3<u32>) {
         let x = row(CENTER + i, body);
         sound = sound && is_finite(x) && abs(x) <= plan.farthest;
     }
-    if (!sound) {
-        stop(PROCESSOR);
+    let world = world_of_body(body);
+    if (!sound && runs_in(world)) {
+        stop_in(world, PROCESSOR);
     }
 }
 
@@ -125,11 +133,11 @@ fn check_shapes(@builtin(global_invocation_id) id: vec3<u32>) {
     if (shape >= plan.shapes) {
         return;
     }
-    let body = whole[plan.carriers + shape];
-    if (body == 0u) {
+    let body = carrier_of(shape);
+    if (body == 0u || !runs_in(world_of(shape))) {
         return;
     }
-    let source = plan.body_state + body * STATE;
+    let source = state_of(body);
     let center = vec3(state[source], state[source + 1u], state[source + 2u]);
     let arm = distance(placed3(PLACED_POSITION, shape), center) + solid(SOLID_RADIUS, shape);
     let way = length(row3(SHIFT, body)) + length(row3(TURN, body)) * arm;
@@ -139,17 +147,17 @@ fn check_shapes(@builtin(global_invocation_id) id: vec3<u32>) {
         solid(SOLID_EXTENT + 2u, shape),
     );
     if (way - of_placed(PLACED_WAY, shape) > min(half.x, min(half.y, half.z))) {
-        stop(PROCESSOR);
+        stop_in(world_of(shape), PROCESSOR);
     }
 }
 
 @compute @workgroup_size(64)
 fn store_bodies(@builtin(global_invocation_id) id: vec3<u32>) {
     let body = id.x;
-    if (body == 0u || body >= plan.bodies || !runs_on()) {
+    if (body == 0u || body >= plan.bodies || !runs_in(world_of_body(body))) {
         return;
     }
-    let to = plan.body_state + body * STATE;
+    let to = state_of(body);
     for (var i = 0u; i < 6u; i++) {
         if (is_first()) {
             state[to + STATE_BEFORE + i] = state[to + STATE_VELOCITY + i];
@@ -166,31 +174,43 @@ fn store_bodies(@builtin(global_invocation_id) id: vec3<u32>) {
 @compute @workgroup_size(64)
 fn store_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
     let place = id.x;
-    if (place >= told_count() || !runs_on()) {
-        return;
-    }
-    let at = place_of(place);
-    if (at == NONE) {
+    if (place >= told_count()) {
         return;
     }
     let contact = contact_at(place);
-    for (var i = 0u; i < REMEMBERED; i++) {
-        state[plan.memory + at * REMEMBERED + i] = fresh[contact * REMEMBERED + i];
+    let world = world_of_contact(contact);
+    if (!runs_in(world)) {
+        return;
     }
-    colours_before[at] = mark(plan.colour + contact);
+    let nth = place_of(world, place);
+    if (nth == NONE) {
+        return;
+    }
+    let to = memory_of(world, nth);
+    for (var i = 0u; i < REMEMBERED; i++) {
+        var number = fresh[contact * REMEMBERED + i];
+        if (i == REMEMBERED_SHAPES || i == REMEMBERED_SHAPES + 1u) {
+            number = f32(own(u32(number)));
+        }
+        state[to + i] = number;
+    }
+    colours_before[world * plan.remembered + nth] = mark(plan.colour + contact);
 }
 
-@compute @workgroup_size(1)
-fn end() {
-    if (runs_on()) {
-        let count = told_count();
-        state[plan.count] = f32(min(count, plan.remembered));
-        if (count > plan.remembered) {
-            state[plan.forgotten] += f32(count - plan.remembered);
-        }
-        if (told(PART) == told(PARTS)) {
-            atomicAdd(&status[STEPS], 1u);
-        }
-        atomicStore(&status[KEEP], 0u);
+@compute @workgroup_size(64)
+fn end(@builtin(global_invocation_id) id: vec3<u32>) {
+    let world = id.x;
+    if (world >= plan.worlds || !runs_in(world)) {
+        return;
     }
+    let count = first_place(world + 1u) - first_place(world);
+    let at = world * plan.state_numbers;
+    state[at + plan.count] = f32(min(count, plan.remembered));
+    if (count > plan.remembered) {
+        state[at + plan.forgotten] += f32(count - plan.remembered);
+    }
+    if (told(PART) == told(PARTS)) {
+        atomicSub(&status[of_world(world, LEFT)], 1u);
+    }
+    atomicStore(&status[KEEP], 0u);
 }

@@ -1,14 +1,19 @@
 // Which shapes are near each other: boxes, cells of a hashed grid, and pairs in order.
 
+// How far the largest box of a world reaches from its middle [m].
+fn widest_in(world: u32) -> f32 {
+    return bitcast<f32>(told(of_world(world, WIDEST)));
+}
 // A cell is no smaller than half of the largest box is wide, so that few are looked through.
-fn cell_of(at: vec3<f32>) -> vec3<i32> {
-    let side = max(plan.cell, 0.5 * bitcast<f32>(told(WIDEST)));
+fn cell_of(world: u32, at: vec3<f32>) -> vec3<i32> {
+    let side = max(plan.cell, 0.5 * widest_in(world));
     return vec3<i32>(clamp(floor(at / side), vec3(-LAST_CELL), vec3(LAST_CELL)));
 }
 // Teschner et al. 2003, "Optimized spatial hashing for collision detection of deformable objects".
-fn bucket(cell: vec3<i32>) -> u32 {
+fn bucket(world: u32, cell: vec3<i32>) -> u32 {
     let c = bitcast<vec3<u32>>(cell);
-    return ((c.x * 73856093u) ^ (c.y * 19349663u) ^ (c.z * 83492791u)) & (plan.buckets - 1u);
+    let hash = (c.x * 73856093u) ^ (c.y * 19349663u) ^ (c.z * 83492791u) ^ (world * 2654435761u);
+    return hash & (plan.buckets - 1u);
 }
 
 @compute @workgroup_size(64)
@@ -17,12 +22,13 @@ fn surround(@builtin(global_invocation_id) id: vec3<u32>) {
     if (shape >= plan.shapes) {
         return;
     }
+    let world = world_of(shape);
     let center = placed3(PLACED_POSITION, shape);
     let half = placed3(PLACED_EXTENT, shape);
     // What rounding may take away, far from the origin.
     let most = abs(center) + half;
     let rounding = 1e-6 * max(most.x, max(most.y, most.z));
-    var around = half + (constants[plan.grown + shape] + rounding);
+    var around = half + (constant_of(shape, plan.grown, 1u) + rounding);
     if (is_plane(shape)) {
         around = vec3(EVERYWHERE);
     }
@@ -32,17 +38,18 @@ fn surround(@builtin(global_invocation_id) id: vec3<u32>) {
         placed[(PLACED + i) * plan.shapes + shape] = least[i];
         placed[(PLACED + 3u + i) * plan.shapes + shape] = greatest[i];
     }
-    if (is_large(shape)) {
+    if (is_large(shape) || !runs_in(world)) {
         return;
     }
     // Far out, and what is nowhere, is the processor's.
     for (var i = 0u; i < 3u; i++) {
         if (!is_finite(most[i]) || most[i] > plan.farthest) {
-            stop(PROCESSOR);
+            stop_in(world, PROCESSOR);
             return;
         }
     }
-    atomicMax(&status[WIDEST], bitcast<u32>(max(around.x, max(around.y, around.z))));
+    let most_around = max(around.x, max(around.y, around.z));
+    atomicMax(&status[of_world(world, WIDEST)], bitcast<u32>(most_around));
 }
 
 @compute @workgroup_size(64)
@@ -51,23 +58,24 @@ fn count_buckets(@builtin(global_invocation_id) id: vec3<u32>) {
     if (shape >= plan.shapes) {
         return;
     }
-    if (is_large(shape)) {
+    let world = world_of(shape);
+    if (is_large(shape) || !runs_in(world)) {
         put(plan.bucket_of + shape, NONE);
         return;
     }
-    let cell = cell_of(placed3(PLACED_POSITION, shape));
+    let cell = cell_of(world, placed3(PLACED_POSITION, shape));
     for (var i = 0u; i < 3u; i++) {
         put(plan.cells + 3u * shape + i, bitcast<u32>(cell[i]));
     }
-    let own = bucket(cell);
-    put(plan.bucket_of + shape, own);
-    atomicAdd(&marks[plan.bucket_start + own], 1u);
+    let here = bucket(world, cell);
+    put(plan.bucket_of + shape, here);
+    atomicAdd(&marks[plan.bucket_start + here], 1u);
 }
 
 // Whether a shape was put there.
-fn is_in(shape: u32, cell: vec3<i32>) -> bool {
+fn is_in(shape: u32, world: u32, cell: vec3<i32>) -> bool {
     let at = plan.cells + 3u * shape;
-    return all(vec3(word(at), word(at + 1u), word(at + 2u)) == bitcast<vec3<u32>>(cell));
+    return world_of(shape) == world && all(vec3(word(at), word(at + 1u), word(at + 2u)) == bitcast<vec3<u32>>(cell));
 }
 
 // After it, a bucket begins where the one before it ends, and `bucket_start` says where it ends.
@@ -77,13 +85,14 @@ fn fill_buckets(@builtin(global_invocation_id) id: vec3<u32>) {
     if (shape >= plan.shapes) {
         return;
     }
-    let own = word(plan.bucket_of + shape);
-    if (own != NONE) {
-        let at = atomicAdd(&marks[plan.bucket_start + own], 1u);
+    let here = word(plan.bucket_of + shape);
+    if (here != NONE) {
+        let at = atomicAdd(&marks[plan.bucket_start + here], 1u);
         put(plan.bucket_items + at, shape);
     }
 }
 
+// Two shapes of the first world.
 fn may_touch(a: u32, b: u32) -> bool {
     let one = plan.sides + a * SIDE;
     let two = plan.sides + b * SIDE;
@@ -125,13 +134,13 @@ fn overlap(a: u32, b: u32) -> bool {
 
 // Of a pair of forms, the group of pairs that one kernel meets.
 fn group_of(a: u32, b: u32) -> u32 {
-    let f = whole[plan.shape_form + a * 2u];
-    let g = whole[plan.shape_form + b * 2u];
+    let f = whole[plan.shape_form + own(a) * 2u];
+    let g = whole[plan.shape_form + own(b) * 2u];
     return whole[plan.form_group + min(f, g) * plan.forms + max(f, g)];
 }
 
 fn may_meet(a: u32, b: u32) -> bool {
-    return group_of(a, b) != NONE && may_touch(a, b);
+    return group_of(a, b) != NONE && may_touch(own(a), own(b));
 }
 
 fn near(a: u32, b: u32) -> bool {
@@ -141,14 +150,18 @@ fn near(a: u32, b: u32) -> bool {
 // A unit of work: a small shape with all later ones, or a large one with some of them. Lists the pairs from `at` on, which
 // is before `end`, and returns their number.
 fn look(unit: u32, at: u32, end: u32) -> u32 {
-    let a = whole[plan.unit_shapes + 2u * unit];
-    let first = whole[plan.unit_shapes + 2u * unit + 1u];
+    let world = unit / plan.own_units;
+    let own_unit = plan.unit_shapes + 2u * (unit % plan.own_units);
+    let base = world * plan.own_shapes;
+    let a = base + whole[own_unit];
+    let first = whole[own_unit + 1u];
     var found = 0u;
-    if (!runs_on()) {
+    if (!runs_in(world)) {
         return found;
     }
     if (first != NONE) {
-        for (var b = first; b < min(first + UNIT, plan.shapes); b++) {
+        for (var i = first; i < min(first + UNIT, plan.own_shapes); i++) {
+            let b = base + i;
             if (near(a, b)) {
                 list(at, end, found, a, b);
                 found++;
@@ -157,32 +170,32 @@ fn look(unit: u32, at: u32, end: u32) -> u32 {
         return found;
     }
     for (var i = 0u; i < plan.large; i++) {
-        let b = whole[plan.large_shapes + i];
+        let b = base + whole[plan.large_shapes + i];
         if (near(a, b)) {
             list(at, end, found, a, b);
             found++;
         }
     }
-    let widest = bitcast<f32>(told(WIDEST));
-    let low = cell_of(placed3(PLACED, a) - widest);
-    let high = cell_of(placed3(PLACED + 3u, a) + widest);
+    let widest = widest_in(world);
+    let low = cell_of(world, placed3(PLACED, a) - widest);
+    let high = cell_of(world, placed3(PLACED + 3u, a) + widest);
     for (var z = low.z; z <= high.z; z++) {
         for (var y = low.y; y <= high.y; y++) {
             for (var x = low.x; x <= high.x; x++) {
                 let cell = vec3(x, y, z);
-                let own = plan.bucket_start + bucket(cell);
+                let there = plan.bucket_start + bucket(world, cell);
                 var i = 0u;
-                if (own > plan.bucket_start) {
-                    i = mark(own - 1u);
+                if (there > plan.bucket_start) {
+                    i = mark(there - 1u);
                 }
-                let next = mark(own);
+                let next = mark(there);
                 for (; i < next; i++) {
                     let b = word(plan.bucket_items + i);
                     if (b <= a) {
                         continue;
                     }
                     // Other cells may share the bucket. All that this needs is read at once.
-                    let here = is_in(b, cell);
+                    let here = is_in(b, world, cell);
                     let close = overlap(a, b);
                     if (here && close && may_meet(a, b)) {
                         list(at, end, found, a, b);
@@ -238,7 +251,7 @@ fn list_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
     let next = word(plan.unit_start + unit + 1u);
     let end = min(next, plan.pairs);
     if (look(unit, at, end) != next - at) {
-        stop(PROCESSOR);
+        stop_in(unit / plan.own_units, PROCESSOR);
     }
     for (var i = at; i < end; i++) {
         let a = word(plan.pair_shapes + 2u * i);

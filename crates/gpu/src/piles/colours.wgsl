@@ -1,8 +1,10 @@
 // Colours: each contact has the first that none of the contacts before it has, at both of its bodies.
 
 fn carrier(contact: u32, side: u32) -> u32 {
-    let shape = u32(fresh[contact * REMEMBERED + REMEMBERED_SHAPES + side]);
-    return whole[plan.carriers + shape];
+    return carrier_of(u32(fresh[contact * REMEMBERED + REMEMBERED_SHAPES + side]));
+}
+fn world_of_contact(contact: u32) -> u32 {
+    return world_of(u32(fresh[contact * REMEMBERED + REMEMBERED_SHAPES]));
 }
 
 fn is_sensed(contact: u32) -> bool {
@@ -94,9 +96,11 @@ fn plan_colours(@builtin(global_invocation_id) id: vec3<u32>) {
     let next = word(plan.colour_matrix + (colour + 1u) * plan.contact_blocks);
     if (colour < COLOURS) {
         run(COLOUR_RUN + colour, first, next - first);
-    } else if (next > first) {
+    } else {
         // What finds no colour is solved one by one.
-        stop(PROCESSOR);
+        for (var i = first; i < next; i++) {
+            stop_in(world_of_contact(word(plan.contact_order + i)), PROCESSOR);
+        }
         return;
     }
     if (next > first) {

@@ -28,8 +28,8 @@ fn seat_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
     let source = contact * REMEMBERED;
     let a = u32(fresh[source + REMEMBERED_SHAPES]);
     let b = u32(fresh[source + REMEMBERED_SHAPES + 1u]);
-    seats[i] = whole[plan.carriers + a];
-    seats[plan.contacts + i] = whole[plan.carriers + b];
+    seats[i] = carrier_of(a);
+    seats[plan.contacts + i] = carrier_of(b);
     for (var x = 0u; x < 3u; x++) {
         put_contact(MANIFOLD_NORMAL + x, i, fresh[source + REMEMBERED_NORMAL + x]);
         put_contact(MANIFOLD_DRAG + x, i, fresh[source + REMEMBERED_DRAG + x]);
@@ -74,7 +74,7 @@ fn read_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
         fresh[to + REMEMBERED_TWIST_SUM + x] = of_contact(MANIFOLD_TWIST_SUM + x, i);
         // What was stopped at its centre of mass is told of by the processor.
         if (of_contact(MANIFOLD_ASIDE + x, i) != 0.0) {
-            stop(PROCESSOR);
+            stop_in(world_of_contact(word(plan.contact_order + i)), PROCESSOR);
         }
     }
     for (var p = 0u; p < u32(fresh[to + REMEMBERED_POINTS]); p++) {
@@ -105,12 +105,15 @@ fn find_pressing(@builtin(global_invocation_id) id: vec3<u32>) {
     put(plan.pressing + place, select(0u, 1u, presses));
 }
 
-// Where the contact at a place in the order of all is remembered, or NONE.
-fn place_of(place: u32) -> u32 {
-    let before = word(plan.pressing + place);
-    let presses = word(plan.pressing + place + 1u) > before;
-    let room = plan.remembered - min(word(plan.pressing + plan.contacts), plan.remembered);
-    let others = place - before;
+// As which one of its world the contact at a place in the order of all is remembered, or NONE.
+fn place_of(world: u32, place: u32) -> u32 {
+    let first = first_place(world);
+    let base = word(plan.pressing + first);
+    let before = word(plan.pressing + place) - base;
+    let presses = word(plan.pressing + place + 1u) > before + base;
+    let pressing = word(plan.pressing + first_place(world + 1u)) - base;
+    let room = plan.remembered - min(pressing, plan.remembered);
+    let others = place - first - before;
     if (!presses && others >= room) {
         return NONE;
     }

@@ -1,14 +1,21 @@
 // Joints to lanes, and back. The host gives what they are and what their controls make of them, `[number][joint]`; the
-// state has what they carry from step to step, joint by joint.
+// state has what they carry from step to step, joint by joint. The same joint of all worlds lies side by side, as all of a
+// run are solved side by side.
 
 fn put_joint(field: u32, i: u32, x: f32) {
     joints[field * plan.joints + i] = x;
 }
 fn given(number: u32, i: u32) -> f32 {
-    return state[plan.given + number * plan.joints + i];
+    let world = plan.given + i % plan.worlds * plan.given_numbers;
+    return state[world + number * plan.own_joints + i / plan.worlds];
 }
 fn carried(i: u32) -> u32 {
-    return plan.tied + whole[plan.ties + i] * JOINT_CARRIED;
+    let world = i % plan.worlds * plan.state_numbers;
+    return world + plan.tied + whole[plan.ties + i / plan.worlds] * JOINT_CARRIED;
+}
+fn joint_body(i: u32, side: u32) -> u32 {
+    let body = whole[plan.joint_seats + side * plan.own_joints + i / plan.worlds];
+    return select(0u, i % plan.worlds * plan.own_bodies + body, body != 0u);
 }
 
 @compute @workgroup_size(64)
@@ -41,7 +48,7 @@ fn load_joints(@builtin(global_invocation_id) id: vec3<u32>) {
 @compute @workgroup_size(64)
 fn store_joints(@builtin(global_invocation_id) id: vec3<u32>) {
     let i = id.x;
-    if (i >= plan.joints || !runs_on()) {
+    if (i >= plan.joints || !runs_in(i % plan.worlds)) {
         return;
     }
     for (var field = 0u; field < JOINT_CARRIED; field++) {

@@ -24,7 +24,7 @@ const TEXT: [&str; 10] = [
 ];
 
 /// Storage buffers that it binds, the last two to be read only; and the plan.
-pub(super) const BINDINGS: usize = 20;
+pub(super) const BINDINGS: usize = 21;
 const READ_ONLY: usize = 2;
 
 macro_rules! entries {
@@ -49,7 +49,7 @@ entries! {
     surround, count_buckets, fill_buckets, count_pairs, list_pairs, plan_groups,
     seat_pairs, seat_meshes, part_pairs, find_touching, make_contacts,
     join, paint, settle, plan_colours, seat_contacts, find_pressing,
-    foresee_blows, begin_blows, tell_blows, end_round, read_contacts, check_bodies, check_shapes,
+    foresee_blows, begin_blows, keep_free, tell_blows, seat_struck, end_round, put_free, read_contacts, check_bodies, check_shapes,
     store_bodies, store_contacts, end,
     load_joints, store_joints,
     find_ended, match_parts, seat_parts, read_parts, place_ended, merge,

@@ -81,7 +81,7 @@ fn insert(list_at: u32, count: u32, triangle: u32) {
 // Lists the triangles of a mesh in a box, and returns how many there are, or more than there is room for.
 fn list_near(mesh: u32, around: Box, list_at: u32, room: u32) -> u32 {
     var count = 0u;
-    let of_shape = plan.mesh_of_shape + 2u * mesh;
+    let of_shape = plan.mesh_of_shape + 2u * own(mesh);
     for (var group = whole[of_shape]; group < whole[of_shape + 1u]; group++) {
         if (!meets(around, plan.mesh_groups + BOUNDS * group)) {
             continue;
@@ -131,7 +131,7 @@ fn seat_meshes(@builtin(global_invocation_id) id: vec3<u32>) {
         count_a = list_near(shapes.x, others, list_a, room.x);
     }
     if (count > room.y || count_a > room.x) {
-        stop(PROCESSOR);
+        stop_in(world_of(shapes.x), PROCESSOR);
         return;
     }
     // A group of one cluster for each mesh, which are everywhere.

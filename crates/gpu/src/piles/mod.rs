@@ -1,4 +1,4 @@
-//! Worlds of many bodies that touch, by `impulse`: one world after the other, each by all of the card.
+//! Worlds of many bodies that touch, by `impulse`, each by all of the card: as many side by side as it has room for.
 //!
 //! A step is what it is on the processor (`sim/src/impulse`), by the same kernels: of bodies, shapes, pairs of shapes,
 //! contacts and joints, one in each invocation. What lies between them is WGSL: which shapes, and which triangles of a
@@ -15,10 +15,10 @@
 //!
 //! Nothing sleeps in the steps that a card takes.
 
+mod batch;
 mod joints;
 mod kernels;
 mod meshes;
-mod pile;
 mod plan;
 mod room;
 mod scene;
@@ -26,16 +26,16 @@ mod steps;
 
 use crate::clock::Clock;
 use crate::{Gpu, GpuError};
+use batch::Batch;
 use kernels::Kernels;
 use model::{CollisionFilter, Model};
 use numbers::Memory;
-use pile::Pile;
 use rigid::Report;
 use rigid::impulse::Impulse;
 use scene::Scene;
 use sim::{DeviceError, DeviceWorlds, Processor};
 use std::ops::Range;
-use steps::{Progress, Steps};
+use steps::Steps;
 
 /// Pairs of triangles of two meshes that programs get through: their loops end early, and say nothing.
 const PAIRS_OF_PROGRAMS: usize = 256;
@@ -47,7 +47,7 @@ pub(crate) struct Piles {
     scene: Scene,
     kernels: Kernels,
     steps: Steps,
-    worlds: Vec<Pile>,
+    batches: Vec<Batch>,
     /// Steps that the processor has taken.
     left: u64,
 }
@@ -63,7 +63,7 @@ impl Piles {
         worlds: usize,
     ) -> Result<Self, GpuError> {
         gpu.check()?;
-        let scene = Scene::new(impulse, model, filter)?;
+        let scene = Scene::new(gpu, impulse, model, filter, worlds)?;
         let pairs = scene.groups.iter().map(|group| group.triangles);
         let most = pairs.map(|[a, b]| a * b).max().unwrap_or(0);
         if gpu.cuts_loops() && most > PAIRS_OF_PROGRAMS {
@@ -73,10 +73,14 @@ impl Piles {
             });
         }
         let kernels = Kernels::new(gpu, &scene)?;
-        let piles = (0..worlds).map(|_| Pile::new(gpu, &scene));
+        let width = scene.plan.worlds as usize;
+        let batches = (0..worlds).step_by(width).map(|first| {
+            let end = worlds.min(first + width);
+            Batch::new(gpu, &scene, first..end)
+        });
         Ok(Self {
             steps: Steps::new(gpu, &scene, &kernels)?,
-            worlds: piles.collect::<Result<_, _>>()?,
+            batches: batches.collect::<Result<_, _>>()?,
             left: 0,
             gpu: gpu.clone(),
             scene,
@@ -84,33 +88,39 @@ impl Piles {
         })
     }
 
-    fn write_world(&self, world: usize, state: &Memory<f32>) {
+    fn write_world(&mut self, world: usize, state: &Memory<f32>) {
         let numbers = 0..self.scene.impulse.lengths().state;
         let numbers: Vec<_> = numbers.map(|i| state.get(world, i)).collect();
-        self.worlds[world].write(&self.gpu, &numbers);
+        let batch = world / self.scene.plan.worlds as usize;
+        self.batches[batch].write(&self.gpu, &self.scene, world, &numbers);
     }
 
-    /// Has the processor take steps of a world.
+    /// Has the processor take a step of some worlds of a batch, counted from its first.
     fn step_there(
         &mut self,
-        world: usize,
-        steps: usize,
+        batch: usize,
+        worlds: &[usize],
         processor: &mut Processor<'_, f32>,
     ) -> Result<(), GpuError> {
-        let pile = &mut self.worlds[world];
-        let mut state = Vec::new();
-        let all = 0..self.scene.impulse.lengths().state;
-        pile.read(&self.gpu, all, |numbers| state = numbers.to_vec())?;
-        processor(world, steps, &mut state);
-        self.left += steps as u64;
-        pile.write(&self.gpu, &state);
+        let (gpu, scene, batch) = (&self.gpu, &self.scene, &mut self.batches[batch]);
+        let first = batch.worlds.start;
+        let ranges = worlds.iter().map(|nth| batch.numbers(scene, first + nth));
+        let mut states = Vec::new();
+        batch.read(gpu, &Vec::from_iter(ranges), |read| states = read.to_vec())?;
+        let length = scene.impulse.lengths().state;
+        for (nth, state) in worlds.iter().zip(states.chunks_exact_mut(length)) {
+            processor(first + nth, 1, state);
+            batch.left[*nth] -= 1;
+            batch.write(gpu, scene, first + nth, state);
+        }
+        self.left += worlds.len() as u64;
         Ok(())
     }
 }
 
 impl DeviceWorlds<f32> for Piles {
     fn write_state(&mut self, state: &Memory<f32>) -> Result<(), DeviceError> {
-        (0..self.worlds.len()).for_each(|world| self.write_world(world, state));
+        (0..state.worlds()).for_each(|world| self.write_world(world, state));
         Ok(self.gpu.check()?)
     }
     fn write_worlds(&mut self, worlds: &[usize], state: &Memory<f32>) -> Result<(), DeviceError> {
@@ -120,11 +130,8 @@ impl DeviceWorlds<f32> for Piles {
         Ok(self.gpu.check()?)
     }
     fn write_input(&mut self, _: Range<usize>, input: &Memory<f32>) -> Result<(), DeviceError> {
-        let numbers = 0..self.scene.impulse.lengths().input;
-        for (world, pile) in self.worlds.iter_mut().enumerate() {
-            // What is made of them goes to the card before the next step: they may change once more.
-            pile.input = Some(numbers.clone().map(|i| input.get(world, i)).collect());
-        }
+        let batches = self.batches.iter_mut();
+        batches.for_each(|batch| batch.control(&self.scene, input));
         Ok(())
     }
     fn write_parameters(&mut self, _: &Memory<f32>) -> Result<(), DeviceError> {
@@ -138,21 +145,16 @@ impl DeviceWorlds<f32> for Piles {
         substeps: usize,
         processor: &mut Processor<'_, f32>,
     ) -> Result<(), DeviceError> {
-        for world in 0..self.worlds.len() {
-            if let Some(input) = self.worlds[world].input.take() {
-                self.worlds[world].write_input(&self.gpu, &self.scene, &input);
-            }
-            let mut left = substeps;
-            while left > 0 {
-                let pile = &mut self.worlds[world];
+        for nth in 0..self.batches.len() {
+            let batch = &mut self.batches[nth];
+            batch.tell(&self.gpu, &self.scene);
+            batch.ask(substeps);
+            while self.batches[nth].is_behind() {
+                let batch = &mut self.batches[nth];
                 let steps = &mut self.steps;
-                match steps.take(&self.gpu, &self.scene, &self.kernels, pile, left)? {
-                    Progress::Taken(steps) => left -= steps,
-                    Progress::Dead => left = 0,
-                    Progress::Processor(steps) => {
-                        self.step_there(world, 1, processor)?;
-                        left -= steps + 1;
-                    }
+                let left = steps.take(&self.gpu, &self.scene, &self.kernels, batch)?;
+                if !left.is_empty() {
+                    self.step_there(nth, &left, processor)?;
                 }
             }
         }
@@ -178,14 +180,8 @@ impl DeviceWorlds<f32> for Piles {
         numbers: &[Range<usize>],
         state: &mut Memory<f32>,
     ) -> Result<(), DeviceError> {
-        for (world, pile) in self.worlds.iter_mut().enumerate() {
-            for range in numbers {
-                pile.read(&self.gpu, range.clone(), |read| {
-                    for (i, x) in range.clone().zip(read) {
-                        state.set(world, i, *x);
-                    }
-                })?;
-            }
+        for batch in &mut self.batches {
+            batch.read_all(&self.gpu, &self.scene, numbers, state)?;
         }
         Ok(())
     }

@@ -4,25 +4,42 @@
 fn ordered(pair: u32) -> vec2<u32> {
     let a = word(plan.pair_shapes + 2u * pair);
     let b = word(plan.pair_shapes + 2u * pair + 1u);
-    let f = whole[plan.shape_form + a * 2u];
-    let g = whole[plan.shape_form + b * 2u];
+    let f = whole[plan.shape_form + own(a) * 2u];
+    let g = whole[plan.shape_form + own(b) * 2u];
     return select(vec2(b, a), vec2(a, b), f <= g);
 }
 
+// What is remembered of a world's nth contact.
+fn memory_of(world: u32, nth: u32) -> u32 {
+    return world * plan.state_numbers + plan.memory + nth * REMEMBERED;
+}
+// The same of a contact of all that worlds have room to remember.
+fn memory_at(i: u32) -> u32 {
+    return memory_of(i / plan.remembered, i % plan.remembered);
+}
+// How many contacts a world remembers.
+fn count_in(world: u32) -> u32 {
+    return u32(state[world * plan.state_numbers + plan.count]);
+}
+fn is_remembered(i: u32) -> bool {
+    return i % plan.remembered < count_in(i / plan.remembered);
+}
 // The shapes of a remembered contact, the lower first.
 fn old_key(i: u32) -> vec2<u32> {
-    let at = plan.memory + i * REMEMBERED + REMEMBERED_SHAPES;
-    let a = u32(state[at]);
-    let b = u32(state[at + 1u]);
+    let at = memory_at(i) + REMEMBERED_SHAPES;
+    let first = i / plan.remembered * plan.own_shapes;
+    let a = first + u32(state[at]);
+    let b = first + u32(state[at + 1u]);
     return vec2(min(a, b), max(a, b));
 }
 fn comes_before(a: vec2<u32>, b: vec2<u32>) -> bool {
     return a.x < b.x || (a.x == b.x && a.y < b.y);
 }
-// How many of those remembered come before a key.
+// The first of those that the key's world remembers that does not come before it.
 fn olds_before(key: vec2<u32>) -> u32 {
-    var begin = 0u;
-    var end = u32(state[plan.count]);
+    let world = world_of(key.x);
+    var begin = world * plan.remembered;
+    var end = begin + count_in(world);
     while (begin < end) {
         let middle = (begin + end) / 2u;
         if (comes_before(old_key(middle), key)) {
@@ -41,8 +58,9 @@ fn recall(a: u32, b: u32) -> u32 {
     return select(NONE, first, is_of(first, key));
 }
 
-fn is_of(remembered: u32, key: vec2<u32>) -> bool {
-    return remembered < u32(state[plan.count]) && all(old_key(remembered) == key);
+fn is_of(old: u32, key: vec2<u32>) -> bool {
+    let world = world_of(key.x);
+    return old < world * plan.remembered + count_in(world) && all(old_key(old) == key);
 }
 
 // Where a pair's lane has its numbers: `PairPlaces`, in order.
@@ -94,9 +112,10 @@ fn seat_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
         }
         let corner = whole[places + 4u + side];
         let corners = whole[places + 5u + side] - corner;
-        let first = whole[plan.first_corner + shape * 2u];
+        let own_corners = plan.corners + whole[plan.first_corner + own(shape) * 2u];
+        let first = world_of(shape) * plan.own_constants + own_corners;
         for (var i = 0u; i < corners; i++) {
-            put_parameter(j, corner + i, constants[plan.corners + first + i]);
+            put_parameter(j, corner + i, constants[first + i]);
         }
     }
     // The last number of a surface is its margin.
@@ -108,8 +127,8 @@ fn seat_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var i = 0u; i < 3u; i++) {
         var direction = 0.0;
         if (before != NONE && !as_mesh) {
-            let at = plan.memory + before * REMEMBERED;
-            if (u32(state[at + REMEMBERED_SHAPES]) == shapes.x) {
+            let at = memory_at(before);
+            if (u32(state[at + REMEMBERED_SHAPES]) == own(shapes.x)) {
                 direction = state[at + REMEMBERED_NORMAL + i];
             }
         }
@@ -228,7 +247,7 @@ fn find_touching(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     first_with_mesh = mesh_first();
     var count = 0u;
-    if (pair < pair_count() && runs_on()) {
+    if (pair < pair_count() && runs_in(world_of(word(plan.pair_shapes + 2u * pair)))) {
         count = parts_of(pair, way(ordered(pair))).count;
     }
     put(plan.contact_start + pair, count);
@@ -266,7 +285,7 @@ fn make_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     warm(shapes, first, next);
     for (var side = 0u; side < 2u; side++) {
-        let body = whole[plan.carriers + shapes[side]];
+        let body = carrier_of(shapes[side]);
         if (body != 0u) {
             atomicAdd(&marks[plan.body_start + body], next - first);
         }
@@ -302,7 +321,7 @@ fn write_contact(pair: u32, shapes: vec2<u32>, parts: Parts, part: u32, contact:
 }
 
 fn remembered_normal(i: u32) -> vec3<f32> {
-    let at = plan.memory + i * REMEMBERED + REMEMBERED_NORMAL;
+    let at = memory_at(i) + REMEMBERED_NORMAL;
     return vec3(state[at], state[at + 1u], state[at + 2u]);
 }
 fn fresh_normal(contact: u32) -> vec3<f32> {
@@ -327,7 +346,7 @@ fn warm(shapes: vec2<u32>, first: u32, next: u32) {
     }
     // As many as there are bits to tell which are taken.
     if (olds > 32u) {
-        stop(PROCESSOR);
+        stop_in(world_of(key.x), PROCESSOR);
         return;
     }
     if (olds == 1u && next - first == 1u) {
@@ -369,7 +388,7 @@ fn warm_one(shapes: vec2<u32>, old: u32, contact: u32) {
     start_colour(contact, colours_before[old]);
     let to = contact * REMEMBERED;
     let count = u32(fresh[to + REMEMBERED_POINTS]);
-    let source = plan.memory + old * REMEMBERED;
+    let source = memory_at(old);
     for (var i = 0u; i < 3u; i++) {
         fresh[to + REMEMBERED_DRAG + i] = state[source + REMEMBERED_DRAG + i];
         fresh[to + REMEMBERED_TWIST + i] = state[source + REMEMBERED_TWIST + i];

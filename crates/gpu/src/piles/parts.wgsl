@@ -33,7 +33,7 @@ fn found_before(key: vec2<u32>, also: bool) -> u32 {
 
 // Whether a remembered contact has given anything in the step.
 fn gave(i: u32) -> bool {
-    let at = plan.memory + i * REMEMBERED;
+    let at = memory_at(i);
     var any_ = false;
     for (var x = 0u; x < 3u; x++) {
         any_ = any_ || state[at + REMEMBERED_DRAG_SUM + x] != 0.0;
@@ -63,12 +63,13 @@ fn heir_of(i: u32) -> u32 {
 @compute @workgroup_size(64)
 fn find_ended(@builtin(global_invocation_id) id: vec3<u32>) {
     let i = id.x;
-    if (i > plan.remembered) {
+    let all_places = plan.worlds * plan.remembered;
+    if (i > all_places) {
         return;
     }
     var ended = 0u;
-    if (i < u32(state[plan.count]) && gave(i) && heir_of(i) == NONE) {
-        ended = 1u;
+    if (i < all_places && is_remembered(i) && runs_in(i / plan.remembered)) {
+        ended = select(0u, 1u, gave(i) && heir_of(i) == NONE);
     }
     put(plan.ended + i, ended);
 }
@@ -96,8 +97,17 @@ fn match_parts(@builtin(global_invocation_id) id: vec3<u32>) {
     put(plan.same + contact, same);
     // More than the host has rounds for.
     if (told(SUM_ROUND) == SUM_ROUNDS && same != NONE) {
-        stop(PROCESSOR);
+        stop_in(world_of(key.x), PROCESSOR);
     }
+}
+
+// A number of a remembered contact, with its shapes as they are counted here.
+fn remembered_number(i: u32, field: u32) -> f32 {
+    let number = state[memory_at(i) + field];
+    if (field == REMEMBERED_SHAPES || field == REMEMBERED_SHAPES + 1u) {
+        return number + f32(i / plan.remembered * plan.own_shapes);
+    }
+    return number;
 }
 
 // Both of them, to lanes that contacts have left.
@@ -114,7 +124,7 @@ fn seat_parts(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var i = 0u; i < REMEMBERED; i++) {
         var before = 0.0;
         if (same != NONE) {
-            before = state[plan.memory + same * REMEMBERED + i];
+            before = remembered_number(same, i);
         }
         put_contact(i, contact, fresh[contact * REMEMBERED + i]);
         put_contact(REMEMBERED + i, contact, before);
@@ -141,13 +151,13 @@ fn read_parts(@builtin(global_invocation_id) id: vec3<u32>) {
 fn place_ended(@builtin(global_invocation_id) id: vec3<u32>) {
     let i = id.x;
     if (i == 0u && runs_on()) {
-        let ended = word(plan.ended + plan.remembered);
+        let ended = word(plan.ended + plan.worlds * plan.remembered);
         atomicStore(&status[ENDED], ended);
         if (contact_count() + ended > plan.contacts) {
             stop(MORE_CONTACTS);
         }
     }
-    if (i >= u32(state[plan.count])) {
+    if (i >= plan.worlds * plan.remembered) {
         return;
     }
     let before = word(plan.ended + i);
@@ -158,7 +168,7 @@ fn place_ended(@builtin(global_invocation_id) id: vec3<u32>) {
     let to = contact * REMEMBERED;
     for (var x = 0u; x < REMEMBERED; x++) {
         let stays = x < REMEMBERED_DRAG || (x >= REMEMBERED_DRAG_SUM);
-        fresh[to + x] = select(0.0, state[plan.memory + i * REMEMBERED + x], stays);
+        fresh[to + x] = select(0.0, remembered_number(i, x), stays);
     }
     for (var p = 0u; p < POINTS; p++) {
         fresh[to + REMEMBERED_POINT + p * REMEMBERED_POINT_WIDTH + 5u] = 0.0;

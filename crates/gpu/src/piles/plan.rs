@@ -24,11 +24,13 @@ macro_rules! plan {
 }
 
 plan! {
-    bodies: u32, shapes: u32, units: u32, large: u32, forms: u32, groups: u32, solid_groups: u32, surfaces: u32,
-    pairs: u32, mesh_pairs: u32, most_near: u32, contacts: u32, remembered: u32, joints: u32, joint_runs: u32, law_numbers: u32, small_steps: u32,
+    worlds: u32, bodies: u32, shapes: u32, units: u32, joints: u32,
+    own_bodies: u32, own_shapes: u32, own_units: u32, own_joints: u32,
+    large: u32, forms: u32, groups: u32, solid_groups: u32, surfaces: u32,
+    pairs: u32, mesh_pairs: u32, most_near: u32, contacts: u32, remembered: u32, joint_runs: u32, law_numbers: u32, small_steps: u32,
     buckets: u32, colours: u32, pair_blocks: u32, contact_blocks: u32,
-    alive: u32, body_state: u32, count: u32, memory: u32, forgotten: u32,
-    tied: u32, forces: u32, given: u32,
+    state_numbers: u32, body_state: u32, count: u32, memory: u32, forgotten: u32, tied: u32,
+    forces: u32, given: u32, given_numbers: u32,
     cells: u32, bucket_of: u32, bucket_start: u32, bucket_items: u32, unit_start: u32,
     pair_shapes: u32, pair_group: u32, pair_order: u32, pair_place: u32, group_matrix: u32,
     contact_start: u32, body_start: u32, body_items: u32,
@@ -36,10 +38,10 @@ plan! {
     pressing: u32, foreseen: u32, near: u32, ended: u32, merged: u32, same: u32,
     carriers: u32, sides: u32, apart_start: u32, apart_items: u32, shape_form: u32, form_group: u32,
     group_places: u32, unit_shapes: u32, large_shapes: u32, shape_surface: u32, first_corner: u32,
-    ties: u32, joint_run: u32, paired_start: u32, paired_items: u32,
+    ties: u32, joint_seats: u32, joint_run: u32, paired_start: u32, paired_items: u32,
     mesh_of_shape: u32, mesh_group_rows: u32, mesh_cluster_rows: u32,
     mesh_groups: u32, mesh_clusters: u32, mesh_triangles: u32,
-    grown: u32, solids: u32, corners: u32, surface: u32, turn: u32,
+    own_constants: u32, grown: u32, solids: u32, corners: u32, surface: u32, turn: u32,
     cell: f32, fastest: f32, farthest: f32,
 }
 
@@ -58,57 +60,76 @@ pub(super) const SUM_ROUNDS: u32 = SLOTS.div_ceil(POINTS) as u32;
 /// Places in the status.
 pub(super) mod status {
     pub const FLAG: usize = 0;
-    pub const STEPS: usize = 1;
-    pub const PAIRS: usize = 2;
+    pub const PAIRS: usize = 1;
+    pub const MESH_PAIRS: usize = 2;
     pub const CONTACTS: usize = 3;
     pub const COLOURED: usize = 4;
-    pub const WIDEST: usize = 5;
-    pub const CHANGED: usize = 6;
-    pub const SETTLED: usize = 7;
-    pub const ROUND: usize = 8;
-    pub const ROUNDS: usize = 9;
+    pub const CHANGED: usize = 5;
+    pub const SETTLED: usize = 6;
+    pub const ROUND: usize = 7;
+    pub const ROUNDS: usize = 8;
     /// Whether any contact may be struck in the step, whether any was in the round of blows, which round it is, and
     /// whether there is another one.
-    pub const MEETS: usize = 10;
-    pub const STRUCK: usize = 11;
-    pub const BLOW_ROUND: usize = 12;
-    pub const BLOWING: usize = 13;
+    pub const MEETING: usize = 9;
+    pub const ANY_STRUCK: usize = 10;
+    pub const BLOW_ROUND: usize = 11;
+    pub const BLOWING: usize = 12;
     /// Most rounds in which anything was struck.
-    pub const MOST_BLOWS: usize = 14;
-    /// Told by the host: whether colours are those of the attempt before at the first step, and how many rounds of blows
-    /// it launches.
-    pub const KEEP: usize = 15;
-    pub const ROUNDS_OF_BLOWS: usize = 16;
-    pub const MESH_PAIRS: usize = 17;
-    /// Into how many parts the host cuts the step, which one it is, counted from 1, how many there have to be, and the
-    /// largest turn of all bodies in the step, in parts of what each is allowed.
-    pub const PARTS: usize = 18;
-    pub const PART: usize = 19;
-    pub const NEEDED: usize = 20;
-    pub const TURNED: usize = 21;
+    pub const MOST_BLOWS: usize = 13;
+    /// Told by the host: whether colours are those of the attempt before at the first step, how many rounds of blows and
+    /// how many colours it launches.
+    pub const KEEP: usize = 14;
+    pub const ROUNDS_OF_BLOWS: usize = 15;
+    pub const LAUNCHED: usize = 16;
+    /// Into how many parts the host cuts the step, and which one it is, counted from 1.
+    pub const PARTS: usize = 17;
+    pub const PART: usize = 18;
     /// Contacts of the parts before that are none any more, and rounds in which those that are got what they gave.
-    pub const ENDED: usize = 22;
-    pub const SUM_ROUND: usize = 23;
+    pub const ENDED: usize = 19;
+    pub const SUM_ROUND: usize = 20;
     /// Whether a blow was foreseen in any of the steps.
-    pub const FORESEEN: usize = 24;
-    /// Told by the host: how many colours it launches.
-    pub const LAUNCHED: usize = 25;
-    pub const WIDTH: usize = 26;
+    pub const FORESEEN: usize = 21;
+    pub const WIDTH: usize = 22;
 }
 
-/// Why a step was not taken.
+/// Places in what is told of each world, behind the status of all of them.
+pub(super) mod of_world {
+    /// Why it was left out of a step, and of those that follow.
+    pub const STOPPED: usize = 0;
+    /// Steps that it has yet to take.
+    pub const LEFT: usize = 1;
+    /// Into how many parts its step has to be cut, and the largest turn of all its bodies in the step, in parts of what
+    /// each is allowed.
+    pub const NEEDED: usize = 2;
+    pub const TURNED: usize = 3;
+    /// How far the largest box about a shape reaches from its middle [m].
+    pub const WIDEST: usize = 4;
+    /// Whether any contact may be struck in the step, and in which round of blows any was last.
+    pub const MEETS: usize = 5;
+    pub const STRUCK: usize = 6;
+    pub const WIDTH: usize = 7;
+}
+
+/// Why a step was not taken in any world.
 pub(super) mod flag {
     pub const MORE_PAIRS: u32 = 1;
     pub const MORE_CONTACTS: u32 = 2;
     pub const MORE_COLOURS: u32 = 4;
     pub const MORE_ROUNDS: u32 = 8;
-    pub const PROCESSOR: u32 = 16;
-    pub const DEAD: u32 = 32;
-    pub const MORE_BLOWS: u32 = 64;
-    pub const MORE_MESH_PAIRS: u32 = 128;
-    pub const OTHER_PARTS: u32 = 256;
+    pub const MORE_BLOWS: u32 = 16;
+    pub const MORE_MESH_PAIRS: u32 = 32;
     /// For these there has to be more room.
     pub const MORE_ROOM: u32 = MORE_PAIRS | MORE_MESH_PAIRS | MORE_CONTACTS | MORE_COLOURS;
+}
+
+/// Why a world was left out.
+pub(super) mod stopped {
+    /// It has no step to take.
+    pub const DONE: u32 = 1;
+    /// The step is the processor's.
+    pub const PROCESSOR: u32 = 2;
+    /// The step has to be cut into other parts.
+    pub const OTHER_PARTS: u32 = 4;
 }
 
 /// Places of runs: groups of pairs, colours, all contacts, all bodies.
@@ -156,7 +177,7 @@ impl Plan {
         self.pressing = take(self.contacts + 1);
         self.foreseen = take(self.contacts);
         self.near = take(2 * self.most_near * self.mesh_pairs);
-        self.ended = take(self.remembered + 1);
+        self.ended = take(self.places() + 1);
         self.merged = take(self.contacts);
         self.same = take(self.contacts);
         let mut marks = 0;
@@ -167,12 +188,34 @@ impl Plan {
         self.colour = take(self.contacts);
         [end, marks]
     }
+    /// The same of so many worlds.
+    pub fn of_worlds(self, worlds: u32) -> Self {
+        let forces = worlds * self.state_numbers;
+        Self {
+            worlds,
+            bodies: 1 + worlds * self.own_bodies,
+            shapes: worlds * self.own_shapes,
+            units: worlds * self.own_units,
+            joints: worlds * self.own_joints,
+            forces,
+            given: forces + 6 * worlds * self.own_bodies,
+            ..self
+        }
+    }
+    /// Numbers of all states, of what acts on bodies, and of what is given to joints.
+    pub fn numbers(&self) -> u32 {
+        self.given + self.worlds * self.given_numbers
+    }
     /// Of the largest launch.
     pub fn most_invocations(&self) -> u32 {
         let things = [self.bodies, self.shapes, self.units, self.buckets];
-        let found = [self.pairs, self.contacts, self.remembered, self.joints];
+        let found = [self.pairs, self.contacts, self.places(), self.joints];
         let all = things.into_iter().chain(found);
         all.max().map_or(0, |most| most.saturating_add(1))
+    }
+    /// Of contacts that all worlds have room to remember.
+    pub fn places(&self) -> u32 {
+        self.worlds * self.remembered
     }
     pub fn group_matrix_length(&self) -> u32 {
         self.groups * self.pair_blocks
@@ -187,41 +230,46 @@ pub(super) fn constants() -> String {
     let t = ContactTables::new();
     let whole = [
         ("FLAG", status::FLAG),
-        ("STEPS", status::STEPS),
         ("PAIRS", status::PAIRS),
         ("MESH_PAIRS", status::MESH_PAIRS),
-        ("PARTS", status::PARTS),
-        ("PART", status::PART),
-        ("NEEDED", status::NEEDED),
-        ("TURNED", status::TURNED),
-        ("ENDED", status::ENDED),
-        ("SUM_ROUND", status::SUM_ROUND),
-        ("FORESEEN", status::FORESEEN),
-        ("LAUNCHED", status::LAUNCHED),
         ("CONTACTS", status::CONTACTS),
         ("COLOURED", status::COLOURED),
-        ("WIDEST", status::WIDEST),
         ("CHANGED", status::CHANGED),
         ("SETTLED", status::SETTLED),
         ("ROUND", status::ROUND),
         ("ROUNDS", status::ROUNDS),
-        ("MEETS", status::MEETS),
-        ("STRUCK", status::STRUCK),
+        ("MEETING", status::MEETING),
+        ("ANY_STRUCK", status::ANY_STRUCK),
         ("BLOW_ROUND", status::BLOW_ROUND),
         ("BLOWING", status::BLOWING),
         ("MOST_BLOWS", status::MOST_BLOWS),
         ("KEEP", status::KEEP),
         ("ROUNDS_OF_BLOWS", status::ROUNDS_OF_BLOWS),
+        ("LAUNCHED", status::LAUNCHED),
+        ("PARTS", status::PARTS),
+        ("PART", status::PART),
+        ("ENDED", status::ENDED),
+        ("SUM_ROUND", status::SUM_ROUND),
+        ("FORESEEN", status::FORESEEN),
+        ("STATUS", status::WIDTH),
+        ("STOPPED", of_world::STOPPED),
+        ("LEFT", of_world::LEFT),
+        ("NEEDED", of_world::NEEDED),
+        ("TURNED", of_world::TURNED),
+        ("WIDEST", of_world::WIDEST),
+        ("MEETS", of_world::MEETS),
+        ("STRUCK", of_world::STRUCK),
+        ("OF_WORLD", of_world::WIDTH),
         ("MOST_ROUNDS_OF_BLOWS", BLOWS),
         ("MORE_PAIRS", flag::MORE_PAIRS as usize),
+        ("MORE_MESH_PAIRS", flag::MORE_MESH_PAIRS as usize),
         ("MORE_CONTACTS", flag::MORE_CONTACTS as usize),
         ("MORE_COLOURS", flag::MORE_COLOURS as usize),
         ("MORE_ROUNDS", flag::MORE_ROUNDS as usize),
-        ("PROCESSOR", flag::PROCESSOR as usize),
-        ("DEAD", flag::DEAD as usize),
-        ("OTHER_PARTS", flag::OTHER_PARTS as usize),
-        ("MORE_MESH_PAIRS", flag::MORE_MESH_PAIRS as usize),
         ("MORE_BLOWS", flag::MORE_BLOWS as usize),
+        ("DONE", stopped::DONE as usize),
+        ("PROCESSOR", stopped::PROCESSOR as usize),
+        ("OTHER_PARTS", stopped::OTHER_PARTS as usize),
         ("COLOUR_RUN", run::COLOURS as usize),
         ("CONTACTS_RUN", run::CONTACTS as usize),
         ("BODIES_RUN", run::BODIES as usize),
@@ -237,6 +285,7 @@ pub(super) fn constants() -> String {
         ("SIDE", SIDE),
         ("ROW", row::WIDTH),
         ("VELOCITY", row::VELOCITY),
+        ("FREE", row::FREE),
         ("SHIFT", row::SHIFT),
         ("TURN", row::TURN),
         ("CENTER", row::CENTER),
@@ -281,6 +330,7 @@ pub(super) fn constants() -> String {
         ("MANIFOLD", t.point.at(0, 0)),
         ("MANIFOLD_NORMAL", manifold::NORMAL),
         ("MANIFOLD_FRICTION", manifold::FRICTION),
+        ("MANIFOLD_RESTITUTION", manifold::RESTITUTION),
         ("MANIFOLD_STICKING", manifold::STICKING),
         ("MANIFOLD_THICKNESS", manifold::THICKNESS),
         ("MANIFOLD_DRAG", manifold::DRAG),

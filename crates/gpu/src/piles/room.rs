@@ -1,18 +1,19 @@
-//! Room for what a step finds. Worlds are stepped one after the other, and share it.
+//! Room for what a step finds. Batches of worlds are stepped one after the other, and share it.
 
+use super::batch::Batch;
 use super::joints::Joints;
 use super::kernels::Kernels;
-use super::pile::Pile;
-use super::plan::{KEYS, Plan, run, status};
-use super::scene::Scene;
+use super::plan::{KEYS, Plan, of_world, run, status};
+use super::scene::{BODY, ROW, Scene};
 use crate::memory::{NUMBER, buffer, filled, indirect};
 use crate::pipeline::dispatch;
 use crate::{Gpu, GpuError};
-use rigid::impulse::pair::placed;
-use rigid::impulse::{ContactTables, POINTS, REMEMBERED, global, row};
+use rigid::impulse::pair::{placed, solid};
+use rigid::impulse::{ContactTables, POINTS, REMEMBERED, global};
+use std::iter::repeat_n;
 use wgpu::{BindGroup, Buffer, ComputePass};
 
-/// Buffers, in the order in which they are bound after those of a world.
+/// Buffers, in the order in which they are bound after those of a batch.
 #[derive(Debug)]
 pub(super) struct Buffers {
     rows: Buffer,
@@ -31,6 +32,7 @@ pub(super) struct Buffers {
     pub status: Buffer,
     runs: Buffer,
     pub launches: Buffer,
+    struck_seats: Buffer,
     constants: Buffer,
     whole: Buffer,
     plan: Buffer,
@@ -48,8 +50,8 @@ pub(super) struct Room {
     pub contacts: BindGroup,
     pub sums: BindGroup,
     pub colours: Vec<BindGroup>,
-    /// Of runs of joints; the last has all.
-    pub joints: Vec<BindGroup>,
+    /// Of runs of joints, and of those in them that hand a blow on; the last has all.
+    pub joints: [Vec<BindGroup>; 2],
     pub groups: Vec<BindGroup>,
     /// Of buckets, units, groups, touching pairs, bodies, colours, pressing contacts, and those that ended.
     pub scans: [Scan; 8],
@@ -82,7 +84,7 @@ impl Buffers {
         let [parameters, scratch] = scene.pair_lengths(false);
         let [mesh_parameters, mesh_scratch] = scene.pair_lengths(true);
         Ok(Self {
-            rows: of(plan.bodies, row::WIDTH)?,
+            rows: of(plan.bodies, ROW)?,
             shape_scratch: of(plan.shapes, SHAPE_SCRATCH)?,
             placed: of(plan.shapes, placed::WIDTH + BOX)?,
             pair_parameters: of(plan.pairs, parameters)?,
@@ -95,17 +97,23 @@ impl Buffers {
             seats: of(2 * plan.contacts, 1)?,
             words: of(words + words.div_ceil(SUMMED), 1)?,
             marks: of(marks + marks.div_ceil(SUMMED), 1)?,
-            status: filled(gpu, &[0_u32; status::WIDTH])?,
+            status: buffer(gpu, told(plan) as u64)?,
             runs: of(run::COUNT, 2)?,
             launches: indirect(gpu, 3 * u64::from(run::JOINTS + plan.joint_runs))?,
-            constants: filled(gpu, &scene.constants)?,
+            struck_seats: of(2 * plan.joints, 1)?,
+            constants: sized(gpu, scene.constants(0).len() as u64)?,
             whole: filled(gpu, &scene.whole)?,
             plan: gpu.uniform(bytemuck::cast_slice(&[*plan])),
             globals: buffer(gpu, global::WIDTH as u64)?,
-            body_parameters: filled(gpu, &scene.body_parameters)?,
-            shape_parameters: filled(gpu, &scene.shape_parameters)?,
+            body_parameters: of(plan.bodies, global::WIDTH + BODY)?,
+            shape_parameters: of(plan.shapes, global::WIDTH + solid::WIDTH)?,
         })
     }
+}
+
+/// Words of the status of all worlds.
+pub(super) fn told(plan: &Plan) -> usize {
+    status::WIDTH + plan.worlds as usize * of_world::WIDTH
 }
 
 /// A buffer of so many numbers, if the card takes one that large.
@@ -127,23 +135,30 @@ fn bind_joints(
     joints: &Joints,
     buffers: &Buffers,
     plan: &Plan,
-) -> Result<Vec<BindGroup>, GpuError> {
-    let seats = filled(gpu, &joints.seats)?;
-    let runs = filled(gpu, joints.runs.as_flattened())?;
+) -> Result<[Vec<BindGroup>; 2], GpuError> {
+    let (worlds, bodies) = (plan.worlds, plan.own_bodies);
+    let seat = |world: u32, body: u32| if body == 0 { 0 } else { world * bodies + body };
+    let all = joints.seats.iter();
+    let seats = all.flat_map(|body| (0..worlds).map(move |world| seat(world, *body)));
+    let seats = filled(gpu, &Vec::from_iter(seats))?;
+    let runs = joints.runs.as_flattened().iter().map(|n| worlds * n);
+    let runs = filled(gpu, &Vec::from_iter(runs))?;
     let links = filled(gpu, &joints.links)?;
     let Buffers {
         joints: own,
+        struck_seats,
         rows,
         globals,
         ..
     } = buffers;
     let numbers = 0..joints.runs.len() as u32;
-    let bind = |number| {
+    let bind = |seats, number| {
         let launch = gpu.uniform(&[plan.joints, number, plan.bodies]);
-        let all = [own, &seats, &runs, rows, globals, &links, &launch];
+        let all = [own, seats, &runs, rows, globals, &links, &launch];
         gpu.bindings(gpu.layout(), &all)
     };
-    Ok(numbers.map(bind).collect())
+    let of = |seats| numbers.clone().map(|number| bind(seats, number)).collect();
+    Ok([of(&seats), of(struck_seats)])
 }
 
 impl Room {
@@ -233,7 +248,7 @@ impl Room {
                 .collect(),
             joints: match &scene.joints {
                 Some(joints) => bind_joints(gpu, joints, &buffers, plan)?,
-                None => Vec::new(),
+                None => [Vec::new(), Vec::new()],
             },
             groups: groups.collect::<Result<_, GpuError>>()?,
             scans: [
@@ -244,7 +259,7 @@ impl Room {
                 scan_marks(plan.body_start, plan.bodies + 1),
                 scan(plan.colour_matrix, plan.colour_matrix_length()),
                 scan(plan.pressing, plan.contacts + 1),
-                scan(plan.ended, plan.remembered + 1),
+                scan(plan.ended, plan.places() + 1),
             ],
             sort_pairs: sort([
                 plan.pair_group,
@@ -268,32 +283,54 @@ impl Room {
         })
     }
 
-    /// Writes the constants of a step that is cut into so many parts.
-    pub fn cut(&self, gpu: &Gpu, scene: &Scene, plan: &Plan, parts: usize) {
-        let globals = scene.globals(parts);
-        let of = |things: u32| -> Vec<f32> {
-            let columns = globals.iter();
-            let columns = columns.flat_map(|x| std::iter::repeat_n(*x, things as usize));
-            columns.collect()
-        };
+    /// Writes the constants of worlds from the first on.
+    pub fn fill(&self, gpu: &Gpu, scene: &Scene, first: usize) {
         let b = &self.buffers;
-        for (buffer, things) in [
-            (&b.globals, 1),
-            (&b.body_parameters, plan.bodies),
-            (&b.shape_parameters, plan.shapes),
+        let behind_globals = |things: u32| u64::from(things) * global::WIDTH as u64;
+        for (buffer, at, numbers) in [
+            (&b.constants, 0, scene.constants(first)),
+            (
+                &b.body_parameters,
+                behind_globals(scene.plan.bodies),
+                scene.body_constants(first),
+            ),
+            (
+                &b.shape_parameters,
+                behind_globals(scene.plan.shapes),
+                scene.shape_constants(first),
+            ),
         ] {
-            let bytes = of(things);
-            gpu.queue()
-                .write_buffer(buffer, 0, bytemuck::cast_slice(&bytes));
+            let bytes = bytemuck::cast_slice(&numbers);
+            gpu.queue().write_buffer(buffer, at * NUMBER, bytes);
+        }
+    }
+    /// Writes those of a step that is cut into so many parts.
+    pub fn cut(&self, gpu: &Gpu, scene: &Scene, first: usize, parts: usize) {
+        let globals = scene.globals(first, parts);
+        let b = &self.buffers;
+        let (bodies, shapes) = (scene.plan.own_bodies, scene.plan.own_shapes);
+        // Contacts and joints read what is the same in all worlds. Row 0 of bodies is everybody's.
+        for (buffer, before, each, sets) in [
+            (&b.globals, 0, 1, &globals[..1]),
+            (&b.body_parameters, 1, bodies, &globals),
+            (&b.shape_parameters, 0, shapes, &globals),
+        ] {
+            let column = |number: usize| {
+                let own = move |set: &[f32; global::WIDTH]| repeat_n(set[number], each as usize);
+                repeat_n(0.0, before).chain(sets.iter().flat_map(own))
+            };
+            let numbers = Vec::from_iter((0..global::WIDTH).flat_map(column));
+            let bytes = bytemuck::cast_slice(&numbers);
+            gpu.queue().write_buffer(buffer, 0, bytes);
         }
     }
 
-    /// What lies between the kernels, with a world's own buffers.
-    pub fn of(&self, gpu: &Gpu, kernels: &Kernels, pile: &Pile) -> BindGroup {
+    /// What lies between the kernels, with a batch's own buffers.
+    pub fn of(&self, gpu: &Gpu, kernels: &Kernels, batch: &Batch) -> BindGroup {
         let b = &self.buffers;
         let all = [
-            &pile.state,
-            &pile.colours,
+            &batch.state,
+            &batch.colours,
             &b.rows,
             &b.shape_scratch,
             &b.placed,
@@ -310,6 +347,7 @@ impl Room {
             &b.joints,
             &b.mesh_parameters,
             &b.mesh_scratch,
+            &b.struck_seats,
             &b.constants,
             &b.whole,
             &b.plan,

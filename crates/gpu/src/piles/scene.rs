@@ -3,6 +3,7 @@
 use super::joints::Joints;
 use super::meshes::Meshes;
 use super::plan::{GROUPS, Plan};
+use super::steps::PAIRS;
 use crate::memory::NUMBER;
 use crate::{Gpu, GpuError};
 use collide::{Route, kind};
@@ -11,7 +12,7 @@ use numbers::trace::Program;
 use records::PilePrograms;
 use rigid::impulse::pair::{PairPlaces, PairTables, solid};
 use rigid::impulse::{
-    Collider, FARTHEST, FREE_TURN, HELD_TURN, Impulse, NEARBY, WORLD, global, grip, mass,
+    Collider, FARTHEST, FREE_TURN, HELD_TURN, Impulse, NEARBY, WORLD, global, grip, mass, row,
 };
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
@@ -23,18 +24,31 @@ pub(super) struct Scene {
     pub programs: PilePrograms,
     pub joints: Option<Joints>,
     meshes: Meshes,
-    pub parameters: Vec<f32>,
+    pub parameters: Parameters,
     pub groups: Vec<Group>,
+    /// What all worlds have in common.
     pub constants: Vec<f32>,
     pub whole: Vec<u32>,
-    /// Constants of bodies and shapes as their kernels read them, `[number][body]`; the first ones are those of a
-    /// [step](Self::globals).
-    pub body_parameters: Vec<f32>,
-    pub shape_parameters: Vec<f32>,
+    /// A shape of each surface.
+    surfaces: Vec<u32>,
     /// Whether there may be blows.
     pub bounces: bool,
     /// With the places of constants, and not yet those of what steps need.
     pub plan: Plan,
+}
+
+/// The constants of the solver: the same in all worlds, or those of each.
+#[derive(Debug)]
+pub(super) struct Parameters(Vec<Vec<f32>>);
+
+impl Parameters {
+    pub fn of(&self, world: usize) -> &[f32] {
+        &self.0[world.min(self.0.len() - 1)]
+    }
+    /// Whether each world has its own.
+    pub fn differ(&self) -> bool {
+        self.0.len() > 1
+    }
 }
 
 /// Pairs that one kernel meets.
@@ -57,6 +71,8 @@ pub(super) const UNIT: usize = 64;
 pub(super) const SIDE: usize = 5;
 /// No first of these: the unit is a small shape.
 const SMALL: u32 = u32::MAX;
+/// Numbers of a body while a step runs: behind its row, what it has of free velocity before blows.
+pub(super) const ROW: usize = row::WIDTH + 6;
 /// Numbers of what two surfaces make of a contact.
 pub(super) const SURFACE: usize = 9;
 /// Surfaces that differ, at most.
@@ -70,12 +86,16 @@ impl Group {
 }
 
 impl Scene {
+    /// With so many worlds to be stepped, as many of them together as a card has room for.
+    ///
     /// # Errors
-    /// The model has what cards do not know of piles.
+    /// The model has what cards do not know of piles; one world is larger than a buffer of the card.
     pub fn new(
+        gpu: &Gpu,
         impulse: &Impulse,
         model: &Model,
         filter: Option<&CollisionFilter>,
+        worlds: usize,
     ) -> Result<Self, GpuError> {
         let parameters: Vec<_> = impulse.parameters().iter().map(|x| *x as f32).collect();
         let forms: BTreeSet<_> = impulse.shapes().iter().map(form_of).collect();
@@ -88,18 +108,16 @@ impl Scene {
             groups: Vec::new(),
             constants: Vec::new(),
             whole: Vec::new(),
-            body_parameters: body_parameters(impulse, &parameters),
-            shape_parameters: shape_parameters(impulse, &parameters),
+            surfaces: Vec::new(),
             bounces: false,
             plan: Plan::default(),
-            parameters: parameters.clone(),
+            parameters: Parameters(vec![parameters.clone()]),
         };
         let settings = impulse.settings();
-        let shapes = impulse.shapes();
-        scene.plan.bodies = impulse.rows() as u32;
-        scene.plan.shapes = shapes.len() as u32;
+        scene.plan.own_bodies = impulse.rows() as u32 - 1;
+        scene.plan.own_shapes = impulse.shapes().len() as u32;
         scene.plan.remembered = impulse.capacity() as u32;
-        scene.plan.alive = impulse.alive() as u32;
+        scene.plan.state_numbers = impulse.lengths().state as u32;
         scene.plan.body_state = impulse.body_state(0) as u32;
         let places = impulse.memory_places().map(|n| n as u32);
         [scene.plan.count, scene.plan.forgotten, scene.plan.memory] = places;
@@ -108,20 +126,35 @@ impl Scene {
         scene.plan.farthest = FARTHEST as f32;
         scene.groups_of(&forms, &parameters, filter)?;
         let large = scene.large(&parameters);
-        scene.shapes(&parameters, &forms, &large);
+        scene.shapes(&forms, &large);
         scene.mesh();
         scene.sides(filter);
         scene.paired(model);
         scene.units(&large);
-        scene.surfaces(&parameters, model)?;
-        scene.turns(&parameters);
+        scene.surfaces(model)?;
         scene.tie();
+        scene.place_constants();
+        scene.spread(gpu, worlds)?;
         Ok(scene)
     }
 
-    /// The constants of a step that is cut into so many parts.
-    pub fn globals(&self, parts: usize) -> [f32; global::WIDTH] {
-        self.impulse.globals(&self.parameters, parts)
+    /// Places worlds side by side, as many as a card has room for.
+    fn spread(&mut self, gpu: &Gpu, worlds: usize) -> Result<(), GpuError> {
+        let alone = self.plan.of_worlds(1);
+        let longest = alone.numbers().max(ROW as u32 * alone.bodies);
+        let numbers = gpu.most_bytes() / NUMBER / u64::from(longest);
+        let things = gpu.most_invocations() / (PAIRS * alone.most_invocations());
+        let most = numbers.min(things.max(1).into()) as usize;
+        if most == 0 {
+            return Err(GpuError::TooLarge {
+                bytes: u64::from(longest) * NUMBER,
+                most: gpu.most_bytes(),
+                card: gpu.name().to_owned(),
+            });
+        }
+        let width = worlds.div_ceil(worlds.div_ceil(most));
+        self.plan = self.plan.of_worlds(width as u32);
+        Ok(())
     }
     /// Numbers of a pair in parameters and scratch: of two solids, or of a solid and a mesh.
     pub fn pair_lengths(&self, of_mesh: bool) -> [usize; 2] {
@@ -137,8 +170,8 @@ impl Scene {
         u32::try_from(gpu.most_bytes() / bytes).unwrap_or(u32::MAX)
     }
 
-    /// Adds constants; where they begin.
-    fn constants(&mut self, numbers: impl IntoIterator<Item = f32>) -> u32 {
+    /// Adds constants that all worlds have in common; where they begin.
+    fn common(&mut self, numbers: impl IntoIterator<Item = f32>) -> u32 {
         let at = self.constants.len() as u32;
         self.constants.extend(numbers);
         at
@@ -227,7 +260,7 @@ impl Scene {
             .collect()
     }
 
-    fn shapes(&mut self, parameters: &[f32], forms: &[Form], large: &[bool]) {
+    fn shapes(&mut self, forms: &[Form], large: &[bool]) {
         let impulse = Arc::clone(&self.impulse);
         let shapes = impulse.shapes();
         let all = 0..shapes.len();
@@ -239,17 +272,47 @@ impl Scene {
             [form as u32, flags[0] | flags[1] << 1 | flags[2] << 2]
         };
         self.plan.shape_form = self.whole(all.clone().flat_map(form));
-        let mut corners = Vec::new();
+        let mut corners = 0;
         let mut first = Vec::new();
-        for i in all.clone() {
-            first.extend([corners.len() as u32, u32::from(large[i])]);
-            corners.extend_from_slice(impulse.corners_of(i, parameters));
+        for (shape, large) in shapes.iter().zip(large) {
+            first.extend([corners as u32, u32::from(*large)]);
+            corners += 3 * shape.corners;
         }
         self.plan.first_corner = self.whole(first);
-        self.plan.corners = self.constants(corners);
-        self.plan.solids = self.constants(impulse.solids(parameters).iter().copied());
+    }
+
+    /// Constants of which each world may have its own, one kind after the other.
+    fn own_constants(&self, parameters: &[f32]) -> [Vec<f32>; 5] {
+        let impulse = &self.impulse;
+        let shapes = 0..impulse.shapes().len();
+        let corners = shapes.clone().map(|i| impulse.corners_of(i, parameters));
         let grown = |i: usize| (impulse.widest_margin(i as u32, parameters) + NEARBY) as f32;
-        self.plan.grown = self.constants(all.map(grown));
+        [
+            corners.flatten().copied().collect(),
+            impulse.solids(parameters).to_vec(),
+            shapes.map(grown).collect(),
+            self.surface_table(parameters),
+            self.turns(parameters),
+        ]
+    }
+    /// Where these lie: behind what all worlds have in common.
+    fn place_constants(&mut self) {
+        let own = self.own_constants(self.parameters.of(0));
+        let mut end = self.constants.len() as u32;
+        let places = own.each_ref().map(|numbers| {
+            end += numbers.len() as u32;
+            end - numbers.len() as u32
+        });
+        let length = end - self.constants.len() as u32;
+        let plan = &mut self.plan;
+        [
+            plan.corners,
+            plan.solids,
+            plan.grown,
+            plan.surface,
+            plan.turn,
+        ] = places;
+        plan.own_constants = if self.parameters.differ() { length } else { 0 };
     }
 
     /// The triangles of all meshes, in groups of clusters.
@@ -258,14 +321,14 @@ impl Scene {
         let single = |numbers: Vec<f64>| numbers.into_iter().map(|x| x as f32);
         let ranges = |ranges: Vec<[usize; 2]>| ranges.into_iter().flatten().map(|i| i as u32);
         let (boxes, rows): (Vec<_>, Vec<_>) = data.groups().unzip();
-        self.plan.mesh_groups = self.constants(single(boxes.concat()));
+        self.plan.mesh_groups = self.common(single(boxes.concat()));
         self.plan.mesh_group_rows = self.whole(ranges(rows));
         let (boxes, rows): (Vec<_>, Vec<_>) = data.clusters().unzip();
-        self.plan.mesh_clusters = self.constants(single(boxes.concat()));
+        self.plan.mesh_clusters = self.common(single(boxes.concat()));
         self.plan.mesh_cluster_rows = self.whole(ranges(rows));
         let triangles = data.triangles().iter();
         let triangles = triangles.flat_map(|t| t.numbers().map(|x| x as f32));
-        self.plan.mesh_triangles = self.constants(triangles.collect::<Vec<_>>());
+        self.plan.mesh_triangles = self.common(triangles.collect::<Vec<_>>());
         self.plan.mesh_of_shape = self.whole(ranges(groups));
     }
 
@@ -333,7 +396,7 @@ impl Scene {
                 units.extend([i as u32, SMALL]);
             }
         }
-        self.plan.units = (units.len() / 2) as u32;
+        self.plan.own_units = (units.len() / 2) as u32;
         self.plan.unit_shapes = self.whole(units);
         let shapes = (0..).zip(large).filter(|(_, large)| **large);
         let shapes = Vec::from_iter(shapes.map(|(i, _)| i));
@@ -342,7 +405,7 @@ impl Scene {
     }
 
     /// What each two surfaces make of a contact. A shape of a pair that has a surface of its own is of no other's kind.
-    fn surfaces(&mut self, parameters: &[f32], model: &Model) -> Result<(), GpuError> {
+    fn surfaces(&mut self, model: &Model) -> Result<(), GpuError> {
         let impulse = Arc::clone(&self.impulse);
         let pairs = model.contact_pairs.iter();
         let paired: HashSet<_> = pairs
@@ -352,7 +415,8 @@ impl Scene {
         let mut examples: Vec<u32> = Vec::new();
         let mut known = HashMap::new();
         for (shape, collider) in impulse.shapes().iter().enumerate() {
-            let numbers = impulse.surface_of(shape, parameters).iter();
+            let sets = self.parameters.0.iter();
+            let numbers = sets.flat_map(|set| impulse.surface_of(shape, set));
             let mut bits: Vec<_> = numbers.map(|x| x.to_bits()).collect();
             if paired.contains(&collider.shape) {
                 bits.push(shape as u32);
@@ -368,25 +432,36 @@ impl Scene {
                 "give more shapes the same one, or run on the processor",
             ));
         }
-        let mut table = Vec::new();
-        for a in &examples {
-            for b in &examples {
-                let s = impulse.surface([*a, *b], parameters);
-                self.bounces |= s.restitution > 0.0;
-                let [stiffness, damping] = s.spring;
-                table.extend([s.friction, s.restitution, s.torsion, s.rolling]);
-                table.extend([stiffness, damping, s.settling, s.sticking]);
-                table.push(impulse.margin([*a, *b], parameters).into());
-            }
-        }
+        let pairs = examples
+            .iter()
+            .flat_map(|a| examples.iter().map(|b| [*a, *b]));
+        let bounces = |pair| {
+            let mut sets = self.parameters.0.iter();
+            sets.any(|set| impulse.surface(pair, set).restitution > 0.0)
+        };
+        self.bounces = pairs.into_iter().any(bounces);
         self.plan.surfaces = examples.len() as u32;
         self.plan.shape_surface = self.whole(of_shape);
-        self.plan.surface = self.constants(table.into_iter().map(|x| x as f32));
+        self.surfaces = examples;
         Ok(())
     }
 
+    fn surface_table(&self, parameters: &[f32]) -> Vec<f32> {
+        let mut table = Vec::new();
+        for a in &self.surfaces {
+            for b in &self.surfaces {
+                let s = self.impulse.surface([*a, *b], parameters);
+                let [stiffness, damping] = s.spring;
+                table.extend([s.friction, s.restitution, s.torsion, s.rolling]);
+                table.extend([stiffness, damping, s.settling, s.sticking]);
+                table.push(self.impulse.margin([*a, *b], parameters).into());
+            }
+        }
+        table.into_iter().map(|x| x as f32).collect()
+    }
+
     /// What a body's spin [rad/s] is multiplied by that it may be 1 before a step is cut into parts.
-    fn turns(&mut self, parameters: &[f32]) {
+    fn turns(&self, parameters: &[f32]) -> Vec<f32> {
         let impulse = &self.impulse;
         let length = impulse.settings().substep();
         let mut turns = vec![0.0; impulse.rows()];
@@ -399,20 +474,22 @@ impl Scene {
         for row in held {
             turns[*row as usize] = (length / HELD_TURN) as f32;
         }
-        self.plan.turn = self.constants(turns);
+        // Without what does not move.
+        turns.split_off(1)
     }
 
     /// Where joints are, and where their numbers lie.
     fn tie(&mut self) {
-        self.plan.forces = self.impulse.lengths().state as u32;
-        self.plan.given = self.plan.forces + 6 * self.plan.bodies;
         let Some(joints) = &self.joints else { return };
-        self.plan.joints = joints.count() as u32;
+        self.plan.own_joints = joints.count() as u32;
+        self.plan.given_numbers = (joints.given() * joints.count()) as u32;
         self.plan.law_numbers = joints.law_numbers() as u32;
         self.plan.tied = self.impulse.tied_state(0).start as u32;
         let (ties, runs) = (joints.ties.clone(), joints.runs.clone());
+        let seats = joints.seats.clone();
         self.plan.joint_runs = runs.len() as u32 - 1;
         self.plan.ties = self.whole(ties);
+        self.plan.joint_seats = self.whole(seats);
         self.plan.joint_run = self.whole(runs.into_flattened());
     }
 }
@@ -454,30 +531,64 @@ fn unsupported(what: &'static str, remedy: &'static str) -> GpuError {
     GpuError::Unsupported { what, remedy }
 }
 
-/// A row of each thing as columns, `[number][thing]`.
-fn columns(things: usize, width: usize, rows: &[f32]) -> Vec<f32> {
-    let own = (0..width).flat_map(|number| (0..things).map(move |i| rows[i * width + number]));
-    own.collect()
-}
-
-fn body_parameters(impulse: &Impulse, parameters: &[f32]) -> Vec<f32> {
-    let bodies = impulse.rows();
-    let mut grips = vec![0.0; grip::WIDTH * bodies];
-    for (row, grip) in impulse.grips(parameters) {
-        let own = grips[grip::WIDTH * row..].iter_mut();
-        own.zip(grip).for_each(|(own, x)| *own = x as f32);
+impl Scene {
+    /// The constants of a step that is cut into so many parts, of each world from the first on.
+    pub fn globals(&self, first: usize, parts: usize) -> Vec<[f32; global::WIDTH]> {
+        let worlds = first..first + self.plan.worlds as usize;
+        let of = |world| self.impulse.globals(self.parameters.of(world), parts);
+        worlds.map(of).collect()
     }
-    let masses = columns(bodies, mass::WIDTH, impulse.masses(parameters));
-    let room = vec![0.0; global::WIDTH * bodies];
-    [room, masses, columns(bodies, grip::WIDTH, &grips)].concat()
+    /// Constants of all bodies of worlds from the first on as their kernels read them, `[number][body]`, behind those of
+    /// the step.
+    pub fn body_constants(&self, first: usize) -> Vec<f32> {
+        let impulse = &self.impulse;
+        let worlds = first..first + self.plan.worlds as usize;
+        let rows = worlds.flat_map(|world| {
+            let parameters = self.parameters.of(world);
+            let mut rows = vec![[0.0; BODY]; impulse.rows()];
+            for (row, own) in rows.iter_mut().enumerate() {
+                own[..mass::WIDTH].copy_from_slice(impulse.mass_of(row, parameters));
+            }
+            for (row, grip) in impulse.grips(parameters) {
+                let own = rows[row][mass::WIDTH..].iter_mut();
+                own.zip(grip).for_each(|(own, x)| *own = x as f32);
+            }
+            // Row 0 is everybody's.
+            let skipped = usize::from(world > first);
+            rows.split_off(skipped)
+        });
+        columns(&Vec::from_iter(rows))
+    }
+    /// The same of shapes.
+    pub fn shape_constants(&self, first: usize) -> Vec<f32> {
+        let impulse = &self.impulse;
+        let worlds = first..first + self.plan.worlds as usize;
+        let rows = worlds.flat_map(|world| {
+            let parameters = self.parameters.of(world);
+            (0..impulse.shapes().len()).map(|shape| {
+                let mut own = [0.0; solid::WIDTH];
+                own.copy_from_slice(impulse.solid_of(shape, parameters));
+                own
+            })
+        });
+        columns(&Vec::from_iter(rows))
+    }
+    /// All constants of worlds from the first on.
+    pub fn constants(&self, first: usize) -> Vec<f32> {
+        let sets = match self.parameters.differ() {
+            true => first..first + self.plan.worlds as usize,
+            false => 0..1,
+        };
+        let own = sets.flat_map(|world| self.own_constants(self.parameters.of(world)).concat());
+        self.constants.iter().copied().chain(own).collect()
+    }
 }
 
-fn shape_parameters(impulse: &Impulse, parameters: &[f32]) -> Vec<f32> {
-    let shapes = impulse.shapes().len();
-    let room = vec![0.0; global::WIDTH * shapes];
-    [
-        room,
-        columns(shapes, solid::WIDTH, impulse.solids(parameters)),
-    ]
-    .concat()
+/// Constants of a body.
+pub(super) const BODY: usize = mass::WIDTH + grip::WIDTH;
+
+/// Rows of things as columns, `[number][thing]`.
+fn columns<const N: usize>(rows: &[[f32; N]]) -> Vec<f32> {
+    let own = (0..N).flat_map(|number| rows.iter().map(move |row| row[number]));
+    own.collect()
 }

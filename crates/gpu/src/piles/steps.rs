@@ -1,15 +1,16 @@
-//! Steps of worlds, submitted several at a time.
+//! Steps of batches of worlds, submitted several at a time.
 
+use super::batch::Batch;
 use super::joints::Joints;
 use super::kernels::Kernels;
-use super::pile::Pile;
-use super::plan::{BLOCK, COLOURS, KEYS, Plan, SUM_ROUNDS, flag, run, status};
-use super::room::{Room, Scan};
+use super::plan::{BLOCK, COLOURS, KEYS, Plan, SUM_ROUNDS, flag, of_world, run, status, stopped};
+use super::room::{Room, Scan, told};
 use super::scene::Scene;
 use crate::clock::{Clock, Pass};
 use crate::memory::{NUMBER, Staging, buffer};
 use crate::pipeline::{WORKGROUP, dispatch};
 use crate::{Gpu, GpuError};
+use rigid::impulse::ContactTables;
 use rigid::impulse::blow::ROUNDS as BLOWS;
 use wgpu::{BindGroup, Buffer, ComputePipeline};
 
@@ -18,9 +19,9 @@ use wgpu::{BindGroup, Buffer, ComputePipeline};
 pub(super) struct Steps {
     plan: Plan,
     room: Room,
-    /// Into how many parts steps are cut that the room is ready for.
-    parts: usize,
-    /// The state of a world before a step that is cut into parts.
+    /// The first world of the batch, and into how many parts its steps are cut, that the room is ready for.
+    ready: Option<(usize, usize)>,
+    /// The states of a batch before a step that is cut into parts.
     before: Option<Buffer>,
     staging: Staging,
     /// While stages are timed.
@@ -28,7 +29,7 @@ pub(super) struct Steps {
 }
 
 /// Pairs of each shape and contacts of each body that there is room for at first.
-const PAIRS: u32 = 8;
+pub(super) const PAIRS: u32 = 8;
 const CONTACTS: u32 = 4;
 /// Colours that there is room for, and that are launched, at first.
 const FIRST_COLOURS: u32 = 16;
@@ -39,195 +40,253 @@ const MOST_ROUNDS: usize = 256;
 const STEPS: usize = 16;
 const LAUNCHES: usize = 16_384;
 
-/// How steps of a world are submitted.
+/// How steps of a batch are submitted.
 #[derive(Debug)]
 pub(super) struct Pace {
     /// Steps in a submission: fewer where they are often not taken.
     steps: usize,
+    /// Worlds in a submission: fewer where there is no room for all of them.
+    worlds: usize,
     /// Colours of contacts that are launched.
     colours: u32,
     /// Rounds of colouring in a step.
     rounds: usize,
-    /// Whether these, or colours, were too few, so that colouring goes on where it ended.
-    goes_on: bool,
+    /// Worlds for which these, or colours, were too few, so that colouring goes on where it ended.
+    uncoloured: Vec<usize>,
     /// Rounds of blows in a small step.
     blows: usize,
-    /// Parts of a step.
-    parts: usize,
 }
 
-impl Default for Pace {
-    fn default() -> Self {
+impl Pace {
+    /// Of so many worlds.
+    pub fn new(worlds: usize) -> Self {
         Self {
             steps: 1,
+            worlds,
             colours: FIRST_COLOURS,
             rounds: FEWEST_ROUNDS,
-            goes_on: false,
+            uncoloured: Vec::new(),
             blows: 0,
-            parts: 1,
         }
     }
 }
 
-/// How far a submission has got.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Progress {
-    /// So many steps were taken; the next one is to be tried again, or is beyond those asked for.
-    Taken(usize),
-    /// So many were taken; the next one is the processor's.
-    Processor(usize),
-    /// The world has diverged.
-    Dead,
+/// Steps that are submitted together.
+#[derive(Debug)]
+struct Turn {
+    /// Worlds of the batch, counted from its first.
+    worlds: Vec<usize>,
+    steps: usize,
+    /// Into how many parts each step is cut.
+    parts: usize,
+}
+
+/// What the card has told of a submission.
+struct Told(Vec<u32>);
+
+impl Told {
+    fn of(&self, place: usize) -> u32 {
+        self.0[place]
+    }
+    fn of_world(&self, world: usize, place: usize) -> u32 {
+        self.0[status::WIDTH + world * of_world::WIDTH + place]
+    }
 }
 
 impl Steps {
     pub fn new(gpu: &Gpu, scene: &Scene, kernels: &Kernels) -> Result<Self, GpuError> {
         let mut plan = scene.plan;
-        plan.pairs = (PAIRS * plan.shapes + BLOCK).min(scene.most_pairs(gpu, false));
         let near = scene.groups.iter().flat_map(|group| group.triangles);
         plan.most_near = near.max().unwrap_or(0) as u32;
         if plan.most_near > 0 {
             plan.mesh_pairs = BLOCK.min(scene.most_pairs(gpu, true));
         }
-        plan.contacts = CONTACTS * plan.bodies + BLOCK;
         plan.colours = FIRST_COLOURS;
+        let mut pairs = PAIRS * plan.shapes + BLOCK;
+        let mut contacts = CONTACTS * plan.bodies + BLOCK;
+        let room = loop {
+            plan.pairs = pairs.min(scene.most_pairs(gpu, false));
+            plan.contacts = contacts.min(most_contacts(gpu));
+            match Room::new(gpu, scene, kernels, &mut plan) {
+                Ok(room) => break room,
+                // Fewer worlds at a time may do with less.
+                Err(_) if pairs.max(contacts) > BLOCK => {
+                    (pairs, contacts) = (pairs / 2, contacts / 2)
+                }
+                Err(error) => return Err(error),
+            }
+        };
         Ok(Self {
-            room: Room::new(gpu, scene, kernels, &mut plan)?,
+            room,
             plan,
-            parts: 0,
+            ready: None,
             before: None,
             staging: Staging::default(),
             clock: None,
         })
     }
 
-    /// Takes at most so many steps of a world.
+    /// Takes some of the steps that worlds of a batch have yet to take. Returns those, counted from its first, of which the
+    /// next step is the processor's.
     pub fn take(
         &mut self,
         gpu: &Gpu,
         scene: &Scene,
         kernels: &Kernels,
-        pile: &mut Pile,
-        steps: usize,
-    ) -> Result<Progress, GpuError> {
-        let small_steps = scene.impulse.settings().contact_iterations;
-        let joints = scene.joints.as_ref().map_or(0, |joints| joints.runs.len());
-        let stage = pile.pace.colours as usize + joints + 1;
-        let launches = small_steps * (2 + pile.pace.blows) * stage;
-        let most = pile.pace.steps.min(LAUNCHES / launches).max(1);
-        // What is cut into parts is taken one by one, that it can be undone.
-        let most = if pile.pace.parts > 1 { 1 } else { most };
-        let steps = steps.min(most);
-        let told = self.submit(gpu, scene, kernels, pile, steps)?;
-        let (flags, taken) = (told[status::FLAG], told[status::STEPS] as usize);
-        let pace = &mut pile.pace;
-        let more = if taken == steps { 2 * pace.steps } else { 1 };
-        pace.steps = more.min(STEPS);
-        let uncoloured = flag::MORE_ROUNDS | flag::MORE_COLOURS;
-        pace.goes_on = flags & uncoloured != 0 && pace.parts == 1;
-        if flags & flag::OTHER_PARTS != 0 {
-            pace.parts = told[status::NEEDED] as usize;
-            return Ok(Progress::Taken(taken));
+        batch: &mut Batch,
+    ) -> Result<Vec<usize>, GpuError> {
+        let turn = turn(scene, batch);
+        let told = self.submit(gpu, scene, kernels, batch, &turn)?;
+        let flags = told.of(status::FLAG);
+        let mut taken = 0;
+        let mut left_to_processor = Vec::new();
+        let mut stops = 0;
+        for &world in &turn.worlds {
+            let asked = batch.left[world].min(turn.steps);
+            let steps = asked - told.of_world(world, of_world::LEFT) as usize;
+            batch.left[world] -= steps;
+            taken += steps;
+            let why = told.of_world(world, of_world::STOPPED);
+            stops |= why & !stopped::DONE;
+            if why & stopped::OTHER_PARTS != 0 {
+                batch.parts[world] = told.of_world(world, of_world::NEEDED) as usize;
+            }
+            if why & stopped::PROCESSOR != 0 {
+                left_to_processor.push(world);
+            }
         }
-        if flags & flag::DEAD != 0 {
-            return Ok(Progress::Dead);
+        let pace = &mut batch.pace;
+        if turn.parts == 1 {
+            let all = flags == 0 && left_to_processor.is_empty();
+            pace.steps = if all { STEPS.min(2 * pace.steps) } else { 1 };
         }
-        let coloured = told[status::COLOURED];
+        pace.uncoloured.clear();
+        if flags & (flag::MORE_ROUNDS | flag::MORE_COLOURS) != 0 && turn.parts == 1 && stops == 0 {
+            let left = turn.worlds.iter().filter(|world| batch.left[**world] > 0);
+            pace.uncoloured.extend(left);
+        }
+        if flags == 0 && stops == 0 && taken == 0 {
+            return Err(gpu.failed("it took no step and gave no reason"));
+        }
+        // What a step without enough of anything has told besides is of no worth.
+        if flags != 0 {
+            return Ok(match self.adapt(gpu, scene, kernels, batch, &turn, &told) {
+                true => Vec::new(),
+                false => turn.worlds,
+            });
+        }
+        // Soon no more colours than there are, but not so soon that it would be too few every other time.
+        let coloured = told.of(status::COLOURED);
         pace.colours = pace.colours.max(coloured);
-        // What a step without enough of anything has told besides is of no worth: so this is asked first, and whether the
-        // processor has to take the step last.
+        pace.colours = coloured + (pace.colours - coloured) / 2;
+        // One more, in which nothing is struck; none where none was foreseen.
+        let foreseen = told.of(status::FORESEEN) != 0;
+        let struck = told.of(status::MOST_BLOWS) as usize;
+        pace.blows = BLOWS.min(struck + usize::from(foreseen));
+        // In most steps colours are those of the step before.
+        let usual = 2 * told.of(status::ROUNDS) as usize;
+        pace.rounds = usual.clamp(FEWEST_ROUNDS, MOST_ROUNDS);
+        Ok(left_to_processor)
+    }
+
+    /// Makes room for what a step has found too little for, has more of it launched, or has fewer worlds stepped at once;
+    /// false where only the processor can take the step.
+    fn adapt(
+        &mut self,
+        gpu: &Gpu,
+        scene: &Scene,
+        kernels: &Kernels,
+        batch: &mut Batch,
+        turn: &Turn,
+        told: &Told,
+    ) -> bool {
+        let flags = told.of(status::FLAG);
+        let pace = &mut batch.pace;
+        let coloured = told.of(status::COLOURED);
+        pace.colours = pace.colours.max(coloured);
         if flags & flag::MORE_ROOM == flag::MORE_COLOURS && coloured <= self.plan.colours {
-            return Ok(Progress::Taken(taken));
+            return true;
         }
         if flags & flag::MORE_ROOM != 0 {
             // There, colours of the attempt are not known.
-            pace.goes_on = false;
-            return Ok(match self.grow(gpu, scene, kernels, &told) {
-                true => Progress::Taken(taken),
-                false => Progress::Processor(taken),
-            });
+            pace.uncoloured.clear();
+            if self.grow(gpu, scene, kernels, told) {
+                return true;
+            }
+            let fewer = turn.worlds.len() / 2;
+            pace.worlds = fewer.max(1);
+            return fewer > 0;
         }
         if flags & flag::MORE_ROUNDS != 0 {
             // Where it cannot go on from where it ended, more rounds than there are would not settle it.
-            if pace.rounds == MOST_ROUNDS && !pace.goes_on {
-                return Ok(Progress::Processor(taken));
+            let goes_on = !pace.uncoloured.is_empty();
+            if pace.rounds == MOST_ROUNDS && !goes_on {
+                return false;
             }
             pace.rounds = MOST_ROUNDS.min(2 * pace.rounds);
-            return Ok(Progress::Taken(taken));
+            return true;
         }
-        if flags & flag::MORE_BLOWS != 0 {
-            pace.blows = BLOWS.min((2 * pace.blows).max(2));
-            return Ok(Progress::Taken(taken));
-        }
-        // Soon no more than there are, but not so soon that it would be too few every other time.
-        pace.colours = coloured + (pace.colours - coloured) / 2;
-        // One more, in which nothing is struck; none where none was foreseen.
-        let foreseen = told[status::FORESEEN] != 0;
-        let struck = told[status::MOST_BLOWS] as usize;
-        pace.blows = BLOWS.min(struck + usize::from(foreseen));
-        // In most steps colours are those of the step before.
-        let usual = 2 * told[status::ROUNDS] as usize;
-        pace.rounds = usual.clamp(FEWEST_ROUNDS, MOST_ROUNDS);
-        if flags & flag::PROCESSOR != 0 {
-            return Ok(Progress::Processor(taken));
-        }
-        if taken == 0 {
-            return Err(gpu.failed("it took no step and gave no reason"));
-        }
-        Ok(Progress::Taken(taken))
+        pace.blows = BLOWS.min((2 * pace.blows).max(2));
+        true
     }
 
-    /// The status after so many steps.
+    /// What is told after the steps of a turn.
     fn submit(
         &mut self,
         gpu: &Gpu,
         scene: &Scene,
         kernels: &Kernels,
-        pile: &Pile,
-        steps: usize,
-    ) -> Result<[u32; status::WIDTH], GpuError> {
-        let parts = pile.pace.parts;
-        if self.parts != parts {
-            self.room.cut(gpu, scene, &self.plan, parts);
-            self.parts = parts;
+        batch: &Batch,
+        turn: &Turn,
+    ) -> Result<Told, GpuError> {
+        let (first, parts) = (batch.worlds.start, turn.parts);
+        let filled = |(before, _)| before == first || !scene.parameters.differ();
+        if !self.ready.is_some_and(filled) {
+            self.room.fill(gpu, scene, first);
         }
-        let own = self.room.of(gpu, kernels, pile);
+        if self.ready != Some((first, parts)) {
+            self.room.cut(gpu, scene, first, parts);
+            self.ready = Some((first, parts));
+        }
+        let own = self.room.of(gpu, kernels, batch);
         let status = &self.room.buffers.status;
-        let mut begin = [0_u32; status::WIDTH];
-        begin[status::KEEP] = pile.pace.goes_on.into();
-        begin[status::LAUNCHED] = pile.pace.colours;
-        begin[status::ROUNDS_OF_BLOWS] = pile.pace.blows as u32;
-        begin[status::PARTS] = parts as u32;
-        let bytes = bytemuck::cast_slice(&begin);
-        gpu.queue().write_buffer(status, 0, bytes);
+        let begin = begin(&self.plan, batch, turn);
+        gpu.queue()
+            .write_buffer(status, 0, bytemuck::cast_slice(&begin));
         let mut encoder = gpu.device().create_command_encoder(&Default::default());
         if parts > 1 {
             let before = self.before.take();
             let before = before.map_or_else(|| buffer(gpu, scene.plan.forces.into()), Ok)?;
             let size = before.size();
-            encoder.copy_buffer_to_buffer(&pile.state, 0, &before, 0, size);
+            encoder.copy_buffer_to_buffer(&batch.state, 0, &before, 0, size);
             self.before = Some(before);
         }
-        for _ in 0..steps {
+        for _ in 0..turn.steps {
             for part in 0..parts {
                 let mut clock = self.clock.take();
                 let mut pass = Pass::new(&mut encoder, clock.as_mut());
-                self.encode(&mut pass, kernels, scene, &own, pile, part);
+                self.encode(&mut pass, kernels, scene, &own, batch, (parts, part));
                 drop(pass);
                 self.clock = clock;
             }
         }
-        let mut told = [0; status::WIDTH];
-        let staging = &mut self.staging;
-        staging.fetch(gpu, encoder, status, 0..status::WIDTH, |numbers| {
-            told = std::array::from_fn(|i| numbers[i].to_bits());
+        let mut told = Told(Vec::new());
+        let all = 0..begin.len();
+        self.staging.fetch(gpu, encoder, status, &[all], |words| {
+            told.0 = words.iter().map(|word| word.to_bits()).collect();
         })?;
         if let Some(clock) = &mut self.clock {
             clock.read(gpu)?;
         }
-        if let (true, Some(before)) = (told[status::FLAG] != 0 && parts > 1, &self.before) {
+        if let (true, Some(before)) = (parts > 1, &self.before) {
             let mut encoder = gpu.device().create_command_encoder(&Default::default());
-            encoder.copy_buffer_to_buffer(before, 0, &pile.state, 0, before.size());
+            let undone = turn.worlds.iter();
+            for world in undone.filter(|w| told.of_world(**w, of_world::LEFT) > 0) {
+                let numbers = batch.numbers(scene, first + world);
+                let (at, size) = (numbers.start as u64, numbers.len() as u64);
+                let (at, size) = (at * NUMBER, size * NUMBER);
+                encoder.copy_buffer_to_buffer(before, at, &batch.state, at, size);
+            }
             gpu.queue().submit([encoder.finish()]);
         }
         Ok(told)
@@ -235,31 +294,25 @@ impl Steps {
 
     /// Makes room for what a step has found too little for, and some more, or none more; false where the card has not
     /// even that.
-    fn grow(
-        &mut self,
-        gpu: &Gpu,
-        scene: &Scene,
-        kernels: &Kernels,
-        told: &[u32; status::WIDTH],
-    ) -> bool {
-        let flags = told[status::FLAG];
+    fn grow(&mut self, gpu: &Gpu, scene: &Scene, kernels: &Kernels, told: &Told) -> bool {
+        let flags = told.of(status::FLAG);
         let rooms = [1, 0].map(|more| {
             let enough = |n: u32| n + more * (n / 4);
             let mut plan = self.plan;
             if flags & flag::MORE_PAIRS != 0 {
-                plan.pairs = enough(told[status::PAIRS]);
+                plan.pairs = enough(told.of(status::PAIRS));
             } else if flags & flag::MORE_MESH_PAIRS != 0 {
-                plan.mesh_pairs = enough(told[status::MESH_PAIRS]);
+                plan.mesh_pairs = enough(told.of(status::MESH_PAIRS));
             } else if flags & flag::MORE_CONTACTS != 0 {
-                plan.contacts = enough(told[status::CONTACTS] + told[status::ENDED]);
+                plan.contacts = enough(told.of(status::CONTACTS) + told.of(status::ENDED));
             } else {
-                plan.colours = enough(told[status::COLOURED]).min(COLOURS);
+                plan.colours = enough(told.of(status::COLOURED)).min(COLOURS);
             }
             plan
         });
         for mut plan in rooms {
             if let Ok(room) = Room::new(gpu, scene, kernels, &mut plan) {
-                (self.plan, self.room, self.parts) = (plan, room, 0);
+                (self.plan, self.room, self.ready) = (plan, room, None);
                 return true;
             }
         }
@@ -273,22 +326,22 @@ impl Steps {
         k: &Kernels,
         scene: &Scene,
         own: &BindGroup,
-        pile: &Pile,
-        part: usize,
+        batch: &Batch,
+        (parts, part): (usize, usize),
     ) {
         let (p, s, e) = (&self.plan, &self.room, &k.entries);
         let all = |pass: &mut Pass<'_>, kernel: &ComputePipeline, things: u32| {
             dispatch(pass, kernel, own, things.div_ceil(WORKGROUP));
         };
-        all(pass, &e.clear, p.buckets.max(p.bodies) + 1);
+        all(pass, &e.clear, p.buckets.max(p.bodies).max(p.worlds) + 1);
         all(pass, &e.load_bodies, p.bodies);
         let bodies = p.bodies.div_ceil(WORKGROUP);
-        if pile.pushed {
+        if batch.pushed {
             dispatch(pass, &k.push_body, &s.bodies, bodies);
         }
         dispatch(pass, &k.begin, &s.bodies, bodies);
-        // One at least: it chooses into how many parts the step is cut.
-        all(pass, &e.load_shapes, p.shapes.max(1));
+        // For each world, too, it chooses into how many parts the step is cut.
+        all(pass, &e.load_shapes, p.shapes.max(p.worlds));
         dispatch(pass, &k.place, &s.shapes, p.shapes.div_ceil(WORKGROUP));
         pass.mark("bodies and shapes");
         let [
@@ -335,7 +388,7 @@ impl Steps {
         joined.run(pass, k);
         all(pass, &e.join, p.contacts);
         pass.mark("making contacts");
-        for _ in 0..pile.pace.rounds {
+        for _ in 0..batch.pace.rounds {
             all(pass, &e.paint, p.contacts);
             all(pass, &e.settle, 1);
         }
@@ -352,12 +405,12 @@ impl Steps {
         if let Some((joints, kernels)) = joints {
             all(pass, &e.load_joints, p.joints);
             if joints.drives {
-                self.all_joints(pass, &kernels.follow, joints);
+                self.all_joints(pass, &kernels.follow);
             }
-            self.all_joints(pass, &kernels.place, joints);
+            self.all_joints(pass, &kernels.place);
         }
         pass.mark("preparing joints");
-        self.small_steps(pass, k, scene, own, &pile.pace);
+        self.small_steps(pass, k, scene, own, &batch.pace, parts);
         dispatch(pass, &k.finish, &s.bodies, bodies);
         all(pass, &e.read_contacts, p.contacts);
         if part > 0 {
@@ -372,7 +425,7 @@ impl Steps {
         if joints.is_some() {
             all(pass, &e.store_joints, p.joints);
         }
-        all(pass, &e.end, 1);
+        all(pass, &e.end, p.worlds);
         pass.mark("end");
     }
 
@@ -383,6 +436,7 @@ impl Steps {
         scene: &Scene,
         own: &BindGroup,
         pace: &Pace,
+        parts: usize,
     ) {
         let (p, s) = (&self.plan, &self.room);
         let bodies = p.bodies.div_ceil(WORKGROUP);
@@ -392,9 +446,9 @@ impl Steps {
                 self.run(pass, kernel, bindings, run::COLOURS + colour);
             }
         };
-        for step in 0..scene.impulse.settings().contact_iterations / pace.parts {
-            if let Some((joints, kernels)) = joints.filter(|(joints, _)| joints.inertia) {
-                self.all_joints(pass, &kernels.measure, joints);
+        for step in 0..scene.impulse.settings().contact_iterations / parts {
+            if let Some((_, kernels)) = joints.filter(|(joints, _)| joints.inertia) {
+                self.all_joints(pass, &kernels.measure);
             }
             if step == 0 {
                 dispatch(pass, &k.advance, &s.bodies, bodies);
@@ -421,8 +475,8 @@ impl Steps {
             }
             pass.mark("pushing");
             dispatch(pass, &k.drift, &s.bodies, bodies);
-            if let Some((joints, kernels)) = joints {
-                self.all_joints(pass, &kernels.place, joints);
+            if let Some((_, kernels)) = joints {
+                self.all_joints(pass, &kernels.place);
             }
             pass.mark("drift");
             contacts(pass, &k.relax);
@@ -439,7 +493,7 @@ impl Steps {
         let all = |pass: &mut Pass<'_>, kernel: &ComputePipeline, things: u32| {
             dispatch(pass, kernel, own, things.div_ceil(WORKGROUP));
         };
-        all(pass, &e.find_ended, p.remembered + 1);
+        all(pass, &e.find_ended, p.places() + 1);
         ended.run(pass, k);
         for _ in 0..SUM_ROUNDS {
             all(pass, &e.match_parts, p.contacts);
@@ -448,43 +502,54 @@ impl Steps {
             all(pass, &e.read_parts, p.contacts);
         }
         all(pass, &e.match_parts, p.contacts);
-        all(pass, &e.place_ended, p.remembered.max(1));
+        all(pass, &e.place_ended, p.places().max(1));
         all(pass, &e.merge, p.contacts);
     }
 
     /// The blows of a small step.
     fn blows(&self, pass: &mut Pass<'_>, k: &Kernels, own: &BindGroup, pace: &Pace) {
         let (p, s, e) = (&self.plan, &self.room, &k.entries);
-        let contacts = p.contacts.max(COLOURS).div_ceil(WORKGROUP);
-        dispatch(pass, &e.begin_blows, own, contacts);
+        let all = |pass: &mut Pass<'_>, kernel: &ComputePipeline, things: u32| {
+            dispatch(pass, kernel, own, things.div_ceil(WORKGROUP));
+        };
+        let several = p.worlds > 1;
+        all(pass, &e.begin_blows, p.contacts.max(COLOURS).max(p.worlds));
+        if several {
+            all(pass, &e.keep_free, p.bodies);
+        }
         self.run(pass, &k.part, &s.bodies, run::BLOW_BODIES);
         for round in 0..pace.blows {
             let strike = [&k.strike_foreseen, &k.strike][round.min(1)];
             for (colour, bindings) in (0..pace.colours).zip(&s.colours) {
                 self.run(pass, strike, bindings, run::BLOW_COLOURS + colour);
             }
-            dispatch(pass, &e.tell_blows, own, contacts);
-            dispatch(pass, &e.end_round, own, 1);
+            all(pass, &e.tell_blows, p.contacts);
+            all(pass, &e.seat_struck, p.joints);
+            all(pass, &e.end_round, 1);
             if let Some(kernels) = &k.joints {
-                for (joints, bindings) in (0..p.joint_runs).zip(&s.joints) {
+                for (joints, bindings) in (0..p.joint_runs).zip(&s.joints[1]) {
                     self.run(pass, &kernels.strike, bindings, run::JOINTS + joints);
                 }
             }
         }
         self.run(pass, &k.part, &s.bodies, run::BLOW_BODIES);
+        if several {
+            all(pass, &e.put_free, p.bodies);
+        }
     }
 
     /// Runs a kernel on all joints side by side.
-    fn all_joints(&self, pass: &mut Pass<'_>, kernel: &ComputePipeline, joints: &Joints) {
-        if let (Some(bindings), Some([_, count])) = (self.room.joints.last(), joints.runs.last()) {
-            dispatch(pass, kernel, bindings, count.div_ceil(WORKGROUP));
+    fn all_joints(&self, pass: &mut Pass<'_>, kernel: &ComputePipeline) {
+        if let Some(bindings) = self.room.joints[0].last() {
+            dispatch(pass, kernel, bindings, self.plan.joints.div_ceil(WORKGROUP));
         }
     }
 
     /// Runs a kernel on all joints, run by run.
     fn joints(&self, pass: &mut Pass<'_>, kernel: &ComputePipeline, joints: &Joints) {
-        let all = self.room.joints.len().saturating_sub(1);
-        for (bindings, [_, count]) in self.room.joints[..all].iter().zip(&joints.runs) {
+        let runs = self.plan.joint_runs as usize;
+        for (bindings, [_, count]) in self.room.joints[0].iter().zip(&joints.runs).take(runs) {
+            let count = self.plan.worlds * count;
             dispatch(pass, kernel, bindings, count.div_ceil(WORKGROUP));
         }
     }
@@ -496,4 +561,47 @@ impl Steps {
         let launches = &self.room.buffers.launches;
         pass.dispatch_workgroups_indirect(launches, u64::from(3 * run) * NUMBER);
     }
+}
+
+/// Which steps of a batch come next: those of the world that is farthest behind, and of all that are cut into as many parts.
+fn turn(scene: &Scene, batch: &Batch) -> Turn {
+    let pace = &batch.pace;
+    let all = 0..batch.left.len();
+    let last = all.clone().max_by_key(|world| batch.left[*world]);
+    let parts = last.map_or(1, |world| batch.parts[world]);
+    let waits = |world: &usize| batch.left[*world] > 0 && batch.parts[*world] == parts;
+    let worlds: Vec<_> = all.filter(waits).take(pace.worlds).collect();
+    let small_steps = scene.impulse.settings().contact_iterations;
+    let joints = scene.joints.as_ref().map_or(0, |joints| joints.runs.len());
+    let stage = pace.colours as usize + joints + 1;
+    let launches = small_steps * (2 + pace.blows) * stage;
+    let most = pace.steps.min(LAUNCHES / launches).max(1);
+    // What is cut into parts is taken one by one, that it can be undone.
+    let most = if parts > 1 { 1 } else { most };
+    let left = worlds.iter().map(|world| batch.left[*world]);
+    Turn {
+        steps: left.max().unwrap_or(0).min(most),
+        worlds,
+        parts,
+    }
+}
+
+/// What the card is told as a turn begins.
+fn begin(plan: &Plan, batch: &Batch, turn: &Turn) -> Vec<u32> {
+    let mut words = vec![0; told(plan)];
+    words[status::KEEP] = (batch.pace.uncoloured == turn.worlds).into();
+    words[status::LAUNCHED] = batch.pace.colours;
+    words[status::ROUNDS_OF_BLOWS] = batch.pace.blows as u32;
+    words[status::PARTS] = turn.parts as u32;
+    for &world in &turn.worlds {
+        let steps = batch.left[world].min(turn.steps);
+        words[status::WIDTH + world * of_world::WIDTH + of_world::LEFT] = steps as u32;
+    }
+    words
+}
+
+/// Contacts whose numbers fit into a buffer of a card.
+fn most_contacts(gpu: &Gpu) -> u32 {
+    let bytes = ContactTables::new().length as u64 * NUMBER;
+    u32::try_from(gpu.most_bytes() / bytes).unwrap_or(u32::MAX)
 }

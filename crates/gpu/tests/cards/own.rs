@@ -10,7 +10,7 @@ use rigid::{Featherstone, Kernels, Settings, Solver};
 use sim::{Simulation, SimulationSettings, SolverKind};
 
 /// The card, as if it took no more bytes in a buffer.
-fn small(most_bytes: u64) -> Gpu {
+pub fn small(most_bytes: u64) -> Gpu {
     let name = std::env::var("KINETARIUM_GPU").unwrap_or_default();
     Gpu::open_within(&name.parse().unwrap(), most_bytes).unwrap()
 }

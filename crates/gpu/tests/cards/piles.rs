@@ -6,8 +6,10 @@
 
 use crate::card::{card, rounds_alike};
 use crate::models::mixed;
+use crate::own::small;
 use crate::pair::Pair;
 use glam::{DMat3, DQuat, DVec2, DVec3};
+use kinetarium_gpu::Gpu;
 use model::examples::{
     SCENES, arch, balls, bowl, n_pendula, pile, pyramid, square_pyramid, terrain, tower,
 };
@@ -20,6 +22,7 @@ use rigid::Settings;
 use rigid::impulse::suits;
 use sim::{Simulation, SimulationError, SimulationSettings, SolverKind};
 use std::f64::consts::FRAC_PI_2;
+use std::ops::Range;
 
 const H: f64 = 0.004;
 
@@ -181,14 +184,11 @@ fn cradle(balls: usize) -> Result<Model, ModelError> {
     world.build()
 }
 
-/// Steps are cut into parts, the more the faster the rods spin; what contacts gave in all of them is told, also of those that
-/// ended within the step.
-#[test]
-#[ignore = "needs a graphics card or what stands in for one"]
-fn what_spins_agrees_with_the_processor() {
+/// So many rods above the ground.
+fn rods(rods: usize) -> Result<Model, ModelError> {
     let mut world = Builder::new("rods");
     world.object("ground").scenery(ground());
-    for i in 0..6 {
+    for i in 0..rods {
         let rod = world.object(format!("rod {i}")).body(format!("rod {i}"));
         rod.shape(Geometry::Capsule {
             radius: 0.02,
@@ -200,7 +200,15 @@ fn what_spins_agrees_with_the_processor() {
             tilt,
         ));
     }
-    let model = world.build().unwrap();
+    world.build()
+}
+
+/// Steps are cut into parts, the more the faster the rods spin; what contacts gave in all of them is told, also of those that
+/// ended within the step.
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn what_spins_agrees_with_the_processor() {
+    let model = rods(6).unwrap();
     let mut pair = Pair::at_rest(&card(), &model, settings(1));
     let velocity: Vec<_> = (0..model.degrees_of_freedom())
         .map(|v| {
@@ -344,6 +352,68 @@ fn worlds_are_on_their_own() {
     let moved = pair.moved_apart();
     assert!(moved < 1e-5, "{moved:e}");
     assert_eq!(pair.gpu.time(3), H);
+}
+
+/// Worlds that begin at random, side by side and each alone: a world has the same bits, whatever others do: what bounces
+/// there, what spins, which contacts need more colours, which step is the processor's.
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn worlds_have_the_same_bits_alone() {
+    let card = card();
+    for model in [pyramid(3), balls(), cradle(4), rods(3), terrain(5)] {
+        let model = model.unwrap();
+        let together = stirred(&card, &model, 0..4);
+        for world in 0..4 {
+            let alone = stirred(&card, &model, world..world + 1);
+            assert_eq!(together[world], alone[0], "{} {world}", model.name);
+        }
+    }
+}
+
+/// The states of such worlds after some steps, of which some are taken one by one.
+fn stirred(card: &Gpu, model: &Model, worlds: Range<usize>) -> Vec<Vec<f64>> {
+    let mut simulation = Simulation::on(card, model.clone(), settings(worlds.len())).unwrap();
+    for (i, world) in worlds.clone().enumerate() {
+        let wave = |v: usize| 2.0 * (1.7 * v as f64 + world as f64).sin();
+        let velocity: Vec<_> = (0..model.degrees_of_freedom())
+            .map(|v| wave(v) * [1.0, 0.0, 3.0, 40.0][world])
+            .collect();
+        let start = model.initial_position();
+        simulation.set_joint_state(i, &start, &velocity).unwrap();
+    }
+    simulation.step(20);
+    for _ in 0..5 {
+        simulation.step(1);
+    }
+    let all = 0..worlds.len();
+    all.map(|i| simulation.numbers_of_world(i).unwrap().state)
+        .collect()
+}
+
+/// On a card that takes little in a buffer, worlds are stepped some at a time, and none differs by that.
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn worlds_that_do_not_fit_are_stepped_some_at_a_time() {
+    let model = pyramid(3).unwrap();
+    let together = |card: &Gpu| {
+        let mut simulation = Simulation::on(card, model.clone(), settings(40)).unwrap();
+        for world in 0..40 {
+            let mut velocity = vec![0.0; model.degrees_of_freedom()];
+            velocity[2] = 0.1 * world as f64;
+            let start = model.initial_position();
+            simulation
+                .set_joint_state(world, &start, &velocity)
+                .unwrap();
+        }
+        simulation.step(10);
+        assert_eq!(simulation.left_to_processor(), 0);
+        let states = (0..40).map(|world| simulation.numbers_of_world(world).unwrap().state);
+        states.collect::<Vec<_>>()
+    };
+    let all = together(&card());
+    for most_bytes in [1 << 18, 1 << 17] {
+        assert!(together(&small(most_bytes)) == all, "{most_bytes} bytes");
+    }
 }
 
 /// A world that is lost is told, and no other is.

@@ -30,8 +30,8 @@ impl Program {
     /// `offset · worlds + world`, of scratch as [`PrintOptions`] say.
     ///
     /// Of [runs](Members::Runs), an invocation works on a member of one: `global_invocation_id.x` counts from its first.
-    /// Binding 1 then holds the bodies of each member, `[side][member]`, binding 2 each run's first member and how many it
-    /// has, and the uniform how many members there is room for, which run it is, and how many bodies there are.
+    /// Binding 1 then holds the bodies of each member, `[side][member]`, of one that is left out `u32::MAX`; binding 2 each
+    /// run's first member and how many it has, and the uniform how many members there is room for, which run it is, and how many bodies there are.
     ///
     /// A GPU rounds division, `sqrt` and `fma` as WGSL allows, so results agree
     /// with the CPU to a tolerance, not to the bit; and it may take for granted
@@ -39,8 +39,11 @@ impl Program {
     pub fn to_wgsl(&self, options: &PrintOptions) -> Result<String, WgslError> {
         let (opening, closing) = match options.members {
             Members::Worlds => (of_worlds(options), "    }\n    }\n}\n"),
-            Members::Runs => (of_runs(options, ""), "    }\n}\n"),
-            Members::Seats { bodies, .. } => (of_runs(options, &seat(bodies)), "    }\n}\n"),
+            Members::Runs => (of_runs(options, "", ""), "    }\n}\n"),
+            Members::Seats { bodies, .. } => {
+                let seated = format!(" && seats[world] != {}u", u32::MAX);
+                (of_runs(options, &seat(bodies), &seated), "    }\n}\n")
+            }
         };
         self.print::<Wgsl>(options, opening, closing)
     }
@@ -62,14 +65,14 @@ fn of_worlds(options: &PrintOptions) -> String {
     )
 }
 
-fn of_runs(options: &PrintOptions, seat: &str) -> String {
+fn of_runs(options: &PrintOptions, seat: &str, seated: &str) -> String {
     format!(
         "{RUNS}\n{OPERATIONS}\n{seat}@compute @workgroup_size({})\n\
          fn main(@builtin(global_invocation_id) invocation: vec3<u32>) {{\n    \
          let run = runs[launch.run];\n    \
          let world = run.x + invocation.x;\n    \
          let worlds = launch.worlds;\n    \
-         if (invocation.x < run.y) {{\n",
+         if (invocation.x < run.y{seated}) {{\n",
         options.workgroup_size
     )
 }

@@ -1,0 +1,177 @@
+//! Worlds of many bodies that are stepped together, in a card's memory.
+
+use super::room::sized;
+use super::scene::Scene;
+use super::steps::Pace;
+use crate::memory::{NUMBER, Staging};
+use crate::{Gpu, GpuError};
+use numbers::Memory;
+use std::ops::Range;
+use wgpu::Buffer;
+
+/// Some worlds. There is room for as many as in the largest batch.
+#[derive(Debug)]
+pub(super) struct Batch {
+    pub worlds: Range<usize>,
+    /// Their states, and behind these what acts on their bodies, and what is given to their joints.
+    pub state: Buffer,
+    /// Whether anything acts on their bodies from outside.
+    pub pushed: bool,
+    /// Of each contact that they remember, the colour that it had: where colouring begins, which changes nothing.
+    pub colours: Buffer,
+    pub pace: Pace,
+    /// Of each world, the steps that it has yet to take, and into how many parts the last one had to be cut.
+    pub left: Vec<usize>,
+    pub parts: Vec<usize>,
+    /// Which have not diverged: a card takes no step that they would diverge by.
+    runs: Vec<bool>,
+    /// Their controls, and whether the card has not been told of them.
+    input: Vec<Vec<f32>>,
+    controlled: bool,
+    staging: Staging,
+}
+
+impl Batch {
+    pub fn new(gpu: &Gpu, scene: &Scene, worlds: Range<usize>) -> Result<Self, GpuError> {
+        let plan = &scene.plan;
+        let (room, count) = (u64::from(plan.worlds), worlds.len());
+        let given = room * u64::from(plan.given_numbers);
+        Ok(Self {
+            state: sized(gpu, u64::from(plan.given) + given)?,
+            colours: sized(gpu, room * u64::from(plan.remembered))?,
+            worlds,
+            pushed: false,
+            pace: Pace::new(count),
+            left: vec![0; count],
+            parts: vec![1; count],
+            runs: vec![false; count],
+            input: vec![Vec::new(); count],
+            controlled: false,
+            staging: Staging::default(),
+        })
+    }
+
+    /// The numbers of a world's state.
+    pub fn numbers(&self, scene: &Scene, world: usize) -> Range<usize> {
+        let length = scene.impulse.lengths().state;
+        let first = (world - self.worlds.start) * length;
+        first..first + length
+    }
+    /// Sets the state of a world; one that has diverged takes no more steps.
+    pub fn write(&mut self, gpu: &Gpu, scene: &Scene, world: usize, state: &[f32]) {
+        let first = self.numbers(scene, world).start;
+        self.write_at(gpu, first, state);
+        let nth = world - self.worlds.start;
+        self.runs[nth] = state[scene.impulse.alive()] != 0.0;
+        if !self.runs[nth] {
+            self.left[nth] = 0;
+        }
+    }
+    fn write_at(&self, gpu: &Gpu, at: usize, numbers: &[f32]) {
+        let bytes = bytemuck::cast_slice(numbers);
+        gpu.queue()
+            .write_buffer(&self.state, at as u64 * NUMBER, bytes);
+    }
+
+    /// Takes controls. What is made of them goes to the card before the next step: they may change once more.
+    pub fn control(&mut self, scene: &Scene, input: &Memory<f32>) {
+        let numbers = 0..scene.impulse.lengths().input;
+        for (world, own) in self.worlds.clone().zip(&mut self.input) {
+            *own = numbers.clone().map(|i| input.get(world, i)).collect();
+        }
+        self.controlled = true;
+    }
+    /// Tells the card what controls make of forces on bodies, and of joints, if they have changed.
+    pub fn tell(&mut self, gpu: &Gpu, scene: &Scene) {
+        if !std::mem::take(&mut self.controlled) {
+            return;
+        }
+        let (impulse, inputs) = (&scene.impulse, &self.input);
+        if let Some(joints) = &scene.joints {
+            let given = inputs.iter().zip(self.worlds.clone());
+            let given = given.flat_map(|(input, world)| {
+                joints.given_by(impulse, scene.parameters.of(world), input)
+            });
+            self.write_at(gpu, scene.plan.given as usize, &Vec::from_iter(given));
+        }
+        let pushed = inputs.iter().any(|input| impulse.is_pushed(input));
+        if pushed || self.pushed {
+            let bodies = impulse.rows() - 1;
+            let mut forces = vec![0.0; 6 * bodies * inputs.len()];
+            for (input, own) in inputs.iter().zip(forces.chunks_exact_mut(6 * bodies)) {
+                for (row, given) in impulse.pushes(input) {
+                    (0..6).for_each(|i| own[i * bodies + row - 1] = given[i]);
+                }
+            }
+            self.write_at(gpu, scene.plan.forces as usize, &forces);
+        }
+        self.pushed = pushed;
+    }
+
+    /// Whether any world has steps to take.
+    pub fn is_behind(&self) -> bool {
+        self.left.iter().any(|left| *left > 0)
+    }
+    /// Asks for so many steps of all worlds.
+    pub fn ask(&mut self, steps: usize) {
+        for (left, runs) in self.left.iter_mut().zip(&self.runs) {
+            *left = if *runs { steps } else { 0 };
+        }
+    }
+
+    /// Reads these ranges of the states' numbers.
+    pub fn read(
+        &mut self,
+        gpu: &Gpu,
+        ranges: &[Range<usize>],
+        read: impl FnOnce(&[f32]),
+    ) -> Result<(), GpuError> {
+        let encoder = gpu.device().create_command_encoder(&Default::default());
+        self.staging.fetch(gpu, encoder, &self.state, ranges, read)
+    }
+    /// Reads these numbers of the states of all worlds.
+    pub fn read_all(
+        &mut self,
+        gpu: &Gpu,
+        scene: &Scene,
+        numbers: &[Range<usize>],
+        state: &mut Memory<f32>,
+    ) -> Result<(), GpuError> {
+        let alive = scene.impulse.alive();
+        if matches!(numbers, [range] if *range == (alive..alive + 1)) {
+            for (world, runs) in self.worlds.clone().zip(&self.runs) {
+                state.set(world, alive, f32::from(u8::from(*runs)));
+            }
+            return Ok(());
+        }
+        let length = scene.impulse.lengths().state;
+        let worlds = self.worlds.clone();
+        let all: usize = numbers.iter().map(Range::len).sum();
+        // Each range of a world is a command; so where much is read, all is.
+        let whole = 2 * all > length || numbers.len() * worlds.len() > COMMANDS;
+        let everything = [0..length];
+        let rows = if whole { &everything } else { numbers };
+        let ranges = (0..worlds.len()).flat_map(|nth| {
+            let first = nth * length;
+            rows.iter()
+                .map(move |row| first + row.start..first + row.end)
+        });
+        let ranges = match whole {
+            true => vec![0..length * worlds.len()],
+            false => ranges.collect(),
+        };
+        self.read(gpu, &ranges, |mut read| {
+            for world in worlds {
+                for row in rows {
+                    let (own, rest) = read.split_at(row.len());
+                    let own = row.clone().zip(own);
+                    own.for_each(|(i, x)| state.set(world, i, *x));
+                    read = rest;
+                }
+            }
+        })
+    }
+}
+
+/// Most ranges that are copied one by one.
+const COMMANDS: usize = 256;
