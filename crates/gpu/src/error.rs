@@ -53,10 +53,6 @@ pub enum GpuError {
         remedy: &'static str,
     },
     /// Models of worlds' own, of piles.
-    #[error(
-        "`impulse` does not support models of worlds' own on a graphics card: run on the processor, or take `xpbd`"
-    )]
-    Constants,
     /// Kernels of piles see more buffers than the card lets them.
     #[error(
         "`impulse` needs kernels that see {needed} buffers; those of the card `{card}` see {most}: run on the processor, or \

@@ -63,11 +63,11 @@ pub trait DeviceWorlds<T: Float>: Send + Sync {
         substeps: usize,
         processor: &mut Processor<'_, T>,
     ) -> Result<(), DeviceError>;
-    /// Whether worlds can have constants of their own.
+    /// Whether a world can have these constants of its own.
     ///
     /// # Errors
-    /// They cannot.
-    fn takes_constants(&self) -> Result<(), DeviceError> {
+    /// It cannot.
+    fn takes(&self, _parameters: &[f64]) -> Result<(), DeviceError> {
         Ok(())
     }
     /// How many substeps of all worlds together it has left to the processor so far.
@@ -195,9 +195,9 @@ impl<T: Float> Remote<T> {
         self.set.clear();
         Ok(())
     }
-    /// Whether worlds can have constants of their own.
-    pub fn takes_constants(&self) -> Result<(), DeviceError> {
-        self.worlds.takes_constants()
+    /// Whether a world can have these constants of its own.
+    pub fn takes(&self, parameters: &[f64]) -> Result<(), DeviceError> {
+        self.worlds.takes(parameters)
     }
     /// How many substeps it has left to the processor.
     pub fn left(&self) -> u64 {

@@ -476,7 +476,7 @@ impl<T: Float> Simulation<T> {
     ) -> Result<(), SimulationError> {
         index("world", world, self.worlds())?;
         let own = self.compiled_alike(world, model)?;
-        self.give_own([(world, own)])
+        self.give_own(vec![(world, own)])
     }
 
     /// A model for a world, compiled; it must have the structure of the simulation's.
@@ -493,12 +493,10 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Gives worlds models of their own. Where all bodies are is reported once, for all of them.
-    pub(crate) fn give_own(
-        &mut self,
-        models: impl IntoIterator<Item = (usize, Own<T>)>,
-    ) -> Result<(), SimulationError> {
+    pub(crate) fn give_own(&mut self, models: Vec<(usize, Own<T>)>) -> Result<(), SimulationError> {
         if let Some(remote) = &self.remote {
-            remote.takes_constants()?;
+            let mut own = models.iter().map(|(_, own)| &own.compiled);
+            own.try_for_each(|compiled| remote.takes(compiled.engine.parameters()))?;
         }
         self.try_outputs()?;
         self.fetch_state()?;
@@ -750,6 +748,7 @@ impl<T: Float> Simulation<T> {
         self.tell()?;
         let elsewhere = |remote: &&mut Remote<T>| steps || remote.reports();
         let (engine, threads, lane) = (&*self.shared.engine, &self.threads, self.lane());
+        let shared = self.own.is_empty();
         let Some(remote) = self.remote.as_mut().filter(elsewhere) else {
             self.fetch_state()?;
             self.perform_here(task);
@@ -762,7 +761,7 @@ impl<T: Float> Simulation<T> {
                 input: self.input.block(world),
                 output: &mut [],
                 scratch: &mut [],
-                parameters: self.parameters.block(0),
+                parameters: self.parameters.block(if shared { 0 } else { world }),
                 common: &self.common,
                 links: engine.links(),
             };

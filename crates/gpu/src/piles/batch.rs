@@ -81,6 +81,10 @@ impl Batch {
         }
         self.controlled = true;
     }
+    /// What is made of controls has changed.
+    pub fn recontrol(&mut self) {
+        self.controlled = true;
+    }
     /// Tells the card what controls make of forces on bodies, and of joints, if they have changed.
     pub fn tell(&mut self, gpu: &Gpu, scene: &Scene) {
         if !std::mem::take(&mut self.controlled) {

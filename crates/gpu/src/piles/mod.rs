@@ -134,11 +134,21 @@ impl DeviceWorlds<f32> for Piles {
         batches.for_each(|batch| batch.control(&self.scene, input));
         Ok(())
     }
-    fn write_parameters(&mut self, _: &Memory<f32>) -> Result<(), DeviceError> {
-        self.takes_constants()
+    fn write_parameters(&mut self, parameters: &Memory<f32>) -> Result<(), DeviceError> {
+        let numbers = 0..self.scene.impulse.parameters().len();
+        let sets = (0..parameters.worlds()).map(|world| {
+            let own = numbers.clone().map(|i| parameters.get(world, i));
+            own.collect()
+        });
+        self.scene.differ(sets.collect())?;
+        self.steps.renew(&self.gpu, &self.scene, &self.kernels)?;
+        // What controls make of joints depends on constants, too.
+        self.batches.iter_mut().for_each(Batch::recontrol);
+        Ok(())
     }
-    fn takes_constants(&self) -> Result<(), DeviceError> {
-        Err(DeviceError::from(GpuError::Constants))
+    fn takes(&self, parameters: &[f64]) -> Result<(), DeviceError> {
+        let own: Vec<_> = parameters.iter().map(|x| *x as f32).collect();
+        Ok(self.scene.takes(&own)?)
     }
     fn step(
         &mut self,

@@ -102,7 +102,7 @@ impl Buffers {
             launches: indirect(gpu, 3 * u64::from(run::JOINTS + plan.joint_runs))?,
             struck_seats: of(2 * plan.joints, 1)?,
             constants: sized(gpu, scene.constants(0).len() as u64)?,
-            whole: filled(gpu, &scene.whole)?,
+            whole: buffer(gpu, scene.whole.len() as u64)?,
             plan: gpu.uniform(bytemuck::cast_slice(&[*plan])),
             globals: buffer(gpu, global::WIDTH as u64)?,
             body_parameters: of(plan.bodies, global::WIDTH + BODY)?,
@@ -303,15 +303,17 @@ impl Room {
             let bytes = bytemuck::cast_slice(&numbers);
             gpu.queue().write_buffer(buffer, at * NUMBER, bytes);
         }
+        let bytes = bytemuck::cast_slice(&scene.whole);
+        gpu.queue().write_buffer(&b.whole, 0, bytes);
     }
     /// Writes those of a step that is cut into so many parts.
     pub fn cut(&self, gpu: &Gpu, scene: &Scene, first: usize, parts: usize) {
         let globals = scene.globals(first, parts);
         let b = &self.buffers;
         let (bodies, shapes) = (scene.plan.own_bodies, scene.plan.own_shapes);
-        // Contacts and joints read what is the same in all worlds. Row 0 of bodies is everybody's.
+        // Row 0 of bodies is everybody's.
         for (buffer, before, each, sets) in [
-            (&b.globals, 0, 1, &globals[..1]),
+            (&b.globals, 0, 1, &vec![scene.common_globals(parts)]),
             (&b.body_parameters, 1, bodies, &globals),
             (&b.shape_parameters, 0, shapes, &globals),
         ] {

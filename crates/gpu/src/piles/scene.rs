@@ -29,7 +29,8 @@ pub(super) struct Scene {
     /// What all worlds have in common.
     pub constants: Vec<f32>,
     pub whole: Vec<u32>,
-    /// A shape of each surface.
+    /// Shapes of pairs that have a surface of their own, and a shape of each surface.
+    paired: HashSet<ShapeId>,
     surfaces: Vec<u32>,
     /// Whether there may be blows.
     pub bounces: bool,
@@ -37,17 +38,26 @@ pub(super) struct Scene {
     pub plan: Plan,
 }
 
-/// The constants of the solver: the same in all worlds, or those of each.
+/// The constants of the solver.
 #[derive(Debug)]
-pub(super) struct Parameters(Vec<Vec<f32>>);
+pub(super) struct Parameters {
+    /// Those of the model.
+    common: Vec<f32>,
+    /// Those of each world, where worlds have their own.
+    own: Vec<Vec<f32>>,
+}
 
 impl Parameters {
+    /// Those of a world. Where a batch has more room than worlds, of one that is not, too.
     pub fn of(&self, world: usize) -> &[f32] {
-        &self.0[world.min(self.0.len() - 1)]
+        self.own.get(world).unwrap_or(&self.common)
     }
-    /// Whether each world has its own.
+    /// Whether worlds have their own.
     pub fn differ(&self) -> bool {
-        self.0.len() > 1
+        !self.own.is_empty()
+    }
+    fn all(&self) -> impl Iterator<Item = &Vec<f32>> {
+        std::iter::once(&self.common).chain(&self.own)
     }
 }
 
@@ -108,10 +118,14 @@ impl Scene {
             groups: Vec::new(),
             constants: Vec::new(),
             whole: Vec::new(),
+            paired: HashSet::new(),
             surfaces: Vec::new(),
             bounces: false,
             plan: Plan::default(),
-            parameters: Parameters(vec![parameters.clone()]),
+            parameters: Parameters {
+                common: parameters.clone(),
+                own: Vec::new(),
+            },
         };
         let settings = impulse.settings();
         scene.plan.own_bodies = impulse.rows() as u32 - 1;
@@ -131,11 +145,41 @@ impl Scene {
         scene.sides(filter);
         scene.paired(model);
         scene.units(&large);
-        scene.surfaces(model)?;
+        scene.surfaces()?;
         scene.tie();
         scene.place_constants();
         scene.spread(gpu, worlds)?;
         Ok(scene)
+    }
+
+    /// Gives each world constants of its own.
+    ///
+    /// # Errors
+    /// Surfaces differ in too many ways.
+    pub fn differ(&mut self, own: Vec<Vec<f32>>) -> Result<(), GpuError> {
+        self.parameters.own = own;
+        if let Some(joints) = &mut self.joints {
+            let mut all = self.parameters.all();
+            joints.inertia = all.any(|set| self.impulse.has_inertia(set));
+        }
+        self.surfaces()?;
+        self.place_constants();
+        Ok(())
+    }
+    /// Whether a world may have these constants.
+    ///
+    /// # Errors
+    /// It may not: how fast what bounces has to be is the same in all worlds.
+    pub fn takes(&self, parameters: &[f32]) -> Result<(), GpuError> {
+        let sets = [parameters, &self.parameters.common];
+        let [weight, usual] = sets.map(|set| self.impulse.weight(set) as f32);
+        if weight != usual && self.impulse.bounces(parameters) {
+            return Err(unsupported(
+                "gravity of another strength in worlds in which things bounce",
+                "give all worlds the same, or run on the processor",
+            ));
+        }
+        Ok(())
     }
 
     /// Places worlds side by side, as many as a card has room for.
@@ -348,6 +392,9 @@ impl Scene {
             end
         });
         let starts = Vec::from_iter(std::iter::once(0).chain(starts));
+        let pairs = model.contact_pairs.iter();
+        self.paired = pairs.flat_map(|p| [p.shapes.0, p.shapes.1]).collect();
+        self.plan.shape_surface = self.whole(vec![0; others.len()]);
         self.plan.paired_start = self.whole(starts);
         self.plan.paired_items = self.whole(others.concat());
     }
@@ -405,20 +452,16 @@ impl Scene {
     }
 
     /// What each two surfaces make of a contact. A shape of a pair that has a surface of its own is of no other's kind.
-    fn surfaces(&mut self, model: &Model) -> Result<(), GpuError> {
+    fn surfaces(&mut self) -> Result<(), GpuError> {
         let impulse = Arc::clone(&self.impulse);
-        let pairs = model.contact_pairs.iter();
-        let paired: HashSet<_> = pairs
-            .flat_map(|pair| [pair.shapes.0, pair.shapes.1])
-            .collect();
         let mut of_shape = Vec::new();
         let mut examples: Vec<u32> = Vec::new();
         let mut known = HashMap::new();
         for (shape, collider) in impulse.shapes().iter().enumerate() {
-            let sets = self.parameters.0.iter();
+            let sets = self.parameters.all();
             let numbers = sets.flat_map(|set| impulse.surface_of(shape, set));
             let mut bits: Vec<_> = numbers.map(|x| x.to_bits()).collect();
-            if paired.contains(&collider.shape) {
+            if self.paired.contains(&collider.shape) {
                 bits.push(shape as u32);
             }
             of_shape.push(*known.entry(bits).or_insert_with(|| {
@@ -436,12 +479,13 @@ impl Scene {
             .iter()
             .flat_map(|a| examples.iter().map(|b| [*a, *b]));
         let bounces = |pair| {
-            let mut sets = self.parameters.0.iter();
+            let mut sets = self.parameters.all();
             sets.any(|set| impulse.surface(pair, set).restitution > 0.0)
         };
-        self.bounces = pairs.into_iter().any(bounces);
+        self.bounces = pairs.clone().any(bounces);
         self.plan.surfaces = examples.len() as u32;
-        self.plan.shape_surface = self.whole(of_shape);
+        let at = self.plan.shape_surface as usize;
+        self.whole[at..][..of_shape.len()].copy_from_slice(&of_shape);
         self.surfaces = examples;
         Ok(())
     }
@@ -532,7 +576,11 @@ fn unsupported(what: &'static str, remedy: &'static str) -> GpuError {
 }
 
 impl Scene {
-    /// The constants of a step that is cut into so many parts, of each world from the first on.
+    /// The constants of a step that is cut into so many parts: those of the model, which contacts and joints read.
+    pub fn common_globals(&self, parts: usize) -> [f32; global::WIDTH] {
+        self.impulse.globals(&self.parameters.common, parts)
+    }
+    /// Those of each world from the first on.
     pub fn globals(&self, first: usize, parts: usize) -> Vec<[f32; global::WIDTH]> {
         let worlds = first..first + self.plan.worlds as usize;
         let of = |world| self.impulse.globals(self.parameters.of(world), parts);

@@ -126,6 +126,26 @@ impl Steps {
         })
     }
 
+    /// After a scene has other constants.
+    pub fn renew(&mut self, gpu: &Gpu, scene: &Scene, kernels: &Kernels) -> Result<(), GpuError> {
+        let own = &self.plan;
+        let [surfaces, own_constants] = [scene.plan.surfaces, scene.plan.own_constants];
+        if [own.surfaces, own.own_constants] != [surfaces, own_constants] {
+            let mut plan = Plan {
+                pairs: own.pairs,
+                mesh_pairs: own.mesh_pairs,
+                most_near: own.most_near,
+                contacts: own.contacts,
+                colours: own.colours,
+                ..scene.plan
+            };
+            self.room = Room::new(gpu, scene, kernels, &mut plan)?;
+            self.plan = plan;
+        }
+        self.ready = None;
+        Ok(())
+    }
+
     /// Takes some of the steps that worlds of a batch have yet to take. Returns those, counted from its first, of which the
     /// next step is the processor's.
     pub fn take(

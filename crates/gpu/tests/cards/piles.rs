@@ -20,7 +20,7 @@ use model::{
 use numbers::dispatch::Isa;
 use rigid::Settings;
 use rigid::impulse::suits;
-use sim::{Simulation, SimulationError, SimulationSettings, SolverKind};
+use sim::{Simulation, SimulationSettings, SolverKind};
 use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 
@@ -827,24 +827,69 @@ fn meshes_that_loop_too_long_are_refused_where_loops_end() {
     }
 }
 
+/// Worlds have masses, surfaces, springs and gravity of their own, some of them twice, and are given others as they run.
 #[test]
 #[ignore = "needs a graphics card or what stands in for one"]
-fn models_of_worlds_own_are_refused_by_name() {
-    let place = |model: &Model| Simulation::on(&card(), model.clone(), settings(1));
-    let model = tower(2, 0.001).unwrap();
-    let mut simulation = place(&model).unwrap();
-    let mut parts = model.into_parts();
-    parts.bodies[0].mass *= 2.0;
-    let heavier = Model::new(parts).unwrap();
-    let told = simulation
-        .set_world_model(0, &heavier)
-        .map_err(|e| e.to_string())
-        .and_then(|()| {
-            simulation
-                .try_step(1)
-                .map(|_| ())
-                .map_err(|e: SimulationError| e.to_string())
-        })
-        .unwrap_err();
-    assert!(told.contains("models of worlds' own"), "{told}");
+fn models_of_worlds_own_agree_with_the_processor() {
+    for model in [company().unwrap(), mixed(false).unwrap()] {
+        let mut pair = Pair::at_rest(&card(), &model, settings(3));
+        let mut other = plain(&model, 3);
+        for step in 0..30 {
+            if step % 10 == 0 {
+                for simulation in pair.both().into_iter().chain([&mut other]) {
+                    let worlds = if step == 20 { 1..2 } else { 0..2 };
+                    for world in worlds {
+                        let own = changed(&model, 1.0 + 0.3 * (world + step / 10) as f64);
+                        simulation.set_world_model(world, &own).unwrap();
+                    }
+                }
+            }
+            pair.put();
+            other.restore(&pair.cpu.snapshot()).unwrap();
+            pair.step(1);
+            other.step(1);
+            let moved = pair.moved_apart();
+            let rounding = between(&mut pair, &mut other, Pair::moved_apart);
+            let within = moved < 1e-5 + 4.0 * rounding;
+            assert!(within, "{}: {moved:e} after step {step}", model.name);
+            pair.step(2);
+        }
+        let heights = [0, 1, 2].map(|w| pair.cpu.outputs().body_position(w, BodyId(1)));
+        assert!(heights[0] != heights[1] && heights[1] != heights[2]);
+    }
+}
+
+/// The same model, heavier, rougher and springier by a factor, and in weaker gravity.
+fn changed(model: &Model, factor: f64) -> Model {
+    let mut parts = (**model).clone();
+    for body in &mut parts.bodies {
+        body.mass *= factor;
+        body.inertia *= factor;
+    }
+    for (i, shape) in parts.shapes.iter_mut().enumerate() {
+        shape.material.friction *= factor * (1.0 + 0.1 * (i % 3) as f64);
+    }
+    for joint in &mut parts.joints {
+        joint
+            .dofs
+            .iter_mut()
+            .for_each(|dof| dof.stiffness *= factor);
+    }
+    parts.gravity *= 2.0 - factor;
+    Model::new(parts).unwrap()
+}
+
+/// How fast is a blow follows from gravity, which is one for all contacts of a launch.
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn gravity_of_worlds_own_is_refused_where_things_bounce() {
+    let model = balls().unwrap();
+    let mut simulation = Simulation::on(&card(), model.clone(), settings(2)).unwrap();
+    let mut parts = (*model).clone();
+    parts.gravity *= 0.5;
+    let told = simulation.set_world_model(1, &Model::new(parts).unwrap());
+    let told = told.unwrap_err().to_string();
+    assert!(told.contains("gravity of another strength"), "{told}");
+    simulation.step(3);
+    assert!(simulation.diverged().is_empty());
 }

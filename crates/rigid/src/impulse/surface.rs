@@ -6,6 +6,7 @@ use numbers::Float;
 
 /// Fields of a surface.
 pub(super) mod field {
+    pub const RESTITUTION: usize = 1;
     pub const MARGIN: usize = 4;
     pub const SOFTNESS: usize = 5;
     pub const COMBINE: usize = 9;
@@ -33,6 +34,12 @@ impl Impulse {
     /// The surface of a colliding shape, as numbers: equal ones make equal contacts.
     pub fn surface_of<'a, T>(&self, shape: usize, parameters: &'a [T]) -> &'a [T] {
         &parameters[self.surface.at(shape, 0)..][..field::WIDTH]
+    }
+
+    /// Whether any surface gives back speed.
+    pub fn bounces<T: Float>(&self, parameters: &[T]) -> bool {
+        let mut rows = 0..self.shapes.len() + self.paired.len();
+        rows.any(|row| parameters[self.surface.at(row, field::RESTITUTION)] > T::zero())
     }
 
     /// What a colliding shape's surface adds to the [gap](Self::margin) [m] of its contacts.
