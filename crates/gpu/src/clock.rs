@@ -2,6 +2,7 @@
 
 use crate::memory::Staging;
 use crate::{Gpu, GpuError};
+use std::iter::once;
 use std::ops::{Deref, DerefMut};
 
 /// Most marks of a submission: the most queries of a set.
@@ -60,9 +61,9 @@ impl Clock {
         encoder.resolve_query_set(&self.queries, range, &self.resolved, 0);
         let period = f64::from(gpu.queue().get_timestamp_period()) * 1e-9;
         let times = &mut self.times;
-        let numbers = [0..2 * marks.len()];
+        let numbers = once(0..2 * marks.len());
         let staging = &mut self.staging;
-        staging.fetch(gpu, encoder, &self.resolved, &numbers, |read| {
+        staging.fetch(gpu, encoder, &self.resolved, numbers, |read| {
             let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(read);
             for (stage, ticks) in marks.iter().skip(1).zip(ticks.windows(2)) {
                 let (Some(stage), [from, to]) = (stage, ticks) else {

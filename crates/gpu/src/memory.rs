@@ -90,18 +90,18 @@ impl Staging {
         gpu: &Gpu,
         mut encoder: wgpu::CommandEncoder,
         buffer: &wgpu::Buffer,
-        ranges: &[Range<usize>],
+        ranges: impl Iterator<Item = Range<usize>> + Clone,
         read: impl FnOnce(&[f32]),
     ) -> Result<(), GpuError> {
-        let numbers = ranges.iter().map(Range::len).sum();
-        self.ask(gpu, &mut encoder, buffer, ranges.iter().cloned())?;
+        let numbers = ranges.clone().map(|range| range.len()).sum();
+        self.ask(gpu, &mut encoder, buffer, ranges)?;
         gpu.queue().submit([encoder.finish()]);
         let Some(mapping) = self.map() else {
             return Ok(());
         };
         gpu.wait()?;
         // What was asked for in an earlier, longer question lies behind it.
-        mapping.read(gpu, |all: &[f32]| read(&all[..numbers]))
+        mapping.read(gpu, |all| read(&all[..numbers]))
     }
     /// Begins to fetch what was asked for; to be called once the questions are submitted.
     pub fn map(&self) -> Option<Mapping<'_>> {

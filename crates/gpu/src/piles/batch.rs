@@ -127,7 +127,7 @@ impl Batch {
     pub fn read(
         &mut self,
         gpu: &Gpu,
-        ranges: &[Range<usize>],
+        ranges: impl Iterator<Item = Range<usize>> + Clone,
         read: impl FnOnce(&[f32]),
     ) -> Result<(), GpuError> {
         let encoder = gpu.device().create_command_encoder(&Default::default());
@@ -141,35 +141,37 @@ impl Batch {
         numbers: &[Range<usize>],
         state: &mut Memory<f32>,
     ) -> Result<(), GpuError> {
-        let alive = scene.impulse.alive();
+        let (length, alive) = (scene.impulse.lengths().state, scene.impulse.alive());
+        let worlds = self.worlds.clone();
         if matches!(numbers, [range] if *range == (alive..alive + 1)) {
-            for (world, runs) in self.worlds.clone().zip(&self.runs) {
+            for (world, runs) in worlds.zip(&self.runs) {
                 state.set(world, alive, f32::from(u8::from(*runs)));
             }
             return Ok(());
         }
-        let length = scene.impulse.lengths().state;
-        let worlds = self.worlds.clone();
-        let all: usize = numbers.iter().map(Range::len).sum();
-        // Each range of a world is a command; so where much is read, all is.
-        let whole = 2 * all > length || numbers.len() * worlds.len() > COMMANDS;
-        let everything = [0..length];
-        let rows = if whole { &everything } else { numbers };
-        let ranges = (0..worlds.len()).flat_map(|nth| {
-            let first = nth * length;
-            rows.iter()
-                .map(move |row| first + row.start..first + row.end)
-        });
-        let ranges = match whole {
-            true => vec![0..length * worlds.len()],
-            false => ranges.collect(),
+        let mut set = |world: usize, row: &Range<usize>, own: &[f32]| {
+            let own = row.clone().zip(own);
+            own.for_each(|(i, x)| state.set(world, i, *x));
         };
-        self.read(gpu, &ranges, |mut read| {
+        // Each range of a world is a copy: rather one of all states than so many.
+        if numbers.len() * worlds.len() > COPIES {
+            let all = std::iter::once(0..length * worlds.len());
+            return self.read(gpu, all, |read| {
+                for (world, own) in worlds.zip(read.chunks_exact(length)) {
+                    let rows = numbers.iter();
+                    rows.for_each(|row| set(world, row, &own[row.clone()]));
+                }
+            });
+        }
+        let of_world = |nth: usize| {
+            let rows = numbers.iter();
+            rows.map(move |row| nth * length + row.start..nth * length + row.end)
+        };
+        self.read(gpu, (0..worlds.len()).flat_map(of_world), |mut read| {
             for world in worlds {
-                for row in rows {
+                for row in numbers {
                     let (own, rest) = read.split_at(row.len());
-                    let own = row.clone().zip(own);
-                    own.for_each(|(i, x)| state.set(world, i, *x));
+                    set(world, row, own);
                     read = rest;
                 }
             }
@@ -178,4 +180,4 @@ impl Batch {
 }
 
 /// Most ranges that are copied one by one.
-const COMMANDS: usize = 256;
+const COPIES: usize = 256;

@@ -105,8 +105,9 @@ impl Piles {
         let (gpu, scene, batch) = (&self.gpu, &self.scene, &mut self.batches[batch]);
         let first = batch.worlds.start;
         let ranges = worlds.iter().map(|nth| batch.numbers(scene, first + nth));
+        let ranges = Vec::from_iter(ranges);
         let mut states = Vec::new();
-        batch.read(gpu, &Vec::from_iter(ranges), |read| states = read.to_vec())?;
+        batch.read(gpu, ranges.into_iter(), |read| states = read.to_vec())?;
         let length = scene.impulse.lengths().state;
         for (nth, state) in worlds.iter().zip(states.chunks_exact_mut(length)) {
             processor(first + nth, 1, state);

@@ -12,6 +12,7 @@ use crate::pipeline::{WORKGROUP, dispatch};
 use crate::{Gpu, GpuError};
 use rigid::impulse::ContactTables;
 use rigid::impulse::blow::ROUNDS as BLOWS;
+use std::iter::once;
 use wgpu::{BindGroup, Buffer, ComputePipeline};
 
 /// What steps have room for, and how they are submitted.
@@ -291,8 +292,8 @@ impl Steps {
             }
         }
         let mut told = Told(Vec::new());
-        let all = 0..begin.len();
-        self.staging.fetch(gpu, encoder, status, &[all], |words| {
+        let all = once(0..begin.len());
+        self.staging.fetch(gpu, encoder, status, all, |words| {
             told.0 = words.iter().map(|word| word.to_bits()).collect();
         })?;
         if let Some(clock) = &mut self.clock {
