@@ -176,15 +176,38 @@ fn runs_in(world: u32) -> bool {
 fn stop_in(world: u32, flag: u32) {
     atomicOr(&status[of_world(world, STOPPED)], flag);
 }
+// Where there is but one world, nothing is divided.
 fn world_of_body(body: u32) -> u32 {
-    return (body - 1u) / plan.own_bodies;
+    if (SEVERAL) {
+        return (body - 1u) / plan.own_bodies;
+    }
+    return 0u;
 }
 fn world_of(shape: u32) -> u32 {
-    return shape / plan.own_shapes;
+    if (SEVERAL) {
+        return shape / plan.own_shapes;
+    }
+    return 0u;
 }
-// The same shape in the first world.
+// The same shape in the first world, and the same body, counted from 0.
 fn own(shape: u32) -> u32 {
-    return shape % plan.own_shapes;
+    if (SEVERAL) {
+        return shape % plan.own_shapes;
+    }
+    return shape;
+}
+fn own_body(body: u32) -> u32 {
+    if (SEVERAL) {
+        return (body - 1u) % plan.own_bodies;
+    }
+    return body - 1u;
+}
+// Of a contact that a world remembers, of all that worlds have room to remember.
+fn world_of_old(i: u32) -> u32 {
+    if (SEVERAL) {
+        return i / plan.remembered;
+    }
+    return 0u;
 }
 // The body of a shape.
 fn carrier_of(shape: u32) -> u32 {
@@ -193,7 +216,7 @@ fn carrier_of(shape: u32) -> u32 {
 }
 // Where the state of a body stands.
 fn state_of(body: u32) -> u32 {
-    let within = plan.body_state + ((body - 1u) % plan.own_bodies + 1u) * STATE;
+    let within = plan.body_state + (own_body(body) + 1u) * STATE;
     return world_of_body(body) * plan.state_numbers + within;
 }
 // Of a shape, a number of which each world may have another.

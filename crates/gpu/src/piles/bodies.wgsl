@@ -56,7 +56,7 @@ fn load_bodies(@builtin(global_invocation_id) id: vec3<u32>) {
         rows[place_field(i) * plan.bodies + body] = state[source + i];
     }
     let world = world_of_body(body);
-    let within = (body - 1u) % plan.own_bodies;
+    let within = own_body(body);
     let forces = plan.forces + 6u * world * plan.own_bodies + within;
     for (var i = 0u; i < 6u; i++) {
         rows[(WRENCH + i) * plan.bodies + body] = state[forces + i * plan.own_bodies];

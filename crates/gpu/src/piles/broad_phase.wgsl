@@ -147,11 +147,18 @@ fn near(a: u32, b: u32) -> bool {
     return b > a && overlap(a, b) && may_meet(a, b);
 }
 
+fn world_of_unit(unit: u32) -> u32 {
+    if (SEVERAL) {
+        return unit / plan.own_units;
+    }
+    return 0u;
+}
+
 // A unit of work: a small shape with all later ones, or a large one with some of them. Lists the pairs from `at` on, which
 // is before `end`, and returns their number.
 fn look(unit: u32, at: u32, end: u32) -> u32 {
-    let world = unit / plan.own_units;
-    let own_unit = plan.unit_shapes + 2u * (unit % plan.own_units);
+    let world = world_of_unit(unit);
+    let own_unit = plan.unit_shapes + 2u * (unit - world * plan.own_units);
     let base = world * plan.own_shapes;
     let a = base + whole[own_unit];
     let first = whole[own_unit + 1u];
@@ -251,7 +258,7 @@ fn list_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
     let next = word(plan.unit_start + unit + 1u);
     let end = min(next, plan.pairs);
     if (look(unit, at, end) != next - at) {
-        stop_in(unit / plan.own_units, PROCESSOR);
+        stop_in(world_of_unit(unit), PROCESSOR);
     }
     for (var i = at; i < end; i++) {
         let a = word(plan.pair_shapes + 2u * i);

@@ -119,7 +119,7 @@ impl Kernels {
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, GpuError> {
         let bindings = bindings(gpu)?;
         let (scanned, sorted) = (layout(gpu, 1, 0), layout(gpu, 2, 1));
-        let text = plan::constants() + &TEXT.concat();
+        let text = plan::constants(scene.plan.worlds) + &TEXT.concat();
         let scan = include_str!("scan.wgsl");
         let sort = include_str!("sort.wgsl");
         let contact = Members::Seats {

@@ -15,19 +15,21 @@ fn memory_of(world: u32, nth: u32) -> u32 {
 }
 // The same of a contact of all that worlds have room to remember.
 fn memory_at(i: u32) -> u32 {
-    return memory_of(i / plan.remembered, i % plan.remembered);
+    let world = world_of_old(i);
+    return memory_of(world, i - world * plan.remembered);
 }
 // How many contacts a world remembers.
 fn count_in(world: u32) -> u32 {
     return u32(state[world * plan.state_numbers + plan.count]);
 }
 fn is_remembered(i: u32) -> bool {
-    return i % plan.remembered < count_in(i / plan.remembered);
+    let world = world_of_old(i);
+    return i - world * plan.remembered < count_in(world);
 }
 // The shapes of a remembered contact, the lower first.
 fn old_key(i: u32) -> vec2<u32> {
     let at = memory_at(i) + REMEMBERED_SHAPES;
-    let first = i / plan.remembered * plan.own_shapes;
+    let first = world_of_old(i) * plan.own_shapes;
     let a = first + u32(state[at]);
     let b = first + u32(state[at + 1u]);
     return vec2(min(a, b), max(a, b));

@@ -68,7 +68,7 @@ fn find_ended(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     var ended = 0u;
-    if (i < all_places && is_remembered(i) && runs_in(i / plan.remembered)) {
+    if (i < all_places && is_remembered(i) && runs_in(world_of_old(i))) {
         ended = select(0u, 1u, gave(i) && heir_of(i) == NONE);
     }
     put(plan.ended + i, ended);
@@ -105,7 +105,7 @@ fn match_parts(@builtin(global_invocation_id) id: vec3<u32>) {
 fn remembered_number(i: u32, field: u32) -> f32 {
     let number = state[memory_at(i) + field];
     if (field == REMEMBERED_SHAPES || field == REMEMBERED_SHAPES + 1u) {
-        return number + f32(i / plan.remembered * plan.own_shapes);
+        return number + f32(world_of_old(i) * plan.own_shapes);
     }
     return number;
 }

@@ -225,8 +225,8 @@ impl Plan {
     }
 }
 
-/// What the shader has as constants.
-pub(super) fn constants() -> String {
+/// What the shader has as constants, for so many worlds.
+pub(super) fn constants(worlds: u32) -> String {
     let t = ContactTables::new();
     let whole = [
         ("FLAG", status::FLAG),
@@ -360,5 +360,6 @@ pub(super) fn constants() -> String {
     let whole = whole.into_iter().chain(joints::constants());
     let whole = whole.map(|(name, n)| format!("const {name}: u32 = {n}u;\n"));
     let real = real.map(|(name, x)| format!("const {name}: f32 = {x:e}f;\n"));
-    whole.chain(real).collect()
+    let several = format!("const SEVERAL: bool = {};\n", worlds > 1);
+    whole.chain(real).chain([several]).collect()
 }
