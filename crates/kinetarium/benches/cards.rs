@@ -9,7 +9,7 @@ mod ground;
 use ground::on_the_ground;
 use kinetarium::DeviceChoice;
 use kinetarium::formats::{self, InMemory, Options};
-use kinetarium::model::examples::{Start, bowl, chain, towers};
+use kinetarium::model::examples::{self, Start, bowl, chain, pyramid, towers};
 use kinetarium::model::{Model, ModelError};
 use kinetarium::numbers::trace::Work;
 use kinetarium::numbers::{Cpu, Shared};
@@ -76,8 +76,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("| pile | bodies | steps per second | left | first step |");
     println!("|---|--:|--:|--:|--:|");
     let mut stages = Vec::new();
-    let piles = [towers(100, 10)?, towers(1000, 10)?, bowl(10_000)?];
-    for model in piles
+    let large = [towers(100, 10)?, towers(1000, 10)?, bowl(10_000)?];
+    for model in large
         .into_iter()
         .filter(|model| model.name.starts_with(only))
     {
@@ -85,6 +85,16 @@ fn main() -> Result<(), Box<dyn Error>> {
             pile(card, &model).unwrap_or_else(|told| (format!("{told} | | |"), Stages::new()));
         println!("| {} | {} | {}", model.name, model.bodies.len(), figures.0);
         stages.push((model.name.clone(), figures.1));
+    }
+    println!("\nMany worlds of few bodies that touch, world-steps per second.\n");
+    println!("| pile | worlds | many steps a call | one | left | first step |");
+    println!("|---|--:|--:|--:|--:|--:|");
+    for model in [pyramid(3)?, examples::pile(30)?] {
+        for &worlds in counts.iter().filter(|_| model.name.starts_with(only)) {
+            let figures = piles(card, &model, worlds);
+            let figures = figures.unwrap_or_else(|told| format!("{told} | | | |"));
+            println!("| {} | {worlds} | {figures}", model.name);
+        }
     }
     println!("\nThe stages of a step, by the card's clock, in microseconds.\n");
     for (pile, times) in stages {
@@ -114,20 +124,8 @@ const TIMED: usize = 32;
 /// Steps per second, the share left to the processor, and how long the first step takes; and what the stages of a step
 /// take [s].
 fn pile(card: &dyn Device<f32>, model: &Model) -> Result<(String, Stages), SimulationError> {
-    let settings = SimulationSettings {
-        solver: SolverKind::Impulse,
-        ..SimulationSettings::new(1, 0.004)
-    };
-    let mut world = Simulation::on(card, model.clone(), settings)?;
-    let begin = Instant::now();
-    world.try_step(1)?;
-    let first = begin.elapsed().as_secs_f64();
-    world.try_step(SETTLING)?;
-    let (before, time) = (world.left_to_processor(), world.time(0));
-    let steps = rate(&mut world, |world, n| world.try_step(n).map(|_| ()))?;
-    let left = (world.left_to_processor() - before) as f64;
-    let taken = (world.time(0) - time) / settings.step.time_step;
-    let share = 100.0 * left / taken;
+    let (mut world, first) = settled(card, model, 1)?;
+    let (steps, share) = pace(&mut world, |world, n| world.try_step(n).map(|_| ()))?;
     let mut stages = world.time_stages(TIMED)?;
     stages
         .iter_mut()
@@ -136,7 +134,60 @@ fn pile(card: &dyn Device<f32>, model: &Model) -> Result<(String, Stages), Simul
     Ok((figures, stages))
 }
 
-/// The same, with damping [N·m·s/rad], without which a long chain that is driven for long whips about until it diverges:
+/// World-steps per second, in calls of many and of one, the share left to the processor, and how long the first step
+/// takes.
+fn piles(card: &dyn Device<f32>, model: &Model, count: usize) -> Result<String, SimulationError> {
+    let (mut worlds, first) = settled(card, model, count)?;
+    let (many, share) = pace(&mut worlds, |worlds, n| worlds.try_step(n).map(|_| ()))?;
+    let (single, _) = pace(&mut worlds, |worlds, n| {
+        (0..n).try_for_each(|_| worlds.try_step(1).map(|_| ()))
+    })?;
+    let [many, single] = [many, single].map(|rate| rate * count as f64);
+    let share = share / count as f64;
+    Ok(format!(
+        "{many:.3e} | {single:.3e} | {share:.1} % | {first:.2} s |"
+    ))
+}
+
+/// Worlds of a pile that has come to rest, or most of it, each thrown by another speed; and how long the first step took [s].
+fn settled(
+    card: &dyn Device<f32>,
+    model: &Model,
+    count: usize,
+) -> Result<(Simulation<f32>, f64), SimulationError> {
+    let settings = SimulationSettings {
+        solver: SolverKind::Impulse,
+        ..SimulationSettings::new(count, 0.004)
+    };
+    let mut worlds = Simulation::on(card, model.clone(), settings)?;
+    for world in 1..count {
+        let mut velocity = vec![0.0; model.degrees_of_freedom()];
+        velocity
+            .iter_mut()
+            .step_by(6)
+            .for_each(|v| *v = 0.01 * (world % 50) as f64);
+        worlds.set_joint_state(world, &model.initial_position(), &velocity)?;
+    }
+    let begin = Instant::now();
+    worlds.try_step(1)?;
+    let first = begin.elapsed().as_secs_f64();
+    worlds.try_step(SETTLING)?;
+    Ok((worlds, first))
+}
+
+/// Steps per second, and the share [%] of one world's that was left to the processor.
+fn pace(
+    worlds: &mut Simulation<f32>,
+    run: impl FnMut(&mut Simulation<f32>, usize) -> Result<(), SimulationError>,
+) -> Result<(f64, f64), SimulationError> {
+    let (before, time) = (worlds.left_to_processor(), worlds.time(0));
+    let steps = rate(worlds, run)?;
+    let left = (worlds.left_to_processor() - before) as f64;
+    let taken = (worlds.time(0) - time) / worlds.settings().step.time_step;
+    Ok((steps, 100.0 * left / taken))
+}
+
+/// The model with damping [N·m·s/rad], without which a long chain that is driven for long whips about until it diverges:
 /// worlds that stand still would be measured.
 fn damped(model: &Model) -> Result<Model, ModelError> {
     let mut parts = model.clone().into_parts();
