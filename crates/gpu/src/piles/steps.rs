@@ -49,13 +49,46 @@ pub(super) struct Pace {
     /// Worlds in a submission: fewer where there is no room for all of them.
     worlds: usize,
     /// Colours of contacts that are launched.
-    colours: u32,
+    colours: Held,
     /// Rounds of colouring in a step.
     rounds: usize,
     /// Worlds for which these, or colours, were too few, so that colouring goes on where it ended.
     uncoloured: Vec<usize>,
     /// Rounds of blows in a small step.
-    blows: usize,
+    blows: Held,
+}
+
+/// How many of something are launched: as many as were needed in any of the last steps.
+#[derive(Clone, Copy, Debug, Default)]
+struct Held {
+    count: usize,
+    /// Steps in which fewer were needed, without a break.
+    fewer: usize,
+}
+
+/// Steps after which fewer are launched.
+const HELD: usize = 16;
+
+impl Held {
+    fn at_least(&mut self, needed: usize) {
+        if needed >= self.count {
+            *self = Self {
+                count: needed,
+                fewer: 0,
+            };
+        }
+    }
+    /// So many were needed in so many steps.
+    fn needed(&mut self, needed: usize, steps: usize) {
+        self.at_least(needed);
+        self.fewer += steps;
+        if needed < self.count && self.fewer >= HELD {
+            *self = Self {
+                count: needed + (self.count - needed) / 2,
+                fewer: 0,
+            };
+        }
+    }
 }
 
 impl Pace {
@@ -64,10 +97,13 @@ impl Pace {
         Self {
             steps: 1,
             worlds,
-            colours: FIRST_COLOURS,
+            colours: Held {
+                count: FIRST_COLOURS as usize,
+                fewer: 0,
+            },
             rounds: FEWEST_ROUNDS,
             uncoloured: Vec::new(),
-            blows: 0,
+            blows: Held::default(),
         }
     }
 }
@@ -166,7 +202,7 @@ impl Steps {
             let asked = batch.left[world].min(turn.steps);
             let steps = asked - told.of_world(world, of_world::LEFT) as usize;
             batch.left[world] -= steps;
-            taken += steps;
+            taken = steps.max(taken);
             let why = told.of_world(world, of_world::STOPPED);
             stops |= why & !stopped::DONE;
             if why & stopped::OTHER_PARTS != 0 {
@@ -179,7 +215,11 @@ impl Steps {
         let pace = &mut batch.pace;
         if turn.parts == 1 {
             let all = flags == 0 && left_to_processor.is_empty();
-            pace.steps = if all { STEPS.min(2 * pace.steps) } else { 1 };
+            pace.steps = if all {
+                STEPS.min(2 * pace.steps)
+            } else {
+                taken.max(1)
+            };
         }
         pace.uncoloured.clear();
         if flags & (flag::MORE_ROUNDS | flag::MORE_COLOURS) != 0 && turn.parts == 1 && stops == 0 {
@@ -196,14 +236,13 @@ impl Steps {
                 false => turn.worlds,
             });
         }
-        // Soon no more colours than there are, but not so soon that it would be too few every other time.
-        let coloured = told.of(status::COLOURED);
-        pace.colours = pace.colours.max(coloured);
-        pace.colours = coloured + (pace.colours - coloured) / 2;
+        pace.colours
+            .needed(told.of(status::COLOURED) as usize, taken);
         // One more, in which nothing is struck; none where none was foreseen.
         let foreseen = told.of(status::FORESEEN) != 0;
         let struck = told.of(status::MOST_BLOWS) as usize;
-        pace.blows = BLOWS.min(struck + usize::from(foreseen));
+        let rounds = BLOWS.min(struck + usize::from(foreseen));
+        pace.blows.needed(rounds, taken);
         // In most steps colours are those of the step before.
         let usual = 2 * told.of(status::ROUNDS) as usize;
         pace.rounds = usual.clamp(FEWEST_ROUNDS, MOST_ROUNDS);
@@ -224,7 +263,7 @@ impl Steps {
         let flags = told.of(status::FLAG);
         let pace = &mut batch.pace;
         let coloured = told.of(status::COLOURED);
-        pace.colours = pace.colours.max(coloured);
+        pace.colours.at_least(coloured as usize);
         if flags & flag::MORE_ROOM == flag::MORE_COLOURS && coloured <= self.plan.colours {
             return true;
         }
@@ -247,7 +286,8 @@ impl Steps {
             pace.rounds = MOST_ROUNDS.min(2 * pace.rounds);
             return true;
         }
-        pace.blows = BLOWS.min((2 * pace.blows).max(2));
+        pace.blows
+            .at_least(BLOWS.min((2 * pace.blows.count).max(2)));
         true
     }
 
@@ -463,7 +503,7 @@ impl Steps {
         let bodies = p.bodies.div_ceil(WORKGROUP);
         let joints = scene.joints.as_ref().zip(k.joints.as_ref());
         let contacts = |pass: &mut Pass<'_>, kernel: &ComputePipeline| {
-            for (colour, bindings) in (0..pace.colours).zip(&s.colours) {
+            for (colour, bindings) in (0..pace.colours.count as u32).zip(&s.colours) {
                 self.run(pass, kernel, bindings, run::COLOURS + colour);
             }
         };
@@ -486,7 +526,7 @@ impl Steps {
                 dispatch(pass, &k.advance_again, &s.bodies, bodies);
             }
             pass.mark("advancing, warm start");
-            if pace.blows > 0 {
+            if pace.blows.count > 0 {
                 self.blows(pass, k, own, pace);
             }
             pass.mark("blows");
@@ -539,9 +579,9 @@ impl Steps {
             all(pass, &e.keep_free, p.bodies);
         }
         self.run(pass, &k.part, &s.bodies, run::BLOW_BODIES);
-        for round in 0..pace.blows {
+        for round in 0..pace.blows.count {
             let strike = [&k.strike_foreseen, &k.strike][round.min(1)];
-            for (colour, bindings) in (0..pace.colours).zip(&s.colours) {
+            for (colour, bindings) in (0..pace.colours.count as u32).zip(&s.colours) {
                 self.run(pass, strike, bindings, run::BLOW_COLOURS + colour);
             }
             all(pass, &e.tell_blows, p.contacts);
@@ -594,8 +634,8 @@ fn turn(scene: &Scene, batch: &Batch) -> Turn {
     let worlds: Vec<_> = all.filter(waits).take(pace.worlds).collect();
     let small_steps = scene.impulse.settings().contact_iterations;
     let joints = scene.joints.as_ref().map_or(0, |joints| joints.runs.len());
-    let stage = pace.colours as usize + joints + 1;
-    let launches = small_steps * (2 + pace.blows) * stage;
+    let stage = pace.colours.count + joints + 1;
+    let launches = small_steps * (2 + pace.blows.count) * stage;
     let most = pace.steps.min(LAUNCHES / launches).max(1);
     // What is cut into parts is taken one by one, that it can be undone.
     let most = if parts > 1 { 1 } else { most };
@@ -611,8 +651,8 @@ fn turn(scene: &Scene, batch: &Batch) -> Turn {
 fn begin(plan: &Plan, batch: &Batch, turn: &Turn) -> Vec<u32> {
     let mut words = vec![0; told(plan)];
     words[status::KEEP] = (batch.pace.uncoloured == turn.worlds).into();
-    words[status::LAUNCHED] = batch.pace.colours;
-    words[status::ROUNDS_OF_BLOWS] = batch.pace.blows as u32;
+    words[status::LAUNCHED] = batch.pace.colours.count as u32;
+    words[status::ROUNDS_OF_BLOWS] = batch.pace.blows.count as u32;
     words[status::PARTS] = turn.parts as u32;
     for &world in &turn.worlds {
         let steps = batch.left[world].min(turn.steps);
