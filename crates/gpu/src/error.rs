@@ -52,7 +52,6 @@ pub enum GpuError {
         /// What to do instead.
         remedy: &'static str,
     },
-    /// Models of worlds' own, of piles.
     /// Kernels of piles see more buffers than the card lets them.
     #[error(
         "`impulse` needs kernels that see {needed} buffers; those of the card `{card}` see {most}: run on the processor, or \

@@ -24,8 +24,8 @@
 //!
 //! # Limitations
 //! Numbers are `f32`. Results agree with the CPU's to rounding, not to the bit: shading languages leave the
-//! last bits of division, square root and fused multiply-add to the card. Of `impulse`, a card takes one world after the
-//! other, each by all of it; worlds have no models of their own, and rare steps are left to the processor.
+//! last bits of division, square root and fused multiply-add to the card. Of `impulse`, rare steps are left to the
+//! processor, and worlds have gravity of one strength where things bounce or stick.
 
 #![forbid(unsafe_code)]
 

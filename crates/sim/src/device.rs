@@ -63,11 +63,11 @@ pub trait DeviceWorlds<T: Float>: Send + Sync {
         substeps: usize,
         processor: &mut Processor<'_, T>,
     ) -> Result<(), DeviceError>;
-    /// Whether a world can have these constants of its own.
+    /// Whether worlds can have these constants of their own, each of another world, besides those that were written.
     ///
     /// # Errors
-    /// It cannot.
-    fn takes(&self, _parameters: &[f64]) -> Result<(), DeviceError> {
+    /// They cannot.
+    fn takes(&self, _parameters: &[&[f64]]) -> Result<(), DeviceError> {
         Ok(())
     }
     /// How many substeps of all worlds together it has left to the processor so far.
@@ -195,8 +195,8 @@ impl<T: Float> Remote<T> {
         self.set.clear();
         Ok(())
     }
-    /// Whether a world can have these constants of its own.
-    pub fn takes(&self, parameters: &[f64]) -> Result<(), DeviceError> {
+    /// Whether worlds can have these constants of their own.
+    pub fn takes(&self, parameters: &[&[f64]]) -> Result<(), DeviceError> {
         self.worlds.takes(parameters)
     }
     /// How many substeps it has left to the processor.

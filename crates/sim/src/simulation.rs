@@ -495,8 +495,10 @@ impl<T: Float> Simulation<T> {
     /// Gives worlds models of their own. Where all bodies are is reported once, for all of them.
     pub(crate) fn give_own(&mut self, models: Vec<(usize, Own<T>)>) -> Result<(), SimulationError> {
         if let Some(remote) = &self.remote {
-            let mut own = models.iter().map(|(_, own)| &own.compiled);
-            own.try_for_each(|compiled| remote.takes(compiled.engine.parameters()))?;
+            let own = models
+                .iter()
+                .map(|(_, own)| own.compiled.engine.parameters());
+            remote.takes(&Vec::from_iter(own))?;
         }
         self.try_outputs()?;
         self.fetch_state()?;

@@ -1,11 +1,13 @@
 //! Worlds of many bodies that are stepped together, in a card's memory.
 
 use super::room::sized;
-use super::scene::Scene;
+use super::scene::{BODY, SHAPE, Scene};
 use super::steps::Pace;
 use crate::memory::{NUMBER, Staging};
 use crate::{Gpu, GpuError};
 use numbers::Memory;
+use rigid::impulse::global;
+use std::iter::repeat_n;
 use std::ops::Range;
 use wgpu::Buffer;
 
@@ -19,6 +21,13 @@ pub(super) struct Batch {
     pub pushed: bool,
     /// Of each contact that they remember, the colour that it had: where colouring begins, which changes nothing.
     pub colours: Buffer,
+    /// Their constants; those of bodies and of shapes as kernels read them, behind those of the step.
+    pub constants: Buffer,
+    pub bodies: Buffer,
+    pub shapes: Buffer,
+    /// Whether constants have changed since, and into how many parts steps are cut that they are ready for.
+    stale: bool,
+    cut: usize,
     pub pace: Pace,
     /// Of each world, the steps that it has yet to take, and into how many parts the last one had to be cut.
     pub left: Vec<usize>,
@@ -34,11 +43,16 @@ pub(super) struct Batch {
 impl Batch {
     pub fn new(gpu: &Gpu, scene: &Scene, worlds: Range<usize>) -> Result<Self, GpuError> {
         let plan = &scene.plan;
-        let (room, count) = (u64::from(plan.worlds), worlds.len());
-        let given = room * u64::from(plan.given_numbers);
+        let count = worlds.len();
+        let of = |things: u32, width: usize| u64::from(things) * width as u64;
         Ok(Self {
-            state: sized(gpu, u64::from(plan.given) + given)?,
-            colours: sized(gpu, room * u64::from(plan.remembered))?,
+            state: sized(gpu, plan.numbers().into())?,
+            colours: sized(gpu, plan.places().into())?,
+            constants: sized(gpu, scene.constants_length().into())?,
+            bodies: sized(gpu, of(plan.bodies, BODY))?,
+            shapes: sized(gpu, of(plan.shapes, SHAPE))?,
+            stale: true,
+            cut: 0,
             worlds,
             pushed: false,
             pace: Pace::new(count),
@@ -73,16 +87,55 @@ impl Batch {
             .write_buffer(&self.state, at as u64 * NUMBER, bytes);
     }
 
+    /// The scene has other constants.
+    pub fn differs(&mut self) {
+        self.stale = true;
+        // What controls make of joints depends on them.
+        self.controlled = true;
+    }
+    /// Writes constants that have changed, and those of a step that is cut into so many parts.
+    pub fn ready(&mut self, gpu: &Gpu, scene: &Scene, parts: usize) -> Result<(), GpuError> {
+        let (first, plan) = (self.worlds.start, &scene.plan);
+        let write = |buffer: &Buffer, at: u32, numbers: &[f32]| {
+            let at = u64::from(at) * global::WIDTH as u64 * NUMBER;
+            let bytes = bytemuck::cast_slice(numbers);
+            gpu.queue().write_buffer(buffer, at, bytes);
+        };
+        if std::mem::take(&mut self.stale) {
+            let length = scene.constants_length().into();
+            if self.constants.size() < length * NUMBER {
+                self.constants = sized(gpu, length)?;
+            }
+            write(&self.constants, 0, &scene.constants(first));
+            write(&self.bodies, plan.bodies, &scene.body_constants(first));
+            write(&self.shapes, plan.shapes, &scene.shape_constants(first));
+            self.cut = 0;
+        }
+        if self.cut != parts {
+            let globals = scene.globals(first, parts);
+            // A number of each world, for each of its things; 0 for what does not move.
+            let columns = |fixed: u32, each: u32| {
+                let mut columns = Vec::new();
+                for number in 0..global::WIDTH {
+                    columns.extend(repeat_n(0.0, fixed as usize));
+                    let own = |set: &[f32; global::WIDTH]| repeat_n(set[number], each as usize);
+                    columns.extend(globals.iter().flat_map(own));
+                }
+                columns
+            };
+            write(&self.bodies, 0, &columns(plan.worlds, plan.own_bodies));
+            write(&self.shapes, 0, &columns(0, plan.own_shapes));
+            self.cut = parts;
+        }
+        Ok(())
+    }
+
     /// Takes controls. What is made of them goes to the card before the next step: they may change once more.
     pub fn control(&mut self, scene: &Scene, input: &Memory<f32>) {
         let numbers = 0..scene.impulse.lengths().input;
         for (world, own) in self.worlds.clone().zip(&mut self.input) {
             *own = numbers.clone().map(|i| input.get(world, i)).collect();
         }
-        self.controlled = true;
-    }
-    /// What is made of controls has changed.
-    pub fn recontrol(&mut self) {
         self.controlled = true;
     }
     /// Tells the card what controls make of forces on bodies, and of joints, if they have changed.

@@ -1,20 +1,20 @@
 // What lies between the kernels: numbers of bodies to shapes, pairs and contacts and back, which shapes are near each
 // other, which contact has which colour. Contacts stand in the order of their pairs of shapes, as on the processor.
 //
-// Several worlds are stepped together. In each array they lie one after the other; of bodies, behind row 0, which does not
-// move and is in all of them. What one of them does, no other one knows.
+// Several worlds are stepped together. In each array they lie one after the other; of bodies, behind a row for each world,
+// for what does not move in it. What one of them does, no other one knows.
 //
 // A step, or a part of one, is taken whole or not at all: `status[FLAG]` says why it was not in all of them, what a world
 // has under `STOPPED` why it was not there; then nothing of the state is written.
 
 struct Plan {
     worlds: u32,
-    // How many there are in all of them; of bodies, row 0 is one.
+    // How many there are in all of them; of bodies, with what does not move.
     bodies: u32,
     shapes: u32,
     units: u32,
     joints: u32,
-    // How many a world has, row 0 left out.
+    // How many a world has; of bodies, that move.
     own_bodies: u32,
     own_shapes: u32,
     own_units: u32,
@@ -179,7 +179,7 @@ fn stop_in(world: u32, flag: u32) {
 // Where there is but one world, nothing is divided.
 fn world_of_body(body: u32) -> u32 {
     if (SEVERAL) {
-        return (body - 1u) / plan.own_bodies;
+        return (body - plan.worlds) / plan.own_bodies;
     }
     return 0u;
 }
@@ -190,7 +190,7 @@ fn world_of(shape: u32) -> u32 {
     return 0u;
 }
 // The same shape in the first world, and the same body, counted from 0.
-fn own(shape: u32) -> u32 {
+fn own_shape(shape: u32) -> u32 {
     if (SEVERAL) {
         return shape % plan.own_shapes;
     }
@@ -198,9 +198,9 @@ fn own(shape: u32) -> u32 {
 }
 fn own_body(body: u32) -> u32 {
     if (SEVERAL) {
-        return (body - 1u) % plan.own_bodies;
+        return (body - plan.worlds) % plan.own_bodies;
     }
-    return body - 1u;
+    return body - plan.worlds;
 }
 // Of a contact that a world remembers, of all that worlds have room to remember.
 fn world_of_old(i: u32) -> u32 {
@@ -209,10 +209,17 @@ fn world_of_old(i: u32) -> u32 {
     }
     return 0u;
 }
-// The body of a shape.
+// The row of a body of a world, as the solver counts them: 0 is what does not move.
+fn row_of(world: u32, body: u32) -> u32 {
+    return select(world, plan.worlds + world * plan.own_bodies + body - 1u, body != 0u);
+}
+fn is_fixed(body: u32) -> bool {
+    return body < plan.worlds;
+}
+// The row of a shape's body.
 fn carrier_of(shape: u32) -> u32 {
-    let body = whole[plan.carriers + own(shape)];
-    return select(0u, world_of(shape) * plan.own_bodies + body, body != 0u);
+    let body = whole[plan.carriers + own_shape(shape)];
+    return row_of(world_of(shape), body);
 }
 // Where the state of a body stands.
 fn state_of(body: u32) -> u32 {
@@ -221,7 +228,7 @@ fn state_of(body: u32) -> u32 {
 }
 // Of a shape, a number of which each world may have another.
 fn constant_of(shape: u32, at: u32, width: u32) -> f32 {
-    return constants[world_of(shape) * plan.own_constants + at + own(shape) * width];
+    return constants[world_of(shape) * plan.own_constants + at + own_shape(shape) * width];
 }
 fn pair_count() -> u32 {
     return min(told(PAIRS), plan.pairs);
@@ -259,22 +266,22 @@ fn place_field(i: u32) -> u32 {
     return select(CENTER + i, ORIENTATION + i - 3u, i > 2u);
 }
 fn is_plane(shape: u32) -> bool {
-    return (whole[plan.shape_form + own(shape) * 2u + 1u] & 1u) != 0u;
+    return (whole[plan.shape_form + own_shape(shape) * 2u + 1u] & 1u) != 0u;
 }
 fn is_sensor(shape: u32) -> bool {
-    return (whole[plan.shape_form + own(shape) * 2u + 1u] & 2u) != 0u;
+    return (whole[plan.shape_form + own_shape(shape) * 2u + 1u] & 2u) != 0u;
 }
 fn is_mesh(shape: u32) -> bool {
-    return (whole[plan.shape_form + own(shape) * 2u + 1u] & 4u) != 0u;
+    return (whole[plan.shape_form + own_shape(shape) * 2u + 1u] & 4u) != 0u;
 }
 // What two shapes make of a contact: the first of its numbers.
 fn surface_of(shapes: vec2<u32>) -> u32 {
-    let kind = whole[plan.shape_surface + own(shapes.x)] * plan.surfaces;
-    let both = kind + whole[plan.shape_surface + own(shapes.y)];
+    let kind = whole[plan.shape_surface + own_shape(shapes.x)] * plan.surfaces;
+    let both = kind + whole[plan.shape_surface + own_shape(shapes.y)];
     return world_of(shapes.x) * plan.own_constants + plan.surface + both * SURFACE;
 }
 fn is_large(shape: u32) -> bool {
-    return whole[plan.first_corner + own(shape) * 2u + 1u] == 1u;
+    return whole[plan.first_corner + own_shape(shape) * 2u + 1u] == 1u;
 }
 fn row(field: u32, body: u32) -> f32 {
     return rows[field * plan.bodies + body];

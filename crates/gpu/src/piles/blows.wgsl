@@ -12,6 +12,12 @@ fn world_of_solved(i: u32) -> u32 {
     return world_of_contact(word(plan.contact_order + i));
 }
 
+fn restitution_of(i: u32) -> f32 {
+    let at = word(plan.contact_order + i) * REMEMBERED + REMEMBERED_SHAPES;
+    let shapes = vec2(u32(fresh[at]), u32(fresh[at + 1u]));
+    return constants[surface_of(shapes) + MANIFOLD_RESTITUTION - MANIFOLD_FRICTION];
+}
+
 // Which contacts may be struck within the step.
 @compute @workgroup_size(64)
 fn foresee_blows(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -38,10 +44,9 @@ fn begin_blows(@builtin(global_invocation_id) id: vec3<u32>) {
     let i = id.x;
     if (i < solved_count()) {
         put_contact(MANIFOLD_STRUCK, i, f32(word(plan.foreseen + i)));
-        // Nothing bounces in the step in a world in which no blow is foreseen.
-        if (told(of_world(world_of_solved(i), MEETS)) == 0u) {
-            put_contact(MANIFOLD_RESTITUTION, i, 0.0);
-        }
+        // Where no blow is foreseen in a world, nothing bounces there in the step.
+        let bounces = told(of_world(world_of_solved(i), MEETS)) != 0u;
+        put_contact(MANIFOLD_RESTITUTION, i, select(0.0, restitution_of(i), bounces));
     }
     if (i < plan.worlds) {
         atomicStore(&status[of_world(i, STRUCK)], 0u);
@@ -63,7 +68,7 @@ fn begin_blows(@builtin(global_invocation_id) id: vec3<u32>) {
 @compute @workgroup_size(64)
 fn keep_free(@builtin(global_invocation_id) id: vec3<u32>) {
     let body = id.x;
-    if (body == 0u || body >= plan.bodies) {
+    if (is_fixed(body) || body >= plan.bodies) {
         return;
     }
     for (var i = 0u; i < 6u; i++) {
@@ -74,7 +79,7 @@ fn keep_free(@builtin(global_invocation_id) id: vec3<u32>) {
 @compute @workgroup_size(64)
 fn put_free(@builtin(global_invocation_id) id: vec3<u32>) {
     let body = id.x;
-    if (body == 0u || body >= plan.bodies || told(of_world(world_of_body(body), MEETS)) != 0u) {
+    if (is_fixed(body) || body >= plan.bodies || told(of_world(world_of_body(body), MEETS)) != 0u) {
         return;
     }
     for (var i = 0u; i < 6u; i++) {
@@ -82,7 +87,10 @@ fn put_free(@builtin(global_invocation_id) id: vec3<u32>) {
     }
 }
 
-// Whether anything was struck in a round.
+// Whether anything was struck in a world in this round.
+fn is_struck(world: u32) -> bool {
+    return told(of_world(world, STRUCK)) == told(BLOW_ROUND) + 1u;
+}
 @compute @workgroup_size(64)
 fn tell_blows(@builtin(global_invocation_id) id: vec3<u32>) {
     if (told(BLOWING) != 0u && id.x < solved_count() && of_contact(MANIFOLD_STRUCK, id.x) > 0.0) {
@@ -91,14 +99,17 @@ fn tell_blows(@builtin(global_invocation_id) id: vec3<u32>) {
     }
 }
 
-// Then joints of those worlds hand it on.
+// Then joints of those worlds hand it on; in others the small step's blows are over.
 @compute @workgroup_size(64)
-fn seat_struck(@builtin(global_invocation_id) id: vec3<u32>) {
+fn part_struck(@builtin(global_invocation_id) id: vec3<u32>) {
     let i = id.x;
+    if (i < solved_count() && !is_struck(world_of_solved(i))) {
+        put_contact(MANIFOLD_RESTITUTION, i, 0.0);
+    }
     if (i >= plan.joints) {
         return;
     }
-    let struck = told(of_world(i % plan.worlds, STRUCK)) == told(BLOW_ROUND) + 1u;
+    let struck = is_struck(i % plan.worlds);
     for (var side = 0u; side < 2u; side++) {
         struck_seats[side * plan.joints + i] = select(NONE, joint_body(i, side), struck);
     }

@@ -31,7 +31,7 @@ fn clear(@builtin(global_invocation_id) id: vec3<u32>) {
         atomicStore(&status[SETTLED], 0u);
         atomicStore(&status[ROUND], 0u);
         atomicStore(&status[MEETING], 0u);
-        runs[BODIES_RUN] = vec2(1u, plan.bodies - 1u);
+        runs[BODIES_RUN] = vec2(plan.worlds, plan.bodies - plan.worlds);
     }
 }
 
@@ -45,7 +45,7 @@ fn load_bodies(@builtin(global_invocation_id) id: vec3<u32>) {
         rows[field * plan.bodies + body] = 0.0;
     }
     rows[(ORIENTATION + 3u) * plan.bodies + body] = 1.0;
-    if (body == 0u) {
+    if (is_fixed(body)) {
         return;
     }
     let source = state_of(body);
@@ -107,7 +107,7 @@ fn load_shapes(@builtin(global_invocation_id) id: vec3<u32>) {
 @compute @workgroup_size(64)
 fn check_bodies(@builtin(global_invocation_id) id: vec3<u32>) {
     let body = id.x;
-    if (body == 0u || body >= plan.bodies) {
+    if (is_fixed(body) || body >= plan.bodies) {
         return;
     }
     var sound = true;
@@ -134,7 +134,7 @@ fn check_shapes(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let body = carrier_of(shape);
-    if (body == 0u || !runs_in(world_of(shape))) {
+    if (is_fixed(body) || !runs_in(world_of(shape))) {
         return;
     }
     let source = state_of(body);
@@ -154,7 +154,7 @@ fn check_shapes(@builtin(global_invocation_id) id: vec3<u32>) {
 @compute @workgroup_size(64)
 fn store_bodies(@builtin(global_invocation_id) id: vec3<u32>) {
     let body = id.x;
-    if (body == 0u || body >= plan.bodies || !runs_in(world_of_body(body))) {
+    if (is_fixed(body) || body >= plan.bodies || !runs_in(world_of_body(body))) {
         return;
     }
     let to = state_of(body);
@@ -190,7 +190,7 @@ fn store_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var i = 0u; i < REMEMBERED; i++) {
         var number = fresh[contact * REMEMBERED + i];
         if (i == REMEMBERED_SHAPES || i == REMEMBERED_SHAPES + 1u) {
-            number = f32(own(u32(number)));
+            number = f32(own_shape(u32(number)));
         }
         state[to + i] = number;
     }

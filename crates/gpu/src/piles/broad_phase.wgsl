@@ -134,13 +134,13 @@ fn overlap(a: u32, b: u32) -> bool {
 
 // Of a pair of forms, the group of pairs that one kernel meets.
 fn group_of(a: u32, b: u32) -> u32 {
-    let f = whole[plan.shape_form + own(a) * 2u];
-    let g = whole[plan.shape_form + own(b) * 2u];
+    let f = whole[plan.shape_form + own_shape(a) * 2u];
+    let g = whole[plan.shape_form + own_shape(b) * 2u];
     return whole[plan.form_group + min(f, g) * plan.forms + max(f, g)];
 }
 
 fn may_meet(a: u32, b: u32) -> bool {
-    return group_of(a, b) != NONE && may_touch(own(a), own(b));
+    return group_of(a, b) != NONE && may_touch(own_shape(a), own_shape(b));
 }
 
 fn near(a: u32, b: u32) -> bool {
@@ -258,12 +258,17 @@ fn list_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
     let next = word(plan.unit_start + unit + 1u);
     let end = min(next, plan.pairs);
     if (look(unit, at, end) != next - at) {
-        stop_in(world_of_unit(unit), PROCESSOR);
+        let world = world_of_unit(unit);
+        stop_in(world, PROCESSOR);
+        // None of these is looked at again, and they are no other world's.
+        for (var i = 2u * at; i < 2u * end; i++) {
+            put(plan.pair_shapes + i, world * plan.own_shapes);
+        }
     }
     for (var i = at; i < end; i++) {
         let a = word(plan.pair_shapes + 2u * i);
         let b = word(plan.pair_shapes + 2u * i + 1u);
-        put_mark(plan.pair_group + i, group_of(a, b));
+        put_mark(plan.pair_group + i, min(group_of(a, b), plan.groups - 1u));
     }
 }
 

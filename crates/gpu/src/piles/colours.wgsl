@@ -20,7 +20,7 @@ fn join(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     for (var side = 0u; side < 2u; side++) {
         let body = carrier(contact, side);
-        if (body != 0u) {
+        if (!is_fixed(body)) {
             let at = atomicAdd(&marks[plan.body_start + body], 1u);
             put(plan.body_items + at, contact);
         }
@@ -38,7 +38,7 @@ fn paint(@builtin(global_invocation_id) id: vec3<u32>) {
     var used = vec2(0u, 0u);
     for (var side = 0u; side < 2u; side++) {
         let body = carrier(contact, side);
-        if (body == 0u) {
+        if (is_fixed(body)) {
             continue;
         }
         let end = mark(plan.body_start + body);
@@ -80,7 +80,9 @@ fn plan_colours(@builtin(global_invocation_id) id: vec3<u32>) {
     if (colour > SENSED) {
         return;
     }
-    if (told(SETTLED) == 0u || !runs_on()) {
+    // Those of other colours may have told by now that more have to be launched.
+    let stopped = (told(FLAG) & ~MORE_COLOURS) != 0u;
+    if (told(SETTLED) == 0u || stopped) {
         // What is known so far is gone on from; nothing is solved.
         if (colour == 0u && runs_on()) {
             stop(MORE_ROUNDS);
@@ -97,7 +99,7 @@ fn plan_colours(@builtin(global_invocation_id) id: vec3<u32>) {
     if (colour < COLOURS) {
         run(COLOUR_RUN + colour, first, next - first);
     } else {
-        // What finds no colour is solved one by one.
+        // The processor solves what finds no colour one by one.
         for (var i = first; i < next; i++) {
             stop_in(world_of_contact(word(plan.contact_order + i)), PROCESSOR);
         }

@@ -15,7 +15,7 @@ fn carried(i: u32) -> u32 {
 }
 fn joint_body(i: u32, side: u32) -> u32 {
     let body = whole[plan.joint_seats + side * plan.own_joints + i / plan.worlds];
-    return select(0u, i % plan.worlds * plan.own_bodies + body, body != 0u);
+    return row_of(i % plan.worlds, body);
 }
 
 @compute @workgroup_size(64)

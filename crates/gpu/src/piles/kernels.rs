@@ -49,7 +49,7 @@ entries! {
     surround, count_buckets, fill_buckets, count_pairs, list_pairs, plan_groups,
     seat_pairs, seat_meshes, part_pairs, find_touching, make_contacts,
     join, paint, settle, plan_colours, seat_contacts, find_pressing,
-    foresee_blows, begin_blows, keep_free, tell_blows, seat_struck, end_round, put_free, read_contacts, check_bodies, check_shapes,
+    foresee_blows, begin_blows, keep_free, tell_blows, part_struck, end_round, put_free, read_contacts, check_bodies, check_shapes,
     store_bodies, store_contacts, end,
     load_joints, store_joints,
     find_ended, match_parts, seat_parts, read_parts, place_ended, merge,

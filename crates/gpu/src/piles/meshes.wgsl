@@ -81,7 +81,7 @@ fn insert(list_at: u32, count: u32, triangle: u32) {
 // Lists the triangles of a mesh in a box, and returns how many there are, or more than there is room for.
 fn list_near(mesh: u32, around: Box, list_at: u32, room: u32) -> u32 {
     var count = 0u;
-    let of_shape = plan.mesh_of_shape + 2u * own(mesh);
+    let of_shape = plan.mesh_of_shape + 2u * own_shape(mesh);
     for (var group = whole[of_shape]; group < whole[of_shape + 1u]; group++) {
         if (!meets(around, plan.mesh_groups + BOUNDS * group)) {
             continue;

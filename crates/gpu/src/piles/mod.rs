@@ -78,9 +78,10 @@ impl Piles {
             let end = worlds.min(first + width);
             Batch::new(gpu, &scene, first..end)
         });
+        let batches = batches.collect::<Result<_, _>>()?;
         Ok(Self {
             steps: Steps::new(gpu, &scene, &kernels)?,
-            batches: batches.collect::<Result<_, _>>()?,
+            batches,
             left: 0,
             gpu: gpu.clone(),
             scene,
@@ -142,14 +143,14 @@ impl DeviceWorlds<f32> for Piles {
             own.collect()
         });
         self.scene.differ(sets.collect())?;
-        self.steps.renew(&self.gpu, &self.scene, &self.kernels)?;
-        // What controls make of joints depends on constants, too.
-        self.batches.iter_mut().for_each(Batch::recontrol);
+        self.steps.renew(&self.gpu, &self.scene);
+        self.batches.iter_mut().for_each(Batch::differs);
         Ok(())
     }
-    fn takes(&self, parameters: &[f64]) -> Result<(), DeviceError> {
-        let own: Vec<_> = parameters.iter().map(|x| *x as f32).collect();
-        Ok(self.scene.takes(&own)?)
+    fn takes(&self, parameters: &[&[f64]]) -> Result<(), DeviceError> {
+        let sets = parameters.iter();
+        let sets = sets.map(|set| set.iter().map(|x| *x as f32).collect());
+        Ok(self.scene.takes(&self.gpu, &Vec::from_iter(sets))?)
     }
     fn step(
         &mut self,

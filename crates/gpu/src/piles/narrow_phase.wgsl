@@ -4,8 +4,8 @@
 fn ordered(pair: u32) -> vec2<u32> {
     let a = word(plan.pair_shapes + 2u * pair);
     let b = word(plan.pair_shapes + 2u * pair + 1u);
-    let f = whole[plan.shape_form + own(a) * 2u];
-    let g = whole[plan.shape_form + own(b) * 2u];
+    let f = whole[plan.shape_form + own_shape(a) * 2u];
+    let g = whole[plan.shape_form + own_shape(b) * 2u];
     return select(vec2(b, a), vec2(a, b), f <= g);
 }
 
@@ -114,7 +114,7 @@ fn seat_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
         }
         let corner = whole[places + 4u + side];
         let corners = whole[places + 5u + side] - corner;
-        let own_corners = plan.corners + whole[plan.first_corner + own(shape) * 2u];
+        let own_corners = plan.corners + whole[plan.first_corner + own_shape(shape) * 2u];
         let first = world_of(shape) * plan.own_constants + own_corners;
         for (var i = 0u; i < corners; i++) {
             put_parameter(j, corner + i, constants[first + i]);
@@ -130,7 +130,7 @@ fn seat_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
         var direction = 0.0;
         if (before != NONE && !as_mesh) {
             let at = memory_at(before);
-            if (u32(state[at + REMEMBERED_SHAPES]) == own(shapes.x)) {
+            if (u32(state[at + REMEMBERED_SHAPES]) == own_shape(shapes.x)) {
                 direction = state[at + REMEMBERED_NORMAL + i];
             }
         }
@@ -288,7 +288,7 @@ fn make_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
     warm(shapes, first, next);
     for (var side = 0u; side < 2u; side++) {
         let body = carrier_of(shapes[side]);
-        if (body != 0u) {
+        if (!is_fixed(body)) {
             atomicAdd(&marks[plan.body_start + body], next - first);
         }
     }

@@ -193,12 +193,25 @@ impl Plan {
         let forces = worlds * self.state_numbers;
         Self {
             worlds,
-            bodies: 1 + worlds * self.own_bodies,
+            bodies: worlds * (1 + self.own_bodies),
             shapes: worlds * self.own_shapes,
             units: worlds * self.own_units,
             joints: worlds * self.own_joints,
             forces,
             given: forces + 6 * worlds * self.own_bodies,
+            ..self
+        }
+    }
+    /// The same with constants that lie elsewhere.
+    pub fn with_constants_of(self, other: &Self) -> Self {
+        Self {
+            surfaces: other.surfaces,
+            own_constants: other.own_constants,
+            grown: other.grown,
+            solids: other.solids,
+            corners: other.corners,
+            surface: other.surface,
+            turn: other.turn,
             ..self
         }
     }

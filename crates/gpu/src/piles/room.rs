@@ -4,13 +4,12 @@ use super::batch::Batch;
 use super::joints::Joints;
 use super::kernels::Kernels;
 use super::plan::{KEYS, Plan, of_world, run, status};
-use super::scene::{BODY, ROW, Scene};
+use super::scene::{ROW, Scene};
 use crate::memory::{NUMBER, buffer, filled, indirect};
 use crate::pipeline::dispatch;
 use crate::{Gpu, GpuError};
-use rigid::impulse::pair::{placed, solid};
+use rigid::impulse::pair::placed;
 use rigid::impulse::{ContactTables, POINTS, REMEMBERED, global};
-use std::iter::repeat_n;
 use wgpu::{BindGroup, Buffer, ComputePass};
 
 /// Buffers, in the order in which they are bound after those of a batch.
@@ -33,20 +32,15 @@ pub(super) struct Buffers {
     runs: Buffer,
     pub launches: Buffer,
     struck_seats: Buffer,
-    constants: Buffer,
     whole: Buffer,
     plan: Buffer,
     globals: Buffer,
-    body_parameters: Buffer,
-    shape_parameters: Buffer,
 }
 
 /// Buffers, and what the kernels bind of them. Made anew where there has to be more.
 #[derive(Debug)]
 pub(super) struct Room {
     pub buffers: Buffers,
-    pub shapes: BindGroup,
-    pub bodies: BindGroup,
     pub contacts: BindGroup,
     pub sums: BindGroup,
     pub colours: Vec<BindGroup>,
@@ -57,6 +51,23 @@ pub(super) struct Room {
     pub scans: [Scan; 8],
     pub sort_pairs: BindGroup,
     pub sort_contacts: BindGroup,
+    /// What launches of bodies and of shapes see.
+    bodies: Buffer,
+    shapes: Buffer,
+    /// What is bound where a kernel has nothing to write, and nothing to read.
+    none: Buffer,
+    nothing: Buffer,
+    /// Points of a contact.
+    points: Buffer,
+}
+
+/// What kernels bind of a batch.
+#[derive(Debug)]
+pub(super) struct Own {
+    /// Those between the kernels.
+    pub all: BindGroup,
+    pub bodies: BindGroup,
+    pub shapes: BindGroup,
 }
 
 /// A run of words of which sums are taken.
@@ -101,12 +112,9 @@ impl Buffers {
             runs: of(run::COUNT, 2)?,
             launches: indirect(gpu, 3 * u64::from(run::JOINTS + plan.joint_runs))?,
             struck_seats: of(2 * plan.joints, 1)?,
-            constants: sized(gpu, scene.constants(0).len() as u64)?,
-            whole: buffer(gpu, scene.whole.len() as u64)?,
+            whole: filled(gpu, &scene.whole)?,
             plan: gpu.uniform(bytemuck::cast_slice(&[*plan])),
             globals: buffer(gpu, global::WIDTH as u64)?,
-            body_parameters: of(plan.bodies, global::WIDTH + BODY)?,
-            shape_parameters: of(plan.shapes, global::WIDTH + solid::WIDTH)?,
         })
     }
 }
@@ -137,7 +145,10 @@ fn bind_joints(
     plan: &Plan,
 ) -> Result<[Vec<BindGroup>; 2], GpuError> {
     let (worlds, bodies) = (plan.worlds, plan.own_bodies);
-    let seat = |world: u32, body: u32| if body == 0 { 0 } else { world * bodies + body };
+    let seat = |world: u32, body: u32| match body {
+        0 => world,
+        body => worlds + world * bodies + body - 1,
+    };
     let all = joints.seats.iter();
     let seats = all.flat_map(|body| (0..worlds).map(move |world| seat(world, *body)));
     let seats = filled(gpu, &Vec::from_iter(seats))?;
@@ -205,27 +216,6 @@ impl Room {
                 &none, &nothing, &b.runs, scratch, parameters, &links, &launch,
             ]))
         });
-        let bodies = of_run(plan.bodies, run::BODIES);
-        let bodies = [
-            &b.rows,
-            &nothing,
-            &b.runs,
-            &none,
-            &b.body_parameters,
-            &points,
-            &bodies,
-        ];
-        let launch = gpu.uniform(&[plan.shapes, 1]);
-        let scratch = &b.shape_scratch;
-        let shapes = [
-            &b.placed,
-            &nothing,
-            &none,
-            scratch,
-            &b.shape_parameters,
-            &points,
-            &launch,
-        ];
         // The sums of workgroups lie behind all others.
         let scan_of = |buffer: &Buffer, end: u32, at: u32, length: u32| {
             let uniform = gpu.uniform(&[at, length, end]);
@@ -239,8 +229,8 @@ impl Room {
             gpu.bindings(&kernels.sorted, &[&b.words, &b.status, &b.marks, &uniform])
         };
         Ok(Self {
-            shapes: bind(shapes),
-            bodies: bind(bodies),
+            bodies: of_run(plan.bodies, run::BODIES),
+            shapes: gpu.uniform(&[plan.shapes, 1]),
             contacts: of_contacts(run::CONTACTS),
             sums: of_contacts(run::SUMS),
             colours: (0..plan.colours)
@@ -279,56 +269,30 @@ impl Room {
                 plan.colour_matrix,
                 plan.contact_order,
             ]),
+            none,
+            nothing,
+            points,
             buffers,
         })
     }
 
-    /// Writes the constants of worlds from the first on.
-    pub fn fill(&self, gpu: &Gpu, scene: &Scene, first: usize) {
-        let b = &self.buffers;
-        let behind_globals = |things: u32| u64::from(things) * global::WIDTH as u64;
-        for (buffer, at, numbers) in [
-            (&b.constants, 0, scene.constants(first)),
-            (
-                &b.body_parameters,
-                behind_globals(scene.plan.bodies),
-                scene.body_constants(first),
-            ),
-            (
-                &b.shape_parameters,
-                behind_globals(scene.plan.shapes),
-                scene.shape_constants(first),
-            ),
-        ] {
-            let bytes = bytemuck::cast_slice(&numbers);
-            gpu.queue().write_buffer(buffer, at * NUMBER, bytes);
-        }
-        let bytes = bytemuck::cast_slice(&scene.whole);
-        gpu.queue().write_buffer(&b.whole, 0, bytes);
+    /// Writes the constants of a step that is cut into so many parts: those of the model, which contacts and joints read.
+    pub fn cut(&self, gpu: &Gpu, scene: &Scene, parts: usize) {
+        let globals = scene.common_globals(parts);
+        let bytes = bytemuck::cast_slice(&globals);
+        gpu.queue().write_buffer(&self.buffers.globals, 0, bytes);
     }
-    /// Writes those of a step that is cut into so many parts.
-    pub fn cut(&self, gpu: &Gpu, scene: &Scene, first: usize, parts: usize) {
-        let globals = scene.globals(first, parts);
+    /// After constants have changed, and where they lie.
+    pub fn renew(&self, gpu: &Gpu, scene: &Scene, plan: &Plan) {
         let b = &self.buffers;
-        let (bodies, shapes) = (scene.plan.own_bodies, scene.plan.own_shapes);
-        // Row 0 of bodies is everybody's.
-        for (buffer, before, each, sets) in [
-            (&b.globals, 0, 1, &vec![scene.common_globals(parts)]),
-            (&b.body_parameters, 1, bodies, &globals),
-            (&b.shape_parameters, 0, shapes, &globals),
-        ] {
-            let column = |number: usize| {
-                let own = move |set: &[f32; global::WIDTH]| repeat_n(set[number], each as usize);
-                repeat_n(0.0, before).chain(sets.iter().flat_map(own))
-            };
-            let numbers = Vec::from_iter((0..global::WIDTH).flat_map(column));
-            let bytes = bytemuck::cast_slice(&numbers);
-            gpu.queue().write_buffer(buffer, 0, bytes);
-        }
+        let plan = bytemuck::bytes_of(plan);
+        gpu.queue().write_buffer(&b.plan, 0, plan);
+        let whole = bytemuck::cast_slice(&scene.whole);
+        gpu.queue().write_buffer(&b.whole, 0, whole);
     }
 
-    /// What lies between the kernels, with a batch's own buffers.
-    pub fn of(&self, gpu: &Gpu, kernels: &Kernels, batch: &Batch) -> BindGroup {
+    /// What kernels bind of a batch.
+    pub fn of(&self, gpu: &Gpu, kernels: &Kernels, batch: &Batch) -> Own {
         let b = &self.buffers;
         let all = [
             &batch.state,
@@ -350,11 +314,34 @@ impl Room {
             &b.mesh_parameters,
             &b.mesh_scratch,
             &b.struck_seats,
-            &b.constants,
+            &batch.constants,
             &b.whole,
             &b.plan,
         ];
-        gpu.bindings(&kernels.bindings, &all)
+        let (none, nothing, points) = (&self.none, &self.nothing, &self.points);
+        let bodies = [
+            &b.rows,
+            nothing,
+            &b.runs,
+            none,
+            &batch.bodies,
+            points,
+            &self.bodies,
+        ];
+        let shapes = [
+            &b.placed,
+            nothing,
+            none,
+            &b.shape_scratch,
+            &batch.shapes,
+            points,
+            &self.shapes,
+        ];
+        Own {
+            all: gpu.bindings(&kernels.bindings, &all),
+            bodies: gpu.bindings(gpu.layout(), &bodies),
+            shapes: gpu.bindings(gpu.layout(), &shapes),
+        }
     }
 }
 

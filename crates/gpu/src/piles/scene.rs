@@ -3,7 +3,7 @@
 use super::joints::Joints;
 use super::meshes::Meshes;
 use super::plan::{GROUPS, Plan};
-use super::steps::PAIRS;
+use super::steps::{CONTACTS, PAIRS};
 use crate::memory::NUMBER;
 use crate::{Gpu, GpuError};
 use collide::{Route, kind};
@@ -15,6 +15,7 @@ use rigid::impulse::{
     Collider, FARTHEST, FREE_TURN, HELD_TURN, Impulse, NEARBY, WORLD, global, grip, mass, row,
 };
 use std::collections::{BTreeSet, HashMap, HashSet};
+use std::iter::repeat_n;
 use std::sync::Arc;
 
 /// What all worlds of a model have in common.
@@ -56,7 +57,7 @@ impl Parameters {
     pub fn differ(&self) -> bool {
         !self.own.is_empty()
     }
-    fn all(&self) -> impl Iterator<Item = &Vec<f32>> {
+    fn all(&self) -> impl Iterator<Item = &Vec<f32>> + Clone {
         std::iter::once(&self.common).chain(&self.own)
     }
 }
@@ -166,18 +167,32 @@ impl Scene {
         self.place_constants();
         Ok(())
     }
-    /// Whether a world may have these constants.
+    /// Whether worlds may have these constants, besides those that they have.
     ///
     /// # Errors
-    /// It may not: how fast what bounces has to be is the same in all worlds.
-    pub fn takes(&self, parameters: &[f32]) -> Result<(), GpuError> {
-        let sets = [parameters, &self.parameters.common];
-        let [weight, usual] = sets.map(|set| self.impulse.weight(set) as f32);
-        if weight != usual && self.impulse.bounces(parameters) {
-            return Err(unsupported(
-                "gravity of another strength in worlds in which things bounce",
-                "give all worlds the same, or run on the processor",
-            ));
+    /// They may not: contacts know of one gravity; surfaces differ in too many ways, or take too much room.
+    pub fn takes(&self, gpu: &Gpu, sets: &[Vec<f32>]) -> Result<(), GpuError> {
+        let usual = self.impulse.weight(&self.parameters.common);
+        for set in sets {
+            let differs = (self.impulse.weight(set) - usual).abs() > 1e-5 * usual;
+            if differs && (self.impulse.bounces(set) || self.impulse.sticks(set)) {
+                return Err(unsupported(
+                    "gravity of another strength in a world in which things bounce, or stick better than they slide",
+                    "give all worlds the same, or run on the processor",
+                ));
+            }
+        }
+        let [_, kinds] = self.kinds(self.parameters.all().chain(sets))?;
+        let surfaces = u64::from(self.plan.surfaces.pow(2));
+        let more = ((kinds.len() as u64).pow(2) - surfaces) * SURFACE as u64;
+        let own = u64::from(self.own_length()) + more;
+        let bytes = (self.constants.len() as u64 + own * u64::from(self.plan.worlds)) * NUMBER;
+        if bytes > gpu.most_bytes() {
+            return Err(GpuError::Parameters {
+                bytes,
+                most: gpu.most_bytes(),
+                card: gpu.name().to_owned(),
+            });
         }
         Ok(())
     }
@@ -185,9 +200,21 @@ impl Scene {
     /// Places worlds side by side, as many as a card has room for.
     fn spread(&mut self, gpu: &Gpu, worlds: usize) -> Result<(), GpuError> {
         let alone = self.plan.of_worlds(1);
-        let longest = alone.numbers().max(ROW as u32 * alone.bodies);
+        let joints = self.joints.as_ref().map_or(0, Joints::width);
+        let numbers = [
+            alone.numbers(),
+            ROW as u32 * alone.bodies,
+            SHAPE as u32 * alone.shapes,
+            joints as u32 * alone.joints,
+        ];
+        let things = [
+            PAIRS * alone.shapes,
+            CONTACTS * alone.bodies,
+            alone.most_invocations(),
+        ];
+        let longest = numbers.into_iter().max().unwrap_or(0).max(1);
+        let things = gpu.most_invocations() / things.into_iter().max().unwrap_or(0).max(1);
         let numbers = gpu.most_bytes() / NUMBER / u64::from(longest);
-        let things = gpu.most_invocations() / (PAIRS * alone.most_invocations());
         let most = numbers.min(things.max(1).into()) as usize;
         if most == 0 {
             return Err(GpuError::TooLarge {
@@ -347,7 +374,6 @@ impl Scene {
             end += numbers.len() as u32;
             end - numbers.len() as u32
         });
-        let length = end - self.constants.len() as u32;
         let plan = &mut self.plan;
         [
             plan.corners,
@@ -356,6 +382,7 @@ impl Scene {
             plan.surface,
             plan.turn,
         ] = places;
+        let length = end - self.constants.len() as u32;
         plan.own_constants = if self.parameters.differ() { length } else { 0 };
     }
 
@@ -451,15 +478,18 @@ impl Scene {
         self.plan.large_shapes = self.whole(shapes);
     }
 
-    /// What each two surfaces make of a contact. A shape of a pair that has a surface of its own is of no other's kind.
-    fn surfaces(&mut self) -> Result<(), GpuError> {
-        let impulse = Arc::clone(&self.impulse);
+    /// Which kind of surface each shape has, and a shape of each kind: those of one kind are alike in all of these sets. A
+    /// shape of a pair that has a surface of its own is of no other's kind.
+    fn kinds<'a>(
+        &self,
+        sets: impl Iterator<Item = &'a Vec<f32>> + Clone,
+    ) -> Result<[Vec<u32>; 2], GpuError> {
         let mut of_shape = Vec::new();
         let mut examples: Vec<u32> = Vec::new();
         let mut known = HashMap::new();
-        for (shape, collider) in impulse.shapes().iter().enumerate() {
-            let sets = self.parameters.all();
-            let numbers = sets.flat_map(|set| impulse.surface_of(shape, set));
+        for (shape, collider) in self.impulse.shapes().iter().enumerate() {
+            let numbers = sets.clone();
+            let numbers = numbers.flat_map(|set| self.impulse.surface_of(shape, set));
             let mut bits: Vec<_> = numbers.map(|x| x.to_bits()).collect();
             if self.paired.contains(&collider.shape) {
                 bits.push(shape as u32);
@@ -475,14 +505,12 @@ impl Scene {
                 "give more shapes the same one, or run on the processor",
             ));
         }
-        let pairs = examples
-            .iter()
-            .flat_map(|a| examples.iter().map(|b| [*a, *b]));
-        let bounces = |pair| {
-            let mut sets = self.parameters.all();
-            sets.any(|set| impulse.surface(pair, set).restitution > 0.0)
-        };
-        self.bounces = pairs.clone().any(bounces);
+        Ok([of_shape, examples])
+    }
+    fn surfaces(&mut self) -> Result<(), GpuError> {
+        let [of_shape, examples] = self.kinds(self.parameters.all())?;
+        let mut all = self.parameters.all();
+        self.bounces = all.any(|set| self.impulse.bounces(set));
         self.plan.surfaces = examples.len() as u32;
         let at = self.plan.shape_surface as usize;
         self.whole[at..][..of_shape.len()].copy_from_slice(&of_shape);
@@ -490,6 +518,7 @@ impl Scene {
         Ok(())
     }
 
+    /// What each two surfaces make of a contact.
     fn surface_table(&self, parameters: &[f32]) -> Vec<f32> {
         let mut table = Vec::new();
         for a in &self.surfaces {
@@ -593,7 +622,7 @@ impl Scene {
         let worlds = first..first + self.plan.worlds as usize;
         let rows = worlds.flat_map(|world| {
             let parameters = self.parameters.of(world);
-            let mut rows = vec![[0.0; BODY]; impulse.rows()];
+            let mut rows = vec![[0.0; mass::WIDTH + grip::WIDTH]; impulse.rows()];
             for (row, own) in rows.iter_mut().enumerate() {
                 own[..mass::WIDTH].copy_from_slice(impulse.mass_of(row, parameters));
             }
@@ -601,11 +630,11 @@ impl Scene {
                 let own = rows[row][mass::WIDTH..].iter_mut();
                 own.zip(grip).for_each(|(own, x)| *own = x as f32);
             }
-            // Row 0 is everybody's.
-            let skipped = usize::from(world > first);
-            rows.split_off(skipped)
+            rows.split_off(1)
         });
-        columns(&Vec::from_iter(rows))
+        // Before them, what does not move in each world.
+        let fixed = repeat_n([0.0; mass::WIDTH + grip::WIDTH], self.plan.worlds as usize);
+        columns(&Vec::from_iter(fixed.chain(rows)))
     }
     /// The same of shapes.
     pub fn shape_constants(&self, first: usize) -> Vec<f32> {
@@ -621,6 +650,19 @@ impl Scene {
         });
         columns(&Vec::from_iter(rows))
     }
+    /// Constants of which a world may have its own.
+    fn own_length(&self) -> u32 {
+        self.plan.turn + self.plan.own_bodies - self.constants.len() as u32
+    }
+    /// Numbers of all constants of a batch.
+    pub fn constants_length(&self) -> u32 {
+        let sets = if self.parameters.differ() {
+            self.plan.worlds
+        } else {
+            1
+        };
+        self.constants.len() as u32 + sets * self.own_length()
+    }
     /// All constants of worlds from the first on.
     pub fn constants(&self, first: usize) -> Vec<f32> {
         let sets = match self.parameters.differ() {
@@ -632,8 +674,9 @@ impl Scene {
     }
 }
 
-/// Constants of a body.
-pub(super) const BODY: usize = mass::WIDTH + grip::WIDTH;
+/// Constants of a body and of a shape, behind those of the step.
+pub(super) const BODY: usize = global::WIDTH + mass::WIDTH + grip::WIDTH;
+pub(super) const SHAPE: usize = global::WIDTH + solid::WIDTH;
 
 /// Rows of things as columns, `[number][thing]`.
 fn columns<const N: usize>(rows: &[[f32; N]]) -> Vec<f32> {

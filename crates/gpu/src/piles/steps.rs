@@ -4,7 +4,7 @@ use super::batch::Batch;
 use super::joints::Joints;
 use super::kernels::Kernels;
 use super::plan::{BLOCK, COLOURS, KEYS, Plan, SUM_ROUNDS, flag, of_world, run, status, stopped};
-use super::room::{Room, Scan, told};
+use super::room::{Own, Room, Scan, told};
 use super::scene::Scene;
 use crate::clock::{Clock, Pass};
 use crate::memory::{NUMBER, Staging, buffer};
@@ -20,8 +20,8 @@ use wgpu::{BindGroup, Buffer, ComputePipeline};
 pub(super) struct Steps {
     plan: Plan,
     room: Room,
-    /// The first world of the batch, and into how many parts its steps are cut, that the room is ready for.
-    ready: Option<(usize, usize)>,
+    /// Into how many parts steps are cut that the room is ready for.
+    cut: usize,
     /// The states of a batch before a step that is cut into parts.
     before: Option<Buffer>,
     staging: Staging,
@@ -31,7 +31,7 @@ pub(super) struct Steps {
 
 /// Pairs of each shape and contacts of each body that there is room for at first.
 pub(super) const PAIRS: u32 = 8;
-const CONTACTS: u32 = 4;
+pub(super) const CONTACTS: u32 = 4;
 /// Colours that there is room for, and that are launched, at first.
 const FIRST_COLOURS: u32 = 16;
 /// Rounds of colouring in a step: at least, and at most.
@@ -39,6 +39,12 @@ const FEWEST_ROUNDS: usize = 8;
 const MOST_ROUNDS: usize = 256;
 /// Most steps in one submission, and about as many launches.
 const STEPS: usize = 16;
+/// Steps after which more worlds are tried at once.
+const FITTED: usize = 256;
+/// Most worlds whose steps are cut into parts in one submission: each is copied, so that it can be undone.
+const CUT: usize = 256;
+/// Of what a submission told: colouring goes on where it ended.
+const UNCOLOURED: u32 = flag::MORE_ROUNDS | flag::MORE_COLOURS;
 const LAUNCHES: usize = 16_384;
 
 /// How steps of a batch are submitted.
@@ -46,8 +52,9 @@ const LAUNCHES: usize = 16_384;
 pub(super) struct Pace {
     /// Steps in a submission: fewer where they are often not taken.
     steps: usize,
-    /// Worlds in a submission: fewer where there is no room for all of them.
+    /// Worlds in a submission: fewer where there was no room for all of them; and for how many steps there was.
     worlds: usize,
+    fitted: usize,
     /// Colours of contacts that are launched.
     colours: Held,
     /// Rounds of colouring in a step.
@@ -97,6 +104,7 @@ impl Pace {
         Self {
             steps: 1,
             worlds,
+            fitted: 0,
             colours: Held {
                 count: FIRST_COLOURS as usize,
                 fewer: 0,
@@ -104,6 +112,25 @@ impl Pace {
             rounds: FEWEST_ROUNDS,
             uncoloured: Vec::new(),
             blows: Held::default(),
+        }
+    }
+    /// From what so many steps have taken.
+    fn learn(&mut self, told: &Told, taken: usize) {
+        self.colours
+            .needed(told.of(status::COLOURED) as usize, taken);
+        // One more, in which nothing is struck; none where none was foreseen.
+        let foreseen = told.of(status::FORESEEN) != 0;
+        let struck = told.of(status::MOST_BLOWS) as usize;
+        let rounds = BLOWS.min(struck + usize::from(foreseen));
+        self.blows.needed(rounds, taken);
+        // In most steps colours are those of the step before.
+        let usual = 2 * told.of(status::ROUNDS) as usize;
+        self.rounds = usual.clamp(FEWEST_ROUNDS, MOST_ROUNDS);
+        // What found no room may have found it but once.
+        self.fitted += taken;
+        if self.fitted >= FITTED {
+            self.worlds = self.worlds.saturating_mul(2);
+            self.fitted = 0;
         }
     }
 }
@@ -156,7 +183,7 @@ impl Steps {
         Ok(Self {
             room,
             plan,
-            ready: None,
+            cut: 0,
             before: None,
             staging: Staging::default(),
             clock: None,
@@ -164,23 +191,9 @@ impl Steps {
     }
 
     /// After a scene has other constants.
-    pub fn renew(&mut self, gpu: &Gpu, scene: &Scene, kernels: &Kernels) -> Result<(), GpuError> {
-        let own = &self.plan;
-        let [surfaces, own_constants] = [scene.plan.surfaces, scene.plan.own_constants];
-        if [own.surfaces, own.own_constants] != [surfaces, own_constants] {
-            let mut plan = Plan {
-                pairs: own.pairs,
-                mesh_pairs: own.mesh_pairs,
-                most_near: own.most_near,
-                contacts: own.contacts,
-                colours: own.colours,
-                ..scene.plan
-            };
-            self.room = Room::new(gpu, scene, kernels, &mut plan)?;
-            self.plan = plan;
-        }
-        self.ready = None;
-        Ok(())
+    pub fn renew(&mut self, gpu: &Gpu, scene: &Scene) {
+        self.plan = self.plan.with_constants_of(&scene.plan);
+        self.room.renew(gpu, scene, &self.plan);
     }
 
     /// Takes some of the steps that worlds of a batch have yet to take. Returns those, counted from its first, of which the
@@ -214,38 +227,33 @@ impl Steps {
         }
         let pace = &mut batch.pace;
         if turn.parts == 1 {
-            let all = flags == 0 && left_to_processor.is_empty();
-            pace.steps = if all {
-                STEPS.min(2 * pace.steps)
-            } else {
-                taken.max(1)
+            pace.steps = match flags == 0 && left_to_processor.is_empty() {
+                true => STEPS.min(2 * pace.steps),
+                false => taken.max(1),
             };
         }
         pace.uncoloured.clear();
-        if flags & (flag::MORE_ROUNDS | flag::MORE_COLOURS) != 0 && turn.parts == 1 && stops == 0 {
+        if flags & UNCOLOURED != 0 && turn.parts == 1 && stops == 0 {
             let left = turn.worlds.iter().filter(|world| batch.left[**world] > 0);
             pace.uncoloured.extend(left);
         }
         if flags == 0 && stops == 0 && taken == 0 {
             return Err(gpu.failed("it took no step and gave no reason"));
         }
-        // What a step without enough of anything has told besides is of no worth.
         if flags != 0 {
-            return Ok(match self.adapt(gpu, scene, kernels, batch, &turn, &told) {
-                true => Vec::new(),
-                false => turn.worlds,
-            });
+            // What a step without enough of anything has told besides is of no worth; but that is told before colours.
+            if flags & !UNCOLOURED != 0 {
+                left_to_processor.clear();
+            }
+            if !self.adapt(gpu, scene, kernels, batch, (&turn, stops), &told) {
+                let behind = turn.worlds.into_iter();
+                return Ok(behind.filter(|world| batch.left[*world] > 0).collect());
+            }
+            return Ok(left_to_processor);
         }
-        pace.colours
-            .needed(told.of(status::COLOURED) as usize, taken);
-        // One more, in which nothing is struck; none where none was foreseen.
-        let foreseen = told.of(status::FORESEEN) != 0;
-        let struck = told.of(status::MOST_BLOWS) as usize;
-        let rounds = BLOWS.min(struck + usize::from(foreseen));
-        pace.blows.needed(rounds, taken);
-        // In most steps colours are those of the step before.
-        let usual = 2 * told.of(status::ROUNDS) as usize;
-        pace.rounds = usual.clamp(FEWEST_ROUNDS, MOST_ROUNDS);
+        if taken > 0 {
+            batch.pace.learn(&told, taken);
+        }
         Ok(left_to_processor)
     }
 
@@ -257,7 +265,7 @@ impl Steps {
         scene: &Scene,
         kernels: &Kernels,
         batch: &mut Batch,
-        turn: &Turn,
+        (turn, stops): (&Turn, u32),
         told: &Told,
     ) -> bool {
         let flags = told.of(status::FLAG);
@@ -274,20 +282,22 @@ impl Steps {
                 return true;
             }
             let fewer = turn.worlds.len() / 2;
-            pace.worlds = fewer.max(1);
+            if fewer > 0 {
+                (pace.worlds, pace.fitted) = (fewer, 0);
+            }
             return fewer > 0;
         }
         if flags & flag::MORE_ROUNDS != 0 {
             // Where it cannot go on from where it ended, more rounds than there are would not settle it.
-            let goes_on = !pace.uncoloured.is_empty();
+            let goes_on = !pace.uncoloured.is_empty() || stops != 0;
             if pace.rounds == MOST_ROUNDS && !goes_on {
                 return false;
             }
             pace.rounds = MOST_ROUNDS.min(2 * pace.rounds);
             return true;
         }
-        pace.blows
-            .at_least(BLOWS.min((2 * pace.blows.count).max(2)));
+        let more = (2 * pace.blows.count).max(2);
+        pace.blows.at_least(BLOWS.min(more));
         true
     }
 
@@ -297,17 +307,14 @@ impl Steps {
         gpu: &Gpu,
         scene: &Scene,
         kernels: &Kernels,
-        batch: &Batch,
+        batch: &mut Batch,
         turn: &Turn,
     ) -> Result<Told, GpuError> {
-        let (first, parts) = (batch.worlds.start, turn.parts);
-        let filled = |(before, _)| before == first || !scene.parameters.differ();
-        if !self.ready.is_some_and(filled) {
-            self.room.fill(gpu, scene, first);
-        }
-        if self.ready != Some((first, parts)) {
-            self.room.cut(gpu, scene, first, parts);
-            self.ready = Some((first, parts));
+        let parts = turn.parts;
+        batch.ready(gpu, scene, parts)?;
+        if self.cut != parts {
+            self.room.cut(gpu, scene, parts);
+            self.cut = parts;
         }
         let own = self.room.of(gpu, kernels, batch);
         let status = &self.room.buffers.status;
@@ -315,11 +322,20 @@ impl Steps {
         gpu.queue()
             .write_buffer(status, 0, bytemuck::cast_slice(&begin));
         let mut encoder = gpu.device().create_command_encoder(&Default::default());
+        let length = scene.impulse.lengths().state;
+        let all = turn.worlds.len() * length;
+        let place = |nth: usize, world: usize| {
+            let states = [nth, world].map(|i| (i * length) as u64 * NUMBER);
+            (states, length as u64 * NUMBER)
+        };
         if parts > 1 {
             let before = self.before.take();
-            let before = before.map_or_else(|| buffer(gpu, scene.plan.forces.into()), Ok)?;
-            let size = before.size();
-            encoder.copy_buffer_to_buffer(&batch.state, 0, &before, 0, size);
+            let before = before.filter(|b| b.size() >= all as u64 * NUMBER);
+            let before = before.map_or_else(|| buffer(gpu, all as u64), Ok)?;
+            for (nth, world) in turn.worlds.iter().enumerate() {
+                let ([kept, own], size) = place(nth, *world);
+                encoder.copy_buffer_to_buffer(&batch.state, own, &before, kept, size);
+            }
             self.before = Some(before);
         }
         for _ in 0..turn.steps {
@@ -332,8 +348,8 @@ impl Steps {
             }
         }
         let mut told = Told(Vec::new());
-        let all = once(0..begin.len());
-        self.staging.fetch(gpu, encoder, status, all, |words| {
+        let words = once(0..begin.len());
+        self.staging.fetch(gpu, encoder, status, words, |words| {
             told.0 = words.iter().map(|word| word.to_bits()).collect();
         })?;
         if let Some(clock) = &mut self.clock {
@@ -341,12 +357,11 @@ impl Steps {
         }
         if let (true, Some(before)) = (parts > 1, &self.before) {
             let mut encoder = gpu.device().create_command_encoder(&Default::default());
-            let undone = turn.worlds.iter();
-            for world in undone.filter(|w| told.of_world(**w, of_world::LEFT) > 0) {
-                let numbers = batch.numbers(scene, first + world);
-                let (at, size) = (numbers.start as u64, numbers.len() as u64);
-                let (at, size) = (at * NUMBER, size * NUMBER);
-                encoder.copy_buffer_to_buffer(before, at, &batch.state, at, size);
+            for (nth, world) in turn.worlds.iter().enumerate() {
+                if told.of_world(*world, of_world::LEFT) > 0 {
+                    let ([kept, own], size) = place(nth, *world);
+                    encoder.copy_buffer_to_buffer(before, kept, &batch.state, own, size);
+                }
             }
             gpu.queue().submit([encoder.finish()]);
         }
@@ -373,7 +388,7 @@ impl Steps {
         });
         for mut plan in rooms {
             if let Ok(room) = Room::new(gpu, scene, kernels, &mut plan) {
-                (self.plan, self.room, self.ready) = (plan, room, None);
+                (self.plan, self.room, self.cut) = (plan, room, 0);
                 return true;
             }
         }
@@ -386,24 +401,24 @@ impl Steps {
         pass: &mut Pass<'_>,
         k: &Kernels,
         scene: &Scene,
-        own: &BindGroup,
+        own: &Own,
         batch: &Batch,
         (parts, part): (usize, usize),
     ) {
         let (p, s, e) = (&self.plan, &self.room, &k.entries);
         let all = |pass: &mut Pass<'_>, kernel: &ComputePipeline, things: u32| {
-            dispatch(pass, kernel, own, things.div_ceil(WORKGROUP));
+            dispatch(pass, kernel, &own.all, things.div_ceil(WORKGROUP));
         };
         all(pass, &e.clear, p.buckets.max(p.bodies).max(p.worlds) + 1);
         all(pass, &e.load_bodies, p.bodies);
         let bodies = p.bodies.div_ceil(WORKGROUP);
         if batch.pushed {
-            dispatch(pass, &k.push_body, &s.bodies, bodies);
+            dispatch(pass, &k.push_body, &own.bodies, bodies);
         }
-        dispatch(pass, &k.begin, &s.bodies, bodies);
+        dispatch(pass, &k.begin, &own.bodies, bodies);
         // For each world, too, it chooses into how many parts the step is cut.
         all(pass, &e.load_shapes, p.shapes.max(p.worlds));
-        dispatch(pass, &k.place, &s.shapes, p.shapes.div_ceil(WORKGROUP));
+        dispatch(pass, &k.place, &own.shapes, p.shapes.div_ceil(WORKGROUP));
         pass.mark("bodies and shapes");
         let [
             buckets,
@@ -472,10 +487,10 @@ impl Steps {
         }
         pass.mark("preparing joints");
         self.small_steps(pass, k, scene, own, &batch.pace, parts);
-        dispatch(pass, &k.finish, &s.bodies, bodies);
+        dispatch(pass, &k.finish, &own.bodies, bodies);
         all(pass, &e.read_contacts, p.contacts);
         if part > 0 {
-            self.sums(pass, k, own, ended);
+            self.sums(pass, k, &own.all, ended);
         }
         all(pass, &e.find_pressing, p.contacts + 1);
         pressing.run(pass, k);
@@ -495,7 +510,7 @@ impl Steps {
         pass: &mut Pass<'_>,
         k: &Kernels,
         scene: &Scene,
-        own: &BindGroup,
+        own: &Own,
         pace: &Pace,
         parts: usize,
     ) {
@@ -512,18 +527,18 @@ impl Steps {
                 self.all_joints(pass, &kernels.measure);
             }
             if step == 0 {
-                dispatch(pass, &k.advance, &s.bodies, bodies);
+                dispatch(pass, &k.advance, &own.bodies, bodies);
                 if scene.bounces {
                     self.run(pass, &k.foresee, &s.contacts, run::CONTACTS);
                     let all = p.contacts.div_ceil(WORKGROUP);
-                    dispatch(pass, &k.entries.foresee_blows, own, all);
+                    dispatch(pass, &k.entries.foresee_blows, &own.all, all);
                 }
                 contacts(pass, &k.warm_start);
                 if let Some((joints, kernels)) = joints {
                     self.joints(pass, &kernels.warm_start, joints);
                 }
             } else {
-                dispatch(pass, &k.advance_again, &s.bodies, bodies);
+                dispatch(pass, &k.advance_again, &own.bodies, bodies);
             }
             pass.mark("advancing, warm start");
             if pace.blows.count > 0 {
@@ -535,7 +550,7 @@ impl Steps {
                 self.joints(pass, &kernels.push, joints);
             }
             pass.mark("pushing");
-            dispatch(pass, &k.drift, &s.bodies, bodies);
+            dispatch(pass, &k.drift, &own.bodies, bodies);
             if let Some((_, kernels)) = joints {
                 self.all_joints(pass, &kernels.place);
             }
@@ -568,24 +583,24 @@ impl Steps {
     }
 
     /// The blows of a small step.
-    fn blows(&self, pass: &mut Pass<'_>, k: &Kernels, own: &BindGroup, pace: &Pace) {
+    fn blows(&self, pass: &mut Pass<'_>, k: &Kernels, own: &Own, pace: &Pace) {
         let (p, s, e) = (&self.plan, &self.room, &k.entries);
         let all = |pass: &mut Pass<'_>, kernel: &ComputePipeline, things: u32| {
-            dispatch(pass, kernel, own, things.div_ceil(WORKGROUP));
+            dispatch(pass, kernel, &own.all, things.div_ceil(WORKGROUP));
         };
         let several = p.worlds > 1;
         all(pass, &e.begin_blows, p.contacts.max(COLOURS).max(p.worlds));
         if several {
             all(pass, &e.keep_free, p.bodies);
         }
-        self.run(pass, &k.part, &s.bodies, run::BLOW_BODIES);
+        self.run(pass, &k.part, &own.bodies, run::BLOW_BODIES);
         for round in 0..pace.blows.count {
             let strike = [&k.strike_foreseen, &k.strike][round.min(1)];
             for (colour, bindings) in (0..pace.colours.count as u32).zip(&s.colours) {
                 self.run(pass, strike, bindings, run::BLOW_COLOURS + colour);
             }
             all(pass, &e.tell_blows, p.contacts);
-            all(pass, &e.seat_struck, p.joints);
+            all(pass, &e.part_struck, p.contacts.max(p.joints));
             all(pass, &e.end_round, 1);
             if let Some(kernels) = &k.joints {
                 for (joints, bindings) in (0..p.joint_runs).zip(&s.joints[1]) {
@@ -593,7 +608,7 @@ impl Steps {
                 }
             }
         }
-        self.run(pass, &k.part, &s.bodies, run::BLOW_BODIES);
+        self.run(pass, &k.part, &own.bodies, run::BLOW_BODIES);
         if several {
             all(pass, &e.put_free, p.bodies);
         }
@@ -624,21 +639,24 @@ impl Steps {
     }
 }
 
-/// Which steps of a batch come next: those of the world that is farthest behind, and of all that are cut into as many parts.
+/// Which steps of a batch come next: of worlds whose steps are cut into as many parts as that of the one farthest behind.
 fn turn(scene: &Scene, batch: &Batch) -> Turn {
     let pace = &batch.pace;
     let all = 0..batch.left.len();
     let last = all.clone().max_by_key(|world| batch.left[*world]);
     let parts = last.map_or(1, |world| batch.parts[world]);
     let waits = |world: &usize| batch.left[*world] > 0 && batch.parts[*world] == parts;
-    let worlds: Vec<_> = all.filter(waits).take(pace.worlds).collect();
+    // What is cut into parts is taken one by one, that it can be undone.
+    let (most_worlds, most_steps) = match parts {
+        1 => (pace.worlds, pace.steps),
+        _ => (pace.worlds.min(CUT), 1),
+    };
+    let worlds: Vec<_> = all.filter(waits).take(most_worlds).collect();
     let small_steps = scene.impulse.settings().contact_iterations;
     let joints = scene.joints.as_ref().map_or(0, |joints| joints.runs.len());
     let stage = pace.colours.count + joints + 1;
     let launches = small_steps * (2 + pace.blows.count) * stage;
-    let most = pace.steps.min(LAUNCHES / launches).max(1);
-    // What is cut into parts is taken one by one, that it can be undone.
-    let most = if parts > 1 { 1 } else { most };
+    let most = most_steps.min(LAUNCHES / launches).max(1);
     let left = worlds.iter().map(|world| batch.left[*world]);
     Turn {
         steps: left.max().unwrap_or(0).min(most),
@@ -651,7 +669,7 @@ fn turn(scene: &Scene, batch: &Batch) -> Turn {
 fn begin(plan: &Plan, batch: &Batch, turn: &Turn) -> Vec<u32> {
     let mut words = vec![0; told(plan)];
     words[status::KEEP] = (batch.pace.uncoloured == turn.worlds).into();
-    words[status::LAUNCHED] = batch.pace.colours.count as u32;
+    words[status::LAUNCHED] = (batch.pace.colours.count as u32).min(plan.colours);
     words[status::ROUNDS_OF_BLOWS] = batch.pace.blows.count as u32;
     words[status::PARTS] = turn.parts as u32;
     for &world in &turn.worlds {

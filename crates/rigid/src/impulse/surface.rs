@@ -6,6 +6,7 @@ use numbers::Float;
 
 /// Fields of a surface.
 pub(super) mod field {
+    pub const FRICTION: usize = 0;
     pub const RESTITUTION: usize = 1;
     pub const MARGIN: usize = 4;
     pub const SOFTNESS: usize = 5;
@@ -40,6 +41,15 @@ impl Impulse {
     pub fn bounces<T: Float>(&self, parameters: &[T]) -> bool {
         let mut rows = 0..self.shapes.len() + self.paired.len();
         rows.any(|row| parameters[self.surface.at(row, field::RESTITUTION)] > T::zero())
+    }
+
+    /// Whether any surface holds better than it slides.
+    pub fn sticks<T: Float>(&self, parameters: &[T]) -> bool {
+        let mut rows = 0..self.shapes.len() + self.paired.len();
+        rows.any(|row| {
+            let of = |field| parameters[self.surface.at(row, field)];
+            of(field::FRICTION) < of(field::STICKING)
+        })
     }
 
     /// What a colliding shape's surface adds to the [gap](Self::margin) [m] of its contacts.
