@@ -86,6 +86,8 @@ const SMALL: u32 = u32::MAX;
 pub(super) const ROW: usize = row::WIDTH + 6;
 /// Numbers of what two surfaces make of a contact.
 pub(super) const SURFACE: usize = 9;
+/// Shapes of all worlds of a batch, at most: contacts name theirs by numbers that stand for whole ones up to there.
+const NAMES: u32 = 1 << f32::MANTISSA_DIGITS;
 /// Surfaces that differ, at most.
 const SURFACES: usize = 1024;
 
@@ -214,8 +216,9 @@ impl Scene {
         ];
         let longest = numbers.into_iter().max().unwrap_or(0).max(1);
         let things = gpu.most_invocations() / things.into_iter().max().unwrap_or(0).max(1);
-        let numbers = gpu.most_bytes() / NUMBER / u64::from(longest);
-        let most = numbers.min(things.max(1).into()) as usize;
+        let named = NAMES / alone.shapes.max(1);
+        let numbers = (gpu.most_bytes() / NUMBER).min(u32::MAX.into()) / u64::from(longest);
+        let most = numbers.min(things.min(named).max(1).into()) as usize;
         if most == 0 {
             return Err(GpuError::TooLarge {
                 bytes: u64::from(longest) * NUMBER,
