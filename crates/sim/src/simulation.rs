@@ -336,6 +336,14 @@ impl<T: Float> Simulation<T> {
             let state = self.compiled(world).state.clone();
             self.begin(world, &state);
         }
+        self.run_again(worlds);
+    }
+    /// These have not diverged any more.
+    fn run_again(&mut self, worlds: &[usize]) {
+        if !self.diverged.is_empty() {
+            let again: HashSet<_> = worlds.iter().collect();
+            self.diverged.retain(|d| !again.contains(&d.world));
+        }
     }
     fn compiled(&self, world: usize) -> &Compiled<T> {
         let own = self.own.get(&world);
@@ -370,6 +378,7 @@ impl<T: Float> Simulation<T> {
     ) -> Result<(), SimulationError> {
         let state = self.state_at(world, position, velocity)?;
         self.begin(world, &state);
+        self.run_again(&[world]);
         Ok(())
     }
 
@@ -386,7 +395,7 @@ impl<T: Float> Simulation<T> {
     ) -> Result<(), SimulationError> {
         let state = self.state_at(world, position, velocity)?;
         self.write_state(world, &state);
-        self.diverged.retain(|d| d.world != world);
+        self.run_again(&[world]);
         self.take_for_granted(world);
         Ok(())
     }
@@ -441,7 +450,6 @@ impl<T: Float> Simulation<T> {
         }
         self.time[world] = 0.0;
         self.begun[world] += 1;
-        self.diverged.retain(|d| d.world != world);
         self.take_for_granted(world);
     }
 

@@ -1,8 +1,9 @@
 //! Worlds of many bodies that are stepped together, in a card's memory.
 
+use super::constants::{BODY, SHAPE};
+use super::pace::Pace;
 use super::room::sized;
-use super::scene::{BODY, SHAPE, Scene};
-use super::steps::Pace;
+use super::scene::Scene;
 use crate::memory::{NUMBER, Staging};
 use crate::{Gpu, GpuError};
 use numbers::Memory;
@@ -59,7 +60,7 @@ impl Batch {
             left: vec![0; count],
             parts: vec![1; count],
             runs: vec![false; count],
-            input: vec![Vec::new(); count],
+            input: vec![vec![0.0; scene.impulse.lengths().input]; count],
             controlled: false,
             staging: Staging::default(),
         })
@@ -131,10 +132,10 @@ impl Batch {
     }
 
     /// Takes controls. What is made of them goes to the card before the next step: they may change once more.
-    pub fn control(&mut self, scene: &Scene, input: &Memory<f32>) {
-        let numbers = 0..scene.impulse.lengths().input;
+    pub fn control(&mut self, numbers: Range<usize>, input: &Memory<f32>) {
         for (world, own) in self.worlds.clone().zip(&mut self.input) {
-            *own = numbers.clone().map(|i| input.get(world, i)).collect();
+            let numbers = numbers.clone();
+            numbers.for_each(|i| own[i] = input.get(world, i));
         }
         self.controlled = true;
     }

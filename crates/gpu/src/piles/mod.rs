@@ -16,9 +16,12 @@
 //! Nothing sleeps in the steps that a card takes.
 
 mod batch;
+mod constants;
 mod joints;
 mod kernels;
+mod launches;
 mod meshes;
+mod pace;
 mod plan;
 mod room;
 mod scene;
@@ -131,9 +134,14 @@ impl DeviceWorlds<f32> for Piles {
             .for_each(|world| self.write_world(*world, state));
         Ok(self.gpu.check()?)
     }
-    fn write_input(&mut self, _: Range<usize>, input: &Memory<f32>) -> Result<(), DeviceError> {
+    fn write_input(
+        &mut self,
+        numbers: Range<usize>,
+        input: &Memory<f32>,
+    ) -> Result<(), DeviceError> {
+        let numbers = numbers.start..numbers.end.min(self.scene.impulse.lengths().input);
         let batches = self.batches.iter_mut();
-        batches.for_each(|batch| batch.control(&self.scene, input));
+        batches.for_each(|batch| batch.control(numbers.clone(), input));
         Ok(())
     }
     fn write_parameters(&mut self, parameters: &Memory<f32>) -> Result<(), DeviceError> {

@@ -1,8 +1,9 @@
 //! How many things of each kind there are, and where their words lie; and the same as text, for the shader.
 
+use super::constants::SURFACE;
 use super::joints;
 use super::meshes::ROW;
-use super::scene::{PLACES, SIDE, SURFACE, UNIT};
+use super::scene::{PLACES, SIDE, UNIT};
 use bytemuck::{Pod, Zeroable};
 use collide::mesh::{BEYOND, BOUNDS, NUMBER, SLOTS, TRIANGLE};
 use rigid::impulse::blow::ROUNDS as BLOWS;

@@ -1,5 +1,6 @@
 //! A model of piles as a card has it: constants, and what is worked on together.
 
+use super::constants::{Parameters, SHAPE};
 use super::joints::Joints;
 use super::meshes::Meshes;
 use super::plan::{GROUPS, Plan};
@@ -10,12 +11,9 @@ use collide::{Route, kind};
 use model::{CollisionFilter, Model, ShapeId};
 use numbers::trace::Program;
 use records::PilePrograms;
-use rigid::impulse::pair::{PairPlaces, PairTables, solid};
-use rigid::impulse::{
-    Collider, FARTHEST, FREE_TURN, HELD_TURN, Impulse, NEARBY, WORLD, global, grip, mass, row,
-};
-use std::collections::{BTreeSet, HashMap, HashSet};
-use std::iter::repeat_n;
+use rigid::impulse::pair::{PairPlaces, PairTables};
+use rigid::impulse::{Collider, FARTHEST, Impulse, WORLD, row};
+use std::collections::{BTreeSet, HashSet};
 use std::sync::Arc;
 
 /// What all worlds of a model have in common.
@@ -31,35 +29,12 @@ pub(super) struct Scene {
     pub constants: Vec<f32>,
     pub whole: Vec<u32>,
     /// Shapes of pairs that have a surface of their own, and a shape of each surface.
-    paired: HashSet<ShapeId>,
-    surfaces: Vec<u32>,
+    pub paired: HashSet<ShapeId>,
+    pub surfaces: Vec<u32>,
     /// Whether there may be blows.
     pub bounces: bool,
     /// With the places of constants, and not yet those of what steps need.
     pub plan: Plan,
-}
-
-/// The constants of the solver.
-#[derive(Debug)]
-pub(super) struct Parameters {
-    /// Those of the model.
-    common: Vec<f32>,
-    /// Those of each world, where worlds have their own.
-    own: Vec<Vec<f32>>,
-}
-
-impl Parameters {
-    /// Those of a world. Where a batch has more room than worlds, of one that is not, too.
-    pub fn of(&self, world: usize) -> &[f32] {
-        self.own.get(world).unwrap_or(&self.common)
-    }
-    /// Whether worlds have their own.
-    pub fn differ(&self) -> bool {
-        !self.own.is_empty()
-    }
-    fn all(&self) -> impl Iterator<Item = &Vec<f32>> + Clone {
-        std::iter::once(&self.common).chain(&self.own)
-    }
 }
 
 /// Pairs that one kernel meets.
@@ -84,12 +59,8 @@ pub(super) const SIDE: usize = 5;
 const SMALL: u32 = u32::MAX;
 /// Numbers of a body while a step runs: behind its row, what it has of free velocity before blows.
 pub(super) const ROW: usize = row::WIDTH + 6;
-/// Numbers of what two surfaces make of a contact.
-pub(super) const SURFACE: usize = 9;
 /// Shapes of all worlds of a batch, at most: contacts name theirs by numbers that stand for whole ones up to there.
 const NAMES: u32 = 1 << f32::MANTISSA_DIGITS;
-/// Surfaces that differ, at most.
-const SURFACES: usize = 1024;
 
 impl Group {
     /// Whether anything is met as a mesh.
@@ -125,10 +96,7 @@ impl Scene {
             surfaces: Vec::new(),
             bounces: false,
             plan: Plan::default(),
-            parameters: Parameters {
-                common: parameters.clone(),
-                own: Vec::new(),
-            },
+            parameters: Parameters::of_all(parameters.clone()),
         };
         let settings = impulse.settings();
         scene.plan.own_bodies = impulse.rows() as u32 - 1;
@@ -153,50 +121,6 @@ impl Scene {
         scene.place_constants();
         scene.spread(gpu, worlds)?;
         Ok(scene)
-    }
-
-    /// Gives each world constants of its own.
-    ///
-    /// # Errors
-    /// Surfaces differ in too many ways.
-    pub fn differ(&mut self, own: Vec<Vec<f32>>) -> Result<(), GpuError> {
-        self.parameters.own = own;
-        if let Some(joints) = &mut self.joints {
-            let mut all = self.parameters.all();
-            joints.inertia = all.any(|set| self.impulse.has_inertia(set));
-        }
-        self.surfaces()?;
-        self.place_constants();
-        Ok(())
-    }
-    /// Whether worlds may have these constants, besides those that they have.
-    ///
-    /// # Errors
-    /// They may not: contacts know of one gravity; surfaces differ in too many ways, or take too much room.
-    pub fn takes(&self, gpu: &Gpu, sets: &[Vec<f32>]) -> Result<(), GpuError> {
-        let usual = self.impulse.weight(&self.parameters.common);
-        for set in sets {
-            let differs = (self.impulse.weight(set) - usual).abs() > 1e-5 * usual;
-            if differs && (self.impulse.bounces(set) || self.impulse.sticks(set)) {
-                return Err(unsupported(
-                    "gravity of another strength in a world in which things bounce, or stick better than they slide",
-                    "give all worlds the same, or run on the processor",
-                ));
-            }
-        }
-        let [_, kinds] = self.kinds(self.parameters.all().chain(sets))?;
-        let surfaces = u64::from(self.plan.surfaces.pow(2));
-        let more = ((kinds.len() as u64).pow(2) - surfaces) * SURFACE as u64;
-        let own = u64::from(self.own_length()) + more;
-        let bytes = (self.constants.len() as u64 + own * u64::from(self.plan.worlds)) * NUMBER;
-        if bytes > gpu.most_bytes() {
-            return Err(GpuError::Parameters {
-                bytes,
-                most: gpu.most_bytes(),
-                card: gpu.name().to_owned(),
-            });
-        }
-        Ok(())
     }
 
     /// Places worlds side by side, as many as a card has room for.
@@ -355,40 +279,6 @@ impl Scene {
         self.plan.first_corner = self.whole(first);
     }
 
-    /// Constants of which each world may have its own, one kind after the other.
-    fn own_constants(&self, parameters: &[f32]) -> [Vec<f32>; 5] {
-        let impulse = &self.impulse;
-        let shapes = 0..impulse.shapes().len();
-        let corners = shapes.clone().map(|i| impulse.corners_of(i, parameters));
-        let grown = |i: usize| (impulse.widest_margin(i as u32, parameters) + NEARBY) as f32;
-        [
-            corners.flatten().copied().collect(),
-            impulse.solids(parameters).to_vec(),
-            shapes.map(grown).collect(),
-            self.surface_table(parameters),
-            self.turns(parameters),
-        ]
-    }
-    /// Where these lie: behind what all worlds have in common.
-    fn place_constants(&mut self) {
-        let own = self.own_constants(self.parameters.of(0));
-        let mut end = self.constants.len() as u32;
-        let places = own.each_ref().map(|numbers| {
-            end += numbers.len() as u32;
-            end - numbers.len() as u32
-        });
-        let plan = &mut self.plan;
-        [
-            plan.corners,
-            plan.solids,
-            plan.grown,
-            plan.surface,
-            plan.turn,
-        ] = places;
-        let length = end - self.constants.len() as u32;
-        plan.own_constants = if self.parameters.differ() { length } else { 0 };
-    }
-
     /// The triangles of all meshes, in groups of clusters.
     fn mesh(&mut self) {
         let Meshes { data, groups, .. } = std::mem::take(&mut self.meshes);
@@ -481,79 +371,6 @@ impl Scene {
         self.plan.large_shapes = self.whole(shapes);
     }
 
-    /// Which kind of surface each shape has, and a shape of each kind: those of one kind are alike in all of these sets. A
-    /// shape of a pair that has a surface of its own is of no other's kind.
-    fn kinds<'a>(
-        &self,
-        sets: impl Iterator<Item = &'a Vec<f32>> + Clone,
-    ) -> Result<[Vec<u32>; 2], GpuError> {
-        let mut of_shape = Vec::new();
-        let mut examples: Vec<u32> = Vec::new();
-        let mut known = HashMap::new();
-        for (shape, collider) in self.impulse.shapes().iter().enumerate() {
-            let numbers = sets.clone();
-            let numbers = numbers.flat_map(|set| self.impulse.surface_of(shape, set));
-            let mut bits: Vec<_> = numbers.map(|x| x.to_bits()).collect();
-            if self.paired.contains(&collider.shape) {
-                bits.push(shape as u32);
-            }
-            of_shape.push(*known.entry(bits).or_insert_with(|| {
-                examples.push(shape as u32);
-                examples.len() as u32 - 1
-            }));
-        }
-        if examples.len() > SURFACES {
-            return Err(unsupported(
-                "so many surfaces",
-                "give more shapes the same one, or run on the processor",
-            ));
-        }
-        Ok([of_shape, examples])
-    }
-    fn surfaces(&mut self) -> Result<(), GpuError> {
-        let [of_shape, examples] = self.kinds(self.parameters.all())?;
-        let mut all = self.parameters.all();
-        self.bounces = all.any(|set| self.impulse.bounces(set));
-        self.plan.surfaces = examples.len() as u32;
-        let at = self.plan.shape_surface as usize;
-        self.whole[at..][..of_shape.len()].copy_from_slice(&of_shape);
-        self.surfaces = examples;
-        Ok(())
-    }
-
-    /// What each two surfaces make of a contact.
-    fn surface_table(&self, parameters: &[f32]) -> Vec<f32> {
-        let mut table = Vec::new();
-        for a in &self.surfaces {
-            for b in &self.surfaces {
-                let s = self.impulse.surface([*a, *b], parameters);
-                let [stiffness, damping] = s.spring;
-                table.extend([s.friction, s.restitution, s.torsion, s.rolling]);
-                table.extend([stiffness, damping, s.settling, s.sticking]);
-                table.push(self.impulse.margin([*a, *b], parameters).into());
-            }
-        }
-        table.into_iter().map(|x| x as f32).collect()
-    }
-
-    /// What a body's spin [rad/s] is multiplied by that it may be 1 before a step is cut into parts.
-    fn turns(&self, parameters: &[f32]) -> Vec<f32> {
-        let impulse = &self.impulse;
-        let length = impulse.settings().substep();
-        let mut turns = vec![0.0; impulse.rows()];
-        for (i, shape) in impulse.shapes().iter().enumerate() {
-            if shape.row != WORLD && !impulse.is_centred(i, parameters) {
-                turns[shape.row as usize] = (length / FREE_TURN) as f32;
-            }
-        }
-        let held = self.joints.iter().flat_map(|joints| &joints.seats);
-        for row in held {
-            turns[*row as usize] = (length / HELD_TURN) as f32;
-        }
-        // Without what does not move.
-        turns.split_off(1)
-    }
-
     /// Where joints are, and where their numbers lie.
     fn tie(&mut self) {
         let Some(joints) = &self.joints else { return };
@@ -603,86 +420,6 @@ fn words_of(tables: &PairTables, [of_a, of_b]: [usize; 2]) -> [u32; PLACES] {
     .map(|n| n as u32)
 }
 
-fn unsupported(what: &'static str, remedy: &'static str) -> GpuError {
+pub(super) fn unsupported(what: &'static str, remedy: &'static str) -> GpuError {
     GpuError::Unsupported { what, remedy }
-}
-
-impl Scene {
-    /// The constants of a step that is cut into so many parts: those of the model, which contacts and joints read.
-    pub fn common_globals(&self, parts: usize) -> [f32; global::WIDTH] {
-        self.impulse.globals(&self.parameters.common, parts)
-    }
-    /// Those of each world from the first on.
-    pub fn globals(&self, first: usize, parts: usize) -> Vec<[f32; global::WIDTH]> {
-        let worlds = first..first + self.plan.worlds as usize;
-        let of = |world| self.impulse.globals(self.parameters.of(world), parts);
-        worlds.map(of).collect()
-    }
-    /// Constants of all bodies of worlds from the first on as their kernels read them, `[number][body]`, behind those of
-    /// the step.
-    pub fn body_constants(&self, first: usize) -> Vec<f32> {
-        let impulse = &self.impulse;
-        let worlds = first..first + self.plan.worlds as usize;
-        let rows = worlds.flat_map(|world| {
-            let parameters = self.parameters.of(world);
-            let mut rows = vec![[0.0; mass::WIDTH + grip::WIDTH]; impulse.rows()];
-            for (row, own) in rows.iter_mut().enumerate() {
-                own[..mass::WIDTH].copy_from_slice(impulse.mass_of(row, parameters));
-            }
-            for (row, grip) in impulse.grips(parameters) {
-                let own = rows[row][mass::WIDTH..].iter_mut();
-                own.zip(grip).for_each(|(own, x)| *own = x as f32);
-            }
-            rows.split_off(1)
-        });
-        // Before them, what does not move in each world.
-        let fixed = repeat_n([0.0; mass::WIDTH + grip::WIDTH], self.plan.worlds as usize);
-        columns(&Vec::from_iter(fixed.chain(rows)))
-    }
-    /// The same of shapes.
-    pub fn shape_constants(&self, first: usize) -> Vec<f32> {
-        let impulse = &self.impulse;
-        let worlds = first..first + self.plan.worlds as usize;
-        let rows = worlds.flat_map(|world| {
-            let parameters = self.parameters.of(world);
-            (0..impulse.shapes().len()).map(|shape| {
-                let mut own = [0.0; solid::WIDTH];
-                own.copy_from_slice(impulse.solid_of(shape, parameters));
-                own
-            })
-        });
-        columns(&Vec::from_iter(rows))
-    }
-    /// Constants of which a world may have its own.
-    fn own_length(&self) -> u32 {
-        self.plan.turn + self.plan.own_bodies - self.constants.len() as u32
-    }
-    /// Numbers of all constants of a batch.
-    pub fn constants_length(&self) -> u32 {
-        let sets = if self.parameters.differ() {
-            self.plan.worlds
-        } else {
-            1
-        };
-        self.constants.len() as u32 + sets * self.own_length()
-    }
-    /// All constants of worlds from the first on.
-    pub fn constants(&self, first: usize) -> Vec<f32> {
-        let sets = match self.parameters.differ() {
-            true => first..first + self.plan.worlds as usize,
-            false => 0..1,
-        };
-        let own = sets.flat_map(|world| self.own_constants(self.parameters.of(world)).concat());
-        self.constants.iter().copied().chain(own).collect()
-    }
-}
-
-/// Constants of a body and of a shape, behind those of the step.
-pub(super) const BODY: usize = global::WIDTH + mass::WIDTH + grip::WIDTH;
-pub(super) const SHAPE: usize = global::WIDTH + solid::WIDTH;
-
-/// Rows of things as columns, `[number][thing]`.
-fn columns<const N: usize>(rows: &[[f32; N]]) -> Vec<f32> {
-    let own = (0..N).flat_map(|number| rows.iter().map(move |row| row[number]));
-    own.collect()
 }

@@ -368,9 +368,10 @@ fn worlds_have_the_same_bits_alone() {
     for model in [bouncing, balls(), cradle(4), rods(3), terrain(5)] {
         let model = model.unwrap();
         let together = stirred(&card, &model, 0..4);
-        for (world, state) in together.iter().enumerate() {
+        // What rests, and what is fastest.
+        for world in [1, 3] {
             let alone = stirred(&card, &model, world..world + 1);
-            assert_eq!(*state, alone[0], "{} {world}", model.name);
+            assert_eq!(together[world], alone[0], "{} {world}", model.name);
         }
     }
 }

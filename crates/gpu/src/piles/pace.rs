@@ -1,0 +1,172 @@
+//! How steps are submitted: of which worlds, how many, and how much of what is launched follows from the steps before.
+
+use super::batch::Batch;
+use super::plan::{Plan, flag, of_world, status};
+use super::room::told;
+use super::scene::Scene;
+use rigid::impulse::blow::ROUNDS as BLOWS;
+
+/// Colours that there is room for, and that are launched, at first.
+pub(super) const FIRST_COLOURS: u32 = 16;
+/// Rounds of colouring in a step: at least, and at most.
+const FEWEST_ROUNDS: usize = 8;
+pub(super) const MOST_ROUNDS: usize = 256;
+/// Most steps in one submission, and about as many launches.
+pub(super) const STEPS: usize = 16;
+const LAUNCHES: usize = 16_384;
+/// Steps after which more worlds are tried at once.
+const FITTED: usize = 256;
+/// Most worlds whose steps are cut into parts in one submission: each is copied, so that it can be undone.
+const CUT: usize = 256;
+/// Of what a submission told: colouring goes on where it ended.
+pub(super) const UNCOLOURED: u32 = flag::MORE_ROUNDS | flag::MORE_COLOURS;
+
+/// How steps of a batch are submitted.
+#[derive(Debug)]
+pub(super) struct Pace {
+    /// Steps in a submission: fewer where they are often not taken.
+    pub steps: usize,
+    /// Worlds in a submission: fewer where there was no room for all of them; and for how many steps there was.
+    pub worlds: usize,
+    pub fitted: usize,
+    /// Colours of contacts that are launched.
+    pub colours: Held,
+    /// Rounds of colouring in a step.
+    pub rounds: usize,
+    /// Worlds for which these, or colours, were too few, so that colouring goes on where it ended.
+    pub uncoloured: Vec<usize>,
+    /// Rounds of blows in a small step.
+    pub blows: Held,
+}
+
+/// How many of something are launched: as many as were needed in any of the last steps.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Held {
+    pub count: usize,
+    /// Steps in which fewer were needed, without a break.
+    fewer: usize,
+}
+
+/// Steps after which fewer are launched.
+const HELD: usize = 16;
+
+impl Held {
+    pub fn at_least(&mut self, needed: usize) {
+        if needed >= self.count {
+            *self = Self {
+                count: needed,
+                fewer: 0,
+            };
+        }
+    }
+    /// So many were needed in so many steps.
+    fn needed(&mut self, needed: usize, steps: usize) {
+        self.at_least(needed);
+        self.fewer += steps;
+        if needed < self.count && self.fewer >= HELD {
+            *self = Self {
+                count: needed + (self.count - needed) / 2,
+                fewer: 0,
+            };
+        }
+    }
+}
+
+impl Pace {
+    /// Of so many worlds.
+    pub fn new(worlds: usize) -> Self {
+        Self {
+            steps: 1,
+            worlds,
+            fitted: 0,
+            colours: Held {
+                count: FIRST_COLOURS as usize,
+                fewer: 0,
+            },
+            rounds: FEWEST_ROUNDS,
+            uncoloured: Vec::new(),
+            blows: Held::default(),
+        }
+    }
+    /// From what so many steps have taken.
+    pub fn learn(&mut self, told: &Told, taken: usize) {
+        self.colours
+            .needed(told.of(status::COLOURED) as usize, taken);
+        // One more, in which nothing is struck; none where none was foreseen.
+        let foreseen = told.of(status::FORESEEN) != 0;
+        let struck = told.of(status::MOST_BLOWS) as usize;
+        let rounds = BLOWS.min(struck + usize::from(foreseen));
+        self.blows.needed(rounds, taken);
+        // In most steps colours are those of the step before.
+        let usual = 2 * told.of(status::ROUNDS) as usize;
+        self.rounds = usual.clamp(FEWEST_ROUNDS, MOST_ROUNDS);
+        // What found no room may have found it but once.
+        self.fitted += taken;
+        if self.fitted >= FITTED {
+            self.worlds = self.worlds.saturating_mul(2);
+            self.fitted = 0;
+        }
+    }
+}
+
+/// Steps that are submitted together.
+#[derive(Debug)]
+pub(super) struct Turn {
+    /// Worlds of the batch, counted from its first.
+    pub worlds: Vec<usize>,
+    pub steps: usize,
+    /// Into how many parts each step is cut.
+    pub parts: usize,
+}
+
+/// What the card has told of a submission.
+pub(super) struct Told(pub Vec<u32>);
+
+impl Told {
+    pub fn of(&self, place: usize) -> u32 {
+        self.0[place]
+    }
+    pub fn of_world(&self, world: usize, place: usize) -> u32 {
+        self.0[status::WIDTH + world * of_world::WIDTH + place]
+    }
+}
+
+/// Which steps of a batch come next: of worlds whose steps are cut into as many parts as that of the one farthest behind.
+pub(super) fn turn(scene: &Scene, batch: &Batch) -> Turn {
+    let pace = &batch.pace;
+    let all = 0..batch.left.len();
+    let last = all.clone().max_by_key(|world| batch.left[*world]);
+    let parts = last.map_or(1, |world| batch.parts[world]);
+    let waits = |world: &usize| batch.left[*world] > 0 && batch.parts[*world] == parts;
+    // What is cut into parts is taken one by one, that it can be undone.
+    let (most_worlds, most_steps) = match parts {
+        1 => (pace.worlds, pace.steps),
+        _ => (pace.worlds.min(CUT), 1),
+    };
+    let worlds: Vec<_> = all.filter(waits).take(most_worlds).collect();
+    let small_steps = scene.impulse.settings().contact_iterations;
+    let joints = scene.joints.as_ref().map_or(0, |joints| joints.runs.len());
+    let stage = pace.colours.count + joints + 1;
+    let launches = small_steps * (2 + pace.blows.count) * stage;
+    let most = most_steps.min(LAUNCHES / launches).max(1);
+    let left = worlds.iter().map(|world| batch.left[*world]);
+    Turn {
+        steps: left.max().unwrap_or(0).min(most),
+        worlds,
+        parts,
+    }
+}
+
+/// What the card is told as a turn begins.
+pub(super) fn begin(plan: &Plan, batch: &Batch, turn: &Turn) -> Vec<u32> {
+    let mut words = vec![0; told(plan)];
+    words[status::KEEP] = (batch.pace.uncoloured == turn.worlds).into();
+    words[status::LAUNCHED] = (batch.pace.colours.count as u32).min(plan.colours);
+    words[status::ROUNDS_OF_BLOWS] = batch.pace.blows.count as u32;
+    words[status::PARTS] = turn.parts as u32;
+    for &world in &turn.worlds {
+        let steps = batch.left[world].min(turn.steps);
+        words[status::WIDTH + world * of_world::WIDTH + of_world::LEFT] = steps as u32;
+    }
+    words
+}
