@@ -502,14 +502,15 @@ impl<T: Float> Simulation<T> {
 
     /// Gives worlds models of their own. Where all bodies are is reported once, for all of them.
     pub(crate) fn give_own(&mut self, models: Vec<(usize, Own<T>)>) -> Result<(), SimulationError> {
-        if let Some(remote) = &self.remote {
-            let own = models
-                .iter()
-                .map(|(_, own)| own.compiled.engine.parameters());
-            remote.takes(&Vec::from_iter(own))?;
-        }
         self.try_outputs()?;
         self.fetch_state()?;
+        // The device knows what it was given before.
+        self.tell()?;
+        if let Some(remote) = &self.remote {
+            let own = models.iter();
+            let own = own.map(|(_, own)| own.compiled.engine.parameters());
+            remote.takes(&Vec::from_iter(own))?;
+        }
         if self.own.is_empty() {
             let (worlds, width) = (self.worlds(), self.state.width());
             self.parameters = in_lanes(self.shared.engine.parameters(), worlds, width);

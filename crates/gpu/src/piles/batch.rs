@@ -102,7 +102,7 @@ impl Batch {
             let bytes = bytemuck::cast_slice(numbers);
             gpu.queue().write_buffer(buffer, at, bytes);
         };
-        if std::mem::take(&mut self.stale) {
+        if self.stale {
             let length = scene.constants_length().into();
             if self.constants.size() < length * NUMBER {
                 self.constants = sized(gpu, length)?;
@@ -110,7 +110,7 @@ impl Batch {
             write(&self.constants, 0, &scene.constants(first));
             write(&self.bodies, plan.bodies, &scene.body_constants(first));
             write(&self.shapes, plan.shapes, &scene.shape_constants(first));
-            self.cut = 0;
+            (self.stale, self.cut) = (false, 0);
         }
         if self.cut != parts {
             let globals = scene.globals(first, parts);

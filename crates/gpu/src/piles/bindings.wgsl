@@ -38,9 +38,8 @@ struct Plan {
     law_numbers: u32,
     // Of a step.
     small_steps: u32,
-    // Buckets of cells, a power of two, and colours that there is room for.
+    // Buckets of cells, a power of two.
     buckets: u32,
-    colours: u32,
     pair_blocks: u32,
     contact_blocks: u32,
     // Numbers of a world's state, and offsets in it; the last of what joints carry.
@@ -97,7 +96,8 @@ struct Plan {
     mesh_of_shape: u32,
     mesh_group_rows: u32,
     mesh_cluster_rows: u32,
-    // Offsets in `constants`; of a world's own, of which there are so many, or none where all worlds share them.
+    // Offsets in `constants`; from those of one world to those of the next, which is 0 where all worlds share them; and
+    // those of the first world.
     mesh_groups: u32,
     mesh_clusters: u32,
     mesh_triangles: u32,

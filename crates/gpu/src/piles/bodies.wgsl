@@ -22,13 +22,16 @@ fn clear(@builtin(global_invocation_id) id: vec3<u32>) {
             stop_in(i, DONE);
         }
     }
+    if (i == 0u) {
+        // Where a step was not taken, so that those that follow have no contacts.
+        atomicStore(&status[SETTLED], 0u);
+    }
     if (i == 0u && runs_on()) {
         atomicStore(&status[ENDED], 0u);
         atomicStore(&status[SUM_ROUND], 0u);
         atomicStore(&status[PAIRS], 0u);
         atomicStore(&status[CONTACTS], 0u);
         atomicStore(&status[CHANGED], 0u);
-        atomicStore(&status[SETTLED], 0u);
         atomicStore(&status[ROUND], 0u);
         atomicStore(&status[MEETING], 0u);
         runs[BODIES_RUN] = vec2(plan.worlds, plan.bodies - plan.worlds);

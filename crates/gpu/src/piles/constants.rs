@@ -49,12 +49,15 @@ impl Scene {
     /// # Errors
     /// Surfaces differ in too many ways.
     pub fn differ(&mut self, own: Vec<Vec<f32>>) -> Result<(), GpuError> {
-        self.parameters.own = own;
+        let before = std::mem::replace(&mut self.parameters.own, own);
+        if let Err(error) = self.surfaces() {
+            self.parameters.own = before;
+            return Err(error);
+        }
         if let Some(joints) = &mut self.joints {
             let mut all = self.parameters.all();
             joints.inertia = all.any(|set| self.impulse.has_inertia(set));
         }
-        self.surfaces()?;
         self.place_constants();
         Ok(())
     }

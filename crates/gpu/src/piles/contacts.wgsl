@@ -73,7 +73,7 @@ fn read_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
         fresh[to + REMEMBERED_DRAG_SUM + x] = of_contact(MANIFOLD_DRAG_SUM + x, i);
         fresh[to + REMEMBERED_TWIST_SUM + x] = of_contact(MANIFOLD_TWIST_SUM + x, i);
         // What was stopped at its centre of mass is told of by the processor.
-        if (of_contact(MANIFOLD_ASIDE + x, i) != 0.0) {
+        if (of_contact(MANIFOLD_ASIDE + x, i) != 0.0 && runs_on()) {
             stop_in(world_of_contact(word(plan.contact_order + i)), PROCESSOR);
         }
     }

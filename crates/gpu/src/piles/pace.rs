@@ -6,8 +6,8 @@ use super::room::told;
 use super::scene::Scene;
 use rigid::impulse::blow::ROUNDS as BLOWS;
 
-/// Colours that there is room for, and that are launched, at first.
-pub(super) const FIRST_COLOURS: u32 = 16;
+/// Colours that are launched at first.
+const FIRST_COLOURS: usize = 16;
 /// Rounds of colouring in a step: at least, and at most.
 const FEWEST_ROUNDS: usize = 8;
 pub(super) const MOST_ROUNDS: usize = 256;
@@ -26,9 +26,11 @@ pub(super) const UNCOLOURED: u32 = flag::MORE_ROUNDS | flag::MORE_COLOURS;
 pub(super) struct Pace {
     /// Steps in a submission: fewer where they are often not taken.
     pub steps: usize,
-    /// Worlds in a submission: fewer where there was no room for all of them; and for how many steps there was.
-    pub worlds: usize,
-    pub fitted: usize,
+    /// Worlds in a submission, and in one of steps that are cut into parts: fewer where there was no room for all of them.
+    worlds: usize,
+    cut: usize,
+    /// For how many steps there was.
+    fitted: usize,
     /// Colours of contacts that are launched.
     pub colours: Held,
     /// Rounds of colouring in a step.
@@ -78,15 +80,28 @@ impl Pace {
         Self {
             steps: 1,
             worlds,
+            cut: worlds.min(CUT),
             fitted: 0,
             colours: Held {
-                count: FIRST_COLOURS as usize,
+                count: FIRST_COLOURS,
                 fewer: 0,
             },
             rounds: FEWEST_ROUNDS,
             uncoloured: Vec::new(),
             blows: Held::default(),
         }
+    }
+    /// Has fewer worlds stepped at once than in a turn; false where it was but one.
+    pub fn fewer(&mut self, turn: &Turn) -> bool {
+        let fewer = turn.worlds.len() / 2;
+        if fewer > 0 {
+            let most = match turn.parts {
+                1 => &mut self.worlds,
+                _ => &mut self.cut,
+            };
+            (*most, self.fitted) = (fewer, 0);
+        }
+        fewer > 0
     }
     /// From what so many steps have taken.
     pub fn learn(&mut self, told: &Told, taken: usize) {
@@ -104,6 +119,7 @@ impl Pace {
         self.fitted += taken;
         if self.fitted >= FITTED {
             self.worlds = self.worlds.saturating_mul(2);
+            self.cut = CUT.min(2 * self.cut);
             self.fitted = 0;
         }
     }
@@ -131,7 +147,8 @@ impl Told {
     }
 }
 
-/// Which steps of a batch come next: of worlds whose steps are cut into as many parts as that of the one farthest behind.
+/// Which steps of a batch come next: of worlds, the first of them, whose steps are cut into as many parts as that of the one
+/// that is farthest behind.
 pub(super) fn turn(scene: &Scene, batch: &Batch) -> Turn {
     let pace = &batch.pace;
     let all = 0..batch.left.len();
@@ -141,7 +158,7 @@ pub(super) fn turn(scene: &Scene, batch: &Batch) -> Turn {
     // What is cut into parts is taken one by one, that it can be undone.
     let (most_worlds, most_steps) = match parts {
         1 => (pace.worlds, pace.steps),
-        _ => (pace.worlds.min(CUT), 1),
+        _ => (pace.cut, 1),
     };
     let worlds: Vec<_> = all.filter(waits).take(most_worlds).collect();
     let small_steps = scene.impulse.settings().contact_iterations;
@@ -161,7 +178,7 @@ pub(super) fn turn(scene: &Scene, batch: &Batch) -> Turn {
 pub(super) fn begin(plan: &Plan, batch: &Batch, turn: &Turn) -> Vec<u32> {
     let mut words = vec![0; told(plan)];
     words[status::KEEP] = (batch.pace.uncoloured == turn.worlds).into();
-    words[status::LAUNCHED] = (batch.pace.colours.count as u32).min(plan.colours);
+    words[status::LAUNCHED] = batch.pace.colours.count as u32;
     words[status::ROUNDS_OF_BLOWS] = batch.pace.blows.count as u32;
     words[status::PARTS] = turn.parts as u32;
     for &world in &turn.worlds {

@@ -29,7 +29,7 @@ plan! {
     own_bodies: u32, own_shapes: u32, own_units: u32, own_joints: u32,
     large: u32, forms: u32, groups: u32, solid_groups: u32, surfaces: u32,
     pairs: u32, mesh_pairs: u32, most_near: u32, contacts: u32, remembered: u32, joint_runs: u32, law_numbers: u32, small_steps: u32,
-    buckets: u32, colours: u32, pair_blocks: u32, contact_blocks: u32,
+    buckets: u32, pair_blocks: u32, contact_blocks: u32,
     state_numbers: u32, body_state: u32, count: u32, memory: u32, forgotten: u32, tied: u32,
     forces: u32, given: u32, given_numbers: u32,
     cells: u32, bucket_of: u32, bucket_start: u32, bucket_items: u32, unit_start: u32,
@@ -120,7 +120,7 @@ pub(super) mod flag {
     pub const MORE_BLOWS: u32 = 16;
     pub const MORE_MESH_PAIRS: u32 = 32;
     /// For these there has to be more room.
-    pub const MORE_ROOM: u32 = MORE_PAIRS | MORE_MESH_PAIRS | MORE_CONTACTS | MORE_COLOURS;
+    pub const MORE_ROOM: u32 = MORE_PAIRS | MORE_MESH_PAIRS | MORE_CONTACTS;
 }
 
 /// Why a world was left out.

@@ -3,7 +3,7 @@
 use super::batch::Batch;
 use super::joints::Joints;
 use super::kernels::Kernels;
-use super::plan::{KEYS, Plan, of_world, run, status};
+use super::plan::{COLOURS, KEYS, Plan, of_world, run, status};
 use super::scene::{ROW, Scene};
 use crate::memory::{NUMBER, buffer, filled, indirect};
 use crate::pipeline::dispatch;
@@ -233,7 +233,7 @@ impl Room {
             shapes: gpu.uniform(&[plan.shapes, 1]),
             contacts: of_contacts(run::CONTACTS),
             sums: of_contacts(run::SUMS),
-            colours: (0..plan.colours)
+            colours: (0..COLOURS)
                 .map(|colour| of_contacts(run::COLOURS + colour))
                 .collect(),
             joints: match &scene.joints {

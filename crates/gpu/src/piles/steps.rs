@@ -2,8 +2,8 @@
 
 use super::batch::Batch;
 use super::kernels::Kernels;
-use super::pace::{FIRST_COLOURS, MOST_ROUNDS, STEPS, Told, Turn, UNCOLOURED, begin, turn};
-use super::plan::{BLOCK, COLOURS, Plan, flag, of_world, status, stopped};
+use super::pace::{self, MOST_ROUNDS, STEPS, Told, Turn, UNCOLOURED};
+use super::plan::{BLOCK, Plan, flag, of_world, status, stopped};
 use super::room::Room;
 use super::scene::Scene;
 use crate::clock::{Clock, Pass};
@@ -40,7 +40,6 @@ impl Steps {
         if plan.most_near > 0 {
             plan.mesh_pairs = BLOCK.min(scene.most_pairs(gpu, true));
         }
-        plan.colours = FIRST_COLOURS;
         let mut pairs = PAIRS * plan.shapes + BLOCK;
         let mut contacts = CONTACTS * plan.bodies + BLOCK;
         let room = loop {
@@ -80,7 +79,13 @@ impl Steps {
         kernels: &Kernels,
         batch: &mut Batch,
     ) -> Result<Vec<usize>, GpuError> {
-        let turn = turn(scene, batch);
+        let mut turn = pace::turn(scene, batch);
+        while turn.parts > 1 && !self.keeps(gpu, scene, &turn) {
+            if !batch.pace.fewer(&turn) {
+                return Ok(turn.worlds);
+            }
+            turn = pace::turn(scene, batch);
+        }
         let told = self.submit(gpu, scene, kernels, batch, &turn)?;
         let flags = told.of(status::FLAG);
         let mut taken = 0;
@@ -132,6 +137,16 @@ impl Steps {
         Ok(left_to_processor)
     }
 
+    /// Has room for the states of a turn whose steps are cut into parts; false where the card has none.
+    fn keeps(&mut self, gpu: &Gpu, scene: &Scene, turn: &Turn) -> bool {
+        let numbers = (turn.worlds.len() * scene.impulse.lengths().state) as u64;
+        let fits = |before: &Buffer| before.size() >= numbers * NUMBER;
+        if !self.before.as_ref().is_some_and(fits) {
+            self.before = buffer(gpu, numbers).ok();
+        }
+        self.before.is_some()
+    }
+
     /// Makes room for what a step has found too little for, has more of it launched, or has fewer worlds stepped at once;
     /// false where only the processor can take the step.
     fn adapt(
@@ -145,34 +160,24 @@ impl Steps {
     ) -> bool {
         let flags = told.of(status::FLAG);
         let pace = &mut batch.pace;
-        let coloured = told.of(status::COLOURED);
-        pace.colours.at_least(coloured as usize);
-        if flags & flag::MORE_ROOM == flag::MORE_COLOURS && coloured <= self.plan.colours {
-            return true;
-        }
+        pace.colours.at_least(told.of(status::COLOURED) as usize);
         if flags & flag::MORE_ROOM != 0 {
             // There, colours of the attempt are not known.
             pace.uncoloured.clear();
-            if self.grow(gpu, scene, kernels, told) {
-                return true;
-            }
-            let fewer = turn.worlds.len() / 2;
-            if fewer > 0 {
-                (pace.worlds, pace.fitted) = (fewer, 0);
-            }
-            return fewer > 0;
+            return self.grow(gpu, scene, kernels, told) || pace.fewer(turn);
         }
         if flags & flag::MORE_ROUNDS != 0 {
             // Where it cannot go on from where it ended, more rounds than there are would not settle it.
             let goes_on = !pace.uncoloured.is_empty() || stops != 0;
             if pace.rounds == MOST_ROUNDS && !goes_on {
-                return false;
+                return pace.fewer(turn);
             }
             pace.rounds = MOST_ROUNDS.min(2 * pace.rounds);
-            return true;
         }
-        let more = (2 * pace.blows.count).max(2);
-        pace.blows.at_least(BLOWS.min(more));
+        if flags & flag::MORE_BLOWS != 0 {
+            let more = (2 * pace.blows.count).max(2);
+            pace.blows.at_least(BLOWS.min(more));
+        }
         true
     }
 
@@ -193,25 +198,20 @@ impl Steps {
         }
         let own = self.room.of(gpu, kernels, batch);
         let status = &self.room.buffers.status;
-        let begin = begin(&self.plan, batch, turn);
+        let begin = pace::begin(&self.plan, batch, turn);
         gpu.queue()
             .write_buffer(status, 0, bytemuck::cast_slice(&begin));
         let mut encoder = gpu.device().create_command_encoder(&Default::default());
         let length = scene.impulse.lengths().state;
-        let all = turn.worlds.len() * length;
         let place = |nth: usize, world: usize| {
             let states = [nth, world].map(|i| (i * length) as u64 * NUMBER);
             (states, length as u64 * NUMBER)
         };
-        if parts > 1 {
-            let before = self.before.take();
-            let before = before.filter(|b| b.size() >= all as u64 * NUMBER);
-            let before = before.map_or_else(|| buffer(gpu, all as u64), Ok)?;
+        if let (true, Some(before)) = (parts > 1, &self.before) {
             for (nth, world) in turn.worlds.iter().enumerate() {
                 let ([kept, own], size) = place(nth, *world);
-                encoder.copy_buffer_to_buffer(&batch.state, own, &before, kept, size);
+                encoder.copy_buffer_to_buffer(&batch.state, own, before, kept, size);
             }
-            self.before = Some(before);
         }
         for _ in 0..turn.steps {
             for part in 0..parts {
@@ -254,10 +254,8 @@ impl Steps {
                 plan.pairs = enough(told.of(status::PAIRS));
             } else if flags & flag::MORE_MESH_PAIRS != 0 {
                 plan.mesh_pairs = enough(told.of(status::MESH_PAIRS));
-            } else if flags & flag::MORE_CONTACTS != 0 {
-                plan.contacts = enough(told.of(status::CONTACTS) + told.of(status::ENDED));
             } else {
-                plan.colours = enough(told.of(status::COLOURED)).min(COLOURS);
+                plan.contacts = enough(told.of(status::CONTACTS) + told.of(status::ENDED));
             }
             plan
         });

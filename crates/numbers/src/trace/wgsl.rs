@@ -31,7 +31,8 @@ impl Program {
     ///
     /// Of [runs](Members::Runs), an invocation works on a member of one: `global_invocation_id.x` counts from its first.
     /// Binding 1 then holds the bodies of each member, `[side][member]`, of one that is left out `u32::MAX`; binding 2 each
-    /// run's first member and how many it has, and the uniform how many members there is room for, which run it is, and how many bodies there are.
+    /// run's first member and how many it has, and the uniform how many members there is room for, which run it is, and how
+    /// many bodies there are.
     ///
     /// A GPU rounds division, `sqrt` and `fma` as WGSL allows, so results agree
     /// with the CPU to a tolerance, not to the bit; and it may take for granted
