@@ -902,3 +902,27 @@ fn gravity_of_worlds_own_is_refused_where_things_bounce() {
     simulation.step(3);
     assert!(simulation.diverged().is_empty());
 }
+
+/// A card has a table of what each two kinds of surfaces make of a contact. What is refused leaves all as it was.
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn more_kinds_of_surfaces_than_a_card_takes_are_refused() {
+    let mut world = Builder::new("shot");
+    let shot = world.object("shot");
+    for i in 0..1100 {
+        let ball = shot.body(format!("ball {i}"));
+        let ball = ball.shape(Geometry::Sphere { radius: 0.1 });
+        ball.at(Pose::at(DVec3::X * f64::from(i)));
+    }
+    let model = world.build().unwrap();
+    let mut simulation = Simulation::on(&card(), model.clone(), settings(2)).unwrap();
+    let mut parts = model.into_parts();
+    for (i, shape) in parts.shapes.iter_mut().enumerate() {
+        shape.material.friction = 0.1 + 1e-4 * i as f64;
+    }
+    let own = Model::new(parts).unwrap();
+    let told = simulation.set_world_model(1, &own).unwrap_err().to_string();
+    assert!(told.contains("so many surfaces"), "{told}");
+    simulation.step(2);
+    assert!(simulation.diverged().is_empty());
+}
