@@ -504,8 +504,7 @@ impl<T: Float> Simulation<T> {
     pub(crate) fn give_own(&mut self, models: Vec<(usize, Own<T>)>) -> Result<(), SimulationError> {
         self.try_outputs()?;
         self.fetch_state()?;
-        // The device knows what it was given before.
-        self.tell()?;
+        // By now the device knows what it was given before.
         if let Some(remote) = &self.remote {
             let own = models.iter();
             let own = own.map(|(_, own)| own.compiled.engine.parameters());

@@ -66,17 +66,16 @@ impl Batch {
         })
     }
 
-    /// The numbers of a world's state.
-    pub fn numbers(&self, scene: &Scene, world: usize) -> Range<usize> {
+    /// The numbers of the state of a world, counted from the first.
+    pub fn numbers(&self, scene: &Scene, nth: usize) -> Range<usize> {
         let length = scene.impulse.lengths().state;
-        let first = (world - self.worlds.start) * length;
-        first..first + length
+        nth * length..(nth + 1) * length
     }
     /// Sets the state of a world; one that has diverged takes no more steps.
     pub fn write(&mut self, gpu: &Gpu, scene: &Scene, world: usize, state: &[f32]) {
-        let first = self.numbers(scene, world).start;
-        self.write_at(gpu, first, state);
         let nth = world - self.worlds.start;
+        let first = self.numbers(scene, nth).start;
+        self.write_at(gpu, first, state);
         self.runs[nth] = state[scene.impulse.alive()] != 0.0;
         if !self.runs[nth] {
             self.left[nth] = 0;

@@ -91,6 +91,8 @@ fn put_free(@builtin(global_invocation_id) id: vec3<u32>) {
 fn is_struck(world: u32) -> bool {
     return told(of_world(world, STRUCK)) == told(BLOW_ROUND) + 1u;
 }
+
+// In which worlds anything was struck in a round.
 @compute @workgroup_size(64)
 fn tell_blows(@builtin(global_invocation_id) id: vec3<u32>) {
     if (told(BLOWING) != 0u && id.x < solved_count() && of_contact(MANIFOLD_STRUCK, id.x) > 0.0) {

@@ -25,18 +25,15 @@ impl Steps {
         (parts, part): (usize, usize),
     ) {
         let (p, s, e) = (&self.plan, &self.room, &k.entries);
-        let all = |pass: &mut Pass<'_>, kernel: &ComputePipeline, things: u32| {
-            dispatch(pass, kernel, &own.all, things.div_ceil(WORKGROUP));
-        };
-        all(pass, &e.clear, p.buckets.max(p.bodies).max(p.worlds) + 1);
-        all(pass, &e.load_bodies, p.bodies);
+        own.launch(pass, &e.clear, p.buckets.max(p.bodies).max(p.worlds) + 1);
+        own.launch(pass, &e.load_bodies, p.bodies);
         let bodies = p.bodies.div_ceil(WORKGROUP);
         if batch.pushed {
             dispatch(pass, &k.push_body, &own.bodies, bodies);
         }
         dispatch(pass, &k.begin, &own.bodies, bodies);
         // For each world, too, it chooses into how many parts the step is cut.
-        all(pass, &e.load_shapes, p.shapes.max(p.worlds));
+        own.launch(pass, &e.load_shapes, p.shapes.max(p.worlds));
         dispatch(pass, &k.place, &own.shapes, p.shapes.div_ceil(WORKGROUP));
         pass.mark("bodies and shapes");
         let [
@@ -49,21 +46,21 @@ impl Steps {
             pressing,
             ended,
         ] = &s.scans;
-        all(pass, &e.surround, p.shapes);
-        all(pass, &e.count_buckets, p.shapes);
+        own.launch(pass, &e.surround, p.shapes);
+        own.launch(pass, &e.count_buckets, p.shapes);
         buckets.run(pass, k);
-        all(pass, &e.fill_buckets, p.shapes);
-        all(pass, &e.count_pairs, p.units + 1);
+        own.launch(pass, &e.fill_buckets, p.shapes);
+        own.launch(pass, &e.count_pairs, p.units + 1);
         units.run(pass, k);
-        all(pass, &e.list_pairs, p.units + 1);
+        own.launch(pass, &e.list_pairs, p.units + 1);
         pass.mark("broad phase");
         dispatch(pass, &k.sort[0], &s.sort_pairs, p.pair_blocks);
         groups.run(pass, k);
         dispatch(pass, &k.sort[1], &s.sort_pairs, p.pair_blocks);
-        all(pass, &e.plan_groups, p.groups);
-        all(pass, &e.seat_pairs, p.pairs);
+        own.launch(pass, &e.plan_groups, p.groups);
+        own.launch(pass, &e.seat_pairs, p.pairs);
         if p.mesh_pairs > 0 {
-            all(pass, &e.seat_meshes, p.mesh_pairs);
+            own.launch(pass, &e.seat_meshes, p.mesh_pairs);
         }
         pass.mark("sorting pairs");
         for (group, (kernel, bindings)) in (0..).zip(k.apart.iter().zip(&s.groups)) {
@@ -71,34 +68,34 @@ impl Steps {
                 self.run(pass, kernel, bindings, group);
             }
         }
-        all(pass, &e.part_pairs, p.pairs);
+        own.launch(pass, &e.part_pairs, p.pairs);
         pass.mark("pairs apart");
         for (group, (kernel, bindings)) in (0..).zip(k.groups.iter().zip(&s.groups)) {
             self.run(pass, kernel, bindings, group);
         }
         pass.mark("narrow phase");
-        all(pass, &e.find_touching, p.pairs + 1);
+        own.launch(pass, &e.find_touching, p.pairs + 1);
         touching.run(pass, k);
-        all(pass, &e.make_contacts, p.pairs + 1);
+        own.launch(pass, &e.make_contacts, p.pairs + 1);
         joined.run(pass, k);
-        all(pass, &e.join, p.contacts);
+        own.launch(pass, &e.join, p.contacts);
         pass.mark("making contacts");
         for _ in 0..batch.pace.rounds {
-            all(pass, &e.paint, p.contacts);
-            all(pass, &e.settle, 1);
+            own.launch(pass, &e.paint, p.contacts);
+            own.launch(pass, &e.settle, 1);
         }
         pass.mark("colouring");
         dispatch(pass, &k.sort[0], &s.sort_contacts, p.contact_blocks);
         colours.run(pass, k);
         dispatch(pass, &k.sort[1], &s.sort_contacts, p.contact_blocks);
-        all(pass, &e.plan_colours, KEYS);
-        all(pass, &e.seat_contacts, p.contacts);
+        own.launch(pass, &e.plan_colours, KEYS);
+        own.launch(pass, &e.seat_contacts, p.contacts);
         pass.mark("sorting contacts");
         self.run(pass, &k.prepare, &s.contacts, run::CONTACTS);
         pass.mark("preparing contacts");
         let joints = scene.joints.as_ref().zip(k.joints.as_ref());
         if let Some((joints, kernels)) = joints {
-            all(pass, &e.load_joints, p.joints);
+            own.launch(pass, &e.load_joints, p.joints);
             if joints.drives {
                 self.all_joints(pass, &kernels.follow);
             }
@@ -107,20 +104,20 @@ impl Steps {
         pass.mark("preparing joints");
         self.small_steps(pass, k, scene, own, &batch.pace, parts);
         dispatch(pass, &k.finish, &own.bodies, bodies);
-        all(pass, &e.read_contacts, p.contacts);
+        own.launch(pass, &e.read_contacts, p.contacts);
         if part > 0 {
-            self.sums(pass, k, &own.all, ended);
+            self.sums(pass, k, own, ended);
         }
-        all(pass, &e.find_pressing, p.contacts + 1);
+        own.launch(pass, &e.find_pressing, p.contacts + 1);
         pressing.run(pass, k);
-        all(pass, &e.check_bodies, p.bodies);
-        all(pass, &e.check_shapes, p.shapes);
-        all(pass, &e.store_bodies, p.bodies);
-        all(pass, &e.store_contacts, p.contacts);
+        own.launch(pass, &e.check_bodies, p.bodies);
+        own.launch(pass, &e.check_shapes, p.shapes);
+        own.launch(pass, &e.store_bodies, p.bodies);
+        own.launch(pass, &e.store_contacts, p.contacts);
         if joints.is_some() {
-            all(pass, &e.store_joints, p.joints);
+            own.launch(pass, &e.store_joints, p.joints);
         }
-        all(pass, &e.end, p.worlds);
+        own.launch(pass, &e.end, p.worlds);
         pass.mark("end");
     }
 
@@ -149,8 +146,7 @@ impl Steps {
                 dispatch(pass, &k.advance, &own.bodies, bodies);
                 if scene.bounces {
                     self.run(pass, &k.foresee, &s.contacts, run::CONTACTS);
-                    let all = p.contacts.div_ceil(WORKGROUP);
-                    dispatch(pass, &k.entries.foresee_blows, &own.all, all);
+                    own.launch(pass, &k.entries.foresee_blows, p.contacts);
                 }
                 contacts(pass, &k.warm_start);
                 if let Some((joints, kernels)) = joints {
@@ -183,34 +179,28 @@ impl Steps {
     }
 
     /// What contacts gave in the parts before.
-    fn sums(&self, pass: &mut Pass<'_>, k: &Kernels, own: &BindGroup, ended: &Scan) {
+    fn sums(&self, pass: &mut Pass<'_>, k: &Kernels, own: &Own, ended: &Scan) {
         let (p, s, e) = (&self.plan, &self.room, &k.entries);
-        let all = |pass: &mut Pass<'_>, kernel: &ComputePipeline, things: u32| {
-            dispatch(pass, kernel, own, things.div_ceil(WORKGROUP));
-        };
-        all(pass, &e.find_ended, p.places() + 1);
+        own.launch(pass, &e.find_ended, p.places() + 1);
         ended.run(pass, k);
         for _ in 0..SUM_ROUNDS {
-            all(pass, &e.match_parts, p.contacts);
-            all(pass, &e.seat_parts, p.contacts);
+            own.launch(pass, &e.match_parts, p.contacts);
+            own.launch(pass, &e.seat_parts, p.contacts);
             self.run(pass, &k.add_part, &s.sums, run::SUMS);
-            all(pass, &e.read_parts, p.contacts);
+            own.launch(pass, &e.read_parts, p.contacts);
         }
-        all(pass, &e.match_parts, p.contacts);
-        all(pass, &e.place_ended, p.places().max(1));
-        all(pass, &e.merge, p.contacts);
+        own.launch(pass, &e.match_parts, p.contacts);
+        own.launch(pass, &e.place_ended, p.places().max(1));
+        own.launch(pass, &e.merge, p.contacts);
     }
 
     /// The blows of a small step.
     fn blows(&self, pass: &mut Pass<'_>, k: &Kernels, own: &Own, pace: &Pace) {
         let (p, s, e) = (&self.plan, &self.room, &k.entries);
-        let all = |pass: &mut Pass<'_>, kernel: &ComputePipeline, things: u32| {
-            dispatch(pass, kernel, &own.all, things.div_ceil(WORKGROUP));
-        };
         let several = p.worlds > 1;
-        all(pass, &e.begin_blows, p.contacts.max(COLOURS).max(p.worlds));
+        own.launch(pass, &e.begin_blows, p.contacts.max(COLOURS).max(p.worlds));
         if several {
-            all(pass, &e.keep_free, p.bodies);
+            own.launch(pass, &e.keep_free, p.bodies);
         }
         self.run(pass, &k.part, &own.bodies, run::BLOW_BODIES);
         for round in 0..pace.blows.count {
@@ -218,9 +208,9 @@ impl Steps {
             for (colour, bindings) in (0..pace.colours.count as u32).zip(&s.colours) {
                 self.run(pass, strike, bindings, run::BLOW_COLOURS + colour);
             }
-            all(pass, &e.tell_blows, p.contacts);
-            all(pass, &e.part_struck, p.contacts.max(p.joints));
-            all(pass, &e.end_round, 1);
+            own.launch(pass, &e.tell_blows, p.contacts);
+            own.launch(pass, &e.part_struck, p.contacts.max(p.joints));
+            own.launch(pass, &e.end_round, 1);
             if let Some(kernels) = &k.joints {
                 for (joints, bindings) in (0..p.joint_runs).zip(&s.joints[1]) {
                     self.run(pass, &kernels.strike, bindings, run::JOINTS + joints);
@@ -229,7 +219,7 @@ impl Steps {
         }
         self.run(pass, &k.part, &own.bodies, run::BLOW_BODIES);
         if several {
-            all(pass, &e.put_free, p.bodies);
+            own.launch(pass, &e.put_free, p.bodies);
         }
     }
 

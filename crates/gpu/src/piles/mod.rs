@@ -108,7 +108,7 @@ impl Piles {
     ) -> Result<(), GpuError> {
         let (gpu, scene, batch) = (&self.gpu, &self.scene, &mut self.batches[batch]);
         let first = batch.worlds.start;
-        let ranges = worlds.iter().map(|nth| batch.numbers(scene, first + nth));
+        let ranges = worlds.iter().map(|nth| batch.numbers(scene, *nth));
         let ranges = Vec::from_iter(ranges);
         let mut states = Vec::new();
         batch.read(gpu, ranges.into_iter(), |read| states = read.to_vec())?;

@@ -6,11 +6,11 @@ use super::kernels::Kernels;
 use super::plan::{COLOURS, KEYS, Plan, of_world, run, status};
 use super::scene::{ROW, Scene};
 use crate::memory::{NUMBER, buffer, filled, indirect};
-use crate::pipeline::dispatch;
+use crate::pipeline::{WORKGROUP, dispatch};
 use crate::{Gpu, GpuError};
 use rigid::impulse::pair::placed;
 use rigid::impulse::{ContactTables, POINTS, REMEMBERED, global};
-use wgpu::{BindGroup, Buffer, ComputePass};
+use wgpu::{BindGroup, Buffer, ComputePass, ComputePipeline};
 
 /// Buffers, in the order in which they are bound after those of a batch.
 #[derive(Debug)]
@@ -65,7 +65,7 @@ pub(super) struct Room {
 #[derive(Debug)]
 pub(super) struct Own {
     /// Those between the kernels.
-    pub all: BindGroup,
+    all: BindGroup,
     pub bodies: BindGroup,
     pub shapes: BindGroup,
 }
@@ -342,6 +342,13 @@ impl Room {
             bodies: gpu.bindings(gpu.layout(), &bodies),
             shapes: gpu.bindings(gpu.layout(), &shapes),
         }
+    }
+}
+
+impl Own {
+    /// Runs what lies between the kernels on so many things.
+    pub fn launch(&self, pass: &mut ComputePass<'_>, kernel: &ComputePipeline, things: u32) {
+        dispatch(pass, kernel, &self.all, things.div_ceil(WORKGROUP));
     }
 }
 

@@ -202,14 +202,15 @@ impl Steps {
         gpu.queue()
             .write_buffer(status, 0, bytemuck::cast_slice(&begin));
         let mut encoder = gpu.device().create_command_encoder(&Default::default());
-        let length = scene.impulse.lengths().state;
-        let place = |nth: usize, world: usize| {
-            let states = [nth, world].map(|i| (i * length) as u64 * NUMBER);
-            (states, length as u64 * NUMBER)
+        // Where the state of the nth world of the turn is kept, and where it belongs.
+        let places = |nth: usize, world: usize| {
+            let [kept, own] = [nth, world].map(|i| batch.numbers(scene, i));
+            let size = own.len() as u64 * NUMBER;
+            ([kept, own].map(|range| range.start as u64 * NUMBER), size)
         };
         if let (true, Some(before)) = (parts > 1, &self.before) {
             for (nth, world) in turn.worlds.iter().enumerate() {
-                let ([kept, own], size) = place(nth, *world);
+                let ([kept, own], size) = places(nth, *world);
                 encoder.copy_buffer_to_buffer(&batch.state, own, before, kept, size);
             }
         }
@@ -234,7 +235,7 @@ impl Steps {
             let mut encoder = gpu.device().create_command_encoder(&Default::default());
             for (nth, world) in turn.worlds.iter().enumerate() {
                 if told.of_world(*world, of_world::LEFT) > 0 {
-                    let ([kept, own], size) = place(nth, *world);
+                    let ([kept, own], size) = places(nth, *world);
                     encoder.copy_buffer_to_buffer(before, kept, &batch.state, own, size);
                 }
             }

@@ -55,6 +55,16 @@ fn between(pair: &mut Pair, other: &mut Simulation<f32>, apart: fn(&mut Pair) ->
     rounding
 }
 
+/// How far bodies are, after a step from the processor's state, from where a card takes them, and another processor.
+fn stepped_apart(pair: &mut Pair, other: &mut Simulation<f32>) -> [f64; 2] {
+    pair.put();
+    other.restore(&pair.cpu.snapshot()).unwrap();
+    pair.step(1);
+    other.step(1);
+    let moved = pair.moved_apart();
+    [moved, between(pair, other, Pair::moved_apart)]
+}
+
 /// Where a card fuses what the processor rounds twice, one in so many steps may decide otherwise which features touch,
 /// and bodies go apart by so much [m].
 const DECIDING: usize = 5;
@@ -71,12 +81,7 @@ fn agrees(model: &Model, steps: usize, stride: usize) -> Pair {
     let mut pair = Pair::at_rest(&card, model, settings(1));
     let mut other = plain(model, 1);
     for step in 0..steps {
-        pair.put();
-        other.restore(&pair.cpu.snapshot()).unwrap();
-        pair.step(1);
-        other.step(1);
-        let moved = pair.moved_apart();
-        let rounding = between(&mut pair, &mut other, Pair::moved_apart);
+        let [moved, rounding] = stepped_apart(&mut pair, &mut other);
         let within = moved < 1e-5 + 4.0 * rounding;
         assert!(
             within || left > 0 && moved < DECIDED,
@@ -853,12 +858,7 @@ fn models_of_worlds_own_agree_with_the_processor() {
                     }
                 }
             }
-            pair.put();
-            other.restore(&pair.cpu.snapshot()).unwrap();
-            pair.step(1);
-            other.step(1);
-            let moved = pair.moved_apart();
-            let rounding = between(&mut pair, &mut other, Pair::moved_apart);
+            let [moved, rounding] = stepped_apart(&mut pair, &mut other);
             let within = moved < 1e-5 + 4.0 * rounding;
             assert!(within, "{}: {moved:e} after step {step}", model.name);
             pair.step(2);
