@@ -73,7 +73,7 @@ class Controls(Tables):
 
         From then on it is the card's: do not use the attribute of that name as well, whose array each step copies
         over it. What the array holds when this is called is copied first. Raises `DeviceError` where worlds are not
-        on a CUDA card, and `UnknownNameError`.
+        on a CUDA card, by featherstone or xpbd, and `UnknownNameError`.
         """
         tables = tables_of(Controls)
         if name not in tables:

@@ -150,9 +150,9 @@ class Simulation(Strict):
         Number of threads; 0 is one per processor. Results do not depend on it.
     device:
         Where worlds run: "cpu", "gpu" (a graphics card), "gpu:NAME" with a part of its name, "cuda" (an NVIDIA card),
-        "cuda:NUMBER", or "auto", which takes a card where there is one. Cards compute in float32, with featherstone
-        or xpbd, and agree with the processor to rounding, by CUDA to the bit; states stay there, and what is read is
-        copied. CUDA needs NVRTC: `pip install ".[cuda]"` in a checkout. Raises `DeviceError` where there is no such
+        "cuda:NUMBER", or "auto", which takes a card where there is one, but for impulse. Cards compute in float32 and
+        agree with the processor to rounding, by CUDA, but for impulse, to the bit; states stay there, and what is read
+        is copied. CUDA needs NVRTC: `pip install ".[cuda]"` in a checkout. Raises `DeviceError` where there is no such
         card.
     iterations, contact_passes, contact_iterations, speed_limit, sleep_speed:
         As `Settings` in Rust: passes over all constraints (xpbd), passes over contacts (featherstone), passes of

@@ -59,21 +59,26 @@ def test_states_go_to_and_fro():
 def test_what_a_card_does_not_take_is_refused():
     with pytest.raises(DeviceError, match="single precision"):
         on(DEVICE, dtype="float64")
-    if CARD == "cuda":
-        with pytest.raises(DeviceError, match="`impulse` does not run on"):
-            on(DEVICE, solver="impulse")
 
 
 @needs_a_card
-@pytest.mark.skipif(CARD == "cuda", reason="`impulse` does not run there")
 def test_one_world_of_many_bodies():
     model = kn.examples.ragdolls(2)
-    card, cpu = (kn.Simulation(model, worlds=1, solver="impulse", device=device) for device in (DEVICE, "cpu"))
-    assert cpu.left_to_processor == 0
+    card, cpu = (kn.Simulation(model, worlds=1, device=device) for device in (DEVICE, "cpu"))
+    assert (card.solver, cpu.solver, cpu.left_to_processor) == ("impulse", "impulse", 0)
     for sim in (card, cpu):
         sim.step(20)
     np.testing.assert_allclose(card.state.body_position, cpu.state.body_position, atol=1e-3)
     assert 0 <= card.left_to_processor < 20
+    with pytest.raises(DeviceError, match="by featherstone or xpbd"):
+        card.state.on_device("body_position")
+
+
+@needs_cuda
+def test_auto_leaves_piles_to_the_processor():
+    assert "(CUDA)" in on("auto").device
+    sim = kn.Simulation(kn.examples.ragdolls(2), device="auto")
+    assert (sim.solver, sim.device) == ("impulse", "cpu")
 
 
 def test_auto_takes_no_program_and_never_fails():
@@ -113,7 +118,7 @@ def test_a_card_shares_what_is_reported(quantity):
     read = getattr(card.state, quantity)
     assert array.shape == read.shape
     assert str(list(array.shape)) in repr(array)
-    assert array.__cuda_array_interface__["data"][1], "to be read only"
+    assert not array.__cuda_array_interface__["data"][1], "torch takes no array that is said to be read-only"
     np.testing.assert_array_equal(there(array), read)
 
 

@@ -217,7 +217,7 @@ pub struct Simulation {
     #[arg(long, value_name = "NAME")]
     pub isa: Option<Isa>,
     /// Where worlds run: cpu, gpu (a graphics card), gpu:NAME with a part of its name, cuda (an NVIDIA card),
-    /// cuda:NUMBER, or auto, which takes a card where there is one. Cards take the solvers featherstone and xpbd.
+    /// cuda:NUMBER, or auto, which takes a card where there is one, but for the solver impulse.
     #[arg(long, value_name = "DEVICE", default_value = "cpu")]
     pub device: DeviceChoice,
     /// Start each world but the first a little apart: joint positions differ at random by up to

@@ -73,14 +73,21 @@ pub fn pendula(arguments: &Pendula) -> Result<(), Error> {
 fn simulate(model: Model, start: &Start, options: &arguments::Simulation) -> Result<(), Error> {
     let solver = SolverKind::from(options.solver);
     let double = options.precision == Precision::F64;
-    let Some(card) = options.device.open_for(solver, double)? else {
+    let contacts = !options.no_contacts;
+    let picked = solver.pick(&model, contacts);
+    let Some(card) = options.device.open_for(picked, double)? else {
         let settings = settings(&model, solver, start, options);
         return match options.precision {
             Precision::F32 => run(Simulation::<f32>::new(model, settings)?, start, options),
             Precision::F64 => run(Simulation::<f64>::new(model, settings)?, start, options),
         };
     };
-    let settings = settings(&model, solver.on_device(&model), start, options);
+    let settings = settings(
+        &model,
+        solver.pick_on(&*card, &model, contacts),
+        start,
+        options,
+    );
     run(Simulation::on(&*card, model, settings)?, start, options)
 }
 

@@ -1,11 +1,12 @@
 //! A card, ready to compute.
 
+use crate::wgsl::{self, Translated};
 use crate::{CudaError, compiler, libraries};
 use cudarc::driver::result::device;
 use cudarc::driver::sys::CUresult::{CUDA_ERROR_NO_DEVICE, CUDA_ERROR_OUT_OF_MEMORY};
 use cudarc::driver::{
-    CudaContext, CudaFunction, CudaSlice, CudaStream, DevicePtr, DeviceRepr, DriverError,
-    ValidAsZeroBits,
+    CudaContext, CudaFunction, CudaModule, CudaSlice, CudaStream, DevicePtr, DeviceRepr,
+    DriverError, ValidAsZeroBits,
 };
 use sim::Address;
 use std::collections::HashMap;
@@ -22,10 +23,23 @@ pub struct Cuda(Arc<Card>);
 struct Card {
     stream: Arc<CudaStream>,
     name: String,
-    /// What was compiled, by its text.
-    functions: Mutex<HashMap<String, CudaFunction>>,
+    most_bytes: u64,
+    /// What was translated, by its WGSL.
+    translated: Mutex<HashMap<String, Arc<Translated>>>,
+    /// What was compiled, by its text, and the kernels of it that were asked for.
+    modules: Mutex<HashMap<String, Module>>,
     /// What went wrong first.
     failure: Mutex<Option<String>>,
+}
+
+/// No buffer of piles takes more than this part of a card's memory.
+const SHARE: u64 = 16;
+
+/// A text, compiled.
+#[derive(Debug)]
+struct Module {
+    image: Arc<CudaModule>,
+    kernels: HashMap<String, CudaFunction>,
 }
 
 impl Cuda {
@@ -34,6 +48,13 @@ impl Cuda {
     /// # Errors
     /// There is no driver, no compiler, or no such card, with a list of those that there are; or it refuses.
     pub fn open(ordinal: usize) -> Result<Self, CudaError> {
+        Self::open_within(ordinal, u64::MAX)
+    }
+    /// The same, with kernels of piles that see at most so many bytes of a buffer, as if the card had less memory.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn open_within(ordinal: usize, most_bytes: u64) -> Result<Self, CudaError> {
         libraries::find_driver()?;
         libraries::find_compiler()?;
         let refused = |e: DriverError| CudaError::Failed {
@@ -49,10 +70,14 @@ impl Cuda {
             return Err(CudaError::NoCard { ordinal, found });
         };
         let context = CudaContext::new(ordinal).map_err(refused)?;
+        let memory = context.total_mem().map_err(refused)? as u64;
+        let most_bytes = most_bytes.min(memory / SHARE).min(u64::from(u32::MAX) * 4);
         Ok(Self(Arc::new(Card {
             stream: context.default_stream(),
             name: format!("{name} (CUDA)"),
-            functions: Mutex::default(),
+            most_bytes,
+            translated: Mutex::default(),
+            modules: Mutex::default(),
             failure: Mutex::default(),
         })))
     }
@@ -60,9 +85,14 @@ impl Cuda {
     pub fn name(&self) -> &str {
         &self.0.name
     }
+    /// Most bytes of a buffer that a kernel of piles sees: kernels count words in 32 bits, and there are many buffers.
+    pub fn most_bytes(&self) -> u64 {
+        self.0.most_bytes
+    }
     /// How many kernels are compiled for it so far.
     pub fn compiled(&self) -> usize {
-        lock(&self.0.functions).len()
+        let modules = lock(&self.0.modules);
+        modules.values().map(|module| module.kernels.len()).sum()
     }
 
     pub(crate) fn stream(&self) -> &Arc<CudaStream> {
@@ -105,15 +135,38 @@ impl Cuda {
         })
     }
 
+    /// The CUDA C++ of a WGSL text.
+    pub(crate) fn translated(&self, text: &str) -> Result<Arc<Translated>, CudaError> {
+        if let Some(known) = lock(&self.0.translated).get(text) {
+            return Ok(Arc::clone(known));
+        }
+        let translated = wgsl::to_cuda(text).map_err(|e| CudaError::Read(e.to_string()))?;
+        let translated = Arc::new(translated);
+        lock(&self.0.translated).insert(text.to_owned(), Arc::clone(&translated));
+        Ok(translated)
+    }
+
     /// Compiles a text, or finds what was compiled from it.
     pub(crate) fn function(&self, text: &str, name: &str) -> Result<CudaFunction, CudaError> {
-        if let Some(known) = lock(&self.0.functions).get(text) {
-            return Ok(known.clone());
+        if let Some(known) = lock(&self.0.modules).get_mut(text) {
+            return self.kernel_of(known, name);
         }
         let ptx = compiler::compile(text)?;
-        let module = self.told(self.stream().context().load_module(ptx))?;
-        let function = self.told(module.load_function(name))?;
-        lock(&self.0.functions).insert(text.to_owned(), function.clone());
+        let image = self.told(self.stream().context().load_module(ptx))?;
+        let mut module = Module {
+            image,
+            kernels: HashMap::new(),
+        };
+        let function = self.kernel_of(&mut module, name)?;
+        lock(&self.0.modules).insert(text.to_owned(), module);
+        Ok(function)
+    }
+    fn kernel_of(&self, module: &mut Module, name: &str) -> Result<CudaFunction, CudaError> {
+        if let Some(known) = module.kernels.get(name) {
+            return Ok(known.clone());
+        }
+        let function = self.told(module.image.load_function(name))?;
+        module.kernels.insert(name.to_owned(), function.clone());
         Ok(function)
     }
 
@@ -130,7 +183,7 @@ impl Cuda {
         let failure = lock(&self.0.failure).clone();
         failure.map_or(Ok(()), |reason| Err(self.failed(reason)))
     }
-    fn failed(&self, reason: String) -> CudaError {
+    pub(crate) fn failed(&self, reason: String) -> CudaError {
         CudaError::Failed {
             card: self.0.name.clone(),
             reason,

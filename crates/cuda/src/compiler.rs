@@ -1,6 +1,6 @@
 //! From CUDA C++ to PTX, which drivers compile for their card.
 
-use crate::{CudaError, libraries};
+use crate::{CudaError, libraries, wgsl};
 use cudarc::nvrtc::{CompileError, CompileOptions, Ptx, compile_ptx_with_opts};
 use numbers::trace::{PrintOptions, Program};
 
@@ -38,6 +38,16 @@ pub(crate) fn compile(text: &str) -> Result<Ptx, CudaError> {
             other => other.to_string(),
         })
     })
+}
+
+/// The PTX that cards run for a text of WGSL, to be looked at. Needs NVRTC, but no card.
+///
+/// # Errors
+/// There is no NVRTC; the text has what is not read, or NVRTC does not take it.
+pub fn ptx_of_wgsl(text: &str) -> Result<String, CudaError> {
+    libraries::find_compiler()?;
+    let translated = wgsl::to_cuda(text).map_err(|e| CudaError::Read(e.to_string()))?;
+    Ok(compile(&translated.text)?.to_src())
 }
 
 /// The PTX that cards run for a record of many worlds with so many numbers of scratch, to be looked at. Needs NVRTC, but no

@@ -1,6 +1,6 @@
 //! What can go wrong on a card.
 
-use numbers::trace::TraceError;
+use numbers::trace::{TraceError, WgslError};
 use thiserror::Error;
 
 /// Why worlds do not run on a card.
@@ -29,6 +29,12 @@ pub enum CudaError {
     /// The kernel cannot be recorded.
     #[error("the solver's kernel cannot be recorded: {0}")]
     Record(#[from] TraceError),
+    /// The record has no WGSL, which those of piles go through.
+    #[error("the solver's kernel cannot be written in WGSL: {0}")]
+    Wgsl(#[from] WgslError),
+    /// A text has what is not read.
+    #[error("the solver's WGSL cannot be written as CUDA C++: {0}")]
+    Read(String),
     /// NVRTC does not take the kernel.
     #[error("NVRTC does not compile the solver's kernel: {0}")]
     Compile(String),

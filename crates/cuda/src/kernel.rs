@@ -3,7 +3,8 @@
 #![allow(unsafe_code)]
 
 use crate::compiler::{self, BLOCK};
-use crate::{Cuda, CudaError};
+use crate::piles::Bindings;
+use crate::{Cuda, CudaError, wgsl};
 use cudarc::driver::{CudaFunction, CudaSlice, LaunchConfig, PushKernelArg};
 use numbers::trace::Program;
 
@@ -29,6 +30,67 @@ impl Kernel {
     ) -> Result<Self, CudaError> {
         let text = compiler::text(program, parameters_per_world, pieces);
         Ok(Self(card.function(&text, "step")?))
+    }
+}
+
+/// An entry point of a text, compiled: it sees as many buffers as the text binds.
+#[derive(Clone, Debug)]
+pub struct Bound {
+    function: CudaFunction,
+    /// Threads in a block.
+    size: u32,
+    buffers: usize,
+}
+
+impl Bound {
+    /// Those of a WGSL text of these names.
+    pub(crate) fn all<const N: usize>(
+        card: &Cuda,
+        text: &str,
+        names: [&str; N],
+    ) -> Result<[Self; N], CudaError> {
+        let translated = card.translated(text)?;
+        let mut all = Vec::with_capacity(N);
+        for name in names {
+            let size = translated.threads.get(name).copied();
+            let size = size.ok_or_else(|| CudaError::Read(format!("no entry point `{name}`")))?;
+            all.push(Self {
+                function: card.function(&translated.text, &wgsl::kernel_name(name))?,
+                size,
+                buffers: translated.buffers,
+            });
+        }
+        let all = <[Self; N]>::try_from(all);
+        all.map_err(|_| CudaError::Read("other entry points than were asked for".to_owned()))
+    }
+    /// Runs it in so many blocks, or in as many of these as stand at an address, which must be that of a word of the card's.
+    pub(crate) fn run(
+        &self,
+        card: &Cuda,
+        bindings: &Bindings,
+        blocks: u32,
+        told: Option<u64>,
+    ) -> Result<(), CudaError> {
+        assert_eq!(bindings.places.len(), self.buffers);
+        if blocks == 0 {
+            return Ok(());
+        }
+        let mut launch = card.stream().launch_builder(&self.function);
+        bindings.places.iter().for_each(|place| {
+            launch.arg(place);
+        });
+        let told = told.unwrap_or(0);
+        launch.arg(&told);
+        let shape = LaunchConfig {
+            grid_dim: (blocks, 1, 1),
+            block_dim: (self.size, 1, 1),
+            shared_mem_bytes: 0,
+        };
+        // Safety: these are the parameters of what `wgsl` prints, in their order: a pointer for each buffer, which its
+        // bindings keep, and the number of blocks, if any. What is read and written there is what the WGSL reads and writes:
+        // texts of `piles`, which stay within their buffers.
+        card.told(unsafe { launch.launch(shape) })?;
+        Ok(())
     }
 }
 

@@ -8,6 +8,8 @@
 //! [`Worlds`] are W worlds of one solver in its memory: their numbers stay there from step to step, and come back when
 //! they are asked for. One thread steps one world.
 //!
+//! Worlds of `impulse`, which threads share, are [piles](piles::Piles): their WGSL is read by naga and printed as CUDA C++.
+//!
 //! Nothing of CUDA is needed to build this: NVIDIA's driver and NVRTC are looked for when a card is opened.
 //!
 //! ```no_run
@@ -24,7 +26,8 @@
 //! ```
 //!
 //! # Limitations
-//! Numbers are `f32`. Sequential impulses, whose worlds are shared by threads, do not run here.
+//! Numbers are `f32`. Of `impulse`, rare steps are left to the processor, and worlds have gravity of one strength where
+//! things bounce or stick; there, the last bits are not the processor's.
 
 #![deny(unsafe_code)]
 
@@ -33,9 +36,11 @@ mod compiler;
 mod error;
 mod kernel;
 mod libraries;
+mod piles;
+mod wgsl;
 mod worlds;
 
 pub use card::Cuda;
-pub use compiler::ptx;
+pub use compiler::{ptx, ptx_of_wgsl};
 pub use error::CudaError;
 pub use worlds::Worlds;

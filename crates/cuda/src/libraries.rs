@@ -22,3 +22,11 @@ pub(crate) fn find_compiler() -> Result<(), CudaError> {
         false => Err(CudaError::NoCompiler),
     }
 }
+
+/// Whether the driver, which was found, tells the time between events by the call that is made here: since CUDA 12.8.
+pub(crate) fn times_events() -> bool {
+    let mut version = 0;
+    // Safety: it writes a number, there.
+    let asked = unsafe { driver::sys::cuDriverGetVersion(&mut version) };
+    asked.result().is_ok() && version >= 12_080
+}

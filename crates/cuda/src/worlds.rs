@@ -6,8 +6,11 @@ use crate::compiler::BLOCK;
 use crate::kernel::{Kernel, Launch, Placement};
 use crate::{Cuda, CudaError};
 use cudarc::driver::CudaSlice;
+use model::{CollisionFilter, Model};
 use numbers::Memory;
+use piles::Piles;
 use records::Programs;
+use rigid::impulse::Impulse;
 use rigid::{Lanes, Report, Solver};
 use sim::{Address, Device, DeviceError, DeviceWorlds, Processor};
 use std::ops::Range;
@@ -49,6 +52,19 @@ impl Device<f32> for Cuda {
     ) -> Result<Box<dyn DeviceWorlds<f32>>, DeviceError> {
         let programs = Programs::record(solver).map_err(CudaError::from)?;
         Ok(Box::new(Worlds::new(self, programs, worlds)?))
+    }
+    fn runs_impulse(&self) -> bool {
+        true
+    }
+    fn place_piles(
+        &self,
+        impulse: &Impulse,
+        model: &Model,
+        filter: Option<&CollisionFilter>,
+        worlds: usize,
+    ) -> Result<Option<Box<dyn DeviceWorlds<f32>>>, DeviceError> {
+        let placed = Piles::new(self, impulse, model, filter, worlds)?;
+        Ok(Some(Box::new(placed)))
     }
 }
 

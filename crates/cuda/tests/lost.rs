@@ -36,7 +36,7 @@ fn a_card_that_is_lost_is_told_and_a_snapshot_goes_on() {
         assert!(named, "{told}");
     }
     assert!(Simulation::on(&card, model.clone(), settings).is_err());
-    let solver = settings.solver.on_device(&model);
+    let solver = settings.solver.pick_on(&card, &model, settings.contacts);
     let settings = SimulationSettings { solver, ..settings };
     let mut again = Simulation::<f32>::new(model, settings).unwrap();
     again.restore(&kept).unwrap();

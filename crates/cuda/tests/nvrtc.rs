@@ -1,19 +1,24 @@
 //! What NVRTC makes of kernels. Needs no card: `pip install nvidia-cuda-nvrtc-cu12`, and its folder in `LD_LIBRARY_PATH`.
 
-use kinetarium_cuda::ptx;
+use kinetarium_cuda::{ptx, ptx_of_wgsl};
 use model::Model;
 use model::examples::{Scene, Start, chain};
 use numbers::machine::space::State;
-use numbers::trace::{self, Program};
+use numbers::trace::{self, Members, PrintOptions, Program};
 use numbers::{Machine, Real, Table};
-use records::Programs;
+use records::{PilePrograms, Programs};
 use rigid::Report::Everything;
+use rigid::impulse::{ContactTables, row};
 use rigid::{Featherstone, Settings, Solver, TouchingFeatherstone, Xpbd};
 
 /// No operation is approximate, and no subnormal is flushed.
 fn is_exact(program: &Program, scratch: usize) {
     let ptx = ptx(program, scratch).unwrap();
     assert!(ptx.contains(".visible .entry step("));
+    nothing_is_loose(&ptx);
+}
+
+fn nothing_is_loose(ptx: &str) {
     for loose in [".approx", ".full", ".ftz"] {
         assert!(!ptx.contains(loose), "{loose}");
     }
@@ -50,6 +55,43 @@ fn articulated_bodies_that_touch_are_compiled_exactly() {
 fn a_pile_of_all_shapes_is_compiled_exactly() {
     let kernels = Xpbd::touching(&scene("pile"), &Settings::new(0.002)).unwrap();
     are_exact(Solver::Xpbd(&kernels));
+}
+
+/// What lies between the kernels of piles, and kernels whose members are contacts and joints.
+#[test]
+#[ignore = "needs NVRTC"]
+fn piles_are_compiled_exactly() {
+    for worlds in [1, 2] {
+        for text in piles::texts(worlds) {
+            let ptx = ptx_of_wgsl(&text).unwrap();
+            assert!(ptx.contains(".visible .entry entry_"));
+            assert!(!ptx.contains("call.uni"), "all is inlined");
+            assert!(!ptx.contains("fma"), "nothing here is fused");
+            nothing_is_loose(&ptx);
+        }
+    }
+    let seats = PrintOptions {
+        members: Members::Seats {
+            bodies: row::PREPARED as u32,
+            state: ContactTables::new().length as u32,
+        },
+        ..PrintOptions::default()
+    };
+    let runs = PrintOptions {
+        parameters_per_world: true,
+        members: Members::Runs,
+        ..PrintOptions::default()
+    };
+    let programs = PilePrograms::record().unwrap();
+    for (program, options) in [
+        (&programs.prepare, seats),
+        (&programs.push, seats),
+        (&programs.advance, runs),
+    ] {
+        let ptx = ptx_of_wgsl(&program.to_wgsl(&options).unwrap()).unwrap();
+        assert!(ptx.contains(".visible .entry entry_main("));
+        nothing_is_loose(&ptx);
+    }
 }
 
 /// What a kernel fuses is fused, and nothing else.

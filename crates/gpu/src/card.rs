@@ -1,8 +1,9 @@
 //! A card, ready to compute.
 
 use crate::clock::Clock;
-use crate::pipeline::{WORKGROUP, bind_group_layout};
+use crate::pipeline::bind_group_layout;
 use crate::{Choice, GpuError};
+use piles::BINDINGS;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -32,9 +33,6 @@ const ROUNDS: usize = 16;
 /// The same of a program that stands in for a card. Mesa's llvmpipe ends all loops of an invocation, and says nothing,
 /// once they have gone round 65,535 times together (`LP_MAX_TGSI_LOOP_ITERATIONS`).
 const ROUNDS_OF_PROGRAMS: usize = 1;
-
-/// What a kernel reads and writes, in the order of its bindings.
-pub(crate) const BINDINGS: usize = 7;
 
 impl Gpu {
     /// Opens a card, with all that it is able to take.
@@ -99,11 +97,6 @@ impl Gpu {
         limits
             .max_storage_buffer_binding_size
             .min(limits.max_buffer_size)
-    }
-    /// Most invocations of a launch.
-    pub(crate) fn most_invocations(&self) -> u32 {
-        let groups = self.0.device.limits().max_compute_workgroups_per_dimension;
-        groups.saturating_mul(WORKGROUP)
     }
     /// How many kernels are compiled for it so far.
     pub fn compiled(&self) -> usize {

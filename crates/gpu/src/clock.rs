@@ -3,7 +3,6 @@
 use crate::memory::Staging;
 use crate::{Gpu, GpuError};
 use std::iter::once;
-use std::ops::{Deref, DerefMut};
 
 /// Most marks of a submission: the most queries of a set.
 const MARKS: u32 = wgpu::QUERY_SET_MAX_QUERIES;
@@ -12,7 +11,7 @@ const MARK: u64 = wgpu::QUERY_SIZE as u64;
 
 /// What stages of passes take.
 #[derive(Debug)]
-pub(crate) struct Clock {
+pub struct Clock {
     queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     staging: Staging,
@@ -53,6 +52,15 @@ impl Clock {
         self.times
     }
 
+    /// What was launched in a pass since the mark before belongs to a stage; to none what was before the pass.
+    pub fn mark(&mut self, pass: &mut wgpu::ComputePass<'_>, stage: Option<&'static str>) {
+        let index = self.marks.len() as u32;
+        if index < MARKS {
+            pass.write_timestamp(&self.queries, index);
+            self.marks.push(stage);
+        }
+    }
+
     /// Reads the marks of a submission, once it is made.
     pub fn read(&mut self, gpu: &Gpu) -> Result<(), GpuError> {
         let marks = std::mem::take(&mut self.marks);
@@ -76,48 +84,5 @@ impl Clock {
                 }
             }
         })
-    }
-}
-
-/// A pass whose stages may be timed.
-pub(crate) struct Pass<'a> {
-    pass: wgpu::ComputePass<'a>,
-    clock: Option<&'a mut Clock>,
-}
-
-impl<'a> Pass<'a> {
-    pub fn new(encoder: &'a mut wgpu::CommandEncoder, clock: Option<&'a mut Clock>) -> Self {
-        let mut pass = Self {
-            pass: encoder.begin_compute_pass(&Default::default()),
-            clock,
-        };
-        pass.write(None);
-        pass
-    }
-    /// What was launched since the mark before belongs to this stage.
-    pub fn mark(&mut self, stage: &'static str) {
-        self.write(Some(stage));
-    }
-    fn write(&mut self, stage: Option<&'static str>) {
-        if let Some(clock) = self.clock.as_deref_mut() {
-            let index = clock.marks.len() as u32;
-            if index < MARKS {
-                self.pass.write_timestamp(&clock.queries, index);
-                clock.marks.push(stage);
-            }
-        }
-    }
-}
-
-impl<'a> Deref for Pass<'a> {
-    type Target = wgpu::ComputePass<'a>;
-    fn deref(&self) -> &Self::Target {
-        &self.pass
-    }
-}
-
-impl DerefMut for Pass<'_> {
-    fn deref_mut(&mut self) -> &mut Self::Target {
-        &mut self.pass
     }
 }

@@ -44,14 +44,6 @@ pub enum GpuError {
         /// Its name.
         card: String,
     },
-    /// What cards do not know of piles.
-    #[error("`impulse` does not support {what} on a graphics card: {remedy}")]
-    Unsupported {
-        /// What is not supported.
-        what: &'static str,
-        /// What to do instead.
-        remedy: &'static str,
-    },
     /// Kernels of piles see more buffers than the card lets them.
     #[error(
         "`impulse` needs kernels that see {needed} buffers; those of the card `{card}` see {most}: run on the processor, or \

@@ -6,11 +6,9 @@
 
 use crate::{Gpu, GpuError};
 use bytemuck::NoUninit;
+use piles::NUMBER;
 use std::ops::Range;
 use std::sync::mpsc;
-
-/// Bytes of a number.
-pub(crate) const NUMBER: u64 = size_of::<f32>() as u64;
 
 const STORAGE: wgpu::BufferUsages = wgpu::BufferUsages::STORAGE
     .union(wgpu::BufferUsages::COPY_SRC)
@@ -57,7 +55,7 @@ pub(crate) fn filled<T: NoUninit>(gpu: &Gpu, numbers: &[T]) -> Result<wgpu::Buff
 
 /// Where numbers wait on their way to the host. It grows, and is kept.
 #[derive(Debug, Default)]
-pub(crate) struct Staging(Option<wgpu::Buffer>);
+pub struct Staging(Option<wgpu::Buffer>);
 
 impl Staging {
     /// Asks for these ranges of a buffer's numbers, one after the other.
@@ -104,7 +102,7 @@ impl Staging {
         mapping.read(gpu, |all| read(&all[..numbers]))
     }
     /// Begins to fetch what was asked for; to be called once the questions are submitted.
-    pub fn map(&self) -> Option<Mapping<'_>> {
+    pub(crate) fn map(&self) -> Option<Mapping<'_>> {
         let buffer = self.0.as_ref()?;
         let (sender, receiver) = mpsc::channel();
         buffer.map_async(wgpu::MapMode::Read, .., move |result| {

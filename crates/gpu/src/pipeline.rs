@@ -2,9 +2,7 @@
 
 use crate::{Gpu, GpuError};
 use numbers::trace::{Members, PrintOptions, Program};
-
-/// Invocations in a workgroup.
-pub(crate) const WORKGROUP: u32 = 64;
+use piles::WORKGROUP;
 
 /// How records are printed here.
 pub(crate) const OPTIONS: PrintOptions = PrintOptions {

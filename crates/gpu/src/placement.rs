@@ -1,8 +1,9 @@
 //! Worlds that are set one by one, as resets set them.
 
 use crate::memory::filled;
-use crate::pipeline::{WORKGROUP, dispatch};
+use crate::pipeline::dispatch;
 use crate::{Gpu, GpuError};
+use piles::WORKGROUP;
 
 /// The columns of some worlds of a part: `columns[number][i]` of `worlds[i]`.
 pub(crate) struct Placement<'a> {

@@ -3,14 +3,14 @@
 //! A binding of a card has a largest size, so that worlds lie in *parts* of equal size, each with buffers of its
 //! own; scratch is the invocations', each of which steps one world after the other.
 
-use crate::memory::{NUMBER, Staging, buffer, filled};
-use crate::piles::Piles;
-use crate::pipeline::{OPTIONS, WORKGROUP};
+use crate::memory::{Staging, buffer, filled};
+use crate::pipeline::OPTIONS;
 use crate::placement::Placement;
 use crate::{Gpu, GpuError};
 use model::{CollisionFilter, Model};
 use numbers::Memory;
 use numbers::trace::PrintOptions;
+use piles::{NUMBER, Piles, WORKGROUP};
 use records::Programs;
 use rigid::impulse::Impulse;
 use rigid::{Lanes, Lengths, Report, Solver};
@@ -58,6 +58,9 @@ impl Device<f32> for Gpu {
         let programs = Programs::record(solver).map_err(GpuError::from)?;
         Ok(Box::new(Worlds::new(self, programs, worlds)?))
     }
+    fn runs_impulse(&self) -> bool {
+        true
+    }
     fn place_piles(
         &self,
         impulse: &Impulse,
@@ -65,9 +68,8 @@ impl Device<f32> for Gpu {
         filter: Option<&CollisionFilter>,
         worlds: usize,
     ) -> Result<Option<Box<dyn DeviceWorlds<f32>>>, DeviceError> {
-        Ok(Some(Box::new(Piles::new(
-            self, impulse, model, filter, worlds,
-        )?)))
+        let placed = Piles::new(self, impulse, model, filter, worlds)?;
+        Ok(Some(Box::new(placed)))
     }
 }
 
@@ -385,7 +387,7 @@ mod tests {
         }
         assert!(simulation.try_outputs().is_err());
         assert!(Simulation::on(&gpu, model.clone(), settings).is_err());
-        let solver = settings.solver.on_device(&model);
+        let solver = settings.solver.pick_on(&gpu, &model, settings.contacts);
         let settings = SimulationSettings { solver, ..settings };
         let mut again = Simulation::<f32>::new(model, settings).unwrap();
         again.restore(&kept).unwrap();

@@ -52,12 +52,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let files = InMemory::new([("humanoid.xml", HUMANOID)]);
     let humanoid = formats::parse(HUMANOID, "humanoid.xml", &files, &Options::default())?.model;
     let scenes = [
-        ("chain of 10", chain(10, Start::Horizontal)?, 0.002),
-        (
-            "chain of 30",
-            damped(&chain(30, Start::Horizontal)?)?,
-            0.002,
-        ),
+        ("chain of 10", damped_chain(10)?, 0.002),
+        ("chain of 30", damped_chain(30)?, 0.002),
         (
             "humanoid on the ground",
             on_the_ground(humanoid.clone())?,
@@ -70,45 +66,56 @@ fn main() -> Result<(), Box<dyn Error>> {
             table(card, name, &model, time_step, &counts)?;
         }
     }
+    large_piles(card, only)?;
+    many_piles(card, only, &counts)
+}
+
+fn large_piles(card: &dyn Device<f32>, only: &str) -> Result<(), Box<dyn Error>> {
     println!(
         "\nOne world of many bodies that touch, steps per second; of these, left to the processor.\n"
     );
     println!("| pile | bodies | steps per second | left | first step |");
     println!("|---|--:|--:|--:|--:|");
     let mut stages = Vec::new();
-    let large = [towers(100, 10)?, towers(1000, 10)?, bowl(10_000)?];
-    for model in large
-        .into_iter()
-        .filter(|model| model.name.starts_with(only))
-    {
-        let figures =
-            pile(card, &model).unwrap_or_else(|told| (format!("{told} | | |"), Stages::new()));
-        println!("| {} | {} | {}", model.name, model.bodies.len(), figures.0);
-        stages.push((model.name.clone(), figures.1));
+    for model in [towers(100, 10)?, towers(1000, 10)?, bowl(10_000)?] {
+        if model.name.starts_with(only) {
+            let figures =
+                pile(card, &model).unwrap_or_else(|told| (format!("{told} | | |"), Stages::new()));
+            println!("| {} | {} | {}", model.name, model.bodies.len(), figures.0);
+            stages.push((model.name.clone(), figures.1));
+        }
     }
+    print_stages(&stages);
+    Ok(())
+}
+
+fn many_piles(card: &dyn Device<f32>, only: &str, counts: &[usize]) -> Result<(), Box<dyn Error>> {
     println!("\nMany worlds of few bodies that touch, world-steps per second.\n");
     println!("| pile | worlds | many steps a call | one | left | first step |");
     println!("|---|--:|--:|--:|--:|--:|");
+    let mut stages = Vec::new();
     for model in [pyramid(3)?, examples::pile(30)?] {
         for &worlds in counts.iter().filter(|_| model.name.starts_with(only)) {
-            let figures = piles(card, &model, worlds);
-            let figures = figures.unwrap_or_else(|told| format!("{told} | | | |"));
-            println!("| {} | {worlds} | {figures}", model.name);
+            let figures = piles(card, &model, worlds)
+                .unwrap_or_else(|told| (format!("{told} | | | |"), Stages::new()));
+            println!("| {} | {worlds} | {}", model.name, figures.0);
+            stages.push((format!("{worlds} of {}", model.name), figures.1));
         }
     }
+    print_stages(&stages);
+    Ok(())
+}
+
+fn print_stages(piles: &[(String, Stages)]) {
     println!("\nThe stages of a step, by the card's clock, in microseconds.\n");
-    for (pile, times) in stages {
+    for (pile, times) in piles {
         let all: f64 = times.iter().map(|(_, time)| time).sum();
         let each = times
             .iter()
             .map(|(stage, time)| format!("{stage} {:.1}", 1e6 * time));
-        println!(
-            "- {pile}: {:.1}: {}",
-            1e6 * all,
-            each.collect::<Vec<_>>().join(", ")
-        );
+        let each = Vec::from_iter(each);
+        println!("- {pile}: {:.1}: {}", 1e6 * all, each.join(", "));
     }
-    Ok(())
 }
 
 /// Steps before a pile is measured: in these it comes to rest, or most of it.
@@ -116,6 +123,7 @@ const SETTLING: usize = 250;
 
 /// Steps before worlds are measured: in these robots have fallen.
 const FALL: usize = 400;
+
 /// What stages of a step take [s].
 type Stages = Vec<(&'static str, f64)>;
 /// Steps that are timed stage by stage.
@@ -126,17 +134,23 @@ const TIMED: usize = 32;
 fn pile(card: &dyn Device<f32>, model: &Model) -> Result<(String, Stages), SimulationError> {
     let (mut world, first) = settled(card, model, 1)?;
     let (steps, share) = pace(&mut world, |world, n| world.try_step(n).map(|_| ()))?;
-    let mut stages = world.time_stages(TIMED)?;
-    stages
-        .iter_mut()
-        .for_each(|(_, time)| *time /= TIMED as f64);
     let figures = format!("{steps:.3e} | {share:.1} % | {first:.2} s |");
-    Ok((figures, stages))
+    Ok((figures, stages(&mut world)?))
+}
+
+fn stages(worlds: &mut Simulation<f32>) -> Result<Stages, SimulationError> {
+    let all = worlds.time_stages(TIMED)?;
+    let of_step = |(stage, time)| (stage, time / TIMED as f64);
+    Ok(all.into_iter().map(of_step).collect())
 }
 
 /// World-steps per second, in calls of many and of one, the share left to the processor, and how long the first step
-/// takes.
-fn piles(card: &dyn Device<f32>, model: &Model, count: usize) -> Result<String, SimulationError> {
+/// takes; and what the stages of a step of all worlds take [s].
+fn piles(
+    card: &dyn Device<f32>,
+    model: &Model,
+    count: usize,
+) -> Result<(String, Stages), SimulationError> {
     let (mut worlds, first) = settled(card, model, count)?;
     let (many, share) = pace(&mut worlds, |worlds, n| worlds.try_step(n).map(|_| ()))?;
     let (single, _) = pace(&mut worlds, |worlds, n| {
@@ -144,9 +158,8 @@ fn piles(card: &dyn Device<f32>, model: &Model, count: usize) -> Result<String, 
     })?;
     let [many, single] = [many, single].map(|rate| rate * count as f64);
     let share = share / count as f64;
-    Ok(format!(
-        "{many:.3e} | {single:.3e} | {share:.1} % | {first:.2} s |"
-    ))
+    let figures = format!("{many:.3e} | {single:.3e} | {share:.1} % | {first:.2} s |");
+    Ok((figures, stages(&mut worlds)?))
 }
 
 /// Worlds of a pile that has come to rest, or most of it, each thrown by another speed; and how long the first step took [s].
@@ -187,10 +200,10 @@ fn pace(
     Ok((steps, 100.0 * left / taken))
 }
 
-/// The model with damping [N·m·s/rad], without which a long chain that is driven for long whips about until it diverges:
-/// worlds that stand still would be measured.
-fn damped(model: &Model) -> Result<Model, ModelError> {
-    let mut parts = model.clone().into_parts();
+/// A chain with damping [N·m·s/rad], without which one that is driven for long whips about until it diverges: worlds that
+/// stand still would be measured.
+fn damped_chain(links: usize) -> Result<Model, ModelError> {
+    let mut parts = chain(links, Start::Horizontal)?.into_parts();
     let dofs = parts.joints.iter_mut().flat_map(|joint| &mut joint.dofs);
     dofs.for_each(|dof| dof.damping = 0.2);
     Model::new(parts)

@@ -111,8 +111,8 @@ impl DeviceChoice {
             Self::Cuda(number) => nvidia(*number).map(Some),
         }
     }
-    /// The same for a solver and a precision, `double` for f64: `auto` takes the processor where a card does not
-    /// take these.
+    /// The same for the solver that the processor would take and a precision, `double` for f64: `auto` takes the processor
+    /// for `impulse`, whose worlds are few as a rule, and where a card does not take the precision.
     ///
     /// # Errors
     /// As [`open`](Self::open); a card that was asked for, and double precision.

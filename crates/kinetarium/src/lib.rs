@@ -30,7 +30,7 @@
 //! | [`sensors`] | what robots measure: joints, inertial units, forces, rays, cameras, with noise |
 //! | [`rigid`] | the solvers, as kernels over any machine |
 //! | `gpu` | graphics cards of any maker, with the feature `gpu`; see [`DeviceChoice`] |
-//! | `cuda` | NVIDIA's cards by CUDA, bit for bit as the processor, with the feature `cuda` |
+//! | `cuda` | NVIDIA's cards by CUDA, but for `impulse` bit for bit as the processor, with the feature `cuda` |
 //! | [`numbers`] | the numbers and machines that kernels are written over |
 //!
 //! SI units; angles in radians; right-handed; quaternions x, y, z, w.

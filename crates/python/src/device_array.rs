@@ -20,19 +20,13 @@ pub struct DeviceArray {
     /// In numbers.
     shape: Vec<usize>,
     strides: Vec<usize>,
-    read_only: bool,
     /// In whose memory they lie.
     owner: Arc<Shared<f32>>,
 }
 
 impl DeviceArray {
     /// With as many axes as `shape` has: rows are left out where there is one, numbers where a row has one.
-    pub fn new(
-        array: sim::DeviceArray,
-        shape: Vec<usize>,
-        read_only: bool,
-        owner: Arc<Shared<f32>>,
-    ) -> Self {
+    pub fn new(array: sim::DeviceArray, shape: Vec<usize>, owner: Arc<Shared<f32>>) -> Self {
         let [world, row, number] = array.strides;
         let strides = match shape.len() {
             3 => vec![world, row, number],
@@ -44,7 +38,6 @@ impl DeviceArray {
             array,
             shape,
             strides,
-            read_only,
             owner,
         }
     }
@@ -64,7 +57,8 @@ impl DeviceArray {
         interface.set_item("shape", self.shape(py)?)?;
         interface.set_item("strides", PyTuple::new(py, bytes.collect::<Vec<_>>())?)?;
         interface.set_item("typestr", "<f4")?;
-        interface.set_item("data", (self.array.address.at, self.read_only))?;
+        // Never said to be read-only, though outputs are: torch takes no such array.
+        interface.set_item("data", (self.array.address.at, false))?;
         // All is done that was asked for: nothing is to be waited for.
         interface.set_item("stream", py.None())?;
         Ok(interface)

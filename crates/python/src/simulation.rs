@@ -133,12 +133,11 @@ impl Engine {
         py: Python<'_>,
         ask: impl FnOnce(&mut Simulation<f32>) -> Result<sim::DeviceArray, SimulationError> + Send,
         shape: Vec<usize>,
-        read_only: bool,
     ) -> PyResult<DeviceArray> {
         self.attempt(py, |s| match s {
             Precise::Single(s) => {
                 let array = ask(&mut s.change()).map_err(error::simulation)?;
-                Ok(DeviceArray::new(array, shape, read_only, Arc::clone(s)))
+                Ok(DeviceArray::new(array, shape, Arc::clone(s)))
             }
             Precise::Double(_) => Err(error::raise(
                 "DeviceError",
@@ -255,12 +254,12 @@ impl Engine {
             .parse()
             .map_err(|e| error::raise("UnknownNameError", e))?;
         let choice: DeviceChoice = device.parse().map_err(error::device)?;
-        let card = py.detach(|| choice.open_for(solver, double));
+        let picked = solver.pick(&model, contacts);
+        let card = py.detach(|| choice.open_for(picked, double));
         let card = card.map_err(error::device)?;
-        let solver = if card.is_some() {
-            solver.on_device(&model)
-        } else {
-            solver
+        let solver = match &card {
+            Some(card) => solver.pick_on(&**card, &model, contacts),
+            None => picked,
         };
         let settings = SimulationSettings {
             solver,
@@ -388,7 +387,7 @@ impl Engine {
         shape: Vec<usize>,
     ) -> PyResult<DeviceArray> {
         let quantity = find(&QUANTITIES, "quantity", quantity)?;
-        self.on_device(py, |s| s.quantity_on_device(quantity), shape, true)
+        self.on_device(py, |s| s.quantity_on_device(quantity), shape)
     }
     /// Where a control of all worlds lies on a card, as an array of this shape.
     fn control_on_device(
@@ -398,7 +397,7 @@ impl Engine {
         shape: Vec<usize>,
     ) -> PyResult<DeviceArray> {
         let control = find(&CONTROLS, "control", control)?;
-        self.on_device(py, |s| s.control_on_device(control), shape, false)
+        self.on_device(py, |s| s.control_on_device(control), shape)
     }
     /// Copies a control of all worlds into an array.
     fn read_control(&self, py: Python<'_>, control: &str, out: &Bound<'_, PyAny>) -> PyResult<()> {

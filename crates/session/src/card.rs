@@ -1,10 +1,8 @@
 //! Where a simulation runs: the processor, or a graphics card.
 
-use crate::SessionError;
 use crate::protocol::{Field, Values};
-use model::Model;
 use numbers::Float;
-use sim::{Device, Simulation, SimulationSettings};
+use sim::Device;
 use std::fmt;
 use std::sync::Arc;
 
@@ -38,9 +36,15 @@ impl<T: Float> Card<T> {
             }
             Self::Present(card) => {
                 let help = format!(
-                    "What advances the state. {} takes thousands of replicas at once; those of the solver impulse, where it \
-                     runs them at all, one after the other. Where auto takes that on the processor, a change starts again.",
-                    card.name()
+                    "What advances the state. {} takes thousands of replicas at once.{}",
+                    card.name(),
+                    match card.runs_impulse() {
+                        true => "",
+                        false => {
+                            " It does not run the solver impulse: where auto takes that on the processor, a change \
+                             starts again."
+                        }
+                    }
                 );
                 Some(choice(&["processor", "graphics card"], &help))
             }
@@ -55,20 +59,6 @@ impl<T: Float> Card<T> {
             }
             _ => None,
         }
-    }
-    /// Makes a simulation where it was chosen to run.
-    pub fn simulation(
-        &self,
-        model: Model,
-        settings: SimulationSettings,
-        runs_on: f64,
-    ) -> Result<Simulation<T>, SessionError> {
-        Ok(match self {
-            Self::Present(card) if runs_on == GRAPHICS_CARD => {
-                Simulation::on(&**card, model, settings)?
-            }
-            _ => Simulation::new(model, settings)?,
-        })
     }
 }
 

@@ -7,7 +7,7 @@ use crate::protocol::{Field, Values};
 use crate::stage::Stage;
 use model::{Model, Parts};
 use numbers::Float;
-use sim::{SETTINGS, Setting, SettingKind, Simulation, SimulationSettings, SolverKind};
+use sim::{Device, SETTINGS, Setting, SettingKind, Simulation, SimulationSettings, SolverKind};
 
 /// Solvers, in the order in which the form names them.
 const SOLVERS: [SolverKind; 4] = [
@@ -92,25 +92,36 @@ impl Physics {
             Card::Unasked => PROCESSOR,
             Card::Missing(_) | Card::Present(_) => self.form.number(RUNS_ON),
         };
-        let on_card = matches!(card, Card::Present(_)) && runs_on != PROCESSOR;
-        card.simulation(model, self.settings(stage, on_card), runs_on)
-    }
-    fn settings(&self, stage: &Stage, on_card: bool) -> SimulationSettings {
-        let chosen = SOLVERS[self.form.integer("solver")];
-        let solver = if on_card {
-            chosen.on_device(&stage.model)
-        } else {
-            chosen
+        let device = match card {
+            Card::Present(device) if runs_on != PROCESSOR => Some(&**device),
+            _ => None,
         };
+        let settings = self.settings(stage, device);
+        Ok(match device {
+            Some(device) => Simulation::on(device, model, settings)?,
+            None => Simulation::new(model, settings)?,
+        })
+    }
+    fn settings<T: Float>(
+        &self,
+        stage: &Stage,
+        device: Option<&dyn Device<T>>,
+    ) -> SimulationSettings {
+        let chosen = SOLVERS[self.form.integer("solver")];
         let mut settings = SimulationSettings {
-            solver,
+            solver: chosen,
             ..SimulationSettings::new(stage.worlds, stage.model.time_step)
         };
         for setting in &SETTINGS {
             (setting.write)(&mut settings, self.form.number(setting.name));
         }
+        let (model, contacts) = (&stage.model, settings.contacts);
+        if let Some(device) = device {
+            settings.solver = chosen.pick_on(device, model, contacts);
+        }
         let step = &mut settings.step;
-        step.integrator = solver.usual_integrator(&stage.model, settings.contacts, step.integrator);
+        let solver = settings.solver;
+        step.integrator = solver.usual_integrator(model, contacts, step.integrator);
         settings
     }
     /// Gives a model its gravity.

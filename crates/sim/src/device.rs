@@ -25,6 +25,10 @@ pub trait Device<T: Float>: Send + Sync {
         solver: Solver<'_>,
         worlds: usize,
     ) -> Result<Box<dyn DeviceWorlds<T>>, DeviceError>;
+    /// Whether it runs `impulse`, so that `auto` may take that.
+    fn runs_impulse(&self) -> bool {
+        false
+    }
     /// The same for worlds of `impulse`, of a model in which shapes touch as the filter has it; none where the device does
     /// not run them.
     ///

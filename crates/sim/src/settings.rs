@@ -1,8 +1,9 @@
 //! How to simulate.
 
-use crate::SimulationError;
 use crate::setting::SETTINGS;
+use crate::{Device, SimulationError};
 use model::{Model, hint};
+use numbers::Float;
 use numbers::dispatch::Isa;
 use rigid::impulse::suits;
 use rigid::{Integrator, Settings, featherstone};
@@ -28,19 +29,25 @@ impl SolverKind {
     /// All of them.
     const ALL: [Self; 4] = [Self::Auto, Self::Featherstone, Self::Xpbd, Self::Impulse];
 
-    /// What `auto` takes for a model on a device, where `impulse` does not run; any other takes itself.
-    pub fn on_device(self, model: &Model) -> Self {
-        match self {
-            Self::Auto if featherstone::suits(model) => Self::Featherstone,
-            Self::Auto => Self::Xpbd,
-            named => named,
-        }
-    }
     /// What `auto` takes for a model on the processor; any other takes itself.
     pub fn pick(self, model: &Model, contacts: bool) -> Self {
         match self {
             Self::Auto if contacts && suits(model) => Self::Impulse,
-            other => other.on_device(model),
+            Self::Auto => Self::of_joints(model),
+            named => named,
+        }
+    }
+    /// What `auto` takes on a device: the same, but where that is `impulse` and does not run there.
+    pub fn pick_on<T: Float>(self, device: &dyn Device<T>, model: &Model, contacts: bool) -> Self {
+        match self.pick(model, contacts) {
+            Self::Impulse if self == Self::Auto && !device.runs_impulse() => Self::of_joints(model),
+            picked => picked,
+        }
+    }
+    fn of_joints(model: &Model) -> Self {
+        match featherstone::suits(model) {
+            true => Self::Featherstone,
+            false => Self::Xpbd,
         }
     }
     /// Substeps a time step for a model, where nobody says otherwise: 4 of `xpbd`, else 1.

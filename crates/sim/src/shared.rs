@@ -23,8 +23,8 @@ impl<T: Float> Simulation<T> {
     /// until the worlds are stepped or set, or another quantity is asked for; then ask again.
     ///
     /// # Errors
-    /// Worlds are not on a device that shares its memory, as CUDA's do; the quantity is worked out on the host
-    /// (those of contacts, and [`CenterOfMass`](Quantity::CenterOfMass) and the spatial ones); the device fails.
+    /// Worlds are not on a device that shares its memory, as CUDA's do, but for `impulse`; the quantity is worked out on
+    /// the host (those of contacts, and [`CenterOfMass`](Quantity::CenterOfMass) and the spatial ones); the device fails.
     pub fn quantity_on_device(
         &mut self,
         quantity: Quantity,
@@ -44,7 +44,7 @@ impl<T: Float> Simulation<T> {
     /// is not checked. What the host sets of the same control is written over it before the next step.
     ///
     /// # Errors
-    /// Worlds are not on a device that shares its memory, as CUDA's do; the device fails.
+    /// Worlds are not on a device that shares its memory, as CUDA's do, but for `impulse`; the device fails.
     pub fn control_on_device(&mut self, control: Control) -> Result<DeviceArray, SimulationError> {
         let range = self.controls().range(control);
         self.tell()?;
@@ -61,7 +61,7 @@ impl<T: Float> Simulation<T> {
     ) -> Result<DeviceArray, SimulationError> {
         let memory = memory.ok_or_else(|| SimulationError::NotShared {
             what: format!("the memory of {}", self.device().unwrap_or("the processor")),
-            remedy: "run on the device cuda, or read and write arrays on the host",
+            remedy: "run on the device cuda, by featherstone or xpbd, or read and write arrays on the host",
         })?;
         let worlds = self.worlds();
         let first = (range.start * worlds * size_of::<f32>()) as u64;

@@ -164,7 +164,8 @@ impl<T: Float> Simulation<T> {
         settings: SimulationSettings,
     ) -> Result<Self, SimulationError> {
         let model = model.into();
-        let solver = settings.solver.on_device(&model);
+        let picked = settings.solver;
+        let solver = picked.pick_on(device, &model, settings.contacts);
         Self::made(
             Some(device),
             model,

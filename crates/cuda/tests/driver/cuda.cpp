@@ -1,6 +1,7 @@
 // What of CUDA's driver is called, on the processor: <https://docs.nvidia.com/cuda/cuda-driver-api/>.
 // One card; one stream, whose work is done when a call returns.
 
+#include <chrono>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -14,6 +15,8 @@ constexpr CUresult SUCCESS = 0, INVALID_VALUE = 1, OUT_OF_MEMORY = 2, INVALID_DE
 // More than this at once is taken for more than there is.
 constexpr size_t MOST_BYTES = size_t{1} << 30;
 
+using Moment = std::chrono::steady_clock::time_point;
+
 static bool failed = false;
 static char context;
 static thread_local void* current = nullptr;
@@ -26,6 +29,7 @@ using Kernel = bool (*)(void** arguments, unsigned blocks, unsigned threads);
 extern "C" {
 
 CUresult cuInit(unsigned) { return SUCCESS; }
+CUresult cuDriverGetVersion(int* version) { *version = 13000; return SUCCESS; }
 CUresult cuGetErrorString(CUresult error, const char** text) {
     switch (error) {
     case OUT_OF_MEMORY: *text = "out of memory"; return SUCCESS;
@@ -43,6 +47,7 @@ CUresult cuDeviceGetName(char* name, int length, int) {
     strncpy(name, "processor", length);
     return SUCCESS;
 }
+CUresult cuDeviceTotalMem_v2(size_t* bytes, int) { *bytes = size_t{16} << 30; return SUCCESS; }
 CUresult cuDeviceGetAttribute(int* value, int attribute, int) {
     constexpr int MEMORY_POOLS_SUPPORTED = 115;
     *value = attribute == MEMORY_POOLS_SUPPORTED;
@@ -54,9 +59,18 @@ CUresult cuDevicePrimaryCtxRelease_v2(int) { return SUCCESS; }
 CUresult cuCtxGetCurrent(void** into) { *into = current; return SUCCESS; }
 CUresult cuCtxSetCurrent(void* to) { current = to; return alive(); }
 
-CUresult cuEventCreate(void** event, unsigned) { *event = &context; return alive(); }
-CUresult cuEventDestroy_v2(void*) { return alive(); }
-CUresult cuEventRecord(void*, void*) { return alive(); }
+CUresult cuEventCreate(void** event, unsigned) { *event = new Moment; return alive(); }
+CUresult cuEventDestroy_v2(void* event) { delete static_cast<Moment*>(event); return alive(); }
+CUresult cuEventRecord(void* event, void*) {
+    *static_cast<Moment*>(event) = std::chrono::steady_clock::now();
+    return alive();
+}
+CUresult cuEventSynchronize(void*) { return alive(); }
+CUresult cuEventElapsedTime_v2(float* milliseconds, void* start, void* end) {
+    const auto taken = *static_cast<Moment*>(end) - *static_cast<Moment*>(start);
+    *milliseconds = std::chrono::duration<float, std::milli>(taken).count();
+    return alive();
+}
 CUresult cuStreamWaitEvent(void*, void*, unsigned) { return alive(); }
 CUresult cuStreamSynchronize(void*) { return alive(); }
 
@@ -85,6 +99,10 @@ CUresult cuMemcpyDtoHAsync_v2(void* to, uint64_t from, size_t bytes, void*) {
     if (alive() == SUCCESS) memcpy(to, reinterpret_cast<void*>(from), bytes);
     return alive();
 }
+CUresult cuMemcpyDtoDAsync_v2(uint64_t to, uint64_t from, size_t bytes, void*) {
+    if (alive() == SUCCESS) memcpy(reinterpret_cast<void*>(to), reinterpret_cast<const void*>(from), bytes);
+    return alive();
+}
 
 // An image is the path of what was compiled.
 CUresult cuModuleLoadData(void** module, const void* image) {
@@ -95,7 +113,7 @@ CUresult cuModuleLoadData(void** module, const void* image) {
 }
 CUresult cuModuleUnload(void*) { return alive(); }
 CUresult cuModuleGetFunction(void** function, void* module, const char* name) {
-    char symbol[64] = "launch_";
+    char symbol[256] = "launch_";
     strncat(symbol, name, sizeof symbol - strlen(symbol) - 1);
     *function = dlsym(module, symbol);
     return *function == nullptr ? NOT_FOUND : SUCCESS;

@@ -29,6 +29,7 @@ static bool trapped = false;
 #define __trap() (trapped = true)
 #define __global__
 #define __device__
+#define __shared__ static thread_local
 #define __forceinline__ inline
 #define __launch_bounds__(threads)
 using std::abs, std::floor, std::fma, std::sqrt;
@@ -38,9 +39,98 @@ static inline unsigned __float2uint_rz(float x) { return x >= 4294967296.0f ? ~0
 static inline int __float2int_rz(float x) {
     return x >= 2147483648.0f ? 0x7fffffff : x >= -2147483648.0f ? int(x) : x < 0.0f ? int(0x80000000u) : 0;
 }
+static inline int __clz(int x) { return x == 0 ? 32 : __builtin_clz(x); }
+static inline int __popc(unsigned x) { return __builtin_popcount(x); }
+static inline unsigned __brev(unsigned x) {
+    unsigned y = 0;
+    for (int i = 0; i < 32; i++) y |= (x >> i & 1u) << (31 - i);
+    return y;
+}
+// No thread runs while another one does.
+static inline void __threadfence_block() {}
+#define ATOMIC(NAME, NEXT) \
+    static inline unsigned NAME(unsigned* at, unsigned x) { const unsigned old = *at; *at = NEXT; return old; } \
+    static inline int NAME(int* at, int x) { const int old = *at; *at = NEXT; return old; }
+ATOMIC(atomicAdd, unsigned(old) + unsigned(x))
+ATOMIC(atomicSub, unsigned(old) - unsigned(x))
+ATOMIC(atomicMin, x < old ? x : old)
+ATOMIC(atomicMax, x > old ? x : old)
+ATOMIC(atomicAnd, old & x)
+ATOMIC(atomicOr, old | x)
+ATOMIC(atomicXor, old ^ x)
+ATOMIC(atomicExch, x)
+#undef ATOMIC
+template <typename T> static inline T atomicCAS(T* at, T compared, T x) {
+    const T old = *at;
+    if (old == compared) *at = x;
+    return old;
+}
 )";
 
-// One thread after the other, with arguments of the types that the kernel takes.
+// One thread of a block after the other.
+constexpr const char* THREADS = R"(
+template <typename F> static void run_block(F thread) {
+    for (threadIdx.x = 0; threadIdx.x < blockDim.x; threadIdx.x++) thread();
+}
+)";
+
+// Threads that wait for each other: each runs up to its next barrier, then the next one does; with a stack of its own.
+// A context is only begun as one: to leap asks nothing of the system.
+constexpr const char* FIBERS = R"(
+#include <csetjmp>
+#include <ucontext.h>
+constexpr size_t STACK = size_t{1} << 18, MOST_THREADS = 1024;
+struct Fiber {
+    ucontext_t begin;
+    jmp_buf waiting;
+    char* stack;
+    bool begun, done;
+};
+static thread_local jmp_buf scheduler;
+// As many as a block has at most; with stacks where they were needed.
+static thread_local Fiber* fibers = nullptr;
+static thread_local void (*fiber_work)(void*);
+static thread_local void* fiber_kernel;
+static void __syncthreads() {
+    if (_setjmp(fibers[threadIdx.x].waiting) == 0) _longjmp(scheduler, 1);
+}
+static void run_fiber() {
+    fiber_work(fiber_kernel);
+    fibers[threadIdx.x].done = true;
+    _longjmp(scheduler, 1);
+}
+static void resume(unsigned i) {
+    threadIdx.x = i;
+    if (_setjmp(scheduler) != 0) return;
+    if (fibers[i].begun) _longjmp(fibers[i].waiting, 1);
+    fibers[i].begun = true;
+    setcontext(&fibers[i].begin);
+}
+template <typename F> static void run_block(F thread) {
+    fiber_work = [](void* kernel) { (*static_cast<F*>(kernel))(); };
+    fiber_kernel = &thread;
+    if (fibers == nullptr) fibers = new Fiber[MOST_THREADS]();
+    for (unsigned i = 0; i < blockDim.x; i++) {
+        Fiber& fiber = fibers[i];
+        getcontext(&fiber.begin);
+        if (fiber.stack == nullptr) fiber.stack = new char[STACK];
+        fiber.begin.uc_stack.ss_sp = fiber.stack;
+        fiber.begin.uc_stack.ss_size = STACK;
+        fiber.begin.uc_link = nullptr;
+        fiber.begun = fiber.done = false;
+        makecontext(&fiber.begin, run_fiber, 0);
+    }
+    for (bool waits = true; waits;) {
+        waits = false;
+        for (unsigned i = 0; i < blockDim.x; i++) {
+            if (!fibers[i].done) resume(i);
+            waits = waits || !fibers[i].done;
+        }
+    }
+}
+)";
+
+// With arguments of the types that a kernel takes.
 constexpr const char* AFTER = R"(
 template <typename... P, size_t... I>
 static void call(void (*kernel)(P...), void** arguments, std::index_sequence<I...>) {
@@ -51,14 +141,31 @@ static void launch(void (*kernel)(P...), void** arguments, unsigned blocks, unsi
     gridDim = {blocks, 1, 1};
     blockDim = {threads, 1, 1};
     for (blockIdx.x = 0; blockIdx.x < blocks; blockIdx.x++)
-        for (threadIdx.x = 0; threadIdx.x < threads; threadIdx.x++)
-            call(kernel, arguments, std::index_sequence_for<P...>());
+        run_block([=] { ::call(kernel, arguments, std::index_sequence_for<P...>()); });
 }
+// Where kernels of translated shaders are.
+namespace shader {}
+using namespace shader;
+)";
+// For each kernel.
+constexpr const char* LAUNCH = R"(
 extern "C" bool launch_NAME(void** arguments, unsigned blocks, unsigned threads) {
-    launch(NAME, arguments, blocks, threads);
+    ::launch(NAME, arguments, blocks, threads);
     return trapped;
 }
 )";
+
+// A text for g++.
+static std::string complete(const std::string& source) {
+    std::ostringstream text;
+    const bool waits = source.find("__syncthreads") != std::string::npos;
+    text << BEFORE << (waits ? FIBERS : THREADS) << "#line 1 \"kernel.cu\"\n" << source << AFTER;
+    const std::regex head(R"(__global__\s+void\s+(?:__launch_bounds__\(\d+\)\s+)?(\w+)\()");
+    const std::sregex_iterator end;
+    for (std::sregex_iterator kernel(source.begin(), source.end(), head); kernel != end; ++kernel)
+        text << std::regex_replace(LAUNCH, std::regex("NAME"), (*kernel)[1].str());
+    return text.str();
+}
 
 extern "C" {
 
@@ -88,11 +195,7 @@ nvrtcResult nvrtcCompileProgram(Program* program, int count, const char** option
     const std::string source = path.str() + ".cpp", log = path.str() + ".log";
     program->library = path.str() + ".so";
 
-    std::smatch kernel;
-    const std::regex head(R"(__global__\s+void\s+(?:__launch_bounds__\(\d+\)\s+)?(\w+)\()");
-    const bool found = std::regex_search(program->source, kernel, head);
-    const std::string after = std::regex_replace(AFTER, std::regex("NAME"), found ? kernel[1].str() : "none");
-    std::ofstream(source) << BEFORE << "#line 1 \"kernel.cu\"\n" << program->source << after;
+    std::ofstream(source) << complete(program->source);
 
     const std::string contract = contracted ? "fast" : "off";
     const std::string command = "g++ -std=c++17 -w -O0 -ffp-contract=" + contract + " -fPIC -shared -Wl,-Bsymbolic -o " +

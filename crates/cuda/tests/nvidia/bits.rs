@@ -3,7 +3,7 @@
 use crate::agreement::{QUANTITIES, read};
 use crate::card::card;
 use crate::models::{heap, looped, mixed};
-use crate::pair::Pair;
+use crate::pair::{Pair, of_joints};
 use crate::worlds::settings;
 use model::Model;
 use model::examples::{SCENES, rings};
@@ -73,7 +73,10 @@ fn every_scene_has_the_same_bits() {
     let card = card();
     for scene in SCENES {
         let model = scene.model().unwrap();
-        let settings = SimulationSettings::new(2, model.time_step);
+        let settings = SimulationSettings {
+            solver: of_joints(&model),
+            ..SimulationSettings::new(2, model.time_step)
+        };
         have_the_same_bits(Pair::at_rest(&card, &model, settings), 200);
     }
 }

@@ -10,7 +10,11 @@ mod models;
 mod own;
 #[path = "../../../gpu/tests/cards/pair.rs"]
 mod pair;
+#[path = "../../../gpu/tests/cards/piles.rs"]
+mod piles;
 #[path = "../../../gpu/tests/cards/scenes.rs"]
 mod scenes;
+#[path = "../../../gpu/tests/cards/wgsl.rs"]
+mod wgsl;
 #[path = "../../../gpu/tests/cards/worlds.rs"]
 mod worlds;

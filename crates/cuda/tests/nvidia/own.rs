@@ -4,10 +4,9 @@ use crate::card::{Card, card};
 use crate::models::mixed;
 use crate::worlds::{H, settings};
 use kinetarium_cuda::{CudaError, Worlds};
-use model::examples::balls;
 use records::Programs;
 use rigid::{Featherstone, Settings, Solver};
-use sim::{Simulation, SimulationError, SimulationSettings, SolverKind};
+use sim::Simulation;
 
 #[test]
 #[ignore = "needs a graphics card or what stands in for one"]
@@ -16,20 +15,6 @@ fn a_card_that_is_not_there_is_refused_with_those_that_are() {
     assert!(matches!(told, CudaError::NoCard { ordinal: 99, .. }));
     let name = card().name().replace(" (CUDA)", "");
     assert!(told.to_string().contains(&name), "{told}");
-}
-
-#[test]
-#[ignore = "needs a graphics card or what stands in for one"]
-fn a_solver_that_runs_on_processors_only_is_refused() {
-    let settings = SimulationSettings {
-        solver: SolverKind::Impulse,
-        ..settings(1)
-    };
-    let told = Simulation::on(&card(), balls().unwrap(), settings).unwrap_err();
-    assert!(
-        matches!(told, SimulationError::NotOnDevice { .. }),
-        "{told}"
-    );
 }
 
 /// A card whose memory is full says so, and goes on.

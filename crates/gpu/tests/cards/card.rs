@@ -9,6 +9,12 @@ pub fn card() -> Card {
     Card::open(&name.parse().unwrap()).unwrap()
 }
 
+/// The same, as if it took no more bytes in a buffer.
+pub fn small(most_bytes: u64) -> Card {
+    let name = std::env::var("KINETARIUM_GPU").unwrap_or_default();
+    Card::open_within(&name.parse().unwrap(), most_bytes).unwrap()
+}
+
 /// Whether it rounds each operation, as the portable reading does: Mesa's program does, others fuse.
 pub fn rounds_alike(card: &Card) -> bool {
     card.name().contains("llvmpipe")

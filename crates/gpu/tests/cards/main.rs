@@ -9,4 +9,5 @@ mod own;
 mod pair;
 mod piles;
 mod scenes;
+mod wgsl;
 mod worlds;

@@ -1,6 +1,6 @@
 //! What wgpu alone has: buffers that are too small for all worlds, cards that are named.
 
-use crate::card::card;
+use crate::card::{card, small};
 use crate::pair::Pair;
 use crate::worlds::{H, settings};
 use kinetarium_gpu::{Choice, Gpu, GpuError, Worlds};
@@ -8,12 +8,6 @@ use model::examples::{Start, chain};
 use records::Programs;
 use rigid::{Featherstone, Kernels, Settings, Solver};
 use sim::{Simulation, SimulationSettings, SolverKind};
-
-/// The card, as if it took no more bytes in a buffer.
-pub fn small(most_bytes: u64) -> Gpu {
-    let name = std::env::var("KINETARIUM_GPU").unwrap_or_default();
-    Gpu::open_within(&name.parse().unwrap(), most_bytes).unwrap()
-}
 
 #[test]
 #[ignore = "needs a graphics card or Mesa's llvmpipe"]

@@ -2,7 +2,16 @@
 
 use crate::card::Card;
 use model::{BodyId, Model};
-use sim::{Simulation, SimulationSettings};
+use rigid::featherstone;
+use sim::{Simulation, SimulationSettings, SolverKind};
+
+/// The solver of a tree that a model is.
+pub fn of_joints(model: &Model) -> SolverKind {
+    match featherstone::suits(model) {
+        true => SolverKind::Featherstone,
+        false => SolverKind::Xpbd,
+    }
+}
 
 /// Worlds in motion under controls of every sort, each pushed a little harder than the one before; and the same on
 /// a card.
@@ -20,7 +29,7 @@ impl Pair {
     /// The same as the model begins.
     pub fn at_rest(card: &Card, model: &Model, settings: SimulationSettings) -> Self {
         let gpu = Simulation::on(card, model.clone(), settings).unwrap();
-        let solver = settings.solver.on_device(model);
+        let solver = settings.solver.pick_on(card, model, settings.contacts);
         let settings = SimulationSettings { solver, ..settings };
         let cpu = Simulation::new(model.clone(), settings).unwrap();
         Self { cpu, gpu }

@@ -4,12 +4,10 @@
 //! same. What rounding does in a step in which much is struck is measured: it is how far the processor is from itself
 //! where it rounds other than in its widest lanes.
 
-use crate::card::{card, rounds_alike};
+use crate::card::{Card, card, rounds_alike, small};
 use crate::models::mixed;
-use crate::own::small;
 use crate::pair::Pair;
 use glam::{DMat3, DQuat, DVec2, DVec3};
-use kinetarium_gpu::Gpu;
 use model::examples::{
     SCENES, arch, balls, bowl, n_pendula, pile, pyramid, square_pyramid, terrain, tower,
 };
@@ -382,7 +380,7 @@ fn worlds_have_the_same_bits_alone() {
 }
 
 /// The states of such worlds after some steps, of which some are taken one by one.
-fn stirred(card: &Gpu, model: &Model, worlds: Range<usize>) -> Vec<Vec<f64>> {
+fn stirred(card: &Card, model: &Model, worlds: Range<usize>) -> Vec<Vec<f64>> {
     let mut simulation = Simulation::on(card, model.clone(), settings(worlds.len())).unwrap();
     for (i, world) in worlds.clone().enumerate() {
         let wave = |v: usize| 2.0 * (1.7 * v as f64 + world as f64).sin();
@@ -406,7 +404,7 @@ fn stirred(card: &Gpu, model: &Model, worlds: Range<usize>) -> Vec<Vec<f64>> {
 #[ignore = "needs a graphics card or what stands in for one"]
 fn worlds_that_do_not_fit_are_stepped_some_at_a_time() {
     let model = pyramid(3).unwrap();
-    let together = |card: &Gpu| {
+    let together = |card: &Card| {
         let mut simulation = Simulation::on(card, model.clone(), settings(40)).unwrap();
         for world in 0..40 {
             let mut velocity = vec![0.0; model.degrees_of_freedom()];

@@ -1,10 +1,10 @@
-//! Every example scene, on a card and on the processor.
+//! Every example scene, on a card and on the processor, by the solvers of trees; by that of piles see `piles`.
 //!
 //! Where things touch, rounding soon decides who slips first. A step from the same state agrees; after some time the
 //! whole has the same energy and the same mean height, which do not depend on who lies where.
 
 use crate::card::card;
-use crate::pair::Pair;
+use crate::pair::{Pair, of_joints};
 use model::BodyId;
 use model::examples::{SCENES, Scene};
 use sim::{Outputs, SimulationSettings};
@@ -28,7 +28,10 @@ fn statistics(outputs: &Outputs<'_, f32>, bodies: usize) -> [f64; 2] {
 
 fn agrees(name: &str) {
     let model = Scene::find(name).unwrap().model().unwrap();
-    let settings = SimulationSettings::new(WORLDS, model.time_step);
+    let settings = SimulationSettings {
+        solver: of_joints(&model),
+        ..SimulationSettings::new(WORLDS, model.time_step)
+    };
     let mut pair = Pair::at_rest(&card(), &model, settings);
     let bodies = model.bodies.len();
     for _ in 0..4 {

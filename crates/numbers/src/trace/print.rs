@@ -31,7 +31,7 @@ pub enum Members {
     /// A world, several times; all of them.
     #[default]
     Worlds,
-    /// A member of a run; WGSL only.
+    /// A member of a run; WGSL only, from which `cuda` makes its own.
     Runs,
     /// A member of a run that sits on two bodies; WGSL only.
     Seats {

@@ -1,31 +1,30 @@
 //! Worlds of many bodies that are stepped together, in a card's memory.
 
-use super::constants::{BODY, SHAPE};
-use super::pace::Pace;
-use super::room::sized;
-use super::scene::Scene;
-use crate::memory::{NUMBER, Staging};
-use crate::{Gpu, GpuError};
+use crate::Card;
+use crate::card::sized;
+use crate::constants::{BODY, SHAPE};
+use crate::pace::Pace;
+use crate::scene::Scene;
 use numbers::Memory;
 use rigid::impulse::global;
+use sim::DeviceError;
 use std::iter::repeat_n;
 use std::ops::Range;
-use wgpu::Buffer;
 
 /// Some worlds. There is room for as many as in the largest batch.
 #[derive(Debug)]
-pub(super) struct Batch {
+pub(crate) struct Batch<C: Card> {
     pub worlds: Range<usize>,
     /// Their states, and behind these what acts on their bodies, and what is given to their joints.
-    pub state: Buffer,
+    pub state: C::Buffer,
     /// Whether anything acts on their bodies from outside.
     pub pushed: bool,
     /// Of each contact that they remember, the colour that it had: where colouring begins, which changes nothing.
-    pub colours: Buffer,
+    pub colours: C::Buffer,
     /// Their constants; those of bodies and of shapes as kernels read them, behind those of the step.
-    pub constants: Buffer,
-    pub bodies: Buffer,
-    pub shapes: Buffer,
+    pub constants: C::Buffer,
+    pub bodies: C::Buffer,
+    pub shapes: C::Buffer,
     /// Whether constants have changed since, and into how many parts steps are cut that they are ready for.
     stale: bool,
     cut: usize,
@@ -38,20 +37,20 @@ pub(super) struct Batch {
     /// Their controls, and whether the card has not been told of them.
     input: Vec<Vec<f32>>,
     controlled: bool,
-    staging: Staging,
+    staging: C::Staging,
 }
 
-impl Batch {
-    pub fn new(gpu: &Gpu, scene: &Scene, worlds: Range<usize>) -> Result<Self, GpuError> {
+impl<C: Card> Batch<C> {
+    pub fn new(card: &C, scene: &Scene, worlds: Range<usize>) -> Result<Self, DeviceError> {
         let plan = &scene.plan;
         let count = worlds.len();
         let of = |things: u32, width: usize| u64::from(things) * width as u64;
         Ok(Self {
-            state: sized(gpu, plan.numbers().into())?,
-            colours: sized(gpu, plan.places().into())?,
-            constants: sized(gpu, scene.constants_length().into())?,
-            bodies: sized(gpu, of(plan.bodies, BODY))?,
-            shapes: sized(gpu, of(plan.shapes, SHAPE))?,
+            state: sized(card, plan.numbers().into())?,
+            colours: sized(card, plan.places().into())?,
+            constants: sized(card, scene.constants_length().into())?,
+            bodies: sized(card, of(plan.bodies, BODY))?,
+            shapes: sized(card, of(plan.shapes, SHAPE))?,
             stale: true,
             cut: 0,
             worlds,
@@ -62,7 +61,7 @@ impl Batch {
             runs: vec![false; count],
             input: vec![vec![0.0; scene.impulse.lengths().input]; count],
             controlled: false,
-            staging: Staging::default(),
+            staging: C::Staging::default(),
         })
     }
 
@@ -71,20 +70,27 @@ impl Batch {
         let length = scene.impulse.lengths().state;
         nth * length..(nth + 1) * length
     }
-    /// Sets the state of a world; one that has diverged takes no more steps.
-    pub fn write(&mut self, gpu: &Gpu, scene: &Scene, world: usize, state: &[f32]) {
-        let nth = world - self.worlds.start;
-        let first = self.numbers(scene, nth).start;
-        self.write_at(gpu, first, state);
-        self.runs[nth] = state[scene.impulse.alive()] != 0.0;
-        if !self.runs[nth] {
-            self.left[nth] = 0;
+    /// Sets the states of worlds that follow each other; one that has diverged takes no more steps.
+    pub fn write(
+        &mut self,
+        card: &C,
+        scene: &Scene,
+        first: usize,
+        states: &[f32],
+    ) -> Result<(), DeviceError> {
+        let first = first - self.worlds.start;
+        self.write_at(card, self.numbers(scene, first).start, states)?;
+        let length = scene.impulse.lengths().state;
+        for (nth, state) in (first..).zip(states.chunks_exact(length)) {
+            self.runs[nth] = state[scene.impulse.alive()] != 0.0;
+            if !self.runs[nth] {
+                self.left[nth] = 0;
+            }
         }
+        Ok(())
     }
-    fn write_at(&self, gpu: &Gpu, at: usize, numbers: &[f32]) {
-        let bytes = bytemuck::cast_slice(numbers);
-        gpu.queue()
-            .write_buffer(&self.state, at as u64 * NUMBER, bytes);
+    fn write_at(&self, card: &C, at: usize, numbers: &[f32]) -> Result<(), DeviceError> {
+        card.write(&self.state, at as u64, bytemuck::cast_slice(numbers))
     }
 
     /// The scene has other constants.
@@ -94,21 +100,20 @@ impl Batch {
         self.controlled = true;
     }
     /// Writes constants that have changed, and those of a step that is cut into so many parts.
-    pub fn ready(&mut self, gpu: &Gpu, scene: &Scene, parts: usize) -> Result<(), GpuError> {
+    pub fn ready(&mut self, card: &C, scene: &Scene, parts: usize) -> Result<(), DeviceError> {
         let (first, plan) = (self.worlds.start, &scene.plan);
-        let write = |buffer: &Buffer, at: u32, numbers: &[f32]| {
-            let at = u64::from(at) * global::WIDTH as u64 * NUMBER;
-            let bytes = bytemuck::cast_slice(numbers);
-            gpu.queue().write_buffer(buffer, at, bytes);
+        let write = |buffer: &C::Buffer, things: u32, numbers: &[f32]| {
+            let at = u64::from(things) * global::WIDTH as u64;
+            card.write(buffer, at, bytemuck::cast_slice(numbers))
         };
         if self.stale {
             let length = scene.constants_length().into();
-            if self.constants.size() < length * NUMBER {
-                self.constants = sized(gpu, length)?;
+            if C::room(&self.constants) < length {
+                self.constants = sized(card, length)?;
             }
-            write(&self.constants, 0, &scene.constants(first));
-            write(&self.bodies, plan.bodies, &scene.body_constants(first));
-            write(&self.shapes, plan.shapes, &scene.shape_constants(first));
+            write(&self.constants, 0, &scene.constants(first))?;
+            write(&self.bodies, plan.bodies, &scene.body_constants(first))?;
+            write(&self.shapes, plan.shapes, &scene.shape_constants(first))?;
             (self.stale, self.cut) = (false, 0);
         }
         if self.cut != parts {
@@ -123,8 +128,8 @@ impl Batch {
                 }
                 columns
             };
-            write(&self.bodies, 0, &columns(plan.worlds, plan.own_bodies));
-            write(&self.shapes, 0, &columns(0, plan.own_shapes));
+            write(&self.bodies, 0, &columns(plan.worlds, plan.own_bodies))?;
+            write(&self.shapes, 0, &columns(0, plan.own_shapes))?;
             self.cut = parts;
         }
         Ok(())
@@ -139,9 +144,9 @@ impl Batch {
         self.controlled = true;
     }
     /// Tells the card what controls make of forces on bodies, and of joints, if they have changed.
-    pub fn tell(&mut self, gpu: &Gpu, scene: &Scene) {
+    pub fn tell(&mut self, card: &C, scene: &Scene) -> Result<(), DeviceError> {
         if !std::mem::take(&mut self.controlled) {
-            return;
+            return Ok(());
         }
         let (impulse, inputs) = (&scene.impulse, &self.input);
         if let Some(joints) = &scene.joints {
@@ -149,7 +154,7 @@ impl Batch {
             let given = given.flat_map(|(input, world)| {
                 joints.given_by(impulse, scene.parameters.of(world), input)
             });
-            self.write_at(gpu, scene.plan.given as usize, &Vec::from_iter(given));
+            self.write_at(card, scene.plan.given as usize, &Vec::from_iter(given))?;
         }
         let pushed = inputs.iter().any(|input| impulse.is_pushed(input));
         if pushed || self.pushed {
@@ -160,9 +165,10 @@ impl Batch {
                     (0..6).for_each(|i| own[i * bodies + row - 1] = given[i]);
                 }
             }
-            self.write_at(gpu, scene.plan.forces as usize, &forces);
+            self.write_at(card, scene.plan.forces as usize, &forces)?;
         }
         self.pushed = pushed;
+        Ok(())
     }
 
     /// Whether any world has steps to take.
@@ -179,21 +185,21 @@ impl Batch {
     /// Reads these ranges of the states' numbers.
     pub fn read(
         &mut self,
-        gpu: &Gpu,
+        card: &C,
         ranges: impl Iterator<Item = Range<usize>> + Clone,
         read: impl FnOnce(&[f32]),
-    ) -> Result<(), GpuError> {
-        let encoder = gpu.device().create_command_encoder(&Default::default());
-        self.staging.fetch(gpu, encoder, &self.state, ranges, read)
+    ) -> Result<(), DeviceError> {
+        let (staging, state) = (&mut self.staging, &self.state);
+        card.fetch(card.commands(None), staging, state, ranges, read)
     }
     /// Reads these numbers of the states of all worlds.
     pub fn read_all(
         &mut self,
-        gpu: &Gpu,
+        card: &C,
         scene: &Scene,
         numbers: &[Range<usize>],
         state: &mut Memory<f32>,
-    ) -> Result<(), GpuError> {
+    ) -> Result<(), DeviceError> {
         let (length, alive) = (scene.impulse.lengths().state, scene.impulse.alive());
         let worlds = self.worlds.clone();
         if matches!(numbers, [range] if *range == (alive..alive + 1)) {
@@ -209,7 +215,7 @@ impl Batch {
         // Each range of a world is a copy: rather one of all states than so many.
         if numbers.len() * worlds.len() > COPIES {
             let all = std::iter::once(0..length * worlds.len());
-            return self.read(gpu, all, |read| {
+            return self.read(card, all, |read| {
                 for (world, own) in worlds.zip(read.chunks_exact(length)) {
                     let rows = numbers.iter();
                     rows.for_each(|row| set(world, row, &own[row.clone()]));
@@ -220,7 +226,7 @@ impl Batch {
             let rows = numbers.iter();
             rows.map(move |row| nth * length + row.start..nth * length + row.end)
         };
-        self.read(gpu, (0..worlds.len()).flat_map(of_world), |mut read| {
+        self.read(card, (0..worlds.len()).flat_map(of_world), |mut read| {
             for world in worlds {
                 for row in numbers {
                     let (own, rest) = read.split_at(row.len());

@@ -1,6 +1,6 @@
 //! Meshes as a card has them, and for how many of their triangles there is room near what they meet.
 
-use super::scene::Form;
+use crate::scene::Form;
 use collide::mesh::{MeshData, TRIANGLE, VERTICES};
 use model::{Geometry, Model, TriangleMesh};
 use rigid::impulse::{Collider, Impulse, WORLD};
@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 
 /// The meshes of a model.
 #[derive(Debug, Default)]
-pub(super) struct Meshes {
+pub(crate) struct Meshes {
     pub data: MeshData,
     /// Of each colliding shape the range of its groups; of what is no mesh, none.
     pub groups: Vec<[usize; 2]>,
@@ -17,7 +17,7 @@ pub(super) struct Meshes {
 }
 
 /// Numbers of a triangle.
-pub(super) const ROW: usize = TRIANGLE + 3 * VERTICES;
+pub(crate) const ROW: usize = TRIANGLE + 3 * VERTICES;
 /// What there is room for near a shape, at least and at most.
 const FEWEST: usize = 16;
 const MOST: usize = 1024;

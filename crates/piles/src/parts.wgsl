@@ -38,7 +38,7 @@ fn gave(i: u32) -> bool {
     for (var x = 0u; x < 3u; x++) {
         any_ = any_ || state[at + REMEMBERED_DRAG_SUM + x] != 0.0;
     }
-    for (var p = 0u; p < u32(state[at + REMEMBERED_POINTS]); p++) {
+    for (var p = 0u; p < min(u32(state[at + REMEMBERED_POINTS]), POINTS); p++) {
         any_ = any_ || state[at + REMEMBERED_POINT + p * REMEMBERED_POINT_WIDTH + 6u] > 0.0;
     }
     return any_;
@@ -105,7 +105,7 @@ fn match_parts(@builtin(global_invocation_id) id: vec3<u32>) {
 fn remembered_number(i: u32, field: u32) -> f32 {
     let number = state[memory_at(i) + field];
     if (field == REMEMBERED_SHAPES || field == REMEMBERED_SHAPES + 1u) {
-        return number + f32(world_of_old(i) * plan.own_shapes);
+        return min(number, f32(plan.own_shapes - 1u)) + f32(world_of_old(i) * plan.own_shapes);
     }
     return number;
 }

@@ -20,7 +20,7 @@ fn memory_at(i: u32) -> u32 {
 }
 // How many contacts a world remembers.
 fn count_in(world: u32) -> u32 {
-    return u32(state[world * plan.state_numbers + plan.count]);
+    return min(u32(state[world * plan.state_numbers + plan.count]), plan.remembered);
 }
 fn is_remembered(i: u32) -> bool {
     let world = world_of_old(i);

@@ -1,8 +1,8 @@
 //! Constants of a scene: those that all worlds have in common, and of which each may have its own.
 
-use super::scene::{Scene, unsupported};
-use crate::memory::NUMBER;
-use crate::{Gpu, GpuError};
+use crate::card::NUMBER;
+use crate::scene::{Scene, unsupported};
+use crate::{Card, PilesError};
 use rigid::impulse::pair::solid;
 use rigid::impulse::{FREE_TURN, HELD_TURN, NEARBY, WORLD, global, grip, mass};
 use std::collections::HashMap;
@@ -10,7 +10,7 @@ use std::iter::repeat_n;
 
 /// The constants of the solver.
 #[derive(Debug)]
-pub(super) struct Parameters {
+pub(crate) struct Parameters {
     /// Those of the model.
     common: Vec<f32>,
     /// Those of each world, where worlds have their own.
@@ -39,7 +39,7 @@ impl Parameters {
 }
 
 /// Numbers of what two surfaces make of a contact.
-pub(super) const SURFACE: usize = 9;
+pub(crate) const SURFACE: usize = 9;
 /// Surfaces that differ, at most.
 const SURFACES: usize = 1024;
 
@@ -48,7 +48,7 @@ impl Scene {
     ///
     /// # Errors
     /// Surfaces differ in too many ways.
-    pub fn differ(&mut self, own: Vec<Vec<f32>>) -> Result<(), GpuError> {
+    pub fn differ(&mut self, own: Vec<Vec<f32>>) -> Result<(), PilesError> {
         let before = std::mem::replace(&mut self.parameters.own, own);
         if let Err(error) = self.surfaces() {
             self.parameters.own = before;
@@ -65,7 +65,7 @@ impl Scene {
     ///
     /// # Errors
     /// They may not: contacts know of one gravity; surfaces differ in too many ways, or take too much room.
-    pub fn takes(&self, gpu: &Gpu, sets: &[Vec<f32>]) -> Result<(), GpuError> {
+    pub fn takes(&self, card: &impl Card, sets: &[Vec<f32>]) -> Result<(), PilesError> {
         let usual = self.impulse.weight(&self.parameters.common);
         for set in sets {
             let differs = (self.impulse.weight(set) - usual).abs() > 1e-5 * usual;
@@ -81,11 +81,11 @@ impl Scene {
         let more = ((kinds.len() as u64).pow(2) - surfaces) * SURFACE as u64;
         let own = u64::from(self.own_length()) + more;
         let bytes = (self.constants.len() as u64 + own * u64::from(self.plan.worlds)) * NUMBER;
-        if bytes > gpu.most_bytes() {
-            return Err(GpuError::Parameters {
+        if bytes > card.most_bytes() {
+            return Err(PilesError::Parameters {
                 bytes,
-                most: gpu.most_bytes(),
-                card: gpu.name().to_owned(),
+                most: card.most_bytes(),
+                card: card.name().to_owned(),
             });
         }
         Ok(())
@@ -130,7 +130,7 @@ impl Scene {
     fn kinds<'a>(
         &self,
         sets: impl Iterator<Item = &'a Vec<f32>> + Clone,
-    ) -> Result<[Vec<u32>; 2], GpuError> {
+    ) -> Result<[Vec<u32>; 2], PilesError> {
         let mut of_shape = Vec::new();
         let mut examples: Vec<u32> = Vec::new();
         let mut known = HashMap::new();
@@ -154,7 +154,7 @@ impl Scene {
         }
         Ok([of_shape, examples])
     }
-    pub fn surfaces(&mut self) -> Result<(), GpuError> {
+    pub fn surfaces(&mut self) -> Result<(), PilesError> {
         let [of_shape, examples] = self.kinds(self.parameters.all())?;
         let mut all = self.parameters.all();
         self.bounces = all.any(|set| self.impulse.bounces(set));
@@ -268,8 +268,8 @@ impl Scene {
 }
 
 /// Constants of a body and of a shape, behind those of the step.
-pub(super) const BODY: usize = global::WIDTH + mass::WIDTH + grip::WIDTH;
-pub(super) const SHAPE: usize = global::WIDTH + solid::WIDTH;
+pub(crate) const BODY: usize = global::WIDTH + mass::WIDTH + grip::WIDTH;
+pub(crate) const SHAPE: usize = global::WIDTH + solid::WIDTH;
 
 /// Rows of things as columns, `[number][thing]`.
 fn columns<const N: usize>(rows: &[[f32; N]]) -> Vec<f32> {

@@ -1,51 +1,50 @@
 //! Steps of batches of worlds, submitted several at a time.
 
-use super::batch::Batch;
-use super::kernels::Kernels;
-use super::pace::{self, MOST_ROUNDS, STEPS, Told, Turn, UNCOLOURED};
-use super::plan::{BLOCK, Plan, flag, of_world, status, stopped};
-use super::room::Room;
-use super::scene::Scene;
-use crate::clock::{Clock, Pass};
-use crate::memory::{NUMBER, Staging, buffer};
-use crate::{Gpu, GpuError};
+use crate::Card;
+use crate::batch::Batch;
+use crate::card::{Commands, NUMBER};
+use crate::kernels::Kernels;
+use crate::pace::{self, MOST_ROUNDS, STEPS, Told, Turn, UNCOLOURED};
+use crate::plan::{BLOCK, Plan, flag, of_world, status, stopped};
+use crate::room::Room;
+use crate::scene::Scene;
 use rigid::impulse::ContactTables;
 use rigid::impulse::blow::ROUNDS as BLOWS;
+use sim::DeviceError;
 use std::iter::once;
-use wgpu::Buffer;
 
 /// What steps have room for.
 #[derive(Debug)]
-pub(super) struct Steps {
+pub(crate) struct Steps<C: Card> {
     pub plan: Plan,
-    pub room: Room,
+    pub room: Room<C>,
     /// Into how many parts steps are cut that the room is ready for.
     cut: usize,
     /// The states of a batch before a step that is cut into parts.
-    before: Option<Buffer>,
-    staging: Staging,
+    before: Option<C::Buffer>,
+    staging: C::Staging,
     /// While stages are timed.
-    pub clock: Option<Clock>,
+    pub clock: Option<C::Clock>,
 }
 
 /// Pairs of each shape and contacts of each body that there is room for at first.
-pub(super) const PAIRS: u32 = 8;
-pub(super) const CONTACTS: u32 = 4;
+pub(crate) const PAIRS: u32 = 8;
+pub(crate) const CONTACTS: u32 = 4;
 
-impl Steps {
-    pub fn new(gpu: &Gpu, scene: &Scene, kernels: &Kernels) -> Result<Self, GpuError> {
+impl<C: Card> Steps<C> {
+    pub fn new(card: &C, scene: &Scene, kernels: &Kernels<C>) -> Result<Self, DeviceError> {
         let mut plan = scene.plan;
         let near = scene.groups.iter().flat_map(|group| group.triangles);
         plan.most_near = near.max().unwrap_or(0) as u32;
         if plan.most_near > 0 {
-            plan.mesh_pairs = BLOCK.min(scene.most_pairs(gpu, true));
+            plan.mesh_pairs = BLOCK.min(scene.most_pairs(card, true));
         }
         let mut pairs = PAIRS * plan.shapes + BLOCK;
         let mut contacts = CONTACTS * plan.bodies + BLOCK;
         let room = loop {
-            plan.pairs = pairs.min(scene.most_pairs(gpu, false));
-            plan.contacts = contacts.min(most_contacts(gpu));
-            match Room::new(gpu, scene, kernels, &mut plan) {
+            plan.pairs = pairs.min(scene.most_pairs(card, false));
+            plan.contacts = contacts.min(most_contacts(card));
+            match Room::new(card, scene, kernels, &mut plan) {
                 Ok(room) => break room,
                 // Fewer worlds at a time may do with less.
                 Err(_) if pairs.max(contacts) > BLOCK => {
@@ -59,34 +58,34 @@ impl Steps {
             plan,
             cut: 0,
             before: None,
-            staging: Staging::default(),
+            staging: C::Staging::default(),
             clock: None,
         })
     }
 
     /// After a scene has other constants.
-    pub fn renew(&mut self, gpu: &Gpu, scene: &Scene) {
+    pub fn renew(&mut self, card: &C, scene: &Scene) -> Result<(), DeviceError> {
         self.plan = self.plan.with_constants_of(&scene.plan);
-        self.room.renew(gpu, scene, &self.plan);
+        self.room.renew(card, scene, &self.plan)
     }
 
     /// Takes some of the steps that worlds of a batch have yet to take. Returns those, counted from its first, of which the
     /// next step is the processor's.
     pub fn take(
         &mut self,
-        gpu: &Gpu,
+        card: &C,
         scene: &Scene,
-        kernels: &Kernels,
-        batch: &mut Batch,
-    ) -> Result<Vec<usize>, GpuError> {
+        kernels: &Kernels<C>,
+        batch: &mut Batch<C>,
+    ) -> Result<Vec<usize>, DeviceError> {
         let mut turn = pace::turn(scene, batch);
-        while turn.parts > 1 && !self.keeps(gpu, scene, &turn) {
+        while turn.parts > 1 && !self.keeps(card, scene, &turn) {
             if !batch.pace.fewer(&turn) {
                 return Ok(turn.worlds);
             }
             turn = pace::turn(scene, batch);
         }
-        let told = self.submit(gpu, scene, kernels, batch, &turn)?;
+        let told = self.submit(card, scene, kernels, batch, &turn)?;
         let flags = told.of(status::FLAG);
         let mut taken = 0;
         let mut left_to_processor = Vec::new();
@@ -118,14 +117,14 @@ impl Steps {
             pace.uncoloured.extend(left);
         }
         if flags == 0 && stops == 0 && taken == 0 {
-            return Err(gpu.failed("it took no step and gave no reason"));
+            return Err(card.failed("it took no step and gave no reason"));
         }
         if flags != 0 {
             // What a step without enough of anything has told besides is of no worth; but that is told before colours.
             if flags & !UNCOLOURED != 0 {
                 left_to_processor.clear();
             }
-            if !self.adapt(gpu, scene, kernels, batch, (&turn, stops), &told) {
+            if !self.adapt(card, scene, kernels, batch, (&turn, stops), &told) {
                 let behind = turn.worlds.into_iter();
                 return Ok(behind.filter(|world| batch.left[*world] > 0).collect());
             }
@@ -138,11 +137,11 @@ impl Steps {
     }
 
     /// Has room for the states of a turn whose steps are cut into parts; false where the card has none.
-    fn keeps(&mut self, gpu: &Gpu, scene: &Scene, turn: &Turn) -> bool {
+    fn keeps(&mut self, card: &C, scene: &Scene, turn: &Turn) -> bool {
         let numbers = (turn.worlds.len() * scene.impulse.lengths().state) as u64;
-        let fits = |before: &Buffer| before.size() >= numbers * NUMBER;
+        let fits = |before: &C::Buffer| C::room(before) >= numbers;
         if !self.before.as_ref().is_some_and(fits) {
-            self.before = buffer(gpu, numbers).ok();
+            self.before = card.buffer(numbers).ok();
         }
         self.before.is_some()
     }
@@ -151,10 +150,10 @@ impl Steps {
     /// false where only the processor can take the step.
     fn adapt(
         &mut self,
-        gpu: &Gpu,
+        card: &C,
         scene: &Scene,
-        kernels: &Kernels,
-        batch: &mut Batch,
+        kernels: &Kernels<C>,
+        batch: &mut Batch<C>,
         (turn, stops): (&Turn, u32),
         told: &Told,
     ) -> bool {
@@ -164,7 +163,7 @@ impl Steps {
         if flags & flag::MORE_ROOM != 0 {
             // There, colours of the attempt are not known.
             pace.uncoloured.clear();
-            return self.grow(gpu, scene, kernels, told) || pace.fewer(turn);
+            return self.grow(card, scene, kernels, told) || pace.fewer(turn);
         }
         if flags & flag::MORE_ROUNDS != 0 {
             // Where it cannot go on from where it ended, more rounds than there are would not settle it.
@@ -184,69 +183,59 @@ impl Steps {
     /// What is told after the steps of a turn.
     fn submit(
         &mut self,
-        gpu: &Gpu,
+        card: &C,
         scene: &Scene,
-        kernels: &Kernels,
-        batch: &mut Batch,
+        kernels: &Kernels<C>,
+        batch: &mut Batch<C>,
         turn: &Turn,
-    ) -> Result<Told, GpuError> {
+    ) -> Result<Told, DeviceError> {
         let parts = turn.parts;
-        batch.ready(gpu, scene, parts)?;
+        batch.ready(card, scene, parts)?;
         if self.cut != parts {
-            self.room.cut(gpu, scene, parts);
+            self.room.cut(card, scene, parts)?;
             self.cut = parts;
         }
-        let own = self.room.of(gpu, kernels, batch);
+        let own = self.room.of(card, kernels, batch);
         let status = &self.room.buffers.status;
         let begin = pace::begin(&self.plan, batch, turn);
-        gpu.queue()
-            .write_buffer(status, 0, bytemuck::cast_slice(&begin));
-        let mut encoder = gpu.device().create_command_encoder(&Default::default());
-        // Where the state of the nth world of the turn is kept, and where it belongs.
-        let places = |nth: usize, world: usize| {
-            let [kept, own] = [nth, world].map(|i| batch.numbers(scene, i));
-            let size = own.len() as u64 * NUMBER;
-            ([kept, own].map(|range| range.start as u64 * NUMBER), size)
-        };
+        card.write(status, 0, bytemuck::cast_slice(&begin))?;
+        let mut clock = self.clock.take();
+        let mut todo = card.commands(clock.as_mut());
+        // Of a world that is the nth of the turn, where its state belongs; it is kept at that of the nth of all.
         if let (true, Some(before)) = (parts > 1, &self.before) {
             for (nth, world) in turn.worlds.iter().enumerate() {
-                let ([kept, own], size) = places(nth, *world);
-                encoder.copy_buffer_to_buffer(&batch.state, own, before, kept, size);
+                let kept = batch.numbers(scene, nth).start;
+                todo.copy(&batch.state, batch.numbers(scene, *world), before, kept);
             }
         }
         for _ in 0..turn.steps {
             for part in 0..parts {
-                let mut clock = self.clock.take();
-                let mut pass = Pass::new(&mut encoder, clock.as_mut());
-                self.encode(&mut pass, kernels, scene, &own, batch, (parts, part));
-                drop(pass);
-                self.clock = clock;
+                self.encode(&mut todo, kernels, scene, &own, batch, (parts, part));
             }
         }
         let mut told = Told(Vec::new());
         let words = once(0..begin.len());
-        self.staging.fetch(gpu, encoder, status, words, |words| {
+        let fetched = card.fetch(todo, &mut self.staging, status, words, |words| {
             told.0 = words.iter().map(|word| word.to_bits()).collect();
-        })?;
-        if let Some(clock) = &mut self.clock {
-            clock.read(gpu)?;
-        }
+        });
+        self.clock = clock;
+        fetched?;
         if let (true, Some(before)) = (parts > 1, &self.before) {
-            let mut encoder = gpu.device().create_command_encoder(&Default::default());
+            let mut todo = card.commands(None);
             for (nth, world) in turn.worlds.iter().enumerate() {
                 if told.of_world(*world, of_world::LEFT) > 0 {
-                    let ([kept, own], size) = places(nth, *world);
-                    encoder.copy_buffer_to_buffer(before, kept, &batch.state, own, size);
+                    let own = batch.numbers(scene, *world).start;
+                    todo.copy(before, batch.numbers(scene, nth), &batch.state, own);
                 }
             }
-            gpu.queue().submit([encoder.finish()]);
+            card.submit(todo)?;
         }
         Ok(told)
     }
 
     /// Makes room for what a step has found too little for, and some more, or none more; false where the card has not
     /// even that.
-    fn grow(&mut self, gpu: &Gpu, scene: &Scene, kernels: &Kernels, told: &Told) -> bool {
+    fn grow(&mut self, card: &C, scene: &Scene, kernels: &Kernels<C>, told: &Told) -> bool {
         let flags = told.of(status::FLAG);
         let rooms = [1, 0].map(|more| {
             let enough = |n: u32| n + more * (n / 4);
@@ -261,7 +250,7 @@ impl Steps {
             plan
         });
         for mut plan in rooms {
-            if let Ok(room) = Room::new(gpu, scene, kernels, &mut plan) {
+            if let Ok(room) = Room::new(card, scene, kernels, &mut plan) {
                 (self.plan, self.room, self.cut) = (plan, room, 0);
                 return true;
             }
@@ -271,7 +260,7 @@ impl Steps {
 }
 
 /// Contacts whose numbers fit into a buffer of a card.
-fn most_contacts(gpu: &Gpu) -> u32 {
+fn most_contacts(card: &impl Card) -> u32 {
     let bytes = ContactTables::new().length as u64 * NUMBER;
-    u32::try_from(gpu.most_bytes() / bytes).unwrap_or(u32::MAX)
+    u32::try_from(card.most_bytes() / bytes).unwrap_or(u32::MAX)
 }

@@ -1,6 +1,6 @@
 //! The joints of a model as a card has them: in runs of which each is solved side by side.
 
-use crate::GpuError;
+use crate::PilesError;
 use numbers::trace::Members;
 use records::JointPrograms;
 use rigid::impulse::Impulse;
@@ -11,7 +11,7 @@ use sim::joint_runs;
 
 /// What all worlds of a model have in common.
 #[derive(Debug)]
-pub(super) struct Joints {
+pub(crate) struct Joints {
     pub programs: JointPrograms,
     /// Joints in the order in which they are solved, as the solver counts them.
     pub ties: Vec<u32>,
@@ -32,7 +32,7 @@ impl Joints {
     ///
     /// # Errors
     /// The kernels do what a record cannot express.
-    pub fn new(impulse: &Impulse, parameters: &[f32]) -> Result<Option<Self>, GpuError> {
+    pub fn new(impulse: &Impulse, parameters: &[f32]) -> Result<Option<Self>, PilesError> {
         let tied = (0..impulse.ties()).filter_map(|tie| Some((tie, impulse.tied_rows(tie)?)));
         let (all, rows): (Vec<_>, Vec<_>) = tied.unzip();
         if all.is_empty() {
@@ -120,7 +120,7 @@ impl Joints {
 }
 
 /// What the shader has as constants.
-pub(super) fn constants() -> [(&'static str, usize); 9] {
+pub(crate) fn constants() -> [(&'static str, usize); 9] {
     let t = JointTables::new();
     [
         ("JOINT_CONSTANTS", joint::CONSTANTS),

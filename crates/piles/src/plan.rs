@@ -1,9 +1,9 @@
 //! How many things of each kind there are, and where their words lie; and the same as text, for the shader.
 
-use super::constants::SURFACE;
-use super::joints;
-use super::meshes::ROW;
-use super::scene::{PLACES, SIDE, UNIT};
+use crate::constants::SURFACE;
+use crate::joints;
+use crate::meshes::ROW;
+use crate::scene::{PLACES, SIDE, UNIT};
 use bytemuck::{Pod, Zeroable};
 use collide::mesh::{BEYOND, BOUNDS, NUMBER, SLOTS, TRIANGLE};
 use rigid::impulse::blow::ROUNDS as BLOWS;
@@ -18,7 +18,7 @@ macro_rules! plan {
         /// See `bindings.wgsl`, which has the same fields.
         #[repr(C)]
         #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-        pub(super) struct Plan {
+        pub(crate) struct Plan {
             $(pub $name: $kind,)+
         }
     };
@@ -47,19 +47,19 @@ plan! {
 }
 
 /// Things that are sorted together.
-pub(super) const BLOCK: u32 = 256;
+pub(crate) const BLOCK: u32 = 256;
 /// Most groups of pairs, by which these are sorted.
-pub(super) const GROUPS: u32 = BLOCK;
+pub(crate) const GROUPS: u32 = BLOCK;
 /// Colours of contacts, and the keys by which they are sorted: one more for those that find no colour, and one for those of
 /// sensors, which are not solved.
-pub(super) const COLOURS: u32 = 64;
-pub(super) const KEYS: u32 = COLOURS + 2;
+pub(crate) const COLOURS: u32 = 64;
+pub(crate) const KEYS: u32 = COLOURS + 2;
 
 /// Contacts of the part before that give what they gave to one contact, at most: as many as a pair has of one normal.
-pub(super) const SUM_ROUNDS: u32 = SLOTS.div_ceil(POINTS) as u32;
+pub(crate) const SUM_ROUNDS: u32 = SLOTS.div_ceil(POINTS) as u32;
 
 /// Places in the status.
-pub(super) mod status {
+pub(crate) mod status {
     pub const FLAG: usize = 0;
     pub const PAIRS: usize = 1;
     pub const MESH_PAIRS: usize = 2;
@@ -94,7 +94,7 @@ pub(super) mod status {
 }
 
 /// Places in what is told of each world, behind the status of all of them.
-pub(super) mod of_world {
+pub(crate) mod of_world {
     /// Why it was left out of a step, and of those that follow.
     pub const STOPPED: usize = 0;
     /// Steps that it has yet to take.
@@ -112,7 +112,7 @@ pub(super) mod of_world {
 }
 
 /// Why a step was not taken in any world.
-pub(super) mod flag {
+pub(crate) mod flag {
     pub const MORE_PAIRS: u32 = 1;
     pub const MORE_CONTACTS: u32 = 2;
     pub const MORE_COLOURS: u32 = 4;
@@ -124,7 +124,7 @@ pub(super) mod flag {
 }
 
 /// Why a world was left out.
-pub(super) mod stopped {
+pub(crate) mod stopped {
     /// It has no step to take.
     pub const DONE: u32 = 1;
     /// The step is the processor's.
@@ -134,7 +134,7 @@ pub(super) mod stopped {
 }
 
 /// Places of runs: groups of pairs, colours, all contacts, all bodies.
-pub(super) mod run {
+pub(crate) mod run {
     pub const COLOURS: u32 = super::GROUPS;
     pub const CONTACTS: u32 = COLOURS + super::COLOURS;
     pub const BODIES: u32 = CONTACTS + 1;
@@ -240,7 +240,7 @@ impl Plan {
 }
 
 /// What the shader has as constants, for so many worlds.
-pub(super) fn constants(worlds: u32) -> String {
+pub(crate) fn constants(worlds: u32) -> String {
     let t = ContactTables::new();
     let whole = [
         ("FLAG", status::FLAG),

@@ -1,12 +1,12 @@
 //! A model of piles as a card has it: constants, and what is worked on together.
 
-use super::constants::{Parameters, SHAPE};
-use super::joints::Joints;
-use super::meshes::Meshes;
-use super::plan::{GROUPS, Plan};
-use super::steps::{CONTACTS, PAIRS};
-use crate::memory::NUMBER;
-use crate::{Gpu, GpuError};
+use crate::card::NUMBER;
+use crate::constants::{Parameters, SHAPE};
+use crate::joints::Joints;
+use crate::meshes::Meshes;
+use crate::plan::{GROUPS, Plan};
+use crate::steps::{CONTACTS, PAIRS};
+use crate::{Card, PilesError};
 use collide::{Route, kind};
 use model::{CollisionFilter, Model, ShapeId};
 use numbers::trace::Program;
@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 /// What all worlds of a model have in common.
 #[derive(Debug)]
-pub(super) struct Scene {
+pub(crate) struct Scene {
     pub impulse: Arc<Impulse>,
     pub programs: PilePrograms,
     pub joints: Option<Joints>,
@@ -39,7 +39,7 @@ pub(super) struct Scene {
 
 /// Pairs that one kernel meets.
 #[derive(Debug)]
-pub(super) struct Group {
+pub(crate) struct Group {
     pub tables: PairTables,
     /// For how many triangles of A and of B a pair has room; 0 for what is not met as a mesh.
     pub triangles: [usize; 2],
@@ -49,16 +49,16 @@ pub(super) struct Group {
 }
 
 /// Kind and number of corners.
-pub(super) type Form = (usize, usize);
+pub(crate) type Form = (usize, usize);
 
 /// Others that a unit of work looks at for a large shape.
-pub(super) const UNIT: usize = 64;
+pub(crate) const UNIT: usize = 64;
 /// Words of what a shape brings to the decision which may touch.
-pub(super) const SIDE: usize = 5;
+pub(crate) const SIDE: usize = 5;
 /// No first of these: the unit is a small shape.
 const SMALL: u32 = u32::MAX;
 /// Numbers of a body while a step runs: behind its row, what it has of free velocity before blows.
-pub(super) const ROW: usize = row::WIDTH + 6;
+pub(crate) const ROW: usize = row::WIDTH + 6;
 /// Shapes of all worlds of a batch, at most: contacts name theirs by numbers that stand for whole ones up to there.
 const NAMES: u32 = 1 << f32::MANTISSA_DIGITS;
 
@@ -75,12 +75,12 @@ impl Scene {
     /// # Errors
     /// The model has what cards do not know of piles; one world is larger than a buffer of the card.
     pub fn new(
-        gpu: &Gpu,
+        card: &impl Card,
         impulse: &Impulse,
         model: &Model,
         filter: Option<&CollisionFilter>,
         worlds: usize,
-    ) -> Result<Self, GpuError> {
+    ) -> Result<Self, PilesError> {
         let parameters: Vec<_> = impulse.parameters().iter().map(|x| *x as f32).collect();
         let forms: BTreeSet<_> = impulse.shapes().iter().map(form_of).collect();
         let forms = Vec::from_iter(forms);
@@ -119,12 +119,12 @@ impl Scene {
         scene.surfaces()?;
         scene.tie();
         scene.place_constants();
-        scene.spread(gpu, worlds)?;
+        scene.spread(card, worlds)?;
         Ok(scene)
     }
 
     /// Places worlds side by side, as many as a card has room for.
-    fn spread(&mut self, gpu: &Gpu, worlds: usize) -> Result<(), GpuError> {
+    fn spread(&mut self, card: &impl Card, worlds: usize) -> Result<(), PilesError> {
         let alone = self.plan.of_worlds(1);
         let joints = self.joints.as_ref().map_or(0, Joints::width);
         let numbers = [
@@ -139,15 +139,15 @@ impl Scene {
             alone.most_invocations(),
         ];
         let longest = numbers.into_iter().max().unwrap_or(0).max(1);
-        let things = gpu.most_invocations() / things.into_iter().max().unwrap_or(0).max(1);
+        let things = card.most_invocations() / things.into_iter().max().unwrap_or(0).max(1);
         let named = NAMES / alone.shapes.max(1);
-        let numbers = (gpu.most_bytes() / NUMBER).min(u32::MAX.into()) / u64::from(longest);
+        let numbers = (card.most_bytes() / NUMBER).min(u32::MAX.into()) / u64::from(longest);
         let most = numbers.min(things.min(named).max(1).into()) as usize;
         if most == 0 {
-            return Err(GpuError::TooLarge {
+            return Err(PilesError::TooLarge {
                 bytes: u64::from(longest) * NUMBER,
-                most: gpu.most_bytes(),
-                card: gpu.name().to_owned(),
+                most: card.most_bytes(),
+                card: card.name().to_owned(),
             });
         }
         let width = worlds.div_ceil(worlds.div_ceil(most));
@@ -162,10 +162,10 @@ impl Scene {
         lengths.fold([1; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])])
     }
     /// Pairs whose numbers fit into a buffer of a card.
-    pub fn most_pairs(&self, gpu: &Gpu, of_mesh: bool) -> u32 {
+    pub fn most_pairs(&self, card: &impl Card, of_mesh: bool) -> u32 {
         let [parameters, scratch] = self.pair_lengths(of_mesh);
         let bytes = parameters.max(scratch) as u64 * NUMBER;
-        u32::try_from(gpu.most_bytes() / bytes).unwrap_or(u32::MAX)
+        u32::try_from(card.most_bytes() / bytes).unwrap_or(u32::MAX)
     }
 
     /// Adds constants that all worlds have in common; where they begin.
@@ -187,7 +187,7 @@ impl Scene {
         forms: &[Form],
         parameters: &[f32],
         filter: Option<&CollisionFilter>,
-    ) -> Result<(), GpuError> {
+    ) -> Result<(), PilesError> {
         let mut table = vec![u32::MAX; forms.len() * forms.len()];
         let impulse = Arc::clone(&self.impulse);
         let mut places = Vec::new();
@@ -400,7 +400,7 @@ fn form_of(shape: &Collider) -> Form {
 }
 
 /// Whole numbers of a group's places, as the shader counts them.
-pub(super) const PLACES: usize = 19;
+pub(crate) const PLACES: usize = 19;
 
 fn words_of(tables: &PairTables, [of_a, of_b]: [usize; 2]) -> [u32; PLACES] {
     let PairPlaces {
@@ -420,6 +420,6 @@ fn words_of(tables: &PairTables, [of_a, of_b]: [usize; 2]) -> [u32; PLACES] {
     .map(|n| n as u32)
 }
 
-pub(super) fn unsupported(what: &'static str, remedy: &'static str) -> GpuError {
-    GpuError::Unsupported { what, remedy }
+pub(crate) fn unsupported(what: &'static str, remedy: &'static str) -> PilesError {
+    PilesError::Unsupported { what, remedy }
 }

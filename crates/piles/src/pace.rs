@@ -1,29 +1,30 @@
 //! How steps are submitted: of which worlds, how many, and how much of what is launched follows from the steps before.
 
-use super::batch::Batch;
-use super::plan::{Plan, flag, of_world, status};
-use super::room::told;
-use super::scene::Scene;
+use crate::Card;
+use crate::batch::Batch;
+use crate::plan::{Plan, flag, of_world, status};
+use crate::room::told;
+use crate::scene::Scene;
 use rigid::impulse::blow::ROUNDS as BLOWS;
 
 /// Colours that are launched at first.
 const FIRST_COLOURS: usize = 16;
 /// Rounds of colouring in a step: at least, and at most.
 const FEWEST_ROUNDS: usize = 8;
-pub(super) const MOST_ROUNDS: usize = 256;
+pub(crate) const MOST_ROUNDS: usize = 256;
 /// Most steps in one submission, and about as many launches.
-pub(super) const STEPS: usize = 16;
+pub(crate) const STEPS: usize = 16;
 const LAUNCHES: usize = 16_384;
 /// Steps after which more worlds are tried at once.
 const FITTED: usize = 256;
 /// Most worlds whose steps are cut into parts in one submission: each is copied, so that it can be undone.
 const CUT: usize = 256;
 /// Of what a submission told: colouring goes on where it ended.
-pub(super) const UNCOLOURED: u32 = flag::MORE_ROUNDS | flag::MORE_COLOURS;
+pub(crate) const UNCOLOURED: u32 = flag::MORE_ROUNDS | flag::MORE_COLOURS;
 
 /// How steps of a batch are submitted.
 #[derive(Debug)]
-pub(super) struct Pace {
+pub(crate) struct Pace {
     /// Steps in a submission: fewer where they are often not taken.
     pub steps: usize,
     /// Worlds in a submission, and in one of steps that are cut into parts: fewer where there was no room for all of them.
@@ -43,7 +44,7 @@ pub(super) struct Pace {
 
 /// How many of something are launched: as many as were needed in any of the last steps.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Held {
+pub(crate) struct Held {
     pub count: usize,
     /// Steps in which fewer were needed, without a break.
     fewer: usize,
@@ -127,7 +128,7 @@ impl Pace {
 
 /// Steps that are submitted together.
 #[derive(Debug)]
-pub(super) struct Turn {
+pub(crate) struct Turn {
     /// Worlds of the batch, counted from its first.
     pub worlds: Vec<usize>,
     pub steps: usize,
@@ -136,7 +137,7 @@ pub(super) struct Turn {
 }
 
 /// What the card has told of a submission.
-pub(super) struct Told(pub Vec<u32>);
+pub(crate) struct Told(pub Vec<u32>);
 
 impl Told {
     pub fn of(&self, place: usize) -> u32 {
@@ -149,7 +150,7 @@ impl Told {
 
 /// Which steps of a batch come next: of worlds, the first of them, whose steps are cut into as many parts as that of the one
 /// that is farthest behind.
-pub(super) fn turn(scene: &Scene, batch: &Batch) -> Turn {
+pub(crate) fn turn<C: Card>(scene: &Scene, batch: &Batch<C>) -> Turn {
     let pace = &batch.pace;
     let all = 0..batch.left.len();
     let last = all.clone().max_by_key(|world| batch.left[*world]);
@@ -175,7 +176,7 @@ pub(super) fn turn(scene: &Scene, batch: &Batch) -> Turn {
 }
 
 /// What the card is told as a turn begins.
-pub(super) fn begin(plan: &Plan, batch: &Batch, turn: &Turn) -> Vec<u32> {
+pub(crate) fn begin<C: Card>(plan: &Plan, batch: &Batch<C>, turn: &Turn) -> Vec<u32> {
     let mut words = vec![0; told(plan)];
     words[status::KEEP] = (batch.pace.uncoloured == turn.worlds).into();
     words[status::LAUNCHED] = batch.pace.colours.count as u32;
