@@ -210,8 +210,8 @@ class State(Tables):
             sim.step()
             position = torch.from_dlpack(sim.state.on_device("joint_position"))
 
-        Raises `DeviceError` where worlds are not on a CUDA card, by featherstone or xpbd, and for quantities that are worked out on the host
-        (`contact_wrench`, `center_of_mass` and the spatial ones), and `UnknownNameError`.
+        Raises `DeviceError` where worlds are not on a CUDA card, by featherstone or xpbd, and for quantities that are
+        worked out on the host (`contact_wrench`, `center_of_mass` and the spatial ones), and `UnknownNameError`.
         """
         shape = _quantity(quantity).shape(self._worlds)
         return self._worlds.engine.quantity_on_device(quantity, shape)
