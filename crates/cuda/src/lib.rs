@@ -8,7 +8,7 @@
 //! [`Worlds`] are W worlds of one solver in its memory: their numbers stay there from step to step, and come back when
 //! they are asked for. One thread steps one world.
 //!
-//! Worlds of `impulse`, which threads share, are [piles](piles::Piles): their WGSL is read by naga and printed as CUDA C++.
+//! Worlds of `impulse`, which threads share, are [piles](::piles::Piles): their WGSL is read by naga and printed as CUDA C++.
 //!
 //! Nothing of CUDA is needed to build this: NVIDIA's driver and NVRTC are looked for when a card is opened.
 //!

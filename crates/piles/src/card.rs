@@ -60,7 +60,8 @@ pub trait Card: Clone + Debug + Send + Sync + 'static {
 
     /// Buffers that are written, then such as are read, then a uniform.
     fn layout(&self, written: usize, read: usize) -> Result<Self::Layout, DeviceError>;
-    /// Compiles entry points of a WGSL text that binds these, or finds what was compiled.
+    /// Compiles entry points of a WGSL text that binds these, or finds what was compiled. The text stays within its
+    /// buffers: not every interface sees to that.
     fn entries<const N: usize>(
         &self,
         text: &str,
