@@ -258,6 +258,8 @@ fn gpu(workshop: &Workshop) -> Result<()> {
     .env("KINETARIUM_GPU", "llvmpipe")
     // What is compiled runs for a moment: better soon than fast.
     .env("GALLIVM_PERF", "nopt")
+    // Two tests run side by side, each in a thread of its own: where threads of both meet, they take three times as long.
+    .env("LP_NUM_THREADS", "1")
     .run()?)
 }
 
