@@ -82,7 +82,7 @@ fn a_loop_with_continue_goes_on_at_a_label() {
     let text = body("for (var k = 0u; k < 9u; k++) { if (k == i) { continue; } out[k] = 1u; }");
     assert!(text.contains("goto next;\n}\n"), "{text}");
     assert!(
-        text.contains("}\nnext:;\nconst u32 e2 = k;\nk = e2 + 1u;\n}\n"),
+        text.contains("}\nnext:;\nconst u32 e3 = k;\nk = e3 + 1u;\n}\n"),
         "{text}"
     );
 }
