@@ -10,9 +10,14 @@ use numbers::trace::Program;
 
 /// So many threads, at least.
 fn threads(count: u32) -> LaunchConfig {
+    shape(count.div_ceil(BLOCK), BLOCK)
+}
+
+/// So many blocks of so many threads.
+fn shape(blocks: u32, threads: u32) -> LaunchConfig {
     LaunchConfig {
-        grid_dim: (count.div_ceil(BLOCK), 1, 1),
-        block_dim: (BLOCK, 1, 1),
+        grid_dim: (blocks, 1, 1),
+        block_dim: (threads, 1, 1),
         shared_mem_bytes: 0,
     }
 }
@@ -81,15 +86,10 @@ impl Bound {
         });
         let told = told.unwrap_or(0);
         launch.arg(&told);
-        let shape = LaunchConfig {
-            grid_dim: (blocks, 1, 1),
-            block_dim: (self.size, 1, 1),
-            shared_mem_bytes: 0,
-        };
         // Safety: these are the parameters of what `wgsl` prints, in their order: a pointer for each buffer, which its
         // bindings keep, and the number of blocks, if any. What is read and written there is what the WGSL reads and writes:
         // texts of `piles`, which stay within their buffers.
-        card.told(unsafe { launch.launch(shape) })?;
+        card.told(unsafe { launch.launch(shape(blocks, self.size)) })?;
         Ok(())
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::clock::Clock;
 use crate::memory::{Staging, buffer, indirect};
-use crate::pipeline::bind_group_layout;
+use crate::pipeline::{bind_group_layout, dispatch};
 use crate::{Gpu, GpuError};
 use numbers::trace::{Members, Program};
 use piles::{BINDINGS, Card, NUMBER, WORKGROUP};
@@ -41,10 +41,7 @@ impl<'a> Commands<'a> {
 
 impl piles::Commands<Gpu> for Commands<'_> {
     fn run(&mut self, kernel: &ComputePipeline, bindings: &BindGroup, workgroups: u32) {
-        let pass = self.pass();
-        pass.set_pipeline(kernel);
-        pass.set_bind_group(0, bindings, &[]);
-        pass.dispatch_workgroups(workgroups, 1, 1);
+        dispatch(self.pass(), kernel, bindings, workgroups);
     }
     fn run_told(
         &mut self,

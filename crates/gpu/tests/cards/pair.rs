@@ -2,15 +2,11 @@
 
 use crate::card::Card;
 use model::{BodyId, Model};
-use rigid::featherstone;
 use sim::{Simulation, SimulationSettings, SolverKind};
 
-/// The solver of a tree that a model is.
+/// The solver that `auto` takes but for `impulse`, which is there for what touches.
 pub fn of_joints(model: &Model) -> SolverKind {
-    match featherstone::suits(model) {
-        true => SolverKind::Featherstone,
-        false => SolverKind::Xpbd,
-    }
+    SolverKind::Auto.pick(model, false)
 }
 
 /// Worlds in motion under controls of every sort, each pushed a little harder than the one before; and the same on
