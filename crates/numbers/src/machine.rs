@@ -185,6 +185,9 @@ pub trait Machine {
     type Rounds: Iterator<Item = Self::I>;
     /// A branch that is taken, for as long as it is held.
     type Branch;
+    /// Whether it has registers to keep what the next round of a loop needs of this one's, and memory that is far away:
+    /// graphics cards do, to a processor's lanes the nearest cache is no farther than their stack.
+    const HANDS_ON: bool;
 
     /// A literal index.
     fn index(&self, i: usize) -> Self::I;
@@ -631,6 +634,7 @@ where
     type Cell = Register<R>;
     type Rounds = Rounds;
     type Branch = ();
+    const HANDS_ON: bool = false;
 
     #[inline(always)]
     fn index(&self, i: usize) -> u32 {

@@ -131,6 +131,11 @@ pub struct Inertia<R> {
 }
 
 impl<R: Real> Inertia<R> {
+    /// Of nothing.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Self::from_array([R::zero(); 21])
+    }
     /// A rigid body of mass `m` [kg] whose centre lies at `c` [m] from the point,
     /// with inertia `i` [kg·m²] about its centre: I = i + m (c·c 1 − c cᵀ), H = m c×.
     #[inline(always)]

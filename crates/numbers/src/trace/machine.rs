@@ -33,6 +33,7 @@ impl<'g> Machine for Tracer<'g> {
     type Cell = TraceCell<'g>;
     type Rounds = TraceRounds<'g>;
     type Branch = TraceBranch<'g>;
+    const HANDS_ON: bool = true;
 
     fn index(&self, i: usize) -> TraceIndex<'g> {
         TraceIndex::literal(i)

@@ -24,9 +24,9 @@
 //! A root that floats freely is solved at once, Iᴬ a = S⁻ᵀ τ − p.
 
 use super::contact;
-use super::kinematics::{Course, newton_euler, world_inertia};
+use super::kinematics::{Course, begins, newton_euler, visited, world_inertia};
 use super::limit;
-use super::tables::{Tables, arrival, dof, frame, node, node_link, own};
+use super::tables::{Tables, arrival, dof, frame, node, node_link, others, own};
 use crate::gyroscopic::mean_torque;
 use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::{Inertia, Spatial};
@@ -54,8 +54,11 @@ pub(crate) fn articulated_body<M: Machine, const CONTACTS: bool>(
 
 #[inline(always)]
 fn inwards<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, h: M::R, implicit: M::R) {
+    // What a node hands on to its parent, where that is next.
+    let mut next = Inertia::zero().hold(k);
+    let mut next_p = Spatial::zero().hold(k);
     for i in k.range_down(k.index(t.nodes)) {
-        let n = i.offset(t.trees);
+        let n = visited(k, t, i);
         let links = k.link_row::<_, { node_link::WIDTH }>(t.node_links, n);
         let (own_inertia, own_p) = if CONTACTS {
             kept(k, t, n)
@@ -64,7 +67,18 @@ fn inwards<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, h: M::R, imp
         };
         let mut inertia = own_inertia.hold(k);
         let mut p = own_p.hold(k);
-        if let Some(_branch) = k.when(k.equals(links[node_link::CARRIES], 1)) {
+        if M::HANDS_ON {
+            let others = links[node_link::OTHERS];
+            if let Some(_branch) = k.when(k.equals(others, others::FOLLOWED)) {
+                inertia.set(inertia.get() + next.get());
+                p.set(p.get() + next_p.get());
+            }
+            if let Some(_branch) = k.when(k.equals(others, others::MORE)) {
+                let (sum_p, sum) = carried(k, t, n);
+                inertia.set(inertia.get() + (sum + next.get()));
+                p.set(p.get() + (sum_p + next_p.get()));
+            }
+        } else if let Some(_branch) = k.when(k.equals(links[node_link::CARRIES], 1)) {
             let (carried_p, carried) = carried(k, t, n);
             inertia.set(inertia.get() + carried);
             p.set(p.get() + carried_p);
@@ -102,8 +116,14 @@ fn inwards<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, h: M::R, imp
             k.store_spatial(t.dof, v, dof::U, u_vector);
             k.write(t.dof, v, dof::FORCE, [u, inverse]);
         }
-        let (parent, arrival) = (links[node_link::PARENT], links[node_link::ARRIVAL]);
-        pass_on(k, t, parent, arrival, inertia.get(), p.get());
+        if M::HANDS_ON {
+            next.set(inertia.get());
+            next_p.set(p.get());
+        }
+        if let Some(_branch) = begins(k, t, n) {
+            let (parent, arrival) = (links[node_link::PARENT], links[node_link::ARRIVAL]);
+            pass_on(k, t, parent, arrival, inertia.get(), p.get());
+        }
     }
 }
 
@@ -224,10 +244,14 @@ fn outwards<M: Machine>(k: &mut M, t: &Tables) {
     for tree in k.count(t.trees) {
         k.store_spatial(t.frame, tree, frame::ACCELERATION, Spatial::zero());
     }
-    for n in k.range(k.index(t.trees), k.index(t.trees + t.nodes)) {
+    let mut a = Spatial::zero().hold(k);
+    for i in k.count(t.nodes) {
+        let n = visited(k, t, i);
         let links = k.link_row::<_, { node_link::DOF_COUNT }>(t.node_links, n);
-        let from = links[node_link::ACCELERATES_FROM];
-        let mut a = k.spatial(t.frame, from, frame::ACCELERATION).hold(k);
+        if let Some(_branch) = begins(k, t, n) {
+            let from = links[node_link::ACCELERATES_FROM];
+            a.set(k.spatial(t.frame, from, frame::ACCELERATION));
+        }
         let (first, count) = (links[node_link::DOF_BEGIN], links[node_link::ELIMINATED]);
         for v in k.range(first, first.plus(count)) {
             let [u, inverse] = k.read(t.dof, v, dof::FORCE);

@@ -87,13 +87,21 @@ fn half_angles<M: Machine>(k: &mut M, t: &Tables) {
 pub(crate) fn kinematics<M: Machine>(k: &mut M, t: &Tables) {
     origins(k, t);
     half_angles(k, t);
-    for n in k.range(k.index(t.trees), k.index(t.trees + t.nodes)) {
+    let mut place = Pose::identity().hold(k);
+    let mut twist = Spatial::zero().hold(k);
+    let mut bias = Spatial::zero().hold(k);
+    for i in k.count(t.nodes) {
+        let n = visited(k, t, i);
         let [parent, begin, end, turned] =
             k.link_row::<_, { node_link::OUTWARDS }>(t.node_links, n);
-        let from = Course::read(k, t, parent);
-        let mut place = start(k, t, n, from.place, turned).hold(k);
-        let mut twist = from.twist.hold(k);
-        let mut bias = from.bias.hold(k);
+        if let Some(_branch) = begins(k, t, n) {
+            let from = Course::read(k, t, parent);
+            place.set(from.place);
+            twist.set(from.twist);
+            bias.set(from.bias);
+        }
+        let begun = start(k, t, n, place.get(), turned);
+        place.set(begun);
         for m in k.range(begin, end) {
             let [kind, q, v] = k.link_row(t.motion_links, m);
             if let Some(_branch) = k.when(k.equals(kind, motion::REVOLUTE)) {
@@ -122,6 +130,28 @@ pub(crate) fn kinematics<M: Machine>(k: &mut M, t: &Tables) {
             bias: bias.get(),
         };
         course.write(k, t, n);
+    }
+}
+
+/// The node that passes visit in a round: in the order of their rows, in which neighbours do not wait for each other,
+/// or, where [values are handed on](Machine::HANDS_ON), along the limbs. The order changes no number.
+#[inline(always)]
+pub(super) fn visited<M: Machine>(k: &M, t: &Tables, round: M::I) -> M::I {
+    if M::HANDS_ON {
+        k.link(t.limb_links, round, 0)
+    } else {
+        round.offset(t.trees)
+    }
+}
+
+/// A branch where what the parent has is to be read: where it is not at hand, as it was not visited just before.
+#[inline(always)]
+pub(super) fn begins<M: Machine>(k: &M, t: &Tables, n: M::I) -> Option<Option<M::Branch>> {
+    if M::HANDS_ON {
+        let follows = k.link(t.node_links, n, node_link::FOLLOWS);
+        k.when(k.equals(follows, 0)).map(Some)
+    } else {
+        Some(None)
     }
 }
 

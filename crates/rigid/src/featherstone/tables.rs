@@ -77,7 +77,11 @@ pub(crate) mod node_link {
     pub const SLOT_END: usize = 12;
     /// 1 for a free body, whether its degrees of freedom are eliminated or not: a root that floats and carries no other.
     pub const ALONE: usize = 13;
-    pub const WIDTH: usize = 14;
+    /// 1 if the parent is visited just before, on the [way along the limbs](Tables::limb_links).
+    pub const FOLLOWS: usize = 14;
+    /// What the node carries: see [`others`].
+    pub const OTHERS: usize = 15;
+    pub const WIDTH: usize = 16;
 }
 
 /// Values of [`node_link::ARRIVAL`].
@@ -88,6 +92,16 @@ pub(crate) mod arrival {
     pub const FIRST: usize = 1;
     /// After a sibling.
     pub const LATER: usize = 2;
+}
+
+/// Values of [`node_link::OTHERS`], on the way along the limbs.
+pub(crate) mod others {
+    /// Nothing.
+    pub const NONE: usize = 0;
+    /// It carries the one that follows it, and no other.
+    pub const FOLLOWED: usize = 1;
+    /// It carries more, which are summed up in its row.
+    pub const MORE: usize = 2;
 }
 
 /// Fields of [`Tables::touch_links`], of the slots between bodies that move.
@@ -213,6 +227,8 @@ pub struct Tables {
     pub(crate) tree_links: Links<2>,
     pub(crate) origin_links: Links,
     pub(crate) node_links: Links<{ node_link::WIDTH }>,
+    /// The nodes, each limb to its end, so that most are visited just after their parents.
+    pub(crate) limb_links: Links,
     pub(crate) motion_links: Links<{ motion_link::WIDTH }>,
     /// Revolute motions, with their coordinates.
     pub(crate) hinge_links: Links<2>,
@@ -426,6 +442,19 @@ pub(super) struct Forest {
     rows: Vec<usize>,
 }
 
+/// The nodes, each limb to its end before the next begins, so that whoever carries any is followed by the first. Those that a
+/// node carries come in their order, so that sums over them are what they are depth by depth.
+fn along_limbs(forest: &Forest, children: &[Vec<usize>]) -> Vec<usize> {
+    let roots = (0..forest.nodes.len()).filter(|&n| forest.nodes[n].parent.is_none());
+    let mut waiting: Vec<_> = roots.rev().collect();
+    let mut limbs = Vec::new();
+    while let Some(n) = waiting.pop() {
+        limbs.push(n);
+        waiting.extend(children[n].iter().rev());
+    }
+    limbs
+}
+
 impl Forest {
     fn new(model: &Model) -> Self {
         let world = Seat {
@@ -475,6 +504,17 @@ impl Forest {
         for seat in &mut self.seats {
             seat.node = seat.node.map(|n| place[n]);
         }
+    }
+
+    /// The nodes that each carries.
+    fn children(&self) -> Vec<Vec<usize>> {
+        let mut children = vec![Vec::new(); self.nodes.len()];
+        for (n, node) in self.nodes.iter().enumerate() {
+            if let Some(parent) = node.parent {
+                children[parent].push(n);
+            }
+        }
+        children
     }
 
     /// What carries a body: a node, in its tree, or the world, as it does what is on no body.
@@ -976,6 +1016,7 @@ impl Tables {
             tree_links: Links::place(&mut l, trees),
             origin_links: Links::place(&mut l, coordinates),
             node_links: Links::place(&mut l, rows),
+            limb_links: Links::place(&mut l, nodes),
             motion_links: Links::place(&mut l, motions),
             hinge_links: Links::place(&mut l, hinges),
             ball_links: Links::place(&mut l, balls),
@@ -1047,6 +1088,29 @@ impl Tables {
         }
     }
 
+    /// The way along the limbs, and who follows whom on it.
+    fn fill_limbs(&self, forest: &Forest, f: &mut Filler) {
+        let children = forest.children();
+        let limbs = along_limbs(forest, &children);
+        for (i, &n) in limbs.iter().enumerate() {
+            let follows = i > 0 && forest.nodes[n].parent == Some(limbs[i - 1]);
+            let others = match children[n].len() {
+                0 => others::NONE,
+                1 => others::FOLLOWED,
+                _ => others::MORE,
+            };
+            let row = self.trees + n;
+            f.link(self.limb_links, i, 0, row);
+            f.link(
+                self.node_links,
+                row,
+                node_link::FOLLOWS,
+                usize::from(follows),
+            );
+            f.link(self.node_links, row, node_link::OTHERS, others);
+        }
+    }
+
     fn fill_couples(&self, couples: &Couples, f: &mut Filler) {
         for (row, couple) in couples.couples.iter().enumerate() {
             for (field, &x) in couple.iter().enumerate() {
@@ -1064,6 +1128,7 @@ impl Tables {
 
     fn fill_forest(&self, forest: &Forest, f: &mut Filler) {
         self.fill_arrivals(forest, f);
+        self.fill_limbs(forest, f);
         let (mut m, mut hinge, mut ball, mut axis, mut origin) = (0, 0, 0, 0, 0);
         for (i, n) in forest.nodes.iter().enumerate() {
             let row = self.trees + i;
