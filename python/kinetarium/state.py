@@ -64,8 +64,8 @@ class State(Tables):
         (),
         """Coordinates of the joints [m, rad, quaternions x, y, z, w], shape (worlds, coordinates).
 
-        Angles of axes that turn without end are in [−π, π]. Items can be set; quaternions are scaled to unit length
-        then.
+        Angles of axes that turn without end, without a limit, a spring or a position servo, are in [−π, π]. Items can
+        be set; quaternions are scaled to unit length then.
         """,
     )
     joint_velocity = Table(

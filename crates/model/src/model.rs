@@ -8,8 +8,8 @@ pub(crate) mod validate;
 
 use crate::contact_pair::key;
 use crate::{
-    Actuator, Body, BodyId, BodyKind, Camera, ContactPair, Coupling, Joint, JointId, JointKind,
-    Keyframe, Lamp, Material, ModelError, Sensor, Shape, ShapeId,
+    Actuator, AxisKind, Body, BodyId, BodyKind, Camera, ContactPair, Coupling, Joint, JointId,
+    JointKind, Keyframe, Lamp, Material, ModelError, Sensor, Shape, ShapeId,
 };
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
@@ -223,6 +223,19 @@ impl Model {
             Some(row) => self.contact_pairs[*row].material,
             None => self.shapes[a.0].material.with(&self.shapes[b.0].material),
         }
+    }
+
+    /// Whether an axis of a joint turns without end, so that whole turns of it do not count: an angular one without a limit,
+    /// a spring, or an actuator that heeds its position.
+    ///
+    /// # Panics
+    /// If the joint is not of this model, or has no such degree of freedom.
+    pub fn turns_without_end(&self, joint: JointId, axis: usize) -> bool {
+        let Joint { axes, dofs, .. } = &self.joints[joint.0];
+        let angular = axes.get(axis).is_some_and(|a| a.kind == AxisKind::Angular);
+        let heeds = |a: &Actuator| a.joint == joint && a.dof == axis && a.bias[1] != 0.0;
+        let free = dofs[axis].limit.is_none() && dofs[axis].stiffness == 0.0;
+        angular && free && !self.actuators.iter().any(heeds)
     }
 
     /// Initial coordinates of all joints, [`coordinates`](Self::coordinates) of them.

@@ -82,7 +82,8 @@ pub struct OutputTables {
     /// One row per joint of the model: see [`reaction`]. A last row is of no joint. Of the last substep; with `impulse` the
     /// mean over it.
     pub reaction: Table<Output, { reaction::WIDTH }>,
-    /// Joint coordinates, the model's order; axes that turn freely are wrapped to (−π, π].
+    /// Joint coordinates, the model's order; axes that [turn without end](model::Model::turns_without_end) are wrapped to
+    /// (−π, π].
     pub position: Table<Output>,
     /// Joint velocities, the model's order.
     pub velocity: Table<Output>,

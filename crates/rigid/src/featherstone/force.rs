@@ -80,29 +80,18 @@ pub(crate) struct ForceTables {
     armature: Table<Parameter>,
 }
 
-/// A model's degrees of freedom that have a coordinate each, with that coordinate.
+/// A model's degrees of freedom that have a coordinate each, with that coordinate, and whether it turns without end.
 fn axes(model: &Model) -> impl Iterator<Item = (usize, usize, &model::Dof, bool)> {
     model
         .joints
         .iter()
         .enumerate()
         .filter(|(_, j)| !j.axes.is_empty())
-        .flat_map(|(i, joint)| {
+        .flat_map(move |(i, joint)| {
             let id = model::JointId(i);
             let (q, v) = (model.coordinate_range(id), model.dof_range(id));
-            let wraps = joint
-                .axes
-                .iter()
-                .map(|a| a.kind == model::AxisKind::Angular);
-            let rows = q.zip(v).zip(&joint.dofs).zip(wraps);
-            rows.map(|(((q, v), dof), angular)| {
-                (
-                    q,
-                    v,
-                    dof,
-                    angular && dof.limit.is_none() && dof.stiffness == 0.0,
-                )
-            })
+            let rows = q.zip(v).zip(&joint.dofs).enumerate();
+            rows.map(move |(axis, ((q, v), dof))| (q, v, dof, model.turns_without_end(id, axis)))
         })
 }
 

@@ -158,29 +158,17 @@ pub(crate) struct LawTables {
     ball_law: Table<Scratch, { ball_law::WIDTH }>,
 }
 
-/// Degrees of freedom that have an axis, with their laws' owner.
+/// Degrees of freedom that have an axis, with their laws' owner, and whether they turn without end.
 fn axes(model: &Model) -> impl Iterator<Item = (usize, &Dof, bool)> {
     model
         .joints
         .iter()
         .enumerate()
         .filter(|(_, j)| !j.axes.is_empty() && !j.closes_loop)
-        .flat_map(|(i, joint)| {
-            let angular = joint
-                .axes
-                .iter()
-                .map(|a| a.kind == model::AxisKind::Angular);
-            model
-                .dof_range(model::JointId(i))
-                .zip(&joint.dofs)
-                .zip(angular)
-                .map(|((v, dof), angular)| {
-                    (
-                        v,
-                        dof,
-                        angular && dof.limit.is_none() && dof.stiffness == 0.0,
-                    )
-                })
+        .flat_map(move |(i, joint)| {
+            let id = model::JointId(i);
+            let rows = model.dof_range(id).zip(&joint.dofs).enumerate();
+            rows.map(move |(axis, (v, dof))| (v, dof, model.turns_without_end(id, axis)))
         })
 }
 

@@ -599,3 +599,29 @@ fn actuators() {
         }
     }
 }
+
+/// A servo takes a wheel as far as its control says, were it beyond half a turn, and stays there.
+#[test]
+fn a_servo_counts_whole_turns() {
+    let mut world = Builder::new("turned");
+    world.gravity(DVec3::ZERO);
+    let object = world.object("");
+    let inertia = DVec3::new(1.5, 1.2, MASS);
+    let wheel = body(object, "wheel", 1.0, DVec3::ZERO, inertia);
+    let joint = object.revolute("axis", wheel, DVec3::Z).handle();
+    object.position_servo("servo", joint, 10.0, 5.0);
+    let model = world.build().unwrap();
+    let law = Law {
+        mass: MASS,
+        stiffness: 10.0,
+        rest: 4.0,
+        damping: 5.0,
+        ..Law::default()
+    };
+    for method in SOLVERS {
+        let mut simulation = method.simulate::<f64>(&model, H);
+        simulation.controls().set_control(0, &[4.0]).unwrap();
+        let name = format!("{method:?}");
+        follows(&name, &mut simulation, 1500, |_, x| law.step(x));
+    }
+}
