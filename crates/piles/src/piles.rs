@@ -71,7 +71,10 @@ impl<C: Card> Piles<C> {
         let batch = worlds.start / self.scene.plan.worlds as usize;
         let first = worlds.start;
         let numbers = worlds.flat_map(|world| (0..length).map(move |i| state.get(world, i)));
-        let numbers = Vec::from_iter(numbers);
+        let mut numbers = Vec::from_iter(numbers);
+        // Kernels do not ask which steps led to a state.
+        let states = numbers.chunks_exact_mut(length);
+        states.for_each(|state| self.scene.impulse.fit(state));
         self.batches[batch].write(&self.card, &self.scene, first, &numbers)
     }
 

@@ -1,7 +1,7 @@
 //! Jointed bodies that touch, by `impulse`: people who fall, chains that hit, sleep, and what is refused.
 
 use glam::{DQuat, DVec3};
-use kinetarium_sim::{Simulation, SimulationSettings, SolverKind};
+use kinetarium_sim::{Simulation, SimulationSettings, SolverKind, Watch};
 use model::examples::{Start, chain, ragdolls};
 use model::{
     Actuator, Axis, BodyId, Builder, Drive, Geometry, JointKind, Model, Object, Pose, Shape,
@@ -282,6 +282,57 @@ fn a_target_many_turns_away_is_reached() {
     let angle = simulation.outputs().joint_position(0)[0];
     assert!((angle - 0.3).abs() < 1e-3, "{angle}");
     assert_eq!(sleepers(&mut simulation), 1);
+}
+
+/// What drives hold sleeps on in single precision, too: targets come as near to their goals as rounding lets them, those of
+/// balls, and those that follow with a control time. A goal that is a little farther away wakes at once.
+#[test]
+fn what_drives_hold_sleeps_on() {
+    let mut world = Builder::new("held");
+    let object = world.object("");
+    let shape = Geometry::Capsule {
+        radius: 0.03,
+        half_height: 0.4,
+    };
+    for i in 0..6 {
+        let rod = object.body(format!("rod_{i}")).shape(shape.clone());
+        let rod = rod.mass(1.0).handle();
+        let joint = if i < 4 {
+            object.ball(format!("joint_{i}"), rod)
+        } else {
+            object.revolute(format!("joint_{i}"), rod, DVec3::Z)
+        };
+        let top = Pose::at(DVec3::new(3.0 * f64::from(i), 2.0, 0.0));
+        joint.frames(top, Pose::at(DVec3::Y * 0.4)).drive(Drive {
+            stiffness: 40.0,
+            damping: 8.0,
+            control_time: f64::from(i % 2) * 0.1,
+            ..Drive::default()
+        });
+    }
+    let model = world.build().unwrap();
+    let turns = [[0.3, 0.2, 0.1], [-0.2, 0.4, 0.3]];
+    let goals = turns.map(|turn| [turn; 2].concat()).concat();
+    let goals = [goals, vec![2.0; 2]].concat();
+    let mut simulation = simulate::<f32>(&model);
+    for (dof, goal) in goals.iter().enumerate() {
+        simulation.controls().set_target(0, dof, *goal).unwrap();
+    }
+    simulation.step(2000);
+    simulation.watch(Watch {
+        sleep: true,
+        ..Watch::default()
+    });
+    simulation.step(1000);
+    assert_eq!(simulation.drain_events(), []);
+    assert_eq!(sleepers(&mut simulation), 6);
+    for (asleep, joint) in (0..6).rev().zip(0..6) {
+        let dof = model.dof_range(model::JointId(joint)).start;
+        let goal = goals[dof] + 1e-3;
+        simulation.controls().set_target(0, dof, goal).unwrap();
+        simulation.step(1);
+        assert_eq!(sleepers(&mut simulation), asleep, "joint {joint}");
+    }
 }
 
 /// A drive against a weight: it stops where k (target − q) = m g l cos q, however soft the joint is.

@@ -5,9 +5,11 @@ mod scene;
 use glam::{DQuat, DVec3};
 use kinetarium_sim::{Simulation, SimulationError, SimulationSettings};
 use model::examples::n_pendula;
-use model::{BodyId, Builder, Drive, Geometry, Model, Parts, Pose};
+use model::{BodyId, Builder, Drive, Geometry, JointId, Model, Parts, Pose};
 use numbers::Float;
-use scene::{BOTH, Method, TIME_STEP, chain, hash, hashes, mixed, motion, scatter, scattered};
+use scene::{
+    BOTH, Method, TIME_STEP, TOUCHING, chain, hash, hashes, heap, mixed, motion, scatter, scattered,
+};
 use std::f64::consts::FRAC_PI_4;
 
 const WORLDS: usize = 19;
@@ -291,6 +293,41 @@ fn a_model_of_another_structure_is_refused_and_changes_nothing() {
             );
         }
     }
+}
+
+/// Which bodies touch is the same in all worlds.
+#[test]
+fn a_model_in_which_other_bodies_touch_is_refused() {
+    let touching = changed(heap(), |p| {
+        p.joints.iter_mut().for_each(|j| j.bodies_collide = true);
+    });
+    for method in TOUCHING {
+        let mut simulation = Simulation::<f32>::new(heap(), method.settings(WORLDS)).unwrap();
+        let error = simulation.set_world_model(OTHER, &touching).unwrap_err();
+        assert!(
+            matches!(error, SimulationError::Structure { world: OTHER }),
+            "{method:?}: {error}"
+        );
+    }
+}
+
+/// By impulses, the torque of a joint is told about the child's frame that the world's own model gives it.
+#[test]
+fn reactions_are_told_about_frames_of_the_own_model() {
+    let own = changed(mixed(), |p| {
+        p.joints[1].child_frame.position += DVec3::new(0.1, 0.0, 0.05);
+    });
+    let method = Method::Impulses;
+    let mut simulation = Simulation::<f64>::new(mixed(), method.settings(WORLDS)).unwrap();
+    simulation.set_world_model(OTHER, &own).unwrap();
+    scatter(&mut simulation, OTHER, OTHER);
+    let mut alone = scattered::<f64>(&own, method.settings(1), |_| OTHER);
+    for simulation in [&mut simulation, &mut alone] {
+        simulation.step(STEPS);
+    }
+    let told = simulation.outputs().reaction(OTHER, JointId(1));
+    assert_eq!(told, alone.outputs().reaction(0, JointId(1)));
+    assert!(told.0.length() > 0.1, "{told:?}");
 }
 
 /// Two cubes that float beside each other, 2 cm apart, until one of them grows into the other: what was known of

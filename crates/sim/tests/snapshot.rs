@@ -1,8 +1,11 @@
 //! A snapshot brings back every bit, in lanes of any width, and refuses what does not fit.
 
-use kinetarium_sim::{Simulation, SimulationError, SimulationSettings, Snapshot, SnapshotError};
-use model::Model;
+use glam::{DMat3, DQuat, DVec3};
+use kinetarium_sim::{
+    Simulation, SimulationError, SimulationSettings, Snapshot, SnapshotError, SolverKind,
+};
 use model::examples::n_pendula;
+use model::{Builder, Geometry, JointId, Material, Model, Pose, Shape};
 use numbers::Float;
 
 const WORLDS: usize = 21;
@@ -84,6 +87,101 @@ fn lanes_restore_into_scalars_and_back() {
     };
     goes_on_as_before::<f32>(settings(), scalar);
     goes_on_as_before::<f32>(scalar, settings());
+}
+
+/// On a slope a box that sticks, and a ball that rolling friction holds; above them a beam in a wall, and a stone on a
+/// rope.
+fn at_rest() -> Model {
+    let down = DQuat::from_rotation_z(0.05) * DVec3::NEG_Y;
+    let mut world = Builder::new("at rest");
+    world.gravity(9.81 * down);
+    let rough = Material {
+        rolling_friction: 0.02,
+        ..Material::default()
+    };
+    let shape = |geometry| Shape::new(geometry).with_material(rough);
+    let plane = Geometry::Plane {
+        half_x: 0.0,
+        half_z: 0.0,
+    };
+    world.object("ground").scenery(shape(plane));
+    let things = world.object("things");
+    let half = DVec3::splat(0.1);
+    let cube = things.body("box").at(Pose::at(DVec3::Y * 0.1));
+    cube.shape(shape(Geometry::Box { half }));
+    let ball = things.body("ball").at(Pose::at(DVec3::new(1.0, 0.1, 0.0)));
+    ball.shape(shape(Geometry::Sphere { radius: 0.1 }));
+    let [beam, stone] = ["beam", "stone"].map(|name| {
+        let body = things.body(name);
+        body.inertia(1.0, DVec3::ZERO, 0.01 * DMat3::IDENTITY)
+            .handle()
+    });
+    let end = Pose::at(DVec3::NEG_X * 0.3);
+    let wall = things.fixed("wall", beam);
+    wall.frames(Pose::at(DVec3::Y * 2.0), end);
+    let (hook, length) = (DVec3::new(2.0, 2.0, 0.0), 0.5);
+    let [x, y, z] = (hook + length * down).to_array();
+    let flight = things.free("flight", stone);
+    flight.initial(&[x, y, z, 0.0, 0.0, 0.0, 1.0]);
+    let rope = things.distance("rope", stone, length);
+    rope.frames(Pose::at(hook), Pose::IDENTITY);
+    world.build().unwrap()
+}
+
+/// Forces [N] on the box and the ball, the torque [N·m] on the ball, and what joints give.
+fn forces(simulation: &mut Simulation<f64>) -> Vec<DVec3> {
+    let joints = simulation.model().joints.len();
+    let outputs = simulation.outputs();
+    let mut all = vec![DVec3::ZERO; 3];
+    for contact in outputs.contacts(0) {
+        // The first shape is the ground.
+        let body = contact.shapes[1].0 - 1;
+        all[body] += contact.force;
+        if body == 1 {
+            all[2] += contact.torque;
+        }
+    }
+    let reactions = (0..joints).map(|j| outputs.reaction(0, JointId(j)));
+    all.extend(reactions.flat_map(|(force, torque)| [force, torque]));
+    all
+}
+
+/// In steps of another length contacts and joints go on to give what they gave, whether what rests on them sleeps or not.
+#[test]
+fn a_snapshot_keeps_its_forces_in_shorter_steps() {
+    let cases = [
+        (SolverKind::Xpbd, 0.0),
+        (SolverKind::Impulse, 0.0),
+        (SolverKind::Impulse, 0.01),
+    ];
+    for (solver, sleep_speed) in cases {
+        let with = |time_step| {
+            let mut settings = SimulationSettings::new(1, time_step);
+            settings.solver = solver;
+            settings.step.sleep_speed = sleep_speed;
+            Simulation::<f64>::new(at_rest(), settings).unwrap()
+        };
+        let (mut long, mut short) = (with(0.004), with(0.001));
+        long.step(500);
+        let expected = forces(&mut long);
+        let weight = long.model().bodies[0].mass * -long.model().gravity;
+        assert!(
+            expected[0].distance(weight) < 1e-2 * weight.length(),
+            "{solver:?}: {} for {weight}",
+            expected[0]
+        );
+        short.restore(&long.snapshot()).unwrap();
+        // What is softer in longer steps has sunk deeper, and settles.
+        for (steps, tolerance) in [(0, 1e-9), (1, 0.1)] {
+            short.step(steps);
+            for (found, expected) in forces(&mut short).iter().zip(&expected) {
+                assert!(
+                    found.distance(*expected) < tolerance * (expected.length() + 0.1),
+                    "{solver:?}, {sleep_speed} m/s, {steps} steps: {found} for {expected}"
+                );
+            }
+        }
+    }
 }
 
 #[test]

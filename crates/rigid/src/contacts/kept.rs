@@ -114,18 +114,17 @@ impl Kept {
     }
 }
 
-/// Copies torques of contacts to the output, times `scale`, where it has room for them.
+/// Copies torques of contacts to the output, where it has room for them.
 #[inline(always)]
 pub(crate) fn report_torques<M: Machine>(
     k: &mut M,
     kept: Table<State, 3>,
     slots: usize,
-    scale: M::R,
     output: Option<Table<Output, 3>>,
 ) {
     if let Some(output) = output {
         for s in k.count(slots) {
-            let torque = k.vec3(kept, s, 0) * scale;
+            let torque = k.vec3(kept, s, 0);
             k.store_vec3(output, s, 0, torque);
         }
     }

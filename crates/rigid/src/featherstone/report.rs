@@ -71,7 +71,7 @@ pub(crate) fn contacts<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) 
 fn report_touches<M: Machine>(k: &mut M, t: &Tables) {
     t.kept.report(k, t.output.contact);
     let (slots, torques) = (t.contacts.sensed, t.output.contact_torque);
-    report_torques(k, t.gripped, slots, M::R::one(), torques);
+    report_torques(k, t.gripped, slots, torques);
 }
 
 /// Coordinates and velocities of joints only, which are the state.

@@ -116,6 +116,8 @@ pub struct Impulse {
     /// How many contacts there was no room for, since the world was reset.
     pub(super) forgotten: Table<StateMemory>,
     pub(super) memory: Table<StateMemory, { memory::remembered::WIDTH }>,
+    /// Lengths [s] of the small steps and of the step by which what is remembered was given.
+    pub(super) given_in: Table<StateMemory, 2>,
     pub(super) capacity: usize,
     state_length: usize,
     pub(super) input: InputTables,
@@ -245,6 +247,7 @@ impl Impulse {
             remembered: Table::place(&mut state_length, 1),
             forgotten: Table::place(&mut state_length, 1),
             memory: Table::place(&mut state_length, capacity),
+            given_in: Table::place(&mut state_length, 1),
             capacity,
             state_length: 0,
             input: InputTables::new(model),
@@ -409,6 +412,7 @@ impl Impulse {
         let mut state = vec![0.0; self.state_length];
         state[self.alive()] = 1.0;
         state[self.state.at(0, state::ORIENTATION + 3)] = 1.0;
+        state[self.given_in.at(0, 0)..][..2].copy_from_slice(&self.lengths_of_steps());
         self.ties.initial(&mut state);
         self.place(position, velocity, &mut state);
         state
@@ -444,6 +448,11 @@ impl Impulse {
         }
     }
 
+    /// Lengths [s] of a small step and of a step.
+    pub(super) fn lengths_of_steps(&self) -> [f64; 2] {
+        let long = self.settings.substep();
+        [long / self.settings.contact_iterations as f64, long]
+    }
     /// Strength of gravity [m/s²].
     pub fn weight<T: Float>(&self, parameters: &[T]) -> f64 {
         let squares = self.gravity(parameters).iter().map(|x| x.to_f64().powi(2));
@@ -612,6 +621,10 @@ impl<T: Float> State<'_, T> {
     }
     pub(super) fn velocity(&self, row: usize) -> [DVec3; 2] {
         [0, 3].map(|i| self.vec3(row, state::VELOCITY + i))
+    }
+    /// Length [s] of the step that led here, which may be of other settings.
+    pub(super) fn long(&self) -> f64 {
+        self.state[self.impulse.given_in.at(0, 1)].to_f64()
     }
     pub(super) fn before(&self, row: usize) -> [DVec3; 2] {
         [0, 3].map(|i| self.vec3(row, state::BEFORE + i))

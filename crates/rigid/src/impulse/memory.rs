@@ -1,6 +1,9 @@
 //! What a world remembers of its contacts from step to step.
+//!
+//! It is impulses, of small steps and of a step. So a state also holds how long these were: with a snapshot it may come to
+//! a simulation in steps of other lengths, for which [`Impulse::fit`] changes it.
 
-use super::layout::Impulse;
+use super::layout::{Impulse, state as body};
 use super::sums::{self, SumTables};
 use super::tables::POINTS;
 use glam::DVec3;
@@ -83,6 +86,32 @@ impl Impulse {
     pub fn memory_places(&self) -> [usize; 3] {
         let [count, forgotten] = [self.remembered, self.forgotten].map(|number| number.at(0, 0));
         [count, forgotten, self.memory.at(0, 0)]
+    }
+    /// Makes a state one that steps of the present length have led to: forces, torques and accelerations stay.
+    pub fn fit<T: Float>(&self, state: &mut [T]) {
+        let given_in = self.given_in.at(0, 0)..self.given_in.at(1, 0);
+        let now = self.lengths_of_steps().map(T::from_f64);
+        let before = &mut state[given_in];
+        if before == now {
+            return;
+        }
+        let times = [0, 1].map(|i| now[i] / before[i]);
+        before.copy_from_slice(&now);
+        for i in 0..self.remembered(state) {
+            let mut contact = self.recall(i, state).contact();
+            contact.stretch(times);
+            contact.write(&mut state[self.memory.at(i, 0)..][..field::WIDTH]);
+        }
+        for tie in 0..self.ties() {
+            self.stretch_tied(tie, times, state);
+        }
+        for row in 1..self.rows() {
+            let own = &mut state[self.body_state(row)..][..body::WIDTH];
+            for i in 0..6 {
+                let (now, before) = (own[body::VELOCITY + i], own[body::BEFORE + i]);
+                own[body::BEFORE + i] = now - (now - before) * times[1];
+            }
+        }
     }
     /// How many contacts there was no room for, since the world was reset.
     pub fn forgotten<T: Float>(&self, state: &[T]) -> f64 {
@@ -235,6 +264,17 @@ impl<T: Float> Cached<T> {
         self.twist_sum = self.twist.map(|x| x * steps);
         for point in &mut self.points {
             point.sum = point.impulse * steps;
+        }
+    }
+    /// What it gave in small steps, and in a step, that were so many times as long.
+    fn stretch(&mut self, [small, whole]: [T; 2]) {
+        self.drag = self.drag.map(|x| x * small);
+        self.twist = self.twist.map(|x| x * small);
+        self.drag_sum = self.drag_sum.map(|x| x * whole);
+        self.twist_sum = self.twist_sum.map(|x| x * whole);
+        for point in &mut self.points {
+            point.impulse = point.impulse * small;
+            point.sum = point.sum * whole;
         }
     }
     /// It is no contact any more, and tells only what it gave.

@@ -20,7 +20,7 @@ impl Impulse {
     }
 
     fn report_bodies<T: Float>(&self, state: &State<'_, T>, output: &mut [T]) {
-        let long = self.settings.substep();
+        let long = state.long();
         for (id, &row) in self.rows.iter().enumerate() {
             let frame = pose_at(state.parameters, self.frame.at(id, 0));
             let (pose, [v, w], [a, turning]) = if row == WORLD {
@@ -52,7 +52,7 @@ impl Impulse {
     }
 
     fn report_joints<T: Float>(&self, state: &State<'_, T>, output: &mut [T]) {
-        let long = self.settings.substep();
+        let long = state.long();
         for free in &self.free {
             let row = self.rows[free.body.0] as usize;
             let own = state.pose(row);
@@ -87,7 +87,7 @@ impl Impulse {
 
     /// All other joints. Returns the energy of springs, and that of armatures [J].
     fn report_ties<T: Float>(&self, state: &State<'_, T>, output: &mut [T]) -> [f64; 2] {
-        let long = self.settings.substep();
+        let long = state.long();
         let mut energy = [0.0; 2];
         for (i, tie) in self.ties.list.iter().enumerate() {
             let seen = state.see(i);
@@ -141,7 +141,7 @@ impl Impulse {
 
     /// Mean force and torque over the last step on the shape that moves.
     fn report_contacts<T: Float>(&self, state: &State<'_, T>, output: &mut [T]) {
-        let long = self.settings.substep();
+        let long = state.long();
         let mut row = 0;
         for i in 0..self.remembered(state.state) {
             let touch = self.recall(i, state.state).contact();

@@ -381,7 +381,8 @@ fn start<M: Machine>(
     let impulse = n.fma(press, rub) * h.recip();
     let mut sides = sides.pushed(impulse);
     if t.grips {
-        let last = bounded(k, t, pair, n, press, k.vec3(t.gripped, s, 0));
+        let last = k.vec3(t.gripped, s, 0) * h.squared();
+        let last = bounded(k, t, pair, n, press, last);
         sides = sides.turned(last * h.recip());
         for (i, x) in last.to_array().into_iter().enumerate() {
             k.store_where(warm, t.grip, s, grip::LAMBDA + i, x);
@@ -536,7 +537,7 @@ pub(crate) fn drift<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
 }
 
 /// Keeps the contacts of the substep just made in the state: to be reported, and to start the
-/// next one with.
+/// next one with. As forces and torques, for that may be of another length.
 #[inline(always)]
 pub(crate) fn keep<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     let rate = h.squared().recip();
@@ -555,7 +556,7 @@ pub(crate) fn keep<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
             t.kept.keep(k, s, Touch { position, ..touch });
             if t.grips {
                 let torque = k.vec3(t.grip, s, grip::LAMBDA);
-                k.store_vec3(t.gripped, s, 0, torque);
+                k.store_vec3(t.gripped, s, 0, torque * rate);
             }
         }
     }

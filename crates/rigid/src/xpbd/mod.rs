@@ -147,6 +147,8 @@ impl Kernels for Xpbd {
     fn initial(&self, model: &Model, position: &[f64], velocity: &[f64]) -> Vec<f64> {
         let mut state = vec![0.0; self.tables.state_length];
         state[self.alive()] = 1.0;
+        let length = self.tables.global.at(0, global::STEP);
+        state[self.tables.led.at(0, 0)] = self.parameters[length];
         state[self.tables.pose.at(0, 6)] = 1.0;
         self.tables.laws.initial(model, &mut state);
         self.tables.kept.initial(&mut state);
@@ -218,6 +220,7 @@ fn substep<M: Machine>(k: &mut M, t: &Tables) {
     laws::prepare(k, t, h);
     let mut survey = Survey::new(k);
     passes(k, t, h, &mut survey);
+    k.store(t.led, k.index(0), 0, h);
     guard(k, t, &survey);
 }
 

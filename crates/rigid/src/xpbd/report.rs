@@ -43,14 +43,8 @@ pub(crate) fn contacts<M: Machine>(k: &mut M, t: &Tables) {
     motion(k, t);
     if t.touches() {
         t.kept.report(k, t.output.contact);
-        let rate = k.load(t.global, k.index(0), global::STEP).squared().recip();
-        report_torques(
-            k,
-            t.gripped,
-            t.contacts.sensed,
-            rate,
-            t.output.contact_torque,
-        );
+        let torques = t.output.contact_torque;
+        report_torques(k, t.gripped, t.contacts.sensed, torques);
     }
 }
 
@@ -73,7 +67,7 @@ fn bodies<M: Machine>(k: &mut M, t: &Tables) {
 /// the body's frame.
 #[inline(always)]
 fn body_accelerations<M: Machine>(k: &mut M, t: &Tables) {
-    let per = k.load(t.global, k.index(0), global::STEP).recip();
+    let per = k.load(t.led, k.index(0), 0).recip();
     for i in k.count(t.bodies) {
         let id = k.link(t.body_links, i, body_link::BODY);
         let row = k.link(t.body_links, i, body_link::ROW);
@@ -108,7 +102,7 @@ fn before<M: Machine>(k: &M, t: &Tables, ends: Ends<M::R, M::I>) -> Ends<M::R, M
 
 #[inline(always)]
 fn axes<M: Machine>(k: &mut M, t: &Tables) {
-    let h = k.load(t.global, k.index(0), global::STEP);
+    let h = k.load(t.led, k.index(0), 0);
     for g in k.count(t.groups) {
         measure(k, t, g);
     }
@@ -133,7 +127,7 @@ fn axes<M: Machine>(k: &mut M, t: &Tables) {
 
 #[inline(always)]
 fn balls<M: Machine>(k: &mut M, t: &Tables) {
-    let h = k.load(t.global, k.index(0), global::STEP);
+    let h = k.load(t.led, k.index(0), 0);
     for i in k.count(t.balls) {
         let (q, v) = (k.link(t.ball_links, i, 1), k.link(t.ball_links, i, 2));
         let ends = Ends::load(k, t, k.link(t.ball_links, i, 0));
@@ -163,7 +157,7 @@ fn drift<R: Real, I: Index>(ends: &Ends<R, I>, rb: Vec3<R>) -> Vec3<R> {
 
 #[inline(always)]
 fn frees<M: Machine>(k: &mut M, t: &Tables) {
-    let h = k.load(t.global, k.index(0), global::STEP);
+    let h = k.load(t.led, k.index(0), 0);
     for i in k.count(t.frees) {
         let j = k.link(t.free_links, i, 0);
         let (q, v) = (k.link(t.free_links, i, 1), k.link(t.free_links, i, 2));
@@ -192,7 +186,7 @@ fn frees<M: Machine>(k: &mut M, t: &Tables) {
 /// A multiplier is an impulse times h: f = λ / h².
 #[inline(always)]
 fn reactions<M: Machine>(k: &mut M, t: &Tables) {
-    let h = k.load(t.global, k.index(0), global::STEP);
+    let h = k.load(t.led, k.index(0), 0);
     for j in k.count(t.joints) {
         store_reaction(k, t, j, Spatial::zero(), h);
     }

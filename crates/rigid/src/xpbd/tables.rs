@@ -240,12 +240,14 @@ pub struct Tables {
     /// Per axis: the coordinate, less its reference, counting turns.
     pub(crate) angle: Table<State>,
     pub(crate) alive: Table<State>,
+    /// Length of the substep that led here, which may be of other settings [s].
+    pub(crate) led: Table<State>,
     /// How often a cap has bitten.
     pub(crate) capped: Table<State>,
     pub(crate) laws: LawTables,
     /// The contacts of the last substep, as they are reported.
     pub(crate) kept: Kept,
-    /// Their torques·h² against twisting and rolling.
+    /// Their torques against twisting and rolling [N·m].
     pub(crate) gripped: Table<State, 3>,
     pub(crate) state_length: usize,
 
@@ -470,6 +472,7 @@ impl Tables {
             multiplier: Table::place(&mut s, closings),
             angle: Table::place(&mut s, axes),
             alive: Table::place(&mut s, 1),
+            led: Table::place(&mut s, 1),
             capped: Table::place(&mut s, 1),
             laws,
             kept: Kept::place(&mut s, contacts.slots),
@@ -646,8 +649,7 @@ impl Tables {
                 f.vec3(self.direction, row, 0, own.conjugate() * axis.direction);
                 f.number(self.direction, row, 3, axis.reference);
                 f.link(self.axis_links, row, axis_link::JOINT, group.joint);
-                let dof = &joint.dofs[i];
-                let turns = is_angular && dof.limit.is_none() && dof.stiffness == 0.0;
+                let turns = model.turns_without_end(id, i);
                 f.link(self.axis_links, row, axis_link::TURNS, usize::from(turns));
                 // An axis of a loop-closing joint has no coordinate: its row points past the end.
                 let (q, v) = if joint.closes_loop {

@@ -92,6 +92,7 @@ pub(super) struct World<'a, T: Float> {
 impl<T: Float> World<'_, T> {
     /// Advances the world by a step; a state that would not be finite is not taken.
     pub fn step(&self, state: &mut [T], w: &mut Workspace<T>) {
+        self.impulse().fit(state);
         let parts = self.parts_of(state);
         for part in 0..parts {
             if state[self.impulse().alive()] > T::zero() {
@@ -192,7 +193,7 @@ impl<T: Float> World<'_, T> {
     fn stir(&self, state: &State<'_, T>, w: &mut Workspace<T>) {
         if w.sleep.asleep.contains(&true) {
             for (tie, rows) in self.joints() {
-                if self.impulse().stirs(tie, state, self.input) {
+                if self.impulse().stirs(tie, state, self.input, self.length()) {
                     w.sleep.wake(rows);
                 }
             }

@@ -1,6 +1,6 @@
 //! The joints of a model as the kernels read them, and what acts along their axes in a step.
 
-use super::super::layout::{Impulse, State, WORLD, bodies_and_rows, own_frame, pose_at};
+use super::super::layout::{Impulse, State, WORLD, bodies_and_rows, own_frame};
 use super::super::tables::row;
 use super::drive::around;
 use super::tables::{JointTables, LAWS, ROWS, axis, axis_link, joint, law};
@@ -9,12 +9,15 @@ use crate::check;
 use crate::tables::{Filler, UNBOUNDED, actuator_numbers, ball_target, bounded, frame};
 use crate::{InputTables, SolverError};
 use glam::{DQuat, DVec3};
-use model::{AxisKind, BodyId, BodyKind, Dof, Joint, JointId, JointKind, Model, Pose};
+use model::{AxisKind, BodyKind, Dof, Joint, JointId, JointKind, Model, Pose};
 use numbers::machine::space::{Parameter, State as StateMemory};
 use numbers::{Cpu, Float, PerWorld, Table};
 
-/// Coordinates nearer to their targets than this have reached them [m or rad].
+/// Targets nearer to their goals than this, but for rounding, have reached them [m or rad].
 const REACHED: f64 = 1e-6;
+
+/// By so many roundings [rad] a step may turn a target that is a quaternion, besides the way to its goal.
+const TURNED: f64 = 16.0;
 
 /// Steepness of dry friction about rest [s/m or s/rad]: it is full at the inverse of this rate.
 const STEEP: f64 = 1e6;
@@ -77,8 +80,7 @@ pub(in super::super) struct Tie {
     freedoms: [Option<Freedom>; ROWS],
     /// First coordinate of the quaternion of a ball or free joint.
     quaternion: Option<usize>,
-    child_frame: Pose,
-    child: BodyId,
+    bodies_collide: bool,
 }
 
 /// Where the numbers of all ties lie.
@@ -89,6 +91,8 @@ pub(in super::super) struct Ties {
     /// [`ROWS`] a tie.
     dofs: Table<Parameter, { dof::WIDTH }>,
     motors: Table<Parameter, 9>,
+    /// Origins of the children's frames in their bodies' own, about which reactions are told [m].
+    origins: Table<Parameter, 3>,
     state: Table<StateMemory, TIED_STATE>,
     /// Targets as a world starts.
     targets: Vec<[f64; ROWS]>,
@@ -146,6 +150,7 @@ impl Ties {
             constants: Table::place(parameters, list.len()),
             dofs: Table::place(parameters, ROWS * list.len()),
             motors: Table::place(parameters, model.actuators.len()),
+            origins: Table::place(parameters, list.len()),
             state: Table::place(state, list.len()),
             targets,
             list,
@@ -165,6 +170,8 @@ impl Ties {
         for (i, tie) in self.list.iter().enumerate() {
             let joint = &model.joints[tie.joint.0];
             f.numbers(self.constants, i, 0, &tie.constants(joint, inner));
+            let frame = inner[joint.child.0] * joint.child_frame;
+            f.vec3(self.origins, i, 0, frame.position);
             let freedoms = tie.freedoms.iter().zip(tie.dofs_of(joint)).enumerate();
             for (row, (freedom, own)) in freedoms {
                 if let (Some(_), Some(own)) = (freedom, own) {
@@ -183,7 +190,7 @@ impl Ties {
     pub fn structure(&self, words: &mut Vec<u32>) {
         for tie in &self.list {
             words.extend([tie.joint.0 as u32, tie.rows[0], tie.rows[1]]);
-            words.extend([tie.solved, tie.ball].map(u32::from));
+            words.extend([tie.solved, tie.ball, tie.bodies_collide].map(u32::from));
             for (locked, freedom) in tie.locked.iter().zip(&tie.freedoms) {
                 words.push(u32::from(*locked));
                 let Some(f) = freedom else { continue };
@@ -237,8 +244,7 @@ impl Tie {
             locked: std::array::from_fn(locks),
             freedoms: [const { None }; ROWS],
             quaternion: None,
-            child_frame: joint.child_frame,
-            child: joint.child,
+            bodies_collide: joint.bodies_collide,
         };
         if joint.closes_loop {
             return Ok(tie);
@@ -377,17 +383,13 @@ impl Freedom {
             .filter(|(_, a)| a.joint == id && a.dof == own)
             .map(|(i, a)| (i, a.force_range.is_some()))
             .collect();
-        let angular = joint
-            .axes
-            .get(own)
-            .is_some_and(|a| a.kind == AxisKind::Angular);
         let freedom = Self {
             dof: model.dof_range(id).start + own,
             coordinate,
             limited: dof.limit.is_some(),
             rubs: dof.friction_loss > 0.0,
             driven: dof.drive.stiffness > 0.0 || dof.drive.damping > 0.0,
-            turns: angular && dof.limit.is_none() && dof.stiffness == 0.0,
+            turns: model.turns_without_end(id, own),
             motors,
         };
         if freedom.laws() > LAWS {
@@ -549,8 +551,15 @@ impl Impulse {
         rows.flat_map(|row| [dof::ARMATURE, dof::STOP_INERTIA].map(|x| self.ties.dofs.at(row, x)))
             .any(|at| parameters[at] > T::zero())
     }
-    /// Whether a controller moves a joint, or what it has set has not been reached.
-    pub fn stirs<T: Float>(&self, tie: usize, state: &State<'_, T>, input: &[T]) -> bool {
+    /// Whether a controller moves a joint, or what it has set has not been reached; in steps, or parts of steps, of this
+    /// length [s].
+    pub fn stirs<T: Float>(
+        &self,
+        tie: usize,
+        state: &State<'_, T>,
+        input: &[T],
+        long: f64,
+    ) -> bool {
         let given = Given {
             impulse: self,
             parameters: state.parameters,
@@ -565,7 +574,7 @@ impl Impulse {
                 let pushed = given.force(f.dof) != 0.0;
                 let controlled = f.motors.iter().any(|m| given.control(m.0) != 0.0);
                 let runs = f.driven && given.target_velocity(f.dof) != 0.0;
-                let away = f.driven && given.is_away(tie, row, f, targets);
+                let away = f.driven && given.is_away(tie, row, f, targets, long);
                 pushed || controlled || runs || away
             })
     }
@@ -663,21 +672,48 @@ impl Impulse {
             state[at(joint::SUM + i)] = before + state[at(joint::IMPULSE + i)] * steps;
         }
     }
+    /// What a joint gave in small steps, and in a step, that were so many times as long.
+    pub(in super::super) fn stretch_tied<T: Float>(
+        &self,
+        tie: usize,
+        [small, whole]: [T; 2],
+        state: &mut [T],
+    ) {
+        let at = |field| self.ties.state.at(tie, field - joint::TARGET);
+        for (field, times) in [(joint::IMPULSE, small), (joint::SUM, whole)] {
+            for x in &mut state[at(field)..][..6] {
+                *x = *x * times;
+            }
+        }
+    }
 }
 
 impl<T: Float> Given<'_, T> {
-    /// Whether the drive of a row, of which the targets are where the joint carries them, has not yet come to its goal.
-    fn is_away(&self, tie: usize, row: usize, freedom: &Freedom, targets: &[T]) -> bool {
-        let one = &self.ties().list[tie];
-        if one.ball {
+    /// Whether the drive of a row, of which the targets are where the joint carries them, has not yet come to its goal, as
+    /// near as it gets: a step adds a share of what is left, which in the end is less than a rounding.
+    fn is_away(&self, tie: usize, row: usize, freedom: &Freedom, targets: &[T], long: f64) -> bool {
+        let number = |i: usize| targets[i].to_f64();
+        let (left, now, goal) = if self.ties().list[tie].ball {
             let first = freedom.dof - row;
-            let now = [0, 1, 2, 3].map(|i| targets[i].to_f64());
             let goal = DVec3::from_array([0, 1, 2].map(|i| self.target(first + i)));
-            let goal = DQuat::from_scaled_axis(goal);
-            return 1.0 - goal.dot(DQuat::from_array(now)).abs() > REACHED * REACHED;
-        }
-        let now = targets[row].to_f64();
-        around(self.target(freedom.dof) - now, freedom.turns).abs() > REACHED
+            let now = DQuat::from_array([0, 1, 2, 3].map(number));
+            let left = now.conjugate() * DQuat::from_scaled_axis(goal);
+            // The angle, whatever the quaternion's length.
+            let left = 2.0 * left.xyz().length().atan2(left.w.abs());
+            (left, TURNED, goal.length())
+        } else {
+            let (now, goal) = (number(row), self.target(freedom.dof));
+            let left = around(goal - now, freedom.turns).abs();
+            (left, now.abs(), goal.abs())
+        };
+        let rounding = if T::DOUBLE {
+            f64::EPSILON
+        } else {
+            f32::EPSILON.into()
+        };
+        let time = self.dof(tie, row)[dof::DRIVE + 3];
+        let share = long / (time + long);
+        left > REACHED + rounding * (now / share + goal)
     }
 }
 
@@ -759,19 +795,19 @@ impl<T: Float> State<'_, T> {
             }
         }
         let vec3 = |at: usize| DVec3::from_slice(&numbers[at..at + 3]);
+        let origin = impulse.ties.origins.at(tie, 0);
+        let origin = [0, 1, 2].map(|i| self.parameters[origin + i].to_f64());
         let [own_a, own_b] = one.rows.map(|body| self.pose(body as usize));
         let quat = |at: usize| DQuat::from_slice(&numbers[at..at + 4]);
         let turn_a = own_a.orientation * quat(joint::FRAME_A);
         let turn_b = own_b.orientation * quat(joint::FRAME_B);
-        let inner = pose_at(self.parameters, impulse.frame.at(one.child.0, 0));
-        let frame = own_b * inner * one.child_frame;
-        let anchor = own_b.point(vec3(joint::ANCHOR_B));
+        let arm = own_b.orientation * (vec3(joint::ANCHOR_B) - DVec3::from_array(origin));
         let (torque, force) = (vec3(joint::SUM), vec3(joint::SUM + 3));
         Seen {
             value,
             rates,
             turn: turn_a.inverse() * turn_b,
-            impulse: [torque + (anchor - frame.position).cross(force), force],
+            impulse: [torque + arm.cross(force), force],
             energy,
         }
     }
