@@ -1,7 +1,8 @@
 //! A card, ready to compute.
 
+use crate::compiler::{self, CAPABILITY};
 use crate::wgsl::{self, Translated};
-use crate::{CudaError, compiler, libraries};
+use crate::{CudaError, libraries};
 use cudarc::driver::result::device;
 use cudarc::driver::sys::CUresult::{CUDA_ERROR_NO_DEVICE, CUDA_ERROR_OUT_OF_MEMORY};
 use cudarc::driver::{
@@ -46,7 +47,8 @@ impl Cuda {
     /// Opens a card, counted from 0 as CUDA counts them (`CUDA_VISIBLE_DEVICES` chooses and orders them).
     ///
     /// # Errors
-    /// There is no driver, no compiler, or no such card, with a list of those that there are; or it refuses.
+    /// There is no driver, no compiler, or no such card, with a list of those that there are; it is too old; the driver
+    /// refuses.
     pub fn open(ordinal: usize) -> Result<Self, CudaError> {
         Self::open_within(ordinal, u64::MAX)
     }
@@ -57,7 +59,7 @@ impl Cuda {
     pub fn open_within(ordinal: usize, most_bytes: u64) -> Result<Self, CudaError> {
         libraries::find_driver()?;
         libraries::find_compiler()?;
-        let refused = |e: DriverError| CudaError::Failed {
+        let refused = |e: DriverError| CudaError::Refused {
             card: format!("cuda:{ordinal}"),
             reason: said(e),
         };
@@ -70,6 +72,14 @@ impl Cuda {
             return Err(CudaError::NoCard { ordinal, found });
         };
         let context = CudaContext::new(ordinal).map_err(refused)?;
+        let found = context.compute_capability().map_err(refused)?;
+        if found < CAPABILITY {
+            return Err(CudaError::TooOld {
+                card: name.clone(),
+                found,
+                needed: CAPABILITY,
+            });
+        }
         let memory = context.total_mem().map_err(refused)? as u64;
         let most_bytes = most_bytes.min(memory / SHARE).min(u64::from(u32::MAX) * 4);
         Ok(Self(Arc::new(Card {
@@ -152,7 +162,7 @@ impl Cuda {
             return self.kernel_of(known, name);
         }
         let ptx = compiler::compile(text)?;
-        let image = self.told(self.stream().context().load_module(ptx))?;
+        let image = self.loaded(self.stream().context().load_module(ptx))?;
         let mut module = Module {
             image,
             kernels: HashMap::new(),
@@ -165,9 +175,19 @@ impl Cuda {
         if let Some(known) = module.kernels.get(name) {
             return Ok(known.clone());
         }
-        let function = self.told(module.image.load_function(name))?;
+        let function = self.loaded(module.image.load_function(name))?;
         module.kernels.insert(name.to_owned(), function.clone());
         Ok(function)
+    }
+    /// What the driver was to load. What it refuses has changed nothing, unless the card has failed before.
+    fn loaded<R>(&self, result: Result<R, DriverError>) -> Result<R, CudaError> {
+        result.or_else(|error| {
+            self.told(self.stream().synchronize())?;
+            Err(CudaError::Load {
+                card: self.0.name.clone(),
+                reason: said(error),
+            })
+        })
     }
 
     /// A result of the driver. A failure stays, as what the card holds may be wrong.

@@ -10,6 +10,8 @@ pub(crate) const BLOCK: u32 = 64;
 /// What is compiled for: what all versions of NVRTC since 12 know, and the drivers of all cards since Turing (2018) take.
 /// Kernels of this crate gain nothing from later ones.
 const ARCHITECTURE: &str = "compute_75";
+/// The same as cards tell it: major and minor compute capability.
+pub(crate) const CAPABILITY: (i32, i32) = (7, 5);
 
 /// The CUDA C++ of a record, with so many numbers of scratch for each thread where its block has a piece of its own.
 pub(crate) fn text(program: &Program, parameters_per_world: bool, pieces: Option<u32>) -> String {

@@ -1,6 +1,7 @@
 //! What can go wrong on a card.
 
 use numbers::trace::{TraceError, WgslError};
+use piles::TooLarge;
 use thiserror::Error;
 
 /// Why worlds do not run on a card.
@@ -26,6 +27,31 @@ pub enum CudaError {
         /// What there is.
         found: String,
     },
+    /// The card is older than what kernels are compiled for.
+    #[error(
+        "the card `{card}` has compute capability {}.{}, and kernels need {}.{}, as cards since Turing (2018) have it: run \
+         on the devices gpu (cards of any maker) or cpu",
+        .found.0, .found.1, .needed.0, .needed.1
+    )]
+    TooOld {
+        /// Its name.
+        card: String,
+        /// Its compute capability, major and minor.
+        found: (i32, i32),
+        /// What there has to be.
+        needed: (i32, i32),
+    },
+    /// The driver does not open the card.
+    #[error(
+        "the card `{card}` cannot be opened: {reason}; see whether `nvidia-smi` lists it, or run on the devices gpu (cards \
+         of any maker) or cpu"
+    )]
+    Refused {
+        /// Its name, or which one it is.
+        card: String,
+        /// What the driver said.
+        reason: String,
+    },
     /// The kernel cannot be recorded.
     #[error("the solver's kernel cannot be recorded: {0}")]
     Record(#[from] TraceError),
@@ -38,6 +64,17 @@ pub enum CudaError {
     /// NVRTC does not take the kernel.
     #[error("NVRTC does not compile the solver's kernel: {0}")]
     Compile(String),
+    /// The driver does not load what NVRTC made of the kernel.
+    #[error(
+        "the driver of the card `{card}` does not load the solver's kernel: {reason}; update the driver, or install an \
+         NVRTC that is not newer than it"
+    )]
+    Load {
+        /// The card's name.
+        card: String,
+        /// What the driver said.
+        reason: String,
+    },
     /// Kernels cannot count so many.
     #[error("of this model, {most} worlds fit into one simulation on a card, not {worlds}")]
     TooMany {
@@ -46,6 +83,9 @@ pub enum CudaError {
         /// What there can be.
         most: usize,
     },
+    /// Kernels cannot count so many constants.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
     /// The card's memory is full.
     #[error(
         "the memory of the card `{card}` does not hold {bytes} bytes more: simulate fewer worlds"

@@ -8,12 +8,13 @@ use crate::{Cuda, CudaError};
 use cudarc::driver::CudaSlice;
 use model::{CollisionFilter, Model};
 use numbers::Memory;
-use piles::Piles;
+use piles::{NUMBER, Need, Piles};
 use records::Programs;
 use rigid::impulse::Impulse;
 use rigid::{Lanes, Report, Solver};
 use sim::{Address, Device, DeviceError, DeviceWorlds, Processor};
 use std::ops::Range;
+use std::sync::OnceLock;
 
 /// Substeps of one launch: many, as a launch costs some microseconds, and few enough that a card that also
 /// draws a desktop is not taken for hung.
@@ -37,6 +38,8 @@ pub struct Worlds {
     /// One set for all worlds, or one for each.
     parameters: CudaSlice<f32>,
     parameters_per_world: bool,
+    /// Room for one set for each, from when it was asked for until they are written.
+    reserved: OnceLock<CudaSlice<f32>>,
     /// Of the step, then of each report, once they were wanted.
     kernels: [Option<Kernel>; 5],
 }
@@ -81,7 +84,7 @@ impl Worlds {
     /// They are more than kernels can count; the card's memory is full; it has failed before.
     pub fn new(card: &Cuda, programs: Programs, worlds: usize) -> Result<Self, CudaError> {
         let lengths = programs.lengths;
-        let most = MOST / lengths.longest().max(programs.parameters.len());
+        let most = MOST / lengths.longest();
         let lanes = lengths.lanes(worlds, BLOCK as usize, MOST);
         let Some(lanes) = lanes.filter(|_| worlds <= most) else {
             return Err(CudaError::TooMany { worlds, most });
@@ -97,19 +100,26 @@ impl Worlds {
             links: card.filled(&programs.links)?,
             parameters: card.filled(&numbers)?,
             parameters_per_world: false,
+            reserved: OnceLock::new(),
             kernels: Default::default(),
             card: card.clone(),
             programs,
             worlds,
         })
     }
-    /// Bytes taken of the card's memory.
-    pub fn bytes(&self) -> usize {
-        let own = [&self.state, &self.input, &self.output, &self.scratch];
-        let own = own.into_iter().chain([&self.parameters]);
-        own.map(CudaSlice::num_bytes).sum::<usize>() + self.links.num_bytes()
-    }
 
+    /// Takes room for constants of each world, unless it has some.
+    fn reserve(&self) -> Result<(), CudaError> {
+        if self.parameters_per_world || self.reserved.get().is_some() {
+            return Ok(());
+        }
+        let numbers = self.programs.parameters.len() * self.worlds;
+        let [bytes, most] = [numbers, MOST].map(|n| n as u64 * NUMBER);
+        Need::Parameters.check(bytes, most, self.card.name())?;
+        // Who was faster has taken as much.
+        let _ = self.reserved.set(self.card.memory(numbers)?);
+        Ok(())
+    }
     /// What fills a report, or makes a step.
     fn kernel(&mut self, report: Option<Report>) -> Result<Kernel, CudaError> {
         let i = report.map_or(0, |report| 1 + report as usize);
@@ -163,14 +173,17 @@ impl DeviceWorlds<f32> for Worlds {
         Ok(write(&self.card, rows, input, &mut self.input)?)
     }
     fn write_parameters(&mut self, parameters: &Memory<f32>) -> Result<(), DeviceError> {
-        let numbers = self.programs.parameters.len();
-        if !self.parameters_per_world {
-            self.parameters = self.card.memory(numbers * self.worlds)?;
+        self.reserve()?;
+        if let Some(own) = self.reserved.take() {
+            self.parameters = own;
             self.parameters_per_world = true;
             self.kernels = Default::default();
         }
-        let own = &mut self.parameters;
-        Ok(write(&self.card, 0..numbers, parameters, own)?)
+        let (all, own) = (0..self.programs.parameters.len(), &mut self.parameters);
+        Ok(write(&self.card, all, parameters, own)?)
+    }
+    fn takes(&self, _: &[&[f64]]) -> Result<(), DeviceError> {
+        Ok(self.reserve()?)
     }
     fn step(&mut self, substeps: usize, _: &mut Processor<'_, f32>) -> Result<(), DeviceError> {
         let kernel = self.kernel(None)?;
@@ -199,6 +212,13 @@ impl DeviceWorlds<f32> for Worlds {
     }
     fn input_address(&self) -> Result<Option<Address>, DeviceError> {
         Ok(Some(self.card.address(&self.input)?))
+    }
+    fn read_input(
+        &mut self,
+        rows: &[Range<usize>],
+        input: &mut Memory<f32>,
+    ) -> Result<(), DeviceError> {
+        Ok(read(&self.card, rows, &self.input, input)?)
     }
     fn output_address(&self) -> Result<Option<Address>, DeviceError> {
         Ok(Some(self.card.address(&self.output)?))

@@ -1,6 +1,7 @@
 //! What can go wrong on a card.
 
 use numbers::trace::{TraceError, WgslError};
+use piles::TooLarge;
 use thiserror::Error;
 
 /// Why worlds do not run on a card.
@@ -19,31 +20,9 @@ pub enum GpuError {
     /// The record has no WGSL.
     #[error("the solver's kernel cannot be written in WGSL: {0}")]
     Wgsl(#[from] WgslError),
-    /// One world is too large.
-    #[error(
-        "a world needs {bytes} bytes in one buffer, of which the card `{card}` takes {most}: run on the CPU"
-    )]
-    TooLarge {
-        /// What a world needs.
-        bytes: u64,
-        /// What the card takes.
-        most: u64,
-        /// Its name.
-        card: String,
-    },
-    /// Constants of each world do not fit.
-    #[error(
-        "worlds with constants of their own need {bytes} bytes in one buffer, of which the card `{card}` takes {most}: \
-         simulate fewer worlds"
-    )]
-    Parameters {
-        /// What they need.
-        bytes: u64,
-        /// What the card takes.
-        most: u64,
-        /// Its name.
-        card: String,
-    },
+    /// A buffer is too small.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
     /// Kernels of piles see more buffers than the card lets them.
     #[error(
         "`impulse` needs kernels that see {needed} buffers; those of the card `{card}` see {most}: run on the processor, or \

@@ -28,7 +28,15 @@ pub(crate) fn indirect(gpu: &Gpu, numbers: u64) -> Result<wgpu::Buffer, GpuError
 
 fn allocate(gpu: &Gpu, numbers: u64, usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, GpuError> {
     let size = numbers * NUMBER;
-    let (buffer, full) = gpu.scoped(wgpu::ErrorFilter::OutOfMemory, || {
+    let full = || GpuError::Memory {
+        bytes: size,
+        card: gpu.name().to_owned(),
+    };
+    // More than that is no shortage to wgpu, but a mistake, by which the card fails.
+    if size > gpu.device().limits().max_buffer_size {
+        return Err(full());
+    }
+    let (buffer, refused) = gpu.scoped(wgpu::ErrorFilter::OutOfMemory, || {
         gpu.device().create_buffer(&wgpu::BufferDescriptor {
             label: None,
             size,
@@ -36,12 +44,9 @@ fn allocate(gpu: &Gpu, numbers: u64, usage: wgpu::BufferUsages) -> Result<wgpu::
             mapped_at_creation: false,
         })
     });
-    match full {
+    match refused {
         None => Ok(buffer),
-        Some(_) => Err(GpuError::Memory {
-            bytes: size,
-            card: gpu.name().to_owned(),
-        }),
+        Some(_) => Err(full()),
     }
 }
 

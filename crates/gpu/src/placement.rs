@@ -25,7 +25,8 @@ impl Placement<'_> {
         let mut encoder = gpu.device().create_command_encoder(&Default::default());
         let mut pass = encoder.begin_compute_pass(&Default::default());
         let workgroups = (count as u32).div_ceil(WORKGROUP);
-        dispatch(&mut pass, &pipeline, &bindings, workgroups);
+        let most = gpu.device().limits().max_compute_workgroups_per_dimension;
+        dispatch(&mut pass, &pipeline, &bindings, workgroups.min(most));
         drop(pass);
         gpu.queue().submit([encoder.finish()]);
         gpu.check()

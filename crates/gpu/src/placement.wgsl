@@ -13,11 +13,11 @@ struct Launch {
 @group(0) @binding(3) var<uniform> launch: Launch;
 
 @compute @workgroup_size(64)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if (id.x >= launch.count) {
-        return;
-    }
-    for (var number = 0u; number < launch.numbers; number++) {
-        state[number * launch.width + worlds[id.x]] = columns[number * launch.count + id.x];
+fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
+    // A launch has not as many workgroups as there may be worlds.
+    for (var i = id.x; i < launch.count; i += 64u * groups.x) {
+        for (var number = 0u; number < launch.numbers; number++) {
+            state[number * launch.width + worlds[i]] = columns[number * launch.count + i];
+        }
     }
 }

@@ -10,12 +10,13 @@ use crate::{Gpu, GpuError};
 use model::{CollisionFilter, Model};
 use numbers::Memory;
 use numbers::trace::PrintOptions;
-use piles::{NUMBER, Piles, WORKGROUP};
+use piles::{NUMBER, Need, Piles, TooLarge, WORKGROUP};
 use records::Programs;
 use rigid::impulse::Impulse;
 use rigid::{Lanes, Lengths, Report, Solver};
 use sim::{Device, DeviceError, DeviceWorlds, Processor};
 use std::ops::Range;
+use std::sync::OnceLock;
 
 /// Worlds on a card. Reading waits for what was asked before; nothing else does.
 #[derive(Debug)]
@@ -30,6 +31,8 @@ pub struct Worlds {
     links: wgpu::Buffer,
     /// One set for all worlds; each part has its own where worlds differ.
     parameters: wgpu::Buffer,
+    /// Room for those of each part, from when it was asked for until they are written.
+    reserved: OnceLock<Vec<wgpu::Buffer>>,
     /// Of the step, then of each report, once they were wanted.
     kernels: [Option<wgpu::ComputePipeline>; 5],
 }
@@ -83,13 +86,15 @@ impl Worlds {
     /// Takes memory for worlds of a solver. What they hold is zero until it is written.
     ///
     /// # Errors
-    /// One world is larger than a buffer of the card; its memory is full; it has failed before.
+    /// One world, or what all have in common, is larger than a buffer of the card; its memory is full; it has failed before.
     pub fn new(gpu: &Gpu, programs: Programs, worlds: usize) -> Result<Self, GpuError> {
         gpu.check()?;
         let lengths = programs.lengths;
-        let width = width(gpu, lengths, worlds)?;
+        let (width, lanes) = spread(gpu, lengths, worlds)?;
+        for numbers in [programs.parameters.len(), programs.links.len()] {
+            fits(gpu, Need::Model, numbers)?;
+        }
         let of = |numbers: usize| buffer(gpu, numbers as u64 * width as u64);
-        let lanes = lanes(gpu, lengths, width)?;
         let parts = (0..worlds.div_ceil(width)).map(|part| {
             Ok(Part {
                 worlds: part * width..worlds.min((part + 1) * width),
@@ -107,6 +112,7 @@ impl Worlds {
             lanes,
             links: filled(gpu, &programs.links)?,
             parameters: filled(gpu, &numbers)?,
+            reserved: OnceLock::new(),
             kernels: Default::default(),
             gpu: gpu.clone(),
             programs,
@@ -119,31 +125,18 @@ impl Worlds {
     pub fn width(&self) -> usize {
         self.width
     }
-    /// Bytes taken of the card's memory.
-    pub fn bytes(&self) -> u64 {
-        let l = self.programs.lengths;
-        let each = (l.state + l.input + l.output) * self.parts.len() * self.width;
-        let shared = [&self.scratch, &self.parameters, &self.links];
-        each as u64 * NUMBER + shared.map(wgpu::Buffer::size).iter().sum::<u64>()
-    }
 
-    /// Takes room for constants of each world.
-    fn differ(&mut self) -> Result<(), GpuError> {
-        let numbers = (self.programs.parameters.len() * self.width) as u64;
-        let (bytes, most) = (numbers * NUMBER, self.gpu.most_bytes());
-        if bytes > most {
-            return Err(GpuError::Parameters {
-                bytes,
-                most,
-                card: self.gpu.name().to_owned(),
-            });
+    /// Takes room for constants of each world, unless it has some.
+    fn reserve(&self) -> Result<(), GpuError> {
+        if self.differing() || self.reserved.get().is_some() {
+            return Ok(());
         }
-        let buffers = self.parts.iter().map(|_| buffer(&self.gpu, numbers));
-        let buffers: Vec<_> = buffers.collect::<Result<_, _>>()?;
-        for (part, buffer) in self.parts.iter_mut().zip(buffers) {
-            part.parameters = Some(buffer);
-        }
-        self.kernels = Default::default();
+        let numbers = self.programs.parameters.len() * self.width;
+        fits(&self.gpu, Need::Parameters, numbers)?;
+        let buffers = self.parts.iter().map(|_| buffer(&self.gpu, numbers as u64));
+        let buffers = buffers.collect::<Result<_, _>>()?;
+        // Who was faster has taken as much.
+        let _ = self.reserved.set(buffers);
         Ok(())
     }
     fn differing(&self) -> bool {
@@ -297,14 +290,21 @@ impl DeviceWorlds<f32> for Worlds {
         Ok(self.gpu.check()?)
     }
     fn write_parameters(&mut self, parameters: &Memory<f32>) -> Result<(), DeviceError> {
-        if !self.differing() {
-            self.differ()?;
+        self.reserve()?;
+        if let Some(buffers) = self.reserved.take() {
+            for (part, buffer) in self.parts.iter_mut().zip(buffers) {
+                part.parameters = Some(buffer);
+            }
+            self.kernels = Default::default();
         }
         let all = 0..self.programs.parameters.len();
         self.write(all, parameters, |part| {
             part.parameters.as_ref().unwrap_or(&self.parameters)
         });
         Ok(self.gpu.check()?)
+    }
+    fn takes(&self, _: &[&[f64]]) -> Result<(), DeviceError> {
+        Ok(self.reserve()?)
     }
     fn step(&mut self, substeps: usize, _: &mut Processor<'_, f32>) -> Result<(), DeviceError> {
         let kernel = self.kernel(None)?;
@@ -333,33 +333,34 @@ impl DeviceWorlds<f32> for Worlds {
     }
 }
 
-/// Worlds of a part: as few parts as buffers and 32-bit offsets allow, of equal size.
-fn width(gpu: &Gpu, lengths: Lengths, worlds: usize) -> Result<usize, GpuError> {
-    let widest = most_numbers(gpu) / lengths.longest();
-    if widest == 0 {
-        return Err(too_large(gpu, lengths.longest()));
-    }
-    Ok(worlds.div_ceil(worlds.div_ceil(widest)))
+/// Worlds of a part, and the invocations that step them: as few parts as buffers and 32-bit offsets allow, of equal size.
+/// Where scratch does not last for a workgroup, parts have no more worlds than it lasts for.
+fn spread(gpu: &Gpu, lengths: Lengths, worlds: usize) -> Result<(usize, Lanes), TooLarge> {
+    fits(gpu, Need::World, lengths.longest().max(lengths.scratch))?;
+    let (most, workgroup) = (most_numbers(gpu), WORKGROUP as usize);
+    let (held, stepped) = (most / lengths.longest(), most / lengths.scratch.max(1));
+    let widest = if stepped < workgroup {
+        held.min(stepped)
+    } else {
+        held
+    };
+    let width = worlds.div_ceil(worlds.div_ceil(widest));
+    let lanes = lengths.lanes(width, workgroup, most);
+    Ok((
+        width,
+        lanes.expect("scratch lasts for a workgroup, or for so few worlds"),
+    ))
 }
 
-/// Invocations that step so many worlds.
-fn lanes(gpu: &Gpu, lengths: Lengths, width: usize) -> Result<Lanes, GpuError> {
-    let size = WORKGROUP as usize;
-    let lanes = lengths.lanes(width, size, most_numbers(gpu));
-    lanes.ok_or_else(|| too_large(gpu, lengths.scratch * size.min(width)))
+/// Looks whether a buffer takes so many numbers.
+fn fits(gpu: &Gpu, need: Need, numbers: usize) -> Result<(), TooLarge> {
+    let [bytes, most] = [numbers, most_numbers(gpu)].map(|n| n as u64 * NUMBER);
+    need.check(bytes, most, gpu.name())
 }
 
 /// Most numbers of a buffer.
 fn most_numbers(gpu: &Gpu) -> usize {
     (gpu.most_bytes() / NUMBER).min(u64::from(u32::MAX)) as usize
-}
-
-fn too_large(gpu: &Gpu, numbers: usize) -> GpuError {
-    GpuError::TooLarge {
-        bytes: numbers as u64 * NUMBER,
-        most: gpu.most_bytes(),
-        card: gpu.name().to_owned(),
-    }
 }
 
 #[cfg(test)]

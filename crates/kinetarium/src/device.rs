@@ -163,10 +163,12 @@ fn nvidia(number: usize) -> Result<Card, DeviceChoiceError> {
 
 #[cfg(feature = "cuda")]
 fn auto_cuda() -> Result<Option<Card>, DeviceChoiceError> {
-    use cuda::CudaError::{NoCard, NoCompiler, NoDriver};
+    use cuda::CudaError::{NoCard, NoCompiler, NoDriver, TooOld};
     match nvidia(0) {
         Ok(card) => Ok(Some(card)),
-        Err(DeviceChoiceError::Cuda(NoDriver | NoCompiler | NoCard { .. })) => Ok(None),
+        Err(DeviceChoiceError::Cuda(NoDriver | NoCompiler | NoCard { .. } | TooOld { .. })) => {
+            Ok(None)
+        }
         Err(error) => Err(error),
     }
 }

@@ -1,6 +1,6 @@
 //! What piles ask of a card.
 
-use crate::PilesError;
+use crate::{Need, PilesError};
 use numbers::trace::{Members, Program};
 use sim::DeviceError;
 use std::fmt::Debug;
@@ -120,15 +120,8 @@ pub trait Commands<C: Card> {
 
 /// A buffer of so many words, if the card takes one that large.
 pub(crate) fn sized<C: Card>(card: &C, words: u64) -> Result<C::Buffer, DeviceError> {
-    let (bytes, most) = (words * NUMBER, card.most_bytes());
-    if bytes > most {
-        return Err(PilesError::TooLarge {
-            bytes,
-            most,
-            card: card.name().to_owned(),
-        }
-        .into());
-    }
+    let fits = Need::World.check(words * NUMBER, card.most_bytes(), card.name());
+    fits.map_err(PilesError::from)?;
     card.buffer(words)
 }
 

@@ -2,7 +2,7 @@
 
 use crate::card::NUMBER;
 use crate::scene::{Scene, unsupported};
-use crate::{Card, PilesError};
+use crate::{Card, Need, PilesError};
 use rigid::impulse::pair::solid;
 use rigid::impulse::{FREE_TURN, HELD_TURN, NEARBY, WORLD, global, grip, mass};
 use std::collections::HashMap;
@@ -81,14 +81,7 @@ impl Scene {
         let more = ((kinds.len() as u64).pow(2) - surfaces) * SURFACE as u64;
         let own = u64::from(self.own_length()) + more;
         let bytes = (self.constants.len() as u64 + own * u64::from(self.plan.worlds)) * NUMBER;
-        if bytes > card.most_bytes() {
-            return Err(PilesError::Parameters {
-                bytes,
-                most: card.most_bytes(),
-                card: card.name().to_owned(),
-            });
-        }
-        Ok(())
+        Ok(Need::Parameters.check(bytes, card.most_bytes(), card.name())?)
     }
 
     /// Constants of which each world may have its own, one kind after the other.

@@ -2,7 +2,74 @@
 
 use numbers::trace::TraceError;
 use sim::DeviceError;
+use std::fmt;
 use thiserror::Error;
+
+/// What lies in one buffer of a card.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Need {
+    /// The numbers of one world, at least.
+    World,
+    /// The constants that all worlds of a model have in common.
+    Model,
+    /// Constants of each world, side by side.
+    Parameters,
+}
+
+impl Need {
+    /// Looks whether so many bytes are no more than the card of this name takes at most.
+    ///
+    /// # Errors
+    /// They are more.
+    pub fn check(self, bytes: u64, most: u64, card: &str) -> Result<(), TooLarge> {
+        if bytes <= most {
+            return Ok(());
+        }
+        Err(TooLarge {
+            need: self,
+            bytes,
+            most,
+            card: card.to_owned(),
+        })
+    }
+    /// What to do where they are more.
+    fn remedy(self) -> &'static str {
+        match self {
+            Self::World => "run on the CPU",
+            Self::Model => "use meshes of fewer triangles, or run on the CPU",
+            Self::Parameters => "simulate fewer worlds",
+        }
+    }
+}
+
+impl fmt::Display for Need {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::World => "a world needs",
+            Self::Model => "constants of the model need",
+            Self::Parameters => "worlds with constants of their own need",
+        })
+    }
+}
+
+/// A buffer of a card is too small.
+#[derive(Debug, Error)]
+#[error(
+    "{need} {bytes} bytes in one buffer, of which the card `{card}` takes {most}: {}",
+    .need.remedy()
+)]
+#[non_exhaustive]
+pub struct TooLarge {
+    /// For what.
+    pub need: Need,
+    /// What that needs.
+    pub bytes: u64,
+    /// What the card takes.
+    pub most: u64,
+    /// Its name.
+    pub card: String,
+}
 
 /// What a model has that a card has not, or not enough of.
 #[derive(Debug, Error)]
@@ -11,31 +78,9 @@ pub enum PilesError {
     /// A kernel cannot be recorded.
     #[error("the solver's kernel cannot be recorded: {0}")]
     Record(#[from] TraceError),
-    /// One world is too large.
-    #[error(
-        "a world needs {bytes} bytes in one buffer, of which the card `{card}` takes {most}: run on the CPU"
-    )]
-    TooLarge {
-        /// What a world needs.
-        bytes: u64,
-        /// What the card takes.
-        most: u64,
-        /// Its name.
-        card: String,
-    },
-    /// Constants of each world do not fit.
-    #[error(
-        "worlds with constants of their own need {bytes} bytes in one buffer, of which the card `{card}` takes {most}: \
-         simulate fewer worlds"
-    )]
-    Parameters {
-        /// What they need.
-        bytes: u64,
-        /// What the card takes.
-        most: u64,
-        /// Its name.
-        card: String,
-    },
+    /// A buffer is too small.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
     /// What cards do not know of piles.
     #[error("`impulse` does not support {what} on a graphics card: {remedy}")]
     Unsupported {

@@ -35,6 +35,6 @@ mod scene;
 mod steps;
 
 pub use card::{BINDINGS, Card, Commands, NUMBER, WORKGROUP};
-pub use error::PilesError;
+pub use error::{Need, PilesError, TooLarge};
 pub use kernels::texts;
 pub use piles::Piles;

@@ -6,7 +6,7 @@ use crate::joints::Joints;
 use crate::meshes::Meshes;
 use crate::plan::{GROUPS, Plan};
 use crate::steps::{CONTACTS, PAIRS};
-use crate::{Card, PilesError};
+use crate::{Card, Need, PilesError};
 use collide::{Route, kind};
 use model::{CollisionFilter, Model, ShapeId};
 use numbers::trace::Program;
@@ -141,15 +141,10 @@ impl Scene {
         let longest = numbers.into_iter().max().unwrap_or(0).max(1);
         let things = card.most_invocations() / things.into_iter().max().unwrap_or(0).max(1);
         let named = NAMES / alone.shapes.max(1);
+        let bytes = u64::from(longest) * NUMBER;
+        Need::World.check(bytes, card.most_bytes(), card.name())?;
         let numbers = (card.most_bytes() / NUMBER).min(u32::MAX.into()) / u64::from(longest);
         let most = numbers.min(things.min(named).max(1).into()) as usize;
-        if most == 0 {
-            return Err(PilesError::TooLarge {
-                bytes: u64::from(longest) * NUMBER,
-                most: card.most_bytes(),
-                card: card.name().to_owned(),
-            });
-        }
         let width = worlds.div_ceil(worlds.div_ceil(most));
         self.plan = self.plan.of_worlds(width as u32);
         Ok(())

@@ -10,6 +10,7 @@ use rigid::{Lanes, Lengths, Report, Solver};
 use sim::{Device, DeviceError, DeviceWorlds, Processor};
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::sync::OnceLock;
 
 // All answers are 0 where a call has failed, and `failure` says why.
 #[link(wasm_import_module = "gpu")]
@@ -181,6 +182,8 @@ struct Worlds {
     /// One set for all worlds, or one for each where they differ.
     parameters: Owned,
     differing: bool,
+    /// Room for one for each, where that was asked for.
+    reserved: OnceLock<Owned>,
     links: Owned,
 }
 
@@ -199,11 +202,32 @@ impl Worlds {
             lanes,
             parameters: card.filled(&parameters)?,
             differing: false,
+            reserved: OnceLock::new(),
             links: card.filled(&programs.links)?,
             card: card.clone(),
             programs,
             worlds,
         })
+    }
+
+    /// Takes memory for constants of each world's own, unless they have them.
+    fn reserve(&self) -> Result<(), CardError> {
+        if self.differing || self.reserved.get().is_some() {
+            return Ok(());
+        }
+        let numbers = self.programs.parameters.len();
+        let most = most_bytes() as usize / NUMBER / numbers.max(1);
+        if self.worlds > most {
+            return Err(CardError::Worlds {
+                worlds: self.worlds,
+                most,
+                card: self.card.name.clone(),
+            });
+        }
+        let buffer = self.card.buffer(numbers * self.worlds)?;
+        // Nothing else has filled it meanwhile.
+        let _ = self.reserved.set(buffer);
+        Ok(())
     }
 
     /// Writes these numbers of all worlds.
@@ -307,11 +331,15 @@ impl DeviceWorlds<f32> for Worlds {
     fn write_parameters(&mut self, parameters: &Memory<f32>) -> Result<(), DeviceError> {
         let numbers = self.programs.parameters.len();
         if !self.differing {
-            self.parameters = self.card.buffer(numbers * self.worlds)?;
+            self.reserve()?;
+            self.parameters = self.reserved.take().expect("it was reserved");
             self.differing = true;
             self.kernels.clear();
         }
         Ok(self.write(&self.parameters, 0..numbers, parameters)?)
+    }
+    fn takes(&self, _: &[&[f64]]) -> Result<(), DeviceError> {
+        Ok(self.reserve()?)
     }
     fn step(&mut self, substeps: usize, _: &mut Processor<'_, f32>) -> Result<(), DeviceError> {
         let (full, rest) = (substeps / ROUNDS, substeps % ROUNDS);

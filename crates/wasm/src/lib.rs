@@ -9,7 +9,7 @@
 //!
 //! There is no tool between: the module has plain numbers for arguments, and needs no generated code.
 
-#![allow(unsafe_code)] // functions that are called by name, and one that is imported
+#![allow(unsafe_code)] // functions that are called by name, and such as are imported
 #![cfg(target_family = "wasm")]
 
 mod gpu;

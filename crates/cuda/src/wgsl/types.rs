@@ -6,6 +6,7 @@ use naga::{
     AddressSpace, ArraySize, GlobalVariable, Handle, Literal, Scalar, ScalarKind, StorageAccess,
     StructMember, Type, TypeInner, VectorSize,
 };
+use numbers::trace::finite;
 
 /// A structure's name and those of its members.
 #[derive(Debug)]
@@ -53,33 +54,13 @@ pub(super) fn vector_name(size: VectorSize, scalar: Scalar) -> Result<String, Wg
 /// A number, to the bit. It may be negative: then it is in parentheses.
 pub(super) fn literal(literal: Literal) -> Result<String, WgslError> {
     match literal {
-        Literal::F32(x) => Ok(real(x)),
+        Literal::F32(x) => Ok(finite(x)),
         Literal::U32(n) => Ok(format!("{n}u")),
         Literal::I32(i32::MIN) => Ok("(-2147483647 - 1)".to_owned()),
         Literal::I32(n @ ..0) => Ok(format!("({n})")),
         Literal::I32(n) => Ok(n.to_string()),
         Literal::Bool(is) => Ok(is.to_string()),
         other => unsupported(format!("the literal {other:?}")),
-    }
-}
-
-/// Decimal where that is short and exact, else hexadecimal, since a decimal may be rounded either way.
-fn real(x: f32) -> String {
-    let size = x.abs();
-    let text = if size < 65536.0 && (size * 8.0).fract() == 0.0 {
-        format!("{size:?}f")
-    } else {
-        let bits = size.to_bits();
-        let (lead, exponent) = match bits >> 23 {
-            0 => (0, -126),
-            biased => (1, i64::from(biased) - 127),
-        };
-        format!("0x{lead}.{:06x}p{exponent}f", (bits & 0x7f_ffff) << 1)
-    };
-    if x.is_sign_negative() {
-        format!("(-{text})")
-    } else {
-        text
     }
 }
 

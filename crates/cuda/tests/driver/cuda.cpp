@@ -1,5 +1,6 @@
 // What of CUDA's driver is called, on the processor: <https://docs.nvidia.com/cuda/cuda-driver-api/>.
-// One card; one stream, whose work is done when a call returns.
+// One stream, whose work is done when a call returns; one card that works, one that is too old, and one that is not to
+// be had.
 
 #include <chrono>
 #include <cstdint>
@@ -9,8 +10,10 @@
 #include <unistd.h>
 
 using CUresult = int;
-constexpr CUresult SUCCESS = 0, INVALID_VALUE = 1, OUT_OF_MEMORY = 2, INVALID_DEVICE = 101, INVALID_IMAGE = 200,
-                   NOT_FOUND = 500, LAUNCH_FAILED = 719;
+constexpr CUresult SUCCESS = 0, INVALID_VALUE = 1, OUT_OF_MEMORY = 2, UNAVAILABLE = 46, INVALID_DEVICE = 101,
+                   INVALID_IMAGE = 200, UNSUPPORTED_PTX = 222, NOT_FOUND = 500, LAUNCH_FAILED = 719;
+
+constexpr int CARDS = 3, OLD = 1, TAKEN = 2;
 
 // More than this at once is taken for more than there is.
 constexpr size_t MOST_BYTES = size_t{1} << 30;
@@ -38,23 +41,30 @@ CUresult cuGetErrorString(CUresult error, const char** text) {
     }
 }
 
-CUresult cuDeviceGetCount(int* count) { *count = 1; return SUCCESS; }
+CUresult cuDeviceGetCount(int* count) { *count = CARDS; return SUCCESS; }
 CUresult cuDeviceGet(int* device, int ordinal) {
     *device = ordinal;
-    return ordinal == 0 ? SUCCESS : INVALID_DEVICE;
+    return ordinal < CARDS ? SUCCESS : INVALID_DEVICE;
 }
-CUresult cuDeviceGetName(char* name, int length, int) {
-    strncpy(name, "processor", length);
+CUresult cuDeviceGetName(char* name, int length, int device) {
+    strncpy(name, device == OLD ? "old processor" : device == TAKEN ? "taken processor" : "processor", length);
     return SUCCESS;
 }
 CUresult cuDeviceTotalMem_v2(size_t* bytes, int) { *bytes = size_t{16} << 30; return SUCCESS; }
-CUresult cuDeviceGetAttribute(int* value, int attribute, int) {
-    constexpr int MEMORY_POOLS_SUPPORTED = 115;
-    *value = attribute == MEMORY_POOLS_SUPPORTED;
+CUresult cuDeviceGetAttribute(int* value, int attribute, int device) {
+    constexpr int CAPABILITY_MAJOR = 75, CAPABILITY_MINOR = 76, MEMORY_POOLS_SUPPORTED = 115;
+    switch (attribute) {
+    case CAPABILITY_MAJOR: *value = 7; break;
+    case CAPABILITY_MINOR: *value = device == OLD ? 0 : 5; break;
+    default: *value = attribute == MEMORY_POOLS_SUPPORTED;
+    }
     return SUCCESS;
 }
 
-CUresult cuDevicePrimaryCtxRetain(void** into, int) { *into = &context; return alive(); }
+CUresult cuDevicePrimaryCtxRetain(void** into, int device) {
+    *into = &context;
+    return device == TAKEN ? UNAVAILABLE : alive();
+}
 CUresult cuDevicePrimaryCtxRelease_v2(int) { return SUCCESS; }
 CUresult cuCtxGetCurrent(void** into) { *into = current; return SUCCESS; }
 CUresult cuCtxSetCurrent(void* to) { current = to; return alive(); }
@@ -104,12 +114,13 @@ CUresult cuMemcpyDtoDAsync_v2(uint64_t to, uint64_t from, size_t bytes, void*) {
     return alive();
 }
 
-// An image is the path of what was compiled.
+// An image is the path of what was compiled. With a kernel `refused`, it is taken for that of a compiler newer than this.
 CUresult cuModuleLoadData(void** module, const void* image) {
     const char* path = static_cast<const char*>(image);
     *module = dlopen(path, RTLD_NOW | RTLD_LOCAL);
     unlink(path);
-    return *module == nullptr ? INVALID_IMAGE : alive();
+    if (*module == nullptr) return INVALID_IMAGE;
+    return dlsym(*module, "launch_entry_refused") ? UNSUPPORTED_PTX : alive();
 }
 CUresult cuModuleUnload(void*) { return alive(); }
 CUresult cuModuleGetFunction(void** function, void* module, const char* name) {

@@ -3,11 +3,14 @@
 use crate::card::{card, small};
 use crate::pair::Pair;
 use crate::worlds::{H, settings};
+use ::piles::Card as _;
 use kinetarium_gpu::{Choice, Gpu, GpuError, Worlds};
+use model::Model;
 use model::examples::{Start, chain};
+use numbers::Memory;
 use records::Programs;
-use rigid::{Featherstone, Kernels, Settings, Solver};
-use sim::{Simulation, SimulationSettings, SolverKind};
+use rigid::{Featherstone, Kernels, Lengths, Settings, Solver};
+use sim::{DeviceWorlds, Simulation, SimulationSettings, SolverKind};
 
 #[test]
 #[ignore = "needs a graphics card or Mesa's llvmpipe"]
@@ -41,6 +44,109 @@ fn worlds_beyond_one_buffer_lie_in_several() {
         // Neighbours are ten times as far apart.
         assert!(moved < 1e-4, "{moved:e}");
     }
+}
+
+/// Scratch that does not last for a workgroup lasts for parts of fewer worlds.
+#[test]
+#[ignore = "needs a graphics card or Mesa's llvmpipe"]
+fn worlds_of_much_scratch_lie_in_narrow_parts() {
+    let model = chain(6, Start::Horizontal).unwrap();
+    let kernels = Featherstone::new(&model, &Settings::new(H)).unwrap();
+    let lengths = kernels.lengths();
+    assert!(lengths.longest() < lengths.scratch);
+    let card = small((10 * lengths.scratch * size_of::<f32>()) as u64);
+    let programs = Programs::record(Solver::Featherstone(&kernels)).unwrap();
+    assert_eq!(Worlds::new(&card, programs, 25).unwrap().width(), 9);
+    let mut pair = Pair::new(&card, &model, settings_apart(25));
+    pair.step(5);
+    let apart = pair.apart();
+    assert!(apart < 1e-4, "{apart:e}");
+}
+
+/// Of worlds in which nothing touches.
+fn settings_apart(worlds: usize) -> SimulationSettings {
+    SimulationSettings {
+        contacts: false,
+        ..settings(worlds)
+    }
+}
+
+/// Constants of worlds' own take more room than what all worlds share. What is refused leaves all as it was.
+#[test]
+#[ignore = "needs a graphics card or Mesa's llvmpipe"]
+fn constants_of_worlds_own_that_do_not_fit_are_refused() {
+    const WORLDS: usize = 512;
+    let model = chain(6, Start::Horizontal).unwrap();
+    let kernels = Featherstone::new(&model, &Settings::new(H)).unwrap();
+    let [longest, constants] = [kernels.lengths().longest(), kernels.parameters().len()];
+    assert!(longest < constants);
+    let between = WORLDS / 2 * (longest + constants);
+    let card = small((between * size_of::<f32>()) as u64);
+    let mut pair = Pair::new(&card, &model, settings_apart(WORLDS));
+    pair.step(5);
+    let mut parts = (*model).clone();
+    parts.gravity *= 0.5;
+    let lighter = Model::new(parts).unwrap();
+    for _ in 0..2 {
+        let told = pair.gpu.set_world_model(1, &lighter).unwrap_err();
+        assert!(
+            told.to_string().contains("constants of their own"),
+            "{told}"
+        );
+        pair.step(5);
+        let apart = pair.apart();
+        assert!(apart < 1e-4, "{apart:e}");
+    }
+}
+
+/// What is larger than a buffer may be is refused before it is asked for: the card would take it for a failure.
+#[test]
+#[ignore = "needs a graphics card or Mesa's llvmpipe"]
+fn what_no_buffer_takes_is_refused() {
+    let (card, model) = (small(1 << 20), chain(3, Start::Horizontal).unwrap());
+    let kernels = Featherstone::new(&model, &Settings::new(H)).unwrap();
+    let programs = Programs::record(Solver::Featherstone(&kernels)).unwrap();
+    let (mut constants, mut links) = (programs.clone(), programs);
+    constants.parameters.resize(1 << 19, 0.0);
+    links.links.resize(1 << 19, 0);
+    for programs in [constants, links] {
+        let told = Worlds::new(&card, programs, 1).unwrap_err();
+        assert!(matches!(told, GpuError::TooLarge { .. }), "{told}");
+    }
+    let told = card.buffer(1 << 60).unwrap_err().to_string();
+    assert!(told.contains("memory"), "{told}");
+    let mut few = Simulation::on(&card, model, settings(2)).unwrap();
+    few.try_step(1).unwrap();
+    assert!(few.diverged().is_empty());
+}
+
+/// Of a part, more worlds are set at once than a launch has invocations.
+#[test]
+#[ignore = "needs a graphics card or Mesa's llvmpipe"]
+fn millions_of_worlds_are_set_at_once() {
+    const SET: usize = 64 * 65_535 + 1;
+    let (card, model) = (card(), chain(1, Start::Horizontal).unwrap());
+    let kernels = Featherstone::new(&model, &Settings::new(H)).unwrap();
+    let mut programs = Programs::record(Solver::Featherstone(&kernels)).unwrap();
+    programs.lengths = Lengths {
+        state: 1,
+        input: 1,
+        output: 1,
+        scratch: 1,
+    };
+    let mut worlds = Worlds::new(&card, programs, SET + 1).unwrap();
+    assert_eq!(worlds.width(), SET + 1);
+    let [mut given, mut found] = [1.0, 0.0].map(|x| {
+        let mut memory = Memory::new(SET + 1, 1, 16);
+        memory.fill(0, x);
+        memory
+    });
+    given.set(SET, 0, 2.0);
+    let places = Vec::from_iter(1..=SET);
+    worlds.write_worlds(&places, &given).unwrap();
+    worlds.read_state(&[0..1], &mut found).unwrap();
+    let found = [0, 1, SET - 1, SET].map(|world| found.get(world, 0));
+    assert_eq!(found, [0.0, 1.0, 1.0, 2.0]);
 }
 
 /// A card whose memory is full says so, and goes on. What a program has for memory is the machine's: it is not filled.

@@ -278,11 +278,11 @@ impl<L: Language> Printer<'_, L> {
     }
 }
 
-/// A finite number, to the bit.
+/// A finite number as WGSL and CUDA C++ write it, to the bit. It may be negative: then it is in parentheses.
 ///
 /// Decimal where that is short and exact, else hexadecimal, since a decimal may
 /// be rounded either way.
-pub(super) fn finite(x: f32) -> String {
+pub fn finite(x: f32) -> String {
     let size = x.abs();
     let text = if size < 65536.0 && (size * 8.0).fract() == 0.0 {
         format!("{size:?}f")
