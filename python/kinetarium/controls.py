@@ -104,6 +104,15 @@ class Controls(Tables):
         for name, array in self._arrays.items():
             engine.write_control(name, array)
 
+    def _act(self, engine: Engine, worlds: np.ndarray, actuator: np.ndarray) -> None:
+        """Gives worlds that were set these controls of actuators. No array comes of it: one is sent in every step."""
+        array = self._arrays.get("actuator")
+        if array is None:
+            array = aligned(tables_of(Controls)["actuator"].shape(self._worlds), self._worlds.dtype)
+            engine.read_control("actuator", array)
+        np.asarray(array)[worlds] = actuator
+        engine.write_control("actuator", array)
+
     def _fetch(self, worlds: np.ndarray) -> None:
         """Takes what the engine has of worlds that were set; what was written for others stays."""
         for name, array in self._arrays.items():

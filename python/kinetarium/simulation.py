@@ -403,8 +403,7 @@ class Simulation(Strict):
         self._worlds.moment += 1
         self._controls._fetch(rows)
         if control.size:
-            self._controls.actuator[rows] = control
-            self._controls._send(engine)
+            self._controls._act(engine, rows, control)
         self._sensors._update(self)
 
     def set_state(

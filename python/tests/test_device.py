@@ -142,6 +142,49 @@ def test_controls_are_written_on_the_card():
     np.testing.assert_array_equal(card.state.joint_position, cpu.state.joint_position)
 
 
+@needs_cuda
+def test_what_was_written_on_the_card_is_known():
+    card = on(DEVICE)
+    force = card.controls.on_device("force")
+
+    def write(x: float) -> None:
+        if importlib.util.find_spec("torch"):
+            import torch
+
+            torch.as_tensor(force, device="cuda")[:] = x
+        else:
+            there(force)[:] = x
+
+    def all_of(x: float) -> np.ndarray:
+        return np.full((40, 3), x, np.float32)
+
+    write(5.0)
+    # A world that is reset starts with the model's controls; the others keep theirs.
+    card.reset([3])
+    expected = all_of(5.0)
+    expected[3] = 0.0
+    np.testing.assert_array_equal(there(force), expected)
+    taken = card.snapshot()
+    # What is written after that acts.
+    card.reset([4])
+    write(7.0)
+    card.step()
+    np.testing.assert_array_equal(there(force), all_of(7.0))
+    card.restore(taken)
+    card.step()
+    np.testing.assert_array_equal(there(force), expected)
+    # Of a keyframe's controls no array comes, whose numbers would act from then on.
+    card.set_state(np.zeros(3))
+    np.testing.assert_array_equal(there(force), all_of(0.0))
+    write(5.0)
+    card.reset([3])
+    # From here on the host's acts.
+    np.testing.assert_array_equal(card.controls.force, expected)
+    write(8.0)
+    card.step()
+    np.testing.assert_array_equal(there(force), expected)
+
+
 class Tensor(ctypes.Structure):
     """`DLTensor`."""
 

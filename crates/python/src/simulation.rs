@@ -406,8 +406,14 @@ impl Engine {
             self,
             py,
             out,
-            |s, out| s.controls().read(control, out),
-            |s, out| s.controls().read(control, out),
+            |s, out| {
+                s.fetch_controls()
+                    .and_then(|()| s.controls().read(control, out))
+            },
+            |s, out| {
+                s.fetch_controls()
+                    .and_then(|()| s.controls().read(control, out))
+            },
         )
     }
     /// Sets a control of all worlds from an array.
@@ -449,14 +455,16 @@ impl Engine {
         let velocity = slice(&velocity)?;
         self.with(py, |s| {
             each!(s, change, s => {
-                for (i, &world) in worlds.iter().enumerate() {
+                let states = worlds.iter().enumerate().map(|(i, &world)| {
                     let q = &position[i * columns[0]..][..columns[0]];
                     let v = &velocity[i * columns[1]..][..columns[1]];
-                    if keep {
-                        s.move_joints(world as usize, q, v)?;
-                    } else {
-                        s.set_joint_state(world as usize, q, v)?;
-                    }
+                    (world as usize, q, v)
+                });
+                if !keep {
+                    return s.set_joint_states(states);
+                }
+                for (world, q, v) in states {
+                    s.move_joints(world, q, v)?;
                 }
                 Ok(())
             })

@@ -43,7 +43,7 @@ impl Hands {
                 simulation.try_step(steps - done)?;
                 return Ok(());
             }
-            let before = self.forces(simulation);
+            let before = self.forces(simulation)?;
             for (world, forces) in &before {
                 let pulled = self.pulled(simulation, *world, forces)?;
                 set(simulation, *world, &pulled);
@@ -58,18 +58,22 @@ impl Hands {
     }
 
     /// The forces that are set on degrees of freedom, in each world where a hand or a blow acts.
-    fn forces<T: Float>(&self, simulation: &mut Simulation<T>) -> Vec<(usize, Vec<f64>)> {
+    fn forces<T: Float>(
+        &self,
+        simulation: &mut Simulation<T>,
+    ) -> Result<Vec<(usize, Vec<f64>)>, SimulationError> {
         let mut worlds: Vec<_> = self.pushes.iter().map(|p| p.world).collect();
         worlds.extend(self.grab.map(|g| g.world));
         worlds.sort_unstable();
         worlds.dedup();
+        simulation.fetch_controls()?;
         let dofs = simulation.model().degrees_of_freedom();
         let forces = |world| {
             let mut numbers = simulation.controls().of_world(world).ok()?;
             numbers.truncate(dofs);
             Some((world, numbers))
         };
-        worlds.into_iter().filter_map(forces).collect()
+        Ok(worlds.into_iter().filter_map(forces).collect())
     }
 
     /// Forces that are set, and those of hand and blows.

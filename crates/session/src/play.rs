@@ -458,6 +458,7 @@ impl Numbers {
         world: usize,
     ) -> Result<Self, SimulationError> {
         let dofs = simulation.model().degrees_of_freedom();
+        simulation.fetch_controls()?;
         let numbers = simulation.controls().of_world(world)?;
         let (targets, control) = numbers[dofs..].split_at(2 * dofs);
         let (position, velocity) = targets.split_at(dofs);

@@ -86,6 +86,8 @@ impl<T: Float> Simulation<T> {
             memory: &mut self.input,
             tables: &self.input_tables,
             changes: &mut self.changes,
+            // With the outputs they have become known.
+            shared: false,
         };
         controller.control(time, &outputs, &mut controls)
     }

@@ -1,6 +1,8 @@
 //! What a controller may set, per world.
 
+use crate::Control;
 use crate::error::{MOST_FORCE, MOST_MOTION, SimulationError, bounded, index, length};
+use crate::outputs::existing;
 use numbers::machine::space::Input;
 use numbers::{Float, Memory, Table};
 use rigid::InputTables;
@@ -16,6 +18,8 @@ pub struct Controls<'a, T> {
     pub(crate) tables: &'a InputTables,
     /// What was set, for devices to be told.
     pub(crate) changes: &'a mut Changes,
+    /// Whether others set them on a device, so that there they may not be what they are here.
+    pub(crate) shared: bool,
 }
 
 /// The offsets that were set, as few ranges as they are.
@@ -56,26 +60,28 @@ pub struct Inputs<'a, T> {
 impl<T: Float> Inputs<'_, T> {
     /// Generalised force of a degree of freedom [N or N·m].
     pub fn force(&self, world: usize, dof: usize) -> f64 {
-        self.number(self.tables.force, world, dof)
+        self.of_dof(self.tables.force, world, dof)
     }
     /// Position target of a degree of freedom's drive [m or rad].
     pub fn target(&self, world: usize, dof: usize) -> f64 {
-        self.number(self.tables.target_position, world, dof)
+        self.of_dof(self.tables.target_position, world, dof)
     }
     /// Velocity target of a degree of freedom's drive [m/s or rad/s].
     pub fn target_velocity(&self, world: usize, dof: usize) -> f64 {
-        self.number(self.tables.target_velocity, world, dof)
+        self.of_dof(self.tables.target_velocity, world, dof)
     }
     /// Control of an actuator.
     pub fn control(&self, world: usize, actuator: usize) -> f64 {
-        self.number(self.tables.control, world, actuator)
+        let (table, end) = (self.tables.control, self.tables.length);
+        let row = existing("actuator", actuator, end - table.start());
+        self.number(table, world, row)
+    }
+    fn of_dof(&self, table: Table<Input>, world: usize, dof: usize) -> f64 {
+        let row = existing("degree of freedom", dof, self.tables.dofs());
+        self.number(table, world, row)
     }
     fn number(&self, table: Table<Input>, world: usize, row: usize) -> f64 {
-        assert!(
-            world < self.memory.worlds(),
-            "world {world} of {}",
-            self.memory.worlds()
-        );
+        let world = existing("world", world, self.memory.worlds());
         self.memory.get(world, table.at(row, 0)).to_f64()
     }
 }
@@ -139,7 +145,7 @@ impl<T: Float> Controls<'_, T> {
     }
     /// Controls of a world's actuators, in the model's order.
     pub fn set_control(&mut self, world: usize, control: &[f64]) -> Result<(), SimulationError> {
-        let n = self.tables.length - self.tables.control.start();
+        let n = self.count(Control::Actuator);
         self.set_row("control", self.tables.control, n, world, control)
     }
     /// All numbers of a world's controls, in the order force, target position,
@@ -163,9 +169,9 @@ impl<T: Float> Controls<'_, T> {
         Ok(())
     }
 
-    /// Sets a number if it is another.
+    /// Sets a number if it is another, or may be.
     pub(crate) fn put(&mut self, world: usize, offset: usize, x: T) {
-        if self.memory.get(world, offset) != x {
+        if self.shared || self.memory.get(world, offset) != x {
             self.memory.set(world, offset, x);
             self.changes.include(offset..offset + 1);
         }

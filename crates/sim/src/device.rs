@@ -67,7 +67,8 @@ pub trait DeviceWorlds<T: Float>: Send + Sync {
         substeps: usize,
         processor: &mut Processor<'_, T>,
     ) -> Result<(), DeviceError>;
-    /// Whether worlds can have these constants of their own, each of another world, besides those that were written.
+    /// Whether worlds can have these constants of their own, each of another world, besides those that were written. A
+    /// device may take the room for them, for [`write_parameters`](Self::write_parameters).
     ///
     /// # Errors
     /// They cannot.
@@ -107,7 +108,16 @@ pub trait DeviceWorlds<T: Float>: Send + Sync {
     fn input_address(&self) -> Result<Option<Address>, DeviceError> {
         Ok(None)
     }
-    /// The same of the output.
+    /// Copies these numbers of the controls of all worlds, which others have set where they lie; the others of `input`
+    /// stay. Asked for only where an address of them was given.
+    fn read_input(
+        &mut self,
+        _rows: &[Range<usize>],
+        _input: &mut Memory<T>,
+    ) -> Result<(), DeviceError> {
+        Ok(())
+    }
+    /// Where the output of all worlds lies, as the controls.
     fn output_address(&self) -> Result<Option<Address>, DeviceError> {
         Ok(None)
     }
@@ -145,6 +155,8 @@ pub(crate) struct Remote<T> {
     parameters_set: bool,
     /// Whether all that the device has reported is known.
     output_known: bool,
+    /// The controls that others may set on the device.
+    shared: Vec<Range<usize>>,
 }
 
 impl<T: Float> Remote<T> {
@@ -157,14 +169,27 @@ impl<T: Float> Remote<T> {
             state_known: true,
             parameters_set: false,
             output_known: false,
+            shared: Vec::new(),
         }
     }
     pub fn name(&self) -> &str {
         &self.name
     }
-    /// Where the controls lie.
-    pub fn input_address(&self) -> Result<Option<Address>, DeviceError> {
-        self.worlds.input_address()
+    /// Where the controls lie, of which others may set these from now on.
+    pub fn share_input(&mut self, rows: Range<usize>) -> Result<Option<Address>, DeviceError> {
+        let address = self.worlds.input_address()?;
+        if address.is_some() && !self.shared.contains(&rows) {
+            self.shared.push(rows);
+        }
+        Ok(address)
+    }
+    /// Whether others may set controls.
+    pub fn shares_input(&self) -> bool {
+        !self.shared.is_empty()
+    }
+    /// Makes known to the host, which has told all it has set, what others have set.
+    pub fn read_input(&mut self, input: &mut Memory<T>) -> Result<(), DeviceError> {
+        self.worlds.read_input(&self.shared, input)
     }
     /// Where the output lies.
     pub fn output_address(&self) -> Result<Option<Address>, DeviceError> {

@@ -12,7 +12,7 @@
 
 use crate::{Outputs, Simulation};
 use glam::{DQuat, DVec3};
-use model::{Actuator, AxisKind, Joint, JointId, JointKind};
+use model::{Actuator, Joint, JointId, JointKind};
 use numbers::Float;
 use std::f64::consts::TAU;
 
@@ -78,18 +78,17 @@ impl<T: Float> Effort<'_, T> {
         }
     }
 
-    /// Of an axis of a joint that is no ball; none where it is free.
+    /// Of an axis of a joint that is no ball; none where it is free or closes a loop.
     fn axis_drive(&self, id: JointId, axis: usize) -> f64 {
         let model = self.simulation.world_model(self.world);
         let joint = &model.joints[id.0];
-        if joint.kind == JointKind::Free {
+        if joint.kind == JointKind::Free || joint.closes_loop {
             return 0.0;
         }
         let (law, dof) = (&joint.dofs[axis], model.dof_range(id).start + axis);
         let inputs = self.simulation.inputs();
         let mut error = inputs.target(self.world, dof) - self.value(joint, id, axis);
-        let endless = law.limit.is_none() && law.stiffness == 0.0;
-        if endless && joint.axes[axis].kind == AxisKind::Angular {
+        if model.turns_without_end(id, axis) {
             // Whole turns between value and target do not count.
             error -= TAU * (error / TAU).round();
         }
@@ -99,10 +98,10 @@ impl<T: Float> Effort<'_, T> {
         (d.stiffness * error + d.damping * wanted).clamp(-d.effort_limit, d.effort_limit)
     }
 
-    /// Of a ball joint; of others nothing.
+    /// Of a ball joint; of others nothing, nor of one that closes a loop, which has no coordinates.
     fn ball_drive(&self, id: JointId) -> DVec3 {
         let joint = &self.simulation.world_model(self.world).joints[id.0];
-        if joint.kind != JointKind::Ball {
+        if joint.kind != JointKind::Ball || joint.closes_loop {
             return DVec3::ZERO;
         }
         let model = self.simulation.model();

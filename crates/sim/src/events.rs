@@ -51,8 +51,8 @@ pub enum EventKind {
         /// The shapes; the second one moves.
         shapes: [ShapeId; 2],
     },
-    /// A joint reaches the end of its range, and was within it in the substep before. Joints that close loops take no
-    /// range, as they have no coordinates.
+    /// A joint reaches the end of its range, which is that of the world's own model, and was within it in the substep
+    /// before. Joints that close loops take no range, as they have no coordinates.
     LimitReached {
         /// Degree of freedom, as in `Outputs::joint_velocity`.
         dof: usize,
@@ -106,28 +106,18 @@ impl Watch {
     }
 }
 
-/// A limited coordinate of a joint.
-#[derive(Clone, Copy, Debug)]
-struct Stop {
-    dof: usize,
-    coordinate: usize,
-    lower: f64,
-    upper: f64,
-}
-
 /// What is remembered of each world, and what has not been fetched yet.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Watcher {
     watch: Watch,
-    stops: Vec<Stop>,
     /// Per world: the shapes that press on each other.
     pressing: Vec<BTreeMap<[ShapeId; 2], DVec3>>,
     /// Of each shape, whether it is a sensor; none where they are not watched.
     sensors: Vec<bool>,
     /// Per world: the shapes that overlap, one of them a sensor.
     sensed: Vec<BTreeSet<[ShapeId; 2]>>,
-    /// Per world and limited coordinate: −1 at the lower end, 1 at the upper, else 0.
-    at_stop: Vec<Vec<i8>>,
+    /// Per world: at which end of its range each degree of freedom is, as [`ends`] has it.
+    ends: Vec<Vec<i8>>,
     /// Per world: which bodies sleep.
     asleep: Vec<Vec<bool>>,
     /// Per world: it has not diverged.
@@ -139,11 +129,6 @@ pub(crate) struct Watcher {
 
 impl Watcher {
     fn new(model: &Model, worlds: usize, watch: Watch) -> Self {
-        let stops = if watch.limits {
-            stops(model)
-        } else {
-            Vec::new()
-        };
         let shapes = if watch.sensors {
             &model.shapes[..]
         } else {
@@ -157,26 +142,19 @@ impl Watcher {
             asleep: vec![vec![false; bodies]; worlds],
             runs: vec![true; worlds],
             pressing: vec![BTreeMap::new(); worlds],
-            at_stop: vec![vec![0; stops.len()]; worlds],
-            stops,
+            ends: vec![Vec::new(); worlds],
             set: (0..worlds).collect(),
             queue: Vec::new(),
         }
     }
 
-    /// Takes the present state of a world for granted, or tells what changed to reach it; `runs`
-    /// tells that it has not diverged.
-    fn look<T: Float>(
-        &mut self,
-        outputs: &Outputs<'_, T>,
-        world: usize,
-        runs: bool,
-        told: Option<Told>,
-    ) {
+    /// Takes the state of a world for granted as it was last reported, or tells what changed to reach it.
+    fn look<T: Float>(&mut self, simulation: &Simulation<T>, world: usize, told: Option<Told>) {
+        let runs = simulation.runs(world);
         let ran = std::mem::replace(&mut self.runs[world], runs);
         let mut changes = Vec::new();
         if told.is_none() || runs {
-            self.compare(outputs, world, told, &mut changes);
+            self.compare(simulation, world, told, &mut changes);
         } else if ran && self.watch.divergence {
             changes.push(EventKind::Diverged);
         }
@@ -189,11 +167,12 @@ impl Watcher {
     /// What changed in a world that runs: contacts, then sensors, limits, sleep.
     fn compare<T: Float>(
         &mut self,
-        outputs: &Outputs<'_, T>,
+        simulation: &Simulation<T>,
         world: usize,
         told: Option<Told>,
         changes: &mut Vec<EventKind>,
     ) {
+        let outputs = &simulation.last_reported();
         if self.watch.contacts || self.watch.persisting_contacts {
             let now = pressing(outputs, world);
             if let Some(told) = told {
@@ -211,16 +190,13 @@ impl Watcher {
             changes.extend(end.map(|shapes| EventKind::SensorEnds { shapes }));
         }
         if self.watch.limits {
-            let position = outputs.joint_position(world);
-            for (stop, at) in self.stops.iter().zip(&mut self.at_stop[world]) {
-                let now = stop.end(position[stop.coordinate]);
-                if now != 0 && now != *at {
-                    changes.push(EventKind::LimitReached {
-                        dof: stop.dof,
-                        upper: now > 0,
-                    });
+            let now = ends(simulation.world_model(world), outputs, world);
+            let before = std::mem::replace(&mut self.ends[world], now);
+            for (dof, (&now, before)) in self.ends[world].iter().zip(before).enumerate() {
+                if now != 0 && now != before {
+                    let upper = now > 0;
+                    changes.push(EventKind::LimitReached { dof, upper });
                 }
-                *at = now;
             }
         }
         for (body, before) in self.asleep[world].iter_mut().enumerate() {
@@ -280,32 +256,21 @@ struct Told {
     substep: f64,
 }
 
-impl Stop {
-    fn end(&self, x: f64) -> i8 {
-        i8::from(x >= self.upper) - i8::from(x <= self.lower)
+/// At which end of its range each degree of freedom of a world is, by the limits of that world's model: −1 at the lower,
+/// 1 at the upper, else 0.
+fn ends<T: Float>(model: &Model, outputs: &Outputs<'_, T>, world: usize) -> Vec<i8> {
+    let mut ends = vec![0; model.degrees_of_freedom()];
+    for (i, joint) in model.joints.iter().enumerate() {
+        let id = JointId(i);
+        let rows = model.dof_range(id).zip(model.coordinate_range(id));
+        for (dof, (row, coordinate)) in joint.dofs.iter().zip(rows) {
+            if let Some(limit) = dof.limit {
+                let x = outputs.coordinate(world, coordinate);
+                ends[row] = i8::from(x >= limit.upper) - i8::from(x <= limit.lower);
+            }
+        }
     }
-}
-
-/// The limited coordinates of a model.
-fn stops(model: &Model) -> Vec<Stop> {
-    let ids = (0..model.joints.len()).map(JointId);
-    let of = |id: JointId| {
-        let joint = &model.joints[id.0];
-        let (first, dofs) = (model.coordinate_range(id).start, model.dof_range(id));
-        let limited = joint.dofs.iter().zip(dofs).enumerate();
-        limited.filter_map(move |(axis, (dof, row))| {
-            let limit = dof.limit?;
-            Some(Stop {
-                dof: row,
-                coordinate: first + axis,
-                lower: limit.lower,
-                upper: limit.upper,
-            })
-        })
-    };
-    ids.filter(|id| !model.joints[id.0].closes_loop)
-        .flat_map(of)
-        .collect()
+    ends
 }
 
 /// The shapes that press on each other, with the force [N] on the second.
@@ -330,10 +295,11 @@ impl<T: Float> Simulation<T> {
             .then(|| Watcher::new(self.model(), self.worlds(), watch));
     }
 
-    /// The events since the last call: in order of time, then of worlds, whatever the number of
-    /// threads. Of a world in a substep: contacts, then sensors, limits, sleep, each in the order of
-    /// shapes, degrees of freedom, bodies; a world that diverges tells that alone. Sensors are as
-    /// shapes lay at the beginning of the substep, as `Outputs::contacts` are.
+    /// The events since the last call: in the order of substeps, then of worlds, whatever the number of
+    /// threads; the time of a world that was set or reset meanwhile starts at 0 again. Of a world in a
+    /// substep: contacts, then sensors, limits, sleep, each in the order of shapes, degrees of freedom,
+    /// bodies; a world that diverges tells that alone. Sensors are as shapes lay at the beginning of the
+    /// substep, as `Outputs::contacts` are.
     pub fn drain_events(&mut self) -> Vec<Event> {
         self.watcher
             .as_mut()
@@ -355,35 +321,25 @@ impl<T: Float> Simulation<T> {
         }
     }
 
-    /// Of each world, whether it has not diverged.
-    fn running(&self) -> Vec<bool> {
-        (0..self.worlds()).map(|world| self.runs(world)).collect()
-    }
-
     /// Makes so many substeps, and tells what happens in each.
     pub(crate) fn step_watched(
         &mut self,
-        mut watcher: Watcher,
+        watcher: &mut Watcher,
         substeps: usize,
     ) -> Result<(), SimulationError> {
         let substep = self.settings().step.substep();
-        let times = self.time.clone();
-        let runs = self.running();
-        let outputs = self.try_outputs()?;
+        self.try_outputs()?;
         for world in std::mem::take(&mut watcher.set) {
-            watcher.look(&outputs, world, runs[world], None);
+            watcher.look(self, world, None);
         }
         for i in 1..=substeps {
             self.perform(Task::Step(1))?;
-            let runs = self.running();
-            let outputs = self.try_outputs()?;
-            for (world, begin) in times.iter().enumerate() {
-                let time = begin + i as f64 * substep;
-                let told = Some(Told { time, substep });
-                watcher.look(&outputs, world, runs[world], told);
+            self.try_outputs()?;
+            for world in 0..self.worlds() {
+                let time = self.time[world] + i as f64 * substep;
+                watcher.look(self, world, Some(Told { time, substep }));
             }
         }
-        self.watcher = Some(watcher);
         Ok(())
     }
 }

@@ -1,5 +1,6 @@
 //! What the worlds look like, as plain numbers.
 
+use crate::SimulationError;
 use glam::{DQuat, DVec3};
 use model::{BodyId, JointId, Pose, ShapeId};
 use numbers::machine::space::Output;
@@ -8,7 +9,7 @@ use rigid::{OutputTables, body, body_acceleration, contact, reaction, total};
 
 /// The reported quantities of all worlds at one time.
 ///
-/// Panics where a world, body or joint does not exist, as an array would.
+/// Panics where a world, body, joint or row does not exist, as an array would.
 #[derive(Clone, Copy, Debug)]
 pub struct Outputs<'a, T> {
     pub(crate) memory: &'a Memory<T>,
@@ -52,65 +53,75 @@ impl<T: Float> Outputs<'_, T> {
     }
     /// Position of a body's frame [m].
     pub fn body_position(&self, world: usize, id: BodyId) -> DVec3 {
-        self.vec3(world, self.tables.body, id.0, body::POSITION)
+        self.vec3(world, self.tables.body, self.body(id), body::POSITION)
     }
     /// Orientation of a body's frame, x, y, z, w.
     pub fn body_orientation(&self, world: usize, id: BodyId) -> DQuat {
-        DQuat::from_array(self.numbers(world, self.tables.body, id.0, body::ORIENTATION))
+        let (table, row) = (self.tables.body, self.body(id));
+        DQuat::from_array(self.numbers(world, table, row, body::ORIENTATION))
     }
     /// Velocity of a body frame's origin [m/s].
     pub fn body_velocity(&self, world: usize, id: BodyId) -> DVec3 {
-        self.vec3(world, self.tables.body, id.0, body::VELOCITY)
+        self.vec3(world, self.tables.body, self.body(id), body::VELOCITY)
     }
     /// Angular velocity of a body [rad/s], world axes.
     pub fn body_angular_velocity(&self, world: usize, id: BodyId) -> DVec3 {
-        self.vec3(world, self.tables.body, id.0, body::ANGULAR_VELOCITY)
+        let (table, row) = (self.tables.body, self.body(id));
+        self.vec3(world, table, row, body::ANGULAR_VELOCITY)
     }
     /// Acceleration of a body frame's origin [m/s²], world axes. Of `featherstone` the one at this moment
     /// under the contact forces of the last step; of the other solvers the mean over the last substep, so
     /// zero in a world that has just been set.
     pub fn body_acceleration(&self, world: usize, id: BodyId) -> DVec3 {
-        let table = self.tables.body_acceleration;
-        self.vec3(world, table, id.0, body_acceleration::LINEAR)
+        let (table, row) = (self.tables.body_acceleration, self.body(id));
+        self.vec3(world, table, row, body_acceleration::LINEAR)
     }
     /// Angular acceleration of a body [rad/s²], world axes; as
     /// [`body_acceleration`](Outputs::body_acceleration).
     pub fn body_angular_acceleration(&self, world: usize, id: BodyId) -> DVec3 {
-        let table = self.tables.body_acceleration;
-        self.vec3(world, table, id.0, body_acceleration::ANGULAR)
+        let (table, row) = (self.tables.body_acceleration, self.body(id));
+        self.vec3(world, table, row, body_acceleration::ANGULAR)
     }
     /// Whether a body sleeps: it stays where it is until something touches it. False for what never
     /// moves, and for solvers that let no body sleep: all but `impulse`.
     pub fn asleep(&self, world: usize, id: BodyId) -> bool {
-        let table = self.tables.asleep;
-        table.is_some_and(|table| self.number(world, table, id.0, 0) != 0.0)
+        existing("world", world, self.memory.worlds());
+        let (table, row) = (self.tables.asleep, self.body(id));
+        table.is_some_and(|table| self.number(world, table, row, 0) != 0.0)
     }
     /// Joint coordinates in the model's order [m, rad, quaternions x, y, z, w];
-    /// axes that turn without end are in [−π, π].
+    /// axes that [turn without end](model::Model::turns_without_end) are in [−π, π].
     pub fn joint_position(&self, world: usize) -> Vec<f64> {
-        self.rows(world, self.tables.position, self.tables.velocity)
+        self.column(world, self.tables.position, self.tables.velocity)
     }
     /// One of the numbers of [`joint_position`](Outputs::joint_position).
     pub fn coordinate(&self, world: usize, row: usize) -> f64 {
-        self.number(world, self.tables.position, row, 0)
+        let (table, next) = (self.tables.position, self.tables.velocity);
+        let row = existing("coordinate", row, rows(table, next));
+        self.number(world, table, row, 0)
     }
     /// One of the numbers of [`joint_velocity`](Outputs::joint_velocity).
     pub fn dof_velocity(&self, world: usize, dof: usize) -> f64 {
-        self.number(world, self.tables.velocity, dof, 0)
+        let (table, next) = (self.tables.velocity, self.tables.acceleration);
+        let row = existing("degree of freedom", dof, rows(table, next));
+        self.number(world, table, row, 0)
     }
     /// Joint velocities in the model's order [m/s or rad/s].
     pub fn joint_velocity(&self, world: usize) -> Vec<f64> {
-        self.rows(world, self.tables.velocity, self.tables.acceleration)
+        self.column(world, self.tables.velocity, self.tables.acceleration)
     }
     /// Joint accelerations in the model's order [m/s² or rad/s²].
     pub fn joint_acceleration(&self, world: usize) -> Vec<f64> {
-        self.rows(world, self.tables.acceleration, self.tables.total)
+        self.column(world, self.tables.acceleration, self.tables.total)
     }
     /// Force [N] and torque [N·m] of a joint on its child, world axes; the torque
     /// is about the child's joint frame. Where a step has several substeps, of the last one; with `impulse` the mean over
     /// it.
     pub fn reaction(&self, world: usize, joint: JointId) -> (DVec3, DVec3) {
-        let at = |field| self.vec3(world, self.tables.reaction, joint.0, field);
+        let table = self.tables.reaction;
+        // The last row is of no joint.
+        let row = existing("joint", joint.0, rows(table, self.tables.position) - 1);
+        let at = |field| self.vec3(world, table, row, field);
         (at(reaction::FORCE), at(reaction::TORQUE))
     }
     /// The contacts of the last step, in an order that does not change from step to step. Where a step has several
@@ -122,6 +133,7 @@ impl<T: Float> Outputs<'_, T> {
     /// one now.
     pub fn contact(&self, world: usize, row: usize) -> Option<Contact> {
         let table = self.tables.contact;
+        let row = existing("row of contacts", row, self.tables.contacts);
         let distance = self.number(world, table, row, contact::DISTANCE);
         (distance < 0.5 * collide::FAR).then(|| Contact {
             shapes: self.touching(world, row),
@@ -189,7 +201,8 @@ impl<T: Float> Outputs<'_, T> {
     pub fn angular_momentum(&self, world: usize) -> DVec3 {
         self.vec3(world, self.tables.total, 0, total::ANGULAR_MOMENTUM)
     }
-    /// How often a force or displacement cap has bitten since the world was reset; `xpbd` only.
+    /// How often a force or displacement cap has bitten since the world was reset, with `xpbd`; how many contacts there
+    /// was no room to remember, with `impulse`; else zero.
     pub fn capped(&self, world: usize) -> u64 {
         self.number(world, self.tables.total, 0, total::CAPPED) as u64
     }
@@ -201,7 +214,7 @@ impl<T: Float> Outputs<'_, T> {
         row: usize,
         field: usize,
     ) -> f64 {
-        assert!(world < self.worlds(), "world {world} of {}", self.worlds());
+        let world = existing("world", world, self.worlds());
         self.memory.get(world, table.at(row, field)).to_f64()
     }
     fn numbers<const N: usize, const W: usize>(
@@ -222,15 +235,36 @@ impl<T: Float> Outputs<'_, T> {
     ) -> DVec3 {
         DVec3::from_array(self.numbers(world, table, row, field))
     }
+    /// The row of a body.
+    fn body(&self, id: BodyId) -> usize {
+        let bodies = rows(self.tables.body, self.tables.body_acceleration);
+        existing("body", id.0, bodies)
+    }
     /// All rows of a table, which ends where the next begins.
-    fn rows<const W: usize>(
+    fn column<const W: usize>(
         &self,
         world: usize,
         table: Table<Output>,
         next: Table<Output, W>,
     ) -> Vec<f64> {
-        (0..next.start() - table.start())
-            .map(|i| self.number(world, table, i, 0))
+        (0..rows(table, next))
+            .map(|row| self.number(world, table, row, 0))
             .collect()
     }
+}
+
+/// Number of rows of a table, which ends where the next begins.
+fn rows<const V: usize, const W: usize>(table: Table<Output, V>, next: Table<Output, W>) -> usize {
+    (next.start() - table.start()) / V
+}
+
+/// The index itself. Beyond the last lie numbers of other tables and worlds.
+///
+/// Panics where it does not exist.
+#[inline]
+pub(crate) fn existing(what: &'static str, index: usize, count: usize) -> usize {
+    if index >= count {
+        panic!("{}", SimulationError::Index { what, index, count });
+    }
+    index
 }

@@ -41,15 +41,16 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Where a control lies on the device, to be read and written: what stands there when worlds are stepped acts, and
-    /// is not checked. What the host sets of the same control is written over it before the next step.
+    /// is not checked. What the host sets of the same control is written over it, in all worlds, before the next step;
+    /// resets change the worlds that are reset.
     ///
     /// # Errors
     /// Worlds are not on a device that shares its memory, as CUDA's do, but for `impulse`; the device fails.
     pub fn control_on_device(&mut self, control: Control) -> Result<DeviceArray, SimulationError> {
         let range = self.controls().range(control);
         self.tell()?;
-        let remote = self.remote.as_ref();
-        let address = remote.map_or(Ok(None), Remote::input_address)?;
+        let remote = self.remote.as_mut();
+        let address = remote.map_or(Ok(None), |remote| remote.share_input(range.clone()))?;
         self.shared_array(address, (range, 1, 1))
     }
 

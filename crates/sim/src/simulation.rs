@@ -316,29 +316,30 @@ impl<T: Float> Simulation<T> {
     }
 
     /// The model's initial coordinates and velocities in all worlds; time, targets and divergence cleared.
+    ///
+    /// Panics where controls are shared on a device that fails; [`reset`](Self::reset) tells.
     pub fn reset_all(&mut self) {
         let all: Vec<_> = (0..self.worlds()).collect();
-        self.reset_worlds(&all);
+        let reset = self.reset(&all);
+        reset.unwrap_or_else(|error| panic!("{error}"));
     }
     /// As [`reset_all`](Simulation::reset_all), for the named worlds.
     ///
     /// # Errors
-    /// A world that does not exist.
+    /// A world that does not exist; controls are shared on a device, and it fails.
     pub fn reset(&mut self, worlds: &[usize]) -> Result<(), SimulationError> {
         worlds
             .iter()
             .try_for_each(|&w| index("world", w, self.worlds()))?;
-        self.reset_worlds(worlds);
-        Ok(())
-    }
-
-    fn reset_worlds(&mut self, worlds: &[usize]) {
+        self.fetch_controls()?;
         for &world in worlds {
             let state = self.compiled(world).state.clone();
             self.begin(world, &state);
         }
         self.run_again(worlds);
+        self.tell_shared()
     }
+
     /// These have not diverged any more.
     fn run_again(&mut self, worlds: &[usize]) {
         if !self.diverged.is_empty() {
@@ -370,17 +371,35 @@ impl<T: Float> Simulation<T> {
     ///
     /// # Errors
     /// A world that does not exist, arrays of the wrong length, numbers not finite or beyond
-    /// ±1e9, a quaternion that is zero.
+    /// ±1e9, a quaternion that is zero; controls are shared on a device, and it fails.
     pub fn set_joint_state(
         &mut self,
         world: usize,
         position: &[f64],
         velocity: &[f64],
     ) -> Result<(), SimulationError> {
-        let state = self.state_at(world, position, velocity)?;
-        self.begin(world, &state);
-        self.run_again(&[world]);
-        Ok(())
+        self.set_joint_states([(world, position, velocity)])
+    }
+    /// As [`set_joint_state`](Self::set_joint_state), for several worlds at once: all of them, or none.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn set_joint_states<'a>(
+        &mut self,
+        states: impl IntoIterator<Item = (usize, &'a [f64], &'a [f64])>,
+    ) -> Result<(), SimulationError> {
+        let states = states.into_iter().map(|(world, position, velocity)| {
+            let state = self.state_at(world, position, velocity)?;
+            Ok((world, state))
+        });
+        let states = states.collect::<Result<Vec<_>, SimulationError>>()?;
+        self.fetch_controls()?;
+        for (world, state) in &states {
+            self.begin(*world, state);
+        }
+        let worlds: Vec<_> = states.iter().map(|(world, _)| *world).collect();
+        self.run_again(&worlds);
+        self.tell_shared()
     }
 
     /// As [`set_joint_state`](Simulation::set_joint_state), but the world keeps its time and its
@@ -445,6 +464,8 @@ impl<T: Float> Simulation<T> {
             memory: &mut self.input,
             tables: &self.input_tables,
             changes: &mut self.changes,
+            // Whoever begins has made them known.
+            shared: false,
         };
         for (i, &x) in compiled.input.iter().enumerate() {
             controls.put(world, i, T::from_f64(x));
@@ -535,17 +556,19 @@ impl<T: Float> Simulation<T> {
         Ok(())
     }
 
-    /// The controls of all worlds, to be set.
+    /// The controls of all worlds, to be set. What others have set of those that they share on a device is known after
+    /// [`fetch_controls`](Self::fetch_controls).
     pub fn controls(&mut self) -> Controls<'_, T> {
         self.reported = None;
         Controls {
             memory: &mut self.input,
             tables: &self.input_tables,
             changes: &mut self.changes,
+            shared: self.remote.as_ref().is_some_and(Remote::shares_input),
         }
     }
 
-    /// The controls of all worlds, to be read.
+    /// The controls of all worlds, to be read, as [`controls`](Self::controls).
     pub fn inputs(&self) -> Inputs<'_, T> {
         Inputs {
             memory: &self.input,
@@ -567,7 +590,11 @@ impl<T: Float> Simulation<T> {
     pub fn try_step(&mut self, steps: usize) -> Result<&[Diverged], SimulationError> {
         let substeps = steps.saturating_mul(self.settings.step.substeps);
         match self.watcher.take() {
-            Some(watcher) => self.step_watched(watcher, substeps)?,
+            Some(mut watcher) => {
+                let stepped = self.step_watched(&mut watcher, substeps);
+                self.watcher = Some(watcher);
+                stepped?;
+            }
             None => self.perform(Task::Step(substeps))?,
         }
         let known = self.diverged.len();
@@ -607,6 +634,7 @@ impl<T: Float> Simulation<T> {
     pub fn numbers_of_world(&mut self, world: usize) -> Result<WorldNumbers, SimulationError> {
         index("world", world, self.worlds())?;
         self.fetch_state()?;
+        self.fetch_controls()?;
         Ok(WorldNumbers {
             state: numbers_of(&self.state, world, 0..self.state.length()),
             input: numbers_of(&self.input, world, 0..self.input.length()),
@@ -641,6 +669,7 @@ impl<T: Float> Simulation<T> {
     }
     fn report_everything(&mut self) -> Result<(), SimulationError> {
         self.report(Report::Everything)?;
+        self.fetch_controls()?;
         if let Some(remote) = &mut self.remote {
             let all = 0..self.output.length();
             remote.read_output(std::slice::from_ref(&all), &mut self.output)?;
@@ -726,12 +755,13 @@ impl<T: Float> Simulation<T> {
     /// Worlds are on a device, and it fails.
     pub fn try_snapshot(&mut self) -> Result<Snapshot, SimulationError> {
         self.fetch_state()?;
+        self.fetch_controls()?;
         Ok(Snapshot::take(self))
     }
     /// Returns to a snapshot of the same model, solver and number of worlds.
     ///
     /// # Errors
-    /// The snapshot does not fit.
+    /// The snapshot does not fit; controls are shared on a device, and it fails.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SimulationError> {
         snapshot.put_back(self)?;
         self.moves();
@@ -743,7 +773,7 @@ impl<T: Float> Simulation<T> {
             self.begun[world] += 1;
             self.take_for_granted(world);
         }
-        Ok(())
+        self.tell_shared()
     }
     /// What a snapshot must agree on: solver and tables.
     pub(crate) fn fingerprint(&self) -> u64 {
@@ -796,6 +826,24 @@ impl<T: Float> Simulation<T> {
             changes: &mut self.changes,
             parameters: &self.parameters,
         })?)
+    }
+    /// Makes known what other libraries have set of the [controls that they share](Self::control_on_device).
+    ///
+    /// # Errors
+    /// The device fails.
+    pub fn fetch_controls(&mut self) -> Result<(), SimulationError> {
+        self.tell_shared()?;
+        match self.remote.as_mut().filter(|remote| remote.shares_input()) {
+            Some(remote) => Ok(remote.read_input(&mut self.input)?),
+            None => Ok(()),
+        }
+    }
+    /// Tells the device what was set while others do not set controls: later, theirs would be lost.
+    fn tell_shared(&mut self) -> Result<(), SimulationError> {
+        match &self.remote {
+            Some(remote) if remote.shares_input() => self.tell(),
+            _ => Ok(()),
+        }
     }
     /// Makes the state of all worlds known.
     fn fetch_state(&mut self) -> Result<(), SimulationError> {

@@ -4,11 +4,16 @@
 mod scene;
 
 use glam::DVec3;
-use kinetarium_sim::{Controls, Simulation, SimulationError, SimulationSettings, SolverKind};
+use kinetarium_sim::{
+    Controls, Outputs, Simulation, SimulationError, SimulationSettings, SolverKind,
+};
 use model::examples::n_pendula;
-use model::{Axis, Builder, Geometry, JointHandle, Limit, Model, ModelError, Object, Parts};
+use model::{
+    Axis, BodyId, Builder, Geometry, JointHandle, JointId, Limit, Model, ModelError, Object, Parts,
+};
 use rigid::Integrator;
 use scene::{Method, chain, hashes, mixed, scattered};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::Command;
 
 type Spoil<T> = fn(&mut T);
@@ -380,6 +385,52 @@ fn controls_that_are_none() {
         ),
     ];
     refuses(cases, &mixed());
+}
+
+type Read = fn(&Simulation<f32>, &Outputs<'_, f32>) -> f64;
+
+/// Reading panics, as of an array, and gives no number of another table or world.
+#[test]
+fn reads_of_what_does_not_exist() {
+    let cases: &[(&str, Read)] = &[
+        ("world 20", |_, o| o.coordinate(20, 0)),
+        ("world 20", |s, _| s.inputs().force(20, 0)),
+        ("world 20", |_, o| f64::from(o.asleep(20, BodyId(0)))),
+        ("coordinate 3", |_, o| o.coordinate(0, 3)),
+        ("degree of freedom 3", |_, o| o.dof_velocity(0, 3)),
+        ("degree of freedom 3", |s, _| s.inputs().force(0, 3)),
+        ("degree of freedom 3", |s, _| s.inputs().target(0, 3)),
+        ("degree of freedom 3", |s, _| {
+            s.inputs().target_velocity(0, 3)
+        }),
+        ("actuator 0", |s, _| s.inputs().control(0, 0)),
+        ("body 3", |_, o| o.body_position(0, BodyId(3)).x),
+        ("body 3", |_, o| o.body_orientation(0, BodyId(3)).x),
+        ("body 3", |_, o| o.body_velocity(0, BodyId(3)).x),
+        ("body 3", |_, o| o.body_angular_velocity(0, BodyId(3)).x),
+        ("body 3", |_, o| o.body_acceleration(0, BodyId(3)).x),
+        ("body 3", |_, o| o.body_angular_acceleration(0, BodyId(3)).x),
+        ("body 3", |_, o| f64::from(o.asleep(0, BodyId(3)))),
+        ("joint 3", |_, o| o.reaction(0, JointId(3)).0.x),
+        ("row of contacts", |_, o| {
+            let rows = o.contact_rows(|_| true).len();
+            o.contact(0, rows).map_or(0.0, |c| c.distance)
+        }),
+    ];
+    for method in scene::TOUCHING {
+        let model = n_pendula(3).unwrap();
+        let mut simulation = Simulation::<f32>::new(model, method.settings(20)).unwrap();
+        let observed = simulation.observe(|simulation, outputs| {
+            for (what, read) in cases {
+                let read = AssertUnwindSafe(|| read(simulation, outputs));
+                let told = catch_unwind(read).expect_err(what);
+                let told = told.downcast_ref::<String>().unwrap();
+                let says = " does not exist: there are ";
+                assert!(told.starts_with(what) && told.contains(says), "{told}");
+            }
+        });
+        observed.unwrap();
+    }
 }
 
 #[test]

@@ -1,11 +1,14 @@
 //! What a simulation asks of a device that does not run all solvers.
 
 use kinetarium_sim::{
-    Device, DeviceError, DeviceWorlds, Simulation, SimulationError, SimulationSettings, SolverKind,
+    Device, DeviceError, DeviceWorlds, EventKind, Processor, Simulation, SimulationError,
+    SimulationSettings, SolverKind, Watch,
 };
 use model::Model;
 use model::examples::{Start, chain, tower};
-use rigid::Solver;
+use numbers::Memory;
+use rigid::{Report, Solver};
+use std::ops::Range;
 
 /// One that has no memory, and runs no `impulse`.
 struct Full;
@@ -25,6 +28,75 @@ impl Device<f32> for Full {
         };
         Err(DeviceError::new(format!("no memory for {asked}")))
     }
+}
+
+/// One that has no memory for the first step, and in which all worlds have diverged after the second.
+struct Busy;
+
+impl Device<f32> for Busy {
+    fn name(&self) -> String {
+        "busy".into()
+    }
+    fn place(&self, _: Solver<'_>, _: usize) -> Result<Box<dyn DeviceWorlds<f32>>, DeviceError> {
+        Ok(Box::new(BusyWorlds { tried: false }))
+    }
+}
+
+struct BusyWorlds {
+    tried: bool,
+}
+
+impl DeviceWorlds<f32> for BusyWorlds {
+    fn write_state(&mut self, _: &Memory<f32>) -> Result<(), DeviceError> {
+        Ok(())
+    }
+    fn write_worlds(&mut self, _: &[usize], _: &Memory<f32>) -> Result<(), DeviceError> {
+        Ok(())
+    }
+    fn write_input(&mut self, _: Range<usize>, _: &Memory<f32>) -> Result<(), DeviceError> {
+        Ok(())
+    }
+    fn write_parameters(&mut self, _: &Memory<f32>) -> Result<(), DeviceError> {
+        Ok(())
+    }
+    fn step(&mut self, _: usize, _: &mut Processor<'_, f32>) -> Result<(), DeviceError> {
+        if std::mem::replace(&mut self.tried, true) {
+            return Ok(());
+        }
+        Err(DeviceError::new("no memory for now"))
+    }
+    fn report(&mut self, _: Report) -> Result<(), DeviceError> {
+        Ok(())
+    }
+    fn read_state(
+        &mut self,
+        rows: &[Range<usize>],
+        state: &mut Memory<f32>,
+    ) -> Result<(), DeviceError> {
+        for offset in rows.iter().cloned().flatten() {
+            state.fill(offset, 0.0);
+        }
+        Ok(())
+    }
+    fn read_output(&mut self, _: &[Range<usize>], _: &mut Memory<f32>) -> Result<(), DeviceError> {
+        Ok(())
+    }
+}
+
+#[test]
+fn events_are_told_after_a_step_that_failed() {
+    let model = chain(3, Start::Horizontal).unwrap();
+    let settings = SimulationSettings::new(1, 0.004);
+    let mut simulation = Simulation::on(&Busy, model, settings).unwrap();
+    simulation.watch(Watch {
+        divergence: true,
+        ..Watch::default()
+    });
+    assert!(simulation.try_step(1).is_err());
+    assert_eq!(simulation.drain_events(), []);
+    simulation.try_step(1).unwrap();
+    let kinds = simulation.drain_events().into_iter().map(|e| e.kind);
+    assert!(kinds.eq([EventKind::Diverged]));
 }
 
 fn told(model: &Model, solver: SolverKind) -> SimulationError {

@@ -172,6 +172,41 @@ fn a_pendulum_reaches_its_lower_stop() {
     assert!((0.2..0.6).contains(&told[0].time), "{told:?}");
 }
 
+/// By x = 0.4 cos(ω t), ω² = m g l / I = 9.81 · 0.5 / 0.26, the pendulum is at 0.1 after 0.30 s, and at -0.3 after
+/// 0.56 s.
+#[test]
+fn limits_are_those_of_each_world() {
+    let mut parts = scene(0.0).into_parts();
+    parts.joints[1].dofs[0].limit.as_mut().unwrap().lower = 0.1;
+    let own = Model::new(parts).unwrap();
+    let watch = Watch {
+        limits: true,
+        ..Watch::default()
+    };
+    for watched_before in [true, false] {
+        let mut simulation = Simulation::<f32>::new(scene(0.0), reduced(2)).unwrap();
+        if watched_before {
+            simulation.watch(watch);
+            simulation.step(5);
+        }
+        simulation.set_world_model(1, &own).unwrap();
+        if !watched_before {
+            simulation.watch(watch);
+        }
+        simulation.step(200);
+        let told = simulation.drain_events();
+        let [event] = told.as_slice() else {
+            panic!("{told:?}");
+        };
+        let lower = EventKind::LimitReached {
+            dof: 6,
+            upper: false,
+        };
+        assert_eq!((event.world, event.kind), (1, lower));
+        assert!((0.28..0.33).contains(&event.time), "{event:?}");
+    }
+}
+
 #[test]
 fn the_order_is_the_same_whatever_the_threads() {
     let one = events(0.5, 40, 1, Watch::ALL);

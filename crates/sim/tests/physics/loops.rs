@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use glam::{DVec2, DVec3};
-use kinetarium_sim::Simulation;
+use kinetarium_sim::{Effort, Simulation};
 use model::{BodyId, Builder, Drive, JointId, Model, Pose};
 
 const H: f64 = 1e-3;
@@ -118,6 +118,37 @@ fn four_bar_linkage_follows_its_geometry() {
             worst(method, h)
         });
     }
+}
+
+/// A ball that closes a loop has no coordinates, so that nothing acts along them, were it the last joint.
+#[test]
+fn a_ball_in_a_loop_has_no_effort() {
+    let mut world = Builder::new("triangle");
+    let object = world.object("");
+    let upper = body(object, "upper", 1.0, DVec3::ZERO, DVec3::ONE);
+    let lower = body(object, "lower", 1.0, DVec3::ZERO, DVec3::ONE);
+    object.revolute("first", upper, DVec3::Z);
+    let second = object.revolute("second", lower, DVec3::Z);
+    second
+        .parent(upper)
+        .frames(Pose::at(DVec3::X), Pose::IDENTITY);
+    let loop_joint = object.ball("loop", lower);
+    loop_joint
+        .frames(Pose::at(DVec3::X + DVec3::Y), Pose::at(DVec3::Y))
+        .closes_loop(true);
+    let mut simulation = EULER.simulate::<f64>(&world.build().unwrap(), H);
+    let forces = simulation.observe(|simulation, outputs| {
+        let (world, id) = (0, JointId(2));
+        let effort = Effort {
+            simulation,
+            outputs,
+            world,
+        };
+        let mut of_joint = Vec::new();
+        effort.of_joint(id, |force| of_joint.push(force));
+        (of_joint, effort.of_drive(id, 0))
+    });
+    assert_eq!(forces.unwrap(), (vec![], 0.0));
 }
 
 /// Two wheels geared as q₁ = offset + ratio q₂, pushed at one: together they have the inertia
