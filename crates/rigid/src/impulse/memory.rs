@@ -273,8 +273,8 @@ impl<T: Float> Cached<T> {
         self.drag_sum = self.drag_sum.map(|x| x * whole);
         self.twist_sum = self.twist_sum.map(|x| x * whole);
         for point in &mut self.points {
-            point.impulse = point.impulse * small;
-            point.sum = point.sum * whole;
+            point.impulse *= small;
+            point.sum *= whole;
         }
     }
     /// It is no contact any more, and tells only what it gave.

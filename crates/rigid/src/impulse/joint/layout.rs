@@ -682,7 +682,7 @@ impl Impulse {
         let at = |field| self.ties.state.at(tie, field - joint::TARGET);
         for (field, times) in [(joint::IMPULSE, small), (joint::SUM, whole)] {
             for x in &mut state[at(field)..][..6] {
-                *x = *x * times;
+                *x *= times;
             }
         }
     }
