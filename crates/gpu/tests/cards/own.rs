@@ -144,7 +144,9 @@ fn millions_of_worlds_are_set_at_once() {
     given.set(SET, 0, 2.0);
     let places = Vec::from_iter(1..=SET);
     worlds.write_worlds(&places, &given).unwrap();
-    worlds.read_state(&[0..1], &mut found).unwrap();
+    worlds
+        .read_state(std::slice::from_ref(&(0..1)), &mut found)
+        .unwrap();
     let found = [0, 1, SET - 1, SET].map(|world| found.get(world, 0));
     assert_eq!(found, [0.0, 1.0, 1.0, 2.0]);
 }
