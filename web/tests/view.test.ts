@@ -7,6 +7,7 @@ import { multiply, placed, writePose } from "../src/view/affine";
 import { fading, held, Lamps, sunOf } from "../src/view/lamps";
 import { measure, moves, reach, worldShifts } from "../src/view/layout";
 import { Materials } from "../src/view/materials";
+import { JointAxes } from "../src/view/overlays/joints";
 import { Trails } from "../src/view/overlays/trails";
 import { isFloor, PartMaker } from "../src/view/parts";
 import { Poses } from "../src/view/poses";
@@ -208,9 +209,20 @@ test("trails begin anew where other worlds are shown", () => {
   expect(lengths).toEqual([1, 2, 1, 2]);
 });
 
+test("a range of many turns is drawn as a circle", () => {
+  const model = scene();
+  model.joints[0].dofs[0].limit = [-1e9, 1e9];
+  const [axes, poses] = [new JointAxes(), new Poses(model)];
+  const frame = readFrame(writeFrame({ worlds: 1, bodies: 1, poses: pose }));
+  poses.update(frame);
+  axes.draw({ scene: model, frame, poses, measures: measure(model), picked: null });
+  // Its axis, 48 lines of the circle, and both ends.
+  expect(axes.object.geometry.instanceCount).toBe(1 + 48 + 2);
+});
+
 describe("gauges", () => {
-  const at = (x: number, time: number) =>
-    readFrame(writeFrame({ worlds: 1, bodies: 1, poses: [x, 0.5, 0, 0, 0, 0, 1], time }));
+  const at = (x: number, time: number, choices = 0) =>
+    readFrame(writeFrame({ worlds: 1, bodies: 1, poses: [x, 0.5, 0, 0, 0, 0, 1], time, choices }));
 
   test("speed is the way between frames, by the time", () => {
     const gauge = new Gauge(scene(), "speed");
@@ -218,6 +230,12 @@ describe("gauges", () => {
     gauge.update(at(0.5, 0.25));
     expect(gauge.range).toEqual([0, 2]);
     expect(gauge.color(0, 0, new Color()).getHexString()).toBe("fde725");
+  });
+  test("from world to world nothing has a speed", () => {
+    const gauge = new Gauge(scene(), "speed");
+    gauge.update(at(0, 0));
+    gauge.update(at(5, 0.25, 1));
+    expect(gauge.range).toEqual([0, 0]);
   });
   test("force is the sum of a body's contacts", () => {
     const gauge = new Gauge(scene(), "force");

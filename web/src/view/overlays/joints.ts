@@ -80,20 +80,22 @@ export class JointAxes implements Overlay {
   }
 
   private drawArc(
-    drawn: Drawn,
+    place: Drawn,
     [low, high]: [number, number],
     radius: number,
     value: number | undefined,
   ): void {
-    const { axis, point, across } = drawn;
+    const { axis, point, across } = place;
     const at = (angle: number): Point => {
       const turn = new Quaternion().setFromAxisAngle(axis, angle);
       return across.clone().applyQuaternion(turn).multiplyScalar(radius).add(point).toArray();
     };
     const middle = point.toArray();
-    const steps = Math.max(1, Math.ceil((high - low) / ARC));
+    // Of a range of many turns a circle.
+    const drawn = Math.min(high - low, 2 * Math.PI);
+    const steps = Math.max(1, Math.ceil(drawn / ARC));
     for (let i = 0; i < steps; i++) {
-      const [from, to] = [low + ((high - low) * i) / steps, low + ((high - low) * (i + 1)) / steps];
+      const [from, to] = [low + (drawn * i) / steps, low + (drawn * (i + 1)) / steps];
       this.line(at(from), at(to), LIMIT);
     }
     this.line(middle, at(low), LIMIT);

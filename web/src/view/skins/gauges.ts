@@ -56,10 +56,10 @@ export class Gauge {
     }
   }
 
-  /** Differences from the last frame; what stands still since, keeps its colour. */
-  private readRates(name: "speed" | "spin", { poses, time }: Frame): void {
+  /** Differences from the last frame of the same worlds; what stands still since, keeps its colour. */
+  private readRates(name: "speed" | "spin", { poses, time, choices }: Frame): void {
     const before = this.before;
-    if (before?.poses.length !== poses.length || time <= before.time) return;
+    if (before?.poses.length !== poses.length || before.choices !== choices || time <= before.time) return;
     const rate = 1 / (time - before.time);
     const was = before.poses;
     for (let i = 0, p = 0; p < poses.length; i++, p += POSE) {
