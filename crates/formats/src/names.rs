@@ -26,7 +26,7 @@ impl Taken {
 }
 
 /// Fills every empty name. A body is called by its row, a joint after its child, a degree of
-/// freedom after its joint, an actuator after what it drives, a keyframe and a camera by its row.
+/// freedom after its joint, an actuator after what it drives, a coupling, a keyframe, a camera and a lamp by its row.
 pub(crate) fn complete(parts: &mut Parts) {
     let mut taken = Taken::by(parts.bodies.iter().map(|b| &b.name));
     for (i, body) in parts.bodies.iter_mut().enumerate() {
@@ -41,6 +41,10 @@ pub(crate) fn complete(parts: &mut Parts) {
     for actuator in &mut parts.actuators {
         let dof = &parts.joints[actuator.joint.0].dofs[actuator.dof];
         taken.fill(&mut actuator.name, &dof.name);
+    }
+    let mut taken = Taken::by(parts.couplings.iter().map(|c| &c.name));
+    for (i, coupling) in parts.couplings.iter_mut().enumerate() {
+        taken.fill(&mut coupling.name, &format!("coupling_{i}"));
     }
     let mut taken = Taken::by(parts.keyframes.iter().map(|k| &k.name));
     for (i, keyframe) in parts.keyframes.iter_mut().enumerate() {

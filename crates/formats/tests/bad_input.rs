@@ -246,6 +246,10 @@ const MJCF: &[(&str, &str)] = &[
         "robot.xml:1:33: <joint>: attribute `limited` is true, but there is no `range`; write range=\"lower upper\"",
     ),
     (
+        "<mujoco><worldbody><body><joint limited=\"true\" range=\"0 0\"/><geom size=\"1\"/></body></worldbody></mujoco>",
+        "robot.xml:1:33: <joint>: attribute `limited` is true, but `range` is 0 0; write range=\"lower upper\"",
+    ),
+    (
         "<mujoco><compiler autolimits=\"false\"/><worldbody><body><joint range=\"0 1\"/>\
          <geom size=\"1\"/></body></worldbody></mujoco>",
         "robot.xml:1:63: <joint>: attribute `range` is given without `limited`, while the compiler's autolimits is false; write limited=\"true\" or limited=\"false\"",
@@ -272,6 +276,26 @@ const MJCF: &[(&str, &str)] = &[
         "<mujoco><worldbody><body><joint name=\"j\"/><geom size=\"1\"/></body>\n<body>\
          <joint name=\"j\"/><geom size=\"1\"/></body></worldbody></mujoco>",
         "robot.xml:2:14: <joint>: attribute `name` is `j`, the name of another joint; rename one of them",
+    ),
+    (
+        "<mujoco><worldbody><geom name=\"a\" size=\"1\"/>\n<body><geom name=\"a\" size=\"1\"/></body></worldbody></mujoco>",
+        "robot.xml:2:13: <geom>: attribute `name` is `a`, the name of another geom; rename one of them",
+    ),
+    (
+        "<mujoco><worldbody><site name=\"a\"/>\n<site name=\"a\"/></worldbody></mujoco>",
+        "robot.xml:2:7: <site>: attribute `name` is `a`, the name of another site; rename one of them",
+    ),
+    (
+        "<mujoco><asset><mesh file=\"a.obj\"/>\n<mesh name=\"a\" file=\"b.obj\"/></asset></mujoco>",
+        "robot.xml:2:7: <mesh>: attribute `name` is `a`, the name of another mesh; rename one of them",
+    ),
+    (
+        "<mujoco><asset><hfield name=\"a\"/>\n<hfield name=\"a\"/></asset></mujoco>",
+        "robot.xml:2:9: <hfield>: attribute `name` is `a`, the name of another height field; rename one of them",
+    ),
+    (
+        "<mujoco><worldbody><site fromto=\"0 0 0 1 1 1\"/></worldbody></mujoco>",
+        "robot.xml:1:26: <site>: attribute `fromto` is given for a sphere; use it with capsule, cylinder, box or ellipsoid; otherwise give pos and size",
     ),
     (
         "<mujoco><worldbody><geom type=\"cone\"/></worldbody></mujoco>",
@@ -349,6 +373,10 @@ const MJCF: &[(&str, &str)] = &[
         "robot.xml:1:19: <moter>: this is no actuator; correct its spelling",
     ),
     (
+        "<mujoco><actuator><position joint=\"j\" ctrlrange=\"0 1\" inheritrange=\"1\"/></actuator></mujoco>",
+        "robot.xml:1:55: <position>: attribute `inheritrange` stands beside `ctrlrange`; keep one of them",
+    ),
+    (
         "<mujoco><equality><weld body1=\"none\"/></equality></mujoco>",
         "robot.xml:1:25: <weld>: attribute `body1` names `none`, but no body has this name; correct the name",
     ),
@@ -410,6 +438,18 @@ const UNSUPPORTED: &[(&str, &str)] = &[
         "robot.xml:1:26: <joint>: a limit of a ball joint is not supported, and leaving it out would change the physics; use three hinges with limits, or load leniently (--lenient) to go on without it",
     ),
     (
+        "<mujoco><worldbody><body><joint type=\"free\" springdamper=\"1 1\"/><geom size=\"1\"/></body></worldbody></mujoco>",
+        "robot.xml:1:26: <joint>: a spring at a free joint is not supported, and leaving it out would change the physics; write damping instead of springdamper, or load leniently (--lenient) to go on without it",
+    ),
+    (
+        "<mujoco><worldbody><site colour=\"1\"/></worldbody></mujoco>",
+        "robot.xml:1:26: <site>: attribute `colour` is not supported, and leaving it out would change the physics; correct its spelling if it is misspelt, remove it if it is not needed, or load leniently (--lenient) to go on without it",
+    ),
+    (
+        "<mujoco><asset><mesh file=\"m.stl\" scale=\"1 2 3\" refquat=\"1 0 0 1\"/></asset></mujoco>",
+        "robot.xml:1:16: <mesh>: a scale that differs along the axes of `refquat` is not supported, and leaving it out would change the physics; write the same scale for all axes, or scale the mesh in its file, or load leniently (--lenient) to go on without it",
+    ),
+    (
         "<mujoco><asset><mesh file=\"m.stl\"/></asset><worldbody><body><joint/>\
          <geom type=\"mesh\" mesh=\"m\"/></body></worldbody></mujoco>",
         "robot.xml:1:69: <geom>: mass from the volume of a mesh is not supported, and leaving it out would change the physics; take meshes as they are where their surfaces are closed (--meshes exact), or as their convex hulls (--meshes hull), give the body an <inertial> element, or this geom mass=\"0\", or load leniently (--lenient) to go on without it",
@@ -421,6 +461,14 @@ const UNSUPPORTED: &[(&str, &str)] = &[
     (
         "<mujoco><actuator><motor tendon=\"t\"/></actuator></mujoco>",
         "robot.xml:1:19: <motor>: transmission by `tendon` is not supported, and leaving it out would change the physics; let the actuator act on a joint, or load leniently (--lenient) to go on without it",
+    ),
+    (
+        "<mujoco><default><position delay=\"0.1\"/></default><actuator><motor joint=\"j\"/></actuator></mujoco>",
+        "robot.xml:1:61: <motor>: delay of the control is not supported, and leaving it out would change the physics; set delay to 0, or load leniently (--lenient) to go on without it",
+    ),
+    (
+        "<mujoco><default><motor gaer=\"2\"/></default><actuator><motor joint=\"j\"/></actuator></mujoco>",
+        "robot.xml:1:25: <motor>: attribute `gaer` is not supported, and leaving it out would change the physics; correct its spelling if it is misspelt, remove it if it is not needed, or load leniently (--lenient) to go on without it",
     ),
     (
         "<mujoco><actuator><position joint=\"j\" timeconst=\"1\"/></actuator></mujoco>",

@@ -1,7 +1,7 @@
 //! Meshes as they are, as their convex hulls and in pieces: which become them, what they weigh, and what
 //! can be wrong; and height fields.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use kinetarium_formats::{FormatError, InMemory, Loaded, Meshes, Options, parse};
 use model::{Geometry, Hull, MassProperties, Shape, TriangleMesh};
 use std::fs;
@@ -30,8 +30,10 @@ const PIECES: Options = Options {
 
 fn read(text: &str, options: &Options) -> Result<Loaded, FormatError> {
     let flat = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let deep = CUBE.replace("v 0 0 1\n", "v 0 0 0.2\n");
     let files = InMemory::new([
         ("meshes/cube.obj", CUBE),
+        ("meshes/deep.obj", deep.as_str()),
         ("robot/cube.obj", CUBE),
         ("meshes/flat.obj", flat),
         ("meshes/broken.stl", "solid"),
@@ -320,6 +322,128 @@ fn a_closed_surface_weighs_what_it_holds() {
     );
 }
 
+/// A free body of one mesh at a tenth of its size, unless `scale` is in what is said of it.
+fn one_mesh(mesh: &str) -> String {
+    let scale = if mesh.contains("scale=") {
+        ""
+    } else {
+        r#"scale=".1 .1 .1""#
+    };
+    format!(
+        r#"<mujoco><compiler meshdir="meshes"/><asset><mesh name="mesh" {mesh} {scale}/></asset>
+        <worldbody><body><freejoint/><geom type="mesh" mesh="mesh"/></body></worldbody></mujoco>"#
+    )
+}
+
+/// Masses, centres and moments of MuJoCo 4.0.
+#[test]
+fn meshes_weigh_what_their_inertia_says() {
+    let solid = DVec3::new(0.041_166_666_7, 0.041_166_666_7, 0.048);
+    let surface = DVec3::new(2.604_533_881_8, 2.604_533_881_8, 2.777_123_616_6);
+    for (inertia, mass, height, moments, told) in [
+        (
+            "exact",
+            6.666_666_666_7,
+            0.085,
+            solid,
+            "what its surface holds",
+        ),
+        (
+            "legacy",
+            6.666_666_666_7,
+            0.085,
+            solid,
+            "what its surface holds",
+        ),
+        (
+            "convex",
+            8.0,
+            0.1,
+            DVec3::splat(0.053_333_333_3),
+            "its convex hull",
+        ),
+        (
+            "shell",
+            256.568_542_494_9,
+            0.099_108_371_5,
+            surface,
+            "its surface",
+        ),
+    ] {
+        let text = one_mesh(&format!(r#"file="cube.obj" inertia="{inertia}""#));
+        let loaded = read(&text, &EXACT).unwrap();
+        let body = &loaded.model.bodies[0];
+        assert!(
+            (body.mass - mass).abs() < 1e-9 * mass,
+            "{inertia}: {body:?}"
+        );
+        let center = DVec3::new(0.0, 0.0, height);
+        assert!(body.center.abs_diff_eq(center, 1e-9), "{inertia}: {body:?}");
+        let expected = DMat3::from_diagonal(moments);
+        assert!(
+            body.inertia.abs_diff_eq(expected, 1e-9),
+            "{inertia}: {body:?}"
+        );
+        let warnings: Vec<_> = loaded.warnings.iter().map(ToString::to_string).collect();
+        let expected = format!("robot.xml:2: <geom>: mass from a mesh: it is that of {told}");
+        assert_eq!(warnings, [expected]);
+    }
+    let wrong = one_mesh(r#"file="cube.obj" inertia="hollow""#);
+    let error = read(&wrong, &EXACT).unwrap_err().to_string();
+    let remedy = "write one of: legacy, exact, convex, shell";
+    assert!(error.contains(remedy), "{error}");
+}
+
+/// MuJoCo's `legacy` has 7.485 kg, for the pit's faces look at the middle, and `exact` 5.6 kg.
+#[test]
+fn hollow_meshes_are_told_that_mujoco_weighs_otherwise() {
+    for (inertia, is_told) in [("", true), (r#"inertia="exact""#, false)] {
+        let text = one_mesh(&format!(r#"file="deep.obj" {inertia}"#));
+        let loaded = read(&text, &EXACT).unwrap();
+        assert!((loaded.model.bodies[0].mass - 5.6).abs() < 1e-9);
+        let hollow = |w: &kinetarium_formats::Warning| w.message.contains("a hollow mesh");
+        assert_eq!(loaded.warnings.iter().any(hollow), is_told, "{inertia}");
+    }
+}
+
+/// Centres of mass of MuJoCo 4.0, which moves a mesh by −refpos, turns it back by refquat, and scales it.
+#[test]
+fn the_frame_of_a_mesh_is_in_its_file() {
+    let turned = r#"refpos="1 2 3" refquat="1 0 0 1""#;
+    for (scale, frame, center) in [
+        (".1 .1 .1", turned, [-0.2, 0.1, -0.215]),
+        ("-.1 -.1 -.1", turned, [0.2, -0.1, 0.215]),
+        (".1 .1 .3", turned, [-0.2, 0.1, -0.645]),
+        (".1 .2 .3", r#"refpos="1 2 3""#, [-0.1, -0.4, -0.645]),
+    ] {
+        let text = one_mesh(&format!(r#"file="cube.obj" scale="{scale}" {frame}"#));
+        let found = read(&text, &EXACT).unwrap().model.bodies[0].center;
+        let center = DVec3::from_array(center);
+        assert!(found.abs_diff_eq(center, 1e-12), "{scale} {frame}: {found}");
+    }
+}
+
+/// A pair touches whatever the masks of its geoms are.
+#[test]
+fn meshes_that_touch_by_a_pair_alone_are_read() {
+    let text = |flag: &str, pair: &str| {
+        format!(
+            r#"<mujoco><option><flag contact="{flag}"/></option>
+            <asset><mesh name="cube" file="meshes/cube.obj"/></asset>
+            <worldbody><geom name="floor" type="plane" size="1 1 1"/>
+            <body><freejoint/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/><geom {SEEN}/></body></worldbody>
+            <contact>{pair}</contact></mujoco>"#
+        )
+    };
+    let pair = r#"<pair geom1="floor" geom2="seen"/>"#;
+    let loaded = read(&text("enable", pair), &HULLS).unwrap();
+    assert_eq!(hull(shape(&loaded, "seen")).vertices().len(), 8);
+    for (flag, pair) in [("enable", ""), ("disable", pair)] {
+        let loaded = read(&text(flag, pair), &HULLS).unwrap();
+        assert!(is_mesh(shape(&loaded, "seen")));
+    }
+}
+
 /// A surface that ends somewhere has no volume.
 #[test]
 fn an_open_surface_weighs_nothing() {
@@ -412,6 +536,28 @@ fn height_fields_are_read_from_files() {
     }
 }
 
+/// A few bytes that say that they are a picture of 2⁴⁰ pixels.
+#[test]
+fn pictures_too_large_for_a_height_field_are_refused_unread() {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 1 << 20, 1 << 20);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder.set_depth(png::BitDepth::Eight);
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_chunk(png::chunk::IDAT, &[0]).unwrap();
+    drop(writer);
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("huge.png"), bytes).unwrap();
+    let file = folder.path().join("model.xml");
+    fs::write(&file, height_field("file=\"huge.png\"")).unwrap();
+    let refused = kinetarium_formats::load(&file, &Options::default());
+    let error = refused.unwrap_err().to_string();
+    assert!(
+        error.contains("at most 262144 can be told apart"),
+        "{error}"
+    );
+}
+
 #[test]
 fn height_fields_that_are_none_say_why() {
     let cases = [
@@ -421,7 +567,15 @@ fn height_fields_that_are_none_say_why() {
         ),
         (
             r#"nrow="1" ncol="4""#,
-            "attribute `nrow` is 1; write a number from 2 to 4096",
+            "attribute `nrow` is 1; write 2 or more",
+        ),
+        (
+            r#"nrow="2" ncol="131074""#,
+            "2 × 131074 samples make 262146 triangles, and at most 262144 can be told apart",
+        ),
+        (
+            r#"nrow="3000000000" ncol="3000000000""#,
+            "at most 262144 can be told apart",
         ),
         (
             r#"nrow="4096" ncol="4096""#,

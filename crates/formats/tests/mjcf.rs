@@ -465,6 +465,138 @@ fn flags_switch_things_off() {
     assert!(!model.shapes[0].collides);
 }
 
+/// MuJoCo's ranges act where the lower end is below the upper one. 0 0, its default, is none, and takes back what is
+/// inherited, whether `autolimits` is on or off.
+#[test]
+fn ranges_of_0_0_are_none() {
+    for (compiler, empty) in [("true", "0 0"), ("true", "1 1"), ("false", "0 0")] {
+        let loaded = read(&format!(
+            "<mujoco><compiler autolimits='{compiler}'/>
+             <default><joint range='0 90' actuatorfrcrange='-1 1'/><tendon range='0 1'/>
+               <motor ctrlrange='-1 1' forcerange='-2 2'/></default>
+             <worldbody><body>
+               <joint name='j' range='{empty}' actuatorfrcrange='{empty}'/><geom size='0.1'/>
+             </body></worldbody>
+             <tendon><fixed range='{empty}'><joint joint='j' coef='1'/></fixed></tendon>
+             <actuator><motor joint='j' ctrlrange='{empty}' forcerange='{empty}'/></actuator></mujoco>"
+        ));
+        assert_eq!(loaded.model.joints[0].dofs[0].limit, None);
+        let actuator = &loaded.model.actuators[0];
+        let ranges = (actuator.control_range, actuator.force_range);
+        assert_eq!(ranges, (None, None), "{empty}");
+    }
+}
+
+/// What MuJoCo 4.0 makes of `ctrlrange` and `inheritrange` at several levels.
+#[test]
+fn the_last_of_two_ranges_of_a_control_holds() {
+    let inherited = "<position inheritrange='1'/>";
+    let range = "range='-1 1'";
+    let servo = "biastype='affine' gainprm='2' biasprm='0 -2'";
+    let general = format!("<general joint='j' ctrlrange='-3 3' {servo}/>");
+    let no_servo = "<general joint='j' ctrlrange='-3 3' inheritrange='1'/>";
+    let own = "<position joint='j' inheritrange='2'/>";
+    let unlimited = "<position joint='j' ctrllimited='false'/>";
+    for (default, joint, actuator, expected) in [
+        (inherited, range, "<position joint='j'/>", Some((-1.0, 1.0))),
+        (
+            inherited,
+            range,
+            "<position joint='j' ctrlrange='-3 3'/>",
+            Some((-3.0, 3.0)),
+        ),
+        (
+            inherited,
+            range,
+            "<position joint='j' ctrlrange='0 0'/>",
+            None,
+        ),
+        (
+            inherited,
+            range,
+            "<position joint='j' inheritrange='0'/>",
+            None,
+        ),
+        (inherited, range, unlimited, None),
+        (inherited, range, "<motor joint='j'/>", None),
+        (
+            "<position ctrlrange='-3 3'/>",
+            range,
+            own,
+            Some((-2.0, 2.0)),
+        ),
+        (
+            "<general inheritrange='1'/>",
+            range,
+            general.as_str(),
+            Some((-1.0, 1.0)),
+        ),
+        ("", range, no_servo, Some((-3.0, 3.0))),
+        // The joint's range is taken whether it limits the joint or not.
+        ("", "range='-1 1' limited='false'", own, Some((-2.0, 2.0))),
+    ] {
+        for flag in ["enable", "disable"] {
+            let loaded = read(&format!(
+                "<mujoco><compiler angle='radian'/><option><flag limit='{flag}'/></option>
+                 <default>{default}</default>
+                 <worldbody><body><joint name='j' {joint}/><geom size='0.1'/></body></worldbody>
+                 <actuator>{actuator}</actuator></mujoco>"
+            ));
+            let found = loaded.model.actuators[0].control_range;
+            assert_eq!(found, expected, "{default} {joint} {actuator}");
+        }
+    }
+}
+
+/// MuJoCo 4.0 has a stiffness of 1.6755 and a damping of 0.3351 for a ball of 4.189 kg and a radius of 0.1 m,
+/// I = 2/5 m r²: I/T² and 2 I/T; and adds what actuators damp, 3 behind gear 2.
+#[test]
+fn springdamper_goes_by_the_flags_of_springs_and_dampers() {
+    for (flag, stiffness, damping) in [
+        ("gravity", 1.675_516_081_9, 12.335_103_216_4),
+        ("spring", 0.0, 12.335_103_216_4),
+        ("damper", 1.675_516_081_9, 0.0),
+        ("passive", 0.0, 0.0),
+    ] {
+        let model = read(&format!(
+            "<mujoco><option><flag {flag}='disable'/></option><worldbody><body>
+               <joint name='j' springdamper='0.1 1' damping='7' stiffness='5'/><geom size='0.1'/>
+             </body></worldbody><actuator><motor joint='j' damping='3' gear='2'/></actuator></mujoco>"
+        ))
+        .model;
+        let dof = &model.joints[0].dofs[0];
+        assert!((dof.stiffness - stiffness).abs() < 1e-9, "{flag}: {dof:?}");
+        assert!((dof.damping - damping).abs() < 1e-9, "{flag}: {dof:?}");
+    }
+}
+
+/// MuJoCo has names of their own for joints and for equality constraints.
+#[test]
+fn constraints_may_have_the_names_of_joints() {
+    let body =
+        |name: &str| format!("<body name='{name}'><joint name='{name}'/><geom size='0.1'/></body>");
+    let bodies = ["grip", "hold_0", "other"].map(body).concat();
+    let model = read(&format!(
+        "<mujoco><worldbody>{bodies}</worldbody><equality>
+           <connect name='grip' body1='grip' body2='other' anchor='0 0 0'/>
+           <connect name='hold' body1='hold_0' body2='other' anchor='0 0 0'/>
+           <joint joint1='grip' joint2='other'/>
+           <joint name='coupling_0' joint1='hold_0' joint2='other'/>
+         </equality></mujoco>"
+    ))
+    .model;
+    let names: Vec<_> = model.joints.iter().map(|j| j.name.as_str()).collect();
+    assert_eq!(names, ["grip", "hold_0", "other", "grip_2", "hold"]);
+    let dofs = model.joints[3..].iter().flat_map(|joint| &joint.dofs);
+    let names: Vec<_> = dofs.map(|dof| dof.name.as_str()).collect();
+    let expected = [
+        "grip_2_0", "grip_2_1", "grip_2_2", "hold_0_2", "hold_1", "hold_2",
+    ];
+    assert_eq!(names, expected);
+    let names: Vec<_> = model.couplings.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(names, ["coupling_0_2", "coupling_0"]);
+}
+
 #[test]
 fn contact_masks_are_the_shapes_kinds() {
     let model = read(

@@ -4,6 +4,7 @@
 use glam::{DQuat, DVec3};
 use kinetarium_formats::{InMemory, Loaded, Options, parse};
 use model::{Axes, BodyId, JointId, Measurand, Mount, Pose, Sensor};
+use std::f64::consts::FRAC_1_SQRT_2;
 
 /// An arm of two joints, with a massless mount on the hand, and a ball that floats.
 const ROBOT: &str = r#"
@@ -102,6 +103,67 @@ fn frames_go_along_with_fused_bodies() {
     };
     // What is of unit length is not cut off.
     assert_eq!(sensors[3], Sensor::new("q", still));
+}
+
+/// MuJoCo 4.0 has these at (1/2, 1, 3/2) and (1/2, 0, 0), with quaternions (0.3148, 0.8489, −0.4245, 0) and
+/// (0.7071, 0, −0.7071, 0) of w, x, y, z.
+#[test]
+fn sites_may_lie_between_two_points() {
+    let text = r#"<mujoco><worldbody>
+        <site name="slant" type="capsule" fromto="0 0 0 1 2 3"/>
+        <site name="lying" type="box" size="0.1" fromto="0 0 0 1 0 0"/></worldbody>
+      <sensor><gyro site="slant"/><gyro site="lying"/></sensor></mujoco>"#;
+    let files = InMemory::default();
+    let loaded = parse(text, "robot.xml", &files, &Options::default()).unwrap();
+    let slant = [
+        0.848_948_461_506_886_3,
+        -0.424_474_230_753_443_15,
+        0.0,
+        0.314_814_448_733_477_64,
+    ];
+    let lying = [0.0, -FRAC_1_SQRT_2, 0.0, FRAC_1_SQRT_2];
+    let expected = [([0.5, 1.0, 1.5], slant), ([0.5, 0.0, 0.0], lying)];
+    for (sensor, (position, turn)) in loaded.model.sensors.iter().zip(expected) {
+        let Measurand::AngularVelocity { mount, .. } = sensor.measurand else {
+            panic!("{sensor:?}");
+        };
+        let middle = DVec3::from_array(position);
+        assert!(mount.pose.position.abs_diff_eq(middle, 1e-12), "{mount:?}");
+        let cosine = mount.pose.orientation.dot(DQuat::from_array(turn));
+        assert!(cosine.abs() > 1.0 - 1e-12, "{mount:?}");
+    }
+}
+
+/// Static bodies have no mass here, and no joint ties what hangs on a static one of theirs; MuJoCo counts both.
+#[test]
+fn centers_of_mass_are_not_of_static_bodies() {
+    let read = |robot: &str, body: &str| {
+        let text = format!(
+            "<mujoco><worldbody><geom size='1'/>{robot}</worldbody>\
+             <sensor><subtreecom body='{body}'/></sensor></mujoco>"
+        );
+        let files = InMemory::default();
+        parse(&text, "robot.xml", &files, &Options::default()).unwrap()
+    };
+    let drawer = "<body name='drawer'><joint type='slide'/><geom size='0.1'/></body>";
+    let table = &format!("<body name='table'><geom size='0.1'/>{drawer}</body>");
+    let frames = &format!("<body name='outer'><body name='inner'>{drawer}</body></body>");
+    for (robot, body, row) in [
+        (table, "drawer", Some(BodyId(1))),
+        (frames, "world", None),
+        (frames, "inner", Some(BodyId(1))),
+    ] {
+        let measurand = Measurand::CenterOfMass { body: row };
+        let loaded = read(robot, body);
+        assert_eq!(loaded.model.sensors[0].measurand, measurand, "{body}");
+        assert_eq!(loaded.warnings, []);
+    }
+    for (robot, body) in [(table, "table"), (table, "world"), (frames, "outer")] {
+        let loaded = read(robot, body);
+        assert_eq!(loaded.model.sensors, [], "{body}");
+        let told = "robot.xml:1: <subtreecom>: of static bodies, which have no mass here: not read";
+        assert_eq!(loaded.warnings[0].to_string(), told);
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::Context;
 use super::defaults::inherit;
 use super::joint::{Kind, linear};
 use super::servo::Servo;
-use super::tree::{Tree, TreeJoint};
+use super::tree::{Tree, TreeJoint, taken};
 use crate::error::FormatError;
 use crate::report::Report;
 use crate::xml::Element;
@@ -99,8 +99,7 @@ pub(super) fn read(
             continue;
         };
         if !actuator.name.is_empty() && !names.insert(actuator.name.clone()) {
-            let problem = format!("is `{}`, the name of another actuator", actuator.name);
-            return Err(element.invalid_attribute("name", &problem, "rename one of them"));
+            return Err(taken(element, "actuator", &actuator.name));
         }
         motors
             .damping_ratios
@@ -121,6 +120,16 @@ fn read_one(
     if !is_supported(element, report)? {
         return Ok(None);
     }
+    let settings = context.defaults.settings(element, None, KINDS)?;
+    let levels: Vec<&Element> = settings.iter().copied().chain([element]).collect();
+    for level in &levels {
+        let known = [KNOWN, own_attributes(&level.name)].concat();
+        report.check_attributes(level, &known, &[])?;
+    }
+    let merged = inherit(element, &settings);
+    if merged.number("delay")?.unwrap_or(0.0) > 0.0 {
+        report.refuse(element, "delay of the control", "set delay to 0")?;
+    }
     if !context.physics.on("actuation") {
         report.note(
             element,
@@ -129,15 +138,15 @@ fn read_one(
         );
         return Ok(None);
     }
-    let settings = context.defaults.settings(element, None, KINDS)?;
-    let levels = settings.iter().copied().chain([element]);
-    let servo = levels.into_iter().try_fold(Servo::default(), Servo::with)?;
+    let mut of_servo = levels.iter().copied();
+    let servo = of_servo.try_fold(Servo::default(), Servo::with)?;
     let servo = servo.checked(element, report)?;
-    let merged = inherit(element, &settings);
+    let mut of_control = levels.iter().copied();
+    let control = of_control.try_fold(Control::default(), Control::with)?;
     let Some(target) = target(&merged, tree, &servo, report)? else {
         return Ok(None);
     };
-    let control_range = control_range(element, &merged, target.joint, &servo, context)?;
+    let control_range = control.range(&merged, target.joint, &servo, context)?;
     let actuator = Actuator {
         name: element.get("name").unwrap_or_default().to_owned(),
         joint: target.joint.joint,
@@ -155,23 +164,25 @@ fn read_one(
 }
 
 fn is_supported(element: &Element, report: &mut Report) -> Result<bool, FormatError> {
-    let own = match element.name.as_str() {
-        "general" => GENERAL,
-        "motor" => &[],
-        "position" => POSITION,
-        "velocity" => VELOCITY,
+    match element.name.as_str() {
+        name if KINDS.contains(&name) => Ok(true),
         name if OTHERS.contains(&name) => {
             let remedy = "use motor, position, velocity or general";
             report.refuse(element, &format!("an actuator of kind {name}"), remedy)?;
-            return Ok(false);
+            Ok(false)
         }
-        _ => return Err(element.invalid("this is no actuator", "correct its spelling")),
-    };
-    report.check_attributes(element, &[KNOWN, own].concat(), &[])?;
-    if element.number("delay")?.unwrap_or(0.0) > 0.0 {
-        report.refuse(element, "delay of the control", "set delay to 0")?;
+        _ => Err(element.invalid("this is no actuator", "correct its spelling")),
     }
-    Ok(true)
+}
+
+/// Attributes that not all kinds have.
+fn own_attributes(kind: &str) -> &'static [&'static str] {
+    match kind {
+        "general" => GENERAL,
+        "position" => POSITION,
+        "velocity" => VELOCITY,
+        _ => &[],
+    }
 }
 
 /// What an actuator acts on.
@@ -229,33 +240,61 @@ fn target<'a>(
     }
 }
 
-/// The range of the control, given or taken from the joint's range.
-fn control_range(
-    own: &Element,
-    element: &Element,
-    target: &TreeJoint,
-    servo: &Servo,
-    context: &Context<'_>,
-) -> Result<Option<(f64, f64)>, FormatError> {
-    let inherit = element.non_negative("inheritrange")?.unwrap_or(0.0);
-    if inherit == 0.0 {
-        return context.compiler.range(element, "ctrllimited", "ctrlrange");
+/// The range of the control: given, or taken from the joint's.
+#[derive(Default)]
+struct Control {
+    /// `ctrlrange`; 0 0 is none.
+    range: [f64; 2],
+    /// `inheritrange`: the joint's range times this; 0 is none of it.
+    inherited: f64,
+}
+
+impl Control {
+    /// The range after one more level of attributes. Where a `position` has one of the two attributes, it takes the
+    /// place of an inherited other one.
+    fn with(mut self, level: &Element) -> Result<Self, FormatError> {
+        let range = level.numbers::<2>("ctrlrange")?;
+        let inherited = level.non_negative("inheritrange")?;
+        let is_position = level.name == "position";
+        match (range, inherited) {
+            (Some(_), None) if is_position => self.inherited = 0.0,
+            (None, Some(share)) if is_position && share > 0.0 => self.range = [0.0; 2],
+            _ => {}
+        }
+        self.range = range.unwrap_or(self.range);
+        self.inherited = inherited.unwrap_or(self.inherited);
+        if is_position && self.inherited > 0.0 && self.range != [0.0; 2] {
+            let problem = "stands beside `ctrlrange`";
+            return Err(level.invalid_attribute("inheritrange", problem, "keep one of them"));
+        }
+        Ok(self)
     }
-    let problem = |problem: &str| {
-        let remedy = "write ctrlrange instead";
-        Err(element.invalid_attribute("inheritrange", problem, remedy))
-    };
-    if own.has("ctrlrange") {
-        return problem("stands beside `ctrlrange`");
+
+    /// Where it acts; only servos of position inherit it.
+    fn range(
+        self,
+        element: &Element,
+        target: &TreeJoint,
+        servo: &Servo,
+        context: &Context<'_>,
+    ) -> Result<Option<(f64, f64)>, FormatError> {
+        let mut range = self.range;
+        if self.inherited > 0.0 && servo.gain == -servo.bias[1] {
+            let Some((lower, upper)) = target.file.span else {
+                let problem = "asks for the range of a joint that has none";
+                let remedy = "write ctrlrange instead";
+                return Err(element.invalid_attribute("inheritrange", problem, remedy));
+            };
+            let (middle, half) = (
+                (lower + upper) / 2.0,
+                (upper - lower) / 2.0 * self.inherited,
+            );
+            range = [middle - half, middle + half];
+        }
+        context
+            .compiler
+            .acting(element, "ctrllimited", "ctrlrange", range)
     }
-    if servo.gain != -servo.bias[1] {
-        return problem("is for position servos");
-    }
-    let Some((lower, upper)) = target.file.limits else {
-        return problem("asks for the range of a joint that has none");
-    };
-    let (middle, half) = ((lower + upper) / 2.0, (upper - lower) / 2.0 * inherit);
-    Ok(Some((middle - half, middle + half)))
 }
 
 /// Adds what the actuator's rotor adds to its joint: inertia and damping times gear².

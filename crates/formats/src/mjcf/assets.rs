@@ -2,11 +2,13 @@
 
 use super::compiler::Compiler;
 use super::defaults::Defaults;
+use super::mesh_mass::Inertia;
 use super::orientation;
+use super::tree::taken;
 use crate::error::FormatError;
 use crate::report::Report;
 use crate::xml::Element;
-use glam::DVec3;
+use glam::{DMat3, DQuat, DVec3};
 use model::{Geometry, Pose};
 use std::collections::HashMap;
 
@@ -43,6 +45,7 @@ const HEIGHT_FIELD: &[&str] = &[
 pub(super) struct Mesh {
     pub geometry: Geometry,
     pub origin: Pose,
+    pub inertia: Inertia,
 }
 
 #[derive(Default)]
@@ -71,8 +74,11 @@ impl Assets {
                 "mesh" => {
                     let element = defaults.apply(asset, None, &["mesh"])?;
                     report.check_attributes(&element, MESH, &[])?;
-                    let (name, mesh) = mesh(&element, compiler)?;
-                    assets.meshes.insert(name, mesh);
+                    let name = name_or_stem(&element)?;
+                    let mesh = mesh(&element, compiler, report)?;
+                    if assets.meshes.insert(name.clone(), mesh).is_some() {
+                        return Err(taken(&element, "mesh", &name));
+                    }
                 }
                 "material" => {
                     let element = defaults.apply(asset, None, &["material"])?;
@@ -88,7 +94,10 @@ impl Assets {
                 "hfield" => {
                     report.check_attributes(asset, HEIGHT_FIELD, &[])?;
                     let name = name_or_stem(asset)?;
-                    assets.height_fields.insert(name, asset.clone());
+                    let fields = &mut assets.height_fields;
+                    if fields.insert(name.clone(), asset.clone()).is_some() {
+                        return Err(taken(asset, "height field", &name));
+                    }
                 }
                 "model" => {
                     let remedy = "write the model's elements into this file, or include them";
@@ -112,22 +121,23 @@ fn note_finish(material: &Element, report: &mut Report) {
     }
 }
 
-fn mesh(element: &Element, compiler: &Compiler) -> Result<(String, Option<Mesh>), FormatError> {
-    let name = name_or_stem(element)?;
+fn mesh(
+    element: &Element,
+    compiler: &Compiler,
+    report: &mut Report,
+) -> Result<Option<Mesh>, FormatError> {
     let Some(file) = element.get("file") else {
-        return Ok((name, None));
+        return Ok(None);
     };
-    let geometry = Geometry::MeshFile {
-        file: compiler.mesh_path(file),
-        scale: element.vector("scale")?.unwrap_or(DVec3::ONE),
-    };
-    Ok((
-        name,
-        Some(Mesh {
-            geometry,
-            origin: reference(element)?.inverse(),
-        }),
-    ))
+    let scale = element.vector("scale")?.unwrap_or(DVec3::ONE);
+    Ok(Some(Mesh {
+        geometry: Geometry::MeshFile {
+            file: compiler.mesh_path(file),
+            scale,
+        },
+        origin: reference(element, scale, report)?.inverse(),
+        inertia: Inertia::read(element)?,
+    }))
 }
 
 /// Its name, or that of its file without folder and ending.
@@ -142,16 +152,24 @@ fn name_or_stem(element: &Element) -> Result<String, FormatError> {
         .to_owned())
 }
 
-/// The frame that a mesh is centred at, `refpos` and `refquat`.
-fn reference(mesh: &Element) -> Result<Pose, FormatError> {
+/// The frame that a mesh is centred at, `refpos` and `refquat`, in the scaled mesh.
+///
+/// A vertex v of the file becomes S Rᵀ (v − p), with p, R the frame and S the scale; where these commute, as they
+/// do if the scale is the same for all axes, that is Rᵀ (S v − S p).
+fn reference(mesh: &Element, scale: DVec3, report: &mut Report) -> Result<Pose, FormatError> {
     let position = mesh.vector("refpos")?.unwrap_or(DVec3::ZERO);
     let quat = mesh
         .numbers::<4>("refquat")?
         .unwrap_or([1.0, 0.0, 0.0, 0.0]);
-    Ok(Pose::new(
-        position,
-        orientation::from_quat(mesh, "refquat", quat)?,
-    ))
+    let mut turn = orientation::from_quat(mesh, "refquat", quat)?;
+    let (r, s) = (DMat3::from_quat(turn), DMat3::from_diagonal(scale));
+    if !(r * s).abs_diff_eq(s * r, 1e-12 * scale.abs().max_element()) {
+        let feature = "a scale that differs along the axes of `refquat`";
+        let remedy = "write the same scale for all axes, or scale the mesh in its file";
+        report.refuse(mesh, feature, remedy)?;
+        turn = DQuat::IDENTITY;
+    }
+    Ok(Pose::new(scale * position, turn))
 }
 
 /// The attribute `rgba`.

@@ -8,6 +8,7 @@ use super::inertial;
 use super::joint;
 use super::light;
 use super::orientation::pose;
+use super::site;
 use super::tree::Tree;
 use crate::error::FormatError;
 use crate::report::Report;
@@ -79,7 +80,7 @@ fn read_world<'a>(
     tree.add_shapes(
         content::geoms(&contents, Weight::Unused, context, report)?,
         None,
-    );
+    )?;
     read_others(&contents, None, tree, context, report)?;
     Ok(visits(&contents, None))
 }
@@ -119,7 +120,7 @@ fn read_body<'a>(
         let joint = joint::assemble(element, &joints, (visit.parent, id), local, pose)?;
         tree.add_joint(joint, joints)?;
     }
-    tree.add_shapes(geoms, Some(id));
+    tree.add_shapes(geoms, Some(id))?;
     read_others(&contents, Some(id), tree, context, report)?;
     Ok(visits(&contents, Some(id)))
 }
@@ -175,13 +176,7 @@ fn read_others(
         let element = content.element;
         match element.name.as_str() {
             "body" | "geom" | "joint" | "freejoint" | "inertial" => {}
-            "site" => {
-                let site = context.defaults.apply(element, content.class, &["site"])?;
-                if let Some(name) = site.get("name") {
-                    let pose = content.frame * pose(&site, &context.compiler)?;
-                    tree.add_site(name, body, pose);
-                }
-            }
+            "site" => site::read(content, body, tree, context, report)?,
             "camera" => camera::read(content, body, tree, context, report)?,
             "light" => light::read(content, body, tree, context, report)?,
             name if GENERATORS.contains(&name) => {

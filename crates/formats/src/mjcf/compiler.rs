@@ -121,51 +121,51 @@ impl Compiler {
         format!("{}/{file}", self.mesh_folder.trim_end_matches(separators))
     }
 
-    /// Whether a range acts: as the `…limited` attribute says; else, with autolimits, where a range
-    /// is given.
-    pub fn limited(
-        &self,
-        element: &Element,
-        limited: &str,
-        range: &str,
-    ) -> Result<bool, FormatError> {
-        let given = element.has(range);
-        match element
-            .word(limited, &["true", "false", "auto"])?
-            .unwrap_or("auto")
-        {
-            "true" if !given => Err(element.invalid_attribute(
-                limited,
-                &format!("is true, but there is no `{range}`"),
-                &format!("write {range}=\"lower upper\""),
-            )),
-            "auto" if given && !self.auto_limits => Err(element.invalid_attribute(
-                range,
-                &format!("is given without `{limited}`, while the compiler's autolimits is false"),
-                &format!("write {limited}=\"true\" or {limited}=\"false\""),
-            )),
-            word => Ok(word == "true" || (word == "auto" && given)),
-        }
-    }
-
-    /// The range of an element, where it acts.
+    /// The range of an element, where it [acts](Self::acting).
     pub fn range(
         &self,
         element: &Element,
         limited: &str,
         range: &str,
     ) -> Result<Option<(f64, f64)>, FormatError> {
-        let numbers = element.numbers::<2>(range)?;
-        if !self.limited(element, limited, range)? {
-            return Ok(None);
-        }
-        match numbers {
-            Some([lower, upper]) if lower > upper => Err(element.invalid_attribute(
+        let numbers = element.numbers::<2>(range)?.unwrap_or_default();
+        self.acting(element, limited, range, numbers)
+    }
+
+    /// A range where it acts: as the `…limited` attribute says; else, with autolimits, where its lower end
+    /// is below its upper one. 0 0 stands for none, and so takes back an inherited range.
+    pub fn acting(
+        &self,
+        element: &Element,
+        limited: &str,
+        range: &str,
+        [lower, upper]: [f64; 2],
+    ) -> Result<Option<(f64, f64)>, FormatError> {
+        let given = [lower, upper] != [0.0; 2];
+        match element
+            .word(limited, &["true", "false", "auto"])?
+            .unwrap_or("auto")
+        {
+            "false" => Ok(None),
+            "auto" if given && !self.auto_limits => Err(element.invalid_attribute(
+                range,
+                &format!("is given without `{limited}`, while the compiler's autolimits is false"),
+                &format!("write {limited}=\"true\" or {limited}=\"false\""),
+            )),
+            _ if lower > upper => Err(element.invalid_attribute(
                 range,
                 &format!("has its lower end {lower} above its upper end {upper}"),
                 "swap them",
             )),
-            numbers => Ok(numbers.map(|[lower, upper]| (lower, upper))),
+            "true" if lower == upper => {
+                let problem = match element.has(range) {
+                    true => format!("is true, but `{range}` is {lower} {upper}"),
+                    false => format!("is true, but there is no `{range}`"),
+                };
+                let remedy = format!("write {range}=\"lower upper\"");
+                Err(element.invalid_attribute(limited, &problem, &remedy))
+            }
+            _ => Ok((lower < upper).then_some((lower, upper))),
         }
     }
 }

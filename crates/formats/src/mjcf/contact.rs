@@ -48,6 +48,17 @@ pub(super) fn read(
     Ok(())
 }
 
+/// The names of the geoms that pairs are of, which touch whatever their masks are.
+pub(super) fn paired(root: &Element) -> impl Iterator<Item = &str> {
+    let rules = root.children_named("contact").flat_map(|s| &s.children);
+    let pairs = rules.filter(|rule| rule.name == "pair");
+    pairs.flat_map(|pair| {
+        ["geom1", "geom2"]
+            .into_iter()
+            .filter_map(move |end| pair.get(end))
+    })
+}
+
 /// Tells surfaces how easily the bodies give way that they are of, and shapes what they are made of, then.
 fn weigh(tree: &mut Tree, space: &JointSpace, context: &Context<'_>) {
     let bodies = tree.parts.bodies.iter().enumerate();

@@ -93,13 +93,7 @@ pub(super) fn geoms(
         let element = context
             .defaults
             .apply(content.element, content.class, &["geom"])?;
-        geoms.extend(geom::read(
-            &element,
-            content.frame,
-            weight,
-            context,
-            report,
-        )?);
+        geoms.extend(geom::read(element, content.frame, weight, context, report)?);
     }
     Ok(geoms)
 }

@@ -2,8 +2,9 @@
 
 use super::Context;
 use super::joint::Kind;
-use super::tree::{Tree, TreeJoint};
+use super::tree::{Tree, TreeJoint, taken};
 use crate::error::FormatError;
+use crate::names::Taken;
 use crate::report::Report;
 use crate::xml::Element;
 use glam::DVec3;
@@ -31,6 +32,7 @@ pub(super) fn read(
     report: &mut Report,
 ) -> Result<(), FormatError> {
     let mut names = HashSet::new();
+    let mut joints = Taken::by(tree.parts.joints.iter().map(|joint| &joint.name));
     for element in root
         .children_named("equality")
         .flat_map(|section| &section.children)
@@ -53,18 +55,23 @@ pub(super) fn read(
         report.check_attributes(&merged, KNOWN, UNUSED)?;
         let name = merged.get("name").unwrap_or_default();
         if !name.is_empty() && !names.insert(name.to_owned()) {
-            let problem = format!("is `{name}`, the name of another equality constraint");
-            return Err(merged.invalid_attribute("name", &problem, "rename one of them"));
+            return Err(taken(&merged, "equality constraint", name));
         }
         match kind {
             "joint" => couple(&merged, tree, report)?,
-            _ => close_loop(&merged, tree, report)?,
+            _ => close_loop(&merged, &mut joints, tree, report)?,
         }
     }
     Ok(())
 }
 
-fn close_loop(element: &Element, tree: &mut Tree, report: &mut Report) -> Result<(), FormatError> {
+/// A constraint may have the name of a joint of the file, and has a number behind it then.
+fn close_loop(
+    element: &Element,
+    joints: &mut Taken,
+    tree: &mut Tree,
+    report: &mut Report,
+) -> Result<(), FormatError> {
     let (kind, (one, two)) = match element.name.as_str() {
         "connect" => (JointKind::Ball, connect_ends(element, tree)?),
         _ => (JointKind::Fixed, weld_ends(element, tree)?),
@@ -86,20 +93,12 @@ fn close_loop(element: &Element, tree: &mut Tree, report: &mut Report) -> Result
         );
         return Ok(());
     };
-    let name = element.get("name").unwrap_or_default();
+    let mut name = String::new();
+    if let Some(wish) = element.get("name").filter(|wish| !wish.is_empty()) {
+        joints.fill(&mut name, wish);
+    }
     let mut joint = Joint::new(name, kind, parent, child, Vec::new());
-    let dof_name = |i: usize| {
-        if name.is_empty() {
-            String::new()
-        } else {
-            format!("{name}_{i}")
-        }
-    };
-    joint
-        .dofs
-        .iter_mut()
-        .enumerate()
-        .for_each(|(i, dof)| dof.name = dof_name(i));
+    joint.dofs.iter_mut().for_each(|dof| dof.name.clear());
     (joint.parent_frame, joint.child_frame) = (parent_frame, child_frame);
     joint.closes_loop = true;
     joint.bodies_collide = true;
@@ -189,10 +188,7 @@ fn couple(element: &Element, tree: &mut Tree, report: &mut Report) -> Result<(),
     }
     let (y0, x0) = (follower.file.reference, leader.file.reference);
     let (joint, other): (JointId, JointId) = (follower.joint, leader.joint);
-    let name = match element.get("name") {
-        Some(name) if !name.is_empty() => name.to_owned(),
-        _ => format!("coupling_{}", tree.parts.couplings.len()),
-    };
+    let name = element.get("name").unwrap_or_default().to_owned();
     let offset = y0 + a0 - a1 * x0;
     tree.parts.couplings.push(Coupling {
         name,

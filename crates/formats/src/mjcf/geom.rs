@@ -3,6 +3,7 @@
 use super::Context;
 use super::assets::color;
 use super::height_field;
+use super::mesh_mass;
 use super::orientation::{least_rotation_from_z, pose};
 use super::shell;
 use super::surface::Surface;
@@ -71,6 +72,8 @@ const LAST_SHOWN_GROUP: i64 = 2;
 
 /// A geom of a body, in the body's frame.
 pub(super) struct Geom {
+    /// Its element, with inherited attributes.
+    pub element: Element,
     pub shape: Shape,
     /// What it adds to the body's mass; `None` where it has none.
     pub solid: Option<MassProperties>,
@@ -91,25 +94,25 @@ pub(super) enum Weight {
 /// Reads a geom with its inherited attributes; `None` where it was noted and left out. `frame` is
 /// the frame that it stands in.
 pub(super) fn read(
-    element: &Element,
+    element: Element,
     frame: Pose,
     weight: Weight,
     context: &Context<'_>,
     report: &mut Report,
 ) -> Result<Option<Geom>, FormatError> {
-    report.check_attributes(element, KNOWN, &[])?;
-    refuse_contact_physics(element, report)?;
-    let Some(placed) = placed_geometry(element, context, report)? else {
+    report.check_attributes(&element, KNOWN, &[])?;
+    refuse_contact_physics(&element, report)?;
+    let Some(placed) = placed_geometry(&element, context, report)? else {
         return Ok(None);
     };
     let (geometry, local) = placed;
-    let (membership, collides_with) = (mask(element, "contype")?, mask(element, "conaffinity")?);
-    let surface = Surface::of_geom(element, &context.physics, report)?;
+    let (membership, collides_with) = (mask(&element, "contype")?, mask(&element, "conaffinity")?);
+    let surface = Surface::of_geom(&element, &context.physics, report)?;
     let mut shape = Shape {
         name: element.get("name").unwrap_or_default().to_owned(),
         pose: frame * local,
         density: 0.0,
-        color: own_color(element, context)?,
+        color: own_color(&element, context)?,
         collides: (membership, collides_with) != (0, 0) && context.physics.on("contact"),
         membership,
         collides_with,
@@ -117,19 +120,21 @@ pub(super) fn read(
     };
     let group = element.integer("group")?.unwrap_or(0);
     let (first, last) = context.compiler.inertia_groups;
-    if shape.collides
-        && let Some(read) = context.meshes.of(element, &shape.geometry)?
+    let is_paired = context.physics.on("contact") && context.paired.contains(shape.name.as_str());
+    if (shape.collides || is_paired)
+        && let Some(read) = context.meshes.of(&element, &shape.geometry)?
     {
         shape.geometry = read;
     }
     let solid = match weight {
         Weight::Unused => None,
         _ if !(first..=last).contains(&group) => None,
-        weight => solid(element, &shape, weight, context, report)?,
+        weight => solid(&element, &shape, weight, context, report)?,
     };
-    shape.density = density(element, &shape, solid)?;
-    lengthen_short_capsule(element, &mut shape.geometry, report);
+    shape.density = density(&element, &shape, solid)?;
+    lengthen_short_capsule(&element, &mut shape.geometry, report);
     Ok(Some(Geom {
+        element,
         shape,
         solid,
         surface,
@@ -188,19 +193,16 @@ fn placed_geometry(
         }
         _ => {}
     }
-    let (mut sizes, mut local) = (element.list("size", 1, 3)?.unwrap_or_default(), None);
-    if let Some([a, b, c, d, e, f]) = element.numbers::<6>("fromto")? {
-        let (from, to) = (DVec3::new(a, b, c), DVec3::new(d, e, f));
-        local = Some(between(element, kind, from, to)?);
-        let half = (to - from).length() / 2.0;
-        let radius = sizes.first().copied().unwrap_or(0.0);
-        sizes = match kind {
-            "box" | "ellipsoid" => vec![radius, radius, half],
-            _ => vec![radius, half],
-        };
-    }
-    let local = match local {
-        Some(local) => local,
+    let mut sizes = element.list("size", 1, 3)?.unwrap_or_default();
+    let local = match between(element, kind)? {
+        Some((local, half)) => {
+            let radius = sizes.first().copied().unwrap_or(0.0);
+            sizes = match kind {
+                "box" | "ellipsoid" => vec![radius, radius, half],
+                _ => vec![radius, half],
+            };
+            local
+        }
         None => pose(element, &context.compiler)?,
     };
     let geometry = geometry(element, kind, &sizes)?;
@@ -211,9 +213,13 @@ fn placed_geometry(
     Ok(Some((geometry, turned)))
 }
 
-/// The frame of a solid between two points: its origin half way, its z from the second to the first,
-/// as MuJoCo has it (its reference says otherwise; it matters for the edges of a box).
-fn between(element: &Element, kind: &str, from: DVec3, to: DVec3) -> Result<Pose, FormatError> {
+/// The frame of a geom or site between the two points of `fromto`, and half their distance: its origin half way,
+/// its z from the second to the first, as MuJoCo has it (its reference says otherwise; it matters for the edges of a
+/// box).
+pub(super) fn between(element: &Element, kind: &str) -> Result<Option<(Pose, f64)>, FormatError> {
+    let Some([a, b, c, d, e, f]) = element.numbers::<6>("fromto")? else {
+        return Ok(None);
+    };
     if !["capsule", "cylinder", "box", "ellipsoid"].contains(&kind) {
         return Err(element.invalid_attribute(
             "fromto",
@@ -221,15 +227,17 @@ fn between(element: &Element, kind: &str, from: DVec3, to: DVec3) -> Result<Pose
             "use it with capsule, cylinder, box or ellipsoid; otherwise give pos and size",
         ));
     }
+    let (from, to) = (DVec3::new(a, b, c), DVec3::new(d, e, f));
     let way = from - to;
     if way.length() < 1e-14 {
         let remedy = "give two different points";
         return Err(element.invalid_attribute("fromto", "joins a point to itself", remedy));
     }
-    Ok(Pose::new(
-        (from + to) / 2.0,
-        least_rotation_from_z(way.normalize()),
-    ))
+    let turn = least_rotation_from_z(way.normalize());
+    Ok(Some((
+        Pose::new((from + to) / 2.0, turn),
+        way.length() / 2.0,
+    )))
 }
 
 fn geometry(element: &Element, kind: &str, sizes: &[f64]) -> Result<Geometry, FormatError> {
@@ -351,47 +359,13 @@ fn solid(
             return Ok(None);
         }
         Geometry::MeshFile { .. } | Geometry::Mesh(_) | Geometry::Hull(_) => {
-            mesh_mass(element, shape, shell, context, report)?
+            mesh_mass::of(element, shape, context, report)?
         }
         solid if shell => shell::of(solid),
         solid => MassProperties::of(solid, 1.0),
     };
     let placed = unit.map(|unit| unit.placed(&shape.pose));
     Ok(placed.map(|unit| unit.with_mass(mass.unwrap_or(density * unit.mass))))
-}
-
-/// Of a mesh or its hull, of unit density, in the geom's frame.
-fn mesh_mass(
-    element: &Element,
-    shape: &Shape,
-    shell: bool,
-    context: &Context<'_>,
-    report: &mut Report,
-) -> Result<Option<MassProperties>, FormatError> {
-    let read = match &shape.geometry {
-        file @ Geometry::MeshFile { .. } => context.meshes.of(element, file)?,
-        read => Some(read.clone()),
-    };
-    let remedy = "give the body an <inertial> element, or this geom mass=\"0\"";
-    let unit = read.as_ref().and_then(|read| MassProperties::of(read, 1.0));
-    let (Some(unit), Some(read)) = (unit, read) else {
-        let remedy = &format!(
-            "take meshes as they are where their surfaces are closed (--meshes exact), or as their \
-             convex hulls (--meshes hull), {remedy}"
-        );
-        report.refuse(element, "mass from the volume of a mesh", remedy)?;
-        return Ok(None);
-    };
-    if shell {
-        report.refuse(element, "mass from the surface of a mesh", remedy)?;
-        return Ok(None);
-    }
-    let whose = match read {
-        Geometry::Hull(_) => "it is that of its convex hull",
-        _ => "it is that of what its surface holds",
-    };
-    report.note(element, "mass from a mesh", whose);
-    Ok(Some(unit))
 }
 
 /// Density of the solid: the file's, or what its mass implies.

@@ -46,23 +46,40 @@ fn written(element: &Element) -> Result<Rows, FormatError> {
     let count = |name: &str| -> Result<usize, FormatError> {
         element.require(name)?;
         let number = element.integer(name)?.unwrap_or(0);
-        let fits = usize::try_from(number)
-            .ok()
-            .filter(|n| (2..=MOST).contains(n));
+        let fits = usize::try_from(number).ok().filter(|n| *n >= 2);
         fits.ok_or_else(|| {
             let problem = format!("is {number}");
-            element.invalid_attribute(name, &problem, "write a number from 2 to 4096")
+            element.invalid_attribute(name, &problem, "write 2 or more")
         })
     };
     let (rows, columns) = (count("nrow")?, count("ncol")?);
-    let all = rows * columns;
+    let all = sample_count(rows, columns).map_err(|problem| broken(element, problem))?;
     let elevation = element.list("elevation", all, all)?;
     let elevation = elevation.unwrap_or_else(|| vec![0.0; all]);
     Ok(elevation.chunks(columns).map(<[f64]>::to_vec).collect())
 }
 
-/// Most rows or columns.
-const MOST: usize = 4096;
+/// Most triangles of a mesh.
+const MOST: usize = 1 << 18;
+
+/// How many samples there are in so many rows and columns. Asked before anything is made of that size, as a few bytes
+/// can say that it is huge.
+fn sample_count(rows: usize, columns: usize) -> Result<usize, String> {
+    if rows < 2 || columns < 2 {
+        return Err(format!(
+            "a height field of {rows} × {columns} samples has no area: give at least 2 × 2"
+        ));
+    }
+    let cells = (rows - 1).saturating_mul(columns - 1);
+    if cells > MOST / 2 {
+        let triangles = cells.saturating_mul(2);
+        return Err(format!(
+            "{rows} × {columns} samples make {triangles} triangles, and at most {MOST} can be told apart: give \
+             fewer, such as 363 × 363"
+        ));
+    }
+    Ok(rows * columns)
+}
 
 fn from_file(file: &str, context: &Context<'_>) -> Result<Rows, String> {
     let name = context.compiler.mesh_path(file);
@@ -102,6 +119,8 @@ fn picture(bytes: &[u8]) -> Result<Rows, String> {
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
     decoder.set_transformations(png::Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(|e| e.to_string())?;
+    let [width, height] = [reader.info().width, reader.info().height].map(|n| n as usize);
+    sample_count(height, width)?;
     let (color, depth) = reader.output_color_type();
     if color != png::ColorType::Grayscale {
         return Err("it is no picture in greys without transparency: convert it".to_owned());

@@ -81,8 +81,8 @@ pub(super) struct FileJoint {
     /// What acts along each of its degrees of freedom; the limit comes later, for it needs the masses.
     pub dof: Dof,
     pub softness: Softness,
-    /// Range of the coordinate, where it is limited, as the file gives it.
-    pub limits: Option<(f64, f64)>,
+    /// The range that the file gives, whether it limits the coordinate or not.
+    pub span: Option<(f64, f64)>,
     /// Where the limit begins to act: the range, narrowed by the margin.
     pub range: Option<(f64, f64)>,
     /// Time constant [s] and damping ratio of its spring and damper, instead of theirs.
@@ -129,22 +129,30 @@ pub(super) fn read(
         )?,
     };
     let anchor = element.vector("pos")?.unwrap_or(DVec3::ZERO);
-    let limits = limits(&element, kind, angle, context, report)?;
+    let [span, limits] = ranges(&element, kind, angle, context, report)?;
+    let spring_damper = element
+        .numbers::<2>("springdamper")?
+        .filter(|v| v[0] > 0.0 && v[1] > 0.0);
     Ok(FileJoint {
         kind,
         anchor: frame.point(anchor),
         axis: frame.direction(axis),
         reference: element.number("ref")?.unwrap_or(0.0) * angle,
-        dof: dof(&element, kind, angle, context, report)?,
+        dof: dof(
+            &element,
+            kind,
+            angle,
+            spring_damper.is_some(),
+            context,
+            report,
+        )?,
         softness: Softness {
             reference: solref(&element, "solreflimit")?,
             impedance: Impedance::read(&element, "solimplimit")?,
         },
-        limits,
+        span,
         range: narrowed(&element, limits)?,
-        spring_damper: element
-            .numbers("springdamper")?
-            .filter(|v| v[0] > 0.0 && v[1] > 0.0),
+        spring_damper,
         force_range: context
             .compiler
             .range(&element, "actuatorfrclimited", "actuatorfrcrange")?,
@@ -159,10 +167,12 @@ fn refuse_plasticity(element: &Element, report: &mut Report) -> Result<(), Forma
     Ok(())
 }
 
+/// What acts along each degree of freedom; where springdamper stands for them, without damping and stiffness.
 fn dof(
     element: &Element,
     kind: Kind,
     angle: f64,
+    spring_damper: bool,
     context: &Context<'_>,
     report: &mut Report,
 ) -> Result<Dof, FormatError> {
@@ -172,17 +182,22 @@ fn dof(
         rest: element.number("springref")?.unwrap_or(0.0) * angle,
         ..Dof::default()
     };
-    if physics.on("damper") {
+    if physics.on("damper") && !spring_damper {
         dof.damping = linear(element, "damping", report)?;
     }
-    if physics.on("spring") {
+    if physics.on("spring") && !spring_damper {
         dof.stiffness = linear(element, "stiffness", report)?;
     }
     if physics.on("frictionloss") {
         dof.friction_loss = element.non_negative("frictionloss")?.unwrap_or(0.0);
     }
-    if kind == Kind::Free && dof.stiffness != 0.0 {
-        report.refuse(element, "a spring at a free joint", "set stiffness to 0")?;
+    let springs = dof.stiffness != 0.0 || (spring_damper && physics.on("spring"));
+    if kind == Kind::Free && springs {
+        let remedy = match spring_damper {
+            true => "write damping instead of springdamper",
+            false => "set stiffness to 0",
+        };
+        report.refuse(element, "a spring at a free joint", remedy)?;
         dof.stiffness = 0.0;
     }
     if matches!(kind, Kind::Free | Kind::Ball) {
@@ -228,29 +243,30 @@ pub(super) fn solref(element: &Element, name: &str) -> Result<[f64; 2], FormatEr
     ))
 }
 
-/// The range of a limited coordinate.
-fn limits(
+/// The range that is given, whether its limit acts or not, and the one that acts. MuJoCo leaves the first in the
+/// unit of the file where it says that there is no limit.
+fn ranges(
     element: &Element,
     kind: Kind,
     angle: f64,
     context: &Context<'_>,
     report: &mut Report,
-) -> Result<Option<(f64, f64)>, FormatError> {
-    if kind == Kind::Free || !context.physics.on("limit") {
-        return Ok(None);
+) -> Result<[Option<(f64, f64)>; 2], FormatError> {
+    if kind == Kind::Free {
+        return Ok([None; 2]);
     }
-    let Some((lower, upper)) = context.compiler.range(element, "limited", "range")? else {
-        return Ok(None);
-    };
-    if kind == Kind::Ball {
-        report.refuse(
-            element,
-            "a limit of a ball joint",
-            "use three hinges with limits",
-        )?;
-        return Ok(None);
+    let range = context.compiler.range(element, "limited", "range")?;
+    let mut limits = range.map(|(lower, upper)| (lower * angle, upper * angle));
+    let given = element
+        .numbers::<2>("range")?
+        .map(|[lower, upper]| (lower, upper));
+    let span = limits.or(given.filter(|(lower, upper)| lower != upper));
+    limits = limits.filter(|_| context.physics.on("limit"));
+    if kind == Kind::Ball && limits.take().is_some() {
+        let remedy = "use three hinges with limits";
+        report.refuse(element, "a limit of a ball joint", remedy)?;
     }
-    Ok(Some((lower * angle, upper * angle)))
+    Ok([span, limits])
 }
 
 /// The range less the margin, at which the limit begins to act.

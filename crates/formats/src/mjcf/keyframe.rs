@@ -2,7 +2,7 @@
 
 use super::actuator::Motors;
 use super::joint::Kind;
-use super::tree::Tree;
+use super::tree::{Tree, taken};
 use crate::error::FormatError;
 use crate::report::Report;
 use crate::xml::Element;
@@ -36,8 +36,7 @@ pub(super) fn read(
         report.check_attributes(key, KNOWN, UNUSED)?;
         let name = key.get("name").unwrap_or_default();
         if !name.is_empty() && !names.insert(name) {
-            let problem = format!("is `{name}`, the name of another keyframe");
-            return Err(key.invalid_attribute("name", &problem, "rename one of them"));
+            return Err(taken(key, "keyframe", name));
         }
         let keyframe = Keyframe {
             name: name.to_owned(),

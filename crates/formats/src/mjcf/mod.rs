@@ -23,7 +23,8 @@
 //!   rangefinders are in the model's list ([`Parts::sensors`]), with their noise, cutoff and interval.
 //! - Cameras keep their names, places and fields of view; those of mode `track` go along with their body and do
 //!   not turn with it.
-//! - Equality constraints `connect` and `weld` become joints that close a loop, `joint` a coupling.
+//! - Equality constraints `connect` and `weld` become joints that close a loop, `joint` a coupling. A constraint that
+//!   has the name of a joint has a number behind it.
 //!
 //! # Limitations
 //!
@@ -36,9 +37,12 @@
 //! - Refused unless lenient: drag by a fluid, gravity compensation, tendons that exert force, muscles
 //!   and other actuators with a state, plugins, flexible bodies, polynomial springs, `<replicate>`,
 //!   `<attach>` and the like, and mass from the volume of a mesh whose surface is open, unless it
-//!   becomes its hull ([`Options::meshes`]). MuJoCo's own mass of a mesh is that of its surface's inside, too.
+//!   becomes its hull ([`Options::meshes`]).
+//! - Meshes weigh what their `inertia` says, once they are read; but `legacy`, which is MuJoCo's default, is `exact`
+//!   here. In MuJoCo it is more where faces of the mesh look at its middle, which is noted.
 //! - `touch` is of all contacts of the site's body. What other sensors measure, and of rangefinders other `data` than
-//!   the distance, is not read, and listed.
+//!   the distance, is not read, and listed; nor is `subtreecom` where static bodies are in the subtree, but for frames
+//!   that hold nothing: static bodies have no mass here.
 //! - A rangefinder in the world sees what else is in the world; MuJoCo's sees bodies alone.
 //! - Cameras of mode `trackcom` go along with their body's origin; those that aim at a body, and orthographic ones,
 //!   are left out.
@@ -60,12 +64,14 @@ mod inertial;
 mod joint;
 mod keyframe;
 mod light;
+mod mesh_mass;
 mod option;
 mod orientation;
 mod sections;
 mod sensor;
 mod servo;
 mod shell;
+mod site;
 mod softening;
 mod surface;
 mod tendon;
@@ -80,6 +86,7 @@ use crate::report::Report;
 use crate::xml::{self, Element};
 use crate::{Loaded, Options, names};
 use model::{Model, Parts, UpAxis};
+use std::collections::HashSet;
 
 /// What the whole file is read by.
 struct Context<'a> {
@@ -88,6 +95,8 @@ struct Context<'a> {
     defaults: defaults::Defaults,
     assets: assets::Assets,
     meshes: MeshReader<'a>,
+    /// Names of the geoms that `<pair>`s are of.
+    paired: HashSet<&'a str>,
 }
 
 /// Reads a text; `file` names it in messages, `files` finds what it includes.
@@ -122,6 +131,7 @@ pub(crate) fn read(
         assets: assets::Assets::read(&root, &compiler, &defaults, &mut report)?,
         physics: option::Physics::read(&root, &mut report)?,
         meshes: MeshReader::new(files, options.meshes),
+        paired: contact::paired(&root).collect(),
         compiler,
         defaults,
     };

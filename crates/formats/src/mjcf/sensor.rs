@@ -5,14 +5,14 @@
 
 use super::Context;
 use super::joint::Kind;
-use super::tree::{Tree, TreeJoint};
+use super::tree::{Tree, TreeJoint, taken};
 use crate::error::FormatError;
 use crate::fuse::Fusion;
 use crate::names::Taken;
 use crate::report::Report;
 use crate::xml::Element;
 use glam::{DQuat, DVec3};
-use model::{Axes, Geometry, JointId, JointKind, Measurand, Mount, Pose, Sensor};
+use model::{Axes, BodyId, Geometry, JointId, JointKind, Measurand, Mount, Pose, Sensor};
 use std::collections::HashSet;
 
 /// Attributes of all sensors that are read.
@@ -101,8 +101,7 @@ fn check_names(elements: &[&Element]) -> Result<(), FormatError> {
     let mut names = HashSet::new();
     for element in elements {
         if let Some(name) = element.get("name").filter(|name| !names.insert(*name)) {
-            let problem = format!("is `{name}`, the name of another sensor");
-            return Err(element.invalid_attribute("name", &problem, "rename one of them"));
+            return Err(taken(element, "sensor", name));
         }
     }
     Ok(())
@@ -268,7 +267,26 @@ impl Reader<'_> {
         if body.is_some_and(|body| self.fusion.takes_up(body)) {
             return Ok(self.leave_out("of a body that is fused with its parent"));
         }
+        if self.has_static_parts(body) {
+            return Ok(self.leave_out("of static bodies, which have no mass here"));
+        }
         Ok(Some(Measurand::CenterOfMass { body }))
+    }
+
+    /// Whether static bodies of a subtree change its centre of mass: those that may weigh (the mass of their meshes is
+    /// not known), and those that stand between its body and what moves, for no joint carries them.
+    fn has_static_parts(&self, of: Option<BodyId>) -> bool {
+        let parts = &self.tree.parts;
+        let mut inside: Vec<bool> = Vec::new();
+        for (row, parent) in self.tree.parents.iter().enumerate() {
+            let below = parent.is_some_and(|parent| inside[parent.0]);
+            inside.push(below || of.is_none_or(|of| of.0 == row));
+        }
+        let is_static = |id: &BodyId| inside[id.0] && !self.tree.moves(Some(*id));
+        let changes = |id: BodyId| parts.bodies[id.0].mass > 0.0 || of.is_some_and(|of| of != id);
+        let mut bodies = (0..inside.len()).map(BodyId).filter(is_static);
+        let mut shaped = parts.shapes.iter().filter_map(|shape| shape.body);
+        bodies.any(changes) || shaped.any(|id| is_static(&id))
     }
 
     /// MuJoCo's goes along z.

@@ -1,4 +1,4 @@
-//! Mass properties of hollow solids (attribute `shellinertia`).
+//! Mass properties of hollow solids (attribute `shellinertia`), and of surfaces.
 
 use glam::{DMat3, DVec3};
 use model::{Geometry, MassProperties};
@@ -26,6 +26,41 @@ pub(super) fn of(geometry: &Geometry) -> Option<MassProperties> {
     Some(match *geometry {
         Geometry::Ellipsoid { half } => shell.with_mass(ellipsoid_area(half)),
         _ => shell,
+    })
+}
+
+/// Of triangles of unit density per area; `None` where they have none.
+///
+/// Of a triangle (a, b, c) of area A, about the common centre, with s = a + b + c and C = ∫ x xᵀ dA:
+///
+/// ```text
+/// centre = Σ A/3 s / Σ A   C = Σ A/12 (a aᵀ + b bᵀ + c cᵀ + s sᵀ)   I = tr C 1 − C
+/// ```
+pub(super) fn of_faces(faces: impl Iterator<Item = [DVec3; 3]> + Clone) -> Option<MassProperties> {
+    let area = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).length() / 2.0;
+    let (mut mass, mut first) = (0.0, DVec3::ZERO);
+    for face in faces.clone() {
+        let part = area(face);
+        mass += part;
+        first += face.iter().sum::<DVec3>() * (part / 3.0);
+    }
+    if mass <= 0.0 {
+        return None;
+    }
+    let center = first / mass;
+    let mut inertia = DMat3::ZERO;
+    for face in faces {
+        let [a, b, c] = face.map(|corner| corner - center);
+        for x in [a, b, c, a + b + c] {
+            let outer = DMat3::from_cols(x * x.x, x * x.y, x * x.z);
+            let of_point = DMat3::from_diagonal(DVec3::splat(x.length_squared())) - outer;
+            inertia += of_point * (area(face) / 12.0);
+        }
+    }
+    Some(MassProperties {
+        mass,
+        center,
+        inertia,
     })
 }
 

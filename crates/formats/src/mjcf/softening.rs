@@ -2,6 +2,8 @@
 
 use super::Context;
 use super::actuator::Motors;
+use super::joint::Kind;
+use super::option::Physics;
 use super::tree::{Tree, TreeJoint};
 use crate::joint_space::JointSpace;
 use model::Joint;
@@ -11,7 +13,7 @@ pub(super) fn apply(tree: &mut Tree, motors: &Motors, space: &JointSpace, contex
     let wanted = |j: &&TreeJoint| j.file.range.is_some() || j.file.spring_damper.is_some();
     for joint in tree.joints.iter().filter(wanted) {
         let of_model = &mut tree.parts.joints[joint.joint.0];
-        soften(joint, of_model, space, context.physics.least_time());
+        soften(joint, of_model, space, &context.physics);
     }
     for (actuator, ratio) in &motors.damping_ratios {
         // Critical damping of stiffness k and mass m is 2 √(k m); m as the actuator sees it.
@@ -23,7 +25,7 @@ pub(super) fn apply(tree: &mut Tree, motors: &Motors, space: &JointSpace, contex
     }
 }
 
-fn soften(joint: &TreeJoint, of_model: &mut Joint, space: &JointSpace, least_time: f64) {
+fn soften(joint: &TreeJoint, of_model: &mut Joint, space: &JointSpace, physics: &Physics) {
     let n = joint.file.kind.degrees_of_freedom();
     let dofs = joint.dof..joint.dof + n;
     let inertias = dofs
@@ -32,10 +34,17 @@ fn soften(joint: &TreeJoint, of_model: &mut Joint, space: &JointSpace, least_tim
     let inertia = inertias.sum::<f64>() / n as f64;
     for dof in &mut of_model.dofs[dofs] {
         if let Some(range) = joint.file.range {
+            let least_time = physics.least_time();
             dof.limit = Some(joint.file.softness.limit(range, inertia, least_time));
         }
-        if let Some([tc, ratio]) = joint.file.spring_damper {
-            dof.damping = 2.0 * inertia / tc;
+        let Some([tc, ratio]) = joint.file.spring_damper else {
+            continue;
+        };
+        if physics.on("damper") {
+            // Actuators have damping of their own.
+            dof.damping += 2.0 * inertia / tc;
+        }
+        if physics.on("spring") && joint.file.kind != Kind::Free {
             dof.stiffness = inertia / (tc * tc * ratio * ratio);
         }
     }

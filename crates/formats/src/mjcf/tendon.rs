@@ -22,7 +22,8 @@ pub(super) fn check(
             return Err(tendon.invalid("this is no tendon", "write <fixed> or <spatial>"));
         }
         let merged = context.defaults.apply(tendon, None, &["tendon"])?;
-        let mut acts = context.compiler.limited(&merged, "limited", "range")?;
+        let range = context.compiler.range(&merged, "limited", "range")?;
+        let mut acts = range.is_some();
         for name in ACTING {
             let numbers = merged.list(name, 1, 3)?;
             acts |= numbers.is_some_and(|numbers| numbers.iter().any(|x| *x != 0.0));

@@ -91,22 +91,37 @@ impl Tree {
     }
 
     /// Adds the shapes of a body, or of the world.
-    pub fn add_shapes(&mut self, geoms: Vec<Geom>, body: Option<BodyId>) {
+    pub fn add_shapes(
+        &mut self,
+        geoms: Vec<Geom>,
+        body: Option<BodyId>,
+    ) -> Result<(), FormatError> {
         for geom in geoms {
             let id = ShapeId(self.parts.shapes.len());
             let mut shape = geom.shape;
             shape.body = body;
-            if !shape.name.is_empty() {
-                self.geom_names.insert(shape.name.clone(), id);
+            let name = shape.name.clone();
+            if !name.is_empty() && self.geom_names.insert(name.clone(), id).is_some() {
+                return Err(taken(&geom.element, "geom", &name));
             }
             self.parts.shapes.push(shape);
             self.surfaces.push(geom.surface);
         }
+        Ok(())
     }
 
-    /// Adds a site of a body, or of the world.
-    pub fn add_site(&mut self, name: &str, body: Option<BodyId>, pose: Pose) {
-        self.sites.insert(name.to_owned(), (body, pose));
+    /// Adds a site of a body, or of the world; one without a name is nowhere asked for.
+    pub fn add_site(
+        &mut self,
+        element: &Element,
+        body: Option<BodyId>,
+        pose: Pose,
+    ) -> Result<(), FormatError> {
+        let name = element.get("name").unwrap_or_default();
+        if !name.is_empty() && self.sites.insert(name.to_owned(), (body, pose)).is_some() {
+            return Err(taken(element, "site", name));
+        }
+        Ok(())
     }
 
     /// The joint that an attribute of an element names.
@@ -175,7 +190,8 @@ pub(super) fn unknown<'a>(
     element.invalid_attribute(attribute, &problem, &remedy)
 }
 
-fn taken(element: &Element, kind: &str, name: &str) -> FormatError {
+/// Names are unique among elements of a type.
+pub(super) fn taken(element: &Element, kind: &str, name: &str) -> FormatError {
     element.invalid_attribute(
         "name",
         &format!("is `{name}`, the name of another {kind}"),
