@@ -70,13 +70,18 @@ pub enum Error {
          --substeps, or try another --solver"
     )]
     AllDiverged { worlds: usize, time: f64 },
+    #[error(
+        "the scene diverged within {seconds} s: lower --time, or the time step in its file; \
+         `kinetarium run` tells when, and tries others (--time-step, --substeps, --solver)"
+    )]
+    ShotDiverged { seconds: f64 },
 }
 
 impl Error {
     /// 2 where options or files are wrong, 1 where the work failed.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Write { .. } | Self::AllDiverged { .. } => 1,
+            Self::Write { .. } | Self::AllDiverged { .. } | Self::ShotDiverged { .. } => 1,
             _ => 2,
         }
     }

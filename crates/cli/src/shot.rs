@@ -60,18 +60,16 @@ fn stage(arguments: &Shot) -> Result<Stage, Error> {
 }
 
 /// Where the bodies are at a time [s].
-fn poses(stage: &Stage, time: f64) -> Result<Vec<Pose>, Error> {
+fn poses(stage: &Stage, seconds: f64) -> Result<Vec<Pose>, Error> {
     let time_step = stage.model.time_step;
-    let steps = (time / time_step).round();
+    let steps = (seconds / time_step).round();
     if steps > MOST_STEPS {
-        let seconds = time;
         return Err(Error::ShotTime { seconds, time_step });
     }
     let mut simulation = stage.simulation()?;
     stage.run(&mut simulation, steps as u64)?;
-    if let Some(diverged) = simulation.diverged().first() {
-        let time = diverged.time;
-        return Err(Error::AllDiverged { worlds: 1, time });
+    if !simulation.diverged().is_empty() {
+        return Err(Error::ShotDiverged { seconds });
     }
     let outputs = simulation.outputs();
     let bodies = (0..stage.model.bodies.len()).map(BodyId);

@@ -794,6 +794,21 @@ fn a_shot_is_a_picture_of_the_scene_at_its_time() {
     assert_ne!(shots[6], shots[8], "another camera");
 }
 
+/// It has no options for the solver, but `kinetarium run` does.
+#[test]
+fn a_shot_of_a_scene_that_diverges_ends_with_1() {
+    let folder = folder();
+    let fast = DOUBLE_PENDULUM.replace(r#"qvel="0 2""#, r#"qvel="0 1e8""#);
+    fs::write(folder.path().join("fast.xml"), fast).unwrap();
+    let options = "shot fast.xml --keyframe raised --time 0.1 --size 8x8";
+    kinetarium(&folder)
+        .args(options.split_whitespace())
+        .assert()
+        .code(1)
+        .stderr(contains("diverged within 0.1 s: lower --time,").and(contains("kinetarium run")));
+    assert!(!folder.path().join("picture.png").exists());
+}
+
 #[test]
 fn a_shot_of_nothing_is_refused() {
     let folder = folder();

@@ -44,13 +44,13 @@ pub(crate) fn bodies(model: &Model) -> Vec<Body> {
     model.bodies.iter().enumerate().map(body).collect()
 }
 
-/// Shapes, in the model's order.
-pub(crate) fn shapes(model: &Model) -> Vec<Shape> {
+/// Shapes, in the model's order. `opens` says whether files of meshes that are only seen are opened.
+pub(crate) fn shapes(model: &Model, opens: bool) -> Vec<Shape> {
     let shape = |shape: &model::Shape| Shape {
         name: shape.name.clone(),
         body: row_of(shape.body),
         placement: shape.pose.into(),
-        geometry: geometry(&shape.geometry),
+        geometry: geometry(&shape.geometry, opens),
         collides: shape.collides,
         sensor: shape.sensor,
         color: shape.color,
@@ -58,7 +58,7 @@ pub(crate) fn shapes(model: &Model) -> Vec<Shape> {
     model.shapes.iter().map(shape).collect()
 }
 
-fn geometry(geometry: &model::Geometry) -> Geometry {
+fn geometry(geometry: &model::Geometry, opens: bool) -> Geometry {
     use model::Geometry as Is;
     match *geometry {
         Is::Plane { half_x, half_z } => Geometry::Plane {
@@ -94,17 +94,22 @@ fn geometry(geometry: &model::Geometry) -> Geometry {
         },
         Is::Hull(ref hull) => mesh(hull.vertices(), hull.triangles(), true),
         Is::Mesh(ref surface) => mesh(surface.vertices(), surface.triangles(), false),
-        // Of a file that cannot be read there is nothing to see.
-        Is::MeshFile { ref file, scale } => match collide::mesh::load(file, scale) {
+        Is::MeshFile { ref file, scale } if opens => match collide::mesh::load(file, scale) {
             Ok(surface) => mesh(surface.vertices(), surface.triangles(), false),
-            Err(_) => mesh(&[], &[], false),
+            Err(_) => unseen(),
         },
+        Is::MeshFile { .. } => unseen(),
     }
 }
 
 /// Half of what is drawn of a plane along an axis [m], along which it may be endless.
 fn to_horizon(half: f64) -> f64 {
     if half > 0.0 { half } else { 1000.0 }
+}
+
+/// Of a file that is not read there is nothing to see.
+fn unseen() -> Geometry {
+    mesh(&[], &[], false)
 }
 
 fn mesh(vertices: &[DVec3], triangles: &[[u32; 3]], flat: bool) -> Geometry {

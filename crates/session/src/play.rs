@@ -14,7 +14,7 @@ use crate::quantity::{Measure, quantities, unlisted};
 use crate::stage::Stage;
 use crate::wander::Wander;
 use formats::{Files, Loaded, Meshes, Options};
-use model::{BodyId, Model, Parts};
+use model::{BodyId, Geometry, Model, Parts};
 use numbers::Float;
 use sim::{Simulation, SimulationError, Snapshot};
 use std::io;
@@ -30,6 +30,8 @@ pub(crate) struct Play {
     pub origin: Origin,
     pub build: Form,
     pub stage: Stage,
+    /// Whether meshes that are only seen are opened: those that a page names are not.
+    pub opens_meshes: bool,
     pub physics: Physics,
     /// The stage's model, with gravity and gains of drives as the page has set them.
     pub parts: Parts,
@@ -63,11 +65,12 @@ impl std::fmt::Debug for Play {
 
 /// What a robot file of a page may name: nothing.
 struct Alone;
+/// Why.
+const ALONE: &str = "a page gives one file; open it with `kinetarium view`, which finds others";
 
 impl Files for Alone {
     fn read(&self, _: &str) -> io::Result<String> {
-        let why = "a page gives one file; open it with `kinetarium view`, which finds others";
-        Err(io::Error::new(io::ErrorKind::NotFound, why))
+        Err(io::Error::new(io::ErrorKind::NotFound, ALONE))
     }
     fn bytes(&self, name: &str) -> io::Result<Vec<u8>> {
         Ok(self.read(name)?.into_bytes())
@@ -82,9 +85,12 @@ pub(crate) fn time_step<T: Float>(simulation: &Simulation<T>) -> f64 {
     simulation.settings().step.time_step
 }
 
-/// Steps since the start of what may be stepped by others.
-pub(crate) fn steps<T: Float>(simulation: &Simulation<T>) -> u64 {
-    (simulation.time(0) / time_step(simulation)).round() as u64
+/// Steps since the start of what may be stepped by others, as the first of the worlds shown counts them that runs.
+pub(crate) fn steps<T: Float>(simulation: &Simulation<T>, shown: &[usize]) -> u64 {
+    let stopped = simulation.diverged();
+    let runs = |world: &&usize| stopped.iter().all(|diverged| diverged.world != **world);
+    let world = *shown.iter().find(runs).unwrap_or(&shown[0]);
+    (simulation.time(world) / time_step(simulation)).round() as u64
 }
 
 impl Play {
@@ -130,11 +136,18 @@ impl Play {
         };
         let read = formats::parse(text, name, &Alone, &options);
         let Loaded { model, warnings } = read.map_err(Box::new)?;
+        let unseen = model.shapes.iter().find_map(|shape| match &shape.geometry {
+            Geometry::MeshFile { file, .. } => Some(format!(
+                "Meshes that are only seen, such as {file}: {ALONE}"
+            )),
+            _ => None,
+        });
+        let left_out = warnings.iter().map(ToString::to_string).chain(unseen);
+        let lines: String = left_out.map(|line| format!("\n{line}")).collect();
         let (mut play, simulation) = Self::of_model(Stage::new(model), &Values::new(), card)?;
-        play.name = name.into();
-        let lines = warnings.iter().map(|warning| format!("\n{warning}"));
-        if !warnings.is_empty() {
-            play.guide = String::from("Not supported, and left out:") + &lines.collect::<String>();
+        (play.name, play.opens_meshes) = (name.into(), false);
+        if !lines.is_empty() {
+            play.guide = String::from("Not supported, and left out:") + &lines;
         }
         Ok((play, simulation))
     }
@@ -148,7 +161,7 @@ impl Play {
         };
         let start = simulation.snapshot();
         let mut play = Self::new(Origin::Program(start.clone()), stage, Physics::of_program());
-        play.steps = steps(simulation);
+        play.steps = steps(simulation, &Vec::from_iter(0..play.stage.shown));
         play.begin_history(simulation, start);
         play
     }
@@ -164,6 +177,7 @@ impl Play {
             origin,
             build: Form::new(Vec::new()),
             physics,
+            opens_meshes: true,
             parts: model.clone().into_parts(),
             targets: vec![[None; 2]; model.degrees_of_freedom()],
             control: vec![None; model.actuators.len()],
@@ -182,7 +196,7 @@ impl Play {
         self.physics.change(&mut self.parts);
         let model = Model::new(self.parts.clone())?;
         let mut simulation = self.physics.simulate(model, &self.stage, card)?;
-        self.restart(&mut simulation)?;
+        self.restart(&mut simulation, &[0])?;
         Ok((self, simulation))
     }
 
@@ -198,20 +212,37 @@ impl Play {
         self.steps as f64 * time_step(simulation)
     }
 
-    /// The initial state, with what the page has set.
+    /// The initial state, with what the page has set; its time is that of the worlds shown.
     pub fn restart<T: Float>(
         &mut self,
         simulation: &mut Simulation<T>,
+        shown: &[usize],
     ) -> Result<(), SessionError> {
         match &self.origin {
             Origin::Program(start) => simulation.restore(start)?,
             Origin::Example(_) | Origin::File => self.stage.place(simulation)?,
         }
         self.aim(simulation)?;
-        self.steps = steps(simulation);
+        self.steps = steps(simulation, shown);
         self.wander = Wander::new(self.stage.wander);
         let start = simulation.try_snapshot()?;
         self.begin_history(simulation, start);
+        Ok(())
+    }
+
+    /// Goes by the time of these worlds, if it is a program's, which may reset each by itself. What is recorded by
+    /// another time is forgotten.
+    pub fn go_by<T: Float>(
+        &mut self,
+        simulation: &mut Simulation<T>,
+        shown: &[usize],
+    ) -> Result<(), SimulationError> {
+        let steps = steps(simulation, shown);
+        if self.not_of_program("").is_err() && steps != self.steps {
+            let now = simulation.try_snapshot()?;
+            self.steps = steps;
+            self.begin_history(simulation, now);
+        }
         Ok(())
     }
 
@@ -419,7 +450,7 @@ impl Play {
             build: self.build.fields().to_vec(),
             physics: self.physics.fields_of(simulation.solver()),
             bodies: describe::bodies(&model),
-            shapes: describe::shapes(&model),
+            shapes: describe::shapes(&model, self.opens_meshes),
             joints: describe::joints(&model, &numbers.targets, &self.stage.sliders, gains),
             actuators: describe::actuators(&model, &numbers.control),
             cameras: self.stage.cameras.clone(),

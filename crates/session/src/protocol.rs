@@ -637,9 +637,9 @@ pub struct Status {
     pub running: bool,
     /// Name of the graphics card that it runs on, if it is not the processor.
     pub card: Option<String>,
-    /// Simulated seconds since the start.
+    /// Simulated seconds since the start; of a program's worlds, in the first shown that has not diverged.
     pub time: f64,
-    /// Steps since the start.
+    /// Steps since the start, likewise.
     pub steps: u64,
     /// As in [`Command::Speed`].
     pub speed: Option<f64>,

@@ -279,10 +279,10 @@ impl Steering {
                 self.stop();
                 self.samples.clear();
                 hands.forget();
-                self.play.restart(simulation)?;
+                self.play.restart(simulation, &self.shown)?;
             }
             Command::Speed { factor } => self.set_speed(factor)?,
-            Command::Show { worlds } => self.show(simulation.worlds(), &worlds)?,
+            Command::Show { worlds } => self.show(simulation, &worlds)?,
             Command::Joint {
                 dof,
                 position,
@@ -439,10 +439,17 @@ impl Steering {
         }
         Ok(())
     }
-    fn show(&mut self, all: usize, worlds: &[u32]) -> Result<(), SessionError> {
+    fn show<T: Float>(
+        &mut self,
+        simulation: &mut Simulation<T>,
+        worlds: &[u32],
+    ) -> Result<(), SessionError> {
         count("worlds to show", worlds.len(), [1, MOST_SHOWN])?;
+        let all = simulation.worlds();
         let worlds = worlds.iter().map(|&w| row("world", w as usize, all));
-        self.shown = worlds.collect::<Result<_, _>>()?;
+        let shown: Vec<_> = worlds.collect::<Result<_, _>>()?;
+        self.play.go_by(simulation, &shown)?;
+        self.shown = shown;
         self.choices = self.choices.wrapping_add(1);
         self.samples.clear();
         Ok(())
@@ -552,7 +559,7 @@ impl Steering {
         }
         let start = (self.clock)();
         (self.changes, self.stale, self.untold) = (changes, true, true);
-        let steps = steps(simulation);
+        let steps = steps(simulation, &self.shown);
         let back = steps < self.play.steps;
         if steps != self.play.steps {
             self.play.steps = steps;

@@ -588,11 +588,52 @@ fn pages_return_to_the_model_that_they_were_opened_with() {
     assert!(page.errors[0].contains("links"), "{:?}", page.errors);
 }
 
+/// A mesh of one triangle.
+const LEAF: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+/// Meshes that are only seen lie in other files, which are there.
+#[test]
+fn no_file_is_opened_that_a_dropped_one_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("leaf.obj");
+    std::fs::write(&path, LEAF).unwrap();
+    let path = path.to_str().unwrap();
+    let leaf = format!(
+        r#"<asset><mesh name="leaf" file="{path}"/></asset>
+        <worldbody><geom type="mesh" mesh="leaf" contype="0" conaffinity="0"/>"#
+    );
+    let cart = CART.replace("<worldbody>", &leaf);
+    let arm = format!(
+        r#"<robot name="arm"><link name="base"/><link name="arm">
+          <inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+          <visual><geometry><mesh filename="{path}"/></geometry></visual>
+        </link>
+        <joint name="hinge" type="continuous"><parent link="base"/><child link="arm"/></joint></robot>"#
+    );
+    let told = format!("such as {path}: a page gives one file");
+    let mut page = Page::open("tower");
+    for (name, text) in [("cart.xml", cart), ("arm.urdf", arm)] {
+        page.say(&file(name, &text));
+        assert_eq!(page.errors, [""; 0]);
+        let scene = page.scene();
+        assert_eq!(scene.name, name);
+        assert!(scene.guide.contains(&told), "{}", scene.guide);
+        let mut meshes = 0;
+        for shape in &scene.shapes {
+            if let Geometry::Mesh { triangles, .. } = &shape.geometry {
+                assert!(triangles.is_empty(), "{name}");
+                meshes += 1;
+            }
+        }
+        assert_eq!(meshes, 1, "{name}");
+    }
+}
+
 #[test]
 fn a_mesh_of_a_file_is_seen_where_it_can_be_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("leaf.obj");
-    std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    std::fs::write(&path, LEAF).unwrap();
     let scene = |file: &std::path::Path| {
         let mut world = model::Builder::new("leaf");
         let file = file.to_str().unwrap().to_owned();
@@ -905,6 +946,41 @@ fn a_program_s_steps_are_recorded_and_its_page_returns_to_them() {
     ask(&mut session_of_later, r#"{"type": "restart"}"#);
     assert_eq!(shared.read().snapshot(), start);
     assert_eq!(session_of_later.frame().steps, 7);
+}
+
+/// A program resets replicas one by one, and those that diverge stand still.
+#[test]
+fn pages_go_by_the_time_of_a_replica_that_is_shown_and_runs() {
+    let (shared, mut session) = of_program(examples::chain(2, Start::Horizontal).unwrap());
+    let steps_after = |session: &mut Session<f64>, command: &str| {
+        ask(session, command);
+        session.frame().steps
+    };
+    let nothing = r#"{"type": "release"}"#;
+    let force = shared.change().controls().set_dof_force(0, 1, 1e30);
+    force.unwrap();
+    shared.change().step(100);
+    assert_eq!(shared.read().diverged().len(), 1);
+    assert_eq!(steps_after(&mut session, nothing), 100);
+    shared.change().step(50);
+    assert_eq!(steps_after(&mut session, nothing), 150);
+
+    ask(&mut session, r#"{"type": "show", "worlds": [1]}"#);
+    shared.change().reset(&[0]).unwrap();
+    assert_eq!(steps_after(&mut session, nothing), 150);
+    shared.change().step(50);
+    assert_eq!(steps_after(&mut session, nothing), 200);
+    // The past is still recorded.
+    let back = r#"{"type": "scrub", "time": 0.3}"#;
+    assert_eq!(steps_after(&mut session, back), 150);
+    assert!((shared.read().time(1) - 0.3).abs() < 1e-9);
+
+    // Another replica has another time, and no past by that.
+    shared.change().reset(&[0]).unwrap();
+    assert_eq!(steps_after(&mut session, nothing), 150);
+    let other = r#"{"type": "show", "worlds": [0, 1]}"#;
+    assert_eq!(steps_after(&mut session, other), 0);
+    assert_eq!(steps_after(&mut session, back), 0);
 }
 
 #[test]

@@ -18,6 +18,8 @@ const COMMANDS: usize = 256;
 const AT_ONCE: usize = 32;
 /// How long to wait for a command where there is nothing to do.
 const PAUSE: Duration = Duration::from_millis(4);
+/// How long where nobody sees it, so that what a program has let go of ends.
+const UNSEEN: Duration = Duration::from_millis(500);
 /// How long pages may take to hear that it is over, and between two looks at whether they have.
 pub(crate) const FAREWELL: [Duration; 2] = [Duration::from_secs(1), Duration::from_millis(2)];
 
@@ -101,13 +103,15 @@ impl<T: Float> Work<T> {
     /// Advances the session and does what pages say; false where there is no more to do.
     fn round(&mut self, heard: &Receiver<Said>) -> bool {
         self.keep(|page| !page.is_closed());
-        if self.pages.is_empty() {
+        let pause = if self.pages.is_empty() {
             // What nobody sees stands still.
-            return heard.recv().is_ok_and(|said| self.hear(said));
-        }
-        let busy = self.session.advance();
+            UNSEEN
+        } else if self.session.advance() {
+            Duration::ZERO
+        } else {
+            PAUSE
+        };
         self.tell(None);
-        let pause = if busy { Duration::ZERO } else { PAUSE };
         match heard.recv_timeout(pause) {
             Ok(said) => {
                 let more = heard.try_iter().take(AT_ONCE);

@@ -1,6 +1,6 @@
 //! The server as browsers and strangers see it.
 
-use kinetarium_viewer::{Access, clock, serve, show};
+use kinetarium_viewer::{Access, Viewer, clock, serve, show};
 use model::BodyId;
 use model::examples::Start;
 use numbers::Float;
@@ -524,6 +524,19 @@ fn pages_are_told_when_a_program_drops_its_simulation() {
     for page in [first, second] {
         assert!(last_words(page).contains("ended this simulation"));
     }
+    ends(&viewer);
+}
+
+#[test]
+fn a_view_that_nobody_watches_ends_with_its_simulation() {
+    let shared = pendulum::<f32>();
+    let viewer = show(&shared, None, None).unwrap();
+    drop(shared);
+    ends(&viewer);
+}
+
+/// Is not open soon, nor does it listen then.
+fn ends(viewer: &Viewer) {
     let end = Instant::now() + Duration::from_secs(10);
     while viewer.is_open() {
         assert!(Instant::now() < end, "still open");
