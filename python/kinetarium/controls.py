@@ -79,10 +79,12 @@ class Controls(Tables):
         if name not in tables:
             raise UnknownNameError(f'there is no control "{name}"; {hint(name, list(tables))}')
         engine = self._worlds.engine
-        array = self._arrays.pop(name, None)
+        array = self._arrays.get(name)
         if array is not None:
             engine.write_control(name, array)
-        return engine.control_on_device(name, tables[name].shape(self._worlds))
+        shared = engine.control_on_device(name, tables[name].shape(self._worlds))
+        self._arrays.pop(name, None)  # not before: where this is refused, the array still acts
+        return shared
 
     def _get(self, table: Table) -> NamedArray:
         worlds = self._worlds

@@ -25,7 +25,7 @@ is due. Noise is a function of seed, sensor, world and sample: the same whatever
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf
 from typing import TYPE_CHECKING, Any, Literal
@@ -318,10 +318,9 @@ class Sensors(Strict, Mapping[str, Any]):
     __slots__ = ("_array", "_cameras", "_custom", "list", "seed")
 
     def __init__(
-        self, simulation: Simulation, sensors: Sequence[Sensor | Custom] | Sensor | Custom, seed: int
+        self, simulation: Simulation, sensors: Iterable[Sensor | Custom] | Sensor | Custom, seed: int
     ) -> None:
-        if isinstance(sensors, Sensor | Custom):
-            sensors = [sensors]
+        sensors = (sensors,) if isinstance(sensors, Sensor | Custom) else tuple(sensors)
         for sensor in sensors:
             if not isinstance(sensor, Sensor | Custom):
                 raise SensorError(f"{sensor!r} is no sensor: give those of kinetarium.sensors")
@@ -329,7 +328,7 @@ class Sensors(Strict, Mapping[str, Any]):
                 raise SensorError(
                     f'the noise of sensor "{sensor.name}" is {sensor.noise!r}: give a Noise, as Noise(deviation=0.1)'
                 )
-        self.list = tuple(sensors)
+        self.list = sensors
         """The sensors as they were given."""
         self.seed = seed
         """Seed of the noise."""

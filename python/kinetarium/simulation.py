@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, SupportsIndex, get_args
@@ -211,7 +211,7 @@ class Simulation(Strict):
         contact_iterations: int = 8,
         speed_limit: float = 1e5,
         sleep_speed: float = 0.01,
-        sensors: Sequence[Sensor | Custom] | Sensor | Custom = (),
+        sensors: Iterable[Sensor | Custom] | Sensor | Custom = (),
         seed: int = 0,
     ) -> None:
         if not isinstance(model, Model):
@@ -355,7 +355,8 @@ class Simulation(Strict):
             self._controls._send(engine)
             self._worlds.moment += 1
             diverged = self._sensors._step(self, engine, steps) if self._sensors else engine.step(steps)
-        return np.array(diverged, np.int64)
+        # Between the parts of many steps the page may bring a world back, to diverge again.
+        return np.array(list(dict.fromkeys(diverged)), np.int64)
 
     def _rows(self, worlds: ArrayLike | None) -> np.ndarray:
         """Worlds as numbers: all, or those of a mask, or those of a list."""
@@ -716,8 +717,7 @@ class Simulation(Strict):
             seed=state["seed"],
             **state["settings"],
         )
-        for name, numbers in state["parameters"].items():
-            setattr(self._parameters, name, numbers)
+        self._parameters._restore(state["parameters"])
         self.restore(state["snapshot"])
         self._sensors._restore(state["readings"])
         self.watch(*state["watched"])

@@ -260,6 +260,18 @@ def test_what_is_not_shared_is_told():
         on("cpu", dtype="float64").state.on_device("joint_position")
 
 
+def test_a_control_that_is_not_shared_still_acts():
+    sim, twin = on("cpu"), on("cpu")
+    force = sim.controls.force
+    with pytest.raises(DeviceError):
+        sim.controls.on_device("force")
+    for array in (force, twin.controls.force):
+        array[:] = 2.0
+    for one in (sim, twin):
+        one.step()
+    np.testing.assert_array_equal(sim.state.joint_velocity, twin.state.joint_velocity)
+
+
 @pytest.mark.skipif(importlib.util.find_spec("nvidia") is None, reason="no package of NVIDIA's is installed")
 def test_the_compiler_that_pip_installed_is_found():
     assert "nvrtc" in _nvrtc.load().name

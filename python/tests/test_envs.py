@@ -492,6 +492,16 @@ def test_seeds_are_whole_numbers():
         envs.reset(seed=[1, 2])
 
 
+def test_worlds_without_a_seed_draw_on():
+    envs = gymnasium.make_vec("kinetarium/Reacher-v0", num_envs=2)
+    envs.reset(seed=0)
+    second, _ = envs.reset()
+    envs.reset(seed=0)
+    found, _ = envs.reset(seed=[None, 7])
+    np.testing.assert_array_equal(found[0], second[0])
+    np.testing.assert_array_equal(found[1], envs.reset(seed=7)[0][0])
+
+
 @robots
 def test_actions_that_are_not_finite_are_refused(robot):
     envs = gymnasium.make_vec(f"kinetarium/{robot}-v0", num_envs=3)

@@ -142,6 +142,11 @@ def test_one_sensor_and_one_name_need_no_list():
     assert sim.sensors["q"].shape == (1, 1)
 
 
+def test_sensors_may_come_from_an_iterator():
+    sim = kn.Simulation(kn.examples.n_pendula(2), sensors=(sensors.JointPosition(name) for name in "ab"))
+    assert list(sim.sensors) == ["a", "b"] and sim.sensors["b"].shape == (1, 2)
+
+
 def test_what_resets_no_world_samples_none():
     sim = kn.Simulation(
         kn.examples.n_pendula(1),

@@ -286,6 +286,26 @@ def test_copies_and_pickles_go_on_alike(sim):
     assert pickle.loads(pickle.dumps(sim.model)) == sim.model
 
 
+def test_copies_keep_parameters_that_depend_on_each_other():
+    world = kn.Builder("drives")
+    arms = world.object("arms")
+    for k, drive in enumerate([kn.Drive(10.0), kn.Drive(0.0, 5.0)]):
+        arm = arms.body(f"arm{k}", kn.Geometry.sphere(0.1), position=(0.5, 0, k))
+        arms.revolute(f"hinge{k}", arm, (0, 0, 1), position=(0, 0, k), drive=drive)
+    sim = kn.Simulation(world.build(), worlds=3, solver="featherstone")
+    # From drives of stiffness 10, 0 and damping 0, 5: neither table alone can be the last.
+    sim.parameters.drive_damping[1] = (1.0, 5.0)
+    sim.parameters.drive_stiffness[1] = (0.0, 2.0)
+    sim.parameters.drive_damping[1] = (1.0, 0.0)
+    twins = [copy.copy(sim), copy.deepcopy(sim), pickle.loads(pickle.dumps(sim))]
+    for one in (sim, *twins):
+        one.step(30)
+    for twin in twins:
+        for table in ("drive_stiffness", "drive_damping"):
+            assert (getattr(twin.parameters, table) == getattr(sim.parameters, table)).all()
+        assert (twin.state.joint_position == sim.state.joint_position).all()
+
+
 def test_save_and_load(sim, tmp_path):
     sim.step(10)
     sim.save(tmp_path / "s.kin")

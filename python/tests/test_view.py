@@ -200,6 +200,34 @@ def hear(connection: socket.socket, kind: str) -> dict:
             return message
 
 
+def test_the_page_has_its_turn_in_many_steps_and_a_key_may_close_it():
+    program = """
+import signal, sys, threading
+import kinetarium as kn
+sim = kn.Simulation(kn.examples.n_pendula(3), worlds=256)
+view = sim.view(browser=False)
+def close(*_):
+    view.close()
+    raise KeyboardInterrupt
+signal.signal(signal.SIGINT, close)
+threading.Thread(target=lambda: sys.stdin.readline() and signal.raise_signal(signal.SIGINT), daemon=True).start()
+try:
+    sim.step(10**9)
+except KeyboardInterrupt:
+    print(view.is_open, sim.time[0] > 0)
+"""
+    command = [sys.executable, "-c", program]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as running:
+        try:
+            with websocket(running.stdout.readline().strip()) as page:
+                while hear(page, "status")["steps"] == 0:
+                    pass
+                told, _ = running.communicate("\n", timeout=60)
+        finally:
+            running.kill()
+    assert told.split() == ["False", "True"]
+
+
 GREEN = bytes.fromhex(
     "89504e470d0a1a0a0000000d4948445200000001000000010802000000907753de0000000c49444154789c6360f8cf000002"
     "0201007b0981780000000049454e44ae426082"

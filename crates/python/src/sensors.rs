@@ -344,14 +344,14 @@ impl SensorArray {
     ) -> PyResult<Vec<usize>> {
         let sensors = &mut *self.lock()?;
         engine.get().attempt(py, |s| match (s, sensors) {
-            (Precise::Single(s), Precision::Single(own)) => {
-                let s = &mut s.change();
-                in_parts(steps, |part| lost(own.step(s, part)))
-            }
-            (Precise::Double(s), Precision::Double(own)) => {
-                let s = &mut s.change();
-                in_parts(steps, |part| lost(own.step(s, part)))
-            }
+            (Precise::Single(s), Precision::Single(own)) => in_parts(steps, |part| {
+                let stepped = own.step(&mut s.change(), part);
+                lost(stepped)
+            }),
+            (Precise::Double(s), Precision::Double(own)) => in_parts(steps, |part| {
+                let stepped = own.step(&mut s.change(), part);
+                lost(stepped)
+            }),
             _ => Err(other_simulation()),
         })
     }

@@ -105,7 +105,8 @@ fn closed() -> PyErr {
 }
 
 /// Makes many steps in parts, so that a key that interrupts the program need not wait for all of them; `step` makes some,
-/// and tells what diverged.
+/// and tells what diverged. It must hold the simulation no longer: between the parts handlers of signals run, which may
+/// close the page, and the page has its turn.
 pub fn in_parts<D>(
     steps: usize,
     mut step: impl FnMut(usize) -> PyResult<Vec<D>>,
@@ -318,10 +319,12 @@ impl Engine {
     /// Advances all worlds; the worlds that diverged meanwhile.
     fn step(&self, py: Python<'_>, steps: usize) -> PyResult<Vec<usize>> {
         self.attempt(py, |s| {
-            each!(s, change, s => in_parts(steps, |part| {
-                let diverged = s.try_step(part).map_err(error::simulation)?;
-                Ok(diverged.iter().map(|d| d.world).collect())
-            }))
+            in_parts(steps, |part| {
+                let stepped: Result<Vec<_>, _> = each!(s, change, s => {
+                    s.try_step(part).map(|lost| lost.iter().map(|d| d.world).collect())
+                });
+                stepped.map_err(error::simulation)
+            })
         })
     }
     /// How often each world was set, reset or restored.
@@ -714,6 +717,39 @@ impl Engine {
             py,
             |s| each!(s, change, s => s.set_parameter(parameter, &worlds, numbers)),
         )
+    }
+    /// Gives some worlds other numbers of several parameters, of each a row for each world, also where they can be had only
+    /// together; where one is refused, some worlds may have changed.
+    fn write_parameters(
+        &self,
+        py: Python<'_>,
+        worlds: PyReadonlyArray1<'_, i64>,
+        parameters: Vec<(String, PyReadonlyArray2<'_, f64>)>,
+    ) -> PyResult<()> {
+        let worlds = rows(&worlds)?;
+        let mut tables: Vec<(Parameter, &[f64])> = Vec::new();
+        for (name, numbers) in &parameters {
+            tables.push((parameter(name)?, slice(numbers)?));
+        }
+        self.with(py, |s| {
+            each!(s, change, s => {
+                // World by world, each call reports where the bodies of all worlds are: only where it must be.
+                let alone = tables
+                    .iter()
+                    .try_for_each(|(parameter, numbers)| s.set_parameter(*parameter, &worlds, numbers));
+                if alone.is_ok() {
+                    return Ok(());
+                }
+                for (i, &world) in worlds.iter().enumerate() {
+                    let own = tables.iter().map(|&(parameter, numbers)| {
+                        let columns = numbers.len() / worlds.len();
+                        (parameter, &numbers[i * columns..][..columns])
+                    });
+                    s.set_parameters(world, &Vec::from_iter(own))?;
+                }
+                Ok(())
+            })
+        })
     }
 
     /// A time step linearised at the state of a world: arrays by name.

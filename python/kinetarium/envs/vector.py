@@ -89,8 +89,9 @@ class VectorTask(gymnasium.vector.VectorEnv[Array, Array, Array]):
     ) -> tuple[Array, Info]:
         """New episodes in all worlds, or in those of a mask `options["reset_mask"]`.
 
-        World k's generator begins with `seed` + k, or with the k-th of a list, if given. Seeds that are no whole
-        numbers, or negative, raise `gymnasium.error.Error`, lists of another length than `num_envs` `ValueError`.
+        World k's generator begins with `seed` + k, or with the k-th of a list, if given; where that is `None` it goes
+        on. Seeds that are no whole numbers, or negative, raise `gymnasium.error.Error`, lists of another length than
+        `num_envs` `ValueError`.
         """
         mask = np.ones(self.num_envs, bool)
         if options is not None and "reset_mask" in options:
@@ -171,9 +172,9 @@ class VectorTask(gymnasium.vector.VectorEnv[Array, Array, Array]):
             seeds = [_plain(one) for one in seed]
         if len(seeds) != self.num_envs:
             raise ValueError(f"there are {len(seeds)} seeds for {self.num_envs} worlds")
-        new = [mask[k] or not self._generators for k in range(self.num_envs)]
+        goes_on = [bool(self._generators) and (seeds[k] is None or not mask[k]) for k in range(self.num_envs)]
         self._generators = [
-            seeding.np_random(seeds[k])[0] if new[k] else self._generators[k] for k in range(self.num_envs)
+            self._generators[k] if goes_on[k] else seeding.np_random(seeds[k])[0] for k in range(self.num_envs)
         ]
 
     def render(self) -> tuple[Array, ...] | None:
