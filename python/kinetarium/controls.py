@@ -108,12 +108,12 @@ class Controls(Tables):
 
     def _act(self, engine: Engine, worlds: np.ndarray, actuator: np.ndarray) -> None:
         """Gives worlds that were set these controls of actuators. No array comes of it: one is sent in every step."""
-        array = self._arrays.get("actuator")
-        if array is None:
-            array = aligned(tables_of(Controls)["actuator"].shape(self._worlds), self._worlds.dtype)
-            engine.read_control("actuator", array)
-        np.asarray(array)[worlds] = actuator
-        engine.write_control("actuator", array)
+        numbers: np.ndarray | None = self._arrays.get("actuator")
+        if numbers is None:
+            numbers = aligned(tables_of(Controls)["actuator"].shape(self._worlds), self._worlds.dtype)
+            engine.read_control("actuator", numbers)
+        np.asarray(numbers)[worlds] = actuator
+        engine.write_control("actuator", numbers)
 
     def _fetch(self, worlds: np.ndarray) -> None:
         """Takes what the engine has of worlds that were set; what was written for others stays."""
