@@ -286,6 +286,10 @@ const MJCF: &[(&str, &str)] = &[
         "robot.xml:2:7: <site>: attribute `name` is `a`, the name of another site; rename one of them",
     ),
     (
+        "<mujoco><asset><mesh file=\"seen/a.obj\"/>\n<mesh file=\"a.stl\"/></asset></mujoco>",
+        "robot.xml:2:1: <mesh>: it is called `a` after its file, as another mesh is; give one of them a name",
+    ),
+    (
         "<mujoco><asset><mesh file=\"a.obj\"/>\n<mesh name=\"a\" file=\"b.obj\"/></asset></mujoco>",
         "robot.xml:2:7: <mesh>: attribute `name` is `a`, the name of another mesh; rename one of them",
     ),
@@ -395,6 +399,10 @@ const MJCF: &[(&str, &str)] = &[
 ];
 
 const UNSUPPORTED: &[(&str, &str)] = &[
+    (
+        "<mujoco><worldbody><body><joint springdamper=\"1 1\" damping=\"0 2\"/><geom size=\"1\"/></body></worldbody></mujoco>",
+        "robot.xml:1:26: <joint>: nonlinear damping is not supported, and leaving it out would change the physics; keep its first coefficient only, or load leniently (--lenient) to go on without it",
+    ),
     (
         "<mujoco><worldbody><geom size=\"1\" solref=\"-100 0\"/></worldbody></mujoco>",
         "robot.xml:1:20: <geom>: a contact without spring or damper is not supported, and leaving it out would change the physics; write a solref whose numbers are both positive, or both negative, or load leniently (--lenient) to go on without it",

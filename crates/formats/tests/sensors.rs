@@ -148,7 +148,11 @@ fn centers_of_mass_are_not_of_static_bodies() {
     let drawer = "<body name='drawer'><joint type='slide'/><geom size='0.1'/></body>";
     let table = &format!("<body name='table'><geom size='0.1'/>{drawer}</body>");
     let frames = &format!("<body name='outer'><body name='inner'>{drawer}</body></body>");
+    let goal = &format!("<body name='goal'><geom size='1' mass='0'/></body>{drawer}");
+    let mount = &format!("<body name='base'><body name='mount'/>{drawer}</body>");
     for (robot, body, row) in [
+        (goal, "world", None),
+        (mount, "base", Some(BodyId(0))),
         (table, "drawer", Some(BodyId(1))),
         (frames, "world", None),
         (frames, "inner", Some(BodyId(1))),

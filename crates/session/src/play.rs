@@ -42,6 +42,8 @@ pub(crate) struct Play {
     pub measures: Vec<Measure>,
     /// Since the start.
     pub steps: u64,
+    /// The world whose steps these are, of a program's.
+    pub keeper: usize,
     pub history: History,
     pub wander: Wander,
 }
@@ -85,11 +87,14 @@ pub(crate) fn time_step<T: Float>(simulation: &Simulation<T>) -> f64 {
     simulation.settings().step.time_step
 }
 
-/// Steps since the start of what may be stepped by others, as the first of the worlds shown counts them that runs.
-pub(crate) fn steps<T: Float>(simulation: &Simulation<T>, shown: &[usize]) -> u64 {
+/// The world whose time counts: the first of those shown that runs.
+pub(crate) fn keeper<T: Float>(simulation: &Simulation<T>, shown: &[usize]) -> usize {
     let stopped = simulation.diverged();
     let runs = |world: &&usize| stopped.iter().all(|diverged| diverged.world != **world);
-    let world = *shown.iter().find(runs).unwrap_or(&shown[0]);
+    *shown.iter().find(runs).unwrap_or(&shown[0])
+}
+/// Steps of a world since the start of what may be stepped by others.
+pub(crate) fn steps<T: Float>(simulation: &Simulation<T>, world: usize) -> u64 {
     (simulation.time(world) / time_step(simulation)).round() as u64
 }
 
@@ -161,7 +166,8 @@ impl Play {
         };
         let start = simulation.snapshot();
         let mut play = Self::new(Origin::Program(start.clone()), stage, Physics::of_program());
-        play.steps = steps(simulation, &Vec::from_iter(0..play.stage.shown));
+        play.keeper = keeper(simulation, &Vec::from_iter(0..play.stage.shown));
+        play.steps = steps(simulation, play.keeper);
         play.begin_history(simulation, start);
         play
     }
@@ -183,6 +189,7 @@ impl Play {
             control: vec![None; model.actuators.len()],
             measures: measures.collect(),
             steps: 0,
+            keeper: 0,
             history: History::new(1.0, 0),
             wander: Wander::new(stage.wander),
             stage,
@@ -223,7 +230,8 @@ impl Play {
             Origin::Example(_) | Origin::File => self.stage.place(simulation)?,
         }
         self.aim(simulation)?;
-        self.steps = steps(simulation, shown);
+        self.keeper = keeper(simulation, shown);
+        self.steps = steps(simulation, self.keeper);
         self.wander = Wander::new(self.stage.wander);
         let start = simulation.try_snapshot()?;
         self.begin_history(simulation, start);
@@ -237,7 +245,8 @@ impl Play {
         simulation: &mut Simulation<T>,
         shown: &[usize],
     ) -> Result<(), SimulationError> {
-        let steps = steps(simulation, shown);
+        self.keeper = keeper(simulation, shown);
+        let steps = steps(simulation, self.keeper);
         if self.not_of_program("").is_err() && steps != self.steps {
             let now = simulation.try_snapshot()?;
             self.steps = steps;

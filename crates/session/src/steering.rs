@@ -8,7 +8,7 @@ use crate::frame::Frame;
 use crate::gallery::{EXAMPLES, Example};
 use crate::hands::{Hands, Subject};
 use crate::physics::Physics;
-use crate::play::{Numbers, Origin, Play, steps, time_step};
+use crate::play::{Numbers, Origin, Play, keeper, steps, time_step};
 use crate::protocol::{self, Command, Message, PROTOCOL, Scene, Status, Values};
 use crate::pull::{Grab, Push};
 use crate::session::Outgoing;
@@ -559,12 +559,18 @@ impl Steering {
         }
         let start = (self.clock)();
         (self.changes, self.stale, self.untold) = (changes, true, true);
-        let steps = steps(simulation, &self.shown);
+        let keeper = keeper(simulation, &self.shown);
+        let steps = steps(simulation, keeper);
         let back = steps < self.play.steps;
         if steps != self.play.steps {
+            self.samples.clear();
+        }
+        if keeper != self.play.keeper {
+            // Where a device fails, the frame that follows tells.
+            let _ = self.play.go_by(simulation, &self.shown);
+        } else if steps != self.play.steps {
             self.play.steps = steps;
             self.play.history.branch(steps);
-            self.samples.clear();
         }
         if self.play.history.due(steps) == 0 {
             // Where a device fails, the frame that follows tells.

@@ -279,7 +279,8 @@ impl Control {
         context: &Context<'_>,
     ) -> Result<Option<(f64, f64)>, FormatError> {
         let mut range = self.range;
-        if self.inherited > 0.0 && servo.gain == -servo.bias[1] {
+        let fixed = element.get("gaintype").is_none_or(|kind| kind == "fixed");
+        if self.inherited > 0.0 && fixed && servo.gain == -servo.bias[1] {
             let Some((lower, upper)) = target.file.span else {
                 let problem = "asks for the range of a joint that has none";
                 let remedy = "write ctrlrange instead";

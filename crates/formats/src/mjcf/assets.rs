@@ -77,7 +77,7 @@ impl Assets {
                     let name = name_or_stem(&element)?;
                     let mesh = mesh(&element, compiler, report)?;
                     if assets.meshes.insert(name.clone(), mesh).is_some() {
-                        return Err(taken(&element, "mesh", &name));
+                        return Err(repeated(&element, "mesh", &name));
                     }
                 }
                 "material" => {
@@ -96,7 +96,7 @@ impl Assets {
                     let name = name_or_stem(asset)?;
                     let fields = &mut assets.height_fields;
                     if fields.insert(name.clone(), asset.clone()).is_some() {
-                        return Err(taken(asset, "height field", &name));
+                        return Err(repeated(asset, "height field", &name));
                     }
                 }
                 "model" => {
@@ -142,7 +142,7 @@ fn mesh(
 
 /// Its name, or that of its file without folder and ending.
 fn name_or_stem(element: &Element) -> Result<String, FormatError> {
-    let (Some(file), None) = (element.get("file"), element.get("name")) else {
+    let (Some(file), None) = (element.get("file"), own_name(element)) else {
         return Ok(element.require("name")?.to_owned());
     };
     let stem = file.rsplit(['/', '\\']).next().unwrap_or(file);
@@ -150,6 +150,19 @@ fn name_or_stem(element: &Element) -> Result<String, FormatError> {
         .rsplit_once('.')
         .map_or(stem, |(stem, _)| stem)
         .to_owned())
+}
+
+/// The name that is written; an empty one is none.
+fn own_name(element: &Element) -> Option<&str> {
+    element.get("name").filter(|name| !name.is_empty())
+}
+
+fn repeated(element: &Element, kind: &str, name: &str) -> FormatError {
+    if own_name(element).is_some() {
+        return taken(element, kind, name);
+    }
+    let problem = format!("it is called `{name}` after its file, as another {kind} is");
+    element.invalid(&problem, "give one of them a name")
 }
 
 /// The frame that a mesh is centred at, `refpos` and `refquat`, in the scaled mesh.

@@ -133,7 +133,8 @@ impl Compiler {
     }
 
     /// A range where it acts: as the `…limited` attribute says; else, with autolimits, where its lower end
-    /// is below its upper one. 0 0 stands for none, and so takes back an inherited range.
+    /// is below its upper one. 0 0 stands for none, and so takes back an inherited range. One that is written the wrong way
+    /// round, which MuJoCo takes for none, is likely a mistake, and an error.
     pub fn acting(
         &self,
         element: &Element,

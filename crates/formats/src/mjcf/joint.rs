@@ -182,11 +182,13 @@ fn dof(
         rest: element.number("springref")?.unwrap_or(0.0) * angle,
         ..Dof::default()
     };
-    if physics.on("damper") && !spring_damper {
-        dof.damping = linear(element, "damping", report)?;
+    // Of both, springdamper stands for the first coefficient only.
+    let stands = |x: f64| if spring_damper { 0.0 } else { x };
+    if physics.on("damper") {
+        dof.damping = stands(linear(element, "damping", report)?);
     }
-    if physics.on("spring") && !spring_damper {
-        dof.stiffness = linear(element, "stiffness", report)?;
+    if physics.on("spring") {
+        dof.stiffness = stands(linear(element, "stiffness", report)?);
     }
     if physics.on("frictionloss") {
         dof.friction_loss = element.non_negative("frictionloss")?.unwrap_or(0.0);

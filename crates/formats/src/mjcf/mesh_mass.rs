@@ -54,7 +54,7 @@ pub(super) fn of(
     report: &mut Report,
 ) -> Result<Option<MassProperties>, FormatError> {
     if element.truth("shellinertia")? == Some(true) {
-        let remedy = "write inertia=\"shell\" at the <mesh>, where it is said of meshes";
+        let remedy = "remove shellinertia from the geom, and write inertia=\"shell\" at its <mesh>";
         report.refuse(element, "mass from the surface of a mesh", remedy)?;
         return Ok(None);
     }
@@ -98,7 +98,11 @@ fn of_mesh(mesh: &TriangleMesh, inertia: Inertia) -> Result<Option<MassPropertie
         Inertia::Legacy | Inertia::Exact => MassProperties::of(&Geometry::Mesh(mesh.clone()), 1.0),
         Inertia::Convex => {
             let hull = mesh.convex_hull();
-            let hull = hull.map_err(|e| format!("the mesh has no convex hull: {e}"))?;
+            let hull = hull.map_err(|e| {
+                format!(
+                    "its convex hull, whose mass inertia=\"convex\" asks for, cannot be made: {e}"
+                )
+            })?;
             MassProperties::of(&Geometry::Hull(hull), 1.0)
         }
         Inertia::Shell => shell::of_faces(mesh.faces()),

@@ -12,7 +12,7 @@ use crate::names::Taken;
 use crate::report::Report;
 use crate::xml::Element;
 use glam::{DQuat, DVec3};
-use model::{Axes, BodyId, Geometry, JointId, JointKind, Measurand, Mount, Pose, Sensor};
+use model::{Axes, BodyId, Geometry, JointId, JointKind, Measurand, Mount, Pose, Sensor, Shape};
 use std::collections::HashSet;
 
 /// Attributes of all sensors that are read.
@@ -283,10 +283,23 @@ impl Reader<'_> {
             inside.push(below || of.is_none_or(|of| of.0 == row));
         }
         let is_static = |id: &BodyId| inside[id.0] && !self.tree.moves(Some(*id));
-        let changes = |id: BodyId| parts.bodies[id.0].mass > 0.0 || of.is_some_and(|of| of != id);
+        // Whether a body carries any that moves.
+        let mut leads = vec![false; inside.len()];
+        for (row, parent) in self.tree.parents.iter().enumerate().rev() {
+            if let Some(parent) = parent {
+                leads[parent.0] |= leads[row] || self.tree.moves(Some(BodyId(row)));
+            }
+        }
+        let between = |id: BodyId| leads[id.0] && of.is_some_and(|of| of != id);
+        let changes = |id: BodyId| parts.bodies[id.0].mass > 0.0 || between(id);
         let mut bodies = (0..inside.len()).map(BodyId).filter(is_static);
-        let mut shaped = parts.shapes.iter().filter_map(|shape| shape.body);
-        bodies.any(changes) || shaped.any(|id| is_static(&id))
+        let is_mesh = |shape: &&Shape| {
+            use Geometry::{Hull, Mesh, MeshFile};
+            matches!(shape.geometry, Hull(_) | Mesh(_) | MeshFile { .. })
+        };
+        let meshes = parts.shapes.iter().filter(is_mesh);
+        let mut of_meshes = meshes.filter_map(|shape| shape.body);
+        bodies.any(changes) || of_meshes.any(|id| is_static(&id))
     }
 
     /// MuJoCo's goes along z.
