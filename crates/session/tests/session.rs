@@ -981,6 +981,18 @@ fn pages_go_by_the_time_of_a_replica_that_is_shown_and_runs() {
     let other = r#"{"type": "show", "worlds": [0, 1]}"#;
     assert_eq!(steps_after(&mut session, other), 0);
     assert_eq!(steps_after(&mut session, back), 0);
+
+    // Nor has the one that is asked from then on, as the first has diverged.
+    shared.change().step(10);
+    assert_eq!(steps_after(&mut session, nothing), 10);
+    let force = shared.change().controls().set_dof_force(0, 1, 1e30);
+    force.unwrap();
+    shared.change().step(1);
+    assert_eq!(steps_after(&mut session, nothing), 161);
+    assert_eq!(
+        steps_after(&mut session, r#"{"type": "scrub", "time": 0.02}"#),
+        161
+    );
 }
 
 #[test]
