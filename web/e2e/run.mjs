@@ -31,6 +31,8 @@ const vitest = await startVitest("test", [], {
   fileParallelism: false,
   testTimeout: 180_000,
   hookTimeout: 180_000,
+  // A card is a program here, which compiles kernels for seconds where the machine is busy.
+  expect: { poll: { timeout: 60_000 } },
   watch: false,
   ...(values.only && { testNamePattern: values.only }),
 });
