@@ -87,14 +87,18 @@ class Controls(Tables):
         return shared
 
     def _get(self, table: Table) -> NamedArray:
-        worlds = self._worlds
-        engine = worlds.engine
+        engine = self._worlds.engine
         array = self._arrays.get(table.name)
         if array is None:
-            numbers = aligned(table.shape(worlds), worlds.dtype)
-            engine.read_control(table.name, numbers)
-            array = self._arrays[table.name] = NamedArray.of(numbers, table.names(worlds))
+            array = NamedArray.of(self._read(engine, table), table.names(self._worlds))
+            self._arrays[table.name] = array
         return array
+
+    def _read(self, engine: Engine, table: Table) -> np.ndarray:
+        """What the engine has of a control."""
+        numbers = aligned(table.shape(self._worlds), self._worlds.dtype)
+        engine.read_control(table.name, numbers)
+        return numbers
 
     def _set(self, table: Table, value: ArrayLike) -> None:
         array = self._get(table)
@@ -108,16 +112,13 @@ class Controls(Tables):
 
     def _act(self, engine: Engine, worlds: np.ndarray, actuator: np.ndarray) -> None:
         """Gives worlds that were set these controls of actuators. No array comes of it: one is sent in every step."""
-        numbers: np.ndarray | None = self._arrays.get("actuator")
-        if numbers is None:
-            numbers = aligned(tables_of(Controls)["actuator"].shape(self._worlds), self._worlds.dtype)
-            engine.read_control("actuator", numbers)
-        np.asarray(numbers)[worlds] = actuator
+        array = self._arrays.get("actuator")
+        numbers = self._read(engine, tables_of(Controls)["actuator"]) if array is None else np.asarray(array)
+        numbers[worlds] = actuator
         engine.write_control("actuator", numbers)
 
     def _fetch(self, worlds: np.ndarray) -> None:
         """Takes what the engine has of worlds that were set; what was written for others stays."""
+        tables = tables_of(Controls)
         for name, array in self._arrays.items():
-            numbers = np.empty(array.shape, array.dtype)
-            self._worlds.engine.read_control(name, numbers)
-            np.asarray(array)[worlds] = numbers[worlds]
+            np.asarray(array)[worlds] = self._read(self._worlds.engine, tables[name])[worlds]
