@@ -10,7 +10,7 @@ use crate::error::FormatError;
 use crate::meshes::broken;
 use crate::xml::Element;
 use glam::DVec2;
-use model::TriangleMesh;
+use model::{HeightFieldError, MeshError, TriangleMesh};
 use std::io::Cursor;
 
 /// Rows of elevations, the first of most y.
@@ -59,26 +59,16 @@ fn written(element: &Element) -> Result<Rows, FormatError> {
     Ok(elevation.chunks(columns).map(<[f64]>::to_vec).collect())
 }
 
-/// Most triangles of a mesh.
-const MOST: usize = 1 << 18;
-
 /// How many samples there are in so many rows and columns. Asked before anything is made of that size, as a few bytes
 /// can say that it is huge.
 fn sample_count(rows: usize, columns: usize) -> Result<usize, String> {
-    if rows < 2 || columns < 2 {
-        return Err(format!(
-            "a height field of {rows} × {columns} samples has no area: give at least 2 × 2"
-        ));
-    }
-    let cells = (rows - 1).saturating_mul(columns - 1);
-    if cells > MOST / 2 {
-        let triangles = cells.saturating_mul(2);
-        return Err(format!(
-            "{rows} × {columns} samples make {triangles} triangles, and at most {MOST} can be told apart: give \
+    TriangleMesh::height_field_samples(rows, columns).map_err(|error| match error {
+        HeightFieldError::Mesh(MeshError::TooMany { triangles, most }) => format!(
+            "{rows} × {columns} samples make {triangles} triangles, and at most {most} can be told apart: give \
              fewer, such as 363 × 363"
-        ));
-    }
-    Ok(rows * columns)
+        ),
+        error => error.to_string(),
+    })
 }
 
 fn from_file(file: &str, context: &Context<'_>) -> Result<Rows, String> {
