@@ -999,8 +999,8 @@ class Engine:
     def write_parameter(self, name: str, worlds: NDArray[np.int64], numbers: NDArray[np.float64]) -> None:
         """Gives some worlds other numbers of a parameter, a row for each world; none where one is refused."""
     def write_parameters(self, worlds: NDArray[np.int64], parameters: list[tuple[str, NDArray[np.float64]]]) -> None:
-        """Gives some worlds other numbers of several parameters, of each a row for each world, also where they can be
-        had only together; where one is refused, some worlds may have changed.
+        """Gives some worlds other numbers of several parameters, of each a row for each world, also where they can be had only
+        together; none where one is refused.
         """
     def linearize(self, world: int) -> dict[str, NDArray[np.float64]]:
         """A time step linearised at the state of a world: arrays by name."""

@@ -719,7 +719,7 @@ impl Engine {
         )
     }
     /// Gives some worlds other numbers of several parameters, of each a row for each world, also where they can be had only
-    /// together; where one is refused, some worlds may have changed.
+    /// together; none where one is refused.
     fn write_parameters(
         &self,
         py: Python<'_>,
@@ -731,25 +731,10 @@ impl Engine {
         for (name, numbers) in &parameters {
             tables.push((parameter(name)?, slice(numbers)?));
         }
-        self.with(py, |s| {
-            each!(s, change, s => {
-                // World by world, each call reports where the bodies of all worlds are: only where it must be.
-                let alone = tables
-                    .iter()
-                    .try_for_each(|(parameter, numbers)| s.set_parameter(*parameter, &worlds, numbers));
-                if alone.is_ok() {
-                    return Ok(());
-                }
-                for (i, &world) in worlds.iter().enumerate() {
-                    let own = tables.iter().map(|&(parameter, numbers)| {
-                        let columns = numbers.len() / worlds.len();
-                        (parameter, &numbers[i * columns..][..columns])
-                    });
-                    s.set_parameters(world, &Vec::from_iter(own))?;
-                }
-                Ok(())
-            })
-        })
+        self.with(
+            py,
+            |s| each!(s, change, s => s.set_parameters_of(&worlds, &tables)),
+        )
     }
 
     /// A time step linearised at the state of a world: arrays by name.

@@ -144,22 +144,44 @@ impl<T: Float> Simulation<T> {
         worlds: &[usize],
         numbers: &[f64],
     ) -> Result<(), SimulationError> {
-        let columns = parameter.of(self.model()).len();
-        length(parameter.name(), numbers.len(), worlds.len() * columns)?;
+        self.set_parameters_of(worlds, &[(parameter, numbers)])
+    }
+
+    /// As [`set_parameter`](Simulation::set_parameter), of several parameters at once, also where these can be had only
+    /// together.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn set_parameters_of(
+        &mut self,
+        worlds: &[usize],
+        parameters: &[(Parameter, &[f64])],
+    ) -> Result<(), SimulationError> {
+        let mut tables = Vec::with_capacity(parameters.len());
+        for &(parameter, numbers) in parameters {
+            let columns = parameter.of(self.model()).len();
+            length(parameter.name(), numbers.len(), worlds.len() * columns)?;
+            tables.push((parameter, numbers, columns));
+        }
         let mut models = Vec::with_capacity(worlds.len());
         for (i, &world) in worlds.iter().enumerate() {
             index("world", world, self.worlds())?;
-            let own = [(parameter, &numbers[i * columns..][..columns])];
+            let rows = tables.iter().map(|&(parameter, numbers, columns)| {
+                (parameter, &numbers[i * columns..][..columns])
+            });
+            let own = Vec::from_iter(rows);
             let own = self
                 .model_with(world, &own)
                 .and_then(|model| self.compiled_alike(world, model));
             let own = own.map_err(|why| SimulationError::InWorld {
                 world,
-                why: Box::new(match why {
-                    SimulationError::Structure { .. } => SimulationError::Parameter {
-                        parameter: parameter.name(),
-                    },
-                    why => why,
+                why: Box::new(match (why, parameters) {
+                    (SimulationError::Structure { .. }, &[(parameter, _)]) => {
+                        SimulationError::Parameter {
+                            parameter: parameter.name(),
+                        }
+                    }
+                    (why, _) => why,
                 }),
             })?;
             models.push((world, own));

@@ -189,6 +189,26 @@ fn parameters_of_several_worlds_are_given_together() {
     assert!(why.starts_with("world 4: with this damping "), "{why}");
 }
 
+/// A drive must have stiffness or damping: one that is to have the other instead gets both at once.
+#[test]
+fn parameters_that_depend_on_each_other_are_given_together() {
+    let mut parts = examples::n_pendula(2).unwrap().into_parts();
+    for dof in parts.joints.iter_mut().flat_map(|joint| &mut joint.dofs) {
+        dof.drive.stiffness = 10.0;
+    }
+    let model = Model::new(parts).unwrap();
+    let mut sim = simulation(&model, SolverKind::Featherstone);
+    let (stiffness, damping) = ([0.0; 4], [1.0, 2.0, 3.0, 4.0]);
+    let stiffness = (Parameter::DriveStiffness, &stiffness[..]);
+    let damping = (Parameter::DriveDamping, &damping[..]);
+    let alone = sim.set_parameters_of(&[1, 3], &[stiffness]);
+    assert!(alone.unwrap_err().to_string().starts_with("world 1: "));
+    sim.set_parameters_of(&[1, 3], &[stiffness, damping])
+        .unwrap();
+    assert_eq!(Parameter::DriveDamping.of(sim.world_model(3)), [3.0, 4.0]);
+    assert_eq!(Parameter::DriveStiffness.of(sim.world_model(1)), [0.0, 0.0]);
+}
+
 #[test]
 fn joints_are_moved_within_time_and_controls() {
     let model = examples::n_pendula(3).unwrap();
