@@ -26,7 +26,7 @@
 use super::contact;
 use super::kinematics::{Course, begins, newton_euler, visited, world_inertia};
 use super::limit;
-use super::tables::{Tables, arrival, dof, frame, node, node_link, others, own};
+use super::tables::{Tables, arrival, carries, dof, frame, node, node_link, own};
 use crate::gyroscopic::mean_torque;
 use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::{Inertia, Spatial};
@@ -67,18 +67,18 @@ fn inwards<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, h: M::R, imp
         };
         let mut inertia = own_inertia.hold(k);
         let mut p = own_p.hold(k);
+        let carries = links[node_link::CARRIES];
         if M::HANDS_ON {
-            let others = links[node_link::OTHERS];
-            if let Some(_branch) = k.when(k.equals(others, others::FOLLOWED)) {
+            if let Some(_branch) = k.when(k.equals(carries, carries::ONE)) {
                 inertia.set(inertia.get() + next.get());
                 p.set(p.get() + next_p.get());
             }
-            if let Some(_branch) = k.when(k.equals(others, others::MORE)) {
+            if let Some(_branch) = k.when(k.equals(carries, carries::MORE)) {
                 let (sum_p, sum) = carried(k, t, n);
                 inertia.set(inertia.get() + (sum + next.get()));
                 p.set(p.get() + (sum_p + next_p.get()));
             }
-        } else if let Some(_branch) = k.when(k.equals(links[node_link::CARRIES], 1)) {
+        } else if let Some(_branch) = k.when(k.less(k.index(carries::NOTHING), carries)) {
             let (carried_p, carried) = carried(k, t, n);
             inertia.set(inertia.get() + carried);
             p.set(p.get() + carried_p);

@@ -60,7 +60,7 @@ pub(crate) mod node_link {
     pub const TURNED: usize = 3;
     /// Number of fields that the pass outwards over placements reads.
     pub const OUTWARDS: usize = 4;
-    /// 1 if the node carries others.
+    /// How many others the node carries: see [`carries`](super::carries).
     pub const CARRIES: usize = 4;
     /// When the node's inertia arrives at its parent: see [`arrival`](super::arrival).
     pub const ARRIVAL: usize = 5;
@@ -79,9 +79,7 @@ pub(crate) mod node_link {
     pub const ALONE: usize = 13;
     /// 1 if the parent is visited just before, on the [way along the limbs](Tables::limb_links).
     pub const FOLLOWS: usize = 14;
-    /// What the node carries: see [`others`].
-    pub const OTHERS: usize = 15;
-    pub const WIDTH: usize = 16;
+    pub const WIDTH: usize = 15;
 }
 
 /// Values of [`node_link::ARRIVAL`].
@@ -94,13 +92,12 @@ pub(crate) mod arrival {
     pub const LATER: usize = 2;
 }
 
-/// Values of [`node_link::OTHERS`], on the way along the limbs.
-pub(crate) mod others {
-    /// Nothing.
-    pub const NONE: usize = 0;
-    /// It carries the one that follows it, and no other.
-    pub const FOLLOWED: usize = 1;
-    /// It carries more, which are summed up in its row.
+/// Values of [`node_link::CARRIES`].
+pub(crate) mod carries {
+    pub const NOTHING: usize = 0;
+    /// The one that follows it on the [way along the limbs](super::Tables::limb_links).
+    pub const ONE: usize = 1;
+    /// More, which but for that one are summed up in its row.
     pub const MORE: usize = 2;
 }
 
@@ -1064,41 +1061,31 @@ impl Tables {
     }
 
     /// Who carries whom, for the pass inwards, which visits the nodes last to first.
-    fn fill_arrivals(&self, forest: &Forest, f: &mut Filler) {
-        let mut carries = vec![false; forest.nodes.len()];
-        for (i, n) in forest.nodes.iter().enumerate().rev() {
+    fn fill_arrivals(&self, forest: &Forest, children: &[Vec<usize>], f: &mut Filler) {
+        for (i, n) in forest.nodes.iter().enumerate() {
             let arrival = match n.parent {
                 None => arrival::NONE,
-                Some(parent) if carries[parent] => arrival::LATER,
-                Some(_) => arrival::FIRST,
+                Some(parent) if children[parent].last() == Some(&i) => arrival::FIRST,
+                Some(_) => arrival::LATER,
             };
-            let row = self.trees + i;
-            f.link(self.node_links, row, node_link::ARRIVAL, arrival);
-            let (carried, alone) = (carries[i], n.floats && !carries[i]);
-            f.link(
-                self.node_links,
-                row,
-                node_link::CARRIES,
-                usize::from(carried),
-            );
-            f.link(self.node_links, row, node_link::ALONE, usize::from(alone));
-            if let Some(parent) = n.parent {
-                carries[parent] = true;
-            }
+            let carries = match children[i].len() {
+                0 => carries::NOTHING,
+                1 => carries::ONE,
+                _ => carries::MORE,
+            };
+            let alone = n.floats && carries == carries::NOTHING;
+            let mut link = |field, x| f.link(self.node_links, self.trees + i, field, x);
+            link(node_link::ARRIVAL, arrival);
+            link(node_link::CARRIES, carries);
+            link(node_link::ALONE, usize::from(alone));
         }
     }
 
     /// The way along the limbs, and who follows whom on it.
-    fn fill_limbs(&self, forest: &Forest, f: &mut Filler) {
-        let children = forest.children();
-        let limbs = along_limbs(forest, &children);
+    fn fill_limbs(&self, forest: &Forest, children: &[Vec<usize>], f: &mut Filler) {
+        let limbs = along_limbs(forest, children);
         for (i, &n) in limbs.iter().enumerate() {
             let follows = i > 0 && forest.nodes[n].parent == Some(limbs[i - 1]);
-            let others = match children[n].len() {
-                0 => others::NONE,
-                1 => others::FOLLOWED,
-                _ => others::MORE,
-            };
             let row = self.trees + n;
             f.link(self.limb_links, i, 0, row);
             f.link(
@@ -1107,7 +1094,6 @@ impl Tables {
                 node_link::FOLLOWS,
                 usize::from(follows),
             );
-            f.link(self.node_links, row, node_link::OTHERS, others);
         }
     }
 
@@ -1127,8 +1113,9 @@ impl Tables {
     }
 
     fn fill_forest(&self, forest: &Forest, f: &mut Filler) {
-        self.fill_arrivals(forest, f);
-        self.fill_limbs(forest, f);
+        let children = forest.children();
+        self.fill_arrivals(forest, &children, f);
+        self.fill_limbs(forest, &children, f);
         let (mut m, mut hinge, mut ball, mut axis, mut origin) = (0, 0, 0, 0, 0);
         for (i, n) in forest.nodes.iter().enumerate() {
             let row = self.trees + i;
