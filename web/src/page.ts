@@ -131,7 +131,7 @@ export class Page {
     const { canvas } = view.stage;
     canvas.addEventListener("webglcontextlost", () => notice.tell(LOST));
     canvas.addEventListener("webglcontextrestored", () => {
-      view.restore();
+      view.invalidate();
       notice.clear(LOST);
     });
     const dress = () => {

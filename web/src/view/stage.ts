@@ -41,18 +41,13 @@ export class Stage {
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
     this.surroundings = new Surroundings();
-    this.surroundings.light(this.renderer, this.scene);
+    this.surroundings.light(this.scene);
     this.scene.add(this.surroundings, this.ground, this.root);
   }
 
   set theme(theme: Theme) {
     this.surroundings.setTheme(theme, this.scene);
     this.ground.setTheme(theme);
-  }
-
-  /** Makes anew what was drawn on the graphics card alone; three.js sends the rest again. */
-  restore(): void {
-    this.surroundings.light(this.renderer, this.scene);
   }
 
   set shadows(on: boolean) {

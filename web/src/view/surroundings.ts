@@ -7,24 +7,19 @@ import {
   Mesh,
   MeshBasicMaterial,
   type PerspectiveCamera,
-  PMREMGenerator,
-  Scene,
+  type Scene,
   SphereGeometry,
-  type Texture,
   Vector3,
-  type WebGLRenderer,
 } from "three";
 import type { Theme } from "../theme";
-
-/** Colours of a sky, from below over the horizon to above. */
-type Sky = [ground: string, horizon: string, zenith: string];
+import { type Sky, skyLight } from "./sky_light";
 
 const BACKGROUND: Record<Theme, Sky> = {
-  light: ["#dfe1e3", "#eef0f1", "#cfdce8"],
-  dark: ["#15181b", "#22272c", "#12161b"],
+  light: sky("#dfe1e3", "#eef0f1", "#cfdce8"),
+  dark: sky("#15181b", "#22272c", "#12161b"),
 };
 /** What light falls from the sky; the same in both themes, dimmer in the dark one. */
-const LIGHT: Sky = ["#9a9792", "#ffffff", "#d3e0f0"];
+const LIGHT = sky("#9a9792", "#ffffff", "#d3e0f0");
 const STRENGTH: Record<Theme, { sky: number; sun: number }> = {
   light: { sky: 0.75, sun: 2.4 },
   dark: { sky: 0.55, sun: 2.1 },
@@ -63,9 +58,8 @@ export class Surroundings extends Group {
   }
 
   /** Lights a scene by the sky. */
-  light(renderer: WebGLRenderer, scene: Scene): void {
-    scene.environment?.dispose();
-    scene.environment = skyLight(renderer);
+  light(scene: Scene): void {
+    scene.environment = skyLight(LIGHT);
   }
 
   setTheme(theme: Theme, scene: Scene): void {
@@ -118,30 +112,19 @@ export class Surroundings extends Group {
   }
 }
 
-function paintSky(geometry: SphereGeometry, [ground, horizon, zenith]: Sky): void {
+function paintSky(geometry: SphereGeometry, sky: Sky): void {
   const position = geometry.getAttribute("position");
   const colors = new BufferAttribute(new Float32Array(3 * position.count), 3);
-  const [low, middle, high] = [ground, horizon, zenith].map((name) => new Color(name));
   const { radius } = geometry.parameters;
-  const color = new Color();
   for (let i = 0; i < position.count; i++) {
-    const height = position.getY(i) / radius;
-    color.lerpColors(middle, height < 0 ? low : high, Math.sqrt(Math.abs(height)));
-    colors.setXYZ(i, color.r, color.g, color.b);
+    const { r, g, b } = sky(position.getY(i) / radius);
+    colors.setXYZ(i, r, g, b);
   }
   geometry.setAttribute("color", colors);
 }
 
-function skyLight(renderer: WebGLRenderer): Texture {
-  const geometry = new SphereGeometry(10, 24, 32);
-  paintSky(geometry, LIGHT);
-  const scene = new Scene();
-  const material = new MeshBasicMaterial({ side: BackSide, vertexColors: true });
-  scene.add(new Mesh(geometry, material));
-  const generator = new PMREMGenerator(renderer);
-  const { texture } = generator.fromScene(scene, 0, 0.1, 100);
-  generator.dispose();
-  geometry.dispose();
-  material.dispose();
-  return texture;
+/** A sky of these colours, from below over the horizon to above. */
+function sky(...names: [ground: string, horizon: string, zenith: string]): Sky {
+  const [ground, horizon, zenith] = names.map((name) => new Color(name));
+  return (height) => horizon.clone().lerp(height < 0 ? ground : zenith, Math.sqrt(Math.abs(height)));
 }

@@ -81,12 +81,6 @@ export class View extends Emitter<ViewEvents> {
     this.invalidate();
   }
 
-  /** The graphics card has forgotten everything. */
-  restore(): void {
-    this.stage.restore();
-    this.invalidate();
-  }
-
   set pick(picked: Picked | null) {
     this.picked = picked;
     this.invalidate();
