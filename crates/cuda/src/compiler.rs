@@ -13,16 +13,6 @@ const ARCHITECTURE: &str = "compute_75";
 /// The same as cards tell it: major and minor compute capability.
 pub(crate) const CAPABILITY: (i32, i32) = (7, 5);
 
-/// The CUDA C++ of a record, with so many numbers of scratch for each thread where its block has a piece of its own.
-pub(crate) fn text(program: &Program, parameters_per_world: bool, pieces: Option<u32>) -> String {
-    program.to_cuda(&PrintOptions {
-        workgroup_size: BLOCK,
-        parameters_per_world,
-        pieces,
-        ..PrintOptions::default()
-    })
-}
-
 /// What NVRTC makes of a text.
 pub(crate) fn compile(text: &str) -> Result<Ptx, CudaError> {
     let options = CompileOptions {
@@ -52,12 +42,18 @@ pub fn ptx_of_wgsl(text: &str) -> Result<String, CudaError> {
     Ok(compile(&translated.text)?.to_src())
 }
 
-/// The PTX that cards run for a record of many worlds with so many numbers of scratch, to be looked at. Needs NVRTC, but no
-/// card.
+/// The PTX that cards run for a record of many worlds with so many numbers of scratch and of state, to be looked at. Needs
+/// NVRTC, but no card.
 ///
 /// # Errors
 /// There is no NVRTC; it does not take the record.
-pub fn ptx(program: &Program, scratch: usize) -> Result<String, CudaError> {
+pub fn ptx(program: &Program, scratch: usize, state: usize) -> Result<String, CudaError> {
     libraries::find_compiler()?;
-    Ok(compile(&text(program, false, Some(scratch as u32)))?.to_src())
+    let text = program.to_cuda(&PrintOptions {
+        workgroup_size: BLOCK,
+        pieces: Some(scratch as u32),
+        state_pieces: Some(state as u32),
+        ..PrintOptions::default()
+    });
+    Ok(compile(&text)?.to_src())
 }

@@ -2,11 +2,12 @@
 
 #![allow(unsafe_code)]
 
-use crate::compiler::{self, BLOCK};
+use crate::compiler::BLOCK;
 use crate::piles::Bindings;
 use crate::{Cuda, CudaError, wgsl};
 use cudarc::driver::{CudaFunction, CudaSlice, LaunchConfig, PushKernelArg};
-use numbers::trace::Program;
+use numbers::trace::{PIECE, PrintOptions, Program};
+use std::ops::Range;
 
 /// So many threads, at least.
 fn threads(count: u32) -> LaunchConfig {
@@ -27,13 +28,8 @@ fn shape(blocks: u32, threads: u32) -> LaunchConfig {
 pub(crate) struct Kernel(CudaFunction);
 
 impl Kernel {
-    pub fn new(
-        card: &Cuda,
-        program: &Program,
-        parameters_per_world: bool,
-        pieces: Option<u32>,
-    ) -> Result<Self, CudaError> {
-        let text = compiler::text(program, parameters_per_world, pieces);
+    pub fn new(card: &Cuda, program: &Program, options: &PrintOptions) -> Result<Self, CudaError> {
+        let text = program.to_cuda(options);
         Ok(Self(card.function(&text, "step")?))
     }
 }
@@ -117,33 +113,70 @@ impl Launch<'_> {
         launch.arg(self.scratch).arg(self.parameters);
         launch.arg(self.links).arg(&self.worlds).arg(&self.rounds);
         // Safety: these are the parameters of what `to_cuda` prints, in their order. It reads and writes the memories
-        // within the lengths that its record gives, times the worlds, and scratch as its lanes have it, as `Worlds` allocates them.
+        // within the lengths that its record gives, times the worlds, state in whole pieces, and scratch as its lanes have
+        // it, as `Worlds` allocates them.
         card.told(unsafe { launch.launch(threads(self.lanes)) })?;
         Ok(())
     }
 }
 
-/// The columns of some of so many worlds: `columns[number][i]` of world `places[i]`.
+/// What copies rows of the state, which lies in pieces.
+fn copier(card: &Cuda, name: &str) -> Result<CudaFunction, CudaError> {
+    let text = format!("#define PIECE {PIECE}u\n{}", include_str!("placement.cu"));
+    card.function(&text, name)
+}
+
+/// Numbers of a state that lies in pieces.
+pub(crate) fn state_numbers(numbers: usize, worlds: usize) -> usize {
+    numbers * worlds.next_multiple_of(PIECE as usize)
+}
+
+/// The columns of some worlds, each with so many numbers: `columns[number][i]` of world `places[i]`.
 pub(crate) struct Placement<'a> {
     pub places: &'a [u32],
     pub columns: &'a [f32],
-    pub worlds: u32,
 }
 
 impl Placement<'_> {
-    /// Writes them.
-    pub fn write(&self, card: &Cuda, state: &mut CudaSlice<f32>) -> Result<(), CudaError> {
-        let place = card.function(include_str!("placement.cu"), "place")?;
+    /// Writes them into the state of so many worlds.
+    pub fn write(
+        &self,
+        card: &Cuda,
+        worlds: usize,
+        state: &mut CudaSlice<f32>,
+    ) -> Result<(), CudaError> {
+        let place = copier(card, "place")?;
         let (count, numbers) = (self.places.len(), self.columns.len() / self.places.len());
-        let inside = self.places.iter().all(|world| *world < self.worlds);
-        assert!(inside && numbers * self.worlds as usize <= state.len());
+        let inside = self.places.iter().all(|world| (*world as usize) < worlds);
+        assert!(inside && state_numbers(numbers, worlds) <= state.len());
         let (count, numbers) = (count as u32, numbers as u32);
         let (columns, places) = (card.filled(self.columns)?, card.filled(self.places)?);
         let mut launch = card.stream().launch_builder(&place);
         launch.arg(state).arg(&columns).arg(&places);
-        launch.arg(&count).arg(&numbers).arg(&self.worlds);
+        launch.arg(&count).arg(&numbers);
         // Safety: these are the parameters of `place`, in their order, which writes where was just looked.
         card.told(unsafe { launch.launch(threads(count)) })?;
         Ok(())
     }
+}
+
+/// Copies rows of the state of so many worlds, each with so many numbers, one row after the other.
+pub(crate) fn gather(
+    card: &Cuda,
+    rows: Range<usize>,
+    [numbers, worlds]: [usize; 2],
+    state: &CudaSlice<f32>,
+    into: &mut CudaSlice<f32>,
+) -> Result<(), CudaError> {
+    let gather = copier(card, "gather")?;
+    assert!(rows.end <= numbers && state_numbers(numbers, worlds) <= state.len());
+    assert!(rows.len() * worlds <= into.len());
+    let [first, count, numbers, worlds] =
+        [rows.start, rows.len(), numbers, worlds].map(|n| n as u32);
+    let mut launch = card.stream().launch_builder(&gather);
+    launch.arg(state).arg(into);
+    launch.arg(&first).arg(&count).arg(&numbers).arg(&worlds);
+    // Safety: these are the parameters of `gather`, in their order, which reads and writes where was just looked.
+    card.told(unsafe { launch.launch(threads(worlds)) })?;
+    Ok(())
 }

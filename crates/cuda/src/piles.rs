@@ -216,7 +216,7 @@ impl Card for Cuda {
             workgroup_size: BLOCK,
             parameters_per_world,
             members,
-            pieces: None,
+            ..PrintOptions::default()
         };
         let text = program.to_wgsl(&options).map_err(CudaError::from)?;
         let [kernel] = Bound::all(self, &text, ["main"])?;

@@ -1,13 +1,15 @@
 //! W worlds of one solver in a card's memory.
 //!
-//! There, a world's number at `offset` lies at `offset · W + world`: neighbouring threads read neighbouring words.
+//! There, a world's number at `offset` lies at `offset · W + world`: neighbouring threads read neighbouring words. So it
+//! does in the pieces in which state and scratch lie, which others do not share (`numbers::trace::PIECE`).
 
 use crate::compiler::BLOCK;
-use crate::kernel::{Kernel, Launch, Placement};
+use crate::kernel::{Kernel, Launch, Placement, gather, state_numbers};
 use crate::{Cuda, CudaError};
 use cudarc::driver::CudaSlice;
 use model::{CollisionFilter, Model};
 use numbers::Memory;
+use numbers::trace::{PIECE, PrintOptions};
 use piles::{NUMBER, Need, Piles};
 use records::Programs;
 use rigid::impulse::Impulse;
@@ -18,7 +20,7 @@ use std::sync::OnceLock;
 
 /// Substeps of one launch: many, as a launch costs some microseconds, and few enough that a card that also
 /// draws a desktop is not taken for hung.
-const ROUNDS: usize = 16;
+const ROUNDS: usize = 32;
 
 /// Most numbers of a memory: kernels count in 32 bits.
 const MOST: usize = u32::MAX as usize;
@@ -34,6 +36,8 @@ pub struct Worlds {
     input: CudaSlice<f32>,
     output: CudaSlice<f32>,
     scratch: CudaSlice<f32>,
+    /// Rows of the state that are read.
+    rows: CudaSlice<f32>,
     links: CudaSlice<u32>,
     /// One set for all worlds, or one for each.
     parameters: CudaSlice<f32>,
@@ -85,6 +89,7 @@ impl Worlds {
     pub fn new(card: &Cuda, programs: Programs, worlds: usize) -> Result<Self, CudaError> {
         let lengths = programs.lengths;
         let most = MOST / lengths.longest();
+        let most = most - most % PIECE as usize;
         let lanes = lengths.lanes(worlds, BLOCK as usize, MOST);
         let Some(lanes) = lanes.filter(|_| worlds <= most) else {
             return Err(CudaError::TooMany { worlds, most });
@@ -92,10 +97,11 @@ impl Worlds {
         let of = |numbers: usize| card.memory(numbers * worlds);
         let numbers: Vec<_> = programs.parameters.iter().map(|x| *x as f32).collect();
         Ok(Self {
-            state: of(lengths.state)?,
+            state: card.memory(state_numbers(lengths.state, worlds))?,
             input: of(lengths.input)?,
             output: of(lengths.output)?,
             scratch: card.memory(lanes.scratch)?,
+            rows: card.memory(worlds)?,
             lanes,
             links: card.filled(&programs.links)?,
             parameters: card.filled(&numbers)?,
@@ -128,8 +134,14 @@ impl Worlds {
         }
         let step = &self.programs.step;
         let program = report.map_or(step, |report| self.programs.report(report));
-        let (differing, pieces) = (self.parameters_per_world, self.lanes.pieces);
-        let compiled = Kernel::new(&self.card, program, differing, pieces)?;
+        let options = PrintOptions {
+            workgroup_size: BLOCK,
+            parameters_per_world: self.parameters_per_world,
+            pieces: self.lanes.pieces,
+            state_pieces: Some(self.programs.lengths.state as u32),
+            ..PrintOptions::default()
+        };
+        let compiled = Kernel::new(&self.card, program, &options)?;
         self.kernels[i] = Some(compiled.clone());
         Ok(compiled)
     }
@@ -148,12 +160,45 @@ impl Worlds {
         };
         launch.run(&self.card, kernel)
     }
+    /// The worlds of each piece of the state.
+    fn pieces(&self) -> impl Iterator<Item = Range<usize>> + use<> {
+        let worlds = self.worlds;
+        let begins = (0..worlds).step_by(PIECE as usize);
+        begins.map(move |begin| begin..worlds.min(begin + PIECE as usize))
+    }
+    /// Reads rows of the state.
+    fn read_rows(&mut self, rows: Range<usize>, state: &mut Memory<f32>) -> Result<(), CudaError> {
+        let (card, size) = (&self.card, [self.programs.lengths.state, self.worlds]);
+        let numbers = rows.len() * self.worlds;
+        if self.rows.len() < numbers {
+            self.rows = card.memory(numbers)?;
+        }
+        gather(card, rows.clone(), size, &self.state, &mut self.rows)?;
+        let read = card.stream().clone_dtoh(&self.rows.slice(..numbers));
+        state.set_rows(rows, 0..self.worlds, &card.told(read)?);
+        Ok(())
+    }
+    /// Reads all numbers of all worlds as they lie there.
+    fn read_whole_state(&self, state: &mut Memory<f32>) -> Result<(), CudaError> {
+        let all = 0..self.programs.lengths.state;
+        let numbers = self.card.told(self.card.stream().clone_dtoh(&self.state))?;
+        let pieces = numbers.chunks(all.len().max(1) * PIECE as usize);
+        for (worlds, piece) in self.pieces().zip(pieces) {
+            state.set_rows(all.clone(), worlds, piece);
+        }
+        Ok(())
+    }
 }
 
 impl DeviceWorlds<f32> for Worlds {
     fn write_state(&mut self, state: &Memory<f32>) -> Result<(), DeviceError> {
+        self.card.check()?;
         let all = 0..self.programs.lengths.state;
-        Ok(write(&self.card, all, state, &mut self.state)?)
+        let of_piece = |worlds| state.rows(all.clone(), worlds, PIECE as usize);
+        let numbers: Vec<_> = self.pieces().flat_map(of_piece).collect();
+        let stream = self.card.stream();
+        let copied = stream.memcpy_htod(&numbers, &mut self.state);
+        Ok(self.card.told(copied)?)
     }
     fn write_worlds(&mut self, worlds: &[usize], state: &Memory<f32>) -> Result<(), DeviceError> {
         if worlds.is_empty() {
@@ -164,9 +209,8 @@ impl DeviceWorlds<f32> for Worlds {
         let placement = Placement {
             places: &worlds.iter().map(|w| *w as u32).collect::<Vec<_>>(),
             columns: &numbers.flat_map(number).collect::<Vec<_>>(),
-            worlds: self.worlds as u32,
         };
-        Ok(placement.write(&self.card, &mut self.state)?)
+        Ok(placement.write(&self.card, self.worlds, &mut self.state)?)
     }
     fn write_input(&mut self, rows: Range<usize>, input: &Memory<f32>) -> Result<(), DeviceError> {
         let rows = rows.start..rows.end.min(self.programs.lengths.input);
@@ -201,7 +245,15 @@ impl DeviceWorlds<f32> for Worlds {
         rows: &[Range<usize>],
         state: &mut Memory<f32>,
     ) -> Result<(), DeviceError> {
-        Ok(read(&self.card, rows, &self.state, state)?)
+        self.card.check()?;
+        let all = 0..self.programs.lengths.state;
+        if rows.contains(&all) {
+            return Ok(self.read_whole_state(state)?);
+        }
+        for rows in rows.iter().filter(|rows| !rows.is_empty()) {
+            self.read_rows(rows.clone(), state)?;
+        }
+        Ok(())
     }
     fn read_output(
         &mut self,

@@ -9,11 +9,11 @@ use numbers::{Machine, Real, Table};
 use records::{PilePrograms, Programs};
 use rigid::Report::Everything;
 use rigid::impulse::{ContactTables, row};
-use rigid::{Featherstone, Settings, Solver, TouchingFeatherstone, Xpbd};
+use rigid::{Featherstone, Lengths, Settings, Solver, TouchingFeatherstone, Xpbd};
 
 /// No operation is approximate, and no subnormal is flushed.
-fn is_exact(program: &Program, scratch: usize) {
-    let ptx = ptx(program, scratch).unwrap();
+fn is_exact(program: &Program, lengths: Lengths) {
+    let ptx = ptx(program, lengths.scratch, lengths.state).unwrap();
     assert!(ptx.contains(".visible .entry step("));
     nothing_is_loose(&ptx);
 }
@@ -26,9 +26,8 @@ fn nothing_is_loose(ptx: &str) {
 
 fn are_exact(solver: Solver<'_>) {
     let programs = Programs::record(solver).unwrap();
-    let scratch = programs.lengths.scratch;
-    is_exact(&programs.step, scratch);
-    is_exact(programs.report(Everything), scratch);
+    is_exact(&programs.step, programs.lengths);
+    is_exact(programs.report(Everything), programs.lengths);
 }
 
 fn scene(name: &str) -> Model {
@@ -107,7 +106,7 @@ fn products_and_sums_stay_apart() {
     let row = Table::place(&mut 0, 1);
     let [apart, fused] = [false, true].map(|fused| {
         let program = trace::record(|k| kernel(k, row, fused)).unwrap();
-        ptx(&program, 0).unwrap()
+        ptx(&program, 0, 3).unwrap()
     });
     assert!(fused.contains("fma.rn.f32"));
     assert!(!apart.contains("fma"));

@@ -10,6 +10,7 @@ pub(crate) const OPTIONS: PrintOptions = PrintOptions {
     parameters_per_world: false,
     members: Members::Worlds,
     pieces: None,
+    state_pieces: None,
 };
 
 impl Gpu {

@@ -46,6 +46,6 @@ pub use graph::TraceError;
 pub use interpret::{InterpretError, Work};
 pub use machine::{TraceBranch, TraceCell, TraceRounds, Tracer, record};
 pub use number::{Trace, TraceIndex, TraceMask};
-pub use print::{Members, PrintOptions, finite};
+pub use print::{Members, PIECE, PrintOptions, finite};
 pub use program::{Operations, Program};
 pub use wgsl::WgslError;

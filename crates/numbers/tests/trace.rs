@@ -665,14 +665,16 @@ fn main(@builtin(global_invocation_id) invocation: vec3<u32>, @builtin(num_workg
 }
 
 #[test]
-fn scratch_lies_in_pieces_where_it_is_asked_for() {
-    fn kernel<M: Machine>(k: &mut M, table: Table<Scratch>) {
+fn scratch_and_state_lie_in_pieces_where_it_is_asked_for() {
+    fn kernel<M: Machine>(k: &mut M, table: Table<Scratch>, state: Table<State>) {
         k.store(table, k.index(3), 0, M::R::one());
+        k.store(state, k.index(1), 0, M::R::zero());
     }
-    let table = Table::place(&mut 0, 4);
-    let program = trace::record(|k| kernel(k, table)).unwrap();
+    let (table, state) = (Table::place(&mut 0, 4), Table::place(&mut 0, 2));
+    let program = trace::record(|k| kernel(k, table, state)).unwrap();
     let options = PrintOptions {
         pieces: Some(5),
+        state_pieces: Some(2),
         ..PrintOptions::default()
     };
     let [shader, cuda] = [
@@ -681,10 +683,15 @@ fn scratch_lies_in_pieces_where_it_is_asked_for() {
     ];
     for text in [&shader, &cuda] {
         assert!(
-            text.contains("own = (index / 64u) * 320u + index % 64u;"),
+            text.contains("own = (index / 32u) * 160u + index % 32u;"),
             "{text}"
         );
-        assert!(text.contains("scratch[(3u) * 64u + own] = 1.0f;"), "{text}");
+        assert!(
+            text.contains("held = (world / 32u) * 64u + world % 32u;"),
+            "{text}"
+        );
+        assert!(text.contains("scratch[(3u) * 32u + own] = 1.0f;"), "{text}");
+        assert!(text.contains("state[(1u) * 32u + held] = 0.0f;"), "{text}");
     }
     validate(&shader);
 }

@@ -21,8 +21,8 @@ pub struct Lengths {
 pub struct Lanes {
     /// How many: whole workgroups.
     pub count: usize,
-    /// Numbers of scratch of each, where each workgroup has a piece of scratch of its own; none where worlds do not fill
-    /// one, and scratch lies as their state does.
+    /// Numbers of scratch of each, where scratch lies in pieces (`PrintOptions::pieces`); none where worlds do not fill a
+    /// workgroup, and it lies as their input does.
     pub pieces: Option<u32>,
     /// Numbers of scratch in all.
     pub scratch: usize,

@@ -31,7 +31,7 @@ static bool trapped = false;
 #define __device__
 #define __shared__ static thread_local
 #define __forceinline__ inline
-#define __launch_bounds__(threads)
+#define __launch_bounds__(...)
 using std::abs, std::floor, std::fma, std::sqrt;
 static inline float __uint_as_float(unsigned x) { float y; memcpy(&y, &x, 4); return y; }
 static inline unsigned __float_as_uint(float x) { unsigned y; memcpy(&y, &x, 4); return y; }
@@ -160,7 +160,7 @@ static std::string complete(const std::string& source) {
     std::ostringstream text;
     const bool waits = source.find("__syncthreads") != std::string::npos;
     text << BEFORE << (waits ? FIBERS : THREADS) << "#line 1 \"kernel.cu\"\n" << source << AFTER;
-    const std::regex head(R"(__global__\s+void\s+(?:__launch_bounds__\(\d+\)\s+)?(\w+)\()");
+    const std::regex head(R"(__global__\s+void\s+(?:__launch_bounds__\([\d, ]+\)\s+)?(\w+)\()");
     const std::sregex_iterator end;
     for (std::sregex_iterator kernel(source.begin(), source.end(), head); kernel != end; ++kernel)
         text << std::regex_replace(LAUNCH, std::regex("NAME"), (*kernel)[1].str());

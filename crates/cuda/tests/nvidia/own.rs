@@ -5,6 +5,7 @@ use crate::models::mixed;
 use crate::worlds::{H, settings};
 use ::piles::Card as _;
 use kinetarium_cuda::{CudaError, Worlds};
+use numbers::trace::PIECE;
 use records::Programs;
 use rigid::{Featherstone, Settings, Solver};
 use sim::{DeviceWorlds, Simulation};
@@ -85,6 +86,7 @@ fn worlds_that_do_not_fit_are_refused() {
     let programs = Programs::record(Solver::Featherstone(&kernels)).unwrap();
     let place = |worlds| Worlds::new(&card, programs.clone(), worlds);
     let most = u32::MAX as usize / programs.lengths.longest();
+    let most = most - most % PIECE as usize;
     let told = place(most + 1).unwrap_err();
     assert!(matches!(told, CudaError::TooMany { .. }), "{told}");
     let filled: Result<Vec<_>, _> = (0..100).map(|_| place(most)).collect();

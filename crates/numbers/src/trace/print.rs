@@ -19,11 +19,18 @@ pub struct PrintOptions {
     pub parameters_per_world: bool,
     /// What an invocation works on.
     pub members: Members,
-    /// So many numbers of scratch of each invocation, where each workgroup has a piece of its own: there, the number at
-    /// `offset` of its invocation `i` lies at `offset · workgroup_size + i`. All steps are constants then: addresses
-    /// cost less, and a compiler sees which differ. By default each world has scratch, laid out as its state is.
+    /// So many numbers of scratch of each invocation, where each [`PIECE`] of them have a piece of their own: there, the
+    /// number at `offset` of the invocation `i` lies at `offset · PIECE + i`. All steps are constants then: addresses cost
+    /// less, and a compiler sees which differ. By default each world has scratch, laid out as its input is.
     pub pieces: Option<u32>,
+    /// So many numbers of state of each world, where these lie in pieces likewise, of each [`PIECE`] worlds; of
+    /// [worlds](Members::Worlds) only. By default state is laid out as input is.
+    pub state_pieces: Option<u32>,
 }
+
+/// Invocations, or worlds, whose numbers lie together in a piece: so many as cards of most makers have in lockstep. Their
+/// numbers of a row are one stretch of memory, which none of others interrupts.
+pub const PIECE: u32 = 32;
 
 /// What an invocation works on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -50,6 +57,7 @@ impl Default for PrintOptions {
             parameters_per_world: false,
             members: Members::Worlds,
             pieces: None,
+            state_pieces: None,
         }
     }
 }
@@ -57,12 +65,18 @@ impl Default for PrintOptions {
 impl PrintOptions {
     /// Where an invocation's scratch begins.
     pub(super) fn own_piece(&self) -> Option<String> {
-        let size = self.workgroup_size;
-        let piece = self.pieces?.saturating_mul(size);
-        Some(format!(
-            "own = (index / {size}u) * {piece}u + index % {size}u"
-        ))
+        Some(format!("own = {}", piece("index", self.pieces?)))
     }
+    /// Where a world's state begins.
+    pub(super) fn held_piece(&self) -> Option<String> {
+        Some(format!("held = {}", piece("world", self.state_pieces?)))
+    }
+}
+
+/// Where the numbers of an invocation, or of a world, begin, of which each has so many.
+fn piece(of: &str, numbers: u32) -> String {
+    let size = numbers.saturating_mul(PIECE);
+    format!("({of} / {PIECE}u) * {size}u + {of} % {PIECE}u")
 }
 
 /// What differs from language to language.
@@ -198,6 +212,9 @@ impl<L: Language> Printer<'_, L> {
     fn number(&self, kind: Kind, place: Place, row: Operand) -> Result<String, L::Error> {
         let offset = self.offset(place, row)?;
         Ok(match kind {
+            Kind::State if self.options.state_pieces.is_some() => {
+                format!("state[({offset}) * {PIECE}u + held]")
+            }
             Kind::State => format!("state[({offset}) * worlds + world]"),
             Kind::Input => format!("input[({offset}) * worlds + world]"),
             Kind::Output => format!("output[({offset}) * worlds + world]"),
@@ -211,10 +228,7 @@ impl<L: Language> Printer<'_, L> {
                     format!("state[({offset}) * worlds + world]")
                 }
                 _ if self.options.pieces.is_some() => {
-                    format!(
-                        "scratch[({offset}) * {}u + own]",
-                        self.options.workgroup_size
-                    )
+                    format!("scratch[({offset}) * {PIECE}u + own]")
                 }
                 _ => format!("scratch[({offset}) * worlds + world]"),
             },

@@ -147,4 +147,9 @@ impl Program {
         }
         n
     }
+    /// Whether worlds go different ways for long: whether what they hold says which rows they work on.
+    pub(super) fn differs(&self) -> bool {
+        let whole = Action::Compute(Operation::Whole);
+        self.instructions.iter().any(|it| it.action == whole)
+    }
 }

@@ -53,6 +53,8 @@ impl Program {
 fn of_worlds(options: &PrintOptions) -> String {
     let own = options.own_piece();
     let own = own.map_or(String::new(), |own| format!("    let {own};\n"));
+    let held = options.held_piece();
+    let held = held.map_or(String::new(), |held| format!("    let {held};\n"));
     let size = options.workgroup_size;
     format!(
         "{WORLDS}\n{OPERATIONS}\n@compute @workgroup_size({size})\n\
@@ -61,7 +63,8 @@ fn of_worlds(options: &PrintOptions) -> String {
          let index = invocation.x;\n    \
          let worlds = launch.worlds;\n\
          {own}    \
-         for (var world = index; world < worlds; world += workgroups.x * {size}u) {{\n    \
+         for (var world = index; world < worlds; world += workgroups.x * {size}u) {{\n\
+         {held}    \
          for (var nth = 0u; nth < launch.rounds; nth++) {{\n"
     )
 }
