@@ -5,7 +5,7 @@ use crate::kernel::Bound;
 use crate::{Cuda, CudaError, libraries};
 use cudarc::driver::{CudaEvent, CudaSlice, DevicePtr, sys::CUevent_flags::CU_EVENT_DEFAULT};
 use numbers::trace::{Members, PrintOptions, Program};
-use piles::{BINDINGS, Card, NUMBER};
+use piles::{BINDINGS, Card, Entry, NUMBER};
 use sim::DeviceError;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -192,15 +192,16 @@ impl Card for Cuda {
         Ok(self.told(self.stream().memcpy_htod(&words, &mut place))?)
     }
 
-    fn layout(&self, _: usize, _: usize) -> Result<Layout, DeviceError> {
-        Ok(Layout)
+    fn layout(&self, _: usize, _: usize) -> Layout {
+        Layout
     }
     fn entries<const N: usize>(
         &self,
         text: &str,
-        names: [&'static str; N],
+        entries: [Entry; N],
         _: &Layout,
     ) -> Result<[Bound; N], DeviceError> {
+        let names = entries.map(|entry| entry.name);
         Ok(Bound::all(self, text, names)?)
     }
     fn bind(&self, _: &Layout, buffers: &[&Buffer]) -> Bindings {

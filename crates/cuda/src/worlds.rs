@@ -18,8 +18,8 @@ use sim::{Address, Device, DeviceError, DeviceWorlds, Processor};
 use std::ops::Range;
 use std::sync::OnceLock;
 
-/// Substeps of one launch: many, as a launch costs some microseconds, and few enough that a card that also
-/// draws a desktop is not taken for hung.
+/// Substeps of one launch: many, as a launch costs some microseconds and ends with its last world, and few enough that a card
+/// that also draws a desktop is not taken for hung (2 s): 65,536 humanoids with all contacts take an H100 0.15 s.
 const ROUNDS: usize = 32;
 
 /// Most numbers of a memory: kernels count in 32 bits.

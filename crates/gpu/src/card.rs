@@ -27,6 +27,8 @@ struct Card {
     failure: Arc<Mutex<Option<String>>>,
 }
 
+/// Storage buffers that a kernel may see: as few as WebGPU warrants.
+const STORAGE_BUFFERS: u32 = 8;
 /// Substeps of one launch: many, as a launch costs some microseconds, and few enough that a card that also
 /// draws a desktop is not taken for hung.
 const ROUNDS: usize = 16;
@@ -51,6 +53,8 @@ impl Gpu {
         let mut limits = adapter.limits();
         limits.max_storage_buffer_binding_size =
             limits.max_storage_buffer_binding_size.min(most_bytes);
+        // No kernel sees more, so that all run in browsers, too.
+        limits.max_storage_buffers_per_shader_stage = STORAGE_BUFFERS;
         let descriptor = wgpu::DeviceDescriptor {
             required_features: adapter.features() & Clock::FEATURES,
             required_limits: limits,
@@ -172,5 +176,5 @@ fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
         storage(true),
         wgpu::BufferBindingType::Uniform,
     ];
-    bind_group_layout(device, kinds)
+    bind_group_layout(device, (0..).zip(kinds))
 }

@@ -23,19 +23,6 @@ pub enum GpuError {
     /// A buffer is too small.
     #[error(transparent)]
     TooLarge(#[from] TooLarge),
-    /// Kernels of piles see more buffers than the card lets them.
-    #[error(
-        "`impulse` needs kernels that see {needed} buffers; those of the card `{card}` see {most}: run on the processor, or \
-         take `xpbd`"
-    )]
-    Buffers {
-        /// How many are needed.
-        needed: usize,
-        /// How many the card takes.
-        most: u32,
-        /// Its name.
-        card: String,
-    },
     /// The card's memory is full.
     #[error(
         "the memory of the card `{card}` does not hold {bytes} bytes more: simulate fewer worlds"

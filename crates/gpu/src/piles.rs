@@ -1,15 +1,78 @@
 //! What piles ask of a card, by wgpu.
 
+use crate::Gpu;
 use crate::clock::Clock;
 use crate::memory::{Staging, buffer, indirect};
-use crate::pipeline::{bind_group_layout, dispatch};
-use crate::{Gpu, GpuError};
+use crate::pipeline::bind_group_layout;
 use numbers::trace::{Members, Program};
-use piles::{BINDINGS, Card, NUMBER, WORKGROUP};
+use piles::{BINDINGS, Card, Entry, NUMBER, WORKGROUP};
 use sim::DeviceError;
+use std::collections::HashMap;
 use std::iter::{once, repeat_n};
 use std::ops::Range;
+use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::{BindGroup, BindGroupLayout, Buffer, CommandEncoder, ComputePass, ComputePipeline};
+
+/// What kinds of buffers a text binds.
+#[derive(Debug)]
+pub struct Layout(Vec<wgpu::BufferBindingType>);
+
+/// What is launched.
+#[derive(Clone, Debug)]
+pub struct Kernel {
+    pipeline: ComputePipeline,
+    /// Of an entry point of a text; those of records see all that these bind.
+    seen: Option<Arc<Seen>>,
+}
+
+/// Which of a text's bindings an entry point sees.
+#[derive(Debug)]
+struct Seen {
+    name: &'static str,
+    sees: Vec<u32>,
+    layout: BindGroupLayout,
+}
+
+/// The buffers that launches see.
+#[derive(Debug)]
+pub enum Bindings {
+    /// All of a record.
+    All(BindGroup),
+    /// Those of a text, of which its entry points see some.
+    Some {
+        /// Where they are.
+        card: Gpu,
+        /// All of them.
+        buffers: Vec<Buffer>,
+        /// What was bound, for which entry points.
+        groups: Mutex<HashMap<&'static str, BindGroup>>,
+    },
+}
+
+impl Bindings {
+    /// Those that a kernel sees.
+    fn of(&self, kernel: &Kernel) -> BindGroup {
+        match (self, &kernel.seen) {
+            (Self::All(group), None) => group.clone(),
+            (
+                Self::Some {
+                    card,
+                    buffers,
+                    groups,
+                },
+                Some(seen),
+            ) => {
+                let mut groups = groups.lock().unwrap_or_else(PoisonError::into_inner);
+                let group = groups.entry(seen.name).or_insert_with(|| {
+                    let some = seen.sees.iter().map(|at| (*at, &buffers[*at as usize]));
+                    card.bind(&seen.layout, some)
+                });
+                group.clone()
+            }
+            _ => panic!("a kernel is launched with the bindings of another text"),
+        }
+    }
+}
 
 /// What is asked of a card together: copies, and passes between them.
 #[derive(Debug)]
@@ -33,6 +96,12 @@ impl<'a> Commands<'a> {
             pass
         })
     }
+    fn set(&mut self, kernel: &Kernel, bindings: &Bindings) -> &mut ComputePass<'static> {
+        let pass = self.pass();
+        pass.set_pipeline(&kernel.pipeline);
+        pass.set_bind_group(0, &bindings.of(kernel), &[]);
+        pass
+    }
     fn end(mut self) -> (CommandEncoder, Option<&'a mut Clock>) {
         self.pass = None;
         (self.encoder, self.clock)
@@ -40,19 +109,18 @@ impl<'a> Commands<'a> {
 }
 
 impl piles::Commands<Gpu> for Commands<'_> {
-    fn run(&mut self, kernel: &ComputePipeline, bindings: &BindGroup, workgroups: u32) {
-        dispatch(self.pass(), kernel, bindings, workgroups);
+    fn run(&mut self, kernel: &Kernel, bindings: &Bindings, workgroups: u32) {
+        self.set(kernel, bindings)
+            .dispatch_workgroups(workgroups, 1, 1);
     }
     fn run_told(
         &mut self,
-        kernel: &ComputePipeline,
-        bindings: &BindGroup,
+        kernel: &Kernel,
+        bindings: &Bindings,
         (launches, nth): (&Buffer, u32),
         _: u32,
     ) {
-        let pass = self.pass();
-        pass.set_pipeline(kernel);
-        pass.set_bind_group(0, bindings, &[]);
+        let pass = self.set(kernel, bindings);
         pass.dispatch_workgroups_indirect(launches, u64::from(3 * nth) * NUMBER);
     }
     fn copy(&mut self, from: &Buffer, words: Range<usize>, to: &Buffer, at: usize) {
@@ -73,9 +141,9 @@ impl piles::Commands<Gpu> for Commands<'_> {
 
 impl Card for Gpu {
     type Buffer = Buffer;
-    type Layout = BindGroupLayout;
-    type Bindings = BindGroup;
-    type Kernel = ComputePipeline;
+    type Layout = Layout;
+    type Bindings = Bindings;
+    type Kernel = Kernel;
     type Staging = Staging;
     type Clock = Clock;
     type Commands<'a> = Commands<'a>;
@@ -117,43 +185,53 @@ impl Card for Gpu {
         Ok(())
     }
 
-    fn layout(&self, written: usize, read: usize) -> Result<BindGroupLayout, DeviceError> {
-        let (needed, limits) = (written + read, self.device().limits());
-        let most = limits.max_storage_buffers_per_shader_stage;
-        if most < needed as u32 {
-            return Err(GpuError::Buffers {
-                needed,
-                most,
-                card: Gpu::name(self).to_owned(),
-            }
-            .into());
-        }
+    fn layout(&self, written: usize, read: usize) -> Layout {
         let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
         let kinds = repeat_n(storage(false), written).chain(repeat_n(storage(true), read));
-        let uniform = once(wgpu::BufferBindingType::Uniform);
-        Ok(bind_group_layout(self.device(), kinds.chain(uniform)))
+        Layout(Vec::from_iter(
+            kinds.chain(once(wgpu::BufferBindingType::Uniform)),
+        ))
     }
     fn entries<const N: usize>(
         &self,
         text: &str,
-        names: [&'static str; N],
-        layout: &BindGroupLayout,
-    ) -> Result<[ComputePipeline; N], DeviceError> {
-        Ok(Gpu::entries(self, text, names, Some(layout))?)
+        entries: [Entry; N],
+        Layout(kinds): &Layout,
+    ) -> Result<[Kernel; N], DeviceError> {
+        let seen = entries.map(|Entry { name, sees }| {
+            let some = sees.iter().map(|at| (*at, kinds[*at as usize]));
+            let layout = bind_group_layout(self.device(), some);
+            Arc::new(Seen { name, sees, layout })
+        });
+        let named = seen.each_ref().map(|it| (it.name, Some(&it.layout)));
+        let pipelines = Gpu::entries(self, text, named)?;
+        let mut seen = seen.into_iter();
+        Ok(pipelines.map(|pipeline| Kernel {
+            pipeline,
+            seen: seen.next(),
+        }))
     }
-    fn bind(&self, layout: &BindGroupLayout, buffers: &[&Buffer]) -> BindGroup {
-        self.bindings(layout, buffers)
+    fn bind(&self, _: &Layout, buffers: &[&Buffer]) -> Bindings {
+        Bindings::Some {
+            card: self.clone(),
+            buffers: buffers.iter().copied().cloned().collect(),
+            groups: Mutex::default(),
+        }
     }
     fn kernel(
         &self,
         program: &Program,
         parameters_per_world: bool,
         members: Members,
-    ) -> Result<ComputePipeline, DeviceError> {
-        Ok(Gpu::kernel(self, program, parameters_per_world, members)?)
+    ) -> Result<Kernel, DeviceError> {
+        let pipeline = Gpu::kernel(self, program, parameters_per_world, members)?;
+        Ok(Kernel {
+            pipeline,
+            seen: None,
+        })
     }
-    fn bind_kernel(&self, buffers: [&Buffer; BINDINGS]) -> BindGroup {
-        self.bindings(Gpu::layout(self), &buffers)
+    fn bind_kernel(&self, buffers: [&Buffer; BINDINGS]) -> Bindings {
+        Bindings::All(self.bindings(Gpu::layout(self), &buffers))
     }
 
     fn clock(&self) -> Option<Clock> {

@@ -45,7 +45,7 @@ impl Gpu {
         text: &str,
         bindings: Option<&wgpu::BindGroupLayout>,
     ) -> Result<wgpu::ComputePipeline, GpuError> {
-        let [pipeline] = self.entries(text, ["main"], bindings)?;
+        let [pipeline] = self.entries(text, [("main", bindings)])?;
         Ok(pipeline)
     }
 
@@ -53,14 +53,13 @@ impl Gpu {
     pub(crate) fn entries<const N: usize>(
         &self,
         text: &str,
-        entries: [&str; N],
-        bindings: Option<&wgpu::BindGroupLayout>,
+        entries: [(&str, Option<&wgpu::BindGroupLayout>); N],
     ) -> Result<[wgpu::ComputePipeline; N], GpuError> {
-        let key = (text.to_owned(), entries.join(" "));
+        let key = (text.to_owned(), entries.map(|(name, _)| name).join(" "));
         if let Some(known) = self.pipelines().get(&key) {
             return Ok(std::array::from_fn(|i| known[i].clone()));
         }
-        let compile = || self.compile(text, entries, bindings);
+        let compile = || self.compile(text, entries);
         let (compiled, wrong) = self.scoped(wgpu::ErrorFilter::Validation, compile);
         if let Some(wrong) = wrong {
             return Err(self.failed(wrong));
@@ -72,21 +71,20 @@ impl Gpu {
     fn compile<const N: usize>(
         &self,
         text: &str,
-        entries: [&str; N],
-        bindings: Option<&wgpu::BindGroupLayout>,
+        entries: [(&str, Option<&wgpu::BindGroupLayout>); N],
     ) -> [wgpu::ComputePipeline; N] {
         let device = self.device();
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("kernel"),
             source: wgpu::ShaderSource::Wgsl(text.into()),
         });
-        let layout = bindings.map(|bindings| {
-            device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                bind_group_layouts: &[Some(bindings)],
-                ..Default::default()
-            })
-        });
-        entries.map(|entry| {
+        entries.map(|(entry, bindings)| {
+            let layout = bindings.map(|bindings| {
+                device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                    bind_group_layouts: &[Some(bindings)],
+                    ..Default::default()
+                })
+            });
             device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some("kernel"),
                 layout: layout.as_ref(),
@@ -117,9 +115,16 @@ impl Gpu {
         layout: &wgpu::BindGroupLayout,
         buffers: &[&wgpu::Buffer],
     ) -> wgpu::BindGroup {
-        let numbered = buffers.iter().zip(0..);
-        let entries: Vec<_> = numbered
-            .map(|(buffer, binding)| wgpu::BindGroupEntry {
+        self.bind(layout, (0..).zip(buffers.iter().copied()))
+    }
+    /// Binds buffers by their numbers.
+    pub(crate) fn bind<'a>(
+        &self,
+        layout: &wgpu::BindGroupLayout,
+        buffers: impl Iterator<Item = (u32, &'a wgpu::Buffer)>,
+    ) -> wgpu::BindGroup {
+        let entries: Vec<_> = buffers
+            .map(|(binding, buffer)| wgpu::BindGroupEntry {
                 binding,
                 resource: buffer.as_entire_binding(),
             })
@@ -132,10 +137,10 @@ impl Gpu {
     }
 }
 
-/// Buffers of these kinds, in the order of their numbers.
+/// Buffers of these numbers and kinds.
 pub(crate) fn bind_group_layout(
     device: &wgpu::Device,
-    kinds: impl IntoIterator<Item = wgpu::BufferBindingType>,
+    kinds: impl IntoIterator<Item = (u32, wgpu::BufferBindingType)>,
 ) -> wgpu::BindGroupLayout {
     let entry = |(binding, ty)| wgpu::BindGroupLayoutEntry {
         binding,
@@ -147,7 +152,7 @@ pub(crate) fn bind_group_layout(
         },
         count: None,
     };
-    let entries = Vec::from_iter((0..).zip(kinds).map(entry));
+    let entries = Vec::from_iter(kinds.into_iter().map(entry));
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
         label: None,
         entries: &entries,

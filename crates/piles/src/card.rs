@@ -15,6 +15,15 @@ pub const NUMBER: u64 = size_of::<f32>() as u64;
 /// Buffers of a [kernel](Card::kernel).
 pub const BINDINGS: usize = 7;
 
+/// An entry point of a WGSL text.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Entry {
+    /// Its name.
+    pub name: &'static str,
+    /// The bindings of the text that it sees, in order.
+    pub sees: Vec<u32>,
+}
+
 /// A card, by whatever interface. Clones are the same card. What is asked of it is done in this order.
 pub trait Card: Clone + Debug + Send + Sync + 'static {
     /// Memory of the card: words of 32 bits.
@@ -59,16 +68,16 @@ pub trait Card: Clone + Debug + Send + Sync + 'static {
     fn write(&self, buffer: &Self::Buffer, from: u64, bytes: &[u8]) -> Result<(), DeviceError>;
 
     /// Buffers that are written, then such as are read, then a uniform.
-    fn layout(&self, written: usize, read: usize) -> Result<Self::Layout, DeviceError>;
+    fn layout(&self, written: usize, read: usize) -> Self::Layout;
     /// Compiles entry points of a WGSL text that binds these, or finds what was compiled. The text stays within its
     /// buffers: not every interface sees to that.
     fn entries<const N: usize>(
         &self,
         text: &str,
-        names: [&'static str; N],
+        entries: [Entry; N],
         layout: &Self::Layout,
     ) -> Result<[Self::Kernel; N], DeviceError>;
-    /// Buffers in the order of a layout.
+    /// Buffers in the order of a layout, of which an entry point sees some.
     fn bind(&self, layout: &Self::Layout, buffers: &[&Self::Buffer]) -> Self::Bindings;
     /// Compiles a record whose members are in [runs](Members::Runs), or worlds of one round.
     fn kernel(

@@ -4,11 +4,13 @@ use crate::Card;
 use crate::joints::Joints;
 use crate::plan;
 use crate::scene::Scene;
+use crate::seen::seen;
 use numbers::trace::Members;
 use rigid::impulse::{ContactTables, row};
 use sim::DeviceError;
 
-/// What lies between the kernels. One text, since all see the same buffers.
+/// What lies between the kernels. One text; each of its entry points sees some of the buffers that it binds, eight at most,
+/// as a browser gives no more.
 const TEXT: [&str; 10] = [
     include_str!("bindings.wgsl"),
     include_str!("bodies.wgsl"),
@@ -35,6 +37,8 @@ const READ_ONLY: usize = 2;
 
 macro_rules! entries {
     ($($name:ident,)+) => {
+        /// The names of that text's entry points.
+        pub(crate) const ENTRIES: [&str; [$(stringify!($name)),+].len()] = [$(stringify!($name)),+];
         /// The entry points of that text.
         #[derive(Debug)]
         pub(crate) struct Entries<C: Card> {
@@ -42,8 +46,7 @@ macro_rules! entries {
         }
         impl<C: Card> Entries<C> {
             fn new(card: &C, text: &str, layout: &C::Layout) -> Result<Self, DeviceError> {
-                let names = [$(stringify!($name)),+];
-                let [$($name),+] = card.entries(text, names, layout)?;
+                let [$($name),+] = card.entries(text, seen(text, ENTRIES), layout)?;
                 Ok(Self { $($name,)+ })
             }
         }
@@ -53,7 +56,7 @@ macro_rules! entries {
 entries! {
     clear, load_bodies, load_shapes,
     surround, count_buckets, fill_buckets, count_pairs, list_pairs, plan_groups,
-    seat_pairs, seat_meshes, part_pairs, find_touching, make_contacts,
+    seat_pairs, place_pairs, seat_meshes, part_pairs, find_touching, make_contacts, warm_contacts,
     join, paint, settle, plan_colours, seat_contacts, find_pressing,
     foresee_blows, begin_blows, keep_free, tell_blows, part_struck, end_round, put_free, read_contacts, check_bodies, check_shapes,
     store_bodies, store_contacts, end,
@@ -123,8 +126,8 @@ impl<C: Card> JointKernels<C> {
 
 impl<C: Card> Kernels<C> {
     pub fn new(card: &C, scene: &Scene) -> Result<Self, DeviceError> {
-        let bindings = card.layout(BINDINGS - READ_ONLY, READ_ONLY)?;
-        let (scanned, sorted) = (card.layout(1, 0)?, card.layout(2, 1)?);
+        let bindings = card.layout(BINDINGS - READ_ONLY, READ_ONLY);
+        let (scanned, sorted) = (card.layout(1, 0), card.layout(2, 1));
         let [text, scan, sort] = texts(scene.plan.worlds);
         let contact = Members::Seats {
             bodies: row::PREPARED as u32,
@@ -138,8 +141,8 @@ impl<C: Card> Kernels<C> {
         Ok(Self {
             entries: Entries::new(card, &text, &bindings)?,
             bindings,
-            scan: card.entries(&scan, ["groups", "sums", "add"], &scanned)?,
-            sort: card.entries(&sort, ["count", "place"], &sorted)?,
+            scan: card.entries(&scan, seen(&scan, ["groups", "sums", "add"]), &scanned)?,
+            sort: card.entries(&sort, seen(&sort, ["count", "place"]), &sorted)?,
             place: card.kernel(&p.place, true, Members::Worlds)?,
             push_body: of_run(&p.push_body)?,
             begin: of_run(&p.begin)?,

@@ -57,6 +57,7 @@ impl<C: Card> Steps<C> {
         todo.run(&k.sort[1], &s.sort_pairs, p.pair_blocks);
         own.launch(todo, &e.plan_groups, p.groups);
         own.launch(todo, &e.seat_pairs, p.pairs);
+        own.launch(todo, &e.place_pairs, p.pairs);
         if p.mesh_pairs > 0 {
             own.launch(todo, &e.seat_meshes, p.mesh_pairs);
         }
@@ -75,6 +76,7 @@ impl<C: Card> Steps<C> {
         own.launch(todo, &e.find_touching, p.pairs + 1);
         touching.run(todo, k);
         own.launch(todo, &e.make_contacts, p.pairs + 1);
+        own.launch(todo, &e.warm_contacts, p.pairs);
         joined.run(todo, k);
         own.launch(todo, &e.join, p.contacts);
         todo.mark("making contacts");

@@ -32,9 +32,11 @@ mod piles;
 mod plan;
 mod room;
 mod scene;
+mod seen;
 mod steps;
 
-pub use card::{BINDINGS, Card, Commands, NUMBER, WORKGROUP};
+pub use card::{BINDINGS, Card, Commands, Entry, NUMBER, WORKGROUP};
 pub use error::{Need, PilesError, TooLarge};
 pub use kernels::texts;
 pub use piles::Piles;
+pub use seen::seen;

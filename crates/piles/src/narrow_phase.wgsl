@@ -88,6 +88,7 @@ fn put_scratch(j: u32, at: u32, x: f32) {
     }
 }
 
+// What a pair's kernel is told of its shapes, and of the step before.
 @compute @workgroup_size(64)
 fn seat_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
     let j = id.x;
@@ -107,10 +108,6 @@ fn seat_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
         let size = whole[places + side];
         for (var i = 0u; i < 3u; i++) {
             put_parameter(j, size + i, solid(SOLID_SIZE + i, shape));
-        }
-        let at = whole[places + 2u + side];
-        for (var i = 0u; i < PAIR_PLACED; i++) {
-            put_scratch(j, at + i, of_placed(i, shape));
         }
         let corner = whole[places + 4u + side];
         let corners = whole[places + 5u + side] - corner;
@@ -135,6 +132,25 @@ fn seat_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
             }
         }
         put_parameter(j, known + i, direction);
+    }
+}
+
+// Where a pair's kernel finds its shapes; it has found no point yet.
+@compute @workgroup_size(64)
+fn place_pairs(@builtin(global_invocation_id) id: vec3<u32>) {
+    let j = id.x;
+    if (j >= pair_count() || !runs_on()) {
+        return;
+    }
+    first_with_mesh = mesh_first();
+    let pair = word(plan.pair_order + j);
+    let shapes = ordered(pair);
+    let places = places_of(pair);
+    for (var side = 0u; side < 2u; side++) {
+        let at = whole[places + 2u + side];
+        for (var i = 0u; i < PAIR_PLACED; i++) {
+            put_scratch(j, at + i, of_placed(i, shapes[side]));
+        }
     }
     put_scratch(j, whole[places + 9u], 0.0);
     for (var i = 0u; i < whole[places + 11u]; i++) {
@@ -279,6 +295,21 @@ fn make_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var part = 0u; part < next - first; part++) {
         write_contact(pair, shapes, parts, part, first + part);
     }
+}
+
+// They begin with what was remembered, and those of sensors with nothing.
+@compute @workgroup_size(64)
+fn warm_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
+    let pair = id.x;
+    if (pair >= plan.pairs) {
+        return;
+    }
+    let first = word(plan.contact_start + pair);
+    let next = word(plan.contact_start + pair + 1u);
+    if (first == next || next > plan.contacts) {
+        return;
+    }
+    let shapes = ordered(pair);
     if (is_sensor(shapes.x) || is_sensor(shapes.y)) {
         for (var contact = first; contact < next; contact++) {
             put_mark(plan.colour + contact, SENSED);

@@ -4,6 +4,7 @@ use crate::contacts::{narrow_phase, narrow_phase_in_parts};
 use crate::{ContactTables, Featherstone, Integrator, OutputTables, TouchingFeatherstone, Xpbd};
 use model::{Model, ShapeId};
 use numbers::Machine;
+use numbers::trace::PIECE;
 use std::any::Any;
 
 /// Numbers per world in each memory.
@@ -48,6 +49,10 @@ impl Lengths {
             };
             return (scratch <= most).then_some(few);
         }
+        debug_assert!(
+            workgroup.is_multiple_of(PIECE as usize),
+            "{workgroup} lanes"
+        );
         let room = most / self.scratch.max(1);
         let lanes = worlds.next_multiple_of(workgroup).min(MOST_LANES).min(room);
         let count = lanes - lanes % workgroup;

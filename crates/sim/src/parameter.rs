@@ -173,16 +173,19 @@ impl<T: Float> Simulation<T> {
             let own = self
                 .model_with(world, &own)
                 .and_then(|model| self.compiled_alike(world, model));
-            let own = own.map_err(|why| SimulationError::InWorld {
-                world,
-                why: Box::new(match (why, parameters) {
+            let own = own.map_err(|why| {
+                let why = match (why, parameters) {
                     (SimulationError::Structure { .. }, &[(parameter, _)]) => {
                         SimulationError::Parameter {
                             parameter: parameter.name(),
                         }
                     }
+                    // It names the world itself.
+                    (why @ SimulationError::Structure { .. }, _) => return why,
                     (why, _) => why,
-                }),
+                };
+                let why = Box::new(why);
+                SimulationError::InWorld { world, why }
             })?;
             models.push((world, own));
         }

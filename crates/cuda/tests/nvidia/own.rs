@@ -43,8 +43,10 @@ fn a_kernel_that_is_not_loaded_leaves_the_card_as_it_was() {
     }
     let text = "@group(0) @binding(0) var<storage, read_write> out: array<u32>;
         @compute @workgroup_size(1) fn refused() { out[0] = 1u; }";
-    let layout = card.layout(1, 0).unwrap();
-    let told = card.entries(text, ["refused"], &layout).unwrap_err();
+    let layout = card.layout(1, 0);
+    let told = card
+        .entries(text, ::piles::seen(text, ["refused"]), &layout)
+        .unwrap_err();
     assert!(told.to_string().contains("update the driver"), "{told}");
     let mut few = Simulation::on(&card, mixed(true).unwrap(), settings(2)).unwrap();
     few.try_step(1).unwrap();

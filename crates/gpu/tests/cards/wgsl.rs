@@ -22,9 +22,11 @@ enum Groups {
 /// What a text leaves, of words that are zero before.
 fn left_by(text: &str, groups: Groups, data: &[u32], length: usize) -> Vec<u32> {
     let card: Card = card();
-    let layout = card.layout(1, 1).unwrap();
+    let layout = card.layout(1, 1);
     let text = format!("{BINDINGS}{text}");
-    let [kernel] = card.entries(&text, ["main"], &layout).unwrap();
+    let [kernel] = card
+        .entries(&text, piles::seen(&text, ["main"]), &layout)
+        .unwrap();
     let [out, given] = [length, data.len()].map(|words| card.buffer(words as u64).unwrap());
     card.write(&given, 0, bytemuck::cast_slice(data)).unwrap();
     let size = card.uniform(&[data.len() as u32]).unwrap();

@@ -1,5 +1,5 @@
 // One thread steps one world, then those that lie whole grids beyond it. A world's number at an offset lies at
-// offset * worlds + world, so that neighbouring threads read neighbours.
+// offset * worlds + world, or so in a piece of a few worlds, so that neighbouring threads read neighbours.
 //
 // To be compiled without contraction (--fmad=false), and with division and square root rounded as IEEE 754 has it,
 // which is the default: then each operation here gives the bits that it gives on the CPU.

@@ -14,7 +14,7 @@ use core::ops::Range;
 pub struct PrintOptions {
     /// Invocations in a workgroup, or threads in a block; 64 by default.
     pub workgroup_size: u32,
-    /// Whether each world has its own parameters, laid out like its state;
+    /// Whether each world has its own parameters, laid out like its input;
     /// by default all worlds share one set, at plain offsets.
     pub parameters_per_world: bool,
     /// What an invocation works on.

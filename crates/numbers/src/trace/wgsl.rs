@@ -27,7 +27,7 @@ impl Program {
     /// after the other. All seven are declared whether used or
     /// not; a pipeline needs an explicit layout, as one derived from the shader
     /// leaves out the unused. A world's number at `offset` lies at
-    /// `offset · worlds + world`, of scratch as [`PrintOptions`] say.
+    /// `offset · worlds + world`, of scratch and state as [`PrintOptions`] say.
     ///
     /// Of [runs](Members::Runs), an invocation works on a member of one: `global_invocation_id.x` counts from its first.
     /// Binding 1 then holds the bodies of each member, `[side][member]`, of one that is left out `u32::MAX`; binding 2 each
