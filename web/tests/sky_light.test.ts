@@ -6,7 +6,7 @@ const grey = (x: number) => new Color(x, x, x);
 
 /** Red of the texels of a face: that towards x is 0, up 2, down 3. */
 function face(texture: CubeTexture, index: number): number[] {
-  const { data } = (texture.images[index] as DataTexture).image;
+  const data = (texture.images[index] as DataTexture).image.data as Uint16Array;
   return Array.from({ length: data.length / 4 }, (_, i) => DataUtils.fromHalfFloat(data[4 * i]));
 }
 
