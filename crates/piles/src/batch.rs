@@ -99,8 +99,10 @@ impl<C: Card> Batch<C> {
         // What controls make of joints depends on them.
         self.controlled = true;
     }
-    /// Writes constants that have changed, and those of a step that is cut into so many parts.
-    pub fn ready(&mut self, card: &C, scene: &Scene, parts: usize) -> Result<(), DeviceError> {
+    /// Writes constants that have changed, and those of a step that is cut into so many parts. Whether they are in another
+    /// buffer now.
+    pub fn ready(&mut self, card: &C, scene: &Scene, parts: usize) -> Result<bool, DeviceError> {
+        let mut moved = false;
         let (first, plan) = (self.worlds.start, &scene.plan);
         let write = |buffer: &C::Buffer, things: u32, numbers: &[f32]| {
             let at = u64::from(things) * global::WIDTH as u64;
@@ -110,6 +112,7 @@ impl<C: Card> Batch<C> {
             let length = scene.constants_length().into();
             if C::room(&self.constants) < length {
                 self.constants = sized(card, length)?;
+                moved = true;
             }
             write(&self.constants, 0, &scene.constants(first))?;
             write(&self.bodies, plan.bodies, &scene.body_constants(first))?;
@@ -132,7 +135,7 @@ impl<C: Card> Batch<C> {
             write(&self.shapes, 0, &columns(0, plan.own_shapes))?;
             self.cut = parts;
         }
-        Ok(())
+        Ok(moved)
     }
 
     /// Takes controls. What is made of them goes to the card before the next step: they may change once more.

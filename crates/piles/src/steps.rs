@@ -6,7 +6,7 @@ use crate::card::{Commands, NUMBER};
 use crate::kernels::Kernels;
 use crate::pace::{self, MOST_ROUNDS, STEPS, Told, Turn, UNCOLOURED};
 use crate::plan::{BLOCK, Plan, flag, of_world, status, stopped};
-use crate::room::Room;
+use crate::room::{Own, Room};
 use crate::scene::Scene;
 use rigid::impulse::ContactTables;
 use rigid::impulse::blow::ROUNDS as BLOWS;
@@ -22,6 +22,8 @@ pub(crate) struct Steps<C: Card> {
     cut: usize,
     /// The states of a batch before a step that is cut into parts.
     before: Option<C::Buffer>,
+    /// What kernels bind of the batch of this first world, the one that was stepped last.
+    own: Option<(usize, Own<C>)>,
     staging: C::Staging,
     /// While stages are timed.
     pub clock: Option<C::Clock>,
@@ -58,6 +60,7 @@ impl<C: Card> Steps<C> {
             plan,
             cut: 0,
             before: None,
+            own: None,
             staging: C::Staging::default(),
             clock: None,
         })
@@ -190,12 +193,16 @@ impl<C: Card> Steps<C> {
         turn: &Turn,
     ) -> Result<Told, DeviceError> {
         let parts = turn.parts;
-        batch.ready(card, scene, parts)?;
+        if batch.ready(card, scene, parts)? {
+            self.own = None;
+        }
         if self.cut != parts {
             self.room.cut(card, scene, parts)?;
             self.cut = parts;
         }
-        let own = self.room.of(card, kernels, batch);
+        let first = batch.worlds.start;
+        let known = self.own.take().filter(|(of, _)| *of == first);
+        let (_, own) = known.unwrap_or_else(|| (first, self.room.of(card, kernels, batch)));
         let status = &self.room.buffers.status;
         let begin = pace::begin(&self.plan, batch, turn);
         card.write(status, 0, bytemuck::cast_slice(&begin))?;
@@ -213,6 +220,7 @@ impl<C: Card> Steps<C> {
                 self.encode(&mut todo, kernels, scene, &own, batch, (parts, part));
             }
         }
+        self.own = Some((first, own));
         let mut told = Told(Vec::new());
         let words = once(0..begin.len());
         let fetched = card.fetch(todo, &mut self.staging, status, words, |words| {
@@ -252,6 +260,7 @@ impl<C: Card> Steps<C> {
         for mut plan in rooms {
             if let Ok(room) = Room::new(card, scene, kernels, &mut plan) {
                 (self.plan, self.room, self.cut) = (plan, room, 0);
+                self.own = None;
                 return true;
             }
         }
