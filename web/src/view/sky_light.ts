@@ -78,25 +78,27 @@ function samples(alpha: number): [number, number][] {
   return all.filter(([cosine]) => cosine > 0);
 }
 
-/** The faces of a cube, +x, −x, +y, −y, +z and −z, whose colours are those of a row of elevations. */
+/** A cube whose colours are those of a row of elevations. */
 function faces(side: number, row: Color[]): CubeTexture {
-  const heights = [null, null, 1, -1, null, null];
-  const images = heights.map((middle) => {
-    const texels = new Uint16Array(4 * side * side);
-    for (let i = 0; i < side * side; i++) {
-      const [right, down] = [i % side, Math.floor(i / side)].map((n) => (2 * n + 1) / side - 1);
-      const height = (middle ?? -down) / Math.hypot(1, right, down);
-      const place = Math.floor(row.length * (Math.asin(height) / Math.PI + 0.5));
-      const { r, g, b } = row[Math.min(place, row.length - 1)];
-      texels.set([r, g, b, 1].map(DataUtils.toHalfFloat), 4 * i);
-    }
-    return new DataTexture(texels, side, side, RGBAFormat, HalfFloatType);
-  });
-  const texture = new CubeTexture(images);
+  const texels = row.map(({ r, g, b }) => [r, g, b, 1].map(DataUtils.toHalfFloat));
+  const [beside, above, below] = [null, 1, -1].map((middle) => face(side, texels, middle));
+  const texture = new CubeTexture([beside, beside, above, below, beside, beside]);
   texture.type = HalfFloatType;
   texture.colorSpace = LinearSRGBColorSpace;
   texture.magFilter = LinearFilter;
   texture.minFilter = LinearMipmapLinearFilter;
   texture.generateMipmaps = false;
   return texture;
+}
+
+/** A face of it; the heights of the upper and the lower one go out from 1 and −1 in their middle. */
+function face(side: number, row: number[][], middle: number | null): DataTexture {
+  const texels = new Uint16Array(4 * side * side);
+  for (let i = 0; i < side * side; i++) {
+    const [right, down] = [i % side, Math.floor(i / side)].map((n) => (2 * n + 1) / side - 1);
+    const height = (middle ?? -down) / Math.hypot(1, right, down);
+    const place = Math.floor(row.length * (Math.asin(height) / Math.PI + 0.5));
+    texels.set(row[Math.min(place, row.length - 1)], 4 * i);
+  }
+  return new DataTexture(texels, side, side, RGBAFormat, HalfFloatType);
 }
