@@ -3,6 +3,9 @@
 /// An NVIDIA card.
 pub type Card = kinetarium_cuda::Cuda;
 
+/// Kernels that a step and a read of joints take: one more gathers whether worlds run.
+pub const KERNELS: usize = 3;
+
 /// The first that there is.
 pub fn card() -> Card {
     Card::open(0).unwrap()

@@ -3,6 +3,9 @@
 /// A card of any maker.
 pub type Card = kinetarium_gpu::Gpu;
 
+/// Kernels that a step and a read of joints take.
+pub const KERNELS: usize = 2;
+
 /// Whatever card there is, or the program that `KINETARIUM_GPU` names, such as Mesa's `llvmpipe`.
 pub fn card() -> Card {
     let name = std::env::var("KINETARIUM_GPU").unwrap_or_default();
