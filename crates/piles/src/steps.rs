@@ -1,4 +1,4 @@
-//! Steps of batches of worlds, submitted several at a time.
+//! Steps of batches of worlds, of which several are submitted before anything is read.
 
 use crate::Card;
 use crate::batch::Batch;
@@ -215,7 +215,12 @@ impl<C: Card> Steps<C> {
                 todo.copy(&batch.state, batch.numbers(scene, *world), before, kept);
             }
         }
-        for _ in 0..turn.steps {
+        for step in 0..turn.steps {
+            if step > 0 {
+                // The card takes that one while this one is written down.
+                card.submit(todo)?;
+                todo = card.commands(clock.as_mut());
+            }
             for part in 0..parts {
                 self.encode(&mut todo, kernels, scene, &own, batch, (parts, part));
             }

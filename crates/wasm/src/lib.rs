@@ -12,9 +12,11 @@
 #![allow(unsafe_code)] // functions that are called by name, and such as are imported
 #![cfg(target_family = "wasm")]
 
-mod gpu;
+mod card;
+mod piles;
+mod worlds;
 
-use gpu::Card;
+use card::Card;
 use session::{Outgoing, Session};
 use std::cell::RefCell;
 use std::collections::VecDeque;

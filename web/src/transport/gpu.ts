@@ -1,10 +1,13 @@
 /**
- * The graphics card, as the engine in WebAssembly knows it: buffers of words and kernels, by numbers. What is
- * computed there, and on which words, is the engine's business alone.
+ * The graphics card, as the engine in WebAssembly knows it: buffers of words, kernels, and what these bind, by numbers.
+ * What is computed there, and on which words, is the engine's business alone.
  *
  * WebGPU answers in promises, and the engine does not wait for any: calls that have to wait suspend it (JavaScript
  * promise integration). A browser that lacks the one or the other has no card for the engine.
  */
+
+import { encode, WORD } from "./commands";
+import { Bindings, Compiler, type Kernel, type Text } from "./kernels";
 
 /** A card that was found. */
 export interface Found {
@@ -23,11 +26,6 @@ interface Promises {
   promising<T>(exported: () => T): () => Promise<T>;
 }
 export const promises: Partial<Promises> = WebAssembly as object;
-
-/** Bytes of a word. */
-const WORD = 4;
-/** Kernels that nobody uses any more and that are kept, as the next model may need them. */
-const KEPT = 16;
 
 /** Finds a card, or why there is none. */
 export async function findCard(gpu: GPU | undefined): Promise<Found | string> {
@@ -48,46 +46,52 @@ class Opened {
   /** What went wrong first; from then on, nothing it holds is to be trusted. */
   failure: string | null = null;
   readonly buffers = new Map<number, GPUBuffer>();
-  readonly kernels = new Map<number, GPUComputePipeline>();
-  /** By their texts, the one that was asked for last at the end. */
-  readonly compiled = new Map<string, GPUComputePipeline>();
-  readonly layout: GPUBindGroupLayout;
-  readonly uniform: GPUBuffer;
+  readonly texts = new Map<number, Text>();
+  readonly kernels = new Map<number, Kernel>();
+  readonly bindings = new Map<number, Bindings>();
+  readonly compiler: Compiler;
   /** Where words wait on their way back; it grows, and is kept. */
   staging: GPUBuffer | null = null;
 
   constructor(readonly device: GPUDevice) {
+    this.compiler = new Compiler(device);
     device.lost.then(({ message }) => this.fail(message || "it is lost"));
     device.addEventListener("uncapturederror", ({ error }) => this.fail(error.message));
-    this.layout = device.createBindGroupLayout({ entries: KINDS.map(entry) });
-    this.uniform = device.createBuffer({ size: 2 * WORD, usage: USAGE.uniform });
   }
 
   fail(reason: string): void {
     this.failure ??= reason;
   }
+
+  /** A buffer, if its memory holds so many words more. */
+  async buffer(words: number, usage: number): Promise<GPUBuffer> {
+    const { device } = this;
+    const size = words * WORD;
+    const full = () => new Error(`its memory does not hold ${size} bytes more; simulate fewer worlds`);
+    // More than that is no shortage to WebGPU, but a mistake, by which the card would fail.
+    if (size > device.limits.maxBufferSize) throw full();
+    device.pushErrorScope("out-of-memory");
+    const buffer = device.createBuffer({ size, usage });
+    if (await device.popErrorScope()) throw full();
+    return buffer;
+  }
+
+  release(number: number): void {
+    this.buffers.get(number)?.destroy();
+    for (const things of [this.buffers, this.texts, this.kernels, this.bindings]) things.delete(number);
+  }
 }
 
 // By number, as the constants are not there where WebGPU is not.
-const USAGE = { read: 0x1 | 0x8, storage: 0x80 | 0x4 | 0x8, uniform: 0x40 | 0x8 };
-const COMPUTE = 0x4;
+const USAGE = {
+  read: 0x1 | 0x8,
+  storage: 0x80 | 0x4 | 0x8,
+  launches: 0x80 | 0x4 | 0x8 | 0x100,
+  uniform: 0x40 | 0x8,
+};
 const READ = 0x1;
-
-/** State, input, output, scratch, parameters, links, launch: the bindings of all kernels. */
-const KINDS: GPUBufferBindingType[] = [
-  "storage",
-  "read-only-storage",
-  "storage",
-  "storage",
-  "read-only-storage",
-  "read-only-storage",
-  "uniform",
-];
-const entry = (type: GPUBufferBindingType, binding: number): GPUBindGroupLayoutEntry => ({
-  binding,
-  visibility: COMPUTE,
-  buffer: { type },
-});
+/** What a device is asked for: all that the card has. */
+const LIMITS = ["maxStorageBufferBindingSize", "maxBufferSize", "maxComputeWorkgroupsPerDimension"] as const;
 
 /** What the engine imports as `gpu`. All answer 0 where they fail, and `failure` then says why. */
 export class Card {
@@ -110,11 +114,15 @@ export class Card {
       if (typeof found === "string") throw new Error(found);
       this.opened?.device.destroy();
       this.found = found;
-      const { maxStorageBufferBindingSize, maxBufferSize } = found.adapter.limits;
-      const requiredLimits = { maxStorageBufferBindingSize, maxBufferSize };
+      const requiredLimits = Object.fromEntries(LIMITS.map((limit) => [limit, found.adapter.limits[limit]]));
       this.opened = new Opened(await found.adapter.requestDevice({ requiredLimits }));
       return 1;
     });
+  }
+
+  /** Whether nothing has gone wrong. */
+  check(): number {
+    return this.ordered(() => 1);
   }
 
   mostBytes(): number {
@@ -122,74 +130,80 @@ export class Card {
     return limits ? Math.min(limits.maxStorageBufferBindingSize, limits.maxBufferSize) : 0;
   }
 
-  buffer(words: number): Promise<number> {
+  mostWorkgroups(): number {
+    return this.opened?.device.limits.maxComputeWorkgroupsPerDimension ?? 0;
+  }
+
+  /** `told` is 1 where it is to hold numbers of workgroups. */
+  buffer(words: number, told: number): Promise<number> {
     return this.waited(async (opened) => {
-      const { device } = opened;
-      device.pushErrorScope("out-of-memory");
-      const buffer = device.createBuffer({ size: words * WORD, usage: USAGE.storage });
-      const full = await device.popErrorScope();
-      if (full) throw new Error(`its memory does not hold ${words * WORD} bytes more; simulate fewer worlds`);
+      const buffer = await opened.buffer(words, told === 1 ? USAGE.launches : USAGE.storage);
       return this.number(opened.buffers, buffer);
     });
   }
 
-  kernel(at: number, length: number): Promise<number> {
-    const text = new TextDecoder().decode(this.bytes(at, length));
-    return this.waited(async (opened) => {
-      const kernel = opened.compiled.get(text) ?? (await this.compile(opened, text));
-      opened.compiled.delete(text);
-      opened.compiled.set(text, kernel);
-      const [oldest] = opened.compiled.keys();
-      if (opened.compiled.size > KEPT) opened.compiled.delete(oldest);
-      return this.number(opened.kernels, kernel);
+  uniform(words: number, count: number): number {
+    return this.ordered(({ device, buffers }) => {
+      const buffer = device.createBuffer({ size: count * WORD, usage: USAGE.uniform });
+      device.queue.writeBuffer(buffer, 0, this.bytes(words, count * WORD));
+      return this.number(buffers, buffer);
     });
   }
 
-  private compile({ device, layout }: Opened, text: string): Promise<GPUComputePipeline> {
-    return device.createComputePipelineAsync({
-      layout: device.createPipelineLayout({ bindGroupLayouts: [layout] }),
-      compute: { module: device.createShaderModule({ code: text }), entryPoint: "main" },
+  text(at: number, length: number): number {
+    return this.ordered(({ compiler, texts }) => this.number(texts, compiler.text(this.decoded(at, length))));
+  }
+
+  /** Of each binding that it sees, its number and its kind. */
+  kernel(text: number, name: number, length: number, seen: number, count: number): number {
+    return this.ordered(({ compiler, texts, kernels }) => {
+      const words = [...this.words(seen, 2 * count)];
+      const [sees, kinds] = [0, 1].map((nth) => words.filter((_, i) => i % 2 === nth));
+      const kernel = compiler.kernel(get(texts, text), this.decoded(name, length), sees, kinds);
+      return this.number(kernels, kernel);
+    });
+  }
+
+  /** Waits until all kernels are compiled. */
+  compiled(): Promise<number> {
+    return this.waited(async ({ compiler }) => {
+      await compiler.compiled();
+      return 1;
+    });
+  }
+
+  bind(buffers: number, count: number): number {
+    return this.ordered((opened) => {
+      const bound = [...this.words(buffers, count)].map((number) => get(opened.buffers, number));
+      return this.number(opened.bindings, new Bindings(bound));
     });
   }
 
   release(number: number): void {
-    this.opened?.buffers.get(number)?.destroy();
-    this.opened?.buffers.delete(number);
-    this.opened?.kernels.delete(number);
+    this.opened?.release(number);
   }
 
   write(buffer: number, at: number, words: number, count: number): number {
     return this.ordered(({ device, buffers }) => {
       device.queue.writeBuffer(get(buffers, buffer), at * WORD, this.bytes(words, count * WORD));
+      return 1;
     });
   }
 
-  launch(
-    kernel: number,
-    buffers: number,
-    worlds: number,
-    rounds: number,
-    workgroups: number,
-    times: number,
-  ): number {
-    return this.ordered((opened) => {
-      const { device, uniform } = opened;
-      device.queue.writeBuffer(uniform, 0, new Uint32Array([worlds, rounds]));
-      const numbers = new Uint32Array(this.bytes(buffers, (KINDS.length - 1) * WORD).slice().buffer);
-      const bound = [...numbers].map((number) => get(opened.buffers, number));
-      const entries = [...bound, uniform].map((buffer, binding) => ({ binding, resource: { buffer } }));
-      const encoder = device.createCommandEncoder();
-      const pass = encoder.beginComputePass();
-      pass.setPipeline(get(opened.kernels, kernel));
-      pass.setBindGroup(0, device.createBindGroup({ layout: opened.layout, entries }));
-      for (let i = 0; i < times; i++) pass.dispatchWorkgroups(workgroups);
-      pass.end();
-      device.queue.submit([encoder.finish()]);
+  submit(words: number, count: number): number {
+    return this.ordered(({ device, kernels, bindings, buffers }) => {
+      const commands = encode(device, this.words(words, count), {
+        kernel: (number) => get(kernels, number),
+        bindings: (number) => get(bindings, number),
+        buffer: (number) => get(buffers, number),
+      });
+      device.queue.submit([commands]);
+      return 1;
     });
   }
 
   read(buffer: number, ranges: number, count: number, words: number): Promise<number> {
-    const pairs = new Uint32Array(this.bytes(ranges, 2 * count * WORD).slice().buffer);
+    const pairs = this.words(ranges, 2 * count);
     return this.waited(async (opened) => {
       const { device, buffers } = opened;
       let end = 0;
@@ -199,7 +213,7 @@ export class Card {
         end += pairs[i + 1] * WORD;
       }
       if (end === 0) return 1;
-      const staging = this.stage(opened, end);
+      const staging = await this.stage(opened, end);
       const encoder = device.createCommandEncoder();
       for (const [from, to, size] of copies)
         encoder.copyBufferToBuffer(get(buffers, buffer), from, staging, to, size);
@@ -212,10 +226,11 @@ export class Card {
     });
   }
 
-  private stage(opened: Opened, bytes: number): GPUBuffer {
+  private async stage(opened: Opened, bytes: number): Promise<GPUBuffer> {
     if (opened.staging && opened.staging.size >= bytes) return opened.staging;
     opened.staging?.destroy();
-    opened.staging = opened.device.createBuffer({ size: bytes, usage: USAGE.read });
+    opened.staging = null;
+    opened.staging = await opened.buffer(bytes / WORD, USAGE.read);
     return opened.staging;
   }
 
@@ -226,6 +241,15 @@ export class Card {
 
   private bytes(at: number, length: number): Uint8Array<ArrayBuffer> {
     return new Uint8Array(this.memory().buffer as ArrayBuffer, at >>> 0, length);
+  }
+
+  /** A copy of what may move. */
+  private words(at: number, count: number): Uint32Array {
+    return new Uint32Array(this.bytes(at, count * WORD).slice().buffer);
+  }
+
+  private decoded(at: number, length: number): string {
+    return new TextDecoder().decode(this.bytes(at, length));
   }
 
   private number<T>(things: Map<number, T>, thing: T): number {
@@ -245,10 +269,9 @@ export class Card {
   }
 
   /** What is done in its turn, without waiting. */
-  private ordered(act: (opened: Opened) => void): number {
+  private ordered(act: (opened: Opened) => number): number {
     try {
-      act(this.trusted());
-      return 1;
+      return act(this.trusted());
     } catch (error) {
       return this.fail(error as Error);
     }
@@ -287,12 +310,18 @@ export function imports(card: Card): WebAssembly.ModuleImports {
   const waits = (call: Waiting) => (Suspending ? new Suspending(call) : () => 0);
   return {
     open: waits(() => card.open()),
+    check: () => card.check(),
     most_bytes: () => card.mostBytes(),
-    buffer: waits((words) => card.buffer(words)),
-    kernel: waits((at, length) => card.kernel(at, length)),
+    most_workgroups: () => card.mostWorkgroups(),
+    buffer: waits((words, told) => card.buffer(words, told)),
+    uniform: (words: number, count: number) => card.uniform(words, count),
+    text: (at: number, length: number) => card.text(at, length),
+    kernel: (...numbers: Parameters<Card["kernel"]>) => card.kernel(...numbers),
+    compiled: waits(() => card.compiled()),
+    bind: (buffers: number, count: number) => card.bind(buffers, count),
     release: (number: number) => card.release(number),
     write: (...numbers: Parameters<Card["write"]>) => card.write(...numbers),
-    launch: (...numbers: Parameters<Card["launch"]>) => card.launch(...numbers),
+    submit: (words: number, count: number) => card.submit(words, count),
     read: waits((...numbers) => card.read(...(numbers as Parameters<Card["read"]>))),
     failure: (text: number, room: number) => card.failure(text, room),
   };

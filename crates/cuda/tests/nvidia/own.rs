@@ -8,7 +8,14 @@ use kinetarium_cuda::{CudaError, Worlds};
 use numbers::trace::PIECE;
 use records::Programs;
 use rigid::{Featherstone, Settings, Solver};
-use sim::{DeviceWorlds, Simulation};
+use sim::{DeviceError, DeviceWorlds, Simulation};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Held by those that fill a card's memory, which one of them alone can do.
+fn full() -> MutexGuard<'static, ()> {
+    static FULL: Mutex<()> = Mutex::new(());
+    FULL.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 #[test]
 #[ignore = "needs a graphics card or what stands in for one"]
@@ -65,9 +72,11 @@ fn constants_of_worlds_own_that_do_not_fit_are_refused() {
     let place = |worlds| Worlds::new(&card, programs.clone(), worlds).unwrap();
     let told = place(1 << 12).takes(&[]).unwrap_err().to_string();
     assert!(told.contains("constants of their own"), "{told}");
+    let _alone = full();
     let filled = (0..100).map(|_| {
-        let worlds = place((1 << 12) - 1);
-        worlds.takes(&[]).map(|()| worlds)
+        let worlds = Worlds::new(&card, programs.clone(), (1 << 12) - 1)?;
+        worlds.takes(&[])?;
+        Ok::<_, DeviceError>(worlds)
     });
     let told = filled.collect::<Result<Vec<_>, _>>().unwrap_err();
     assert!(
@@ -91,6 +100,7 @@ fn worlds_that_do_not_fit_are_refused() {
     let most = most - most % PIECE as usize;
     let told = place(most + 1).unwrap_err();
     assert!(matches!(told, CudaError::TooMany { .. }), "{told}");
+    let _alone = full();
     let filled: Result<Vec<_>, _> = (0..100).map(|_| place(most)).collect();
     let told = filled.unwrap_err();
     assert!(matches!(told, CudaError::Memory { .. }), "{told}");
