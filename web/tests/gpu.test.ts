@@ -1,4 +1,4 @@
-import { afterEach, expect, test } from "vitest";
+import { afterEach, expect, test, vi } from "vitest";
 import { Card, findCard, imports, promises } from "../src/transport/gpu";
 
 /** WebGPU that has this adapter. */
@@ -58,10 +58,15 @@ class Device {
     maxComputeWorkgroupsPerDimension: 100,
   };
   readonly lost = new Promise(() => {});
-  /** Entry points that do not compile. */
+  /** Entry points that do not compile, and texts that are none. */
   readonly wrong = new Set<string>();
   full = false;
+  /** What the buffer that is mapped holds. */
+  words = new Uint32Array();
+  /** Whether it fails where it is waited for. */
+  fails = false;
   private gone: (event: object) => void = () => {};
+  private readonly scopes: ({ message: string } | null)[] = [];
 
   private note = (...asked: unknown[]) => {
     this.asked.push(asked);
@@ -77,16 +82,31 @@ class Device {
   fail(message: string) {
     this.gone({ error: { message } });
   }
-  pushErrorScope() {}
+  destroy() {}
+  pushErrorScope(sort: string) {
+    this.scopes.push(this.full && sort === "out-of-memory" ? { message: "full" } : null);
+  }
   async popErrorScope() {
-    return this.full ? {} : null;
+    return this.scopes.pop() ?? null;
   }
   createBuffer({ size, usage }: { size: number; usage: number }) {
-    const buffer = { size, usage, destroy: () => this.note("destroy", buffer) };
+    const buffer = {
+      size,
+      usage,
+      destroy: () => this.note("destroy", buffer),
+      mapAsync: async () => {
+        if (!this.fails) return;
+        setTimeout(() => this.fail("gone in the middle"));
+        throw new Error("mapping was aborted");
+      },
+      getMappedRange: (_: number, length: number) => this.words.buffer.slice(0, length),
+      unmap: () => {},
+    };
     return buffer;
   }
   createShaderModule({ code }: { code: string }) {
     this.note("module", code);
+    if (this.wrong.has(code)) this.scopes[this.scopes.length - 1] = { message: `no text: ${code}` };
     return { code };
   }
   createBindGroupLayout = ({ entries }: { entries: object[] }) => ({ entries });
@@ -148,7 +168,10 @@ async function opened() {
     card.release(own);
     return number;
   };
-  return { card, device, words, kernel, reason };
+  const read = (buffer: number, ...ranges: [start: number, length: number][]) =>
+    card.read(buffer, words(...ranges.flat()), ranges.length, 12288);
+  const fetched = (count: number) => [...new Uint32Array(memory.buffer, 12288, count)];
+  return { card, device, words, kernel, reason, read, fetched };
 }
 
 test("commands run kernels on what they see, and copy between passes", async () => {
@@ -189,6 +212,7 @@ test("commands run kernels on what they see, and copy between passes", async () 
   expect(device.asked.find(([what]) => what === "copy")).toEqual(["copy", 16, 20, 12]);
   expect(device.asked.find(([what]) => what === "told")?.[1]).toMatchObject({ size: 24, usage: 0x18c });
   card.release(a);
+  expect(device.asked.at(-1)).toMatchObject(["destroy", { size: 32 }]);
   expect(card.bind(words(a, b), 2)).toBe(0);
 });
 
@@ -239,4 +263,70 @@ test("memory that is not there is refused, and the card goes on", async () => {
   expect(card.check()).toBe(0);
   expect(reason()).toBe("gone");
   expect(await card.compiled()).toBe(0);
+});
+
+test("a text that is none is told, and the card goes on", async () => {
+  const { card, device, kernel, reason } = await opened();
+  device.wrong.add("nonsense");
+  kernel("nonsense", "main", [0, 0]);
+  expect(await card.compiled()).toBe(0);
+  expect(reason()).toBe("no text: nonsense");
+  expect(card.check()).toBe(1);
+  kernel("text", "main", [0, 0]);
+  expect(await card.compiled()).toBe(1);
+});
+
+test("texts are kept for the next model, and all of the present one", async () => {
+  const { card, device, kernel } = await opened();
+  const compiled = () => device.asked.filter(([what]) => what === "compile").length;
+  const model = async (first: number, count: number) => {
+    for (let i = first; i < first + count; i++) kernel(`text ${i}`, "main", [0, 0]);
+    expect(await card.compiled()).toBe(1);
+    return compiled();
+  };
+  expect(await model(0, 150)).toBe(150);
+  expect(await model(0, 150)).toBe(150);
+  expect(await model(200, 60)).toBe(210);
+  // Of the first, the last 36 are still there.
+  expect(await model(114, 36)).toBe(210);
+  expect(await model(113, 1)).toBe(211);
+});
+
+test("ranges are read one after the other, through memory that grows", async () => {
+  const { card, device, read, fetched } = await opened();
+  const buffer = await card.buffer(64, 0);
+  device.words = new Uint32Array([3, 1, 4, 1, 5, 9]);
+  expect(await read(buffer, [2, 1], [8, 2])).toBe(1);
+  expect(fetched(3)).toEqual([3, 1, 4]);
+  expect(device.asked.filter(([what]) => what === "copy").map((copy) => copy.slice(1))).toEqual([
+    [8, 0, 4],
+    [32, 4, 8],
+  ]);
+  expect(await read(buffer, [0, 6])).toBe(1);
+  expect(fetched(6)).toEqual([3, 1, 4, 1, 5, 9]);
+  const destroyed = device.asked.filter(([what]) => what === "destroy");
+  expect(destroyed).toMatchObject([["destroy", { size: 12 }]]);
+  expect(await read(buffer)).toBe(1);
+  expect(await read(buffer, [0, 1025])).toBe(0);
+});
+
+test("a card that fails while it is waited for says why, and what it held is lost with it", async () => {
+  const { card, device, read, reason } = await opened();
+  const buffer = await card.buffer(8, 0);
+  device.fails = true;
+  expect(await read(buffer, [0, 4])).toBe(0);
+  expect(reason()).toBe("gone in the middle");
+  device.fails = false;
+  const again = new Device();
+  const adapter = { info, limits: again.limits, requestDevice: async () => again };
+  vi.stubGlobal("navigator", { gpu: webgpu(null) });
+  promises.Suspending = Suspending;
+  expect(await card.open()).toBe(0);
+  expect(reason()).toContain("finds none");
+  vi.stubGlobal("navigator", { gpu: webgpu(adapter) });
+  expect(await card.open()).toBe(1);
+  vi.unstubAllGlobals();
+  expect(await read(buffer, [0, 4])).toBe(0);
+  expect(reason()).toBe("gone in the middle, and with it what it held");
+  expect(await card.buffer(8, 0)).not.toBe(0);
 });

@@ -855,3 +855,25 @@ fn a_shot_of_nothing_is_refused() {
         .code(2)
         .stderr(contains("none/shot.png").and(contains("choose another with --out")));
 }
+
+#[test]
+#[ignore = "needs a graphics card or Mesa's llvmpipe"]
+fn worlds_run_on_a_card_as_on_the_processor() {
+    let folder = folder();
+    let card = std::env::var("KINETARIUM_GPU").unwrap_or_default();
+    let named = format!("gpu:{card}");
+    let positions = [("cpu", ""), (&*named, &*card)].map(|(device, told)| {
+        let run = "run double.xml --worlds 3 --seconds 0.2 --solver featherstone --keyframe raised";
+        let mut command = kinetarium(&folder);
+        command.args(run.split(' ')).args(["--device", device]);
+        command.assert().success().stdout(contains(told));
+        let npz = folder.path().join("kinetarium-out/double.npz");
+        array(&npz, "joint_position")
+    });
+    let [(shape, here), (there, found)] = positions;
+    assert_eq!(shape, there);
+    let apart = here.iter().zip(&found).map(|(a, b)| (a - b).abs());
+    let apart = apart.fold(0.0, f64::max);
+    assert!(apart < 1e-4, "{apart:e}");
+    assert!(here.iter().any(|x| x.abs() > 0.1));
+}

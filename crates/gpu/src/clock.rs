@@ -4,7 +4,7 @@ use crate::memory::Staging;
 use crate::{Gpu, GpuError};
 use std::iter::once;
 
-/// Most marks of a submission: the most queries of a set.
+/// Most marks until they are read: the most queries of a set.
 const MARKS: u32 = wgpu::QUERY_SET_MAX_QUERIES;
 /// Bytes of a mark.
 const MARK: u64 = wgpu::QUERY_SIZE as u64;
@@ -15,7 +15,7 @@ pub struct Clock {
     queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     staging: Staging,
-    /// Which stage ends with each mark of the submission; none with the first of a pass.
+    /// Which stage ends with each mark that is not yet read; none with the first of a pass.
     marks: Vec<Option<&'static str>>,
     /// How long stages have taken so far [s], in the order in which they were first seen.
     times: Vec<(&'static str, f64)>,
@@ -61,7 +61,7 @@ impl Clock {
         }
     }
 
-    /// Reads the marks of a submission, once it is made.
+    /// Reads the marks of what is submitted.
     pub fn read(&mut self, gpu: &Gpu) -> Result<(), GpuError> {
         let marks = std::mem::take(&mut self.marks);
         let mut encoder = gpu.device().create_command_encoder(&Default::default());

@@ -366,15 +366,27 @@ fn most_numbers(gpu: &Gpu) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use model::examples::n_pendula;
-    use sim::{Simulation, SimulationSettings};
+    use model::examples::{n_pendula, tower};
+    use sim::{Simulation, SimulationSettings, SolverKind};
 
     #[test]
     #[ignore = "needs a graphics card or Mesa's llvmpipe"]
     fn a_card_that_is_lost_is_told_and_a_snapshot_goes_on() {
+        for (model, solver) in [
+            (n_pendula(3), SolverKind::Featherstone),
+            (tower(2, 0.001), SolverKind::Impulse),
+        ] {
+            loses(model.unwrap(), solver);
+        }
+    }
+
+    fn loses(model: Model, solver: SolverKind) {
         let name = std::env::var("KINETARIUM_GPU").unwrap_or_default();
         let gpu = Gpu::open(&name.parse().unwrap()).unwrap();
-        let (model, settings) = (n_pendula(3).unwrap(), SimulationSettings::new(4, 0.002));
+        let settings = SimulationSettings {
+            solver,
+            ..SimulationSettings::new(4, 0.002)
+        };
         let mut simulation = Simulation::on(&gpu, model.clone(), settings).unwrap();
         simulation.step(50);
         let kept = simulation.snapshot();
@@ -388,8 +400,6 @@ mod tests {
         }
         assert!(simulation.try_outputs().is_err());
         assert!(Simulation::on(&gpu, model.clone(), settings).is_err());
-        let solver = settings.solver.pick_on(&gpu, &model, settings.contacts);
-        let settings = SimulationSettings { solver, ..settings };
         let mut again = Simulation::<f32>::new(model, settings).unwrap();
         again.restore(&kept).unwrap();
         again.step(50);

@@ -69,7 +69,8 @@ pub trait Card: Clone + Debug + Send + Sync + 'static {
 
     /// Buffers that are written, then such as are read, then a uniform.
     fn layout(&self, written: usize, read: usize) -> Self::Layout;
-    /// Compiles entry points of a WGSL text that binds these, or finds what was compiled. The text stays within its
+    /// Compiles entry points of a WGSL text that binds these, or finds what was compiled, or begins to compile: until worlds
+    /// [are placed](crate::Piles::new) nothing is launched, and after that nothing is compiled. The text stays within its
     /// buffers: not every interface sees to that.
     fn entries<const N: usize>(
         &self,
@@ -79,7 +80,7 @@ pub trait Card: Clone + Debug + Send + Sync + 'static {
     ) -> Result<[Self::Kernel; N], DeviceError>;
     /// Buffers in the order of a layout, of which an entry point sees some.
     fn bind(&self, layout: &Self::Layout, buffers: &[&Self::Buffer]) -> Self::Bindings;
-    /// Compiles a record whose members are in [runs](Members::Runs), or worlds of one round.
+    /// Likewise compiles a record whose members are in [runs](Members::Runs), or worlds of one round.
     fn kernel(
         &self,
         program: &Program,
@@ -140,6 +141,8 @@ pub(crate) fn filled<C: Card, T: bytemuck::NoUninit>(
     words: &[T],
 ) -> Result<C::Buffer, DeviceError> {
     let bytes = bytemuck::cast_slice(words);
+    let fits = Need::Model.check(bytes.len() as u64, card.most_bytes(), card.name());
+    fits.map_err(PilesError::from)?;
     let buffer = card.buffer(bytes.len() as u64 / NUMBER)?;
     card.write(&buffer, 0, bytes)?;
     Ok(buffer)

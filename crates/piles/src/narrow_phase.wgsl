@@ -271,6 +271,13 @@ fn find_touching(@builtin(global_invocation_id) id: vec3<u32>) {
     put(plan.contact_start + pair, count);
 }
 
+// The first contact of a pair, and the one behind its last: none where there is no room for these.
+fn contacts_of(pair: u32) -> vec2<u32> {
+    let first = word(plan.contact_start + pair);
+    let next = word(plan.contact_start + pair + 1u);
+    return vec2(first, select(next, first, next > plan.contacts));
+}
+
 @compute @workgroup_size(64)
 fn make_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
     let pair = id.x;
@@ -285,15 +292,14 @@ fn make_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     first_with_mesh = mesh_first();
-    let first = word(plan.contact_start + pair);
-    let next = word(plan.contact_start + pair + 1u);
-    if (first == next || next > plan.contacts) {
+    let its = contacts_of(pair);
+    if (its.x == its.y) {
         return;
     }
     let shapes = ordered(pair);
     let parts = parts_of(pair, way(shapes));
-    for (var part = 0u; part < next - first; part++) {
-        write_contact(pair, shapes, parts, part, first + part);
+    for (var part = 0u; part < its.y - its.x; part++) {
+        write_contact(pair, shapes, parts, part, its.x + part);
     }
 }
 
@@ -304,23 +310,22 @@ fn warm_contacts(@builtin(global_invocation_id) id: vec3<u32>) {
     if (pair >= plan.pairs) {
         return;
     }
-    let first = word(plan.contact_start + pair);
-    let next = word(plan.contact_start + pair + 1u);
-    if (first == next || next > plan.contacts) {
+    let its = contacts_of(pair);
+    if (its.x == its.y) {
         return;
     }
     let shapes = ordered(pair);
     if (is_sensor(shapes.x) || is_sensor(shapes.y)) {
-        for (var contact = first; contact < next; contact++) {
+        for (var contact = its.x; contact < its.y; contact++) {
             put_mark(plan.colour + contact, SENSED);
         }
         return;
     }
-    warm(shapes, first, next);
+    warm(shapes, its.x, its.y);
     for (var side = 0u; side < 2u; side++) {
         let body = carrier_of(shapes[side]);
         if (!is_fixed(body)) {
-            atomicAdd(&marks[plan.body_start + body], next - first);
+            atomicAdd(&marks[plan.body_start + body], its.y - its.x);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! How steps are submitted: of which worlds, how many, and how much of what is launched follows from the steps before.
+//! How steps are taken: of which worlds, how many, and how much of what is launched follows from the steps before.
 
 use crate::Card;
 use crate::batch::Batch;
@@ -12,22 +12,22 @@ const FIRST_COLOURS: usize = 16;
 /// Rounds of colouring in a step: at least, and at most.
 const FEWEST_ROUNDS: usize = 8;
 pub(crate) const MOST_ROUNDS: usize = 256;
-/// Most steps in one submission, and about as many launches.
+/// Most steps in one turn, and about as many launches.
 pub(crate) const STEPS: usize = 16;
 const LAUNCHES: usize = 16_384;
 /// Steps after which more worlds are tried at once.
 const FITTED: usize = 256;
-/// Most worlds whose steps are cut into parts in one submission: each is copied, so that it can be undone.
+/// Most worlds whose steps are cut into parts in one turn: each is copied, so that it can be undone.
 const CUT: usize = 256;
-/// Of what a submission told: colouring goes on where it ended.
+/// Of what a turn told: colouring goes on where it ended.
 pub(crate) const UNCOLOURED: u32 = flag::MORE_ROUNDS | flag::MORE_COLOURS;
 
-/// How steps of a batch are submitted.
+/// How steps of a batch are taken.
 #[derive(Debug)]
 pub(crate) struct Pace {
-    /// Steps in a submission: fewer where they are often not taken.
+    /// Steps in a turn: fewer where they are often not taken.
     pub steps: usize,
-    /// Worlds in a submission, and in one of steps that are cut into parts: fewer where there was no room for all of them.
+    /// Worlds in a turn, and in one of steps that are cut into parts: fewer where there was no room for all of them.
     worlds: usize,
     cut: usize,
     /// For how many steps there was.
@@ -126,7 +126,7 @@ impl Pace {
     }
 }
 
-/// Steps that are submitted together.
+/// Steps that are taken before anything is read.
 #[derive(Debug)]
 pub(crate) struct Turn {
     /// Worlds of the batch, counted from its first.
@@ -136,7 +136,7 @@ pub(crate) struct Turn {
     pub parts: usize,
 }
 
-/// What the card has told of a submission.
+/// What the card has told of a turn.
 pub(crate) struct Told(pub Vec<u32>);
 
 impl Told {

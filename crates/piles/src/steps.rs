@@ -215,10 +215,11 @@ impl<C: Card> Steps<C> {
                 todo.copy(&batch.state, batch.numbers(scene, *world), before, kept);
             }
         }
+        let mut asked = Ok(());
         for step in 0..turn.steps {
             if step > 0 {
                 // The card takes that one while this one is written down.
-                card.submit(todo)?;
+                asked = asked.and(card.submit(todo));
                 todo = card.commands(clock.as_mut());
             }
             for part in 0..parts {
@@ -232,7 +233,7 @@ impl<C: Card> Steps<C> {
             told.0 = words.iter().map(|word| word.to_bits()).collect();
         });
         self.clock = clock;
-        fetched?;
+        asked.and(fetched)?;
         if let (true, Some(before)) = (parts > 1, &self.before) {
             let mut todo = card.commands(None);
             for (nth, world) in turn.worlds.iter().enumerate() {

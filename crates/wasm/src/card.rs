@@ -6,7 +6,7 @@
 use crate::worlds::Worlds;
 use model::{CollisionFilter, Model};
 use numbers::trace::{TraceError, WgslError};
-use piles::Piles;
+use piles::{Piles, TooLarge};
 use records::Programs;
 use rigid::Solver;
 use rigid::impulse::Impulse;
@@ -25,8 +25,8 @@ unsafe extern "C" {
     safe fn most_bytes() -> f64;
     /// Most workgroups of a launch.
     safe fn most_workgroups() -> u32;
-    /// Takes memory for so many words; `told` is 1 where they are to be numbers of workgroups. Waits.
-    safe fn buffer(words: u32, told: u32) -> u32;
+    /// Takes memory for so many words; `launches` is 1 where they are to be numbers of workgroups. Waits.
+    safe fn buffer(words: u32, launches: u32) -> u32;
     /// A buffer of words that all invocations of a launch see.
     unsafe fn uniform(words: *const u32, count: usize) -> u32;
     /// Takes a text in WGSL.
@@ -75,6 +75,8 @@ pub(crate) enum CardError {
         most: usize,
         card: String,
     },
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
     #[error("the graphics card `{card}` failed: {reason}")]
     Failed { card: String, reason: String },
 }
@@ -172,9 +174,9 @@ impl Card {
     pub fn launches(&self, words: usize) -> Result<Buffer, CardError> {
         self.buffer_of(words, true)
     }
-    fn buffer_of(&self, words: usize, told: bool) -> Result<Buffer, CardError> {
+    fn buffer_of(&self, words: usize, launches: bool) -> Result<Buffer, CardError> {
         let room = words.max(2);
-        let number = self.answered(buffer(room as u32, told.into()))?;
+        let number = self.answered(buffer(room as u32, launches.into()))?;
         Ok(Buffer {
             owned: Arc::new(Owned(number)),
             room,
@@ -227,7 +229,7 @@ impl Card {
     pub fn compiled(&self) -> Result<(), CardError> {
         self.answered(compiled()).map(|_| ())
     }
-    /// Binds buffers in order. Where that fails the card has, which what comes next will say.
+    /// Binds buffers in order. Where that fails, what is launched next fails, too.
     pub fn bind(&self, buffers: &[&Buffer]) -> Bindings {
         let numbers = Vec::from_iter(buffers.iter().map(|buffer| buffer.owned.0));
         // SAFETY: the page reads so many numbers, there.
@@ -243,6 +245,9 @@ impl Card {
 
     /// Asks for this.
     pub fn submit(&self, Commands(words): &Commands) -> Result<(), CardError> {
+        if words.is_empty() {
+            return Ok(());
+        }
         // SAFETY: the page reads so many words, there.
         self.answered(unsafe { submit(words.as_ptr(), words.len()) })?;
         Ok(())

@@ -1,9 +1,9 @@
 //! Worlds of one solver on the graphics card of the page, all in one part.
 
-use crate::card::{Buffer, Card, CardError, Commands, Kernel, Kind};
+use crate::card::{Bindings, Buffer, Card, CardError, Commands, Kernel, Kind};
 use numbers::Memory;
 use numbers::trace::{PrintOptions, Program};
-use piles::{NUMBER, WORKGROUP};
+use piles::{NUMBER, Need, WORKGROUP};
 use records::Programs;
 use rigid::{Lanes, Lengths, Report};
 use sim::{DeviceError, DeviceWorlds, Processor};
@@ -79,6 +79,8 @@ pub(crate) struct Worlds {
     /// Room for one for each, where that was asked for.
     reserved: OnceLock<Buffer>,
     links: Buffer,
+    /// What kernels bind, by the rounds of a launch.
+    bound: BTreeMap<usize, Bindings>,
 }
 
 impl Worlds {
@@ -86,6 +88,9 @@ impl Worlds {
         let lengths = programs.lengths;
         let lanes = card.lanes(lengths, worlds)?;
         let of = |numbers: usize| card.buffer(numbers * worlds);
+        for numbers in [programs.parameters.len(), programs.links.len()] {
+            Need::Model.check(numbers as u64 * NUMBER, card.most_bytes(), &card.name)?;
+        }
         let parameters: Vec<_> = programs.parameters.iter().map(|x| *x as f32).collect();
         Ok(Self {
             kernels: BTreeMap::new(),
@@ -98,6 +103,7 @@ impl Worlds {
             differing: false,
             reserved: OnceLock::new(),
             links: card.filled(&programs.links)?,
+            bound: BTreeMap::new(),
             card: card.clone(),
             programs,
             worlds,
@@ -173,20 +179,23 @@ impl Worlds {
             self.card.compiled()?;
             self.kernels.insert(task, kernel);
         }
-        let launch = self.card.uniform(&[self.worlds as u32, rounds as u32])?;
-        let bindings = self.card.bind(&[
-            &self.state,
-            &self.input,
-            &self.output,
-            &self.scratch,
-            &self.parameters,
-            &self.links,
-            &launch,
-        ]);
+        if !self.bound.contains_key(&rounds) {
+            let launch = self.card.uniform(&[self.worlds as u32, rounds as u32])?;
+            let bindings = self.card.bind(&[
+                &self.state,
+                &self.input,
+                &self.output,
+                &self.scratch,
+                &self.parameters,
+                &self.links,
+                &launch,
+            ]);
+            self.bound.insert(rounds, bindings);
+        }
         let groups = self.lanes.count as u32 / WORKGROUP;
         let mut commands = Commands::default();
         for _ in 0..times {
-            commands.run(&self.kernels[&task], &bindings, groups);
+            commands.run(&self.kernels[&task], &self.bound[&rounds], groups);
         }
         self.card.submit(&commands)
     }
@@ -224,6 +233,7 @@ impl DeviceWorlds<f32> for Worlds {
             self.parameters = self.reserved.take().expect("it was reserved");
             self.differing = true;
             self.kernels.clear();
+            self.bound.clear();
         }
         Ok(self.write(&self.parameters, 0..numbers, parameters)?)
     }

@@ -97,6 +97,8 @@ const LIMITS = ["maxStorageBufferBindingSize", "maxBufferSize", "maxComputeWorkg
 export class Card {
   private opened: Opened | null = null;
   private numbers = 0;
+  /** Up to which number things were on a device that has failed, and why it has. */
+  private lost = { numbers: 0, reason: "" };
   private reason = "";
 
   /** `memory` is the engine's. */
@@ -107,17 +109,22 @@ export class Card {
 
   /** Opens the card; anew, where it has failed. */
   async open(): Promise<number> {
-    if (this.opened && this.opened.failure === null) return 1;
-    return this.guarded(async () => {
+    const before = this.opened;
+    if (before && before.failure === null) return 1;
+    try {
       // An adapter gives one device.
-      const found = this.opened ? await findCard(navigator.gpu) : (this.found ?? "there is none");
+      const found = before ? await findCard(navigator.gpu) : (this.found ?? "there is none");
       if (typeof found === "string") throw new Error(found);
-      this.opened?.device.destroy();
+      before?.device.destroy();
       this.found = found;
       const requiredLimits = Object.fromEntries(LIMITS.map((limit) => [limit, found.adapter.limits[limit]]));
       this.opened = new Opened(await found.adapter.requestDevice({ requiredLimits }));
+      this.lost = { numbers: this.numbers, reason: before?.failure ?? "" };
       return 1;
-    });
+    } catch (error) {
+      this.reason = (error as Error).message;
+      return 0;
+    }
   }
 
   /** Whether nothing has gone wrong. */
@@ -134,10 +141,10 @@ export class Card {
     return this.opened?.device.limits.maxComputeWorkgroupsPerDimension ?? 0;
   }
 
-  /** `told` is 1 where it is to hold numbers of workgroups. */
-  buffer(words: number, told: number): Promise<number> {
+  /** `launches` is 1 where it is to hold numbers of workgroups. */
+  buffer(words: number, launches: number): Promise<number> {
     return this.waited(async (opened) => {
-      const buffer = await opened.buffer(words, told === 1 ? USAGE.launches : USAGE.storage);
+      const buffer = await opened.buffer(words, launches === 1 ? USAGE.launches : USAGE.storage);
       return this.number(opened.buffers, buffer);
     });
   }
@@ -159,7 +166,7 @@ export class Card {
     return this.ordered(({ compiler, texts, kernels }) => {
       const words = [...this.words(seen, 2 * count)];
       const [sees, kinds] = [0, 1].map((nth) => words.filter((_, i) => i % 2 === nth));
-      const kernel = compiler.kernel(get(texts, text), this.decoded(name, length), sees, kinds);
+      const kernel = compiler.kernel(this.get(texts, text), this.decoded(name, length), sees, kinds);
       return this.number(kernels, kernel);
     });
   }
@@ -174,7 +181,7 @@ export class Card {
 
   bind(buffers: number, count: number): number {
     return this.ordered((opened) => {
-      const bound = [...this.words(buffers, count)].map((number) => get(opened.buffers, number));
+      const bound = [...this.words(buffers, count)].map((number) => this.get(opened.buffers, number));
       return this.number(opened.bindings, new Bindings(bound));
     });
   }
@@ -185,17 +192,18 @@ export class Card {
 
   write(buffer: number, at: number, words: number, count: number): number {
     return this.ordered(({ device, buffers }) => {
-      device.queue.writeBuffer(get(buffers, buffer), at * WORD, this.bytes(words, count * WORD));
+      device.queue.writeBuffer(this.get(buffers, buffer), at * WORD, this.bytes(words, count * WORD));
       return 1;
     });
   }
 
   submit(words: number, count: number): number {
     return this.ordered(({ device, kernels, bindings, buffers }) => {
-      const commands = encode(device, this.words(words, count), {
-        kernel: (number) => get(kernels, number),
-        bindings: (number) => get(bindings, number),
-        buffer: (number) => get(buffers, number),
+      const asked = new Uint32Array(this.memory().buffer, words >>> 0, count);
+      const commands = encode(device, asked, {
+        kernel: (number) => this.get(kernels, number),
+        bindings: (number) => this.get(bindings, number),
+        buffer: (number) => this.get(buffers, number),
       });
       device.queue.submit([commands]);
       return 1;
@@ -216,7 +224,7 @@ export class Card {
       const staging = await this.stage(opened, end);
       const encoder = device.createCommandEncoder();
       for (const [from, to, size] of copies)
-        encoder.copyBufferToBuffer(get(buffers, buffer), from, staging, to, size);
+        encoder.copyBufferToBuffer(this.get(buffers, buffer), from, staging, to, size);
       device.queue.submit([encoder.finish()]);
       await staging.mapAsync(READ, 0, end);
       // The engine's memory may have grown, but not moved what it waits for.
@@ -258,28 +266,33 @@ export class Card {
     return this.numbers;
   }
 
+  private get<T>(things: Map<number, T>, number: number): T {
+    const thing = things.get(number);
+    if (thing !== undefined) return thing;
+    const { numbers, reason } = this.lost;
+    throw new Error(
+      number <= numbers ? `${reason}, and with it what it held` : `it has no ${number} any more`,
+    );
+  }
+
   /** What waits for the open card. */
-  private waited(act: (opened: Opened) => Promise<number>): Promise<number> {
-    return this.guarded(async () => {
+  private async waited(act: (opened: Opened) => Promise<number>): Promise<number> {
+    try {
       const answer = await act(this.trusted());
       // It may have failed meanwhile.
       this.trusted();
       return answer;
-    });
+    } catch (error) {
+      // That it has may be told after what failed by that.
+      await new Promise((told) => setTimeout(told));
+      return this.fail(error as Error);
+    }
   }
 
   /** What is done in its turn, without waiting. */
   private ordered(act: (opened: Opened) => number): number {
     try {
       return act(this.trusted());
-    } catch (error) {
-      return this.fail(error as Error);
-    }
-  }
-
-  private async guarded(act: () => Promise<number>): Promise<number> {
-    try {
-      return await act();
     } catch (error) {
       return this.fail(error as Error);
     }
@@ -298,12 +311,6 @@ export class Card {
   }
 }
 
-function get<T>(things: Map<number, T>, number: number): T {
-  const thing = things.get(number);
-  if (thing === undefined) throw new Error(`it has no ${number} any more`);
-  return thing;
-}
-
 /** The imports by their names; those that wait suspend the engine, where that can be. */
 export function imports(card: Card): WebAssembly.ModuleImports {
   const { Suspending } = promises;
@@ -313,7 +320,7 @@ export function imports(card: Card): WebAssembly.ModuleImports {
     check: () => card.check(),
     most_bytes: () => card.mostBytes(),
     most_workgroups: () => card.mostWorkgroups(),
-    buffer: waits((words, told) => card.buffer(words, told)),
+    buffer: waits((words, launches) => card.buffer(words, launches)),
     uniform: (words: number, count: number) => card.uniform(words, count),
     text: (at: number, length: number) => card.text(at, length),
     kernel: (...numbers: Parameters<Card["kernel"]>) => card.kernel(...numbers),

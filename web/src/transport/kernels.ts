@@ -1,6 +1,6 @@
 /** What is compiled for the card, and the buffers that it sees. */
 
-/** Texts whose kernels nobody uses any more and that are kept, as the next model may need them: piles have some fifty. */
+/** Texts that are kept, as the next model may need them: piles have some fifty. */
 const KEPT = 96;
 const COMPUTE = 0x4;
 
@@ -36,6 +36,8 @@ export class Bindings {
 export interface Text {
   readonly text: string;
   readonly module: GPUShaderModule;
+  /** What is wrong with it; it is no failure of the card. */
+  readonly wrong: Promise<GPUError | null>;
   readonly kernels: Map<string, Kernel>;
 }
 
@@ -45,21 +47,23 @@ export class Compiler {
   private readonly texts = new Map<string, Text>();
   private readonly layouts = new Map<string, GPUBindGroupLayout>();
   private begun: Promise<Error | null>[] = [];
+  /** Texts that were asked for since all was compiled the last time. */
+  private readonly asked = new Set<string>();
 
   constructor(private readonly device: GPUDevice) {}
 
   text(text: string): Text {
-    const kernels = new Map<string, Kernel>();
-    const own = this.texts.get(text) ?? {
-      text,
-      module: this.device.createShaderModule({ code: text }),
-      kernels,
-    };
+    const own = this.texts.get(text) ?? this.read(text);
     this.texts.delete(text);
     this.texts.set(text, own);
-    const [oldest] = this.texts.keys();
-    if (this.texts.size > KEPT) this.texts.delete(oldest);
+    this.asked.add(text);
     return own;
+  }
+
+  private read(text: string): Text {
+    this.device.pushErrorScope("validation");
+    const module = this.device.createShaderModule({ code: text });
+    return { text, module, wrong: this.device.popErrorScope(), kernels: new Map() };
   }
 
   /** Begins to compile an entry point that sees these bindings of these kinds, unless it is known. */
@@ -75,6 +79,8 @@ export class Compiler {
   /** What is wrong with it. */
   private async compile(of: Text, name: string, kernel: Kernel): Promise<Error | null> {
     try {
+      const wrong = await of.wrong;
+      if (wrong) throw new Error(wrong.message);
       kernel.pipeline = await this.device.createComputePipelineAsync({
         layout: this.device.createPipelineLayout({ bindGroupLayouts: [kernel.layout] }),
         compute: { module: of.module, entryPoint: name },
@@ -107,6 +113,16 @@ export class Compiler {
     const begun = this.begun;
     this.begun = [];
     const wrong = (await Promise.all(begun)).find((error) => error !== null);
+    this.forget();
     if (wrong) throw wrong;
+  }
+
+  /** Lets go what was not asked for for the longest time, but nothing of the present model. */
+  private forget(): void {
+    for (const text of this.texts.keys()) {
+      if (this.texts.size <= KEPT || this.asked.has(text)) break;
+      this.texts.delete(text);
+    }
+    this.asked.clear();
   }
 }

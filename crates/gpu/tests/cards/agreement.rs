@@ -11,7 +11,7 @@ use sim::{Quantity, Simulation, SimulationSettings, SolverKind};
 const H: f64 = 0.002;
 
 /// All that is reported, in the order of worlds, rows and numbers: what is reported by itself first.
-pub const QUANTITIES: [Quantity; 16] = [
+pub const QUANTITIES: [Quantity; 18] = [
     Quantity::JointPosition,
     Quantity::JointVelocity,
     Quantity::BodyPosition,
@@ -27,7 +27,9 @@ pub const QUANTITIES: [Quantity; 16] = [
     Quantity::SpatialVelocity,
     Quantity::SpatialContactForce,
     Quantity::KineticEnergy,
+    Quantity::PotentialEnergy,
     Quantity::Momentum,
+    Quantity::AngularMomentum,
 ];
 
 pub fn read(simulation: &mut Simulation<f32>, quantity: Quantity) -> Vec<f64> {
