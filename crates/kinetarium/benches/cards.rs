@@ -4,11 +4,15 @@
 //! CUDA): `cards [--device gpu|gpu:NAME|cuda|cuda:NUMBER] [--worlds COUNT,COUNT…] [--only SCENES]`.
 //! Without a name any card is taken, but no program that stands in for one; of scenes those whose names begin so.
 
+mod copies;
 mod ground;
 
+use copies::bandwidth;
 use ground::on_the_ground;
 use kinetarium::DeviceChoice;
+use kinetarium::cuda::Cuda;
 use kinetarium::formats::{self, InMemory, Options};
+use kinetarium::gpu::Gpu;
 use kinetarium::model::examples::{self, Start, bowl, chain, pyramid, towers};
 use kinetarium::model::{Model, ModelError};
 use kinetarium::numbers::trace::Work;
@@ -34,21 +38,41 @@ fn main() -> Result<(), Box<dyn Error>> {
         arguments.get(at + 1)
     };
     let choice: DeviceChoice = option("--device").map_or("auto", |name| name).parse()?;
-    let counts = option("--worlds").map_or(Ok(WORLDS.to_vec()), |counts| {
+    let counts: Vec<_> = option("--worlds").map_or(Ok(WORLDS.to_vec()), |counts| {
         counts.split(',').map(str::parse).collect()
     })?;
-    let card = choice.open()?.ok_or("no graphics card was found")?;
-    let card = &*card;
+    let only = option("--only").map_or("", |only| only);
+    let open = |name: &str| {
+        let Ok(choice) = name.parse();
+        Gpu::open(&choice)
+    };
+    match choice {
+        DeviceChoice::Processor => Err("name a graphics card".into()),
+        DeviceChoice::Card(name) => measure(&open(&name)?, &counts, only),
+        DeviceChoice::Cuda(number) => measure(&Cuda::open(number)?, &counts, only),
+        DeviceChoice::Auto => match Cuda::open(0) {
+            Ok(card) => measure(&card, &counts, only),
+            Err(_) => measure(&open("")?, &counts, only),
+        },
+    }
+}
+
+fn measure<C: piles::Card + Device<f32>>(
+    card: &C,
+    counts: &[usize],
+    only: &str,
+) -> Result<(), Box<dyn Error>> {
+    let bandwidth = bandwidth(card)?;
     println!(
-        "{}: world-steps per second, medians of {REPETITIONS}.\n",
-        card.name()
+        "{}: world-steps per second, medians of {REPETITIONS}. It copies {:.0} GB/s, read and written.\n",
+        Device::name(card),
+        bandwidth * 1e-9
     );
     println!(
         "| scene | worlds | many steps a call | one, torques set, joints read | reports of everything, read \
-         | first step | bytes a world | operations a step | bytes moved a step | GB/s |"
+         | first step | bytes a world | operations a step | bytes moved a step | GB/s | of a copy's |"
     );
-    println!("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|");
-    let only = option("--only").map_or("", |only| only);
+    println!("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|");
     let files = InMemory::new([("humanoid.xml", HUMANOID)]);
     let humanoid = formats::parse(HUMANOID, "humanoid.xml", &files, &Options::default())?.model;
     let scenes = [
@@ -63,11 +87,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     ];
     for (name, model, time_step) in scenes {
         if name.starts_with(only) {
-            table(card, name, &model, time_step, &counts)?;
+            table(card, bandwidth, (name, &model, time_step), counts)?;
         }
     }
     large_piles(card, only)?;
-    many_piles(card, only, &counts)
+    many_piles(card, only, counts)
 }
 
 fn large_piles(card: &dyn Device<f32>, only: &str) -> Result<(), Box<dyn Error>> {
@@ -211,9 +235,8 @@ fn damped_chain(links: usize) -> Result<Model, ModelError> {
 
 fn table(
     card: &dyn Device<f32>,
-    name: &str,
-    model: &Model,
-    time_step: f64,
+    bandwidth: f64,
+    (name, model, time_step): (&str, &Model, f64),
     counts: &[usize],
 ) -> Result<(), Box<dyn Error>> {
     for &count in counts {
@@ -246,13 +269,15 @@ fn table(
         }
         let (bytes, work) = work(&mut worlds)?;
         let moved = (work.loads + work.stores) * size_of::<f32>() as u64;
+        let speed = steps * count as f64 * moved as f64;
         println!(
-            "| {name} | {count} | {:.3e} | {:.3e} | {:.3e} | {first:.2} s | {bytes} | {} | {moved} | {:.1} |",
+            "| {name} | {count} | {:.3e} | {:.3e} | {:.3e} | {first:.2} s | {bytes} | {} | {moved} | {:.1} | {:.0} % |",
             steps * count as f64,
             learned * count as f64,
             reports * count as f64,
             work.operations,
-            steps * count as f64 * moved as f64 * 1e-9,
+            speed * 1e-9,
+            100.0 * speed / bandwidth,
         );
     }
     Ok(())

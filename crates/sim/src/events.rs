@@ -2,7 +2,7 @@
 //! joints reach their limits, bodies fall asleep, worlds diverge.
 
 use crate::engine::Task;
-use crate::{Outputs, Simulation, SimulationError};
+use crate::{Outputs, Quantity, Simulation, SimulationError};
 use glam::DVec3;
 use model::{BodyId, JointId, Model, ShapeId};
 use numbers::Float;
@@ -321,6 +321,18 @@ impl<T: Float> Simulation<T> {
         }
     }
 
+    /// Makes known what is watched of the present state, and no more.
+    fn fetch_watched(&mut self, watch: Watch) -> Result<(), SimulationError> {
+        // Which bodies sleep is told behind the contacts.
+        if watch.contacts || watch.persisting_contacts || watch.sensors || watch.sleep {
+            self.fetch(Quantity::ContactWrench)?;
+        }
+        if watch.limits {
+            self.fetch(Quantity::JointPosition)?;
+        }
+        Ok(())
+    }
+
     /// Makes so many substeps, and tells what happens in each.
     pub(crate) fn step_watched(
         &mut self,
@@ -328,13 +340,13 @@ impl<T: Float> Simulation<T> {
         substeps: usize,
     ) -> Result<(), SimulationError> {
         let substep = self.settings().step.substep();
-        self.try_outputs()?;
+        self.fetch_watched(watcher.watch)?;
         for world in std::mem::take(&mut watcher.set) {
             watcher.look(self, world, None);
         }
         for i in 1..=substeps {
             self.perform(Task::Step(1))?;
-            self.try_outputs()?;
+            self.fetch_watched(watcher.watch)?;
             for world in 0..self.worlds() {
                 let time = self.time[world] + i as f64 * substep;
                 watcher.look(self, world, Some(Told { time, substep }));

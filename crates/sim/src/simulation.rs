@@ -702,7 +702,7 @@ impl<T: Float> Simulation<T> {
         self.copy_columns(quantity, table, column)
     }
     /// Makes what a quantity of the present state is made of known.
-    fn fetch(&mut self, quantity: Quantity) -> Result<(), SimulationError> {
+    pub(crate) fn fetch(&mut self, quantity: Quantity) -> Result<(), SimulationError> {
         self.report(quantity.needs())?;
         if let Some(remote) = &mut self.remote {
             let rows = quantity.made_of(&self.output_tables, &self.model);
