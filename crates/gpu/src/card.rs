@@ -3,7 +3,7 @@
 use crate::clock::Clock;
 use crate::pipeline::bind_group_layout;
 use crate::{Choice, GpuError};
-use piles::BINDINGS;
+use piles::KINDS;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -163,18 +163,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// State, input, output, scratch, parameters, links, launch: see
-/// [`to_wgsl`](numbers::trace::Program::to_wgsl).
+/// What kernels of records bind.
 fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
-    let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
-    let kinds: [_; BINDINGS] = [
-        storage(false),
-        storage(true),
-        storage(false),
-        storage(false),
-        storage(true),
-        storage(true),
-        wgpu::BufferBindingType::Uniform,
-    ];
-    bind_group_layout(device, (0..).zip(kinds))
+    bind_group_layout(device, (0..).zip(KINDS))
 }

@@ -5,17 +5,16 @@ use crate::clock::Clock;
 use crate::memory::{Staging, buffer, indirect};
 use crate::pipeline::bind_group_layout;
 use numbers::trace::{Members, Program};
-use piles::{BINDINGS, Card, Entry, NUMBER, WORKGROUP};
+use piles::{BINDINGS, Card, Entry, Kind, NUMBER, WORKGROUP, kinds};
 use sim::DeviceError;
 use std::collections::HashMap;
-use std::iter::{once, repeat_n};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 use wgpu::{BindGroup, BindGroupLayout, Buffer, CommandEncoder, ComputePass, ComputePipeline};
 
 /// What kinds of buffers a text binds.
 #[derive(Debug)]
-pub struct Layout(Vec<wgpu::BufferBindingType>);
+pub struct Layout(Vec<Kind>);
 
 /// What is launched.
 #[derive(Clone, Debug)]
@@ -186,11 +185,7 @@ impl Card for Gpu {
     }
 
     fn layout(&self, written: usize, read: usize) -> Layout {
-        let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
-        let kinds = repeat_n(storage(false), written).chain(repeat_n(storage(true), read));
-        Layout(Vec::from_iter(
-            kinds.chain(once(wgpu::BufferBindingType::Uniform)),
-        ))
+        Layout(kinds(written, read))
     }
     fn entries<const N: usize>(
         &self,

@@ -2,7 +2,7 @@
 
 use crate::{Gpu, GpuError};
 use numbers::trace::{Members, PrintOptions, Program};
-use piles::WORKGROUP;
+use piles::{Kind, WORKGROUP};
 
 /// How records are printed here.
 pub(crate) const OPTIONS: PrintOptions = PrintOptions {
@@ -140,13 +140,18 @@ impl Gpu {
 /// Buffers of these numbers and kinds.
 pub(crate) fn bind_group_layout(
     device: &wgpu::Device,
-    kinds: impl IntoIterator<Item = (u32, wgpu::BufferBindingType)>,
+    kinds: impl IntoIterator<Item = (u32, Kind)>,
 ) -> wgpu::BindGroupLayout {
-    let entry = |(binding, ty)| wgpu::BindGroupLayoutEntry {
+    let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
+    let entry = |(binding, kind)| wgpu::BindGroupLayoutEntry {
         binding,
         visibility: wgpu::ShaderStages::COMPUTE,
         ty: wgpu::BindingType::Buffer {
-            ty,
+            ty: match kind {
+                Kind::Written => storage(false),
+                Kind::Read => storage(true),
+                Kind::Uniform => wgpu::BufferBindingType::Uniform,
+            },
             has_dynamic_offset: false,
             min_binding_size: None,
         },

@@ -4,6 +4,7 @@ use crate::{Need, PilesError};
 use numbers::trace::{Members, Program};
 use sim::DeviceError;
 use std::fmt::Debug;
+use std::iter::{once, repeat_n};
 use std::ops::Range;
 
 /// Invocations in a workgroup of a kernel, and of most of what lies between them.
@@ -14,6 +15,35 @@ pub const NUMBER: u64 = size_of::<f32>() as u64;
 
 /// Buffers of a [kernel](Card::kernel).
 pub const BINDINGS: usize = 7;
+
+/// How a kernel sees a buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// It reads and writes it.
+    Written,
+    /// It only reads it.
+    Read,
+    /// Words that all invocations of a launch see.
+    Uniform,
+}
+
+/// What [kernels](Card::kernel) bind: state, input, output, scratch, parameters, links, launch; see
+/// [`to_wgsl`](Program::to_wgsl).
+pub const KINDS: [Kind; BINDINGS] = [
+    Kind::Written,
+    Kind::Read,
+    Kind::Written,
+    Kind::Written,
+    Kind::Read,
+    Kind::Read,
+    Kind::Uniform,
+];
+
+/// The kinds of a [layout](Card::layout).
+pub fn kinds(written: usize, read: usize) -> Vec<Kind> {
+    let kinds = repeat_n(Kind::Written, written).chain(repeat_n(Kind::Read, read));
+    kinds.chain(once(Kind::Uniform)).collect()
+}
 
 /// An entry point of a WGSL text.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

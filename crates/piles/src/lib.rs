@@ -35,7 +35,7 @@ mod scene;
 mod seen;
 mod steps;
 
-pub use card::{BINDINGS, Card, Commands, Entry, NUMBER, WORKGROUP};
+pub use card::{BINDINGS, Card, Commands, Entry, KINDS, Kind, NUMBER, WORKGROUP, kinds};
 pub use error::{Need, PilesError, TooLarge};
 pub use kernels::texts;
 pub use piles::Piles;

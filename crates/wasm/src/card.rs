@@ -6,7 +6,7 @@
 use crate::worlds::Worlds;
 use model::{CollisionFilter, Model};
 use numbers::trace::{TraceError, WgslError};
-use piles::{Piles, TooLarge};
+use piles::{Kind, Piles, TooLarge};
 use records::Programs;
 use rigid::Solver;
 use rigid::impulse::Impulse;
@@ -105,12 +105,13 @@ pub(crate) struct Buffer {
     pub room: usize,
 }
 
-/// How a kernel sees a buffer, as the page has it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Kind {
-    Written = 0,
-    Read = 1,
-    Uniform = 2,
+/// The page's number of it: `web/src/transport/kernels.ts`.
+fn number(kind: Kind) -> u32 {
+    match kind {
+        Kind::Written => 0,
+        Kind::Read => 1,
+        Kind::Uniform => 2,
+    }
 }
 
 /// What is launched.
@@ -214,7 +215,7 @@ impl Card {
         // SAFETY: the page reads so many bytes, there.
         let of = Owned(self.answered(unsafe { text(code.as_ptr(), code.len()) })?);
         let begun = entries.map(|(name, sees)| {
-            let seen = Vec::from_iter(sees.iter().map(|(at, kind)| [*at, *kind as u32]));
+            let seen = Vec::from_iter(sees.iter().map(|(at, kind)| [*at, number(*kind)]));
             let (at, length, count) = (name.as_ptr(), name.len(), seen.len());
             // SAFETY: the page reads so many bytes and pairs, there.
             unsafe { kernel(of.0, at, length, seen.as_ptr(), count) }

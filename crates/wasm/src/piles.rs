@@ -1,11 +1,10 @@
 //! What piles ask of the graphics card of the page.
 
-use crate::card::{Bindings, Buffer, Card, Commands, Kernel, Kind};
+use crate::card::{Bindings, Buffer, Card, Commands, Kernel};
 use numbers::trace::{Members, PrintOptions, Program};
-use piles::{BINDINGS, Entry, WORKGROUP};
+use piles::{BINDINGS, Entry, Kind, WORKGROUP, kinds};
 use sim::DeviceError;
 use std::convert::Infallible;
-use std::iter::{once, repeat_n};
 use std::ops::Range;
 
 /// What is asked of the card together. Nothing tells it how long stages take.
@@ -73,8 +72,7 @@ impl piles::Card for Card {
     }
 
     fn layout(&self, written: usize, read: usize) -> Vec<Kind> {
-        let kinds = repeat_n(Kind::Written, written).chain(repeat_n(Kind::Read, read));
-        kinds.chain(once(Kind::Uniform)).collect()
+        kinds(written, read)
     }
     // They are waited for once all have begun.
     fn entries<const N: usize>(

@@ -1,9 +1,9 @@
 //! Worlds of one solver on the graphics card of the page, all in one part.
 
-use crate::card::{Bindings, Buffer, Card, CardError, Commands, Kernel, Kind};
+use crate::card::{Bindings, Buffer, Card, CardError, Commands, Kernel};
 use numbers::Memory;
 use numbers::trace::{PrintOptions, Program};
-use piles::{NUMBER, Need, WORKGROUP};
+use piles::{KINDS, NUMBER, Need, WORKGROUP};
 use records::Programs;
 use rigid::{Lanes, Lengths, Report};
 use sim::{DeviceError, DeviceWorlds, Processor};
@@ -13,17 +13,6 @@ use std::sync::OnceLock;
 
 /// Substeps of one launch: few enough that a card that also draws the page is not taken for hung.
 const ROUNDS: usize = 16;
-
-/// What the kernels of [records](Program) bind: state, input, output, scratch, parameters, links, launch.
-const KINDS: [Kind; piles::BINDINGS] = [
-    Kind::Written,
-    Kind::Read,
-    Kind::Written,
-    Kind::Written,
-    Kind::Read,
-    Kind::Read,
-    Kind::Uniform,
-];
 
 impl Card {
     /// Begins to compile a record that is printed so.
