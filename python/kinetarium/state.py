@@ -136,6 +136,12 @@ class State(Tables):
     potential_energy = Quantity(None, (), "Potential energy [J] of weight and passive springs, shape (worlds,).")
     momentum = Quantity(None, (3,), "Linear momentum [kg·m/s], shape (worlds, 3).")
     angular_momentum = Quantity(None, (3,), "Angular momentum [kg·m²/s] about the world's origin, shape (worlds, 3).")
+    capped = Quantity(
+        None,
+        (),
+        "How often a cap on a force or displacement has bitten since the world was reset, with `xpbd`; how many "
+        "contacts there was no room to remember, with `impulse`; else zero, shape (worlds,).",
+    )
 
     __slots__ = ("_quaternions",)
 

@@ -57,6 +57,7 @@ def test_shapes_and_dtypes(sim):
         "potential_energy": (20,),
         "momentum": (20, 3),
         "angular_momentum": (20, 3),
+        "capped": (20,),
     }
     sim.step(3)
     for name, shape in shapes.items():

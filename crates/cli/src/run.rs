@@ -5,7 +5,7 @@ use crate::energy::Audit;
 use crate::error::Error;
 use crate::output::{Files, print};
 use crate::robot;
-use crate::summary::{Effort, rate, summary};
+use crate::summary::{Effort, notes, rate, summary};
 use crate::trajectory::Trajectory;
 use fastrand::Rng;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -147,7 +147,11 @@ fn run<T: Float>(
             steps: schedule.steps,
             wall,
         };
-        print(&format!("{}\n{files}", summary(&simulation, effort, drift)));
+        let notes = notes(&mut simulation)?;
+        print(&format!(
+            "{}\n{files}",
+            summary(&simulation, effort, drift, &notes)
+        ));
     }
     match simulation.diverged() {
         diverged if diverged.len() == worlds => {

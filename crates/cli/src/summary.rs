@@ -3,7 +3,7 @@
 use crate::energy::{Drift, exchange};
 use kinetarium::model::Model;
 use kinetarium::numbers::Float;
-use kinetarium::sim::{Simulation, SolverKind};
+use kinetarium::sim::{Quantity, Simulation, SimulationError, SolverKind};
 use std::fmt::Write;
 use std::time::Duration;
 
@@ -21,6 +21,7 @@ pub fn summary<T: Float>(
     simulation: &Simulation<T>,
     effort: Effort,
     drift: Option<Drift>,
+    notes: &[Note],
 ) -> String {
     let (model, settings) = (simulation.model(), simulation.settings());
     let (worlds, wall) = (
@@ -79,7 +80,37 @@ pub fn summary<T: Float>(
     let (name, value) = energy(drift, exchange(simulation));
     line(name, value);
     line("diverged worlds", diverged(simulation));
+    for (name, value) in notes {
+        line(name, value.clone());
+    }
     text
+}
+
+/// What a run came to that it should not often: its name, and how often.
+pub type Note = (&'static str, String);
+
+/// Steps that a card has left to the processor, caps that have bitten, contacts that were forgotten; of those there were.
+///
+/// # Errors
+/// A device fails.
+pub fn notes<T: Float>(simulation: &mut Simulation<T>) -> Result<Vec<Note>, SimulationError> {
+    let left = simulation.left_to_processor();
+    let solver = simulation.solver();
+    let mut capped = vec![T::zero(); simulation.worlds()];
+    simulation.read(Quantity::Capped, &mut capped)?;
+    let capped: f64 = capped.iter().map(|x| x.to_f64()).sum();
+    let of_solver = match solver {
+        "impulse" => "contacts forgotten",
+        _ => "caps that bit",
+    };
+    let notes = [
+        ("by the processor", left as f64, " world-steps"),
+        (of_solver, capped, ""),
+    ];
+    let there = notes.into_iter().filter(|(_, count, _)| *count > 0.0);
+    Ok(there
+        .map(|(name, count, unit)| (name, format!("{count}{unit}")))
+        .collect())
 }
 
 /// Error of the energy; or, where the model's laws change it, by how much they did.
@@ -162,12 +193,43 @@ pub fn rate(x: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kinetarium::model::{Builder, examples::n_pendula};
+    use kinetarium::model::{Builder, Geometry, Pose, Shape, examples::n_pendula};
+    use kinetarium::sim::SimulationSettings;
 
     #[test]
     fn rates_keep_three_digits() {
         let rates = [0.5, 42.0, 1234.0, 56_789.0, 1.234e6, 5e9].map(rate);
         assert_eq!(rates.join(" "), "0.50 42.00 1234 56.8 k 1.23 M 5.00 G");
+    }
+
+    /// A body on forty feet, of whose contacts a small world remembers half.
+    #[test]
+    fn contacts_that_are_forgotten_are_noted() {
+        let mut world = Builder::new("feet");
+        let ground = Geometry::Plane {
+            half_x: 0.0,
+            half_z: 0.0,
+        };
+        world.object("ground").scenery(ground);
+        let body = world.object("many").body("many");
+        for i in 0..40 {
+            let at = glam::DVec3::new(0.1 * f64::from(i), 0.05, 0.1 * f64::from(i % 2));
+            let foot = Shape::new(Geometry::Sphere { radius: 0.05 });
+            body.shape(foot.at(Pose::at(at)));
+        }
+        let settings = SimulationSettings {
+            solver: SolverKind::Impulse,
+            ..SimulationSettings::new(1, 0.004)
+        };
+        let model = world.build().unwrap();
+        let mut simulation = Simulation::<f32>::new(model, settings).unwrap();
+        assert_eq!(notes(&mut simulation).unwrap(), []);
+        simulation.try_step(5).unwrap();
+        let told = notes(&mut simulation).unwrap();
+        let [("contacts forgotten", count)] = &told[..] else {
+            panic!("{told:?}");
+        };
+        assert!(count.parse::<f64>().unwrap() > 0.0);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use crate::{Cuda, CudaError, libraries};
 use cudarc::driver::{CudaEvent, CudaSlice, DevicePtr, sys::CUevent_flags::CU_EVENT_DEFAULT};
 use numbers::trace::{Members, PrintOptions, Program};
 use piles::{BINDINGS, Card, Entry, NUMBER};
-use sim::DeviceError;
+use sim::{DeviceError, Stage};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -61,28 +61,32 @@ impl Bindings {
 /// What stages take, by events on the card's stream.
 #[derive(Debug, Default)]
 pub struct Clock {
-    /// Which stage ends with each event; none with the first.
-    marks: Vec<(Option<&'static str>, CudaEvent)>,
-    times: Vec<(&'static str, f64)>,
+    /// Which stage ends with each event, none with the first; and how many launches it had.
+    marks: Vec<(Option<&'static str>, u64, CudaEvent)>,
+    /// Launches since the last one.
+    launches: u64,
+    times: Vec<Stage>,
 }
 
 impl Clock {
     fn mark(&mut self, card: &Cuda, stage: Option<&'static str>) -> Result<(), CudaError> {
         let event = card.told(card.stream().record_event(Some(CU_EVENT_DEFAULT)))?;
-        self.marks.push((stage, event));
+        self.marks
+            .push((stage, std::mem::take(&mut self.launches), event));
         Ok(())
     }
     /// Reads the marks of what is done.
     fn read(&mut self, card: &Cuda) -> Result<(), CudaError> {
         for pair in self.marks.windows(2) {
-            let [(_, before), (Some(stage), event)] = pair else {
+            let [(_, _, before), (Some(name), launches, event)] = pair else {
                 continue;
             };
-            let taken = f64::from(card.told(before.elapsed_ms(event))?) * 1e-3;
-            match self.times.iter_mut().find(|(known, _)| known == stage) {
-                Some((_, time)) => *time += taken,
-                None => self.times.push((stage, taken)),
-            }
+            let stage = Stage {
+                name,
+                seconds: f64::from(card.told(before.elapsed_ms(event))?) * 1e-3,
+                launches: *launches,
+            };
+            stage.add_to(&mut self.times);
         }
         self.marks.clear();
         Ok(())
@@ -102,6 +106,9 @@ impl Commands<'_> {
     fn launch(&mut self, kernel: &Bound, bindings: &Bindings, blocks: u32, told: Option<u64>) {
         if self.clock.as_ref().is_some_and(|it| it.marks.is_empty()) {
             self.note(None);
+        }
+        if let Some(clock) = &mut self.clock {
+            clock.launches += 1;
         }
         self.ask(|card| kernel.run(card, bindings, blocks, told));
     }
@@ -230,7 +237,7 @@ impl Card for Cuda {
     fn clock(&self) -> Option<Clock> {
         libraries::times_events().then(Clock::default)
     }
-    fn times(clock: Clock) -> Vec<(&'static str, f64)> {
+    fn times(clock: Clock) -> Vec<Stage> {
         clock.times
     }
     fn commands<'a>(&self, clock: Option<&'a mut Clock>) -> Commands<'a> {

@@ -213,7 +213,6 @@ impl DeviceWorlds<f32> for Worlds {
         Ok(placement.write(&self.card, self.worlds, &mut self.state)?)
     }
     fn write_input(&mut self, rows: Range<usize>, input: &Memory<f32>) -> Result<(), DeviceError> {
-        let rows = rows.start..rows.end.min(self.programs.lengths.input);
         Ok(write(&self.card, rows, input, &mut self.input)?)
     }
     fn write_parameters(&mut self, parameters: &Memory<f32>) -> Result<(), DeviceError> {

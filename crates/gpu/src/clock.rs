@@ -2,6 +2,7 @@
 
 use crate::memory::Staging;
 use crate::{Gpu, GpuError};
+use sim::Stage;
 use std::iter::once;
 
 /// Most marks until they are read: the most queries of a set.
@@ -15,10 +16,12 @@ pub struct Clock {
     queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     staging: Staging,
-    /// Which stage ends with each mark that is not yet read; none with the first of a pass.
-    marks: Vec<Option<&'static str>>,
-    /// How long stages have taken so far [s], in the order in which they were first seen.
-    times: Vec<(&'static str, f64)>,
+    /// Which stage ends with each mark that is not yet read, none with the first of a pass; and how many launches it had.
+    marks: Vec<(Option<&'static str>, u64)>,
+    /// Launches since the last one.
+    launches: u64,
+    /// What stages have taken so far, in the order in which they were first seen.
+    times: Vec<Stage>,
 }
 
 impl Clock {
@@ -43,21 +46,26 @@ impl Clock {
             }),
             staging: Staging::default(),
             marks: Vec::new(),
+            launches: 0,
             times: Vec::new(),
         })
     }
 
-    /// What stages have taken [s].
-    pub fn times(self) -> Vec<(&'static str, f64)> {
+    /// What stages have taken.
+    pub fn times(self) -> Vec<Stage> {
         self.times
     }
 
+    /// A kernel is launched.
+    pub fn launches(&mut self) {
+        self.launches += 1;
+    }
     /// What was launched in a pass since the mark before belongs to a stage; to none what was before the pass.
     pub fn mark(&mut self, pass: &mut wgpu::ComputePass<'_>, stage: Option<&'static str>) {
         let index = self.marks.len() as u32;
         if index < MARKS {
             pass.write_timestamp(&self.queries, index);
-            self.marks.push(stage);
+            self.marks.push((stage, std::mem::take(&mut self.launches)));
         }
     }
 
@@ -73,15 +81,17 @@ impl Clock {
         let staging = &mut self.staging;
         staging.fetch(gpu, encoder, &self.resolved, numbers, |read| {
             let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(read);
-            for (stage, ticks) in marks.iter().skip(1).zip(ticks.windows(2)) {
-                let (Some(stage), [from, to]) = (stage, ticks) else {
+            for (mark, ticks) in marks.iter().skip(1).zip(ticks.windows(2)) {
+                let ((Some(name), launches), [from, to]) = (*mark, ticks) else {
                     continue;
                 };
-                let taken = to.saturating_sub(*from) as f64 * period;
-                match times.iter_mut().find(|(known, _)| known == stage) {
-                    Some((_, time)) => *time += taken,
-                    None => times.push((stage, taken)),
-                }
+                let seconds = to.saturating_sub(*from) as f64 * period;
+                let stage = Stage {
+                    name,
+                    seconds,
+                    launches,
+                };
+                stage.add_to(times);
             }
         })
     }

@@ -6,7 +6,7 @@ use crate::memory::{Staging, buffer, indirect};
 use crate::pipeline::bind_group_layout;
 use numbers::trace::{Members, Program};
 use piles::{BINDINGS, Card, Entry, Kind, NUMBER, WORKGROUP, kinds};
-use sim::DeviceError;
+use sim::{DeviceError, Stage};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -96,6 +96,11 @@ impl<'a> Commands<'a> {
         })
     }
     fn set(&mut self, kernel: &Kernel, bindings: &Bindings) -> &mut ComputePass<'static> {
+        self.pass();
+        // With the first one of a pass, the pass has begun.
+        if let Some(clock) = &mut self.clock {
+            clock.launches();
+        }
         let pass = self.pass();
         pass.set_pipeline(&kernel.pipeline);
         pass.set_bind_group(0, &bindings.of(kernel), &[]);
@@ -232,7 +237,7 @@ impl Card for Gpu {
     fn clock(&self) -> Option<Clock> {
         Clock::new(self)
     }
-    fn times(clock: Clock) -> Vec<(&'static str, f64)> {
+    fn times(clock: Clock) -> Vec<Stage> {
         clock.times()
     }
     fn commands<'a>(&self, clock: Option<&'a mut Clock>) -> Commands<'a> {

@@ -285,7 +285,6 @@ impl DeviceWorlds<f32> for Worlds {
         numbers: Range<usize>,
         input: &Memory<f32>,
     ) -> Result<(), DeviceError> {
-        let numbers = numbers.start..numbers.end.min(self.programs.lengths.input);
         self.write(numbers, input, |part| &part.input);
         Ok(self.gpu.check()?)
     }

@@ -54,3 +54,37 @@ fn what_is_written_by_hand_is_stated() {
     stated.sort();
     assert_eq!(all, stated);
 }
+
+/// Entry points of kernels stand in those files, or are what prints records and translates texts.
+#[test]
+fn no_kernel_stands_anywhere_else() {
+    let printers = [
+        "crates/numbers/src/trace/wgsl.rs",
+        "crates/numbers/src/trace/cuda.rs",
+        "crates/cuda/src/wgsl/entries.rs",
+    ];
+    let root = Path::new(ROOT);
+    let crates = fs::read_dir(root.join("crates")).unwrap();
+    let sources = crates.map(|entry| entry.unwrap().path().join("src"));
+    let sources =
+        sources.filter(|path| path.is_dir() && !path.starts_with(root.join("crates/render")));
+    let mut found = Vec::new();
+    for path in sources.flat_map(|path| below(&path, "rs")) {
+        let text = fs::read_to_string(&path).unwrap();
+        let is_test = path.file_name().is_some_and(|name| name == "tests.rs");
+        if !is_test && (text.contains("@compute") || text.contains("__global__")) {
+            let path = path.strip_prefix(root).unwrap();
+            found.push(path.to_string_lossy().into_owned());
+        }
+    }
+    found.sort();
+    let mut printers = printers.map(String::from);
+    printers.sort();
+    assert_eq!(found, printers);
+    let page = fs::read_dir(root.join("web/src/transport")).unwrap();
+    for entry in page {
+        let path = entry.unwrap().path();
+        let has = |text: String| text.contains("@compute");
+        assert!(!fs::read_to_string(&path).is_ok_and(has), "{path:?}");
+    }
+}

@@ -4,9 +4,13 @@
 //! CUDA): `cards [--device gpu|gpu:NAME|cuda|cuda:NUMBER] [--worlds COUNT,COUNT…] [--only SCENES]`.
 //! Without a name any card is taken, but no program that stands in for one; of scenes those whose names begin so.
 
+mod alone;
+mod contacts;
 mod copies;
 mod ground;
 
+use alone::{Alone, alone, recorded};
+use contacts::solving;
 use copies::bandwidth;
 use ground::on_the_ground;
 use kinetarium::DeviceChoice;
@@ -16,12 +20,10 @@ use kinetarium::gpu::Gpu;
 use kinetarium::model::examples::{self, Start, bowl, chain, pyramid, towers};
 use kinetarium::model::{Model, ModelError};
 use kinetarium::numbers::trace::Work;
-use kinetarium::numbers::{Cpu, Shared};
-use kinetarium::rigid::{Settings, Solver};
+use kinetarium::rigid::Settings;
 use kinetarium::sim::{
-    Control, Device, Quantity, Simulation, SimulationError, SimulationSettings, SolverKind,
+    Control, Device, Quantity, Simulation, SimulationError, SimulationSettings, SolverKind, Stage,
 };
-use records::Programs;
 use std::error::Error;
 use std::time::Instant;
 
@@ -85,16 +87,52 @@ fn measure<C: piles::Card + Device<f32>>(
         ),
         ("humanoid, all contacts", humanoid, 0.003),
     ];
-    for (name, model, time_step) in scenes {
+    for (name, model, time_step) in scenes.clone() {
         if name.starts_with(only) {
             table(card, bandwidth, (name, &model, time_step), counts)?;
         }
     }
-    large_piles(card, only)?;
-    many_piles(card, only, counts)
+    println!("\nKernels by themselves, launched one after the other; medians of {REPETITIONS}.\n");
+    println!("| scene | worlds | kernel | microseconds | bytes a world | GB/s | of a copy's |");
+    println!("|---|--:|---|--:|--:|--:|--:|");
+    for (name, model, time_step) in scenes {
+        let most = counts.iter().max().filter(|_| name.starts_with(only));
+        if let Some(count) = most {
+            let worlds = started(card, &model, &Settings::new(time_step), *count)?;
+            kernels(card, bandwidth, name, worlds)?;
+        }
+    }
+    large_piles(card, bandwidth, only)?;
+    many_piles(card, bandwidth, only, counts)
 }
 
-fn large_piles(card: &dyn Device<f32>, only: &str) -> Result<(), Box<dyn Error>> {
+/// Each kernel of worlds of robots that have fallen.
+fn kernels(
+    card: &dyn Device<f32>,
+    bandwidth: f64,
+    name: &str,
+    mut worlds: Simulation<f32>,
+) -> Result<(), Box<dyn Error>> {
+    let count = worlds.worlds();
+    worlds.try_step(FALL)?;
+    for Alone {
+        kernel,
+        seconds,
+        bytes,
+    } in alone(card, &mut worlds)?
+    {
+        let speed = (count as u64 * bytes) as f64 / seconds;
+        println!(
+            "| {name} | {count} | {kernel} | {:.1} | {bytes} | {:.1} | {:.0} % |",
+            1e6 * seconds,
+            speed * 1e-9,
+            100.0 * speed / bandwidth,
+        );
+    }
+    Ok(())
+}
+
+fn large_piles(card: &dyn Device<f32>, bandwidth: f64, only: &str) -> Result<(), Box<dyn Error>> {
     println!(
         "\nOne world of many bodies that touch, steps per second; of these, left to the processor.\n"
     );
@@ -103,17 +141,22 @@ fn large_piles(card: &dyn Device<f32>, only: &str) -> Result<(), Box<dyn Error>>
     let mut stages = Vec::new();
     for model in [towers(100, 10)?, towers(1000, 10)?, bowl(10_000)?] {
         if model.name.starts_with(only) {
-            let figures =
-                pile(card, &model).unwrap_or_else(|told| (format!("{told} | | |"), Stages::new()));
+            let figures = pile(card, &model)
+                .unwrap_or_else(|told| (format!("{told} | | |"), Stages::default()));
             println!("| {} | {} | {}", model.name, model.bodies.len(), figures.0);
             stages.push((model.name.clone(), figures.1));
         }
     }
-    print_stages(&stages);
+    print_stages(bandwidth, &stages);
     Ok(())
 }
 
-fn many_piles(card: &dyn Device<f32>, only: &str, counts: &[usize]) -> Result<(), Box<dyn Error>> {
+fn many_piles(
+    card: &dyn Device<f32>,
+    bandwidth: f64,
+    only: &str,
+    counts: &[usize],
+) -> Result<(), Box<dyn Error>> {
     println!("\nMany worlds of few bodies that touch, world-steps per second.\n");
     println!("| pile | worlds | many steps a call | one | left | first step |");
     println!("|---|--:|--:|--:|--:|--:|");
@@ -121,24 +164,45 @@ fn many_piles(card: &dyn Device<f32>, only: &str, counts: &[usize]) -> Result<()
     for model in [pyramid(3)?, examples::pile(30)?] {
         for &worlds in counts.iter().filter(|_| model.name.starts_with(only)) {
             let figures = piles(card, &model, worlds)
-                .unwrap_or_else(|told| (format!("{told} | | | |"), Stages::new()));
+                .unwrap_or_else(|told| (format!("{told} | | | |"), Stages::default()));
             println!("| {} | {worlds} | {}", model.name, figures.0);
             stages.push((format!("{worlds} of {}", model.name), figures.1));
         }
     }
-    print_stages(&stages);
+    print_stages(bandwidth, &stages);
     Ok(())
 }
 
-fn print_stages(piles: &[(String, Stages)]) {
-    println!("\nThe stages of a step, by the card's clock, in microseconds.\n");
-    for (pile, times) in piles {
-        let all: f64 = times.iter().map(|(_, time)| time).sum();
-        let each = times
-            .iter()
-            .map(|(stage, time)| format!("{stage} {:.1}", 1e6 * time));
-        let each = Vec::from_iter(each);
-        println!("- {pile}: {:.1}: {}", 1e6 * all, each.join(", "));
+fn print_stages(bandwidth: f64, piles: &[(String, Stages)]) {
+    println!(
+        "\nThe stages of a step, by the card's clock, in microseconds (launches); and what tells of it.\n"
+    );
+    for (
+        pile,
+        Stages {
+            step,
+            told,
+            solving,
+        },
+    ) in piles
+    {
+        let all: f64 = step.iter().map(|stage| stage.seconds).sum();
+        let [step, told] = [step, told].map(|stages| {
+            let each = stages
+                .iter()
+                .map(|it| format!("{} {:.1} ({})", it.name, 1e6 * it.seconds, it.launches));
+            Vec::from_iter(each).join(", ")
+        });
+        println!("- {pile}: {:.1}: {step}. {told}.", 1e6 * all);
+        for (name, bytes, seconds) in solving {
+            let speed = bytes / seconds;
+            println!(
+                "  - {name} moves {:.2} MB, at {:.0} GB/s, {:.1} % of a copy's",
+                bytes * 1e-6,
+                speed * 1e-9,
+                100.0 * speed / bandwidth
+            );
+        }
     }
 }
 
@@ -148,8 +212,13 @@ const SETTLING: usize = 250;
 /// Steps before worlds are measured: in these robots have fallen.
 const FALL: usize = 400;
 
-/// What stages of a step take [s].
-type Stages = Vec<(&'static str, f64)>;
+/// What stages of a step take, and what tells of all worlds; and what solving contacts moves in a step [B], and takes [s].
+#[derive(Default)]
+struct Stages {
+    step: Vec<Stage>,
+    told: Vec<Stage>,
+    solving: Vec<(&'static str, f64, f64)>,
+}
 /// Steps that are timed stage by stage.
 const TIMED: usize = 32;
 
@@ -163,9 +232,24 @@ fn pile(card: &dyn Device<f32>, model: &Model) -> Result<(String, Stages), Simul
 }
 
 fn stages(worlds: &mut Simulation<f32>) -> Result<Stages, SimulationError> {
-    let all = worlds.time_stages(TIMED)?;
-    let of_step = |(stage, time)| (stage, time / TIMED as f64);
-    Ok(all.into_iter().map(of_step).collect())
+    let (_, all) = worlds.time_stages(|worlds| worlds.try_step(TIMED).map(|_| ()))?;
+    let of_step = |stage: Stage| Stage {
+        seconds: stage.seconds / TIMED as f64,
+        launches: stage.launches / TIMED as u64,
+        ..stage
+    };
+    let step = Vec::from_iter(all.into_iter().map(of_step));
+    let (_, told) = worlds.time_stages(|worlds| worlds.try_outputs().map(|_| ()))?;
+    let moved = solving(worlds)?;
+    let solving = moved.into_iter().filter_map(|(name, bytes)| {
+        let stage = step.iter().find(|stage| stage.name == name)?;
+        Some((name, bytes, stage.seconds))
+    });
+    Ok(Stages {
+        solving: solving.collect(),
+        step,
+        told,
+    })
 }
 
 /// World-steps per second, in calls of many and of one, the share left to the processor, and how long the first step
@@ -286,31 +370,10 @@ fn table(
 /// Bytes of a world in the card's memory, with those of its scratch, which worlds beyond 65,536 share; and what a step of
 /// world 0 takes, as it is now.
 fn work(worlds: &mut Simulation<f32>) -> Result<(usize, Work), Box<dyn Error>> {
-    let numbers = worlds.numbers_of_world(0)?;
-    let plain = worlds.kernels(0)?.map(Solver::Featherstone);
-    let touching = worlds.kernels(0)?.map(Solver::TouchingFeatherstone);
-    let solver = plain.or(touching).ok_or("the solver has no record")?;
-    let programs = Programs::record(solver)?;
+    let (programs, mut world) = recorded(worlds)?;
     let l = programs.lengths;
-    let single = |x: &[f64]| x.iter().map(|x| *x as f32).collect::<Vec<_>>();
-    let mut memory = [
-        single(&numbers.state),
-        vec![0.0; l.output],
-        vec![0.0; l.scratch],
-    ];
-    let [state, output, scratch] = &mut memory;
-    let work = programs.step.work(&mut Cpu {
-        state,
-        input: &single(&numbers.input),
-        output,
-        scratch,
-        parameters: Shared(&single(&programs.parameters)),
-        links: &programs.links,
-    })?;
-    Ok((
-        (l.state + l.input + l.output + l.scratch) * size_of::<f32>(),
-        work,
-    ))
+    let bytes = (l.state + l.input + l.output + l.scratch) * size_of::<f32>();
+    Ok((bytes, world.work(&programs, &programs.step)?))
 }
 
 /// Of all degrees of freedom of all worlds [N or N·m], all different.

@@ -2,7 +2,7 @@
 
 use crate::{Need, PilesError};
 use numbers::trace::{Members, Program};
-use sim::DeviceError;
+use sim::{DeviceError, Stage};
 use std::fmt::Debug;
 use std::iter::{once, repeat_n};
 use std::ops::Range;
@@ -122,8 +122,8 @@ pub trait Card: Clone + Debug + Send + Sync + 'static {
 
     /// A clock, if it has one.
     fn clock(&self) -> Option<Self::Clock>;
-    /// What stages have taken by it [s].
-    fn times(clock: Self::Clock) -> Vec<(&'static str, f64)>;
+    /// What stages have taken by it.
+    fn times(clock: Self::Clock) -> Vec<Stage>;
     /// Begins to ask for something, some time until it is submitted: nothing else is asked meanwhile. Marked stages are timed
     /// where there is a clock.
     fn commands<'a>(&self, clock: Option<&'a mut Self::Clock>) -> Self::Commands<'a>;
@@ -140,7 +140,7 @@ pub trait Card: Clone + Debug + Send + Sync + 'static {
     ) -> Result<(), DeviceError>;
 }
 
-/// What is asked of a card together.
+/// What is asked of a card together. What it names is kept until then.
 pub trait Commands<C: Card> {
     /// Runs a kernel in so many workgroups.
     fn run(&mut self, kernel: &C::Kernel, bindings: &C::Bindings, workgroups: u32);

@@ -3,6 +3,7 @@
 use crate::Card;
 use crate::joints::Joints;
 use crate::plan;
+use crate::report;
 use crate::scene::Scene;
 use crate::seen::seen;
 use numbers::trace::Members;
@@ -24,11 +25,13 @@ const TEXT: [&str; 10] = [
     include_str!("joints.wgsl"),
 ];
 
-/// The WGSL between the kernels, of so many worlds side by side: what all see, sums, and sorting.
-pub fn texts(worlds: u32) -> [String; 3] {
+/// The WGSL between the kernels, of so many worlds side by side: what all see, sums, and sorting; then, about the kernels
+/// that tell, what these are given, and sums of what they tell.
+pub fn texts(worlds: u32) -> [String; 5] {
     let own = plan::constants(worlds) + &TEXT.concat();
     let [scan, sort] = [include_str!("scan.wgsl"), include_str!("sort.wgsl")].map(String::from);
-    [own, scan, sort]
+    let [given, told] = report::texts();
+    [own, scan, sort, given, told]
 }
 
 /// Storage buffers that it binds, the last two to be read only; and the plan.
@@ -128,7 +131,7 @@ impl<C: Card> Kernels<C> {
     pub fn new(card: &C, scene: &Scene) -> Result<Self, DeviceError> {
         let bindings = card.layout(BINDINGS - READ_ONLY, READ_ONLY);
         let (scanned, sorted) = (card.layout(1, 0), card.layout(2, 1));
-        let [text, scan, sort] = texts(scene.plan.worlds);
+        let [text, scan, sort, ..] = texts(scene.plan.worlds);
         let contact = Members::Seats {
             bodies: row::PREPARED as u32,
             state: ContactTables::new().length as u32,

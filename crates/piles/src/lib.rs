@@ -30,6 +30,7 @@ mod meshes;
 mod pace;
 mod piles;
 mod plan;
+mod report;
 mod room;
 mod scene;
 mod seen;

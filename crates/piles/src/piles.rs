@@ -3,13 +3,14 @@
 use crate::Card;
 use crate::batch::Batch;
 use crate::kernels::Kernels;
+use crate::report::{Reports, Told};
 use crate::scene::{Scene, unsupported};
 use crate::steps::Steps;
 use model::{CollisionFilter, Model};
 use numbers::Memory;
 use rigid::Report;
 use rigid::impulse::Impulse;
-use sim::{DeviceError, DeviceWorlds, Processor};
+use sim::{DeviceError, DeviceWorlds, Processor, Stage};
 use std::ops::Range;
 
 /// Pairs of triangles of two meshes that programs get through: their loops end early, and say nothing.
@@ -22,6 +23,7 @@ pub struct Piles<C: Card> {
     scene: Scene,
     kernels: Kernels<C>,
     steps: Steps<C>,
+    reports: Reports<C>,
     batches: Vec<Batch<C>>,
     /// Steps that the processor has taken.
     left: u64,
@@ -56,6 +58,7 @@ impl<C: Card> Piles<C> {
         });
         let batches = batches.collect::<Result<_, _>>()?;
         Ok(Self {
+            reports: Reports::new(card, &scene, worlds, width.min(worlds))?,
             steps: Steps::new(card, &scene, &kernels)?,
             batches,
             left: 0,
@@ -119,7 +122,6 @@ impl<C: Card> DeviceWorlds<f32> for Piles<C> {
         numbers: Range<usize>,
         input: &Memory<f32>,
     ) -> Result<(), DeviceError> {
-        let numbers = numbers.start..numbers.end.min(self.scene.impulse.lengths().input);
         let batches = self.batches.iter_mut();
         batches.for_each(|batch| batch.control(numbers.clone(), input));
         Ok(())
@@ -132,6 +134,7 @@ impl<C: Card> DeviceWorlds<f32> for Piles<C> {
         });
         self.scene.differ(sets.collect())?;
         self.steps.renew(&self.card, &self.scene)?;
+        self.reports.differs();
         self.batches.iter_mut().for_each(Batch::differs);
         Ok(())
     }
@@ -165,13 +168,13 @@ impl<C: Card> DeviceWorlds<f32> for Piles<C> {
     }
     fn start_clock(&mut self) {
         self.steps.clock = self.card.clock();
+        self.reports.clock = self.card.clock();
     }
-    fn stop_clock(&mut self) -> Vec<(&'static str, f64)> {
-        self.steps.clock.take().map_or(Vec::new(), C::times)
+    fn stop_clock(&mut self) -> Vec<Stage> {
+        let clocks = [self.steps.clock.take(), self.reports.clock.take()];
+        clocks.into_iter().flatten().flat_map(C::times).collect()
     }
-    fn reports(&self) -> bool {
-        false
-    }
+    /// It is told of what is read, when it is.
     fn report(&mut self, _: Report) -> Result<(), DeviceError> {
         Ok(())
     }
@@ -185,7 +188,16 @@ impl<C: Card> DeviceWorlds<f32> for Piles<C> {
         }
         Ok(())
     }
-    fn read_output(&mut self, _: &[Range<usize>], _: &mut Memory<f32>) -> Result<(), DeviceError> {
+    fn read_output(
+        &mut self,
+        numbers: &[Range<usize>],
+        output: &mut Memory<f32>,
+    ) -> Result<(), DeviceError> {
+        for batch in &self.batches {
+            let (card, scene) = (&self.card, &self.scene);
+            self.reports
+                .read(&Told { card, scene, batch }, numbers, output)?;
+        }
         Ok(())
     }
 }

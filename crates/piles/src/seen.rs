@@ -101,11 +101,12 @@ mod tests {
     #[test]
     fn entry_points_see_what_naga_finds_and_a_browser_takes() {
         for worlds in [1, 3] {
-            let [own, scan, sort] = texts(worlds);
+            let [own, scan, sort, given, told] = texts(worlds);
             let own = (own, Vec::from(ENTRIES));
             let scan = (scan, vec!["groups", "sums", "add"]);
             let sort = (sort, vec!["count", "place"]);
-            for (text, names) in [own, scan, sort] {
+            let (given, told) = ((given, vec!["give"]), (told, vec!["add"]));
+            for (text, names) in [own, scan, sort, given, told] {
                 for name in names {
                     let [entry] = seen(&text, [name]);
                     let (sees, storage) = found(&text, name);

@@ -7,6 +7,7 @@ use crate::names::{Table, find, unknown};
 use crate::simulation::{Engine, Precise, each, slice};
 use glam::{DQuat, DVec2, DVec3, Vec3};
 use kinetarium::model::{BodyId, CameraMode, Lamp, LampKind, Pose};
+use kinetarium::sim::OutputPart;
 use numpy::{
     IntoPyArray, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray3, PyUntypedArrayMethods,
 };
@@ -214,12 +215,14 @@ fn placements(py: Python<'_>, engine: &Engine, worlds: &[i64]) -> PyResult<Vec<V
     engine.with(py, |s| {
         each!(s, read, s => {
             let bodies = s.model().bodies.len();
-            let outputs = s.try_outputs()?;
-            let of = |&world: &i64| {
-                let bodies = (0..bodies).map(BodyId);
-                bodies.map(|body| outputs.body_pose(world as usize, body)).collect()
-            };
-            Ok(worlds.iter().map(of).collect())
+            let parts = (0..bodies).map(|body| OutputPart::Motion(BodyId(body)));
+            Ok(s.observe_parts(parts, |_, outputs| {
+                let of = |&world: &i64| {
+                    let bodies = (0..bodies).map(BodyId);
+                    bodies.map(|body| outputs.body_pose(world as usize, body)).collect()
+                };
+                worlds.iter().map(of).collect()
+            })?)
         })
     })
 }

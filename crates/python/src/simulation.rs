@@ -12,8 +12,8 @@ use kinetarium::DeviceChoice;
 use kinetarium::model::BodyId;
 use kinetarium::rigid::{Integrator, Settings};
 use kinetarium::sim::{
-    self, Control, EventKind, Parameter, PlacedShape, Quantity, Ray, ShapeCast, Simulation,
-    SimulationError, SimulationSettings, Snapshot, SolverKind, Watch,
+    self, Control, EventKind, OutputPart, Parameter, PlacedShape, Quantity, Ray, ShapeCast,
+    Simulation, SimulationError, SimulationSettings, Snapshot, SolverKind, Watch,
 };
 use numpy::ndarray::Dimension;
 use numpy::{
@@ -150,7 +150,7 @@ impl Engine {
 }
 
 /// What is reported of worlds.
-const QUANTITIES: Table<Quantity, 18> = [
+const QUANTITIES: Table<Quantity, 19> = [
     ("body_position", Quantity::BodyPosition),
     ("body_orientation", Quantity::BodyOrientation),
     ("body_velocity", Quantity::BodyVelocity),
@@ -169,6 +169,7 @@ const QUANTITIES: Table<Quantity, 18> = [
     ("potential_energy", Quantity::PotentialEnergy),
     ("momentum", Quantity::Momentum),
     ("angular_momentum", Quantity::AngularMomentum),
+    ("capped", Quantity::Capped),
 ];
 
 /// What a controller sets.
@@ -500,8 +501,10 @@ impl Engine {
             each!(s, read, s => {
                 exists(world, s.worlds())?;
                 let bodies = s.model().bodies.len();
-                let outputs = s.try_outputs()?;
-                Ok((0..bodies).map(|b| outputs.asleep(world, BodyId(b))).collect())
+                let parts = (0..bodies).map(|body| OutputPart::Asleep(BodyId(body)));
+                Ok(s.observe_parts(parts, |_, outputs| {
+                    (0..bodies).map(|b| outputs.asleep(world, BodyId(b))).collect()
+                })?)
             })
         })
     }
@@ -510,7 +513,9 @@ impl Engine {
         let contacts = self.with(py, |s| {
             each!(s, read, s => {
                 exists(world, s.worlds())?;
-                Ok(s.try_outputs()?.contacts(world).collect::<Vec<_>>())
+                Ok(s.observe_parts([OutputPart::Contacts], |_, outputs| {
+                    outputs.contacts(world).collect::<Vec<_>>()
+                })?)
             })
         })?;
         let n = contacts.len();

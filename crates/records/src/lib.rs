@@ -7,7 +7,7 @@
 
 mod piles;
 
-pub use piles::{JointPrograms, PilePrograms};
+pub use piles::{JointPrograms, PilePrograms, ReportPrograms};
 
 use numbers::trace::{self, Program, TraceError};
 use rigid::{Kernels, Lengths, Report, Solver};

@@ -4,6 +4,9 @@ use numbers::trace::{Program, TraceError, record};
 use numbers::{Machine, Real};
 use rigid::impulse::joint::{self, JointTables};
 use rigid::impulse::pair::{PairTables, ShapeTables, place};
+use rigid::impulse::report::{
+    BodyReport, ContactReport, FreeReport, TieReport, tell_body, tell_contact, tell_free, tell_tie,
+};
 use rigid::impulse::sums::{SumTables, add};
 use rigid::impulse::{BodyTables, ContactTables, blow, body, contact};
 
@@ -43,6 +46,34 @@ pub struct PilePrograms {
     pub push: Program,
     /// A contact that does not.
     pub relax: Program,
+}
+
+/// What tells of things, as records: of each kind of [`Thing`](rigid::impulse::report::Thing).
+#[derive(Clone, Debug)]
+pub struct ReportPrograms {
+    /// A body.
+    pub body: Program,
+    /// A free joint along which nothing acts.
+    pub free: Program,
+    /// Any other joint.
+    pub tie: Program,
+    /// A contact.
+    pub contact: Program,
+}
+
+impl ReportPrograms {
+    /// Records them.
+    ///
+    /// # Errors
+    /// The kernels do what a record cannot express.
+    pub fn record() -> Result<Self, TraceError> {
+        Ok(Self {
+            body: record(|k| tell_body(k, &BodyReport::new()))?,
+            free: record(|k| tell_free(k, &FreeReport::new()))?,
+            tie: record(|k| tell_tie(k, &TieReport::new()))?,
+            contact: record(|k| tell_contact(k, &ContactReport::new()))?,
+        })
+    }
 }
 
 /// What is done to joints, as records. Parameters are those of [`JointTables`].

@@ -135,6 +135,16 @@ impl OutputTables {
             length: end,
         }
     }
+    /// Where all that is told of contacts, which begins with [`contact`](Self::contact), ends.
+    pub fn contacts_end(&self) -> usize {
+        self.asleep.map_or(self.length, |asleep| asleep.start())
+    }
+    /// Whether each row of contacts names its shapes.
+    pub fn names_contacts(&self) -> bool {
+        let next = self.contact_torque.map(|torque| torque.start());
+        let next = next.or(self.asleep.map(|asleep| asleep.start()));
+        self.touching.start() < next.unwrap_or(self.length)
+    }
     /// The same, with room for so many points of contact.
     pub fn with_contacts(self, contacts: usize) -> Self {
         let mut end = self.contact.start();

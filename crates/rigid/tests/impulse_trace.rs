@@ -6,9 +6,13 @@ mod shader;
 
 use kinetarium_rigid::impulse::joint::{self, JointTables, ROWS, axis_link};
 use kinetarium_rigid::impulse::pair::{ShapeTables, place};
+use kinetarium_rigid::impulse::report::{
+    BodyReport, ContactReport, FreeReport, ReportLengths, TieReport, tell_body, tell_contact,
+    tell_free, tell_tie,
+};
 use kinetarium_rigid::impulse::sums::{SumTables, add};
 use kinetarium_rigid::impulse::{
-    BodyTables, ContactTables, POINTS, blow, body, contact, manifold, point,
+    BodyTables, ContactTables, POINTS, blow, body, contact, manifold, point, remembered,
 };
 use kinetarium_rigid::impulse::{global, mass, row};
 use numbers::trace::{self, PrintOptions};
@@ -55,12 +59,18 @@ kernels! {
     PushJoint(k) = joint::solve(k, &JointTables::new(), M::R::one());
     RelaxJoint(k) = joint::solve(k, &JointTables::new(), M::R::zero());
     StrikeJoint(k) = joint::strike(k, &JointTables::new());
+    TellBody(k) = tell_body(k, &BodyReport::new());
+    TellFree(k) = tell_free(k, &FreeReport::new());
+    TellTie(k) = tell_tie(k, &TieReport::new());
+    TellContact(k) = tell_contact(k, &ContactReport::new());
 }
 
 /// The memories of one lane, full of numbers of any kind.
 #[derive(Clone)]
 struct Lane {
     state: Vec<f32>,
+    input: Vec<f32>,
+    output: Vec<f32>,
     scratch: Vec<f32>,
     parameters: Vec<f32>,
     links: Vec<u32>,
@@ -94,14 +104,23 @@ impl Lane {
             parameters: some(seed + 2)
                 .take(global::WIDTH + mass::WIDTH + 32)
                 .collect(),
+            input: Vec::new(),
+            output: Vec::new(),
             links,
         }
+    }
+    /// That tells; of contacts, of a shape that does not move, and one that does.
+    fn report(seed: u32, lengths: ReportLengths) -> Self {
+        let mut lane = Self::of(seed, lengths.state, vec![7, 1, 9, 0]);
+        lane.input = some(seed + 3).take(lengths.given).collect();
+        lane.output = vec![0.0; lengths.told];
+        lane
     }
     fn cpu(&mut self) -> Cpu<'_, f32, Shared<'_, f32>> {
         Cpu {
             state: &mut self.state,
-            input: &[],
-            output: &mut [],
+            input: &self.input,
+            output: &mut self.output,
             scratch: &mut self.scratch,
             parameters: Shared(&self.parameters),
             links: &self.links,
@@ -112,6 +131,7 @@ impl Lane {
         self.state
             .iter()
             .chain(&self.scratch)
+            .chain(&self.output)
             .map(canonical)
             .collect()
     }
@@ -168,4 +188,22 @@ fn kernels_of_joints_record_well() {
     records_well_in(&PushJoint, Lane::joint, 0..=3);
     records_well_in(&RelaxJoint, Lane::joint, 0..=0);
     records_well_in(&StrikeJoint, Lane::joint, 0..=0);
+}
+
+#[test]
+fn kernels_that_tell_record_well() {
+    let body = |seed, _| Lane::report(seed, BodyReport::new().lengths);
+    let free = |seed, _| Lane::report(seed, FreeReport::new().lengths);
+    let tie = |seed, _| Lane::report(seed, TieReport::new().lengths);
+    records_well_in(&TellBody, body, 0..=0);
+    records_well_in(&TellFree, free, 0..=0);
+    records_well_in(&TellTie, tie, 0..=0);
+    let contact = |seed, points: u32| {
+        let mut lane = Lane::report(seed, ContactReport::new().lengths);
+        lane.input[remembered::SHAPES] = (seed / 1000 % 2) as f32;
+        lane.input[remembered::SHAPES + 1] = (seed / 2000 % 2) as f32;
+        lane.input[remembered::POINTS] = points as f32;
+        lane
+    };
+    records_well_in(&TellContact, contact, 1..=POINTS as u32);
 }

@@ -9,11 +9,11 @@ use crate::random::{Draw, Source};
 use crate::sensor::{Sensor, SensorKind, directions};
 use crate::{ImageNoise, SensorError};
 use glam::DVec3;
-use model::{BodyId, Model, Mount, Pose, hint};
+use model::{BodyId, JointId, Model, Mount, Pose, hint};
 use numbers::Float;
 use rayon::prelude::*;
 use render::Images;
-use sim::{Diverged, Outputs, Ray, Simulation};
+use sim::{Diverged, OutputPart, Outputs, Ray, Simulation};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -82,6 +82,8 @@ pub(crate) struct Channel<T> {
     rays: Vec<DVec3>,
     /// Of a sensor of contacts: the rows of contacts that may be of its body.
     rows: Vec<usize>,
+    /// What of the outputs it measures by.
+    parts: Vec<OutputPart>,
     pub camera: Option<Camera>,
 }
 
@@ -146,10 +148,13 @@ impl<T: Float> Sensors<T> {
         let channel = |sensor| Channel::new(sensor, (&*model, &mut renderers), worlds, seed);
         let channels = sensors.into_iter().map(channel);
         let mut channels = channels.collect::<Result<Vec<_>, _>>()?;
-        let outputs = simulation.try_outputs()?;
-        for channel in &mut channels {
-            channel.rows = contact_rows(&channel.sensor.kind, &model, &outputs);
-        }
+        simulation.observe_parts([], |_, outputs| {
+            for channel in &mut channels {
+                let kind = &channel.sensor.kind;
+                channel.rows = contact_rows(kind, &model, outputs);
+                channel.parts = parts(kind, &model, &channel.rows);
+            }
+        })?;
         let mut sensors = Self {
             model,
             solver: (simulation.solver(), simulation.settings().contacts),
@@ -273,11 +278,18 @@ impl<T: Float> Sensors<T> {
         self.recognise(simulation)?;
         self.look_at_worlds(simulation);
         let h = simulation.settings().step.time_step;
-        for channel in &mut self.channels {
-            if channel.find_due(simulation, h, &self.worlds) {
-                channel.sample(simulation, &self.worlds)?;
-                channel.note(simulation);
-            }
+        let (worlds, channels) = (&self.worlds, self.channels.iter_mut());
+        let due = channels.filter_map(|channel| {
+            let is_due = channel.find_due(simulation, h, worlds);
+            is_due.then_some(channel)
+        });
+        let due = Vec::from_iter(due);
+        // All at once, as what a device is asked for takes its time.
+        let parts = due.iter().flat_map(|channel| channel.parts.iter().copied());
+        simulation.observe_parts(parts, |_, _| ())?;
+        for channel in due {
+            channel.sample(simulation, worlds)?;
+            channel.note(simulation);
         }
         Ok(())
     }
@@ -366,6 +378,7 @@ impl<T: Float> Channel<T> {
             walk: vec![0.0; if errors.walks() { worlds * n } else { 0 }],
             rays: directions(&sensor.kind),
             rows: Vec::new(),
+            parts: Vec::new(),
             errors,
             camera,
             sensor,
@@ -433,7 +446,8 @@ impl<T: Float> Channel<T> {
                 let n = self.each();
                 let (samples, rows) = (&self.samples, &self.rows[..]);
                 let (numbers, measured, told) = (&mut self.numbers, self.measured, &self.part);
-                simulation.observe(|simulation, outputs| {
+                let parts = self.parts.iter().copied();
+                simulation.observe_parts(parts, |simulation, outputs| {
                     in_parts(n, (numbers, &mut []), |part| {
                         let mut whole = vec![T::zero(); measured];
                         for (i, numbers) in part.numbers.chunks_exact_mut(n).enumerate() {
@@ -467,7 +481,7 @@ impl<T: Float> Channel<T> {
         let (samples, errors) = (&self.samples, &self.errors);
         let draw = |world: usize| samples[world].draw(world, worlds[world].episode);
         let memories = (&mut self.numbers[..], &mut self.walk[..]);
-        simulation.observe(|simulation, _| {
+        simulation.observe_parts([], |simulation, _| {
             in_parts(n, memories, |part| {
                 let worlds = part.first..part.first + part.numbers.len() / n;
                 errors.apply(simulation.isa(), worlds.filter_map(draw), n, part);
@@ -484,7 +498,8 @@ impl<T: Float> Channel<T> {
     ) -> Result<(), SensorError> {
         let due = self.due();
         let directions = &self.rays;
-        let rays: Vec<Ray> = simulation.observe(|simulation, outputs| {
+        let parts = self.parts.iter().copied();
+        let rays: Vec<Ray> = simulation.observe_parts(parts, |simulation, outputs| {
             let of = |&world: &usize| {
                 let at = Look {
                     simulation,
@@ -528,7 +543,8 @@ impl<T: Float> Channel<T> {
             return Ok(());
         };
         let source = *self.errors.source();
-        simulation.observe(|simulation, outputs| {
+        let parts = self.parts.iter().copied();
+        simulation.observe_parts(parts, |simulation, outputs| {
             let bodies = simulation.model().bodies.len();
             let of = |draw: &Draw| -> Vec<Pose> {
                 let pose = |body| outputs.body_pose(draw.world, BodyId(body));
@@ -553,6 +569,41 @@ fn contact_rows<T: Float>(
             outputs.contact_rows(|shape| model.shapes[shape.0].body == Some(*body))
         }
         _ => Vec::new(),
+    }
+}
+
+/// What of the outputs a sensor measures by, whose contacts may stand in these rows.
+fn parts(kind: &SensorKind, model: &Model, rows: &[usize]) -> Vec<OutputPart> {
+    use OutputPart::*;
+    let mounts = |mounts: [&Mount; 2]| {
+        let bodies = mounts.into_iter().filter_map(|mount| mount.body);
+        bodies.map(Motion).collect()
+    };
+    let axes = |joint: JointId| [Coordinates(joint), Velocities(joint)];
+    let contacts = rows.iter().map(|row| ContactRow(*row));
+    let bodies = (0..model.bodies.len()).map(|body| Motion(BodyId(body)));
+    match kind {
+        SensorKind::JointPosition { joints } => joints.iter().map(|j| Coordinates(*j)).collect(),
+        SensorKind::JointVelocity { joints } => joints.iter().map(|j| Velocities(*j)).collect(),
+        SensorKind::JointEffort { joints } => joints.iter().flat_map(|j| axes(*j)).collect(),
+        SensorKind::ActuatorForce { actuators } => {
+            let joints = actuators.iter().map(|row| model.actuators[*row].joint);
+            joints.flat_map(axes).collect()
+        }
+        SensorKind::Imu { mount } => {
+            let of = |body| [Motion(body), Acceleration(body)];
+            mount.body.into_iter().flat_map(of).collect()
+        }
+        SensorKind::ForceTorque { joint, .. } => {
+            vec![Motion(model.joints[joint.0].child), Reaction(*joint)]
+        }
+        SensorKind::Touch { .. } => contacts.collect(),
+        SensorKind::ContactForce { body, .. } => contacts.chain([Motion(*body)]).collect(),
+        SensorKind::FramePose { mount, relative_to } => mounts([mount, relative_to]),
+        SensorKind::FrameVelocity { mount, .. }
+        | SensorKind::Rangefinder { mount, .. }
+        | SensorKind::Lidar { mount, .. } => mounts([mount, mount]),
+        SensorKind::CenterOfMass { .. } | SensorKind::Camera { .. } => bodies.collect(),
     }
 }
 

@@ -6,6 +6,7 @@
 
 use crate::controls::Changes;
 use crate::engine::Task;
+use crate::ranges::Ranges;
 use model::{CollisionFilter, Model};
 use numbers::{Float, Memory};
 use rigid::impulse::Impulse;
@@ -79,17 +80,14 @@ pub trait DeviceWorlds<T: Float>: Send + Sync {
     fn left(&self) -> u64 {
         0
     }
-    /// Begins to measure what the stages of its steps take, where it has a clock.
+    /// Begins to measure what the stages of its steps, and what it tells, take, where it has a clock.
     fn start_clock(&mut self) {}
-    /// Ends that: how long stages have taken [s], in their order.
-    fn stop_clock(&mut self) -> Vec<(&'static str, f64)> {
+    /// Ends that: what stages have taken, in their order.
+    fn stop_clock(&mut self) -> Vec<Stage> {
         Vec::new()
     }
-    /// Whether it reports; else the processor does, from the state.
-    fn reports(&self) -> bool {
-        true
-    }
-    /// Fills the output of all worlds from their state and controls.
+    /// Fills the output of all worlds from their state and controls, or makes ready to do so for those of its numbers that
+    /// are read before the next step.
     fn report(&mut self, report: Report) -> Result<(), DeviceError>;
     /// Copies these numbers of the state of all worlds; the others of `state` stay.
     fn read_state(
@@ -97,7 +95,7 @@ pub trait DeviceWorlds<T: Float>: Send + Sync {
         rows: &[Range<usize>],
         state: &mut Memory<T>,
     ) -> Result<(), DeviceError>;
-    /// Copies these numbers of the output of all worlds; the others of `output` stay.
+    /// Copies these numbers of the output of all worlds, ranges in their order that do not meet; the others of `output` stay.
     fn read_output(
         &mut self,
         rows: &[Range<usize>],
@@ -120,6 +118,30 @@ pub trait DeviceWorlds<T: Float>: Send + Sync {
     /// Where the output of all worlds lies, as the controls.
     fn output_address(&self) -> Result<Option<Address>, DeviceError> {
         Ok(None)
+    }
+}
+
+/// What a stage has taken on a device, by its clock.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stage {
+    /// Which one.
+    pub name: &'static str,
+    /// How long it has taken [s].
+    pub seconds: f64,
+    /// Kernels that were launched.
+    pub launches: u64,
+}
+
+impl Stage {
+    /// Adds it to what stages of its name have taken.
+    pub fn add_to(self, stages: &mut Vec<Self>) {
+        match stages.iter_mut().find(|stage| stage.name == self.name) {
+            Some(known) => {
+                known.seconds += self.seconds;
+                known.launches += self.launches;
+            }
+            None => stages.push(self),
+        }
     }
 }
 
@@ -153,8 +175,8 @@ pub(crate) struct Remote<T> {
     /// Whether the host's state is that of all worlds.
     state_known: bool,
     parameters_set: bool,
-    /// Whether all that the device has reported is known.
-    output_known: bool,
+    /// What is known of all that the device has reported.
+    output_known: Ranges,
     /// The controls that others may set on the device.
     shared: Vec<Range<usize>>,
 }
@@ -168,7 +190,7 @@ impl<T: Float> Remote<T> {
             set: (0..worlds).collect(),
             state_known: true,
             parameters_set: false,
-            output_known: false,
+            output_known: Ranges::default(),
             shared: Vec::new(),
         }
     }
@@ -211,7 +233,9 @@ impl<T: Float> Remote<T> {
             self.parameters_set = false;
         }
         for controls in host.changes.take() {
-            self.worlds.write_input(controls, host.input)?;
+            // Some solvers read fewer than there are.
+            let numbers = controls.start..controls.end.min(host.input.length());
+            self.worlds.write_input(numbers, host.input)?;
         }
         self.set.sort_unstable();
         self.set.dedup();
@@ -237,12 +261,8 @@ impl<T: Float> Remote<T> {
         self.worlds.start_clock();
     }
     /// Ends that.
-    pub fn stop_clock(&mut self) -> Vec<(&'static str, f64)> {
+    pub fn stop_clock(&mut self) -> Vec<Stage> {
         self.worlds.stop_clock()
-    }
-    /// Whether the device reports.
-    pub fn reports(&self) -> bool {
-        self.worlds.reports()
     }
     /// Performs a task on all worlds, after the host has told all it has set.
     pub fn perform(
@@ -257,7 +277,7 @@ impl<T: Float> Remote<T> {
                 self.worlds.step(substeps, processor)
             }
             Task::Report(report) => {
-                self.output_known = false;
+                self.output_known.clear();
                 self.worlds.report(report)
             }
         }
@@ -280,12 +300,12 @@ impl<T: Float> Remote<T> {
     /// The same of the output.
     pub fn read_output(
         &mut self,
-        rows: &[Range<usize>],
+        numbers: Ranges,
         output: &mut Memory<T>,
     ) -> Result<(), DeviceError> {
-        if !self.output_known && self.reports() {
-            self.worlds.read_output(rows, output)?;
-            self.output_known = matches!(rows, [row] if *row == (0..output.length()));
+        if !self.output_known.covers(&numbers) {
+            self.worlds.read_output(numbers.as_slice(), output)?;
+            self.output_known.include(numbers);
         }
         Ok(())
     }

@@ -6,6 +6,7 @@ use crate::{Outputs, Quantity, Simulation, SimulationError};
 use glam::DVec3;
 use model::{BodyId, JointId, Model, ShapeId};
 use numbers::Float;
+use rigid::Report;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Something that happened in a world.
@@ -323,9 +324,13 @@ impl<T: Float> Simulation<T> {
 
     /// Makes known what is watched of the present state, and no more.
     fn fetch_watched(&mut self, watch: Watch) -> Result<(), SimulationError> {
-        // Which bodies sleep is told behind the contacts.
-        if watch.contacts || watch.persisting_contacts || watch.sensors || watch.sleep {
+        if watch.contacts || watch.persisting_contacts || watch.sensors {
             self.fetch(Quantity::ContactWrench)?;
+        }
+        let tables = &self.output_tables;
+        if let (true, Some(asleep)) = (watch.sleep, tables.asleep) {
+            let bodies = asleep.start()..tables.length;
+            self.fetch_numbers(Report::Motion, [bodies])?;
         }
         if watch.limits {
             self.fetch(Quantity::JointPosition)?;

@@ -59,6 +59,9 @@ pub enum Quantity {
     Momentum,
     /// Angular momentum [kg·m²/s] about the world's origin, one row of 3.
     AngularMomentum,
+    /// How often a cap on a force or displacement has bitten since the world was reset, with `xpbd`; how many contacts there
+    /// was no room to remember, with `impulse`; else zero: one row.
+    Capped,
 }
 
 /// Numbers of a force and a torque.
@@ -140,7 +143,7 @@ impl Quantity {
     /// The numbers of the output that it is made of.
     pub(crate) fn made_of(self, t: &OutputTables, model: &Model) -> Vec<Range<usize>> {
         let bodies = t.body.start()..t.body_acceleration.start();
-        let contacts = t.contact.start()..t.length;
+        let contacts = t.contact.start()..t.contacts_end();
         match self.source(t, model) {
             Source::Output(rows) => rows.ranges(),
             Source::Contacts => vec![contacts],
@@ -179,6 +182,7 @@ impl Quantity {
             Self::PotentialEnergy => Rows::of(t.total, 1, total::POTENTIAL, 1),
             Self::Momentum => Rows::of(t.total, 1, total::MOMENTUM, 3),
             Self::AngularMomentum => Rows::of(t.total, 1, total::ANGULAR_MOMENTUM, 3),
+            Self::Capped => Rows::of(t.total, 1, total::CAPPED, 1),
             Self::ContactWrench => return Source::Contacts,
             Self::SpatialContactForce => return Source::SpatialContacts,
             Self::CenterOfMass => return Source::Spatial(Spatial::Center),

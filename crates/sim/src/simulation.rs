@@ -9,9 +9,12 @@ use crate::events::Watcher;
 use crate::impulse::Piles;
 use crate::jobs::Lane;
 use crate::queries::scene::Scenes;
+use crate::ranges::Ranges;
 use crate::scratch::Scratch;
 use crate::threads::Threads;
-use crate::{Controls, Device, Inputs, Outputs, Quantity, SimulationSettings, Snapshot};
+use crate::{
+    Controls, Device, Inputs, OutputPart, Outputs, Quantity, SimulationSettings, Snapshot, Stage,
+};
 use model::{Model, unit_quaternion};
 use numbers::dispatch::Isa;
 use numbers::{Float, Memory};
@@ -276,21 +279,22 @@ impl<T: Float> Simulation<T> {
     pub fn left_to_processor(&self) -> u64 {
         self.remote.as_ref().map_or(0, Remote::left)
     }
-    /// Takes steps, and tells how long the stages of `impulse` took by the clock of a graphics card [s], in their order;
-    /// none on the processor, of other solvers, and of cards without a clock. Steps are slower while they are timed.
+    /// Runs something, and tells what the stages of steps of `impulse`, and what tells of its worlds, took by the clock of a
+    /// graphics card, in their order; none on the processor, of other solvers, and of cards without a clock. All is slower
+    /// while it is timed.
     ///
     /// # Errors
-    /// Worlds are on a device, and it fails.
-    pub fn time_stages(
+    /// What is run fails.
+    pub fn time_stages<R, E>(
         &mut self,
-        steps: usize,
-    ) -> Result<Vec<(&'static str, f64)>, SimulationError> {
+        run: impl FnOnce(&mut Self) -> Result<R, E>,
+    ) -> Result<(R, Vec<Stage>), E> {
         if let Some(remote) = &mut self.remote {
             remote.start_clock();
         }
-        let stepped = self.try_step(steps).map(|_| ());
+        let result = run(self);
         let times = self.remote.as_mut().map_or(Vec::new(), Remote::stop_clock);
-        stepped.map(|()| times)
+        result.map(|result| (result, times))
     }
     /// Number of threads that run.
     pub fn threads(&self) -> usize {
@@ -524,7 +528,8 @@ impl<T: Float> Simulation<T> {
 
     /// Gives worlds models of their own. Where all bodies are is reported once, for all of them.
     pub(crate) fn give_own(&mut self, models: Vec<(usize, Own<T>)>) -> Result<(), SimulationError> {
-        self.try_outputs()?;
+        self.fetch_controls()?;
+        self.fetch_motion()?;
         self.fetch_state()?;
         // By now the device knows what it was given before.
         if let Some(remote) = &self.remote {
@@ -668,13 +673,9 @@ impl<T: Float> Simulation<T> {
         Ok(self.last_reported())
     }
     fn report_everything(&mut self) -> Result<(), SimulationError> {
-        self.report(Report::Everything)?;
         self.fetch_controls()?;
-        if let Some(remote) = &mut self.remote {
-            let all = 0..self.output.length();
-            remote.read_output(std::slice::from_ref(&all), &mut self.output)?;
-        }
-        Ok(())
+        let all = 0..self.output.length();
+        self.fetch_numbers(Report::Everything, [all])
     }
 
     /// Copies a quantity of all worlds at the present state, `out[world][row][number]`, in the threads of the
@@ -703,12 +704,26 @@ impl<T: Float> Simulation<T> {
     }
     /// Makes what a quantity of the present state is made of known.
     pub(crate) fn fetch(&mut self, quantity: Quantity) -> Result<(), SimulationError> {
-        self.report(quantity.needs())?;
-        if let Some(remote) = &mut self.remote {
-            let rows = quantity.made_of(&self.output_tables, &self.model);
-            remote.read_output(&rows, &mut self.output)?;
+        let rows = quantity.made_of(&self.output_tables, &self.model);
+        self.fetch_numbers(quantity.needs(), rows)
+    }
+    /// Makes known where all bodies are, and how they move.
+    pub(crate) fn fetch_motion(&mut self) -> Result<(), SimulationError> {
+        let table = self.output_tables.body;
+        let bodies = table.start()..table.at(self.model.bodies.len(), 0);
+        self.fetch_numbers(Report::Motion, [bodies])
+    }
+    /// Makes these numbers of the output known, for which so much of it has to be of the present state.
+    pub(crate) fn fetch_numbers(
+        &mut self,
+        needs: Report,
+        numbers: impl IntoIterator<Item = Range<usize>>,
+    ) -> Result<(), SimulationError> {
+        self.report(needs)?;
+        match &mut self.remote {
+            Some(remote) => Ok(remote.read_output(Ranges::of(numbers), &mut self.output)?),
+            None => Ok(()),
         }
-        Ok(())
     }
 
     /// Brings at least what is needed of the output to the present state, where the worlds are.
@@ -739,6 +754,31 @@ impl<T: Float> Simulation<T> {
         look: impl FnOnce(&Self, &Outputs<'_, T>) -> R + Send,
     ) -> Result<R, SimulationError> {
         self.report_everything()?;
+        Ok(self.threads.run(|| look(self, &self.last_reported())))
+    }
+
+    /// As [`observe`](Simulation::observe), of outputs of which only these parts are of the present state; all that sets
+    /// and drives worlds is. On the processor no more is worked out than they take, and of a device no more is read.
+    ///
+    /// Panics where a part does not exist, as an array would.
+    ///
+    /// # Errors
+    /// Worlds are on a device, and it fails.
+    pub fn observe_parts<R: Send>(
+        &mut self,
+        parts: impl IntoIterator<Item = OutputPart>,
+        look: impl FnOnce(&Self, &Outputs<'_, T>) -> R + Send,
+    ) -> Result<R, SimulationError> {
+        let mut needs = None;
+        let mut numbers = Vec::new();
+        for part in parts {
+            needs = needs.max(Some(part.needs()));
+            numbers.extend(part.numbers(&self.output_tables, &self.model));
+        }
+        self.fetch_controls()?;
+        if let Some(needs) = needs {
+            self.fetch_numbers(needs, numbers)?;
+        }
         Ok(self.threads.run(|| look(self, &self.last_reported())))
     }
 
@@ -787,11 +827,9 @@ impl<T: Float> Simulation<T> {
             self.moves();
         }
         self.tell()?;
-        let elsewhere = |remote: &&mut Remote<T>| steps || remote.reports();
         let (engine, threads, lane) = (&*self.shared.engine, &self.threads, self.lane());
         let shared = self.own.is_empty();
-        let Some(remote) = self.remote.as_mut().filter(elsewhere) else {
-            self.fetch_state()?;
+        let Some(remote) = &mut self.remote else {
             self.perform_here(task);
             return Ok(());
         };

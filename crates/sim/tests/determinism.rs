@@ -553,7 +553,7 @@ const GOLDEN: [[[u64; 2]; 5]; 2] = [
 const GOLDEN_HEAP: [[u64; 2]; 3] = [
     [0x3a8f_dc83_bb13_ccde, 0x454a_6c44_6d52_e287],
     [0x2df2_9a7d_bf1d_86a4, 0x0ead_d107_4a9a_0624],
-    [0xfdd5_27b4_e992_d821, 0xd5fe_6787_8ae1_b594],
+    [0x26d6_55ff_127e_8f35, 0xa9e8_88c2_c1b8_34aa],
 ];
 
 /// For the humanoid that struggles on the ground, by `featherstone` and by `xpbd`, f32 and f64.

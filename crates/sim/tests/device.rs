@@ -1,14 +1,15 @@
 //! What a simulation asks of a device that does not run all solvers.
 
 use kinetarium_sim::{
-    Device, DeviceError, DeviceWorlds, EventKind, Processor, Simulation, SimulationError,
-    SimulationSettings, SolverKind, Watch,
+    Device, DeviceError, DeviceWorlds, EventKind, OutputPart, Processor, Quantity, Simulation,
+    SimulationError, SimulationSettings, SolverKind, Watch,
 };
-use model::Model;
 use model::examples::{Start, chain, tower};
+use model::{BodyId, JointId, Model};
 use numbers::Memory;
 use rigid::{Report, Solver};
 use std::ops::Range;
+use std::sync::{Arc, Mutex};
 
 /// One that has no memory, and runs no `impulse`.
 struct Full;
@@ -133,4 +134,92 @@ fn a_solver_that_is_named_and_does_not_run_there_is_refused() {
     );
     let told = told.to_string();
     assert!(told.contains("impulse") && told.contains("full"), "{told}");
+}
+
+/// One that notes which numbers of the output are read.
+struct Noting(Arc<Mutex<Vec<Vec<Range<usize>>>>>);
+
+impl Device<f32> for Noting {
+    fn name(&self) -> String {
+        "noting".into()
+    }
+    fn place(&self, _: Solver<'_>, _: usize) -> Result<Box<dyn DeviceWorlds<f32>>, DeviceError> {
+        Ok(Box::new(NotingWorlds(Arc::clone(&self.0))))
+    }
+}
+
+struct NotingWorlds(Arc<Mutex<Vec<Vec<Range<usize>>>>>);
+
+impl DeviceWorlds<f32> for NotingWorlds {
+    fn write_state(&mut self, _: &Memory<f32>) -> Result<(), DeviceError> {
+        Ok(())
+    }
+    fn write_worlds(&mut self, _: &[usize], _: &Memory<f32>) -> Result<(), DeviceError> {
+        Ok(())
+    }
+    fn write_input(&mut self, _: Range<usize>, _: &Memory<f32>) -> Result<(), DeviceError> {
+        Ok(())
+    }
+    fn write_parameters(&mut self, _: &Memory<f32>) -> Result<(), DeviceError> {
+        Ok(())
+    }
+    fn step(&mut self, _: usize, _: &mut Processor<'_, f32>) -> Result<(), DeviceError> {
+        Ok(())
+    }
+    fn report(&mut self, _: Report) -> Result<(), DeviceError> {
+        Ok(())
+    }
+    fn read_state(&mut self, _: &[Range<usize>], _: &mut Memory<f32>) -> Result<(), DeviceError> {
+        Ok(())
+    }
+    fn read_output(
+        &mut self,
+        numbers: &[Range<usize>],
+        _: &mut Memory<f32>,
+    ) -> Result<(), DeviceError> {
+        self.0.lock().unwrap().push(numbers.to_vec());
+        Ok(())
+    }
+}
+
+#[test]
+fn no_more_is_read_than_is_looked_at() {
+    let model = chain(3, Start::Horizontal).unwrap();
+    let joints = model.joints.len();
+    let settings = SimulationSettings::new(2, 0.004);
+    let notes = Arc::default();
+    let mut simulation = Simulation::on(&Noting(Arc::clone(&notes)), model, settings).unwrap();
+    let read = || std::mem::take(&mut *notes.lock().unwrap());
+    assert_eq!(read(), Vec::<Vec<_>>::new());
+
+    let mut positions = vec![0.0; 2 * joints];
+    let quantity = Quantity::JointPosition;
+    simulation.read(quantity, &mut positions).unwrap();
+    let [all] = &read()[..] else {
+        panic!("one reading")
+    };
+    let [angles] = &all[..] else {
+        panic!("one range")
+    };
+    assert_eq!(angles.len(), joints);
+    // What is known is not read again, until there is a step, or more of it is worked out.
+    let first = [OutputPart::Coordinates(JointId(0))];
+    simulation.observe_parts(first, |_, _| ()).unwrap();
+    simulation.read(quantity, &mut positions).unwrap();
+    assert_eq!(read(), Vec::<Vec<_>>::new());
+    simulation.try_step(1).unwrap();
+    simulation.observe_parts(first, |_, _| ()).unwrap();
+    let one = angles.start..angles.start + 1;
+    assert_eq!(read(), [vec![one.clone()]]);
+    let parts = [
+        OutputPart::Motion(BodyId(2)),
+        OutputPart::Velocities(JointId(1)),
+        OutputPart::Coordinates(JointId(0)),
+        OutputPart::Motion(BodyId(1)),
+    ];
+    simulation.observe_parts(parts, |_, _| ()).unwrap();
+    let ranges = &read()[0];
+    let lengths = Vec::from_iter(ranges.iter().map(|range| range.len()));
+    assert_eq!(lengths, [2 * rigid::body::WIDTH, 1, 1]);
+    assert_eq!(ranges[1], one);
 }

@@ -8,6 +8,8 @@ mod colours;
 mod odometers;
 #[path = "../src/impulse/pace.rs"]
 mod pace;
+#[path = "../src/ranges.rs"]
+mod ranges;
 #[path = "../src/impulse/shares.rs"]
 mod shares;
 #[path = "../src/impulse/team.rs"]

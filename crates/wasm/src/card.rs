@@ -119,8 +119,11 @@ fn number(kind: Kind) -> u32 {
 pub(crate) struct Kernel(Arc<Owned>);
 
 /// The buffers that launches see.
+#[derive(Clone, Debug)]
+pub(crate) struct Bindings(Arc<Bound>);
+
 #[derive(Debug)]
-pub(crate) struct Bindings {
+struct Bound {
     owned: Owned,
     _buffers: Vec<Arc<Owned>>,
 }
@@ -235,17 +238,17 @@ impl Card {
         let numbers = Vec::from_iter(buffers.iter().map(|buffer| buffer.owned.0));
         // SAFETY: the page reads so many numbers, there.
         let number = unsafe { bind(numbers.as_ptr(), numbers.len()) };
-        Bindings {
+        Bindings(Arc::new(Bound {
             owned: Owned(number),
             _buffers: buffers
                 .iter()
                 .map(|buffer| Arc::clone(&buffer.owned))
                 .collect(),
-        }
+        }))
     }
 
     /// Asks for this.
-    pub fn submit(&self, Commands(words): &Commands) -> Result<(), CardError> {
+    pub fn submit(&self, Commands { words, .. }: &Commands) -> Result<(), CardError> {
         if words.is_empty() {
             return Ok(());
         }
@@ -272,7 +275,12 @@ impl Card {
 
 /// What is asked of the card together, as words that the page reads: `web/src/transport/commands.ts`.
 #[derive(Debug, Default)]
-pub(crate) struct Commands(Vec<u32>);
+pub(crate) struct Commands {
+    words: Vec<u32>,
+    /// What they name, which the page keeps for as long.
+    bound: Vec<Bindings>,
+    copied: Vec<Arc<Owned>>,
+}
 
 impl Commands {
     const RUN: u32 = 0;
@@ -281,19 +289,27 @@ impl Commands {
 
     /// Runs a kernel in so many workgroups.
     pub fn run(&mut self, kernel: &Kernel, bindings: &Bindings, workgroups: u32) {
-        let (kernel, bindings) = (kernel.0.0, bindings.owned.0);
-        self.0.extend([Self::RUN, kernel, bindings, workgroups]);
+        let (kernel, bindings) = (kernel.0.0, self.keep(bindings));
+        self.words.extend([Self::RUN, kernel, bindings, workgroups]);
     }
     /// Runs one in as many as the nth three words of a buffer say.
     pub fn run_told(&mut self, kernel: &Kernel, bindings: &Bindings, told: &Buffer, nth: u32) {
-        let (kernel, bindings, told) = (kernel.0.0, bindings.owned.0, told.owned.0);
-        self.0.extend([Self::RUN_TOLD, kernel, bindings, told, nth]);
+        let (kernel, bindings, told) = (kernel.0.0, self.keep(bindings), told.owned.0);
+        self.words
+            .extend([Self::RUN_TOLD, kernel, bindings, told, nth]);
+    }
+    /// The number of bindings, which are kept.
+    fn keep(&mut self, bindings: &Bindings) -> u32 {
+        self.bound.push(bindings.clone());
+        bindings.0.owned.0
     }
     /// Copies words from one buffer to a place in another one.
     pub fn copy(&mut self, from: &Buffer, words: Range<usize>, to: &Buffer, at: usize) {
         let [start, at, count] = [words.start, at, words.len()].map(|n| n as u32);
-        let (from, to) = (from.owned.0, to.owned.0);
-        self.0.extend([Self::COPY, from, start, to, at, count]);
+        let buffers = [from, to].map(|buffer| Arc::clone(&buffer.owned));
+        let [from, to] = buffers.each_ref().map(|buffer| buffer.0);
+        self.copied.extend(buffers);
+        self.words.extend([Self::COPY, from, start, to, at, count]);
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::card::{Bindings, Buffer, Card, Commands, Kernel};
 use numbers::trace::{Members, PrintOptions, Program};
 use piles::{BINDINGS, Entry, Kind, WORKGROUP, kinds};
-use sim::DeviceError;
+use sim::{DeviceError, Stage};
 use std::convert::Infallible;
 use std::ops::Range;
 
@@ -111,7 +111,7 @@ impl piles::Card for Card {
     fn clock(&self) -> Option<Infallible> {
         None
     }
-    fn times(clock: Infallible) -> Vec<(&'static str, f64)> {
+    fn times(clock: Infallible) -> Vec<Stage> {
         match clock {}
     }
     fn commands(&self, _: Option<&mut Infallible>) -> Together {

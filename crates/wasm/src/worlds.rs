@@ -212,7 +212,6 @@ impl DeviceWorlds<f32> for Worlds {
         numbers: Range<usize>,
         input: &Memory<f32>,
     ) -> Result<(), DeviceError> {
-        let numbers = numbers.start..numbers.end.min(self.programs.lengths.input);
         Ok(self.write(&self.input, numbers, input)?)
     }
     fn write_parameters(&mut self, parameters: &Memory<f32>) -> Result<(), DeviceError> {

@@ -12,6 +12,8 @@ mod own;
 mod pair;
 #[path = "../../../gpu/tests/cards/piles.rs"]
 mod piles;
+#[path = "../../../gpu/tests/cards/reports.rs"]
+mod reports;
 #[path = "../../../gpu/tests/cards/scenes.rs"]
 mod scenes;
 #[path = "../../../gpu/tests/cards/wgsl.rs"]

@@ -3,15 +3,17 @@
 use crate::card::{Card, card, rounds_alike};
 use crate::models::{heap, looped, mixed};
 use crate::pair::{Pair, apart};
+use glam::DVec3;
 use model::examples::{Start, chain};
-use model::{BodyId, Model};
+use model::{BodyId, Builder, Geometry, Model, Pose, Shape, TriangleMesh};
 use rigid::{Integrator, Settings};
 use sim::{Quantity, Simulation, SimulationSettings, SolverKind};
+use std::collections::HashSet;
 
 const H: f64 = 0.002;
 
 /// All that is reported, in the order of worlds, rows and numbers: what is reported by itself first.
-pub const QUANTITIES: [Quantity; 18] = [
+pub const QUANTITIES: [Quantity; 19] = [
     Quantity::JointPosition,
     Quantity::JointVelocity,
     Quantity::BodyPosition,
@@ -30,6 +32,7 @@ pub const QUANTITIES: [Quantity; 18] = [
     Quantity::PotentialEnergy,
     Quantity::Momentum,
     Quantity::AngularMomentum,
+    Quantity::Capped,
 ];
 
 pub fn read(simulation: &mut Simulation<f32>, quantity: Quantity) -> Vec<f64> {
@@ -151,6 +154,78 @@ fn come_to_rest(solver: SolverKind) {
         (cpu - gpu).abs() < 0.05 * cpu,
         "{solver:?}: {cpu} m all together, on the card {gpu} m"
     );
+}
+
+/// Stones of forms that no example has lie on the ground: a step from the same states agrees.
+fn stones_agree(ground: Geometry) {
+    let model = stones(ground);
+    for solver in [SolverKind::Featherstone, SolverKind::Xpbd] {
+        let settings = SimulationSettings {
+            solver,
+            ..SimulationSettings::new(2, H)
+        };
+        let mut pair = Pair::at_rest(&card(), &model, settings);
+        for step in 0..12 {
+            pair.step(11);
+            pair.put();
+            pair.step(1);
+            let moved = pair.moved_apart();
+            assert!(moved < 1e-3, "{solver:?}: {moved:e} after step {step}");
+        }
+        assert!(pair.gpu.diverged().is_empty());
+        let outputs = pair.gpu.outputs();
+        let touching = outputs.contacts(0).filter(|c| c.distance < 1e-3);
+        let stones: HashSet<_> = touching.map(|contact| contact.shapes[1]).collect();
+        assert_eq!(stones.len(), 3, "{stones:?} touch");
+    }
+}
+
+/// A ball, a cone and an ellipsoid above the ground, each by itself.
+fn stones(ground: Geometry) -> Model {
+    let mut world = Builder::new("stones");
+    let ground = Shape::new(ground).with_masks(1, 2);
+    world.object("ground").scenery(ground);
+    let (radius, half_height) = (0.06, 0.08);
+    let half = DVec3::new(0.1, 0.05, 0.07);
+    let stones = [
+        Geometry::Sphere { radius },
+        Geometry::Cone {
+            radius,
+            half_height,
+        },
+        Geometry::Ellipsoid { half },
+    ];
+    for (i, stone) in stones.into_iter().enumerate() {
+        let at = DVec3::new(0.5 * i as f64 - 0.5, 0.12, 0.1 * i as f64);
+        let object = world.object(format!("stone {i}"));
+        let body = object.body(format!("body {i}")).at(Pose::at(at));
+        body.shape(Shape::new(stone).with_masks(2, 1));
+    }
+    world.build().unwrap()
+}
+
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn stones_on_a_plane_agree() {
+    stones_agree(Geometry::Plane {
+        half_x: 0.0,
+        half_z: 0.0,
+    });
+}
+
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn stones_on_a_mesh_agree() {
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+    let corners = corners.map(|(x, z)| DVec3::new(x, 0.02 * x, z));
+    let mesh = TriangleMesh::new(&corners, &[[0, 2, 1], [0, 3, 2]]).unwrap();
+    stones_agree(Geometry::Mesh(mesh));
+}
+
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn piles_come_to_rest_as_on_the_processor() {
+    come_to_rest(SolverKind::Impulse);
 }
 
 #[test]

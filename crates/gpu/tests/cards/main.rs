@@ -8,6 +8,7 @@ mod models;
 mod own;
 mod pair;
 mod piles;
+mod reports;
 mod scenes;
 mod wgsl;
 mod worlds;

@@ -16,13 +16,13 @@ const WORLDS: usize = 2;
 /// with it where they are pushed.
 const ONCE: f64 = 1e-4;
 /// Steps that each takes by itself before the whole is compared.
-const FREE: usize = 160;
+pub const FREE: usize = 160;
 
-/// Energy [J], and the mean height [m] of all bodies, of all worlds together.
-fn statistics(outputs: &Outputs<'_, f32>, model: &Model) -> [f64; 2] {
+/// Energy [J], and the mean height [m] of all bodies, of so many worlds together.
+pub fn statistics(outputs: &Outputs<'_, f32>, model: &Model, worlds: usize) -> [f64; 2] {
     let (bodies, up) = (model.bodies.len(), -model.gravity.normalize());
     let mut sums = [0.0; 2];
-    for world in 0..WORLDS {
+    for world in 0..worlds {
         sums[0] += outputs.energy(world);
         for body in (0..bodies).map(BodyId) {
             sums[1] += outputs.body_position(world, body).dot(up) / bodies as f64;
@@ -46,7 +46,7 @@ fn agrees(name: &str, model: &Model) {
     }
     pair.step(FREE);
     assert!(pair.gpu.diverged().is_empty(), "{name}");
-    let [cpu, gpu] = pair.both().map(|s| statistics(&s.outputs(), model));
+    let [cpu, gpu] = pair.both().map(|s| statistics(&s.outputs(), model, WORLDS));
     for (cpu, gpu) in cpu.into_iter().zip(gpu) {
         assert!(
             (cpu - gpu).abs() < 0.01 * cpu.abs(),

@@ -606,28 +606,9 @@ pub struct State<'a, T> {
 }
 
 impl<T: Float> State<'_, T> {
-    fn vec3(&self, row: usize, field: usize) -> DVec3 {
-        let at = self.impulse.state.at(row, field);
-        DVec3::from_array([0, 1, 2].map(|i| self.state[at + i].to_f64()))
-    }
     /// Centre of mass and principal axes of a body.
     pub(super) fn pose(&self, row: usize) -> Pose {
         pose_at(self.state, self.impulse.state.at(row, state::CENTER))
-    }
-    /// Whether a body sleeps; what does not move never slept.
-    pub(super) fn sleeps(&self, row: usize) -> bool {
-        let rest = self.state[self.impulse.state.at(row, state::REST)];
-        rest.to_f64() >= SLEEP_AFTER
-    }
-    pub(super) fn velocity(&self, row: usize) -> [DVec3; 2] {
-        [0, 3].map(|i| self.vec3(row, state::VELOCITY + i))
-    }
-    /// Length [s] of the step that led here, which may be of other settings.
-    pub(super) fn long(&self) -> f64 {
-        self.state[self.impulse.given_in.at(0, 1)].to_f64()
-    }
-    pub(super) fn before(&self, row: usize) -> [DVec3; 2] {
-        [0, 3].map(|i| self.vec3(row, state::BEFORE + i))
     }
 }
 

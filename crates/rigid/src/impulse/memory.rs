@@ -169,7 +169,8 @@ impl<T: Float> Recalled<'_, T> {
     pub fn normal(&self) -> [T; 3] {
         self.vec3(field::NORMAL)
     }
-    fn points(&self) -> usize {
+    /// How many points it has.
+    pub fn points(&self) -> usize {
         (self.0[field::POINTS].to_f64() as usize).min(POINTS)
     }
     fn vec3(&self, at: usize) -> [T; 3] {

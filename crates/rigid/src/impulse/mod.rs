@@ -55,7 +55,7 @@ pub mod joint;
 mod layout;
 mod memory;
 pub mod pair;
-mod report;
+pub mod report;
 pub mod sums;
 mod surface;
 mod tables;

@@ -16,7 +16,7 @@
 
 use super::memory::{REMEMBERED, remembered};
 use super::tables::POINTS;
-use numbers::machine::space::State;
+use numbers::machine::space::{Space, State};
 use numbers::spatial::Spatial;
 use numbers::{Cell, Machine, Real, Table, Vec3};
 
@@ -44,40 +44,51 @@ impl Default for SumTables {
 }
 
 /// A contact as it stands in its row.
-struct Given<R: Real> {
-    normal: Vec3<R>,
-    middle: Vec3<R>,
-    drag: Vec3<R>,
-    twist: Vec3<R>,
+pub(super) struct Given<R: Real> {
+    pub normal: Vec3<R>,
+    pub middle: Vec3<R>,
+    pub drag: Vec3<R>,
+    pub twist: Vec3<R>,
 }
 
-fn point(i: usize) -> usize {
+/// Field of a point: its position, gap, feature.
+pub(super) fn point(i: usize) -> usize {
     remembered::POINT + i * remembered::POINT_WIDTH
 }
-fn sum(i: usize) -> usize {
+/// Field of what it gave.
+pub(super) fn sum(i: usize) -> usize {
     point(i) + 6
 }
 
 /// Whether a row has so many points.
 #[inline(always)]
-fn is_point<M: Machine>(k: &M, t: &SumTables, row: M::I, i: usize) -> <M::R as Real>::Mask {
-    M::R::lit(i as f64).lt(k.load(t.contact, row, remembered::POINTS))
+pub(super) fn is_point<M: Machine, S: Space>(
+    k: &M,
+    contact: Table<S, { REMEMBERED }>,
+    row: M::I,
+    i: usize,
+) -> <M::R as Real>::Mask {
+    M::R::lit(i as f64).lt(k.load(contact, row, remembered::POINTS))
 }
 
 impl<R: Real> Given<R> {
     #[inline(always)]
-    fn load<M: Machine<R = R>>(k: &M, t: &SumTables, row: M::I) -> Self {
+    pub fn load<M: Machine<R = R>, S: Space>(
+        k: &M,
+        contact: Table<S, { REMEMBERED }>,
+        row: M::I,
+    ) -> Self {
         let mut middle = Vec3::zero();
         for i in 0..POINTS {
-            let share = R::select(is_point(k, t, row, i), R::one(), R::zero());
-            middle += k.vec3(t.contact, row, point(i)) * share;
+            let share = R::select(is_point(k, contact, row, i), R::one(), R::zero());
+            middle += k.vec3(contact, row, point(i)) * share;
         }
-        let count = k.load(t.contact, row, remembered::POINTS).max(R::one());
+        let count = k.load(contact, row, remembered::POINTS).max(R::one());
         Self {
-            normal: k.vec3(t.contact, row, remembered::NORMAL),
+            normal: k.vec3(contact, row, remembered::NORMAL),
             middle: middle * (R::one() / count),
-            drag: k.vec3(t.contact, row, remembered::DRAG_SUM),
-            twist: k.vec3(t.contact, row, remembered::TWIST_SUM),
+            drag: k.vec3(contact, row, remembered::DRAG_SUM),
+            twist: k.vec3(contact, row, remembered::TWIST_SUM),
         }
     }
     /// L and P about a place, of the loads that stand in the row.
@@ -93,7 +104,7 @@ impl<R: Real> Given<R> {
         let mut all = Spatial::new(turning, self.drag);
         for i in 0..POINTS {
             let load = k.load(t.contact, row, sum(i));
-            let load = R::select(is_point(k, t, row, i), load, R::zero());
+            let load = R::select(is_point(k, t.contact, row, i), load, R::zero());
             let load = self.normal * load;
             let arm = k.vec3(t.contact, row, point(i)) - place;
             all = all + Spatial::new(arm.cross(load), load);
@@ -106,8 +117,8 @@ impl<R: Real> Given<R> {
 #[inline(always)]
 pub fn add<M: Machine>(k: &mut M, t: &SumTables) {
     let (now, before) = (k.index(0), k.index(1));
-    let own = Given::load(k, t, now);
-    let other = Given::load(k, t, before);
+    let own = Given::load(k, t.contact, now);
+    let other = Given::load(k, t.contact, before);
     let place = own.middle;
     let all = own.about(k, t, now, place) + other.about(k, t, before, place);
     for j in 0..POINTS {
@@ -128,12 +139,12 @@ pub fn add<M: Machine>(k: &mut M, t: &SumTables) {
 fn share_out<M: Machine>(k: &mut M, t: &SumTables, j: usize) {
     let (now, before) = (k.index(0), k.index(1));
     let load = k.load(t.contact, before, sum(j));
-    let load = M::R::select(is_point(k, t, before, j), load, M::R::zero());
+    let load = M::R::select(is_point(k, t.contact, before, j), load, M::R::zero());
     let place = k.vec3(t.contact, before, point(j));
     let (mut least, mut nearest) = (k.cell(M::R::lit(FAR)), k.cell(M::R::zero()));
     for i in 0..POINTS {
         let apart = (k.vec3(t.contact, now, point(i)) - place).length_squared();
-        let nearer = is_point(k, t, now, i) & apart.lt(least.read());
+        let nearer = is_point(k, t.contact, now, i) & apart.lt(least.read());
         least.write(M::R::select(nearer, apart, least.read()));
         nearest.write(M::R::select(nearer, M::R::lit(i as f64), nearest.read()));
     }

@@ -198,13 +198,13 @@ impl<T: Float> Engine<T> for Piles<T> {
     fn run(&self, lane: Lane, team: usize, mut block: Block<'_, T>, task: Task) {
         match task {
             Task::Step(steps) => self.step(lane, team, &mut block, steps),
-            Task::Report(_) => {
+            Task::Report(asked) => {
                 let state = State {
                     impulse: &self.impulse,
                     state: block.state,
                     parameters: block.parameters,
                 };
-                self.impulse.report(&state, block.output);
+                self.impulse.report(&state, asked, block.output);
             }
         }
     }

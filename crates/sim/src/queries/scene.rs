@@ -198,7 +198,8 @@ impl<T: Float> Simulation<T> {
     /// Of each body of a world where it is now, with an orientation of unit length to double precision.
     fn placements(&mut self, world: usize) -> Result<Vec<Pose>, SimulationError> {
         let bodies = (0..self.model().bodies.len()).map(BodyId);
-        let outputs = self.try_outputs()?;
+        self.fetch_motion()?;
+        let outputs = self.last_reported();
         let placed = |body| {
             let orientation = outputs.body_orientation(world, body).normalize();
             Pose::new(outputs.body_position(world, body), orientation)

@@ -1,17 +1,17 @@
 //! The joints of a model as the kernels read them, and what acts along their axes in a step.
 
 use super::super::layout::{Impulse, State, WORLD, bodies_and_rows, own_frame};
-use super::super::tables::row;
 use super::drive::around;
-use super::tables::{JointTables, LAWS, ROWS, axis, axis_link, joint, law};
-use super::{measure, place};
+use super::report::{TieReport, passive};
+use super::tables::{LAWS, ROWS, axis, joint, law};
 use crate::check;
+use crate::output::reaction;
 use crate::tables::{Filler, UNBOUNDED, actuator_numbers, ball_target, bounded, frame};
 use crate::{InputTables, SolverError};
 use glam::{DQuat, DVec3};
 use model::{AxisKind, BodyKind, Dof, Joint, JointId, JointKind, Model, Pose};
 use numbers::machine::space::{Parameter, State as StateMemory};
-use numbers::{Cpu, Float, PerWorld, Table};
+use numbers::{Float, Table};
 
 /// Targets nearer to their goals than this, but for rounding, have reached them [m or rad].
 const REACHED: f64 = 1e-6;
@@ -717,117 +717,57 @@ impl<T: Float> Given<'_, T> {
     }
 }
 
-/// A joint as it is seen from outside.
-pub(in super::super) struct Seen {
-    /// Coordinates of all rows, and their rates, now and before the last step.
-    pub value: [f64; ROWS],
-    pub rates: [[f64; ROWS]; 2],
-    /// Of the child's joint frame against the parent's.
-    pub turn: DQuat,
-    /// Angular impulse about the child's joint frame [N·m·s], and impulse [N·s], on the child, in the last step.
-    pub impulse: [DVec3; 2],
-    /// ½ k (θ − rest)² of the springs, and ½ m θ̇² of the armatures [J].
-    pub energy: [f64; 2],
-}
-
-impl<T: Float> State<'_, T> {
-    /// Looks at a joint, as the kernels do.
-    pub(in super::super) fn see(&self, tie: usize) -> Seen {
-        let impulse = self.impulse;
-        let one = &impulse.ties.list[tie];
+impl Impulse {
+    /// The constants that [`tell_tie`](super::tell_tie) is given.
+    pub(in super::super) fn given_constants_of_tie<T: Float>(
+        &self,
+        tie: usize,
+        parameters: &[T],
+        mut give: impl FnMut(f64),
+    ) {
         let given = Given {
-            impulse,
-            parameters: self.parameters,
+            impulse: self,
+            parameters,
             input: &[],
         };
-        let t = JointTables::new();
-        let mut numbers = vec![0.0; t.length];
-        let constants = &self.parameters[impulse.ties.constants.at(tie, 0)..];
-        let constants = constants[..joint::CONSTANTS].iter();
-        let all = constants.chain(impulse.carried(tie, self.state));
-        for (x, from) in numbers.iter_mut().zip(all) {
-            *x = from.to_f64();
+        let ties = &self.ties;
+        let constants = ties.constants.at(tie, 0)..ties.constants.at(tie + 1, 0);
+        let origin = ties.origins.at(tie, 0)..ties.origins.at(tie + 1, 0);
+        for numbers in [constants, origin] {
+            parameters[numbers].iter().for_each(|x| give(x.to_f64()));
         }
-        numbers[joint::TARGET..][..4].copy_from_slice(&[0.0, 0.0, 0.0, 1.0]);
-        let mut work = vec![0.0; JointTables::SCRATCH];
-        for (side, &body) in one.rows.iter().enumerate() {
-            let pose = self.pose(body as usize);
-            let at = t.body.at(side, 0);
-            work[at + row::CENTER..][..3].copy_from_slice(&pose.position.to_array());
-            work[at + row::ORIENTATION..][..4].copy_from_slice(&pose.orientation.to_array());
-        }
-        let links = [0; ROWS * axis_link::WIDTH];
-        let mut rates = [[0.0; ROWS]; 2];
-        for (rates, past) in rates.iter_mut().zip([false, true]) {
-            for (side, &body) in one.rows.iter().enumerate() {
-                let body = body as usize;
-                let [v, w] = if past {
-                    self.before(body)
-                } else {
-                    self.velocity(body)
-                };
-                let at = t.body.at(side, row::VELOCITY);
-                work[at..at + 3].copy_from_slice(&v.to_array());
-                work[at + 3..at + 6].copy_from_slice(&w.to_array());
-            }
-            let mut k = Cpu {
-                state: &mut numbers,
-                input: &[],
-                output: &mut [],
-                scratch: &mut work,
-                parameters: PerWorld(&[]),
-                links: &links,
-            };
-            if !past {
-                place(&mut k, &t);
-            }
-            measure(&mut k, &t);
-            *rates = std::array::from_fn(|row| numbers[t.axis.at(row, axis::BEGIN)]);
-        }
-        let mut value = std::array::from_fn(|row| numbers[t.axis.at(row, axis::VALUE)]);
-        let mut energy = [0.0; 2];
-        for (row, freedom) in one.freedoms.iter().enumerate() {
-            if freedom.is_some() {
-                let x = given.dof(tie, row);
-                value[row] += x[dof::REFERENCE];
-                energy[0] += 0.5 * x[dof::STIFFNESS] * (value[row] - x[dof::REST]).powi(2);
-                energy[1] += 0.5 * x[dof::ARMATURE] * rates[0][row].powi(2);
-            }
-        }
-        let vec3 = |at: usize| DVec3::from_slice(&numbers[at..at + 3]);
-        let origin = impulse.ties.origins.at(tie, 0);
-        let origin = [0, 1, 2].map(|i| self.parameters[origin + i].to_f64());
-        let [own_a, own_b] = one.rows.map(|body| self.pose(body as usize));
-        let quat = |at: usize| DQuat::from_slice(&numbers[at..at + 4]);
-        let turn_a = own_a.orientation * quat(joint::FRAME_A);
-        let turn_b = own_b.orientation * quat(joint::FRAME_B);
-        let arm = own_b.orientation * (vec3(joint::ANCHOR_B) - DVec3::from_array(origin));
-        let (torque, force) = (vec3(joint::SUM), vec3(joint::SUM + 3));
-        Seen {
-            value,
-            rates,
-            turn: turn_a.inverse() * turn_b,
-            impulse: [torque + arm.cross(force), force],
-            energy,
+        for (row, freedom) in ties.list[tie].freedoms.iter().enumerate() {
+            let x = given.dof(tie, row);
+            let numbers = freedom.as_ref().map_or([0.0; passive::WIDTH], |freedom| {
+                let spring = [dof::STIFFNESS, dof::REST, dof::ARMATURE];
+                let [stiffness, rest, armature] = spring.map(|i| x[i]);
+                let turns = f64::from(u8::from(freedom.turns));
+                [x[dof::REFERENCE], stiffness, rest, armature, turns]
+            });
+            numbers.into_iter().for_each(&mut give);
         }
     }
-}
-
-impl Tie {
-    /// Where its coordinates and velocities are reported: row by row, coordinate, degree of freedom, and
-    /// whether the coordinate turns without end; and the first coordinate of its quaternion.
-    pub fn reported(
+    /// Where what that tells belongs: from, to, how many numbers.
+    pub(in super::super) fn told_places_of_tie(
         &self,
-    ) -> (
-        impl Iterator<Item = (usize, Option<usize>, usize, bool)>,
-        Option<usize>,
+        tie: usize,
+        mut row: impl FnMut(usize, usize, usize),
     ) {
-        let rows = self.freedoms.iter().enumerate();
-        let rows = rows.filter_map(|(row, f)| {
-            let f = f.as_ref()?;
-            Some((row, f.coordinate, f.dof, f.turns))
-        });
-        (rows, self.quaternion)
+        let (t, output, tie) = (TieReport::new(), &self.output, &self.ties.list[tie]);
+        for (i, freedom) in tie.freedoms.iter().enumerate() {
+            let Some(freedom) = freedom else { continue };
+            row(t.rate.at(i, 0), output.velocity.at(freedom.dof, 0), 1);
+            let acceleration = output.acceleration.at(freedom.dof, 0);
+            row(t.acceleration.at(i, 0), acceleration, 1);
+            if let Some(coordinate) = freedom.coordinate {
+                row(t.value.at(i, 0), output.position.at(coordinate, 0), 1);
+            }
+        }
+        if let Some(first) = tie.quaternion {
+            row(t.turn.start(), output.position.at(first, 0), 4);
+        }
+        let reaction = output.reaction.at(tie.joint.0, 0);
+        row(t.reaction.start(), reaction, reaction::WIDTH);
     }
 }
 

@@ -39,11 +39,13 @@
 mod drive;
 mod law;
 mod layout;
+mod report;
 mod tables;
 
 pub use drive::follow;
 pub use layout::{TIED_STATE, Tied};
 pub(super) use layout::{Ties, inner_frames, is_bare};
+pub use report::{TieReport, tell_tie};
 pub use tables::{JointTables, LAWS, PLACED, ROWS, axis, axis_link, joint, law as bounded};
 
 use super::tables::{global, row};
@@ -187,10 +189,7 @@ impl<M: Machine> Pair<M> {
     /// Motion of B's anchor against A.
     #[inline(always)]
     fn apart(&self) -> Spatial<M::R> {
-        let (a, b) = (self.a.get(), self.b.get());
-        let va = a.linear + a.angular.cross(self.arms[0]);
-        let vb = b.linear + b.angular.cross(self.arms[1]);
-        Spatial::new(b.angular - a.angular, vb - va)
+        apart([self.a.get(), self.b.get()], self.arms)
     }
     /// Impulses on B through its anchor, and opposite ones on A; `turns` are further angular impulses
     /// about the centres of A and B.
@@ -209,6 +208,14 @@ impl<M: Machine> Pair<M> {
     fn push(&mut self, w: Spatial<M::R>) {
         self.shove(w, [Vec3::zero(), Vec3::zero()]);
     }
+}
+
+/// Motion of B's anchor against A, given those of A and B.
+#[inline(always)]
+fn apart<R: Real>([a, b]: [Spatial<R>; 2], arms: [Vec3<R>; 2]) -> Spatial<R> {
+    let va = a.linear + a.angular.cross(arms[0]);
+    let vb = b.linear + b.angular.cross(arms[1]);
+    Spatial::new(b.angular - a.angular, vb - va)
 }
 
 /// Orientation of a body now.

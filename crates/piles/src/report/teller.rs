@@ -1,0 +1,164 @@
+//! What tells of things of one kind.
+
+use crate::card::{BINDINGS, Commands, NUMBER, WORKGROUP, filled, sized};
+use crate::report::AT_ONCE;
+use crate::report::columns::Place;
+use crate::report::gathered::{Gathered, Give, Which};
+use crate::scene::Scene;
+use crate::{Card, Need, PilesError};
+use numbers::trace::{Members, Program};
+use rigid::impulse::report::{BodyReport, RANGES, SUMS, Thing, TieReport};
+use sim::DeviceError;
+use std::ops::Range;
+
+/// Things of one kind, counted.
+pub type Kind = fn(usize) -> Thing;
+
+/// Their kernel, and where it works.
+#[derive(Debug)]
+pub struct Teller<C: Card> {
+    pub kind: Kind,
+    /// How many each world has, at most.
+    pub own: usize,
+    pub gathered: Gathered<C>,
+    kernel: C::Kernel,
+    bindings: C::Bindings,
+    launch: C::Buffer,
+    pub told: C::Buffer,
+    /// Things that there is room for at once.
+    pub room: usize,
+    /// Where in the output each number belongs, in this order.
+    places: Vec<Place>,
+    /// What is told of it that comes to the first sums: the first number, and how many.
+    pub summed: [usize; 2],
+    /// The first world whose constants are there, where worlds have their own; else 0. None where they have changed since.
+    pub ready: Option<usize>,
+}
+
+impl<C: Card> Teller<C> {
+    /// Of so many worlds at a time, of which each has so many.
+    pub fn new(
+        card: &C,
+        scene: &Scene,
+        program: &Program,
+        (kind, own): (Kind, usize),
+        worlds: usize,
+    ) -> Result<Self, DeviceError> {
+        let (impulse, lengths) = (&scene.impulse, kind(0).lengths());
+        let widest = [lengths.given, lengths.state, lengths.told];
+        let widest = widest.into_iter().max().unwrap_or(1);
+        let most = card.most_bytes() / NUMBER / widest as u64;
+        let all = (own * worlds).max(1);
+        let room = all.min(AT_ONCE).min(most as usize).max(1);
+        let mut width = 0;
+        impulse.given_constants(kind(0), impulse.parameters(), |_| width += 1);
+        // Which contacts there are is known when they are told of.
+        let is_contact = matches!(kind(0), Thing::Contact(_));
+        let named = if is_contact { 1 } else { own };
+        let things = (0..named).map(|thing| impulse.given_of_state(kind(thing)));
+        let things = Vec::from_iter(things);
+        let mut gathered = Gathered::new(card, &things, width, room)?;
+        if is_contact {
+            gathered.places = sized(card, (RANGES * (1 + room)) as u64)?;
+        }
+        let links = if is_contact {
+            impulse.told_colliders()
+        } else {
+            Vec::new()
+        };
+        let work = sized(card, (lengths.state * room).max(1) as u64)?;
+        let told = sized(card, (lengths.told * room) as u64)?;
+        let launch = card.uniform(&[0, 1])?;
+        let (none, nothing) = (card.buffer(1)?, card.buffer(1)?);
+        let links = filled(card, &links)?;
+        let bindings: [&C::Buffer; BINDINGS] = [
+            &work,
+            &gathered.given,
+            &told,
+            &none,
+            &nothing,
+            &links,
+            &launch,
+        ];
+        let bindings = card.bind_kernel(bindings);
+        let mut places = Vec::new();
+        for thing in 0..named {
+            let place = |number, at| places.push(Place { at, thing, number });
+            impulse.told_places(kind(thing), place);
+        }
+        places.sort_unstable_by_key(|place| place.at);
+        Ok(Self {
+            kind,
+            own,
+            kernel: card.kernel(program, false, Members::Worlds)?,
+            bindings,
+            launch,
+            gathered,
+            told,
+            room,
+            places,
+            summed: match kind(0) {
+                Thing::Body(_) => [BodyReport::new().sums.start(), SUMS],
+                Thing::Tie(_) => [TieReport::new().energy.start(), 2],
+                _ => [0; 2],
+            },
+            ready: None,
+        })
+    }
+
+    /// Writes the constants of the things of a batch where they are not there.
+    pub fn ready(
+        &mut self,
+        card: &C,
+        scene: &Scene,
+        worlds: Range<usize>,
+    ) -> Result<(), DeviceError> {
+        let differ = scene.parameters.differ();
+        let key = if differ { worlds.start } else { 0 };
+        if self.ready == Some(key) || self.gathered.width == 0 {
+            return Ok(());
+        }
+        let sets = if differ { worlds } else { 0..1 };
+        let mut numbers = Vec::new();
+        for world in sets {
+            let parameters = scene.parameters.of(world);
+            for thing in (0..self.own).map(self.kind) {
+                let give = |x| numbers.push(x as f32);
+                scene.impulse.given_constants(thing, parameters, give);
+            }
+        }
+        let bytes: &[u8] = bytemuck::cast_slice(&numbers);
+        if C::room(&self.gathered.constants) < numbers.len() as u64 {
+            let fits = Need::Parameters.check(bytes.len() as u64, card.most_bytes(), card.name());
+            fits.map_err(PilesError::from)?;
+            self.gathered.constants = card.buffer(numbers.len() as u64)?;
+        }
+        card.write(&self.gathered.constants, 0, bytes)?;
+        self.ready = Some(key);
+        Ok(())
+    }
+
+    /// Tells of some of them, from states of so many numbers.
+    pub fn tell(
+        &self,
+        card: &C,
+        give: &Give<C>,
+        todo: &mut C::Commands<'_>,
+        states: (&C::Buffer, usize),
+        which: Which,
+    ) -> Result<(), DeviceError> {
+        let launch = [which.count as u32, 1];
+        card.write(&self.launch, 0, bytemuck::cast_slice(&launch))?;
+        self.gathered.gather(card, give, todo, states, which)?;
+        let groups = (which.count as u32).div_ceil(WORKGROUP);
+        todo.run(&self.kernel, &self.bindings, groups);
+        Ok(())
+    }
+
+    /// The numbers that belong to these ranges of the output, which are in order.
+    pub fn wanted(&self, asked: &[Range<usize>]) -> Vec<Place> {
+        let from = |at: usize| self.places.partition_point(|place| place.at < at);
+        let of_range = |range: &Range<usize>| &self.places[from(range.start)..from(range.end)];
+        asked.iter().flat_map(of_range).copied().collect()
+    }
+}

@@ -1,0 +1,177 @@
+//! What sensors read of worlds on a device: all that they measure by, and no more.
+
+use kinetarium_sensors::{Sensor, SensorKind, Sensors};
+use model::{Axes, BodyId, JointId, Model, Mount, Pose};
+use numbers::Memory;
+use rigid::{Report, Solver};
+use sim::{Device, DeviceError, DeviceWorlds, Processor, Simulation, SimulationSettings};
+use std::ops::Range;
+use std::sync::{Arc, Mutex};
+
+/// How many numbers of the output have been read.
+type Count = Arc<Mutex<usize>>;
+
+/// A device whose outputs are what they are read at, and which counts what is read.
+struct Told(Count);
+
+impl Device<f32> for Told {
+    fn name(&self) -> String {
+        "told".into()
+    }
+    fn place(&self, _: Solver<'_>, _: usize) -> Result<Box<dyn DeviceWorlds<f32>>, DeviceError> {
+        Ok(Box::new(Self(Arc::clone(&self.0))))
+    }
+}
+
+impl DeviceWorlds<f32> for Told {
+    fn write_state(&mut self, _: &Memory<f32>) -> Result<(), DeviceError> {
+        Ok(())
+    }
+    fn write_worlds(&mut self, _: &[usize], _: &Memory<f32>) -> Result<(), DeviceError> {
+        Ok(())
+    }
+    fn write_input(&mut self, _: Range<usize>, _: &Memory<f32>) -> Result<(), DeviceError> {
+        Ok(())
+    }
+    fn write_parameters(&mut self, _: &Memory<f32>) -> Result<(), DeviceError> {
+        Ok(())
+    }
+    fn step(&mut self, _: usize, _: &mut Processor<'_, f32>) -> Result<(), DeviceError> {
+        Ok(())
+    }
+    fn report(&mut self, _: Report) -> Result<(), DeviceError> {
+        Ok(())
+    }
+    fn read_state(&mut self, _: &[Range<usize>], _: &mut Memory<f32>) -> Result<(), DeviceError> {
+        Ok(())
+    }
+    fn read_output(
+        &mut self,
+        numbers: &[Range<usize>],
+        output: &mut Memory<f32>,
+    ) -> Result<(), DeviceError> {
+        for at in numbers.iter().cloned().flatten() {
+            output.fill(at, 0.3 + (0.618 * at as f32).fract());
+            *self.0.lock().unwrap() += 1;
+        }
+        Ok(())
+    }
+}
+
+fn humanoid() -> Model {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../session/models/humanoid.xml"
+    );
+    let options = formats::Options::default();
+    formats::load(path.as_ref(), &options).unwrap().model
+}
+
+/// One of each kind, but for cameras, and the most numbers that it has to read.
+fn kinds(model: &Model) -> Vec<(SensorKind, usize)> {
+    let body = |name: &str| {
+        let at = model.bodies.iter().position(|b| b.name == name);
+        BodyId(at.unwrap_or_else(|| panic!("no body {name}")))
+    };
+    let (torso, foot) = (body("torso"), body("right_foot"));
+    let mount = Mount {
+        body: Some(torso),
+        pose: Pose::at(glam::DVec3::X * 0.1),
+    };
+    let beside = Mount {
+        body: Some(foot),
+        ..mount
+    };
+    let joint = model.actuators[0].joint;
+    let (motion, acceleration) = (13, 6);
+    let rows = 14 * 8;
+    vec![
+        (
+            SensorKind::JointPosition {
+                joints: vec![joint, JointId(0)],
+            },
+            8,
+        ),
+        (
+            SensorKind::JointVelocity {
+                joints: vec![joint],
+            },
+            1,
+        ),
+        (
+            SensorKind::JointEffort {
+                joints: vec![joint],
+            },
+            2,
+        ),
+        (
+            SensorKind::ActuatorForce {
+                actuators: vec![0, 1],
+            },
+            4,
+        ),
+        (SensorKind::Imu { mount }, motion + acceleration),
+        (SensorKind::ForceTorque { joint, frame: None }, motion + 6),
+        (SensorKind::Touch { body: foot }, rows),
+        (
+            SensorKind::ContactForce {
+                body: foot,
+                axes: Axes::Own,
+            },
+            rows + motion,
+        ),
+        (
+            SensorKind::FramePose {
+                mount,
+                relative_to: beside,
+            },
+            2 * motion,
+        ),
+        (
+            SensorKind::FrameVelocity {
+                mount,
+                axes: Axes::Own,
+            },
+            motion,
+        ),
+        (
+            SensorKind::CenterOfMass { body: None },
+            model.bodies.len() * motion,
+        ),
+        (
+            SensorKind::Rangefinder {
+                mount,
+                max_range: 10.0,
+            },
+            model.bodies.len() * motion,
+        ),
+    ]
+}
+
+/// What a sensor measures does not depend on whether all else is known, too.
+#[test]
+fn sensors_read_what_they_measure_by_and_no_more() {
+    let model = humanoid();
+    let count = Count::default();
+    let placed = || {
+        let settings = SimulationSettings::new(2, 0.003);
+        Simulation::on(&Told(Arc::clone(&count)), model.clone(), settings).unwrap()
+    };
+    let read = |simulation: &mut Simulation<f32>, kind: &SensorKind| {
+        let before = *count.lock().unwrap();
+        let list = vec![Sensor::new("s", kind.clone())];
+        let sensors = Sensors::new(simulation, list, 0).unwrap();
+        let numbers = sensors.reading("s").unwrap().numbers.to_vec();
+        (numbers, *count.lock().unwrap() - before)
+    };
+    let mut known = placed();
+    known.try_outputs().unwrap();
+    for (kind, most) in kinds(&model) {
+        let (numbers, fetched) = read(&mut placed(), &kind);
+        assert!(numbers.iter().any(|x| *x != 0.0), "{kind:?}: {numbers:?}");
+        assert!(0 < fetched && fetched <= most, "{kind:?}: {fetched}");
+        let (of_all, more) = read(&mut known, &kind);
+        assert_eq!(numbers, of_all, "{kind:?}");
+        assert_eq!(more, 0, "{kind:?}");
+    }
+}
