@@ -2,6 +2,7 @@
 
 use crate::Card;
 use crate::card::{Commands, WORKGROUP, filled, sized};
+use crate::report::uniform::Uniform;
 use crate::seen::seen;
 use rigid::impulse::report::RANGES;
 use sim::DeviceError;
@@ -40,7 +41,7 @@ pub struct Gathered<C: Card> {
     pub constants: C::Buffer,
     /// Constants of each.
     pub width: usize,
-    launch: C::Buffer,
+    launch: Uniform<C, 6>,
     pub given: C::Buffer,
 }
 
@@ -67,13 +68,13 @@ impl<C: Card> Gathered<C> {
             places: filled(card, &places(things))?,
             constants: card.buffer(1)?,
             width,
-            launch: card.uniform(&[0; 6])?,
+            launch: Uniform::new(card)?,
             given: sized(card, (numbers * room) as u64)?,
         })
     }
     /// Gathers the numbers of some of them, from states of so many numbers.
     pub fn gather(
-        &self,
+        &mut self,
         card: &C,
         give: &Give<C>,
         todo: &mut C::Commands<'_>,
@@ -86,14 +87,14 @@ impl<C: Card> Gathered<C> {
             own,
             sets,
         } = which;
-        let launch = [first, count, own, numbers, self.width, sets].map(|n| n as u32);
-        card.write(&self.launch, 0, bytemuck::cast_slice(&launch))?;
+        let launch = [first, count, own, numbers, self.width, sets];
+        self.launch.set(card, launch)?;
         let buffers = [
             states,
             &self.given,
             &self.places,
             &self.constants,
-            &self.launch,
+            &self.launch.buffer,
         ];
         let bindings = card.bind(&give.layout, &buffers);
         todo.run(&give.kernel, &bindings, (count as u32).div_ceil(WORKGROUP));

@@ -11,6 +11,7 @@ mod gathered;
 mod part;
 mod sums;
 mod teller;
+mod uniform;
 
 use crate::batch::Batch;
 use crate::card::Commands;
@@ -299,7 +300,7 @@ impl<C: Card> Reports<C> {
                 own,
                 sets,
             };
-            let teller = &self.tellers[nth];
+            let teller = &mut self.tellers[nth];
             let mut todo = card.commands(self.clock.as_mut());
             teller.tell(card, &self.give, &mut todo, of.states(), which)?;
             let told = &teller.told;
@@ -340,7 +341,7 @@ impl<C: Card> Reports<C> {
             sets: 0,
         };
         let mut todo = card.commands(None);
-        let counts = &self.counts;
+        let counts = &mut self.counts;
         counts.gather(card, &self.give, &mut todo, of.states(), which)?;
         let words = once(0..2 * count);
         self.collected
@@ -367,7 +368,7 @@ impl<C: Card> Reports<C> {
                 ranges.map(|range| start + range.start..start + range.end)
             });
             let named = places(&Vec::from_iter(ranges));
-            let teller = &self.contacts;
+            let teller = &mut self.contacts;
             card.write(&teller.gathered.places, 0, bytemuck::cast_slice(&named))?;
             let which = Which {
                 first: 0,

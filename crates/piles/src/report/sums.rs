@@ -3,6 +3,7 @@
 use crate::Card;
 use crate::card::{Commands, WORKGROUP, sized};
 use crate::report::AT_ONCE;
+use crate::report::uniform::Uniform;
 use crate::seen::seen;
 use sim::DeviceError;
 
@@ -25,7 +26,7 @@ pub struct Sums<C: Card> {
     layout: C::Layout,
     kernel: C::Kernel,
     room: [C::Buffer; 2],
-    launches: Vec<C::Buffer>,
+    launches: Vec<Uniform<C, 5>>,
 }
 
 /// Numbers of things of some worlds.
@@ -43,7 +44,7 @@ impl<C: Card> Sums<C> {
     pub fn new(card: &C) -> Result<Self, DeviceError> {
         let (text, layout) = (text(), card.layout(2, 0));
         let [kernel] = card.entries(&text, seen(&text, ["add"]), &layout)?;
-        let launch = |_| card.uniform(&[0; 5]);
+        let launch = |_| Uniform::new(card);
         Ok(Self {
             layout,
             kernel,
@@ -75,10 +76,9 @@ impl<C: Card> Sums<C> {
         let [a, b] = &self.room;
         let mut ways = [from, a, b].into_iter().chain([a, b].into_iter().cycle());
         let mut from = ways.next().unwrap_or(a);
-        for (launch, to) in self.launches.iter().zip(ways) {
-            let numbers_of = [at, own * worlds, own, worlds, numbers].map(|n| n as u32);
-            card.write(launch, 0, bytemuck::cast_slice(&numbers_of))?;
-            let bindings = card.bind(&self.layout, &[from, to, launch]);
+        for (launch, to) in self.launches.iter_mut().zip(ways) {
+            launch.set(card, [at, own * worlds, own, worlds, numbers])?;
+            let bindings = card.bind(&self.layout, &[from, to, &launch.buffer]);
             let groups = (words(own) as u32).div_ceil(WORKGROUP);
             todo.run(&self.kernel, &bindings, groups);
             (at, own, from) = (0, own.div_ceil(SUMMED), to);

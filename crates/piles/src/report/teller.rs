@@ -4,6 +4,7 @@ use crate::card::{BINDINGS, Commands, NUMBER, WORKGROUP, filled, sized};
 use crate::report::AT_ONCE;
 use crate::report::columns::Place;
 use crate::report::gathered::{Gathered, Give, Which};
+use crate::report::uniform::Uniform;
 use crate::scene::Scene;
 use crate::{Card, Need, PilesError};
 use numbers::trace::{Members, Program};
@@ -23,7 +24,7 @@ pub struct Teller<C: Card> {
     pub gathered: Gathered<C>,
     kernel: C::Kernel,
     bindings: C::Bindings,
-    launch: C::Buffer,
+    launch: Uniform<C, 2>,
     pub told: C::Buffer,
     /// Things that there is room for at once.
     pub room: usize,
@@ -68,7 +69,7 @@ impl<C: Card> Teller<C> {
         };
         let work = sized(card, (lengths.state * room).max(1) as u64)?;
         let told = sized(card, (lengths.told * room) as u64)?;
-        let launch = card.uniform(&[0, 1])?;
+        let launch = Uniform::new(card)?;
         let (none, nothing) = (card.buffer(1)?, card.buffer(1)?);
         let links = filled(card, &links)?;
         let bindings: [&C::Buffer; BINDINGS] = [
@@ -78,7 +79,7 @@ impl<C: Card> Teller<C> {
             &none,
             &nothing,
             &links,
-            &launch,
+            &launch.buffer,
         ];
         let bindings = card.bind_kernel(bindings);
         let mut places = Vec::new();
@@ -140,15 +141,14 @@ impl<C: Card> Teller<C> {
 
     /// Tells of some of them, from states of so many numbers.
     pub fn tell(
-        &self,
+        &mut self,
         card: &C,
         give: &Give<C>,
         todo: &mut C::Commands<'_>,
         states: (&C::Buffer, usize),
         which: Which,
     ) -> Result<(), DeviceError> {
-        let launch = [which.count as u32, 1];
-        card.write(&self.launch, 0, bytemuck::cast_slice(&launch))?;
+        self.launch.set(card, [which.count, 1])?;
         self.gathered.gather(card, give, todo, states, which)?;
         let groups = (which.count as u32).div_ceil(WORKGROUP);
         todo.run(&self.kernel, &self.bindings, groups);
