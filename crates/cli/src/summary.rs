@@ -89,7 +89,7 @@ pub fn summary<T: Float>(
 /// What a run came to that it should not often: its name, and how often.
 pub type Note = (&'static str, String);
 
-/// Steps that a card has left to the processor, caps that have bitten, contacts that were forgotten; of those there were.
+/// Substeps that a card has left to the processor, caps that have bitten, contacts that were forgotten; of those there were.
 ///
 /// # Errors
 /// A device fails.
@@ -104,7 +104,7 @@ pub fn notes<T: Float>(simulation: &mut Simulation<T>) -> Result<Vec<Note>, Simu
         _ => "caps that bit",
     };
     let notes = [
-        ("by the processor", left as f64, " world-steps"),
+        ("by the processor", left as f64, " substeps of worlds"),
         (of_solver, capped, ""),
     ];
     let there = notes.into_iter().filter(|(_, count, _)| *count > 0.0);

@@ -98,13 +98,15 @@ impl Clock {
 pub struct Commands<'a> {
     card: Cuda,
     clock: Option<&'a mut Clock>,
+    /// Whether anything was launched.
+    begun: bool,
     asked: Result<(), CudaError>,
 }
 
 impl Commands<'_> {
-    /// Runs a kernel; with the first of them a clock begins.
+    /// Runs a kernel; with the first of them a stage begins.
     fn launch(&mut self, kernel: &Bound, bindings: &Bindings, blocks: u32, told: Option<u64>) {
-        if self.clock.as_ref().is_some_and(|it| it.marks.is_empty()) {
+        if !std::mem::replace(&mut self.begun, true) {
             self.note(None);
         }
         if let Some(clock) = &mut self.clock {
@@ -244,6 +246,7 @@ impl Card for Cuda {
         Commands {
             card: self.clone(),
             clock,
+            begun: false,
             asked: self.check(),
         }
     }

@@ -72,6 +72,9 @@ impl Clock {
     /// Reads the marks of what is submitted.
     pub fn read(&mut self, gpu: &Gpu) -> Result<(), GpuError> {
         let marks = std::mem::take(&mut self.marks);
+        if marks.is_empty() {
+            return Ok(());
+        }
         let mut encoder = gpu.device().create_command_encoder(&Default::default());
         let range = 0..marks.len() as u32;
         encoder.resolve_query_set(&self.queries, range, &self.resolved, 0);

@@ -124,7 +124,8 @@ pub trait Card: Clone + Debug + Send + Sync + 'static {
     fn clock(&self) -> Option<Self::Clock>;
     /// What stages have taken by it.
     fn times(clock: Self::Clock) -> Vec<Stage>;
-    /// Begins to ask for something, some time until it is submitted: nothing else is asked meanwhile. Marked stages are timed
+    /// Begins to ask for something, some time until it is submitted: nothing else is asked meanwhile, but that what is written
+    /// may come before all of it. So each launch of it has words of its own. Marked stages are timed
     /// where there is a clock.
     fn commands<'a>(&self, clock: Option<&'a mut Self::Clock>) -> Self::Commands<'a>;
     /// Asks for it.

@@ -148,13 +148,14 @@ impl<T: Float> Sensors<T> {
         let channel = |sensor| Channel::new(sensor, (&*model, &mut renderers), worlds, seed);
         let channels = sensors.into_iter().map(channel);
         let mut channels = channels.collect::<Result<Vec<_>, _>>()?;
-        simulation.observe_parts([], |_, outputs| {
+        simulation.observe_known(|_, outputs| {
+            let all = outputs.contact_rows(|_| true).len();
             for channel in &mut channels {
                 let kind = &channel.sensor.kind;
                 channel.rows = contact_rows(kind, &model, outputs);
-                channel.parts = parts(kind, &model, &channel.rows);
+                channel.parts = parts(kind, &model, &channel.rows, all);
             }
-        })?;
+        });
         let mut sensors = Self {
             model,
             solver: (simulation.solver(), simulation.settings().contacts),
@@ -284,9 +285,11 @@ impl<T: Float> Sensors<T> {
             is_due.then_some(channel)
         });
         let due = Vec::from_iter(due);
+        if due.is_empty() {
+            return Ok(());
+        }
         // All at once, as what a device is asked for takes its time.
-        let parts = due.iter().flat_map(|channel| channel.parts.iter().copied());
-        simulation.observe_parts(parts, |_, _| ())?;
+        simulation.fetch_parts(due.iter().flat_map(|channel| channel.parts.iter().copied()))?;
         for channel in due {
             channel.sample(simulation, worlds)?;
             channel.note(simulation);
@@ -446,8 +449,7 @@ impl<T: Float> Channel<T> {
                 let n = self.each();
                 let (samples, rows) = (&self.samples, &self.rows[..]);
                 let (numbers, measured, told) = (&mut self.numbers, self.measured, &self.part);
-                let parts = self.parts.iter().copied();
-                simulation.observe_parts(parts, |simulation, outputs| {
+                simulation.observe_known(|simulation, outputs| {
                     in_parts(n, (numbers, &mut []), |part| {
                         let mut whole = vec![T::zero(); measured];
                         for (i, numbers) in part.numbers.chunks_exact_mut(n).enumerate() {
@@ -463,31 +465,27 @@ impl<T: Float> Channel<T> {
                             }
                         }
                     });
-                })?;
+                });
             }
         }
-        self.add_errors(simulation, worlds)
+        self.add_errors(simulation, worlds);
+        Ok(())
     }
 
-    fn add_errors(
-        &mut self,
-        simulation: &mut Simulation<T>,
-        worlds: &[World],
-    ) -> Result<(), SensorError> {
+    fn add_errors(&mut self, simulation: &Simulation<T>, worlds: &[World]) {
         if self.errors.are_none() {
-            return Ok(());
+            return;
         }
         let n = self.each();
         let (samples, errors) = (&self.samples, &self.errors);
         let draw = |world: usize| samples[world].draw(world, worlds[world].episode);
         let memories = (&mut self.numbers[..], &mut self.walk[..]);
-        simulation.observe_parts([], |simulation, _| {
+        simulation.observe_known(|simulation, _| {
             in_parts(n, memories, |part| {
                 let worlds = part.first..part.first + part.numbers.len() / n;
                 errors.apply(simulation.isa(), worlds.filter_map(draw), n, part);
             });
-        })?;
-        Ok(())
+        });
     }
 
     fn cast(
@@ -498,8 +496,7 @@ impl<T: Float> Channel<T> {
     ) -> Result<(), SensorError> {
         let due = self.due();
         let directions = &self.rays;
-        let parts = self.parts.iter().copied();
-        let rays: Vec<Ray> = simulation.observe_parts(parts, |simulation, outputs| {
+        let rays: Vec<Ray> = simulation.observe_known(|simulation, outputs| {
             let of = |&world: &usize| {
                 let at = Look {
                     simulation,
@@ -514,7 +511,7 @@ impl<T: Float> Channel<T> {
                 })
             };
             due.iter().flat_map(of).collect()
-        })?;
+        });
         let hits = simulation
             .cast_rays_in_worlds(&due, &rays, mount.body)
             .map_err(|source| SensorError::Rays {
@@ -543,8 +540,7 @@ impl<T: Float> Channel<T> {
             return Ok(());
         };
         let source = *self.errors.source();
-        let parts = self.parts.iter().copied();
-        simulation.observe_parts(parts, |simulation, outputs| {
+        simulation.observe_known(|simulation, outputs| {
             let bodies = simulation.model().bodies.len();
             let of = |draw: &Draw| -> Vec<Pose> {
                 let pose = |body| outputs.body_pose(draw.world, BodyId(body));
@@ -554,7 +550,7 @@ impl<T: Float> Channel<T> {
             let isa = simulation.isa();
             let errors = ImageErrors { noise, source, isa };
             camera.draw(&due, &poses, &errors)
-        })?
+        })
     }
 }
 
@@ -572,15 +568,20 @@ fn contact_rows<T: Float>(
     }
 }
 
-/// What of the outputs a sensor measures by, whose contacts may stand in these rows.
-fn parts(kind: &SensorKind, model: &Model, rows: &[usize]) -> Vec<OutputPart> {
+/// What of the outputs a sensor measures by, whose contacts may stand in these rows, of so many.
+fn parts(kind: &SensorKind, model: &Model, rows: &[usize], all: usize) -> Vec<OutputPart> {
     use OutputPart::*;
     let mounts = |mounts: [&Mount; 2]| {
         let bodies = mounts.into_iter().filter_map(|mount| mount.body);
         bodies.map(Motion).collect()
     };
     let axes = |joint: JointId| [Coordinates(joint), Velocities(joint)];
-    let contacts = rows.iter().map(|row| ContactRow(*row));
+    let of_row = rows.iter().map(|row| ContactRow(*row));
+    let contacts = if rows.len() == all {
+        vec![Contacts]
+    } else {
+        of_row.collect()
+    };
     let bodies = (0..model.bodies.len()).map(|body| Motion(BodyId(body)));
     match kind {
         SensorKind::JointPosition { joints } => joints.iter().map(|j| Coordinates(*j)).collect(),
@@ -597,13 +598,15 @@ fn parts(kind: &SensorKind, model: &Model, rows: &[usize]) -> Vec<OutputPart> {
         SensorKind::ForceTorque { joint, .. } => {
             vec![Motion(model.joints[joint.0].child), Reaction(*joint)]
         }
-        SensorKind::Touch { .. } => contacts.collect(),
-        SensorKind::ContactForce { body, .. } => contacts.chain([Motion(*body)]).collect(),
+        SensorKind::Touch { .. } => contacts,
+        SensorKind::ContactForce { body, .. } => [contacts, vec![Motion(*body)]].concat(),
         SensorKind::FramePose { mount, relative_to } => mounts([mount, relative_to]),
-        SensorKind::FrameVelocity { mount, .. }
-        | SensorKind::Rangefinder { mount, .. }
-        | SensorKind::Lidar { mount, .. } => mounts([mount, mount]),
-        SensorKind::CenterOfMass { .. } | SensorKind::Camera { .. } => bodies.collect(),
+        SensorKind::FrameVelocity { mount, .. } => mounts([mount, mount]),
+        // What rays meet may be on any body.
+        SensorKind::Rangefinder { .. }
+        | SensorKind::Lidar { .. }
+        | SensorKind::CenterOfMass { .. }
+        | SensorKind::Camera { .. } => bodies.collect(),
     }
 }
 

@@ -8,8 +8,8 @@ use sim::{Device, DeviceError, DeviceWorlds, Processor, Simulation, SimulationSe
 use std::ops::Range;
 use std::sync::{Arc, Mutex};
 
-/// How many numbers of the output have been read.
-type Count = Arc<Mutex<usize>>;
+/// How many numbers of the output have been read, and how often.
+type Count = Arc<Mutex<[usize; 2]>>;
 
 /// A device whose outputs are what they are read at, and which counts what is read.
 struct Told(Count);
@@ -52,8 +52,9 @@ impl DeviceWorlds<f32> for Told {
     ) -> Result<(), DeviceError> {
         for at in numbers.iter().cloned().flatten() {
             output.fill(at, 0.3 + (0.618 * at as f32).fract());
-            *self.0.lock().unwrap() += 1;
+            self.0.lock().unwrap()[0] += 1;
         }
+        self.0.lock().unwrap()[1] += 1;
         Ok(())
     }
 }
@@ -162,7 +163,9 @@ fn sensors_read_what_they_measure_by_and_no_more() {
         let list = vec![Sensor::new("s", kind.clone())];
         let sensors = Sensors::new(simulation, list, 0).unwrap();
         let numbers = sensors.reading("s").unwrap().numbers.to_vec();
-        (numbers, *count.lock().unwrap() - before)
+        let after = *count.lock().unwrap();
+        assert!(after[1] - before[1] <= 1, "{kind:?} is read at once");
+        (numbers, after[0] - before[0])
     };
     let mut known = placed();
     known.try_outputs().unwrap();
@@ -174,4 +177,21 @@ fn sensors_read_what_they_measure_by_and_no_more() {
         assert_eq!(numbers, of_all, "{kind:?}");
         assert_eq!(more, 0, "{kind:?}");
     }
+}
+
+#[test]
+fn sensors_that_are_due_are_read_together() {
+    let model = humanoid();
+    let count = Count::default();
+    let settings = SimulationSettings::new(2, 0.003);
+    let mut simulation =
+        Simulation::on(&Told(Arc::clone(&count)), model.clone(), settings).unwrap();
+    let all = kinds(&model).into_iter().enumerate();
+    let list = all.map(|(i, (kind, _))| Sensor::new(format!("s{i}"), kind));
+    let mut sensors = Sensors::new(&mut simulation, list.collect(), 0).unwrap();
+    assert_eq!(count.lock().unwrap()[1], 1);
+    sensors.step(&mut simulation, 3).unwrap();
+    assert_eq!(count.lock().unwrap()[1], 4);
+    sensors.update(&mut simulation).unwrap();
+    assert_eq!(count.lock().unwrap()[1], 4);
 }

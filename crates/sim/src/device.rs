@@ -58,7 +58,7 @@ pub trait DeviceWorlds<T: Float>: Send + Sync {
     fn write_state(&mut self, state: &Memory<T>) -> Result<(), DeviceError>;
     /// Sets the state of some worlds, none of them twice, from that of all.
     fn write_worlds(&mut self, worlds: &[usize], state: &Memory<T>) -> Result<(), DeviceError>;
-    /// Sets some numbers of the controls of all worlds.
+    /// Sets some numbers of the controls of all worlds, of which there are some.
     fn write_input(&mut self, rows: Range<usize>, input: &Memory<T>) -> Result<(), DeviceError>;
     /// Gives each world constants of its own, in place of those of the solver.
     fn write_parameters(&mut self, parameters: &Memory<T>) -> Result<(), DeviceError>;
@@ -95,7 +95,8 @@ pub trait DeviceWorlds<T: Float>: Send + Sync {
         rows: &[Range<usize>],
         state: &mut Memory<T>,
     ) -> Result<(), DeviceError>;
-    /// Copies these numbers of the output of all worlds, ranges in their order that do not meet; the others of `output` stay.
+    /// Copies these numbers of the output of all worlds, ranges in their order that do not meet; of the others, some
+    /// may be set, too, to what they are now.
     fn read_output(
         &mut self,
         rows: &[Range<usize>],
@@ -170,6 +171,8 @@ impl DeviceError {
 pub(crate) struct Remote<T> {
     name: String,
     worlds: Box<dyn DeviceWorlds<T>>,
+    /// Numbers of a world's controls there.
+    inputs: usize,
     /// Worlds whose state the host has set since it was last told.
     set: Vec<usize>,
     /// Whether the host's state is that of all worlds.
@@ -183,10 +186,15 @@ pub(crate) struct Remote<T> {
 
 impl<T: Float> Remote<T> {
     /// Of a simulation whose state and controls are to be told yet.
-    pub fn new(name: String, placed: Box<dyn DeviceWorlds<T>>, worlds: usize) -> Self {
+    pub fn new(
+        name: String,
+        placed: Box<dyn DeviceWorlds<T>>,
+        (worlds, inputs): (usize, usize),
+    ) -> Self {
         Self {
             name,
             worlds: placed,
+            inputs,
             set: (0..worlds).collect(),
             state_known: true,
             parameters_set: false,
@@ -233,9 +241,11 @@ impl<T: Float> Remote<T> {
             self.parameters_set = false;
         }
         for controls in host.changes.take() {
-            // Some solvers read fewer than there are.
-            let numbers = controls.start..controls.end.min(host.input.length());
-            self.worlds.write_input(numbers, host.input)?;
+            // The host has room for one at least.
+            let numbers = controls.start..controls.end.min(self.inputs);
+            if !numbers.is_empty() {
+                self.worlds.write_input(numbers, host.input)?;
+            }
         }
         self.set.sort_unstable();
         self.set.dedup();
@@ -256,7 +266,7 @@ impl<T: Float> Remote<T> {
     pub fn left(&self) -> u64 {
         self.worlds.left()
     }
-    /// Begins to measure what stages of steps take.
+    /// Begins to measure what stages take.
     pub fn start_clock(&mut self) {
         self.worlds.start_clock();
     }

@@ -2,11 +2,10 @@
 //! joints reach their limits, bodies fall asleep, worlds diverge.
 
 use crate::engine::Task;
-use crate::{Outputs, Quantity, Simulation, SimulationError};
+use crate::{OutputPart, Outputs, Simulation, SimulationError};
 use glam::DVec3;
 use model::{BodyId, JointId, Model, ShapeId};
 use numbers::Float;
-use rigid::Report;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Something that happened in a world.
@@ -324,18 +323,14 @@ impl<T: Float> Simulation<T> {
 
     /// Makes known what is watched of the present state, and no more.
     fn fetch_watched(&mut self, watch: Watch) -> Result<(), SimulationError> {
-        if watch.contacts || watch.persisting_contacts || watch.sensors {
-            self.fetch(Quantity::ContactWrench)?;
-        }
-        let tables = &self.output_tables;
-        if let (true, Some(asleep)) = (watch.sleep, tables.asleep) {
-            let bodies = asleep.start()..tables.length;
-            self.fetch_numbers(Report::Motion, [bodies])?;
-        }
-        if watch.limits {
-            self.fetch(Quantity::JointPosition)?;
-        }
-        Ok(())
+        let contacts = watch.contacts || watch.persisting_contacts || watch.sensors;
+        let contacts = contacts.then_some(OutputPart::Contacts);
+        let joints = (0..self.model().joints.len()).filter(|_| watch.limits);
+        let bodies = (0..self.model().bodies.len()).filter(|_| watch.sleep);
+        let joints = joints.map(|joint| OutputPart::Coordinates(JointId(joint)));
+        let bodies = bodies.map(|body| OutputPart::Asleep(BodyId(body)));
+        let parts = contacts.into_iter().chain(joints).chain(bodies);
+        self.fetch_parts(Vec::from_iter(parts))
     }
 
     /// Makes so many substeps, and tells what happens in each.

@@ -1,5 +1,6 @@
 //! Parts of the outputs, of which only those that are asked for are worked out and fetched.
 
+use crate::outputs::existing;
 use model::{BodyId, JointId, Model};
 use rigid::{OutputTables, Report};
 use std::ops::Range;
@@ -37,7 +38,10 @@ impl OutputPart {
         }
     }
     /// Its numbers.
+    ///
+    /// Panics where it does not exist.
     pub(crate) fn numbers(self, t: &OutputTables, model: &Model) -> [Range<usize>; 3] {
+        self.exists(t, model);
         let none = || 0..0;
         let one = |numbers| [numbers, none(), none()];
         match self {
@@ -69,6 +73,22 @@ impl OutputPart {
                     none()
                 },
             ],
+        }
+    }
+
+    fn exists(self, t: &OutputTables, model: &Model) {
+        let (bodies, joints) = (model.bodies.len(), model.joints.len());
+        match self {
+            Self::Motion(body) | Self::Acceleration(body) | Self::Asleep(body) => {
+                existing("body", body.0, bodies);
+            }
+            Self::Coordinates(joint) | Self::Velocities(joint) | Self::Reaction(joint) => {
+                existing("joint", joint.0, joints);
+            }
+            Self::ContactRow(row) => {
+                existing("row of contacts", row, t.contacts);
+            }
+            Self::Contacts => {}
         }
     }
 }

@@ -247,7 +247,8 @@ impl<T: Float> Simulation<T> {
             solver: engine.name(),
             device: device.name(),
         })?;
-        Ok(Remote::new(device.name(), placed, worlds))
+        let sizes = (worlds, engine.lengths().input);
+        Ok(Remote::new(device.name(), placed, sizes))
     }
 
     /// The model.
@@ -757,29 +758,51 @@ impl<T: Float> Simulation<T> {
         Ok(self.threads.run(|| look(self, &self.last_reported())))
     }
 
-    /// As [`observe`](Simulation::observe), of outputs of which only these parts are of the present state; all that sets
-    /// and drives worlds is. On the processor no more is worked out than they take, and of a device no more is read.
-    ///
-    /// Panics where a part does not exist, as an array would.
+    /// As [`observe`](Simulation::observe), of outputs of which only these parts are of the present state.
     ///
     /// # Errors
-    /// Worlds are on a device, and it fails.
+    /// As [`fetch_parts`](Simulation::fetch_parts).
     pub fn observe_parts<R: Send>(
         &mut self,
         parts: impl IntoIterator<Item = OutputPart>,
         look: impl FnOnce(&Self, &Outputs<'_, T>) -> R + Send,
     ) -> Result<R, SimulationError> {
+        self.fetch_parts(parts)?;
+        Ok(self.observe_known(look))
+    }
+    /// Brings parts of the outputs, and all that sets and drives worlds, to the present state. On the processor no more is
+    /// worked out than they take, and of a device no more is read.
+    ///
+    /// Panics where a part does not exist, as an array would.
+    ///
+    /// # Errors
+    /// Worlds are on a device, and it fails.
+    pub fn fetch_parts(
+        &mut self,
+        parts: impl IntoIterator<Item = OutputPart>,
+    ) -> Result<(), SimulationError> {
         let mut needs = None;
         let mut numbers = Vec::new();
         for part in parts {
             needs = needs.max(Some(part.needs()));
-            numbers.extend(part.numbers(&self.output_tables, &self.model));
+            let own = part.numbers(&self.output_tables, &self.model);
+            if self.remote.is_some() {
+                numbers.extend(own);
+            }
         }
         self.fetch_controls()?;
-        if let Some(needs) = needs {
-            self.fetch_numbers(needs, numbers)?;
+        match needs {
+            Some(needs) => self.fetch_numbers(needs, numbers),
+            None => Ok(()),
         }
-        Ok(self.threads.run(|| look(self, &self.last_reported())))
+    }
+    /// As [`observe`](Simulation::observe), of outputs as they are known: those parts are of the present state that were
+    /// [fetched](Simulation::fetch_parts) since it was reached.
+    pub fn observe_known<R: Send>(
+        &self,
+        look: impl FnOnce(&Self, &Outputs<'_, T>) -> R + Send,
+    ) -> R {
+        self.threads.run(|| look(self, &self.last_reported()))
     }
 
     /// The whole state of all worlds, to the bit.

@@ -5,7 +5,7 @@ mod scene;
 
 use glam::DVec3;
 use kinetarium_sim::{
-    Controls, Outputs, Simulation, SimulationError, SimulationSettings, SolverKind,
+    Controls, OutputPart, Outputs, Simulation, SimulationError, SimulationSettings, SolverKind,
 };
 use model::examples::n_pendula;
 use model::{
@@ -430,6 +430,26 @@ fn reads_of_what_does_not_exist() {
             }
         });
         observed.unwrap();
+    }
+}
+
+#[test]
+fn parts_of_outputs_that_do_not_exist() {
+    let model = n_pendula(3).unwrap();
+    let mut simulation = Simulation::<f32>::new(model, SimulationSettings::new(1, 0.004)).unwrap();
+    for (what, part) in [
+        ("body 3", OutputPart::Motion(BodyId(3))),
+        ("body 3", OutputPart::Acceleration(BodyId(3))),
+        ("body 3", OutputPart::Asleep(BodyId(3))),
+        ("joint 3", OutputPart::Coordinates(JointId(3))),
+        ("joint 3", OutputPart::Velocities(JointId(3))),
+        ("joint 3", OutputPart::Reaction(JointId(3))),
+        ("row of contacts", OutputPart::ContactRow(1000)),
+    ] {
+        let fetch = AssertUnwindSafe(|| simulation.fetch_parts([part]));
+        let told = catch_unwind(fetch).expect_err(what);
+        let told = told.downcast_ref::<String>().unwrap();
+        assert!(told.starts_with(what), "{told}");
     }
 }
 

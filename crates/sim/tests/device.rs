@@ -223,3 +223,24 @@ fn no_more_is_read_than_is_looked_at() {
     assert_eq!(lengths, [2 * rigid::body::WIDTH, 1, 1]);
     assert_eq!(ranges[1], one);
 }
+
+/// New controls change what follows from them, so that all is told anew.
+#[test]
+fn what_is_known_is_read_again_after_new_controls() {
+    let settings = SimulationSettings::new(2, 0.004);
+    let notes = Arc::default();
+    let device = Noting(Arc::clone(&notes));
+    let model = chain(3, Start::Horizontal).unwrap();
+    let mut simulation = Simulation::on(&device, model, settings).unwrap();
+    let read = || std::mem::take(&mut *notes.lock().unwrap()).len();
+    let motion = [OutputPart::Motion(BodyId(1))];
+    let more = [motion[0], OutputPart::Acceleration(BodyId(1))];
+    simulation.fetch_parts(motion).unwrap();
+    assert_eq!(read(), 1);
+    simulation.controls().set_dof_force(0, 0, 1.0).unwrap();
+    simulation.fetch_parts(motion).unwrap();
+    assert_eq!(read(), 1);
+    simulation.fetch_parts(more).unwrap();
+    simulation.fetch_parts(motion).unwrap();
+    assert_eq!(read(), 1);
+}

@@ -4,6 +4,7 @@
 //! same. What rounding does in a step in which much is struck is measured: it is how far the processor is from itself
 //! where it rounds other than in its widest lanes.
 
+use crate::agreement::come_to_rest;
 use crate::card::{Card, card, rounds_alike, small};
 use crate::models::mixed;
 use crate::pair::Pair;
@@ -19,7 +20,7 @@ use model::{
 use numbers::dispatch::Isa;
 use rigid::Settings;
 use rigid::impulse::suits;
-use sim::{Simulation, SimulationError, SimulationSettings, SolverKind};
+use sim::{Quantity, Simulation, SimulationError, SimulationSettings, SolverKind};
 use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 
@@ -784,6 +785,12 @@ fn hubs_and_loops_agree_with_the_processor() {
     assert_eq!(pair.gpu.left_to_processor(), 0);
 }
 
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn they_come_to_rest_as_on_the_processor() {
+    come_to_rest(SolverKind::Impulse);
+}
+
 /// Every example scene that `impulse` takes for itself: steps from the same states, then the whole after some time, in which
 /// rounding decides who slips first.
 #[test]
@@ -826,7 +833,14 @@ fn stages_of_steps_are_timed() {
         launches("pushing") >= Some(3 * 2 * small_steps),
         "{times:?}"
     );
-    assert_eq!(launches("telling of contacts"), Some(2), "{times:?}");
+    // How many there are is told before.
+    assert_eq!(launches("telling of contacts"), Some(3), "{times:?}");
+    let contacts = |world: &mut Simulation<f32>| {
+        world.try_step(1)?;
+        let mut wrenches = vec![0.0; 6 * world.model().bodies.len()];
+        world.read(Quantity::ContactWrench, &mut wrenches)
+    };
+    world.time_stages(contacts).unwrap();
     assert!(
         times.iter().all(|it| (0.0..10.0).contains(&it.seconds)),
         "{times:?}"

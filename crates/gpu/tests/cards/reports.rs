@@ -2,7 +2,7 @@
 //! that has double.
 
 use crate::agreement::{QUANTITIES, read};
-use crate::card::card;
+use crate::card::{card, small};
 use crate::models::mixed;
 use crate::pair::{Pair, apart};
 use crate::piles::{changed, company, control, settings};
@@ -100,6 +100,54 @@ fn what_is_told_of_joints_is_what_the_processor_tells() {
     }
 }
 
+/// A card that takes so little that worlds lie in several batches; first all with the same constants.
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn worlds_of_several_batches_are_told_of() {
+    let model = company().unwrap();
+    let card = small(1 << 18);
+    let mut pair = Pair::new(&card, &model, settings(20));
+    pair.cpu.step(60);
+    tells_the_same(&mut pair);
+    for world in [0, 7, 19] {
+        for simulation in pair.both() {
+            let own = changed(&model, 1.0 + 0.02 * world as f64);
+            simulation.set_world_model(world, &own).unwrap();
+        }
+    }
+    for _ in 0..2 {
+        pair.cpu.step(10);
+        tells_the_same(&mut pair);
+    }
+}
+
+/// Where there were contacts before, and are none now, none is told; of the other worlds as before.
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn contacts_that_are_gone_are_not_told() {
+    let model = pile(30).unwrap();
+    let mut pair = Pair::at_rest(&card(), &model, settings(3));
+    pair.cpu.step(200);
+    tells_the_same(&mut pair);
+    let counts = |simulation: &mut Simulation<f32>| {
+        let outputs = simulation.outputs();
+        [0, 1, 2].map(|world| outputs.contacts(world).count())
+    };
+    let [all, before] = pair.both().map(counts);
+    assert!(
+        all.iter().all(|count| *count > 10) && all == before,
+        "{all:?}"
+    );
+    let rest = vec![0.0; model.degrees_of_freedom()];
+    for simulation in pair.both() {
+        let start = model.initial_position();
+        simulation.set_joint_state(1, &start, &rest).unwrap();
+    }
+    let [cpu, gpu] = pair.both().map(counts);
+    assert_eq!(gpu, cpu);
+    assert_eq!(gpu, [all[0], 0, all[2]]);
+}
+
 /// More things than are told of at once.
 #[test]
 #[ignore = "needs a graphics card or what stands in for one"]
@@ -158,11 +206,7 @@ fn parts_of_what_is_told_are_of_the_present_state() {
 fn events_of_piles_are_those_of_the_processor() {
     let model = company().unwrap();
     let mut pair = Pair::at_rest(&card(), &model, settings(2));
-    let watch = Watch {
-        sleep: false,
-        ..Watch::ALL
-    };
-    pair.both().into_iter().for_each(|s| s.watch(watch));
+    pair.both().into_iter().for_each(|s| s.watch(Watch::ALL));
     let mut count = 0;
     for step in 0..60 {
         pair.put();

@@ -3,8 +3,9 @@
 use crate::card::{KERNELS, card};
 use crate::models::mixed;
 use crate::pair::Pair;
+use glam::{DMat3, DVec3};
 use model::examples::{Start, chain};
-use model::{Builder, Geometry, Model, Pose, Shape};
+use model::{BodyId, Builder, Geometry, Model, Pose, Shape};
 use sim::{EventKind, Quantity, Simulation, SimulationSettings, SolverKind, Watch};
 
 pub const H: f64 = 0.002;
@@ -172,4 +173,33 @@ fn a_kernel_is_compiled_once_for_a_card() {
             .unwrap();
     }
     assert_eq!(card.compiled(), KERNELS);
+}
+
+/// Of what does not move there is nothing to control.
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn worlds_without_controls_are_restored() {
+    let mut world = Builder::new("fixed");
+    let object = world.object("post");
+    let inertia = DMat3::IDENTITY;
+    let post = object.body("post").inertia(1.0, DVec3::ZERO, inertia);
+    let post = post.handle();
+    object.fixed("nail", post);
+    let model = world.build().unwrap();
+    for solver in [SolverKind::Featherstone, SolverKind::Impulse] {
+        let settings = SimulationSettings {
+            solver,
+            ..settings(5)
+        };
+        let mut simulation = Simulation::on(&card(), model.clone(), settings).unwrap();
+        let before = simulation.snapshot();
+        simulation.step(2);
+        simulation.restore(&before).unwrap();
+        simulation.try_step(2).unwrap();
+        let position = simulation
+            .try_outputs()
+            .unwrap()
+            .body_position(4, BodyId(0));
+        assert!(position.length() < 1e-3, "{solver:?}: {position}");
+    }
 }

@@ -27,6 +27,10 @@ impl<C: Card, W> Collected<C, W> {
             staging: C::Staging::default(),
         })
     }
+    pub fn clear(&mut self) {
+        self.parts.clear();
+        self.words = 0;
+    }
     pub fn is_empty(&self) -> bool {
         self.parts.is_empty()
     }

@@ -1,31 +1,41 @@
 //! Which of the numbers that a kernel tells come to the host.
 
 use std::ops::Range;
+use std::sync::Arc;
 
-/// A number that is told, of which thing of a world, and where in the output it belongs.
+/// A number that is told.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
+    /// Where in the output it belongs.
     pub at: usize,
+    /// Of which thing of a world.
     pub thing: usize,
+    /// Which one of those that are told of it.
     pub number: usize,
 }
 
 /// Numbers of all things, `[number][thing]`, of which some are read.
 #[derive(Debug)]
 pub struct Columns {
-    /// What is read of them belongs there.
-    pub places: Vec<Place>,
-    /// Those that are read, as few ranges as that can be.
+    /// Where all belongs, and where what is read does.
+    all: Arc<[Place]>,
+    places: Vec<Range<usize>>,
+    /// Numbers that are read, as few ranges as that can be.
     runs: Vec<Range<usize>>,
-    /// Of each, which of those that are read it is.
+    /// Of each number, which of those that are read it is.
     nth: Vec<usize>,
 }
 
 impl Columns {
-    /// Of so many numbers, those that belong to these places.
-    pub fn of(places: Vec<Place>, told: usize) -> Self {
+    /// Of so many numbers that are told, and belong to these places in their order, those that belong to these ranges of the
+    /// output.
+    pub fn of(all: &Arc<[Place]>, asked: &[Range<usize>], told: usize) -> Self {
+        let from = |at: usize| all.partition_point(|place| place.at < at);
+        let of_range = |range: &Range<usize>| from(range.start)..from(range.end);
+        let places = Vec::from_iter(asked.iter().map(of_range));
         let mut is_read = vec![false; told];
-        places.iter().for_each(|place| is_read[place.number] = true);
+        let wanted = places.iter().flat_map(|range| &all[range.clone()]);
+        wanted.for_each(|place| is_read[place.number] = true);
         let (mut runs, mut nth, mut read) = (Vec::<Range<usize>>::new(), vec![0; told], 0);
         for number in (0..told).filter(|number| is_read[*number]) {
             match runs.last_mut() {
@@ -34,7 +44,17 @@ impl Columns {
             }
             (nth[number], read) = (read, read + 1);
         }
-        Self { places, runs, nth }
+        Self {
+            all: Arc::clone(all),
+            places,
+            runs,
+            nth,
+        }
+    }
+    /// Where what is read belongs.
+    pub fn places(&self) -> impl Iterator<Item = &Place> {
+        let ranges = self.places.iter();
+        ranges.flat_map(|range| &self.all[range.clone()])
     }
     /// How many numbers are read.
     pub fn width(&self) -> usize {
@@ -57,12 +77,16 @@ mod tests {
 
     #[test]
     fn only_columns_that_are_wanted_are_read() {
-        let places = [4, 9, 5, 4].map(|number| Place {
-            at: 0,
+        let places = [(10, 4), (11, 9), (12, 7), (20, 5), (21, 4)];
+        let place = |(at, number)| Place {
+            at,
             thing: 0,
             number,
-        });
-        let columns = Columns::of(places.into(), 12);
+        };
+        let places = Arc::from(places.map(place));
+        let columns = Columns::of(&places, &[0..12, 20..30], 12);
+        assert!(columns.places().map(|place| place.at).eq([10, 11, 20, 21]));
+        assert_eq!(columns.width(), 3);
         assert!(columns.words(2).eq([8..12, 18..20]));
         let read = [4.0, 4.5, 5.0, 5.5, 9.0, 9.5];
         let found = [4, 5, 9].map(|number| columns.column(number, 2, &read)[0]);

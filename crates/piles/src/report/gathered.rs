@@ -37,11 +37,12 @@ pub type Ranges = [Range<usize>; RANGES];
 /// Numbers of things of one kind.
 #[derive(Debug)]
 pub struct Gathered<C: Card> {
+    /// How long the ranges of each are, and where those of each begin.
     pub places: C::Buffer,
-    pub constants: C::Buffer,
     /// Constants of each.
     pub width: usize,
     launch: Uniform<C, 6>,
+    /// Their numbers, `[number][thing]`.
     pub given: C::Buffer,
 }
 
@@ -66,19 +67,18 @@ impl<C: Card> Gathered<C> {
         let numbers = lengths(things).iter().sum::<usize>() + width;
         Ok(Self {
             places: filled(card, &places(things))?,
-            constants: card.buffer(1)?,
             width,
             launch: Uniform::new(card)?,
             given: sized(card, (numbers * room) as u64)?,
         })
     }
-    /// Gathers the numbers of some of them, from states of so many numbers.
+    /// Gathers the numbers of some of them, from states of so many numbers, and constants.
     pub fn gather(
         &mut self,
         card: &C,
         give: &Give<C>,
         todo: &mut C::Commands<'_>,
-        (states, numbers): (&C::Buffer, usize),
+        ((states, numbers), constants): ((&C::Buffer, usize), &C::Buffer),
         which: Which,
     ) -> Result<(), DeviceError> {
         let Which {
@@ -93,7 +93,7 @@ impl<C: Card> Gathered<C> {
             states,
             &self.given,
             &self.places,
-            &self.constants,
+            constants,
             &self.launch.buffer,
         ];
         let bindings = card.bind(&give.layout, &buffers);

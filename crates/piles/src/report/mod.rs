@@ -9,6 +9,7 @@ mod collected;
 mod columns;
 mod gathered;
 mod part;
+mod reading;
 mod sums;
 mod teller;
 mod uniform;
@@ -22,17 +23,18 @@ use columns::Columns;
 use gathered::{Gathered, Give, Which, places};
 use numbers::Memory;
 use part::Part;
+use reading::{Reading, Words};
 use records::ReportPrograms;
-use rigid::impulse::Impulse;
-use rigid::impulse::report::{ContactReport, SUMS, Thing};
+use rigid::impulse::report::{SUMS, Thing};
 use sim::DeviceError;
 use std::iter::once;
 use std::ops::Range;
 use sums::{Sums, Terms};
 use teller::{Kind, Teller};
 
-/// Things that are told of at once, at most.
+/// Things that are told of at once, at most, and numbers that their kernel has of one sort for these.
 const AT_ONCE: usize = 1 << 16;
+const NUMBERS_AT_ONCE: usize = 1 << 22;
 
 /// The WGSL about the kernels that tell: of what they are given, and of sums.
 pub(crate) fn texts() -> [String; 2] {
@@ -64,103 +66,12 @@ pub(crate) struct Reports<C: Card> {
     contacts: Teller<C>,
     /// How many contacts each world remembers, and had no room for.
     counts: Gathered<C>,
+    /// What is bound where there are no constants.
+    none: C::Buffer,
     collected: Collected<C, Words>,
     /// Of each world, the rows of contacts that the host has been told of.
     known: Vec<usize>,
     pub clock: Option<C::Clock>,
-}
-
-/// What words are that come to the host.
-#[derive(Debug)]
-enum Words {
-    /// Columns of things of a part, and which teller's.
-    Things(usize, Part),
-    /// Sums over the things of these worlds.
-    Sums(Range<usize>),
-    /// How many contacts each world remembers, and had no room for.
-    Counts,
-    /// All that is told of some contacts: which, of each, and of which world.
-    Contacts(Vec<(usize, usize)>),
-}
-
-/// What is read of the worlds of a batch.
-struct Reading<'a> {
-    impulse: &'a Impulse,
-    /// The first of them.
-    first: usize,
-    /// Of each teller.
-    columns: Vec<Columns>,
-    /// Of each world.
-    sums: Vec<[f64; SUMS]>,
-    counts: Vec<[f32; 2]>,
-    /// Rows of contacts that were told so far.
-    rows: Vec<usize>,
-    output: &'a mut Memory<f32>,
-}
-
-impl Reading<'_> {
-    /// Takes what has come.
-    fn take(&mut self, words: Words, read: &[f32]) {
-        match words {
-            Words::Things(teller, part) => self.take_things(teller, &part, read),
-            Words::Sums(worlds) => {
-                let count = worlds.len();
-                for (i, sums) in self.sums[worlds].iter_mut().enumerate() {
-                    let own = read[i..].iter().step_by(count);
-                    let sums = sums.iter_mut().zip(own);
-                    sums.for_each(|(sum, x)| *sum += f64::from(*x));
-                }
-            }
-            Words::Counts => {
-                let (counts, forgotten) = read.split_at(self.counts.len());
-                let both = counts.iter().zip(forgotten).map(|(a, b)| [*a, *b]);
-                self.counts.iter_mut().zip(both).for_each(|(to, x)| *to = x);
-            }
-            Words::Contacts(some) => self.take_contacts(&some, read),
-        }
-    }
-    fn take_things(&mut self, teller: usize, part: &Part, read: &[f32]) {
-        let (columns, count) = (&self.columns[teller], part.count());
-        for place in &columns.places {
-            let column = columns.column(place.number, count, read);
-            for world in part.worlds.clone() {
-                if let Some(i) = part.find(world, place.thing) {
-                    self.output.set(self.first + world, place.at, column[i]);
-                }
-            }
-        }
-    }
-    fn take_contacts(&mut self, some: &[(usize, usize)], read: &[f32]) {
-        let points = ContactReport::new().count.start();
-        for (i, (world, _)) in some.iter().enumerate() {
-            let of = |number: usize| read[number * some.len() + i];
-            for point in 0..of(points) as usize {
-                let row = &mut self.rows[*world];
-                self.impulse
-                    .told_places_of_point(point, *row, |number, at| {
-                        self.output.set(self.first + world, at, of(number));
-                    });
-                *row += 1;
-            }
-        }
-    }
-    /// All contacts that the worlds remember: of which world, and which of its.
-    fn all_contacts(&self) -> Vec<(usize, usize)> {
-        let worlds = self.counts.iter().enumerate();
-        let contacts = worlds
-            .flat_map(|(world, [count, _])| (0..*count as usize).map(move |nth| (world, nth)));
-        contacts.collect()
-    }
-    fn put_sums(&mut self) {
-        let places = self.impulse.told_sums();
-        for (nth, (sums, [_, forgotten])) in self.sums.iter().zip(&self.counts).enumerate() {
-            let sums = sums.map(|x| x as f32);
-            let numbers = sums.into_iter().chain([*forgotten]);
-            for (at, x) in places.clone().zip(numbers) {
-                self.output.set(self.first + nth, at, x);
-            }
-        }
-    }
 }
 
 impl<C: Card> Reports<C> {
@@ -189,6 +100,7 @@ impl<C: Card> Reports<C> {
             tellers: tellers.collect::<Result<_, _>>()?,
             contacts: teller(&programs.contact, Thing::Contact, impulse.capacity())?,
             counts: Gathered::new(card, &[numbers], 0, together)?,
+            none: card.buffer(1)?,
             collected: Collected::new(card)?,
             known: vec![impulse.outputs().contacts; worlds],
             clock: None,
@@ -197,7 +109,7 @@ impl<C: Card> Reports<C> {
     /// Constants have changed.
     pub fn differs(&mut self) {
         let tellers = self.tellers.iter_mut();
-        tellers.for_each(|teller| teller.ready = None);
+        tellers.for_each(|teller| teller.constants.clear());
     }
 
     /// Reads these ranges of the output of the worlds of a batch.
@@ -208,16 +120,20 @@ impl<C: Card> Reports<C> {
         output: &mut Memory<f32>,
     ) -> Result<(), DeviceError> {
         let (impulse, worlds) = (&*of.scene.impulse, &of.batch.worlds);
+        // What was left by a reading that failed belongs to none.
+        self.collected.clear();
         let is_asked = |numbers: Range<usize>| {
             let first = |range: &Range<usize>| range.start.max(numbers.start);
             let mut ranges = asked.iter();
             ranges.any(|range| first(range) < range.end.min(numbers.end))
         };
+        let capped = impulse.told_capped();
         let [sums, contacts] = [impulse.told_sums(), impulse.told_contacts()].map(is_asked);
+        let counts = contacts || is_asked(capped..capped + 1);
         let tellers = self.tellers.iter();
         let columns = tellers.map(|teller| {
             let told = (teller.kind)(0).lengths().told;
-            Columns::of(teller.wanted(asked), told)
+            Columns::of(&teller.places, asked, told)
         });
         let mut reading = Reading {
             impulse,
@@ -236,12 +152,15 @@ impl<C: Card> Reports<C> {
         for nth in 0..self.tellers.len() {
             self.tell_of_things(of, nth, sums, &mut reading)?;
         }
-        if sums || contacts {
+        if counts {
             self.tell_counts(of, &mut reading)?;
         }
         self.fetch(of, &mut reading)?;
         if sums {
             reading.put_sums();
+        }
+        if counts {
+            reading.put_capped();
         }
         if contacts {
             self.tell_of_contacts(of, &mut reading)?;
@@ -287,7 +206,7 @@ impl<C: Card> Reports<C> {
         if width == 0 && !sums {
             return Ok(());
         }
-        teller.ready(card, scene, batch.worlds.clone())?;
+        let key = teller.ready(card, scene, batch.worlds.clone())?;
         let (own, room) = (teller.own, teller.room);
         let sets = if scene.parameters.differ() { own } else { 0 };
         for part in Part::all(batch.worlds.len(), own, room) {
@@ -302,7 +221,7 @@ impl<C: Card> Reports<C> {
             };
             let teller = &mut self.tellers[nth];
             let mut todo = card.commands(self.clock.as_mut());
-            teller.tell(card, &self.give, &mut todo, of.states(), which)?;
+            teller.tell(card, &self.give, &mut todo, (of.states(), key), which)?;
             let told = &teller.told;
             let terms = Terms {
                 at: first_told * count,
@@ -340,9 +259,10 @@ impl<C: Card> Reports<C> {
             own: 1,
             sets: 0,
         };
-        let mut todo = card.commands(None);
-        let counts = &mut self.counts;
-        counts.gather(card, &self.give, &mut todo, of.states(), which)?;
+        let mut todo = card.commands(self.clock.as_mut());
+        let (counts, none) = (&mut self.counts, &self.none);
+        counts.gather(card, &self.give, &mut todo, (of.states(), none), which)?;
+        todo.mark("telling of contacts");
         let words = once(0..2 * count);
         self.collected
             .add(card, &mut todo, &counts.given, words, Words::Counts)?;
@@ -377,7 +297,7 @@ impl<C: Card> Reports<C> {
                 sets: 0,
             };
             let mut todo = card.commands(self.clock.as_mut());
-            teller.tell(card, &self.give, &mut todo, (states, 0), which)?;
+            teller.tell(card, &self.give, &mut todo, ((states, 0), None), which)?;
             todo.mark("telling of contacts");
             let (words, what) = (once(0..told * count), Words::Contacts(some.to_vec()));
             self.collected

@@ -1,16 +1,18 @@
 //! What tells of things of one kind.
 
 use crate::card::{BINDINGS, Commands, NUMBER, WORKGROUP, filled, sized};
-use crate::report::AT_ONCE;
 use crate::report::columns::Place;
 use crate::report::gathered::{Gathered, Give, Which};
 use crate::report::uniform::Uniform;
+use crate::report::{AT_ONCE, NUMBERS_AT_ONCE};
 use crate::scene::Scene;
 use crate::{Card, Need, PilesError};
 use numbers::trace::{Members, Program};
 use rigid::impulse::report::{BodyReport, RANGES, SUMS, Thing, TieReport};
 use sim::DeviceError;
+use std::collections::BTreeMap;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Things of one kind, counted.
 pub type Kind = fn(usize) -> Thing;
@@ -29,11 +31,12 @@ pub struct Teller<C: Card> {
     /// Things that there is room for at once.
     pub room: usize,
     /// Where in the output each number belongs, in this order.
-    places: Vec<Place>,
+    pub places: Arc<[Place]>,
     /// What is told of it that comes to the first sums: the first number, and how many.
     pub summed: [usize; 2],
-    /// The first world whose constants are there, where worlds have their own; else 0. None where they have changed since.
-    pub ready: Option<usize>,
+    /// Constants, by the first world of the batch where worlds have their own, else by 0; none where they have changed.
+    pub constants: BTreeMap<usize, C::Buffer>,
+    none: C::Buffer,
 }
 
 impl<C: Card> Teller<C> {
@@ -50,7 +53,8 @@ impl<C: Card> Teller<C> {
         let widest = widest.into_iter().max().unwrap_or(1);
         let most = card.most_bytes() / NUMBER / widest as u64;
         let all = (own * worlds).max(1);
-        let room = all.min(AT_ONCE).min(most as usize).max(1);
+        let at_once = AT_ONCE.min(NUMBERS_AT_ONCE / widest).min(most as usize);
+        let room = all.min(at_once).max(1);
         let mut width = 0;
         impulse.given_constants(kind(0), impulse.parameters(), |_| width += 1);
         // Which contacts there are is known when they are told of.
@@ -97,27 +101,31 @@ impl<C: Card> Teller<C> {
             gathered,
             told,
             room,
-            places,
+            places: places.into(),
             summed: match kind(0) {
                 Thing::Body(_) => [BodyReport::new().sums.start(), SUMS],
                 Thing::Tie(_) => [TieReport::new().energy.start(), 2],
                 _ => [0; 2],
             },
-            ready: None,
+            constants: BTreeMap::new(),
+            none: card.buffer(1)?,
         })
     }
 
-    /// Writes the constants of the things of a batch where they are not there.
+    /// Writes the constants of the things of a batch where they are not there; by what they are found.
     pub fn ready(
         &mut self,
         card: &C,
         scene: &Scene,
         worlds: Range<usize>,
-    ) -> Result<(), DeviceError> {
+    ) -> Result<Option<usize>, DeviceError> {
+        if self.gathered.width == 0 {
+            return Ok(None);
+        }
         let differ = scene.parameters.differ();
         let key = if differ { worlds.start } else { 0 };
-        if self.ready == Some(key) || self.gathered.width == 0 {
-            return Ok(());
+        if self.constants.contains_key(&key) {
+            return Ok(Some(key));
         }
         let sets = if differ { worlds } else { 0..1 };
         let mut numbers = Vec::new();
@@ -129,36 +137,29 @@ impl<C: Card> Teller<C> {
             }
         }
         let bytes: &[u8] = bytemuck::cast_slice(&numbers);
-        if C::room(&self.gathered.constants) < numbers.len() as u64 {
-            let fits = Need::Parameters.check(bytes.len() as u64, card.most_bytes(), card.name());
-            fits.map_err(PilesError::from)?;
-            self.gathered.constants = card.buffer(numbers.len() as u64)?;
-        }
-        card.write(&self.gathered.constants, 0, bytes)?;
-        self.ready = Some(key);
-        Ok(())
+        let fits = Need::Parameters.check(bytes.len() as u64, card.most_bytes(), card.name());
+        fits.map_err(PilesError::from)?;
+        let buffer = card.buffer(numbers.len() as u64)?;
+        card.write(&buffer, 0, bytes)?;
+        self.constants.insert(key, buffer);
+        Ok(Some(key))
     }
 
-    /// Tells of some of them, from states of so many numbers.
+    /// Tells of some of them, from states of so many numbers, and these constants.
     pub fn tell(
         &mut self,
         card: &C,
         give: &Give<C>,
         todo: &mut C::Commands<'_>,
-        states: (&C::Buffer, usize),
+        (states, constants): ((&C::Buffer, usize), Option<usize>),
         which: Which,
     ) -> Result<(), DeviceError> {
         self.launch.set(card, [which.count, 1])?;
-        self.gathered.gather(card, give, todo, states, which)?;
+        let constants = constants.and_then(|key| self.constants.get(&key));
+        let from = (states, constants.unwrap_or(&self.none));
+        self.gathered.gather(card, give, todo, from, which)?;
         let groups = (which.count as u32).div_ceil(WORKGROUP);
         todo.run(&self.kernel, &self.bindings, groups);
         Ok(())
-    }
-
-    /// The numbers that belong to these ranges of the output, which are in order.
-    pub fn wanted(&self, asked: &[Range<usize>]) -> Vec<Place> {
-        let from = |at: usize| self.places.partition_point(|place| place.at < at);
-        let of_range = |range: &Range<usize>| &self.places[from(range.start)..from(range.end)];
-        asked.iter().flat_map(of_range).copied().collect()
     }
 }

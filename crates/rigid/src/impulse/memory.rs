@@ -29,6 +29,10 @@ pub mod remembered {
     pub const POINT: usize = 18;
     /// Numbers of a point: position, gap, feature, impulse, sum.
     pub const POINT_WIDTH: usize = 7;
+    /// Of these, the gap and the feature.
+    pub const GAP: usize = 3;
+    /// Of these, the sum.
+    pub const SUM: usize = 6;
     /// Numbers in a row.
     pub const WIDTH: usize = POINT + super::POINTS * POINT_WIDTH;
 }

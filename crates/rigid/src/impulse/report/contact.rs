@@ -101,21 +101,16 @@ pub fn tell_contact<M: Machine>(k: &mut M, t: &ContactReport) {
         let own = k.load(t.contact, only, sum(i));
         load += M::R::select(is_point(k, t.contact, only, i), own, zero);
     }
-    let loaded = load.gt(zero);
-    let (whole, alike) = (M::R::select(loaded, load, one), one / count.max(one));
-    let share = |k: &M, i: usize| {
-        let share = M::R::select(loaded, k.load(t.contact, only, sum(i)) / whole, alike);
-        M::R::select(is_point(k, t.contact, only, i), share, zero)
-    };
+    let shares = shares(k, t, load, count);
     let mut arm = Vec3::zero();
-    for i in 0..POINTS {
-        arm += (k.vec3(t.contact, only, point(i)) - given.middle) * share(k, i);
+    for (i, share) in shares.into_iter().enumerate() {
+        arm += (k.vec3(t.contact, only, point(i)) - given.middle) * share;
     }
     let torque = given.twist - arm.cross(given.drag);
     let rate = sign / k.load(t.long, only, 0);
-    for i in 0..POINTS {
-        let (row, share) = (k.index(i), share(k, i));
-        let [gap, feature]: [M::R; 2] = k.read(t.contact, only, point(i) + 3);
+    for (i, share) in shares.into_iter().enumerate() {
+        let row = k.index(i);
+        let [gap, feature]: [M::R; 2] = k.read(t.contact, only, point(i) + remembered::GAP);
         let gap = M::R::select(is_point(k, t.contact, only, i), gap, M::R::lit(FAR));
         let force = given.normal * k.load(t.contact, only, sum(i)) + given.drag * share;
         let position = k.vec3(t.contact, only, point(i));
@@ -125,4 +120,19 @@ pub fn tell_contact<M: Machine>(k: &mut M, t: &ContactReport) {
         k.store_vec3(t.points, row, told::FORCE, force * rate);
         k.store_vec3(t.points, row, told::WIDTH, torque * (share * rate));
     }
+}
+
+/// σ of each point, 0 of one that is none, given Σ s and how many there are.
+#[inline(always)]
+fn shares<M: Machine>(k: &M, t: &ContactReport, load: M::R, count: M::R) -> [M::R; POINTS] {
+    let (zero, one) = (M::R::zero(), M::R::one());
+    let loaded = load.gt(zero);
+    let (whole, alike) = (M::R::select(loaded, load, one), one / count.max(one));
+    let mut shares = [zero; POINTS];
+    for (i, share) in shares.iter_mut().enumerate() {
+        let of_load = k.load(t.contact, k.index(0), sum(i)) / whole;
+        let own = M::R::select(loaded, of_load, alike);
+        *share = M::R::select(is_point(k, t.contact, k.index(0), i), own, zero);
+    }
+    shares
 }

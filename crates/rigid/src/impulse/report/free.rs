@@ -6,7 +6,7 @@ use super::ReportLengths;
 use super::body::over;
 use crate::output::reaction;
 use numbers::machine::space::{Input, Output};
-use numbers::{Machine, Pose, Table, Vec3};
+use numbers::{Machine, Pose, Quat, Real, Table, Vec3};
 
 /// Tables of [`tell_free`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,14 +75,11 @@ pub fn tell_free<M: Machine>(k: &mut M, t: &FreeReport) {
         parent.q.rotate_inverse(frame.p - parent.p),
         parent.q.conjugate() * frame.q,
     );
-    let motion = |field: usize| [0, 3].map(|i| k.vec3(t.body, only, field + i));
-    let ([v, w], [past_v, past_w]) = (motion(state::VELOCITY), motion(state::BEFORE));
-    let seen = |[v, w]: [Vec3<M::R>; 2]| {
-        let v = parent.q.rotate_inverse(v + w.cross(arm));
-        [v, frame.q.rotate_inverse(w)]
-    };
+    let [now, before] = [motion(k, t, state::VELOCITY), motion(k, t, state::BEFORE)];
     // Of the change, not the change of what is rounded.
-    let ([a, turning], [v, w]) = (seen([v - past_v, w - past_w]), seen([v, w]));
+    let change = [now[0] - before[0], now[1] - before[1]];
+    let [v, w] = seen(now, arm, [parent.q, frame.q]);
+    let [a, turning] = seen(change, arm, [parent.q, frame.q]);
     let long = k.load(t.long, only, 0);
     k.store_pose(t.position, only, 0, relative);
     k.store_vec3(t.velocity, only, 0, v);
@@ -91,4 +88,22 @@ pub fn tell_free<M: Machine>(k: &mut M, t: &FreeReport) {
     k.store_vec3(t.acceleration, only, 3, over(turning, long));
     k.store_vec3(t.reaction, only, reaction::FORCE, Vec3::zero());
     k.store_vec3(t.reaction, only, reaction::TORQUE, Vec3::zero());
+}
+
+/// Velocity and spin of the body, of which those begin with this field.
+#[inline(always)]
+fn motion<M: Machine>(k: &M, t: &FreeReport, field: usize) -> [Vec3<M::R>; 2] {
+    let only = k.index(0);
+    [k.vec3(t.body, only, field), k.vec3(t.body, only, field + 3)]
+}
+
+/// The velocity at the end of an arm along the parent's axes, and the spin about the child's.
+#[inline(always)]
+fn seen<R: Real>(
+    [v, w]: [Vec3<R>; 2],
+    arm: Vec3<R>,
+    [parent, child]: [Quat<R>; 2],
+) -> [Vec3<R>; 2] {
+    let v = parent.rotate_inverse(v + w.cross(arm));
+    [v, child.rotate_inverse(w)]
 }

@@ -165,16 +165,21 @@ impl Impulse {
     pub fn told_contacts(&self) -> Range<usize> {
         self.output.contact.start()..self.output.contacts_end()
     }
-    /// Where the output has the sums of a world, as [`SUMS`] are told of bodies; then how many contacts there was no room
-    /// for.
+    /// Where the output has the sums of a world, as [`SUMS`] are told of bodies.
     pub fn told_sums(&self) -> Range<usize> {
-        let at = |field| self.output.total.at(0, field);
-        at(total::KINETIC)..at(total::CAPPED) + 1
+        let at = self.output.total.at(0, total::KINETIC);
+        at..at + SUMS
+    }
+    /// Where it has how many contacts there was no room for.
+    pub fn told_capped(&self) -> usize {
+        self.output.total.at(0, total::CAPPED)
     }
 
     /// Fills as much of the output of a world from its state as is asked for.
     pub fn report<T: Float>(&self, state: &State<'_, T>, asked: Report, output: &mut [T]) {
-        let mut teller = Teller::new(self);
+        let contacts = asked >= Report::Contacts;
+        let colliders = contacts.then(|| self.told_colliders());
+        let mut teller = Teller::new(self, colliders.unwrap_or_default());
         for i in 0..self.free.len() {
             teller.tell(Thing::Free(i), state, output);
         }
@@ -191,13 +196,13 @@ impl Impulse {
                 (0..SUMS).for_each(|i| sums[i] += told[own.at(0, i)]);
             }
         }
-        if asked >= Report::Contacts {
+        if contacts {
             self.report_contacts(state, &mut teller, output);
         }
         if asked >= Report::Everything {
-            let numbers = sums.into_iter().chain([self.forgotten(state.state)]);
             let places = output[self.told_sums()].iter_mut();
-            places.zip(numbers).for_each(|(to, x)| *to = T::from_f64(x));
+            places.zip(sums).for_each(|(to, x)| *to = T::from_f64(x));
+            output[self.told_capped()] = T::from_f64(self.forgotten(state.state));
         }
     }
 
@@ -252,10 +257,11 @@ struct Teller<'a> {
 }
 
 impl<'a> Teller<'a> {
-    fn new(impulse: &'a Impulse) -> Self {
+    /// Of contacts, with their colliding shapes.
+    fn new(impulse: &'a Impulse, colliders: Vec<u32>) -> Self {
         Self {
             impulse,
-            colliders: impulse.told_colliders(),
+            colliders,
             given: Vec::new(),
             work: Vec::new(),
             told: Vec::new(),
