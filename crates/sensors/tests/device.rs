@@ -85,31 +85,34 @@ fn kinds(model: &Model) -> Vec<(SensorKind, usize)> {
     };
     let joint = model.actuators[0].joint;
     let (motion, acceleration) = (13, 6);
+    let coordinates = |joint| model.coordinate_range(joint).len();
+    let velocities = |joint| model.dof_range(joint).len();
+    let other = model.actuators[1].joint;
     let rows = 14 * 8;
     vec![
         (
             SensorKind::JointPosition {
                 joints: vec![joint, JointId(0)],
             },
-            8,
+            coordinates(joint) + coordinates(JointId(0)),
         ),
         (
             SensorKind::JointVelocity {
                 joints: vec![joint],
             },
-            1,
+            velocities(joint),
         ),
         (
             SensorKind::JointEffort {
                 joints: vec![joint],
             },
-            2,
+            coordinates(joint) + velocities(joint),
         ),
         (
             SensorKind::ActuatorForce {
                 actuators: vec![0, 1],
             },
-            4,
+            coordinates(joint) + velocities(joint) + coordinates(other) + velocities(other),
         ),
         (SensorKind::Imu { mount }, motion + acceleration),
         (SensorKind::ForceTorque { joint, frame: None }, motion + 6),

@@ -16,7 +16,7 @@ const WORLDS: usize = 2;
 /// with it where they are pushed.
 const ONCE: f64 = 1e-4;
 /// Steps that each takes by itself before the whole is compared.
-pub const FREE: usize = 160;
+const FREE: usize = 160;
 
 /// Energy [J], and the mean height [m] of all bodies, of so many worlds together.
 pub fn statistics(outputs: &Outputs<'_, f32>, model: &Model, worlds: usize) -> [f64; 2] {
