@@ -1,7 +1,7 @@
 //! What sensors read of worlds on a device: all that they measure by, and no more.
 
 use kinetarium_sensors::{Sensor, SensorKind, Sensors};
-use model::{Axes, BodyId, JointId, Model, Mount, Pose};
+use model::{Axes, BodyId, JointId, Model, Mount, Pose, ShapeId};
 use numbers::Memory;
 use rigid::{Report, Solver};
 use sim::{Device, DeviceError, DeviceWorlds, Processor, Simulation, SimulationSettings};
@@ -68,13 +68,14 @@ fn humanoid() -> Model {
     formats::load(path.as_ref(), &options).unwrap().model
 }
 
-/// One of each kind, but for cameras, and the most numbers that it has to read.
-fn kinds(model: &Model) -> Vec<(SensorKind, usize)> {
-    let body = |name: &str| {
-        let at = model.bodies.iter().position(|b| b.name == name);
-        BodyId(at.unwrap_or_else(|| panic!("no body {name}")))
-    };
-    let (torso, foot) = (body("torso"), body("right_foot"));
+fn body(model: &Model, name: &str) -> BodyId {
+    let at = model.bodies.iter().position(|b| b.name == name);
+    BodyId(at.unwrap_or_else(|| panic!("no body {name}")))
+}
+
+/// One of each kind, but for cameras, and the most numbers that it has to read; the foot has so many numbers of contacts.
+fn kinds(model: &Model, rows: usize) -> Vec<(SensorKind, usize)> {
+    let (torso, foot) = (body(model, "torso"), body(model, "right_foot"));
     let mount = Mount {
         body: Some(torso),
         pose: Pose::at(glam::DVec3::X * 0.1),
@@ -88,7 +89,6 @@ fn kinds(model: &Model) -> Vec<(SensorKind, usize)> {
     let coordinates = |joint| model.coordinate_range(joint).len();
     let velocities = |joint| model.dof_range(joint).len();
     let other = model.actuators[1].joint;
-    let rows = 14 * 8;
     vec![
         (
             SensorKind::JointPosition {
@@ -159,7 +159,14 @@ fn sensors_read_what_they_measure_by_and_no_more() {
     let count = Count::default();
     let placed = || {
         let settings = SimulationSettings::new(2, 0.003);
-        Simulation::on(&Told(Arc::clone(&count)), model.clone(), settings).unwrap()
+        let device = Told(Arc::clone(&count));
+        let mut simulation = Simulation::on(&device, model.clone(), settings).unwrap();
+        let control = vec![0.3; model.actuators.len()];
+        for world in 0..2 {
+            let mut controls = simulation.controls();
+            controls.set_control(world, &control).unwrap();
+        }
+        simulation
     };
     let read = |simulation: &mut Simulation<f32>, kind: &SensorKind| {
         let before = *count.lock().unwrap();
@@ -171,8 +178,15 @@ fn sensors_read_what_they_measure_by_and_no_more() {
         (numbers, after[0] - before[0])
     };
     let mut known = placed();
-    known.try_outputs().unwrap();
-    for (kind, most) in kinds(&model) {
+    let outputs = known.try_outputs().unwrap();
+    let foot = body(&model, "right_foot");
+    let rows = |of: Option<BodyId>| {
+        let is_one = |shape: ShapeId| of.is_none() || model.shapes[shape.0].body == of;
+        outputs.contact_rows(is_one).len()
+    };
+    let (own, all) = (rows(Some(foot)), rows(None));
+    assert!(own < all, "others have contacts, too");
+    for (kind, most) in kinds(&model, 11 * own) {
         let (numbers, fetched) = read(&mut placed(), &kind);
         assert!(numbers.iter().any(|x| *x != 0.0), "{kind:?}: {numbers:?}");
         assert!(0 < fetched && fetched <= most, "{kind:?}: {fetched}");
@@ -189,7 +203,7 @@ fn sensors_that_are_due_are_read_together() {
     let settings = SimulationSettings::new(2, 0.003);
     let mut simulation =
         Simulation::on(&Told(Arc::clone(&count)), model.clone(), settings).unwrap();
-    let all = kinds(&model).into_iter().enumerate();
+    let all = kinds(&model, 0).into_iter().enumerate();
     let list = all.map(|(i, (kind, _))| Sensor::new(format!("s{i}"), kind));
     let mut sensors = Sensors::new(&mut simulation, list.collect(), 0).unwrap();
     assert_eq!(count.lock().unwrap()[1], 1);
