@@ -3,7 +3,7 @@
 use crate::energy::{Drift, exchange};
 use kinetarium::model::Model;
 use kinetarium::numbers::Float;
-use kinetarium::sim::{Quantity, Simulation, SimulationError, SolverKind};
+use kinetarium::sim::{Simulation, SimulationError, SolverKind};
 use std::fmt::Write;
 use std::time::Duration;
 
@@ -96,18 +96,17 @@ pub type Note = (&'static str, String);
 pub fn notes<T: Float>(simulation: &mut Simulation<T>) -> Result<Vec<Note>, SimulationError> {
     let left = simulation.left_to_processor();
     let solver = simulation.solver();
-    let mut capped = vec![T::zero(); simulation.worlds()];
-    simulation.read(Quantity::Capped, &mut capped)?;
-    let capped: f64 = capped.iter().map(|x| x.to_f64()).sum();
+    let outputs = simulation.try_outputs()?;
+    let capped: u64 = (0..outputs.worlds()).map(|w| outputs.capped(w)).sum();
     let of_solver = match solver {
         "impulse" => "contacts forgotten",
         _ => "caps that bit",
     };
     let notes = [
-        ("by the processor", left as f64, " substeps of worlds"),
+        ("by the processor", left, " substeps of worlds"),
         (of_solver, capped, ""),
     ];
-    let there = notes.into_iter().filter(|(_, count, _)| *count > 0.0);
+    let there = notes.into_iter().filter(|(_, count, _)| *count > 0);
     Ok(there
         .map(|(name, count, unit)| (name, format!("{count}{unit}")))
         .collect())
@@ -229,7 +228,7 @@ mod tests {
         let [("contacts forgotten", count)] = &told[..] else {
             panic!("{told:?}");
         };
-        assert!(count.parse::<f64>().unwrap() > 0.0);
+        assert!(count.parse::<u64>().unwrap() > 0);
     }
 
     #[test]

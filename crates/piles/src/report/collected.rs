@@ -34,10 +34,13 @@ impl<C: Card, W> Collected<C, W> {
     pub fn is_empty(&self) -> bool {
         self.parts.is_empty()
     }
-    /// Whether so many more words can be collected before they are fetched.
-    pub fn fits(&self, more: usize) -> bool {
-        let all = self.words + more;
-        self.words == 0 || all as u64 <= C::room(&self.buffer)
+    /// Whether so many more words can be collected before those are fetched that have been; if there are none, there will be
+    /// room.
+    pub fn fits(&mut self, card: &C, more: usize) -> Result<bool, DeviceError> {
+        if self.words == 0 {
+            self.widen(card, more)?;
+        }
+        Ok((self.words + more) as u64 <= C::room(&self.buffer))
     }
     /// Makes room for so many, or for the most that are collected; while there are none.
     pub fn reserve(&mut self, card: &C, words: usize) -> Result<(), DeviceError> {
@@ -53,23 +56,18 @@ impl<C: Card, W> Collected<C, W> {
     /// Collects ranges of a buffer's words, for which there is room.
     pub fn add(
         &mut self,
-        card: &C,
         todo: &mut C::Commands<'_>,
         from: &C::Buffer,
-        ranges: impl Iterator<Item = Range<usize>> + Clone,
+        ranges: impl Iterator<Item = Range<usize>>,
         what: W,
-    ) -> Result<(), DeviceError> {
+    ) {
         let begin = self.words;
-        if begin == 0 {
-            self.widen(card, ranges.clone().map(|range| range.len()).sum())?;
-        }
         for range in ranges {
             let length = range.len();
             todo.copy(from, range, &self.buffer, self.words);
             self.words += length;
         }
         self.parts.push((begin..self.words, what));
-        Ok(())
     }
     /// Fetches all that was collected.
     pub fn fetch(

@@ -184,10 +184,11 @@ impl<C: Card> Reports<C> {
         words: usize,
         reading: &mut Reading<'_>,
     ) -> Result<(), DeviceError> {
-        match self.collected.fits(words) {
-            true => Ok(()),
-            false => self.fetch(of, reading),
+        if !self.collected.fits(of.card, words)? {
+            self.fetch(of, reading)?;
+            self.collected.fits(of.card, words)?;
         }
+        Ok(())
     }
 
     /// Tells of things of one kind, and takes their sums if these are asked for.
@@ -234,13 +235,12 @@ impl<C: Card> Reports<C> {
             todo.mark("telling");
             if let Some(taken) = taken {
                 let what = Words::Sums(part.worlds.clone());
-                self.collected
-                    .add(card, &mut todo, taken, once(0..summed), what)?;
+                let words = once(0..summed);
+                self.collected.add(&mut todo, taken, words, what);
             }
-            let words = Vec::from_iter(reading.columns[nth].words(count));
+            let words = reading.columns[nth].words(count);
             let what = Words::Things(nth, part);
-            self.collected
-                .add(card, &mut todo, told, words.into_iter(), what)?;
+            self.collected.add(&mut todo, told, words, what);
             card.submit(todo)?;
         }
         Ok(())
@@ -265,7 +265,7 @@ impl<C: Card> Reports<C> {
         todo.mark("telling of contacts");
         let words = once(0..2 * count);
         self.collected
-            .add(card, &mut todo, &counts.given, words, Words::Counts)?;
+            .add(&mut todo, &counts.given, words, Words::Counts);
         card.submit(todo)
     }
 
@@ -300,8 +300,7 @@ impl<C: Card> Reports<C> {
             teller.tell(card, &self.give, &mut todo, ((states, 0), None), which)?;
             todo.mark("telling of contacts");
             let (words, what) = (once(0..told * count), Words::Contacts(some.to_vec()));
-            self.collected
-                .add(card, &mut todo, &teller.told, words, what)?;
+            self.collected.add(&mut todo, &teller.told, words, what);
             card.submit(todo)?;
         }
         self.fetch(of, reading)?;

@@ -49,7 +49,8 @@ impl<C: Card> Teller<C> {
         worlds: usize,
     ) -> Result<Self, DeviceError> {
         let (impulse, lengths) = (&scene.impulse, kind(0).lengths());
-        let widest = [lengths.given, lengths.state, lengths.told];
+        // Their sums are collected with them.
+        let widest = [lengths.given, lengths.state, lengths.told + SUMS];
         let widest = widest.into_iter().max().unwrap_or(1);
         let most = card.most_bytes() / NUMBER / widest as u64;
         let all = (own * worlds).max(1);
