@@ -543,8 +543,7 @@ impl<T: Float> Simulation<T> {
             self.parameters = in_lanes(self.shared.engine.parameters(), worlds, width);
             self.common.clear();
         }
-        let bodies = self.output_tables.body;
-        let bodies = bodies.start()..bodies.at(self.model.bodies.len(), 0);
+        let bodies = self.motion();
         for (world, own) in models {
             for (i, &x) in own.compiled.engine.parameters().iter().enumerate() {
                 self.parameters.set(world, i, T::from_f64(x));
@@ -710,9 +709,12 @@ impl<T: Float> Simulation<T> {
     }
     /// Makes known where all bodies are, and how they move.
     pub(crate) fn fetch_motion(&mut self) -> Result<(), SimulationError> {
-        let table = self.output_tables.body;
-        let bodies = table.start()..table.at(self.model.bodies.len(), 0);
-        self.fetch_numbers(Report::Motion, [bodies])
+        self.fetch_numbers(Report::Motion, [self.motion()])
+    }
+    /// Where the output has that.
+    fn motion(&self) -> Range<usize> {
+        let bodies = self.output_tables.body;
+        bodies.start()..bodies.at(self.model.bodies.len(), 0)
     }
     /// Makes these numbers of the output known, for which so much of it has to be of the present state.
     pub(crate) fn fetch_numbers(
@@ -755,7 +757,7 @@ impl<T: Float> Simulation<T> {
         look: impl FnOnce(&Self, &Outputs<'_, T>) -> R + Send,
     ) -> Result<R, SimulationError> {
         self.report_everything()?;
-        Ok(self.threads.run(|| look(self, &self.last_reported())))
+        Ok(self.observe_known(look))
     }
 
     /// As [`observe`](Simulation::observe), of outputs of which only these parts are of the present state.
