@@ -16,7 +16,7 @@ export class Controls {
   }
 
   toggle(): void {
-    if (this.session.status?.running) this.stop();
+    if (this.session.running) this.stop();
     else this.run();
   }
 

@@ -25,6 +25,8 @@ export interface SessionEvents {
   scene: Scene;
   status: Status;
   frame: Frame;
+  /** Whether it goes on by itself, or has steps to make. */
+  running: boolean;
   /** Which worlds are shown, in order. */
   shown: number[];
   /** What somebody else has set: another page, or the program. */
@@ -46,6 +48,8 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
   scene: Scene | null = null;
   status: Status | null = null;
   frame: Frame | null = null;
+  /** By the last status or frame: where steps have been made, the frame comes first. */
+  running = false;
   shown: number[] = [];
   private readonly transport: Transport;
   /** Whether a frame came that is not yet on the screen. */
@@ -112,13 +116,11 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
   }
 
   binary(bytes: ArrayBuffer): void {
-    let frame: Frame | null = null;
-    this.guarded(() => {
-      frame = this.check(readFrame(bytes));
-    });
+    const frame = this.guarded(() => this.check(readFrame(bytes)));
     if (frame) {
       this.frame = frame;
       this.undrawn = true;
+      this.setRunning(frame.running);
       this.emit("frame", frame);
     } else {
       this.drawn();
@@ -153,6 +155,7 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
         this.accepted = null;
         this.settle();
         if (!same(message.shown, this.shown)) this.show(message.shown);
+        this.setRunning(message.running);
         this.emit("status", message);
         break;
       case "changed":
@@ -263,18 +266,25 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
     }
   }
 
+  private setRunning(running: boolean): void {
+    if (this.running === running) return;
+    this.running = running;
+    this.emit("running", running);
+  }
+
   private show(worlds: number[]): void {
     this.shown = worlds;
     this.emit("shown", worlds);
   }
 
   /** A malformed message is told, and changes nothing. */
-  private guarded(read: () => void): void {
+  private guarded<T>(read: () => T): T | null {
     try {
-      read();
+      return read();
     } catch (error) {
       if (!(error instanceof Malformed)) throw error;
       this.failed(`A message from the engine was not understood. ${error.message}`);
+      return null;
     }
   }
 }

@@ -36,6 +36,21 @@ test("the last of everything is kept", () => {
   expect(errors).toEqual([]);
 });
 
+test("whether it runs is as the last frame or status says", () => {
+  const told: boolean[] = [];
+  session.on("running", (running) => told.push(running));
+  const status = JSON.parse(sample("status"));
+  session.text(sample("scene"));
+  session.text(JSON.stringify({ ...status, running: true }));
+  // The frame of a step that is done comes before its status.
+  session.binary(writeFrame({ scene: 1, worlds: 1, bodies: 1, poses: still, running: false }));
+  expect(session.running).toBe(false);
+  session.text(JSON.stringify({ ...status, running: false }));
+  session.binary(writeFrame({ scene: 1, worlds: 1, bodies: 1, poses: still, running: true }));
+  expect(session.running).toBe(true);
+  expect(told).toEqual([true, false, true]);
+});
+
 test("frames of another scene are dropped, and the next may come", () => {
   session.text(sample("scene"));
   session.binary(writeFrame({ scene: 2, worlds: 1, bodies: 1, poses: still }));

@@ -65,10 +65,8 @@ export class Toolbar {
       h("span", { class: "space" }),
       this.pageButtons(page, shell),
     );
-    session.on("status", ({ running, speed }) => {
-      this.showRunning(running);
-      this.showSpeed(speed);
-    });
+    session.on("running", (running) => this.showRunning(running));
+    session.on("status", ({ speed }) => this.showSpeed(speed));
     pointing.on("tool", (tool) => {
       for (const [name, button] of this.tools) button.setAttribute("aria-pressed", String(name === tool));
     });
