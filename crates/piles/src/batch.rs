@@ -1,6 +1,7 @@
 //! Worlds of many bodies that are stepped together, in a card's memory.
 
 use crate::Card;
+use crate::actuators::Actuators;
 use crate::card::sized;
 use crate::constants::{BODY, SHAPE};
 use crate::pace::Pace;
@@ -15,7 +16,7 @@ use std::ops::Range;
 #[derive(Debug)]
 pub(crate) struct Batch<C: Card> {
     pub worlds: Range<usize>,
-    /// Their states, and behind these what acts on their bodies, and what is given to their joints.
+    /// Their states, and behind these what acts on their bodies, constants of their joints, and what acts along their axes.
     pub state: C::Buffer,
     /// Whether anything acts on their bodies from outside.
     pub pushed: bool,
@@ -116,6 +117,7 @@ impl<C: Card> Batch<C> {
             }
             write(&self.constants, 0, &scene.constants(first))?;
             write(&self.bodies, plan.bodies, &scene.body_constants(first))?;
+            self.give_joints(card, scene)?;
             write(&self.shapes, plan.shapes, &scene.shape_constants(first))?;
             (self.stale, self.cut) = (false, 0);
         }
@@ -138,6 +140,18 @@ impl<C: Card> Batch<C> {
         Ok(moved)
     }
 
+    /// Writes constants of joints behind the states.
+    fn give_joints(&self, card: &C, scene: &Scene) -> Result<(), DeviceError> {
+        let Some(joints) = &scene.joints else {
+            return Ok(());
+        };
+        let own = self.worlds.clone().flat_map(|world| {
+            let parameters = scene.parameters.of(world);
+            joints.constants_of(&scene.impulse, parameters)
+        });
+        self.write_at(card, scene.plan.given as usize, &Vec::from_iter(own))
+    }
+
     /// Takes controls. What is made of them goes to the card before the next step: they may change once more.
     pub fn control(&mut self, numbers: Range<usize>, input: &Memory<f32>) {
         for (world, own) in self.worlds.clone().zip(&mut self.input) {
@@ -147,17 +161,19 @@ impl<C: Card> Batch<C> {
         self.controlled = true;
     }
     /// Tells the card what controls make of forces on bodies, and of joints, if they have changed.
-    pub fn tell(&mut self, card: &C, scene: &Scene) -> Result<(), DeviceError> {
+    pub fn tell(
+        &mut self,
+        card: &C,
+        scene: &Scene,
+        actuators: Option<&mut Actuators<C>>,
+    ) -> Result<(), DeviceError> {
         if !std::mem::take(&mut self.controlled) {
             return Ok(());
         }
         let (impulse, inputs) = (&scene.impulse, &self.input);
-        if let Some(joints) = &scene.joints {
-            let given = inputs.iter().zip(self.worlds.clone());
-            let given = given.flat_map(|(input, world)| {
-                joints.given_by(impulse, scene.parameters.of(world), input)
-            });
-            self.write_at(card, scene.plan.given as usize, &Vec::from_iter(given))?;
+        if let (Some(joints), Some(actuators)) = (&scene.joints, actuators) {
+            let inputs = (self.worlds.start, &**inputs);
+            actuators.act(card, scene, joints, inputs, &self.state)?;
         }
         let pushed = inputs.iter().any(|input| impulse.is_pushed(input));
         if pushed || self.pushed {

@@ -49,10 +49,11 @@ struct Plan {
     memory: u32,
     forgotten: u32,
     tied: u32,
-    // Behind all states, what acts on bodies, and what the host gives joints; of the latter so many numbers a world.
+    // Behind all states, what acts on bodies; constants of joints, so many numbers a world; and what acts along their axes.
     forces: u32,
     given: u32,
     given_numbers: u32,
+    acting: u32,
     // Offsets in `words`.
     cells: u32,
     bucket_of: u32,

@@ -5,7 +5,8 @@ use numbers::trace::Members;
 use records::JointPrograms;
 use rigid::impulse::Impulse;
 use rigid::impulse::joint::{
-    JointTables, PLACED, ROWS, TIED_STATE, Tied, axis, axis_link, bounded, joint,
+    Actuation, JointTables, PLACED, ROWS, Sources, TIED_STATE, Tied, acting, axis, axis_link,
+    bounded, joint,
 };
 use sim::joint_runs;
 
@@ -23,8 +24,8 @@ pub(crate) struct Joints {
     /// Whether anything opposes the acceleration of an axis, and whether there are drives.
     pub inertia: bool,
     pub drives: bool,
-    /// Of all axes the first law that is not theirs.
-    laws: usize,
+    /// What each axis has room for.
+    pub sources: Sources,
 }
 
 impl Joints {
@@ -47,13 +48,11 @@ impl Joints {
         runs.push([0, order.len() as u32]);
         let order = order.iter().map(|i| *i as usize);
         let side = |side: usize| order.clone().map(|i| rows[i][side]).collect::<Vec<_>>();
-        let counts = all.iter().map(|tie| impulse.law_counts(*tie));
-        let most = counts.fold([0; ROWS], |a, b| {
-            std::array::from_fn(|row| a[row].max(b[row]))
-        });
+        let sources = all.iter().map(|tie| impulse.sources(*tie));
+        let sources = sources.fold(Sources::default(), Sources::max);
         let mut links = Vec::new();
         let mut laws = 0;
-        for (row, count) in most.into_iter().enumerate() {
+        for (row, count) in sources.laws.into_iter().enumerate() {
             // Whether anything does changes with the controls.
             let may_act = all.iter().any(|tie| impulse.freedoms(*tie)[row]);
             let numbers = [may_act.into(), laws as u32, (laws + count) as u32];
@@ -61,14 +60,14 @@ impl Joints {
             laws += count;
         }
         Ok(Some(Self {
-            programs: JointPrograms::record()?,
+            programs: JointPrograms::record(&sources)?,
             ties: order.clone().map(|i| all[i] as u32).collect(),
             seats: [side(0), side(1)].concat(),
             runs,
             links,
             inertia: impulse.has_inertia(parameters),
             drives: impulse.drives(),
-            laws,
+            sources,
         }))
     }
 
@@ -77,17 +76,21 @@ impl Joints {
     }
     /// Numbers of the laws of a joint.
     pub fn law_numbers(&self) -> usize {
-        bounded::WIDTH * self.laws
+        bounded::WIDTH * self.sources.all_laws()
     }
-    /// Numbers that the host gives each joint.
-    pub fn given(&self) -> usize {
+    /// Constants of each joint.
+    pub fn constants(&self) -> usize {
         joint::CONSTANTS + ROWS * axis::CONSTANTS + self.law_numbers()
+    }
+    /// What controls make of each.
+    pub fn actuation(&self) -> Actuation {
+        Actuation::new(&self.sources)
     }
     /// Numbers of a joint while a step runs, those of axes without laws left out; then what kernels work with.
     fn lengths(&self) -> [usize; 2] {
-        let t = JointTables::new();
-        let scratch = JointTables::scratch(self.laws) - 2 * PLACED;
-        [t.law.at(self.laws, 0), scratch]
+        let (t, laws) = (JointTables::new(), self.sources.all_laws());
+        let scratch = JointTables::scratch(laws) - 2 * PLACED;
+        [t.law.at(laws, 0), scratch]
     }
     /// All of them.
     pub fn width(&self) -> usize {
@@ -100,27 +103,25 @@ impl Joints {
         }
     }
 
-    /// What the host gives the joints of a world with these controls, `[number][joint]`.
-    pub fn given_by(&self, impulse: &Impulse, parameters: &[f32], input: &[f32]) -> Vec<f32> {
+    /// Constants of the joints of a world, `[number][joint]`.
+    pub fn constants_of(&self, impulse: &Impulse, parameters: &[f32]) -> Vec<f32> {
         let count = self.count();
-        let mut given = vec![0.0; self.given() * count];
+        let mut constants = vec![0.0; self.constants() * count];
         for (i, tie) in self.ties.iter().enumerate() {
-            let Tied { joint, axes, laws } = impulse.tied(*tie as usize, parameters, input);
+            let Tied { joint, axes, laws } = impulse.tied_constants(*tie as usize, parameters);
             let axes = axes.iter().flatten();
-            let counts = self.links.chunks_exact(axis_link::WIDTH);
-            let counts = counts.map(|l| (l[axis_link::END] - l[axis_link::FIRST]) as usize);
-            let laws = laws.iter().zip(counts).flat_map(|(laws, n)| &laws[..n]);
-            let numbers = joint.iter().chain(axes).chain(laws.flatten());
-            for (number, x) in numbers.enumerate() {
-                given[number * count + i] = *x;
+            let laws = laws.iter().zip(self.sources.laws);
+            let laws = laws.flat_map(|(laws, count)| laws[..count].iter().flatten());
+            for (number, x) in joint.iter().chain(axes).chain(laws).enumerate() {
+                constants[number * count + i] = *x as f32;
             }
         }
-        given
+        constants
     }
 }
 
 /// What the shader has as constants.
-pub(crate) fn constants() -> [(&'static str, usize); 9] {
+pub(crate) fn constants() -> [(&'static str, usize); 14] {
     let t = JointTables::new();
     [
         ("JOINT_CONSTANTS", joint::CONSTANTS),
@@ -131,6 +132,11 @@ pub(crate) fn constants() -> [(&'static str, usize); 9] {
         ("AXIS", t.axis.at(0, 0)),
         ("AXIS_WIDTH", axis::WIDTH),
         ("AXIS_CONSTANTS", axis::CONSTANTS),
+        ("AXIS_FORCE", axis::FORCE),
+        ("AXIS_GOAL", axis::GOAL),
         ("LAW", t.law.at(0, 0)),
+        ("LAW_WIDTH", bounded::WIDTH),
+        ("LAW_FORCE", bounded::FORCE),
+        ("ACTING", acting::WIDTH),
     ]
 }

@@ -1,6 +1,6 @@
-// Joints to lanes, and back. The host gives what they are and what their controls make of them, `[number][joint]`; the
-// state has what they carry from step to step, joint by joint. The same joint of all worlds lies side by side, as all of a
-// run are solved side by side.
+// Joints to lanes, and back. Behind the states stand constants of the joints of each world, and what controls make of the
+// forces along the axes of all, both `[number][joint]`; the state has what they carry from step to step, joint by joint. The
+// same joint of all worlds lies side by side, as all of a run are solved side by side.
 
 fn put_joint(field: u32, i: u32, x: f32) {
     joints[field * plan.joints + i] = x;
@@ -8,6 +8,9 @@ fn put_joint(field: u32, i: u32, x: f32) {
 fn given(number: u32, i: u32) -> f32 {
     let world = plan.given + i % plan.worlds * plan.given_numbers;
     return state[world + number * plan.own_joints + i / plan.worlds];
+}
+fn acting(number: u32, i: u32) -> f32 {
+    return state[plan.acting + number * plan.joints + i];
 }
 fn carried(i: u32) -> u32 {
     let world = i % plan.worlds * plan.state_numbers;
@@ -39,9 +42,15 @@ fn load_joints(@builtin(global_invocation_id) id: vec3<u32>) {
             put_joint(AXIS + axis * AXIS_WIDTH + field, i, given(number, i));
             number++;
         }
+        put_joint(AXIS + axis * AXIS_WIDTH, i, acting(axis * ACTING, i));
+        put_joint(AXIS + axis * AXIS_WIDTH + AXIS_FORCE, i, acting(axis * ACTING + 1u, i));
+        put_joint(AXIS + axis * AXIS_WIDTH + AXIS_GOAL, i, acting(axis * ACTING + 2u, i));
     }
     for (var field = 0u; field < plan.law_numbers; field++) {
         put_joint(LAW + field, i, given(number + field, i));
+    }
+    for (var law = 0u; law < plan.law_numbers / LAW_WIDTH; law++) {
+        put_joint(LAW + law * LAW_WIDTH + LAW_FORCE, i, acting(AXES * ACTING + law, i));
     }
 }
 

@@ -19,6 +19,7 @@
 
 #![forbid(unsafe_code)]
 
+mod actuators;
 mod batch;
 mod card;
 mod constants;
@@ -35,6 +36,7 @@ mod room;
 mod scene;
 mod seen;
 mod steps;
+mod uniform;
 
 pub use card::{BINDINGS, Card, Commands, Entry, KINDS, Kind, NUMBER, WORKGROUP, kinds};
 pub use error::{Need, PilesError, TooLarge};

@@ -1,6 +1,7 @@
 //! Worlds of piles on a card.
 
 use crate::Card;
+use crate::actuators::Actuators;
 use crate::batch::Batch;
 use crate::kernels::Kernels;
 use crate::report::{Reports, Told};
@@ -23,6 +24,7 @@ pub struct Piles<C: Card> {
     scene: Scene,
     kernels: Kernels<C>,
     steps: Steps<C>,
+    actuators: Option<Actuators<C>>,
     reports: Reports<C>,
     batches: Vec<Batch<C>>,
     /// Steps that the processor has taken.
@@ -51,6 +53,8 @@ impl<C: Card> Piles<C> {
             .into());
         }
         let kernels = Kernels::new(card, &scene)?;
+        let joints = scene.joints.as_ref();
+        let actuators = joints.map(|joints| Actuators::new(card, &scene, joints));
         let width = scene.plan.worlds as usize;
         let batches = (0..worlds).step_by(width).map(|first| {
             let end = worlds.min(first + width);
@@ -60,6 +64,7 @@ impl<C: Card> Piles<C> {
         Ok(Self {
             reports: Reports::new(card, &scene, worlds, width.min(worlds))?,
             steps: Steps::new(card, &scene, &kernels)?,
+            actuators: actuators.transpose()?,
             batches,
             left: 0,
             card: card.clone(),
@@ -135,6 +140,7 @@ impl<C: Card> DeviceWorlds<f32> for Piles<C> {
         self.scene.differ(sets.collect())?;
         self.steps.renew(&self.card, &self.scene)?;
         self.reports.differs();
+        self.actuators.iter_mut().for_each(Actuators::differs);
         self.batches.iter_mut().for_each(Batch::differs);
         Ok(())
     }
@@ -150,7 +156,7 @@ impl<C: Card> DeviceWorlds<f32> for Piles<C> {
     ) -> Result<(), DeviceError> {
         for nth in 0..self.batches.len() {
             let batch = &mut self.batches[nth];
-            batch.tell(&self.card, &self.scene)?;
+            batch.tell(&self.card, &self.scene, self.actuators.as_mut())?;
             batch.ask(substeps);
             while self.batches[nth].is_behind() {
                 let batch = &mut self.batches[nth];

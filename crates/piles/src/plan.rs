@@ -7,6 +7,7 @@ use crate::scene::{PLACES, SIDE, UNIT};
 use bytemuck::{Pod, Zeroable};
 use collide::mesh::{BEYOND, BOUNDS, NUMBER, SLOTS, TRIANGLE};
 use rigid::impulse::blow::ROUNDS as BLOWS;
+use rigid::impulse::joint::{ROWS, acting, bounded};
 use rigid::impulse::pair::{FAR, MARGIN, ONE, placed, point_place, solid};
 use rigid::impulse::{
     ContactTables, NEARBY, POINTS, REMEMBERED, SAME_NORMAL, SAME_PLACE, contact, manifold, point,
@@ -31,7 +32,7 @@ plan! {
     pairs: u32, mesh_pairs: u32, most_near: u32, contacts: u32, remembered: u32, joint_runs: u32, law_numbers: u32, small_steps: u32,
     buckets: u32, pair_blocks: u32, contact_blocks: u32,
     state_numbers: u32, body_state: u32, count: u32, memory: u32, forgotten: u32, tied: u32,
-    forces: u32, given: u32, given_numbers: u32,
+    forces: u32, given: u32, given_numbers: u32, acting: u32,
     cells: u32, bucket_of: u32, bucket_start: u32, bucket_items: u32, unit_start: u32,
     pair_shapes: u32, pair_group: u32, pair_order: u32, pair_place: u32, group_matrix: u32,
     contact_start: u32, body_start: u32, body_items: u32,
@@ -192,6 +193,7 @@ impl Plan {
     /// The same of so many worlds.
     pub fn of_worlds(self, worlds: u32) -> Self {
         let forces = worlds * self.state_numbers;
+        let given = forces + 6 * worlds * self.own_bodies;
         Self {
             worlds,
             bodies: worlds * (1 + self.own_bodies),
@@ -199,7 +201,8 @@ impl Plan {
             units: worlds * self.own_units,
             joints: worlds * self.own_joints,
             forces,
-            given: forces + 6 * worlds * self.own_bodies,
+            given,
+            acting: given + worlds * self.given_numbers,
             ..self
         }
     }
@@ -216,9 +219,10 @@ impl Plan {
             ..self
         }
     }
-    /// Numbers of all states, of what acts on bodies, and of what is given to joints.
+    /// Numbers of all states, of what acts on bodies, of joints' constants, and of what acts along their axes.
     pub fn numbers(&self) -> u32 {
-        self.given + self.worlds * self.given_numbers
+        let laws = self.law_numbers / bounded::WIDTH as u32;
+        self.acting + self.joints * ((ROWS * acting::WIDTH) as u32 + laws)
     }
     /// Of the largest launch.
     pub fn most_invocations(&self) -> u32 {

@@ -370,7 +370,7 @@ impl Scene {
     fn tie(&mut self) {
         let Some(joints) = &self.joints else { return };
         self.plan.own_joints = joints.count() as u32;
-        self.plan.given_numbers = (joints.given() * joints.count()) as u32;
+        self.plan.given_numbers = (joints.constants() * joints.count()) as u32;
         self.plan.law_numbers = joints.law_numbers() as u32;
         self.plan.tied = self.impulse.tied_state(0).start as u32;
         let (ties, runs) = (joints.ties.clone(), joints.runs.clone());

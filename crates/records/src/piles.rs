@@ -2,7 +2,7 @@
 
 use numbers::trace::{Program, TraceError, record};
 use numbers::{Machine, Real};
-use rigid::impulse::joint::{self, JointTables};
+use rigid::impulse::joint::{self, Actuation, JointTables, Sources};
 use rigid::impulse::pair::{PairTables, ShapeTables, place};
 use rigid::impulse::report::{
     BodyReport, ContactReport, FreeReport, TieReport, tell_body, tell_contact, tell_free, tell_tie,
@@ -79,6 +79,8 @@ impl ReportPrograms {
 /// What is done to joints, as records. Parameters are those of [`JointTables`].
 #[derive(Clone, Debug)]
 pub struct JointPrograms {
+    /// What controls make of the forces along axes; its numbers are those of [`Actuation`].
+    pub actuate: Program,
     /// The targets of drives, as a step begins.
     pub follow: Program,
     /// Where a joint stands.
@@ -96,13 +98,15 @@ pub struct JointPrograms {
 }
 
 impl JointPrograms {
-    /// Records them.
+    /// Records them, for joints of which the axes have room for these.
     ///
     /// # Errors
     /// The kernels do what a record cannot express.
-    pub fn record() -> Result<Self, TraceError> {
+    pub fn record(sources: &Sources) -> Result<Self, TraceError> {
         let t = &JointTables::new();
+        let actuation = &Actuation::new(sources);
         Ok(Self {
+            actuate: record(|k| joint::actuate(k, actuation))?,
             follow: record(|k| joint::follow(k, t))?,
             place: record(|k| joint::place(k, t))?,
             measure: record(|k| joint::measure(k, t))?,

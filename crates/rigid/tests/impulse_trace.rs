@@ -4,7 +4,7 @@
 #[path = "../../collide/tests/shader/mod.rs"]
 mod shader;
 
-use kinetarium_rigid::impulse::joint::{self, JointTables, ROWS, axis_link};
+use kinetarium_rigid::impulse::joint::{self, Actuation, JointTables, ROWS, Sources, axis_link};
 use kinetarium_rigid::impulse::pair::{ShapeTables, place};
 use kinetarium_rigid::impulse::report::{
     BodyReport, ContactReport, FreeReport, ReportLengths, TieReport, tell_body, tell_contact,
@@ -52,6 +52,7 @@ kernels! {
     AddPart(k) = add(k, &SumTables::new());
     StrikeForeseen(k) = blow::strike_foreseen(k, &ContactTables::new());
     Place(k) = place(k, &ShapeTables::new());
+    Actuate(k) = joint::actuate(k, &Actuation::new(&SOURCES));
     Follow(k) = joint::follow(k, &JointTables::new());
     Stand(k) = joint::place(k, &JointTables::new());
     Measure(k) = joint::measure(k, &JointTables::new());
@@ -64,6 +65,12 @@ kernels! {
     TellTie(k) = tell_tie(k, &TieReport::new());
     TellContact(k) = tell_contact(k, &ContactReport::new());
 }
+
+/// Rows with laws, with actuators, with both and with neither.
+const SOURCES: Sources = Sources {
+    laws: [1, 0, 3, 0, 2, 1],
+    free: [0, 2, 1, 0, 0, 0],
+};
 
 /// The memories of one lane, full of numbers of any kind.
 #[derive(Clone)]
@@ -108,6 +115,15 @@ impl Lane {
             output: Vec::new(),
             links,
         }
+    }
+    /// Of a joint with controls.
+    fn actuated(seed: u32, _: u32) -> Self {
+        let [given, constants, made] = Actuation::new(&SOURCES).lengths;
+        let mut lane = Self::of(seed, 0, SOURCES.links().to_vec());
+        lane.input = some(seed + 3).take(given).collect();
+        lane.parameters = some(seed + 2).take(constants).collect();
+        lane.output = vec![0.0; made];
+        lane
     }
     /// That tells; of contacts, of a shape that does not move, and one that does.
     fn report(seed: u32, lengths: ReportLengths) -> Self {
@@ -181,6 +197,7 @@ fn kernels_of_contacts_record_well() {
 
 #[test]
 fn kernels_of_joints_record_well() {
+    records_well_in(&Actuate, Lane::actuated, 0..=0);
     records_well_in(&Follow, Lane::joint, 0..=2);
     records_well_in(&Stand, Lane::joint, 0..=0);
     records_well_in(&Measure, Lane::joint, 0..=0);

@@ -427,6 +427,33 @@ fn worlds_that_do_not_fit_are_stepped_some_at_a_time() {
     }
 }
 
+/// Nor do joints of theirs, with controls and constants of their own.
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn joints_of_worlds_that_do_not_fit_are_controlled_some_at_a_time() {
+    let model = mixed(false).unwrap();
+    let worlds = 10;
+    let together = |card: &Card| {
+        let mut simulation = Simulation::on(card, model.clone(), settings(worlds)).unwrap();
+        for phase in 0..2 {
+            for world in (phase..worlds).step_by(1 + phase) {
+                control(&mut simulation, world, phase);
+            }
+            simulation.step(3);
+            for world in (0..worlds).step_by(3) {
+                let own = changed(&model, 1.0 + 0.1 * (world + phase) as f64);
+                simulation.set_world_model(world, &own).unwrap();
+            }
+            simulation.step(3);
+        }
+        let states = (0..worlds).map(|world| simulation.numbers_of_world(world).unwrap().state);
+        states.collect::<Vec<_>>()
+    };
+    let all = together(&card());
+    assert!(all[0] != all[1] && all[1] != all[2] && all[2] != all[3]);
+    assert!(together(&small(1 << 16)) == all);
+}
+
 /// A world that is lost is told, and no other is; not by what both hang on either, which overflows there.
 #[test]
 #[ignore = "needs a graphics card or what stands in for one"]
@@ -736,6 +763,8 @@ pub fn control(simulation: &mut Simulation<f32>, world: usize, phase: usize) {
         controls
             .set_target(world, dof, 2.0 * wave(dof + 1))
             .unwrap();
+        let speed = 0.5 * wave(dof + 2);
+        controls.set_target_velocity(world, dof, speed).unwrap();
     }
 }
 
@@ -891,6 +920,7 @@ fn models_of_worlds_own_agree_with_the_processor() {
                         let own = changed(&model, 1.0 + 0.3 * (world + step / 10) as f64);
                         simulation.set_world_model(world, &own).unwrap();
                     }
+                    control(simulation, step / 10, step);
                 }
             }
             let [moved, rounding] = stepped_apart(&mut pair, &mut other);

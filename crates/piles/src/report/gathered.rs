@@ -2,8 +2,8 @@
 
 use crate::Card;
 use crate::card::{Commands, WORKGROUP, filled, sized};
-use crate::report::uniform::Uniform;
 use crate::seen::seen;
+use crate::uniform::Uniform;
 use rigid::impulse::report::RANGES;
 use sim::DeviceError;
 use std::ops::Range;

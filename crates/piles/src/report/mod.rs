@@ -12,7 +12,6 @@ mod part;
 mod reading;
 mod sums;
 mod teller;
-mod uniform;
 
 use crate::batch::Batch;
 use crate::card::Commands;

@@ -3,8 +3,8 @@
 use crate::Card;
 use crate::card::{Commands, WORKGROUP, sized};
 use crate::report::AT_ONCE;
-use crate::report::uniform::Uniform;
 use crate::seen::seen;
+use crate::uniform::Uniform;
 use sim::DeviceError;
 
 /// Things of which an invocation takes the sum.

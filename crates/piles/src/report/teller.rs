@@ -3,9 +3,9 @@
 use crate::card::{BINDINGS, Commands, NUMBER, WORKGROUP, filled, sized};
 use crate::report::columns::Place;
 use crate::report::gathered::{Gathered, Give, Which};
-use crate::report::uniform::Uniform;
 use crate::report::{AT_ONCE, NUMBERS_AT_ONCE};
 use crate::scene::Scene;
+use crate::uniform::Uniform;
 use crate::{Card, Need, PilesError};
 use numbers::trace::{Members, Program};
 use rigid::impulse::report::{BodyReport, RANGES, SUMS, Thing, TieReport};

@@ -5,7 +5,7 @@ use super::jobs::{BodyRows, WRITTEN, spread};
 use numbers::dispatch::Job;
 use numbers::{Cpu, Float, Lanes, Machine, Memory, PerWorld};
 use rigid::impulse::joint::{
-    self, JointTables, PLACED, ROWS, Tied, axis, axis_link, joint as field,
+    self, Actuators, JointTables, PLACED, ROWS, Sources, Tied, axis, axis_link, joint as field,
 };
 use rigid::impulse::{Impulse, State, global, row};
 
@@ -87,26 +87,28 @@ impl<T: Float> JointBatch<'_, T> {
     pub fn fill(&mut self, joints: &[u32], state: &State<'_, T>, input: &[T], first: bool) {
         let width = self.bodies.len() / 2;
         self.bodies.fill(0);
-        let mut ends = [0; ROWS];
-        for &member in self.members {
-            let counts = state.impulse.law_counts(joints[member as usize] as usize);
-            ends = std::array::from_fn(|row| ends[row].max(counts[row]));
-        }
+        let tie = |member: u32| joints[member as usize] as usize;
+        let sources = self.members.iter();
+        let sources = sources.map(|member| state.impulse.sources(tie(*member)));
+        let room = sources.fold(Sources::default(), Sources::max);
         let mut next = 0;
-        for (row, end) in ends.into_iter().enumerate() {
+        for (row, end) in room.laws.into_iter().enumerate() {
             let links = &mut self.links[row * axis_link::WIDTH..];
             links[axis_link::ACTS] = 0;
             links[axis_link::FIRST] = next;
             next += end as u32;
             links[axis_link::END] = next;
         }
+        let mut actuators = Actuators::default();
         for (lane, &member) in self.members.iter().enumerate() {
-            let tie = joints[member as usize] as usize;
+            let tie = tie(member);
             let rows = state.impulse.tied_rows(tie).unwrap_or_default();
             for (side, row) in rows.into_iter().enumerate() {
                 self.bodies[side * width + lane] = row;
             }
-            let tied = state.impulse.tied(tie, state.parameters, input);
+            let tied = state
+                .impulse
+                .tied(tie, state.parameters, input, &mut actuators);
             let carried = state.impulse.carried(tie, state.state);
             self.write(lane, width, &tied, carried);
             if first {
@@ -116,19 +118,22 @@ impl<T: Float> JointBatch<'_, T> {
         }
     }
 
-    fn write(&mut self, lane: usize, width: usize, tied: &Tied<T>, carried: &[T]) {
+    fn write(&mut self, lane: usize, width: usize, tied: &Tied, carried: &[T]) {
         let t = JointTables::new();
-        let mut put = |at: usize, numbers: &[T]| {
+        let target = t.joint.at(0, field::CONSTANTS);
+        for (i, x) in carried.iter().enumerate() {
+            self.numbers[(target + i) * width + lane] = *x;
+        }
+        let mut put = |at: usize, numbers: &[f64]| {
             for (i, x) in numbers.iter().enumerate() {
-                self.numbers[(at + i) * width + lane] = *x;
+                self.numbers[(at + i) * width + lane] = T::from_f64(*x);
             }
         };
         put(t.joint.at(0, 0), &tied.joint);
-        put(t.joint.at(0, field::CONSTANTS), carried);
         for row in 0..ROWS {
             put(t.axis.at(row, 0), &tied.axes[row]);
             let links = &mut self.links[row * axis_link::WIDTH..];
-            if tied.axes[row][axis::ACTS] > T::zero() {
+            if tied.axes[row][axis::ACTS] > 0.0 {
                 links[axis_link::ACTS] = 1;
             }
             let laws = links[axis_link::FIRST]..links[axis_link::END];

@@ -1,26 +1,18 @@
-//! The joints of a model as the kernels read them, and what acts along their axes in a step.
+//! The joints of a model as the kernels read them.
 
-use super::super::layout::{Impulse, State, WORLD, bodies_and_rows, own_frame};
-use super::drive::around;
+use super::super::layout::{Impulse, WORLD, bodies_and_rows, own_frame};
+use super::actuation::Sources;
 use super::report::{TieReport, passive};
-use super::tables::{LAWS, ROWS, axis, joint, law};
+use super::tables::{LAWS, ROWS, joint};
+use super::tied::{Constants, sources};
+use crate::SolverError;
 use crate::check;
 use crate::output::reaction;
-use crate::tables::{Filler, UNBOUNDED, actuator_numbers, ball_target, bounded, frame};
-use crate::{InputTables, SolverError};
-use glam::{DQuat, DVec3};
+use crate::tables::{Filler, actuator_numbers, ball_target, bounded, frame};
+use glam::DVec3;
 use model::{AxisKind, BodyKind, Dof, Joint, JointId, JointKind, Model, Pose};
 use numbers::machine::space::{Parameter, State as StateMemory};
 use numbers::{Float, Table};
-
-/// Targets nearer to their goals than this, but for rounding, have reached them [m or rad].
-const REACHED: f64 = 1e-6;
-
-/// By so many roundings [rad] a step may turn a target that is a quaternion, besides the way to its goal.
-const TURNED: f64 = 16.0;
-
-/// Steepness of dry friction about rest [s/m or s/rad]: it is full at the inverse of this rate.
-const STEEP: f64 = 1e6;
 
 /// Joints of one body that are solved one after the other as if it had no other; of more, each has a share
 /// of the body, as if it fell apart among them (Tonge, Benevolenski, Voroshilov, *Mass Splitting for
@@ -32,7 +24,7 @@ const STEEP: f64 = 1e6;
 const SHARED: f64 = 4.0;
 
 /// Fields of a degree of freedom's constants.
-mod dof {
+pub(super) mod dof {
     pub const REFERENCE: usize = 0;
     pub const DAMPING: usize = 1;
     pub const STIFFNESS: usize = 2;
@@ -52,17 +44,17 @@ pub const TIED_STATE: usize = joint::WRITTEN - joint::CONSTANTS;
 
 /// A row of a joint that is a degree of freedom.
 #[derive(Clone, Debug, PartialEq)]
-struct Freedom {
-    dof: usize,
+pub(super) struct Freedom {
+    pub dof: usize,
     /// None where the coordinate is part of a quaternion.
-    coordinate: Option<usize>,
-    limited: bool,
-    rubs: bool,
-    driven: bool,
+    pub coordinate: Option<usize>,
+    pub limited: bool,
+    pub rubs: bool,
+    pub driven: bool,
     /// A rotation without end.
-    turns: bool,
+    pub turns: bool,
     /// Rows of the actuators, and whether their force has bounds.
-    motors: Vec<(usize, bool)>,
+    pub motors: Vec<(usize, bool)>,
 }
 
 /// A joint that ties bodies together, or along which something acts.
@@ -73,11 +65,12 @@ pub(in super::super) struct Tie {
     pub rows: [u32; 2],
     /// Whether it does anything.
     pub solved: bool,
-    ball: bool,
+    pub(super) ball: bool,
     /// By how much more the bodies respond: see [`SHARED`].
     shares: [f64; 2],
     locked: [bool; ROWS],
-    freedoms: [Option<Freedom>; ROWS],
+    pub(super) freedoms: [Option<Freedom>; ROWS],
+    pub(super) sources: Sources,
     /// First coordinate of the quaternion of a ball or free joint.
     quaternion: Option<usize>,
     bodies_collide: bool,
@@ -87,26 +80,15 @@ pub(in super::super) struct Tie {
 #[derive(Clone, Debug, PartialEq)]
 pub(in super::super) struct Ties {
     pub list: Vec<Tie>,
-    constants: Table<Parameter, { joint::CONSTANTS }>,
+    pub(super) constants: Table<Parameter, { joint::CONSTANTS }>,
     /// [`ROWS`] a tie.
-    dofs: Table<Parameter, { dof::WIDTH }>,
-    motors: Table<Parameter, 9>,
+    pub(super) dofs: Table<Parameter, { dof::WIDTH }>,
+    pub(super) motors: Table<Parameter, 9>,
     /// Origins of the children's frames in their bodies' own, about which reactions are told [m].
     origins: Table<Parameter, 3>,
     state: Table<StateMemory, TIED_STATE>,
     /// Targets as a world starts.
     targets: Vec<[f64; ROWS]>,
-}
-
-/// What a lane takes of a joint when a step begins, besides what it carries from the step before.
-#[derive(Clone, Copy, Debug)]
-pub struct Tied<T> {
-    /// The first fields of [`joint`].
-    pub joint: [T; joint::CONSTANTS],
-    /// The first fields of [`axis`], a row each.
-    pub axes: [[T; axis::CONSTANTS]; ROWS],
-    /// Laws with bounds, a row each.
-    pub laws: [[[T; law::WIDTH]; LAWS]; ROWS],
 }
 
 /// Whether a joint is a free one to the world, along which nothing acts.
@@ -243,6 +225,7 @@ impl Tie {
             shares: [1.0; 2],
             locked: std::array::from_fn(locks),
             freedoms: [const { None }; ROWS],
+            sources: Sources::default(),
             quaternion: None,
             bodies_collide: joint.bodies_collide,
         };
@@ -257,6 +240,7 @@ impl Tie {
             let coordinate = (!turning || straight).then_some(coordinates.start + own);
             tie.freedoms[row] = Some(Freedom::new(model, id, own, coordinate)?);
         }
+        tie.sources = sources(&tie.freedoms);
         Ok(tie)
     }
 
@@ -392,7 +376,7 @@ impl Freedom {
             turns: model.turns_without_end(id, own),
             motors,
         };
-        if freedom.laws() > LAWS {
+        if freedom.count_laws() > LAWS {
             let remedy = "use the solver `featherstone` or `xpbd`";
             return Err(unsupported(
                 "so many actuators with a force range",
@@ -401,13 +385,6 @@ impl Freedom {
             ));
         }
         Ok(freedom)
-    }
-
-    /// How many laws with bounds act along it.
-    fn laws(&self) -> usize {
-        let own = [self.limited, self.limited, self.rubs, self.driven];
-        let motors = self.motors.iter().map(|m| m.1);
-        own.into_iter().chain(motors).filter(|x| *x).count()
     }
 }
 
@@ -433,104 +410,6 @@ fn dof_numbers(d: &Dof, reference: f64) -> [f64; dof::WIDTH] {
     x
 }
 
-/// What acts along a row: one passive law, and those with bounds.
-struct Forces {
-    /// Stiffness, damping, force at the reference, armature.
-    passive: [f64; 4],
-    laws: [[f64; law::WIDTH]; LAWS],
-    count: usize,
-}
-
-impl Forces {
-    /// Stiffness, damping, rest, force; bounds.
-    fn bounded(&mut self, [k, d, rest, force]: [f64; 4], [low, high]: [f64; 2]) {
-        self.laws[self.count] = [k, d, rest, force, low, high, 0.0, 0.0];
-        self.count += 1;
-    }
-    fn stop(&mut self, [k, d, end, inertia]: [f64; 4], [low, high]: [f64; 2]) {
-        self.laws[self.count] = [k, d, end, 0.0, low, high, 1.0, inertia];
-        self.count += 1;
-    }
-}
-
-/// A world's numbers, as a controller has them.
-struct Given<'a, T> {
-    impulse: &'a Impulse,
-    parameters: &'a [T],
-    input: &'a [T],
-}
-
-impl<T: Float> Given<'_, T> {
-    fn inputs(&self) -> &InputTables {
-        &self.impulse.input
-    }
-    fn force(&self, dof: usize) -> f64 {
-        self.input[self.inputs().force.at(dof, 0)].to_f64()
-    }
-    fn target(&self, dof: usize) -> f64 {
-        self.input[self.inputs().target_position.at(dof, 0)].to_f64()
-    }
-    fn target_velocity(&self, dof: usize) -> f64 {
-        self.input[self.inputs().target_velocity.at(dof, 0)].to_f64()
-    }
-    fn control(&self, actuator: usize) -> f64 {
-        self.input[self.inputs().control.at(actuator, 0)].to_f64()
-    }
-    fn ties(&self) -> &Ties {
-        &self.impulse.ties
-    }
-    /// Constants of a row.
-    fn dof(&self, tie: usize, row: usize) -> [f64; dof::WIDTH] {
-        let at = self.ties().dofs.at(ROWS * tie + row, 0);
-        std::array::from_fn(|i| self.parameters[at + i].to_f64())
-    }
-    fn motor(&self, i: usize) -> [f64; 9] {
-        let at = self.ties().motors.at(i, 0);
-        std::array::from_fn(|field| self.parameters[at + field].to_f64())
-    }
-    /// What acts along a row.
-    fn forces(&self, freedom: &Freedom, x: &[f64; dof::WIDTH]) -> Forces {
-        let reference = x[dof::REFERENCE];
-        let stiffness = x[dof::STIFFNESS];
-        let force = stiffness * (x[dof::REST] - reference) + self.force(freedom.dof);
-        let mut forces = Forces {
-            passive: [stiffness, x[dof::DAMPING], force, x[dof::ARMATURE]],
-            laws: [[0.0; law::WIDTH]; LAWS],
-            count: 0,
-        };
-        if freedom.driven {
-            let [k, d, effort] = [0, 1, 2].map(|i| x[dof::DRIVE + i]);
-            let force = d * self.target_velocity(freedom.dof);
-            // Its rest follows the target.
-            forces.bounded([k, d, 0.0, force], [-effort, effort]);
-        }
-        if freedom.limited {
-            let [lower, upper, k, d, m] = [0, 1, 2, 3, 4].map(|i| x[dof::LIMIT + i]);
-            forces.stop([k, d, lower - reference, m], [0.0, UNBOUNDED]);
-            forces.stop([k, d, upper - reference, m], [-UNBOUNDED, 0.0]);
-        }
-        if freedom.rubs {
-            let most = x[dof::FRICTION];
-            forces.bounded([0.0, STEEP * most, 0.0, 0.0], [-most, most]);
-        }
-        for &(i, limited) in &freedom.motors {
-            let [gear, gain, b0, b1, b2, low, high, least, most] = self.motor(i);
-            let force = gear * (gain * self.control(i).clamp(low, high) + b0);
-            let (k, d) = (-b1 * gear * gear, -b2 * gear * gear);
-            if limited {
-                let (a, b) = (gear * least, gear * most);
-                forces.bounded([k, d, -reference, force], [a.min(b), a.max(b)]);
-            } else {
-                let [stiffness, damping, all, _] = &mut forces.passive;
-                *stiffness += k;
-                *damping += d;
-                *all += force - k * reference;
-            }
-        }
-        forces
-    }
-}
-
 impl Impulse {
     /// How many joints tie bodies together, or have something act along them.
     pub fn ties(&self) -> usize {
@@ -551,86 +430,15 @@ impl Impulse {
         rows.flat_map(|row| [dof::ARMATURE, dof::STOP_INERTIA].map(|x| self.ties.dofs.at(row, x)))
             .any(|at| parameters[at] > T::zero())
     }
-    /// Whether a controller moves a joint, or what it has set has not been reached; in steps, or parts of steps, of this
-    /// length [s].
-    pub fn stirs<T: Float>(
-        &self,
-        tie: usize,
-        state: &State<'_, T>,
-        input: &[T],
-        long: f64,
-    ) -> bool {
-        let given = Given {
-            impulse: self,
-            parameters: state.parameters,
-            input,
-        };
-        let targets = self.carried(tie, state.state);
-        let all = &self.ties.list[tie];
-        let mut freedoms = all.freedoms.iter().enumerate();
-        all.solved
-            && freedoms.any(|(row, freedom)| {
-                let Some(f) = freedom else { return false };
-                let pushed = given.force(f.dof) != 0.0;
-                let controlled = f.motors.iter().any(|m| given.control(m.0) != 0.0);
-                let runs = f.driven && given.target_velocity(f.dof) != 0.0;
-                let away = f.driven && given.is_away(tie, row, f, targets, long);
-                pushed || controlled || runs || away
-            })
-    }
     /// Whether a row of a joint is a degree of freedom, along which something may act.
     pub fn freedoms(&self, tie: usize) -> [bool; ROWS] {
         let freedoms = self.ties.list[tie].freedoms.each_ref();
         freedoms.map(Option::is_some)
     }
-    /// How many laws with bounds act along each row of a joint.
-    pub fn law_counts(&self, tie: usize) -> [usize; ROWS] {
-        let freedoms = self.ties.list[tie].freedoms.each_ref();
-        freedoms.map(|f| f.as_ref().map_or(0, Freedom::laws))
-    }
     /// Whether any joint has a drive.
     pub fn drives(&self) -> bool {
         let mut freedoms = self.ties.list.iter().flat_map(|tie| &tie.freedoms);
         freedoms.any(|freedom| freedom.as_ref().is_some_and(|f| f.driven))
-    }
-    /// What a lane takes of a joint.
-    pub fn tied<T: Float>(&self, tie: usize, parameters: &[T], input: &[T]) -> Tied<T> {
-        let given = Given {
-            impulse: self,
-            parameters,
-            input,
-        };
-        let constants = &parameters[self.ties.constants.at(tie, 0)..];
-        let mut tied = Tied {
-            joint: std::array::from_fn(|i| constants[i]),
-            axes: [[T::zero(); axis::CONSTANTS]; ROWS],
-            laws: [[[T::zero(); law::WIDTH]; LAWS]; ROWS],
-        };
-        for (row, freedom) in self.ties.list[tie].freedoms.iter().enumerate() {
-            let Some(freedom) = freedom else { continue };
-            let x = given.dof(tie, row);
-            let forces = given.forces(freedom, &x);
-            let acts = forces.count > 0 || forces.passive != [0.0; 4];
-            let [k, d, force, armature] = forces.passive;
-            let numbers = [
-                f64::from(u8::from(acts)),
-                k,
-                d,
-                force,
-                armature,
-                given.target(freedom.dof),
-                if freedom.driven {
-                    x[dof::DRIVE + 3]
-                } else {
-                    -1.0
-                },
-                x[dof::REFERENCE],
-                f64::from(u8::from(freedom.turns)),
-            ];
-            tied.axes[row] = numbers.map(T::from_f64);
-            tied.laws[row] = forces.laws.map(|law| law.map(T::from_f64));
-        }
-        tied
     }
     /// Where a joint's numbers lie in the state that it carries from step to step: its fields from the targets on.
     pub fn tied_state(&self, tie: usize) -> std::ops::Range<usize> {
@@ -688,35 +496,6 @@ impl Impulse {
     }
 }
 
-impl<T: Float> Given<'_, T> {
-    /// Whether the drive of a row, of which the targets are where the joint carries them, has not yet come to its goal, as
-    /// near as it gets: a step adds a share of what is left, which in the end is less than a rounding.
-    fn is_away(&self, tie: usize, row: usize, freedom: &Freedom, targets: &[T], long: f64) -> bool {
-        let number = |i: usize| targets[i].to_f64();
-        let (left, now, goal) = if self.ties().list[tie].ball {
-            let first = freedom.dof - row;
-            let goal = DVec3::from_array([0, 1, 2].map(|i| self.target(first + i)));
-            let now = DQuat::from_array([0, 1, 2, 3].map(number));
-            let left = now.conjugate() * DQuat::from_scaled_axis(goal);
-            // The angle, whatever the quaternion's length.
-            let left = 2.0 * left.xyz().length().atan2(left.w.abs());
-            (left, TURNED, goal.length())
-        } else {
-            let (now, goal) = (number(row), self.target(freedom.dof));
-            let left = around(goal - now, freedom.turns).abs();
-            (left, now.abs(), goal.abs())
-        };
-        let rounding = if T::DOUBLE {
-            f64::EPSILON
-        } else {
-            f32::EPSILON.into()
-        };
-        let time = self.dof(tie, row)[dof::DRIVE + 3];
-        let share = long / (time + long);
-        left > REACHED + rounding * (now / share + goal)
-    }
-}
-
 impl Impulse {
     /// The constants that [`tell_tie`](super::tell_tie) is given.
     pub(in super::super) fn given_constants_of_tie<T: Float>(
@@ -725,12 +504,8 @@ impl Impulse {
         parameters: &[T],
         mut give: impl FnMut(f64),
     ) {
-        let given = Given {
-            impulse: self,
-            parameters,
-            input: &[],
-        };
         let ties = &self.ties;
+        let given = Constants { ties, parameters };
         let constants = ties.constants.at(tie, 0)..ties.constants.at(tie + 1, 0);
         let origin = ties.origins.at(tie, 0)..ties.origins.at(tie + 1, 0);
         for numbers in [constants, origin] {

@@ -36,17 +36,21 @@
 //! Impulses are kept as those on B at its anchor, in world axes. What was given again with the bodies'
 //! motion had the arms and axes of the small step before: [`solve`] gives the difference.
 
+mod actuation;
 mod drive;
 mod law;
 mod layout;
 mod report;
 mod tables;
+mod tied;
 
+pub use actuation::{Actuation, Sources, acting, actuate};
 pub use drive::follow;
-pub use layout::{TIED_STATE, Tied};
+pub use layout::TIED_STATE;
 pub(super) use layout::{Ties, inner_frames, is_bare};
 pub use report::{TieReport, tell_tie};
 pub use tables::{JointTables, LAWS, PLACED, ROWS, axis, axis_link, joint, law as bounded};
+pub use tied::{Actuators, Tied};
 
 use super::tables::{global, row};
 use numbers::machine::{Held, Hold};

@@ -79,6 +79,8 @@ pub mod axis {
     /// Stiffness [N/m or N·m/rad], damping [N·s/m or N·m·s/rad], force at coordinate 0 and rest
     /// [N or N·m], armature [kg or kg·m²].
     pub const PASSIVE: usize = 1;
+    /// The third of these.
+    pub const FORCE: usize = 3;
     /// What the target of its drive follows [m or rad]; of a ball a number of the turn, a rotation vector.
     pub const GOAL: usize = 5;
     /// Control time of the drive [s]; negative where there is none.
