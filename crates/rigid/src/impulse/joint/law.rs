@@ -124,7 +124,8 @@ pub(super) fn balance<M: Machine>(
 }
 
 /// A law as a line with bounds. A stop damps what goes beyond it: the rate that just reaches it, w, is
-/// free. Its inertia is carried along from that rate, or from the one before where it was reached already.
+/// free. Its inertia is carried along from the rate before, or from w where that is farther: it takes nothing away from
+/// what runs into it, and holds back nothing that does not get there.
 #[inline(always)]
 fn prepare<M: Machine>(
     k: &mut M,
@@ -138,7 +139,8 @@ fn prepare<M: Machine>(
         k.read(t.law, i, law::STIFFNESS);
     let way = rest - value;
     let reaching = (way * per).clamp(-high, -low) * stop;
-    let kept = M::R::select(reaching.same(M::R::zero()), begin, reaching);
+    let farther = reaching + (begin - reaching).clamp(-high, -low);
+    let kept = M::R::select(reaching.same(M::R::zero()), begin, farther);
     let inert = inertia * per;
     let lead = stiffness.fma(way, damping.fma(reaching, inert.fma(kept, force)));
     let slope = h.fma(stiffness, damping) + inert;
