@@ -136,7 +136,8 @@ pub struct Limit {
 }
 
 /// A motor that pulls a coordinate to targets:
-/// stiffness · (target − q) + damping · (target velocity − q̇), within ± effort limit.
+/// stiffness · (target − q) + damping · (target velocity − q̇), within ± effort limit; of a ball that is a limit of the
+/// torque, whichever way it points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Drive {
     /// Stiffness [N/m or N·m/rad]; 0: no position target.

@@ -54,10 +54,6 @@ impl Scene {
             self.parameters.own = before;
             return Err(error);
         }
-        if let Some(joints) = &mut self.joints {
-            let mut all = self.parameters.all();
-            joints.inertia = all.any(|set| self.impulse.has_inertia(set));
-        }
         self.place_constants();
         Ok(())
     }

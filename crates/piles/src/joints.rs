@@ -21,8 +21,7 @@ pub(crate) struct Joints {
     /// First joint and number of joints of each run; the last run has all.
     pub runs: Vec<[u32; 2]>,
     pub links: Vec<u32>,
-    /// Whether anything opposes the acceleration of an axis, and whether there are drives.
-    pub inertia: bool,
+    /// Whether there are drives.
     pub drives: bool,
     /// What each axis has room for.
     pub sources: Sources,
@@ -33,7 +32,7 @@ impl Joints {
     ///
     /// # Errors
     /// The kernels do what a record cannot express.
-    pub fn new(impulse: &Impulse, parameters: &[f32]) -> Result<Option<Self>, PilesError> {
+    pub fn new(impulse: &Impulse) -> Result<Option<Self>, PilesError> {
         let tied = (0..impulse.ties()).filter_map(|tie| Some((tie, impulse.tied_rows(tie)?)));
         let (all, rows): (Vec<_>, Vec<_>) = tied.unzip();
         if all.is_empty() {
@@ -65,7 +64,6 @@ impl Joints {
             seats: [side(0), side(1)].concat(),
             runs,
             links,
-            inertia: impulse.has_inertia(parameters),
             drives: impulse.drives(),
             sources,
         }))

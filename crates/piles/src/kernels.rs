@@ -104,7 +104,6 @@ pub(crate) struct Kernels<C: Card> {
 pub(crate) struct JointKernels<C: Card> {
     pub follow: C::Kernel,
     pub place: C::Kernel,
-    pub measure: C::Kernel,
     pub warm_start: C::Kernel,
     pub strike: C::Kernel,
     pub push: C::Kernel,
@@ -118,7 +117,6 @@ impl<C: Card> JointKernels<C> {
         Ok(Self {
             follow: kernel(&p.follow)?,
             place: kernel(&p.place)?,
-            measure: kernel(&p.measure)?,
             warm_start: kernel(&p.warm_start)?,
             strike: kernel(&p.strike)?,
             push: kernel(&p.push)?,

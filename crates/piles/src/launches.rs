@@ -140,9 +140,6 @@ impl<C: Card> Steps<C> {
             }
         };
         for step in 0..scene.impulse.settings().contact_iterations / parts {
-            if let Some((_, kernels)) = joints.filter(|(joints, _)| joints.inertia) {
-                self.all_joints(todo, &kernels.measure);
-            }
             if step == 0 {
                 todo.run(&k.advance, &own.bodies, bodies);
                 if scene.bounces {

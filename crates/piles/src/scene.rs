@@ -87,7 +87,7 @@ impl Scene {
         let mut scene = Self {
             impulse: Arc::new(impulse.clone()),
             programs: PilePrograms::record()?,
-            joints: Joints::new(impulse, &parameters)?,
+            joints: Joints::new(impulse)?,
             meshes: Meshes::new(impulse, model),
             groups: Vec::new(),
             constants: Vec::new(),

@@ -159,7 +159,7 @@ impl Limit {
 }
 
 /// A motor that pulls a coordinate to targets: stiffness · (target − q) + damping · (target velocity − q̇), within
-/// ± effort limit.
+/// ± effort limit; of a ball that is a limit of the torque, whichever way it points.
 ///
 /// `control_time` [s] is the time constant with which it follows a jump of the target.
 #[pyclass(frozen, eq, get_all, from_py_object, module = "kinetarium._engine")]

@@ -85,8 +85,6 @@ pub struct JointPrograms {
     pub follow: Program,
     /// Where a joint stands.
     pub place: Program,
-    /// Rates of its axes, as a small step begins.
-    pub measure: Program,
     /// A joint as the first small step begins.
     pub warm_start: Program,
     /// A joint that hands a blow on.
@@ -109,7 +107,6 @@ impl JointPrograms {
             actuate: record(|k| joint::actuate(k, actuation))?,
             follow: record(|k| joint::follow(k, t))?,
             place: record(|k| joint::place(k, t))?,
-            measure: record(|k| joint::measure(k, t))?,
             warm_start: record(|k| joint::warm_start(k, t))?,
             strike: record(|k| joint::strike(k, t))?,
             push: record(|k| hold(k, t, 1.0))?,

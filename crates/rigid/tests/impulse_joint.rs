@@ -153,7 +153,7 @@ fn what_acts_along_an_axis_is_balanced_exactly() {
         let passive = [1.0, 0.0, 0.3, 0.7, 0.05];
         let at = t.axis.at(0, axis::ACTS);
         lane.state[at..at + passive.len()].copy_from_slice(&passive);
-        lane.state[t.axis.at(0, axis::BEGIN)] = free;
+        lane.state[t.joint.at(0, joint::SPEED)] = free;
         for (i, law) in laws[..count].iter().enumerate() {
             let at = t.law.at(i, bounded::STIFFNESS);
             lane.state[at..at + law.len()].copy_from_slice(law);
@@ -163,6 +163,11 @@ fn what_acts_along_an_axis_is_balanced_exactly() {
         let off = slip.length() + w.y.abs() + w.z.abs();
         assert!(off < 1e-12, "the locks are off by {off}");
         let v = w.x;
+        let speed = lane.state[t.joint.at(0, joint::SPEED)];
+        assert!(
+            (speed - v).abs() < 1e-12,
+            "what is geared to it has {speed}"
+        );
         let mut force = 0.7 - 0.3 * v - 0.05 * (v - free) / H;
         for [k, d, rest, _, low, high, stop] in &laws[..count] {
             let reaching = (rest / H).clamp(-high, -low) * stop;

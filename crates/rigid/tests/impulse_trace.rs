@@ -55,7 +55,6 @@ kernels! {
     Actuate(k) = joint::actuate(k, &Actuation::new(&SOURCES));
     Follow(k) = joint::follow(k, &JointTables::new());
     Stand(k) = joint::place(k, &JointTables::new());
-    Measure(k) = joint::measure(k, &JointTables::new());
     WarmJoint(k) = joint::warm_start(k, &JointTables::new());
     PushJoint(k) = joint::solve(k, &JointTables::new(), M::R::one());
     RelaxJoint(k) = joint::solve(k, &JointTables::new(), M::R::zero());
@@ -200,7 +199,6 @@ fn kernels_of_joints_record_well() {
     records_well_in(&Actuate, Lane::actuated, 0..=0);
     records_well_in(&Follow, Lane::joint, 0..=2);
     records_well_in(&Stand, Lane::joint, 0..=0);
-    records_well_in(&Measure, Lane::joint, 0..=0);
     records_well_in(&WarmJoint, Lane::joint, 0..=0);
     records_well_in(&PushJoint, Lane::joint, 0..=3);
     records_well_in(&RelaxJoint, Lane::joint, 0..=0);

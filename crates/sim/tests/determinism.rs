@@ -537,7 +537,7 @@ const GOLDEN: [[[u64; 2]; 5]; 2] = [
         [0xc6b9_7dbf_2bba_66c7, 0x23c4_2edc_8736_1098],
         [0x1293_3b9d_4b00_fc96, 0x4a60_bf7a_c236_bc6c],
         [0xcce3_4894_00d0_3154, 0x37f7_3206_a042_5008],
-        [0xab3f_2a33_1ad7_40ec, 0x15d1_b8cc_96f6_3e5c],
+        [0xbd85_1315_063e_1bef, 0x68b4_e9d6_6b85_0ce5],
     ],
     [
         [0x5199_baa6_f627_3aa2, 0x01c1_5bc6_bea1_4176],
@@ -560,5 +560,5 @@ const GOLDEN_HEAP: [[u64; 2]; 3] = [
 #[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 const GOLDEN_HUMANOID: [[u64; 2]; 2] = [
     [0x9824_f448_f94e_4d7e, 0xd968_275a_267e_860b],
-    [0xe2fa_c829_35f3_ec56, 0x647c_d1cb_6568_f9a4],
+    [0xe1d4_f295_691a_bf5b, 0x9720_7228_fddd_20b5],
 ];

@@ -420,7 +420,8 @@ impl Impulse {
     /// Gives the joints of a state other coordinates and velocities; nothing touches yet.
     pub fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
         self.take_over(&self.tree.bodies(position, velocity), state);
-        self.ties.place(position, &self.parameters, state);
+        self.ties
+            .place([position, velocity], &self.parameters, state);
         state[self.remembered.at(0, 0)] = 0.0;
         state[self.forgotten.at(0, 0)] = 0.0;
     }

@@ -15,8 +15,8 @@
 //! same laws are held as before: a semi-smooth Newton method (Hintermüller, Ito,
 //! Kunisch 2002).
 //!
-//! Armature m is the law d = m/h, w₀ = θ̇ at the start; dry friction is a damper
-//! without limit, held within its bounds.
+//! Armature m is the law d = m/h, w₀ = θ̇ as the substep before left it, along the axes of that substep: what they gain by
+//! turning, m resists. Dry friction is a damper without limit, held within its bounds.
 
 use super::articulated::TINY;
 use super::axis::Pull;
@@ -115,7 +115,10 @@ mod ball_law {
     pub const LEAD: usize = 3;
     pub const HELD: usize = 6;
     pub const BOUND: usize = 7;
-    pub const WIDTH: usize = 10;
+    /// λ and λ₀ of its damping, which no effort limit holds.
+    pub const DAMPED: usize = 10;
+    pub const DAMPING: usize = 13;
+    pub const WIDTH: usize = 16;
 }
 
 /// Layout of the laws, by kind, and of what they are written to for a substep.
@@ -145,8 +148,10 @@ pub(crate) struct LawTables {
     drive_target: Table<State>,
     /// Lower, upper, stiffness, damping, inertia.
     limit: Table<Parameter, 5>,
+    limit_speed: Table<State>,
     friction: Table<Parameter>,
     armature: Table<Parameter>,
+    armature_speed: Table<State>,
     /// Gear, gain, bias 3, control range 2, force range 2.
     motor: Table<Parameter, 9>,
     /// Stiffness, damping, effort limit, control time, passive damping.
@@ -224,8 +229,10 @@ impl LawTables {
             drive: Table::place(parameters, drives),
             drive_target: Table::place(state, drives),
             limit: Table::place(parameters, limits),
+            limit_speed: Table::place(state, limits),
             friction: Table::place(parameters, frictions),
             armature: Table::place(parameters, armatures),
+            armature_speed: Table::place(state, armatures),
             motor: Table::place(parameters, motors),
             ball: Table::place(parameters, balls),
             ball_target: Table::place(state, balls),
@@ -335,6 +342,36 @@ impl LawTables {
     }
 }
 
+impl LawTables {
+    /// Gives what is geared to the axes the speeds of their degrees of freedom.
+    pub(crate) fn set_speeds(&self, velocity: &[f64], links: &[u32], state: &mut [f64]) {
+        let [_, _, limits, _, armatures, _] = self.starts;
+        let all = (0..self.limits).map(|i| (limits + i, self.limit_speed.at(i, 0)));
+        let geared = (0..self.armatures).map(|i| (armatures + i, self.armature_speed.at(i, 0)));
+        for (law, at) in all.chain(geared) {
+            let v = links[self.law_links.at(law, 1)] as usize;
+            state[at] = velocity.get(v).copied().unwrap_or_default();
+        }
+    }
+}
+
+/// What is geared to the axes has their rates.
+#[inline(always)]
+pub(crate) fn keep_speeds<M: Machine>(k: &mut M, t: &Tables) {
+    let r = &t.laws;
+    let [_, _, limits, _, armatures, _] = r.starts;
+    for i in k.count(r.limits) {
+        let axis = k.link(r.law_links, i.offset(limits), 0);
+        let speed = rate(k, t, axis);
+        k.store(r.limit_speed, i, 0, speed);
+    }
+    for i in k.count(r.armatures) {
+        let axis = k.link(r.law_links, i.offset(armatures), 0);
+        let speed = rate(k, t, axis);
+        k.store(r.armature_speed, i, 0, speed);
+    }
+}
+
 /// Writes the laws of a substep, at the coordinates it starts with.
 #[inline(always)]
 pub(crate) fn prepare<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
@@ -366,9 +403,8 @@ pub(crate) fn prepare<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     }
     for i in k.count(r.armatures) {
         let law = i.offset(armatures);
-        let axis = k.link(r.law_links, law, 0);
         let d = k.load(r.armature, i, 0) / h;
-        let speed = k.load(t.axis, axis, axis_field::RATE);
+        let speed = k.load(r.armature_speed, i, 0);
         write(k, t, law, [zero, d, zero, speed, zero], UNBOUNDED);
     }
     for i in k.count(r.motors) {
@@ -376,6 +412,7 @@ pub(crate) fn prepare<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     }
     for i in k.count(r.balls) {
         k.store_vec3(r.ball_law, i, ball_law::MULTIPLIER, Vec3::zero());
+        k.store_vec3(r.ball_law, i, ball_law::DAMPED, Vec3::zero());
     }
 }
 
@@ -435,10 +472,10 @@ fn limit<M: Machine>(k: &mut M, t: &Tables, i: M::I, law: M::I, h: M::R) {
     let (zero, above) = (M::R::zero(), next.gt(upper));
     let beyond = above | next.lt(lower);
     let rest = M::R::select(above, upper, lower);
-    // The inertia is a damper too, against the rate that the substep starts with.
+    // The inertia is a damper too, against the speed that it has.
     let drag = m / h;
     let d = d + drag;
-    let start = k.load(t.axis, axis, axis_field::RATE);
+    let start = k.load(t.laws.limit_speed, i, 0);
     let kept = drag * start / d.max(M::R::lit(TINY));
     let s = M::R::select(beyond, s, zero);
     let d = M::R::select(beyond, d, zero);
@@ -516,9 +553,11 @@ fn lead_ball<M: Machine>(k: &mut M, t: &Tables, i: M::I, h: M::R) {
     let e = qb.rotate((k.quat(r.ball_target, i, 0).conjugate() * (qa.conjugate() * qb)).log());
     let rate = ends.b.twist.angular - ends.a.twist.angular;
     let speed = qb.rotate(k.vec3(t.input.target_velocity, v, 0));
-    let wanted = -(e * s) - (rate - speed) * d - rate * passive;
+    let wanted = -(e * s) - (rate - speed) * d;
     let lead = wanted * h.squared() - k.vec3(r.ball_law, i, ball_law::MULTIPLIER);
     k.store_vec3(r.ball_law, i, ball_law::LEAD, lead);
+    let lead = -(rate * (passive * h.squared())) - k.vec3(r.ball_law, i, ball_law::DAMPED);
+    k.store_vec3(r.ball_law, i, ball_law::DAMPING, lead);
     k.store(r.ball_law, i, ball_law::HELD, M::R::zero());
 }
 
@@ -529,11 +568,11 @@ fn give<M: Machine>(k: &M, t: &Tables, law: M::I, h: M::R) -> M::R {
     h.squared().fma(s, h * d)
 }
 
-/// h² k + h d of a ball.
+/// h² k + h d of a ball's drive, and h d of its damping.
 #[inline(always)]
-fn ball_give<M: Machine>(k: &M, t: &Tables, i: M::I, h: M::R) -> M::R {
+fn ball_give<M: Machine>(k: &M, t: &Tables, i: M::I, h: M::R) -> [M::R; 2] {
     let [s, d, _, _, passive] = k.read(t.laws.ball, i, 0);
-    h.squared().fma(s, h * (d + passive))
+    [h.squared().fma(s, h * d), h * passive]
 }
 
 /// Sums up what pulls along each motion. `fresh` is 1 in the first pass, in which forces act
@@ -569,8 +608,10 @@ pub(crate) fn gather<M: Machine>(k: &mut M, t: &Tables, h: M::R, fresh: M::R) {
         let bound = k.vec3(r.ball_law, i, ball_law::BOUND);
         let rest = bound - k.vec3(r.ball_law, i, ball_law::MULTIPLIER);
         let lead = k.vec3(r.ball_law, i, ball_law::LEAD);
-        let push = ball_push(k, t, m) + Vec3::select(held, rest, lead);
-        let give = M::R::select(held, zero, ball_give(k, t, i, h));
+        let damped = k.vec3(r.ball_law, i, ball_law::DAMPING);
+        let push = ball_push(k, t, m) + Vec3::select(held, rest, lead) + damped;
+        let [drive, damping] = ball_give(k, t, i, h);
+        let give = M::R::select(held, zero, drive) + damping;
         store_ball(k, t, m, push, give);
     }
 }
@@ -647,7 +688,8 @@ fn next_ball<M: Machine>(k: &M, t: &Tables, i: M::I, h: M::R) -> Vec3<M::R> {
     let way = along_ball(k, t, m, motion::WAY);
     let lead = k.vec3(r.ball_law, i, ball_law::LEAD);
     let pushed = k.vec3(r.ball_law, i, ball_law::MULTIPLIER);
-    way.fma(-ball_give(k, t, i, h), lead) + pushed
+    let [give, _] = ball_give(k, t, i, h);
+    way.fma(-give, lead) + pushed
 }
 
 /// Keeps the λ of a pass for the next one.
@@ -664,6 +706,11 @@ pub(crate) fn keep<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         let bound = k.vec3(t.laws.ball_law, i, ball_law::BOUND);
         let next = Vec3::select(held, bound, next_ball(k, t, i, h));
         k.store_vec3(t.laws.ball_law, i, ball_law::MULTIPLIER, next);
+        let way = along_ball(k, t, k.link(t.laws.ball_links, i, 2), motion::WAY);
+        let lead = k.vec3(t.laws.ball_law, i, ball_law::DAMPING);
+        let [_, give] = ball_give(k, t, i, h);
+        let next = way.fma(-give, lead) + k.vec3(t.laws.ball_law, i, ball_law::DAMPED);
+        k.store_vec3(t.laws.ball_law, i, ball_law::DAMPED, next);
     }
 }
 

@@ -161,6 +161,7 @@ impl Kernels for Xpbd {
             .place(&bodies, &self.parameters, &self.links, state);
         self.tables
             .count_turns(position, &self.parameters, &self.links, state);
+        self.tables.laws.set_speeds(velocity, &self.links, state);
     }
     /// The bodies' own frames depend on the masses; the turns that were counted stay.
     fn take_over(&self, bodies: &[f64], state: &mut [f64]) {
@@ -220,6 +221,7 @@ fn substep<M: Machine>(k: &mut M, t: &Tables) {
     laws::prepare(k, t, h);
     let mut survey = Survey::new(k);
     passes(k, t, h, &mut survey);
+    laws::keep_speeds(k, t);
     k.store(t.led, k.index(0), 0, h);
     guard(k, t, &survey);
 }

@@ -158,7 +158,6 @@ pub fn joint_runs(joints: &[[u32; 2]], bodies: usize) -> Vec<Vec<u32>> {
 pub(super) enum JointStage {
     Follow,
     Place,
-    Measure,
     WarmStart,
     Solve { pushing: bool },
     Strike,
@@ -205,7 +204,6 @@ macro_rules! joint_work {
 joint_work! {
     Follow(k, t, _pushing) = joint::follow(k, t), Nothing;
     Place(k, t, _pushing) = joint::place(k, t), Place;
-    Measure(k, t, _pushing) = joint::measure(k, t), Motion;
     WarmStart(k, t, _pushing) = joint::warm_start(k, t), Motion;
     Solve(k, t, pushing) = joint::solve(k, t, pushing), Motion;
     Strike(k, t, _pushing) = joint::strike(k, t), Motion;
@@ -220,7 +218,6 @@ impl<T: Float> Job for Joints<'_, '_, T> {
         match self.stage {
             JointStage::Follow => self.work::<R, Follow>(false),
             JointStage::Place => self.work::<R, Place>(false),
-            JointStage::Measure => self.work::<R, Measure>(false),
             JointStage::WarmStart => self.work::<R, WarmStart>(false),
             JointStage::Solve { pushing } => self.work::<R, Solve>(pushing),
             JointStage::Strike => self.work::<R, Strike>(false),

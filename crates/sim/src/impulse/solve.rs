@@ -37,7 +37,6 @@ struct Scene<'a, T: Float> {
     contacts: &'a [Cached<T>],
     joints: &'a [u32],
     state: State<'a, T>,
-    inertia: bool,
     found: &'a Found,
 }
 
@@ -97,7 +96,6 @@ impl<T: Float> Solver<'_, T> {
                 state,
                 parameters: self.parameters,
             },
-            inertia: !w.joint_ends.is_empty() && self.impulse.has_inertia(self.parameters),
             found: &found,
         };
         let members = (0..w.colours.batches.len()).map(|batch| w.colours.batch(batch));
@@ -166,9 +164,6 @@ impl<T: Float> Solver<'_, T> {
             member.stage(&shares.bodies, |index| self.bodies(scene, index, stage));
         };
         for step in 0..self.small_steps {
-            if scene.inertia {
-                joints(&mut member, JointStage::Measure);
-            }
             bodies(&mut member, BodyStage::Advance { again: step > 0 });
             if step == 0 {
                 self.foresee(scene, shares, &mut member);

@@ -622,3 +622,35 @@ fn a_servo_counts_whole_turns() {
         follows(&name, &mut simulation, 1500, |_, x| law.step(x));
     }
 }
+
+/// The effort limit E of a ball's drive is one of its torque, whichever way that points, and no limit of what else damps:
+/// towards a target far away, about one axis, J ω̇ = E − c ω, so that ω = E/c (1 − e^(−c t/J)).
+#[test]
+fn the_effort_limit_of_a_ball_is_one_of_its_torque() {
+    let (effort, damping, moment, time) = (0.6, 0.5, 0.2, 0.3);
+    let away = DVec3::new(1.0, 2.0, -1.5);
+    let mut world = Builder::new("wrist");
+    world.gravity(DVec3::ZERO);
+    let object = world.object("");
+    let hand = body(object, "hand", MASS, DVec3::ZERO, DVec3::splat(moment));
+    let joint = object.ball("wrist", hand);
+    joint.damping(damping).drive(Drive {
+        stiffness: 30.0,
+        effort_limit: effort,
+        ..Drive::default()
+    });
+    let model = world.build().unwrap();
+    for method in SOLVERS {
+        let mut simulation = method.simulate::<f64>(&model, H);
+        for (dof, target) in away.to_array().into_iter().enumerate() {
+            simulation.controls().set_target(0, dof, target).unwrap();
+        }
+        simulation.step((time / H) as usize);
+        let outputs = simulation.outputs();
+        let found = DVec3::from_array([0, 1, 2].map(|dof| outputs.dof_velocity(0, dof)));
+        let speed = effort / damping * -(-damping * time / moment).exp_m1();
+        let off = found.distance(away.normalize() * speed);
+        // First order in h c/J.
+        assert!(off < speed * H * damping / moment, "{method:?}: {off:e}");
+    }
+}

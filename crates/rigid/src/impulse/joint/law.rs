@@ -8,7 +8,8 @@
 //! ```
 //!
 //! of springs k and dampers d at the coordinate θ + h v, and of armatures m, which are dampers m/h of the
-//! rate that the small step began with. With v₀ the rate without any, and r the response of the axis, the
+//! speed that they had: what is geared to an axis keeps the rate that it has got here, whatever becomes of the bodies, or
+//! their axes, or its momentum would not be kept. With v₀ the rate without any, and r the response of the axis, the
 //! rate solves
 //!
 //! ```text
@@ -17,10 +18,15 @@
 //!
 //! which rises and is piecewise linear. Between the last corner where g ≤ 0 and the first where g > 0 it
 //! is a line, and the rate where that line crosses: no iteration, and no force beyond its bounds.
+//!
+//! What changes a rate after that, as locks do when relaxing, works against it, too: of a change the line leaves 1/g', so that
+//! the impulse along the axis stays what it was in the end. If it did not, locks would be solved for an axis that is free, and
+//! then find one that is not: where r is small beside the response without locks, they would not come to rest.
 
 use super::super::tables::global;
-use super::tables::{JointTables, axis, axis_link, law, line};
-use numbers::{Cell, Machine, Real};
+use super::STIFF;
+use super::tables::{JointTables, axis, axis_link, law, line, work};
+use numbers::{Cell, Machine, Real, Vec3};
 
 /// No rate is larger.
 const FAR: f64 = 1e9;
@@ -84,20 +90,21 @@ impl<M: Machine> Balance<M> {
     }
 }
 
-/// By how much the impulse of an axis changes that has the rate `rate`, and has been given `had`.
+/// The rate that what acts along an axis leads to, and 1/g' there; it has the rate `rate`, and been given `had`, and what is
+/// geared to it has the speed `begin`.
 #[inline(always)]
 pub(super) fn balance<M: Machine>(
     k: &mut M,
     t: &JointTables,
     i: M::I,
-    rate: M::R,
+    [rate, begin]: [M::R; 2],
     had: M::R,
-) -> M::R {
+) -> (M::R, M::R) {
     let only = k.index(0);
     let [h, per] = k.read(t.global, only, global::STEP);
     let [stiffness, damping, force, armature] = k.read(t.axis, i, axis::PASSIVE);
-    let [value, begin] = k.read(t.axis, i, axis::VALUE);
-    let response = k.load(t.axis, i, axis::RESPONSE).max(M::R::lit(1e-30));
+    let value = k.load(t.axis, i, axis::VALUE);
+    let response = k.load(t.axis, i, axis::RESPONSE).max(M::R::lit(STIFF));
     let scale = response * h;
     let inert = armature * per;
     let falls = h.fma(stiffness, damping) + inert;
@@ -114,13 +121,19 @@ pub(super) fn balance<M: Machine>(
         end,
     };
     let mut after = k.cell(g.lead / g.slope);
+    let mut slope = k.cell(g.slope);
     if let Some(_branch) = k.when(k.less(first, end)) {
         for law in k.range(first, end) {
             prepare(k, t, law, [value, begin], h, per);
         }
-        after.write(g.solve(k, t));
+        let share = k.load(t.work, i, work::SHARE);
+        let [low, high] = k.read(t.line, first, line::LOW);
+        k.write(t.line, first, line::LOW, [low * share, high * share]);
+        let v = g.solve(k, t);
+        after.write(v);
+        slope.write(g.slope_at(k, t, v));
     }
-    (after.read() - rate) / response
+    (after.read(), slope.read().recip())
 }
 
 /// A law as a line with bounds. A stop damps what goes beyond it: the rate that just reaches it, w, is
@@ -145,4 +158,44 @@ fn prepare<M: Machine>(
     let lead = stiffness.fma(way, damping.fma(reaching, inert.fma(kept, force)));
     let slope = h.fma(stiffness, damping) + inert;
     k.write(t.line, i, line::LEAD, [lead, slope, low, high]);
+}
+
+/// The effort limit of a ball's drive is one of its torque: where that is more at these rates, each axis gets its part of the
+/// limit. A drive's law is the first of its row.
+#[inline(always)]
+pub(super) fn share_effort<M: Machine>(
+    k: &mut M,
+    t: &JointTables,
+    rates: Vec3<M::R>,
+    ball: <M::R as Real>::Mask,
+) {
+    let mut squared = k.cell(M::R::zero());
+    for (row, rate) in rates.to_array().into_iter().enumerate() {
+        let i = k.index(row);
+        let [first, end] = [
+            k.link(t.links, i, axis_link::FIRST),
+            k.link(t.links, i, axis_link::END),
+        ];
+        if let Some(_branch) = k.when(k.less(first, end)) {
+            let [stiffness, damping, rest, force] = k.read(t.law, first, law::STIFFNESS);
+            let way = rest - k.load(t.axis, i, axis::VALUE);
+            let torque = stiffness.fma(way, damping.fnma(rate, force));
+            k.store(t.work, i, work::RATE, torque);
+            squared.write(torque.fma(torque, squared.read()));
+        }
+    }
+    let torque = squared.read().sqrt();
+    for row in 0..3 {
+        let i = k.index(row);
+        let [first, end] = [
+            k.link(t.links, i, axis_link::FIRST),
+            k.link(t.links, i, axis_link::END),
+        ];
+        if let Some(_branch) = k.when(k.less(first, end)) {
+            let own = k.load(t.work, i, work::RATE).abs();
+            let over = ball & torque.gt(k.load(t.law, first, law::HIGH));
+            let share = own / torque.max(M::R::lit(STIFF));
+            k.store_where(over, t.work, i, work::SHARE, share);
+        }
+    }
 }

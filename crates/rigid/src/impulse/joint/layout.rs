@@ -33,7 +33,6 @@ pub(super) mod dof {
     pub const FRICTION: usize = 5;
     /// Lower, upper, stiffness, damping, inertia.
     pub const LIMIT: usize = 6;
-    pub const STOP_INERTIA: usize = 10;
     /// Stiffness, damping, effort limit, control time.
     pub const DRIVE: usize = 11;
     pub const WIDTH: usize = 15;
@@ -189,8 +188,8 @@ impl Ties {
         }
     }
 
-    /// Remembers the angles of all axes, so that their turns count; nothing pushes yet.
-    pub fn place(&self, position: &[f64], parameters: &[f64], state: &mut [f64]) {
+    /// Remembers the angles of all axes, so that their turns count, and their rates; nothing pushes yet.
+    pub fn place(&self, [position, velocity]: [&[f64]; 2], parameters: &[f64], state: &mut [f64]) {
         for (i, tie) in self.list.iter().enumerate() {
             let at = self.state.at(i, ROWS);
             state[at..at + TIED_STATE - ROWS].fill(0.0);
@@ -198,6 +197,12 @@ impl Ties {
                 if let Some(coordinate) = freedom.as_ref().and_then(|f| f.coordinate) {
                     let reference = parameters[self.dofs.at(ROWS * i + row, dof::REFERENCE)];
                     state[at + row] = position[coordinate] - reference;
+                }
+            }
+            let speeds = self.state.at(i, joint::SPEED - joint::TARGET);
+            for (row, freedom) in tie.freedoms.iter().enumerate() {
+                if let Some(freedom) = freedom {
+                    state[speeds + row] = velocity[freedom.dof];
                 }
             }
         }
@@ -424,12 +429,6 @@ impl Impulse {
     pub fn tied_joint(&self, tie: usize) -> JointId {
         self.ties.list[tie].joint
     }
-    /// Whether anything opposes the acceleration of an axis: an armature, or the inertia of a stop.
-    pub fn has_inertia<T: Float>(&self, parameters: &[T]) -> bool {
-        let rows = 0..ROWS * self.ties();
-        rows.flat_map(|row| [dof::ARMATURE, dof::STOP_INERTIA].map(|x| self.ties.dofs.at(row, x)))
-            .any(|at| parameters[at] > T::zero())
-    }
     /// Whether a row of a joint is a degree of freedom, along which something may act.
     pub fn freedoms(&self, tie: usize) -> [bool; ROWS] {
         let freedoms = self.ties.list[tie].freedoms.each_ref();
@@ -461,7 +460,7 @@ impl Impulse {
         }
     }
     /// A joint of bodies that sleep gives in each of so many small steps what it gave in the last one; they are the first
-    /// of a step, or come to those before.
+    /// of a step, or come to those before. What is geared to its axes rests.
     pub fn persist_tied<T: Float>(
         &self,
         tie: usize,
@@ -478,6 +477,7 @@ impl Impulse {
                 state[at(joint::SUM + i)]
             };
             state[at(joint::SUM + i)] = before + state[at(joint::IMPULSE + i)] * steps;
+            state[at(joint::SPEED + i)] = T::zero();
         }
     }
     /// What a joint gave in small steps, and in a step, that were so many times as long.

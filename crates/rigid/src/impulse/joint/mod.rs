@@ -17,13 +17,13 @@
 //!
 //! which is a spring and a damper in proportion to K⁻¹, implicit in time (Catto, *Soft Constraints*, 2011),
 //! of f periods per small step, which closes a gap with the time constant T. When relaxing β and κ are 0. A
-//! row i that is not locked is pushed with what the locks make of it, so that they stay as they are:
+//! row i that is not locked is pushed with what the locks make of it, which no λ counts, so that they stay as they are:
 //!
 //! ```text
 //! w_i = e_i − K_LL⁻¹ K_Li,    K_i w_i the response of its rate
 //! ```
 //!
-//! and what acts along it is balanced exactly (`law`). The error of rotations and the angles are those by
+//! and what acts along it is balanced exactly (`law`), and holds on to that when relaxing. The error of rotations and the angles are those by
 //! which the joint's own sequence of turns R(θ) misses the bodies':
 //!
 //! ```text
@@ -64,6 +64,8 @@ const FREQUENCY: f64 = 0.125;
 const CALM: f64 = 8.0;
 /// Pivots below this are none [1/kg, 1/(kg·m²)].
 const TINY: f64 = 1e-18;
+/// Least response of an axis [1/kg, 1/(kg·m²)].
+const STIFF: f64 = 1e-30;
 /// Least square of the volume of three axes: nearly in one plane, as in gimbal lock.
 const FLAT: f64 = 1e-6;
 
@@ -493,17 +495,6 @@ fn masked<R: Real>(m: SymMat3<R>, l: Vec3<R>) -> SymMat3<R> {
     }
 }
 
-/// Rates of the axes, as armatures have them when a small step begins.
-#[allow(clippy::needless_range_loop)] // iterators of arrays are not sure to be inlined
-#[inline(always)]
-pub fn measure<M: Machine>(k: &mut M, t: &JointTables) {
-    let pair = Pair::load(k, t);
-    let rates = Rows::load(k, t).rates(pair.apart()).to_array();
-    for i in 0..ROWS {
-        k.store(t.axis, k.index(i), axis::BEGIN, rates[i]);
-    }
-}
-
 /// Gives the impulses that the joint had in the step before.
 #[inline(always)]
 pub fn warm_start<M: Machine>(k: &mut M, t: &JointTables) {
@@ -540,6 +531,9 @@ pub fn solve<M: Machine>(k: &mut M, t: &JointTables, pushing: M::R) {
     if let Some(_branch) = k.if_any(pushes) {
         act(k, t, &rows, &mut pair);
         keep(k, t, pair.arms, pair.given.get().linear);
+    }
+    if let Some(_branch) = k.if_any(!pushes) {
+        hold_on(k, t, &rows, &mut pair);
     }
     count(k, t, pair.given.get(), had * (M::R::one() - pushing));
     pair.store(k, t);
@@ -597,32 +591,114 @@ fn hold<M: Machine>(
     let only = k.index(0);
     let softness = softness();
     let yields = pushing * M::R::lit(softness / (1.0 + softness));
+    let had = held(k, t, rows, pair, pushing);
     let closes = pushing * k.load(t.global, only, global::RATE) * M::R::lit(1.0 / (CALM + 1.0));
     let locked = k.spatial(t.joint, only, joint::LOCKED);
     let block = k.inertia(t.joint, only, joint::BLOCK);
     let off = k.spatial(t.joint, only, joint::ERROR);
     let wrong = times(rows.rates(pair.apart()), locked) + off * closes;
     let x = block.solve(wrong, M::R::lit(TINY));
-    let had = times(rows.along(pair.given.get()), locked);
-    let change = x * (yields - M::R::one()) - had * yields;
+    let change = x * (yields - M::R::one()) - times(had, locked) * yields;
     pair.push(rows.wrench(change));
 }
 
+/// λ, without what the locks make of what acts along the axes, while they are pushed.
+#[allow(clippy::needless_range_loop)] // iterators of arrays are not sure to be inlined
+#[inline(always)]
+fn held<M: Machine>(
+    k: &mut M,
+    t: &JointTables,
+    rows: &Rows<M::R>,
+    pair: &Pair<M>,
+    pushing: M::R,
+) -> Spatial<M::R> {
+    let mut given = pair.given.get().hold(k);
+    if let Some(_branch) = k.if_any(pushing.gt(M::R::zero())) {
+        let had = rows.along(pair.given.get()).to_array();
+        for row in 0..ROWS {
+            k.store(t.work, k.index(row), work::RATE + 1, had[row]);
+        }
+        for i in k.count(ROWS) {
+            let acts = k.link(t.links, i, axis_link::ACTS);
+            if let Some(_branch) = k.when(k.equals(acts, 1)) {
+                let had = k.load(t.work, i, work::RATE + 1) * k.load(t.axis, i, axis::ACTS);
+                given.set(given.get() - k.spatial(t.axis, i, axis::WRENCH) * had);
+            }
+        }
+    }
+    rows.along(given.get())
+}
+
 /// What acts along the axes, one after the other.
+#[allow(clippy::needless_range_loop)] // iterators of arrays are not sure to be inlined
 #[inline(always)]
 fn act<M: Machine>(k: &mut M, t: &JointTables, rows: &Rows<M::R>, pair: &mut Pair<M>) {
+    let only = k.index(0);
+    let before = k.spatial(t.joint, only, joint::SPEED).to_array();
+    for row in 0..ROWS {
+        let numbers = [before[row], M::R::one()];
+        k.write(t.work, k.index(row), work::BEGIN, numbers);
+    }
+    let rates = rows.rates(pair.apart());
+    k.store_spatial(t.joint, only, joint::SPEED, rates);
+    let ball = k.load(t.joint, only, joint::BALL).gt(M::R::zero());
+    if let Some(_branch) = k.if_any(ball) {
+        law::share_effort(k, t, rates.angular, ball);
+    }
     for i in k.count(ROWS) {
         let acts = k.link(t.links, i, axis_link::ACTS);
         if let Some(_branch) = k.when(k.equals(acts, 1)) {
-            let rates = rows.rates(pair.apart()).to_array();
-            let had = rows.along(pair.given.get()).to_array();
-            for row in 0..ROWS {
-                k.write(t.work, k.index(row), work::RATE, [rates[row], had[row]]);
-            }
-            let [rate, had] = k.read(t.work, i, work::RATE);
-            let change = law::balance(k, t, i, rate, had);
-            let change = change * k.load(t.axis, i, axis::ACTS);
-            pair.push(k.spatial(t.axis, i, axis::WRENCH) * change);
+            let [rate, had] = along(k, t, rows, pair, i);
+            let begin = k.load(t.work, i, work::BEGIN);
+            let (after, yields) = law::balance(k, t, i, [rate, begin], had);
+            k.store(t.axis, i, axis::YIELDS, yields);
+            bring(k, t, pair, i, [rate, after]);
         }
     }
+}
+
+/// What acts along the axes holds on to the rates that it has led to, as far as it does: see `law`.
+#[inline(always)]
+fn hold_on<M: Machine>(k: &mut M, t: &JointTables, rows: &Rows<M::R>, pair: &mut Pair<M>) {
+    for i in k.count(ROWS) {
+        let acts = k.link(t.links, i, axis_link::ACTS);
+        if let Some(_branch) = k.when(k.equals(acts, 1)) {
+            let [rate, _] = along(k, t, rows, pair, i);
+            let led_to = k.load(t.speed, i, 0);
+            let after = k.load(t.axis, i, axis::YIELDS).fma(rate - led_to, led_to);
+            bring(k, t, pair, i, [rate, after]);
+        }
+    }
+}
+
+/// The rate of a row, and the impulse that it has been given.
+#[inline(always)]
+fn along<M: Machine>(
+    k: &mut M,
+    t: &JointTables,
+    rows: &Rows<M::R>,
+    pair: &Pair<M>,
+    i: M::I,
+) -> [M::R; 2] {
+    let rates = rows.rates(pair.apart()).to_array();
+    let had = rows.along(pair.given.get()).to_array();
+    for row in 0..ROWS {
+        k.write(t.work, k.index(row), work::RATE, [rates[row], had[row]]);
+    }
+    k.read(t.work, i, work::RATE)
+}
+
+/// Brings a row from one rate to another, with what is geared to it.
+#[inline(always)]
+fn bring<M: Machine>(
+    k: &mut M,
+    t: &JointTables,
+    pair: &mut Pair<M>,
+    i: M::I,
+    [rate, after]: [M::R; 2],
+) {
+    let change = (after - rate) * k.load(t.axis, i, axis::ACTS);
+    let response = k.load(t.axis, i, axis::RESPONSE).max(M::R::lit(STIFF));
+    k.store(t.speed, i, 0, rate + change);
+    pair.push(k.spatial(t.axis, i, axis::WRENCH) * (change / response));
 }

@@ -40,36 +40,38 @@ pub mod joint {
     /// How many of the first fields are constants.
     pub const CONSTANTS: usize = 35;
     /// Target of a ball, a quaternion; of other joints the targets of their drives, a row each: 6. With the
-    /// next three it is what a joint carries from step to step.
+    /// next four it is what a joint carries from step to step.
     pub const TARGET: usize = 35;
     /// Angles about the axes, counting turns, less their references [rad], 3.
     pub const ANGLE: usize = 41;
     /// Angular impulse at B's anchor [N·m·s], and impulse [N·s], on B in a small step, world axes, 6.
     pub const IMPULSE: usize = 44;
-    /// The sum of these over the step, 6.
-    pub const SUM: usize = 50;
+    /// Speeds of what is geared to the axes, 6 [rad/s, m/s].
+    pub const SPEED: usize = 50;
+    /// The sum of the impulses over the step, 6.
+    pub const SUM: usize = 56;
     /// How many of the first fields are there before a step.
-    pub const WRITTEN: usize = 56;
+    pub const WRITTEN: usize = 62;
     /// Inverse masses of A and B.
-    pub const INVERSE_MASS: usize = 56;
+    pub const INVERSE_MASS: usize = 62;
     /// Inverse inertia of A, then of B.
-    pub const INVERSE_INERTIA: usize = 58;
+    pub const INVERSE_INERTIA: usize = 64;
     /// From the centres of mass of A and of B to B's anchor [m].
-    pub const ARMS: usize = 70;
+    pub const ARMS: usize = 76;
     /// The same, and the impulse [N·s], when the joint was last pushed together.
-    pub const LAST: usize = 76;
+    pub const LAST: usize = 82;
     /// Gradients of the angular coordinates, world axes, 9.
-    pub const GRADIENTS: usize = 85;
+    pub const GRADIENTS: usize = 91;
     /// The angular axes, world axes, 9.
-    pub const AXES: usize = 94;
+    pub const AXES: usize = 100;
     /// The linear axes, world axes, 9.
-    pub const SHIFTS: usize = 103;
+    pub const SHIFTS: usize = 109;
     /// How far each locked row is off [rad, m], 6.
-    pub const ERROR: usize = 112;
+    pub const ERROR: usize = 118;
     /// Response of the locked rows to impulses along them, 21.
-    pub const BLOCK: usize = 118;
+    pub const BLOCK: usize = 124;
     /// Numbers in a row.
-    pub const WIDTH: usize = 139;
+    pub const WIDTH: usize = 145;
 }
 
 /// Fields of a row of a joint along which something acts.
@@ -93,8 +95,8 @@ pub mod axis {
     pub const CONSTANTS: usize = 9;
     /// The coordinate less its reference [m or rad].
     pub const VALUE: usize = 9;
-    /// Its rate when the small step began [m/s or rad/s].
-    pub const BEGIN: usize = 10;
+    /// By how much its rate would change of what others change it by, because of what acts along it.
+    pub const YIELDS: usize = 10;
     /// What a unit impulse along the axis makes of the locks and itself: angular impulse, impulse.
     pub const WRENCH: usize = 11;
     /// Change of the rate by that [1/kg or 1/(kg·m²)].
@@ -143,12 +145,18 @@ pub(super) mod work {
     pub const COLUMN: usize = 0;
     /// Its rate, and the impulse that it has been given.
     pub const RATE: usize = 6;
-    pub const WIDTH: usize = 8;
+    /// The speed of what is geared to it, as the small step began.
+    pub const BEGIN: usize = 8;
+    /// Which part of its bounds the drive of a row has.
+    pub const SHARE: usize = 9;
+    pub const WIDTH: usize = 10;
 }
 
 /// Fields of a law while a kernel runs: f = lead − slope θ̇ within bounds.
 pub(super) mod line {
     pub const LEAD: usize = 0;
+    /// Bounds.
+    pub const LOW: usize = 2;
     pub const WIDTH: usize = 4;
 }
 
@@ -160,6 +168,8 @@ pub const PLACED: usize = row::FREE;
 pub struct JointTables {
     /// One row: see [`joint`].
     pub joint: Table<State, { joint::WIDTH }>,
+    /// [`joint::SPEED`], by row.
+    pub(super) speed: Table<State>,
     /// [`ROWS`] rows: see [`axis`].
     pub axis: Table<State, { axis::WIDTH }>,
     /// The laws of all rows: see [`law`].
@@ -189,8 +199,10 @@ impl JointTables {
     #[inline(always)]
     pub fn new() -> Self {
         let (mut state, mut scratch, mut parameters, mut links) = (0, 0, 0, 0);
+        let mut speed = joint::SPEED;
         Self {
             joint: Table::place(&mut state, 1),
+            speed: Table::place(&mut speed, ROWS),
             axis: Table::place(&mut state, ROWS),
             law: Table::place(&mut state, ROWS * LAWS),
             links: Links::place(&mut links, ROWS),

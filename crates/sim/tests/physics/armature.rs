@@ -1,0 +1,140 @@
+//! Armature where it matters which way an axis lies: oblique to what it carries, and where an anchor goes in circles.
+
+use crate::common::*;
+use glam::{DMat3, DVec3};
+use model::{Builder, Model, Pose};
+
+const H: f64 = 1e-3;
+
+/// All solvers, `impulse` also with the small steps that it takes by default.
+const ALL: [Method; 4] = [EULER, Method::Xpbd(4), IMPULSE, Method::Impulse(8)];
+
+const ROD: f64 = 1.4;
+/// Principal moments of the rod [kg·m²].
+const MOMENTS: DVec3 = DVec3::new(9e-3, 4e-4, 9e-3);
+/// From its centre to the hinge [m].
+const ANCHOR: DVec3 = DVec3::new(0.05, -0.15, 0.02);
+
+/// A rod on a hinge about an axis that is none of its own, with an armature [kg·m²].
+fn hinge(axis: DVec3, armature: f64) -> Model {
+    let mut world = Builder::new("hinge");
+    let object = world.object("");
+    let rod = body(object, "rod", ROD, DVec3::ZERO, MOMENTS);
+    let joint = object.revolute("hinge", rod, axis);
+    joint.frames(Pose::IDENTITY, Pose::at(ANCHOR));
+    joint.armature(armature);
+    world.build().unwrap()
+}
+
+/// What `xpbd` gains of its speed ω in a step, at most, with the armature in its way: some m r²/J of (h ω)², which is first
+/// order. The others are of second order here.
+fn gained(method: Method, speed: f64) -> f64 {
+    let distance = DVec3::new(ANCHOR.x, 0.0, ANCHOR.z);
+    match method {
+        Method::Xpbd(_) => 2.0 * (H * speed).powi(2) * ROD * distance.length_squared() / MOMENTS.y,
+        _ => (H * speed).powi(3),
+    }
+}
+
+/// About an upright axis nothing pushes: θ = ω t, however much larger the armature is than the rod's own moment of inertia
+/// about its centre, along which the locks would have it turn.
+#[test]
+fn on_an_upright_hinge_it_turns_on() {
+    let (speed, steps) = (2.0, 400);
+    for armature in [0.0, 5e-3, 0.05, 1.0] {
+        for method in ALL {
+            let mut simulation = method.simulate::<f64>(&hinge(DVec3::Y, armature), H);
+            simulation.set_joint_state(0, &[0.0], &[speed]).unwrap();
+            simulation.step(steps);
+            let name = format!("{method:?} with {armature}");
+            let outputs = simulation.outputs();
+            let (angle, rate) = (outputs.coordinate(0, 0), outputs.dof_velocity(0, 0));
+            let gained = speed * (steps as f64 * gained(method, speed) + 1e-4);
+            let way = steps as f64 * H;
+            close(format!("{name}: angle"), angle, speed * way, gained * way);
+            close(format!("{name}: rate"), rate, speed, gained);
+        }
+    }
+}
+
+/// About an oblique one it is a pendulum, ½ (I + a) θ̇² + m g y = E, with I = n·J n + m |n × r|².
+#[test]
+fn on_an_oblique_hinge_it_slows_a_pendulum() {
+    let axis = DVec3::ONE.normalize();
+    let own = axis.dot(DMat3::from_diagonal(MOMENTS) * axis);
+    let moment = own + ROD * axis.cross(ANCHOR).length_squared();
+    for armature in [0.0, 5e-3, 0.05, 1.0] {
+        for method in ALL {
+            let mut simulation = method.simulate::<f64>(&hinge(axis, armature), H);
+            simulation.set_joint_state(0, &[0.0], &[2.0]).unwrap();
+            let outputs = simulation.outputs();
+            let (kinetic, energy) = (outputs.kinetic_energy(0), outputs.energy(0));
+            let name = format!("{method:?} with {armature}");
+            let expected = 0.5 * (moment + armature) * 4.0;
+            close(format!("{name}: at first"), kinetic, expected, 1e-12);
+            let mut gain = 0.0;
+            for _ in 0..400 {
+                simulation.step(1);
+                let outputs = simulation.outputs();
+                let speed = outputs.dof_velocity(0, 0).abs();
+                gain += 2.0 * gained(method, speed) * outputs.kinetic_energy(0);
+                // First order: a step of the power of gravity, which comes back.
+                let power = ROD * G * ANCHOR.length() * speed;
+                let within = H * power + gain + 1e-4;
+                close(format!("{name}: energy"), outputs.energy(0), energy, within);
+            }
+        }
+    }
+}
+
+/// A disc that an anchor off its centre lets move in a plane, with an armature [kg] along one of the two ways.
+fn disc(axis: usize, armature: f64) -> Model {
+    let mut world = Builder::new("disc");
+    world.gravity(DVec3::ZERO);
+    let object = world.object("");
+    let disc = body(object, "disc", ROD, DVec3::ZERO, DVec3::splat(9e-3));
+    let joint = object.plane_xz("anchor", disc);
+    joint.frames(Pose::IDENTITY, Pose::at(ANCHOR));
+    joint.dofs_mut()[axis].armature = armature;
+    world.build().unwrap()
+}
+
+/// Along a straight axis whose anchor goes in circles about the centre of mass, it takes part in what is kept: without forces
+/// p = m ẋ_c + a ẋ, and the energy.
+#[test]
+fn along_an_axis_whose_anchor_circles_it_has_momentum() {
+    for (axis, method) in [0, 1].into_iter().flat_map(|axis| ALL.map(|m| (axis, m))) {
+        let name = format!("{method:?}, axis {axis}");
+        let [free, geared] = [0.0, 0.5].map(|armature| {
+            let model = disc(axis, armature);
+            let mut simulation = method.simulate::<f64>(&model, H);
+            let (start, speed) = (model.initial_position(), [0.5, -0.3, 4.0]);
+            simulation.set_joint_state(0, &start, &speed).unwrap();
+            let [before, after] = [0, 600].map(|steps| {
+                simulation.step(steps);
+                let outputs = simulation.outputs();
+                let own = outputs.momentum(0).to_array()[2 * axis];
+                let momentum = own + armature * outputs.dof_velocity(0, axis);
+                [momentum, outputs.kinetic_energy(0)]
+            });
+            // First order in h ω.
+            let within = 2.0 * H * speed[2];
+            let name = format!("{name} with {armature}");
+            let size = before[0].abs().max(0.5);
+            close(
+                format!("{name}: momentum"),
+                after[0],
+                before[0],
+                within * size,
+            );
+            close(
+                format!("{name}: energy"),
+                after[1],
+                before[1],
+                within * before[1],
+            );
+            DVec3::from_array([0, 1, 2].map(|q| simulation.outputs().coordinate(0, q)))
+        });
+        assert!(free.distance(geared) > 5e-3, "{name}: {free}, {geared}");
+    }
+}
