@@ -48,7 +48,10 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
   scene: Scene | null = null;
   status: Status | null = null;
   frame: Frame | null = null;
-  /** By the last status or frame: where steps have been made, the frame comes first. */
+  /**
+   * By the last status; or by a frame after it that it does not run any more, as the frame comes first where steps have
+   * been made. That it runs a frame does not say: it may be of before, and have waited for another to be drawn.
+   */
   running = false;
   shown: number[] = [];
   private readonly transport: Transport;
@@ -59,6 +62,8 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
   /** Of the drives that were set of late, their settings as the engine had them before. */
   private readonly before = new Map<string, Before>();
   private statuses = 0;
+  /** Whether it was asked to run, and no status has come since. */
+  private asked = false;
 
   constructor(connect: (receiver: Receiver) => Transport) {
     super();
@@ -69,6 +74,7 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
     this.transport.send(command);
     // Not to wait for the engine's answer.
     if (command.type === "show") this.show(command.worlds);
+    if (command.type === "run") this.asked = true;
     if (command.type === "physics") {
       this.accepted ??= Object.fromEntries(this.scene?.physics.map(({ name, value }) => [name, value]) ?? []);
       this.setPhysics(command.values);
@@ -120,7 +126,7 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
     if (frame) {
       this.frame = frame;
       this.undrawn = true;
-      this.setRunning(frame.running);
+      if (!frame.running && !this.asked) this.setRunning(false);
       this.emit("frame", frame);
     } else {
       this.drawn();
@@ -155,6 +161,7 @@ export class Session extends Emitter<SessionEvents> implements Receiver {
         this.accepted = null;
         this.settle();
         if (!same(message.shown, this.shown)) this.show(message.shown);
+        this.asked = false;
         this.setRunning(message.running);
         this.emit("status", message);
         break;

@@ -36,17 +36,28 @@ test("the last of everything is kept", () => {
   expect(errors).toEqual([]);
 });
 
-test("whether it runs is as the last frame or status says", () => {
+test("whether it runs is as the last status says, or a frame that tells of its end", () => {
   const told: boolean[] = [];
   session.on("running", (running) => told.push(running));
-  const status = JSON.parse(sample("status"));
+  const status = (running: boolean) => {
+    session.text(JSON.stringify({ ...JSON.parse(sample("status")), running }));
+  };
+  const frame = (running: boolean) => {
+    session.binary(writeFrame({ scene: 1, worlds: 1, bodies: 1, poses: still, running }));
+  };
   session.text(sample("scene"));
-  session.text(JSON.stringify({ ...status, running: true }));
+  status(true);
   // The frame of a step that is done comes before its status.
-  session.binary(writeFrame({ scene: 1, worlds: 1, bodies: 1, poses: still, running: false }));
+  frame(false);
   expect(session.running).toBe(false);
-  session.text(JSON.stringify({ ...status, running: false }));
-  session.binary(writeFrame({ scene: 1, worlds: 1, bodies: 1, poses: still, running: true }));
+  status(false);
+  // One that has waited while another was drawn is of before.
+  frame(true);
+  expect(session.running).toBe(false);
+  session.send({ type: "run" });
+  status(true);
+  session.send({ type: "run" });
+  frame(false);
   expect(session.running).toBe(true);
   expect(told).toEqual([true, false, true]);
 });

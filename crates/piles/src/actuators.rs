@@ -1,7 +1,7 @@
 //! What controls make of the forces along joints' axes, on a card.
 //!
-//! The host brings controls to lanes, `[number][joint]`; the kernel of the processor (`rigid/src/impulse/joint/actuation`) makes
-//! forces of them when they have changed.
+//! The host brings controls to lanes, `[number][joint]`; the kernel of the processor
+//! (`rigid/src/impulse/joint/actuation`) makes forces of them when they have changed.
 
 use crate::Card;
 use crate::card::{BINDINGS, Commands, WORKGROUP, filled, sized};
@@ -96,8 +96,8 @@ impl<C: Card> Actuators<C> {
     }
 }
 
-/// So many numbers of each joint of each world of a batch, `[number][joint]`: given which world, and the joint, some of them,
-/// the others zero.
+/// So many numbers of each joint of each world of a batch, `[number][joint]`: given which world, and the joint, some of
+/// them, the others zero.
 fn columns(
     joints: &Joints,
     plan: &Plan,

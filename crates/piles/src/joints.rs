@@ -94,6 +94,11 @@ impl Joints {
     pub fn width(&self) -> usize {
         self.lengths().iter().sum()
     }
+    /// Numbers of a joint in the buffer that has most of each.
+    pub fn widest(&self) -> usize {
+        let lengths = self.actuation().lengths.into_iter();
+        lengths.fold(self.width(), usize::max)
+    }
     pub fn members(&self) -> Members {
         Members::Seats {
             bodies: PLACED as u32,
@@ -119,7 +124,7 @@ impl Joints {
 }
 
 /// What the shader has as constants.
-pub(crate) fn constants() -> [(&'static str, usize); 14] {
+pub(crate) fn constants() -> [(&'static str, usize); 17] {
     let t = JointTables::new();
     [
         ("JOINT_CONSTANTS", joint::CONSTANTS),
@@ -130,11 +135,14 @@ pub(crate) fn constants() -> [(&'static str, usize); 14] {
         ("AXIS", t.axis.at(0, 0)),
         ("AXIS_WIDTH", axis::WIDTH),
         ("AXIS_CONSTANTS", axis::CONSTANTS),
+        ("AXIS_ACTS", axis::ACTS),
         ("AXIS_FORCE", axis::FORCE),
         ("AXIS_GOAL", axis::GOAL),
         ("LAW", t.law.at(0, 0)),
         ("LAW_WIDTH", bounded::WIDTH),
         ("LAW_FORCE", bounded::FORCE),
         ("ACTING", acting::WIDTH),
+        ("ACTING_FORCE", acting::FORCE),
+        ("ACTING_GOAL", acting::GOAL),
     ]
 }

@@ -42,9 +42,9 @@ fn load_joints(@builtin(global_invocation_id) id: vec3<u32>) {
             put_joint(AXIS + axis * AXIS_WIDTH + field, i, given(number, i));
             number++;
         }
-        put_joint(AXIS + axis * AXIS_WIDTH, i, acting(axis * ACTING, i));
-        put_joint(AXIS + axis * AXIS_WIDTH + AXIS_FORCE, i, acting(axis * ACTING + 1u, i));
-        put_joint(AXIS + axis * AXIS_WIDTH + AXIS_GOAL, i, acting(axis * ACTING + 2u, i));
+        put_joint(AXIS + axis * AXIS_WIDTH + AXIS_ACTS, i, acting(axis * ACTING, i));
+        put_joint(AXIS + axis * AXIS_WIDTH + AXIS_FORCE, i, acting(axis * ACTING + ACTING_FORCE, i));
+        put_joint(AXIS + axis * AXIS_WIDTH + AXIS_GOAL, i, acting(axis * ACTING + ACTING_GOAL, i));
     }
     for (var field = 0u; field < plan.law_numbers; field++) {
         put_joint(LAW + field, i, given(number + field, i));

@@ -126,7 +126,7 @@ impl Scene {
     /// Places worlds side by side, as many as a card has room for.
     fn spread(&mut self, card: &impl Card, worlds: usize) -> Result<(), PilesError> {
         let alone = self.plan.of_worlds(1);
-        let joints = self.joints.as_ref().map_or(0, Joints::width);
+        let joints = self.joints.as_ref().map_or(0, Joints::widest);
         let numbers = [
             alone.numbers(),
             ROW as u32 * alone.bodies,

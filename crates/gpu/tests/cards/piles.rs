@@ -427,7 +427,7 @@ fn worlds_that_do_not_fit_are_stepped_some_at_a_time() {
     }
 }
 
-/// Nor do joints of theirs, with controls and constants of their own.
+/// On such a card joints of worlds are controlled some worlds at a time, with constants of their own, and none differs by that.
 #[test]
 #[ignore = "needs a graphics card or what stands in for one"]
 fn joints_of_worlds_that_do_not_fit_are_controlled_some_at_a_time() {
@@ -948,6 +948,13 @@ pub fn changed(model: &Model, factor: f64) -> Model {
             .dofs
             .iter_mut()
             .for_each(|dof| dof.stiffness *= factor);
+        joint
+            .dofs
+            .iter_mut()
+            .for_each(|dof| dof.drive.damping *= factor);
+    }
+    for actuator in &mut parts.actuators {
+        actuator.gear *= factor;
     }
     parts.gravity *= 2.0 - factor;
     Model::new(parts).unwrap()

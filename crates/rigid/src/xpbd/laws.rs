@@ -346,11 +346,11 @@ impl LawTables {
     /// Gives what is geared to the axes the speeds of their degrees of freedom.
     pub(crate) fn set_speeds(&self, velocity: &[f64], links: &[u32], state: &mut [f64]) {
         let [_, _, limits, _, armatures, _] = self.starts;
-        let all = (0..self.limits).map(|i| (limits + i, self.limit_speed.at(i, 0)));
+        let stops = (0..self.limits).map(|i| (limits + i, self.limit_speed.at(i, 0)));
         let geared = (0..self.armatures).map(|i| (armatures + i, self.armature_speed.at(i, 0)));
-        for (law, at) in all.chain(geared) {
+        for (law, at) in stops.chain(geared) {
             let v = links[self.law_links.at(law, 1)] as usize;
-            state[at] = velocity.get(v).copied().unwrap_or_default();
+            state[at] = velocity[v];
         }
     }
 }

@@ -654,3 +654,62 @@ fn the_effort_limit_of_a_ball_is_one_of_its_torque() {
         assert!(off < speed * H * damping / moment, "{method:?}: {off:e}");
     }
 }
+
+/// So it is where the hand moves across the way, and the torque turns: all solvers go the same way.
+#[test]
+fn the_torque_of_a_ball_turns_within_its_effort_limit() {
+    let mut world = Builder::new("wrist");
+    world.gravity(DVec3::ZERO);
+    let object = world.object("");
+    let moments = DVec3::new(0.2, 0.3, 0.25);
+    let hand = body(object, "hand", MASS, DVec3::ZERO, moments);
+    object.ball("wrist", hand).drive(Drive {
+        stiffness: 8.0,
+        damping: 0.5,
+        effort_limit: 1.5,
+        ..Drive::default()
+    });
+    let model = world.build().unwrap();
+    let ends = [RK4, EULER, XPBD, IMPULSE].map(|method| {
+        let mut simulation = method.simulate::<f64>(&model, H);
+        let (start, speed) = (model.initial_position(), [3.0, -2.0, 1.0]);
+        simulation.set_joint_state(0, &start, &speed).unwrap();
+        simulation.controls().set_target(0, 1, 1.0).unwrap();
+        simulation.step(500);
+        let outputs = simulation.outputs();
+        DVec3::from_array([0, 1, 2].map(|dof| outputs.dof_velocity(0, dof)))
+    });
+    for end in &ends[1..] {
+        // First order: a step of an acceleration of up to 1.5/0.2.
+        let off = end.distance(ends[0]);
+        assert!(off < 2.0 * H * 1.5 / 0.2, "{off:e}, {ends:?}");
+    }
+}
+
+/// Actuators on a ball have force ranges of their own, each about its axis: J ω̇ = g (u₋ … u₊).
+#[test]
+fn force_ranges_on_a_ball_are_those_of_its_axes() {
+    let (moment, steps) = (0.2, 100);
+    let mut world = Builder::new("wrist");
+    world.gravity(DVec3::ZERO);
+    let object = world.object("");
+    let hand = body(object, "hand", MASS, DVec3::ZERO, DVec3::splat(moment));
+    let wrist = object.ball("wrist", hand).handle();
+    for (dof, low) in [-1.0, -2.0, -0.5].into_iter().enumerate() {
+        let motor = object.motor(format!("motor {dof}"), wrist);
+        motor.dof(dof).force_range(low, 0.0);
+    }
+    let model = world.build().unwrap();
+    for method in [EULER, IMPULSE] {
+        let mut simulation = method.simulate::<f64>(&model, H);
+        simulation.controls().set_control(0, &[-9.0; 3]).unwrap();
+        simulation.step(steps);
+        let outputs = simulation.outputs();
+        for (dof, force) in [-1.0, -2.0, -0.5].into_iter().enumerate() {
+            let expected = force / moment * steps as f64 * H;
+            // The axes turn with the hand, by half a radian at most, about what they push along.
+            let found = outputs.dof_velocity(0, dof);
+            close(format!("{method:?} about {dof}"), found, expected, 1e-3);
+        }
+    }
+}

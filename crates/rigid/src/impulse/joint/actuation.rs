@@ -1,16 +1,16 @@
 //! What controls make of the forces along a joint's axes.
 //!
-//! A controller gives each axis a force f̂, and a target θ̂ and a speed ω̂ of its drive; and each actuator a control u, within
-//! its range u₋, u₊. Once in a step
+//! A controller gives each axis a force f̂, and a target θ̂ and a speed ω̂ of its drive; and each actuator a control u,
+//! within its range u₋, u₊. Once in a step
 //!
 //! ```text
 //! P = P₀ + f̂ + Σ a(u)      a(u) = g (c clamp(u, u₋, u₊) + b)      of actuators without a force range
 //! l = d ω̂ + a(u)                                                  of a law with bounds
 //! ```
 //!
-//! P and l are those of [`law`](super::law), where all else about them is constant: P₀ the force of springs at the coordinate's
-//! reference, those of actuators too, g gear, c gain, b bias, d the drive's damping. A law is a drive's, an actuator's with a
-//! force range, or neither, and l is 0.
+//! P and l are those of [`law`](super::law), where all else about them is constant: P₀ the force of springs at the
+//! coordinate's reference, those of actuators too, g gear, c gain, b bias, d the drive's damping. A law is a drive's, an
+//! actuator's with a force range, or neither, and l is 0.
 
 use super::tables::ROWS;
 use numbers::machine::Links;

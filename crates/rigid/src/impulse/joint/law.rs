@@ -19,9 +19,12 @@
 //! which rises and is piecewise linear. Between the last corner where g ≤ 0 and the first where g > 0 it
 //! is a line, and the rate where that line crosses: no iteration, and no force beyond its bounds.
 //!
-//! What changes a rate after that, as locks do when relaxing, works against it, too: of a change the line leaves 1/g', so that
-//! the impulse along the axis stays what it was in the end. If it did not, locks would be solved for an axis that is free, and
-//! then find one that is not: where r is small beside the response without locks, they would not come to rest.
+//! What changes a rate after that, as locks do when relaxing, works against it, too: of a change the line leaves 1/g', so
+//! that the impulse along the axis stays what it was in the end. If it did not, locks would be solved for an axis that is
+//! free, and then find one that is not: where r is small beside the response without locks, they would not come to rest.
+//!
+//! Of a ball the laws of three axes are one drive, whose effort limit its torque has: a limit of each that changes in every
+//! small step with where the torque points.
 
 use super::super::tables::global;
 use super::STIFF;
@@ -30,6 +33,8 @@ use numbers::{Cell, Machine, Real, Vec3};
 
 /// No rate is larger.
 const FAR: f64 = 1e9;
+/// No torque that is shared is smaller [N·m].
+const WEAK: f64 = 1e-30;
 
 /// g, and the laws in it.
 struct Balance<M: Machine> {
@@ -109,10 +114,7 @@ pub(super) fn balance<M: Machine>(
     let inert = armature * per;
     let falls = h.fma(stiffness, damping) + inert;
     let leads = inert.fma(begin, stiffness.fnma(value, force));
-    let [first, end] = [
-        k.link(t.links, i, axis_link::FIRST),
-        k.link(t.links, i, axis_link::END),
-    ];
+    let [first, end] = laws(k, t, i);
     let g = Balance::<M> {
         slope: scale.fma(falls, M::R::one()),
         lead: scale.fma(leads, response.fnma(had, rate)),
@@ -169,17 +171,18 @@ pub(super) fn share_effort<M: Machine>(
     rates: Vec3<M::R>,
     ball: <M::R as Real>::Mask,
 ) {
-    let mut squared = k.cell(M::R::zero());
+    let zero = M::R::zero();
+    let [h, _] = k.read(t.global, k.index(0), global::STEP);
+    let mut squared = k.cell(zero);
     for (row, rate) in rates.to_array().into_iter().enumerate() {
         let i = k.index(row);
-        let [first, end] = [
-            k.link(t.links, i, axis_link::FIRST),
-            k.link(t.links, i, axis_link::END),
-        ];
+        let [first, end] = laws(k, t, i);
         if let Some(_branch) = k.when(k.less(first, end)) {
             let [stiffness, damping, rest, force] = k.read(t.law, first, law::STIFFNESS);
             let way = rest - k.load(t.axis, i, axis::VALUE);
-            let torque = stiffness.fma(way, damping.fnma(rate, force));
+            let slope = h.fma(stiffness, damping);
+            let torque = stiffness.fma(way, slope.fnma(rate, force));
+            let torque = M::R::select(drives(k, t, i), torque, zero);
             k.store(t.work, i, work::RATE, torque);
             squared.write(torque.fma(torque, squared.read()));
         }
@@ -187,15 +190,28 @@ pub(super) fn share_effort<M: Machine>(
     let torque = squared.read().sqrt();
     for row in 0..3 {
         let i = k.index(row);
-        let [first, end] = [
-            k.link(t.links, i, axis_link::FIRST),
-            k.link(t.links, i, axis_link::END),
-        ];
+        let [first, end] = laws(k, t, i);
         if let Some(_branch) = k.when(k.less(first, end)) {
             let own = k.load(t.work, i, work::RATE).abs();
-            let over = ball & torque.gt(k.load(t.law, first, law::HIGH));
-            let share = own / torque.max(M::R::lit(STIFF));
+            let over = torque.gt(k.load(t.law, first, law::HIGH));
+            let over = ball & drives(k, t, i) & over;
+            let share = own / torque.max(M::R::lit(WEAK));
             k.store_where(over, t.work, i, work::SHARE, share);
         }
     }
+}
+
+/// The first law of a row, and the first after its laws.
+#[inline(always)]
+fn laws<M: Machine>(k: &M, t: &JointTables, row: M::I) -> [M::I; 2] {
+    [
+        k.link(t.links, row, axis_link::FIRST),
+        k.link(t.links, row, axis_link::END),
+    ]
+}
+
+/// Whether a row has a drive.
+#[inline(always)]
+fn drives<M: Machine>(k: &M, t: &JointTables, row: M::I) -> <M::R as Real>::Mask {
+    k.load(t.axis, row, axis::TIME).ge(M::R::zero())
 }

@@ -17,14 +17,14 @@
 //!
 //! which is a spring and a damper in proportion to K⁻¹, implicit in time (Catto, *Soft Constraints*, 2011),
 //! of f periods per small step, which closes a gap with the time constant T. When relaxing β and κ are 0. A
-//! row i that is not locked is pushed with what the locks make of it, which no λ counts, so that they stay as they are:
+//! row i that is not locked is pushed with what the locks make of it, so that they stay as they are; no λ counts that:
 //!
 //! ```text
 //! w_i = e_i − K_LL⁻¹ K_Li,    K_i w_i the response of its rate
 //! ```
 //!
-//! and what acts along it is balanced exactly (`law`), and holds on to that when relaxing. The error of rotations and the angles are those by
-//! which the joint's own sequence of turns R(θ) misses the bodies':
+//! and what acts along it is balanced exactly (`law`), and holds on to that when relaxing. The error of rotations and the
+//! angles are those by which the joint's own sequence of turns R(θ) misses the bodies':
 //!
 //! ```text
 //! e = log(R_AB R(θ)ᵀ),    θ ← θ + gᵀ e on free axes,  c = gᵀ e on locked ones
@@ -539,7 +539,8 @@ pub fn solve<M: Machine>(k: &mut M, t: &JointTables, pushing: M::R) {
     pair.store(k, t);
 }
 
-/// Hands a blow on: a relaxation whose impulse is counted, but not given again.
+/// Hands a blow on: a relaxation whose impulse is counted, but not given again. What acts along the axes, and what is geared
+/// to them, takes part in the small step that follows.
 #[inline(always)]
 pub fn strike<M: Machine>(k: &mut M, t: &JointTables) {
     let rows = Rows::load(k, t);
@@ -697,8 +698,9 @@ fn bring<M: Machine>(
     i: M::I,
     [rate, after]: [M::R; 2],
 ) {
-    let change = (after - rate) * k.load(t.axis, i, axis::ACTS);
+    let acts = k.load(t.axis, i, axis::ACTS);
+    let change = (after - rate) * acts;
     let response = k.load(t.axis, i, axis::RESPONSE).max(M::R::lit(STIFF));
-    k.store(t.speed, i, 0, rate + change);
+    k.store_where(acts.gt(M::R::zero()), t.speed, i, 0, after);
     pair.push(k.spatial(t.axis, i, axis::WRENCH) * (change / response));
 }

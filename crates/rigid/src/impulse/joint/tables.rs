@@ -91,7 +91,7 @@ pub mod axis {
     pub const REFERENCE: usize = 7;
     /// 1 where whole turns do not count.
     pub const TURNS: usize = 8;
-    /// How many of the first fields the host writes each step.
+    /// How many of the first fields are there before a step.
     pub const CONSTANTS: usize = 9;
     /// The coordinate less its reference [m or rad].
     pub const VALUE: usize = 9;
@@ -199,9 +199,10 @@ impl JointTables {
     #[inline(always)]
     pub fn new() -> Self {
         let (mut state, mut scratch, mut parameters, mut links) = (0, 0, 0, 0);
-        let mut speed = joint::SPEED;
+        let joint: Table<State, { joint::WIDTH }> = Table::place(&mut state, 1);
+        let mut speed = joint.start() + joint::SPEED;
         Self {
-            joint: Table::place(&mut state, 1),
+            joint,
             speed: Table::place(&mut speed, ROWS),
             axis: Table::place(&mut state, ROWS),
             law: Table::place(&mut state, ROWS * LAWS),
