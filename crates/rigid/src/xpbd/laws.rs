@@ -660,10 +660,11 @@ pub(crate) fn hold<M: Machine>(k: &mut M, t: &Tables, h: M::R) -> <M::R as Real>
         let (size, most) = (next.length(), k.load(t.laws.ball, i, 2) * h2);
         let held = M::R::select(size.gt(most), M::R::one(), zero);
         let was = k.load(t.laws.ball_law, i, ball_law::HELD);
-        // It pushes on as when it was first held, so that a pass done again changes nothing.
-        let bound = next * (most / size.max(M::R::lit(1e-30)));
-        let before = k.vec3(t.laws.ball_law, i, ball_law::BOUND);
-        let bound = Vec3::select(was.gt(zero), before, bound);
+        // It points as the drive does before the pass: what passes find hangs on what else is held, and where a pass is done
+        // again it must not change.
+        let lead = k.vec3(t.laws.ball_law, i, ball_law::LEAD);
+        let wanted = lead + k.vec3(t.laws.ball_law, i, ball_law::MULTIPLIER);
+        let bound = wanted * (most / wanted.length().max(M::R::lit(1e-30)));
         k.store(t.laws.ball_law, i, ball_law::HELD, held);
         k.store_vec3(t.laws.ball_law, i, ball_law::BOUND, bound);
         changes.write(changes.read().max((held - was).abs()));

@@ -655,7 +655,8 @@ fn the_effort_limit_of_a_ball_is_one_of_its_torque() {
     }
 }
 
-/// So it is where the hand moves across the way, and the torque turns: all solvers go the same way.
+/// So it is where the hand moves across the way, and the torque turns, with a wheel on it that rubs: all solvers go the same
+/// way.
 #[test]
 fn the_torque_of_a_ball_turns_within_its_effort_limit() {
     let mut world = Builder::new("wrist");
@@ -669,10 +670,14 @@ fn the_torque_of_a_ball_turns_within_its_effort_limit() {
         effort_limit: 1.5,
         ..Drive::default()
     });
+    let wheel = body(object, "wheel", 0.1, DVec3::ZERO, DVec3::splat(0.1));
+    let axle = object.revolute("axle", wheel, DVec3::Z).parent(hand);
+    axle.friction_loss(0.3);
     let model = world.build().unwrap();
-    let ends = [RK4, EULER, XPBD, IMPULSE].map(|method| {
+    let ends = [RK4, EULER, Method::Xpbd(4), IMPULSE].map(|method| {
         let mut simulation = method.simulate::<f64>(&model, H);
-        let (start, speed) = (model.initial_position(), [3.0, -2.0, 1.0]);
+        // The wheel turns on all the time.
+        let (start, speed) = (model.initial_position(), [3.0, -2.0, 1.0, 9.0]);
         simulation.set_joint_state(0, &start, &speed).unwrap();
         simulation.controls().set_target(0, 1, 1.0).unwrap();
         simulation.step(500);
