@@ -427,7 +427,8 @@ fn worlds_that_do_not_fit_are_stepped_some_at_a_time() {
     }
 }
 
-/// On such a card joints of worlds are controlled some worlds at a time, with constants of their own, and none differs by that.
+/// On such a card joints of worlds are controlled some worlds at a time, with constants of their own, and none differs by
+/// that.
 #[test]
 #[ignore = "needs a graphics card or what stands in for one"]
 fn joints_of_worlds_that_do_not_fit_are_controlled_some_at_a_time() {
@@ -933,7 +934,7 @@ fn models_of_worlds_own_agree_with_the_processor() {
     }
 }
 
-/// The same model, heavier, rougher and springier by a factor, and in weaker gravity.
+/// The same model, heavier, rougher, springier and stronger by a factor, and in weaker gravity.
 pub fn changed(model: &Model, factor: f64) -> Model {
     let mut parts = (**model).clone();
     for body in &mut parts.bodies {
@@ -944,14 +945,10 @@ pub fn changed(model: &Model, factor: f64) -> Model {
         shape.material.friction *= factor * (1.0 + 0.1 * (i % 3) as f64);
     }
     for joint in &mut parts.joints {
-        joint
-            .dofs
-            .iter_mut()
-            .for_each(|dof| dof.stiffness *= factor);
-        joint
-            .dofs
-            .iter_mut()
-            .for_each(|dof| dof.drive.damping *= factor);
+        for dof in &mut joint.dofs {
+            dof.stiffness *= factor;
+            dof.drive.damping *= factor;
+        }
     }
     for actuator in &mut parts.actuators {
         actuator.gear *= factor;
