@@ -533,11 +533,11 @@ fn trajectories_have_the_recorded_bits() {
 #[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 const GOLDEN: [[[u64; 2]; 5]; 2] = [
     [
-        [0x26d9_7418_330a_736c, 0x9275_f1f6_b682_e5e3],
-        [0xc6b9_7dbf_2bba_66c7, 0x23c4_2edc_8736_1098],
-        [0x1293_3b9d_4b00_fc96, 0x4a60_bf7a_c236_bc6c],
-        [0xcce3_4894_00d0_3154, 0x37f7_3206_a042_5008],
-        [0xbd85_1315_063e_1bef, 0x68b4_e9d6_6b85_0ce5],
+        [0x911c_1772_c8cd_7ff9, 0x7651_cc2c_acd3_f3d2],
+        [0x8af2_810e_2b77_6c5c, 0xe1b9_fa77_ce06_6f03],
+        [0x60ab_2bfe_916d_92e6, 0xb183_816a_549e_1aee],
+        [0x66dd_5e0f_2dc9_084c, 0xcbb3_567f_a851_6de2],
+        [0x4e4e_d4ed_2e2c_ca52, 0x7941_c3cd_698f_7cc1],
     ],
     [
         [0x5199_baa6_f627_3aa2, 0x01c1_5bc6_bea1_4176],
@@ -553,12 +553,12 @@ const GOLDEN: [[[u64; 2]; 5]; 2] = [
 const GOLDEN_HEAP: [[u64; 2]; 3] = [
     [0x3a8f_dc83_bb13_ccde, 0x454a_6c44_6d52_e287],
     [0x2df2_9a7d_bf1d_86a4, 0x0ead_d107_4a9a_0624],
-    [0x26d6_55ff_127e_8f35, 0xa9e8_88c2_c1b8_34aa],
+    [0x9e49_848e_1e95_e727, 0x2126_dbe8_dd64_f5b7],
 ];
 
 /// For the humanoid that struggles on the ground, by `featherstone` and by `xpbd`, f32 and f64.
 #[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 const GOLDEN_HUMANOID: [[u64; 2]; 2] = [
-    [0x9824_f448_f94e_4d7e, 0xd968_275a_267e_860b],
-    [0xe1d4_f295_691a_bf5b, 0x9720_7228_fddd_20b5],
+    [0x235f_ff50_712e_beb1, 0x4ccb_9037_d4e2_c5e5],
+    [0xa1a6_03b7_d492_f262, 0x1258_43f0_b8ec_4e5d],
 ];

@@ -244,7 +244,7 @@ fn towers_and_zone(threads: usize) -> Simulation<f32> {
     for (body, v) in velocity.chunks_exact_mut(6).enumerate() {
         // The upper half of every third tower.
         if body / 8 % 3 == 0 && body % 8 > 3 {
-            (v[0], v[2]) = (1.5, 0.4);
+            (v[0], v[2]) = (1.7, 0.4);
         }
     }
     simulation.set_joint_state(0, &position, &velocity).unwrap();

@@ -36,11 +36,10 @@ use numbers::{Cell, Machine, Mat3, Real, Vec3};
 pub(crate) const TINY: f64 = 1e-20;
 
 /// Accelerations of all degrees of freedom into `dof::ACCELERATION`, and of all nodes, under
-/// contacts that are implicit over `h` [s], and stops and [gyroscopic torques](crate::gyroscopic) that are over
-/// `implicit` [s].
+/// contacts that are implicit over `h` [s], and [gyroscopic torques](crate::gyroscopic) that are over `implicit` [s].
 ///
-/// Needs [`kinematics`](super::kinematics::kinematics) and [`forces`](super::force::forces), and, where there
-/// are contacts, these found or recalled, [`by_themselves`] and [`limit::begin`].
+/// Needs [`kinematics`](super::kinematics::kinematics), [`forces`](super::force::forces) and [`limit::begin`], and, where
+/// there are contacts, these found or recalled, and [`by_themselves`].
 #[inline(always)]
 pub(crate) fn articulated_body<M: Machine, const CONTACTS: bool>(
     k: &mut M,
@@ -107,7 +106,7 @@ fn inwards<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, h: M::R, imp
             let mut d = k.cell(s.dot_plus(u_vector, opposed));
             let mut u = k.cell((-s).dot_plus(p.get(), tau));
             if t.forces.limits > 0 {
-                limit::act::<M, CONTACTS>(k, t, v, implicit, &mut u, &mut d);
+                limit::act(k, t, v, &mut u, &mut d);
             }
             let (u, inverse) = (u.read(), d.read().recip());
             inertia.set(a.minus_outer(u_vector, inverse));

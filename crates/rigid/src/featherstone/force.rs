@@ -279,7 +279,9 @@ impl ForceTables {
                     f.link(self.passive_links, row, 0, coordinate);
                     let numbers = [dof.damping, dof.stiffness, dof.rest];
                     f.numbers(self.passive, row, 0, &numbers);
-                    f.link(self.limit_links, v, 0, coordinate);
+                }
+                if self.limits > 0 {
+                    f.link(self.limit_links, v, 0, (q.start + k).min(q.end - 1));
                     f.numbers(self.limit, v, 0, &limit::numbers(dof.limit.as_ref(), h));
                 }
                 if dof.friction_loss > 0.0 {

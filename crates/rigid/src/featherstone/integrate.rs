@@ -114,7 +114,7 @@ fn accelerate<M: Machine, const CONTACTS: bool>(
             gauss_seidel::gauss_seidel(k, t, h);
         }
     } else {
-        articulated_body::<M, false>(k, t, h, implicit);
+        limit::under_stops::<M, false>(k, t, h, implicit);
     }
 }
 
@@ -123,7 +123,7 @@ fn accelerate<M: Machine, const CONTACTS: bool>(
 #[inline(always)]
 fn settle<M: Machine>(k: &mut M, t: &Tables, h: M::R, implicit: M::R) {
     let zero = M::R::zero();
-    limit::begin(k, t);
+    limit::begin(k, t, implicit);
     by_themselves(k, t, implicit);
     let mut pull = k.cell(zero);
     let mut stops = k.cell(zero);
@@ -139,7 +139,7 @@ fn settle<M: Machine>(k: &mut M, t: &Tables, h: M::R, implicit: M::R) {
         let mut changes = k.cell(zero);
         stops.write(zero);
         contact::settle(k, t, h, &mut changes, &mut pull);
-        limit::settle(k, t, implicit, &mut stops);
+        limit::settle(k, t, &mut stops);
         if let Some(_branch) = k.when(further) {
             stops.write(zero);
         }

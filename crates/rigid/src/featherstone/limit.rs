@@ -13,22 +13,27 @@
 //! θ = 1/(1 − e⁻ᶻ) − 1/z = ½ + z/12 + O(z³) (Liniger & Willoughby 1970, exponential fitting); without
 //! inertia θ = 1, which is stable however stiff.
 //!
-//! Whether it pushes back is known once q̈ is. On the way inwards q̈ is taken for u / D, what it would
-//! be if the parent did not accelerate. Where there are contacts, further passes go by the q̈ of the pass
-//! before; one is made for stops alone.
+//! Whether it pushes back is known once q̈ is. In the first pass over the tree q̈ is taken for u / D, what it would be if
+//! the parent did not accelerate; further ones, while stops are wrong, go by the q̈ of the pass before.
 
-use super::articulated_body::TINY;
+use super::articulated_body::{TINY, articulated_body};
 use super::tables::{Tables, dof};
 use crate::tables::UNBOUNDED;
 use model::Limit;
 use numbers::{Cell, Machine, Real};
 
+/// Passes at most for stops alone.
+const PASSES: usize = 5;
+
 /// Fields of [`Tables::stop`], a row for each degree of freedom.
 pub(crate) mod stop {
-    /// Positive where the stop is taken to push back; zero before the first pass.
-    pub const ACTS: usize = 0;
-    // The same in the pass before follows.
-    pub const WIDTH: usize = 2;
+    /// r.
+    pub const EXCESS: usize = 0;
+    /// Positive where the stop is taken to push back; zero before the first pass. f₀ and g follow.
+    pub const ACTS: usize = 1;
+    /// What [`ACTS`] was in the pass before.
+    pub const ACTED: usize = 4;
+    pub const WIDTH: usize = 5;
 }
 
 /// Lower and upper end, k, d, θ d for steps of length `h` [s], and m; for a degree of freedom without
@@ -57,6 +62,56 @@ fn excess<M: Machine>(k: &M, t: &Tables, v: M::I) -> M::R {
     (q - upper).max(M::R::zero()) + (q - lower).min(M::R::zero())
 }
 
+/// Takes f₀ from u, and adds g to D, where the stop acts.
+#[inline(always)]
+pub(crate) fn act<M: Machine>(k: &mut M, t: &Tables, v: M::I, u: &mut M::Cell, d: &mut M::Cell) {
+    let zero = M::R::zero();
+    let r = k.load(t.stop, v, stop::EXCESS);
+    if let Some(_branch) = k.if_any(!r.same(zero)) {
+        let [known, force, opposing] = k.read(t.stop, v, stop::ACTS);
+        let guess = (force * r).fma(d.read(), (opposing * r) * u.read());
+        let sign = M::R::select(known.same(zero), guess, known);
+        k.store(t.stop, v, stop::ACTS, sign);
+        let acts = sign.gt(zero);
+        u.write(u.read() - M::R::select(acts, force, zero));
+        d.write(d.read() + M::R::select(acts, opposing, zero));
+    }
+}
+
+/// [`articulated_body`] under stops that agree with the accelerations found, as far as [`PASSES`] reach.
+#[inline(always)]
+pub(crate) fn under_stops<M: Machine, const CONTACTS: bool>(
+    k: &mut M,
+    t: &Tables,
+    h: M::R,
+    implicit: M::R,
+) {
+    begin(k, t, implicit);
+    for _ in k.count(if t.forces.limits > 0 { PASSES } else { 1 }) {
+        articulated_body::<M, CONTACTS>(k, t, h, implicit);
+        let mut changes = k.cell(M::R::zero());
+        settle(k, t, &mut changes);
+        if k.finished(changes.read().same(M::R::zero())) {
+            break;
+        }
+    }
+}
+
+/// Finds how far degrees of freedom are beyond an end, with the laws of their stops over steps of `h` [s], and forgets what
+/// passes have found.
+#[inline(always)]
+pub(crate) fn begin<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    let zero = M::R::zero();
+    for v in k.count(t.forces.limits) {
+        let r = excess(k, t, v);
+        k.store(t.stop, v, stop::EXCESS, r);
+        if let Some(_branch) = k.if_any(!r.same(zero)) {
+            let [force, opposing] = law(k, t, v, r, h);
+            k.write(t.stop, v, stop::ACTS, [zero, force, opposing]);
+        }
+    }
+}
+
 /// f₀ and g of a degree of freedom's stop beyond which it is by r; with h = 0 its law is explicit.
 #[inline(always)]
 fn law<M: Machine>(k: &M, t: &Tables, v: M::I, r: M::R, h: M::R) -> [M::R; 2] {
@@ -67,77 +122,37 @@ fn law<M: Machine>(k: &M, t: &Tables, v: M::I, r: M::R, h: M::R) -> [M::R; 2] {
     [force, opposing]
 }
 
-/// Takes f₀ from u, and adds g to D, where the stop acts.
-#[inline(always)]
-pub(crate) fn act<M: Machine, const CONTACTS: bool>(
-    k: &mut M,
-    t: &Tables,
-    v: M::I,
-    h: M::R,
-    u: &mut M::Cell,
-    d: &mut M::Cell,
-) {
-    let zero = M::R::zero();
-    let r = if CONTACTS {
-        k.load(t.excess, v, 0)
-    } else {
-        excess(k, t, v)
-    };
-    if let Some(_branch) = k.if_any(!r.same(zero)) {
-        let [force, opposing] = law(k, t, v, r, h);
-        let mut sign = (force * r).fma(d.read(), (opposing * r) * u.read());
-        if CONTACTS {
-            let known = k.load(t.stop, v, stop::ACTS);
-            sign = M::R::select(known.same(zero), sign, known);
-            k.store(t.stop, v, stop::ACTS, sign);
-        }
-        let acts = sign.gt(zero);
-        u.write(u.read() - M::R::select(acts, force, zero));
-        d.write(d.read() + M::R::select(acts, opposing, zero));
-    }
-}
-
-/// Lists the degrees of freedom that are beyond an end, and forgets what passes have found.
-#[inline(always)]
-pub(crate) fn begin<M: Machine>(k: &mut M, t: &Tables) {
-    let (zero, only) = (M::R::zero(), k.index(0));
-    t.beyond.clear(k, 0);
-    for v in k.count(t.forces.limits) {
-        let r = excess(k, t, v);
-        k.store(t.excess, v, 0, r);
-        if let Some(_branch) = k.if_any(!r.same(zero)) {
-            k.store(t.stop, v, stop::ACTS, zero);
-            t.beyond.append(k, only, v);
-        }
-    }
-}
-
 /// Finds which stops push back under the accelerations found, and counts those that were taken for
 /// something else.
 #[inline(always)]
-pub(crate) fn settle<M: Machine>(k: &mut M, t: &Tables, h: M::R, changes: &mut M::Cell) {
+pub(crate) fn settle<M: Machine>(k: &mut M, t: &Tables, changes: &mut M::Cell) {
     let zero = M::R::zero();
-    for place in t.beyond.places(k, k.index(0)) {
-        let v = t.beyond.row(k, place);
-        let (before, r) = (k.load(t.stop, v, stop::ACTS), k.load(t.excess, v, 0));
-        let [force, opposing] = law(k, t, v, r, h);
-        let acceleration = k.load(t.dof, v, dof::ACCELERATION);
-        let known = opposing.fma(acceleration, force) * r;
-        k.write(t.stop, v, stop::ACTS, [known, before]);
-        let (acted, acts) = (before.gt(zero), known.gt(zero));
-        let wrong = (acts & !acted) | (acted & !acts);
-        let change = M::R::select(wrong, M::R::one(), zero);
-        changes.write(changes.read() + change);
+    for v in k.count(t.forces.limits) {
+        let r = k.load(t.stop, v, stop::EXCESS);
+        if let Some(_branch) = k.if_any(!r.same(zero)) {
+            let [before, force, opposing] = k.read(t.stop, v, stop::ACTS);
+            let acceleration = k.load(t.dof, v, dof::ACCELERATION);
+            let known = opposing.fma(acceleration, force) * r;
+            k.store(t.stop, v, stop::ACTS, known);
+            k.store(t.stop, v, stop::ACTED, before);
+            let (acted, acts) = (before.gt(zero), known.gt(zero));
+            let wrong = (acts & !acted) | (acted & !acts);
+            let change = M::R::select(wrong, M::R::one(), zero);
+            changes.write(changes.read() + change);
+        }
     }
 }
 
 /// Takes the stops for what they were when the accelerations were found, but in the lanes of `open`.
 #[inline(always)]
 pub(crate) fn go_back<M: Machine>(k: &mut M, t: &Tables, open: <M::R as Real>::Mask) {
-    for place in t.beyond.places(k, k.index(0)) {
-        let v = t.beyond.row(k, place);
-        let [acts, acted] = k.read(t.stop, v, stop::ACTS);
-        k.store(t.stop, v, stop::ACTS, M::R::select(open, acts, acted));
+    for v in k.count(t.forces.limits) {
+        let beyond = !k.load(t.stop, v, stop::EXCESS).same(M::R::zero());
+        if let Some(_branch) = k.if_any(beyond) {
+            let acts = k.load(t.stop, v, stop::ACTS);
+            let acted = k.load(t.stop, v, stop::ACTED);
+            k.store(t.stop, v, stop::ACTS, M::R::select(open, acts, acted));
+        }
     }
 }
 

@@ -4,7 +4,7 @@
 //! wrenches of the joints that the child carries, less what contacts and joints that close loops, w_c, carry:
 //! w = I a + v ×* I v + Σ w_child − Σ w_c, with a less gravity (Featherstone 2008, §5.3).
 
-use super::articulated_body::{articulated_body, by_themselves};
+use super::articulated_body::by_themselves;
 use super::closing;
 use super::contact;
 use super::force::forces;
@@ -32,10 +32,9 @@ pub(crate) fn report<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
             gauss_seidel::recall(k, t);
         }
         report_touches(k, t);
-        limit::begin(k, t);
         by_themselves(k, t, now);
     }
-    articulated_body::<M, CONTACTS>(k, t, now, now);
+    limit::under_stops::<M, CONTACTS>(k, t, now, now);
     joints(k, t);
     accelerations(k, t);
     bodies(k, t);

@@ -273,10 +273,6 @@ pub struct Tables {
     pub(crate) turn_entry: Table<Scratch, 3>,
     /// Per degree of freedom: see [`stop`].
     pub(crate) stop: Table<Scratch, { stop::WIDTH }>,
-    /// Per degree of freedom: by how much it is beyond its limits.
-    pub(crate) excess: Table<Scratch>,
-    /// The degrees of freedom that are beyond their limits.
-    pub(crate) beyond: Lists,
     /// Rows of the bodies of each slot, that of the shape that its normal points to last; one past
     /// the last body for the world.
     pub(crate) touching_links: Links<2>,
@@ -866,7 +862,6 @@ impl Tables {
             let t = tables.couplings;
             t.fill(row, coupled, model, coupling, &mut filler);
         }
-        tables.beyond.fill(&[tables.dofs], &mut filler);
         tables.acting.fill(&[couples.slots.len()], &mut filler);
         let contact_shapes = plan.shapes();
         for (slot, shapes) in contact_shapes.iter().enumerate() {
@@ -1036,8 +1031,6 @@ impl Tables {
             turn_impulse: Table::place(&mut t, gripping(contacts.sensed)),
             turn_entry: Table::place(&mut t, gripping(couples.entries)),
             stop: Table::place(&mut t, dofs),
-            excess: Table::place(&mut t, dofs),
-            beyond: Lists::place(&[dofs], &mut l, &mut t),
             touching_links: Links::place(&mut l, contacts.slots),
             touch_links: Links::place(&mut l, contacts.sensed),
             couple_links: Links::place(&mut l, couples.couples.len()),

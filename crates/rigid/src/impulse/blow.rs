@@ -16,7 +16,7 @@
 //! ```
 //!
 //! A blow comes before its time, at the gap C (`restitution`): v' ≤ w is e w for what is at the
-//! surface and does not accelerate. Friction follows from the blow's own impulse, within its own cone.
+//! surface and does not accelerate. Friction follows from the blow's own impulse, within its own limit.
 //!
 //! Bodies that are struck at once by several contacts take the blows in the order of colours, which is the same
 //! whatever the threads and lanes, but not symmetric.

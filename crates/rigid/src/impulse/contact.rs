@@ -287,10 +287,15 @@ pub fn prepare<M: Machine>(k: &mut M, t: &ContactTables) {
     k.store_sym(t.manifold, only, manifold::INVERSE_INERTIA, inertia[0]);
     k.store_sym(t.manifold, only, manifold::INVERSE_INERTIA + 6, inertia[1]);
     k.write(t.manifold, only, manifold::LAST, [M::R::zero(); 6]);
-    let middle = middle(k, t);
+    let ends = [motion(k, t, a), motion(k, t, b)];
     let normal = k.vec3(t.manifold, only, manifold::NORMAL);
+    let fast = too_fast(k, t, normal);
+    let (mean, pressed) = middles(k, t, normal, ends);
+    // All of what is too fast acts at one place.
+    let middle = Vec3::select(fast, mean, pressed);
+    k.store_vec3(t.manifold, only, manifold::OFFSET, middle - mean);
     let touching = arms_of(k, t, middle);
-    let arms = stopping_arms(k, t, normal, touching);
+    let arms = stopping_arms(k, t, normal, touching, fast);
     k.store_vec3(t.manifold, only, manifold::ASIDE, touching[0] - arms[0]);
     let response = Response {
         masses: masses[0] + masses[1],
@@ -299,7 +304,6 @@ pub fn prepare<M: Machine>(k: &mut M, t: &ContactTables) {
     };
     stiffen(k, t, normal, response);
     friction::prepare(k, t, normal, response);
-    let ends = [motion(k, t, a), motion(k, t, b)];
     let u = velocity_at(ends[1], response.arms[1]) - velocity_at(ends[0], response.arms[0]);
     let slip = normal.fma(-normal.dot(u), u);
     let coefficients = [
@@ -310,22 +314,69 @@ pub fn prepare<M: Machine>(k: &mut M, t: &ContactTables) {
     let fall = k.vec3(t.global, only, global::GRAVITY).length() * time;
     let friction = cone::friction(coefficients, slip.length_squared(), fall);
     k.store(t.manifold, only, manifold::FRICTION, friction);
-    prepare_points(k, t, response, middle);
+    prepare_points(k, t, response, middle, fast);
 }
 
-/// The mean of the points that are.
+/// The mean of the points, and the centre of pressure: their mean by what they bore in the small step before, or where that
+/// is nothing by how far they would get into each other in the step, with what gravity adds to what only just touches.
 #[inline(always)]
-fn middle<M: Machine>(k: &M, t: &ContactTables) -> Vec3<M::R> {
-    let only = k.index(0);
-    let mut sum = Vec3::zero().hold(k);
-    let mut count = k.cell(M::R::zero());
+fn middles<M: Machine>(
+    k: &M,
+    t: &ContactTables,
+    normal: Vec3<M::R>,
+    motions: [Spatial<M::R>; 2],
+) -> (Vec3<M::R>, Vec3<M::R>) {
+    let (only, zero, one) = (k.index(0), M::R::zero(), M::R::one());
+    let time = k.load(t.global, only, global::STEP) * k.load(t.global, only, global::STEPS);
+    let fall = k.vec3(t.global, only, global::GRAVITY).length() * time.squared();
+    // From the first one on, so that one alone is exactly where it is.
+    let origin = k.vec3(t.point, only, point::ARM_A);
+    let mut by_number = Mean::new(k);
+    let mut by_depth = Mean::new(k);
+    let mut by_load = Mean::new(k);
     for i in k.range(only, k.link(t.points, only, 0)) {
-        let is = k.load(t.point, i, point::GAP).lt(M::R::lit(NOWHERE));
-        let one = M::R::select(is, M::R::one(), M::R::zero());
-        sum.set(k.vec3(t.point, i, point::ARM_A).fma(one, sum.get()));
-        count.write(count.read() + one);
+        let [x, y, z, gap, load] = k.read(t.point, i, point::ARM_A);
+        let at = Vec3::new(x, y, z);
+        let arms = arms_of(k, t, at);
+        let u = velocity_at(motions[1], arms[1]) - velocity_at(motions[0], arms[0]);
+        let depth = fall - time.fma(normal.dot(u), gap);
+        let is = M::R::select(gap.lt(M::R::lit(NOWHERE)), one, zero);
+        let at = Vec3::select(is.gt(zero), at - origin, Vec3::zero());
+        by_number.add(at, is);
+        by_depth.add(at, depth.max(zero) * is);
+        by_load.add(at, load * is);
     }
-    sum.get() * count.read().max(M::R::one()).recip()
+    let mean = by_number.or(Vec3::zero());
+    let pressed = by_load.or(by_depth.or(mean));
+    (origin + mean, origin + pressed)
+}
+
+/// A mean of places by their weights.
+struct Mean<M: Machine> {
+    sum: <Vec3<M::R> as Hold<M>>::Held,
+    weight: M::Cell,
+}
+
+impl<M: Machine> Mean<M> {
+    #[inline(always)]
+    fn new(k: &M) -> Self {
+        Self {
+            sum: Vec3::zero().hold(k),
+            weight: k.cell(M::R::zero()),
+        }
+    }
+    #[inline(always)]
+    fn add(&mut self, at: Vec3<M::R>, weight: M::R) {
+        self.sum.set(at.fma(weight, self.sum.get()));
+        self.weight.write(self.weight.read() + weight);
+    }
+    /// The mean, or the other one where nothing weighs.
+    #[inline(always)]
+    fn or(&self, other: Vec3<M::R>) -> Vec3<M::R> {
+        let (least, weight) = (M::R::lit(1e-20), self.weight.read());
+        let mean = self.sum.get() * weight.max(least).recip();
+        Vec3::select(weight.gt(least), mean, other)
+    }
 }
 
 /// From the centres of mass to a point.
@@ -338,6 +389,16 @@ fn arms_of<M: Machine>(k: &M, t: &ContactTables, at: Vec3<M::R>) -> [Vec3<M::R>;
     ]
 }
 
+/// Whether the bodies would get through each other within the step.
+#[inline(always)]
+fn too_fast<M: Machine>(k: &M, t: &ContactTables, normal: Vec3<M::R>) -> <M::R as Real>::Mask {
+    let (only, second) = (k.index(0), k.index(1));
+    let u = motion(k, t, second).linear - motion(k, t, only).linear;
+    let time = k.load(t.global, only, global::STEP) * k.load(t.global, only, global::STEPS);
+    let thickness = k.load(t.manifold, only, manifold::THICKNESS);
+    normal.dot(u).fma(time, thickness).lt(M::R::zero())
+}
+
 /// Arms of a point; of what is too fast, those of the foot of the lighter one's centre of mass. Stopped at a corner it
 /// would turn past it within the step.
 #[inline(always)]
@@ -346,13 +407,9 @@ fn stopping_arms<M: Machine>(
     t: &ContactTables,
     normal: Vec3<M::R>,
     arms: [Vec3<M::R>; 2],
+    fast: <M::R as Real>::Mask,
 ) -> [Vec3<M::R>; 2] {
     let (a, b) = (k.index(0), k.index(1));
-    let u = motion(k, t, b).linear - motion(k, t, a).linear;
-    let only = k.index(0);
-    let time = k.load(t.global, only, global::STEP) * k.load(t.global, only, global::STEPS);
-    let thickness = k.load(t.manifold, only, manifold::THICKNESS);
-    let fast = normal.dot(u).fma(time, thickness).lt(M::R::zero());
     let [mass_a, mass_b] = [
         k.load(t.body, a, row::INVERSE_MASS),
         k.load(t.body, b, row::INVERSE_MASS),
@@ -386,6 +443,7 @@ fn prepare_points<M: Machine>(
     t: &ContactTables,
     at_middle: Response<M::R>,
     middle: Vec3<M::R>,
+    fast: <M::R as Real>::Mask,
 ) {
     let only = k.index(0);
     let tiny = M::R::lit(1e-30);
@@ -398,7 +456,7 @@ fn prepare_points<M: Machine>(
     let motions = [motion(k, t, only), motion(k, t, k.index(1))];
     for i in k.range(only, k.link(t.points, only, 0)) {
         let at = k.vec3(t.point, i, point::ARM_A);
-        let arms = stopping_arms(k, t, normal, arms_of(k, t, at));
+        let arms = stopping_arms(k, t, normal, arms_of(k, t, at), fast);
         let response = Response { arms, ..at_middle };
         let compliance = normal.dot(response.to(normal)).max(tiny);
         let hardest = fastest / compliance;

@@ -49,7 +49,7 @@ pub struct Cached<T> {
     pub shapes: [u32; 2],
     /// From A to B.
     pub normal: [T; 3],
-    /// Impulse of friction at the middle of the points in the last small step [N·s].
+    /// Impulse of friction at the centre of pressure in the last small step [N·s].
     pub drag: [T; 3],
     /// Angular impulse against twisting and rolling in the last small step [N·m·s].
     pub twist: [T; 3],
@@ -266,7 +266,9 @@ impl<T: Float> Cached<T> {
     pub fn persist(&mut self, small_steps: usize) {
         let steps = T::from_f64(small_steps as f64);
         self.drag_sum = self.drag.map(|x| x * steps);
-        self.twist_sum = self.twist.map(|x| x * steps);
+        let turning = (self.pressed() - self.middle()).cross(vec3(&self.drag));
+        let twist = (vec3(&self.twist) + turning) * small_steps as f64;
+        self.twist_sum = twist.to_array().map(T::from_f64);
         for point in &mut self.points {
             point.sum = point.impulse * steps;
         }
@@ -332,6 +334,16 @@ impl<T: Float> Cached<T> {
             let load = normal * point.sum.to_f64();
             [p + load, l + (vec3(&point.position) - about).cross(load)]
         })
+    }
+    /// Where friction acts: the centre of pressure in the last small step.
+    fn pressed(&self) -> DVec3 {
+        let points = self.points[..self.count].iter();
+        let load = points.clone().map(|p| p.impulse.to_f64()).sum::<f64>();
+        if load <= 0.0 {
+            return self.middle();
+        }
+        let weighed = points.map(|p| vec3(&p.position) * p.impulse.to_f64());
+        weighed.sum::<DVec3>() / load
     }
     /// Where friction is told to act: the mean of its points.
     pub(super) fn middle(&self) -> DVec3 {

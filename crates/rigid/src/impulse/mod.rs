@@ -27,7 +27,7 @@
 //!   they made: the same as warm starting, without a pass over the contacts.
 //! - The two arms of a contact meet in one point throughout the step, so that angular momentum is kept
 //!   to rounding; that point goes with the lighter body, as under a ball that rolls.
-//! - Friction is a force and a torque of the contact as a whole, not of its points.
+//! - Friction is a force and a torque of the contact as a whole, at its centre of pressure, not of its points.
 //! - Gyroscopic torque acts within the step as an acceleration; at its end the spin is that of the
 //!   angular momentum, which therefore is conserved to rounding.
 //!
@@ -43,9 +43,10 @@
 //! joints cannot let them part push without bound: exclude them. Of surfaces that do not give
 //! way only the time constant counts, not damping ratio and impedance. A blow that is handed on through more than
 //! some thirty bodies within a small step is shared out by those that are left; bodies struck by several at once take
-//! the blows in turn, which is not symmetric. What is struck within a step moves for the rest of it before its own
-//! contacts are looked for, unless it gets half of its thickness farther than was foreseen: then the step is taken
-//! again (`sim/src/impulse/ahead.rs`).
+//! the blows in turn, which is not symmetric. A blow is one of the body that is struck: what joints then take from it is not
+//! given back, so that what is jointed bounces less than it should. What is struck within a step moves for the rest of it
+//! before its own contacts are looked for, unless it gets half of its thickness farther than was foreseen: then the step
+//! is taken again (`sim/src/impulse/ahead.rs`).
 
 pub mod blow;
 pub mod body;

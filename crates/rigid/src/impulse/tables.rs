@@ -96,19 +96,19 @@ pub mod manifold {
     pub const SPRING: usize = 7;
     /// Time constant [s] with which an overlap closes, where nothing gives way; 0 for a spring.
     pub const SETTLING: usize = 9;
-    /// Impulse of friction at the centre of the points [N·s], 3.
+    /// Impulse of friction at its centre [N·s], 3.
     pub const DRAG: usize = 10;
     /// Angular impulse against twisting and rolling [N·m·s], 3.
     pub const TWIST: usize = 13;
     /// The sum of drags over the step [N·s], 3.
     pub const DRAG_SUM: usize = 16;
-    /// The sum of twists over the step [N·m·s], 3.
+    /// The sum of twists over the step [N·m·s], 3, about the mean of the points.
     pub const TWIST_SUM: usize = 19;
     /// Inverse masses of A and B.
     pub const INVERSE_MASS: usize = 22;
     /// Inverse inertia of A, then of B.
     pub const INVERSE_INERTIA: usize = 24;
-    /// From the centres of mass of A and of B to the centre of the points [m].
+    /// From the centres of mass of A and of B to where friction acts [m].
     pub const ARMS: usize = 36;
     /// Inverse of the largest response in the tangent plane at the centre [kg].
     pub const TANGENT_MASS: usize = 42;
@@ -125,8 +125,10 @@ pub mod manifold {
     pub const STRUCK: usize = 55;
     /// Coulomb friction coefficient of what sticks.
     pub const STICKING: usize = 56;
+    /// From the mean of the points to where friction acts [m], 3.
+    pub const OFFSET: usize = 57;
     /// Numbers in a row.
-    pub const WIDTH: usize = 57;
+    pub const WIDTH: usize = 60;
 }
 
 /// Fields of a point of a contact.
@@ -138,7 +140,7 @@ pub mod point {
     pub const GAP: usize = 3;
     /// Impulse along the normal in a small step [N·s].
     pub const IMPULSE: usize = 4;
-    /// Distance from the centre of the points [m].
+    /// Distance from where friction acts [m].
     pub const SPREAD: usize = 5;
     /// The sum of impulses along the normal over the step [N·s].
     pub const SUM: usize = 6;

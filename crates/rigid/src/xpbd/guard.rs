@@ -1,5 +1,6 @@
 //! Worlds that diverge keep their last finite state.
 
+use super::laws;
 use super::tables::{Tables, global};
 use numbers::functions::finite;
 use numbers::spatial::Spatial;
@@ -79,6 +80,7 @@ pub(crate) fn guard<M: Machine>(k: &mut M, t: &Tables, survey: &Survey<M>) {
         for row in k.range(k.index(1), k.index(t.rows)) {
             restore(k, t, row, lost);
         }
+        laws::reset_speeds(k, t, lost);
         for c in k.count(t.closings) {
             let passed = k.spatial(t.multiplier, c, 0);
             k.store_spatial(t.multiplier, c, 0, unless(lost, passed));

@@ -15,8 +15,9 @@
 //! same laws are held as before: a semi-smooth Newton method (Hintermüller, Ito,
 //! Kunisch 2002).
 //!
-//! Armature m is the law d = m/h, w₀ = θ̇ as the substep before left it, along the axes of that substep: what they gain by
-//! turning, m resists. Dry friction is a damper without limit, held within its bounds.
+//! Armature m is the law d = m/h, w₀ = θ̇ + q/h as the last pass of the substep before had it: the speed w₀ − λ/(m h) that λ
+//! gave it. What bodies gain by a turn of the axes, by loops or by a blow is not its own, and it resists that. Dry friction
+//! is a damper without limit, held within its bounds.
 
 use super::articulated::TINY;
 use super::axis::Pull;
@@ -133,6 +134,8 @@ pub(crate) struct LawTables {
     balls: usize,
     pub(crate) couplings: usize,
     laws: usize,
+    /// Something with inertia may be geared to an axis.
+    pub(crate) geared: bool,
     /// First law of each kind.
     starts: [usize; 6],
     /// Axis row and degree of freedom of each law (for a motor: actuator).
@@ -221,6 +224,7 @@ impl LawTables {
             balls,
             couplings,
             laws,
+            geared: armatures + limits > 0,
             starts,
             law_links: Links::place(links, laws),
             ball_links: Links::place(links, balls),
@@ -355,20 +359,57 @@ impl LawTables {
     }
 }
 
-/// What is geared to the axes has their rates.
+/// What is geared to the axes is as fast as a pass leads it to be, θ̇ + q/h. Needs the bodies as they were before the pass.
 #[inline(always)]
-pub(crate) fn keep_speeds<M: Machine>(k: &mut M, t: &Tables) {
+pub(crate) fn keep_speeds<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     let r = &t.laws;
     let [_, _, limits, _, armatures, _] = r.starts;
     for i in k.count(r.limits) {
-        let axis = k.link(r.law_links, i.offset(limits), 0);
-        let speed = rate(k, t, axis);
+        let speed = led(k, t, i.offset(limits), h);
         k.store(r.limit_speed, i, 0, speed);
     }
     for i in k.count(r.armatures) {
-        let axis = k.link(r.law_links, i.offset(armatures), 0);
-        let speed = rate(k, t, axis);
+        let speed = led(k, t, i.offset(armatures), h);
         k.store(r.armature_speed, i, 0, speed);
+    }
+}
+
+/// What limits carry along has the rates of their axes where they do not act, whatever moved these.
+#[inline(always)]
+pub(crate) fn follow<M: Machine>(k: &mut M, t: &Tables) {
+    let r = &t.laws;
+    for i in k.count(r.limits) {
+        let law = i.offset(r.starts[2]);
+        let [stiffness, damping] = k.read(r.law, law, law::FIRST);
+        let acts = (stiffness + damping).gt(M::R::zero());
+        let free = rate(k, t, k.link(r.law_links, law, 0));
+        let speed = M::R::select(acts, k.load(r.limit_speed, i, 0), free);
+        k.store(r.limit_speed, i, 0, speed);
+    }
+}
+
+/// Rate to which a pass leads the axis of a law.
+#[inline(always)]
+fn led<M: Machine>(k: &M, t: &Tables, law: M::I, h: M::R) -> M::R {
+    let axis = k.link(t.laws.law_links, law, 0);
+    h.recip()
+        .fma(k.load(t.motion, axis, motion::WAY), rate(k, t, axis))
+}
+
+/// Gives what is geared to the axes the bodies' rates where the mask holds.
+#[inline(always)]
+pub(crate) fn reset_speeds<M: Machine>(k: &mut M, t: &Tables, mask: <M::R as Real>::Mask) {
+    let r = &t.laws;
+    let [_, _, limits, _, armatures, _] = r.starts;
+    for (table, count, first) in [
+        (r.limit_speed, r.limits, limits),
+        (r.armature_speed, r.armatures, armatures),
+    ] {
+        for i in k.count(count) {
+            let axis = k.link(r.law_links, i.offset(first), 0);
+            let speed = M::R::select(mask, rate(k, t, axis), k.load(table, i, 0));
+            k.store(table, i, 0, speed);
+        }
     }
 }
 

@@ -17,8 +17,10 @@
 //!         loops and distances, as blocks      joint
 //! bounces, which change velocities only       contact
 //! keep the last state if it diverged          guard
-//! keep the speeds of what is geared to axes   laws
 //! ```
+//!
+//! Where anything with inertia is geared to axes, couplings and loops come before the tree: that ties it to the bodies, and
+//! what moved them afterwards would leave it behind.
 //!
 //! Departures from the sources:
 //! - Delta form. Velocities are state, and a position correction Δx also adds Δx/h
@@ -35,13 +37,13 @@
 //!   with, to first order in h.
 //!
 //! Limitations: first order in h, as velocities are those of half a substep before; joints that bend
-//! by a tenth of a radian and more in a substep lose energy; a hinge with armature gains some (h ω)² m r²/J of its speed ω in
-//! a substep, with r from the centre of mass and J about that; a joint's linear axes must come
+//! by a tenth of a radian and more in a substep lose energy; a joint's linear axes must come
 //! before its angular ones, which must meet in a point; coordinates of stacked axes are ill-defined in
 //! gimbal lock. Contacts push single
 //! bodies, and joints and neighbours pass it on from sweep to sweep: what bears a
 //! hundred times its own mass does not come to rest. Of the blows in a row of bodies that touch, only the first is
-//! elastic: the row shares it out in that substep (cradles: use `impulse`).
+//! elastic: the row shares it out in that substep (cradles: use `impulse`). A bounce is one of the body that is struck: what
+//! joints then take from it is not given back.
 
 mod articulated;
 mod axis;
@@ -224,8 +226,8 @@ fn substep<M: Machine>(k: &mut M, t: &Tables) {
     let mut survey = Survey::new(k);
     passes(k, t, h, &mut survey);
     k.store(t.led, k.index(0), 0, h);
+    laws::follow(k, t);
     guard(k, t, &survey);
-    laws::keep_speeds(k, t);
 }
 
 /// Passes over contacts and joints, and a last round for what bounces. Where there are joints, the
@@ -276,6 +278,31 @@ fn sweeps<M: Machine>(k: &mut M, t: &Tables, h: M::R, round: M::I, joins: M::Fla
 /// One pass over everything that binds; `fresh` is 1 in the first one of a substep, else 0.
 #[inline(always)]
 fn pass<M: Machine>(k: &mut M, t: &Tables, h: M::R, fresh: M::R, survey: &mut Survey<M>) {
+    // In turns, so that what is compiled once stands once.
+    for last in [false, true] {
+        if t.closes() && last != t.closes_first() {
+            close(k, t, h);
+            if last {
+                survey.repeat(k, t);
+            } else {
+                body::arms(k, t);
+            }
+        }
+        if !last {
+            relax(k, t, h, fresh, survey);
+        }
+    }
+    if t.iterations > 1 {
+        laws::keep(k, t, h);
+        if !t.closes_first() {
+            body::arms(k, t);
+        }
+    }
+}
+
+/// The trees, with the laws along their coordinates, and what is geared to these.
+#[inline(always)]
+fn relax<M: Machine>(k: &mut M, t: &Tables, h: M::R, fresh: M::R, survey: &mut Survey<M>) {
     laws::lead(k, t, h);
     reaction::uncap(k, t);
     for _ in k.count(laws::rounds(t)) {
@@ -288,29 +315,31 @@ fn pass<M: Machine>(k: &mut M, t: &Tables, h: M::R, fresh: M::R, survey: &mut Su
     }
     reaction::count_capped(k, t);
     survey.restart();
+    laws::keep_speeds(k, t, h);
     tree::commit(k, t, h, survey);
-    if t.laws.couplings > 0 || t.closings > 0 {
-        body::inverse_inertias(k, t);
-        laws::couplings(k, t, h);
-        joint::closings(k, t, h);
-        survey.repeat(k, t);
-    }
-    if t.iterations > 1 {
-        laws::keep(k, t, h);
-        body::arms(k, t);
-    }
 }
 
-/// Nothing has been pushed yet. With one pass only, the tree overwrites what it pushes.
+/// Couplings, and what trees leave open. Before the tree where anything is geared to axes, which the tree ties to the
+/// bodies: if loops then moved these on, it would swing.
+#[inline(always)]
+fn close<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
+    body::inverse_inertias(k, t);
+    laws::couplings(k, t, h);
+    joint::closings(k, t, h);
+}
+
+/// Nothing has been pushed yet. What only one pass of the tree pushes, that overwrites.
 #[inline(always)]
 fn clear<M: Machine>(k: &mut M, t: &Tables) {
     for c in k.count(t.closings) {
         k.store_spatial(t.multiplier, c, 0, Spatial::zero());
     }
-    if t.iterations > 1 {
+    if t.sums_moves() {
         for row in k.count(t.rows) {
             k.store_spatial(t.moved, row, 0, Spatial::zero());
         }
+    }
+    if t.iterations > 1 {
         for m in k.count(t.motions) {
             k.store(t.motion, m, motion::PUSH, M::R::zero());
         }

@@ -375,6 +375,21 @@ impl Tables {
         self.contacts.sensed > 0
     }
 
+    /// Whether anything is coupled or closes a loop.
+    pub(crate) fn closes(&self) -> bool {
+        self.laws.couplings > 0 || self.closings > 0
+    }
+
+    /// Whether that comes before the tree in a pass.
+    pub(crate) fn closes_first(&self) -> bool {
+        self.laws.geared && self.closes()
+    }
+
+    /// Whether the tree is not the only thing, or not only once, that moves what it carries.
+    pub(crate) fn sums_moves(&self) -> bool {
+        self.iterations > 1 || self.closes_first()
+    }
+
     /// Lays out a model and fills its parameters and links; with the shapes of each contact.
     ///
     /// # Errors

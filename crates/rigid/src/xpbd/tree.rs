@@ -543,7 +543,7 @@ fn carry<M: Machine>(k: &mut M, t: &Tables, row: M::I, h: M::R, survey: &mut Sur
     k.store_pose(t.pose, row, 0, pose);
     k.store_spatial(t.twist, row, 0, twist);
     survey.note(pose, twist);
-    let before = if t.iterations > 1 {
+    let before = if t.sums_moves() {
         k.spatial(t.moved, row, 0)
     } else {
         Spatial::zero()

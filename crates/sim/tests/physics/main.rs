@@ -4,6 +4,7 @@
 //! Where the method's own discrete solution is known in closed form, the test compares with that,
 //! and only rounding is allowed for.
 
+mod agreement;
 mod armature;
 mod chain;
 mod closed_forms;
