@@ -229,7 +229,7 @@ fn what_spins_agrees_with_the_processor() {
         simulation.set_joint_state(0, &start, &velocity).unwrap();
     }
     let mut ended = false;
-    for step in 0..60 {
+    for step in 0..120 {
         pair.put();
         pair.step(1);
         let moved = pair.moved_apart();
@@ -913,7 +913,7 @@ fn models_of_worlds_own_agree_with_the_processor() {
     for model in [company().unwrap(), mixed(false).unwrap()] {
         let mut pair = Pair::at_rest(&card(), &model, settings(3));
         let mut other = plain(&model, 3);
-        for step in 0..30 {
+        for step in 0..29 {
             if step % 10 == 0 {
                 for simulation in pair.both().into_iter().chain([&mut other]) {
                     let worlds = if step == 20 { 1..2 } else { 0..2 };

@@ -30,8 +30,8 @@
 //! Friction: cₜ = μ fₙ / |uₜ'|, at most [`STICK`] m / h, where the point sticks; the same for both
 //! tangents, so that friction opposes the motion exactly. Which points press, and how much they
 //! rub, is settled by passes over the whole algorithm, at most `Settings::contact_passes`. cₜ is kept
-//! from step to step, brought to its limit meanwhile, so that what rests or slides needs one pass; a new contact starts
-//! without friction, so that what is not settled yet slips for a moment rather than grips.
+//! from step to step, so that what rests or slides needs one pass; a new contact starts without
+//! friction, so that what is not settled yet slips for a moment rather than grips.
 //!
 //! Where surfaces resist more while they stick, the speed at which they slide when the step begins decides on μ
 //! ([`cone`](crate::cone)).
@@ -66,8 +66,6 @@ const EXCESS: f64 = 0.02;
 const PULL: f64 = 10.0;
 /// By how much a force may grow from step to step where the spring would push out faster than [`PUSH_OUT`].
 const GROWTH: f64 = 1.5;
-/// Friction [N] below which a division by it is no use.
-const FAINT: f64 = 1e-9;
 /// Speed [m/s] below which a division by it is no use.
 const STILL: f64 = 1e-9;
 
@@ -438,7 +436,7 @@ pub(crate) fn excess<R: Real>(limit: R, c: R, speed2: R, stick: R) -> [R::Mask; 
     let (limit2, f2) = (limit.squared(), c.squared() * speed2);
     let over = f2.gt(limit2 * R::lit((1.0 + EXCESS) * (1.0 + EXCESS)));
     let under = f2.lt(limit2 * R::lit((1.0 - EXCESS) * (1.0 - EXCESS)));
-    [over, under & slides(c, stick)]
+    [over, under & c.lt(stick * R::lit(0.999))]
 }
 
 /// c = limit / v of what slides, or sticks. A point that sticks shows no speed to slide with: where that is too much, take
@@ -510,30 +508,6 @@ pub(crate) fn give<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     }
 }
 
-/// cₜ for the next step: of what slides c limit / |fₜ|, to first order, that friction is at its limit there.
-#[inline(always)]
-fn grip<M: Machine>(k: &M, t: &Tables, s: M::I, force: Vec3<M::R>) -> M::R {
-    let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
-    let c = k.load(t.load, s, load::IMPEDANCE + 1);
-    let stick = k.load(t.law, pair, law::FRICTION + 2);
-    let n = k.vec3(t.contacts.slot, s, slot::NORMAL);
-    let pressing = n.dot(force);
-    let rubbing2 = n.fma(-pressing, force).length_squared();
-    let limit2 = (friction(k, t, s, pair) * pressing).squared();
-    let (half, near) = (M::R::lit(0.5), M::R::lit(2.0 * EXCESS));
-    let share = half.fma(limit2 / rubbing2.max(M::R::lit(FAINT * FAINT)), half);
-    let share = share.clamp(M::R::one() - near, M::R::one() + near);
-    // The last pass may have changed it already.
-    let same = c.same(k.load(t.load, s, load::FORCE + 4));
-    M::R::select(slides(c, stick) & same, (c * share).min(stick), c)
-}
-
-/// Whether a point with such a cₜ slides, if it presses.
-#[inline(always)]
-fn slides<R: Real>(c: R, stick: R) -> R::Mask {
-    c.lt(stick * R::lit(0.999))
-}
-
 /// Keeps the contacts of the step just made in the state, to be reported.
 #[inline(always)]
 pub(crate) fn keep<M: Machine>(k: &mut M, t: &Tables) {
@@ -545,7 +519,7 @@ pub(crate) fn keep<M: Machine>(k: &mut M, t: &Tables) {
         let touch = t.contacts.touch(k, t, s, force);
         t.kept.keep(k, s, touch);
         let pressed = t.contacts.near(k, s) & k.load(t.on, s, 0).gt(zero);
-        let grip = grip(k, t, s, force);
+        let grip = k.load(t.load, s, load::IMPEDANCE + 1);
         k.store(t.grip, s, 0, M::R::select(pressed, grip, zero));
         if t.grips {
             turning::keep(k, t, s, pressed);

@@ -38,6 +38,9 @@ const PASSABLE: f64 = 0.5;
 /// Small steps within which an overlap closes, at least.
 const CALM: f64 = 8.0;
 
+/// Share of what it would take to stop them for which points count in the centre of pressure besides what they bear.
+const SLIGHT: f64 = 1e-4;
+
 /// Gap [m] from which on a point is none.
 pub const NOWHERE: f64 = 1e6;
 
@@ -290,7 +293,7 @@ pub fn prepare<M: Machine>(k: &mut M, t: &ContactTables) {
     let ends = [motion(k, t, a), motion(k, t, b)];
     let normal = k.vec3(t.manifold, only, manifold::NORMAL);
     let fast = too_fast(k, t, normal);
-    let (mean, pressed) = middles(k, t, normal, ends);
+    let (mean, pressed) = middles(k, t, normal, ends, masses[0] + masses[1]);
     // All of what is too fast acts at one place.
     let middle = Vec3::select(fast, mean, pressed);
     k.store_vec3(t.manifold, only, manifold::OFFSET, middle - mean);
@@ -317,38 +320,39 @@ pub fn prepare<M: Machine>(k: &mut M, t: &ContactTables) {
     prepare_points(k, t, response, middle, fast);
 }
 
-/// The mean of the points, and the centre of pressure: their mean by what they bore in the small step before, or where that
-/// is nothing by how far they would get into each other in the step, with what gravity adds to what only just touches.
+/// The mean of the points, and the centre of pressure: their mean by what they bore in the small step before. Where that is
+/// next to nothing, how fast they would get into each other in the step counts, and that they fall.
 #[inline(always)]
 fn middles<M: Machine>(
     k: &M,
     t: &ContactTables,
     normal: Vec3<M::R>,
     motions: [Spatial<M::R>; 2],
+    masses: M::R,
 ) -> (Vec3<M::R>, Vec3<M::R>) {
     let (only, zero, one) = (k.index(0), M::R::zero(), M::R::one());
     let time = k.load(t.global, only, global::STEP) * k.load(t.global, only, global::STEPS);
-    let fall = k.vec3(t.global, only, global::GRAVITY).length() * time.squared();
+    let rate = time.recip();
+    let slight = masses.max(M::R::lit(1e-30)).recip() * M::R::lit(SLIGHT);
+    let fall = k.vec3(t.global, only, global::GRAVITY).length() * time;
     // From the first one on, so that one alone is exactly where it is.
     let origin = k.vec3(t.point, only, point::ARM_A);
     let mut by_number = Mean::new(k);
-    let mut by_depth = Mean::new(k);
     let mut by_load = Mean::new(k);
     for i in k.range(only, k.link(t.points, only, 0)) {
         let [x, y, z, gap, load] = k.read(t.point, i, point::ARM_A);
         let at = Vec3::new(x, y, z);
         let arms = arms_of(k, t, at);
         let u = velocity_at(motions[1], arms[1]) - velocity_at(motions[0], arms[0]);
-        let depth = fall - time.fma(normal.dot(u), gap);
+        let closing = -rate.fma(gap.max(zero), normal.dot(u));
         let is = M::R::select(gap.lt(M::R::lit(NOWHERE)), one, zero);
         let at = Vec3::select(is.gt(zero), at - origin, Vec3::zero());
+        let load = slight.fma(closing.max(zero) + fall, load);
         by_number.add(at, is);
-        by_depth.add(at, depth.max(zero) * is);
         by_load.add(at, load * is);
     }
     let mean = by_number.or(Vec3::zero());
-    let pressed = by_load.or(by_depth.or(mean));
-    (origin + mean, origin + pressed)
+    (origin + mean, origin + by_load.or(mean))
 }
 
 /// A mean of places by their weights.

@@ -29,6 +29,8 @@ use numbers::{Machine, Real, SymMat3, Vec3};
 /// By how much the limit of points on a ring lies within the ellipse, over p (1 − p): their drag and twist come to 2/π of
 /// the most where both are as large.
 const DENT: f64 = 0.4;
+/// What would be so many times less beyond its limit than it is large still sticks in part.
+const GOING_OVER: f64 = 10.0;
 /// A patch whose lever is below this [m] is a point, which turns freely. More than what rounding makes of one.
 const POINT: f64 = 1e-5;
 
@@ -120,7 +122,7 @@ fn rub<M: Machine>(
     let u = pair.velocity(arms);
     let slip = normal.fma(-normal.dot(u), u);
     let (along, turning) = (normal.dot(given), normal.dot(pair.spin()));
-    let (lever, most) = (moment / load.max(M::R::lit(1e-30)), friction * load);
+    let (lever, most) = (moment * load.max(M::R::lit(1e-30)).recip(), friction * load);
     let stopping = twist_mass.fnma(turning, along);
     let pivot = stopping.clamp(-(torsion * load), torsion * load);
     let sticks = (slip.fma(-tangent_mass, old), stopping - pivot);
@@ -154,23 +156,26 @@ fn slides<R: Real>(
     let (one, tiny) = (R::one(), R::lit(1e-30));
     let lever2 = lever.squared();
     let turning2 = lever2 * w.squared();
-    let share = turning2 / (turning2 + u.length_squared()).max(tiny);
+    let share = turning2 * (turning2 + u.length_squared()).max(tiny).recip();
     let (along, about) = (one + one - share, (one + share) * lever2);
     // The lesser of tangent_mass / along and twist_mass / about, of which the second may be too large to be a number.
-    let step = twist_mass / about.max(twist_mass * along / tangent_mass);
+    let least = twist_mass * along * tangent_mass.recip();
+    let step = twist_mass * about.max(least).recip();
     (u.fma(-(step * along), drag), (step * about).fnma(w, twist))
 }
 
-/// What sticks where the patch bears that, and else what slides, as far as it does.
+/// What sticks where the patch bears that, and else what slides, as far as it does; between the two goes over into the other.
 #[inline(always)]
 fn bounded<R: Real>(sticks: (Vec3<R>, R), slides: (Vec3<R>, R), most: R, lever: R) -> (Vec3<R>, R) {
+    let (zero, one) = (R::zero(), R::one());
     let is_wide = lever.gt(R::lit(POINT));
-    let inverse = R::select(is_wide, lever.max(R::lit(POINT)).recip(), R::zero());
-    let bears = share(sticks, most, inverse).ge(R::one());
-    let share = share(slides, most, inverse).min(R::one());
-    let drag = Vec3::select(bears, sticks.0, slides.0 * share);
-    let twist = R::select(bears, sticks.1, slides.1 * share);
-    (drag, R::select(is_wide, twist, R::zero()))
+    let inverse = R::select(is_wide, lever.max(R::lit(POINT)).recip(), zero);
+    let over = one - share(sticks, most, inverse).min(one);
+    let part = (over * R::lit(GOING_OVER)).min(one);
+    let drag = (slides.0 - sticks.0).fma(part, sticks.0);
+    let twist = (slides.1 - sticks.1).fma(part, sticks.1);
+    let share = share((drag, twist), most, inverse).min(one);
+    (drag * share, R::select(is_wide, twist * share, zero))
 }
 
 /// Which share of a drag and twist is at the limit.
@@ -179,9 +184,9 @@ fn share<R: Real>((drag, twist): (Vec3<R>, R), most: R, inverse: R) -> R {
     let (one, tiny) = (R::one(), R::lit(1e-30));
     let twisting2 = (twist * inverse).squared();
     let size2 = drag.length_squared() + twisting2;
-    let p = twisting2 / size2.max(tiny);
+    let p = twisting2 * size2.max(tiny).recip();
     let most = most * (p * (one - p)).fma(R::lit(-DENT), one);
-    most / size2.sqrt().max(tiny)
+    most * size2.sqrt().max(tiny).recip()
 }
 
 /// Adds what is given in a small step to what was given in those before.
