@@ -272,16 +272,16 @@ impl ForceTables {
             let q = model.coordinate_range(id);
             for (k, (v, dof)) in model.dof_range(id).zip(&joint.dofs).enumerate() {
                 f.number(self.armature, v, 0, dof.armature.max(TINY));
+                // A ball's dampers have no position term, so any coordinate will do.
+                let coordinate = (q.start + k).min(q.end - 1);
                 if (self.passive_begin..self.passive_end).contains(&v) {
-                    // A ball's dampers have no position term, so any coordinate will do.
-                    let coordinate = (q.start + k).min(q.end - 1);
                     let row = v - self.passive_begin;
                     f.link(self.passive_links, row, 0, coordinate);
                     let numbers = [dof.damping, dof.stiffness, dof.rest];
                     f.numbers(self.passive, row, 0, &numbers);
                 }
                 if self.limits > 0 {
-                    f.link(self.limit_links, v, 0, (q.start + k).min(q.end - 1));
+                    f.link(self.limit_links, v, 0, coordinate);
                     f.numbers(self.limit, v, 0, &limit::numbers(dof.limit.as_ref(), h));
                 }
                 if dof.friction_loss > 0.0 {

@@ -29,7 +29,7 @@ use numbers::{Machine, Real, SymMat3, Vec3};
 /// By how much the limit of points on a ring lies within the ellipse, over p (1 − p): their drag and twist come to 2/π of
 /// the most where both are as large.
 const DENT: f64 = 0.4;
-/// What would be so many times less beyond its limit than it is large still sticks in part.
+/// What sticks goes over into what slides on the first tenth of itself beyond its limit, so that no rounding decides.
 const GOING_OVER: f64 = 10.0;
 /// A patch whose lever is below this [m] is a point, which turns freely. More than what rounding makes of one.
 const POINT: f64 = 1e-5;
@@ -164,7 +164,7 @@ fn slides<R: Real>(
     (u.fma(-(step * along), drag), (step * about).fnma(w, twist))
 }
 
-/// What sticks where the patch bears that, and else what slides, as far as it does; between the two goes over into the other.
+/// What sticks where the patch bears that, and else what slides, as far as it does.
 #[inline(always)]
 fn bounded<R: Real>(sticks: (Vec3<R>, R), slides: (Vec3<R>, R), most: R, lever: R) -> (Vec3<R>, R) {
     let (zero, one) = (R::zero(), R::one());

@@ -278,7 +278,7 @@ fn sweeps<M: Machine>(k: &mut M, t: &Tables, h: M::R, round: M::I, joins: M::Fla
 /// One pass over everything that binds; `fresh` is 1 in the first one of a substep, else 0.
 #[inline(always)]
 fn pass<M: Machine>(k: &mut M, t: &Tables, h: M::R, fresh: M::R, survey: &mut Survey<M>) {
-    // In turns, so that what is compiled once stands once.
+    // A loop, so that what closes is compiled once, though it comes before or after the trees.
     for last in [false, true] {
         if t.closes() && last != t.closes_first() {
             close(k, t, h);
