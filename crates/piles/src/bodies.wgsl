@@ -144,12 +144,7 @@ fn check_shapes(@builtin(global_invocation_id) id: vec3<u32>) {
     let center = vec3(state[source], state[source + 1u], state[source + 2u]);
     let arm = distance(placed3(PLACED_POSITION, shape), center) + solid(SOLID_RADIUS, shape);
     let way = length(row3(SHIFT, body)) + length(row3(TURN, body)) * arm;
-    let half = vec3(
-        solid(SOLID_EXTENT, shape),
-        solid(SOLID_EXTENT + 1u, shape),
-        solid(SOLID_EXTENT + 2u, shape),
-    );
-    if (way - of_placed(PLACED_WAY, shape) > min(half.x, min(half.y, half.z))) {
+    if (way - of_placed(PLACED_WAY, shape) > solid(SOLID_THICKNESS, shape)) {
         stop_in(world_of(shape), PROCESSOR);
     }
 }

@@ -8,7 +8,8 @@
 //!
 //! These are the laws of [`model::Drive`] and [`model::Actuator`] at the present state. A solver takes
 //! them at the end of its step, which is this state: where nothing has been set since, they are what acted
-//! in the last substep.
+//! in the last substep; but for drives that follow their targets with a lag ([`model::Drive::control_time`]), which only a
+//! solver knows: here they are taken to be there.
 
 use crate::{Outputs, Simulation};
 use glam::{DQuat, DVec3};

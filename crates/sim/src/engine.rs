@@ -5,6 +5,7 @@ use model::{Model, ShapeId};
 use numbers::Float;
 use rigid::{Kernels, Lengths, OutputTables, Report};
 use std::any::Any;
+use std::ops::Range;
 
 /// What to do with a block.
 #[derive(Clone, Copy, Debug)]
@@ -43,6 +44,8 @@ pub(crate) trait Engine<T: Float>: Send + Sync {
     fn alive(&self) -> usize;
     fn initial(&self, model: &Model, position: &[f64], velocity: &[f64]) -> Vec<f64>;
     fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]);
+    /// Where in the state the targets lie that drives follow with a lag.
+    fn targets(&self) -> Vec<Range<usize>>;
     fn take_over(&self, bodies: &[f64], state: &mut [f64]);
     /// Whether worlds are run one at a time, and several threads can work on one.
     fn shares_a_world(&self) -> bool {
@@ -84,6 +87,9 @@ impl<K: Kernels, T: Float> Engine<T> for K {
     }
     fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
         Kernels::place(self, position, velocity, state);
+    }
+    fn targets(&self) -> Vec<Range<usize>> {
+        Kernels::targets(self)
     }
     fn take_over(&self, bodies: &[f64], state: &mut [f64]) {
         Kernels::take_over(self, bodies, state);

@@ -266,7 +266,11 @@ fn ends<T: Float>(model: &Model, outputs: &Outputs<'_, T>, world: usize) -> Vec<
         for (dof, (row, coordinate)) in joint.dofs.iter().zip(rows) {
             if let Some(limit) = dof.limit {
                 let x = outputs.coordinate(world, coordinate);
-                ends[row] = i8::from(x >= limit.upper) - i8::from(x <= limit.lower);
+                ends[row] = match (x >= limit.upper, x <= limit.lower) {
+                    (true, _) => 1,
+                    (_, true) => -1,
+                    _ => 0,
+                };
             }
         }
     }

@@ -407,18 +407,25 @@ impl<T: Float> Simulation<T> {
         self.tell_shared()
     }
 
-    /// As [`set_joint_state`](Simulation::set_joint_state), but the world keeps its time and its
-    /// controls; one that diverged runs again.
+    /// As [`set_joint_state`](Simulation::set_joint_state), but the world keeps its time, its controls, and the targets that
+    /// its drives follow with a lag; one that diverged runs again.
     ///
     /// # Errors
-    /// As there.
+    /// As there; the device fails.
     pub fn move_joints(
         &mut self,
         world: usize,
         position: &[f64],
         velocity: &[f64],
     ) -> Result<(), SimulationError> {
-        let state = self.state_at(world, position, velocity)?;
+        let mut state = self.state_at(world, position, velocity)?;
+        let targets = self.shared.engine.targets();
+        if targets.iter().any(|range| !range.is_empty()) {
+            self.fetch_state()?;
+        }
+        for i in targets.into_iter().flatten() {
+            state[i] = self.state.get(world, i).to_f64();
+        }
         self.write_state(world, &state);
         self.run_again(&[world]);
         self.take_for_granted(world);

@@ -559,6 +559,6 @@ const GOLDEN_HEAP: [[u64; 2]; 3] = [
 /// For the humanoid that struggles on the ground, by `featherstone` and by `xpbd`, f32 and f64.
 #[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 const GOLDEN_HUMANOID: [[u64; 2]; 2] = [
-    [0x9824_f448_f94e_4d7e, 0xd968_275a_267e_860b],
+    [0x5391_1826_0938_ef18, 0x0d0b_2849_7165_a613],
     [0xa1a6_03b7_d492_f262, 0x1258_43f0_b8ec_4e5d],
 ];

@@ -378,3 +378,37 @@ fn a_dumbbell_is_not_stopped_by_what_it_does_not_reach() {
     let kept = outputs.body_angular_velocity(0, BodyId(0)).z;
     assert!((kept - spin).abs() < 1e-3 * spin, "{kept}");
 }
+
+/// A thin plate, a hull whose corners lie askew to its axes, is struck so that it would get through a wall behind it in
+/// one step: that counts by how thin it is, not by the box about it.
+#[test]
+fn a_plate_that_is_struck_does_not_pass_a_wall() {
+    let oblique = Pose::new(
+        DVec3::ZERO,
+        DQuat::from_rotation_z(0.25 * std::f64::consts::PI),
+    );
+    let plate = case(DVec3::new(0.01, 0.5, 0.5));
+    let plate = plate.vertices().iter().map(|v| oblique.point(*v));
+    let plate = Hull::new(&Vec::from_iter(plate)).unwrap();
+    let plate = Shape::new(Geometry::Hull(plate)).at(oblique.inverse());
+    let half = DVec3::new(0.005, 1.0, 1.0);
+    let wall = Shape::new(Geometry::Box { half }).at(Pose::at(DVec3::X * 0.06));
+    let mut world = Builder::new("plate");
+    world.gravity(DVec3::ZERO);
+    world.object("wall").scenery(wall);
+    let bodies = world.object("bodies");
+    bodies.body("plate").shape(plate).mass(1.0);
+    let ball = Geometry::Sphere { radius: 0.1 };
+    let at = Pose::at(DVec3::X * -0.2);
+    bodies.body("ball").at(at).shape(ball).mass(20.0);
+    let mut simulation = simulation(world.build().unwrap(), SolverKind::Impulse, 1, 1.0 / 60.0);
+    let position = simulation.outputs().joint_position(0);
+    let mut velocity = [0.0; 12];
+    velocity[6] = 15.0;
+    simulation.set_joint_state(0, &position, &velocity).unwrap();
+    for step in 0..30 {
+        simulation.step(1);
+        let x = simulation.outputs().body_position(0, BodyId(0)).x;
+        assert!(x < 0.06, "behind the wall in step {step}: {x} m");
+    }
+}

@@ -1024,3 +1024,76 @@ fn a_spinning_rod_does_not_pass_a_wall() {
     }
     assert!(sim.outputs().body_velocity(0, body()).x < 0.0);
 }
+
+/// A ball of any mass that hits a wall askew leaves as it came: momentum is rounded with what the ball has of it.
+#[test]
+fn heavy_things_bounce_as_light_ones_do() {
+    let material = Material {
+        restitution: 1.0,
+        ..smooth()
+    };
+    for mass in [1e-3, 1.0, 1e6, 1e10] {
+        let ball = Shape::new(Geometry::Sphere { radius: 0.1 }).with_material(material);
+        let mut world = Builder::new("heavy");
+        world.gravity(DVec3::ZERO);
+        let lean = Pose::new(DVec3::ZERO, DQuat::from_rotation_z(0.3));
+        let wall = Shape::new(PLANE).with_material(material).at(lean);
+        world.object("wall").scenery(wall);
+        let at = lean * Pose::at(DVec3::Y * 0.15);
+        world
+            .object("balls")
+            .body("ball")
+            .at(at)
+            .shape(ball)
+            .mass(mass);
+        let mut sim = simulate::<f32>(world.build().unwrap());
+        let normal = lean.direction(DVec3::Y);
+        let speed = DVec3::new(4.0, -10.0, 3.0);
+        let position = sim.outputs().joint_position(0);
+        let velocity = [speed.x, speed.y, speed.z, 0.0, 0.0, 0.0];
+        sim.set_joint_state(0, &position, &velocity).unwrap();
+        sim.step(100);
+        let ideal = speed - 2.0 * normal * normal.dot(speed);
+        let now = sim.outputs().body_velocity(0, body());
+        assert!(
+            (now - ideal).length() < 1e-4,
+            "{mass} kg: {now} for {ideal}"
+        );
+    }
+}
+
+/// What lands with 1.2 g H is at rest for it, whatever else of the world spins so fast that steps are cut.
+#[test]
+fn what_spins_elsewhere_changes_no_bounce() {
+    let material = Material {
+        restitution: 0.9,
+        ..smooth()
+    };
+    for spin in [0.0, 1000.0] {
+        let ball = Shape::new(Geometry::Sphere { radius: 0.1 }).with_material(material);
+        let mut world = Builder::new("rotor");
+        world.gravity(DVec3::NEG_Y * G);
+        world
+            .object("ground")
+            .scenery(Shape::new(PLANE).with_material(material));
+        let object = world.object("object");
+        let at = Pose::at(DVec3::Y * 0.1);
+        object.body("ball").at(at).shape(ball);
+        let at = Pose::at(DVec3::new(5.0, 5.0, 0.0));
+        object.body("rotor").at(at).shape(cube());
+        let mut sim = simulate::<f64>(world.build().unwrap());
+        let position = sim.outputs().joint_position(0);
+        let mut velocity = [0.0; 12];
+        (velocity[1], velocity[11]) = (-1.2 * G * STEP, spin);
+        sim.set_joint_state(0, &position, &velocity).unwrap();
+        let mut highest = 0.0_f64;
+        for _ in 0..20 {
+            sim.step(1);
+            highest = highest.max(sim.outputs().body_velocity(0, body()).y);
+        }
+        assert!(
+            highest < 0.1 * G * STEP,
+            "{spin} rad/s elsewhere: {highest} m/s"
+        );
+    }
+}

@@ -30,7 +30,8 @@
 //! Friction: cₜ = μ fₙ / |uₜ'|, at most [`STICK`] m / h, where the point sticks; the same for both
 //! tangents, so that friction opposes the motion exactly. Which points press, and how much they
 //! rub, is settled by passes over the whole algorithm, at most `Settings::contact_passes`. cₜ is kept
-//! from step to step, so that what rests or slides needs one pass; a new contact starts without
+//! from step to step, of what slides at the speed that it is about to have ([`foreseen`]), so that what rests or slides needs
+//! one pass, and its friction errs by second order in h; a new contact starts without
 //! friction, so that what is not settled yet slips for a moment rather than grips.
 //!
 //! Where surfaces resist more while they stick, the speed at which they slide when the step begins decides on μ
@@ -62,6 +63,8 @@ pub(crate) const STICK: f64 = 300.0;
 const RESTING: f64 = 2.0;
 /// Excess of the friction cone, as a share, that needs no further pass.
 const EXCESS: f64 = 0.02;
+/// What rubs less than this share of what sticks, slides.
+const SLIDES: f64 = 0.999;
 /// Pull that may stand where passes run out, in weights of the mass that the contact moves.
 const PULL: f64 = 10.0;
 /// By how much a force may grow from step to step where the spring would push out faster than [`PUSH_OUT`].
@@ -436,7 +439,7 @@ pub(crate) fn excess<R: Real>(limit: R, c: R, speed2: R, stick: R) -> [R::Mask; 
     let (limit2, f2) = (limit.squared(), c.squared() * speed2);
     let over = f2.gt(limit2 * R::lit((1.0 + EXCESS) * (1.0 + EXCESS)));
     let under = f2.lt(limit2 * R::lit((1.0 - EXCESS) * (1.0 - EXCESS)));
-    [over, under & c.lt(stick * R::lit(0.999))]
+    [over, under & c.lt(stick * R::lit(SLIDES))]
 }
 
 /// c = limit / v of what slides, or sticks. A point that sticks shows no speed to slide with: where that is too much, take
@@ -453,6 +456,19 @@ pub(crate) fn rubbing<R: Real>(
     let breaks = before.max(c.fma(speed, -limit) * h_per_mass);
     let speed = R::select(over, speed.max(breaks), speed);
     (limit / speed.max(R::lit(STILL))).min(stick)
+}
+
+/// c to begin the next step with, of what rubbed with `force` and had the speed `before`. If that came by its law, from
+/// c `was`, it has slid with force / c, and is to have its limit at the speed that it will have if that goes on changing
+/// so. Else c stays as it `is` settled.
+#[inline(always)]
+pub(crate) fn foreseen<R: Real>(limit: R, [is, was]: [R; 2], force: R, before: R, stick: R) -> R {
+    let (still, half) = (R::lit(STILL), R::lit(0.5));
+    let after = force * was.max(still).recip();
+    let next = (after + (after - before)).max(half * after);
+    let slides = is.same(was) & is.lt(stick * R::lit(SLIDES)) & next.gt(still);
+    let rubs = (limit * next.max(still).recip()).min(stick);
+    R::select(slides, rubs, is)
 }
 
 /// True where a point pulls by more than may stand.
@@ -519,10 +535,11 @@ pub(crate) fn keep<M: Machine>(k: &mut M, t: &Tables) {
         let touch = t.contacts.touch(k, t, s, force);
         t.kept.keep(k, s, touch);
         let pressed = t.contacts.near(k, s) & k.load(t.on, s, 0).gt(zero);
-        let grip = k.load(t.load, s, load::IMPEDANCE + 1);
+        let grip = foresee(k, t, s);
         k.store(t.grip, s, 0, M::R::select(pressed, grip, zero));
         if t.grips {
-            turning::keep(k, t, s, pressed);
+            let normal = k.vec3(t.contacts.slot, s, slot::NORMAL);
+            turning::keep(k, t, s, pressed, normal.dot(force));
         }
     }
     for place in gauss_seidel::between(k, t) {
@@ -536,6 +553,28 @@ pub(crate) fn keep<M: Machine>(k: &mut M, t: &Tables) {
         }
     }
     sense(k, &t.contacts, t, &t.kept);
+}
+
+/// cₜ to begin the next step with.
+#[inline(always)]
+fn foresee<M: Machine>(k: &M, t: &Tables, s: M::I) -> M::R {
+    let node = k.link(t.contacts.slot_links, s, slot_link::MOVER);
+    let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
+    let (x, n) = (
+        k.vec3(t.contacts.slot, s, slot::POSITION),
+        k.vec3(t.contacts.slot, s, slot::NORMAL),
+    );
+    let [fx, fy, fz, _, was] = k.read(t.load, s, load::FORCE);
+    let f = Vec3::new(fx, fy, fz);
+    let f_n = n.dot(f);
+    let v = at(k.spatial(t.frame, node, frame::TWIST), x);
+    foreseen(
+        friction(k, t, s, pair) * f_n.max(M::R::zero()),
+        [k.load(t.load, s, load::IMPEDANCE + 1), was],
+        n.fma(-f_n, f).length(),
+        n.fma(-n.dot(v), v).length(),
+        k.load(t.law, pair, law::FRICTION + 2),
+    )
 }
 
 /// Takes the contacts of the last step, and their forces, for those that act now.

@@ -23,6 +23,7 @@ use numbers::functions::wrap;
 use numbers::machine::space::{Parameter, State};
 use numbers::machine::{Index, Links};
 use numbers::{Cell, Machine, Quat, Real, Table};
+use std::ops::Range;
 
 /// Speed [m/s or rad/s] below which dry friction turns into viscous creep.
 pub const FRICTION_SPEED: f64 = 1e-3;
@@ -313,6 +314,14 @@ impl ForceTables {
         }
     }
 
+    /// Where the targets lie as smoothed so far.
+    pub(crate) fn targets(&self) -> Vec<Range<usize>> {
+        let (axes, balls) = (&self.drive_target, &self.ball_target);
+        vec![
+            axes.start()..axes.at(self.drives, 0),
+            balls.start()..balls.at(self.balls, 0),
+        ]
+    }
     /// The targets of the drives as a world starts: at the model's, already smoothed.
     pub(crate) fn initial(&self, model: &Model, state: &mut [f64]) {
         for (row, (_, _, dof, _)) in axes(model).filter(|a| driven(a.2)).enumerate() {

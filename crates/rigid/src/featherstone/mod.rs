@@ -39,6 +39,7 @@ pub use force::FRICTION_SPEED;
 use model::{Model, ShapeId};
 use numbers::machine::space::State;
 use numbers::{Cpu, Machine, Shared, Table};
+use std::ops::Range;
 pub use tables::Tables;
 use tables::{NAME, Scope};
 
@@ -228,6 +229,9 @@ impl<const CONTACTS: bool> Kernels for ArticulatedBodies<CONTACTS> {
     fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
         state[self.tables.position.start()..][..position.len()].copy_from_slice(position);
         state[self.tables.velocity.start()..][..velocity.len()].copy_from_slice(velocity);
+    }
+    fn targets(&self) -> Vec<Range<usize>> {
+        self.tables.forces.targets()
     }
     /// Joint coordinates and velocities stay as they are.
     fn take_over(&self, _: &[f64], _: &mut [f64]) {}

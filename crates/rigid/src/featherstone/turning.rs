@@ -15,7 +15,7 @@
 //!
 //! J is that of [`pair_field::INERTIA`](crate::contacts::pair_field::INERTIA).
 
-use super::contact::{STICK, excess, rate, rubbing};
+use super::contact::{STICK, excess, foreseen, rate, rubbing};
 use super::factor::{self, Path};
 use super::gauss_seidel;
 use super::tables::{Tables, couple_link, frame, touch_link};
@@ -229,18 +229,68 @@ pub(crate) fn give<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
     k.store_vec3(t.turn, s, turn::TORQUE, torque);
 }
 
-/// Keeps the torque of a point, and where it pressed its impedances.
+/// Keeps the torque of a point, which bears `load` [N], and where it pressed its impedances.
 #[inline(always)]
-pub(crate) fn keep<M: Machine>(k: &mut M, t: &Tables, s: M::I, pressed: <M::R as Real>::Mask) {
+pub(crate) fn keep<M: Machine>(
+    k: &mut M,
+    t: &Tables,
+    s: M::I,
+    pressed: <M::R as Real>::Mask,
+    load: M::R,
+) {
     let zero = M::R::zero();
     let torque = k.vec3(t.turn, s, turn::TORQUE);
     k.store_vec3(t.gripped, s, 0, torque);
-    let [about, across] = k.read(t.turn, s, turn::IMPEDANCE);
+    let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
+    let (mut about, mut across) = (k.cell(zero), k.cell(zero));
+    if let Some(_branch) = k.if_any(resists(k, t, pair)) {
+        let next = foresee(k, t, s, pair, torque, load);
+        about.write(next[0]);
+        across.write(next[1]);
+    }
     let impedance = [
-        M::R::select(pressed, about, zero),
-        M::R::select(pressed, across, zero),
+        M::R::select(pressed, about.read(), zero),
+        M::R::select(pressed, across.read(), zero),
     ];
     k.write(t.turning, s, 0, impedance);
+}
+
+/// Impedances to begin the next step with: see [`foreseen`].
+#[inline(always)]
+fn foresee<M: Machine>(
+    k: &M,
+    t: &Tables,
+    s: M::I,
+    pair: M::I,
+    torque: Vec3<M::R>,
+    load: M::R,
+) -> [M::R; 2] {
+    let node = k.link(t.contacts.slot_links, s, slot_link::MOVER);
+    let n = k.vec3(t.contacts.slot, s, slot::NORMAL);
+    let spin = k.spatial(t.frame, node, frame::TWIST).angular;
+    let [torsion, rolling, _, stick] = k.read(t.turn_law, pair, turn_law::COEFFICIENTS);
+    let [about, across] = k.read(t.turn, s, turn::IMPEDANCE);
+    let [was_about, was_across] = k.read(t.turn, s, turn::WAS);
+    let (twisting, twist) = (n.dot(torque), n.dot(spin));
+    let rolling_torque = n.fma(-twisting, torque).length();
+    let roll = n.fma(-twist, spin).length();
+    let load = load.max(M::R::zero());
+    [
+        foreseen(
+            torsion * load,
+            [about, was_about],
+            twisting.abs(),
+            twist.abs(),
+            stick,
+        ),
+        foreseen(
+            rolling * load,
+            [across, was_across],
+            rolling_torque,
+            roll,
+            stick,
+        ),
+    ]
 }
 
 /// Takes the torque of the last step for the one that acts now.

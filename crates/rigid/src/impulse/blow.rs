@@ -117,7 +117,7 @@ pub fn strike_foreseen<M: Machine>(k: &mut M, t: &ContactTables) {
     }
 }
 
-/// Which points meet, with which speeds they are to leave, and a first guess of their impulses: as their speeds.
+/// Which points meet, with which speeds they are to leave, and a first guess of their impulses: what would stop each alone.
 #[inline(always)]
 fn meet<M: Machine>(k: &mut M, t: &ContactTables, pair: &Pair<M>, moved: &Moved<M::R>) {
     let only = k.index(0);
@@ -134,7 +134,8 @@ fn meet<M: Machine>(k: &mut M, t: &ContactTables, pair: &Pair<M>, moved: &Moved<
     let mut any = k.cell(zero);
     for i in k.range(only, k.link(t.points, only, 0)) {
         let arms = moved.arms(k, t, i);
-        let speed = pair.speed(&pair.along(normal, arms));
+        let along = pair.along(normal, arms);
+        let speed = pair.speed(&along);
         let tilt = turns[1].cross(arms[1]) - turns[0].cross(arms[0]);
         let gap = k.load(t.point, i, point::GAP) + (nearer + normal.dot(tilt));
         let meets = restitution.gt(zero) & speed.lt(-resting) & (h + h).fma(speed, gap).lt(zero);
@@ -143,7 +144,7 @@ fn meet<M: Machine>(k: &mut M, t: &ContactTables, pair: &Pair<M>, moved: &Moved<
         let (w, lag) = (-speed, half * gained);
         let (leave, _) = early(restitution, w - lag, gained, gap * rate);
         let leave = (leave - lag).clamp(zero, w.max(zero));
-        let bears = M::R::select(meets, w, zero);
+        let bears = M::R::select(meets, w / pair.compliance(&along), zero);
         k.write(
             t.point,
             i,

@@ -23,6 +23,7 @@
 //! follows, for the contact as a whole (`friction`).
 
 use super::friction;
+use super::layout::RESTING;
 use super::tables::{ContactTables, global, manifold, point, row};
 use crate::cone;
 use numbers::machine::{Held, Hold};
@@ -313,11 +314,15 @@ pub fn prepare<M: Machine>(k: &mut M, t: &ContactTables) {
         k.load(t.manifold, only, manifold::FRICTION),
         k.load(t.manifold, only, manifold::STICKING),
     ];
-    let time = k.load(t.global, only, global::STEP) * k.load(t.global, only, global::STEPS);
-    let fall = k.vec3(t.global, only, global::GRAVITY).length() * time;
-    let friction = cone::friction(coefficients, slip.length_squared(), fall);
+    let friction = cone::friction(coefficients, slip.length_squared(), fall(k, t));
     k.store(t.manifold, only, manifold::FRICTION, friction);
     prepare_points(k, t, response, middle, fast);
+}
+
+/// What is gained by a fall in a whole step [m/s], however that is cut.
+#[inline(always)]
+fn fall<M: Machine>(k: &M, t: &ContactTables) -> M::R {
+    k.load(t.global, k.index(0), global::RESTING) * M::R::lit(1.0 / RESTING)
 }
 
 /// The mean of the points, and the centre of pressure: their mean by what they bore in the small step before. Where that is
@@ -334,7 +339,7 @@ fn middles<M: Machine>(
     let time = k.load(t.global, only, global::STEP) * k.load(t.global, only, global::STEPS);
     let rate = time.recip();
     let slight = masses.max(M::R::lit(1e-30)).recip() * M::R::lit(SLIGHT);
-    let fall = k.vec3(t.global, only, global::GRAVITY).length() * time;
+    let fall = fall(k, t);
     // From the first one on, so that one alone is exactly where it is.
     let origin = k.vec3(t.point, only, point::ARM_A);
     let mut by_number = Mean::new(k);

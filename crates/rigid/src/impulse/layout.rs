@@ -45,7 +45,7 @@ pub const SAME_NORMAL: f64 = 0.5;
 pub const FARTHEST: f64 = 1e9;
 
 /// What meets no faster than it falls in so many steps does not bounce.
-const RESTING: f64 = 2.0;
+pub(super) const RESTING: f64 = 2.0;
 
 /// Time [s] for which all of an island must have been slow before it sleeps.
 pub const SLEEP_AFTER: f64 = 0.5;
@@ -464,7 +464,8 @@ impl Impulse {
         let long = self.settings.substep() / parts as f64;
         let steps = (self.settings.contact_iterations / parts) as f64;
         let [x, y, z] = [0, 1, 2].map(|i| self.gravity(parameters)[i].to_f64());
-        let resting = RESTING * self.weight(parameters) * long;
+        // Of a whole step: how it is cut follows from what spins elsewhere in the world.
+        let resting = RESTING * self.weight(parameters) * self.settings.substep();
         [
             long / steps,
             steps / long,

@@ -30,6 +30,7 @@ use numbers::functions::wrap;
 use numbers::machine::space::{Parameter, Scratch, State};
 use numbers::machine::{Index, Links};
 use numbers::{Cell, Machine, Quat, Real, Table, Vec3};
+use std::ops::Range;
 
 /// True if anything acts along a degree of freedom.
 pub(crate) fn acts(dof: &Dof) -> bool {
@@ -335,6 +336,14 @@ impl LawTables {
         }
     }
 
+    /// Where the targets lie as smoothed so far.
+    pub(crate) fn targets(&self) -> Vec<Range<usize>> {
+        let (axes, balls) = (&self.drive_target, &self.ball_target);
+        vec![
+            axes.start()..axes.at(self.drives, 0),
+            balls.start()..balls.at(self.balls, 0),
+        ]
+    }
     /// The targets of the drives as a world starts: at the model's, already smoothed.
     pub(crate) fn initial(&self, model: &Model, state: &mut [f64]) {
         for (i, (_, dof, _)) in axes(model).filter(|a| driven(a.1)).enumerate() {

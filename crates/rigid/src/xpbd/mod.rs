@@ -67,6 +67,7 @@ use model::{Model, ShapeId};
 use numbers::machine::Index;
 use numbers::spatial::Spatial;
 use numbers::{Cell, Machine, Real};
+use std::ops::Range;
 pub use tables::Tables;
 use tables::{NAME, global, motion};
 
@@ -166,6 +167,9 @@ impl Kernels for Xpbd {
         self.tables
             .count_turns(position, &self.parameters, &self.links, state);
         self.tables.laws.set_speeds(velocity, &self.links, state);
+    }
+    fn targets(&self) -> Vec<Range<usize>> {
+        self.tables.laws.targets()
     }
     /// The bodies' own frames depend on the masses; the turns that were counted stay.
     fn take_over(&self, bodies: &[f64], state: &mut [f64]) {

@@ -55,9 +55,7 @@ impl<T: Float> World<'_, T> {
             let radius = self.impulse().radius_of(shape, self.parameters).to_f64();
             let more = moved(&from, &to, arm + radius) - at[placed::WAY].to_f64();
             let solid = self.impulse().solid_of(shape, self.parameters);
-            let half = solid[solid::EXTENT..][..3].iter().map(|x| x.to_f64());
-            let thickness = half.fold(f64::INFINITY, f64::min);
-            (more > thickness).then(|| *ahead += T::from_f64(more))
+            (more > solid[solid::THICKNESS].to_f64()).then(|| *ahead += T::from_f64(more))
         });
         farther.count() > 0
     }

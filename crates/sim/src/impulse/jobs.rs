@@ -162,7 +162,7 @@ impl<T: Float> Bodies<'_, T> {
 /// Shapes put in their places.
 pub(super) struct Shapes<'a, T: Float> {
     pub rows: &'a BodyRows<T>,
-    /// Body of each shape, filled up to whole registers with row 0.
+    /// Body of each shape, filled up to whole registers with that of the last one.
     pub carriers: &'a [u32],
     /// The shapes themselves, filled up with the last one.
     pub index: &'a [u32],

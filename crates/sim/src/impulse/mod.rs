@@ -37,6 +37,7 @@ use pace::Pace;
 use rigid::impulse::{Collider, Impulse, State};
 use rigid::{Lengths, OutputTables, SolverError};
 use std::any::Any;
+use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Instant;
 use team::attended;
@@ -184,6 +185,9 @@ impl<T: Float> Engine<T> for Piles<T> {
     }
     fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
         self.impulse.place(position, velocity, state);
+    }
+    fn targets(&self) -> Vec<Range<usize>> {
+        self.impulse.targets()
     }
     fn take_over(&self, bodies: &[f64], state: &mut [f64]) {
         self.impulse.take_over(bodies, state);

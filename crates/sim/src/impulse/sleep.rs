@@ -1,7 +1,8 @@
 //! Bodies that have been slow for long sleep, island by island, until something touches them.
 //!
 //! An island is bodies that press on each other, or that joints tie. It sleeps when each of its bodies
-//! has been slow for [`SLEEP_AFTER`], and it rests on something that does not move, or is tied to it.
+//! has been slow for [`SLEEP_AFTER`], and it rests on something that does not move, or is tied to it; and if nothing
+//! moves a joint of it that dampers hold back ([`rigid::impulse::Impulse::creeps`]).
 //! Nothing of it is looked at then, and its contacts and joints are kept as they were: they are told to give what they
 //! gave in the last small step. What moves into
 //! it, a force from outside on one of its bodies, or a controller that moves one of its joints, wakes
@@ -12,7 +13,7 @@ use super::world::{Workspace, World};
 use numbers::Float;
 use rayon::prelude::*;
 use rigid::impulse::pair::{placed, solid};
-use rigid::impulse::{Cached, NEARBY, SLEEP_AFTER, WORLD, mass, state};
+use rigid::impulse::{Cached, NEARBY, SLEEP_AFTER, State, WORLD, mass, state};
 
 /// Who sleeps in a world, and what of it is kept.
 #[derive(Debug)]
@@ -181,6 +182,19 @@ impl<T: Float> World<'_, T> {
             let island = sleep.islands.of(body) as usize;
             let rest = if speed < slow { rest } else { 0.0 };
             sleep.least[island] = sleep.least[island].min(rest);
+        }
+        let numbers = State {
+            impulse: self.impulse(),
+            state,
+            parameters: self.parameters,
+        };
+        for (tie, rows) in self.joints() {
+            let island = sleep.islands.of(rows[0].max(rows[1])) as usize;
+            let reaches = rows.map(|row| sleep.radii[row as usize]);
+            let sleepy = (SLEEP_AFTER..f64::INFINITY).contains(&sleep.least[island]);
+            if sleepy && self.impulse().creeps(tie, &numbers, reaches, slow) {
+                sleep.least[island] = 0.0;
+            }
         }
         for &body in w.awake.iter().filter(|body| **body != WORLD) {
             let island = sleep.islands.of(body) as usize;

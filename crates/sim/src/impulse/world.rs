@@ -167,8 +167,6 @@ impl<T: Float> World<'_, T> {
         let globals = self.impulse().globals(self.parameters, self.parts);
         self.load(state, w);
         self.bodies(w, &globals, BodyStage::Begin);
-        self.place(w, &globals);
-        self.look_farther(w);
         self.find_contacts(state, w, &globals)?;
         let solver = Solver {
             impulse: &self.piles.impulse,
@@ -392,24 +390,36 @@ impl<T: Float> World<'_, T> {
         w: &mut Workspace<T>,
         globals: &[T; global::WIDTH],
     ) -> Result<(), space::SpaceError> {
-        let impulse = self.impulse();
         w.contacts.clear();
-        w.candidates.clear();
-        if let Some(filter) = &self.piles.filter {
-            let (parameters, part) = (self.parameters, self.part(w.placed.len()));
-            let found = &mut w.candidates;
-            w.kept
-                .broad_phase
-                .find(impulse, filter, &w.placed, parameters, part, found)?;
-        }
         self.remember_sleepers(state, w);
-        self.narrow_phase(state, w);
+        self.look(state, w, globals)?;
         while self.wake_touched(w) {
             self.wake_up(w);
             self.bodies(w, globals, BodyStage::Begin);
-            self.narrow_phase(state, w);
+            // What woke falls, and gets farther.
+            self.look(state, w, globals)?;
         }
         self.drop_sleepers(w);
+        Ok(())
+    }
+
+    /// Puts the shapes in their places, and finds which touch.
+    fn look(
+        &self,
+        state: &[T],
+        w: &mut Workspace<T>,
+        globals: &[T; global::WIDTH],
+    ) -> Result<(), space::SpaceError> {
+        self.place(w, globals);
+        self.look_farther(w);
+        w.candidates.clear();
+        if let Some(filter) = &self.piles.filter {
+            let (impulse, part) = (self.impulse(), self.part(w.placed.len()));
+            let found = &mut w.candidates;
+            let broad_phase = &mut w.kept.broad_phase;
+            broad_phase.find(impulse, filter, &w.placed, self.parameters, part, found)?;
+        }
+        self.narrow_phase(state, w);
         Ok(())
     }
 

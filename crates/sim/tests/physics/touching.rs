@@ -294,7 +294,7 @@ fn what_spins_slides_farther() {
             let within = if solver == SolverKind::Impulse {
                 0.05
             } else {
-                0.02
+                0.01
             };
             let what = format!("{solver:?}, {speed} m/s, {spin} rad/s");
             close(format!("{what}: way"), last, way, within * way);

@@ -81,11 +81,9 @@ fn slide(drive: Drive) -> Model {
     world.build().unwrap()
 }
 
-/// By what share friction may be off. `featherstone` settles the cone to 2 % where something slides evenly, and to some
-/// per cent where that sets off.
+/// By what share friction may be off. `featherstone` settles the cone to some per cent where what slides sets off.
 fn off(solver: SolverKind, sets_off: bool) -> f64 {
     match (solver, sets_off) {
-        (SolverKind::Featherstone, false) => 0.02,
         (SolverKind::Featherstone, true) => 0.05,
         _ => 2e-3,
     }

@@ -443,6 +443,11 @@ impl Impulse {
     pub fn tied_state(&self, tie: usize) -> std::ops::Range<usize> {
         self.ties.state.at(tie, 0)..self.ties.state.at(tie + 1, 0)
     }
+    /// Where in the state the targets lie that drives follow with a lag.
+    pub fn targets(&self) -> Vec<std::ops::Range<usize>> {
+        let all = (0..self.ties()).map(|tie| self.ties.state.at(tie, 0));
+        all.map(|first| first..first + ROWS).collect()
+    }
     /// These numbers.
     pub fn carried<'a, T>(&self, tie: usize, state: &'a [T]) -> &'a [T] {
         &state[self.tied_state(tie)]

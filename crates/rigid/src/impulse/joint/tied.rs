@@ -1,6 +1,7 @@
 //! What a lane takes of a joint when a step begins.
 
-use super::super::layout::{Impulse, State};
+use super::super::layout::{Impulse, SLEEP_AFTER, State, WORLD};
+use super::super::tables::mass;
 use super::actuation::{Actuation, Sources, acting, actuate, source};
 use super::drive::around;
 use super::layout::{Freedom, Ties, dof};
@@ -99,6 +100,19 @@ impl<T: Float> Constants<'_, T> {
     pub fn dof(&self, tie: usize, row: usize) -> [f64; dof::WIDTH] {
         let at = self.ties.dofs.at(ROWS * tie + row, 0);
         std::array::from_fn(|i| self.parameters[at + i].to_f64())
+    }
+    /// All that damps a row [N·s/m or N·m·s/rad].
+    fn damping(&self, freedom: &Freedom, x: &[f64; dof::WIDTH]) -> f64 {
+        let drive = if freedom.driven {
+            x[dof::DRIVE + 1]
+        } else {
+            0.0
+        };
+        let motors = freedom.motors.iter().map(|&(i, _)| {
+            let [gear, _, _, _, b2, ..] = self.motor(i);
+            -b2 * gear * gear
+        });
+        x[dof::DAMPING] + drive + motors.sum::<f64>()
     }
     fn motor(&self, i: usize) -> [f64; 9] {
         let at = self.ties.motors.at(i, 0);
@@ -355,6 +369,44 @@ impl Impulse {
         let time = self.constants(state.parameters).dof(tie, row)[dof::DRIVE + 3];
         let share = long / (time + long);
         left > REACHED + rounding * (now / share + goal)
+    }
+}
+
+impl Impulse {
+    /// Whether a joint creeps, held by what damps it: a force that goes on moves it. Its bodies, which reach so far [m], have
+    /// been slower than `slow` [m/s] for [`SLEEP_AFTER`]; what damps a row would have left of that, in one implicit step,
+    ///
+    /// ```text
+    /// slow / (1 + d T / (J + armature))      J = m R² of the lighter body, or m along an axis
+    /// ```
+    pub fn creeps<T: Float>(
+        &self,
+        tie: usize,
+        state: &State<'_, T>,
+        reaches: [f64; 2],
+        slow: f64,
+    ) -> bool {
+        let all = &self.ties.list[tie];
+        let constants = self.constants(state.parameters);
+        let rates = &self.carried(tie, state.state)[joint::SPEED - joint::TARGET..];
+        let bodies = all.rows.into_iter().zip(reaches);
+        let bodies = bodies.filter(|(row, _)| *row != WORLD).map(|(row, reach)| {
+            let mass = self.mass_of(row as usize, state.parameters)[mass::MASS];
+            (mass.to_f64(), reach)
+        });
+        let mut freedoms = all.freedoms.iter().enumerate();
+        freedoms.any(|(row, freedom)| {
+            let Some(freedom) = freedom else { return false };
+            let x = constants.dof(tie, row);
+            let damping = constants.damping(freedom, &x);
+            let rate = rates[row].to_f64().abs();
+            bodies.clone().any(|(mass, reach)| {
+                let arm = if row < 3 { reach } else { 1.0 };
+                let inertia = mass * arm * arm + x[dof::ARMATURE];
+                let decay = damping.max(0.0) * SLEEP_AFTER / inertia;
+                damping > 0.0 && rate * arm * (1.0 + decay) > slow
+            })
+        })
     }
 }
 
