@@ -677,6 +677,7 @@ class Builder:
         material: Material | None = None,
         *,
         friction: float | None = None,
+        static_friction: float | None = None,
         torsional_friction: float | None = None,
         rolling_friction: float | None = None,
         restitution: float | None = None,
@@ -684,7 +685,8 @@ class Builder:
         margin: float | None = None,
     ) -> None:
         """Has two shapes touch in any case, whatever masks, groups, joints and exclusions say, with a surface of their own:
-        `material`, or else what their materials make of each other now; and of that surface what else is given.
+        `material`, or else what their materials make of each other now; and of that surface what else is given. Where
+        `friction` is given, what sticks has it too, unless `static_friction` is.
 
         Each replica of the one is paired with its own replica of the other; one of another object may also stand there
         only once.
@@ -931,6 +933,8 @@ class Engine:
         """Sets joint coordinates and velocities of some worlds, a row for each; with `keep` they keep their times and
         controls.
         """
+    def set_joint_velocities(self, worlds: NDArray[np.int64], velocity: NDArray[np.float64]) -> None:
+        """Sets joint velocities of some worlds, a row for each; all else stays."""
     def reset(self, worlds: NDArray[np.int64]) -> None:
         """Brings some worlds to their initial state."""
     def snapshot(self) -> bytes:

@@ -25,6 +25,16 @@ def _refuse(quantity: str, *_: np.ndarray) -> None:
     raise ShapeError(f"{quantity} follows from the joints: set joint_position and joint_velocity, or copy the array")
 
 
+def _check_motion(worlds: np.ndarray, what: str, numbers: np.ndarray) -> None:
+    wrong = ~(np.abs(numbers) <= _MOST_MOTION)
+    if wrong.any():
+        row, column = np.argwhere(wrong)[0]
+        raise SimulationError(
+            f"world {worlds[row]}: {what}[{column}] is {numbers[row, column]:g}: it must be a finite number "
+            f"from -{_MOST_MOTION:g} to {_MOST_MOTION:g}"
+        )
+
+
 def _refuse_times(what: str, *_: np.ndarray) -> None:
     raise ShapeError(f"{what} follows from the steps: copy the array to change it alone")
 
@@ -239,25 +249,24 @@ class State(Tables):
         if table.name == "joint_position":
             for columns in self._quaternion_columns().values():
                 chosen[:, columns] |= chosen[:, columns].any(axis=1, keepdims=True)
-        worlds = np.flatnonzero(chosen.any(axis=1))
+        before = self.read(table.name)
+        worlds = np.flatnonzero((chosen & (wanted != before)).any(axis=1))
         if worlds.size == 0:
             return
         now = {name: self.read(name)[worlds] for name in ("joint_position", "joint_velocity")}
         now[table.name] = np.where(chosen[worlds], wanted[worlds], now[table.name])
         position, velocity = (np.ascontiguousarray(numbers, np.float64) for numbers in now.values())
-        self._put(worlds, position, velocity, keep=True)
+        if table.name == "joint_position":
+            self._put(worlds, position, velocity, keep=True)
+        else:
+            _check_motion(worlds, "joint velocity", velocity)
+            self._worlds.engine.set_joint_velocities(worlds, velocity)
 
     def _put(self, worlds: np.ndarray, position: np.ndarray, velocity: np.ndarray, *, keep: bool) -> None:
         """Puts worlds at coordinates and velocities, a row for each, or none of them where one cannot be put there;
         with `keep` they keep their times and controls."""
-        for what, numbers in ("joint position", position), ("joint velocity", velocity):
-            wrong = ~(np.abs(numbers) <= _MOST_MOTION)
-            if wrong.any():
-                row, column = np.argwhere(wrong)[0]
-                raise SimulationError(
-                    f"world {worlds[row]}: {what}[{column}] is {numbers[row, column]:g}: it must be a finite number "
-                    f"from -{_MOST_MOTION:g} to {_MOST_MOTION:g}"
-                )
+        _check_motion(worlds, "joint position", position)
+        _check_motion(worlds, "joint velocity", velocity)
         for joint, columns in self._quaternion_columns().items():
             zero = np.flatnonzero(np.linalg.norm(position[:, columns], axis=1) < 1e-12)
             if zero.size:

@@ -198,7 +198,8 @@ impl Builder {
         Ok(())
     }
     /// Has two shapes touch in any case, whatever masks, groups, joints and exclusions say, with a surface of their own:
-    /// `material`, or else what their materials make of each other now; and of that surface what else is given.
+    /// `material`, or else what their materials make of each other now; and of that surface what else is given. Where
+    /// `friction` is given, what sticks has it too, unless `static_friction` is.
     ///
     /// Each replica of the one is paired with its own replica of the other; one of another object may also stand there
     /// only once.
@@ -208,8 +209,8 @@ impl Builder {
     /// >>> ice = world.object("rink").scenery(kn.Geometry.plane())
     /// >>> stone = world.object("stones").body("stone", kn.Geometry.cylinder(0.145, 0.06), mass=19.0)
     /// >>> world.contact_pair(stone.shape(), ice, friction=0.01)
-    #[pyo3(signature = (a, b, material=None, *, friction=None, torsional_friction=None, rolling_friction=None,
-        restitution=None, softness=None, margin=None))]
+    #[pyo3(signature = (a, b, material=None, *, friction=None, static_friction=None, torsional_friction=None,
+        rolling_friction=None, restitution=None, softness=None, margin=None))]
     #[expect(clippy::too_many_arguments, reason = "keywords in Python")]
     fn contact_pair(
         &mut self,
@@ -217,6 +218,7 @@ impl Builder {
         b: ShapeHandle,
         material: Option<Material>,
         friction: Option<f64>,
+        static_friction: Option<f64>,
         torsional_friction: Option<f64>,
         rolling_friction: Option<f64>,
         restitution: Option<f64>,
@@ -228,6 +230,10 @@ impl Builder {
         let given = material.map_or(pair.surface(), |material| material.0);
         pair.material(model::Material {
             friction: friction.unwrap_or(given.friction),
+            static_friction: match friction {
+                Some(_) => static_friction,
+                None => static_friction.or(given.static_friction),
+            },
             torsional_friction: torsional_friction.unwrap_or(given.torsional_friction),
             rolling_friction: rolling_friction.unwrap_or(given.rolling_friction),
             restitution: restitution.unwrap_or(given.restitution),

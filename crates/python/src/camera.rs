@@ -210,8 +210,14 @@ pub fn images<'py>(py: Python<'py>, made: Images) -> PyResult<Bound<'py, PyDict>
     Ok(found)
 }
 
-/// Where the bodies of some worlds are.
-fn placements(py: Python<'_>, engine: &Engine, worlds: &[i64]) -> PyResult<Vec<Vec<Pose>>> {
+/// What is made of the places of the bodies of some worlds, in the simulation's threads: of others, a process that was
+/// forked has none.
+fn placed<R: Send>(
+    py: Python<'_>,
+    engine: &Engine,
+    worlds: &[i64],
+    make: impl FnOnce(Vec<Vec<Pose>>) -> R + Send,
+) -> PyResult<R> {
     engine.with(py, |s| {
         each!(s, read, s => {
             let bodies = s.model().bodies.len();
@@ -221,7 +227,7 @@ fn placements(py: Python<'_>, engine: &Engine, worlds: &[i64]) -> PyResult<Vec<V
                     let bodies = (0..bodies).map(BodyId);
                     bodies.map(|body| outputs.body_pose(world as usize, body)).collect()
                 };
-                worlds.iter().map(of).collect()
+                make(worlds.iter().map(of).collect())
             })?)
         })
     })
@@ -247,13 +253,13 @@ pub fn render_view<'py>(
     device: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
     let device = self::device(device)?;
-    let placed = placements(py, engine.get(), worlds.as_array().to_vec().as_slice())?;
+    let worlds = worlds.as_array().to_vec();
     let model = model.get();
-    let made = py.detach(|| {
+    let made = placed(py, engine.get(), &worlds, |placed| {
         let poses: Vec<&[Pose]> = placed.iter().map(Vec::as_slice).collect();
         model.renderer(&device)?.render(&view.0, &poses)
     });
-    images(py, made.map_err(failed)?)
+    images(py, made?.map_err(failed)?)
 }
 
 /// Position [m] and orientation of a free camera that has all bodies of a world in its image.
@@ -266,9 +272,12 @@ pub fn framing(
     width: usize,
     height: usize,
 ) -> PyResult<([f64; 3], [f64; 4], f64)> {
-    let placed = placements(py, engine.get(), &[world])?;
-    let renderer = model.get().renderer(&Device::Processor).map_err(failed)?;
-    let camera = Camera::framing(renderer.scene(), &placed[0], width, height);
+    let model = model.get();
+    let camera = placed(py, engine.get(), &[world], |placed| {
+        let renderer = model.renderer(&Device::Processor)?;
+        Ok(Camera::framing(renderer.scene(), &placed[0], width, height))
+    });
+    let camera = camera?.map_err(failed)?;
     let Lens::FieldOfView { vertical } = camera.lens else {
         let message = "a framing camera has a field of view".to_owned();
         return Err(error::raise("RenderError", message));

@@ -474,6 +474,24 @@ impl Engine {
             })
         })
     }
+    /// Sets joint velocities of some worlds, a row for each; all else stays.
+    fn set_joint_velocities(
+        &self,
+        py: Python<'_>,
+        worlds: PyReadonlyArray1<'_, i64>,
+        velocity: PyReadonlyArray2<'_, f64>,
+    ) -> PyResult<()> {
+        let columns = velocity.as_array().ncols();
+        let worlds = slice(&worlds)?;
+        let velocity = slice(&velocity)?;
+        self.with(py, |s| {
+            each!(s, change, s => {
+                let rows = worlds.iter().enumerate();
+                let rows = rows.map(|(i, &w)| (w as usize, &velocity[i * columns..][..columns]));
+                s.set_joint_velocities(rows)
+            })
+        })
+    }
     /// Brings some worlds to their initial state.
     fn reset(&self, py: Python<'_>, worlds: PyReadonlyArray1<'_, i64>) -> PyResult<()> {
         let worlds = slice(&worlds)?;

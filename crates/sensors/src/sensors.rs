@@ -145,9 +145,13 @@ impl<T: Float> Sensors<T> {
         let model = Arc::clone(simulation.model());
         let worlds = simulation.worlds();
         let mut renderers = Renderers::default();
-        let channel = |sensor| Channel::new(sensor, (&*model, &mut renderers), worlds, seed);
-        let channels = sensors.into_iter().map(channel);
-        let mut channels = channels.collect::<Result<Vec<_>, _>>()?;
+        // In the threads of the simulation, of which a process that was forked may have no others.
+        let channels = simulation.observe_known(|_, _| {
+            let channel = |sensor| Channel::new(sensor, (&*model, &mut renderers), worlds, seed);
+            let channels = sensors.into_iter().map(channel);
+            channels.collect::<Result<Vec<_>, _>>()
+        });
+        let mut channels = channels?;
         simulation.observe_known(|_, outputs| {
             let all = outputs.contact_rows(|_| true).len();
             for channel in &mut channels {

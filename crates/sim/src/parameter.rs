@@ -4,6 +4,7 @@ use crate::Simulation;
 use crate::error::{SimulationError, index, length};
 use model::{Dof, Joint, Model, Parts};
 use numbers::Float;
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// A number of every body, shape, degree of freedom or actuator that a world may have for itself: a row for
@@ -163,8 +164,7 @@ impl<T: Float> Simulation<T> {
             length(parameter.name(), numbers.len(), worlds.len() * columns)?;
             tables.push((parameter, numbers, columns));
         }
-        let mut models = Vec::with_capacity(worlds.len());
-        for (i, &world) in worlds.iter().enumerate() {
+        let own = |(i, &world): (usize, &usize)| {
             index("world", world, self.worlds())?;
             let rows = tables.iter().map(|&(parameter, numbers, columns)| {
                 (parameter, &numbers[i * columns..][..columns])
@@ -187,9 +187,12 @@ impl<T: Float> Simulation<T> {
                 let why = Box::new(why);
                 SimulationError::InWorld { world, why }
             })?;
-            models.push((world, own));
-        }
-        self.give_own(models)
+            Ok::<_, SimulationError>((world, own))
+        };
+        // All, so that of several faults the first one is told.
+        let models = worlds.par_iter().enumerate().map(own);
+        let models = self.threads.run(|| models.collect::<Vec<_>>());
+        self.give_own(models.into_iter().collect::<Result<_, _>>()?)
     }
 
     /// A world's model with other numbers.

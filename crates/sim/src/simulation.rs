@@ -408,7 +408,7 @@ impl<T: Float> Simulation<T> {
     }
 
     /// As [`set_joint_state`](Simulation::set_joint_state), but the world keeps its time, its controls, and the targets that
-    /// its drives follow with a lag; one that diverged runs again.
+    /// its drives follow with a lag; one that diverged runs again. What touches where they are then touches anew.
     ///
     /// # Errors
     /// As there; the device fails.
@@ -429,6 +429,38 @@ impl<T: Float> Simulation<T> {
         self.write_state(world, &state);
         self.run_again(&[world]);
         self.take_for_granted(world);
+        Ok(())
+    }
+
+    /// Gives the joints of some worlds other velocities, as a push does: all of them, or none. All else stays: where bodies
+    /// are, what they rest on, time, controls, and the targets that drives follow with a lag. Worlds that diverged run again.
+    ///
+    /// # Errors
+    /// A world that does not exist, arrays of the wrong length, numbers not finite or beyond ±1e9; the device fails.
+    pub fn set_joint_velocities<'a>(
+        &mut self,
+        velocities: impl IntoIterator<Item = (usize, &'a [f64])>,
+    ) -> Result<(), SimulationError> {
+        let velocities = Vec::from_iter(velocities);
+        for (world, velocity) in &velocities {
+            index("world", *world, self.worlds())?;
+            let dofs = self.model.degrees_of_freedom();
+            length("joint velocity", velocity.len(), dofs)?;
+            bounded("joint velocity", velocity, MOST_MOTION)?;
+        }
+        self.fetch_state()?;
+        let outputs = self.try_outputs()?;
+        let places = velocities.iter().map(|(w, _)| outputs.joint_position(*w));
+        let places = Vec::from_iter(places);
+        for ((world, velocity), position) in velocities.into_iter().zip(places) {
+            let all = 0..self.state.length();
+            let mut state = Vec::from_iter(all.map(|i| self.state.get(world, i).to_f64()));
+            let engine = &self.compiled(world).engine;
+            engine.place(&position, velocity, &mut state);
+            state[engine.alive()] = 1.0;
+            self.write_state(world, &state);
+            self.run_again(&[world]);
+        }
         Ok(())
     }
 
@@ -610,14 +642,14 @@ impl<T: Float> Simulation<T> {
             None => self.perform(Task::Step(substeps))?,
         }
         let known = self.diverged.len();
-        let passed = steps as f64 * self.settings.step.time_step;
+        let h = self.settings.step.time_step;
         let told: HashSet<_> = self.diverged.iter().map(|d| d.world).collect();
         let mut found = Vec::new();
         for world in 0..self.worlds() {
             if self.runs(world) {
-                self.time[world] += passed;
+                self.time[world] = later(self.time[world], steps, h);
             } else if !told.contains(&world) {
-                self.time[world] += passed;
+                self.time[world] = later(self.time[world], steps, h);
                 found.push(Diverged {
                     world,
                     time: self.time[world],
@@ -996,3 +1028,15 @@ pub(crate) const RUNS_PER_THREAD: usize = 4;
 
 /// Consecutive blocks of one memory.
 type Blocks<'a, T> = std::slice::ChunksExactMut<'a, T>;
+
+/// The time [s] of so many steps of h later. Steps are counted, since what adding up times rounds would depend on how many
+/// are taken at once; a time that is no number of them is gone on from.
+fn later(time: f64, steps: usize, h: f64) -> f64 {
+    let passed = time / h;
+    let whole = passed.round();
+    if (passed - whole).abs() < 1e-6 {
+        (whole + steps as f64) * h
+    } else {
+        time + steps as f64 * h
+    }
+}

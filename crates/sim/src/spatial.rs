@@ -102,7 +102,9 @@ impl<T: Float> Simulation<T> {
     /// Works something out for each tree or body: `out[world − first][row][number]`, of the worlds from the first
     /// of a block on, of as many as there is room for.
     pub(crate) fn work_out(&self, what: Spatial, trees: &Trees, first: usize, out: &mut [T]) {
-        if trees.rows == 0 {
+        if trees.root.is_empty() {
+            // Nothing is nowhere: at the origin, as of what has no mass.
+            out.fill(T::zero());
             return;
         }
         let lanes = self.output.width();

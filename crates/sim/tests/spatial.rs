@@ -319,3 +319,12 @@ fn threads_and_lanes_give_the_same_bits() {
         assert_eq!(many[..rows * width], read(1, 1), "{quantity:?}");
     }
 }
+
+#[test]
+fn nothing_has_its_center_at_the_origin() {
+    let model = Builder::new("nothing").build().unwrap();
+    let mut sim = Simulation::<f64>::new(model, SimulationSettings::new(2, 0.001)).unwrap();
+    let mut out = [f64::NAN; 6];
+    sim.read(Quantity::CenterOfMass, &mut out).unwrap();
+    assert_eq!(out, [0.0; 6]);
+}

@@ -227,3 +227,14 @@ fn joints_are_moved_within_time_and_controls() {
         assert!(sim.move_joints(WORLDS, &[0.0; 3], &[0.0; 3]).is_err());
     }
 }
+
+#[test]
+fn time_does_not_depend_on_how_steps_are_taken() {
+    let model = examples::n_pendula(1).unwrap();
+    let [mut at_once, mut one_by_one] = [0, 1].map(|_| simulation(&model, SOLVERS[0]));
+    at_once.step(500);
+    (0..500).for_each(|_| {
+        one_by_one.step(1);
+    });
+    assert_eq!(at_once.time(0), one_by_one.time(0));
+}

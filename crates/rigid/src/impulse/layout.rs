@@ -417,13 +417,11 @@ impl Impulse {
         self.place(position, velocity, &mut state);
         state
     }
-    /// Gives the joints of a state other coordinates and velocities; nothing touches yet.
+    /// Gives the joints of a state other coordinates and velocities; all else in it stays.
     pub fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
         self.take_over(&self.tree.bodies(position, velocity), state);
         self.ties
             .place([position, velocity], &self.parameters, state);
-        state[self.remembered.at(0, 0)] = 0.0;
-        state[self.forgotten.at(0, 0)] = 0.0;
     }
     /// Takes over bodies that stood and moved so, 13 numbers each: see [`body`].
     pub fn take_over(&self, bodies: &[f64], state: &mut [f64]) {
