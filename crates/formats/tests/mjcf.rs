@@ -867,3 +867,65 @@ fn cameras_that_cannot_be_had_are_told() {
     assert!(broken(r#"<camera fovy="180"/>"#).contains("field of view"));
     assert!(broken(r#"<camera resolution="-1 5"/>"#).contains("size [pixel]"));
 }
+
+/// MuJoCo 4.0 overwrites the numbers that are given, class by class, and leaves those behind them.
+#[test]
+fn shorter_lists_keep_the_rest_of_their_class_s() {
+    let model = read(
+        r#"<mujoco>
+             <compiler angle="radian"/>
+             <default>
+               <geom type="capsule" size="0.05 0.3" condim="6" friction="2 3 4" solref="0.1 0.2"
+                 solimp="0.8 0.8 0.3"/>
+               <joint range="-1 1" solreflimit="0.1 0.5" solimplimit="0.5 0.5 0.1"/>
+               <motor gear="0 0 3"/>
+               <default class="inner"><geom friction="5 6" solimp="0.7 0.7"/></default>
+             </default>
+             <worldbody>
+               <geom class="inner" size="0.1" friction="7" solref="0.3"/>
+               <body><freejoint name="free"/><geom size="1"/></body>
+               <body><joint solreflimit="0.2"/><geom size="1"/></body>
+             </worldbody>
+             <actuator><motor joint="free" gear="0"/></actuator>
+           </mujoco>"#,
+    )
+    .model;
+    let ends = |radius: f64| Geometry::Capsule {
+        radius,
+        half_height: radius + 0.3,
+    };
+    assert_eq!(model.shapes[0].geometry, ends(0.1));
+    let m = model.shapes[0].material;
+    let friction = [m.friction, m.torsional_friction, m.rolling_friction];
+    assert_eq!(friction, [7.0, 6.0, 4.0]);
+    let Softness::Time {
+        constant,
+        ratio,
+        impedance,
+        ..
+    } = m.softness
+    else {
+        panic!("{m:?}")
+    };
+    assert_eq!((constant, ratio, impedance), (0.3, 0.2, 0.7));
+    // k = 1 / (T ζ)² and b = 2 / T for the inertia twice that of the joint, as d = ½.
+    let limit = model.joints[1].dofs[0].limit.expect("a limit");
+    let square = limit.damping * limit.damping / (limit.stiffness * limit.inertia);
+    assert!(
+        (limit.damping / limit.inertia - 2.0 * 2.0 / 0.2).abs() < 1e-9,
+        "{limit:?}"
+    );
+    assert!((square - 2.0 * 4.0 * 0.5 * 0.5).abs() < 1e-9, "{limit:?}");
+    assert_eq!((model.actuators[0].dof, model.actuators[0].gear), (2, 3.0));
+}
+
+/// One number of `damping` keeps its class's others, which MuJoCo 4.0 has as a polynomial.
+#[test]
+fn a_linear_damping_does_not_take_back_a_polynomial() {
+    let text = "<mujoco><default><joint damping='1 2 3'/></default><worldbody><body>\
+                <joint damping='4'/><geom size='1'/></body></worldbody></mujoco>";
+    let files = InMemory::default();
+    let error = parse(text, "robot.xml", &files, &Options::default()).expect_err("a polynomial");
+    assert!(error.to_string().contains("nonlinear damping"), "{error}");
+    assert_eq!(lenient(text).model.joints[0].dofs[0].damping, 4.0);
+}

@@ -7,6 +7,19 @@ use std::collections::HashMap;
 
 /// The outermost class, unless the file names it otherwise.
 const MAIN: &str = "main";
+/// Lists of which an element may give the first numbers alone: behind them stay those of its class.
+const PARTIAL: &[&str] = &[
+    "size",
+    "friction",
+    "solref",
+    "solimp",
+    "solreflimit",
+    "solimplimit",
+    "gear",
+    "damping",
+    "stiffness",
+    "surfacevel",
+];
 
 struct Class {
     parent: Option<usize>,
@@ -112,7 +125,8 @@ impl Defaults {
 }
 
 /// An element with the attributes of `settings`, the later ones winning, and its own above all. An
-/// orientation of its own replaces an inherited one of any form.
+/// orientation of its own replaces an inherited one of any form; a list that is shorter than the inherited one, the
+/// first numbers of it.
 pub(super) fn inherit(element: &Element, settings: &[&Element]) -> Element {
     let mut merged = Element {
         name: element.name.clone(),
@@ -125,8 +139,28 @@ pub(super) fn inherit(element: &Element, settings: &[&Element]) -> Element {
         if level.attributes.iter().any(turns) {
             merged.attributes.retain(|a| !turns(a));
         }
-        merged.inherit_over(&level.attributes);
+        let own = level.attributes.iter().map(|own| completed(own, &merged));
+        let own: Vec<_> = own.collect();
+        merged.inherit_over(&own);
     }
     merged.attributes.retain(|a| a.name != "class");
     merged
+}
+
+/// An attribute with the numbers behind its own that the inherited one has.
+fn completed(own: &Attribute, inherited: &Element) -> Attribute {
+    let mut completed = own.clone();
+    if let Some(list) = inherited.get(&own.name)
+        && PARTIAL.contains(&own.name.as_str())
+    {
+        let given: Vec<_> = own.value.split_ascii_whitespace().collect();
+        let rest = list.split_ascii_whitespace().skip(given.len());
+        completed.value = given
+            .iter()
+            .copied()
+            .chain(rest)
+            .collect::<Vec<_>>()
+            .join(" ");
+    }
+    completed
 }
