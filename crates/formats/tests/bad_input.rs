@@ -396,6 +396,42 @@ const MJCF: &[(&str, &str)] = &[
         "<mujoco><keyframe><frame/></keyframe></mujoco>",
         "robot.xml:1:19: <frame>: a keyframe section holds keys only; write <key …/>",
     ),
+    (
+        "<mujoco><worldbody><body><joint>\n<geom size=\"1\"/></joint></body></worldbody></mujoco>",
+        "robot.xml:2:1: <geom>: <joint> holds no such element; correct its spelling, or put it where it belongs",
+    ),
+    (
+        "<mujoco><worldbody><body><frame><body><geom><geom/></geom></body></frame></body></worldbody></mujoco>",
+        "robot.xml:1:45: <geom>: <geom> holds no such element; correct its spelling, or put it where it belongs",
+    ),
+    (
+        "<mujoco><default><geom><joint/></geom></default></mujoco>",
+        "robot.xml:1:24: <joint>: <geom> holds no such element; correct its spelling, or put it where it belongs",
+    ),
+    (
+        "<mujoco><visual><mop/></visual></mujoco>",
+        "robot.xml:1:17: <mop>: <visual> holds no such element; correct its spelling, or put it where it belongs",
+    ),
+    (
+        "<mujoco><tendon><fixed><site site=\"a\"/></fixed></tendon></mujoco>",
+        "robot.xml:1:24: <site>: <fixed> holds no such element; correct its spelling, or put it where it belongs",
+    ),
+    (
+        "<mujoco><default><default class=\"a\">\n<jiont damping=\"1\"/></default></default></mujoco>",
+        "robot.xml:2:1: <jiont>: a default class holds no such element; correct its spelling, or remove it",
+    ),
+    (
+        "<mujoco><worldbody><body><joint name=\"j\"/><geom size=\"1\"/></body></worldbody><tendon><fixed>\n<joint joint=\"k\" coef=\"1\"/></fixed></tendon></mujoco>",
+        "robot.xml:2:8: <joint>: attribute `joint` names `k`, but no joint has this name; correct the name",
+    ),
+    (
+        "<mujoco><worldbody><body><freejoint name=\"j\"/><geom size=\"1\"/></body></worldbody><tendon><fixed><joint joint=\"j\" coef=\"1\"/></fixed></tendon></mujoco>",
+        "robot.xml:1:104: <joint>: attribute `joint` names a ball or free joint; name a hinge or a slide",
+    ),
+    (
+        "<mujoco><tendon><spatial><site site=\"a\"/></spatial></tendon></mujoco>",
+        "robot.xml:1:32: <site>: attribute `site` names `a`, but no site has this name; correct the name",
+    ),
 ];
 
 const UNSUPPORTED: &[(&str, &str)] = &[
@@ -447,7 +483,7 @@ const UNSUPPORTED: &[(&str, &str)] = &[
     ),
     (
         "<mujoco><worldbody><body><joint type=\"free\" springdamper=\"1 1\"/><geom size=\"1\"/></body></worldbody></mujoco>",
-        "robot.xml:1:26: <joint>: a spring at a free joint is not supported, and leaving it out would change the physics; write damping instead of springdamper, or load leniently (--lenient) to go on without it",
+        "robot.xml:1:26: <joint>: a spring at a ball or free joint is not supported, and leaving it out would change the physics; write damping instead of springdamper, or load leniently (--lenient) to go on without it",
     ),
     (
         "<mujoco><worldbody><site colour=\"1\"/></worldbody></mujoco>",
@@ -489,6 +525,18 @@ const UNSUPPORTED: &[(&str, &str)] = &[
     (
         "<mujoco><equality><tendon tendon1=\"t\"/></equality></mujoco>",
         "robot.xml:1:19: <tendon>: an equality constraint of kind tendon is not supported, and leaving it out would change the physics; remove it, or use connect, weld or joint, or load leniently (--lenient) to go on without it",
+    ),
+    (
+        "<mujoco><default><default class=\"a\">\n<geom sise=\"1\"/></default></default></mujoco>",
+        "robot.xml:2:7: <geom>: attribute `sise` is not supported, and leaving it out would change the physics; correct its spelling if it is misspelt, remove it if it is not needed, or load leniently (--lenient) to go on without it",
+    ),
+    (
+        "<mujoco><default clas=\"a\"/></mujoco>",
+        "robot.xml:1:18: <default>: attribute `clas` is not supported, and leaving it out would change the physics; correct its spelling if it is misspelt, remove it if it is not needed, or load leniently (--lenient) to go on without it",
+    ),
+    (
+        "<mujoco><worldbody><body><joint type=\"ball\" stiffness=\"3\"/><geom size=\"1\"/></body></worldbody></mujoco>",
+        "robot.xml:1:26: <joint>: a spring at a ball or free joint is not supported, and leaving it out would change the physics; set stiffness to 0, or load leniently (--lenient) to go on without it",
     ),
 ];
 

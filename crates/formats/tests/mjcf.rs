@@ -744,7 +744,10 @@ fn pyramids_of_friction_soften_contacts() {
 #[test]
 fn tendons_without_force_are_noted() {
     let fixed = "<tendon><fixed><joint joint='a' coef='1'/></fixed></tendon>";
-    let loaded = read(&format!("<mujoco>{fixed}</mujoco>"));
+    let body = "<body><joint name='a'/><geom size='1'/></body>";
+    let loaded = read(&format!(
+        "<mujoco><worldbody>{body}</worldbody>{fixed}</mujoco>"
+    ));
     assert_eq!(
         lines(&loaded.warnings),
         ["robot.xml:1: <fixed>: tendons: exert no force; not read"]
@@ -928,4 +931,28 @@ fn a_linear_damping_does_not_take_back_a_polynomial() {
     let error = parse(text, "robot.xml", &files, &Options::default()).expect_err("a polynomial");
     assert!(error.to_string().contains("nonlinear damping"), "{error}");
     assert_eq!(lenient(text).model.joints[0].dofs[0].damping, 4.0);
+}
+
+/// MuJoCo has a stiffness of 3 there, which no solver takes; damping stays.
+#[test]
+fn springs_of_balls_are_left_out_leniently() {
+    let joint = |spring: &str| {
+        let loaded = lenient(&format!(
+            "<mujoco><worldbody><body><joint type='ball' {spring}/><geom size='0.1'/></body></worldbody></mujoco>"
+        ));
+        let warnings = lines(&loaded.warnings);
+        let told = [
+            "robot.xml:1: <joint>: a spring at a ball or free joint: left out although it changes the physics",
+        ];
+        assert_eq!(warnings, told);
+        loaded.model.joints[0].dofs.clone()
+    };
+    for dof in joint("stiffness='3' damping='2'") {
+        assert_eq!((dof.stiffness, dof.damping), (0.0, 2.0));
+    }
+    // 2 I / T, with MuJoCo's I = 2/5 m r² of a ball of 4.189 kg.
+    for dof in joint("springdamper='0.1 1'") {
+        assert_eq!(dof.stiffness, 0.0);
+        assert!((dof.damping - 0.335_103_216_4).abs() < 1e-9, "{dof:?}");
+    }
 }

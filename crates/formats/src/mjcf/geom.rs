@@ -14,7 +14,7 @@ use glam::{DQuat, DVec3};
 use model::{Geometry, MassProperties, Pose, Shape};
 use std::f64::consts::FRAC_1_SQRT_2;
 
-const KNOWN: &[&str] = &[
+pub(super) const KNOWN: &[&str] = &[
     "name",
     "type",
     "contype",

@@ -11,7 +11,7 @@ use crate::xml::Element;
 use glam::DVec3;
 use model::{Axis, AxisKind, BodyId, Dof, Joint, JointKind, Pose};
 
-const KNOWN: &[&str] = &[
+pub(super) const KNOWN: &[&str] = &[
     "name",
     "type",
     "group",
@@ -35,7 +35,7 @@ const KNOWN: &[&str] = &[
     "user",
     "actuatorgravcomp",
 ];
-const UNUSED: &[(&str, &str)] = &[
+pub(super) const UNUSED: &[(&str, &str)] = &[
     ("solreffriction", "dry friction is not softened"),
     ("solimpfriction", "dry friction is not softened"),
 ];
@@ -194,16 +194,15 @@ fn dof(
         dof.friction_loss = element.non_negative("frictionloss")?.unwrap_or(0.0);
     }
     let springs = dof.stiffness != 0.0 || (spring_damper && physics.on("spring"));
-    if kind == Kind::Free && springs {
-        let remedy = match spring_damper {
-            true => "write damping instead of springdamper",
-            false => "set stiffness to 0",
-        };
-        report.refuse(element, "a spring at a free joint", remedy)?;
-        dof.stiffness = 0.0;
-    }
     if matches!(kind, Kind::Free | Kind::Ball) {
-        dof.rest = 0.0;
+        if springs {
+            let remedy = match spring_damper {
+                true => "write damping instead of springdamper",
+                false => "set stiffness to 0",
+            };
+            report.refuse(element, "a spring at a ball or free joint", remedy)?;
+        }
+        (dof.stiffness, dof.rest) = (0.0, 0.0);
     }
     Ok(dof)
 }

@@ -33,10 +33,10 @@
 //!   have under twice the weight of the mass they see, and limits what they have at half the width: heavier loads
 //!   press further in than in MuJoCo, and lighter ones less.
 //! - An exclusion of a massless body holds for the body that it is fused with.
-//! - A ball joint stands alone on its body, is not limited, and takes motors about one axis at a time.
+//! - A ball joint stands alone on its body, is not limited, has no spring, and takes motors about one axis at a time.
 //! - Refused unless lenient: drag by a fluid, gravity compensation, tendons that exert force, muscles
-//!   and other actuators with a state, plugins, flexible bodies, polynomial springs, `<replicate>`,
-//!   `<attach>` and the like, and mass from the volume of a mesh whose surface is open, unless it
+//!   and other actuators with a state, plugins, flexible bodies, polynomial springs, springs
+//!   and limits of ball joints, `<replicate>`, `<attach>` and the like, and mass from the volume of a mesh whose surface is open, unless it
 //!   becomes its hull ([`Options::meshes`]).
 //! - Meshes weigh what their `inertia` says, once they are read; but `legacy`, which is MuJoCo's default, is `exact`
 //!   here. In MuJoCo it is more where faces of the mesh look at its middle, which is noted.
@@ -65,6 +65,7 @@ mod joint;
 mod keyframe;
 mod light;
 mod mesh_mass;
+mod nesting;
 mod option;
 mod orientation;
 mod sections;
@@ -125,8 +126,9 @@ pub(crate) fn read(
     let root = include::assemble(root, files)?;
     let mut report = Report::new(options.lenient);
     sections::check(&root, &mut report)?;
+    nesting::check(&root)?;
     let compiler = compiler::Compiler::read(&root, &mut report)?;
-    let defaults = defaults::Defaults::read(&root)?;
+    let defaults = defaults::Defaults::read(&root, &mut report)?;
     let context = Context {
         assets: assets::Assets::read(&root, &compiler, &defaults, &mut report)?,
         physics: option::Physics::read(&root, &mut report)?,
@@ -138,7 +140,7 @@ pub(crate) fn read(
     let mut tree = body::read(&root, &context, &mut report)?;
     let fusion = Fusion::plan(&tree.parts, &tree.elements)?;
     scale_total_mass(&mut tree.parts, context.compiler.total_mass);
-    tendon::check(&root, &context, &mut report)?;
+    tendon::check(&root, &tree, &context, &mut report)?;
     let motors = actuator::read(&root, &mut tree, &context, &mut report)?;
     let space = JointSpace::new(&tree.parts);
     contact::read(&root, &mut tree, &space, &context, &mut report)?;
