@@ -160,7 +160,7 @@ const MJCF: &[(&str, &str)] = &[
     ),
     (
         "<mujoco><include file=\"none.xml\"/></mujoco>",
-        "robot.xml:1:18: <include>: attribute `file` names `none.xml`, which cannot be read (entity not found); give its path relative to the main file's folder",
+        "robot.xml:1:18: <include>: attribute `file` names `none.xml`, which cannot be read (entity not found); give its path relative to the folder of the main file, or of the one that includes it",
     ),
     (
         "<mujoco><include/></mujoco>",
@@ -173,6 +173,10 @@ const MJCF: &[(&str, &str)] = &[
     (
         "<mujoco><include file=\"part.xml\"/>\n<include file=\"part.xml\"/></mujoco>",
         "robot.xml:2:10: <include>: attribute `file` names `part.xml`, which is already part of the model; include each file once, and no file from within itself",
+    ),
+    (
+        "<mujoco><include file=\"part.xml\"/>\n<include file=\"./part.xml\"/></mujoco>",
+        "robot.xml:2:10: <include>: attribute `file` names `./part.xml`, which is already part of the model; include each file once, and no file from within itself",
     ),
     (
         "<mujoco><include file=\"circle.xml\"/></mujoco>",

@@ -193,6 +193,48 @@ fn includes_are_spliced_in() {
     assert_eq!(loaded.model.shapes[0].name, "hand");
 }
 
+/// MuJoCo 4.0 takes a file beside the main one, and else one beside that which includes it.
+#[test]
+fn includes_are_relative_to_the_main_file_or_to_the_including_one() {
+    let body =
+        |name: &str| format!("<any><body name='{name}'><joint/><geom size='0.1'/></body></any>");
+    let include = |file: &str| format!("<any><include file='{file}'/></any>");
+    let found = |files: &[(&str, String)]| {
+        let files = InMemory::new(files.iter().cloned());
+        let text = "<mujoco><worldbody><include file='sub/a.xml'/></worldbody></mujoco>";
+        parse(text, "robot.xml", &files, &Options::default())
+            .map(|loaded| loaded.model.bodies[0].name.clone())
+            .map_err(|error| error.to_string())
+    };
+    let inner = ("sub/b.xml", body("inner"));
+    let outer = ("b.xml", body("outer"));
+    let by = ("sub/a.xml", include("b.xml"));
+    assert_eq!(found(&[by.clone(), inner.clone()]), Ok("inner".into()));
+    assert_eq!(
+        found(&[by.clone(), inner.clone(), outer.clone()]),
+        Ok("outer".into())
+    );
+    let up = ("sub/a.xml", include("../b.xml"));
+    assert_eq!(found(&[up, outer.clone()]), Ok("outer".into()));
+    let from_main = ("sub/a.xml", include("sub/b.xml"));
+    assert_eq!(found(&[from_main, inner]), Ok("inner".into()));
+    let deep = [
+        ("sub/a.xml", include("c/d.xml")),
+        ("sub/c/d.xml", include("e.xml")),
+    ];
+    let last = ("sub/c/e.xml", body("deep"));
+    assert_eq!(found(&[&deep[..], &[last]].concat()), Ok("deep".into()));
+    // Not beside those that include the including one.
+    let halfway = ("sub/e.xml", body("halfway"));
+    let missing = found(&[&deep[..], &[halfway]].concat()).expect_err("no file");
+    assert!(
+        missing.starts_with("sub/c/d.xml:1:15: <include>: attribute `file` names `e.xml`"),
+        "{missing}"
+    );
+    let itself = found(&[("sub/a.xml", include("a.xml"))]).expect_err("a circle");
+    assert!(itself.contains("already part of the model"), "{itself}");
+}
+
 #[test]
 fn a_file_is_read_with_the_files_beside_it() {
     let folder = tempfile::tempdir().expect("a folder");
