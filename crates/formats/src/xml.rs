@@ -35,10 +35,15 @@ pub(crate) fn parse(text: &str, file: &str) -> Result<Element, FormatError> {
     };
     let document = roxmltree::Document::parse_with_options(text, options).map_err(|error| {
         let position = error.pos();
-        let place = Place {
-            file: lines.file.clone(),
-            line: position.row,
-            column: position.col,
+        let place = match error {
+            roxmltree::Error::UnclosedRootNode | roxmltree::Error::UnexpectedEndOfStream => {
+                lines.place(text.len())
+            }
+            _ => Place {
+                file: lines.file.clone(),
+                line: position.row,
+                column: position.col,
+            },
         };
         let problem = match error {
             roxmltree::Error::DtdDetected => "document type definitions are not read".into(),

@@ -998,3 +998,24 @@ fn springs_of_balls_are_left_out_leniently() {
         assert!((dof.damping - 0.335_103_216_4).abs() < 1e-9, "{dof:?}");
     }
 }
+
+/// MuJoCo's actuators are of group 0 unless they say otherwise.
+#[test]
+fn groups_of_actuators_without_actuators_may_be_switched_off() {
+    let text = |group: &str| {
+        format!(
+            "<mujoco><option actuatorgroupdisable='1 3'/><worldbody><body><joint name='j'/><geom size='1'/></body>
+             </worldbody><actuator><motor joint='j'/><motor joint='j' group='{group}'/></actuator></mujoco>"
+        )
+    };
+    let loaded = read(&text("2"));
+    assert_eq!(
+        (loaded.model.actuators.len(), loaded.warnings.len()),
+        (2, 0)
+    );
+    let loaded = lenient(&text("3"));
+    assert_eq!(
+        (loaded.model.actuators.len(), loaded.warnings.len()),
+        (1, 1)
+    );
+}

@@ -127,6 +127,19 @@ fn read_one(
     if merged.number("delay")?.unwrap_or(0.0) > 0.0 {
         report.refuse(element, "delay of the control", "set delay to 0")?;
     }
+    if context
+        .physics
+        .switched_off
+        .contains(&merged.integer("group")?.unwrap_or(0))
+    {
+        let feature = "an actuator of a group that is switched off";
+        report.refuse(
+            element,
+            feature,
+            "remove it, or its group from actuatorgroupdisable",
+        )?;
+        return Ok(None);
+    }
     if !context.physics.on("actuation") {
         report.note(
             element,
@@ -221,7 +234,17 @@ fn target<'a>(
         .filter(|i| gear.get(*i).is_some_and(|g| *g != 0.0))
         .collect();
     match acting[..] {
-        [i] if attribute == "joint" && servo.bias == [0.0; 3] => Ok(Some(Target {
+        _ if attribute == "jointinparent" => {
+            let feature =
+                "an actuator of a ball or free joint along its parent's axes (`jointinparent`)";
+            report.refuse(
+                element,
+                feature,
+                "name it by `joint`: its axes turn with the body",
+            )?;
+            Ok(None)
+        }
+        [i] if servo.bias == [0.0; 3] => Ok(Some(Target {
             joint,
             dof: i,
             gear: gear[i],

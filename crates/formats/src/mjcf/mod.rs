@@ -78,6 +78,7 @@ mod surface;
 mod tendon;
 mod tree;
 
+use crate::culprits::Culprits;
 use crate::error::FormatError;
 use crate::files::Files;
 use crate::fuse::Fusion;
@@ -163,12 +164,13 @@ pub(crate) fn read(
     parts.time_step = context.physics.time_step;
     crate::mesh_paths::resolve(&mut parts, files);
     names::complete(&mut parts);
+    let joints = tree.joints.iter().map(|j| (j.joint, &j.file.element));
+    let culprits = Culprits::new(&parts, &tree.elements, joints);
     fusion.apply(&mut parts);
-    let file = root.place.file.to_string();
     let model = Model::new(parts)
         .and_then(|model| contact::mix(model, &tree.surfaces, &context))
         .and_then(|model| context.meshes.pieces.take_apart(model))
-        .map_err(|source| FormatError::Model { file, source })?;
+        .map_err(|error| culprits.locate(&root.place.file, error))?;
     Ok(Loaded {
         model,
         warnings: report.into_warnings(),

@@ -21,6 +21,7 @@ mod joint;
 mod link;
 mod tree;
 
+use crate::culprits::Culprits;
 use crate::error::FormatError;
 use crate::files::Files;
 use crate::fuse::Fusion;
@@ -83,11 +84,12 @@ pub(crate) fn read(
     joint::couple(&tree, &mut parts, &mut report)?;
     mesh_paths::resolve(&mut parts, files);
     names::complete(&mut parts);
+    let joints = tree.joints.iter().map(|j| (j.id, j.element));
+    let culprits = Culprits::new(&parts, &tree.elements, joints);
     fusion.apply(&mut parts);
-    let file = root.place.file.to_string();
     let model = Model::new(parts)
         .and_then(|model| looks.meshes.pieces.take_apart(model))
-        .map_err(|source| FormatError::Model { file, source })?;
+        .map_err(|error| culprits.locate(&root.place.file, error))?;
     Ok(Loaded {
         model,
         warnings: report.into_warnings(),
