@@ -15,10 +15,13 @@
 //! - Collision geometry collides, visual geometry is only seen. Mesh files are named, not read, unless
 //!   those that collide are asked for, exact or as hulls ([`Options::meshes`]). The package of a `package://`
 //!   path is a folder of its name, beside the file or above; where there is none, the path stays, with a warning.
+//! - Elements of other programs that say nothing about the motion, as `<gazebo>` and `<transmission>`, are noted;
+//!   other ones, such as `<xacro:…>` that was not expanded, are refused unless lenient.
 
 mod geometry;
 mod joint;
 mod link;
+mod nesting;
 mod tree;
 
 use crate::culprits::Culprits;
@@ -60,7 +63,7 @@ pub(crate) fn read(
     options: &Options,
 ) -> Result<Loaded, FormatError> {
     let mut report = Report::new(options.lenient);
-    note_extensions(root, &mut report);
+    nesting::check(root, &mut report)?;
     let looks = Looks {
         colors: Colors::read(root)?,
         meshes: MeshReader::new(files, options.meshes),
@@ -94,15 +97,6 @@ pub(crate) fn read(
         model,
         warnings: report.into_warnings(),
     })
-}
-
-/// What stands beside links and joints comes from others than URDF.
-fn note_extensions(root: &Element, report: &mut Report) {
-    for child in &root.children {
-        if !["link", "joint", "material"].contains(&child.name.as_str()) {
-            report.note(child, "extension", "not read");
-        }
-    }
 }
 
 /// Turns the ranges of the joints into limits of force.
