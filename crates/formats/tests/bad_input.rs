@@ -710,22 +710,22 @@ const URDF: &[(&str, &str)] = &[
     ),
     (
         "<robot><link name=\"a\"/><link name=\"b\"/><joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/>\n<dynamic damping=\"1\"/></joint></robot>",
-        "robot.xml:2:1: <dynamic>: this in <joint> is not supported, and leaving it out would change the physics; correct its spelling if it is misspelt, remove it if it is not needed, or load leniently (--lenient) to go on without it",
+        "robot.xml:2:1: <dynamic>: such an element in <joint> is not supported, and leaving it out would change the physics; correct its spelling if it is misspelt, remove it if it is not needed, or load leniently (--lenient) to go on without it",
     ),
     (
         "<robot xmlns:xacro=\"http://ros.org/wiki/xacro\">\n<xacro:macro name=\"leg\"><link name=\"b\"/></xacro:macro><link name=\"a\"/></robot>",
-        "robot.xml:2:1: <xacro:macro>: this in <robot> is not supported, and leaving it out would change the physics; expand the file: xacro robot.xacro > robot.urdf, or load leniently (--lenient) to go on without it",
+        "robot.xml:2:1: <xacro:macro>: such an element in <robot> is not supported, and leaving it out would change the physics; expand the file: xacro robot.xacro > robot.urdf, or load leniently (--lenient) to go on without it",
     ),
     (
         "<robot><link name=\"a\"><inertail/></link></robot>",
-        "robot.xml:1:23: <inertail>: this in <link> is not supported, and leaving it out would change the physics; correct its spelling if it is misspelt, remove it if it is not needed, or load leniently (--lenient) to go on without it",
+        "robot.xml:1:23: <inertail>: such an element in <link> is not supported, and leaving it out would change the physics; correct its spelling if it is misspelt, remove it if it is not needed, or load leniently (--lenient) to go on without it",
     ),
     (
         "<robot><link name=\"a\"><visual><geometry><sphere radius=\"1\"><box/></sphere></geometry></visual></link></robot>",
-        "robot.xml:1:60: <box>: this in <sphere> is not supported, and leaving it out would change the physics; correct its spelling if it is misspelt, remove it if it is not needed, or load leniently (--lenient) to go on without it",
+        "robot.xml:1:60: <box>: such an element in <sphere> is not supported, and leaving it out would change the physics; correct its spelling if it is misspelt, remove it if it is not needed, or load leniently (--lenient) to go on without it",
     ),
     (
         "<robot><link name=\"a\"/><jiont/></robot>",
-        "robot.xml:1:24: <jiont>: this in <robot> is not supported, and leaving it out would change the physics; correct its spelling if it is misspelt, remove it if it is not needed, or load leniently (--lenient) to go on without it",
+        "robot.xml:1:24: <jiont>: such an element in <robot> is not supported, and leaving it out would change the physics; correct its spelling if it is misspelt, remove it if it is not needed, or load leniently (--lenient) to go on without it",
     ),
 ];

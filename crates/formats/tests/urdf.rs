@@ -232,12 +232,14 @@ fn elements_of_other_programs_are_noted() {
     let unknown = text("<drake:joint name='j' type='universal'/>");
     let error = read(&unknown, false).expect_err("an element that is not known");
     assert!(
-        error.to_string().contains("<drake:joint>: this in <robot>"),
+        error
+            .to_string()
+            .contains("<drake:joint>: such an element in <robot>"),
         "{error}"
     );
     let warnings = read(&unknown, true).expect("a model").warnings;
     assert_eq!(
         warnings[0].to_string(),
-        "r.urdf:1: <drake:joint>: this in <robot>: left out although it changes the physics"
+        "r.urdf:1: <drake:joint>: such an element in <robot>: left out although it changes the physics"
     );
 }

@@ -6,58 +6,43 @@ use crate::xml::{self, Element};
 use std::collections::HashSet;
 use std::io;
 
-/// What is included, and the folder of the file that includes it.
-struct Part {
-    root: Element,
-    folder: String,
-}
-
 /// Replaces every include below `root` by the children of the root of the file that it names.
 ///
 /// Each file may be included once, as in MuJoCo, so that includes cannot go in circles.
 pub(super) fn assemble(root: Element, files: &dyn Files) -> Result<Element, FormatError> {
     let mut included = HashSet::from([plain(&root.place.file)]);
-    let folder = String::new();
-    expand(Part { root, folder }, files, &mut included, 1)
+    expand(root, "", files, &mut included, 1)
 }
 
+/// `folder` is that of the element's file, seen from the main one.
 fn expand(
-    part: Part,
+    mut element: Element,
+    folder: &str,
     files: &dyn Files,
     included: &mut HashSet<String>,
     depth: usize,
 ) -> Result<Element, FormatError> {
-    let Part { mut root, folder } = part;
-    root.check_depth(depth)?;
-    for child in std::mem::take(&mut root.children) {
+    element.check_depth(depth)?;
+    for child in std::mem::take(&mut element.children) {
         if child.name == "include" {
-            let part = expand(
-                open(&child, &folder, files, included)?,
-                files,
-                included,
-                depth + 1,
-            )?;
-            root.children.extend(part.children);
+            let (part, folder) = open(&child, folder, files, included)?;
+            let part = expand(part, &folder, files, included, depth + 1)?;
+            element.children.extend(part.children);
         } else {
-            let folder = folder.clone();
-            let part = Part {
-                root: child,
-                folder,
-            };
-            root.children
-                .push(expand(part, files, included, depth + 1)?);
+            let child = expand(child, folder, files, included, depth + 1)?;
+            element.children.push(child);
         }
     }
-    Ok(root)
+    Ok(element)
 }
 
-/// The file that an include names: beside the main one, or else in `folder`, beside that which includes it.
+/// The file that an include names, and its folder: beside the main one, or else in `folder`, beside that which includes it.
 fn open(
     include: &Element,
     folder: &str,
     files: &dyn Files,
     included: &mut HashSet<String>,
-) -> Result<Part, FormatError> {
+) -> Result<(Element, String), FormatError> {
     let written = include.require("file")?;
     let mut name = plain(written);
     let mut read = files.read(&name);
@@ -91,7 +76,7 @@ fn open(
         .rsplit_once('/')
         .map_or("", |(folder, _)| folder)
         .to_owned();
-    Ok(Part { root, folder })
+    Ok((root, folder))
 }
 
 fn is_missing(read: &io::Result<String>) -> bool {

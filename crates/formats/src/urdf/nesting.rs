@@ -69,7 +69,11 @@ pub(super) fn check(element: &Element, report: &mut Report) -> Result<(), Format
                 true => "expand the file: xacro robot.xacro > robot.urdf",
                 false => "correct its spelling if it is misspelt, remove it if it is not needed",
             };
-            report.refuse(child, &format!("this in <{}>", element.name), remedy)?;
+            report.refuse(
+                child,
+                &format!("such an element in <{}>", element.name),
+                remedy,
+            )?;
         }
     }
     Ok(())
