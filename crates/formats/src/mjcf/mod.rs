@@ -35,9 +35,9 @@
 //! - An exclusion of a massless body holds for the body that it is fused with.
 //! - A ball joint stands alone on its body, is not limited, has no spring, and takes motors about one axis at a time.
 //! - Refused unless lenient: drag by a fluid, gravity compensation, tendons that exert force, muscles
-//!   and other actuators with a state, plugins, flexible bodies, polynomial springs, springs
-//!   and limits of ball joints, `<replicate>`, `<attach>` and the like, and mass from the volume of a mesh whose surface is open, unless it
-//!   becomes its hull ([`Options::meshes`]).
+//!   and other actuators with a state, plugins, flexible bodies, polynomial springs, springs and limits of
+//!   ball joints, `<replicate>`, `<attach>` and the like, and mass from a height field or from the volume of
+//!   a mesh whose surface is open, unless it becomes its hull ([`Options::meshes`]).
 //! - Meshes weigh what their `inertia` says, once they are read; but `legacy`, which is MuJoCo's default, is `exact`
 //!   here. In MuJoCo it is more where faces of the mesh look at its middle, which is noted.
 //! - `touch` is of all contacts of the site's body. What other sensors measure, and of rangefinders other `data` than
