@@ -80,7 +80,7 @@ pub enum FormatError {
     /// The file is well formed, but no model can be made of what it describes.
     #[error("{file}: {source}")]
     Model {
-        /// The file.
+        /// The file; with line and column where the culprit is known to stand.
         file: String,
         /// What is wrong with the model, and what to do.
         source: ModelError,

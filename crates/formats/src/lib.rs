@@ -19,6 +19,7 @@
 
 #![forbid(unsafe_code)]
 
+mod culprits;
 mod error;
 mod files;
 mod fuse;

@@ -35,10 +35,15 @@ pub(crate) fn parse(text: &str, file: &str) -> Result<Element, FormatError> {
     };
     let document = roxmltree::Document::parse_with_options(text, options).map_err(|error| {
         let position = error.pos();
-        let place = Place {
-            file: lines.file.clone(),
-            line: position.row,
-            column: position.col,
+        let place = match error {
+            roxmltree::Error::UnclosedRootNode | roxmltree::Error::UnexpectedEndOfStream => {
+                lines.place(text.len())
+            }
+            _ => Place {
+                file: lines.file.clone(),
+                line: position.row,
+                column: position.col,
+            },
         };
         let problem = match error {
             roxmltree::Error::DtdDetected => "document type definitions are not read".into(),
@@ -59,7 +64,7 @@ fn without_position(message: &str) -> String {
 
 fn convert(node: roxmltree::Node, lines: &Lines, depth: usize) -> Result<Element, FormatError> {
     let mut element = Element {
-        name: node.tag_name().name().to_owned(),
+        name: name(node),
         attributes: Vec::new(),
         children: Vec::new(),
         place: lines.place(node.range().start),
@@ -76,6 +81,16 @@ fn convert(node: roxmltree::Node, lines: &Lines, depth: usize) -> Result<Element
         element.children.push(convert(child, lines, depth + 1)?);
     }
     Ok(element)
+}
+
+/// As it is written, with the prefix of its namespace.
+fn name(node: roxmltree::Node) -> String {
+    let tag = node.tag_name();
+    let prefix = tag.namespace().and_then(|uri| node.lookup_prefix(uri));
+    match prefix {
+        Some(prefix) if !prefix.is_empty() => format!("{prefix}:{}", tag.name()),
+        _ => tag.name().to_owned(),
+    }
 }
 
 /// Where each line of a text starts.

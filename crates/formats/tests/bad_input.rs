@@ -64,7 +64,7 @@ const XML: &[(&str, &str)] = &[
     ),
     (
         "<mujoco>",
-        "robot.xml:1:1: not well-formed XML (the root node was opened but never closed); correct the text there",
+        "robot.xml:1:9: not well-formed XML (the root node was opened but never closed); correct the text there",
     ),
     (
         "<mujoco>\n  <worldbody>\n</mujoco>",
@@ -81,6 +81,10 @@ const XML: &[(&str, &str)] = &[
     (
         "<sdf/>",
         "robot.xml:1:1: <sdf>: the root element names no known format; MJCF files start with <mujoco>, URDF files with <robot>",
+    ),
+    (
+        "<mujoco>\n<worldbody>\n<geom size=\"1",
+        "robot.xml:3:14: not well-formed XML (unexpected end of stream); correct the text there",
     ),
 ];
 
@@ -99,7 +103,7 @@ const MJCF: &[(&str, &str)] = &[
     ),
     (
         "<mujoco><worldbody><geom size=\"1\" solref=\"0.1 -1\"/></worldbody></mujoco>",
-        "robot.xml:1:35: <geom>: attribute `solref` mixes a positive and a negative number; write time constant and damping ratio, both positive, or −stiffness and −damping",
+        "robot.xml:1:35: <geom>: attribute `solref` has a positive number and one that is not; write time constant and damping ratio, both positive, or −stiffness and −damping",
     ),
     (
         "<mujoco><contact><touch/></contact></mujoco>",
@@ -160,7 +164,7 @@ const MJCF: &[(&str, &str)] = &[
     ),
     (
         "<mujoco><include file=\"none.xml\"/></mujoco>",
-        "robot.xml:1:18: <include>: attribute `file` names `none.xml`, which cannot be read (entity not found); give its path relative to the main file's folder",
+        "robot.xml:1:18: <include>: attribute `file` names `none.xml`, which cannot be read (entity not found); give its path relative to the folder of the main file, or of the one that includes it",
     ),
     (
         "<mujoco><include/></mujoco>",
@@ -173,6 +177,10 @@ const MJCF: &[(&str, &str)] = &[
     (
         "<mujoco><include file=\"part.xml\"/>\n<include file=\"part.xml\"/></mujoco>",
         "robot.xml:2:10: <include>: attribute `file` names `part.xml`, which is already part of the model; include each file once, and no file from within itself",
+    ),
+    (
+        "<mujoco><include file=\"part.xml\"/>\n<include file=\"./part.xml\"/></mujoco>",
+        "robot.xml:2:10: <include>: attribute `file` names `./part.xml`, which is already part of the model; include each file once, and no file from within itself",
     ),
     (
         "<mujoco><include file=\"circle.xml\"/></mujoco>",
@@ -261,7 +269,7 @@ const MJCF: &[(&str, &str)] = &[
     (
         "<mujoco><worldbody><body><joint solreflimit=\"0.1 -1\"/><geom size=\"1\"/></body>\
          </worldbody></mujoco>",
-        "robot.xml:1:33: <joint>: attribute `solreflimit` mixes a positive and a negative number; write time constant and damping ratio, both positive, or −stiffness and −damping",
+        "robot.xml:1:33: <joint>: attribute `solreflimit` has a positive number and one that is not; write time constant and damping ratio, both positive, or −stiffness and −damping",
     ),
     (
         "<mujoco><worldbody><body><joint range=\"0 1\" margin=\"3\"/><geom size=\"1\"/></body>\
@@ -396,6 +404,78 @@ const MJCF: &[(&str, &str)] = &[
         "<mujoco><keyframe><frame/></keyframe></mujoco>",
         "robot.xml:1:19: <frame>: a keyframe section holds keys only; write <key …/>",
     ),
+    (
+        "<mujoco><worldbody><body><joint>\n<geom size=\"1\"/></joint></body></worldbody></mujoco>",
+        "robot.xml:2:1: <geom>: <joint> holds no such element; correct its spelling, or put it where it belongs",
+    ),
+    (
+        "<mujoco><worldbody><body><frame><body><geom><geom/></geom></body></frame></body></worldbody></mujoco>",
+        "robot.xml:1:45: <geom>: <geom> holds no such element; correct its spelling, or put it where it belongs",
+    ),
+    (
+        "<mujoco><default><geom><joint/></geom></default></mujoco>",
+        "robot.xml:1:24: <joint>: <geom> holds no such element; correct its spelling, or put it where it belongs",
+    ),
+    (
+        "<mujoco><visual><mop/></visual></mujoco>",
+        "robot.xml:1:17: <mop>: <visual> holds no such element; correct its spelling, or put it where it belongs",
+    ),
+    (
+        "<mujoco><tendon><fixed><site site=\"a\"/></fixed></tendon></mujoco>",
+        "robot.xml:1:24: <site>: <fixed> holds no such element; correct its spelling, or put it where it belongs",
+    ),
+    (
+        "<mujoco><default><default class=\"a\">\n<jiont damping=\"1\"/></default></default></mujoco>",
+        "robot.xml:2:1: <jiont>: a default class holds no such element; correct its spelling, or remove it",
+    ),
+    (
+        "<mujoco><worldbody><body><joint name=\"j\"/><geom size=\"1\"/></body></worldbody><tendon><fixed>\n<joint joint=\"k\" coef=\"1\"/></fixed></tendon></mujoco>",
+        "robot.xml:2:8: <joint>: attribute `joint` names `k`, but no joint has this name; correct the name",
+    ),
+    (
+        "<mujoco><worldbody><body><freejoint name=\"j\"/><geom size=\"1\"/></body></worldbody><tendon><fixed><joint joint=\"j\" coef=\"1\"/></fixed></tendon></mujoco>",
+        "robot.xml:1:104: <joint>: attribute `joint` names a ball or free joint; name a hinge or a slide",
+    ),
+    (
+        "<mujoco><tendon><spatial><site site=\"a\"/></spatial></tendon></mujoco>",
+        "robot.xml:1:32: <site>: attribute `site` names `a`, but no site has this name; correct the name",
+    ),
+    (
+        "<mujoco><worldbody><geom size=\"1\" friction=\"1 -2\"/></worldbody></mujoco>",
+        "robot.xml:1:35: <geom>: attribute `friction` holds -2, below zero; write zero or positive numbers",
+    ),
+    (
+        "<mujoco><worldbody><geom size=\"1\" solref=\"0 1\"/></worldbody></mujoco>",
+        "robot.xml:1:35: <geom>: attribute `solref` has a positive number and one that is not; write time constant and damping ratio, both positive, or −stiffness and −damping",
+    ),
+    (
+        "<mujoco><worldbody><body><freejoint/>\n<geom size=\"1\"/></body>\n <body name=\"flat\"><freejoint/><inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"0 0 0\"/></body></worldbody></mujoco>",
+        "robot.xml:3:2: body \"flat\": its smallest principal moment of inertia is 0 kg·m², but all three must be above zero; check the signs and units",
+    ),
+    (
+        "<mujoco><worldbody>\n<body><joint/><geom size=\"1e200\"/></body></worldbody></mujoco>",
+        "robot.xml:2:1: body \"body_1\": mass [kg] is inf; give a finite number",
+    ),
+    (
+        "<mujoco><worldbody><geom type=\"capsule\" size=\"1\" pos=\"0 0 1\" fromto=\"0 0 0 0 0 1\"/></worldbody></mujoco>",
+        "robot.xml:1:50: <geom>: attribute `pos` stands beside `fromto`; keep one of them",
+    ),
+    (
+        "<mujoco><worldbody><body><joint springdamper=\"0 1\"/><geom size=\"1\"/></body></worldbody></mujoco>",
+        "robot.xml:1:33: <joint>: attribute `springdamper` has a number that is not positive; write a time constant and a damping ratio, or 0 0 for none",
+    ),
+    (
+        "<mujoco><option integrator=\"RK5\"/></mujoco>",
+        "robot.xml:1:17: <option>: attribute `integrator` is `RK5`; write one of: Euler, RK4, implicit, implicitfast, discrete",
+    ),
+    (
+        "<mujoco><option solver=\"newton\"/></mujoco>",
+        "robot.xml:1:17: <option>: attribute `solver` is `newton`; write one of: PGS, CG, Newton",
+    ),
+    (
+        "<mujoco><option actuatorgroupdisable=\"1 40\"/></mujoco>",
+        "robot.xml:1:17: <option>: attribute `actuatorgroupdisable` holds 40; write whole numbers from 0 to 30",
+    ),
 ];
 
 const UNSUPPORTED: &[(&str, &str)] = &[
@@ -447,7 +527,7 @@ const UNSUPPORTED: &[(&str, &str)] = &[
     ),
     (
         "<mujoco><worldbody><body><joint type=\"free\" springdamper=\"1 1\"/><geom size=\"1\"/></body></worldbody></mujoco>",
-        "robot.xml:1:26: <joint>: a spring at a free joint is not supported, and leaving it out would change the physics; write damping instead of springdamper, or load leniently (--lenient) to go on without it",
+        "robot.xml:1:26: <joint>: a spring at a ball or free joint is not supported, and leaving it out would change the physics; write damping instead of springdamper, or load leniently (--lenient) to go on without it",
     ),
     (
         "<mujoco><worldbody><site colour=\"1\"/></worldbody></mujoco>",
@@ -489,6 +569,30 @@ const UNSUPPORTED: &[(&str, &str)] = &[
     (
         "<mujoco><equality><tendon tendon1=\"t\"/></equality></mujoco>",
         "robot.xml:1:19: <tendon>: an equality constraint of kind tendon is not supported, and leaving it out would change the physics; remove it, or use connect, weld or joint, or load leniently (--lenient) to go on without it",
+    ),
+    (
+        "<mujoco><default><default class=\"a\">\n<geom sise=\"1\"/></default></default></mujoco>",
+        "robot.xml:2:7: <geom>: attribute `sise` is not supported, and leaving it out would change the physics; correct its spelling if it is misspelt, remove it if it is not needed, or load leniently (--lenient) to go on without it",
+    ),
+    (
+        "<mujoco><default clas=\"a\"/></mujoco>",
+        "robot.xml:1:18: <default>: attribute `clas` is not supported, and leaving it out would change the physics; correct its spelling if it is misspelt, remove it if it is not needed, or load leniently (--lenient) to go on without it",
+    ),
+    (
+        "<mujoco><worldbody><body><joint type=\"ball\" stiffness=\"3\"/><geom size=\"1\"/></body></worldbody></mujoco>",
+        "robot.xml:1:26: <joint>: a spring at a ball or free joint is not supported, and leaving it out would change the physics; set stiffness to 0, or load leniently (--lenient) to go on without it",
+    ),
+    (
+        "<mujoco><option actuatorgroupdisable=\"1 2\"/><default><motor group=\"2\"/></default><worldbody><body><joint name=\"j\"/><geom size=\"1\"/></body></worldbody><actuator>\n<motor joint=\"j\"/></actuator></mujoco>",
+        "robot.xml:2:1: <motor>: an actuator of a group that is switched off is not supported, and leaving it out would change the physics; remove it, or its group from actuatorgroupdisable, or load leniently (--lenient) to go on without it",
+    ),
+    (
+        "<mujoco><worldbody><body><joint name=\"j\" type=\"ball\"/><geom size=\"1\"/></body></worldbody><actuator>\n<motor jointinparent=\"j\" gear=\"1\"/></actuator></mujoco>",
+        "robot.xml:2:1: <motor>: an actuator of a ball or free joint along its parent's axes (`jointinparent`) is not supported, and leaving it out would change the physics; name it by `joint`: its axes turn with the body, or load leniently (--lenient) to go on without it",
+    ),
+    (
+        "<mujoco><asset><hfield name=\"h\" nrow=\"2\" ncol=\"2\" size=\"1 1 1 1\"/></asset><worldbody><body><freejoint/>\n<geom type=\"hfield\" hfield=\"h\"/></body></worldbody></mujoco>",
+        "robot.xml:2:1: <geom>: mass from a height field is not supported, and leaving it out would change the physics; give the body an <inertial> element, or this geom mass=\"0\", or load leniently (--lenient) to go on without it",
     ),
 ];
 
@@ -603,5 +707,25 @@ const URDF: &[(&str, &str)] = &[
          iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link><joint name=\"j\" \
          type=\"continuous\"><parent link=\"a\"/><child link=\"b\"/>\n<mimic joint=\"x\"/></joint></robot>",
         "robot.xml:2:8: <mimic>: attribute `joint` names `x`, but no moving joint has this name; name another joint",
+    ),
+    (
+        "<robot><link name=\"a\"/><link name=\"b\"/><joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/>\n<dynamic damping=\"1\"/></joint></robot>",
+        "robot.xml:2:1: <dynamic>: such an element in <joint> is not supported, and leaving it out would change the physics; correct its spelling if it is misspelt, remove it if it is not needed, or load leniently (--lenient) to go on without it",
+    ),
+    (
+        "<robot xmlns:xacro=\"http://ros.org/wiki/xacro\">\n<xacro:macro name=\"leg\"><link name=\"b\"/></xacro:macro><link name=\"a\"/></robot>",
+        "robot.xml:2:1: <xacro:macro>: such an element in <robot> is not supported, and leaving it out would change the physics; expand the file: xacro robot.xacro > robot.urdf, or load leniently (--lenient) to go on without it",
+    ),
+    (
+        "<robot><link name=\"a\"><inertail/></link></robot>",
+        "robot.xml:1:23: <inertail>: such an element in <link> is not supported, and leaving it out would change the physics; correct its spelling if it is misspelt, remove it if it is not needed, or load leniently (--lenient) to go on without it",
+    ),
+    (
+        "<robot><link name=\"a\"><visual><geometry><sphere radius=\"1\"><box/></sphere></geometry></visual></link></robot>",
+        "robot.xml:1:60: <box>: such an element in <sphere> is not supported, and leaving it out would change the physics; correct its spelling if it is misspelt, remove it if it is not needed, or load leniently (--lenient) to go on without it",
+    ),
+    (
+        "<robot><link name=\"a\"/><jiont/></robot>",
+        "robot.xml:1:24: <jiont>: such an element in <robot> is not supported, and leaving it out would change the physics; correct its spelling if it is misspelt, remove it if it is not needed, or load leniently (--lenient) to go on without it",
     ),
 ];

@@ -193,6 +193,48 @@ fn includes_are_spliced_in() {
     assert_eq!(loaded.model.shapes[0].name, "hand");
 }
 
+/// MuJoCo 4.0 takes a file beside the main one, and else one beside that which includes it.
+#[test]
+fn includes_are_relative_to_the_main_file_or_to_the_including_one() {
+    let body =
+        |name: &str| format!("<any><body name='{name}'><joint/><geom size='0.1'/></body></any>");
+    let include = |file: &str| format!("<any><include file='{file}'/></any>");
+    let found = |files: &[(&str, String)]| {
+        let files = InMemory::new(files.iter().cloned());
+        let text = "<mujoco><worldbody><include file='sub/a.xml'/></worldbody></mujoco>";
+        parse(text, "robot.xml", &files, &Options::default())
+            .map(|loaded| loaded.model.bodies[0].name.clone())
+            .map_err(|error| error.to_string())
+    };
+    let inner = ("sub/b.xml", body("inner"));
+    let outer = ("b.xml", body("outer"));
+    let by = ("sub/a.xml", include("b.xml"));
+    assert_eq!(found(&[by.clone(), inner.clone()]), Ok("inner".into()));
+    assert_eq!(
+        found(&[by.clone(), inner.clone(), outer.clone()]),
+        Ok("outer".into())
+    );
+    let up = ("sub/a.xml", include("../b.xml"));
+    assert_eq!(found(&[up, outer.clone()]), Ok("outer".into()));
+    let from_main = ("sub/a.xml", include("sub/b.xml"));
+    assert_eq!(found(&[from_main, inner]), Ok("inner".into()));
+    let deep = [
+        ("sub/a.xml", include("c/d.xml")),
+        ("sub/c/d.xml", include("e.xml")),
+    ];
+    let last = ("sub/c/e.xml", body("deep"));
+    assert_eq!(found(&[&deep[..], &[last]].concat()), Ok("deep".into()));
+    // Not beside those that include the including one.
+    let halfway = ("sub/e.xml", body("halfway"));
+    let missing = found(&[&deep[..], &[halfway]].concat()).expect_err("no file");
+    assert!(
+        missing.starts_with("sub/c/d.xml:1:15: <include>: attribute `file` names `e.xml`"),
+        "{missing}"
+    );
+    let itself = found(&[("sub/a.xml", include("a.xml"))]).expect_err("a circle");
+    assert!(itself.contains("already part of the model"), "{itself}");
+}
+
 #[test]
 fn a_file_is_read_with_the_files_beside_it() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -744,7 +786,10 @@ fn pyramids_of_friction_soften_contacts() {
 #[test]
 fn tendons_without_force_are_noted() {
     let fixed = "<tendon><fixed><joint joint='a' coef='1'/></fixed></tendon>";
-    let loaded = read(&format!("<mujoco>{fixed}</mujoco>"));
+    let body = "<body><joint name='a'/><geom size='1'/></body>";
+    let loaded = read(&format!(
+        "<mujoco><worldbody>{body}</worldbody>{fixed}</mujoco>"
+    ));
     assert_eq!(
         lines(&loaded.warnings),
         ["robot.xml:1: <fixed>: tendons: exert no force; not read"]
@@ -866,4 +911,111 @@ fn cameras_that_cannot_be_had_are_told() {
     assert!(broken(r#"<camera sensorsize="1 1"/>"#).contains("give `focal` or `focalpixel`"));
     assert!(broken(r#"<camera fovy="180"/>"#).contains("field of view"));
     assert!(broken(r#"<camera resolution="-1 5"/>"#).contains("size [pixel]"));
+}
+
+/// MuJoCo 4.0 overwrites the numbers that are given, class by class, and leaves those behind them.
+#[test]
+fn shorter_lists_keep_the_rest_of_their_class_s() {
+    let model = read(
+        r#"<mujoco>
+             <compiler angle="radian"/>
+             <default>
+               <geom type="capsule" size="0.05 0.3" condim="6" friction="2 3 4" solref="0.1 0.2"
+                 solimp="0.8 0.8 0.3"/>
+               <joint range="-1 1" solreflimit="0.1 0.5" solimplimit="0.5 0.5 0.1"/>
+               <motor gear="0 0 3"/>
+               <default class="inner"><geom friction="5 6" solimp="0.7 0.7"/></default>
+             </default>
+             <worldbody>
+               <geom class="inner" size="0.1" friction="7" solref="0.3"/>
+               <body><freejoint name="free"/><geom size="1"/></body>
+               <body><joint solreflimit="0.2"/><geom size="1"/></body>
+             </worldbody>
+             <actuator><motor joint="free" gear="0"/></actuator>
+           </mujoco>"#,
+    )
+    .model;
+    let ends = |radius: f64| Geometry::Capsule {
+        radius,
+        half_height: radius + 0.3,
+    };
+    assert_eq!(model.shapes[0].geometry, ends(0.1));
+    let m = model.shapes[0].material;
+    let friction = [m.friction, m.torsional_friction, m.rolling_friction];
+    assert_eq!(friction, [7.0, 6.0, 4.0]);
+    let Softness::Time {
+        constant,
+        ratio,
+        impedance,
+        ..
+    } = m.softness
+    else {
+        panic!("{m:?}")
+    };
+    assert_eq!((constant, ratio, impedance), (0.3, 0.2, 0.7));
+    // k = 1 / (T ζ)² and b = 2 / T for the inertia twice that of the joint, as d = ½.
+    let limit = model.joints[1].dofs[0].limit.expect("a limit");
+    let square = limit.damping * limit.damping / (limit.stiffness * limit.inertia);
+    assert!(
+        (limit.damping / limit.inertia - 2.0 * 2.0 / 0.2).abs() < 1e-9,
+        "{limit:?}"
+    );
+    assert!((square - 2.0 * 4.0 * 0.5 * 0.5).abs() < 1e-9, "{limit:?}");
+    assert_eq!((model.actuators[0].dof, model.actuators[0].gear), (2, 3.0));
+}
+
+/// One number of `damping` keeps its class's others, which MuJoCo 4.0 has as a polynomial.
+#[test]
+fn a_linear_damping_does_not_take_back_a_polynomial() {
+    let text = "<mujoco><default><joint damping='1 2 3'/></default><worldbody><body>\
+                <joint damping='4'/><geom size='1'/></body></worldbody></mujoco>";
+    let files = InMemory::default();
+    let error = parse(text, "robot.xml", &files, &Options::default()).expect_err("a polynomial");
+    assert!(error.to_string().contains("nonlinear damping"), "{error}");
+    assert_eq!(lenient(text).model.joints[0].dofs[0].damping, 4.0);
+}
+
+/// MuJoCo has a stiffness of 3 there, which no solver takes; damping stays.
+#[test]
+fn springs_of_balls_are_left_out_leniently() {
+    let joint = |spring: &str| {
+        let loaded = lenient(&format!(
+            "<mujoco><worldbody><body><joint type='ball' {spring}/><geom size='0.1'/></body></worldbody></mujoco>"
+        ));
+        let warnings = lines(&loaded.warnings);
+        let told = [
+            "robot.xml:1: <joint>: a spring at a ball or free joint: left out although it changes the physics",
+        ];
+        assert_eq!(warnings, told);
+        loaded.model.joints[0].dofs.clone()
+    };
+    for dof in joint("stiffness='3' damping='2'") {
+        assert_eq!((dof.stiffness, dof.damping), (0.0, 2.0));
+    }
+    // 2 I / T, with MuJoCo's I = 2/5 m r² of a ball of 4.189 kg.
+    for dof in joint("springdamper='0.1 1'") {
+        assert_eq!(dof.stiffness, 0.0);
+        assert!((dof.damping - 0.335_103_216_4).abs() < 1e-9, "{dof:?}");
+    }
+}
+
+/// MuJoCo's actuators are of group 0 unless they say otherwise.
+#[test]
+fn groups_of_actuators_without_actuators_may_be_switched_off() {
+    let text = |group: &str| {
+        format!(
+            "<mujoco><option actuatorgroupdisable='1 3'/><worldbody><body><joint name='j'/><geom size='1'/></body>
+             </worldbody><actuator><motor joint='j'/><motor joint='j' group='{group}'/></actuator></mujoco>"
+        )
+    };
+    let loaded = read(&text("2"));
+    assert_eq!(
+        (loaded.model.actuators.len(), loaded.warnings.len()),
+        (2, 0)
+    );
+    let loaded = lenient(&text("3"));
+    assert_eq!(
+        (loaded.model.actuators.len(), loaded.warnings.len()),
+        (1, 1)
+    );
 }

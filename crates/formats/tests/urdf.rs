@@ -211,3 +211,35 @@ fn capsules_and_loose_geometry() {
     );
     assert_eq!(loaded.warnings.len(), 1);
 }
+
+#[test]
+fn elements_of_other_programs_are_noted() {
+    let text = |inner: &str| {
+        format!(
+            "<robot name='r' xmlns:drake='https://drake.mit.edu'><link name='a'/>{inner}</robot>"
+        )
+    };
+    let read = |text: &str, lenient: bool| {
+        let options = Options {
+            lenient,
+            ..Options::default()
+        };
+        parse(text, "r.urdf", &InMemory::default(), &options)
+    };
+    let known = text("<ros2_control/><sensor/><gazebo><plugin/></gazebo>");
+    assert_eq!(read(&known, false).expect("a model").warnings.len(), 3);
+    // Not one of URDF's own joints, whatever its name.
+    let unknown = text("<drake:joint name='j' type='universal'/>");
+    let error = read(&unknown, false).expect_err("an element that is not known");
+    assert!(
+        error
+            .to_string()
+            .contains("<drake:joint>: such an element in <robot>"),
+        "{error}"
+    );
+    let warnings = read(&unknown, true).expect("a model").warnings;
+    assert_eq!(
+        warnings[0].to_string(),
+        "r.urdf:1: <drake:joint>: such an element in <robot>: left out although it changes the physics"
+    );
+}

@@ -12,9 +12,9 @@ use model::Actuator;
 use std::collections::HashSet;
 
 /// Elements that set one another's defaults.
-const KINDS: &[&str] = &["general", "motor", "position", "velocity"];
+pub(super) const KINDS: &[&str] = &["general", "motor", "position", "velocity"];
 /// Elements that are not supported.
-const OTHERS: &[&str] = &[
+pub(super) const OTHERS: &[&str] = &[
     "intvelocity",
     "damper",
     "cylinder",
@@ -120,15 +120,25 @@ fn read_one(
     if !is_supported(element, report)? {
         return Ok(None);
     }
-    let settings = context.defaults.settings(element, None, KINDS)?;
-    let levels: Vec<&Element> = settings.iter().copied().chain([element]).collect();
-    for level in &levels {
-        let known = [KNOWN, own_attributes(&level.name)].concat();
-        report.check_attributes(level, &known, &[])?;
-    }
-    let merged = inherit(element, &settings);
+    report.check_attributes(element, &known(&element.name), &[])?;
+    let kinds = [KINDS, OTHERS].concat();
+    let classes = context.defaults.classes(element, None, &kinds)?;
+    let merged = inherit(element, &classes.concat());
     if merged.number("delay")?.unwrap_or(0.0) > 0.0 {
         report.refuse(element, "delay of the control", "set delay to 0")?;
+    }
+    if context
+        .physics
+        .switched_off
+        .contains(&merged.integer("group")?.unwrap_or(0))
+    {
+        let feature = "an actuator of a group that is switched off";
+        report.refuse(
+            element,
+            feature,
+            "remove it, or its group from actuatorgroupdisable",
+        )?;
+        return Ok(None);
     }
     if !context.physics.on("actuation") {
         report.note(
@@ -138,15 +148,11 @@ fn read_one(
         );
         return Ok(None);
     }
-    let mut of_servo = levels.iter().copied();
-    let servo = of_servo.try_fold(Servo::default(), Servo::with)?;
-    let servo = servo.checked(element, report)?;
-    let mut of_control = levels.iter().copied();
-    let control = of_control.try_fold(Control::default(), Control::with)?;
+    let servo = Servo::of(element, &classes)?.checked(element, report)?;
     let Some(target) = target(&merged, tree, &servo, report)? else {
         return Ok(None);
     };
-    let control_range = control.range(&merged, target.joint, &servo, context)?;
+    let control_range = control_range(&merged, target.joint, &servo, context)?;
     let actuator = Actuator {
         name: element.get("name").unwrap_or_default().to_owned(),
         joint: target.joint.joint,
@@ -160,7 +166,7 @@ fn read_one(
             .range(&merged, "forcelimited", "forcerange")?,
     };
     add_reflected(&merged, &actuator, tree, context, report)?;
-    Ok(Some((actuator, servo.damping_ratio)))
+    Ok(Some((actuator, servo.damping_ratio())))
 }
 
 fn is_supported(element: &Element, report: &mut Report) -> Result<bool, FormatError> {
@@ -175,14 +181,15 @@ fn is_supported(element: &Element, report: &mut Report) -> Result<bool, FormatEr
     }
 }
 
-/// Attributes that not all kinds have.
-fn own_attributes(kind: &str) -> &'static [&'static str] {
-    match kind {
+/// The attributes of a kind that is supported.
+pub(super) fn known(kind: &str) -> Vec<&'static str> {
+    let own = match kind {
         "general" => GENERAL,
         "position" => POSITION,
         "velocity" => VELOCITY,
         _ => &[],
-    }
+    };
+    [KNOWN, own].concat()
 }
 
 /// What an actuator acts on.
@@ -227,7 +234,17 @@ fn target<'a>(
         .filter(|i| gear.get(*i).is_some_and(|g| *g != 0.0))
         .collect();
     match acting[..] {
-        [i] if attribute == "joint" && servo.bias == [0.0; 3] => Ok(Some(Target {
+        _ if attribute == "jointinparent" => {
+            let feature =
+                "an actuator of a ball or free joint along its parent's axes (`jointinparent`)";
+            report.refuse(
+                element,
+                feature,
+                "name it by `joint`: its axes turn with the body",
+            )?;
+            Ok(None)
+        }
+        [i] if servo.bias == [0.0; 3] => Ok(Some(Target {
             joint,
             dof: i,
             gear: gear[i],
@@ -240,62 +257,27 @@ fn target<'a>(
     }
 }
 
-/// The range of the control: given, or taken from the joint's.
-#[derive(Default)]
-struct Control {
-    /// `ctrlrange`; 0 0 is none.
-    range: [f64; 2],
-    /// `inheritrange`: the joint's range times this; 0 is none of it.
-    inherited: f64,
-}
-
-impl Control {
-    /// The range after one more level of attributes. Where a `position` has one of the two attributes, it takes the
-    /// place of an inherited other one.
-    fn with(mut self, level: &Element) -> Result<Self, FormatError> {
-        let range = level.numbers::<2>("ctrlrange")?;
-        let inherited = level.non_negative("inheritrange")?;
-        let is_position = level.name == "position";
-        match (range, inherited) {
-            (Some(_), None) if is_position => self.inherited = 0.0,
-            (None, Some(share)) if is_position && share > 0.0 => self.range = [0.0; 2],
-            _ => {}
-        }
-        self.range = range.unwrap_or(self.range);
-        self.inherited = inherited.unwrap_or(self.inherited);
-        if is_position && self.inherited > 0.0 && self.range != [0.0; 2] {
-            let problem = "stands beside `ctrlrange`";
-            return Err(level.invalid_attribute("inheritrange", problem, "keep one of them"));
-        }
-        Ok(self)
+/// The range of the control: given, or, of a servo of position, taken from the joint's.
+fn control_range(
+    element: &Element,
+    target: &TreeJoint,
+    servo: &Servo,
+    context: &Context<'_>,
+) -> Result<Option<(f64, f64)>, FormatError> {
+    let mut range = servo.range;
+    if servo.inherited > 0.0 && servo.holds_position() {
+        let Some((lower, upper)) = target.file.span else {
+            let problem = "asks for the range of a joint that has none";
+            let remedy = "write ctrlrange instead";
+            return Err(element.invalid_attribute("inheritrange", problem, remedy));
+        };
+        let middle = (lower + upper) / 2.0;
+        let half = (upper - lower) / 2.0 * servo.inherited;
+        range = [middle - half, middle + half];
     }
-
-    /// Where it acts; only servos of position inherit it.
-    fn range(
-        self,
-        element: &Element,
-        target: &TreeJoint,
-        servo: &Servo,
-        context: &Context<'_>,
-    ) -> Result<Option<(f64, f64)>, FormatError> {
-        let mut range = self.range;
-        let fixed = element.get("gaintype").is_none_or(|kind| kind == "fixed");
-        if self.inherited > 0.0 && fixed && servo.gain == -servo.bias[1] {
-            let Some((lower, upper)) = target.file.span else {
-                let problem = "asks for the range of a joint that has none";
-                let remedy = "write ctrlrange instead";
-                return Err(element.invalid_attribute("inheritrange", problem, remedy));
-            };
-            let (middle, half) = (
-                (lower + upper) / 2.0,
-                (upper - lower) / 2.0 * self.inherited,
-            );
-            range = [middle - half, middle + half];
-        }
-        context
-            .compiler
-            .acting(element, "ctrllimited", "ctrlrange", range)
-    }
+    context
+        .compiler
+        .acting(element, "ctrllimited", "ctrlrange", range)
 }
 
 /// Adds what the actuator's rotor adds to its joint: inertia and damping times gear².

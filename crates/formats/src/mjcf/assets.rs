@@ -12,7 +12,7 @@ use glam::{DMat3, DQuat, DVec3};
 use model::{Geometry, Pose};
 use std::collections::HashMap;
 
-const MESH: &[&str] = &[
+pub(super) const MESH: &[&str] = &[
     "name",
     "content_type",
     "file",
@@ -29,6 +29,21 @@ const MESH: &[&str] = &[
     "builtin",
     "params",
     "material",
+];
+
+pub(super) const MATERIAL: &[&str] = &[
+    "name",
+    "class",
+    "texture",
+    "emission",
+    "specular",
+    "shininess",
+    "reflectance",
+    "metallic",
+    "roughness",
+    "rgba",
+    "texrepeat",
+    "texuniform",
 ];
 
 const HEIGHT_FIELD: &[&str] = &[
@@ -82,6 +97,7 @@ impl Assets {
                 }
                 "material" => {
                     let element = defaults.apply(asset, None, &["material"])?;
+                    report.check_attributes(&element, MATERIAL, &[])?;
                     if let Some(color) = color(&element)? {
                         assets
                             .colors

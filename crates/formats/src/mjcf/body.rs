@@ -32,7 +32,7 @@ const KNOWN: &[&str] = &[
     "user",
 ];
 /// Elements that MuJoCo's compiler turns into others.
-const GENERATORS: &[&str] = &["attach", "replicate", "composite", "flexcomp", "plugin"];
+pub(super) const GENERATORS: &[&str] = &["attach", "replicate", "composite", "flexcomp", "plugin"];
 
 /// A body that is still to be read.
 struct Visit<'a> {

@@ -10,7 +10,7 @@ use crate::xml::Element;
 use glam::DVec2;
 use model::{BodyId, Camera, CameraMode, Pose};
 
-const KNOWN: &[&str] = &[
+pub(super) const KNOWN: &[&str] = &[
     "name",
     "class",
     "mode",
@@ -25,7 +25,7 @@ const KNOWN: &[&str] = &[
     "user",
 ];
 /// What is left out of a camera, and what that means.
-const UNUSED: &[(&str, &str)] = &[
+pub(super) const UNUSED: &[(&str, &str)] = &[
     (
         "principal",
         "the optical axis is in the middle of the image",

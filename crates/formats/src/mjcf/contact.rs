@@ -17,10 +17,11 @@ use model::{
 use std::collections::HashSet;
 
 const EXCLUDE: &[&str] = &["name", "class", "body1", "body2"];
-const PAIR: &[&str] = &[
+pub(super) const PAIR: &[&str] = &[
     "name", "class", "geom1", "geom2", "condim", "friction", "solref", "solimp", "margin", "gap",
 ];
-const PAIR_UNUSED: &[(&str, &str)] = &[("solreffriction", "dry friction is not softened")];
+pub(super) const PAIR_UNUSED: &[(&str, &str)] =
+    &[("solreffriction", "dry friction is not softened")];
 
 /// Reads `<contact>`, and keeps apart what is welded or hinged together. Masses are those of the finished bodies.
 pub(super) fn read(

@@ -11,11 +11,11 @@ use glam::DVec3;
 use model::{BodyId, Coupling, Joint, JointId, JointKind, Pose};
 use std::collections::HashSet;
 
-const KNOWN: &[&str] = &[
+pub(super) const KNOWN: &[&str] = &[
     "name", "class", "active", "body1", "body2", "anchor", "site1", "site2", "relpose", "joint1",
     "joint2", "polycoef",
 ];
-const UNUSED: &[(&str, &str)] = &[
+pub(super) const UNUSED: &[(&str, &str)] = &[
     ("solref", "the constraint is rigid"),
     ("solimp", "the constraint is rigid"),
     ("torquescale", "the constraint is rigid"),

@@ -14,7 +14,7 @@ use glam::{DQuat, DVec3};
 use model::{Geometry, MassProperties, Pose, Shape};
 use std::f64::consts::FRAC_1_SQRT_2;
 
-const KNOWN: &[&str] = &[
+pub(super) const KNOWN: &[&str] = &[
     "name",
     "type",
     "contype",
@@ -229,6 +229,9 @@ pub(super) fn between(element: &Element, kind: &str) -> Result<Option<(Pose, f64
     }
     let (from, to) = (DVec3::new(a, b, c), DVec3::new(d, e, f));
     let way = from - to;
+    if element.vector("pos")?.is_some_and(|pos| pos != DVec3::ZERO) {
+        return Err(element.invalid_attribute("pos", "stands beside `fromto`", "keep one of them"));
+    }
     if way.length() < 1e-14 {
         let remedy = "give two different points";
         return Err(element.invalid_attribute("fromto", "joins a point to itself", remedy));

@@ -11,7 +11,7 @@ use crate::xml::Element;
 use glam::DVec3;
 use model::{Axis, AxisKind, BodyId, Dof, Joint, JointKind, Pose};
 
-const KNOWN: &[&str] = &[
+pub(super) const KNOWN: &[&str] = &[
     "name",
     "type",
     "group",
@@ -35,7 +35,7 @@ const KNOWN: &[&str] = &[
     "user",
     "actuatorgravcomp",
 ];
-const UNUSED: &[(&str, &str)] = &[
+pub(super) const UNUSED: &[(&str, &str)] = &[
     ("solreffriction", "dry friction is not softened"),
     ("solimpfriction", "dry friction is not softened"),
 ];
@@ -130,9 +130,7 @@ pub(super) fn read(
     };
     let anchor = element.vector("pos")?.unwrap_or(DVec3::ZERO);
     let [span, limits] = ranges(&element, kind, angle, context, report)?;
-    let spring_damper = element
-        .numbers::<2>("springdamper")?
-        .filter(|v| v[0] > 0.0 && v[1] > 0.0);
+    let spring_damper = spring_damper(&element)?;
     Ok(FileJoint {
         kind,
         anchor: frame.point(anchor),
@@ -194,16 +192,15 @@ fn dof(
         dof.friction_loss = element.non_negative("frictionloss")?.unwrap_or(0.0);
     }
     let springs = dof.stiffness != 0.0 || (spring_damper && physics.on("spring"));
-    if kind == Kind::Free && springs {
-        let remedy = match spring_damper {
-            true => "write damping instead of springdamper",
-            false => "set stiffness to 0",
-        };
-        report.refuse(element, "a spring at a free joint", remedy)?;
-        dof.stiffness = 0.0;
-    }
     if matches!(kind, Kind::Free | Kind::Ball) {
-        dof.rest = 0.0;
+        if springs {
+            let remedy = match spring_damper {
+                true => "write damping instead of springdamper",
+                false => "set stiffness to 0",
+            };
+            report.refuse(element, "a spring at a ball or free joint", remedy)?;
+        }
+        (dof.stiffness, dof.rest) = (0.0, 0.0);
     }
     Ok(dof)
 }
@@ -240,9 +237,21 @@ pub(super) fn solref(element: &Element, name: &str) -> Result<[f64; 2], FormatEr
     }
     Err(element.invalid_attribute(
         name,
-        "mixes a positive and a negative number",
+        "has a positive number and one that is not",
         "write time constant and damping ratio, both positive, or −stiffness and −damping",
     ))
+}
+
+/// Time constant and damping ratio; 0 0 is none.
+fn spring_damper(element: &Element) -> Result<Option<[f64; 2]>, FormatError> {
+    let given = element.numbers::<2>("springdamper")?;
+    let given = given.filter(|numbers| *numbers != [0.0; 2]);
+    if given.is_some_and(|numbers| numbers.iter().any(|x| *x <= 0.0)) {
+        let problem = "has a number that is not positive";
+        let remedy = "write a time constant and a damping ratio, or 0 0 for none";
+        return Err(element.invalid_attribute("springdamper", problem, remedy));
+    }
+    Ok(given)
 }
 
 /// The range that is given, whether its limit acts or not, and the one that acts. MuJoCo leaves the first in the

@@ -11,7 +11,7 @@ use glam::{DQuat, DVec3};
 use model::{BodyId, Lamp, LampKind, Pose};
 use std::f64::consts::FRAC_PI_2;
 
-const KNOWN: &[&str] = &[
+pub(super) const KNOWN: &[&str] = &[
     "name",
     "class",
     "mode",
@@ -28,7 +28,7 @@ const KNOWN: &[&str] = &[
     "exponent",
 ];
 /// What is left out of a light, and what that means.
-const UNUSED: &[(&str, &str)] = &[
+pub(super) const UNUSED: &[(&str, &str)] = &[
     ("ambient", "what is lit from nowhere is lit by the sky"),
     ("specular", "what shines reflects `diffuse`"),
     ("texture", "not read"),

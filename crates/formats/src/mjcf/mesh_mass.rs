@@ -58,6 +58,11 @@ pub(super) fn of(
         report.refuse(element, "mass from the surface of a mesh", remedy)?;
         return Ok(None);
     }
+    if element.has("hfield") {
+        let remedy = "give the body an <inertial> element, or this geom mass=\"0\"";
+        report.refuse(element, "mass from a height field", remedy)?;
+        return Ok(None);
+    }
     let read = match &shape.geometry {
         file @ Geometry::MeshFile { .. } => context.meshes.of(element, file)?,
         read => Some(read.clone()),

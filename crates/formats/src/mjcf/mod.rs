@@ -33,11 +33,11 @@
 //!   have under twice the weight of the mass they see, and limits what they have at half the width: heavier loads
 //!   press further in than in MuJoCo, and lighter ones less.
 //! - An exclusion of a massless body holds for the body that it is fused with.
-//! - A ball joint stands alone on its body, is not limited, and takes motors about one axis at a time.
+//! - A ball joint stands alone on its body, is not limited, has no spring, and takes motors about one axis at a time.
 //! - Refused unless lenient: drag by a fluid, gravity compensation, tendons that exert force, muscles
-//!   and other actuators with a state, plugins, flexible bodies, polynomial springs, `<replicate>`,
-//!   `<attach>` and the like, and mass from the volume of a mesh whose surface is open, unless it
-//!   becomes its hull ([`Options::meshes`]).
+//!   and other actuators with a state, plugins, flexible bodies, polynomial springs, springs and limits of
+//!   ball joints, `<replicate>`, `<attach>` and the like, and mass from a height field or from the volume of
+//!   a mesh whose surface is open, unless it becomes its hull ([`Options::meshes`]).
 //! - Meshes weigh what their `inertia` says, once they are read; but `legacy`, which is MuJoCo's default, is `exact`
 //!   here. In MuJoCo it is more where faces of the mesh look at its middle, which is noted.
 //! - `touch` is of all contacts of the site's body. What other sensors measure, and of rangefinders other `data` than
@@ -65,6 +65,7 @@ mod joint;
 mod keyframe;
 mod light;
 mod mesh_mass;
+mod nesting;
 mod option;
 mod orientation;
 mod sections;
@@ -77,6 +78,7 @@ mod surface;
 mod tendon;
 mod tree;
 
+use crate::culprits::Culprits;
 use crate::error::FormatError;
 use crate::files::Files;
 use crate::fuse::Fusion;
@@ -125,8 +127,9 @@ pub(crate) fn read(
     let root = include::assemble(root, files)?;
     let mut report = Report::new(options.lenient);
     sections::check(&root, &mut report)?;
+    nesting::check(&root)?;
     let compiler = compiler::Compiler::read(&root, &mut report)?;
-    let defaults = defaults::Defaults::read(&root)?;
+    let defaults = defaults::Defaults::read(&root, &mut report)?;
     let context = Context {
         assets: assets::Assets::read(&root, &compiler, &defaults, &mut report)?,
         physics: option::Physics::read(&root, &mut report)?,
@@ -138,7 +141,7 @@ pub(crate) fn read(
     let mut tree = body::read(&root, &context, &mut report)?;
     let fusion = Fusion::plan(&tree.parts, &tree.elements)?;
     scale_total_mass(&mut tree.parts, context.compiler.total_mass);
-    tendon::check(&root, &context, &mut report)?;
+    tendon::check(&root, &tree, &context, &mut report)?;
     let motors = actuator::read(&root, &mut tree, &context, &mut report)?;
     let space = JointSpace::new(&tree.parts);
     contact::read(&root, &mut tree, &space, &context, &mut report)?;
@@ -161,12 +164,13 @@ pub(crate) fn read(
     parts.time_step = context.physics.time_step;
     crate::mesh_paths::resolve(&mut parts, files);
     names::complete(&mut parts);
+    let joints = tree.joints.iter().map(|j| (j.joint, &j.file.element));
+    let culprits = Culprits::new(&parts, &tree.elements, joints);
     fusion.apply(&mut parts);
-    let file = root.place.file.to_string();
     let model = Model::new(parts)
         .and_then(|model| contact::mix(model, &tree.surfaces, &context))
         .and_then(|model| context.meshes.pieces.take_apart(model))
-        .map_err(|source| FormatError::Model { file, source })?;
+        .map_err(|error| culprits.locate(&root.place.file, error))?;
     Ok(Loaded {
         model,
         warnings: report.into_warnings(),

@@ -47,6 +47,16 @@ const UNUSED: &[(&str, &str)] = &[
     ("o_friction", "used by MuJoCo's contact override only"),
 ];
 
+/// What those may be that choose how MuJoCo goes about it.
+const KEYWORDS: &[(&str, &[&str])] = &[
+    (
+        "integrator",
+        &["Euler", "RK4", "implicit", "implicitfast", "discrete"],
+    ),
+    ("solver", &["PGS", "CG", "Newton"]),
+    ("jacobian", &["dense", "sparse", "auto"]),
+];
+
 /// Flags that act while the model is built.
 const FLAGS: &[&str] = &[
     "constraint",
@@ -90,6 +100,8 @@ pub(super) struct Physics {
     pub pyramids: bool,
     /// How much harder friction is than what presses (`impratio`).
     pub hardness: f64,
+    /// Groups of actuators that do not act.
+    pub switched_off: Vec<i64>,
     flags: Vec<Attribute>,
 }
 
@@ -99,12 +111,8 @@ impl Physics {
         let known = [READ, SILENT].concat();
         report.check_attributes(&section, &known, UNUSED)?;
         refuse_fluid(&section, report)?;
-        if section
-            .get("actuatorgroupdisable")
-            .is_some_and(|groups| !groups.trim().is_empty())
-        {
-            let remedy = "remove the actuators of these groups";
-            report.refuse(&section, "switching off groups of actuators", remedy)?;
+        for (name, words) in KEYWORDS {
+            section.word(name, words)?;
         }
         let flags = flags(&section, report)?;
         let mut physics = Self {
@@ -114,6 +122,7 @@ impl Physics {
                 .unwrap_or(DVec3::new(0.0, 0.0, -9.81)),
             pyramids: section.word("cone", &["pyramidal", "elliptic"])? != Some("elliptic"),
             hardness: positive(&section, "impratio", 1.0, "such as 1")?,
+            switched_off: switched_off(&section)?,
             flags,
         };
         if !physics.on("gravity") {
@@ -154,6 +163,22 @@ fn positive(section: &Element, name: &str, usual: f64, example: &str) -> Result<
             &format!("write a positive number {example}"),
         )),
         x => Ok(x.unwrap_or(usual)),
+    }
+}
+
+/// `actuatorgroupdisable`: numbers of groups.
+fn switched_off(section: &Element) -> Result<Vec<i64>, FormatError> {
+    let groups = section
+        .list("actuatorgroupdisable", 0, 31)?
+        .unwrap_or_default();
+    let is_group = |x: &f64| x.fract() == 0.0 && (0.0..=30.0).contains(x);
+    match groups.iter().find(|x| !is_group(x)) {
+        None => Ok(groups.iter().map(|x| *x as i64).collect()),
+        Some(x) => Err(section.invalid_attribute(
+            "actuatorgroupdisable",
+            &format!("holds {x}"),
+            "write whole numbers from 0 to 30",
+        )),
     }
 }
 

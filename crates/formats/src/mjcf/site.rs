@@ -9,7 +9,7 @@ use crate::error::FormatError;
 use crate::report::Report;
 use model::BodyId;
 
-const KNOWN: &[&str] = &[
+pub(super) const KNOWN: &[&str] = &[
     "name", "type", "group", "pos", "material", "size", "fromto", "rgba", "mesh", "user",
 ];
 const TYPES: &[&str] = &["sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh"];

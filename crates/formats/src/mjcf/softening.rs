@@ -18,10 +18,14 @@ pub(super) fn apply(tree: &mut Tree, motors: &Motors, space: &JointSpace, contex
     for (actuator, ratio) in &motors.damping_ratios {
         // Critical damping of stiffness k and mass m is 2 √(k m); m as the actuator sees it.
         let actuator = &mut tree.parts.actuators[*actuator];
-        if actuator.gear != 0.0 {
-            let m = space.effective_inertia(actuator.joint.0, actuator.dof) / actuator.gear.powi(2);
-            actuator.bias[2] = -ratio * 2.0 * (actuator.gain * m).max(0.0).sqrt();
-        }
+        let critical = match actuator.gear {
+            0.0 => 0.0,
+            gear => {
+                let m = space.effective_inertia(actuator.joint.0, actuator.dof) / gear.powi(2);
+                2.0 * (actuator.gain * m).max(0.0).sqrt()
+            }
+        };
+        actuator.bias[2] = -ratio * critical;
     }
 }
 
@@ -44,7 +48,7 @@ fn soften(joint: &TreeJoint, of_model: &mut Joint, space: &JointSpace, physics: 
             // Actuators have damping of their own.
             dof.damping += 2.0 * inertia / tc;
         }
-        if physics.on("spring") && joint.file.kind != Kind::Free {
+        if physics.on("spring") && matches!(joint.file.kind, Kind::Hinge | Kind::Slide) {
             dof.stiffness = inertia / (tc * tc * ratio * ratio);
         }
     }

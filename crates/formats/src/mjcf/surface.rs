@@ -71,11 +71,7 @@ impl Surface {
         physics: &Physics,
         report: &mut Report,
     ) -> Result<Self, FormatError> {
-        let mut friction = [1.0, 0.005, 0.0001];
-        fill(
-            &mut friction,
-            &element.list("friction", 1, 3)?.unwrap_or_default(),
-        );
+        let friction = friction(element, [1.0, 0.005, 0.0001])?;
         let solref = spring(element, report)?;
         let solimp = Impedance::read(element, "solimp")?;
         Ok(Self {
@@ -97,11 +93,7 @@ impl Surface {
         physics: &Physics,
         report: &mut Report,
     ) -> Result<Self, FormatError> {
-        let mut friction = [1.0, 1.0, 0.005, 0.0001, 0.0001];
-        fill(
-            &mut friction,
-            &element.list("friction", 1, 5)?.unwrap_or_default(),
-        );
+        let friction = friction(element, [1.0, 1.0, 0.005, 0.0001, 0.0001])?;
         let [slide, across, torsion, roll, roll_across] = friction;
         let directions = directions(element)?;
         if (slide != across && directions >= 3) || (roll != roll_across && directions == 6) {
@@ -223,8 +215,20 @@ fn held(solref: [f64; 2], solimp: &Impedance, physics: &Physics) -> (f64, f64) {
     }
 }
 
-fn fill(own: &mut [f64], given: &[f64]) {
-    own.iter_mut().zip(given).for_each(|(own, new)| *own = *new);
+/// The coefficients, those that are not given being the usual ones.
+fn friction<const N: usize>(element: &Element, usual: [f64; N]) -> Result<[f64; N], FormatError> {
+    let given = element.list("friction", 1, N)?.unwrap_or_default();
+    if let Some(x) = given.iter().find(|x| **x < 0.0) {
+        let remedy = "write zero or positive numbers";
+        return Err(element.invalid_attribute(
+            "friction",
+            &format!("holds {x}, below zero"),
+            remedy,
+        ));
+    }
+    Ok(std::array::from_fn(|i| {
+        given.get(i).copied().unwrap_or(usual[i])
+    }))
 }
 
 fn directions(element: &Element) -> Result<i64, FormatError> {

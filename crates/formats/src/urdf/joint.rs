@@ -7,10 +7,6 @@ use crate::xml::Element;
 use glam::{DQuat, DVec3};
 use model::{Axis, BodyId, Coupling, Dof, Drive, Joint, JointId, JointKind, Parts, Pose};
 
-const CHILDREN: &[&str] = &[
-    "parent", "child", "origin", "axis", "limit", "dynamics", "mimic",
-];
-
 /// The kinds of joint of URDF.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -52,13 +48,6 @@ pub(super) fn read(
 ) -> Result<(Joint, Option<(f64, f64)>), FormatError> {
     let element = connection.element;
     report.check_attributes(element, &["name", "type"], &[])?;
-    for child in element
-        .children
-        .iter()
-        .filter(|c| !CHILDREN.contains(&c.name.as_str()))
-    {
-        report.note(child, "extension", "not read");
-    }
     let direction = axis(connection, report)?;
     let (kind, axes, turn) = match connection.kind {
         Kind::Revolute | Kind::Continuous => (

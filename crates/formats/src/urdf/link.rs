@@ -63,10 +63,8 @@ pub(super) fn shapes(
     report.check_attributes(link, &["name", "type"], &[])?;
     let mut shapes = Vec::new();
     for child in &link.children {
-        match child.name.as_str() {
-            "inertial" => {}
-            "visual" | "collision" => shapes.extend(shape(child, looks, report)?),
-            _ => report.note(child, "extension", "not read"),
+        if ["visual", "collision"].contains(&child.name.as_str()) {
+            shapes.extend(shape(child, looks, report)?);
         }
     }
     if shapes.iter().any(|shape| !shape.collides) {

@@ -15,12 +15,16 @@
 //! - Collision geometry collides, visual geometry is only seen. Mesh files are named, not read, unless
 //!   those that collide are asked for, exact or as hulls ([`Options::meshes`]). The package of a `package://`
 //!   path is a folder of its name, beside the file or above; where there is none, the path stays, with a warning.
+//! - Elements of other programs that say nothing about the motion, as `<gazebo>` and `<transmission>`, are noted;
+//!   other ones, such as `<xacro:…>` that was not expanded, are refused unless lenient.
 
 mod geometry;
 mod joint;
 mod link;
+mod nesting;
 mod tree;
 
+use crate::culprits::Culprits;
 use crate::error::FormatError;
 use crate::files::Files;
 use crate::fuse::Fusion;
@@ -59,7 +63,7 @@ pub(crate) fn read(
     options: &Options,
 ) -> Result<Loaded, FormatError> {
     let mut report = Report::new(options.lenient);
-    note_extensions(root, &mut report);
+    nesting::check(root, &mut report)?;
     let looks = Looks {
         colors: Colors::read(root)?,
         meshes: MeshReader::new(files, options.meshes),
@@ -83,24 +87,16 @@ pub(crate) fn read(
     joint::couple(&tree, &mut parts, &mut report)?;
     mesh_paths::resolve(&mut parts, files);
     names::complete(&mut parts);
+    let joints = tree.joints.iter().map(|j| (j.id, j.element));
+    let culprits = Culprits::new(&parts, &tree.elements, joints);
     fusion.apply(&mut parts);
-    let file = root.place.file.to_string();
     let model = Model::new(parts)
         .and_then(|model| looks.meshes.pieces.take_apart(model))
-        .map_err(|source| FormatError::Model { file, source })?;
+        .map_err(|error| culprits.locate(&root.place.file, error))?;
     Ok(Loaded {
         model,
         warnings: report.into_warnings(),
     })
-}
-
-/// What stands beside links and joints comes from others than URDF.
-fn note_extensions(root: &Element, report: &mut Report) {
-    for child in &root.children {
-        if !["link", "joint", "material"].contains(&child.name.as_str()) {
-            report.note(child, "extension", "not read");
-        }
-    }
 }
 
 /// Turns the ranges of the joints into limits of force.
