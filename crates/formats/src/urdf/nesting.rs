@@ -22,7 +22,7 @@ const HOLDERS: &[Holder] = &[
     Holder {
         name: "link",
         read: &["inertial", "visual", "collision"],
-        extensions: &["gazebo", "sensor", "self_collision_checking"],
+        extensions: &["contact", "gazebo", "sensor", "self_collision_checking"],
     },
     Holder {
         name: "joint",
