@@ -41,6 +41,10 @@
 //! r (1 + 1/(w g)) > 1 − β. So the damper is taken as large as that needs for r = [`SETTLED`]:
 //! g ≥ h² k / r − 1/w. It does not change where bodies rest.
 //!
+//! Where there are joints, what a contact stops of its body is little of what the body carries. So λ is kept there however
+//! fast the point comes, and adds up from substep to substep to what stops all; of a point that parts with uₙ⁻ it keeps the
+//! share s / uₙ⁻, s = [`RESTING`] g h, lest it throws back what it has stopped.
+//!
 //! Departure from the sources: instead of a velocity pass for all contacts, which would deaden
 //! soft ones, the damper takes what penetration would add to velocities.
 
@@ -291,7 +295,13 @@ fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
         k.write(t.grip, s, 0, sides.moments(n));
     }
     let same = t.kept.same(k, s, feature) & t.contacts.near(k, s);
-    start(k, t, s, h, sides, n, same & speed.abs().le(slow(k, t, h)));
+    let slow = slow(k, t, h);
+    let (warm, share) = if t.jointed {
+        (same, slow / speed.max(slow))
+    } else {
+        (same & speed.abs().le(slow), M::R::one())
+    };
+    start(k, t, s, h, sides, n, warm, share);
 }
 
 /// Decides by the slip [m/s] of a slot's surfaces whether they stick in this substep.
@@ -358,7 +368,7 @@ fn law<M: Machine>(
     ]
 }
 
-/// Starts a contact with the multipliers of the last substep, where `warm`.
+/// Starts a contact with a share of the multipliers of the last substep, where `warm`.
 #[inline(always)]
 fn start<M: Machine>(
     k: &mut M,
@@ -368,10 +378,11 @@ fn start<M: Machine>(
     sides: Sides<M::R, M::I>,
     n: Vec3<M::R>,
     warm: <M::R as Real>::Mask,
+    share: M::R,
 ) {
     let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
     let friction = friction_of(k, t, s, pair);
-    let last = t.kept.force(k, s) * h.squared();
+    let last = t.kept.force(k, s) * (h.squared() * share);
     let along = n.dot(last);
     let press = along.max(M::R::zero());
     let rub = within(n.fma(-along, last), friction * press);
@@ -381,7 +392,7 @@ fn start<M: Machine>(
     let impulse = n.fma(press, rub) * h.recip();
     let mut sides = sides.pushed(impulse);
     if t.grips {
-        let last = k.vec3(t.gripped, s, 0) * h.squared();
+        let last = k.vec3(t.gripped, s, 0) * (h.squared() * share);
         let last = bounded(k, t, pair, n, press, last);
         sides = sides.turned(last * h.recip());
         for (i, x) in last.to_array().into_iter().enumerate() {
