@@ -14,11 +14,18 @@ from kinetarium.names import hint
 from kinetarium.tables import Table, Tables, tables_of
 
 if TYPE_CHECKING:
-    from kinetarium._engine import DeviceArray
+    from kinetarium._engine import DeviceArray, Model
     from kinetarium.worlds import Worlds
 
 # Coordinates and velocities beyond this are refused.
 _MOST_MOTION = 1e9
+
+
+def quaternion_columns(model: Model) -> dict[str, slice]:
+    """Where the quaternions of joints are among the coordinates; joints that close loops have none."""
+    kinds = zip(model.joint_names, model.joint_kinds, strict=True)
+    ends = {name: model.joint_coordinates(name) for name, kind in kinds if kind in ("ball", "free")}
+    return {name: slice(end - 4, end) for name, (start, end) in ends.items() if start < end}
 
 
 def _refuse(quantity: str, *_: np.ndarray) -> None:
@@ -268,15 +275,8 @@ class State(Tables):
         self._worlds.engine.set_joint_state(worlds, position, velocity, keep)
 
     def _quaternion_columns(self) -> dict[str, slice]:
-        """Where the quaternions of joints are among the coordinates."""
         if self._quaternions is None:
-            model = self._worlds.model
-            ends = {
-                name: model.joint_coordinates(name)
-                for name, kind in zip(model.joint_names, model.joint_kinds, strict=True)
-                if kind in ("ball", "free")
-            }
-            self._quaternions = {name: slice(end - 4, end) for name, (start, end) in ends.items() if start < end}
+            self._quaternions = quaternion_columns(self._worlds.model)
         return self._quaternions
 
     @property
