@@ -367,10 +367,12 @@ class Sensors(Strict, Mapping[str, Any]):
     def _save(self) -> dict[str, Any]:
         return {"array": None if self._array is None else self._array.save(), "custom": self._custom.save()}
 
-    def _restore(self, saved: dict[str, Any]) -> None:
+    def _restore(self, simulation: Simulation, saved: dict[str, Any]) -> None:
+        """Puts back what `_save` gave, and looks at the worlds, so that it is seen which are reset from now on."""
         if self._array is not None:
             self._array.restore(saved["array"])
         self._custom.restore(saved["custom"])
+        self._update(simulation)
 
     def _read(self, name: str) -> tuple[Any, np.ndarray]:
         if name in self._custom:

@@ -719,5 +719,6 @@ class Simulation(Strict):
         )
         self._parameters._restore(state["parameters"])
         self.restore(state["snapshot"])
-        self._sensors._restore(state["readings"])
+        with self._worlds.changing():
+            self._sensors._restore(self, state["readings"])
         self.watch(*state["watched"])

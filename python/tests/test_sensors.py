@@ -1,5 +1,6 @@
 """Sensors against closed forms, their rates, their noise, and what is refused."""
 
+import copy
 import pickle
 import threading
 
@@ -145,6 +146,24 @@ def test_one_sensor_and_one_name_need_no_list():
 def test_sensors_may_come_from_an_iterator():
     sim = kn.Simulation(kn.examples.n_pendula(2), sensors=(sensors.JointPosition(name) for name in "ab"))
     assert list(sim.sensors) == ["a", "b"] and sim.sensors["b"].shape == (1, 2)
+
+
+@pytest.mark.parametrize(
+    "sensor",
+    [
+        sensors.JointPosition("angles", noise=sensors.Noise(deviation=0.1)),
+        sensors.Custom("angles", lambda sim: sim.state.joint_position, noise=sensors.Noise(deviation=0.1)),
+    ],
+)
+def test_a_copy_that_is_reset_at_once_begins_another_episode(sensor):
+    sim = kn.Simulation(kn.examples.n_pendula(2), worlds=2, sensors=sensor)
+    first = sim.sensors["angles"]
+    sim.step(3)
+    twin = copy.copy(sim)
+    for s in (sim, twin):
+        s.reset([1])
+    np.testing.assert_array_equal(twin.sensors["angles"], sim.sensors["angles"])
+    assert (twin.sensors["angles"][1] != first[1]).all()
 
 
 def test_what_resets_no_world_samples_none():
