@@ -239,7 +239,7 @@ class Simulation(Strict):
         self._worlds = Worlds(self._make(model, count, precision), model, count, precision)
         self._solver, self._isa, self._threads, self._device = self._engine.describe()
         self._controls = Controls(self._worlds)
-        self._state = State(self._worlds)
+        self._state = State(self._worlds, self._controls)
         self._parameters = Parameters(self._worlds)
         self._view: View | None = None
         self._watched: tuple[Watched, ...] = ()

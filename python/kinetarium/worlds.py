@@ -76,6 +76,11 @@ class Worlds:
             )
         return self._engine
 
+    @property
+    def is_changing(self) -> bool:
+        """Whether a call brings the worlds into another state just now."""
+        return self._turn.locked()
+
     @contextmanager
     def changing(self) -> Iterator[Engine]:
         """The engine, to bring worlds into another state by: one call at a time, from the first to the last that it

@@ -191,6 +191,38 @@ def test_a_joint_stands_for_its_columns():
         sim.controls.force[:, "char_free"]
 
 
+def test_accelerations_are_told_by_the_controls_as_they_stand(sim):
+    twin = copy.copy(sim)
+    rest = sim.state.joint_acceleration
+    for s in (sim, twin):
+        s.controls.force[1, "hinge0"] = 2.0
+    pushed = sim.state.joint_acceleration
+    assert pushed[1, "hinge0"] != rest[1, "hinge0"] and (pushed[0] == rest[0]).all()
+    assert (sim.state.reaction_force[1] != sim.state.reaction_force[0]).any()
+    sim.snapshot()
+    assert (sim.state.joint_acceleration == pushed).all()
+    table = np.zeros((sim.worlds, 3))
+    twin.state.read_columns("joint_acceleration", table)
+    assert (table == pushed).all()
+    sim.reset()
+    assert (sim.state.joint_acceleration == rest).all()
+    sim.controls.force[0, 0] = np.nan
+    with pytest.raises(SimulationError, match="world 0: force"):
+        sim.state.read("joint_acceleration")
+    assert np.isfinite(sim.state.joint_position).all()
+
+
+def test_a_sensor_measures_by_the_controls_of_the_step():
+    def measure(sim):
+        sim.controls.force[0] += 1.0  # as a thread might that decides meanwhile
+        return sim.state.joint_acceleration
+
+    sim = kn.Simulation(kn.examples.n_pendula(2), sensors=kn.sensors.Custom("acceleration", measure))
+    one = sim.sensors["acceleration"]
+    plain = kn.Simulation(kn.examples.n_pendula(2))
+    assert (one == plain.state.joint_acceleration).all()
+
+
 def test_quaternions_are_set_as_a_whole():
     sim = kn.Simulation(kn.examples.ball_joint(), worlds=2, dtype="float64")
     q = sim.state.joint_position
