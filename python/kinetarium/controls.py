@@ -21,7 +21,8 @@ class Controls(Tables):
     """Controls of all worlds, as arrays that are written in place and hold until they are written again.
 
     Each is one array of the simulation's dtype that lives as long as the simulation: what stands in it when
-    `Simulation.step` is called is what acts, and what accelerations and reactions in `Simulation.state` are told by. Arrays that were never asked for are not copied. torch and jax take them by DLPack without a copy: what torch
+    `Simulation.step` is called is what acts, and what accelerations and reactions in `Simulation.state` are told by.
+    Arrays that were never asked for are not copied. torch and jax take them by DLPack without a copy: what torch
     writes there acts.
 
     >>> import kinetarium as kn
@@ -112,8 +113,8 @@ class Controls(Tables):
             self._write(engine, name, array)
 
     def _send_changed(self) -> None:
-        """The same where something else was written to them since, before what depends on it is read. Not in the course
-        of a call that changes the worlds, which has sent what acts in it."""
+        """The same where something else was written to them since, before what depends on it is read. Not while a call
+        changes the worlds, which has sent what acts in it."""
         others = any(not np.array_equal(array, self._sent[name]) for name, array in self._arrays.items())
         if others and not self._worlds.is_changing:
             self._send(self._worlds.engine)
