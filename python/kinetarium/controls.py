@@ -113,8 +113,8 @@ class Controls(Tables):
             self._write(engine, name, array)
 
     def _send_changed(self) -> None:
-        """The same where something else was written to them since, before what depends on it is read. Not while a call
-        changes the worlds, which has sent what acts in it."""
+        """The same where something else was written to them since, before what depends on it is read; not while a
+        call changes the worlds, which has sent what acts."""
         others = any(not np.array_equal(array, self._sent[name]) for name, array in self._arrays.items())
         if others and not self._worlds.is_changing:
             self._send(self._worlds.engine)

@@ -15,10 +15,10 @@ from kinetarium._engine import Engine, Geometry, Model, framing, render_view, sh
 from kinetarium.arrays import checked, whole
 from kinetarium.cameras import Camera, Images
 from kinetarium.controls import Controls
-from kinetarium.errors import OutOfRangeError, RenderError, ShapeError, SimulationError, UnknownNameError
+from kinetarium.errors import RenderError, ShapeError, SimulationError, UnknownNameError
 from kinetarium.names import Strict, hint
 from kinetarium.parameters import Parameters, parameter_names
-from kinetarium.queries import NearShapes, Queries, Seen, ShapeHits
+from kinetarium.queries import NearShapes, Queries, Seen, ShapeHits, sight
 from kinetarium.sensors import Custom, Sensor, Sensors
 from kinetarium.skins import Skin
 from kinetarium.state import State
@@ -124,6 +124,17 @@ class Linearization:
     """By the drives' velocity targets, shape (2n, n)."""
 
 
+def _precision(dtype: DTypeLike) -> np.dtype:
+    """A dtype that simulations have; `SimulationError` for others."""
+    try:
+        found = None if dtype is None else np.dtype(dtype)  # which takes `None` for float64
+    except TypeError:
+        found = None
+    if found not in (np.dtype("float32"), np.dtype("float64")):
+        raise SimulationError(f"dtype is {dtype if found is None else found}: it must be float32 or float64")
+    return found
+
+
 class Simulation(Strict):
     """W worlds of one model, advanced together.
 
@@ -216,9 +227,7 @@ class Simulation(Strict):
     ) -> None:
         if not isinstance(model, Model):
             raise TypeError(f"the model is a {type(model).__name__}: give a Model, as load and Builder make")
-        precision = np.dtype(dtype)
-        if precision not in (np.dtype("float32"), np.dtype("float64")):
-            raise SimulationError(f"dtype is {precision}: it must be float32 or float64")
+        precision = _precision(dtype)
         if not isinstance(device, str):
             raise TypeError(f'device is {device!r}: it must be a text, such as "cpu", "gpu" or "cuda:0"')
         self._settings: dict[str, Any] = {
@@ -358,28 +367,10 @@ class Simulation(Strict):
         # Between the parts of many steps the page may bring a world back, to diverge again.
         return np.array(list(dict.fromkeys(diverged)), np.int64)
 
-    def _rows(self, worlds: ArrayLike | None) -> np.ndarray:
-        """Worlds as numbers: all, or those of a mask, or those of a list."""
-        if worlds is None:
-            return np.arange(self._worlds.count)
-        rows = np.atleast_1d(np.asarray(worlds))
-        if rows.dtype == bool:
-            if rows.shape != (self.worlds,):
-                raise ShapeError(f"the mask of worlds has the shape {rows.shape}: it must be ({self.worlds},)")
-            return np.flatnonzero(rows)
-        if rows.size == 0:
-            return np.empty(0, np.int64)
-        if rows.dtype.kind not in "iu" or rows.ndim != 1:
-            raise ShapeError("worlds must be a mask or a list of whole numbers")
-        wrong = rows[(rows < 0) | (rows >= self.worlds)]
-        if wrong.size:
-            raise OutOfRangeError(f"world {wrong[0]} does not exist: there are {self.worlds}, counted from 0")
-        return np.ascontiguousarray(rows, dtype=np.int64)
-
     def reset(self, worlds: ArrayLike | None = None, *, keyframe: str | None = None) -> None:
         """Brings worlds (a mask, a list of rows, or all) to the model's initial state at time 0, or to one of its
         keyframes, with the model's controls."""
-        rows = self._rows(worlds)
+        rows = self._worlds.rows(worlds)
         if keyframe is not None:
             position, velocity, control = self.model.keyframe(keyframe)
             self._put(rows, position, velocity, control)
@@ -421,7 +412,7 @@ class Simulation(Strict):
 
         Raises `ShapeError`, `OutOfRangeError`, and `SimulationError` for numbers that are not finite.
         """
-        self._put(self._rows(worlds), joint_position, joint_velocity, _NO_CONTROL)
+        self._put(self._worlds.rows(worlds), joint_position, joint_velocity, _NO_CONTROL)
 
     def snapshot(self) -> bytes:
         """States, controls and times of all worlds, to the bit; not what sensors carry along (pickle the simulation
@@ -453,7 +444,7 @@ class Simulation(Strict):
         return np.array(self._engine.asleep(self._world(world)), bool)
 
     def _world(self, world: int) -> int:
-        return int(self._rows([world])[0])
+        return int(self._worlds.rows([world])[0])
 
     def cast_rays(
         self,
@@ -506,13 +497,12 @@ class Simulation(Strict):
         >>> float(hits.distance[1].round(6))
         4.9
         """
-        rows = self._rows(worlds)
+        rows = self._worlds.rows(worlds)
         asked = Queries.of(
             rows, worlds, positions=(positions, 3), directions=(directions, 3), orientations=(orientations, 4)
         )
-        starts, ways, turns = asked.arrays
-        sight = (seen or Seen())._of(self.model)
-        return asked.hits(self._engine.cast_shapes(rows, geometry, starts, turns, ways, max_distance, sight))
+        (starts, ways, turns), sees = asked.arrays, sight(seen, self.model)
+        return asked.hits(self._engine.cast_shapes(rows, geometry, starts, turns, ways, max_distance, sees))
 
     def nearest(
         self,
@@ -523,17 +513,18 @@ class Simulation(Strict):
         max_distance: float = np.inf,
         seen: Seen | None = None,
     ) -> ShapeHits:
-        """The k nearest shapes to points [m], up to a distance [m], the nearest first.
+        """The k nearest shapes to points [m], up to a distance [m], the nearest first; all shapes of the model, where
+        it has fewer than k.
 
         In one world, points broadcast to (points, 3), world axes, and the answer's arrays have the shape
         (points, k, …); in several worlds these are (worlds, points, …). Distances are from the surfaces, negative
         inside; of closed meshes, too. What holds a point is the nearer the deeper it does. Raises as `cast_shape`.
         """
-        rows, k = self._rows(worlds), whole("k", k, 1)
+        rows, shapes = self._worlds.rows(worlds), len(self._worlds.names("shape_names") or ())
+        k = min(whole("k", k, 1), max(shapes, 1))
         asked = Queries.of(rows, worlds, points=(points, 3))
-        sight = (seen or Seen())._of(self.model)
         (places,) = asked.arrays
-        return asked.hits(self._engine.nearest(rows, places, k, max_distance, sight), k)
+        return asked.hits(self._engine.nearest(rows, places, k, max_distance, sight(seen, self.model)), k)
 
     def closest_points(
         self,
@@ -545,11 +536,10 @@ class Simulation(Strict):
     ) -> NearShapes:
         """Of each shape within a distance [m] of points [m], the nearest point of its surface; points, distances and
         errors as those of `nearest`. The nearest shape of a point comes first."""
-        rows = self._rows(worlds)
+        rows = self._worlds.rows(worlds)
         asked = Queries.of(rows, worlds, points=(points, 3))
-        sight = (seen or Seen())._of(self.model)
         (places,) = asked.arrays
-        return asked.near(self._engine.closest_points(rows, places, max_distance, sight), rows)
+        return asked.near(self._engine.closest_points(rows, places, max_distance, sight(seen, self.model)), rows)
 
     def overlaps(
         self,
@@ -565,11 +555,10 @@ class Simulation(Strict):
 
         Distances are 0 or less: how far the two overlap along the way out, which the normal tells.
         """
-        rows = self._rows(worlds)
+        rows = self._worlds.rows(worlds)
         asked = Queries.of(rows, worlds, positions=(positions, 3), orientations=(orientations, 4))
-        sight = (seen or Seen())._of(self.model)
         starts, turns = asked.arrays
-        return asked.near(self._engine.overlaps(rows, geometry, starts, turns, sight), rows)
+        return asked.near(self._engine.overlaps(rows, geometry, starts, turns, sight(seen, self.model)), rows)
 
     def linearize(self, world: int = 0) -> Linearization:
         """A time step linearised about the state of a world: exact derivatives of the solver's own step in float64,
@@ -603,7 +592,7 @@ class Simulation(Strict):
         Without a camera: colours, 640 × 480, of the first world given, from where all its bodies are in the image.
         Raises `RenderError`, and `UnknownNameError` for a camera that the model has not.
         """
-        rows = self._rows(worlds)
+        rows = self._worlds.rows(worlds)
         if camera is None:
             if rows.size == 0:
                 raise ShapeError("there are no worlds to be seen: give at least one")
