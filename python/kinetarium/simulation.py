@@ -127,12 +127,12 @@ class Linearization:
 def _precision(dtype: DTypeLike) -> np.dtype:
     """A dtype that simulations have; `SimulationError` for others."""
     try:
-        found = None if dtype is None else np.dtype(dtype)  # which takes `None` for float64
+        name = "None" if dtype is None else np.dtype(dtype).name  # numpy takes none for float64
     except TypeError:
-        found = None
-    if found not in (np.dtype("float32"), np.dtype("float64")):
-        raise SimulationError(f"dtype is {dtype if found is None else found}: it must be float32 or float64")
-    return found
+        name = str(dtype)
+    if name not in ("float32", "float64"):
+        raise SimulationError(f"dtype is {name}: it must be float32 or float64")
+    return np.dtype(name)
 
 
 class Simulation(Strict):
