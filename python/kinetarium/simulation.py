@@ -132,7 +132,8 @@ def _precision(dtype: DTypeLike) -> np.dtype:
         name = str(dtype)
     if name not in ("float32", "float64"):
         raise SimulationError(f"dtype is {name}: it must be float32 or float64")
-    return np.dtype(name)
+    precision: np.dtype = np.dtype(name)
+    return precision
 
 
 class Simulation(Strict):
@@ -706,7 +707,7 @@ class Simulation(Strict):
             seed=state["seed"],
             **state["settings"],
         )
-        self._parameters._restore(state["parameters"])
+        self._parameters.update(state["parameters"])
         self.restore(state["snapshot"])
         with self._worlds.changing():
             self._sensors._restore(self, state["readings"])

@@ -319,14 +319,19 @@ def test_copies_and_pickles_go_on_alike(sim):
     assert pickle.loads(pickle.dumps(sim.model)) == sim.model
 
 
-def test_copies_keep_parameters_that_depend_on_each_other():
+def drives():
+    """Three worlds of two arms, with drives of stiffness 10, 0 and damping 0, 5."""
     world = kn.Builder("drives")
     arms = world.object("arms")
     for k, drive in enumerate([kn.Drive(10.0), kn.Drive(0.0, 5.0)]):
         arm = arms.body(f"arm{k}", kn.Geometry.sphere(0.1), position=(0.5, 0, k))
         arms.revolute(f"hinge{k}", arm, (0, 0, 1), position=(0, 0, k), drive=drive)
-    sim = kn.Simulation(world.build(), worlds=3, solver="featherstone")
-    # From drives of stiffness 10, 0 and damping 0, 5: neither table alone can be the last.
+    return kn.Simulation(world.build(), worlds=3, solver="featherstone")
+
+
+def test_copies_keep_parameters_that_depend_on_each_other():
+    sim = drives()
+    # Neither table alone can be the last.
     sim.parameters.drive_damping[1] = (1.0, 5.0)
     sim.parameters.drive_stiffness[1] = (0.0, 2.0)
     sim.parameters.drive_damping[1] = (1.0, 0.0)
@@ -367,6 +372,33 @@ def test_parameters_of_one_world(sim):
     with pytest.raises(kn.errors.ModelError, match="mass"):
         sim.parameters.body_mass[3, 0] = -1.0
     assert (sim.parameters.body_mass[3] == sim.model.parameter("body_mass")[:, 0]).all()
+
+
+def test_parameters_are_given_together(sim):
+    mass = np.array([[1.5], [2.5]])
+    sim.parameters.update({"body_mass": mass, "gravity": (0.0, -1.62, 0.0)}, worlds=[4, 2])
+    assert (sim.parameters.body_mass[[4, 2]] == mass).all()
+    assert (sim.parameters.gravity[[4, 2]] == (0, -1.62, 0)).all()
+    assert (sim.parameters.gravity[3] == sim.model.parameter("gravity")[0]).all()
+    before = sim.parameters.body_mass
+    sim.parameters.update({"body_mass": 3.0}, worlds=[])
+    for error, tables, message in [
+        (UnknownNameError, {"body_mas": 1.0}, 'did you mean "body_mass"'),
+        (ShapeError, {"body_mass": np.ones((3, 3))}, r"does not broadcast to \(2, 3\)"),
+        (ModelError, {"gravity": 0.0, "body_mass": -1.0}, "mass"),
+    ]:
+        with pytest.raises(error, match=message):
+            sim.parameters.update(tables, worlds=[0, 2])
+    assert (sim.parameters.body_mass == before).all() and (sim.parameters.gravity[2] == (0, -1.62, 0)).all()
+
+
+def test_parameters_that_can_be_had_only_together():
+    sim = drives()
+    with pytest.raises(SimulationError, match="another structure"):
+        sim.parameters.drive_stiffness[1, 0] = 0.0
+    sim.parameters.update({"drive_stiffness": (0.0, 2.0), "drive_damping": (1.0, 0.0)}, worlds=[False, True, False])
+    assert sim.parameters.drive_stiffness.tolist() == [[10.0, 0.0], [0.0, 2.0], [10.0, 0.0]]
+    assert sim.parameters.drive_damping.tolist() == [[0.0, 5.0], [1.0, 0.0], [0.0, 5.0]]
 
 
 def test_contacts_rays_and_events():
