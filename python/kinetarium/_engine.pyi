@@ -1081,6 +1081,8 @@ class SensorArray:
         """Samples what is due now, as after a reset."""
     def reading(self, name: str) -> tuple[NDArray[Any], NDArray[np.float64]]:
         """The reading of a sensor, shape (worlds, …), and the time of each world's sample [s]."""
+    def resample(self, engine: Engine) -> None:
+        """The same, and samples anew what was sampled just now."""
     def images(self, name: str) -> tuple[dict[str, NDArray[Any]], NDArray[np.float64]]:
         """The images of a camera by channel, and the time of each world's image [s]."""
     def save(self) -> bytes:
