@@ -147,6 +147,8 @@ class Model:
         """Row of a body. Raises `UnknownNameError`, as all that look up names do."""
     def joint(self, name: str) -> int:
         """Row of a joint."""
+    def shape(self, name: str) -> int:
+        """Row of a shape; of several of that name, of the first."""
     def dof(self, name: str) -> int:
         """Row of a degree of freedom."""
     def actuator(self, name: str) -> int:
@@ -939,16 +941,16 @@ class Engine:
         """Returns to a snapshot."""
     def asleep(self, world: int) -> list[bool]:
         """Which bodies of a world sleep."""
-    def contacts(self, world: int) -> dict[str, NDArray[Any]]:
-        """The contacts of the last step in a world, as a dictionary of arrays with a row for each."""
+    def contacts(self, worlds: NDArray[np.int64]) -> dict[str, NDArray[Any]]:
+        """The contacts of the last step in some worlds, as a dictionary of arrays with a row for each."""
     def cast_rays(
         self,
-        world: int,
+        worlds: NDArray[np.int64],
         origins: NDArray[np.float64],
         directions: NDArray[np.float64],
         max_distance: float,
-    ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
-        """What rays meet in a world: distances [m] (infinite where nothing), shapes (−1 where none), positions, normals."""
+    ) -> dict[str, NDArray[Any]]:
+        """What rays meet first, the same number in each of some worlds: arrays with a row for each ray."""
     def cast_shapes(
         self,
         worlds: NDArray[np.int64],

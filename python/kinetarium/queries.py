@@ -115,10 +115,14 @@ class Queries:
         arrays = [checked(name, array, (*lead, width)).reshape(-1, width) for name, (array, width) in asked.items()]
         return cls(lead, arrays)
 
-    def hits(self, found: dict[str, Any], *each: int) -> ShapeHits:
+    def shaped(self, found: dict[str, Any], *each: int) -> dict[str, Any]:
         """Answers in the shape of the queries, each of which may have several."""
         lead = self.lead + each
-        return ShapeHits(**{name: array.reshape(lead + array.shape[1:]) for name, array in found.items()})
+        return {name: array.reshape(lead + array.shape[1:]) for name, array in found.items()}
+
+    def hits(self, found: dict[str, Any], *each: int) -> ShapeHits:
+        """The same as an object."""
+        return ShapeHits(**self.shaped(found, *each))
 
     def near(self, found: dict[str, Any], rows: np.ndarray) -> NearShapes:
         """Answers in rows, with the worlds and the queries that they are of."""

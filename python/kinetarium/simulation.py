@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, DTypeLike
 
 from kinetarium import _nvrtc
 from kinetarium._engine import Engine, Geometry, Model, framing, render_view, show
-from kinetarium.arrays import checked, whole
+from kinetarium.arrays import checked, row, whole
 from kinetarium.cameras import Camera, Images
 from kinetarium.controls import Controls
 from kinetarium.errors import RenderError, ShapeError, SimulationError, UnknownNameError
@@ -45,8 +45,10 @@ EventKind = Literal[
 
 @dataclass(frozen=True, eq=False)
 class Contacts:
-    """The contacts of a world, a row for each; those that do not press have no force."""
+    """The contacts of a world or of several, a row for each; those that do not press have no force."""
 
+    world: np.ndarray
+    """In which world, ascending, int64, shape (contacts,)."""
     shapes: np.ndarray
     """Rows of the two shapes; the second one moves. int64, shape (contacts, 2)."""
     position: np.ndarray
@@ -62,32 +64,53 @@ class Contacts:
     the positions, world axes, shape (contacts, 3)."""
     feature: np.ndarray
     """Numbers that stay the same from step to step while the same features touch, shape (contacts,)."""
+    worlds: int | np.ndarray = field(repr=False)
+    """The world that was asked for, or the rows of several."""
+    model: Model = field(repr=False)
+    """What has these shapes."""
 
     def __len__(self) -> int:
         return len(self.distance)
 
-    def wrench(self, first: int, second: int) -> np.ndarray:
-        """What one shape, by its row, does to another: force [N], then torque about the world's origin [N·m], world
-        axes, shape (6,); zero where they do not touch."""
-        along = (self.shapes == [first, second]).all(axis=1).astype(float)
-        against = (self.shapes == [second, first]).all(axis=1)
-        torque = self.torque + np.cross(self.position, self.force)
-        wrench: np.ndarray = (along - against) @ np.hstack([self.force, torque])
+    def between(self, first: str | int, second: str | int) -> Contacts:
+        """Those of two shapes, each given by its name or its row, in either order. Raises `UnknownNameError`,
+        `OutOfRangeError`."""
+        pair = self._pair(first, second)
+        chosen = (self.shapes == pair).all(axis=1) | (self.shapes == pair[::-1]).all(axis=1)
+        columns = {name: x[chosen] for name, x in vars(self).items() if name not in ("worlds", "model")}
+        return replace(self, **columns)
+
+    def wrench(self, first: str | int, second: str | int) -> np.ndarray:
+        """What one shape does to another, each given by its name or its row: force [N], then torque about the world's
+        origin [N·m], world axes, zero where they do not touch, shape (6,), or (worlds, 6) of several worlds. Raises
+        `UnknownNameError`, `OutOfRangeError`."""
+        touching = self.between(first, second)
+        torque = touching.torque + np.cross(touching.position, touching.force)
+        sign = np.where(touching.shapes[:, :1] == self._pair(first, second)[0], 1.0, -1.0)
+        wrenches = np.zeros((np.max(self.worlds, initial=0) + 1, 6))
+        np.add.at(wrenches, touching.world, sign * np.hstack([touching.force, torque]))
+        wrench: np.ndarray = wrenches[self.worlds]
         return wrench
+
+    def _pair(self, first: str | int, second: str | int) -> list[int]:
+        count = len(self.model.shape_bodies)
+        return [row("shape", shape, self.model.shape, count) for shape in (first, second)]
 
 
 @dataclass(frozen=True, eq=False)
 class RayHits:
-    """What rays meet first, a row for each ray."""
+    """What rays meet first; (…) is (rays,), or (worlds, rays) of several worlds."""
 
     distance: np.ndarray
-    """From the origin [m], infinite where nothing is met, shape (rays,)."""
+    """From the origin [m], infinite where nothing is met, shape (…)."""
     shape: np.ndarray
-    """Rows of the shapes, −1 where nothing is met, shape (rays,)."""
+    """Rows of the shapes, −1 where nothing is met, int64, shape (…)."""
+    body: np.ndarray
+    """Rows of their bodies, −1 for the world's and where nothing is met, int64, shape (…)."""
     position: np.ndarray
-    """The points [m], world axes, NaN where nothing is met, shape (rays, 3)."""
+    """The points [m], world axes, NaN where nothing is met, shape (…, 3)."""
     normal: np.ndarray
-    """Unit vectors out of the surfaces, NaN where nothing is met, shape (rays, 3)."""
+    """Unit vectors out of the surfaces, NaN where nothing is met, shape (…, 3)."""
 
 
 @dataclass(frozen=True)
@@ -354,6 +377,10 @@ class Simulation(Strict):
         """Row of an actuator: a column of `controls.actuator`."""
         return self.model.actuator(name)
 
+    def shape(self, name: str) -> int:
+        """Row of a shape."""
+        return self.model.shape(name)
+
     def step(self, steps: SupportsIndex = 1) -> np.ndarray:
         """Advances all worlds by time steps, under the controls as they stand.
 
@@ -436,9 +463,22 @@ class Simulation(Strict):
         """Returns to a snapshot that `save` wrote."""
         self.restore(Path(path).read_bytes())
 
-    def contacts(self, world: int = 0) -> Contacts:
-        """The contacts of a world in the last step, in an order that does not change from step to step."""
-        return Contacts(**self._engine.contacts(self._world(world)))
+    def contacts(self, world: int | None = None, *, worlds: ArrayLike | None = 0) -> Contacts:
+        """The contacts of the last step in a world, 0 by default, or in several (a list, a mask, or `None` for all),
+        in an order that does not change from step to step. Raises `ShapeError`, `OutOfRangeError`.
+
+        >>> import kinetarium as kn
+        >>> sim = kn.Simulation(kn.examples.pyramid(2), worlds=3)
+        >>> _ = sim.step(100)
+        >>> contacts = sim.contacts(worlds=[0, 2])
+        >>> set(contacts.world.tolist()), contacts.wrench("floor", 2).shape
+        ({0, 2}, (2, 6))
+        """
+        asked = worlds if world is None else world
+        rows = self._worlds.rows(asked)
+        several = asked is None or np.ndim(asked) > 0
+        found = self._engine.contacts(np.unique(rows))
+        return Contacts(**found, worlds=rows if several else int(rows[0]), model=self.model)
 
     def asleep(self, world: int = 0) -> np.ndarray:
         """Which bodies of a world sleep, bool of shape (bodies,); `impulse` only."""
@@ -452,24 +492,23 @@ class Simulation(Strict):
         origins: ArrayLike,
         directions: ArrayLike,
         *,
-        world: int = 0,
+        world: int | None = None,
+        worlds: ArrayLike | None = 0,
         max_distance: float = np.inf,
     ) -> RayHits:
-        """What rays meet first in a world, up to a distance [m].
+        """What rays meet first, up to a distance [m], in a world, 0 by default, or in several (a list, a mask, or
+        `None` for all).
 
-        Origins [m] and directions (of any length but zero) broadcast to (rays, 3), world axes. Rays meet all shapes
-        but sensors, those that are only seen, too.
+        In one world, origins [m] and directions (of any length but zero) broadcast to (rays, 3), world axes, and the
+        answer's arrays have the shape (rays, …); in several worlds these are (worlds, rays, …). Rays meet all shapes
+        but sensors, those that are only seen, too. Raises `ShapeError`, `OutOfRangeError`, and `SimulationError` for
+        numbers that make no sense.
         """
-        try:
-            shape = np.broadcast_shapes(np.shape(origins), np.shape(directions), (1, 3))
-        except ValueError:
-            raise ShapeError(
-                f"origins {np.shape(origins)} and directions {np.shape(directions)} do not broadcast to (rays, 3)"
-            ) from None
-        if len(shape) != 2:
-            raise ShapeError(f"origins and directions have the shape {shape} together: it must be (rays, 3)")
-        origins, directions = checked("origins", origins, shape), checked("directions", directions, shape)
-        return RayHits(*self._engine.cast_rays(self._world(world), origins, directions, max_distance))
+        asked = worlds if world is None else world
+        rows = self._worlds.rows(asked)
+        rays = Queries.of(rows, asked, origins=(origins, 3), directions=(directions, 3))
+        starts, ways = rays.arrays
+        return RayHits(**rays.shaped(self._engine.cast_rays(rows, starts, ways, max_distance)))
 
     def cast_shape(
         self,

@@ -414,8 +414,77 @@ def test_contacts_rays_and_events():
     assert sim.events() == []
     hits = sim.cast_rays([[0, 5, 0], [0, 5, 50]], (0, -1, 0))
     assert hits.distance.shape == (2,) and hits.distance[1] == pytest.approx(5.0, abs=1e-6)
+    assert hits.body[1] == -1
     missed = sim.cast_rays((0, 5, 0), (0, 1, 0))
-    assert missed.shape[0] == -1 and np.isinf(missed.distance[0])
+    assert missed.shape[0] == missed.body[0] == -1 and np.isinf(missed.distance[0])
+
+
+@pytest.fixture
+def balls():
+    """Two balls of 2 kg in four worlds, which hover above a floor, but for world 1, where they lie."""
+    world = kn.Builder("balls")
+    things = world.object("things")
+    things.scenery(kn.Shape(kn.Geometry.plane(), name="floor"))
+    for k in range(2):
+        shape = kn.Shape(kn.Geometry.sphere(0.5), name="" if k else "ball")
+        things.body(f"ball{k}", shape, position=(3 * k, 0.5, 0), mass=2.0)
+    sim = kn.Simulation(world.build(), worlds=4, solver="featherstone", dtype="float64")
+    sim.state.joint_position[[0, 2, 3], 1::7] += 2.0
+    sim.step()
+    return sim
+
+
+def test_contacts_of_many_worlds(balls):
+    every, one = balls.contacts(worlds=None), balls.contacts(1)
+    assert len(one) == 2 and one.world.tolist() == [1, 1] and len(balls.contacts()) == 0
+    some = balls.contacts(worlds=[3, 1, 0])
+    for contacts in (every, some):
+        for column in ("world", "shapes", "position", "normal", "distance", "force", "torque", "feature"):
+            assert (getattr(contacts, column) == getattr(one, column)).all()
+    assert len(balls.contacts(worlds=[False] * 4)) == 0
+    with pytest.raises(OutOfRangeError, match="world 4"):
+        balls.contacts(worlds=[4])
+
+
+def test_contacts_between_shapes_by_name(balls):
+    contacts = balls.contacts(world=1)
+    ball, floor = balls.shape("ball"), balls.model.shape("floor")
+    assert (ball, floor) == (0, 2)
+    assert len(contacts.between("floor", "ball")) == len(contacts.between(ball, floor)) == 1
+    assert len(contacts.between("ball", 1)) == 0
+    wrench = contacts.wrench("floor", "ball")
+    assert wrench.shape == (6,) and wrench[1] > 0
+    assert (contacts.wrench("ball", "floor") == -wrench).all() and (contacts.wrench(floor, ball) == wrench).all()
+    assert (contacts.wrench("ball", 1) == 0).all()
+    of_worlds = balls.contacts(worlds=[3, 1, 1]).wrench("floor", "ball")
+    assert (of_worlds == [np.zeros(6), wrench, wrench]).all()
+    assert balls.contacts(worlds=[]).wrench("floor", "ball").shape == (0, 6)
+    for error, shape, message in [
+        (UnknownNameError, "bal", 'no shape named "bal"; did you mean "ball"'),
+        (UnknownNameError, "", "no shape"),
+        (OutOfRangeError, 99, "shape 99 does not exist: the model has 3"),
+        (OutOfRangeError, -1, "shape -1"),
+        (TypeError, 1.5, "its name or its row"),
+    ]:
+        for call in (contacts.wrench, contacts.between):
+            with pytest.raises(error, match=message):
+                call("floor", shape)
+
+
+def test_rays_are_cast_in_many_worlds(balls):
+    origins, down = [[0, 9, 0], [3, 9, 0], [6, 9, 0]], (0, -2, 0)
+    every = balls.cast_rays(origins, down, worlds=None)
+    assert every.distance.shape == (4, 3) and every.normal.shape == (4, 3, 3)
+    assert (every.shape == [0, 1, 2]).all() and (every.body == [0, 1, -1]).all()
+    for world in range(4):
+        one = balls.cast_rays(origins, down, world=world)
+        for name in ("distance", "shape", "body", "position", "normal"):
+            assert (getattr(one, name) == getattr(every, name)[world]).all()
+    own = balls.cast_rays(np.array([[[0, 9, 0]], [[6, 9, 0]]]), down, worlds=[2, 1])
+    assert own.shape.tolist() == [[0], [2]]
+    assert balls.cast_rays(origins, down, worlds=[]).distance.shape == (0, 3)
+    with pytest.raises(OutOfRangeError, match="world 4"):
+        balls.cast_rays(origins, down, worlds=[4])
 
 
 def test_diverged_worlds_harm_no_other():
@@ -464,7 +533,7 @@ def test_diverged_worlds_harm_no_other():
         (lambda s: s.state.joint_position.__setitem__(..., _with(s, np.nan)), SimulationError, "world 12"),
         (lambda s: setattr(s.parameters, "body_mass", _with(s, -1.0)), ModelError, "world 12"),
         (lambda s: s.reset(keyframe="home"), UnknownNameError, "home"),
-        (lambda s: s.cast_rays(np.zeros((2, 5, 3)), (0, 1, 0)), ShapeError, r"it must be \(rays, 3\)"),
+        (lambda s: s.cast_rays(np.zeros((2, 5, 3)), (0, 1, 0)), ShapeError, r"it must be \(queries, …\)"),
         (lambda s: s.render(worlds=[]), ShapeError, "at least one"),
         (lambda s: s.framing(width=0), SimulationError, "width is 0"),
         (lambda s: s.step("2"), TypeError, "steps is '2': it must be a whole number"),
