@@ -414,12 +414,12 @@ class Axis:
     """
     @staticmethod
     def angular(direction: Vector, *, anchor: Vector = ..., reference: float = 0.0) -> Axis:
-        """Rotation about a direction through a point `anchor` [m] of the joint's frame; other points than its origin
-        only `featherstone` takes.
+        """Rotation about a direction, of any length but zero, through a point `anchor` [m] of the joint's frame; other
+        points than its origin only `featherstone` takes.
         """
     @staticmethod
     def linear(direction: Vector, *, reference: float = 0.0) -> Axis:
-        """Translation along a direction."""
+        """Translation along a direction, of any length but zero."""
     @property
     def kind(self) -> Literal["linear", "angular"]:
         """What it does: "linear" or "angular"."""
@@ -658,8 +658,8 @@ class Builder:
         keywords of `Object.body`, what is not given stays. A body can be made `static`, and stays so.
         """
     def change_joint(self, joint: Joint, **options: Unpack[JointOptions]) -> None:
-        """Changes a joint that was made before: of the keywords that all joints take, what is not given stays. See
-        `JointOptions`.
+        """Changes a joint that was made before: of the keywords that all joints take, what is not given stays; a `limit`
+        of `None` takes away what limits there are. See `JointOptions`.
         """
     def keyframe(
         self,
@@ -755,9 +755,9 @@ class Object:
     def fixed(self, name: str, child: Body, **options: Unpack[JointOptions]) -> Joint:
         """Adds a joint without motion. What else joints may be given are keywords: see `JointOptions`."""
     def revolute(self, name: str, child: Body, axis: Vector, **options: Unpack[JointOptions]) -> Joint:
-        """Adds a hinge about an axis of its frame."""
+        """Adds a hinge about an axis of its frame, of any length but zero."""
     def prismatic(self, name: str, child: Body, axis: Vector, **options: Unpack[JointOptions]) -> Joint:
-        """Adds a slide along an axis of its frame."""
+        """Adds a slide along an axis of its frame, of any length but zero."""
     def ball(self, name: str, child: Body, **options: Unpack[JointOptions]) -> Joint:
         """Adds a ball joint; its coordinates are a quaternion x, y, z, w. It has three degrees of freedom."""
     def free(self, name: str, child: Body, **options: Unpack[JointOptions]) -> Joint:
@@ -1081,10 +1081,10 @@ class SensorArray:
         """Advances the simulation and misses no sample; the worlds that diverged meanwhile."""
     def update(self, engine: Engine) -> None:
         """Samples what is due now, as after a reset."""
-    def reading(self, name: str) -> tuple[NDArray[Any], NDArray[np.float64]]:
-        """The reading of a sensor, shape (worlds, …), and the time of each world's sample [s]."""
     def resample(self, engine: Engine) -> None:
         """The same, and samples anew what was sampled just now."""
+    def reading(self, name: str) -> tuple[NDArray[Any], NDArray[np.float64]]:
+        """The reading of a sensor, shape (worlds, …), and the time of each world's sample [s]."""
     def images(self, name: str) -> tuple[dict[str, NDArray[Any]], NDArray[np.float64]]:
         """The images of a camera by channel, and the time of each world's image [s]."""
     def save(self) -> bytes:
