@@ -48,9 +48,9 @@ class _Channel:
         """How many steps, 1 or more, until a later sample is due."""
         return np.asarray(np.maximum(np.ceil((self._number(steps) + 1 - _SLACK) / self._per_step) - steps, 1))
 
-    def due(self, steps: np.ndarray) -> np.ndarray:
-        """Whether a sample is to be taken now."""
-        return np.asarray(self._number(steps) != self._last)
+    def due(self, steps: np.ndarray, time: np.ndarray, anew: bool) -> np.ndarray:
+        """Whether a sample is to be taken now, or was taken now and is to be taken `anew`."""
+        return np.asarray((self._number(steps) != self._last) | (anew & (self.time == time)))
 
     def forget(self, worlds: np.ndarray) -> None:
         """These worlds begin anew."""
@@ -125,16 +125,16 @@ class CustomArray:
         steps = self._steps(simulation.time[~simulation.state.diverged])
         return float(min(channel.steps_until_due(steps).min(initial=inf) for channel in self._channels.values()))
 
-    def update(self, simulation: Simulation) -> None:
+    def update(self, simulation: Simulation, *, anew: bool = False) -> None:
         """Takes all samples that are due in worlds that run, and first ones in those that have begun anew; the others
-        keep what was measured last."""
+        keep what was measured last. With `anew`, those that were taken now as well."""
         if not self._channels:
             return
         self._look_at_worlds(simulation)
         time, runs = simulation.time, ~simulation.state.diverged
         steps = self._steps(time)
         for channel in self._channels.values():
-            due = np.flatnonzero(runs & channel.due(steps))
+            due = np.flatnonzero(runs & channel.due(steps, time, anew))
             if due.size or channel.reading is None:
                 channel.take(np.array(channel.sensor.measure(simulation)), due, time, steps, self._began)
 

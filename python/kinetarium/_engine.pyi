@@ -147,6 +147,8 @@ class Model:
         """Row of a body. Raises `UnknownNameError`, as all that look up names do."""
     def joint(self, name: str) -> int:
         """Row of a joint."""
+    def shape(self, name: str) -> int:
+        """Row of a shape; of several of that name, of the first."""
     def dof(self, name: str) -> int:
         """Row of a degree of freedom."""
     def actuator(self, name: str) -> int:
@@ -412,12 +414,12 @@ class Axis:
     """
     @staticmethod
     def angular(direction: Vector, *, anchor: Vector = ..., reference: float = 0.0) -> Axis:
-        """Rotation about a direction through a point `anchor` [m] of the joint's frame; other points than its origin
-        only `featherstone` takes.
+        """Rotation about a direction, of any length but zero, through a point `anchor` [m] of the joint's frame; other
+        points than its origin only `featherstone` takes.
         """
     @staticmethod
     def linear(direction: Vector, *, reference: float = 0.0) -> Axis:
-        """Translation along a direction."""
+        """Translation along a direction, of any length but zero."""
     @property
     def kind(self) -> Literal["linear", "angular"]:
         """What it does: "linear" or "angular"."""
@@ -656,8 +658,8 @@ class Builder:
         keywords of `Object.body`, what is not given stays. A body can be made `static`, and stays so.
         """
     def change_joint(self, joint: Joint, **options: Unpack[JointOptions]) -> None:
-        """Changes a joint that was made before: of the keywords that all joints take, what is not given stays. See
-        `JointOptions`.
+        """Changes a joint that was made before: of the keywords that all joints take, what is not given stays; a `limit`
+        of `None` takes away what limits there are. See `JointOptions`.
         """
     def keyframe(
         self,
@@ -755,9 +757,9 @@ class Object:
     def fixed(self, name: str, child: Body, **options: Unpack[JointOptions]) -> Joint:
         """Adds a joint without motion. What else joints may be given are keywords: see `JointOptions`."""
     def revolute(self, name: str, child: Body, axis: Vector, **options: Unpack[JointOptions]) -> Joint:
-        """Adds a hinge about an axis of its frame."""
+        """Adds a hinge about an axis of its frame, of any length but zero."""
     def prismatic(self, name: str, child: Body, axis: Vector, **options: Unpack[JointOptions]) -> Joint:
-        """Adds a slide along an axis of its frame."""
+        """Adds a slide along an axis of its frame, of any length but zero."""
     def ball(self, name: str, child: Body, **options: Unpack[JointOptions]) -> Joint:
         """Adds a ball joint; its coordinates are a quaternion x, y, z, w. It has three degrees of freedom."""
     def free(self, name: str, child: Body, **options: Unpack[JointOptions]) -> Joint:
@@ -943,16 +945,16 @@ class Engine:
         """Returns to a snapshot."""
     def asleep(self, world: int) -> list[bool]:
         """Which bodies of a world sleep."""
-    def contacts(self, world: int) -> dict[str, NDArray[Any]]:
-        """The contacts of the last step in a world, as a dictionary of arrays with a row for each."""
+    def contacts(self, worlds: NDArray[np.int64]) -> dict[str, NDArray[Any]]:
+        """The contacts of the last step in some worlds, as a dictionary of arrays with a row for each."""
     def cast_rays(
         self,
-        world: int,
+        worlds: NDArray[np.int64],
         origins: NDArray[np.float64],
         directions: NDArray[np.float64],
         max_distance: float,
-    ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
-        """What rays meet in a world: distances [m] (infinite where nothing), shapes (−1 where none), positions, normals."""
+    ) -> dict[str, NDArray[Any]]:
+        """What rays meet first, the same number in each of some worlds: arrays with a row for each ray."""
     def cast_shapes(
         self,
         worlds: NDArray[np.int64],
@@ -1083,6 +1085,8 @@ class SensorArray:
         """Advances the simulation and misses no sample; the worlds that diverged meanwhile."""
     def update(self, engine: Engine) -> None:
         """Samples what is due now, as after a reset."""
+    def resample(self, engine: Engine) -> None:
+        """The same, and samples anew what was sampled just now."""
     def reading(self, name: str) -> tuple[NDArray[Any], NDArray[np.float64]]:
         """The reading of a sensor, shape (worlds, …), and the time of each world's sample [s]."""
     def images(self, name: str) -> tuple[dict[str, NDArray[Any]], NDArray[np.float64]]:

@@ -6,11 +6,11 @@ import math
 import operator
 from collections.abc import Callable
 from ctypes import addressof, c_char
-from typing import Any
+from typing import Any, SupportsIndex
 
 import numpy as np
 
-from kinetarium.errors import ShapeError, SimulationError, UnknownNameError
+from kinetarium.errors import OutOfRangeError, ShapeError, SimulationError, UnknownNameError
 from kinetarium.names import Names, rows
 
 Assign = Callable[[np.ndarray, np.ndarray], None]
@@ -212,4 +212,28 @@ def whole(what: str, number: Any, least: int = 0, bits: int = 63) -> int:
         raise SimulationError(f"{what} is {found}: it must {remedy}")
     if found.bit_length() > bits:
         raise SimulationError(f"{what} is {found}: it must be below 2 to the power of {bits}")
+    return found
+
+
+def row(what: str, thing: str | SupportsIndex, named: Callable[[str], int], count: int) -> int:
+    """The row of a thing of a model, such as a body, that is given by its name or its row; of `count` that there are.
+
+    Raises `OutOfRangeError`, what `named` raises of names, and `TypeError`.
+
+    >>> import kinetarium as kn
+    >>> row("body", "link1", kn.examples.n_pendula(2).body, 2)
+    1
+    >>> row("body", 2, kn.examples.n_pendula(2).body, 2)
+    Traceback (most recent call last):
+        ...
+    kinetarium.errors.OutOfRangeError: body 2 does not exist: the model has 2, counted from 0
+    """
+    if isinstance(thing, str):
+        return named(thing)
+    try:
+        found = operator.index(thing)
+    except TypeError:
+        raise TypeError(f"the {what} is {thing!r}: give its name or its row") from None
+    if not 0 <= found < count:
+        raise OutOfRangeError(f"{what} {found} does not exist: the model has {count}, counted from 0")
     return found

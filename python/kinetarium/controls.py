@@ -21,8 +21,9 @@ class Controls(Tables):
     """Controls of all worlds, as arrays that are written in place and hold until they are written again.
 
     Each is one array of the simulation's dtype that lives as long as the simulation: what stands in it when
-    `Simulation.step` is called is what acts. Arrays that were never asked for are not copied. torch and jax take them
-    by DLPack without a copy: what torch writes there acts.
+    `Simulation.step` is called is what acts, and what accelerations and reactions in `Simulation.state` are told by.
+    Arrays that were never asked for are not copied. torch and jax take them by DLPack without a copy: what torch
+    writes there acts.
 
     >>> import kinetarium as kn
     >>> sim = kn.Simulation(kn.examples.n_pendula(3), worlds=2)
@@ -52,11 +53,12 @@ class Controls(Tables):
         "as its ends.",
     )
 
-    __slots__ = ("_arrays",)
+    __slots__ = ("_arrays", "_sent")
 
     def __init__(self, worlds: Worlds) -> None:
         super().__init__(worlds)
         self._arrays: dict[str, NamedArray] = {}
+        self._sent: dict[str, np.ndarray] = {}  # what the engine was given of each
 
     def __repr__(self) -> str:
         shapes = ", ".join(f"{name} {table.shape(self._worlds)}" for name, table in tables_of(Controls).items())
@@ -81,7 +83,7 @@ class Controls(Tables):
         engine = self._worlds.engine
         array = self._arrays.get(name)
         if array is not None:
-            engine.write_control(name, array)
+            self._write(engine, name, array)
         shared = engine.control_on_device(name, tables[name].shape(self._worlds))
         self._arrays.pop(name, None)  # not before: where this is refused, the array still acts
         return shared
@@ -91,7 +93,7 @@ class Controls(Tables):
         array = self._arrays.get(table.name)
         if array is None:
             array = NamedArray.of(self._read(engine, table), table.names(self._worlds))
-            self._arrays[table.name] = array
+            self._arrays[table.name], self._sent[table.name] = array, np.array(array)
         return array
 
     def _read(self, engine: Engine, table: Table) -> np.ndarray:
@@ -108,12 +110,27 @@ class Controls(Tables):
     def _send(self, engine: Engine) -> None:
         """Gives the engine what stands in the arrays."""
         for name, array in self._arrays.items():
-            engine.write_control(name, array)
+            self._write(engine, name, array)
+
+    def _send_changed(self) -> None:
+        """The same where something else was written to them since, before what depends on it is read; not while a
+        call changes the worlds, which has sent what acts."""
+        others = any(not np.array_equal(array, self._sent[name]) for name, array in self._arrays.items())
+        if others and not self._worlds.is_changing:
+            self._send(self._worlds.engine)
+
+    def _write(self, engine: Engine, name: str, array: NamedArray) -> None:
+        engine.write_control(name, array)
+        self._sent[name][...] = array
 
     def _act(self, engine: Engine, worlds: np.ndarray, actuator: np.ndarray) -> None:
         """Gives worlds that were set these controls of actuators. No array comes of it: one is sent in every step."""
         array = self._arrays.get("actuator")
-        numbers = self._read(engine, tables_of(Controls)["actuator"]) if array is None else np.asarray(array)
+        if array is not None:
+            np.asarray(array)[worlds] = actuator
+            self._write(engine, "actuator", array)
+            return
+        numbers = self._read(engine, tables_of(Controls)["actuator"])
         numbers[worlds] = actuator
         engine.write_control("actuator", numbers)
 
@@ -122,3 +139,4 @@ class Controls(Tables):
         tables = tables_of(Controls)
         for name, array in self._arrays.items():
             np.asarray(array)[worlds] = self._read(self._worlds.engine, tables[name])[worlds]
+            self._sent[name][worlds] = array[worlds]

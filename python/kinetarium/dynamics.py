@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 
 from kinetarium import _engine
 from kinetarium._engine import Model
-from kinetarium.arrays import checked, numbers, whole
-from kinetarium.errors import OutOfRangeError, ShapeError
+from kinetarium.arrays import checked, numbers, row
+from kinetarium.errors import ShapeError
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,8 @@ class Dynamics:
         """
         (q,), lead = self._states(position)
         x, y, z = (float(c) for c in checked("point", point, (3,)))
-        found = self._engine.jacobian(q, self._body(body), (x, y, z))
+        link = row("body", body, self.model.body, len(self.model.body_names))
+        found = self._engine.jacobian(q, link, (x, y, z))
         return found.reshape(*lead, 6, self.model.degrees_of_freedom)
 
     def bodies(self, position: ArrayLike, velocity: ArrayLike = 0.0) -> Bodies:
@@ -91,14 +92,6 @@ class Dynamics:
         (q, v), lead = self._states(position, velocity=velocity)
         found = self._engine.bodies(q, v).reshape(*lead, len(self.model.body_names), 13)
         return Bodies(*np.split(found, [3, 7, 10], axis=-1))
-
-    def _body(self, body: str | SupportsIndex) -> int:
-        if isinstance(body, str):
-            return self.model.body(body)
-        row, bodies = whole("body", body), len(self.model.body_names)
-        if row >= bodies:
-            raise OutOfRangeError(f"body {row} does not exist: the model has {bodies}, counted from 0")
-        return row
 
     def _states(self, position: ArrayLike, **others: ArrayLike) -> tuple[list[np.ndarray], tuple[int, ...]]:
         """All as rows, and the shape that leads."""

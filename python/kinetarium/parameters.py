@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
-import numpy as np
+import math
+from collections.abc import Mapping
 
-from kinetarium.arrays import NamedArray
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kinetarium.arrays import NamedArray, checked
+from kinetarium.errors import UnknownNameError
+from kinetarium.names import hint
 from kinetarium.tables import Table, Tables, tables_of
 
 
@@ -64,15 +70,37 @@ class Parameters(Tables):
         if rows.size:
             engine.write_parameter(table.name, rows, numbers[rows])
 
-    def _restore(self, tables: dict[str, np.ndarray]) -> None:
-        """Gives all worlds numbers of several parameters at once: one after the other, some might be refused."""
+    def update(self, tables: Mapping[str, ArrayLike], worlds: ArrayLike | None = None) -> None:
+        """Gives worlds (a mask, a list of rows, or all) numbers of several parameters by name, which compiles their
+        models once, and also takes what can be had only together; none changes where one is refused.
+
+        Arrays broadcast to the shape of their attribute, with a row for each world given.
+
+        >>> import kinetarium as kn
+        >>> sim = kn.Simulation(kn.examples.n_pendula(2), worlds=3)
+        >>> sim.parameters.update({"body_mass": [[2.0], [3.0]], "gravity": (0, -1.62, 0)}, worlds=[0, 2])
+        >>> sim.parameters.body_mass[:, "link0"].tolist()
+        [2.0, 1.0, 3.0]
+
+        Raises `UnknownNameError`, `ShapeError`, `OutOfRangeError`, and what setting an attribute raises.
+        """
+        rows = self._worlds.rows(worlds)
+        wanted = {name: self._wanted(name, numbers, rows) for name, numbers in tables.items()}
+        if not rows.size:
+            return
         with self._worlds.changing() as engine:
-            every = np.arange(self._worlds.count)
-            wanted = {name: numbers.reshape(len(every), -1) for name, numbers in tables.items()}
-            other = [(numbers != engine.read_parameter(name, every)).any(axis=1) for name, numbers in wanted.items()]
-            rows = np.flatnonzero(np.any(other, axis=0))
-            if rows.size:
-                engine.write_parameters(rows, [(name, numbers[rows]) for name, numbers in wanted.items()])
+            others = [(numbers != engine.read_parameter(name, rows)).any(axis=1) for name, numbers in wanted.items()]
+            other = np.any(others, axis=0)  # those of the rest stay as they are
+            if np.any(other):
+                engine.write_parameters(rows[other], [(name, numbers[other]) for name, numbers in wanted.items()])
+
+    def _wanted(self, name: str, numbers: ArrayLike, rows: np.ndarray) -> np.ndarray:
+        """Numbers of a parameter as the engine takes them, a row for each of these worlds."""
+        table = tables_of(Parameters).get(name)
+        if table is None:
+            raise UnknownNameError(f'there is no parameter "{name}"; {hint(name, parameter_names())}')
+        shape = table.shape(self._worlds)[1:]
+        return checked(name, numbers, (len(rows), *shape)).reshape(len(rows), math.prod(shape))
 
 
 def parameter_names() -> list[str]:

@@ -39,8 +39,10 @@ def record(
     """Steps a simulation for so many seconds and keeps quantities after each `every` steps, the start included.
 
     A quantity is a function of the simulation, or none for the one of that name in `Simulation.state`. Raises
-    `SimulationError` for times and steps that cannot be.
+    `SimulationError` for times and steps that cannot be, and for a quantity named "time", which the samples' is.
     """
+    if "time" in quantities:
+        raise SimulationError('a quantity is named "time", as the times of the samples are: give it another name')
     if not 0 <= seconds < inf:
         raise SimulationError(f"seconds is {seconds}: it must be 0 or more, and finite")
     if every < 1:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kinetarium._engine import Model
-from kinetarium.arrays import checked
+from kinetarium.arrays import checked, row
 from kinetarium.errors import ShapeError
 
 
@@ -36,8 +36,18 @@ class Seen:
 
     def _of(self, model: Model) -> tuple[bool, bool, int | None, list[int]]:
         """As the engine takes it."""
-        bodies = [model.body(body) if isinstance(body, str) else body for body in self.except_bodies]
+        if isinstance(self.except_bodies, str):
+            raise TypeError(f"except_bodies is {self.except_bodies!r}: give a list, as [{self.except_bodies!r}]")
+        count = len(model.body_names)
+        bodies = [row("body", body, model.body, count) for body in self.except_bodies]
         return self.colliding, self.sensors, self.membership, bodies
+
+
+def sight(seen: Seen | None, model: Model) -> tuple[bool, bool, int | None, list[int]]:
+    """What a query sees, as the engine takes it; what it sees by default, if nothing is given."""
+    if not isinstance(seen, Seen | None):
+        raise TypeError(f"seen is {seen!r}: give a Seen, as Seen(colliding=True)")
+    return (seen or Seen())._of(model)
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,10 +115,14 @@ class Queries:
         arrays = [checked(name, array, (*lead, width)).reshape(-1, width) for name, (array, width) in asked.items()]
         return cls(lead, arrays)
 
-    def hits(self, found: dict[str, Any], *each: int) -> ShapeHits:
+    def shaped(self, found: dict[str, Any], *each: int) -> dict[str, Any]:
         """Answers in the shape of the queries, each of which may have several."""
         lead = self.lead + each
-        return ShapeHits(**{name: array.reshape(lead + array.shape[1:]) for name, array in found.items()})
+        return {name: array.reshape(lead + array.shape[1:]) for name, array in found.items()}
+
+    def hits(self, found: dict[str, Any], *each: int) -> ShapeHits:
+        """The same as an object."""
+        return ShapeHits(**self.shaped(found, *each))
 
     def near(self, found: dict[str, Any], rows: np.ndarray) -> NearShapes:
         """Answers in rows, with the worlds and the queries that they are of."""

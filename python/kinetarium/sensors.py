@@ -24,6 +24,7 @@ is due. Noise is a function of seed, sensor, world and sample: the same whatever
 
 from __future__ import annotations
 
+import weakref
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -37,7 +38,7 @@ from kinetarium._custom import CustomArray
 from kinetarium._engine import Engine, Measurement, Model, SensorArray
 from kinetarium.cameras import Camera as Pinhole
 from kinetarium.cameras import Images
-from kinetarium.errors import SensorError, UnknownNameError
+from kinetarium.errors import ClosedError, SensorError, UnknownNameError
 from kinetarium.names import Strict, hint
 from kinetarium.types import Frame, Place, Vector
 
@@ -315,7 +316,7 @@ class Custom:
 class Sensors(Strict, Mapping[str, Any]):
     """The sensors of a simulation: readings by name, as arrays of their own."""
 
-    __slots__ = ("_array", "_cameras", "_custom", "list", "seed")
+    __slots__ = ("_array", "_cameras", "_custom", "_simulation", "list", "seed")
 
     def __init__(
         self, simulation: Simulation, sensors: Iterable[Sensor | Custom] | Sensor | Custom, seed: int
@@ -328,6 +329,7 @@ class Sensors(Strict, Mapping[str, Any]):
                 raise SensorError(
                     f'the noise of sensor "{sensor.name}" is {sensor.noise!r}: give a Noise, as Noise(deviation=0.1)'
                 )
+        self._simulation = weakref.ref(simulation)
         self.list = sensors
         """The sensors as they were given."""
         self.seed = seed
@@ -364,13 +366,27 @@ class Sensors(Strict, Mapping[str, Any]):
             self._array.update(simulation._engine)
         self._custom.update(simulation)
 
+    def resample(self) -> None:
+        """Takes samples of the present time of a world anew, with the noise that they had: after items of the state,
+        controls or parameters were set. Others hold; steps and resets sample by themselves."""
+        simulation = self._simulation()
+        if simulation is None:
+            raise ClosedError("the simulation of these sensors is gone")
+        with simulation._worlds.changing() as engine:
+            simulation._controls._send(engine)
+            if self._array is not None:
+                self._array.resample(engine)
+            self._custom.update(simulation, anew=True)
+
     def _save(self) -> dict[str, Any]:
         return {"array": None if self._array is None else self._array.save(), "custom": self._custom.save()}
 
-    def _restore(self, saved: dict[str, Any]) -> None:
+    def _restore(self, simulation: Simulation, saved: dict[str, Any]) -> None:
+        """Puts back what `_save` gave, and looks at the worlds, so that it is seen which are reset from now on."""
         if self._array is not None:
             self._array.restore(saved["array"])
         self._custom.restore(saved["custom"])
+        self._update(simulation)
 
     def _read(self, name: str) -> tuple[Any, np.ndarray]:
         if name in self._custom:

@@ -12,13 +12,13 @@ from numpy.typing import ArrayLike, DTypeLike
 
 from kinetarium import _nvrtc
 from kinetarium._engine import Engine, Geometry, Model, framing, render_view, show
-from kinetarium.arrays import checked, whole
+from kinetarium.arrays import checked, row, whole
 from kinetarium.cameras import Camera, Images
 from kinetarium.controls import Controls
-from kinetarium.errors import OutOfRangeError, RenderError, ShapeError, SimulationError, UnknownNameError
+from kinetarium.errors import RenderError, ShapeError, SimulationError, UnknownNameError
 from kinetarium.names import Strict, hint
 from kinetarium.parameters import Parameters, parameter_names
-from kinetarium.queries import NearShapes, Queries, Seen, ShapeHits
+from kinetarium.queries import NearShapes, Queries, Seen, ShapeHits, sight
 from kinetarium.sensors import Custom, Sensor, Sensors
 from kinetarium.skins import Skin
 from kinetarium.state import State
@@ -45,8 +45,10 @@ EventKind = Literal[
 
 @dataclass(frozen=True, eq=False)
 class Contacts:
-    """The contacts of a world, a row for each; those that do not press have no force."""
+    """The contacts of a world or of several, a row for each; those that do not press have no force."""
 
+    world: np.ndarray
+    """In which world, ascending, int64, shape (contacts,)."""
     shapes: np.ndarray
     """Rows of the two shapes; the second one moves. int64, shape (contacts, 2)."""
     position: np.ndarray
@@ -62,32 +64,53 @@ class Contacts:
     the positions, world axes, shape (contacts, 3)."""
     feature: np.ndarray
     """Numbers that stay the same from step to step while the same features touch, shape (contacts,)."""
+    worlds: int | np.ndarray = field(repr=False)
+    """The world that was asked for, or the rows of several."""
+    model: Model = field(repr=False)
+    """What has these shapes."""
 
     def __len__(self) -> int:
         return len(self.distance)
 
-    def wrench(self, first: int, second: int) -> np.ndarray:
-        """What one shape, by its row, does to another: force [N], then torque about the world's origin [N·m], world
-        axes, shape (6,); zero where they do not touch."""
-        along = (self.shapes == [first, second]).all(axis=1).astype(float)
-        against = (self.shapes == [second, first]).all(axis=1)
-        torque = self.torque + np.cross(self.position, self.force)
-        wrench: np.ndarray = (along - against) @ np.hstack([self.force, torque])
+    def between(self, first: str | int, second: str | int) -> Contacts:
+        """Those of two shapes, each given by its name or its row, in either order. Raises `UnknownNameError`,
+        `OutOfRangeError`."""
+        pair = self._pair(first, second)
+        chosen = (self.shapes == pair).all(axis=1) | (self.shapes == pair[::-1]).all(axis=1)
+        columns = {name: x[chosen] for name, x in vars(self).items() if name not in ("worlds", "model")}
+        return replace(self, **columns)
+
+    def wrench(self, first: str | int, second: str | int) -> np.ndarray:
+        """What one shape does to another, each given by its name or its row: force [N], then torque about the world's
+        origin [N·m], world axes, zero where they do not touch, shape (6,), or (worlds, 6) of several worlds. Raises
+        `UnknownNameError`, `OutOfRangeError`."""
+        touching = self.between(first, second)
+        torque = touching.torque + np.cross(touching.position, touching.force)
+        sign = np.where(touching.shapes[:, :1] == self._pair(first, second)[0], 1.0, -1.0)
+        wrenches = np.zeros((np.max(self.worlds, initial=0) + 1, 6))
+        np.add.at(wrenches, touching.world, sign * np.hstack([touching.force, torque]))
+        wrench: np.ndarray = wrenches[self.worlds]
         return wrench
+
+    def _pair(self, first: str | int, second: str | int) -> list[int]:
+        count = len(self.model.shape_bodies)
+        return [row("shape", shape, self.model.shape, count) for shape in (first, second)]
 
 
 @dataclass(frozen=True, eq=False)
 class RayHits:
-    """What rays meet first, a row for each ray."""
+    """What rays meet first; (…) is (rays,), or (worlds, rays) of several worlds."""
 
     distance: np.ndarray
-    """From the origin [m], infinite where nothing is met, shape (rays,)."""
+    """From the origin [m], infinite where nothing is met, shape (…)."""
     shape: np.ndarray
-    """Rows of the shapes, −1 where nothing is met, shape (rays,)."""
+    """Rows of the shapes, −1 where nothing is met, int64, shape (…)."""
+    body: np.ndarray
+    """Rows of their bodies, −1 for the world's and where nothing is met, int64, shape (…)."""
     position: np.ndarray
-    """The points [m], world axes, NaN where nothing is met, shape (rays, 3)."""
+    """The points [m], world axes, NaN where nothing is met, shape (…, 3)."""
     normal: np.ndarray
-    """Unit vectors out of the surfaces, NaN where nothing is met, shape (rays, 3)."""
+    """Unit vectors out of the surfaces, NaN where nothing is met, shape (…, 3)."""
 
 
 @dataclass(frozen=True)
@@ -122,6 +145,18 @@ class Linearization:
     """By the drives' position targets, shape (2n, n)."""
     target_velocity: np.ndarray
     """By the drives' velocity targets, shape (2n, n)."""
+
+
+def _precision(dtype: DTypeLike) -> np.dtype:
+    """A dtype that simulations have; `SimulationError` for others."""
+    try:
+        name = "None" if dtype is None else np.dtype(dtype).name  # numpy takes none for float64
+    except TypeError:
+        name = str(dtype)
+    if name not in ("float32", "float64"):
+        raise SimulationError(f"dtype is {name}: it must be float32 or float64")
+    precision: np.dtype = np.dtype(name)
+    return precision
 
 
 class Simulation(Strict):
@@ -216,9 +251,7 @@ class Simulation(Strict):
     ) -> None:
         if not isinstance(model, Model):
             raise TypeError(f"the model is a {type(model).__name__}: give a Model, as load and Builder make")
-        precision = np.dtype(dtype)
-        if precision not in (np.dtype("float32"), np.dtype("float64")):
-            raise SimulationError(f"dtype is {precision}: it must be float32 or float64")
+        precision = _precision(dtype)
         if not isinstance(device, str):
             raise TypeError(f'device is {device!r}: it must be a text, such as "cpu", "gpu" or "cuda:0"')
         self._settings: dict[str, Any] = {
@@ -239,7 +272,7 @@ class Simulation(Strict):
         self._worlds = Worlds(self._make(model, count, precision), model, count, precision)
         self._solver, self._isa, self._threads, self._device = self._engine.describe()
         self._controls = Controls(self._worlds)
-        self._state = State(self._worlds)
+        self._state = State(self._worlds, self._controls)
         self._parameters = Parameters(self._worlds)
         self._view: View | None = None
         self._watched: tuple[Watched, ...] = ()
@@ -344,6 +377,10 @@ class Simulation(Strict):
         """Row of an actuator: a column of `controls.actuator`."""
         return self.model.actuator(name)
 
+    def shape(self, name: str) -> int:
+        """Row of a shape."""
+        return self.model.shape(name)
+
     def step(self, steps: SupportsIndex = 1) -> np.ndarray:
         """Advances all worlds by time steps, under the controls as they stand.
 
@@ -358,28 +395,10 @@ class Simulation(Strict):
         # Between the parts of many steps the page may bring a world back, to diverge again.
         return np.array(list(dict.fromkeys(diverged)), np.int64)
 
-    def _rows(self, worlds: ArrayLike | None) -> np.ndarray:
-        """Worlds as numbers: all, or those of a mask, or those of a list."""
-        if worlds is None:
-            return np.arange(self._worlds.count)
-        rows = np.atleast_1d(np.asarray(worlds))
-        if rows.dtype == bool:
-            if rows.shape != (self.worlds,):
-                raise ShapeError(f"the mask of worlds has the shape {rows.shape}: it must be ({self.worlds},)")
-            return np.flatnonzero(rows)
-        if rows.size == 0:
-            return np.empty(0, np.int64)
-        if rows.dtype.kind not in "iu" or rows.ndim != 1:
-            raise ShapeError("worlds must be a mask or a list of whole numbers")
-        wrong = rows[(rows < 0) | (rows >= self.worlds)]
-        if wrong.size:
-            raise OutOfRangeError(f"world {wrong[0]} does not exist: there are {self.worlds}, counted from 0")
-        return np.ascontiguousarray(rows, dtype=np.int64)
-
     def reset(self, worlds: ArrayLike | None = None, *, keyframe: str | None = None) -> None:
         """Brings worlds (a mask, a list of rows, or all) to the model's initial state at time 0, or to one of its
         keyframes, with the model's controls."""
-        rows = self._rows(worlds)
+        rows = self._worlds.rows(worlds)
         if keyframe is not None:
             position, velocity, control = self.model.keyframe(keyframe)
             self._put(rows, position, velocity, control)
@@ -421,7 +440,7 @@ class Simulation(Strict):
 
         Raises `ShapeError`, `OutOfRangeError`, and `SimulationError` for numbers that are not finite.
         """
-        self._put(self._rows(worlds), joint_position, joint_velocity, _NO_CONTROL)
+        self._put(self._worlds.rows(worlds), joint_position, joint_velocity, _NO_CONTROL)
 
     def snapshot(self) -> bytes:
         """States, controls and times of all worlds, to the bit; not what sensors carry along (pickle the simulation
@@ -444,40 +463,52 @@ class Simulation(Strict):
         """Returns to a snapshot that `save` wrote."""
         self.restore(Path(path).read_bytes())
 
-    def contacts(self, world: int = 0) -> Contacts:
-        """The contacts of a world in the last step, in an order that does not change from step to step."""
-        return Contacts(**self._engine.contacts(self._world(world)))
+    def contacts(self, world: int | None = None, *, worlds: ArrayLike | None = 0) -> Contacts:
+        """The contacts of the last step in a world, 0 by default, or in several (a list, a mask, or `None` for all),
+        in an order that does not change from step to step. Raises `ShapeError`, `OutOfRangeError`.
+
+        >>> import kinetarium as kn
+        >>> sim = kn.Simulation(kn.examples.pyramid(2), worlds=3)
+        >>> _ = sim.step(100)
+        >>> contacts = sim.contacts(worlds=[0, 2])
+        >>> set(contacts.world.tolist()), contacts.wrench("floor", 2).shape
+        ({0, 2}, (2, 6))
+        """
+        asked = worlds if world is None else world
+        rows = self._worlds.rows(asked)
+        several = asked is None or np.ndim(asked) > 0
+        found = self._engine.contacts(np.unique(rows))
+        return Contacts(**found, worlds=rows if several else int(rows[0]), model=self.model)
 
     def asleep(self, world: int = 0) -> np.ndarray:
         """Which bodies of a world sleep, bool of shape (bodies,); `impulse` only."""
         return np.array(self._engine.asleep(self._world(world)), bool)
 
     def _world(self, world: int) -> int:
-        return int(self._rows([world])[0])
+        return int(self._worlds.rows([world])[0])
 
     def cast_rays(
         self,
         origins: ArrayLike,
         directions: ArrayLike,
         *,
-        world: int = 0,
+        world: int | None = None,
+        worlds: ArrayLike | None = 0,
         max_distance: float = np.inf,
     ) -> RayHits:
-        """What rays meet first in a world, up to a distance [m].
+        """What rays meet first, up to a distance [m], in a world, 0 by default, or in several (a list, a mask, or
+        `None` for all).
 
-        Origins [m] and directions (of any length but zero) broadcast to (rays, 3), world axes. Rays meet all shapes
-        but sensors, those that are only seen, too.
+        In one world, origins [m] and directions (of any length but zero) broadcast to (rays, 3), world axes, and the
+        answer's arrays have the shape (rays, …); in several worlds these are (worlds, rays, …). Rays meet all shapes
+        but sensors, those that are only seen, too. Raises `ShapeError`, `OutOfRangeError`, and `SimulationError` for
+        numbers that make no sense.
         """
-        try:
-            shape = np.broadcast_shapes(np.shape(origins), np.shape(directions), (1, 3))
-        except ValueError:
-            raise ShapeError(
-                f"origins {np.shape(origins)} and directions {np.shape(directions)} do not broadcast to (rays, 3)"
-            ) from None
-        if len(shape) != 2:
-            raise ShapeError(f"origins and directions have the shape {shape} together: it must be (rays, 3)")
-        origins, directions = checked("origins", origins, shape), checked("directions", directions, shape)
-        return RayHits(*self._engine.cast_rays(self._world(world), origins, directions, max_distance))
+        asked = worlds if world is None else world
+        rows = self._worlds.rows(asked)
+        rays = Queries.of(rows, asked, origins=(origins, 3), directions=(directions, 3))
+        starts, ways = rays.arrays
+        return RayHits(**rays.shaped(self._engine.cast_rays(rows, starts, ways, max_distance)))
 
     def cast_shape(
         self,
@@ -506,13 +537,12 @@ class Simulation(Strict):
         >>> float(hits.distance[1].round(6))
         4.9
         """
-        rows = self._rows(worlds)
+        rows = self._worlds.rows(worlds)
         asked = Queries.of(
             rows, worlds, positions=(positions, 3), directions=(directions, 3), orientations=(orientations, 4)
         )
-        starts, ways, turns = asked.arrays
-        sight = (seen or Seen())._of(self.model)
-        return asked.hits(self._engine.cast_shapes(rows, geometry, starts, turns, ways, max_distance, sight))
+        (starts, ways, turns), sees = asked.arrays, sight(seen, self.model)
+        return asked.hits(self._engine.cast_shapes(rows, geometry, starts, turns, ways, max_distance, sees))
 
     def nearest(
         self,
@@ -523,17 +553,18 @@ class Simulation(Strict):
         max_distance: float = np.inf,
         seen: Seen | None = None,
     ) -> ShapeHits:
-        """The k nearest shapes to points [m], up to a distance [m], the nearest first.
+        """The k nearest shapes to points [m], up to a distance [m], the nearest first; all shapes of the model, where
+        it has fewer than k.
 
         In one world, points broadcast to (points, 3), world axes, and the answer's arrays have the shape
         (points, k, …); in several worlds these are (worlds, points, …). Distances are from the surfaces, negative
         inside; of closed meshes, too. What holds a point is the nearer the deeper it does. Raises as `cast_shape`.
         """
-        rows, k = self._rows(worlds), whole("k", k, 1)
+        rows, shapes = self._worlds.rows(worlds), len(self._worlds.names("shape_names") or ())
+        k = min(whole("k", k, 1), max(shapes, 1))
         asked = Queries.of(rows, worlds, points=(points, 3))
-        sight = (seen or Seen())._of(self.model)
         (places,) = asked.arrays
-        return asked.hits(self._engine.nearest(rows, places, k, max_distance, sight), k)
+        return asked.hits(self._engine.nearest(rows, places, k, max_distance, sight(seen, self.model)), k)
 
     def closest_points(
         self,
@@ -545,11 +576,10 @@ class Simulation(Strict):
     ) -> NearShapes:
         """Of each shape within a distance [m] of points [m], the nearest point of its surface; points, distances and
         errors as those of `nearest`. The nearest shape of a point comes first."""
-        rows = self._rows(worlds)
+        rows = self._worlds.rows(worlds)
         asked = Queries.of(rows, worlds, points=(points, 3))
-        sight = (seen or Seen())._of(self.model)
         (places,) = asked.arrays
-        return asked.near(self._engine.closest_points(rows, places, max_distance, sight), rows)
+        return asked.near(self._engine.closest_points(rows, places, max_distance, sight(seen, self.model)), rows)
 
     def overlaps(
         self,
@@ -565,11 +595,10 @@ class Simulation(Strict):
 
         Distances are 0 or less: how far the two overlap along the way out, which the normal tells.
         """
-        rows = self._rows(worlds)
+        rows = self._worlds.rows(worlds)
         asked = Queries.of(rows, worlds, positions=(positions, 3), orientations=(orientations, 4))
-        sight = (seen or Seen())._of(self.model)
         starts, turns = asked.arrays
-        return asked.near(self._engine.overlaps(rows, geometry, starts, turns, sight), rows)
+        return asked.near(self._engine.overlaps(rows, geometry, starts, turns, sight(seen, self.model)), rows)
 
     def linearize(self, world: int = 0) -> Linearization:
         """A time step linearised about the state of a world: exact derivatives of the solver's own step in float64,
@@ -603,7 +632,7 @@ class Simulation(Strict):
         Without a camera: colours, 640 × 480, of the first world given, from where all its bodies are in the image.
         Raises `RenderError`, and `UnknownNameError` for a camera that the model has not.
         """
-        rows = self._rows(worlds)
+        rows = self._worlds.rows(worlds)
         if camera is None:
             if rows.size == 0:
                 raise ShapeError("there are no worlds to be seen: give at least one")
@@ -717,7 +746,8 @@ class Simulation(Strict):
             seed=state["seed"],
             **state["settings"],
         )
-        self._parameters._restore(state["parameters"])
+        self._parameters.update(state["parameters"])
         self.restore(state["snapshot"])
-        self._sensors._restore(state["readings"])
+        with self._worlds.changing():
+            self._sensors._restore(self, state["readings"])
         self.watch(*state["watched"])

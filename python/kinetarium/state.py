@@ -14,11 +14,19 @@ from kinetarium.names import hint
 from kinetarium.tables import Table, Tables, tables_of
 
 if TYPE_CHECKING:
-    from kinetarium._engine import DeviceArray
+    from kinetarium._engine import DeviceArray, Model
+    from kinetarium.controls import Controls
     from kinetarium.worlds import Worlds
 
 # Coordinates and velocities beyond this are refused.
 _MOST_MOTION = 1e9
+
+
+def quaternion_columns(model: Model) -> dict[str, slice]:
+    """Where the quaternions of joints are among the coordinates; joints that close loops have none."""
+    kinds = zip(model.joint_names, model.joint_kinds, strict=True)
+    ends = {name: model.joint_coordinates(name) for name, kind in kinds if kind in ("ball", "free")}
+    return {name: slice(end - 4, end) for name, (start, end) in ends.items() if start < end}
 
 
 def _refuse(quantity: str, *_: np.ndarray) -> None:
@@ -46,6 +54,10 @@ class Quantity(Table):
         _refuse(self.name)
 
 
+class Effect(Quantity):
+    """One that may depend on the controls as they stand when it is read."""
+
+
 class State(Tables):
     """The state of all worlds.
 
@@ -56,8 +68,9 @@ class State(Tables):
 
     Items of `joint_position` and `joint_velocity` can be set, which changes the simulation: those items, in the
     worlds that have them, and no others. An array that was read before the simulation was stepped or reset refuses
-    that with a `SimulationError`; as numbers it stays good. The other quantities follow from those two. Names index
-    bodies, joints, coordinates and degrees of freedom.
+    that with a `SimulationError`; as numbers it stays good. The other quantities follow from those two; accelerations
+    and reactions, by `featherstone`, from the controls as well, as they stand when they are read. Names index bodies,
+    joints, coordinates and degrees of freedom.
 
     >>> import kinetarium as kn
     >>> sim = kn.Simulation(kn.examples.n_pendula(3), worlds=2, dtype="float64")
@@ -83,7 +96,7 @@ class State(Tables):
         (),
         "Velocities of the joints [m/s or rad/s], shape (worlds, degrees of freedom). Items can be set.",
     )
-    joint_acceleration = Quantity(
+    joint_acceleration = Effect(
         "dof_names", (), "Accelerations of the joints [m/s² or rad/s²], shape (worlds, degrees of freedom)."
     )
     body_position = Quantity(
@@ -100,10 +113,10 @@ class State(Tables):
     body_angular_velocity = Quantity(
         "body_names", (3,), "Angular velocities of the bodies [rad/s], world axes, shape (worlds, bodies, 3)."
     )
-    reaction_force = Quantity(
+    reaction_force = Effect(
         "joint_names", (3,), "Forces of the joints on their children [N], world axes, shape (worlds, joints, 3)."
     )
-    reaction_torque = Quantity(
+    reaction_torque = Effect(
         "joint_names",
         (3,),
         "Torques of the joints on their children about the child's joint frame [N·m], world axes, shape (worlds, "
@@ -153,10 +166,11 @@ class State(Tables):
         "contacts there was no room to remember, with `impulse`; else zero, shape (worlds,).",
     )
 
-    __slots__ = ("_quaternions",)
+    __slots__ = ("_controls", "_quaternions")
 
-    def __init__(self, worlds: Worlds) -> None:
+    def __init__(self, worlds: Worlds, controls: Controls) -> None:
         super().__init__(worlds)
+        self._controls = controls
         self._quaternions: dict[str, slice] | None = None
 
     def __repr__(self) -> str:
@@ -170,9 +184,10 @@ class State(Tables):
         """A quantity of all worlds by name, as the attribute of that name; into `out`, if given, which must be
         of the same shape and of the simulation's dtype, C-contiguous and writeable.
 
-        Raises `ShapeError` and `UnknownNameError`.
+        Raises `ShapeError`, `UnknownNameError`, and `SimulationError` for controls that are not finite, where it
+        depends on them.
         """
-        worlds, table = self._worlds, _quantity(quantity)
+        worlds, table = self._worlds, self._asked(quantity)
         shape = table.shape(worlds)
         if out is None:
             out = aligned(shape, worlds.dtype)
@@ -202,7 +217,7 @@ class State(Tables):
 
         Raises `ShapeError` and `UnknownNameError`.
         """
-        shape = _quantity(quantity).shape(self._worlds)
+        shape = self._asked(quantity).shape(self._worlds)
         end = column + math.prod(shape[1:])
         if not isinstance(table, np.ndarray) or table.dtype not in (np.float32, np.float64):
             found = table.dtype if isinstance(table, np.ndarray) else type(table).__name__
@@ -229,8 +244,15 @@ class State(Tables):
         Raises `DeviceError` where worlds are not on a CUDA card, by featherstone or xpbd, and for quantities that are
         worked out on the host (`contact_wrench`, `center_of_mass` and the spatial ones), and `UnknownNameError`.
         """
-        shape = _quantity(quantity).shape(self._worlds)
+        shape = self._asked(quantity).shape(self._worlds)
         return self._worlds.engine.quantity_on_device(quantity, shape)
+
+    def _asked(self, quantity: str) -> Table:
+        """The table of a quantity that is going to be read; the engine then has the controls that it depends on."""
+        table = _quantity(quantity)
+        if isinstance(table, Effect):
+            self._controls._send_changed()
+        return table
 
     def _get(self, table: Table) -> NamedArray:
         return NamedArray.of(self.read(table.name), table.names(self._worlds), self._assign(table))
@@ -277,15 +299,8 @@ class State(Tables):
         self._worlds.engine.set_joint_state(worlds, position, velocity, keep)
 
     def _quaternion_columns(self) -> dict[str, slice]:
-        """Where the quaternions of joints are among the coordinates."""
         if self._quaternions is None:
-            model = self._worlds.model
-            ends = {
-                name: model.joint_coordinates(name)
-                for name, kind in zip(model.joint_names, model.joint_kinds, strict=True)
-                if kind in ("ball", "free")
-            }
-            self._quaternions = {name: slice(end - 4, end) for name, (start, end) in ends.items() if start < end}
+            self._quaternions = quaternion_columns(self._worlds.model)
         return self._quaternions
 
     @property

@@ -42,8 +42,9 @@ class JointOptions(TypedDict, total=False):
     position and a quaternion, in both bodies. Without `parent`, the parent is the world. What acts along all its
     degrees of freedom, in N/m, N·s/m, kg, N or N·m/rad, N·m·s/rad, kg·m², N·m: `limit` (or its two ends), `drive`,
     `damping`, `stiffness` of a spring that rests at `rest`, `armature`, `friction_loss`; `dofs` tells what acts along
-    each, one `Dof` for each. `initial` are its coordinates at the start. `None` is as if nothing were given.
-    `linear_compliance` [m/N] and `angular_compliance` [rad/(N·m)] let the locked directions give (`xpbd`).
+    each, one `Dof` for each. `initial` are its coordinates at the start. `linear_compliance` [m/N] and
+    `angular_compliance` [rad/(N·m)] let the locked directions give (`xpbd`). `None` is as if nothing were given, but
+    for the `limit` of a joint that is changed: it takes limits away.
     """
 
     parent: Body | None

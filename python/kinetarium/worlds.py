@@ -8,9 +8,10 @@ from contextlib import contextmanager
 from threading import Lock, get_ident
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from kinetarium._engine import Engine, Model
-from kinetarium.errors import BusyError, ClosedError, ForkedError
+from kinetarium.errors import BusyError, ClosedError, ForkedError, OutOfRangeError, ShapeError
 from kinetarium.names import JointNames, Names
 
 _forks = 0  # how many lie between the first process and this one
@@ -75,6 +76,33 @@ class Worlds:
                 'here, or start processes by multiprocessing\'s "spawn", which hands on a copy'
             )
         return self._engine
+
+    def rows(self, worlds: ArrayLike | None) -> np.ndarray:
+        """Worlds as numbers: all, or those of a mask, or those of a list. Raises `ShapeError`, `OutOfRangeError`."""
+        if worlds is None:
+            return np.arange(self.count)
+        refused = ShapeError("worlds must be a mask or a list of whole numbers")
+        try:
+            rows = np.atleast_1d(np.asarray(worlds))
+        except ValueError:
+            raise refused from None
+        if rows.dtype == bool:
+            if rows.shape != (self.count,):
+                raise ShapeError(f"the mask of worlds has the shape {rows.shape}: it must be ({self.count},)")
+            return np.flatnonzero(rows)
+        if rows.size == 0:
+            return np.empty(0, np.int64)
+        if rows.dtype.kind not in "iu" or rows.ndim != 1:
+            raise refused
+        wrong = rows[(rows < 0) | (rows >= self.count)]
+        if wrong.size:
+            raise OutOfRangeError(f"world {wrong[0]} does not exist: there are {self.count}, counted from 0")
+        return np.ascontiguousarray(rows, dtype=np.int64)
+
+    @property
+    def is_changing(self) -> bool:
+        """Whether a call brings the worlds into another state just now."""
+        return self._turn.locked()
 
     @contextmanager
     def changing(self) -> Iterator[Engine]:

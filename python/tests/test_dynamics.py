@@ -126,7 +126,7 @@ def test_what_makes_no_sense_is_told(humanoid):
         dynamics.jacobian(q, "left_food")
     with pytest.raises(OutOfRangeError, match="body 99 does not exist: the model has 13"):
         dynamics.jacobian(q, 99)
-    with pytest.raises(SimulationError):
+    with pytest.raises(OutOfRangeError, match="body -1 does not exist"):
         dynamics.jacobian(q, -1)
     with pytest.raises(SimulationError, match="loop"):
         kn.Dynamics(kn.examples.linkage())

@@ -15,10 +15,11 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 
+import kinetarium as kn
 import kinetarium.envs
 import kinetarium.envs.hopper
 from kinetarium.envs import ROBOTS
-from kinetarium.envs.task import make_task, model_file
+from kinetarium.envs.task import coordinate_orders, make_task, model_file
 from kinetarium.errors import ShapeError, UnknownNameError
 
 mujoco = pytest.importorskip("mujoco", reason="Gymnasium's own environments need mujoco")
@@ -64,6 +65,20 @@ def states(robot, model, count, seed):
         if robot in ("Pusher", "Reacher"):
             v[-4 if robot == "Pusher" else -2 :] = 0
         yield q, v
+
+
+def test_coordinates_are_mujocos_where_a_loop_is_closed():
+    model = kn.parse(
+        """<mujoco><worldbody>
+          <body name="buoy" pos="2 0 0"><freejoint/><geom size="0.1"/></body>
+          <body name="rod"><joint name="hip"/><geom size="0.1"/></body>
+          <body name="cart" pos="1 0 0"><joint name="slide" type="slide"/><geom size="0.1"/></body>
+        </worldbody><equality><connect body1="rod" anchor="0.1 0 0"/></equality></mujoco>"""
+    )
+    assert "ball" in model.joint_kinds
+    to_mujoco, from_mujoco = coordinate_orders(model)
+    assert to_mujoco.tolist() == [0, 1, 2, 6, 3, 4, 5, 7, 8]
+    assert from_mujoco.tolist() == [0, 1, 2, 4, 5, 6, 3, 7, 8]
 
 
 @robots

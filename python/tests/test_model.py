@@ -331,6 +331,77 @@ def changed_and_made_so():
     return first, last
 
 
+def test_axes_may_be_of_any_length():
+    def build(length):
+        world = kn.Builder("axes")
+        thing = world.object("thing")
+        axis = length * np.array([1.0, 1.0, 0.0])
+        parent = None
+        for k, joint in enumerate(("revolute", "prismatic", "d6")):
+            axes = [kn.Axis.angular(axis), kn.Axis.linear(axis)] if joint == "d6" else axis
+            body = thing.body(f"b{k}", kn.Geometry.sphere(0.1))
+            getattr(thing, joint)(f"j{k}", body, axes, parent=parent)
+            parent = body
+        return world.build()
+
+    unit = build(np.sqrt(0.5))
+    for length in (1.0, 7e-5, 3e8):
+        assert kn.Dynamics(build(length)).mass_matrix(np.zeros(4)) == pytest.approx(
+            kn.Dynamics(unit).mass_matrix(np.zeros(4))
+        )
+    assert kn.Axis.linear((0, 4, 3)).direction == pytest.approx((0, 0.8, 0.6))
+    for nowhere in (0.0, np.nan):
+        with pytest.raises(ModelError, match="axis direction"):
+            build(nowhere)
+
+
+def test_a_limit_is_taken_away():
+    world = kn.Builder("free")
+    thing = world.object("thing")
+    hinge = thing.revolute("hinge", thing.body("b", kn.Geometry.sphere(0.1)), (0, 0, 1), limit=(-1, 1), damping=0.5)
+    world.change_joint(hinge, damping=None, armature=0.1)
+    assert world.build().dof_range.tolist() == [[-1, 1]]
+    world.change_joint(hinge, limit=None)
+    assert world.build().dof_range.tolist() == [[-np.inf, np.inf]]
+    assert world.build().parameter("damping").tolist() == [[0.5]]
+    world.change_joint(hinge, limit=None, dofs=[kn.Dof(limit=(0, 2))])
+    assert world.build().dof_range.tolist() == [[0, 2]]
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: kn.Material(-1.0), "material: friction is -1; it must not be negative"),
+        (lambda: kn.Material(static_friction=-1.0), "material: static friction is -1"),
+        (lambda: kn.Material(rolling_friction=-1.0), "material: rolling friction .* is -1"),
+        (lambda: kn.Material(restitution=-0.1), "material: restitution is -0.1"),
+        (lambda: kn.Limit(1, -1), "limit: the lower end of its range, 1, is above the upper end, -1"),
+        (lambda: kn.Limit(-1, 1, stiffness=-2), "limit: stiffness is -2"),
+        (lambda: kn.Drive(-1.0), "drive: stiffness is -1"),
+        (lambda: kn.Drive(effort_limit=-1.0), "drive: effort limit is -1"),
+        (
+            lambda: kn.Shape(kn.Geometry.sphere(1), name="s", orientation=[0] * 4),
+            'shape "s": orientation has length zero',
+        ),
+    ],
+)
+def test_parts_that_make_no_sense_are_refused_when_they_are_made(make, message):
+    with pytest.raises(ModelError, match=message):
+        make()
+
+
+def test_a_quaternion_of_zeros_is_told():
+    thing = kn.Builder("turned").object("thing")
+    zeros = (0, 0, 0, 0)
+    with pytest.raises(ModelError, match='body "b": orientation has length zero'):
+        thing.body("b", kn.Geometry.sphere(0.1), orientation=zeros)
+    body = thing.body("b", kn.Geometry.sphere(0.1))
+    for wrong in ({"orientation": zeros}, {"child_frame": ((0, 0, 0), zeros)}):
+        with pytest.raises(ModelError, match='joint "j": orientation has length zero'):
+            thing.ball("j", body, **wrong)
+    assert thing.joints == []
+
+
 def test_what_was_made_can_be_changed():
     changed, made_so = (builder.build() for builder in changed_and_made_so())
     assert pickle.dumps(changed) == pickle.dumps(made_so)

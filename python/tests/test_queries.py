@@ -48,6 +48,8 @@ def test_nearest_shapes_are_in_order_and_padded(sim):
     assert near.distance.shape == (2, 3) and near.normal.shape == (2, 3, 3)
     assert near.shape.tolist() == [[0, 1, -1], [0, 1, -1]]
     assert near.distance[:, :2] == pytest.approx(np.array([[0.5, 1.0], [-0.3, 2.2]]))
+    for k in (4, 10**9, 2**62):
+        assert sim.nearest((0, 1, 0), k).shape.tolist() == [[0, 1, 2]]
     everywhere = sim.nearest((0, 1, 0), worlds=None)
     assert everywhere.distance[:, 0, 0] == pytest.approx(0.5 + 0.1 * np.arange(5))
     sim.set_state(1.0, worlds=[3])
@@ -92,7 +94,11 @@ def test_some_shapes_are_not_seen(sim):
         (lambda s: s.nearest((0, 0, 0), worlds=5), OutOfRangeError, "world 5"),
         (lambda s: s.closest_points((0, 0, 0), -1.0), SimulationError, "largest distance is -1"),
         (lambda s: s.nearest((0, 0, 0), seen=Seen(except_bodies=[7])), OutOfRangeError, "body 7"),
+        (lambda s: s.nearest((0, 0, 0), seen=Seen(except_bodies=[-1])), OutOfRangeError, "body -1 does not exist"),
+        (lambda s: s.nearest((0, 0, 0), seen=Seen(except_bodies=[0.0])), TypeError, "its name or its row"),
         (lambda s: s.nearest((0, 0, 0), seen=Seen(except_bodies=["bal"])), UnknownNameError, "ball"),
+        (lambda s: s.nearest((0, 0, 0), seen=Seen(except_bodies="ball")), TypeError, r"give a list, as \['ball'\]"),
+        (lambda s: s.nearest((0, 0, 0), seen={}), TypeError, "give a Seen"),
         (lambda s: s.nearest((0, 0, 0), seen=Seen(membership=-1)), ModelError, "membership"),
     ],
 )

@@ -1,5 +1,6 @@
 """Sensors against closed forms, their rates, their noise, and what is refused."""
 
+import copy
 import pickle
 import threading
 
@@ -8,7 +9,7 @@ import pytest
 
 import kinetarium as kn
 from kinetarium import sensors
-from kinetarium.errors import BusyError, SensorError, ShapeError, UnknownNameError
+from kinetarium.errors import BusyError, ClosedError, SensorError, ShapeError, UnknownNameError
 
 
 def box_on_floor():
@@ -145,6 +146,65 @@ def test_one_sensor_and_one_name_need_no_list():
 def test_sensors_may_come_from_an_iterator():
     sim = kn.Simulation(kn.examples.n_pendula(2), sensors=(sensors.JointPosition(name) for name in "ab"))
     assert list(sim.sensors) == ["a", "b"] and sim.sensors["b"].shape == (1, 2)
+
+
+@pytest.mark.parametrize(
+    "sensor",
+    [
+        sensors.JointPosition("angles", noise=sensors.Noise(deviation=0.1)),
+        sensors.Custom("angles", lambda sim: sim.state.joint_position, noise=sensors.Noise(deviation=0.1)),
+    ],
+)
+def test_a_copy_that_is_reset_at_once_begins_another_episode(sensor):
+    sim = kn.Simulation(kn.examples.n_pendula(2), worlds=2, sensors=sensor)
+    first = sim.sensors["angles"]
+    sim.step(3)
+    twin = copy.copy(sim)
+    for s in (sim, twin):
+        s.reset([1])
+    np.testing.assert_array_equal(twin.sensors["angles"], sim.sensors["angles"])
+    assert (twin.sensors["angles"][1] != first[1]).all()
+
+
+@pytest.mark.parametrize(
+    "sensor",
+    [
+        sensors.JointPosition("angles", noise=sensors.Noise(deviation=0.1, walk=0.5)),
+        sensors.Custom("angles", lambda sim: sim.state.joint_position, noise=sensors.Noise(deviation=0.1, walk=0.5)),
+    ],
+)
+def test_samples_are_taken_anew(sensor):
+    seldom = sensors.JointPosition("seldom", rate=50)
+    sim = kn.Simulation(kn.examples.n_pendula(2), worlds=2, sensors=[sensor, seldom], dtype="float64")
+    sim.step(3)
+    before, first = sim.sensors["angles"], sim.sensors["seldom"]
+    sim.state.joint_position[1] += 0.25
+    assert (sim.sensors["angles"] == before).all()
+    sim.sensors.resample()
+    assert sim.sensors["angles"] - before == pytest.approx(np.array([[0.0, 0.0], [0.25, 0.25]]))
+    assert (sim.sensors["seldom"] == first).all() and (sim.sensors.time("seldom") == 0).all()
+    sim.sensors.resample()
+    after = sim.sensors["angles"]
+    assert after - before == pytest.approx(np.array([[0.0, 0.0], [0.25, 0.25]]))
+    sim.step()
+    assert (sim.sensors["angles"] != after).all()
+
+
+def test_samples_are_taken_anew_under_the_controls_as_they_stand():
+    def acceleration(sim):
+        return sim.state.joint_acceleration
+
+    given = [sensors.JointEffort("effort"), sensors.Custom("acceleration", acceleration)]
+    sim = kn.Simulation(kn.examples.n_pendula(2), sensors=given)
+    still = sim.sensors["acceleration"]
+    sim.controls.force[0] = 3.0
+    sim.sensors.resample()
+    assert sim.sensors["effort"] == pytest.approx(np.array([[3.0, 3.0]]))
+    assert (sim.sensors["acceleration"] != still).any()
+    readings = sim.sensors
+    del sim, given
+    with pytest.raises(ClosedError, match="gone"):
+        readings.resample()
 
 
 def test_what_resets_no_world_samples_none():
@@ -298,6 +358,7 @@ def test_images_have_seeded_noise():
         ([sensors.Touch("a", "box", noise=sensors.Noise(deviation=-1))], SensorError, "deviation"),
         ([sensors.Imu("a", "box", noise=sensors.Noise(bias=[1.0, 2.0]))], SensorError, "6"),
         ([sensors.Rangefinder("a", "box", max_range=-1)], SensorError, "range"),
+        ([sensors.Imu("a", "box", orientation=[0] * 4)], SensorError, r"at \[0, 0, 0\], turned by \[0, 0, 0, 0\]"),
         ([sensors.Custom("a", lambda s: 1.0)], ShapeError, "1 rows"),
         ([sensors.Custom("a", lambda s: s.time, rate=0)], SensorError, "rate"),
         ([sensors.Custom("a", lambda s: s.time, cutoff=-1)], SensorError, "cutoff"),

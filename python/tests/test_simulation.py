@@ -191,6 +191,38 @@ def test_a_joint_stands_for_its_columns():
         sim.controls.force[:, "char_free"]
 
 
+def test_accelerations_are_told_by_the_controls_as_they_stand(sim):
+    twin = copy.copy(sim)
+    rest = sim.state.joint_acceleration
+    for s in (sim, twin):
+        s.controls.force[1, "hinge0"] = 2.0
+    pushed = sim.state.joint_acceleration
+    assert pushed[1, "hinge0"] != rest[1, "hinge0"] and (pushed[0] == rest[0]).all()
+    assert (sim.state.reaction_force[1] != sim.state.reaction_force[0]).any()
+    sim.snapshot()
+    assert (sim.state.joint_acceleration == pushed).all()
+    table = np.zeros((sim.worlds, 3))
+    twin.state.read_columns("joint_acceleration", table)
+    assert (table == pushed).all()
+    sim.reset()
+    assert (sim.state.joint_acceleration == rest).all()
+    sim.controls.force[0, 0] = np.nan
+    with pytest.raises(SimulationError, match="world 0: force"):
+        sim.state.read("joint_acceleration")
+    assert np.isfinite(sim.state.joint_position).all()
+
+
+def test_a_sensor_measures_by_the_controls_of_the_step():
+    def measure(sim):
+        sim.controls.force[0] += 1.0  # as a thread might that decides meanwhile
+        return sim.state.joint_acceleration
+
+    sim = kn.Simulation(kn.examples.n_pendula(2), sensors=kn.sensors.Custom("acceleration", measure))
+    one = sim.sensors["acceleration"]
+    plain = kn.Simulation(kn.examples.n_pendula(2))
+    assert (one == plain.state.joint_acceleration).all()
+
+
 def test_quaternions_are_set_as_a_whole():
     sim = kn.Simulation(kn.examples.ball_joint(), worlds=2, dtype="float64")
     q = sim.state.joint_position
@@ -287,14 +319,19 @@ def test_copies_and_pickles_go_on_alike(sim):
     assert pickle.loads(pickle.dumps(sim.model)) == sim.model
 
 
-def test_copies_keep_parameters_that_depend_on_each_other():
+def drives():
+    """Three worlds of two arms, with drives of stiffness 10, 0 and damping 0, 5."""
     world = kn.Builder("drives")
     arms = world.object("arms")
     for k, drive in enumerate([kn.Drive(10.0), kn.Drive(0.0, 5.0)]):
         arm = arms.body(f"arm{k}", kn.Geometry.sphere(0.1), position=(0.5, 0, k))
         arms.revolute(f"hinge{k}", arm, (0, 0, 1), position=(0, 0, k), drive=drive)
-    sim = kn.Simulation(world.build(), worlds=3, solver="featherstone")
-    # From drives of stiffness 10, 0 and damping 0, 5: neither table alone can be the last.
+    return kn.Simulation(world.build(), worlds=3, solver="featherstone")
+
+
+def test_copies_keep_parameters_that_depend_on_each_other():
+    sim = drives()
+    # Neither table alone can be the last.
     sim.parameters.drive_damping[1] = (1.0, 5.0)
     sim.parameters.drive_stiffness[1] = (0.0, 2.0)
     sim.parameters.drive_damping[1] = (1.0, 0.0)
@@ -337,6 +374,33 @@ def test_parameters_of_one_world(sim):
     assert (sim.parameters.body_mass[3] == sim.model.parameter("body_mass")[:, 0]).all()
 
 
+def test_parameters_are_given_together(sim):
+    mass = np.array([[1.5], [2.5]])
+    sim.parameters.update({"body_mass": mass, "gravity": (0.0, -1.62, 0.0)}, worlds=[4, 2])
+    assert (sim.parameters.body_mass[[4, 2]] == mass).all()
+    assert (sim.parameters.gravity[[4, 2]] == (0, -1.62, 0)).all()
+    assert (sim.parameters.gravity[3] == sim.model.parameter("gravity")[0]).all()
+    before = sim.parameters.body_mass
+    sim.parameters.update({"body_mass": 3.0}, worlds=[])
+    for error, tables, message in [
+        (UnknownNameError, {"body_mas": 1.0}, 'did you mean "body_mass"'),
+        (ShapeError, {"body_mass": np.ones((3, 3))}, r"does not broadcast to \(2, 3\)"),
+        (ModelError, {"gravity": 0.0, "body_mass": -1.0}, "mass"),
+    ]:
+        with pytest.raises(error, match=message):
+            sim.parameters.update(tables, worlds=[0, 2])
+    assert (sim.parameters.body_mass == before).all() and (sim.parameters.gravity[2] == (0, -1.62, 0)).all()
+
+
+def test_parameters_that_can_be_had_only_together():
+    sim = drives()
+    with pytest.raises(SimulationError, match="another structure"):
+        sim.parameters.drive_stiffness[1, 0] = 0.0
+    sim.parameters.update({"drive_stiffness": (0.0, 2.0), "drive_damping": (1.0, 0.0)}, worlds=[False, True, False])
+    assert sim.parameters.drive_stiffness.tolist() == [[10.0, 0.0], [0.0, 2.0], [10.0, 0.0]]
+    assert sim.parameters.drive_damping.tolist() == [[0.0, 5.0], [1.0, 0.0], [0.0, 5.0]]
+
+
 def test_contacts_rays_and_events():
     sim = kn.Simulation(kn.examples.dominoes(3))
     sim.watch("contacts", "sleep")
@@ -350,8 +414,77 @@ def test_contacts_rays_and_events():
     assert sim.events() == []
     hits = sim.cast_rays([[0, 5, 0], [0, 5, 50]], (0, -1, 0))
     assert hits.distance.shape == (2,) and hits.distance[1] == pytest.approx(5.0, abs=1e-6)
+    assert hits.body[1] == -1
     missed = sim.cast_rays((0, 5, 0), (0, 1, 0))
-    assert missed.shape[0] == -1 and np.isinf(missed.distance[0])
+    assert missed.shape[0] == missed.body[0] == -1 and np.isinf(missed.distance[0])
+
+
+@pytest.fixture
+def balls():
+    """Two balls of 2 kg in four worlds, which hover above a floor, but for world 1, where they lie."""
+    world = kn.Builder("balls")
+    things = world.object("things")
+    things.scenery(kn.Shape(kn.Geometry.plane(), name="floor"))
+    for k in range(2):
+        shape = kn.Shape(kn.Geometry.sphere(0.5), name="" if k else "ball")
+        things.body(f"ball{k}", shape, position=(3 * k, 0.5, 0), mass=2.0)
+    sim = kn.Simulation(world.build(), worlds=4, solver="featherstone", dtype="float64")
+    sim.state.joint_position[[0, 2, 3], 1::7] += 2.0
+    sim.step()
+    return sim
+
+
+def test_contacts_of_many_worlds(balls):
+    every, one = balls.contacts(worlds=None), balls.contacts(1)
+    assert len(one) == 2 and one.world.tolist() == [1, 1] and len(balls.contacts()) == 0
+    some = balls.contacts(worlds=[3, 1, 0])
+    for contacts in (every, some):
+        for column in ("world", "shapes", "position", "normal", "distance", "force", "torque", "feature"):
+            assert (getattr(contacts, column) == getattr(one, column)).all()
+    assert len(balls.contacts(worlds=[False] * 4)) == 0
+    with pytest.raises(OutOfRangeError, match="world 4"):
+        balls.contacts(worlds=[4])
+
+
+def test_contacts_between_shapes_by_name(balls):
+    contacts = balls.contacts(world=1)
+    ball, floor = balls.shape("ball"), balls.model.shape("floor")
+    assert (ball, floor) == (0, 2)
+    assert len(contacts.between("floor", "ball")) == len(contacts.between(ball, floor)) == 1
+    assert len(contacts.between("ball", 1)) == 0
+    wrench = contacts.wrench("floor", "ball")
+    assert wrench.shape == (6,) and wrench[1] > 0
+    assert (contacts.wrench("ball", "floor") == -wrench).all() and (contacts.wrench(floor, ball) == wrench).all()
+    assert (contacts.wrench("ball", 1) == 0).all()
+    of_worlds = balls.contacts(worlds=[3, 1, 1]).wrench("floor", "ball")
+    assert (of_worlds == [np.zeros(6), wrench, wrench]).all()
+    assert balls.contacts(worlds=[]).wrench("floor", "ball").shape == (0, 6)
+    for error, shape, message in [
+        (UnknownNameError, "bal", 'no shape named "bal"; did you mean "ball"'),
+        (UnknownNameError, "", "no shape"),
+        (OutOfRangeError, 99, "shape 99 does not exist: the model has 3"),
+        (OutOfRangeError, -1, "shape -1"),
+        (TypeError, 1.5, "its name or its row"),
+    ]:
+        for call in (contacts.wrench, contacts.between):
+            with pytest.raises(error, match=message):
+                call("floor", shape)
+
+
+def test_rays_are_cast_in_many_worlds(balls):
+    origins, down = [[0, 9, 0], [3, 9, 0], [6, 9, 0]], (0, -2, 0)
+    every = balls.cast_rays(origins, down, worlds=None)
+    assert every.distance.shape == (4, 3) and every.normal.shape == (4, 3, 3)
+    assert (every.shape == [0, 1, 2]).all() and (every.body == [0, 1, -1]).all()
+    for world in range(4):
+        one = balls.cast_rays(origins, down, world=world)
+        for name in ("distance", "shape", "body", "position", "normal"):
+            assert (getattr(one, name) == getattr(every, name)[world]).all()
+    own = balls.cast_rays(np.array([[[0, 9, 0]], [[6, 9, 0]]]), down, worlds=[2, 1])
+    assert own.shape.tolist() == [[0], [2]]
+    assert balls.cast_rays(origins, down, worlds=[]).distance.shape == (0, 3)
+    with pytest.raises(OutOfRangeError, match="world 4"):
+        balls.cast_rays(origins, down, worlds=[4])
 
 
 def test_diverged_worlds_harm_no_other():
@@ -378,6 +511,7 @@ def test_diverged_worlds_harm_no_other():
         (lambda s: s.set_state(np.zeros(7)), ShapeError, "joint_position"),
         (lambda s: s.set_state([np.inf, 0, 0]), SimulationError, "finite"),
         (lambda s: s.reset([20]), OutOfRangeError, "world 20 does not exist"),
+        (lambda s: s.reset([[0], [1, 2]]), ShapeError, "a mask or a list"),
         (lambda s: s.reset([-1]), OutOfRangeError, "world -1"),
         (lambda s: s.reset(np.zeros(3, bool)), ShapeError, "mask"),
         (lambda s: s.reset([0.5]), ShapeError, "whole numbers"),
@@ -399,7 +533,7 @@ def test_diverged_worlds_harm_no_other():
         (lambda s: s.state.joint_position.__setitem__(..., _with(s, np.nan)), SimulationError, "world 12"),
         (lambda s: setattr(s.parameters, "body_mass", _with(s, -1.0)), ModelError, "world 12"),
         (lambda s: s.reset(keyframe="home"), UnknownNameError, "home"),
-        (lambda s: s.cast_rays(np.zeros((2, 5, 3)), (0, 1, 0)), ShapeError, r"it must be \(rays, 3\)"),
+        (lambda s: s.cast_rays(np.zeros((2, 5, 3)), (0, 1, 0)), ShapeError, r"it must be \(queries, …\)"),
         (lambda s: s.render(worlds=[]), ShapeError, "at least one"),
         (lambda s: s.framing(width=0), SimulationError, "width is 0"),
         (lambda s: s.step("2"), TypeError, "steps is '2': it must be a whole number"),
@@ -458,6 +592,8 @@ def _read_only(shape, dtype):
         ({"integrator": "verlet", "solver": "xpbd"}, "verlet with the solver xpbd: it must be semi_implicit_euler"),
         ({"contact_passes": 0}, "contact passes is 0"),
         ({"dtype": "int32"}, "float32 or float64"),
+        ({"dtype": "flot"}, "dtype is flot: it must be float32 or float64"),
+        ({"dtype": None}, "dtype is None: it must be float32 or float64"),
         ({"worlds": 10**9}, "worlds"),
         ({"worlds": "4"}, "worlds is '4': it must be a whole number"),
         ({"worlds": None}, "worlds is None"),

@@ -168,6 +168,8 @@ def test_plots(tmp_path):
     for options in ({"seconds": -1}, {"seconds": np.inf}, {"seconds": 1, "every": 0}):
         with pytest.raises(SimulationError, match="it must be"):
             plot.record(sim, {}, **options)
+    with pytest.raises(SimulationError, match='named "time"'):
+        plot.record(sim, {"time": lambda s: s.time}, seconds=0.1)
 
 
 def websocket(url: str) -> socket.socket:

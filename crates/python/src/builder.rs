@@ -164,8 +164,8 @@ impl Builder {
         BodyOptions::read(&body.name, shapes, options, Some(&*draft))?.shape(draft);
         Ok(())
     }
-    /// Changes a joint that was made before: of the keywords that all joints take, what is not given stays. See
-    /// `JointOptions`.
+    /// Changes a joint that was made before: of the keywords that all joints take, what is not given stays; a `limit`
+    /// of `None` takes away what limits there are. See `JointOptions`.
     #[pyo3(signature = (joint, **options))]
     fn change_joint(&mut self, joint: &Joint, options: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
         let what = format!("joint {:?}", joint.name);

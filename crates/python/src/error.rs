@@ -59,3 +59,15 @@ pub fn device(error: DeviceChoiceError) -> PyErr {
 pub fn value(message: String) -> PyErr {
     raise("ModelError", message)
 }
+
+/// Refuses numbers below zero; `what` has them, as in `actuator "knee"`.
+pub fn negative<const N: usize>(what: &str, numbers: [(&'static str, f64); N]) -> PyResult<()> {
+    match numbers.into_iter().find(|(_, value)| *value < 0.0) {
+        None => Ok(()),
+        Some((quantity, value)) => Err(model(ModelError::Negative {
+            what: what.to_owned(),
+            quantity,
+            value,
+        })),
+    }
+}

@@ -13,6 +13,24 @@ pub fn pose(position: [f64; 3], orientation: [f64; 4]) -> model::Pose {
     model::Pose::new(DVec3::from_array(position), DQuat::from_array(orientation))
 }
 
+/// A quaternion that turns; `what` is of which it is, as in `body "torso"`.
+pub fn orientation(what: &str, quaternion: [f64; 4]) -> PyResult<[f64; 4]> {
+    if quaternion != [0.0; 4] {
+        return Ok(quaternion);
+    }
+    Err(error::model(ModelError::ZeroLength {
+        what: what.to_owned(),
+        quantity: "orientation".into(),
+        remedy: "give a quaternion x, y, z, w",
+    }))
+}
+
+/// The direction of a vector of any length; what has none stays, to be refused with the model.
+pub fn direction(vector: [f64; 3]) -> DVec3 {
+    let vector = DVec3::from_array(vector);
+    vector.try_normalize().unwrap_or(vector)
+}
+
 /// Rows of three.
 fn table<T: Element>(py: Python<'_>, rows: Vec<[T; 3]>) -> PyResult<Bound<'_, PyArray2<T>>> {
     let count = rows.len();

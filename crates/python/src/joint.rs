@@ -1,8 +1,10 @@
 //! What acts along the degrees of freedom of joints.
 
+use crate::error;
+use crate::geometry::direction;
 use crate::pickled::{Reduced, reduce, restored};
 use glam::DVec3;
-use kinetarium::model;
+use kinetarium::model::{self, ModelError};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -16,24 +18,24 @@ pub struct Axis(pub model::Axis);
 
 #[pymethods]
 impl Axis {
-    /// Rotation about a direction through a point `anchor` [m] of the joint's frame; other points than its origin
-    /// only `featherstone` takes.
+    /// Rotation about a direction, of any length but zero, through a point `anchor` [m] of the joint's frame; other
+    /// points than its origin only `featherstone` takes.
     #[staticmethod]
     #[pyo3(signature = (direction, *, anchor=[0.0; 3], reference=0.0))]
     fn angular(direction: [f64; 3], anchor: [f64; 3], reference: f64) -> Self {
         Self(model::Axis {
             anchor: DVec3::from_array(anchor),
             reference,
-            ..model::Axis::angular(DVec3::from_array(direction))
+            ..model::Axis::angular(self::direction(direction))
         })
     }
-    /// Translation along a direction.
+    /// Translation along a direction, of any length but zero.
     #[staticmethod]
     #[pyo3(signature = (direction, *, reference=0.0))]
     fn linear(direction: [f64; 3], reference: f64) -> Self {
         Self(model::Axis {
             reference,
-            ..model::Axis::linear(DVec3::from_array(direction))
+            ..model::Axis::linear(self::direction(direction))
         })
     }
     /// What it does: "linear" or "angular".
@@ -120,7 +122,14 @@ impl Limit {
             );
             return Err(PyTypeError::new_err(message));
         };
-        Ok(Self::new(lower, upper, 1e4, 1e2, 0.0))
+        // Checked with the joint's model, whose message has its name.
+        Ok(Self {
+            lower,
+            upper,
+            stiffness: 1e4,
+            damping: 1e2,
+            inertia: 0.0,
+        })
     }
 }
 
@@ -128,14 +137,28 @@ impl Limit {
 impl Limit {
     #[new]
     #[pyo3(signature = (lower, upper, *, stiffness=1e4, damping=1e2, inertia=0.0))]
-    fn new(lower: f64, upper: f64, stiffness: f64, damping: f64, inertia: f64) -> Self {
-        Self {
+    fn new(lower: f64, upper: f64, stiffness: f64, damping: f64, inertia: f64) -> PyResult<Self> {
+        if lower > upper {
+            return Err(error::model(ModelError::RangeReversed {
+                what: "limit".into(),
+                quantity: "range",
+                lower,
+                upper,
+            }));
+        }
+        let numbers = [
+            ("stiffness", stiffness),
+            ("damping", damping),
+            ("inertia", inertia),
+        ];
+        error::negative("limit", numbers)?;
+        Ok(Self {
             lower,
             upper,
             stiffness,
             damping,
             inertia,
-        }
+        })
     }
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         reduce(slf, slf.get())
@@ -204,15 +227,22 @@ impl Drive {
         target_velocity: f64,
         effort_limit: f64,
         control_time: f64,
-    ) -> Self {
-        Self {
+    ) -> PyResult<Self> {
+        let numbers = [
+            ("stiffness", stiffness),
+            ("damping", damping),
+            ("effort limit", effort_limit),
+            ("control time [s]", control_time),
+        ];
+        error::negative("drive", numbers)?;
+        Ok(Self {
             stiffness,
             damping,
             target_position,
             target_velocity,
             effort_limit,
             control_time,
-        }
+        })
     }
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         reduce(slf, slf.get())

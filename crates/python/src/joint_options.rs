@@ -2,7 +2,6 @@
 
 use crate::builder::Body;
 use crate::error;
-use crate::geometry::pose;
 use crate::joint::{Dof, Drive, Limit};
 use crate::keywords::{Keywords, Place};
 use kinetarium::model::{self, JointDraft, ModelError, Pose};
@@ -40,6 +39,8 @@ pub struct JointOptions {
     /// In the parent and in the child.
     frames: [Option<Pose>; 2],
     initial: Option<Vec<f64>>,
+    /// Limits that it has go.
+    unlimited: bool,
     dofs: Vec<Dof>,
     linear_compliance: Option<f64>,
     angular_compliance: Option<f64>,
@@ -60,8 +61,8 @@ impl JointOptions {
         let (place, frames) = (
             keywords.place()?,
             [
-                frame(&keywords, "parent_frame")?,
-                frame(&keywords, "child_frame")?,
+                keywords.frame("parent_frame")?,
+                keywords.frame("child_frame")?,
             ],
         );
         if place.is_given() && frames != [None, None] {
@@ -82,6 +83,7 @@ impl JointOptions {
                     })
                 })
             })?,
+            unlimited: keywords.is_taken_away("limit")?,
             dofs: self::dofs(&keywords, &what, dofs)?,
             linear_compliance: keywords.get("linear_compliance")?,
             angular_compliance: keywords.get("angular_compliance")?,
@@ -107,6 +109,7 @@ impl JointOptions {
             draft.initial(&initial);
         }
         for (dof, options) in draft.dofs_mut().iter_mut().zip(self.dofs) {
+            dof.limit = dof.limit.filter(|_| !self.unlimited);
             options.act(dof);
         }
         let [linear, angular] = draft.compliances();
@@ -124,14 +127,6 @@ impl JointOptions {
             draft.enabled(enabled);
         }
     }
-}
-
-/// Where it is in one of the bodies.
-fn frame(keywords: &Keywords<'_, '_>, name: &str) -> PyResult<Option<Pose>> {
-    keywords.read(name, |value| {
-        let [position, orientation]: [Bound<'_, PyAny>; 2] = value.extract()?;
-        Ok(pose(position.extract()?, orientation.extract()?))
-    })
 }
 
 /// What acts along each degree of freedom: what is given for it, and what is given for all.

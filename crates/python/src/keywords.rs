@@ -1,7 +1,7 @@
 //! Keywords of calls that make or change something.
 
 use crate::error;
-use crate::geometry::pose;
+use crate::geometry::{self, pose};
 use crate::names::unknown;
 use kinetarium::model::Pose;
 use pyo3::conversion::FromPyObjectOwned;
@@ -53,12 +53,32 @@ impl<'a, 'py> Keywords<'a, 'py> {
     pub fn get<T: FromPyObjectOwned<'py>>(&self, name: &str) -> PyResult<Option<T>> {
         self.read(name, |value| value.extract().map_err(Into::into))
     }
+    /// Whether it was given, as `None`.
+    pub fn is_taken_away(&self, name: &str) -> PyResult<bool> {
+        let value = self.options.map(|options| options.get_item(name));
+        let value = value.transpose()?.flatten();
+        Ok(value.is_some_and(|value| value.is_none()))
+    }
     /// Where it is in the object.
     pub fn place(&self) -> PyResult<Place> {
+        let orientation = self.get("orientation")?;
+        let turned = |quaternion| geometry::orientation(self.what, quaternion);
         Ok(Place {
             position: self.get("position")?,
-            orientation: self.get("orientation")?,
+            orientation: orientation.map(turned).transpose()?,
         })
+    }
+    /// Position and orientation in a frame of its own.
+    pub fn frame(&self, name: &str) -> PyResult<Option<Pose>> {
+        let frame = self.read(name, |value| {
+            let [position, quaternion]: [Bound<'_, PyAny>; 2] = value.extract()?;
+            Ok((position.extract()?, quaternion.extract()?))
+        })?;
+        let placed = |(position, quaternion)| {
+            let turned = geometry::orientation(self.what, quaternion);
+            turned.map(|orientation| pose(position, orientation))
+        };
+        frame.map(placed).transpose()
     }
     pub fn refused(&self, why: &str) -> PyErr {
         error::value(format!("{}: {why}", self.what))

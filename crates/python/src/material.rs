@@ -1,5 +1,6 @@
 //! Surfaces of shapes.
 
+use crate::error;
 use crate::names::{Table, find, name_of};
 use crate::pickled::{Reduced, reduce, restored};
 use kinetarium::model;
@@ -91,6 +92,14 @@ impl Material {
         combine: &str,
     ) -> PyResult<Self> {
         let combine = find(&COMBINE, "rule", combine)?;
+        let numbers = [
+            ("friction", friction),
+            ("static friction", static_friction.unwrap_or(0.0)),
+            ("torsional friction [m]", torsional_friction),
+            ("rolling friction [m]", rolling_friction),
+            ("restitution", restitution),
+        ];
+        error::negative("material", numbers)?;
         Ok(Self(model::Material {
             friction,
             static_friction,

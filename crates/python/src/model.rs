@@ -5,7 +5,7 @@ use crate::error;
 use crate::names::{Table, find, name_of};
 use crate::pickled::{Reduced, reduce, restored};
 use kinetarium::formats::{self, Files, InMemory, Loaded, Meshes, Options};
-use kinetarium::model::{self, BodyId, JointId};
+use kinetarium::model::{self, BodyId, JointId, ModelError, hint};
 use kinetarium::sim::Parameter;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
@@ -269,6 +269,19 @@ impl Model {
     /// Row of a joint.
     fn joint(&self, name: &str) -> PyResult<usize> {
         Ok(self.model.joint(name).map_err(error::model)?.0)
+    }
+    /// Row of a shape; of several of that name, of the first.
+    fn shape(&self, name: &str) -> PyResult<usize> {
+        let names = self.model.shapes.iter().map(|shape| shape.name.as_str());
+        let row = names.clone().position(|own| own == name && !own.is_empty());
+        row.ok_or_else(|| {
+            let known = Vec::from_iter(names.filter(|own| !own.is_empty()));
+            error::model(ModelError::UnknownName {
+                kind: "shape",
+                name: name.to_owned(),
+                hint: hint(name, &known),
+            })
+        })
     }
     /// Row of a degree of freedom.
     fn dof(&self, name: &str) -> PyResult<usize> {

@@ -4,12 +4,12 @@ use crate::body_options::BodyOptions;
 use crate::builder::{Body, Builder, Joint};
 use crate::count::natural;
 use crate::error;
+use crate::geometry::direction;
 use crate::joint::Axis;
 use crate::joint_options::JointOptions;
 use crate::replica::Replica;
 use crate::shape::shape;
 use crate::shape_handle::ShapeHandle;
-use glam::DVec3;
 use kinetarium::model::{self, ActuatorDraft, JointDraft, ModelError, ObjectId};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -92,19 +92,6 @@ impl Object {
     }
 }
 
-/// A servo pulls, and never pushes away.
-fn servo(name: &str, quantity: &'static str, value: f64) -> PyResult<()> {
-    if value < 0.0 {
-        let what = format!("actuator {name:?}");
-        return Err(error::model(ModelError::Negative {
-            what,
-            quantity,
-            value,
-        }));
-    }
-    Ok(())
-}
-
 #[pymethods]
 impl Object {
     /// Its name.
@@ -178,7 +165,7 @@ impl Object {
             object.fixed(name, child.handle)
         })
     }
-    /// Adds a hinge about an axis of its frame.
+    /// Adds a hinge about an axis of its frame, of any length but zero.
     #[pyo3(signature = (name, child, axis, **options))]
     fn revolute(
         &self,
@@ -189,10 +176,10 @@ impl Object {
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Joint> {
         self.joint(py, name, child, 1, options, |object| {
-            object.revolute(name, child.handle, DVec3::from_array(axis))
+            object.revolute(name, child.handle, direction(axis))
         })
     }
-    /// Adds a slide along an axis of its frame.
+    /// Adds a slide along an axis of its frame, of any length but zero.
     #[pyo3(signature = (name, child, axis, **options))]
     fn prismatic(
         &self,
@@ -203,7 +190,7 @@ impl Object {
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Joint> {
         self.joint(py, name, child, 1, options, |object| {
-            object.prismatic(name, child.handle, DVec3::from_array(axis))
+            object.prismatic(name, child.handle, direction(axis))
         })
     }
     /// Adds a ball joint; its coordinates are a quaternion x, y, z, w. It has three degrees of freedom.
@@ -351,8 +338,8 @@ impl Object {
         control_range: Option<[f64; 2]>,
         force_range: Option<[f64; 2]>,
     ) -> PyResult<()> {
-        servo(name, "stiffness", stiffness)?;
-        servo(name, "damping", damping)?;
+        let pulls = [("stiffness", stiffness), ("damping", damping)];
+        error::negative(&format!("actuator {name:?}"), pulls)?;
         let transmission = Transmission {
             gear,
             dof,
@@ -377,7 +364,7 @@ impl Object {
         control_range: Option<[f64; 2]>,
         force_range: Option<[f64; 2]>,
     ) -> PyResult<()> {
-        servo(name, "damping", damping)?;
+        error::negative(&format!("actuator {name:?}"), [("damping", damping)])?;
         let transmission = Transmission {
             gear,
             dof,

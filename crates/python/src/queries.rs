@@ -2,8 +2,8 @@
 
 use crate::count::mask;
 use glam::{DQuat, DVec3};
-use kinetarium::model::{BodyId, Pose};
-use kinetarium::sim::{QueryHit, Seen};
+use kinetarium::model::{BodyId, Model, Pose};
+use kinetarium::sim::{Contact, QueryHit, RayHit, Seen};
 use numpy::{PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -61,5 +61,43 @@ pub fn listed<'py>(py: Python<'py>, found: &[Vec<QueryHit>]) -> PyResult<Bound<'
     let query = query.flat_map(|(i, hits)| std::iter::repeat_n(i as i64, hits.len()));
     let arrays = rows(py, &hits)?;
     arrays.set_item("query", Vec::from_iter(query).to_pyarray(py))?;
+    Ok(arrays)
+}
+
+/// Where a ray meets a shape of a model.
+pub fn met(hit: RayHit, model: &Model) -> QueryHit {
+    QueryHit {
+        shape: hit.shape,
+        body: model.shapes[hit.shape.0].body,
+        distance: hit.distance,
+        position: hit.position,
+        normal: hit.normal,
+    }
+}
+
+/// A row for each contact: its world, and all that it is.
+pub fn contacts<'py>(
+    py: Python<'py>,
+    contacts: &[(usize, Contact)],
+) -> PyResult<Bound<'py, PyDict>> {
+    let n = contacts.len();
+    let vectors = |of: fn(&Contact) -> DVec3| {
+        let flat = contacts.iter().flat_map(|(_, c)| of(c).to_array());
+        Vec::from_iter(flat).to_pyarray(py).reshape([n, 3])
+    };
+    let world = contacts.iter().map(|(world, _)| *world as i64);
+    let shapes = contacts.iter().flat_map(|(_, c)| c.shapes);
+    let shapes = Vec::from_iter(shapes.map(|shape| shape.0 as i64));
+    let distance = contacts.iter().map(|(_, c)| c.distance);
+    let feature = contacts.iter().map(|(_, c)| c.feature);
+    let arrays = PyDict::new(py);
+    arrays.set_item("world", Vec::from_iter(world).to_pyarray(py))?;
+    arrays.set_item("shapes", shapes.to_pyarray(py).reshape([n, 2])?)?;
+    arrays.set_item("position", vectors(|c| c.position)?)?;
+    arrays.set_item("normal", vectors(|c| c.normal)?)?;
+    arrays.set_item("distance", Vec::from_iter(distance).to_pyarray(py))?;
+    arrays.set_item("force", vectors(|c| c.force)?)?;
+    arrays.set_item("torque", vectors(|c| c.torque)?)?;
+    arrays.set_item("feature", Vec::from_iter(feature).to_pyarray(py))?;
     Ok(arrays)
 }

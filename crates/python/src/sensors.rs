@@ -368,6 +368,19 @@ impl SensorArray {
             _ => Err(other_simulation()),
         })
     }
+    /// The same, and samples anew what was sampled just now.
+    fn resample(&self, py: Python<'_>, engine: &Bound<'_, Engine>) -> PyResult<()> {
+        let sensors = &mut *self.lock()?;
+        engine.get().attempt(py, |s| match (s, sensors) {
+            (Precise::Single(s), Precision::Single(own)) => {
+                own.resample(&mut s.read()).map_err(failed)
+            }
+            (Precise::Double(s), Precision::Double(own)) => {
+                own.resample(&mut s.read()).map_err(failed)
+            }
+            _ => Err(other_simulation()),
+        })
+    }
     /// The reading of a sensor, shape (worlds, …), and the time of each world's sample [s].
     fn reading<'py>(
         &self,

@@ -1,7 +1,7 @@
 //! Shapes: a form, its surface, and where it is.
 
 use crate::count::mask;
-use crate::geometry::{Geometry, pose};
+use crate::geometry::{self, Geometry, pose};
 use crate::material::Material;
 use crate::pickled::{Reduced, reduce, restored};
 use kinetarium::model;
@@ -40,7 +40,7 @@ impl Shape {
         let what = format!("shape {name:?}");
         Ok(Self(model::Shape {
             name: name.to_owned(),
-            pose: pose(position, orientation),
+            pose: pose(position, geometry::orientation(&what, orientation)?),
             density,
             material: material.map(|m| m.0).unwrap_or_default(),
             color,

@@ -7,7 +7,6 @@ use crate::model::{Model, parameter};
 use crate::names::{Table, find};
 use crate::queries::{self, Sight};
 use derivatives::{LinearizeError, linearize};
-use glam::DVec3;
 use kinetarium::DeviceChoice;
 use kinetarium::model::BodyId;
 use kinetarium::rigid::{Integrator, Settings};
@@ -526,87 +525,52 @@ impl Engine {
             })
         })
     }
-    /// The contacts of the last step in a world, as a dictionary of arrays with a row for each.
-    fn contacts<'py>(&self, py: Python<'py>, world: usize) -> PyResult<Bound<'py, PyDict>> {
+    /// The contacts of the last step in some worlds, as a dictionary of arrays with a row for each.
+    fn contacts<'py>(
+        &self,
+        py: Python<'py>,
+        worlds: PyReadonlyArray1<'_, i64>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let worlds = rows(&worlds)?;
         let contacts = self.with(py, |s| {
             each!(s, read, s => {
-                exists(world, s.worlds())?;
-                Ok(s.observe_parts([OutputPart::Contacts], |_, outputs| {
-                    outputs.contacts(world).collect::<Vec<_>>()
-                })?)
+                s.observe_parts([OutputPart::Contacts], |_, outputs| {
+                    let of = |&world: &usize| outputs.contacts(world).map(move |c| (world, c));
+                    worlds.iter().flat_map(of).collect::<Vec<_>>()
+                })
             })
         })?;
-        let n = contacts.len();
-        let rows = |of: fn(&kinetarium::sim::Contact) -> DVec3| {
-            let flat: Vec<f64> = contacts.iter().flat_map(|c| of(c).to_array()).collect();
-            flat.to_pyarray(py).reshape([n, 3])
-        };
-        let shapes: Vec<i64> = contacts
-            .iter()
-            .flat_map(|c| c.shapes.map(|s| s.0 as i64))
-            .collect();
-        let distance: Vec<f64> = contacts.iter().map(|c| c.distance).collect();
-        let feature: Vec<u32> = contacts.iter().map(|c| c.feature).collect();
-        let found = PyDict::new(py);
-        found.set_item("shapes", shapes.to_pyarray(py).reshape([n, 2])?)?;
-        found.set_item("position", rows(|c| c.position)?)?;
-        found.set_item("normal", rows(|c| c.normal)?)?;
-        found.set_item("distance", distance.to_pyarray(py))?;
-        found.set_item("force", rows(|c| c.force)?)?;
-        found.set_item("torque", rows(|c| c.torque)?)?;
-        found.set_item("feature", feature.to_pyarray(py))?;
-        Ok(found)
+        queries::contacts(py, &contacts)
     }
-    /// What rays meet in a world: distances [m] (infinite where nothing), shapes (−1 where none), positions, normals.
-    #[expect(clippy::type_complexity, reason = "four arrays")]
+    /// What rays meet first, the same number in each of some worlds: arrays with a row for each ray.
     fn cast_rays<'py>(
         &self,
         py: Python<'py>,
-        world: usize,
+        worlds: PyReadonlyArray1<'_, i64>,
         origins: PyReadonlyArray2<'_, f64>,
         directions: PyReadonlyArray2<'_, f64>,
         max_distance: f64,
-    ) -> PyResult<(
-        Bound<'py, PyArray1<f64>>,
-        Bound<'py, PyArray1<i64>>,
-        Bound<'py, PyArray2<f64>>,
-        Bound<'py, PyArray2<f64>>,
-    )> {
-        let origins = slice(&origins)?;
-        let directions = slice(&directions)?;
-        let (origins, directions) = (origins.chunks_exact(3), directions.chunks_exact(3));
-        let rays: Vec<_> = origins
-            .zip(directions)
-            .map(|(origin, direction)| Ray {
-                origin: DVec3::from_slice(origin),
-                direction: DVec3::from_slice(direction),
-                max_distance,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let worlds = rows(&worlds)?;
+        let origins = queries::vectors(slice(&origins)?).into_iter();
+        let rays = origins.zip(queries::vectors(slice(&directions)?));
+        let rays = Vec::from_iter(rays.map(|(origin, direction)| Ray {
+            origin,
+            direction,
+            max_distance,
+        }));
+        let each = rays.len() / worlds.len().max(1);
+        let hits = self.with(py, |s| {
+            each!(s, read, s => {
+                let mut hits = Vec::with_capacity(rays.len());
+                for (i, &world) in worlds.iter().enumerate() {
+                    let found = s.cast_rays(world, &rays[i * each..][..each])?;
+                    hits.extend(found.into_iter().map(|hit| Some(queries::met(hit?, s.model()))));
+                }
+                Ok(hits)
             })
-            .collect();
-        let hits = self.with(py, |s| each!(s, read, s => s.cast_rays(world, &rays)))?;
-        let n = hits.len();
-        let distance: Vec<f64> = hits
-            .iter()
-            .map(|hit| hit.map_or(f64::INFINITY, |hit| hit.distance))
-            .collect();
-        let shape: Vec<i64> = hits
-            .iter()
-            .map(|hit| hit.map_or(-1, |hit| hit.shape.0 as i64))
-            .collect();
-        let position: Vec<f64> = hits
-            .iter()
-            .flat_map(|hit| hit.map_or([f64::NAN; 3], |hit| hit.position.to_array()))
-            .collect();
-        let normal: Vec<f64> = hits
-            .iter()
-            .flat_map(|hit| hit.map_or([f64::NAN; 3], |hit| hit.normal.to_array()))
-            .collect();
-        Ok((
-            distance.to_pyarray(py),
-            shape.to_pyarray(py),
-            position.to_pyarray(py).reshape([n, 3])?,
-            normal.to_pyarray(py).reshape([n, 3])?,
-        ))
+        })?;
+        queries::rows(py, &hits)
     }
     /// What a shape first touches that is swept along lines, the same number in each of some worlds: arrays with a row for
     /// each sweep.

@@ -226,7 +226,8 @@ impl Check<'_> {
     fn pose(self, what: &'static str, pose: &Pose) -> Result<(), SensorError> {
         let near = pose.position.abs().max_element() <= FARTHEST;
         let must = "finite, within 1e9 m, its orientation of unit length";
-        self.require(pose.is_valid() && near, what, format!("{pose:?}"), must)
+        let value = format!("at {}, turned by {}", pose.position, pose.orientation);
+        self.require(pose.is_valid() && near, what, value, must)
     }
     fn mount(self, mount: &Mount) -> Result<(), SensorError> {
         mount.body.iter().try_for_each(|&body| self.body(body))?;

@@ -280,12 +280,23 @@ impl<T: Float> Sensors<T> {
     /// cannot be drawn. The sensors before the one at fault have been sampled; it and all others are as
     /// before.
     pub fn update(&mut self, simulation: &mut Simulation<T>) -> Result<(), SensorError> {
+        self.take(simulation, false)
+    }
+    /// The same, and takes samples of the present time of a world anew, with the noise that they had: after
+    /// [`Simulation::move_joints`], or where other controls act.
+    ///
+    /// # Errors
+    /// As [`update`](Self::update).
+    pub fn resample(&mut self, simulation: &mut Simulation<T>) -> Result<(), SensorError> {
+        self.take(simulation, true)
+    }
+    fn take(&mut self, simulation: &mut Simulation<T>, anew: bool) -> Result<(), SensorError> {
         self.recognise(simulation)?;
         self.look_at_worlds(simulation);
         let h = simulation.settings().step.time_step;
         let (worlds, channels) = (&self.worlds, self.channels.iter_mut());
         let due = channels.filter_map(|channel| {
-            let is_due = channel.find_due(simulation, h, worlds);
+            let is_due = channel.find_due(simulation, h, worlds, anew);
             is_due.then_some(channel)
         });
         let due = Vec::from_iter(due);
@@ -404,12 +415,20 @@ impl<T: Float> Channel<T> {
         }
     }
 
-    /// Finds which samples are due now; whether there are any.
-    fn find_due(&mut self, simulation: &Simulation<T>, h: f64, worlds: &[World]) -> bool {
+    /// Finds which samples are due now, or were taken now if those are to be taken `anew`; whether there are any.
+    fn find_due(
+        &mut self,
+        simulation: &Simulation<T>,
+        h: f64,
+        worlds: &[World],
+        anew: bool,
+    ) -> bool {
         let mut any = false;
         for (world, sampled) in self.samples.iter_mut().enumerate() {
-            let now = self.clock.sample(simulation.time(world), h);
-            let due = worlds[world].runs && sampled.last != Some(now);
+            let time = simulation.time(world);
+            let now = self.clock.sample(time, h);
+            let again = anew && self.time[world] == time;
+            let due = worlds[world].runs && (again || sampled.last != Some(now));
             sampled.due = due.then_some(now);
             let passed = sampled.last.map_or(0, |last| now.saturating_sub(last));
             sampled.elapsed = passed as f64 * self.clock.period(h);

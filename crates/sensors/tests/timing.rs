@@ -120,6 +120,35 @@ fn a_world_that_is_set_is_sampled_anew() {
     close("time of world 1", reading.time[1], 0.02, 1e-9);
 }
 
+/// What was moved at a time at which samples were taken is seen when they are taken anew, by those of that time alone.
+#[test]
+fn samples_of_now_are_taken_anew() {
+    let mut simulation = falling(2, 0.002);
+    let walk = kinetarium_sensors::Noise {
+        walk: 1.0.into(),
+        ..kinetarium_sensors::Noise::white(0.1)
+    };
+    let list = vec![
+        angle("slow").with_rate(50.0),
+        angle("fast").with_noise(walk),
+    ];
+    let mut sensors = Sensors::new(&mut simulation, list, 0).unwrap();
+    sensors.step(&mut simulation, 15).unwrap();
+    let read = |sensors: &Sensors<f64>, name| sensors.reading(name).unwrap().numbers.to_vec();
+    let (slow, fast) = (read(&sensors, "slow"), read(&sensors, "fast"));
+    let angle = simulation.outputs().coordinate(1, 0);
+    simulation.move_joints(1, &[angle + 0.25], &[0.0]).unwrap();
+    sensors.update(&mut simulation).unwrap();
+    assert_eq!(read(&sensors, "fast"), fast);
+    for _ in 0..2 {
+        sensors.resample(&mut simulation).unwrap();
+        assert_eq!(read(&sensors, "slow"), slow);
+        let anew = read(&sensors, "fast");
+        close("world 0", anew[0], fast[0], 1e-12);
+        close("world 1", anew[1], fast[1] + 0.25, 1e-12);
+    }
+}
+
 /// A world that diverged keeps its last reading, and does not hold up the others.
 #[test]
 fn a_world_that_diverged_does_not_stop_the_others() {

@@ -16,6 +16,7 @@ import numpy as np
 import kinetarium as kn
 from kinetarium.errors import ShapeError
 from kinetarium.simulation import Integrator
+from kinetarium.state import quaternion_columns
 
 Array = np.ndarray[Any, np.dtype[Any]]
 
@@ -45,11 +46,8 @@ def coordinate_orders(model: kn.Model) -> tuple[Array, Array]:
     They differ in quaternions: w is first in MuJoCo's, last in kinetarium's.
     """
     order = np.arange(model.coordinates)
-    for name in model.joint_names:
-        _, end = model.joint_coordinates(name)
-        kind = model.joint_kinds[model.joint(name)]
-        if kind in ("free", "ball"):
-            order[end - 4 : end] = [end - 1, end - 4, end - 3, end - 2]
+    for columns in quaternion_columns(model).values():
+        order[columns] = np.roll(order[columns], 1)
     return order, np.argsort(order)
 
 
