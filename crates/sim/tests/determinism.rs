@@ -552,7 +552,7 @@ const GOLDEN: [[[u64; 2]; 5]; 2] = [
 #[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 const GOLDEN_HEAP: [[u64; 2]; 3] = [
     [0x3a8f_dc83_bb13_ccde, 0x454a_6c44_6d52_e287],
-    [0x2df2_9a7d_bf1d_86a4, 0x0ead_d107_4a9a_0624],
+    [0x9446_ff21_57a8_cc47, 0xc592_4f41_8f13_bd44],
     [0x5803_38fe_d0fc_80a1, 0xc65a_ba93_a57b_3be7],
 ];
 
@@ -560,5 +560,5 @@ const GOLDEN_HEAP: [[u64; 2]; 3] = [
 #[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 const GOLDEN_HUMANOID: [[u64; 2]; 2] = [
     [0x5391_1826_0938_ef18, 0x0d0b_2849_7165_a613],
-    [0xa1a6_03b7_d492_f262, 0x1258_43f0_b8ec_4e5d],
+    [0x010b_d306_994d_b39f, 0x3473_eff3_1bfb_6af1],
 ];

@@ -63,6 +63,8 @@ const RESTING: f64 = 2.0;
 const GROWTH: f64 = 1.5;
 /// Share of an error that the sweeps of a substep settle at least.
 const SETTLED: f64 = 0.05;
+/// Speed [m/s] up to which points rest on each other where nothing has weight.
+const STILL: f64 = 1e-9;
 /// Divisors below this are of what cannot move, or is not there.
 const TINY: f64 = 1e-18;
 
@@ -297,7 +299,8 @@ fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
     let same = t.kept.same(k, s, feature) & t.contacts.near(k, s);
     let slow = slow(k, t, h);
     let (warm, share) = if t.jointed {
-        (same, slow / speed.max(slow))
+        let slow = slow.max(M::R::lit(STILL));
+        (same, slow * speed.max(slow).recip())
     } else {
         (same & speed.abs().le(slow), M::R::one())
     };
