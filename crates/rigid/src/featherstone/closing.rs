@@ -163,10 +163,9 @@ impl ClosingTables {
         f.vec3(t, i, joint_field::ORIGIN, b.position);
         let enabled = f64::from(u8::from(joint.enabled));
         f.number(t, i, joint_field::ENABLED, enabled);
-        let (turns, shifts) = (
-            Pace::turns(&closing.tied, h),
-            Pace::shifts(&closing.tied, h),
-        );
+        let tied = &closing.tied;
+        let turns = Pace::turns(tied, h).unless(joint.angular_compliance > 0.0);
+        let shifts = Pace::shifts(tied, h).unless(joint.linear_compliance > 0.0);
         f.numbers(t, i, joint_field::TURN_PACE, &turns.numbers());
         f.numbers(t, i, joint_field::SHIFT_PACE, &shifts.numbers());
         let links = [

@@ -21,6 +21,8 @@ const DRIFT: f64 = 1.0 / 64.0;
 const WAY: f64 = 1.0 / 8.0;
 /// Impulses that act on the size of what moves, in m ℓ/h: see [`locked`](super::locked).
 const BENDS: f64 = 0.1;
+/// A gap that nothing has [m or rad].
+const FAR: f64 = 1e9;
 /// Size of points [m].
 const POINT: f64 = 1e-6;
 
@@ -107,6 +109,11 @@ impl Pace {
     fn new(size: f64, way: f64) -> Self {
         let fastest = way.min(WAY * size);
         let drift = fastest.min(DRIFT * size);
+        Self { drift, fastest }
+    }
+    /// The same, or none for what is soft: that is a spring, which gapes as far as it is pulled.
+    pub fn unless(self, soft: bool) -> Self {
+        let [drift, fastest] = [self.drift, self.fastest].map(|x| if soft { FAR } else { x });
         Self { drift, fastest }
     }
     /// As [`share`] takes it.
