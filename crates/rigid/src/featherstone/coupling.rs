@@ -7,8 +7,9 @@
 //! r = φ/h + q̇_A' − ratio q̇_B'
 //! ```
 //!
-//! which [`locked`](super::locked) solves, for as much of φ as a step [takes](super::tied::Pace). The impulse λ [N·s or N·m·s] of the row acts along A's axis, and −ratio λ
-//! along B's: with these, in place of wrenches, start the walks that find y ([`factor`](super::factor)).
+//! which [`locked`](super::locked) solves, for as much of φ as a step [takes](super::tied::Pace). The impulse λ
+//! [N·s or N·m·s] of the row acts along A's axis, and −ratio λ along B's: with these, in place of wrenches, start the
+//! walks that find y ([`factor`](super::factor)).
 
 use super::contact::rate;
 use super::factor::{Path, response};
