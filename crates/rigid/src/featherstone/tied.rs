@@ -1,19 +1,21 @@
 //! What hangs together by loops and couplings, and how fast a gap in it is closed.
 //!
 //! A gap within a step's drift is closed at once. Of a wider one a step takes a tenth of what is more, so that what moves
-//! stops softly, at no more than the speed at which contacts push out, and an eighth of the bodies' size:
+//! stops softly, at no more than 1 m/s, and an eighth of the bodies' size:
 //!
 //! ```text
 //! φ ← φ                                       |φ| ≤ s = min(ℓ/64, f)
-//! φ ← φ/|φ| min(s + (|φ| − s)/10, f)           else, f = min(h · 3 m/s, ℓ/8)
+//! φ ← φ/|φ| min(s + (|φ| − s)/10, f)           else, f = min(h · 1 m/s, ℓ/8)
 //! ```
 //!
-//! Turns follow the same with ℓ = 1, and speeds that move the bodies' ends as fast.
+//! Turns follow the same with ℓ = 1, and speeds that move the bodies' ends as fast. The bodies have that speed meanwhile;
+//! where directions turn on the way, what is taken back in the end is less by a share of ½ m v².
 
-use crate::contacts::PUSH_OUT;
 use model::{AxisKind, Joint};
 use numbers::Real;
 
+/// Speed at which gaps close [m/s].
+const FASTEST: f64 = 1.0;
 /// Share of a gap beyond the drift that a step closes.
 const SHARE: f64 = 0.1;
 /// Drift, and way of a step, as shares of the size of what moves.
@@ -100,11 +102,11 @@ pub(super) struct Pace {
 impl Pace {
     /// Of shifts [m], in steps of `h` [s].
     pub fn shifts(tied: &Tied, h: f64) -> Self {
-        Self::new(tied.size, PUSH_OUT * h)
+        Self::new(tied.size, FASTEST * h)
     }
     /// Of turns [rad].
     pub fn turns(tied: &Tied, h: f64) -> Self {
-        Self::new(1.0, PUSH_OUT * h / tied.size)
+        Self::new(1.0, FASTEST * h / tied.size)
     }
     fn new(size: f64, way: f64) -> Self {
         let fastest = way.min(WAY * size);

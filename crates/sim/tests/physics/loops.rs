@@ -409,7 +409,7 @@ fn a_slack_rope_hangs_as_a_chain_of_rods() {
     }
 }
 
-/// An arm and a body that floats, which are welded 0.14 m apart: what closes the weld moves neither faster than 3 m/s
+/// An arm and a body that floats, which are welded 0.14 m apart: what closes the weld moves neither faster than 1 m/s
 /// requires, and is taken back when it is closed.
 #[test]
 fn an_open_weld_closes_without_gaining_energy() {
@@ -446,14 +446,14 @@ fn an_open_weld_closes_without_gaining_energy() {
             most = most.max(simulation.outputs().energy(0));
             let gap = gap(&mut simulation);
             assert!(gap < last.max(5e-5), "{h}: {last} {gap}");
-            assert!(last - gap < 3.0 * h * 1.1, "{h}: {last} {gap}");
+            assert!(last - gap < 1.1 * h, "{h}: {last} {gap}");
             last = gap;
         }
         let end = simulation.outputs().energy(0);
         assert!(last < 5e-5, "{h}: gapes by {last}");
-        assert!(end < start + 0.05, "{h}: {start} J became {end}");
-        // At most both at 3 m/s.
-        assert!(most < start + 0.5 * 2.0 * 9.0, "{h}: {start} J was {most}");
+        assert!(end < start + 0.1, "{h}: {start} J became {end}");
+        // All of it at 1 m/s, and half as much for what turns.
+        assert!(most < start + 1.5, "{h}: {start} J was {most}");
     }
 }
 
@@ -473,10 +473,10 @@ fn gears_that_are_off_turn_there() {
     object.couple("gear", follower, leader, 2.5, 0.0);
     let mut simulation = EULER.simulate::<f64>(&world.build().unwrap(), H);
     // The sum of three moments over the mass is the square of what stands for their size.
-    let fastest = 3.0 / (3.0_f64 * (0.2 + 0.9) / 2.0).sqrt();
+    let fastest = 1.0 / (3.0_f64 * (0.2 + 0.9) / 2.0).sqrt();
     let off = |q: &[f64]| 2.5 * q[1] - q[0];
     let mut last = 0.75;
-    for _ in 0..1000 {
+    for _ in 0..1200 {
         simulation.step(1);
         let now = off(&simulation.outputs().joint_position(0));
         assert!((-1e-12..=fastest * H + 1e-12).contains(&(last - now)));
