@@ -410,10 +410,12 @@ fn a_slack_rope_hangs_as_a_chain_of_rods() {
 }
 
 /// An arm and a body that floats, which are welded 0.14 m apart: what closes the weld moves neither faster than 1 m/s
-/// requires, and is taken back when it is closed.
+/// requires, and is taken back when it is closed, but for a share of ½ m v² where directions turned on the way. Without
+/// gravity, which closing would work against.
 #[test]
 fn an_open_weld_closes_without_gaining_energy() {
     let mut world = Builder::new("weld");
+    world.gravity(DVec3::ZERO);
     let object = world.object("");
     let moments = DVec3::new(1e-4, 4e-3, 4e-3);
     let near_bone = body(object, "near", 0.5, DVec3::X * 0.15, moments);
@@ -451,7 +453,8 @@ fn an_open_weld_closes_without_gaining_energy() {
         }
         let end = simulation.outputs().energy(0);
         assert!(last < 5e-5, "{h}: gapes by {last}");
-        assert!(end < start + 0.1, "{h}: {start} J became {end}");
+        println!("{h}: {start} J, {most} J, {end} J");
+        assert!(end < 0.3 * most, "{h}: of {most} J remain {end}");
         // All of it at 1 m/s, and half as much for what turns.
         assert!(most < start + 1.5, "{h}: {start} J was {most}");
     }
