@@ -27,13 +27,15 @@
 //! the anchors has e = g / |g| and (|u|² − (e · u)²) / |g| more; an angle between two axes a and b has
 //! e = a × b / |a × b| and (|w|² (a · b) − (a · w) (b · w)) / |a × b| more.
 //!
-//! A loop that is open when a world begins is closed within its first step, however far; the velocities which that
-//! takes are taken back in the next.
+//! A loop that gapes by more than a step's drift, as one that is open when a world begins, is closed at a bounded
+//! [pace](super::tied::Pace), along a straight line, and φ is what of it a step takes.
 
 use super::contact::at;
 use super::factor::{self, Path, seen_from_a};
 use super::kinematics::Course;
+use super::locked::Law;
 use super::tables::{Tables, couple_link, frame, step};
+use super::tied::{self, Pace, Tied};
 use crate::locks::{Locks, ROWS, hold, turns};
 use crate::output::reaction;
 use crate::tables::Filler;
@@ -52,7 +54,10 @@ mod joint_field {
     pub const ORIGIN: usize = lock::WIDTH;
     /// 1, or 0 for a joint that does not act.
     pub const ENABLED: usize = ORIGIN + 3;
-    pub const WIDTH: usize = ENABLED + 1;
+    /// How far a step closes turns, then shifts: two [`Pace`](super::super::tied::Pace)s.
+    pub const TURN_PACE: usize = ENABLED + 1;
+    pub const SHIFT_PACE: usize = TURN_PACE + 2;
+    pub const WIDTH: usize = SHIFT_PACE + 2;
 }
 
 /// Fields of [`ClosingTables::links`].
@@ -113,17 +118,23 @@ pub(super) struct Closing {
     pub locked: [usize; ROWS],
     /// Mass [kg] of the lighter of both trees, and the sum of its bodies' moments of inertia [kg·m²].
     pub mass: [f64; 2],
+    /// What hangs together by this and other joints.
+    pub tied: Tied,
 }
 
 impl Closing {
-    /// α/h² of a row, in steps of `h` [s], and the response of what moves freely.
-    pub fn law(&self, row: usize, joint: &Joint, h: f64) -> [f64; 2] {
+    /// What a row's impulses follow, in steps of `h` [s].
+    pub fn law(&self, row: usize, joint: &Joint, h: f64) -> Law {
         let [mass, moment] = self.mass;
-        let (compliance, inertia) = match row {
-            0..3 => (joint.angular_compliance, moment),
-            _ => (joint.linear_compliance, mass),
+        let (compliance, inertia, floor) = match row {
+            0..3 => (joint.angular_compliance, moment, self.tied.turns(h)),
+            _ => (joint.linear_compliance, mass, self.tied.shifts(h)),
         };
-        [compliance / (h * h), inertia.recip()]
+        Law {
+            softness: compliance / (h * h),
+            response: inertia.recip(),
+            floor,
+        }
     }
 }
 
@@ -143,8 +154,8 @@ impl ClosingTables {
         }
     }
 
-    /// Writes a row.
-    pub(super) fn fill(&self, i: usize, closing: &Closing, joint: &Joint, f: &mut Filler) {
+    /// Writes a row, for steps of `h` [s].
+    pub(super) fn fill(&self, i: usize, closing: &Closing, joint: &Joint, h: f64, f: &mut Filler) {
         let (locks, t) = (&closing.locks, self.joint);
         let a = closing.places[0] * joint.parent_frame;
         let b = closing.places[1] * joint.child_frame;
@@ -152,6 +163,11 @@ impl ClosingTables {
         f.vec3(t, i, joint_field::ORIGIN, b.position);
         let enabled = f64::from(u8::from(joint.enabled));
         f.number(t, i, joint_field::ENABLED, enabled);
+        let tied = &closing.tied;
+        let turns = Pace::turns(tied, h).unless(joint.angular_compliance > 0.0);
+        let shifts = Pace::shifts(tied, h).unless(joint.linear_compliance > 0.0);
+        f.numbers(t, i, joint_field::TURN_PACE, &turns.numbers());
+        f.numbers(t, i, joint_field::SHIFT_PACE, &shifts.numbers());
         let links = [
             (joint_link::COUPLE, closing.couple),
             (joint_link::TURNS, locks.turns),
@@ -241,12 +257,13 @@ impl<R: Real> Rows<R> {
             bend: bend * s,
         }
     }
-    /// φ/h + J q̇ + ½ h J̇ q̇, given J q̇, and J̇ q̇ but for what bends, as vectors.
+    /// φ/h + J q̇ + ½ h J̇ q̇ and b = φ/h + ½ h J̇ q̇, given J q̇, and J̇ q̇ but for what bends, as vectors.
     #[inline(always)]
-    fn remains(&self, now: Vec3<R>, ahead: Vec3<R>, h: R) -> Vec3<R> {
+    fn remains(&self, now: Vec3<R>, ahead: Vec3<R>, h: R) -> (Vec3<R>, Vec3<R>) {
         let half = h * R::lit(0.5);
         let more = self.bend.fma(half, self.error * h.recip());
-        self.e.transpose_mul(ahead.fma(half, now)) + more
+        let left = self.e.transpose_mul(ahead.fma(half, now)) + more;
+        (left, self.e.transpose_mul(ahead * half) + more)
     }
 }
 
@@ -270,20 +287,31 @@ fn find<M: Machine>(k: &mut M, t: &Tables, c: M::I, couple: M::I) {
 
     let w = b.course.twist.angular - spin;
     let ahead = b.course.bias.angular - a.course.bias.angular - spin.cross(w);
-    let turns = turned(k, t, c, [&a, &b], w).times(on);
-    let turn = turns.remains(w, ahead, h);
+    let mut turns = turned(k, t, c, [&a, &b], w).times(on);
+    turns.error = pace(k, t, c, joint_field::TURN_PACE, turns.error);
+    let (turn, bent) = turns.remains(w, ahead, h);
     let u = b.velocity() - a.velocity();
     let ahead = b.bias() - a.bias() - spin.cross(u) * two;
-    let shifts = shifted(k, t, c, &a, u).times(on);
-    let shift = shifts.remains(u, ahead, h);
+    let mut shifts = shifted(k, t, c, &a, u).times(on);
+    shifts.error = pace(k, t, c, joint_field::SHIFT_PACE, shifts.error);
+    let (shift, bowed) = shifts.remains(u, ahead, h);
 
     store_mat3(k, t, c, row::TURN, turns.e);
     store_mat3(k, t, c, row::SHIFT, shifts.e);
     let [turns, shifts] = t.closings.rows(k, c);
+    let (turn, bent) = (turn.to_array(), bent.to_array());
+    let (shift, bowed) = (shift.to_array(), bowed.to_array());
     for i in 0..3 {
-        t.locked.remains(k, turns[i], turn.to_array()[i]);
-        t.locked.remains(k, shifts[i], shift.to_array()[i]);
+        t.locked.remains(k, turns[i], turn[i], bent[i]);
+        t.locked.remains(k, shifts[i], shift[i], bowed[i]);
     }
+}
+
+/// What of a gap a step closes.
+#[inline(always)]
+fn pace<M: Machine>(k: &M, t: &Tables, c: M::I, field: usize, gap: Vec3<M::R>) -> Vec3<M::R> {
+    let pace = k.read(t.closings.joint, c, field);
+    gap * tied::share(gap.length(), pace)
 }
 
 /// Adds h J q̈ to r.

@@ -3,7 +3,7 @@
 
 use super::closing::Closing;
 use super::coupling::Coupled;
-use super::locked::Locked;
+use super::locked::{Law, Locked};
 use super::tables::{Forest, couple_link};
 use crate::contacts::ContactPlan;
 use model::Model;
@@ -65,7 +65,7 @@ impl Couples {
         }
         for coupled in couplings.iter_mut() {
             coupled.couple = self.of(coupled.groups, coupled.rows, forest);
-            coupled.locked = self.add_row(coupled.couple, [0.0; 2]);
+            coupled.locked = self.add_row(coupled.couple, Law::default());
             let couple = self.couples[coupled.couple];
             let (own_a, own) = (couple[couple_link::OWN_A], couple[couple_link::OWN]);
             // Where one joint carries the other, its own entry is the first of the shared ones.
@@ -94,12 +94,11 @@ impl Couples {
         self.locked_entries += longest.unwrap_or(0);
     }
 
-    fn add_row(&mut self, couple: usize, [softness, response]: [f64; 2]) -> usize {
+    fn add_row(&mut self, couple: usize, law: Law) -> usize {
         self.locked.push(Locked {
             couple,
             entry: self.locked_entries,
-            softness,
-            response,
+            law,
         });
         self.locked_entries += self.couples[couple][couple_link::ENTRIES];
         self.locked.len() - 1

@@ -7,14 +7,16 @@
 //! r = φ/h + q̇_A' − ratio q̇_B'
 //! ```
 //!
-//! which [`locked`](super::locked) solves. The impulse λ [N·s or N·m·s] of the row acts along A's axis, and −ratio λ
-//! along B's: with these, in place of wrenches, start the walks that find y ([`factor`](super::factor)).
+//! which [`locked`](super::locked) solves, for as much of φ as a step [takes](super::tied::Pace). The impulse λ
+//! [N·s or N·m·s] of the row acts along A's axis, and −ratio λ along B's: with these, in place of wrenches, start the
+//! walks that find y ([`factor`](super::factor)).
 
 use super::contact::rate;
 use super::factor::{Path, response};
 use super::tables::{Tables, dof};
+use super::tied::{self, Pace, Tied};
 use crate::tables::Filler;
-use model::{Coupling, Model};
+use model::{AxisKind, Coupling, Model};
 use numbers::machine::space::Parameter;
 use numbers::machine::{Held, Hold, Links};
 use numbers::spatial::Spatial;
@@ -41,8 +43,8 @@ mod coupling_link {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CouplingTables {
     pub count: usize,
-    /// Ratio, offset.
-    coupling: Table<Parameter, 2>,
+    /// Ratio, offset, and the [`Pace`] of A's coordinate.
+    coupling: Table<Parameter, 4>,
     /// See [`coupling_link`].
     links: Links<{ coupling_link::WIDTH }>,
 }
@@ -57,6 +59,8 @@ pub(super) struct Coupled {
     pub couple: usize,
     pub locked: usize,
     pub starts: [usize; 2],
+    /// What hangs together by this and others.
+    pub tied: Tied,
 }
 
 impl CouplingTables {
@@ -68,16 +72,22 @@ impl CouplingTables {
         }
     }
 
-    /// Writes a row.
+    /// Writes a row, for steps of `h` [s].
     pub(super) fn fill(
         &self,
         i: usize,
         at: &Coupled,
         model: &Model,
         coupling: &Coupling,
+        h: f64,
         f: &mut Filler,
     ) {
+        let pace = match model.joints[coupling.joint.0].axes[0].kind {
+            AxisKind::Angular => Pace::turns(&at.tied, h),
+            AxisKind::Linear => Pace::shifts(&at.tied, h),
+        };
         f.numbers(self.coupling, i, 0, &[coupling.ratio, coupling.offset]);
+        f.numbers(self.coupling, i, 2, &pace.numbers());
         let joints = [coupling.joint, coupling.other];
         let [dof_a, dof_b] = joints.map(|j| model.dof_range(j).start);
         let [coordinate_a, coordinate_b] = joints.map(|j| model.coordinate_range(j).start);
@@ -124,9 +134,11 @@ pub(super) fn rows<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         let q_b = k.link(t.couplings.links, c, coupling_link::COORDINATE_B);
         let (q_a, q_b) = (k.load(t.position, q_a, 0), k.load(t.position, q_b, 0));
         let error = ratio.fnma(q_b, q_a - offset);
+        let error = error * tied::share(error.abs(), k.read(t.couplings.coupling, c, 2));
         let speed = ratio.fnma(speed(k, t, b, h), speed(k, t, a, h));
         let locked = k.link(t.couplings.links, c, coupling_link::LOCKED);
-        t.locked.remains(k, locked, error.fma(rate, speed));
+        t.locked
+            .remains(k, locked, error.fma(rate, speed), error * rate);
         responses(k, t, c, locked, ratio);
     }
 }

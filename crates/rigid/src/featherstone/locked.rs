@@ -15,6 +15,20 @@
 //! The matrix is factored row by row, L D Lᵀ. What of a row no row before it has is its d; where that is as small as
 //! rounding, the row hangs on those before it (the tree, or the rest of a loop, holds it already) and is left out:
 //! its impulse is zero. Time grows with the cube of the number of rows.
+//!
+//! Where d is small, what r leaves out, of third order, grows too large. A taut chain that sags by an angle θ has a
+//! row with d ~ θ²/m along itself and b = φ/h + ½ h J̇ q̇ ~ ℓ θ²/h, so that the tension r/(h d) of a step is ~ m ℓ/h²
+//! however little it sags; but a tension T turns a link like a spring T/ℓ, which steps of h follow only where
+//! T ≪ 4 m ℓ/h², and the chain would be whipped until it flies apart. So b moves a row by impulses of no more than
+//! m ℓ/(10 h):
+//!
+//! ```text
+//! d ← max(d, min(1, 10 h |b|/ℓ)/m)
+//! ```
+//!
+//! with ℓ and m of a mean body of what is tied together, and b less what the rows before leave of it. What is added to
+//! d is α/h² of the row for this step: the damping of Levenberg and Marquardt, which vanishes with the residual and so
+//! leaves its order (Yamashita & Fukushima 2001). Rows that move a body as a whole, d ≥ 1/m, never have any.
 
 use super::contact::rate;
 use super::factor::{Keep, Path, response};
@@ -44,7 +58,9 @@ mod law {
     pub const SOFTNESS: usize = 0;
     /// A response of which a share is as good as none.
     pub const RESPONSE: usize = 1;
-    pub const WIDTH: usize = 2;
+    /// 1/m, and 10 h/ℓ.
+    pub const FLOOR: usize = 2;
+    pub const WIDTH: usize = 4;
 }
 
 /// Fields of [`LockedTables::row`].
@@ -53,9 +69,11 @@ mod row {
     pub const RESIDUAL: usize = 0;
     /// λ.
     pub const LAMBDA: usize = 1;
-    /// −Δλ, while it is solved for.
+    /// b, until the matrix is factored; −Δλ, while it is solved for.
     pub const STEP: usize = 2;
-    pub const WIDTH: usize = 3;
+    /// α/h², and what damps the row.
+    pub const SOFTNESS: usize = 3;
+    pub const WIDTH: usize = 4;
 }
 
 /// Layout of the rows. One more than there are takes what nobody asks for.
@@ -82,10 +100,18 @@ pub(super) struct Locked {
     /// Pair of nodes, and first of the row's y.
     pub couple: usize,
     pub entry: usize,
+    pub law: Law,
+}
+
+/// See [`law`].
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Law {
     /// α/h².
     pub softness: f64,
     /// Response of what moves freely.
     pub response: f64,
+    /// 1/m, and 10 h/ℓ; 1/m is zero for a row whose directions stay.
+    pub floor: [f64; 2],
 }
 
 impl LockedTables {
@@ -109,7 +135,12 @@ impl LockedTables {
     }
 
     pub(super) fn fill(&self, i: usize, locked: &Locked, f: &mut Filler) {
-        f.numbers(self.law, i, 0, &[locked.softness, locked.response]);
+        let Law {
+            softness,
+            response,
+            floor: [floor, rate],
+        } = locked.law;
+        f.numbers(self.law, i, 0, &[softness, response, floor, rate]);
         f.link(self.links, i, locked_link::COUPLE, locked.couple);
         f.link(self.links, i, locked_link::ENTRY, locked.entry);
         f.link(self.links, i, locked_link::BEGIN, i * (i + 1) / 2);
@@ -125,10 +156,11 @@ impl LockedTables {
     pub(super) fn forces<M: Machine>(&self, k: &M, [x, y, z]: [M::I; 3]) -> Vec3<M::R> {
         Vec3::new(self.force(k, x), self.force(k, y), self.force(k, z))
     }
-    /// Sets what is left of a row.
+    /// Sets what is left of a row, and its b.
     #[inline(always)]
-    pub(super) fn remains<M: Machine>(&self, k: &mut M, row: M::I, residual: M::R) {
+    pub(super) fn remains<M: Machine>(&self, k: &mut M, row: M::I, residual: M::R, bent: M::R) {
         k.store(self.row, row, row::RESIDUAL, residual);
+        k.store(self.row, row, row::STEP, bent);
     }
     /// Adds to what is left of a row.
     #[inline(always)]
@@ -216,7 +248,7 @@ fn respond<M: Machine>(k: &mut M, t: &Tables, p: M::I) {
     }
 }
 
-/// Factors a row: L D from the rows before, then L and d.
+/// Factors a row: L D from the rows before, then L, what is left of b, and d.
 #[inline(always)]
 fn factor<M: Machine>(k: &mut M, t: &Tables, p: M::I) {
     let matrix = t.locked.matrix;
@@ -232,18 +264,27 @@ fn factor<M: Machine>(k: &mut M, t: &Tables, p: M::I) {
     }
     let whole = k.load(matrix, begin.plus(p), 0);
     let mut d = k.cell(whole);
+    let mut bent = k.cell(k.load(t.locked.row, p, row::STEP));
     for q in k.range(k.index(0), p) {
         let other = k.link(t.locked.links, q, locked_link::BEGIN);
         let scaled = k.load(matrix, begin.plus(q), 0);
         let l = scaled * k.load(matrix, other.plus(q), 0);
         k.store(matrix, begin.plus(q), 0, l);
         d.write(l.fnma(scaled, d.read()));
+        bent.write(l.fnma(k.load(t.locked.row, q, row::STEP), bent.read()));
     }
+    let bent = bent.read();
+    k.store(t.locked.row, p, row::STEP, bent);
     let share = NOTHING[usize::from(<M::R as Real>::Scalar::DOUBLE)];
     let least = k.load(t.locked.law, p, law::RESPONSE).max(whole) * M::R::lit(share);
     let d = d.read();
     let says = d.gt(least);
-    let inverse = M::R::select(says, d, M::R::one()).recip();
+    let softness = k.load(t.locked.law, p, law::SOFTNESS);
+    let [floor, strain] = k.read(t.locked.law, p, law::FLOOR);
+    let floor = (bent.abs() * strain).min(M::R::one()) * floor;
+    let damping = (floor - d).max(M::R::zero());
+    k.store(t.locked.row, p, row::SOFTNESS, softness + damping);
+    let inverse = M::R::select(says, d + damping, M::R::one()).recip();
     let inverse = M::R::select(says, inverse, M::R::zero());
     k.store(matrix, begin.plus(p), 0, inverse);
 }
@@ -264,7 +305,7 @@ pub(super) fn solve<M: Machine>(k: &mut M, t: &Tables, on: M::R) -> (M::R, M::R)
     for p in k.count(t.locked.count) {
         let path = path(k, t, p);
         let [residual, lambda] = k.read(t.locked.row, p, row::RESIDUAL);
-        let softness = k.load(t.locked.law, p, law::SOFTNESS);
+        let softness = k.load(t.locked.row, p, row::SOFTNESS);
         let mut r = k.cell(softness.fma(lambda, residual));
         for i in path.entries(k) {
             let z = k.load(t.response, path.dof(k, t, i), response::Z);

@@ -31,6 +31,7 @@ mod limit;
 mod locked;
 mod report;
 mod tables;
+mod tied;
 mod turning;
 
 use crate::output::body;

@@ -17,6 +17,7 @@ use super::force::{ForceRows, ForceTables, only_forces_act, wrapping};
 use super::gauss_seidel::impulse;
 use super::limit::stop;
 use super::locked::LockedTables;
+use super::tied::{Bulk, Tied};
 use super::turning::{turn, turn_impulse, turn_law, turn_law_over};
 use crate::contacts::{ContactPlan, ContactTables, Kept, Seat as Carrier, pair_field};
 use crate::lists::Lists;
@@ -365,6 +366,9 @@ const RUNGE_KUTTA_4: [[f64; 3]; 4] = [
     [1.0 / 6.0, 0.0, 1.0],
 ];
 
+/// Tree of what is on no body.
+const WORLD: usize = 0;
+
 /// One of the bodies that a model's joints separate.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
@@ -396,6 +400,11 @@ impl Node {
             .iter()
             .map(|m| if m.kind == motion::BALL { 3 } else { 1 })
             .sum()
+    }
+    /// Moments of inertia about three axes through the node's origin, less half of what its centre adds to them.
+    fn moment(&self) -> f64 {
+        let i = self.inertia;
+        i.x_axis.x + i.y_axis.y + i.z_axis.z + self.mass * self.center.length_squared()
     }
     /// Adds a body placed at `place` in the node: masses add, inertias by Steiner's theorem.
     fn weld(&mut self, body: &Body, place: Pose) {
@@ -538,6 +547,38 @@ impl Forest {
         body.map_or(self.rows.len(), |id| self.rows[id.0])
     }
 
+    /// Tells joints and couplings what hangs together by all of them.
+    fn tie(&self, model: &Model, closings: &mut [Closing], couplings: &mut [Coupled]) {
+        let mut label: Vec<_> = (0..self.bases.len()).collect();
+        let pairs = closings.iter().map(|c| c.groups);
+        for [a, b] in pairs.chain(couplings.iter().map(|c| c.groups)) {
+            if a != WORLD && b != WORLD {
+                let (from, to) = (label[b], label[a]);
+                label
+                    .iter_mut()
+                    .filter(|l| **l == from)
+                    .for_each(|l| *l = to);
+            }
+        }
+        let mut of = vec![Bulk::default(); self.bases.len()];
+        for node in self.nodes.iter().filter(|n| n.mass > 0.0) {
+            of[label[node.tree]].add(node.mass, node.moment());
+        }
+        for joint in model.joints.iter().filter(|j| !closes(j)) {
+            if let Some(n) = self.seats[joint.child.0].node {
+                of[label[self.nodes[n].tree]].reflect(joint);
+            }
+        }
+        let tied = |[a, b]: [usize; 2]| of[label[if a == WORLD { b } else { a }]].tied();
+        for closing in closings {
+            let length = model.joints[closing.joint].length;
+            closing.tied = tied(closing.groups).reaching(length);
+        }
+        for coupled in couplings {
+            coupled.tied = tied(coupled.groups);
+        }
+    }
+
     fn of_tree(&self, tree: usize) -> impl Iterator<Item = &Node> {
         self.nodes.iter().filter(move |n| n.tree == tree)
     }
@@ -568,6 +609,7 @@ impl Forest {
                 couple: 0,
                 locked: 0,
                 starts: [0; 2],
+                tied: Tied::default(),
             })
             .collect()
     }
@@ -585,11 +627,7 @@ impl Forest {
             });
         }
         let lighter = if a.mass < b.mass { &a } else { &b };
-        let moment = |n: &Node| {
-            let i = n.inertia;
-            i.x_axis.x + i.y_axis.y + i.z_axis.z + n.mass * n.center.length_squared()
-        };
-        let moment: f64 = self.of_tree(lighter.group).map(moment).sum();
+        let moment: f64 = self.of_tree(lighter.group).map(Node::moment).sum();
         Ok(Closing {
             joint: i,
             locks: Locks::new(joint, &linear, &angular),
@@ -600,6 +638,7 @@ impl Forest {
             couple: 0,
             locked: [0; 6],
             mass: [lighter.mass, moment],
+            tied: Tied::default(),
         })
     }
 
@@ -840,6 +879,7 @@ impl Tables {
         };
         let mut couples = Couples::new(&forest, &plan);
         let h = settings.substep();
+        forest.tie(model, &mut closings, &mut couplings);
         couples.lock(&forest, model, &mut closings, &mut couplings, h);
         let counts = [closings.len(), couplings.len()];
         let tables = Self::layout(model, &forest, &plan, &couples, counts, settings);
@@ -852,7 +892,7 @@ impl Tables {
         tables.fill_couples(&couples, &mut filler);
         for (row, closing) in closings.iter().enumerate() {
             let joint = &model.joints[closing.joint];
-            tables.closings.fill(row, closing, joint, &mut filler);
+            tables.closings.fill(row, closing, joint, h, &mut filler);
         }
         for (row, locked) in couples.locked.iter().enumerate() {
             tables.locked.fill(row, locked, &mut filler);
@@ -860,7 +900,7 @@ impl Tables {
         for (row, coupled) in couplings.iter().enumerate() {
             let coupling = &model.couplings[row];
             let t = tables.couplings;
-            t.fill(row, coupled, model, coupling, &mut filler);
+            t.fill(row, coupled, model, coupling, h, &mut filler);
         }
         tables.acting.fill(&[couples.slots.len()], &mut filler);
         let contact_shapes = plan.shapes();

@@ -4,6 +4,7 @@ use crate::common::*;
 use glam::{DVec2, DVec3};
 use kinetarium_sim::{Effort, Simulation};
 use model::{BodyId, Builder, Drive, JointId, Model, Pose};
+use numbers::Float;
 
 const H: f64 = 1e-3;
 
@@ -276,4 +277,214 @@ fn a_sling_lets_go_at_run_time() {
             assert_eq!(swings(&mut simulation), swings(&mut untouched));
         }
     }
+}
+
+/// Mass [kg] and length [m] of a rope's links.
+const LINK: (f64, f64) = (0.03, 0.1);
+
+/// A rope of thin rods along x, with hinges about z or balls between them, whose far end is held at `span`. It starts as a
+/// V, so that its end is there.
+fn rope(links: usize, balls: bool, span: f64, damping: f64) -> Model {
+    let (mass, length) = LINK;
+    let across = mass * length * length / 12.0;
+    let moments = DVec3::new(1e-3 * across, across, across);
+    let mut world = Builder::new("rope");
+    let object = world.object("");
+    let slope = (span / (links as f64 * length)).min(1.0).acos();
+    let end = Pose::at(DVec3::X * length);
+    let mut parent = None;
+    for i in 0..links {
+        let rod = body(
+            object,
+            &format!("rod{i}"),
+            mass,
+            DVec3::X * length / 2.0,
+            moments,
+        );
+        let turn = match i {
+            0 => -slope,
+            _ if 2 * i == links => 2.0 * slope,
+            _ => 0.0,
+        };
+        let joint = if balls {
+            object.ball(format!("joint{i}"), rod)
+        } else {
+            object.revolute(format!("joint{i}"), rod, DVec3::Z)
+        };
+        if !balls {
+            joint.initial(&[turn]);
+        }
+        joint.damping(damping);
+        if let Some(parent) = parent.replace(rod) {
+            joint.parent(parent).frames(end, Pose::IDENTITY);
+        }
+    }
+    let held = object.ball("held", parent.unwrap());
+    held.frames(Pose::at(DVec3::X * span), end)
+        .closes_loop(true);
+    world.build().unwrap()
+}
+
+/// Where the links of a rope begin, and its end.
+fn shape<T: Float>(simulation: &mut Simulation<T>, links: usize) -> Vec<DVec3> {
+    let outputs = simulation.outputs();
+    let poses: Vec<_> = (0..links)
+        .map(|i| outputs.body_pose(0, BodyId(i)))
+        .collect();
+    let end = poses[links - 1].point(DVec3::X * LINK.1);
+    poses.iter().map(|p| p.position).chain([end]).collect()
+}
+
+/// A taut rope is where its constraint moves nothing to first order. It does not leave its line by more than a few
+/// hundredths, gains no energy, and holds at both ends.
+fn stays_taut<T: Float>(links: usize, balls: bool, damping: f64) {
+    let length = links as f64 * LINK.1;
+    let mut simulation = EULER.simulate::<T>(&rope(links, balls, length, damping), 2e-3);
+    let start = simulation.outputs().energy(0);
+    for _ in 0..400 {
+        simulation.step(5);
+        let energy = simulation.outputs().energy(0);
+        assert!(
+            energy < start + 1e-4,
+            "{links} {balls} {damping}: {start} {energy}"
+        );
+        let shape = shape(&mut simulation, links);
+        let sag = shape.iter().map(|p| -p.y).fold(0.0, f64::max);
+        assert!(
+            sag < 0.03 * length,
+            "{links} {balls} {damping}: sags by {sag}"
+        );
+        let gap = shape[links].distance(DVec3::X * length);
+        assert!(
+            gap < 2e-3 * length,
+            "{links} {balls} {damping}: gapes by {gap}"
+        );
+    }
+    assert!(simulation.diverged().is_empty());
+}
+
+#[test]
+fn taut_ropes_stay_taut() {
+    for links in [2, 3, 4, 10] {
+        for balls in [false, true] {
+            for damping in [0.0, 1e-3] {
+                stays_taut::<f64>(links, balls, damping);
+                stays_taut::<f32>(links, balls, damping);
+            }
+        }
+    }
+}
+
+/// A rope with slack hangs as a chain of rods does: with the weight w of a rod and the pull H along x, moments about a rod's
+/// end give tan θₖ = (k − (n − 1)/2) w/H, and the span, n L mean cos θₖ, gives H. Also where there is hardly any slack.
+#[test]
+fn a_slack_rope_hangs_as_a_chain_of_rods() {
+    let links = 10;
+    let length = links as f64 * LINK.1;
+    for share in [0.8, 0.99, 0.9999] {
+        let span = share * length;
+        let slope = |k: usize, steep: f64| (k as f64 - (links - 1) as f64 / 2.0) * steep;
+        let reach = |steep: f64| -> f64 {
+            let cosines = (0..links).map(|k| slope(k, steep).atan().cos());
+            cosines.sum::<f64>() * LINK.1
+        };
+        let (mut low, mut high) = (0.0, 10.0);
+        for _ in 0..100 {
+            let middle = 0.5 * (low + high);
+            if reach(middle) > span {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        let mut simulation = EULER.simulate::<f64>(&rope(links, false, span, 2e-3), 1e-3);
+        simulation.step(20_000);
+        let found = shape(&mut simulation, links);
+        let mut expected = DVec3::ZERO;
+        for (k, found) in found.iter().enumerate() {
+            near(format!("{share}, end of rod {k}"), *found, expected, 1e-6);
+            let angle = slope(k, low).atan();
+            expected += DVec3::new(angle.cos(), angle.sin(), 0.0) * LINK.1;
+        }
+    }
+}
+
+/// An arm and a body that floats, which are welded 0.14 m apart: what closes the weld moves neither faster than 1 m/s
+/// requires, and is taken back when it is closed, but for a share of ½ m v² where directions turned on the way. Without
+/// gravity, which closing would work against.
+#[test]
+fn an_open_weld_closes_without_gaining_energy() {
+    let mut world = Builder::new("weld");
+    world.gravity(DVec3::ZERO);
+    let object = world.object("");
+    let moments = DVec3::new(1e-4, 4e-3, 4e-3);
+    let near_bone = body(object, "near", 0.5, DVec3::X * 0.15, moments);
+    let far_bone = body(object, "far", 0.5, DVec3::X * 0.15, moments);
+    let end = Pose::at(DVec3::X * 0.3);
+    object.revolute("shoulder", near_bone, DVec3::Z);
+    let elbow = object.revolute("elbow", far_bone, DVec3::Z);
+    elbow.parent(near_bone).frames(end, Pose::IDENTITY);
+    let ball = body(object, "ball", 1.0, DVec3::ZERO, DVec3::splat(4e-3));
+    object
+        .free("float", ball)
+        .initial(&[0.7, 0.1, 0.0, 0.0, 0.0, 0.0, 1.0]);
+    let weld = object.fixed("weld", ball);
+    weld.parent(far_bone)
+        .frames(end, Pose::IDENTITY)
+        .closes_loop(true);
+    let model = world.build().unwrap();
+    for h in [2e-3, 1e-3] {
+        let mut simulation = EULER.simulate::<f64>(&model, h);
+        let start = simulation.outputs().energy(0);
+        let mut most = start;
+        let gap = |simulation: &mut Simulation<f64>| {
+            let outputs = simulation.outputs();
+            let [arm, ball] = [1, 2].map(|b| outputs.body_pose(0, BodyId(b)));
+            arm.point(DVec3::X * 0.3).distance(ball.position)
+        };
+        let mut last = gap(&mut simulation);
+        for _ in 0..(0.3 / h) as usize {
+            simulation.step(1);
+            most = most.max(simulation.outputs().energy(0));
+            let gap = gap(&mut simulation);
+            assert!(gap < last.max(5e-5), "{h}: {last} {gap}");
+            assert!(last - gap < 1.1 * h, "{h}: {last} {gap}");
+            last = gap;
+        }
+        let end = simulation.outputs().energy(0);
+        assert!(last < 5e-5, "{h}: gapes by {last}");
+        println!("{h}: {start} J, {most} J, {end} J");
+        assert!(end < 0.3 * most, "{h}: of {most} J remain {end}");
+        // All of it at 1 m/s, and half as much for what turns.
+        assert!(most < start + 1.5, "{h}: {start} J was {most}");
+    }
+}
+
+/// Gears that are off by a tooth turn there at a bounded speed, and stop.
+#[test]
+fn gears_that_are_off_turn_there() {
+    let mut world = Builder::new("gears");
+    world.gravity(DVec3::ZERO);
+    let object = world.object("");
+    let [small, large] =
+        [0.2, 0.9].map(|i| body(object, &format!("{i}"), 1.0, DVec3::ZERO, DVec3::splat(i)));
+    let follower = object.revolute("follower", small, DVec3::Z).handle();
+    let leader = object
+        .revolute("leader", large, DVec3::Z)
+        .initial(&[0.3])
+        .handle();
+    object.couple("gear", follower, leader, 2.5, 0.0);
+    let mut simulation = EULER.simulate::<f64>(&world.build().unwrap(), H);
+    // The sum of three moments over the mass is the square of what stands for their size.
+    let fastest = 1.0 / (3.0_f64 * (0.2 + 0.9) / 2.0).sqrt();
+    let off = |q: &[f64]| 2.5 * q[1] - q[0];
+    let mut last = 0.75;
+    for _ in 0..1200 {
+        simulation.step(1);
+        let now = off(&simulation.outputs().joint_position(0));
+        assert!((-1e-12..=fastest * H + 1e-12).contains(&(last - now)));
+        last = now;
+    }
+    close("gap", last, 0.0, 1e-12);
+    close("energy", simulation.outputs().energy(0), 0.0, 1e-12);
 }
