@@ -298,13 +298,13 @@ fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
     }
     let same = t.kept.same(k, s, feature) & t.contacts.near(k, s);
     let slow = slow(k, t, h);
-    let (warm, share) = if t.jointed {
+    let warm = if t.jointed {
         let slow = slow.max(M::R::lit(STILL));
         (same, slow * speed.max(slow).recip())
     } else {
         (same & speed.abs().le(slow), M::R::one())
     };
-    start(k, t, s, h, sides, n, warm, share);
+    start(k, t, s, h, sides, n, warm);
 }
 
 /// Decides by the slip [m/s] of a slot's surfaces whether they stick in this substep.
@@ -380,8 +380,7 @@ fn start<M: Machine>(
     h: M::R,
     sides: Sides<M::R, M::I>,
     n: Vec3<M::R>,
-    warm: <M::R as Real>::Mask,
-    share: M::R,
+    (warm, share): (<M::R as Real>::Mask, M::R),
 ) {
     let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
     let friction = friction_of(k, t, s, pair);
