@@ -553,7 +553,7 @@ const GOLDEN: [[[u64; 2]; 5]; 2] = [
 const GOLDEN_HEAP: [[u64; 2]; 3] = [
     [0x3a8f_dc83_bb13_ccde, 0x454a_6c44_6d52_e287],
     [0x9446_ff21_57a8_cc47, 0xc592_4f41_8f13_bd44],
-    [0x5803_38fe_d0fc_80a1, 0xc65a_ba93_a57b_3be7],
+    [0x3090_5141_0158_b863, 0x25f3_0234_2553_e438],
 ];
 
 /// For the humanoid that struggles on the ground, by `featherstone` and by `xpbd`, f32 and f64.

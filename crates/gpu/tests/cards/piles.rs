@@ -913,7 +913,7 @@ fn models_of_worlds_own_agree_with_the_processor() {
     for model in [company().unwrap(), mixed(false).unwrap()] {
         let mut pair = Pair::at_rest(&card(), &model, settings(3));
         let mut other = plain(&model, 3);
-        for step in 0..29 {
+        for step in 0..30 {
             if step % 10 == 0 {
                 for simulation in pair.both().into_iter().chain([&mut other]) {
                     let worlds = if step == 20 { 1..2 } else { 0..2 };

@@ -42,6 +42,9 @@ const CALM: f64 = 8.0;
 /// Share of what it would take to stop them for which points count in the centre of pressure besides what they bear.
 const SLIGHT: f64 = 1e-4;
 
+/// Speed [m/s] that points have besides for that, lest those at rest count for nothing.
+const STILL: f64 = 0.01;
+
 /// Gap [m] from which on a point is none.
 pub const NOWHERE: f64 = 1e6;
 
@@ -314,19 +317,15 @@ pub fn prepare<M: Machine>(k: &mut M, t: &ContactTables) {
         k.load(t.manifold, only, manifold::FRICTION),
         k.load(t.manifold, only, manifold::STICKING),
     ];
-    let friction = cone::friction(coefficients, slip.length_squared(), fall(k, t));
+    // What is gained by a fall in a whole step, however that is cut.
+    let fall = k.load(t.global, only, global::RESTING) * M::R::lit(1.0 / RESTING);
+    let friction = cone::friction(coefficients, slip.length_squared(), fall);
     k.store(t.manifold, only, manifold::FRICTION, friction);
     prepare_points(k, t, response, middle, fast);
 }
 
-/// What is gained by a fall in a whole step [m/s], however that is cut.
-#[inline(always)]
-fn fall<M: Machine>(k: &M, t: &ContactTables) -> M::R {
-    k.load(t.global, k.index(0), global::RESTING) * M::R::lit(1.0 / RESTING)
-}
-
 /// The mean of the points, and the centre of pressure: their mean by what they bore in the small step before. Where that is
-/// next to nothing, how fast they would get into each other in the step counts, and that they fall.
+/// next to nothing, how fast they would get into each other in the step counts.
 #[inline(always)]
 fn middles<M: Machine>(
     k: &M,
@@ -339,7 +338,7 @@ fn middles<M: Machine>(
     let time = k.load(t.global, only, global::STEP) * k.load(t.global, only, global::STEPS);
     let rate = time.recip();
     let slight = masses.max(M::R::lit(1e-30)).recip() * M::R::lit(SLIGHT);
-    let fall = fall(k, t);
+    let still = M::R::lit(STILL);
     // From the first one on, so that one alone is exactly where it is.
     let origin = k.vec3(t.point, only, point::ARM_A);
     let mut by_number = Mean::new(k);
@@ -352,7 +351,7 @@ fn middles<M: Machine>(
         let closing = -rate.fma(gap.max(zero), normal.dot(u));
         let is = M::R::select(gap.lt(M::R::lit(NOWHERE)), one, zero);
         let at = Vec3::select(is.gt(zero), at - origin, Vec3::zero());
-        let load = slight.fma(closing.max(zero) + fall, load);
+        let load = slight.fma(closing.max(zero) + still, load);
         by_number.add(at, is);
         by_load.add(at, load * is);
     }
