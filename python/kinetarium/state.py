@@ -272,7 +272,8 @@ class State(Tables):
             for columns in self._quaternion_columns().values():
                 chosen[:, columns] |= chosen[:, columns].any(axis=1, keepdims=True)
         before = self.read(table.name)
-        worlds = np.flatnonzero((chosen & (wanted != before)).any(axis=1))
+        lost = chosen.any(axis=1) & np.asarray(self.diverged)
+        worlds = np.flatnonzero((chosen & (wanted != before)).any(axis=1) | lost)
         if worlds.size == 0:
             return
         now = {name: self.read(name)[worlds] for name in ("joint_position", "joint_velocity")}

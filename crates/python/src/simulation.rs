@@ -466,10 +466,7 @@ impl Engine {
                 if !keep {
                     return s.set_joint_states(states);
                 }
-                for (world, q, v) in states {
-                    s.move_joints(world, q, v)?;
-                }
-                Ok(())
+                s.move_joints_of(states)
             })
         })
     }

@@ -205,6 +205,8 @@ pub trait Kernels: Clone + Send + Sync + 'static {
     fn initial(&self, model: &Model, position: &[f64], velocity: &[f64]) -> Vec<f64>;
     /// Gives the joints of a state other coordinates and velocities; all else in it stays.
     fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]);
+    /// Gives the joints of a state, which have these coordinates, other velocities; all else in it stays.
+    fn push(&self, position: &[f64], velocity: &[f64], state: &mut [f64]);
     /// Where in the state the targets lie that drives follow with a lag.
     fn targets(&self) -> Vec<Range<usize>>;
     /// Takes over the state of a model with other numbers, in which the bodies stood and moved

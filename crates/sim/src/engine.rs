@@ -44,6 +44,7 @@ pub(crate) trait Engine<T: Float>: Send + Sync {
     fn alive(&self) -> usize;
     fn initial(&self, model: &Model, position: &[f64], velocity: &[f64]) -> Vec<f64>;
     fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]);
+    fn push(&self, position: &[f64], velocity: &[f64], state: &mut [f64]);
     /// Where in the state the targets lie that drives follow with a lag.
     fn targets(&self) -> Vec<Range<usize>>;
     fn take_over(&self, bodies: &[f64], state: &mut [f64]);
@@ -87,6 +88,9 @@ impl<K: Kernels, T: Float> Engine<T> for K {
     }
     fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
         Kernels::place(self, position, velocity, state);
+    }
+    fn push(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
+        Kernels::push(self, position, velocity, state);
     }
     fn targets(&self) -> Vec<Range<usize>> {
         Kernels::targets(self)

@@ -2,6 +2,7 @@
 //! joints reach their limits, bodies fall asleep, worlds diverge.
 
 use crate::engine::Task;
+use crate::simulation::later;
 use crate::{OutputPart, Outputs, Simulation, SimulationError};
 use glam::DVec3;
 use model::{BodyId, JointId, Model, ShapeId};
@@ -352,7 +353,7 @@ impl<T: Float> Simulation<T> {
             self.perform(Task::Step(1))?;
             self.fetch_watched(watcher.watch)?;
             for world in 0..self.worlds() {
-                let time = self.time[world] + i as f64 * substep;
+                let time = later(self.time[world], i, substep);
                 watcher.look(self, world, Some(Told { time, substep }));
             }
         }

@@ -418,22 +418,39 @@ impl<T: Float> Simulation<T> {
         position: &[f64],
         velocity: &[f64],
     ) -> Result<(), SimulationError> {
-        let mut state = self.state_at(world, position, velocity)?;
+        self.move_joints_of([(world, position, velocity)])
+    }
+    /// As [`move_joints`](Self::move_joints), for several worlds at once: all of them, or none.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn move_joints_of<'a>(
+        &mut self,
+        states: impl IntoIterator<Item = (usize, &'a [f64], &'a [f64])>,
+    ) -> Result<(), SimulationError> {
+        let states = states.into_iter().map(|(world, position, velocity)| {
+            let state = self.state_at(world, position, velocity)?;
+            Ok((world, state))
+        });
+        let states = states.collect::<Result<Vec<_>, SimulationError>>()?;
         let targets = self.shared.engine.targets();
         if targets.iter().any(|range| !range.is_empty()) {
             self.fetch_state()?;
         }
-        for i in targets.into_iter().flatten() {
-            state[i] = self.state.get(world, i).to_f64();
+        for (world, mut state) in states {
+            for i in targets.iter().cloned().flatten() {
+                state[i] = self.state.get(world, i).to_f64();
+            }
+            self.write_state(world, &state);
+            self.run_again(&[world]);
+            self.take_for_granted(world);
         }
-        self.write_state(world, &state);
-        self.run_again(&[world]);
-        self.take_for_granted(world);
         Ok(())
     }
 
-    /// Gives the joints of some worlds other velocities, as a push does: all of them, or none. All else stays: where bodies
-    /// are, what they rest on, time, controls, and the targets that drives follow with a lag. Worlds that diverged run again.
+    /// Gives the joints of some worlds other velocities, as a push does: all of them, or none. All else stays: where
+    /// bodies are, what they rest on, time, controls, and the targets that drives follow with a lag. Worlds that diverged
+    /// run again.
     ///
     /// # Errors
     /// A world that does not exist, arrays of the wrong length, numbers not finite or beyond ±1e9; the device fails.
@@ -456,7 +473,7 @@ impl<T: Float> Simulation<T> {
             let all = 0..self.state.length();
             let mut state = Vec::from_iter(all.map(|i| self.state.get(world, i).to_f64()));
             let engine = &self.compiled(world).engine;
-            engine.place(&position, velocity, &mut state);
+            engine.push(&position, velocity, &mut state);
             state[engine.alive()] = 1.0;
             self.write_state(world, &state);
             self.run_again(&[world]);
@@ -1031,7 +1048,7 @@ type Blocks<'a, T> = std::slice::ChunksExactMut<'a, T>;
 
 /// The time [s] of so many steps of h later. Steps are counted, since what adding up times rounds would depend on how many
 /// are taken at once; a time that is no number of them is gone on from.
-fn later(time: f64, steps: usize, h: f64) -> f64 {
+pub(crate) fn later(time: f64, steps: usize, h: f64) -> f64 {
     let passed = time / h;
     let whole = passed.round();
     if (passed - whole).abs() < 1e-6 {

@@ -50,6 +50,36 @@ fn a_damped_drive_reaches_its_target() {
     assert!((angle - ideal).abs() < 2e-3 * ideal, "{angle} for {ideal}");
 }
 
+/// Single precision tells what creeps from what is rounded: a damped arm that has reached its target sleeps.
+#[test]
+fn a_damped_drive_sleeps_at_its_target() {
+    let drive = Drive {
+        stiffness: 2e3,
+        damping: 200.0,
+        ..Drive::default()
+    };
+    let mut world = Builder::new("arm");
+    world.gravity(DVec3::NEG_Y * G);
+    let robot = world.object("robot");
+    let at = Pose::at(DVec3::X * 0.25);
+    let arm = robot
+        .body("arm")
+        .at(at)
+        .shape(cube(0.25))
+        .mass(1.0)
+        .handle();
+    let hinge = robot.revolute("hinge", arm, DVec3::Z);
+    hinge.at(Pose::IDENTITY).drive(drive);
+    let settings = SimulationSettings {
+        solver: SolverKind::Impulse,
+        ..SimulationSettings::new(1, H)
+    };
+    let mut sim = Simulation::<f32>::new(world.build().unwrap(), settings).unwrap();
+    sim.controls().set_target(0, 0, 0.5).unwrap();
+    sim.step(300);
+    assert!(sim.outputs().asleep(0, BodyId(0)));
+}
+
 /// A weight on a damped rail sinks with m g / d, and so does what only a damper holds to the world.
 #[test]
 fn a_damped_weight_sinks() {

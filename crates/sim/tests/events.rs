@@ -257,6 +257,16 @@ fn the_order_is_the_same_where_threads_share_a_world() {
         let mut simulation = towers_and_zone(threads);
         simulation.watch(Watch::ALL);
         simulation.step(800);
+        // What sleeps by then is pushed over, too.
+        let mut velocity = simulation.outputs().joint_velocity(0);
+        for (body, v) in velocity.chunks_exact_mut(6).enumerate() {
+            if simulation.outputs().asleep(0, BodyId(body)) {
+                v[0] = 0.3;
+            }
+        }
+        let pushed = simulation.set_joint_velocities([(0, &velocity[..])]);
+        pushed.unwrap();
+        simulation.step(100);
         simulation.drain_events()
     };
     let one = events(1);

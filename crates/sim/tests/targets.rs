@@ -143,3 +143,60 @@ fn a_push_is_checked_before_anything_moves() {
     sim.set_joint_velocities([(1, &fine[..])]).unwrap();
     assert_eq!(sim.outputs().joint_velocity(1), [1.0]);
 }
+
+/// By `impulse` what sleeps elsewhere sleeps on, and joints bear what they bore.
+#[test]
+fn a_push_wakes_only_what_it_moves() {
+    let drive = Drive {
+        stiffness: 500.0,
+        damping: 50.0,
+        ..Drive::default()
+    };
+    let mut world = Builder::new("neighbours");
+    world.gravity(DVec3::NEG_Y * 9.81);
+    let plane = Geometry::Plane {
+        half_x: 0.0,
+        half_z: 0.0,
+    };
+    world.object("ground").scenery(Shape::new(plane));
+    let object = world.object("object");
+    let half = DVec3::splat(0.1);
+    object
+        .body("box")
+        .at(Pose::at(DVec3::Y * 0.1))
+        .shape(Geometry::Box { half });
+    let at = Pose::at(DVec3::new(5.2, 2.0, 0.0));
+    let arm = object.body("arm").at(at);
+    let arm = arm
+        .shape(Geometry::Sphere { radius: 0.1 })
+        .mass(1.0)
+        .handle();
+    let hinge = object.revolute("hinge", arm, DVec3::Z);
+    hinge.at(Pose::at(DVec3::new(5.0, 2.0, 0.0))).drive(drive);
+    let settings = SimulationSettings {
+        solver: SolverKind::Impulse,
+        ..SimulationSettings::new(1, 0.002)
+    };
+    let mut sim = Simulation::<f32>::new(world.build().unwrap(), settings).unwrap();
+    sim.step(1500);
+    let model = sim.model().clone();
+    let [still, arm] = ["box", "arm"].map(|name| model.body(name).unwrap());
+    let hinge = model.joint("hinge").unwrap();
+    assert!(
+        [still, arm]
+            .iter()
+            .all(|body| sim.outputs().asleep(0, *body))
+    );
+    let (there, borne) = (
+        sim.outputs().body_pose(0, arm),
+        sim.outputs().reaction(0, hinge),
+    );
+    let mut velocity = sim.outputs().joint_velocity(0);
+    velocity[model.dof_range(hinge).start] = 0.5;
+    sim.set_joint_velocities([(0, &velocity[..])]).unwrap();
+    let outputs = sim.outputs();
+    assert!(outputs.asleep(0, still) && !outputs.asleep(0, arm));
+    assert_eq!(outputs.body_pose(0, arm), there);
+    assert_eq!(outputs.reaction(0, hinge), borne);
+    assert!((outputs.body_velocity(0, arm).y - 0.1).abs() < 1e-6);
+}

@@ -30,8 +30,8 @@
 //! Friction: cₜ = μ fₙ / |uₜ'|, at most [`STICK`] m / h, where the point sticks; the same for both
 //! tangents, so that friction opposes the motion exactly. Which points press, and how much they
 //! rub, is settled by passes over the whole algorithm, at most `Settings::contact_passes`. cₜ is kept
-//! from step to step, of what slides at the speed that it is about to have ([`foreseen`]), so that what rests or slides needs
-//! one pass, and its friction errs by second order in h; a new contact starts without
+//! from step to step, of what slides at the speed that it is about to have ([`foreseen`]), so that what rests or
+//! slides needs one pass, and its friction errs by second order in h; a new contact starts without
 //! friction, so that what is not settled yet slips for a moment rather than grips.
 //!
 //! Where surfaces resist more while they stick, the speed at which they slide when the step begins decides on μ

@@ -82,12 +82,21 @@ impl CouplingTables {
         h: f64,
         f: &mut Filler,
     ) {
-        let pace = match model.joints[coupling.joint.0].axes[0].kind {
-            AxisKind::Angular => Pace::turns(&at.tied, h),
-            AxisKind::Linear => Pace::shifts(&at.tied, h),
-        };
+        let [pace, other] = [coupling.joint, coupling.other].map(|joint| {
+            let pace = match model.joints[joint.0].axes[0].kind {
+                AxisKind::Angular => Pace::turns(&at.tied, h),
+                AxisKind::Linear => Pace::shifts(&at.tied, h),
+            };
+            pace.numbers()
+        });
+        // Either of both may be what moves, where B has a part in it.
+        let ratio = coupling.ratio.abs();
+        let pace = [0, 1].map(|i: usize| match ratio > 0.0 {
+            true => pace[i].min(ratio * other[i]),
+            false => pace[i],
+        });
         f.numbers(self.coupling, i, 0, &[coupling.ratio, coupling.offset]);
-        f.numbers(self.coupling, i, 2, &pace.numbers());
+        f.numbers(self.coupling, i, 2, &pace);
         let joints = [coupling.joint, coupling.other];
         let [dof_a, dof_b] = joints.map(|j| model.dof_range(j).start);
         let [coordinate_a, coordinate_b] = joints.map(|j| model.coordinate_range(j).start);

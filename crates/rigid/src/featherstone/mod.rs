@@ -231,6 +231,9 @@ impl<const CONTACTS: bool> Kernels for ArticulatedBodies<CONTACTS> {
         state[self.tables.position.start()..][..position.len()].copy_from_slice(position);
         state[self.tables.velocity.start()..][..velocity.len()].copy_from_slice(velocity);
     }
+    fn push(&self, _: &[f64], velocity: &[f64], state: &mut [f64]) {
+        state[self.tables.velocity.start()..][..velocity.len()].copy_from_slice(velocity);
+    }
     fn targets(&self) -> Vec<Range<usize>> {
         self.tables.forces.targets()
     }

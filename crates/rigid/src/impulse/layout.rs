@@ -423,6 +423,26 @@ impl Impulse {
         self.ties
             .place([position, velocity], &self.parameters, state);
     }
+    /// Gives the joints of a state, which have these coordinates, other velocities; all else in it stays. Bodies that move
+    /// then are awake.
+    pub fn push(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
+        let mut placed = state.to_vec();
+        self.place(position, velocity, &mut placed);
+        for row in 1..self.rows() {
+            let at = self.body_state(row);
+            for field in [state::VELOCITY, state::BEFORE] {
+                let moving = at + field..at + field + 6;
+                state[moving.clone()].copy_from_slice(&placed[moving]);
+            }
+            if state[at + state::VELOCITY..][..6] != [0.0; 6] {
+                state[at + state::REST] = 0.0;
+            }
+        }
+        for tie in 0..self.ties() {
+            let rates = self.tied_rates(tie);
+            state[rates.clone()].copy_from_slice(&placed[rates]);
+        }
+    }
     /// Takes over bodies that stood and moved so, 13 numbers each: see [`body`].
     pub fn take_over(&self, bodies: &[f64], state: &mut [f64]) {
         for (i, &id) in self.bodies.iter().enumerate() {

@@ -57,7 +57,8 @@ use crate::restitution::late;
 use numbers::spatial::Spatial;
 use numbers::{Cell, Machine, Pose, Real, SymMat3, Vec3};
 
-/// Approach slower than this many g h does not bounce, and may start from the last multiplier.
+/// Approach slower than this many g h does not bounce, and may start from the last multiplier; anyone may where the model
+/// has joints.
 const RESTING: f64 = 2.0;
 /// By how much a force may grow from substep to substep where the spring would push out faster than [`PUSH_OUT`].
 const GROWTH: f64 = 1.5;

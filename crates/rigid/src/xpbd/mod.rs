@@ -168,6 +168,13 @@ impl Kernels for Xpbd {
             .count_turns(position, &self.parameters, &self.links, state);
         self.tables.laws.set_speeds(velocity, &self.links, state);
     }
+    fn push(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
+        let mut placed = state.to_vec();
+        self.place(position, velocity, &mut placed);
+        let twists = self.tables.twist.start()..self.tables.twist.at(self.tables.rows, 0);
+        state[twists.clone()].copy_from_slice(&placed[twists]);
+        self.tables.laws.set_speeds(velocity, &self.links, state);
+    }
     fn targets(&self) -> Vec<Range<usize>> {
         self.tables.laws.targets()
     }

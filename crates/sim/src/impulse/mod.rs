@@ -186,6 +186,9 @@ impl<T: Float> Engine<T> for Piles<T> {
     fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
         self.impulse.place(position, velocity, state);
     }
+    fn push(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
+        self.impulse.push(position, velocity, state);
+    }
     fn targets(&self) -> Vec<Range<usize>> {
         self.impulse.targets()
     }

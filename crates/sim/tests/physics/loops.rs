@@ -453,7 +453,6 @@ fn an_open_weld_closes_without_gaining_energy() {
         }
         let end = simulation.outputs().energy(0);
         assert!(last < 5e-5, "{h}: gapes by {last}");
-        println!("{h}: {start} J, {most} J, {end} J");
         assert!(end < 0.3 * most, "{h}: of {most} J remain {end}");
         // All of it at 1 m/s, and half as much for what turns.
         assert!(most < start + 1.5, "{h}: {start} J was {most}");

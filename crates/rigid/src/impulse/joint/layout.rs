@@ -443,7 +443,12 @@ impl Impulse {
     pub fn tied_state(&self, tie: usize) -> std::ops::Range<usize> {
         self.ties.state.at(tie, 0)..self.ties.state.at(tie + 1, 0)
     }
-    /// Where in the state the targets lie that drives follow with a lag.
+    /// Where in the state the rates of a joint's rows lie.
+    pub fn tied_rates(&self, tie: usize) -> std::ops::Range<usize> {
+        let first = self.ties.state.at(tie, joint::SPEED - joint::TARGET);
+        first..first + ROWS
+    }
+    /// Where in the state the targets lie that drives follow with a lag, and as much of joints without any.
     pub fn targets(&self) -> Vec<std::ops::Range<usize>> {
         let all = (0..self.ties()).map(|tie| self.ties.state.at(tie, 0));
         all.map(|first| first..first + ROWS).collect()

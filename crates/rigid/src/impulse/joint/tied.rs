@@ -18,6 +18,9 @@ const REACHED: f64 = 1e-6;
 /// By so many roundings [rad] a step may turn a target that is a quaternion, besides the way to its goal.
 const TURNED: f64 = 16.0;
 
+/// Share of the speed up to which bodies sleep at which nothing creeps.
+const LEAST: f64 = 0.02;
+
 /// Steepness of dry friction about rest [s/m or s/rad]: it is full at the inverse of this rate.
 const STEEP: f64 = 1e6;
 
@@ -373,12 +376,15 @@ impl Impulse {
 }
 
 impl Impulse {
-    /// Whether a joint creeps, held by what damps it: a force that goes on moves it. Its bodies, which reach so far [m], have
-    /// been slower than `slow` [m/s] for [`SLEEP_AFTER`]; what damps a row would have left of that, in one implicit step,
+    /// Whether a joint creeps, held by what damps it: a force that goes on moves it. Its bodies, which reach so far [m],
+    /// have been slower than `slow` [m/s] for [`SLEEP_AFTER`]; what damps a row would have left of that, in one implicit
+    /// step,
     ///
     /// ```text
     /// slow / (1 + d T / (J + armature))      J = m R² of the lighter body, or m along an axis
     /// ```
+    ///
+    /// What is slower than a fiftieth of `slow` may be rounding, far from the origin.
     pub fn creeps<T: Float>(
         &self,
         tie: usize,
@@ -388,7 +394,7 @@ impl Impulse {
     ) -> bool {
         let all = &self.ties.list[tie];
         let constants = self.constants(state.parameters);
-        let rates = &self.carried(tie, state.state)[joint::SPEED - joint::TARGET..];
+        let rates = &state.state[self.tied_rates(tie)];
         let bodies = all.rows.into_iter().zip(reaches);
         let bodies = bodies.filter(|(row, _)| *row != WORLD).map(|(row, reach)| {
             let mass = self.mass_of(row as usize, state.parameters)[mass::MASS];
@@ -403,8 +409,8 @@ impl Impulse {
             bodies.clone().any(|(mass, reach)| {
                 let arm = if row < 3 { reach } else { 1.0 };
                 let inertia = mass * arm * arm + x[dof::ARMATURE];
-                let decay = damping.max(0.0) * SLEEP_AFTER / inertia;
-                damping > 0.0 && rate * arm * (1.0 + decay) > slow
+                let left = slow / (1.0 + damping.max(0.0) * SLEEP_AFTER / inertia);
+                damping > 0.0 && rate * arm > left.max(LEAST * slow)
             })
         })
     }
