@@ -28,7 +28,7 @@
 //!
 //! with ℓ and m of a mean body of what is tied together, and b less what the rows before leave of it. What is added to
 //! d is α/h² of the row for this step: the damping of Levenberg and Marquardt, which vanishes with the residual and so
-//! leaves its order (Yamashita & Fukushima 2001). Rows that move a body as a whole, d ≥ 1/m, never have any.
+//! leaves its order (Yamashita & Fukushima 2001). Rows that move a mean body as a whole, d ≥ 1/m, never have any.
 
 use super::contact::rate;
 use super::factor::{Keep, Path, response};
