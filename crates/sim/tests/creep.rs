@@ -3,11 +3,12 @@
 use glam::DVec3;
 use kinetarium_sim::{Simulation, SimulationSettings, SolverKind};
 use model::{BodyId, Builder, Drive, Geometry, Model, Pose, Shape};
+use numbers::Float;
 
 const G: f64 = 9.81;
 const H: f64 = 1.0 / 60.0;
 
-fn simulation(model: Model) -> Simulation<f64> {
+fn simulation<T: Float>(model: Model) -> Simulation<T> {
     let settings = SimulationSettings {
         solver: SolverKind::Impulse,
         ..SimulationSettings::new(1, H)
@@ -21,16 +22,10 @@ fn cube(half: f64) -> Geometry {
     }
 }
 
-/// A drive k, d alone brings its arm to the target as e^(−k t / d): here for minutes, at 3 mm/s and less.
-#[test]
-fn a_damped_drive_reaches_its_target() {
-    let drive = Drive {
-        stiffness: 2.0,
-        damping: 200.0,
-        ..Drive::default()
-    };
+/// A driven arm of 1 kg on a hinge.
+fn arm(drive: Drive, gravity: f64) -> Model {
     let mut world = Builder::new("arm");
-    world.gravity(DVec3::ZERO);
+    world.gravity(DVec3::NEG_Y * gravity);
     let robot = world.object("robot");
     let at = Pose::at(DVec3::X * 0.25);
     let arm = robot
@@ -41,7 +36,18 @@ fn a_damped_drive_reaches_its_target() {
         .handle();
     let hinge = robot.revolute("hinge", arm, DVec3::Z);
     hinge.at(Pose::IDENTITY).drive(drive);
-    let mut sim = simulation(world.build().unwrap());
+    world.build().unwrap()
+}
+
+/// A drive k, d alone brings its arm to the target as e^(−k t / d): here for minutes, at 3 mm/s and less.
+#[test]
+fn a_damped_drive_reaches_its_target() {
+    let drive = Drive {
+        stiffness: 2.0,
+        damping: 200.0,
+        ..Drive::default()
+    };
+    let mut sim = simulation::<f64>(arm(drive, 0.0));
     sim.controls().set_target(0, 0, 0.5).unwrap();
     sim.step(6000);
     let (angle, time) = (sim.outputs().joint_position(0)[0], 6000.0 * H);
@@ -58,23 +64,7 @@ fn a_damped_drive_sleeps_at_its_target() {
         damping: 200.0,
         ..Drive::default()
     };
-    let mut world = Builder::new("arm");
-    world.gravity(DVec3::NEG_Y * G);
-    let robot = world.object("robot");
-    let at = Pose::at(DVec3::X * 0.25);
-    let arm = robot
-        .body("arm")
-        .at(at)
-        .shape(cube(0.25))
-        .mass(1.0)
-        .handle();
-    let hinge = robot.revolute("hinge", arm, DVec3::Z);
-    hinge.at(Pose::IDENTITY).drive(drive);
-    let settings = SimulationSettings {
-        solver: SolverKind::Impulse,
-        ..SimulationSettings::new(1, H)
-    };
-    let mut sim = Simulation::<f32>::new(world.build().unwrap(), settings).unwrap();
+    let mut sim = simulation::<f32>(arm(drive, G));
     sim.controls().set_target(0, 0, 0.5).unwrap();
     sim.step(300);
     assert!(sim.outputs().asleep(0, BodyId(0)));
@@ -94,7 +84,7 @@ fn a_damped_weight_sinks() {
         } else {
             object.prismatic("rail", body, DVec3::Y).damping(damping);
         }
-        let mut sim = simulation(world.build().unwrap());
+        let mut sim = simulation::<f64>(world.build().unwrap());
         sim.step(1200);
         let height = sim.outputs().body_position(0, BodyId(0)).y;
         let ideal = -mass * G / damping * 1200.0 * H;
@@ -133,7 +123,7 @@ fn what_wakes_and_falls_is_caught_in_the_same_step() {
     };
     let at = Pose::at(DVec3::new(-0.1, top + 0.1, 0.0));
     object.body("block").at(at).shape(slab).mass(1.0);
-    let mut sim = simulation(world.build().unwrap());
+    let mut sim = simulation::<f64>(world.build().unwrap());
     sim.step(120);
     let bodies = [BodyId(0), BodyId(1)];
     assert!(bodies.iter().all(|body| sim.outputs().asleep(0, *body)));
