@@ -393,11 +393,7 @@ impl<T: Float> Simulation<T> {
         &mut self,
         states: impl IntoIterator<Item = (usize, &'a [f64], &'a [f64])>,
     ) -> Result<(), SimulationError> {
-        let states = states.into_iter().map(|(world, position, velocity)| {
-            let state = self.state_at(world, position, velocity)?;
-            Ok((world, state))
-        });
-        let states = states.collect::<Result<Vec<_>, SimulationError>>()?;
+        let states = self.states_at(states)?;
         self.fetch_controls()?;
         for (world, state) in &states {
             self.begin(*world, state);
@@ -428,11 +424,7 @@ impl<T: Float> Simulation<T> {
         &mut self,
         states: impl IntoIterator<Item = (usize, &'a [f64], &'a [f64])>,
     ) -> Result<(), SimulationError> {
-        let states = states.into_iter().map(|(world, position, velocity)| {
-            let state = self.state_at(world, position, velocity)?;
-            Ok((world, state))
-        });
-        let states = states.collect::<Result<Vec<_>, SimulationError>>()?;
+        let states = self.states_at(states)?;
         let targets = self.shared.engine.targets();
         if targets.iter().any(|range| !range.is_empty()) {
             self.fetch_state()?;
@@ -479,6 +471,17 @@ impl<T: Float> Simulation<T> {
             self.run_again(&[world]);
         }
         Ok(())
+    }
+
+    /// States of worlds, with their worlds.
+    fn states_at<'a>(
+        &self,
+        states: impl IntoIterator<Item = (usize, &'a [f64], &'a [f64])>,
+    ) -> Result<Vec<(usize, Vec<f64>)>, SimulationError> {
+        let states = states.into_iter();
+        let states =
+            states.map(|(w, position, velocity)| Ok((w, self.state_at(w, position, velocity)?)));
+        states.collect()
     }
 
     fn state_at(
