@@ -37,6 +37,7 @@ mod error;
 mod kernel;
 mod libraries;
 mod piles;
+mod rangefinder;
 mod wgsl;
 mod worlds;
 

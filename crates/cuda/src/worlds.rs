@@ -5,6 +5,7 @@
 
 use crate::compiler::BLOCK;
 use crate::kernel::{Kernel, Launch, Placement, gather, state_numbers};
+use crate::rangefinder::Finder;
 use crate::{Cuda, CudaError};
 use cudarc::driver::CudaSlice;
 use model::{CollisionFilter, Model};
@@ -13,7 +14,7 @@ use numbers::trace::{PIECE, PrintOptions};
 use piles::{NUMBER, Need, Piles};
 use records::Programs;
 use rigid::impulse::Impulse;
-use rigid::{Lanes, Report, Solver};
+use rigid::{Lanes, Rangefinder, Report, Solver};
 use sim::{Address, Device, DeviceError, DeviceWorlds, Processor};
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -23,7 +24,7 @@ use std::sync::OnceLock;
 const ROUNDS: usize = 32;
 
 /// Most numbers of a memory: kernels count in 32 bits.
-const MOST: usize = u32::MAX as usize;
+pub(crate) const MOST: usize = u32::MAX as usize;
 
 /// Worlds on a card. Reading waits for what was asked before; nothing else does.
 #[derive(Debug)]
@@ -46,6 +47,8 @@ pub struct Worlds {
     reserved: OnceLock<CudaSlice<f32>>,
     /// Of the step, then of each report, once they were wanted.
     kernels: [Option<Kernel>; 5],
+    /// Rangefinders whose rays were cast.
+    finders: Vec<Finder>,
 }
 
 impl Device<f32> for Cuda {
@@ -108,6 +111,7 @@ impl Worlds {
             parameters_per_world: false,
             reserved: OnceLock::new(),
             kernels: Default::default(),
+            finders: Vec::new(),
             card: card.clone(),
             programs,
             worlds,
@@ -260,6 +264,40 @@ impl DeviceWorlds<f32> for Worlds {
         output: &mut Memory<f32>,
     ) -> Result<(), DeviceError> {
         Ok(read(&self.card, rows, &self.output, output)?)
+    }
+    fn measure(
+        &mut self,
+        finder: &Rangefinder,
+        distances: &mut Memory<f32>,
+    ) -> Result<bool, DeviceError> {
+        let mut known = self.finders.iter();
+        let row = match known.position(|own| own.finder == *finder) {
+            Some(row) => row,
+            None => match Finder::new(&self.card, finder, self.worlds)? {
+                Some(own) => {
+                    self.finders.push(own);
+                    self.finders.len() - 1
+                }
+                None => return Ok(false),
+            },
+        };
+        let own = &mut self.finders[row];
+        let launch = Launch {
+            state: &mut self.state,
+            // What the solver has reported is what this kernel is given.
+            input: &self.output,
+            output: &mut own.distances,
+            scratch: &mut own.scratch,
+            parameters: &own.parameters,
+            links: &own.links,
+            worlds: self.worlds as u32,
+            lanes: own.lanes.count as u32,
+            rounds: 1,
+        };
+        launch.run(&self.card, &own.kernel)?;
+        let all = 0..finder.rays();
+        read(&self.card, &[all], &own.distances, distances)?;
+        Ok(true)
     }
     fn input_address(&self) -> Result<Option<Address>, DeviceError> {
         Ok(Some(self.card.address(&self.input)?))

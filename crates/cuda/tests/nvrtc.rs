@@ -1,15 +1,22 @@
 //! What NVRTC makes of kernels. Needs no card: `pip install nvidia-cuda-nvrtc-cu12`, and its folder in `LD_LIBRARY_PATH`.
 
+#[path = "../../rigid/tests/scene/surroundings.rs"]
+#[allow(dead_code)]
+mod surroundings;
+
 use kinetarium_cuda::{ptx, ptx_of_wgsl};
-use model::Model;
 use model::examples::{Scene, Start, chain};
+use model::{Model, Mount};
 use numbers::machine::space::State;
 use numbers::trace::{self, Members, PrintOptions, Program};
 use numbers::{Machine, Real, Table};
-use records::{PilePrograms, Programs};
+use records::{PilePrograms, Programs, ranges};
 use rigid::Report::Everything;
 use rigid::impulse::{ContactTables, row};
-use rigid::{Featherstone, Lengths, Settings, Solver, TouchingFeatherstone, Xpbd};
+use rigid::{
+    Featherstone, Lengths, OutputTables, Rangefinder, Settings, Solver, TouchingFeatherstone, Xpbd,
+};
+use surroundings::{directions, surroundings};
 
 /// No operation is approximate, and no subnormal is flushed.
 fn is_exact(program: &Program, lengths: Lengths) {
@@ -54,6 +61,15 @@ fn articulated_bodies_that_touch_are_compiled_exactly() {
 fn a_pile_of_all_shapes_is_compiled_exactly() {
     let kernels = Xpbd::touching(&scene("pile"), &Settings::new(0.002)).unwrap();
     are_exact(Solver::Xpbd(&kernels));
+}
+
+#[test]
+#[ignore = "needs NVRTC"]
+fn rays_are_compiled_exactly() {
+    let model = surroundings();
+    let (mount, outputs) = (Mount::default(), OutputTables::new(&model));
+    let finder = Rangefinder::new(&model, &outputs, &mount, &directions(5), 9.0).unwrap();
+    is_exact(&ranges(&finder).unwrap(), finder.lengths());
 }
 
 /// What lies between the kernels of piles, and kernels whose members are contacts and joints.

@@ -36,6 +36,7 @@ mod memory;
 mod piles;
 mod pipeline;
 mod placement;
+mod rangefinder;
 mod worlds;
 
 pub use adapter::{Choice, NoCard};

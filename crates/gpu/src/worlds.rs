@@ -6,6 +6,7 @@
 use crate::memory::{Staging, buffer, filled};
 use crate::pipeline::OPTIONS;
 use crate::placement::Placement;
+use crate::rangefinder::Finder;
 use crate::{Gpu, GpuError};
 use model::{CollisionFilter, Model};
 use numbers::Memory;
@@ -13,7 +14,7 @@ use numbers::trace::PrintOptions;
 use piles::{NUMBER, Need, Piles, TooLarge, WORKGROUP};
 use records::Programs;
 use rigid::impulse::Impulse;
-use rigid::{Lanes, Lengths, Report, Solver};
+use rigid::{Lanes, Lengths, Rangefinder, Report, Solver};
 use sim::{Device, DeviceError, DeviceWorlds, Processor};
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -35,6 +36,17 @@ pub struct Worlds {
     reserved: OnceLock<Vec<wgpu::Buffer>>,
     /// Of the step, then of each report, once they were wanted.
     kernels: [Option<wgpu::ComputePipeline>; 5],
+    /// Those whose rays were cast.
+    finders: Vec<Finder>,
+}
+
+/// Numbers of a world that are read.
+#[derive(Clone, Copy, Debug)]
+enum Held {
+    State,
+    Output,
+    /// Of the finder in this row.
+    Distances(usize),
 }
 
 /// Some of the worlds.
@@ -114,6 +126,7 @@ impl Worlds {
             parameters: filled(gpu, &numbers)?,
             reserved: OnceLock::new(),
             kernels: Default::default(),
+            finders: Vec::new(),
             gpu: gpu.clone(),
             programs,
             worlds,
@@ -184,10 +197,10 @@ impl Worlds {
         &mut self,
         numbers: &[Range<usize>],
         memory: &mut Memory<f32>,
-        buffer: impl Fn(&Part) -> &wgpu::Buffer,
+        held: Held,
     ) -> Result<(), GpuError> {
         assert_eq!(memory.worlds(), self.worlds, "worlds of a memory");
-        let (gpu, width) = (&self.gpu, self.width);
+        let (gpu, width, finders) = (&self.gpu, self.width, &self.finders);
         let numbers = numbers.iter().filter(|range| !range.is_empty());
         if numbers.clone().next().is_none() {
             return Ok(());
@@ -195,11 +208,13 @@ impl Worlds {
         let ranges = numbers.clone();
         let ranges = ranges.map(|range| range.start * width..range.end * width);
         let mut encoder = gpu.device().create_command_encoder(&Default::default());
-        for part in &mut self.parts {
-            let mut staging = std::mem::take(&mut part.staging);
-            let asked = staging.ask(gpu, &mut encoder, buffer(part), ranges.clone());
-            part.staging = staging;
-            asked?;
+        for (nth, part) in self.parts.iter_mut().enumerate() {
+            let from = match held {
+                Held::State => &part.state,
+                Held::Output => &part.output,
+                Held::Distances(row) => &finders[row].distances[nth],
+            };
+            part.staging.ask(gpu, &mut encoder, from, ranges.clone())?;
         }
         gpu.queue().submit([encoder.finish()]);
         let mappings = self.parts.iter().filter_map(|part| part.staging.map());
@@ -217,30 +232,43 @@ impl Worlds {
         Ok(())
     }
 
-    /// Runs a kernel on every part, `rounds` times in each of so many launches.
+    /// Runs a kernel of the solver on every part, `rounds` times in each of so many launches.
     fn launch(
         &self,
         kernel: &wgpu::ComputePipeline,
         rounds: usize,
         launches: usize,
     ) -> Result<(), GpuError> {
-        if launches == 0 {
-            return Ok(());
-        }
-        let launch = self.gpu.uniform(&[self.width as u32, rounds as u32]);
-        let groups = self.lanes.count as u32 / WORKGROUP;
-        let device = self.gpu.device();
-        let mut encoder = device.create_command_encoder(&Default::default());
-        for part in &self.parts {
-            let buffers = [
+        self.run(kernel, self.lanes, [rounds, launches], |_, part| {
+            [
                 &part.state,
                 &part.input,
                 &part.output,
                 &self.scratch,
                 part.parameters.as_ref().unwrap_or(&self.parameters),
                 &self.links,
-                &launch,
-            ];
+            ]
+        })
+    }
+
+    /// Runs a kernel that sees these buffers of each part.
+    fn run<'a>(
+        &'a self,
+        kernel: &wgpu::ComputePipeline,
+        lanes: Lanes,
+        [rounds, launches]: [usize; 2],
+        seen: impl Fn(usize, &'a Part) -> [&'a wgpu::Buffer; 6],
+    ) -> Result<(), GpuError> {
+        if launches == 0 {
+            return Ok(());
+        }
+        let launch = self.gpu.uniform(&[self.width as u32, rounds as u32]);
+        let groups = lanes.count as u32 / WORKGROUP;
+        let device = self.gpu.device();
+        let mut encoder = device.create_command_encoder(&Default::default());
+        for (nth, part) in self.parts.iter().enumerate() {
+            let [state, input, output, scratch, parameters, links] = seen(nth, part);
+            let buffers = [state, input, output, scratch, parameters, links, &launch];
             let bindings = self.gpu.bindings(self.gpu.layout(), &buffers);
             let mut pass = encoder.begin_compute_pass(&Default::default());
             pass.set_pipeline(kernel);
@@ -251,6 +279,20 @@ impl Worlds {
         }
         self.gpu.queue().submit([encoder.finish()]);
         self.gpu.check()
+    }
+
+    /// The row of a rangefinder among those that are known, unless it does not fit.
+    fn row_of(&mut self, finder: &Rangefinder) -> Result<Option<usize>, GpuError> {
+        let known = self.finders.iter().position(|own| own.finder == *finder);
+        if known.is_some() {
+            return Ok(known);
+        }
+        let size = (self.parts.len(), self.width);
+        let made = Finder::new(&self.gpu, finder, size)?;
+        Ok(made.map(|own| {
+            self.finders.push(own);
+            self.finders.len() - 1
+        }))
     }
 }
 
@@ -321,14 +363,38 @@ impl DeviceWorlds<f32> for Worlds {
         numbers: &[Range<usize>],
         state: &mut Memory<f32>,
     ) -> Result<(), DeviceError> {
-        Ok(self.read(numbers, state, |part| &part.state)?)
+        Ok(self.read(numbers, state, Held::State)?)
     }
     fn read_output(
         &mut self,
         numbers: &[Range<usize>],
         output: &mut Memory<f32>,
     ) -> Result<(), DeviceError> {
-        Ok(self.read(numbers, output, |part| &part.output)?)
+        Ok(self.read(numbers, output, Held::Output)?)
+    }
+    fn measure(
+        &mut self,
+        finder: &Rangefinder,
+        distances: &mut Memory<f32>,
+    ) -> Result<bool, DeviceError> {
+        let Some(row) = self.row_of(finder)? else {
+            return Ok(false);
+        };
+        let own = &self.finders[row];
+        // What the solver has reported is what this kernel is given.
+        self.run(&own.kernel, own.lanes, [1, 1], |nth, part| {
+            [
+                &part.state,
+                &part.output,
+                &own.distances[nth],
+                &own.scratch,
+                &own.parameters,
+                &own.links,
+            ]
+        })?;
+        let all = 0..finder.rays();
+        self.read(std::slice::from_ref(&all), distances, Held::Distances(row))?;
+        Ok(true)
     }
 }
 
@@ -358,7 +424,7 @@ fn fits(gpu: &Gpu, need: Need, numbers: usize) -> Result<(), TooLarge> {
 }
 
 /// Most numbers of a buffer.
-fn most_numbers(gpu: &Gpu) -> usize {
+pub(crate) fn most_numbers(gpu: &Gpu) -> usize {
     (gpu.most_bytes() / NUMBER).min(u64::from(u32::MAX)) as usize
 }
 

@@ -10,7 +10,7 @@ mod piles;
 pub use piles::{JointPrograms, PilePrograms, ReportPrograms};
 
 use numbers::trace::{self, Program, TraceError};
-use rigid::{Kernels, Lengths, Report, Solver};
+use rigid::{Kernels, Lengths, Rangefinder, Report, Solver};
 
 /// What a solver does to a world, as records; and all they need but the world's own numbers.
 #[derive(Clone, Debug)]
@@ -62,4 +62,12 @@ impl Programs {
             Report::Everything => &self.everything,
         }
     }
+}
+
+/// Records what casts the rays of a rangefinder.
+///
+/// # Errors
+/// The kernel does what a record cannot express.
+pub fn ranges(finder: &Rangefinder) -> Result<Program, TraceError> {
+    trace::record(|k| finder.measure(k))
 }

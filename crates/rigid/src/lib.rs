@@ -16,6 +16,7 @@ mod input;
 mod lists;
 mod locks;
 mod output;
+mod rangefinder;
 mod restitution;
 mod solver;
 mod tables;
@@ -26,5 +27,6 @@ pub use featherstone::dynamics::{Dynamics, DynamicsError, DynamicsKernels, Total
 pub use featherstone::{ArticulatedBodies, Featherstone, Integrator, TouchingFeatherstone};
 pub use input::InputTables;
 pub use output::{OutputTables, body, body_acceleration, contact, reaction, total};
+pub use rangefinder::{FARTHEST, Rangefinder};
 pub use solver::{Kernels, Lanes, Lengths, Report, Settings, Solver, SolverError};
 pub use xpbd::Xpbd;

@@ -8,12 +8,11 @@ use crate::noise::{Errors, Part};
 use crate::random::{Draw, Source};
 use crate::sensor::{Sensor, SensorKind, directions};
 use crate::{ImageNoise, SensorError};
-use glam::DVec3;
 use model::{BodyId, JointId, Model, Mount, Pose, hint};
 use numbers::Float;
 use rayon::prelude::*;
 use render::Images;
-use sim::{Diverged, OutputPart, Outputs, Ray, Simulation};
+use sim::{Diverged, OutputPart, Outputs, Rangefinder, Simulation};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -60,7 +59,7 @@ impl World {
 
 /// A sensor in all worlds.
 #[derive(Clone, Debug)]
-pub(crate) struct Channel<T> {
+pub(crate) struct Channel<T: Float> {
     pub sensor: Sensor,
     clock: Clock,
     errors: Errors,
@@ -78,8 +77,8 @@ pub(crate) struct Channel<T> {
     pub numbers: Vec<T>,
     /// Biases that wander, world after world.
     pub walk: Vec<f64>,
-    /// Of a sensor that casts rays: their directions in its mount's axes.
-    rays: Vec<DVec3>,
+    /// Of a sensor that casts rays.
+    finder: Option<Rangefinder<T>>,
     /// Of a sensor of contacts: the rows of contacts that may be of its body.
     rows: Vec<usize>,
     /// What of the outputs it measures by.
@@ -152,6 +151,9 @@ impl<T: Float> Sensors<T> {
             channels.collect::<Result<Vec<_>, _>>()
         });
         let mut channels = channels?;
+        for channel in &mut channels {
+            channel.finder = finder(&channel.sensor, simulation)?;
+        }
         simulation.observe_known(|_, outputs| {
             let all = outputs.contact_rows(|_| true).len();
             for channel in &mut channels {
@@ -394,7 +396,7 @@ impl<T: Float> Channel<T> {
             time: vec![0.0; worlds],
             numbers: vec![T::zero(); worlds * n],
             walk: vec![0.0; if errors.walks() { worlds * n } else { 0 }],
-            rays: directions(&sensor.kind),
+            finder: None,
             rows: Vec::new(),
             parts: Vec::new(),
             errors,
@@ -461,13 +463,7 @@ impl<T: Float> Channel<T> {
                 let noise = *noise;
                 return self.draw(simulation, worlds, noise);
             }
-            SensorKind::Rangefinder { mount, max_range }
-            | SensorKind::Lidar {
-                mount, max_range, ..
-            } => {
-                let (mount, max_range) = (*mount, *max_range);
-                self.cast(simulation, &mount, max_range)?;
-            }
+            SensorKind::Rangefinder { .. } | SensorKind::Lidar { .. } => self.cast(simulation)?,
             kind => {
                 let n = self.each();
                 let (samples, rows) = (&self.samples, &self.rows[..]);
@@ -511,42 +507,21 @@ impl<T: Float> Channel<T> {
         });
     }
 
-    fn cast(
-        &mut self,
-        simulation: &mut Simulation<T>,
-        mount: &Mount,
-        max_range: f64,
-    ) -> Result<(), SensorError> {
+    fn cast(&mut self, simulation: &mut Simulation<T>) -> Result<(), SensorError> {
         let due = self.due();
-        let directions = &self.rays;
-        let rays: Vec<Ray> = simulation.observe_known(|simulation, outputs| {
-            let of = |&world: &usize| {
-                let at = Look {
-                    simulation,
-                    outputs,
-                    world,
-                }
-                .placed(mount);
-                directions.iter().map(move |&d| Ray {
-                    origin: at.position,
-                    direction: at.direction(d),
-                    max_distance: max_range,
-                })
-            };
-            due.iter().flat_map(of).collect()
-        });
-        let hits = simulation
-            .cast_rays_in_worlds(&due, &rays, mount.body)
+        let Some(finder) = &mut self.finder else {
+            return Ok(());
+        };
+        let n = finder.rays();
+        let mut distances = vec![T::zero(); due.len() * n];
+        simulation
+            .measure_ranges(finder, &due, &mut distances)
             .map_err(|source| SensorError::Rays {
                 sensor: self.sensor.name.clone(),
                 source,
             })?;
-        let n = self.each();
-        for (hits, world) in hits.chunks_exact(n).zip(due) {
-            let numbers = &mut self.numbers[world * n..][..n];
-            for (number, hit) in numbers.iter_mut().zip(hits) {
-                *number = T::from_f64(hit.map_or(max_range, |hit| hit.distance));
-            }
+        for (row, world) in distances.chunks_exact(n).zip(due) {
+            self.numbers[world * n..][..n].copy_from_slice(row);
         }
         Ok(())
     }
@@ -575,6 +550,26 @@ impl<T: Float> Channel<T> {
             camera.draw(&due, &poses, &errors)
         })
     }
+}
+
+/// What casts the rays of a sensor, if it has any.
+fn finder<T: Float>(
+    sensor: &Sensor,
+    simulation: &Simulation<T>,
+) -> Result<Option<Rangefinder<T>>, SensorError> {
+    let (SensorKind::Rangefinder { mount, max_range }
+    | SensorKind::Lidar {
+        mount, max_range, ..
+    }) = &sensor.kind
+    else {
+        return Ok(None);
+    };
+    let made = simulation.rangefinder(*mount, &directions(&sensor.kind), *max_range);
+    let made = made.map_err(|source| SensorError::Rays {
+        sensor: sensor.name.clone(),
+        source,
+    });
+    made.map(Some)
 }
 
 /// Where contacts of a sensor's body may stand.
@@ -625,11 +620,9 @@ fn parts(kind: &SensorKind, model: &Model, rows: &[usize], all: usize) -> Vec<Ou
         SensorKind::ContactForce { body, .. } => [contacts, vec![Motion(*body)]].concat(),
         SensorKind::FramePose { mount, relative_to } => mounts([mount, relative_to]),
         SensorKind::FrameVelocity { mount, .. } => mounts([mount, mount]),
-        // What rays meet may be on any body.
-        SensorKind::Rangefinder { .. }
-        | SensorKind::Lidar { .. }
-        | SensorKind::CenterOfMass { .. }
-        | SensorKind::Camera { .. } => bodies.collect(),
+        // Rays are cast where the bodies are.
+        SensorKind::Rangefinder { .. } | SensorKind::Lidar { .. } => vec![],
+        SensorKind::CenterOfMass { .. } | SensorKind::Camera { .. } => bodies.collect(),
     }
 }
 

@@ -10,7 +10,7 @@ use crate::ranges::Ranges;
 use model::{CollisionFilter, Model};
 use numbers::{Float, Memory};
 use rigid::impulse::Impulse;
-use rigid::{Report, Solver};
+use rigid::{Rangefinder, Report, Solver};
 use std::ops::Range;
 
 /// What runs the kernels of solvers in a memory of its own.
@@ -102,6 +102,15 @@ pub trait DeviceWorlds<T: Float>: Send + Sync {
         rows: &[Range<usize>],
         output: &mut Memory<T>,
     ) -> Result<(), DeviceError>;
+    /// Casts rays where the last report has bodies, and copies how far they got: a number of each ray and world. Whether
+    /// it has: devices that do not cast these leave them to the processor.
+    fn measure(
+        &mut self,
+        _finder: &Rangefinder,
+        _distances: &mut Memory<T>,
+    ) -> Result<bool, DeviceError> {
+        Ok(false)
+    }
     /// Where the controls of all worlds lie, `[number][world]`, if other libraries can get at them; once all that was
     /// asked for is done.
     fn input_address(&self) -> Result<Option<Address>, DeviceError> {
@@ -306,6 +315,14 @@ impl<T: Float> Remote<T> {
         self.worlds.read_state(std::slice::from_ref(&rows), state)?;
         self.state_known = rows == all;
         Ok(())
+    }
+    /// Casts rays where the last report has bodies.
+    pub fn measure(
+        &mut self,
+        finder: &Rangefinder,
+        distances: &mut Memory<T>,
+    ) -> Result<bool, DeviceError> {
+        self.worlds.measure(finder, distances)
     }
     /// The same of the output.
     pub fn read_output(

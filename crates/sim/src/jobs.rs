@@ -171,6 +171,32 @@ job! {
     report(kernels, cpu, _none), false, { kernels.report(cpu) }
 }
 
+/// How far rays get, where a block's input is what its worlds have reported, and its output a distance for each ray.
+pub(crate) mod ranges {
+    use super::*;
+    use rigid::Rangefinder;
+
+    struct Work<'a, 'b, T> {
+        finder: &'a Rangefinder,
+        block: &'a mut Block<'b, T>,
+    }
+
+    impl<T: Float> Job for Work<'_, '_, T> {
+        type Scalar = T;
+        type Output = ();
+        const WIDEST: bool = !T::DOUBLE;
+        #[inline(always)]
+        fn run<R: Lanes<Scalar = T>>(self) {
+            let cpu = &mut self.block.cpu_in_common::<R>();
+            self.finder.measure(cpu);
+        }
+    }
+
+    pub(crate) fn run<T: Float>(lane: Lane, finder: &Rangefinder, block: &mut Block<'_, T>) {
+        lane.run(Work { finder, block });
+    }
+}
+
 /// Fills the slots of contacts, kernel by kernel.
 pub(crate) fn narrow_phase<T: Float>(
     lane: Lane,

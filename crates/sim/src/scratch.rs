@@ -10,6 +10,13 @@ pub(crate) struct Scratch<T> {
     spare: Mutex<Vec<Memory<T>>>,
 }
 
+impl<T: Float> Clone for Scratch<T> {
+    /// Another for as long blocks, of which nothing is lent yet.
+    fn clone(&self) -> Self {
+        Self::new(self.length, self.width)
+    }
+}
+
 impl<T: Float> Scratch<T> {
     /// For blocks of `width` worlds with `length` numbers each.
     pub fn new(length: usize, width: usize) -> Self {

@@ -9,6 +9,7 @@ use crate::events::Watcher;
 use crate::impulse::Piles;
 use crate::jobs::Lane;
 use crate::queries::scene::Scenes;
+use crate::rangefinder::look_alike;
 use crate::ranges::Ranges;
 use crate::scratch::Scratch;
 use crate::threads::Threads;
@@ -86,6 +87,8 @@ pub struct Simulation<T: Float> {
 pub(crate) struct Own<T> {
     model: Arc<Model>,
     compiled: Compiled<T>,
+    /// Whether rays meet what they meet in the simulation's.
+    shapes_alike: bool,
 }
 
 impl<T: Float> std::fmt::Debug for Simulation<T> {
@@ -583,7 +586,17 @@ impl<T: Float> Simulation<T> {
         if compiled.fingerprint() != self.shared.fingerprint() {
             return Err(SimulationError::Structure { world });
         }
-        Ok(Own { model, compiled })
+        let shapes_alike = look_alike(&self.model.shapes, &model.shapes);
+        Ok(Own {
+            model,
+            compiled,
+            shapes_alike,
+        })
+    }
+
+    /// Whether rays meet the same shapes in all worlds.
+    pub(crate) fn shapes_alike(&self) -> bool {
+        self.own.values().all(|own| own.shapes_alike)
     }
 
     /// Gives worlds models of their own. Where all bodies are is reported once, for all of them.
@@ -976,7 +989,7 @@ impl<T: Float> Simulation<T> {
         Ok(remote.read_state(0..self.state.length(), &mut self.state)?)
     }
 
-    fn lane(&self) -> Lane {
+    pub(crate) fn lane(&self) -> Lane {
         let shares = self.shared.engine.shares_a_world();
         Lane {
             isa: self.isa,

@@ -9,7 +9,7 @@ use model::TriangleMesh;
 
 /// A box along the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Bounds {
+pub(crate) struct Bounds {
     pub low: DVec3,
     pub high: DVec3,
 }
@@ -58,13 +58,13 @@ impl Bounds {
 }
 
 /// Bounds of a triangle.
-pub(super) fn bounds(mesh: &TriangleMesh, triangle: usize) -> Bounds {
+pub(crate) fn bounds(mesh: &TriangleMesh, triangle: usize) -> Bounds {
     Bounds::of(mesh.corners(triangle))
 }
 
 /// The triangles so that neighbours in the list are neighbours in space: split at the median of
 /// the longest side, again and again.
-pub(super) fn order(mesh: &TriangleMesh) -> Vec<usize> {
+pub(crate) fn order(mesh: &TriangleMesh) -> Vec<usize> {
     let middle = |t: usize| {
         let b = bounds(mesh, t);
         (b.low + b.high) * 0.5
@@ -94,6 +94,6 @@ fn split(order: &mut [usize], middles: &[DVec3]) {
 }
 
 /// How many triangles a cluster has, and how many clusters a group.
-pub(super) fn fan(triangles: usize) -> usize {
+pub(crate) fn fan(triangles: usize) -> usize {
     ((triangles as f64).cbrt().ceil() as usize).max(4)
 }

@@ -4,7 +4,7 @@
 mod adjacency;
 #[cfg(feature = "gltf")]
 mod glb;
-mod hierarchy;
+pub(crate) mod hierarchy;
 mod kept;
 mod kernel;
 #[cfg(feature = "meshes")]

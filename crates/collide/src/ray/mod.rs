@@ -1,8 +1,11 @@
-//! Lines against solids and triangles, exactly, in double precision: what rays and cameras ask.
+//! Lines against solids and triangles, exactly: what rays, sensors of distance and cameras ask.
 //!
-//! These are no kernels: a ray meets one shape of one world at a time.
+//! [`kernel`] has the formulas, for any numbers, and [`surface`] what hulls and meshes are in tables. The others ask about
+//! one shape of one world at a time, in double precision.
 
+pub mod kernel;
 mod line;
+pub mod surface;
 mod triangle;
 
 pub use line::{Face, Line, Span, faces};

@@ -12,10 +12,14 @@ mod own;
 mod pair;
 #[path = "../../../gpu/tests/cards/piles.rs"]
 mod piles;
+#[path = "../../../gpu/tests/cards/ranges.rs"]
+mod ranges;
 #[path = "../../../gpu/tests/cards/reports.rs"]
 mod reports;
 #[path = "../../../gpu/tests/cards/scenes.rs"]
 mod scenes;
+#[path = "../../../rigid/tests/scene/surroundings.rs"]
+mod surroundings;
 #[path = "../../../gpu/tests/cards/wgsl.rs"]
 mod wgsl;
 #[path = "../../../gpu/tests/cards/worlds.rs"]

@@ -8,7 +8,10 @@ mod models;
 mod own;
 mod pair;
 mod piles;
+mod ranges;
 mod reports;
 mod scenes;
+#[path = "../../../rigid/tests/scene/surroundings.rs"]
+mod surroundings;
 mod wgsl;
 mod worlds;

@@ -1,6 +1,6 @@
 //! Solids of every kind, in a world of their own and in random places.
 
-#![allow(dead_code)] // Each test uses its own part.
+#![allow(dead_code, unused_imports)] // Each test uses its own part.
 
 mod level;
 
