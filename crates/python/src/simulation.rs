@@ -556,15 +556,10 @@ impl Engine {
             direction,
             max_distance,
         }));
-        let each = rays.len() / worlds.len().max(1);
         let hits = self.with(py, |s| {
             each!(s, read, s => {
-                let mut hits = Vec::with_capacity(rays.len());
-                for (i, &world) in worlds.iter().enumerate() {
-                    let found = s.cast_rays(world, &rays[i * each..][..each])?;
-                    hits.extend(found.into_iter().map(|hit| Some(queries::met(hit?, s.model()))));
-                }
-                Ok(hits)
+                let hits = s.cast_rays_in_worlds(&worlds, &rays, None)?.into_iter();
+                Ok(Vec::from_iter(hits.map(|hit| Some(queries::met(hit?, s.model())))))
             })
         })?;
         queries::rows(py, &hits)

@@ -35,6 +35,19 @@ pub struct Span<R> {
     pub normal: Vec3<R>,
 }
 
+/// How a line passes the axis of a tube.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Chord<R: Real> {
+    /// Where it goes along the axis.
+    along: R::Mask,
+    /// The square of its speed across it.
+    speed: R,
+    /// Where it is nearest [m].
+    middle: R,
+    /// Half of the chord across, squared [m²]; negative where it misses.
+    pub rest: R,
+}
+
 #[inline(always)]
 fn dot<R: Real>(a: Vec3<R>, b: Vec3<R>) -> R {
     a.x * b.x + a.y * b.y + a.z * b.z
@@ -102,7 +115,7 @@ impl<R: Real> Span<R> {
 
 impl<R: Real> Line<R> {
     #[inline(always)]
-    fn at(&self, t: R) -> Vec3<R> {
+    pub(super) fn at(&self, t: R) -> Vec3<R> {
         self.origin + self.direction * t
     }
 
@@ -175,22 +188,36 @@ impl<R: Real> Line<R> {
 
     /// x² + z² ≤ r²: as a ball, in the plane across the axis.
     #[inline(always)]
-    fn tube(&self, r: R) -> Span<R> {
+    pub(super) fn tube(&self, r: R) -> Span<R> {
+        let chord = self.chord(r);
+        self.along(&chord).only(chord.rest.ge(R::zero()))
+    }
+    /// What a tube leaves of it.
+    #[inline(always)]
+    pub(super) fn chord(&self, r: R) -> Chord<R> {
         let (o, d) = (self.origin, self.direction);
         let dd = across_squared(d);
         let along = dd.lt(R::lit(ALONG));
-        let inside = Span::whole(across_squared(o).le(r * r), across(o));
         let speed = R::select(along, R::one(), dd);
         let middle = -((o.x * d.x + o.z * d.z) / speed);
-        let foot = o + d * middle;
-        let rest = r * r - across_squared(foot);
-        let half = (rest.max(R::zero()) / speed).sqrt();
-        let crossing = Span {
-            enter: middle - half,
-            leave: middle + half,
-            normal: across(foot - d * half),
-        };
-        Span::select(along, inside, crossing.only(rest.ge(R::zero())))
+        let rest = r * r - across_squared(o + d * middle);
+        Chord {
+            along,
+            speed,
+            middle,
+            rest,
+        }
+    }
+    /// The chord of a line that meets the tube.
+    #[inline(always)]
+    pub(super) fn along(&self, chord: &Chord<R>) -> Span<R> {
+        let half = (chord.rest.max(R::zero()) / chord.speed).sqrt();
+        let (end, enter) = (R::lit(ENDLESS), chord.middle - half);
+        Span {
+            enter: R::select(chord.along, -end, enter),
+            leave: R::select(chord.along, end, chord.middle + half),
+            normal: across(self.at(enter)),
+        }
     }
 
     /// |p − c| ≤ r with c = (0, y, 0): about the foot o − c − ((o − c)·d) d, half of the chord is √(r² − foot²).
@@ -216,11 +243,18 @@ impl<R: Real> Line<R> {
     #[inline(always)]
     pub fn capsule(&self, r: R, h: R) -> Span<R> {
         let tube = self.tube(r);
+        self.closed(&tube, r, h).only(tube.enter.le(tube.leave))
+    }
+    /// The same, of a line that is in the tube.
+    #[inline(always)]
+    pub(super) fn closed(&self, tube: &Span<R>, r: R, h: R) -> Span<R> {
         let (first, last) = (self.at(tube.enter).y, self.at(tube.leave).y);
-        let entry = Span::select(first.abs().le(h), tube, self.ball(h.copysign(first), r));
-        let exit = Span::select(last.abs().le(h), tube, self.ball(h.copysign(last), r));
-        let leave = exit.leave;
-        Span { leave, ..entry }.only(tube.enter.le(tube.leave))
+        let entry = Span::select(first.abs().le(h), *tube, self.ball(h.copysign(first), r));
+        let exit = Span::select(last.abs().le(h), *tube, self.ball(h.copysign(last), r));
+        Span {
+            leave: exit.leave,
+            ..entry
+        }
     }
 
     /// A tube between two planes.

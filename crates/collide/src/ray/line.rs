@@ -51,6 +51,22 @@ pub(super) fn numbers(v: DVec3) -> Vec3<f64> {
     Vec3::new(v.x, v.y, v.z)
 }
 
+/// As [`kernel::Line::capsule`], which asks no more than it must.
+#[inline]
+fn capsule(line: &kernel::Line<f64>, r: f64, h: f64) -> Option<kernel::Span<f64>> {
+    let chord = line.chord(r);
+    if chord.rest < 0.0 {
+        return None;
+    }
+    let tube = line.along(&chord);
+    let ends = [tube.enter, tube.leave].map(|t| line.at(t).y.abs());
+    Some(if ends[0].max(ends[1]) <= h {
+        tube
+    } else {
+        line.closed(&tube, r, h)
+    })
+}
+
 impl Line {
     /// The same as kernels have it.
     pub(super) fn numbers(&self) -> kernel::Line<f64> {
@@ -71,7 +87,7 @@ impl Line {
             Geometry::Capsule {
                 radius,
                 half_height,
-            } => line.capsule(radius, half_height - radius),
+            } => capsule(&line, radius, half_height - radius)?,
             Geometry::Cylinder {
                 radius,
                 half_height,
