@@ -7,7 +7,7 @@ use kinetarium_rigid::{
     Settings, TouchingFeatherstone, body as of_body, contact as of_contact,
     reaction as of_reaction, total as of_total,
 };
-use model::{Builder, Geometry, Material, Model, Pose, Shape, Softness};
+use model::{Builder, Geometry, Model, Pose, Shape};
 
 /// Gravity of the models [m/s²].
 const G: f64 = 9.81;

@@ -69,7 +69,7 @@ pub struct Landing {
 pub fn soft_landings() -> impl Iterator<Item = Landing> {
     let steps = [2e-3, 1e-3, 5e-4, 1e-4].into_iter();
     let phases = steps.flat_map(|h| [0.1, 0.4, 0.7].map(|p| (h, p)));
-    phases.flat_map(|(h, p)| [0.0].map(|slide| soft_landing(h, p, slide)))
+    phases.flat_map(|(h, p)| [0.0, 10.0].map(|slide| soft_landing(h, p, slide)))
 }
 
 fn soft_landing(step: f64, phase: f64, slide: f64) -> Landing {
