@@ -7,7 +7,10 @@
 //! ```
 //!
 //! u' is the velocity of the node at x at the end of the step of length h, u⁰ what it would be if
-//! every q̈ were zero, and Δa what the q̈ add ([`articulated_body`](super::articulated_body)). So
+//! every q̈ were zero, and Δa what the q̈ add ([`articulated_body`](super::articulated_body)). Spatial accelerations are
+//! those of what passes x, but the contact of what rolls or slides goes along: a ball that did both sank in, however
+//! short the step, where its surface has m'. So the arm from the centre of mass of what floats is fixed; of other nodes
+//! the contact is taken to stand still, as a foot's. So
 //!
 //! ```text
 //! f = f⁰ − h C (Δa + Δα × x)      C = cₜ 1 + (cₙ − cₜ) n nᵀ      f⁰ = f at u' = u⁰
@@ -47,11 +50,12 @@
 
 use super::gauss_seidel;
 use super::limit::late_damping;
-use super::tables::{Tables, frame, node, step};
+use super::tables::{Tables, frame, node, node_link, step};
 use super::turning;
 use crate::cone;
 use crate::contacts::{PUSH_OUT, Places, found, sense, slot, slot_link, touches};
 use crate::restitution::early;
+use numbers::machine::{Held, Hold};
 use numbers::spatial::{Inertia, Spatial};
 use numbers::{Cell, Machine, Pose, Real, SymMat3, Vec3};
 
@@ -176,6 +180,20 @@ pub(crate) fn at<R: Real>(v: Spatial<R>, x: Vec3<R>) -> Vec3<R> {
     v.linear + v.angular.cross(x)
 }
 
+/// Acceleration of a node at x where every q̈ is zero, less gravity; of a root that floats, of what goes along with its
+/// centre of mass c, by + ω × v_c (Featherstone 2008, §2.11).
+#[inline(always)]
+pub(crate) fn bias<M: Machine>(k: &M, t: &Tables, node: M::I, x: Vec3<M::R>) -> Vec3<M::R> {
+    let mut a = at(k.spatial(t.frame, node, frame::BIAS), x).hold(k);
+    let floats = k.link(t.node_links, node, node_link::FLOATS);
+    if let Some(_branch) = k.when(k.equals(floats, 1)) {
+        let v = k.spatial(t.frame, node, frame::TWIST);
+        let along = v.angular.cross_plus(at(v, center_of(k, t, node)), a.get());
+        a.set(along);
+    }
+    a.get()
+}
+
 /// Fills the row of a slot that may come to press within the step.
 #[inline(always)]
 fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
@@ -191,7 +209,7 @@ fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
     }
     let x = k.vec3(t.contacts.slot, s, slot::POSITION);
     let v = at(k.spatial(t.frame, node, frame::TWIST), x);
-    let a = at(k.spatial(t.frame, node, frame::BIAS), x) + gravity;
+    let a = bias(k, t, node, x) + gravity;
     let u0 = a.fma(h, v);
     let (speed, u0_n) = (n.dot(v), n.dot(u0));
 

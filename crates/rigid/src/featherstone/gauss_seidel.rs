@@ -20,7 +20,7 @@
 //! almost meet, so that one which only the impulses of others close begins a step late.
 
 use super::closing;
-use super::contact::{self, at, impedance, law, load, rate};
+use super::contact::{self, at, bias, impedance, law, load, rate};
 use super::coupling;
 use super::factor::{self, Keep, Path, response, seen_from_a};
 use super::locked;
@@ -319,8 +319,8 @@ fn moves<M: Machine>(
 ) -> (Vec3<M::R>, Vec3<M::R>) {
     let node = k.link(t.couple_links, couple, side);
     let v = at(k.spatial(t.frame, node, frame::TWIST), x);
-    let a = k.spatial(t.frame, node, frame::BIAS) + k.spatial(t.frame, node, frame::ACCELERATION);
-    (v, at(a, x).fma(h, v))
+    let a = bias(k, t, node, x) + at(k.spatial(t.frame, node, frame::ACCELERATION), x);
+    (v, a.fma(h, v))
 }
 
 /// Three velocities of a contact, which were so without impulses and have these y.

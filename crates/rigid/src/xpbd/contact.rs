@@ -11,8 +11,12 @@
 //! et al. 2016, eqs. 18 and 26), multiplied through by k,
 //!
 //! ```text
-//! (w + 1/g) Δλₙ = −(φ − φ*) − λₙ/g      λₙ ≥ 0      φ* = β φ₀ + m' h uₙ⁻ / g, but 0 where φ₀ > 0
+//! (w + 1/g) Δλₙ = −(φ − φ*) − λₙ/g      λₙ ≥ 0      φ* = β φ₀ + m' h uₙ⁻ / g
 //! ```
+//!
+//! Where the surface is not reached yet, φ₀ > 0, spring and damper act on the part of the way that is beyond it, and m'
+//! on the change of speed as ever: φ* = m' (φ₀ + h uₙ⁻) / g, at most 0. Aimed at the surface itself, g, most of which is
+//! m', would take the fall's speed in one substep, however short.
 //!
 //! where the accumulated λₙ is what is kept from pulling, not its change. w is the inverse mass of
 //! both bodies along n (Müller et al. 2020, eqs. 2–3).
@@ -350,8 +354,10 @@ fn law<M: Machine>(
     let least = spring * M::R::lit(1.0 / SETTLED) - along.max(tiny).recip();
     let g = (h.fma(damping, spring) + added).max(least).max(tiny);
     let share = M::R::select(rigid, one, (g - spring) / g);
-    let inert = (distance.lt(zero)) & !rigid;
-    let inertia = M::R::select(inert, added * h * speed / g, zero);
+    let beyond = distance.gt(zero);
+    let inertia = added * h.fma(speed, distance.max(zero)) / g;
+    let inertia = M::R::select(beyond, inertia.min(zero), inertia);
+    let inertia = M::R::select(rigid, zero, inertia);
     let gap = distance - share.fma(distance.min(zero), inertia);
     let mut leave = k.cell(zero);
     if let Some(_branch) = k.if_any(bounces) {

@@ -1,13 +1,13 @@
 //! Contacts of reduced coordinates with what does not move, against closed forms.
 
-use crate::ground::{cube, on_plane, plane, surface};
+use crate::ground::{cube, on_plane, plane, soft_landings, surface};
 use crate::run;
 use glam::{DQuat, DVec3};
 use kinetarium_rigid::{
     Settings, TouchingFeatherstone, body as of_body, contact as of_contact,
     reaction as of_reaction, total as of_total,
 };
-use model::{Builder, Geometry, Material, Model, Pose, Shape, Softness};
+use model::{Builder, Geometry, Model, Pose, Shape};
 
 /// Gravity of the models [m/s²].
 const G: f64 = 9.81;
@@ -40,45 +40,17 @@ impl Run {
     }
 }
 
-/// What falls on a surface with an added mass m' is slowed by its law alone, from wherever in a step it
-/// touches. With T the time constant, ζ = 1 and μ = m + m', the depth is
-///
-/// ```text
-/// μ ẍ = −m g − μ x / T² − 2 μ ẋ / T,   x(0) = 0,   ẋ(0) = −v:
-/// x = s − (s + (s / T + v) t) e^(−t / T),   s = −(m / μ) g T²
-/// ```
-///
-/// A step of length h is off by up to v h / 2.
 #[test]
 fn a_soft_landing_follows_its_law_from_the_first_step() {
-    let (constant, impedance, radius, speed, end) = (0.02, 0.9, 0.1, 2.0, 0.03);
-    let softness = Softness::Time {
-        constant,
-        ratio: 1.0,
-        impedance,
-        mass: None,
-    };
-    let material = Material {
-        softness,
-        ..surface(0.0, 0.0)
-    };
-    for (step, phase) in [2e-3, 1e-3, 5e-4]
-        .into_iter()
-        .flat_map(|h| [0.1, 0.4, 0.7].map(|p| (h, p)))
-    {
-        let touches = (4.0 + phase) * step;
-        let height = radius + speed * touches + 0.5 * G * touches * touches;
-        let sphere = Geometry::Sphere { radius };
-        let model = on_plane(sphere, material, DVec3::Y * height, 0.0);
-        let velocity = [0.0, -speed, 0.0, 0.0, 0.0, 0.0];
-        let mut run = Run::new(&model, &velocity, &Settings::new(step));
-        run.step((end / step).round() as usize);
-
-        let (t, v) = (end - touches, speed + G * touches);
-        let sag = -(1.0 - impedance) * G * constant * constant;
-        let x = sag - (sag + (sag / constant + v) * t) * (-t / constant).exp();
-        let error = run.position().y - radius - x;
-        assert!(error.abs() < 0.5 * v * step, "{step}, {phase}: {error}");
+    for landing in soft_landings() {
+        let mut run = Run::new(
+            &landing.model,
+            &landing.velocity,
+            &Settings::new(landing.step),
+        );
+        run.step(landing.steps);
+        let error = run.position().y - landing.height;
+        assert!(error.abs() < landing.error, "{}: {error}", landing.name);
     }
 }
 

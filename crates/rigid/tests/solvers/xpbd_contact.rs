@@ -1,6 +1,6 @@
 //! Contacts of position-based dynamics, against closed forms.
 
-use crate::ground::{cube, on_plane, plane, surface};
+use crate::ground::{cube, on_plane, plane, soft_landings, surface};
 use crate::run;
 use glam::{DQuat, DVec3};
 use kinetarium_rigid::{
@@ -47,6 +47,16 @@ impl Run {
             let position = self.vec3(row + of_contact::POSITION);
             (position, distance, self.vec3(row + of_contact::FORCE))
         })
+    }
+}
+
+#[test]
+fn a_soft_landing_follows_its_law_from_the_first_substep() {
+    for landing in soft_landings() {
+        let mut run = Run::new(&landing.model, &landing.velocity, landing.step);
+        run.step(landing.steps);
+        let error = run.position().y - landing.height;
+        assert!(error.abs() < landing.error, "{}: {error}", landing.name);
     }
 }
 
