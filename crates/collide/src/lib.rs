@@ -1,7 +1,7 @@
 //! Shape against shape: where two solids touch, which way, how deep.
 //!
-//! Every function but those of [`distance`], and those of [`ray`] that ask one by one, is a kernel: generic over its numbers, without branches that
-//! differ from lane to lane, so that it runs in one world or in sixteen, differentiated or traced.
+//! Every function but those of [`distance`], and those of [`ray`] that ask one by one, is a kernel: generic over its
+//! numbers, without branches that differ from lane to lane, so that it runs in one world or in sixteen, differentiated or traced.
 //!
 //! SI units, right-handed. In a pair A and B, normals point from A to B, and a distance is the
 //! gap between the surfaces along the normal, negative where they overlap. Contacts are reported

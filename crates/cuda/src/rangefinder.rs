@@ -7,11 +7,12 @@ use crate::{Cuda, CudaError};
 use cudarc::driver::CudaSlice;
 use numbers::trace::PrintOptions;
 use rigid::{Lanes, Rangefinder};
+use std::sync::{Arc, Weak};
 
 /// A rangefinder in a card's memory.
 #[derive(Debug)]
 pub(crate) struct Finder {
-    pub finder: Rangefinder,
+    finder: Weak<Rangefinder>,
     pub kernel: Kernel,
     pub lanes: Lanes,
     pub scratch: CudaSlice<f32>,
@@ -28,7 +29,7 @@ impl Finder {
     /// The card's memory is full; it has failed before.
     pub fn new(
         card: &Cuda,
-        finder: &Rangefinder,
+        finder: &Arc<Rangefinder>,
         worlds: usize,
     ) -> Result<Option<Self>, CudaError> {
         let lengths = finder.lengths();
@@ -48,8 +49,16 @@ impl Finder {
             parameters: card.filled(&numbers)?,
             links: card.filled(finder.links())?,
             distances: card.memory(lengths.output * worlds)?,
-            finder: finder.clone(),
+            finder: Arc::downgrade(finder),
             lanes,
         }))
+    }
+    /// Whether it is this one's.
+    pub fn is_of(&self, finder: &Arc<Rangefinder>) -> bool {
+        std::ptr::eq(self.finder.as_ptr(), Arc::as_ptr(finder))
+    }
+    /// Whether anybody may still cast its rays.
+    pub fn lives(&self) -> bool {
+        self.finder.strong_count() > 0
     }
 }

@@ -17,7 +17,7 @@ use rigid::impulse::Impulse;
 use rigid::{Lanes, Rangefinder, Report, Solver};
 use sim::{Address, Device, DeviceError, DeviceWorlds, Processor};
 use std::ops::Range;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// Substeps of one launch: many, as a launch costs some microseconds and ends with its last world, and few enough that a card
 /// that also draws a desktop is not taken for hung (2 s): 65,536 humanoids with all contacts take an H100 0.15 s.
@@ -164,6 +164,19 @@ impl Worlds {
         };
         launch.run(&self.card, kernel)
     }
+    /// The row of a rangefinder among those that are known, unless its distances are too many.
+    fn row_of(&mut self, finder: &Arc<Rangefinder>) -> Result<Option<usize>, CudaError> {
+        let known = self.finders.iter().position(|own| own.is_of(finder));
+        if known.is_some() {
+            return Ok(known);
+        }
+        self.finders.retain(Finder::lives);
+        let made = Finder::new(&self.card, finder, self.worlds)?;
+        Ok(made.map(|own| {
+            self.finders.push(own);
+            self.finders.len() - 1
+        }))
+    }
     /// The worlds of each piece of the state.
     fn pieces(&self) -> impl Iterator<Item = Range<usize>> + use<> {
         let worlds = self.worlds;
@@ -267,19 +280,11 @@ impl DeviceWorlds<f32> for Worlds {
     }
     fn measure(
         &mut self,
-        finder: &Rangefinder,
+        finder: &Arc<Rangefinder>,
         distances: &mut Memory<f32>,
     ) -> Result<bool, DeviceError> {
-        let mut known = self.finders.iter();
-        let row = match known.position(|own| own.finder == *finder) {
-            Some(row) => row,
-            None => match Finder::new(&self.card, finder, self.worlds)? {
-                Some(own) => {
-                    self.finders.push(own);
-                    self.finders.len() - 1
-                }
-                None => return Ok(false),
-            },
+        let Some(row) = self.row_of(finder)? else {
+            return Ok(false);
         };
         let own = &mut self.finders[row];
         let launch = Launch {

@@ -7,11 +7,15 @@ use crate::{Gpu, GpuError};
 use numbers::trace::PrintOptions;
 use piles::WORKGROUP;
 use rigid::{Lanes, Rangefinder};
+use std::sync::{Arc, Weak};
+
+/// Where loops are cut, a thread's go round so often all together.
+const ROUNDS: usize = 65_000;
 
 /// A rangefinder in a card's memory.
 #[derive(Debug)]
 pub(crate) struct Finder {
-    pub finder: Rangefinder,
+    finder: Weak<Rangefinder>,
     pub kernel: wgpu::ComputePipeline,
     pub lanes: Lanes,
     pub scratch: wgpu::Buffer,
@@ -22,20 +26,22 @@ pub(crate) struct Finder {
 }
 
 impl Finder {
-    /// Of so many parts of so many worlds; none where their distances, or the shapes, do not fit in a buffer.
+    /// Of so many parts of so many worlds; none where their distances, or the shapes, do not fit in a buffer, or where
+    /// loops are cut that are as long.
     ///
     /// # Errors
     /// The card is out of memory, or has failed.
     pub fn new(
         gpu: &Gpu,
-        finder: &Rangefinder,
+        finder: &Arc<Rangefinder>,
         (parts, width): (usize, usize),
     ) -> Result<Option<Self>, GpuError> {
         let (lengths, most) = (finder.lengths(), most_numbers(gpu));
         let lanes = lengths.lanes(width, WORKGROUP as usize, most);
         let constants = finder.parameters().len().max(finder.links().len());
-        let Some(lanes) = lanes.filter(|_| lengths.output * width <= most && constants <= most)
-        else {
+        let fits = lengths.output * width <= most && constants <= most;
+        let is_cut = gpu.cuts_loops() && finder.rounds() > ROUNDS;
+        let Some(lanes) = lanes.filter(|_| fits && !is_cut) else {
             return Ok(None);
         };
         let options = PrintOptions {
@@ -50,8 +56,16 @@ impl Finder {
             parameters: filled(gpu, &numbers)?,
             links: filled(gpu, finder.links())?,
             distances: distances.collect::<Result<_, _>>()?,
-            finder: finder.clone(),
+            finder: Arc::downgrade(finder),
             lanes,
         }))
+    }
+    /// Whether it is this one's.
+    pub fn is_of(&self, finder: &Arc<Rangefinder>) -> bool {
+        std::ptr::eq(self.finder.as_ptr(), Arc::as_ptr(finder))
+    }
+    /// Whether anybody may still cast its rays.
+    pub fn lives(&self) -> bool {
+        self.finder.strong_count() > 0
     }
 }

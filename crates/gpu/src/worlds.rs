@@ -17,7 +17,7 @@ use rigid::impulse::Impulse;
 use rigid::{Lanes, Lengths, Rangefinder, Report, Solver};
 use sim::{Device, DeviceError, DeviceWorlds, Processor};
 use std::ops::Range;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// Worlds on a card. Reading waits for what was asked before; nothing else does.
 #[derive(Debug)]
@@ -282,11 +282,12 @@ impl Worlds {
     }
 
     /// The row of a rangefinder among those that are known, unless it does not fit.
-    fn row_of(&mut self, finder: &Rangefinder) -> Result<Option<usize>, GpuError> {
-        let known = self.finders.iter().position(|own| own.finder == *finder);
+    fn row_of(&mut self, finder: &Arc<Rangefinder>) -> Result<Option<usize>, GpuError> {
+        let known = self.finders.iter().position(|own| own.is_of(finder));
         if known.is_some() {
             return Ok(known);
         }
+        self.finders.retain(Finder::lives);
         let size = (self.parts.len(), self.width);
         let made = Finder::new(&self.gpu, finder, size)?;
         Ok(made.map(|own| {
@@ -374,7 +375,7 @@ impl DeviceWorlds<f32> for Worlds {
     }
     fn measure(
         &mut self,
-        finder: &Rangefinder,
+        finder: &Arc<Rangefinder>,
         distances: &mut Memory<f32>,
     ) -> Result<bool, DeviceError> {
         let Some(row) = self.row_of(finder)? else {

@@ -84,11 +84,28 @@ pub struct Rangefinder {
     parameters: Vec<f64>,
     links: Vec<u32>,
     scratch: usize,
-    /// The sum of the roots of how many triangles meshes have.
-    roots: f64,
+    rounds: usize,
+}
+
+/// The shapes that rays from a mount may meet.
+fn seen<'a>(model: &'a Model, mount: &Mount) -> impl Iterator<Item = &'a Shape> {
+    let carrier = mount.body;
+    let own = move |shape: &Shape| shape.body.is_some() && shape.body == carrier;
+    let shapes = model.shapes.iter();
+    shapes.filter(move |shape| !shape.sensor && !own(shape))
 }
 
 impl Rangefinder {
+    /// How many tests a ray from a mount takes, about: one for each shape, and for a mesh the root of its triangles, in each
+    /// lane, as each one's ray passes others.
+    pub fn tests(model: &Model, mount: &Mount, lanes: usize) -> f64 {
+        let of = |shape: &Shape| match &shape.geometry {
+            Geometry::Mesh(mesh) => 1.0 + lanes as f64 * (mesh.triangles().len() as f64).sqrt(),
+            _ => 1.0,
+        };
+        seen(model, mount).map(of).sum()
+    }
+
     /// Of rays along these directions of unit length, in the frame of a mount, that go no farther than `range` [m]. They
     /// pass through sensors and through the shapes of the body that carries them.
     ///
@@ -100,23 +117,30 @@ impl Rangefinder {
         directions: &[DVec3],
         range: f64,
     ) -> Option<Self> {
-        let own = |shape: &Shape| shape.body.is_some() && shape.body == mount.body;
-        let seen = model.shapes.iter().filter(|s| !s.sensor && !own(s));
-        let solids = seen.map(|shape| Some((shape, Solid::new(shape, "").ok()?)));
+        let solids = seen(model, mount).map(|shape| Some((shape, Solid::new(shape, "").ok()?)));
         let mut solids = solids.collect::<Option<Vec<_>>>()?;
         solids.sort_by_key(|(_, solid)| solid.kind);
         let mut surfaces = SurfaceData::default();
-        let rows = solids.iter().map(|(shape, _)| match &shape.geometry {
-            Geometry::Hull(hull) => surfaces.add_hull(hull, shape.geometry.center()),
-            Geometry::Mesh(mesh) => surfaces.add_mesh(mesh),
-            _ => 0..0,
-        });
-        let rows: Vec<Range<usize>> = rows.collect();
-        let roots = solids.iter().map(|(shape, _)| match &shape.geometry {
-            Geometry::Mesh(mesh) => (mesh.triangles().len() as f64).sqrt(),
-            _ => 0.0,
-        });
-        let roots = roots.sum();
+        let mut rows: Vec<Range<usize>> = Vec::with_capacity(solids.len());
+        for (nth, (Shape { geometry, .. }, _)) in solids.iter().enumerate() {
+            let mut before = solids[..nth].iter();
+            let known = before.position(|(other, _)| other.geometry == *geometry);
+            rows.push(match (known, geometry) {
+                (Some(known), _) => rows[known].clone(),
+                (_, Geometry::Hull(hull)) => surfaces.add_hull(hull, geometry.center()),
+                (_, Geometry::Mesh(mesh)) => surfaces.add_mesh(mesh),
+                _ => 0..0,
+            });
+        }
+        let steps: usize = solids
+            .iter()
+            .map(|(Shape { geometry, .. }, _)| match geometry {
+                Geometry::Hull(hull) => hull.faces().count(),
+                // With the clusters and groups that these are in.
+                Geometry::Mesh(mesh) => 2 * mesh.triangles().len(),
+                _ => 0,
+            })
+            .sum();
         let (mut parameters, mut links, mut scratch) = (0, 0, 0);
         let before = |kind| solids.iter().filter(|(_, s)| s.kind < kind).count();
         let tables = Tables {
@@ -157,7 +181,8 @@ impl Rangefinder {
             parameters: f.parameters,
             links: f.links,
             scratch,
-            roots,
+            // Each ray once for every shape and all rows of its surface, in loops over shapes.
+            rounds: (directions.len() + 1) * (1 + solids.len() + steps),
         })
     }
 
@@ -165,10 +190,13 @@ impl Rangefinder {
     pub fn rays(&self) -> usize {
         self.tables.rays
     }
-    /// How many tests a ray takes, about: one for each shape, and for a mesh the root of its triangles, in each lane, as
-    /// each one's ray passes others.
-    pub fn tests(&self, lanes: usize) -> f64 {
-        self.tables.kinds[kind::MESH + 1] as f64 + lanes as f64 * self.roots
+    /// How often loops go round at most, all together.
+    pub fn rounds(&self) -> usize {
+        self.rounds
+    }
+    /// Where in the parameters the direction of a ray lies, x, y, z.
+    pub fn direction(&self, ray: usize) -> usize {
+        self.tables.direction.at(ray, 0)
     }
     /// Numbers of each world, but for those that the solver reports, which are its input.
     pub fn lengths(&self) -> Lengths {
@@ -225,15 +253,15 @@ struct Seen<M: Machine> {
     radius: M::R,
 }
 
-/// A ray's line in a shape's frame, from the point nearest to its centre, so that far shapes cost no more digits than they
-/// must.
+/// A ray's line in a shape's frame, from where it may enter the ball about that, so that far shapes cost no more digits
+/// than they must.
 struct Near<R: Real> {
     line: Line<R>,
-    /// That point's distance along the ray [m].
-    foot: R,
+    /// The distance of that point along the ray [m].
+    start: R,
     /// What was met so far [m].
     known: R,
-    /// Where the ray passes the ball about the shape before that.
+    /// Where the ray passes the ball before that.
     passes: R::Mask,
 }
 
@@ -263,18 +291,19 @@ impl<M: Machine> Seen<M> {
         let direction = self.axes * k.vec3(t.direction, ray, 0);
         let foot = -self.origin.dot(direction);
         let nearest = direction.fma(foot, self.origin);
-        let known = k.load(t.distance, ray, 0);
         let by = nearest.length_squared().le(self.radius * self.radius);
         let ahead = (foot + self.radius).ge(M::R::zero());
+        let start = (foot - self.radius).max(M::R::zero());
+        let known = k.load(t.distance, ray, 0);
         let line = Line {
-            origin: nearest,
+            origin: direction.fma(start, self.origin),
             direction,
         };
         Near {
             line,
-            foot,
+            start,
             known,
-            passes: by & ahead & (foot - self.radius).lt(known),
+            passes: by & ahead & start.lt(known),
         }
     }
 }
@@ -326,10 +355,10 @@ impl Tables {
                     let near = shape.near(k, self, ray);
                     if let Some(_branch) = k.if_any(near.passes) {
                         let span = K::span(k, self, row, &near.line);
-                        let distance = (near.foot + span.enter).max(M::R::zero());
+                        let distance = near.start + span.enter.max(M::R::zero());
                         let met = near.passes
                             & span.enter.le(span.leave)
-                            & (near.foot + span.leave).ge(M::R::zero())
+                            & span.leave.ge(M::R::zero())
                             & distance.lt(near.known);
                         k.store_where(met, self.distance, ray, 0, distance);
                     }
@@ -351,10 +380,10 @@ impl Tables {
                 for ray in k.count(self.rays) {
                     let near = shape.near(k, self, ray);
                     if let Some(_branch) = k.if_any(near.passes) {
-                        let within = (-near.foot, near.known - near.foot);
-                        let first = self.surfaces.first_of_mesh(k, &near.line, groups, within);
-                        let distance = near.foot + first;
-                        let met = near.passes & distance.lt(near.known);
+                        let left = near.known - near.start;
+                        let first = self.surfaces.first_of_mesh(k, &near.line, groups, left);
+                        let distance = near.start + first;
+                        let met = near.passes & first.lt(left) & distance.lt(near.known);
                         k.store_where(met, self.distance, ray, 0, distance);
                     }
                 }

@@ -12,6 +12,7 @@ use numbers::{Float, Memory};
 use rigid::impulse::Impulse;
 use rigid::{Rangefinder, Report, Solver};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// What runs the kernels of solvers in a memory of its own.
 pub trait Device<T: Float>: Send + Sync {
@@ -106,7 +107,7 @@ pub trait DeviceWorlds<T: Float>: Send + Sync {
     /// it has: devices that do not cast these leave them to the processor.
     fn measure(
         &mut self,
-        _finder: &Rangefinder,
+        _finder: &Arc<Rangefinder>,
         _distances: &mut Memory<T>,
     ) -> Result<bool, DeviceError> {
         Ok(false)
@@ -319,7 +320,7 @@ impl<T: Float> Remote<T> {
     /// Casts rays where the last report has bodies.
     pub fn measure(
         &mut self,
-        finder: &Rangefinder,
+        finder: &Arc<Rangefinder>,
         distances: &mut Memory<T>,
     ) -> Result<bool, DeviceError> {
         self.worlds.measure(finder, distances)

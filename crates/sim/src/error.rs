@@ -107,6 +107,9 @@ pub enum SimulationError {
         /// Which world.
         world: usize,
     },
+    /// What was made for one simulation is used with another.
+    #[error("the rangefinder is of another model: make one of this simulation")]
+    OtherModel,
     /// Numbers of a parameter for which the solver has no room, or the other way round.
     #[error(
         "with this {parameter} the model has another structure than the simulation's: drives, dry friction, springs and \

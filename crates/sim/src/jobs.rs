@@ -176,24 +176,31 @@ pub(crate) mod ranges {
     use super::*;
     use rigid::Rangefinder;
 
-    struct Work<'a, 'b, T> {
+    struct Work<'a, 'b, T, const IN_COMMON: bool> {
         finder: &'a Rangefinder,
         block: &'a mut Block<'b, T>,
     }
 
-    impl<T: Float> Job for Work<'_, '_, T> {
+    impl<T: Float, const IN_COMMON: bool> Job for Work<'_, '_, T, IN_COMMON> {
         type Scalar = T;
         type Output = ();
         const WIDEST: bool = !T::DOUBLE;
         #[inline(always)]
         fn run<R: Lanes<Scalar = T>>(self) {
-            let cpu = &mut self.block.cpu_in_common::<R>();
-            self.finder.measure(cpu);
+            if IN_COMMON {
+                self.finder.measure(&mut self.block.cpu_in_common::<R>());
+            } else {
+                self.finder.measure(&mut self.block.cpu::<R>());
+            }
         }
     }
 
     pub(crate) fn run<T: Float>(lane: Lane, finder: &Rangefinder, block: &mut Block<'_, T>) {
-        lane.run(Work { finder, block });
+        if block.common.is_empty() {
+            lane.run(Work::<T, false> { finder, block });
+        } else {
+            lane.run(Work::<T, true> { finder, block });
+        }
     }
 }
 

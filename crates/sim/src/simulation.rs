@@ -989,7 +989,7 @@ impl<T: Float> Simulation<T> {
         Ok(remote.read_state(0..self.state.length(), &mut self.state)?)
     }
 
-    pub(crate) fn lane(&self) -> Lane {
+    fn lane(&self) -> Lane {
         let shares = self.shared.engine.shares_a_world();
         Lane {
             isa: self.isa,

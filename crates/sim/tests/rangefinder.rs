@@ -6,7 +6,7 @@ mod surroundings;
 
 use glam::DVec3;
 use kinetarium_sim::{Ray, Simulation, SimulationError, SimulationSettings, SolverKind};
-use model::{BodyId, Geometry, Model, Mount, Pose, Shape};
+use model::{BodyId, Builder, Geometry, Model, Mount, Pose, Shape};
 use numbers::Float;
 use solids::{PLANE, scenery};
 use surroundings::{directions, flights, somewhere, surroundings};
@@ -68,14 +68,12 @@ fn flown<T: Float>(solver: SolverKind, model: &Model, worlds: usize) -> Simulati
     simulation
 }
 
-/// Largest relative difference, but for so large a share of all.
-fn apart((ours, theirs): (Vec<f64>, Vec<f64>), but: f64) -> f64 {
-    let off = |(a, b): (&f64, &f64)| {
-        if a == b {
-            0.0
-        } else {
-            (a - b).abs() / b.max(1.0)
-        }
+/// Largest relative difference, but for so large a share of all; what is met by one alone is far apart.
+fn apart((ours, theirs): (Vec<f64>, Vec<f64>), range: f64, but: f64) -> f64 {
+    let off = |(a, b): (&f64, &f64)| match (*a == range, *b == range) {
+        (true, true) => 0.0,
+        (false, false) => (a - b).abs() / b.max(1.0),
+        _ => f64::INFINITY,
     };
     let mut off: Vec<_> = ours.iter().zip(&theirs).map(off).collect();
     off.sort_by(f64::total_cmp);
@@ -105,17 +103,111 @@ fn lanes_measure_what_rays_meet_one_by_one() {
                 let pair = both(&mut exact, mount, &directions, range);
                 let met = pair.1.iter().filter(|x| **x < range).count();
                 assert!(range == 0.0 || met > pair.1.len() / 8, "{met} are met");
-                assert!(apart(pair, 0.0) < 1e-9);
+                assert!(apart(pair, range, 0.0) < 1e-9);
                 let mut single = flown::<f32>(solver, &model, 37);
                 let pair = both(&mut single, mount, &directions, range);
-                // One by one they are cast in double precision, as those of `impulse` are here.
+                // One by one they are cast in double precision.
                 let same = |(a, b): (&f64, &f64)| *a as f32 == *b as f32;
-                let in_lanes = range > 0.0 && solver != SolverKind::Impulse;
-                assert!(!in_lanes || !pair.0.iter().zip(&pair.1).all(same));
+                assert!(range == 0.0 || !pair.0.iter().zip(&pair.1).all(same));
                 // In single precision a ray that just misses an edge may meet it.
-                assert!(apart(pair, 2e-3) < 2e-5);
+                assert!(apart(pair, range, 2e-3) < 2e-5);
             }
         }
+    }
+}
+
+/// In one world, and in worlds of `impulse`, lanes are rays of one world.
+#[test]
+fn lanes_are_rays_where_worlds_are_looked_at_one_by_one() {
+    let model = surroundings();
+    let mount = Mount::on(EYE).at(somewhere(50));
+    for (solver, worlds) in [(SolverKind::Featherstone, 1), (SolverKind::Impulse, 3)] {
+        // One more than a whole number of lanes, and several times what one thread takes at once.
+        for rays in [14, 30, 2500] {
+            let directions = directions(rays);
+            let pair = both(
+                &mut flown::<f64>(solver, &model, worlds),
+                mount,
+                &directions,
+                9.0,
+            );
+            assert!(apart(pair, 9.0, 0.0) < 1e-9);
+            let pair = both(
+                &mut flown::<f32>(solver, &model, worlds),
+                mount,
+                &directions,
+                9.0,
+            );
+            assert!(apart(pair, 9.0, 2e-3) < 2e-5);
+        }
+    }
+}
+
+/// A crate on a floor, and one ray, by all solvers.
+#[test]
+fn a_single_ray_measures_how_high_it_starts() {
+    fn heights<T: Float>(solver: SolverKind, worlds: usize) -> Vec<f64> {
+        let mut world = Builder::new("crate");
+        let object = world.object("things");
+        object.scenery(Shape::new(PLANE));
+        let half = DVec3::splat(0.5);
+        object
+            .body("crate")
+            .at(Pose::at(0.5 * DVec3::Y))
+            .shape(Geometry::Box { half });
+        let settings = SimulationSettings {
+            solver,
+            ..SimulationSettings::new(worlds, 0.01)
+        };
+        let mut simulation = Simulation::<T>::new(world.build().unwrap(), settings).unwrap();
+        let all: Vec<_> = (0..worlds).collect();
+        let of = |simulation: &mut Simulation<T>, mount| {
+            let mut finder = simulation
+                .rangefinder(mount, &[-DVec3::Y], f64::INFINITY)
+                .unwrap();
+            let mut distances = vec![T::zero(); worlds];
+            simulation
+                .measure_ranges(&mut finder, &all, &mut distances)
+                .unwrap();
+            Vec::from_iter(distances.iter().map(|x| x.to_f64()))
+        };
+        let above = Mount::in_world(Pose::at(3.0 * DVec3::Y));
+        let beside = Mount::on(BodyId(0)).at(Pose::at(DVec3::new(2.0, 0.25, 0.0)));
+        [of(&mut simulation, above), of(&mut simulation, beside)].concat()
+    }
+    for solver in [
+        SolverKind::Featherstone,
+        SolverKind::Xpbd,
+        SolverKind::Impulse,
+    ] {
+        for worlds in [1, 3, 17] {
+            let expected = [vec![2.0; worlds], vec![0.75; worlds]].concat();
+            assert_eq!(heights::<f32>(solver, worlds), expected, "{solver:?}");
+            assert_eq!(heights::<f64>(solver, worlds), expected, "{solver:?}");
+        }
+    }
+}
+
+/// In single precision a floor is as near a kilometre from its origin as it is there.
+#[test]
+fn a_floor_is_as_exact_far_from_its_origin() {
+    let floor = scenery([Shape::new(PLANE).without_contact()]);
+    let settings = SimulationSettings::new(20, 0.01);
+    let mut simulation = Simulation::<f32>::new(floor, settings).unwrap();
+    for far in [0.0, 1e2, 1e3, 1e4] {
+        let mount = Mount::in_world(Pose::at(DVec3::new(far, 1.5, -far)));
+        let down = DVec3::new(0.6, -0.8, 0.0);
+        let mut finder = simulation
+            .rangefinder(mount, &[down], f64::INFINITY)
+            .unwrap();
+        let mut distance = [0.0];
+        simulation
+            .measure_ranges(&mut finder, &[7], &mut distance)
+            .unwrap();
+        assert!(
+            (distance[0] - 1.875_f32).abs() < 1e-6,
+            "{far}: {distance:?}"
+        );
     }
 }
 
@@ -210,6 +302,17 @@ fn what_is_wrong_is_told() {
     says(make(None, DVec3::ZERO, 1.0), "rangefinder 1");
     says(make(None, DVec3::NAN, 1.0), "direction");
     says(make(None, DVec3::X, -1.0), "largest distance");
+    let nowhere = Mount::in_world(Pose::at(DVec3::NAN));
+    says(
+        simulation.rangefinder(nowhere, &[DVec3::X], 1.0),
+        "position",
+    );
+    let mut unturned = mount(None);
+    unturned.pose.orientation *= 0.0;
+    says(
+        simulation.rangefinder(unturned, &[DVec3::X], 1.0),
+        "orientation",
+    );
     let mut finder = make(None, DVec3::X, 1.0).unwrap();
     let mut room = [0.0; 4];
     says(
@@ -219,6 +322,12 @@ fn what_is_wrong_is_told() {
     says(
         simulation.measure_ranges(&mut finder, &[0], &mut room),
         "distances",
+    );
+    let ball = scenery([Shape::new(Geometry::Sphere { radius: 1.0 })]);
+    let mut other = Simulation::<f32>::new(ball, SimulationSettings::new(2, 0.01)).unwrap();
+    says(
+        other.measure_ranges(&mut finder, &[0, 1], &mut room),
+        "another model",
     );
     let mut other = Simulation::<f32>::new(model, SimulationSettings::new(3, 0.01)).unwrap();
     says(

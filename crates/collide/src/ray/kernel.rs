@@ -328,7 +328,8 @@ fn roots<R: Real>(a: R, b: R, c: R, square: R) -> Span<R> {
 /// Woop, Benthin & Wald, Watertight Ray/Triangle Intersection (2013): axes x, y, z are named so that z
 /// is the longest of the line's direction, and sheared so that the line is the z axis. The signed
 /// areas of the corners' projections tell on which side of each edge it passes; two triangles compute
-/// the same number for the edge they share, of opposite sign, so that no line passes between them:
+/// the same number for the edge they share, of opposite sign, so that no line passes between them (where a card does not
+/// fuse the products):
 ///
 /// ```text
 /// S = (d.x / d.z, d.y / d.z, 1 / d.z)       p' = (p.x − S.x p.z, p.y − S.y p.z)

@@ -137,17 +137,17 @@ impl SurfaceTables {
         }
     }
 
-    /// Where a line first crosses a triangle of a mesh, given the range of its groups, after `from` and before `to`;
-    /// `to` where it crosses none.
+    /// Where a line first crosses a triangle of a mesh, given the range of its groups, from its origin on and before `to`
+    /// [m]; `to` where it crosses none.
     #[inline(always)]
     pub fn first_of_mesh<M: Machine>(
         &self,
         k: &M,
         line: &Line<M::R>,
         groups: [M::I; 2],
-        (from, to): (M::R, M::R),
+        to: M::R,
     ) -> M::R {
-        let passing = Passing::new(line, from);
+        let passing = Passing::new(line);
         let sheared = Sheared::new(line);
         let mut first = k.cell(to);
         for group in k.range(groups[0], groups[1]) {
@@ -158,7 +158,7 @@ impl SurfaceTables {
                     let near =
                         near & passing.meets(k.read(self.clusters, cluster, 0), first.read());
                     if let Some(_branch) = k.if_any(near) {
-                        self.first_of_cluster(k, (&sheared, near), cluster, from, &mut first);
+                        self.first_of_cluster(k, (&sheared, near), cluster, &mut first);
                     }
                 }
             }
@@ -172,7 +172,6 @@ impl SurfaceTables {
         k: &M,
         (line, near): (&Sheared<M::R>, <M::R as Real>::Mask),
         cluster: M::I,
-        from: M::R,
         first: &mut M::Cell,
     ) {
         let [begin, end] = k.link_row(self.cluster_rows, cluster);
@@ -184,7 +183,8 @@ impl SurfaceTables {
                 Vec3::new(cx, cy, cz),
             ];
             let (distance, crosses) = line.crosses(corners);
-            let met = near & crosses & distance.ge(from) & distance.lt(first.read());
+            let ahead = distance.ge(M::R::zero()) & distance.lt(first.read());
+            let met = near & crosses & ahead;
             first.write(M::R::select(met, distance, first.read()));
         }
     }
@@ -195,20 +195,18 @@ struct Passing<R> {
     origin: Vec3<R>,
     /// 1 / dᵢ.
     slowness: Vec3<R>,
-    from: R,
 }
 
 impl<R: Real> Passing<R> {
     #[inline(always)]
-    fn new(line: &Line<R>, from: R) -> Self {
+    fn new(line: &Line<R>) -> Self {
         let d = line.direction;
         Self {
             origin: line.origin,
             slowness: Vec3::new(slowness(d.x), slowness(d.y), slowness(d.z)),
-            from,
         }
     }
-    /// Whether it passes a box between `from` and `to`.
+    /// Whether it passes a box between its origin and `to`.
     #[inline(always)]
     fn meets(&self, bounds: [R; BOUNDS], to: R) -> R::Mask {
         let [x, y, z, xx, yy, zz] = bounds;
@@ -216,7 +214,7 @@ impl<R: Real> Passing<R> {
         let high = (Vec3::new(xx, yy, zz) - self.origin).times(self.slowness);
         let enter = low.x.min(high.x).max(low.y.min(high.y));
         let leave = low.x.max(high.x).min(low.y.max(high.y));
-        let enter = enter.max(low.z.min(high.z)).max(self.from);
+        let enter = enter.max(low.z.min(high.z)).max(R::zero());
         let leave = leave.min(low.z.max(high.z)).min(to);
         // The times are rounded, too.
         let slack = (enter.abs() + leave.abs()) * R::lit(ROUNDING);

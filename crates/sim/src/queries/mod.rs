@@ -133,7 +133,7 @@ impl<T: Float> Simulation<T> {
 }
 
 /// A refusal of a query.
-fn refused(
+pub(crate) fn refused(
     (query, index): (&'static str, usize),
     what: &'static str,
     value: impl ToString,

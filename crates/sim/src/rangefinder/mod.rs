@@ -1,0 +1,341 @@
+//! Rays that are cast from one place again and again, as a sensor of distance does.
+//!
+//! Where shapes are few, rays are cast in lanes, shape by shape ([`rigid::Rangefinder`]): those of a block of worlds at
+//! once, or those of one world ([`spread`]); or on the device that holds the worlds. Where shapes are many, each ray goes
+//! its own way through a tree of boxes ([`rays`](crate::rays)).
+
+mod spread;
+
+use crate::engine::Block;
+use crate::error::{index, length};
+use crate::jobs::{Lane, ranges};
+use crate::queries::{check_direction, check_most, check_point, refused};
+use crate::scratch::Scratch;
+use crate::{Ray, Simulation, SimulationError};
+use glam::DVec3;
+use model::{Model, Mount, Pose, Shape};
+use numbers::{Float, Memory};
+use rayon::prelude::*;
+use rigid::{FARTHEST, Report};
+use spread::Spread;
+use std::collections::HashSet;
+use std::sync::Arc;
+
+/// Rays that would take more tests than so many for each lane are left to a tree of boxes. Sixteen lanes share a test that
+/// takes 4 ns; a tree takes 200 to 400 ns a ray.
+const TESTS_PER_LANE: f64 = 64.0;
+/// The same of a device, where a thread casts all rays of a world, and of all its worlds: more may take so long that a card
+/// is taken for hung.
+const TESTS_OF_A_WORLD: f64 = (1 << 18) as f64;
+const TESTS_IN_ALL: f64 = (1_u64 << 31) as f64;
+
+/// Rays from one place of a model. See [`Simulation::rangefinder`].
+#[derive(Clone)]
+pub struct Rangefinder<T: Float> {
+    model: Arc<Model>,
+    worlds: usize,
+    mount: Mount,
+    /// Of unit length, in the mount's frame.
+    directions: Vec<DVec3>,
+    /// How far they may go [m].
+    range: f64,
+    way: Way<T>,
+}
+
+/// How its rays are cast where all worlds have the same shapes.
+#[derive(Clone)]
+enum Way<T: Float> {
+    /// Through trees of boxes.
+    OneByOne,
+    /// Those of one world in lanes.
+    Spread(Spread<T>),
+    /// Those of a block of worlds in lanes, or of all on a device.
+    Together(Kernel<T>),
+}
+
+/// The rays of worlds that are cast together.
+#[derive(Clone)]
+struct Kernel<T: Float> {
+    finder: Arc<rigid::Rangefinder>,
+    /// Its constants.
+    common: Vec<T>,
+    scratch: Scratch<T>,
+    /// How far they got when they were last cast.
+    distances: Memory<T>,
+}
+
+impl<T: Float> std::fmt::Debug for Rangefinder<T> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Rangefinder")
+            .field("mount", &self.mount)
+            .field("directions", &self.directions)
+            .field("range", &self.range)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<T: Float> Rangefinder<T> {
+    /// How many rays it has.
+    pub fn rays(&self) -> usize {
+        self.directions.len()
+    }
+}
+
+/// Whether rays see no difference between two worlds' shapes.
+pub(crate) fn look_alike(ours: &[Shape], theirs: &[Shape]) -> bool {
+    let alike = |(a, b): (&Shape, &Shape)| {
+        a.geometry == b.geometry && a.pose == b.pose && a.body == b.body && a.sensor == b.sensor
+    };
+    ours.len() == theirs.len() && ours.iter().zip(theirs).all(alike)
+}
+
+/// A mount that is somewhere, its orientation of unit length.
+fn checked(mount: Mount) -> Result<Mount, SimulationError> {
+    let query = ("rangefinder", 0);
+    check_point(query, "position", mount.pose.position)?;
+    let length = mount.pose.orientation.length();
+    if !(1e-12..=1e12).contains(&length) {
+        let remedy = "a quaternion x, y, z, w of a length from 1e-12 to 1e12";
+        return Err(refused(
+            query,
+            "orientation",
+            mount.pose.orientation,
+            remedy,
+        ));
+    }
+    let turn = mount.pose.orientation / length;
+    Ok(mount.at(Pose::new(mount.pose.position, turn)))
+}
+
+impl<T: Float> Simulation<T> {
+    /// Rays from a mount along `directions` of its frame, of any length but zero, that go no farther than `range` [m],
+    /// which may be infinite: to be cast in many worlds at once, again and again, by
+    /// [`measure_ranges`](Self::measure_ranges).
+    ///
+    /// They see what [`cast_ray`](Self::cast_ray) does, but the body that carries them.
+    ///
+    /// # Errors
+    /// A body that does not exist; a mount that is nowhere, or turned by no rotation; a direction that is not finite or has
+    /// no length; a range that is negative or NaN.
+    pub fn rangefinder(
+        &self,
+        mount: Mount,
+        directions: &[DVec3],
+        range: f64,
+    ) -> Result<Rangefinder<T>, SimulationError> {
+        if let Some(body) = mount.body {
+            index("body", body.0, self.model().bodies.len())?;
+        }
+        let mount = checked(mount)?;
+        check_most(("rangefinder", 0), range)?;
+        let unit = |(i, d): (usize, &DVec3)| check_direction(("rangefinder", i), *d);
+        let directions = directions.iter().enumerate().map(unit);
+        let directions = directions.collect::<Result<Vec<_>, _>>()?;
+        Ok(Rangefinder {
+            way: self.way(&mount, &directions, range),
+            model: Arc::clone(self.model()),
+            worlds: self.worlds(),
+            mount,
+            directions,
+            range,
+        })
+    }
+
+    /// The soonest way to cast rays.
+    fn way(&self, mount: &Mount, directions: &[DVec3], range: f64) -> Way<T> {
+        let (model, tables) = (self.model(), &self.output_tables);
+        let tests = |lanes| rigid::Rangefinder::tests(model, mount, lanes);
+        let (width, lanes) = (self.output.width(), self.isa.width::<T>());
+        let short = match (&self.remote, width) {
+            (Some(_), _) => {
+                let of_world = tests(1) * directions.len() as f64;
+                of_world <= TESTS_OF_A_WORLD && of_world * self.worlds() as f64 <= TESTS_IN_ALL
+            }
+            // Neighbours pass the same triangles.
+            (None, 1) => tests(1) <= TESTS_PER_LANE * lanes as f64,
+            (None, _) => tests(width) <= TESTS_PER_LANE * width as f64,
+        };
+        if !short || directions.is_empty() {
+            return Way::OneByOne;
+        }
+        if self.remote.is_none() && width == 1 {
+            let rays = (directions, range);
+            let spread = Spread::new((model, tables), mount, rays, self.isa);
+            return spread.map_or(Way::OneByOne, Way::Spread);
+        }
+        let finder = rigid::Rangefinder::new(model, tables, mount, directions, range);
+        finder.map_or(Way::OneByOne, |finder| {
+            Way::Together(Kernel {
+                common: finder
+                    .parameters()
+                    .iter()
+                    .map(|x| T::from_f64(*x))
+                    .collect(),
+                scratch: Scratch::new(finder.lengths().scratch, width),
+                distances: Memory::new(self.worlds(), finder.rays(), width),
+                finder: Arc::new(finder),
+            })
+        })
+    }
+
+    /// Casts a rangefinder's rays where bodies are now: how far [m] each gets before it meets a shape, 0 where it starts in
+    /// a solid, its range where it meets none. Ray r of `worlds[i]` stands in `distances[i · rays + r]`.
+    ///
+    /// # Errors
+    /// A rangefinder of another model or another number of worlds; a world that does not exist; distances of another
+    /// length; a mesh that is the name of its file only; worlds are on a device, and it fails.
+    pub fn measure_ranges(
+        &mut self,
+        finder: &mut Rangefinder<T>,
+        worlds: &[usize],
+        distances: &mut [T],
+    ) -> Result<(), SimulationError> {
+        let (count, rays) = (self.worlds(), finder.rays());
+        self.recognise(finder)?;
+        worlds.iter().try_for_each(|&w| index("world", w, count))?;
+        length("distances", distances.len(), worlds.len() * rays)?;
+        if distances.is_empty() {
+            return Ok(());
+        }
+        let cast = match &mut finder.way {
+            _ if !self.shapes_alike() => false,
+            Way::OneByOne => false,
+            Way::Spread(spread) => self.spread(spread, worlds, distances)?,
+            Way::Together(kernel) => self.together(kernel, worlds, distances)?,
+        };
+        if !cast {
+            return self.cast_one_by_one(finder, worlds, distances);
+        }
+        let range = T::from_f64(finder.range);
+        let farthest = T::from_f64(FARTHEST).to_f64();
+        let unmet = distances.iter_mut().filter(|x| x.to_f64() >= farthest);
+        unmet.for_each(|x| *x = range);
+        Ok(())
+    }
+
+    /// Models are compared once, where they are not the same in memory.
+    fn recognise(&self, finder: &mut Rangefinder<T>) -> Result<(), SimulationError> {
+        length("worlds of the rangefinder", finder.worlds, self.worlds())?;
+        if !Arc::ptr_eq(&finder.model, self.model()) {
+            if *finder.model != **self.model() {
+                return Err(SimulationError::OtherModel);
+            }
+            finder.model = Arc::clone(self.model());
+        }
+        Ok(())
+    }
+
+    /// Casts rays of worlds that are looked at one by one.
+    fn spread(
+        &mut self,
+        spread: &Spread<T>,
+        worlds: &[usize],
+        distances: &mut [T],
+    ) -> Result<bool, SimulationError> {
+        if self.remote.is_some() || self.output.width() != 1 {
+            return Ok(false);
+        }
+        self.fetch_motion()?;
+        let rays = distances.len() / worlds.len();
+        let rows = distances.par_chunks_exact_mut(rays).zip(worlds);
+        self.threads
+            .run(|| rows.for_each(|(row, &world)| spread.cast(self.output.block(world), row)));
+        Ok(true)
+    }
+
+    /// Casts rays of worlds together, where the worlds are.
+    fn together(
+        &mut self,
+        kernel: &mut Kernel<T>,
+        worlds: &[usize],
+        distances: &mut [T],
+    ) -> Result<bool, SimulationError> {
+        self.report(Report::Motion)?;
+        match &mut self.remote {
+            Some(remote) => {
+                if !remote.measure(&kernel.finder, &mut kernel.distances)? {
+                    return Ok(false);
+                }
+            }
+            None if kernel.distances.width() != self.output.width() => return Ok(false),
+            None => self.measure_blocks(kernel, worlds),
+        }
+        let rays = kernel.finder.rays();
+        let rows = distances.par_chunks_exact_mut(rays).zip(worlds);
+        let read = |(row, &world): (&mut [T], &usize)| {
+            for (ray, x) in row.iter_mut().enumerate() {
+                *x = kernel.distances.get(world, ray);
+            }
+        };
+        self.threads.run(|| rows.for_each(read));
+        Ok(true)
+    }
+
+    /// Casts all rays of the blocks that hold these worlds.
+    fn measure_blocks(&self, kernel: &mut Kernel<T>, worlds: &[usize]) {
+        let (width, size) = (self.output.width(), kernel.distances.block_size());
+        let wanted: HashSet<usize> = worlds.iter().map(|world| world / width).collect();
+        let lane = Lane {
+            isa: self.isa,
+            single: width == 1,
+        };
+        let Kernel {
+            finder,
+            common,
+            scratch,
+            distances,
+        } = kernel;
+        let measure = |number: usize, distances: &mut [T]| {
+            // No numbers, where a register's would lie.
+            let mut none = Memory::new(0, 0, width);
+            scratch.lend(|scratch| {
+                let mut block = Block {
+                    number,
+                    state: none.scalars_mut(),
+                    input: self.output.block(number),
+                    output: distances,
+                    scratch: scratch.scalars_mut(),
+                    parameters: &[],
+                    common,
+                    links: finder.links(),
+                };
+                ranges::run(lane, finder, &mut block);
+            });
+        };
+        let blocks = distances.scalars_mut().par_chunks_exact_mut(size);
+        let blocks = blocks.enumerate().filter(|(i, _)| wanted.contains(i));
+        self.threads
+            .run(|| blocks.for_each(|(number, distances)| measure(number, distances)));
+    }
+
+    fn cast_one_by_one(
+        &mut self,
+        finder: &Rangefinder<T>,
+        worlds: &[usize],
+        distances: &mut [T],
+    ) -> Result<(), SimulationError> {
+        self.fetch_motion()?;
+        let (mount, range) = (finder.mount, finder.range);
+        let outputs = self.last_reported();
+        let rays = worlds.iter().flat_map(|&world| {
+            let carrier = mount.body.map_or(Pose::IDENTITY, |body| {
+                Pose::new(
+                    outputs.body_position(world, body),
+                    outputs.body_orientation(world, body).normalize(),
+                )
+            });
+            let at = carrier * mount.pose;
+            finder.directions.iter().map(move |&direction| Ray {
+                origin: at.position,
+                direction: at.direction(direction),
+                max_distance: range,
+            })
+        });
+        let rays = Vec::from_iter(rays);
+        let hits = self.cast_rays_in_worlds(worlds, &rays, mount.body)?;
+        for (distance, hit) in distances.iter_mut().zip(hits) {
+            *distance = T::from_f64(hit.map_or(range, |hit| hit.distance));
+        }
+        Ok(())
+    }
+}
