@@ -278,6 +278,9 @@ impl DeviceWorlds<f32> for Worlds {
     ) -> Result<(), DeviceError> {
         Ok(read(&self.card, rows, &self.output, output)?)
     }
+    fn measures(&self) -> bool {
+        true
+    }
     fn measure(
         &mut self,
         finder: &Arc<Rangefinder>,

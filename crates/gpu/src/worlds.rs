@@ -373,6 +373,9 @@ impl DeviceWorlds<f32> for Worlds {
     ) -> Result<(), DeviceError> {
         Ok(self.read(numbers, output, Held::Output)?)
     }
+    fn measures(&self) -> bool {
+        true
+    }
     fn measure(
         &mut self,
         finder: &Arc<Rangefinder>,

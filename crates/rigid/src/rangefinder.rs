@@ -117,7 +117,9 @@ impl Rangefinder {
         directions: &[DVec3],
         range: f64,
     ) -> Option<Self> {
-        let solids = seen(model, mount).map(|shape| Some((shape, Solid::new(shape, "").ok()?)));
+        // Only the name of a file is no solid.
+        let solid = |shape| Some((shape, Solid::new(shape, "rangefinder").ok()?));
+        let solids = seen(model, mount).map(solid);
         let mut solids = solids.collect::<Option<Vec<_>>>()?;
         solids.sort_by_key(|(_, solid)| solid.kind);
         let mut surfaces = SurfaceData::default();

@@ -103,8 +103,12 @@ pub trait DeviceWorlds<T: Float>: Send + Sync {
         rows: &[Range<usize>],
         output: &mut Memory<T>,
     ) -> Result<(), DeviceError>;
+    /// Whether it casts the rays of rangefinders.
+    fn measures(&self) -> bool {
+        false
+    }
     /// Casts rays where the last report has bodies, and copies how far they got: a number of each ray and world. Whether
-    /// it has: devices that do not cast these leave them to the processor.
+    /// it has: it may leave some to the processor, as it does where it casts none.
     fn measure(
         &mut self,
         _finder: &Arc<Rangefinder>,
@@ -316,6 +320,10 @@ impl<T: Float> Remote<T> {
         self.worlds.read_state(std::slice::from_ref(&rows), state)?;
         self.state_known = rows == all;
         Ok(())
+    }
+    /// Whether it casts rays.
+    pub fn measures(&self) -> bool {
+        self.worlds.measures()
     }
     /// Casts rays where the last report has bodies.
     pub fn measure(

@@ -158,7 +158,7 @@ impl SurfaceTables {
                     let near =
                         near & passing.meets(k.read(self.clusters, cluster, 0), first.read());
                     if let Some(_branch) = k.if_any(near) {
-                        self.first_of_cluster(k, (&sheared, near), cluster, &mut first);
+                        self.first_of_cluster(k, &sheared, near, cluster, &mut first);
                     }
                 }
             }
@@ -170,7 +170,8 @@ impl SurfaceTables {
     fn first_of_cluster<M: Machine>(
         &self,
         k: &M,
-        (line, near): (&Sheared<M::R>, <M::R as Real>::Mask),
+        line: &Sheared<M::R>,
+        near: <M::R as Real>::Mask,
         cluster: M::I,
         first: &mut M::Cell,
     ) {

@@ -6,6 +6,7 @@
 
 mod spread;
 
+use crate::device::Remote;
 use crate::engine::Block;
 use crate::error::{index, length};
 use crate::jobs::{Lane, ranges};
@@ -146,19 +147,20 @@ impl<T: Float> Simulation<T> {
         let (model, tables) = (self.model(), &self.output_tables);
         let tests = |lanes| rigid::Rangefinder::tests(model, mount, lanes);
         let (width, lanes) = (self.output.width(), self.isa.width::<T>());
-        let short = match (&self.remote, width) {
-            (Some(_), _) => {
+        let there = self.measures_there();
+        let short = match (there, width) {
+            (true, _) => {
                 let of_world = tests(1) * directions.len() as f64;
                 of_world <= TESTS_OF_A_WORLD && of_world * self.worlds() as f64 <= TESTS_IN_ALL
             }
             // Neighbours pass the same triangles.
-            (None, 1) => tests(1) <= TESTS_PER_LANE * lanes as f64,
-            (None, _) => tests(width) <= TESTS_PER_LANE * width as f64,
+            (false, 1) => tests(1) <= TESTS_PER_LANE * lanes as f64,
+            (false, _) => tests(width) <= TESTS_PER_LANE * width as f64,
         };
         if !short || directions.is_empty() {
             return Way::OneByOne;
         }
-        if self.remote.is_none() && width == 1 {
+        if !there && width == 1 {
             let rays = (directions, range);
             let spread = Spread::new((model, tables), mount, rays, self.isa);
             return spread.map_or(Way::OneByOne, Way::Spread);
@@ -176,6 +178,11 @@ impl<T: Float> Simulation<T> {
                 finder: Arc::new(finder),
             })
         })
+    }
+
+    /// Whether worlds are on a device that casts rays.
+    fn measures_there(&self) -> bool {
+        self.remote.as_ref().is_some_and(Remote::measures)
     }
 
     /// Casts a rangefinder's rays where bodies are now: how far [m] each gets before it meets a shape, 0 where it starts in
@@ -232,7 +239,7 @@ impl<T: Float> Simulation<T> {
         worlds: &[usize],
         distances: &mut [T],
     ) -> Result<bool, SimulationError> {
-        if self.remote.is_some() || self.output.width() != 1 {
+        if self.output.width() != 1 {
             return Ok(false);
         }
         self.fetch_motion()?;
@@ -250,15 +257,19 @@ impl<T: Float> Simulation<T> {
         worlds: &[usize],
         distances: &mut [T],
     ) -> Result<bool, SimulationError> {
-        self.report(Report::Motion)?;
-        match &mut self.remote {
-            Some(remote) => {
-                if !remote.measure(&kernel.finder, &mut kernel.distances)? {
-                    return Ok(false);
-                }
+        if self.measures_there() {
+            self.report(Report::Motion)?;
+            let remote = self.remote.as_mut();
+            let cast = remote.map(|it| it.measure(&kernel.finder, &mut kernel.distances));
+            if !cast.transpose()?.unwrap_or(false) {
+                return Ok(false);
             }
-            None if kernel.distances.width() != self.output.width() => return Ok(false),
-            None => self.measure_blocks(kernel, worlds),
+        } else {
+            if kernel.distances.width() != self.output.width() {
+                return Ok(false);
+            }
+            self.fetch_motion()?;
+            self.measure_blocks(kernel, worlds);
         }
         let rays = kernel.finder.rays();
         let rows = distances.par_chunks_exact_mut(rays).zip(worlds);
