@@ -95,6 +95,51 @@ fn seen<'a>(model: &'a Model, mount: &Mount) -> impl Iterator<Item = &'a Shape> 
     shapes.filter(move |shape| !shape.sensor && !own(shape))
 }
 
+/// The shapes that rays from a mount may meet, kind after kind.
+struct Scene<'a> {
+    solids: Vec<(&'a Shape, Solid)>,
+    surfaces: SurfaceData,
+    /// Of each solid, its faces or groups.
+    rows: Vec<Range<usize>>,
+}
+
+impl<'a> Scene<'a> {
+    fn of(model: &'a Model, mount: &Mount) -> Option<Self> {
+        // Only the name of a file is no solid.
+        let solid = |shape| Some((shape, Solid::new(shape, "rangefinder").ok()?));
+        let solids = seen(model, mount).map(solid);
+        let mut solids = solids.collect::<Option<Vec<_>>>()?;
+        solids.sort_by_key(|(_, solid)| solid.kind);
+        let mut surfaces = SurfaceData::default();
+        let mut rows: Vec<Range<usize>> = Vec::with_capacity(solids.len());
+        for (nth, (Shape { geometry, .. }, _)) in solids.iter().enumerate() {
+            let mut before = solids[..nth].iter();
+            let known = before.position(|(other, _)| other.geometry == *geometry);
+            rows.push(match (known, geometry) {
+                (Some(known), _) => rows[known].clone(),
+                (_, Geometry::Hull(hull)) => surfaces.add_hull(hull, geometry.center()),
+                (_, Geometry::Mesh(mesh)) => surfaces.add_mesh(mesh),
+                _ => 0..0,
+            });
+        }
+        Some(Self {
+            solids,
+            surfaces,
+            rows,
+        })
+    }
+    /// How many rows the surfaces of all solids have, at most.
+    fn surface_rows(&self) -> usize {
+        let rows = |(Shape { geometry, .. }, _): &(&Shape, _)| match geometry {
+            Geometry::Hull(hull) => hull.faces().count(),
+            // With the clusters and groups that these are in.
+            Geometry::Mesh(mesh) => 2 * mesh.triangles().len(),
+            _ => 0,
+        };
+        self.solids.iter().map(rows).sum()
+    }
+}
+
 impl Rangefinder {
     /// How many tests a ray from a mount takes, about: one for each shape, and for a mesh the root of its triangles, in each
     /// lane, as each one's ray passes others.
@@ -117,34 +162,10 @@ impl Rangefinder {
         directions: &[DVec3],
         range: f64,
     ) -> Option<Self> {
-        // Only the name of a file is no solid.
-        let solid = |shape| Some((shape, Solid::new(shape, "rangefinder").ok()?));
-        let solids = seen(model, mount).map(solid);
-        let mut solids = solids.collect::<Option<Vec<_>>>()?;
-        solids.sort_by_key(|(_, solid)| solid.kind);
-        let mut surfaces = SurfaceData::default();
-        let mut rows: Vec<Range<usize>> = Vec::with_capacity(solids.len());
-        for (nth, (Shape { geometry, .. }, _)) in solids.iter().enumerate() {
-            let mut before = solids[..nth].iter();
-            let known = before.position(|(other, _)| other.geometry == *geometry);
-            rows.push(match (known, geometry) {
-                (Some(known), _) => rows[known].clone(),
-                (_, Geometry::Hull(hull)) => surfaces.add_hull(hull, geometry.center()),
-                (_, Geometry::Mesh(mesh)) => surfaces.add_mesh(mesh),
-                _ => 0..0,
-            });
-        }
-        let steps: usize = solids
-            .iter()
-            .map(|(Shape { geometry, .. }, _)| match geometry {
-                Geometry::Hull(hull) => hull.faces().count(),
-                // With the clusters and groups that these are in.
-                Geometry::Mesh(mesh) => 2 * mesh.triangles().len(),
-                _ => 0,
-            })
-            .sum();
+        let scene = Scene::of(model, mount)?;
         let (mut parameters, mut links, mut scratch) = (0, 0, 0);
-        let before = |kind| solids.iter().filter(|(_, s)| s.kind < kind).count();
+        let before = |kind| scene.solids.iter().filter(|(_, s)| s.kind < kind).count();
+        let shapes = scene.solids.len();
         let tables = Tables {
             bodies: Table::place(&mut outputs.body.start(), model.bodies.len()),
             count: model.bodies.len(),
@@ -154,10 +175,10 @@ impl Rangefinder {
             rays: directions.len(),
             direction: Table::place(&mut parameters, directions.len()),
             kinds: std::array::from_fn(before),
-            shape: Table::place(&mut parameters, solids.len()),
-            shape_links: Links::place(&mut links, solids.len()),
-            surfaces: surfaces.place(&mut parameters, &mut links),
-            seen: Table::place(&mut scratch, solids.len()),
+            shape: Table::place(&mut parameters, shapes),
+            shape_links: Links::place(&mut links, shapes),
+            surfaces: scene.surfaces.place(&mut parameters, &mut links),
+            seen: Table::place(&mut scratch, shapes),
             distance: Table::place(&mut 0, directions.len()),
         };
         let mut f = Filler::new(parameters, links);
@@ -166,25 +187,14 @@ impl Rangefinder {
         for (row, direction) in directions.iter().enumerate() {
             f.vec3(tables.direction, row, 0, *direction);
         }
-        for (row, ((shape, solid), surface)) in solids.iter().zip(&rows).enumerate() {
-            f.vec3(tables.shape, row, shape_field::SIZE, solid.size);
-            f.pose(tables.shape, row, shape_field::POSE, solid.pose);
-            let endless = solid.kind == kind::PLANE;
-            let radius = if endless { FARTHEST } else { solid.radius };
-            f.number(tables.shape, row, shape_field::RADIUS, radius);
-            let carrier = shape.body.map_or(model.bodies.len(), |body| body.0);
-            f.link(tables.shape_links, row, shape_link::CARRIER, carrier);
-            f.link(tables.shape_links, row, shape_link::FIRST, surface.start);
-            f.link(tables.shape_links, row, shape_link::END, surface.end);
-        }
-        surfaces.write(&tables.surfaces, &mut f.parameters, &mut f.links);
+        tables.fill(&scene, &mut f);
         Some(Self {
             tables,
             parameters: f.parameters,
             links: f.links,
             scratch,
             // Each ray once for every shape and all rows of its surface, in loops over shapes.
-            rounds: (directions.len() + 1) * (1 + solids.len() + steps),
+            rounds: (directions.len() + 1) * (1 + shapes + scene.surface_rows()),
         })
     }
 
@@ -311,6 +321,24 @@ impl<M: Machine> Seen<M> {
 }
 
 impl Tables {
+    /// Writes the shapes.
+    fn fill(&self, scene: &Scene<'_>, f: &mut Filler) {
+        for (row, ((shape, solid), surface)) in scene.solids.iter().zip(&scene.rows).enumerate() {
+            f.vec3(self.shape, row, shape_field::SIZE, solid.size);
+            f.pose(self.shape, row, shape_field::POSE, solid.pose);
+            let endless = solid.kind == kind::PLANE;
+            let radius = if endless { FARTHEST } else { solid.radius };
+            f.number(self.shape, row, shape_field::RADIUS, radius);
+            let carrier = shape.body.map_or(self.count, |body| body.0);
+            f.link(self.shape_links, row, shape_link::CARRIER, carrier);
+            f.link(self.shape_links, row, shape_link::FIRST, surface.start);
+            f.link(self.shape_links, row, shape_link::END, surface.end);
+        }
+        scene
+            .surfaces
+            .write(&self.surfaces, &mut f.parameters, &mut f.links);
+    }
+
     /// Places the rays' frame in that of each shape.
     #[inline(always)]
     fn place<M: Machine>(&self, k: &mut M) {

@@ -37,6 +37,18 @@ fn list(model: &Model, noise: &Noise, touch: bool) -> Result<Vec<Sensor>, Box<dy
     Ok(list)
 }
 
+/// Four rings of 16 rays about the torso.
+fn lidar(model: &Model) -> Result<Sensor, Box<dyn Error>> {
+    let around = |i: usize| std::f64::consts::TAU * i as f64 / 16.0;
+    let kind = SensorKind::Lidar {
+        mount: Mount::on(model.body("torso")?).at(Pose::IDENTITY),
+        azimuths: (0..16).map(around).collect(),
+        elevations: vec![-0.6, -0.3, 0.0, 0.2],
+        max_range: 30.0,
+    };
+    Ok(Sensor::new("lidar", kind))
+}
+
 /// Median of times [s].
 fn median(times: &mut [f64]) -> f64 {
     times.sort_by(f64::total_cmp);
@@ -70,6 +82,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let sensors = Sensors::new(&mut simulation, list(&model, noise, touch)?, 0)?;
         cases.push((name, sensors, vec![]));
     }
+    let sensors = Sensors::new(&mut simulation, vec![lidar(&model)?], 0)?;
+    cases.push(("lidar of 64 rays", sensors, vec![]));
     let (mut steps, mut reports) = (vec![], vec![]);
     for _ in 0..ROUNDS {
         let start = Instant::now();

@@ -244,6 +244,10 @@ impl<T: Float> Simulation<T> {
         }
         self.fetch_motion()?;
         let rays = distances.len() / worlds.len();
+        if spread.are_few(worlds.len()) {
+            spread.cast(self.output.block(worlds[0]), distances);
+            return Ok(true);
+        }
         let rows = distances.par_chunks_exact_mut(rays).zip(worlds);
         self.threads
             .run(|| rows.for_each(|(row, &world)| spread.cast(self.output.block(world), row)));

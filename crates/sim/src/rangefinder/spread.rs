@@ -64,30 +64,36 @@ impl<T: Float> Spread<T> {
         })
     }
 
-    fn room(&self) -> Room<T> {
+    /// Where a thread casts rays of a world of which this is reported, one number after the other.
+    fn room(&self, reported: &[T]) -> Room<T> {
         let width = self.parameters.width();
         let memory = |numbers: usize| Memory::new(width, numbers, width);
         let lengths = self.finder.lengths();
-        Room {
+        let mut room = Room {
             parameters: self.parameters.clone(),
             reported: memory(self.reported),
             scratch: memory(lengths.scratch.max(1)),
             distances: memory(lengths.output),
-        }
+        };
+        let lanes = room.reported.scalars_mut().chunks_exact_mut(width);
+        lanes.zip(reported).for_each(|(lanes, x)| lanes.fill(*x));
+        room
     }
 
-    /// How far all rays get in a world of which this is reported, one number after the other.
+    /// Whether so many worlds' rays are too few to be shared by threads.
+    pub fn are_few(&self, worlds: usize) -> bool {
+        worlds == 1 && self.directions.len() <= self.finder.rays() * self.parameters.width()
+    }
+
+    /// How far all rays get in a world of which this is reported.
     pub fn cast(&self, reported: &[T], distances: &mut [T]) {
-        let width = self.parameters.width();
-        let together = self.finder.rays() * width;
-        let parts = distances.par_chunks_mut(together);
-        parts.enumerate().for_each_init(
-            || {
-                let mut room = self.room();
-                let lanes = room.reported.scalars_mut().chunks_exact_mut(width);
-                lanes.zip(reported).for_each(|(lanes, x)| lanes.fill(*x));
-                room
-            },
+        let together = self.finder.rays() * self.parameters.width();
+        if distances.len() <= together {
+            return self.cast_some(&mut self.room(reported), 0, distances);
+        }
+        let parts = distances.par_chunks_mut(together).enumerate();
+        parts.for_each_init(
+            || self.room(reported),
             |room, (nth, part)| self.cast_some(room, nth * together, part),
         );
     }
