@@ -551,7 +551,7 @@ const GOLDEN: [[[u64; 2]; 5]; 2] = [
 /// For the heap: of each method that lets bodies touch, f32 and f64.
 #[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 const GOLDEN_HEAP: [[u64; 2]; 3] = [
-    [0x48f5_819b_7214_48d6, 0x6140_0692_70ec_0dd5],
+    [0xb4df_6022_8961_79ca, 0x20d7_43de_950d_a4eb],
     [0x9446_ff21_57a8_cc47, 0xc592_4f41_8f13_bd44],
     [0x3090_5141_0158_b863, 0x25f3_0234_2553_e438],
 ];
@@ -559,6 +559,6 @@ const GOLDEN_HEAP: [[u64; 2]; 3] = [
 /// For the humanoid that struggles on the ground, by `featherstone` and by `xpbd`, f32 and f64.
 #[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 const GOLDEN_HUMANOID: [[u64; 2]; 2] = [
-    [0x5472_f60e_fb77_5523, 0xd406_93d6_a0ff_1d20],
+    [0x0895_6348_cc1d_cc04, 0x124a_6153_1c86_d941],
     [0x8793_7ea7_1527_d860, 0x191f_2080_d012_0baa],
 ];

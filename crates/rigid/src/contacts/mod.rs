@@ -24,7 +24,9 @@ pub(crate) use narrow_phase::{
 pub(crate) use plan::{ContactPlan, Seat};
 pub(crate) use sensors::sense;
 pub use tables::ContactTables;
-pub(crate) use tables::{found, pair_field, slot, slot_link};
+pub(crate) use tables::{
+    found, pair_field, pair_link, placed_field, round, shape_link, slot, slot_link,
+};
 
 /// Fastest separation [m/s] of surfaces that overlap, by that alone: what begins deep inside another is not shot out.
 pub(crate) const PUSH_OUT: f64 = 3.0;

@@ -35,7 +35,19 @@ pub(crate) mod shape_link {
     pub const KIND: usize = 3;
     /// The first of a hull's corners, and the one after the last; of a mesh's groups of triangles.
     pub const CORNERS: usize = 4;
-    pub const WIDTH: usize = 6;
+    /// One of [`round`](super::round).
+    pub const ROUND: usize = 6;
+    pub const WIDTH: usize = 7;
+}
+
+/// Which turns of a shape its points of contact do not go along with, but for those of spheres and capsules.
+pub(crate) mod round {
+    /// None: they are at corners, and edges.
+    pub const NOT: usize = 0;
+    /// Those about its axis y.
+    pub const ABOUT_AXIS: usize = 1;
+    /// All.
+    pub const ABOUT_ALL: usize = 2;
 }
 
 /// Fields of [`ContactTables::placed`].
@@ -65,7 +77,10 @@ pub(crate) mod pair_field {
     pub const INERTIA: usize = 10;
     /// Friction coefficient of what sticks.
     pub const STICKING: usize = 11;
-    pub const WIDTH: usize = 12;
+    /// Radius of spheres and capsules [m], else 0, and half of the margin: of the shape that the normal points to, and
+    /// of the other.
+    pub const ROUNDING: usize = 12;
+    pub const WIDTH: usize = 14;
 }
 
 /// Fields of [`ContactTables::pair_links`].
@@ -78,7 +93,9 @@ pub(crate) mod pair_link {
     pub const FLIP: usize = 3;
     /// One of [`found`](super::found).
     pub const LIST: usize = 4;
-    pub const WIDTH: usize = 5;
+    /// Row of the shape that the normal points to, then of the other.
+    pub const SIDES: usize = 5;
+    pub const WIDTH: usize = 7;
 }
 
 /// The lists of [`ContactTables::found`].
@@ -229,6 +246,23 @@ pub(crate) fn thickness(geometry: &Geometry) -> f64 {
     }
 }
 
+/// One of [`round`]. What an ellipsoid rolls on is taken to be as far from its centre as its contact.
+fn roundness(geometry: &Geometry) -> usize {
+    match geometry {
+        Geometry::Cylinder { .. } | Geometry::Cone { .. } => round::ABOUT_AXIS,
+        Geometry::Ellipsoid { .. } => round::ABOUT_ALL,
+        _ => round::NOT,
+    }
+}
+
+/// Radius [m] of what has the same all over; else 0.
+fn rounding(geometry: &Geometry) -> f64 {
+    match *geometry {
+        Geometry::Sphere { radius } | Geometry::Capsule { radius, .. } => radius,
+        _ => 0.0,
+    }
+}
+
 /// What [`way_through`] asks of a shape.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Thin {
@@ -339,6 +373,8 @@ impl ContactTables {
                 solid.kind
             };
             f.link(self.shape_links, row, shape_link::KIND, kind);
+            let round = roundness(&shape.geometry);
+            f.link(self.shape_links, row, shape_link::ROUND, round);
             let rows = corners
                 .entry((sight.shape, kind))
                 .or_insert_with(|| match kind {
@@ -377,6 +413,10 @@ impl ContactTables {
                 usize::from(pair.flip),
             );
             f.link(self.pair_links, row, pair_link::LIST, pair.list());
+            let sides = if pair.flip { [0, 1] } else { [1, 0] };
+            for (i, side) in sides.into_iter().enumerate() {
+                f.link(self.pair_links, row, pair_link::SIDES + i, pair.rows[side]);
+            }
             let material = model.contact_material(pair.shapes[0], pair.shapes[1]);
             let shapes = pair.shapes.map(|s| &model.shapes[s.0]);
             let (stiffness, damping) = material.softness.spring(pair.mass);
@@ -394,8 +434,10 @@ impl ContactTables {
                 material.torsional_friction,
                 material.rolling_friction,
                 passable(plan, pair) * fastest,
-                0.4 * pair.mass * largest(shapes[usize::from(!pair.flip)]).powi(2),
+                0.4 * pair.mass * largest(shapes[sides[0]]).powi(2),
                 material.sticking(),
+                rounding(&shapes[sides[0]].geometry) + 0.5 * material.margin,
+                rounding(&shapes[sides[1]].geometry) + 0.5 * material.margin,
             ];
             f.numbers(self.pair, row, 0, &numbers);
         }

@@ -7,10 +7,16 @@
 //! ```
 //!
 //! u' is the velocity of the node at x at the end of the step of length h, u⁰ what it would be if
-//! every q̈ were zero, and Δa what the q̈ add ([`articulated_body`](super::articulated_body)). Spatial accelerations are
-//! those of what passes x, but the contact of what rolls or slides goes along: a ball that did both sank in, however
-//! short the step, where its surface has m'. So the arm from the centre of mass of what floats is fixed; of other nodes
-//! the contact is taken to stand still, as a foot's. So
+//! every q̈ were zero, and Δa what the q̈ add ([`articulated_body`](super::articulated_body)).
+//!
+//! What passes a point that stands still has the spatial acceleration a + α × x; what goes along with a contact that moves
+//! on with ẋ has ω × ẋ more (Featherstone 2008, §2.11), which does not vanish with h where the surface has m'. At a corner
+//! ẋ is the body's own velocity there, zero while it pivots; a ball is touched below its centre however it turns, and ẋ is
+//! that of its centre. So, where the normal stays as it is, ẋ is the velocity at the centre of curvature: ρ beyond the
+//! surface for spheres and capsules, and at the surface for corners and edges. What turns a cylinder or a cone about its
+//! axis does not move its contacts, be they on its side, rims or faces. A rim that precesses, and ellipsoids, whose radius
+//! is taken to be the distance of the centre, are not exact, nor are faces on what sticks out. Only on free roots do
+//! contacts go along; on other nodes ẋ = 0, as a foot's that stands. So
 //!
 //! ```text
 //! f = f⁰ − h C (Δa + Δα × x)      C = cₜ 1 + (cₙ − cₜ) n nᵀ      f⁰ = f at u' = u⁰
@@ -53,7 +59,10 @@ use super::limit::late_damping;
 use super::tables::{Tables, frame, node, node_link, step};
 use super::turning;
 use crate::cone;
-use crate::contacts::{PUSH_OUT, Places, found, sense, slot, slot_link, touches};
+use crate::contacts::{
+    PUSH_OUT, Places, found, pair_field, pair_link, placed_field, round, sense, shape_link, slot,
+    slot_link, touches,
+};
 use crate::restitution::early;
 use numbers::machine::{Held, Hold};
 use numbers::spatial::{Inertia, Spatial};
@@ -180,18 +189,60 @@ pub(crate) fn at<R: Real>(v: Spatial<R>, x: Vec3<R>) -> Vec3<R> {
     v.linear + v.angular.cross(x)
 }
 
-/// Acceleration of a node at x where every q̈ is zero, less gravity; of a root that floats, of what goes along with its
-/// centre of mass c, by + ω × v_c (Featherstone 2008, §2.11).
+/// Acceleration of a node at a contact where every q̈ is zero, less gravity: of a free root, of what goes along with the
+/// point of contact. `side` is 0 for the node that the normal points to, and 1 for the other, which sees it at x.
 #[inline(always)]
-pub(crate) fn bias<M: Machine>(k: &M, t: &Tables, node: M::I, x: Vec3<M::R>) -> Vec3<M::R> {
+pub(crate) fn bias<M: Machine>(
+    k: &M,
+    t: &Tables,
+    s: M::I,
+    side: usize,
+    node: M::I,
+    x: Vec3<M::R>,
+) -> Vec3<M::R> {
     let mut a = at(k.spatial(t.frame, node, frame::BIAS), x).hold(k);
-    let floats = k.link(t.node_links, node, node_link::FLOATS);
-    if let Some(_branch) = k.when(k.equals(floats, 1)) {
+    let free = k.link(t.node_links, node, node_link::FREE);
+    if let Some(_branch) = k.when(k.equals(free, 1)) {
         let v = k.spatial(t.frame, node, frame::TWIST);
-        let along = v.angular.cross_plus(at(v, center_of(k, t, node)), a.get());
-        a.set(along);
+        let goes = goes_along(k, t, s, side, v, x);
+        a.set(v.angular.cross_plus(goes, a.get()));
     }
     a.get()
+}
+
+/// Velocity of the point at which a shape that moves with v is touched, as if its normal stayed: ẋ.
+#[inline(always)]
+fn goes_along<M: Machine>(
+    k: &M,
+    t: &Tables,
+    s: M::I,
+    side: usize,
+    v: Spatial<M::R>,
+    x: Vec3<M::R>,
+) -> Vec3<M::R> {
+    let pair = k.link(t.contacts.slot_links, s, slot_link::PAIR);
+    let shape = k.link(t.contacts.pair_links, pair, pair_link::SIDES + side);
+    let n = k.vec3(t.contacts.slot, s, slot::NORMAL);
+    let distance = k.load(t.contacts.slot, s, slot::DISTANCE);
+    let rounding = k.load(t.contacts.pair, pair, pair_field::ROUNDING + side);
+    // The contact is midway between the surfaces.
+    let inwards = distance.min(M::R::zero()).fma(M::R::lit(0.5), rounding);
+    let inwards = n * if side == 0 { inwards } else { -inwards };
+    let mut along = at(v, x + inwards).hold(k);
+    let round = k.link(t.contacts.shape_links, shape, shape_link::ROUND);
+    if let Some(_branch) = k.when(k.less(k.index(round::NOT), round)) {
+        let place = k.pose(t.contacts.placed, shape, placed_field::POSITION);
+        let surface = k.vec3(t.contacts.slot, s, slot::POSITION) + inwards;
+        let axis = place
+            .q
+            .rotate(Vec3::new(M::R::zero(), M::R::one(), M::R::zero()));
+        let mut turn = (axis * axis.dot(v.angular)).hold(k);
+        if let Some(_branch) = k.when(k.equals(round, round::ABOUT_ALL)) {
+            turn.set(v.angular);
+        }
+        along.set(turn.get().cross_plus(place.p - surface, along.get()));
+    }
+    along.get()
 }
 
 /// Fills the row of a slot that may come to press within the step.
@@ -209,7 +260,7 @@ fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
     }
     let x = k.vec3(t.contacts.slot, s, slot::POSITION);
     let v = at(k.spatial(t.frame, node, frame::TWIST), x);
-    let a = bias(k, t, node, x) + gravity;
+    let a = bias(k, t, s, 0, node, x) + gravity;
     let u0 = a.fma(h, v);
     let (speed, u0_n) = (n.dot(v), n.dot(u0));
 

@@ -24,7 +24,7 @@ use super::contact::{self, at, bias, impedance, law, load, rate};
 use super::coupling;
 use super::factor::{self, Keep, Path, response, seen_from_a};
 use super::locked;
-use super::tables::{Tables, couple_link, frame, node, touch_link};
+use super::tables::{Tables, frame, node, touch_link};
 use super::turning;
 use crate::contacts::{found, slot, slot_link};
 use numbers::machine::space::Scratch;
@@ -217,8 +217,8 @@ fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) -> M::R {
     let e = basis(k.vec3(t.contacts.slot, s, slot::NORMAL));
     let x = k.vec3(t.contacts.slot, s, slot::POSITION);
     let x_a = seen_from_a(k, t, couple, x);
-    let now = moves(k, t, couple_link::NODE_B, couple, x, h);
-    let other = moves(k, t, couple_link::NODE_A, couple, x_a, h);
+    let [_, _, a, b] = k.link_row::<_, 4>(t.couple_links, couple);
+    let (now, other) = (moves(k, t, s, 0, b, x, h), moves(k, t, s, 1, a, x_a, h));
     let (speed, u) = (e.x.dot(now.0 - other.0), e.transpose_mul(now.1 - other.1));
     if t.contacts.sticks {
         let v = now.0 - other.0;
@@ -307,19 +307,19 @@ fn responses<M: Machine>(k: &mut M, t: &Tables, s: M::I, e: Mat3<M::R>) -> Vec3<
     factor::rows(k, t, Path::of(k, t, couple), &to, [on_a, on_b])
 }
 
-/// Velocity of one side at x before the step, and after it without impulses.
+/// Velocity of one side's node at x before the step, and after it without impulses.
 #[inline(always)]
 fn moves<M: Machine>(
     k: &M,
     t: &Tables,
+    s: M::I,
     side: usize,
-    couple: M::I,
+    node: M::I,
     x: Vec3<M::R>,
     h: M::R,
 ) -> (Vec3<M::R>, Vec3<M::R>) {
-    let node = k.link(t.couple_links, couple, side);
     let v = at(k.spatial(t.frame, node, frame::TWIST), x);
-    let a = bias(k, t, node, x) + at(k.spatial(t.frame, node, frame::ACCELERATION), x);
+    let a = bias(k, t, s, side, node, x) + at(k.spatial(t.frame, node, frame::ACCELERATION), x);
     (v, a.fma(h, v))
 }
 

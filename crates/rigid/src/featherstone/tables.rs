@@ -80,7 +80,9 @@ pub(crate) mod node_link {
     pub const ALONE: usize = 13;
     /// 1 if the parent is visited just before, on the [way along the limbs](Tables::limb_links).
     pub const FOLLOWS: usize = 14;
-    pub const WIDTH: usize = 15;
+    /// 1 for a root on a free joint, whatever acts along it.
+    pub const FREE: usize = 15;
+    pub const WIDTH: usize = 16;
 }
 
 /// Values of [`node_link::ARRIVAL`].
@@ -376,7 +378,9 @@ pub(super) struct Node {
     tree: usize,
     place: Pose,
     motions: Vec<Motion>,
-    /// A root on a free joint along which nothing acts but forces.
+    /// A root on a free joint.
+    free: bool,
+    /// The same, along which nothing acts but forces.
     floats: bool,
     pub dof: usize,
     mass: f64,
@@ -697,8 +701,9 @@ impl Forest {
             motions.push(motion);
         }
         let node = self.push(parent, place, motions);
-        self.nodes[node].floats =
-            parent.is_none() && joint.kind == JointKind::Free && only_forces_act(model, id);
+        let free = parent.is_none() && joint.kind == JointKind::Free;
+        self.nodes[node].free = free;
+        self.nodes[node].floats = free && only_forces_act(model, id);
         (node, shift)
     }
 
@@ -716,6 +721,7 @@ impl Forest {
             tree,
             place,
             motions,
+            free: false,
             floats: false,
             dof,
             mass: 0.0,
@@ -1169,6 +1175,7 @@ impl Tables {
             let floats = n.floats && !self.exchanges();
             let (eliminated, from) = if floats { (0, row) } else { (n.dofs(), parent) };
             f.link(self.node_links, row, node_link::FLOATS, usize::from(floats));
+            f.link(self.node_links, row, node_link::FREE, usize::from(n.free));
             f.link(self.node_links, row, node_link::ELIMINATED, eliminated);
             f.link(self.node_links, row, node_link::ACCELERATES_FROM, from);
             f.pose(self.node, row, node::PLACE, n.place);

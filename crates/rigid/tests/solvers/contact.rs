@@ -7,7 +7,7 @@ use kinetarium_rigid::{
     Settings, TouchingFeatherstone, body as of_body, contact as of_contact,
     reaction as of_reaction, total as of_total,
 };
-use model::{Builder, Geometry, Model, Pose, Shape};
+use model::{Builder, Geometry, Material, Model, Pose, Shape, Softness};
 
 /// Gravity of the models [m/s²].
 const G: f64 = 9.81;
@@ -51,6 +51,138 @@ fn a_soft_landing_follows_its_law_from_the_first_step() {
         run.step(landing.steps);
         let error = run.position().y - landing.height;
         assert!(error.abs() < landing.error, "{}: {error}", landing.name);
+    }
+}
+
+/// A surface whose added mass is as much as rests on it, and a time constant [s].
+fn heavy_surface(constant: f64) -> Material {
+    let softness = Softness::Time {
+        constant,
+        ratio: 1.0,
+        impedance: 0.5,
+        mass: None,
+    };
+    Material {
+        softness,
+        ..surface(1.0, 0.0)
+    }
+}
+
+/// What rolls is borne at the height at which it rests, as its contacts go along with its axis. Where they stand still, or
+/// go along with the surface, m' feels ω² R too much, which is 92 times g.
+#[test]
+fn what_rolls_on_added_mass_does_not_sink_in() {
+    let (radius, constant, turn) = (0.1, 0.02, 95.0);
+    let half_height = 0.05;
+    let solids = [
+        Geometry::Sphere { radius },
+        Geometry::Capsule {
+            radius,
+            half_height: 0.2,
+        },
+        Geometry::Cylinder {
+            radius,
+            half_height,
+        },
+        Geometry::Ellipsoid {
+            half: DVec3::new(radius, 0.2, radius),
+        },
+    ];
+    for solid in solids {
+        let mut world = Builder::new("rolls");
+        let material = heavy_surface(constant);
+        world
+            .object("ground")
+            .scenery(Shape::new(plane()).with_material(material));
+        let side = Pose::new(
+            DVec3::ZERO,
+            DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2),
+        );
+        let shape = Shape::new(solid.clone()).at(side).with_material(material);
+        let body = world.object("").body("body");
+        body.at(Pose::at(radius * DVec3::Y)).shape(shape);
+        let model = world.build().unwrap();
+        let [rests, rolls] = [0.0, turn].map(|turn| {
+            let velocity = [radius * turn, 0.0, 0.0, 0.0, 0.0, -turn];
+            let mut run = Run::new(&model, &velocity, &Settings::new(5e-4));
+            run.step(400);
+            run.position().y
+        });
+        let sag = radius - rests;
+        assert!(sag > 0.0, "{solid:?}");
+        assert!(
+            (rests - rolls).abs() < 0.01 * sag,
+            "{solid:?}: {rests} {rolls}"
+        );
+    }
+}
+
+/// A box that tips over an edge is a pendulum on a spring. With θ its turn from where its centre is above the edge at a
+/// distance r, x the height of the edge, which sticks, I its moment about the edge, and M = m + m':
+///
+/// ```text
+/// I θ̈ = m r sin θ (ẍ + g)
+/// M ẍ = −k x − d ẋ − m g + m r (θ̈ sin θ + θ̇² cos θ)
+/// ```
+///
+/// Were m' to feel the centre's acceleration θ̇² r, x would be off by m' θ̇² r / k = T² θ̇² r / 2. Steps of length h go on with
+/// the velocity at their end, and leave the arc by h θ̇² r / 2 a second, which the damper holds with 2 T of that, T h θ̇² r.
+#[test]
+fn a_box_that_pivots_on_added_mass_does_not_feel_its_centre_turn() {
+    let (half, constant, turn, end) = (0.1, 0.02, 5.0, 0.06);
+    let material = heavy_surface(constant);
+    let r = half * std::f64::consts::SQRT_2;
+    let geometry = Geometry::Box {
+        half: DVec3::splat(half),
+    };
+    let m = on_plane(geometry.clone(), material, DVec3::Y, 0.0).bodies[0].mass;
+    // Both corners of the edge bear the box, each as if alone.
+    let [k, d] = <[f64; 2]>::from(material.softness.spring(m)).map(|x| 2.0 * x);
+    let added = 2.0 * material.softness.added_mass(m);
+    let about_edge = m * half * half * (2.0 / 3.0 + 2.0);
+    let depth = m * (G - turn * turn * r) / k;
+
+    let rates = |[x, v, angle, turn]: [f64; 4]| {
+        let (s, c) = angle.sin_cos();
+        let lever = m * r * s;
+        let inertia = m + added - lever * lever / about_edge;
+        let force = -k * x - d * v - m * G + m * r * turn * turn * c;
+        let a = (force + lever * lever * G / about_edge) / inertia;
+        [v, a, turn, lever * (a + G) / about_edge]
+    };
+    let (mut state, n) = ([-depth, 0.0, 0.0, turn], 6000);
+    let dt = end / f64::from(n);
+    for _ in 0..n {
+        let ahead = |rate: [f64; 4], h: f64| std::array::from_fn(|i| state[i] + h * rate[i]);
+        let a = rates(state);
+        let b = rates(ahead(a, 0.5 * dt));
+        let c = rates(ahead(b, 0.5 * dt));
+        let e = rates(ahead(c, dt));
+        let sum = std::array::from_fn(|i| (a[i] + 2.0 * b[i] + 2.0 * c[i] + e[i]) / 6.0);
+        state = ahead(sum, dt);
+    }
+    let [x, ..] = state;
+
+    for h in [1e-3, 5e-4, 1e-4] {
+        let mut world = Builder::new("pivots");
+        world
+            .object("ground")
+            .scenery(Shape::new(plane()).with_material(material));
+        let tilt = DQuat::from_rotation_z(std::f64::consts::FRAC_PI_4);
+        let shape = Shape::new(geometry.clone()).with_material(material);
+        let body = world.object("").body("body");
+        body.at(Pose::new((r - depth) * DVec3::Y, tilt))
+            .shape(shape);
+        let model = world.build().unwrap();
+        let mut run = Run::new(
+            &model,
+            &[turn * r, 0.0, 0.0, 0.0, 0.0, -turn],
+            &Settings::new(h),
+        );
+        run.step((end / h).round() as usize);
+        let error = -run.contacts().1 - x;
+        let late = constant * h * turn * turn * r;
+        assert!(error.abs() < late, "{h}: {error} of {depth}");
     }
 }
 
