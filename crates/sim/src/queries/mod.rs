@@ -133,7 +133,7 @@ impl<T: Float> Simulation<T> {
 }
 
 /// A refusal of a query.
-pub(crate) fn refused(
+fn refused(
     (query, index): (&'static str, usize),
     what: &'static str,
     value: impl ToString,
@@ -211,6 +211,14 @@ fn check_shape(
         let remedy = "at least the radius: it includes the caps";
         return Err(refused(query, "half height", form.size.y, remedy));
     }
+    check_pose(query, pose)
+}
+
+/// A pose that is somewhere, with an orientation of unit length.
+pub(crate) fn check_pose(
+    query: (&'static str, usize),
+    pose: Pose,
+) -> Result<Pose, SimulationError> {
     check_point(query, "position", pose.position)?;
     let length = pose.orientation.length();
     if !LENGTHS.contains(&length) {

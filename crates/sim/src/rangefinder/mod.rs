@@ -10,7 +10,7 @@ use crate::device::Remote;
 use crate::engine::Block;
 use crate::error::{index, length};
 use crate::jobs::{Lane, ranges};
-use crate::queries::{check_direction, check_most, check_point, refused};
+use crate::queries::{check_direction, check_most, check_pose};
 use crate::scratch::Scratch;
 use crate::{Ray, Simulation, SimulationError};
 use glam::DVec3;
@@ -90,24 +90,6 @@ pub(crate) fn look_alike(ours: &[Shape], theirs: &[Shape]) -> bool {
     ours.len() == theirs.len() && ours.iter().zip(theirs).all(alike)
 }
 
-/// A mount that is somewhere, its orientation of unit length.
-fn checked(mount: Mount) -> Result<Mount, SimulationError> {
-    let query = ("rangefinder", 0);
-    check_point(query, "position", mount.pose.position)?;
-    let length = mount.pose.orientation.length();
-    if !(1e-12..=1e12).contains(&length) {
-        let remedy = "a quaternion x, y, z, w of a length from 1e-12 to 1e12";
-        return Err(refused(
-            query,
-            "orientation",
-            mount.pose.orientation,
-            remedy,
-        ));
-    }
-    let turn = mount.pose.orientation / length;
-    Ok(mount.at(Pose::new(mount.pose.position, turn)))
-}
-
 impl<T: Float> Simulation<T> {
     /// Rays from a mount along `directions` of its frame, of any length but zero, that go no farther than `range` [m],
     /// which may be infinite: to be cast in many worlds at once, again and again, by
@@ -127,7 +109,7 @@ impl<T: Float> Simulation<T> {
         if let Some(body) = mount.body {
             index("body", body.0, self.model().bodies.len())?;
         }
-        let mount = checked(mount)?;
+        let mount = mount.at(check_pose(("rangefinder", 0), mount.pose)?);
         check_most(("rangefinder", 0), range)?;
         let unit = |(i, d): (usize, &DVec3)| check_direction(("rangefinder", i), *d);
         let directions = directions.iter().enumerate().map(unit);
