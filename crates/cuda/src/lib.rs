@@ -34,10 +34,10 @@
 mod card;
 mod compiler;
 mod error;
+mod instrument;
 mod kernel;
 mod libraries;
 mod piles;
-mod rangefinder;
 mod wgsl;
 mod worlds;
 

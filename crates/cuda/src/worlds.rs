@@ -4,18 +4,18 @@
 //! does in the pieces in which state and scratch lie, which others do not share (`numbers::trace::PIECE`).
 
 use crate::compiler::BLOCK;
+use crate::instrument::Reading;
 use crate::kernel::{Kernel, Launch, Placement, gather, state_numbers};
-use crate::rangefinder::Finder;
 use crate::{Cuda, CudaError};
 use cudarc::driver::CudaSlice;
 use model::{CollisionFilter, Model};
 use numbers::Memory;
 use numbers::trace::{PIECE, PrintOptions};
 use piles::{NUMBER, Need, Piles};
-use records::Programs;
+use records::{Instruments, Programs};
 use rigid::impulse::Impulse;
-use rigid::{Lanes, Rangefinder, Report, Solver};
-use sim::{Address, Device, DeviceError, DeviceWorlds, Processor};
+use rigid::{Instrument, Lanes, Report, Solver};
+use sim::{Address, Constants, Device, DeviceError, DeviceWorlds, Processor};
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
@@ -47,8 +47,8 @@ pub struct Worlds {
     reserved: OnceLock<CudaSlice<f32>>,
     /// Of the step, then of each report, once they were wanted.
     kernels: [Option<Kernel>; 5],
-    /// Rangefinders whose rays were cast.
-    finders: Vec<Finder>,
+    /// What instruments were read by.
+    readings: Instruments<Reading>,
 }
 
 impl Device<f32> for Cuda {
@@ -111,7 +111,7 @@ impl Worlds {
             parameters_per_world: false,
             reserved: OnceLock::new(),
             kernels: Default::default(),
-            finders: Vec::new(),
+            readings: Instruments::default(),
             card: card.clone(),
             programs,
             worlds,
@@ -164,18 +164,27 @@ impl Worlds {
         };
         launch.run(&self.card, kernel)
     }
-    /// The row of a rangefinder among those that are known, unless its distances are too many.
-    fn row_of(&mut self, finder: &Arc<Rangefinder>) -> Result<Option<usize>, CudaError> {
-        let known = self.finders.iter().position(|own| own.is_of(finder));
-        if known.is_some() {
-            return Ok(known);
+    /// The row of what reads an instrument, in worlds with such constants, unless its numbers are too many.
+    fn row_of(
+        &mut self,
+        instrument: &Arc<Instrument>,
+        own: Option<&Constants<f32>>,
+    ) -> Result<Option<usize>, CudaError> {
+        let (card, worlds) = (&self.card, self.worlds);
+        let row = self.readings.row_of(
+            instrument,
+            |known| known.version.is_some() == own.is_some(),
+            || Reading::new(card, instrument, worlds, own.is_some()),
+        )?;
+        if let (Some(row), Some(own)) = (row, own) {
+            let reading = &mut self.readings[row];
+            if reading.version != Some(own.version) {
+                let all = 0..own.numbers.length();
+                write(card, all, &own.numbers, &mut reading.parameters)?;
+                reading.version = Some(own.version);
+            }
         }
-        self.finders.retain(Finder::lives);
-        let made = Finder::new(&self.card, finder, self.worlds)?;
-        Ok(made.map(|own| {
-            self.finders.push(own);
-            self.finders.len() - 1
-        }))
+        Ok(row)
     }
     /// The worlds of each piece of the state.
     fn pieces(&self) -> impl Iterator<Item = Range<usize>> + use<> {
@@ -283,28 +292,29 @@ impl DeviceWorlds<f32> for Worlds {
     }
     fn measure(
         &mut self,
-        finder: &Arc<Rangefinder>,
-        distances: &mut Memory<f32>,
+        instrument: &Arc<Instrument>,
+        own: Option<&Constants<f32>>,
+        numbers: &mut Memory<f32>,
     ) -> Result<bool, DeviceError> {
-        let Some(row) = self.row_of(finder)? else {
+        let Some(row) = self.row_of(instrument, own)? else {
             return Ok(false);
         };
-        let own = &mut self.finders[row];
+        let reading = &mut self.readings[row];
         let launch = Launch {
-            state: &mut self.state,
-            // What the solver has reported is what this kernel is given.
+            // What the solver is told and has reported is what this kernel is given.
+            state: &mut self.input,
             input: &self.output,
-            output: &mut own.distances,
-            scratch: &mut own.scratch,
-            parameters: &own.parameters,
-            links: &own.links,
+            output: &mut reading.numbers,
+            scratch: &mut reading.scratch,
+            parameters: &reading.parameters,
+            links: &reading.links,
             worlds: self.worlds as u32,
-            lanes: own.lanes.count as u32,
+            lanes: reading.lanes.count as u32,
             rounds: 1,
         };
-        launch.run(&self.card, &own.kernel)?;
-        let all = 0..finder.rays();
-        read(&self.card, &[all], &own.distances, distances)?;
+        launch.run(&self.card, &reading.kernel)?;
+        let all = 0..numbers.length();
+        read(&self.card, &[all], &reading.numbers, numbers)?;
         Ok(true)
     }
     fn input_address(&self) -> Result<Option<Address>, DeviceError> {

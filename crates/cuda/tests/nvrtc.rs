@@ -1,20 +1,27 @@
 //! What NVRTC makes of kernels. Needs no card: `pip install nvidia-cuda-nvrtc-cu12`, and its folder in `LD_LIBRARY_PATH`.
 
+#[path = "../../rigid/tests/scene/every_gauge.rs"]
+mod every_gauge;
+#[path = "../../rigid/tests/scene/models.rs"]
+#[allow(dead_code)]
+mod models;
 #[path = "../../rigid/tests/scene/surroundings.rs"]
 #[allow(dead_code)]
 mod surroundings;
 
+use every_gauge::every_gauge;
 use kinetarium_cuda::{ptx, ptx_of_wgsl};
 use model::examples::{Scene, Start, chain};
 use model::{Model, Mount};
 use numbers::machine::space::State;
 use numbers::trace::{self, Members, PrintOptions, Program};
 use numbers::{Machine, Real, Table};
-use records::{PilePrograms, Programs, ranges};
+use records::{PilePrograms, Programs, instrument};
 use rigid::Report::Everything;
 use rigid::impulse::{ContactTables, row};
 use rigid::{
-    Featherstone, Lengths, OutputTables, Rangefinder, Settings, Solver, TouchingFeatherstone, Xpbd,
+    Featherstone, Gauges, InputTables, Instrument, Kernels, Lengths, OutputTables, Rangefinder,
+    Reported, Settings, Solver, TouchingFeatherstone, Xpbd,
 };
 use surroundings::{directions, surroundings};
 
@@ -69,7 +76,23 @@ fn rays_are_compiled_exactly() {
     let model = surroundings();
     let (mount, outputs) = (Mount::default(), OutputTables::new(&model));
     let finder = Rangefinder::new(&model, &outputs, &mount, &directions(5), 9.0).unwrap();
-    is_exact(&ranges(&finder).unwrap(), finder.lengths());
+    let finder = Instrument::Rangefinder(finder);
+    is_exact(&instrument(&finder).unwrap(), finder.lengths());
+}
+
+#[test]
+#[ignore = "needs NVRTC"]
+fn gauges_are_compiled_exactly() {
+    let model = models::mixed(false).unwrap();
+    let kernels = TouchingFeatherstone::new(&model, &Settings::new(0.002)).unwrap();
+    let reported = Reported {
+        outputs: &kernels.outputs(),
+        inputs: &InputTables::new(&model),
+        contact_shapes: kernels.contact_shapes(),
+    };
+    let gauges = Gauges::new(&model, &reported, &every_gauge(&model));
+    let gauges = Instrument::Gauges(gauges);
+    is_exact(&instrument(&gauges).unwrap(), gauges.lengths());
 }
 
 /// What lies between the kernels of piles, and kernels whose members are contacts and joints.

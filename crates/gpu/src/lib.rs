@@ -32,11 +32,11 @@
 mod card;
 mod clock;
 mod error;
+mod instrument;
 mod memory;
 mod piles;
 mod pipeline;
 mod placement;
-mod rangefinder;
 mod worlds;
 
 pub use adapter::{Choice, NoCard};

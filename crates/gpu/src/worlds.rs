@@ -3,19 +3,19 @@
 //! A binding of a card has a largest size, so that worlds lie in *parts* of equal size, each with buffers of its
 //! own; scratch is the invocations', each of which steps one world after the other.
 
+use crate::instrument::Reading;
 use crate::memory::{Staging, buffer, filled};
 use crate::pipeline::OPTIONS;
 use crate::placement::Placement;
-use crate::rangefinder::Finder;
 use crate::{Gpu, GpuError};
 use model::{CollisionFilter, Model};
 use numbers::Memory;
 use numbers::trace::PrintOptions;
 use piles::{NUMBER, Need, Piles, TooLarge, WORKGROUP};
-use records::Programs;
+use records::{Instruments, Programs};
 use rigid::impulse::Impulse;
-use rigid::{Lanes, Lengths, Rangefinder, Report, Solver};
-use sim::{Device, DeviceError, DeviceWorlds, Processor};
+use rigid::{Instrument, Lanes, Lengths, Report, Solver};
+use sim::{Constants, Device, DeviceError, DeviceWorlds, Processor};
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
@@ -36,8 +36,8 @@ pub struct Worlds {
     reserved: OnceLock<Vec<wgpu::Buffer>>,
     /// Of the step, then of each report, once they were wanted.
     kernels: [Option<wgpu::ComputePipeline>; 5],
-    /// Those whose rays were cast.
-    finders: Vec<Finder>,
+    /// What instruments were read by.
+    readings: Instruments<Reading>,
 }
 
 /// Numbers of a world that are read.
@@ -45,8 +45,8 @@ pub struct Worlds {
 enum Held {
     State,
     Output,
-    /// Of the finder in this row.
-    Distances(usize),
+    /// What was read by the instrument in this row.
+    Read(usize),
 }
 
 /// Some of the worlds.
@@ -126,7 +126,7 @@ impl Worlds {
             parameters: filled(gpu, &numbers)?,
             reserved: OnceLock::new(),
             kernels: Default::default(),
-            finders: Vec::new(),
+            readings: Instruments::default(),
             gpu: gpu.clone(),
             programs,
             worlds,
@@ -181,14 +181,14 @@ impl Worlds {
         &'a self,
         numbers: Range<usize>,
         memory: &Memory<f32>,
-        buffer: impl Fn(&'a Part) -> &'a wgpu::Buffer,
+        buffer: impl Fn(usize, &'a Part) -> &'a wgpu::Buffer,
     ) {
         assert_eq!(memory.worlds(), self.worlds, "worlds of a memory");
         let at = (numbers.start * self.width) as u64 * NUMBER;
-        for part in &self.parts {
+        for (nth, part) in self.parts.iter().enumerate() {
             let rows = memory.rows(numbers.clone(), part.worlds.clone(), self.width);
             let bytes = bytemuck::cast_slice(&rows);
-            self.gpu.queue().write_buffer(buffer(part), at, bytes);
+            self.gpu.queue().write_buffer(buffer(nth, part), at, bytes);
         }
     }
 
@@ -200,7 +200,7 @@ impl Worlds {
         held: Held,
     ) -> Result<(), GpuError> {
         assert_eq!(memory.worlds(), self.worlds, "worlds of a memory");
-        let (gpu, width, finders) = (&self.gpu, self.width, &self.finders);
+        let (gpu, width, readings) = (&self.gpu, self.width, &self.readings);
         let numbers = numbers.iter().filter(|range| !range.is_empty());
         if numbers.clone().next().is_none() {
             return Ok(());
@@ -212,7 +212,7 @@ impl Worlds {
             let from = match held {
                 Held::State => &part.state,
                 Held::Output => &part.output,
-                Held::Distances(row) => &finders[row].distances[nth],
+                Held::Read(row) => &readings[row].numbers[nth],
             };
             part.staging.ask(gpu, &mut encoder, from, ranges.clone())?;
         }
@@ -281,26 +281,34 @@ impl Worlds {
         self.gpu.check()
     }
 
-    /// The row of a rangefinder among those that are known, unless it does not fit.
-    fn row_of(&mut self, finder: &Arc<Rangefinder>) -> Result<Option<usize>, GpuError> {
-        let known = self.finders.iter().position(|own| own.is_of(finder));
-        if known.is_some() {
-            return Ok(known);
+    /// The row of what reads an instrument, in worlds with such constants, unless it does not fit.
+    fn row_of(
+        &mut self,
+        instrument: &Arc<Instrument>,
+        own: Option<&Constants<f32>>,
+    ) -> Result<Option<usize>, GpuError> {
+        let (gpu, size) = (&self.gpu, (self.parts.len(), self.width));
+        let row = self.readings.row_of(
+            instrument,
+            |known| known.version.is_some() == own.is_some(),
+            || Reading::new(gpu, instrument, size, own.is_some()),
+        )?;
+        if let (Some(row), Some(own)) = (row, own) {
+            let reading = &self.readings[row];
+            if reading.version != Some(own.version) {
+                let all = 0..own.numbers.length();
+                self.write(all, &own.numbers, |nth, _| reading.parameters(nth));
+                self.readings[row].version = Some(own.version);
+            }
         }
-        self.finders.retain(Finder::lives);
-        let size = (self.parts.len(), self.width);
-        let made = Finder::new(&self.gpu, finder, size)?;
-        Ok(made.map(|own| {
-            self.finders.push(own);
-            self.finders.len() - 1
-        }))
+        Ok(row)
     }
 }
 
 impl DeviceWorlds<f32> for Worlds {
     fn write_state(&mut self, state: &Memory<f32>) -> Result<(), DeviceError> {
         let all = 0..self.programs.lengths.state;
-        self.write(all, state, |part| &part.state);
+        self.write(all, state, |_, part| &part.state);
         Ok(self.gpu.check()?)
     }
     fn write_worlds(&mut self, worlds: &[usize], state: &Memory<f32>) -> Result<(), DeviceError> {
@@ -328,7 +336,7 @@ impl DeviceWorlds<f32> for Worlds {
         numbers: Range<usize>,
         input: &Memory<f32>,
     ) -> Result<(), DeviceError> {
-        self.write(numbers, input, |part| &part.input);
+        self.write(numbers, input, |_, part| &part.input);
         Ok(self.gpu.check()?)
     }
     fn write_parameters(&mut self, parameters: &Memory<f32>) -> Result<(), DeviceError> {
@@ -340,7 +348,7 @@ impl DeviceWorlds<f32> for Worlds {
             self.kernels = Default::default();
         }
         let all = 0..self.programs.parameters.len();
-        self.write(all, parameters, |part| {
+        self.write(all, parameters, |_, part| {
             part.parameters.as_ref().unwrap_or(&self.parameters)
         });
         Ok(self.gpu.check()?)
@@ -378,26 +386,27 @@ impl DeviceWorlds<f32> for Worlds {
     }
     fn measure(
         &mut self,
-        finder: &Arc<Rangefinder>,
-        distances: &mut Memory<f32>,
+        instrument: &Arc<Instrument>,
+        own: Option<&Constants<f32>>,
+        numbers: &mut Memory<f32>,
     ) -> Result<bool, DeviceError> {
-        let Some(row) = self.row_of(finder)? else {
+        let Some(row) = self.row_of(instrument, own)? else {
             return Ok(false);
         };
-        let own = &self.finders[row];
-        // What the solver has reported is what this kernel is given.
-        self.run(&own.kernel, own.lanes, [1, 1], |nth, part| {
+        let reading = &self.readings[row];
+        // What the solver is told and has reported is what this kernel is given.
+        self.run(&reading.kernel, reading.lanes, [1, 1], |nth, part| {
             [
-                &part.state,
+                &part.input,
                 &part.output,
-                &own.distances[nth],
-                &own.scratch,
-                &own.parameters,
-                &own.links,
+                &reading.numbers[nth],
+                &reading.scratch,
+                reading.parameters(nth),
+                &reading.links,
             ]
         })?;
-        let all = 0..finder.rays();
-        self.read(std::slice::from_ref(&all), distances, Held::Distances(row))?;
+        let all = 0..numbers.length();
+        self.read(std::slice::from_ref(&all), numbers, Held::Read(row))?;
         Ok(true)
     }
 }

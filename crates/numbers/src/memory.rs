@@ -85,6 +85,16 @@ impl<T: Float> Memory<T> {
     pub fn get(&self, world: usize, offset: usize) -> T {
         self.scalars()[self.position(world, offset)]
     }
+    /// Copies neighbouring numbers of a world, from that at `offset` on, as many as `out` has room for.
+    ///
+    /// Panics where they are not all there.
+    pub fn copy(&self, world: usize, offset: usize, out: &mut [T]) {
+        let (block, lane) = (self.block(world / self.width), world % self.width);
+        let lanes = block[offset * self.width..][..out.len() * self.width].chunks_exact(self.width);
+        for (x, lanes) in out.iter_mut().zip(lanes) {
+            *x = lanes[lane];
+        }
+    }
     /// Sets a world's number.
     pub fn set(&mut self, world: usize, offset: usize, x: T) {
         let i = self.position(world, offset);

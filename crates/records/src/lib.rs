@@ -5,12 +5,14 @@
 
 #![forbid(unsafe_code)]
 
+mod instruments;
 mod piles;
 
+pub use instruments::Instruments;
 pub use piles::{JointPrograms, PilePrograms, ReportPrograms};
 
 use numbers::trace::{self, Program, TraceError};
-use rigid::{Kernels, Lengths, Rangefinder, Report, Solver};
+use rigid::{Instrument, Kernels, Lengths, Report, Solver};
 
 /// What a solver does to a world, as records; and all they need but the world's own numbers.
 #[derive(Clone, Debug)]
@@ -64,10 +66,13 @@ impl Programs {
     }
 }
 
-/// Records what casts the rays of a rangefinder.
+/// Records an instrument.
 ///
 /// # Errors
 /// The kernel does what a record cannot express.
-pub fn ranges(finder: &Rangefinder) -> Result<Program, TraceError> {
-    trace::record(|k| finder.measure(k))
+pub fn instrument(instrument: &Instrument) -> Result<Program, TraceError> {
+    match instrument {
+        Instrument::Rangefinder(finder) => trace::record(|k| finder.measure(k)),
+        Instrument::Gauges(gauges) => trace::record(|k| gauges.measure(k)),
+    }
 }

@@ -33,9 +33,7 @@ pub(crate) struct Layout {
     pub shape: Vec<usize>,
     /// First numbers of the quaternions in it.
     pub quaternions: Vec<usize>,
-    /// How many numbers are measured.
-    pub measured: usize,
-    /// Those of them that are told.
+    /// Which of the numbers that are measured are told.
     pub part: Range<usize>,
 }
 
@@ -56,7 +54,6 @@ impl Check<'_> {
             return Ok(Layout {
                 shape,
                 quaternions,
-                measured,
                 part,
             });
         };
@@ -74,7 +71,6 @@ impl Check<'_> {
         Ok(Layout {
             shape: vec![part.len()],
             quaternions: quaternions.map(|q| q - part.start).collect(),
-            measured,
             part,
         })
     }

@@ -37,12 +37,12 @@
 
 #![forbid(unsafe_code)]
 
+mod bank;
 mod check;
 mod clock;
 mod error;
 mod from_model;
 mod images;
-mod measure;
 mod noise;
 mod random;
 mod sensor;

@@ -27,18 +27,28 @@ use std::f64::consts::TAU;
 const M: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
 const W: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
 
-fn philox(mut c: [u32; 4], mut k: [u32; 2]) -> [u32; 4] {
-    let halves = |a: u32, b: u32| {
-        let product = u64::from(a) * u64::from(b);
-        ((product >> 32) as u32, product as u32)
-    };
+/// Words side by side, of so many counters.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+struct Words([u32; BATCH]);
+
+/// Enciphers all counters at once: loops over words that compilers make registers of.
+#[inline(always)]
+fn philox(c: &mut [Words; 4], k: &mut [Words; 2]) {
+    let [c0, c1, c2, c3] = c;
+    let [k0, k1] = k;
     for _ in 0..10 {
-        let (high, low) = halves(M[0], c[0]);
-        let (other_high, other_low) = halves(M[1], c[2]);
-        c = [other_high ^ c[1] ^ k[0], other_low, high ^ c[3] ^ k[1], low];
-        k = [k[0].wrapping_add(W[0]), k[1].wrapping_add(W[1])];
+        for i in 0..BATCH {
+            let [first, other] =
+                [(M[0], c0.0[i]), (M[1], c2.0[i])].map(|(a, b)| u64::from(a) * u64::from(b));
+            c0.0[i] = (other >> 32) as u32 ^ c1.0[i] ^ k0.0[i];
+            c1.0[i] = other as u32;
+            c2.0[i] = (first >> 32) as u32 ^ c3.0[i] ^ k1.0[i];
+            c3.0[i] = first as u32;
+            k0.0[i] = k0.0[i].wrapping_add(W[0]);
+            k1.0[i] = k1.0[i].wrapping_add(W[1]);
+        }
     }
-    c
 }
 
 /// What a random number is for.
@@ -84,8 +94,8 @@ impl Source {
             key: mixed ^ (mixed >> 31),
         }
     }
-    /// Normal numbers 4 i … 4 i + 3 of a sample come of these words, i below 2³⁰.
-    fn words(&self, purpose: Purpose, draw: Draw, i: usize) -> [u32; 4] {
+    /// Normal numbers 4 i … 4 i + 3 of a sample come of this counter and key, i below 2³⁰.
+    fn counter(&self, purpose: Purpose, draw: Draw, i: usize) -> ([u32; 4], [u32; 2]) {
         let counter = [
             draw.sample as u32,
             draw.episode,
@@ -96,7 +106,7 @@ impl Source {
             self.key as u32,
             (self.key >> 32) as u32 ^ (draw.sample >> 32) as u32,
         ];
-        philox(counter, key)
+        (counter, key)
     }
     /// Calls `take` with each of n numbers of each sample, and a normal number for it.
     pub fn each(
@@ -110,7 +120,7 @@ impl Source {
         let mut batch = Batch::default();
         for draw in samples {
             for i in 0..n.div_ceil(4) {
-                batch.push(draw, 4 * i, self.words(purpose, draw, i));
+                batch.push(draw, 4 * i, self.counter(purpose, draw, i));
                 if batch.count == BATCH {
                     batch.flush(isa, n, &mut take);
                 }
@@ -123,15 +133,17 @@ impl Source {
 /// So many times four numbers are made at once.
 const BATCH: usize = 32;
 
-/// Two numbers for each that waits, aligned for any register.
+/// A number for each that waits, aligned for any register.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
-struct Wide([f32; 2 * BATCH]);
+struct Wide([f32; BATCH]);
 
 /// Numbers in the making.
 struct Batch {
-    u: Wide,
-    v: Wide,
+    counters: [Words; 4],
+    keys: [Words; 2],
+    /// Four numbers of each counter.
+    numbers: [Wide; 4],
     /// For which sample, and from which number on.
     of: [(Draw, usize); BATCH],
     count: usize,
@@ -140,8 +152,9 @@ struct Batch {
 impl Default for Batch {
     fn default() -> Self {
         Self {
-            u: Wide([1.0; 2 * BATCH]),
-            v: Wide([0.0; 2 * BATCH]),
+            counters: [Words([0; BATCH]); 4],
+            keys: [Words([0; BATCH]); 2],
+            numbers: [Wide([0.0; BATCH]); 4],
             of: [(Draw::default(), 0); BATCH],
             count: 0,
         }
@@ -149,32 +162,45 @@ impl Default for Batch {
 }
 
 impl Batch {
-    fn push(&mut self, draw: Draw, first: usize, words: [u32; 4]) {
-        const STEP: f64 = 1.0 / (1_u64 << 32) as f64;
-        self.of[self.count] = (draw, first);
-        for (k, pair) in words.chunks_exact(2).enumerate() {
-            let at = 2 * self.count + k;
-            self.u.0[at] = ((f64::from(pair[0]) + 1.0) * STEP) as f32;
-            self.v.0[at] = (f64::from(pair[1]) * STEP) as f32;
+    fn push(&mut self, draw: Draw, first: usize, (counter, key): ([u32; 4], [u32; 2])) {
+        let at = self.count;
+        self.of[at] = (draw, first);
+        for (words, word) in self.counters.iter_mut().zip(counter) {
+            words.0[at] = word;
+        }
+        for (words, word) in self.keys.iter_mut().zip(key) {
+            words.0[at] = word;
         }
         self.count += 1;
     }
     /// Hands out what waits, those of n numbers.
     fn flush(&mut self, isa: Isa, n: usize, take: &mut impl FnMut(&Draw, usize, f64)) {
-        run_block(isa, Normal(&mut self.u, &mut self.v));
+        run_block(isa, Encipher(&mut self.counters, &mut self.keys));
+        run_block(isa, Normal(&self.counters, &mut self.numbers));
         for (i, (draw, first)) in self.of[..self.count].iter().enumerate() {
-            for number in *first..n.min(first + 4) {
-                let k = number - first;
-                let from = if k % 2 == 0 { &self.u } else { &self.v };
-                take(draw, number, f64::from(from.0[2 * i + k / 2]));
+            let numbers = *first..n.min(first + 4);
+            for (number, z) in numbers.zip(&self.numbers) {
+                take(draw, number, f64::from(z.0[i]));
             }
         }
         self.count = 0;
     }
 }
 
-/// Makes pairs of normal numbers of pairs of u and v.
-struct Normal<'a>(&'a mut Wide, &'a mut Wide);
+/// Makes words that look random of counters.
+struct Encipher<'a>(&'a mut [Words; 4], &'a mut [Words; 2]);
+
+impl Job for Encipher<'_> {
+    type Scalar = f32;
+    type Output = ();
+    #[inline(always)]
+    fn run<R: Lanes<Scalar = f32>>(self) {
+        philox(self.0, self.1);
+    }
+}
+
+/// Makes normal numbers of words.
+struct Normal<'a>(&'a [Words; 4], &'a mut [Wide; 4]);
 
 impl Job for Normal<'_> {
     type Scalar = f32;
@@ -182,12 +208,20 @@ impl Job for Normal<'_> {
     const WIDEST: bool = false;
     #[inline(always)]
     fn run<R: Lanes<Scalar = f32>>(self) {
-        let u: &mut [R] = bytemuck::cast_slice_mut(&mut self.0.0);
-        let v: &mut [R] = bytemuck::cast_slice_mut(&mut self.1.0);
-        for (u, v) in u.iter_mut().zip(v) {
-            let radius = (functions::log(*u) * R::lit(-2.0)).sqrt();
-            let (sin, cos) = functions::sin_cos(*v * R::lit(TAU));
-            (*u, *v) = (radius * cos, radius * sin);
+        const STEP: f64 = 1.0 / (1_u64 << 32) as f64;
+        for (words, pair) in self.0.chunks_exact(2).zip(self.1.chunks_exact_mut(2)) {
+            let [u, v] = pair else { continue };
+            for i in 0..BATCH {
+                u.0[i] = ((f64::from(words[0].0[i]) + 1.0) * STEP) as f32;
+                v.0[i] = (f64::from(words[1].0[i]) * STEP) as f32;
+            }
+            let u: &mut [R] = bytemuck::cast_slice_mut(&mut u.0);
+            let v: &mut [R] = bytemuck::cast_slice_mut(&mut v.0);
+            for (u, v) in u.iter_mut().zip(v) {
+                let radius = (functions::log(*u) * R::lit(-2.0)).sqrt();
+                let (sin, cos) = functions::sin_cos(*v * R::lit(TAU));
+                (*u, *v) = (radius * cos, radius * sin);
+            }
         }
     }
 }
@@ -195,6 +229,14 @@ impl Job for Normal<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// What a counter and a key give.
+    fn words((counter, key): ([u32; 4], [u32; 2])) -> [u32; 4] {
+        let mut c = counter.map(|word| Words([word; BATCH]));
+        let mut k = key.map(|word| Words([word; BATCH]));
+        philox(&mut c, &mut k);
+        c.map(|words| words.0[BATCH - 1])
+    }
 
     /// The authors' own: `kat_vectors` of Random123.
     #[test]
@@ -216,7 +258,7 @@ mod tests {
                 [0xd16c_fe09, 0x94fd_cceb, 0x5001_e420, 0x2412_6ea1],
             ),
         ] {
-            assert_eq!(philox(counter, key), answer);
+            assert_eq!(words((counter, key)), answer);
         }
     }
 
@@ -229,7 +271,7 @@ mod tests {
             ..Draw::default()
         };
         let expected = |sample: u64, number: usize| {
-            let words = source.words(Purpose::White, draw(sample), number / 4);
+            let words = words(source.counter(Purpose::White, draw(sample), number / 4));
             let pair = &words[number % 4 / 2 * 2..];
             let scale = 2_f64.powi(-32);
             let radius = (-2.0 * ((f64::from(pair[0]) + 1.0) * scale).ln()).sqrt();
@@ -253,10 +295,10 @@ mod tests {
     #[test]
     fn the_ends_of_the_range_give_numbers() {
         for isa in Isa::available() {
-            let mut batch = Batch::default();
-            batch.push(Draw::default(), 0, [0, 0, u32::MAX, u32::MAX]);
-            let mut found = vec![];
-            batch.flush(isa, 4, &mut |_: &Draw, _, z| found.push(z));
+            let words = [0, 0, u32::MAX, u32::MAX].map(|word| Words([word; BATCH]));
+            let mut numbers = [Wide([0.0; BATCH]); 4];
+            run_block(isa, Normal(&words, &mut numbers));
+            let found = numbers.map(|numbers| numbers.0[0]);
             assert!(
                 (found[0] - 6.6604).abs() < 1e-3 && found[1].abs() < 1e-5,
                 "{found:?}"

@@ -1,18 +1,18 @@
 //! The sensors of all worlds of a simulation.
 
+use crate::bank::{Bank, gauge};
 use crate::check::{self, Check};
 use crate::clock::Clock;
 use crate::images::{Camera, ImageErrors, Renderers};
-use crate::measure::Look;
 use crate::noise::{Errors, Part};
 use crate::random::{Draw, Source};
 use crate::sensor::{Sensor, SensorKind, directions};
 use crate::{ImageNoise, SensorError};
-use model::{BodyId, JointId, Model, Mount, Pose, hint};
+use model::{BodyId, Model, Pose, hint};
 use numbers::Float;
 use rayon::prelude::*;
 use render::Images;
-use sim::{Diverged, OutputPart, Outputs, Rangefinder, Simulation};
+use sim::{Diverged, Gauge, OutputPart, Rangefinder, Simulation};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -32,6 +32,8 @@ pub struct Sensors<T: Float> {
     solver: (&'static str, bool),
     pub(crate) seed: u64,
     pub(crate) channels: Vec<Channel<T>>,
+    /// Those of joints, bodies and contacts, by their rates.
+    banks: Vec<Bank<T>>,
     pub(crate) worlds: Vec<World>,
 }
 
@@ -65,9 +67,7 @@ pub(crate) struct Channel<T: Float> {
     errors: Errors,
     /// Worlds, then those of one world.
     pub shape: Vec<usize>,
-    /// How many numbers are measured in a world.
-    measured: usize,
-    /// Those of them that are told.
+    /// Which of the numbers that are measured are told.
     part: Range<usize>,
     /// Of each world.
     pub samples: Vec<Sampled>,
@@ -79,10 +79,9 @@ pub(crate) struct Channel<T: Float> {
     pub walk: Vec<f64>,
     /// Of a sensor that casts rays.
     finder: Option<Rangefinder<T>>,
-    /// Of a sensor of contacts: the rows of contacts that may be of its body.
-    rows: Vec<usize>,
-    /// What of the outputs it measures by.
-    parts: Vec<OutputPart>,
+    /// Of a sensor of joints, bodies or contacts: in which bank it is read, and where its first number that is told stands
+    /// there.
+    place: Option<(usize, usize)>,
     pub camera: Option<Camera>,
 }
 
@@ -154,19 +153,13 @@ impl<T: Float> Sensors<T> {
         for channel in &mut channels {
             channel.finder = finder(&channel.sensor, simulation)?;
         }
-        simulation.observe_known(|_, outputs| {
-            let all = outputs.contact_rows(|_| true).len();
-            for channel in &mut channels {
-                let kind = &channel.sensor.kind;
-                channel.rows = contact_rows(kind, &model, outputs);
-                channel.parts = parts(kind, &model, &channel.rows, all);
-            }
-        });
+        let banks = banks(simulation, &mut channels)?;
         let mut sensors = Self {
             model,
             solver: (simulation.solver(), simulation.settings().contacts),
             seed,
             channels,
+            banks,
             worlds: vec![World::new(0); worlds],
         };
         sensors.update(simulation)?;
@@ -296,19 +289,27 @@ impl<T: Float> Sensors<T> {
         self.recognise(simulation)?;
         self.look_at_worlds(simulation);
         let h = simulation.settings().step.time_step;
-        let (worlds, channels) = (&self.worlds, self.channels.iter_mut());
-        let due = channels.filter_map(|channel| {
+        let (worlds, channels) = (&self.worlds, self.channels.iter_mut().enumerate());
+        let due = channels.filter_map(|(row, channel)| {
             let is_due = channel.find_due(simulation, h, worlds, anew);
-            is_due.then_some(channel)
+            is_due.then_some((row, channel))
         });
         let due = Vec::from_iter(due);
         if due.is_empty() {
             return Ok(());
         }
-        // All at once, as what a device is asked for takes its time.
-        simulation.fetch_parts(due.iter().flat_map(|channel| channel.parts.iter().copied()))?;
-        for channel in due {
-            channel.sample(simulation, worlds)?;
+        for bank in &mut self.banks {
+            let due = due_in(&due, bank.sensors());
+            if !due.is_empty() {
+                bank.read(simulation, &due)?;
+            }
+        }
+        if due.iter().any(|(_, channel)| channel.camera.is_some()) {
+            let bodies = (0..self.model.bodies.len()).map(BodyId);
+            simulation.fetch_parts(bodies.map(OutputPart::Motion))?;
+        }
+        for (_, channel) in due {
+            channel.sample(simulation, (worlds, &self.banks))?;
             channel.note(simulation);
         }
         Ok(())
@@ -390,15 +391,13 @@ impl<T: Float> Channel<T> {
         Ok(Self {
             clock: Clock { rate: sensor.rate },
             shape: [vec![worlds], layout.shape].concat(),
-            measured: layout.measured,
             part: layout.part,
             samples: vec![Sampled::default(); worlds],
             time: vec![0.0; worlds],
             numbers: vec![T::zero(); worlds * n],
             walk: vec![0.0; if errors.walks() { worlds * n } else { 0 }],
             finder: None,
-            rows: Vec::new(),
-            parts: Vec::new(),
+            place: None,
             errors,
             camera,
             sensor,
@@ -456,7 +455,7 @@ impl<T: Float> Channel<T> {
     fn sample(
         &mut self,
         simulation: &mut Simulation<T>,
-        worlds: &[World],
+        (worlds, banks): (&[World], &[Bank<T>]),
     ) -> Result<(), SensorError> {
         match &self.sensor.kind {
             SensorKind::Camera { noise, .. } => {
@@ -464,31 +463,29 @@ impl<T: Float> Channel<T> {
                 return self.draw(simulation, worlds, noise);
             }
             SensorKind::Rangefinder { .. } | SensorKind::Lidar { .. } => self.cast(simulation)?,
-            kind => {
-                let n = self.each();
-                let (samples, rows) = (&self.samples, &self.rows[..]);
-                let (numbers, measured, told) = (&mut self.numbers, self.measured, &self.part);
-                simulation.observe_known(|simulation, outputs| {
-                    in_parts(n, (numbers, &mut []), |part| {
-                        let mut whole = vec![T::zero(); measured];
-                        for (i, numbers) in part.numbers.chunks_exact_mut(n).enumerate() {
-                            let world = part.first + i;
-                            let look = Look {
-                                simulation,
-                                outputs,
-                                world,
-                            };
-                            if samples[world].due.is_some() {
-                                look.measure(kind, rows, &mut whole);
-                                numbers.copy_from_slice(&whole[told.clone()]);
-                            }
-                        }
-                    });
-                });
-            }
+            _ => self.read(simulation, banks),
         }
         self.add_errors(simulation, worlds);
         Ok(())
+    }
+
+    /// Takes its numbers where a bank has read them.
+    fn read(&mut self, simulation: &Simulation<T>, banks: &[Bank<T>]) {
+        let Some((bank, from)) = self.place else {
+            return;
+        };
+        let (n, bank, samples) = (self.each(), &banks[bank], &self.samples);
+        let numbers = &mut self.numbers;
+        simulation.observe_known(|_, _| {
+            in_parts(n, (numbers, &mut []), |part| {
+                for (i, numbers) in part.numbers.chunks_exact_mut(n).enumerate() {
+                    let world = part.first + i;
+                    if samples[world].due.is_some() {
+                        bank.copy(world, from, numbers);
+                    }
+                }
+            });
+        });
     }
 
     fn add_errors(&mut self, simulation: &Simulation<T>, worlds: &[World]) {
@@ -572,58 +569,41 @@ fn finder<T: Float>(
     made.map(Some)
 }
 
-/// Where contacts of a sensor's body may stand.
-fn contact_rows<T: Float>(
-    kind: &SensorKind,
-    model: &Model,
-    outputs: &Outputs<'_, T>,
-) -> Vec<usize> {
-    match kind {
-        SensorKind::Touch { body } | SensorKind::ContactForce { body, .. } => {
-            outputs.contact_rows(|shape| model.shapes[shape.0].body == Some(*body))
+/// Banks of all sensors of joints, bodies and contacts, which learn where they are read.
+fn banks<T: Float>(
+    simulation: &Simulation<T>,
+    channels: &mut [Channel<T>],
+) -> Result<Vec<Bank<T>>, SensorError> {
+    let mut groups: Vec<(Clock, Vec<(usize, Gauge)>)> = Vec::new();
+    for (row, channel) in channels.iter().enumerate() {
+        let Some(gauge) = gauge(&channel.sensor.kind) else {
+            continue;
+        };
+        match groups.iter_mut().find(|(clock, _)| *clock == channel.clock) {
+            Some((_, group)) => group.push((row, gauge)),
+            None => groups.push((channel.clock, vec![(row, gauge)])),
         }
-        _ => Vec::new(),
     }
+    let made = groups
+        .into_iter()
+        .map(|(_, group)| Bank::new(simulation, group));
+    let banks = made.collect::<Result<Vec<_>, _>>()?;
+    for (nth, bank) in banks.iter().enumerate() {
+        for (&row, numbers) in bank.sensors().iter().zip(bank.numbers()) {
+            let channel = &mut channels[row];
+            channel.place = Some((nth, numbers.start + channel.part.start));
+        }
+    }
+    Ok(banks)
 }
 
-/// What of the outputs a sensor measures by, whose contacts may stand in these rows, of so many.
-fn parts(kind: &SensorKind, model: &Model, rows: &[usize], all: usize) -> Vec<OutputPart> {
-    use OutputPart::*;
-    let mounts = |mounts: [&Mount; 2]| {
-        let bodies = mounts.into_iter().filter_map(|mount| mount.body);
-        bodies.map(Motion).collect()
-    };
-    let axes = |joint: JointId| [Coordinates(joint), Velocities(joint)];
-    let of_row = rows.iter().map(|row| ContactRow(*row));
-    let contacts = if rows.len() == all {
-        vec![Contacts]
-    } else {
-        of_row.collect()
-    };
-    let bodies = (0..model.bodies.len()).map(|body| Motion(BodyId(body)));
-    match kind {
-        SensorKind::JointPosition { joints } => joints.iter().map(|j| Coordinates(*j)).collect(),
-        SensorKind::JointVelocity { joints } => joints.iter().map(|j| Velocities(*j)).collect(),
-        SensorKind::JointEffort { joints } => joints.iter().flat_map(|j| axes(*j)).collect(),
-        SensorKind::ActuatorForce { actuators } => {
-            let joints = actuators.iter().map(|row| model.actuators[*row].joint);
-            joints.flat_map(axes).collect()
-        }
-        SensorKind::Imu { mount } => {
-            let of = |body| [Motion(body), Acceleration(body)];
-            mount.body.into_iter().flat_map(of).collect()
-        }
-        SensorKind::ForceTorque { joint, .. } => {
-            vec![Motion(model.joints[joint.0].child), Reaction(*joint)]
-        }
-        SensorKind::Touch { .. } => contacts,
-        SensorKind::ContactForce { body, .. } => [contacts, vec![Motion(*body)]].concat(),
-        SensorKind::FramePose { mount, relative_to } => mounts([mount, relative_to]),
-        SensorKind::FrameVelocity { mount, .. } => mounts([mount, mount]),
-        // Rays are cast where the bodies are.
-        SensorKind::Rangefinder { .. } | SensorKind::Lidar { .. } => vec![],
-        SensorKind::CenterOfMass { .. } | SensorKind::Camera { .. } => bodies.collect(),
-    }
+/// The worlds in which any of these sensors is due, of those that are due anywhere.
+fn due_in<T: Float>(due: &[(usize, &mut Channel<T>)], sensors: &[usize]) -> Vec<usize> {
+    let of = |(row, _): &&(usize, &mut Channel<T>)| sensors.contains(row);
+    let own = Vec::from_iter(due.iter().filter(of));
+    let worlds = own.first().map_or(0, |(_, channel)| channel.samples.len());
+    let is_due = |world: &usize| own.iter().any(|(_, c)| c.samples[*world].due.is_some());
+    (0..worlds).filter(is_due).collect()
 }
 
 /// Works on parts of the worlds, of n numbers each, which threads share.

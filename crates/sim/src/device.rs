@@ -10,7 +10,7 @@ use crate::ranges::Ranges;
 use model::{CollisionFilter, Model};
 use numbers::{Float, Memory};
 use rigid::impulse::Impulse;
-use rigid::{Rangefinder, Report, Solver};
+use rigid::{Instrument, Report, Solver};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -103,16 +103,17 @@ pub trait DeviceWorlds<T: Float>: Send + Sync {
         rows: &[Range<usize>],
         output: &mut Memory<T>,
     ) -> Result<(), DeviceError>;
-    /// Whether it casts the rays of rangefinders.
+    /// Whether it reads instruments.
     fn measures(&self) -> bool {
         false
     }
-    /// Casts rays where the last report has bodies, and copies how far they got: a number of each ray and world. Whether
-    /// it has: it may leave some to the processor, as it does where it casts none.
+    /// Reads an instrument in all worlds as the last report has them, with constants of each world if they have their own,
+    /// and copies its numbers. Whether it has: it may leave some to the processor, as it does where it reads none.
     fn measure(
         &mut self,
-        _finder: &Arc<Rangefinder>,
-        _distances: &mut Memory<T>,
+        _instrument: &Arc<Instrument>,
+        _own: Option<&Constants<T>>,
+        _numbers: &mut Memory<T>,
     ) -> Result<bool, DeviceError> {
         Ok(false)
     }
@@ -134,6 +135,15 @@ pub trait DeviceWorlds<T: Float>: Send + Sync {
     fn output_address(&self) -> Result<Option<Address>, DeviceError> {
         Ok(None)
     }
+}
+
+/// Constants of an instrument that worlds have for themselves.
+#[derive(Clone, Debug)]
+pub struct Constants<T> {
+    /// Of each world.
+    pub numbers: Memory<T>,
+    /// Counts up with every change.
+    pub version: u64,
 }
 
 /// What a stage has taken on a device, by its clock.
@@ -321,17 +331,18 @@ impl<T: Float> Remote<T> {
         self.state_known = rows == all;
         Ok(())
     }
-    /// Whether it casts rays.
+    /// Whether it reads instruments.
     pub fn measures(&self) -> bool {
         self.worlds.measures()
     }
-    /// Casts rays where the last report has bodies.
+    /// Reads an instrument as the last report has all worlds.
     pub fn measure(
         &mut self,
-        finder: &Arc<Rangefinder>,
-        distances: &mut Memory<T>,
+        instrument: &Arc<Instrument>,
+        own: Option<&Constants<T>>,
+        numbers: &mut Memory<T>,
     ) -> Result<bool, DeviceError> {
-        self.worlds.measure(finder, distances)
+        self.worlds.measure(instrument, own, numbers)
     }
     /// The same of the output.
     pub fn read_output(

@@ -108,8 +108,8 @@ pub enum SimulationError {
         world: usize,
     },
     /// What was made for one simulation is used with another.
-    #[error("the rangefinder is of another model: make one of this simulation")]
-    OtherModel,
+    #[error("the {0} of another model or solver: make them of this simulation")]
+    OtherModel(&'static str),
     /// Numbers of a parameter for which the solver has no room, or the other way round.
     #[error(
         "with this {parameter} the model has another structure than the simulation's: drives, dry friction, springs and \

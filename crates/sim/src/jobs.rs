@@ -8,7 +8,7 @@ use crate::engine::Block;
 use collide::{Route, kernel};
 use numbers::dispatch::{Isa, Job, run_lanes, run_widest};
 use numbers::{Cpu, Float, Lanes, Machine, Parameters, PerWorld, Shared};
-use rigid::{ContactTables, Kernels};
+use rigid::{ContactTables, Instrument, Kernels};
 
 /// What a block's numbers are read as.
 #[derive(Clone, Copy, Debug)]
@@ -160,49 +160,70 @@ job! {
 }
 job! {
     /// The same of bodies, too.
-    motion(kernels, cpu, _none), false, { kernels.report_motion(cpu) }
+    motion(kernels, cpu, _none), true, { kernels.report_motion(cpu) }
 }
 job! {
     /// The same, and the contacts of the last step.
-    contacts(kernels, cpu, _none), false, { kernels.report_contacts(cpu) }
+    contacts(kernels, cpu, _none), true, { kernels.report_contacts(cpu) }
 }
 job! {
     /// The output from the state.
-    report(kernels, cpu, _none), false, { kernels.report(cpu) }
+    report(kernels, cpu, _none), true, { kernels.report(cpu) }
 }
 
-/// How far rays get, where a block's input is what its worlds have reported, and its output a distance for each ray.
-pub(crate) mod ranges {
-    use super::*;
-    use rigid::Rangefinder;
-
-    struct Work<'a, 'b, T, const IN_COMMON: bool> {
-        finder: &'a Rangefinder,
-        block: &'a mut Block<'b, T>,
+/// Reads an instrument, where a block's state is what its worlds are told, its input what they have reported, and its output
+/// the numbers read.
+pub(crate) fn measure<T: Float>(lane: Lane, instrument: &Instrument, block: &mut Block<'_, T>) {
+    match instrument {
+        Instrument::Rangefinder(finder) => ranges::run(lane, finder, block),
+        Instrument::Gauges(list) => gauges::run(lane, list, block),
     }
+}
 
-    impl<T: Float, const IN_COMMON: bool> Job for Work<'_, '_, T, IN_COMMON> {
-        type Scalar = T;
-        type Output = ();
-        const WIDEST: bool = !T::DOUBLE;
-        #[inline(always)]
-        fn run<R: Lanes<Scalar = T>>(self) {
-            if IN_COMMON {
-                self.finder.measure(&mut self.block.cpu_in_common::<R>());
-            } else {
-                self.finder.measure(&mut self.block.cpu::<R>());
+/// The job of an instrument, in a module of its own.
+macro_rules! instrument {
+    ($name:ident $instrument:ident) => {
+        pub(crate) mod $name {
+            use super::*;
+            use rigid::$instrument;
+
+            struct Work<'a, 'b, T, const IN_COMMON: bool> {
+                instrument: &'a $instrument,
+                block: &'a mut Block<'b, T>,
+            }
+
+            impl<T: Float, const IN_COMMON: bool> Job for Work<'_, '_, T, IN_COMMON> {
+                type Scalar = T;
+                type Output = ();
+                const WIDEST: bool = !T::DOUBLE;
+                #[inline(always)]
+                fn run<R: Lanes<Scalar = T>>(self) {
+                    if IN_COMMON {
+                        self.instrument
+                            .measure(&mut self.block.cpu_in_common::<R>());
+                    } else {
+                        self.instrument.measure(&mut self.block.cpu::<R>());
+                    }
+                }
+            }
+
+            pub(crate) fn run<T: Float>(
+                lane: Lane,
+                instrument: &$instrument,
+                block: &mut Block<'_, T>,
+            ) {
+                if block.common.is_empty() {
+                    lane.run(Work::<T, false> { instrument, block });
+                } else {
+                    lane.run(Work::<T, true> { instrument, block });
+                }
             }
         }
-    }
-
-    pub(crate) fn run<T: Float>(lane: Lane, finder: &Rangefinder, block: &mut Block<'_, T>) {
-        if block.common.is_empty() {
-            lane.run(Work::<T, false> { finder, block });
-        } else {
-            lane.run(Work::<T, true> { finder, block });
-        }
-    }
+    };
 }
+
+instrument!(ranges Rangefinder);
+instrument!(gauges Gauges);
 
 /// Fills the slots of contacts, kernel by kernel.
 pub(crate) fn narrow_phase<T: Float>(

@@ -5,6 +5,10 @@
 mod agreement;
 mod bits;
 mod card;
+#[path = "../../../rigid/tests/scene/every_gauge.rs"]
+mod every_gauge;
+#[path = "../../../gpu/tests/cards/gauges.rs"]
+mod gauges;
 #[path = "../../../rigid/tests/scene/models.rs"]
 mod models;
 mod own;

@@ -3,6 +3,9 @@
 
 mod agreement;
 mod card;
+#[path = "../../../rigid/tests/scene/every_gauge.rs"]
+mod every_gauge;
+mod gauges;
 #[path = "../../../rigid/tests/scene/models.rs"]
 mod models;
 mod own;

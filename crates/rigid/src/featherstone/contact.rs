@@ -15,8 +15,8 @@
 //! that of its centre. So, where the normal stays as it is, ẋ is the velocity at the centre of curvature: ρ beyond the
 //! surface for spheres and capsules, and at the surface for corners and edges. What turns a cylinder or a cone about its
 //! axis does not move its contacts, be they on its side, rims or faces. A rim that precesses, and ellipsoids, whose radius
-//! is taken to be the distance of the centre, are not exact, nor are faces on what sticks out. Only on free roots do
-//! contacts go along; on other nodes ẋ = 0, as a foot's that stands. So
+//! is taken to be the distance of the centre, are not exact, nor are faces on what sticks out. Only on free roots and wheels
+//! ([`wheel`](super::wheel)) do contacts go along; on other nodes ẋ = 0, as a foot's that stands. So
 //!
 //! ```text
 //! f = f⁰ − h C (Δa + Δα × x)      C = cₜ 1 + (cₙ − cₜ) n nᵀ      f⁰ = f at u' = u⁰
@@ -189,8 +189,8 @@ pub(crate) fn at<R: Real>(v: Spatial<R>, x: Vec3<R>) -> Vec3<R> {
     v.linear + v.angular.cross(x)
 }
 
-/// Acceleration of a node at a contact where every q̈ is zero, less gravity: of a free root, of what goes along with the
-/// point of contact. `side` is 0 for the node that the normal points to, and 1 for the other, which sees it at x.
+/// Acceleration of a node at a contact where every q̈ is zero, less gravity: of a free root or a wheel, of what goes along
+/// with the point of contact. `side` is 0 for the node that the normal points to, and 1 for the other, which sees it at x.
 #[inline(always)]
 pub(crate) fn bias<M: Machine>(
     k: &M,
@@ -201,8 +201,8 @@ pub(crate) fn bias<M: Machine>(
     x: Vec3<M::R>,
 ) -> Vec3<M::R> {
     let mut a = at(k.spatial(t.frame, node, frame::BIAS), x).hold(k);
-    let free = k.link(t.node_links, node, node_link::FREE);
-    if let Some(_branch) = k.when(k.equals(free, 1)) {
+    let rolls = k.link(t.node_links, node, node_link::ROLLS);
+    if let Some(_branch) = k.when(k.equals(rolls, 1)) {
         let v = k.spatial(t.frame, node, frame::TWIST);
         let goes = goes_along(k, t, s, side, v, x);
         a.set(v.angular.cross_plus(goes, a.get()));

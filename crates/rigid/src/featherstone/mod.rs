@@ -33,6 +33,7 @@ mod report;
 mod tables;
 mod tied;
 mod turning;
+mod wheel;
 
 use crate::output::body;
 use crate::{ContactTables, Kernels, Lengths, OutputTables, Settings, SolverError};

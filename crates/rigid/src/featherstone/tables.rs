@@ -19,6 +19,7 @@ use super::limit::stop;
 use super::locked::LockedTables;
 use super::tied::{Bulk, Tied};
 use super::turning::{turn, turn_impulse, turn_law, turn_law_over};
+use super::wheel;
 use crate::contacts::{ContactPlan, ContactTables, Kept, Seat as Carrier, pair_field};
 use crate::lists::Lists;
 use crate::locks::Locks;
@@ -80,8 +81,8 @@ pub(crate) mod node_link {
     pub const ALONE: usize = 13;
     /// 1 if the parent is visited just before, on the [way along the limbs](Tables::limb_links).
     pub const FOLLOWS: usize = 14;
-    /// 1 for a root on a free joint, whatever acts along it.
-    pub const FREE: usize = 15;
+    /// 1 where contacts go along: on free roots, and on wheels.
+    pub const ROLLS: usize = 15;
     pub const WIDTH: usize = 16;
 }
 
@@ -378,8 +379,8 @@ pub(super) struct Node {
     tree: usize,
     place: Pose,
     motions: Vec<Motion>,
-    /// A root on a free joint.
-    free: bool,
+    /// Whether its contacts go along: a root on a free joint, or a wheel.
+    rolls: bool,
     /// The same, along which nothing acts but forces.
     floats: bool,
     pub dof: usize,
@@ -482,12 +483,33 @@ impl Forest {
                 forest.nodes[n].weld(&model.bodies[id.0], place);
             }
         }
+        forest.find_wheels(model);
         forest.sort_by_depth();
         forest.masses = vec![0.0; forest.bases.len()];
         for node in &forest.nodes {
             forest.masses[node.tree] += node.mass;
         }
         forest
+    }
+
+    /// Finds the nodes whose last motion [turns about itself](wheel::rolls) all of theirs that touches.
+    fn find_wheels(&mut self, model: &Model) {
+        let mut wheels = vec![None; self.nodes.len()];
+        for shape in model.shapes.iter().filter(|s| s.collides && !s.sensor) {
+            let seat = shape.body.map(|body| self.seats[body.0]);
+            let Some((n, seat)) = seat.and_then(|seat| Some((seat.node?, seat))) else {
+                continue;
+            };
+            let last = self.nodes[n].motions.last();
+            let rolls = last.is_some_and(|last| {
+                let at = seat.place * shape.pose;
+                wheel::rolls(last.kind, last.axis, &shape.geometry, at)
+            });
+            wheels[n] = Some(rolls && wheels[n] != Some(false));
+        }
+        for (node, wheel) in self.nodes.iter_mut().zip(wheels) {
+            node.rolls |= wheel == Some(true);
+        }
     }
 
     /// Nodes of one depth next to each other: no node waits for its neighbour in a pass,
@@ -702,7 +724,7 @@ impl Forest {
         }
         let node = self.push(parent, place, motions);
         let free = parent.is_none() && joint.kind == JointKind::Free;
-        self.nodes[node].free = free;
+        self.nodes[node].rolls = free;
         self.nodes[node].floats = free && only_forces_act(model, id);
         (node, shift)
     }
@@ -721,7 +743,7 @@ impl Forest {
             tree,
             place,
             motions,
-            free: false,
+            rolls: false,
             floats: false,
             dof,
             mass: 0.0,
@@ -1175,7 +1197,7 @@ impl Tables {
             let floats = n.floats && !self.exchanges();
             let (eliminated, from) = if floats { (0, row) } else { (n.dofs(), parent) };
             f.link(self.node_links, row, node_link::FLOATS, usize::from(floats));
-            f.link(self.node_links, row, node_link::FREE, usize::from(n.free));
+            f.link(self.node_links, row, node_link::ROLLS, usize::from(n.rolls));
             f.link(self.node_links, row, node_link::ELIMINATED, eliminated);
             f.link(self.node_links, row, node_link::ACCELERATES_FROM, from);
             f.pose(self.node, row, node::PLACE, n.place);

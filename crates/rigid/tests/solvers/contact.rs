@@ -2,12 +2,12 @@
 
 use crate::ground::{cube, on_plane, plane, soft_landings, surface};
 use crate::run;
-use glam::{DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 use kinetarium_rigid::{
     Settings, TouchingFeatherstone, body as of_body, contact as of_contact,
     reaction as of_reaction, total as of_total,
 };
-use model::{Builder, Geometry, Material, Model, Pose, Shape, Softness};
+use model::{Builder, Geometry, Material, Model, Object, Pose, Shape, Softness};
 
 /// Gravity of the models [m/s²].
 const G: f64 = 9.81;
@@ -110,6 +110,75 @@ fn what_rolls_on_added_mass_does_not_sink_in() {
         });
         let sag = radius - rests;
         assert!(sag > 0.0, "{solid:?}");
+        assert!(
+            (rests - rolls).abs() < 0.01 * sag,
+            "{solid:?}: {rests} {rolls}"
+        );
+    }
+}
+
+/// So are wheels on hinges, and a ball in its socket, of a carriage that only slides.
+#[test]
+fn wheels_on_added_mass_do_not_sink_in() {
+    let (radius, constant, turn) = (0.1, 0.02, 95.0);
+    let side = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2);
+    let half_height = 0.05;
+    for (solid, in_socket) in [
+        (
+            Geometry::Cylinder {
+                radius,
+                half_height,
+            },
+            false,
+        ),
+        (
+            Geometry::Capsule {
+                radius,
+                half_height: 0.2,
+            },
+            false,
+        ),
+        (Geometry::Sphere { radius }, false),
+        (Geometry::Sphere { radius }, true),
+    ] {
+        let mut world = Builder::new("rolls");
+        let material = heavy_surface(constant);
+        world
+            .object("ground")
+            .scenery(Shape::new(plane()).with_material(material));
+        let object = world.object("cart");
+        let frame = |object: &mut Object, name: &str, mass| {
+            let body = object.body(name);
+            body.at(Pose::at(radius * DVec3::Y));
+            body.inertia(mass, DVec3::ZERO, DMat3::IDENTITY * 0.01 * mass);
+            body.handle()
+        };
+        let carriage = frame(object, "carriage", 0.5);
+        let lift = frame(object, "lift", 3.0);
+        let shape = Shape::new(solid.clone()).at(Pose::new(DVec3::ZERO, side));
+        let wheel = object.body("wheel");
+        wheel.at(Pose::at(radius * DVec3::Y));
+        let wheel = wheel.shape(shape.with_material(material)).handle();
+        object.prismatic("along", carriage, DVec3::X);
+        object.prismatic("up", lift, DVec3::Y).parent(carriage);
+        let at = Pose::at(radius * DVec3::Y);
+        let hinge = if in_socket {
+            object.ball("axle", wheel)
+        } else {
+            object.revolute("axle", wheel, DVec3::Z)
+        };
+        hinge.parent(lift).at(at);
+        let model = world.build().unwrap();
+        let [rests, rolls] = [0.0, turn].map(|turn| {
+            let mut velocity = vec![0.0; model.degrees_of_freedom()];
+            velocity[0] = radius * turn;
+            velocity[model.degrees_of_freedom() - 1] = -turn;
+            let mut run = Run::new(&model, &velocity, &Settings::new(5e-4));
+            run.step(400);
+            run.body(2, of_body::POSITION).y
+        });
+        let sag = radius - rests;
+        assert!(sag > 1e-4, "{solid:?}: {sag}");
         assert!(
             (rests - rolls).abs() < 0.01 * sag,
             "{solid:?}: {rests} {rolls}"

@@ -6,20 +6,16 @@
 
 mod spread;
 
-use crate::device::Remote;
-use crate::engine::Block;
 use crate::error::{index, length};
-use crate::jobs::{Lane, ranges};
+use crate::instrument::Reader;
 use crate::queries::{check_direction, check_most, check_pose};
-use crate::scratch::Scratch;
 use crate::{Ray, Simulation, SimulationError};
 use glam::DVec3;
 use model::{Model, Mount, Pose, Shape};
-use numbers::{Float, Memory};
+use numbers::Float;
 use rayon::prelude::*;
-use rigid::{FARTHEST, Report};
+use rigid::{FARTHEST, Instrument, Report};
 use spread::Spread;
-use std::collections::HashSet;
 use std::sync::Arc;
 
 /// Rays that would take more tests than so many for each lane are left to a tree of boxes. Sixteen lanes share a test that
@@ -51,18 +47,7 @@ enum Way<T: Float> {
     /// Those of one world in lanes.
     Spread(Spread<T>),
     /// Those of a block of worlds in lanes, or of all on a device.
-    Together(Kernel<T>),
-}
-
-/// The rays of worlds that are cast together.
-#[derive(Clone)]
-struct Kernel<T: Float> {
-    finder: Arc<rigid::Rangefinder>,
-    /// Its constants.
-    common: Vec<T>,
-    scratch: Scratch<T>,
-    /// How far they got when they were last cast.
-    distances: Memory<T>,
+    Together(Reader<T>),
 }
 
 impl<T: Float> std::fmt::Debug for Rangefinder<T> {
@@ -148,23 +133,10 @@ impl<T: Float> Simulation<T> {
             return spread.map_or(Way::OneByOne, Way::Spread);
         }
         let finder = rigid::Rangefinder::new(model, tables, mount, directions, range);
+        let finder = finder.map(Instrument::Rangefinder);
         finder.map_or(Way::OneByOne, |finder| {
-            Way::Together(Kernel {
-                common: finder
-                    .parameters()
-                    .iter()
-                    .map(|x| T::from_f64(*x))
-                    .collect(),
-                scratch: Scratch::new(finder.lengths().scratch, width),
-                distances: Memory::new(self.worlds(), finder.rays(), width),
-                finder: Arc::new(finder),
-            })
+            Way::Together(Reader::new(finder, self.worlds(), width))
         })
-    }
-
-    /// Whether worlds are on a device that casts rays.
-    fn measures_there(&self) -> bool {
-        self.remote.as_ref().is_some_and(Remote::measures)
     }
 
     /// Casts a rangefinder's rays where bodies are now: how far [m] each gets before it meets a shape, 0 where it starts in
@@ -190,7 +162,7 @@ impl<T: Float> Simulation<T> {
             _ if !self.shapes_alike() => false,
             Way::OneByOne => false,
             Way::Spread(spread) => self.spread(spread, worlds, distances)?,
-            Way::Together(kernel) => self.together(kernel, worlds, distances)?,
+            Way::Together(reader) => self.together(reader, worlds, distances)?,
         };
         if !cast {
             return self.cast_one_by_one(finder, worlds, distances);
@@ -207,7 +179,7 @@ impl<T: Float> Simulation<T> {
         length("worlds of the rangefinder", finder.worlds, self.worlds())?;
         if !Arc::ptr_eq(&finder.model, self.model()) {
             if *finder.model != **self.model() {
-                return Err(SimulationError::OtherModel);
+                return Err(SimulationError::OtherModel("rangefinder is"));
             }
             finder.model = Arc::clone(self.model());
         }
@@ -239,70 +211,25 @@ impl<T: Float> Simulation<T> {
     /// Casts rays of worlds together, where the worlds are.
     fn together(
         &mut self,
-        kernel: &mut Kernel<T>,
+        reader: &mut Reader<T>,
         worlds: &[usize],
         distances: &mut [T],
     ) -> Result<bool, SimulationError> {
         if self.measures_there() {
-            self.report(Report::Motion)?;
-            let remote = self.remote.as_mut();
-            let cast = remote.map(|it| it.measure(&kernel.finder, &mut kernel.distances));
-            if !cast.transpose()?.unwrap_or(false) {
+            if !self.measure_there(reader, Report::Motion)? {
                 return Ok(false);
             }
         } else {
-            if kernel.distances.width() != self.output.width() {
+            if reader.width() != self.output.width() {
                 return Ok(false);
             }
             self.fetch_motion()?;
-            self.measure_blocks(kernel, worlds);
+            self.measure_here(reader, worlds);
         }
-        let rays = kernel.finder.rays();
-        let rows = distances.par_chunks_exact_mut(rays).zip(worlds);
-        let read = |(row, &world): (&mut [T], &usize)| {
-            for (ray, x) in row.iter_mut().enumerate() {
-                *x = kernel.distances.get(world, ray);
-            }
-        };
+        let rows = distances.par_chunks_exact_mut(reader.length()).zip(worlds);
+        let read = |(row, &world): (&mut [T], &usize)| reader.copy(world, 0, row);
         self.threads.run(|| rows.for_each(read));
         Ok(true)
-    }
-
-    /// Casts all rays of the blocks that hold these worlds.
-    fn measure_blocks(&self, kernel: &mut Kernel<T>, worlds: &[usize]) {
-        let (width, size) = (self.output.width(), kernel.distances.block_size());
-        let wanted: HashSet<usize> = worlds.iter().map(|world| world / width).collect();
-        let lane = Lane {
-            isa: self.isa,
-            single: width == 1,
-        };
-        let Kernel {
-            finder,
-            common,
-            scratch,
-            distances,
-        } = kernel;
-        let measure = |number: usize, distances: &mut [T]| {
-            // No numbers, where a register's would lie.
-            let mut none = Memory::new(0, 0, width);
-            scratch.lend(|scratch| {
-                let mut block = Block {
-                    number,
-                    state: none.scalars_mut(),
-                    input: self.output.block(number),
-                    output: distances,
-                    scratch: scratch.scalars_mut(),
-                    parameters: &[],
-                    common,
-                    links: finder.links(),
-                };
-                ranges::run(lane, finder, &mut block);
-            });
-        };
-        let blocks = distances.scalars_mut().par_chunks_exact_mut(size);
-        let blocks = blocks.enumerate().filter(|(i, _)| wanted.contains(i));
-        self.threads
-            .run(|| blocks.for_each(|(number, distances)| measure(number, distances)));
     }
 
     fn cast_one_by_one(

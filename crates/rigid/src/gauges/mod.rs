@@ -1,0 +1,273 @@
+//! What sensors of joints, bodies and contacts read.
+//!
+//! A kernel of its own, not of a solver: its input is what a solver has reported, its state the solver's controls, which it
+//! only reads; it writes the numbers of one gauge after the other. Gauges of a kind stand in a table, so that a record of
+//! the kernel is as long for a hundred as for one.
+
+mod center_of_mass;
+mod effort;
+mod frames;
+mod rows;
+mod touch;
+
+use crate::output::body;
+use crate::tables::Filler;
+use crate::{InputTables, Lengths, OutputTables};
+use center_of_mass::{CenterNotes, Centers};
+use effort::{EffortNotes, Efforts};
+use frames::{FrameNotes, Frames};
+use model::{Axes, BodyId, JointId, Model, Mount, Pose, ShapeId};
+use numbers::machine::space::{Input, Output, Space};
+use numbers::{Machine, Real, Table};
+use rows::{Notes, Rows};
+use std::ops::Range;
+use touch::{TouchNotes, Touches};
+
+/// Something that is read of a world.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Gauge {
+    /// Coordinates of joints [m, rad, quaternions x, y, z, w]; those of axes that turn without end are in [−π, π].
+    JointPosition(Vec<JointId>),
+    /// Velocities of joints [m/s or rad/s].
+    JointVelocity(Vec<JointId>),
+    /// Forces of drives, actuators and a controller along degrees of freedom [N or N·m], by their laws at the present
+    /// state.
+    JointEffort(Vec<JointId>),
+    /// Forces of actuators before their gears [N or N·m], by their laws at the present state; the rows of these.
+    ActuatorForce(Vec<usize>),
+    /// Acceleration of a frame's origin less that of gravity [m/s²], angular velocity [rad/s], in the frame's axes: 6.
+    Imu(Mount),
+    /// Force [N] of a joint on its child, and its torque [N·m] about a frame of the child, in that frame's axes: 6. The
+    /// child's joint frame by default.
+    ForceTorque(JointId, Option<Pose>),
+    /// Sum of the normal forces of all contacts of a body [N].
+    Touch(BodyId),
+    /// Sum of the forces of all contacts on a body [N]: 3.
+    ContactForce(BodyId, Axes),
+    /// Position [m] and orientation x, y, z, w of the first frame in the second: 7.
+    FramePose([Mount; 2]),
+    /// Velocity of a frame's origin [m/s], angular velocity [rad/s]: 6.
+    FrameVelocity(Mount, Axes),
+    /// Centre of mass of a body and all that joints carry from it on, or of all bodies [m]: 3. Where nothing has mass, the
+    /// body's origin, or the world's.
+    CenterOfMass(Option<BodyId>),
+}
+
+impl Gauge {
+    /// How many numbers it has.
+    pub fn numbers(&self, model: &Model) -> usize {
+        let dofs = |joints: &[JointId]| joints.iter().map(|j| model.dof_range(*j).len()).sum();
+        match self {
+            Self::JointPosition(joints) => {
+                let coordinates = joints.iter().map(|j| model.coordinate_range(*j).len());
+                coordinates.sum()
+            }
+            Self::JointVelocity(joints) | Self::JointEffort(joints) => dofs(joints),
+            Self::ActuatorForce(rows) => rows.len(),
+            Self::Imu(_) | Self::ForceTorque(..) | Self::FrameVelocity(..) => 6,
+            Self::Touch(_) => 1,
+            Self::ContactForce(..) | Self::CenterOfMass(_) => 3,
+            Self::FramePose(_) => 7,
+        }
+    }
+}
+
+/// What a solver tells and is told.
+#[derive(Clone, Copy, Debug)]
+pub struct Reported<'a> {
+    /// Where it tells of a world.
+    pub outputs: &'a OutputTables,
+    /// Where it is told.
+    pub inputs: &'a InputTables,
+    /// The shapes of each row of contacts; none where they change from step to step, as they do only of solvers that step
+    /// one world at a time.
+    pub contact_shapes: &'a [[ShapeId; 2]],
+}
+
+/// Where gauges write.
+type Told = Table<Output>;
+
+/// Where numbers of a solver lie for gauges.
+fn reported<S: Space, T: Space, const W: usize>(table: Table<S, W>) -> Table<T, W> {
+    Table::place(&mut table.start(), 0)
+}
+
+/// Gauges, sorted by what they take.
+#[derive(Default)]
+struct AllNotes {
+    copies: Notes<2, 0>,
+    frames: FrameNotes,
+    touches: TouchNotes,
+    efforts: EffortNotes,
+    centers: CenterNotes,
+}
+
+impl AllNotes {
+    /// Notes that a gauge tells its numbers from `to` on.
+    fn add(&mut self, (model, all): (&Model, &Reported<'_>), gauge: &Gauge, mut to: usize) {
+        let outputs = all.outputs;
+        match gauge {
+            Gauge::JointPosition(joints) => {
+                for row in joints.iter().flat_map(|j| model.coordinate_range(*j)) {
+                    self.copies.add([outputs.position.at(row, 0), to], []);
+                    to += 1;
+                }
+            }
+            Gauge::JointVelocity(joints) => {
+                for dof in joints.iter().flat_map(|j| model.dof_range(*j)) {
+                    self.copies.add([outputs.velocity.at(dof, 0), to], []);
+                    to += 1;
+                }
+            }
+            Gauge::JointEffort(joints) => {
+                for &joint in joints {
+                    self.efforts.joint(model, joint, to);
+                    to += model.dof_range(joint).len();
+                }
+            }
+            Gauge::ActuatorForce(rows) => {
+                for (i, &row) in rows.iter().enumerate() {
+                    self.efforts.actuator(model, (row, 1.0), to + i);
+                }
+            }
+            Gauge::Imu(mount) => self.frames.imu(model, mount, to),
+            Gauge::ForceTorque(joint, frame) => self.frames.wrench(model, (*joint, *frame), to),
+            Gauge::Touch(body) => self.touches.touch((model, all), *body, to),
+            Gauge::ContactForce(body, axes) => {
+                let own = |frames: &mut FrameNotes| frames.frame(model, &Mount::on(*body));
+                let axes = self.frames.axes(model, *axes, own);
+                self.touches.force((model, all), (*body, axes), to);
+            }
+            Gauge::FramePose([frame, relative]) => {
+                self.frames.pose(model, [frame, relative], to);
+            }
+            Gauge::FrameVelocity(mount, axes) => self.frames.velocity(model, (mount, *axes), to),
+            Gauge::CenterOfMass(of) => {
+                if let (false, Some(of)) = (self.centers.center(model, *of, to), of) {
+                    for i in 0..3 {
+                        let from = outputs.body.at(of.0, body::POSITION + i);
+                        self.copies.add([from, to + i], []);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Where the numbers lie.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Tables {
+    told: Told,
+    /// How many numbers are told.
+    count: usize,
+    /// All that was reported.
+    all: Table<Input>,
+    /// FROM, of `all`; TO.
+    copies: Rows<2, 0>,
+    frames: Frames,
+    touches: Touches,
+    efforts: Efforts,
+    centers: Centers,
+}
+
+/// Gauges of a model, compiled to tables.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gauges {
+    tables: Tables,
+    /// Where each of them writes.
+    numbers: Vec<Range<usize>>,
+    parameters: Vec<f64>,
+    links: Vec<u32>,
+    scratch: usize,
+    rounds: usize,
+}
+
+impl Gauges {
+    /// Of gauges of bodies, joints and actuators that the model has. Models of one structure differ in the
+    /// [`parameters`](Self::parameters) alone.
+    pub fn new(model: &Model, reported: &Reported<'_>, list: &[Gauge]) -> Self {
+        let mut notes = AllNotes::default();
+        let mut numbers: Vec<Range<usize>> = Vec::with_capacity(list.len());
+        let mut count = 0;
+        for gauge in list {
+            notes.add((model, reported), gauge, count);
+            numbers.push(count..count + gauge.numbers(model));
+            count += gauge.numbers(model);
+        }
+        let (mut parameters, mut links, mut scratch) = (0, 0, 0);
+        let of = (model, reported.outputs);
+        let tables = Tables {
+            told: Table::place(&mut 0, count),
+            count,
+            all: Table::place(&mut 0, 0),
+            copies: notes.copies.place(&mut parameters, &mut links),
+            frames: notes
+                .frames
+                .place(of, [&mut parameters, &mut links, &mut scratch]),
+            touches: notes.touches.place(of, [&mut parameters, &mut links]),
+            efforts: notes.efforts.place(reported, [&mut parameters, &mut links]),
+            centers: notes.centers.place(&mut parameters, &mut links),
+        };
+        let mut f = Filler::new(parameters, links);
+        tables.copies.fill(&notes.copies, &mut f);
+        tables.frames.fill(&notes.frames, model, &mut f);
+        tables.touches.fill(&notes.touches, model, &mut f);
+        tables.efforts.fill(&notes.efforts, &mut f);
+        tables.centers.fill(&notes.centers, &mut f);
+        let sums = notes.touches.rounds() + notes.efforts.rounds() + notes.centers.rounds();
+        Self {
+            tables,
+            numbers,
+            parameters: f.parameters,
+            links: f.links,
+            scratch,
+            rounds: count + notes.copies.len() + notes.frames.rounds() + sums,
+        }
+    }
+
+    /// Where each gauge writes, in their order.
+    pub fn numbers(&self) -> &[Range<usize>] {
+        &self.numbers
+    }
+    /// How often loops go round at most, all together.
+    pub fn rounds(&self) -> usize {
+        self.rounds
+    }
+    /// Numbers of each world, but for those that the solver tells and is told.
+    pub fn lengths(&self) -> Lengths {
+        Lengths {
+            state: 0,
+            input: 0,
+            output: self.tables.count,
+            scratch: self.scratch,
+        }
+    }
+    /// The constants.
+    pub fn parameters(&self) -> &[f64] {
+        &self.parameters
+    }
+    /// The structure.
+    pub fn links(&self) -> &[u32] {
+        &self.links
+    }
+
+    /// Writes what all gauges read.
+    #[inline(always)]
+    pub fn measure<M: Machine>(&self, k: &mut M) {
+        // A copy on the stack: offsets stay in registers, whatever is written meanwhile.
+        let t = self.tables;
+        for number in k.count(t.count) {
+            k.store(t.told, number, 0, M::R::zero());
+        }
+        for row in t.copies.all(k) {
+            let [from, to] = t.copies.links(k, row);
+            let x = k.load(t.all, from, 0);
+            k.store(t.told, to, 0, x);
+        }
+        t.frames.place(k);
+        t.frames.tell(k, t.told);
+        t.touches.tell(k, &t.frames, t.told);
+        t.efforts.tell(k, t.told);
+        t.centers.tell(k, &t.frames, t.told);
+    }
+}
