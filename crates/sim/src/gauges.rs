@@ -142,15 +142,17 @@ impl<T: Float> Simulation<T> {
 
     /// Writes the constants of worlds whose models have changed.
     fn renew_constants(&self, gauges: &mut Gauges<T>) {
-        if !self.has_own_models() {
-            return;
-        }
         let Gauges {
             models,
             reader,
             list,
             ..
         } = gauges;
+        if !self.has_own_models() {
+            models.clear();
+            reader.own = None;
+            return;
+        }
         let length = reader.instrument().parameters().len();
         if length == 0 {
             return;

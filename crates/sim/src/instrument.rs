@@ -13,7 +13,6 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 /// An instrument, and what it has read.
-#[derive(Clone)]
 pub(crate) struct Reader<T: Float> {
     instrument: Arc<Instrument>,
     /// Its constants.
@@ -23,6 +22,19 @@ pub(crate) struct Reader<T: Float> {
     scratch: Scratch<T>,
     /// What was read last.
     numbers: Memory<T>,
+}
+
+impl<T: Float> Clone for Reader<T> {
+    /// With an instrument of its own: a device knows by that whose constants it has.
+    fn clone(&self) -> Self {
+        Self {
+            instrument: Arc::new(Instrument::clone(&self.instrument)),
+            common: self.common.clone(),
+            own: self.own.clone(),
+            scratch: self.scratch.clone(),
+            numbers: self.numbers.clone(),
+        }
+    }
 }
 
 impl<T: Float> Reader<T> {

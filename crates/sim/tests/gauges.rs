@@ -312,6 +312,15 @@ fn worlds_are_read_by_their_own_numbers() {
         assert_eq!(read, expected, "{world}");
     }
     agree(&mut simulation, 1e-11);
+
+    let mut plain = stirred::<f64>(&model, SolverKind::Featherstone, 19);
+    let mut anew = plain.gauges(every_gauge(&model)).unwrap();
+    for gauges in [&mut gauges, &mut anew] {
+        plain.read_gauges(gauges, &[3]).unwrap();
+    }
+    let all = 0..gauges.length();
+    let [read, expected] = [&gauges, &anew].map(|gauges| read(gauges, 3, &all));
+    assert_eq!(read, expected, "a simulation without any");
 }
 
 #[test]
