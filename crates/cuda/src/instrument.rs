@@ -34,10 +34,10 @@ impl Reading {
         worlds: usize,
         own: bool,
     ) -> Result<Option<Self>, CudaError> {
-        let lengths = instrument.lengths();
-        let lanes = lengths.lanes(worlds, BLOCK as usize, MOST);
-        let constants = instrument.parameters().len();
-        let longest = lengths.output.max(if own { constants } else { 0 });
+        let sheet = instrument.sheet();
+        let lanes = sheet.lengths.lanes(worlds, BLOCK as usize, MOST);
+        let constants = sheet.parameters.len();
+        let longest = sheet.lengths.output.max(if own { constants } else { 0 });
         let Some(lanes) = lanes.filter(|_| longest.saturating_mul(worlds) <= MOST) else {
             return Ok(None);
         };
@@ -50,7 +50,7 @@ impl Reading {
         let parameters = if own {
             card.memory(constants * worlds)?
         } else {
-            let numbers: Vec<_> = instrument.parameters().iter().map(|x| *x as f32).collect();
+            let numbers: Vec<_> = sheet.parameters.iter().map(|x| *x as f32).collect();
             card.filled(&numbers)?
         };
         Ok(Some(Self {
@@ -58,8 +58,8 @@ impl Reading {
             scratch: card.memory(lanes.scratch)?,
             parameters,
             version: own.then_some(0),
-            links: card.filled(instrument.links())?,
-            numbers: card.memory(lengths.output * worlds)?,
+            links: card.filled(&sheet.links)?,
+            numbers: card.memory(sheet.lengths.output * worlds)?,
             lanes,
         }))
     }

@@ -77,7 +77,7 @@ fn rays_are_compiled_exactly() {
     let (mount, outputs) = (Mount::default(), OutputTables::new(&model));
     let finder = Rangefinder::new(&model, &outputs, &mount, &directions(5), 9.0).unwrap();
     let finder = Instrument::Rangefinder(finder);
-    is_exact(&instrument(&finder).unwrap(), finder.lengths());
+    is_exact(&instrument(&finder).unwrap(), finder.sheet().lengths);
 }
 
 #[test]
@@ -92,7 +92,7 @@ fn gauges_are_compiled_exactly() {
     };
     let gauges = Gauges::new(&model, &reported, &every_gauge(&model));
     let gauges = Instrument::Gauges(gauges);
-    is_exact(&instrument(&gauges).unwrap(), gauges.lengths());
+    is_exact(&instrument(&gauges).unwrap(), gauges.sheet().lengths);
 }
 
 /// What lies between the kernels of piles, and kernels whose members are contacts and joints.

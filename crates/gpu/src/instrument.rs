@@ -38,12 +38,12 @@ impl Reading {
         (parts, width): (usize, usize),
         own: bool,
     ) -> Result<Option<Self>, GpuError> {
-        let (lengths, most) = (instrument.lengths(), most_numbers(gpu));
-        let lanes = lengths.lanes(width, WORKGROUP as usize, most);
-        let constants = instrument.parameters().len() * if own { width } else { 1 };
-        let numbers = lengths.output * width;
-        let longest = constants.max(numbers).max(instrument.links().len());
-        let is_cut = gpu.cuts_loops() && instrument.rounds() > ROUNDS;
+        let (sheet, most) = (instrument.sheet(), most_numbers(gpu));
+        let lanes = sheet.lengths.lanes(width, WORKGROUP as usize, most);
+        let constants = sheet.parameters.len() * if own { width } else { 1 };
+        let numbers = sheet.lengths.output * width;
+        let longest = constants.max(numbers).max(sheet.links.len());
+        let is_cut = gpu.cuts_loops() && sheet.rounds > ROUNDS;
         let Some(lanes) = lanes.filter(|_| longest <= most && !is_cut) else {
             return Ok(None);
         };
@@ -56,7 +56,7 @@ impl Reading {
             let buffers = (0..parts).map(|_| buffer(gpu, constants as u64));
             buffers.collect::<Result<_, _>>()?
         } else {
-            let numbers: Vec<_> = instrument.parameters().iter().map(|x| *x as f32).collect();
+            let numbers: Vec<_> = sheet.parameters.iter().map(|x| *x as f32).collect();
             vec![filled(gpu, &numbers)?]
         };
         let numbers = (0..parts).map(|_| buffer(gpu, numbers as u64));
@@ -65,7 +65,7 @@ impl Reading {
             scratch: buffer(gpu, lanes.scratch as u64)?,
             parameters,
             version: own.then_some(0),
-            links: filled(gpu, instrument.links())?,
+            links: filled(gpu, &sheet.links)?,
             numbers: numbers.collect::<Result<_, _>>()?,
             lanes,
         }))

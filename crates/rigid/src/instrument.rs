@@ -1,5 +1,6 @@
 //! Kernels that read what a solver has reported, and tell numbers of each world.
 
+use crate::tables::Filler;
 use crate::{Gauges, Lengths, Rangefinder};
 
 /// What is read of worlds beside their solver, where they are.
@@ -12,32 +13,41 @@ pub enum Instrument {
 }
 
 impl Instrument {
-    /// How often its loops go round at most, all together.
-    pub fn rounds(&self) -> usize {
+    /// What it is compiled to.
+    pub fn sheet(&self) -> &Sheet {
         match self {
-            Self::Rangefinder(finder) => finder.rounds(),
-            Self::Gauges(gauges) => gauges.rounds(),
+            Self::Rangefinder(finder) => finder.sheet(),
+            Self::Gauges(gauges) => gauges.sheet(),
         }
     }
+}
+
+/// What an instrument is compiled to, beside its tables.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sheet {
     /// Numbers of each world, but for those that the solver tells and is told.
-    pub fn lengths(&self) -> Lengths {
-        match self {
-            Self::Rangefinder(finder) => finder.lengths(),
-            Self::Gauges(gauges) => gauges.lengths(),
-        }
-    }
+    pub lengths: Lengths,
+    /// How often its loops go round at most, all together.
+    pub rounds: usize,
     /// The constants.
-    pub fn parameters(&self) -> &[f64] {
-        match self {
-            Self::Rangefinder(finder) => finder.parameters(),
-            Self::Gauges(gauges) => gauges.parameters(),
-        }
-    }
+    pub parameters: Vec<f64>,
     /// The structure.
-    pub fn links(&self) -> &[u32] {
-        match self {
-            Self::Rangefinder(finder) => finder.links(),
-            Self::Gauges(gauges) => gauges.links(),
+    pub links: Vec<u32>,
+}
+
+impl Sheet {
+    /// Of so many numbers that are told, and of scratch.
+    pub(crate) fn new(filled: Filler, [output, scratch]: [usize; 2], rounds: usize) -> Self {
+        Self {
+            lengths: Lengths {
+                state: 0,
+                input: 0,
+                output,
+                scratch,
+            },
+            rounds,
+            parameters: filled.parameters,
+            links: filled.links,
         }
     }
 }

@@ -29,7 +29,7 @@ pub use featherstone::dynamics::{Dynamics, DynamicsError, DynamicsKernels, Total
 pub use featherstone::{ArticulatedBodies, Featherstone, Integrator, TouchingFeatherstone};
 pub use gauges::{Gauge, Gauges, Reported};
 pub use input::InputTables;
-pub use instrument::Instrument;
+pub use instrument::{Instrument, Sheet};
 pub use output::{OutputTables, body, body_acceleration, contact, reaction, total};
 pub use rangefinder::{FARTHEST, Rangefinder};
 pub use solver::{Kernels, Lanes, Lengths, Report, Settings, Solver, SolverError};

@@ -6,7 +6,7 @@
 //! is in a shape's is worked out once, and each ray then takes a turn of its direction and one line against one solid.
 //! Rays that pass the ball about a shape, or have met something before it, leave it out.
 
-use crate::Lengths;
+use crate::Sheet;
 use crate::contacts::tables::Solid;
 use crate::output::{OutputTables, body};
 use crate::tables::Filler;
@@ -81,10 +81,7 @@ struct Tables {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rangefinder {
     tables: Tables,
-    parameters: Vec<f64>,
-    links: Vec<u32>,
-    scratch: usize,
-    rounds: usize,
+    sheet: Sheet,
 }
 
 /// The shapes that rays from a mount may meet.
@@ -188,44 +185,23 @@ impl Rangefinder {
             f.vec3(tables.direction, row, 0, *direction);
         }
         tables.fill(&scene, &mut f);
-        Some(Self {
-            tables,
-            parameters: f.parameters,
-            links: f.links,
-            scratch,
-            // Each ray once for every shape and all rows of its surface, in loops over shapes.
-            rounds: (directions.len() + 1) * (1 + shapes + scene.surface_rows()),
-        })
+        // Each ray once for every shape and all rows of its surface, in loops over shapes.
+        let rounds = (directions.len() + 1) * (1 + shapes + scene.surface_rows());
+        let sheet = Sheet::new(f, [directions.len(), scratch], rounds);
+        Some(Self { tables, sheet })
     }
 
     /// How many rays, and distances of each world.
     pub fn rays(&self) -> usize {
         self.tables.rays
     }
-    /// How often loops go round at most, all together.
-    pub fn rounds(&self) -> usize {
-        self.rounds
+    /// What it is compiled to.
+    pub fn sheet(&self) -> &Sheet {
+        &self.sheet
     }
     /// Where in the parameters the direction of a ray lies, x, y, z.
     pub fn direction(&self, ray: usize) -> usize {
         self.tables.direction.at(ray, 0)
-    }
-    /// Numbers of each world, but for those that the solver reports, which are its input.
-    pub fn lengths(&self) -> Lengths {
-        Lengths {
-            state: 0,
-            input: 0,
-            output: self.tables.rays,
-            scratch: self.scratch,
-        }
-    }
-    /// The constants.
-    pub fn parameters(&self) -> &[f64] {
-        &self.parameters
-    }
-    /// The structure.
-    pub fn links(&self) -> &[u32] {
-        &self.links
     }
 
     /// Writes how far [m] each ray gets: to where it first meets a shape, 0 where it starts in a solid, or its whole range.

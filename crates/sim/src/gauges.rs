@@ -142,18 +142,16 @@ impl<T: Float> Simulation<T> {
 
     /// Writes the constants of worlds whose models have changed.
     fn renew_constants(&self, gauges: &mut Gauges<T>) {
+        if !self.has_own_models() {
+            return;
+        }
         let Gauges {
             models,
             reader,
             list,
             ..
         } = gauges;
-        if !self.has_own_models() {
-            models.clear();
-            reader.own = None;
-            return;
-        }
-        let length = reader.instrument().parameters().len();
+        let length = reader.instrument().sheet().parameters.len();
         if length == 0 {
             return;
         }
@@ -175,7 +173,9 @@ impl<T: Float> Simulation<T> {
             if !last.as_ref().is_some_and(|(of, _)| Arc::ptr_eq(of, model)) {
                 last = Some((model, self.compiled_gauges(model, list)));
             }
-            let parameters = last.as_ref().map_or(&[][..], |(_, own)| own.parameters());
+            let parameters = last
+                .as_ref()
+                .map_or(&[][..], |(_, own)| &own.sheet().parameters);
             for (i, x) in parameters.iter().enumerate() {
                 own.numbers.set(world, i, T::from_f64(*x));
             }

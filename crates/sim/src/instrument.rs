@@ -17,7 +17,7 @@ pub(crate) struct Reader<T: Float> {
     instrument: Arc<Instrument>,
     /// Its constants.
     common: Vec<T>,
-    /// Those of each world, where they differ.
+    /// Those of each world, once they have differed.
     pub own: Option<Constants<T>>,
     scratch: Scratch<T>,
     /// What was read last.
@@ -40,13 +40,13 @@ impl<T: Float> Clone for Reader<T> {
 impl<T: Float> Reader<T> {
     /// For so many worlds, in blocks of so many.
     pub fn new(instrument: Instrument, worlds: usize, width: usize) -> Self {
-        let lengths = instrument.lengths();
-        let parameters = instrument.parameters().iter();
+        let sheet = instrument.sheet();
+        let parameters = sheet.parameters.iter();
         Self {
             common: parameters.map(|x| T::from_f64(*x)).collect(),
             own: None,
-            scratch: Scratch::new(lengths.scratch, width),
-            numbers: Memory::new(worlds, lengths.output, width),
+            scratch: Scratch::new(sheet.lengths.scratch, width),
+            numbers: Memory::new(worlds, sheet.lengths.output, width),
             instrument: Arc::new(instrument),
         }
     }
@@ -84,7 +84,7 @@ impl<T: Float> Simulation<T> {
             return Ok(false);
         }
         self.report(needs)?;
-        let own = reader.own.as_ref();
+        let own = reader.own.as_ref().filter(|_| self.has_own_models());
         let (remote, instrument) = (self.remote.as_mut(), &reader.instrument);
         let read = remote.map(|it| it.measure(instrument, own, &mut reader.numbers));
         Ok(read.transpose()?.unwrap_or(false))
@@ -106,6 +106,7 @@ impl<T: Float> Simulation<T> {
             scratch,
             numbers: read,
         } = reader;
+        let own = own.as_ref().filter(|_| self.has_own_models());
         let measure = |number: usize, input: &mut [T], read: &mut [T]| {
             scratch.lend(|scratch| {
                 let mut block = Block {
@@ -114,9 +115,9 @@ impl<T: Float> Simulation<T> {
                     input: output.block(number),
                     output: read,
                     scratch: scratch.scalars_mut(),
-                    parameters: own.as_ref().map_or(&[], |own| own.numbers.block(number)),
+                    parameters: own.map_or(&[], |own| own.numbers.block(number)),
                     common: if own.is_some() { &[] } else { common },
-                    links: instrument.links(),
+                    links: &instrument.sheet().links,
                 };
                 jobs::measure(lane, instrument, &mut block);
             });

@@ -381,7 +381,7 @@ pub(super) struct Node {
     motions: Vec<Motion>,
     /// Whether its contacts go along: a root on a free joint, or a wheel.
     rolls: bool,
-    /// The same, along which nothing acts but forces.
+    /// A root on a free joint along which nothing acts but forces.
     floats: bool,
     pub dof: usize,
     mass: f64,

@@ -12,7 +12,7 @@ mod touch;
 
 use crate::output::body;
 use crate::tables::Filler;
-use crate::{InputTables, Lengths, OutputTables};
+use crate::{InputTables, OutputTables, Sheet};
 use center_of_mass::{CenterNotes, Centers};
 use effort::{EffortNotes, Efforts};
 use frames::{FrameNotes, Frames};
@@ -176,15 +176,12 @@ pub struct Gauges {
     tables: Tables,
     /// Where each of them writes.
     numbers: Vec<Range<usize>>,
-    parameters: Vec<f64>,
-    links: Vec<u32>,
-    scratch: usize,
-    rounds: usize,
+    sheet: Sheet,
 }
 
 impl Gauges {
     /// Of gauges of bodies, joints and actuators that the model has. Models of one structure differ in the
-    /// [`parameters`](Self::parameters) alone.
+    /// [parameters](Sheet::parameters) alone.
     pub fn new(model: &Model, reported: &Reported<'_>, list: &[Gauge]) -> Self {
         let mut notes = AllNotes::default();
         let mut numbers: Vec<Range<usize>> = Vec::with_capacity(list.len());
@@ -215,13 +212,11 @@ impl Gauges {
         tables.efforts.fill(&notes.efforts, &mut f);
         tables.centers.fill(&notes.centers, &mut f);
         let sums = notes.touches.rounds() + notes.efforts.rounds() + notes.centers.rounds();
+        let rounds = count + notes.copies.len() + notes.frames.rounds() + sums;
         Self {
             tables,
             numbers,
-            parameters: f.parameters,
-            links: f.links,
-            scratch,
-            rounds: count + notes.copies.len() + notes.frames.rounds() + sums,
+            sheet: Sheet::new(f, [count, scratch], rounds),
         }
     }
 
@@ -229,26 +224,9 @@ impl Gauges {
     pub fn numbers(&self) -> &[Range<usize>] {
         &self.numbers
     }
-    /// How often loops go round at most, all together.
-    pub fn rounds(&self) -> usize {
-        self.rounds
-    }
-    /// Numbers of each world, but for those that the solver tells and is told.
-    pub fn lengths(&self) -> Lengths {
-        Lengths {
-            state: 0,
-            input: 0,
-            output: self.tables.count,
-            scratch: self.scratch,
-        }
-    }
-    /// The constants.
-    pub fn parameters(&self) -> &[f64] {
-        &self.parameters
-    }
-    /// The structure.
-    pub fn links(&self) -> &[u32] {
-        &self.links
+    /// What they are compiled to.
+    pub fn sheet(&self) -> &Sheet {
+        &self.sheet
     }
 
     /// Writes what all gauges read.

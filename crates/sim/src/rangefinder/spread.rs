@@ -50,8 +50,8 @@ impl<T: Float> Spread<T> {
         }
         let each = directions.len().div_ceil(width).min(RAYS_PER_LANE);
         let finder = Rangefinder::new(model, outputs, mount, &directions[..each], range)?;
-        let mut parameters = Memory::new(width, finder.parameters().len(), width);
-        for (at, x) in finder.parameters().iter().enumerate() {
+        let mut parameters = Memory::new(width, finder.sheet().parameters.len(), width);
+        for (at, x) in finder.sheet().parameters.iter().enumerate() {
             parameters.fill(at, T::from_f64(*x));
         }
         let of = |d: &DVec3| d.to_array().map(T::from_f64);
@@ -68,7 +68,7 @@ impl<T: Float> Spread<T> {
     fn room(&self, reported: &[T]) -> Room<T> {
         let width = self.parameters.width();
         let memory = |numbers: usize| Memory::new(width, numbers, width);
-        let lengths = self.finder.lengths();
+        let lengths = self.finder.sheet().lengths;
         let mut room = Room {
             parameters: self.parameters.clone(),
             reported: memory(self.reported),
@@ -121,7 +121,7 @@ impl<T: Float> Spread<T> {
             scratch: room.scratch.scalars_mut(),
             parameters: room.parameters.scalars(),
             common: &[],
-            links: self.finder.links(),
+            links: &self.finder.sheet().links,
         };
         let lane = Lane {
             isa: self.isa,
