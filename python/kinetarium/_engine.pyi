@@ -163,6 +163,24 @@ class Model:
         """A camera: what `kinetarium.Camera` takes, by name."""
     def parameter(self, name: str) -> NDArray[np.float64]:
         """A parameter of the model by the name that it has in `Simulation.parameters`, shape (rows, numbers)."""
+    def with_drives(self, drive: Drive, joints: Sequence[str] | None = None) -> Model:
+        """The same model with a drive along each degree of freedom of some joints, in place of what they had: robot files
+        often have joints without any, and the targets in `Simulation.controls` need them.
+
+        Without names: all joints, but for free ones and those that follow another by a coupling; a model with actuators,
+        which move some of its joints and leave others free on purpose, wants names. Where the drive has no effort limit,
+        each joint keeps its own, as URDF files have it (`effort`). A drive without stiffness and damping takes theirs
+        away.
+
+        >>> import kinetarium as kn
+        >>> model = kn.examples.n_pendula(2).with_drives(kn.Drive(100.0, 10.0))
+        >>> sim = kn.Simulation(model)
+        >>> sim.controls.target_position[:, "hinge1"] = 0.5
+        >>> sim.parameters.drive_stiffness
+        NamedArray([[100., 100.]])
+
+        Raises `UnknownNameError`, and `ModelError` for joints that take no drive.
+        """
     def __eq__(self, value: object, /) -> bool: ...
     def __ne__(self, value: object, /) -> bool: ...
     def __copy__(self) -> Model: ...
@@ -254,11 +272,15 @@ class Geometry:
         """
     @staticmethod
     def height_field(heights: Sequence[Sequence[float]] | NDArray[Any], spacing: Vector) -> Geometry:
-        """A height field: heights [m] as rows along x of columns along z, `spacing` [m] apart along x and z."""
+        """A height field, around the origin: heights [m] along y, an array of the shape (along z, along x), `spacing` [m]
+        apart along x and z, in this order. The first axis is z: `heights[i][j]` stands at x = j · spacing[0] and
+        z = i · spacing[1], counted from the corner of least x and z.
+        """
     @staticmethod
     def distance_field(distances: Sequence[Sequence[Sequence[float]]] | NDArray[Any], spacing: float) -> Geometry:
         """The surface where signed distances [m] are zero, an array of the shape (along x, along y, along z), negative
-        inside; the samples are `spacing` [m] apart, around the origin.
+        inside; the samples are `spacing` [m] apart, around the origin. The first axis is x, other than that of a
+        height field.
         """
     def convex_hull(self) -> Geometry:
         """The convex hull of a mesh: what was hollow is filled."""
@@ -360,8 +382,8 @@ class Shape:
         geometry: Geometry,
         *,
         name: str = "",
-        position: Vector = ...,
-        orientation: Vector = ...,
+        position: Vector | None = None,
+        orientation: Vector | None = None,
         density: float = 1000.0,
         material: Material | None = None,
         color: Vector | None = None,
@@ -413,7 +435,7 @@ class Axis:
     `reference` [m or rad] is the coordinate at which the two frames of the joint coincide.
     """
     @staticmethod
-    def angular(direction: Vector, *, anchor: Vector = ..., reference: float = 0.0) -> Axis:
+    def angular(direction: Vector, *, anchor: Vector | None = None, reference: float = 0.0) -> Axis:
         """Rotation about a direction, of any length but zero, through a point `anchor` [m] of the joint's frame; other
         points than its origin only `featherstone` takes.
         """
@@ -749,8 +771,9 @@ class Object:
         `position` [m] and `orientation` (x, y, z, w) are in the object. Mass [kg] and inertia follow from the shapes and
         their densities; `mass` alone scales them; `mass` with `inertia` [kg·m²] (3 × 3, about `center` [m], along the
         body's axes) replaces them. A `static` body never moves, and has no mass. Bodies of `group`s collide as the
-        conventions say; `membership` and `collides_with` are given to all its shapes. `world` is the one world that it
-        is in.
+        conventions say; `membership` and `collides_with` are given to all its shapes. `world` is a number from −1 on:
+        bodies of different numbers, neither of them −1, do not touch, and no joint may tie them. It has nothing to do
+        with the worlds of a simulation, each of which has all bodies.
         """
     def scenery(self, shape: Shape | Geometry) -> ShapeHandle:
         """Adds a shape that belongs to the world, such as a floor."""

@@ -68,16 +68,19 @@ class NamedArray(np.ndarray):
     names: tuple[Names, ...] = ()
     """Names along the axes, as far as there are any."""
     held: np.ndarray | None = None
-    """What may be written to, of an array that is read-only."""
+    """What is written to, of an array whose items are asked for."""
     _assign: Assign | None = None
 
     @classmethod
-    def of(cls, array: np.ndarray, names: tuple[Names, ...], assign: Assign | None = None) -> NamedArray:
-        """A view of `array` with names for each axis; with `assign` it is read-only, and setting items asks that."""
+    def of(
+        cls, array: np.ndarray, names: tuple[Names, ...], assign: Assign | None = None, *, writeable: bool = False
+    ) -> NamedArray:
+        """A view of `array` with names for each axis; with `assign`, setting items asks that, and it is read-only
+        unless it is to be `writeable`."""
         named = array.view(cls)
         named.names = names
         if assign is not None:
-            named.flags.writeable = False
+            named.flags.writeable = writeable
             named.held, named._assign = array, assign
         return named
 
@@ -192,6 +195,20 @@ def checked(what: str, array: Any, shape: tuple[int, ...], dtype: Any = np.float
     except ValueError:
         raise ShapeError(f"{what} has the shape {found.shape}, which does not broadcast to {shape}") from None
     return np.ascontiguousarray(found, dtype=dtype)
+
+
+def is_vector(array: Any, count: int | None = None) -> bool:
+    """Whether this is so many real numbers; one or any number of them, where it is not told how many.
+
+    >>> is_vector((1, 2.5, 3), 3), is_vector((1, 2), 3), is_vector("abc"), is_vector(0.5)
+    (True, False, False, True)
+    """
+    try:
+        found = np.asarray(array)
+    except ValueError:
+        return False
+    fits = found.ndim <= 1 if count is None else found.shape == (count,)
+    return fits and found.dtype.kind in "fiub"
 
 
 def whole(what: str, number: Any, least: int = 0, bits: int = 63) -> int:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kinetarium._engine import Model, View, looking, png
+from kinetarium.arrays import is_vector
 from kinetarium.errors import RenderError
 from kinetarium.types import Vector
 
@@ -51,7 +52,7 @@ class Lamp:
     def __post_init__(self) -> None:
         for what in ("position", "direction", "color", "attenuation"):
             numbers = getattr(self, what)
-            if np.shape(numbers) != (3,):
+            if not is_vector(numbers, 3):
                 raise RenderError(f"the lamp's {what} is {numbers!r}: give 3 numbers")
         if not 0 < hypot(*self.direction) < inf:
             raise RenderError(f"the lamp's direction is {self.direction}: give one, as (0, 0, -1)")
@@ -92,7 +93,7 @@ class Light:
     def __post_init__(self) -> None:
         for what in ("to_sun", "sun", "sky", "ground", "zenith", "horizon"):
             numbers = getattr(self, what)
-            if numbers is not None and np.shape(numbers) != (3,):
+            if numbers is not None and not is_vector(numbers, 3):
                 raise RenderError(f"the light's {what} is {numbers!r}: give 3 numbers")
         if self.lamps is not None and not all(isinstance(lamp, Lamp) for lamp in self.lamps):
             raise RenderError(f"the light's lamps are {self.lamps!r}: give Lamps, as [Lamp(position=(0, 3, 0))]")
@@ -156,7 +157,7 @@ class Camera:
         for what, count in _VECTORS.items():
             numbers = getattr(self, what)
             optional = what in ("focal", "principal")
-            if not (optional and numbers is None) and np.shape(numbers) != (count,):
+            if not (optional and numbers is None) and not is_vector(numbers, count):
                 raise RenderError(f"the camera's {what} is {numbers!r}: give {count} numbers")
         if self.principal is not None and self.focal is None:
             raise RenderError(f"the camera's principal point is {self.principal}, without focal: give both, or none")
@@ -168,7 +169,10 @@ class Camera:
     def looking(self, eye: Vector, target: Vector, up: Vector = (0.0, 1.0, 0.0)) -> Camera:
         """The same at `eye` [m], with `target` [m] in the middle of its image and `up` upwards in it, in its body's
         frame or in the world; where the world's z is up, as in files, that is (0, 0, 1). Raises `RenderError` where
-        both are the same point."""
+        both are the same point, or something is not 3 numbers."""
+        for what, point in (("eye", eye), ("target", target), ("up", up)):
+            if not is_vector(point, 3):
+                raise RenderError(f"the camera's {what} is {point!r}: give 3 numbers")
         if not 0 < dist(eye, target) < inf:
             raise RenderError(
                 f"the camera's eye is {eye} and its target is {target}: give two points, some way apart"

@@ -2,19 +2,38 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kinetarium.arrays import NamedArray, aligned, checked
-from kinetarium.errors import UnknownNameError
+from kinetarium.arrays import Assign, NamedArray, aligned, checked
+from kinetarium.errors import SimulationError, UnknownNameError
 from kinetarium.names import hint
 from kinetarium.tables import Table, Tables, tables_of
 
 if TYPE_CHECKING:
-    from kinetarium._engine import DeviceArray, Engine
+    from kinetarium._engine import DeviceArray, Engine, Model
     from kinetarium.worlds import Worlds
+
+
+def undriven(model: Model) -> np.ndarray:
+    """Which degrees of freedom have no drive, bool of shape (degrees of freedom,)."""
+    gains = [model.parameter(name).ravel() for name in ("drive_stiffness", "drive_damping")]
+    found: np.ndarray = ~np.any(gains, axis=0)
+    return found
+
+
+def _refuse_vain(target: str, model: Model, vain: np.ndarray, wanted: np.ndarray, chosen: np.ndarray) -> None:
+    """Refuses targets of degrees of freedom that no drive pulls there."""
+    wrong = np.argwhere(vain & chosen & (wanted != 0))
+    if wrong.size:
+        world, dof = wrong[0]
+        raise SimulationError(
+            f'world {world}: {target} is {wanted[world, dof]:g} for "{model.dof_names[dof]}", which has no drive: '
+            "make the simulation of model.with_drives(kn.Drive(stiffness, damping)), or leave it at 0"
+        )
 
 
 class Controls(Tables):
@@ -39,12 +58,18 @@ class Controls(Tables):
     target_position = Table(
         "dof_names",
         (),
-        "Position targets of the drives [m or rad], shape (worlds, degrees of freedom); the model's at first.",
+        """Position targets of the drives [m or rad], shape (worlds, degrees of freedom); the model's at first.
+
+        Degrees of freedom without a drive have none: setting items there to anything but 0 raises `SimulationError`.
+        What is written past this array does nothing there, and is not seen: to parts of it that numpy gives, by
+        torch, by `on_device`. `Model.with_drives` gives drives to models that have none, as those of URDF files.
+        """,
     )
     target_velocity = Table(
         "dof_names",
         (),
-        "Velocity targets of the drives [m/s or rad/s], shape (worlds, degrees of freedom); the model's at first.",
+        "Velocity targets of the drives [m/s or rad/s], shape (worlds, degrees of freedom); the model's at first. "
+        "Without a drive there is none, as of `target_position`.",
     )
     actuator = Table(
         "actuator_names",
@@ -92,9 +117,17 @@ class Controls(Tables):
         engine = self._worlds.engine
         array = self._arrays.get(table.name)
         if array is None:
-            array = NamedArray.of(self._read(engine, table), table.names(self._worlds))
+            names, assign = table.names(self._worlds), self._guard(table)
+            array = NamedArray.of(self._read(engine, table), names, assign, writeable=True)
             self._arrays[table.name], self._sent[table.name] = array, np.array(array)
         return array
+
+    def _guard(self, table: Table) -> Assign | None:
+        """What is asked when items are set: of targets, where something has no drive."""
+        if not table.name.startswith("target_"):
+            return None
+        vain = undriven(self._worlds.model)
+        return partial(_refuse_vain, table.name, self._worlds.model, vain) if vain.any() else None
 
     def _read(self, engine: Engine, table: Table) -> np.ndarray:
         """What the engine has of a control."""
@@ -104,7 +137,7 @@ class Controls(Tables):
 
     def _set(self, table: Table, value: ArrayLike) -> None:
         array = self._get(table)
-        if value is not array:  # `force += 1` has done it already
+        if value is not array or array.held is not None:  # `force += 1` has done it already
             array[...] = checked(table.name, value, array.shape, array.dtype)
 
     def _send(self, engine: Engine) -> None:

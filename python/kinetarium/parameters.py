@@ -20,7 +20,7 @@ class Parameters(Tables):
     Each attribute is a copy, read-only but for items that are set; that compiles the model anew for the worlds that
     change (a fifth of a millisecond for a humanoid), and leaves their states as they are; none changes where one is
     refused. What is zero in the model must stay zero where it means that something is not there: a drive, dry
-    friction, a spring or damper where no joint has any.
+    friction, a spring or damper where no joint has any. `Model.with_drives` makes a model that has drives.
 
     >>> import kinetarium as kn
     >>> sim = kn.Simulation(kn.examples.n_pendula(2), worlds=3)

@@ -11,7 +11,27 @@ from numpy.typing import ArrayLike
 
 from kinetarium._engine import Model
 from kinetarium.arrays import checked, row
-from kinetarium.errors import ShapeError
+from kinetarium.errors import ShapeError, SimulationError
+
+FIRST = np.intp(0)
+"""The world that is asked about where none is given: by its identity, another than a 0 that is given."""
+
+
+def asked(world: int | None, worlds: ArrayLike | None) -> ArrayLike | None:
+    """The worlds that are asked about: one, or several; `SimulationError` where both are given.
+
+    >>> asked(2, FIRST), asked(None, [0, 1])
+    (2, [0, 1])
+    >>> asked(2, [0, 1])
+    Traceback (most recent call last):
+        ...
+    kinetarium.errors.SimulationError: both world=2 and worlds=[0, 1] are given: leave one out
+    """
+    if world is None:
+        return worlds
+    if worlds is not FIRST:
+        raise SimulationError(f"both world={world!r} and worlds={worlds!r} are given: leave one out")
+    return world
 
 
 @dataclass(frozen=True)

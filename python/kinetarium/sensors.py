@@ -36,6 +36,7 @@ from numpy.typing import ArrayLike
 
 from kinetarium._custom import CustomArray
 from kinetarium._engine import Engine, Measurement, Model, SensorArray
+from kinetarium.arrays import is_vector
 from kinetarium.cameras import Camera as Pinhole
 from kinetarium.cameras import Images
 from kinetarium.errors import ClosedError, SensorError, UnknownNameError
@@ -52,7 +53,8 @@ Axes = Literal["world", "own"]
 
 @dataclass(frozen=True)
 class Noise:
-    """What a sensor adds to the truth, in the unit of its reading; nothing by default."""
+    """What a sensor adds to the truth, in the unit of its reading; nothing by default. Raises `SensorError` for what
+    is no number."""
 
     deviation: Level = 0.0
     """Standard deviation of white noise."""
@@ -62,6 +64,12 @@ class Noise:
     """Standard deviation of a random walk after one second."""
     step: Level = 0.0
     """What readings are rounded to multiples of; 0 is not at all."""
+
+    def __post_init__(self) -> None:
+        for what in ("deviation", "bias", "walk", "step"):
+            level = getattr(self, what)
+            if not is_vector(level):
+                raise SensorError(f"the noise's {what} is {level!r}: give a number, or one for each of the reading")
 
     def _levels(self) -> list[float | list[float]]:
         levels = self.deviation, self.bias, self.walk, self.step
@@ -130,6 +138,12 @@ def _listed(names: Sequence[str] | None) -> list[str] | None:
     return [names] if isinstance(names, str) else None if names is None else list(names)
 
 
+def _check_place(name: str, position: Vector, orientation: Vector) -> None:
+    for what, numbers, count in (("position", position, 3), ("orientation", orientation, 4)):
+        if not is_vector(numbers, count):
+            raise SensorError(f'the {what} of sensor "{name}" is {numbers!r}: give {count} numbers')
+
+
 @dataclass(frozen=True)
 class _Mounted(Sensor):
     """A sensor with a place on a body, or in the world where `body` is none."""
@@ -139,6 +153,9 @@ class _Mounted(Sensor):
     """In the body's frame, or in the world [m]."""
     orientation: Vector = field(default=(0.0, 0.0, 0.0, 1.0), kw_only=True)
     """In the body's frame, or in the world, x, y, z, w."""
+
+    def __post_init__(self) -> None:
+        _check_place(self.name, self.position, self.orientation)
 
     def _place(self) -> Place:
         return self.body, self.position, self.orientation
@@ -160,6 +177,13 @@ class ForceTorque(Sensor):
 
     joint: str = ""
     frame: Frame | None = field(default=None, kw_only=True)
+
+    def __post_init__(self) -> None:
+        if self.frame is not None:
+            if len(self.frame) != 2:
+                needed = "give a position and a quaternion"
+                raise SensorError(f'the frame of sensor "{self.name}" is {self.frame!r}: {needed}')
+            _check_place(self.name, *self.frame)
 
     def _measurement(self, model: Model) -> Measurement:
         return Measurement.force_torque(model, self.joint, self.frame)

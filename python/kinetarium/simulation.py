@@ -18,7 +18,7 @@ from kinetarium.controls import Controls
 from kinetarium.errors import RenderError, ShapeError, SimulationError, UnknownNameError
 from kinetarium.names import Strict, hint
 from kinetarium.parameters import Parameters, parameter_names
-from kinetarium.queries import NearShapes, Queries, Seen, ShapeHits, sight
+from kinetarium.queries import FIRST, NearShapes, Queries, Seen, ShapeHits, asked, sight
 from kinetarium.sensors import Custom, Sensor, Sensors
 from kinetarium.skins import Skin
 from kinetarium.state import State
@@ -159,6 +159,14 @@ def _precision(dtype: DTypeLike) -> np.dtype:
     return precision
 
 
+def _seconds(dt: Any) -> float:
+    """A time step; `SimulationError` where it is no number."""
+    try:
+        return float(dt)
+    except (TypeError, ValueError, OverflowError):
+        raise SimulationError(f"dt is {dt!r}: it must be a number of seconds, as 0.002") from None
+
+
 class Simulation(Strict):
     """W worlds of one model, advanced together.
 
@@ -255,7 +263,7 @@ class Simulation(Strict):
         if not isinstance(device, str):
             raise TypeError(f'device is {device!r}: it must be a text, such as "cpu", "gpu" or "cuda:0"')
         self._settings: dict[str, Any] = {
-            "dt": model.time_step if dt is None else float(dt),
+            "dt": model.time_step if dt is None else _seconds(dt),
             "solver": solver,
             "substeps": None if substeps is None else whole("substeps", substeps),
             "integrator": integrator,
@@ -463,9 +471,10 @@ class Simulation(Strict):
         """Returns to a snapshot that `save` wrote."""
         self.restore(Path(path).read_bytes())
 
-    def contacts(self, world: int | None = None, *, worlds: ArrayLike | None = 0) -> Contacts:
+    def contacts(self, world: int | None = None, *, worlds: ArrayLike | None = FIRST) -> Contacts:
         """The contacts of the last step in a world, 0 by default, or in several (a list, a mask, or `None` for all),
-        in an order that does not change from step to step. Raises `ShapeError`, `OutOfRangeError`.
+        in an order that does not change from step to step. Raises `ShapeError`, `OutOfRangeError`, and
+        `SimulationError` where both `world` and `worlds` are given.
 
         >>> import kinetarium as kn
         >>> sim = kn.Simulation(kn.examples.pyramid(2), worlds=3)
@@ -474,9 +483,9 @@ class Simulation(Strict):
         >>> set(contacts.world.tolist()), contacts.wrench("floor", 2).shape
         ({0, 2}, (2, 6))
         """
-        asked = worlds if world is None else world
-        rows = self._worlds.rows(asked)
-        several = asked is None or np.ndim(asked) > 0
+        worlds = asked(world, worlds)
+        rows = self._worlds.rows(worlds)
+        several = worlds is None or np.ndim(worlds) > 0
         found = self._engine.contacts(np.unique(rows))
         return Contacts(**found, worlds=rows if several else int(rows[0]), model=self.model)
 
@@ -493,7 +502,7 @@ class Simulation(Strict):
         directions: ArrayLike,
         *,
         world: int | None = None,
-        worlds: ArrayLike | None = 0,
+        worlds: ArrayLike | None = FIRST,
         max_distance: float = np.inf,
     ) -> RayHits:
         """What rays meet first, up to a distance [m], in a world, 0 by default, or in several (a list, a mask, or
@@ -502,11 +511,11 @@ class Simulation(Strict):
         In one world, origins [m] and directions (of any length but zero) broadcast to (rays, 3), world axes, and the
         answer's arrays have the shape (rays, …); in several worlds these are (worlds, rays, …). Rays meet all shapes
         but sensors, those that are only seen, too. Raises `ShapeError`, `OutOfRangeError`, and `SimulationError` for
-        numbers that make no sense.
+        numbers that make no sense, and where both `world` and `worlds` are given.
         """
-        asked = worlds if world is None else world
-        rows = self._worlds.rows(asked)
-        rays = Queries.of(rows, asked, origins=(origins, 3), directions=(directions, 3))
+        worlds = asked(world, worlds)
+        rows = self._worlds.rows(worlds)
+        rays = Queries.of(rows, worlds, origins=(origins, 3), directions=(directions, 3))
         starts, ways = rays.arrays
         return RayHits(**rays.shaped(self._engine.cast_rays(rows, starts, ways, max_distance)))
 
@@ -517,7 +526,8 @@ class Simulation(Strict):
         directions: ArrayLike,
         *,
         orientations: ArrayLike = (0.0, 0.0, 0.0, 1.0),
-        worlds: ArrayLike | None = 0,
+        world: int | None = None,
+        worlds: ArrayLike | None = FIRST,
         max_distance: float = np.inf,
         seen: Seen | None = None,
     ) -> ShapeHits:
@@ -529,7 +539,7 @@ class Simulation(Strict):
         the start is met at distance 0. Shapes are as rays meet them; `seen` picks some.
 
         Raises `ShapeError`, `OutOfRangeError` for worlds and bodies that do not exist, and `SimulationError` for
-        shapes that are not convex solids and numbers that make no sense.
+        shapes that are not convex solids, numbers that make no sense, and both `world` and `worlds`.
 
         >>> import kinetarium as kn
         >>> sim = kn.Simulation(kn.examples.pyramid(3))
@@ -537,19 +547,21 @@ class Simulation(Strict):
         >>> float(hits.distance[1].round(6))
         4.9
         """
+        worlds = asked(world, worlds)
         rows = self._worlds.rows(worlds)
-        asked = Queries.of(
+        queries = Queries.of(
             rows, worlds, positions=(positions, 3), directions=(directions, 3), orientations=(orientations, 4)
         )
-        (starts, ways, turns), sees = asked.arrays, sight(seen, self.model)
-        return asked.hits(self._engine.cast_shapes(rows, geometry, starts, turns, ways, max_distance, sees))
+        (starts, ways, turns), sees = queries.arrays, sight(seen, self.model)
+        return queries.hits(self._engine.cast_shapes(rows, geometry, starts, turns, ways, max_distance, sees))
 
     def nearest(
         self,
         points: ArrayLike,
         k: int = 1,
         *,
-        worlds: ArrayLike | None = 0,
+        world: int | None = None,
+        worlds: ArrayLike | None = FIRST,
         max_distance: float = np.inf,
         seen: Seen | None = None,
     ) -> ShapeHits:
@@ -560,26 +572,29 @@ class Simulation(Strict):
         (points, k, …); in several worlds these are (worlds, points, …). Distances are from the surfaces, negative
         inside; of closed meshes, too. What holds a point is the nearer the deeper it does. Raises as `cast_shape`.
         """
+        worlds = asked(world, worlds)
         rows, shapes = self._worlds.rows(worlds), len(self._worlds.names("shape_names") or ())
         k = min(whole("k", k, 1), max(shapes, 1))
-        asked = Queries.of(rows, worlds, points=(points, 3))
-        (places,) = asked.arrays
-        return asked.hits(self._engine.nearest(rows, places, k, max_distance, sight(seen, self.model)), k)
+        queries = Queries.of(rows, worlds, points=(points, 3))
+        (places,) = queries.arrays
+        return queries.hits(self._engine.nearest(rows, places, k, max_distance, sight(seen, self.model)), k)
 
     def closest_points(
         self,
         points: ArrayLike,
         max_distance: float = np.inf,
         *,
-        worlds: ArrayLike | None = 0,
+        world: int | None = None,
+        worlds: ArrayLike | None = FIRST,
         seen: Seen | None = None,
     ) -> NearShapes:
         """Of each shape within a distance [m] of points [m], the nearest point of its surface; points, distances and
         errors as those of `nearest`. The nearest shape of a point comes first."""
+        worlds = asked(world, worlds)
         rows = self._worlds.rows(worlds)
-        asked = Queries.of(rows, worlds, points=(points, 3))
-        (places,) = asked.arrays
-        return asked.near(self._engine.closest_points(rows, places, max_distance, sight(seen, self.model)), rows)
+        queries = Queries.of(rows, worlds, points=(points, 3))
+        (places,) = queries.arrays
+        return queries.near(self._engine.closest_points(rows, places, max_distance, sight(seen, self.model)), rows)
 
     def overlaps(
         self,
@@ -587,7 +602,8 @@ class Simulation(Strict):
         positions: ArrayLike,
         *,
         orientations: ArrayLike = (0.0, 0.0, 0.0, 1.0),
-        worlds: ArrayLike | None = 0,
+        world: int | None = None,
+        worlds: ArrayLike | None = FIRST,
         seen: Seen | None = None,
     ) -> NearShapes:
         """The shapes that a convex shape overlaps or touches in some places; these, and errors, as those of
@@ -595,10 +611,11 @@ class Simulation(Strict):
 
         Distances are 0 or less: how far the two overlap along the way out, which the normal tells.
         """
+        worlds = asked(world, worlds)
         rows = self._worlds.rows(worlds)
-        asked = Queries.of(rows, worlds, positions=(positions, 3), orientations=(orientations, 4))
-        starts, turns = asked.arrays
-        return asked.near(self._engine.overlaps(rows, geometry, starts, turns, sight(seen, self.model)), rows)
+        queries = Queries.of(rows, worlds, positions=(positions, 3), orientations=(orientations, 4))
+        starts, turns = queries.arrays
+        return queries.near(self._engine.overlaps(rows, geometry, starts, turns, sight(seen, self.model)), rows)
 
     def linearize(self, world: int = 0) -> Linearization:
         """A time step linearised about the state of a world: exact derivatives of the solver's own step in float64,

@@ -194,7 +194,7 @@ class State(Tables):
         elif not isinstance(out, np.ndarray) or out.shape != shape or out.dtype != worlds.dtype:
             found = f"{out.dtype} of {out.shape}" if isinstance(out, np.ndarray) else type(out).__name__
             raise ShapeError(f"out is {found}: it must be an array, {worlds.dtype} of {shape}")
-        elif isinstance(out, NamedArray) and out.held is not None:
+        elif isinstance(out, NamedArray) and out.held is not None and not out.flags.writeable:
             self.read(quantity, out.held)
             out.holds(table.names(worlds), self._assign(table))
             return out

@@ -74,6 +74,11 @@ def test_no_camera_looks_at_itself(sim):
             kn.Camera().looking((1, 2, 3), target)
     with pytest.raises(RenderError, match="camera's up is"):
         kn.Camera().looking((1, 2, 3), (0, 0, 0), up=(0, 0, 0))
+    for wrong in ({"eye": (0, 0)}, {"target": "ball"}, {"up": [(0, 1), 0, 0]}):
+        with pytest.raises(RenderError, match=f"camera's {next(iter(wrong))} is .*: give 3 numbers"):
+            kn.Camera().looking(**{"eye": (0, 0, 0), "target": (1, 1, 1), **wrong})
+    with pytest.raises(RenderError, match=r"camera's position is .*: give 3 numbers"):
+        kn.Camera(position=("a", "b", "c"))
     with pytest.raises(TypeError, match=r"width is 9\.5: it must be a whole number"):
         kn.Camera(9.5)
     with pytest.raises(RenderError, match="the camera is 3: give a Camera"):

@@ -137,7 +137,7 @@ def test_controls_are_written_on_the_card():
     cpu.controls.force[:] = pushes
     # What the host sets of others leaves it alone.
     for sim in (card, cpu):
-        sim.controls.target_position[:] = 0.1
+        sim.controls.target_position[:] = 0.0
         sim.step(25)
     np.testing.assert_array_equal(card.state.joint_position, cpu.state.joint_position)
 

@@ -390,6 +390,149 @@ def test_parts_that_make_no_sense_are_refused_when_they_are_made(make, message):
         make()
 
 
+def an_object():
+    thing = kn.Builder("bad").object("thing")
+    return thing, thing.body("b", kn.Geometry.sphere(0.1))
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: kn.Geometry.box((1, 2)), r"box: half is \(1, 2\): give 3 numbers"),
+        (
+            lambda: kn.Geometry.ellipsoid(np.eye(2)),
+            r"ellipsoid: half is an array of the shape \(2, 2\) .*: give 3 numbers",
+        ),
+        (lambda: kn.Geometry.hull([(0, 0)]), r"hull: points is \[\(0, 0\)\]: give rows of 3 numbers"),
+        (lambda: kn.Geometry.mesh(np.eye(2), [[0, 1, 2]]), r"mesh: vertices is an array of the shape \(2, 2\)"),
+        (lambda: kn.Geometry.mesh(np.eye(3), [[0, 1.5, 2]]), "mesh: triangles is .*: give rows of 3 whole numbers"),
+        (lambda: kn.Geometry.mesh(np.eye(3), [[0, 1, 2**70]]), "mesh: triangles is .*: give rows of 3 whole numbers"),
+        (lambda: kn.Geometry.revolution([(1, 0, 0)]), "revolution: profile is .*: give rows of 2 numbers"),
+        (
+            lambda: kn.Geometry.height_field(np.zeros((3, 3, 3)), (1, 1)),
+            r"heights is .* the shape \(along z, along x\)",
+        ),
+        (lambda: kn.Geometry.height_field(np.zeros((3, 3)), 1.0), r"spacing is 1\.0: give 2 numbers"),
+        (lambda: kn.Shape(kn.Geometry.sphere(1), name="s", position=(1, 0)), r'shape "s": position is \(1, 0\)'),
+        (lambda: kn.Shape(kn.Geometry.sphere(1), orientation="up"), 'shape "": orientation is .up.: give 4 numbers'),
+        (lambda: kn.Shape(kn.Geometry.sphere(1), color=(1, 0, 0)), r"color is \(1, 0, 0\): give 4 numbers"),
+        (lambda: kn.Builder("w", gravity=(0, 1)), r'builder "w": gravity is \(0, 1\): give 3 numbers'),
+        (lambda: setattr(kn.Builder("w"), "gravity", 9.81), r'builder "w": gravity is 9\.81: give 3 numbers'),
+        (lambda: kn.Axis.linear((1, 0)), r"axis: direction is \(1, 0\)"),
+        (lambda: kn.Axis.angular((1, 0, 0), anchor=(1,)), r"axis: anchor is \(1,\)"),
+        (
+            lambda: an_object()[0].body("c", inertia=[1, 2, 3]),
+            'body "c": option inertia is .*: give 3 rows of 3 numbers',
+        ),
+        (lambda: an_object()[0].replicas().translate_by([1] * 100), "placement: shift is .*…: give 3 numbers"),
+        (lambda: an_object()[0].replicas().rotate_around_to((0, 0, 0), (0, 1), 1.0), "placement: axis"),
+        (lambda: (t := an_object())[0].revolute("j", t[1], (0, 1)), r'joint "j": axis is \(0, 1\): give 3 numbers'),
+        (
+            lambda: (t := an_object())[0].ball("j", t[1], child_frame=(0, 0, 0)),
+            "child_frame is .* position and a quat",
+        ),
+        (lambda: (t := an_object())[0].ball("j", t[1], child_frame=((0, 0), [0] * 4)), "child_frame: position is"),
+    ],
+)
+def test_what_has_not_so_many_numbers_is_told(make, message):
+    with pytest.raises(ShapeError, match=message) as told:
+        make()
+    assert isinstance(told.value, ValueError) and isinstance(told.value, kn.KinetariumError)
+
+
+def test_ranges_and_triangles_that_make_no_sense_are_told():
+    with pytest.raises(ModelError, match=r"triangle 1 of the mesh is \[0, 1, -1\]: .* counted from 0"):
+        kn.Geometry.mesh(np.eye(3), [[0, 1, 2], [0, 1, -1]])
+    thing, body = an_object()
+    hinge = thing.revolute("j", body, [0, 0, 1])
+    with pytest.raises(ShapeError, match=r'actuator "m": control_range is \(1, 2, 3\): give 2 numbers'):
+        thing.motor("m", hinge, control_range=(1, 2, 3))
+    with pytest.raises(ShapeError, match=r'actuator "m": force_range is 5: give 2 numbers'):
+        thing.position_servo("m", hinge, stiffness=1.0, force_range=5)
+
+
+def test_axes_of_fields_are_as_documented():
+    heights = np.zeros((21, 11))
+    heights[20, 0] = 1.0  # of most z and least x
+    field = kn.Geometry.height_field(heights, (0.5, 0.25))
+    assert field.half_extents == pytest.approx((2.5, 0.5, 2.5))
+    assert field.vertices[field.vertices[:, 1].argmax()] == pytest.approx((-2.5, 1.0, 2.5))
+
+
+def test_bodies_of_other_worlds_do_not_touch():
+    def builder(number):
+        world = kn.Builder("apart")
+        things = world.object("things")
+        for k, own in enumerate([0, number]):
+            things.body(f"ball{k}", kn.Geometry.sphere(0.1), position=(0.15 * k, 0, 0), mass=1.0, world=own)
+        return world
+
+    for number, touching in [(0, True), (1, False), (-1, True)]:
+        sim = kn.Simulation(builder(number).build(), worlds=2, solver="featherstone")
+        sim.step()
+        assert [len(sim.contacts(world)) > 0 for world in (0, 1)] == [touching] * 2
+        assert sim.state.body_position.shape == (2, 2, 3)
+    with pytest.raises(ModelError, match=r'body "ball1": world is -2; it must lie from -1'):
+        builder(-2).build()
+
+
+INERTIAL = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+ARM = """
+<robot name="arm">
+  <link name="base">INERTIAL</link>
+  <link name="arm">INERTIAL</link>
+  <link name="hand">INERTIAL</link>
+  <link name="thumb">INERTIAL</link>
+  <joint name="shoulder" type="revolute">
+    <parent link="base"/><child link="arm"/><axis xyz="0 0 1"/><limit lower="-2" upper="2" effort="50" velocity="9"/>
+  </joint>
+  <joint name="wrist" type="continuous"><parent link="arm"/><child link="hand"/><axis xyz="0 0 1"/></joint>
+  <joint name="tip" type="TIP"><parent link="hand"/><child link="thumb"/><axis xyz="0 0 1"/>MIMIC</joint>
+</robot>
+""".replace("INERTIAL", INERTIAL)
+FIXED = ARM.replace("TIP", "fixed").replace("MIMIC", "")
+MIMIC = ARM.replace("TIP", "continuous").replace("MIMIC", '<mimic joint="wrist"/>')
+
+
+def test_joints_of_a_file_are_given_drives():
+    model = kn.parse(FIXED)
+    before = pickle.dumps(model)
+    driven = model.with_drives(kn.Drive(100.0, 30.0))
+    assert pickle.dumps(model) == before and driven.warnings == model.warnings
+    assert driven.parameter("drive_stiffness").ravel().tolist() == [100.0, 100.0]
+    assert driven.parameter("effort_limit").ravel().tolist() == [50.0, np.inf]
+    sim = kn.Simulation(driven, worlds=2, dt=0.002, dtype="float64")
+    sim.controls.target_position[:] = [[1.0, -0.5], [0.0, 0.3]]
+    sim.step(3000)
+    assert sim.state.joint_position == pytest.approx(np.array([[1.0, -0.5], [0.0, 0.3]]), abs=1e-3)
+    sim.parameters.drive_stiffness[1] = 50.0
+    own = model.with_drives(kn.Drive(10.0, effort_limit=7.0), ["shoulder"])
+    assert own.parameter("drive_stiffness").ravel().tolist() == [10.0, 0.0]
+    assert own.parameter("effort_limit")[0] == 7.0
+    without = own.with_drives(kn.Drive(), ["shoulder"])
+    assert without.parameter("drive_stiffness").ravel().tolist() == [0.0, 0.0]
+
+
+def test_joints_that_follow_or_float_are_given_no_drives():
+    mimic = kn.parse(MIMIC, floating_base=True)
+    stiffness = mimic.with_drives(kn.Drive(5.0)).parameter("drive_stiffness").ravel()
+    driven = [name for name, k in zip(mimic.dof_names, stiffness, strict=True) if k]
+    assert driven == ["shoulder", "wrist"]
+    floating = mimic.joint_names[mimic.joint_kinds.index("free")]
+    for joints, error, message in [
+        (["sholder"], UnknownNameError, "shoulder"),
+        ([floating], ModelError, "free"),
+    ]:
+        with pytest.raises(error, match=message):
+            mimic.with_drives(kn.Drive(5.0), joints)
+    with pytest.raises(ModelError, match='joint "tip": it has no degree of freedom'):
+        kn.parse(FIXED).with_drives(kn.Drive(5.0), ["tip"])
+    with pytest.raises(ModelError, match="has actuators: name the joints"):
+        kn.parse(HOPPER).with_drives(kn.Drive(5.0))
+    named = kn.parse(HOPPER).with_drives(kn.Drive(5.0), ["hip"])
+    assert named.parameter("drive_stiffness").tolist() == [[5.0]]
+
+
 def test_a_quaternion_of_zeros_is_told():
     thing = kn.Builder("turned").object("thing")
     zeros = (0, 0, 0, 0)
@@ -419,7 +562,10 @@ def test_changes_that_make_no_sense_are_refused():
         (lambda: world.change_body(rock, mass=1.0), 'body "rock": it is static: leave out mass'),
         (lambda: world.change_body(ball, center=(0, 1, 0)), "a center and no inertia"),
         (lambda: world.change_body(ball, ["box"], mass=1.0), 'shape 0 of body "ball" is of type str'),
-        (lambda: world.change_body(ball, position=(0, 1)), 'body "ball": option position: '),
+        (
+            lambda: world.change_body(ball, position=(0, 1)),
+            r'body "ball": option position is \(0, 1\): give 3 numbers',
+        ),
         (lambda: world.change_body(ball, membership=-1), "membership is -1"),
         (lambda: world.change_body(ball, weight=1.0), 'no option of bodies "weight"; there are position'),
         (lambda: world.change_joint(joint, damping=1.0, rest=0.5), "a rest and no stiffness"),
@@ -427,7 +573,7 @@ def test_changes_that_make_no_sense_are_refused():
         (lambda: world.change_joint(joint, parent=theirs, damping=1.0), 'joint "j": no parent body of this builder'),
         (lambda: world.change_body(theirs), 'body "b": no body of this builder has this handle'),
     ]:
-        with pytest.raises((ModelError, TypeError, UnknownNameError), match=message):
+        with pytest.raises((ModelError, ShapeError, TypeError, UnknownNameError), match=message):
             change()
     assert pickle.dumps(world.build()) == before
 

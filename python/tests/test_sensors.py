@@ -408,3 +408,19 @@ def test_unknown_readings_are_told():
     assert repr(sim.sensors) == "<Sensors: touch>"
     with pytest.raises(AttributeError, match='Sensors has no attribute "touch"'):
         sim.sensors.touch = 1
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: sensors.Imu("imu", "b", position=(0, 0)), r'position of sensor "imu" is \(0, 0\): give 3 numbers'),
+        (lambda: sensors.Lidar("l", orientation="up"), "orientation of sensor \"l\" is 'up': give 4 numbers"),
+        (lambda: sensors.ForceTorque("f", "j", frame=((0, 0, 0),)), 'frame of sensor "f" is .*: give a position and'),
+        (lambda: sensors.ForceTorque("f", "j", frame=((0, 0, 0), [1])), r'orientation of sensor "f" is \[1\]'),
+        (lambda: sensors.Noise("a"), "the noise's deviation is 'a': give a number, or one for each"),
+        (lambda: sensors.Noise(bias=[[1.0], 2.0]), "the noise's bias is .*: give a number, or one for each"),
+    ],
+)
+def test_what_is_no_number_is_told_at_once(make, message):
+    with pytest.raises(SensorError, match=message):
+        make()

@@ -401,6 +401,56 @@ def test_parameters_that_can_be_had_only_together():
     assert sim.parameters.drive_damping.tolist() == [[0.0, 5.0], [1.0, 0.0], [0.0, 5.0]]
 
 
+def test_targets_without_a_drive_are_refused(sim):
+    for name in ("target_position", "target_velocity"):
+        target = getattr(sim.controls, name)
+        for key in ((3, "hinge1"), (3, 1), slice(3, None)):
+            with pytest.raises(SimulationError, match=rf'world 3: {name} is 0.5 for "hinge\d", .* model.with_drives'):
+                target[key] = 0.5
+        with pytest.raises(SimulationError, match="has no drive"):
+            setattr(sim.controls, name, 0.5)
+        assert (target == 0).all()
+        with pytest.raises(SimulationError, match="has no drive"):
+            target[:, 1] += 1.0
+        target[:] = 0.0
+    sim.step()
+
+
+def test_targets_of_drives_beside_joints_without_any_are_set():
+    sim = kn.Simulation(kn.examples.n_pendula(3).with_drives(kn.Drive(200.0, 20.0), ["hinge1"]), worlds=4)
+    target = sim.controls.target_position
+    target[:, "hinge1"] = 0.25
+    target[2:, 1] += 0.25
+    sim.controls.target_position += [0.0, 0.5, 0.0]
+    with pytest.raises(SimulationError, match='for "hinge0"'):
+        target[1] = [1.0, 1.0, 0.0]
+    with pytest.raises(SimulationError, match='for "hinge2"'):
+        sim.controls.target_position = [0.0, 1.0, 1.0]
+    assert target[:, 1].tolist() == [0.75, 0.75, 1.0, 1.0] and target.flags.writeable
+    assert sim.controls.target_position is target
+    sim.step(5)
+    assert (sim.state.joint_position[:, "hinge1"] > 0).all()
+
+
+def test_one_world_or_several_are_asked(balls):
+    ball, place = kn.Geometry.sphere(0.2), (0.0, 0.5, 0.0)
+    calls = [
+        lambda **where: balls.contacts(**where),
+        lambda **where: balls.cast_rays((0, 9, 0), (0, -1, 0), **where),
+        lambda **where: balls.cast_shape(ball, (0, 9, 0), (0, -1, 0), **where),
+        lambda **where: balls.nearest(place, **where),
+        lambda **where: balls.closest_points(place, **where),
+        lambda **where: balls.overlaps(ball, place, **where),
+    ]
+    for call in calls:
+        one = call(world=1)
+        assert np.array_equal(one.distance, call(worlds=1).distance)
+        assert np.array_equal(call().distance, call(world=0).distance)
+        for worlds in ([2], 0, None):
+            with pytest.raises(SimulationError, match=r"both world=1 and worlds=.* are given: leave one out"):
+                call(world=1, worlds=worlds)
+
+
 def test_contacts_rays_and_events():
     sim = kn.Simulation(kn.examples.dominoes(3))
     sim.watch("contacts", "sleep")
@@ -599,6 +649,8 @@ def _read_only(shape, dtype):
         ({"worlds": None}, "worlds is None"),
         ({"threads": 1.5}, "threads is 1.5"),
         ({"substeps": -1}, "substeps is -1: it must not be negative"),
+        ({"dt": "a"}, "dt is 'a': it must be a number of seconds"),
+        ({"dt": [0.1, 0.2]}, r"dt is \[0\.1, 0\.2\]: it must be a number of seconds"),
         ({"seed": -1}, "seed is -1"),
         ({"device": 0}, "device is 0: it must be a text"),
     ],

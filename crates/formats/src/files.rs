@@ -22,6 +22,11 @@ pub trait Files {
     /// The file is not there, or too large.
     fn bytes(&self, name: &str) -> io::Result<Vec<u8>>;
 
+    /// Whether a file is there, such as a mesh that others will read.
+    fn exists(&self, name: &str) -> bool {
+        self.bytes(name).is_ok()
+    }
+
     /// The path of a file that others will open later, such as a mesh.
     fn path(&self, name: &str) -> String;
 }
@@ -72,6 +77,10 @@ impl Files for Folder {
         Ok(bytes)
     }
 
+    fn exists(&self, name: &str) -> bool {
+        self.0.join(name).is_file()
+    }
+
     fn path(&self, name: &str) -> String {
         self.0.join(name).to_string_lossy().into_owned()
     }
@@ -103,6 +112,10 @@ impl Files for InMemory {
 
     fn bytes(&self, name: &str) -> io::Result<Vec<u8>> {
         Ok(self.read(name)?.into_bytes())
+    }
+
+    fn exists(&self, name: &str) -> bool {
+        self.0.contains_key(name)
     }
 
     fn path(&self, name: &str) -> String {

@@ -1,13 +1,18 @@
-//! Massless bodies: fused with what they are fixed to.
+//! Massless bodies and point masses: fused with what they are fixed to.
 //!
-//! Files use bodies without mass as mere frames: URDF's `base_footprint`, the mounts of sensors. A
-//! model's bodies all have mass. A massless body that a `fixed` joint ties to its parent becomes part
-//! of the parent; a massless body that moves takes up the bodies that are fixed to it. The motion
-//! stays the same.
+//! Files use bodies without mass as mere frames: URDF's `base_footprint`, the mounts of sensors; and bodies without
+//! inertia as loads. A model's bodies have both, for solvers divide by them. A body that lacks one and that a `fixed`
+//! joint ties to its parent becomes part of the parent; one that moves takes up the bodies that are fixed to it. The
+//! motion stays the same; the names that are gone are listed.
 
 use crate::error::FormatError;
+use crate::report::Report;
 use crate::xml::Element;
 use model::{Body, BodyId, BodyKind, CameraMode, JointId, JointKind, MassProperties, Parts, Pose};
+
+/// What is said of bodies that were taken up.
+const FUSED: &str = "bodies that are fixed to each other become one where either has no mass or no inertia (give it both to \
+                     keep it); these names are gone, with position [m] and quaternion x y z w in what has them";
 
 /// For each body of a model, whether it was fused, and with which. Bodies stand after their parents.
 pub(crate) struct Fusion {
@@ -22,16 +27,17 @@ impl Fusion {
     /// A body moves, and neither it nor anything that is fixed to it has mass.
     pub fn plan(parts: &Parts, elements: &[Element]) -> Result<Self, FormatError> {
         let mut into: Vec<usize> = (0..parts.bodies.len()).collect();
-        let mut mass: Vec<f64> = parts.bodies.iter().map(|body| body.mass).collect();
-        // Leaves first: a massless body takes up its fixed children, massless or not.
+        let in_world = |body: &Body| mass_properties(body).placed(&body.pose);
+        let mut mass: Vec<MassProperties> = parts.bodies.iter().map(in_world).collect();
+        // Leaves first: a body that cannot move alone takes up its fixed children, whether they can or not.
         for (parent, child) in fixed(parts).rev() {
-            if mass[child] == 0.0 || mass[parent] == 0.0 {
+            if !(mass[child].is_definite() && mass[parent].is_definite()) {
                 into[child] = parent;
-                mass[parent] += mass[child];
+                mass[parent] = both(&mass[parent], &mass[child]);
             }
         }
         for (i, body) in parts.bodies.iter().enumerate() {
-            if body.kind == BodyKind::Dynamic && into[i] == i && mass[i] <= 0.0 {
+            if body.kind == BodyKind::Dynamic && into[i] == i && mass[i].mass <= 0.0 {
                 return Err(elements[i].invalid(
                     "the body moves but has no mass",
                     "give it an inertial element or solid shapes with density, or fix it to a \
@@ -49,6 +55,21 @@ impl Fusion {
     /// Whether a body is taken up by another.
     pub fn takes_up(&self, body: BodyId) -> bool {
         self.into[body.0] != body.0
+    }
+
+    /// Lists the bodies that are taken up whose elements give them names; `parts` are named, and as planned.
+    pub fn tell(&self, parts: &Parts, elements: &[Element], report: &mut Report) {
+        for (i, &into) in self.into.iter().enumerate() {
+            let name = elements[i].get("name").filter(|name| !name.is_empty());
+            if let Some(name) = name.filter(|_| into != i) {
+                let pose = self.relative_pose(parts, i);
+                let position = written(&pose.position.to_array());
+                let turn = written(&pose.orientation.to_array());
+                let carrier = &parts.bodies[into].name;
+                let item = format!("\"{name}\" in \"{carrier}\" at ({position}), ({turn})");
+                report.list(&elements[i], FUSED, &item);
+            }
+        }
     }
 
     /// Carries the plan out.
@@ -201,13 +222,24 @@ fn mass_properties(body: &Body) -> MassProperties {
 }
 
 fn take_up(body: &mut Body, other: &MassProperties) {
-    let own = mass_properties(body);
-    let both = match (own.mass > 0.0, other.mass > 0.0) {
-        (true, true) => own.and(other),
-        (false, true) => *other,
-        _ => own,
-    };
+    let both = both(&mass_properties(body), other);
     (body.mass, body.center, body.inertia) = (both.mass, both.center, both.inertia);
+}
+
+/// Of two bodies together, in one frame; either may have no mass.
+fn both(one: &MassProperties, other: &MassProperties) -> MassProperties {
+    match (one.mass > 0.0, other.mass > 0.0) {
+        (true, true) => one.and(other),
+        (false, true) => *other,
+        _ => *one,
+    }
+}
+
+/// Numbers to a millionth, separated by blanks.
+fn written(numbers: &[f64]) -> String {
+    // −0 is 0.
+    let tidy = |x: &f64| format!("{}", (x * 1e6).round() / 1e6 + 0.0);
+    numbers.iter().map(tidy).collect::<Vec<_>>().join(" ")
 }
 
 /// New row of each row that stays.

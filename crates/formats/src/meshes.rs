@@ -8,14 +8,20 @@ use crate::report::Report;
 use crate::xml::Element;
 use collide::mesh;
 use glam::DVec3;
-use model::Geometry;
+use model::{Geometry, Shape};
 use std::cell::RefCell;
 use std::collections::HashMap;
 
 /// How far above its file a package is looked for.
 const MOST_FOLDERS: usize = 8;
 /// What is said of a file whose package is not found.
-const NOWHERE: &str = "lies in no folder beside this file or above";
+const NOWHERE: &str =
+    "lies in no folder beside this file or above; write its path, relative to this file";
+/// What is said of files that pictures will ask for in vain.
+const NOT_THERE: &str = "every picture fails for meshes that are only seen and are not there; correct their paths, or give \
+                         their shapes opacity 0";
+const NOT_READ: &str = "every picture fails for meshes that are only seen and are in no format that is read here; convert \
+                        them to .obj or .stl, or give their shapes opacity 0";
 
 /// Where a path in a package may be: the package beside the file, or above.
 fn beside(inside: &str) -> impl Iterator<Item = String> + '_ {
@@ -95,10 +101,7 @@ impl<'a> MeshReader<'a> {
         } else {
             None
         };
-        found.ok_or_else(|| {
-            let remedy = "write its path, relative to this file";
-            format!("the {thing} {name} {NOWHERE}; {remedy}")
-        })
+        found.ok_or_else(|| format!("the {thing} {name} {NOWHERE}"))
     }
 
     /// Gives a mesh that is named by its package the name that it has from here; notes one that is not found.
@@ -109,11 +112,28 @@ impl<'a> MeshReader<'a> {
         let Some((scheme, inside)) = file.split_once("://") else {
             return;
         };
-        let there = |file: &String| scheme == "package" && self.files.bytes(file).is_ok();
+        let there = |file: &String| scheme == "package" && self.files.exists(file);
         let found = beside(inside).find(there);
         match found {
             Some(found) => *file = found,
             None => report.note(element, &format!("mesh {file}"), NOWHERE),
+        }
+    }
+
+    /// Lists the file of a shape that is only seen, where it cannot be read; it is not opened here.
+    pub fn look_for(&self, element: &Element, shape: &Shape, report: &mut Report) {
+        let Geometry::MeshFile { file, .. } = &shape.geometry else {
+            return;
+        };
+        // One in a package was looked for before.
+        if shape.collides || shape.color.is_some_and(|c| c[3] == 0.0) || file.contains("://") {
+            return;
+        }
+        let path = self.files.path(file);
+        if !mesh::is_known(&path) {
+            report.list(element, NOT_READ, &path);
+        } else if !self.files.exists(file) {
+            report.list(element, NOT_THERE, &path);
         }
     }
 }

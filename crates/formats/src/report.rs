@@ -64,6 +64,27 @@ impl Report {
         }
     }
 
+    /// Notes one of several things of a kind. All are in one warning for each file, at the line of the first; the others
+    /// have their lines behind them.
+    pub fn list(&mut self, element: &Element, what: &str, item: &str) {
+        let message = format!("{what}: {item}");
+        if !self.seen.insert((element.name.clone(), message.clone())) {
+            return;
+        }
+        let (file, line) = (element.place.file.to_string(), element.place.line);
+        let is_list =
+            |w: &&mut Warning| w.file == file && w.message.starts_with(&format!("{what}: "));
+        match self.warnings.iter_mut().find(is_list) {
+            Some(list) => list.message += &format!("; {item} (line {line})"),
+            None => self.warnings.push(Warning {
+                file,
+                line,
+                element: element.name.clone(),
+                message,
+            }),
+        }
+    }
+
     /// Refuses a feature that the motion depends on; lenient, it is noted and left out.
     pub fn refuse(
         &mut self,

@@ -123,8 +123,8 @@ const MJCF: &[(&str, &str)] = &[
     ),
     (
         "<mujoco><worldbody><geom name=\"a\" size=\"1\"/><body><freejoint/><geom name=\"b\" size=\"1\"/></body></worldbody>\
-         <contact><pair geom1=\"a\" geom2=\"b\"/>\n<pair geom1=\"b\" geom2=\"a\"/></contact></mujoco>",
-        "robot.xml:2:1: <pair>: an earlier pair is of the same geoms; keep one of them",
+         <contact><pair geom1=\"a\" geom2=\"b\"/>\n<pair geom1=\"b\" geom2=\"a\" margin=\"1\"/></contact></mujoco>",
+        "robot.xml:2:1: <pair>: an earlier pair of the same geoms says otherwise; keep one of them",
     ),
     (
         "<mujoco>\n<wordlbody/>\n</mujoco>",

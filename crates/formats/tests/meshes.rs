@@ -243,8 +243,45 @@ fn packages_are_found_on_disk() {
     let [warning] = &loaded.warnings[..] else {
         panic!("{:?}", loaded.warnings)
     };
-    let told = "mesh package://elsewhere/cube.obj: lies in no folder beside this file or above";
+    let told = "mesh package://elsewhere/cube.obj: lies in no folder beside this file or above; \
+                write its path, relative to this file";
     assert_eq!(warning.message, told);
+}
+
+/// What is only seen is not opened, but pictures would ask for it: told with places.
+#[test]
+fn meshes_that_no_picture_can_show_are_told() {
+    let fails = "every picture fails for meshes that are only seen and are";
+    let remedy = "or give their shapes opacity 0";
+    let missing = format!("{fails} not there; correct their paths, {remedy}");
+    let unknown =
+        format!("{fails} in no format that is read here; convert them to .obj or .stl, {remedy}");
+    let geom =
+        |name: &str| format!(r#"<geom type="mesh" mesh="{name}" contype="0" conaffinity="0""#);
+    let text = format!(
+        r#"<mujoco><compiler meshdir="meshes"/><asset><mesh file="cube.obj"/><mesh file="lost.stl"/><mesh file="gone.obj"/>
+        <mesh file="arm.dae"/></asset><worldbody>{}/>
+        {lost}/>{lost} rgba="1 0 0 1"/>{lost} rgba="0 0 0 0"/>{lost} group="3"/>
+        {}/>
+        {}/></worldbody></mujoco>"#,
+        geom("cube"),
+        geom("gone"),
+        geom("arm"),
+        lost = geom("lost"),
+    );
+    let lines =
+        |loaded: Loaded| -> Vec<_> { loaded.warnings.iter().map(ToString::to_string).collect() };
+    let told = [
+        format!("robot.xml:3: <geom>: {missing}: meshes/lost.stl; meshes/gone.obj (line 4)"),
+        format!("robot.xml:5: <geom>: {unknown}: meshes/arm.dae"),
+    ];
+    assert_eq!(lines(read(&text, &Options::default()).unwrap()), told);
+
+    let told = |file: &str, why: &str| [format!("robot.xml:1: <mesh>: {why}: {file}")];
+    let seen = |file| lines(read(&urdf(file), &Options::default()).unwrap());
+    assert_eq!(seen("lost.obj"), told("lost.obj", &missing));
+    assert_eq!(seen("arm.dae"), told("arm.dae", &unknown));
+    assert_eq!(seen("package://robot/cube.obj"), [""; 0]);
 }
 
 #[test]
@@ -450,8 +487,61 @@ fn an_open_surface_weighs_nothing() {
     let text = mjcf(r#"<geom type="mesh" mesh="cube"/>"#).replace("cube.obj", "flat.obj");
     let text = text.replace("<mesh file", r#"<mesh name="cube" file"#);
     let refused = read(&text, &EXACT).unwrap_err().to_string();
-    let remedy = "give the body an <inertial> element, or this geom mass=\"0\"";
-    assert!(refused.contains(remedy), "{refused}");
+    let told = "robot.xml:3:38: <geom>: its mass is that of the mesh `cube`, which is open, or has faces wound \
+                against their neighbours, along 3 edges, such as that from [0, 0, 0] to [0.2, 0, 0]; mend its file, write \
+                inertia=\"convex\" or inertia=\"shell\" at its <mesh>, or give the body an <inertial> element";
+    assert_eq!(refused, told);
+}
+
+/// Each remedy that is named helps.
+#[test]
+fn meshes_that_weigh_nothing_say_why() {
+    let inside_out: String = CUBE
+        .lines()
+        .map(|line| match line.strip_prefix("f ") {
+            Some(face) => format!(
+                "f {}\n",
+                face.split(' ').rev().collect::<Vec<_>>().join(" ")
+            ),
+            None => format!("{line}\n"),
+        })
+        .collect();
+    let files = InMemory::new([("meshes/cube.obj", inside_out.as_str())]);
+    let text = mjcf(r#"<geom type="mesh" mesh="cube"/>"#);
+    let with = |text: &str, options: &Options| parse(text, "robot.xml", &files, options);
+    let refused = with(&text, &EXACT).unwrap_err().to_string();
+    let told = "robot.xml:3:38: <geom>: its mass is that of the mesh `cube`, which is inside out: its volume is \
+                -1.333e-2 m³; turn its faces around in its file, write inertia=\"convex\" at its <mesh>, or give the body an \
+                <inertial> element";
+    assert_eq!(refused, told);
+    let inertial = r#"<freejoint/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>"#;
+    for mended in [
+        text.replace("<mesh ", r#"<mesh inertia="convex" "#),
+        text.replace("<freejoint/>", inertial),
+    ] {
+        with(&mended, &EXACT).unwrap();
+    }
+    read(&text, &EXACT).unwrap();
+    // Left out, where the body weighs otherwise.
+    let lenient = Options {
+        lenient: true,
+        ..EXACT
+    };
+    let also = text.replace("<freejoint/>", r#"<freejoint/><geom size=".1" mass="1"/>"#);
+    let loaded = with(&also, &lenient).unwrap();
+    assert_eq!(loaded.model.bodies[0].mass, 1.0);
+    let told = loaded.warnings[0].to_string();
+    assert!(
+        told.contains("inside out") && told.ends_with("changes the physics"),
+        "{told}"
+    );
+
+    let flat = text.replace(".2 .1 .1", ".2 .1 0");
+    let refused = read(&flat, &EXACT).unwrap_err().to_string();
+    assert!(
+        refused.contains("which is flat: its volume is 0; correct its file, or `scale`"),
+        "{refused}"
+    );
 }
 
 /// A height field of 3 m × 2 m, 2 m high, a metre above the ground.

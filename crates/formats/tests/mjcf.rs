@@ -1,7 +1,7 @@
 //! What MJCF files become beyond the numbers that MuJoCo agrees on: warnings, leniency, includes,
 //! loops, couplings, fused bodies, colours and meshes.
 
-use glam::{DVec3, Vec3};
+use glam::{DMat3, DVec3, Vec3};
 use kinetarium_formats::{Files, Folder, InMemory, Loaded, Options, Warning, load, parse};
 use model::{
     BodyId, BodyKind, CameraMode, CollisionFilter, Combine, Geometry, JointKind, Lamp, LampKind,
@@ -409,7 +409,7 @@ fn what_nothing_moves_is_static() {
 /// A massless mount on a link, and a massless carriage that carries a welded mass.
 #[test]
 fn massless_bodies_are_fused() {
-    let model = read(
+    let loaded = read(
         r#"<mujoco><worldbody>
              <body name="link" pos="0 0 1"><joint name="pin"/><geom size="0.1" mass="2"/>
                <body name="mount" pos="0 1 0" euler="0 0 90">
@@ -422,8 +422,13 @@ fn massless_bodies_are_fused() {
              </body>
            </worldbody>
            <actuator><motor name="m" joint="rail"/></actuator></mujoco>"#,
-    )
-    .model;
+    );
+    let told = "robot.xml:3: <body>: bodies that are fixed to each other become one where either has no mass or no inertia \
+                (give it both to keep it); these names are gone, with position [m] and quaternion x y z w in what has \
+                them: \"mount\" in \"link\" at (0 1 0), (0 0 0.707107 0.707107); \
+                \"load\" in \"carriage\" at (0 0 2), (0 0 0 1) (line 9)";
+    assert_eq!(lines(&loaded.warnings), [told]);
+    let model = loaded.model;
     let names: Vec<&str> = model.bodies.iter().map(|body| body.name.as_str()).collect();
     assert_eq!(names, ["link", "rider", "carriage"]);
     assert_eq!((model.bodies[0].mass, model.bodies[2].mass), (2.0, 3.0));
@@ -444,6 +449,77 @@ fn massless_bodies_are_fused() {
             .position
             .abs_diff_eq(DVec3::new(0.0, 1.0, 1.0), 1e-12)
     );
+}
+
+/// A point mass counts in full on what it is welded to: on a ball, and, as in MuJoCo, as the body that moves itself.
+#[test]
+fn point_masses_are_fused() {
+    let point = r#"<inertial pos="0 0 .3" mass="2" diaginertia="0 0 0"/>"#;
+    let ball = r#"<geom size=".1" mass="3"/>"#;
+    let text = |outer: &str, inner: &str| {
+        format!(
+            r#"<mujoco><worldbody><body name="b"><joint/>{outer}
+               <body name="c">{inner}</body></body></worldbody></mujoco>"#
+        )
+    };
+    for text in [text(ball, point), text(point, ball)] {
+        let loaded = read(&text);
+        let [body] = &loaded.model.bodies[..] else {
+            panic!("one body")
+        };
+        assert_eq!((body.name.as_str(), body.mass), ("b", 5.0));
+        assert!(body.center.abs_diff_eq(DVec3::new(0.0, 0.0, 0.12), 1e-15));
+        // 2/5 m r² of the ball, and the reduced mass at the distance.
+        let own = 0.4 * 3.0 * 0.1 * 0.1;
+        let across = own + 0.3 * 0.3 * (2.0 * 3.0 / 5.0);
+        let inertia = DMat3::from_diagonal(DVec3::new(across, across, own));
+        assert!(body.inertia.abs_diff_eq(inertia, 1e-15), "{}", body.inertia);
+        let told = lines(&loaded.warnings).remove(0);
+        assert!(
+            told.starts_with("robot.xml:2: <body>: bodies that are fixed"),
+            "{told}"
+        );
+        assert!(
+            told.ends_with(r#": "c" in "b" at (0 0 0), (0 0 0 1)"#),
+            "{told}"
+        );
+    }
+    // What has mass and inertia stays a body of its own.
+    assert_eq!(read(&text(ball, ball)).model.bodies.len(), 2);
+    let alone = text(point, "");
+    let error = parse(
+        &alone,
+        "robot.xml",
+        &InMemory::default(),
+        &Options::default(),
+    );
+    let error = error.expect_err("a point that turns").to_string();
+    assert!(
+        error.contains("smallest principal moment of inertia is 0"),
+        "{error}"
+    );
+}
+
+/// A pair that says the same again counts once.
+#[test]
+fn pairs_may_be_repeated() {
+    let text = |again: &str| {
+        format!(
+            "<mujoco><worldbody><geom name='a' size='1'/><body><freejoint/><geom name='b' size='1'/></body></worldbody>\
+             <contact><pair geom1='a' geom2='b' margin='0.1'/>\n{again}</contact></mujoco>"
+        )
+    };
+    let once = read(&text(""));
+    for again in [
+        "<pair geom1='a' geom2='b' margin='.1'/>",
+        "<pair name='c' geom1='b' geom2='a' margin='0.1' condim='3'/>",
+    ] {
+        let twice = read(&text(again));
+        assert_eq!(twice.model, once.model);
+        let told = "robot.xml:2: <pair>: a pair that repeats an earlier one: it counts once; MuJoCo makes each of its \
+                    contacts twice, which is a little stiffer";
+        assert_eq!(lines(&twice.warnings), [told]);
+    }
 }
 
 #[test]

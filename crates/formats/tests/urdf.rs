@@ -162,6 +162,7 @@ fn warnings() {
         ("limit", 22),
         ("safety_controller", 24),
         ("mesh", 34),
+        ("link", 44),
         ("transmission", 93),
         ("gazebo", 94),
     ];
@@ -187,6 +188,89 @@ fn floating_base() {
         (JointKind::Free, None)
     );
     assert_eq!(model.bodies.len(), 6);
+    // Named as in MJCF: after the body.
+    let free = &model.joints[0];
+    assert_eq!(free.name, "world");
+    let dofs: Vec<_> = free.dofs.iter().map(|dof| dof.name.as_str()).collect();
+    let expected = [
+        "world_0", "world_1", "world_2", "world_3", "world_4", "world_5",
+    ];
+    assert_eq!(dofs, expected);
+}
+
+/// A joint may have the name of the root link.
+#[test]
+fn a_floating_base_has_a_name_of_its_own() {
+    let inertial = "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>";
+    let text = format!(
+        "<robot name='r'><link name='base'>{inertial}</link><link name='arm'>{inertial}</link>\
+         <joint name='base' type='floating'><parent link='base'/><child link='arm'/></joint></robot>"
+    );
+    let options = Options {
+        floating_base: true,
+        ..Options::default()
+    };
+    let model = parse(&text, "r.urdf", &InMemory::default(), &options)
+        .expect("a model")
+        .model;
+    let names: Vec<_> = model
+        .joints
+        .iter()
+        .map(|joint| joint.name.as_str())
+        .collect();
+    assert_eq!(names, ["base_2", "base"]);
+    assert_eq!(model.joints[0].dofs[5].name, "base_2_5");
+}
+
+/// Links without mass, and one without inertia, on a link that moves: told with places, and weighed as a whole.
+#[test]
+fn fused_links_are_listed_and_weigh() {
+    let joint = |child: &str, kind: &str, parent: &str, origin: &str| {
+        format!(
+            "<joint name='to_{child}' type='{kind}'><parent link='{parent}'/><child link='{child}'/>\
+             <origin {origin}/></joint>"
+        )
+    };
+    let inertial = |mass: &str, moment: &str| {
+        format!(
+            "<inertial><origin xyz='0 0 .1'/><mass value='{mass}'/>\
+             <inertia ixx='{moment}' iyy='{moment}' izz='{moment}' ixy='0' ixz='0' iyz='0'/></inertial>"
+        )
+    };
+    let text = format!(
+        "<robot name='r'><link name='base'/>\n<link name='wrist'>{}</link>\n<link name='load'>{}</link>\n\
+         <link name='tool0'/>{}{}{}</robot>",
+        inertial("2", "0.5"),
+        inertial("0.5", "0"),
+        joint("wrist", "floating", "base", ""),
+        joint("load", "fixed", "wrist", "xyz='.4 0 0'"),
+        joint(
+            "tool0",
+            "fixed",
+            "load",
+            "xyz='0 .2 0' rpy='0 0 3.141592653589793'"
+        ),
+    );
+    let loaded =
+        parse(&text, "r.urdf", &InMemory::default(), &Options::default()).expect("a model");
+    let [warning] = &loaded.warnings[..] else {
+        panic!("{:?}", loaded.warnings)
+    };
+    assert_eq!((warning.line, warning.element.as_str()), (3, "link"));
+    let listed = ": \"load\" in \"wrist\" at (0.4 0 0), (0 0 0 1); \
+                  \"tool0\" in \"wrist\" at (0.4 0.2 0), (0 0 1 0) (line 4)";
+    assert!(warning.message.ends_with(listed), "{warning}");
+    // Two masses 0.4 m apart: the reduced mass m M/(m + M) at that distance adds to the inertia across it.
+    let wrist = &loaded.model.bodies[1];
+    assert_eq!((wrist.name.as_str(), wrist.mass), ("wrist", 2.5));
+    assert!(close(wrist.center, DVec3::new(0.08, 0.0, 0.1)));
+    let across = 0.5 + 0.4 * 0.4 * (2.0 * 0.5 / 2.5);
+    let inertia = DMat3::from_diagonal(DVec3::new(0.5, across, across));
+    assert!(
+        wrist.inertia.abs_diff_eq(inertia, 1e-12),
+        "{}",
+        wrist.inertia
+    );
 }
 
 #[test]

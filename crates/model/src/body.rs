@@ -39,7 +39,8 @@ pub struct Body {
     /// Collision group: positive groups collide among themselves and with
     /// negative ones; negative only with positive; 0 with nothing.
     pub group: i32,
-    /// World the body stands in; −1 is shared by all.
+    /// Bodies of different numbers, neither of them −1, do not touch, and no joint ties them. Not one of a simulation's
+    /// worlds, each of which has all bodies.
     pub world: i32,
 }
 

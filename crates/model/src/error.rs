@@ -362,6 +362,19 @@ pub enum ModelError {
         /// Row of the other.
         second: usize,
     },
+    /// Two axes of a joint are one.
+    #[error(
+        "joint \"{joint}\": its axes {first} and {second} are the same line, so that nothing tells how far each of them \
+         moves: leave one out, or give one an armature"
+    )]
+    SameAxis {
+        /// The joint.
+        joint: String,
+        /// One of the axes.
+        first: usize,
+        /// The other.
+        second: usize,
+    },
     /// A coupling needs joints with one axis.
     #[error(
         "coupling \"{coupling}\": joint \"{joint}\" has {axes} axes; couple joints with exactly one"

@@ -4,6 +4,9 @@ use crate::{Geometry, Pose, Shape};
 use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::PI;
 
+/// A principal moment below this share of the largest counts as zero.
+pub(crate) const LEAST_MOMENT: f64 = 1e-12;
+
 /// Mass, centre of mass and inertia of a rigid body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MassProperties {
@@ -149,6 +152,13 @@ impl MassProperties {
             center: self.center,
             inertia: self.inertia * (mass / self.mass),
         }
+    }
+
+    /// Whether a body can move by it alone, as a model asks of those that are dynamic: its mass and all principal moments
+    /// are above zero. A point mass cannot, nor can masses on a line.
+    pub fn is_definite(&self) -> bool {
+        let (moments, _) = self.principal();
+        self.mass > 0.0 && moments.min_element() > LEAST_MOMENT * moments.max_element()
     }
 
     /// Principal moments [kg·m²] and the orientation of the principal axes in the frame:

@@ -1,6 +1,7 @@
 //! The flat tables of a model, checked.
 
 mod check;
+mod drives;
 mod joints;
 mod lookup;
 mod tree;

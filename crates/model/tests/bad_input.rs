@@ -511,6 +511,37 @@ fn the_shortest_capsule_passes() {
     }
 }
 
+/// Hinges side by side, an axis between, and inertia of its own tell how far each of two parallel axes moves.
+#[test]
+fn parallel_axes_that_are_apart_are_taken() {
+    let turn = |anchor: DVec3| {
+        let mut axis = Axis::angular(DVec3::Z);
+        axis.anchor = anchor;
+        axis
+    };
+    let across = Axis::angular(DVec3::X);
+    let refused = |axes: Vec<Axis>, armature: f64| {
+        let mut parts = sound();
+        parts.joints[0] = Joint::new("hinge", JointKind::D6, None, BodyId(1), axes);
+        parts.joints[0].dofs[1].armature = armature;
+        matches!(Model::new(parts), Err(ModelError::SameAxis { .. }))
+    };
+    let origin = DVec3::ZERO;
+    assert!(
+        refused(vec![turn(origin), turn(DVec3::Z)], 0.0),
+        "the same line"
+    );
+    assert!(!refused(vec![turn(origin), turn(DVec3::X)], 0.0), "apart");
+    assert!(
+        !refused(vec![turn(origin), across, turn(origin)], 0.0),
+        "with another between"
+    );
+    assert!(
+        !refused(vec![turn(origin), turn(origin)], 0.1),
+        "with a mass of its own"
+    );
+}
+
 #[test]
 fn joint_ends() {
     refuses(&[
@@ -619,6 +650,14 @@ fn axes() {
             },
             "joint \"hinge\": a d6 joint needs 1 to 6 axes, at most 3 linear and at most 3 \
              angular, but it has 0 linear and 4 angular",
+        ),
+        (
+            |p| {
+                let axes = [DVec3::X, DVec3::Z, -DVec3::Z].map(Axis::angular).to_vec();
+                p.joints[0] = Joint::new("hinge", JointKind::D6, None, BodyId(1), axes);
+            },
+            "joint \"hinge\": its axes 1 and 2 are the same line, so that nothing tells how far each of them moves: \
+             leave one out, or give one an armature",
         ),
         (
             |p| p.joints[0].axes[0].direction = DVec3::new(1.0, 1.0, 0.0),

@@ -264,6 +264,36 @@ fn planes_and_open_meshes_have_no_mass_of_their_own() {
     );
 }
 
+/// A point turns without inertia, and masses on a line do about it; three in a triangle do not.
+#[test]
+fn points_and_lines_cannot_move_alone() {
+    let point = |center: DVec3| MassProperties {
+        mass: 2.0,
+        center,
+        inertia: DMat3::ZERO,
+    };
+    let [a, b, c] = [DVec3::ZERO, DVec3::ONE, DVec3::X].map(point);
+    let line = a.and(&b);
+    assert!(!a.is_definite() && !line.is_definite());
+    assert!(line.and(&c).is_definite());
+    let nothing = MassProperties {
+        mass: 0.0,
+        ..line.and(&c)
+    };
+    assert!(!nothing.is_definite());
+}
+
+#[test]
+fn open_edges_are_where_a_surface_ends() {
+    let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+    let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    let closed = TriangleMesh::new(&corners, &faces).unwrap();
+    assert!(closed.is_closed() && closed.open_edges().is_empty());
+    let open = TriangleMesh::new(&corners, &faces[..3]).unwrap();
+    let [x, y, z] = DVec3::AXES;
+    assert_eq!(open.open_edges(), [[x, y], [x, z], [y, z]]);
+}
+
 #[test]
 fn weightless_shapes_do_not_count() {
     let ball = Shape::new(Geometry::Sphere { radius: 1.0 });

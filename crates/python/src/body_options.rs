@@ -100,8 +100,8 @@ fn inertia(
     is_static: bool,
     mass: bool,
 ) -> PyResult<Option<(DVec3, DMat3)>> {
-    let inertia: Option<[[f64; 3]; 3]> = keywords.get("inertia")?;
-    let center: Option<[f64; 3]> = keywords.get("center")?;
+    let inertia: Option<[[f64; 3]; 3]> = keywords.numbers("inertia", "3 rows of 3 numbers")?;
+    let center: Option<[f64; 3]> = keywords.numbers("center", "3 numbers")?;
     if is_static && (mass || inertia.is_some() || center.is_some()) {
         return Err(keywords.refused("it is static: leave out mass, inertia and center"));
     }

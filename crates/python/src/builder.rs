@@ -9,6 +9,7 @@ use crate::model::{Model, UP_AXES};
 use crate::names::{find, name_of};
 use crate::object::Object;
 use crate::shape_handle::ShapeHandle;
+use crate::vector::vector;
 use glam::DVec3;
 use kinetarium::model::{self, BodyDraft, BodyHandle, JointDraft, JointHandle, ModelError};
 use pyo3::prelude::*;
@@ -77,7 +78,7 @@ impl Builder {
     fn new(
         name: &str,
         up_axis: &str,
-        gravity: Option<[f64; 3]>,
+        gravity: Option<&Bound<'_, PyAny>>,
         time_step: f64,
         worlds: i64,
     ) -> PyResult<Self> {
@@ -87,7 +88,8 @@ impl Builder {
             .replicate(natural("builder", "worlds", worlds)?)
             .up_axis(find(&UP_AXES, "axis", up_axis)?);
         if let Some(gravity) = gravity {
-            builder.gravity(DVec3::from_array(gravity));
+            let what = format!("builder {name:?}: gravity");
+            builder.gravity(DVec3::from_array(vector(&what, gravity)?));
         }
         Ok(Self { builder })
     }
@@ -113,8 +115,11 @@ impl Builder {
         self.builder.settings().gravity.into()
     }
     #[setter]
-    fn set_gravity(&mut self, gravity: [f64; 3]) {
-        self.builder.gravity(DVec3::from_array(gravity));
+    fn set_gravity(&mut self, gravity: &Bound<'_, PyAny>) -> PyResult<()> {
+        let what = format!("builder {:?}: gravity", self.name());
+        self.builder
+            .gravity(DVec3::from_array(vector(&what, gravity)?));
+        Ok(())
     }
     /// Recommended time step [s].
     #[getter]

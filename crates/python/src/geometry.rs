@@ -2,6 +2,7 @@
 
 use crate::error;
 use crate::pickled::{Reduced, reduce, restored};
+use crate::vector::{read, vector};
 use glam::{DQuat, DVec2, DVec3};
 use kinetarium::model::{self, ModelError};
 use numpy::{AllowTypeChange, Element, PyArray2, PyArrayLikeDyn, PyArrayMethods, ToPyArray};
@@ -37,8 +38,24 @@ fn table<T: Element>(py: Python<'_>, rows: Vec<[T; 3]>) -> PyResult<Bound<'_, Py
     rows.into_flattened().to_pyarray(py).reshape([count, 3])
 }
 
-fn points(vertices: Vec<[f64; 3]>) -> Vec<DVec3> {
-    vertices.into_iter().map(DVec3::from_array).collect()
+/// Points [m] that are given as rows.
+fn points(what: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<DVec3>> {
+    let rows: Vec<[f64; 3]> = read(what, given, "rows of 3 numbers")?;
+    Ok(rows.into_iter().map(DVec3::from_array).collect())
+}
+
+/// Triangles that are given as rows of three vertices.
+fn triangles(given: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
+    let rows: Vec<[i64; 3]> = read("mesh: triangles", given, "rows of 3 whole numbers")?;
+    let row = |(triangle, row): (usize, [i64; 3])| match row.map(u32::try_from) {
+        [Ok(a), Ok(b), Ok(c)] => Ok([a, b, c]),
+        _ => {
+            let why = "give rows of the vertices, counted from 0";
+            let message = format!("triangle {triangle} of the mesh is {row:?}: {why}");
+            Err(error::value(message))
+        }
+    };
+    rows.into_iter().enumerate().map(row).collect()
 }
 
 /// A solid, centred at the origin of its own frame unless it is a hull, or a surface.
@@ -89,20 +106,20 @@ impl Geometry {
     }
     /// A cuboid of three half extents [m].
     #[staticmethod]
-    fn r#box(half: [f64; 3]) -> Self {
-        let half = DVec3::from_array(half);
-        Self(model::Geometry::Box { half })
+    fn r#box(half: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let half = DVec3::from_array(vector("box: half", half)?);
+        Ok(Self(model::Geometry::Box { half }))
     }
     /// An ellipsoid of three half axes [m].
     #[staticmethod]
-    fn ellipsoid(half: [f64; 3]) -> Self {
-        let half = DVec3::from_array(half);
-        Self(model::Geometry::Ellipsoid { half })
+    fn ellipsoid(half: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let half = DVec3::from_array(vector("ellipsoid: half", half)?);
+        Ok(Self(model::Geometry::Ellipsoid { half }))
     }
     /// The convex hull of points [m], an array of the shape (points, 3).
     #[staticmethod]
-    fn hull(points: Vec<[f64; 3]>) -> PyResult<Self> {
-        let hull = model::Hull::new(&self::points(points));
+    fn hull(points: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let hull = model::Hull::new(&self::points("hull: points", points)?);
         let hull = hull.map_err(|e| error::model(e.into()))?;
         Ok(Self(model::Geometry::Hull(hull)))
     }
@@ -110,8 +127,9 @@ impl Geometry {
     /// counter-clockwise as seen from outside. Where it is closed it has the mass of
     /// what it holds.
     #[staticmethod]
-    fn mesh(vertices: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> PyResult<Self> {
-        let mesh = model::TriangleMesh::new(&points(vertices), &triangles);
+    fn mesh(vertices: &Bound<'_, PyAny>, triangles: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let vertices = points("mesh: vertices", vertices)?;
+        let mesh = model::TriangleMesh::new(&vertices, &self::triangles(triangles)?);
         let mesh = mesh.map_err(|e| error::model(e.into()))?;
         Ok(Self(model::Geometry::Mesh(mesh)))
     }
@@ -119,7 +137,8 @@ impl Geometry {
     /// sweeps as it turns about that axis in `around` steps: a ring, a bowl.
     #[staticmethod]
     #[pyo3(signature = (profile, around = 32))]
-    fn revolution(profile: Vec<[f64; 2]>, around: usize) -> PyResult<Self> {
+    fn revolution(profile: &Bound<'_, PyAny>, around: usize) -> PyResult<Self> {
+        let profile: Vec<[f64; 2]> = read("revolution: profile", profile, "rows of 2 numbers")?;
         let profile: Vec<_> = profile.into_iter().map(DVec2::from_array).collect();
         let mesh = model::TriangleMesh::revolution(&profile, around);
         let mesh = mesh.map_err(|e| error::model(e.into()))?;
@@ -134,15 +153,21 @@ impl Geometry {
         let mesh = mesh.map_err(|e| error::model(e.into()))?;
         Ok(Self(model::Geometry::Mesh(mesh)))
     }
-    /// A height field: heights [m] as rows along x of columns along z, `spacing` [m] apart along x and z.
+    /// A height field, around the origin: heights [m] along y, an array of the shape (along z, along x), `spacing` [m]
+    /// apart along x and z, in this order. The first axis is z: `heights[i][j]` stands at x = j · spacing[0] and
+    /// z = i · spacing[1], counted from the corner of least x and z.
     #[staticmethod]
-    fn height_field(heights: Vec<Vec<f64>>, spacing: [f64; 2]) -> PyResult<Self> {
-        let mesh = model::TriangleMesh::height_field(&heights, DVec2::from_array(spacing));
+    fn height_field(heights: &Bound<'_, PyAny>, spacing: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let needs = "rows of numbers, an array of the shape (along z, along x)";
+        let heights: Vec<Vec<f64>> = read("height field: heights", heights, needs)?;
+        let spacing = DVec2::from_array(vector("height field: spacing", spacing)?);
+        let mesh = model::TriangleMesh::height_field(&heights, spacing);
         let mesh = mesh.map_err(|e| error::model(e.into()))?;
         Ok(Self(model::Geometry::Mesh(mesh)))
     }
     /// The surface where signed distances [m] are zero, an array of the shape (along x, along y, along z), negative
-    /// inside; the samples are `spacing` [m] apart, around the origin.
+    /// inside; the samples are `spacing` [m] apart, around the origin. The first axis is x, other than that of a
+    /// height field.
     #[staticmethod]
     fn distance_field(
         distances: PyArrayLikeDyn<'_, f64, AllowTypeChange>,

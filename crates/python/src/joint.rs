@@ -3,6 +3,7 @@
 use crate::error;
 use crate::geometry::direction;
 use crate::pickled::{Reduced, reduce, restored};
+use crate::vector::{vector, vector_or};
 use glam::DVec3;
 use kinetarium::model::{self, ModelError};
 use pyo3::exceptions::PyTypeError;
@@ -21,22 +22,28 @@ impl Axis {
     /// Rotation about a direction, of any length but zero, through a point `anchor` [m] of the joint's frame; other
     /// points than its origin only `featherstone` takes.
     #[staticmethod]
-    #[pyo3(signature = (direction, *, anchor=[0.0; 3], reference=0.0))]
-    fn angular(direction: [f64; 3], anchor: [f64; 3], reference: f64) -> Self {
-        Self(model::Axis {
-            anchor: DVec3::from_array(anchor),
+    #[pyo3(signature = (direction, *, anchor=None, reference=0.0))]
+    fn angular(
+        direction: &Bound<'_, PyAny>,
+        anchor: Option<&Bound<'_, PyAny>>,
+        reference: f64,
+    ) -> PyResult<Self> {
+        let direction = self::direction(vector("axis: direction", direction)?);
+        Ok(Self(model::Axis {
+            anchor: DVec3::from_array(vector_or("axis: anchor", anchor, [0.0; 3])?),
             reference,
-            ..model::Axis::angular(self::direction(direction))
-        })
+            ..model::Axis::angular(direction)
+        }))
     }
     /// Translation along a direction, of any length but zero.
     #[staticmethod]
     #[pyo3(signature = (direction, *, reference=0.0))]
-    fn linear(direction: [f64; 3], reference: f64) -> Self {
-        Self(model::Axis {
+    fn linear(direction: &Bound<'_, PyAny>, reference: f64) -> PyResult<Self> {
+        let direction = self::direction(vector("axis: direction", direction)?);
+        Ok(Self(model::Axis {
             reference,
-            ..model::Axis::linear(self::direction(direction))
-        })
+            ..model::Axis::linear(direction)
+        }))
     }
     /// What it does: "linear" or "angular".
     #[getter]

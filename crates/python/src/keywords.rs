@@ -3,6 +3,7 @@
 use crate::error;
 use crate::geometry::{self, pose};
 use crate::names::unknown;
+use crate::vector::{self, vector};
 use kinetarium::model::Pose;
 use pyo3::conversion::FromPyObjectOwned;
 use pyo3::exceptions::PyTypeError;
@@ -53,6 +54,17 @@ impl<'a, 'py> Keywords<'a, 'py> {
     pub fn get<T: FromPyObjectOwned<'py>>(&self, name: &str) -> PyResult<Option<T>> {
         self.read(name, |value| value.extract().map_err(Into::into))
     }
+    /// Numbers of which it needs so many, as in "3 numbers".
+    pub fn numbers<T: FromPyObjectOwned<'py>>(
+        &self,
+        name: &str,
+        needs: &str,
+    ) -> PyResult<Option<T>> {
+        let given = self.get::<Bound<'py, PyAny>>(name)?;
+        let what = format!("{}: option {name}", self.what);
+        let numbers = given.map(|given| vector::read(&what, &given, needs));
+        numbers.transpose()
+    }
     /// Whether it was given, as `None`.
     pub fn is_taken_away(&self, name: &str) -> PyResult<bool> {
         let value = self.options.map(|options| options.get_item(name));
@@ -61,24 +73,25 @@ impl<'a, 'py> Keywords<'a, 'py> {
     }
     /// Where it is in the object.
     pub fn place(&self) -> PyResult<Place> {
-        let orientation = self.get("orientation")?;
+        let orientation = self.numbers("orientation", "4 numbers, x, y, z, w")?;
         let turned = |quaternion| geometry::orientation(self.what, quaternion);
         Ok(Place {
-            position: self.get("position")?,
+            position: self.numbers("position", "3 numbers")?,
             orientation: orientation.map(turned).transpose()?,
         })
     }
     /// Position and orientation in a frame of its own.
     pub fn frame(&self, name: &str) -> PyResult<Option<Pose>> {
-        let frame = self.read(name, |value| {
-            let [position, quaternion]: [Bound<'_, PyAny>; 2] = value.extract()?;
-            Ok((position.extract()?, quaternion.extract()?))
-        })?;
-        let placed = |(position, quaternion)| {
-            let turned = geometry::orientation(self.what, quaternion);
-            turned.map(|orientation| pose(position, orientation))
+        let needs = "a position and a quaternion";
+        let Some([position, quaternion]) = self.numbers::<[Bound<'py, PyAny>; 2]>(name, needs)?
+        else {
+            return Ok(None);
         };
-        frame.map(placed).transpose()
+        let what = format!("{}: option {name}", self.what);
+        let position = vector(&format!("{what}: position"), &position)?;
+        let quaternion = vector(&format!("{what}: quaternion"), &quaternion)?;
+        let orientation = geometry::orientation(self.what, quaternion)?;
+        Ok(Some(pose(position, orientation)))
     }
     pub fn refused(&self, why: &str) -> PyErr {
         error::value(format!("{}: {why}", self.what))

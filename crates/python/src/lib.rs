@@ -32,6 +32,7 @@ mod shape;
 mod shape_handle;
 mod simulation;
 mod skin;
+mod vector;
 mod viewer;
 
 use pyo3::prelude::*;

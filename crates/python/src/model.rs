@@ -2,6 +2,7 @@
 
 use crate::camera::MODES;
 use crate::error;
+use crate::joint::Drive;
 use crate::names::{Table, find, name_of};
 use crate::pickled::{Reduced, reduce, restored};
 use kinetarium::formats::{self, Files, InMemory, Loaded, Meshes, Options};
@@ -40,6 +41,19 @@ impl Model {
             warnings,
             renderers: Mutex::default(),
         }
+    }
+
+    /// Joints that are to have drives, by name.
+    fn driven(&self, names: &[String]) -> PyResult<Vec<JointId>> {
+        let joint = |name: &String| {
+            let joint = self.model.joint(name).map_err(error::model)?;
+            if self.model.joints[joint.0].dofs.is_empty() {
+                let why = "it has no degree of freedom that a drive could pull; leave it out";
+                return Err(error::value(format!("joint {name:?}: {why}")));
+            }
+            Ok(joint)
+        };
+        names.iter().map(joint).collect()
     }
 
     /// What draws it on a device. The files of meshes are read once, and their trees of boxes built.
@@ -383,6 +397,37 @@ impl Model {
         let numbers = parameter.of(&self.model);
         let rows = numbers.len() / parameter.width();
         numbers.to_pyarray(py).reshape([rows, parameter.width()])
+    }
+
+    /// The same model with a drive along each degree of freedom of some joints, in place of what they had: robot files
+    /// often have joints without any, and the targets in `Simulation.controls` need them.
+    ///
+    /// Without names: all joints, but for free ones and those that follow another by a coupling; a model with actuators,
+    /// which move some of its joints and leave others free on purpose, wants names. Where the drive has no effort limit,
+    /// each joint keeps its own, as URDF files have it (`effort`). A drive without stiffness and damping takes theirs
+    /// away.
+    ///
+    /// >>> import kinetarium as kn
+    /// >>> model = kn.examples.n_pendula(2).with_drives(kn.Drive(100.0, 10.0))
+    /// >>> sim = kn.Simulation(model)
+    /// >>> sim.controls.target_position[:, "hinge1"] = 0.5
+    /// >>> sim.parameters.drive_stiffness
+    /// NamedArray([[100., 100.]])
+    ///
+    /// Raises `UnknownNameError`, and `ModelError` for joints that take no drive.
+    #[pyo3(signature = (drive, joints=None))]
+    fn with_drives(&self, drive: Drive, joints: Option<Vec<String>>) -> PyResult<Self> {
+        let joints = match joints {
+            Some(names) => self.driven(&names)?,
+            None if self.model.actuators.is_empty() => self.model.drivable_joints(),
+            None => {
+                let message = "the model has actuators: name the joints that are to have drives besides, as [\"knee\"]";
+                return Err(error::value(message.into()));
+            }
+        };
+        let model = self.model.with_drives(drive.into(), &joints);
+        let model = Arc::new(model.map_err(error::model)?);
+        Ok(Self::new(model, self.warnings.clone()))
     }
 
     fn __repr__(&self) -> String {

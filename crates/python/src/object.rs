@@ -10,6 +10,7 @@ use crate::joint_options::JointOptions;
 use crate::replica::Replica;
 use crate::shape::shape;
 use crate::shape_handle::ShapeHandle;
+use crate::vector::vector;
 use kinetarium::model::{self, ActuatorDraft, JointDraft, ModelError, ObjectId};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -24,11 +25,11 @@ pub struct Object {
 }
 
 /// How an actuator acts on a joint.
-struct Transmission {
+struct Transmission<'a, 'py> {
     gear: f64,
     dof: i64,
-    control_range: Option<[f64; 2]>,
-    force_range: Option<[f64; 2]>,
+    control_range: Option<&'a Bound<'py, PyAny>>,
+    force_range: Option<&'a Bound<'py, PyAny>>,
 }
 
 impl Object {
@@ -73,19 +74,25 @@ impl Object {
         py: Python<'_>,
         name: &str,
         joint: &Joint,
-        transmission: &Transmission,
+        transmission: &Transmission<'_, '_>,
         make: impl FnOnce(&mut model::Object) -> &mut ActuatorDraft,
     ) -> PyResult<()> {
         let what = format!("actuator {name:?}");
         let dof = natural(&what, "dof", transmission.dof)?;
+        let range = |name, given: Option<&Bound<'_, PyAny>>| {
+            let ends = given.map(|given| vector(&format!("{what}: {name}"), given));
+            ends.transpose()
+        };
+        let controls: Option<[f64; 2]> = range("control_range", transmission.control_range)?;
+        let forces = range("force_range", transmission.force_range)?;
         let mut builder = self.builder.borrow_mut(py);
         builder.must_have_joint(&what, "joint", joint)?;
         let draft = make(builder.builder.object_mut(self.id).map_err(error::model)?);
         draft.gear(transmission.gear).dof(dof);
-        if let Some([lower, upper]) = transmission.control_range {
+        if let Some([lower, upper]) = controls {
             draft.control_range(lower, upper);
         }
-        if let Some([lower, upper]) = transmission.force_range {
+        if let Some([lower, upper]) = forces {
             draft.force_range(lower, upper);
         }
         Ok(())
@@ -119,8 +126,9 @@ impl Object {
     /// `position` [m] and `orientation` (x, y, z, w) are in the object. Mass [kg] and inertia follow from the shapes and
     /// their densities; `mass` alone scales them; `mass` with `inertia` [kg·m²] (3 × 3, about `center` [m], along the
     /// body's axes) replaces them. A `static` body never moves, and has no mass. Bodies of `group`s collide as the
-    /// conventions say; `membership` and `collides_with` are given to all its shapes. `world` is the one world that it
-    /// is in.
+    /// conventions say; `membership` and `collides_with` are given to all its shapes. `world` is a number from −1 on:
+    /// bodies of different numbers, neither of them −1, do not touch, and no joint may tie them. It has nothing to do
+    /// with the worlds of a simulation, each of which has all bodies.
     #[pyo3(signature = (name, shapes=None, **options), text_signature = "($self, name, shapes=None, *, \
         position=(0, 0, 0), orientation=(0, 0, 0, 1), mass=None, inertia=None, center=None, static=False, group=None, \
         membership=None, collides_with=None, world=0)")]
@@ -172,11 +180,12 @@ impl Object {
         py: Python<'_>,
         name: &str,
         child: &Body,
-        axis: [f64; 3],
+        axis: &Bound<'_, PyAny>,
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Joint> {
+        let axis = direction(vector(&format!("joint {name:?}: axis"), axis)?);
         self.joint(py, name, child, 1, options, |object| {
-            object.revolute(name, child.handle, direction(axis))
+            object.revolute(name, child.handle, axis)
         })
     }
     /// Adds a slide along an axis of its frame, of any length but zero.
@@ -186,11 +195,12 @@ impl Object {
         py: Python<'_>,
         name: &str,
         child: &Body,
-        axis: [f64; 3],
+        axis: &Bound<'_, PyAny>,
         options: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Joint> {
+        let axis = direction(vector(&format!("joint {name:?}: axis"), axis)?);
         self.joint(py, name, child, 1, options, |object| {
-            object.prismatic(name, child.handle, direction(axis))
+            object.prismatic(name, child.handle, axis)
         })
     }
     /// Adds a ball joint; its coordinates are a quaternion x, y, z, w. It has three degrees of freedom.
@@ -309,8 +319,8 @@ impl Object {
         joint: &Joint,
         gear: f64,
         dof: i64,
-        control_range: Option<[f64; 2]>,
-        force_range: Option<[f64; 2]>,
+        control_range: Option<&Bound<'_, PyAny>>,
+        force_range: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         let transmission = Transmission {
             gear,
@@ -335,8 +345,8 @@ impl Object {
         damping: f64,
         gear: f64,
         dof: i64,
-        control_range: Option<[f64; 2]>,
-        force_range: Option<[f64; 2]>,
+        control_range: Option<&Bound<'_, PyAny>>,
+        force_range: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         let pulls = [("stiffness", stiffness), ("damping", damping)];
         error::negative(&format!("actuator {name:?}"), pulls)?;
@@ -361,8 +371,8 @@ impl Object {
         damping: f64,
         gear: f64,
         dof: i64,
-        control_range: Option<[f64; 2]>,
-        force_range: Option<[f64; 2]>,
+        control_range: Option<&Bound<'_, PyAny>>,
+        force_range: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         error::negative(&format!("actuator {name:?}"), [("damping", damping)])?;
         let transmission = Transmission {

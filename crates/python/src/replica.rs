@@ -2,6 +2,7 @@
 
 use crate::builder::Builder;
 use crate::error;
+use crate::vector::vector;
 use glam::DVec3;
 use kinetarium::model::{self, ModelError, ObjectId};
 use pyo3::prelude::*;
@@ -35,9 +36,15 @@ impl Replica {
     }
 }
 
+/// A vector; `what` is the argument.
+fn point(what: &str, given: &Bound<'_, PyAny>) -> PyResult<DVec3> {
+    let numbers = vector(&format!("placement: {what}"), given)?;
+    Ok(DVec3::from_array(numbers))
+}
+
 /// A direction of any length but zero.
-fn direction(axis: [f64; 3]) -> PyResult<DVec3> {
-    let axis = DVec3::from_array(axis);
+fn direction(axis: &Bound<'_, PyAny>) -> PyResult<DVec3> {
+    let axis = point("axis", axis)?;
     if axis.length() > 1e-12 && axis.is_finite() {
         return Ok(axis);
     }
@@ -53,26 +60,38 @@ fn direction(axis: [f64; 3]) -> PyResult<DVec3> {
 #[pymethods]
 impl Replica {
     /// Moves it by a shift [m].
-    fn translate_by(&self, py: Python<'_>, shift: [f64; 3]) -> PyResult<()> {
+    fn translate_by(&self, py: Python<'_>, shift: &Bound<'_, PyAny>) -> PyResult<()> {
+        let shift = self::point("shift", shift)?;
         self.place(py, |p| {
-            p.translate_by(DVec3::from_array(shift));
+            p.translate_by(shift);
         })
     }
     /// Moves its origin to a point [m].
-    fn translate_to(&self, py: Python<'_>, point: [f64; 3]) -> PyResult<()> {
+    fn translate_to(&self, py: Python<'_>, point: &Bound<'_, PyAny>) -> PyResult<()> {
+        let point = self::point("point", point)?;
         self.place(py, |p| {
-            p.translate_to(DVec3::from_array(point));
+            p.translate_to(point);
         })
     }
     /// Moves it along a direction by a distance [m].
-    fn move_on_axis_by(&self, py: Python<'_>, axis: [f64; 3], distance: f64) -> PyResult<()> {
+    fn move_on_axis_by(
+        &self,
+        py: Python<'_>,
+        axis: &Bound<'_, PyAny>,
+        distance: f64,
+    ) -> PyResult<()> {
         let axis = direction(axis)?;
         self.place(py, |p| {
             p.move_on_axis_by(axis, distance);
         })
     }
     /// Moves it along a direction until its origin is at a distance [m] along it.
-    fn move_on_axis_to(&self, py: Python<'_>, axis: [f64; 3], distance: f64) -> PyResult<()> {
+    fn move_on_axis_to(
+        &self,
+        py: Python<'_>,
+        axis: &Bound<'_, PyAny>,
+        distance: f64,
+    ) -> PyResult<()> {
         let axis = direction(axis)?;
         self.place(py, |p| {
             p.move_on_axis_to(axis, distance);
@@ -82,26 +101,26 @@ impl Replica {
     fn rotate_around_by(
         &self,
         py: Python<'_>,
-        point: [f64; 3],
-        axis: [f64; 3],
+        point: &Bound<'_, PyAny>,
+        axis: &Bound<'_, PyAny>,
         angle: f64,
     ) -> PyResult<()> {
-        let axis = direction(axis)?;
+        let (point, axis) = (self::point("point", point)?, direction(axis)?);
         self.place(py, |p| {
-            p.rotate_around_by(DVec3::from_array(point), axis, angle);
+            p.rotate_around_by(point, axis, angle);
         })
     }
     /// Turns it about an axis through a point [m] until it is turned by an angle [rad] about it.
     fn rotate_around_to(
         &self,
         py: Python<'_>,
-        point: [f64; 3],
-        axis: [f64; 3],
+        point: &Bound<'_, PyAny>,
+        axis: &Bound<'_, PyAny>,
         angle: f64,
     ) -> PyResult<()> {
-        let axis = direction(axis)?;
+        let (point, axis) = (self::point("point", point)?, direction(axis)?);
         self.place(py, |p| {
-            p.rotate_around_to(DVec3::from_array(point), axis, angle);
+            p.rotate_around_to(point, axis, angle);
         })
     }
 }

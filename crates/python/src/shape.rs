@@ -4,6 +4,7 @@ use crate::count::mask;
 use crate::geometry::{self, Geometry, pose};
 use crate::material::Material;
 use crate::pickled::{Reduced, reduce, restored};
+use crate::vector::{vector, vector_or};
 use kinetarium::model;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -21,29 +22,33 @@ pub struct Shape(pub model::Shape);
 #[pymethods]
 impl Shape {
     #[new]
-    #[pyo3(signature = (geometry, *, name="", position=[0.0; 3], orientation=[0.0, 0.0, 0.0, 1.0],
-        density=1000.0, material=None, color=None, collides=true, sensor=false, membership=1, collides_with=1))]
+    #[pyo3(signature = (geometry, *, name="", position=None, orientation=None, density=1000.0,
+        material=None, color=None, collides=true, sensor=false, membership=1, collides_with=1))]
     #[expect(clippy::too_many_arguments, reason = "keywords in Python")]
     fn new(
         geometry: Geometry,
         name: &str,
-        position: [f64; 3],
-        orientation: [f64; 4],
+        position: Option<&Bound<'_, PyAny>>,
+        orientation: Option<&Bound<'_, PyAny>>,
         density: f64,
         material: Option<Material>,
-        color: Option<[f32; 4]>,
+        color: Option<&Bound<'_, PyAny>>,
         collides: bool,
         sensor: bool,
         membership: i64,
         collides_with: i64,
     ) -> PyResult<Self> {
         let what = format!("shape {name:?}");
+        let position = vector_or(&format!("{what}: position"), position, [0.0; 3])?;
+        let unturned = [0.0, 0.0, 0.0, 1.0];
+        let orientation = vector_or(&format!("{what}: orientation"), orientation, unturned)?;
+        let color = color.map(|color| vector(&format!("{what}: color"), color));
         Ok(Self(model::Shape {
             name: name.to_owned(),
             pose: pose(position, geometry::orientation(&what, orientation)?),
             density,
             material: material.map(|m| m.0).unwrap_or_default(),
-            color,
+            color: color.transpose()?,
             collides,
             sensor,
             membership: mask(&what, "membership", membership)?,

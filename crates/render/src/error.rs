@@ -83,7 +83,8 @@ pub enum RenderError {
     },
     /// The file of a mesh that is only seen cannot be read.
     #[error(
-        "shape {shape} (\"{name}\") cannot be drawn: {source}; correct the path, or give the shape opacity 0"
+        "shape {shape} (\"{name}\") cannot be drawn: {source}; {}give the shape opacity 0",
+        remedy(.source)
     )]
     Mesh {
         /// Row of the shape.
@@ -112,6 +113,14 @@ pub enum RenderError {
     /// A picture cannot be written.
     #[error("cannot write the picture: {0}")]
     Picture(#[from] png::EncodingError),
+}
+
+/// What helps besides making a shape invisible; errors of what is in a file say it themselves.
+fn remedy(source: &collide::mesh::LoadError) -> &'static str {
+    match source {
+        collide::mesh::LoadError::Read { .. } => "correct the path, or ",
+        _ => "or ",
+    }
 }
 
 /// An error unless `holds`.

@@ -590,15 +590,27 @@ fn bad_numbers_are_refused_by_name() {
     let huge = View::new(camera(16384, 16384));
     assert!(refused(&scene, &huge, &[&poses[..]; 9]).contains("9 images of 16384 × 16384"));
 
-    let file = "nowhere/hand.stl".to_owned();
-    let mesh = Geometry::MeshFile {
-        file,
-        scale: DVec3::ONE,
-    };
-    let hand = Shape::new(mesh).named("hand").without_contact();
-    let error = Scene::new(&scenery([hand])).unwrap_err();
-    assert!(matches!(error, RenderError::Mesh { shape: 0, .. }));
-    assert!(error.to_string().contains("nowhere/hand.stl"), "{error}");
+    let remedies = [
+        (
+            "nowhere/hand.stl",
+            "; correct the path, or give the shape opacity 0",
+        ),
+        (
+            "hand.dae",
+            ": convert it to .obj, .stl or .glb; or give the shape opacity 0",
+        ),
+    ];
+    for (file, remedy) in remedies {
+        let mesh = Geometry::MeshFile {
+            file: file.to_owned(),
+            scale: DVec3::ONE,
+        };
+        let hand = Shape::new(mesh).named("hand").without_contact();
+        let error = Scene::new(&scenery([hand])).unwrap_err();
+        assert!(matches!(error, RenderError::Mesh { shape: 0, .. }));
+        let told = error.to_string();
+        assert!(told.contains(file) && told.ends_with(remedy), "{told}");
+    }
 }
 
 #[test]

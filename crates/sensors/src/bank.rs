@@ -2,8 +2,9 @@
 
 use crate::SensorError;
 use crate::sensor::SensorKind;
+use model::Axes;
 use numbers::Float;
-use sim::{Gauge, Gauges, Simulation};
+use sim::{Gauge, Gauges, Report, Simulation};
 use std::ops::Range;
 
 /// Sensors of one rate.
@@ -30,6 +31,10 @@ impl<T: Float> Bank<T> {
     pub fn sensors(&self) -> &[usize] {
         &self.sensors
     }
+    /// How much of the outputs it is read from.
+    pub fn needs(&self) -> Report {
+        self.gauges.needs()
+    }
     /// Where the numbers of its sensors stand among its own.
     pub fn numbers(&self) -> &[Range<usize>] {
         self.gauges.numbers()
@@ -48,13 +53,15 @@ impl<T: Float> Bank<T> {
     }
 }
 
-/// The gauge of a sensor of joints, bodies or contacts.
-pub(crate) fn gauge(kind: &SensorKind) -> Option<Gauge> {
+/// The gauge of a sensor of joints, bodies or contacts, of which these numbers are told.
+pub(crate) fn gauge(kind: &SensorKind, part: &Range<usize>) -> Option<Gauge> {
     Some(match kind {
         SensorKind::JointPosition { joints } => Gauge::JointPosition(joints.clone()),
         SensorKind::JointVelocity { joints } => Gauge::JointVelocity(joints.clone()),
         SensorKind::JointEffort { joints } => Gauge::JointEffort(joints.clone()),
         SensorKind::ActuatorForce { actuators } => Gauge::ActuatorForce(actuators.clone()),
+        // A gyroscope needs no accelerations, and a frame's velocity ends as an IMU does.
+        SensorKind::Imu { mount } if part.start >= 3 => Gauge::FrameVelocity(*mount, Axes::Own),
         SensorKind::Imu { mount } => Gauge::Imu(*mount),
         SensorKind::ForceTorque { joint, frame } => Gauge::ForceTorque(*joint, *frame),
         SensorKind::Touch { body } => Gauge::Touch(*body),

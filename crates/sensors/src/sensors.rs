@@ -13,6 +13,7 @@ use numbers::Float;
 use rayon::prelude::*;
 use render::Images;
 use sim::{Diverged, Gauge, OutputPart, Rangefinder, Simulation};
+use std::cmp::Reverse;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -272,8 +273,8 @@ impl<T: Float> Sensors<T> {
     ///
     /// # Errors
     /// The simulation is of another model, solver or number of worlds; a mesh that rays do not meet; an image that
-    /// cannot be drawn. The sensors before the one at fault have been sampled; it and all others are as
-    /// before.
+    /// cannot be drawn. The sensors before the one at fault have been sampled; it and all others are as before. Where a
+    /// device fails, none may have been.
     pub fn update(&mut self, simulation: &mut Simulation<T>) -> Result<(), SensorError> {
         self.take(simulation, false)
     }
@@ -283,32 +284,33 @@ impl<T: Float> Sensors<T> {
     /// # Errors
     /// As [`update`](Self::update).
     pub fn resample(&mut self, simulation: &mut Simulation<T>) -> Result<(), SensorError> {
+        simulation.renew_controls()?;
         self.take(simulation, true)
     }
     fn take(&mut self, simulation: &mut Simulation<T>, anew: bool) -> Result<(), SensorError> {
         self.recognise(simulation)?;
         self.look_at_worlds(simulation);
         let h = simulation.settings().step.time_step;
-        let (worlds, channels) = (&self.worlds, self.channels.iter_mut().enumerate());
-        let due = channels.filter_map(|(row, channel)| {
+        let (worlds, channels) = (&self.worlds, self.channels.iter_mut());
+        let due = channels.filter_map(|channel| {
             let is_due = channel.find_due(simulation, h, worlds, anew);
-            is_due.then_some((row, channel))
+            is_due.then_some(channel)
         });
         let due = Vec::from_iter(due);
         if due.is_empty() {
             return Ok(());
         }
-        for bank in &mut self.banks {
-            let due = due_in(&due, bank.sensors());
+        for (nth, bank) in self.banks.iter_mut().enumerate() {
+            let due = due_in(&due, nth);
             if !due.is_empty() {
                 bank.read(simulation, &due)?;
             }
         }
-        if due.iter().any(|(_, channel)| channel.camera.is_some()) {
+        if due.iter().any(|channel| channel.camera.is_some()) {
             let bodies = (0..self.model.bodies.len()).map(BodyId);
             simulation.fetch_parts(bodies.map(OutputPart::Motion))?;
         }
-        for (_, channel) in due {
+        for channel in due {
             channel.sample(simulation, (worlds, &self.banks))?;
             channel.note(simulation);
         }
@@ -576,7 +578,7 @@ fn banks<T: Float>(
 ) -> Result<Vec<Bank<T>>, SensorError> {
     let mut groups: Vec<(Clock, Vec<(usize, Gauge)>)> = Vec::new();
     for (row, channel) in channels.iter().enumerate() {
-        let Some(gauge) = gauge(&channel.sensor.kind) else {
+        let Some(gauge) = gauge(&channel.sensor.kind, &channel.part) else {
             continue;
         };
         match groups.iter_mut().find(|(clock, _)| *clock == channel.clock) {
@@ -587,7 +589,9 @@ fn banks<T: Float>(
     let made = groups
         .into_iter()
         .map(|(_, group)| Bank::new(simulation, group));
-    let banks = made.collect::<Result<Vec<_>, _>>()?;
+    let mut banks = made.collect::<Result<Vec<_>, _>>()?;
+    // What those need that need most is reported once, and the others find it there.
+    banks.sort_by_key(|bank| Reverse(bank.needs()));
     for (nth, bank) in banks.iter().enumerate() {
         for (&row, numbers) in bank.sensors().iter().zip(bank.numbers()) {
             let channel = &mut channels[row];
@@ -597,12 +601,12 @@ fn banks<T: Float>(
     Ok(banks)
 }
 
-/// The worlds in which any of these sensors is due, of those that are due anywhere.
-fn due_in<T: Float>(due: &[(usize, &mut Channel<T>)], sensors: &[usize]) -> Vec<usize> {
-    let of = |(row, _): &&(usize, &mut Channel<T>)| sensors.contains(row);
+/// The worlds in which any sensor of a bank is due, of those that are due anywhere.
+fn due_in<T: Float>(due: &[&mut Channel<T>], bank: usize) -> Vec<usize> {
+    let of = |channel: &&&mut Channel<T>| channel.place.is_some_and(|(own, _)| own == bank);
     let own = Vec::from_iter(due.iter().filter(of));
-    let worlds = own.first().map_or(0, |(_, channel)| channel.samples.len());
-    let is_due = |world: &usize| own.iter().any(|(_, c)| c.samples[*world].due.is_some());
+    let worlds = own.first().map_or(0, |channel| channel.samples.len());
+    let is_due = |world: &usize| own.iter().any(|c| c.samples[*world].due.is_some());
     (0..worlds).filter(is_due).collect()
 }
 

@@ -4,12 +4,14 @@ use kinetarium_sensors::{Sensor, SensorKind, Sensors};
 use model::{Axes, BodyId, JointId, Model, Mount, Pose, ShapeId};
 use numbers::Memory;
 use rigid::{Report, Solver};
-use sim::{Device, DeviceError, DeviceWorlds, Processor, Simulation, SimulationSettings};
+use sim::{
+    Address, Control, Device, DeviceError, DeviceWorlds, Processor, Simulation, SimulationSettings,
+};
 use std::ops::Range;
 use std::sync::{Arc, Mutex};
 
-/// How many numbers of the output have been read, and how often.
-type Count = Arc<Mutex<[usize; 2]>>;
+/// How many numbers of the output have been read, how often, and how often it was filled.
+type Count = Arc<Mutex<[usize; 3]>>;
 
 /// A device whose outputs are what they are read at, and which counts what is read.
 struct Told(Count);
@@ -40,6 +42,7 @@ impl DeviceWorlds<f32> for Told {
         Ok(())
     }
     fn report(&mut self, _: Report) -> Result<(), DeviceError> {
+        self.0.lock().unwrap()[2] += 1;
         Ok(())
     }
     fn read_state(&mut self, _: &[Range<usize>], _: &mut Memory<f32>) -> Result<(), DeviceError> {
@@ -56,6 +59,9 @@ impl DeviceWorlds<f32> for Told {
         }
         self.0.lock().unwrap()[1] += 1;
         Ok(())
+    }
+    fn input_address(&self) -> Result<Option<Address>, DeviceError> {
+        Ok(Some(Address { card: 0, at: 64 }))
     }
 }
 
@@ -211,4 +217,50 @@ fn sensors_that_are_due_are_read_together() {
     assert_eq!(count.lock().unwrap()[1], 4);
     sensors.update(&mut simulation).unwrap();
     assert_eq!(count.lock().unwrap()[1], 4);
+}
+
+/// One with contacts and one with accelerations, which need more.
+fn at_two_rates(count: &Count) -> (Simulation<f32>, Sensors<f32>) {
+    let model = humanoid();
+    let settings = SimulationSettings::new(2, 0.003);
+    let mut simulation = Simulation::on(&Told(Arc::clone(count)), model.clone(), settings).unwrap();
+    let touch = SensorKind::Touch {
+        body: body(&model, "right_foot"),
+    };
+    let imu = SensorKind::Imu {
+        mount: Mount::on(body(&model, "torso")),
+    };
+    let mut slow = Sensor::new("imu", imu);
+    slow.rate = Some(1.0 / 0.006);
+    let list = vec![Sensor::new("touch", touch), slow];
+    let sensors = Sensors::new(&mut simulation, list, 0).unwrap();
+    (simulation, sensors)
+}
+
+/// All that is due is reported at once, whichever sensor comes first.
+#[test]
+fn sensors_of_two_rates_that_are_due_are_reported_once() {
+    let count = Count::default();
+    let (mut simulation, mut sensors) = at_two_rates(&count);
+    let reports = || count.lock().unwrap()[2];
+    assert_eq!(reports(), 1);
+    sensors.step(&mut simulation, 1).unwrap();
+    assert_eq!(reports(), 2, "the touch alone");
+    sensors.step(&mut simulation, 1).unwrap();
+    assert_eq!(reports(), 3, "both");
+}
+
+/// Accelerations hang on controls, which others may have set.
+#[test]
+fn what_is_sampled_anew_is_reported_anew_where_others_set_controls() {
+    let count = Count::default();
+    let (mut simulation, mut sensors) = at_two_rates(&count);
+    let reports = || count.lock().unwrap()[2];
+    sensors.resample(&mut simulation).unwrap();
+    assert_eq!(reports(), 1, "no controls were set");
+    simulation.control_on_device(Control::Force).unwrap();
+    for expected in [2, 3] {
+        sensors.resample(&mut simulation).unwrap();
+        assert_eq!(reports(), expected);
+    }
 }

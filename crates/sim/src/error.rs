@@ -108,12 +108,13 @@ pub enum SimulationError {
         world: usize,
     },
     /// What was made for one simulation is used with another.
-    #[error("the {0} of another model or solver: make them of this simulation")]
+    #[error("the {0} of another model or solver: make new ones of this simulation")]
     OtherModel(&'static str),
     /// Numbers of a parameter for which the solver has no room, or the other way round.
     #[error(
         "with this {parameter} the model has another structure than the simulation's: drives, dry friction, springs and \
-         dampers that are zero in all of it are not there; make the simulation of a model that has some, and give worlds others"
+         dampers that are zero in all of it are not there; make the simulation of a model that has some (of drives: \
+         `with_drives`), and give worlds others"
     )]
     Parameter {
         /// Its name.
@@ -133,11 +134,8 @@ pub enum SimulationError {
         /// What it must be.
         remedy: &'static str,
     },
-    /// Queries find no mesh that is not read.
-    #[error(
-        "{what} meet no mesh that is a file's name only, as shape {shape} (`{name}`) is: have meshes read \
-         (--meshes exact), or use solids in its place"
-    )]
+    /// Queries find no mesh whose file cannot be read.
+    #[error("{what} cannot meet the mesh of shape {shape} (`{name}`): {reason}")]
     NotRead {
         /// What is asked: "rays", "swept shapes", "points" or "shapes".
         what: &'static str,
@@ -145,6 +143,8 @@ pub enum SimulationError {
         shape: usize,
         /// Its name.
         name: String,
+        /// What is wrong with its file.
+        reason: String,
     },
     /// Shapes are nowhere, or too many.
     #[error(transparent)]

@@ -9,7 +9,7 @@ use crate::instrument::Reader;
 use crate::outputs::existing;
 use crate::queries::check_pose;
 use crate::{OutputPart, Simulation, SimulationError};
-use model::{BodyId, JointId, Model, Mount};
+use model::{BodyId, Joint, JointId, Model, Mount};
 use numbers::{Float, Memory};
 use rigid::{Gauge, Instrument, Report, Reported};
 use std::ops::Range;
@@ -44,6 +44,11 @@ impl<T: Float> Gauges<T> {
     pub fn length(&self) -> usize {
         self.reader.length()
     }
+    /// How much of the outputs they are read from.
+    pub fn needs(&self) -> Report {
+        let needs = self.parts.iter().map(|part| part.needs()).max();
+        needs.unwrap_or(Report::Joints)
+    }
     /// Which of these numbers are each gauge's, in their order.
     pub fn numbers(&self) -> &[Range<usize>] {
         &self.numbers
@@ -62,7 +67,8 @@ impl<T: Float> Simulation<T> {
     /// [`read_gauges`](Self::read_gauges).
     ///
     /// # Errors
-    /// A body, joint or actuator that does not exist; a frame that is nowhere, or turned by no rotation.
+    /// A body, joint or actuator that does not exist; a frame that is nowhere, or turned by no rotation; efforts of drives
+    /// with a control time.
     pub fn gauges(&self, mut list: Vec<Gauge>) -> Result<Gauges<T>, SimulationError> {
         let model = self.model();
         for (i, gauge) in list.iter_mut().enumerate() {
@@ -116,8 +122,7 @@ impl<T: Float> Simulation<T> {
             return Ok(());
         }
         self.renew_constants(gauges);
-        let needs = gauges.parts.iter().map(|part| part.needs()).max();
-        let (reader, needs) = (&mut gauges.reader, needs.unwrap_or(Report::Joints));
+        let (needs, reader) = (gauges.needs(), &mut gauges.reader);
         if !self.measure_there(reader, needs)? {
             self.fetch_parts(gauges.parts.iter().copied())?;
             self.measure_here(reader, worlds);
@@ -242,9 +247,13 @@ fn check(model: &Model, gauge: &mut Gauge, row: usize) -> Result<(), SimulationE
         Ok(())
     };
     match gauge {
-        Gauge::JointPosition(joints)
-        | Gauge::JointVelocity(joints)
-        | Gauge::JointEffort(joints) => joints.iter().try_for_each(|&id| joint(id)),
+        Gauge::JointPosition(joints) | Gauge::JointVelocity(joints) => {
+            joints.iter().try_for_each(|&id| joint(id))
+        }
+        Gauge::JointEffort(joints) => joints.iter().try_for_each(|&id| {
+            joint(id)?;
+            follows_at_once(&model.joints[id.0], row)
+        }),
         Gauge::ActuatorForce(rows) => {
             let count = model.actuators.len();
             rows.iter().try_for_each(|&a| index("actuator", a, count))
@@ -261,4 +270,18 @@ fn check(model: &Model, gauge: &mut Gauge, row: usize) -> Result<(), SimulationE
         Gauge::FramePose(frames) => frames.iter_mut().try_for_each(place),
         Gauge::CenterOfMass(of) => of.map_or(Ok(()), body),
     }
+}
+
+/// Refuses drives of which only their solver knows where they follow their targets.
+fn follows_at_once(joint: &Joint, row: usize) -> Result<(), SimulationError> {
+    let late = joint.dofs.iter().find(|dof| dof.drive.control_time != 0.0);
+    late.map_or(Ok(()), |dof| {
+        Err(SimulationError::Query {
+            query: "gauge",
+            index: row,
+            what: "control time of a drive",
+            value: format!("{} s (joint `{}`)", dof.drive.control_time, joint.name),
+            remedy: "0 where efforts are read: smooth the targets that are set",
+        })
+    })
 }

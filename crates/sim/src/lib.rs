@@ -51,7 +51,7 @@ pub use quantity::{Control, Quantity};
 pub use queries::{PlacedShape, QueryHit, Seen, ShapeCast};
 pub use rangefinder::Rangefinder;
 pub use rays::{Ray, RayHit};
-pub use rigid::Gauge;
+pub use rigid::{Gauge, Report};
 pub use setting::{SETTINGS, Setting, SettingKind};
 pub use settings::{SimulationSettings, SolverKind};
 pub use shared::DeviceArray;

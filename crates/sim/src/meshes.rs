@@ -1,6 +1,6 @@
 //! The triangles of meshes in space, for what asks which of them are near.
 
-use collide::mesh::Triangle;
+use collide::mesh::{self, LoadError, Triangle};
 use glam::DVec3;
 use model::{Geometry, Shape, TriangleMesh};
 use rigid::impulse::pair::Near;
@@ -9,20 +9,46 @@ use std::sync::Arc;
 
 /// The meshes of a model's shapes; equal ones are one.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Meshes(Vec<Arc<Triangles>>);
+pub(crate) struct Meshes {
+    known: Vec<Arc<Triangles>>,
+    /// Those of files, by name and scale.
+    read: Vec<(String, DVec3, Arc<Triangles>)>,
+}
 
 impl Meshes {
-    /// The triangles of a shape, if it is a mesh.
+    /// The triangles of a shape, if it is a mesh that is known.
     pub fn of(&mut self, shape: &Shape) -> Option<Arc<Triangles>> {
         let Geometry::Mesh(mesh) = &shape.geometry else {
             return None;
         };
-        let known = self.0.iter().find(|known| known.mesh == *mesh);
-        Some(known.cloned().unwrap_or_else(|| {
+        Some(self.triangles(mesh))
+    }
+
+    /// The same, and of a mesh that is the name of its file: that is read once.
+    ///
+    /// # Errors
+    /// The file cannot be read, or is no mesh.
+    pub fn read(&mut self, shape: &Shape) -> Result<Option<Arc<Triangles>>, LoadError> {
+        let Geometry::MeshFile { file, scale } = &shape.geometry else {
+            return Ok(self.of(shape));
+        };
+        let is_same = |(name, by, _): &&(String, DVec3, _)| name == file && by == scale;
+        if let Some((_, _, known)) = self.read.iter().find(is_same) {
+            return Ok(Some(Arc::clone(known)));
+        }
+        let triangles = self.triangles(&mesh::load(file, *scale)?);
+        let read = (file.clone(), *scale, Arc::clone(&triangles));
+        self.read.push(read);
+        Ok(Some(triangles))
+    }
+
+    fn triangles(&mut self, mesh: &TriangleMesh) -> Arc<Triangles> {
+        let known = self.known.iter().find(|known| known.mesh == *mesh);
+        known.cloned().unwrap_or_else(|| {
             let new = Arc::new(Triangles::new(mesh));
-            self.0.push(Arc::clone(&new));
+            self.known.push(Arc::clone(&new));
             new
-        }))
+        })
     }
 }
 
@@ -30,6 +56,8 @@ impl Meshes {
 #[derive(Clone, Debug)]
 pub(crate) struct Triangles {
     mesh: TriangleMesh,
+    /// The same, as that of a shape.
+    pub geometry: Geometry,
     all: Vec<Triangle>,
     pub space: Space<Bvh>,
     /// Whether the surface ends nowhere.
@@ -46,6 +74,7 @@ impl Triangles {
         let boxes: Vec<_> = all.iter().map(around).collect();
         Self {
             mesh: mesh.clone(),
+            geometry: Geometry::Mesh(mesh.clone()),
             closed: mesh.is_closed(),
             all,
             space: Space::new(&boxes).expect("the vertices of a mesh are finite"),

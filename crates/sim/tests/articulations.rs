@@ -460,7 +460,8 @@ fn what_impulse_lacks_is_refused() {
     );
 }
 
-/// `auto` takes impulse for things that touch, jointed or not, but not for what is driven, nor for one thing.
+/// `auto` takes impulse for things that touch, jointed or not, but not for what is driven, nor for one thing; and for more
+/// than others have room for.
 #[test]
 fn auto_takes_impulse_for_passive_things_that_touch() {
     let solver = |model: Model| {
@@ -483,4 +484,15 @@ fn auto_takes_impulse_for_passive_things_that_touch() {
     assert_eq!(solver(Model::new(driven.clone()).unwrap()), "impulse");
     driven.actuators = vec![Actuator::motor("motor", model::JointId(0))];
     assert_eq!(solver(Model::new(driven).unwrap()), "featherstone");
+    let crowd = |people| {
+        let mut crowd = ragdolls(people).unwrap().into_parts();
+        let held = crowd
+            .joints
+            .iter()
+            .position(|j| !j.dofs.is_empty() && j.parent.is_some());
+        crowd.actuators = vec![Actuator::motor("motor", model::JointId(held.unwrap()))];
+        Model::new(crowd).unwrap()
+    };
+    assert_eq!(solver(crowd(2)), "featherstone");
+    assert_eq!(solver(crowd(120)), "impulse");
 }

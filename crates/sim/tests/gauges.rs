@@ -319,8 +319,16 @@ fn worlds_are_read_by_their_own_numbers() {
         plain.read_gauges(gauges, &[3]).unwrap();
     }
     let all = 0..gauges.length();
-    let [read, expected] = [&gauges, &anew].map(|gauges| read(gauges, 3, &all));
-    assert_eq!(read, expected, "a simulation without any");
+    let [known, expected] = [&gauges, &anew].map(|gauges| read(gauges, 3, &all));
+    assert_eq!(known, expected, "a simulation without any");
+
+    simulation.set_world_model(5, &own(4)).unwrap();
+    let mut anew = simulation.gauges(every_gauge(&model)).unwrap();
+    for gauges in [&mut gauges, &mut anew] {
+        simulation.read_gauges(gauges, &[5]).unwrap();
+    }
+    let [known, expected] = [&gauges, &anew].map(|gauges| read(gauges, 5, &all));
+    assert_eq!(known, expected, "and the first one again");
 }
 
 #[test]
@@ -341,6 +349,15 @@ fn what_there_is_not_is_refused() {
     says(
         Gauge::FrameVelocity(Mount::default().at(unturned), Axes::Own),
         "orientation",
+    );
+    let mut late = models::mixed(false).unwrap().into_parts();
+    late.joints[1].dofs[0].drive.control_time = 0.1;
+    let late = stirred::<f32>(&Model::new(late).unwrap(), SolverKind::Xpbd, 1);
+    let told = late.gauges(vec![Gauge::JointEffort(vec![JointId(1)])]);
+    let told = told.unwrap_err().to_string();
+    assert!(
+        told.contains("control time of a drive of gauge 0 is 0.1 s"),
+        "{told}"
     );
     let mut gauges = simulation.gauges(vec![Gauge::CenterOfMass(None)]).unwrap();
     let told = simulation.read_gauges(&mut gauges, &[2]).unwrap_err();

@@ -3,9 +3,9 @@
 mod scene;
 
 use glam::{DQuat, DVec3};
-use kinetarium_sim::{Simulation, SimulationError, SimulationSettings};
+use kinetarium_sim::{Simulation, SimulationError, SimulationSettings, SolverKind};
 use model::examples::n_pendula;
-use model::{BodyId, Builder, Drive, Geometry, JointId, Model, Parts, Pose};
+use model::{BodyId, Builder, Drive, Geometry, JointId, Model, Parts, Pose, Shape};
 use numbers::Float;
 use scene::{
     BOTH, Method, TIME_STEP, TOUCHING, chain, hash, hashes, heap, mixed, motion, scatter, scattered,
@@ -292,6 +292,50 @@ fn a_model_of_another_structure_is_refused_and_changes_nothing() {
                 "{method:?}, {case}"
             );
         }
+    }
+}
+
+/// A wheel that is off its axle in one world, and a foot that comes to lie on it, differ in numbers only.
+#[test]
+fn wheels_may_be_off_their_axles_in_some_worlds() {
+    let rolling = |off: f64| {
+        let mut world = Builder::new("cart");
+        let flat = Geometry::Plane {
+            half_x: 0.0,
+            half_z: 0.0,
+        };
+        world.object("ground").scenery(flat);
+        let object = world.object("cart");
+        let wheel = Shape::new(Geometry::Sphere { radius: 0.1 }).at(Pose::at(DVec3::X * off));
+        let wheel = object.body("wheel").shape(wheel).mass(1.0).handle();
+        let axle = object.revolute("axle", wheel, DVec3::Z);
+        axle.at(Pose::at(DVec3::Y * 0.09));
+        world.build().unwrap()
+    };
+    for (base, other) in [(0.0, 0.03), (0.03, 0.0)] {
+        let settings = SimulationSettings {
+            solver: SolverKind::Featherstone,
+            ..SimulationSettings::new(WORLDS, TIME_STEP)
+        };
+        let mut simulation = Simulation::<f64>::new(rolling(base), settings).unwrap();
+        simulation.set_world_model(OTHER, &rolling(other)).unwrap();
+        let settings = SimulationSettings {
+            worlds: 1,
+            ..settings
+        };
+        let mut alone = Simulation::<f64>::new(rolling(other), settings).unwrap();
+        simulation.set_joint_state(OTHER, &[-0.1], &[-0.5]).unwrap();
+        alone.set_joint_state(0, &[-0.1], &[-0.5]).unwrap();
+        for simulation in [&mut simulation, &mut alone] {
+            simulation.step(STEPS);
+        }
+        let [together, alone] = [(&mut simulation, OTHER), (&mut alone, 0)].map(|(s, world)| {
+            let outputs = s.outputs();
+            let forces = outputs.contacts(world).map(|contact| contact.force);
+            (outputs.joint_position(world), forces.sum::<DVec3>())
+        });
+        assert_eq!(together, alone, "{base} {other}");
+        assert!(alone.1.length() > 0.1, "{alone:?}");
     }
 }
 

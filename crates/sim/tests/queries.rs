@@ -956,15 +956,15 @@ fn bad_queries_are_refused() {
 }
 
 #[test]
-fn meshes_that_are_not_read_are_refused_where_they_are_seen() {
+fn meshes_that_cannot_be_read_are_refused_where_they_are_seen() {
     let file = Geometry::MeshFile {
         file: "hull.obj".into(),
         scale: DVec3::ONE,
     };
     let shape = Shape::new(file).named("hull").without_contact();
     let mut simulation = simulate(scenery([Shape::new(sphere(0.5)), shape]));
-    let message = "points meet no mesh that is a file's name only, as shape 1 (`hull`) is: have meshes read (--meshes \
-                   exact), or use solids in its place";
+    let message = "points cannot meet the mesh of shape 1 (`hull`): cannot read the mesh hull.obj: No such file or \
+                   directory (os error 2)";
     let point = [DVec3::X];
     says(
         simulation.nearest(0, &point, 1, 9.0, &Seen::default()),

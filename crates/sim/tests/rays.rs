@@ -501,15 +501,47 @@ fn bad_rays_are_refused() {
 }
 
 #[test]
-fn meshes_that_are_not_read_are_refused() {
+fn meshes_that_cannot_be_read_are_refused() {
     let mesh = Geometry::MeshFile {
         file: "hull.obj".into(),
         scale: DVec3::ONE,
     };
     let shape = Shape::new(mesh).named("hull").without_contact();
     let mut simulation = simulate(scenery([Shape::new(SPHERE), shape]));
-    let message = "rays meet no mesh that is a file's name only, as shape 1 (`hull`) is: have meshes \
-                   read (--meshes exact), or use solids in its place";
+    let message = "rays cannot meet the mesh of shape 1 (`hull`): cannot read the mesh hull.obj: No such file or \
+                   directory (os error 2)";
     says(simulation.cast_ray(0, DVec3::ZERO, DVec3::X, 1.0), message);
     says(simulation.cast_rays(0, &[]), message);
+}
+
+/// What is only seen stays the name of its file in the model, and is met as the same mesh in it would be.
+#[test]
+fn meshes_that_are_only_seen_are_read_from_their_files() {
+    let file = concat!(env!("CARGO_TARGET_TMPDIR"), "/seen.obj");
+    let tetrahedron = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    std::fs::write(file, tetrahedron).unwrap();
+    let scale = DVec3::new(1.0, 2.0, 3.0);
+    let named = Geometry::MeshFile {
+        file: file.into(),
+        scale,
+    };
+    let read = Geometry::Mesh(collide::mesh::load(file, scale).unwrap());
+    let [named, read] = [named, read].map(|geometry| {
+        let shape = Shape::new(geometry)
+            .at(Pose::at(DVec3::Y))
+            .without_contact();
+        simulate(scenery([Shape::new(SPHERE), shape]))
+    });
+    let ray = |x: f64, z: f64| Ray {
+        origin: DVec3::new(x, 9.0, z),
+        direction: DVec3::NEG_Y,
+        max_distance: 20.0,
+    };
+    let places =
+        (0..20).flat_map(|i| (0..40).map(move |j| [i, j].map(|n| 0.1 * f64::from(n) - 0.5)));
+    let rays = Vec::from_iter(places.map(|[x, z]| ray(x, z)));
+    let [named, read] = [named, read].map(|mut simulation| simulation.cast_rays(0, &rays).unwrap());
+    assert_eq!(named, read);
+    let met = named.iter().flatten().filter(|hit| hit.shape == ShapeId(1));
+    assert!(met.count() > 100);
 }

@@ -17,7 +17,7 @@ pub enum LoadError {
         source: std::io::Error,
     },
     /// The name says nothing of the format.
-    #[error("the mesh {path} has no known ending: use .obj, .stl or .glb", path = path.display())]
+    #[error("the mesh {path} has no known ending: convert it to .obj, .stl or .glb", path = path.display())]
     Unknown {
         /// Which file.
         path: PathBuf,
@@ -65,6 +65,11 @@ pub fn load(path: impl AsRef<Path>, scale: DVec3) -> Result<TriangleMesh, LoadEr
         source,
     })?;
     from_soup(read(&bytes), path, scale)
+}
+
+/// Whether [`load`] reads files of a path's ending.
+pub fn is_known(path: impl AsRef<Path>) -> bool {
+    reader(path.as_ref()).is_ok()
 }
 
 /// As [`load`], of the contents of a file; `path` names it, and its format.

@@ -99,13 +99,17 @@ fn pair(
     let mobility = |shape: ShapeId| tree.surfaces[shape.0].mobility;
     surface.mobility = mobility(shapes.0) + mobility(shapes.1);
     let material = surface.material(&context.physics);
-    let keys = tree.parts.contact_pairs.iter().map(|pair| pair.shapes);
-    if keys
-        .into_iter()
-        .any(|(a, b)| (a, b) == shapes || (b, a) == shapes)
-    {
-        let remedy = "keep one of them";
-        return Err(element.invalid("an earlier pair is of the same geoms", remedy));
+    let mut pairs = tree.parts.contact_pairs.iter();
+    let same = |(a, b)| (a, b) == shapes || (b, a) == shapes;
+    if let Some(earlier) = pairs.find(|pair| same(pair.shapes)) {
+        if earlier.material != material {
+            let remedy = "keep one of them";
+            return Err(element.invalid("an earlier pair of the same geoms says otherwise", remedy));
+        }
+        let meaning =
+            "it counts once; MuJoCo makes each of its contacts twice, which is a little stiffer";
+        report.note(element, "a pair that repeats an earlier one", meaning);
+        return Ok(());
     }
     let [a, b] = [shapes.0, shapes.1].map(|s| tree.parts.shapes[s.0].body);
     if a == b || !(tree.moves(a) || tree.moves(b)) {

@@ -126,6 +126,9 @@ pub(super) fn read(
     {
         shape.geometry = read;
     }
+    if !is_paired {
+        context.meshes.look_for(&element, &shape, report);
+    }
     let solid = match weight {
         Weight::Unused => None,
         _ if !(first..=last).contains(&group) => None,

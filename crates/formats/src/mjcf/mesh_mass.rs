@@ -67,17 +67,28 @@ pub(super) fn of(
         file @ Geometry::MeshFile { .. } => context.meshes.of(element, file)?,
         read => Some(read.clone()),
     };
-    let inertia = Inertia::of_geom(element, context);
-    let unit = match &read {
-        Some(Geometry::Mesh(mesh)) => of_mesh(mesh, inertia).map_err(|e| broken(element, e))?,
-        Some(Geometry::Hull(hull)) if inertia == Inertia::Shell => shell::of_faces(hull.faces()),
-        Some(hull) => MassProperties::of(hull, 1.0),
-        None => None,
-    };
-    let (Some(unit), Some(read)) = (unit, read) else {
+    let Some(read) = read else {
         let remedy = "take meshes as they are where their surfaces are closed (--meshes exact), or as their \
                       convex hulls (--meshes hull), give the body an <inertial> element, or this geom mass=\"0\"";
         report.refuse(element, "mass from the volume of a mesh", remedy)?;
+        return Ok(None);
+    };
+    let inertia = Inertia::of_geom(element, context);
+    let unit = match &read {
+        Geometry::Mesh(mesh) => of_mesh(mesh, inertia).map_err(|e| broken(element, e))?,
+        Geometry::Hull(hull) if inertia == Inertia::Shell => shell::of_faces(hull.faces()),
+        hull => MassProperties::of(hull, 1.0),
+    };
+    let Some(unit) = unit else {
+        let (problem, remedy) = fault(element, &read);
+        if !report.is_lenient() {
+            return Err(element.invalid(&problem, &remedy));
+        }
+        report.note(
+            element,
+            &problem,
+            "left out although it changes the physics",
+        );
         return Ok(None);
     };
     let whose = match (&read, inertia) {
@@ -97,7 +108,47 @@ pub(super) fn of(
     Ok(Some(unit))
 }
 
-/// `None` for a surface that has to be closed, and is not.
+/// Why the mesh that a geom uses has no mass, and what to do.
+fn fault(geom: &Element, read: &Geometry) -> (String, String) {
+    let (open, volume) = match read {
+        Geometry::Mesh(mesh) => (mesh.open_edges(), volume(mesh)),
+        _ => (Vec::new(), 0.0),
+    };
+    let (what, cure) = match open.first() {
+        Some([from, to]) => {
+            let count = open.len();
+            let edges = format!("along {count} edges, such as that from {from} to {to}");
+            let what = format!("is open, or has faces wound against their neighbours, {edges}");
+            let cure = "mend its file, write inertia=\"convex\" or inertia=\"shell\" at its <mesh>";
+            (what, cure)
+        }
+        None if volume < 0.0 => {
+            let what = format!("is inside out: its volume is {volume:.3e} m³");
+            let cure = "turn its faces around in its file, write inertia=\"convex\" at its <mesh>";
+            (what, cure)
+        }
+        None => {
+            let what = "is flat: its volume is 0".to_owned();
+            (what, "correct its file, or `scale` at its <mesh>")
+        }
+    };
+    let name = geom.get("mesh").unwrap_or_default();
+    let problem = format!("its mass is that of the mesh `{name}`, which {what}");
+    let remedy = format!("{cure}, or give the body an <inertial> element");
+    (problem, remedy)
+}
+
+/// What a closed surface holds [m³]; zero where that is but rounding.
+fn volume(mesh: &TriangleMesh) -> f64 {
+    let corners = mesh
+        .faces()
+        .map(|face| face.map(|corner| corner - mesh.center()));
+    let volume: f64 = corners.map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum();
+    let least = 1e-12 * mesh.half_extents().max_element().powi(3);
+    if volume.abs() > least { volume } else { 0.0 }
+}
+
+/// `None` for a surface that has to be closed, and is not, or holds nothing.
 fn of_mesh(mesh: &TriangleMesh, inertia: Inertia) -> Result<Option<MassProperties>, String> {
     Ok(match inertia {
         Inertia::Legacy | Inertia::Exact => MassProperties::of(&Geometry::Mesh(mesh.clone()), 1.0),

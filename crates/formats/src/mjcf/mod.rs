@@ -12,7 +12,7 @@
 //!   joint that carries the body's name, with each joint's name at its degree of freedom. So the
 //!   coordinates are MuJoCo's qpos, except that quaternions are x, y, z, w.
 //! - Joint ranges, narrowed by their margin, become soft limits, springs and dampers that carry an inertia along.
-//! - Massless bodies that are welded to others are fused with them.
+//! - Bodies without mass or inertia that are welded to others are fused with them; names that are lost are listed.
 //! - Geoms touch that MuJoCo lets touch: `contype` and `conaffinity` are a shape's kinds; bodies that
 //!   are welded together, or of which one carries the other, are kept apart unless one is welded to
 //!   the world; `<exclude>` and `<pair>` hold. Contacts have MuJoCo's friction and margins, and the
@@ -32,7 +32,7 @@
 //! - The impedance of `solimp` and `solimplimit` grows with the depth. Here contacts have at all depths what they
 //!   have under twice the weight of the mass they see, and limits what they have at half the width: heavier loads
 //!   press further in than in MuJoCo, and lighter ones less.
-//! - An exclusion of a massless body holds for the body that it is fused with.
+//! - An exclusion of a fused body holds for the body that it is fused with.
 //! - A ball joint stands alone on its body, is not limited, has no spring, and takes motors about one axis at a time.
 //! - Refused unless lenient: drag by a fluid, gravity compensation, tendons that exert force, muscles
 //!   and other actuators with a state, plugins, flexible bodies, polynomial springs, springs and limits of
@@ -166,6 +166,7 @@ pub(crate) fn read(
     names::complete(&mut parts);
     let joints = tree.joints.iter().map(|j| (j.joint, &j.file.element));
     let culprits = Culprits::new(&parts, &tree.elements, joints);
+    fusion.tell(&parts, &tree.elements, &mut report);
     fusion.apply(&mut parts);
     let model = Model::new(parts)
         .and_then(|model| contact::mix(model, &tree.surfaces, &context))

@@ -248,7 +248,7 @@ impl Reader<'_> {
             return Ok(self.leave_out("at a body that no joint holds"));
         };
         if self.fusion.takes_up(joint.child) {
-            return Ok(self.leave_out("at a massless body, which is fused with its parent"));
+            return Ok(self.leave_out("at a body that is fused with its parent"));
         }
         Ok(Some(of(JointId(row), pose)))
     }

@@ -103,14 +103,16 @@ pub(super) fn shape(
         }
         _ => frame,
     };
-    Ok(Some(Shape {
+    let shape = Shape {
         name: element.get("name").unwrap_or_default().to_owned(),
         pose,
         density: 0.0,
         color: looks.colors.of(element)?,
         collides,
         ..Shape::new(geometry)
-    }))
+    };
+    looks.meshes.look_for(inner, &shape, report);
+    Ok(Some(shape))
 }
 
 fn geometry(element: &Element, report: &mut Report) -> Result<Option<Geometry>, FormatError> {

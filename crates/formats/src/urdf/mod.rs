@@ -11,7 +11,7 @@
 //! - A joint's limits become soft ones, as stiff as MuJoCo's standard limits (time constant 20 ms,
 //!   critically damped, for the inertia at the start).
 //! - `effort` limits the joint's drive; `mimic` becomes a coupling.
-//! - Links without mass that are fixed to others are fused with them.
+//! - Links without mass or inertia that are fixed to others are fused with them; names that are lost are listed.
 //! - Collision geometry collides, visual geometry is only seen. Mesh files are named, not read, unless
 //!   those that collide are asked for, exact or as hulls ([`Options::meshes`]). The package of a `package://`
 //!   path is a folder of its name, beside the file or above; where there is none, the path stays, with a warning.
@@ -89,6 +89,7 @@ pub(crate) fn read(
     names::complete(&mut parts);
     let joints = tree.joints.iter().map(|j| (j.id, j.element));
     let culprits = Culprits::new(&parts, &tree.elements, joints);
+    fusion.tell(&parts, &tree.elements, &mut report);
     fusion.apply(&mut parts);
     let model = Model::new(parts)
         .and_then(|model| looks.meshes.pieces.take_apart(model))

@@ -232,13 +232,16 @@ impl<'a> Tree<'a> {
                 });
                 parts.joints.push(joint);
             }
-            None if moves => {
-                parts
-                    .joints
-                    .push(Joint::new("", JointKind::Free, None, id, Vec::new()));
-            }
+            None if moves => parts.joints.push(nameless(id)),
             _ => {}
         }
         Ok((id, pose))
     }
+}
+
+/// What a floating base hangs on. Without names: it gets its body's, as in MJCF, and so do its degrees of freedom.
+fn nameless(child: BodyId) -> Joint {
+    let mut joint = Joint::new("", JointKind::Free, None, child, Vec::new());
+    joint.dofs.iter_mut().for_each(|dof| dof.name.clear());
+    joint
 }

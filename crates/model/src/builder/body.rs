@@ -113,7 +113,7 @@ impl BodyDraft {
         self.masks = Some((membership, collides_with));
         self
     }
-    /// Sets the world that the body stands in; −1 is shared by all.
+    /// Sets [`Body::world`](crate::Body::world), which parts what shall not touch; −1 touches all.
     pub fn world(&mut self, world: i32) -> &mut Self {
         self.body.world = world;
         self

@@ -192,6 +192,10 @@ impl TriangleMesh {
     /// Whether the surface ends nowhere: along each edge of each triangle lies another one, turned the
     /// same way.
     pub fn is_closed(&self) -> bool {
+        self.open_edges().is_empty()
+    }
+    /// Both ends [m] of each edge along which the surface is not [closed](Self::is_closed), in the order of the vertices.
+    pub fn open_edges(&self) -> Vec<[DVec3; 2]> {
         let mut open = HashMap::new();
         for &[a, b, c] in self.triangles() {
             for [from, to] in [[a, b], [b, c], [c, a]] {
@@ -199,7 +203,11 @@ impl TriangleMesh {
                 *open.entry([from.min(to), from.max(to)]).or_insert(0) += sign;
             }
         }
-        open.values().all(|left| *left == 0)
+        let open = open.into_iter().filter(|(_, left)| *left != 0);
+        let mut edges: Vec<[u32; 2]> = open.map(|(edge, _)| edge).collect();
+        edges.sort_unstable();
+        let ends = |edge: [u32; 2]| edge.map(|v| self.vertices()[v as usize]);
+        edges.into_iter().map(ends).collect()
     }
     /// Unit vector out of the surface at a triangle.
     ///

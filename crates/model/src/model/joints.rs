@@ -2,6 +2,7 @@
 
 use super::check::Subject;
 use crate::{Axis, AxisKind, Body, BodyId, BodyKind, Dof, Drive, Joint, JointKind, ModelError};
+use glam::DVec3;
 
 /// Checks one joint against the bodies.
 pub(super) fn joint(joint: &Joint, bodies: &[Body]) -> Result<(), ModelError> {
@@ -97,6 +98,26 @@ fn axes(joint: &Joint) -> Result<(), ModelError> {
         if !joint.axes.iter().zip(&Joint::plane_xz_axes()).all(agrees) {
             return Err(ModelError::WrongPlane {
                 joint: joint.name.clone(),
+            });
+        }
+    }
+    independent(joint)
+}
+
+/// Refuses neighbours among the axes that are one line, unless an armature tells how each of them moves.
+fn independent(joint: &Joint) -> Result<(), ModelError> {
+    const PARALLEL: f64 = 1e-9;
+    for (first, pair) in joint.axes.windows(2).enumerate() {
+        let [a, b] = [&pair[0], &pair[1]];
+        let armed = joint.dofs.iter().skip(first).take(2);
+        let armed = joint.dofs.is_empty() || armed.into_iter().any(|dof| dof.armature > 0.0);
+        let across = |v: DVec3| a.direction.cross(v).length();
+        let turn_apart = a.kind == AxisKind::Angular && across(b.anchor - a.anchor) > PARALLEL;
+        if a.kind == b.kind && across(b.direction) < PARALLEL && !armed && !turn_apart {
+            return Err(ModelError::SameAxis {
+                joint: joint.name.clone(),
+                first,
+                second: first + 1,
             });
         }
     }

@@ -2,7 +2,7 @@
 
 use super::check::{Subject, names};
 use super::joints;
-use crate::mass::principal_moments;
+use crate::mass::{LEAST_MOMENT, principal_moments};
 use crate::{
     Actuator, Body, BodyKind, Camera, Coupling, Geometry, JointId, JointKind, Keyframe, Material,
     Measurand, ModelError, Parts, Sensor, Shape, Softness,
@@ -24,8 +24,6 @@ const MOST_PIXELS: f64 = 16384.0;
 const MOST_LAMPS: usize = 256;
 /// Relative slack for inertia matrices, which files give with few digits.
 const INERTIA_TOLERANCE: f64 = 1e-6;
-/// A principal moment below this share of the largest counts as zero.
-const LEAST_MOMENT: f64 = 1e-12;
 
 /// Checks everything but keyframes, whose length depends on joints still to be added.
 pub(super) fn parts(parts: &Parts) -> Result<(), ModelError> {

@@ -137,6 +137,20 @@ impl ContactPlan {
         }
     }
 
+    /// Whether tables have room for a model's points of contact, as far as its shapes have kernels.
+    pub(crate) fn has_room(model: &Model) -> bool {
+        let kind = |shape: &Shape| Solid::new(shape, "").ok().map(|solid| solid.kind);
+        let kinds = Vec::from_iter(model.shapes.iter().map(kind));
+        let mut left = MOST_POINTS;
+        CollisionFilter::new(model).pairs().all(|(a, b)| {
+            let route = kinds[a.0].zip(kinds[b.0]);
+            let route = route.and_then(|(a, b)| Route::of(a, b));
+            let rest = left.checked_sub(route.map_or(0, Route::points));
+            left = rest.unwrap_or(0);
+            rest.is_some()
+        })
+    }
+
     /// Finds the pairs; `seat` tells who carries a shape.
     ///
     /// # Errors
@@ -391,5 +405,7 @@ mod tests {
             "{told}"
         );
         assert!(told.contains("use the solver `impulse`"), "{told}");
+        assert!(!ContactPlan::has_room(&model));
+        assert!(ContactPlan::has_room(&many(30)));
     }
 }

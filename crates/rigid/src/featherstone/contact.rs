@@ -56,7 +56,7 @@
 
 use super::gauss_seidel;
 use super::limit::late_damping;
-use super::tables::{Tables, frame, node, node_link, step};
+use super::tables::{Tables, frame, node, step};
 use super::turning;
 use crate::cone;
 use crate::contacts::{
@@ -201,11 +201,12 @@ pub(crate) fn bias<M: Machine>(
     x: Vec3<M::R>,
 ) -> Vec3<M::R> {
     let mut a = at(k.spatial(t.frame, node, frame::BIAS), x).hold(k);
-    let rolls = k.link(t.node_links, node, node_link::ROLLS);
-    if let Some(_branch) = k.when(k.equals(rolls, 1)) {
+    let rolls = k.load(t.node, node, node::ROLLS).gt(M::R::zero());
+    if let Some(_branch) = k.if_any(rolls) {
         let v = k.spatial(t.frame, node, frame::TWIST);
         let goes = goes_along(k, t, s, side, v, x);
-        a.set(v.angular.cross_plus(goes, a.get()));
+        let (along, stays) = (v.angular.cross_plus(goes, a.get()), a.get());
+        a.set(Vec3::select(rolls, along, stays));
     }
     a.get()
 }

@@ -50,7 +50,9 @@ pub(crate) mod node {
     pub const CENTER: usize = 8;
     /// About the centre, node axes.
     pub const INERTIA: usize = 11;
-    pub const WIDTH: usize = 17;
+    /// 1 where contacts go along: on free roots, and on wheels; else 0.
+    pub const ROLLS: usize = 17;
+    pub const WIDTH: usize = 18;
 }
 
 /// Fields of [`Tables::node_links`].
@@ -81,9 +83,7 @@ pub(crate) mod node_link {
     pub const ALONE: usize = 13;
     /// 1 if the parent is visited just before, on the [way along the limbs](Tables::limb_links).
     pub const FOLLOWS: usize = 14;
-    /// 1 where contacts go along: on free roots, and on wheels.
-    pub const ROLLS: usize = 15;
-    pub const WIDTH: usize = 16;
+    pub const WIDTH: usize = 15;
 }
 
 /// Values of [`node_link::ARRIVAL`].
@@ -483,7 +483,6 @@ impl Forest {
                 forest.nodes[n].weld(&model.bodies[id.0], place);
             }
         }
-        forest.find_wheels(model);
         forest.sort_by_depth();
         forest.masses = vec![0.0; forest.bases.len()];
         for node in &forest.nodes {
@@ -492,10 +491,13 @@ impl Forest {
         forest
     }
 
-    /// Finds the nodes whose last motion [turns about itself](wheel::rolls) all of theirs that touches.
-    fn find_wheels(&mut self, model: &Model) {
+    /// Finds the nodes whose last motion [turns about itself](wheel::rolls) all of theirs that touches, which is this.
+    fn find_wheels(&mut self, model: &Model, touching: impl Iterator<Item = ShapeId>) {
         let mut wheels = vec![None; self.nodes.len()];
-        for shape in model.shapes.iter().filter(|s| s.collides && !s.sensor) {
+        for shape in touching
+            .map(|shape| &model.shapes[shape.0])
+            .filter(|shape| !shape.sensor)
+        {
             let seat = shape.body.map(|body| self.seats[body.0]);
             let Some((n, seat)) = seat.and_then(|seat| Some((seat.node?, seat))) else {
                 continue;
@@ -896,11 +898,13 @@ impl Tables {
         scope: Scope,
         settings: &Settings,
     ) -> Result<(Self, Filler, Vec<[ShapeId; 2]>), SolverError> {
-        let forest = Forest::new(model);
+        let mut forest = Forest::new(model);
         let plan = match scope {
             Scope::Contacts => ContactPlan::new(model, NAME, |shape| forest.carrier(shape.body))?,
             Scope::Tree | Scope::Loops => ContactPlan::empty(),
         };
+        let contact_shapes = plan.shapes();
+        forest.find_wheels(model, contact_shapes.iter().flatten().copied());
         let (mut closings, mut couplings) = match scope {
             Scope::Tree => Default::default(),
             Scope::Loops | Scope::Contacts => (forest.closings(model)?, forest.couplings(model)),
@@ -931,7 +935,6 @@ impl Tables {
             t.fill(row, coupled, model, coupling, h, &mut filler);
         }
         tables.acting.fill(&[couples.slots.len()], &mut filler);
-        let contact_shapes = plan.shapes();
         for (slot, shapes) in contact_shapes.iter().enumerate() {
             for (side, shape) in shapes.iter().enumerate() {
                 let row = forest.row(model.shapes[shape.0].body);
@@ -1197,13 +1200,13 @@ impl Tables {
             let floats = n.floats && !self.exchanges();
             let (eliminated, from) = if floats { (0, row) } else { (n.dofs(), parent) };
             f.link(self.node_links, row, node_link::FLOATS, usize::from(floats));
-            f.link(self.node_links, row, node_link::ROLLS, usize::from(n.rolls));
             f.link(self.node_links, row, node_link::ELIMINATED, eliminated);
             f.link(self.node_links, row, node_link::ACCELERATES_FROM, from);
             f.pose(self.node, row, node::PLACE, n.place);
             f.number(self.node, row, node::MASS, n.mass);
             f.vec3(self.node, row, node::CENTER, n.center);
             f.sym(self.node, row, node::INERTIA, n.inertia);
+            f.number(self.node, row, node::ROLLS, f64::from(u8::from(n.rolls)));
             for motion in &n.motions {
                 f.link(self.motion_links, m, motion_link::KIND, motion.kind);
                 f.link(

@@ -31,7 +31,7 @@ pub enum Gauge {
     /// Velocities of joints [m/s or rad/s].
     JointVelocity(Vec<JointId>),
     /// Forces of drives, actuators and a controller along degrees of freedom [N or N·m], by their laws at the present
-    /// state.
+    /// state; drives take their targets as they are set, without a control time.
     JointEffort(Vec<JointId>),
     /// Forces of actuators before their gears [N or N·m], by their laws at the present state; the rows of these.
     ActuatorForce(Vec<usize>),

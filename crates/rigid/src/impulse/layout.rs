@@ -6,7 +6,7 @@ use super::pair::solid;
 use super::tables::{BodyTables, POINTS, global, grip, mass, row};
 use super::{memory, surface};
 use crate::contacts::tables::{Solid, Thin, thickness, way_through};
-use crate::contacts::{Corners, PUSH_OUT};
+use crate::contacts::{ContactPlan, Corners, PUSH_OUT};
 use crate::input::InputTables;
 use crate::output::body;
 use crate::tables::{Filler, UNBOUNDED};
@@ -160,7 +160,8 @@ pub(super) fn unsupported(what: &'static str, name: &str, remedy: &'static str) 
     }
 }
 
-/// Whether a model is what this solver is for: several things that touch, free or of passive joints.
+/// Whether a model is what this solver is for: several things that touch, free or of passive joints, or more things that
+/// may than other solvers have room for.
 pub fn suits(model: &Model) -> bool {
     let solid = |shape: &Shape| Solid::new(shape, NAME).is_ok();
     let mut touching = model.shapes.iter().filter(|shape| shape.collides);
@@ -168,7 +169,8 @@ pub fn suits(model: &Model) -> bool {
     let driven = model.joints.iter().flat_map(|j| &j.dofs).any(drives);
     let passive = !driven && model.actuators.is_empty();
     let known = check(model).is_ok() && Ties::of(model).is_ok();
-    passive && several(model) && known && touching.all(solid)
+    let best = (passive && several(model)) || !ContactPlan::has_room(model);
+    best && known && touching.all(solid)
 }
 
 /// Whether several things move on their own, bodies or what joints make of them, and may touch.

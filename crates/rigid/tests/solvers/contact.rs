@@ -117,18 +117,20 @@ fn what_rolls_on_added_mass_does_not_sink_in() {
     }
 }
 
-/// So are wheels on hinges, and a ball in its socket, of a carriage that only slides.
+/// So are wheels on hinges, and a ball in its socket, of a carriage that only slides; also where the model names what they
+/// touch, and they touch nothing else.
 #[test]
 fn wheels_on_added_mass_do_not_sink_in() {
     let (radius, constant, turn) = (0.1, 0.02, 95.0);
     let side = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2);
     let half_height = 0.05;
-    for (solid, in_socket) in [
+    for (solid, in_socket, named) in [
         (
             Geometry::Cylinder {
                 radius,
                 half_height,
             },
+            false,
             false,
         ),
         (
@@ -137,15 +139,16 @@ fn wheels_on_added_mass_do_not_sink_in() {
                 half_height: 0.2,
             },
             false,
+            true,
         ),
-        (Geometry::Sphere { radius }, false),
-        (Geometry::Sphere { radius }, true),
+        (Geometry::Sphere { radius }, false, false),
+        (Geometry::Sphere { radius }, true, false),
     ] {
         let mut world = Builder::new("rolls");
         let material = heavy_surface(constant);
-        world
-            .object("ground")
-            .scenery(Shape::new(plane()).with_material(material));
+        let ground = world.object("ground");
+        ground.scenery(Shape::new(plane()).with_material(material));
+        let floor = ground.id().scenery(0);
         let object = world.object("cart");
         let frame = |object: &mut Object, name: &str, mass| {
             let body = object.body(name);
@@ -156,6 +159,11 @@ fn wheels_on_added_mass_do_not_sink_in() {
         let carriage = frame(object, "carriage", 0.5);
         let lift = frame(object, "lift", 3.0);
         let shape = Shape::new(solid.clone()).at(Pose::new(DVec3::ZERO, side));
+        let shape = if named {
+            shape.without_contact()
+        } else {
+            shape
+        };
         let wheel = object.body("wheel");
         wheel.at(Pose::at(radius * DVec3::Y));
         let wheel = wheel.shape(shape.with_material(material)).handle();
@@ -168,6 +176,9 @@ fn wheels_on_added_mass_do_not_sink_in() {
             object.revolute("axle", wheel, DVec3::Z)
         };
         hinge.parent(lift).at(at);
+        if named {
+            world.contact_pair(wheel.shape(0), floor).unwrap();
+        }
         let model = world.build().unwrap();
         let [rests, rolls] = [0.0, turn].map(|turn| {
             let mut velocity = vec![0.0; model.degrees_of_freedom()];

@@ -172,7 +172,7 @@ impl<T: Float> Simulation<T> {
     /// # Errors
     /// A world or a body that does not exist; a shape that is no convex solid, or whose sizes are not positive; a
     /// position, orientation, direction or distance that is NaN; a position beyond 1e9 m, a quaternion or a direction of
-    /// no length, a negative distance; a mesh that is seen and is the name of its file only.
+    /// no length, a negative distance; a mesh that is seen and whose file cannot be read.
     pub fn cast_shape(
         &mut self,
         world: usize,

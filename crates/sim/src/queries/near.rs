@@ -184,7 +184,7 @@ impl<T: Float> Simulation<T> {
     ///
     /// # Errors
     /// A world or a body that does not exist; a point that is not finite or beyond 1e9 m; a distance that is negative or
-    /// NaN; a mesh that is seen and is the name of its file only.
+    /// NaN; a mesh that is seen and whose file cannot be read.
     pub fn closest_points(
         &mut self,
         world: usize,

@@ -42,7 +42,8 @@ pub(crate) struct Solid<'a> {
 
 impl<'a> Solid<'a> {
     pub fn geometry(&self) -> &'a Geometry {
-        &self.of.geometry
+        self.triangles
+            .map_or(&self.of.geometry, |triangles| &triangles.geometry)
     }
     /// The frame that a mesh's triangles are in.
     pub fn frame(&self) -> Pose {
@@ -69,14 +70,14 @@ pub(crate) fn around(geometry: &Geometry, pose: &Pose) -> [DVec3; 2] {
     [pose.point(geometry.center()), reach]
 }
 
-/// The shapes of a world, all but those that are the names of files, and the boxes about them.
+/// The shapes of a world, and the boxes about them. Meshes that are the names of files are read.
 #[derive(Debug)]
 pub(crate) struct Scene {
     model: Arc<Model>,
     shapes: Vec<(ShapeId, Option<Arc<Triangles>>)>,
     poses: Vec<Pose>,
-    /// Those that are the names of files.
-    pub unread: Vec<ShapeId>,
+    /// The other shapes: meshes whose files cannot be read, and why.
+    pub unread: Vec<(ShapeId, String)>,
     pub space: Space<Bvh>,
     /// No coordinate of a box that ends is larger [m].
     pub reach: f64,
@@ -85,15 +86,15 @@ pub(crate) struct Scene {
 impl Scene {
     /// With bodies placed so, and no boxes yet.
     fn new(model: Arc<Model>, meshes: &mut Meshes) -> Self {
-        let all = || model.shapes.iter().enumerate();
-        let is_unread = |shape: &Shape| matches!(shape.geometry, Geometry::MeshFile { .. });
-        let shapes = all()
-            .filter(|(_, shape)| !is_unread(shape))
-            .map(|(i, shape)| (ShapeId(i), meshes.of(shape)));
-        let shapes = Vec::from_iter(shapes);
-        let unread = all().filter(|(_, shape)| is_unread(shape));
+        let (mut shapes, mut unread) = (Vec::new(), Vec::new());
+        for (i, shape) in model.shapes.iter().enumerate() {
+            match meshes.read(shape) {
+                Ok(triangles) => shapes.push((ShapeId(i), triangles)),
+                Err(reason) => unread.push((ShapeId(i), reason.to_string())),
+            }
+        }
         Self {
-            unread: unread.map(|(i, _)| ShapeId(i)).collect(),
+            unread,
             poses: vec![Pose::IDENTITY; shapes.len()],
             space: Space::new(&[]).expect("no boxes"),
             reach: 0.0,

@@ -32,14 +32,15 @@ impl Seen {
         except.try_for_each(|body| index("body", body.0, bodies))
     }
 
-    /// Refuses what is seen and is the name of a file.
+    /// Refuses what is seen and cannot be read.
     pub(super) fn can_see(&self, what: &'static str, scene: &Scene) -> Result<(), SimulationError> {
         let mut unread = scene.unread.iter();
-        match unread.find(|shape| self.sees(scene.shape(**shape))) {
-            Some(shape) => Err(SimulationError::NotRead {
+        match unread.find(|(shape, _)| self.sees(scene.shape(*shape))) {
+            Some((shape, reason)) => Err(SimulationError::NotRead {
                 what,
                 shape: shape.0,
                 name: scene.shape(*shape).name.clone(),
+                reason: reason.clone(),
             }),
             None => Ok(()),
         }

@@ -144,7 +144,7 @@ impl<T: Float> Simulation<T> {
     ///
     /// # Errors
     /// A rangefinder of another model or another number of worlds; a world that does not exist; distances of another
-    /// length; a mesh that is the name of its file only; worlds are on a device, and it fails.
+    /// length; a mesh whose file cannot be read; worlds are on a device, and it fails.
     pub fn measure_ranges(
         &mut self,
         finder: &mut Rangefinder<T>,
