@@ -186,18 +186,22 @@ def websocket(url: str) -> socket.socket:
 
 
 def hear(connection: socket.socket, kind: str) -> dict:
-    """The next text message of a type; all else is passed over."""
+    """The next text message of a type; all else is passed over, but for pings, which are answered as browsers do."""
 
     def take(count: int) -> bytes:
         taken = b""
         while len(taken) < count:
-            taken += connection.recv(count - len(taken))
+            part = connection.recv(count - len(taken))
+            assert part, "the page was sent away"
+            taken += part
         return taken
 
     while True:
         opcode, length = take(2)
         wide = {126: 2, 127: 8}.get(length)
         content = take(int.from_bytes(take(wide), "big") if wide else length)
+        if opcode & 15 == 9:
+            connection.sendall(bytes([0x8A, 0x80 | len(content)]) + bytes(4) + content)
         if opcode & 15 == 1 and (message := json.loads(content))["type"] == kind:
             return message
 

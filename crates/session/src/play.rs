@@ -77,6 +77,10 @@ impl Files for Alone {
     fn bytes(&self, name: &str) -> io::Result<Vec<u8>> {
         Ok(self.read(name)?.into_bytes())
     }
+    /// It is not looked for: what is only seen is left out, and that is told of all together.
+    fn exists(&self, _: &str) -> bool {
+        true
+    }
     fn path(&self, name: &str) -> String {
         name.to_owned()
     }

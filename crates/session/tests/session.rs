@@ -618,6 +618,7 @@ fn no_file_is_opened_that_a_dropped_one_names() {
         let scene = page.scene();
         assert_eq!(scene.name, name);
         assert!(scene.guide.contains(&told), "{}", scene.guide);
+        assert_eq!(scene.guide.matches(path).count(), 1, "{}", scene.guide);
         let mut meshes = 0;
         for shape in &scene.shapes {
             if let Geometry::Mesh { triangles, .. } = &shape.geometry {
