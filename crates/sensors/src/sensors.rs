@@ -284,7 +284,7 @@ impl<T: Float> Sensors<T> {
     /// # Errors
     /// As [`update`](Self::update).
     pub fn resample(&mut self, simulation: &mut Simulation<T>) -> Result<(), SensorError> {
-        simulation.renew_controls()?;
+        simulation.controls_may_differ();
         self.take(simulation, true)
     }
     fn take(&mut self, simulation: &mut Simulation<T>, anew: bool) -> Result<(), SensorError> {

@@ -973,15 +973,12 @@ impl<T: Float> Simulation<T> {
             None => Ok(()),
         }
     }
-    /// The same, and what depends on them is reported anew when it is read next: accelerations and what comes of them.
-    ///
-    /// # Errors
-    /// As [`fetch_controls`](Self::fetch_controls).
-    pub fn renew_controls(&mut self) -> Result<(), SimulationError> {
+    /// Others may have set controls that they share: what depends on these, accelerations and what comes of them, is
+    /// reported anew when it is read next.
+    pub fn controls_may_differ(&mut self) {
         if self.remote.as_ref().is_some_and(Remote::shares_input) {
             self.reported = None;
         }
-        self.fetch_controls()
     }
     /// Tells the device what was set while others do not set controls: later, theirs would be lost.
     fn tell_shared(&mut self) -> Result<(), SimulationError> {

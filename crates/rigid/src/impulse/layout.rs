@@ -169,8 +169,9 @@ pub fn suits(model: &Model) -> bool {
     let driven = model.joints.iter().flat_map(|j| &j.dofs).any(drives);
     let passive = !driven && model.actuators.is_empty();
     let known = check(model).is_ok() && Ties::of(model).is_ok();
-    let best = (passive && several(model)) || !ContactPlan::has_room(model);
-    best && known && touching.all(solid)
+    // Last what looks at every two shapes.
+    let takes = known && touching.all(solid);
+    takes && ((passive && several(model)) || !ContactPlan::has_room(model))
 }
 
 /// Whether several things move on their own, bodies or what joints make of them, and may touch.
