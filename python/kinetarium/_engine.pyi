@@ -170,7 +170,7 @@ class Model:
         Without names: all joints, but for free ones and those that follow another by a coupling; a model with actuators,
         which move some of its joints and leave others free on purpose, wants names. Where the drive has no effort limit,
         each joint keeps its own, as URDF files have it (`effort`). A drive without stiffness and damping takes theirs
-        away.
+        away. Hinges that turn without end are pulled the shorter way round: see `Drive`.
 
         >>> import kinetarium as kn
         >>> model = kn.examples.n_pendula(2).with_drives(kn.Drive(100.0, 10.0))
@@ -459,7 +459,7 @@ class Axis:
 
 @final
 class Limit:
-    """A soft stop at each end of a coordinate's range [m or rad].
+    """A soft stop at each end of a coordinate's range [m or rad]; none where that is infinite, as in `Limit(0, math.inf)`.
 
     Beyond an end the force is −stiffness · excess − damping · velocity − inertia · acceleration, in N/m, N·s/m and kg
     or N·m/rad, N·m·s/rad and kg·m²; it never pulls.
@@ -495,6 +495,9 @@ class Limit:
 class Drive:
     """A motor that pulls a coordinate to targets: stiffness · (target − q) + damping · (target velocity − q̇), within
     ± effort limit; of a ball that is a limit of the torque, whichever way it points.
+
+    A hinge without a limit turns without end, and is pulled the shorter way round, unlike by a position servo, which counts
+    turns.
 
     `control_time` [s] is the time constant with which it follows a jump of the target.
     """
@@ -809,7 +812,7 @@ class Object:
         control_range: Vector | None = None,
         force_range: Vector | None = None,
     ) -> None:
-        """Adds a motor: its force is gear · control [N or N·m]."""
+        """Adds a motor: its force is gear · control [N or N·m]. An end of a range that is infinite is none."""
     def position_servo(
         self,
         name: str,
@@ -891,10 +894,8 @@ class Dynamics:
         self, position: NDArray[np.float64], velocity: NDArray[np.float64], force: NDArray[np.float64]
     ) -> NDArray[np.float64]:
         """q̈ under forces."""
-    def jacobian(
-        self, position: NDArray[np.float64], body: int, point: tuple[float, float, float]
-    ) -> NDArray[np.float64]:
-        """J(q) of a point of a body, row by row."""
+    def jacobian(self, position: NDArray[np.float64], body: int, point: NDArray[np.float64]) -> NDArray[np.float64]:
+        """J(q) of points of a body, row by row."""
     def bodies(self, position: NDArray[np.float64], velocity: NDArray[np.float64]) -> NDArray[np.float64]:
         """13 numbers of each body: placement and velocities."""
 

@@ -61,6 +61,7 @@ class Controls(Tables):
         """Position targets of the drives [m or rad], shape (worlds, degrees of freedom); the model's at first.
 
         Degrees of freedom without a drive have none: setting items there to anything but 0 raises `SimulationError`.
+        Hinges that turn without end, as those without a limit, are pulled the shorter way round: see `Drive`.
         What is written past this array does nothing there, and is not seen: to parts of it that numpy gives, by
         torch, by `on_device`. `Model.with_drives` gives drives to models that have none, as those of URDF files.
         """,

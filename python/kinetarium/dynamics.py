@@ -55,6 +55,9 @@ class Dynamics:
         self.model = model
         self._engine = _engine.Dynamics(model)
 
+    def __reduce__(self) -> tuple[type[Dynamics], tuple[Model]]:
+        return type(self), (self.model,)
+
     def mass_matrix(self, position: ArrayLike) -> np.ndarray:
         """M(q), shape (…, n, n), with armatures: kinetic energy is ½ q̇ᵀ M q̇."""
         (q,), lead = self._states(position)
@@ -76,15 +79,14 @@ class Dynamics:
     def jacobian(
         self, position: ArrayLike, body: str | SupportsIndex, point: ArrayLike = (0.0, 0.0, 0.0)
     ) -> np.ndarray:
-        """J(q), shape (…, 6, n), of a point [m] in the frame of a body, given by name or row: (ω, ẋ) = J q̇ with
-        the body's angular velocity ω and the point's velocity ẋ in world axes.
+        """J(q), shape (…, 6, n), of points [m], shape (…, 3), in the frame of a body, given by name or row:
+        (ω, ẋ) = J q̇ with the body's angular velocity ω and the point's velocity ẋ in world axes.
 
         A torque and a force there act as τ = Jᵀ (torque, force). Raises `UnknownNameError`, `OutOfRangeError`.
         """
-        (q,), lead = self._states(position)
-        x, y, z = (float(c) for c in checked("point", point, (3,)))
+        (q, p), lead = self._states(position, point=point)
         link = row("body", body, self.model.body, len(self.model.body_names))
-        found = self._engine.jacobian(q, link, (x, y, z))
+        found = self._engine.jacobian(q, link, p)
         return found.reshape(*lead, 6, self.model.degrees_of_freedom)
 
     def bodies(self, position: ArrayLike, velocity: ArrayLike = 0.0) -> Bodies:
@@ -101,8 +103,8 @@ class Dynamics:
         except ValueError:
             shapes = ", ".join(f"{what} {array.shape}" for what, array in arrays.items())
             raise ShapeError(f"what leads of these shapes does not go together: {shapes}") from None
-        states = []
+        states, widths = [], {"position": self.model.coordinates, "point": 3}
         for what, array in arrays.items():
-            columns = self.model.coordinates if what == "position" else self.model.degrees_of_freedom
+            columns = widths.get(what, self.model.degrees_of_freedom)
             states.append(checked(what, array, (*lead, columns)).reshape(math.prod(lead), columns))
         return states, lead

@@ -1,4 +1,4 @@
-"""What can go wrong. All messages name the place and the remedy, and are the same as in Rust."""
+"""What can go wrong. All messages name the place and the remedy, and are the same as in Rust but for options."""
 
 
 class KinetariumError(Exception):

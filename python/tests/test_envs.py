@@ -456,6 +456,40 @@ def test_what_cannot_be_is_refused():
         wrong.reset(seed=0)
 
 
+def hopper_that(**methods):
+    """A task with these methods in place of the hopper's, of three worlds."""
+    return type("Mine", (kinetarium.envs.hopper.Hopper,), methods)(3)
+
+
+def test_an_observation_may_be_one_array():
+    alone = hopper_that(observation=lambda self, seen: seen.velocity)
+    listed = hopper_that(observation=lambda self, seen: [seen.velocity])
+    for task in (alone, listed):
+        task.set_state(np.tile(task.init_position, (3, 1)), np.arange(18.0).reshape(3, 6))
+    assert alone.observation_space == listed.observation_space
+    np.testing.assert_array_equal(alone.observe(), listed.observe())
+    named = hopper_that(observation=lambda self, seen: "joint_velocity")
+    assert named.observe().shape == (3, 6)
+
+
+def test_what_is_not_of_all_worlds_is_refused():
+    for given in (lambda seen: seen.velocity.T, lambda seen: [seen.position, seen.velocity[0]]):
+        with pytest.raises(ShapeError, match=r"Mine.observation: part [01] has the shape .*: it must be \(3, …\)"):
+            hopper_that(observation=lambda self, seen, given=given: given(seen))
+    good = {"reward": np.zeros(3), "failed": np.zeros(3, bool), "info": {}}
+    for wrong, message in [
+        ({"reward": np.zeros((3, 1))}, r"the reward has the shape \(3, 1\): it must be \(3,\)"),
+        ({"reward": 1.0}, r"the reward has the shape \(\): it must be \(3,\)"),
+        ({"failed": np.zeros(2, bool)}, r"failed has the shape \(2,\): it must be \(3,\)"),
+        ({"failed": np.zeros(3)}, "failed is of dtype float64: it must be bool"),
+        ({"info": {"x": np.zeros((2, 3))}}, r'info\["x"\] has the shape \(2, 3\): it must be \(3, …\)'),
+    ]:
+        told = good | wrong
+        task = hopper_that(outcome=lambda self, *_, told=told: tuple(told.values()))
+        with pytest.raises(ShapeError, match=f"Mine.outcome: {message}"):
+            task.act(np.zeros((3, 3), np.float32))
+
+
 @robots
 def test_options_that_cannot_be_are_refused(robot):
     module, *_ = ROBOTS[robot]
@@ -468,6 +502,11 @@ def test_options_that_cannot_be_are_refused(robot):
         for value in (np.nan, np.inf, "1", None, [1.0, 2.0]):
             with pytest.raises(ValueError, match=name):
                 task(1, **{name: value})
+    for name in (name for name, parameter in options.items() if isinstance(parameter.default, bool)):
+        for value in ("no", None, 2, [True]):
+            with pytest.raises(ValueError, match=rf"{name} is .*: it must be True or False"):
+                task(1, **{name: value})
+        task(1, **{name: np.bool_(False)})
     for name in ranges:
         for value in (0.7, (1.0,), (2.0, 1.0), (np.nan, 1.0), "ab", ((0, 1), 2), None):
             with pytest.raises(ValueError, match=f"{name} is .*: give its two ends"):

@@ -54,6 +54,11 @@ def test_broken_files_name_the_place(text, message):
         kn.parse(HOPPER, meshes="some")
 
 
+def test_messages_name_options_as_python_has_them():
+    with pytest.raises(FileError, match=r"or load leniently \(lenient=True\)"):
+        kn.parse("<mujoco><worldbody><body gravcomp='1'><geom size='1'/></body></worldbody></mujoco>")
+
+
 def test_a_builder_makes_what_it_is_told():
     world = kn.Builder("crane", gravity=(0, -3.7, 0), time_step=0.004)
     crane = world.object("crane")
@@ -366,6 +371,61 @@ def test_a_limit_is_taken_away():
     assert world.build().parameter("damping").tolist() == [[0.5]]
     world.change_joint(hinge, limit=None, dofs=[kn.Dof(limit=(0, 2))])
     assert world.build().dof_range.tolist() == [[0, 2]]
+
+
+def hinged(**options):
+    world = kn.Builder("door", gravity=(0, 0, 0))
+    thing = world.object("door")
+    hinge = thing.revolute("hinge", thing.body("leaf", kn.Geometry.box((0.1,) * 3), mass=1.0), (0, 0, 1), **options)
+    return world, thing, hinge
+
+
+@pytest.mark.parametrize("solver", ["featherstone", "xpbd", "impulse"])
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+def test_an_infinite_end_of_a_limit_is_none(solver, dtype):
+    for limit, way in ((0, np.inf), 1), ((-np.inf, 0), -1):
+        model = hinged(limit=limit)[0].build()
+        assert model.dof_range.tolist() == [list(limit)]
+        sim = kn.Simulation(model, worlds=2, dt=0.002, solver=solver, dtype=dtype)
+        sim.set_state([[0.1], [-0.1]], [[1.0], [-1.0]])
+        assert not sim.step(500).size
+        free, stopped = (0, 1) if way > 0 else (1, 0)
+        assert sim.state.joint_position[free, 0] == pytest.approx(1.1 * way, abs=1e-3)
+        assert way * sim.state.joint_position[stopped, 0] > -0.1
+
+
+def test_ranges_with_infinite_ends():
+    world, thing, hinge = hinged(limit=kn.Limit(-np.inf, 2, stiffness=5))
+    thing.motor("motor", hinge, control_range=(0, np.inf), force_range=(-np.inf, 3))
+    thing.motor("free", hinge, control_range=(-np.inf, np.inf))
+    model = world.build()
+    assert model.dof_range.tolist() == [[-np.inf, 2]]
+    assert model.control_range.tolist() == [[0, np.inf], [-np.inf, np.inf]]
+    sim = kn.Simulation(model, dt=0.002)
+    sim.controls.actuator[:] = 1, 0
+    sim.step()
+    assert sim.state.joint_velocity[0, 0] > 0
+    world.change_joint(hinge, dofs=[kn.Dof(limit=(-np.inf, np.inf))])
+    plain, thing, hinge = hinged()
+    thing.motor("motor", hinge, control_range=(0, np.inf), force_range=(-np.inf, 3))
+    thing.motor("free", hinge)
+    assert world.build() == plain.build()
+    for limit in (np.inf, np.inf), (np.nan, 1):
+        with pytest.raises(ModelError, match=r"limit is (inf|NaN); give a finite number"):
+            hinged(limit=limit)[0].build()
+
+
+@pytest.mark.parametrize("solver", ["featherstone", "xpbd", "impulse"])
+def test_drives_of_hinges_without_end_go_the_shorter_way_round(solver):
+    def after(**options):
+        sim = kn.Simulation(hinged(drive=kn.Drive(10, 2), **options)[0].build(), dt=0.002, solver=solver)
+        sim.controls.target_position = 4.0
+        sim.step(3000)
+        return sim.state.joint_position[0, 0]
+
+    assert after() == pytest.approx(4 - 2 * np.pi, abs=1e-3)
+    for limit in (-10, 10), (-10, np.inf):
+        assert after(limit=limit) == pytest.approx(4, abs=1e-3)
 
 
 @pytest.mark.parametrize(

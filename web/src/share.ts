@@ -66,6 +66,7 @@ export class Share {
     });
     addEventListener("hashchange", ({ newURL }) => {
       if (this.sent) return;
+      this.notice.clear();
       // The address itself may have been written anew since, before this event came.
       this.address = parseAddress(new URL(newURL).hash);
       // What names no example is about the scene that is shown.
@@ -80,6 +81,7 @@ export class Share {
 
   /** Opens an example as it is. */
   openExample(name: string): void {
+    this.notice.clear();
     this.stepping = true;
     this.openPlain(name);
   }
@@ -96,6 +98,7 @@ export class Share {
   }
 
   private send(file: FileCommand): void {
+    this.notice.clear();
     this.opening = null;
     this.sent = file;
     this.session.send(file);

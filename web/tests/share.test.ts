@@ -30,7 +30,10 @@ function at(hash: string): Session {
   vi.stubGlobal("location", { hash });
   const session = new Session(() => ({ send: (c) => sent.push(c), drawn: () => {}, close: () => {} }));
   const view = { lookFrom: () => {}, carried: null } as unknown as View;
-  const notice = { tell: (text: string) => told.push(text) } as unknown as Notice;
+  const clear = () => {
+    told = [];
+  };
+  const notice = { tell: (text: string) => told.push(text), clear } as unknown as Notice;
   share = new Share(session, new Controls(session), view, notice);
   return session;
 }
@@ -137,6 +140,20 @@ test("a file that is refused is no step, and is not kept", () => {
   written();
   expect(history.pushState).not.toHaveBeenCalled();
   expect([...share.files]).toEqual([]);
+});
+
+test("what was told is gone when something else is opened", () => {
+  greet(at(""), { id: 7 });
+  const file = { type: "file", name: "cart.xml", text: "<mujoco/>" } as const;
+  for (const open of [
+    () => goTo("#example=pendula"),
+    () => share.openExample("pendula"),
+    () => share.openFile(file),
+  ]) {
+    told.push("broken.xml: not well-formed XML");
+    open();
+    expect(told).toEqual([]);
+  }
 });
 
 test("an example that does not exist is told, and not in the address any more", () => {

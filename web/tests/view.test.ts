@@ -7,6 +7,7 @@ import { multiply, placed, writePose } from "../src/view/affine";
 import { fading, held, Lamps, sunOf } from "../src/view/lamps";
 import { measure, moves, reach, worldShifts } from "../src/view/layout";
 import { Materials } from "../src/view/materials";
+import { ordinaryWeight } from "../src/view/overlays/contacts";
 import { JointAxes } from "../src/view/overlays/joints";
 import { Trails } from "../src/view/overlays/trails";
 import { isFloor, PartMaker } from "../src/view/parts";
@@ -218,6 +219,21 @@ test("a range of many turns is drawn as a circle", () => {
   axes.draw({ scene: model, frame, poses, measures: measure(model), picked: null });
   // Its axis, 48 lines of the circle, and both ends.
   expect(axes.object.geometry.instanceCount).toBe(1 + 48 + 2);
+});
+
+test("forces are measured by whole trees, not by their limbs", () => {
+  const body = { ...scene().bodies[0], dynamic: true };
+  const joint = scene().joints[0];
+  const told = {
+    ...scene(),
+    // A trunk with two legs, a foot below one, and something on a table.
+    bodies: [10, 1, 1, 0.5, 2]
+      .map((mass, row) => ({ ...body, mass, joint: row }))
+      .concat({ ...body, dynamic: false, mass: 99, joint: -1 }),
+    joints: [-1, 0, 0, 1, 5].map((parent, child) => ({ ...joint, parent, child })),
+  };
+  expect(ordinaryWeight(told)).toBeCloseTo(9.81 * 12.5);
+  expect(ordinaryWeight({ ...told, bodies: [] })).toBe(9.81);
 });
 
 describe("gauges", () => {

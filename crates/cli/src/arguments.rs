@@ -1,6 +1,7 @@
 //! What the command line understands.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
+use clap::error::{ContextKind, ContextValue};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::DVec3;
 use kinetarium::DeviceChoice;
@@ -9,8 +10,9 @@ use kinetarium::model::examples::{SCENES, Scene, Start};
 use kinetarium::numbers::dispatch::Isa;
 use kinetarium::rigid::Integrator;
 use kinetarium::sim::{Setting, SolverKind};
+use std::ffi::OsStr;
 use std::net::IpAddr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -339,6 +341,21 @@ fn setting(name: &str, default: &str) -> String {
     };
     let (label, help) = (setting.label, setting.help);
     format!("{label}{unit}. {help}{solvers} [default: {default}]")
+}
+
+/// Tells whoever gives a file or an example without a command which one shows it.
+pub fn with_tip(mut error: clap::Error) -> clap::Error {
+    let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else {
+        return error;
+    };
+    let path = Path::new(word);
+    let is_robot = |ending: &OsStr| ["xml", "mjcf", "urdf"].iter().any(|known| ending == *known);
+    if path.extension().is_some_and(is_robot) || session::Example::find(word).is_ok() {
+        let tip = format!("'kinetarium view {word}' shows it; '--help' lists the other commands");
+        let tips = ContextValue::StyledStrs(vec![tip.into()]);
+        error.insert(ContextKind::Suggested, tips);
+    }
+    error
 }
 
 fn count(least: u64, most: u64) -> RangedU64ValueParser<usize> {

@@ -29,6 +29,15 @@ pub enum Error {
         "--worlds and --keyframe are for files: `{name}` is an example, which is built on the page"
     )]
     FilesOnly { name: String },
+    #[error(
+        "there is no file `{name}`, but an example is called so: use `kinetarium {command} {name}`"
+    )]
+    NoFile { name: String, command: &'static str },
+    #[error(
+        "--iterations is for the solver {readers}, and this is simulated with {solver}: leave it out, or choose \
+         another --solver"
+    )]
+    Iterations { readers: String, solver: String },
     #[error(transparent)]
     Render(#[from] RenderError),
     #[error("--time {seconds} are too many time steps of {time_step} s: lower it")]

@@ -26,6 +26,7 @@ pub fn run_program(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
         Err(told) => {
+            let told = arguments::with_tip(told);
             // Where nobody listens, nobody is told.
             let _ = told.print();
             return u8::try_from(told.exit_code()).unwrap_or(1);

@@ -40,6 +40,7 @@ pub fn write(trajectory: &Trajectory, file: impl Write + Seek) -> ZipResult<()> 
     archive.numbers("energy", &[rows, worlds], &energy)?;
     archive.numbers("kinetic_energy", &[rows, worlds], &t.kinetic_energy)?;
     archive.numbers("potential_energy", &[rows, worlds], &t.potential_energy)?;
+    archive.numbers("diverged_at", &[worlds], &t.diverged_at)?;
     archive.names("coordinate_names", &coordinate_names)?;
     archive.names("dof_names", &t.dof_names)?;
     archive.names("body_names", &t.body_names)?;

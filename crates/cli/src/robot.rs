@@ -4,21 +4,24 @@ use crate::arguments::{Info, RobotFile};
 use crate::error::Error;
 use crate::output::print;
 use crate::summary::{contents, reason};
+use crate::view;
 use kinetarium::formats::{Loaded, Options};
-use kinetarium::model::{BodyId, BodyKind, Joint, Model};
+use kinetarium::model::examples::Scene;
+use kinetarium::model::{BodyId, BodyKind, CollisionFilter, Geometry, Joint, Model};
 use kinetarium::sim::SolverKind;
+use session::Example;
+use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::Path;
 
 /// Reads a file; what it uses and is not supported goes to the terminal, unless `quiet`.
-pub fn load(file: &RobotFile, quiet: bool) -> Result<Model, Error> {
-    let Loaded { model, warnings } = read(file)?;
+pub fn load(file: &RobotFile, quiet: bool) -> Result<Loaded, Error> {
+    let loaded = read(file)?;
     if !quiet {
-        warnings
-            .iter()
-            .for_each(|warning| eprintln!("warning: {warning}"));
+        let warnings = loaded.warnings.iter();
+        warnings.for_each(|warning| eprintln!("warning: {warning}"));
     }
-    Ok(model)
+    Ok(loaded)
 }
 
 /// Name of a file without folder and extension.
@@ -34,6 +37,12 @@ pub fn info(arguments: &Info) -> Result<(), Error> {
 }
 
 fn read(file: &RobotFile) -> Result<Loaded, Error> {
+    if let Some((name, command)) = example(&file.path) {
+        return Err(Error::NoFile {
+            name: name.into(),
+            command,
+        });
+    }
     let reading = &file.reading;
     let options = Options {
         lenient: reading.lenient,
@@ -41,6 +50,16 @@ fn read(file: &RobotFile) -> Result<Loaded, Error> {
         floating_base: reading.floating_base,
     };
     Ok(kinetarium::formats::load(&file.path, &options)?)
+}
+
+/// The name of an example where a file was meant, and the command that takes it.
+fn example(path: &Path) -> Option<(&str, &'static str)> {
+    let name = view::example(path)?;
+    let is_shown = Example::find(name).is_ok();
+    match Scene::find(name) {
+        Some(_) => Some((name, "example")),
+        None => is_shown.then_some((name, "view")),
+    }
 }
 
 fn describe(loaded: &Loaded) -> String {
@@ -68,6 +87,16 @@ fn describe(loaded: &Loaded) -> String {
         format!("{solver} (auto: {})", reason(model, true)),
     );
 
+    let unread = unread(model);
+    if !unread.is_empty() {
+        let remedy = "have them read (--meshes exact, or hull)";
+        let unread = unread.join(", ");
+        line(
+            "unread meshes",
+            format!("{unread}: solvers refuse that they touch; {remedy}"),
+        );
+    }
+
     let bodies = (0..model.bodies.len())
         .map(|b| body_row(model, BodyId(b)))
         .collect();
@@ -82,6 +111,25 @@ fn describe(loaded: &Loaded) -> String {
             .for_each(|warning| text += &format!("  {warning}\n"));
     }
     text
+}
+
+/// Meshes that may touch something and are but names of files, for people.
+fn unread(model: &Model) -> Vec<String> {
+    let filter = CollisionFilter::new(model);
+    let touching: BTreeSet<_> = filter.pairs().flat_map(|(a, b)| [a.0, b.0]).collect();
+    let mesh = |row: usize| {
+        let shape = &model.shapes[row];
+        let Geometry::MeshFile { file, .. } = &shape.geometry else {
+            return None;
+        };
+        let name = match shape.name.as_str() {
+            "" => format!("shape {row}"),
+            name => format!("`{name}`"),
+        };
+        let body = body_name(model, shape.body);
+        Some(format!("{name} of {body} ({file})"))
+    };
+    touching.into_iter().filter_map(mesh).collect()
 }
 
 fn body_row(model: &Model, id: BodyId) -> [String; 5] {

@@ -12,7 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use kinetarium::model::{Keyframe, Model, examples};
 use kinetarium::numbers::Float;
 use kinetarium::rigid::{Integrator, Settings};
-use kinetarium::sim::{Simulation, SimulationSettings, SolverKind};
+use kinetarium::sim::{Setting, Simulation, SimulationSettings, SolverKind};
 use session::perturb;
 use std::time::{Duration, Instant};
 
@@ -29,7 +29,7 @@ struct Start {
 
 /// Simulates a robot file.
 pub fn robot(arguments: &arguments::Run) -> Result<(), Error> {
-    let loaded = robot::load(&arguments.file, arguments.simulation.quiet)?;
+    let loaded = robot::load(&arguments.file, arguments.simulation.quiet)?.model;
     let keyframe = arguments
         .keyframe
         .as_deref()
@@ -126,6 +126,13 @@ fn run<T: Float>(
     let (record, worlds) = (options.record, simulation.worlds());
     if record > worlds {
         return Err(Error::Record { record, worlds });
+    }
+    let iterations = Setting::named("iterations");
+    if options.iterations.is_some() && !iterations.is_read_by(simulation.solver()) {
+        return Err(Error::Iterations {
+            readers: iterations.read_by(),
+            solver: simulation.solver().into(),
+        });
     }
     let schedule = Schedule::new(options, simulation.settings().step.time_step)?;
     let trajectory = Trajectory::new(simulation.model(), record, schedule.rows())?;
@@ -232,9 +239,7 @@ fn step<T: Float>(
     let (mut done, mut wall) = (0, Duration::ZERO);
     while done < schedule.steps {
         let next = schedule.every.min(schedule.steps - done);
-        let begin = Instant::now();
-        simulation.try_step(next)?;
-        wall += begin.elapsed();
+        wall += advance(simulation, next)?;
         done += next;
 
         let outputs = simulation.try_outputs()?;
@@ -247,7 +252,28 @@ fn step<T: Float>(
         ));
         bar.set_position(done as u64);
     }
+    trajectory.note(simulation.diverged());
     Ok((trajectory, audit, wall))
+}
+
+/// Makes steps, and tells the wall time that they took. Where a world diverges, they are made once more one by one, for a
+/// divergence has the time at which its call ends. On a card it keeps that: to look back there costs more than steps do.
+fn advance<T: Float>(simulation: &mut Simulation<T>, steps: usize) -> Result<Duration, Error> {
+    let known = simulation.diverged().len();
+    let before = match simulation.device() {
+        None if steps > 1 => Some(simulation.try_snapshot()?),
+        _ => None,
+    };
+    let begin = Instant::now();
+    simulation.try_step(steps)?;
+    let wall = begin.elapsed();
+    if let Some(before) = before.filter(|_| simulation.diverged().len() > known) {
+        simulation.restore(&before)?;
+        for _ in 0..steps {
+            simulation.try_step(1)?;
+        }
+    }
+    Ok(wall)
 }
 
 fn progress_bar(schedule: Schedule) -> ProgressBar {

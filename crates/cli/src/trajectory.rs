@@ -3,7 +3,7 @@
 use crate::error::Error;
 use kinetarium::model::{AxisKind, BodyId, Joint, JointKind, Model};
 use kinetarium::numbers::Float;
-use kinetarium::sim::Outputs;
+use kinetarium::sim::{Diverged, Outputs};
 
 /// Most numbers that are kept: 4 GB.
 const MOST: usize = 1 << 29;
@@ -28,6 +28,8 @@ pub struct Trajectory {
     pub kinetic_energy: Vec<f64>,
     /// [J], one per world.
     pub potential_energy: Vec<f64>,
+    /// When each world diverged [s]; NaN where it did not.
+    pub diverged_at: Vec<f64>,
 }
 
 /// A joint coordinate.
@@ -65,6 +67,7 @@ impl Trajectory {
             body_orientation: Vec::with_capacity(rows * worlds * 4 * model.bodies.len()),
             kinetic_energy: Vec::with_capacity(rows * worlds),
             potential_energy: Vec::with_capacity(rows * worlds),
+            diverged_at: vec![f64::NAN; worlds],
         })
     }
 
@@ -82,6 +85,15 @@ impl Trajectory {
             }
             self.kinetic_energy.push(outputs.kinetic_energy(world));
             self.potential_energy.push(outputs.potential_energy(world));
+        }
+    }
+
+    /// Notes when worlds diverged.
+    pub fn note(&mut self, diverged: &[Diverged]) {
+        for Diverged { world, time } in diverged {
+            if let Some(at) = self.diverged_at.get_mut(*world) {
+                *at = *time;
+            }
         }
     }
 

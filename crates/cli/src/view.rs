@@ -84,11 +84,11 @@ pub fn stage(what: &Path, reading: &Reading) -> Result<Stage, Error> {
         path: what.into(),
         reading: reading.clone(),
     };
-    Ok(Stage::new(robot::load(&file, false)?))
+    Ok(Stage::loaded(robot::load(&file, false)?))
 }
 
 /// A bare word that names no file is an example's name.
-fn example(what: &Path) -> Option<&str> {
+pub fn example(what: &Path) -> Option<&str> {
     let bare = what.extension().is_none() && what.components().count() == 1;
     what.to_str().filter(|_| bare && !what.exists())
 }

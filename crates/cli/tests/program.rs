@@ -123,6 +123,9 @@ fn a_file_runs_and_its_trajectory_reads_back() {
         .map(|row| (row[1] - energy[1]).abs())
         .fold(0.0, f64::max);
     assert!(drift < 1e-8, "{drift}");
+    let (shape, diverged) = array(&npz, "diverged_at");
+    assert_eq!(shape, [3]);
+    assert!(diverged.iter().all(|t| t.is_nan()), "{diverged:?}");
     assert_eq!(names(&npz, "coordinate_names"), ["shoulder", "elbow"]);
     assert_eq!(names(&npz, "dof_names"), ["shoulder", "elbow"]);
     assert_eq!(names(&npz, "body_names"), ["upper", "lower"]);
@@ -540,6 +543,19 @@ fn wrong_options_end_with_2_and_say_why() {
             "run double.xml --seconds 1e8 --every 0.004",
             "raise --every",
         ),
+        (
+            "run double.xml --iterations 50",
+            "--iterations is for the solver xpbd, and this is simulated with featherstone",
+        ),
+        (
+            "run double.xml --floating-base",
+            "leave that out (--floating-base), and give the body a <freejoint/>",
+        ),
+        ("double.xml", "'kinetarium view double.xml' shows it"),
+        ("tower", "'kinetarium view tower' shows it"),
+        ("run tower", "use `kinetarium example tower`"),
+        ("info tower", "use `kinetarium example tower`"),
+        ("run ant", "use `kinetarium view ant`"),
         ("example", "<NAME>"),
         (
             "example towr",
@@ -634,6 +650,29 @@ fn a_run_in_which_all_worlds_diverge_ends_with_1() {
         .stderr(contains("all 4 worlds diverged").and(contains("lower --time-step")));
 }
 
+/// To a time step, however seldom a row is written.
+#[test]
+fn when_a_world_diverges_does_not_depend_on_the_rows() {
+    let folder = folder();
+    let run = |every: &str| {
+        let options = "pendula --links 3 --worlds 4 --record 2 --time-step 0.5 --seconds 500 \
+                       --integrator explicit-euler --quiet --every";
+        kinetarium(&folder)
+            .args(options.split_whitespace())
+            .arg(every)
+            .assert()
+            .code(1);
+        array(
+            &folder.path().join("kinetarium-out/pendula.npz"),
+            "diverged_at",
+        )
+    };
+    let (shape, times) = run("0.5");
+    assert_eq!(shape, [2]);
+    assert!(times.iter().all(|t| *t > 0.0 && *t < 500.0), "{times:?}");
+    assert_eq!(run("500").1, times);
+}
+
 /// A ball dropped on a plane lies there; without contacts it falls on.
 #[test]
 fn contacts_can_be_switched_off() {
@@ -679,6 +718,49 @@ fn a_mesh_that_should_touch_is_refused() {
         "--quiet",
     ]);
     command.assert().success();
+}
+
+/// One without a name is told by its file, and where it is; `info` knows before.
+#[test]
+fn a_mesh_without_a_name_is_told_by_its_file() {
+    let folder = folder();
+    let rock = r#"<mujoco><asset><mesh name="rock" file="rock.stl"/></asset><worldbody>
+      <geom type="plane" size="1 1 1"/>
+      <body name="boulder" pos="0 0 1"><freejoint/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+        <geom type="mesh" mesh="rock"/></body>
+    </worldbody></mujoco>"#;
+    fs::write(folder.path().join("rock.xml"), rock).unwrap();
+    let refused = kinetarium(&folder)
+        .args(["run", "rock.xml"])
+        .assert()
+        .code(2);
+    refused.stderr(contains(
+        "contacts of the mesh of `rock.stl, of the body at row 0`",
+    ));
+    let told = kinetarium(&folder).args(["info", "rock.xml"]).assert();
+    told.success()
+        .stdout(contains("shape 1 of boulder (rock.stl)").and(contains("--meshes exact")));
+}
+
+/// Links whose visuals no build reads are drawn as what of them collides.
+#[test]
+fn a_robot_whose_visuals_cannot_be_read_has_pictures() {
+    let folder = folder();
+    let arm = r#"<robot name="arm"><link name="base"/><link name="tip">
+      <visual><geometry><mesh filename="tip.dae"/></geometry></visual>
+      <collision><geometry><box size="1 1 1"/></geometry></collision>
+      <inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+      <joint name="hinge" type="continuous"><parent link="base"/><child link="tip"/></joint></robot>"#;
+    fs::write(folder.path().join("arm.urdf"), arm).unwrap();
+    kinetarium(&folder)
+        .args("shot arm.urdf --size 64x40 --samples 1 --out shot.png".split(' '))
+        .assert()
+        .success()
+        .stderr(contains("warning: arm.urdf:2: <mesh>").and(contains("tip.dae")));
+    let (_, _, pixels) = picture(&folder.path().join("shot.png"));
+    let colors: std::collections::HashSet<_> = pixels.chunks(3).collect();
+    // The sky, and three faces of the box.
+    assert!(colors.len() >= 4, "{}", colors.len());
 }
 
 /// As its convex hull, of the mass that its volume has, it falls on the ground and stays there.

@@ -25,7 +25,8 @@
 //! [box](Form::finite_plane).
 //!
 //! # Limits
-//! - Solids within [`FLAT`] of parallel count as parallel: their points may be off by that angle.
+//! - Solids within [`FLAT`] of parallel count as parallel: their points may be off by that angle. Faces and edges of solids
+//!   that lean on each other by more touch in their deepest one or two points alone; those on a plane have all theirs.
 //! - Where solids overlap by more than a tenth of the smaller one, the way out is not the
 //!   shortest in up to one of a hundred poses; its depth is right for its normal in any case.
 //! - A mesh is touched from its front, by solids whose origin is in front of the triangle, and by the
@@ -59,3 +60,7 @@ pub use tables::Tables;
 
 /// Angle [rad] within which two surfaces count as parallel, and touch in more than one point.
 pub const FLAT: f64 = 0.01;
+
+/// Angle [rad] up to which faces and edges are looked at whole, with a distance of its own for each point: where solids
+/// give way, more of a face touches than its lowest corner.
+pub(crate) const LEANING: f64 = 0.2;

@@ -3,6 +3,7 @@
 mod common;
 mod shader;
 
+use common::kernel::manifold;
 use common::reference::{best_gap, gap, outside, support};
 use common::world::state;
 use common::{Pair, Solid, V, turn, unit};
@@ -738,6 +739,86 @@ fn the_surfaces_of_two_hulls_are_the_hulls() {
         touched > 1000 && missed * 50 < touched,
         "{missed} of {touched}"
     );
+}
+
+/// A box of two triangles a side, each cut along a diagonal of its own.
+fn box_mesh(half: V, rng: &mut Rng) -> TriangleMesh {
+    let corner = |i: u32| {
+        let [x, y, z] = [i, i >> 1, i >> 2].map(|b| f64::from(b & 1) * 2.0 - 1.0);
+        DVec3::new(x * half.x, y * half.y, z * half.z)
+    };
+    let vertices: Vec<_> = (0..8).map(corner).collect();
+    let sides = [
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+    ];
+    let triangles = sides.into_iter().flat_map(|[a, b, c, d]: [u32; 4]| {
+        if rng.bool() {
+            [[a, b, c], [a, c, d]]
+        } else {
+            [[b, c, d], [b, d, a]]
+        }
+    });
+    let triangles: Vec<_> = triangles.collect();
+    TriangleMesh::new(&vertices, &triangles).unwrap()
+}
+
+/// A box on another one, both of triangles: turned by up to `tilt` [rad], moved by up to `offset` [m], and let in by half
+/// a percent to thirty percent of its thickness.
+fn sunk(meshes: [&TriangleMesh; 2], tilt: f64, offset: f64, rng: &mut Rng) -> (Pair, f64) {
+    let mut within = || 2.0 * rng.f64() - 1.0;
+    let axis = V::new(within(), 0.3 * within(), within());
+    let turn = Quat::from_axis_angle(axis * axis.length().recip(), tilt * within());
+    let (x, z) = (offset * within(), offset * within());
+    let depth = 0.1 * 0.005 * 60f64.powf(rng.f64());
+    let mut pair = Pair {
+        solids: meshes.map(|mesh| Solid::hull(vertices(mesh))),
+        poses: [Pose::new(V::new(x, 0.1, z), turn), still(0.0, 0.0, 0.0)],
+    };
+    for _ in 0..20 {
+        pair.poses[0].p.y -= depth + best_gap(&pair);
+    }
+    (pair, depth)
+}
+
+/// However deep one box of triangles has got into another, it is pushed back out: as far as the hulls overlap, and where
+/// they do, whichever way the sides are cut into triangles.
+#[test]
+fn boxes_of_triangles_never_fall_through_each_other() {
+    let mut rng = Rng::with_seed(67);
+    let half = V::new(0.1, 0.05, 0.1);
+    for tilt in [0.002, 0.01, 0.03, 0.1] {
+        let (mut met, mut off, mut bare) = (0, 0, 0);
+        for i in 0..600 {
+            let meshes = [(); 2].map(|()| box_mesh(half, &mut rng));
+            let [a, b] = &meshes;
+            let offset = [0.001, 0.01, 0.06][i % 3];
+            let (pair, depth) = sunk([a, b], tilt, offset, &mut rng);
+            let distance = best_gap(&pair);
+            if (distance + depth).abs() > 1e-6 {
+                continue;
+            }
+            met += 1;
+            let found = World::of_meshes(a, b).contacts::<f32>(&of_mesh(a), pair.poses);
+            let deepest = found
+                .iter()
+                .min_by(|p, q| p.distance.total_cmp(&q.distance));
+            let c = deepest.unwrap_or_else(|| panic!("nothing {depth} deep: {pair:#?}"));
+            let angle = (-c.normal.y).min(1.0).acos();
+            assert!(angle < 2.0 * tilt + 0.01, "{c:#?} {depth} deep: {pair:#?}");
+            off += usize::from((c.distance - distance).abs() > 0.1 * depth + 5e-4);
+            // What bears the hulls bears the meshes, too.
+            let bears = |p: V| found.iter().any(|c| (c.position - p).length() < 0.02);
+            let mut hull = manifold::<f64>(&pair).points.into_iter();
+            bare += usize::from(hull.any(|p| p.distance < 0.5 * distance && !bears(p.position)));
+        }
+        println!("tilted by {tilt}: {off} of {met} off, {bare} bare");
+        assert!(met > 500 && off * 100 < met && bare * 8 < met);
+    }
 }
 
 #[test]

@@ -27,6 +27,11 @@ pub trait Files {
         self.bytes(name).is_ok()
     }
 
+    /// What to do where meshes are not there.
+    fn remedy(&self) -> &str {
+        "correct their paths (a package is a folder beside this file, or above)"
+    }
+
     /// The path of a file that others will open later, such as a mesh.
     fn path(&self, name: &str) -> String;
 }

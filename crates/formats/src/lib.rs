@@ -50,7 +50,7 @@ pub struct Options {
     pub lenient: bool,
     /// What becomes of meshes that collide, or that a body has its mass from.
     pub meshes: Meshes,
-    /// URDF only: the root link floats freely. By default it is fixed to the world.
+    /// URDF only, and refused for MJCF: the root link floats freely. By default it is fixed to the world.
     pub floating_base: bool,
 }
 
@@ -107,6 +107,10 @@ pub fn parse(
 ) -> Result<Loaded, FormatError> {
     let root = xml::parse(text, file)?;
     match root.name.as_str() {
+        "mujoco" | "mujocoinclude" if options.floating_base => Err(root.invalid(
+            "a floating base is asked for, which is for URDF files",
+            "leave that out (--floating-base), and give the body a <freejoint/>",
+        )),
         "mujoco" | "mujocoinclude" => mjcf::read(root, files, options),
         "robot" => urdf::read(&root, files, options),
         _ => Err(root.invalid(

@@ -6,10 +6,16 @@ use model::{Geometry, Parts};
 /// Resolves the path of every mesh. URLs of packages that are not found stay as they are.
 pub(crate) fn resolve(parts: &mut Parts, files: &dyn Files) {
     for shape in &mut parts.shapes {
-        if let Geometry::MeshFile { file, .. } = &mut shape.geometry
-            && !file.contains("://")
-        {
-            *file = files.path(file);
+        if let Geometry::MeshFile { file, .. } = &mut shape.geometry {
+            *file = resolved(file, files);
         }
+    }
+}
+
+/// The path of a mesh, or its URL.
+pub(crate) fn resolved(file: &str, files: &dyn Files) -> String {
+    match file.contains("://") {
+        true => file.to_owned(),
+        false => files.path(file),
     }
 }

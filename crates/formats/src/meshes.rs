@@ -3,10 +3,11 @@
 use crate::Meshes;
 use crate::error::FormatError;
 use crate::files::Files;
+use crate::mesh_paths;
 use crate::pieces::Pieces;
 use crate::report::Report;
 use crate::xml::Element;
-use collide::mesh;
+use collide::mesh::{self, LoadError};
 use glam::DVec3;
 use model::{Geometry, Shape};
 use std::cell::RefCell;
@@ -17,11 +18,16 @@ const MOST_FOLDERS: usize = 8;
 /// What is said of a file whose package is not found.
 const NOWHERE: &str =
     "lies in no folder beside this file or above; write its path, relative to this file";
-/// What is said of files that pictures will ask for in vain.
-const NOT_THERE: &str = "every picture fails for meshes that are only seen and are not there; correct their paths, or give \
-                         their shapes opacity 0";
-const NOT_READ: &str = "every picture fails for meshes that are only seen and are in no format that is read here; convert \
-                        them to .obj or .stl, or give their shapes opacity 0";
+/// Of opacity zero.
+pub(crate) const UNSEEN: [f32; 4] = [0.0; 4];
+
+/// The formats that this build reads.
+fn formats() -> &'static str {
+    match mesh::is_known("a.glb") {
+        true => ".obj, .stl or .glb",
+        false => ".obj or .stl",
+    }
+}
 
 /// Where a path in a package may be: the package beside the file, or above.
 fn beside(inside: &str) -> impl Iterator<Item = String> + '_ {
@@ -69,7 +75,13 @@ impl<'a> MeshReader<'a> {
 
     fn read(&self, file: &str, scale: DVec3) -> Result<Geometry, String> {
         let (path, bytes) = self.contents("mesh", file)?;
-        let mesh = mesh::parse(&bytes, &path, scale).map_err(|e| e.to_string())?;
+        let mesh = mesh::parse(&bytes, &path, scale).map_err(|error| match error {
+            LoadError::Unknown { .. } => {
+                let formats = formats();
+                format!("the mesh {path} has no known ending; convert it to {formats}")
+            }
+            other => other.to_string(),
+        })?;
         if self.meshes == Meshes::ConvexHull {
             let hull = mesh.convex_hull();
             let hull = hull.map_err(|e| format!("the mesh {path} has no convex hull: {e}"))?;
@@ -104,8 +116,8 @@ impl<'a> MeshReader<'a> {
         found.ok_or_else(|| format!("the {thing} {name} {NOWHERE}"))
     }
 
-    /// Gives a mesh that is named by its package the name that it has from here; notes one that is not found.
-    pub fn locate(&self, element: &Element, mesh: &mut Geometry, report: &mut Report) {
+    /// Gives a mesh that is named by its package the name that it has from here, if it is found.
+    pub fn locate(&self, mesh: &mut Geometry) {
         let Geometry::MeshFile { file, .. } = mesh else {
             return;
         };
@@ -114,27 +126,31 @@ impl<'a> MeshReader<'a> {
         };
         let there = |file: &String| scheme == "package" && self.files.exists(file);
         let found = beside(inside).find(there);
-        match found {
-            Some(found) => *file = found,
-            None => report.note(element, &format!("mesh {file}"), NOWHERE),
+        if let Some(found) = found {
+            *file = found;
         }
     }
 
-    /// Lists the file of a shape that is only seen, where it cannot be read; it is not opened here.
-    pub fn look_for(&self, element: &Element, shape: &Shape, report: &mut Report) {
+    /// Whether pictures can show a shape. A mesh that they would ask for in vain is listed; none is opened here.
+    pub fn can_show(&self, element: &Element, shape: &Shape, report: &mut Report) -> bool {
         let Geometry::MeshFile { file, .. } = &shape.geometry else {
-            return;
+            return true;
         };
-        // One in a package was looked for before.
-        if shape.collides || shape.color.is_some_and(|c| c[3] == 0.0) || file.contains("://") {
-            return;
+        let known = mesh::is_known(file);
+        let transparent = shape.color.is_some_and(|color| color[3] == 0.0);
+        if transparent || known && self.files.exists(file) {
+            return true;
         }
-        let path = self.files.path(file);
-        if !mesh::is_known(&path) {
-            report.list(element, NOT_READ, &path);
-        } else if !self.files.exists(file) {
-            report.list(element, NOT_THERE, &path);
-        }
+        let (why, remedy) = match known {
+            true => ("not there", self.files.remedy().to_owned()),
+            false => (
+                "in no format that is read here",
+                format!("convert them to {}", formats()),
+            ),
+        };
+        let what = format!("no picture shows meshes that are {why}; {remedy}");
+        report.list(element, &what, &mesh_paths::resolved(file, self.files));
+        false
     }
 }
 

@@ -68,7 +68,8 @@ impl Report {
     /// have their lines behind them.
     pub fn list(&mut self, element: &Element, what: &str, item: &str) {
         let message = format!("{what}: {item}");
-        if !self.seen.insert((element.name.clone(), message.clone())) {
+        // Whatever element it is met in.
+        if !self.seen.insert((String::new(), message.clone())) {
             return;
         }
         let (file, line) = (element.place.file.to_string(), element.place.line);

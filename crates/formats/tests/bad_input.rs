@@ -167,6 +167,10 @@ const MJCF: &[(&str, &str)] = &[
         "robot.xml:1:18: <include>: attribute `file` names `none.xml`, which cannot be read (entity not found); give its path relative to the folder of the main file, or of the one that includes it",
     ),
     (
+        "<mujoco><include file=\".\"/></mujoco>",
+        "robot.xml:1:18: <include>: attribute `file` names `.`, which cannot be read (entity not found); give its path relative to the folder of the main file, or of the one that includes it",
+    ),
+    (
         "<mujoco><include/></mujoco>",
         "robot.xml:1:9: <include>: attribute `file` is missing; write file=\"…\"",
     ),

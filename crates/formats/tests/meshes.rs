@@ -243,19 +243,27 @@ fn packages_are_found_on_disk() {
     let [warning] = &loaded.warnings[..] else {
         panic!("{:?}", loaded.warnings)
     };
-    let told = "mesh package://elsewhere/cube.obj: lies in no folder beside this file or above; \
-                write its path, relative to this file";
+    let told = "no picture shows meshes that are not there; correct their paths (a package is a folder beside this \
+                file, or above): package://elsewhere/cube.obj";
     assert_eq!(warning.message, told);
+    let [solid] = &loaded.model.shapes[..] else {
+        panic!("{:?}", loaded.model.shapes)
+    };
+    assert_eq!((solid.collides, solid.color), (true, Some([0.0; 4])));
 }
 
-/// What is only seen is not opened, but pictures would ask for it: told with places.
+/// What is only seen is not opened, but pictures would ask for it: told with places, and not seen.
 #[test]
 fn meshes_that_no_picture_can_show_are_told() {
-    let fails = "every picture fails for meshes that are only seen and are";
-    let remedy = "or give their shapes opacity 0";
-    let missing = format!("{fails} not there; correct their paths, {remedy}");
-    let unknown =
-        format!("{fails} in no format that is read here; convert them to .obj or .stl, {remedy}");
+    let missing = "no picture shows meshes that are not there; correct their paths (a package is a folder beside this \
+                   file, or above)";
+    let formats = match collide::mesh::is_known("a.glb") {
+        true => ".obj, .stl or .glb",
+        false => ".obj or .stl",
+    };
+    let unknown = format!(
+        "no picture shows meshes that are in no format that is read here; convert them to {formats}"
+    );
     let geom =
         |name: &str| format!(r#"<geom type="mesh" mesh="{name}" contype="0" conaffinity="0""#);
     let text = format!(
@@ -275,13 +283,37 @@ fn meshes_that_no_picture_can_show_are_told() {
         format!("robot.xml:3: <geom>: {missing}: meshes/lost.stl; meshes/gone.obj (line 4)"),
         format!("robot.xml:5: <geom>: {unknown}: meshes/arm.dae"),
     ];
-    assert_eq!(lines(read(&text, &Options::default()).unwrap()), told);
+    let loaded = read(&text, &Options::default()).unwrap();
+    let seen = |shape: &Shape| shape.color != Some([0.0; 4]);
+    let seen: Vec<bool> = loaded.model.shapes.iter().map(seen).collect();
+    assert_eq!(seen, [[true].as_slice(), &[false; 6]].concat());
+    assert_eq!(lines(loaded), told);
 
     let told = |file: &str, why: &str| [format!("robot.xml:1: <mesh>: {why}: {file}")];
     let seen = |file| lines(read(&urdf(file), &Options::default()).unwrap());
-    assert_eq!(seen("lost.obj"), told("lost.obj", &missing));
+    assert_eq!(seen("lost.obj"), told("lost.obj", missing));
     assert_eq!(seen("arm.dae"), told("arm.dae", &unknown));
     assert_eq!(seen("package://robot/cube.obj"), [""; 0]);
+}
+
+/// What collides takes the place of a visual that cannot be read, and stays hidden behind one that can.
+#[test]
+fn what_collides_is_seen_where_no_visual_is() {
+    let link = |file: &str| {
+        let text = format!(
+            "<robot name='r'><link name='a'><visual><geometry><mesh filename='{file}'/></geometry></visual>\
+             <collision><geometry><box size='1 1 1'/></geometry></collision></link></robot>"
+        );
+        let loaded = read(&text, &Options::default()).unwrap();
+        loaded.model.shapes.clone()
+    };
+    for file in ["arm.dae", "lost.obj", "package://lost/cube.obj"] {
+        let shapes = link(file);
+        assert_eq!((shapes.len(), shapes[0].color), (1, None), "{file}");
+    }
+    let shapes = link("meshes/cube.obj");
+    assert!(is_mesh(&shapes[0]));
+    assert_eq!(shapes[1].color, Some([0.0; 4]));
 }
 
 #[test]

@@ -387,6 +387,32 @@ fn joint_equality_is_a_coupling() {
     );
 }
 
+/// Whatever it would do, were it active.
+#[test]
+fn inactive_constraints_do_nothing() {
+    for equality in [
+        r#"<joint joint1="l" active="false"/>"#,
+        r#"<joint joint1="l" joint2="r" polycoef="0 1 2" active="false"/>"#,
+        r#"<tendon tendon1="t" active="false"/>"#,
+    ] {
+        let loaded = with_equality(equality);
+        assert!(loaded.model.couplings.is_empty());
+        let told = |warning: &Warning| warning.message == "inactive constraint: left out";
+        assert!(loaded.warnings.iter().any(told), "{:?}", loaded.warnings);
+    }
+}
+
+/// It replaces the surfaces of all geoms.
+#[test]
+fn an_override_of_contacts_is_refused() {
+    let text = r#"<mujoco><option o_solref="0.1 1"><flag override="enable"/></option></mujoco>"#;
+    let files = InMemory::default();
+    let error = parse(text, "robot.xml", &files, &Options::default()).expect_err("another contact");
+    let told = "<flag>: one surface for all contacts (flag `override`) is not supported";
+    assert!(error.to_string().contains(told), "{error}");
+    assert_eq!(lenient(text).warnings.len(), 2);
+}
+
 #[test]
 fn what_nothing_moves_is_static() {
     let model = read(

@@ -53,7 +53,7 @@ impl MassProperties {
         let (mass, center, moments) = match *geometry {
             Geometry::Plane { .. } | Geometry::MeshFile { .. } => return None,
             Geometry::Hull(ref hull) => return polyhedron(hull.faces(), hull.center(), density),
-            Geometry::Mesh(ref mesh) if mesh.is_closed() => {
+            Geometry::Mesh(ref mesh) if mesh.is_closed() && mesh.volume() > 0.0 => {
                 return polyhedron(mesh.faces(), mesh.center(), density);
             }
             Geometry::Mesh(_) => return None,

@@ -227,7 +227,7 @@ impl Model {
     }
 
     /// Whether an axis of a joint turns without end, so that whole turns of it do not count: an angular one without a limit,
-    /// a spring, or an actuator that heeds its position.
+    /// a spring, a coupling, or an actuator that heeds its position. What drives it goes the shorter way round.
     ///
     /// # Panics
     /// If the joint is not of this model, or has no such degree of freedom.
@@ -236,7 +236,9 @@ impl Model {
         let angular = axes.get(axis).is_some_and(|a| a.kind == AxisKind::Angular);
         let heeds = |a: &Actuator| a.joint == joint && a.dof == axis && a.bias[1] != 0.0;
         let free = dofs[axis].limit.is_none() && dofs[axis].stiffness == 0.0;
-        angular && free && !self.actuators.iter().any(heeds)
+        let coupled = |c: &Coupling| c.joint == joint || c.other == joint;
+        let counts = self.actuators.iter().any(heeds) || self.couplings.iter().any(coupled);
+        angular && free && !counts
     }
 
     /// Initial coordinates of all joints, [`coordinates`](Self::coordinates) of them.

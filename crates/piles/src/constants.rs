@@ -84,12 +84,14 @@ impl Scene {
     fn own_constants(&self, parameters: &[f32]) -> [Vec<f32>; 5] {
         let impulse = &self.impulse;
         let shapes = 0..impulse.shapes().len();
-        let corners = shapes.clone().map(|i| impulse.corners_of(i, parameters));
-        let grown = |i: usize| (impulse.widest_margin(i as u32, parameters) + NEARBY) as f32;
+        let corners = shapes.map(|i| impulse.corners_of(i, parameters));
+        let mut margins = Vec::new();
+        impulse.widest_margins(parameters, &mut margins);
+        let grown = margins.iter().map(|margin| (margin + NEARBY) as f32);
         [
             corners.flatten().copied().collect(),
             impulse.solids(parameters).to_vec(),
-            shapes.map(grown).collect(),
+            grown.collect(),
             self.surface_table(parameters),
             self.turns(parameters),
         ]

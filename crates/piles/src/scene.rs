@@ -13,7 +13,7 @@ use numbers::trace::Program;
 use records::PilePrograms;
 use rigid::impulse::pair::{PairPlaces, PairTables};
 use rigid::impulse::{Collider, FARTHEST, Impulse, WORLD, row};
-use std::collections::{BTreeSet, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
 
 /// What all worlds of a model have in common.
@@ -294,7 +294,8 @@ impl Scene {
     /// Of each shape, those later ones that it touches in any case.
     fn paired(&mut self, model: &Model) {
         let shapes = self.impulse.shapes();
-        let number = |id: ShapeId| shapes.iter().position(|s| s.shape == id);
+        let numbers: HashMap<_, _> = shapes.iter().map(|s| s.shape).zip(0..).collect();
+        let number = |id: ShapeId| numbers.get(&id).copied();
         let mut others = vec![Vec::new(); shapes.len()];
         for pair in &model.contact_pairs {
             if let (Some(a), Some(b)) = (number(pair.shapes.0), number(pair.shapes.1)) {

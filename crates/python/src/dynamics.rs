@@ -83,17 +83,17 @@ impl Dynamics {
         })
     }
 
-    /// J(q) of a point of a body, row by row.
+    /// J(q) of points of a body, row by row.
     fn jacobian<'py>(
         &self,
         py: Python<'py>,
         position: Rows<'py>,
         body: usize,
-        point: [f64; 3],
+        point: Rows<'py>,
     ) -> Found<'py> {
-        let q = rows(&position)?;
-        let point = DVec3::from_array(point);
+        let (q, p) = (rows(&position)?, rows(&point)?);
         each(py, position.shape()[0], |i| {
+            let point = DVec3::from_slice(p(i));
             self.0.jacobian(q(i), BodyId(body), point)
         })
     }

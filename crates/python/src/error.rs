@@ -28,14 +28,28 @@ pub fn model(error: ModelError) -> PyErr {
     raise(class, error.to_string())
 }
 
+/// Options of the program that messages name, and what they are here.
+const OPTIONS: [(&str, &str); 3] = [
+    ("--lenient", "lenient=True"),
+    ("--meshes exact", "meshes=\"exact\""),
+    ("--meshes hull", "meshes=\"hull\""),
+];
+
+fn in_python(message: &str) -> String {
+    let message = message.to_owned();
+    OPTIONS
+        .iter()
+        .fold(message, |told, (theirs, own)| told.replace(theirs, own))
+}
+
 /// A file that cannot be read.
 pub fn file(error: FormatError) -> PyErr {
-    raise("FileError", error.to_string())
+    raise("FileError", in_python(&error.to_string()))
 }
 
 /// A simulation that refuses a call.
 pub fn simulation(error: SimulationError) -> PyErr {
-    raise(class(&error), error.to_string())
+    raise(class(&error), in_python(&error.to_string()))
 }
 
 fn class(error: &SimulationError) -> &'static str {

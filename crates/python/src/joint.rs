@@ -3,6 +3,7 @@
 use crate::error;
 use crate::geometry::direction;
 use crate::pickled::{Reduced, reduce, restored};
+use crate::range;
 use crate::vector::{vector, vector_or};
 use glam::DVec3;
 use kinetarium::model::{self, ModelError};
@@ -85,7 +86,7 @@ impl Axis {
     }
 }
 
-/// A soft stop at each end of a coordinate's range [m or rad].
+/// A soft stop at each end of a coordinate's range [m or rad]; none where that is infinite, as in `Limit(0, math.inf)`.
 ///
 /// Beyond an end the force is −stiffness · excess − damping · velocity − inertia · acceleration, in N/m, N·s/m and kg
 /// or N·m/rad, N·m·s/rad and kg·m²; it never pulls.
@@ -104,19 +105,18 @@ pub struct Limit {
     inertia: f64,
 }
 
-impl From<Limit> for model::Limit {
-    fn from(limit: Limit) -> Self {
-        Self {
-            lower: limit.lower,
-            upper: limit.upper,
-            stiffness: limit.stiffness,
-            damping: limit.damping,
-            inertia: limit.inertia,
-        }
-    }
-}
-
 impl Limit {
+    /// As models have it; `None` where neither end is.
+    fn in_model(self) -> Option<model::Limit> {
+        let (lower, upper) = range::in_model([self.lower, self.upper])?;
+        Some(model::Limit {
+            lower,
+            upper,
+            stiffness: self.stiffness,
+            damping: self.damping,
+            inertia: self.inertia,
+        })
+    }
     /// A limit, or the two ends of one that is otherwise as usual.
     pub fn of(value: &Bound<'_, PyAny>) -> PyResult<Self> {
         if let Ok(limit) = value.extract::<Self>() {
@@ -190,6 +190,9 @@ impl Limit {
 
 /// A motor that pulls a coordinate to targets: stiffness · (target − q) + damping · (target velocity − q̇), within
 /// ± effort limit; of a ball that is a limit of the torque, whichever way it points.
+///
+/// A hinge without a limit turns without end, and is pulled the shorter way round, unlike by a position servo, which counts
+/// turns.
 ///
 /// `control_time` [s] is the time constant with which it follows a jump of the target.
 #[pyclass(frozen, eq, get_all, from_py_object, module = "kinetarium._engine")]
@@ -338,7 +341,7 @@ impl Dof {
             stiffness: self.stiffness.unwrap_or(dof.stiffness),
             rest: self.rest.unwrap_or(dof.rest),
             friction_loss: self.friction_loss.unwrap_or(dof.friction_loss),
-            limit: self.limit.map(Into::into).or(dof.limit),
+            limit: self.limit.map_or(dof.limit, Limit::in_model),
             drive: self.drive.map_or(dof.drive, Into::into),
         };
     }

@@ -26,6 +26,7 @@ mod names;
 mod object;
 mod pickled;
 mod queries;
+mod range;
 mod replica;
 mod sensors;
 mod shape;

@@ -5,6 +5,7 @@ use crate::error;
 use crate::joint::Drive;
 use crate::names::{Table, find, name_of};
 use crate::pickled::{Reduced, reduce, restored};
+use crate::range;
 use kinetarium::formats::{self, Files, InMemory, Loaded, Meshes, Options};
 use kinetarium::model::{self, BodyId, JointId, ModelError, hint};
 use kinetarium::sim::Parameter;
@@ -371,11 +372,9 @@ impl Model {
     /// Lower and upper end of each actuator's control, shape (actuators, 2); infinite where there is none.
     #[getter]
     fn control_range<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let open = (f64::NEG_INFINITY, f64::INFINITY);
         let ranges = self.model.actuators.iter();
         let flat: Vec<f64> = ranges
-            .map(|a| a.control_range.unwrap_or(open))
-            .flat_map(|(lower, upper)| [lower, upper])
+            .flat_map(|a| range::in_python(a.control_range))
             .collect();
         flat.to_pyarray(py).reshape([flat.len() / 2, 2])
     }
@@ -383,11 +382,10 @@ impl Model {
     /// where there is none.
     #[getter]
     fn dof_range<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let open = [f64::NEG_INFINITY, f64::INFINITY];
         let joints = self.model.joints.iter().filter(|j| !j.closes_loop);
         let flat: Vec<f64> = joints
             .flat_map(|j| &j.dofs)
-            .flat_map(|d| d.limit.map_or(open, |l| [l.lower, l.upper]))
+            .flat_map(|d| range::in_python(d.limit.map(|l| (l.lower, l.upper))))
             .collect();
         flat.to_pyarray(py).reshape([flat.len() / 2, 2])
     }
@@ -405,7 +403,7 @@ impl Model {
     /// Without names: all joints, but for free ones and those that follow another by a coupling; a model with actuators,
     /// which move some of its joints and leave others free on purpose, wants names. Where the drive has no effort limit,
     /// each joint keeps its own, as URDF files have it (`effort`). A drive without stiffness and damping takes theirs
-    /// away.
+    /// away. Hinges that turn without end are pulled the shorter way round: see `Drive`.
     ///
     /// >>> import kinetarium as kn
     /// >>> model = kn.examples.n_pendula(2).with_drives(kn.Drive(100.0, 10.0))

@@ -7,6 +7,7 @@ use crate::error;
 use crate::geometry::direction;
 use crate::joint::Axis;
 use crate::joint_options::JointOptions;
+use crate::range;
 use crate::replica::Replica;
 use crate::shape::shape;
 use crate::shape_handle::ShapeHandle;
@@ -79,20 +80,20 @@ impl Object {
     ) -> PyResult<()> {
         let what = format!("actuator {name:?}");
         let dof = natural(&what, "dof", transmission.dof)?;
-        let range = |name, given: Option<&Bound<'_, PyAny>>| {
-            let ends = given.map(|given| vector(&format!("{what}: {name}"), given));
-            ends.transpose()
+        let ends = |name, given: Option<&Bound<'_, PyAny>>| {
+            let given = given.map(|given| vector(&format!("{what}: {name}"), given));
+            Ok::<_, PyErr>(given.transpose()?.and_then(range::in_model))
         };
-        let controls: Option<[f64; 2]> = range("control_range", transmission.control_range)?;
-        let forces = range("force_range", transmission.force_range)?;
+        let controls = ends("control_range", transmission.control_range)?;
+        let forces = ends("force_range", transmission.force_range)?;
         let mut builder = self.builder.borrow_mut(py);
         builder.must_have_joint(&what, "joint", joint)?;
         let draft = make(builder.builder.object_mut(self.id).map_err(error::model)?);
         draft.gear(transmission.gear).dof(dof);
-        if let Some([lower, upper]) = controls {
+        if let Some((lower, upper)) = controls {
             draft.control_range(lower, upper);
         }
-        if let Some([lower, upper]) = forces {
+        if let Some((lower, upper)) = forces {
             draft.force_range(lower, upper);
         }
         Ok(())
@@ -309,7 +310,7 @@ impl Object {
         object.couple(name, joint.handle, other.handle, ratio, offset);
         Ok(())
     }
-    /// Adds a motor: its force is gear · control [N or N·m].
+    /// Adds a motor: its force is gear · control [N or N·m]. An end of a range that is infinite is none.
     #[pyo3(signature = (name, joint, *, gear=1.0, dof=0, control_range=None, force_range=None))]
     #[expect(clippy::too_many_arguments, reason = "keywords in Python")]
     fn motor(

@@ -126,7 +126,8 @@ impl Settings {
 pub enum SolverError {
     /// A solver of trees alone was given a loop.
     #[error(
-        "joint `{joint}` closes a loop, which a solver of trees cannot: use one with contacts and loops"
+        "`{joint}` closes a loop or couples joints, and this takes trees alone: leave it out of the model, or step a \
+         simulation, whose solvers take it"
     )]
     ClosedLoop {
         /// Name of the joint or coupling.
@@ -205,8 +206,13 @@ pub trait Kernels: Clone + Send + Sync + 'static {
     fn initial(&self, model: &Model, position: &[f64], velocity: &[f64]) -> Vec<f64>;
     /// Gives the joints of a state other coordinates and velocities; all else in it stays.
     fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]);
-    /// Gives the joints of a state, which have these coordinates, other velocities; all else in it stays.
-    fn push(&self, position: &[f64], velocity: &[f64], state: &mut [f64]);
+    /// Changes the velocities of the joints of a state, which have these coordinates, from some to others; all else in it
+    /// stays, and what else bodies move by.
+    fn push(&self, position: &[f64], velocities: [&[f64]; 2], state: &mut [f64]);
+    /// Where in the state bodies are and move, of solvers for which these are more than coordinates and velocities of joints.
+    fn motion(&self) -> Vec<Range<usize>> {
+        Vec::new()
+    }
     /// Where in the state the targets lie that drives follow with a lag.
     fn targets(&self) -> Vec<Range<usize>>;
     /// Takes over the state of a model with other numbers, in which the bodies stood and moved

@@ -317,18 +317,11 @@ impl<T: Float> Sensors<T> {
         Ok(())
     }
 
-    /// Models are compared once, where they are not the same in memory.
     fn recognise(&mut self, simulation: &Simulation<T>) -> Result<(), SensorError> {
-        let model = simulation.model();
         let solver = (simulation.solver(), simulation.settings().contacts);
-        if simulation.worlds() != self.worlds() || solver != self.solver {
+        let alike = simulation.worlds() == self.worlds() && solver == self.solver;
+        if !alike || !simulation.recognises(&mut self.model) {
             return Err(SensorError::OtherSimulation);
-        }
-        if !Arc::ptr_eq(model, &self.model) {
-            if **model != *self.model {
-                return Err(SensorError::OtherSimulation);
-            }
-            self.model = Arc::clone(model);
         }
         Ok(())
     }

@@ -13,8 +13,8 @@ use crate::protocol::{Command, Scene, Values};
 use crate::quantity::{Measure, quantities, unlisted};
 use crate::stage::Stage;
 use crate::wander::Wander;
-use formats::{Files, Loaded, Meshes, Options};
-use model::{BodyId, Geometry, Model, Parts};
+use formats::{Files, Meshes, Options};
+use model::{BodyId, Model, Parts};
 use numbers::Float;
 use sim::{Simulation, SimulationError, Snapshot};
 use std::io;
@@ -77,9 +77,11 @@ impl Files for Alone {
     fn bytes(&self, name: &str) -> io::Result<Vec<u8>> {
         Ok(self.read(name)?.into_bytes())
     }
-    /// It is not looked for: what is only seen is left out, and that is told of all together.
     fn exists(&self, _: &str) -> bool {
-        true
+        false
+    }
+    fn remedy(&self) -> &str {
+        ALONE
     }
     fn path(&self, name: &str) -> String {
         name.to_owned()
@@ -128,6 +130,11 @@ impl Play {
     ) -> Result<(Self, Simulation<T>), SessionError> {
         let physics = Physics::new(&stage, card).with(physics)?;
         let mut play = Self::new(Origin::File, stage, physics);
+        let left_out = play.stage.left_out.iter();
+        let lines: String = left_out.map(|line| format!("\n{line}")).collect();
+        if !lines.is_empty() {
+            play.guide = String::from("Not supported, and left out:") + &lines;
+        }
         if Example::find(&play.name).is_ok() {
             play.name.insert_str(0, "own_");
         }
@@ -143,21 +150,9 @@ impl Play {
             meshes: Meshes::ConvexHull,
             ..Options::default()
         };
-        let read = formats::parse(text, name, &Alone, &options);
-        let Loaded { model, warnings } = read.map_err(Box::new)?;
-        let unseen = model.shapes.iter().find_map(|shape| match &shape.geometry {
-            Geometry::MeshFile { file, .. } => Some(format!(
-                "Meshes that are only seen, such as {file}: {ALONE}"
-            )),
-            _ => None,
-        });
-        let left_out = warnings.iter().map(ToString::to_string).chain(unseen);
-        let lines: String = left_out.map(|line| format!("\n{line}")).collect();
-        let (mut play, simulation) = Self::of_model(Stage::new(model), &Values::new(), card)?;
+        let read = formats::parse(text, name, &Alone, &options).map_err(Box::new)?;
+        let (mut play, simulation) = Self::of_model(Stage::loaded(read), &Values::new(), card)?;
         (play.name, play.opens_meshes) = (name.into(), false);
-        if !lines.is_empty() {
-            play.guide = String::from("Not supported, and left out:") + &lines;
-        }
         Ok((play, simulation))
     }
     /// Panics where its worlds are on a device that fails.

@@ -6,6 +6,7 @@ use crate::perturb::perturb;
 use crate::protocol::Camera;
 use crate::wander::Wander;
 use fastrand::Rng;
+use formats::Loaded;
 use model::{Keyframe, Model};
 use numbers::Float;
 use rigid::{Integrator, Settings};
@@ -38,6 +39,8 @@ pub struct Stage {
     pub cameras: Vec<Camera>,
     /// Number of worlds that are shown at first.
     pub shown: usize,
+    /// What of the model's file was left out, a line each.
+    pub left_out: Vec<String>,
 }
 
 impl Stage {
@@ -57,6 +60,15 @@ impl Stage {
             sliders: Vec::new(),
             plots: plots.map(str::to_owned).to_vec(),
             shown: 1,
+            left_out: Vec::new(),
+        }
+    }
+
+    /// The same of a file that was read, with what of it was left out.
+    pub fn loaded(Loaded { model, warnings }: Loaded) -> Self {
+        Self {
+            left_out: warnings.iter().map(ToString::to_string).collect(),
+            ..Self::new(model)
         }
     }
 

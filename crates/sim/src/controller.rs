@@ -3,6 +3,7 @@
 use crate::error::length;
 use crate::{Controls, Diverged, Outputs, Simulation, SimulationError};
 use numbers::Float;
+use std::ops::Range;
 
 /// Sets the controls of all worlds, once every control period.
 ///
@@ -111,7 +112,7 @@ fn setting(what: &'static str, value: f64, remedy: &'static str) -> SimulationEr
     }
 }
 
-/// The controls of all worlds over time, to the bit.
+/// The controls of all worlds over time, to the bit: runs, within which time never goes back.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Recording {
     moments: Vec<Moment>,
@@ -129,6 +130,11 @@ impl Recording {
     /// Times [s] at which controls were set, in the order of the calls.
     pub fn times(&self) -> impl Iterator<Item = f64> + '_ {
         self.moments.iter().map(|m| m.time)
+    }
+    /// The moments of the run that begins with one.
+    fn run_from(&self, start: usize) -> Range<usize> {
+        let mut runs = self.moments[start..].chunk_by(|a, b| a.time <= b.time);
+        start..start + runs.next().map_or(0, <[_]>::len)
     }
 }
 
@@ -172,16 +178,37 @@ impl<T: Float, C: Controller<T>> Controller<T> for Recorder<C> {
 
 /// Plays a recording: at each call, what was last set at or before that time.
 ///
-/// From the same state, with the same settings, all worlds move as they did, to the bit.
+/// From the same state, with the same settings, all worlds move as they did, to the bit. A recording that spans resets is
+/// played run by run, of which each goes on for as long as time did not go back: first the first; wherever the time of a
+/// call is before that of the last call, the next; after the last one the first again.
 #[derive(Clone, Debug)]
 pub struct Replay {
     recording: Recording,
+    /// The moments of the run that is played.
+    run: Range<usize>,
+    /// Time [s] of the last call.
+    time: f64,
 }
 
 impl Replay {
     /// Plays a recording.
     pub fn new(recording: Recording) -> Self {
-        Self { recording }
+        Self {
+            run: recording.run_from(0),
+            recording,
+            time: f64::NEG_INFINITY,
+        }
+    }
+    /// What was last set at or before a time [s].
+    fn moment(&mut self, time: f64) -> Option<&Moment> {
+        let all = &self.recording.moments;
+        if time < self.time {
+            let next = self.run.end % all.len().max(1);
+            self.run = self.recording.run_from(next);
+        }
+        self.time = time;
+        let run = &all[self.run.clone()];
+        run[..run.partition_point(|m| m.time <= time)].last()
     }
 }
 
@@ -194,7 +221,7 @@ impl<T: Float> Controller<T> for Replay {
         _: &Outputs<'_, T>,
         controls: &mut Controls<'_, T>,
     ) -> Result<(), SimulationError> {
-        let Some(moment) = self.recording.moments.iter().rfind(|m| m.time <= time) else {
+        let Some(moment) = self.moment(time) else {
             return Ok(());
         };
         let (worlds, each) = (controls.worlds(), controls.tables.length);

@@ -44,7 +44,9 @@ pub(crate) trait Engine<T: Float>: Send + Sync {
     fn alive(&self) -> usize;
     fn initial(&self, model: &Model, position: &[f64], velocity: &[f64]) -> Vec<f64>;
     fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]);
-    fn push(&self, position: &[f64], velocity: &[f64], state: &mut [f64]);
+    fn push(&self, position: &[f64], velocities: [&[f64]; 2], state: &mut [f64]);
+    /// Where in the state bodies are and move, of solvers for which these are more than coordinates and velocities of joints.
+    fn motion(&self) -> Vec<Range<usize>>;
     /// Where in the state the targets lie that drives follow with a lag.
     fn targets(&self) -> Vec<Range<usize>>;
     fn take_over(&self, bodies: &[f64], state: &mut [f64]);
@@ -89,8 +91,11 @@ impl<K: Kernels, T: Float> Engine<T> for K {
     fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
         Kernels::place(self, position, velocity, state);
     }
-    fn push(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
-        Kernels::push(self, position, velocity, state);
+    fn push(&self, position: &[f64], velocities: [&[f64]; 2], state: &mut [f64]) {
+        Kernels::push(self, position, velocities, state);
+    }
+    fn motion(&self) -> Vec<Range<usize>> {
+        Kernels::motion(self)
     }
     fn targets(&self) -> Vec<Range<usize>> {
         Kernels::targets(self)

@@ -130,17 +130,11 @@ impl<T: Float> Simulation<T> {
         Ok(())
     }
 
-    /// Models are compared once, where they are not the same in memory.
     fn recognise_gauges(&self, gauges: &mut Gauges<T>) -> Result<(), SimulationError> {
         length("worlds of the gauges", gauges.worlds, self.worlds())?;
-        if gauges.solver != (self.solver(), self.settings().contacts) {
+        let solver = (self.solver(), self.settings().contacts);
+        if gauges.solver != solver || !self.recognises(&mut gauges.model) {
             return Err(SimulationError::OtherModel("gauges are"));
-        }
-        if !Arc::ptr_eq(&gauges.model, self.model()) {
-            if *gauges.model != **self.model() {
-                return Err(SimulationError::OtherModel("gauges are"));
-            }
-            gauges.model = Arc::clone(self.model());
         }
         Ok(())
     }

@@ -204,6 +204,9 @@ impl<T: Float> Simulation<T> {
         let [rows, width] = quantity.shape(self.model());
         let (blocks, lanes) = (self.output.blocks(), self.output.width());
         length("the array", out.len(), self.worlds() * rows * width)?;
+        if out.is_empty() {
+            return Ok(());
+        }
         let source = quantity.source(&self.output_tables, self.model());
         if out.len() < SHARED || blocks == 1 {
             self.copy_from(source, 0, out);

@@ -43,6 +43,9 @@ pub struct WorldNumbers {
     pub input: Vec<f64>,
 }
 
+/// A world, and coordinates and velocities of its joints.
+type JointsNow = (usize, Vec<f64>, Vec<f64>);
+
 /// W worlds of one model, advanced together.
 ///
 /// `T` is the precision of all numbers: `f32` (16 worlds a block) or `f64` (8); where the
@@ -258,6 +261,16 @@ impl<T: Float> Simulation<T> {
     pub fn model(&self) -> &Arc<Model> {
         &self.model
     }
+    /// Whether this is its model, too. Both are compared once, where they are not the same in memory: what is recognised is
+    /// the simulation's own from then on.
+    pub fn recognises(&self, model: &mut Arc<Model>) -> bool {
+        let same = Arc::ptr_eq(model, &self.model);
+        let alike = same || **model == *self.model;
+        if alike && !same {
+            *model = Arc::clone(&self.model);
+        }
+        alike
+    }
     /// The settings it was made with.
     pub fn settings(&self) -> &SimulationSettings {
         &self.settings
@@ -407,7 +420,8 @@ impl<T: Float> Simulation<T> {
     }
 
     /// As [`set_joint_state`](Simulation::set_joint_state), but the world keeps its time, its controls, and the targets that
-    /// its drives follow with a lag; one that diverged runs again. What touches where they are then touches anew.
+    /// its drives follow with a lag; one that diverged runs again. What touches where they are then touches anew. Bodies
+    /// that are moved neither by other coordinates nor by other velocities stay where they are, to the bit.
     ///
     /// # Errors
     /// As there; the device fails.
@@ -428,13 +442,27 @@ impl<T: Float> Simulation<T> {
         states: impl IntoIterator<Item = (usize, &'a [f64], &'a [f64])>,
     ) -> Result<(), SimulationError> {
         let states = self.states_at(states)?;
+        let motion = self.shared.engine.motion();
+        let now = if motion.is_empty() {
+            Vec::new()
+        } else {
+            self.joints_now(states.iter().map(|(world, _)| *world))?
+        };
+        let before = self.states_at(now.iter().map(|(w, q, v)| (*w, &q[..], &v[..])))?;
         let targets = self.shared.engine.targets();
-        if targets.iter().any(|range| !range.is_empty()) {
+        if !motion.is_empty() || targets.iter().any(|range| !range.is_empty()) {
             self.fetch_state()?;
         }
-        for (world, mut state) in states {
+        for (nth, (world, mut state)) in states.into_iter().enumerate() {
             for i in targets.iter().cloned().flatten() {
                 state[i] = self.state.get(world, i).to_f64();
+            }
+            if let Some((_, before)) = before.get(nth) {
+                let mut numbers = motion.iter().cloned().flatten();
+                let stays = numbers.by_ref().filter(|i| before[*i] == state[*i]);
+                for i in Vec::from_iter(stays) {
+                    state[i] = self.state.get(world, i).to_f64();
+                }
             }
             self.write_state(world, &state);
             self.run_again(&[world]);
@@ -444,8 +472,8 @@ impl<T: Float> Simulation<T> {
     }
 
     /// Gives the joints of some worlds other velocities, as a push does: all of them, or none. All else stays: where
-    /// bodies are, what they rest on, time, controls, and the targets that drives follow with a lag. Worlds that diverged
-    /// run again.
+    /// bodies are, how they move otherwise than joints let them, what they rest on, time, controls, and the targets that
+    /// drives follow with a lag. Worlds that diverged run again.
     ///
     /// # Errors
     /// A world that does not exist, arrays of the wrong length, numbers not finite or beyond ±1e9; the device fails.
@@ -461,19 +489,27 @@ impl<T: Float> Simulation<T> {
             bounded("joint velocity", velocity, MOST_MOTION)?;
         }
         self.fetch_state()?;
-        let outputs = self.try_outputs()?;
-        let places = velocities.iter().map(|(w, _)| outputs.joint_position(*w));
-        let places = Vec::from_iter(places);
-        for ((world, velocity), position) in velocities.into_iter().zip(places) {
+        let now = self.joints_now(velocities.iter().map(|(world, _)| *world))?;
+        for ((world, velocity), (_, position, before)) in velocities.into_iter().zip(now) {
             let all = 0..self.state.length();
             let mut state = Vec::from_iter(all.map(|i| self.state.get(world, i).to_f64()));
             let engine = &self.compiled(world).engine;
-            engine.push(&position, velocity, &mut state);
+            engine.push(&position, [&before, velocity], &mut state);
             state[engine.alive()] = 1.0;
             self.write_state(world, &state);
             self.run_again(&[world]);
         }
         Ok(())
+    }
+
+    /// Coordinates and velocities of the joints of worlds, with these.
+    fn joints_now(
+        &mut self,
+        worlds: impl IntoIterator<Item = usize>,
+    ) -> Result<Vec<JointsNow>, SimulationError> {
+        let outputs = self.try_outputs()?;
+        let joints = |w| (w, outputs.joint_position(w), outputs.joint_velocity(w));
+        Ok(worlds.into_iter().map(joints).collect())
     }
 
     /// States of worlds, with their worlds.

@@ -53,7 +53,7 @@ pub enum SnapshotError {
     },
     /// The bytes are something else.
     #[error(
-        "this is no snapshot: it does not start with `KNTRMSNP`; give a file that `Snapshot::to_bytes` made"
+        "this is no snapshot: it does not start with `KNTRMSNP`; give the bytes of one, as they were written"
     )]
     Magic,
     /// A later release wrote it.

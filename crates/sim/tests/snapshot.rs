@@ -5,7 +5,7 @@ use kinetarium_sim::{
     Simulation, SimulationError, SimulationSettings, Snapshot, SnapshotError, SolverKind,
 };
 use model::examples::n_pendula;
-use model::{Builder, Geometry, JointId, Material, Model, Pose, Shape};
+use model::{BodyId, Builder, Geometry, JointId, Material, Model, Pose, Shape};
 use numbers::Float;
 
 const WORLDS: usize = 21;
@@ -181,6 +181,26 @@ fn a_snapshot_keeps_its_forces_in_shorter_steps() {
                 );
             }
         }
+    }
+}
+
+/// What slept when a snapshot was taken wakes where nothing is to sleep.
+#[test]
+fn nothing_sleeps_on_where_nothing_may() {
+    let with = |sleep_speed| {
+        let mut settings = SimulationSettings::new(1, 0.002);
+        settings.solver = SolverKind::Impulse;
+        settings.step.sleep_speed = sleep_speed;
+        Simulation::<f64>::new(at_rest(), settings).unwrap()
+    };
+    let sleeps = |sim: &mut Simulation<f64>| sim.outputs().asleep(0, BodyId(0));
+    let [mut first, mut sleeper, mut awake] = [0.01, 0.01, 0.0].map(with);
+    first.step(1000);
+    assert!(sleeps(&mut first));
+    for (sim, expected) in [(&mut sleeper, true), (&mut awake, false)] {
+        sim.restore(&first.snapshot()).unwrap();
+        sim.step(1);
+        assert_eq!(sleeps(sim), expected);
     }
 }
 

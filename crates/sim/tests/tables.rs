@@ -1,9 +1,10 @@
 //! Tables of all worlds at once are what is told of each world; parameters of one world are its own.
 
+use glam::DVec3;
 use kinetarium_sim::{
     Control, Parameter, Quantity, Simulation, SimulationError, SimulationSettings, SolverKind,
 };
-use model::{BodyId, JointId, Model, ModelError, examples};
+use model::{BodyId, Builder, Geometry, JointId, Model, ModelError, Pose, Shape, examples};
 
 const WORLDS: usize = 19;
 const SOLVERS: [SolverKind; 3] = [
@@ -75,6 +76,54 @@ fn quantities_are_what_is_told_of_each_world() {
             }
         }
         assert_ne!(bodies[0], bodies[1]);
+    }
+}
+
+const QUANTITIES: [Quantity; 19] = [
+    Quantity::BodyPosition,
+    Quantity::BodyOrientation,
+    Quantity::BodyVelocity,
+    Quantity::BodyAngularVelocity,
+    Quantity::JointPosition,
+    Quantity::JointVelocity,
+    Quantity::JointAcceleration,
+    Quantity::ReactionForce,
+    Quantity::ReactionTorque,
+    Quantity::ContactWrench,
+    Quantity::CenterOfMass,
+    Quantity::SpatialInertia,
+    Quantity::SpatialVelocity,
+    Quantity::SpatialContactForce,
+    Quantity::KineticEnergy,
+    Quantity::PotentialEnergy,
+    Quantity::Momentum,
+    Quantity::AngularMomentum,
+    Quantity::Capped,
+];
+
+/// There is nothing of it but sums, which are zero.
+#[test]
+fn all_quantities_of_scenery_alone_are_read() {
+    let mut world = Builder::new("room");
+    let room = world.object("room");
+    for x in [0.0, 0.5] {
+        let ball = Shape::new(Geometry::Sphere { radius: 1.0 });
+        room.scenery(ball.at(Pose::at(x * DVec3::X)));
+    }
+    let model = world.build().unwrap();
+    for solver in SOLVERS {
+        let settings = SimulationSettings {
+            solver,
+            ..SimulationSettings::new(WORLDS, 0.002)
+        };
+        let mut sim = Simulation::<f32>::new(model.clone(), settings).unwrap();
+        sim.step(1);
+        for quantity in QUANTITIES {
+            let [rows, width] = quantity.shape(&model);
+            let mut out = vec![f32::NAN; WORLDS * rows * width];
+            sim.read(quantity, &mut out).unwrap();
+            assert!(out.iter().all(|x| *x == 0.0), "{solver:?}, {quantity:?}");
+        }
     }
 }
 

@@ -4,6 +4,7 @@
 use glam::{DQuat, DVec3};
 use kinetarium_sim::{Event, EventKind, Simulation, SimulationSettings, SolverKind, Watch};
 use model::{BodyId, Builder, Drive, Geometry, Model, Pose, Shape};
+use std::f64::consts::PI;
 
 const SOLVERS: [SolverKind; 3] = [
     SolverKind::Featherstone,
@@ -199,4 +200,137 @@ fn a_push_wakes_only_what_it_moves() {
     assert_eq!(outputs.body_pose(0, arm), there);
     assert_eq!(outputs.reaction(0, hinge), borne);
     assert!((outputs.body_velocity(0, arm).y - 0.1).abs() < 1e-6);
+}
+
+/// Two chains of four rods that fall, nine metres apart.
+fn two_chains() -> Model {
+    let mut world = Builder::new("two chains");
+    for (name, x) in [("left", 0.0), ("right", 9.0)] {
+        let object = world.object(name);
+        let mut last = None;
+        for i in 0..4 {
+            let capsule = Geometry::Capsule {
+                radius: 0.05,
+                half_height: 0.25,
+            };
+            let rod = object.body(format!("{name} {i}"));
+            let across = Pose::new(DVec3::X * 0.25, DQuat::from_rotation_z(-0.5 * PI));
+            let rod = rod.shape(Shape::new(capsule).at(across)).mass(1.0).handle();
+            let hinge = object.revolute(format!("{name} hinge {i}"), rod, DVec3::Z);
+            let start = if i == 0 { x } else { 0.5 };
+            hinge.frames(Pose::at(DVec3::X * start), Pose::IDENTITY);
+            if let Some(parent) = last.replace(rod) {
+                hinge.parent(parent);
+            }
+        }
+    }
+    world.build().unwrap()
+}
+
+/// Where a joint is pushed by next to nothing, in each step, everything moves as it would have moved; and other trees do not
+/// notice, to the bit, nor do they where it is moved.
+#[test]
+fn small_pushes_change_little() {
+    for solver in SOLVERS {
+        let sim = || {
+            let settings = SimulationSettings {
+                solver,
+                contacts: false,
+                ..SimulationSettings::new(1, 0.002)
+            };
+            Simulation::<f64>::new(two_chains(), settings).unwrap()
+        };
+        let [mut alone, mut pushed, mut moved] = [sim(), sim(), sim()];
+        for step in 0..500 {
+            let mut velocity = pushed.outputs().joint_velocity(0);
+            velocity[3] += 1e-9;
+            pushed.set_joint_velocities([(0, &velocity[..])]).unwrap();
+            if step % 50 == 0 {
+                let outputs = moved.outputs();
+                let mut position = outputs.joint_position(0);
+                let velocity = outputs.joint_velocity(0);
+                position[3] += 1e-9;
+                moved.move_joints(0, &position, &velocity).unwrap();
+            }
+            for sim in [&mut alone, &mut pushed, &mut moved] {
+                sim.step(1);
+            }
+        }
+        let ends = [alone, pushed, moved].map(|mut sim| {
+            let outputs = sim.outputs();
+            (0..8)
+                .map(|b| outputs.body_position(0, BodyId(b)))
+                .collect::<Vec<_>>()
+        });
+        let [alone, pushed, moved] = ends;
+        for changed in [&pushed, &moved] {
+            assert_eq!(alone[4..], changed[4..], "{solver:?}: the other chain");
+        }
+        for (a, b) in alone[..4].iter().zip(&pushed) {
+            assert!(a.distance(*b) < 1e-4, "{solver:?}: {a} {b}");
+        }
+    }
+}
+
+/// What is pushed is as fast as it was told to be, and has not been accelerated: a body at rest without weight is not, before
+/// a step or after.
+#[test]
+fn a_push_is_no_acceleration() {
+    for solver in SOLVERS {
+        let mut world = Builder::new("wheel");
+        world.gravity(DVec3::ZERO);
+        let object = world.object("");
+        let wheel = object.body("wheel").shape(Geometry::Sphere { radius: 0.1 });
+        let wheel = wheel.mass(1.0).handle();
+        object.revolute("hinge", wheel, DVec3::Z);
+        let mut sim = simulate(world.build().unwrap(), solver);
+        sim.step(1);
+        sim.set_joint_velocities([(0, &[10.0][..])]).unwrap();
+        let outputs = sim.outputs();
+        assert!((outputs.joint_velocity(0)[0] - 10.0).abs() < 1e-12);
+        assert!(outputs.joint_acceleration(0)[0].abs() < 1e-9, "{solver:?}");
+    }
+}
+
+/// Two wheels that are geared to each other count their turns: they are where they were set, and what is set of a third joint
+/// moves neither. `impulse` has no couplings.
+#[test]
+fn coupled_wheels_count_turns() {
+    for solver in [SolverKind::Featherstone, SolverKind::Xpbd] {
+        let mut world = Builder::new("gear");
+        world.gravity(DVec3::ZERO);
+        let object = world.object("");
+        let mut part = |name: &str, x: f64| {
+            let ball = Shape::new(Geometry::Sphere { radius: 0.1 });
+            let part = object.body(name).shape(ball).mass(1.0);
+            (part.handle(), Pose::at(DVec3::X * x))
+        };
+        let [(a, at_a), (b, at_b), (c, at_c)] = [part("a", 0.0), part("b", 1.0), part("c", 5.0)];
+        let at = |pose| (pose, Pose::IDENTITY);
+        let frames = [at(at_a), at(at_b), at(at_c)];
+        let one = object.revolute("one", a, DVec3::Y);
+        let one = one.frames(frames[0].0, frames[0].1).handle();
+        let two = object.revolute("two", b, DVec3::Y);
+        let two = two.frames(frames[1].0, frames[1].1).handle();
+        let slide = object.prismatic("slide", c, DVec3::X);
+        slide.frames(frames[2].0, frames[2].1);
+        object.couple("gear", two, one, -0.5, 0.0);
+        let mut sim = simulate(world.build().unwrap(), solver);
+        sim.set_joint_state(0, &[0.0; 3], &[4.0, -2.0, 0.0])
+            .unwrap();
+        sim.step(1000);
+        let before = sim.outputs().joint_position(0);
+        assert!(before[0] > 7.0, "{solver:?}: {before:?}");
+        let velocity = sim.outputs().joint_velocity(0);
+        let set = [before[0], before[1], 0.1];
+        sim.move_joints(0, &set, &velocity).unwrap();
+        sim.step(50);
+        let outputs = sim.outputs();
+        let (after, speed) = (outputs.joint_position(0), outputs.joint_velocity(0));
+        assert!(
+            (after[1] + 0.5 * after[0]).abs() < 1e-3,
+            "{solver:?}: {after:?}"
+        );
+        assert!((speed[0] - 4.0).abs() < 1e-2, "{solver:?}: {speed:?}");
+    }
 }

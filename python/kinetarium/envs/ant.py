@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from kinetarium.envs.options import Range, ends, number
+from kinetarium.envs.options import Range, ends, flag, number
 from kinetarium.envs.task import Array, Seen, Task
 
 
@@ -38,12 +38,14 @@ class Ant(Task):
         self._contact_cost_weight = number("contact_cost_weight", contact_cost_weight)
         self._healthy_reward = number("healthy_reward", healthy_reward)
         self._main_body = main_body
-        self._terminate_when_unhealthy = terminate_when_unhealthy
+        self._terminate_when_unhealthy = flag("terminate_when_unhealthy", terminate_when_unhealthy)
         self._healthy_z_range = ends("healthy_z_range", healthy_z_range)
         self._contact_force_range = ends("contact_force_range", contact_force_range)
         self._reset_noise_scale = number("reset_noise_scale", reset_noise_scale, least=0)
-        self._hidden = 2 * exclude_current_positions_from_observation
-        self._include_cfrc_ext = include_cfrc_ext_in_observation
+        self._hidden = 2 * flag(
+            "exclude_current_positions_from_observation", exclude_current_positions_from_observation
+        )
+        self._include_cfrc_ext = flag("include_cfrc_ext_in_observation", include_cfrc_ext_in_observation)
         super().__init__(worlds, **options)
 
     def contact_forces(self, seen: Seen) -> Array:

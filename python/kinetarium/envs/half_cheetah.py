@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from kinetarium.envs.options import number
+from kinetarium.envs.options import flag, number
 from kinetarium.envs.task import Array, Seen, Task
 
 
@@ -28,7 +28,9 @@ class HalfCheetah(Task):
         self._forward_reward_weight = number("forward_reward_weight", forward_reward_weight)
         self._ctrl_cost_weight = number("ctrl_cost_weight", ctrl_cost_weight)
         self._reset_noise_scale = number("reset_noise_scale", reset_noise_scale, least=0)
-        self._hidden = int(exclude_current_positions_from_observation)
+        self._hidden = int(
+            flag("exclude_current_positions_from_observation", exclude_current_positions_from_observation)
+        )
         super().__init__(worlds, **options)
 
     def observation(self, seen: Seen) -> list[Array]:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from kinetarium.envs.options import Range, ends, number, within
+from kinetarium.envs.options import Range, ends, flag, number, within
 from kinetarium.envs.task import Array, Seen, Task
 
 
@@ -33,12 +33,14 @@ class Hopper(Task):
         self._forward_reward_weight = number("forward_reward_weight", forward_reward_weight)
         self._ctrl_cost_weight = number("ctrl_cost_weight", ctrl_cost_weight)
         self._healthy_reward = number("healthy_reward", healthy_reward)
-        self._terminate_when_unhealthy = terminate_when_unhealthy
+        self._terminate_when_unhealthy = flag("terminate_when_unhealthy", terminate_when_unhealthy)
         self._healthy_state_range = ends("healthy_state_range", healthy_state_range)
         self._healthy_z_range = ends("healthy_z_range", healthy_z_range)
         self._healthy_angle_range = ends("healthy_angle_range", healthy_angle_range)
         self._reset_noise_scale = number("reset_noise_scale", reset_noise_scale, least=0)
-        self._hidden = int(exclude_current_positions_from_observation)
+        self._hidden = int(
+            flag("exclude_current_positions_from_observation", exclude_current_positions_from_observation)
+        )
         super().__init__(worlds, **options)
 
     def observation(self, seen: Seen) -> list[Array]:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from kinetarium.envs.options import Range, ends, number, within
+from kinetarium.envs.options import Range, ends, flag, number, within
 from kinetarium.envs.task import Array, Seen, Task
 
 
@@ -30,11 +30,15 @@ class HumanoidTask(Task):
     ) -> None:
         self._ctrl_cost_weight = number("ctrl_cost_weight", ctrl_cost_weight)
         self._reset_noise_scale = number("reset_noise_scale", reset_noise_scale, least=0)
-        self._hidden = 2 * exclude_current_positions_from_observation
-        self._include_cinert = include_cinert_in_observation
-        self._include_cvel = include_cvel_in_observation
-        self._include_qfrc_actuator = include_qfrc_actuator_in_observation
-        self._include_cfrc_ext = include_cfrc_ext_in_observation
+        self._hidden = 2 * flag(
+            "exclude_current_positions_from_observation", exclude_current_positions_from_observation
+        )
+        self._include_cinert = flag("include_cinert_in_observation", include_cinert_in_observation)
+        self._include_cvel = flag("include_cvel_in_observation", include_cvel_in_observation)
+        self._include_qfrc_actuator = flag(
+            "include_qfrc_actuator_in_observation", include_qfrc_actuator_in_observation
+        )
+        self._include_cfrc_ext = flag("include_cfrc_ext_in_observation", include_cfrc_ext_in_observation)
         super().__init__(worlds, **options)
 
     def observation(self, seen: Seen) -> list[Array | str]:
@@ -92,7 +96,7 @@ class Humanoid(HumanoidTask):
         self._contact_cost_weight = number("contact_cost_weight", contact_cost_weight)
         self._contact_cost_range = ends("contact_cost_range", contact_cost_range)
         self._healthy_reward = number("healthy_reward", healthy_reward)
-        self._terminate_when_unhealthy = terminate_when_unhealthy
+        self._terminate_when_unhealthy = flag("terminate_when_unhealthy", terminate_when_unhealthy)
         self._healthy_z_range = ends("healthy_z_range", healthy_z_range)
         super().__init__(worlds, **options)
 

@@ -25,6 +25,19 @@ def number(name: str, value: float, least: float = -np.inf) -> float:
     return found
 
 
+def flag(name: str, value: bool) -> bool:
+    """True or false; `ValueError` for what is neither.
+
+    >>> flag("terminate_when_unhealthy", "no")
+    Traceback (most recent call last):
+        ...
+    ValueError: terminate_when_unhealthy is 'no': it must be True or False
+    """
+    if not isinstance(value, (bool, np.bool_)):
+        raise ValueError(f"{name} is {value!r}: it must be True or False")
+    return bool(value)
+
+
 def ends(name: str, value: Range) -> Range:
     """The two ends of a range, infinite or not, in order; `ValueError` for what has none.
 

@@ -177,20 +177,19 @@ class Task(ABC):
         self._camera: tuple[kn.Camera, Array] | None = None
         self._look()
         state = self.simulation.state
-        width = sum(
-            state.read(part)[0].size if isinstance(part, str) else part[0].size
-            for part in self.observation(self.seen)
-        )
+        parts = self._observed()
+        width = sum(state.read(part)[0].size if isinstance(part, str) else part[0].size for part in parts)
         self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, (width,), np.float64)
 
     @abstractmethod
-    def observation(self, seen: Seen) -> list[Array] | list[Array | str]:
+    def observation(self, seen: Seen) -> Array | list[Array] | list[Array | str]:
         """What is observed, part by part, each an array of shape (worlds, …), or the name of a quantity of
-        `kinetarium.State`, which is copied where it belongs."""
+        `kinetarium.State`, which is copied where it belongs; or one such array alone."""
 
     @abstractmethod
     def outcome(self, seen: Seen, action: Array, velocity: Array) -> tuple[Array, Array, dict[str, Array]]:
-        """Rewards, which worlds failed, and what to tell besides, of shape (worlds,) each.
+        """Rewards and which worlds failed (bool), of shape (worlds,) each, and what to tell besides, of shape
+        (worlds, …) each.
 
         `velocity` [m/s] is how far `place` moved in the step, by its time.
         """
@@ -245,14 +244,14 @@ class Task(ABC):
             self._draw(begins, generators)
         self._look()
         velocity = (self._place - before) / self.dt
-        reward, failed, info = self.outcome(self.seen, action, velocity)
+        reward, failed, info = self._judged(action, velocity)
         return reward, failed | self._lost, self.whereabouts(self.seen) | info
 
     def observe(self) -> Array:
         """What all worlds observe, float64, shape (worlds, numbers); yours to keep."""
         observed = np.empty((self.worlds, *self.observation_space.shape))
         column = 0
-        for part in self.observation(self.seen):
+        for part in self._observed():
             if isinstance(part, str):
                 column = self.simulation.state.read_columns(part, observed, column)
                 continue
@@ -280,6 +279,32 @@ class Task(ABC):
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update(state)
         self._look()
+
+    def _observed(self) -> list[Array | str]:
+        """The parts of the observation; `ShapeError` where they are not of all worlds."""
+        given = self.observation(self.seen)
+        parts = [given] if isinstance(given, str) or hasattr(given, "__array__") else given
+        return [
+            part if isinstance(part, str) else self._rows(f"observation: part {k}", part)
+            for k, part in enumerate(parts)
+        ]
+
+    def _judged(self, action: Array, velocity: Array) -> tuple[Array, Array, dict[str, Array]]:
+        """The outcome; `ShapeError` where it is not of all worlds."""
+        reward, failed, info = self.outcome(self.seen, action, velocity)
+        reward = self._rows("outcome: the reward", reward, single=True)
+        failed = self._rows("outcome: failed", failed, single=True)
+        if failed.dtype != bool:
+            raise ShapeError(f"{type(self).__name__}.outcome: failed is of dtype {failed.dtype}: it must be bool")
+        return reward, failed, {name: self._rows(f'outcome: info["{name}"]', told) for name, told in info.items()}
+
+    def _rows(self, what: str, given: Any, *, single: bool = False) -> Array:
+        """An array with a row for each world, or a `single` item; `ShapeError` where it is another."""
+        rows = np.asarray(given)
+        if rows.shape[:1] != (self.worlds,) or (single and rows.ndim > 1):
+            expected = f"({self.worlds},)" if single else f"({self.worlds}, …)"
+            raise ShapeError(f"{type(self).__name__}.{what} has the shape {rows.shape}: it must be {expected}")
+        return rows
 
     def _draw(self, worlds: Array, generators: list[np.random.Generator]) -> None:
         if len(worlds) > 0:

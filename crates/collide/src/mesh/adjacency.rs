@@ -20,22 +20,31 @@ pub(super) type Sides = (DVec3, [Edge; 3]);
 /// For each triangle the cosine of the largest angle from its normal to that of one that shares a corner
 /// with it: no contact's normal is farther off. 0 beyond a right angle, and where the surface ends.
 pub(super) fn spreads(mesh: &TriangleMesh, sides: &[Sides]) -> Vec<f64> {
-    let mut around = vec![Vec::new(); mesh.vertices().len()];
-    for (t, corners) in mesh.triangles().iter().enumerate() {
-        for &v in corners {
-            around[v as usize].push(t);
-        }
-    }
-    let spread = |(t, corners): (usize, &[u32; 3])| {
-        let (normal, edges) = sides[t];
+    let around = normals_around(mesh, sides);
+    let spread = |(corners, (normal, edges)): (&[u32; 3], &Sides)| {
         if edges.iter().any(|edge| edge.lean >= 1.0) {
             return 0.0;
         }
         let neighbours = corners.iter().flat_map(|v| &around[*v as usize]);
-        let cosines = neighbours.map(|&other| normal.dot(sides[other].0));
+        let cosines = neighbours.map(|other| normal.dot(*other));
         cosines.fold(1.0, f64::min).max(0.0)
     };
-    mesh.triangles().iter().enumerate().map(spread).collect()
+    mesh.triangles().iter().zip(sides).map(spread).collect()
+}
+
+/// For each vertex the normals of the triangles that meet there, those that are equal once where they come one after
+/// the other: of a flat fan there is one.
+fn normals_around(mesh: &TriangleMesh, sides: &[Sides]) -> Vec<Vec<DVec3>> {
+    let mut around: Vec<Vec<DVec3>> = vec![Vec::new(); mesh.vertices().len()];
+    for (corners, (normal, _)) in mesh.triangles().iter().zip(sides) {
+        for &v in corners {
+            let normals = &mut around[v as usize];
+            if normals.last() != Some(normal) {
+                normals.push(*normal);
+            }
+        }
+    }
+    around
 }
 
 /// For each triangle its normal and its edges.

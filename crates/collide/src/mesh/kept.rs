@@ -5,7 +5,7 @@
 
 use super::piece::is_turned;
 use super::tables::{BEHIND, CORNERS, MeshTables, NUMBERS, SLOTS, contact, search};
-use crate::{FAR, Manifold, Placed};
+use crate::{FAR, Manifold, Placed, Point};
 use numbers::{Cell, Machine, Real, Vec3};
 
 /// How deep a point counts against how far out it lies.
@@ -78,6 +78,21 @@ pub(super) fn keep<M: Machine>(
             offer(k, meshes, BEHIND, new, point.distance, behind);
         }
     }
+}
+
+/// Notes a contact of a triangle that is pierced, to be taken where there is no other.
+#[inline(always)]
+pub(super) fn note<M: Machine>(
+    k: &mut M,
+    meshes: &MeshTables,
+    n: Vec3<M::R>,
+    point: &Point<M::R>,
+    number: M::R,
+    mask: <M::R as Real>::Mask,
+) {
+    let (p, feature) = (point.position, number * M::R::lit(64.0));
+    let new = [p.x, p.y, p.z, n.x, n.y, n.z, point.distance, feature];
+    offer(k, meshes, BEHIND, new, point.distance, mask);
 }
 
 /// Remembers the normal of a contact with a triangle that the core overlaps, if it is the least deep.

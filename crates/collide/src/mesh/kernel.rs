@@ -6,9 +6,10 @@
 
 use super::kept::{begin, finish, forget, review};
 use super::piece::{Piece, triangle};
-use super::tables::{BOUNDS, MeshTables};
+use super::tables::{BEYOND, BOUNDS, MeshTables, VERTICES};
 use crate::support::{radius, support};
 use crate::{Placed, Solid, Tables};
+use numbers::machine::Index;
 use numbers::{Machine, Mat3, Real, Vec3};
 
 /// Rounds through all triangles, the second where the first has found a contact to be doubted.
@@ -156,7 +157,7 @@ fn meet_clusters<M: Machine>(
             if let Some(_branch) = k.if_any(near) {
                 let [first, end] = k.link_row(meshes.cluster_rows, cluster);
                 for row in k.range(first, end) {
-                    let bounds = Bounds::seen(a, k.read(meshes.triangles, row, 0), margin);
+                    let bounds = around_piece(k, tables, meshes, a, row, margin);
                     let near = bounds.meet(k.read(meshes.clusters, other, 0));
                     if let Some(_branch) = k.if_any(near) {
                         let piece = Piece::of_mesh(k, tables, meshes, a, row);
@@ -227,6 +228,40 @@ fn around<M: Machine>(k: &M, tables: Tables, solid: &Solid<M>, margin: M::R) -> 
     Bounds {
         low: Vec3::from_array(low),
         high: Vec3::from_array(high),
+    }
+}
+
+/// The bounds of a triangle and of the matter behind it, widened by the margin; of a row that is free, nothing.
+#[inline(always)]
+fn around_piece<M: Machine>(
+    k: &M,
+    tables: Tables,
+    meshes: &MeshTables,
+    whole: &Placed<M::R>,
+    row: M::I,
+    margin: M::R,
+) -> Bounds<M::R> {
+    let (from, to) = (
+        k.load(meshes.triangles, row, 0),
+        k.load(meshes.triangles, row, 3),
+    );
+    let wide = M::R::select(from.le(to), margin, M::R::lit(-BEYOND));
+    let middle = whole.point(k.vec3(meshes.triangles, row, 6)).to_array();
+    let [first, _] = k.link_row(meshes.triangle_rows, row);
+    let (mut low, mut high) = (middle, middle);
+    for corner in 0..VERTICES {
+        let way = whole.direction(k.vec3(tables.vertices, first.offset(corner), 0));
+        let way = way.to_array();
+        for axis in 0..3 {
+            let x = middle[axis] + way[axis];
+            low[axis] = low[axis].min(x);
+            high[axis] = high[axis].max(x);
+        }
+    }
+    let wide = Vec3::new(wide, wide, wide);
+    Bounds {
+        low: Vec3::from_array(low) - wide,
+        high: Vec3::from_array(high) + wide,
     }
 }
 

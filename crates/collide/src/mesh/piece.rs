@@ -7,16 +7,21 @@
 //!
 //! A piece of another mesh is a tetrahedron: a triangle with a point of the [`matter`](super::matter)
 //! behind it, which tells from which side it comes and how deep it may lie. A normal that is not in the
-//! Voronoi region of that triangle, too, is left to its neighbours, so that inner faces are never felt.
+//! Voronoi region of that triangle, too, is left to its neighbours, so that inner faces are never felt. One that
+//! is nearly there is kept for what lies right over the triangle: of two faces nearly flat on each other the
+//! least depth is often along the normal of a seam, and each side would leave the corners to another.
+//!
+//! Tetrahedra do not fill what is between their triangles: near a seam those that hold the edges that meet may be
+//! apart. Where no triangle has a contact, one that is pierced has the contact that it left.
 
-use super::kept::{keep, remember};
+use super::kept::{keep, note, remember};
 use super::tables::{MeshTables, NUMBER, NUMBERS, TRIANGLE, search};
 use crate::convex::{DEEP, Direction, ascend};
 use crate::gjk::Cores;
 use crate::overlap::{self, Witness};
 use crate::solid::kind;
 use crate::support::radius;
-use crate::{Placed, Solid, Tables};
+use crate::{Placed, Point, Solid, Tables};
 use numbers::machine::Index;
 use numbers::{Cell, Machine, Mask, Mat3, Real, Vec3};
 
@@ -24,6 +29,8 @@ use numbers::{Cell, Machine, Mask, Mat3, Real, Vec3};
 const ON_EDGE: f64 = 1e-3;
 /// How far a normal may be turned by the edges before the triangle needs the piece right over it.
 const TURNED: f64 = 1e-3;
+/// How far a normal may be turned by the edges of a piece before it is left to the neighbours of that.
+const SLANTED: f64 = 0.05;
 /// The golden ratio less 1: its multiples lie as far apart as can be.
 const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
@@ -80,25 +87,16 @@ impl<'a, M: Machine> Piece<'a, M> {
         }
     }
 
-    /// Whether a direction out of it may be a normal at a point of it.
+    /// By how much its edges turn a direction out of it, to be a normal at a point of it: the square of the way.
     #[inline(always)]
-    fn allows(
-        &self,
-        k: &M,
-        tables: Tables,
-        out: Vec3<M::R>,
-        at: Vec3<M::R>,
-        close: M::R,
-    ) -> <M::R as Real>::Mask {
+    fn turns(&self, k: &M, tables: Tables, out: Vec3<M::R>, at: Vec3<M::R>, close: M::R) -> M::R {
         match &self.face {
-            None => <M::R as Real>::Mask::splat(true),
+            None => M::R::zero(),
             Some(face) => {
                 let placed = &self.solid.placed;
                 let (out, at) = (placed.local_direction(out), placed.local_direction(at));
-                !is_turned(
-                    out,
-                    kept_over_edges(k, tables, &self.solid, face, out, at, close),
-                )
+                let kept = kept_over_edges(k, tables, &self.solid, face, out, at, close);
+                (kept - out).length_squared()
             }
         }
     }
@@ -181,7 +179,10 @@ pub(super) fn triangle<M: Machine>(
         let apart = deep & !pierced & turned;
         let behind = apart & found.n.dot(normal).gt(M::R::zero());
         let n = Vec3::select(behind, -normal, n);
-        let mask = mask & piece.allows(k, tables, n, found.on_a, close);
+        let turns = piece.turns(k, tables, n, found.on_a, close);
+        let slanted = turns.gt(M::R::lit(TURNED * TURNED));
+        let nearly = turns.le(M::R::lit(SLANTED * SLANTED)) & !apart;
+        let mask = mask & (nearly | !slanted);
         let mask = mask & !is_freed(k, meshes, &cores, found.gap, close);
         if let Some(_branch) = k.if_any(mask) {
             let witness = Witness {
@@ -189,13 +190,18 @@ pub(super) fn triangle<M: Machine>(
                 on_a: found.on_a,
                 gap: cores.gap(k, n),
                 radii: [radius(k, solid), M::R::zero()],
-                stands: !turned,
+                stands: !(turned | slanted),
             };
             let manifold = overlap::manifold(k, &cores, &witness);
             let number = piece.with_number(t[NUMBER]);
-            remember(k, meshes, n, witness.gap, mask & pierced & !turned);
+            remember(k, meshes, n, witness.gap, mask & pierced & witness.stands);
             let masks = [mask & !apart, mask & behind];
             keep(k, meshes, piece.whole, &manifold, number, masks, margin);
+            if piece.face.is_some() {
+                let on_a = found.on_a + solid.placed.position;
+                let point = Point::from_a(on_a, n, witness.gap, M::R::zero());
+                note(k, meshes, n, &point, number, mask & pierced);
+            }
         }
     }
 }

@@ -1,7 +1,7 @@
 //! A mesh as tables, and the contacts found on it.
 
 use super::adjacency::{Sides, sides, spreads};
-use super::hierarchy::{Bounds, bounds, fan, order};
+use super::hierarchy::{Bounds, fan, order};
 use super::matter::behind;
 use glam::DVec3;
 use model::TriangleMesh;
@@ -145,6 +145,14 @@ impl Triangle {
         [0, 3, 6].map(|i| middle + DVec3::from_slice(&self.vertices[i..]))
     }
 
+    /// The box that holds it and the matter behind it.
+    fn with_matter(&self) -> Bounds {
+        let vector = |at: usize| DVec3::from_slice(&self.numbers[at..]);
+        let [low, high, middle] = [0, 3, 6].map(vector);
+        let behind = middle + DVec3::from_slice(&self.vertices[9..]);
+        Bounds { low, high }.and(Bounds::of([behind]))
+    }
+
     pub(super) fn normal(&self) -> DVec3 {
         DVec3::from_slice(&self.numbers[9..])
     }
@@ -171,13 +179,7 @@ impl MeshData {
     pub fn add(&mut self, mesh: &TriangleMesh) -> [usize; 2] {
         let (order, fan) = (order(mesh), fan(mesh.triangles().len()));
         let triangles = Triangle::ordered(mesh, &order);
-        let around = |list: &[usize]| {
-            let Bounds { low, high } = Bounds::all(list.iter().map(|&t| bounds(mesh, t)));
-            Bounds {
-                low: low - mesh.center(),
-                high: high - mesh.center(),
-            }
-        };
+        let around = |list: &[usize]| Bounds::all(list.iter().map(|&t| triangles[t].with_matter()));
         let first_group = self.groups.len();
         for group in order.chunks(fan * fan) {
             let first_cluster = self.clusters.len();

@@ -48,9 +48,10 @@ pub(crate) fn cuboid<R: Real>(x: Vec3<R>, half: Vec3<R>) -> Nearest<R> {
 /// A cylinder along y: a rectangle in the half plane of (distance from the axis, y).
 #[inline(always)]
 pub(crate) fn cylinder<R: Real>(x: Vec3<R>, radius: R, half: R) -> Nearest<R> {
-    let o = R::zero();
     let (rho, radial) = polar(x);
-    let in_plane = cuboid(Vec3::new(rho, x.y, o), Vec3::new(radius, half, R::one()));
+    // A box whose third faces are farther than all others.
+    let rectangle = Vec3::new(radius, half, radius + half);
+    let in_plane = cuboid(Vec3::new(rho, x.y, R::zero()), rectangle);
     turned(in_plane, radial)
 }
 
@@ -109,4 +110,37 @@ fn turned<R: Real>(in_plane: Nearest<R>, radial: Vec3<R>) -> Nearest<R> {
 #[inline(always)]
 fn axis_x<R: Real>() -> Vec3<R> {
     Vec3::new(R::one(), R::zero(), R::zero())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Signed distance [m] from a cylinder: of points inside from its side or an end, whichever is nearer.
+    fn apart(p: Vec3<f64>, radius: f64, half: f64) -> f64 {
+        let (side, end) = (p.x.hypot(p.z) - radius, p.y.abs() - half);
+        side.max(0.0).hypot(end.max(0.0)) + side.max(end).min(0.0)
+    }
+
+    /// The unit vector out leads to the surface, by the distance.
+    #[test]
+    fn a_cylinder_is_as_far_as_its_nearest_side_or_end() {
+        for (radius, half) in [(5.0, 5.0), (3.0, 0.2)] {
+            for i in 0..21_i32.pow(3) {
+                let [x, y, z] = [i % 21, i / 21 % 21, i / 441].map(|n| 0.15 * f64::from(n - 10));
+                let p = Vec3::new(radius * x, half * y, radius * z);
+                let Nearest { distance, out } = cylinder(p, radius, half);
+                let near = |found: f64, expected: f64| {
+                    let wrong = (found - expected).abs();
+                    assert!(
+                        wrong < 1e-12,
+                        "{p:?} of {radius} m, {half} m: {found}, not {expected}"
+                    );
+                };
+                near(distance, apart(p, radius, half));
+                near(out.length(), 1.0);
+                near(apart(p - out * distance, radius, half), 0.0);
+            }
+        }
+    }
 }

@@ -42,7 +42,13 @@ pub(super) fn read(
             continue;
         }
         let kind = element.name.as_str();
+        let merged = context.defaults.apply(element, None, &["equality"])?;
+        let active = merged.truth("active")? != Some(false);
         if !["connect", "weld", "joint"].contains(&kind) {
+            if !active {
+                note_inactive(element, report);
+                continue;
+            }
             let remedy = "remove it, or use connect, weld or joint";
             report.refuse(
                 element,
@@ -51,23 +57,27 @@ pub(super) fn read(
             )?;
             continue;
         }
-        let merged = context.defaults.apply(element, None, &["equality"])?;
         report.check_attributes(&merged, KNOWN, UNUSED)?;
         let name = merged.get("name").unwrap_or_default();
         if !name.is_empty() && !names.insert(name.to_owned()) {
             return Err(taken(&merged, "equality constraint", name));
         }
         match kind {
-            "joint" => couple(&merged, tree, report)?,
-            _ => close_loop(&merged, &mut joints, tree, report)?,
+            "joint" => couple(&merged, active, tree, report)?,
+            _ => close_loop(&merged, active, &mut joints, tree, report)?,
         }
     }
     Ok(())
 }
 
+fn note_inactive(element: &Element, report: &mut Report) {
+    report.note(element, "inactive constraint", "left out");
+}
+
 /// A constraint may have the name of a joint of the file, and has a number behind it then.
 fn close_loop(
     element: &Element,
+    active: bool,
     joints: &mut Taken,
     tree: &mut Tree,
     report: &mut Report,
@@ -102,7 +112,7 @@ fn close_loop(
     (joint.parent_frame, joint.child_frame) = (parent_frame, child_frame);
     joint.closes_loop = true;
     joint.bodies_collide = true;
-    joint.enabled = element.truth("active")?.unwrap_or(true);
+    joint.enabled = active;
     tree.parts.joints.push(joint);
     Ok(())
 }
@@ -160,13 +170,25 @@ fn weld_ends(element: &Element, tree: &Tree) -> Result<(End, End), FormatError> 
 }
 
 /// y − y₀ = a₀ + a₁ (x − x₀): a coupling of two joints.
-fn couple(element: &Element, tree: &mut Tree, report: &mut Report) -> Result<(), FormatError> {
+fn couple(
+    element: &Element,
+    active: bool,
+    tree: &mut Tree,
+    report: &mut Report,
+) -> Result<(), FormatError> {
     let [a0, a1, higher @ ..] = polynomial(element)?;
-    let follower = tree.joint(element, "joint1")?;
-    if !element.has("joint2") {
-        return report.refuse(element, "holding a joint at a value", "remove the joint");
+    let follower = one_axis(element, "joint1", tree)?;
+    let leader = match element.has("joint2") {
+        true => Some(one_axis(element, "joint2", tree)?),
+        false => None,
+    };
+    if !active {
+        note_inactive(element, report);
+        return Ok(());
     }
-    let leader = tree.joint(element, "joint2")?;
+    let Some(leader) = leader else {
+        return report.refuse(element, "holding a joint at a value", "remove the joint");
+    };
     if higher != [0.0; 3] {
         let remedy = "keep the first two coefficients only";
         return report.refuse(element, "a relation that is not linear", remedy);
@@ -175,16 +197,6 @@ fn couple(element: &Element, tree: &mut Tree, report: &mut Report) -> Result<(),
     if !alone(follower) || !alone(leader) {
         let feature = "a relation of a joint that shares its body with others";
         return report.refuse(element, feature, "put each joint on a body of its own");
-    }
-    for (joint, attribute) in [(follower, "joint1"), (leader, "joint2")] {
-        if !matches!(joint.file.kind, Kind::Hinge | Kind::Slide) {
-            let remedy = "name a hinge or a slide";
-            return Err(element.invalid_attribute(attribute, "names a ball or free joint", remedy));
-        }
-    }
-    if element.truth("active")? == Some(false) {
-        report.note(element, "inactive relation", "left out");
-        return Ok(());
     }
     let (y0, x0) = (follower.file.reference, leader.file.reference);
     let (joint, other): (JointId, JointId) = (follower.joint, leader.joint);
@@ -198,6 +210,20 @@ fn couple(element: &Element, tree: &mut Tree, report: &mut Report) -> Result<(),
         offset,
     });
     Ok(())
+}
+
+/// The hinge or slide that an attribute names.
+fn one_axis<'a>(
+    element: &Element,
+    attribute: &str,
+    tree: &'a Tree,
+) -> Result<&'a TreeJoint, FormatError> {
+    let joint = tree.joint(element, attribute)?;
+    if !matches!(joint.file.kind, Kind::Hinge | Kind::Slide) {
+        let remedy = "name a hinge or a slide";
+        return Err(element.invalid_attribute(attribute, "names a ball or free joint", remedy));
+    }
+    Ok(joint)
 }
 
 fn polynomial(element: &Element) -> Result<[f64; 5], FormatError> {

@@ -8,6 +8,7 @@ use super::orientation::{least_rotation_from_z, pose};
 use super::shell;
 use super::surface::Surface;
 use crate::error::FormatError;
+use crate::meshes::UNSEEN;
 use crate::report::Report;
 use crate::xml::Element;
 use glam::{DQuat, DVec3};
@@ -126,8 +127,9 @@ pub(super) fn read(
     {
         shape.geometry = read;
     }
-    if !is_paired {
-        context.meshes.look_for(&element, &shape, report);
+    if !context.meshes.can_show(&element, &shape, report) {
+        // It stays, since sensors, pairs and tendons may name it.
+        shape.color = Some(UNSEEN);
     }
     let solid = match weight {
         Weight::Unused => None,
@@ -175,6 +177,12 @@ fn refuse_contact_physics(element: &Element, report: &mut Report) -> Result<(), 
     Ok(())
 }
 
+/// A kind with its article.
+fn one(kind: &str) -> String {
+    let article = if kind == "ellipsoid" { "an" } else { "a" };
+    format!("{article} {kind}")
+}
+
 /// The solid and its pose in the geom's frame of reference.
 fn placed_geometry(
     element: &Element,
@@ -190,7 +198,7 @@ fn placed_geometry(
             return Ok(None);
         }
         _ if element.has("mesh") => {
-            let feature = &format!("fitting a {kind} to a mesh");
+            let feature = &format!("fitting {} to a mesh", one(kind));
             report.refuse(element, feature, "give the geom's size and remove `mesh`")?;
             return Ok(None);
         }
@@ -254,7 +262,8 @@ fn geometry(element: &Element, kind: &str, sizes: &[f64]) -> Result<Geometry, Fo
         _ => (3, "half-x half-y half-z"),
     };
     let wrong = |problem: &str| {
-        let remedy = format!("write size=\"{meaning}\" with positive numbers for a {kind}");
+        let kind = one(kind);
+        let remedy = format!("write size=\"{meaning}\" with positive numbers for {kind}");
         element.invalid_attribute("size", problem, &remedy)
     };
     if kind == "plane" {
@@ -336,7 +345,7 @@ fn height_field(
 /// Its own colour, or its material's. What is in a group that MuJoCo's viewer does not show is not seen.
 fn own_color(element: &Element, context: &Context<'_>) -> Result<Option<[f32; 4]>, FormatError> {
     if element.integer("group")?.unwrap_or(0) > LAST_SHOWN_GROUP {
-        return Ok(Some([0.0; 4]));
+        return Ok(Some(UNSEEN));
     }
     let of_material = element
         .get("material")

@@ -83,7 +83,7 @@ fn is_missing(read: &io::Result<String>) -> bool {
     matches!(read, Err(error) if error.kind() == io::ErrorKind::NotFound)
 }
 
-/// A path without the parts that lead nowhere: `a/../b` is `b`.
+/// A path without the parts that lead nowhere: `a/../b` is `b`, and `a/..` is `.`.
 fn plain(path: &str) -> String {
     let mut parts: Vec<&str> = Vec::new();
     for part in path.split('/') {
@@ -92,6 +92,9 @@ fn plain(path: &str) -> String {
             Some(last) if part == ".." && !["", ".."].contains(last) => drop(parts.pop()),
             _ => parts.push(part),
         }
+    }
+    if parts.is_empty() {
+        return ".".to_owned();
     }
     parts.join("/")
 }

@@ -111,7 +111,7 @@ pub(super) fn of(
 /// Why the mesh that a geom uses has no mass, and what to do.
 fn fault(geom: &Element, read: &Geometry) -> (String, String) {
     let (open, volume) = match read {
-        Geometry::Mesh(mesh) => (mesh.open_edges(), volume(mesh)),
+        Geometry::Mesh(mesh) => (mesh.open_edges(), mesh.volume()),
         _ => (Vec::new(), 0.0),
     };
     let (what, cure) = match open.first() {
@@ -136,16 +136,6 @@ fn fault(geom: &Element, read: &Geometry) -> (String, String) {
     let problem = format!("its mass is that of the mesh `{name}`, which {what}");
     let remedy = format!("{cure}, or give the body an <inertial> element");
     (problem, remedy)
-}
-
-/// What a closed surface holds [m³]; zero where that is but rounding.
-fn volume(mesh: &TriangleMesh) -> f64 {
-    let corners = mesh
-        .faces()
-        .map(|face| face.map(|corner| corner - mesh.center()));
-    let volume: f64 = corners.map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum();
-    let least = 1e-12 * mesh.half_extents().max_element().powi(3);
-    if volume.abs() > least { volume } else { 0.0 }
 }
 
 /// `None` for a surface that has to be closed, and is not, or holds nothing.

@@ -205,8 +205,9 @@ fn flags(section: &Element, report: &mut Report) -> Result<Vec<Attribute>, Forma
             element.word(&attribute.name, &["enable", "disable"])?;
         }
         if element.get("override") == Some("enable") {
-            let remedy = "set the contact parameters at the geoms";
-            report.note(element, "flag `override`", remedy);
+            let feature = "one surface for all contacts (flag `override`)";
+            let remedy = "remove the flag, and write the parameters at the geoms";
+            report.refuse(element, feature, remedy)?;
         }
         flags.extend(element.attributes.iter().cloned());
     }

@@ -74,7 +74,8 @@ pub(super) fn origin(element: &Element, report: &mut Report) -> Result<Pose, For
     Ok(Pose::new(position, turn))
 }
 
-/// A `<visual>` or `<collision>` as a shape; `None` where it was noted and left out.
+/// A `<visual>` or `<collision>` as a shape; `None` where it was noted and left out, as a visual is that no picture can
+/// show.
 pub(super) fn shape(
     element: &Element,
     looks: &Looks<'_>,
@@ -96,7 +97,7 @@ pub(super) fn shape(
     if collides && let Some(read) = looks.meshes.of(inner, &geometry)? {
         geometry = read;
     }
-    looks.meshes.locate(inner, &mut geometry, report);
+    looks.meshes.locate(&mut geometry);
     let pose = match geometry {
         Geometry::Cylinder { .. } | Geometry::Capsule { .. } => {
             frame * Pose::new(DVec3::ZERO, Y_TO_Z)
@@ -111,8 +112,8 @@ pub(super) fn shape(
         collides,
         ..Shape::new(geometry)
     };
-    looks.meshes.look_for(inner, &shape, report);
-    Ok(Some(shape))
+    let stays = collides || looks.meshes.can_show(inner, &shape, report);
+    Ok(stays.then_some(shape))
 }
 
 fn geometry(element: &Element, report: &mut Report) -> Result<Option<Geometry>, FormatError> {

@@ -3,6 +3,7 @@
 use super::geometry::{Looks, origin, shape};
 use crate::error::FormatError;
 use crate::inertia::{self, NOTHING};
+use crate::meshes::UNSEEN;
 use crate::report::Report;
 use crate::xml::Element;
 use model::{MassProperties, Shape};
@@ -51,25 +52,27 @@ fn child<'a>(element: &'a Element, name: &str) -> Result<&'a Element, FormatErro
         .ok_or_else(|| element.invalid(&format!("it has no <{name}>"), &format!("add <{name} …/>")))
 }
 
-/// Of opacity zero.
-const UNSEEN: [f32; 4] = [0.0; 4];
-
-/// The visual and collision shapes of a link. Only the visual ones are seen, if there are any.
+/// The visual and collision shapes of a link. Only the visual ones are seen, if there are any that can be.
 pub(super) fn shapes(
     link: &Element,
     looks: &Looks<'_>,
     report: &mut Report,
 ) -> Result<Vec<Shape>, FormatError> {
     report.check_attributes(link, &["name", "type"], &[])?;
-    let mut shapes = Vec::new();
+    let (mut shapes, mut elements) = (Vec::new(), Vec::new());
     for child in &link.children {
-        if ["visual", "collision"].contains(&child.name.as_str()) {
-            shapes.extend(shape(child, looks, report)?);
+        if ["visual", "collision"].contains(&child.name.as_str())
+            && let Some(shape) = shape(child, looks, report)?
+        {
+            shapes.push(shape);
+            elements.push(child);
         }
     }
-    if shapes.iter().any(|shape| !shape.collides) {
-        let collision = shapes.iter_mut().filter(|shape| shape.collides);
-        collision.for_each(|shape| shape.color = Some(UNSEEN));
+    let looks_otherwise = shapes.iter().any(|shape| !shape.collides);
+    for (shape, element) in shapes.iter_mut().zip(elements) {
+        if shape.collides && (looks_otherwise || !looks.meshes.can_show(element, shape, report)) {
+            shape.color = Some(UNSEEN);
+        }
     }
     Ok(shapes)
 }

@@ -14,7 +14,8 @@
 //! - Links without mass or inertia that are fixed to others are fused with them; names that are lost are listed.
 //! - Collision geometry collides, visual geometry is only seen. Mesh files are named, not read, unless
 //!   those that collide are asked for, exact or as hulls ([`Options::meshes`]). The package of a `package://`
-//!   path is a folder of its name, beside the file or above; where there is none, the path stays, with a warning.
+//!   path is a folder of its name, beside the file or above. Of a link whose visuals cannot be read, the collision
+//!   geometry is seen; meshes that cannot be are listed.
 //! - Elements of other programs that say nothing about the motion, as `<gazebo>` and `<transmission>`, are noted;
 //!   other ones, such as `<xacro:…>` that was not expanded, are refused unless lenient.
 

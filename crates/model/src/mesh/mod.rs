@@ -209,6 +209,16 @@ impl TriangleMesh {
         let ends = |edge: [u32; 2]| edge.map(|v| self.vertices()[v as usize]);
         edges.into_iter().map(ends).collect()
     }
+    /// What the surface holds [m³], where it is [closed](Self::is_closed): the sum of a · (b × c)/6 over its faces, negative
+    /// where they look inwards; zero where that is but rounding.
+    pub fn volume(&self) -> f64 {
+        let faces = self
+            .faces()
+            .map(|face| face.map(|corner| corner - self.center()));
+        let volume: f64 = faces.map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum();
+        let least = 1e-12 * self.half_extents().max_element().powi(3);
+        if volume.abs() > least { volume } else { 0.0 }
+    }
     /// Unit vector out of the surface at a triangle.
     ///
     /// Panics where there is no such triangle.

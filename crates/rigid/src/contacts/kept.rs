@@ -90,11 +90,15 @@ impl Kept {
             k.store(self.distance, s, 0, M::R::lit(FAR));
         }
     }
-    /// Forgets the contacts of the lanes of `lost`.
+    /// Forgets the contacts of the lanes of `lost`, whose numbers may be none.
     #[inline(always)]
     pub fn forget<M: Machine>(&self, k: &mut M, lost: <M::R as Real>::Mask) {
+        let zero = M::R::zero();
         for s in k.count(self.slots) {
             k.store_where(lost, self.distance, s, 0, M::R::lit(FAR));
+            for i in 0..row::WIDTH {
+                k.store_where(lost, self.row, s, i, zero);
+            }
         }
     }
     /// Copies the contacts to the output; of slots that are free, only that they are.
@@ -114,19 +118,32 @@ impl Kept {
     }
 }
 
-/// Copies torques of contacts to the output, where it has room for them.
+/// Copies torques of contacts to the output, where it has room for them; those of slots that are free are zero.
 #[inline(always)]
 pub(crate) fn report_torques<M: Machine>(
     k: &mut M,
-    kept: Table<State, 3>,
-    slots: usize,
+    kept: &Kept,
+    (torques, slots): (Table<State, 3>, usize),
     output: Option<Table<Output, 3>>,
 ) {
     if let Some(output) = output {
         for s in k.count(slots) {
-            let torque = k.vec3(kept, s, 0);
+            let torque = Vec3::select(kept.known(k, s), k.vec3(torques, s, 0), Vec3::zero());
             k.store_vec3(output, s, 0, torque);
         }
+    }
+}
+
+/// Forgets the torques of contacts of the lanes of `lost`.
+#[inline(always)]
+pub(crate) fn forget_torques<M: Machine>(
+    k: &mut M,
+    (torques, slots): (Table<State, 3>, usize),
+    lost: <M::R as Real>::Mask,
+) {
+    for s in k.count(slots) {
+        let torque = Vec3::select(lost, Vec3::zero(), k.vec3(torques, s, 0));
+        k.store_vec3(torques, s, 0, torque);
     }
 }
 

@@ -15,7 +15,7 @@ mod sensors;
 pub(crate) mod tables;
 
 pub(crate) use corners::Corners;
-pub(crate) use kept::{Kept, Touch, report_torques, touches};
+pub(crate) use kept::{Kept, Touch, forget_torques, report_torques, touches};
 use meshes::Meshes;
 pub use narrow_phase::MARGIN;
 pub(crate) use narrow_phase::{

@@ -201,11 +201,16 @@ impl Solid {
                 let half = mesh.half_extents();
                 (kind::MESH, half, half.length())
             }
-            Geometry::MeshFile { .. } => {
+            Geometry::MeshFile { ref file, .. } => {
+                let name = match (shape.name.as_str(), shape.body) {
+                    ("", Some(body)) => format!("{file}, of the body at row {}", body.0),
+                    ("", None) => format!("{file}, of the world"),
+                    (name, _) => name.to_owned(),
+                };
                 return Err(SolverError::Unsupported {
                     solver,
                     what: "contacts of the mesh",
-                    name: shape.name.clone(),
+                    name,
                     remedy: "have meshes read (--meshes exact, or --meshes hull for their convex hulls), \
                              use solids, let the shape not collide, or switch contacts off",
                 });

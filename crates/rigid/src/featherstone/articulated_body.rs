@@ -24,6 +24,7 @@
 //! A root that floats freely is solved at once, Iᴬ a = S⁻ᵀ τ − p.
 
 use super::contact;
+use super::friction;
 use super::kinematics::{Course, begins, newton_euler, visited, world_inertia};
 use super::limit;
 use super::tables::{Tables, arrival, carries, dof, frame, node, node_link, own};
@@ -36,10 +37,11 @@ use numbers::{Cell, Machine, Mat3, Real, Vec3};
 pub(crate) const TINY: f64 = 1e-20;
 
 /// Accelerations of all degrees of freedom into `dof::ACCELERATION`, and of all nodes, under
-/// contacts that are implicit over `h` [s], and [gyroscopic torques](crate::gyroscopic) that are over `implicit` [s].
+/// contacts that are implicit over `h` [s], and friction of joints and
+/// [gyroscopic torques](crate::gyroscopic) that are over `implicit` [s].
 ///
-/// Needs [`kinematics`](super::kinematics::kinematics), [`forces`](super::force::forces) and [`limit::begin`], and, where
-/// there are contacts, these found or recalled, and [`by_themselves`].
+/// Needs [`kinematics`](super::kinematics::kinematics), [`forces`](super::force::forces), [`limit::begin`] and [`friction::begin`],
+/// and, where there are contacts, these found or recalled, and [`by_themselves`].
 #[inline(always)]
 pub(crate) fn articulated_body<M: Machine, const CONTACTS: bool>(
     k: &mut M,
@@ -105,6 +107,9 @@ fn inwards<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables, h: M::R, imp
             let [tau, opposed] = k.read(t.dof, v, dof::TAU);
             let mut d = k.cell(s.dot_plus(u_vector, opposed));
             let mut u = k.cell((-s).dot_plus(p.get(), tau));
+            if t.forces.frictions > 0 {
+                friction::act(k, t, v, implicit, &mut u, &mut d);
+            }
             if t.forces.limits > 0 {
                 limit::act(k, t, v, &mut u, &mut d);
             }

@@ -50,8 +50,9 @@
 //!
 //! Departures from Coulomb's law: a point that sticks creeps with fₜ / cₜ, some 0.1 mm/s under its
 //! body's weight at 3 ms; in a step that needs more passes than there are, friction exceeds the cone
-//! by a few per cent, and a point may pull for that one step, with up to [`PULL`] weights. More would
-//! give a body that is drawn to the surface the energy of its way, so further passes let go of it.
+//! in the ratio of the slip found to that foreseen: of the points on which an ant under random controls presses, by more
+//! than 2 % at 31 % and by half at 3 %, with two passes. A point may pull for that one step, with up to [`PULL`] weights. More
+//! would give a body that is drawn to the surface the energy of its way, so further passes let go of it.
 //! A world in which a stop was taken for the wrong thing goes on once more: it errs by all of the stop's force.
 
 use super::gauss_seidel;

@@ -25,9 +25,6 @@ use numbers::machine::{Index, Links};
 use numbers::{Cell, Machine, Quat, Real, Table};
 use std::ops::Range;
 
-/// Speed [m/s or rad/s] below which dry friction turns into viscous creep.
-pub const FRICTION_SPEED: f64 = 1e-3;
-
 /// How many rows each kind of force needs.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ForceRows {
@@ -35,7 +32,8 @@ pub(crate) struct ForceRows {
     passive_end: usize,
     drives: usize,
     balls: usize,
-    frictions: usize,
+    /// Whether anything has dry friction.
+    rubs: bool,
     motors: usize,
     servos: usize,
 }
@@ -48,7 +46,6 @@ pub(crate) struct ForceTables {
     passive_end: usize,
     drives: usize,
     balls: usize,
-    frictions: usize,
     motors: usize,
     servos: usize,
     /// Damping, stiffness, rest.
@@ -68,9 +65,9 @@ pub(crate) struct ForceTables {
     ball: Table<Parameter, 4>,
     ball_links: Links<2>,
     ball_target: Table<State, 4>,
-    /// Dry friction.
-    friction: Table<Parameter>,
-    friction_links: Links,
+    /// Rows of `friction`: one for each degree of freedom, or none where nothing rubs.
+    pub(crate) frictions: usize,
+    pub(crate) friction: Table<Parameter>,
     /// Force per control, control range 2. Links: degree of freedom, actuator.
     motor: Table<Parameter, 3>,
     motor_links: Links<2>,
@@ -96,13 +93,9 @@ fn axes(model: &Model) -> impl Iterator<Item = (usize, usize, &model::Dof, bool)
         })
 }
 
-/// Coordinates that turn without end, and so are told within (−π, π]; the second ones are coupled, and count
-/// their turns.
-pub(crate) fn wrapping(model: &Model) -> (Vec<usize>, Vec<usize>) {
-    let joints = model.couplings.iter().flat_map(|c| [c.joint, c.other]);
-    let coupled: Vec<usize> = joints.map(|j| model.coordinate_range(j).start).collect();
-    let turning = axes(model).filter(|a| a.3).map(|a| a.0);
-    turning.partition(|q| !coupled.contains(q))
+/// Coordinates that turn without end, and so stay within (−π, π].
+pub(crate) fn wrapping(model: &Model) -> impl Iterator<Item = usize> {
+    axes(model).filter(|a| a.3).map(|a| a.0)
 }
 
 /// Degrees of freedom of ball and free rotations: (quaternion coordinate, first dof, dofs).
@@ -173,7 +166,7 @@ impl ForceRows {
             passive_end: last.map_or(0, |v| v + 1),
             drives: axes(model).filter(|a| driven(a.2)).count(),
             balls: balls(model).filter(|b| b.2.iter().any(driven)).count(),
-            frictions: all().filter(|d| d.friction_loss > 0.0).count(),
+            rubs: all().any(|d| d.friction_loss > 0.0),
             motors,
             servos: model.actuators.len() - motors,
         }
@@ -191,13 +184,13 @@ impl ForceTables {
     ) -> Self {
         let passives = rows.passive_end - rows.passive_begin;
         let limits = if passives > 0 { dofs } else { 0 };
+        let frictions = if rows.rubs { dofs } else { 0 };
         Self {
             dofs,
             passive_begin: rows.passive_begin,
             passive_end: rows.passive_end,
             drives: rows.drives,
             balls: rows.balls,
-            frictions: rows.frictions,
             motors: rows.motors,
             servos: rows.servos,
             passive: Table::place(parameters, passives),
@@ -211,8 +204,8 @@ impl ForceTables {
             ball: Table::place(parameters, rows.balls),
             ball_links: Links::place(links, rows.balls),
             ball_target: Table::place(state, rows.balls),
-            friction: Table::place(parameters, rows.frictions),
-            friction_links: Links::place(links, rows.frictions),
+            frictions,
+            friction: Table::place(parameters, frictions),
             motor: Table::place(parameters, rows.motors),
             motor_links: Links::place(links, rows.motors),
             servo: Table::place(parameters, rows.servos),
@@ -264,7 +257,6 @@ impl ForceTables {
     }
 
     fn fill_dofs(&self, model: &Model, h: f64, f: &mut Filler) {
-        let mut friction = 0;
         for (i, joint) in model.joints.iter().enumerate() {
             if joint.closes_loop {
                 continue;
@@ -285,10 +277,8 @@ impl ForceTables {
                     f.link(self.limit_links, v, 0, coordinate);
                     f.numbers(self.limit, v, 0, &limit::numbers(dof.limit.as_ref(), h));
                 }
-                if dof.friction_loss > 0.0 {
-                    f.link(self.friction_links, friction, 0, v);
-                    f.number(self.friction, friction, 0, dof.friction_loss);
-                    friction += 1;
+                if self.frictions > 0 {
+                    f.number(self.friction, v, 0, dof.friction_loss);
                 }
             }
         }
@@ -352,7 +342,7 @@ impl ForceTables {
     }
 }
 
-/// Sums all forces along the degrees of freedom but limits' into `dof::TAU` and the field after it,
+/// Sums all forces along the degrees of freedom but limits' and dry friction's into `dof::TAU` and the field after it,
 /// linearised over `h` [s].
 #[inline(always)]
 pub(crate) fn forces<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
@@ -366,7 +356,6 @@ pub(crate) fn forces<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     }
     drives(k, t, h);
     ball_drives(k, t, h);
-    frictions(k, t, h);
     motors(k, t);
     servos(k, t, h);
 }
@@ -385,7 +374,7 @@ fn add<M: Machine>(k: &mut M, t: &Tables, v: M::I, tau: M::R, implicit: M::R) {
     k.write(t.dof, v, dof::TAU, [sum + tau, opposing + implicit]);
 }
 
-/// Starts the sums with springs and dampers; limits are kept apart.
+/// Starts the sums with springs and dampers; limits and friction are kept apart.
 #[inline(always)]
 fn passives<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     let f = &t.forces;
@@ -480,18 +469,6 @@ fn ball_drives<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         add(k, t, v, tau.x, implicit);
         add(k, t, v.offset(1), tau.y, implicit);
         add(k, t, v.offset(2), tau.z, implicit);
-    }
-}
-
-/// Dry friction f as a damper f / |q̇|, taken implicitly: it stops, and never reverses, a motion.
-#[inline(always)]
-fn frictions<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
-    let f = &t.forces;
-    for i in k.count(f.frictions) {
-        let v = k.link(f.friction_links, i, 0);
-        let speed = k.load(t.velocity, v, 0);
-        let d = k.load(f.friction, i, 0) / speed.abs().max(M::R::lit(FRICTION_SPEED));
-        add(k, t, v, -(d * speed), h * d);
     }
 }
 

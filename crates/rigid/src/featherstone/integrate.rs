@@ -17,12 +17,14 @@ use super::Integrator;
 use super::articulated_body::{along, articulated_body, by_themselves};
 use super::contact;
 use super::force::{forces, smooth_targets};
+use super::friction;
 use super::gauss_seidel;
 use super::kinematics::kinematics;
 use super::limit;
 use super::locked;
 use super::report::gather;
 use super::tables::{Tables, dof, step};
+use crate::contacts::forget_torques;
 use crate::contacts::place_shapes;
 use numbers::functions::{finite, wrap};
 use numbers::machine::{Held, Hold, Index};
@@ -124,6 +126,7 @@ fn accelerate<M: Machine, const CONTACTS: bool>(
 fn settle<M: Machine>(k: &mut M, t: &Tables, h: M::R, implicit: M::R) {
     let zero = M::R::zero();
     limit::begin(k, t, implicit);
+    friction::begin(k, t);
     by_themselves(k, t, implicit);
     let mut pull = k.cell(zero);
     let mut stops = k.cell(zero);
@@ -134,12 +137,14 @@ fn settle<M: Machine>(k: &mut M, t: &Tables, h: M::R, implicit: M::R) {
             let wrong = contact::pulls(k, t, pull.read());
             contact::go_back(k, t, open, wrong);
             limit::go_back(k, t, open);
+            friction::hold(k, t);
         }
         articulated_body::<M, true>(k, t, h, implicit);
         let mut changes = k.cell(zero);
         stops.write(zero);
         contact::settle(k, t, h, &mut changes, &mut pull);
         limit::settle(k, t, &mut stops);
+        friction::settle(k, t, implicit, &mut changes);
         if let Some(_branch) = k.when(further) {
             stops.write(zero);
         }
@@ -282,7 +287,7 @@ fn save<M: Machine>(k: &mut M, t: &Tables) {
 /// Wraps free turns that nothing counts; a lane that has diverged, now or before, keeps its last finite state.
 #[inline(always)]
 fn guard<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
-    for i in k.count(t.forgetful) {
+    for i in k.count(t.wraps) {
         let q = k.link(t.wrap_links, i, 0);
         let wrapped = wrap(k.load(t.position, q, 0));
         k.store(t.position, q, 0, wrapped);
@@ -310,6 +315,9 @@ fn guard<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) {
     if let Some(_branch) = k.if_any(lost) {
         if CONTACTS {
             t.kept.forget(k, lost);
+            if t.grips {
+                forget_torques(k, (t.gripped, t.contacts.sensed), lost);
+            }
             locked::forget(k, t, lost);
         }
         for q in k.count(t.coordinates) {

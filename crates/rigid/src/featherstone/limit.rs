@@ -17,12 +17,13 @@
 //! the parent did not accelerate; further ones, while stops are wrong, go by the q̈ of the pass before.
 
 use super::articulated_body::{TINY, articulated_body};
+use super::friction;
 use super::tables::{Tables, dof};
 use crate::tables::UNBOUNDED;
 use model::Limit;
 use numbers::{Cell, Machine, Real};
 
-/// Passes at most for stops alone.
+/// Passes at most for stops and friction alone.
 const PASSES: usize = 5;
 
 /// Fields of [`Tables::stop`], a row for each degree of freedom.
@@ -78,7 +79,7 @@ pub(crate) fn act<M: Machine>(k: &mut M, t: &Tables, v: M::I, u: &mut M::Cell, d
     }
 }
 
-/// [`articulated_body`] under stops that agree with the accelerations found, as far as [`PASSES`] reach.
+/// [`articulated_body`] under stops and friction that agree with the accelerations found, as far as [`PASSES`] reach.
 #[inline(always)]
 pub(crate) fn under_stops<M: Machine, const CONTACTS: bool>(
     k: &mut M,
@@ -87,10 +88,13 @@ pub(crate) fn under_stops<M: Machine, const CONTACTS: bool>(
     implicit: M::R,
 ) {
     begin(k, t, implicit);
-    for _ in k.count(if t.forces.limits > 0 { PASSES } else { 1 }) {
+    friction::begin(k, t);
+    let guesses = t.forces.limits + t.forces.frictions > 0;
+    for _ in k.count(if guesses { PASSES } else { 1 }) {
         articulated_body::<M, CONTACTS>(k, t, h, implicit);
         let mut changes = k.cell(M::R::zero());
         settle(k, t, &mut changes);
+        friction::settle(k, t, implicit, &mut changes);
         if k.finished(changes.read().same(M::R::zero())) {
             break;
         }

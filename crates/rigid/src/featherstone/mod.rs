@@ -24,6 +24,7 @@ mod coupling;
 pub mod dynamics;
 mod factor;
 mod force;
+mod friction;
 mod gauss_seidel;
 mod integrate;
 mod kinematics;
@@ -37,7 +38,7 @@ mod wheel;
 
 use crate::output::body;
 use crate::{ContactTables, Kernels, Lengths, OutputTables, Settings, SolverError};
-pub use force::FRICTION_SPEED;
+pub use friction::FRICTION_SPEED;
 use model::{Model, ShapeId};
 use numbers::machine::space::State;
 use numbers::{Cpu, Machine, Shared, Table};
@@ -232,7 +233,7 @@ impl<const CONTACTS: bool> Kernels for ArticulatedBodies<CONTACTS> {
         state[self.tables.position.start()..][..position.len()].copy_from_slice(position);
         state[self.tables.velocity.start()..][..velocity.len()].copy_from_slice(velocity);
     }
-    fn push(&self, _: &[f64], velocity: &[f64], state: &mut [f64]) {
+    fn push(&self, _: &[f64], [_, velocity]: [&[f64]; 2], state: &mut [f64]) {
         state[self.tables.velocity.start()..][..velocity.len()].copy_from_slice(velocity);
     }
     fn targets(&self) -> Vec<Range<usize>> {

@@ -69,8 +69,8 @@ pub(crate) fn contacts<M: Machine, const CONTACTS: bool>(k: &mut M, t: &Tables) 
 #[inline(always)]
 fn report_touches<M: Machine>(k: &mut M, t: &Tables) {
     t.kept.report(k, t.output.contact);
-    let (slots, torques) = (t.contacts.sensed, t.output.contact_torque);
-    report_torques(k, t.gripped, slots, torques);
+    let torques = (t.gripped, t.contacts.sensed);
+    report_torques(k, &t.kept, torques, t.output.contact_torque);
 }
 
 /// Coordinates and velocities of joints only, which are the state.

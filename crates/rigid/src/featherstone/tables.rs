@@ -14,6 +14,7 @@ use super::couples::Couples;
 use super::coupling::{Coupled, CouplingTables};
 use super::factor::response;
 use super::force::{ForceRows, ForceTables, only_forces_act, wrapping};
+use super::friction::rubbing;
 use super::gauss_seidel::impulse;
 use super::limit::stop;
 use super::locked::LockedTables;
@@ -242,8 +243,6 @@ pub struct Tables {
     pub(crate) balls: usize,
     pub(crate) axes: usize,
     pub(crate) wraps: usize,
-    /// How many of the wraps hold in the state, too: those that are not coupled.
-    pub(crate) forgetful: usize,
     pub(crate) link_length: usize,
 
     /// Origin O of each tree.
@@ -277,6 +276,8 @@ pub struct Tables {
     pub(crate) turn_entry: Table<Scratch, 3>,
     /// Per degree of freedom: see [`stop`].
     pub(crate) stop: Table<Scratch, { stop::WIDTH }>,
+    /// Per degree of freedom: see [`rubbing`].
+    pub(crate) rubbing: Table<Scratch, { rubbing::WIDTH }>,
     /// Rows of the bodies of each slot, that of the shape that its normal points to last; one past
     /// the last body for the world.
     pub(crate) touching_links: Links<2>,
@@ -946,8 +947,7 @@ impl Tables {
             filler.link(tables.node_links, row, node_link::SLOT_BEGIN, slots.start);
             filler.link(tables.node_links, row, node_link::SLOT_END, slots.end);
         }
-        let (forgetful, counting) = wrapping(model);
-        for (row, coordinate) in forgetful.into_iter().chain(counting).enumerate() {
+        for (row, coordinate) in wrapping(model).enumerate() {
             filler.link(tables.wrap_links, row, 0, coordinate);
         }
         filler.vec3(tables.world, 0, 0, model.gravity);
@@ -977,10 +977,10 @@ impl Tables {
         }
     }
 
-    /// The same tree, whose limits do not act.
-    pub(crate) fn without_limits(&self) -> Self {
+    /// The same tree, whose limits and friction do not act.
+    pub(crate) fn unhindered(&self) -> Self {
         let mut tables = *self;
-        tables.forces.limits = 0;
+        (tables.forces.limits, tables.forces.frictions) = (0, 0);
         tables
     }
 
@@ -1008,8 +1008,7 @@ impl Tables {
         let hinges = all().filter(|m| m.kind == motion::REVOLUTE).count();
         let balls = all().filter(|m| m.kind == motion::BALL).count();
         let bodies = model.bodies.len();
-        let (forgetful, counting) = wrapping(model);
-        let (wraps, forgetful) = (forgetful.len() + counting.len(), forgetful.len());
+        let wraps = wrapping(model).count();
 
         let (mut s, mut p, mut l, mut t) = (0, 0, 0, 0);
         let position = Table::place(&mut s, coordinates);
@@ -1090,7 +1089,6 @@ impl Tables {
             balls,
             axes: motions - balls,
             wraps,
-            forgetful,
             point: Table::place(&mut t, trees),
             half_angle: Table::place(&mut t, motions),
             frame: Table::place(&mut t, rows),
@@ -1102,6 +1100,7 @@ impl Tables {
             turn_impulse: Table::place(&mut t, gripping(contacts.sensed)),
             turn_entry: Table::place(&mut t, gripping(couples.entries)),
             stop: Table::place(&mut t, dofs),
+            rubbing: Table::place(&mut t, forces.frictions),
             touching_links: Links::place(&mut l, contacts.slots),
             touch_links: Links::place(&mut l, contacts.sensed),
             couple_links: Links::place(&mut l, couples.couples.len()),

@@ -20,6 +20,7 @@ use model::{
 use numbers::machine::space::{Parameter, State as StateMemory};
 use numbers::{Cpu, Float, PerWorld, Table};
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 
 pub(super) const NAME: &str = "impulse";
 
@@ -426,25 +427,32 @@ impl Impulse {
         self.ties
             .place([position, velocity], &self.parameters, state);
     }
-    /// Gives the joints of a state, which have these coordinates, other velocities; all else in it stays. Bodies that move
-    /// then are awake.
-    pub fn push(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
-        let mut placed = state.to_vec();
-        self.place(position, velocity, &mut placed);
+    /// Changes the velocities of the joints of a state, which have these coordinates, from some to others; all else in it
+    /// stays, and what else bodies move by. Bodies that get faster or slower are awake.
+    pub fn push(&self, position: &[f64], velocities: [&[f64]; 2], state: &mut [f64]) {
+        let placed = velocities.map(|velocity| {
+            let mut placed = state.to_vec();
+            self.place(position, velocity, &mut placed);
+            placed
+        });
+        let gained = |i: usize| placed[1][i] - placed[0][i];
         for row in 1..self.rows() {
             let at = self.body_state(row);
-            for field in [state::VELOCITY, state::BEFORE] {
-                let moving = at + field..at + field + 6;
-                state[moving.clone()].copy_from_slice(&placed[moving]);
-            }
-            if state[at + state::VELOCITY..][..6] != [0.0; 6] {
+            let moving = at + state::VELOCITY..at + state::REST;
+            if moving.clone().any(|i| gained(i) != 0.0) {
                 state[at + state::REST] = 0.0;
             }
+            moving.for_each(|i| state[i] += gained(i));
         }
-        for tie in 0..self.ties() {
-            let rates = self.tied_rates(tie);
-            state[rates.clone()].copy_from_slice(&placed[rates]);
-        }
+        let rates = (0..self.ties()).flat_map(|tie| self.tied_rates(tie));
+        rates.for_each(|i| state[i] += gained(i));
+    }
+    /// Where in a state bodies and joints are and move, and have moved.
+    pub fn motion(&self) -> Vec<Range<usize>> {
+        let rows = (1..self.rows()).map(|row| self.body_state(row));
+        let bodies = rows.map(|at| at..at + state::REST);
+        let ties = (0..self.ties()).map(|tie| self.tied_state(tie));
+        bodies.chain(ties).collect()
     }
     /// Takes over bodies that stood and moved so, 13 numbers each: see [`body`].
     pub fn take_over(&self, bodies: &[f64], state: &mut [f64]) {

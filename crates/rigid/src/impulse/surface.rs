@@ -66,12 +66,19 @@ impl Impulse {
         }
     }
 
-    /// Gap [m] at which contact with a shape begins at most, be it by itself or by a pair's surface.
-    pub fn widest_margin<T: Float>(&self, shape: u32, parameters: &[T]) -> f64 {
+    /// Gaps [m] at which contacts with the colliding shapes begin at most, be it by themselves or by a pair's surface.
+    pub fn widest_margins<T: Float>(&self, parameters: &[T], margins: &mut Vec<f64>) {
         let of = |row| parameters[self.surface.at(row, field::MARGIN)].to_f64();
-        let pairs = self.paired.iter().filter(|pair| pair.0.contains(&shape));
-        let named = pairs.map(|pair| 0.5 * of(self.shapes.len() + pair.1));
-        named.fold(of(shape as usize).max(0.0), f64::max)
+        let shapes = self.shapes.len();
+        margins.clear();
+        margins.extend((0..shapes).map(|shape| of(shape).max(0.0)));
+        for (pair, row) in &self.paired {
+            let margin = 0.5 * of(shapes + row);
+            for shape in pair {
+                let widest = &mut margins[*shape as usize];
+                *widest = widest.max(margin);
+            }
+        }
     }
 
     /// Row of the surface that the model gives to a pair.

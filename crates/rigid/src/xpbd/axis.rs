@@ -14,10 +14,11 @@
 //! force pulls. In gimbal lock JᵀJ is damped.
 
 use super::joint::Ends;
-use super::tables::{Tables, axis_field, group_link, joint_field};
+use super::tables::{Tables, axis_field, axis_link, group_link, joint_field};
+use numbers::functions::wrap;
 use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::Spatial;
-use numbers::{Machine, Quat, Real, SymMat3, Vec3};
+use numbers::{Cell, Machine, Quat, Real, SymMat3, Vec3};
 
 /// Least determinant of JᵀJ; unit axes at right angles have 1, gimbal lock 0.
 const LEAST: f64 = 1e-6;
@@ -178,7 +179,7 @@ fn finish<M: Machine>(
     k.store(t.axis, row, axis_field::RATE, pull.rate(ends));
 }
 
-/// Measures the axes on which something acts, and remembers their values, so that turns count.
+/// Measures the axes on which something acts, and remembers their values, so that turns count where they do.
 #[inline(always)]
 pub(crate) fn track<M: Machine>(k: &mut M, t: &Tables) {
     for g in k.count(t.tracked) {
@@ -188,7 +189,12 @@ pub(crate) fn track<M: Machine>(k: &mut M, t: &Tables) {
         let count = count.plus(k.link(t.group_links, g, group_link::ANGULAR));
         for row in k.range(first, first.plus(count)) {
             let value = k.load(t.axis, row, axis_field::VALUE) - k.load(t.direction, row, 3);
-            k.store(t.angle, row, 0, value);
+            let mut kept = k.cell(value);
+            if let Some(_branch) = k.when(k.equals(k.link(t.axis_links, row, axis_link::TURNS), 1))
+            {
+                kept.write(wrap(value));
+            }
+            k.store(t.angle, row, 0, kept.read());
         }
     }
 }

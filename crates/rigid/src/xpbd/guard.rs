@@ -2,6 +2,7 @@
 
 use super::laws;
 use super::tables::{Tables, global};
+use crate::contacts::forget_torques;
 use numbers::functions::finite;
 use numbers::spatial::Spatial;
 use numbers::{Cell, Machine, Pose, Quat, Real, Vec3};
@@ -91,6 +92,9 @@ pub(crate) fn guard<M: Machine>(k: &mut M, t: &Tables, survey: &Survey<M>) {
         }
         if t.touches() {
             t.kept.forget(k, lost);
+            if t.grips {
+                forget_torques(k, (t.gripped, t.contacts.sensed), lost);
+            }
         }
     }
 }

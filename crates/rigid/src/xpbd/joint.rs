@@ -22,6 +22,8 @@ use numbers::{Machine, Mat3, Pose, Quat, Real, SymMat3, Vec3};
 
 /// Pivots below this are of a joint between immovable bodies [1/kg, 1/(kg·m²)].
 const TINY: f64 = 1e-18;
+/// A push beyond which there is no cap [kg·m]; its square fits f32.
+const MOST: f64 = 1e15;
 
 /// The two bodies of a joint and where it holds them.
 #[derive(Clone, Copy, Debug)]
@@ -199,17 +201,17 @@ pub(crate) fn closings<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
         let kind = k.link(t.joint_links, j, joint_link::HOLD);
         if let Some(_branch) = k.when(k.equals(kind, hold::POINT)) {
             let (arms, delta) = block.point(k, t);
-            let delta = capped(k, t, h, &ends, delta * strength);
+            let delta = capped(k, t, h, &ends, [lambda.linear, delta * strength]);
             pair.shove(ends, arms, delta, over_h);
         }
         if let Some(_branch) = k.when(k.equals(kind, hold::SLIDE)) {
             let (arms, delta) = block.slide(k, t);
-            let delta = capped(k, t, h, &ends, delta * strength);
+            let delta = capped(k, t, h, &ends, [lambda.linear, delta * strength]);
             pair.shove(ends, arms, delta, over_h);
         }
         if let Some(_branch) = k.when(k.equals(kind, hold::DISTANCE)) {
             let (arms, delta) = block.distance(k, t);
-            let delta = capped(k, t, h, &ends, delta * strength);
+            let delta = capped(k, t, h, &ends, [lambda.linear, delta * strength]);
             pair.shove(ends, arms, delta, over_h);
         }
         pair.ends(&start).store(k, t);
@@ -400,33 +402,49 @@ fn linear_block<R: Real, I: Index>(ends: &Ends<R, I>, ra: Vec3<R>, rb: Vec3<R>) 
     arm_inertia(ends.a.i, ra) + arm_inertia(ends.b.i, rb) + SymMat3::diagonal(ends.a.m + ends.b.m)
 }
 
-/// A linear multiplier within the force cap and the displacement cap. Counts where they bite.
+/// What a pass may add to a linear multiplier within the caps. Counts where they bite.
 #[inline(always)]
 fn capped<M: Machine>(
     k: &mut M,
     t: &Tables,
     h: M::R,
     ends: &Ends<M::R, M::I>,
-    delta: Vec3<M::R>,
+    [before, delta]: [Vec3<M::R>; 2],
 ) -> Vec3<M::R> {
     if !t.capped_at_all {
         return delta;
     }
-    let (world, size) = (k.index(0), delta.length());
-    let most = most(k, t, h, ends);
-    let over = size.gt(most);
+    let (world, one) = (k.index(0), M::R::one());
+    let share = within_caps(k, t, h, ends, [before, delta]);
+    let over = share.lt(one);
     if let Some(_branch) = k.if_any(over) {
-        let count = k.load(t.capped, world, 0) + M::R::one();
+        let count = k.load(t.capped, world, 0) + one;
         k.store_where(over, t.capped, world, 0, count);
     }
-    delta * M::R::select(over, most / size.max(M::R::lit(TINY)), M::R::one())
+    delta * share.min(one)
 }
 
-/// The most that a pass may push a pair of bodies by: within force cap and displacement cap.
+/// The share s by which a pass may push a pair of bodies by N, where the passes before have pushed by P; more than one
+/// where all of it is within the caps: |P + s N| ≤ h² × the force cap, |s N| ≤ the displacement cap over the bodies' 1/m.
 #[inline(always)]
-pub(crate) fn most<M: Machine>(k: &M, t: &Tables, h: M::R, ends: &Ends<M::R, M::I>) -> M::R {
-    let world = k.index(0);
+pub(crate) fn within_caps<M: Machine>(
+    k: &M,
+    t: &Tables,
+    h: M::R,
+    ends: &Ends<M::R, M::I>,
+    [p, n]: [Vec3<M::R>; 2],
+) -> M::R {
+    let (world, zero, tiny) = (k.index(0), M::R::zero(), M::R::lit(TINY));
     let by_force = k.load(t.global, world, global::FORCE_CAP) * h.squared();
-    let weight = (ends.a.m + ends.b.m).max(M::R::lit(TINY));
-    by_force.min(k.load(t.global, world, global::DISPLACEMENT_CAP) / weight)
+    let weight = (ends.a.m + ends.b.m).max(tiny);
+    let by_shift = k.load(t.global, world, global::DISPLACEMENT_CAP) / weight;
+    // Alone, N is within the cap by as much as it is shorter; after P, s solves |P + s N|² = cap².
+    let alone = by_force / n.length().max(tiny);
+    let (nn, pn) = (n.length_squared().max(tiny), p.dot(n));
+    let most = by_force.min(M::R::lit(MOST));
+    let left = (most.squared() - p.length_squared()).max(zero);
+    let after = ((pn.squared() + nn * left).sqrt() - pn) / nn;
+    let first = p.length_squared().same(zero);
+    let by_force = M::R::select(first, alone, after);
+    by_force.min(by_shift / n.length().max(tiny))
 }

@@ -366,6 +366,14 @@ impl LawTables {
             state[at] = velocity[v];
         }
     }
+    /// Where in the state those speeds are.
+    pub(crate) fn speeds(&self) -> [Range<usize>; 2] {
+        let (stops, geared) = (self.limit_speed, self.armature_speed);
+        [
+            stops.start()..stops.at(self.limits, 0),
+            geared.start()..geared.at(self.armatures, 0),
+        ]
+    }
 }
 
 /// What is geared to the axes is as fast as a pass leads it to be, θ̇ + q/h. Needs the bodies as they were before the pass.
@@ -787,7 +795,7 @@ pub(crate) fn smooth_balls<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     }
 }
 
-/// One rigid row over two joints: θ − offset − ratio θ_other = 0.
+/// One rigid row over two joints: θ − offset − ratio θ_other = 0, while both act.
 ///
 /// The bodies of both joints are weighed as if none were shared; where one is,
 /// the row converges over iterations and substeps instead of at once.
@@ -802,12 +810,18 @@ fn solve_coupling<M: Machine>(k: &mut M, t: &Tables, i: M::I, h: M::R) {
     let (end, weight) = reach(k, t, one, h);
     let (other_end, other_weight) = reach(k, t, other, h);
     let c = end - offset - ratio * other_end;
-    let lambda = -(c / ratio
-        .squared()
-        .fma(other_weight, weight)
-        .max(M::R::lit(1e-30)));
+    let acts = enabled(k, t, one) * enabled(k, t, other);
+    let weight = ratio.squared().fma(other_weight, weight);
+    let lambda = -(acts * c / weight.max(M::R::lit(1e-30)));
     pull_axis(k, t, one, lambda, h);
     pull_axis(k, t, other, -(ratio * lambda), h);
+}
+
+/// 1 for an axis of a joint that acts, else 0.
+#[inline(always)]
+fn enabled<M: Machine>(k: &M, t: &Tables, axis: M::I) -> M::R {
+    let joint = k.link(t.axis_links, axis, axis_link::JOINT);
+    k.load(t.joint, joint, joint_field::ENABLED)
 }
 
 /// Where an axis's coordinate will be at the end of the substep, and its inverse mass.

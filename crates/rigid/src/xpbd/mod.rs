@@ -66,7 +66,7 @@ use guard::{Survey, guard};
 use model::{Model, ShapeId};
 use numbers::machine::Index;
 use numbers::spatial::Spatial;
-use numbers::{Cell, Machine, Real};
+use numbers::{Cell, Machine, Pose, Real};
 use std::ops::Range;
 pub use tables::Tables;
 use tables::{NAME, global, motion};
@@ -120,6 +120,24 @@ impl Xpbd {
     }
 }
 
+impl Xpbd {
+    /// Where in the state the bodies are, how they move, and how they did before the last substep.
+    fn bodies_in_state(&self) -> [Range<usize>; 3] {
+        let Tables {
+            rows,
+            pose,
+            twist,
+            before,
+            ..
+        } = self.tables;
+        [
+            pose.start()..pose.at(rows, 0),
+            twist.start()..twist.at(rows, 0),
+            before.start()..before.at(rows, 0),
+        ]
+    }
+}
+
 impl Kernels for Xpbd {
     const TOUCHES: bool = true;
     const MANY_REGISTERS: bool = false;
@@ -168,12 +186,26 @@ impl Kernels for Xpbd {
             .count_turns(position, &self.parameters, &self.links, state);
         self.tables.laws.set_speeds(velocity, &self.links, state);
     }
-    fn push(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
-        let mut placed = state.to_vec();
-        self.place(position, velocity, &mut placed);
-        let twists = self.tables.twist.start()..self.tables.twist.at(self.tables.rows, 0);
-        state[twists.clone()].copy_from_slice(&placed[twists]);
-        self.tables.laws.set_speeds(velocity, &self.links, state);
+    fn push(&self, position: &[f64], velocities: [&[f64]; 2], state: &mut [f64]) {
+        let placed = velocities.map(|velocity| {
+            let mut placed = state.to_vec();
+            self.place(position, velocity, &mut placed);
+            placed
+        });
+        let [_, twists @ ..] = self.bodies_in_state();
+        let speeds = self.tables.laws.speeds();
+        for i in twists.into_iter().chain(speeds).flatten() {
+            state[i] += placed[1][i] - placed[0][i];
+        }
+    }
+    fn motion(&self) -> Vec<Range<usize>> {
+        let Tables {
+            axes, angle, laws, ..
+        } = self.tables;
+        let mut motion = Vec::from(self.bodies_in_state());
+        motion.push(angle.start()..angle.at(axes, 0));
+        motion.extend(laws.speeds());
+        motion
     }
     fn targets(&self) -> Vec<Range<usize>> {
         self.tables.laws.targets()
@@ -229,6 +261,7 @@ impl Kernels for Xpbd {
 fn substep<M: Machine>(k: &mut M, t: &Tables) {
     let h = k.load(t.global, k.index(0), global::STEP);
     clear(k, t);
+    reaction::unburden(k, t);
     axis::track(k, t);
     body::fly(k, t, h);
     force::forces(k, t, h);
@@ -339,9 +372,14 @@ fn close<M: Machine>(k: &mut M, t: &Tables, h: M::R) {
     joint::closings(k, t, h);
 }
 
-/// Nothing has been pushed yet. What only one pass of the tree pushes, that overwrites.
+/// Nothing has been pushed yet, and the world stands. What only one pass of the tree pushes, that overwrites.
 #[inline(always)]
 fn clear<M: Machine>(k: &mut M, t: &Tables) {
+    let world = k.index(0);
+    k.store_pose(t.saved_pose, world, 0, Pose::identity());
+    if t.presses() {
+        k.store_spatial(t.unpushed, world, 0, Spatial::zero());
+    }
     for c in k.count(t.closings) {
         k.store_spatial(t.multiplier, c, 0, Spatial::zero());
     }

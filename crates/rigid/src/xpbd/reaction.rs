@@ -2,15 +2,13 @@
 //!
 //! A joint passes on what moves all bodies beyond it: λ = Σ M δ over the subtree.
 
-use super::joint::{Ends, most};
-use super::tables::{Tables, inbound, joint_field, mass, row_link};
+use super::joint::{Ends, within_caps};
+use super::tables::{Tables, borne, inbound, joint_field, mass, row_link};
 use super::tree::about_centre;
 use numbers::machine::Index;
 use numbers::spatial::Spatial;
-use numbers::{Cell, Machine, Real};
+use numbers::{Cell, Machine, Real, Vec3};
 
-/// Pushes below this are none [kg·m].
-const TINY: f64 = 1e-30;
 /// A cap that takes away less than this share has been met.
 const NEARLY: f64 = 1.0 - 1e-5;
 
@@ -51,6 +49,16 @@ pub(crate) fn through<M: Machine>(
     Spatial::new(f.angular - arm.cross(f.linear), f.linear)
 }
 
+/// Starts a substep, in which no joint has borne anything yet.
+#[inline(always)]
+pub(crate) fn unburden<M: Machine>(k: &mut M, t: &Tables) {
+    if t.capped_at_all {
+        for row in k.count(t.rows) {
+            k.store_vec3(t.borne, row, borne::BEFORE, Vec3::zero());
+        }
+    }
+}
+
 /// Starts a pass with all joints correcting their whole error.
 #[inline(always)]
 pub(crate) fn uncap<M: Machine>(k: &mut M, t: &Tables) {
@@ -74,9 +82,9 @@ pub(crate) fn cap<M: Machine>(k: &mut M, t: &Tables, h: M::R) -> <M::R as Real>:
             if let Some(_branch) = k.when(k.less(kind, k.index(inbound::ROOT))) {
                 let force = through(k, t, row, about_centre(k, t, row)).linear;
                 let ends = Ends::load(k, t, k.link(t.row_links, row, row_link::JOINT));
-                let most = most(k, t, h, &ends);
-                let size = force.length().max(M::R::lit(TINY));
-                let less = most / size;
+                let before = k.vec3(t.borne, row, borne::BEFORE);
+                k.store_vec3(t.borne, row, borne::NOW, force);
+                let less = within_caps(k, t, h, &ends, [before, force]);
                 let met = less.gt(M::R::lit(NEARLY));
                 let less = M::R::select(met, M::R::one(), less);
                 k.store(t.share, row, 0, k.load(t.share, row, 0) * less);
@@ -87,7 +95,7 @@ pub(crate) fn cap<M: Machine>(k: &mut M, t: &Tables, h: M::R) -> <M::R as Real>:
     worst.read().same(M::R::one())
 }
 
-/// Counts the joints that a cap held back in a pass.
+/// Counts the joints that a cap held back in a pass, and adds up what all have borne.
 #[inline(always)]
 pub(crate) fn count_capped<M: Machine>(k: &mut M, t: &Tables) {
     if t.capped_at_all {
@@ -96,6 +104,8 @@ pub(crate) fn count_capped<M: Machine>(k: &mut M, t: &Tables) {
             let held = k.load(t.share, row, 0).lt(M::R::lit(NEARLY));
             let one = M::R::select(held, M::R::one(), M::R::zero());
             k.add(t.capped, world, 0, one);
+            let sum = k.vec3(t.borne, row, borne::BEFORE) + k.vec3(t.borne, row, borne::NOW);
+            k.store_vec3(t.borne, row, borne::BEFORE, sum);
         }
     }
 }

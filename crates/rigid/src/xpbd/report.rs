@@ -43,8 +43,8 @@ pub(crate) fn contacts<M: Machine>(k: &mut M, t: &Tables) {
     motion(k, t);
     if t.touches() {
         t.kept.report(k, t.output.contact);
-        let torques = t.output.contact_torque;
-        report_torques(k, t.gripped, t.contacts.sensed, torques);
+        let torques = (t.gripped, t.contacts.sensed);
+        report_torques(k, &t.kept, torques, t.output.contact_torque);
     }
 }
 

@@ -142,6 +142,13 @@ pub(crate) mod hinge {
     pub const WIDTH: usize = 9;
 }
 
+/// Fields of [`Tables::borne`]: h² times the force of a joint [kg·m], in the passes before and in the present one.
+pub(crate) mod borne {
+    pub const BEFORE: usize = 0;
+    pub const NOW: usize = 3;
+    pub const WIDTH: usize = 6;
+}
+
 /// Fields of [`Tables::axis_links`].
 pub(crate) mod axis_link {
     /// Row of the joint.
@@ -296,6 +303,8 @@ pub struct Tables {
     pub(crate) way: Table<Scratch, 6>,
     /// Per row: which share of its error a joint corrects, so as to stay within the caps.
     pub(crate) share: Table<Scratch>,
+    /// Per row, where there are caps: what its joint has borne; see [`borne`].
+    pub(crate) borne: Table<Scratch, { borne::WIDTH }>,
     /// Per row: what it carries has passed on to it, about its centre.
     pub(crate) load: Table<Scratch, 6>,
     pub(crate) contacts: ContactTables,
@@ -464,6 +473,7 @@ impl Tables {
         let (presses, jointed) = (contacts.sensed > 0, jointed(model));
         let grips = plan.grips(model);
         let output = OutputTables::new(model).with_contacts(contacts.slots);
+        let capped_at_all = settings.displacement_cap.is_finite() || settings.force_cap.is_finite();
         Self {
             rows,
             bodies: model.bodies.len(),
@@ -479,7 +489,7 @@ impl Tables {
             sweeps: settings.contact_iterations,
             jointed,
             grips,
-            capped_at_all: settings.displacement_cap.is_finite() || settings.force_cap.is_finite(),
+            capped_at_all,
             pose: Table::place(&mut s, rows),
             twist: Table::place(&mut s, rows),
             before: Table::place(&mut s, rows),
@@ -526,6 +536,7 @@ impl Tables {
             carried: Table::place(&mut t, rows),
             way: Table::place(&mut t, rows),
             share: Table::place(&mut t, rows),
+            borne: Table::place(&mut t, if capped_at_all { rows } else { 0 }),
             load: Table::place(&mut t, rows),
             contacts,
             touching: Table::place(&mut t, contacts.sensed),

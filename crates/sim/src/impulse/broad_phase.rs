@@ -27,6 +27,8 @@ pub(super) struct Candidate {
 #[derive(Debug, Default)]
 pub(super) struct BroadPhase {
     boxes: Vec<Aabb>,
+    /// Gaps [m] at which contacts with shapes begin at most.
+    margins: Vec<f64>,
     /// With each pair, what both [`Odometers`] show when they could touch [m].
     pairs: PairCache<f64>,
     odometers: Odometers,
@@ -49,8 +51,10 @@ impl BroadPhase {
         part: usize,
         found: &mut Vec<Candidate>,
     ) -> Result<(), SpaceError> {
+        impulse.widest_margins(parameters, &mut self.margins);
+        let margins = &self.margins;
         let around = |(i, shape): (usize, &Placed<T>)| {
-            let grown = impulse.widest_margin(i as u32, parameters) + NEARBY;
+            let grown = margins[i] + NEARBY;
             if impulse.shapes()[i].kind == kind::PLANE {
                 Aabb::new(Vec3::NEG_INFINITY, Vec3::INFINITY)
             } else {

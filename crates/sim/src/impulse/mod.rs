@@ -186,8 +186,11 @@ impl<T: Float> Engine<T> for Piles<T> {
     fn place(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
         self.impulse.place(position, velocity, state);
     }
-    fn push(&self, position: &[f64], velocity: &[f64], state: &mut [f64]) {
-        self.impulse.push(position, velocity, state);
+    fn push(&self, position: &[f64], velocities: [&[f64]; 2], state: &mut [f64]) {
+        self.impulse.push(position, velocities, state);
+    }
+    fn motion(&self) -> Vec<Range<usize>> {
+        self.impulse.motion()
     }
     fn targets(&self) -> Vec<Range<usize>> {
         self.impulse.targets()

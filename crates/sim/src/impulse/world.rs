@@ -317,6 +317,7 @@ impl<T: Float> World<'_, T> {
         w.rows.resize(impulse.rows());
         w.rows.store(0, row::ORIENTATION + 3, T::one());
         w.sleep.clear(impulse.rows());
+        let may_sleep = impulse.settings().sleep_speed > 0.0;
         let (rows, wrenches, part) = (&w.rows, &w.wrenches, self.part(impulse.rows()));
         let bodies = w.sleep.bodies(part).enumerate().skip(1);
         bodies.for_each(|(body, (asleep, rest))| {
@@ -327,7 +328,7 @@ impl<T: Float> World<'_, T> {
             // What is pushed does not sleep.
             if wrenches[body] == [T::zero(); 6] {
                 *rest = from[state::REST].to_f64();
-                *asleep = *rest >= SLEEP_AFTER;
+                *asleep = may_sleep && *rest >= SLEEP_AFTER;
             }
             if *asleep {
                 rows.write(body, row::ACCELERATION, &[T::zero(); 6]);
@@ -517,6 +518,8 @@ impl<T: Float> World<'_, T> {
             for (i, x) in to[state::VELOCITY..][..6].iter_mut().enumerate() {
                 *x = rows.load(body, row::VELOCITY + i);
             }
+            // Where things may sleep, `rest` counts on.
+            to[state::REST] = T::zero();
         });
     }
 }

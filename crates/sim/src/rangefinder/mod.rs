@@ -174,14 +174,10 @@ impl<T: Float> Simulation<T> {
         Ok(())
     }
 
-    /// Models are compared once, where they are not the same in memory.
     fn recognise(&self, finder: &mut Rangefinder<T>) -> Result<(), SimulationError> {
         length("worlds of the rangefinder", finder.worlds, self.worlds())?;
-        if !Arc::ptr_eq(&finder.model, self.model()) {
-            if *finder.model != **self.model() {
-                return Err(SimulationError::OtherModel("rangefinder is"));
-            }
-            finder.model = Arc::clone(self.model());
+        if !self.recognises(&mut finder.model) {
+            return Err(SimulationError::OtherModel("rangefinder is"));
         }
         Ok(())
     }

@@ -71,6 +71,34 @@ fn angular_compliance_is_turn_over_torque() {
     close("torque", torque.z, m * G * l * found.cos(), 1.5 * change);
 }
 
+/// However many passes share it out, joints of trees and of loops bear no more than the cap.
+#[test]
+fn force_cap_holds_over_passes() {
+    let m = 2.0;
+    for closes_loop in [false, true] {
+        let mut world = Builder::new("hook");
+        let object = world.object("");
+        let weight = body(object, "weight", m, DVec3::ZERO, DVec3::splat(0.1));
+        if closes_loop {
+            object.free("free", weight);
+        }
+        object.fixed("hook", weight).closes_loop(closes_loop);
+        let model = world.build().unwrap();
+        for iterations in [2, 5] {
+            let mut settings = XPBD.settings(1, H);
+            (settings.step.force_cap, settings.step.iterations) = (0.6 * m * G, iterations);
+            let mut simulation = Simulation::<f64>::new(model.clone(), settings).unwrap();
+            simulation.step(1000);
+            let outputs = simulation.outputs();
+            let fallen = 0.4 * G * H * H * 1000.0 * 1001.0 / 2.0;
+            let place = outputs.body_position(0, BodyId(0));
+            let name = format!("{closes_loop} {iterations}");
+            near(&name, place, DVec3::NEG_Y * fallen, 1e-9);
+            assert!(outputs.capped(0) >= 1000);
+        }
+    }
+}
+
 /// A weight hangs from a fixed joint with a force cap of 0.6 of its weight: it falls by the rest, and
 /// every substep is reported. A cap above the weight is never felt.
 #[test]

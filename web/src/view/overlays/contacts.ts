@@ -77,7 +77,25 @@ export class ContactPoints implements Overlay {
   }
 }
 
-/** Arrows of the forces at contacts. One as long as an ordinary body is wide is an ordinary body's weight. */
+/** Weight of an ordinary tree [N]: of a body that no other carries, and all that it carries. */
+export function ordinaryWeight({ bodies, joints }: Scene): number {
+  const masses = new Map<number, number>();
+  for (let row = 0; row < bodies.length; row++) {
+    const { dynamic, mass } = bodies[row];
+    if (!dynamic) continue;
+    let root = row;
+    let carrier = joints[bodies[root].joint]?.parent ?? -1;
+    while (carrier >= 0 && bodies[carrier].dynamic) {
+      root = carrier;
+      carrier = joints[bodies[root].joint]?.parent ?? -1;
+    }
+    masses.set(root, (masses.get(root) ?? 0) + mass);
+  }
+  const sorted = [...masses.values()].sort((a, b) => a - b);
+  return GRAVITY * (sorted[sorted.length >> 1] ?? 1) || GRAVITY;
+}
+
+/** Arrows of the forces at contacts. One as long as an ordinary body is wide is an ordinary tree's weight. */
 export class ContactForces implements Overlay {
   readonly object = new Group();
   private readonly shaft = new CylinderGeometry(1, 1, 1, 10).translate(0, 0.5, 0);
@@ -89,9 +107,7 @@ export class ContactForces implements Overlay {
 
   constructor(scene: Scene) {
     this.object.add(this.shafts, this.tips);
-    const masses = scene.bodies.filter((body) => body.dynamic).map((body) => body.mass);
-    masses.sort((a, b) => a - b);
-    this.weight = GRAVITY * (masses[masses.length >> 1] ?? 1) || GRAVITY;
+    this.weight = ordinaryWeight(scene);
   }
 
   draw({ frame: { contacts }, poses, measures }: Moment): void {
@@ -110,7 +126,7 @@ export class ContactForces implements Overlay {
       at.fromArray(poses.shifts, 3 * contacts[c]);
       at.set(at.x + contacts[c + 1], at.y + contacts[c + 2], at.z + contacts[c + 3]);
       force.fromArray(contacts, c + 4);
-      const length = Math.min((2 * measures.body * force.length()) / this.weight, 4 * measures.world);
+      const length = Math.min((2 * measures.body * force.length()) / this.weight, measures.world);
       turn.setFromUnitVectors(UP, force.normalize());
       const thick = Math.min(width, 0.1 * length);
       const head = Math.min(0.4 * length, 6 * thick);

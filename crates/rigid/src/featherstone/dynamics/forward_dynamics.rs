@@ -7,6 +7,7 @@
 use super::tables::DynamicsTables;
 use crate::featherstone::articulated_body::articulated_body;
 use crate::featherstone::force::{bare, forces, smooth_targets};
+use crate::featherstone::friction;
 use crate::featherstone::kinematics::kinematics;
 use crate::featherstone::limit;
 use crate::featherstone::tables::{Tables, dof};
@@ -23,7 +24,7 @@ pub(crate) fn forward_dynamics<M: Machine>(k: &mut M, t: &Tables) {
         bare(k, t, v);
     }
     let now = M::R::zero();
-    articulated_body::<M, false>(k, &t.without_limits(), now, now);
+    articulated_body::<M, false>(k, &t.unhindered(), now, now);
     for v in k.count(t.dofs) {
         let x = k.load(t.dof, v, dof::ACCELERATION);
         k.store(t.output.acceleration, v, 0, x);
@@ -39,6 +40,9 @@ pub(crate) fn applied_forces<M: Machine>(k: &mut M, t: &Tables, d: &DynamicsTabl
         let mut tau = k.load(t.dof, v, dof::TAU);
         if t.forces.limits > 0 {
             tau += limit::at_rest(k, t, v);
+        }
+        if t.forces.frictions > 0 {
+            tau += friction::at_rest(k, t, v);
         }
         k.store(d.force, v, 0, tau);
     }
