@@ -208,8 +208,8 @@ class Simulation(Strict):
     Raises `SimulationError` for settings out of range and models that the solver cannot take. Calls that fail leave
     the simulation as it was. One thread at a time may call it: others get `BusyError`. While the engine computes,
     Python's lock is free. It can be pickled and copied: model, settings, states, controls, parameters, what it
-    watches and a subclass's own attributes come along. A process that was forked after it was made cannot use it, and
-    gets `ForkedError`.
+    watches and a subclass's own attributes come along, events that were not fetched do not. A process that was forked
+    after it was made cannot use it, and gets `ForkedError`.
 
     >>> import kinetarium as kn
     >>> sim = kn.Simulation(kn.examples.n_pendula(3), worlds=64, dt=0.002)

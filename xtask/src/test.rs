@@ -244,8 +244,13 @@ fn cameras(workshop: &Workshop) -> Result<()> {
 
 /// What is left out on Mesa's driver: it takes 40 s and more to compile each but the last, and the others have most of their
 /// kernels; the last does not agree there (ARCHITECTURE.md, "Graphics cards"). CUDA's stand-in takes all.
-const NOT_ON_MESA: [&str; 11] = [
+const NOT_ON_MESA: [&str; 16] = [
     "agreement::stones",
+    "piles::solids_on_meshes",
+    "piles::meshes_on_meshes",
+    "scenes::collide",
+    "scenes::dominoes",
+    "scenes::room",
     "scenes::tower",
     "scenes::pyramid",
     "scenes::card_house",
@@ -276,9 +281,11 @@ fn gpu(workshop: &Workshop) -> Result<()> {
 }
 
 /// Tests of piles on what stands in for CUDA's driver: g++ compiles all kernels for each of them, half a minute long.
-const PILES_BY_CUDA: [&str; 3] = [
+const PILES_BY_CUDA: [&str; 5] = [
     "piles::a_world_that_diverges_harms_no_other",
     "piles::joints_agree_with_the_processor",
+    "piles::solids_on_meshes",
+    "piles::meshes_on_meshes",
     "reports::what_is_told_of_joints_is_what_the_processor_tells",
 ];
 

@@ -13,7 +13,7 @@
 use crate::convex::{Direction, ascend, size};
 use crate::gjk::Cores;
 use crate::overlap::{self, Witness};
-use crate::{Manifold, Placed, Solid, Tables};
+use crate::{LEANING, Manifold, Placed, Solid, Tables};
 use numbers::machine::{Held, Hold};
 use numbers::{Cell, Machine, Mask, Real, Vec3};
 
@@ -62,6 +62,7 @@ pub fn box_box<M: Machine>(
         gap: gap.read(),
         radii: [M::R::zero(); 2],
         stands: <M::R as Real>::Mask::splat(true),
+        leaning: LEANING,
     };
     overlap::manifold(k, &cores, &witness)
 }

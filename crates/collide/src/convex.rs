@@ -19,7 +19,7 @@
 use crate::gjk::{self, Cores};
 use crate::overlap::{self, Witness};
 use crate::support::radius;
-use crate::{FAR, Manifold, Point, Solid, Tables};
+use crate::{FAR, LEANING, Manifold, Point, Solid, Tables};
 use numbers::machine::{Held, Hold};
 use numbers::{Cell, Float, Known, LanesMask, Machine, Mask, Real, Vec3};
 
@@ -58,6 +58,7 @@ pub fn convex_convex<M: Machine>(
         gap,
         radii: [radius(k, a), radius(k, b)],
         stands: <M::R as Real>::Mask::splat(true),
+        leaning: LEANING,
     };
     overlap::manifold(k, &cores, &witness)
 }

@@ -25,8 +25,9 @@
 //! [box](Form::finite_plane).
 //!
 //! # Limits
-//! - Solids within [`FLAT`] of parallel count as parallel: their points may be off by that angle. Faces and edges of solids
-//!   that lean on each other by more touch in their deepest one or two points alone; those on a plane have all theirs.
+//! - Solids within [`FLAT`] of parallel count as parallel: their points may be off by that angle. Faces and edges that
+//!   lean by up to 0.2 rad touch with all that they overlap in, each point as deep as it is; those of meshes only where
+//!   they touch planes, on other solids they touch in their deepest one or two points.
 //! - Where solids overlap by more than a tenth of the smaller one, the way out is not the
 //!   shortest in up to one of a hundred poses; its depth is right for its normal in any case.
 //! - A mesh is touched from its front, by solids whose origin is in front of the triangle, and by the

@@ -10,9 +10,9 @@
 //! by a distance that rounding cannot make up.
 
 use crate::gjk::Cores;
-use crate::outline::{Height, outline, tangents};
+use crate::outline::{Height, View, outline, tangents};
 use crate::tables::CORNERS;
-use crate::{FAR, Manifold, Point, Tables};
+use crate::{FAR, FLAT, Manifold, Point, Tables};
 use numbers::machine::Index;
 use numbers::{Cell, Machine, Mat3, Real, Vec3};
 
@@ -20,6 +20,8 @@ use numbers::{Cell, Machine, Mat3, Real, Vec3};
 const WIDENED: (f64, f64) = (2e-4, 2e-6);
 /// Points closer than this many widenings are one.
 const MERGED: f64 = 4.0;
+/// A gap that is larger by this many mergings than that of the witness, [`FLAT`] of the smaller solid, is not the least.
+const MISSED: f64 = FLAT / (WIDENED.0 * MERGED);
 /// What a length counts for against a gap in the choice of the first point: enough to keep the
 /// choice where gaps are even, too little to miss the deepest where they are not.
 const KEPT: f64 = 1e-3;
@@ -36,6 +38,8 @@ pub(crate) struct Witness<R: Real> {
     pub radii: [R; 2],
     /// Whether the solids touch where the point is, even if nothing overlaps along the normal.
     pub stands: R::Mask,
+    /// By what angle faces and edges may lean and still touch whole [rad].
+    pub leaning: f64,
 }
 
 /// The manifold of two solids along the normal of the witness.
@@ -50,10 +54,21 @@ pub(crate) fn manifold<M: Machine>(
     let [u, _] = tangents(a.placed.local_direction(n));
     let u = a.placed.direction(u);
     let frame = Mat3::from_columns(u, n.cross(u), n);
+    let from_a = View {
+        out: n,
+        center: Vec3::zero(),
+        frame,
+        leaning: witness.leaning,
+    };
+    let from_b = View {
+        out: -n,
+        center: cores.offset,
+        ..from_a
+    };
     let (row_a, row_b) = (k.index(0), k.index(9));
     let faces = [
-        outline(k, tables, a, Vec3::zero(), n, &frame, row_a),
-        outline(k, tables, b, cores.offset, -n, &frame, row_b),
+        outline(k, tables, a, &from_a, row_a),
+        outline(k, tables, b, &from_b, row_b),
     ];
     let (size_a, size_b) = (a.placed.size.length(), b.placed.size.length());
     let (small, large) = (size_a.min(size_b), size_a.max(size_b));
@@ -66,12 +81,17 @@ pub(crate) fn manifold<M: Machine>(
         gap: M::R::select(witness.stands, witness.gap, M::R::lit(FAR)),
         feature: M::R::zero(),
     };
-    let chosen = choose(k, tables, wide * M::R::lit(MERGED), fallback);
+    let (found, chosen) = choose(k, tables, wide * M::R::lit(MERGED), fallback);
     let mut points = [Point::unused(); 4];
     for i in 0..4 {
         let Candidate { x, y, gap, feature } = chosen[i];
         let [radius_a, radius_b] = witness.radii;
-        let z = faces[0].at(x, y) + radius_a;
+        // The fallback may lie beyond the face.
+        let z = match i {
+            0 => M::R::select(found, faces[0].at(x, y), frame.z.dot(witness.on_a)),
+            _ => faces[0].at(x, y),
+        };
+        let z = z + radius_a;
         // Planes fitted to outlines that are flat within `FLAT` may come nearer than the solids do.
         let distance = gap.max(witness.gap) - radius_a - radius_b;
         let on_a = frame * Vec3::new(x, y, z) + a.placed.position;
@@ -251,14 +271,15 @@ fn candidate<M: Machine>(k: &M, tables: Tables, row: M::I) -> Candidate<M::R> {
 }
 
 /// Up to four of the candidates: the deepest, the one farthest from it, and on both sides of the
-/// line through these the ones farthest from the line. The fallback if there is none.
+/// line through these the ones farthest from the line. In place of the first the fallback where there is none, or where it
+/// is not the deepest: the mask tells where it is of the overlap.
 #[inline(always)]
 fn choose<M: Machine>(
     k: &M,
     tables: Tables,
     merged: M::R,
     fallback: Candidate<M::R>,
-) -> [Candidate<M::R>; 4] {
+) -> (<M::R as Real>::Mask, [Candidate<M::R>; 4]) {
     let none = M::R::lit(-0.5 * FAR);
     let mut first = Best::above(k, none);
     for row in k.count(24) {
@@ -268,7 +289,9 @@ fn choose<M: Machine>(
         first.consider(c, score);
     }
     let first = first.get();
-    let found = first.exists();
+    // Apart, the two are nearest to each other where outlines may miss each other.
+    let missed = first.gap.gt(fallback.gap + merged * M::R::lit(MISSED)) & fallback.exists();
+    let found = first.exists() & !missed;
     let first = Candidate::select(found, first, fallback);
 
     let mut second = Best::above(k, merged.squared());
@@ -294,5 +317,5 @@ fn choose<M: Machine>(
         left.consider(c, M::R::select(exists, area, none));
         right.consider(c, M::R::select(exists, -area, none));
     }
-    [first, second, left.get(), right.get()]
+    (found, [first, second, left.get(), right.get()])
 }

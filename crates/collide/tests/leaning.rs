@@ -2,6 +2,7 @@
 
 mod common;
 
+use common::reference::{gap, outside};
 use common::{Pair, Solid, V, kernel, turn, unit};
 use fastrand::Rng;
 use kinetarium_collide::{FAR, kind};
@@ -92,6 +93,76 @@ fn on_a_plane_in_f32() {
 #[test]
 fn on_a_plane_in_f64() {
     on_a_plane::<f64>(1e-12);
+}
+
+/// On a box or a hull all of a face touches, too, but for corners that two directions of an outline share.
+fn on_a_face<T: Float>(tolerance: f64) {
+    let mut rng = Rng::with_seed(24);
+    let corners = (0..8).map(|i: i32| {
+        let side = |bit: i32| f64::from(2 * (i >> bit & 1) - 1);
+        V::new(side(0), HALF * side(1), side(2))
+    });
+    let slabs = [
+        Solid::new(kind::BOX, 1.0, HALF, 1.0),
+        Solid::hull(corners.collect()),
+    ];
+    for (below, above) in slabs
+        .iter()
+        .flat_map(|b| standing().into_iter().map(move |a| (b, a)))
+    {
+        let (mut met, mut whole) = (0, 0);
+        for angle in leans() {
+            for _ in 0..20 {
+                let poses = [
+                    Pose::new(V::new(0.0, -HALF, 0.0), Quat::identity()),
+                    leaning(angle, &mut rng),
+                ];
+                let solids = [below.clone(), above.clone()];
+                let pair = Pair { solids, poses };
+                let pair = if below.kind > above.kind {
+                    pair.swapped()
+                } else {
+                    pair
+                };
+                let found = kernel::manifold::<T>(&pair);
+                let what = || format!("{angle}: {pair:#?} gave {found:#?}");
+                let depth = gap(&pair, found.normal);
+                // The rim of a cap is an octagon.
+                assert!(
+                    (found.distance() - depth).abs() < tolerance + 1e-3,
+                    "{}",
+                    what()
+                );
+                let touching = || found.points.iter().filter(|p| p.distance < 0.0);
+                for point in touching() {
+                    let half = found.normal * (0.5 * point.distance);
+                    let ends = [point.position - half, point.position + half];
+                    for ((solid, pose), end) in pair.solids.iter().zip(pair.poses).zip(ends) {
+                        assert!(outside(solid, pose, end) < tolerance, "{}", what());
+                    }
+                }
+                met += 1;
+                whole += usize::from(touching().count() == 4);
+                assert!(touching().count() >= 3, "{}", what());
+            }
+        }
+        assert!(
+            whole * 20 > 19 * met,
+            "{} on {}: {whole} of {met}",
+            above.kind,
+            below.kind
+        );
+    }
+}
+
+#[test]
+fn on_a_face_in_f32() {
+    on_a_face::<f32>(1e-5);
+}
+
+#[test]
+fn on_a_face_in_f64() {
+    on_a_face::<f64>(1e-9);
 }
 
 /// A hull that rocks on a plane keeps each of its corners in one slot.

@@ -96,8 +96,10 @@ pub enum CudaError {
         /// Its name.
         card: String,
     },
-    /// The card failed or is gone; what it held is lost.
-    #[error("the card `{card}` failed: {reason}; go back to a snapshot in a new simulation")]
+    /// The card failed or is gone; what it held is lost, and the process gets no other hold of it.
+    #[error(
+        "the card `{card}` failed: {reason}; go back to a snapshot on the device cpu, or in a new process"
+    )]
     Failed {
         /// Its name.
         card: String,

@@ -64,8 +64,8 @@ pub enum Meshes {
     /// Each is read and stays what it is, a surface of triangles that is touched from outside, whether
     /// it moves or not. `.obj` and `.stl` files.
     Exact,
-    /// Each is read and becomes its convex hull, as in MuJoCo: what was hollow is filled. `.obj` and
-    /// `.stl` files.
+    /// Each is read and becomes its convex hull, as in MuJoCo: what was hollow is filled, but weighs nothing unless the
+    /// file says so. `.obj` and `.stl` files.
     ConvexHull,
     /// Each is read and becomes convex pieces that together are nearly what it is: faster than
     /// triangles where bodies move, and what is hollow stays so but for a hundredth. The first piece

@@ -9,7 +9,7 @@ use crate::report::Report;
 use crate::xml::Element;
 use collide::mesh::{self, LoadError};
 use glam::DVec3;
-use model::{Geometry, Shape};
+use model::{Geometry, Shape, TriangleMesh};
 use std::cell::RefCell;
 use std::collections::HashMap;
 
@@ -34,12 +34,21 @@ fn beside(inside: &str) -> impl Iterator<Item = String> + '_ {
     (0..=MOST_FOLDERS).map(|above| "../".repeat(above) + inside)
 }
 
+/// A mesh that was read.
+#[derive(Clone)]
+pub(crate) struct Read {
+    /// Its triangles, as they are in its file.
+    pub surface: TriangleMesh,
+    /// What it becomes.
+    pub geometry: Geometry,
+}
+
 /// What becomes of a file's meshes; each is read once.
 pub(crate) struct MeshReader<'a> {
     files: &'a dyn Files,
     meshes: Meshes,
     /// By file and the bits of the scale.
-    known: RefCell<HashMap<(String, [u64; 3]), Geometry>>,
+    known: RefCell<HashMap<(String, [u64; 3]), Read>>,
     /// Of the meshes that are to come apart.
     pub pieces: Pieces,
 }
@@ -57,6 +66,11 @@ impl<'a> MeshReader<'a> {
     /// What the mesh that an element uses becomes; `None` for what is no mesh, and where meshes are to
     /// stay names of files.
     pub fn of(&self, element: &Element, mesh: &Geometry) -> Result<Option<Geometry>, FormatError> {
+        Ok(self.read(element, mesh)?.map(|read| read.geometry))
+    }
+
+    /// The mesh that an element uses, with what it becomes; `None` as for that.
+    pub fn read(&self, element: &Element, mesh: &Geometry) -> Result<Option<Read>, FormatError> {
         let Geometry::MeshFile { file, scale } = mesh else {
             return Ok(None);
         };
@@ -64,16 +78,16 @@ impl<'a> MeshReader<'a> {
             return Ok(None);
         }
         let key = (file.clone(), scale.to_array().map(f64::to_bits));
-        if let Some(geometry) = self.known.borrow().get(&key) {
-            return Ok(Some(geometry.clone()));
+        if let Some(read) = self.known.borrow().get(&key) {
+            return Ok(Some(read.clone()));
         }
-        let read = self.read(file, *scale);
-        let geometry = read.map_err(|problem| broken(element, problem))?;
-        self.known.borrow_mut().insert(key, geometry.clone());
-        Ok(Some(geometry))
+        let read = self.parse(file, *scale);
+        let read = read.map_err(|problem| broken(element, problem))?;
+        self.known.borrow_mut().insert(key, read.clone());
+        Ok(Some(read))
     }
 
-    fn read(&self, file: &str, scale: DVec3) -> Result<Geometry, String> {
+    fn parse(&self, file: &str, scale: DVec3) -> Result<Read, String> {
         let (path, bytes) = self.contents("mesh", file)?;
         let mesh = mesh::parse(&bytes, &path, scale).map_err(|error| match error {
             LoadError::Unknown { .. } => {
@@ -82,15 +96,21 @@ impl<'a> MeshReader<'a> {
             }
             other => other.to_string(),
         })?;
-        if self.meshes == Meshes::ConvexHull {
-            let hull = mesh.convex_hull();
-            let hull = hull.map_err(|e| format!("the mesh {path} has no convex hull: {e}"))?;
-            return Ok(Geometry::Hull(hull));
-        }
         if self.meshes == Meshes::Pieces {
             self.pieces.find(&path, &mesh)?;
         }
-        Ok(Geometry::Mesh(mesh))
+        let geometry = match self.meshes {
+            Meshes::ConvexHull => {
+                let hull = mesh.convex_hull();
+                let hull = hull.map_err(|e| format!("the mesh {path} has no convex hull: {e}"))?;
+                Geometry::Hull(hull)
+            }
+            _ => Geometry::Mesh(mesh.clone()),
+        };
+        Ok(Read {
+            surface: mesh,
+            geometry,
+        })
     }
 
     /// The path of the file of a `thing`, and what is in it. A ROS package is a folder of its name, beside the

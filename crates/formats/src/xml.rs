@@ -34,6 +34,9 @@ pub(crate) fn parse(text: &str, file: &str) -> Result<Element, FormatError> {
         ..roxmltree::ParsingOptions::default()
     };
     let document = roxmltree::Document::parse_with_options(text, options).map_err(|error| {
+        if matches!(error, roxmltree::Error::DtdDetected) {
+            return lines.type_definition();
+        }
         let position = error.pos();
         let place = match error {
             roxmltree::Error::UnclosedRootNode | roxmltree::Error::UnexpectedEndOfStream => {
@@ -45,10 +48,7 @@ pub(crate) fn parse(text: &str, file: &str) -> Result<Element, FormatError> {
                 column: position.col,
             },
         };
-        let problem = match error {
-            roxmltree::Error::DtdDetected => "document type definitions are not read".into(),
-            other => without_position(&other.to_string()),
-        };
+        let problem = without_position(&error.to_string());
         FormatError::Xml { place, problem }
     })?;
     convert(document.root_element(), &lines, 1)
@@ -110,6 +110,16 @@ impl<'a> Lines<'a> {
             text,
             file: file.into(),
             starts,
+        }
+    }
+
+    /// The error of a text that defines its type; the parser does not say where.
+    fn type_definition(&self) -> FormatError {
+        FormatError::Invalid {
+            place: self.place(self.text.find("<!DOCTYPE").unwrap_or(0)),
+            element: "!DOCTYPE".into(),
+            problem: "document type definitions are not read".into(),
+            remedy: "remove the line".into(),
         }
     }
 

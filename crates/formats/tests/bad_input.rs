@@ -76,7 +76,11 @@ const XML: &[(&str, &str)] = &[
     ),
     (
         "<!DOCTYPE x [<!ENTITY a \"aaaa\"><!ENTITY b \"&a;&a;\">]>\n<mujoco>&b;</mujoco>",
-        "robot.xml:1:1: not well-formed XML (document type definitions are not read); correct the text there",
+        "robot.xml:1:1: <!DOCTYPE>: document type definitions are not read; remove the line",
+    ),
+    (
+        "<?xml version=\"1.0\"?>\n <!DOCTYPE mujoco>\n<mujoco/>",
+        "robot.xml:2:2: <!DOCTYPE>: document type definitions are not read; remove the line",
     ),
     (
         "<sdf/>",
@@ -239,6 +243,14 @@ const MJCF: &[(&str, &str)] = &[
         "<mujoco><worldbody><body><joint type=\"ball\"/><joint type=\"slide\"/><geom size=\"1\"/>\
          </body></worldbody></mujoco>",
         "robot.xml:1:20: <body>: it has a ball joint and other joints, which this engine does not stack; put the others on a body of small mass between this one and its parent, or use hinges",
+    ),
+    (
+        "<mujoco><worldbody><body mocap=\"true\"><frame><freejoint/></frame><geom size=\"1\"/></body></worldbody></mujoco>",
+        "robot.xml:1:26: <body>: attribute `mocap` is for bodies without joints; remove its joints, or `mocap`",
+    ),
+    (
+        "<mujoco><worldbody><body><body mocap=\"true\"/></body></worldbody></mujoco>",
+        "robot.xml:1:32: <body>: attribute `mocap` is for children of the world; move the body to the world",
     ),
     (
         "<mujoco><worldbody><body><joint/><joint/><joint/><joint/><geom size=\"1\"/></body>\
@@ -509,7 +521,7 @@ const UNSUPPORTED: &[(&str, &str)] = &[
         "robot.xml:1:9: <extension>: a plugin is not supported, and leaving it out would change the physics; remove it and what refers to it, or load leniently (--lenient) to go on without it",
     ),
     (
-        "<mujoco><worldbody><body gravcomp=\"1\"/></worldbody></mujoco>",
+        "<mujoco><worldbody><body gravcomp=\"1\"><joint/><geom size=\"1\"/></body></worldbody></mujoco>",
         "robot.xml:1:20: <body>: gravity compensation is not supported, and leaving it out would change the physics; set gravcomp to 0, or load leniently (--lenient) to go on without it",
     ),
     (
@@ -587,8 +599,12 @@ const UNSUPPORTED: &[(&str, &str)] = &[
         "robot.xml:1:26: <joint>: a spring at a ball or free joint is not supported, and leaving it out would change the physics; set stiffness to 0, or load leniently (--lenient) to go on without it",
     ),
     (
-        "<mujoco><option actuatorgroupdisable=\"1 2\"/><default><motor group=\"2\"/></default><worldbody><body><joint name=\"j\"/><geom size=\"1\"/></body></worldbody><actuator>\n<motor joint=\"j\"/></actuator></mujoco>",
-        "robot.xml:2:1: <motor>: an actuator of a group that is switched off is not supported, and leaving it out would change the physics; remove it, or its group from actuatorgroupdisable, or load leniently (--lenient) to go on without it",
+        "<mujoco><worldbody><body><joint actuatorfrcrange=\"1 2\"/><geom size=\"1\"/><body><joint name=\"j\"/><geom size=\"1\"/></body></body></worldbody><actuator>\n<motor joint=\"j\"/></actuator></mujoco>",
+        "robot.xml:1:26: <joint>: `actuatorfrcrange` without 0 at a joint on which no actuator acts is not supported, and leaving it out would change the physics; remove it, or widen it to 0, or load leniently (--lenient) to go on without it",
+    ),
+    (
+        "<mujoco><compiler settotalmass=\"9\"/><asset><mesh file=\"m.stl\"/></asset><worldbody><body>\n<geom type=\"mesh\" mesh=\"m\"/></body></worldbody></mujoco>",
+        "robot.xml:2:1: <geom>: mass from the volume of a mesh is not supported, and leaving it out would change the physics; take meshes as they are where their surfaces are closed (--meshes exact), or as their convex hulls (--meshes hull), give the body an <inertial> element, or this geom mass=\"0\", or load leniently (--lenient) to go on without it",
     ),
     (
         "<mujoco><worldbody><body><joint name=\"j\" type=\"ball\"/><geom size=\"1\"/></body></worldbody><actuator>\n<motor jointinparent=\"j\" gear=\"1\"/></actuator></mujoco>",

@@ -31,9 +31,11 @@ const PIECES: Options = Options {
 fn read(text: &str, options: &Options) -> Result<Loaded, FormatError> {
     let flat = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     let deep = CUBE.replace("v 0 0 1\n", "v 0 0 0.2\n");
+    let open = CUBE.split("f 5").next().unwrap();
     let files = InMemory::new([
         ("meshes/cube.obj", CUBE),
         ("meshes/deep.obj", deep.as_str()),
+        ("meshes/open.obj", open),
         ("robot/cube.obj", CUBE),
         ("meshes/flat.obj", flat),
         ("meshes/broken.stl", "solid"),
@@ -78,26 +80,54 @@ fn what_collides_is_a_hull_and_what_is_seen_a_mesh() {
     let solid = shape(&loaded, "solid");
     let center = DVec3::new(0.0, 0.0, 3.1);
     assert_eq!(hull(solid).vertices().len(), 8);
-    assert!((solid.density / 1000.0 - 1.0).abs() < 1e-12);
+    assert!((solid.density / 1000.0 - 5.0 / 6.0).abs() < 1e-12);
     assert!(
         solid
             .pose
             .point(hull(solid).center())
             .abs_diff_eq(center, 1e-12)
     );
-    // The body weighs what a box of that size does.
-    let half = DVec3::new(0.2, 0.1, 0.1);
+    // The body weighs what the mesh does.
+    let exact = read(&text, &EXACT).unwrap();
+    assert_eq!(loaded.model.bodies, exact.model.bodies);
+    let warnings: Vec<_> = loaded.warnings.iter().map(ToString::to_string).collect();
+    let told = "robot.xml:3: <geom>: mass from a mesh: it is that of what its surface holds";
+    assert_eq!(warnings, [told]);
+}
+
+/// The hull of a box without a lid is the box.
+#[test]
+fn open_meshes_weigh_what_their_hulls_do() {
+    let text = one_mesh(r#"file="open.obj""#);
+    let loaded = read(&text, &HULLS).unwrap();
+    let half = DVec3::splat(0.1);
     let cuboid = MassProperties::of(&Geometry::Box { half }, 1000.0).unwrap();
     let body = &loaded.model.bodies[0];
     assert!((body.mass / cuboid.mass - 1.0).abs() < 1e-12);
-    assert!(body.center.abs_diff_eq(center, 1e-12));
+    assert!(body.center.abs_diff_eq(DVec3::new(0.0, 0.0, 0.1), 1e-12));
     assert!(
         body.inertia
             .abs_diff_eq(cuboid.inertia, 1e-12 * cuboid.mass)
     );
+    let told = "robot.xml:2: <geom>: mass from a mesh that is open or inside out: it is that of its convex hull";
     let warnings: Vec<_> = loaded.warnings.iter().map(ToString::to_string).collect();
-    let told = "robot.xml:3: <geom>: mass from a mesh: it is that of its convex hull";
     assert_eq!(warnings, [told]);
+}
+
+/// MuJoCo 4.0 counts what stands still: 10 kg × 1 / (1 + 20/3) for the ball of 1 kg beside the mesh.
+#[test]
+fn meshes_that_stand_still_count_for_the_total_mass() {
+    let text = r#"<mujoco><compiler settotalmass="10"/>
+        <asset><mesh name="cube" file="meshes/cube.obj" scale=".1 .1 .1"/></asset>
+        <worldbody><body><geom type="mesh" mesh="cube"/></body>
+        <body><freejoint/><geom size=".1" mass="1"/></body></worldbody></mujoco>"#;
+    for options in [EXACT, HULLS] {
+        let loaded = read(text, &options).unwrap();
+        let masses: Vec<_> = loaded.model.bodies.iter().map(|b| b.mass).collect();
+        let expected = [8.695_652_173_9, 1.304_347_826_1];
+        let near = |(found, expected): (&f64, f64)| (found - expected).abs() < 1e-9;
+        assert!(masses.iter().zip(expected).all(near), "{masses:?}");
+    }
 }
 
 /// A mesh that is only seen can give a body its mass, and stays a mesh.
@@ -461,6 +491,19 @@ fn meshes_weigh_what_their_inertia_says() {
     let error = read(&wrong, &EXACT).unwrap_err().to_string();
     let remedy = "write one of: legacy, exact, convex, shell";
     assert!(error.contains(remedy), "{error}");
+}
+
+/// Whatever they become where they collide.
+#[test]
+fn hulls_weigh_what_the_inertia_of_their_mesh_says() {
+    for inertia in ["exact", "legacy", "convex", "shell"] {
+        for file in ["cube.obj", "deep.obj"] {
+            let text = one_mesh(&format!(r#"file="{file}" inertia="{inertia}""#));
+            let [exact, hull] = [EXACT, HULLS].map(|options| read(&text, &options).unwrap());
+            assert_eq!(hull.model.bodies, exact.model.bodies, "{inertia} {file}");
+            assert_eq!(hull.warnings, exact.warnings);
+        }
+    }
 }
 
 /// MuJoCo's `legacy` has 7.485 kg, for the pit's faces look at the middle, and `exact` 5.6 kg.

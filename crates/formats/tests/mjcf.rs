@@ -631,6 +631,27 @@ fn ranges_of_0_0_are_none() {
     }
 }
 
+/// The force is clamped to its own range, and behind the gear to its joint's, whether these meet or not.
+#[test]
+fn forces_are_clamped_to_the_range_of_the_joint_at_last() {
+    let second = "<motor joint='j' gear='0'/>";
+    for (own, other, expected) in [
+        ("gear='-2' forcerange='-.25 5'", "", (-0.25, 0.5)),
+        ("forcerange='5 10'", "", (1.0, 1.0)),
+        ("forcerange='5 10' gear='-2'", "", (0.5, 0.5)),
+        ("forcerange='-10 -5'", "", (-1.0, -1.0)),
+        ("", second, (-1.0, 1.0)),
+    ] {
+        let loaded = read(&format!(
+            "<mujoco><worldbody><body><joint name='j' actuatorfrcrange='-1 1'/><geom size='1'/></body></worldbody>
+             <actuator><motor joint='j' {own}/>{other}</actuator></mujoco>"
+        ));
+        let found = loaded.model.actuators[0].force_range;
+        assert_eq!(found, Some(expected), "{own}");
+        assert_eq!(loaded.warnings, []);
+    }
+}
+
 /// What MuJoCo 4.0 makes of `ctrlrange` and `inheritrange` at several levels.
 #[test]
 fn the_last_of_two_ranges_of_a_control_holds() {
@@ -896,6 +917,125 @@ fn tendons_without_force_are_noted() {
         lines(&loaded.warnings),
         ["robot.xml:1: <fixed>: tendons: exert no force; not read"]
     );
+}
+
+/// The first number of `gear` counts, squared, for all degrees of freedom of a joint: MuJoCo 4.0's mass matrix and
+/// passive forces.
+#[test]
+fn rotors_reflect_on_all_of_a_joint() {
+    for (kind, count, gear, factor) in [
+        ("hinge", 1, "3", 9.0),
+        ("ball", 3, "0 2 0", 0.0),
+        ("ball", 3, "3", 9.0),
+        ("free", 6, "0 0 0 5", 0.0),
+        ("free", 6, "3", 9.0),
+    ] {
+        let model = read(&format!(
+            "<mujoco><worldbody><body><joint name='j' type='{kind}'/><geom size='1'/></body></worldbody>
+             <actuator><motor joint='j' armature='2' damping='5' gear='{gear}'/></actuator></mujoco>"
+        ))
+        .model;
+        let found = model.joints[0].dofs.iter();
+        let found: Vec<_> = found.map(|dof| (dof.armature, dof.damping)).collect();
+        assert_eq!(
+            found,
+            vec![(2.0 * factor, 5.0 * factor); count],
+            "{kind} {gear}"
+        );
+    }
+}
+
+/// They exert no force in MuJoCo, but their rotors go along.
+#[test]
+fn actuators_that_are_switched_off_are_noted() {
+    for (option, told) in [
+        (
+            "<option actuatorgroupdisable='2'/>",
+            "its group is in `actuatorgroupdisable`",
+        ),
+        (
+            "<option><flag actuation='disable'/></option>",
+            "the flag `actuation` is off",
+        ),
+    ] {
+        let loaded = read(&format!(
+            "<mujoco>{option}<default><motor group='2'/></default>
+             <worldbody><body><joint name='j' actuatorfrcrange='-1 1'/><geom size='1'/></body></worldbody>
+             <actuator><motor joint='j' armature='3' damping='2'/><motor tendon='t'/></actuator></mujoco>"
+        ));
+        let told = format!("robot.xml:3: <motor>: actuator: left out, for {told}");
+        assert_eq!(lines(&loaded.warnings), [told]);
+        assert_eq!(loaded.model.actuators, []);
+        let dof = &loaded.model.joints[0].dofs[0];
+        assert_eq!((dof.armature, dof.damping), (3.0, 2.0));
+    }
+}
+
+/// MuJoCo leaves what is free where its body is.
+#[test]
+fn free_joints_may_stand_in_frames() {
+    let body = |joint: &str| {
+        read(&format!(
+            "<mujoco><worldbody><body pos='0 0 1'>{joint}<geom size='1' pos='1 0 0'/></body></worldbody></mujoco>"
+        ))
+    };
+    for joint in ["<freejoint/>", "<joint type='free' pos='1 1 1'/>"] {
+        let framed = format!("<frame pos='1 2 3' euler='0 30 0'>{joint}</frame>");
+        assert_eq!(body(&framed), body(joint));
+    }
+}
+
+/// Of what does not move, or has no weight.
+#[test]
+fn gravity_compensation_without_weight_is_read() {
+    for (gravity, joint) in [("0 0 0", "<joint/>"), ("0 0 -9.81", "")] {
+        let loaded = read(&format!(
+            "<mujoco><option gravity='{gravity}'/><worldbody><body gravcomp='1'>{joint}<geom size='1'/></body>
+             </worldbody></mujoco>"
+        ));
+        assert_eq!(loaded.warnings, []);
+    }
+}
+
+#[test]
+fn planes_that_move_are_noted() {
+    let body = |joint: &str| {
+        let plane = "<geom type='plane' size='1 1 1'/>";
+        let loaded = read(&format!(
+            "<mujoco><worldbody>{plane}<body>{joint}<geom size='1'/>\n{plane}</body></worldbody></mujoco>"
+        ));
+        lines(&loaded.warnings)
+    };
+    let told = "robot.xml:2: <geom>: a plane of a body that moves: a half space that goes along with it; MuJoCo refuses \
+                it";
+    assert_eq!(body("<joint/>"), [told]);
+    assert_eq!(body(""), [""; 0]);
+}
+
+#[test]
+fn times_of_keyframes_are_noted() {
+    let key = |key: &str| {
+        let text = format!("<mujoco><keyframe>\n<key {key}/></keyframe></mujoco>");
+        lines(&read(&text).warnings)
+    };
+    let told = "robot.xml:2: <key>: attribute `time`: simulations start at 0";
+    assert_eq!(key("time='2.5'"), [told]);
+    assert_eq!(key("time='0'"), [""; 0]);
+}
+
+/// An empty name is none.
+#[test]
+fn empty_names_may_be_repeated() {
+    let model = read(
+        "<mujoco><worldbody><body name='a'><joint name='' axis='1 0 0'/><joint name=''/><geom size='1'/></body>
+         <body name='b'><joint name=''/><geom size='1'/><site name='s'/></body></worldbody>
+         <sensor><gyro name='' site='s'/><gyro name='' site='s'/></sensor></mujoco>",
+    )
+    .model;
+    let names: Vec<_> = model.joints.iter().map(|j| j.name.as_str()).collect();
+    assert_eq!(names, ["a", "b"]);
+    let names: Vec<_> = model.sensors.iter().map(|s| s.name.as_str()).collect();
+    assert_eq!(names, ["gyro", "gyro_2"]);
 }
 
 #[test]

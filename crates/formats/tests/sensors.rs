@@ -249,6 +249,37 @@ fn what_is_not_read_is_listed() {
     assert_eq!(loaded.model.sensors, []);
 }
 
+/// MuJoCo reads zero there.
+#[test]
+fn forces_of_actuators_that_are_left_out_are_not_read() {
+    let off = "<option><flag actuation='disable'/></option>";
+    let text = |name: &str| {
+        format!("<mujoco>{off}{ROBOT}\n<sensor><actuatorfrc actuator='{name}'/></sensor></mujoco>")
+    };
+    let files = InMemory::default();
+    let read = |name| parse(&text(name), "robot.xml", &files, &Options::default());
+    let loaded = read("motor").unwrap();
+    assert_eq!(loaded.model.sensors, []);
+    let told = "robot.xml:12: <actuatorfrc>: of an actuator that is left out: not read";
+    assert_eq!(loaded.warnings.last().unwrap().to_string(), told);
+    let unknown = read("mtor").unwrap_err().to_string();
+    assert!(unknown.ends_with("did you mean `motor`?"), "{unknown}");
+}
+
+/// MuJoCo 4.0 reads 5 where the joint's force is clamped to 1.
+#[test]
+fn forces_that_are_clamped_to_their_joint_s_range_are_told() {
+    let robot = ROBOT.replace("\"twist\" axis", "\"twist\" actuatorfrcrange=\"-1 1\" axis");
+    let sensors = "<actuatorfrc actuator='motor'/><jointactuatorfrc joint='twist'/>";
+    let text = format!("<mujoco>{robot}\n<sensor>{sensors}</sensor></mujoco>");
+    let files = InMemory::default();
+    let loaded = parse(&text, "robot.xml", &files, &Options::default()).unwrap();
+    let told = "robot.xml:12: <actuatorfrc>: actuatorfrc: within the joint's `actuatorfrcrange`; MuJoCo tells the force \
+                before it is clamped to that";
+    assert_eq!(loaded.warnings.last().unwrap().to_string(), told);
+    assert_eq!(loaded.model.sensors.len(), 2);
+}
+
 #[test]
 fn bad_sensors_are_refused() {
     let cases = [
@@ -296,6 +327,14 @@ fn bad_sensors_are_refused() {
             "{error}"
         );
     }
+    let unnamed = ROBOT.replace("motor name=\"motor\"", "motor");
+    let text = format!("<mujoco>{unnamed}<sensor><actuatorfrc actuator=''/></sensor></mujoco>");
+    let files = InMemory::default();
+    let error = parse(&text, "robot.xml", &files, &Options::default()).unwrap_err();
+    assert!(
+        error.to_string().contains("no actuator has this name"),
+        "{error}"
+    );
     let loaded = try_read("<actuatorfrc actuator='left out'/>", true).unwrap();
     assert_eq!(loaded.model.sensors, []);
 }

@@ -5,16 +5,17 @@ use crate::{Gpu, GpuError};
 use sim::Stage;
 use std::iter::once;
 
-/// Most marks until they are read: the most queries of a set.
-const MARKS: u32 = wgpu::QUERY_SET_MAX_QUERIES;
+/// Marks in a set: the most that it can have.
+const MARKS: usize = wgpu::QUERY_SET_MAX_QUERIES as usize;
 /// Bytes of a mark.
 const MARK: u64 = wgpu::QUERY_SIZE as u64;
 
 /// What stages of passes take.
 #[derive(Debug)]
 pub struct Clock {
-    queries: wgpu::QuerySet,
-    resolved: wgpu::Buffer,
+    device: wgpu::Device,
+    /// As many as the marks have filled until they were read.
+    sets: Vec<wgpu::QuerySet>,
     staging: Staging,
     /// Which stage ends with each mark that is not yet read, none with the first of a pass; and how many launches it had.
     marks: Vec<(Option<&'static str>, u64)>,
@@ -33,17 +34,8 @@ impl Clock {
     pub fn new(gpu: &Gpu) -> Option<Self> {
         let device = gpu.device();
         device.features().contains(Self::FEATURES).then(|| Self {
-            queries: device.create_query_set(&wgpu::QuerySetDescriptor {
-                label: None,
-                ty: wgpu::QueryType::Timestamp,
-                count: MARKS,
-            }),
-            resolved: device.create_buffer(&wgpu::BufferDescriptor {
-                label: None,
-                size: u64::from(MARKS) * MARK,
-                usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
-                mapped_at_creation: false,
-            }),
+            device: device.clone(),
+            sets: Vec::new(),
             staging: Staging::default(),
             marks: Vec::new(),
             launches: 0,
@@ -62,11 +54,17 @@ impl Clock {
     }
     /// What was launched in a pass since the mark before belongs to a stage; to none what was before the pass.
     pub fn mark(&mut self, pass: &mut wgpu::ComputePass<'_>, stage: Option<&'static str>) {
-        let index = self.marks.len() as u32;
-        if index < MARKS {
-            pass.write_timestamp(&self.queries, index);
-            self.marks.push((stage, std::mem::take(&mut self.launches)));
+        let (set, index) = (self.marks.len() / MARKS, self.marks.len() % MARKS);
+        if set == self.sets.len() {
+            let set = wgpu::QuerySetDescriptor {
+                label: None,
+                ty: wgpu::QueryType::Timestamp,
+                count: MARKS as u32,
+            };
+            self.sets.push(self.device.create_query_set(&set));
         }
+        pass.write_timestamp(&self.sets[set], index as u32);
+        self.marks.push((stage, std::mem::take(&mut self.launches)));
     }
 
     /// Reads the marks of what is submitted.
@@ -75,14 +73,22 @@ impl Clock {
         if marks.is_empty() {
             return Ok(());
         }
-        let mut encoder = gpu.device().create_command_encoder(&Default::default());
-        let range = 0..marks.len() as u32;
-        encoder.resolve_query_set(&self.queries, range, &self.resolved, 0);
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        let resolved = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: marks.len() as u64 * MARK,
+            usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        for (nth, (set, marks)) in self.sets.iter().zip(marks.chunks(MARKS)).enumerate() {
+            let at = (nth * MARKS) as u64 * MARK;
+            encoder.resolve_query_set(set, 0..marks.len() as u32, &resolved, at);
+        }
         let period = f64::from(gpu.queue().get_timestamp_period()) * 1e-9;
         let times = &mut self.times;
         let numbers = once(0..2 * marks.len());
         let staging = &mut self.staging;
-        staging.fetch(gpu, encoder, &self.resolved, numbers, |read| {
+        staging.fetch(gpu, encoder, &resolved, numbers, |read| {
             let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(read);
             for (mark, ticks) in marks.iter().skip(1).zip(ticks.windows(2)) {
                 let ((Some(name), launches), [from, to]) = (*mark, ticks) else {

@@ -34,7 +34,9 @@ pub enum GpuError {
         card: String,
     },
     /// The card failed or is gone; what it held is lost.
-    #[error("the card `{card}` failed: {reason}; go back to a snapshot in a new simulation")]
+    #[error(
+        "the card `{card}` failed: {reason}; open the card anew and go back to a snapshot there, or on the device cpu"
+    )]
     Failed {
         /// Its name.
         card: String,

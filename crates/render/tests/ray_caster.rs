@@ -328,6 +328,29 @@ fn sensors_and_what_is_transparent_are_not_seen() {
     );
 }
 
+/// Sheets of one colour, one behind the other: all of them together look like a single one that nothing shines through.
+#[test]
+fn any_number_of_sheets_is_seen_through() {
+    let sheet = |i: usize, opacity: f32| {
+        let half = DVec3::new(1.0, 1.0, 0.001);
+        Shape::new(Geometry::Box { half })
+            .at(Pose::at(-0.01 * i as f64 * DVec3::Z))
+            .with_color([0.2, 0.5, 0.9, opacity])
+    };
+    let camera = Camera::new(1, 1, 1e-3).at(Pose::at(DVec3::Z));
+    let seen = |sheets: Vec<Shape>| {
+        let mut scene = Scene::new(&scenery(sheets)).unwrap();
+        scene.light.shadows = false;
+        let images = ray_caster::render(&scene, &View::new(camera), &[&[]]).unwrap();
+        images.rgb.unwrap()
+    };
+    let one = seen(vec![sheet(0, 1.0)]);
+    // 0.998^5000 = 4e-5.
+    let many = seen((0..5000).map(|i| sheet(i, 0.002)).collect());
+    let same = one.iter().zip(&many).all(|(a, b)| a.abs_diff(*b) <= 1);
+    assert!(same, "{one:?} {many:?}");
+}
+
 /// A post of 2 m on a floor, in sunlight from 45°: its shadow is as long as the post.
 #[test]
 fn a_shadow_is_where_the_sun_throws_it() {

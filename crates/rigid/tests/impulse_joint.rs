@@ -179,3 +179,38 @@ fn what_acts_along_an_axis_is_balanced_exactly() {
         assert!(left.abs() < 1e-11, "{count} laws: {left}");
     }
 }
+
+/// What is geared to three axes of a ball, with far more inertia than the body, is solved as one: after each relaxation the
+/// impulses along all of them are λ = −m (v − v₀) of the speeds v that all have in the end, and so after one that pushes
+/// nothing.
+#[test]
+fn what_is_geared_to_three_axes_is_solved_as_one() {
+    let t = JointTables::new();
+    let mut lane = Lane::new([0.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
+    lane.state[t.joint.at(0, joint::BALL)] = 1.0;
+    let (armature, begin) = ([5.0, 40.0, 0.3], [0.4, -0.7, 0.2]);
+    for row in 0..3 {
+        lane.links[row * axis_link::WIDTH + axis_link::ACTS] = 1;
+        let passive = [1.0, 0.0, 0.0, 0.0, armature[row]];
+        let at = t.axis.at(row, axis::ACTS);
+        lane.state[at..at + passive.len()].copy_from_slice(&passive);
+        lane.state[t.joint.at(0, joint::SPEED + row)] = begin[row];
+    }
+    for pushing in [1.0, 0.0] {
+        lane.relax(pushing);
+        let [slip, w] = lane.apart();
+        // They yield while they push.
+        let off = slip.length() * (1.0 - pushing);
+        assert!(off < 1e-12, "the locks are off by {slip}");
+        for row in 0..3 {
+            let given = lane.state[t.joint.at(0, joint::IMPULSE + row)];
+            let left = given + armature[row] * (w[row] - begin[row]);
+            assert!(left.abs() < 1e-12, "{pushing}, axis {row}: {left}");
+        }
+    }
+    for row in 0..3 {
+        let [_, w] = lane.apart();
+        let speed = lane.state[t.joint.at(0, joint::SPEED + row)];
+        assert!((speed - w[row]).abs() < 1e-12, "axis {row}: {speed}");
+    }
+}

@@ -9,7 +9,8 @@
 //! ```
 //!
 //! with z, z', … independent normal numbers (IEEE Std 952, annex C, names these terms of gyroscopes: bias,
-//! rate random walk, angle random walk, quantisation).
+//! rate random walk, angle random walk, quantisation). Readings of distances are kept from 0 to the largest range, too, at
+//! which what met nothing stays.
 
 use crate::SensorError;
 use crate::random::{Draw, Purpose, Source};
@@ -49,7 +50,7 @@ impl From<Vec<f64>> for Level {
 ///
 /// Among quaternions noise is added to x, y, z, w, which are then scaled to unit length: a standard
 /// deviation s of these is one of 2 s [rad] about each axis. Distances that met nothing stay at the largest
-/// range, and none gets above it or below 0.
+/// range, and no reading is above it or below 0.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Noise {
     /// Standard deviation of each sample.
@@ -193,10 +194,15 @@ impl Errors {
             walk,
         } = part;
         let at = |draw: &Draw, i: usize| (draw.world - first) * n + i;
+        if let Some(range) = self.range {
+            for draw in due.clone() {
+                set_nothing_apart(&mut numbers[at(&draw, 0)..][..n], range);
+            }
+        }
         if self.walks() {
             let each = |draw: &Draw, i: usize, z: f64| {
                 walk[at(draw, i)] += self.walk[i] * draw.elapsed.sqrt() * z;
-                self.shift(&mut numbers[at(draw, i)], walk[at(draw, i)]);
+                add(&mut numbers[at(draw, i)], walk[at(draw, i)]);
             };
             self.source.each(isa, Purpose::Walk, due.clone(), n, each);
         }
@@ -207,13 +213,13 @@ impl Errors {
                 ..draw
             });
             let each = |draw: &Draw, i: usize, z: f64| {
-                self.shift(&mut numbers[at(draw, i)], self.bias[i] * z);
+                add(&mut numbers[at(draw, i)], self.bias[i] * z);
             };
             self.source.each(isa, Purpose::Bias, once, n, each);
         }
         if !self.deviation.is_empty() {
             let each = |draw: &Draw, i: usize, z: f64| {
-                self.shift(&mut numbers[at(draw, i)], self.deviation[i] * z);
+                add(&mut numbers[at(draw, i)], self.deviation[i] * z);
             };
             self.source.each(isa, Purpose::White, due.clone(), n, each);
         }
@@ -222,7 +228,7 @@ impl Errors {
         }
     }
 
-    /// Quaternions of unit length; multiples of the step; within the cutoff.
+    /// Quaternions of unit length; multiples of the step; within range and cutoff.
     fn finish<T: Float>(&self, x: &mut [T]) {
         if self.adds() {
             for &first in &self.quaternions {
@@ -230,25 +236,16 @@ impl Errors {
             }
         }
         for (x, &step) in x.iter_mut().zip(&self.step) {
-            if step > 0.0 && !self.is_nothing(*x) {
+            if step > 0.0 {
                 *x = T::from_f64((x.to_f64() / step).round() * step);
             }
         }
+        if let Some(range) = self.range {
+            clamp(x, 0.0, range);
+        }
         if self.cutoff.is_finite() {
-            for x in x {
-                *x = T::from_f64(x.to_f64().clamp(-self.cutoff, self.cutoff));
-            }
+            clamp(x, -self.cutoff, self.cutoff);
         }
-    }
-    fn shift<T: Float>(&self, x: &mut T, by: f64) {
-        if !self.is_nothing(*x) {
-            let moved = x.to_f64() + by;
-            *x = T::from_f64(self.range.map_or(moved, |range| moved.clamp(0.0, range)));
-        }
-    }
-    /// A distance to nothing.
-    fn is_nothing<T: Float>(&self, x: T) -> bool {
-        self.range.is_some_and(|range| x >= T::from_f64(range))
     }
 }
 
@@ -326,6 +323,25 @@ fn expand(
         }),
         None if levels.iter().all(|x| *x == 0.0) => Ok(Vec::new()),
         None => Ok(levels),
+    }
+}
+
+/// Puts distances that met nothing infinitely far, where nothing that is added moves them.
+fn set_nothing_apart<T: Float>(distances: &mut [T], range: f64) {
+    for x in distances {
+        if *x >= T::from_f64(range) {
+            *x = T::from_f64(f64::INFINITY);
+        }
+    }
+}
+
+fn add<T: Float>(x: &mut T, by: f64) {
+    *x = T::from_f64(x.to_f64() + by);
+}
+
+fn clamp<T: Float>(numbers: &mut [T], low: f64, high: f64) {
+    for x in numbers {
+        *x = T::from_f64(x.to_f64().clamp(low, high));
     }
 }
 

@@ -9,6 +9,7 @@ use kinetarium_sensors::{
 };
 use model::{BodyId, Builder, Geometry, JointId, Pose, Shape};
 use sim::{Simulation, SimulationSettings, SolverKind};
+use std::f64::consts::PI;
 
 fn angle() -> SensorKind {
     let joints = vec![JointId(0)];
@@ -291,6 +292,49 @@ fn noisy_quaternions_have_unit_length() {
         })
         .collect();
     normal("turn about x", &turns, 0.02);
+}
+
+/// Distances to a wall 1 m away, and away from it, in 200 worlds at 20 samples, with a largest range.
+fn ranges(max_range: f64) -> Vec<[f64; 2]> {
+    let mut world = Builder::new("wall");
+    let wall = Shape::new(Geometry::Box { half: DVec3::ONE });
+    let wall = wall.at(Pose::at(2.0 * DVec3::X));
+    world.object("").scenery(wall);
+    let settings = SimulationSettings::new(200, 0.01);
+    let mut simulation = Simulation::<f64>::new(world.build().unwrap(), settings).unwrap();
+    let kind = SensorKind::Lidar {
+        mount: Mount::default(),
+        azimuths: vec![0.0, PI],
+        elevations: vec![0.0],
+        max_range,
+    };
+    let noise = Noise {
+        deviation: Level::All(0.1),
+        bias: Level::All(0.1),
+        walk: Level::All(0.1),
+        step: Level::All(0.04),
+    };
+    let sensor = Sensor::new("lidar", kind).with_noise(noise);
+    let mut sensors = Sensors::new(&mut simulation, vec![sensor], 5).unwrap();
+    let read = |_| {
+        sensors.step(&mut simulation, 1).unwrap();
+        let (pairs, []) = sensors.reading("lidar").unwrap().numbers.as_chunks() else {
+            panic!("two rays a world");
+        };
+        pairs.to_vec()
+    };
+    (0..20).flat_map(read).collect()
+}
+
+/// What a bias lifts to the range is still seen, and no multiple of the step is beyond the range.
+#[test]
+fn noisy_distances_are_cut_off_at_the_range_and_are_else_as_without() {
+    let (near, far) = (ranges(1.05), ranges(100.0));
+    assert!(near.iter().any(|[seen, _]| *seen < 1.0));
+    for ([seen, nothing], [beyond, _]) in near.into_iter().zip(far) {
+        assert_eq!(seen, beyond.clamp(0.0, 1.05));
+        assert_eq!(nothing, 1.05);
+    }
 }
 
 /// Images of a grey wall 2 m away, and of nothing beside it, in so many worlds.

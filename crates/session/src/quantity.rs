@@ -81,7 +81,10 @@ impl Measure {
             Self::Position(i) => outputs.coordinate(world, i),
             Self::Velocity(i) => outputs.dof_velocity(world, i),
             Self::Drive(joint, axis) => effort.of_drive(joint, axis),
-            Self::Actuator(row) => model.actuators[row].gear * effort.of_actuator(row),
+            Self::Actuator(row) => {
+                let gear = simulation.world_model(world).actuators[row].gear;
+                gear * effort.of_actuator(row)
+            }
             Self::Part(vector, part) => {
                 let vector = vector.of(model, outputs, world);
                 match part {
@@ -248,6 +251,8 @@ fn of_body(id: BodyId, name: &str) -> Vec<Offer> {
 mod tests {
     use super::*;
     use model::examples::{ball_joint, billiards, prismatic, room, tower};
+    use model::{Builder, Geometry};
+    use sim::SimulationSettings;
 
     #[test]
     fn units_are_those_of_the_coordinates() {
@@ -268,6 +273,29 @@ mod tests {
         assert_eq!(unit(&free, &free.coordinate_names()[3]), "");
         assert_eq!(unit(&room().unwrap(), "hinge"), "rad");
         assert_eq!(unit(&room().unwrap(), "hinge (drive)"), "N·m");
+    }
+
+    #[test]
+    fn forces_of_actuators_go_through_the_gears_of_their_world() {
+        let with_gear = |gear| {
+            let mut world = Builder::new("motor");
+            let object = world.object("");
+            let wheel = object.body("wheel").shape(Geometry::Sphere { radius: 0.1 });
+            let wheel = wheel.handle();
+            let hinge = object.revolute("hinge", wheel, DVec3::Z).handle();
+            object.motor("motor", hinge).gear(gear);
+            world.build().unwrap()
+        };
+        let settings = SimulationSettings::new(2, 0.01);
+        let mut simulation = Simulation::<f64>::new(with_gear(2.0), settings).unwrap();
+        simulation.set_world_model(1, &with_gear(3.0)).unwrap();
+        for world in 0..2 {
+            simulation.controls().set_control(world, &[5.0]).unwrap();
+        }
+        let force = |simulation: &Simulation<f64>, outputs: &Outputs<'_, f64>| {
+            [0, 1].map(|world| Measure::Actuator(0).of(simulation, outputs, world))
+        };
+        assert_eq!(simulation.observe(force).unwrap(), [10.0, 15.0]);
     }
 
     #[test]

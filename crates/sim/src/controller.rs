@@ -112,7 +112,7 @@ fn setting(what: &'static str, value: f64, remedy: &'static str) -> SimulationEr
     }
 }
 
-/// The controls of all worlds over time, to the bit: runs, within which time never goes back.
+/// The controls of all worlds over time, to the bit: runs, within which each moment is later than the one before.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Recording {
     moments: Vec<Moment>,
@@ -133,7 +133,7 @@ impl Recording {
     }
     /// The moments of the run that begins with one.
     fn run_from(&self, start: usize) -> Range<usize> {
-        let mut runs = self.moments[start..].chunk_by(|a, b| a.time <= b.time);
+        let mut runs = self.moments[start..].chunk_by(|a, b| a.time < b.time);
         start..start + runs.next().map_or(0, <[_]>::len)
     }
 }
@@ -179,8 +179,8 @@ impl<T: Float, C: Controller<T>> Controller<T> for Recorder<C> {
 /// Plays a recording: at each call, what was last set at or before that time.
 ///
 /// From the same state, with the same settings, all worlds move as they did, to the bit. A recording that spans resets is
-/// played run by run, of which each goes on for as long as time did not go back: first the first; wherever the time of a
-/// call is before that of the last call, the next; after the last one the first again.
+/// played run by run, of which each goes on for as long as time did: first the first; wherever the time of a call is not
+/// after that of the last call, the next; after the last one the first again.
 #[derive(Clone, Debug)]
 pub struct Replay {
     recording: Recording,
@@ -202,7 +202,7 @@ impl Replay {
     /// What was last set at or before a time [s].
     fn moment(&mut self, time: f64) -> Option<&Moment> {
         let all = &self.recording.moments;
-        if time < self.time {
+        if time <= self.time {
             let next = self.run.end % all.len().max(1);
             self.run = self.recording.run_from(next);
         }

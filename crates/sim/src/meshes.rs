@@ -42,6 +42,17 @@ impl Meshes {
         Ok(Some(triangles))
     }
 
+    /// Lets go of meshes that nothing else holds.
+    pub fn drop_unused(&mut self) {
+        self.known.retain(|known| {
+            let of_files = self.read.iter().map(|(_, _, read)| read);
+            let here = 1 + of_files.filter(|read| Arc::ptr_eq(read, known)).count();
+            Arc::strong_count(known) > here
+        });
+        let is_known = |read: &Arc<Triangles>| self.known.iter().any(|one| Arc::ptr_eq(one, read));
+        self.read.retain(|(_, _, read)| is_known(read));
+    }
+
     fn triangles(&mut self, mesh: &TriangleMesh) -> Arc<Triangles> {
         let known = self.known.iter().find(|known| known.mesh == *mesh);
         known.cloned().unwrap_or_else(|| {

@@ -115,6 +115,29 @@ enum Source {
 }
 
 impl Quantity {
+    /// All of them: those first that tell where joints are, then bodies, then what touches, which take less to be told than
+    /// all else.
+    pub const ALL: [Self; 19] = [
+        Self::JointPosition,
+        Self::JointVelocity,
+        Self::BodyPosition,
+        Self::BodyOrientation,
+        Self::BodyVelocity,
+        Self::BodyAngularVelocity,
+        Self::CenterOfMass,
+        Self::SpatialInertia,
+        Self::SpatialVelocity,
+        Self::ContactWrench,
+        Self::SpatialContactForce,
+        Self::JointAcceleration,
+        Self::ReactionForce,
+        Self::ReactionTorque,
+        Self::KineticEnergy,
+        Self::PotentialEnergy,
+        Self::Momentum,
+        Self::AngularMomentum,
+        Self::Capped,
+    ];
     /// Rows of it in each world, and numbers in each row.
     pub fn shape(self, model: &Model) -> [usize; 2] {
         let bodies = model.bodies.len();

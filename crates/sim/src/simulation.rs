@@ -357,14 +357,14 @@ impl<T: Float> Simulation<T> {
             let state = self.compiled(world).state.clone();
             self.begin(world, &state);
         }
-        self.run_again(worlds);
+        self.run_again(worlds.iter().copied());
         self.tell_shared()
     }
 
     /// These have not diverged any more.
-    fn run_again(&mut self, worlds: &[usize]) {
+    fn run_again(&mut self, worlds: impl Iterator<Item = usize>) {
         if !self.diverged.is_empty() {
-            let again: HashSet<_> = worlds.iter().collect();
+            let again: HashSet<_> = worlds.collect();
             self.diverged.retain(|d| !again.contains(&d.world));
         }
     }
@@ -401,7 +401,8 @@ impl<T: Float> Simulation<T> {
     ) -> Result<(), SimulationError> {
         self.set_joint_states([(world, position, velocity)])
     }
-    /// As [`set_joint_state`](Self::set_joint_state), for several worlds at once: all of them, or none.
+    /// As [`set_joint_state`](Self::set_joint_state), for several worlds at once: all of them, or none. Of several states
+    /// for one world the last counts.
     ///
     /// # Errors
     /// As there.
@@ -414,8 +415,7 @@ impl<T: Float> Simulation<T> {
         for (world, state) in &states {
             self.begin(*world, state);
         }
-        let worlds: Vec<_> = states.iter().map(|(world, _)| *world).collect();
-        self.run_again(&worlds);
+        self.run_again(states.iter().map(|(world, _)| *world));
         self.tell_shared()
     }
 
@@ -433,7 +433,8 @@ impl<T: Float> Simulation<T> {
     ) -> Result<(), SimulationError> {
         self.move_joints_of([(world, position, velocity)])
     }
-    /// As [`move_joints`](Self::move_joints), for several worlds at once: all of them, or none.
+    /// As [`move_joints`](Self::move_joints), for several worlds at once: all of them, or none. Of several states for one
+    /// world the last counts.
     ///
     /// # Errors
     /// As there.
@@ -441,7 +442,7 @@ impl<T: Float> Simulation<T> {
         &mut self,
         states: impl IntoIterator<Item = (usize, &'a [f64], &'a [f64])>,
     ) -> Result<(), SimulationError> {
-        let states = self.states_at(states)?;
+        let mut states = self.states_at(states)?;
         let motion = self.shared.engine.motion();
         let now = if motion.is_empty() {
             Vec::new()
@@ -453,19 +454,19 @@ impl<T: Float> Simulation<T> {
         if !motion.is_empty() || targets.iter().any(|range| !range.is_empty()) {
             self.fetch_state()?;
         }
-        for (nth, (world, mut state)) in states.into_iter().enumerate() {
+        for (nth, (world, state)) in states.iter_mut().enumerate() {
+            let now = |i| self.state.get(*world, i).to_f64();
             for i in targets.iter().cloned().flatten() {
-                state[i] = self.state.get(world, i).to_f64();
+                state[i] = now(i);
             }
-            if let Some((_, before)) = before.get(nth) {
-                let mut numbers = motion.iter().cloned().flatten();
-                let stays = numbers.by_ref().filter(|i| before[*i] == state[*i]);
-                for i in Vec::from_iter(stays) {
-                    state[i] = self.state.get(world, i).to_f64();
+            for i in motion.iter().cloned().flatten() {
+                if before[nth].1[i] == state[i] {
+                    state[i] = now(i);
                 }
             }
-            self.write_state(world, &state);
-            self.run_again(&[world]);
+        }
+        self.go_on_from(&states);
+        for (world, _) in states {
             self.take_for_granted(world);
         }
         Ok(())
@@ -473,7 +474,7 @@ impl<T: Float> Simulation<T> {
 
     /// Gives the joints of some worlds other velocities, as a push does: all of them, or none. All else stays: where
     /// bodies are, how they move otherwise than joints let them, what they rest on, time, controls, and the targets that
-    /// drives follow with a lag. Worlds that diverged run again.
+    /// drives follow with a lag. Worlds that diverged run again. Of several velocities for one world the last count.
     ///
     /// # Errors
     /// A world that does not exist, arrays of the wrong length, numbers not finite or beyond ±1e9; the device fails.
@@ -490,16 +491,24 @@ impl<T: Float> Simulation<T> {
         }
         self.fetch_state()?;
         let now = self.joints_now(velocities.iter().map(|(world, _)| *world))?;
-        for ((world, velocity), (_, position, before)) in velocities.into_iter().zip(now) {
-            let all = 0..self.state.length();
-            let mut state = Vec::from_iter(all.map(|i| self.state.get(world, i).to_f64()));
+        let pushed = |((world, velocity), (_, position, before)): ((usize, &[f64]), JointsNow)| {
+            let mut state = numbers_of(&self.state, world, 0..self.state.length());
             let engine = &self.compiled(world).engine;
             engine.push(&position, [&before, velocity], &mut state);
             state[engine.alive()] = 1.0;
-            self.write_state(world, &state);
-            self.run_again(&[world]);
-        }
+            (world, state)
+        };
+        let states = Vec::from_iter(velocities.into_iter().zip(now).map(pushed));
+        self.go_on_from(&states);
         Ok(())
+    }
+
+    /// Writes states of worlds, which run from now on if they had diverged.
+    fn go_on_from(&mut self, states: &[(usize, Vec<f64>)]) {
+        for (world, state) in states {
+            self.write_state(*world, state);
+        }
+        self.run_again(states.iter().map(|(world, _)| *world));
     }
 
     /// Coordinates and velocities of the joints of worlds, with these.
@@ -507,7 +516,9 @@ impl<T: Float> Simulation<T> {
         &mut self,
         worlds: impl IntoIterator<Item = usize>,
     ) -> Result<Vec<JointsNow>, SimulationError> {
-        let outputs = self.try_outputs()?;
+        self.fetch(Quantity::JointPosition)?;
+        self.fetch(Quantity::JointVelocity)?;
+        let outputs = self.last_reported();
         let joints = |w| (w, outputs.joint_position(w), outputs.joint_velocity(w));
         Ok(worlds.into_iter().map(joints).collect())
     }
@@ -638,9 +649,14 @@ impl<T: Float> Simulation<T> {
     /// Gives worlds models of their own. Where all bodies are is reported once, for all of them.
     pub(crate) fn give_own(&mut self, models: Vec<(usize, Own<T>)>) -> Result<(), SimulationError> {
         self.fetch_controls()?;
-        self.fetch_motion()?;
-        self.fetch_state()?;
-        // By now the device knows what it was given before.
+        // Where joints tell all, bodies stay as these say.
+        let places_bodies = !self.shared.engine.motion().is_empty();
+        if places_bodies {
+            self.fetch_motion()?;
+            self.fetch_state()?;
+        }
+        // So that the device knows what it was given before.
+        self.tell()?;
         if let Some(remote) = &self.remote {
             let own = models.iter();
             let own = own.map(|(_, own)| own.compiled.engine.parameters());
@@ -656,13 +672,16 @@ impl<T: Float> Simulation<T> {
             for (i, &x) in own.compiled.engine.parameters().iter().enumerate() {
                 self.parameters.set(world, i, T::from_f64(x));
             }
-            let bodies = numbers_of(&self.output, world, bodies.clone());
-            let mut state = numbers_of(&self.state, world, 0..own.compiled.state.len());
-            own.compiled.engine.take_over(&bodies, &mut state);
+            if places_bodies {
+                let bodies = numbers_of(&self.output, world, bodies.clone());
+                let mut state = numbers_of(&self.state, world, 0..own.compiled.state.len());
+                own.compiled.engine.take_over(&bodies, &mut state);
+                self.write_state(world, &state);
+            }
             self.shared.engine.forget(world);
             self.own.insert(world, own);
-            self.write_state(world, &state);
         }
+        self.moves();
         if let Some(remote) = &mut self.remote {
             remote.sets_parameters();
         }
@@ -756,7 +775,11 @@ impl<T: Float> Simulation<T> {
 
     /// Whether a world has not diverged.
     pub(crate) fn runs(&self, world: usize) -> bool {
-        self.state.get(world, self.shared.engine.alive()) != T::zero()
+        self.state.get(world, self.alive()) != T::zero()
+    }
+    /// Where a state tells that.
+    pub(crate) fn alive(&self) -> usize {
+        self.shared.engine.alive()
     }
 
     /// All worlds that have diverged and were not reset since.
@@ -981,7 +1004,7 @@ impl<T: Float> Simulation<T> {
             threads.run(|| engine.run(lane, team, block, Task::Step(substeps)));
         })?;
         if steps {
-            let alive = self.shared.engine.alive();
+            let alive = engine.alive();
             remote.read_state(alive..alive + 1, &mut self.state)?;
         }
         Ok(())

@@ -207,6 +207,7 @@ impl Snapshot {
         simulation: &mut Simulation<T>,
     ) -> Result<(), SnapshotError> {
         self.fits(&Header::of(simulation))?;
+        self.check_states::<T>(simulation.alive())?;
         let mut body = Reader(&self.body);
         read_worlds(&mut simulation.state, &mut body);
         read_worlds(&mut simulation.input, &mut body);
@@ -236,6 +237,19 @@ impl Snapshot {
                 found: own.worlds,
                 expected: other.worlds,
             });
+        }
+        Ok(())
+    }
+
+    /// The states of worlds that run are finite, which kernels count on. `alive` is where a state tells that.
+    fn check_states<T: Float>(&self, alive: usize) -> Result<(), SnapshotError> {
+        let mut body = Reader(&self.body);
+        for _ in 0..self.header.worlds {
+            let numbers = (0..self.header.state).map(|_| read_number::<T>(&mut body));
+            let state = Vec::from_iter(numbers);
+            if state[alive] != 0.0 && !state.iter().all(|x| x.is_finite()) {
+                return Err(SnapshotError::Damaged("a state that is not finite"));
+            }
         }
         Ok(())
     }
@@ -315,12 +329,15 @@ fn write_worlds<T: Float>(memory: &Memory<T>, bytes: &mut Vec<u8>) {
 fn read_worlds<T: Float>(memory: &mut Memory<T>, bytes: &mut Reader<'_>) {
     for world in 0..memory.worlds() {
         for i in 0..memory.length() {
-            let x = if T::DOUBLE {
-                f64::from_le_bytes(bytes.take())
-            } else {
-                f32::from_le_bytes(bytes.take()).into()
-            };
-            memory.set(world, i, T::from_f64(x));
+            memory.set(world, i, T::from_f64(read_number::<T>(bytes)));
         }
+    }
+}
+
+fn read_number<T: Float>(bytes: &mut Reader<'_>) -> f64 {
+    if T::DOUBLE {
+        f64::from_le_bytes(bytes.take())
+    } else {
+        f32::from_le_bytes(bytes.take()).into()
     }
 }

@@ -551,9 +551,9 @@ const GOLDEN: [[[u64; 2]; 5]; 2] = [
 /// For the heap: of each method that lets bodies touch, f32 and f64.
 #[cfg(all(target_arch = "x86_64", target_os = "linux", target_env = "gnu"))]
 const GOLDEN_HEAP: [[u64; 2]; 3] = [
-    [0xb4df_6022_8961_79ca, 0x20d7_43de_950d_a4eb],
-    [0x9446_ff21_57a8_cc47, 0xc592_4f41_8f13_bd44],
-    [0x3090_5141_0158_b863, 0x25f3_0234_2553_e438],
+    [0xc083_daa7_88a8_8e89, 0xe67c_9239_95b1_7d40],
+    [0x17a1_a5af_08e9_dc72, 0x76fe_4ecb_7294_c4aa],
+    [0xd41e_7e23_be0c_bd6e, 0x4b91_9fbe_e8b3_5610],
 ];
 
 /// For the humanoid that struggles on the ground, by `featherstone` and by `xpbd`, f32 and f64.

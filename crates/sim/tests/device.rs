@@ -222,6 +222,17 @@ fn no_more_is_read_than_is_looked_at() {
     let lengths = Vec::from_iter(ranges.iter().map(|range| range.len()));
     assert_eq!(lengths, [2 * rigid::body::WIDTH, 1, 1]);
     assert_eq!(ranges[1], one);
+    // What pushes joints looks at where they are and how they move.
+    simulation.try_step(1).unwrap();
+    let at_rest = vec![0.0; joints];
+    let pushed = simulation.set_joint_velocities([(0, &at_rest[..])]);
+    pushed.unwrap();
+    let lengths = Vec::from_iter(read().concat().iter().map(|range| range.len()));
+    assert_eq!(lengths, [joints, joints]);
+    // What gives a world a model of its own needs none of it, where joints tell all.
+    let model = Arc::clone(simulation.model());
+    simulation.set_world_model(1, &model).unwrap();
+    assert_eq!(read(), Vec::<Vec<_>>::new());
 }
 
 /// New controls change what follows from them, so that all is told anew.

@@ -280,6 +280,28 @@ fn every_cut_and_every_flipped_bit_is_noticed() {
     );
 }
 
+/// Also where the checksum is right, as of a file that was written with such numbers.
+#[test]
+fn a_state_that_is_not_finite_is_refused_and_changes_nothing() {
+    let mut simulation = moved::<f32>(settings());
+    let (before, bytes) = (seen(&mut simulation), simulation.snapshot().to_bytes());
+    for number in [f32::NAN, f32::INFINITY] {
+        let mut spoiled = bytes.clone();
+        // The first number after the header.
+        spoiled[56..60].copy_from_slice(&number.to_le_bytes());
+        let (content, checksum) = spoiled.split_last_chunk_mut().unwrap();
+        *checksum = crc32fast::hash(content).to_le_bytes();
+        let snapshot = Snapshot::from_bytes(&spoiled).unwrap();
+        let error = simulation.restore(&snapshot).unwrap_err();
+        let SimulationError::Snapshot(error) = error else {
+            panic!("{error}")
+        };
+        let why = SnapshotError::Damaged("a state that is not finite");
+        assert_eq!(error, why);
+        assert_eq!(seen(&mut simulation), before);
+    }
+}
+
 #[test]
 fn other_files_and_later_versions_are_named() {
     let mut bytes = moved::<f64>(SimulationSettings {

@@ -79,28 +79,6 @@ fn quantities_are_what_is_told_of_each_world() {
     }
 }
 
-const QUANTITIES: [Quantity; 19] = [
-    Quantity::BodyPosition,
-    Quantity::BodyOrientation,
-    Quantity::BodyVelocity,
-    Quantity::BodyAngularVelocity,
-    Quantity::JointPosition,
-    Quantity::JointVelocity,
-    Quantity::JointAcceleration,
-    Quantity::ReactionForce,
-    Quantity::ReactionTorque,
-    Quantity::ContactWrench,
-    Quantity::CenterOfMass,
-    Quantity::SpatialInertia,
-    Quantity::SpatialVelocity,
-    Quantity::SpatialContactForce,
-    Quantity::KineticEnergy,
-    Quantity::PotentialEnergy,
-    Quantity::Momentum,
-    Quantity::AngularMomentum,
-    Quantity::Capped,
-];
-
 /// There is nothing of it but sums, which are zero.
 #[test]
 fn all_quantities_of_scenery_alone_are_read() {
@@ -118,7 +96,7 @@ fn all_quantities_of_scenery_alone_are_read() {
         };
         let mut sim = Simulation::<f32>::new(model.clone(), settings).unwrap();
         sim.step(1);
-        for quantity in QUANTITIES {
+        for quantity in Quantity::ALL {
             let [rows, width] = quantity.shape(&model);
             let mut out = vec![f32::NAN; WORLDS * rows * width];
             sim.read(quantity, &mut out).unwrap();

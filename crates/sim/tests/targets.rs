@@ -272,6 +272,43 @@ fn small_pushes_change_little() {
     }
 }
 
+/// Where one call names a world twice, all is as if the last entry were the only one.
+#[test]
+fn the_last_of_two_entries_of_a_world_counts() {
+    for solver in SOLVERS {
+        let mut sims = [0, 1].map(|_| {
+            let mut sim = simulate(two_chains(), solver);
+            sim.step(100);
+            sim
+        });
+        for i in [0, 1] {
+            let outputs = sims[i].outputs();
+            let (position, velocity) = (outputs.joint_position(0), outputs.joint_velocity(0));
+            let [elsewhere, faster] = [&position, &velocity].map(|x| {
+                let more = x.iter().map(|x| x + 0.3);
+                more.collect::<Vec<_>>()
+            });
+            let (first, last) = (
+                (0, &elsewhere[..], &faster[..]),
+                (0, &position[..], &velocity[..]),
+            );
+            let moves = [first, last].into_iter().skip(i);
+            sims[i].move_joints_of(moves).unwrap();
+            sims[i].step(10);
+
+            let velocity = sims[i].outputs().joint_velocity(0);
+            let pushes = [(0, &faster[..]), (0, &velocity[..])].into_iter().skip(i);
+            sims[i].set_joint_velocities(pushes).unwrap();
+            sims[i].step(10);
+        }
+        let [twice, once] = sims.each_mut().map(|sim| {
+            let outputs = sim.outputs();
+            (outputs.joint_position(0), outputs.joint_velocity(0))
+        });
+        assert_eq!(twice, once, "{solver:?}");
+    }
+}
+
 /// What is pushed is as fast as it was told to be, and has not been accelerated: a body at rest without weight is not, before
 /// a step or after.
 #[test]

@@ -128,6 +128,10 @@ impl<C: Cut> Structure for Halves<C> {
         Self { nodes, items }
     }
 
+    fn relocated(&mut self, boxes: &Boxes, _: u32, _: &Aabb) {
+        *self = Self::build(boxes);
+    }
+
     fn overlap(&self, _: &Boxes, region: &Aabb, visit: &mut impl FnMut(u32)) {
         let mut stack = Stack::<u32, 64>::with(0);
         while let Some(at) = stack.pop() {

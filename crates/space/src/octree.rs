@@ -63,8 +63,10 @@ pub struct Octree {
     /// The root is first. It also holds what lies outside of it.
     octants: Vec<Octant>,
     places: Vec<Place>,
-    /// How many objects the root may hold before all is built anew.
+    /// How many objects the root may hold before all is built anew,
     tolerated: u32,
+    /// and how many octants there may be: those that objects have left are not given back one by one.
+    most_octants: usize,
 }
 
 fn half_size(aabb: &Aabb) -> f32 {
@@ -212,9 +214,9 @@ impl Octree {
         })
     }
 
-    /// Builds anew if too much has gathered in the root.
+    /// Builds anew if too much has gathered in the root, or too many octants may be empty.
     fn look_after(&mut self, boxes: &Boxes) {
-        if self.octants[0].own > self.tolerated {
+        if self.octants[0].own > self.tolerated || self.octants.len() > self.most_octants {
             *self = Self::build(boxes);
         }
     }
@@ -274,9 +276,11 @@ impl Structure for Octree {
             octants: vec![Octant::new(center, 1.001 * half, NONE)],
             places: vec![NOWHERE; boxes.all().len()],
             tolerated: u32::MAX,
+            most_octants: usize::MAX,
         };
         boxes.bounded().for_each(|(i, _)| tree.insert(boxes, i));
         tree.tolerated = 64 + 2 * tree.octants[0].own + boxes.count() as u32 / 8;
+        tree.most_octants = 64 + 2 * tree.octants.len() + boxes.count() / 8;
         tree
     }
 

@@ -21,7 +21,7 @@ use crate::gjk::Cores;
 use crate::overlap::{self, Witness};
 use crate::solid::kind;
 use crate::support::radius;
-use crate::{Placed, Point, Solid, Tables};
+use crate::{FLAT, Placed, Point, Solid, Tables};
 use numbers::machine::Index;
 use numbers::{Cell, Machine, Mask, Mat3, Real, Vec3};
 
@@ -191,6 +191,8 @@ pub(super) fn triangle<M: Machine>(
                 gap: cores.gap(k, n),
                 radii: [radius(k, solid), M::R::zero()],
                 stands: !(turned | slanted),
+                // What is not right over the triangle is the neighbours'.
+                leaning: FLAT,
             };
             let manifold = overlap::manifold(k, &cores, &witness);
             let number = piece.with_number(t[NUMBER]);

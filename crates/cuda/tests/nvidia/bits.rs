@@ -1,13 +1,13 @@
 //! CUDA rounds every operation as processors do, so what comes out has the same bits.
 
-use crate::agreement::{QUANTITIES, read};
+use crate::agreement::read;
 use crate::card::card;
 use crate::models::{heap, looped, mixed};
 use crate::pair::{Pair, of_joints};
 use crate::worlds::settings;
 use model::Model;
 use model::examples::{SCENES, rings};
-use sim::{SimulationSettings, SolverKind};
+use sim::{Quantity, SimulationSettings, SolverKind};
 
 fn has_the_same_bits(model: &Model, solver: SolverKind, contacts: bool, steps: usize) {
     let settings = SimulationSettings {
@@ -20,7 +20,7 @@ fn has_the_same_bits(model: &Model, solver: SolverKind, contacts: bool, steps: u
 
 fn have_the_same_bits(mut pair: Pair, steps: usize) {
     pair.step(steps);
-    for quantity in QUANTITIES {
+    for quantity in Quantity::ALL {
         let [cpu, cuda] = pair.both().map(|s| read(s, quantity));
         let mut numbers = cpu.iter().zip(&cuda).enumerate();
         let apart = numbers.find(|(_, (x, y))| x.to_bits() != y.to_bits());

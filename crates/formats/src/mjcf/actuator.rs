@@ -75,6 +75,8 @@ const VELOCITY: &[&str] = &["kv"];
 pub(super) struct Motors {
     /// For each actuator of the file, whether it is in the model.
     pub kept: Vec<bool>,
+    /// Names of those of the file.
+    pub names: HashSet<String>,
     /// Rows of position servos that are damped by a ratio of the critical damping.
     pub damping_ratios: Vec<(usize, f64)>,
 }
@@ -87,26 +89,26 @@ pub(super) fn read(
     report: &mut Report,
 ) -> Result<Motors, FormatError> {
     let mut motors = Motors::default();
-    let mut names = HashSet::new();
     for element in root
         .children_named("actuator")
         .flat_map(|section| &section.children)
     {
+        let name = element.get("name").unwrap_or_default();
+        if !name.is_empty() && !motors.names.insert(name.to_owned()) {
+            return Err(taken(element, "actuator", name));
+        }
         let row = tree.parts.actuators.len();
         let read = read_one(element, tree, context, report)?;
         motors.kept.push(read.is_some());
         let Some((actuator, damping_ratio)) = read else {
             continue;
         };
-        if !actuator.name.is_empty() && !names.insert(actuator.name.clone()) {
-            return Err(taken(element, "actuator", &actuator.name));
-        }
         motors
             .damping_ratios
             .extend(damping_ratio.map(|ratio| (row, ratio)));
         tree.parts.actuators.push(actuator);
     }
-    limit_joint_forces(tree, report)?;
+    limit_joint_forces(tree, &motors, context, report)?;
     Ok(motors)
 }
 
@@ -124,29 +126,13 @@ fn read_one(
     let kinds = [KINDS, OTHERS].concat();
     let classes = context.defaults.classes(element, None, &kinds)?;
     let merged = inherit(element, &classes.concat());
+    if let Some(why) = idleness(&merged, context)? {
+        report.note(element, "actuator", why);
+        add_reflected(&merged, tree, context, report)?;
+        return Ok(None);
+    }
     if merged.number("delay")?.unwrap_or(0.0) > 0.0 {
         report.refuse(element, "delay of the control", "set delay to 0")?;
-    }
-    if context
-        .physics
-        .switched_off
-        .contains(&merged.integer("group")?.unwrap_or(0))
-    {
-        let feature = "an actuator of a group that is switched off";
-        report.refuse(
-            element,
-            feature,
-            "remove it, or its group from actuatorgroupdisable",
-        )?;
-        return Ok(None);
-    }
-    if !context.physics.on("actuation") {
-        report.note(
-            element,
-            "actuator",
-            "left out, for the flag `actuation` is off",
-        );
-        return Ok(None);
     }
     let servo = Servo::of(element, &classes)?.checked(element, report)?;
     let Some(target) = target(&merged, tree, &servo, report)? else {
@@ -165,8 +151,20 @@ fn read_one(
             .compiler
             .range(&merged, "forcelimited", "forcerange")?,
     };
-    add_reflected(&merged, &actuator, tree, context, report)?;
+    add_reflected(&merged, tree, context, report)?;
     Ok(Some((actuator, servo.damping_ratio())))
+}
+
+/// Why an actuator is left out that exerts no force, if it is.
+fn idleness(element: &Element, context: &Context<'_>) -> Result<Option<&'static str>, FormatError> {
+    let group = element.integer("group")?.unwrap_or(0);
+    Ok(if !context.physics.on("actuation") {
+        Some("left out, for the flag `actuation` is off")
+    } else if context.physics.switched_off.contains(&group) {
+        Some("left out, for its group is in `actuatorgroupdisable`")
+    } else {
+        None
+    })
 }
 
 fn is_supported(element: &Element, report: &mut Report) -> Result<bool, FormatError> {
@@ -200,13 +198,12 @@ struct Target<'a> {
     gear: f64,
 }
 
-/// The degree of freedom that the actuator acts on; `None` where it was noted and left out.
-fn target<'a>(
+/// The joint that the actuator is at; `None` where it is at another thing, and that was noted.
+fn joint<'a>(
     element: &Element,
     tree: &'a Tree,
-    servo: &Servo,
     report: &mut Report,
-) -> Result<Option<Target<'a>>, FormatError> {
+) -> Result<Option<&'a TreeJoint>, FormatError> {
     for other in ["tendon", "site", "body", "cranksite", "slidersite"] {
         if element.has(other) {
             let feature = format!("transmission by `{other}`");
@@ -214,12 +211,23 @@ fn target<'a>(
             return Ok(None);
         }
     }
-    let attribute = if element.has("jointinparent") {
-        "jointinparent"
-    } else {
-        "joint"
+    let attribute = match element.has("jointinparent") {
+        true => "jointinparent",
+        false => "joint",
     };
-    let joint = tree.joint(element, attribute)?;
+    tree.joint(element, attribute).map(Some)
+}
+
+/// The degree of freedom that the actuator acts on; `None` where it was noted and left out.
+fn target<'a>(
+    element: &Element,
+    tree: &'a Tree,
+    servo: &Servo,
+    report: &mut Report,
+) -> Result<Option<Target<'a>>, FormatError> {
+    let Some(joint) = joint(element, tree, report)? else {
+        return Ok(None);
+    };
     let gear = element.list("gear", 1, 6)?.unwrap_or(vec![1.0]);
     let scalar = matches!(joint.file.kind, Kind::Hinge | Kind::Slide);
     if scalar {
@@ -234,7 +242,7 @@ fn target<'a>(
         .filter(|i| gear.get(*i).is_some_and(|g| *g != 0.0))
         .collect();
     match acting[..] {
-        _ if attribute == "jointinparent" => {
+        _ if element.has("jointinparent") => {
             let feature =
                 "an actuator of a ball or free joint along its parent's axes (`jointinparent`)";
             report.refuse(
@@ -280,59 +288,78 @@ fn control_range(
         .acting(element, "ctrllimited", "ctrlrange", range)
 }
 
-/// Adds what the actuator's rotor adds to its joint: inertia and damping times gear².
+/// Adds what the actuator's rotor adds to its joint, whether it acts or not: inertia and damping times gear². As in
+/// MuJoCo, the first number of `gear` counts for all degrees of freedom of a ball or free joint.
 fn add_reflected(
     element: &Element,
-    actuator: &Actuator,
     tree: &mut Tree,
     context: &Context<'_>,
     report: &mut Report,
 ) -> Result<(), FormatError> {
-    let dof = &mut tree.parts.joints[actuator.joint.0].dofs[actuator.dof];
-    let gear2 = actuator.gear * actuator.gear;
-    dof.armature += gear2 * element.non_negative("armature")?.unwrap_or(0.0);
-    let damping = linear(element, "damping", report)?;
-    if context.physics.on("damper") {
+    let armature = element.non_negative("armature")?.unwrap_or(0.0);
+    let damping = match linear(element, "damping", report)? {
+        damping if context.physics.on("damper") => damping,
+        _ => 0.0,
+    };
+    if armature == 0.0 && damping == 0.0 {
+        return Ok(());
+    }
+    let Some(joint) = joint(element, tree, report)? else {
+        return Ok(());
+    };
+    let gear2 = element
+        .list("gear", 1, 6)?
+        .map_or(1.0, |gear| gear[0] * gear[0]);
+    let (id, first) = (joint.joint, joint.dof);
+    let count = joint.file.kind.degrees_of_freedom();
+    for dof in &mut tree.parts.joints[id.0].dofs[first..first + count] {
+        dof.armature += gear2 * armature;
         dof.damping += gear2 * damping;
     }
     Ok(())
 }
 
 /// `actuatorfrcrange`: the range of all actuators' force on a joint, given to the one that there is.
-fn limit_joint_forces(tree: &mut Tree, report: &mut Report) -> Result<(), FormatError> {
+fn limit_joint_forces(
+    tree: &mut Tree,
+    motors: &Motors,
+    context: &Context<'_>,
+    report: &mut Report,
+) -> Result<(), FormatError> {
+    // MuJoCo clamps joints without actuators, too, once any joint has one.
+    let clamps_all = !motors.kept.is_empty() && context.physics.on("actuation");
     for joint in &tree.joints {
         let Some((lower, upper)) = joint.file.force_range else {
             continue;
         };
-        if !matches!(joint.file.kind, Kind::Hinge | Kind::Slide) {
-            continue;
-        }
-        let on_it = |a: &&mut Actuator| (a.joint, a.dof) == (joint.joint, joint.dof);
+        let on_it =
+            |a: &&mut Actuator| (a.joint, a.dof) == (joint.joint, joint.dof) && a.gear != 0.0;
         let mut acting: Vec<&mut Actuator> =
             tree.parts.actuators.iter_mut().filter(on_it).collect();
+        let element = &joint.file.element;
         match &mut acting[..] {
+            [] if clamps_all && (lower > 0.0 || upper < 0.0) => {
+                let feature = "`actuatorfrcrange` without 0 at a joint on which no actuator acts";
+                report.refuse(element, feature, "remove it, or widen it to 0")?;
+            }
             [] => {}
             [one] => narrow_force_range(one, lower, upper),
             _ => {
                 let feature = "`actuatorfrcrange` at a joint with several actuators";
-                report.refuse(
-                    &joint.file.element,
-                    feature,
-                    "give each a forcerange instead",
-                )?;
+                report.refuse(element, feature, "give each a forcerange instead")?;
             }
         }
     }
     Ok(())
 }
 
+/// The force is clamped to its own range and then, behind the gear, to the joint's: where they do not meet, it is
+/// the nearer end of the latter.
 fn narrow_force_range(actuator: &mut Actuator, lower: f64, upper: f64) {
-    if actuator.gear == 0.0 {
-        return;
-    }
     let (a, b) = (lower / actuator.gear, upper / actuator.gear);
+    let within = |force: f64| force.clamp(a.min(b), a.max(b));
     let (own_lower, own_upper) = actuator
         .force_range
         .unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
-    actuator.force_range = Some((own_lower.max(a.min(b)), own_upper.min(a.max(b))));
+    actuator.force_range = Some((within(own_lower), within(own_upper)));
 }

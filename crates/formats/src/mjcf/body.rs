@@ -13,7 +13,8 @@ use super::tree::Tree;
 use crate::error::FormatError;
 use crate::report::Report;
 use crate::xml::Element;
-use model::{Body, BodyId, BodyKind, MassProperties, Pose};
+use glam::DVec3;
+use model::{Body, BodyId, BodyKind, Geometry, MassProperties, Pose};
 
 const KNOWN: &[&str] = &[
     "name",
@@ -94,13 +95,13 @@ fn read_body<'a>(
 ) -> Result<Vec<Visit<'a>>, FormatError> {
     let element = visit.element;
     report.check_attributes(element, KNOWN, &[])?;
-    check_physics(element, visit, report)?;
     let class = content::class(element, visit.class, context)?;
     let contents = content::of(element, class, context, report)?;
     let local = visit.frame * pose(element, &context.compiler)?;
     let pose = tree.pose(visit.parent) * local;
     let joints = content::joints(&contents, context, report)?;
     let moves = tree.moves(visit.parent) || !joints.is_empty();
+    check_physics(element, visit.parent, moves, context, report)?;
     let (mass, geoms) = weigh(element, &contents, moves, context, report)?;
     let body = Body {
         kind: if moves {
@@ -117,6 +118,7 @@ fn read_body<'a>(
     };
     let id = tree.add_body(body, visit.parent, element)?;
     if moves {
+        note_planes(&geoms, report);
         let joint = joint::assemble(element, &joints, (visit.parent, id), local, pose)?;
         tree.add_joint(joint, joints)?;
     }
@@ -125,18 +127,37 @@ fn read_body<'a>(
     Ok(visits(&contents, Some(id)))
 }
 
-fn check_physics(element: &Element, visit: &Visit, report: &mut Report) -> Result<(), FormatError> {
-    if element.number("gravcomp")?.unwrap_or(0.0) != 0.0 {
+fn check_physics(
+    element: &Element,
+    parent: Option<BodyId>,
+    moves: bool,
+    context: &Context<'_>,
+    report: &mut Report,
+) -> Result<(), FormatError> {
+    let has_weight = moves && context.physics.gravity != DVec3::ZERO;
+    if element.number("gravcomp")?.unwrap_or(0.0) != 0.0 && has_weight {
         report.refuse(element, "gravity compensation", "set gravcomp to 0")?;
     }
     if element.truth("mocap")? == Some(true) {
-        if visit.parent.is_some() {
+        if parent.is_some() {
             let remedy = "move the body to the world";
             return Err(element.invalid_attribute("mocap", "is for children of the world", remedy));
+        }
+        if moves {
+            let remedy = "remove its joints, or `mocap`";
+            return Err(element.invalid_attribute("mocap", "is for bodies without joints", remedy));
         }
         report.note(element, "mocap", "the body is static");
     }
     Ok(())
+}
+
+fn note_planes(geoms: &[Geom], report: &mut Report) {
+    let is_plane = |geom: &&Geom| matches!(geom.shape.geometry, Geometry::Plane { .. });
+    for plane in geoms.iter().filter(is_plane) {
+        let meaning = "a half space that goes along with it; MuJoCo refuses it";
+        report.note(&plane.element, "a plane of a body that moves", meaning);
+    }
 }
 
 /// A body's mass properties, and its geoms.
@@ -156,7 +177,8 @@ fn weigh(
     let inertial = inertials.first().map(|c| (c.element, c.frame));
     let weight = match inertial::from_geoms(&context.compiler, inertial.is_some()) {
         false => Weight::Unused,
-        true if moves => Weight::Needed,
+        // A total that is set is that of static bodies, too.
+        true if moves || context.compiler.total_mass.is_some() => Weight::Needed,
         true => Weight::Wanted,
     };
     let geoms = content::geoms(contents, weight, context, report)?;

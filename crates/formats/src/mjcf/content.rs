@@ -2,7 +2,7 @@
 
 use super::Context;
 use super::geom::{self, Geom, Weight};
-use super::joint::{self, FileJoint, Kind};
+use super::joint::{self, FileJoint};
 use super::orientation::pose;
 use crate::error::FormatError;
 use crate::report::Report;
@@ -116,14 +116,7 @@ pub(super) fn joints(
                 .defaults
                 .apply(content.element, content.class, &["joint"])?,
         };
-        let joint = joint::read(element, content.frame, context, report)?;
-        if joint.kind == Kind::Free && content.frame != Pose::IDENTITY {
-            let remedy = "put the frame around the body instead";
-            return Err(joint
-                .element
-                .invalid("a free joint stands in a frame", remedy));
-        }
-        joints.push(joint);
+        joints.push(joint::read(element, content.frame, context, report)?);
     }
     Ok(joints)
 }

@@ -86,7 +86,7 @@ pub(super) struct Geom {
 pub(super) enum Weight {
     /// Nothing: the body has its mass from elsewhere.
     Unused,
-    /// Mass, where that is easily had: the body never moves.
+    /// Mass, where that is easily had: the body never moves, and no total is set.
     Wanted,
     /// Mass.
     Needed,
@@ -374,7 +374,7 @@ fn solid(
             return Ok(None);
         }
         Geometry::MeshFile { .. } | Geometry::Mesh(_) | Geometry::Hull(_) => {
-            mesh_mass::of(element, shape, context, report)?
+            mesh_mass::of(element, context, report)?
         }
         solid if shell => shell::of(solid),
         solid => MassProperties::of(solid, 1.0),

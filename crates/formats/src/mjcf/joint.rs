@@ -87,7 +87,7 @@ pub(super) struct FileJoint {
     pub range: Option<(f64, f64)>,
     /// Time constant [s] and damping ratio of its spring and damper, instead of theirs.
     pub spring_damper: Option<[f64; 2]>,
-    /// Range of the actuators' force on it.
+    /// Range of the actuators' force on it; none of balls and free joints, as in MuJoCo.
     pub force_range: Option<(f64, f64)>,
 }
 
@@ -131,6 +131,9 @@ pub(super) fn read(
     let anchor = element.vector("pos")?.unwrap_or(DVec3::ZERO);
     let [span, limits] = ranges(&element, kind, angle, context, report)?;
     let spring_damper = spring_damper(&element)?;
+    let force_range = context
+        .compiler
+        .range(&element, "actuatorfrclimited", "actuatorfrcrange")?;
     Ok(FileJoint {
         kind,
         anchor: frame.point(anchor),
@@ -151,9 +154,7 @@ pub(super) fn read(
         span,
         range: narrowed(&element, limits)?,
         spring_damper,
-        force_range: context
-            .compiler
-            .range(&element, "actuatorfrclimited", "actuatorfrcrange")?,
+        force_range: force_range.filter(|_| matches!(kind, Kind::Hinge | Kind::Slide)),
         element,
     })
 }
@@ -359,6 +360,7 @@ fn joint_kind(body: &Element, kinds: &[Kind]) -> Result<JointKind, FormatError> 
     }
 }
 
+/// Frames that the joint stands in do nothing, as in MuJoCo.
 fn free(joint: &FileJoint, child: BodyId, pose: Pose) -> Joint {
     let mut free = Joint::new(name(joint), JointKind::Free, None, child, Vec::new());
     let (p, q) = (pose.position, pose.orientation);

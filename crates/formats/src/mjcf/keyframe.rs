@@ -34,6 +34,9 @@ pub(super) fn read(
             return Err(key.invalid("a keyframe section holds keys only", "write <key …/>"));
         }
         report.check_attributes(key, KNOWN, UNUSED)?;
+        if key.number("time")?.unwrap_or(0.0) != 0.0 {
+            report.note(key, "attribute `time`", "simulations start at 0");
+        }
         let name = key.get("name").unwrap_or_default();
         if !name.is_empty() && !names.insert(name) {
             return Err(taken(key, "keyframe", name));

@@ -3,11 +3,11 @@
 use super::Context;
 use super::shell;
 use crate::error::FormatError;
-use crate::meshes::broken;
+use crate::meshes::{Read, broken};
 use crate::report::Report;
 use crate::xml::Element;
 use glam::DVec3;
-use model::{Geometry, MassProperties, Shape, TriangleMesh};
+use model::{Geometry, MassProperties, TriangleMesh};
 
 /// What of a mesh weighs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,21 +35,20 @@ impl Inertia {
         })
     }
 
-    /// Of the mesh that a geom uses.
-    fn of_geom(geom: &Element, context: &Context<'_>) -> Self {
-        let asset = geom
-            .get("mesh")
-            .and_then(|name| context.assets.meshes.get(name));
-        asset
-            .and_then(Option::as_ref)
-            .map_or(Self::default(), |mesh| mesh.inertia)
+    /// Whose mass it is.
+    fn whose(self) -> &'static str {
+        match self {
+            Self::Convex => "it is that of its convex hull",
+            Self::Shell => "it is that of its surface",
+            Self::Legacy | Self::Exact => "it is that of what its surface holds",
+        }
     }
 }
 
-/// Of a mesh or its hull, of unit density per volume or per area, in the geom's frame.
+/// Of the mesh that a geom uses, of unit density per volume or per area, in the mesh's frame. What it becomes where it
+/// collides does not matter, but that an open surface weighs what its hull does, if that is it.
 pub(super) fn of(
     element: &Element,
-    shape: &Shape,
     context: &Context<'_>,
     report: &mut Report,
 ) -> Result<Option<MassProperties>, FormatError> {
@@ -63,24 +62,27 @@ pub(super) fn of(
         report.refuse(element, "mass from a height field", remedy)?;
         return Ok(None);
     }
-    let read = match &shape.geometry {
-        file @ Geometry::MeshFile { .. } => context.meshes.of(element, file)?,
-        read => Some(read.clone()),
+    let name = element.require("mesh")?;
+    let Some(Some(asset)) = context.assets.meshes.get(name) else {
+        return Ok(None);
     };
-    let Some(read) = read else {
+    let Some(read) = context.meshes.read(element, &asset.geometry)? else {
         let remedy = "take meshes as they are where their surfaces are closed (--meshes exact), or as their \
                       convex hulls (--meshes hull), give the body an <inertial> element, or this geom mass=\"0\"";
         report.refuse(element, "mass from the volume of a mesh", remedy)?;
         return Ok(None);
     };
-    let inertia = Inertia::of_geom(element, context);
-    let unit = match &read {
-        Geometry::Mesh(mesh) => of_mesh(mesh, inertia).map_err(|e| broken(element, e))?,
-        Geometry::Hull(hull) if inertia == Inertia::Shell => shell::of_faces(hull.faces()),
-        hull => MassProperties::of(hull, 1.0),
+    let inertia = asset.inertia;
+    let own = weighed(&read, inertia).map_err(|problem| broken(element, problem))?;
+    let (unit, what, whose) = match &read.geometry {
+        hull @ Geometry::Hull(_) if own.is_none() => {
+            let what = "mass from a mesh that is open or inside out";
+            (MassProperties::of(hull, 1.0), what, Inertia::Convex.whose())
+        }
+        _ => (own, "mass from a mesh", inertia.whose()),
     };
     let Some(unit) = unit else {
-        let (problem, remedy) = fault(element, &read);
+        let (problem, remedy) = fault(element, &read.surface);
         if !report.is_lenient() {
             return Err(element.invalid(&problem, &remedy));
         }
@@ -91,16 +93,8 @@ pub(super) fn of(
         );
         return Ok(None);
     };
-    let whose = match (&read, inertia) {
-        (Geometry::Hull(_), _) | (_, Inertia::Convex) => "it is that of its convex hull",
-        (_, Inertia::Shell) => "it is that of its surface",
-        _ => "it is that of what its surface holds",
-    };
-    report.note(element, "mass from a mesh", whose);
-    if let Geometry::Mesh(mesh) = &read
-        && inertia == Inertia::Legacy
-        && is_hollow(mesh, unit)
-    {
+    report.note(element, what, whose);
+    if inertia == Inertia::Legacy && own.is_some() && is_hollow(&read.surface, unit) {
         let meaning =
             "MuJoCo counts some of the hollow, too, unless its <mesh> has inertia=\"exact\"";
         report.note(element, "mass from a hollow mesh", meaning);
@@ -109,11 +103,8 @@ pub(super) fn of(
 }
 
 /// Why the mesh that a geom uses has no mass, and what to do.
-fn fault(geom: &Element, read: &Geometry) -> (String, String) {
-    let (open, volume) = match read {
-        Geometry::Mesh(mesh) => (mesh.open_edges(), mesh.volume()),
-        _ => (Vec::new(), 0.0),
-    };
+fn fault(geom: &Element, mesh: &TriangleMesh) -> (String, String) {
+    let (open, volume) = (mesh.open_edges(), mesh.volume());
     let (what, cure) = match open.first() {
         Some([from, to]) => {
             let count = open.len();
@@ -139,10 +130,14 @@ fn fault(geom: &Element, read: &Geometry) -> (String, String) {
 }
 
 /// `None` for a surface that has to be closed, and is not, or holds nothing.
-fn of_mesh(mesh: &TriangleMesh, inertia: Inertia) -> Result<Option<MassProperties>, String> {
-    Ok(match inertia {
-        Inertia::Legacy | Inertia::Exact => MassProperties::of(&Geometry::Mesh(mesh.clone()), 1.0),
-        Inertia::Convex => {
+fn weighed(read: &Read, inertia: Inertia) -> Result<Option<MassProperties>, String> {
+    let mesh = &read.surface;
+    Ok(match (inertia, &read.geometry) {
+        (Inertia::Legacy | Inertia::Exact, _) => {
+            MassProperties::of(&Geometry::Mesh(mesh.clone()), 1.0)
+        }
+        (Inertia::Convex, hull @ Geometry::Hull(_)) => MassProperties::of(hull, 1.0),
+        (Inertia::Convex, _) => {
             let hull = mesh.convex_hull();
             let hull = hull.map_err(|e| {
                 format!(
@@ -151,7 +146,7 @@ fn of_mesh(mesh: &TriangleMesh, inertia: Inertia) -> Result<Option<MassPropertie
             })?;
             MassProperties::of(&Geometry::Hull(hull), 1.0)
         }
-        Inertia::Shell => shell::of_faces(mesh.faces()),
+        (Inertia::Shell, _) => shell::of_faces(mesh.faces()),
     })
 }
 

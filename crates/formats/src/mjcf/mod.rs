@@ -37,9 +37,14 @@
 //! - Refused unless lenient: drag by a fluid, gravity compensation, tendons that exert force, muscles
 //!   and other actuators with a state, plugins, flexible bodies, polynomial springs, springs and limits of
 //!   ball joints, `<replicate>`, `<attach>` and the like, and mass from a height field or from the volume of
-//!   a mesh whose surface is open, unless it becomes its hull ([`Options::meshes`]).
-//! - Meshes weigh what their `inertia` says, once they are read; but `legacy`, which is MuJoCo's default, is `exact`
-//!   here. In MuJoCo it is more where faces of the mesh look at its middle, which is noted.
+//!   a mesh whose surface is open, unless it becomes its hull ([`Options::meshes`]). So is static mass of both where
+//!   `settotalmass` counts it.
+//! - Meshes weigh what their `inertia` says, once they are read, whatever they become; but `legacy`, which is MuJoCo's
+//!   default, is `exact` here. In MuJoCo it is more where faces of the mesh look at its middle, which is noted. An open
+//!   surface that becomes its hull weighs what that does.
+//! - What `boundmass` gives a body without mass is at its origin; MuJoCo has it at `pos` from there.
+//! - `actuatorfrcrange` narrows the force of the one actuator of its joint, and `actuatorfrc` tells it so; MuJoCo
+//!   clamps the joint's force alone.
 //! - `touch` is of all contacts of the site's body. What other sensors measure, and of rangefinders other `data` than
 //!   the distance, is not read, and listed; nor is `subtreecom` where static bodies are in the subtree, but for frames
 //!   that hold nothing: static bodies have no mass here.
@@ -147,7 +152,7 @@ pub(crate) fn read(
     contact::read(&root, &mut tree, &space, &context, &mut report)?;
     softening::apply(&mut tree, &motors, &space, &context);
     keyframe::read(&root, &mut tree, &motors, &mut report)?;
-    sensor::read(&root, &mut tree, &fusion, &context, &mut report)?;
+    sensor::read(&root, &mut tree, &motors, &fusion, &context, &mut report)?;
     equality::read(&root, &mut tree, &context, &mut report)?;
 
     let mut parts = tree.parts;

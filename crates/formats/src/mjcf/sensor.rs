@@ -4,8 +4,9 @@
 //! joints that turn without end are in [−π, π], and a rangefinder that meets nothing reads its largest range.
 
 use super::Context;
+use super::actuator::Motors;
 use super::joint::Kind;
-use super::tree::{Tree, TreeJoint, taken};
+use super::tree::{Tree, TreeJoint, taken, unknown};
 use crate::error::FormatError;
 use crate::fuse::Fusion;
 use crate::names::Taken;
@@ -66,6 +67,7 @@ const OTHERS: &[&str] = &[
 pub(super) fn read(
     root: &Element,
     tree: &mut Tree,
+    motors: &Motors,
     fusion: &Fusion,
     context: &Context<'_>,
     report: &mut Report,
@@ -82,6 +84,7 @@ pub(super) fn read(
         let mut reader = Reader {
             element,
             tree,
+            motors,
             fusion,
             report,
         };
@@ -100,7 +103,8 @@ pub(super) fn read(
 fn check_names(elements: &[&Element]) -> Result<(), FormatError> {
     let mut names = HashSet::new();
     for element in elements {
-        if let Some(name) = element.get("name").filter(|name| !names.insert(*name)) {
+        let name = element.get("name").unwrap_or_default();
+        if !name.is_empty() && !names.insert(name) {
             return Err(taken(element, "sensor", name));
         }
     }
@@ -111,6 +115,7 @@ fn check_names(elements: &[&Element]) -> Result<(), FormatError> {
 struct Reader<'a> {
     element: &'a Element,
     tree: &'a Tree,
+    motors: &'a Motors,
     fusion: &'a Fusion,
     report: &'a mut Report,
 }
@@ -212,20 +217,31 @@ impl Reader<'_> {
 
     fn actuator_force(&mut self) -> Result<Option<Measurand>, FormatError> {
         let name = self.element.require("actuator")?;
-        let actuators = &self.tree.parts.actuators;
-        if let Some(actuator) = actuators.iter().position(|a| a.name == name) {
+        let mut actuators = self.tree.parts.actuators.iter();
+        let row = actuators.position(|a| !name.is_empty() && a.name == name);
+        if let Some(actuator) = row {
+            self.note_joint_range(actuator);
             return Ok(Some(Measurand::ActuatorForce { actuator }));
         }
-        if self.report.is_lenient() {
-            return Ok(self.leave_out("an actuator that was left out, or is not there"));
+        if self.motors.names.contains(name) {
+            return Ok(self.leave_out("of an actuator that is left out"));
         }
-        let names = actuators.iter().map(|a| a.name.as_str());
-        Err(super::tree::unknown(
-            self.element,
-            "actuator",
-            "actuator",
-            names,
-        ))
+        if self.report.is_lenient() {
+            return Ok(self.leave_out("of an actuator that is not there"));
+        }
+        let names = self.motors.names.iter().map(String::as_str);
+        Err(unknown(self.element, "actuator", "actuator", names))
+    }
+
+    /// MuJoCo clamps the joint's force, not the actuator's, to the joint's range.
+    fn note_joint_range(&mut self, actuator: usize) {
+        let actuator = &self.tree.parts.actuators[actuator];
+        let is_its = |j: &&TreeJoint| (j.joint, j.dof) == (actuator.joint, actuator.dof);
+        let joint = self.tree.joints.iter().find(is_its);
+        if joint.is_some_and(|joint| joint.file.force_range.is_some()) {
+            let meaning = "within the joint's `actuatorfrcrange`; MuJoCo tells the force before it is clamped to that";
+            self.report.note(self.element, "actuatorfrc", meaning);
+        }
     }
 
     fn site(&self) -> Result<Mount, FormatError> {

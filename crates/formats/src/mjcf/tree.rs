@@ -73,7 +73,7 @@ impl Tree {
         self.parts.joints.push(joint);
         let mut next = 0;
         for file in files {
-            if let Some(name) = file.element.get("name") {
+            if let Some(name) = file.element.get("name").filter(|name| !name.is_empty()) {
                 let row = self.joints.len();
                 if self.joint_names.insert(name.to_owned(), row).is_some() {
                     return Err(taken(&file.element, "joint", name));

@@ -12,29 +12,6 @@ use std::collections::HashSet;
 
 const H: f64 = 0.002;
 
-/// All that is reported, in the order of worlds, rows and numbers: what is reported by itself first.
-pub const QUANTITIES: [Quantity; 19] = [
-    Quantity::JointPosition,
-    Quantity::JointVelocity,
-    Quantity::BodyPosition,
-    Quantity::BodyOrientation,
-    Quantity::BodyVelocity,
-    Quantity::BodyAngularVelocity,
-    Quantity::JointAcceleration,
-    Quantity::ReactionForce,
-    Quantity::ReactionTorque,
-    Quantity::ContactWrench,
-    Quantity::CenterOfMass,
-    Quantity::SpatialInertia,
-    Quantity::SpatialVelocity,
-    Quantity::SpatialContactForce,
-    Quantity::KineticEnergy,
-    Quantity::PotentialEnergy,
-    Quantity::Momentum,
-    Quantity::AngularMomentum,
-    Quantity::Capped,
-];
-
 pub fn read(simulation: &mut Simulation<f32>, quantity: Quantity) -> Vec<f64> {
     let [rows, width] = quantity.shape(simulation.model());
     let mut out = vec![0.0; simulation.worlds() * rows * width];
@@ -53,7 +30,7 @@ fn agrees(card: &Card, model: &Model, settings: SimulationSettings, once: f64) {
     let moved = pair.moved_apart();
     assert!(moved < 1e-3, "{name}: {moved:e} after 100 steps");
     pair.put();
-    for quantity in QUANTITIES {
+    for quantity in Quantity::ALL {
         let [cpu, gpu] = pair.both().map(|s| read(s, quantity));
         let reported = apart(&cpu, &gpu);
         // Sums of forces in which most cancels.

@@ -627,12 +627,18 @@ fn sensors_and_surfaces_of_pairs_agree_with_the_processor() {
     assert_eq!(cpu, gpu);
 }
 
-/// Solids of all kinds on a hillside, which is a mesh; a bowl that falls with a stone in it, and lies on the ground.
+/// Solids of all kinds on a hillside, which is a mesh.
 #[test]
 #[ignore = "needs a graphics card or what stands in for one"]
-fn meshes_agree_with_the_processor() {
+fn solids_on_meshes_agree_with_the_processor() {
     let pair = agrees(&terrain(12).unwrap(), 30, 8);
     assert_eq!(pair.gpu.left_to_processor(), 0);
+}
+
+/// A bowl that falls with stones in it, and lies on the ground.
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn boxes_in_meshes_agree_with_the_processor() {
     let dent = |x: f64, z: f64| 0.6 * (x * x + z * z);
     let steps = (0..7).map(|i| 0.1 * f64::from(i) - 0.3);
     let heights = steps
@@ -658,6 +664,11 @@ fn meshes_agree_with_the_processor() {
         stone.at(Pose::at(DVec3::new(x, 0.3, 0.02)));
     }
     agrees(&world.build().unwrap(), 40, 5);
+}
+
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn meshes_on_meshes_agree_with_the_processor() {
     let mut pair = agrees(&heap(&tetrahedron()), 40, 5);
     assert_eq!(pair.gpu.left_to_processor(), 0);
     assert!(pair.cpu.outputs().contacts(0).count() > 3);
@@ -869,9 +880,15 @@ fn stages_of_steps_are_timed() {
         let mut wrenches = vec![0.0; 6 * world.model().bodies.len()];
         world.read(Quantity::ContactWrench, &mut wrenches)
     };
-    world.time_stages(contacts).unwrap();
+    let (_, later) = world.time_stages(contacts).unwrap();
+    let named = |stage| later.iter().filter(|it| it.name == stage).count();
+    let [narrow_phase, pushing, _, contacts] = stages.map(named);
+    assert_eq!([narrow_phase, pushing, contacts], [1; 3], "{later:?}");
     assert!(
-        times.iter().all(|it| (0.0..10.0).contains(&it.seconds)),
+        times
+            .iter()
+            .chain(&later)
+            .all(|it| (0.0..10.0).contains(&it.seconds)),
         "{times:?}"
     );
     let mut here = Simulation::<f32>::new(tower(3, 0.001).unwrap(), settings(1)).unwrap();
@@ -881,6 +898,23 @@ fn stages_of_steps_are_timed() {
         [here.time(0), world.time(0)].map(|t| (t * 1e3).round()),
         [12.0, 16.0]
     );
+}
+
+/// Steps of 300 small ones mark more in a turn than the card takes marks in one set.
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn all_stages_of_long_steps_are_timed() {
+    let mut settings = settings(1);
+    settings.step.contact_iterations = 300;
+    let model = tower(3, 0.001).unwrap();
+    let mut world = Simulation::on(&card(), model, settings).unwrap();
+    let (_, times) = world.time_stages(|world| run(world, 16)).unwrap();
+    let launches = |name| {
+        let stages = times.iter().filter(|it| it.name == name);
+        stages.map(|it| it.launches).sum::<u64>()
+    };
+    assert!(launches("end") >= 16, "{times:?}");
+    assert!(launches("drift") >= 16 * 300, "{times:?}");
 }
 
 /// Steps, and what is told after them.

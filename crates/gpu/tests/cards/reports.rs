@@ -1,14 +1,15 @@
 //! What a card tells of piles is what the processor tells of the same state: by the same kernels, in single precision where
 //! that has double.
 
-use crate::agreement::{QUANTITIES, read};
+use crate::agreement::read;
 use crate::card::{card, small};
 use crate::models::mixed;
 use crate::pair::{Pair, apart};
 use crate::piles::{changed, company, control, settings};
 use model::examples::{balls, n_pendula, pile};
-use model::{BodyId, JointId, Model};
-use sim::{OutputPart, Outputs, Quantity, Simulation, Watch};
+use model::{BodyId, JointId, Model, ShapeId};
+use sim::{Event, EventKind, OutputPart, Outputs, Quantity, Simulation, Watch};
+use std::mem::{Discriminant, discriminant};
 
 /// In parts of the larger of a number and 1.
 const ROUNDING: f64 = 1e-5;
@@ -18,7 +19,7 @@ fn tells_the_same(pair: &mut Pair) {
     pair.put();
     let name = pair.cpu.model().name.clone();
     // Each by itself, of what is not known yet.
-    for quantity in QUANTITIES {
+    for quantity in Quantity::ALL {
         let [cpu, gpu] = pair.both().map(|s| read(s, quantity));
         // Forces, of which most cancels.
         let unit = cpu.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
@@ -213,14 +214,7 @@ fn events_of_piles_are_those_of_the_processor() {
         pair.step(1);
         let [cpu, gpu] = pair.both().map(|simulation| {
             let events = simulation.drain_events();
-            let of_kind = |event: &sim::Event| {
-                (
-                    event.world,
-                    std::mem::discriminant(&event.kind),
-                    shapes(&event.kind),
-                )
-            };
-            events.iter().map(of_kind).collect::<Vec<_>>()
+            events.iter().map(happened).collect::<Vec<_>>()
         });
         assert_eq!(cpu, gpu, "step {step}");
         count += cpu.len();
@@ -228,14 +222,16 @@ fn events_of_piles_are_those_of_the_processor() {
     assert!(count > 50, "{count} events");
 }
 
-fn shapes(kind: &sim::EventKind) -> Option<[model::ShapeId; 2]> {
-    use sim::EventKind::*;
-    match kind {
+/// In which world something happened, of which kind it is, and to which shapes it happened.
+pub fn happened(event: &Event) -> (usize, Discriminant<EventKind>, Option<[ShapeId; 2]>) {
+    use EventKind::*;
+    let shapes = match &event.kind {
         ContactBegins { shapes, .. }
         | ContactPersists { shapes, .. }
         | ContactEnds { shapes }
         | SensorBegins { shapes }
         | SensorEnds { shapes } => Some(*shapes),
         _ => None,
-    }
+    };
+    (event.world, discriminant(&event.kind), shapes)
 }

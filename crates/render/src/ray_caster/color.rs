@@ -20,6 +20,8 @@ const DARKER: f32 = 0.86;
 /// Where rays are steeper than this sine, endless planes are seen as they are; the flatter, the more
 /// they look like the horizon.
 const FLAT: f64 = 0.08;
+/// Share of the light from behind below which it changes no colour by a step of its 8 bits.
+const UNSEEN: f32 = 1e-4;
 /// Share of the scene's size up to which things keep the sky from each other.
 const OCCLUSION_REACH: f64 = 0.5;
 
@@ -81,26 +83,28 @@ impl<'a> Lit<'a> {
         }
     }
 
-    /// What is seen along a ray of a pixel (column, row) that first meets this.
-    pub fn color(&self, ray: &Ray, hit: Option<&Hit>, pixel: (usize, usize)) -> Vec3 {
+    /// What is seen along a ray of a pixel (column, row) that first meets this: surface after surface, until too
+    /// little of what is behind shines through.
+    pub fn color(&self, ray: &Ray, first: Option<&Hit>, pixel: (usize, usize)) -> Vec3 {
         let (scene, world) = (self.tile.world.scene, self.tile.world);
-        let Some(hit) = hit else {
-            return world.light.background(ray.direction, scene.up);
-        };
-        let item = world.shapes[hit.shape].placed.item;
-        let front = self.surface(ray, hit, pixel);
-        if item.opacity == 1.0 {
-            return front;
+        let (mut color, mut left) = (Vec3::ZERO, 1.0);
+        let (mut hit, mut lit, mut behind) = (first.copied(), self, None);
+        while let Some(met) = hit {
+            let opacity = world.shapes[met.shape].placed.item.opacity;
+            color += left * opacity * lit.surface(ray, &met, pixel);
+            left *= 1.0 - opacity;
+            if left < UNSEEN {
+                return color;
+            }
+            let rest = Ray {
+                from: met.distance,
+                ..*ray
+            };
+            hit = world.first(&rest, &self.tile.shapes);
+            let point = hit.map(|hit| ray.at(hit.distance));
+            lit = behind.insert(Self::new(self.tile, point.into_iter(), self.part));
         }
-        let rest = Ray {
-            from: hit.distance,
-            ..*ray
-        };
-        let behind = world.first(&rest, &self.tile.shapes);
-        let point = behind.as_ref().map(|hit| ray.at(hit.distance));
-        let lit = Self::new(self.tile, point.into_iter(), self.part);
-        lit.color(&rest, behind.as_ref(), pixel)
-            .lerp(front, item.opacity)
+        color + left * world.light.background(ray.direction, scene.up)
     }
 
     fn surface(&self, ray: &Ray, hit: &Hit, pixel: (usize, usize)) -> Vec3 {

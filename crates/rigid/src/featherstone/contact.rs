@@ -75,6 +75,8 @@ const HARD: f64 = 1e4;
 pub(crate) const STICK: f64 = 300.0;
 /// Approach slower than this many g h does not bounce.
 const RESTING: f64 = 2.0;
+/// What is no farther away [m] is guessed to touch: the distance of what rests on a surface is rounding, of either sign.
+const TOUCHING: f64 = 1e-7;
 /// Excess of the friction cone, as a share, that needs no further pass.
 const EXCESS: f64 = 0.02;
 /// What rubs less than this share of what sticks, slides.
@@ -272,7 +274,7 @@ fn approach<M: Machine>(k: &mut M, t: &Tables, s: M::I, h: M::R) {
     let borne = M::R::select(known, borne, zero);
     let gained = -(n.dot(gravity) * h);
     let (target, c) = impedance(k, t, pair, distance, [speed, gained], borne, h);
-    let reaches = u0_n.lt(target);
+    let reaches = u0_n.lt(M::R::lit(TOUCHING).fma(rate(k, t), target));
     let on = M::R::select(near & ((known & pressed) | (!known & reaches)), one, zero);
     k.store_vec3(t.load, s, load::VELOCITY_0, u0);
     k.write(t.load, s, load::TARGET, [target, c]);

@@ -77,9 +77,9 @@ pub struct CachedPoint<T> {
 }
 
 impl Impulse {
-    /// How many contacts a world remembers.
+    /// How many contacts a world remembers: no more than there is room for, whatever a snapshot says.
     pub fn remembered<T: Float>(&self, state: &[T]) -> usize {
-        state[self.remembered.at(0, 0)].to_f64() as usize
+        (state[self.remembered.at(0, 0)].to_f64() as usize).min(self.capacity)
     }
     /// One of them; they are in the order of their shapes, the lower ones first.
     pub fn recall<'a, T: Float>(&self, i: usize, state: &'a [T]) -> Recalled<'a, T> {

@@ -175,12 +175,14 @@ impl<T: Float> Simulation<T> {
         old.retain(|world| self.scenes.is_old(*world, moment));
         self.scenes.kept.resize_with(self.worlds(), || None);
         let mut placed = Vec::with_capacity(old.len());
+        let mut new = false;
         for world in old {
             let bodies = self.placements(world)?;
             let model = Arc::clone(self.world_model(world));
             let kept = self.scenes.kept[world].take();
             let kept = kept.map(|(_, scene)| scene);
             let kept = kept.filter(|scene| Arc::ptr_eq(&scene.model, &model));
+            new |= kept.is_none();
             let scene = kept.unwrap_or_else(|| Scene::new(model, &mut self.scenes.meshes));
             placed.push((world, scene, bodies));
         }
@@ -192,6 +194,9 @@ impl<T: Float> Simulation<T> {
             .run(|| scenes.collect::<Result<Vec<_>, SimulationError>>());
         for (world, scene) in scenes? {
             self.scenes.kept[world] = Some((moment, scene));
+        }
+        if new {
+            self.scenes.meshes.drop_unused();
         }
         Ok(())
     }
@@ -206,5 +211,39 @@ impl<T: Float> Simulation<T> {
             Pose::new(outputs.body_position(world, body), orientation)
         };
         Ok(bodies.map(placed).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::SimulationSettings;
+    use glam::DVec2;
+    use model::{Builder, TriangleMesh};
+    use std::sync::Weak;
+
+    fn hill(height: f64) -> Model {
+        let heights = [vec![0.0, 0.0], vec![0.0, height]];
+        let mesh = TriangleMesh::height_field(&heights, DVec2::ONE).unwrap();
+        let mut world = Builder::new("hill");
+        world.object("").scenery(Geometry::Mesh(mesh));
+        world.build().unwrap()
+    }
+
+    #[test]
+    fn meshes_that_no_world_has_any_more_are_let_go() {
+        let settings = SimulationSettings::new(2, 0.01);
+        let mut simulation = Simulation::<f64>::new(hill(1.0), settings).unwrap();
+        let mut triangles_with = |height: f64| -> Weak<Triangles> {
+            simulation.set_world_model(0, &hill(height)).unwrap();
+            simulation.update_scenes(&[0, 1]).unwrap();
+            let (_, triangles) = &simulation.scene(0).shapes[0];
+            Arc::downgrade(triangles.as_ref().unwrap())
+        };
+        let [shared, own] = [1.0, 2.0].map(&mut triangles_with);
+        assert!(shared.upgrade().is_some() && own.upgrade().is_some());
+        triangles_with(3.0);
+        assert!(shared.upgrade().is_some(), "the other world has it");
+        assert!(own.upgrade().is_none());
     }
 }

@@ -23,6 +23,9 @@
 //! that the impulse along the axis stays what it was in the end. If it did not, locks would be solved for an axis that is
 //! free, and then find one that is not: where r is small beside the response without locks, they would not come to rest.
 //!
+//! Axes of one joint come one after the other, each with what is passive along the others dragged along (see [`super`]), so
+//! that springs, dampers and armatures of all of them are solved as one; forces within bounds as they come.
+//!
 //! Of a ball the laws of three axes are one drive, whose effort limit its torque has: a limit of each that changes in every
 //! small step with where the torque points.
 

@@ -23,6 +23,9 @@ use numbers::{Float, Table};
 /// joints shrink, whatever the mass of the body in the middle; with f = 1/6 those of four joints grow.
 const SHARED: f64 = 4.0;
 
+/// Inverses of the paces at which a gap in a loop closes: turns [s/rad], shifts [s/m]. One in a tree is never wide.
+const SLOW: [f64; 2] = [1.0 / 5.0, 1.0];
+
 /// Fields of a degree of freedom's constants.
 pub(super) mod dof {
     pub const REFERENCE: usize = 0;
@@ -316,6 +319,8 @@ impl Tie {
         );
         put(joint::BALL, &[f64::from(u8::from(self.ball))]);
         put(joint::SHARES, &self.shares);
+        let slow = if joint.closes_loop { SLOW } else { [0.0; 2] };
+        put(joint::SLOW, &slow);
         x
     }
 }

@@ -23,8 +23,21 @@
 //! w_i = e_i − K_LL⁻¹ K_Li,    K_i w_i the response of its rate
 //! ```
 //!
-//! and what acts along it is balanced exactly (`law`), and holds on to that when relaxing. The error of rotations and the
-//! angles are those by which the joint's own sequence of turns R(θ) misses the bodies':
+//! and what acts along it is balanced exactly (`law`), and holds on to that when relaxing. A gap of a loop, which may be
+//! wide when a world begins, closes no faster than at a pace: β c within 1 m/s, as by `featherstone`.
+//!
+//! Where several rows are acted along, a push drags with it what is passive along the others, where an impulse falls with
+//! the rate by h z, z = h k + d + m/h:
+//!
+//! ```text
+//! w_i = e_i − S (S K S + E)⁻¹ S K_i,    S = 1 on locked rows, √(h z) on the others but i, E = 1 on all but the locked
+//! ```
+//!
+//! so that what one row has come to, none that follows undoes: armatures and dampers of all rows are solved as one. With
+//! locks alone in w, a body of little moment about one direction, which three axes share, took so many passes to find the
+//! impulses across it that these, given again, grew without end.
+//!
+//! The error of rotations and the angles are those by which the joint's own sequence of turns R(θ) misses the bodies':
 //!
 //! ```text
 //! e = log(R_AB R(θ)ᵀ),    θ ← θ + gᵀ e on free axes,  c = gᵀ e on locked ones
@@ -55,7 +68,7 @@ pub use tied::{Actuators, Tied};
 use super::tables::{global, row};
 use numbers::machine::{Held, Hold};
 use numbers::spatial::{Inertia, Spatial};
-use numbers::{Machine, Mat3, Quat, Real, SymMat3, Vec3};
+use numbers::{Cell, Machine, Mat3, Quat, Real, SymMat3, Vec3};
 use tables::work;
 
 /// f: frequency of a lock's spring, per small step; `layout` says why not more.
@@ -369,20 +382,68 @@ fn respond<M: Machine>(
     };
     store_columns(k, t, &all, gradients, shifts);
     let locked = k.spatial(t.joint, only, joint::LOCKED);
-    let block = among(&all, locked);
+    let block = among(&all, locked, locked);
     k.store_inertia(t.joint, only, joint::BLOCK, block);
+    let mixed = impede(k, t);
     for i in k.count(ROWS) {
         let acts = k.link(t.links, i, axis_link::ACTS);
         if let Some(_branch) = k.when(k.equals(acts, 1)) {
             let column = k.spatial(t.work, i, work::COLUMN);
-            let held = block.solve(times(column, locked), M::R::lit(TINY));
-            let response = k.load(t.axis, i, axis::RESPONSE) - column.dot(held);
+            let own = k.load(t.axis, i, axis::RESPONSE);
             let wrench = k.spatial(t.axis, i, axis::WRENCH);
+            let held = block.solve(times(column, locked), M::R::lit(TINY));
             let back = Spatial::new(gradients * held.angular, shifts * held.linear);
-            k.store(t.axis, i, axis::RESPONSE, response);
+            k.store(t.axis, i, axis::RESPONSE, own - column.dot(held));
             k.store_spatial(t.axis, i, axis::WRENCH, wrench - back);
+            k.store_spatial(t.axis, i, axis::HOLDS, wrench - back);
+            if let Some(_branch) = k.if_any(mixed) {
+                let s = locked + others(k, t, i);
+                let dragged = among(&all, s, locked).solve(times(column, s), M::R::lit(TINY));
+                let dragged = times(dragged, s);
+                let back = Spatial::new(gradients * dragged.angular, shifts * dragged.linear);
+                let response = own - column.dot(dragged);
+                k.store_where(mixed, t.axis, i, axis::RESPONSE, response);
+                for (field, x) in (wrench - back).to_array().into_iter().enumerate() {
+                    k.store_where(mixed, t.axis, i, axis::WRENCH + field, x);
+                }
+            }
         }
     }
+}
+
+/// √(h z) of all rows; and where several are acted along, one of them by what is passive.
+#[inline(always)]
+fn impede<M: Machine>(k: &mut M, t: &JointTables) -> <M::R as Real>::Mask {
+    let (only, zero) = (k.index(0), M::R::zero());
+    let [h, per] = k.read(t.global, only, global::STEP);
+    let (mut count, mut sum) = (k.cell(zero), k.cell(zero));
+    for i in k.count(ROWS) {
+        k.store(t.work, i, work::ROOT, zero);
+        let acts = k.link(t.links, i, axis_link::ACTS);
+        if let Some(_branch) = k.when(k.equals(acts, 1)) {
+            let acts = k.load(t.axis, i, axis::ACTS);
+            let [stiffness, damping, _, armature] = k.read(t.axis, i, axis::PASSIVE);
+            let falls = armature.fma(per, h.fma(stiffness, damping)).max(zero);
+            let root = (h * falls).sqrt() * acts;
+            k.store(t.work, i, work::ROOT, root);
+            count.write(count.read() + acts);
+            sum.write(sum.read() + root);
+        }
+    }
+    let mixed = count.read().gt(M::R::one()) & sum.read().gt(zero);
+    let flag = M::R::select(mixed, M::R::one(), zero);
+    k.store(t.joint, only, joint::MIXED, flag);
+    mixed
+}
+
+/// √(h z) of all rows but one, which has 0.
+#[inline(always)]
+fn others<M: Machine>(k: &mut M, t: &JointTables, i: M::I) -> Spatial<M::R> {
+    let own = k.load(t.work, i, work::ROOT);
+    k.store(t.work, i, work::ROOT, M::R::zero());
+    let roots = [0, 1, 2, 3, 4, 5].map(|row| k.load(t.work, k.index(row), work::ROOT));
+    k.store(t.work, i, work::ROOT, own);
+    Spatial::from_array(roots)
 }
 
 /// −r× I⁻¹ r×: response of a point at the arm r through rotation.
@@ -467,31 +528,31 @@ fn store_column<M: Machine>(
     k.store(t.axis, row, axis::RESPONSE, response);
 }
 
-/// K among the locked rows; the others are those of the unit matrix.
+/// S K S + E: K among the locked rows where S is 1 on these alone; the others are those of the unit matrix.
 #[inline(always)]
-fn among<R: Real>(all: &Inertia<R>, locked: Spatial<R>) -> Inertia<R> {
-    let (a, l) = (locked.angular, locked.linear);
+fn among<R: Real>(all: &Inertia<R>, s: Spatial<R>, locked: Spatial<R>) -> Inertia<R> {
+    let (a, l) = (s.angular, s.linear);
     Inertia {
-        i: masked(all.i, a),
+        i: scaled(all.i, a, locked.angular),
         h: Mat3::from_columns(
             all.h.x.times(a) * l.x,
             all.h.y.times(a) * l.y,
             all.h.z.times(a) * l.z,
         ),
-        m: masked(all.m, l),
+        m: scaled(all.m, l, locked.linear),
     }
 }
 
 #[inline(always)]
-fn masked<R: Real>(m: SymMat3<R>, l: Vec3<R>) -> SymMat3<R> {
+fn scaled<R: Real>(m: SymMat3<R>, s: Vec3<R>, locked: Vec3<R>) -> SymMat3<R> {
     let one = R::one();
     SymMat3 {
-        xx: m.xx.fma(l.x, one - l.x),
-        yy: m.yy.fma(l.y, one - l.y),
-        zz: m.zz.fma(l.z, one - l.z),
-        xy: m.xy * l.x * l.y,
-        xz: m.xz * l.x * l.z,
-        yz: m.yz * l.y * l.z,
+        xx: (m.xx * s.x).fma(s.x, one - locked.x),
+        yy: (m.yy * s.y).fma(s.y, one - locked.y),
+        zz: (m.zz * s.z).fma(s.z, one - locked.z),
+        xy: m.xy * s.x * s.y,
+        xz: m.xz * s.x * s.z,
+        yz: m.yz * s.y * s.z,
     }
 }
 
@@ -597,10 +658,20 @@ fn hold<M: Machine>(
     let locked = k.spatial(t.joint, only, joint::LOCKED);
     let block = k.inertia(t.joint, only, joint::BLOCK);
     let off = k.spatial(t.joint, only, joint::ERROR);
-    let wrong = times(rows.rates(pair.apart()), locked) + off * closes;
+    let wrong = times(rows.rates(pair.apart()), locked) + closing(k, t, off * closes);
     let x = block.solve(wrong, M::R::lit(TINY));
     let change = x * (yields - M::R::one()) - times(had, locked) * yields;
     pair.push(rows.wrench(change));
+}
+
+/// β c, within the pace of a joint that closes a loop: what such a gap is when a world begins, no step before has bounded.
+#[inline(always)]
+fn closing<M: Machine>(k: &M, t: &JointTables, speed: Spatial<M::R>) -> Spatial<M::R> {
+    let one = M::R::one();
+    let [turns, shifts] = k.read(t.joint, k.index(0), joint::SLOW);
+    let turns = one / (speed.angular.length() * turns).max(one);
+    let shifts = one / (speed.linear.length() * shifts).max(one);
+    Spatial::new(speed.angular * turns, speed.linear * shifts)
 }
 
 /// λ, without what the locks make of what acts along the axes, while they are pushed.
@@ -623,7 +694,7 @@ fn held<M: Machine>(
             let acts = k.link(t.links, i, axis_link::ACTS);
             if let Some(_branch) = k.when(k.equals(acts, 1)) {
                 let had = k.load(t.work, i, work::RATE + 1) * k.load(t.axis, i, axis::ACTS);
-                given.set(given.get() - k.spatial(t.axis, i, axis::WRENCH) * had);
+                given.set(given.get() - k.spatial(t.axis, i, axis::HOLDS) * had);
             }
         }
     }
@@ -653,21 +724,73 @@ fn act<M: Machine>(k: &mut M, t: &JointTables, rows: &Rows<M::R>, pair: &mut Pai
             let begin = k.load(t.work, i, work::BEGIN);
             let (after, yields) = law::balance(k, t, i, [rate, begin], had);
             k.store(t.axis, i, axis::YIELDS, yields);
-            bring(k, t, pair, i, [rate, after]);
+            let change = bring(k, t, pair, i, [rate, after]);
+            k.store(t.axis, i, axis::DRAGGED, had + change);
+        }
+    }
+    let mixed = k.load(t.joint, only, joint::MIXED).gt(M::R::zero());
+    if let Some(_branch) = k.if_any(mixed) {
+        since(k, t, rows, pair);
+    }
+}
+
+/// What rows have been given, less what they keep of that: first what others dragged since their turn, then what to count
+/// from that others drag.
+#[inline(always)]
+fn since<M: Machine>(k: &mut M, t: &JointTables, rows: &Rows<M::R>, pair: &Pair<M>) {
+    for i in k.count(ROWS) {
+        let acts = k.link(t.links, i, axis_link::ACTS);
+        if let Some(_branch) = k.when(k.equals(acts, 1)) {
+            let [_, had] = along(k, t, rows, pair, i);
+            let before = k.load(t.axis, i, axis::DRAGGED);
+            k.store(t.axis, i, axis::DRAGGED, had - before);
         }
     }
 }
 
-/// What acts along the axes holds on to the rates that it has led to, as far as it does: see `law`.
+/// What acts along the axes holds on to the rates that it has led to, as far as it does: see `law`. What rows that were
+/// pushed later have dragged along does so already.
 #[inline(always)]
 fn hold_on<M: Machine>(k: &mut M, t: &JointTables, rows: &Rows<M::R>, pair: &mut Pair<M>) {
+    let (only, zero) = (k.index(0), M::R::zero());
+    let mixed = k.load(t.joint, only, joint::MIXED).gt(zero);
+    if let Some(_branch) = k.if_any(mixed) {
+        since(k, t, rows, pair);
+    }
+    for i in k.count(ROWS) {
+        let acts = k.link(t.links, i, axis_link::ACTS);
+        if let Some(_branch) = k.when(k.equals(acts, 1)) {
+            let [rate, had] = along(k, t, rows, pair, i);
+            let dragged = had - k.load(t.axis, i, axis::DRAGGED);
+            let dragged = M::R::select(mixed, dragged, zero);
+            let response = k.load(t.axis, i, axis::RESPONSE);
+            let alone = response.fnma(dragged, rate);
+            let led_to = k.load(t.speed, i, 0);
+            let after = k.load(t.axis, i, axis::YIELDS).fma(alone - led_to, led_to);
+            bring(k, t, pair, i, [rate, after]);
+        }
+    }
+    if let Some(_branch) = k.if_any(mixed) {
+        go_along(k, t, rows, pair, mixed);
+    }
+}
+
+/// What is geared to axes has the rates that all of them have in the end.
+#[inline(always)]
+fn go_along<M: Machine>(
+    k: &mut M,
+    t: &JointTables,
+    rows: &Rows<M::R>,
+    pair: &Pair<M>,
+    mixed: <M::R as Real>::Mask,
+) {
     for i in k.count(ROWS) {
         let acts = k.link(t.links, i, axis_link::ACTS);
         if let Some(_branch) = k.when(k.equals(acts, 1)) {
             let [rate, _] = along(k, t, rows, pair, i);
-            let led_to = k.load(t.speed, i, 0);
-            let after = k.load(t.axis, i, axis::YIELDS).fma(rate - led_to, led_to);
-            bring(k, t, pair, i, [rate, after]);
+            let acts = k.load(t.axis, i, axis::ACTS).gt(M::R::zero());
+            k.store_where(mixed & acts, t.speed, i, 0, rate);
+            k.store(t.axis, i, axis::DRAGGED, M::R::zero());
         }
     }
 }
@@ -689,7 +812,7 @@ fn along<M: Machine>(
     k.read(t.work, i, work::RATE)
 }
 
-/// Brings a row from one rate to another, with what is geared to it.
+/// Brings a row from one rate to another, with what is geared to it, by an impulse.
 #[inline(always)]
 fn bring<M: Machine>(
     k: &mut M,
@@ -697,10 +820,12 @@ fn bring<M: Machine>(
     pair: &mut Pair<M>,
     i: M::I,
     [rate, after]: [M::R; 2],
-) {
+) -> M::R {
     let acts = k.load(t.axis, i, axis::ACTS);
     let change = (after - rate) * acts;
     let response = k.load(t.axis, i, axis::RESPONSE).max(M::R::lit(STIFF));
     k.store_where(acts.gt(M::R::zero()), t.speed, i, 0, after);
-    pair.push(k.spatial(t.axis, i, axis::WRENCH) * (change / response));
+    let impulse = change / response;
+    pair.push(k.spatial(t.axis, i, axis::WRENCH) * impulse);
+    impulse
 }

@@ -37,41 +37,45 @@ pub mod joint {
     pub const BALL: usize = 32;
     /// By how much more A and B respond to each of their joints than they would to one.
     pub const SHARES: usize = 33;
+    /// Inverses of the paces at which turns and shifts of a gap close [s/rad, s/m]; 0 where there are none.
+    pub const SLOW: usize = 35;
     /// How many of the first fields are constants.
-    pub const CONSTANTS: usize = 35;
+    pub const CONSTANTS: usize = 37;
     /// Target of a ball, a quaternion; of other joints the targets of their drives, a row each: 6. With the
     /// next four it is what a joint carries from step to step.
-    pub const TARGET: usize = 35;
+    pub const TARGET: usize = 37;
     /// Angles about the axes, counting turns, less their references [rad], 3.
-    pub const ANGLE: usize = 41;
+    pub const ANGLE: usize = 43;
     /// Angular impulse at B's anchor [N·m·s], and impulse [N·s], on B in a small step, world axes, 6.
-    pub const IMPULSE: usize = 44;
+    pub const IMPULSE: usize = 46;
     /// Speeds of what is geared to the axes, 6 [rad/s, m/s].
-    pub const SPEED: usize = 50;
+    pub const SPEED: usize = 52;
     /// The sum of the impulses over the step, 6.
-    pub const SUM: usize = 56;
+    pub const SUM: usize = 58;
     /// How many of the first fields are there before a step.
-    pub const WRITTEN: usize = 62;
+    pub const WRITTEN: usize = 64;
     /// Inverse masses of A and B.
-    pub const INVERSE_MASS: usize = 62;
+    pub const INVERSE_MASS: usize = 64;
     /// Inverse inertia of A, then of B.
-    pub const INVERSE_INERTIA: usize = 64;
+    pub const INVERSE_INERTIA: usize = 66;
     /// From the centres of mass of A and of B to B's anchor [m].
-    pub const ARMS: usize = 76;
+    pub const ARMS: usize = 78;
     /// The same, and the impulse [N·s], when the joint was last pushed together.
-    pub const LAST: usize = 82;
+    pub const LAST: usize = 84;
     /// Gradients of the angular coordinates, world axes, 9.
-    pub const GRADIENTS: usize = 91;
+    pub const GRADIENTS: usize = 93;
     /// The angular axes, world axes, 9.
-    pub const AXES: usize = 100;
+    pub const AXES: usize = 102;
     /// The linear axes, world axes, 9.
-    pub const SHIFTS: usize = 109;
+    pub const SHIFTS: usize = 111;
     /// How far each locked row is off [rad, m], 6.
-    pub const ERROR: usize = 118;
+    pub const ERROR: usize = 120;
     /// Response of the locked rows to impulses along them, 21.
-    pub const BLOCK: usize = 124;
+    pub const BLOCK: usize = 126;
+    /// 1 where several rows are acted along, one of them by what is passive.
+    pub const MIXED: usize = 147;
     /// Numbers in a row.
-    pub const WIDTH: usize = 145;
+    pub const WIDTH: usize = 148;
 }
 
 /// Fields of a row of a joint along which something acts.
@@ -97,12 +101,17 @@ pub mod axis {
     pub const VALUE: usize = 9;
     /// By how much its rate would change of what others change it by, because of what acts along it.
     pub const YIELDS: usize = 10;
-    /// What a unit impulse along the axis makes of the locks and itself: angular impulse, impulse.
+    /// What a unit impulse along the axis makes of the locks, what is passive along other axes, and itself: angular impulse,
+    /// impulse.
     pub const WRENCH: usize = 11;
     /// Change of the rate by that [1/kg or 1/(kg·m²)].
     pub const RESPONSE: usize = 17;
+    /// What a unit impulse along the axis makes of the locks and itself alone.
+    pub const HOLDS: usize = 18;
+    /// What other rows have dragged out of it since its turn; while relaxing, what to count that from [N·s or N·m·s].
+    pub const DRAGGED: usize = 24;
     /// Numbers in a row.
-    pub const WIDTH: usize = 18;
+    pub const WIDTH: usize = 25;
 }
 
 /// Fields of a law with bounds: f = force + stiffness (rest − θ) − damping (θ̇ − w), low ≤ f ≤ high.
@@ -149,7 +158,9 @@ pub(super) mod work {
     pub const BEGIN: usize = 8;
     /// Which part of its bounds the drive of a row has.
     pub const SHARE: usize = 9;
-    pub const WIDTH: usize = 10;
+    /// √(h z): see [`super`].
+    pub const ROOT: usize = 10;
+    pub const WIDTH: usize = 11;
 }
 
 /// Fields of a law while a kernel runs: f = lead − slope θ̇ within bounds.
