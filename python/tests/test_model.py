@@ -56,7 +56,7 @@ def test_broken_files_name_the_place(text, message):
 
 def test_messages_name_options_as_python_has_them():
     with pytest.raises(FileError, match=r"or load leniently \(lenient=True\)"):
-        kn.parse("<mujoco><worldbody><body gravcomp='1'><geom size='1'/></body></worldbody></mujoco>")
+        kn.parse("<mujoco><worldbody><body gravcomp='1'><freejoint/><geom size='1'/></body></worldbody></mujoco>")
 
 
 def test_a_builder_makes_what_it_is_told():
