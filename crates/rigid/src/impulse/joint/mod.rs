@@ -441,9 +441,15 @@ fn impede<M: Machine>(k: &mut M, t: &JointTables) -> <M::R as Real>::Mask {
 fn others<M: Machine>(k: &mut M, t: &JointTables, i: M::I) -> Spatial<M::R> {
     let own = k.load(t.work, i, work::ROOT);
     k.store(t.work, i, work::ROOT, M::R::zero());
-    let roots = [0, 1, 2, 3, 4, 5].map(|row| k.load(t.work, k.index(row), work::ROOT));
+    let angular = Vec3::new(root(k, t, 0), root(k, t, 1), root(k, t, 2));
+    let linear = Vec3::new(root(k, t, 3), root(k, t, 4), root(k, t, 5));
     k.store(t.work, i, work::ROOT, own);
-    Spatial::from_array(roots)
+    Spatial::new(angular, linear)
+}
+
+#[inline(always)]
+fn root<M: Machine>(k: &M, t: &JointTables, row: usize) -> M::R {
+    k.load(t.work, k.index(row), work::ROOT)
 }
 
 /// −r× I⁻¹ r×: response of a point at the arm r through rotation.
