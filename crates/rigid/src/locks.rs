@@ -28,6 +28,14 @@ pub(crate) mod hold {
     pub const FREE: usize = 3;
 }
 
+/// Speeds at which a gap closes at most that no step has made: of a loop that is open when a world begins.
+pub(crate) mod pace {
+    /// [rad/s]
+    pub const TURNS: f64 = 5.0;
+    /// [m/s]
+    pub const SHIFTS: f64 = 1.0;
+}
+
 /// Fields that a row of a solver's table of joints begins with: see [`Locks::fill`].
 pub(crate) mod lock {
     /// Anchor in A's own frame.

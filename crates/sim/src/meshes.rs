@@ -120,3 +120,45 @@ impl Triangles {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec2;
+    use std::fs;
+
+    fn hill(height: f64) -> Shape {
+        let heights = [vec![0.0, 0.0], vec![0.0, height]];
+        let mesh = TriangleMesh::height_field(&heights, DVec2::ONE).unwrap();
+        Shape::new(Geometry::Mesh(mesh))
+    }
+
+    #[test]
+    fn meshes_that_nothing_holds_any_more_are_let_go() {
+        let mut meshes = Meshes::default();
+        let [held, other] = [1.0, 2.0].map(|height| meshes.of(&hill(height)).unwrap());
+        let other = Arc::downgrade(&other);
+        assert!(other.upgrade().is_some());
+        meshes.drop_unused();
+        assert!(other.upgrade().is_none());
+        assert!(Arc::ptr_eq(&held, &meshes.of(&hill(1.0)).unwrap()));
+    }
+
+    #[test]
+    fn files_are_kept_while_their_mesh_is_held() {
+        let file = std::env::temp_dir().join(format!("kinetarium-{}.obj", std::process::id()));
+        fs::write(&file, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+        let named = Shape::new(Geometry::MeshFile {
+            file: file.to_str().unwrap().into(),
+            scale: DVec3::ONE,
+        });
+        let mut meshes = Meshes::default();
+        let held = meshes.read(&named).unwrap().unwrap();
+        fs::remove_file(&file).unwrap();
+        meshes.drop_unused();
+        assert!(Arc::ptr_eq(&held, &meshes.read(&named).unwrap().unwrap()));
+        drop(held);
+        meshes.drop_unused();
+        assert!(meshes.read(&named).is_err(), "it is looked for once more");
+    }
+}

@@ -3,6 +3,9 @@
 
 #[path = "../src/impulse/colours.rs"]
 mod colours;
+#[path = "../src/meshes.rs"]
+#[expect(dead_code, reason = "only what it keeps is tested here")]
+mod meshes;
 #[path = "../src/impulse/odometers.rs"]
 #[expect(dead_code, reason = "only its geometry is tested here")]
 mod odometers;

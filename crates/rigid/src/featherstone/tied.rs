@@ -11,11 +11,10 @@
 //! Turns follow the same with ℓ = 1, and speeds that move the bodies' ends as fast. The bodies have that speed meanwhile;
 //! where directions turn on the way, what is taken back in the end is less by a share of ½ m v².
 
+use crate::locks::pace;
 use model::{AxisKind, Joint};
 use numbers::Real;
 
-/// Speed at which gaps close [m/s].
-const FASTEST: f64 = 1.0;
 /// Share of a gap beyond the drift that a step closes.
 const SHARE: f64 = 0.1;
 /// Drift, and way of a step, as shares of the size of what moves.
@@ -102,11 +101,11 @@ pub(super) struct Pace {
 impl Pace {
     /// Of shifts [m], in steps of `h` [s].
     pub fn shifts(tied: &Tied, h: f64) -> Self {
-        Self::new(tied.size, FASTEST * h)
+        Self::new(tied.size, pace::SHIFTS * h)
     }
     /// Of turns [rad].
     pub fn turns(tied: &Tied, h: f64) -> Self {
-        Self::new(1.0, FASTEST * h / tied.size)
+        Self::new(1.0, pace::SHIFTS * h / tied.size)
     }
     fn new(size: f64, way: f64) -> Self {
         let fastest = way.min(WAY * size);

@@ -25,16 +25,13 @@
 
 use super::body::Body;
 use super::tables::{Tables, global, joint_field, joint_link};
-use crate::locks::{hold, turns};
+use crate::locks::{hold, pace, turns};
 use numbers::machine::{Held, Hold, Index};
 use numbers::spatial::Spatial;
 use numbers::{Machine, Mat3, Pose, Quat, Real, SymMat3, Vec3};
 
 /// Pivots below this are of a joint between immovable bodies [1/kg, 1/(kg·m²)].
 const TINY: f64 = 1e-18;
-/// p, of shifts [m/s] and of turns [rad/s].
-const PACE: f64 = 1.0;
-const TURNING_PACE: f64 = 5.0;
 /// w [m/s, rad/s].
 const DRIFT: f64 = 20.0;
 /// A push beyond which there is no cap [kg·m]; its square fits f32.
@@ -314,7 +311,7 @@ impl<M: Machine> Block<M> {
             .cross(qb.rotate(Vec3::new(M::R::one(), M::R::zero(), M::R::zero())));
         let turned = self.turned();
         let across = frame.x.fma(-frame.x.dot(turned), turned);
-        let c = self.paced(c, across, TURNING_PACE);
+        let c = self.paced(c, across, pace::TURNS);
         let i = ends.a.i + ends.b.i;
         let (u, v) = (frame.y, frame.z);
         let (iu, iv) = (i * u, i * v);
@@ -340,7 +337,7 @@ impl<M: Machine> Block<M> {
         } = *self;
         let (qa, qb) = ends.frames(k, t, j);
         let c = qa.rotate((qa.conjugate() * qb).log());
-        let c = self.paced(c, self.turned(), TURNING_PACE);
+        let c = self.paced(c, self.turned(), pace::TURNS);
         let i = ends.a.i + ends.b.i + SymMat3::diagonal(soft);
         let right = -(lambda.fma(soft, c));
         i.solve(right, M::R::lit(TINY))
@@ -364,7 +361,7 @@ impl<M: Machine> Block<M> {
         let size = n.length().max(M::R::lit(1e-6));
         let n = n * size.recip();
         let c = (second.x - a.dot(b)) / size;
-        let c = self.paced_row(c, n.dot(self.turned()), TURNING_PACE);
+        let c = self.paced_row(c, n.dot(self.turned()), pace::TURNS);
         let lambda = n.dot(lambda);
         let i = n.dot((ends.a.i + ends.b.i) * n) + soft;
         let delta = -(soft.fma(lambda, c)) / i.max(M::R::lit(TINY));
@@ -382,7 +379,7 @@ impl<M: Machine> Block<M> {
         } = *self;
         let (ra, rb, gap) = ends.arms(k, t, j);
         let block = linear_block(&ends, ra, rb) + SymMat3::diagonal(soft);
-        let gap = self.paced(gap, self.moved((ra, rb)), PACE);
+        let gap = self.paced(gap, self.moved((ra, rb)), pace::SHIFTS);
         let right = -(lambda.fma(soft, gap));
         ((ra, rb), block.solve_well(right, M::R::lit(TINY * TINY)))
     }
@@ -417,7 +414,7 @@ impl<M: Machine> Block<M> {
         };
         let along = frame.transpose_mul(gap).times(locked);
         let moved = frame.transpose_mul(self.moved((ra, rb))).times(locked);
-        let gap = gap + frame * (self.paced(along, moved, PACE) - along);
+        let gap = gap + frame * (self.paced(along, moved, pace::SHIFTS) - along);
         let c = lambda.fma(soft, gap);
         let right = -frame.transpose_mul(c).times(locked);
         let delta = frame * block.solve(right, M::R::lit(TINY));
@@ -437,7 +434,7 @@ impl<M: Machine> Block<M> {
         let zero = M::R::zero();
         let n = gap.normalized_or(Vec3::new(zero, M::R::one(), zero));
         let c = gap.length() - k.load(t.joint, j, joint_field::LENGTH);
-        let c = self.paced_row(c, n.dot(self.moved((ra, rb))), PACE);
+        let c = self.paced_row(c, n.dot(self.moved((ra, rb))), pace::SHIFTS);
         let weight = n.dot(linear_block(&ends, ra, rb) * n) + soft;
         let lambda = n.dot(lambda);
         let delta = n * (-(soft.fma(lambda, c)) / weight.max(M::R::lit(TINY)));

@@ -213,37 +213,3 @@ impl<T: Float> Simulation<T> {
         Ok(bodies.map(placed).collect())
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::SimulationSettings;
-    use glam::DVec2;
-    use model::{Builder, TriangleMesh};
-    use std::sync::Weak;
-
-    fn hill(height: f64) -> Model {
-        let heights = [vec![0.0, 0.0], vec![0.0, height]];
-        let mesh = TriangleMesh::height_field(&heights, DVec2::ONE).unwrap();
-        let mut world = Builder::new("hill");
-        world.object("").scenery(Geometry::Mesh(mesh));
-        world.build().unwrap()
-    }
-
-    #[test]
-    fn meshes_that_no_world_has_any_more_are_let_go() {
-        let settings = SimulationSettings::new(2, 0.01);
-        let mut simulation = Simulation::<f64>::new(hill(1.0), settings).unwrap();
-        let mut triangles_with = |height: f64| -> Weak<Triangles> {
-            simulation.set_world_model(0, &hill(height)).unwrap();
-            simulation.update_scenes(&[0, 1]).unwrap();
-            let (_, triangles) = &simulation.scene(0).shapes[0];
-            Arc::downgrade(triangles.as_ref().unwrap())
-        };
-        let [shared, own] = [1.0, 2.0].map(&mut triangles_with);
-        assert!(shared.upgrade().is_some() && own.upgrade().is_some());
-        triangles_with(3.0);
-        assert!(shared.upgrade().is_some(), "the other world has it");
-        assert!(own.upgrade().is_none());
-    }
-}

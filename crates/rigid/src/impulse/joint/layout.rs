@@ -7,6 +7,7 @@ use super::tables::{LAWS, ROWS, joint};
 use super::tied::{Constants, sources};
 use crate::SolverError;
 use crate::check;
+use crate::locks::pace;
 use crate::output::reaction;
 use crate::tables::{Filler, actuator_numbers, ball_target, bounded, frame};
 use glam::DVec3;
@@ -24,7 +25,7 @@ use numbers::{Float, Table};
 const SHARED: f64 = 4.0;
 
 /// Inverses of the paces at which a gap in a loop closes: turns [s/rad], shifts [s/m]. One in a tree is never wide.
-const SLOW: [f64; 2] = [1.0 / 5.0, 1.0];
+const SLOW: [f64; 2] = [1.0 / pace::TURNS, 1.0 / pace::SHIFTS];
 
 /// Fields of a degree of freedom's constants.
 pub(super) mod dof {
