@@ -136,8 +136,8 @@ mod tests {
     #[test]
     fn meshes_that_nothing_holds_any_more_are_let_go() {
         let mut meshes = Meshes::default();
-        let [held, other] = [1.0, 2.0].map(|height| meshes.of(&hill(height)).unwrap());
-        let other = Arc::downgrade(&other);
+        let held = meshes.of(&hill(1.0)).unwrap();
+        let other = Arc::downgrade(&meshes.of(&hill(2.0)).unwrap());
         assert!(other.upgrade().is_some());
         meshes.drop_unused();
         assert!(other.upgrade().is_none());

@@ -191,7 +191,7 @@ impl<'a> Reader<'a> {
 impl Snapshot {
     pub(crate) fn take<T: Float>(simulation: &Simulation<T>) -> Self {
         let header = Header::of(simulation);
-        let mut body = Vec::new();
+        let mut body = Vec::with_capacity(header.body().unwrap_or(0));
         write_worlds(&simulation.state, &mut body);
         write_worlds(&simulation.input, &mut body);
         body.extend(simulation.time.iter().flat_map(|t| t.to_le_bytes()));
@@ -244,10 +244,10 @@ impl Snapshot {
     /// The states of worlds that run are finite, which kernels count on. `alive` is where a state tells that.
     fn check_states<T: Float>(&self, alive: usize) -> Result<(), SnapshotError> {
         let mut body = Reader(&self.body);
+        let mut state = vec![T::default(); self.header.state as usize];
         for _ in 0..self.header.worlds {
-            let numbers = (0..self.header.state).map(|_| read_number::<T>(&mut body));
-            let state = Vec::from_iter(numbers);
-            if state[alive] != 0.0 && !state.iter().all(|x| x.is_finite()) {
+            read_world(&mut state, &mut body);
+            if state[alive] != T::zero() && !state.iter().all(|x| x.finite()) {
                 return Err(SnapshotError::Damaged("a state that is not finite"));
             }
         }
@@ -313,31 +313,28 @@ impl Snapshot {
     }
 }
 
+// Numbers are copied as they lie in memory.
+const _: () = assert!(cfg!(target_endian = "little"));
+
 fn write_worlds<T: Float>(memory: &Memory<T>, bytes: &mut Vec<u8>) {
+    let mut numbers = vec![T::default(); memory.length()];
     for world in 0..memory.worlds() {
-        for i in 0..memory.length() {
-            let x = memory.get(world, i).to_f64();
-            if T::DOUBLE {
-                bytes.extend(x.to_le_bytes());
-            } else {
-                bytes.extend((x as f32).to_le_bytes());
-            }
-        }
+        memory.copy(world, 0, &mut numbers);
+        bytes.extend_from_slice(bytemuck::cast_slice(&numbers));
     }
 }
 
 fn read_worlds<T: Float>(memory: &mut Memory<T>, bytes: &mut Reader<'_>) {
+    let mut numbers = vec![T::default(); memory.length()];
     for world in 0..memory.worlds() {
-        for i in 0..memory.length() {
-            memory.set(world, i, T::from_f64(read_number::<T>(bytes)));
+        read_world(&mut numbers, bytes);
+        for (i, x) in numbers.iter().enumerate() {
+            memory.set(world, i, *x);
         }
     }
 }
 
-fn read_number<T: Float>(bytes: &mut Reader<'_>) -> f64 {
-    if T::DOUBLE {
-        f64::from_le_bytes(bytes.take())
-    } else {
-        f32::from_le_bytes(bytes.take()).into()
-    }
+fn read_world<T: Float>(numbers: &mut [T], bytes: &mut Reader<'_>) {
+    let numbers = bytemuck::cast_slice_mut(numbers);
+    numbers.copy_from_slice(bytes.slice(numbers.len()));
 }
