@@ -882,6 +882,34 @@ fn materials_of_bodies_of_any_mass_mix_as_in_mujoco() {
     assert!(model.contact_pairs.is_empty());
 }
 
+/// Where `condim` or `priority` mix a surface, it has the friction that its geoms are given later.
+#[test]
+fn mixed_surfaces_follow_the_friction_of_their_geoms() {
+    let ball = |surface: &str| format!("<body><freejoint/><geom size='1' {surface}/></body>");
+    let smooth = ball("condim='1' friction='0.9' solref='0.05 1'");
+    let first = ball("priority='1' friction='0.3' solref='0.05 1'");
+    let floor = "<geom type='plane' size='1 1 1' friction='0.7'/>";
+    let model = read(&format!(
+        "<mujoco><worldbody>{floor}{smooth}{smooth}{first}</worldbody></mujoco>"
+    ))
+    .model;
+    let mixed = |model: &Model| {
+        let shapes = [(0, 1), (1, 2), (0, 3), (1, 3)];
+        shapes.map(|(a, b)| model.contact_material(ShapeId(a), ShapeId(b)).friction)
+    };
+    assert!(!model.contact_pairs.is_empty());
+    assert_eq!(mixed(&model), [0.9, 0.0, 0.3, 0.3]);
+    let mut parts = model.into_parts();
+    for (shape, friction) in parts.shapes.iter_mut().zip([0.1, 0.05, 0.05, 0.2]) {
+        shape.material.friction = friction;
+        shape.material.restitution = 0.5;
+    }
+    let model = Model::new(parts).unwrap();
+    assert_eq!(mixed(&model), [0.1, 0.0, 0.2, 0.2]);
+    let bounces = |pair: &model::ContactPair| pair.material.restitution == 0.5;
+    assert!(model.contact_pairs.iter().all(bounces));
+}
+
 /// A ball of 2 kg: a pyramid's edges make its contact p = μ² (1 + μ²) / (i (c − 1)) times as soft, a cone's do not.
 #[test]
 fn pyramids_of_friction_soften_contacts() {

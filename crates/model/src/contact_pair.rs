@@ -1,6 +1,6 @@
 //! Two shapes whose contact is said by itself.
 
-use crate::{Material, ShapeId};
+use crate::{Material, Shape, ShapeId};
 use serde::{Deserialize, Serialize};
 
 /// Two shapes that touch, and the surface that their contact has.
@@ -14,12 +14,59 @@ pub struct ContactPair {
     /// Surface, instead of the combination of both shapes' own; its
     /// [`combine`](Material::combine) does not matter.
     pub material: Material,
+    /// Whose friction it has, sliding and static.
+    #[serde(default)]
+    pub friction: Whose,
+    /// Whose restitution it has.
+    #[serde(default)]
+    pub restitution: Whose,
+}
+
+/// Whose coefficient a contact pair has. Those of its shapes are written into its surface when the model is made, so that
+/// they follow where the shapes get others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Whose {
+    /// Its own, whatever its shapes have.
+    #[default]
+    Own,
+    /// What those of both shapes make of each other.
+    Both,
+    /// That of the first shape.
+    First,
+    /// That of the second shape.
+    Second,
 }
 
 impl ContactPair {
+    /// A pair with a surface of its own.
+    pub fn new(shapes: (ShapeId, ShapeId), material: Material) -> Self {
+        Self {
+            shapes,
+            material,
+            friction: Whose::Own,
+            restitution: Whose::Own,
+        }
+    }
     /// The rows of the shapes, the lower first.
     pub(crate) fn key(&self) -> (usize, usize) {
         key(self.shapes.0, self.shapes.1)
+    }
+    /// Takes from the shapes' materials the coefficients that are theirs.
+    pub(crate) fn follow(&mut self, shapes: &[Shape]) {
+        let [a, b] = [self.shapes.0, self.shapes.1].map(|id| shapes[id.0].material);
+        let of = |whose| match whose {
+            Whose::Own => None,
+            Whose::Both => Some(a.with(&b)),
+            Whose::First => Some(a),
+            Whose::Second => Some(b),
+        };
+        if let Some(other) = of(self.friction) {
+            self.material.friction = other.friction;
+            self.material.static_friction = other.static_friction;
+        }
+        if let Some(other) = of(self.restitution) {
+            self.material.restitution = other.restitution;
+        }
     }
 }
 

@@ -37,7 +37,7 @@ pub use builder::{
 };
 pub use camera::{Camera, CameraMode};
 pub use color::default_color;
-pub use contact_pair::ContactPair;
+pub use contact_pair::{ContactPair, Whose};
 pub use error::ModelError;
 pub use filter::{CollisionFilter, FilterSide};
 pub use hull::{Hull, HullError};

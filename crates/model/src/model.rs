@@ -159,6 +159,9 @@ impl Model {
             validate::keyframe(keyframe, &parts, &coordinate_start, dofs)?;
         }
         tree::place(&mut parts, &carrier, &order);
+        for pair in &mut parts.contact_pairs {
+            pair.follow(&parts.shapes);
+        }
         let pairs = parts.contact_pairs.iter().enumerate();
         let pair_row = pairs.map(|(row, pair)| (pair.key(), row)).collect();
         Ok(Self {

@@ -461,10 +461,7 @@ fn exclusions() {
 }
 
 fn contact_pair(a: usize, b: usize) -> ContactPair {
-    ContactPair {
-        shapes: (ShapeId(a), ShapeId(b)),
-        material: Material::default(),
-    }
+    ContactPair::new((ShapeId(a), ShapeId(b)), Material::default())
 }
 
 fn pair_up(parts: &mut Parts, pairs: Vec<ContactPair>) {

@@ -182,10 +182,7 @@ fn named_pairs_touch_whatever_else_holds() {
         friction: 0.01,
         ..Material::default()
     };
-    let pair = |a, b| ContactPair {
-        shapes: (ShapeId(a), ShapeId(b)),
-        material: slippery,
-    };
+    let pair = |a, b| ContactPair::new((ShapeId(a), ShapeId(b)), slippery);
     parts.contact_pairs = vec![pair(1, 0), pair(2, 3)];
     assert_eq!(pairs(parts.clone()), [(0, 1), (2, 3)]);
     let model = Model::new(parts.clone()).unwrap();

@@ -35,9 +35,10 @@ pub enum Parameter {
     DriveDamping,
     /// Largest efforts of drives [N or N·m], per degree of freedom.
     EffortLimit,
-    /// Coulomb friction coefficients of the shapes.
+    /// Coulomb friction coefficients of the shapes. Contact pairs that have a [friction of their own](model::Whose::Own)
+    /// keep it.
     Friction,
-    /// Restitutions of the shapes.
+    /// Restitutions of the shapes; of pairs as above.
     Restitution,
     /// Gears of the actuators.
     Gear,

@@ -420,8 +420,9 @@ impl<T: Float> Simulation<T> {
     }
 
     /// As [`set_joint_state`](Simulation::set_joint_state), but the world keeps its time, its controls, and the targets that
-    /// its drives follow with a lag; one that diverged runs again. What touches where they are then touches anew. Bodies
-    /// that are moved neither by other coordinates nor by other velocities stay where they are, to the bit.
+    /// its drives follow with a lag; one that diverged runs again. Bodies that are moved neither by other coordinates nor by
+    /// other velocities stay where they are, to the bit, and held by what they touch. Until the next step contacts are told
+    /// as they were.
     ///
     /// # Errors
     /// As there; the device fails.
@@ -442,34 +443,53 @@ impl<T: Float> Simulation<T> {
         &mut self,
         states: impl IntoIterator<Item = (usize, &'a [f64], &'a [f64])>,
     ) -> Result<(), SimulationError> {
-        let mut states = self.states_at(states)?;
-        let motion = self.shared.engine.motion();
-        let now = if motion.is_empty() {
-            Vec::new()
-        } else {
-            self.joints_now(states.iter().map(|(world, _)| *world))?
+        let states = states.into_iter();
+        let valid = states.map(|(w, position, velocity)| {
+            let position = self.valid_state(w, position, velocity)?;
+            Ok((w, position, velocity))
+        });
+        let states = valid.collect::<Result<Vec<_>, SimulationError>>()?;
+        self.fetch_state()?;
+        let motion = Vec::from_iter(self.shared.engine.motion().into_iter().flatten());
+        let now = match motion.is_empty() {
+            true => Vec::new(),
+            false => self.joints_now(states.iter().map(|(world, ..)| *world))?,
         };
-        let before = self.states_at(now.iter().map(|(w, q, v)| (*w, &q[..], &v[..])))?;
-        let targets = self.shared.engine.targets();
-        if !motion.is_empty() || targets.iter().any(|range| !range.is_empty()) {
-            self.fetch_state()?;
-        }
-        for (nth, (world, state)) in states.iter_mut().enumerate() {
-            let now = |i| self.state.get(*world, i).to_f64();
-            for i in targets.iter().cloned().flatten() {
-                state[i] = now(i);
+        let moved = |(nth, (world, position, velocity)): (usize, (usize, Vec<f64>, &[f64]))| {
+            let engine = &self.compiled(world).engine;
+            let mut state = self.state_to_move(world);
+            let mut before = state.clone();
+            engine.place(&position, velocity, &mut state);
+            if let Some((_, position, velocity)) = now.get(nth) {
+                engine.place(position, velocity, &mut before);
             }
-            for i in motion.iter().cloned().flatten() {
-                if before[nth].1[i] == state[i] {
-                    state[i] = now(i);
+            for &i in &motion {
+                if before[i] == state[i] {
+                    state[i] = self.state.get(world, i).to_f64();
                 }
             }
-        }
+            (world, state)
+        };
+        let states = Vec::from_iter(states.into_iter().enumerate().map(moved));
         self.go_on_from(&states);
         for (world, _) in states {
             self.take_for_granted(world);
         }
         Ok(())
+    }
+
+    /// What a world goes on from when its joints are moved: its state; of one that diverged no more than its drives' targets.
+    fn state_to_move(&self, world: usize) -> Vec<f64> {
+        let here = numbers_of(&self.state, world, 0..self.state.length());
+        if self.runs(world) {
+            return here;
+        }
+        let Compiled { engine, state, .. } = self.compiled(world);
+        let mut state = state.clone();
+        for i in engine.targets().into_iter().flatten() {
+            state[i] = here[i];
+        }
+        state
     }
 
     /// Gives the joints of some worlds other velocities, as a push does: all of them, or none. All else stays: where
@@ -540,6 +560,17 @@ impl<T: Float> Simulation<T> {
         position: &[f64],
         velocity: &[f64],
     ) -> Result<Vec<f64>, SimulationError> {
+        let position = self.valid_state(world, position, velocity)?;
+        Ok(self.compiled(world).state_at(&position, velocity))
+    }
+
+    /// Coordinates of joints, with unit quaternions, if a world's joints may have these and these velocities.
+    fn valid_state(
+        &self,
+        world: usize,
+        position: &[f64],
+        velocity: &[f64],
+    ) -> Result<Vec<f64>, SimulationError> {
         index("world", world, self.worlds())?;
         length("joint position", position.len(), self.model.coordinates())?;
         length(
@@ -549,8 +580,7 @@ impl<T: Float> Simulation<T> {
         )?;
         bounded("joint position", position, MOST_MOTION)?;
         bounded("joint velocity", velocity, MOST_MOTION)?;
-        let position = with_unit_quaternions(&self.model, position)?;
-        Ok(self.compiled(world).state_at(&position, velocity))
+        with_unit_quaternions(&self.model, position)
     }
 
     fn write_state(&mut self, world: usize, state: &[f64]) {

@@ -713,13 +713,11 @@ fn a_lost_world_harms_no_other() {
 fn a_pair_keeps_its_margin() {
     let mut parts = model::examples::tower(2, 0.06).unwrap().into_parts();
     let id = |i: usize| model::ShapeId(parts.shapes.len() - 2 + i);
-    parts.contact_pairs = vec![model::ContactPair {
-        shapes: (id(0), id(1)),
-        material: Material {
-            margin: 0.05,
-            ..Material::default()
-        },
-    }];
+    let apart = Material {
+        margin: 0.05,
+        ..Material::default()
+    };
+    parts.contact_pairs = vec![model::ContactPair::new((id(0), id(1)), apart)];
     let mut sim = simulate::<f32>(Model::new(parts).unwrap());
     sim.step(500);
     let mut heights = [0.0; 2];

@@ -3,7 +3,7 @@
 
 use glam::{DQuat, DVec3};
 use kinetarium_sim::{Event, EventKind, Simulation, SimulationSettings, SolverKind, Watch};
-use model::{BodyId, Builder, Drive, Geometry, Model, Pose, Shape};
+use model::{BodyId, Builder, Drive, Geometry, JointId, Model, Pose, Shape};
 use std::f64::consts::PI;
 
 const SOLVERS: [SolverKind; 3] = [
@@ -45,7 +45,7 @@ fn arm(ball: bool) -> Model {
 }
 
 /// A box on a slope of 20°.
-fn slope() -> Model {
+fn slope() -> Builder {
     let lean = Pose::new(DVec3::ZERO, DQuat::from_rotation_z(20_f64.to_radians()));
     let mut world = Builder::new("slope");
     let plane = Geometry::Plane {
@@ -57,7 +57,7 @@ fn slope() -> Model {
     let body = world.object("box");
     let body = body.body("box").at(lean * Pose::at(DVec3::Y * 0.1));
     body.shape(Geometry::Box { half });
-    world.build().unwrap()
+    world
 }
 
 /// Moved to where its target has come to, an arm stays there.
@@ -108,7 +108,7 @@ fn pushed_joints_keep_all_else() {
         let what = format!("{solver:?}: {pushed} for {free}");
         assert!((pushed - free).abs() < 1e-9, "{what}");
 
-        let mut sim = simulate(slope(), solver);
+        let mut sim = simulate(slope().build().unwrap(), solver);
         sim.step(500);
         sim.watch(Watch::ALL);
         let there = sim.outputs().body_position(0, BodyId(0));
@@ -269,6 +269,40 @@ fn small_pushes_change_little() {
         for (a, b) in alone[..4].iter().zip(&pushed) {
             assert!(a.distance(*b) < 1e-4, "{solver:?}: {a} {b}");
         }
+    }
+}
+
+/// What rests by friction goes on, to the bit, where something that it does not touch is moved in each step.
+#[test]
+fn what_rests_does_not_notice_that_another_is_moved() {
+    for solver in SOLVERS {
+        let mut world = slope();
+        let object = world.object("mark");
+        let ball = Shape::new(Geometry::Sphere { radius: 0.1 }).without_contact();
+        let mark = object.body("mark").shape(ball).mass(1.0).handle();
+        object.prismatic("slide", mark, DVec3::X);
+        let model = world.build().unwrap();
+        let slide = model.joints.iter().position(|j| j.child.0 == 1).unwrap();
+        let at = model.coordinate_range(JointId(slide)).start;
+        let [mut alone, mut marked] = [0, 1].map(|_| simulate(model.clone(), solver));
+        for step in 0..200 {
+            if step >= 100 {
+                let outputs = marked.outputs();
+                let mut position = outputs.joint_position(0);
+                let velocity = outputs.joint_velocity(0);
+                position[at] = 0.01 * f64::from(step);
+                marked.move_joints(0, &position, &velocity).unwrap();
+            }
+            alone.step(1);
+            marked.step(1);
+        }
+        let [alone, marked] = [alone, marked].map(|mut sim| {
+            let outputs = sim.outputs();
+            let moves = outputs.body_velocity(0, BodyId(0));
+            (outputs.body_position(0, BodyId(0)), moves)
+        });
+        assert!(alone.1.length() < 1e-3, "{solver:?}: {alone:?}");
+        assert_eq!(alone, marked, "{solver:?}");
     }
 }
 

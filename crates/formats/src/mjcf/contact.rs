@@ -68,7 +68,7 @@ fn weigh(tree: &mut Tree, space: &JointSpace, context: &Context<'_>) {
         .collect();
     for (shape, surface) in tree.parts.shapes.iter_mut().zip(&mut tree.surfaces) {
         surface.mobility = shape.body.map_or(0.0, |body| mobilities[body.0]);
-        shape.material = surface.material(&context.physics);
+        shape.material = surface.of_shape(&context.physics);
     }
 }
 
@@ -118,7 +118,7 @@ fn pair(
     } else if context.physics.on("contact") {
         tree.parts
             .contact_pairs
-            .push(ContactPair { shapes, material });
+            .push(ContactPair::new(shapes, material));
     }
     Ok(())
 }
@@ -235,8 +235,13 @@ pub(super) fn mix(
         let surface = surfaces[a.0].with(&surfaces[b.0], &context.physics);
         let material = surface.material(&context.physics);
         if !alike(&material, &usual) && !named.contains(&(a, b)) && !named.contains(&(b, a)) {
-            let shapes = (a, b);
-            pairs.push(ContactPair { shapes, material });
+            let whose = surfaces[a.0].wins(&surfaces[b.0]);
+            let mut pair = ContactPair::new((a, b), material);
+            pair.restitution = whose;
+            if surface.rubs() {
+                pair.friction = whose;
+            }
+            pairs.push(pair);
         }
     }
     if pairs.is_empty() {

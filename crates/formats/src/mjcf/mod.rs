@@ -18,7 +18,7 @@
 //!   the world; `<exclude>` and `<pair>` hold. Contacts have MuJoCo's friction and margins, and the
 //!   softness of `solref` and `solimp` for the mass that it sees in the bodies at the start, softened by pyramids of
 //!   friction as there; where `condim`, `priority` or `solmix` make them differ from what two materials make of
-//!   each other, the model names the pair.
+//!   each other, the model names the pair, which follows its shapes where they get another friction.
 //! - Sensors of joints, actuators, frames and subtrees' centres, inertial units, forces, torques, touch and
 //!   rangefinders are in the model's list ([`Parts::sensors`]), with their noise, cutoff and interval.
 //! - Cameras keep their names, places and fields of view; those of mode `track` go along with their body and do

@@ -32,7 +32,8 @@ use crate::error::FormatError;
 use crate::impedance::Impedance;
 use crate::report::Report;
 use crate::xml::Element;
-use model::{Combine, Material, Softness};
+use model::{Combine, Material, Softness, Whose};
+use std::cmp::Ordering;
 
 /// `solmix` below this counts as zero (mjMINVAL).
 const LEAST_MIX: f64 = 1e-15;
@@ -162,7 +163,30 @@ impl Surface {
         }
     }
 
-    /// As a material.
+    /// Whose coefficients a contact of two geoms has.
+    pub fn wins(&self, other: &Self) -> Whose {
+        match self.priority.cmp(&other.priority) {
+            Ordering::Greater => Whose::First,
+            Ordering::Less => Whose::Second,
+            Ordering::Equal => Whose::Both,
+        }
+    }
+
+    /// Whether its contacts have friction, with what has none of its own.
+    pub fn rubs(&self) -> bool {
+        self.directions >= 3
+    }
+
+    /// As the material of a shape, whose sliding friction counts in contacts with what [rubs](Self::rubs), even if it does
+    /// not itself.
+    pub fn of_shape(&self, physics: &Physics) -> Material {
+        Material {
+            friction: self.friction[0],
+            ..self.material(physics)
+        }
+    }
+
+    /// As the material of a contact.
     pub fn material(&self, physics: &Physics) -> Material {
         let from = |directions, coefficient| match self.directions >= directions {
             true => coefficient,

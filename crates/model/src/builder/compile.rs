@@ -40,8 +40,10 @@ pub(super) fn compile(
         let what = format!("contact pair \"{number}\"");
         for replicas in matching(&what, objects, pair.shapes.map(|shape| shape.object))? {
             let row = |side: usize| layout.shape(&what, pair.shapes[side], replicas[side]);
-            let (shapes, material) = ((row(0)?, row(1)?), pair.surface());
-            parts.contact_pairs.push(ContactPair { shapes, material });
+            let shapes = (row(0)?, row(1)?);
+            parts
+                .contact_pairs
+                .push(ContactPair::new(shapes, pair.surface()));
         }
     }
     Ok(())
