@@ -294,12 +294,26 @@ impl DeviceWorlds<f32> for Worlds {
         &mut self,
         instrument: &Arc<Instrument>,
         own: Option<&Constants<f32>>,
+        worlds: &[usize],
         numbers: &mut Memory<f32>,
     ) -> Result<bool, DeviceError> {
         let Some(row) = self.row_of(instrument, own)? else {
             return Ok(false);
         };
         let reading = &mut self.readings[row];
+        // For more, to list them is not worth its while.
+        let blocks = |worlds: usize| worlds.div_ceil(BLOCK as usize);
+        let listed = 2 * blocks(worlds.len()) <= blocks(self.worlds);
+        if listed {
+            reading.list(&self.card, instrument, self.worlds, worlds)?;
+        }
+        let way = reading.few.as_ref().filter(|_| listed);
+        let way = way.unwrap_or(&reading.all);
+        let lanes = if listed {
+            worlds.len().min(reading.lanes.count)
+        } else {
+            reading.lanes.count
+        };
         let launch = Launch {
             // What the solver is told and has reported is what this kernel is given.
             state: &mut self.input,
@@ -307,14 +321,18 @@ impl DeviceWorlds<f32> for Worlds {
             output: &mut reading.numbers,
             scratch: &mut reading.scratch,
             parameters: &reading.parameters,
-            links: &reading.links,
+            links: &way.links,
             worlds: self.worlds as u32,
-            lanes: reading.lanes.count as u32,
+            lanes: lanes as u32,
             rounds: 1,
         };
-        launch.run(&self.card, &reading.kernel)?;
-        let all = 0..numbers.length();
-        read(&self.card, &[all], &reading.numbers, numbers)?;
+        launch.run(&self.card, &way.kernel)?;
+        if listed {
+            read_listed(&self.card, worlds, &reading.numbers, numbers)?;
+        } else {
+            let all = 0..numbers.length();
+            read(&self.card, &[all], &reading.numbers, numbers)?;
+        }
         Ok(true)
     }
     fn input_address(&self) -> Result<Option<Address>, DeviceError> {
@@ -362,6 +380,23 @@ fn read(
         let place = from.slice(rows.start * worlds..rows.end * worlds);
         let numbers = card.told(card.stream().clone_dtoh(&place))?;
         to.set_rows(rows.clone(), 0..worlds, &numbers);
+    }
+    Ok(())
+}
+
+/// Reads all numbers of these worlds, which lie together.
+fn read_listed(
+    card: &Cuda,
+    worlds: &[usize],
+    from: &CudaSlice<f32>,
+    to: &mut Memory<f32>,
+) -> Result<(), CudaError> {
+    let together = from.slice(..worlds.len() * to.length());
+    let numbers = card.told(card.stream().clone_dtoh(&together))?;
+    for (number, row) in numbers.chunks_exact(worlds.len()).enumerate() {
+        for (x, world) in row.iter().zip(worlds) {
+            to.set(*world, number, *x);
+        }
     }
     Ok(())
 }

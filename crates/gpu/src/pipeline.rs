@@ -11,6 +11,7 @@ pub(crate) const OPTIONS: PrintOptions = PrintOptions {
     members: Members::Worlds,
     pieces: None,
     state_pieces: None,
+    listed: None,
 };
 
 impl Gpu {

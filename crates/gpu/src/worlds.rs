@@ -200,36 +200,83 @@ impl Worlds {
         held: Held,
     ) -> Result<(), GpuError> {
         assert_eq!(memory.worlds(), self.worlds, "worlds of a memory");
-        let (gpu, width, readings) = (&self.gpu, self.width, &self.readings);
-        let numbers = numbers.iter().filter(|range| !range.is_empty());
-        if numbers.clone().next().is_none() {
-            return Ok(());
-        }
-        let ranges = numbers.clone();
+        let width = self.width;
+        let ranges = numbers.iter().filter(|range| !range.is_empty());
         let ranges = ranges.map(|range| range.start * width..range.end * width);
+        let ranges = vec![Vec::from_iter(ranges); self.parts.len()];
+        self.fetch(held, &ranges, |nth, mut read| {
+            let worlds = nth * width..memory.worlds().min((nth + 1) * width);
+            for range in numbers {
+                let (own, rest) = read.split_at(range.len() * width);
+                memory.set_rows(range.clone(), worlds.clone(), own);
+                read = rest;
+            }
+        })
+    }
+
+    /// Reads these ranges of each part, of all parts at once: the nth of them, and its numbers.
+    fn fetch(
+        &mut self,
+        held: Held,
+        ranges: &[Vec<Range<usize>>],
+        mut read: impl FnMut(usize, &[f32]),
+    ) -> Result<(), GpuError> {
+        let (gpu, readings) = (&self.gpu, &self.readings);
+        let asked = |nth: &usize| !ranges[*nth].is_empty();
         let mut encoder = gpu.device().create_command_encoder(&Default::default());
-        for (nth, part) in self.parts.iter_mut().enumerate() {
+        for nth in (0..ranges.len()).filter(asked) {
+            let part = &mut self.parts[nth];
             let from = match held {
                 Held::State => &part.state,
                 Held::Output => &part.output,
                 Held::Read(row) => &readings[row].numbers[nth],
             };
-            part.staging.ask(gpu, &mut encoder, from, ranges.clone())?;
+            let ranges = ranges[nth].iter().cloned();
+            part.staging.ask(gpu, &mut encoder, from, ranges)?;
         }
         gpu.queue().submit([encoder.finish()]);
-        let mappings = self.parts.iter().filter_map(|part| part.staging.map());
+        let map = |nth: usize| Some((nth, self.parts[nth].staging.map()?));
+        let mappings = (0..ranges.len()).filter(asked).filter_map(map);
         let mappings: Vec<_> = mappings.collect();
         gpu.wait()?;
-        for (mapping, part) in mappings.into_iter().zip(&self.parts) {
-            mapping.read(gpu, |mut read| {
-                for range in numbers.clone() {
-                    let (own, rest) = read.split_at(range.len() * width);
-                    memory.set_rows(range.clone(), part.worlds.clone(), own);
-                    read = rest;
-                }
-            })?;
+        for (nth, mapping) in mappings {
+            mapping.read(gpu, |numbers| read(nth, numbers))?;
         }
         Ok(())
+    }
+
+    /// Of each part, which of its worlds are among these, which are in order, where they are so few that to list them is
+    /// worth its while: a launch has at most half of the workgroups that it has for all.
+    fn lists(&self, worlds: &[usize]) -> Option<Vec<Vec<u32>>> {
+        let before = |end: usize| worlds.partition_point(|world| *world < end);
+        let lists = self.parts.iter().map(|part| {
+            let Range { start, end } = part.worlds;
+            let own = &worlds[before(start)..before(end)];
+            Vec::from_iter(own.iter().map(|world| (world - start) as u32))
+        });
+        let lists = Vec::from_iter(lists);
+        let longest = lists.iter().map(Vec::len).max().unwrap_or(0);
+        let groups = |worlds: usize| worlds.div_ceil(WORKGROUP as usize);
+        (2 * groups(longest) <= groups(self.width)).then_some(lists)
+    }
+    /// Copies what was read of the worlds that were listed.
+    fn read_listed(
+        &mut self,
+        row: usize,
+        lists: &[Vec<u32>],
+        memory: &mut Memory<f32>,
+    ) -> Result<(), GpuError> {
+        let (numbers, width) = (memory.length(), self.width);
+        let range = |list: &Vec<u32>| (!list.is_empty()).then(|| 0..numbers * list.len());
+        let ranges = lists.iter().map(|list| Vec::from_iter(range(list)));
+        self.fetch(Held::Read(row), &Vec::from_iter(ranges), |part, read| {
+            let list = &lists[part];
+            for (number, row) in read.chunks_exact(list.len()).take(numbers).enumerate() {
+                for (x, within) in row.iter().zip(list) {
+                    memory.set(part * width + *within as usize, number, *x);
+                }
+            }
+        })
     }
 
     /// Runs a kernel of the solver on every part, `rounds` times in each of so many launches.
@@ -388,25 +435,42 @@ impl DeviceWorlds<f32> for Worlds {
         &mut self,
         instrument: &Arc<Instrument>,
         own: Option<&Constants<f32>>,
+        worlds: &[usize],
         numbers: &mut Memory<f32>,
     ) -> Result<bool, DeviceError> {
         let Some(row) = self.row_of(instrument, own)? else {
             return Ok(false);
         };
+        let lists = self.lists(worlds);
+        if let Some(lists) = &lists {
+            self.readings[row].list(&self.gpu, instrument, self.width, lists)?;
+        }
         let reading = &self.readings[row];
+        let way = reading.way(lists.is_some());
+        let longest = lists.iter().flatten().map(Vec::len).max();
+        let listed = longest.map(|worlds| worlds.next_multiple_of(WORKGROUP as usize));
+        let lanes = Lanes {
+            count: listed.unwrap_or(usize::MAX).min(reading.lanes.count),
+            ..reading.lanes
+        };
         // What the solver is told and has reported is what this kernel is given.
-        self.run(&reading.kernel, reading.lanes, [1, 1], |nth, part| {
+        self.run(&way.kernel, lanes, [1, 1], |nth, part| {
             [
                 &part.input,
                 &part.output,
                 &reading.numbers[nth],
                 &reading.scratch,
                 reading.parameters(nth),
-                &reading.links,
+                way.links(nth),
             ]
         })?;
-        let all = 0..numbers.length();
-        self.read(std::slice::from_ref(&all), numbers, Held::Read(row))?;
+        match lists {
+            Some(lists) => self.read_listed(row, &lists, numbers)?,
+            None => {
+                let all = 0..numbers.length();
+                self.read(std::slice::from_ref(&all), numbers, Held::Read(row))?;
+            }
+        }
         Ok(true)
     }
 }

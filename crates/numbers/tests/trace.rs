@@ -697,6 +697,36 @@ fn scratch_and_state_lie_in_pieces_where_it_is_asked_for() {
 }
 
 #[test]
+fn worlds_of_a_list_are_worked_on_where_it_is_asked_for() {
+    fn kernel<M: Machine>(k: &mut M, input: Table<Input>, output: Table<Output>) {
+        let x = k.load(input, k.index(1), 0);
+        k.store(output, k.index(2), 0, x);
+    }
+    let (input, output) = (Table::place(&mut 0, 2), Table::place(&mut 0, 3));
+    let program = trace::record(|k| kernel(k, input, output)).unwrap();
+    let options = PrintOptions {
+        listed: Some(7),
+        ..PrintOptions::default()
+    };
+    let [shader, cuda] = [
+        program.to_wgsl(&options).unwrap(),
+        program.to_cuda(&options),
+    ];
+    for text in [&shader, &cuda] {
+        for line in [
+            "entries = links[7u];",
+            "entry = index; entry < entries; entry += ",
+            "world = links[8u + entry];",
+            "= input[(1u) * worlds + world];",
+            "output[(2u) * entries + entry] = ",
+        ] {
+            assert!(text.contains(line), "{line} in {text}");
+        }
+    }
+    validate(&shader);
+}
+
+#[test]
 fn equal_expressions_are_recorded_once_where_they_are_visible() {
     fn kernel<M: Machine>(k: &mut M, inputs: Table<Input>, table: Table<State, 3>) {
         let zero = k.index(0);

@@ -107,12 +107,14 @@ pub trait DeviceWorlds<T: Float>: Send + Sync {
     fn measures(&self) -> bool {
         false
     }
-    /// Reads an instrument in all worlds as the last report has them, with constants of each world if they have their own,
-    /// and copies its numbers. Whether it has: it may leave some to the processor, as it does where it reads none.
+    /// Reads an instrument in these worlds, in their order and none of them twice, as the last report has them, with
+    /// constants of each world if they have their own, and copies its numbers; those of other worlds may be set, too. Whether
+    /// it has: it may leave some to the processor, as it does where it reads none.
     fn measure(
         &mut self,
         _instrument: &Arc<Instrument>,
         _own: Option<&Constants<T>>,
+        _worlds: &[usize],
         _numbers: &mut Memory<T>,
     ) -> Result<bool, DeviceError> {
         Ok(false)
@@ -335,14 +337,15 @@ impl<T: Float> Remote<T> {
     pub fn measures(&self) -> bool {
         self.worlds.measures()
     }
-    /// Reads an instrument as the last report has all worlds.
+    /// Reads an instrument in these worlds as the last report has them.
     pub fn measure(
         &mut self,
         instrument: &Arc<Instrument>,
         own: Option<&Constants<T>>,
+        worlds: &[usize],
         numbers: &mut Memory<T>,
     ) -> Result<bool, DeviceError> {
-        self.worlds.measure(instrument, own, numbers)
+        self.worlds.measure(instrument, own, worlds, numbers)
     }
     /// The same of the output.
     pub fn read_output(

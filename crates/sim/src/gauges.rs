@@ -123,7 +123,7 @@ impl<T: Float> Simulation<T> {
         }
         self.renew_constants(gauges);
         let (needs, reader) = (gauges.needs(), &mut gauges.reader);
-        if !self.measure_there(reader, needs)? {
+        if !self.measure_there(reader, needs, worlds)? {
             self.fetch_parts(gauges.parts.iter().copied())?;
             self.measure_here(reader, worlds);
         }

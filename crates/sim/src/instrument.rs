@@ -1,4 +1,4 @@
-//! What is read of all worlds at once beside their solver, by a kernel of its own: in lanes, or on the device that holds the
+//! What is read of many worlds at once beside their solver, by a kernel of its own: in lanes, or on the device that holds the
 //! worlds.
 
 use crate::device::{Constants, Remote};
@@ -73,12 +73,13 @@ impl<T: Float> Simulation<T> {
         self.remote.as_ref().is_some_and(Remote::measures)
     }
 
-    /// Reads an instrument in all worlds where they are, of which so much has to be reported. Whether a device has read it;
+    /// Reads an instrument in some worlds where they are, of which so much has to be reported. Whether a device has read it;
     /// `false` where there is none.
     pub(crate) fn measure_there(
         &mut self,
         reader: &mut Reader<T>,
         needs: Report,
+        worlds: &[usize],
     ) -> Result<bool, SimulationError> {
         if !self.measures_there() {
             return Ok(false);
@@ -86,7 +87,10 @@ impl<T: Float> Simulation<T> {
         self.report(needs)?;
         let own = reader.own.as_ref().filter(|_| self.has_own_models());
         let (remote, instrument) = (self.remote.as_mut(), &reader.instrument);
-        let read = remote.map(|it| it.measure(instrument, own, &mut reader.numbers));
+        let mut worlds = worlds.to_vec();
+        worlds.sort_unstable();
+        worlds.dedup();
+        let read = remote.map(|it| it.measure(instrument, own, &worlds, &mut reader.numbers));
         Ok(read.transpose()?.unwrap_or(false))
     }
 

@@ -1,13 +1,13 @@
 //! What a simulation asks of a device that does not run all solvers.
 
 use kinetarium_sim::{
-    Device, DeviceError, DeviceWorlds, EventKind, OutputPart, Processor, Quantity, Simulation,
-    SimulationError, SimulationSettings, SolverKind, Watch,
+    Constants, Device, DeviceError, DeviceWorlds, EventKind, Gauge, OutputPart, Processor,
+    Quantity, Simulation, SimulationError, SimulationSettings, SolverKind, Watch,
 };
 use model::examples::{Start, chain, tower};
-use model::{BodyId, JointId, Model};
+use model::{BodyId, JointId, Model, Mount};
 use numbers::Memory;
-use rigid::{Report, Solver};
+use rigid::{Instrument, Report, Solver};
 use std::ops::Range;
 use std::sync::{Arc, Mutex};
 
@@ -136,8 +136,17 @@ fn a_solver_that_is_named_and_does_not_run_there_is_refused() {
     assert!(told.contains("impulse") && told.contains("full"), "{told}");
 }
 
-/// One that notes which numbers of the output are read.
-struct Noting(Arc<Mutex<Vec<Vec<Range<usize>>>>>);
+/// One that notes what it is asked.
+#[derive(Default)]
+struct Noting(Arc<Mutex<Notes>>);
+
+#[derive(Default)]
+struct Notes {
+    /// Which numbers of the output are read.
+    output: Vec<Vec<Range<usize>>>,
+    /// In which worlds an instrument is.
+    measured: Vec<Vec<usize>>,
+}
 
 impl Device<f32> for Noting {
     fn name(&self) -> String {
@@ -148,7 +157,7 @@ impl Device<f32> for Noting {
     }
 }
 
-struct NotingWorlds(Arc<Mutex<Vec<Vec<Range<usize>>>>>);
+struct NotingWorlds(Arc<Mutex<Notes>>);
 
 impl DeviceWorlds<f32> for NotingWorlds {
     fn write_state(&mut self, _: &Memory<f32>) -> Result<(), DeviceError> {
@@ -177,8 +186,21 @@ impl DeviceWorlds<f32> for NotingWorlds {
         numbers: &[Range<usize>],
         _: &mut Memory<f32>,
     ) -> Result<(), DeviceError> {
-        self.0.lock().unwrap().push(numbers.to_vec());
+        self.0.lock().unwrap().output.push(numbers.to_vec());
         Ok(())
+    }
+    fn measures(&self) -> bool {
+        true
+    }
+    fn measure(
+        &mut self,
+        _: &Arc<Instrument>,
+        _: Option<&Constants<f32>>,
+        worlds: &[usize],
+        _: &mut Memory<f32>,
+    ) -> Result<bool, DeviceError> {
+        self.0.lock().unwrap().measured.push(worlds.to_vec());
+        Ok(true)
     }
 }
 
@@ -187,9 +209,9 @@ fn no_more_is_read_than_is_looked_at() {
     let model = chain(3, Start::Horizontal).unwrap();
     let joints = model.joints.len();
     let settings = SimulationSettings::new(2, 0.004);
-    let notes = Arc::default();
-    let mut simulation = Simulation::on(&Noting(Arc::clone(&notes)), model, settings).unwrap();
-    let read = || std::mem::take(&mut *notes.lock().unwrap());
+    let device = Noting::default();
+    let mut simulation = Simulation::on(&device, model, settings).unwrap();
+    let read = || std::mem::take(&mut device.0.lock().unwrap().output);
     assert_eq!(read(), Vec::<Vec<_>>::new());
 
     let mut positions = vec![0.0; 2 * joints];
@@ -235,15 +257,35 @@ fn no_more_is_read_than_is_looked_at() {
     assert_eq!(read(), Vec::<Vec<_>>::new());
 }
 
+/// As few as are reset are told of, each once.
+#[test]
+fn sensors_are_read_in_the_worlds_that_are_asked_for() {
+    let device = Noting::default();
+    let model = chain(3, Start::Horizontal).unwrap();
+    let settings = SimulationSettings::new(1000, 0.004);
+    let mut simulation = Simulation::on(&device, model, settings).unwrap();
+    let mount = Mount::on(BodyId(1));
+    let mut gauges = simulation.gauges(vec![Gauge::Imu(mount)]).unwrap();
+    let down = [-glam::DVec3::Y];
+    let mut finder = simulation.rangefinder(mount, &down, 9.0).unwrap();
+    simulation.try_step(1).unwrap();
+    simulation.reset(&[7, 3]).unwrap();
+    simulation.read_gauges(&mut gauges, &[7, 3, 7]).unwrap();
+    let mut ranges = [0.0; 2];
+    let measured = simulation.measure_ranges(&mut finder, &[7, 999], &mut ranges);
+    measured.unwrap();
+    let measured = std::mem::take(&mut device.0.lock().unwrap().measured);
+    assert_eq!(measured, [vec![3, 7], vec![7, 999]]);
+}
+
 /// New controls change what follows from them, so that all is told anew.
 #[test]
 fn what_is_known_is_read_again_after_new_controls() {
     let settings = SimulationSettings::new(2, 0.004);
-    let notes = Arc::default();
-    let device = Noting(Arc::clone(&notes));
+    let device = Noting::default();
     let model = chain(3, Start::Horizontal).unwrap();
     let mut simulation = Simulation::on(&device, model, settings).unwrap();
-    let read = || std::mem::take(&mut *notes.lock().unwrap()).len();
+    let read = || std::mem::take(&mut device.0.lock().unwrap().output).len();
     let motion = [OutputPart::Motion(BodyId(1))];
     let more = [motion[0], OutputPart::Acceleration(BodyId(1))];
     simulation.fetch_parts(motion).unwrap();

@@ -70,6 +70,40 @@ fn gauges_read_what_the_processors_read() {
     }
 }
 
+/// Of few worlds nothing else is read, and what is read has the same bits; also once each has constants of its own.
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn few_worlds_are_read_alone() {
+    const WORLDS: usize = 300;
+    let model = models::mixed(false).unwrap();
+    let mut simulation = worlds(&model, (SolverKind::Featherstone, WORLDS)).gpu;
+    let list = every_gauge(&model);
+    let few = [299, 3, 64, 3];
+    for times in [1.0, 2.0] {
+        if times != 1.0 {
+            let mut own = model.clone().into_parts();
+            own.gravity *= times;
+            let own = Model::new(own).unwrap();
+            simulation.set_world_model(64, &own).unwrap();
+        }
+        let [mut all, mut alone] = [0; 2].map(|_| simulation.gauges(list.clone()).unwrap());
+        let every = Vec::from_iter(0..WORLDS);
+        simulation.read_gauges(&mut all, &every).unwrap();
+        simulation.read_gauges(&mut alone, &few).unwrap();
+        for world in every {
+            let [all, alone] = [&all, &alone].map(|gauges| {
+                let mut numbers = vec![0.0_f32; gauges.length()];
+                gauges.copy(world, 0, &mut numbers);
+                numbers.into_iter().map(f32::to_bits).collect::<Vec<_>>()
+            });
+            let read = few.contains(&world);
+            assert!(!read || all == alone, "world {world}");
+            assert!(read || alone.iter().all(|x| *x == 0), "world {world}");
+        }
+        simulation.reset(&few[..2]).unwrap();
+    }
+}
+
 /// Constants that worlds have for themselves are those of the gauges, too, from when they have them.
 #[test]
 #[ignore = "needs a graphics card or what stands in for one"]

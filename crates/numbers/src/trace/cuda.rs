@@ -31,6 +31,11 @@ impl Program {
         let own = own.map_or(String::new(), |own| format!("    const u32 {own};\n"));
         let held = options.held_piece();
         let held = held.map_or(String::new(), |held| format!("    const u32 {held};\n"));
+        let [counted, count] = options.counted();
+        let list = options.list();
+        let [entries, world] = list.map_or(Default::default(), |list| {
+            list.map(|line| format!("    const u32 {line};\n"))
+        });
         let size = options.workgroup_size;
         let bounds = match self.differs() {
             true => format!("{size}, {SIDE_BY_SIDE}"),
@@ -42,9 +47,9 @@ impl Program {
              f32* __restrict__ scratch, const f32* __restrict__ parameters, const u32* __restrict__ links,\n    \
              const u32 worlds, const u32 rounds) {{\n    \
              const u32 index = blockIdx.x * blockDim.x + threadIdx.x;\n\
-             {own}    \
-             for (u32 world = index; world < worlds; world += gridDim.x * blockDim.x) {{\n\
-             {held}    \
+             {own}{entries}    \
+             for (u32 {counted} = index; {counted} < {count}; {counted} += gridDim.x * blockDim.x) {{\n\
+             {world}{held}    \
              for (u32 nth = 0u; nth < rounds; nth++) {{\n"
         );
         let Ok(text) = self.print::<Cuda>(options, opening, "    }\n    }\n}\n");

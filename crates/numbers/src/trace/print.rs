@@ -26,6 +26,10 @@ pub struct PrintOptions {
     /// So many numbers of state of each world, where these lie in pieces likewise, of each [`PIECE`] worlds; of
     /// [worlds](Members::Worlds) only. By default state is laid out as input is.
     pub state_pieces: Option<u32>,
+    /// Only the worlds of a list are worked on, which stands in the links from here on: how many they are, then which. Their
+    /// output lies together, the number at `offset` of the i-th at `offset · count + i`. Of [worlds](Members::Worlds) only.
+    /// By default all worlds are.
+    pub listed: Option<u32>,
 }
 
 /// Invocations, or worlds, whose numbers lie together in a piece: so many as cards of most makers have in lockstep. Their
@@ -58,6 +62,7 @@ impl Default for PrintOptions {
             members: Members::Worlds,
             pieces: None,
             state_pieces: None,
+            listed: None,
         }
     }
 }
@@ -70,6 +75,19 @@ impl PrintOptions {
     /// Where a world's state begins.
     pub(super) fn held_piece(&self) -> Option<String> {
         Some(format!("held = {}", piece("world", self.state_pieces?)))
+    }
+    /// What invocations count through, and up to where.
+    pub(super) fn counted(&self) -> [&'static str; 2] {
+        match self.listed {
+            None => ["world", "worlds"],
+            Some(_) => ["entry", "entries"],
+        }
+    }
+    /// How long the list is, and which world an entry of it is.
+    pub(super) fn list(&self) -> Option<[String; 2]> {
+        let at = self.listed?;
+        let world = format!("world = links[{}u + entry]", at + 1);
+        Some([format!("entries = links[{at}u]"), world])
     }
 }
 
@@ -217,7 +235,10 @@ impl<L: Language> Printer<'_, L> {
             }
             Kind::State => format!("state[({offset}) * worlds + world]"),
             Kind::Input => format!("input[({offset}) * worlds + world]"),
-            Kind::Output => format!("output[({offset}) * worlds + world]"),
+            Kind::Output => {
+                let [counted, count] = self.options.counted();
+                format!("output[({offset}) * {count} + {counted}]")
+            }
             Kind::Scratch => match self.options.members {
                 Members::Seats { bodies, .. } if place.offset < 2 * bodies => {
                     format!("scratch[seat({offset}, world)]")

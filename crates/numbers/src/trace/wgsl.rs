@@ -55,6 +55,11 @@ fn of_worlds(options: &PrintOptions) -> String {
     let own = own.map_or(String::new(), |own| format!("    let {own};\n"));
     let held = options.held_piece();
     let held = held.map_or(String::new(), |held| format!("    let {held};\n"));
+    let [counted, count] = options.counted();
+    let list = options.list();
+    let [entries, world] = list.map_or(Default::default(), |list| {
+        list.map(|line| format!("    let {line};\n"))
+    });
     let size = options.workgroup_size;
     format!(
         "{WORLDS}\n{OPERATIONS}\n@compute @workgroup_size({size})\n\
@@ -62,9 +67,9 @@ fn of_worlds(options: &PrintOptions) -> String {
          @builtin(num_workgroups) workgroups: vec3<u32>) {{\n    \
          let index = invocation.x;\n    \
          let worlds = launch.worlds;\n\
-         {own}    \
-         for (var world = index; world < worlds; world += workgroups.x * {size}u) {{\n\
-         {held}    \
+         {own}{entries}    \
+         for (var {counted} = index; {counted} < {count}; {counted} += workgroups.x * {size}u) {{\n\
+         {world}{held}    \
          for (var nth = 0u; nth < launch.rounds; nth++) {{\n"
     )
 }

@@ -212,7 +212,7 @@ impl<T: Float> Simulation<T> {
         distances: &mut [T],
     ) -> Result<bool, SimulationError> {
         if self.measures_there() {
-            if !self.measure_there(reader, Report::Motion)? {
+            if !self.measure_there(reader, Report::Motion, worlds)? {
                 return Ok(false);
             }
         } else {
