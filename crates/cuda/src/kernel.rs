@@ -120,10 +120,9 @@ impl Launch<'_> {
     }
 }
 
-/// What copies rows of the state, which lies in pieces.
+/// What copies numbers of worlds that lie in pieces.
 fn copier(card: &Cuda, name: &str) -> Result<CudaFunction, CudaError> {
-    let text = format!("#define PIECE {PIECE}u\n{}", include_str!("placement.cu"));
-    card.function(&text, name)
+    card.function(include_str!("placement.cu"), name)
 }
 
 /// Numbers of a state that lies in pieces.
@@ -135,25 +134,27 @@ pub(crate) fn state_numbers(numbers: usize, worlds: usize) -> usize {
 pub(crate) struct Placement<'a> {
     pub places: &'a [u32],
     pub columns: &'a [f32],
+    /// Worlds whose numbers lie together: all of them where a memory has no pieces.
+    pub piece: usize,
 }
 
 impl Placement<'_> {
-    /// Writes them into the state of so many worlds.
+    /// Writes them into a memory of so many worlds.
     pub fn write(
         &self,
         card: &Cuda,
         worlds: usize,
-        state: &mut CudaSlice<f32>,
+        memory: &mut CudaSlice<f32>,
     ) -> Result<(), CudaError> {
         let place = copier(card, "place")?;
         let (count, numbers) = (self.places.len(), self.columns.len() / self.places.len());
         let inside = self.places.iter().all(|world| (*world as usize) < worlds);
-        assert!(inside && state_numbers(numbers, worlds) <= state.len());
-        let (count, numbers) = (count as u32, numbers as u32);
+        assert!(inside && numbers * worlds.next_multiple_of(self.piece) <= memory.len());
+        let [count, numbers, piece] = [count, numbers, self.piece].map(|n| n as u32);
         let (columns, places) = (card.filled(self.columns)?, card.filled(self.places)?);
         let mut launch = card.stream().launch_builder(&place);
-        launch.arg(state).arg(&columns).arg(&places);
-        launch.arg(&count).arg(&numbers);
+        launch.arg(memory).arg(&columns).arg(&places);
+        launch.arg(&count).arg(&numbers).arg(&piece);
         // Safety: these are the parameters of `place`, in their order, which writes where was just looked.
         card.told(unsafe { launch.launch(threads(count)) })?;
         Ok(())
@@ -176,6 +177,7 @@ pub(crate) fn gather(
     let mut launch = card.stream().launch_builder(&gather);
     launch.arg(state).arg(into);
     launch.arg(&first).arg(&count).arg(&numbers).arg(&worlds);
+    launch.arg(&PIECE);
     // Safety: these are the parameters of `gather`, in their order, which reads and writes where was just looked.
     card.told(unsafe { launch.launch(threads(worlds)) })?;
     Ok(())

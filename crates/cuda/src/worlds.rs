@@ -178,11 +178,10 @@ impl Worlds {
         )?;
         if let (Some(row), Some(own)) = (row, own) {
             let reading = &mut self.readings[row];
-            if reading.version != Some(own.version) {
-                let all = 0..own.numbers.length();
-                write(card, all, &own.numbers, &mut reading.parameters)?;
-                reading.version = Some(own.version);
-            }
+            let changed = own.since(reading.version.unwrap_or(0));
+            let all = 0..own.numbers.length();
+            write_own(card, &changed, all, &own.numbers, &mut reading.parameters)?;
+            reading.version = Some(own.version);
         }
         Ok(row)
     }
@@ -227,29 +226,28 @@ impl DeviceWorlds<f32> for Worlds {
         Ok(self.card.told(copied)?)
     }
     fn write_worlds(&mut self, worlds: &[usize], state: &Memory<f32>) -> Result<(), DeviceError> {
-        if worlds.is_empty() {
-            return Ok(());
-        }
-        let number = |i| worlds.iter().map(move |world| state.get(*world, i));
-        let numbers = 0..self.programs.lengths.state;
-        let placement = Placement {
-            places: &worlds.iter().map(|w| *w as u32).collect::<Vec<_>>(),
-            columns: &numbers.flat_map(number).collect::<Vec<_>>(),
-        };
-        Ok(placement.write(&self.card, self.worlds, &mut self.state)?)
+        let (all, to) = (0..self.programs.lengths.state, &mut self.state);
+        let piece = PIECE as usize;
+        Ok(place(&self.card, worlds, all, state, to, piece)?)
     }
     fn write_input(&mut self, rows: Range<usize>, input: &Memory<f32>) -> Result<(), DeviceError> {
         Ok(write(&self.card, rows, input, &mut self.input)?)
     }
-    fn write_parameters(&mut self, parameters: &Memory<f32>) -> Result<(), DeviceError> {
+    fn write_parameters(
+        &mut self,
+        worlds: &[usize],
+        parameters: &Memory<f32>,
+    ) -> Result<(), DeviceError> {
         self.reserve()?;
-        if let Some(own) = self.reserved.take() {
-            self.parameters = own;
-            self.parameters_per_world = true;
-            self.kernels = Default::default();
-        }
-        let (all, own) = (0..self.programs.parameters.len(), &mut self.parameters);
-        Ok(write(&self.card, all, parameters, own)?)
+        let (card, all) = (&self.card, 0..self.programs.parameters.len());
+        let Some(own) = self.reserved.take() else {
+            let own = &mut self.parameters;
+            return Ok(write_own(card, worlds, all, parameters, own)?);
+        };
+        self.parameters = own;
+        self.parameters_per_world = true;
+        self.kernels = Default::default();
+        Ok(write(card, all, parameters, &mut self.parameters)?)
     }
     fn takes(&self, _: &[&[f64]]) -> Result<(), DeviceError> {
         Ok(self.reserve()?)
@@ -365,6 +363,42 @@ fn write(
     let mut place = to.slice_mut(rows.start * worlds..rows.end * worlds);
     let numbers = from.rows(rows, 0..worlds, worlds);
     card.told(card.stream().memcpy_htod(&numbers, &mut place))
+}
+
+/// Writes constants of these worlds; those of all, which are known, where they are more than half.
+fn write_own(
+    card: &Cuda,
+    worlds: &[usize],
+    numbers: Range<usize>,
+    from: &Memory<f32>,
+    to: &mut CudaSlice<f32>,
+) -> Result<(), CudaError> {
+    if 2 * worlds.len() <= from.worlds() {
+        place(card, worlds, numbers, from, to, from.worlds())
+    } else {
+        write(card, numbers, from, to)
+    }
+}
+
+/// Writes these numbers, which are all that a memory has, of some worlds, of which so many lie together.
+fn place(
+    card: &Cuda,
+    worlds: &[usize],
+    numbers: Range<usize>,
+    from: &Memory<f32>,
+    to: &mut CudaSlice<f32>,
+    piece: usize,
+) -> Result<(), CudaError> {
+    if worlds.is_empty() || numbers.is_empty() {
+        return Ok(());
+    }
+    let number = |i| worlds.iter().map(move |world| from.get(*world, i));
+    let placement = Placement {
+        places: &worlds.iter().map(|w| *w as u32).collect::<Vec<_>>(),
+        columns: &numbers.flat_map(number).collect::<Vec<_>>(),
+        piece,
+    };
+    placement.write(card, from.worlds(), to)
 }
 
 /// Reads these numbers of all worlds.

@@ -1,4 +1,4 @@
-//! Worlds that are set one by one, as resets set them.
+//! Worlds that are set one by one, as resets set them, and their constants.
 
 use crate::memory::filled;
 use crate::pipeline::dispatch;
@@ -14,13 +14,13 @@ pub(crate) struct Placement<'a> {
 
 impl Placement<'_> {
     /// Writes them.
-    pub fn write(&self, gpu: &Gpu, state: &wgpu::Buffer) -> Result<(), GpuError> {
+    pub fn write(&self, gpu: &Gpu, memory: &wgpu::Buffer) -> Result<(), GpuError> {
         let count = self.worlds.len();
         let numbers = self.columns.len() / count;
         let pipeline = gpu.pipeline(include_str!("placement.wgsl"), None)?;
         let launch = gpu.uniform(&[count as u32, numbers as u32, self.width as u32]);
         let (columns, worlds) = (filled(gpu, self.columns)?, filled(gpu, self.worlds)?);
-        let buffers = [state, &columns, &worlds, &launch];
+        let buffers = [memory, &columns, &worlds, &launch];
         let bindings = gpu.bindings(&pipeline.get_bind_group_layout(0), &buffers);
         let mut encoder = gpu.device().create_command_encoder(&Default::default());
         let mut pass = encoder.begin_compute_pass(&Default::default());

@@ -155,6 +155,10 @@ impl Worlds {
     fn differing(&self) -> bool {
         self.parts.iter().any(|part| part.parameters.is_some())
     }
+    /// The constants of a part.
+    fn own<'a>(&'a self, part: &'a Part) -> &'a wgpu::Buffer {
+        part.parameters.as_ref().unwrap_or(&self.parameters)
+    }
 
     /// What fills a report, or makes a step.
     fn kernel(&mut self, report: Option<Report>) -> Result<wgpu::ComputePipeline, GpuError> {
@@ -190,6 +194,47 @@ impl Worlds {
             let bytes = bytemuck::cast_slice(&rows);
             self.gpu.queue().write_buffer(buffer(nth, part), at, bytes);
         }
+    }
+
+    /// Writes constants of these worlds; those of all, which are known, where they are more than half.
+    fn write_own<'a>(
+        &'a self,
+        worlds: &[usize],
+        numbers: Range<usize>,
+        memory: &Memory<f32>,
+        buffer: impl Fn(usize, &'a Part) -> &'a wgpu::Buffer,
+    ) -> Result<(), GpuError> {
+        if 2 * worlds.len() <= self.worlds {
+            return self.place(worlds, numbers, memory, buffer);
+        }
+        self.write(numbers, memory, buffer);
+        self.gpu.check()
+    }
+    /// Writes these numbers of some worlds.
+    fn place<'a>(
+        &'a self,
+        worlds: &[usize],
+        numbers: Range<usize>,
+        memory: &Memory<f32>,
+        buffer: impl Fn(usize, &'a Part) -> &'a wgpu::Buffer,
+    ) -> Result<(), GpuError> {
+        for (nth, part) in self.parts.iter().enumerate() {
+            let of_part = worlds.iter().filter(|w| part.worlds.contains(w));
+            let of_part: Vec<_> = of_part.copied().collect();
+            if of_part.is_empty() {
+                continue;
+            }
+            let number = |i| of_part.iter().map(move |w| memory.get(*w, i));
+            let columns: Vec<_> = numbers.clone().flat_map(number).collect();
+            let within = of_part.iter().map(|w| (w - part.worlds.start) as u32);
+            let placement = Placement {
+                worlds: &within.collect::<Vec<_>>(),
+                columns: &columns,
+                width: self.width,
+            };
+            placement.write(&self.gpu, buffer(nth, part))?;
+        }
+        Ok(())
     }
 
     /// Reads these numbers of all worlds, of all parts at once.
@@ -342,11 +387,12 @@ impl Worlds {
         )?;
         if let (Some(row), Some(own)) = (row, own) {
             let reading = &self.readings[row];
-            if reading.version != Some(own.version) {
-                let all = 0..own.numbers.length();
-                self.write(all, &own.numbers, |nth, _| reading.parameters(nth));
-                self.readings[row].version = Some(own.version);
-            }
+            let changed = own.since(reading.version.unwrap_or(0));
+            let all = 0..own.numbers.length();
+            self.write_own(&changed, all, &own.numbers, |nth, _| {
+                reading.parameters(nth)
+            })?;
+            self.readings[row].version = Some(own.version);
         }
         Ok(row)
     }
@@ -359,24 +405,8 @@ impl DeviceWorlds<f32> for Worlds {
         Ok(self.gpu.check()?)
     }
     fn write_worlds(&mut self, worlds: &[usize], state: &Memory<f32>) -> Result<(), DeviceError> {
-        let numbers = self.programs.lengths.state;
-        for part in &self.parts {
-            let of_part = worlds.iter().filter(|w| part.worlds.contains(w));
-            let of_part: Vec<_> = of_part.copied().collect();
-            if of_part.is_empty() {
-                continue;
-            }
-            let number = |i| of_part.iter().map(move |w| state.get(*w, i));
-            let columns: Vec<_> = (0..numbers).flat_map(number).collect();
-            let within = of_part.iter().map(|w| (w - part.worlds.start) as u32);
-            let placement = Placement {
-                worlds: &within.collect::<Vec<_>>(),
-                columns: &columns,
-                width: self.width,
-            };
-            placement.write(&self.gpu, &part.state)?;
-        }
-        Ok(())
+        let all = 0..self.programs.lengths.state;
+        Ok(self.place(worlds, all, state, |_, part| &part.state)?)
     }
     fn write_input(
         &mut self,
@@ -386,18 +416,21 @@ impl DeviceWorlds<f32> for Worlds {
         self.write(numbers, input, |_, part| &part.input);
         Ok(self.gpu.check()?)
     }
-    fn write_parameters(&mut self, parameters: &Memory<f32>) -> Result<(), DeviceError> {
+    fn write_parameters(
+        &mut self,
+        worlds: &[usize],
+        parameters: &Memory<f32>,
+    ) -> Result<(), DeviceError> {
         self.reserve()?;
-        if let Some(buffers) = self.reserved.take() {
-            for (part, buffer) in self.parts.iter_mut().zip(buffers) {
-                part.parameters = Some(buffer);
-            }
-            self.kernels = Default::default();
-        }
         let all = 0..self.programs.parameters.len();
-        self.write(all, parameters, |_, part| {
-            part.parameters.as_ref().unwrap_or(&self.parameters)
-        });
+        let Some(buffers) = self.reserved.take() else {
+            return Ok(self.write_own(worlds, all, parameters, |_, part| self.own(part))?);
+        };
+        for (part, buffer) in self.parts.iter_mut().zip(buffers) {
+            part.parameters = Some(buffer);
+        }
+        self.kernels = Default::default();
+        self.write(all, parameters, |_, part| self.own(part));
         Ok(self.gpu.check()?)
     }
     fn takes(&self, _: &[&[f64]]) -> Result<(), DeviceError> {

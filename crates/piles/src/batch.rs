@@ -3,7 +3,7 @@
 use crate::Card;
 use crate::actuators::Actuators;
 use crate::card::sized;
-use crate::constants::{BODY, SHAPE};
+use crate::constants::{BODY, SHAPE, are_few};
 use crate::pace::Pace;
 use crate::scene::Scene;
 use numbers::Memory;
@@ -26,8 +26,8 @@ pub(crate) struct Batch<C: Card> {
     pub constants: C::Buffer,
     pub bodies: C::Buffer,
     pub shapes: C::Buffer,
-    /// Whether constants have changed since, and into how many parts steps are cut that they are ready for.
-    stale: bool,
+    /// Worlds whose constants have changed since, and into how many parts steps are cut that they are ready for.
+    stale: Vec<usize>,
     cut: usize,
     pub pace: Pace,
     /// Of each world, the steps that it has yet to take, and into how many parts the last one had to be cut.
@@ -52,7 +52,7 @@ impl<C: Card> Batch<C> {
             constants: sized(card, scene.constants_length().into())?,
             bodies: sized(card, of(plan.bodies, BODY))?,
             shapes: sized(card, of(plan.shapes, SHAPE))?,
-            stale: true,
+            stale: worlds.clone().collect(),
             cut: 0,
             worlds,
             pushed: false,
@@ -94,62 +94,86 @@ impl<C: Card> Batch<C> {
         card.write(&self.state, at as u64, bytemuck::cast_slice(numbers))
     }
 
-    /// The scene has other constants.
-    pub fn differs(&mut self) {
-        self.stale = true;
+    /// These of its worlds have other constants.
+    pub fn differ(&mut self, worlds: Vec<usize>) {
         // What controls make of joints depends on them.
-        self.controlled = true;
+        self.controlled |= !worlds.is_empty();
+        self.stale.extend(worlds);
     }
     /// Writes constants that have changed, and those of a step that is cut into so many parts. Whether they are in another
     /// buffer now.
     pub fn ready(&mut self, card: &C, scene: &Scene, parts: usize) -> Result<bool, DeviceError> {
-        let mut moved = false;
-        let (first, plan) = (self.worlds.start, &scene.plan);
-        let write = |buffer: &C::Buffer, things: u32, numbers: &[f32]| {
-            let at = u64::from(things) * global::WIDTH as u64;
-            card.write(buffer, at, bytemuck::cast_slice(numbers))
-        };
-        if self.stale {
+        let stale = std::mem::take(&mut self.stale);
+        let first = self.worlds.start;
+        let all = first..first + scene.plan.worlds as usize;
+        let (mut moved, mut changed) = (false, vec![all.clone()]);
+        if are_few(stale.len(), self.worlds.len()) {
+            changed = stale.into_iter().map(|world| world..world + 1).collect();
+        } else {
             let length = scene.constants_length().into();
             if C::room(&self.constants) < length {
                 self.constants = sized(card, length)?;
                 moved = true;
             }
-            write(&self.constants, 0, &scene.constants(first))?;
-            write(&self.bodies, plan.bodies, &scene.body_constants(first))?;
-            self.give_joints(card, scene)?;
-            write(&self.shapes, plan.shapes, &scene.shape_constants(first))?;
-            (self.stale, self.cut) = (false, 0);
+            card.write(&self.constants, 0, bytemuck::cast_slice(&scene.constants))?;
+        }
+        for worlds in changed.iter().cloned() {
+            self.give(card, scene, worlds)?;
         }
         if self.cut != parts {
-            let globals = scene.globals(first, parts);
-            // A number of each world, for each of its things; 0 for what does not move.
-            let columns = |fixed: u32, each: u32| {
-                let mut columns = Vec::new();
-                for number in 0..global::WIDTH {
-                    columns.extend(repeat_n(0.0, fixed as usize));
-                    let own = |set: &[f32; global::WIDTH]| repeat_n(set[number], each as usize);
-                    columns.extend(globals.iter().flat_map(own));
-                }
-                columns
-            };
-            write(&self.bodies, 0, &columns(plan.worlds, plan.own_bodies))?;
-            write(&self.shapes, 0, &columns(0, plan.own_shapes))?;
-            self.cut = parts;
+            (self.cut, changed) = (parts, vec![all]);
+        }
+        for worlds in changed {
+            self.give_step(card, scene, worlds)?;
         }
         Ok(moved)
     }
-
-    /// Writes constants of joints behind the states.
-    fn give_joints(&self, card: &C, scene: &Scene) -> Result<(), DeviceError> {
+    /// Writes constants of some worlds.
+    fn give(&self, card: &C, scene: &Scene, worlds: Range<usize>) -> Result<(), DeviceError> {
+        let (plan, nth) = (&scene.plan, worlds.start - self.worlds.start);
+        let own = scene.constants(worlds.clone());
+        let at = scene.constants.len() + nth * plan.own_constants as usize;
+        card.write(&self.constants, at as u64, bytemuck::cast_slice(&own))?;
+        let [bodies, shapes] = self.columns(scene);
+        let number = global::WIDTH;
+        bodies.write(card, number, nth, &scene.body_constants(worlds.clone()))?;
+        shapes.write(card, number, nth, &scene.shape_constants(worlds.clone()))?;
         let Some(joints) = &scene.joints else {
             return Ok(());
         };
-        let own = self.worlds.clone().flat_map(|world| {
+        // Behind the states.
+        let at = plan.given as usize + nth * plan.given_numbers as usize;
+        let own = worlds.filter(|world| self.worlds.contains(world));
+        let own = own.flat_map(|world| {
             let parameters = scene.parameters.of(world);
             joints.constants_of(&scene.impulse, parameters)
         });
-        self.write_at(card, scene.plan.given as usize, &Vec::from_iter(own))
+        self.write_at(card, at, &Vec::from_iter(own))
+    }
+    /// The same of a step, as it is cut.
+    fn give_step(&self, card: &C, scene: &Scene, worlds: Range<usize>) -> Result<(), DeviceError> {
+        let nth = worlds.start - self.worlds.start;
+        let globals = scene.globals(worlds, self.cut);
+        for columns in self.columns(scene) {
+            // A number of each world, for each of its things.
+            let own = globals.iter().flat_map(|set| repeat_n(*set, columns.each));
+            columns.write(card, 0, nth, &Vec::from_iter(own))?;
+        }
+        Ok(())
+    }
+    /// Where constants of bodies and of shapes lie.
+    fn columns(&self, scene: &Scene) -> [Columns<'_, C>; 2] {
+        let plan = &scene.plan;
+        let of = |buffer, each: u32, things: u32| Columns {
+            buffer,
+            fixed: (things - plan.worlds * each) as usize,
+            each: each as usize,
+            things: things as usize,
+        };
+        [
+            of(&self.bodies, plan.own_bodies, plan.bodies),
+            of(&self.shapes, plan.own_shapes, plan.shapes),
+        ]
     }
 
     /// Takes controls. What is made of them goes to the card before the next step: they may change once more.
@@ -254,6 +278,37 @@ impl<C: Card> Batch<C> {
                 }
             }
         })
+    }
+}
+
+/// Numbers of things, `[number][thing]`: of those that do not move, zeros; then of so many of each world, world after world.
+struct Columns<'a, C: Card> {
+    buffer: &'a C::Buffer,
+    fixed: usize,
+    each: usize,
+    things: usize,
+}
+
+impl<C: Card> Columns<'_, C> {
+    /// Writes numbers, from one on, of the things of worlds from the nth on: all together where those are all worlds.
+    fn write<const N: usize>(
+        &self,
+        card: &C,
+        number: usize,
+        nth: usize,
+        rows: &[[f32; N]],
+    ) -> Result<(), DeviceError> {
+        let column = |n: usize| rows.iter().map(move |row| row[n]);
+        let write = |number: usize, first: usize, numbers: &[f32]| {
+            let at = number * self.things + first;
+            card.write(self.buffer, at as u64, bytemuck::cast_slice(numbers))
+        };
+        if self.fixed + rows.len() == self.things {
+            let of = |n| repeat_n(0.0, self.fixed).chain(column(n));
+            return write(number, 0, &Vec::from_iter((0..N).flat_map(of)));
+        }
+        let first = self.fixed + nth * self.each;
+        (0..N).try_for_each(|n| write(number + n, first, &Vec::from_iter(column(n))))
     }
 }
 

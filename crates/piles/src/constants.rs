@@ -6,7 +6,7 @@ use crate::{Card, Need, PilesError};
 use rigid::impulse::pair::solid;
 use rigid::impulse::{FREE_TURN, HELD_TURN, NEARBY, WORLD, global, grip, mass};
 use std::collections::HashMap;
-use std::iter::repeat_n;
+use std::ops::Range;
 
 /// The constants of the solver.
 #[derive(Debug)]
@@ -33,6 +33,16 @@ impl Parameters {
     pub fn differ(&self) -> bool {
         !self.own.is_empty()
     }
+    /// Gives worlds their own, the first time all of them; returns what they had.
+    fn give(&mut self, mut sets: Vec<(usize, Vec<f32>)>) -> Vec<(usize, Vec<f32>)> {
+        if self.own.is_empty() {
+            self.own.resize(sets.len(), Vec::new());
+        }
+        for (world, set) in &mut sets {
+            std::mem::swap(&mut self.own[*world], set);
+        }
+        sets
+    }
     fn all(&self) -> impl Iterator<Item = &Vec<f32>> + Clone {
         std::iter::once(&self.common).chain(&self.own)
     }
@@ -44,18 +54,30 @@ pub(crate) const SURFACE: usize = 9;
 const SURFACES: usize = 1024;
 
 impl Scene {
-    /// Gives each world constants of its own.
+    /// Gives worlds constants of their own, the first time all of them. Whether those of all worlds are to be written anew:
+    /// they lie elsewhere, or tell of other kinds of surfaces.
     ///
     /// # Errors
     /// Surfaces differ in too many ways.
-    pub fn differ(&mut self, own: Vec<Vec<f32>>) -> Result<(), PilesError> {
-        let before = std::mem::replace(&mut self.parameters.own, own);
-        if let Err(error) = self.surfaces() {
-            self.parameters.own = before;
-            return Err(error);
+    pub fn differ(&mut self, sets: Vec<(usize, Vec<f32>)>) -> Result<bool, PilesError> {
+        let differed = self.parameters.differ();
+        let before = self.parameters.give(sets);
+        match self.surfaces() {
+            Ok(others) => {
+                let anew = others || !differed;
+                if anew {
+                    self.place_constants();
+                }
+                Ok(anew)
+            }
+            Err(error) => {
+                self.parameters.give(before);
+                if !differed {
+                    self.parameters.own.clear();
+                }
+                Err(error)
+            }
         }
-        self.place_constants();
-        Ok(())
     }
     /// Whether worlds may have these constants, besides those that they have.
     ///
@@ -145,15 +167,18 @@ impl Scene {
         }
         Ok([of_shape, examples])
     }
-    pub fn surfaces(&mut self) -> Result<(), PilesError> {
+    /// Finds the kinds of surfaces; whether shapes are of others than before.
+    pub fn surfaces(&mut self) -> Result<bool, PilesError> {
         let [of_shape, examples] = self.kinds(self.parameters.all())?;
         let mut all = self.parameters.all();
         self.bounces = all.any(|set| self.impulse.bounces(set));
         self.plan.surfaces = examples.len() as u32;
         let at = self.plan.shape_surface as usize;
-        self.whole[at..][..of_shape.len()].copy_from_slice(&of_shape);
+        let known = &mut self.whole[at..][..of_shape.len()];
+        let others = *known != of_shape[..];
+        known.copy_from_slice(&of_shape);
         self.surfaces = examples;
-        Ok(())
+        Ok(others)
     }
 
     /// What each two surfaces make of a contact.
@@ -193,20 +218,17 @@ impl Scene {
     pub fn common_globals(&self, parts: usize) -> [f32; global::WIDTH] {
         self.impulse.globals(&self.parameters.common, parts)
     }
-    /// Those of each world from the first on.
-    pub fn globals(&self, first: usize, parts: usize) -> Vec<[f32; global::WIDTH]> {
-        let worlds = first..first + self.plan.worlds as usize;
+    /// Those of each of these worlds.
+    pub fn globals(&self, worlds: Range<usize>, parts: usize) -> Vec<[f32; global::WIDTH]> {
         let of = |world| self.impulse.globals(self.parameters.of(world), parts);
         worlds.map(of).collect()
     }
-    /// Constants of all bodies of worlds from the first on as their kernels read them, `[number][body]`, behind those of
-    /// the step.
-    pub fn body_constants(&self, first: usize) -> Vec<f32> {
+    /// Constants of the bodies of worlds as their kernels read them, but for what does not move.
+    pub fn body_constants(&self, worlds: Range<usize>) -> Vec<[f32; BODY - global::WIDTH]> {
         let impulse = &self.impulse;
-        let worlds = first..first + self.plan.worlds as usize;
         let rows = worlds.flat_map(|world| {
             let parameters = self.parameters.of(world);
-            let mut rows = vec![[0.0; mass::WIDTH + grip::WIDTH]; impulse.rows()];
+            let mut rows = vec![[0.0; BODY - global::WIDTH]; impulse.rows()];
             for (row, own) in rows.iter_mut().enumerate() {
                 own[..mass::WIDTH].copy_from_slice(impulse.mass_of(row, parameters));
             }
@@ -216,14 +238,11 @@ impl Scene {
             }
             rows.split_off(1)
         });
-        // Before them, what does not move in each world.
-        let fixed = repeat_n([0.0; mass::WIDTH + grip::WIDTH], self.plan.worlds as usize);
-        columns(&Vec::from_iter(fixed.chain(rows)))
+        rows.collect()
     }
     /// The same of shapes.
-    pub fn shape_constants(&self, first: usize) -> Vec<f32> {
+    pub fn shape_constants(&self, worlds: Range<usize>) -> Vec<[f32; SHAPE - global::WIDTH]> {
         let impulse = &self.impulse;
-        let worlds = first..first + self.plan.worlds as usize;
         let rows = worlds.flat_map(|world| {
             let parameters = self.parameters.of(world);
             (0..impulse.shapes().len()).map(|shape| {
@@ -232,7 +251,7 @@ impl Scene {
                 own
             })
         });
-        columns(&Vec::from_iter(rows))
+        rows.collect()
     }
     /// Constants of which a world may have its own.
     fn own_length(&self) -> u32 {
@@ -247,23 +266,20 @@ impl Scene {
         };
         self.constants.len() as u32 + sets * self.own_length()
     }
-    /// All constants of worlds from the first on.
-    pub fn constants(&self, first: usize) -> Vec<f32> {
-        let sets = match self.parameters.differ() {
-            true => first..first + self.plan.worlds as usize,
-            false => 0..1,
-        };
+    /// Those of worlds, behind what all have in common; or the one set of all.
+    pub fn constants(&self, worlds: Range<usize>) -> Vec<f32> {
+        let differ = self.parameters.differ();
+        let sets = if differ { worlds } else { 0..1 };
         let own = sets.flat_map(|world| self.own_constants(self.parameters.of(world)).concat());
-        self.constants.iter().copied().chain(own).collect()
+        own.collect()
     }
+}
+
+/// Whether worlds are so few of all that each is written by itself, rather than all together.
+pub(crate) fn are_few(worlds: usize, all: usize) -> bool {
+    8 * worlds < all
 }
 
 /// Constants of a body and of a shape, behind those of the step.
 pub(crate) const BODY: usize = global::WIDTH + mass::WIDTH + grip::WIDTH;
 pub(crate) const SHAPE: usize = global::WIDTH + solid::WIDTH;
-
-/// Rows of things as columns, `[number][thing]`.
-fn columns<const N: usize>(rows: &[[f32; N]]) -> Vec<f32> {
-    let own = (0..N).flat_map(|number| rows.iter().map(move |row| row[number]));
-    own.collect()
-}

@@ -131,17 +131,31 @@ impl<C: Card> DeviceWorlds<f32> for Piles<C> {
         batches.for_each(|batch| batch.control(numbers.clone(), input));
         Ok(())
     }
-    fn write_parameters(&mut self, parameters: &Memory<f32>) -> Result<(), DeviceError> {
+    fn write_parameters(
+        &mut self,
+        worlds: &[usize],
+        parameters: &Memory<f32>,
+    ) -> Result<(), DeviceError> {
+        let all = Vec::from_iter(0..parameters.worlds());
         let numbers = 0..self.scene.impulse.parameters().len();
-        let sets = (0..parameters.worlds()).map(|world| {
+        let set = |&world: &usize| {
             let own = numbers.clone().map(|i| parameters.get(world, i));
-            own.collect()
-        });
-        self.scene.differ(sets.collect())?;
-        self.steps.renew(&self.card, &self.scene)?;
-        self.reports.differs();
+            (world, own.collect())
+        };
+        let differ = self.scene.parameters.differ();
+        let sets = if differ { worlds } else { &all }.iter().map(set);
+        let anew = self.scene.differ(sets.collect())?;
+        if anew {
+            self.steps.renew(&self.card, &self.scene)?;
+        }
+        let changed = if anew { &all } else { worlds };
         self.actuators.iter_mut().for_each(Actuators::differs);
-        self.batches.iter_mut().for_each(Batch::differs);
+        for batch in &mut self.batches {
+            let own = changed.iter().filter(|world| batch.worlds.contains(world));
+            let own = Vec::from_iter(own.copied());
+            self.reports.differ(&self.card, &self.scene, batch, &own)?;
+            batch.differ(own);
+        }
         Ok(())
     }
     fn takes(&self, parameters: &[&[f64]]) -> Result<(), DeviceError> {

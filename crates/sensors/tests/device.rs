@@ -35,7 +35,7 @@ impl DeviceWorlds<f32> for Told {
     fn write_input(&mut self, _: Range<usize>, _: &Memory<f32>) -> Result<(), DeviceError> {
         Ok(())
     }
-    fn write_parameters(&mut self, _: &Memory<f32>) -> Result<(), DeviceError> {
+    fn write_parameters(&mut self, _: &[usize], _: &Memory<f32>) -> Result<(), DeviceError> {
         Ok(())
     }
     fn step(&mut self, _: usize, _: &mut Processor<'_, f32>) -> Result<(), DeviceError> {

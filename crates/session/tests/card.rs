@@ -125,7 +125,7 @@ impl DeviceWorlds<f32> for Worlds {
         self.write(1, rows, input);
         self.device.check()
     }
-    fn write_parameters(&mut self, _: &Memory<f32>) -> Result<(), DeviceError> {
+    fn write_parameters(&mut self, _: &[usize], _: &Memory<f32>) -> Result<(), DeviceError> {
         Err(DeviceError::new("all worlds are alike here"))
     }
     fn step(&mut self, substeps: usize, _: &mut Processor<'_, f32>) -> Result<(), DeviceError> {

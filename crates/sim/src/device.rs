@@ -61,8 +61,13 @@ pub trait DeviceWorlds<T: Float>: Send + Sync {
     fn write_worlds(&mut self, worlds: &[usize], state: &Memory<T>) -> Result<(), DeviceError>;
     /// Sets some numbers of the controls of all worlds, of which there are some.
     fn write_input(&mut self, rows: Range<usize>, input: &Memory<T>) -> Result<(), DeviceError>;
-    /// Gives each world constants of its own, in place of those of the solver.
-    fn write_parameters(&mut self, parameters: &Memory<T>) -> Result<(), DeviceError>;
+    /// Gives these worlds, none of them twice, constants of their own from those of all, in place of those that they have.
+    /// The first time all worlds get theirs, in place of those of the solver.
+    fn write_parameters(
+        &mut self,
+        worlds: &[usize],
+        parameters: &Memory<T>,
+    ) -> Result<(), DeviceError>;
     /// Advances all worlds by so many substeps; those that the device leaves to the processor are taken there.
     fn step(
         &mut self,
@@ -108,8 +113,8 @@ pub trait DeviceWorlds<T: Float>: Send + Sync {
         false
     }
     /// Reads an instrument in these worlds, in their order and none of them twice, as the last report has them, with
-    /// constants of each world if they have their own, and copies its numbers; those of other worlds may be set, too. Whether
-    /// it has: it may leave some to the processor, as it does where it reads none.
+    /// constants of each world if they have their own, and copies its numbers; those of other worlds may be set, too.
+    /// Whether it has: it may leave some to the processor, as it does where it reads none.
     fn measure(
         &mut self,
         _instrument: &Arc<Instrument>,
@@ -144,8 +149,18 @@ pub trait DeviceWorlds<T: Float>: Send + Sync {
 pub struct Constants<T> {
     /// Of each world.
     pub numbers: Memory<T>,
-    /// Counts up with every change.
+    /// Counts up with every change, from 0, where there are none yet.
     pub version: u64,
+    /// Of each world, with which version its own changed last.
+    pub changed: Vec<u64>,
+}
+
+impl<T> Constants<T> {
+    /// The worlds of which they have changed since they had this version.
+    pub fn since(&self, version: u64) -> Vec<usize> {
+        let worlds = 0..self.changed.len();
+        worlds.filter(|w| self.changed[*w] > version).collect()
+    }
 }
 
 /// What a stage has taken on a device, by its clock.
@@ -203,7 +218,8 @@ pub(crate) struct Remote<T> {
     set: Vec<usize>,
     /// Whether the host's state is that of all worlds.
     state_known: bool,
-    parameters_set: bool,
+    /// Worlds whose constants the host has set since.
+    given: Vec<usize>,
     /// What is known of all that the device has reported.
     output_known: Ranges,
     /// The controls that others may set on the device.
@@ -223,7 +239,7 @@ impl<T: Float> Remote<T> {
             inputs,
             set: (0..worlds).collect(),
             state_known: true,
-            parameters_set: false,
+            given: Vec::new(),
             output_known: Ranges::default(),
             shared: Vec::new(),
         }
@@ -255,16 +271,17 @@ impl<T: Float> Remote<T> {
     pub fn sets_state(&mut self, world: usize) {
         self.set.push(world);
     }
-    /// The host has set constants.
-    pub fn sets_parameters(&mut self) {
-        self.parameters_set = true;
+    /// The host has set the constants of a world.
+    pub fn sets_parameters(&mut self, world: usize) {
+        self.given.push(world);
     }
 
     /// Tells the device what the host has set.
     pub fn tell(&mut self, host: Host<'_, T>) -> Result<(), DeviceError> {
-        if self.parameters_set {
-            self.worlds.write_parameters(host.parameters)?;
-            self.parameters_set = false;
+        if !self.given.is_empty() {
+            each_once(&mut self.given);
+            self.worlds.write_parameters(&self.given, host.parameters)?;
+            self.given.clear();
         }
         for controls in host.changes.take() {
             // The host has room for one at least.
@@ -273,8 +290,7 @@ impl<T: Float> Remote<T> {
                 self.worlds.write_input(numbers, host.input)?;
             }
         }
-        self.set.sort_unstable();
-        self.set.dedup();
+        each_once(&mut self.set);
         if self.set.len() == host.input.worlds() {
             self.worlds.write_state(host.state)?;
             self.state_known = true;
@@ -359,6 +375,12 @@ impl<T: Float> Remote<T> {
         }
         Ok(())
     }
+}
+
+/// Each of these worlds once, in their order.
+pub(crate) fn each_once(worlds: &mut Vec<usize>) {
+    worlds.sort_unstable();
+    worlds.dedup();
 }
 
 /// The numbers of a simulation on the host.

@@ -157,9 +157,10 @@ impl<T: Float> Simulation<T> {
         let own = reader.own.get_or_insert_with(|| Constants {
             numbers: Memory::new(self.worlds(), length, self.output.width()),
             version: 0,
+            changed: vec![0; self.worlds()],
         });
         let mut last: Option<(&Arc<Model>, rigid::Gauges)> = None;
-        let mut changed = false;
+        let version = own.version + 1;
         for world in 0..self.worlds() {
             let model = self.world_model(world);
             if models
@@ -182,9 +183,9 @@ impl<T: Float> Simulation<T> {
                 Some(known) => *known = Arc::clone(model),
                 None => models.push(Arc::clone(model)),
             }
-            changed = true;
+            own.changed[world] = version;
+            own.version = version;
         }
-        own.version += u64::from(changed);
     }
 
     /// What of the outputs a gauge is read from, where there are so many rows of contacts.

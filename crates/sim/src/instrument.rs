@@ -1,7 +1,7 @@
-//! What is read of many worlds at once beside their solver, by a kernel of its own: in lanes, or on the device that holds the
-//! worlds.
+//! What is read of many worlds at once beside their solver, by a kernel of its own: in lanes, or on the device that holds
+//! them.
 
-use crate::device::{Constants, Remote};
+use crate::device::{Constants, Remote, each_once};
 use crate::engine::Block;
 use crate::jobs::{self, Lane};
 use crate::scratch::Scratch;
@@ -88,8 +88,7 @@ impl<T: Float> Simulation<T> {
         let own = reader.own.as_ref().filter(|_| self.has_own_models());
         let (remote, instrument) = (self.remote.as_mut(), &reader.instrument);
         let mut worlds = worlds.to_vec();
-        worlds.sort_unstable();
-        worlds.dedup();
+        each_once(&mut worlds);
         let read = remote.map(|it| it.measure(instrument, own, &worlds, &mut reader.numbers));
         Ok(read.transpose()?.unwrap_or(false))
     }

@@ -710,11 +710,11 @@ impl<T: Float> Simulation<T> {
             }
             self.shared.engine.forget(world);
             self.own.insert(world, own);
+            if let Some(remote) = &mut self.remote {
+                remote.sets_parameters(world);
+            }
         }
         self.moves();
-        if let Some(remote) = &mut self.remote {
-            remote.sets_parameters();
-        }
         Ok(())
     }
 

@@ -1,8 +1,8 @@
 //! What a simulation asks of a device that does not run all solvers.
 
 use kinetarium_sim::{
-    Constants, Device, DeviceError, DeviceWorlds, EventKind, Gauge, OutputPart, Processor,
-    Quantity, Simulation, SimulationError, SimulationSettings, SolverKind, Watch,
+    Constants, Device, DeviceError, DeviceWorlds, EventKind, Gauge, OutputPart, Parameter,
+    Processor, Quantity, Simulation, SimulationError, SimulationSettings, SolverKind, Watch,
 };
 use model::examples::{Start, chain, tower};
 use model::{BodyId, JointId, Model, Mount};
@@ -57,7 +57,7 @@ impl DeviceWorlds<f32> for BusyWorlds {
     fn write_input(&mut self, _: Range<usize>, _: &Memory<f32>) -> Result<(), DeviceError> {
         Ok(())
     }
-    fn write_parameters(&mut self, _: &Memory<f32>) -> Result<(), DeviceError> {
+    fn write_parameters(&mut self, _: &[usize], _: &Memory<f32>) -> Result<(), DeviceError> {
         Ok(())
     }
     fn step(&mut self, _: usize, _: &mut Processor<'_, f32>) -> Result<(), DeviceError> {
@@ -146,6 +146,8 @@ struct Notes {
     output: Vec<Vec<Range<usize>>>,
     /// In which worlds an instrument is.
     measured: Vec<Vec<usize>>,
+    /// Whose constants are written.
+    given: Vec<Vec<usize>>,
 }
 
 impl Device<f32> for Noting {
@@ -169,7 +171,8 @@ impl DeviceWorlds<f32> for NotingWorlds {
     fn write_input(&mut self, _: Range<usize>, _: &Memory<f32>) -> Result<(), DeviceError> {
         Ok(())
     }
-    fn write_parameters(&mut self, _: &Memory<f32>) -> Result<(), DeviceError> {
+    fn write_parameters(&mut self, worlds: &[usize], _: &Memory<f32>) -> Result<(), DeviceError> {
+        self.0.lock().unwrap().given.push(worlds.to_vec());
         Ok(())
     }
     fn step(&mut self, _: usize, _: &mut Processor<'_, f32>) -> Result<(), DeviceError> {
@@ -276,6 +279,24 @@ fn sensors_are_read_in_the_worlds_that_are_asked_for() {
     measured.unwrap();
     let measured = std::mem::take(&mut device.0.lock().unwrap().measured);
     assert_eq!(measured, [vec![3, 7], vec![7, 999]]);
+}
+
+/// No others than were set go there, and those that were set together go together.
+#[test]
+fn constants_are_told_of_the_worlds_that_were_given_them() {
+    let device = Noting::default();
+    let model = chain(3, Start::Horizontal).unwrap();
+    let settings = SimulationSettings::new(1000, 0.004);
+    let mut simulation = Simulation::on(&device, model.clone(), settings).unwrap();
+    simulation.set_world_model(5, &model).unwrap();
+    simulation.try_step(1).unwrap();
+    let gravity = [0.0, -9.0, 0.0, 0.0, -8.0, 0.0];
+    let given = simulation.set_parameter(Parameter::Gravity, &[900, 2], &gravity);
+    given.unwrap();
+    simulation.try_step(1).unwrap();
+    simulation.try_step(1).unwrap();
+    let given = std::mem::take(&mut device.0.lock().unwrap().given);
+    assert_eq!(given, [vec![5], vec![2, 900]]);
 }
 
 /// New controls change what follows from them, so that all is told anew.

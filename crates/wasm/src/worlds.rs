@@ -214,7 +214,12 @@ impl DeviceWorlds<f32> for Worlds {
     ) -> Result<(), DeviceError> {
         Ok(self.write(&self.input, numbers, input)?)
     }
-    fn write_parameters(&mut self, parameters: &Memory<f32>) -> Result<(), DeviceError> {
+    // Those of all worlds go there: a page gives them all at once.
+    fn write_parameters(
+        &mut self,
+        _: &[usize],
+        parameters: &Memory<f32>,
+    ) -> Result<(), DeviceError> {
         let numbers = self.programs.parameters.len();
         if !self.differing {
             self.reserve()?;

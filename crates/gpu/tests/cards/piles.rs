@@ -968,6 +968,44 @@ fn models_of_worlds_own_agree_with_the_processor() {
     }
 }
 
+/// Of many worlds few are given others, which none of the rest notices, and have the same bits as if all were given theirs.
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn constants_of_few_worlds_are_those_of_all() {
+    const WORLDS: usize = 20;
+    let model = mixed(false).unwrap();
+    let of = |card: &Card, rounds: &[Vec<usize>]| {
+        let mut simulation = Simulation::on(card, model.clone(), settings(WORLDS)).unwrap();
+        let energy = |simulation: &mut Simulation<f32>| {
+            let mut told = [0.0; WORLDS];
+            let read = simulation.read(Quantity::KineticEnergy, &mut told);
+            read.unwrap();
+            told
+        };
+        for worlds in rounds {
+            for &world in worlds {
+                let own = changed(&model, 1.0 + 0.1 * world as f64);
+                simulation.set_world_model(world, &own).unwrap();
+                control(&mut simulation, world, 1);
+            }
+            // So that all is there before the next ones are given theirs.
+            simulation.step(2);
+            energy(&mut simulation);
+        }
+        simulation.reset_all();
+        (0..WORLDS).for_each(|world| control(&mut simulation, world, 2));
+        simulation.step(5);
+        let told = energy(&mut simulation);
+        (simulation.snapshot(), told)
+    };
+    let together = of(&card(), &[Vec::from_iter(0..WORLDS)]);
+    let rest = (0..WORLDS).filter(|w| ![3, 17].contains(w));
+    let rounds = [Vec::from_iter(rest), vec![17], vec![3]];
+    for card in [card(), small(1 << 17)] {
+        assert!(together == of(&card, &rounds), "{}", card.name());
+    }
+}
+
 /// The same model, heavier, rougher, springier and stronger by a factor, and in weaker gravity.
 pub fn changed(model: &Model, factor: f64) -> Model {
     let mut parts = (**model).clone();

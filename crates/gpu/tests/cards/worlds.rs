@@ -1,13 +1,16 @@
 //! Worlds on a card are worlds as any others: set, reset, read, watched, restored.
 
 use crate::card::{KERNELS, card};
+use crate::every_gauge::every_gauge;
 use crate::models::mixed;
 use crate::pair::Pair;
 use crate::reports::happened;
 use glam::{DMat3, DVec3};
 use model::examples::{Start, chain};
 use model::{BodyId, Builder, Geometry, Model, Pose, Shape};
-use sim::{Event, EventKind, Quantity, Simulation, SimulationSettings, SolverKind, Watch};
+use sim::{
+    Event, EventKind, Parameter, Quantity, Simulation, SimulationSettings, SolverKind, Watch,
+};
 
 pub const H: f64 = 0.002;
 
@@ -143,6 +146,39 @@ fn worlds_can_have_constants_of_their_own() {
     assert!(apart < 1e-4, "{apart:e}");
     let states = [0, 1].map(|w| pair.gpu.numbers_of_world(w).unwrap().state);
     assert_ne!(states[0], states[1]);
+}
+
+/// Worlds have the same bits whether each is given its constants by itself, some time after the others, or all at once.
+#[test]
+#[ignore = "needs a graphics card or what stands in for one"]
+fn constants_of_few_worlds_are_those_of_all() {
+    const WORLDS: usize = 70;
+    let (card, model) = (card(), mixed(false).unwrap());
+    let lighter = |world: usize| [0.0, -9.81 / (1 + world % 3) as f64, 0.0];
+    let of = |rounds: &[Vec<usize>]| {
+        let mut simulation = Simulation::on(&card, model.clone(), settings(WORLDS)).unwrap();
+        let mut gauges = simulation.gauges(every_gauge(&model)).unwrap();
+        let all = Vec::from_iter(0..WORLDS);
+        for worlds in rounds {
+            let gravity = Vec::from_iter(worlds.iter().copied().flat_map(lighter));
+            let given = simulation.set_parameter(Parameter::Gravity, worlds, &gravity);
+            given.unwrap();
+            simulation.read_gauges(&mut gauges, &all).unwrap();
+        }
+        simulation.reset_all();
+        simulation.step(10);
+        simulation.read_gauges(&mut gauges, &all).unwrap();
+        let mut read = vec![0.0_f32; WORLDS * gauges.length()];
+        let rows = read.chunks_exact_mut(gauges.length()).enumerate();
+        rows.for_each(|(world, row)| gauges.copy(world, 0, row));
+        (simulation.snapshot(), read)
+    };
+    let together = of(&[Vec::from_iter(0..WORLDS)]);
+    let rest = (0..WORLDS).filter(|w| ![3, 64, 69].contains(w));
+    let apart = of(&[Vec::from_iter(rest), vec![69, 3], vec![64]]);
+    assert!(together == apart);
+    let differs = |world: usize| together.0 != of(&[vec![world]]).0;
+    assert!(differs(1));
 }
 
 #[test]

@@ -105,10 +105,16 @@ impl<C: Card> Reports<C> {
             clock: None,
         })
     }
-    /// Constants have changed.
-    pub fn differs(&mut self) {
-        let tellers = self.tellers.iter_mut();
-        tellers.for_each(|teller| teller.constants.clear());
+    /// Constants of these worlds of a batch have changed.
+    pub fn differ(
+        &mut self,
+        card: &C,
+        scene: &Scene,
+        batch: &Batch<C>,
+        worlds: &[usize],
+    ) -> Result<(), DeviceError> {
+        let mut tellers = self.tellers.iter_mut();
+        tellers.try_for_each(|teller| teller.differ(card, scene, &batch.worlds, worlds))
     }
 
     /// Reads these ranges of the output of the worlds of a batch.

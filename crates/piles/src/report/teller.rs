@@ -1,6 +1,7 @@
 //! What tells of things of one kind.
 
 use crate::card::{BINDINGS, Commands, NUMBER, WORKGROUP, filled, sized};
+use crate::constants::are_few;
 use crate::report::columns::Place;
 use crate::report::gathered::{Gathered, Give, Which};
 use crate::report::{AT_ONCE, NUMBERS_AT_ONCE};
@@ -129,14 +130,7 @@ impl<C: Card> Teller<C> {
             return Ok(Some(key));
         }
         let sets = if differ { worlds } else { 0..1 };
-        let mut numbers = Vec::new();
-        for world in sets {
-            let parameters = scene.parameters.of(world);
-            for thing in (0..self.own).map(self.kind) {
-                let give = |x| numbers.push(x as f32);
-                scene.impulse.given_constants(thing, parameters, give);
-            }
-        }
+        let numbers = self.constants_of(scene, sets);
         let bytes: &[u8] = bytemuck::cast_slice(&numbers);
         let fits = Need::Parameters.check(bytes.len() as u64, card.most_bytes(), card.name());
         fits.map_err(PilesError::from)?;
@@ -144,6 +138,40 @@ impl<C: Card> Teller<C> {
         card.write(&buffer, 0, bytes)?;
         self.constants.insert(key, buffer);
         Ok(Some(key))
+    }
+
+    /// Writes the constants of these worlds of a batch; those of all its worlds when they are read next, if these are many.
+    pub fn differ(
+        &mut self,
+        card: &C,
+        scene: &Scene,
+        batch: &Range<usize>,
+        worlds: &[usize],
+    ) -> Result<(), DeviceError> {
+        if !are_few(worlds.len(), batch.len()) {
+            self.constants.remove(&batch.start);
+        }
+        let Some(buffer) = self.constants.get(&batch.start) else {
+            return Ok(());
+        };
+        for &world in worlds {
+            let numbers = self.constants_of(scene, world..world + 1);
+            let at = (world - batch.start) * numbers.len();
+            card.write(buffer, at as u64, bytemuck::cast_slice(&numbers))?;
+        }
+        Ok(())
+    }
+    /// Constants of all things of worlds, one after the other.
+    fn constants_of(&self, scene: &Scene, worlds: Range<usize>) -> Vec<f32> {
+        let mut numbers = Vec::new();
+        for world in worlds {
+            let parameters = scene.parameters.of(world);
+            for thing in (0..self.own).map(self.kind) {
+                let give = |x| numbers.push(x as f32);
+                scene.impulse.given_constants(thing, parameters, give);
+            }
+        }
+        numbers
     }
 
     /// Tells of some of them, from states of so many numbers, and these constants.
