@@ -429,7 +429,7 @@ fn what_impulse_lacks_is_refused() {
     });
     assert_eq!(
         couples,
-        "impulse does not support the coupling of `gear`: use the solver `xpbd`"
+        "impulse does not support the coupling of `gear`: use the solver `featherstone`, or `xpbd`"
     );
     let gives = refusal(|object, [one, _]| {
         object

@@ -11,8 +11,8 @@
 //! Limitations: the gyroscopic torque is that of the step's beginning, but of bodies that float freely with
 //! semi-implicit Euler (`rigid/src/gyroscopic.rs`); closed loops and
 //! couplings with semi-implicit Euler only, in time that grows with the cube of the rows that they lock (nets: use
-//! `xpbd`); joints of the tree do not give way; joint limits are springs; a motor
-//! torque larger than its drive's effort limit is cut, not refused. Contacts have no
+//! `xpbd`); joints of the tree do not give way; joint limits are springs; a
+//! drive's effort is cut at its limit, but not what is given besides. Contacts have no
 //! continuous collision beyond a step's own way. Of the blows in a row of bodies that touch, only the first is elastic:
 //! the row shares it out in that step (cradles: use `impulse`).
 

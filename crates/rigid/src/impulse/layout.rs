@@ -197,7 +197,7 @@ fn check(model: &Model) -> Result<(), SolverError> {
         Some(coupling) => Err(unsupported(
             "the coupling",
             &coupling.name,
-            "use the solver `xpbd`",
+            "use the solver `featherstone`, or `xpbd`",
         )),
         None => Ok(()),
     }
