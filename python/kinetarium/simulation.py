@@ -195,8 +195,8 @@ class Simulation(Strict):
         Where worlds run: "cpu", "gpu" (a graphics card), "gpu:NAME" with a part of its name, "cuda" (an NVIDIA card),
         "cuda:NUMBER", or "auto", which takes a card where there is one, but for impulse. Cards compute in float32
         and agree with the processor to rounding, by CUDA, but for impulse, to the bit; states stay there, and what is
-        read is copied. CUDA needs NVRTC: `pip install ".[cuda]"` in a checkout. Raises `DeviceError` where there is
-        no such card.
+        read is copied. Simulations that name the same card share what is compiled for it. CUDA needs NVRTC:
+        `pip install ".[cuda]"` in a checkout. Raises `DeviceError` where there is no such card.
     iterations, contact_passes, contact_iterations, speed_limit, sleep_speed:
         As `Settings` in Rust: passes over all constraints (xpbd), passes over contacts (featherstone), passes of
         projected Gauss-Seidel, the speed [m/s or rad/s] beyond which a world has diverged, the speed [m/s] below

@@ -55,6 +55,19 @@ def test_states_go_to_and_fro():
     np.testing.assert_allclose(card.state.joint_position, cpu.state.joint_position, atol=1e-4)
 
 
+@needs_cuda
+def test_simulations_share_what_is_compiled(monkeypatch):
+    training = on(DEVICE)
+    training.step()
+    speeds = training.state.joint_velocity
+    # What stands in for NVRTC finds no compiler any more.
+    monkeypatch.setenv("PATH", "")
+    evaluation = on("auto")
+    evaluation.step()
+    assert evaluation.device == training.device
+    np.testing.assert_array_equal(evaluation.state.joint_velocity, speeds)
+
+
 @needs_a_card
 def test_what_a_card_does_not_take_is_refused():
     with pytest.raises(DeviceError, match="single precision"):

@@ -8,7 +8,6 @@ use session::protocol::Values;
 use session::{Example, Session, Stage};
 use std::net::SocketAddr;
 use std::path::Path;
-use std::sync::Arc;
 use viewer::{Access, Server, ViewerError, clock, serve};
 
 /// Where the page is, unless something else is there.
@@ -51,7 +50,7 @@ fn listen(arguments: View, port: Option<u16>) -> Result<Server, Error> {
     let card = arguments.device.open()?;
     let mut made = session(arguments)?;
     if let Some(card) = card {
-        made = made.with_card(Ok(Arc::from(card)));
+        made = made.with_card(Ok(card));
     }
     Ok(serve(made, address, access)?)
 }

@@ -66,6 +66,9 @@ impl Device<f32> for Cuda {
     fn runs_impulse(&self) -> bool {
         true
     }
+    fn has_failed(&self) -> bool {
+        self.check().is_err()
+    }
     fn place_piles(
         &self,
         impulse: &Impulse,

@@ -4,7 +4,7 @@ use cudarc::driver::{CudaContext, LaunchConfig};
 use cudarc::nvrtc::compile_ptx;
 use kinetarium_cuda::Cuda;
 use model::examples::n_pendula;
-use sim::{Simulation, SimulationSettings};
+use sim::{Device, Simulation, SimulationSettings};
 
 /// A kernel that fails takes all with it that the process has on the card.
 fn lose() {
@@ -34,6 +34,7 @@ fn a_card_that_is_lost_is_told_and_a_snapshot_goes_on() {
         let named = told.contains(card.name()) && told.contains(remedy);
         assert!(named, "{told}");
     }
+    assert!(card.has_failed());
     assert!(Simulation::on(&card, model.clone(), settings).is_err());
     let solver = settings.solver.pick_on(&card, &model, settings.contacts);
     let settings = SimulationSettings { solver, ..settings };

@@ -2,7 +2,7 @@
 
 use crate::memory::{buffer, filled};
 use crate::pipeline::OPTIONS;
-use crate::worlds::most_numbers;
+use crate::worlds::{Part, most_numbers};
 use crate::{Gpu, GpuError};
 use numbers::trace::PrintOptions;
 use piles::{NUMBER, WORKGROUP};
@@ -18,32 +18,58 @@ pub(crate) struct Reading {
     /// The same of the worlds that are listed, once that was wanted.
     few: Option<Way>,
     pub lanes: Lanes,
-    pub scratch: wgpu::Buffer,
-    /// One set of constants for all worlds, or those of each part of them.
-    parameters: Vec<wgpu::Buffer>,
+    pub buffers: Buffers,
     /// Which of their own constants worlds have, if they have any.
     pub version: Option<u64>,
-    /// Of each part of the worlds, what was read.
-    pub numbers: Vec<wgpu::Buffer>,
 }
 
 /// What reads worlds.
 #[derive(Debug)]
 pub(crate) struct Way {
     pub kernel: wgpu::ComputePipeline,
-    /// One set for all parts, or one for each, behind which its list stands.
+    /// What it sees of each part of the worlds.
+    pub seen: Vec<wgpu::BindGroup>,
+    /// Of each part, or those that all have. Behind them, of worlds that are listed, stands the list.
     links: Vec<wgpu::Buffer>,
 }
 
-impl Way {
-    /// The links of a part.
-    pub fn links(&self, part: usize) -> &wgpu::Buffer {
-        &self.links[part.min(self.links.len() - 1)]
+/// What all ways of reading have in common.
+#[derive(Debug)]
+pub(crate) struct Buffers {
+    scratch: wgpu::Buffer,
+    /// Of each part, its constants, or those that all have.
+    pub parameters: Vec<wgpu::Buffer>,
+    /// Of each part, what was read.
+    pub numbers: Vec<wgpu::Buffer>,
+}
+
+impl Buffers {
+    /// A way to read parts of so many worlds.
+    fn way(
+        &self,
+        gpu: &Gpu,
+        (parts, width): (&[Part], usize),
+        kernel: wgpu::ComputePipeline,
+        links: Vec<wgpu::Buffer>,
+    ) -> Way {
+        let launch = gpu.uniform(&[width as u32, 1]);
+        let own = self.numbers.iter().zip(&self.parameters).zip(&links);
+        // What the solver is told and has reported is what this kernel is given.
+        let seen = parts.iter().zip(own).map(|(part, ((read, own), links))| {
+            let (input, output) = (&part.input, &part.output);
+            let buffers = [input, output, read, &self.scratch, own, links, &launch];
+            gpu.bindings(gpu.layout(), &buffers)
+        });
+        Way {
+            seen: seen.collect(),
+            kernel,
+            links,
+        }
     }
 }
 
 impl Reading {
-    /// Of so many parts of so many worlds, which may have constants of their own; none where numbers do not fit in a buffer,
+    /// Of parts of so many worlds, which may have constants of their own; none where numbers do not fit in a buffer,
     /// or where loops are cut that are as long.
     ///
     /// # Errors
@@ -51,7 +77,7 @@ impl Reading {
     pub fn new(
         gpu: &Gpu,
         instrument: &Instrument,
-        (parts, width): (usize, usize),
+        (parts, width): (&[Part], usize),
         own: bool,
     ) -> Result<Option<Self>, GpuError> {
         let (sheet, most) = (instrument.sheet(), most_numbers(gpu));
@@ -64,30 +90,30 @@ impl Reading {
         let Some(lanes) = lanes.filter(|_| longest <= most && !is_cut) else {
             return Ok(None);
         };
+        let of_each_part = |numbers: usize| {
+            let buffers = parts.iter().map(|_| buffer(gpu, numbers as u64));
+            buffers.collect::<Result<Vec<_>, _>>()
+        };
         let parameters = if own {
-            let buffers = (0..parts).map(|_| buffer(gpu, constants as u64));
-            buffers.collect::<Result<_, _>>()?
+            of_each_part(constants)?
         } else {
             let numbers: Vec<_> = sheet.parameters.iter().map(|x| *x as f32).collect();
-            vec![filled(gpu, &numbers)?]
+            vec![filled(gpu, &numbers)?; parts.len()]
         };
-        let numbers = (0..parts).map(|_| buffer(gpu, numbers as u64));
-        Ok(Some(Self {
-            all: Way {
-                kernel: gpu.printed(&records::instrument(instrument)?, &options(lanes, own))?,
-                links: vec![filled(gpu, &sheet.links)?],
-            },
-            few: None,
+        let buffers = Buffers {
             scratch: buffer(gpu, lanes.scratch as u64)?,
             parameters,
-            version: own.then_some(0),
-            numbers: numbers.collect::<Result<_, _>>()?,
+            numbers: of_each_part(numbers)?,
+        };
+        let kernel = gpu.printed(&records::instrument(instrument)?, &options(lanes, own))?;
+        let links = vec![filled(gpu, &sheet.links)?; parts.len()];
+        Ok(Some(Self {
+            all: buffers.way(gpu, (parts, width), kernel, links),
+            few: None,
             lanes,
+            buffers,
+            version: own.then_some(0),
         }))
-    }
-    /// The constants of a part.
-    pub fn parameters(&self, part: usize) -> &wgpu::Buffer {
-        &self.parameters[part.min(self.parameters.len() - 1)]
     }
 
     /// Lists the worlds of each part, of so many, that are to be read.
@@ -98,7 +124,7 @@ impl Reading {
         &mut self,
         gpu: &Gpu,
         instrument: &Instrument,
-        width: usize,
+        (parts, width): (&[Part], usize),
         lists: &[Vec<u32>],
     ) -> Result<(), GpuError> {
         let links = &instrument.sheet().links;
@@ -110,11 +136,10 @@ impl Reading {
                     ..options(self.lanes, self.version.is_some())
                 };
                 let with_room = [links, &vec![0; 1 + width][..]].concat();
-                let buffers = lists.iter().map(|_| filled(gpu, &with_room));
-                none.insert(Way {
-                    kernel: gpu.printed(&records::instrument(instrument)?, &options)?,
-                    links: buffers.collect::<Result<_, _>>()?,
-                })
+                let with_lists = parts.iter().map(|_| filled(gpu, &with_room));
+                let with_lists = with_lists.collect::<Result<_, _>>()?;
+                let kernel = gpu.printed(&records::instrument(instrument)?, &options)?;
+                none.insert(self.buffers.way(gpu, (parts, width), kernel, with_lists))
             }
         };
         for (buffer, list) in few.links.iter().zip(lists) {

@@ -16,6 +16,7 @@ use records::{Instruments, Programs};
 use rigid::impulse::Impulse;
 use rigid::{Instrument, Lanes, Lengths, Report, Solver};
 use sim::{Constants, Device, DeviceError, DeviceWorlds, Processor};
+use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
@@ -36,6 +37,8 @@ pub struct Worlds {
     reserved: OnceLock<Vec<wgpu::Buffer>>,
     /// Of the step, then of each report, once they were wanted.
     kernels: [Option<wgpu::ComputePipeline>; 5],
+    /// What they see of each part, by the rounds of a launch, once these were wanted.
+    bound: HashMap<usize, Vec<wgpu::BindGroup>>,
     /// What instruments were read by.
     readings: Instruments<Reading>,
 }
@@ -51,11 +54,11 @@ enum Held {
 
 /// Some of the worlds.
 #[derive(Debug)]
-struct Part {
+pub(crate) struct Part {
     worlds: Range<usize>,
     state: wgpu::Buffer,
-    input: wgpu::Buffer,
-    output: wgpu::Buffer,
+    pub input: wgpu::Buffer,
+    pub output: wgpu::Buffer,
     /// Where worlds have parameters of their own.
     parameters: Option<wgpu::Buffer>,
     staging: Staging,
@@ -75,6 +78,11 @@ impl Device<f32> for Gpu {
     }
     fn runs_impulse(&self) -> bool {
         true
+    }
+    fn has_failed(&self) -> bool {
+        // One that was lost meanwhile tells when it is asked how far it is.
+        let told = self.device().poll(wgpu::PollType::Poll);
+        told.is_err() || self.check().is_err()
     }
     fn place_piles(
         &self,
@@ -126,6 +134,7 @@ impl Worlds {
             parameters: filled(gpu, &numbers)?,
             reserved: OnceLock::new(),
             kernels: Default::default(),
+            bound: HashMap::new(),
             readings: Instruments::default(),
             gpu: gpu.clone(),
             programs,
@@ -274,7 +283,7 @@ impl Worlds {
             let from = match held {
                 Held::State => &part.state,
                 Held::Output => &part.output,
-                Held::Read(row) => &readings[row].numbers[nth],
+                Held::Read(row) => &readings[row].buffers.numbers[nth],
             };
             let ranges = ranges[nth].iter().cloned();
             part.staging.ask(gpu, &mut encoder, from, ranges)?;
@@ -326,45 +335,51 @@ impl Worlds {
 
     /// Runs a kernel of the solver on every part, `rounds` times in each of so many launches.
     fn launch(
-        &self,
+        &mut self,
         kernel: &wgpu::ComputePipeline,
         rounds: usize,
         launches: usize,
     ) -> Result<(), GpuError> {
-        self.run(kernel, self.lanes, [rounds, launches], |_, part| {
-            [
+        if launches == 0 {
+            return Ok(());
+        }
+        if !self.bound.contains_key(&rounds) {
+            self.bound.insert(rounds, self.bind(rounds));
+        }
+        self.run(kernel, self.lanes, launches, &self.bound[&rounds])
+    }
+    /// What the solver's kernels see of each part in launches of so many rounds.
+    fn bind(&self, rounds: usize) -> Vec<wgpu::BindGroup> {
+        let launch = self.gpu.uniform(&[self.width as u32, rounds as u32]);
+        let seen = |part: &Part| {
+            let buffers = [
                 &part.state,
                 &part.input,
                 &part.output,
                 &self.scratch,
                 part.parameters.as_ref().unwrap_or(&self.parameters),
                 &self.links,
-            ]
-        })
+                &launch,
+            ];
+            self.gpu.bindings(self.gpu.layout(), &buffers)
+        };
+        self.parts.iter().map(seen).collect()
     }
-
-    /// Runs a kernel that sees these buffers of each part.
-    fn run<'a>(
-        &'a self,
+    /// Runs a kernel that sees this of each part.
+    fn run(
+        &self,
         kernel: &wgpu::ComputePipeline,
         lanes: Lanes,
-        [rounds, launches]: [usize; 2],
-        seen: impl Fn(usize, &'a Part) -> [&'a wgpu::Buffer; 6],
+        launches: usize,
+        seen: &[wgpu::BindGroup],
     ) -> Result<(), GpuError> {
-        if launches == 0 {
-            return Ok(());
-        }
-        let launch = self.gpu.uniform(&[self.width as u32, rounds as u32]);
         let groups = lanes.count as u32 / WORKGROUP;
         let device = self.gpu.device();
         let mut encoder = device.create_command_encoder(&Default::default());
-        for (nth, part) in self.parts.iter().enumerate() {
-            let [state, input, output, scratch, parameters, links] = seen(nth, part);
-            let buffers = [state, input, output, scratch, parameters, links, &launch];
-            let bindings = self.gpu.bindings(self.gpu.layout(), &buffers);
+        for bindings in seen {
             let mut pass = encoder.begin_compute_pass(&Default::default());
             pass.set_pipeline(kernel);
-            pass.set_bind_group(0, &bindings, &[]);
+            pass.set_bind_group(0, bindings, &[]);
             for _ in 0..launches {
                 pass.dispatch_workgroups(groups, 1, 1);
             }
@@ -379,18 +394,18 @@ impl Worlds {
         instrument: &Arc<Instrument>,
         own: Option<&Constants<f32>>,
     ) -> Result<Option<usize>, GpuError> {
-        let (gpu, size) = (&self.gpu, (self.parts.len(), self.width));
+        let (gpu, parts, width) = (&self.gpu, &self.parts, self.width);
         let row = self.readings.row_of(
             instrument,
             |known| known.version.is_some() == own.is_some(),
-            || Reading::new(gpu, instrument, size, own.is_some()),
+            || Reading::new(gpu, instrument, (parts, width), own.is_some()),
         )?;
         if let (Some(row), Some(own)) = (row, own) {
             let reading = &self.readings[row];
             let changed = own.since(reading.version.unwrap_or(0));
             let all = 0..own.numbers.length();
             self.write_own(&changed, all, &own.numbers, |nth, _| {
-                reading.parameters(nth)
+                &reading.buffers.parameters[nth]
             })?;
             self.readings[row].version = Some(own.version);
         }
@@ -430,6 +445,7 @@ impl DeviceWorlds<f32> for Worlds {
             part.parameters = Some(buffer);
         }
         self.kernels = Default::default();
+        self.bound.clear();
         self.write(all, parameters, |_, part| self.own(part));
         Ok(self.gpu.check()?)
     }
@@ -476,7 +492,7 @@ impl DeviceWorlds<f32> for Worlds {
         };
         let lists = self.lists(worlds);
         if let Some(lists) = &lists {
-            self.readings[row].list(&self.gpu, instrument, self.width, lists)?;
+            self.readings[row].list(&self.gpu, instrument, (&self.parts, self.width), lists)?;
         }
         let reading = &self.readings[row];
         let way = reading.way(lists.is_some());
@@ -486,17 +502,7 @@ impl DeviceWorlds<f32> for Worlds {
             count: listed.unwrap_or(usize::MAX).min(reading.lanes.count),
             ..reading.lanes
         };
-        // What the solver is told and has reported is what this kernel is given.
-        self.run(&way.kernel, lanes, [1, 1], |nth, part| {
-            [
-                &part.input,
-                &part.output,
-                &reading.numbers[nth],
-                &reading.scratch,
-                reading.parameters(nth),
-                way.links(nth),
-            ]
-        })?;
+        self.run(&way.kernel, lanes, 1, &way.seen)?;
         match lists {
             Some(lists) => self.read_listed(row, &lists, numbers)?,
             None => {
@@ -565,7 +571,9 @@ mod tests {
         let mut simulation = Simulation::on(&gpu, model.clone(), settings).unwrap();
         simulation.step(50);
         let kept = simulation.snapshot();
+        assert!(!gpu.has_failed());
         gpu.device().destroy();
+        assert!(gpu.has_failed());
         for _ in 0..2 {
             let told = simulation.try_step(1).unwrap_err().to_string();
             assert!(

@@ -3,7 +3,8 @@
 //! Cards are reached by two ways, each a feature of this crate: `gpu` takes cards of any maker, `cuda` NVIDIA's, where
 //! results have the same bits as on the processor.
 
-use sim::{Device, SolverKind};
+use crate::{Card, Cards};
+use sim::SolverKind;
 use std::fmt;
 use std::str::FromStr;
 
@@ -22,7 +23,7 @@ use std::str::FromStr;
 /// simulation.try_step(10)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub enum DeviceChoice {
     /// `cpu`.
     #[default]
@@ -35,9 +36,6 @@ pub enum DeviceChoice {
     /// `cuda`, or `cuda:1`: an NVIDIA card, as CUDA counts them from 0.
     Cuda(usize),
 }
-
-/// A card that is open.
-pub type Card = Box<dyn Device<f32>>;
 
 /// Why a choice cannot be met.
 #[derive(Debug, thiserror::Error)]
@@ -96,23 +94,15 @@ impl fmt::Display for DeviceChoice {
 }
 
 impl DeviceChoice {
-    /// The card, or none where worlds are to run on the processor.
+    /// The card, opened anew, or none where worlds are to run on the processor; see [`Cards::open`], by which programs share
+    /// those that are open.
     ///
     /// # Errors
     /// A card that is not there, with those that are; a build without cards.
     pub fn open(&self) -> Result<Option<Card>, DeviceChoiceError> {
-        match self {
-            Self::Processor => Ok(None),
-            Self::Auto => match auto_cuda()? {
-                Some(card) => Ok(Some(card)),
-                None => auto_gpu(),
-            },
-            Self::Card(name) => card(name).map(Some),
-            Self::Cuda(number) => nvidia(*number).map(Some),
-        }
+        Cards::default().open(self)
     }
-    /// The same for the solver that the processor would take and a precision, `double` for f64: `auto` takes the processor
-    /// for `impulse`, whose worlds are few as a rule, and where a card does not take the precision.
+    /// The same for a solver and a precision; see [`Cards::open_for`].
     ///
     /// # Errors
     /// As [`open`](Self::open); a card that was asked for, and double precision.
@@ -121,66 +111,8 @@ impl DeviceChoice {
         solver: SolverKind,
         double: bool,
     ) -> Result<Option<Card>, DeviceChoiceError> {
-        if *self == Self::Auto && (double || solver == SolverKind::Impulse) {
-            return Ok(None);
-        }
-        match self.open()? {
-            Some(card) if double => Err(DeviceChoiceError::Precision(card.name())),
-            other => Ok(other),
-        }
+        Cards::default().open_for(self, solver, double)
     }
-}
-
-#[cfg(feature = "gpu")]
-fn card(name: &str) -> Result<Card, DeviceChoiceError> {
-    let Ok(choice) = name.parse();
-    Ok(Box::new(gpu::Gpu::open(&choice)?))
-}
-
-#[cfg(feature = "gpu")]
-fn auto_gpu() -> Result<Option<Card>, DeviceChoiceError> {
-    match card("") {
-        Ok(card) => Ok(Some(card)),
-        Err(DeviceChoiceError::Gpu(gpu::GpuError::NoCard(_))) => Ok(None),
-        Err(error) => Err(error),
-    }
-}
-
-#[cfg(not(feature = "gpu"))]
-fn card(_: &str) -> Result<Card, DeviceChoiceError> {
-    Err(DeviceChoiceError::NotBuilt("gpu"))
-}
-
-#[cfg(not(feature = "gpu"))]
-fn auto_gpu() -> Result<Option<Card>, DeviceChoiceError> {
-    Ok(None)
-}
-
-#[cfg(feature = "cuda")]
-fn nvidia(number: usize) -> Result<Card, DeviceChoiceError> {
-    Ok(Box::new(cuda::Cuda::open(number)?))
-}
-
-#[cfg(feature = "cuda")]
-fn auto_cuda() -> Result<Option<Card>, DeviceChoiceError> {
-    use cuda::CudaError::{NoCard, NoCompiler, NoDriver, TooOld};
-    match nvidia(0) {
-        Ok(card) => Ok(Some(card)),
-        Err(DeviceChoiceError::Cuda(NoDriver | NoCompiler | NoCard { .. } | TooOld { .. })) => {
-            Ok(None)
-        }
-        Err(error) => Err(error),
-    }
-}
-
-#[cfg(not(feature = "cuda"))]
-fn nvidia(_: usize) -> Result<Card, DeviceChoiceError> {
-    Err(DeviceChoiceError::NotBuilt("cuda"))
-}
-
-#[cfg(not(feature = "cuda"))]
-fn auto_cuda() -> Result<Option<Card>, DeviceChoiceError> {
-    Ok(None)
 }
 
 #[cfg(test)]

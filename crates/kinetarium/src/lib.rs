@@ -52,11 +52,13 @@ pub use sensors;
 pub use sim;
 pub use space;
 
+mod cards;
 mod device;
 #[cfg(doctest)]
 mod documentation;
 
-pub use device::{Card, DeviceChoice, DeviceChoiceError};
+pub use cards::{Card, Cards};
+pub use device::{DeviceChoice, DeviceChoiceError};
 
 /// What most programs need.
 pub mod prelude {

@@ -7,13 +7,13 @@ use crate::model::{Model, parameter};
 use crate::names::{Table, find};
 use crate::queries::{self, Sight};
 use derivatives::{LinearizeError, linearize};
-use kinetarium::DeviceChoice;
 use kinetarium::model::BodyId;
 use kinetarium::rigid::{Integrator, Settings};
 use kinetarium::sim::{
     self, Control, EventKind, OutputPart, Parameter, PlacedShape, Quantity, Ray, ShapeCast,
     Simulation, SimulationError, SimulationSettings, Snapshot, SolverKind, Watch,
 };
+use kinetarium::{Card, Cards, DeviceChoice};
 use numpy::ndarray::Dimension;
 use numpy::{
     Element, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray, PyReadonlyArray1,
@@ -22,8 +22,11 @@ use numpy::{
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use session::Shared;
-use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use std::sync::{Arc, LazyLock, Mutex, MutexGuard, TryLockError};
 use std::time::{Duration, Instant};
+
+/// So that simulations on one card share what is compiled for it: each names its card by itself.
+static CARDS: LazyLock<Cards> = LazyLock::new(Cards::default);
 
 /// Steps before it is first seen whether a key interrupts the program, and how long that should take later.
 const FIRST_PART: usize = 32;
@@ -59,7 +62,14 @@ pub(crate) use each;
 /// free while they compute; arrays are contiguous and of the simulation's precision.
 #[pyclass(frozen, module = "kinetarium._engine")]
 pub struct Engine {
-    simulation: Mutex<Option<Precise>>,
+    simulation: Mutex<Option<Open>>,
+}
+
+/// What an engine has until it is closed.
+struct Open {
+    precise: Precise,
+    /// Where the worlds are, if on a card: held, so that others are given the same.
+    _card: Option<Card>,
 }
 
 impl Engine {
@@ -79,11 +89,11 @@ impl Engine {
         act: impl FnOnce(&Precise) -> PyResult<R> + Send,
     ) -> PyResult<R> {
         let simulation = self.lock()?;
-        let precise = simulation.as_ref().ok_or_else(closed)?;
-        py.detach(|| act(precise))
+        let open = simulation.as_ref().ok_or_else(closed)?;
+        py.detach(|| act(&open.precise))
     }
 
-    fn lock(&self) -> PyResult<MutexGuard<'_, Option<Precise>>> {
+    fn lock(&self) -> PyResult<MutexGuard<'_, Option<Open>>> {
         self.simulation.try_lock().map_err(|error| match error {
             TryLockError::WouldBlock => {
                 let message = "another thread is using this simulation: one call at a time, or a simulation \
@@ -256,7 +266,7 @@ impl Engine {
             .map_err(|e| error::raise("UnknownNameError", e))?;
         let choice: DeviceChoice = device.parse().map_err(error::device)?;
         let picked = solver.pick(&model, contacts);
-        let card = py.detach(|| choice.open_for(picked, double));
+        let card = py.detach(|| CARDS.open_for(&choice, picked, double));
         let card = card.map_err(error::device)?;
         let solver = match &card {
             Some(card) => solver.pick_on(&**card, &model, contacts),
@@ -283,17 +293,20 @@ impl Engine {
             ..SimulationSettings::new(worlds, time_step)
         };
         let make = || {
-            Ok(match card {
+            Ok(match &card {
                 Some(card) => {
-                    Precise::Single(Shared::new(Simulation::on(&*card, model, settings)?))
+                    Precise::Single(Shared::new(Simulation::on(&**card, model, settings)?))
                 }
                 None if double => Precise::Double(Shared::new(Simulation::new(model, settings)?)),
                 None => Precise::Single(Shared::new(Simulation::new(model, settings)?)),
             })
         };
-        let simulation = py.detach(make).map_err(error::simulation)?;
+        let precise = py.detach(make).map_err(error::simulation)?;
         Ok(Self {
-            simulation: Mutex::new(Some(simulation)),
+            simulation: Mutex::new(Some(Open {
+                precise,
+                _card: card,
+            })),
         })
     }
     /// Frees the worlds; later calls raise `ClosedError`.

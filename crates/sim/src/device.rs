@@ -31,6 +31,10 @@ pub trait Device<T: Float>: Send + Sync {
     fn runs_impulse(&self) -> bool {
         false
     }
+    /// Whether it has failed, as far as it tells at once: no worlds can be placed there any more.
+    fn has_failed(&self) -> bool {
+        false
+    }
     /// The same for worlds of `impulse`, of a model in which shapes touch as the filter has it; none where the device does
     /// not run them.
     ///
