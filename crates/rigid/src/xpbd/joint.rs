@@ -14,8 +14,9 @@
 //! only they contract perturbations.
 //!
 //! A gap that was there before the substep, g = c − h u with u the speed at which it changes, closes at a bounded pace p
-//! where it is wider than what turning bodies leave in a substep, h w: taken out at once, one of 0.2 m makes 400 m/s in a
-//! substep of 0.5 ms, which arms that turn meanwhile do not take back. What the substep has added, h u, goes at once:
+//! where it is wider than what turning bodies leave in a substep, h w, with w ≥ |ω_A| r_A + |ω_B| r_B: taken out at once,
+//! one of 0.2 m makes 400 m/s in a substep of 0.5 ms, which arms that turn meanwhile do not take back. What the substep has
+//! added, h u, goes at once:
 //!
 //! ```text
 //! c ← c − (1 − p h/|g|) g,  |g| > h w
@@ -32,7 +33,7 @@ use numbers::{Machine, Mat3, Pose, Quat, Real, SymMat3, Vec3};
 
 /// Pivots below this are of a joint between immovable bodies [1/kg, 1/(kg·m²)].
 const TINY: f64 = 1e-18;
-/// w [m/s, rad/s].
+/// w [m/s, rad/s], at least.
 const DRIFT: f64 = 20.0;
 /// A push beyond which there is no cap [kg·m]; its square fits f32.
 const MOST: f64 = 1e15;
@@ -274,23 +275,41 @@ impl<M: Machine> Block<M> {
         let (a, b) = (self.ends.a.twist, self.ends.b.twist);
         (b.linear + b.angular.cross(rb) - (a.linear + a.angular.cross(ra))) * self.h
     }
-    /// Which share of a gap that was as wide before the substep is to stay.
+    /// How fast the bodies sweep through what is at these distances from them, squared: no less than both together.
     #[inline(always)]
-    fn stays(&self, wide: M::R, pace: f64) -> M::R {
-        let (zero, most) = (M::R::zero(), self.h * M::R::lit(DRIFT));
+    fn sweep2(&self, [ra2, rb2]: [M::R; 2]) -> M::R {
+        let (a, b) = (self.ends.a.twist.angular, self.ends.b.twist.angular);
+        let sum = a.length_squared().fma(ra2, b.length_squared() * rb2);
+        sum + sum
+    }
+    /// Which share of a gap that was as wide before the substep is to stay, where bodies sweep so fast.
+    #[inline(always)]
+    fn stays(&self, wide: M::R, (pace, sweep2): (f64, M::R)) -> M::R {
+        let drift = M::R::lit(DRIFT).max(sweep2.sqrt());
+        let (zero, most) = (M::R::zero(), self.h * drift);
         let share = M::R::one() - self.h * M::R::lit(pace) / wide.max(most);
         let closes = self.soft.gt(zero) | wide.le(most);
         M::R::select(closes, zero, share)
     }
+    /// The paces of turns, and of shifts at these arms, with what bodies sweep.
+    #[inline(always)]
+    fn turning(&self) -> (f64, M::R) {
+        (pace::TURNS, self.sweep2([M::R::one(), M::R::one()]))
+    }
+    #[inline(always)]
+    fn shifting(&self, (ra, rb): Arms<M::R>) -> (f64, M::R) {
+        let arms = [ra.length_squared(), rb.length_squared()];
+        (pace::SHIFTS, self.sweep2(arms))
+    }
     /// The part of a gap that a substep closes, of which it has added some.
     #[inline(always)]
-    fn paced(&self, gap: Vec3<M::R>, added: Vec3<M::R>, pace: f64) -> Vec3<M::R> {
+    fn paced(&self, gap: Vec3<M::R>, added: Vec3<M::R>, pace: (f64, M::R)) -> Vec3<M::R> {
         let before = gap - added;
         before.fma(-self.stays(before.length(), pace), gap)
     }
     /// The same of one row.
     #[inline(always)]
-    fn paced_row(&self, gap: M::R, added: M::R, pace: f64) -> M::R {
+    fn paced_row(&self, gap: M::R, added: M::R, pace: (f64, M::R)) -> M::R {
         let before = gap - added;
         before.fma(-self.stays(before.abs(), pace), gap)
     }
@@ -311,7 +330,7 @@ impl<M: Machine> Block<M> {
             .cross(qb.rotate(Vec3::new(M::R::one(), M::R::zero(), M::R::zero())));
         let turned = self.turned();
         let across = frame.x.fma(-frame.x.dot(turned), turned);
-        let c = self.paced(c, across, pace::TURNS);
+        let c = self.paced(c, across, self.turning());
         let i = ends.a.i + ends.b.i;
         let (u, v) = (frame.y, frame.z);
         let (iu, iv) = (i * u, i * v);
@@ -337,7 +356,7 @@ impl<M: Machine> Block<M> {
         } = *self;
         let (qa, qb) = ends.frames(k, t, j);
         let c = qa.rotate((qa.conjugate() * qb).log());
-        let c = self.paced(c, self.turned(), pace::TURNS);
+        let c = self.paced(c, self.turned(), self.turning());
         let i = ends.a.i + ends.b.i + SymMat3::diagonal(soft);
         let right = -(lambda.fma(soft, c));
         i.solve(right, M::R::lit(TINY))
@@ -361,7 +380,7 @@ impl<M: Machine> Block<M> {
         let size = n.length().max(M::R::lit(1e-6));
         let n = n * size.recip();
         let c = (second.x - a.dot(b)) / size;
-        let c = self.paced_row(c, n.dot(self.turned()), pace::TURNS);
+        let c = self.paced_row(c, n.dot(self.turned()), self.turning());
         let lambda = n.dot(lambda);
         let i = n.dot((ends.a.i + ends.b.i) * n) + soft;
         let delta = -(soft.fma(lambda, c)) / i.max(M::R::lit(TINY));
@@ -379,7 +398,7 @@ impl<M: Machine> Block<M> {
         } = *self;
         let (ra, rb, gap) = ends.arms(k, t, j);
         let block = linear_block(&ends, ra, rb) + SymMat3::diagonal(soft);
-        let gap = self.paced(gap, self.moved((ra, rb)), pace::SHIFTS);
+        let gap = self.paced(gap, self.moved((ra, rb)), self.shifting((ra, rb)));
         let right = -(lambda.fma(soft, gap));
         ((ra, rb), block.solve_well(right, M::R::lit(TINY * TINY)))
     }
@@ -414,7 +433,7 @@ impl<M: Machine> Block<M> {
         };
         let along = frame.transpose_mul(gap).times(locked);
         let moved = frame.transpose_mul(self.moved((ra, rb))).times(locked);
-        let gap = gap + frame * (self.paced(along, moved, pace::SHIFTS) - along);
+        let gap = gap + frame * (self.paced(along, moved, self.shifting((ra, rb))) - along);
         let c = lambda.fma(soft, gap);
         let right = -frame.transpose_mul(c).times(locked);
         let delta = frame * block.solve(right, M::R::lit(TINY));
@@ -434,7 +453,7 @@ impl<M: Machine> Block<M> {
         let zero = M::R::zero();
         let n = gap.normalized_or(Vec3::new(zero, M::R::one(), zero));
         let c = gap.length() - k.load(t.joint, j, joint_field::LENGTH);
-        let c = self.paced_row(c, n.dot(self.moved((ra, rb))), pace::SHIFTS);
+        let c = self.paced_row(c, n.dot(self.moved((ra, rb))), self.shifting((ra, rb)));
         let weight = n.dot(linear_block(&ends, ra, rb) * n) + soft;
         let lambda = n.dot(lambda);
         let delta = n * (-(soft.fma(lambda, c)) / weight.max(M::R::lit(TINY)));

@@ -488,6 +488,33 @@ fn a_loop_that_begins_open_closes_at_a_pace() {
     }
 }
 
+/// A body that is tied by a lever, and begins to spin about its centre of mass, fast: what that makes the loop gape by goes
+/// at once.
+#[test]
+fn a_loop_whose_body_spins_fast_stays_closed() {
+    for (lever, spin) in [(0.3, 400.0), (1.0, 150.0)] {
+        let mut world = Builder::new("spinning");
+        world.gravity(DVec3::ZERO);
+        let object = world.object("");
+        let bob = body(object, "bob", 1.0, DVec3::ZERO, DVec3::splat(0.01));
+        object.free("float", bob);
+        let tie = object.ball("tie", bob);
+        let at = Pose::at(DVec3::X * -lever);
+        tie.frames(at, at).closes_loop(true);
+        let model = world.build().unwrap();
+        let mut simulation = Method::Xpbd(4).simulate::<f64>(&model, 2e-3);
+        let velocity = [0.0, 0.0, 0.0, 0.0, 0.0, spin];
+        let position = model.initial_position();
+        simulation.set_joint_state(0, &position, &velocity).unwrap();
+        for _ in 0..100 {
+            assert!(simulation.step(1).is_empty(), "{lever} m: it diverged");
+            let pose = simulation.outputs().body_pose(0, BodyId(0));
+            let gap = pose.point(at.position).distance(at.position);
+            assert!(gap < 0.03 * lever, "{lever} m: gapes by {gap}");
+        }
+    }
+}
+
 /// Gears that are off by a tooth turn there at a bounded speed, and stop.
 #[test]
 fn gears_that_are_off_turn_there() {

@@ -415,16 +415,13 @@ fn respond<M: Machine>(
 #[inline(always)]
 fn impede<M: Machine>(k: &mut M, t: &JointTables) -> <M::R as Real>::Mask {
     let (only, zero) = (k.index(0), M::R::zero());
-    let [h, per] = k.read(t.global, only, global::STEP);
     let (mut count, mut sum) = (k.cell(zero), k.cell(zero));
     for i in k.count(ROWS) {
         k.store(t.work, i, work::ROOT, zero);
         let acts = k.link(t.links, i, axis_link::ACTS);
         if let Some(_branch) = k.when(k.equals(acts, 1)) {
             let acts = k.load(t.axis, i, axis::ACTS);
-            let [stiffness, damping, _, armature] = k.read(t.axis, i, axis::PASSIVE);
-            let falls = armature.fma(per, h.fma(stiffness, damping)).max(zero);
-            let root = (h * falls).sqrt() * acts;
+            let root = falls(k, t, i).sqrt() * acts;
             k.store(t.work, i, work::ROOT, root);
             count.write(count.read() + acts);
             sum.write(sum.read() + root);
@@ -434,6 +431,16 @@ fn impede<M: Machine>(k: &mut M, t: &JointTables) -> <M::R as Real>::Mask {
     let flag = M::R::select(mixed, M::R::one(), zero);
     k.store(t.joint, only, joint::MIXED, flag);
     mixed
+}
+
+/// h z of what is passive along a row: by how much its impulse falls with the rate.
+#[inline(always)]
+fn falls<M: Machine>(k: &M, t: &JointTables, i: M::I) -> M::R {
+    let [h, per] = k.read(t.global, k.index(0), global::STEP);
+    let [stiffness, damping, _, armature] = k.read(t.axis, i, axis::PASSIVE);
+    h * armature
+        .fma(per, h.fma(stiffness, damping))
+        .max(M::R::zero())
 }
 
 /// √(h z) of all rows but one, which has 0.
@@ -773,7 +780,8 @@ fn hold_on<M: Machine>(k: &mut M, t: &JointTables, rows: &Rows<M::R>, pair: &mut
             let alone = response.fnma(dragged, rate);
             let led_to = k.load(t.speed, i, 0);
             let after = k.load(t.axis, i, axis::YIELDS).fma(alone - led_to, led_to);
-            bring(k, t, pair, i, [rate, after]);
+            let change = bring(k, t, pair, i, [rate, after]);
+            k.store(t.axis, i, axis::DRAGGED, had + change);
         }
     }
     if let Some(_branch) = k.if_any(mixed) {
@@ -781,7 +789,8 @@ fn hold_on<M: Machine>(k: &mut M, t: &JointTables, rows: &Rows<M::R>, pair: &mut
     }
 }
 
-/// What is geared to axes has the rates that all of them have in the end.
+/// What is geared to axes has the rates that all of them have in the end: what others have dragged out of it since its turn
+/// has changed it by that over h z. The bodies' rate would not be it, where they have only shares of their masses here.
 #[inline(always)]
 fn go_along<M: Machine>(
     k: &mut M,
@@ -793,10 +802,15 @@ fn go_along<M: Machine>(
     for i in k.count(ROWS) {
         let acts = k.link(t.links, i, axis_link::ACTS);
         if let Some(_branch) = k.when(k.equals(acts, 1)) {
-            let [rate, _] = along(k, t, rows, pair, i);
-            let acts = k.load(t.axis, i, axis::ACTS).gt(M::R::zero());
-            k.store_where(mixed & acts, t.speed, i, 0, rate);
-            k.store(t.axis, i, axis::DRAGGED, M::R::zero());
+            let [_, had] = along(k, t, rows, pair, i);
+            let dragged = had - k.load(t.axis, i, axis::DRAGGED);
+            let (falls, zero) = (falls(k, t, i), M::R::zero());
+            let acts = k.load(t.axis, i, axis::ACTS).gt(zero);
+            let tied = mixed & acts & falls.gt(zero);
+            let slower = dragged / M::R::select(tied, falls, M::R::one());
+            let speed = k.load(t.speed, i, 0) - slower;
+            k.store_where(tied, t.speed, i, 0, speed);
+            k.store(t.axis, i, axis::DRAGGED, zero);
         }
     }
 }

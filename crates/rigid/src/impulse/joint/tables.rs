@@ -108,7 +108,8 @@ pub mod axis {
     pub const RESPONSE: usize = 17;
     /// What a unit impulse along the axis makes of the locks and itself alone.
     pub const HOLDS: usize = 18;
-    /// What other rows have dragged out of it since its turn; while relaxing, what to count that from [N·s or N·m·s].
+    /// What other rows have dragged out of it since its turn; while relaxing, and within a turn, what to count that from
+    /// [N·s or N·m·s].
     pub const DRAGGED: usize = 24;
     /// Numbers in a row.
     pub const WIDTH: usize = 25;
