@@ -44,8 +44,16 @@ class Parameters(Tables):
     friction_loss = Table("dof_names", (), "Dry friction [N or N·m], shape (worlds, dofs).")
     drive_stiffness = Table("dof_names", (), "Stiffness of drives [N/m or N·m/rad], shape (worlds, dofs).")
     drive_damping = Table("dof_names", (), "Damping of drives [N·s/m or N·m·s/rad], shape (worlds, dofs).")
-    effort_limit = Table("dof_names", (), "Largest efforts of drives [N or N·m], shape (worlds, dofs); they do not limit `controls.force`.")
-    friction = Table("shape_names", (), "Coulomb friction coefficients, shape (worlds, shapes). Contact pairs that were given one keep it.")
+    effort_limit = Table(
+        "dof_names",
+        (),
+        "Largest efforts of drives [N or N·m], shape (worlds, dofs); they do not limit `controls.force`.",
+    )
+    friction = Table(
+        "shape_names",
+        (),
+        "Coulomb friction coefficients, shape (worlds, shapes). Contact pairs that were given one keep it.",
+    )
     restitution = Table("shape_names", (), "Restitutions, shape (worlds, shapes).")
     gear = Table("actuator_names", (), "Gears of the actuators, shape (worlds, actuators).")
     gain = Table("actuator_names", (), "Gains of the actuators, shape (worlds, actuators).")

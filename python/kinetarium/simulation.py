@@ -444,7 +444,8 @@ class Simulation(Strict):
         """Puts worlds at joint coordinates and velocities, at time 0, with the model's controls.
 
         The arrays broadcast to (worlds given, coordinates) and (worlds given, degrees of freedom). Quaternions are
-        scaled to unit length. To change a state as it runs, set items of `state.joint_position`.
+        scaled to unit length. What touches there touches for the first time, and so slips a little before it sticks.
+        To change a state as it runs, set items of `state.joint_position`.
 
         Raises `ShapeError`, `OutOfRangeError`, and `SimulationError` for numbers that are not finite.
         """
@@ -619,7 +620,8 @@ class Simulation(Strict):
 
     def linearize(self, world: int = 0) -> Linearization:
         """A time step linearised about the state of a world: exact derivatives of the solver's own step in float64,
-        with the controls as they stand. `featherstone` only; others raise `SimulationError`.
+        with the controls as they stand, and the contacts that it remembers. `featherstone` only; others raise
+        `SimulationError`.
 
         >>> import kinetarium as kn
         >>> step = kn.Simulation(kn.examples.n_pendula(2), dt=0.01).linearize()

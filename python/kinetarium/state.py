@@ -67,10 +67,10 @@ class State(Tables):
     further copy, and of attributes a copy, so that nothing is written there in vain.
 
     Items of `joint_position` and `joint_velocity` can be set, which changes the simulation: those items, in the
-    worlds that have them, and no others. An array that was read before the simulation was stepped or reset refuses
-    that with a `SimulationError`; as numbers it stays good. The other quantities follow from those two; accelerations
-    and reactions, by `featherstone`, from the controls as well, as they stand when they are read. Names index bodies,
-    joints, coordinates and degrees of freedom.
+    worlds that have them, and no others; contacts are told as they were until the next step. An array that was read
+    before the simulation was stepped or reset refuses that with a `SimulationError`; as numbers it stays good. The
+    other quantities follow from those two; accelerations and reactions, by `featherstone`, from the controls as well,
+    as they stand when they are read. Names index bodies, joints, coordinates and degrees of freedom.
 
     >>> import kinetarium as kn
     >>> sim = kn.Simulation(kn.examples.n_pendula(3), worlds=2, dtype="float64")
