@@ -492,7 +492,7 @@ fn a_loop_that_begins_open_closes_at_a_pace() {
 /// at once.
 #[test]
 fn a_loop_whose_body_spins_fast_stays_closed() {
-    for (lever, spin) in [(0.3, 400.0), (1.0, 150.0)] {
+    for (lever, spin) in [(0.3, 300.0), (0.3, 400.0)] {
         let mut world = Builder::new("spinning");
         world.gravity(DVec3::ZERO);
         let object = world.object("");
@@ -507,10 +507,10 @@ fn a_loop_whose_body_spins_fast_stays_closed() {
         let position = model.initial_position();
         simulation.set_joint_state(0, &position, &velocity).unwrap();
         for _ in 0..100 {
-            assert!(simulation.step(1).is_empty(), "{lever} m: it diverged");
+            assert!(simulation.step(1).is_empty(), "{spin} rad/s: it diverged");
             let pose = simulation.outputs().body_pose(0, BodyId(0));
             let gap = pose.point(at.position).distance(at.position);
-            assert!(gap < 0.03 * lever, "{lever} m: gapes by {gap}");
+            assert!(gap < 2e-3, "{spin} rad/s: gapes by {gap}");
         }
     }
 }
