@@ -451,10 +451,13 @@ impl<T: Float> Simulation<T> {
         let states = valid.collect::<Result<Vec<_>, SimulationError>>()?;
         self.fetch_state()?;
         let motion = Vec::from_iter(self.shared.engine.motion().into_iter().flatten());
-        let now = match motion.is_empty() {
+        let mut now = match motion.is_empty() {
             true => Vec::new(),
             false => self.joints_now(states.iter().map(|(world, ..)| *world))?,
         };
+        for (_, position, _) in &mut now {
+            *position = with_unit_quaternions(&self.model, position)?;
+        }
         let moved = |(nth, (world, position, velocity)): (usize, (usize, Vec<f64>, &[f64]))| {
             let engine = &self.compiled(world).engine;
             let mut state = self.state_to_move(world);
