@@ -461,14 +461,17 @@ impl<T: Float> Simulation<T> {
         let moved = |(nth, (world, position, velocity)): (usize, (usize, Vec<f64>, &[f64]))| {
             let engine = &self.compiled(world).engine;
             let mut state = self.state_to_move(world);
-            let mut before = state.clone();
-            engine.place(&position, velocity, &mut state);
-            if let Some((_, position, velocity)) = now.get(nth) {
+            let before = now.get(nth).map(|(_, position, velocity)| {
+                let mut before = state.clone();
                 engine.place(position, velocity, &mut before);
-            }
-            for &i in &motion {
-                if before[i] == state[i] {
-                    state[i] = self.state.get(world, i).to_f64();
+                before
+            });
+            engine.place(&position, velocity, &mut state);
+            if let Some(before) = before {
+                for &i in &motion {
+                    if before[i] == state[i] {
+                        state[i] = self.state.get(world, i).to_f64();
+                    }
                 }
             }
             (world, state)

@@ -2,6 +2,7 @@
 //!
 //! A scene is kept until the bodies may have moved; then its boxes move on with them.
 
+use crate::device::each_once;
 use crate::meshes::{Meshes, Triangles};
 use crate::{Simulation, SimulationError};
 use glam::{DVec3, Vec3};
@@ -170,8 +171,7 @@ impl<T: Float> Simulation<T> {
     fn place_scenes(&mut self, worlds: &[usize]) -> Result<(), SimulationError> {
         let moment = self.moment;
         let mut old = worlds.to_vec();
-        old.sort_unstable();
-        old.dedup();
+        each_once(&mut old);
         old.retain(|world| self.scenes.is_old(*world, moment));
         self.scenes.kept.resize_with(self.worlds(), || None);
         let mut placed = Vec::with_capacity(old.len());
