@@ -47,12 +47,12 @@ impl Workshop {
             .map_or_else(|| self.root.join("target"), |dir| self.root.join(dir))
     }
 
-    /// Builds the program; returns where it is. Together with the Python package, so that what both are made of is
-    /// compiled once.
+    /// Builds the program; returns where it is. With the features that the Python package asks for, so that what both
+    /// are made of is compiled once; the package itself takes a minute, and `pip` compiles it with options of its own.
     pub fn program(&self) -> Result<PathBuf> {
         cmd!(
             self.sh,
-            "cargo build --quiet --release --package kinetarium-cli --package kinetarium-python"
+            "cargo build --quiet --release --package kinetarium-cli --package kinetarium-python --bin kinetarium"
         )
         .run()?;
         Ok(self.target().join("release/kinetarium"))
