@@ -31,14 +31,14 @@ const STAGES: &[Stage] = &[
         run: clippy,
     },
     Stage {
-        name: "peers",
-        purpose: "loading, dynamics, derivatives, falls and sensors of gymnasium's models, against MuJoCo",
-        run: peers,
-    },
-    Stage {
         name: "test",
         purpose: "unit and integration tests; fuzz corpora",
         run: test,
+    },
+    Stage {
+        name: "peers",
+        purpose: "loading, dynamics, derivatives, falls and sensors of gymnasium's models, against MuJoCo",
+        run: peers,
     },
     Stage {
         name: "doc",
