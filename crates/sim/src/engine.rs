@@ -1,9 +1,11 @@
 //! From a block of worlds in memory to a kernel on a machine.
 
-use crate::jobs::{Lane, begin, contacts, finish, joints, motion, narrow_phase, report, steps};
+use crate::jobs::{
+    self, Lane, begin, contacts, finish, joints, motion, narrow_phase, report, steps,
+};
 use model::{Model, ShapeId};
 use numbers::Float;
-use rigid::{Kernels, Lengths, OutputTables, Report};
+use rigid::{Instrument, Kernels, Lengths, OutputTables, Report};
 use std::any::Any;
 use std::ops::Range;
 
@@ -58,6 +60,10 @@ pub(crate) trait Engine<T: Float>: Send + Sync {
     fn forget(&self, _world: usize) {}
     /// Runs a task on a block, with so many threads of the current pool.
     fn run(&self, lane: Lane, team: usize, block: Block<'_, T>, task: Task);
+    /// Reads an instrument: by no solver, but its kernels are compiled with theirs, and never again.
+    fn measure(&self, lane: Lane, instrument: &Instrument, block: &mut Block<'_, T>) {
+        jobs::measure(lane, instrument, block);
+    }
 }
 
 impl<K: Kernels, T: Float> Engine<T> for K {

@@ -3,7 +3,7 @@
 
 use crate::device::{Constants, Remote, each_once};
 use crate::engine::Block;
-use crate::jobs::{self, Lane};
+use crate::jobs::Lane;
 use crate::scratch::Scratch;
 use crate::{Simulation, SimulationError};
 use numbers::{Float, Memory};
@@ -102,6 +102,7 @@ impl<T: Float> Simulation<T> {
             single: width == 1,
         };
         let (output, told) = (&self.output, self.input.block_size());
+        let engine = &self.shared.engine;
         let Reader {
             instrument,
             common,
@@ -122,7 +123,7 @@ impl<T: Float> Simulation<T> {
                     common: if own.is_some() { &[] } else { common },
                     links: &instrument.sheet().links,
                 };
-                jobs::measure(lane, instrument, &mut block);
+                engine.measure(lane, instrument, &mut block);
             });
         };
         let controls = self.input.scalars_mut().par_chunks_exact_mut(told);
